@@ -5,13 +5,16 @@
 //                [--csv FILE] [--json FILE]
 //
 // Bodies of the simulator, cells cut by their skins: a box of 0.2 x 0.04 x 0.04 m, a liver, a kidney and a tube by
-// formulas, held at the lowest eighth of their longest axis.
+// formulas, held at the lowest eighth of their longest axis; a beam: that box on whole cells, held at its end face.
 //   rest   a quasi-static solution under gravity across the axis, that bends a box of 10 kPa by a fifth of its length
 //          and grows with the modulus; one load step
 //   first  a step of backward Euler, dt = 1/60 s, from rest under 9.81 m/s²
 //   step   the mean of five more
+//   swing  the mean of thirty of backward Euler from rest, and as many of SDIRK2 ("sdirk"): a beam of 10 kPa comes to
+//          hang by its held end, is stretched to twice its length there, and swings back
 // Linear iterations are per linear solve; evaluations: what the steps cost in evaluations of the forces of the body.
 // Times are of the processor, one thread, so what else the machine does counts little.
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -45,7 +48,7 @@ Surface ball(const std::function<Vec3(const Vec3 &)> &moved) {
 }
 
 Surface surfaceOf(const std::string &body) {
-  if (body == "box") return shapes::boxSurface(Vec3::Zero(), Vec3(0.2, 0.04, 0.04));
+  if (body == "box" || body == "beam") return shapes::boxSurface(Vec3::Zero(), Vec3(0.2, 0.04, 0.04));
   if (body == "liver")
     return ball([](const Vec3 &n) {
       return Vec3(0.11 * n[0], (0.045 + 0.03 * n[0]) * n[1] + 0.02 * n[0] * n[0], (0.07 - 0.03 * n[0] * n[0]) * n[2]);
@@ -53,7 +56,7 @@ Surface surfaceOf(const std::string &body) {
   if (body == "kidney")
     return ball([](const Vec3 &n) { return Vec3(0.06 * n[0], 0.028 * n[1] + 0.025 * n[0] * n[0], 0.022 * n[2]); });
   if (body == "tube") return validation::tubeSurface(0.012, 0.004, 0.12);
-  throw std::runtime_error("there is no body '" + body + "'; accepted: box, liver, kidney, tube");
+  throw std::runtime_error("there is no body '" + body + "'; accepted: box, beam, liver, kidney, tube");
 }
 
 struct Case {
@@ -74,8 +77,12 @@ struct Filled {
     BodyRecipe recipe;
     Fix fix;
     fix.region = HalfSpaceRegion{shape.min + 0.125 * (shape.max - shape.min)[0] * Vec3::UnitX(), Vec3::UnitX()};
-    recipe.fixes = {fix};
     recipe.sampling.count = static_cast<std::size_t>(phyxels);
+    if (body == "beam") {
+      fix.region = BoxRegion{Vec3(-1e-7, -1.0, -1.0), Vec3(1e-7, 1.0, 1.0)};
+      recipe.sampling.spacing = 0.04 / std::floor(std::cbrt(phyxels / 5.0));
+    }
+    recipe.fixes = {fix};
     const double begin = processor_ms();
     auto filled = buildRestState(shape, recipe, {}, serialFor());
     if (!filled) throw std::runtime_error(filled.error());
@@ -99,6 +106,22 @@ double evaluation_ms(Body &body) {
   return (processor_ms() - begin) / n;
 }
 
+double tipOf(const Body &body) {
+  double most = 0.0;
+  for (const Vec3 &u : body.state().displacements) most = std::max(most, u.norm());
+  return most;
+}
+
+double largestStretchOf(const Body &body) {
+  std::vector<Mat3> gradients(body.rest().pointCount());
+  deformationGradients(body.rest().stencils, body.state().displacements, gradients, serialFor());
+  double most = 0.0;
+  for (const Mat3 &F : gradients)
+    most =
+        std::max(most, Eigen::SelfAdjointEigenSolver<Mat3>(F.transpose() * F, Eigen::EigenvaluesOnly).eigenvalues()[2]);
+  return std::sqrt(most);
+}
+
 class Rows {
  public:
   explicit Rows(bench::Report &report) : report_(report) {
@@ -114,24 +137,19 @@ class Rows {
                              {"processor_ms", "ms      ", 2},
                              {"evaluations", "evaluations", 1},
                              {"tip_mm", "tip mm"},
+                             {"largest_stretch", "stretch", 2},
                              {"failure", "failure"}});
   }
   void row(const Case &of, std::size_t phyxels, const char *name, const NewtonResult &sum, double per, double ms,
-           double evaluation, double tip, const std::string &failure) {
+           double evaluation, const Body &body, const std::string &failure) {
     report_.row({of.body, phyxels, of.youngsModulus, of.poissonRatio, name, of.name, sum.iterations / per,
                  static_cast<double>(sum.linearIterations) / std::max(1, sum.iterations), sum.factorisations / per,
-                 ms / per, ms / per / evaluation, 1e3 * tip, failure});
+                 ms / per, ms / per / evaluation, 1e3 * tipOf(body), largestStretchOf(body), failure});
   }
 
  private:
   bench::Report &report_;
 };
-
-double tipOf(const Body &body) {
-  double most = 0.0;
-  for (const Vec3 &u : body.state().displacements) most = std::max(most, u.norm());
-  return most;
-}
 
 Environment environmentOf(const Case &of, const Vec3 &gravity, StageClock &clock, const ParallelFor &serial) {
   Environment env;
@@ -154,7 +172,7 @@ void solveRest(const Filled &filled, const Case &of, Rows &rows) {
   NewtonSolver solver;
   const double begin = processor_ms();
   const ImplicitResult result = quasiStaticStep(*body, solver, env, 0.0, 1.0);
-  rows.row(of, filled.rest->phyxelCount(), "rest", result.newton, 1.0, processor_ms() - begin, evaluation, tipOf(*body),
+  rows.row(of, filled.rest->phyxelCount(), "rest", result.newton, 1.0, processor_ms() - begin, evaluation, *body,
            result.failure);
 }
 
@@ -176,7 +194,7 @@ void solveSteps(const Filled &filled, const Case &of, Rows &rows) {
     const double took = processor_ms() - begin;
     failure = result.failure;
     if (k == 0) {
-      rows.row(of, filled.rest->phyxelCount(), "first", result.newton, 1.0, took, evaluation, tipOf(*body), failure);
+      rows.row(of, filled.rest->phyxelCount(), "first", result.newton, 1.0, took, evaluation, *body, failure);
       continue;
     }
     sum.iterations += result.newton.iterations;
@@ -184,7 +202,30 @@ void solveSteps(const Filled &filled, const Case &of, Rows &rows) {
     sum.factorisations += result.newton.factorisations;
     ms += took;
   }
-  rows.row(of, filled.rest->phyxelCount(), "step", sum, kSteps, ms, evaluation, tipOf(*body), failure);
+  rows.row(of, filled.rest->phyxelCount(), "step", sum, kSteps, ms, evaluation, *body, failure);
+}
+
+void solveSwing(const Filled &filled, const Case &of, Integrator integrator, Rows &rows) {
+  constexpr double kDt = 1.0 / 60.0;
+  constexpr int kSteps = 30;
+  const auto body = bodyOf(filled, of);
+  const double evaluation = evaluation_ms(*body);
+  const ParallelFor serial = serialFor();
+  StageClock clock(stageNames());
+  const Environment env = environmentOf(of, Vec3(0, 0, -9.81), clock, serial);
+  NewtonSolver solver;
+  NewtonResult sum;
+  std::string failure;
+  const double begin = processor_ms();
+  for (int k = 0; k < kSteps && failure.empty(); ++k) {
+    const ImplicitResult result = implicitStep(*body, solver, env, k * kDt, kDt, integrator);
+    failure = result.failure;
+    sum.iterations += result.newton.iterations;
+    sum.linearIterations += result.newton.linearIterations;
+    sum.factorisations += result.newton.factorisations;
+  }
+  rows.row(of, filled.rest->phyxelCount(), integrator == Integrator::backwardEuler ? "swing" : "sdirk", sum, kSteps,
+           processor_ms() - begin, evaluation, *body, failure);
 }
 
 struct Choice {
@@ -239,6 +280,8 @@ int main(int argc, char **argv) {
               const Case of{body, size, E, nu, found->preconditioner, name};
               if (only.empty() || only == "rest") solveRest(filled, of, rows);
               if (only.empty() || only == "step") solveSteps(filled, of, rows);
+              if (only.empty() || only == "swing") solveSwing(filled, of, Integrator::backwardEuler, rows);
+              if (only.empty() || only == "swing") solveSwing(filled, of, Integrator::implicitSdirk, rows);
             }
       }
   } catch (const std::exception &error) {

@@ -28,20 +28,22 @@ Constitution tissue(double poissonRatio) {
   return {{{MaterialLaw::neoHookean, 1e4, poissonRatio, 1000.0}}, kLatticeStabilisation};
 }
 
-/// The stiffness of a body at rest with its V-cycle; phyxels with x < 0 at rest held.
+/// The tangent stiffness of a body that is deformed evenly with its V-cycle; phyxels with x < 0 at rest held.
 struct Problem {
   LatticeBody body;
   Constitution constitution;
   std::vector<std::uint8_t> held;
   Multigrid grid;
-  std::vector<Mat3> identity;
+  std::vector<Mat3> gradients;
+  std::vector<Vec3> displacements;
   Csr springs;
   std::vector<double> springWeights, springStiffness;
 
   /// @param support  N/m of springs at the centres of the cells with x < 4 mm; 0: phyxels there are held
-  Problem(LatticeBody filled, double poissonRatio, const ParallelFor &parallelFor = serialFor(), double support = 0.0)
-      : body(std::move(filled)), constitution(tissue(poissonRatio)),
-        identity(body.stencils.pointCount(), Mat3::Identity()) {
+  Problem(LatticeBody filled, double poissonRatio, const ParallelFor &parallelFor = serialFor(), double support = 0.0,
+          const Mat3 &F = Mat3::Identity())
+      : body(std::move(filled)), constitution(tissue(poissonRatio)), gradients(body.stencils.pointCount(), F) {
+    for (const Vec3 &x : body.positions) displacements.emplace_back((F - Mat3::Identity()) * x);
     for (const Vec3 &x : body.positions) held.push_back(support == 0.0 && x[0] + body.origin[0] < 1e-9 ? 1 : 0);
     for (std::size_t q = 0; support > 0.0 && q < body.stencils.pointCount(); ++q) {
       if (body.pointCentres[q][0] + body.origin[0] > 0.004) continue;
@@ -52,7 +54,7 @@ struct Problem {
       springStiffness.push_back(support);
     }
     StiffnessFactors factors;
-    findStiffnessFactors(constitution, body.stencils, identity, 0.0, factors, parallelFor);
+    findStiffnessFactors(constitution, body.stencils, gradients, 0.0, factors, parallelFor);
     grid.reset(buildGridHierarchy(body.stencils, body.positions, body.pointCentres, body.spacing, springs, nullptr),
                nullptr);
     grid.assemble(body.stencils, factors, std::vector<Mat3>(held.size(), Mat3::Zero()),
@@ -66,8 +68,8 @@ struct Problem {
   }
   void stiffness(std::span<const Vec3> in, std::span<Vec3> out) const {
     TangentScratch scratch;
-    forceDifferential(constitution, body.stencils, body.positions, std::vector<Vec3>(in.size(), Vec3::Zero()), identity,
-                      {}, 0.0, 0.0, in, scratch, out, serialFor());
+    forceDifferential(constitution, body.stencils, body.positions, displacements, gradients, {}, 0.0, 0.0, in, scratch,
+                      out, serialFor());
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = held[i] != 0 ? Vec3(Vec3::Zero()) : Vec3(-out[i]);
     for (std::size_t p = 0; p < springs.rows(); ++p) {
       Vec3 at = Vec3::Zero();
@@ -91,16 +93,24 @@ struct Problem {
   }
 };
 
-Problem beam(double spacing, double poissonRatio, const ParallelFor &parallelFor = serialFor()) {
+Problem beam(double spacing, double poissonRatio, const ParallelFor &parallelFor = serialFor(),
+             const Mat3 &F = Mat3::Identity()) {
   // Off the lattice by a part of a cell, so that the skin cuts it.
   const BodyShape shape =
       lattice_cases::shifted(lattice_cases::box(Vec3(0, 0, 0), Vec3(0.2, 0.05, 0.04)), spacing, Vec3(0.0, 0.3, 0.6));
-  return {lattice_cases::filled(shape, lattice_cases::withSpacing(spacing)), poissonRatio, parallelFor};
+  return {lattice_cases::filled(shape, lattice_cases::withSpacing(spacing)), poissonRatio, parallelFor, 0.0, F};
 }
 
 /// Held where x < 0, as a beam is.
 LatticeBody ball(double spacing) {
   return lattice_cases::filled(lattice_cases::ball(Vec3(0.03, 0, 0), 0.04), lattice_cases::withSpacing(spacing));
+}
+
+/// Of an evenly deformed ball that nothing holds.
+Problem freeBall(const Mat3 &F) {
+  LatticeBody body = ball(0.01);
+  body.origin[0] += 1.0;
+  return {std::move(body), 0.3, serialFor(), 0.0, F};
 }
 
 /// Raised when it is asked for the `last` time.
@@ -298,4 +308,32 @@ TEST_CASE("factors of the stiffness make the stiffness at rest", "[multigrid]") 
     // The modes have the mean of their stiffnesses: a few per cent of the energy of noise.
     CHECK_THAT(product(u, near), WithinRel(product(u, exact), 0.05));
   }
+}
+
+TEST_CASE("factors of a stretched body make its tangent stiffness", "[multigrid]") {
+  const Mat3 turn = Eigen::AngleAxisd(1.1, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+  Problem problem = freeBall(turn * Vec3(1.9, 0.92, 0.9).asDiagonal());
+  // Of even strains, which have no modes; the stiffness of small strains about the rotation is 2.3 times that along the
+  // stretch.
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) {
+      std::vector<Vec3> u(problem.held.size(), Vec3::Zero()), near(u.size()), exact(u.size());
+      for (std::size_t j = 0; j < u.size(); ++j) u[j][i] = problem.body.positions[j][k];
+      problem.grid.multiply(u, near);
+      problem.stiffness(u, exact);
+      CAPTURE(i, k);
+      CHECK_THAT(product(u, near), WithinRel(product(u, exact), 1e-3));
+    }
+}
+
+TEST_CASE("factors are positive where the tangent stiffness is not", "[multigrid]") {
+  Problem problem = freeBall(Vec3(0.45, 1.0, 1.0).asDiagonal());
+  // Pressed along x, it gains by turning about y.
+  std::vector<Vec3> u, near(problem.held.size()), exact(problem.held.size());
+  for (std::size_t j = 0; j < problem.held.size(); ++j)
+    u.push_back(Vec3::UnitY().cross(problem.body.positions[j] + problem.displacements[j]));
+  problem.grid.multiply(u, near);
+  problem.stiffness(u, exact);
+  CHECK(product(u, exact) < 0.0);
+  CHECK(product(u, near) > 0.0);
 }

@@ -73,9 +73,11 @@ enum class Preconditioner {
 /// axis) is not looked into: disturb the start.
 struct NewtonSettings {
   double toleranceDisplacement = 1e-7;  ///< m, >= 0
-  /// Part of the first Newton step, if it is taken whole, that is tolerated as well: of a step in time that correction
-  /// is what the start has left out, of which the scheme itself errs by a part
-  double toleranceOfFirst = 0.0;
+  /// Part of the longest way from the start that is tolerated as well: of a step in time that is what inertia alone
+  /// has left out, of which the scheme itself errs by a part
+  double toleranceOfWay = 0.0;
+  bool firstTellsWay = false;  ///< by the first Newton step, if it is taken whole: obstacles cut others short
+  double largestTolerance = std::numeric_limits<double>::infinity();  ///< m, that may come of it
   double toleranceForce = 0.0;     ///< N, >= 0: largest residual that is good enough without a further step
   int maxIterations = 50;          ///< Newton steps
   int maxLinearIterations = 2000;  ///< per Newton step; the direction so far is used then
@@ -83,6 +85,8 @@ struct NewtonSettings {
   /// Of all solves whose preconditioner is near the inverse: its residual tells the error, and more steps may be
   /// cheaper than exact ones
   double strongTolerance = 1e-2;
+  /// At most this, where the Hessian changes so much along a step that the residual hardly falls
+  double loosestTolerance = 0.0;
   /// Of a step that ends the solve. With a weak preconditioner at most 1e-3, because its residual tells little
   double confirmingTolerance = 1e-3;
   Preconditioner preconditioner = Preconditioner::automatic;
@@ -103,8 +107,8 @@ struct NewtonResult {
   int iterations = 0;        ///< Newton steps
   int linearIterations = 0;  ///< of conjugate gradients, all together
   int factorisations = 0;    ///< complete or incomplete, in this call; 0: the kept one served
-  double firstStep = 0.0;    ///< m, largest displacement of the first Newton correction
-  double lastStep = 0.0;     ///< m, likewise of the last one
+  double lastStep = 0.0;     ///< m, largest displacement of the last Newton correction
+  double tolerance = 0.0;    ///< m, below which such a correction was small enough
   double residual = 0.0;     ///< N, largest of a free phyxel; NaN where it cannot be evaluated
   Index worst = 0;           ///< the phyxel that has it
   [[nodiscard]] bool good() const { return outcome == NewtonOutcome::converged; }

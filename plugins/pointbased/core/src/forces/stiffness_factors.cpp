@@ -4,6 +4,7 @@
 #include "base/polar.h"
 #include "forces/hourglass_energy.h"
 #include "forces/point_loops.h"
+#include "material/laws.h"
 
 namespace pointbased::detail {
 namespace {
@@ -14,6 +15,35 @@ Eigen::Vector4d modeRoots(const HourglassEnergy &modal, const Vec3 &vs, double v
   const double shear = modal.mu() * (kWarping + (1.0 - kWarping) / 3.0);
   const auto mean = [&](int a, int b) { return (stretch + shear) * (vs[a] + vs[b]) / 3.0; };
   return Eigen::Vector4d(mean(0, 1), mean(0, 2), mean(1, 2), modal.twist(volume, variances)).cwiseSqrt();
+}
+
+// The tangent of a point: λ (turn^T : dF) turn + μ turn dF^T turn + root² dF.
+struct Elastic {
+  double lambda, mu;
+  Mat3 turn;
+  double root;
+};
+
+Elastic elasticOf(const Material &material, double viscosity, const Mat3 &F) {
+  const double mu = material.mu() + viscosity;
+  const Elastic aboutRotation{material.lambda() + material.volumeStiffness, mu, Mat3::Identity(), std::sqrt(mu)};
+  if (material.law == MaterialLaw::linear) return aboutRotation;
+  if (material.law == MaterialLaw::neoHookean && material.lambda() >= 0.0) {
+    const Mat3 c = cofactor(F);
+    const double J = F.col(0).dot(c.col(0));
+    if (J >= kNeoHookeanSwitch) {
+      const Volumetric volume = volumetric(Moduli(material), J);
+      // With stretches s it is positive if λ is and μ is between -root² min s² and root² s_i s_j, the two smallest of
+      // which are J over the largest.
+      const double most = mu * J / std::sqrt(largestEigenvalueBound(F.transpose() * F));
+      const double least = -mu * J * J / largestEigenvalueBound(c.transpose() * c);
+      return {std::max(0.0, J * (J * volume.g2 + volume.g1)), std::clamp(viscosity - J * volume.g1, least, most), c / J,
+              std::sqrt(mu)};
+    }
+  }
+  Elastic turned = aboutRotation;
+  turned.turn = polar(F).R;
+  return turned;
 }
 
 }  // namespace
@@ -33,26 +63,30 @@ void findStiffnessFactors(const Constitution &constitution, const StencilSet &s,
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t q = begin; q < end; ++q) {
       const Material &material = materialOfPoint(constitution, s, q);
-      out.lambda[q] = static_cast<float>(material.lambda() + material.volumeStiffness);
-      out.mu[q] = static_cast<float>(material.mu() + viscousScale * material.viscosity);
-      const Mat3 R = material.law == MaterialLaw::linear ? Mat3(Mat3::Identity()) : polar(gradients[q]).R;
-      const Mat3 turn = std::sqrt(s.volumes[q]) * R;
+      const Elastic elastic = elasticOf(material, viscousScale * material.viscosity, gradients[q]);
+      out.lambda[q] = static_cast<float>(elastic.lambda);
+      out.mu[q] = static_cast<float>(elastic.mu);
+      const double root = std::sqrt(s.volumes[q]);
       const GradientRows rows(s, q);
       const ModeRows modes(s, q);
       Eigen::Vector4d roots = Eigen::Vector4d::Zero();
       if (hasModes) {
         const HourglassEnergy modal(material, constitution.stabilisation);
         roots = modeRoots(modal, s.volumes[q] * s.variances[q], s.volumes[q], s.variances[q]);
+        if (material.law != MaterialLaw::linear) roots.head<3>() *= std::sqrt(gradients[q].squaredNorm() / 3.0);
       }
       const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];
       const std::size_t width = StiffnessFactors::width(last - first);
       float *at = out.numbers.data() + out.first[q];
       for (Index e = first; e < last; ++e, ++at) {
-        const Vec3 a = turn * rows[e];
-        for (std::size_t k = 0; k < 3; ++k) at[k * width] = static_cast<float>(a[static_cast<Eigen::Index>(k)]);
+        const Vec3 g = root * rows[e], a = elastic.turn * g, b = elastic.root * g;
+        for (std::size_t k = 0; k < 3; ++k) {
+          at[k * width] = static_cast<float>(a[static_cast<Eigen::Index>(k)]);
+          at[(3 + k) * width] = static_cast<float>(b[static_cast<Eigen::Index>(k)]);
+        }
         if (!hasModes) continue;
         const Eigen::Vector4d h = roots.cwiseProduct(modes[e]);
-        for (std::size_t k = 0; k < 4; ++k) at[(3 + k) * width] = static_cast<float>(h[static_cast<Eigen::Index>(k)]);
+        for (std::size_t k = 0; k < 4; ++k) at[(6 + k) * width] = static_cast<float>(h[static_cast<Eigen::Index>(k)]);
       }
     }
   });

@@ -11,15 +11,17 @@ namespace pointbased::detail {
 
 /// What an evaluation point adds to the stiffness between two of its entries j and l:
 ///
-///     K_jl = λ a_j a_l^T + μ (a_l a_j^T + a_j·a_l I) + h_j·h_l I
+///     K_jl = λ a_j a_l^T + μ a_l a_j^T + h_j·h_l I
 ///
-/// a = √v R g: an isotropic material, linear about the rotation R of the point, so that the sum is positive whatever
-/// the strain. h: the modes of HourglassEnergy, each with the mean of its three stiffnesses.
+/// h: seven numbers, three of the strain and four of the modes of HourglassEnergy, each with the mean of its stiffnesses
+/// over the directions that it may move in. Neo-Hooke: a = √v F^-T g, and with h = √(v μ) g, λ and μ (less what the
+/// present pressure takes) the sum is the tangent to the last digit, as far as that is positive. Other laws: a = √v R g
+/// and h = √μ a, linear about the rotation R of the point, positive whatever the strain.
 struct StiffnessFactors {
-  static constexpr std::size_t kNumbers = 7;  ///< of an entry: a, m^(1/2), and h, (N/m)^(1/2)
-  kernels::AlignedVector<float> numbers;      ///< [points][7][entries of the point, with zeros to a multiple of eight]
-  std::vector<std::size_t> first;             ///< [points] of its numbers
-  std::vector<float> lambda, mu;              ///< [points] Pa
+  static constexpr std::size_t kNumbers = 10;  ///< of an entry: a, m^(1/2), and h, (N/m)^(1/2)
+  kernels::AlignedVector<float> numbers;  ///< [points][10][entries of the point, with zeros to a multiple of eight]
+  std::vector<std::size_t> first;         ///< [points] of its numbers
+  std::vector<float> lambda, mu;          ///< [points] Pa; may be negative
 
   [[nodiscard]] static std::size_t width(std::size_t entries) { return (entries + 7) / 8 * 8; }
 };

@@ -21,12 +21,12 @@ using V = hn::Vec<D>;
 void AddCellRow(const float *factors, std::size_t width, std::size_t entry, float lambda, float mu, float *out) {
   const D d;
   const float *own = factors + entry;
-  const V rootLambda = hn::Sqrt(hn::Abs(hn::Set(d, lambda))), rootMu = hn::Sqrt(hn::Set(d, mu));
-  const float sign = lambda < 0.0F ? -1.0F : 1.0F;
+  const V rootLambda = hn::Sqrt(hn::Abs(hn::Set(d, lambda))), rootMu = hn::Sqrt(hn::Abs(hn::Set(d, mu)));
+  const float sign = lambda < 0.0F ? -1.0F : 1.0F, signMu = mu < 0.0F ? -1.0F : 1.0F;
   V ofLambda[3], ofMu[3];
   for (std::size_t n = 0; n < 3; ++n) {
     ofLambda[n] = hn::Mul(rootLambda, hn::Set(d, sign * own[n * width]));
-    ofMu[n] = hn::Mul(rootMu, hn::Set(d, own[n * width]));
+    ofMu[n] = hn::Mul(rootMu, hn::Set(d, signMu * own[n * width]));
   }
   for (std::size_t k = 0; k < width; k += hn::Lanes(d)) {
     V byLambda[3], byMu[3];
@@ -35,10 +35,8 @@ void AddCellRow(const float *factors, std::size_t width, std::size_t entry, floa
       byLambda[n] = hn::Mul(rootLambda, of);
       byMu[n] = hn::Mul(rootMu, of);
     }
-    V both = hn::Mul(ofMu[0], byMu[0]);
-    both = hn::MulAdd(ofMu[1], byMu[1], both);
-    both = hn::MulAdd(ofMu[2], byMu[2], both);
-    for (std::size_t n = 3; n < 7; ++n)
+    V both = hn::Zero(d);
+    for (std::size_t n = 3; n < 10; ++n)
       both = hn::MulAdd(hn::Set(d, own[n * width]), hn::Load(d, factors + n * width + k), both);
     float *to = out + k;
     for (std::size_t column = 0; column < 3; ++column)

@@ -7,8 +7,8 @@
 
 namespace pointbased::kernels {
 
-/// out += λ a c^T + μ c a^T + (μ a·c + h·k) I of one entry with all others of its cell: StiffnessFactors.
-/// @param factors  [7][width]
+/// out += λ a c^T + μ c a^T + h·k I of one entry with all others of its cell: StiffnessFactors.
+/// @param factors  [10][width]
 /// @param entry    of which the row is
 /// @param out      [9][width]: numbers of the blocks by columns
 /// @threads any; no allocation

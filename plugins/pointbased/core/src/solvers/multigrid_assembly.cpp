@@ -150,7 +150,7 @@ void Multigrid::assembleRows(const Sources &from, std::size_t l) {
         } else {
           const float *factors = from.factors.numbers.data() + from.factors.first[q] + a;
           const Eigen::Vector3f g(factors[0], factors[width], factors[2 * width]);
-          float d = from.factors.mu[q] * g.squaredNorm();
+          float d = 0.0F;
           for (std::size_t n = 3; n < StiffnessFactors::kNumbers; ++n) d += factors[n * width] * factors[n * width];
           own += ((from.factors.lambda[q] + from.factors.mu[q]) * g.cwiseAbs2()).cast<double>();
           own.array() += static_cast<double>(d);
@@ -230,23 +230,23 @@ void Multigrid::sumCells(const Sources &from, std::size_t l) {
 
 // The factors of a cell follow its coarser nodes as displacements do.
 void Multigrid::addFinestCell(const Sources &from, std::size_t q, std::size_t coarse, Floats &scratch) {
-  constexpr std::size_t kNumbers = StiffnessFactors::kNumbers;
+  constexpr std::size_t kNumbers = StiffnessFactors::kNumbers, kPadded = (kNumbers + kEight - 1) / kEight * kEight;
   const GridLevel &fine = hierarchy_->levels[0], &grid = hierarchy_->levels[1];
   const std::size_t M = grid.cells.row(coarse).size(), width = widthOf(M),
                     fineWidth = widthOf(fine.cells.row(q).size());
   float *out = levels_[1].cells.data() + levels_[1].firstNumber[coarse];
   const float *factors = from.factors.numbers.data() + from.factors.first[q];
-  scratch.assign((kEight + kNumbers) * width, 0.0F);  // node by node, then number by number
+  scratch.assign((kPadded + kNumbers) * width, 0.0F);  // node by node, then number by number
   for (Index e = fine.cells.offsets[q]; e < fine.cells.offsets[q + 1]; ++e, ++factors) {
     const Index i = fine.cells.indices[e];
     if (held_[i] != 0) continue;
     const std::uint16_t *place = fine.places.data() + fine.firstPlace[e];
     const std::size_t parents = fine.parents.row(i).size();
     const float *weights = fine.parentWeights.data() + fine.parents.offsets[i];
-    float numbers[kEight] = {};
+    float numbers[kPadded] = {};
     for (std::size_t n = 0; n < kNumbers; ++n) numbers[n] = factors[n * fineWidth];
     for (std::size_t p = 0; p < parents; ++p)
-      addScaled(weights[p], numbers, scratch.data() + kEight * place[p], kEight);
+      addScaled(weights[p], numbers, scratch.data() + kPadded * place[p], kPadded);
     // What is the node's own, once.
     if (fine.cellsOf.row(i).front() != e) continue;
     const Mat3 &own = from.blocks[hierarchy_->order[i]];
@@ -256,9 +256,9 @@ void Multigrid::addFinestCell(const Sources &from, std::size_t q, std::size_t co
           out[width * (kBlock * place[p] + n) + place[r]] +=
               weights[p] * weights[r] * static_cast<float>(own.data()[n]);
   }
-  float *coarser = scratch.data() + kEight * width;
+  float *coarser = scratch.data() + kPadded * width;
   for (std::size_t n = 0; n < kNumbers; ++n)
-    for (std::size_t k = 0; k < width; ++k) coarser[n * width + k] = scratch[kEight * k + n];
+    for (std::size_t k = 0; k < width; ++k) coarser[n * width + k] = scratch[kPadded * k + n];
   for (std::size_t J = 0; J < M; ++J)
     kernels::addCellRow(coarser, width, J, from.factors.lambda[q], from.factors.mu[q], out + kBlock * width * J);
 }

@@ -32,7 +32,7 @@ constexpr int kPatience = 6;  // iterations without progress
 struct NewtonSolver::Impl {
   detail::AdaptivePreconditioner keeper;
   detail::ConjugateGradients linear;
-  std::vector<Vec3> gradient, right, direction, trial, trialGradient;
+  std::vector<Vec3> start, gradient, right, direction, trial, trialGradient;
   const StopRequest *stop = nullptr;  // of the present solve
   double tolerance = 0.0;             // m, likewise
   NewtonResult result;
@@ -55,7 +55,8 @@ struct NewtonSolver::Impl {
 
   bool gradientHere(IncrementalPotential &problem, std::vector<Vec3> &out, Evaluation &at);
   bool tryAt(IncrementalPotential &problem, std::span<const Vec3> u, double scale, double &energy);
-  Direction findDirection(IncrementalPotential &problem, const NewtonSettings &settings, double forcing);
+  Direction findDirection(IncrementalPotential &problem, const NewtonSettings &settings, double forcing,
+                          double strongForcing);
   double search(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings, Evaluation &at,
                 bool grow);
 };
@@ -89,6 +90,12 @@ void clearPrescribed(std::span<const std::uint8_t> prescribed, std::span<Vec3> v
     if (prescribed[i] != 0) v[i].setZero();
 }
 
+double longestWay(std::span<const Vec3> from, std::span<const Vec3> to) {
+  double squared = 0.0;
+  for (std::size_t i = 0; i < from.size(); ++i) squared = std::max(squared, (to[i] - from[i]).squaredNorm());
+  return std::sqrt(squared);
+}
+
 }  // namespace
 
 // Gradient of free phyxels where the problem stands.
@@ -111,7 +118,8 @@ bool NewtonSolver::Impl::tryAt(IncrementalPotential &problem, std::span<const Ve
 }
 
 NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPotential &problem,
-                                                                const NewtonSettings &settings, double forcing) {
+                                                                const NewtonSettings &settings, double forcing,
+                                                                double strongForcing) {
   const std::size_t n = gradient.size();
   const int solvedBefore = result.linearIterations;
   const std::span<const std::uint8_t> prescribed = problem.prescribed();
@@ -129,7 +137,7 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPoten
   linear.begin(right, precondition);
 
   Direction out;
-  out.tolerance = keeper.isStrong() ? settings.strongTolerance : forcing;
+  out.tolerance = keeper.isStrong() ? strongForcing : forcing;
   const double confirming =
       keeper.isStrong() ? settings.confirmingTolerance : std::min(settings.confirmingTolerance, kConfirming);
   int before = 0;  // iterations with preconditioners that have been given up
@@ -261,6 +269,7 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
   const auto report = [&] {
     result.residual = at.residual.value;
     result.worst = at.residual.at;
+    result.tolerance = tolerance;
     result.factorisations = keeper.factorisations() - factorisationsBefore;
   };
   if (n == 0) return end(NewtonOutcome::converged);
@@ -277,9 +286,10 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
 
   if (problem.reach(gradient) <= kFoundAtStart * settings.toleranceDisplacement) return end(NewtonOutcome::converged);
 
+  start.assign(u.begin(), u.end());
   const double first = at.residual.value;
   const auto fallen = [&] { return at.residual.value <= kResidualFall * first; };
-  double forcing = settings.linearTolerance;
+  double forcing = settings.linearTolerance, strongForcing = settings.strongTolerance;
   double bestResidual = first;
   int idle = 0, small = 0;
   for (;;) {
@@ -289,7 +299,7 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
     ++result.iterations;
 
     const Evaluation before = at;
-    const Direction found = findDirection(problem, settings, forcing);
+    const Direction found = findDirection(problem, settings, forcing, strongForcing);
     bool newton = found.newton;
     double length = detail::largest(direction).value;
     double scale = search(problem, u, settings, at, found.negative);
@@ -313,10 +323,10 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
       length = detail::largest(direction).value;  // it may have grown
     }
     result.lastStep = scale * length;
-    if (result.iterations == 1) {
-      result.firstStep = result.lastStep;
-      if (newton && scale == 1.0) tolerance = std::max(tolerance, settings.toleranceOfFirst * result.firstStep);
-    }
+    const bool tellsWay = !settings.firstTellsWay || (result.iterations == 1 && newton && scale == 1.0);
+    if (settings.toleranceOfWay > 0.0 && tellsWay)
+      tolerance = std::max(settings.toleranceDisplacement,
+                           std::min(settings.largestTolerance, settings.toleranceOfWay * longestWay(start, u)));
     report();
 
     // Converged: a whole, trustworthy Newton step that moved nothing by more than the tolerance, after which the
@@ -336,6 +346,7 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
     // Eisenstat and Walker's second choice, with their safeguard against tightening too soon.
     const double ratio = at.norm / before.norm;
     double wanted = 0.9 * ratio * ratio;
+    strongForcing = std::max(settings.strongTolerance, std::min(wanted, settings.loosestTolerance));
     if (0.9 * forcing * forcing > 0.1) wanted = std::max(wanted, 0.9 * forcing * forcing);
     forcing = std::clamp(wanted, std::min(kTightest, settings.linearTolerance), settings.linearTolerance);
   }

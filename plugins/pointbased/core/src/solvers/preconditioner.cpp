@@ -36,7 +36,7 @@ constexpr double kCheap = 200.0;  // iterations; see the header
 // Iterations of a V-cycle beyond this times those of a fresh one, and beyond kSlack, are those of an old one: numbers
 // differ from step to step as well.
 constexpr double kScatter = 1.2, kSlack = 1.0;
-constexpr int kFresh = 4;                     // solves that show what a fresh V-cycle takes: those of a step differ
+constexpr int kFresh = 2;  // solves that show what a fresh V-cycle takes: those of a step differ, and strain ages it
 constexpr double kUsual = 8.0;                // iterations of a solve with a complete one that is not quite fresh
 constexpr std::size_t kMostAnalysed = 30000;  // phyxels; beyond, `automatic` does not think of a complete one
 constexpr double kMostEntries = 2.5e8;        // of a complete factor: 1 GB

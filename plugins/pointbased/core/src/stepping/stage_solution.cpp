@@ -13,7 +13,9 @@ namespace {
 
 constexpr int kContactRounds = 4;  // solutions of a stage until no point meets a surface that was not known
 constexpr double kConfirmingOfDisplacements = 0.1;  // where nothing but displacements is asked of a step
-constexpr double kRough = 100.0;  // tolerances within which a solution already tells what the contacts are
+constexpr double kLoosestOfDisplacements = 0.3;
+constexpr double kLargestTolerance = 0.1;  // spacings: an impact takes ways of metres
+constexpr double kRough = 100.0;           // tolerances within which a solution already tells what the contacts are
 // change of the contact forces that is left to the next stage, of all that presses
 constexpr double kSettled = 1e-2;
 
@@ -55,7 +57,10 @@ class StageSolution {
         settings_(newtonSettings(body, env, stage.h <= 0.0)), start_(body.state().displacements), u_(start_) {
     if (stage.h > 0.0 && stage.tolerance > 0.0) {
       settings_.confirmingTolerance = kConfirmingOfDisplacements;
-      if (!(env.tolerance > 0.0)) settings_.toleranceOfFirst = stage.tolerance;
+      settings_.firstTellsWay = env.contact();
+      if (!env.contact()) settings_.loosestTolerance = kLoosestOfDisplacements;
+      if (!(env.tolerance > 0.0)) settings_.toleranceOfWay = stage.tolerance;
+      settings_.largestTolerance = kLargestTolerance * body.rest().spacing;
     }
     if (stage.h > 0.0) fallFreely(body, env, stage, u_);
     // Held phyxels and whatever they carry start where they have to be.
@@ -113,9 +118,8 @@ class StageSolution {
 
   [[nodiscard]] bool newton(const std::function<bool(const NewtonResult &)> &watch) {
     env_.clock->measure(kSolve, [&] { addWork(solver_.solve(problem_, u_, settings_, watch), result_); });
-    settings_.toleranceDisplacement =
-        std::max(settings_.toleranceDisplacement, settings_.toleranceOfFirst * result_.firstStep);
-    settings_.toleranceOfFirst = 0.0;
+    settings_.toleranceDisplacement = std::max(settings_.toleranceDisplacement, result_.tolerance);
+    settings_.toleranceOfWay = 0.0;
     return result_.good();
   }
 
