@@ -157,7 +157,8 @@ TEST_CASE("A state belongs to its pairs and probe tools", "[touch][saved_state]"
   }
 }
 
-TEST_CASE("A probe tool that is thin, or begins inside a body, is told of; one that turns over is refused", "[touch]") {
+TEST_CASE("A probe tool that is thin, or begins inside a body, is told of, and one that turns over is refused",
+          "[touch]") {
   const auto folder = freshFolder("touch-warned");
   const auto events = [&](const std::string &tool) {
     const Json report = runToReport(scene(folder, kHeld + tool), {"--steps", "1"});
@@ -217,10 +218,10 @@ TEST_CASE("Contact that cannot be is refused with its line, by the simulator tha
 
 TEST_CASE("Info says which contacts are switched on or off, and what the probe tools are", "[touch]") {
   const auto folder = freshFolder("touch-info");
-  const auto file =
-      scene(folder, "[contact]\nfriction = 0.2\n" + kHeld + body("other", "position = [0, 1, 0]\n") + finger() +
-                        "[[contact.pair]]\nbodies = [\"bar\", \"finger\"]\nenabled = false\n"
-                        "[[contact.pair]]\nbodies = [\"bar\", \"other\"]\nfriction = 0.05\n");
+  const auto file = scene(folder, "[contact]\nenabled = true\nfriction = 0.2\n" + kHeld +
+                                      body("other", "position = [0, 1, 0]\n") + finger() +
+                                      "[[contact.pair]]\nbodies = [\"bar\", \"finger\"]\nenabled = false\n"
+                                      "[[contact.pair]]\nbodies = [\"bar\", \"other\"]\nfriction = 0.05\n");
   const auto text = runC3de({"info", file.string()});
   INFO(text.errorOutput);
   CHECK(text.exitCode == 0);

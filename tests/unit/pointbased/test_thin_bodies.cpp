@@ -199,6 +199,7 @@ TEST_CASE("two skins that overlap are found, with their depth and volume") {
 
 TEST_CASE("bodies that pass through each other are told of once, and nobody else") {
   Simulator simulator;
+  simulator.setContact({false, false, 0.3});
   WorldSettings world;
   world.gravity = Vec3::Zero();
   simulator.setWorld(world);
@@ -219,6 +220,7 @@ TEST_CASE("bodies that pass through each other are told of once, and nobody else
 
 TEST_CASE("pairs of many bodies are looked at in turn, and each that overlaps is found") {
   Simulator simulator;
+  simulator.setContact({false, false, 0.3});
   WorldSettings world;
   world.gravity = Vec3::Zero();
   simulator.setWorld(world);

@@ -361,11 +361,6 @@ Expected<Described> describeScene(Session &session, const std::filesystem::path 
   describeProbeTools(*scene, text, out.json);
   describeContact(*scene, built->get(), text, out.json);
   if (built->get() != nullptr) describeComposition(built->get(), text, out.json);
-  if (scene->bodies.size() > 1) {
-    const char *note = "bodies do not touch each other yet: what meets another body passes through it";
-    text << "note: " << note << "\n";
-    out.json["notes"].push_back(note);
-  }
   text << howFar;
   out.text = text.str();
   return out;

@@ -7,6 +7,24 @@
 namespace pointbased {
 namespace {
 
+// Bodies whose contact is on, and that pass through each other nevertheless.
+std::string whoPass(const Simulator &simulator) {
+  const std::vector<std::size_t> bodies = simulator.bodyIds();
+  for (std::size_t a = 0; a < bodies.size(); ++a)
+    for (std::size_t b = a + 1; b < bodies.size(); ++b) {
+      const Body &first = *simulator.body(bodies[a]), &second = *simulator.body(bodies[b]);
+      if ((first.rigid() && second.rigid()) || !simulator.contactPair(bodies[a], bodies[b]).enabled ||
+          simulator.canTouch(bodies[a], bodies[b]))
+        continue;
+      return "bodies touch each other in explicit steps alone, and only where they have a skin: '" + first.name() +
+             "' and '" + second.name() + "' pass through each other";
+    }
+  return {};
+}
+
+}  // namespace
+namespace {
+
 constexpr double kThinnest = 0.15;          // spacings, of the thickness: thinner is refused
 constexpr double kThinnestGood = 0.5;       // likewise, what is proposed instead
 constexpr double kMostPhyxels = 200'000.0;  // that are proposed: more is no simulation that one waits for
@@ -90,7 +108,7 @@ std::vector<std::string> noticesOf(const Simulator &simulator, const std::vector
       lines.push_back("… and " + std::to_string(count - kMostOfAKind) + " more events '" + kind + "'");
   }
   if (bodies.size() < 2) return lines;
-  lines.emplace_back("bodies do not touch each other yet: what meets another body passes through it");
+  if (const std::string passing = whoPass(simulator); !passing.empty()) lines.push_back(passing);
   std::string costs;
   for (const std::size_t id : bodies) {
     const double cost = simulator.costOf(id);

@@ -194,6 +194,7 @@ void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, doub
 struct ImpulseSettings {
   int sweeps = 20;             ///< of projected Gauss-Seidel; ends earlier when nothing changes by more than tolerance
   double tolerance = 5e-3;     ///< of the largest normal speed
+  double leastSpeed = 0.0;     ///< m/s: nothing changes where it changes by less
   double splitImpulse = 0.2;   ///< part of a penetration undone per step
   double recoverySpeed = 0.1;  ///< m/s, most for it: a body that starts inside is led out, not thrown
 };

@@ -18,7 +18,9 @@ namespace pointbased {
 
 namespace detail {
 class BodyCrew;
+class BodyGroup;
 class BodyStepper;
+class SkinContacts;
 class StepActivity;
 struct StepContext;
 struct SimulatorCheckpoint;
@@ -128,6 +130,9 @@ class Simulator {
   /// What holds between two: settings of the pair itself, or those of all. friction >= 0, that of the obstacle or the
   /// walls where none is set; not enabled where bodies have no contact, or an id is not there.
   [[nodiscard]] ContactPairSettings contactPair(std::size_t a, std::size_t b) const;
+  /// Whether two bodies touch each other where they meet, or a body itself: contact is on, both have a skin, and each
+  /// is integrated explicitly or stands still.
+  [[nodiscard]] bool canTouch(std::size_t a, std::size_t b) const;
   /// Who touches whom, by ids: those that have pressed in the last step. Empty before the first step
   /// and where a body has been given another state since. Explicit steps: the impulses of their substeps; implicit ones:
   /// forces of the penalty.
@@ -231,12 +236,12 @@ class Simulator {
   /// After a change of pairs or obstacles.
   void updateSurroundings(std::size_t body);
   void updateSurroundings();
-  /// run(order), in the surroundings of the body.
-  void runInSurroundings(std::size_t body, const detail::StepContext &order,
-                         const std::function<void(const detail::StepContext &)> &run) const;
+  [[nodiscard]] detail::StepContext inSurroundings(std::size_t body, const detail::StepContext &order) const;
   [[nodiscard]] detail::StepContext order(const StopRequest *stop);
-  /// Those that move, for a step.
-  detail::BodyCrew &gatherCrew();
+  /// Those that move, for a step of dt; those that may touch each other in it as groups.
+  detail::BodyCrew &gatherCrew(double dt);
+  void formGroups(double dt);
+  [[nodiscard]] bool mayTouchItself(std::size_t body, double dt);
   /// Everybody on by dt. @return s that all have gone; less where a body's substeps were not enough
   double advanceBodies(const detail::StepContext &order);
   void increaseLoad(const detail::StepContext &order);
@@ -253,6 +258,7 @@ class Simulator {
   [[nodiscard]] bool isSkinCheckDue() const;
   void checkSkins();
   void lookAtPairs();
+  void lookAtContacts();
   void tellAtStart();
   void tellWhereRestitutionIsLost();
 
@@ -264,6 +270,10 @@ class Simulator {
   std::map<std::size_t, std::vector<std::string>> warnings_;  // about shape and sampling, by body
   std::unique_ptr<detail::StepActivity> activity_;
   std::unique_ptr<detail::BodyCrew> crew_;  // scratch of a step
+  std::unique_ptr<detail::SkinContacts> skins_;
+  std::vector<std::unique_ptr<detail::BodyGroup>> groups_;  // of a step; room is kept
+  std::size_t groupCount_ = 0;
+  std::set<std::size_t> grouped_;  // bodies of groups
   std::vector<Obstacle> obstacles_;
   std::vector<std::size_t> obstacleIds_;
   ContactSettings contact_;

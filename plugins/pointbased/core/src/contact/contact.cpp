@@ -25,8 +25,6 @@ constexpr double kSamePlane = 0.25;
 constexpr double kRest = 1e-3;
 // Points up to this many margins inside are followed sidewards, deeper ones are only led back to where they came in.
 constexpr double kFollow = 50.0;
-// Planes whose normals are closer than this cosine are the same side.
-constexpr double kSameSide = 0.9;
 
 // One obstacle during one step.
 struct Step {
@@ -107,8 +105,6 @@ void learn(const Step &step, const Vec3 &at, const Vec3 &way, double radius, con
   known.aheadOffset = offset;
 }
 
-Vec3 tangential(const Vec3 &v, const Vec3 &normal) { return v - normal.dot(v) * normal; }
-
 bool before(const Contact &a, const Contact &b) {
   return a.point != b.point ? a.point < b.point : a.obstacle < b.obstacle;
 }
@@ -121,15 +117,9 @@ void keepMemories(ContactState &memory) {
     bool goesOn = false;
     for (std::size_t k = from; k < memory.previous.size() && !before(contact, memory.previous[k]); ++k) {
       const Contact &was = memory.previous[k];
-      if (was.normal.dot(contact.normal) < kSameSide) continue;
+      if (!remember(was, contact)) continue;
       goesOn = true;
-      contact.normalImpulse = was.normalImpulse;
-      contact.settleImpulse = was.settleImpulse;
-      contact.frictionImpulse = tangential(was.frictionImpulse, contact.normal);
-      contact.settleFriction = tangential(was.settleFriction, contact.normal);
-      contact.normalForce = was.normalForce;
       contact.initialPenetration = std::clamp(-contact.gap, 0.0, was.initialPenetration);
-      contact.tangentialDisplacement = tangential(was.tangentialDisplacement, contact.normal);
       break;
     }
     if (!goesOn) contact.initialPenetration = std::max(0.0, -contact.gap);

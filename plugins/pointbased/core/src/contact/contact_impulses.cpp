@@ -141,7 +141,7 @@ void sweep(const Hand &body, std::span<const Contact> active, const ImpulseSetti
     job.count = all ? count : solution.pressing.size();
     const kernels::SweepResult result = kernels::sweepContacts(job, k % 2 != 0);
     if (k == 0) speed = result.speed;
-    const bool good = result.change <= settings.tolerance * speed;
+    const bool good = result.change <= std::max(settings.tolerance * speed, settings.leastSpeed);
     if (good && all) break;
     some = all ? 0 : some + 1;
     const bool askAll = k == 0 || good || some >= kSome || k + 2 >= settings.sweeps;

@@ -11,6 +11,24 @@ namespace pointbased::detail {
   return motion.rotation.transpose() * (x - motion.centre - motion.displacement) + motion.centre;
 }
 
+/// Planes whose normals are closer than this cosine are the same side.
+inline constexpr double kSameSide = 0.9;
+
+[[nodiscard]] inline Vec3 tangential(const Vec3 &v, const Vec3 &normal) { return v - normal.dot(v) * normal; }
+
+/// What a contact that goes on takes over from the step before.
+/// @return false: it is another side, and begins anew
+inline bool remember(const Contact &was, Contact &contact) {
+  if (was.normal.dot(contact.normal) < kSameSide) return false;
+  contact.normalImpulse = was.normalImpulse;
+  contact.settleImpulse = was.settleImpulse;
+  contact.frictionImpulse = tangential(was.frictionImpulse, contact.normal);
+  contact.settleFriction = tangential(was.settleFriction, contact.normal);
+  contact.normalForce = was.normalForce;
+  contact.tangentialDisplacement = tangential(was.tangentialDisplacement, contact.normal);
+  return true;
+}
+
 /// The points that are looked at: all, or some.
 struct Looked {
   std::span<const Index> which;  ///< empty: all

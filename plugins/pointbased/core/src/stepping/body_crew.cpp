@@ -18,14 +18,28 @@ bool isSmallBody(const Body &body) {
 
 }  // namespace
 
-void BodyCrew::add(std::size_t id, BodyStepper &runner) {
+BodyCrew::Member &BodyCrew::addMember(std::size_t id) {
   if (size_ == members_.size()) members_.emplace_back();
   Member &member = members_[size_++];
   member.id = id;
-  member.runner = &runner;
-  member.isSmall = isSmallBody(runner.body());
+  member.runner = nullptr;
+  member.group = nullptr;
   member.wasEnded = false;
   member.gone = member.seconds = 0.0;
+  return member;
+}
+
+void BodyCrew::add(std::size_t id, BodyStepper &runner) {
+  Member &member = addMember(id);
+  member.runner = &runner;
+  member.isSmall = isSmallBody(runner.body());
+}
+
+void BodyCrew::add(BodyGroup &group) {
+  Member &member = addMember(group.members().front().id);
+  member.group = &group;
+  member.isSmall = std::all_of(group.members().begin(), group.members().end(),
+                               [](const BodyGroup::Member &one) { return isSmallBody(one.runner->body()); });
 }
 
 void BodyCrew::run(const StepContext &order, const ParallelFor &plainLoops, StepActivity &activity,

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "stepping/body_stepper.h"
+#include "stepping/body_group.h"
 #include "stepping/step_activity.h"
 
 namespace pointbased::detail {
@@ -16,10 +16,11 @@ namespace pointbased::detail {
 class BodyCrew {
  public:
   struct Member {
-    std::size_t id = 0;
-    BodyStepper *runner = nullptr;
-    double gone = 0.0;     ///< s, that it has advanced; for who advances
-    double seconds = 0.0;  ///< s of wall-clock time that it took
+    std::size_t id = 0;             ///< of a group that of its first body
+    BodyStepper *runner = nullptr;  ///< null: a group
+    BodyGroup *group = nullptr;     ///< of bodies that may touch each other
+    double gone = 0.0;              ///< s, that it has advanced; for who advances
+    double seconds = 0.0;           ///< s of wall-clock time that it took
 
    private:
     friend class BodyCrew;
@@ -29,6 +30,7 @@ class BodyCrew {
 
   void clear() { size_ = 0; }
   void add(std::size_t id, BodyStepper &runner);
+  void add(BodyGroup &group);
   [[nodiscard]] std::span<Member> members() { return {members_.data(), size_}; }
 
   /// Calls advance(member, order) for each of them; Stopped where one was ended, after all have.
@@ -37,6 +39,8 @@ class BodyCrew {
            const std::function<void(Member &, const StepContext &)> &advance);
 
  private:
+  Member &addMember(std::size_t id);
+
   std::vector<Member> members_;  // room is kept
   std::size_t size_ = 0;
   std::vector<Member *> small_;

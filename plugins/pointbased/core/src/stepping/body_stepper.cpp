@@ -17,12 +17,6 @@ constexpr double kMostWork = 2e7;  // evaluations of points in a step: some seco
 constexpr double kSmallestScale = 1.0 / 64;  // of the steps that are tried before a body stops
 constexpr double kCrushedScale = 1.0 / 4;    // likewise where it is crushed, which smaller steps seldom change
 
-std::uint64_t substepLimit(const Body &body) {
-  const double points = static_cast<double>(std::max<std::size_t>(1, body.rest().pointCount()));
-  return static_cast<std::uint64_t>(
-      std::clamp(kMostWork / points, static_cast<double>(kLeastSubsteps), static_cast<double>(kMostSubsteps)));
-}
-
 // Something outside puts energy into the body, or it takes up what it has lost. Wider than isDriven(): after a ramp
 // what swings still exchanges energy with its support.
 bool mayGainEnergy(const Body &body, std::span<const Obstacle> obstacles, double time) {
@@ -38,6 +32,12 @@ bool mayGainEnergy(const Body &body, std::span<const Obstacle> obstacles, double
 }
 
 }  // namespace
+
+std::uint64_t BodyStepper::mostSubsteps() const {
+  const double points = static_cast<double>(std::max<std::size_t>(1, body_->rest().pointCount()));
+  return static_cast<std::uint64_t>(
+      std::clamp(kMostWork / points, static_cast<double>(kLeastSubsteps), static_cast<double>(kMostSubsteps)));
+}
 
 Integrator BodyStepper::integratorIn(const WorldSettings &world) const {
   if (world.integrator == Integrator::automatic)
@@ -69,14 +69,17 @@ bool BodyStepper::sleepsOn(const StepContext &order, double span) {
   return false;
 }
 
-void BodyStepper::fallAsleepIfStill(const StepContext &order, double span) {
+bool BodyStepper::isStill(const StepContext &order, double span) {
   if (!order.world.sleep || stopped() || isDriven(*body_, order.environment.obstacles, order.time, span)) {
     watch_.forget();
-    return;
+    return false;
   }
   const double tolerance =
       order.world.tolerance > 0.0 ? order.world.tolerance : SleepDetector::kTolerance * body_->rest().spacing;
-  if (!watch_.look(*body_, tolerance, span)) return;
+  return watch_.look(*body_, tolerance, span);
+}
+
+void BodyStepper::fallAsleep() {
   asleep_ = true;
   std::fill(body_->state().velocities.begin(), body_->state().velocities.end(), Vec3(Vec3::Zero()));
   if (underWay_) underWay_->state = body_->keptState();
@@ -147,15 +150,21 @@ std::string BodyStepper::whatWouldFit(const StepContext &order, double budget) {
                               {order.dt, budget, seconds, solved.iterations, solved.linearIterations});
 }
 
+void BodyStepper::beginAdvance(const StepContext &order) {
+  ++changes_;
+  if (order.environment.stop != nullptr) underWay_ = Start{substeps_, {}};
+  substeps_.begin(order.dt);
+}
+
 double BodyStepper::advance(const StepContext &order, double span) {
   if (body_->rigid()) return span;
-  const SubstepController substeps = substeps_;
-  substeps_.begin(order.dt);
-  if (sleepsOn(order, span)) return span;
-  ++changes_;
-  if (order.environment.stop != nullptr) underWay_ = Start{substeps, {}};
-  const double gone = tryToAdvance(order, span, substepLimit(*body_));
-  fallAsleepIfStill(order, gone);
+  if (sleepsOn(order, span)) {
+    substeps_.begin(order.dt);
+    return span;
+  }
+  beginAdvance(order);
+  const double gone = tryToAdvance(order, span, mostSubsteps());
+  if (isStill(order, gone)) fallAsleep();
   return gone;
 }
 
@@ -165,34 +174,70 @@ void BodyStepper::advanceAgain(const StepContext &order, double span) {
   (void)tryToAdvance(order, span, std::numeric_limits<std::uint64_t>::max());
 }
 
-double BodyStepper::tryToAdvance(const StepContext &order, double span, std::uint64_t mostSubsteps) {
+std::optional<QuickCheckResult> BodyStepper::keepIfSound(const StepContext &order) {
   Body &body = *body_;
-  StageClock &clock = *order.environment.clock;
-  const Integrator integrator = integratorIn(order.world);
-  if (integrator != order.world.integrator) reportIntegrator(order);
+  if (integratorIn(order.world) != order.world.integrator) reportIntegrator(order);
   // What somebody has put in from outside is caught before it becomes the state to go back to.
   QuickCheckResult glance;
-  clock.measure(kGuard, [&] { glance = quickCheck(body); });
+  order.environment.clock->measure(kGuard, [&] { glance = quickCheck(body); });
   if (!glance.finite) {
     const GuardFinding poisoned = firstNonFinite(body);
     body.restoreState();
     stop(order, poisoned);
-    return span;
+    return std::nullopt;
   }
   for (const Hand &hand : body.hands)
     if (!hand.grab.target.allFinite() || !hand.grab.rotation.allFinite()) {
       stop(order, {hand.grab.phyxels.front(), "the hand that holds it is at no finite place", "to let go and reset"});
-      return span;
+      return std::nullopt;
     }
   body.keepState();
   (void)body.constitution().takeComplaint();  // of an earlier step
-  bool again = false;                         // from the mark
+  return glance;
+}
+
+void BodyStepper::goBack(const ParallelFor &parallelFor) {
+  body_->restoreState();
+  body_->computeGradients(parallelFor);
+  body_->computeTrialStresses(0.0, parallelFor);
+  solver_.forget();
+  goodSteps_ = 0;
+}
+
+bool BodyStepper::tryAgain(const StepContext &order, const Refusal &refusal, const std::string &from) {
+  Body &body = *body_;
+  goBack(*order.environment.parallelFor);
+  GuardFinding finding = refusal.finding;
+  if (const std::string law = body.constitution().takeComplaint(); !law.empty()) finding.quantity += "; " + law;
+  if (!(scale_ > (refusal.crushed ? kCrushedScale : kSmallestScale))) {
+    stop(order, finding);
+    return false;
+  }
+  scale_ *= 0.5;
+  order.reportEvent("smaller_step", "body '" + body.name() + "', phyxel " + std::to_string(finding.phyxel) + ": " +
+                                        finding.quantity + "; back to the state " + from + ", with steps " +
+                                        number(1.0 / scale_) + " times smaller");
+  return true;
+}
+
+void BodyStepper::endAdvance() {
+  if (!(scale_ < 1.0) || ++goodSteps_ < kPatience) return;
+  scale_ = std::min(1.0, 2.0 * scale_);
+  goodSteps_ = 0;
+}
+
+double BodyStepper::tryToAdvance(const StepContext &order, double span, std::uint64_t mostSubsteps) {
+  Body &body = *body_;
+  const Integrator integrator = integratorIn(order.world);
+  const std::optional<QuickCheckResult> glance = keepIfSound(order);
+  if (!glance) return span;
+  bool again = false;  // from the mark
   while (true) {
     Gone gone = again                                      ? againFromMark(order, span)
-                : integrator == Integrator::explicitVerlet ? advanceExplicit(order, span, mostSubsteps, glance)
+                : integrator == Integrator::explicitVerlet ? advanceExplicit(order, span, mostSubsteps, *glance)
                                                            : advanceImplicit(order, span);
     if (gone && order.number % EnergyWatch::kEnergyInterval == 0)
-      clock.measure(kGuard, [&] {
+      order.environment.clock->measure(kGuard, [&] {
         const bool mayGrow = mayGainEnergy(body, order.environment.obstacles, order.time);
         const EnergyWatch before = energy_;
         if (auto grown = energy_.look(body, order.world.gravity, mayGrow)) {
@@ -208,28 +253,10 @@ double BodyStepper::tryToAdvance(const StepContext &order, double span, std::uin
         body.contact.ledOut.setZero();
       });
     if (gone) {
-      if (scale_ < 1.0 && ++goodSteps_ >= kPatience) {
-        scale_ = std::min(1.0, 2.0 * scale_);
-        goodSteps_ = 0;
-      }
+      endAdvance();
       return *gone;
     }
-    body.restoreState();
-    body.computeGradients(*order.environment.parallelFor);
-    body.computeTrialStresses(0.0, *order.environment.parallelFor);
-    solver_.forget();
-    goodSteps_ = 0;
-    GuardFinding finding = gone.error().finding;
-    if (const std::string law = body.constitution().takeComplaint(); !law.empty()) finding.quantity += "; " + law;
-    if (!(scale_ > (gone.error().crushed ? kCrushedScale : kSmallestScale))) {
-      stop(order, finding);
-      return span;
-    }
-    scale_ *= 0.5;
-    order.reportEvent("smaller_step", "body '" + body.name() + "', phyxel " + std::to_string(finding.phyxel) + ": " +
-                                          finding.quantity + "; back to the state " +
-                                          (again ? "at " + number(mark_->time) + " s" : std::string("before")) +
-                                          ", with steps " + number(1.0 / scale_) + " times smaller");
+    if (!tryAgain(order, gone.error(), again ? "at " + number(mark_->time) + " s" : "before")) return span;
   }
 }
 

@@ -51,6 +51,35 @@ class BodyStepper {
   /// Quasi-static: from order.loadFactor on, in smaller increments where this one is too large.
   void loadUpTo(const StepContext &order, double factor);
 
+  // The parts of advance(), for bodies that touch others and advance together with them (body_group.h):
+  struct Refusal {
+    GuardFinding finding;
+    bool crushed = false;
+  };
+  using Gone = tl::expected<double, Refusal>;  // s
+  /// Whether it rests on; wakes it where something has changed. Once per step.
+  [[nodiscard]] bool sleepsOn(const StepContext &order, double span);
+  void beginAdvance(const StepContext &order);
+  /// Whether its state can be advanced, which is kept then; else it stops.
+  [[nodiscard]] std::optional<QuickCheckResult> keepIfSound(const StepContext &order);
+  /// Length of the substep that the body can take now, s.
+  [[nodiscard]] Gone maxSubstep(const StepContext &order, double time, double left, const QuickCheckResult *glance);
+  /// Back to the state before the step; the next attempt takes steps half as long.
+  /// @param from  the state it goes back to, for the event
+  /// @return false: it has stopped there instead, because smaller steps did not help
+  [[nodiscard]] bool tryAgain(const StepContext &order, const Refusal &refusal, const std::string &from = "before");
+  /// Likewise, because another one has to.
+  void goBack(const ParallelFor &parallelFor);
+  /// The step is done.
+  void endAdvance();
+  [[nodiscard]] SubstepController &substeps() { return substeps_; }
+  void reportSubsteps(const StepContext &order, double span, double gone, std::uint64_t substeps, double needed);
+  /// Whether it has been still for long enough to sleep.
+  [[nodiscard]] bool isStill(const StepContext &order, double span);
+  void fallAsleep();
+  [[nodiscard]] std::uint64_t mostSubsteps() const;
+  void reportIntegrator(const StepContext &order);
+
   /// Before a step of the world that somebody may end.
   void beginStep() { underWay_.reset(); }
   /// The step was ended half way: back to where the body was before it. What is remembered of distances, friction and
@@ -104,29 +133,18 @@ class BodyStepper {
   bool restore(const Checkpoint &checkpoint, const ParallelFor &parallelFor);
 
  private:
-  struct Refusal {
-    GuardFinding finding;
-    bool crushed = false;
-  };
-  using Gone = tl::expected<double, Refusal>;  // s
   [[nodiscard]] static tl::unexpected<Refusal> refused(GuardFinding finding, bool crushed = false) {
     return tl::unexpected<Refusal>(Refusal{std::move(finding), crushed});
   }
 
-  [[nodiscard]] bool sleepsOn(const StepContext &order, double span);
-  void fallAsleepIfStill(const StepContext &order, double span);
   [[nodiscard]] double tryToAdvance(const StepContext &order, double span, std::uint64_t mostSubsteps);
   [[nodiscard]] Gone advanceExplicit(const StepContext &order, double span, std::uint64_t mostSubsteps,
                                      const QuickCheckResult &glance);
   [[nodiscard]] Gone advanceImplicit(const StepContext &order, double span);
-  /// Length of the substep that the body can take now, s.
-  [[nodiscard]] Gone maxSubstep(const StepContext &order, double time, double left, const QuickCheckResult *glance);
   /// The state of the last look at the energy, with which the steps since then begin again.
   void backToMark();
   /// From the mark to the end of `span`, in steps of order.dt.
   [[nodiscard]] Gone againFromMark(const StepContext &order, double span);
-  void reportSubsteps(const StepContext &order, double span, double gone, std::uint64_t substeps, double needed);
-  void reportIntegrator(const StepContext &order);
   void stop(const StepContext &order, const GuardFinding &finding);
 
   std::unique_ptr<Body> body_;

@@ -7,6 +7,7 @@
 #include "contact/contact_bounce.h"
 #include "pointbased/integrators.h"
 #include "pointbased/step_composition.h"
+#include "stepping/explicit_substep.h"
 
 namespace pointbased {
 namespace {
@@ -29,19 +30,6 @@ constexpr double kContactMargin = 0.02;
 
 // What falls for two steps bounces no more.
 constexpr double kQuietKicks = 2.0;
-
-void evaluate(Body &body, const Environment &env, const StepStages &stages, double time, double dt) {
-  const ParallelFor &parallelFor = *env.parallelFor;
-  StageClock &clock = *env.clock;
-  if (stages.fused) {
-    clock.measure(kForces, [&] { body.evaluate(time, dt, parallelFor); });
-    return;
-  }
-  clock.measure(kGradients, [&] { body.computeGradients(parallelFor); });
-  if (stages.flow && dt > 0.0) clock.measure(kFlow, [&] { body.computeFlow(dt, parallelFor); });
-  clock.measure(kStresses, [&] { body.computeStresses(dt, parallelFor); });
-  clock.measure(kForces, [&] { body.computeForces(time, parallelFor); });
-}
 
 }  // namespace
 
@@ -142,78 +130,120 @@ double impactSpeed(Body &body, const Environment &env, double time, double dt, d
   return closing * dt > stride ? closing : 0.0;
 }
 
-void explicitSubstep(Body &body, const Environment &env, double time, double dt) {
-  const ParallelFor &parallelFor = *env.parallelFor;
-  StageClock &clock = *env.clock;
-  State &state = body.state();
-  const RestState &rest = body.rest();
-  const std::size_t n = rest.phyxelCount();
-  const std::span<const double> inverse = body.inverseMasses();
-  const StepStages stages = stagesOf(body, env);
-  const bool contact = stages.contact, patches = stages.patches;
-  const double springLimit = 0.3 / dt;
-  if (!body.forcesCurrent) {
-    evaluate(body, env, stages, time, 0.0);
-    if (stages.hands) applyGrabs(body, springLimit);
-  }
+namespace detail {
 
-  // With nothing in between, half a kick and the drift are one loop.
-  const auto drift = [&](std::size_t begin, std::size_t end) {
-    kernels::addScaled(dt, state.velocities[begin].data(), state.displacements[begin].data(), 3 * (end - begin));
+ExplicitSubstep::ExplicitSubstep(Body &body, const Environment &env, double time, double dt, bool touchesBodies)
+    : body_(body), env_(env), time_(time), dt_(dt), stages_(stagesOf(body, env)),
+      together_(!touchesBodies && !stages_.contact && !stages_.patches) {}
+
+void ExplicitSubstep::evaluate(double time, double dt) {
+  const ParallelFor &parallelFor = *env_.parallelFor;
+  StageClock &clock = *env_.clock;
+  if (stages_.fused) {
+    clock.measure(kForces, [&] { body_.evaluate(time, dt, parallelFor); });
+  } else {
+    clock.measure(kGradients, [&] { body_.computeGradients(parallelFor); });
+    if (stages_.flow && dt > 0.0) clock.measure(kFlow, [&] { body_.computeFlow(dt, parallelFor); });
+    clock.measure(kStresses, [&] { body_.computeStresses(dt, parallelFor); });
+    clock.measure(kForces, [&] { body_.computeForces(time, parallelFor); });
+  }
+  if (stages_.hands) applyGrabs(body_, 0.3 / dt_);
+}
+
+void ExplicitSubstep::drift(std::size_t begin, std::size_t end) {
+  State &state = body_.state();
+  kernels::addScaled(dt_, state.velocities[begin].data(), state.displacements[begin].data(), 3 * (end - begin));
+}
+
+void ExplicitSubstep::kick(double h, bool drifts) {
+  State &state = body_.state();
+  kernels::Kick all;
+  all.h = h;
+  all.inverseMasses = body_.inverseMasses().data();
+  all.gravityShares = body_.held() && !body_.gravityShares().empty() ? body_.gravityShares().data() : nullptr;
+  std::copy_n(env_.gravity.data(), 3, all.gravity);
+  all.forces = body_.forces().front().data();
+  all.velocities = state.velocities.front().data();
+  const auto range = [&](std::size_t begin, std::size_t end) {
+    kernels::kick(all, begin, end);
+    if (drifts) drift(begin, end);
   };
-  const bool together = !contact && !patches;
-  const auto kick = [&](double h, bool drifts) {
-    kernels::Kick all;
-    all.h = h;
-    all.inverseMasses = inverse.data();
-    all.gravityShares = body.held() && !body.gravityShares().empty() ? body.gravityShares().data() : nullptr;
-    std::copy_n(env.gravity.data(), 3, all.gravity);
-    all.forces = body.forces().front().data();
-    all.velocities = state.velocities.front().data();
-    const auto range = [&](std::size_t begin, std::size_t end) {
-      kernels::kick(all, begin, end);
-      if (drifts) drift(begin, end);
-    };
-    parallelFor(n, kPhyxelGrain, std::cref(range));
-    if (patches) body.patches().kick(h, state.velocities);
-  };
-  clock.measure(kIntegrate, [&] { kick(0.5 * dt, together); });
-  if (contact)
-    clock.measure(kContact, [&] {
-      findContacts(env.obstacles, env.box, time, dt, kContactMargin * rest.spacing,
-                   {rest.contact, rest.origin, state.displacements, state.velocities, rest.maxInfluence}, body.contact,
-                   parallelFor);
-      const double quiet = kQuietKicks * env.gravity.norm() * dt;
-      if (findArrivals(rest.contact.binding, state.velocities, dt, quiet, body.contact)) {
-        kick(-0.5 * dt, false);
-        bounceArrivals(rest.contact.binding, inverse, quiet, body.contact, state.velocities);
-        kick(0.5 * dt, false);
-      }
-      solveContactImpulses(rest.contact.binding, inverse, dt, ImpulseSettings{}, body.contact, state.velocities);
-    });
-  // All of them: those that are held are put in their places below.
-  if (!together) clock.measure(kIntegrate, [&] { parallelFor(n, kPhyxelGrain, std::cref(drift)); });
-  if (stages.supports)
-    clock.measure(kSupports, [&] {
-      body.placeHeld(time + dt, true);
-      if (patches) body.patches().correct(dt, body.patchTargets(time + dt), state.displacements, state.velocities);
-    });
-  evaluate(body, env, stages, time + dt, dt);
-  if (stages.hands) applyGrabs(body, springLimit);
-  clock.measure(kIntegrate, [&] {
-    kick(0.5 * dt, false);
-    if (stages.damping) {
-      const double decay = std::exp(-env.damping * dt);
-      for (std::size_t i = 0; i < n; ++i)
-        if (inverse[i] > 0.0) state.velocities[i] *= decay;
-    }
+  (*env_.parallelFor)(body_.rest().phyxelCount(), kPhyxelGrain, std::cref(range));
+  if (stages_.patches) body_.patches().kick(h, state.velocities);
+}
+
+void ExplicitSubstep::begin() {
+  if (!body_.forcesCurrent) evaluate(time_, 0.0);
+  env_.clock->measure(kIntegrate, [&] { kick(0.5 * dt_, together_); });
+}
+
+void ExplicitSubstep::findContacts() {
+  if (!stages_.contact) return;
+  const RestState &rest = body_.rest();
+  State &state = body_.state();
+  env_.clock->measure(kContact, [&] {
+    pointbased::findContacts(env_.obstacles, env_.box, time_, dt_, kContactMargin * rest.spacing,
+                             {rest.contact, rest.origin, state.displacements, state.velocities, rest.maxInfluence},
+                             body_.contact, *env_.parallelFor);
+    const double quiet = kQuietKicks * env_.gravity.norm() * dt_;
+    if (!findArrivals(rest.contact.binding, state.velocities, dt_, quiet, body_.contact)) return;
+    kick(-0.5 * dt_, false);
+    bounceArrivals(rest.contact.binding, body_.inverseMasses(), quiet, body_.contact, state.velocities);
+    kick(0.5 * dt_, false);
   });
-  if (contact)
-    clock.measure(kContact, [&] {
-      settleContactVelocities(rest.contact.binding, inverse, dt, body.contact, state.velocities);
-      sumContactImpulses(dt, body.contact);
+}
+
+void ExplicitSubstep::solveContacts() {
+  if (!stages_.contact) return;
+  env_.clock->measure(kContact, [&] {
+    solveContactImpulses(body_.rest().contact.binding, body_.inverseMasses(), dt_, ImpulseSettings{}, body_.contact,
+                         body_.state().velocities);
+  });
+}
+
+void ExplicitSubstep::advance() {
+  const std::size_t n = body_.rest().phyxelCount();
+  const ParallelFor &parallelFor = *env_.parallelFor;
+  StageClock &clock = *env_.clock;
+  State &state = body_.state();
+  const auto range = [this](std::size_t begin, std::size_t end) { drift(begin, end); };
+  // All of them: those that are held are put in their places below.
+  if (!together_) clock.measure(kIntegrate, [&] { parallelFor(n, kPhyxelGrain, std::cref(range)); });
+  if (stages_.supports)
+    clock.measure(kSupports, [&] {
+      body_.placeHeld(time_ + dt_, true);
+      if (stages_.patches)
+        body_.patches().correct(dt_, body_.patchTargets(time_ + dt_), state.displacements, state.velocities);
     });
-  body.forcesCurrent = true;
+  evaluate(time_ + dt_, dt_);
+  clock.measure(kIntegrate, [&] {
+    kick(0.5 * dt_, false);
+    if (!stages_.damping) return;
+    const double decay = std::exp(-env_.damping * dt_);
+    for (std::size_t i = 0; i < n; ++i)
+      if (body_.inverseMasses()[i] > 0.0) state.velocities[i] *= decay;
+  });
+  body_.forcesCurrent = true;
+}
+
+void ExplicitSubstep::settleContacts() {
+  if (!stages_.contact) return;
+  env_.clock->measure(kContact, [&] {
+    settleContactVelocities(body_.rest().contact.binding, body_.inverseMasses(), dt_, body_.contact,
+                            body_.state().velocities);
+    sumContactImpulses(dt_, body_.contact);
+  });
+}
+
+}  // namespace detail
+
+void explicitSubstep(Body &body, const Environment &env, double time, double dt) {
+  detail::ExplicitSubstep substep(body, env, time, dt, false);
+  substep.begin();
+  substep.findContacts();
+  substep.solveContacts();
+  substep.advance();
+  substep.settleContacts();
 }
 
 }  // namespace pointbased

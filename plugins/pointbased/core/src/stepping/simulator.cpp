@@ -38,7 +38,7 @@ ParallelFor flushing(ParallelFor parallelFor) {
 Simulator::Simulator(ParallelFor parallelFor)
     : plainLoops_(flushing(std::move(parallelFor))), loops_(plainLoops_),
       activity_(std::make_unique<detail::StepActivity>()), crew_(std::make_unique<detail::BodyCrew>()),
-      clock_(stageNames()) {}
+      skins_(std::make_unique<detail::SkinContacts>()), clock_(stageNames()) {}
 Simulator::~Simulator() = default;
 
 void Simulator::setWorld(const WorldSettings &world) {
@@ -90,10 +90,7 @@ std::string Simulator::activity() const { return activity_->line(); }
 std::string Simulator::whatWouldFit(const StepFailure &ended, double budget) {
   const auto found = bodies_.find(ended.body);
   if (found == bodies_.end()) return {};
-  std::string text;
-  runInSurroundings(ended.body, order(nullptr),
-                    [&](const detail::StepContext &own) { text = found->second->whatWouldFit(own, budget); });
-  return text;
+  return found->second->whatWouldFit(inSurroundings(ended.body, order(nullptr)), budget);
 }
 
 std::size_t Simulator::addObstacle(Obstacle obstacle) {
@@ -115,6 +112,7 @@ bool Simulator::removeBody(std::size_t id) {
   surroundings_.erase(id);
   std::erase_if(contactPairs_, [id](const auto &pair) { return pair.first.first == id || pair.first.second == id; });
   activity_->forget(id);
+  skins_->forget(id);
   return bodies_.erase(id) > 0;
 }
 
@@ -356,6 +354,7 @@ tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
     const std::size_t body = activity_->present();
     activity_->leaveAll();
     for (auto &[id, runner] : bodies_) runner->undoStep(parallelFor_);
+    skins_->forget();
     return tl::unexpected<StepFailure>(
         {"the step was ended before it was done; the state before it stays", true, body});
   }
@@ -371,10 +370,14 @@ tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
   return {};
 }
 
-detail::BodyCrew &Simulator::gatherCrew() {
+detail::BodyCrew &Simulator::gatherCrew(double dt) {
+  formGroups(dt);
   crew_->clear();
-  for (auto &[id, runner] : bodies_)
-    if (!runner->stopped() && !runner->body().rigid()) crew_->add(id, *runner);
+  std::size_t group = 0;
+  for (auto &[id, runner] : bodies_) {
+    if (group < groupCount_ && groups_[group]->members().front().id == id) crew_->add(*groups_[group++]);
+    if (!grouped_.contains(id) && !runner->stopped() && !runner->body().rigid()) crew_->add(id, *runner);
+  }
   return *crew_;
 }
 
@@ -382,31 +385,45 @@ void Simulator::increaseLoad(const detail::StepContext &order) {
   const int increments = world_.loadSteps > 0 ? world_.loadSteps : kUsualLoadSteps;
   double next = std::min(1.0, loadFactor_ + 1.0 / increments);
   if (next > 1.0 - 1e-9) next = 1.0;
-  gatherCrew().run(order, plainLoops_, *activity_,
-                   [this, next](detail::BodyCrew::Member &member, const detail::StepContext &own) {
-                     runInSurroundings(member.id, own,
-                                       [&](const detail::StepContext &here) { member.runner->loadUpTo(here, next); });
-                   });
+  gatherCrew(0.0).run(order, plainLoops_, *activity_,
+                      [this, next](detail::BodyCrew::Member &member, const detail::StepContext &own) {
+                        member.runner->loadUpTo(inSurroundings(member.id, own), next);
+                      });
   if (!failed()) loadFactor_ = next;
 }
 
 double Simulator::advanceBodies(const detail::StepContext &order) {
-  detail::BodyCrew &crew = gatherCrew();
-  crew.run(order, plainLoops_, *activity_, [this](detail::BodyCrew::Member &member, const detail::StepContext &own) {
-    runInSurroundings(member.id, own,
-                      [&](const detail::StepContext &here) { member.gone = member.runner->advance(here, here.dt); });
+  const auto ordersOf = [this](const detail::BodyGroup &group, const detail::StepContext &own) {
+    std::vector<detail::StepContext> orders;
+    for (const detail::BodyGroup::Member &one : group.members()) orders.push_back(inSurroundings(one.id, own));
+    return orders;
+  };
+  detail::BodyCrew &crew = gatherCrew(order.dt);
+  crew.run(order, plainLoops_, *activity_, [&](detail::BodyCrew::Member &member, const detail::StepContext &own) {
+    member.gone = member.runner ? member.runner->advance(inSurroundings(member.id, own), own.dt)
+                                : member.group->advance(ordersOf(*member.group, own), own.dt);
   });
   double span = order.dt;
   for (const detail::BodyCrew::Member &member : crew.members()) {
     span = std::min(span, member.gone);
-    spent_[member.id] += member.seconds;
+    if (member.runner) {
+      spent_[member.id] += member.seconds;
+      continue;
+    }
+    double points = 0.0;
+    for (const detail::BodyGroup::Member &one : member.group->members())
+      points += static_cast<double>(one.runner->body().rest().pointCount());
+    for (const detail::BodyGroup::Member &one : member.group->members())
+      spent_[one.id] += member.seconds * static_cast<double>(one.runner->body().rest().pointCount()) / points;
   }
   if (!(span < order.dt)) return span;
   // Where the substeps of one were not enough, the others have gone too far.
   crew.run(order, plainLoops_, *activity_, [&](detail::BodyCrew::Member &member, const detail::StepContext &own) {
-    if (!(member.gone > span) || member.runner->stopped()) return;
-    runInSurroundings(member.id, own,
-                      [&](const detail::StepContext &here) { member.runner->advanceAgain(here, span); });
+    if (!(member.gone > span)) return;
+    if (member.group)
+      member.group->advanceAgain(ordersOf(*member.group, own), span);
+    else if (!member.runner->stopped())
+      member.runner->advanceAgain(inSurroundings(member.id, own), span);
   });
   return span;
 }
@@ -417,6 +434,7 @@ void Simulator::reset() {
     runner->reset();
     if (renewed) bindProbes(id, std::vector<Vec3>(probes_.size(), Vec3::Zero()));
   }
+  skins_->forget();
   ++course_;
   time_ = 0.0;
   loadFactor_ = 0.0;

@@ -19,6 +19,7 @@ Checkpoint Simulator::checkpoint() const {
   kept->skinDeepest = skinDeepest_;
   kept->overlaps = overlaps_;
   kept->lastPair = lastPair_;
+  for (const auto &[id, pair] : skins_->pairs()) kept->contacts.emplace(id, pair->memory());
   return kept;
 }
 
@@ -41,6 +42,11 @@ bool Simulator::restore(const Checkpoint &checkpoint) {
   skinDeepest_ = checkpoint->skinDeepest;
   overlaps_ = checkpoint->overlaps;
   lastPair_ = checkpoint->lastPair;
+  skins_->forget();
+  for (const auto &[id, memory] : checkpoint->contacts) {
+    const Body *first = body(id.first), *second = body(id.second);
+    if (first && second) skins_->pairOf(id.first, *first, id.second, *second, contact_.friction).setMemory(memory);
+  }
   reportEvent("restored",
               "at " + detail::number(from) + " s the state of " + detail::number(time()) + " s was taken up again");
   return true;

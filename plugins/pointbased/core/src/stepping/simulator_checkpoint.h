@@ -4,6 +4,7 @@
 
 #include "pointbased/simulator.h"
 #include "stepping/body_stepper.h"
+#include "stepping/skin_contacts.h"
 
 namespace pointbased {
 
@@ -18,6 +19,7 @@ struct detail::SimulatorCheckpoint {
   std::map<std::size_t, double> skinDeepest;
   std::set<std::pair<std::size_t, std::size_t>> overlaps;
   std::pair<std::size_t, std::size_t> lastPair;
+  std::map<SkinContacts::PairId, SkinPair::Memory> contacts;
 };
 
 }  // namespace pointbased

@@ -7,6 +7,7 @@
 #include "discretisation/interpolation_at.h"
 #include "pointbased/simulator.h"
 #include "stepping/body_stepper.h"
+#include "stepping/skin_contacts.h"
 
 namespace pointbased {
 namespace {
@@ -110,13 +111,12 @@ WorldBox Simulator::boxOf(std::size_t id) const {
   return box;
 }
 
-void Simulator::runInSurroundings(std::size_t id, const detail::StepContext &order,
-                                  const std::function<void(const detail::StepContext &)> &run) const {
-  if (!surroundings_.contains(id)) return run(order);
+detail::StepContext Simulator::inSurroundings(std::size_t id, const detail::StepContext &order) const {
   detail::StepContext own = order;
+  if (!surroundings_.contains(id)) return own;
   own.environment.obstacles = obstaclesOf(id);
   own.environment.box = boxOf(id);
-  run(own);
+  return own;
 }
 
 std::vector<ContactSummary> Simulator::contacts() const {
@@ -144,6 +144,14 @@ std::vector<ContactSummary> Simulator::contacts() const {
     }
     for (const ContactSummary &summary : found)
       if (summary.pressing > 0.0) out.push_back(summary);
+  }
+  for (const auto &[id, pair] : skins_->pairs()) {
+    const detail::SkinPair::Sum &sum = pair->sum();
+    if (!(sum.pressing > 0.0) || !(sum.span > 0.0)) continue;
+    const auto points = std::count_if(pair->active().begin(), pair->active().end(),
+                                      [](const detail::SkinContact &c) { return c.normalImpulse > 0.0; });
+    out.push_back({id.first, id.second, sum.impulse / sum.span, sum.pressing / sum.span, pair->depth(),
+                   static_cast<std::size_t>(points)});
   }
   return out;
 }

@@ -214,6 +214,7 @@ Result<std::string> Simulator::savedState() {
   archive(loadFactor);
   for (const auto &[id, runner] : bodies_)
     if (const std::string why = whyNotKept(runner->body()); !why.empty()) return tl::unexpected(why);
+  skins_->forget();
   for (const auto &[id, runner] : bodies_) {
     runner->startSolversAnew();
     const std::span<const Vec3> patchForces = std::as_const(runner->body()).patches().forces();

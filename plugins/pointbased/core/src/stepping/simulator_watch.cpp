@@ -7,6 +7,7 @@
 #include "base/number_text.h"
 #include "pointbased/simulator.h"
 #include "stepping/body_stepper.h"
+#include "stepping/skin_contacts.h"
 #include "stepping/skin_watch.h"
 
 namespace pointbased {
@@ -77,6 +78,7 @@ void Simulator::checkSkins() {
       deepest = std::max(deepest, depth);
     }
   lookAtPairs();
+  lookAtContacts();
 }
 
 // At the start all of them, and in implicit steps, which cost more; else in turn, as many at a time as cost a few per
@@ -87,7 +89,8 @@ void Simulator::lookAtPairs() {
   for (auto a = bodies_.begin(); a != bodies_.end(); ++a) {
     phyxels += static_cast<double>(a->second->body().rest().phyxelCount());
     for (auto b = std::next(a); b != bodies_.end(); ++b)
-      if (!overlaps_.contains({a->first, b->first}) && !(a->second->asleep() && b->second->asleep()))
+      if (!overlaps_.contains({a->first, b->first}) && !canTouch(a->first, b->first) &&
+          !(a->second->asleep() && b->second->asleep()))
         pairs.emplace_back(a->first, b->first);
   }
   // From the pair after the one that was looked at last.
@@ -102,10 +105,31 @@ void Simulator::lookAtPairs() {
     left -= static_cast<double>(found.looked);
     if (!(found.depth > kLeastOverlap * std::min(first.rest().spacing, second.rest().spacing))) continue;
     overlaps_.insert(pair);
-    reportEvent("overlap", "bodies '" + first.name() + "' and '" + second.name() + "' overlap " +
-                               (steps_ == 0 ? "from the start" : "from here on") + ": " + millimetres(found.depth) +
-                               " deep, some " + number(1e6 * found.volume, 2) +
-                               " ml; bodies do not touch each other yet");
+    reportEvent("overlap",
+                "bodies '" + first.name() + "' and '" + second.name() + "' overlap " +
+                    (steps_ == 0 ? "from the start" : "from here on") + ": " + millimetres(found.depth) +
+                    " deep, some " + number(1e6 * found.volume, 2) + " ml; " +
+                    (contactPair(pair.first, pair.second).enabled ? "bodies touch each other in explicit steps alone"
+                                                                  : "contact between them is switched off"));
+  }
+}
+
+// What contact has found when it began, and what it could not hold.
+void Simulator::lookAtContacts() {
+  for (const auto &[id, pair] : skins_->pairs()) {
+    const double least = kLeastOverlap * pair->spacing();
+    if (!(std::max(pair->depth(), pair->allowed()) > least) || overlaps_.contains(id)) continue;
+    overlaps_.insert(id);
+    const std::string who =
+        id.first == id.second ? "body '" + body(id.first)->name() + "' overlaps itself"
+                              : "bodies '" + body(id.first)->name() + "' and '" + body(id.second)->name() + "' overlap";
+    if (pair->allowed() > least)
+      reportEvent("overlap", who + " " + millimetres(pair->allowed()) + " deep where they meet; it is led out at " +
+                                 millimetres(pair->settings().ease) + " a second");
+    else
+      reportEvent("overlap", who + " " + millimetres(pair->depth()) +
+                                 " deep although they touch: contact does not hold what presses them together; a " +
+                                 "smaller solver.dt or a stiffer material helps");
   }
 }
 

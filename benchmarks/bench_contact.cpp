@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+// What does contact between skins cost?
+//
+//   bench_contact [--phyxels N]
+//
+// Four balls pressed together by a load, and the same four apart: milliseconds of contact and of forces in a step, one
+// thread. Then a slab bent over itself, of so many vertices in self-contact: what a step costs while a list of near
+// places serves, and what it costs to make a list.
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+
+#include "contact/skin_pair.h"
+#include "pointbased/simulator.h"
+#include "shapes.h"
+#include "surfaces.h"
+
+using namespace pointbased;
+using namespace pointbased::detail;
+
+namespace {
+
+double millisecondsOf(const std::function<void()> &run, int repetitions) {
+  double best = 1e300;
+  for (int k = 0; k < repetitions; ++k) {
+    const auto begin = std::chrono::steady_clock::now();
+    run();
+    best = std::min(best, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+  }
+  return best;
+}
+
+// Skins whose vertices are their phyxels: two sheets of n x n squares, one half an offset-and-margin above the other.
+std::shared_ptr<const ContactSkin> foldedSheet(int n, double edge, double gap) {
+  std::vector<Vec3> points;
+  std::vector<std::array<Index, 3>> triangles;
+  for (const int layer : {0, 1}) {
+    const auto first = static_cast<Index>(points.size());
+    for (int j = 0; j <= n; ++j)
+      for (int i = 0; i <= n; ++i)
+        points.push_back(Vec3((i + 0.3 * layer) * edge, (j + 0.2 * layer) * edge,
+                              layer * gap + 0.02 * edge * std::sin(1.3 * i) * std::cos(0.9 * j)));
+    const auto at = [&](int i, int j) { return first + static_cast<Index>(j * (n + 1) + i); };
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        std::array<Index, 3> lower{at(i, j), at(i + 1, j), at(i + 1, j + 1)},
+            upper{at(i, j), at(i + 1, j + 1), at(i, j + 1)};
+        if (layer == 1) {
+          std::swap(lower[1], lower[2]);
+          std::swap(upper[1], upper[2]);
+        }
+        triangles.push_back(lower);
+        triangles.push_back(upper);
+      }
+  }
+  // At rest the second sheet lies far off.
+  Interpolation binding;
+  binding.phyxels.offsets.assign(1, 0);
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    binding.positions.push_back(points[p] + (p >= points.size() / 2 ? Vec3(0, 0, 1000.0 * edge) : Vec3(Vec3::Zero())));
+    binding.phyxels.indices.push_back(static_cast<Index>(p));
+    binding.phyxels.offsets.push_back(static_cast<Index>(p + 1));
+    binding.weights.push_back(1.0);
+    binding.gradients.push_back(Vec3::Zero());
+  }
+  return makeContactSkin(std::move(binding), std::move(triangles), 1e9, {}, {});
+}
+
+void sheets() {
+  std::printf("\n%-10s %12s %14s %12s %16s\n", "vertices", "contacts", "ms a step", "ms a list", "us a vertex, step");
+  for (const int n : {30, 60, 86, 160, 222}) {
+    constexpr double kEdge = 1.0;
+    const auto skin = foldedSheet(n, kEdge, 0.06);
+    std::vector<Vec3> u(skin->count(), Vec3::Zero()), v(skin->count(), Vec3::Zero());
+    for (std::size_t p = skin->count() / 2; p < skin->count(); ++p) {
+      u[p] = Vec3(0, 0, -1000.0 * kEdge);
+      v[p] = Vec3(0, 0, -1e-3);
+    }
+    MovingSkin moving(skin, Vec3::Zero(), 2.0 * kEdge);
+    SkinPairSettings settings;
+    settings.offset = settings.margin = 0.02 * kEdge;
+    settings.apart = 3.0 * kEdge;
+    settings.leastReach = 0.3 * kEdge;
+    std::size_t contacts = 0;
+    const double list = millisecondsOf(
+        [&] {
+          SkinPair fresh(moving, moving, settings);
+          moving.move(u, v, {}, 1.0);
+          fresh.find(1.0);
+        },
+        3);
+    SkinPair pair(moving, moving, settings);
+    const double step = millisecondsOf(
+        [&] {
+          moving.move(u, v, {}, 1.0);
+          pair.find(1.0);
+          contacts = pair.active().size();
+        },
+        7);
+    std::printf("%-10zu %12zu %14.2f %12.1f %16.3f\n", skin->count(), contacts, step, list,
+                1e3 * step / static_cast<double>(skin->count()));
+  }
+}
+
+std::unique_ptr<Body> ballOf(const Vec3 &centre, double spacing) {
+  BodyRecipe recipe;
+  recipe.sampling.spacing = spacing;
+  auto rest = buildRestState(shapes::inside(shapes::ballSurface(centre, 0.05, 24)), recipe, {}, serialFor());
+  if (!rest) std::exit(1);
+  Material material;
+  material.law = MaterialLaw::neoHookean;
+  material.youngsModulus = 1e4;
+  material.poissonRatio = 0.4;
+  return std::make_unique<Body>("ball", *rest, Constitution{{material}}, serialFor());
+}
+
+void balls(double spacing) {
+  std::printf("%-10s %10s %10s %14s %14s %10s\n", "", "phyxels", "vertices", "forces, ms", "contact, ms",
+              "contact/all");
+  for (const bool together : {false, true}) {
+    Simulator simulator;
+    WorldSettings world;
+    world.damping = 20.0;
+    // Towards the middle: gravity that changes sign is not to be had, a box that is too narrow is.
+    world.box.enabled = together;
+    world.box.min = Vec3(-0.11, -0.11, -0.06);
+    world.box.max = Vec3(0.11, 0.11, 0.06);
+    world.gravity = together ? Vec3(0, -9.81, 0) : Vec3(Vec3::Zero());
+    simulator.setWorld(world);
+    const double away = together ? 0.0502 : 0.3;
+    std::size_t phyxels = 0, vertices = 0;
+    for (const Vec3 &side : {Vec3(1, 1, 0), Vec3(1, -1, 0), Vec3(-1, 1, 0), Vec3(-1, -1, 0)}) {
+      const std::size_t id = simulator.addBody(ballOf(away * side, spacing));
+      phyxels += simulator.body(id)->rest().phyxelCount();
+      vertices += simulator.body(id)->rest().surfels.count();
+    }
+    while (simulator.time() < 0.5)
+      if (!simulator.step()) return;
+    double forces = 0.0, contact = 0.0;
+    for (const auto &stage : simulator.stageTimes()) {
+      if (stage.name == "internal_forces") forces = stage.median_ms;
+      if (stage.name == "contact") contact = stage.median_ms;
+    }
+    std::printf("%-10s %10zu %10zu %14.3f %14.3f %10.2f\n", together ? "touching" : "apart", phyxels, vertices, forces,
+                contact, contact / (contact + forces));
+  }
+}
+
+}  // namespace
+
+int main(int argc, char **argv) {
+  double spacing = 0.0105;
+  if (argc == 3 && std::strcmp(argv[1], "--phyxels") == 0)
+    spacing = std::cbrt(5.3e-4 / std::max(100.0, std::atof(argv[2])));
+  balls(spacing);
+  sheets();
+  return 0;
+}

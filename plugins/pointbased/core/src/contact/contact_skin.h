@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+// The skin of a body as other skins touch it. Private to the core.
+#pragma once
+
+#include <memory>
+
+#include "pointbased/interpolation.h"
+#include "pointbased/supports.h"
+
+namespace pointbased::detail {
+
+inline constexpr Index kNoTriangle = 0xffffffffu;
+
+struct SkinEdge {
+  std::array<Index, 2> ends{};
+  std::array<Index, 2> triangles{kNoTriangle, kNoTriangle};  ///< on either side; the second may be missing
+};
+
+/// Vertices, edges and triangles between which contact of skins is looked for: those that are drawn, divided where they
+/// are larger than the cells that carry them. Const.
+struct ContactSkin {
+  Interpolation vertices;
+  std::vector<std::array<Index, 3>> triangles;
+  std::vector<SkinEdge> edges;
+  std::vector<std::array<Index, 3>> edgesOf;  ///< [triangles] edge k leads from corner k to the next
+  Csr trianglesOf;                            ///< [vertices]
+  std::vector<double> areas;                  ///< [vertices] m², thirds of the triangles around
+  /// The farthest a vertex goes where no phyxel goes farther than one over its largest influence.
+  double gain = 1.0;
+
+  [[nodiscard]] std::size_t count() const { return vertices.count(); }
+};
+
+/// @param vertices      as phyxels carry those of `triangles`
+/// @param longestEdge   m: longer edges are halved until they are not
+/// @param bind          carries the points that are added
+/// @param maxInfluence  [phyxels], or empty: 1
+[[nodiscard]] std::shared_ptr<const ContactSkin> makeContactSkin(Interpolation vertices,
+                                                                 std::vector<std::array<Index, 3>> triangles,
+                                                                 double longestEdge, const Binder &bind,
+                                                                 std::span<const float> maxInfluence);
+
+/// Boxes around the triangles of a skin, in a binary tree that is refitted as they move.
+class TriangleTree {
+ public:
+  explicit TriangleTree(const ContactSkin &skin);
+  void refit(const ContactSkin &skin, std::span<const Vec3> positions);
+
+  struct Box {
+    Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);
+    void add(const Vec3 &x) {
+      low = low.cwiseMin(x);
+      high = high.cwiseMax(x);
+    }
+    void add(const Box &other) {
+      low = low.cwiseMin(other.low);
+      high = high.cwiseMax(other.high);
+    }
+    [[nodiscard]] bool meets(const Box &other) const {
+      return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
+    }
+    [[nodiscard]] double squaredDistance(const Vec3 &x) const {
+      return (low - x).cwiseMax(x - high).cwiseMax(0.0).squaredNorm();
+    }
+    /// Of the corner that is farthest from x.
+    [[nodiscard]] double squaredFarthest(const Vec3 &x) const {
+      return (x - low).cwiseAbs().cwiseMax((high - x).cwiseAbs()).squaredNorm();
+    }
+    [[nodiscard]] Box wider(double by) const { return {low.array() - by, high.array() + by}; }
+  };
+  [[nodiscard]] const Box &bounds() const { return nodes_.front().box; }
+
+  /// visit(triangle) for those whose leaf meets the box.
+  /// @param skips  of a box around triangles at rest: none of these is asked for
+  template <class Skips, class Visit>
+  void inBox(const Box &box, const Skips &skips, const Visit &visit) const {
+    std::array<Index, 64> stack;
+    std::size_t depth = 0;
+    stack[depth++] = 0;
+    while (depth > 0) {
+      const Node &node = nodes_[stack[--depth]];
+      if (!node.box.meets(box) || skips(node.rest)) continue;
+      if (node.count > 0) {
+        for (Index k = 0; k < node.count; ++k) visit(order_[node.first + k]);
+      } else {
+        stack[depth++] = node.first + 1;
+        stack[depth++] = node.first;
+      }
+    }
+  }
+  /// visit(triangle, squared) -> squared distance from x of that triangle, for those that may be nearer than `nearest`
+  /// squared; the nearest first, as far as boxes tell.
+  template <class Visit>
+  void nearest(const Vec3 &x, double nearest, const Visit &visit) const {
+    std::array<std::pair<Index, double>, 64> stack;
+    std::size_t depth = 0;
+    stack[depth++] = {0, nodes_.front().box.squaredDistance(x)};
+    while (depth > 0) {
+      const auto [at, away] = stack[--depth];
+      if (!(away < nearest)) continue;
+      const Node &node = nodes_[at];
+      if (node.count > 0) {
+        for (Index k = 0; k < node.count; ++k) nearest = std::min(nearest, visit(order_[node.first + k]));
+        continue;
+      }
+      const double left = nodes_[node.first].box.squaredDistance(x),
+                   right = nodes_[node.first + 1].box.squaredDistance(x);
+      const bool leftFirst = left <= right;
+      stack[depth++] = leftFirst ? std::pair(node.first + 1, right) : std::pair(node.first, left);
+      stack[depth++] = leftFirst ? std::pair(node.first, left) : std::pair(node.first + 1, right);
+    }
+  }
+
+ private:
+  struct Node {
+    Box box, rest;
+    Index first = 0;  // child, the other one behind it; of a leaf the first of order_
+    Index count = 0;  // triangles of a leaf; 0: no leaf
+  };
+  std::vector<Node> nodes_;
+  std::vector<Index> order_;
+};
+
+/// A skin where its phyxels have carried it. What is asked for is worked out once per state.
+/// @threads one
+class MovingSkin {
+ public:
+  MovingSkin(std::shared_ptr<const ContactSkin> skin, const Vec3 &origin, double spacing);
+
+  [[nodiscard]] const ContactSkin &skin() const { return *skin_; }
+  [[nodiscard]] const TriangleTree &tree() const { return tree_; }
+  [[nodiscard]] double spacing() const { return spacing_; }
+
+  /// The state at the beginning of a step of dt. The spans stay as they are until the next call.
+  /// @param maxInfluence  [phyxels], or empty: 1
+  void move(std::span<const Vec3> displacements, std::span<const Vec3> velocities, std::span<const float> maxInfluence,
+            double dt);
+  /// The same step, after the phyxels have moved.
+  void moveOn() { ++now_; }
+  /// m: no vertex goes farther in this step, seen from the mean of the phyxels, which goes meanGoes().
+  [[nodiscard]] double goes() const { return goes_; }
+  [[nodiscard]] const Vec3 &meanGoes() const { return meanGoes_; }
+  [[nodiscard]] std::span<const Vec3> displacements() const { return displacements_; }
+  /// As goes(), from the vertices themselves, which costs more. Phyxels that carry next to nothing may be fast.
+  [[nodiscard]] double goesExactly();
+  /// m: how far vertices have gone at most since phyxels had other displacements, seen from the mean of the phyxels.
+  /// @param mean  out: m, how far that has gone
+  [[nodiscard]] double wentSince(std::span<const Vec3> then, Vec3 &mean) const;
+
+  [[nodiscard]] const Vec3 &position(Index v) {
+    if (seen_[v] != now_) place(v);
+    return positions_[v];
+  }
+  [[nodiscard]] Vec3 velocity(Index v) const;
+  void placeVertices();
+  /// The boxes around the triangles as well.
+  void placeAll();
+  [[nodiscard]] std::span<const Vec3> positions() const { return positions_; }  ///< after placeVertices()
+
+  /// Outward normals: of a triangle twice its area long, of edges and vertices not normalised.
+  [[nodiscard]] Vec3 faceNormal(Index triangle);
+  [[nodiscard]] Vec3 edgeNormal(Index edge);
+  [[nodiscard]] Vec3 vertexNormal(Index vertex);
+
+ private:
+  void place(Index v);
+  [[nodiscard]] double squaredInfluence(std::size_t phyxel) const {
+    const double l = maxInfluence_.empty() ? 1.0 : static_cast<double>(maxInfluence_[phyxel]);
+    return l * l;
+  }
+
+  std::shared_ptr<const ContactSkin> skin_;
+  TriangleTree tree_;
+  Vec3 origin_;
+  double spacing_;
+  std::span<const Vec3> displacements_, velocities_;
+  std::span<const float> maxInfluence_;
+  std::vector<Vec3> positions_;
+  std::vector<std::uint64_t> seen_;
+  std::uint64_t now_ = 1, treeOf_ = 0;
+  double goes_ = 0.0, goesExactly_ = -1.0, dt_ = 0.0;
+  Vec3 meanGoes_ = Vec3::Zero();
+};
+
+/// Where a point is nearest to a triangle.
+struct NearestOnTriangle {
+  Vec3 weights = Vec3::Zero();  ///< of the corners
+  double squared = 0.0;         ///< m²
+  /// 0: within the face; 1 … 3: on the edge from corner k - 1 to the next; 4 … 6: at corner k - 4
+  int feature = 0;
+};
+/// @source  Ericson, Real-Time Collision Detection, 2005, ch. 5.1.5
+[[nodiscard]] NearestOnTriangle nearestOnTriangle(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c);
+
+/// Where two segments are nearest to each other: parts of the way from a0 to a1 and from b0 to b1, clamped to 0 … 1.
+/// @source  Ericson 2005, ch. 5.1.9
+struct NearestOfSegments {
+  double onFirst = 0.0, onSecond = 0.0;
+};
+[[nodiscard]] NearestOfSegments nearestOfSegments(const Vec3 &a0, const Vec3 &a1, const Vec3 &b0, const Vec3 &b1);
+
+}  // namespace pointbased::detail

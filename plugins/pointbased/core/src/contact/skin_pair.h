@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// Contact between two skins, or of a skin with itself. Private to the core.
+#pragma once
+
+#include "contact/contact_skin.h"
+#include "pointbased/contact.h"
+
+namespace pointbased::detail {
+
+/// One side that a point of one skin and a point of the other may not pass within a step: a vertex and a face, or two
+/// edges. `point` is its number, `gap` what is left between the skins.
+struct SkinContact : Contact {
+  std::uint64_t key = 0;  ///< of what touches what, ascending within a pair
+  double area = 0.0;      ///< m², for which it stands
+  /// Vertices whose weighted sum is the way of the first point seen from the second; of either skin
+  struct Part {
+    Index vertex = 0;
+    bool ofSecond = false;
+    double weight = 0.0;
+  };
+  std::array<Part, 4> parts{};
+  /// Vertex and triangle, or two edges
+  Index own = 0, other = 0;
+  [[nodiscard]] bool isOfEdges() const { return key >> 62 == 2; }
+};
+
+struct SkinPairSettings {
+  double friction = 0.3;
+  /// m, that the skins keep between them, so that what lies between their points does not cross
+  double offset = 0.0;
+  double margin = 0.0;      ///< m: contacts closer than this count as active even when nothing moves
+  double ease = 0.0;        ///< m/s, at which what overlaps at the start is led apart
+  double apart = 0.0;       ///< m, of a skin with itself: what lies nearer than that at rest is one piece of tissue
+  double leastReach = 0.0;  ///< m: places that near are listed, however slow all is
+};
+
+/// Finds the contacts of two skins as they move. What is within reach is listed now and then; between two lists it is
+/// looked at only when both bodies together have gone as far as it was away.
+///
+/// Only places where the distance between the skins is least locally are contacts: a vertex over the interior of a face,
+/// or beyond an edge or a corner that it is nearest to, and two edges whose shortest connection leads out of both. If
+/// none of these distances is negative, no triangles cross.
+/// @threads one
+class SkinPair {
+ public:
+  /// @param second  the same object as the first: of a skin with itself
+  SkinPair(MovingSkin &first, MovingSkin &second, const SkinPairSettings &settings);
+
+  [[nodiscard]] const SkinPairSettings &settings() const { return settings_; }
+  [[nodiscard]] double spacing() const { return spacing_; }  ///< m, of the finer one
+  [[nodiscard]] const ContactSkin &skin(std::size_t side) const { return sides_[side].skin->skin(); }
+  [[nodiscard]] MovingSkin &moving(std::size_t side) { return *sides_[side].skin; }
+  void setFriction(double friction) { settings_.friction = friction; }
+  /// Fills active() for a step of dt from where the skins are (MovingSkin::move()), keeping what contacts that go on
+  /// remember.
+  void find(double dt);
+  /// The skins have moved on since (MovingSkin::moveOn()): what presses has its place and normal of now, so that a further
+  /// impulse between the two points has no torque. Gaps stay.
+  void renewPressing();
+  [[nodiscard]] std::vector<SkinContact> &active() { return active_; }
+  [[nodiscard]] const std::vector<SkinContact> &active() const { return active_; }
+  /// All that the next step takes over from the last one.
+  struct Memory {
+    std::vector<SkinContact> active;
+    std::array<std::vector<double>, 2> allowances;  // [sides][vertices] m, or empty
+    double allowed = 0.0;
+  };
+  [[nodiscard]] Memory memory() const { return {active_, {sides_[0].allowance, sides_[1].allowance}, allowed_}; }
+  void setMemory(const Memory &memory);
+
+  /// What passes from the second skin to the first, over some time.
+  struct Sum {
+    Vec3 impulse = Vec3::Zero();  ///< N s
+    double pressing = 0.0;        ///< N s, of the normal forces alone, without direction
+    double span = 0.0;            ///< s
+  };
+  [[nodiscard]] const Sum &sum() const { return sum_; }
+  void beginSum() { sum_ = Sum(); }
+  /// A step of dt is over.
+  void addToSum(double dt);
+  /// Whether anything was within reach when it was looked for last: find() has to be called for every step.
+  [[nodiscard]] bool isNear() const { return !groups_.empty() || !edges_.empty(); }
+  /// m, that both may go together before find() has to be called again, if nothing isNear().
+  [[nodiscard]] double room() const { return reach_ - settings_.offset - settings_.margin; }
+  /// m, deepest overlap of the last find(), with what has been allowed since the start; 0: none.
+  [[nodiscard]] double depth() const { return depth_; }
+  /// m, deepest overlap that is being led apart; 0: none.
+  [[nodiscard]] double allowed() const { return allowed_; }
+
+ private:
+  struct VertexGroup {
+    Index vertex = 0;
+    bool ofSecond = false;
+    Index begin = 0, end = 0;  // of near_
+    bool isDeep = false;       // farther inside than what is listed
+    double wake = 0.0;         // m, gone since the list: from there on it is looked at
+  };
+  struct EdgePair {
+    Index first = 0, second = 0;
+    double wake = 0.0;
+  };
+  struct Side {
+    MovingSkin *skin = nullptr;
+    std::vector<double> allowance;  // [vertices] m, of overlap, that was there at the start; empty: none
+  };
+
+  [[nodiscard]] bool isSelf() const { return sides_[0].skin == sides_[1].skin; }
+  void measureWays();
+  void measureExactly();
+  void list(double reach);
+  /// m, beyond the reach of a list, that its vertices reach on account of the edges between them.
+  [[nodiscard]] double atEdges() const { return 0.75 * longestEdge_; }
+  void listVertices(bool ofSecond, double reach);
+  void listEdges(double reach);
+  [[nodiscard]] bool areOnePiece(const Vec3 &a, const Vec3 &b) const;  // at rest, m
+  void lookAt(VertexGroup &group);
+  void lookAt(EdgePair &pair);
+  [[nodiscard]] double allowance(std::size_t side, Index vertex) const {
+    return sides_[side].allowance.empty() ? 0.0 : sides_[side].allowance[vertex];
+  }
+  void learnAllowances();
+  void easeAllowances(double dt);
+  void add(SkinContact contact, double way);
+  void keepMemories();
+
+  std::array<Side, 2> sides_;
+  SkinPairSettings settings_;
+  double spacing_;
+  double longestEdge_ = 0.0;  // m, at rest
+  std::vector<VertexGroup> groups_;
+  std::vector<Index> near_;
+  std::array<std::vector<std::uint8_t>, 2> isNear_;  // [sides][vertices] 1: it has a group
+  std::vector<EdgePair> edges_;
+  std::array<std::vector<Vec3>, 2> listed_;    // [sides][phyxels] m, displacements when it was listed; empty: never
+  std::array<std::vector<Vec3>, 2> listedAt_;  // [sides][vertices] m, places then
+  double listReach_ = 0.0;                     // m
+  double went_ = 0.0, goes_ = 0.0;             // m, of both together: since it was listed, and in this step
+  double reach_ = 0.0;                         // m, within which the list is still complete
+  bool isFirst_ = true;
+  double dt_ = 0.0;
+  std::vector<SkinContact> active_, previous_;
+  double depth_ = 0.0, allowed_ = 0.0;
+  Sum sum_;
+  std::vector<std::uint64_t> seenBy_;  // [edges of the second] the query that has met it last
+  std::uint64_t query_ = 0;
+  std::vector<std::uint64_t> sharpOf_;     // [edges of the second] the list that has asked
+  std::vector<std::uint8_t> isSharpEdge_;  // [edges of the second] what it was told
+  std::uint64_t list_ = 0;
+  std::vector<Index> found_;
+};
+
+}  // namespace pointbased::detail

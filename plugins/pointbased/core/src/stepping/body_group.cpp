@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stepping/body_group.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pointbased::detail {
+namespace {
+
+constexpr double kStride = 0.25;  // spacings that two bodies may come nearer to each other in a substep
+
+Vec3 meanVelocity(const Body &body) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3 &v : body.state().velocities) sum += v;
+  return body.state().velocities.empty() ? sum : Vec3(sum / static_cast<double>(body.state().velocities.size()));
+}
+
+}  // namespace
+
+void BodyGroup::clear() {
+  members_.clear();
+  pairs_.clear();
+}
+
+double BodyGroup::advance(std::span<const StepContext> orders, double span) {
+  bool rests = true;
+  for (std::size_t k = 0; k < members_.size(); ++k)
+    if (moves(k)) rests = members_[k].runner->sleepsOn(orders[k], span) && rests;
+  if (rests) {
+    for (const Member &member : members_) member.runner->substeps().begin(orders.front().dt);
+    return span;
+  }
+  std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
+  for (std::size_t k = 0; k < members_.size(); ++k) {
+    if (!moves(k)) continue;
+    BodyStepper &runner = *members_[k].runner;
+    if (runner.asleep()) runner.wake();
+    runner.beginAdvance(orders[k]);
+    runner.forgetEnergy();  // it goes from one body to the other
+    most = std::min(most, runner.mostSubsteps());
+  }
+  const double gone = tryToAdvance(orders, span, most);
+  bool still = true;
+  for (std::size_t k = 0; k < members_.size(); ++k)
+    if (moves(k)) still = members_[k].runner->isStill(orders[k], gone) && still;
+  if (still)
+    for (std::size_t k = 0; k < members_.size(); ++k)
+      if (moves(k)) members_[k].runner->fallAsleep();
+  return gone;
+}
+
+void BodyGroup::advanceAgain(std::span<const StepContext> orders, double span) {
+  for (std::size_t k = 0; k < members_.size(); ++k) {
+    if (!moves(k)) continue;
+    if (members_[k].runner->asleep()) return;  // the state is the same at every time
+    members_[k].runner->body().restoreState();
+  }
+  (void)tryToAdvance(orders, span, std::numeric_limits<std::uint64_t>::max());
+}
+
+double BodyGroup::tryToAdvance(std::span<const StepContext> orders, double span, std::uint64_t mostSubsteps) {
+  for (std::size_t k = 0; k < members_.size(); ++k)
+    if (moves(k)) (void)members_[k].runner->keepIfSound(orders[k]);
+  while (true) {
+    bool any = false;
+    for (std::size_t k = 0; k < members_.size(); ++k) any = any || moves(k);
+    if (!any) return span;
+    const Gone gone = advanceExplicit(orders, span, mostSubsteps);
+    if (gone) {
+      for (std::size_t k = 0; k < members_.size(); ++k)
+        if (moves(k)) members_[k].runner->endAdvance();
+      return *gone;
+    }
+    for (std::size_t k = 0; k < members_.size(); ++k)
+      if (k != gone.error().member && moves(k)) members_[k].runner->goBack(*orders[k].environment.parallelFor);
+    (void)members_[gone.error().member].runner->tryAgain(orders[gone.error().member], gone.error().why);
+  }
+}
+
+BodyGroup::Gone BodyGroup::maxSubstep(std::span<const StepContext> orders, double time, double left) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < members_.size(); ++k) {
+    if (!moves(k)) continue;
+    const BodyStepper::Gone stable = members_[k].runner->maxSubstep(orders[k], time, left, nullptr);
+    if (!stable) return tl::unexpected<Refused>({k, stable.error()});
+    least = std::min(least, *stable);
+  }
+  // An impact sets phyxels in motion against each other that had the same velocity before.
+  for (const JoinedPair &joined : pairs_) {
+    if (joined.first == joined.second) continue;
+    const Body &first = members_[joined.first].runner->body(), &second = members_[joined.second].runner->body();
+    const double speed = (meanVelocity(first) - meanVelocity(second)).norm();
+    if (speed > 0.0) least = std::min(least, kStride * std::min(first.rest().spacing, second.rest().spacing) / speed);
+  }
+  return least;
+}
+
+void BodyGroup::gatherSkins() {
+  skins_.clear();
+  for (JoinedPair &joined : pairs_)
+    for (const auto &[side, k] : {std::pair(std::size_t{0}, joined.first), std::pair(std::size_t{1}, joined.second)}) {
+      MovingSkin &skin = joined.pair->moving(side);
+      if (std::none_of(skins_.begin(), skins_.end(), [&](const MovedSkin &one) { return one.skin == &skin; }))
+        skins_.push_back({&skin, k});
+    }
+}
+
+void BodyGroup::substep(std::span<const StepContext> orders, double time, double dt) {
+  StageClock &clock = *orders.front().environment.clock;
+  substeps_.clear();
+  joint_.clear();
+  for (std::size_t k = 0; k < members_.size(); ++k) {
+    Body &body = members_[k].runner->body();
+    joint_.add(body, moves(k));
+    if (moves(k)) substeps_.emplace_back(body, orders[k].environment, time, dt, true);
+  }
+  for (ExplicitSubstep &one : substeps_) one.begin();
+  for (ExplicitSubstep &one : substeps_) one.findContacts();
+  double margin = std::numeric_limits<double>::infinity();
+  clock.measure(kContact, [&] {
+    for (const MovedSkin &moved : skins_) {
+      const Body &body = members_[moved.member].runner->body();
+      moved.skin->move(body.state().displacements, body.state().velocities, body.rest().maxInfluence, dt);
+    }
+    for (const JoinedPair &joined : pairs_) {
+      joined.pair->find(dt);
+      margin = std::min(margin, joined.pair->settings().margin);
+    }
+    joint_.gather(pairs_, margin);
+    joint_.solve(dt, pairs_);
+  });
+  for (ExplicitSubstep &one : substeps_) one.advance();
+  clock.measure(kContact, [&] {
+    if (joint_.empty()) return;
+    for (const MovedSkin &moved : skins_) moved.skin->moveOn();
+    for (const JoinedPair &joined : pairs_) joined.pair->renewPressing();
+    joint_.gather(pairs_, margin);
+    joint_.settle(dt, pairs_);
+  });
+  for (const JoinedPair &joined : pairs_) joined.pair->addToSum(dt);
+  for (std::size_t k = 0; k < members_.size(); ++k)
+    if (moves(k)) sumContactImpulses(dt, members_[k].runner->body().contact);
+}
+
+BodyGroup::Gone BodyGroup::advanceExplicit(std::span<const StepContext> orders, double span,
+                                           std::uint64_t mostSubsteps) {
+  std::size_t leader = 0;
+  while (!moves(leader)) ++leader;
+  gatherSkins();
+  for (const JoinedPair &joined : pairs_) joined.pair->beginSum();
+  for (std::size_t k = 0; k < members_.size(); ++k)
+    if (moves(k)) members_[k].runner->body().contact.sums.begin(orders[k].environment.obstacles.size());
+  SubstepController &cut = members_[leader].runner->substeps();
+  double left = span, time = orders.front().time, needed = 1.0;
+  std::uint64_t substeps = 0;
+  while (left > 1e-12 * span && substeps < mostSubsteps) {
+    const Gone stable = maxSubstep(orders, time, left);
+    if (!stable) return stable;
+    needed = std::max(needed, cut.needed(span, *stable));
+    const double piece = cut.piece(left, span, *stable);
+    substep(orders, time, piece);
+    left -= piece;
+    time += piece;
+    ++substeps;
+  }
+  const double gone = left > 1e-12 * span ? time - orders.front().time : span;
+  for (std::size_t k = 0; k < members_.size(); ++k) {
+    if (!moves(k)) continue;
+    BodyStepper &runner = *members_[k].runner;
+    if (!isFinite(runner.body().state().velocities))
+      return tl::unexpected<Refused>({k, {firstNonFinite(runner.body()), false}});
+    runner.substeps().end(needed);
+  }
+  members_[leader].runner->reportSubsteps(orders[leader], span, gone, substeps, needed);
+  return gone;
+}
+
+}  // namespace pointbased::detail

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bodies that may touch each other, in lock step. Private to the core.
+#pragma once
+
+#include "stepping/body_stepper.h"
+#include "stepping/explicit_substep.h"
+#include "stepping/joint_contact.h"
+#include "stepping/skin_contacts.h"
+
+namespace pointbased::detail {
+
+/// Advances bodies between which there may be contact, all in the same substeps: those of the one that needs the
+/// smallest. What the guard refuses of one is undone for all. Rigid bodies, and those that have stopped, stand still and
+/// are touched.
+class BodyGroup {
+ public:
+  struct Member {
+    std::size_t id = 0;
+    BodyStepper *runner = nullptr;
+  };
+
+  void clear();
+  void add(std::size_t id, BodyStepper &runner) { members_.push_back({id, &runner}); }
+  /// Members by their number here.
+  void join(SkinPair &pair, std::size_t first, std::size_t second) { pairs_.push_back({&pair, first, second}); }
+  [[nodiscard]] std::span<const Member> members() const { return members_; }
+  [[nodiscard]] std::span<const JoinedPair> pairs() const { return pairs_; }
+
+  /// As BodyStepper::advance() and advanceAgain().
+  /// @param orders  [members], each in its own surroundings
+  [[nodiscard]] double advance(std::span<const StepContext> orders, double span);
+  void advanceAgain(std::span<const StepContext> orders, double span);
+
+ private:
+  [[nodiscard]] bool moves(std::size_t k) const {
+    const BodyStepper &runner = *members_[k].runner;
+    return !runner.body().rigid() && !runner.stopped();
+  }
+  [[nodiscard]] double tryToAdvance(std::span<const StepContext> orders, double span, std::uint64_t mostSubsteps);
+  struct Refused {
+    std::size_t member = 0;
+    BodyStepper::Refusal why;
+  };
+  using Gone = tl::expected<double, Refused>;
+  [[nodiscard]] Gone advanceExplicit(std::span<const StepContext> orders, double span, std::uint64_t mostSubsteps);
+  /// s, that all of them can take now.
+  [[nodiscard]] Gone maxSubstep(std::span<const StepContext> orders, double time, double left);
+  void gatherSkins();
+  void substep(std::span<const StepContext> orders, double time, double dt);
+
+  std::vector<Member> members_;
+  std::vector<JoinedPair> pairs_;
+  JointContact joint_;
+  std::vector<ExplicitSubstep> substeps_;  // of those that move
+  struct MovedSkin {
+    MovingSkin *skin = nullptr;
+    std::size_t member = 0;
+  };
+  std::vector<MovedSkin> skins_;  // of all pairs, once each
+};
+
+}  // namespace pointbased::detail

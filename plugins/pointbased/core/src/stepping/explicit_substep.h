@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// The parts of a substep of velocity Verlet, between which bodies that touch each other meet. Private to the core.
+#pragma once
+
+#include "pointbased/integrators.h"
+#include "pointbased/step_composition.h"
+
+namespace pointbased::detail {
+
+/// One substep of one body; explicitSubstep() has the order of its parts.
+class ExplicitSubstep {
+ public:
+  /// @param touchesBodies  contacts are solved together with those of other bodies: neither solveContacts() nor
+  ///                       settleContacts() is called
+  ExplicitSubstep(Body &body, const Environment &environment, double time, double dt, bool touchesBodies);
+
+  /// Forces, where they are not those of the state, and the first half of the kick.
+  void begin();
+  /// With obstacles and walls; what arrives at them bounces.
+  void findContacts();
+  void solveContacts();
+  /// Drift, supports, forces and the second half of the kick.
+  void advance();
+  void settleContacts();
+
+ private:
+  void kick(double h, bool drifts);
+  void drift(std::size_t begin, std::size_t end);
+  void evaluate(double time, double dt);
+
+  Body &body_;
+  const Environment &env_;
+  double time_, dt_;
+  StepStages stages_;
+  bool together_;  // with nothing in between, half a kick and the drift are one loop
+};
+
+}  // namespace pointbased::detail

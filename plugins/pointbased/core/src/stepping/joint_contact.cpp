@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stepping/joint_contact.h"
+
+#include <algorithm>
+
+namespace pointbased::detail {
+namespace {
+
+constexpr Index kNone = 0xffffffffu;
+// Contacts of two skins are many for what moves them, and take longer to agree than those with an obstacle.
+constexpr int kSweeps = 60;
+constexpr double kUsedUp = 25.0;     // of the margin, of which a fiftieth is left to the next steps
+constexpr double kRecovery = 500.0;  // 1/s, of the margin: how fast what has sunk in deeper is led out
+constexpr double kLeft = 0.02;       // of the margin, that speeds left by the sweeps may close in a step
+
+}  // namespace
+
+void JointContact::clear() {
+  bodies_.clear();
+  count_ = 0;
+  inverseMasses_.clear();
+}
+
+void JointContact::add(Body &body, bool moves) {
+  bodies_.push_back({&body, count_, moves});
+  count_ += body.rest().phyxelCount();
+  if (moves)
+    inverseMasses_.insert(inverseMasses_.end(), body.inverseMasses().begin(), body.inverseMasses().end());
+  else
+    inverseMasses_.resize(count_, 0.0);
+}
+
+// Entries of a phyxel that a row meets twice become one.
+void JointContact::addRow(std::span<const Index> phyxels, std::span<const double> weights, std::size_t first,
+                          double scale) {
+  Interpolation &rows = points_.binding;
+  for (std::size_t e = 0; e < phyxels.size(); ++e) {
+    const double weight = scale * weights[e];
+    if (weight == 0.0) continue;
+    const auto j = static_cast<Index>(first + phyxels[e]);
+    if (entryOf_[j] != kNone) {
+      rows.weights[entryOf_[j]] += weight;
+      continue;
+    }
+    entryOf_[j] = static_cast<Index>(rows.weights.size());
+    rows.phyxels.indices.push_back(j);
+    rows.weights.push_back(weight);
+  }
+}
+
+void JointContact::endRow() {
+  Interpolation &rows = points_.binding;
+  for (Index e = rows.phyxels.offsets.back(); e < rows.phyxels.indices.size(); ++e)
+    entryOf_[rows.phyxels.indices[e]] = kNone;
+  rows.phyxels.offsets.push_back(static_cast<Index>(rows.phyxels.indices.size()));
+}
+
+void JointContact::gather(std::span<const JoinedPair> pairs, double margin) {
+  Interpolation &rows = points_.binding;
+  rows.phyxels.offsets.assign(1, 0);
+  rows.phyxels.indices.clear();
+  rows.weights.clear();
+  state_.active.clear();
+  margin_ = margin;
+  // Half of the offset may be used up: to push back every rounding makes skins that slide swing.
+  state_.margin = kUsedUp * margin;
+  if (entryOf_.size() != count_) entryOf_.assign(count_, kNone);
+  const auto addContact = [&](const Contact &contact) {
+    state_.active.push_back(contact);
+    state_.active.back().point = static_cast<Index>(state_.active.size() - 1);
+    endRow();
+  };
+  for (const JoinedPair &joined : pairs) {
+    const std::array<std::size_t, 2> of{joined.first, joined.second};
+    for (const SkinContact &contact : joined.pair->active()) {
+      for (const SkinContact::Part &part : contact.parts) {
+        if (part.weight == 0.0) continue;
+        const std::size_t side = part.ofSecond ? 1 : 0;
+        const Interpolation &skin = joined.pair->skin(side).vertices;
+        const Index begin = skin.phyxels.offsets[part.vertex], end = skin.phyxels.offsets[part.vertex + 1];
+        addRow(std::span<const Index>(skin.phyxels.indices).subspan(begin, end - begin),
+               std::span<const double>(skin.weights).subspan(begin, end - begin), bodies_[of[side]].first, part.weight);
+      }
+      addContact(contact);
+    }
+  }
+  for (const Joined &joined : bodies_) {
+    if (!joined.moves) continue;
+    const Interpolation &points = joined.body->rest().contact.binding;
+    for (const Contact &contact : joined.body->contact.active) {
+      const Index begin = points.phyxels.offsets[contact.point], end = points.phyxels.offsets[contact.point + 1];
+      addRow(std::span<const Index>(points.phyxels.indices).subspan(begin, end - begin),
+             std::span<const double>(points.weights).subspan(begin, end - begin), joined.first, 1.0);
+      addContact(contact);
+    }
+  }
+}
+
+void JointContact::takeVelocities() {
+  velocities_.resize(count_);
+  for (const Joined &joined : bodies_)
+    std::copy(joined.body->state().velocities.begin(), joined.body->state().velocities.end(),
+              velocities_.begin() + static_cast<std::ptrdiff_t>(joined.first));
+}
+
+void JointContact::giveVelocities() {
+  for (const Joined &joined : bodies_)
+    if (joined.moves)
+      std::copy_n(velocities_.begin() + static_cast<std::ptrdiff_t>(joined.first),
+                  joined.body->state().velocities.size(), joined.body->state().velocities.begin());
+}
+
+void JointContact::giveMemories(std::span<const JoinedPair> pairs) {
+  auto solved = state_.active.cbegin();
+  const auto give = [&](Contact &contact) {
+    contact.normalImpulse = solved->normalImpulse;
+    contact.frictionImpulse = solved->frictionImpulse;
+    contact.settleImpulse = solved->settleImpulse;
+    contact.settleFriction = solved->settleFriction;
+    contact.normalForce = solved->normalForce;
+    contact.initialPenetration = solved->initialPenetration;
+    contact.tangentialDisplacement = solved->tangentialDisplacement;
+    ++solved;
+  };
+  for (const JoinedPair &joined : pairs)
+    for (SkinContact &contact : joined.pair->active()) give(contact);
+  for (const Joined &joined : bodies_)
+    if (joined.moves)
+      for (Contact &contact : joined.body->contact.active) give(contact);
+}
+
+void JointContact::solve(double dt, std::span<const JoinedPair> pairs) {
+  takeVelocities();
+  ImpulseSettings settings;
+  settings.sweeps = kSweeps;
+  settings.recoverySpeed = kRecovery * margin_;
+  settings.leastSpeed = kLeft * margin_ / dt;
+  solveContactImpulses(points_.binding, inverseMasses_, dt, settings, state_, velocities_);
+  giveVelocities();
+  giveMemories(pairs);
+}
+
+void JointContact::settle(double dt, std::span<const JoinedPair> pairs) {
+  takeVelocities();
+  settleContactVelocities(points_.binding, inverseMasses_, dt, state_, velocities_);
+  giveVelocities();
+  giveMemories(pairs);
+}
+
+}  // namespace pointbased::detail

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// The contacts of bodies that touch each other as one system. Private to the core.
+#pragma once
+
+#include "contact/skin_pair.h"
+#include "pointbased/body.h"
+
+namespace pointbased::detail {
+
+/// A pair of skins among the bodies of a JointContact.
+struct JoinedPair {
+  SkinPair *pair = nullptr;
+  std::size_t first = 0, second = 0;  ///< numbers of their bodies there
+};
+
+/// Phyxels of several bodies as one row of unknowns, with the contacts between their skins and those of each with
+/// obstacles and walls. What moves nothing (rigid or stopped bodies) has no inverse mass.
+/// @threads one
+class JointContact {
+ public:
+  void clear();
+  /// @param moves  false: it stands still
+  void add(Body &body, bool moves);
+  [[nodiscard]] std::size_t phyxels() const { return count_; }
+  [[nodiscard]] std::size_t first(std::size_t body) const { return bodies_[body].first; }
+
+  /// Takes the contacts that have been found: of each body those in Body::contact, and of the pairs.
+  void gather(std::span<const JoinedPair> pairs, double margin);
+  [[nodiscard]] bool empty() const { return state_.active.empty(); }
+
+  /// Explicit steps: solveContactImpulses() and settleContactVelocities() of all of them together. What they find goes
+  /// back to where the contacts came from.
+  void solve(double dt, std::span<const JoinedPair> pairs);
+  void settle(double dt, std::span<const JoinedPair> pairs);
+
+  /// Rows and contacts over all phyxels, for the penalty of implicit and static solutions; see contact.h.
+  [[nodiscard]] const ContactPoints &points() const { return points_; }
+  [[nodiscard]] ContactState &state() { return state_; }
+
+ private:
+  struct Joined {
+    Body *body = nullptr;
+    std::size_t first = 0;  // of its phyxels among all
+    bool moves = true;
+  };
+  void addRow(std::span<const Index> phyxels, std::span<const double> weights, std::size_t first, double scale);
+  void endRow();
+  void takeVelocities();
+  void giveVelocities();
+  void giveMemories(std::span<const JoinedPair> pairs);
+
+  std::vector<Joined> bodies_;
+  std::size_t count_ = 0;
+  ContactPoints points_;
+  ContactState state_;
+  double margin_ = 0.0;  // m, the least of the pairs
+  std::vector<double> inverseMasses_;
+  std::vector<Vec3> velocities_;
+  std::vector<Index> entryOf_;  // [phyxels] of the row that is being made; kNone
+};
+
+}  // namespace pointbased::detail

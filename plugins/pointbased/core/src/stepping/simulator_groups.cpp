@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bodies that may touch each other.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/disjoint_sets.h"
+#include "contact/contact_skin.h"
+#include "pointbased/simulator.h"
+#include "stepping/body_crew.h"
+#include "stepping/guard.h"
+
+namespace pointbased {
+
+using namespace detail;
+
+namespace {
+
+using Box = TriangleTree::Box;
+
+constexpr double kSlack = 0.5;   // spacings
+constexpr double kFaster = 2.0;  // times the way of a step: bodies may gain speed within it
+
+// Where a body is, and as much around it as it may go within a step.
+Box reachOf(const Body &body, const Vec3 &gravity, double dt) {
+  Box box;
+  double speed = 0.0;
+  const RestState &rest = body.rest();
+  for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
+    box.add(Vec3(rest.origin + rest.positions[i] + body.state().displacements[i]));
+    speed = std::max(speed, body.state().velocities[i].squaredNorm());
+  }
+  return box.wider(kFaster * dt * (std::sqrt(speed) + dt * gravity.norm()) + kSlack * rest.spacing);
+}
+
+}  // namespace
+
+bool Simulator::canTouch(std::size_t a, std::size_t b) const {
+  const BodyStepper &first = *bodies_.at(a), &second = *bodies_.at(b);
+  if (!SkinContacts::hasSkin(first.body()) || !SkinContacts::hasSkin(second.body()) || quasiStatic()) return false;
+  const auto isExplicit = [this](const BodyStepper &one) {
+    return one.body().rigid() || one.stopped() || one.integratorIn(world_) == Integrator::explicitVerlet;
+  };
+  return (a == b ? contact_.enabled && contact_.self : contactPair(a, b).enabled) && isExplicit(first) &&
+         isExplicit(second);
+}
+
+// A skin can touch itself only after phyxels have moved against each other as far as its parts are apart.
+bool Simulator::mayTouchItself(std::size_t id, double dt) {
+  const Body &body = bodies_.at(id)->body();
+  if (body.rigid() || bodies_.at(id)->stopped() || bodies_.at(id)->asleep() || !canTouch(id, id)) return false;
+  const double room = skins_->roomOfSelf(id) - 2.0 * kFaster * dt * quickCheck(body).speedBound;
+  skins_->setRoomOfSelf(id, room);
+  if (room > 0.0) return false;
+  SkinPair &pair = skins_->pairOf(id, body, id, body, contact_.friction);
+  pair.moving(0).move(body.state().displacements, body.state().velocities, body.rest().maxInfluence, 0.0);
+  pair.find(0.0);
+  if (pair.isNear()) return true;
+  skins_->setRoomOfSelf(id, pair.room() / pair.skin(0).gain);
+  return false;
+}
+
+void Simulator::formGroups(double dt) {
+  groupCount_ = 0;
+  grouped_.clear();
+  skins_->beginSums();
+  if (!contact_.enabled || quasiStatic()) return;
+  struct One {
+    std::size_t id;
+    BodyStepper *runner;
+    bool idle;
+    Box box;
+  };
+  std::vector<One> ones;
+  std::vector<std::pair<std::size_t, std::size_t>> near;
+  for (auto &[id, runner] : bodies_) {
+    if (!SkinContacts::hasSkin(runner->body())) continue;
+    const bool stands = runner->stopped() || runner->body().rigid();
+    if (mayTouchItself(id, dt)) near.emplace_back(ones.size(), ones.size());
+    ones.push_back({id, runner.get(), stands || runner->asleep(), {}});
+    if (bodies_.size() > 1) ones.back().box = reachOf(runner->body(), world_.gravity, dt);
+  }
+  DisjointSets sets(ones.size());
+  for (std::size_t a = 0; a < ones.size(); ++a)
+    for (std::size_t b = a + 1; b < ones.size(); ++b) {
+      if ((ones[a].idle && ones[b].idle) || !ones[a].box.meets(ones[b].box) || !canTouch(ones[a].id, ones[b].id))
+        continue;
+      near.emplace_back(a, b);
+      sets.join(a, b);
+    }
+  if (near.empty()) return;
+  std::vector<std::size_t> groupOf(ones.size(), std::numeric_limits<std::size_t>::max()), numberOf(ones.size());
+  for (std::size_t k = 0; k < ones.size(); ++k) {
+    const std::size_t root = sets.find(k);
+    const bool alone =
+        std::none_of(near.begin(), near.end(), [&](const auto &p) { return p.first == k || p.second == k; });
+    if (alone) continue;
+    std::size_t &group = groupOf[root];
+    if (group == std::numeric_limits<std::size_t>::max()) {
+      group = groupCount_++;
+      if (groups_.size() < groupCount_) groups_.push_back(std::make_unique<BodyGroup>());
+      groups_[group]->clear();
+    }
+    numberOf[k] = groups_[group]->members().size();
+    groups_[group]->add(ones[k].id, *ones[k].runner);
+    grouped_.insert(ones[k].id);
+  }
+  for (const auto &[a, b] : near) {
+    const double friction = a == b ? contact_.friction : contactPair(ones[a].id, ones[b].id).friction;
+    SkinPair &pair = skins_->pairOf(ones[a].id, ones[a].runner->body(), ones[b].id, ones[b].runner->body(), friction);
+    groups_[groupOf[sets.find(a)]]->join(pair, numberOf[a], numberOf[b]);
+  }
+}
+
+}  // namespace pointbased

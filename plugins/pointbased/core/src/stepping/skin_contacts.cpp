@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stepping/skin_contacts.h"
+
+#include <algorithm>
+
+namespace pointbased::detail {
+namespace {
+
+// In spacings, of the finer body.
+constexpr double kOffset = 0.01;   // that skins keep between them
+constexpr double kActive = 1.0;    // of the offset: contacts that near count
+constexpr double kEase = 0.5;      // 1/s: spacings a second at which what overlaps at the start is led apart
+constexpr double kOnePiece = 1.5;  // of one skin: what lies nearer at rest does not touch itself
+constexpr double kReach = 0.15, kReachOfSelf = 0.5;  // within which places are listed
+constexpr double kLongestEdge = 1.5;                 // of a skin's triangles
+
+}  // namespace
+
+MovingSkin &SkinContacts::skinOf(std::size_t id, const Body &body) {
+  Skin &skin = skins_[id];
+  if (skin.of == body.sharedRest()) return *skin.moving;
+  forget(id);
+  const RestState &rest = body.rest();
+  Skin &renewed = skins_[id];
+  renewed.of = body.sharedRest();
+  renewed.moving =
+      std::make_unique<MovingSkin>(makeContactSkin(rest.surfels.expanded(rest.positions), rest.skin,
+                                                   kLongestEdge * rest.spacing, rest.bind, rest.maxInfluence),
+                                   rest.origin, rest.spacing);
+  return *renewed.moving;
+}
+
+SkinPair &SkinContacts::pairOf(std::size_t a, const Body &first, std::size_t b, const Body &second, double friction) {
+  MovingSkin &own = skinOf(a, first), &other = skinOf(b, second);
+  std::unique_ptr<SkinPair> &pair = pairs_[{a, b}];
+  if (!pair) {
+    const double spacing = std::min(own.spacing(), other.spacing());
+    SkinPairSettings settings;
+    settings.offset = kOffset * spacing;
+    settings.margin = kActive * settings.offset;
+    settings.ease = kEase * spacing;
+    settings.apart = kOnePiece * spacing;
+    settings.leastReach = (a == b ? kReachOfSelf : kReach) * spacing;
+    pair = std::make_unique<SkinPair>(own, other, settings);
+  }
+  pair->setFriction(friction);
+  return *pair;
+}
+
+const SkinPair *SkinContacts::find(const PairId &id) const {
+  const auto found = pairs_.find(id);
+  return found == pairs_.end() ? nullptr : found->second.get();
+}
+
+void SkinContacts::forget() {
+  pairs_.clear();
+  skins_.clear();
+  roomsOfSelf_.clear();
+}
+
+void SkinContacts::forget(std::size_t id) {
+  std::erase_if(pairs_, [id](const auto &pair) { return pair.first.first == id || pair.first.second == id; });
+  skins_.erase(id);
+  roomsOfSelf_.erase(id);
+}
+
+}  // namespace pointbased::detail

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// What contact between bodies knows of their skins from step to step. Private to the core.
+#pragma once
+
+#include <map>
+#include <memory>
+
+#include "contact/skin_pair.h"
+#include "pointbased/body.h"
+#include "pointbased/contact_settings.h"
+
+namespace pointbased::detail {
+
+/// Skins of bodies, and pairs of skins that have come near each other.
+/// @threads one; different pairs of different skins may be used at once
+class SkinContacts {
+ public:
+  /// Two bodies, or one and itself, by ids, the smaller one first.
+  using PairId = std::pair<std::size_t, std::size_t>;
+
+  /// Whether a body has a skin that others can touch.
+  [[nodiscard]] static bool hasSkin(const Body &body) { return !body.rest().skin.empty(); }
+  /// Of the body's present reference.
+  [[nodiscard]] MovingSkin &skinOf(std::size_t id, const Body &body);
+  /// @param a, b  the smaller id first
+  [[nodiscard]] SkinPair &pairOf(std::size_t a, const Body &first, std::size_t b, const Body &second, double friction);
+  [[nodiscard]] const SkinPair *find(const PairId &id) const;
+  [[nodiscard]] const std::map<PairId, std::unique_ptr<SkinPair>> &pairs() const { return pairs_; }
+
+  /// m, that the phyxels of a body may still move against each other before its skin can touch itself; negative: it has
+  /// to be looked at.
+  [[nodiscard]] double roomOfSelf(std::size_t id) const {
+    const auto found = roomsOfSelf_.find(id);
+    return found == roomsOfSelf_.end() ? -1.0 : found->second;
+  }
+  void setRoomOfSelf(std::size_t id, double room) { roomsOfSelf_[id] = room; }
+
+  /// A step begins: nothing has passed between them in it yet.
+  void beginSums() {
+    for (auto &[id, pair] : pairs_) pair->beginSum();
+  }
+  /// Begins anew: of all, and of one body.
+  void forget();
+  void forget(std::size_t id);
+
+ private:
+  struct Skin {
+    std::shared_ptr<const RestState> of;
+    std::unique_ptr<MovingSkin> moving;
+  };
+  std::map<std::size_t, Skin> skins_;
+  std::map<PairId, std::unique_ptr<SkinPair>> pairs_;
+  std::map<std::size_t, double> roomsOfSelf_;
+};
+
+}  // namespace pointbased::detail
