@@ -73,7 +73,7 @@ void sheets() {
   std::printf("\n%-10s %12s %14s %12s %16s\n", "vertices", "contacts", "ms a step", "ms a list", "us a vertex, step");
   for (const int n : {30, 60, 86, 160, 222}) {
     constexpr double kEdge = 1.0;
-    const auto skin = foldedSheet(n, kEdge, 0.06);
+    const auto skin = foldedSheet(n, kEdge, 0.035);
     std::vector<Vec3> u(skin->count(), Vec3::Zero()), v(skin->count(), Vec3::Zero());
     for (std::size_t p = skin->count() / 2; p < skin->count(); ++p) {
       u[p] = Vec3(0, 0, -1000.0 * kEdge);
