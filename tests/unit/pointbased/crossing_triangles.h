@@ -6,7 +6,8 @@
 
 namespace shapes {
 
-/// Pairs of triangles of the skins of two bodies, as they are drawn, that cross: an edge of one passes through the other.
+/// Pairs of triangles of the skins of two bodies, as they are drawn, that cross: an edge of one passes through the
+/// other.
 [[nodiscard]] std::size_t crossings(pointbased::Simulator &simulator, std::size_t first, std::size_t second);
 /// Of a skin with itself; triangles that share a corner do not count.
 [[nodiscard]] std::size_t crossings(pointbased::Simulator &simulator, std::size_t body);

@@ -47,6 +47,17 @@ void setVelocity(Simulator &simulator, std::size_t id, const Vec3 &velocity) {
   for (Vec3 &v : simulator.body(id)->state().velocities) v = velocity;
 }
 
+// At 0.4 m/s against each other, 10 mm off centre, without friction.
+std::pair<std::size_t, std::size_t> addCollidingBalls(Simulator &simulator) {
+  simulator.setContact({true, false, 0.0});
+  const Material material = soft(1e4, 0.3);
+  const std::size_t a = simulator.addBody(ball(Vec3(-0.051, 0, 0), 0.05, 0.0125, material, 20));
+  const std::size_t b = simulator.addBody(ball(Vec3(0.051, 0.01, 0), 0.05, 0.0125, material, 20));
+  setVelocity(simulator, a, Vec3(0.2, 0, 0));
+  setVelocity(simulator, b, Vec3(-0.2, 0, 0));
+  return {a, b};
+}
+
 struct Total {
   Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();
   double energy = 0.0;
@@ -75,12 +86,7 @@ const ContactSummary *between(const std::vector<ContactSummary> &contacts, std::
 
 TEST_CASE("two balls that collide keep their momenta, gain no energy and part") {
   Simulator simulator;
-  simulator.setContact({true, false, 0.0});
-  const Material material = soft(1e4, 0.3);
-  const std::size_t a = simulator.addBody(ball(Vec3(-0.051, 0, 0), 0.05, 0.0125, material, 20));
-  const std::size_t b = simulator.addBody(ball(Vec3(0.051, 0.01, 0), 0.05, 0.0125, material, 20));
-  setVelocity(simulator, a, Vec3(0.2, 0, 0));
-  setVelocity(simulator, b, Vec3(-0.2, 0, 0));
+  const auto [a, b] = addCollidingBalls(simulator);
   const Total before = totalOf(simulator);
   const double scale = simulator.body(a)->totalMass() * 0.2;
   double most = 0.0, turned = 0.0;
@@ -99,10 +105,12 @@ TEST_CASE("two balls that collide keep their momenta, gain no energy and part") 
     }
   }
   CHECK(touched);
+  const double turnedOf = turned / before.angular.norm(), left = totalOf(simulator).energy / before.energy;
+  CAPTURE(turnedOf, left, most / before.energy);
   // As velocity Verlet tells it, (omega dt)²/8 of what swings.
   CHECK(most < 1.001 * before.energy);
   // Forces of a step are those between the places at its beginning.
-  CHECK(turned < 1e-3 * scale * 0.01);
+  CHECK(turnedOf < 1e-3);
   // They leave each other; what is lost is that of an impact (docs/theory/contact.md).
   CHECK(shapes::meanVelocity(*simulator.body(a))[0] < -0.15);
   CHECK(shapes::meanVelocity(*simulator.body(b))[0] > 0.15);
@@ -111,12 +119,7 @@ TEST_CASE("two balls that collide keep their momenta, gain no energy and part") 
 // Missed, with figures in docs/theory/cannot.md: the tests tagged [.missed] say what is to hold.
 TEST_CASE("the skins of two balls that collide do not cross", "[.missed]") {
   Simulator simulator;
-  simulator.setContact({true, false, 0.0});
-  const Material material = soft(1e4, 0.3);
-  const std::size_t a = simulator.addBody(ball(Vec3(-0.051, 0, 0), 0.05, 0.0125, material, 20));
-  const std::size_t b = simulator.addBody(ball(Vec3(0.051, 0.01, 0), 0.05, 0.0125, material, 20));
-  setVelocity(simulator, a, Vec3(0.2, 0, 0));
-  setVelocity(simulator, b, Vec3(-0.2, 0, 0));
+  const auto [a, b] = addCollidingBalls(simulator);
   std::size_t crossed = 0;
   while (simulator.time() < 0.2) {
     REQUIRE(simulator.step());

@@ -62,7 +62,8 @@ TEST_CASE("the weight of a block is the force that its ground is reported with")
   CHECK(std::hypot(c.force[0], c.force[2]) < 0.01 * weight);
   CHECK_THAT(c.pressing, WithinRel(weight, 0.01));
   CHECK(c.points >= 16);
-  // Explicit: what rattles within the margin. Else the penalty gives by p d / (30 E), some four times that at the edges.
+  // Explicit: what rattles within the margin. Else the penalty gives by p d / (30 E), some four times that at the
+  // edges.
   const double even = weight / (0.08 * 0.08) * 0.02 / (30.0 * 5e4);
   CHECK(c.depth <= (integrator == Integrator::explicitVerlet ? 0.02 * 0.02 : 4.0 * even));
   if (integrator != Integrator::explicitVerlet) CHECK(c.depth >= even);

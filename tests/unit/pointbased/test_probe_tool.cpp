@@ -165,9 +165,9 @@ TEST_CASE("a tool that cannot be is refused with what is accepted") {
 }
 
 TEST_CASE("Hertz: the force on a sphere that is pressed into a block") {
-  // On a bonded block of finite height h Hertz's force times 1 - 2 α0 χ/π + …, χ = sqrt(R d)/h (Dimitriadis et al.,
-  // Biophys. J. 82, 2002); the sides, seven contact radii away, are not in it. Cells of 1.25 mm on a contact radius of
-  // 4.9 mm, the penalty and the depth of 2 % of the radius leave a few per cent.
+  // On a bonded block of finite height h Hertz's force times 1 - 2 α0 χ/π + …, χ = sqrt(R d)/h (Dimitriadis et
+  // al., Biophys. J. 82, 2002); the sides, seven contact radii away, are not in it. Cells of 1.25 mm on a contact
+  // radius of 4.9 mm, the penalty and the depth of 2 % of the radius leave a few per cent.
   const double R = 0.04, depth = 0.0006, half = 0.035, height = 0.03, nu = 0.3, pi = std::numbers::pi;
   LatticeSampling sampling = cellsOf(0.005);
   sampling.refinements.push_back({SphereRegion{Vec3(0, height, 0), 0.008}, 0.00125});

@@ -29,8 +29,8 @@ struct ReportedTool {
 /// What integrates a body and what computes its forces, for people: "explicit, double precision, AVX3".
 [[nodiscard]] std::string howComputed(const Simulator &simulator, std::size_t body);
 
-/// The keys accuracy, bodies, probes, probe_tools, contacts, reactions, stages, events and notices of the run report, as
-/// one JSON object.
+/// The keys accuracy, bodies, probes, probe_tools, contacts, reactions, stages, events and notices of the run report,
+/// as one JSON object.
 /// @param nameOfId  of a body, an obstacle or kWorldBox
 [[nodiscard]] std::string reportJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies,
                                      const std::vector<ReportedTool> &tools,

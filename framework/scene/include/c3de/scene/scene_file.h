@@ -218,13 +218,13 @@ struct SceneFile {
 
 /// Applies `PATH=VALUE` of the command line, for example "body.liver.material.youngs_modulus=6e3", "solver.dt=auto",
 /// "world.gravity=[0,-9.81,0]", "obstacle.floor.friction=0.2", "fix.0.displacement=[0,0,0.01]",
-/// "load.press.pressure=200", "contact.pair.0.friction=0.1", "probe_tool.finger.radius_mm=5" (by name, or by number from
-/// 0). Errors (ErrorCode::usage) name the nearest path.
+/// "load.press.pressure=200", "contact.pair.0.friction=0.1", "probe_tool.finger.radius_mm=5" (by name, or by number
+/// from 0). Errors (ErrorCode::usage) name the nearest path.
 [[nodiscard]] Expected<void> applyOverride(SceneFile &scene, std::string_view assignment,
                                            const MaterialLibrary *materials);
 
-/// The values of one table, as their declarations want them: a whole number becomes a number, text a choice. Of two ways
-/// to say the same thing (ParameterDecl::alternativeTo) an override counts.
+/// The values of one table, as their declarations want them: a whole number becomes a number, text a choice. Of two
+/// ways to say the same thing (ParameterDecl::alternativeTo) an override counts.
 /// Errors begin with where(value): unknown (names the nearest), outside what is accepted, two ways to say the same
 /// thing, a part of what has to be said together. ErrorCode::usage for an override, ErrorCode::input else.
 [[nodiscard]] Expected<std::vector<ParameterValue>> fitToDeclarations(const SceneFile &scene,

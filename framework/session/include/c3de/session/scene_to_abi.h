@@ -50,8 +50,8 @@ class BodyTables {
   std::vector<std::vector<c3de_param_value>> partValues_;
 };
 
-/// The line of what an error of the simulator is about: a fix or load by its number in the scene, a part or refinement by
-/// that in the body.
+/// The line of what an error of the simulator is about: a fix or load by its number in the scene, a part or refinement
+/// by that in the body.
 [[nodiscard]] std::optional<int> sceneLineOf(const scene::SceneFile &scene, const scene::SceneBody &body,
                                              const plugin_host::PluginError &error);
 

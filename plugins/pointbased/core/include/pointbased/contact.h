@@ -220,8 +220,8 @@ Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> 
 void settleContactVelocities(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
                              ContactState &memory, std::span<Vec3> velocities);
 
-/// Adds the impulses of an explicit substep that is over, and its length dt, to memory.sums (without those that lead out
-/// of penetrations, which the step takes back). Nothing where ContactSums::begin() has not been called.
+/// Adds the impulses of an explicit substep that is over, and its length dt, to memory.sums (without those that lead
+/// out of penetrations, which the step takes back). Nothing where ContactSums::begin() has not been called.
 void sumContactImpulses(double dt, ContactState &memory);
 
 /// Contact as an energy, for implicit and quasi-static steps, over the planes of memory.active, moved by
@@ -261,8 +261,8 @@ class ContactForces {
   /// Remembers the forces on the points, N, as they are now.
   void record(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
               std::span<const Vec3> now, const ContactState &memory);
-  /// Σ_p |change of the force on p since record()| over Σ_p of all that presses now; 0 where nothing presses and nothing
-  /// did.
+  /// Σ_p |change of the force on p since record()| over Σ_p of all that presses now; 0 where nothing presses and
+  /// nothing did.
   [[nodiscard]] double changeTo(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
                                 std::span<const Vec3> now, const ContactState &memory);
 
@@ -275,8 +275,8 @@ void updateNormalForces(const ContactPoints &points, const ContactPenalty &penal
 /// Fills memory.stageForces with the forces at `now`.
 void sumContactForces(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
                       std::span<const Vec3> now, ContactState &memory);
-/// Adds memory.stageForces for `span` s (or load factor) to memory.sums. Nothing where ContactSums::begin() has not been
-/// called.
+/// Adds memory.stageForces for `span` s (or load factor) to memory.sums. Nothing where ContactSums::begin() has not
+/// been called.
 void addStageForces(double span, ContactState &memory);
 /// Once, at the end of a stage: what friction has stored and what is left of allowances goes to the next one.
 void finishContactStage(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,

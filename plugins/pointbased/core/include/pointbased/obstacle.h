@@ -31,8 +31,8 @@ struct Obstacle {
   /// once. Empty: it is not felt.
   std::function<void(std::span<const Vec3> points, std::span<const double> maxDistances, std::span<SurfacePoint> out)>
       closest;
-  /// First crossing of the way from → to, likewise: t in [0, 1] and the normal of the surface there (either side); t <
-  /// 0: none. Several threads at once. Empty: fast points may pass thin parts, and pass by edges with a push.
+  /// First crossing of the way from → to, likewise: t in [0, 1] and the normal of the surface there (either side); t
+  /// < 0: none. Several threads at once. Empty: fast points may pass thin parts, and pass by edges with a push.
   std::function<double(const Vec3 &from, const Vec3 &to, Vec3 &normal)> crossing;
 };
 

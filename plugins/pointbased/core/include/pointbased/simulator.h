@@ -116,8 +116,8 @@ class Simulator {
   /// Body::setRigid() while it runs: the body costs nothing then, and its stable step is nobody's. Nothing grabs it.
   void setRigid(std::size_t body, bool rigid);
 
-  /// Contact of bodies with each other. Any time between two steps; a setting, not state: reset() and restore() leave it
-  /// as it is. Wakes all bodies.
+  /// Contact of bodies with each other. Any time between two steps; a setting, not state: reset() and restore() leave
+  /// it as it is. Wakes all bodies.
   /// @param contact  friction >= 0
   void setContact(const ContactSettings &contact);
   [[nodiscard]] const ContactSettings &contact() const { return contact_; }
@@ -134,8 +134,8 @@ class Simulator {
   /// is integrated explicitly or stands still.
   [[nodiscard]] bool canTouch(std::size_t a, std::size_t b) const;
   /// Who touches whom, by ids: those that have pressed in the last step. Empty before the first step
-  /// and where a body has been given another state since. Explicit steps: the impulses of their substeps; implicit ones:
-  /// forces of the penalty.
+  /// and where a body has been given another state since. Explicit steps: the impulses of their substeps; implicit
+  /// ones: forces of the penalty.
   [[nodiscard]] std::vector<ContactSummary> contacts() const;
 
   /// One step of the present size: explicit in the substeps that stability needs, up to 10 000 (then time goes on by

@@ -143,14 +143,8 @@ std::shared_ptr<const ContactSkin> makeContactSkin(Interpolation vertices, std::
   for (const Index count : counts) skin->trianglesOf.offsets.push_back(skin->trianglesOf.offsets.back() + count);
   skin->trianglesOf.indices.resize(skin->trianglesOf.offsets.back());
   std::vector<Index> next(skin->trianglesOf.offsets.begin(), skin->trianglesOf.offsets.end() - 1);
-  skin->areas.assign(skin->count(), 0.0);
   for (std::size_t t = 0; t < skin->triangles.size(); ++t) {
-    const auto &[a, b, c] = skin->triangles[t];
-    const double area = 0.5 * (points[b] - points[a]).cross(points[c] - points[a]).norm();
-    for (const Index v : skin->triangles[t]) {
-      skin->trianglesOf.indices[next[v]++] = static_cast<Index>(t);
-      skin->areas[v] += area / 3.0;
-    }
+    for (const Index v : skin->triangles[t]) skin->trianglesOf.indices[next[v]++] = static_cast<Index>(t);
   }
   const Interpolation &carried = skin->vertices;
   for (std::size_t v = 0; v < carried.count(); ++v) {
@@ -302,6 +296,12 @@ Vec3 MovingSkin::vertexNormal(Index vertex) {
     sum += std::atan2(normal.norm(), ab.dot(ac)) * normal.normalized();
   }
   return sum;
+}
+
+Vec3 MovingSkin::outwardAt(Index triangle, int feature) {
+  if (feature == 0) return faceNormal(triangle);
+  const auto k = static_cast<std::size_t>(feature);
+  return k < 4 ? edgeNormal(skin_->edgesOf[triangle][k - 1]) : vertexNormal(skin_->triangles[triangle][k - 4]);
 }
 
 NearestOnTriangle nearestOnTriangle(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c) {

@@ -24,7 +24,6 @@ struct ContactSkin {
   std::vector<SkinEdge> edges;
   std::vector<std::array<Index, 3>> edgesOf;  ///< [triangles] edge k leads from corner k to the next
   Csr trianglesOf;                            ///< [vertices]
-  std::vector<double> areas;                  ///< [vertices] m², thirds of the triangles around
   /// The farthest a vertex goes where no phyxel goes farther than one over its largest influence.
   double gain = 1.0;
 
@@ -161,6 +160,8 @@ class MovingSkin {
   [[nodiscard]] Vec3 faceNormal(Index triangle);
   [[nodiscard]] Vec3 edgeNormal(Index edge);
   [[nodiscard]] Vec3 vertexNormal(Index vertex);
+  /// That of the part of a triangle that NearestOnTriangle::feature names: on its side lies what is nearest to it.
+  [[nodiscard]] Vec3 outwardAt(Index triangle, int feature);
 
  private:
   void place(Index v);

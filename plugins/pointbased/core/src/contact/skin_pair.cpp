@@ -17,8 +17,8 @@ constexpr double kDeep = 0.1;
 // Edges whose faces meet at a smaller angle (its sine) are smooth: the vertices beside them tell all.
 // An edge that is so long rises, times the offset, beyond its neighbours however smooth it is.
 constexpr double kSharp = 0.05, kRise = 0.25;
-// Of the way of a step: what moves fast against each other keeps so much more apart, so that what the solution leaves of
-// its speed, and planes that are those of the beginning of the step, do not take it through.
+// Of the way of a step: what moves fast against each other keeps so much more apart, so that what the solution leaves
+// of its speed, and planes that are those of the beginning of the step, do not take it through.
 constexpr double kCushion = 0.1;
 // Of the cone of directions that lead out of an edge, and of its ends: rounding.
 constexpr double kCone = 0.05, kEnds = 1e-6;
@@ -206,10 +206,7 @@ void SkinPair::listVertices(bool ofSecond, double reach) {
       const auto &[a, b, c] = surface.triangles[at];
       const NearestOnTriangle found = nearestOnTriangle(x[v], y[a], y[b], y[c]);
       const Vec3 way = x[v] - (found.weights[0] * y[a] + found.weights[1] * y[b] + found.weights[2] * y[c]);
-      const Vec3 normal = found.feature == 0  ? other.faceNormal(at)
-                          : found.feature < 4 ? other.edgeNormal(surface.edgesOf[at][found.feature - 1])
-                                              : other.vertexNormal(surface.triangles[at][found.feature - 4]);
-      if (way.dot(normal) < 0.0) near_.push_back(at);
+      if (way.dot(other.outwardAt(at, found.feature)) < 0.0) near_.push_back(at);
       nearest = 0.0;
     }
     const auto end = static_cast<Index>(near_.size());
@@ -311,9 +308,7 @@ void SkinPair::lookAt(VertexGroup &group) {
   // What is not listed may be nearer, and lead the other way.
   if (size > complete && !group.isDeep) return;
   const Vec3 way = p - placeOn(at, best.weights);
-  const Vec3 outward = best.feature == 0  ? other.faceNormal(at)
-                       : best.feature < 4 ? other.edgeNormal(surface.edgesOf[at][best.feature - 1])
-                                          : other.vertexNormal(surface.triangles[at][best.feature - 4]);
+  const Vec3 outward = other.outwardAt(at, best.feature);
   const double sign = way.dot(outward) >= 0.0 ? 1.0 : -1.0, distance = sign * size;
   // Of one skin the nearest places are left out, so the other side of the body is no overlap.
   if (isSelf() && sign < 0.0 && size > kDeep * spacing_) return;
@@ -326,15 +321,12 @@ void SkinPair::lookAt(VertexGroup &group) {
     SkinContact contact;
     contact.gap = gap + allowance(s, group.vertex);
     contact.key = keyOf(group.ofSecond ? 1 : 0, group.vertex, number);
-    contact.area = own.skin().areas[group.vertex];
     const double side = group.ofSecond ? -1.0 : 1.0;
     // The way of the first seen from the second, along a normal that leads from the second to the first.
     contact.normal = side * n;
     contact.parts[0] = {group.vertex, group.ofSecond, side};
     for (std::size_t k = 0; k < 3; ++k)
       contact.parts[k + 1] = {surface.triangles[t][k], !group.ofSecond, -side * weights[static_cast<Eigen::Index>(k)]};
-    contact.own = group.vertex;
-    contact.other = t;
     add(std::move(contact), gap);
   };
   addAt(at, best.weights, normal, distance - settings_.offset, 0);
@@ -387,14 +379,10 @@ void SkinPair::lookAt(EdgePair &pair) {
   for (std::size_t k = 0; k < 2; ++k) allowed = std::max({allowed, allowance(0, a[k]), allowance(1, b[k])});
   contact.gap = gap + allowed;
   contact.key = keyOf(2, pair.first, pair.second);
-  const ContactSkin &own = first.skin(), &other = second.skin();
-  contact.area = 0.25 * (own.areas[a[0]] + own.areas[a[1]] + other.areas[b[0]] + other.areas[b[1]]);
   contact.parts = {{{a[0], false, 1.0 - at.onFirst},
                     {a[1], false, at.onFirst},
                     {b[0], true, at.onSecond - 1.0},
                     {b[1], true, -at.onSecond}}};
-  contact.own = pair.first;
-  contact.other = pair.second;
   add(std::move(contact), gap);
 }
 

@@ -8,10 +8,9 @@
 namespace pointbased::detail {
 
 /// One side that a point of one skin and a point of the other may not pass within a step: a vertex and a face, or two
-/// edges. `point` is its number, `gap` what is left between the skins.
+/// edges. `gap` is what is left between the skins.
 struct SkinContact : Contact {
   std::uint64_t key = 0;  ///< of what touches what, ascending within a pair
-  double area = 0.0;      ///< m², for which it stands
   /// Vertices whose weighted sum is the way of the first point seen from the second; of either skin
   struct Part {
     Index vertex = 0;
@@ -19,8 +18,6 @@ struct SkinContact : Contact {
     double weight = 0.0;
   };
   std::array<Part, 4> parts{};
-  /// Vertex and triangle, or two edges
-  Index own = 0, other = 0;
   [[nodiscard]] bool isOfEdges() const { return key >> 62 == 2; }
 };
 
@@ -37,9 +34,9 @@ struct SkinPairSettings {
 /// Finds the contacts of two skins as they move. What is within reach is listed now and then; between two lists it is
 /// looked at only when both bodies together have gone as far as it was away.
 ///
-/// Only places where the distance between the skins is least locally are contacts: a vertex over the interior of a face,
-/// or beyond an edge or a corner that it is nearest to, and two edges whose shortest connection leads out of both. If
-/// none of these distances is negative, no triangles cross.
+/// Only places where the distance between the skins is least locally are contacts: a vertex over the interior of a
+/// face, or beyond an edge or a corner that it is nearest to, and two edges whose shortest connection leads out of
+/// both. If none of these distances is negative, no triangles cross.
 /// @threads one
 class SkinPair {
  public:
@@ -54,8 +51,8 @@ class SkinPair {
   /// Fills active() for a step of dt from where the skins are (MovingSkin::move()), keeping what contacts that go on
   /// remember.
   void find(double dt);
-  /// The skins have moved on since (MovingSkin::moveOn()): what presses has its place and normal of now, so that a further
-  /// impulse between the two points has no torque. Gaps stay.
+  /// The skins have moved on since (MovingSkin::moveOn()): what presses has its place and normal of now, so that a
+  /// further impulse between the two points has no torque. Gaps stay.
   void renewPressing();
   [[nodiscard]] std::vector<SkinContact> &active() { return active_; }
   [[nodiscard]] const std::vector<SkinContact> &active() const { return active_; }
@@ -120,7 +117,8 @@ class SkinPair {
   }
   void learnAllowances();
   void easeAllowances(double dt);
-  void add(SkinContact contact, double way);
+  /// @param gap  m, without what is allowed
+  void add(SkinContact contact, double gap);
   void keepMemories();
 
   std::array<Side, 2> sides_;

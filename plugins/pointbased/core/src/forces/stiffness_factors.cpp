@@ -33,8 +33,8 @@ Elastic elasticOf(const Material &material, double viscosity, const Mat3 &F) {
     const double J = F.col(0).dot(c.col(0));
     if (J >= kNeoHookeanSwitch) {
       const Volumetric volume = volumetric(Moduli(material), J);
-      // With stretches s it is positive if λ is and μ is between -root² min s² and root² s_i s_j, the two smallest of
-      // which are J over the largest.
+      // With stretches s it is positive if λ is and μ is between -root² min s² and root² s_i s_j, the two smallest
+      // of which are J over the largest.
       const double most = mu * J / std::sqrt(largestEigenvalueBound(F.transpose() * F));
       const double least = -mu * J * J / largestEigenvalueBound(c.transpose() * c);
       return {std::max(0.0, J * (J * volume.g2 + volume.g1)), std::clamp(viscosity - J * volume.g1, least, most), c / J,

@@ -13,10 +13,10 @@ namespace pointbased::detail {
 ///
 ///     K_jl = λ a_j a_l^T + μ a_l a_j^T + h_j·h_l I
 ///
-/// h: seven numbers, three of the strain and four of the modes of HourglassEnergy, each with the mean of its stiffnesses
-/// over the directions that it may move in. Neo-Hooke: a = √v F^-T g, and with h = √(v μ) g, λ and μ (less what the
-/// present pressure takes) the sum is the tangent to the last digit, as far as that is positive. Other laws: a = √v R g
-/// and h = √μ a, linear about the rotation R of the point, positive whatever the strain.
+/// h: seven numbers, three of the strain and four of the modes of HourglassEnergy, each with the mean of its
+/// stiffnesses over the directions that it may move in. Neo-Hooke: a = √v F^-T g, and with h = √(v μ) g, λ and μ
+/// (less what the present pressure takes) the sum is the tangent to the last digit, as far as that is positive. Other
+/// laws: a = √v R g and h = √μ a, linear about the rotation R of the point, positive whatever the strain.
 struct StiffnessFactors {
   static constexpr std::size_t kNumbers = 10;  ///< of an entry: a, m^(1/2), and h, (N/m)^(1/2)
   kernels::AlignedVector<float> numbers;  ///< [points][10][entries of the point, with zeros to a multiple of eight]

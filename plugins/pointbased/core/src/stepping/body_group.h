@@ -10,8 +10,8 @@
 namespace pointbased::detail {
 
 /// Advances bodies between which there may be contact, all in the same substeps: those of the one that needs the
-/// smallest. What the guard refuses of one is undone for all. Rigid bodies, and those that have stopped, stand still and
-/// are touched.
+/// smallest. What the guard refuses of one is undone for all. Rigid bodies, and those that have stopped, stand still
+/// and are touched.
 class BodyGroup {
  public:
   struct Member {

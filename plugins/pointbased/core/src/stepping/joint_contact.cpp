@@ -33,33 +33,30 @@ void JointContact::add(Body &body, bool moves) {
 // Entries of a phyxel that a row meets twice become one.
 void JointContact::addRow(std::span<const Index> phyxels, std::span<const double> weights, std::size_t first,
                           double scale) {
-  Interpolation &rows = points_.binding;
   for (std::size_t e = 0; e < phyxels.size(); ++e) {
     const double weight = scale * weights[e];
     if (weight == 0.0) continue;
     const auto j = static_cast<Index>(first + phyxels[e]);
     if (entryOf_[j] != kNone) {
-      rows.weights[entryOf_[j]] += weight;
+      rows_.weights[entryOf_[j]] += weight;
       continue;
     }
-    entryOf_[j] = static_cast<Index>(rows.weights.size());
-    rows.phyxels.indices.push_back(j);
-    rows.weights.push_back(weight);
+    entryOf_[j] = static_cast<Index>(rows_.weights.size());
+    rows_.phyxels.indices.push_back(j);
+    rows_.weights.push_back(weight);
   }
 }
 
 void JointContact::endRow() {
-  Interpolation &rows = points_.binding;
-  for (Index e = rows.phyxels.offsets.back(); e < rows.phyxels.indices.size(); ++e)
-    entryOf_[rows.phyxels.indices[e]] = kNone;
-  rows.phyxels.offsets.push_back(static_cast<Index>(rows.phyxels.indices.size()));
+  for (Index e = rows_.phyxels.offsets.back(); e < rows_.phyxels.indices.size(); ++e)
+    entryOf_[rows_.phyxels.indices[e]] = kNone;
+  rows_.phyxels.offsets.push_back(static_cast<Index>(rows_.phyxels.indices.size()));
 }
 
 void JointContact::gather(std::span<const JoinedPair> pairs, double margin) {
-  Interpolation &rows = points_.binding;
-  rows.phyxels.offsets.assign(1, 0);
-  rows.phyxels.indices.clear();
-  rows.weights.clear();
+  rows_.phyxels.offsets.assign(1, 0);
+  rows_.phyxels.indices.clear();
+  rows_.weights.clear();
   state_.active.clear();
   margin_ = margin;
   // Half of the offset may be used up: to push back every rounding makes skins that slide swing.
@@ -135,14 +132,14 @@ void JointContact::solve(double dt, std::span<const JoinedPair> pairs) {
   settings.sweeps = kSweeps;
   settings.recoverySpeed = kRecovery * margin_;
   settings.leastSpeed = kLeft * margin_ / dt;
-  solveContactImpulses(points_.binding, inverseMasses_, dt, settings, state_, velocities_);
+  solveContactImpulses(rows_, inverseMasses_, dt, settings, state_, velocities_);
   giveVelocities();
   giveMemories(pairs);
 }
 
 void JointContact::settle(double dt, std::span<const JoinedPair> pairs) {
   takeVelocities();
-  settleContactVelocities(points_.binding, inverseMasses_, dt, state_, velocities_);
+  settleContactVelocities(rows_, inverseMasses_, dt, state_, velocities_);
   giveVelocities();
   giveMemories(pairs);
 }

@@ -21,8 +21,6 @@ class JointContact {
   void clear();
   /// @param moves  false: it stands still
   void add(Body &body, bool moves);
-  [[nodiscard]] std::size_t phyxels() const { return count_; }
-  [[nodiscard]] std::size_t first(std::size_t body) const { return bodies_[body].first; }
 
   /// Takes the contacts that have been found: of each body those in Body::contact, and of the pairs.
   void gather(std::span<const JoinedPair> pairs, double margin);
@@ -32,10 +30,6 @@ class JointContact {
   /// back to where the contacts came from.
   void solve(double dt, std::span<const JoinedPair> pairs);
   void settle(double dt, std::span<const JoinedPair> pairs);
-
-  /// Rows and contacts over all phyxels, for the penalty of implicit and static solutions; see contact.h.
-  [[nodiscard]] const ContactPoints &points() const { return points_; }
-  [[nodiscard]] ContactState &state() { return state_; }
 
  private:
   struct Joined {
@@ -51,7 +45,7 @@ class JointContact {
 
   std::vector<Joined> bodies_;
   std::size_t count_ = 0;
-  ContactPoints points_;
+  Interpolation rows_;  // of all contacts over all phyxels
   ContactState state_;
   double margin_ = 0.0;  // m, the least of the pairs
   std::vector<double> inverseMasses_;

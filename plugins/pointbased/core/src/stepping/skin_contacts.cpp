@@ -47,11 +47,6 @@ SkinPair &SkinContacts::pairOf(std::size_t a, const Body &first, std::size_t b, 
   return *pair;
 }
 
-const SkinPair *SkinContacts::find(const PairId &id) const {
-  const auto found = pairs_.find(id);
-  return found == pairs_.end() ? nullptr : found->second.get();
-}
-
 void SkinContacts::forget() {
   pairs_.clear();
   skins_.clear();

@@ -24,7 +24,6 @@ class SkinContacts {
   [[nodiscard]] MovingSkin &skinOf(std::size_t id, const Body &body);
   /// @param a, b  the smaller id first
   [[nodiscard]] SkinPair &pairOf(std::size_t a, const Body &first, std::size_t b, const Body &second, double friction);
-  [[nodiscard]] const SkinPair *find(const PairId &id) const;
   [[nodiscard]] const std::map<PairId, std::unique_ptr<SkinPair>> &pairs() const { return pairs_; }
 
   /// m, that the phyxels of a body may still move against each other before its skin can touch itself; negative: it has

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Ids of parameters that mean the same with every simulator. Scenes name them, the window sets them; a simulator declares
- * those that it serves, beside its own. */
+/* Ids of parameters that mean the same with every simulator. Scenes name them, the window sets them; a simulator
+ * declares those that it serves, beside its own. */
 #ifndef C3DE_ABI_IFACE_PARAMETER_IDS_H
 #define C3DE_ABI_IFACE_PARAMETER_IDS_H
 
