@@ -82,6 +82,9 @@ void sheets() {
     MovingSkin moving(skin, Vec3::Zero(), 2.0 * kEdge);
     SkinPairSettings settings;
     settings.offset = settings.margin = 0.02 * kEdge;
+    settings.stiffness = 50.0;
+    settings.thickness = 0.015 * kEdge;
+    moving.setModuli(std::vector<double>(skin->count(), 1e4));
     settings.apart = 3.0 * kEdge;
     settings.leastReach = 0.3 * kEdge;
     std::size_t contacts = 0;
@@ -114,7 +117,7 @@ std::unique_ptr<Body> ballOf(const Vec3 &centre, double spacing) {
   material.law = MaterialLaw::neoHookean;
   material.youngsModulus = 1e4;
   material.poissonRatio = 0.4;
-  return std::make_unique<Body>("ball", *rest, Constitution{{material}}, serialFor());
+  return std::make_unique<Body>("ball", *rest, Constitution{{material}, kLatticeStabilisation}, serialFor());
 }
 
 void balls(double spacing) {

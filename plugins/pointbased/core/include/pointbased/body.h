@@ -197,6 +197,8 @@ class Body {
 
   /// Young's modulus around the contact points, Pa.
   [[nodiscard]] std::span<const double> contactModuli() const { return contactModuli_; }
+  /// Pa, Young's modulus around each point.
+  [[nodiscard]] std::vector<double> moduliAt(const Interpolation &points) const;
   /// x and v of the contact points in the world; valid until the next call.
   std::span<const Vec3> contactPositions(const ParallelFor &parallelFor);
   std::span<const Vec3> contactVelocities(const ParallelFor &parallelFor);

@@ -46,6 +46,8 @@ struct Contact {
   Index point = 0;
   Vec3 normal = Vec3::UnitZ();          ///< unit, out of the obstacle, at the beginning of the step
   double gap = 0.0;                     ///< m, at the beginning of the step; negative: inside
+  double stiffness = 0.0;               ///< N/m, of what resists a negative gap; 0: nothing passes the surface at all
+  double thickness = 0.0;               ///< m: so far a gap may be negative where there is a stiffness
   Vec3 surfaceVelocity = Vec3::Zero();  ///< m/s, of the obstacle there
   double friction = 0.0;                ///< Coulomb
   double restitution = 0.0;             ///< 0 … 1: part of the speed of arrival with which a point leaves
@@ -141,7 +143,8 @@ struct ContactState {
   } blocks;
   Vec3 ledOut = Vec3::Zero();  ///< kg m, Σ mass · way by which penetrations were led out since the energy was looked at
   struct Solution {
-    std::vector<double> inverseMasses;  ///< [contacts] 1/kg
+    std::vector<double> inverseMasses;      ///< [contacts] 1/kg
+    std::vector<double> compliances, most;  ///< [contacts] m/s per N s; m/s, that `least` falls to at most
     std::vector<double> impulses, least, friction;
     std::vector<Index> pressing;  ///< contacts that press after a sweep over all
     std::vector<Vec3> tangential;

@@ -191,14 +191,18 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
       stiffness.push_back(kPatchStiffness * modulus * part.areas[p] / rest_->spacing);
     }
   patches_.set(rows, weights, stiffness, inverseMasses_);
-  const Interpolation &touching = rest_->contact.binding;
-  contactModuli_.resize(rest_->contact.count());
-  for (std::size_t p = 0; p < contactModuli_.size(); ++p)
-    contactModuli_[p] = modulusAt(moduli, touching.phyxels, touching.weights, p);
+  contactModuli_ = moduliAt(rest_->contact.binding);
   vectorise(parallelFor);
   restFrequency_ = frequencyAtRest(parallelFor);
   foundationFrequency_ = std::sqrt(foundation_.squaredFrequencyBound(masses_));
   forcesCurrent = false;
+}
+
+std::vector<double> Body::moduliAt(const Interpolation &points) const {
+  const std::vector<double> moduli = meansAround(constitution_, *rest_, &Material::youngsModulus);
+  std::vector<double> out(points.count());
+  for (std::size_t p = 0; p < out.size(); ++p) out[p] = modulusAt(moduli, points.phyxels, points.weights, p);
+  return out;
 }
 
 double Body::frequencyAtRest(const ParallelFor &parallelFor) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "contact/contact_bounce.h"
 #include "contact/contact_kernel.h"
@@ -39,6 +40,11 @@ struct Hand {
   }
 };
 
+// m/s, above which the impulse of a contact keeps its normal velocity.
+double leastOf(const ContactState::Solution &solution, std::size_t c) {
+  return std::max(solution.least[c] - solution.compliances[c] * solution.impulses[c], solution.most[c]);
+}
+
 // Pushes by a part of the impulses in the solution, as large as lowers  T + Σ λ (-least)  most: the energy that the
 // projected Gauss-Seidel steps lower too, so however few of them follow, nothing is added.
 void warmStart(const Hand &body, std::span<const Contact> active, ContactState::Solution &solution) {
@@ -50,7 +56,7 @@ void warmStart(const Hand &body, std::span<const Contact> active, ContactState::
     if (!(impulse > 0.0)) continue;
     const Vec3 v = body.velocity(active[c].point) - active[c].surfaceVelocity;
     const Vec3 whole = impulse * active[c].normal + solution.tangential[c];
-    slope += whole.dot(v) - impulse * solution.least[c];
+    slope += whole.dot(v) - impulse * leastOf(solution, c);
     for (Index e = solution.rows[c]; e < solution.rows[c + 1]; ++e)
       change[solution.slots[e]] += solution.pushes[e] * whole;
   }
@@ -129,6 +135,8 @@ void sweep(const Hand &body, std::span<const Contact> active, const ImpulseSetti
   job.sides = solution.sides.data();
   job.inverseMasses = solution.inverseMasses.data();
   job.least = solution.least.data();
+  job.compliances = still ? nullptr : solution.compliances.data();
+  job.most = solution.most.data();
   job.friction = still ? nullptr : solution.friction.data();
   job.impulses = solution.impulses.data();
   // Most contacts of a step do not press in the end. After two sweeps over all only those that do, or nearly, are
@@ -167,6 +175,8 @@ void prepare(const Hand &body, std::span<const Contact> active, ContactState::So
   solution.impulses.assign(active.size(), 0.0);
   solution.tangential.assign(active.size(), Vec3::Zero());
   solution.least.assign(active.size(), 0.0);
+  solution.compliances.assign(active.size(), 0.0);
+  solution.most.assign(active.size(), -std::numeric_limits<double>::infinity());
   layOut(body, active, solution);
 }
 
@@ -268,6 +278,13 @@ Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> 
   for (std::size_t c = 0; c < active.size(); ++c) {
     solution.impulses[c] = active[c].normalImpulse;
     solution.tangential[c] = active[c].frictionImpulse;
+    if (active[c].stiffness > 0.0) {
+      // The other half of the force is that of settling.
+      solution.least[c] = std::min(-active[c].gap, active[c].thickness) / dt;
+      solution.compliances[c] = 2.0 / (active[c].stiffness * dt * dt);
+      solution.most[c] = -std::max(0.0, active[c].gap + active[c].thickness) / dt;
+      continue;
+    }
     solution.least[c] = -std::max(0.0, active[c].gap) / dt;
     deepest = std::max(deepest, -active[c].gap);
   }
@@ -285,10 +302,11 @@ Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> 
   solution.splitImpulse.assign(velocities.size(), Vec3::Zero());
   const Hand lead{binding, inverseMasses, solution.splitImpulse};
   for (std::size_t c = 0; c < active.size(); ++c) {
-    const double depth = -active[c].gap - slop;
+    const double gap = active[c].gap + active[c].thickness, depth = -gap - slop;
     // Velocities of the split impulses come on top of those of the body, which keep the others within their gaps.
-    solution.least[c] = depth > 0.0 ? std::min(settings.splitImpulse * depth / dt, settings.recoverySpeed)
-                                    : -std::max(0.0, active[c].gap) / dt;
+    solution.least[c] = depth > 0.0 && !(active[c].stiffness > 0.0)
+                            ? std::min(settings.splitImpulse * depth / dt, settings.recoverySpeed)
+                            : -std::max(0.0, gap) / dt;
     solution.impulses[c] = 0.0;
     solution.tangential[c].setZero();
   }

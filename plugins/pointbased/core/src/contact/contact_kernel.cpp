@@ -90,10 +90,18 @@ SweepResult sweep(const SweepJob &job, bool backwards) {
     const Four n = load(side + kNormalOfContact);
     const Four v = sub(add(even, odd), load(side + kSurfaceVelocity));
     const double normal = dot(v, n), held = job.impulses[c];
-    result.speed = std::max(result.speed, w * held + std::abs(std::min(0.0, normal - job.least[c])));
-    side[kRoomOfContact] = normal - job.least[c];
     const double mass = side[kMass];
-    const double wanted = held + (job.least[c] - normal) * mass;
+    double wanted = held + (job.least[c] - normal) * mass;
+    double least = job.least[c];
+    if (job.compliances != nullptr && job.compliances[c] > 0.0) {
+      // A layer that yields, down to where nothing yields any more: the larger of both impulses.
+      const double compliance = job.compliances[c];
+      least = std::max(least - compliance * held, job.most[c]);
+      wanted = std::max(held + (job.least[c] - normal - compliance * held) / (w + compliance),
+                        held + (job.most[c] - normal) * mass);
+    }
+    result.speed = std::max(result.speed, w * held + std::abs(std::min(0.0, normal - least)));
+    side[kRoomOfContact] = normal - least;
     const double next = wanted < 0.0 ? 0.0 : wanted;  // what is not a number goes on, so that the guard finds it
     if (next == 0.0 && held == 0.0) continue;
     job.impulses[c] = next;

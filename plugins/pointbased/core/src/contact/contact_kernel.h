@@ -29,7 +29,9 @@ struct SweepJob {
   double *sides = nullptr;  ///< [contacts][kContactNumbers]; tangential impulses out, and by how much the normal
                             ///< velocity was above `least` before
   const double *inverseMasses = nullptr, *least = nullptr, *friction = nullptr;  ///< [contacts]; friction null: without
-  double *impulses = nullptr;                                                    ///< [contacts] in, out: N s
+  /// [contacts] m/s per N s, by which `least` falls as the impulse grows, and m/s, where it ends; null: it stays
+  const double *compliances = nullptr, *most = nullptr;
+  double *impulses = nullptr;  ///< [contacts] in, out: N s
 };
 
 struct SweepResult {

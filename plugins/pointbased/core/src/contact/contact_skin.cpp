@@ -72,6 +72,31 @@ void divideLongEdges(std::vector<Vec3> &points, std::vector<Triangle> &triangles
   }
 }
 
+// Where a surface has an edge it has a vertex for each normal; those that move alike become one, or the faces beside an
+// edge would not know each other.
+void weld(const Interpolation &vertices, double size, std::vector<Triangle> &triangles) {
+  using Key = std::vector<long long>;
+  constexpr double kSame = 1e-6;
+  std::map<Key, Index> first;
+  std::vector<Index> one(vertices.count());
+  for (std::size_t v = 0; v < vertices.count(); ++v) {
+    Key key;
+    for (int a = 0; a < 3; ++a) key.push_back(std::llround(vertices.positions[v][a] / (kSame * size)));
+    std::vector<std::pair<Index, long long>> row;
+    for (Index e = vertices.phyxels.offsets[v]; e < vertices.phyxels.offsets[v + 1]; ++e)
+      if (const long long weight = std::llround(vertices.weights[e] / kSame); weight != 0)
+        row.emplace_back(vertices.phyxels.indices[e], weight);
+    std::sort(row.begin(), row.end());
+    for (const auto &[phyxel, weight] : row) {
+      key.push_back(phyxel);
+      key.push_back(weight);
+    }
+    one[v] = first.try_emplace(std::move(key), static_cast<Index>(v)).first->second;
+  }
+  for (Triangle &t : triangles)
+    for (Index &v : t) v = one[v];
+}
+
 std::vector<Vec3> normalsOf(std::span<const Vec3> points, std::span<const Triangle> triangles) {
   std::vector<Vec3> normals(points.size(), Vec3::Zero());
   for (const auto &[a, b, c] : triangles) {
@@ -124,6 +149,7 @@ std::shared_ptr<const ContactSkin> makeContactSkin(Interpolation vertices, std::
                                                    std::span<const float> maxInfluence) {
   auto skin = std::make_shared<ContactSkin>();
   std::vector<Vec3> points = vertices.positions;
+  weld(vertices, longestEdge, triangles);
   std::erase_if(triangles, [](const Triangle &t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
   divideLongEdges(points, triangles, longestEdge);
   const std::size_t had = vertices.count();
@@ -147,6 +173,12 @@ std::shared_ptr<const ContactSkin> makeContactSkin(Interpolation vertices, std::
     for (const Index v : skin->triangles[t]) skin->trianglesOf.indices[next[v]++] = static_cast<Index>(t);
   }
   const Interpolation &carried = skin->vertices;
+  skin->areas.assign(skin->count(), 0.0);
+  for (const auto &[a, b, c] : skin->triangles) {
+    const std::vector<Vec3> &x = carried.positions;
+    const double third = (x[b] - x[a]).cross(x[c] - x[a]).norm() / 6.0;
+    for (const Index v : {a, b, c}) skin->areas[v] += third;
+  }
   for (std::size_t v = 0; v < carried.count(); ++v) {
     double sum = 0.0;
     for (Index e = carried.phyxels.offsets[v]; e < carried.phyxels.offsets[v + 1]; ++e)

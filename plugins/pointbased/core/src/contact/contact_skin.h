@@ -24,6 +24,7 @@ struct ContactSkin {
   std::vector<SkinEdge> edges;
   std::vector<std::array<Index, 3>> edgesOf;  ///< [triangles] edge k leads from corner k to the next
   Csr trianglesOf;                            ///< [vertices]
+  std::vector<double> areas;                  ///< [vertices] m², at rest; 0: no corner of a triangle
   /// The farthest a vertex goes where no phyxel goes farther than one over its largest influence.
   double gain = 1.0;
 
@@ -129,6 +130,10 @@ class MovingSkin {
   [[nodiscard]] const ContactSkin &skin() const { return *skin_; }
   [[nodiscard]] const TriangleTree &tree() const { return tree_; }
   [[nodiscard]] double spacing() const { return spacing_; }
+  /// Pa, Young's modulus under each vertex.
+  void setModuli(std::vector<double> moduli) { moduli_ = std::move(moduli); }
+  [[nodiscard]] double modulus(Index v) const { return moduli_[v]; }
+  [[nodiscard]] bool hasModuli() const { return !moduli_.empty(); }
 
   /// The state at the beginning of a step of dt. The spans stay as they are until the next call.
   /// @param maxInfluence  [phyxels], or empty: 1
@@ -174,6 +179,7 @@ class MovingSkin {
   TriangleTree tree_;
   Vec3 origin_;
   double spacing_;
+  std::vector<double> moduli_;
   std::span<const Vec3> displacements_, velocities_;
   std::span<const float> maxInfluence_;
   std::vector<Vec3> positions_;

@@ -16,7 +16,7 @@ constexpr double kWays = 12.0, kFarthest = 1.0, kFewestWays = 2.0;
 constexpr double kDeep = 0.1;
 // Edges whose faces meet at a smaller angle (its sine) are smooth: the vertices beside them tell all.
 // An edge that is so long rises, times the offset, beyond its neighbours however smooth it is.
-constexpr double kSharp = 0.05, kRise = 0.25;
+constexpr double kSharp = 0.05, kRise = 0.05;
 // Of the way of a step: what moves fast against each other keeps so much more apart, so that what the solution leaves
 // of its speed, and planes that are those of the beginning of the step, do not take it through.
 constexpr double kCushion = 0.1;
@@ -140,7 +140,7 @@ void SkinPair::find(double dt) {
     if (!(pair.wake > went_ + goes_)) lookAt(pair);
   if (isFirst_) learnAllowances();
   isFirst_ = false;
-  easeAllowances(dt);
+  measureAllowances();
   keepMemories();
 }
 
@@ -171,7 +171,7 @@ void SkinPair::listVertices(bool ofSecond, double reach) {
   const bool maybeDeep = !isSelf() && (isFirst_ || allowed_ > 0.0 || depth_ > kDeep * spacing_);
   const std::vector<Vec3> &rest = own.skin().vertices.positions;
   for (Index v = 0; v < x.size(); ++v) {
-    if (!within.meets({x[v], x[v]})) continue;
+    if (!(own.skin().areas[v] > 0.0) || !within.meets({x[v], x[v]})) continue;
     const auto begin = static_cast<Index>(near_.size());
     const TriangleTree::Box around = TriangleTree::Box{x[v], x[v]}.wider(reach);
     double nearest = std::numeric_limits<double>::infinity();
@@ -189,24 +189,32 @@ void SkinPair::listVertices(bool ofSecond, double reach) {
       nearest = std::min(nearest, found.squared);
       near_.push_back(t);
     });
-    const bool isDeep = maybeDeep && near_.size() == begin;
-    if (isDeep) {
+    double complete = reach;
+    if (maybeDeep && near_.size() == begin) {
+      // Maybe deep inside.
       Index at = kNoTriangle;
       double best = std::numeric_limits<double>::infinity();
-      other.tree().nearest(x[v], best, [&](Index t) {
+      const auto nearestOn = [&](Index t) {
         const auto &[a, b, c] = surface.triangles[t];
-        const NearestOnTriangle found = nearestOnTriangle(x[v], y[a], y[b], y[c]);
-        if (found.squared < best || (found.squared == best && t < at)) {
-          best = found.squared;
+        return nearestOnTriangle(x[v], y[a], y[b], y[c]);
+      };
+      other.tree().nearest(x[v], best, [&](Index t) {
+        const double squared = nearestOn(t).squared;
+        if (squared < best || (squared == best && t < at)) {
+          best = squared;
           at = t;
         }
         return best;
       });
       if (at == kNoTriangle) continue;
       const auto &[a, b, c] = surface.triangles[at];
-      const NearestOnTriangle found = nearestOnTriangle(x[v], y[a], y[b], y[c]);
+      const NearestOnTriangle found = nearestOn(at);
       const Vec3 way = x[v] - (found.weights[0] * y[a] + found.weights[1] * y[b] + found.weights[2] * y[c]);
-      if (way.dot(other.outwardAt(at, found.feature)) < 0.0) near_.push_back(at);
+      if (!(way.dot(other.outwardAt(at, found.feature)) < 0.0)) continue;
+      complete += std::sqrt(best);
+      other.tree().inBox(TriangleTree::Box{x[v], x[v]}.wider(complete), isOnePiece, [&](Index t) {
+        if (nearestOn(t).squared <= complete * complete) near_.push_back(t);
+      });
       nearest = 0.0;
     }
     const auto end = static_cast<Index>(near_.size());
@@ -217,7 +225,7 @@ void SkinPair::listVertices(bool ofSecond, double reach) {
     const double away = std::sqrt(nearest);
     const double wake = maybeDeep || away <= kDeep * spacing_ ? -std::numeric_limits<double>::infinity()
                                                               : away - settings_.offset - settings_.margin;
-    groups_.push_back({v, ofSecond, begin, end, isDeep, wake});
+    groups_.push_back({v, ofSecond, begin, end, complete, wake});
   }
 }
 
@@ -303,10 +311,10 @@ void SkinPair::lookAt(VertexGroup &group) {
   const double size = std::sqrt(best.squared);
   const double room = settings_.offset + settings_.margin;
   // Both ways are seen from the list.
-  const double complete = reach_ + atEdges();
+  const double complete = group.reach - went_;
   group.wake = std::min(size, complete) - room - went_;
   // What is not listed may be nearer, and lead the other way.
-  if (size > complete && !group.isDeep) return;
+  if (size > complete) return;
   const Vec3 way = p - placeOn(at, best.weights);
   const Vec3 outward = other.outwardAt(at, best.feature);
   const double sign = way.dot(outward) >= 0.0 ? 1.0 : -1.0, distance = sign * size;
@@ -317,9 +325,21 @@ void SkinPair::lookAt(VertexGroup &group) {
   const Vec3 normal = size > kTiny * spacing_ ? Vec3(sign / size * way) : Vec3(outward.normalized());
   if (isSelf() && !(own.vertexNormal(group.vertex).normalized().dot(normal) < kFacing)) return;
 
+  if (Side &side = sides_[s]; !side.allowance.empty()) ease(side.allowance[group.vertex], settings_.offset - distance);
   const auto addAt = [&](Index t, const Vec3 &weights, const Vec3 &n, double gap, Index number) {
     SkinContact contact;
     contact.gap = gap + allowance(s, group.vertex);
+    if (number == 0) {
+      double modulus = 0.0;
+      for (std::size_t k = 0; k < 3; ++k)
+        modulus += weights[static_cast<Eigen::Index>(k)] * other.modulus(surface.triangles[t][k]);
+      // Either skin carries half.
+      const double ofOwn = own.modulus(group.vertex) / own.spacing(), ofOther = modulus / other.spacing();
+      contact.stiffness = 0.5 * settings_.stiffness * std::min(ofOwn, ofOther) * own.skin().areas[group.vertex];
+      contact.thickness = settings_.thickness;
+    } else {
+      contact.gap += settings_.thickness;
+    }
     contact.key = keyOf(group.ofSecond ? 1 : 0, group.vertex, number);
     const double side = group.ofSecond ? -1.0 : 1.0;
     // The way of the first seen from the second, along a normal that leads from the second to the first.
@@ -374,7 +394,7 @@ void SkinPair::lookAt(EdgePair &pair) {
   if (!leadsOut(second, pair.second, normal, tolerance) || !leadsOut(first, pair.first, -normal, tolerance)) return;
   SkinContact contact;
   contact.normal = normal;
-  const double gap = sign * size - settings_.offset;
+  const double gap = sign * size - settings_.offset + settings_.thickness;
   double allowed = 0.0;
   for (std::size_t k = 0; k < 2; ++k) allowed = std::max({allowed, allowance(0, a[k]), allowance(1, b[k])});
   contact.gap = gap + allowed;
@@ -395,7 +415,8 @@ void SkinPair::add(SkinContact contact, double gap) {
     velocity += part.weight * sides_[part.ofSecond ? 1 : 0].skin->velocity(part.vertex);
   const double closes = std::max(0.0, -dt_ * velocity.dot(contact.normal));
   if (left > closes + kCushion * dt_ * velocity.norm() && !isFirst_) return;
-  if (contact.gap > 0.0) contact.gap = std::max(0.0, contact.gap - kCushion * dt_ * velocity.norm());
+  if (!(contact.stiffness > 0.0))
+    contact.gap = std::min(contact.gap, std::max(0.0, contact.gap - kCushion * dt_ * velocity.norm()));
   contact.friction = settings_.friction;
   active_.push_back(std::move(contact));
 }
@@ -415,16 +436,17 @@ void SkinPair::learnAllowances() {
   }
 }
 
-void SkinPair::easeAllowances(double dt) {
+// By no more than the layer yields under a gentle pressure, and never by more than the overlap there is.
+void SkinPair::ease(double &allowance, double overlap) const {
+  allowance =
+      std::clamp(overlap - settings_.gentle, std::max(0.0, allowance - settings_.ease * dt_), std::max(0.0, allowance));
+}
+
+void SkinPair::measureAllowances() {
   if (!(allowed_ > 0.0)) return;
   allowed_ = 0.0;
-  for (Side &side : sides_) {
-    for (double &allowance : side.allowance)
-      if (allowance > 0.0) {
-        allowance = std::max(0.0, allowance - settings_.ease * dt);
-        allowed_ = std::max(allowed_, allowance);
-      }
-  }
+  for (const Side &side : sides_)
+    for (const double allowance : side.allowance) allowed_ = std::max(allowed_, allowance);
   if (!(allowed_ > 0.0))
     for (Side &side : sides_) side.allowance.clear();
 }

@@ -23,10 +23,12 @@ struct SkinContact : Contact {
 
 struct SkinPairSettings {
   double friction = 0.3;
-  /// m, that the skins keep between them, so that what lies between their points does not cross
-  double offset = 0.0;
+  double offset = 0.0;      ///< m, from where on a layer between the skins resists
+  double thickness = 0.0;   ///< m, of that layer: so far it can be compressed
+  double stiffness = 0.0;   ///< of the layer, times the modulus of the softer body over its spacing, Pa/m
   double margin = 0.0;      ///< m: contacts closer than this count as active even when nothing moves
-  double ease = 0.0;        ///< m/s, at which what overlaps at the start is led apart
+  double ease = 0.0;        ///< m/s, at which what overlaps at the start is led apart at most
+  double gentle = 0.0;      ///< m, by which the layer may be compressed for that
   double apart = 0.0;       ///< m, of a skin with itself: what lies nearer than that at rest is one piece of tissue
   double leastReach = 0.0;  ///< m: places that near are listed, however slow all is
 };
@@ -89,7 +91,7 @@ class SkinPair {
     Index vertex = 0;
     bool ofSecond = false;
     Index begin = 0, end = 0;  // of near_
-    bool isDeep = false;       // farther inside than what is listed
+    double reach = 0.0;        // m, within which near_ has all there was when it was listed
     double wake = 0.0;         // m, gone since the list: from there on it is looked at
   };
   struct EdgePair {
@@ -116,7 +118,8 @@ class SkinPair {
     return sides_[side].allowance.empty() ? 0.0 : sides_[side].allowance[vertex];
   }
   void learnAllowances();
-  void easeAllowances(double dt);
+  void ease(double &allowance, double overlap) const;
+  void measureAllowances();
   /// @param gap  m, without what is allowed
   void add(SkinContact contact, double gap);
   void keepMemories();

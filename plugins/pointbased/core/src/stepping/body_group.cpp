@@ -138,6 +138,7 @@ void BodyGroup::substep(std::span<const StepContext> orders, double time, double
     joint_.gather(pairs_, margin);
     joint_.settle(dt, pairs_);
   });
+  for (ExplicitSubstep &one : substeps_) one.damp();
   for (const JoinedPair &joined : pairs_) joined.pair->addToSum(dt);
   for (std::size_t k = 0; k < members_.size(); ++k)
     if (moves(k)) sumContactImpulses(dt, members_[k].runner->body().contact);

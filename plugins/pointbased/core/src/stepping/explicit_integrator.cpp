@@ -216,14 +216,19 @@ void ExplicitSubstep::advance() {
         body_.patches().correct(dt_, body_.patchTargets(time_ + dt_), state.displacements, state.velocities);
     });
   evaluate(time_ + dt_, dt_);
-  clock.measure(kIntegrate, [&] {
-    kick(0.5 * dt_, false);
-    if (!stages_.damping) return;
-    const double decay = std::exp(-env_.damping * dt_);
-    for (std::size_t i = 0; i < n; ++i)
-      if (body_.inverseMasses()[i] > 0.0) state.velocities[i] *= decay;
-  });
+  clock.measure(kIntegrate, [&] { kick(0.5 * dt_, false); });
   body_.forcesCurrent = true;
+}
+
+// Last, so that what rests on others is pressed by all of its weight.
+void ExplicitSubstep::damp() {
+  if (!stages_.damping) return;
+  env_.clock->measure(kIntegrate, [&] {
+    const double decay = std::exp(-env_.damping * dt_);
+    std::vector<Vec3> &velocities = body_.state().velocities;
+    for (std::size_t i = 0; i < velocities.size(); ++i)
+      if (body_.inverseMasses()[i] > 0.0) velocities[i] *= decay;
+  });
 }
 
 void ExplicitSubstep::settleContacts() {
@@ -244,6 +249,7 @@ void explicitSubstep(Body &body, const Environment &env, double time, double dt)
   substep.solveContacts();
   substep.advance();
   substep.settleContacts();
+  substep.damp();
 }
 
 }  // namespace pointbased

@@ -22,6 +22,8 @@ class ExplicitSubstep {
   /// Drift, supports, forces and the second half of the kick.
   void advance();
   void settleContacts();
+  /// What the world's damping takes.
+  void damp();
 
  private:
   void kick(double h, bool drifts);

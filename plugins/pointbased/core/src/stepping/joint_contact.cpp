@@ -9,9 +9,7 @@ namespace {
 constexpr Index kNone = 0xffffffffu;
 // Contacts of two skins are many for what moves them, and take longer to agree than those with an obstacle.
 constexpr int kSweeps = 60;
-constexpr double kUsedUp = 25.0;     // of the margin, of which a fiftieth is left to the next steps
-constexpr double kRecovery = 500.0;  // 1/s, of the margin: how fast what has sunk in deeper is led out
-constexpr double kLeft = 0.02;       // of the margin, that speeds left by the sweeps may close in a step
+constexpr double kLeft = 0.02;  // of the margin, that speeds left by the sweeps may close in a step
 
 }  // namespace
 
@@ -59,8 +57,7 @@ void JointContact::gather(std::span<const JoinedPair> pairs, double margin) {
   rows_.weights.clear();
   state_.active.clear();
   margin_ = margin;
-  // Half of the offset may be used up: to push back every rounding makes skins that slide swing.
-  state_.margin = kUsedUp * margin;
+  state_.margin = 0.0;
   if (entryOf_.size() != count_) entryOf_.assign(count_, kNone);
   const auto addContact = [&](const Contact &contact) {
     state_.active.push_back(contact);
@@ -83,6 +80,7 @@ void JointContact::gather(std::span<const JoinedPair> pairs, double margin) {
   }
   for (const Joined &joined : bodies_) {
     if (!joined.moves) continue;
+    state_.margin = std::max(state_.margin, joined.body->contact.margin);
     const Interpolation &points = joined.body->rest().contact.binding;
     for (const Contact &contact : joined.body->contact.active) {
       const Index begin = points.phyxels.offsets[contact.point], end = points.phyxels.offsets[contact.point + 1];
@@ -130,7 +128,6 @@ void JointContact::solve(double dt, std::span<const JoinedPair> pairs) {
   takeVelocities();
   ImpulseSettings settings;
   settings.sweeps = kSweeps;
-  settings.recoverySpeed = kRecovery * margin_;
   settings.leastSpeed = kLeft * margin_ / dt;
   solveContactImpulses(rows_, inverseMasses_, dt, settings, state_, velocities_);
   giveVelocities();

@@ -217,6 +217,7 @@ void Simulator::setConstitution(std::size_t id, Constitution constitution) {
   if (found == bodies_.end()) return;
   found->second->body().setConstitution(std::move(constitution), parallelFor_);
   found->second->forget();
+  skins_->forgetModuli(id);
   describe(id);
 }
 

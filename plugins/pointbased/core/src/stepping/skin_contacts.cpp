@@ -7,18 +7,25 @@ namespace pointbased::detail {
 namespace {
 
 // In spacings, of the finer body.
-constexpr double kOffset = 0.01;   // that skins keep between them
-constexpr double kActive = 1.0;    // of the offset: contacts that near count
-constexpr double kEase = 0.5;      // 1/s: spacings a second at which what overlaps at the start is led apart
-constexpr double kOnePiece = 1.5;  // of one skin: what lies nearer at rest does not touch itself
+constexpr double kOffset = 0.02;     // from where on skins resist
+constexpr double kThickness = 0.75;  // of the offset, that can be compressed
+constexpr double kStiffness = 50.0;  // of that layer: under p it yields by p h/(50 E)
+constexpr double kActive = 0.5;      // of the offset: contacts that near count
+// 1/s: spacings a second at which what overlaps at the start is led apart at most, and the pressure that does it, in
+// moduli.
+constexpr double kEase = 0.5, kGentle = 1e-2;
+constexpr double kOnePiece = 1.5;                    // of one skin: what lies nearer at rest does not touch itself
 constexpr double kReach = 0.15, kReachOfSelf = 0.5;  // within which places are listed
-constexpr double kLongestEdge = 1.5;                 // of a skin's triangles
+constexpr double kLongestEdge = 0.75;                // of a skin's triangles
 
 }  // namespace
 
 MovingSkin &SkinContacts::skinOf(std::size_t id, const Body &body) {
   Skin &skin = skins_[id];
-  if (skin.of == body.sharedRest()) return *skin.moving;
+  if (skin.of == body.sharedRest()) {
+    if (!skin.moving->hasModuli()) skin.moving->setModuli(body.moduliAt(skin.moving->skin().vertices));
+    return *skin.moving;
+  }
   forget(id);
   const RestState &rest = body.rest();
   Skin &renewed = skins_[id];
@@ -27,6 +34,7 @@ MovingSkin &SkinContacts::skinOf(std::size_t id, const Body &body) {
       std::make_unique<MovingSkin>(makeContactSkin(rest.surfels.expanded(rest.positions), rest.skin,
                                                    kLongestEdge * rest.spacing, rest.bind, rest.maxInfluence),
                                    rest.origin, rest.spacing);
+  renewed.moving->setModuli(body.moduliAt(renewed.moving->skin().vertices));
   return *renewed.moving;
 }
 
@@ -37,8 +45,11 @@ SkinPair &SkinContacts::pairOf(std::size_t a, const Body &first, std::size_t b, 
     const double spacing = std::min(own.spacing(), other.spacing());
     SkinPairSettings settings;
     settings.offset = kOffset * spacing;
+    settings.thickness = kThickness * settings.offset;
+    settings.stiffness = kStiffness;
     settings.margin = kActive * settings.offset;
     settings.ease = kEase * spacing;
+    settings.gentle = kGentle / kStiffness * spacing;
     settings.apart = kOnePiece * spacing;
     settings.leastReach = (a == b ? kReachOfSelf : kReach) * spacing;
     pair = std::make_unique<SkinPair>(own, other, settings);

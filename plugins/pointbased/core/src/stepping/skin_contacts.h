@@ -38,6 +38,10 @@ class SkinContacts {
   void beginSums() {
     for (auto &[id, pair] : pairs_) pair->beginSum();
   }
+  /// A body has other materials.
+  void forgetModuli(std::size_t id) {
+    if (const auto found = skins_.find(id); found != skins_.end()) found->second.moving->setModuli({});
+  }
   /// Begins anew: of all, and of one body.
   void forget();
   void forget(std::size_t id);
