@@ -66,10 +66,11 @@ bool isSharp(MovingSkin &skin, Index edge, double offset) {
 }  // namespace
 
 SkinPair::SkinPair(MovingSkin &first, MovingSkin &second, const SkinPairSettings &settings)
-    : sides_{Side{&first, {}}, Side{&second, {}}}, settings_(settings),
+    : sides_{Side{&first, {}, {}}, Side{&second, {}, {}}}, settings_(settings),
       spacing_(std::min(first.spacing(), second.spacing())), seenBy_(second.skin().edges.size(), 0),
       sharpOf_(seenBy_.size(), 0), isSharpEdge_(seenBy_.size(), 0) {
-  for (const Side &side : sides_) {
+  for (Side &side : sides_) {
+    side.isInside.assign(side.skin->skin().count(), 0);
     const std::vector<Vec3> &rest = side.skin->skin().vertices.positions;
     for (const SkinEdge &edge : side.skin->skin().edges)
       longestEdge_ = std::max(longestEdge_, (rest[edge.ends[0]] - rest[edge.ends[1]]).norm());
@@ -168,7 +169,7 @@ void SkinPair::listVertices(bool ofSecond, double reach) {
   const std::span<const Vec3> x = own.positions(), y = other.positions();
   const ContactSkin &surface = other.skin();
   const TriangleTree::Box within = other.tree().bounds().wider(reach);
-  const bool maybeDeep = !isSelf() && (isFirst_ || allowed_ > 0.0 || depth_ > kDeep * spacing_);
+  const std::vector<std::uint8_t> &isInside = sides_[ofSecond ? 1 : 0].isInside;
   const std::vector<Vec3> &rest = own.skin().vertices.positions;
   for (Index v = 0; v < x.size(); ++v) {
     if (!(own.skin().areas[v] > 0.0) || !within.meets({x[v], x[v]})) continue;
@@ -190,6 +191,7 @@ void SkinPair::listVertices(bool ofSecond, double reach) {
       near_.push_back(t);
     });
     double complete = reach;
+    const bool maybeDeep = !isSelf() && (isFirst_ || isInside[v] != 0);
     if (maybeDeep && near_.size() == begin) {
       // Maybe deep inside.
       Index at = kNoTriangle;
@@ -318,8 +320,11 @@ void SkinPair::lookAt(VertexGroup &group) {
   const Vec3 way = p - placeOn(at, best.weights);
   const Vec3 outward = other.outwardAt(at, best.feature);
   const double sign = way.dot(outward) >= 0.0 ? 1.0 : -1.0, distance = sign * size;
-  // Of one skin the nearest places are left out, so the other side of the body is no overlap.
-  if (isSelf() && sign < 0.0 && size > kDeep * spacing_) return;
+  // What has not come in near the surface is not inside: of one skin the nearest places are left out, and where a skin
+  // has been crushed it may be turned over.
+  std::uint8_t &isInside = sides_[s].isInside[group.vertex];
+  if (sign < 0.0 && size > kDeep * spacing_ && (isSelf() || (!isFirst_ && isInside == 0))) return;
+  isInside = sign < 0.0 ? 1 : 0;
   if (sign < 0.0) group.wake = -std::numeric_limits<double>::infinity();
   if (group.wake > went_ + goes_) return;
   const Vec3 normal = size > kTiny * spacing_ ? Vec3(sign / size * way) : Vec3(outward.normalized());
@@ -453,7 +458,10 @@ void SkinPair::measureAllowances() {
 
 void SkinPair::setMemory(const Memory &memory) {
   active_ = memory.active;
-  for (std::size_t s = 0; s < 2; ++s) sides_[s].allowance = memory.allowances[s];
+  for (std::size_t s = 0; s < 2; ++s) {
+    sides_[s].allowance = memory.allowances[s];
+    sides_[s].isInside = memory.isInside[s];
+  }
   allowed_ = memory.allowed;
   isFirst_ = false;
   listed_ = {};

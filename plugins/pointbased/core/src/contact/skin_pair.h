@@ -61,10 +61,16 @@ class SkinPair {
   /// All that the next step takes over from the last one.
   struct Memory {
     std::vector<SkinContact> active;
-    std::array<std::vector<double>, 2> allowances;  // [sides][vertices] m, or empty
+    std::array<std::vector<double>, 2> allowances;      // [sides][vertices] m, or empty
+    std::array<std::vector<std::uint8_t>, 2> isInside;  // [sides][vertices]
     double allowed = 0.0;
   };
-  [[nodiscard]] Memory memory() const { return {active_, {sides_[0].allowance, sides_[1].allowance}, allowed_}; }
+  [[nodiscard]] Memory memory() const {
+    return {active_,
+            {sides_[0].allowance, sides_[1].allowance},
+            {sides_[0].isInside, sides_[1].isInside},
+            allowed_};
+  }
   void setMemory(const Memory &memory);
 
   /// What passes from the second skin to the first, over some time.
@@ -100,7 +106,8 @@ class SkinPair {
   };
   struct Side {
     MovingSkin *skin = nullptr;
-    std::vector<double> allowance;  // [vertices] m, of overlap, that was there at the start; empty: none
+    std::vector<double> allowance;       // [vertices] m, of overlap, that was there at the start; empty: none
+    std::vector<std::uint8_t> isInside;  // [vertices] 1: it was last seen inside the other
   };
 
   [[nodiscard]] bool isSelf() const { return sides_[0].skin == sides_[1].skin; }
