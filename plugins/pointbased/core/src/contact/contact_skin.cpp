@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <utility>
 
 #include "discretisation/interpolation_at.h"
 
@@ -13,7 +14,7 @@ namespace {
 
 using Triangle = std::array<Index, 3>;
 
-constexpr Index kLeaf = 4;      // triangles in one box
+constexpr Index kPatch = 6;     // triangles in one
 constexpr int kMostRounds = 8;  // halvings of an edge
 
 std::pair<Index, Index> ordered(Index a, Index b) { return a < b ? std::pair(a, b) : std::pair(b, a); }
@@ -190,13 +191,14 @@ std::shared_ptr<const ContactSkin> makeContactSkin(Interpolation vertices, std::
   return skin;
 }
 
-TriangleTree::TriangleTree(const ContactSkin &skin) {
+PatchTree::PatchTree(const ContactSkin &skin) {
   const std::size_t count = skin.triangles.size();
   std::vector<Vec3> centres(count, Vec3::Zero());
   for (std::size_t t = 0; t < count; ++t)
     for (const Index v : skin.triangles[t]) centres[t] += skin.vertices.positions[v];
-  order_.resize(count);
-  std::iota(order_.begin(), order_.end(), Index{0});
+  std::vector<Index> order(count);
+  std::iota(order.begin(), order.end(), Index{0});
+  std::vector<std::uint8_t> hasVertex(skin.count(), 0), hasEdge(skin.edges.size(), 0);
   struct Range {
     Index node, begin, end;
   };
@@ -205,47 +207,58 @@ TriangleTree::TriangleTree(const ContactSkin &skin) {
   while (!open.empty()) {
     const auto [node, begin, end] = open.back();
     open.pop_back();
-    if (end - begin <= kLeaf) {
-      nodes_[node].first = begin;
-      nodes_[node].count = end - begin;
+    nodes_[node].size = end - begin;
+    if (end - begin <= kPatch) {
+      nodes_[node].patch = static_cast<Index>(patches_.size());
+      Patch &patch = patches_.emplace_back();
+      patch.triangles.assign(order.begin() + begin, order.begin() + end);
+      for (const Index t : patch.triangles) {
+        for (const Index v : skin.triangles[t]) {
+          patch.corners.push_back(v);
+          if (std::exchange(hasVertex[v], 1) == 0) patch.vertices.push_back(v);
+        }
+        for (const Index e : skin.edgesOf[t])
+          if (std::exchange(hasEdge[e], 1) == 0) patch.edges.push_back(e);
+      }
+      std::sort(patch.corners.begin(), patch.corners.end());
+      patch.corners.erase(std::unique(patch.corners.begin(), patch.corners.end()), patch.corners.end());
       continue;
     }
-    Box box;
-    for (Index k = begin; k < end; ++k) box.add(centres[order_[k]]);
+    SkinBox box;
+    for (Index k = begin; k < end; ++k) box.add(centres[order[k]]);
     int axis = 0;
     (box.high - box.low).maxCoeff(&axis);
     const Index middle = begin + (end - begin) / 2;
-    std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end, [&](Index a, Index b) {
+    std::nth_element(order.begin() + begin, order.begin() + middle, order.begin() + end, [&](Index a, Index b) {
       return centres[a][axis] != centres[b][axis] ? centres[a][axis] < centres[b][axis] : a < b;
     });
     const auto child = static_cast<Index>(nodes_.size());
-    nodes_[node].first = child;
+    nodes_[node].child = child;
     nodes_.emplace_back();
     nodes_.emplace_back();
     open.push_back({child, begin, middle});
     open.push_back({child + 1, middle, end});
   }
-  refit(skin, skin.vertices.positions);
+  refit(skin.vertices.positions);
   for (Node &node : nodes_) node.rest = node.box;
 }
 
-void TriangleTree::refit(const ContactSkin &skin, std::span<const Vec3> positions) {
+void PatchTree::refit(std::span<const Vec3> positions) {
   for (std::size_t k = nodes_.size(); k-- > 0;) {
     Node &node = nodes_[k];
-    node.box = Box();
-    if (node.count > 0) {
-      for (Index t = 0; t < node.count; ++t)
-        for (const Index v : skin.triangles[order_[node.first + t]]) node.box.add(positions[v]);
-    } else if (node.first > 0) {
-      node.box.add(nodes_[node.first].box);
-      node.box.add(nodes_[node.first + 1].box);
+    node.box = SkinBox();
+    if (node.patch != kNone) {
+      for (const Index v : patches_[node.patch].corners) node.box.add(positions[v]);
+    } else {
+      node.box.add(nodes_[node.child].box);
+      node.box.add(nodes_[node.child + 1].box);
     }
   }
 }
 
 MovingSkin::MovingSkin(std::shared_ptr<const ContactSkin> skin, const Vec3 &origin, double spacing)
     : skin_(std::move(skin)), tree_(*skin_), origin_(origin), spacing_(spacing), positions_(skin_->count()),
-      seen_(skin_->count(), 0) {}
+      seen_(skin_->count(), 0), motions_(tree_.patches().size()), sharp_(skin_->edges.size()) {}
 
 void MovingSkin::move(std::span<const Vec3> displacements, std::span<const Vec3> velocities,
                       std::span<const float> maxInfluence, double dt) {
@@ -291,6 +304,18 @@ void MovingSkin::place(Index v) {
 
 Vec3 MovingSkin::velocity(Index v) const { return fieldAt(skin_->vertices, v, velocities_); }
 
+const MovingSkin::PatchMotion &MovingSkin::motionOf(Index patch) {
+  PatchMotion &motion = motions_[patch];
+  if (motion.seen == now_) return motion;
+  motion = PatchMotion();
+  motion.seen = now_;
+  for (const Index v : tree_.patches()[patch].corners) {
+    motion.places.add(position(v));
+    motion.velocities.add(velocity(v));
+  }
+  return motion;
+}
+
 void MovingSkin::placeVertices() {
   for (Index v = 0; v < skin_->count(); ++v) (void)position(v);
 }
@@ -298,7 +323,7 @@ void MovingSkin::placeVertices() {
 void MovingSkin::placeAll() {
   placeVertices();
   if (treeOf_ == now_) return;
-  tree_.refit(*skin_, positions_);
+  tree_.refit(positions_);
   treeOf_ = now_;
 }
 
@@ -315,6 +340,12 @@ Vec3 MovingSkin::edgeNormal(Index edge) {
   return sum;
 }
 
+Vec3 MovingSkin::facing(Index vertex) {
+  Vec3 sum = Vec3::Zero();
+  for (const Index t : skin_->trianglesOf.row(vertex)) sum += faceNormal(t);
+  return sum.normalized();
+}
+
 // Weighted by angles: the side on which a point lies whose nearest point is the vertex.
 // @source  Baerentzen and Aanaes, Signed distance computation using the angle weighted pseudonormal, 2005
 Vec3 MovingSkin::vertexNormal(Index vertex) {
@@ -328,6 +359,33 @@ Vec3 MovingSkin::vertexNormal(Index vertex) {
     sum += std::atan2(normal.norm(), ab.dot(ac)) * normal.normalized();
   }
   return sum;
+}
+
+bool MovingSkin::isSharp(Index edge, double sine, double rise) {
+  auto &[seen, sharp] = sharp_[edge];
+  if (seen == now_) return sharp;
+  seen = now_;
+  const SkinEdge &e = skin_->edges[edge];
+  if (e.triangles[1] == kNoTriangle) return sharp = true;
+  const Vec3 n = faceNormal(e.triangles[0]), m = faceNormal(e.triangles[1]);
+  const auto &corners = skin_->triangles[e.triangles[1]];
+  const Index opposite = corners[0] + corners[1] + corners[2] - e.ends[0] - e.ends[1];
+  const Vec3 &end = position(e.ends[0]);
+  const double length = (end - position(e.ends[1])).norm();
+  const double least = std::min(sine, rise / std::max(length, 1e-12 * rise));
+  const bool convex = n.dot(position(opposite) - end) <= 0.0;
+  return sharp =
+             convex && (n.cross(m).squaredNorm() > least * least * n.squaredNorm() * m.squaredNorm() || n.dot(m) < 0.0);
+}
+
+NearestOnTriangle MovingSkin::nearestOn(Index triangle, const Vec3 &x) {
+  const auto &[a, b, c] = skin_->triangles[triangle];
+  return nearestOnTriangle(x, position(a), position(b), position(c));
+}
+
+Vec3 MovingSkin::placeOn(Index triangle, const Vec3 &weights) {
+  const auto &[a, b, c] = skin_->triangles[triangle];
+  return weights[0] * position(a) + weights[1] * position(b) + weights[2] * position(c);
 }
 
 Vec3 MovingSkin::outwardAt(Index triangle, int feature) {

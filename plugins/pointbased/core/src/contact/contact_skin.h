@@ -2,6 +2,7 @@
 // The skin of a body as other skins touch it. Private to the core.
 #pragma once
 
+#include <limits>
 #include <memory>
 
 #include "pointbased/interpolation.h"
@@ -40,58 +41,69 @@ struct ContactSkin {
                                                                  double longestEdge, const Binder &bind,
                                                                  std::span<const float> maxInfluence);
 
-/// Boxes around the triangles of a skin, in a binary tree that is refitted as they move.
-class TriangleTree {
+struct SkinBox {
+  Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);
+  void add(const Vec3 &x) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  void add(const SkinBox &other) {
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
+  }
+  [[nodiscard]] bool meets(const SkinBox &other) const {
+    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
+  }
+  [[nodiscard]] double squaredDistance(const Vec3 &x) const {
+    return (low - x).cwiseMax(x - high).cwiseMax(0.0).squaredNorm();
+  }
+  [[nodiscard]] double squaredDistance(const SkinBox &other) const {
+    return (low - other.high).cwiseMax(other.low - high).cwiseMax(0.0).squaredNorm();
+  }
+  /// Of the two points of both that are farthest from each other.
+  [[nodiscard]] double squaredFarthest(const SkinBox &other) const {
+    return (high - other.low).cwiseMax(other.high - low).cwiseAbs().squaredNorm();
+  }
+  [[nodiscard]] SkinBox wider(double by) const { return {low.array() - by, high.array() + by}; }
+};
+
+/// The triangles of a skin in patches of a few, in a binary tree of boxes that is refitted as they move.
+class PatchTree {
  public:
-  explicit TriangleTree(const ContactSkin &skin);
-  void refit(const ContactSkin &skin, std::span<const Vec3> positions);
+  explicit PatchTree(const ContactSkin &skin);
+  void refit(std::span<const Vec3> positions);
 
-  struct Box {
-    Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);
-    void add(const Vec3 &x) {
-      low = low.cwiseMin(x);
-      high = high.cwiseMax(x);
-    }
-    void add(const Box &other) {
-      low = low.cwiseMin(other.low);
-      high = high.cwiseMax(other.high);
-    }
-    [[nodiscard]] bool meets(const Box &other) const {
-      return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
-    }
-    [[nodiscard]] double squaredDistance(const Vec3 &x) const {
-      return (low - x).cwiseMax(x - high).cwiseMax(0.0).squaredNorm();
-    }
-    /// Of the corner that is farthest from x.
-    [[nodiscard]] double squaredFarthest(const Vec3 &x) const {
-      return (x - low).cwiseAbs().cwiseMax((high - x).cwiseAbs()).squaredNorm();
-    }
-    [[nodiscard]] Box wider(double by) const { return {low.array() - by, high.array() + by}; }
+  struct Patch {
+    std::vector<Index> triangles, corners;
+    std::vector<Index> vertices, edges;  ///< those that are no other patch's
   };
-  [[nodiscard]] const Box &bounds() const { return nodes_.front().box; }
+  [[nodiscard]] const std::vector<Patch> &patches() const { return patches_; }
+  [[nodiscard]] const SkinBox &bounds() const { return nodes_.front().box; }
 
-  /// visit(triangle) for those whose leaf meets the box.
-  /// @param skips  of a box around triangles at rest: none of these is asked for
+  /// visit(patch of this, patch of the other, squared distance of their boxes at rest) for those whose boxes are nearer
+  /// to each other than `reach`.
+  /// @param skips  of the boxes of two parts at rest: none of these is asked for
   template <class Skips, class Visit>
-  void inBox(const Box &box, const Skips &skips, const Visit &visit) const {
-    std::array<Index, 64> stack;
-    std::size_t depth = 0;
-    stack[depth++] = 0;
-    while (depth > 0) {
-      const Node &node = nodes_[stack[--depth]];
-      if (!node.box.meets(box) || skips(node.rest)) continue;
-      if (node.count > 0) {
-        for (Index k = 0; k < node.count; ++k) visit(order_[node.first + k]);
-      } else {
-        stack[depth++] = node.first + 1;
-        stack[depth++] = node.first;
-      }
+  void near(const PatchTree &other, double reach, const Skips &skips, const Visit &visit) const {
+    std::vector<std::pair<Index, Index>> open{{0, 0}};
+    while (!open.empty()) {
+      const auto [a, b] = open.back();
+      open.pop_back();
+      const Node &mine = nodes_[a], &theirs = other.nodes_[b];
+      if (!(mine.box.squaredDistance(theirs.box) <= reach * reach) || skips(mine.rest, theirs.rest)) continue;
+      if (mine.patch != kNone && theirs.patch != kNone)
+        visit(mine.patch, theirs.patch, mine.rest.squaredDistance(theirs.rest));
+      else if (theirs.patch != kNone || (mine.patch == kNone && mine.size >= theirs.size))
+        for (const Index child : {mine.child, mine.child + 1}) open.emplace_back(child, b);
+      else
+        for (const Index child : {theirs.child, theirs.child + 1}) open.emplace_back(a, child);
     }
   }
-  /// visit(triangle, squared) -> squared distance from x of that triangle, for those that may be nearer than `nearest`
-  /// squared; the nearest first, as far as boxes tell.
+  /// visit(triangle) -> squared distance from x of that triangle, for those that may be nearest to x; the nearest
+  /// first, as far as boxes tell.
   template <class Visit>
-  void nearest(const Vec3 &x, double nearest, const Visit &visit) const {
+  void nearest(const Vec3 &x, const Visit &visit) const {
+    double nearest = std::numeric_limits<double>::infinity();
     std::array<std::pair<Index, double>, 64> stack;
     std::size_t depth = 0;
     stack[depth++] = {0, nodes_.front().box.squaredDistance(x)};
@@ -99,27 +111,39 @@ class TriangleTree {
       const auto [at, away] = stack[--depth];
       if (!(away < nearest)) continue;
       const Node &node = nodes_[at];
-      if (node.count > 0) {
-        for (Index k = 0; k < node.count; ++k) nearest = std::min(nearest, visit(order_[node.first + k]));
+      if (node.patch != kNone) {
+        for (const Index t : patches_[node.patch].triangles) nearest = std::min(nearest, visit(t));
         continue;
       }
-      const double left = nodes_[node.first].box.squaredDistance(x),
-                   right = nodes_[node.first + 1].box.squaredDistance(x);
+      const double left = nodes_[node.child].box.squaredDistance(x),
+                   right = nodes_[node.child + 1].box.squaredDistance(x);
       const bool leftFirst = left <= right;
-      stack[depth++] = leftFirst ? std::pair(node.first + 1, right) : std::pair(node.first, left);
-      stack[depth++] = leftFirst ? std::pair(node.first, left) : std::pair(node.first + 1, right);
+      stack[depth++] = leftFirst ? std::pair(node.child + 1, right) : std::pair(node.child, left);
+      stack[depth++] = leftFirst ? std::pair(node.child, left) : std::pair(node.child + 1, right);
     }
   }
 
  private:
+  static constexpr Index kNone = 0xffffffffu;
   struct Node {
-    Box box, rest;
-    Index first = 0;  // child, the other one behind it; of a leaf the first of order_
-    Index count = 0;  // triangles of a leaf; 0: no leaf
+    SkinBox box, rest;
+    Index child = 0;      // the other one behind it
+    Index patch = kNone;  // of a leaf
+    Index size = 0;       // triangles below it
   };
   std::vector<Node> nodes_;
-  std::vector<Index> order_;
+  std::vector<Patch> patches_;
 };
+
+/// Where a point is nearest to a triangle.
+struct NearestOnTriangle {
+  Vec3 weights = Vec3::Zero();  ///< of the corners
+  double squared = 0.0;         ///< m²
+  /// 0: within the face; 1 … 3: on the edge from corner k - 1 to the next; 4 … 6: at corner k - 4
+  int feature = 0;
+};
+/// @source  Ericson, Real-Time Collision Detection, 2005, ch. 5.1.5
+[[nodiscard]] NearestOnTriangle nearestOnTriangle(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c);
 
 /// A skin where its phyxels have carried it. What is asked for is worked out once per state.
 /// @threads one
@@ -128,7 +152,7 @@ class MovingSkin {
   MovingSkin(std::shared_ptr<const ContactSkin> skin, const Vec3 &origin, double spacing);
 
   [[nodiscard]] const ContactSkin &skin() const { return *skin_; }
-  [[nodiscard]] const TriangleTree &tree() const { return tree_; }
+  [[nodiscard]] const PatchTree &tree() const { return tree_; }
   [[nodiscard]] double spacing() const { return spacing_; }
   /// Pa, Young's modulus under each vertex.
   void setModuli(std::vector<double> moduli) { moduli_ = std::move(moduli); }
@@ -156,6 +180,12 @@ class MovingSkin {
     return positions_[v];
   }
   [[nodiscard]] Vec3 velocity(Index v) const;
+  /// Around the corners of a patch, and around their velocities.
+  struct PatchMotion {
+    SkinBox places, velocities;
+    std::uint64_t seen = 0;
+  };
+  [[nodiscard]] const PatchMotion &motionOf(Index patch);
   void placeVertices();
   /// The boxes around the triangles as well.
   void placeAll();
@@ -165,8 +195,14 @@ class MovingSkin {
   [[nodiscard]] Vec3 faceNormal(Index triangle);
   [[nodiscard]] Vec3 edgeNormal(Index edge);
   [[nodiscard]] Vec3 vertexNormal(Index vertex);
+  /// Unit: about where the skin around a vertex faces.
+  [[nodiscard]] Vec3 facing(Index vertex);
   /// That of the part of a triangle that NearestOnTriangle::feature names: on its side lies what is nearest to it.
   [[nodiscard]] Vec3 outwardAt(Index triangle, int feature);
+  [[nodiscard]] NearestOnTriangle nearestOn(Index triangle, const Vec3 &x);
+  [[nodiscard]] Vec3 placeOn(Index triangle, const Vec3 &weights);
+  /// Whether an edge stands out between its faces: by an angle of this sine, or by so much of its length, m.
+  [[nodiscard]] bool isSharp(Index edge, double sine, double rise);
 
  private:
   void place(Index v);
@@ -176,7 +212,7 @@ class MovingSkin {
   }
 
   std::shared_ptr<const ContactSkin> skin_;
-  TriangleTree tree_;
+  PatchTree tree_;
   Vec3 origin_;
   double spacing_;
   std::vector<double> moduli_;
@@ -184,20 +220,16 @@ class MovingSkin {
   std::span<const float> maxInfluence_;
   std::vector<Vec3> positions_;
   std::vector<std::uint64_t> seen_;
+  std::vector<PatchMotion> motions_;  // [patches]
+  struct Sharp {
+    std::uint64_t seen = 0;
+    bool is = false;
+  };
+  std::vector<Sharp> sharp_;  // [edges]
   std::uint64_t now_ = 1, treeOf_ = 0;
   double goes_ = 0.0, goesExactly_ = -1.0, dt_ = 0.0;
   Vec3 meanGoes_ = Vec3::Zero();
 };
-
-/// Where a point is nearest to a triangle.
-struct NearestOnTriangle {
-  Vec3 weights = Vec3::Zero();  ///< of the corners
-  double squared = 0.0;         ///< m²
-  /// 0: within the face; 1 … 3: on the edge from corner k - 1 to the next; 4 … 6: at corner k - 4
-  int feature = 0;
-};
-/// @source  Ericson, Real-Time Collision Detection, 2005, ch. 5.1.5
-[[nodiscard]] NearestOnTriangle nearestOnTriangle(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c);
 
 /// Where two segments are nearest to each other: parts of the way from a0 to a1 and from b0 to b1, clamped to 0 … 1.
 /// @source  Ericson 2005, ch. 5.1.9

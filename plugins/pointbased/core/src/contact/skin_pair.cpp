@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "contact/contact_search.h"
 
@@ -26,6 +27,8 @@ constexpr double kCone = 0.05, kEnds = 1e-6;
 constexpr double kOneSide = 0.7;
 // Skins of one body meet face to face.
 constexpr double kFacing = -0.2;
+// Patches of one skin that lie that near each other at rest, in what is one piece of tissue, squared, do not touch.
+constexpr double kBeside = 0.25;
 constexpr double kTiny = 1e-6;  // spacings: below it a connection has no direction
 
 std::uint64_t keyOf(int kind, Index a, Index b) {
@@ -51,51 +54,33 @@ bool leadsOut(MovingSkin &skin, Index edge, const Vec3 &direction, double tolera
   return true;
 }
 
-bool isSharp(MovingSkin &skin, Index edge, double offset) {
-  const SkinEdge &e = skin.skin().edges[edge];
-  if (e.triangles[1] == kNoTriangle) return true;
-  const Vec3 n = skin.faceNormal(e.triangles[0]), m = skin.faceNormal(e.triangles[1]);
-  const auto &corners = skin.skin().triangles[e.triangles[1]];
-  const Index opposite = corners[0] + corners[1] + corners[2] - e.ends[0] - e.ends[1];
-  const double length = (skin.position(e.ends[0]) - skin.position(e.ends[1])).norm();
-  const double least = std::min(kSharp, kRise * offset / std::max(length, 1e-12 * offset));
-  const bool convex = n.dot(skin.position(opposite) - skin.position(e.ends[0])) <= 0.0;
-  return convex && (n.cross(m).squaredNorm() > least * least * n.squaredNorm() * m.squaredNorm() || n.dot(m) < 0.0);
-}
-
 }  // namespace
 
 SkinPair::SkinPair(MovingSkin &first, MovingSkin &second, const SkinPairSettings &settings)
     : sides_{Side{&first, {}, {}}, Side{&second, {}, {}}}, settings_(settings),
-      spacing_(std::min(first.spacing(), second.spacing())), seenBy_(second.skin().edges.size(), 0),
-      sharpOf_(seenBy_.size(), 0), isSharpEdge_(seenBy_.size(), 0) {
-  for (Side &side : sides_) {
-    side.isInside.assign(side.skin->skin().count(), 0);
-    const std::vector<Vec3> &rest = side.skin->skin().vertices.positions;
-    for (const SkinEdge &edge : side.skin->skin().edges)
-      longestEdge_ = std::max(longestEdge_, (rest[edge.ends[0]] - rest[edge.ends[1]]).norm());
-  }
+      spacing_(std::min(first.spacing(), second.spacing())) {
+  for (Side &side : sides_) side.isInside.assign(side.skin->skin().count(), 0);
 }
 
 void SkinPair::measureWays() {
   MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
   goes_ = first.goes() + second.goes() + (first.meanGoes() - second.meanGoes()).norm();
-  if (listed_[0].empty()) return;
+  if (movedFrom_[0].empty()) return;
   Vec3 ofFirst, ofSecond;
-  went_ = first.wentSince(listed_[0], ofFirst);
-  went_ += isSelf() ? went_ : second.wentSince(listed_[1], ofSecond) + (ofFirst - ofSecond).norm();
+  went_ = first.wentSince(movedFrom_[0], ofFirst);
+  went_ += isSelf() ? went_ : second.wentSince(movedFrom_[1], ofSecond) + (ofFirst - ofSecond).norm();
 }
 
 // The same from the vertices themselves, where the bounds by phyxels do not tell.
 void SkinPair::measureExactly() {
   MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
   goes_ = first.goesExactly() + second.goesExactly() + (first.meanGoes() - second.meanGoes()).norm();
-  if (listed_[0].empty()) return;
+  if (movedFrom_[0].empty()) return;
   std::array<Vec3, 2> means;
   went_ = 0.0;
   for (std::size_t s = 0; s < 2; ++s) {
     MovingSkin &skin = *sides_[s].skin;
-    (void)skin.wentSince(listed_[s], means[s]);
+    (void)skin.wentSince(movedFrom_[s], means[s]);
     skin.placeVertices();
     double squared = 0.0;
     for (std::size_t v = 0; v < listedAt_[s].size(); ++v)
@@ -112,7 +97,7 @@ void SkinPair::find(double dt) {
   dt_ = dt;
   measureWays();
   const double room = settings_.offset + settings_.margin;
-  const auto isOld = [&] { return listed_[0].empty() || !(went_ + goes_ <= listReach_ - room); };
+  const auto isOld = [&] { return movedFrom_[0].empty() || !(went_ + goes_ <= listReach_ - room); };
   if (isOld()) measureExactly();
   if (isOld()) {
     listReach_ = room + std::max({settings_.leastReach,
@@ -120,7 +105,7 @@ void SkinPair::find(double dt) {
                                   kFewestWays * goes_});
     for (std::size_t s = 0; s < 2; ++s) {
       const std::span<const Vec3> u = sides_[s].skin->displacements();
-      listed_[s].assign(u.begin(), u.end());
+      movedFrom_[s].assign(u.begin(), u.end());
       if (isSelf()) break;
     }
     went_ = 0.0;
@@ -135,10 +120,12 @@ void SkinPair::find(double dt) {
   std::swap(previous_, active_);
   active_.clear();
   depth_ = 0.0;
-  for (VertexGroup &group : groups_)
-    if (!(group.wake > went_ + goes_)) lookAt(group);
-  for (EdgePair &pair : edges_)
-    if (!(pair.wake > went_ + goes_)) lookAt(pair);
+  gatherNear();
+  for (std::size_t begin = 0, end = 0; begin < near_.size(); begin = end) {
+    while (end < near_.size() && near_[end].isOf(near_[begin])) ++end;
+    lookAt(std::span<const Near>(near_).subspan(begin, end - begin));
+  }
+  for (const auto &[first, second] : edges_) lookAtEdges(first, second);
   if (isFirst_) learnAllowances();
   isFirst_ = false;
   measureAllowances();
@@ -146,264 +133,240 @@ void SkinPair::find(double dt) {
 }
 
 void SkinPair::list(double reach) {
-  sides_[0].skin->placeAll();
-  if (!isSelf()) sides_[1].skin->placeAll();
-  groups_.clear();
+  MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
+  first.placeAll();
+  if (!isSelf()) second.placeAll();
+  listed_.clear();
+  const double apart = settings_.apart * settings_.apart;
+  first.tree().near(
+      second.tree(), reach,
+      [&](const SkinBox &a, const SkinBox &b) { return isSelf() && a.squaredFarthest(b) <= apart; },
+      [&](Index a, Index b, double atRest) {
+        if (!isSelf() || (a < b && atRest > kBeside * apart)) listed_.emplace_back(a, b);
+      });
+  if (isFirst_ && !isSelf())
+    for (const std::size_t side : {0, 1}) findInside(side);
+}
+
+// What lies inside the other when both are looked at for the first time; later it is known how it came there.
+void SkinPair::findInside(std::size_t side) {
+  MovingSkin &own = *sides_[side].skin, &other = *sides_[1 - side].skin;
+  for (Index v = 0; v < own.skin().count(); ++v) {
+    const Vec3 &x = own.positions()[v];
+    if (!(own.skin().areas[v] > 0.0) || other.tree().bounds().squaredDistance(x) > 0.0) continue;
+    const Index t = nearestTriangle(other, x);
+    const NearestOnTriangle found = other.nearestOn(t, x);
+    if ((x - other.placeOn(t, found.weights)).dot(other.outwardAt(t, found.feature)) < 0.0)
+      sides_[side].isInside[v] = 1;
+  }
+}
+
+// Vertices and triangles, edges and edges that may touch within the step.
+void SkinPair::gatherNear() {
   near_.clear();
   edges_.clear();
-  if (!sides_[0].skin->tree().bounds().wider(reach).meets(sides_[1].skin->tree().bounds())) return;
-  // Of an edge that comes within reach one end is within reach and half its length, which may have grown by half.
-  const double withEdges = reach + atEdges();
-  for (std::size_t s = 0; s < 2; ++s) isNear_[s].assign(sides_[s].skin->skin().count(), 0);
-  listVertices(false, withEdges);
-  if (!isSelf()) listVertices(true, withEdges);
-  if (!groups_.empty()) listEdges(reach);
+  MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
+  const double room = settings_.offset + settings_.margin;
+  for (const auto &[a, b] : listed_) {
+    const MovingSkin::PatchMotion &mine = first.motionOf(a), &theirs = second.motionOf(b);
+    // The fastest that a point of one can go, seen from one of the other.
+    const Vec3 fastest = (mine.velocities.high - theirs.velocities.low)
+                             .cwiseAbs()
+                             .cwiseMax((theirs.velocities.high - mine.velocities.low).cwiseAbs());
+    const double reach = room + dt_ * fastest.norm();
+    if (!(mine.places.squaredDistance(theirs.places) <= reach * reach)) continue;
+    gatherVertices(false, a, b, reach);
+    gatherVertices(!isSelf(), b, a, reach);
+    gatherEdges(a, b, reach);
+  }
+  const auto before = [](const Near &a, const Near &b) {
+    return std::tuple(a.ofSecond, a.vertex, a.triangle) < std::tuple(b.ofSecond, b.vertex, b.triangle);
+  };
+  std::sort(near_.begin(), near_.end(), before);
+  if (!isSelf()) {
+    const std::size_t had = near_.size();
+    for (const bool ofSecond : {false, true}) addDeep(ofSecond);
+    if (near_.size() > had) std::sort(near_.begin(), near_.end(), before);
+  }
+  std::sort(edges_.begin(), edges_.end());
+}
+
+// Vertices deep inside have nothing within reach.
+void SkinPair::addDeep(bool ofSecond) {
+  MovingSkin &own = *sides_[ofSecond ? 1 : 0].skin, &other = *sides_[ofSecond ? 0 : 1].skin;
+  const std::vector<std::uint8_t> &isInside = sides_[ofSecond ? 1 : 0].isInside;
+  const std::size_t had = near_.size();
+  for (Index v = 0; v < isInside.size(); ++v) {
+    if (isInside[v] == 0) continue;
+    const auto end = near_.begin() + static_cast<std::ptrdiff_t>(had);
+    const auto found = std::lower_bound(near_.begin(), end, v, [&](const Near &one, Index vertex) {
+      return std::tuple(one.ofSecond, one.vertex) < std::tuple(ofSecond, vertex);
+    });
+    if (found != end && found->vertex == v && found->ofSecond == ofSecond) continue;
+    other.placeAll();
+    const Vec3 x = own.position(v);
+    const Index t = nearestTriangle(other, x);
+    near_.push_back({v, t, ofSecond, other.nearestOn(t, x)});
+  }
+}
+
+void SkinPair::gatherVertices(bool ofSecond, Index patch, Index otherPatch, double reach) {
+  MovingSkin &own = *sides_[ofSecond ? 1 : 0].skin, &other = *sides_[ofSecond ? 0 : 1].skin;
+  const SkinBox around = other.motionOf(otherPatch).places.wider(reach);
+  const std::vector<Vec3> &rest = own.skin().vertices.positions;
+  const std::vector<Index> &triangles = other.tree().patches()[otherPatch].triangles;
+  for (const Index v : own.tree().patches()[patch].vertices) {
+    const Vec3 &x = own.position(v);
+    if (!around.meets({x, x})) continue;
+    for (const Index t : triangles) {
+      const auto &[a, b, c] = other.skin().triangles[t];
+      if (isSelf() && (a == v || b == v || c == v)) continue;
+      const NearestOnTriangle found = other.nearestOn(t, x);
+      if (!(found.squared <= reach * reach)) continue;
+      if (isSelf() &&
+          areOnePiece(rest[v], found.weights[0] * rest[a] + found.weights[1] * rest[b] + found.weights[2] * rest[c]))
+        continue;
+      near_.push_back({v, t, ofSecond, found});
+    }
+  }
+}
+
+void SkinPair::gatherEdges(Index patch, Index otherPatch, double reach) {
+  MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
+  const SkinBox around = second.motionOf(otherPatch).places.wider(reach);
+  const std::vector<Index> &others = second.tree().patches()[otherPatch].edges;
+  for (const Index e : first.tree().patches()[patch].edges) {
+    const auto &ends = first.skin().edges[e].ends;
+    SkinBox box;
+    for (const Index v : ends) box.add(first.position(v));
+    if (!around.meets(box) || !first.isSharp(e, kSharp, kRise * settings_.offset)) continue;
+    box = box.wider(reach);
+    for (const Index f : others) {
+      const auto &those = second.skin().edges[f].ends;
+      if (isSelf() && share(ends, those)) continue;
+      SkinBox theirs;
+      for (const Index v : those) theirs.add(second.position(v));
+      if (!box.meets(theirs) || !second.isSharp(f, kSharp, kRise * settings_.offset)) continue;
+      edges_.emplace_back(isSelf() ? std::min(e, f) : e, isSelf() ? std::max(e, f) : f);
+    }
+  }
+}
+
+Index SkinPair::nearestTriangle(MovingSkin &skin, const Vec3 &x) {
+  Index at = kNoTriangle;
+  double best = std::numeric_limits<double>::infinity();
+  skin.tree().nearest(x, [&](Index t) {
+    const double squared = skin.nearestOn(t, x).squared;
+    if (squared < best || (squared == best && t < at)) {
+      best = squared;
+      at = t;
+    }
+    return squared;
+  });
+  return at;
 }
 
 bool SkinPair::areOnePiece(const Vec3 &a, const Vec3 &b) const {
   return isSelf() && (a - b).squaredNorm() <= settings_.apart * settings_.apart;
 }
 
-void SkinPair::listVertices(bool ofSecond, double reach) {
-  MovingSkin &own = *sides_[ofSecond ? 1 : 0].skin, &other = *sides_[ofSecond ? 0 : 1].skin;
-  const std::span<const Vec3> x = own.positions(), y = other.positions();
-  const ContactSkin &surface = other.skin();
-  const TriangleTree::Box within = other.tree().bounds().wider(reach);
-  const std::vector<std::uint8_t> &isInside = sides_[ofSecond ? 1 : 0].isInside;
-  const std::vector<Vec3> &rest = own.skin().vertices.positions;
-  for (Index v = 0; v < x.size(); ++v) {
-    if (!(own.skin().areas[v] > 0.0) || !within.meets({x[v], x[v]})) continue;
-    const auto begin = static_cast<Index>(near_.size());
-    const TriangleTree::Box around = TriangleTree::Box{x[v], x[v]}.wider(reach);
-    double nearest = std::numeric_limits<double>::infinity();
-    const auto isOnePiece = [&](const TriangleTree::Box &restBox) {
-      return isSelf() && restBox.squaredFarthest(rest[v]) <= settings_.apart * settings_.apart;
-    };
-    other.tree().inBox(around, isOnePiece, [&](Index t) {
-      const auto &[a, b, c] = surface.triangles[t];
-      if (isSelf() && (a == v || b == v || c == v)) return;
-      const NearestOnTriangle found = nearestOnTriangle(x[v], y[a], y[b], y[c]);
-      if (!(found.squared <= reach * reach)) return;
-      if (isSelf() &&
-          areOnePiece(rest[v], found.weights[0] * rest[a] + found.weights[1] * rest[b] + found.weights[2] * rest[c]))
-        return;
-      nearest = std::min(nearest, found.squared);
-      near_.push_back(t);
-    });
-    double complete = reach;
-    const bool maybeDeep = !isSelf() && (isFirst_ || isInside[v] != 0);
-    if (maybeDeep && near_.size() == begin) {
-      // Maybe deep inside.
-      Index at = kNoTriangle;
-      double best = std::numeric_limits<double>::infinity();
-      const auto nearestOn = [&](Index t) {
-        const auto &[a, b, c] = surface.triangles[t];
-        return nearestOnTriangle(x[v], y[a], y[b], y[c]);
-      };
-      other.tree().nearest(x[v], best, [&](Index t) {
-        const double squared = nearestOn(t).squared;
-        if (squared < best || (squared == best && t < at)) {
-          best = squared;
-          at = t;
-        }
-        return best;
-      });
-      if (at == kNoTriangle) continue;
-      const auto &[a, b, c] = surface.triangles[at];
-      const NearestOnTriangle found = nearestOn(at);
-      const Vec3 way = x[v] - (found.weights[0] * y[a] + found.weights[1] * y[b] + found.weights[2] * y[c]);
-      if (!(way.dot(other.outwardAt(at, found.feature)) < 0.0)) continue;
-      complete += std::sqrt(best);
-      other.tree().inBox(TriangleTree::Box{x[v], x[v]}.wider(complete), isOnePiece, [&](Index t) {
-        if (nearestOn(t).squared <= complete * complete) near_.push_back(t);
-      });
-      nearest = 0.0;
-    }
-    const auto end = static_cast<Index>(near_.size());
-    if (end == begin) continue;
-    std::sort(near_.begin() + begin, near_.end());
-    isNear_[ofSecond ? 1 : 0][v] = 1;
-    // Which side it is on nobody knows yet.
-    const double away = std::sqrt(nearest);
-    const double wake = maybeDeep || away <= kDeep * spacing_ ? -std::numeric_limits<double>::infinity()
-                                                              : away - settings_.offset - settings_.margin;
-    groups_.push_back({v, ofSecond, begin, end, complete, wake});
-  }
-}
-
-void SkinPair::listEdges(double reach) {
-  MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
-  const ContactSkin &own = first.skin(), &other = second.skin();
-  const std::span<const Vec3> x = first.positions(), y = second.positions();
-  const TriangleTree::Box within = second.tree().bounds().wider(reach);
-  const std::vector<Vec3> &rest = own.vertices.positions;
-  std::vector<Index> &found = found_;
-  const std::vector<std::uint8_t> &nearOfSecond = isNear_[isSelf() ? 0 : 1];
-  const auto isSharpOfSecond = [&](Index f) {
-    if (sharpOf_[f] != list_) {
-      sharpOf_[f] = list_;
-      isSharpEdge_[f] = isSharp(second, f, settings_.offset) ? 1 : 0;
-    }
-    return isSharpEdge_[f] != 0;
-  };
-  ++list_;
-  for (Index e = 0; e < own.edges.size(); ++e) {
-    const auto &ends = own.edges[e].ends;
-    if (isNear_[0][ends[0]] == 0 && isNear_[0][ends[1]] == 0) continue;
-    TriangleTree::Box box;
-    box.add(x[ends[0]]);
-    box.add(x[ends[1]]);
-    box = box.wider(reach);
-    if (!within.meets(box) || !isSharp(first, e, settings_.offset)) continue;
-    ++query_;
-    found.clear();
-    const auto isOnePiece = [&](const TriangleTree::Box &restBox) {
-      return isSelf() && restBox.squaredFarthest(rest[ends[0]]) <= settings_.apart * settings_.apart &&
-             restBox.squaredFarthest(rest[ends[1]]) <= settings_.apart * settings_.apart;
-    };
-    second.tree().inBox(box, isOnePiece, [&](Index t) {
-      for (const Index f : other.edgesOf[t]) {
-        if (seenBy_[f] == query_) continue;
-        seenBy_[f] = query_;
-        if (nearOfSecond[other.edges[f].ends[0]] == 0 && nearOfSecond[other.edges[f].ends[1]] == 0) continue;
-        if (isSelf() && (f <= e || share(ends, other.edges[f].ends))) continue;
-        const Vec3 &a = y[other.edges[f].ends[0]], &b = y[other.edges[f].ends[1]];
-        if ((a.cwiseMin(b).array() > box.high.array()).any() || (a.cwiseMax(b).array() < box.low.array()).any())
-          continue;
-        if (isSharpOfSecond(f)) found.push_back(f);
-      }
-    });
-    std::sort(found.begin(), found.end());
-    for (const Index f : found) {
-      const auto &those = other.edges[f].ends;
-      const NearestOfSegments at = nearestOfSegments(x[ends[0]], x[ends[1]], y[those[0]], y[those[1]]);
-      const auto between = [&](const auto &points, const std::array<Index, 2> &pair, double part) {
-        return Vec3((1.0 - part) * points[pair[0]] + part * points[pair[1]]);
-      };
-      const double distance = (between(x, ends, at.onFirst) - between(y, those, at.onSecond)).norm();
-      if (!(distance <= reach)) continue;
-      if (isSelf() && areOnePiece(between(rest, ends, at.onFirst), between(rest, those, at.onSecond))) continue;
-      edges_.push_back({e, f,
-                        distance <= kDeep * spacing_ ? -std::numeric_limits<double>::infinity()
-                                                     : distance - settings_.offset - settings_.margin});
-    }
-  }
-}
-
-void SkinPair::lookAt(VertexGroup &group) {
-  const std::size_t s = group.ofSecond ? 1 : 0;
+void SkinPair::lookAt(std::span<const Near> near) {
+  const Near *best = &near.front();
+  const Index vertex = best->vertex;
+  const std::size_t s = best->ofSecond ? 1 : 0;
   MovingSkin &own = *sides_[s].skin, &other = *sides_[1 - s].skin;
   const ContactSkin &surface = other.skin();
-  const Vec3 p = own.position(group.vertex);
-  const auto nearestOn = [&](Index t) {
-    const auto &[a, b, c] = surface.triangles[t];
-    return nearestOnTriangle(p, other.position(a), other.position(b), other.position(c));
-  };
-  const auto placeOn = [&](Index t, const Vec3 &weights) {
-    const auto &[a, b, c] = surface.triangles[t];
-    return Vec3(weights[0] * other.position(a) + weights[1] * other.position(b) + weights[2] * other.position(c));
-  };
-  Index at = near_[group.begin];
-  NearestOnTriangle best = nearestOn(at);
-  for (Index k = group.begin + 1; k < group.end; ++k)
-    if (const NearestOnTriangle found = nearestOn(near_[k]); found.squared < best.squared) {
-      best = found;
-      at = near_[k];
-    }
-  const double size = std::sqrt(best.squared);
-  const double room = settings_.offset + settings_.margin;
-  // Both ways are seen from the list.
-  const double complete = group.reach - went_;
-  group.wake = std::min(size, complete) - room - went_;
-  // What is not listed may be nearer, and lead the other way.
-  if (size > complete) return;
-  const Vec3 way = p - placeOn(at, best.weights);
-  const Vec3 outward = other.outwardAt(at, best.feature);
+  const Vec3 p = own.position(vertex);
+  for (const Near &one : near)
+    if (one.at.squared < best->at.squared) best = &one;
+  const double size = std::sqrt(best->at.squared);
+  const Vec3 way = p - other.placeOn(best->triangle, best->at.weights);
+  const Vec3 outward = other.outwardAt(best->triangle, best->at.feature);
   const double sign = way.dot(outward) >= 0.0 ? 1.0 : -1.0, distance = sign * size;
   // What has not come in near the surface is not inside: of one skin the nearest places are left out, and where a skin
   // has been crushed it may be turned over.
-  std::uint8_t &isInside = sides_[s].isInside[group.vertex];
-  if (sign < 0.0 && size > kDeep * spacing_ && (isSelf() || (!isFirst_ && isInside == 0))) return;
+  std::uint8_t &isInside = sides_[s].isInside[vertex];
+  if (sign < 0.0 && size > kDeep * spacing_ && (isSelf() || isInside == 0)) return;
   isInside = sign < 0.0 ? 1 : 0;
-  if (sign < 0.0) group.wake = -std::numeric_limits<double>::infinity();
-  if (group.wake > went_ + goes_) return;
   const Vec3 normal = size > kTiny * spacing_ ? Vec3(sign / size * way) : Vec3(outward.normalized());
-  if (isSelf() && !(own.vertexNormal(group.vertex).normalized().dot(normal) < kFacing)) return;
+  if (isSelf() && !(own.facing(vertex).dot(normal) < kFacing)) return;
 
-  if (Side &side = sides_[s]; !side.allowance.empty()) ease(side.allowance[group.vertex], settings_.offset - distance);
+  if (Side &side = sides_[s]; !side.allowance.empty()) ease(side.allowance[vertex], settings_.offset - distance);
   const auto addAt = [&](Index t, const Vec3 &weights, const Vec3 &n, double gap, Index number) {
     SkinContact contact;
-    contact.gap = gap + allowance(s, group.vertex);
+    contact.gap = gap + allowance(s, vertex);
     if (number == 0) {
       double modulus = 0.0;
       for (std::size_t k = 0; k < 3; ++k)
         modulus += weights[static_cast<Eigen::Index>(k)] * other.modulus(surface.triangles[t][k]);
       // Either skin carries half.
-      const double ofOwn = own.modulus(group.vertex) / own.spacing(), ofOther = modulus / other.spacing();
-      contact.stiffness = 0.5 * settings_.stiffness * std::min(ofOwn, ofOther) * own.skin().areas[group.vertex];
+      const double ofOwn = own.modulus(vertex) / own.spacing(), ofOther = modulus / other.spacing();
+      contact.stiffness = 0.5 * settings_.stiffness * std::min(ofOwn, ofOther) * own.skin().areas[vertex];
       contact.thickness = settings_.thickness;
     } else {
       contact.gap += settings_.thickness;
     }
-    contact.key = keyOf(group.ofSecond ? 1 : 0, group.vertex, number);
-    const double side = group.ofSecond ? -1.0 : 1.0;
+    contact.key = keyOf(s, vertex, number);
+    const double side = s == 1 ? -1.0 : 1.0;
     // The way of the first seen from the second, along a normal that leads from the second to the first.
     contact.normal = side * n;
-    contact.parts[0] = {group.vertex, group.ofSecond, side};
+    contact.parts[0] = {vertex, s == 1, side};
     for (std::size_t k = 0; k < 3; ++k)
-      contact.parts[k + 1] = {surface.triangles[t][k], !group.ofSecond, -side * weights[static_cast<Eigen::Index>(k)]};
+      contact.parts[k + 1] = {surface.triangles[t][k], s == 0, -side * weights[static_cast<Eigen::Index>(k)]};
     add(std::move(contact), gap);
   };
-  addAt(at, best.weights, normal, distance - settings_.offset, 0);
+  addAt(best->triangle, best->at.weights, normal, distance - settings_.offset, 0);
   if (!(distance > 0.0)) return;
   // What stands beside it at an angle.
   std::array<Vec3, 4> normals{normal};
   std::size_t count = 1;
-  for (Index k = group.begin; k < group.end && count < normals.size(); ++k) {
-    const Index t = near_[k];
-    if (t == at) continue;
-    const NearestOnTriangle found = nearestOn(t);
+  for (const Near &one : near) {
+    if (count == normals.size()) break;
     // Over its inside; beyond its edges it is nearest to what is beside it.
-    if (found.feature != 0 || !(found.squared <= std::pow(room + goes_, 2)) || !(found.squared > 0.0)) continue;
-    const Vec3 from = p - placeOn(t, found.weights), n = from.normalized();
-    if (!(from.dot(other.faceNormal(t)) > 0.0)) continue;
+    if (&one == best || one.at.feature != 0 || !(one.at.squared > 0.0)) continue;
+    const Vec3 from = p - other.placeOn(one.triangle, one.at.weights), n = from.normalized();
+    if (!(from.dot(other.faceNormal(one.triangle)) > 0.0)) continue;
     if (std::any_of(normals.begin(), normals.begin() + static_cast<std::ptrdiff_t>(count),
                     [&](const Vec3 &known) { return known.dot(n) > kOneSide; }))
       continue;
     normals[count] = n;
-    addAt(t, found.weights, n, std::sqrt(found.squared) - settings_.offset, static_cast<Index>(count));
+    addAt(one.triangle, one.at.weights, n, std::sqrt(one.at.squared) - settings_.offset, static_cast<Index>(count));
     ++count;
   }
 }
 
-void SkinPair::lookAt(EdgePair &pair) {
+void SkinPair::lookAtEdges(Index firstEdge, Index secondEdge) {
   MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
-  const auto &a = first.skin().edges[pair.first].ends, &b = second.skin().edges[pair.second].ends;
+  const auto &a = first.skin().edges[firstEdge].ends, &b = second.skin().edges[secondEdge].ends;
   const NearestOfSegments at =
       nearestOfSegments(first.position(a[0]), first.position(a[1]), second.position(b[0]), second.position(b[1]));
   const Vec3 p = (1.0 - at.onFirst) * first.position(a[0]) + at.onFirst * first.position(a[1]);
   const Vec3 q = (1.0 - at.onSecond) * second.position(b[0]) + at.onSecond * second.position(b[1]);
   const Vec3 way = p - q;
   const double size = way.norm();
-  const Vec3 outward = second.edgeNormal(pair.second);
+  const Vec3 outward = second.edgeNormal(secondEdge);
   const double sign = way.dot(outward) >= 0.0 ? 1.0 : -1.0;
   // What overlaps far is a matter of vertices: two edges may pass each other behind the faces.
-  const bool overlaps = sign < 0.0 && size <= kDeep * spacing_;
-  pair.wake = overlaps ? -std::numeric_limits<double>::infinity() : size - settings_.offset - settings_.margin - went_;
-  if (pair.wake > went_ + goes_) return;
-  if (sign < 0.0 && !overlaps) return;
+  if (sign < 0.0 && size > kDeep * spacing_) return;
+  if (isSelf()) {
+    const std::vector<Vec3> &rest = first.skin().vertices.positions;
+    const auto between = [&](const std::array<Index, 2> &ends, double part) {
+      return Vec3((1.0 - part) * rest[ends[0]] + part * rest[ends[1]]);
+    };
+    if (areOnePiece(between(a, at.onFirst), between(b, at.onSecond))) return;
+  }
   const auto isWithin = [](double part) { return part > kEnds && part < 1.0 - kEnds; };
   if (!isWithin(at.onFirst) || !isWithin(at.onSecond)) return;
   const Vec3 normal = size > kTiny * spacing_ ? Vec3(sign / size * way) : Vec3(outward.normalized());
   const double tolerance = sign > 0.0 ? kCone : 0.0;
-  if (!leadsOut(second, pair.second, normal, tolerance) || !leadsOut(first, pair.first, -normal, tolerance)) return;
+  if (!leadsOut(second, secondEdge, normal, tolerance) || !leadsOut(first, firstEdge, -normal, tolerance)) return;
   SkinContact contact;
   contact.normal = normal;
   const double gap = sign * size - settings_.offset + settings_.thickness;
   double allowed = 0.0;
   for (std::size_t k = 0; k < 2; ++k) allowed = std::max({allowed, allowance(0, a[k]), allowance(1, b[k])});
   contact.gap = gap + allowed;
-  contact.key = keyOf(2, pair.first, pair.second);
+  contact.key = keyOf(2, firstEdge, secondEdge);
   contact.parts = {{{a[0], false, 1.0 - at.onFirst},
                     {a[1], false, at.onFirst},
                     {b[0], true, at.onSecond - 1.0},
@@ -414,7 +377,6 @@ void SkinPair::lookAt(EdgePair &pair) {
 void SkinPair::add(SkinContact contact, double gap) {
   depth_ = std::max(depth_, -gap - settings_.offset);
   const double left = contact.gap - settings_.margin;
-  if (left > goes_ && !isFirst_) return;
   Vec3 velocity = Vec3::Zero();
   for (const SkinContact::Part &part : contact.parts)
     velocity += part.weight * sides_[part.ofSecond ? 1 : 0].skin->velocity(part.vertex);
@@ -464,7 +426,7 @@ void SkinPair::setMemory(const Memory &memory) {
   }
   allowed_ = memory.allowed;
   isFirst_ = false;
-  listed_ = {};
+  movedFrom_ = {};
   sum_ = Sum();
 }
 

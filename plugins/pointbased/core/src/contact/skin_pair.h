@@ -66,10 +66,7 @@ class SkinPair {
     double allowed = 0.0;
   };
   [[nodiscard]] Memory memory() const {
-    return {active_,
-            {sides_[0].allowance, sides_[1].allowance},
-            {sides_[0].isInside, sides_[1].isInside},
-            allowed_};
+    return {active_, {sides_[0].allowance, sides_[1].allowance}, {sides_[0].isInside, sides_[1].isInside}, allowed_};
   }
   void setMemory(const Memory &memory);
 
@@ -84,7 +81,7 @@ class SkinPair {
   /// A step of dt is over.
   void addToSum(double dt);
   /// Whether anything was within reach when it was looked for last: find() has to be called for every step.
-  [[nodiscard]] bool isNear() const { return !groups_.empty() || !edges_.empty(); }
+  [[nodiscard]] bool isNear() const { return !listed_.empty(); }
   /// m, that both may go together before find() has to be called again, if nothing isNear().
   [[nodiscard]] double room() const { return reach_ - settings_.offset - settings_.margin; }
   /// m, deepest overlap of the last find(), with what has been allowed since the start; 0: none.
@@ -93,16 +90,12 @@ class SkinPair {
   [[nodiscard]] double allowed() const { return allowed_; }
 
  private:
-  struct VertexGroup {
-    Index vertex = 0;
-    bool ofSecond = false;
-    Index begin = 0, end = 0;  // of near_
-    double reach = 0.0;        // m, within which near_ has all there was when it was listed
-    double wake = 0.0;         // m, gone since the list: from there on it is looked at
-  };
-  struct EdgePair {
-    Index first = 0, second = 0;
-    double wake = 0.0;
+  /// A vertex and a triangle of the other skin within reach of each other.
+  struct Near {
+    Index vertex = 0, triangle = 0;
+    bool ofSecond = false;  // the vertex
+    NearestOnTriangle at;
+    [[nodiscard]] bool isOf(const Near &other) const { return vertex == other.vertex && ofSecond == other.ofSecond; }
   };
   struct Side {
     MovingSkin *skin = nullptr;
@@ -114,13 +107,15 @@ class SkinPair {
   void measureWays();
   void measureExactly();
   void list(double reach);
-  /// m, beyond the reach of a list, that its vertices reach on account of the edges between them.
-  [[nodiscard]] double atEdges() const { return 0.75 * longestEdge_; }
-  void listVertices(bool ofSecond, double reach);
-  void listEdges(double reach);
+  void findInside(std::size_t side);
+  void gatherNear();
+  void addDeep(bool ofSecond);
+  void gatherVertices(bool ofSecond, Index patch, Index otherPatch, double reach);
+  void gatherEdges(Index patch, Index otherPatch, double reach);
+  [[nodiscard]] static Index nearestTriangle(MovingSkin &skin, const Vec3 &x);
   [[nodiscard]] bool areOnePiece(const Vec3 &a, const Vec3 &b) const;  // at rest, m
-  void lookAt(VertexGroup &group);
-  void lookAt(EdgePair &pair);
+  void lookAt(std::span<const Near> near);
+  void lookAtEdges(Index firstEdge, Index secondEdge);
   [[nodiscard]] double allowance(std::size_t side, Index vertex) const {
     return sides_[side].allowance.empty() ? 0.0 : sides_[side].allowance[vertex];
   }
@@ -134,27 +129,19 @@ class SkinPair {
   std::array<Side, 2> sides_;
   SkinPairSettings settings_;
   double spacing_;
-  double longestEdge_ = 0.0;  // m, at rest
-  std::vector<VertexGroup> groups_;
-  std::vector<Index> near_;
-  std::array<std::vector<std::uint8_t>, 2> isNear_;  // [sides][vertices] 1: it has a group
-  std::vector<EdgePair> edges_;
-  std::array<std::vector<Vec3>, 2> listed_;    // [sides][phyxels] m, displacements when it was listed; empty: never
-  std::array<std::vector<Vec3>, 2> listedAt_;  // [sides][vertices] m, places then
-  double listReach_ = 0.0;                     // m
-  double went_ = 0.0, goes_ = 0.0;             // m, of both together: since it was listed, and in this step
-  double reach_ = 0.0;                         // m, within which the list is still complete
+  std::vector<std::pair<Index, Index>> listed_;  // patches that have been near each other
+  std::vector<Near> near_;                       // of this step: by side, vertex, triangle
+  std::vector<std::pair<Index, Index>> edges_;   // of this step
+  std::array<std::vector<Vec3>, 2> movedFrom_;   // [sides][phyxels] m, displacements when it was listed; empty: never
+  std::array<std::vector<Vec3>, 2> listedAt_;    // [sides][vertices] m, places then
+  double listReach_ = 0.0;                       // m
+  double went_ = 0.0, goes_ = 0.0;               // m, of both together: since it was listed, and in this step
+  double reach_ = 0.0;                           // m, within which the list is still complete
   bool isFirst_ = true;
   double dt_ = 0.0;
   std::vector<SkinContact> active_, previous_;
   double depth_ = 0.0, allowed_ = 0.0;
   Sum sum_;
-  std::vector<std::uint64_t> seenBy_;  // [edges of the second] the query that has met it last
-  std::uint64_t query_ = 0;
-  std::vector<std::uint64_t> sharpOf_;     // [edges of the second] the list that has asked
-  std::vector<std::uint8_t> isSharpEdge_;  // [edges of the second] what it was told
-  std::uint64_t list_ = 0;
-  std::vector<Index> found_;
 };
 
 }  // namespace pointbased::detail

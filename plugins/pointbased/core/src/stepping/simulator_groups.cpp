@@ -16,7 +16,7 @@ using namespace detail;
 
 namespace {
 
-using Box = TriangleTree::Box;
+using Box = SkinBox;
 
 constexpr double kSlack = 0.5;   // spacings
 constexpr double kFaster = 2.0;  // times the way of a step: bodies may gain speed within it
