@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What does contact between skins cost?
 //
-//   bench_contact [--phyxels N]
+//   bench_contact [--balls] [--phyxels N]
 //
 // Four balls pressed together by a load, and the same four apart: milliseconds of contact and of forces in a step, one
 // thread. Then a slab bent over itself, of so many vertices in self-contact: what a step costs while a list of near
@@ -123,7 +123,8 @@ std::unique_ptr<Body> ballOf(const Vec3 &centre, double spacing) {
 void balls(double spacing) {
   std::printf("%-10s %10s %10s %14s %14s %10s\n", "", "phyxels", "vertices", "forces, ms", "contact, ms",
               "contact/all");
-  for (const bool together : {false, true}) {
+  for (const double until : {0.0, 0.5, 1.5}) {
+    const bool together = until > 0.0;
     Simulator simulator;
     WorldSettings world;
     world.damping = 20.0;
@@ -140,15 +141,18 @@ void balls(double spacing) {
       phyxels += simulator.body(id)->rest().phyxelCount();
       vertices += simulator.body(id)->rest().surfels.count();
     }
-    while (simulator.time() < 0.5)
+    while (simulator.time() < std::max(0.5, until))
       if (!simulator.step()) return;
     double forces = 0.0, contact = 0.0;
     for (const auto &stage : simulator.stageTimes()) {
       if (stage.name == "internal_forces") forces = stage.median_ms;
       if (stage.name == "contact") contact = stage.median_ms;
     }
-    std::printf("%-10s %10zu %10zu %14.3f %14.3f %10.2f\n", together ? "touching" : "apart", phyxels, vertices, forces,
-                contact, contact / (contact + forces));
+    std::printf("%-10s %10zu %10zu %14.3f %14.3f %10.2f\n",
+                until == 0.0   ? "apart"
+                : until == 0.5 ? "bouncing"
+                               : "at rest",
+                phyxels, vertices, forces, contact, contact / (contact + forces));
   }
 }
 
@@ -156,9 +160,14 @@ void balls(double spacing) {
 
 int main(int argc, char **argv) {
   double spacing = 0.0105;
-  if (argc == 3 && std::strcmp(argv[1], "--phyxels") == 0)
-    spacing = std::cbrt(5.3e-4 / std::max(100.0, std::atof(argv[2])));
+  bool all = true;
+  for (int k = 1; k < argc; ++k) {
+    if (std::strcmp(argv[k], "--phyxels") == 0 && k + 1 < argc)
+      spacing = std::cbrt(5.3e-4 / std::max(100.0, std::atof(argv[++k])));
+    else if (std::strcmp(argv[k], "--balls") == 0)
+      all = false;
+  }
   balls(spacing);
-  sheets();
+  if (all) sheets();
   return 0;
 }

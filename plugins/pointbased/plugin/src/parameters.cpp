@@ -32,6 +32,11 @@ constexpr double kFar = 1e6;               // m: beyond it, doubles no longer re
 constexpr std::array kWorld{
     vec3Param({"world.gravity", "Gravity", "m/s²", "Acceleration of everything; zero: floating", "World"},
               {-1000.0, 1000.0, -10.0, 10.0}, {0.0, 0.0, 0.0}),
+    vec3Param({"world.scan_gravity", "Gravity of the scan", "m/s²",
+               "Gravity in which the scan was taken: bodies are in balance with it where they lie, so only what gravity "
+               "differs from it moves them; zero: they begin without stress and sag",
+               "World"},
+              {-1000.0, 1000.0, -10.0, 10.0}, {0.0, 0.0, 0.0}),
     boolParam({"world.box.enabled", "World box", "", "Walls that nothing leaves", "World"}, false),
     vec3Param({"world.box.min", "Box, lower corner", "m", "Lower corner of the walls", "World"},
               {-kFar, kFar, -1.0, 1.0}, {-1.0, -1.0, -1.0}),
@@ -48,9 +53,10 @@ constexpr std::array kWorld{
     boolParam({C3DE_PARAM_ID_CONTACT_ENABLED, "Contact between bodies", "",
                "Bodies touch each other, and themselves, in explicit steps; obstacles and walls are felt all the same",
                "Contact"},
-              false),
-    boolParam({C3DE_PARAM_ID_CONTACT_SELF, "Contact with itself", "", "Folds of a body touch each other", "Contact"},
-              true, C3DE_PARAM_ADVANCED),
+              true),
+    boolParam({C3DE_PARAM_ID_CONTACT_SELF, "Contact with itself", "",
+               "Folds of a body touch each other; a fine skin that lies in many folds takes long", "Contact"},
+              false, C3DE_PARAM_ADVANCED),
     numberParam({C3DE_PARAM_ID_CONTACT_FRICTION, "Friction between bodies", "",
                  "Coulomb coefficient of bodies with each other and with themselves, where a pair says nothing of its "
                  "own; 0: slippery",
@@ -410,7 +416,7 @@ sdk::Result<c3de_param_value> ParameterValues::get(std::string_view id) const {
 
 WorldSettings worldSettings(const ParameterValues &v) {
   WorldSettings world;
-  world.gravity = v.vector("world.gravity");
+  world.gravity = v.vector("world.gravity") - v.vector("world.scan_gravity");
   world.box.enabled = v.number("world.box.enabled") != 0.0;
   world.box.min = v.vector("world.box.min");
   world.box.max = v.vector("world.box.max");

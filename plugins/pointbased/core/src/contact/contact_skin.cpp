@@ -258,7 +258,7 @@ void PatchTree::refit(std::span<const Vec3> positions) {
 
 MovingSkin::MovingSkin(std::shared_ptr<const ContactSkin> skin, const Vec3 &origin, double spacing)
     : skin_(std::move(skin)), tree_(*skin_), origin_(origin), spacing_(spacing), positions_(skin_->count()),
-      seen_(skin_->count(), 0), motions_(tree_.patches().size()), sharp_(skin_->edges.size()) {}
+      seen_(skin_->count(), 0), motions_(tree_.patches().size()), parts_(motions_.size()) {}
 
 void MovingSkin::move(std::span<const Vec3> displacements, std::span<const Vec3> velocities,
                       std::span<const float> maxInfluence, double dt) {
@@ -362,20 +362,35 @@ Vec3 MovingSkin::vertexNormal(Index vertex) {
 }
 
 bool MovingSkin::isSharp(Index edge, double sine, double rise) {
-  auto &[seen, sharp] = sharp_[edge];
-  if (seen == now_) return sharp;
-  seen = now_;
   const SkinEdge &e = skin_->edges[edge];
-  if (e.triangles[1] == kNoTriangle) return sharp = true;
+  if (e.triangles[1] == kNoTriangle) return true;
   const Vec3 n = faceNormal(e.triangles[0]), m = faceNormal(e.triangles[1]);
   const auto &corners = skin_->triangles[e.triangles[1]];
   const Index opposite = corners[0] + corners[1] + corners[2] - e.ends[0] - e.ends[1];
   const Vec3 &end = position(e.ends[0]);
+  if (n.dot(position(opposite) - end) > 0.0) return false;
   const double length = (end - position(e.ends[1])).norm();
   const double least = std::min(sine, rise / std::max(length, 1e-12 * rise));
-  const bool convex = n.dot(position(opposite) - end) <= 0.0;
-  return sharp =
-             convex && (n.cross(m).squaredNorm() > least * least * n.squaredNorm() * m.squaredNorm() || n.dot(m) < 0.0);
+  return n.cross(m).squaredNorm() > least * least * n.squaredNorm() * m.squaredNorm() || n.dot(m) < 0.0;
+}
+
+const MovingSkin::PatchParts &MovingSkin::partsOf(Index patch, double sine, double rise) {
+  PatchParts &parts = parts_[patch];
+  if (parts.seen == now_ && parts.rise == rise) return parts;
+  parts.seen = now_;
+  parts.rise = rise;
+  parts.triangles.clear();
+  parts.edges.clear();
+  for (const Index t : tree_.patches()[patch].triangles) {
+    SkinBox &box = parts.triangles.emplace_back();
+    for (const Index v : skin_->triangles[t]) box.add(position(v));
+  }
+  for (const Index e : tree_.patches()[patch].edges) {
+    if (!isSharp(e, sine, rise)) continue;
+    SkinBox &box = parts.edges.emplace_back(e, SkinBox()).second;
+    for (const Index v : skin_->edges[e].ends) box.add(position(v));
+  }
+  return parts;
 }
 
 NearestOnTriangle MovingSkin::nearestOn(Index triangle, const Vec3 &x) {

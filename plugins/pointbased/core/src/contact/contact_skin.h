@@ -81,15 +81,23 @@ class PatchTree {
   [[nodiscard]] const SkinBox &bounds() const { return nodes_.front().box; }
 
   /// visit(patch of this, patch of the other, squared distance of their boxes at rest) for those whose boxes are nearer
-  /// to each other than `reach`.
+  /// to each other than `reach`; of a tree and itself each pair once, without those of a patch and itself.
   /// @param skips  of the boxes of two parts at rest: none of these is asked for
   template <class Skips, class Visit>
   void near(const PatchTree &other, double reach, const Skips &skips, const Visit &visit) const {
+    const bool isSelf = this == &other;
     std::vector<std::pair<Index, Index>> open{{0, 0}};
     while (!open.empty()) {
       const auto [a, b] = open.back();
       open.pop_back();
       const Node &mine = nodes_[a], &theirs = other.nodes_[b];
+      if (isSelf && a == b) {
+        if (mine.patch != kNone) continue;
+        open.emplace_back(mine.child, mine.child);
+        open.emplace_back(mine.child, mine.child + 1);
+        open.emplace_back(mine.child + 1, mine.child + 1);
+        continue;
+      }
       if (!(mine.box.squaredDistance(theirs.box) <= reach * reach) || skips(mine.rest, theirs.rest)) continue;
       if (mine.patch != kNone && theirs.patch != kNone)
         visit(mine.patch, theirs.patch, mine.rest.squaredDistance(theirs.rest));
@@ -186,6 +194,16 @@ class MovingSkin {
     std::uint64_t seen = 0;
   };
   [[nodiscard]] const PatchMotion &motionOf(Index patch);
+  /// Boxes of its triangles, in their order, and of those of its edges that are sharp.
+  struct PatchParts {
+    std::vector<SkinBox> triangles;
+    std::vector<std::pair<Index, SkinBox>> edges;
+    std::uint64_t seen = 0;
+    double rise = 0.0;
+  };
+  /// @param sine, rise  an edge is sharp that stands out between its faces by an angle of this sine, or by so much of
+  ///                    its length, m
+  [[nodiscard]] const PatchParts &partsOf(Index patch, double sine, double rise);
   void placeVertices();
   /// The boxes around the triangles as well.
   void placeAll();
@@ -201,11 +219,10 @@ class MovingSkin {
   [[nodiscard]] Vec3 outwardAt(Index triangle, int feature);
   [[nodiscard]] NearestOnTriangle nearestOn(Index triangle, const Vec3 &x);
   [[nodiscard]] Vec3 placeOn(Index triangle, const Vec3 &weights);
-  /// Whether an edge stands out between its faces: by an angle of this sine, or by so much of its length, m.
-  [[nodiscard]] bool isSharp(Index edge, double sine, double rise);
 
  private:
   void place(Index v);
+  [[nodiscard]] bool isSharp(Index edge, double sine, double rise);
   [[nodiscard]] double squaredInfluence(std::size_t phyxel) const {
     const double l = maxInfluence_.empty() ? 1.0 : static_cast<double>(maxInfluence_[phyxel]);
     return l * l;
@@ -221,11 +238,7 @@ class MovingSkin {
   std::vector<Vec3> positions_;
   std::vector<std::uint64_t> seen_;
   std::vector<PatchMotion> motions_;  // [patches]
-  struct Sharp {
-    std::uint64_t seen = 0;
-    bool is = false;
-  };
-  std::vector<Sharp> sharp_;  // [edges]
+  std::vector<PatchParts> parts_;     // [patches]
   std::uint64_t now_ = 1, treeOf_ = 0;
   double goes_ = 0.0, goesExactly_ = -1.0, dt_ = 0.0;
   Vec3 meanGoes_ = Vec3::Zero();

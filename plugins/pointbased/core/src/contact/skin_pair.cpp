@@ -12,7 +12,8 @@ namespace pointbased::detail {
 namespace {
 
 // Where steps go far, places are listed as far as so many of their ways, up to a spacing, and at least two.
-constexpr double kWays = 12.0, kFarthest = 1.0, kFewestWays = 2.0;
+// Of one skin less than what lies between patches that may touch.
+constexpr double kWays = 12.0, kFarthest = 1.0, kFarthestOfSelf = 0.65, kFewestWays = 2.0;
 // What overlaps more than that, in spacings, is looked for beyond the list.
 constexpr double kDeep = 0.1;
 // Edges whose faces meet at a smaller angle (its sine) are smooth: the vertices beside them tell all.
@@ -29,6 +30,8 @@ constexpr double kOneSide = 0.7;
 constexpr double kFacing = -0.2;
 // Patches of one skin that lie that near each other at rest, in what is one piece of tissue, squared, do not touch.
 constexpr double kBeside = 0.25;
+// What is gathered serves until both have moved by that, in spacings, where a step goes by less than a part of it.
+constexpr double kSlack = 0.03, kCalm = 0.3;
 constexpr double kTiny = 1e-6;  // spacings: below it a connection has no direction
 
 std::uint64_t keyOf(int kind, Index a, Index b) {
@@ -62,25 +65,31 @@ SkinPair::SkinPair(MovingSkin &first, MovingSkin &second, const SkinPairSettings
   for (Side &side : sides_) side.isInside.assign(side.skin->skin().count(), 0);
 }
 
-void SkinPair::measureWays() {
-  MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
-  goes_ = first.goes() + second.goes() + (first.meanGoes() - second.meanGoes()).norm();
-  if (movedFrom_[0].empty()) return;
-  Vec3 ofFirst, ofSecond;
-  went_ = first.wentSince(movedFrom_[0], ofFirst);
-  went_ += isSelf() ? went_ : second.wentSince(movedFrom_[1], ofSecond) + (ofFirst - ofSecond).norm();
+void SkinPair::Travel::begin(const SkinPair &pair) {
+  for (std::size_t s = 0; s < 2; ++s) {
+    const std::span<const Vec3> u = pair.sides_[s].skin->displacements();
+    from[s].assign(u.begin(), u.end());
+    if (pair.isSelf()) break;
+  }
 }
 
-// The same from the vertices themselves, where the bounds by phyxels do not tell.
+double SkinPair::Travel::since(const SkinPair &pair) const {
+  const MovingSkin &first = *pair.sides_[0].skin, &second = *pair.sides_[1].skin;
+  Vec3 ofFirst, ofSecond;
+  const double went = first.wentSince(from[0], ofFirst);
+  return went + (pair.isSelf() ? went : second.wentSince(from[1], ofSecond) + (ofFirst - ofSecond).norm());
+}
+
+// From the vertices themselves, where the bounds by phyxels do not tell.
 void SkinPair::measureExactly() {
   MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
   goes_ = first.goesExactly() + second.goesExactly() + (first.meanGoes() - second.meanGoes()).norm();
-  if (movedFrom_[0].empty()) return;
+  if (sinceList_.from[0].empty()) return;
   std::array<Vec3, 2> means;
   went_ = 0.0;
   for (std::size_t s = 0; s < 2; ++s) {
     MovingSkin &skin = *sides_[s].skin;
-    (void)skin.wentSince(movedFrom_[s], means[s]);
+    (void)skin.wentSince(sinceList_.from[s], means[s]);
     skin.placeVertices();
     double squared = 0.0;
     for (std::size_t v = 0; v < listedAt_[s].size(); ++v)
@@ -93,39 +102,55 @@ void SkinPair::measureExactly() {
   went_ += (means[0] - means[1]).norm();
 }
 
+// From here on, with what is left of its reach.
+void SkinPair::keepList() {
+  listReach_ -= went_;
+  for (NearPatches &pair : listed_) pair.apart -= went_;
+  went_ = 0.0;
+  sinceList_.begin(*this);
+  for (std::size_t s = 0; s < 2; ++s) {
+    const std::span<const Vec3> x = sides_[s].skin->positions();
+    listedAt_[s].assign(x.begin(), x.end());
+    if (isSelf()) break;
+  }
+}
+
 void SkinPair::find(double dt) {
   dt_ = dt;
-  measureWays();
+  const MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
+  goes_ = first.goes() + second.goes() + (first.meanGoes() - second.meanGoes()).norm();
+  const bool isNew = sinceList_.from[0].empty();
+  if (!isNew) went_ = sinceList_.since(*this);
   const double room = settings_.offset + settings_.margin;
-  const auto isOld = [&] { return movedFrom_[0].empty() || !(went_ + goes_ <= listReach_ - room); };
-  if (isOld()) measureExactly();
+  const auto isOld = [&] { return isNew || !(went_ + goes_ <= listReach_ - room); };
+  bool hasGathered = !isNew;
   if (isOld()) {
-    listReach_ = room + std::max({settings_.leastReach,
-                                  std::min(kWays * goes_, isSelf() ? settings_.leastReach : kFarthest * spacing_),
-                                  kFewestWays * goes_});
-    for (std::size_t s = 0; s < 2; ++s) {
-      const std::span<const Vec3> u = sides_[s].skin->displacements();
-      movedFrom_[s].assign(u.begin(), u.end());
-      if (isSelf()) break;
+    measureExactly();
+    if (isOld()) {
+      listReach_ = room + std::max({settings_.leastReach,
+                                    std::min(kWays * goes_, (isSelf() ? kFarthestOfSelf : kFarthest) * spacing_),
+                                    kFewestWays * goes_});
+      went_ = 0.0;
+      list(listReach_);
+      hasGathered = false;
     }
-    went_ = 0.0;
-    list(listReach_);
-    for (std::size_t s = 0; s < 2; ++s) {
-      const std::span<const Vec3> x = sides_[s].skin->positions();
-      listedAt_[s].assign(x.begin(), x.end());
-      if (isSelf()) break;
-    }
+    keepList();
   }
   reach_ = listReach_ - went_;
   std::swap(previous_, active_);
   active_.clear();
   depth_ = 0.0;
-  gatherNear();
-  for (std::size_t begin = 0, end = 0; begin < near_.size(); begin = end) {
-    while (end < near_.size() && near_[end].isOf(near_[begin])) ++end;
-    lookAt(std::span<const Near>(near_).subspan(begin, end - begin));
+  moved_ = hasGathered && slack_ > 0.0 && !listed_.empty() ? sinceGathered_.since(*this) : 0.0;
+  if (!hasGathered || !(slack_ > 0.0 && moved_ + goes_ <= slack_)) {
+    moved_ = 0.0;
+    slack_ = goes_ <= kCalm * kSlack * spacing_ ? kSlack * spacing_ : 0.0;
+    gatherNear();
+    if (slack_ > 0.0) sinceGathered_.begin(*this);
   }
-  for (const auto &[first, second] : edges_) lookAtEdges(first, second);
+  for (NearVertex &group : vertices_)
+    if (!(group.wake > moved_ + goes_)) lookAt(group);
+  for (NearEdges &pair : edges_)
+    if (!(pair.wake > moved_ + goes_)) lookAt(pair);
   if (isFirst_) learnAllowances();
   isFirst_ = false;
   measureAllowances();
@@ -142,7 +167,8 @@ void SkinPair::list(double reach) {
       second.tree(), reach,
       [&](const SkinBox &a, const SkinBox &b) { return isSelf() && a.squaredFarthest(b) <= apart; },
       [&](Index a, Index b, double atRest) {
-        if (!isSelf() || (a < b && atRest > kBeside * apart)) listed_.emplace_back(a, b);
+        if (!isSelf() || atRest > kBeside * apart)
+          listed_.push_back({a, b, -std::numeric_limits<double>::infinity()});
       });
   if (isFirst_ && !isSelf())
     for (const std::size_t side : {0, 1}) findInside(side);
@@ -167,14 +193,17 @@ void SkinPair::gatherNear() {
   edges_.clear();
   MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
   const double room = settings_.offset + settings_.margin;
-  for (const auto &[a, b] : listed_) {
+  for (auto &[a, b, apart] : listed_) {
+    if (apart - went_ > room + slack_ + goes_) continue;
     const MovingSkin::PatchMotion &mine = first.motionOf(a), &theirs = second.motionOf(b);
     // The fastest that a point of one can go, seen from one of the other.
     const Vec3 fastest = (mine.velocities.high - theirs.velocities.low)
                              .cwiseAbs()
                              .cwiseMax((theirs.velocities.high - mine.velocities.low).cwiseAbs());
-    const double reach = room + dt_ * fastest.norm();
-    if (!(mine.places.squaredDistance(theirs.places) <= reach * reach)) continue;
+    const double reach = room + slack_ + dt_ * fastest.norm();
+    const double distance = std::sqrt(mine.places.squaredDistance(theirs.places));
+    apart = distance - went_;
+    if (!(distance <= reach)) continue;
     gatherVertices(false, a, b, reach);
     gatherVertices(!isSelf(), b, a, reach);
     gatherEdges(a, b, reach);
@@ -188,7 +217,15 @@ void SkinPair::gatherNear() {
     for (const bool ofSecond : {false, true}) addDeep(ofSecond);
     if (near_.size() > had) std::sort(near_.begin(), near_.end(), before);
   }
-  std::sort(edges_.begin(), edges_.end());
+  constexpr double kNow = -std::numeric_limits<double>::infinity();
+  vertices_.clear();
+  for (std::size_t begin = 0, end = 0; begin < near_.size(); begin = end) {
+    while (end < near_.size() && near_[end].isOf(near_[begin])) ++end;
+    vertices_.push_back({begin, end, kNow});
+  }
+  std::sort(edges_.begin(), edges_.end(), [](const NearEdges &a, const NearEdges &b) {
+    return std::tuple(a.first, a.second) < std::tuple(b.first, b.second);
+  });
 }
 
 // Vertices deep inside have nothing within reach.
@@ -206,7 +243,7 @@ void SkinPair::addDeep(bool ofSecond) {
     other.placeAll();
     const Vec3 x = own.position(v);
     const Index t = nearestTriangle(other, x);
-    near_.push_back({v, t, ofSecond, other.nearestOn(t, x)});
+    near_.push_back({v, t, ofSecond});
   }
 }
 
@@ -215,10 +252,13 @@ void SkinPair::gatherVertices(bool ofSecond, Index patch, Index otherPatch, doub
   const SkinBox around = other.motionOf(otherPatch).places.wider(reach);
   const std::vector<Vec3> &rest = own.skin().vertices.positions;
   const std::vector<Index> &triangles = other.tree().patches()[otherPatch].triangles;
+  const MovingSkin::PatchParts &parts = partsOf(ofSecond ? 0 : 1, otherPatch);
   for (const Index v : own.tree().patches()[patch].vertices) {
     const Vec3 &x = own.position(v);
     if (!around.meets({x, x})) continue;
-    for (const Index t : triangles) {
+    for (std::size_t k = 0; k < triangles.size(); ++k) {
+      if (!(parts.triangles[k].squaredDistance(x) <= reach * reach)) continue;
+      const Index t = triangles[k];
       const auto &[a, b, c] = other.skin().triangles[t];
       if (isSelf() && (a == v || b == v || c == v)) continue;
       const NearestOnTriangle found = other.nearestOn(t, x);
@@ -226,7 +266,7 @@ void SkinPair::gatherVertices(bool ofSecond, Index patch, Index otherPatch, doub
       if (isSelf() &&
           areOnePiece(rest[v], found.weights[0] * rest[a] + found.weights[1] * rest[b] + found.weights[2] * rest[c]))
         continue;
-      near_.push_back({v, t, ofSecond, found});
+      near_.push_back({v, t, ofSecond});
     }
   }
 }
@@ -234,22 +274,21 @@ void SkinPair::gatherVertices(bool ofSecond, Index patch, Index otherPatch, doub
 void SkinPair::gatherEdges(Index patch, Index otherPatch, double reach) {
   MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
   const SkinBox around = second.motionOf(otherPatch).places.wider(reach);
-  const std::vector<Index> &others = second.tree().patches()[otherPatch].edges;
-  for (const Index e : first.tree().patches()[patch].edges) {
-    const auto &ends = first.skin().edges[e].ends;
-    SkinBox box;
-    for (const Index v : ends) box.add(first.position(v));
-    if (!around.meets(box) || !first.isSharp(e, kSharp, kRise * settings_.offset)) continue;
-    box = box.wider(reach);
-    for (const Index f : others) {
-      const auto &those = second.skin().edges[f].ends;
-      if (isSelf() && share(ends, those)) continue;
-      SkinBox theirs;
-      for (const Index v : those) theirs.add(second.position(v));
-      if (!box.meets(theirs) || !second.isSharp(f, kSharp, kRise * settings_.offset)) continue;
-      edges_.emplace_back(isSelf() ? std::min(e, f) : e, isSelf() ? std::max(e, f) : f);
+  const MovingSkin::PatchParts &others = partsOf(1, otherPatch);
+  for (const auto &[e, own] : partsOf(0, patch).edges) {
+    if (!around.meets(own)) continue;
+    const SkinBox box = own.wider(reach);
+    for (const auto &[f, theirs] : others.edges) {
+      if (!box.meets(theirs) || (isSelf() && share(first.skin().edges[e].ends, second.skin().edges[f].ends))) continue;
+      edges_.push_back(
+          {isSelf() ? std::min(e, f) : e, isSelf() ? std::max(e, f) : f, -std::numeric_limits<double>::infinity()});
     }
   }
+}
+
+const MovingSkin::PatchParts &SkinPair::partsOf(std::size_t side, Index patch) const {
+  MovingSkin &skin = *sides_[side].skin;
+  return skin.partsOf(patch, kSharp, kRise * settings_.offset);
 }
 
 Index SkinPair::nearestTriangle(MovingSkin &skin, const Vec3 &x) {
@@ -270,22 +309,33 @@ bool SkinPair::areOnePiece(const Vec3 &a, const Vec3 &b) const {
   return isSelf() && (a - b).squaredNorm() <= settings_.apart * settings_.apart;
 }
 
-void SkinPair::lookAt(std::span<const Near> near) {
-  const Near *best = &near.front();
-  const Index vertex = best->vertex;
-  const std::size_t s = best->ofSecond ? 1 : 0;
+void SkinPair::lookAt(NearVertex &group) {
+  const std::span<const Near> near = std::span<const Near>(near_).subspan(group.begin, group.end - group.begin);
+  const Index vertex = near.front().vertex;
+  const std::size_t s = near.front().ofSecond ? 1 : 0;
   MovingSkin &own = *sides_[s].skin, &other = *sides_[1 - s].skin;
   const ContactSkin &surface = other.skin();
   const Vec3 p = own.position(vertex);
-  for (const Near &one : near)
-    if (one.at.squared < best->at.squared) best = &one;
-  const double size = std::sqrt(best->at.squared);
-  const Vec3 way = p - other.placeOn(best->triangle, best->at.weights);
-  const Vec3 outward = other.outwardAt(best->triangle, best->at.feature);
+  Index triangle = near.front().triangle;
+  NearestOnTriangle best = other.nearestOn(triangle, p);
+  for (const Near &one : near.subspan(1))
+    if (const NearestOnTriangle found = other.nearestOn(one.triangle, p); found.squared < best.squared) {
+      best = found;
+      triangle = one.triangle;
+    }
+  const double size = std::sqrt(best.squared), room = settings_.offset + settings_.margin;
+  std::uint8_t &isInside = sides_[s].isInside[vertex];
+  Vec3 velocity = own.velocity(vertex);
+  for (std::size_t k = 0; k < 3; ++k)
+    velocity -= best.weights[static_cast<Eigen::Index>(k)] * other.velocity(surface.triangles[triangle][k]);
+  const double within = room + dt_ * velocity.norm();
+  group.wake = isInside == 0 ? size - room + moved_ : -std::numeric_limits<double>::infinity();
+  if (isInside == 0 && size > within) return;
+  const Vec3 way = p - other.placeOn(triangle, best.weights);
+  const Vec3 outward = other.outwardAt(triangle, best.feature);
   const double sign = way.dot(outward) >= 0.0 ? 1.0 : -1.0, distance = sign * size;
   // What has not come in near the surface is not inside: of one skin the nearest places are left out, and where a skin
   // has been crushed it may be turned over.
-  std::uint8_t &isInside = sides_[s].isInside[vertex];
   if (sign < 0.0 && size > kDeep * spacing_ && (isSelf() || isInside == 0)) return;
   isInside = sign < 0.0 ? 1 : 0;
   const Vec3 normal = size > kTiny * spacing_ ? Vec3(sign / size * way) : Vec3(outward.normalized());
@@ -315,7 +365,7 @@ void SkinPair::lookAt(std::span<const Near> near) {
       contact.parts[k + 1] = {surface.triangles[t][k], s == 0, -side * weights[static_cast<Eigen::Index>(k)]};
     add(std::move(contact), gap);
   };
-  addAt(best->triangle, best->at.weights, normal, distance - settings_.offset, 0);
+  addAt(triangle, best.weights, normal, distance - settings_.offset, 0);
   if (!(distance > 0.0)) return;
   // What stands beside it at an angle.
   std::array<Vec3, 4> normals{normal};
@@ -323,28 +373,32 @@ void SkinPair::lookAt(std::span<const Near> near) {
   for (const Near &one : near) {
     if (count == normals.size()) break;
     // Over its inside; beyond its edges it is nearest to what is beside it.
-    if (&one == best || one.at.feature != 0 || !(one.at.squared > 0.0)) continue;
-    const Vec3 from = p - other.placeOn(one.triangle, one.at.weights), n = from.normalized();
+    if (one.triangle == triangle) continue;
+    const NearestOnTriangle found = other.nearestOn(one.triangle, p);
+    if (found.feature != 0 || !(found.squared > 0.0) || !(found.squared <= within * within)) continue;
+    const Vec3 from = p - other.placeOn(one.triangle, found.weights), n = from.normalized();
     if (!(from.dot(other.faceNormal(one.triangle)) > 0.0)) continue;
     if (std::any_of(normals.begin(), normals.begin() + static_cast<std::ptrdiff_t>(count),
                     [&](const Vec3 &known) { return known.dot(n) > kOneSide; }))
       continue;
     normals[count] = n;
-    addAt(one.triangle, one.at.weights, n, std::sqrt(one.at.squared) - settings_.offset, static_cast<Index>(count));
+    addAt(one.triangle, found.weights, n, std::sqrt(found.squared) - settings_.offset, static_cast<Index>(count));
     ++count;
   }
 }
 
-void SkinPair::lookAtEdges(Index firstEdge, Index secondEdge) {
+void SkinPair::lookAt(NearEdges &pair) {
   MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
-  const auto &a = first.skin().edges[firstEdge].ends, &b = second.skin().edges[secondEdge].ends;
+  const auto &a = first.skin().edges[pair.first].ends, &b = second.skin().edges[pair.second].ends;
   const NearestOfSegments at =
       nearestOfSegments(first.position(a[0]), first.position(a[1]), second.position(b[0]), second.position(b[1]));
   const Vec3 p = (1.0 - at.onFirst) * first.position(a[0]) + at.onFirst * first.position(a[1]);
   const Vec3 q = (1.0 - at.onSecond) * second.position(b[0]) + at.onSecond * second.position(b[1]);
   const Vec3 way = p - q;
   const double size = way.norm();
-  const Vec3 outward = second.edgeNormal(secondEdge);
+  pair.wake = size - settings_.offset - settings_.margin + moved_;
+  if (pair.wake > moved_ + goes_) return;
+  const Vec3 outward = second.edgeNormal(pair.second);
   const double sign = way.dot(outward) >= 0.0 ? 1.0 : -1.0;
   // What overlaps far is a matter of vertices: two edges may pass each other behind the faces.
   if (sign < 0.0 && size > kDeep * spacing_) return;
@@ -359,14 +413,14 @@ void SkinPair::lookAtEdges(Index firstEdge, Index secondEdge) {
   if (!isWithin(at.onFirst) || !isWithin(at.onSecond)) return;
   const Vec3 normal = size > kTiny * spacing_ ? Vec3(sign / size * way) : Vec3(outward.normalized());
   const double tolerance = sign > 0.0 ? kCone : 0.0;
-  if (!leadsOut(second, secondEdge, normal, tolerance) || !leadsOut(first, firstEdge, -normal, tolerance)) return;
+  if (!leadsOut(second, pair.second, normal, tolerance) || !leadsOut(first, pair.first, -normal, tolerance)) return;
   SkinContact contact;
   contact.normal = normal;
   const double gap = sign * size - settings_.offset + settings_.thickness;
   double allowed = 0.0;
   for (std::size_t k = 0; k < 2; ++k) allowed = std::max({allowed, allowance(0, a[k]), allowance(1, b[k])});
   contact.gap = gap + allowed;
-  contact.key = keyOf(2, firstEdge, secondEdge);
+  contact.key = keyOf(2, pair.first, pair.second);
   contact.parts = {{{a[0], false, 1.0 - at.onFirst},
                     {a[1], false, at.onFirst},
                     {b[0], true, at.onSecond - 1.0},
@@ -426,7 +480,7 @@ void SkinPair::setMemory(const Memory &memory) {
   }
   allowed_ = memory.allowed;
   isFirst_ = false;
-  movedFrom_ = {};
+  sinceList_ = Travel();
   sum_ = Sum();
 }
 

@@ -94,8 +94,27 @@ class SkinPair {
   struct Near {
     Index vertex = 0, triangle = 0;
     bool ofSecond = false;  // the vertex
-    NearestOnTriangle at;
     [[nodiscard]] bool isOf(const Near &other) const { return vertex == other.vertex && ofSecond == other.ofSecond; }
+  };
+  /// Patches that have been near each other, and how far apart they were, less what both had moved until then.
+  struct NearPatches {
+    Index first = 0, second = 0;
+    double apart = 0.0;  // m
+  };
+  /// Of one vertex; not looked at before both skins have moved by `wake` since they were gathered.
+  struct NearVertex {
+    std::size_t begin = 0, end = 0;  // of near_
+    double wake = 0.0;               // m
+  };
+  struct NearEdges {
+    Index first = 0, second = 0;
+    double wake = 0.0;  // m
+  };
+  /// How far both skins have moved together, at most, as far as phyxels tell.
+  struct Travel {
+    std::array<std::vector<Vec3>, 2> from;  // [sides][phyxels] m, displacements at the beginning; empty: none
+    void begin(const SkinPair &pair);
+    [[nodiscard]] double since(const SkinPair &pair) const;  // m
   };
   struct Side {
     MovingSkin *skin = nullptr;
@@ -104,18 +123,19 @@ class SkinPair {
   };
 
   [[nodiscard]] bool isSelf() const { return sides_[0].skin == sides_[1].skin; }
-  void measureWays();
   void measureExactly();
+  void keepList();
   void list(double reach);
   void findInside(std::size_t side);
   void gatherNear();
   void addDeep(bool ofSecond);
   void gatherVertices(bool ofSecond, Index patch, Index otherPatch, double reach);
   void gatherEdges(Index patch, Index otherPatch, double reach);
+  [[nodiscard]] const MovingSkin::PatchParts &partsOf(std::size_t side, Index patch) const;
   [[nodiscard]] static Index nearestTriangle(MovingSkin &skin, const Vec3 &x);
   [[nodiscard]] bool areOnePiece(const Vec3 &a, const Vec3 &b) const;  // at rest, m
-  void lookAt(std::span<const Near> near);
-  void lookAtEdges(Index firstEdge, Index secondEdge);
+  void lookAt(NearVertex &group);
+  void lookAt(NearEdges &pair);
   [[nodiscard]] double allowance(std::size_t side, Index vertex) const {
     return sides_[side].allowance.empty() ? 0.0 : sides_[side].allowance[vertex];
   }
@@ -129,14 +149,16 @@ class SkinPair {
   std::array<Side, 2> sides_;
   SkinPairSettings settings_;
   double spacing_;
-  std::vector<std::pair<Index, Index>> listed_;  // patches that have been near each other
-  std::vector<Near> near_;                       // of this step: by side, vertex, triangle
-  std::vector<std::pair<Index, Index>> edges_;   // of this step
-  std::array<std::vector<Vec3>, 2> movedFrom_;   // [sides][phyxels] m, displacements when it was listed; empty: never
-  std::array<std::vector<Vec3>, 2> listedAt_;    // [sides][vertices] m, places then
-  double listReach_ = 0.0;                       // m
-  double went_ = 0.0, goes_ = 0.0;               // m, of both together: since it was listed, and in this step
-  double reach_ = 0.0;                           // m, within which the list is still complete
+  std::vector<NearPatches> listed_;
+  std::vector<Near> near_;  // by side, vertex, triangle
+  std::vector<NearVertex> vertices_;
+  std::vector<NearEdges> edges_;
+  Travel sinceList_, sinceGathered_;
+  std::array<std::vector<Vec3>, 2> listedAt_;  // [sides][vertices] m, places then
+  double listReach_ = 0.0;                     // m
+  double went_ = 0.0, goes_ = 0.0;             // m, of both together: since it was listed, and in this step
+  double slack_ = 0.0, moved_ = 0.0;           // m: what was gathered serves so far; since then
+  double reach_ = 0.0;                         // m, within which the list is still complete
   bool isFirst_ = true;
   double dt_ = 0.0;
   std::vector<SkinContact> active_, previous_;

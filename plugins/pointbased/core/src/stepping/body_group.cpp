@@ -116,17 +116,19 @@ void BodyGroup::substep(std::span<const StepContext> orders, double time, double
     if (moves(k)) substeps_.emplace_back(body, orders[k].environment, time, dt, true);
   }
   for (ExplicitSubstep &one : substeps_) one.begin();
-  for (ExplicitSubstep &one : substeps_) one.findContacts();
   double margin = std::numeric_limits<double>::infinity();
   clock.measure(kContact, [&] {
+    for (const JoinedPair &joined : pairs_) margin = std::min(margin, joined.pair->settings().margin);
+    joint_.gather(pairs_, margin);
+    joint_.predict();
     for (const MovedSkin &moved : skins_) {
       const Body &body = members_[moved.member].runner->body();
-      moved.skin->move(body.state().displacements, body.state().velocities, body.rest().maxInfluence, dt);
+      moved.skin->move(body.state().displacements, joint_.predicted(moved.member), body.rest().maxInfluence, dt);
     }
-    for (const JoinedPair &joined : pairs_) {
-      joined.pair->find(dt);
-      margin = std::min(margin, joined.pair->settings().margin);
-    }
+    for (const JoinedPair &joined : pairs_) joined.pair->find(dt);
+  });
+  for (ExplicitSubstep &one : substeps_) one.findContacts();
+  clock.measure(kContact, [&] {
     joint_.gather(pairs_, margin);
     joint_.solve(dt, pairs_);
   });

@@ -98,6 +98,17 @@ void JointContact::takeVelocities() {
               velocities_.begin() + static_cast<std::ptrdiff_t>(joined.first));
 }
 
+void JointContact::predict() {
+  takeVelocities();
+  for (std::size_t c = 0; c < state_.active.size(); ++c) {
+    const Contact &contact = state_.active[c];
+    if (!(contact.normalImpulse > 0.0)) continue;
+    const Vec3 impulse = contact.normalImpulse * contact.normal + contact.frictionImpulse;
+    for (Index e = rows_.phyxels.offsets[c]; e < rows_.phyxels.offsets[c + 1]; ++e)
+      velocities_[rows_.phyxels.indices[e]] += inverseMasses_[rows_.phyxels.indices[e]] * rows_.weights[e] * impulse;
+  }
+}
+
 void JointContact::giveVelocities() {
   for (const Joined &joined : bodies_)
     if (joined.moves)

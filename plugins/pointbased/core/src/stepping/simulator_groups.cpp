@@ -53,6 +53,7 @@ bool Simulator::mayTouchItself(std::size_t id, double dt) {
   skins_->setRoomOfSelf(id, room);
   if (room > 0.0) return false;
   SkinPair &pair = skins_->pairOf(id, body, id, body, contact_.friction);
+  if (pair.isNear()) return true;  // it was in the last step
   pair.moving(0).move(body.state().displacements, body.state().velocities, body.rest().maxInfluence, 0.0);
   pair.find(0.0);
   if (pair.isNear()) return true;

@@ -14,9 +14,9 @@ constexpr double kActive = 0.5;      // of the offset: contacts that near count
 // 1/s: spacings a second at which what overlaps at the start is led apart at most, and the pressure that does it, in
 // moduli.
 constexpr double kEase = 0.5, kGentle = 1e-2;
-constexpr double kOnePiece = 1.5;                    // of one skin: what lies nearer at rest does not touch itself
-constexpr double kReach = 0.15, kReachOfSelf = 0.5;  // within which places are listed
-constexpr double kLongestEdge = 0.75;                // of a skin's triangles
+constexpr double kOnePiece = 1.5;                     // of one skin: what lies nearer at rest does not touch itself
+constexpr double kReach = 0.15, kReachOfSelf = 0.25;  // within which places are listed
+constexpr double kLongestEdge = 0.75;                 // of a skin's triangles
 
 }  // namespace
 
