@@ -72,8 +72,8 @@ TEST_CASE("Two bodies that overlap are told of in the summary, the report and in
       writeScene(folder, "gravity = [0, 0, 0]",
                  "[[body]]\nname = \"other\"\nmesh = \"box.obj\"\nmesh_unit = \"m\"\nposition = [0.9, 0, 0]\n"
                  "sampling = { spacing = 0.05 }\nmaterial = { youngs_modulus = 1e8 }\n");
-  const auto result = runC3de(
-      {"run", scene.string(), "--steps", "200", "--set", "contact.enabled=false", "--report", report.string()});
+  const auto result =
+      runC3de({"run", scene.string(), "--steps", "200", "--set", "contact.enabled=false", "--report", report.string()});
   INFO(result.output << result.errorOutput);
   REQUIRE(result.exitCode == 0);
   CHECK_THAT(result.output, Contains("contact between them is switched off") && Contains("overlap from the start"));

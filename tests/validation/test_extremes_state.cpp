@@ -296,6 +296,7 @@ void poisoned(const std::vector<Poison> &poisons, std::initializer_list<Integrat
         settings.dt = 1e-3;
         settings.gravity = Vec3(0, -9.81, 0);
         simulator->setWorld(settings);
+        simulator->setContact({false, false, 0.0});  // they lie in each other
         return simulator;
       };
       const auto alone = world(), both = world();

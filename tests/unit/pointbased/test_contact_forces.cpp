@@ -110,6 +110,7 @@ TEST_CASE("friction of a pair is that of this body alone: it slides where anothe
   WorldSettings world = worldOf(integrator, kGravity * Vec3(std::sin(angle), -std::cos(angle), 0));
   world.box = {onWall, Vec3(-5, 0, -5), Vec3(5, 2, 5), 0.3, 0.0};
   simulator.setWorld(world);
+  simulator.setContact({false, false, 0.3});  // they lie in each other
   const std::size_t held = simulator.addBody(blockAt(0.0)), sliding = simulator.addBody(blockAt(0.0));
   std::size_t ground = kWorldBox;
   if (!onWall) ground = simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.3));
@@ -147,6 +148,7 @@ TEST_CASE("a body falls through what its pair switches off, another stays, and i
   WorldSettings world = worldOf(integrator, Vec3(0, -kGravity, 0));
   world.box = {kind == 2, Vec3(-1, 0, -1), Vec3(1, 2, 1), 0.3, 0.0};
   simulator.setWorld(world);
+  simulator.setContact({false, false, 0.3});  // they lie in each other
   const std::size_t stays = simulator.addBody(blockAt(0.001)), falls = simulator.addBody(blockAt(0.001));
   std::size_t ground = kWorldBox;
   if (kind == 0) ground = simulator.addObstacle(solidBox(Vec3(-0.5, -0.2, -0.5), Vec3(0.5, 0, 0.5), 0.3));

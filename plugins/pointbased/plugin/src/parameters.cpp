@@ -32,11 +32,12 @@ constexpr double kFar = 1e6;               // m: beyond it, doubles no longer re
 constexpr std::array kWorld{
     vec3Param({"world.gravity", "Gravity", "m/s²", "Acceleration of everything; zero: floating", "World"},
               {-1000.0, 1000.0, -10.0, 10.0}, {0.0, 0.0, 0.0}),
-    vec3Param({"world.scan_gravity", "Gravity of the scan", "m/s²",
-               "Gravity in which the scan was taken: bodies are in balance with it where they lie, so only what gravity "
-               "differs from it moves them; zero: they begin without stress and sag",
-               "World"},
-              {-1000.0, 1000.0, -10.0, 10.0}, {0.0, 0.0, 0.0}),
+    vec3Param(
+        {"world.scan_gravity", "Gravity of the scan", "m/s²",
+         "Gravity in which the scan was taken: bodies are in balance with it where they lie, so only what gravity "
+         "differs from it moves them; zero: they begin without stress and sag",
+         "World"},
+        {-1000.0, 1000.0, -10.0, 10.0}, {0.0, 0.0, 0.0}),
     boolParam({"world.box.enabled", "World box", "", "Walls that nothing leaves", "World"}, false),
     vec3Param({"world.box.min", "Box, lower corner", "m", "Lower corner of the walls", "World"},
               {-kFar, kFar, -1.0, 1.0}, {-1.0, -1.0, -1.0}),

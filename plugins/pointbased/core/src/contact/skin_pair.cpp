@@ -167,8 +167,7 @@ void SkinPair::list(double reach) {
       second.tree(), reach,
       [&](const SkinBox &a, const SkinBox &b) { return isSelf() && a.squaredFarthest(b) <= apart; },
       [&](Index a, Index b, double atRest) {
-        if (!isSelf() || atRest > kBeside * apart)
-          listed_.push_back({a, b, -std::numeric_limits<double>::infinity()});
+        if (!isSelf() || atRest > kBeside * apart) listed_.push_back({a, b, -std::numeric_limits<double>::infinity()});
       });
   if (isFirst_ && !isSelf())
     for (const std::size_t side : {0, 1}) findInside(side);

@@ -65,7 +65,7 @@ void Simulator::formGroups(double dt) {
   groupCount_ = 0;
   grouped_.clear();
   skins_->beginSums();
-  if (!contact_.enabled || quasiStatic()) return;
+  if (!contact_.enabled || quasiStatic() || (bodies_.size() < 2 && !contact_.self)) return;
   struct One {
     std::size_t id;
     BodyStepper *runner;
