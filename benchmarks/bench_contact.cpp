@@ -3,9 +3,9 @@
 //
 //   bench_contact [--balls] [--phyxels N]
 //
-// Four balls pressed together by a load, and the same four apart: milliseconds of contact and of forces in a step, one
-// thread. Then a slab bent over itself, of so many vertices in self-contact: what a step costs while a list of near
-// places serves, and what it costs to make a list.
+// Four balls apart, and the same four as they fall on each other and lie there: milliseconds of contact and of forces
+// in a step, one thread. Then a slab bent over itself, of so many vertices in self-contact: what a step costs while a
+// list of near places serves, and what it costs to make a list.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
