@@ -65,6 +65,27 @@ TEST_CASE("A region to refine off the body is refused with its line") {
   CHECK_THAT(result.errorOutput, Contains("scene.toml:8") && Contains("refinement 0") && Contains("accepted"));
 }
 
+TEST_CASE("A body in balance with the gravity of its scan stays, and falls by what gravity differs from it") {
+  const auto folder = freshFolder("scan-gravity");
+  const auto report = folder / "report.json";
+  const auto fallen = [&](const std::string &gravity) {
+    const auto scene = writeScene(folder, "gravity = " + gravity + "\nscan_gravity = [0, -9.81, 0]", "");
+    const auto at = [&](const char *until) {
+      const auto result = runC3de({"run", scene.string(), "--until", until, "-q", "--report", report.string()});
+      INFO(result.errorOutput);
+      REQUIRE(result.exitCode == 0);
+      const Json json = readJson(report);
+      return std::pair(json["bodies"][0]["centre_of_mass_m"][1].get<double>(), json["time_s"].get<double>());
+    };
+    const auto [from, begin] = at("0.001");
+    const auto [to, end] = at("0.2");
+    return std::pair(to - from, 0.5 * (end * end - begin * begin));
+  };
+  CHECK(std::abs(fallen("[0, -9.81, 0]").first) < 1e-12);
+  const auto [way, halfSquare] = fallen("[0, -10.81, 0]");
+  CHECK_THAT(way, Catch::Matchers::WithinRel(-halfSquare, 1e-6));
+}
+
 TEST_CASE("Two bodies that overlap are told of in the summary, the report and info, with what each costs") {
   const auto folder = freshFolder("bodies-overlap");
   const auto report = folder / "report.json";

@@ -14,7 +14,7 @@ namespace {
 // Where steps go far, places are listed as far as so many of their ways, up to a spacing, and at least two.
 // Of one skin less than what lies between patches that may touch.
 constexpr double kWays = 12.0, kFarthest = 1.0, kFarthestOfSelf = 0.65, kFewestWays = 2.0;
-// What overlaps more than that, in spacings, is looked for beyond the list.
+// In spacings: deeper inside is only what was seen inside before.
 constexpr double kDeep = 0.1;
 // Edges whose faces meet at a smaller angle (its sine) are smooth: the vertices beside them tell all.
 // An edge that is so long rises, times the offset, beyond its neighbours however smooth it is.

@@ -33,8 +33,9 @@ struct SkinPairSettings {
   double leastReach = 0.0;  ///< m: places that near are listed, however slow all is
 };
 
-/// Finds the contacts of two skins as they move. What is within reach is listed now and then; between two lists it is
-/// looked at only when both bodies together have gone as far as it was away.
+/// Finds the contacts of two skins as they move. Patches within reach of each other are listed now and then; what of
+/// them can touch is gathered in every step, or for several where little moves, and then looked at. What is found does
+/// not depend on when that was.
 ///
 /// Only places where the distance between the skins is least locally are contacts: a vertex over the interior of a
 /// face, or beyond an edge or a corner that it is nearest to, and two edges whose shortest connection leads out of
