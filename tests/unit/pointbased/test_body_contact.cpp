@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "c3de/core/thread_pool.h"
 #include "contact_cases.h"
@@ -160,8 +161,8 @@ TEST_CASE("a block on an inclined block sticks below the angle of friction and s
   struct Seen {
     double way, speed;
   };
-  const auto slide = [&](double degrees, std::vector<double> times) {
-    const double angle = degrees * M_PI / 180.0;
+  const auto slide = [&](double degrees, const std::vector<double> &times) {
+    const double angle = degrees * std::numbers::pi / 180.0;
     Simulator simulator;
     WorldSettings world;
     world.gravity = 9.81 * Vec3(std::sin(angle), -std::cos(angle), 0.0);
@@ -186,7 +187,7 @@ TEST_CASE("a block on an inclined block sticks below the angle of friction and s
   CHECK(std::abs(stuck[1].way - stuck[0].way) < 2e-5);
   CHECK(std::abs(stuck[1].speed) < 2e-4);
   const std::vector<Seen> sliding = slide(20.0, {0.1, 0.3});
-  const double angle = 20.0 * M_PI / 180.0;
+  const double angle = 20.0 * std::numbers::pi / 180.0;
   CAPTURE(sliding[0].speed, sliding[1].speed);
   CHECK_THAT((sliding[1].speed - sliding[0].speed) / 0.2,
              WithinRel(9.81 * (std::sin(angle) - friction * std::cos(angle)), 0.01));
@@ -460,7 +461,8 @@ void checkThatTheyMeet(const Extreme &extreme) {
   const Surface small = shapes::boxSurface(Vec3::Constant(-half), Vec3::Constant(half), 10);
   const Surface large = shapes::boxSurface(Vec3::Constant(-otherHalf), Vec3::Constant(otherHalf), 10);
   // Turned by 45 degrees about axes across each other, so that an edge meets an edge.
-  const double angle = extreme.edgeOnEdge ? M_PI / 4 : 0.0, reach = extreme.edgeOnEdge ? std::sqrt(2.0) : 1.0;
+  const double angle = extreme.edgeOnEdge ? std::numbers::pi / 4 : 0.0,
+               reach = extreme.edgeOnEdge ? std::sqrt(2.0) : 1.0;
   const std::size_t a = simulator.addBody(bodyOf(
       shapes::inside(turned(small, Vec3(0, reach * half + 0.001, 0), angle, Vec3::UnitX())), extreme.spacing, own));
   const std::size_t b = simulator.addBody(
