@@ -52,7 +52,8 @@ struct CompositionNotes {
   std::string idle;  ///< why no stage runs (rigid, stopped, asleep); empty: stages run
   Integrator integrator = Integrator::explicitVerlet;
   bool maySleep = false;
-  std::vector<std::string> probes;  ///< names
+  std::vector<std::string> probes;        ///< names
+  std::vector<std::string> touches = {};  ///< names of the bodies that it touches where they meet
 };
 [[nodiscard]] StepComposition compose(const Body &body, const Environment &environment, const CompositionNotes &notes);
 

@@ -286,6 +286,8 @@ StepComposition Simulator::compositionOf(std::size_t id) const {
     notes.idle = "asleep until something changes";
   for (const Probe &probe : probes_)
     if (probe.body == id) notes.probes.push_back(probe.name);
+  for (const auto &[other, own] : bodies_)
+    if (canTouch(id, other)) notes.touches.push_back(own->body().name());
   Environment env = environment();
   env.obstacles = obstaclesOf(id);
   env.box = boxOf(id);

@@ -64,9 +64,10 @@ class Composer {
     for (const Obstacle &obstacle : env_.obstacles)
       if (obstacle.closest) what += (what.empty() ? "obstacle '" : ", '") + obstacle.name + "'";
     if (env_.box.enabled) what += what.empty() ? "walls of the world" : ", walls of the world";
+    for (const std::string &name : notes_.touches) what += (what.empty() ? "body '" : ", body '") + name + "'";
     const bool feels = body_.rest().contact.count() > 0;
-    add("contact", stages_.contact,
-        what.empty() ? "no obstacle, no walls"
+    add("contact", stages_.contact || !notes_.touches.empty(),
+        what.empty() ? "no obstacle, no walls, no other body"
         : feels      ? what
                      : "the body has no points that feel contact",
         clock);
