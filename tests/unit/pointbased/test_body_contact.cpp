@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "c3de/core/thread_pool.h"
+#include "contact/skin_pair.h"
 #include "contact_cases.h"
 #include "crossing_triangles.h"
 #include "shapes.h"
@@ -57,6 +58,17 @@ std::pair<std::size_t, std::size_t> addCollidingBalls(Simulator &simulator) {
   setVelocity(simulator, a, Vec3(0.2, 0, 0));
   setVelocity(simulator, b, Vec3(-0.2, 0, 0));
   return {a, b};
+}
+
+// One above the other, a little aside, over a floor; of a body with itself as well.
+void addFallingBalls(Simulator &simulator, int count) {
+  WorldSettings world;
+  world.gravity = Vec3(0, -9.81, 0);
+  simulator.setWorld(world);
+  simulator.setContact({true, true, 0.3});
+  simulator.addObstacle(shapes::halfSpace(Vec3(0, 0, 0), Vec3(0, 1, 0), 0.5));
+  for (int k = 0; k < count; ++k)
+    simulator.addBody(ball(Vec3(0.01 * k, 0.051 + 0.101 * k, 0.003 * k), 0.05, 0.02, soft(2e4, 0.3), 10));
 }
 
 struct Total {
@@ -298,13 +310,7 @@ TEST_CASE("contact between bodies gives the same bits for any number of threads"
         [&pool](std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &body) {
           pool.parallelFor(n, grain, body);
         });
-    WorldSettings world;
-    world.gravity = Vec3(0, -9.81, 0);
-    simulator.setWorld(world);
-    simulator.setContact({true, true, 0.3});
-    simulator.addObstacle(shapes::halfSpace(Vec3(0, 0, 0), Vec3(0, 1, 0), 0.5));
-    for (int k = 0; k < 3; ++k)
-      simulator.addBody(ball(Vec3(0.01 * k, 0.051 + 0.101 * k, 0.003 * k), 0.05, 0.02, soft(2e4, 0.3), 10));
+    addFallingBalls(simulator, 3);
     for (int k = 0; k < 120; ++k) REQUIRE(simulator.step());
     hashes.push_back(simulator.stateHash());
     CHECK(!simulator.contacts().empty());
@@ -418,13 +424,7 @@ TEST_CASE("the arms of a body that are pressed together touch and do not cross")
 
 TEST_CASE("contact goes on from a checkpoint as it went on") {
   Simulator simulator;
-  WorldSettings world;
-  world.gravity = Vec3(0, -9.81, 0);
-  simulator.setWorld(world);
-  simulator.setContact({true, true, 0.3});
-  simulator.addObstacle(shapes::halfSpace(Vec3(0, 0, 0), Vec3(0, 1, 0), 0.5));
-  for (int k = 0; k < 2; ++k)
-    simulator.addBody(ball(Vec3(0.01 * k, 0.051 + 0.101 * k, 0.0), 0.05, 0.02, soft(2e4, 0.3), 12));
+  addFallingBalls(simulator, 2);
   for (int k = 0; k < 80; ++k) REQUIRE(simulator.step());
   REQUIRE(!simulator.contacts().empty());
   const Checkpoint kept = simulator.checkpoint();
@@ -526,4 +526,91 @@ TEST_CASE("a sheet one cell thick that falls on a ball drapes over it and crosse
   CHECK(crossed == 0);
   CHECK(between(simulator.contacts(), under, sheet) != nullptr);
   CHECK(shapes::extent(*simulator.body(sheet), Vec3(0, 1, 0)).low < -0.005);
+}
+
+namespace {
+
+// A skin of n x n squares of `edge` whose vertices are its phyxels, facing up or down.
+std::shared_ptr<const detail::ContactSkin> sheetSkin(int n, double edge, bool up) {
+  Interpolation vertices;
+  vertices.phyxels.offsets.assign(1, 0);
+  std::vector<std::array<Index, 3>> triangles;
+  const auto at = [&](int i, int j) { return static_cast<Index>(j * (n + 1) + i); };
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) {
+      vertices.positions.push_back(edge * Vec3(i, j, 0.08 * std::sin(1.3 * i) * std::cos(0.9 * j)));
+      vertices.phyxels.indices.push_back(at(i, j));
+      vertices.phyxels.offsets.push_back(at(i, j) + 1);
+      vertices.weights.push_back(1.0);
+      vertices.gradients.push_back(Vec3::Zero());
+    }
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i)
+      for (std::array<Index, 3> t : {std::array{at(i, j), at(i + 1, j), at(i + 1, j + 1)},
+                                     std::array{at(i, j), at(i + 1, j + 1), at(i, j + 1)}}) {
+        if (!up) std::swap(t[1], t[2]);
+        triangles.push_back(t);
+      }
+  return detail::makeContactSkin(std::move(vertices), std::move(triangles), 1e9, {}, {});
+}
+
+struct TwoSheets {
+  detail::MovingSkin lower{sheetSkin(12, 1.0, true), Vec3::Zero(), 2.0};
+  detail::MovingSkin upper{sheetSkin(12, 1.0, false), Vec3::Zero(), 2.0};
+  std::vector<Vec3> still = std::vector<Vec3>(lower.skin().count(), Vec3::Zero()), ways = still, speeds = still;
+  detail::SkinPairSettings settings;
+
+  TwoSheets() {
+    settings.offset = 0.04;
+    settings.thickness = 0.03;
+    settings.stiffness = 50.0;
+    settings.margin = 0.02;
+    settings.ease = 1.0;
+    settings.leastReach = 0.3;
+    for (detail::MovingSkin *skin : {&lower, &upper}) skin->setModuli(std::vector<double>(still.size(), 1e4));
+  }
+  void find(detail::SkinPair &pair, double dt) {
+    lower.move(still, still, {}, dt);
+    upper.move(ways, speeds, {}, dt);
+    pair.find(dt);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("what touches does not depend on when it was looked for before") {
+  TwoSheets sheets;
+  detail::SkinPair pair(sheets.lower, sheets.upper, sheets.settings);
+  std::size_t touching = 0;
+  for (int k = 0; k < 400; ++k) {
+    // Up and down and to the side by less than what is gathered serves for, so that some of it is looked at late.
+    for (std::size_t v = 0; v < sheets.ways.size(); ++v) {
+      const double phase = 0.11 * k + 0.3 * static_cast<double>(v % 13);
+      sheets.ways[v] = Vec3(0.3 + 0.02 * std::sin(0.05 * k), 0.2, 0.1 + 0.03 * std::sin(phase));
+      sheets.speeds[v] = Vec3(0.001 * std::cos(0.05 * k), 0.0, 0.0033 * std::cos(phase));
+    }
+    sheets.find(pair, 1.0);
+    detail::SkinPair fresh(sheets.lower, sheets.upper, sheets.settings);
+    sheets.find(fresh, 1.0);
+    sheets.find(fresh, 1.0);
+    REQUIRE(pair.active().size() == fresh.active().size());
+    for (std::size_t c = 0; c < fresh.active().size(); ++c) {
+      REQUIRE(pair.active()[c].key == fresh.active()[c].key);
+      REQUIRE(pair.active()[c].gap == fresh.active()[c].gap);
+    }
+    touching += fresh.active().size();
+  }
+  CHECK(touching > 1000);
+}
+
+TEST_CASE("what has overlapped at the start and has parted does not overlap again") {
+  TwoSheets sheets;
+  detail::SkinPair pair(sheets.lower, sheets.upper, sheets.settings);
+  const auto lift = [&](double z) { std::fill(sheets.ways.begin(), sheets.ways.end(), Vec3(0.3, 0.2, z)); };
+  lift(-0.1);
+  sheets.find(pair, 1e-3);
+  CHECK(pair.allowed() > 0.05);
+  lift(10.0);
+  sheets.find(pair, 1e-3);
+  CHECK(pair.allowed() == 0.0);
 }

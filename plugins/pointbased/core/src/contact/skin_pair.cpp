@@ -147,13 +147,21 @@ void SkinPair::find(double dt) {
     gatherNear();
     if (slack_ > 0.0) sinceGathered_.begin(*this);
   }
+  easeAllowances();
   for (NearVertex &group : vertices_)
     if (!(group.wake > moved_ + goes_)) lookAt(group);
   for (NearEdges &pair : edges_)
     if (!(pair.wake > moved_ + goes_)) lookAt(pair);
   if (isFirst_) learnAllowances();
   isFirst_ = false;
-  measureAllowances();
+  // Where nothing is near and nothing inside, nothing overlaps any more.
+  const auto hasInside = [](const Side &side) {
+    return std::find(side.isInside.begin(), side.isInside.end(), 1) != side.isInside.end();
+  };
+  if (allowed_ > 0.0 && listed_.empty() && std::none_of(sides_.begin(), sides_.end(), hasInside)) {
+    for (Side &side : sides_) side.allowance.clear();
+    allowed_ = 0.0;
+  }
   keepMemories();
 }
 
@@ -328,7 +336,7 @@ void SkinPair::lookAt(NearVertex &group) {
   for (std::size_t k = 0; k < 3; ++k)
     velocity -= best.weights[static_cast<Eigen::Index>(k)] * other.velocity(surface.triangles[triangle][k]);
   const double within = room + dt_ * velocity.norm();
-  group.wake = isInside == 0 ? size - room + moved_ : -std::numeric_limits<double>::infinity();
+  group.wake = isInside == 0 ? size - room - moved_ : -std::numeric_limits<double>::infinity();
   if (isInside == 0 && size > within) return;
   const Vec3 way = p - other.placeOn(triangle, best.weights);
   const Vec3 outward = other.outwardAt(triangle, best.feature);
@@ -340,11 +348,11 @@ void SkinPair::lookAt(NearVertex &group) {
   const Vec3 normal = size > kTiny * spacing_ ? Vec3(sign / size * way) : Vec3(outward.normalized());
   if (isSelf() && !(own.facing(vertex).dot(normal) < kFacing)) return;
 
-  if (Side &side = sides_[s]; !side.allowance.empty()) ease(side.allowance[vertex], settings_.offset - distance);
-  const auto addAt = [&](Index t, const Vec3 &weights, const Vec3 &n, double gap, Index number) {
+  if (Side &side = sides_[s]; !side.allowance.empty()) holdBack(side.allowance[vertex], settings_.offset - distance);
+  const auto addAt = [&](Index t, const Vec3 &weights, const Vec3 &n, double away, Index number) {
     SkinContact contact;
-    contact.gap = gap + allowance(s, vertex);
-    if (number == 0) {
+    contact.gap = away - settings_.offset + allowance(s, vertex);
+    if (number == 0 && own.skin().areas[vertex] > 0.0) {
       double modulus = 0.0;
       for (std::size_t k = 0; k < 3; ++k)
         modulus += weights[static_cast<Eigen::Index>(k)] * other.modulus(surface.triangles[t][k]);
@@ -362,9 +370,9 @@ void SkinPair::lookAt(NearVertex &group) {
     contact.parts[0] = {vertex, s == 1, side};
     for (std::size_t k = 0; k < 3; ++k)
       contact.parts[k + 1] = {surface.triangles[t][k], s == 0, -side * weights[static_cast<Eigen::Index>(k)]};
-    add(std::move(contact), gap);
+    add(std::move(contact), away);
   };
-  addAt(triangle, best.weights, normal, distance - settings_.offset, 0);
+  addAt(triangle, best.weights, normal, distance, 0);
   if (!(distance > 0.0)) return;
   // What stands beside it at an angle.
   std::array<Vec3, 4> normals{normal};
@@ -381,7 +389,7 @@ void SkinPair::lookAt(NearVertex &group) {
                     [&](const Vec3 &known) { return known.dot(n) > kOneSide; }))
       continue;
     normals[count] = n;
-    addAt(one.triangle, found.weights, n, std::sqrt(found.squared) - settings_.offset, static_cast<Index>(count));
+    addAt(one.triangle, found.weights, n, std::sqrt(found.squared), static_cast<Index>(count));
     ++count;
   }
 }
@@ -395,8 +403,9 @@ void SkinPair::lookAt(NearEdges &pair) {
   const Vec3 q = (1.0 - at.onSecond) * second.position(b[0]) + at.onSecond * second.position(b[1]);
   const Vec3 way = p - q;
   const double size = way.norm();
-  pair.wake = size - settings_.offset - settings_.margin + moved_;
-  if (pair.wake > moved_ + goes_) return;
+  const double room = settings_.offset + settings_.margin;
+  pair.wake = size - room - moved_;
+  if (size - room > goes_) return;
   const Vec3 outward = second.edgeNormal(pair.second);
   const double sign = way.dot(outward) >= 0.0 ? 1.0 : -1.0;
   // What overlaps far is a matter of vertices: two edges may pass each other behind the faces.
@@ -415,20 +424,20 @@ void SkinPair::lookAt(NearEdges &pair) {
   if (!leadsOut(second, pair.second, normal, tolerance) || !leadsOut(first, pair.first, -normal, tolerance)) return;
   SkinContact contact;
   contact.normal = normal;
-  const double gap = sign * size - settings_.offset + settings_.thickness;
+  const double distance = sign * size;
   double allowed = 0.0;
   for (std::size_t k = 0; k < 2; ++k) allowed = std::max({allowed, allowance(0, a[k]), allowance(1, b[k])});
-  contact.gap = gap + allowed;
+  contact.gap = distance - settings_.offset + settings_.thickness + allowed;
   contact.key = keyOf(2, pair.first, pair.second);
   contact.parts = {{{a[0], false, 1.0 - at.onFirst},
                     {a[1], false, at.onFirst},
                     {b[0], true, at.onSecond - 1.0},
                     {b[1], true, -at.onSecond}}};
-  add(std::move(contact), gap);
+  add(std::move(contact), distance);
 }
 
-void SkinPair::add(SkinContact contact, double gap) {
-  depth_ = std::max(depth_, -gap - settings_.offset);
+void SkinPair::add(SkinContact contact, double distance) {
+  depth_ = std::max(depth_, -distance);
   const double left = contact.gap - settings_.margin;
   Vec3 velocity = Vec3::Zero();
   for (const SkinContact::Part &part : contact.parts)
@@ -456,19 +465,21 @@ void SkinPair::learnAllowances() {
   }
 }
 
-// By no more than the layer yields under a gentle pressure, and never by more than the overlap there is.
-void SkinPair::ease(double &allowance, double overlap) const {
-  allowance =
-      std::clamp(overlap - settings_.gentle, std::max(0.0, allowance - settings_.ease * dt_), std::max(0.0, allowance));
-}
-
-void SkinPair::measureAllowances() {
+// All of them; what presses more than gently takes it back (holdBack()).
+void SkinPair::easeAllowances() {
   if (!(allowed_ > 0.0)) return;
   allowed_ = 0.0;
-  for (const Side &side : sides_)
-    for (const double allowance : side.allowance) allowed_ = std::max(allowed_, allowance);
+  for (Side &side : sides_)
+    for (double &allowance : side.allowance) {
+      allowance = std::max(0.0, allowance - settings_.ease * dt_);
+      allowed_ = std::max(allowed_, allowance);
+    }
   if (!(allowed_ > 0.0))
     for (Side &side : sides_) side.allowance.clear();
+}
+
+void SkinPair::holdBack(double &allowance, double overlap) const {
+  if (allowance > 0.0) allowance = std::clamp(overlap - settings_.gentle, allowance, allowance + settings_.ease * dt_);
 }
 
 void SkinPair::setMemory(const Memory &memory) {

@@ -141,10 +141,10 @@ class SkinPair {
     return sides_[side].allowance.empty() ? 0.0 : sides_[side].allowance[vertex];
   }
   void learnAllowances();
-  void ease(double &allowance, double overlap) const;
-  void measureAllowances();
-  /// @param gap  m, without what is allowed
-  void add(SkinContact contact, double gap);
+  void easeAllowances();
+  void holdBack(double &allowance, double overlap) const;
+  /// @param distance  m, of the two skins there; negative: they overlap
+  void add(SkinContact contact, double distance);
   void keepMemories();
 
   std::array<Side, 2> sides_;
