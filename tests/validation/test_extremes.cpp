@@ -285,8 +285,8 @@ TEST_CASE("step sizes that change at every step do not pump energy") {
   swing(0.01, 1000, [](int i, double a) { return i % 2 ? 0.99 * a : 1e-3 * a; });
   swing(0.01, 1000, [](int i, double a) { return i % 3 ? 0.8 * a : 0.3 * a; });
   swing(0.01, 1000, [&](int, double a) { return a * (0.51 + 0.49 * random()); });
-  // At a fifth of the stable step at most, (omega dt)²/4 is 4 % of the share of the fastest modes, to be added or taken
-  // at each change; a part of it stays away.
+  // At a fifth of the stable step at most, (omega dt)²/4 is 4 % of the share of the fastest modes, to be added or
+  // taken at each change; a part of it stays away.
   CHECK(most < 1.04);
   CHECK(least > 0.9);
   row("dt variable: 1 ns to 10 ms in turn, pairs of the automatic one, at random",

@@ -141,10 +141,11 @@ struct ContactState {
     std::vector<Index> points;                ///< that were looked at last, ascending
     std::vector<Vec3> positions, velocities;  ///< [points]
   } blocks;
-  Vec3 ledOut = Vec3::Zero();  ///< kg m, Σ mass · way by which penetrations were led out since the energy was looked at
+  Vec3 ledOut = Vec3::Zero();  ///< kg m, Σ mass · way by which points were led out since the energy was looked at
   struct Solution {
-    std::vector<double> inverseMasses;      ///< [contacts] 1/kg
-    std::vector<double> compliances, most;  ///< [contacts] m/s per N s; m/s, that `least` falls to at most
+    std::vector<double> inverseMasses;  ///< [contacts] 1/kg
+    /// [contacts] m/s per N s, by which the least normal velocity falls as the impulse grows; m/s, where it ends
+    std::vector<double> compliances, floors;
     std::vector<double> impulses, least, friction;
     std::vector<Index> pressing;  ///< contacts that press after a sweep over all
     std::vector<Vec3> tangential;

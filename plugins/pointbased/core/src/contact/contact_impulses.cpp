@@ -42,7 +42,7 @@ struct Hand {
 
 // m/s, above which the impulse of a contact keeps its normal velocity.
 double leastOf(const ContactState::Solution &solution, std::size_t c) {
-  return std::max(solution.least[c] - solution.compliances[c] * solution.impulses[c], solution.most[c]);
+  return std::max(solution.least[c] - solution.compliances[c] * solution.impulses[c], solution.floors[c]);
 }
 
 // Pushes by a part of the impulses in the solution, as large as lowers  T + Σ λ (-least)  most: the energy that the
@@ -136,7 +136,7 @@ void sweep(const Hand &body, std::span<const Contact> active, const ImpulseSetti
   job.inverseMasses = solution.inverseMasses.data();
   job.least = solution.least.data();
   job.compliances = still ? nullptr : solution.compliances.data();
-  job.most = solution.most.data();
+  job.floors = solution.floors.data();
   job.friction = still ? nullptr : solution.friction.data();
   job.impulses = solution.impulses.data();
   // Most contacts of a step do not press in the end. After two sweeps over all only those that do, or nearly, are
@@ -176,7 +176,7 @@ void prepare(const Hand &body, std::span<const Contact> active, ContactState::So
   solution.tangential.assign(active.size(), Vec3::Zero());
   solution.least.assign(active.size(), 0.0);
   solution.compliances.assign(active.size(), 0.0);
-  solution.most.assign(active.size(), -std::numeric_limits<double>::infinity());
+  solution.floors.assign(active.size(), -std::numeric_limits<double>::infinity());
   layOut(body, active, solution);
 }
 
@@ -282,7 +282,7 @@ Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> 
       // The other half of the force is that of settling.
       solution.least[c] = std::min(-active[c].gap, active[c].thickness) / dt;
       solution.compliances[c] = 2.0 / (active[c].stiffness * dt * dt);
-      solution.most[c] = -std::max(0.0, active[c].gap + active[c].thickness) / dt;
+      solution.floors[c] = -std::max(0.0, active[c].gap + active[c].thickness) / dt;
       continue;
     }
     solution.least[c] = -std::max(0.0, active[c].gap) / dt;

@@ -96,9 +96,9 @@ SweepResult sweep(const SweepJob &job, bool backwards) {
     if (job.compliances != nullptr && job.compliances[c] > 0.0) {
       // A layer that yields, down to where nothing yields any more: the larger of both impulses.
       const double compliance = job.compliances[c];
-      least = std::max(least - compliance * held, job.most[c]);
+      least = std::max(least - compliance * held, job.floors[c]);
       wanted = std::max(held + (job.least[c] - normal - compliance * held) / (w + compliance),
-                        held + (job.most[c] - normal) * mass);
+                        held + (job.floors[c] - normal) * mass);
     }
     result.speed = std::max(result.speed, w * held + std::abs(std::min(0.0, normal - least)));
     side[kRoomOfContact] = normal - least;

@@ -30,7 +30,7 @@ struct SweepJob {
                             ///< velocity was above `least` before
   const double *inverseMasses = nullptr, *least = nullptr, *friction = nullptr;  ///< [contacts]; friction null: without
   /// [contacts] m/s per N s, by which `least` falls as the impulse grows, and m/s, where it ends; null: it stays
-  const double *compliances = nullptr, *most = nullptr;
+  const double *compliances = nullptr, *floors = nullptr;
   double *impulses = nullptr;  ///< [contacts] in, out: N s
 };
 

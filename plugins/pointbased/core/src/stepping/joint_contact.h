@@ -24,8 +24,8 @@ class JointContact {
 
   /// Takes the contacts that have been found: of each body those in Body::contact, and of the pairs.
   void gather(std::span<const JoinedPair> pairs, double margin);
-  /// What the velocities will be, as far as the impulses of the last step tell: what rests on something is not taken for
-  /// arriving there. After gather() of the contacts of that step.
+  /// What the velocities will be, as far as the impulses of the last step tell: what rests on something is not taken
+  /// for arriving there. After gather() of the contacts of that step.
   void predict();
   [[nodiscard]] std::span<const Vec3> predicted(std::size_t body) const {
     return std::span<const Vec3>(velocities_).subspan(bodies_[body].first, bodies_[body].body->rest().phyxelCount());
