@@ -614,3 +614,19 @@ TEST_CASE("what has overlapped at the start and has parted does not overlap agai
   sheets.find(pair, 1e-3);
   CHECK(pair.allowed() == 0.0);
 }
+
+TEST_CASE("faces beside a sharp edge know each other, although each has a vertex of its own there") {
+  const auto body = block(Vec3::Zero(), Vec3::Constant(0.05), 0.01, soft(1e4, 0.3), 6);
+  const RestState &rest = body->rest();
+  const Interpolation vertices = rest.surfels.expanded(rest.positions);
+  std::size_t doubled = 0;
+  for (std::size_t v = 0; v < vertices.count(); ++v)
+    for (std::size_t w = 0; w < v; ++w)
+      doubled += (vertices.positions[v] - vertices.positions[w]).norm() < 1e-9 ? 1 : 0;
+  REQUIRE(doubled > 0);
+  const auto skin = detail::makeContactSkin(vertices, rest.skin, rest.spacing, rest.bind, rest.maxInfluence);
+  for (const detail::SkinEdge &edge : skin->edges) REQUIRE(edge.triangles[1] != detail::kNoTriangle);
+  double area = 0.0;
+  for (const double a : skin->areas) area += a;
+  CHECK_THAT(area, WithinRel(6.0 * 0.05 * 0.05, 1e-9));
+}
