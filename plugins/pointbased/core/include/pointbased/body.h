@@ -184,6 +184,10 @@ class Body {
   [[nodiscard]] Result<void> setFoundation(const Foundation &foundation);
   [[nodiscard]] ElasticFoundation &foundation() { return foundation_; }
   [[nodiscard]] const ElasticFoundation &foundation() const { return foundation_; }
+  /// Attachments (attachment.h) to other bodies and obstacles add at most this to the squared frequencies of the body,
+  /// 1/s²; 0: there are none.
+  void setAttachedFrequency(double squared) { attachedFrequency_ = squared; }
+  [[nodiscard]] bool attached() const { return attachedFrequency_ > 0.0; }
   /// What its surroundings exert now, about the body's centre in the reference.
   [[nodiscard]] Reaction foundationReaction() const;
   /// What the supports exert now: from the forces on held phyxels (internal, loads, gravity) and those of the patches.
@@ -289,6 +293,7 @@ class Body {
   PatchSolver patches_;
   ElasticFoundation foundation_;
   double foundationFrequency_ = 0.0;  // rad/s, a bound
+  double attachedFrequency_ = 0.0;    // 1/s², likewise
   bool rigid_ = false;
   std::vector<Index> fixOfPatch_;
   std::vector<Vec3> patchPoints_, patchShifts_, patchTargets_;

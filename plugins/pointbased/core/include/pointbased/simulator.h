@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "pointbased/attachment.h"
 #include "pointbased/body.h"
 #include "pointbased/contact_settings.h"
 #include "pointbased/stage_clock.h"
@@ -17,6 +18,7 @@
 namespace pointbased {
 
 namespace detail {
+class AttachmentLayer;
 class BodyCrew;
 class BodyGroup;
 class BodyStepper;
@@ -41,7 +43,8 @@ struct Probe {
 
 struct SimulationEvent {
   double time = 0.0;  ///< s
-  /// substep | slowed | smaller_step | stopped | switched | renewed | restored | note | warning | skin | overlap | step
+  /// substep | slowed | smaller_step | stopped | switched | renewed | restored | note | warning | skin | overlap | torn |
+  /// step
   std::string kind;
   std::string text;
 };
@@ -115,6 +118,15 @@ class Simulator {
 
   /// Body::setRigid() while it runs: the body costs nothing then, and its stable step is nobody's. Nothing grabs it.
   void setRigid(std::size_t body, bool rigid);
+
+  /// Between two steps; the simulation is reset. It goes with either of what it joins. Errors, with nothing changed: what
+  /// validate() refuses; ids of nobody, or of one body twice; a body without surface; no part of the surface is in the
+  /// region and near enough.
+  /// @return its id
+  [[nodiscard]] Result<std::size_t> addAttachment(const Attachment &attachment);
+  bool removeAttachment(std::size_t id);
+  /// All of them as they are now, in the order they were added.
+  [[nodiscard]] std::vector<AttachmentSummary> attachments() const;
 
   /// Contact of bodies with each other. Any time between two steps; a setting, not state: reset() and restore() leave
   /// it as it is. Wakes all bodies.
@@ -219,7 +231,8 @@ class Simulator {
 
   struct Energy {
     double kinetic = 0.0, elastic = 0.0, stabilisation = 0.0, gravity = 0.0;  ///< J; gravity relative to the start
-    double foundation = 0.0;                                                  ///< J, stored in the surroundings
+    /// J, stored in the surroundings and, by halves where it joins two bodies, in attachments
+    double foundation = 0.0;
   };
   [[nodiscard]] Energy energy(std::size_t body) const;
   [[nodiscard]] std::vector<Reaction> reactions(std::size_t body) const;
@@ -241,6 +254,12 @@ class Simulator {
   /// Those that move, for a step of dt; those that may touch each other in it as groups.
   detail::BodyCrew &gatherCrew(double dt);
   void formGroups(double dt);
+  /// After a change of attachments, masses or what moves.
+  void updateAttachments();
+  void removeAttachmentsOf(std::size_t id);
+  /// J, with half of what joins it to another body.
+  [[nodiscard]] double attachedEnergy(std::size_t body) const;
+  void tellWhatTears();
   [[nodiscard]] bool mayTouchItself(std::size_t body, double dt);
   /// Everybody on by dt. @return s that all have gone; less where a body's substeps were not enough
   double advanceBodies(const detail::StepContext &order);
@@ -274,6 +293,8 @@ class Simulator {
   std::vector<std::unique_ptr<detail::BodyGroup>> groups_;  // of a step; room is kept
   std::size_t groupCount_ = 0;
   std::set<std::size_t> grouped_;  // bodies of groups
+  std::map<std::size_t, std::unique_ptr<detail::AttachmentLayer>> attachments_;
+  std::set<std::size_t> tornReported_;  // attachments
   std::vector<Obstacle> obstacles_;
   std::vector<std::size_t> obstacleIds_;
   ContactSettings contact_;

@@ -220,7 +220,8 @@ double Body::frequencyAtRest(const ParallelFor &parallelFor) const {
 
 double Body::stableStepFor(double tangentRatio) const {
   // No eigenvalue of a sum is above the sum of the largest ones.
-  const double elastic = restFrequency_ * restFrequency_, around = foundationFrequency_ * foundationFrequency_;
+  const double elastic = restFrequency_ * restFrequency_, damped = foundationFrequency_ * foundationFrequency_;
+  const double around = damped + attachedFrequency_;
   const double frequency =
       around > 0.0 ? std::sqrt(elastic * tangentRatio + around) : restFrequency_ * std::sqrt(tangentRatio);
   if (frequency == 0.0) return std::numeric_limits<double>::infinity();
@@ -228,7 +229,7 @@ double Body::stableStepFor(double tangentRatio) const {
   double relaxation = 0.0;
   for (const Material &m : constitution_.materials)
     relaxation = std::max(relaxation, 2.0 * m.viscosity / m.waveModulus());
-  const double xi = around > 0.0 ? 0.5 * (relaxation * elastic + foundation_.settings().retardationTime * around) /
+  const double xi = around > 0.0 ? 0.5 * (relaxation * elastic + foundation_.settings().retardationTime * damped) /
                                        std::sqrt(elastic + around)
                                  : 0.5 * relaxation * restFrequency_;
   return 2.0 / frequency * (std::sqrt(1.0 + xi * xi) - xi);

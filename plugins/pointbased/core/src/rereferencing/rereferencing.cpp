@@ -170,6 +170,7 @@ Result<Rereferencing> rereferenced(const Body &body, const ParallelFor &parallel
   const std::size_t n = old.phyxelCount();
   if (state.history.plasticInverse.empty()) return refuse("it does not flow");
   if (body.foundation().acts()) return refuse("its surroundings hold it where it was in its first shape");
+  if (body.attached()) return refuse("it is attached in its first shape");
   if (old.evaluation == Evaluation::stressPoints) return renewedLattice(body, parallelFor);
 
   auto rest = std::make_shared<RestState>();

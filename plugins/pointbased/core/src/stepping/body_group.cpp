@@ -21,6 +21,7 @@ Vec3 meanVelocity(const Body &body) {
 void BodyGroup::clear() {
   members_.clear();
   pairs_.clear();
+  layers_.clear();
 }
 
 double BodyGroup::advance(std::span<const StepContext> orders, double span) {
@@ -56,6 +57,7 @@ void BodyGroup::advanceAgain(std::span<const StepContext> orders, double span) {
     if (members_[k].runner->asleep()) return;  // the state is the same at every time
     members_[k].runner->body().restoreState();
   }
+  for (const JoinedLayer &joined : layers_) joined.layer->goBack();
   (void)tryToAdvance(orders, span, std::numeric_limits<std::uint64_t>::max());
 }
 
@@ -72,6 +74,7 @@ double BodyGroup::tryToAdvance(std::span<const StepContext> orders, double span,
         if (moves(k)) members_[k].runner->endAdvance();
       return *gone;
     }
+    for (const JoinedLayer &joined : layers_) joined.layer->goBack();
     for (std::size_t k = 0; k < members_.size(); ++k)
       if (k != gone.error().member && moves(k)) members_[k].runner->goBack(*orders[k].environment.parallelFor);
     (void)members_[gone.error().member].runner->tryAgain(orders[gone.error().member], gone.error().why);
@@ -106,6 +109,32 @@ void BodyGroup::gatherSkins() {
     }
 }
 
+AttachmentLayer::Sides BodyGroup::sidesOf(std::size_t layer, double time) const {
+  const JoinedLayer &joined = layers_[layer];
+  AttachmentLayer::Sides sides{members_[joined.first].runner->body().state().displacements, {}, time};
+  if (joined.second != kNobody) sides.second = members_[joined.second].runner->body().state().displacements;
+  return sides;
+}
+
+void BodyGroup::attract(double time, const std::vector<std::uint8_t> &takes) {
+  const auto forcesOf = [&](std::size_t k) {
+    return k != kNobody && takes[k] ? members_[k].runner->body().forces() : std::span<Vec3>();
+  };
+  for (std::size_t l = 0; l < layers_.size(); ++l) {
+    const JoinedLayer &joined = layers_[l];
+    const std::span<Vec3> first = forcesOf(joined.first), second = forcesOf(joined.second);
+    if (!first.empty() || !second.empty()) joined.layer->addForces(sidesOf(l, time), first, second);
+  }
+}
+
+void BodyGroup::tearLayers(double time) {
+  for (std::size_t l = 0; l < layers_.size(); ++l) {
+    const AttachmentLayer::Sides sides = sidesOf(l, time);
+    (void)layers_[l].layer->tear(sides);
+    layers_[l].layer->turn(sides);
+  }
+}
+
 void BodyGroup::substep(std::span<const StepContext> orders, double time, double dt) {
   StageClock &clock = *orders.front().environment.clock;
   substeps_.clear();
@@ -115,34 +144,51 @@ void BodyGroup::substep(std::span<const StepContext> orders, double time, double
     joint_.add(body, moves(k));
     if (moves(k)) substeps_.emplace_back(body, orders[k].environment, time, dt, true);
   }
-  for (ExplicitSubstep &one : substeps_) one.begin();
-  double margin = std::numeric_limits<double>::infinity();
-  clock.measure(kContact, [&] {
-    for (const JoinedPair &joined : pairs_) margin = std::min(margin, joined.pair->settings().margin);
-    joint_.gather(pairs_, margin);
-    joint_.predict();
-    for (const MovedSkin &moved : skins_) {
-      const Body &body = members_[moved.member].runner->body();
-      moved.skin->move(body.state().displacements, joint_.predicted(moved.member), body.rest().maxInfluence, dt);
-    }
-    for (const JoinedPair &joined : pairs_) joined.pair->find(dt);
-  });
-  for (ExplicitSubstep &one : substeps_) one.findContacts();
-  clock.measure(kContact, [&] {
-    joint_.gather(pairs_, margin);
-    joint_.solve(dt, pairs_);
-  });
-  for (ExplicitSubstep &one : substeps_) one.advance();
-  clock.measure(kContact, [&] {
-    if (joint_.empty()) return;
-    for (const MovedSkin &moved : skins_) moved.skin->moveOn();
-    for (const JoinedPair &joined : pairs_) joined.pair->renewPressing();
-    joint_.gather(pairs_, margin);
-    joint_.settle(dt, pairs_);
-  });
-  for (ExplicitSubstep &one : substeps_) one.damp();
-  for (const JoinedPair &joined : pairs_) joined.pair->addToSum(dt);
+  fresh_.assign(members_.size(), 0);
+  std::size_t moving = 0;
   for (std::size_t k = 0; k < members_.size(); ++k)
+    if (moves(k)) fresh_[k] = substeps_[moving++].evaluateFirst() ? 1 : 0;
+  attract(time, fresh_);
+  for (ExplicitSubstep &one : substeps_) one.kickFirst();
+  const bool touches = !pairs_.empty();
+  double margin = std::numeric_limits<double>::infinity();
+  if (touches)
+    clock.measure(kContact, [&] {
+      for (const JoinedPair &joined : pairs_) margin = std::min(margin, joined.pair->settings().margin);
+      joint_.gather(pairs_, margin);
+      joint_.predict();
+      for (const MovedSkin &moved : skins_) {
+        const Body &body = members_[moved.member].runner->body();
+        moved.skin->move(body.state().displacements, joint_.predicted(moved.member), body.rest().maxInfluence, dt);
+      }
+      for (const JoinedPair &joined : pairs_) joined.pair->find(dt);
+    });
+  for (ExplicitSubstep &one : substeps_) one.findContacts();
+  if (touches)
+    clock.measure(kContact, [&] {
+      joint_.gather(pairs_, margin);
+      joint_.solve(dt, pairs_);
+    });
+  else
+    for (ExplicitSubstep &one : substeps_) one.solveContacts();
+  for (ExplicitSubstep &one : substeps_) one.driftOn();
+  for (std::size_t k = 0; k < members_.size(); ++k) fresh_[k] = moves(k) ? 1 : 0;
+  attract(time + dt, fresh_);
+  for (ExplicitSubstep &one : substeps_) one.kickLast();
+  if (touches)
+    clock.measure(kContact, [&] {
+      if (joint_.empty()) return;
+      for (const MovedSkin &moved : skins_) moved.skin->moveOn();
+      for (const JoinedPair &joined : pairs_) joined.pair->renewPressing();
+      joint_.gather(pairs_, margin);
+      joint_.settle(dt, pairs_);
+    });
+  else
+    for (ExplicitSubstep &one : substeps_) one.settleContacts();
+  for (ExplicitSubstep &one : substeps_) one.damp();
+  tearLayers(time + dt);
+  for (const JoinedPair &joined : pairs_) joined.pair->addToSum(dt);
+  for (std::size_t k = 0; k < members_.size() && touches; ++k)
     if (moves(k)) sumContactImpulses(dt, members_[k].runner->body().contact);
 }
 

@@ -2,6 +2,7 @@
 // Bodies that may touch each other, in lock step. Private to the core.
 #pragma once
 
+#include "stepping/attachment_layer.h"
 #include "stepping/body_stepper.h"
 #include "stepping/explicit_substep.h"
 #include "stepping/joint_contact.h"
@@ -9,8 +10,8 @@
 
 namespace pointbased::detail {
 
-/// Advances bodies between which there may be contact, all in the same substeps: those of the one that needs the
-/// smallest. What the guard refuses of one is undone for all. Rigid bodies, and those that have stopped, stand still
+/// Advances bodies that may touch each other or are attached to something, all in the same substeps: those of the one
+/// that needs the smallest. What the guard refuses of one is undone for all. Rigid bodies, and those that have stopped, stand still
 /// and are touched.
 class BodyGroup {
  public:
@@ -23,6 +24,11 @@ class BodyGroup {
   void add(std::size_t id, BodyStepper &runner) { members_.push_back({id, &runner}); }
   /// Members by their number here.
   void join(SkinPair &pair, std::size_t first, std::size_t second) { pairs_.push_back({&pair, first, second}); }
+  /// @param second  number of the second body; kNobody: it is an obstacle, or the surroundings
+  void attach(AttachmentLayer &layer, std::size_t first, std::size_t second) {
+    layers_.push_back({&layer, first, second});
+  }
+  static constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
   [[nodiscard]] std::span<const Member> members() const { return members_; }
   [[nodiscard]] std::span<const JoinedPair> pairs() const { return pairs_; }
 
@@ -46,17 +52,27 @@ class BodyGroup {
   /// s, that all of them can take now.
   [[nodiscard]] Gone maxSubstep(std::span<const StepContext> orders, double time, double left);
   void gatherSkins();
+  [[nodiscard]] AttachmentLayer::Sides sidesOf(std::size_t layer, double time) const;
+  /// Adds the forces of all attachments to those members that take them.
+  void attract(double time, const std::vector<std::uint8_t> &takes);
+  void tearLayers(double time);
   void substep(std::span<const StepContext> orders, double time, double dt);
 
   std::vector<Member> members_;
   std::vector<JoinedPair> pairs_;
+  struct JoinedLayer {
+    AttachmentLayer *layer = nullptr;
+    std::size_t first = 0, second = kNobody;
+  };
+  std::vector<JoinedLayer> layers_;
   JointContact joint_;
   std::vector<ExplicitSubstep> substeps_;  // of those that move
   struct MovedSkin {
     MovingSkin *skin = nullptr;
     std::size_t member = 0;
   };
-  std::vector<MovedSkin> skins_;  // of all pairs, once each
+  std::vector<MovedSkin> skins_;     // of all pairs, once each
+  std::vector<std::uint8_t> fresh_;  // [members] 1: their forces are without attachments
 };
 
 }  // namespace pointbased::detail

@@ -172,8 +172,13 @@ void ExplicitSubstep::kick(double h, bool drifts) {
   if (stages_.patches) body_.patches().kick(h, state.velocities);
 }
 
-void ExplicitSubstep::begin() {
-  if (!body_.forcesCurrent) evaluate(time_, 0.0);
+bool ExplicitSubstep::evaluateFirst() {
+  if (body_.forcesCurrent) return false;
+  evaluate(time_, 0.0);
+  return true;
+}
+
+void ExplicitSubstep::kickFirst() {
   env_.clock->measure(kIntegrate, [&] { kick(0.5 * dt_, together_); });
 }
 
@@ -201,7 +206,7 @@ void ExplicitSubstep::solveContacts() {
   });
 }
 
-void ExplicitSubstep::advance() {
+void ExplicitSubstep::driftOn() {
   const std::size_t n = body_.rest().phyxelCount();
   const ParallelFor &parallelFor = *env_.parallelFor;
   StageClock &clock = *env_.clock;
@@ -216,7 +221,10 @@ void ExplicitSubstep::advance() {
         body_.patches().correct(dt_, body_.patchTargets(time_ + dt_), state.displacements, state.velocities);
     });
   evaluate(time_ + dt_, dt_);
-  clock.measure(kIntegrate, [&] { kick(0.5 * dt_, false); });
+}
+
+void ExplicitSubstep::kickLast() {
+  env_.clock->measure(kIntegrate, [&] { kick(0.5 * dt_, false); });
   body_.forcesCurrent = true;
 }
 
@@ -244,10 +252,12 @@ void ExplicitSubstep::settleContacts() {
 
 void explicitSubstep(Body &body, const Environment &env, double time, double dt) {
   detail::ExplicitSubstep substep(body, env, time, dt, false);
-  substep.begin();
+  (void)substep.evaluateFirst();
+  substep.kickFirst();
   substep.findContacts();
   substep.solveContacts();
-  substep.advance();
+  substep.driftOn();
+  substep.kickLast();
   substep.settleContacts();
   substep.damp();
 }

@@ -14,13 +14,17 @@ class ExplicitSubstep {
   ///                       settleContacts() is called
   ExplicitSubstep(Body &body, const Environment &environment, double time, double dt, bool touchesBodies);
 
-  /// Forces, where they are not those of the state, and the first half of the kick.
-  void begin();
+  /// Forces, where they are not those of the state. @return whether they were not
+  bool evaluateFirst();
+  /// The first half of the kick.
+  void kickFirst();
   /// With obstacles and walls; what arrives at them bounces.
   void findContacts();
   void solveContacts();
-  /// Drift, supports, forces and the second half of the kick.
-  void advance();
+  /// Drift, supports and forces.
+  void driftOn();
+  /// The second half of the kick.
+  void kickLast();
   void settleContacts();
   /// What the world's damping takes.
   void damp();

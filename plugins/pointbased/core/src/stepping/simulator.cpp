@@ -10,6 +10,7 @@
 #include "base/flush_denormals.h"
 #include "body/state_hash.h"
 #include "pointbased/cloud_quality.h"
+#include "stepping/attachment_layer.h"
 #include "stepping/body_crew.h"
 #include "stepping/step_activity.h"
 #include "stepping/step_cost.h"
@@ -113,6 +114,7 @@ bool Simulator::removeBody(std::size_t id) {
   std::erase_if(contactPairs_, [id](const auto &pair) { return pair.first.first == id || pair.first.second == id; });
   activity_->forget(id);
   skins_->forget(id);
+  removeAttachmentsOf(id);
   return bodies_.erase(id) > 0;
 }
 
@@ -123,6 +125,7 @@ bool Simulator::removeObstacle(std::size_t id) {
   obstacles_.erase(obstacles_.begin() + (found - obstacleIds_.begin()));
   obstacleIds_.erase(found);
   warnings_.erase(id);
+  removeAttachmentsOf(id);
   std::erase_if(contactPairs_, [id](const auto &pair) { return pair.first.first == id || pair.first.second == id; });
   updateSurroundings();
   for (auto &[other, runner] : bodies_) {
@@ -133,6 +136,7 @@ bool Simulator::removeObstacle(std::size_t id) {
 }
 
 void Simulator::clear() {
+  attachments_.clear();
   bodies_.clear();
   warnings_.clear();
   obstacles_.clear();
@@ -218,6 +222,7 @@ void Simulator::setConstitution(std::size_t id, Constitution constitution) {
   found->second->body().setConstitution(std::move(constitution), parallelFor_);
   found->second->forget();
   skins_->forgetModuli(id);
+  updateAttachments();
   describe(id);
 }
 
@@ -228,6 +233,7 @@ void Simulator::setRigid(std::size_t id, bool rigid) {
   found->second->body().setRigid(rigid);
   found->second->forget();
   if (renewed) bindProbes(id, std::vector<Vec3>(probes_.size(), Vec3::Zero()));
+  updateAttachments();
 }
 
 Result<void> Simulator::setFoundation(std::size_t id, const Foundation &foundation) {
@@ -345,6 +351,7 @@ tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
   }
   const detail::StepContext order = this->order(stop);
   for (auto &[id, runner] : bodies_) runner->beginStep();
+  for (auto &[id, layer] : attachments_) layer->keep();
   double gone = 0.0;
   try {
     const StoppableLoops::Watch watch(loops_, stop);
@@ -357,6 +364,7 @@ tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
     const std::size_t body = activity_->present();
     activity_->leaveAll();
     for (auto &[id, runner] : bodies_) runner->undoStep(parallelFor_);
+    for (auto &[id, layer] : attachments_) layer->goBack();
     skins_->forget();
     return tl::unexpected<StepFailure>(
         {"the step was ended before it was done; the state before it stays", true, body});
@@ -368,6 +376,7 @@ tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
   time_ += gone;
   advanced_ += gone;
   ++steps_;
+  tellWhatTears();
   if (isSkinCheckDue()) clock_.measure(kGuard, [this] { checkSkins(); });
   clock_.commit();
   return {};
@@ -438,6 +447,8 @@ void Simulator::reset() {
     if (renewed) bindProbes(id, std::vector<Vec3>(probes_.size(), Vec3::Zero()));
   }
   skins_->forget();
+  for (auto &[id, layer] : attachments_) layer->mend();
+  tornReported_.clear();
   ++course_;
   time_ = 0.0;
   loadFactor_ = 0.0;
@@ -552,7 +563,7 @@ Simulator::Energy Simulator::energy(std::size_t id) const {
   out.elastic = elastic.strain;
   out.stabilisation = elastic.stabilisation;
   out.kinetic = target->kineticEnergy();
-  out.foundation = target->foundation().energy(target->state().displacements);
+  out.foundation = target->foundation().energy(target->state().displacements) + attachedEnergy(id);
   for (std::size_t i = 0; i < target->masses().size(); ++i)
     out.gravity -= target->weights()[i] * world_.gravity.dot(target->state().displacements[i]);
   out.gravity -= world_.gravity.dot(target->referenceShiftMoment());

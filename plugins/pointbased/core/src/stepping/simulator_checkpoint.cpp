@@ -2,6 +2,7 @@
 #include "stepping/simulator_checkpoint.h"
 
 #include "base/number_text.h"
+#include "stepping/attachment_layer.h"
 
 namespace pointbased {
 
@@ -19,6 +20,8 @@ Checkpoint Simulator::checkpoint() const {
   kept->skinDeepest = skinDeepest_;
   kept->overlaps = overlaps_;
   kept->lastPair = lastPair_;
+  for (const auto &[id, layer] : attachments_) kept->torn.emplace(id, layer->torn());
+  kept->tornReported = tornReported_;
   for (const auto &[id, pair] : skins_->pairs()) kept->contacts.emplace(id, pair->memory());
   return kept;
 }
@@ -42,6 +45,9 @@ bool Simulator::restore(const Checkpoint &checkpoint) {
   skinDeepest_ = checkpoint->skinDeepest;
   overlaps_ = checkpoint->overlaps;
   lastPair_ = checkpoint->lastPair;
+  for (const auto &[id, torn] : checkpoint->torn)
+    if (const auto found = attachments_.find(id); found != attachments_.end()) (void)found->second->setTorn(torn);
+  tornReported_ = checkpoint->tornReported;
   skins_->forget();
   for (const auto &[id, memory] : checkpoint->contacts) {
     const Body *first = body(id.first), *second = body(id.second);

@@ -7,6 +7,7 @@
 #include "base/disjoint_sets.h"
 #include "contact/contact_skin.h"
 #include "pointbased/simulator.h"
+#include "stepping/attachment_layer.h"
 #include "stepping/body_crew.h"
 #include "stepping/guard.h"
 
@@ -65,7 +66,9 @@ void Simulator::formGroups(double dt) {
   groupCount_ = 0;
   grouped_.clear();
   skins_->beginSums();
-  if (!contact_.enabled || quasiStatic() || (bodies_.size() < 2 && !contact_.self)) return;
+  if (quasiStatic()) return;
+  const bool touch = contact_.enabled && (bodies_.size() > 1 || contact_.self);
+  if (!touch && attachments_.empty()) return;
   struct One {
     std::size_t id;
     BodyStepper *runner;
@@ -77,25 +80,40 @@ void Simulator::formGroups(double dt) {
   for (auto &[id, runner] : bodies_) {
     if (!SkinContacts::hasSkin(runner->body())) continue;
     const bool stands = runner->stopped() || runner->body().rigid();
-    if (mayTouchItself(id, dt)) near.emplace_back(ones.size(), ones.size());
+    if (touch && mayTouchItself(id, dt)) near.emplace_back(ones.size(), ones.size());
     ones.push_back({id, runner.get(), stands || runner->asleep(), {}});
-    if (bodies_.size() > 1) ones.back().box = reachOf(runner->body(), world_.gravity, dt);
+    if (touch && bodies_.size() > 1) ones.back().box = reachOf(runner->body(), world_.gravity, dt);
   }
   DisjointSets sets(ones.size());
-  for (std::size_t a = 0; a < ones.size(); ++a)
+  struct Held {
+    AttachmentLayer *layer;
+    std::size_t first, second;  // of ones
+  };
+  std::vector<Held> held;
+  const auto numberOfBody = [&](std::size_t id) {
+    const auto found = std::find_if(ones.begin(), ones.end(), [id](const One &one) { return one.id == id; });
+    return found == ones.end() ? BodyGroup::kNobody : static_cast<std::size_t>(found - ones.begin());
+  };
+  std::vector<std::uint8_t> joined(ones.size(), 0);
+  for (const auto &[id, layer] : attachments_) {
+    held.push_back({layer.get(), numberOfBody(layer->settings().first), numberOfBody(layer->settings().second)});
+    joined[held.back().first] = 1;
+    if (held.back().second == BodyGroup::kNobody) continue;
+    joined[held.back().second] = 1;
+    sets.join(held.back().first, held.back().second);
+  }
+  for (std::size_t a = 0; touch && a < ones.size(); ++a)
     for (std::size_t b = a + 1; b < ones.size(); ++b) {
       if ((ones[a].idle && ones[b].idle) || !ones[a].box.meets(ones[b].box) || !canTouch(ones[a].id, ones[b].id))
         continue;
       near.emplace_back(a, b);
       sets.join(a, b);
     }
-  if (near.empty()) return;
+  for (const auto &[a, b] : near) joined[a] = joined[b] = 1;
   std::vector<std::size_t> groupOf(ones.size(), std::numeric_limits<std::size_t>::max()), numberOf(ones.size());
   for (std::size_t k = 0; k < ones.size(); ++k) {
     const std::size_t root = sets.find(k);
-    const bool alone =
-        std::none_of(near.begin(), near.end(), [&](const auto &p) { return p.first == k || p.second == k; });
-    if (alone) continue;
+    if (!joined[k]) continue;
     std::size_t &group = groupOf[root];
     if (group == std::numeric_limits<std::size_t>::max()) {
       group = groupCount_++;
@@ -106,6 +124,9 @@ void Simulator::formGroups(double dt) {
     groups_[group]->add(ones[k].id, *ones[k].runner);
     grouped_.insert(ones[k].id);
   }
+  for (const Held &one : held)
+    groups_[groupOf[sets.find(one.first)]]->attach(
+        *one.layer, numberOf[one.first], one.second == BodyGroup::kNobody ? BodyGroup::kNobody : numberOf[one.second]);
   for (const auto &[a, b] : near) {
     const double friction = a == b ? contact_.friction : contactPair(ones[a].id, ones[b].id).friction;
     SkinPair &pair = skins_->pairOf(ones[a].id, ones[a].runner->body(), ones[b].id, ones[b].runner->body(), friction);

@@ -3,12 +3,13 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "stepping/attachment_layer.h"
 #include "stepping/simulator_checkpoint.h"
 
 namespace pointbased {
 namespace {
 
-constexpr std::uint64_t kFormat = 2;
+constexpr std::uint64_t kFormat = 3;
 
 /// Appends what it is given; the reader below takes the same in the same order.
 class StateWriter {
@@ -222,6 +223,10 @@ Result<std::string> Simulator::savedState() {
         runner->checkpoint(), runner->stillness(), runner->body().carried(), {patchForces.begin(), patchForces.end()}};
     walk(archive, saved);
   }
+  for (const auto &[id, layer] : attachments_) {
+    std::vector<std::uint8_t> torn = layer->torn();
+    archive(torn);
+  }
   return writer.take();
 }
 
@@ -247,6 +252,15 @@ Result<void> Simulator::goToSavedState(std::string_view bytes) {
       if (!fits(one, runner->body()))
         throw std::runtime_error("the state of body '" + runner->body().name() + "' is not one that it can have");
     }
+    for (const auto &[id, layer] : attachments_) {
+      std::vector<std::uint8_t> &torn = checkpoint.torn[id];
+      archive(torn);
+      const std::vector<std::uint8_t> before = layer->torn();
+      if (!layer->setTorn(torn))
+        throw std::runtime_error("the state of attachment '" + layer->settings().name +
+                                 "' is not one that it can have");
+      (void)layer->setTorn(before);
+    }
     reader.mustBeOver();
   } catch (const std::runtime_error &error) {
     return tl::unexpected(std::string(error.what()));
@@ -262,6 +276,7 @@ Result<void> Simulator::goToSavedState(std::string_view bytes) {
     std::copy(one.patchForces.begin(), one.patchForces.end(), runner->body().patches().forces().begin());
     runner->body().carryOn(std::move(one.carried));
   }
+  for (auto &[id, torn] : checkpoint.torn) (void)attachments_.at(id)->setTorn(std::move(torn));
   time_ = checkpoint.time;
   loadFactor_ = checkpoint.loadFactor;
   steps_ = checkpoint.steps;

@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stepping/attachment_layer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "base/number_text.h"
+#include "contact/contact_search.h"
+#include "contact/contact_skin.h"
+#include "discretisation/interpolation_at.h"
+
+namespace pointbased {
+namespace {
+
+constexpr double kSampling = 0.5;  // spacings, of the surface
+constexpr double kFacing = -0.1;   // cosine: surfaces that a layer joins face each other
+constexpr double kTouches = 1e-6;  // spacings
+
+}  // namespace
+
+Result<void> validate(const Attachment &a) {
+  const auto refuse = [](const char *what, double value, const char *unit, const char *accepted) {
+    return tl::make_unexpected(std::string(what) + " of the attachment is " + detail::number(value) + " " + unit +
+                               "; accepted: " + accepted);
+  };
+  const auto good = [](double value) { return std::isfinite(value) && value >= 0.0; };
+  const char *notNegative = "a finite number >= 0";
+  if (!good(a.stiffness)) return refuse("the stiffness", a.stiffness, "Pa/m", notNegative);
+  if (!good(a.tangential)) return refuse("the tangential stiffness", a.tangential, "Pa/m", notNegative);
+  if (!good(a.tearsAt)) return refuse("the strength", a.tearsAt, "Pa", notNegative);
+  if (!(a.within > 0.0)) return refuse("the largest gap", 1e3 * a.within, "mm", "a number > 0");
+  return validate(a.region);
+}
+
+namespace detail {
+namespace {
+
+// Of every point the nearest of the second body's surface at rest.
+struct NearestOfBody {
+  explicit NearestOfBody(const Body &body)
+      : rest_(body.rest()), still_(rest_.phyxelCount(), Vec3::Zero()),
+        skin_(makeContactSkin(rest_.surfels.expanded(rest_.positions), rest_.skin, rest_.spacing, rest_.bind,
+                              rest_.maxInfluence),
+              rest_.origin, rest_.spacing) {
+    skin_.move(still_, still_, rest_.maxInfluence, 0.0);
+    skin_.placeAll();
+  }
+  struct Place {
+    Vec3 x, normal;  // m, world; unit
+  };
+  [[nodiscard]] Place of(const Vec3 &x) {
+    Index triangle = 0;
+    NearestOnTriangle best;
+    best.squared = std::numeric_limits<double>::infinity();
+    skin_.tree().nearest(x, [&](Index t) {
+      const NearestOnTriangle found = skin_.nearestOn(t, x);
+      if (found.squared < best.squared) {
+        best = found;
+        triangle = t;
+      }
+      return found.squared;
+    });
+    return {skin_.placeOn(triangle, best.weights), skin_.faceNormal(triangle).normalized()};
+  }
+
+ private:
+  const RestState &rest_;
+  std::vector<Vec3> still_;
+  MovingSkin skin_;
+};
+
+void keepOnly(SurfacePoints &points, const std::vector<std::uint8_t> &kept) {
+  std::size_t n = 0;
+  for (std::size_t p = 0; p < kept.size(); ++p) {
+    if (!kept[p]) continue;
+    points.positions[n] = points.positions[p];
+    points.normals[n] = points.normals[p];
+    points.areas[n] = points.areas[p];
+    points.triangles[n++] = points.triangles[p];
+  }
+  points.positions.resize(n);
+  points.normals.resize(n);
+  points.areas.resize(n);
+  points.triangles.resize(n);
+}
+
+Surface surfaceOf(const RestState &rest) {
+  Surface surface;
+  surface.positions.resize(rest.surfels.count());
+  std::vector<Vec3> normals(rest.surfelNormals.size());
+  const std::vector<Vec3> still(rest.phyxelCount(), Vec3::Zero());
+  updateSurfels(rest.surfels, rest.surfelNormals, rest.positions, still, surface.positions, normals, serialFor());
+  surface.triangles = rest.skin;
+  return surface;
+}
+
+std::string millimetres(double metres) { return number(1e3 * metres) + " mm"; }
+
+}  // namespace
+
+Result<AttachmentLayer> AttachmentLayer::make(const Attachment &settings, const Body &first, const Body *second,
+                                              const Obstacle *obstacle) {
+  if (auto valid = validate(settings); !valid) return tl::unexpected(valid.error());
+  for (const Body *body : {&first, second})
+    if (body && body->rest().skin.empty())
+      return tl::make_unexpected("body '" + body->name() + "' has no surface that could be attached");
+  for (const Body *body : {&first, second})
+    if (body && body->rereferenceCount() > 0)
+      return tl::make_unexpected(
+          "body '" + body->name() +
+          "' has flowed so far that its reference is a later shape; reset before it is attached");
+  AttachmentLayer out;
+  out.settings_ = settings;
+  const RestState &rest = first.rest();
+  out.origin_ = rest.origin;
+  out.points_ = sampleSurface(surfaceOf(rest), kSampling * rest.spacing, shifted(settings.region, rest.origin));
+  const std::size_t inRegion = out.points_.count();
+  if (inRegion == 0)
+    return tl::make_unexpected("no part of the surface of body '" + first.name() +
+                               "' is in the region of the attachment");
+
+  double nearest = std::numeric_limits<double>::infinity();
+  std::vector<std::uint8_t> near(inRegion, 1);
+  std::vector<Vec3> anchors, anchorNormals;
+  if (second) {
+    NearestOfBody search(*second);
+    for (std::size_t p = 0; p < inRegion; ++p) {
+      const Vec3 x = rest.origin + out.points_.positions[p];
+      const NearestOfBody::Place found = search.of(x);
+      const double away = (x - found.x).norm();
+      nearest = std::min(nearest, away);
+      // Where only nearness tells what is joined, the far sides of thin bodies are not.
+      const bool faces = !std::isfinite(settings.within) || out.points_.normals[p].dot(found.normal) < kFacing;
+      near[p] = away <= settings.within && faces ? 1 : 0;
+      if (!near[p]) continue;
+      out.widest_ = std::max(out.widest_, away);
+      anchors.push_back(found.x - second->rest().origin);
+      anchorNormals.push_back(found.normal);
+    }
+  } else if (obstacle && std::isfinite(settings.within)) {
+    std::vector<Vec3> at(inRegion);
+    const RigidMotion motion = obstacle->motion ? obstacle->motion(0.0) : RigidMotion{};
+    for (std::size_t p = 0; p < inRegion; ++p) at[p] = toRest(motion, rest.origin + out.points_.positions[p]);
+    const std::vector<double> ranges(inRegion, std::numeric_limits<double>::infinity());
+    std::vector<SurfacePoint> found(inRegion);
+    if (obstacle->closest) obstacle->closest(at, ranges, found);
+    for (std::size_t p = 0; p < inRegion; ++p) {
+      const double away = std::abs(found[p].distance);
+      nearest = std::min(nearest, away);
+      const double facing = out.points_.normals[p].dot(motion.rotation * found[p].normal);
+      // Of a sheet that is touched the normal is of either side.
+      const bool faces = away > kTouches * rest.spacing ? facing < kFacing : std::abs(facing) > -kFacing;
+      near[p] = away <= settings.within && faces ? 1 : 0;
+    }
+  }
+  keepOnly(out.points_, near);
+  if (out.points_.count() == 0)
+    return tl::make_unexpected("the surface of body '" + first.name() + "' is nowhere within " +
+                               millimetres(settings.within) + " of the surface of '" +
+                               (second ? second->name() : obstacle->name) + "'; the nearest place of both is " +
+                               millimetres(nearest) + " apart");
+  if (obstacle) out.motion_ = obstacle->motion;
+  out.first_ = rest.bind(out.points_.positions, out.points_.normals);
+  if (second) {
+    out.second_ = second->rest().bind(anchors, anchorNormals);
+    // Continued linearly to where the points of the first body are.
+    for (std::size_t p = 0; p < out.points_.count(); ++p) {
+      const Vec3 beyond = rest.origin + out.points_.positions[p] - second->rest().origin - out.second_.positions[p];
+      for (Index e = out.second_.phyxels.offsets[p]; e < out.second_.phyxels.offsets[p + 1]; ++e)
+        out.second_.weights[e] += out.second_.gradients[e].dot(beyond);
+    }
+  }
+  out.normals_ = out.points_.normals;
+  out.area_ = std::accumulate(out.points_.areas.begin(), out.points_.areas.end(), 0.0);
+  return out;
+}
+
+std::optional<RigidMotion> AttachmentLayer::motionAt(const Sides &at) const {
+  return motion_ ? std::optional(motion_(at.time)) : std::nullopt;
+}
+
+Vec3 AttachmentLayer::wayOf(std::size_t p, const Sides &at, const RigidMotion *motion) const {
+  Vec3 way = fieldAt(first_, p, at.first);
+  if (joinsBodies()) {
+    if (!at.second.empty()) way -= fieldAt(second_, p, at.second);
+  } else if (motion) {
+    way -= motion->displacementOf(origin_ + points_.positions[p]);
+  }
+  return way;
+}
+
+Mat3 AttachmentLayer::stiffnessOf(std::size_t p) const {
+  const Vec3 &n = normals_[p];
+  return points_.areas[p] *
+         (settings_.tangential * Mat3::Identity() + (settings_.stiffness - settings_.tangential) * n * n.transpose());
+}
+
+Vec3 AttachmentLayer::timesStiffness(std::size_t p, const Vec3 &d) const {
+  const Vec3 &n = normals_[p];
+  return points_.areas[p] * (settings_.tangential * d + (settings_.stiffness - settings_.tangential) * n.dot(d) * n);
+}
+
+// visit(of the second, phyxel, weight in the way of p)
+template <class Visit>
+void AttachmentLayer::forEntries(std::size_t p, const Visit &visit) const {
+  for (Index e = first_.phyxels.offsets[p]; e < first_.phyxels.offsets[p + 1]; ++e)
+    visit(false, first_.phyxels.indices[e], first_.weights[e]);
+  if (!joinsBodies()) return;
+  for (Index e = second_.phyxels.offsets[p]; e < second_.phyxels.offsets[p + 1]; ++e)
+    visit(true, second_.phyxels.indices[e], -second_.weights[e]);
+}
+
+void AttachmentLayer::turn(const Sides &at) {
+  if (settings_.stiffness == settings_.tangential) return;
+  for (std::size_t p = 0; p < normals_.size(); ++p) {
+    const Mat3 F = gradientAt(first_, p, at.first);
+    Mat3 cofactor;
+    for (int c = 0; c < 3; ++c) cofactor.col(c) = F.col((c + 1) % 3).cross(F.col((c + 2) % 3));
+    const Vec3 n = cofactor * points_.normals[p];
+    const double length = n.norm();
+    normals_[p] = length > 0.0 && std::isfinite(length) ? Vec3(n / length) : points_.normals[p];
+  }
+}
+
+double AttachmentLayer::energy(const Sides &at) const {
+  const std::optional<RigidMotion> motion = motionAt(at);
+  double energy = 0.0;
+  for (std::size_t p = 0; p < points_.count(); ++p) {
+    if (isTorn(p)) continue;
+    const Vec3 d = wayOf(p, at, motion ? &*motion : nullptr);
+    energy += 0.5 * d.dot(timesStiffness(p, d));
+  }
+  return energy;
+}
+
+void AttachmentLayer::addForces(const Sides &at, std::span<Vec3> first, std::span<Vec3> second) const {
+  const std::optional<RigidMotion> motion = motionAt(at);
+  for (std::size_t p = 0; p < points_.count(); ++p) {
+    if (isTorn(p)) continue;
+    const Vec3 force = -timesStiffness(p, wayOf(p, at, motion ? &*motion : nullptr));
+    if (!first.empty()) spreadForce(first_, p, force, first);
+    if (joinsBodies() && !second.empty()) spreadForce(second_, p, -force, second);
+  }
+}
+
+void AttachmentLayer::addProduct(const Sides &change, std::span<Vec3> first, std::span<Vec3> second) const {
+  for (std::size_t p = 0; p < points_.count(); ++p) {
+    if (isTorn(p)) continue;
+    const Vec3 force = timesStiffness(p, wayOf(p, change, nullptr));
+    if (!first.empty()) spreadForce(first_, p, force, first);
+    if (joinsBodies() && !second.empty()) spreadForce(second_, p, -force, second);
+  }
+}
+
+void AttachmentLayer::addBlocks(std::span<Mat3> first, std::span<Mat3> second) const {
+  for (std::size_t p = 0; p < points_.count(); ++p) {
+    if (isTorn(p)) continue;
+    const Mat3 K = stiffnessOf(p);
+    forEntries(p, [&](bool ofSecond, Index j, double weight) {
+      const std::span<Mat3> of = ofSecond ? second : first;
+      if (!of.empty()) of[j] += weight * weight * K;
+    });
+  }
+}
+
+void AttachmentLayer::addTriplets(std::size_t first, std::size_t second,
+                                  std::vector<Eigen::Triplet<double>> &out) const {
+  for (std::size_t p = 0; p < points_.count(); ++p) {
+    if (isTorn(p)) continue;
+    const Mat3 K = stiffnessOf(p);
+    forEntries(p, [&](bool ofSecond, Index i, double a) {
+      const auto row = static_cast<int>(3 * ((ofSecond ? second : first) + i));
+      forEntries(p, [&](bool otherOfSecond, Index j, double b) {
+        const auto column = static_cast<int>(3 * ((otherOfSecond ? second : first) + j));
+        for (int r = 0; r < 3; ++r)
+          for (int c = 0; c < 3; ++c) out.emplace_back(row + r, column + c, a * b * K(r, c));
+      });
+    });
+  }
+}
+
+double AttachmentLayer::squaredFrequencyBound(std::span<const double> first, std::span<const double> second) const {
+  const double k = std::max(settings_.stiffness, settings_.tangential);
+  std::vector<double> ofFirst(first.size(), 0.0), ofSecond(second.size(), 0.0);
+  for (std::size_t p = 0; p < points_.count(); ++p) {
+    double sum = 0.0;
+    const auto share = [&](bool isSecond, Index j, double weight) {
+      const std::span<const double> inverse = isSecond ? second : first;
+      return inverse.empty() ? 0.0 : std::abs(weight) * std::sqrt(inverse[j]);
+    };
+    forEntries(p, [&](bool isSecond, Index j, double weight) { sum += share(isSecond, j, weight); });
+    forEntries(p, [&](bool isSecond, Index j, double weight) {
+      std::vector<double> &rows = isSecond ? ofSecond : ofFirst;
+      if (!rows.empty()) rows[j] += k * points_.areas[p] * share(isSecond, j, weight) * sum;
+    });
+  }
+  double largest = 0.0;
+  for (const double row : ofFirst) largest = std::max(largest, row);
+  for (const double row : ofSecond) largest = std::max(largest, row);
+  return largest;
+}
+
+bool AttachmentLayer::tear(const Sides &at) {
+  if (!(settings_.tearsAt > 0.0)) return false;
+  const std::optional<RigidMotion> motion = motionAt(at);
+  bool any = false;
+  for (std::size_t p = 0; p < points_.count(); ++p) {
+    if (isTorn(p)) continue;
+    const double traction = timesStiffness(p, wayOf(p, at, motion ? &*motion : nullptr)).norm() / points_.areas[p];
+    if (!(traction > settings_.tearsAt)) continue;
+    if (torn_.empty()) torn_.assign(points_.count(), 0);
+    torn_[p] = 1;
+    any = true;
+  }
+  return any;
+}
+
+bool AttachmentLayer::setTorn(std::vector<std::uint8_t> torn) {
+  if (!torn.empty() && torn.size() != points_.count()) return false;
+  torn_ = std::move(torn);
+  return true;
+}
+
+AttachmentSummary AttachmentLayer::summary(const Sides &at) const {
+  AttachmentSummary out;
+  out.first = settings_.first;
+  out.second = settings_.second;
+  out.name = settings_.name;
+  out.area = area_;
+  out.energy = energy(at);
+  const std::optional<RigidMotion> motion = motionAt(at);
+  double torn = 0.0;
+  for (std::size_t p = 0; p < points_.count(); ++p) out.centre += points_.areas[p] / area_ * points_.positions[p];
+  for (std::size_t p = 0; p < points_.count(); ++p) {
+    if (isTorn(p)) {
+      torn += points_.areas[p];
+      continue;
+    }
+    const Vec3 force = -timesStiffness(p, wayOf(p, at, motion ? &*motion : nullptr));
+    const Vec3 x = points_.positions[p] + fieldAt(first_, p, at.first);
+    out.force += force;
+    out.torque += (x - out.centre).cross(force);
+    out.traction = std::max(out.traction, force.norm() / points_.areas[p]);
+  }
+  out.centre += origin_;
+  out.tornPart = area_ > 0.0 ? torn / area_ : 0.0;
+  return out;
+}
+
+}  // namespace detail
+}  // namespace pointbased

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// The points of an attachment, and what they do. Private to the core.
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <optional>
+
+#include "pointbased/attachment.h"
+#include "pointbased/body.h"
+
+namespace pointbased::detail {
+
+/// @threads one
+class AttachmentLayer {
+ public:
+  /// Errors: settings that validate() refuses; a body without a surface; no point of it is in the region and near
+  /// enough.
+  /// @param second, obstacle  one of them, or neither: the surroundings
+  [[nodiscard]] static Result<AttachmentLayer> make(const Attachment &settings, const Body &first, const Body *second,
+                                                    const Obstacle *obstacle);
+
+  [[nodiscard]] const Attachment &settings() const { return settings_; }
+  [[nodiscard]] bool joinsBodies() const { return second_.count() > 0; }
+  /// m, the widest gap that it spans, and the spacing of the second body; of bodies only.
+  [[nodiscard]] double widest() const { return widest_; }
+
+  /// Displacements of the phyxels of both; the second is empty where it is no body, and stands where it is at `time`.
+  struct Sides {
+    std::span<const Vec3> first, second;
+    double time = 0.0;
+  };
+  /// Normals as the first body has turned by now: all below is with them until the next call.
+  void turn(const Sides &at);
+  [[nodiscard]] double energy(const Sides &at) const;  ///< J
+  /// Adds its forces to the phyxels of both, N; an empty span is left out.
+  void addForces(const Sides &at, std::span<Vec3> first, std::span<Vec3> second) const;
+  /// Adds its Hessian times a change of the displacements, likewise.
+  void addProduct(const Sides &change, std::span<Vec3> first, std::span<Vec3> second) const;
+  /// Adds the diagonal blocks of the Hessian; and all of it, from the rows `first` and `second` (in phyxels) on.
+  void addBlocks(std::span<Mat3> first, std::span<Mat3> second) const;
+  void addTriplets(std::size_t first, std::size_t second, std::vector<Eigen::Triplet<double>> &out) const;
+  /// ω² of M^-1 K is at most this, 1/s²: the largest row sum of M^-1/2 K M^-1/2.
+  /// @param first, second  [phyxels] 1/kg, 0 for those that do not move; `second` may be empty
+  [[nodiscard]] double squaredFrequencyBound(std::span<const double> first, std::span<const double> second) const;
+
+  /// Points that pull with too much are free from now on. @return whether there were any
+  bool tear(const Sides &at);
+  /// Which points have torn, as [points] 0 or 1; empty: none.
+  [[nodiscard]] const std::vector<std::uint8_t> &torn() const { return torn_; }
+  /// @return false: not of this layer, nothing is changed
+  bool setTorn(std::vector<std::uint8_t> torn);
+  void mend() { torn_.clear(); }
+  /// Before a step that may be undone.
+  void keep() { kept_ = torn_; }
+  void goBack() { torn_ = kept_; }
+
+  /// Without ids and energy of others.
+  [[nodiscard]] AttachmentSummary summary(const Sides &at) const;
+
+ private:
+  [[nodiscard]] bool isTorn(std::size_t p) const { return !torn_.empty() && torn_[p] != 0; }
+  [[nodiscard]] Mat3 stiffnessOf(std::size_t p) const;  // Pa/m times m²
+  [[nodiscard]] Vec3 timesStiffness(std::size_t p, const Vec3 &d) const;
+  [[nodiscard]] Vec3 wayOf(std::size_t p, const Sides &at, const RigidMotion *motion) const;
+  [[nodiscard]] std::optional<RigidMotion> motionAt(const Sides &at) const;
+  template <class Visit>
+  void forEntries(std::size_t p, const Visit &visit) const;
+
+  Attachment settings_;
+  Vec3 origin_ = Vec3::Zero();
+  SurfacePoints points_;                       // of the first body, in the frame of its phyxels
+  Interpolation first_, second_;               // of these points; the second is empty where it is no body
+  std::function<RigidMotion(double)> motion_;  // of an obstacle that moves
+  std::vector<Vec3> normals_;                  // as they have turned
+  std::vector<std::uint8_t> torn_, kept_;
+  double area_ = 0.0, widest_ = 0.0;
+};
+
+}  // namespace pointbased::detail

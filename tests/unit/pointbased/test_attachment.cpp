@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+// Elastic layers between bodies, obstacles and surroundings.
+#include <algorithm>
+#include <cmath>
+
+#include "c3de/core/thread_pool.h"
+#include "contact_cases.h"
+#include "pointbased/attachment.h"
+#include "shapes.h"
+#include "support/catch.h"
+#include "surfaces.h"
+
+using namespace pointbased;
+using Catch::Matchers::Contains;
+using Catch::Matchers::WithinRel;
+
+namespace {
+
+constexpr double kSide = 0.04;    // m, of the blocks
+constexpr double kGap = 0.003;    // m, between them
+constexpr double kModulus = 2e4;  // Pa
+constexpr double kPerArea = 1e5;  // Pa/m, of the layer
+
+std::unique_ptr<Body> block(double low, std::vector<Fix> fixes = {}, std::vector<Load> loads = {}) {
+  BodyRecipe recipe;
+  recipe.sampling.spacing = 0.01;
+  recipe.fixes = std::move(fixes);
+  recipe.loads = std::move(loads);
+  auto rest = buildRestState(shapes::inside(shapes::boxSurface(Vec3(0, low, 0), Vec3(kSide, low + kSide, kSide), 4)),
+                             recipe, {}, serialFor());
+  REQUIRE(rest);
+  Material material = shapes::rubber(kModulus);
+  material.poissonRatio = 0.0;  // no bulging: the layer is stretched evenly
+  return std::make_unique<Body>("block", *rest, Constitution{{material}, kLatticeStabilisation}, serialFor());
+}
+
+Fix foot() {
+  Fix fix;
+  fix.region = BoxRegion{Vec3(-1, -1, -1), Vec3(1, 0.0, 1)};
+  return fix;
+}
+
+struct Joined {
+  std::size_t lower = 0, upper = 0, layer = 0;
+};
+
+Attachment between(std::size_t lower, std::size_t upper) {
+  Attachment layer;
+  layer.name = "layer";
+  layer.first = lower;
+  layer.second = upper;
+  layer.within = 1.5 * kGap;
+  layer.stiffness = layer.tangential = kPerArea;
+  return layer;
+}
+
+// One block above the other with a gap between them.
+Joined addBlocks(Simulator &simulator, std::vector<Fix> fixes, std::vector<Load> loads,
+                 const std::function<void(Attachment &)> &change = {}) {
+  Joined out;
+  out.lower = simulator.addBody(block(0.0, std::move(fixes)));
+  out.upper = simulator.addBody(block(kSide + kGap, {}, std::move(loads)));
+  Attachment layer = between(out.lower, out.upper);
+  if (change) change(layer);
+  const auto added = simulator.addAttachment(layer);
+  REQUIRE(added);
+  out.layer = *added;
+  return out;
+}
+
+Load pullAtTop(const Vec3 &force, double ramp) {
+  Load load;
+  load.region = BoxRegion{Vec3(-1, 2 * kSide + kGap - 1e-6, -1), Vec3(1, 1, 1)};
+  load.force = force;
+  load.ramp = ramp;
+  return load;
+}
+
+void damped(Simulator &simulator, double damping = 60.0) {
+  WorldSettings world;
+  world.damping = damping;
+  simulator.setWorld(world);
+}
+
+struct Total {
+  Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();
+  double energy = 0.0;
+};
+Total totalOf(Simulator &simulator) {
+  Total out;
+  for (const std::size_t id : simulator.bodyIds()) {
+    const Body &body = *simulator.body(id);
+    for (std::size_t i = 0; i < body.masses().size(); ++i) {
+      const Vec3 mv = body.masses()[i] * body.state().velocities[i];
+      out.momentum += mv;
+      out.angular += (body.rest().origin + body.rest().positions[i] + body.state().displacements[i]).cross(mv);
+    }
+    const Simulator::Energy energy = simulator.energy(id);
+    out.energy += energy.kinetic + energy.elastic + energy.stabilisation + energy.foundation;
+  }
+  return out;
+}
+
+}  // namespace
+
+// Along the normal the layer is stretched evenly: F = k A d, U = F d/2. Across it bends as well.
+TEST_CASE("an attachment stretches by the force over its stiffness and area") {
+  const int axis = GENERATE(1, 0);  // along the normal, and across it
+  Simulator simulator;
+  damped(simulator, 20.0);
+  Vec3 force = Vec3::Zero();
+  force[axis] = 0.1;
+  const double across = 0.5 * kPerArea;
+  const Joined blocks =
+      addBlocks(simulator, {foot()}, {pullAtTop(force, 0.3)}, [&](Attachment &layer) { layer.tangential = across; });
+  while (simulator.time() < 3.0) REQUIRE(simulator.step());
+  const AttachmentSummary layer = simulator.attachments().front();
+  CHECK(layer.id == blocks.layer);
+  CHECK_THAT(layer.area, WithinRel(kSide * kSide, 1e-9));
+  CHECK(layer.tornPart == 0.0);
+  CHECK_THAT(layer.force[axis], WithinRel(force[axis], 1e-3));
+  if (axis == 1) {
+    CHECK_THAT(layer.energy, WithinRel(0.5 * 0.1 * 0.1 / (kPerArea * kSide * kSide), 1e-3));
+    CHECK_THAT(layer.traction, WithinRel(0.1 / (kSide * kSide), 1e-2));
+  }
+}
+
+TEST_CASE("bodies that are attached and turn together feel nothing, however far they are apart") {
+  Simulator simulator;
+  const Joined blocks = addBlocks(simulator, {}, {}, [](Attachment &layer) { layer.tangential = 0.1 * kPerArea; });
+  const Mat3 turn = Eigen::AngleAxisd(1.0, Vec3(1, 2, -0.5).normalized()).toRotationMatrix();
+  for (const std::size_t id : {blocks.lower, blocks.upper}) {
+    Body &body = *simulator.body(id);
+    for (std::size_t i = 0; i < body.masses().size(); ++i) {
+      const Vec3 X = body.rest().origin + body.rest().positions[i];
+      body.state().displacements[i] = turn * X - X;
+    }
+  }
+  const AttachmentSummary layer = simulator.attachments().front();
+  CHECK(layer.force.norm() < 1e-12);
+  CHECK(layer.traction < 1e-8);
+}
+
+TEST_CASE("a body that is thrown takes the attached one along with their momenta and energy kept") {
+  Simulator simulator;
+  const Joined blocks = addBlocks(simulator, {}, {});
+  Body &upper = *simulator.body(blocks.upper);
+  for (std::size_t i = 0; i < upper.masses().size(); ++i)
+    upper.state().velocities[i] = Vec3(0.05, 0.1, 0) + Vec3(0, 0, 2).cross(upper.rest().positions[i]);
+  const Total before = totalOf(simulator);
+  double most = before.energy, least = before.energy;
+  while (simulator.time() < 0.5) {
+    REQUIRE(simulator.step());
+    const Total now = totalOf(simulator);
+    most = std::max(most, now.energy);
+    least = std::min(least, now.energy);
+    REQUIRE((now.momentum - before.momentum).norm() < 1e-12 * before.momentum.norm());
+    REQUIRE((now.angular - before.angular).norm() < 1e-10 * before.angular.norm());
+  }
+  // Verlet's energy swings with the steps; contact, which the gap leaves room for, takes some where they meet.
+  CHECK(most < 1.02 * before.energy);
+  CHECK(least > 0.9 * before.energy);
+  CHECK(shapes::meanVelocity(*simulator.body(blocks.lower)).norm() > 0.01);
+}
+
+TEST_CASE("an attachment tears where it pulls with more than it bears, until the simulation is reset") {
+  Simulator simulator;
+  damped(simulator);
+  // 0.1 N on 16 cm² are 62.5 Pa.
+  const double strength = GENERATE(100.0, 50.0);
+  const Joined blocks = addBlocks(simulator, {foot()}, {pullAtTop(Vec3(0, 0.1, 0), 0.5)},
+                                  [&](Attachment &layer) { layer.tearsAt = strength; });
+  const auto hasTorn = [&] {
+    return std::any_of(simulator.events().begin(), simulator.events().end(),
+                       [](const SimulationEvent &event) { return event.kind == "torn"; });
+  };
+  Checkpoint whole;
+  while (simulator.time() < 1.0) {
+    if (!whole && simulator.time() > 0.2) whole = simulator.checkpoint();
+    REQUIRE(simulator.step());
+  }
+  AttachmentSummary layer = simulator.attachments().front();
+  if (strength > 62.5) {
+    CHECK(layer.tornPart == 0.0);
+    CHECK_FALSE(hasTorn());
+    return;
+  }
+  CHECK(hasTorn());
+  CHECK(layer.tornPart == 1.0);
+  CHECK(layer.force.norm() == 0.0);
+  CHECK(shapes::meanVelocity(*simulator.body(blocks.upper))[1] > 0.0);
+  REQUIRE(simulator.restore(whole));
+  CHECK(simulator.attachments().front().tornPart == 0.0);
+  while (simulator.time() < 1.0) REQUIRE(simulator.step());
+  CHECK(simulator.attachments().front().tornPart == 1.0);
+  const auto state = simulator.savedState();
+  REQUIRE(state);
+  simulator.reset();
+  CHECK(simulator.attachments().front().tornPart == 0.0);
+  REQUIRE(simulator.goToSavedState(*state));
+  CHECK(simulator.attachments().front().tornPart == 1.0);
+}
+
+TEST_CASE("a body that is attached to an obstacle follows it, and one in its surroundings is held") {
+  Simulator simulator;
+  damped(simulator, 20.0);
+  Obstacle plate = shapes::halfSpace(Vec3(0, -kGap, 0), Vec3(0, 1, 0), 0.0);
+  plate.motion = [](double t) {
+    RigidMotion motion;
+    motion.displacement = Vec3(0.01 * std::min(t, 1.0), 0, 0);
+    return motion;
+  };
+  const std::size_t id = simulator.addBody(block(0.0));
+  Attachment layer = between(id, simulator.addObstacle(std::move(plate)));
+  REQUIRE(simulator.addAttachment(layer));
+  CHECK_THAT(simulator.attachments().front().area, WithinRel(kSide * kSide, 1e-9));
+  while (simulator.time() < 2.5) REQUIRE(simulator.step());
+  CHECK_THAT(shapes::meanDisplacement(*simulator.body(id))[0], WithinRel(0.01, 0.01));
+
+  // The lowest face alone, by a region, against its weight.
+  Simulator held;
+  WorldSettings world;
+  world.damping = 60.0;
+  world.gravity = Vec3(0, -9.81, 0);
+  held.setWorld(world);
+  Attachment surroundings = between(held.addBody(block(0.0)), kSurroundings);
+  surroundings.within = std::numeric_limits<double>::infinity();
+  surroundings.region = BoxRegion{Vec3(-1, -1, -1), Vec3(1, 0.0, 1)};
+  REQUIRE(held.addAttachment(surroundings));
+  while (held.time() < 2.0) REQUIRE(held.step());
+  const AttachmentSummary now = held.attachments().front();
+  CHECK_THAT(now.area, WithinRel(kSide * kSide, 1e-9));
+  CHECK_THAT(now.force[1], WithinRel(9.81 * held.body(1)->totalMass(), 1e-3));
+}
+
+TEST_CASE("attachments give the same bits for any number of threads, and stiff ones stay stable") {
+  std::uint64_t hashes[2];
+  for (const int threads : {1, 2}) {
+    c3de::ThreadPool pool(static_cast<unsigned>(threads));
+    Simulator simulator(
+        [&pool](std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &range) {
+          pool.parallelFor(n, grain, range);
+        });
+    damped(simulator, 1.0);
+    const Joined blocks = addBlocks(simulator, {foot()}, {pullAtTop(Vec3(0.02, 0.1, 0), 0.1)},
+                                    [](Attachment &layer) { layer.stiffness = layer.tangential = 1e8; });
+    for (int k = 0; k < 200; ++k) REQUIRE(simulator.step());
+    CHECK(simulator.stoppedBodies() == 0);
+    CHECK(shapes::meanDisplacement(*simulator.body(blocks.upper)).norm() < 0.02);
+    hashes[threads - 1] = simulator.stateHash();
+  }
+  CHECK(hashes[0] == hashes[1]);
+}
+
+TEST_CASE("attachments that cannot be are refused, and those of what is gone are gone") {
+  Simulator simulator;
+  const Joined blocks = addBlocks(simulator, {foot()}, {});
+  const auto refused = [&](const std::function<void(Attachment &)> &change) {
+    Attachment layer = between(blocks.lower, blocks.upper);
+    change(layer);
+    const auto added = simulator.addAttachment(layer);
+    return added ? std::string() : added.error();
+  };
+  CHECK_THAT(refused([](Attachment &a) { a.within = 0.001; }), Contains("is nowhere within 1 mm"));
+  CHECK_THAT(refused([](Attachment &a) { a.within = 0.001; }), Contains("3 mm apart"));
+  CHECK_THAT(refused([](Attachment &a) { a.stiffness = -1.0; }), Contains("-1 Pa/m"));
+  CHECK_THAT(refused([](Attachment &a) { a.tearsAt = std::nan(""); }), Contains("strength"));
+  CHECK_THAT(refused([](Attachment &a) { a.second = a.first; }), Contains("itself"));
+  CHECK_THAT(refused([](Attachment &a) { a.second = 1000; }), Contains("not in this simulation"));
+  CHECK_THAT(refused([](Attachment &a) { a.region = SphereRegion{Vec3(1, 1, 1), 0.1}; }), Contains("in the region"));
+  CHECK(simulator.attachments().size() == 1);
+  CHECK(simulator.removeBody(blocks.upper));
+  CHECK(simulator.attachments().empty());
+  CHECK_FALSE(simulator.removeAttachment(blocks.layer));
+  REQUIRE(simulator.step());
+}
