@@ -9,6 +9,7 @@
 #include "shapes.h"
 #include "support/catch.h"
 #include "surfaces.h"
+#include "touching_bodies.h"
 
 using namespace pointbased;
 using Catch::Matchers::Contains;
@@ -82,43 +83,33 @@ void damped(Simulator &simulator, double damping = 60.0) {
   simulator.setWorld(world);
 }
 
-struct Total {
-  Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();
-  double energy = 0.0;
-};
-Total totalOf(Simulator &simulator) {
-  Total out;
-  for (const std::size_t id : simulator.bodyIds()) {
-    const Body &body = *simulator.body(id);
-    for (std::size_t i = 0; i < body.masses().size(); ++i) {
-      const Vec3 mv = body.masses()[i] * body.state().velocities[i];
-      out.momentum += mv;
-      out.angular += (body.rest().origin + body.rest().positions[i] + body.state().displacements[i]).cross(mv);
-    }
-    const Simulator::Energy energy = simulator.energy(id);
-    out.energy += energy.kinetic + energy.elastic + energy.stabilisation + energy.foundation;
-  }
-  return out;
-}
-
 }  // namespace
 
 // Along the normal the layer is stretched evenly: F = k A d, U = F d/2. Across it bends as well.
 TEST_CASE("an attachment stretches by the force over its stiffness and area") {
+  const Integrator integrator = GENERATE(Integrator::explicitVerlet, Integrator::implicitSdirk,
+                                         Integrator::backwardEuler, Integrator::quasiStatic);
   const int axis = GENERATE(1, 0);  // along the normal, and across it
+  CAPTURE(static_cast<int>(integrator), axis);
   Simulator simulator;
-  damped(simulator, 20.0);
+  WorldSettings world;
+  world.integrator = integrator;
+  world.damping = 30.0;
+  simulator.setWorld(world);
   Vec3 force = Vec3::Zero();
-  force[axis] = 0.1;
+  force[axis] = axis == 1 ? 0.1 : 0.02;  // so little that the blocks do not touch beside the layer
   const double across = 0.5 * kPerArea;
   const Joined blocks =
-      addBlocks(simulator, {foot()}, {pullAtTop(force, 0.3)}, [&](Attachment &layer) { layer.tangential = across; });
-  while (simulator.time() < 3.0) REQUIRE(simulator.step());
+      addBlocks(simulator, {foot()}, {pullAtTop(force, 1.0)}, [&](Attachment &layer) { layer.tangential = across; });
+  while (integrator == Integrator::quasiStatic ? !simulator.finished() : simulator.time() < 4.0)
+    REQUIRE(simulator.step());
+  CHECK(simulator.stoppedBodies() == 0);
   const AttachmentSummary layer = simulator.attachments().front();
   CHECK(layer.id == blocks.layer);
   CHECK_THAT(layer.area, WithinRel(kSide * kSide, 1e-9));
   CHECK(layer.tornPart == 0.0);
-  CHECK_THAT(layer.force[axis], WithinRel(force[axis], 1e-3));
+  // The blocks still swing a little from side to side after four seconds.
+  CHECK_THAT(layer.force[axis], WithinRel(force[axis], axis == 1 || simulator.quasiStatic() ? 1e-3 : 0.03));
   if (axis == 1) {
     CHECK_THAT(layer.energy, WithinRel(0.5 * 0.1 * 0.1 / (kPerArea * kSide * kSide), 1e-3));
     CHECK_THAT(layer.traction, WithinRel(0.1 / (kSide * kSide), 1e-2));
@@ -147,11 +138,11 @@ TEST_CASE("a body that is thrown takes the attached one along with their momenta
   Body &upper = *simulator.body(blocks.upper);
   for (std::size_t i = 0; i < upper.masses().size(); ++i)
     upper.state().velocities[i] = Vec3(0.05, 0.1, 0) + Vec3(0, 0, 2).cross(upper.rest().positions[i]);
-  const Total before = totalOf(simulator);
+  const shapes::Total before = shapes::totalOf(simulator);
   double most = before.energy, least = before.energy;
   while (simulator.time() < 0.5) {
     REQUIRE(simulator.step());
-    const Total now = totalOf(simulator);
+    const shapes::Total now = shapes::totalOf(simulator);
     most = std::max(most, now.energy);
     least = std::min(least, now.energy);
     REQUIRE((now.momentum - before.momentum).norm() < 1e-12 * before.momentum.norm());

@@ -12,42 +12,13 @@
 #include "shapes.h"
 #include "support/catch.h"
 #include "surfaces.h"
+#include "touching_bodies.h"
 
 using namespace pointbased;
+using namespace shapes;
 using Catch::Matchers::WithinRel;
 
 namespace {
-
-Material soft(double modulus, double poisson, double viscosity = 0.0) {
-  Material material = shapes::rubber(modulus, viscosity);
-  material.poissonRatio = poisson;
-  return material;
-}
-
-std::unique_ptr<Body> bodyOf(const BodyShape &shape, double spacing, const Material &material,
-                             std::vector<Fix> fixes = {}, std::vector<Load> loads = {}) {
-  BodyRecipe recipe;
-  recipe.sampling.spacing = spacing;
-  recipe.fixes = std::move(fixes);
-  recipe.loads = std::move(loads);
-  auto rest = buildRestState(shape, recipe, {}, serialFor());
-  REQUIRE(rest);
-  return std::make_unique<Body>("body", *rest, Constitution{{material}, kLatticeStabilisation}, serialFor());
-}
-
-std::unique_ptr<Body> block(const Vec3 &low, const Vec3 &high, double spacing, const Material &material, int n,
-                            std::vector<Fix> fixes = {}, std::vector<Load> loads = {}) {
-  return bodyOf(shapes::inside(shapes::boxSurface(low, high, n)), spacing, material, std::move(fixes),
-                std::move(loads));
-}
-
-std::unique_ptr<Body> ball(const Vec3 &centre, double radius, double spacing, const Material &material, int n) {
-  return bodyOf(shapes::inside(shapes::ballSurface(centre, radius, n)), spacing, material);
-}
-
-void setVelocity(Simulator &simulator, std::size_t id, const Vec3 &velocity) {
-  for (Vec3 &v : simulator.body(id)->state().velocities) v = velocity;
-}
 
 // At 0.4 m/s against each other, 10 mm off centre, without friction.
 std::pair<std::size_t, std::size_t> addCollidingBalls(Simulator &simulator) {
@@ -69,30 +40,6 @@ void addFallingBalls(Simulator &simulator, int count) {
   simulator.addObstacle(shapes::halfSpace(Vec3(0, 0, 0), Vec3(0, 1, 0), 0.5));
   for (int k = 0; k < count; ++k)
     simulator.addBody(ball(Vec3(0.01 * k, 0.051 + 0.101 * k, 0.003 * k), 0.05, 0.02, soft(2e4, 0.3), 10));
-}
-
-struct Total {
-  Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();
-  double energy = 0.0;
-};
-Total totalOf(Simulator &simulator) {
-  Total out;
-  for (const std::size_t id : simulator.bodyIds()) {
-    const Body &body = *simulator.body(id);
-    for (std::size_t i = 0; i < body.masses().size(); ++i) {
-      const Vec3 mv = body.masses()[i] * body.state().velocities[i];
-      out.momentum += mv;
-      out.angular += (body.rest().origin + body.rest().positions[i] + body.state().displacements[i]).cross(mv);
-    }
-    out.energy += shapes::totalEnergy(simulator, id);
-  }
-  return out;
-}
-
-const ContactSummary *between(const std::vector<ContactSummary> &contacts, std::size_t a, std::size_t b) {
-  for (const ContactSummary &one : contacts)
-    if (one.first == a && one.second == b) return &one;
-  return nullptr;
 }
 
 }  // namespace

@@ -239,7 +239,7 @@ void sumContactImpulses(double dt, ContactState &memory);
 /// so what holds does not creep.
 struct ContactPenalty {
   double stiffness = 0.0;          ///< k over E
-  std::span<const double> moduli;  ///< [points] E, Pa, of the material that touches
+  std::span<const double> moduli;  ///< [points] E, Pa, of the material that touches; empty: Contact::stiffness is k_p
   double spacing = 0.0;            ///< d, m, where ContactPoints::spacings does not say
   double h = 0.0;                  ///< s, of the stage; quasi-static: of the load factor
 };
@@ -259,6 +259,14 @@ void addContactBlocks(const ContactPoints &points, const ContactState &memory, c
 void addContactTriplets(const ContactPoints &points, const ContactState &memory, const ContactPenalty &penalty,
                         std::span<const Vec3> start, std::span<const Vec3> now,
                         std::vector<Eigen::Triplet<double>> &out);
+/// What one contact does at `now`: the force along its normal, N, and that of friction.
+struct ContactPull {
+  double normal = 0.0;
+  Vec3 friction = Vec3::Zero();
+};
+[[nodiscard]] ContactPull contactPull(const ContactPoints &points, const Contact &contact,
+                                      const ContactPenalty &penalty, std::span<const Vec3> start,
+                                      std::span<const Vec3> now);
 /// What contact does at every point of a skin, to be compared.
 class ContactForces {
  public:

@@ -142,8 +142,7 @@ class Simulator {
   /// What holds between two: settings of the pair itself, or those of all. friction >= 0, that of the obstacle or the
   /// walls where none is set; not enabled where bodies have no contact, or an id is not there.
   [[nodiscard]] ContactPairSettings contactPair(std::size_t a, std::size_t b) const;
-  /// Whether two bodies touch each other where they meet, or a body itself: contact is on, both have a skin, and each
-  /// is integrated explicitly or stands still.
+  /// Whether two bodies touch each other where they meet, or a body itself: contact is on, and both have a skin.
   [[nodiscard]] bool canTouch(std::size_t a, std::size_t b) const;
   /// Who touches whom, by ids: those that have pressed in the last step. Empty before the first step
   /// and where a body has been given another state since. Explicit steps: the impulses of their substeps; implicit
@@ -250,6 +249,8 @@ class Simulator {
   void updateSurroundings(std::size_t body);
   void updateSurroundings();
   [[nodiscard]] detail::StepContext inSurroundings(std::size_t body, const detail::StepContext &order) const;
+  [[nodiscard]] std::vector<detail::StepContext> ordersOf(const detail::BodyGroup &group,
+                                                          const detail::StepContext &order) const;
   [[nodiscard]] detail::StepContext order(const StopRequest *stop);
   /// Those that move, for a step of dt; those that may touch each other in it as groups.
   detail::BodyCrew &gatherCrew(double dt);

@@ -14,9 +14,14 @@ namespace {
 constexpr double kRecoverySpeed = 0.1;  // m/s
 constexpr double kTrace = 1e-6;         // spacings
 
-void expectSizes(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
-                 std::span<const Vec3> now) {
-  POINTBASED_EXPECTS(penalty.moduli.size() == points.count(), "one modulus per contact point");
+void expectSizes(const ContactPoints &points, const ContactState &memory, const ContactPenalty &penalty,
+                 std::span<const Vec3> start, std::span<const Vec3> now) {
+  const auto haveStiffness = [&] {
+    return penalty.moduli.empty() && !memory.active.empty() &&
+           std::all_of(memory.active.begin(), memory.active.end(), [](const Contact &c) { return c.stiffness > 0.0; });
+  };
+  POINTBASED_EXPECTS(penalty.moduli.size() == points.count() || haveStiffness(),
+                     "one modulus per contact point, or contacts with a stiffness of their own");
   POINTBASED_EXPECTS(start.size() == now.size(), "displacements of the same phyxels");
 }
 
@@ -40,8 +45,12 @@ Penalised penalised(const ContactPoints &points, const ContactPenalty &penalty, 
   const double normal = way.dot(contact.normal);
   out.gap = contact.gap + contact.initialPenetration + normal;
   out.tangentialDisplacement = contact.tangentialDisplacement + way - normal * contact.normal;
-  const double spacing = points.spacings.empty() ? penalty.spacing : points.spacings[contact.point];
-  out.k = penalty.stiffness * penalty.moduli[contact.point] * points.areas[contact.point] / spacing;
+  if (contact.stiffness > 0.0) {
+    out.k = contact.stiffness;
+  } else {
+    const double spacing = points.spacings.empty() ? penalty.spacing : points.spacings[contact.point];
+    out.k = penalty.stiffness * penalty.moduli[contact.point] * points.areas[contact.point] / spacing;
+  }
   out.grip = contact.friction * contact.normalForce;
   out.elastic = out.k > 0.0 ? out.grip / out.k : 0.0;
   return out;
@@ -76,7 +85,7 @@ Mat3 hessianOf(const Penalised &s, const Vec3 &normal) {
 template <class Visit>
 void forActing(const ContactPoints &points, const ContactState &memory, const ContactPenalty &penalty,
                std::span<const Vec3> start, std::span<const Vec3> now, const Visit &visit) {
-  expectSizes(points, penalty, start, now);
+  expectSizes(points, memory, penalty, start, now);
   for (const Contact &contact : memory.active) {
     const Penalised s = penalised(points, penalty, contact, start, now);
     if (s.gap < 0.0 || s.grip > 0.0) visit(contact, s);
@@ -85,9 +94,16 @@ void forActing(const ContactPoints &points, const ContactState &memory, const Co
 
 }  // namespace
 
+ContactPull contactPull(const ContactPoints &points, const Contact &contact, const ContactPenalty &penalty,
+                        std::span<const Vec3> start, std::span<const Vec3> now) {
+  const Penalised s = penalised(points, penalty, contact, start, now);
+  const double normal = s.k * std::max(0.0, -s.gap);
+  return {normal, forceOf(s, contact.normal) - normal * contact.normal};
+}
+
 double contactEnergy(const ContactPoints &points, const ContactState &memory, const ContactPenalty &penalty,
                      std::span<const Vec3> start, std::span<const Vec3> now) {
-  expectSizes(points, penalty, start, now);
+  expectSizes(points, memory, penalty, start, now);
   double energy = 0.0;
   for (const Contact &contact : memory.active) {
     const Penalised s = penalised(points, penalty, contact, start, now);

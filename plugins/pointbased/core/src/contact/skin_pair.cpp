@@ -32,6 +32,10 @@ constexpr double kFacing = -0.2;
 constexpr double kBeside = 0.25;
 // What is gathered serves until both have moved by that, in spacings, where a step goes by less than a part of it.
 constexpr double kSlack = 0.03, kCalm = 0.3;
+// Of the offset: what slides that far in a step may be over another face then.
+constexpr double kFarSlide = 0.1;
+// Of the offset: a way that comes through the plane of a face so far beside it meets it.
+constexpr double kBesideFace = 0.5;
 constexpr double kTiny = 1e-6;  // spacings: below it a connection has no direction
 
 std::uint64_t keyOf(int kind, Index a, Index b) {
@@ -115,8 +119,10 @@ void SkinPair::keepList() {
   }
 }
 
-void SkinPair::find(double dt) {
+void SkinPair::find(double dt, bool again) {
   dt_ = dt;
+  eases_ = !again;
+  if (eases_) before_ = allowed_;
   const MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
   goes_ = first.goes() + second.goes() + (first.meanGoes() - second.meanGoes()).norm();
   const bool isNew = sinceList_.from[0].empty();
@@ -340,15 +346,31 @@ void SkinPair::lookAt(NearVertex &group) {
   if (isInside == 0 && size > within) return;
   const Vec3 way = p - other.placeOn(triangle, best.weights);
   const Vec3 outward = other.outwardAt(triangle, best.feature);
-  const double sign = way.dot(outward) >= 0.0 ? 1.0 : -1.0, distance = sign * size;
+  const double sign = way.dot(outward) >= 0.0 ? 1.0 : -1.0;
+  double distance = sign * size;
   // What has not come in near the surface is not inside: of one skin the nearest places are left out, and where a skin
   // has been crushed it may be turned over.
   if (sign < 0.0 && size > kDeep * spacing_ && (isSelf() || isInside == 0)) return;
   isInside = sign < 0.0 ? 1 : 0;
-  const Vec3 normal = size > kTiny * spacing_ ? Vec3(sign / size * way) : Vec3(outward.normalized());
+  Vec3 normal = size > kTiny * spacing_ ? Vec3(sign / size * way) : Vec3(outward.normalized());
+  const bool slidesFar = distance > 0.0 && dt_ * velocity.norm() > kFarSlide * settings_.offset;
+  if (steps_ != Steps::small && (distance > room || slidesFar)) {
+    const Met met = distance > room ? followWay(near) : overAtEnd(near);
+    if (met.triangle == kNoTriangle && distance > room) return;
+    if (met.triangle != kNoTriangle) {
+      triangle = met.triangle;
+      best.weights = met.weights;
+      normal = met.normal;
+      distance = met.away;
+    }
+  }
   if (isSelf() && !(own.facing(vertex).dot(normal) < kFacing)) return;
 
-  if (Side &side = sides_[s]; !side.allowance.empty()) holdBack(side.allowance[vertex], settings_.offset - distance);
+  // A layer that is given back at once, without time, is not to be strained by friction.
+  const bool frees = steps_ == Steps::withoutTime && distance >= 0.0 && before_ > 0.0 && settings_.offset > distance;
+  // What only touches, without an overlap, gets all of its layer back whatever presses on it.
+  if (Side &side = sides_[s]; distance < 0.0 && !side.allowance.empty())
+    holdBack(side.allowance[vertex], settings_.offset - distance);
   const auto addAt = [&](Index t, const Vec3 &weights, const Vec3 &n, double away, Index number) {
     SkinContact contact;
     contact.gap = away - settings_.offset + allowance(s, vertex);
@@ -364,6 +386,7 @@ void SkinPair::lookAt(NearVertex &group) {
       contact.gap += settings_.thickness;
     }
     contact.key = keyOf(s, vertex, number);
+    contact.friction = frees ? 0.0 : settings_.friction;
     const double side = s == 1 ? -1.0 : 1.0;
     // The way of the first seen from the second, along a normal that leads from the second to the first.
     contact.normal = side * n;
@@ -373,7 +396,7 @@ void SkinPair::lookAt(NearVertex &group) {
     add(std::move(contact), away);
   };
   addAt(triangle, best.weights, normal, distance, 0);
-  if (!(distance > 0.0)) return;
+  if (!(distance > 0.0) || (steps_ != Steps::small && size > room)) return;
   // What stands beside it at an angle.
   std::array<Vec3, 4> normals{normal};
   std::size_t count = 1;
@@ -392,6 +415,55 @@ void SkinPair::lookAt(NearVertex &group) {
     addAt(one.triangle, found.weights, n, std::sqrt(found.squared), static_cast<Index>(count));
     ++count;
   }
+}
+
+SkinPair::Met SkinPair::followWay(std::span<const Near> near) const {
+  const std::size_t s = near.front().ofSecond ? 1 : 0;
+  MovingSkin &own = *sides_[s].skin, &other = *sides_[1 - s].skin;
+  const Vec3 p = own.position(near.front().vertex), goes = dt_ * own.velocity(near.front().vertex);
+  Met first;
+  double soonest = std::numeric_limits<double>::infinity();
+  for (const Near &one : near) {
+    const auto &[a, b, c] = other.skin().triangles[one.triangle];
+    const Vec3 n = other.faceNormal(one.triangle).normalized();
+    const NearestOnTriangle atStart = other.nearestOn(one.triangle, p);
+    const std::array<Vec3, 3> ways{dt_ * other.velocity(a), dt_ * other.velocity(b), dt_ * other.velocity(c)};
+    const double away = n.dot(p - other.position(a));
+    Vec3 seen = goes;
+    for (std::size_t k = 0; k < 3; ++k) seen -= atStart.weights[static_cast<Eigen::Index>(k)] * ways[k];
+    const double left = away + n.dot(seen);
+    if (!(away > 0.0) || !(left < settings_.offset)) continue;
+    // Where it comes through the plane of the face, or ends before it.
+    const double part = left < 0.0 ? away / (away - left) : 1.0;
+    const NearestOnTriangle there =
+        nearestOnTriangle(p + part * goes, other.position(a) + part * ways[0], other.position(b) + part * ways[1],
+                          other.position(c) + part * ways[2]);
+    const double tolerance = std::max(kBesideFace * settings_.offset, left);
+    if (!(there.squared <= tolerance * tolerance) || !(part < soonest)) continue;
+    soonest = part;
+    first = {one.triangle, there.weights, n, away};
+  }
+  return first;
+}
+
+// What is beside an edge at the beginning may be over a face at the end.
+SkinPair::Met SkinPair::overAtEnd(std::span<const Near> near) const {
+  const std::size_t s = near.front().ofSecond ? 1 : 0;
+  MovingSkin &own = *sides_[s].skin, &other = *sides_[1 - s].skin;
+  const auto endOf = [&](MovingSkin &skin, Index v) { return Vec3(skin.position(v) + dt_ * skin.velocity(v)); };
+  const Vec3 p = own.position(near.front().vertex), end = endOf(own, near.front().vertex);
+  Met over;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Near &one : near) {
+    const auto &[a, b, c] = other.skin().triangles[one.triangle];
+    const NearestOnTriangle found = nearestOnTriangle(end, endOf(other, a), endOf(other, b), endOf(other, c));
+    const Vec3 n = other.faceNormal(one.triangle).normalized();
+    const double away = n.dot(p - other.position(a));
+    if (found.feature != 0 || !(found.squared < nearest) || !(away > 0.0)) continue;
+    nearest = found.squared;
+    over = {one.triangle, found.weights, n, away};
+  }
+  return over;
 }
 
 void SkinPair::lookAt(NearEdges &pair) {
@@ -420,6 +492,14 @@ void SkinPair::lookAt(NearEdges &pair) {
   const auto isWithin = [](double part) { return part > kEnds && part < 1.0 - kEnds; };
   if (!isWithin(at.onFirst) || !isWithin(at.onSecond)) return;
   const Vec3 normal = size > kTiny * spacing_ ? Vec3(sign / size * way) : Vec3(outward.normalized());
+  if (steps_ != Steps::small && sign * size > room) {
+    // Whether they pass each other on their way.
+    const auto endOf = [&](MovingSkin &skin, Index v) { return Vec3(skin.position(v) + dt_ * skin.velocity(v)); };
+    const Vec3 a0 = endOf(first, a[0]), a1 = endOf(first, a[1]), b0 = endOf(second, b[0]), b1 = endOf(second, b[1]);
+    const NearestOfSegments then = nearestOfSegments(a0, a1, b0, b1);
+    const Vec3 off = (1.0 - then.onFirst) * a0 + then.onFirst * a1 - (1.0 - then.onSecond) * b0 - then.onSecond * b1;
+    if (!isWithin(then.onFirst) || !isWithin(then.onSecond) || !(off.dot(normal) < settings_.offset)) return;
+  }
   const double tolerance = sign > 0.0 ? kCone : 0.0;
   if (!leadsOut(second, pair.second, normal, tolerance) || !leadsOut(first, pair.first, -normal, tolerance)) return;
   SkinContact contact;
@@ -429,6 +509,7 @@ void SkinPair::lookAt(NearEdges &pair) {
   for (std::size_t k = 0; k < 2; ++k) allowed = std::max({allowed, allowance(0, a[k]), allowance(1, b[k])});
   contact.gap = distance - settings_.offset + settings_.thickness + allowed;
   contact.key = keyOf(2, pair.first, pair.second);
+  contact.friction = settings_.friction;
   contact.parts = {{{a[0], false, 1.0 - at.onFirst},
                     {a[1], false, at.onFirst},
                     {b[0], true, at.onSecond - 1.0},
@@ -446,7 +527,6 @@ void SkinPair::add(SkinContact contact, double distance) {
   if (left > closes + kCushion * dt_ * velocity.norm() && !isFirst_) return;
   if (!(contact.stiffness > 0.0))
     contact.gap = std::min(contact.gap, std::max(0.0, contact.gap - kCushion * dt_ * velocity.norm()));
-  contact.friction = settings_.friction;
   active_.push_back(std::move(contact));
 }
 
@@ -467,7 +547,7 @@ void SkinPair::learnAllowances() {
 
 // All of them; what presses more than gently takes it back (holdBack()).
 void SkinPair::easeAllowances() {
-  if (!(allowed_ > 0.0)) return;
+  if (!eases_ || !(allowed_ > 0.0)) return;
   allowed_ = 0.0;
   for (Side &side : sides_)
     for (double &allowance : side.allowance) {
@@ -479,7 +559,8 @@ void SkinPair::easeAllowances() {
 }
 
 void SkinPair::holdBack(double &allowance, double overlap) const {
-  if (allowance > 0.0) allowance = std::clamp(overlap - settings_.gentle, allowance, allowance + settings_.ease * dt_);
+  if (eases_ && allowance > 0.0)
+    allowance = std::clamp(overlap - settings_.gentle, allowance, allowance + settings_.ease * dt_);
 }
 
 void SkinPair::setMemory(const Memory &memory) {

@@ -53,7 +53,14 @@ class SkinPair {
   void setFriction(double friction) { settings_.friction = friction; }
   /// Fills active() for a step of dt from where the skins are (MovingSkin::move()), keeping what contacts that go on
   /// remember.
-  void find(double dt);
+  enum class Steps {
+    small,        ///< explicit: within one, what is near stays beside what it is beside
+    longOnes,     ///< implicit: ways are followed to what they meet
+    withoutTime,  ///< quasi-static: likewise; what is led apart goes there at once
+  };
+  void setSteps(Steps steps) { steps_ = steps; }
+  /// @param again  of the same step: what overlaps is not led farther apart
+  void find(double dt, bool again = false);
   /// The skins have moved on since (MovingSkin::moveOn()): what presses has its place and normal of now, so that a
   /// further impulse between the two points has no torque. Gaps stay.
   void renewPressing();
@@ -79,6 +86,7 @@ class SkinPair {
   };
   [[nodiscard]] const Sum &sum() const { return sum_; }
   void beginSum() { sum_ = Sum(); }
+  void setSum(const Sum &sum) { sum_ = sum; }
   /// A step of dt is over.
   void addToSum(double dt);
   /// Whether anything was within reach when it was looked for last: find() has to be called for every step.
@@ -137,6 +145,15 @@ class SkinPair {
   [[nodiscard]] bool areOnePiece(const Vec3 &a, const Vec3 &b) const;  // at rest, m
   void lookAt(NearVertex &group);
   void lookAt(NearEdges &pair);
+  /// The first of the triangles that the vertex meets on its way, from outside.
+  struct Met {
+    Index triangle = kNoTriangle;
+    Vec3 weights = Vec3::Zero(), normal = Vec3::Zero();
+    double away = 0.0;  // m, at the beginning
+  };
+  [[nodiscard]] Met followWay(std::span<const Near> near) const;
+  /// The triangle that it is over at the end of its way, if it is over one.
+  [[nodiscard]] Met overAtEnd(std::span<const Near> near) const;
   [[nodiscard]] double allowance(std::size_t side, Index vertex) const {
     return sides_[side].allowance.empty() ? 0.0 : sides_[side].allowance[vertex];
   }
@@ -160,7 +177,9 @@ class SkinPair {
   double went_ = 0.0, goes_ = 0.0;             // m, of both together: since it was listed, and in this step
   double slack_ = 0.0, moved_ = 0.0;           // m: what was gathered serves so far; since then
   double reach_ = 0.0;                         // m, within which the list is still complete
-  bool isFirst_ = true;
+  Steps steps_ = Steps::small;
+  bool isFirst_ = true, eases_ = true;
+  double before_ = 0.0;  // m, allowed_ at the beginning of the step
   double dt_ = 0.0;
   std::vector<SkinContact> active_, previous_;
   double depth_ = 0.0, allowed_ = 0.0;

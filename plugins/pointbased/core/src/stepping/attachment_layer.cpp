@@ -181,7 +181,7 @@ std::optional<RigidMotion> AttachmentLayer::motionAt(const Sides &at) const {
 }
 
 Vec3 AttachmentLayer::wayOf(std::size_t p, const Sides &at, const RigidMotion *motion) const {
-  Vec3 way = fieldAt(first_, p, at.first);
+  Vec3 way = at.first.empty() ? Vec3(Vec3::Zero()) : fieldAt(first_, p, at.first);
   if (joinsBodies()) {
     if (!at.second.empty()) way -= fieldAt(second_, p, at.second);
   } else if (motion) {
@@ -211,16 +211,20 @@ void AttachmentLayer::forEntries(std::size_t p, const Visit &visit) const {
     visit(true, second_.phyxels.indices[e], -second_.weights[e]);
 }
 
-void AttachmentLayer::turn(const Sides &at) {
-  if (settings_.stiffness == settings_.tangential) return;
+double AttachmentLayer::turn(const Sides &at) {
+  if (settings_.stiffness == settings_.tangential || at.first.empty()) return 0.0;
+  double most = 0.0;
   for (std::size_t p = 0; p < normals_.size(); ++p) {
     const Mat3 F = gradientAt(first_, p, at.first);
     Mat3 cofactor;
     for (int c = 0; c < 3; ++c) cofactor.col(c) = F.col((c + 1) % 3).cross(F.col((c + 2) % 3));
     const Vec3 n = cofactor * points_.normals[p];
     const double length = n.norm();
-    normals_[p] = length > 0.0 && std::isfinite(length) ? Vec3(n / length) : points_.normals[p];
+    const Vec3 turned = length > 0.0 && std::isfinite(length) ? Vec3(n / length) : points_.normals[p];
+    most = std::max(most, (turned - normals_[p]).norm());
+    normals_[p] = turned;
   }
+  return most;
 }
 
 double AttachmentLayer::energy(const Sides &at) const {
@@ -270,8 +274,10 @@ void AttachmentLayer::addTriplets(std::size_t first, std::size_t second,
     if (isTorn(p)) continue;
     const Mat3 K = stiffnessOf(p);
     forEntries(p, [&](bool ofSecond, Index i, double a) {
+      if ((ofSecond ? second : first) == kStands) return;
       const auto row = static_cast<int>(3 * ((ofSecond ? second : first) + i));
       forEntries(p, [&](bool otherOfSecond, Index j, double b) {
+        if ((otherOfSecond ? second : first) == kStands) return;
         const auto column = static_cast<int>(3 * ((otherOfSecond ? second : first) + j));
         for (int r = 0; r < 3; ++r)
           for (int c = 0; c < 3; ++c) out.emplace_back(row + r, column + c, a * b * K(r, c));

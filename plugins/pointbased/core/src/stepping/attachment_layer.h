@@ -30,7 +30,8 @@ class AttachmentLayer {
     double time = 0.0;
   };
   /// Normals as the first body has turned by now: all below is with them until the next call.
-  void turn(const Sides &at);
+  /// @return by how much at most, rad
+  double turn(const Sides &at);
   [[nodiscard]] double energy(const Sides &at) const;  ///< J
   /// Adds its forces to the phyxels of both, N; an empty span is left out.
   void addForces(const Sides &at, std::span<Vec3> first, std::span<Vec3> second) const;
@@ -38,7 +39,9 @@ class AttachmentLayer {
   void addProduct(const Sides &change, std::span<Vec3> first, std::span<Vec3> second) const;
   /// Adds the diagonal blocks of the Hessian; and all of it, from the rows `first` and `second` (in phyxels) on.
   void addBlocks(std::span<Mat3> first, std::span<Mat3> second) const;
+  /// kStands: it has no rows.
   void addTriplets(std::size_t first, std::size_t second, std::vector<Eigen::Triplet<double>> &out) const;
+  static constexpr std::size_t kStands = std::numeric_limits<std::size_t>::max();
   /// ω² of M^-1 K is at most this, 1/s²: the largest row sum of M^-1/2 K M^-1/2.
   /// @param first, second  [phyxels] 1/kg, 0 for those that do not move; `second` may be empty
   [[nodiscard]] double squaredFrequencyBound(std::span<const double> first, std::span<const double> second) const;
@@ -74,6 +77,13 @@ class AttachmentLayer {
   std::vector<Vec3> normals_;                  // as they have turned
   std::vector<std::uint8_t> torn_, kept_;
   double area_ = 0.0, widest_ = 0.0;
+};
+
+/// A layer among the bodies of a group.
+struct JoinedLayer {
+  static constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
+  AttachmentLayer *layer = nullptr;
+  std::size_t first = 0, second = kNobody;  ///< numbers of its bodies there; kNobody: an obstacle, or the surroundings
 };
 
 }  // namespace pointbased::detail

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace pointbased::detail {
 namespace {
@@ -68,7 +69,9 @@ double BodyGroup::tryToAdvance(std::span<const StepContext> orders, double span,
     bool any = false;
     for (std::size_t k = 0; k < members_.size(); ++k) any = any || moves(k);
     if (!any) return span;
-    const Gone gone = advanceExplicit(orders, span, mostSubsteps);
+    const Integrator scheme = integratorIn(orders.front().world);
+    const Gone gone = scheme == Integrator::explicitVerlet ? advanceExplicit(orders, span, mostSubsteps)
+                                                           : advanceImplicit(orders, span, scheme);
     if (gone) {
       for (std::size_t k = 0; k < members_.size(); ++k)
         if (moves(k)) members_[k].runner->endAdvance();
@@ -112,13 +115,14 @@ void BodyGroup::gatherSkins() {
 AttachmentLayer::Sides BodyGroup::sidesOf(std::size_t layer, double time) const {
   const JoinedLayer &joined = layers_[layer];
   AttachmentLayer::Sides sides{members_[joined.first].runner->body().state().displacements, {}, time};
-  if (joined.second != kNobody) sides.second = members_[joined.second].runner->body().state().displacements;
+  if (joined.second != JoinedLayer::kNobody)
+    sides.second = members_[joined.second].runner->body().state().displacements;
   return sides;
 }
 
 void BodyGroup::attract(double time, const std::vector<std::uint8_t> &takes) {
   const auto forcesOf = [&](std::size_t k) {
-    return k != kNobody && takes[k] ? members_[k].runner->body().forces() : std::span<Vec3>();
+    return k != JoinedLayer::kNobody && takes[k] ? members_[k].runner->body().forces() : std::span<Vec3>();
   };
   for (std::size_t l = 0; l < layers_.size(); ++l) {
     const JoinedLayer &joined = layers_[l];
@@ -127,12 +131,86 @@ void BodyGroup::attract(double time, const std::vector<std::uint8_t> &takes) {
   }
 }
 
-void BodyGroup::tearLayers(double time) {
+bool BodyGroup::tearLayers(double time) {
+  bool any = false;
+  turned_ = 0.0;
   for (std::size_t l = 0; l < layers_.size(); ++l) {
     const AttachmentLayer::Sides sides = sidesOf(l, time);
-    (void)layers_[l].layer->tear(sides);
-    layers_[l].layer->turn(sides);
+    any = layers_[l].layer->tear(sides) || any;
+    turned_ = std::max(turned_, layers_[l].layer->turn(sides));
   }
+  return any;
+}
+
+Integrator BodyGroup::integratorIn(const WorldSettings &world) const {
+  Integrator out = Integrator::explicitVerlet;
+  for (std::size_t k = 0; k < members_.size(); ++k) {
+    if (!moves(k)) continue;
+    const Integrator own = members_[k].runner->integratorIn(world);
+    if (own == Integrator::explicitVerlet || own == out) continue;
+    out = out == Integrator::explicitVerlet ? own : Integrator::implicitSdirk;
+  }
+  return out;
+}
+
+void BodyGroup::gatherCoupling(std::span<const StepContext> orders) {
+  parts_.clear();
+  coupling_.clear();
+  for (std::size_t k = 0; k < members_.size(); ++k) {
+    Body &body = members_[k].runner->body();
+    coupling_.add(body, moves(k));
+    if (moves(k)) parts_.push_back({&body, &orders[k].environment});
+  }
+  coupling_.join(pairs_, layers_);
+}
+
+std::pair<std::size_t, Index> BodyGroup::ownerOf(Index phyxel) const {
+  for (std::size_t k = 0; k < members_.size(); ++k) {
+    if (!moves(k)) continue;
+    const std::size_t count = members_[k].runner->body().rest().phyxelCount();
+    if (phyxel < count) return {k, phyxel};
+    phyxel -= static_cast<Index>(count);
+  }
+  return {0, 0};
+}
+
+BodyGroup::Gone BodyGroup::advanceImplicit(std::span<const StepContext> orders, double span, Integrator scheme) {
+  double scale = 1.0;
+  for (std::size_t k = 0; k < members_.size(); ++k) {
+    if (!moves(k)) continue;
+    members_[k].runner->body().contact.sums.begin(orders[k].environment.obstacles.size());
+    scale = std::min(scale, members_[k].runner->stepScale());
+  }
+  fresh_.assign(members_.size(), 0);
+  gatherCoupling(orders);
+  coupling_.beginSums();
+  const StageCoupling::Contacts before = coupling_.contacts();
+  const auto pieces = static_cast<int>(std::llround(std::ceil(1.0 / scale)));
+  const double piece = span / pieces;
+  for (int n = 0; n < pieces; ++n) {
+    const double time = orders.front().time + n * piece;
+    const ImplicitResult result = implicitStep(parts_, &coupling_, solver_, time, piece, scheme);
+    std::optional<Refused> refused;
+    if (!result.failure.empty()) {
+      const auto [member, phyxel] = ownerOf(result.newton.worst);
+      refused = {member,
+                 {{phyxel, result.failure,
+                   "a smaller solver.dt, solver.integrator = \"backward_euler\", or material.law = \"neo_hookean\""},
+                  false}};
+    }
+    for (std::size_t k = 0; k < members_.size() && !refused; ++k)
+      if (moves(k) && !quickCheck(members_[k].runner->body()).finite)
+        refused = {k, {firstNonFinite(members_[k].runner->body()), false}};
+    if (refused) {
+      coupling_.setContacts(before);
+      solver_.forget();
+      return tl::unexpected<Refused>(std::move(*refused));
+    }
+    (void)tearLayers(time + piece);
+    for (std::size_t k = 0; k < members_.size(); ++k) fresh_[k] = moves(k) ? 1 : 0;
+    attract(time + piece, fresh_);
+  }
+  return span;
 }
 
 void BodyGroup::substep(std::span<const StepContext> orders, double time, double dt) {
@@ -161,7 +239,10 @@ void BodyGroup::substep(std::span<const StepContext> orders, double time, double
         const Body &body = members_[moved.member].runner->body();
         moved.skin->move(body.state().displacements, joint_.predicted(moved.member), body.rest().maxInfluence, dt);
       }
-      for (const JoinedPair &joined : pairs_) joined.pair->find(dt);
+      for (const JoinedPair &joined : pairs_) {
+        joined.pair->setSteps(SkinPair::Steps::small);
+        joined.pair->find(dt);
+      }
     });
   for (ExplicitSubstep &one : substeps_) one.findContacts();
   if (touches)

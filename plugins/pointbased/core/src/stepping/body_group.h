@@ -5,6 +5,7 @@
 #include "stepping/attachment_layer.h"
 #include "stepping/body_stepper.h"
 #include "stepping/explicit_substep.h"
+#include "stepping/group_step.h"
 #include "stepping/joint_contact.h"
 #include "stepping/skin_contacts.h"
 
@@ -24,11 +25,7 @@ class BodyGroup {
   void add(std::size_t id, BodyStepper &runner) { members_.push_back({id, &runner}); }
   /// Members by their number here.
   void join(SkinPair &pair, std::size_t first, std::size_t second) { pairs_.push_back({&pair, first, second}); }
-  /// @param second  number of the second body; kNobody: it is an obstacle, or the surroundings
-  void attach(AttachmentLayer &layer, std::size_t first, std::size_t second) {
-    layers_.push_back({&layer, first, second});
-  }
-  static constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
+  void attach(const JoinedLayer &layer) { layers_.push_back(layer); }
   [[nodiscard]] std::span<const Member> members() const { return members_; }
   [[nodiscard]] std::span<const JoinedPair> pairs() const { return pairs_; }
 
@@ -36,6 +33,10 @@ class BodyGroup {
   /// @param orders  [members], each in its own surroundings
   [[nodiscard]] double advance(std::span<const StepContext> orders, double span);
   void advanceAgain(std::span<const StepContext> orders, double span);
+  /// As BodyStepper::loadUpTo(), likewise.
+  void loadUpTo(std::span<const StepContext> orders, double factor);
+  /// Nothing of earlier steps is used by the next one but the state.
+  void startSolverAnew() { solver_.forget(); }
 
  private:
   [[nodiscard]] bool moves(std::size_t k) const {
@@ -48,6 +49,13 @@ class BodyGroup {
     BodyStepper::Refusal why;
   };
   using Gone = tl::expected<double, Refused>;
+  /// What integrates all of them: something implicit where one of them is.
+  [[nodiscard]] Integrator integratorIn(const WorldSettings &world) const;
+  [[nodiscard]] Gone advanceImplicit(std::span<const StepContext> orders, double span, Integrator scheme);
+  /// Fills parts_ and coupling_ for those that move.
+  void gatherCoupling(std::span<const StepContext> orders);
+  /// Member, and phyxel of it.
+  [[nodiscard]] std::pair<std::size_t, Index> ownerOf(Index phyxelOfParts) const;
   [[nodiscard]] Gone advanceExplicit(std::span<const StepContext> orders, double span, std::uint64_t mostSubsteps);
   /// s, that all of them can take now.
   [[nodiscard]] Gone maxSubstep(std::span<const StepContext> orders, double time, double left);
@@ -55,23 +63,24 @@ class BodyGroup {
   [[nodiscard]] AttachmentLayer::Sides sidesOf(std::size_t layer, double time) const;
   /// Adds the forces of all attachments to those members that take them.
   void attract(double time, const std::vector<std::uint8_t> &takes);
-  void tearLayers(double time);
+  /// @return whether anything has torn
+  bool tearLayers(double time);
   void substep(std::span<const StepContext> orders, double time, double dt);
 
   std::vector<Member> members_;
   std::vector<JoinedPair> pairs_;
-  struct JoinedLayer {
-    AttachmentLayer *layer = nullptr;
-    std::size_t first = 0, second = kNobody;
-  };
   std::vector<JoinedLayer> layers_;
   JointContact joint_;
+  StageCoupling coupling_;
+  std::vector<StepPart> parts_;  // of those that move
+  NewtonSolver solver_;
   std::vector<ExplicitSubstep> substeps_;  // of those that move
   struct MovedSkin {
     MovingSkin *skin = nullptr;
     std::size_t member = 0;
   };
   std::vector<MovedSkin> skins_;     // of all pairs, once each
+  double turned_ = 0.0;              // rad, that normals of attachments have turned since the last look
   std::vector<std::uint8_t> fresh_;  // [members] 1: their forces are without attachments
 };
 

@@ -79,6 +79,12 @@ class BodyStepper {
   void fallAsleep();
   [[nodiscard]] std::uint64_t mostSubsteps() const;
   void reportIntegrator(const StepContext &order);
+  /// Times by which steps are made smaller now, and who says so.
+  [[nodiscard]] double stepScale() const { return scale_; }
+  /// The body stays in the state that it is in.
+  void stop(const StepContext &order, const GuardFinding &finding);
+  /// Before increments of the load that somebody may end.
+  void beginLoad(const StepContext &order);
 
   /// Before a step of the world that somebody may end.
   void beginStep() { underWay_.reset(); }
@@ -145,7 +151,6 @@ class BodyStepper {
   void backToMark();
   /// From the mark to the end of `span`, in steps of order.dt.
   [[nodiscard]] Gone againFromMark(const StepContext &order, double span);
-  void stop(const StepContext &order, const GuardFinding &finding);
 
   std::unique_ptr<Body> body_;
   NewtonSolver solver_;

@@ -4,12 +4,11 @@
 
 #include "pointbased/integrators.h"
 #include "pointbased/step_composition.h"
+#include "stepping/group_step.h"
 #include "stepping/stage_solution.h"
 
 namespace pointbased {
-
-using namespace detail;
-
+namespace detail {
 namespace {
 
 // Of the accelerations: a beam of 1 MPa in steps of 1/60 s came to 1e-3 of the way at its tip (and to 2e-5) of where
@@ -19,126 +18,185 @@ constexpr double kErrorOfEuler = 0.05, kErrorOfSdirk = 2e-3;
 // One step by one of the schemes, without what the state at its end needs.
 class ImplicitStep {
  public:
-  ImplicitStep(Body &body, NewtonSolver &solver, const Environment &env, double time, double dt)
-      : body_(body), solver_(solver), env_(env), time_(time), dt_(dt), u0_(body.state().displacements),
-        v0_(body.state().velocities), contactsBefore_(body.contact.active),
-        pressedBefore_(pressingPoints(body.contact)), sums_(body.contact.sums) {}
+  ImplicitStep(std::span<const StepPart> parts, StageCoupling *coupling, NewtonSolver &solver, double time, double dt)
+      : coupling_(coupling), solver_(solver), time_(time), dt_(dt) {
+    for (const StepPart &part : parts) parts_.emplace_back(part);
+    if (!coupling_) return;
+    pairsBefore_ = coupling_->contacts();
+    pairsPressed_ = coupling_->pressing();
+    sumsBefore_ = coupling_->sums();
+  }
 
   NewtonResult solve(Integrator scheme) {
     switch (scheme) {
       case Integrator::implicitMidpoint: midpoint(); break;
       case Integrator::implicitSdirk: sdirk(); break;
       default:
-        stage_ = {dt_, time_ + dt_, dt_, u0_, v0_, 0.0, dt_, kErrorOfEuler};
-        solveStage(time_);
-        addStageForces(dt_, body_.contact);
+        backwardEuler();
+        solveStage(time_, dt_);
         break;
     }
     return result_;
   }
 
  private:
-  void solveStage(double from, const std::function<bool()> &goesOn = {}, std::span<const Vec3> offer = {}) {
+  // One body of the step.
+  struct Part {
+    explicit Part(const StepPart &part)
+        : body(part.body), env(part.environment), u0(body->state().displacements), v0(body->state().velocities),
+          contactsBefore(body->contact.active), pressedBefore(pressingPoints(body->contact)), sums(body->contact.sums) {
+    }
+    Body *body;
+    const Environment *env;
+    std::vector<Vec3> u0, v0;
+    std::vector<Contact> contactsBefore;
+    std::vector<Index> pressedBefore;
+    ContactSums sums;  // of the pieces of the step before this one
+    ImplicitStage stage;
+  };
+
+  void backwardEuler() {
+    for (Part &part : parts_) part.stage = {dt_, time_ + dt_, dt_, part.u0, part.v0, 0.0, dt_, kErrorOfEuler};
+  }
+
+  // @param weight  s, for which the forces of contact of this stage count
+  void solveStage(double from, double weight, const std::function<bool()> &goesOn = {},
+                  std::span<const Vec3> offer = {}) {
     const int iterations = result_.iterations, linearIterations = result_.linearIterations;
-    result_ = detail::solveStage(body_, solver_, env_, stage_, {from, offer, {}, goesOn});
+    std::vector<StageMember> members;
+    for (const Part &part : parts_) members.push_back({part.body, part.env, &part.stage});
+    result_ = detail::solveStage(members, coupling_, solver_, {from, offer, {}, goesOn, weight});
     result_.iterations += iterations;
     result_.linearIterations += linearIterations;
+    for (Part &part : parts_) addStageForces(weight, part.body->contact);
   }
 
   // Both second-order schemes continue the forces of a first stage beyond it. Those of an impact do not go on, and
   // would throw the body back with more than its energy: such steps are backward Euler, an inelastic impact.
   void backwardEulerInstead() {
-    State &state = body_.state();
-    const std::vector<Vec3> reached = state.displacements;
-    state.displacements = u0_;
-    state.velocities = v0_;
-    body_.contact.active = contactsBefore_;
-    stage_ = {dt_, time_ + dt_, dt_, u0_, v0_, 0.0, dt_, kErrorOfEuler};
-    solveStage(time_, {}, reached);
-    body_.contact.sums = sums_;
-    addStageForces(dt_, body_.contact);
+    std::vector<Vec3> reached;
+    for (Part &part : parts_) {
+      State &state = part.body->state();
+      reached.insert(reached.end(), state.displacements.begin(), state.displacements.end());
+      state.displacements = part.u0;
+      state.velocities = part.v0;
+      part.body->contact.active = part.contactsBefore;
+      part.body->contact.sums = part.sums;
+    }
+    if (coupling_) {
+      coupling_->setContacts(pairsBefore_);
+      coupling_->setSums(sumsBefore_);
+    }
+    backwardEuler();
+    solveStage(time_, dt_, {}, reached);
   }
 
   void midpoint() {
-    State &state = body_.state();
     bool impact = false;
-    stage_ = {0.5 * dt_, time_ + 0.5 * dt_, 0.5 * dt_, u0_, v0_, 0.0, 0.5 * dt_};
-    solveStage(time_, [&] { return !(impact = !pressingPoints(body_.contact).empty()); });
+    for (Part &part : parts_) part.stage = {0.5 * dt_, time_ + 0.5 * dt_, 0.5 * dt_, part.u0, part.v0, 0.0, 0.5 * dt_};
+    solveStage(time_, dt_, [&] { return !(impact = presses()); });
     if (result_.good() && impact) return backwardEulerInstead();
-    addStageForces(dt_, body_.contact);
-    for (std::size_t i = 0; i < u0_.size(); ++i) {
-      const Vec3 middle = state.displacements[i];
-      state.displacements[i] = 2.0 * middle - u0_[i];
-      state.velocities[i] = 2.0 * (state.displacements[i] - u0_[i]) / dt_ - v0_[i];
+    bool meets = false;
+    for (Part &part : parts_) {
+      State &state = part.body->state();
+      for (std::size_t i = 0; i < part.u0.size(); ++i) {
+        const Vec3 middle = state.displacements[i];
+        state.displacements[i] = 2.0 * middle - part.u0[i];
+        state.velocities[i] = 2.0 * (state.displacements[i] - part.u0[i]) / dt_ - part.v0[i];
+      }
+      // What the second half meets, the middle has not seen.
+      meets = meets || (result_.good() && stagesOf(*part.body, *part.env).contact &&
+                        findContactsAlong(*part.body, *part.env, part.u0, time_, dt_));
     }
-    // What the second half meets, the middle has not seen.
-    if (result_.good() && stagesOf(body_, env_).contact && findContactsAlong(body_, env_, u0_, time_, dt_))
-      backwardEulerInstead();
+    if (meets || (result_.good() && coupling_ && coupling_->meetsAlong(0.5 * dt_, dt_))) backwardEulerInstead();
   }
 
   void sdirk() {
-    const State &state = body_.state();
     const double gamma = 1.0 - std::sqrt(0.5);
     bool impact = false;
-    stage_ = {gamma * dt_, time_ + gamma * dt_, gamma * dt_, u0_, v0_, 0.0, gamma * dt_, kErrorOfSdirk};
-    solveStage(time_, [&] { return !(impact = meetsAnew()); });
+    for (Part &part : parts_)
+      part.stage = {gamma * dt_, time_ + gamma * dt_, gamma * dt_, part.u0, part.v0, 0.0, gamma * dt_, kErrorOfSdirk};
+    solveStage(time_, (1.0 - gamma) * dt_, [&] { return !(impact = meetsAnew()); });
     if (!result_.good()) return;
     if (impact) return backwardEulerInstead();
-    addStageForces((1.0 - gamma) * dt_, body_.contact);
-    for (std::size_t i = 0; i < u0_.size(); ++i) {
-      const Vec3 k = state.velocities[i], l = (state.velocities[i] - v0_[i]) / (gamma * dt_);
-      stage_.p[i] = u0_[i] + (1.0 - gamma) * dt_ * k;
-      stage_.q[i] = v0_[i] + (1.0 - gamma) * dt_ * l;
+    for (Part &part : parts_) {
+      const State &state = part.body->state();
+      for (std::size_t i = 0; i < part.u0.size(); ++i) {
+        const Vec3 k = state.velocities[i], l = (state.velocities[i] - part.v0[i]) / (gamma * dt_);
+        part.stage.p[i] = part.u0[i] + (1.0 - gamma) * dt_ * k;
+        part.stage.q[i] = part.v0[i] + (1.0 - gamma) * dt_ * l;
+      }
+      part.stage.end = time_ + dt_;
+      part.stage.elapsed = dt_;
+      part.stage.contactSpan = (1.0 - gamma) * dt_;
     }
-    stage_.end = time_ + dt_;
-    stage_.elapsed = dt_;
-    stage_.contactSpan = (1.0 - gamma) * dt_;
-    solveStage(time_ + gamma * dt_);
-    addStageForces(gamma * dt_, body_.contact);
+    solveStage(time_ + gamma * dt_, gamma * dt_);
+  }
+
+  [[nodiscard]] bool presses() const {
+    return (coupling_ && !coupling_->pressing().empty()) ||
+           std::any_of(parts_.begin(), parts_.end(),
+                       [](const Part &part) { return !pressingPoints(part.body->contact).empty(); });
   }
 
   // A point presses that did not before, or one is led out of an obstacle.
   [[nodiscard]] bool meetsAnew() const {
-    const std::vector<Index> pressed = pressingPoints(body_.contact);
-    const bool leadsOut = std::any_of(body_.contact.active.begin(), body_.contact.active.end(),
-                                      [](const Contact &c) { return c.initialPenetration > 0.0; });
-    return leadsOut || !std::includes(pressedBefore_.begin(), pressedBefore_.end(), pressed.begin(), pressed.end());
+    for (const Part &part : parts_) {
+      const std::vector<Index> pressed = pressingPoints(part.body->contact);
+      const bool leadsOut = std::any_of(part.body->contact.active.begin(), part.body->contact.active.end(),
+                                        [](const Contact &c) { return c.initialPenetration > 0.0; });
+      if (leadsOut ||
+          !std::includes(part.pressedBefore.begin(), part.pressedBefore.end(), pressed.begin(), pressed.end()))
+        return true;
+    }
+    if (!coupling_) return false;
+    const StageCoupling::Pressing pressed = coupling_->pressing();
+    return !std::includes(pairsPressed_.begin(), pairsPressed_.end(), pressed.begin(), pressed.end());
   }
 
-  Body &body_;
+  std::vector<Part> parts_;
+  StageCoupling *coupling_;
+  StageCoupling::Contacts pairsBefore_;
+  StageCoupling::Pressing pairsPressed_;
+  std::vector<SkinPair::Sum> sumsBefore_;
   NewtonSolver &solver_;
-  const Environment &env_;
   double time_, dt_;
-  const std::vector<Vec3> u0_, v0_;
-  const std::vector<Contact> contactsBefore_;
-  const std::vector<Index> pressedBefore_;
-  const ContactSums sums_;  // of the pieces of the step before this one
-  ImplicitStage stage_;
   NewtonResult result_;
 };
 
 }  // namespace
 
-ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment &env, double time, double dt,
-                            Integrator scheme) {
-  const ParallelFor &parallelFor = *env.parallelFor;
+ImplicitResult implicitStep(std::span<const StepPart> parts, StageCoupling *coupling, NewtonSolver &solver, double time,
+                            double dt, Integrator scheme) {
   ImplicitResult out;
-  out.newton = ImplicitStep(body, solver, env, time, dt).solve(scheme);
+  out.newton = ImplicitStep(parts, coupling, solver, time, dt).solve(scheme);
   if (out.failure = failureOf(out.newton); !out.failure.empty()) return out;
 
-  body.placeHeld(time + dt, true);
-  const StepStages stages = stagesOf(body, env);
-  if (stages.fused) {
-    env.clock->measure(kForces, [&] { body.evaluate(time + dt, dt, parallelFor); });
+  for (const StepPart &part : parts) {
+    Body &body = *part.body;
+    const Environment &env = *part.environment;
+    const ParallelFor &parallelFor = *env.parallelFor;
+    body.placeHeld(time + dt, true);
+    const StepStages stages = stagesOf(body, env);
+    if (stages.fused) {
+      env.clock->measure(kForces, [&] { body.evaluate(time + dt, dt, parallelFor); });
+    } else {
+      env.clock->measure(kGradients, [&] { body.computeGradients(parallelFor); });
+      if (stages.flow) env.clock->measure(kFlow, [&] { body.computeFlow(dt, parallelFor); });
+      env.clock->measure(kStresses, [&] { body.computeStresses(dt, parallelFor); });
+      env.clock->measure(kForces, [&] { body.computeForces(time + dt, parallelFor); });
+    }
     body.forcesCurrent = true;
-    return out;
   }
-  env.clock->measure(kGradients, [&] { body.computeGradients(parallelFor); });
-  if (stages.flow) env.clock->measure(kFlow, [&] { body.computeFlow(dt, parallelFor); });
-  env.clock->measure(kStresses, [&] { body.computeStresses(dt, parallelFor); });
-  env.clock->measure(kForces, [&] { body.computeForces(time + dt, parallelFor); });
-  body.forcesCurrent = true;
   return out;
+}
+
+}  // namespace detail
+
+ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment &env, double time, double dt,
+                            Integrator scheme) {
+  const detail::StepPart alone{&body, &env};
+  return detail::implicitStep(std::span<const detail::StepPart>(&alone, 1), nullptr, solver, time, dt, scheme);
 }
 
 }  // namespace pointbased

@@ -19,8 +19,9 @@ void JointContact::clear() {
   inverseMasses_.clear();
 }
 
-void JointContact::add(Body &body, bool moves) {
-  bodies_.push_back({&body, count_, moves});
+void JointContact::add(Body &body, bool moves, bool counts) {
+  bodies_.push_back({&body, count_, moves, counts});
+  if (!counts) return;
   count_ += body.rest().phyxelCount();
   if (moves)
     inverseMasses_.insert(inverseMasses_.end(), body.inverseMasses().begin(), body.inverseMasses().end());
@@ -36,25 +37,27 @@ void JointContact::addRow(std::span<const Index> phyxels, std::span<const double
     if (weight == 0.0) continue;
     const auto j = static_cast<Index>(first + phyxels[e]);
     if (entryOf_[j] != kNone) {
-      rows_.weights[entryOf_[j]] += weight;
+      rows_.binding.weights[entryOf_[j]] += weight;
       continue;
     }
-    entryOf_[j] = static_cast<Index>(rows_.weights.size());
-    rows_.phyxels.indices.push_back(j);
-    rows_.weights.push_back(weight);
+    entryOf_[j] = static_cast<Index>(rows_.binding.weights.size());
+    rows_.binding.phyxels.indices.push_back(j);
+    rows_.binding.weights.push_back(weight);
   }
 }
 
 void JointContact::endRow() {
-  for (Index e = rows_.phyxels.offsets.back(); e < rows_.phyxels.indices.size(); ++e)
-    entryOf_[rows_.phyxels.indices[e]] = kNone;
-  rows_.phyxels.offsets.push_back(static_cast<Index>(rows_.phyxels.indices.size()));
+  for (Index e = rows_.binding.phyxels.offsets.back(); e < rows_.binding.phyxels.indices.size(); ++e)
+    entryOf_[rows_.binding.phyxels.indices[e]] = kNone;
+  rows_.binding.phyxels.offsets.push_back(static_cast<Index>(rows_.binding.phyxels.indices.size()));
+  rows_.binding.positions.push_back(Vec3::Zero());
 }
 
-void JointContact::gather(std::span<const JoinedPair> pairs, double margin) {
-  rows_.phyxels.offsets.assign(1, 0);
-  rows_.phyxels.indices.clear();
-  rows_.weights.clear();
+void JointContact::gather(std::span<const JoinedPair> pairs, double margin, bool obstacles) {
+  rows_.binding.phyxels.offsets.assign(1, 0);
+  rows_.binding.phyxels.indices.clear();
+  rows_.binding.weights.clear();
+  rows_.binding.positions.clear();
   state_.active.clear();
   margin_ = margin;
   state_.margin = 0.0;
@@ -70,6 +73,7 @@ void JointContact::gather(std::span<const JoinedPair> pairs, double margin) {
       for (const SkinContact::Part &part : contact.parts) {
         if (part.weight == 0.0) continue;
         const std::size_t side = part.ofSecond ? 1 : 0;
+        if (!bodies_[of[side]].counts) continue;
         const Interpolation &skin = joined.pair->skin(side).vertices;
         const Index begin = skin.phyxels.offsets[part.vertex], end = skin.phyxels.offsets[part.vertex + 1];
         addRow(std::span<const Index>(skin.phyxels.indices).subspan(begin, end - begin),
@@ -78,8 +82,9 @@ void JointContact::gather(std::span<const JoinedPair> pairs, double margin) {
       addContact(contact);
     }
   }
+  gathersObstacles_ = obstacles;
   for (const Joined &joined : bodies_) {
-    if (!joined.moves) continue;
+    if (!joined.moves || !obstacles) continue;
     state_.margin = std::max(state_.margin, joined.body->contact.margin);
     const Interpolation &points = joined.body->rest().contact.binding;
     for (const Contact &contact : joined.body->contact.active) {
@@ -104,8 +109,9 @@ void JointContact::predict() {
     const Contact &contact = state_.active[c];
     if (!(contact.normalImpulse > 0.0)) continue;
     const Vec3 impulse = contact.normalImpulse * contact.normal + contact.frictionImpulse;
-    for (Index e = rows_.phyxels.offsets[c]; e < rows_.phyxels.offsets[c + 1]; ++e)
-      velocities_[rows_.phyxels.indices[e]] += inverseMasses_[rows_.phyxels.indices[e]] * rows_.weights[e] * impulse;
+    for (Index e = rows_.binding.phyxels.offsets[c]; e < rows_.binding.phyxels.offsets[c + 1]; ++e)
+      velocities_[rows_.binding.phyxels.indices[e]] +=
+          inverseMasses_[rows_.binding.phyxels.indices[e]] * rows_.binding.weights[e] * impulse;
   }
 }
 
@@ -116,7 +122,7 @@ void JointContact::giveVelocities() {
                   joined.body->state().velocities.size(), joined.body->state().velocities.begin());
 }
 
-void JointContact::giveMemories(std::span<const JoinedPair> pairs) {
+void JointContact::giveBack(std::span<const JoinedPair> pairs) {
   auto solved = state_.active.cbegin();
   const auto give = [&](Contact &contact) {
     contact.normalImpulse = solved->normalImpulse;
@@ -131,7 +137,7 @@ void JointContact::giveMemories(std::span<const JoinedPair> pairs) {
   for (const JoinedPair &joined : pairs)
     for (SkinContact &contact : joined.pair->active()) give(contact);
   for (const Joined &joined : bodies_)
-    if (joined.moves)
+    if (joined.moves && gathersObstacles_)
       for (Contact &contact : joined.body->contact.active) give(contact);
 }
 
@@ -140,16 +146,16 @@ void JointContact::solve(double dt, std::span<const JoinedPair> pairs) {
   ImpulseSettings settings;
   settings.sweeps = kSweeps;
   settings.leastSpeed = kLeft * margin_ / dt;
-  solveContactImpulses(rows_, inverseMasses_, dt, settings, state_, velocities_);
+  solveContactImpulses(rows_.binding, inverseMasses_, dt, settings, state_, velocities_);
   giveVelocities();
-  giveMemories(pairs);
+  giveBack(pairs);
 }
 
 void JointContact::settle(double dt, std::span<const JoinedPair> pairs) {
   takeVelocities();
-  settleContactVelocities(rows_, inverseMasses_, dt, state_, velocities_);
+  settleContactVelocities(rows_.binding, inverseMasses_, dt, state_, velocities_);
   giveVelocities();
-  giveMemories(pairs);
+  giveBack(pairs);
 }
 
 }  // namespace pointbased::detail

@@ -20,10 +20,17 @@ class JointContact {
  public:
   void clear();
   /// @param moves  false: it stands still
-  void add(Body &body, bool moves);
+  /// @param counts  false: it stands still, and its phyxels are not among the unknowns
+  void add(Body &body, bool moves, bool counts = true);
 
-  /// Takes the contacts that have been found: of each body those in Body::contact, and of the pairs.
-  void gather(std::span<const JoinedPair> pairs, double margin);
+  /// Takes the contacts that have been found: of the pairs, and of each body those in Body::contact, if `obstacles`.
+  void gather(std::span<const JoinedPair> pairs, double margin, bool obstacles = true);
+  /// The contacts over all phyxels, as rows of signed weights; Contact::point is the row.
+  [[nodiscard]] const ContactPoints &rows() const { return rows_; }
+  [[nodiscard]] ContactState &state() { return state_; }
+  [[nodiscard]] const ContactState &state() const { return state_; }
+  /// What has been found for the contacts of pairs goes back to them.
+  void giveBack(std::span<const JoinedPair> pairs);
   /// What the velocities will be, as far as the impulses of the last step tell: what rests on something is not taken
   /// for arriving there. After gather() of the contacts of that step.
   void predict();
@@ -41,19 +48,19 @@ class JointContact {
   struct Joined {
     Body *body = nullptr;
     std::size_t first = 0;  // of its phyxels among all
-    bool moves = true;
+    bool moves = true, counts = true;
   };
   void addRow(std::span<const Index> phyxels, std::span<const double> weights, std::size_t first, double scale);
   void endRow();
   void takeVelocities();
   void giveVelocities();
-  void giveMemories(std::span<const JoinedPair> pairs);
 
   std::vector<Joined> bodies_;
   std::size_t count_ = 0;
-  Interpolation rows_;  // of all contacts over all phyxels
+  ContactPoints rows_;
   ContactState state_;
   double margin_ = 0.0;  // m, the least of the pairs
+  bool gathersObstacles_ = true;
   std::vector<double> inverseMasses_;
   std::vector<Vec3> velocities_;
   std::vector<Index> entryOf_;  // [phyxels] of the row that is being made; kNone

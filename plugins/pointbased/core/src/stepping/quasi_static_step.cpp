@@ -6,12 +6,11 @@
 #include "base/number_text.h"
 #include "pointbased/integrators.h"
 #include "pointbased/step_composition.h"
+#include "stepping/group_step.h"
 #include "stepping/stage_solution.h"
 
 namespace pointbased {
-
-using namespace detail;
-
+namespace detail {
 namespace {
 
 constexpr int kFlowRounds = 30;      // of a static equilibrium with plastic flow
@@ -37,65 +36,104 @@ double loadsOf(Body &body, const Environment &env, double at) {
   return sum;
 }
 
+// One body of the step.
+struct Part {
+  Part(const StepPart &part, bool isHeld) : body(part.body), env(part.environment), held(isHeld) {
+    // What has no stiffness at all (a phyxel alone) is let down by a spacing at a time.
+    const double frequency = body->restFrequency();
+    leanFirst = frequency > 0.0 ? 1e-4 * frequency * frequency : env->gravity.norm() / body->rest().spacing;
+  }
+  void keep() {
+    before = body->state().displacements;
+    contactsBefore = body->contact.active;
+  }
+  void goBack() {
+    body->state().displacements = before;
+    body->contact.active = contactsBefore;
+  }
+  Body *body;
+  const Environment *env;
+  bool held;
+  double leanFirst = 0.0;  // 1/s²
+  std::vector<Vec3> before;
+  std::vector<Contact> contactsBefore;
+  ImplicitStage stage;
+};
+
 }  // namespace
 
-ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environment &env, double from, double to,
-                               const std::function<bool()> &shouldContinue) {
-  State &state = body.state();
-  const ParallelFor &parallelFor = *env.parallelFor;
-  const double tolerance = newtonSettings(body, env, true).toleranceDisplacement;
+ImplicitResult quasiStaticStep(std::span<const StepPart> given, StageCoupling *coupling, NewtonSolver &solver,
+                               double from, double to, const std::function<bool()> &shouldContinue) {
+  std::vector<Part> parts;
+  for (const StepPart &part : given)
+    parts.emplace_back(part, part.body->held() || part.body->foundation().settings().holds() ||
+                                 (coupling && coupling->holds(*part.body)));
+  double tolerance = std::numeric_limits<double>::infinity(), spacing = tolerance, leanFirst = 0.0, loads = 0.0;
+  bool held = true, touches = coupling && coupling->hasPairs();
+  for (Part &part : parts) {
+    tolerance = std::min(tolerance, newtonSettings(*part.body, *part.env, true).toleranceDisplacement);
+    spacing = std::min(spacing, part.body->rest().spacing);
+    leanFirst = std::max(leanFirst, part.leanFirst);
+    loads += loadsOf(*part.body, *part.env, to);
+    held = held && part.held;
+    touches = touches || part.env->contact();
+  }
   ImplicitResult out;
-  const bool held = body.held() || body.foundation().settings().holds();
   // Held bodies are solved as they are, unless they buckle: then the next equilibrium may be far away, across states
   // that are none. They and the others lean on their own inertia, less and less, until they lie still.
-  const double frequency = body.restFrequency();
-  // What has no stiffness at all (a phyxel alone) is let down by a spacing at a time.
-  const double leanFirst = frequency > 0.0 ? 1e-4 * frequency * frequency : env.gravity.norm() / body.rest().spacing;
   double holding = held ? 0.0 : leanFirst;
   // Contacts are known along a way of a spacing or so; what meets nothing may go as far as it likes.
-  const double spacing = body.rest().spacing;
-  const double stride = held && !env.contact() ? std::numeric_limits<double>::infinity() : kStride * spacing;
-  const double loads = loadsOf(body, env, to);
+  const double stride = held && !touches ? std::numeric_limits<double>::infinity() : kStride * spacing;
   int flows = 0, failures = 0;
   for (int round = 0;; ++round) {
-    const ImplicitStage stage{0.0, to, to - from, {}, {}, holding, 0.0};
-    const std::vector<Vec3> before = state.displacements;
-    const std::vector<Contact> contactsBefore = body.contact.active;
-    out.newton = solveStage(body, solver, env, stage, {from, {}, shouldContinue, {}});
-    double moved = 0.0, leaning = 0.0;  // m, N
-    for (std::size_t i = 0; i < before.size(); ++i) {
-      const double way = (state.displacements[i] - before[i]).norm();
-      moved = std::max(moved, way);
-      leaning += body.masses()[i] * holding * way;
+    std::vector<StageMember> members;
+    StageCoupling::Contacts pairsBefore;
+    if (coupling) pairsBefore = coupling->contacts();
+    for (Part &part : parts) {
+      part.stage = {0.0, to, to - from, {}, {}, held || !part.held ? holding : 0.0, 0.0};
+      part.keep();
+      members.push_back({part.body, part.env, &part.stage});
     }
+    if (coupling) coupling->beginSums();
+    out.newton = solveStage(members, coupling, solver, {from, {}, shouldContinue, {}, 1.0});
+    double moved = 0.0, leaning = 0.0;  // m, N
+    for (const Part &part : parts)
+      for (std::size_t i = 0; i < part.before.size(); ++i) {
+        const double way = (part.body->state().displacements[i] - part.before[i]).norm();
+        moved = std::max(moved, way);
+        leaning += part.body->masses()[i] * part.stage.holding * way;
+      }
+    const auto goBack = [&] {
+      for (Part &part : parts) part.goBack();
+      if (coupling) coupling->setContacts(pairsBefore);
+    };
     bool last = round + 1 >= kHoldingRounds;
-    const bool buckles = held && !env.contact() && holding == 0.0 && !out.newton.good() &&
+    const bool buckles = held && !touches && holding == 0.0 && !out.newton.good() &&
                          out.newton.outcome != NewtonOutcome::cancelled &&
                          out.newton.outcome != NewtonOutcome::notFinite;
     if (held && !out.newton.good() && ++failures > kMostFailures) last = true;
     if (buckles && !last) {
-      state.displacements = before;
-      body.contact.active = contactsBefore;
+      goBack();
       holding = leanFirst;
       continue;
     }
     if (holding > 0.0 && !last && out.newton.outcome != NewtonOutcome::cancelled &&
         (!out.newton.good() || !(moved <= stride))) {
-      state.displacements = before;
-      body.contact.active = contactsBefore;
+      goBack();
       holding *= kHoldMore;
       continue;
     }
     if (out.failure = failureOf(out.newton); !out.failure.empty()) return out;
     bool flowed = false;
-    if (stagesOf(body, env).flow) {
-      if (flows++ >= kFlowRounds) {
+    for (const Part &part : parts) {
+      if (!stagesOf(*part.body, *part.env).flow) continue;
+      if (flows++ >= kFlowRounds * static_cast<int>(parts.size())) {
         out.failure = "plastic flow has not come to rest at load factor " + number(to, 4) +
                       "; the load is more than the body carries";
         return out;
       }
       // Without time all flow that is due takes place.
-      flowed = body.computeFlow(1e6, parallelFor) > 0;
+      flowed = part.body->computeFlow(1e6, *part.env->parallelFor) > 0 || flowed;
     }
     if (!flowed && (holding == 0.0 || (moved < tolerance && leaning <= kLeaning * loads))) break;
     if (last && held) {
@@ -116,13 +154,27 @@ ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environme
     else if (!held && moved < 0.5 * stride)
       holding *= moved < 0.01 * stride ? 0.125 : 0.5;
   }
-  addStageForces(1.0, body.contact);
-  std::fill(state.velocities.begin(), state.velocities.end(), Vec3::Zero());
-  env.clock->measure(kGradients, [&] { body.computeGradients(parallelFor); });
-  env.clock->measure(kStresses, [&] { body.computeStresses(0.0, parallelFor); });
-  env.clock->measure(kForces, [&] { body.computeForces(to, parallelFor); });
-  body.forcesCurrent = true;
+  for (const Part &part : parts) {
+    Body &body = *part.body;
+    const Environment &env = *part.env;
+    const ParallelFor &parallelFor = *env.parallelFor;
+    addStageForces(1.0, body.contact);
+    std::fill(body.state().velocities.begin(), body.state().velocities.end(), Vec3::Zero());
+    env.clock->measure(kGradients, [&] { body.computeGradients(parallelFor); });
+    env.clock->measure(kStresses, [&] { body.computeStresses(0.0, parallelFor); });
+    env.clock->measure(kForces, [&] { body.computeForces(to, parallelFor); });
+    body.forcesCurrent = true;
+  }
   return out;
+}
+
+}  // namespace detail
+
+ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environment &env, double from, double to,
+                               const std::function<bool()> &shouldContinue) {
+  const detail::StepPart alone{&body, &env};
+  return detail::quasiStaticStep(std::span<const detail::StepPart>(&alone, 1), nullptr, solver, from, to,
+                                 shouldContinue);
 }
 
 }  // namespace pointbased

@@ -393,23 +393,28 @@ detail::BodyCrew &Simulator::gatherCrew(double dt) {
   return *crew_;
 }
 
+std::vector<detail::StepContext> Simulator::ordersOf(const detail::BodyGroup &group,
+                                                     const detail::StepContext &own) const {
+  std::vector<detail::StepContext> orders;
+  for (const detail::BodyGroup::Member &one : group.members()) orders.push_back(inSurroundings(one.id, own));
+  return orders;
+}
+
 void Simulator::increaseLoad(const detail::StepContext &order) {
   const int increments = world_.loadSteps > 0 ? world_.loadSteps : kUsualLoadSteps;
   double next = std::min(1.0, loadFactor_ + 1.0 / increments);
   if (next > 1.0 - 1e-9) next = 1.0;
   gatherCrew(0.0).run(order, plainLoops_, *activity_,
                       [this, next](detail::BodyCrew::Member &member, const detail::StepContext &own) {
-                        member.runner->loadUpTo(inSurroundings(member.id, own), next);
+                        if (member.group)
+                          member.group->loadUpTo(ordersOf(*member.group, own), next);
+                        else
+                          member.runner->loadUpTo(inSurroundings(member.id, own), next);
                       });
   if (!failed()) loadFactor_ = next;
 }
 
 double Simulator::advanceBodies(const detail::StepContext &order) {
-  const auto ordersOf = [this](const detail::BodyGroup &group, const detail::StepContext &own) {
-    std::vector<detail::StepContext> orders;
-    for (const detail::BodyGroup::Member &one : group.members()) orders.push_back(inSurroundings(one.id, own));
-    return orders;
-  };
   detail::BodyCrew &crew = gatherCrew(order.dt);
   crew.run(order, plainLoops_, *activity_, [&](detail::BodyCrew::Member &member, const detail::StepContext &own) {
     member.gone = member.runner ? member.runner->advance(inSurroundings(member.id, own), own.dt)
@@ -447,6 +452,7 @@ void Simulator::reset() {
     if (renewed) bindProbes(id, std::vector<Vec3>(probes_.size(), Vec3::Zero()));
   }
   skins_->forget();
+  for (const auto &group : groups_) group->startSolverAnew();
   for (auto &[id, layer] : attachments_) layer->mend();
   tornReported_.clear();
   ++course_;

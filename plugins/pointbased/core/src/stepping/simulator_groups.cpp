@@ -20,6 +20,7 @@ namespace {
 using Box = SkinBox;
 
 constexpr double kSlack = 0.5;   // spacings
+constexpr double kOfSize = 0.1;  // of a body, that it may go in an increment of the load
 constexpr double kFaster = 2.0;  // times the way of a step: bodies may gain speed within it
 
 // Where a body is, and as much around it as it may go within a step.
@@ -34,21 +35,31 @@ Box reachOf(const Body &body, const Vec3 &gravity, double dt) {
   return box.wider(kFaster * dt * (std::sqrt(speed) + dt * gravity.norm()) + kSlack * rest.spacing);
 }
 
+// As far again as in the last increment of the load, and some of its size, because the first one tells nothing.
+Box reachOfIncrement(const Body &body) {
+  Box box;
+  double way = 0.0;
+  const RestState &rest = body.rest();
+  const bool hasMoved = body.keptState().displacements.size() == rest.phyxelCount();
+  for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
+    const Vec3 &u = body.state().displacements[i];
+    box.add(Vec3(rest.origin + rest.positions[i] + u));
+    if (hasMoved) way = std::max(way, (u - body.keptState().displacements[i]).norm());
+  }
+  return box.wider(kFaster * way + kSlack * rest.spacing + kOfSize * (box.high - box.low).norm());
+}
+
 }  // namespace
 
 bool Simulator::canTouch(std::size_t a, std::size_t b) const {
-  const BodyStepper &first = *bodies_.at(a), &second = *bodies_.at(b);
-  if (!SkinContacts::hasSkin(first.body()) || !SkinContacts::hasSkin(second.body()) || quasiStatic()) return false;
-  const auto isExplicit = [this](const BodyStepper &one) {
-    return one.body().rigid() || one.stopped() || one.integratorIn(world_) == Integrator::explicitVerlet;
-  };
-  return (a == b ? contact_.enabled && contact_.self : contactPair(a, b).enabled) && isExplicit(first) &&
-         isExplicit(second);
+  if (!SkinContacts::hasSkin(bodies_.at(a)->body()) || !SkinContacts::hasSkin(bodies_.at(b)->body())) return false;
+  return a == b ? contact_.enabled && contact_.self : contactPair(a, b).enabled;
 }
 
 // A skin can touch itself only after phyxels have moved against each other as far as its parts are apart.
 bool Simulator::mayTouchItself(std::size_t id, double dt) {
   const Body &body = bodies_.at(id)->body();
+  if (quasiStatic() && canTouch(id, id) && !body.rigid() && !bodies_.at(id)->stopped()) return true;
   if (body.rigid() || bodies_.at(id)->stopped() || bodies_.at(id)->asleep() || !canTouch(id, id)) return false;
   const double room = skins_->roomOfSelf(id) - 2.0 * kFaster * dt * quickCheck(body).speedBound;
   skins_->setRoomOfSelf(id, room);
@@ -66,7 +77,6 @@ void Simulator::formGroups(double dt) {
   groupCount_ = 0;
   grouped_.clear();
   skins_->beginSums();
-  if (quasiStatic()) return;
   const bool touch = contact_.enabled && (bodies_.size() > 1 || contact_.self);
   if (!touch && attachments_.empty()) return;
   struct One {
@@ -82,23 +92,20 @@ void Simulator::formGroups(double dt) {
     const bool stands = runner->stopped() || runner->body().rigid();
     if (touch && mayTouchItself(id, dt)) near.emplace_back(ones.size(), ones.size());
     ones.push_back({id, runner.get(), stands || runner->asleep(), {}});
-    if (touch && bodies_.size() > 1) ones.back().box = reachOf(runner->body(), world_.gravity, dt);
+    if (!touch || bodies_.size() < 2) continue;
+    ones.back().box = quasiStatic() ? reachOfIncrement(runner->body()) : reachOf(runner->body(), world_.gravity, dt);
   }
   DisjointSets sets(ones.size());
-  struct Held {
-    AttachmentLayer *layer;
-    std::size_t first, second;  // of ones
-  };
-  std::vector<Held> held;
+  std::vector<JoinedLayer> held;  // by numbers of ones
   const auto numberOfBody = [&](std::size_t id) {
     const auto found = std::find_if(ones.begin(), ones.end(), [id](const One &one) { return one.id == id; });
-    return found == ones.end() ? BodyGroup::kNobody : static_cast<std::size_t>(found - ones.begin());
+    return found == ones.end() ? JoinedLayer::kNobody : static_cast<std::size_t>(found - ones.begin());
   };
   std::vector<std::uint8_t> joined(ones.size(), 0);
   for (const auto &[id, layer] : attachments_) {
     held.push_back({layer.get(), numberOfBody(layer->settings().first), numberOfBody(layer->settings().second)});
     joined[held.back().first] = 1;
-    if (held.back().second == BodyGroup::kNobody) continue;
+    if (held.back().second == JoinedLayer::kNobody) continue;
     joined[held.back().second] = 1;
     sets.join(held.back().first, held.back().second);
   }
@@ -124,9 +131,10 @@ void Simulator::formGroups(double dt) {
     groups_[group]->add(ones[k].id, *ones[k].runner);
     grouped_.insert(ones[k].id);
   }
-  for (const Held &one : held)
+  for (const JoinedLayer &one : held)
     groups_[groupOf[sets.find(one.first)]]->attach(
-        *one.layer, numberOf[one.first], one.second == BodyGroup::kNobody ? BodyGroup::kNobody : numberOf[one.second]);
+        {one.layer, numberOf[one.first],
+         one.second == JoinedLayer::kNobody ? JoinedLayer::kNobody : numberOf[one.second]});
   for (const auto &[a, b] : near) {
     const double friction = a == b ? contact_.friction : contactPair(ones[a].id, ones[b].id).friction;
     SkinPair &pair = skins_->pairOf(ones[a].id, ones[a].runner->body(), ones[b].id, ones[b].runner->body(), friction);

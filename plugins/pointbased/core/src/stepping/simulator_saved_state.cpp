@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "stepping/attachment_layer.h"
+#include "stepping/body_group.h"
 #include "stepping/simulator_checkpoint.h"
 
 namespace pointbased {
@@ -216,6 +217,7 @@ Result<std::string> Simulator::savedState() {
   for (const auto &[id, runner] : bodies_)
     if (const std::string why = whyNotKept(runner->body()); !why.empty()) return tl::unexpected(why);
   skins_->forget();
+  for (const auto &group : groups_) group->startSolverAnew();
   for (const auto &[id, runner] : bodies_) {
     runner->startSolversAnew();
     const std::span<const Vec3> patchForces = std::as_const(runner->body()).patches().forces();

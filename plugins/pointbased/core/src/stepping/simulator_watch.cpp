@@ -109,7 +109,7 @@ void Simulator::lookAtPairs() {
                 "bodies '" + first.name() + "' and '" + second.name() + "' overlap " +
                     (steps_ == 0 ? "from the start" : "from here on") + ": " + millimetres(found.depth) +
                     " deep, some " + number(1e6 * found.volume, 2) + " ml; " +
-                    (contactPair(pair.first, pair.second).enabled ? "bodies touch each other in explicit steps alone"
+                    (contactPair(pair.first, pair.second).enabled ? "a body without a surface touches no other body"
                                                                   : "contact between them is switched off"));
   }
 }

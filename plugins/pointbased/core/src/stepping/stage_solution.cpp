@@ -4,14 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "base/number_text.h"
 #include "pointbased/step_composition.h"
+#include "stepping/group_problem.h"
 
 namespace pointbased::detail {
 namespace {
 
-constexpr int kContactRounds = 4;  // solutions of a stage until no point meets a surface that was not known
+constexpr int kContactRounds = 4;   // solutions of a stage until no point meets a surface that was not known
+constexpr int kRoundsOfBodies = 8;  // likewise, where the surfaces move as well
 constexpr double kConfirmingOfDisplacements = 0.1;  // where nothing but displacements is asked of a step
 constexpr double kLoosestOfDisplacements = 0.3;
 constexpr double kLargestTolerance = 0.1;  // spacings: an impact takes ways of metres
@@ -29,7 +32,7 @@ void addWork(const NewtonResult &solved, NewtonResult &sum) {
 
 // Where a solution of the stage begins: of the free way and of what else is offered the state of lowest energy. A free
 // way that goes deep into an obstacle is a bad beginning.
-std::vector<Vec3> beginningOf(StageProblem &problem, const std::vector<std::vector<Vec3>> &offers) {
+std::vector<Vec3> beginningOf(IncrementalPotential &problem, const std::vector<std::vector<Vec3>> &offers) {
   std::size_t best = 0;
   double lowest = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < offers.size() && offers.size() > 1; ++k) {
@@ -42,8 +45,8 @@ std::vector<Vec3> beginningOf(StageProblem &problem, const std::vector<std::vect
 }
 
 // Where a stage would end if nothing but inertia, gravity and damping were there: of a body that falls the solution.
-void fallFreely(const Body &body, const Environment &env, const ImplicitStage &stage, std::span<Vec3> u) {
-  const bool falls = !body.held() && pressingPoints(body.contact).empty();
+void fallFreely(const Body &body, const Environment &env, const ImplicitStage &stage, bool isAlone, std::span<Vec3> u) {
+  const bool falls = isAlone && !body.held() && pressingPoints(body.contact).empty();
   const Vec3 gained = falls ? Vec3(stage.h * stage.h * env.gravity) : Vec3(Vec3::Zero());
   const double slower = falls ? 1.0 / (1.0 + env.damping * stage.h) : 1.0;
   for (std::size_t i = 0; i < u.size(); ++i) u[i] = stage.p[i] + slower * (stage.h * stage.q[i] + gained);
@@ -51,43 +54,60 @@ void fallFreely(const Body &body, const Environment &env, const ImplicitStage &s
 
 class StageSolution {
  public:
-  StageSolution(Body &body, NewtonSolver &solver, const Environment &env, const ImplicitStage &stage,
+  StageSolution(std::span<const StageMember> members, StageCoupling *coupling, NewtonSolver &solver,
                 const StageRequest &request)
-      : body_(body), solver_(solver), env_(env), stage_(stage), request_(request), problem_(body, env, stage),
-        settings_(newtonSettings(body, env, stage.h <= 0.0)), start_(body.state().displacements), u_(start_) {
-    if (stage.h > 0.0 && stage.tolerance > 0.0) {
-      settings_.confirmingTolerance = kConfirmingOfDisplacements;
-      settings_.firstTellsWay = env.contact();
-      if (!env.contact()) settings_.loosestTolerance = kLoosestOfDisplacements;
-      if (!(env.tolerance > 0.0)) settings_.toleranceOfWay = stage.tolerance;
-      settings_.largestTolerance = kLargestTolerance * body.rest().spacing;
+      : coupling_(coupling), solver_(solver), request_(request) {
+    parts_.reserve(members.size());
+    for (const StageMember &member : members) {
+      parts_.emplace_back(member, start_.size());
+      const std::vector<Vec3> &u = member.body->state().displacements;
+      start_.insert(start_.end(), u.begin(), u.end());
     }
-    if (stage.h > 0.0) fallFreely(body, env, stage, u_);
-    // Held phyxels and whatever they carry start where they have to be.
-    body.placeHeld(stage.end, false);
-    placed_ = body.state().displacements;
+    u_ = start_;
+    settings_ = newtonSettings(*members.front().body, *members.front().environment, isStatic());
+    for (const StageMember &member : members) tighten(member);
+    if (coupling_) {
+      coupling_->begin(start_, stage().end, stage().contactSpan, isStatic());
+      coupling_->find(start_);
+    }
+    const bool isAlone = !coupling_ || !coupling_->acts();
+    for (Part &part : parts_) {
+      if (!isStatic()) fallFreely(*part.body, *part.env, *part.stage, isAlone, of(part, u_));
+      // Held phyxels and whatever they carry start where they have to be.
+      part.body->placeHeld(part.stage->end, false);
+      const std::vector<Vec3> &placed = part.body->state().displacements;
+      placed_.insert(placed_.end(), placed.begin(), placed.end());
+    }
     hold(u_);
+    std::vector<StageProblem *> problems;
+    for (Part &part : parts_) problems.push_back(&part.problem);
+    if (coupling_) group_.emplace(std::move(problems), *coupling_);
   }
 
   NewtonResult solve() {
-    const bool touches = stagesOf(body_, env_).contact;
     bool complete = true;
-    if (touches) {
+    if (touches()) {
       begin();
       complete = solveContacts();
     } else {
       (void)newton([&](const NewtonResult &) { return wanted(); });
     }
     // Of a stage that was given up, too: whoever solves it in another way may begin where this one has got to.
-    (void)problem_.setState(u_);
-    if (result_.good() && problem_.movesFreely()) {
-      const Vec3 left = problem_.wayToMomentum();
+    (void)problem().setState(u_);
+    if (StageProblem &first = parts_.front().problem; result_.good() && !coupling_ && first.movesFreely()) {
+      const Vec3 left = first.wayToMomentum();
       for (Vec3 &u : u_) u += left;
-      (void)problem_.setState(u_);
+      (void)first.setState(u_);
     }
-    memory().stageForces.begin(env_.obstacles.size());
-    if (touches) sumContactForces(points(), problem_.penalty(), start_, u_, memory());
-    if (touches && complete && result_.good()) finishContactStage(points(), problem_.penalty(), start_, u_, memory());
+    for (Part &part : parts_) {
+      ContactState &memory = part.body->contact;
+      memory.stageForces.begin(part.env->obstacles.size());
+      if (!part.touches) continue;
+      sumContactForces(pointsOf(part), part.problem.penalty(), of(part, start_), of(part, u_), memory);
+      if (complete && result_.good())
+        finishContactStage(pointsOf(part), part.problem.penalty(), of(part, start_), of(part, u_), memory);
+    }
+    if (coupling_ && complete && result_.good()) coupling_->finish(u_, request_.weight);
     return result_;
   }
 
@@ -95,51 +115,140 @@ class StageSolution {
   // What a round of contact has come to.
   enum class Round { again, restart, done, givenUp };
 
-  [[nodiscard]] const ContactPoints &points() const { return body_.rest().contact; }
-  [[nodiscard]] ContactState &memory() { return body_.contact; }
+  // One body of the stage.
+  struct Part {
+    Part(const StageMember &member, std::size_t firstPhyxel)
+        : body(member.body), env(member.environment), stage(member.stage), first(firstPhyxel),
+          problem(*member.body, *member.environment, *member.stage),
+          touches(stagesOf(*member.body, *member.environment).contact) {}
+    Body *body;
+    const Environment *env;
+    const ImplicitStage *stage;
+    std::size_t first;  // of its phyxels
+    StageProblem problem;
+    bool touches;  // obstacles or walls
+    ContactForces forces;
+  };
+
+  [[nodiscard]] const ImplicitStage &stage() const { return *parts_.front().stage; }
+  [[nodiscard]] bool isStatic() const { return !(stage().h > 0.0); }
+  [[nodiscard]] IncrementalPotential &problem() {
+    return group_ ? static_cast<IncrementalPotential &>(*group_) : parts_.front().problem;
+  }
+  [[nodiscard]] static std::span<Vec3> of(const Part &part, std::vector<Vec3> &all) {
+    return std::span<Vec3>(all).subspan(part.first, part.body->rest().phyxelCount());
+  }
+  [[nodiscard]] static const ContactPoints &pointsOf(const Part &part) { return part.body->rest().contact; }
+  // Pairs may come near each other on the way.
+  [[nodiscard]] bool touches() const {
+    return (coupling_ && coupling_->hasPairs()) ||
+           std::any_of(parts_.begin(), parts_.end(), [](const Part &part) { return part.touches; });
+  }
   [[nodiscard]] bool wanted() const { return !request_.shouldContinue || request_.shouldContinue(); }
   [[nodiscard]] bool goesOn() const { return !request_.goesOn || request_.goesOn(); }
 
+  // The settings are those that suit all.
+  void tighten(const StageMember &member) {
+    const Environment &env = *member.environment;
+    const NewtonSettings own = newtonSettings(*member.body, env, isStatic());
+    settings_.toleranceDisplacement = std::min(settings_.toleranceDisplacement, own.toleranceDisplacement);
+    settings_.strongTolerance = std::min(settings_.strongTolerance, own.strongTolerance);
+    const ImplicitStage &of = *member.stage;
+    if (isStatic() || !(of.tolerance > 0.0)) return;
+    settings_.confirmingTolerance = kConfirmingOfDisplacements;
+    settings_.firstTellsWay = settings_.firstTellsWay || env.contact() || touches();
+    settings_.loosestTolerance = settings_.firstTellsWay ? 0.0 : kLoosestOfDisplacements;
+    if (!(env.tolerance > 0.0)) settings_.toleranceOfWay = of.tolerance;
+    settings_.largestTolerance = std::min(settings_.largestTolerance, kLargestTolerance * member.body->rest().spacing);
+  }
+
   void hold(std::vector<Vec3> &at) const {
-    for (std::size_t i = 0; i < at.size(); ++i)
-      if (!body_.heldMask().empty() && body_.heldMask()[i]) at[i] = placed_[i];
+    for (const Part &part : parts_) {
+      const std::span<const std::uint8_t> mask = part.body->heldMask();
+      for (std::size_t i = 0; i < mask.size(); ++i)
+        if (mask[i]) at[part.first + i] = placed_[part.first + i];
+    }
   }
 
   void findContactsOfWay() {
-    const ParallelFor &parallelFor = *env_.parallelFor;
-    body_.state().displacements = start_;
-    for (std::size_t i = 0; i < u_.size(); ++i)
-      body_.state().velocities[i] =
-          stage_.contactSpan > 0.0 ? Vec3((u_[i] - start_[i]) / stage_.contactSpan) : Vec3(Vec3::Zero());
-    findContacts(env_.obstacles, env_.box, request_.from, stage_.contactSpan, kContactMargin * body_.rest().spacing,
-                 body_.contactPositions(parallelFor), body_.contactVelocities(parallelFor), points().radii, memory(),
-                 parallelFor);
+    for (Part &part : parts_) {
+      if (!part.touches) continue;
+      Body &body = *part.body;
+      const ParallelFor &parallelFor = *part.env->parallelFor;
+      const double span = part.stage->contactSpan;
+      const std::span<const Vec3> from = of(part, start_), to = of(part, u_);
+      std::copy(from.begin(), from.end(), body.state().displacements.begin());
+      for (std::size_t i = 0; i < to.size(); ++i)
+        body.state().velocities[i] = span > 0.0 ? Vec3((to[i] - from[i]) / span) : Vec3(Vec3::Zero());
+      findContacts(part.env->obstacles, part.env->box, request_.from, span, kContactMargin * body.rest().spacing,
+                   body.contactPositions(parallelFor), body.contactVelocities(parallelFor), pointsOf(part).radii,
+                   body.contact, parallelFor);
+    }
+    if (coupling_) coupling_->find(u_);
   }
 
   [[nodiscard]] bool newton(const std::function<bool(const NewtonResult &)> &watch) {
-    env_.clock->measure(kSolve, [&] { addWork(solver_.solve(problem_, u_, settings_, watch), result_); });
+    parts_.front().env->clock->measure(kSolve,
+                                       [&] { addWork(solver_.solve(problem(), u_, settings_, watch), result_); });
     settings_.toleranceDisplacement = std::max(settings_.toleranceDisplacement, result_.tolerance);
     settings_.toleranceOfWay = 0.0;
     return result_.good();
   }
 
-  void updateFriction() { updateNormalForces(points(), problem_.penalty(), start_, u_, memory()); }
-  void recordForces() { forces_.record(points(), problem_.penalty(), start_, u_, memory()); }
-  [[nodiscard]] double changeOfForces() { return forces_.changeTo(points(), problem_.penalty(), start_, u_, memory()); }
+  void updateFriction() {
+    for (Part &part : parts_)
+      if (part.touches)
+        updateNormalForces(pointsOf(part), part.problem.penalty(), of(part, start_), of(part, u_), part.body->contact);
+    if (coupling_) coupling_->updateNormalForces(u_);
+  }
+  void recordForces() {
+    for (Part &part : parts_)
+      if (part.touches)
+        part.forces.record(pointsOf(part), part.problem.penalty(), of(part, start_), of(part, u_), part.body->contact);
+    if (coupling_) coupling_->record(u_);
+  }
+  [[nodiscard]] double changeOfForces() {
+    double change = coupling_ ? coupling_->changeTo(u_) : 0.0;
+    for (Part &part : parts_)
+      if (part.touches)
+        change = std::max(change, part.forces.changeTo(pointsOf(part), part.problem.penalty(), of(part, start_),
+                                                       of(part, u_), part.body->contact));
+    return change;
+  }
+
+  struct Known {
+    std::vector<std::vector<Contact>> ofParts;
+    StageCoupling::Contacts ofPairs;
+  };
+  [[nodiscard]] Known known() const {
+    Known out;
+    for (const Part &part : parts_) out.ofParts.push_back(part.body->contact.active);
+    if (coupling_) out.ofPairs = coupling_->contacts();
+    return out;
+  }
+  void goBackTo(const Known &known) {
+    for (std::size_t k = 0; k < parts_.size(); ++k) parts_[k].body->contact.active = known.ofParts[k];
+    if (coupling_) coupling_->setContacts(known.ofPairs);
+  }
+  [[nodiscard]] std::size_t contactCount() const {
+    std::size_t count = coupling_ ? coupling_->contactCount() : 0;
+    for (const Part &part : parts_) count += part.body->contact.active.size();
+    return count;
+  }
 
   void begin() {
     freeMotion_ = u_;
     findContactsOfWay();
-    if (!(stage_.h > 0.0) || memory().active.empty()) return;
+    if (isStatic() || contactCount() == 0) return;
     std::vector<std::vector<Vec3>> offers{u_, start_};
     if (!request_.offer.empty()) offers.emplace_back(request_.offer.begin(), request_.offer.end());
     for (std::vector<Vec3> &at : offers) hold(at);
-    u_ = beginningOf(problem_, offers);
+    u_ = beginningOf(problem(), offers);
   }
 
   // @return false: given up, because it is not to go on
   bool solveContacts() {
-    for (int round = 0; round < kContactRounds; ++round) {
+    for (int round = 0; round < (coupling_ ? kRoundsOfBodies : kContactRounds); ++round) {
       const Round outcome = solveRound(round);
       if (outcome == Round::done) return true;
       if (outcome == Round::givenUp) return false;
@@ -160,14 +269,14 @@ class StageSolution {
       if (!wanted()) return false;
       if (asked || r.iterations == 0 || r.lastStep > kRough * settings_.toleranceDisplacement) return true;
       asked = true;
-      kept_ = memory().active;
+      const Known before = known();
       recordForces();
       updateFriction();
       enough = !goesOn() || changeOfForces() > kSettled;
-      if (!enough) memory().active.swap(kept_);
+      if (!enough) goBackTo(before);
       return !enough;
     };
-    const std::size_t before = memory().active.size();
+    const std::size_t before = contactCount();
     if (!newton(look) && !enough) return afterFailure();
     if (!enough) solution_ = u_;
     result_.outcome = NewtonOutcome::converged;
@@ -179,7 +288,13 @@ class StageSolution {
     updateFriction();
     if (!goesOn()) return Round::givenUp;
     if (enough) return Round::again;
-    const bool settled = changeOfForces() <= kSettled || (round > 0 && memory().active.size() == before);
+    double change = changeOfForces();
+    if (coupling_ && change <= kSettled && !coupling_->isFoundThere()) {
+      coupling_->find(u_);
+      updateFriction();
+      change = changeOfForces();
+    }
+    const bool settled = change <= kSettled || (!coupling_ && round > 0 && contactCount() == before);
     return settled ? Round::done : Round::again;
   }
 
@@ -191,21 +306,17 @@ class StageSolution {
       result_.outcome = NewtonOutcome::converged;
       return Round::done;
     }
-    return restarted_ || stage_.h <= 0.0 ? Round::done : Round::restart;
+    return restarted_ || isStatic() ? Round::done : Round::restart;
   }
 
-  Body &body_;
+  std::vector<Part> parts_;
+  StageCoupling *coupling_;
+  std::optional<GroupProblem> group_;
   NewtonSolver &solver_;
-  const Environment &env_;
-  const ImplicitStage &stage_;
   const StageRequest &request_;
-  StageProblem problem_;
   NewtonSettings settings_;
-  const std::vector<Vec3> start_;
-  std::vector<Vec3> u_, placed_, freeMotion_;
+  std::vector<Vec3> start_, u_, placed_, freeMotion_;
   std::vector<Vec3> solution_;  // the last one
-  std::vector<Contact> kept_;
-  ContactForces forces_;
   NewtonResult result_;
   bool restarted_ = false;
 };
@@ -244,9 +355,15 @@ std::vector<Index> pressingPoints(const ContactState &contact) {
   return points;
 }
 
+NewtonResult solveStage(std::span<const StageMember> members, StageCoupling *coupling, NewtonSolver &solver,
+                        const StageRequest &request) {
+  return StageSolution(members, coupling, solver, request).solve();
+}
+
 NewtonResult solveStage(Body &body, NewtonSolver &solver, const Environment &env, const ImplicitStage &stage,
                         const StageRequest &request) {
-  return StageSolution(body, solver, env, stage, request).solve();
+  const StageMember alone{&body, &env, &stage};
+  return solveStage(std::span<const StageMember>(&alone, 1), nullptr, solver, request);
 }
 
 bool findContactsAlong(Body &body, const Environment &env, std::span<const Vec3> start, double time, double dt) {

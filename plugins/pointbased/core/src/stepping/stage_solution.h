@@ -2,6 +2,7 @@
 // The solution of one stage of an implicit or static step, with its contacts. Private to the core.
 #pragma once
 
+#include "stepping/stage_coupling.h"
 #include "stepping/stage_problem.h"
 
 namespace pointbased::detail {
@@ -19,10 +20,22 @@ struct StageRequest {
   std::span<const Vec3> offer = {};      ///< m, or empty: displacements from which the solution may begin
   std::function<bool()> shouldContinue;  ///< asked in every iteration; false: cancelled
   std::function<bool()> goesOn;          ///< asked when the contacts are about known; false: given up unfinished
+  double weight = 0.0;                   ///< s, or load factor: for which the forces between bodies count
+};
+
+/// A body with its part of a stage; lengths and times are the same for all.
+struct StageMember {
+  Body *body = nullptr;
+  const Environment *environment = nullptr;
+  const ImplicitStage *stage = nullptr;
 };
 
 /// Solves a stage with its contacts: Newton for the contacts that are known, then these anew along the way of the
 /// solution, until their forces are those it was found with. body.state() is the end of the stage.
+/// NewtonResult::worst counts the phyxels of all members.
+/// @param coupling  of the members and of those that stand still; null: of one body alone
+[[nodiscard]] NewtonResult solveStage(std::span<const StageMember> members, StageCoupling *coupling,
+                                      NewtonSolver &solver, const StageRequest &request);
 [[nodiscard]] NewtonResult solveStage(Body &body, NewtonSolver &solver, const Environment &environment,
                                       const ImplicitStage &stage, const StageRequest &request);
 

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a stage of several bodies together minimises. Private to the core.
+#pragma once
+
+#include "stepping/stage_coupling.h"
+#include "stepping/stage_problem.h"
+
+namespace pointbased::detail {
+
+/// The sum of the stages of several bodies and of what joins them, over the displacements of all, body by body.
+class GroupProblem final : public IncrementalPotential {
+ public:
+  /// @param parts     at least one; in the order of the bodies of `coupling` that move
+  /// @param coupling  StageCoupling::begin() has been called
+  GroupProblem(std::vector<StageProblem *> parts, StageCoupling &coupling);
+
+  [[nodiscard]] std::size_t phyxels() const override { return mask_.size(); }
+  [[nodiscard]] std::span<const std::uint8_t> prescribed() const override { return mask_; }
+  [[nodiscard]] bool setState(std::span<const Vec3> u) override;
+  [[nodiscard]] double energy() override;
+  [[nodiscard]] double roundOff() const override;
+  void gradient(std::span<Vec3> out) override;
+  // What joins them is no concave energy: the Hessian is at least that of inertia.
+  [[nodiscard]] double reach(std::span<const Vec3> gradient) const override;
+  void product(std::span<const Vec3> du, std::span<Vec3> out) override;
+  void diagonalBlocks(std::span<Mat3> out) override;
+  [[nodiscard]] bool assemble(Eigen::SparseMatrix<double> &out) override;
+
+ private:
+  // visit(part, first of its phyxels, how many)
+  template <class Visit>
+  void forParts(const Visit &visit) const {
+    std::size_t first = 0;
+    for (StageProblem *part : parts_) {
+      visit(*part, first, part->phyxels());
+      first += part->phyxels();
+    }
+  }
+
+  std::vector<StageProblem *> parts_;
+  StageCoupling &coupling_;
+  std::vector<std::uint8_t> mask_;
+  std::vector<Vec3> now_, forces_;
+  Eigen::SparseMatrix<double> part_;
+  std::vector<Eigen::Triplet<double>> triplets_;
+};
+
+}  // namespace pointbased::detail

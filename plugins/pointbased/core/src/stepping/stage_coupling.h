@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// What joins several bodies within a stage of an implicit or static step. Private to the core.
+#pragma once
+
+#include "stepping/attachment_layer.h"
+#include "stepping/joint_contact.h"
+
+namespace pointbased::detail {
+
+/// Contact between skins, as the penalty of contact.h with signed rows over the phyxels of all bodies that move, and
+/// attachments. Displacements and forces are those of all these phyxels, body by body.
+/// @threads one
+class StageCoupling {
+ public:
+  void clear();
+  /// Those that do not move have no phyxels here.
+  void add(Body &body, bool moves);
+  void join(std::span<const JoinedPair> pairs, std::span<const JoinedLayer> layers);
+  [[nodiscard]] std::size_t phyxels() const { return count_; }
+
+  /// Whether attachments hold it against every rigid motion, by what is held itself or stands still.
+  [[nodiscard]] bool holds(const Body &body) const;
+  /// A stage from `start` on, with attachments as they are at time `end`. Contacts move on for `span` (s, or load
+  /// factor).
+  void begin(std::span<const Vec3> start, double end, double span, bool isStatic);
+  /// Contacts on the way from the start of the stage to `now`, as planes at the start; where that way is about known,
+  /// those of `now` itself, which follow what is curved.
+  void find(std::span<const Vec3> now);
+  /// Whether find() has looked at `now` itself.
+  [[nodiscard]] bool isFoundThere() const { return foundThere_; }
+  [[nodiscard]] bool touches() const { return !joint_.empty(); }
+  [[nodiscard]] bool hasPairs() const { return !pairs_.empty(); }
+  [[nodiscard]] std::size_t contactCount() const { return joint_.state().active.size(); }
+  [[nodiscard]] bool acts() const { return touches() || !layers_.empty(); }
+
+  [[nodiscard]] double energy(std::span<const Vec3> now) const;
+  void addForces(std::span<const Vec3> now, std::span<Vec3> forces) const;
+  void addProduct(std::span<const Vec3> now, std::span<const Vec3> du, std::span<Vec3> out) const;
+  void addBlocks(std::span<const Vec3> now, std::span<Mat3> blocks) const;
+  void addTriplets(std::span<const Vec3> now, std::vector<Eigen::Triplet<double>> &out) const;
+
+  /// The normal forces at `now`: what friction of the next solution uses.
+  void updateNormalForces(std::span<const Vec3> now);
+  /// Remembers the forces of contact on the phyxels, to be compared (ContactForces).
+  void record(std::span<const Vec3> now);
+  [[nodiscard]] double changeTo(std::span<const Vec3> now);
+  /// The stage is solved: what friction has stored goes to the next one. Adds what has passed in `weight` (s, or load
+  /// factor) to SkinPair::sum().
+  void finish(std::span<const Vec3> now, double weight);
+
+  /// The contacts that are known, and where they were found.
+  struct Contacts {
+    std::vector<std::vector<SkinContact>> ofPairs;
+    std::vector<Vec3> base;
+  };
+  [[nodiscard]] Contacts contacts() const;
+  void setContacts(const Contacts &contacts);
+  /// Pairs and keys of those that press, ascending.
+  using Pressing = std::vector<std::pair<std::size_t, std::uint64_t>>;
+  [[nodiscard]] Pressing pressing() const;
+  /// What has passed so far in this step, of every pair.
+  [[nodiscard]] std::vector<SkinPair::Sum> sums() const;
+  void setSums(const std::vector<SkinPair::Sum> &sums);
+  void beginSums() {
+    for (const JoinedPair &joined : pairs_) joined.pair->beginSum();
+  }
+  /// Whether something that the last stage knows is passed where it goes on evenly.
+  /// @param known, to  s, from the beginning of the stage: its end, and as far as it goes on
+  [[nodiscard]] bool meetsAlong(double known, double to) const;
+
+ private:
+  [[nodiscard]] AttachmentLayer::Sides sidesOf(const JoinedLayer &layer, std::span<const Vec3> of) const;
+  template <class T>
+  [[nodiscard]] std::span<T> partOf(std::size_t body, std::span<T> of) const;
+  [[nodiscard]] ContactPenalty penalty() const { return {0.0, {}, 0.0, span_}; }
+  void findAlong(std::span<const Vec3> now);
+  void findFromBase(double dt);
+  void gather();
+  void contactForces(std::span<const Vec3> now, std::vector<Vec3> &out) const;
+
+  struct Member {
+    Body *body = nullptr;
+    std::size_t first = 0, count = 0;  // of its phyxels; 0: it does not move
+  };
+  std::vector<Member> members_;
+  std::size_t count_ = 0;
+  std::span<const JoinedPair> pairs_;
+  std::span<const JoinedLayer> layers_;
+  JointContact joint_;
+  double end_ = 0.0, span_ = 0.0;
+  bool again_ = false, isStatic_ = false, foundThere_ = true;
+  std::vector<Vec3> start_, base_;                  // m; base_: where gaps were measured
+  std::vector<Vec3> looked_;                        // m: the end of the way that was looked at last
+  std::vector<std::vector<SkinContact>> met_;       // [pairs] on the ways of this stage
+  std::vector<std::vector<Vec3>> placeOf_, wayOf_;  // [members] m, m/s: what their skins refer to
+  std::vector<Vec3> then_, now_;                    // [phyxels] N
+};
+
+}  // namespace pointbased::detail

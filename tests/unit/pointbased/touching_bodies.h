@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Blocks and balls that meet, and what is asked of several bodies together.
+#pragma once
+
+#include "pointbased/simulator.h"
+
+namespace shapes {
+
+[[nodiscard]] pointbased::Material soft(double modulus, double poisson, double viscosity = 0.0);
+/// On a lattice with its stabilisation.
+[[nodiscard]] std::unique_ptr<pointbased::Body> bodyOf(const pointbased::BodyShape &shape, double spacing,
+                                                       const pointbased::Material &material,
+                                                       std::vector<pointbased::Fix> fixes = {},
+                                                       std::vector<pointbased::Load> loads = {});
+/// @param n  squares along an edge of its skin
+[[nodiscard]] std::unique_ptr<pointbased::Body> block(const pointbased::Vec3 &low, const pointbased::Vec3 &high,
+                                                      double spacing, const pointbased::Material &material, int n,
+                                                      std::vector<pointbased::Fix> fixes = {},
+                                                      std::vector<pointbased::Load> loads = {});
+/// @param n  faces of its skin around the equator. Built once for all balls of the same place and size
+[[nodiscard]] std::unique_ptr<pointbased::Body> ball(const pointbased::Vec3 &centre, double radius, double spacing,
+                                                     const pointbased::Material &material, int n);
+void setVelocity(pointbased::Simulator &simulator, std::size_t id, const pointbased::Vec3 &velocity);
+
+/// Of all bodies.
+struct Total {
+  pointbased::Vec3 momentum = pointbased::Vec3::Zero(), angular = pointbased::Vec3::Zero();
+  double energy = 0.0;  ///< J, with attachments
+};
+[[nodiscard]] Total totalOf(pointbased::Simulator &simulator);
+
+/// Null: they do not touch.
+[[nodiscard]] const pointbased::ContactSummary *between(const std::vector<pointbased::ContactSummary> &contacts,
+                                                        std::size_t a, std::size_t b);
+
+}  // namespace shapes
