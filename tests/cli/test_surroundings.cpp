@@ -96,6 +96,38 @@ TEST_CASE("An attachment to the surroundings carries a body, and the report says
   CHECK(readJson(report)["attachments"].empty());
 }
 
+TEST_CASE("An attachment carries one body by another, and tears where it bears no more, whatever integrates them") {
+  const auto folder = freshFolder("carried");
+  const auto report = folder / "report.json";
+  const auto file =
+      scene(folder,
+            "[world]\ngravity = [0, -9.81, 0]\n[solver]\ndamping = 20\n" + box("box", "rigid = true\n") +
+                box("hanging", "position = [0, -0.23, 0]\n") +
+                "[[attachment]]\nname = \"glue\"\nbodies = [\"hanging\", \"box\"]\nwithin_mm = 40\nstiffness = 1e6\n");
+  for (const char *integrator : {"explicit", "implicit", "quasistatic"}) {
+    const auto ran = runC3de({"run", file.string(), "--set", std::string("solver.integrator=") + integrator, "--until",
+                              "2", "--report", report.string(), "-q"});
+    INFO(integrator << ": " << ran.errorOutput);
+    REQUIRE(ran.exitCode == 0);
+    const auto json = readJson(report);
+    REQUIRE(json["attachments"].size() == 1);
+    const auto &glue = json["attachments"][0];
+    CHECK(glue["name"] == "glue");
+    CHECK(glue["bodies"] == nlohmann::json{"hanging", "box"});
+    CHECK(glue["torn_part"] == 0.0);
+    CHECK_THAT(glue["force_N"][1].get<double>(), WithinRel(9.81 * json["bodies"][1]["mass_kg"].get<double>(), 1e-3));
+  }
+  const auto torn = runC3de({"run", file.string(), "--set", "attachment.glue.tears_at=1", "--until", "0.3", "--report",
+                             report.string(), "-q"});
+  REQUIRE(torn.exitCode == 0);
+  CHECK(readJson(report)["attachments"][0]["torn_part"] == 1.0);
+  const auto nowhere = runC3de({"run", file.string(), "--set", "attachment.glue.within_mm=0.001", "-q"});
+  CHECK(nowhere.exitCode == 3);
+  CHECK_THAT(nowhere.errorOutput, Contains("'glue'") && Contains("nowhere within") && Contains("apart"));
+  const auto info = runC3de({"info", file.string()});
+  CHECK_THAT(info.output, Contains("attachment \"glue\": \"hanging\" to \"box\", 1e+06 Pa/m, within 40 mm"));
+}
+
 TEST_CASE("A held body that is thrown comes back to where it was, the same at any number of threads") {
   const auto folder = freshFolder("thrown");
   const auto file =

@@ -99,7 +99,7 @@ bool SceneReader::readScene(const TomlValue &root) {
   }
   if (scene_.bodies.empty()) return refuse(1, "the scene has no [[body]]; at least one is needed");
   if (scene_.title.empty()) scene_.title = scene_.source.stem().string();
-  return checkBox() && checkWish() && checkBodyNames() && attachBodies() && checkPairs();
+  return checkBox() && checkWish() && checkBodyNames() && attachBodies() && checkAttachments() && checkPairs();
 }
 
 bool SceneReader::tables(const TomlValue &value, const std::string &key) {

@@ -59,7 +59,7 @@ class SceneReader {
   /// Gives probes, fixes and loads without a body the only one; refuses names of no body.
   bool checkBodyNames();
   bool checkBodyName(const std::string &what, int line, std::string &body);
-  /// Gives bodies what their attachments say.
+  /// Gives bodies what holds all of them.
   bool attachBodies();
 
   bool bodyKey(SceneBody &body, const std::string &key, const TomlValue &value);
@@ -122,12 +122,17 @@ class SceneReader {
   bool overrideContact(const std::string &path, const std::string &rest, const TomlValue &value);
   bool overrideProbeTool(const std::string &rest, const TomlValue &value);
 
-  /// What holds a body elastically: what its [[attachment]] says, as parameters of it.
+  /// What holds all of a body where it is in the scan, as parameters of it.
   struct Attachment {
     std::string body;
     std::vector<SceneValue> params;
     int line = 0;
   };
+  bool attachmentKey(SceneAttachment &attachment, const std::string &key, const TomlValue &value);
+  bool readNotNegative(const std::string &key, const std::string &unit, const TomlValue &value, double &out);
+  /// Refuses names of nobody, and what says too little.
+  bool checkAttachments();
+  bool overrideAttachment(const std::string &rest, const TomlValue &value);
 
   SceneFile &scene_;
   std::vector<Attachment> attachments_;

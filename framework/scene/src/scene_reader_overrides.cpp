@@ -69,6 +69,7 @@ bool SceneReader::readOverride(const std::string &path, const TomlValue &value) 
   if (first == "probe") return overrideProbe(rest, value);
   if (first == "contact") return overrideContact(path, rest, value);
   if (first == "probe_tool") return overrideProbeTool(rest, value);
+  if (first == "attachment") return overrideAttachment(rest, value);
   return refusePath(path);
 }
 
@@ -111,6 +112,8 @@ bool SceneReader::refusePath(const std::string &path) {
     add("obstacle." + obstacle.name, {C3DE_PARAM_ID_FRICTION, C3DE_PARAM_ID_RESTITUTION, "displacement", "ramp",
                                       "position", "rotation_deg", "scale"});
   for (const SceneProbe &probe : scene_.probes) add("probe." + probe.name, {"at"});
+  for (const SceneAttachment &attachment : scene_.attachments)
+    add("attachment." + attachment.name, {"stiffness", "tangential", "within_mm", "region", "tears_at"});
   for (std::size_t i = 0; i < scene_.contactPairs.size(); ++i)
     add("contact.pair." + std::to_string(i), {"friction", "enabled"});
   for (const SceneProbeTool &tool : scene_.probeTools)
@@ -204,6 +207,16 @@ bool SceneReader::overrideContact(const std::string &path, const std::string &re
       return contactPairKey(scene_.contactPairs[i], *key, value) && checkPairs();
   return refuse(0, "there is no such pair; the scene has " + std::to_string(scene_.contactPairs.size()) +
                        "; accepted: contact.pair.NUMBER.friction, contact.pair.NUMBER.enabled, numbers from 0");
+}
+
+bool SceneReader::overrideAttachment(const std::string &rest, const TomlValue &value) {
+  std::string key;
+  SceneAttachment *attachment = findElement(scene_.attachments, rest, key);
+  if (attachment == nullptr)
+    return refuse(0, noElement(scene_.attachments, "attachment", rest) +
+                         "; what holds all of a body where it is in the scan is body.NAME.surroundings.stiffness");
+  if (key == "name" || key == "bodies") return refuse(0, "what an attachment joins cannot be changed here");
+  return attachmentKey(*attachment, key, value);
 }
 
 bool SceneReader::overrideProbeTool(const std::string &rest, const TomlValue &value) {

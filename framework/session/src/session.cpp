@@ -80,6 +80,11 @@ Expected<FittedScene> fitScene(c3de_object *simulator, const scene::SceneFile &s
   if ((*contact == nullptr || (*contact)->add_probe_tool == nullptr) && !scene.probeTools.empty())
     return fail(ErrorCode::input,
                 scene.where(scene.probeTools.front().line) + ": '[[probe_tool]]' is not served by this simulator");
+  const auto attachments = attachmentTable(simulator);
+  if (!attachments) return tl::unexpected(attachments.error());
+  if (*attachments == nullptr && !scene.attachments.empty())
+    return fail(ErrorCode::input,
+                scene.where(scene.attachments.front().line) + ": '[[attachment]]' is not served by this simulator");
   const auto world = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD);
   if (!world) return tl::unexpected(world.error());
   const auto body = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_BODY);
@@ -545,9 +550,29 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
   return impl_->addTouch(simulator, scene, std::move(named));
 }
 
-/// Probe tools, after the bodies that they may stand in, and then the pairs that may name them.
+/// Attachments; probe tools, after the bodies that they may stand in, and then the pairs that may name them.
 Expected<void> Session::Impl::addTouch(c3de_object *simulator, const scene::SceneFile &scene,
                                        std::map<std::string, c3de_handle> named) const {
+  named[scene::kSurroundingsName] = {0};
+  const auto attachments = attachmentTable(simulator);
+  if (!attachments) return tl::unexpected(attachments.error());
+  for (const scene::SceneAttachment &attachment : scene.attachments) {
+    const c3de_sim_region region = toAbi(attachment.region.value_or(scene::SceneRegion{}));
+    c3de_sim_attachment abi{};
+    abi.size = sizeof abi;
+    abi.flags = attachment.within_m ? C3DE_SIM_ATTACHMENT_WITHIN : 0u;
+    abi.name = c3de::toAbi(attachment.name);
+    abi.first = named.at(attachment.names[0]);
+    abi.second = named.at(attachment.names[1]);
+    abi.region = &region;
+    abi.within_m = attachment.within_m.value_or(0.0);
+    abi.stiffness_Pa_m = attachment.stiffness_Pa_m;
+    abi.tangential_Pa_m = attachment.tangential_Pa_m;
+    abi.tears_at_Pa = attachment.tearsAt_Pa;
+    c3de_handle added{};
+    if (const c3de_status code = (*attachments)->add(simulator, &abi, &added); code < 0)
+      return tl::unexpected(lastError(code, scene, attachment.line, "adding attachment '" + attachment.name + "'"));
+  }
   if (scene.probeTools.empty() && scene.contactPairs.empty()) return {};
   const auto table = contactTable(simulator);
   if (!table) return tl::unexpected(table.error());

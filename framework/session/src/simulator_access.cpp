@@ -66,6 +66,15 @@ Expected<const c3de_contact_v1 *> contactTable(c3de_object *simulator) {
   return table;
 }
 
+Expected<const c3de_attachment_v1 *> attachmentTable(c3de_object *simulator) {
+  const auto found = queryObject(simulator, C3DE_IFACE_ATTACHMENT_ID, 1);
+  if (!found) return nullptr;
+  const auto *table = static_cast<const c3de_attachment_v1 *>(*found);
+  if (std::string problem = tableProblem(table); !problem.empty())
+    return fail(ErrorCode::plugin, "the simulator's table of " + std::move(problem));
+  return table;
+}
+
 Expected<std::vector<ProbeToolSample>> readProbeTools(c3de_object *simulator) {
   std::vector<ProbeToolSample> samples;
   const auto table = contactTable(simulator);

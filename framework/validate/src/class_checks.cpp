@@ -436,6 +436,26 @@ void refuseContact(const c3de_contact_v1 &contact, c3de_object *self, c3de_handl
   refuse("enum_probe_tools(null)", contact.enum_probe_tools(self, nullptr, nullptr));
 }
 
+/// Attachments that cannot be, likewise.
+template <class Refuse>
+void refuseAttachments(const c3de_attachment_v1 &attachments, c3de_object *self, c3de_handle nobody,
+                       const Refuse &refuse) {
+  c3de_handle handle{};
+  refuse("add attachment(null)", attachments.add(self, nullptr, &handle));
+  c3de_sim_attachment attachment{};
+  attachment.size = sizeof attachment;
+  attachment.name = {"layer", 5};
+  attachment.stiffness_Pa_m = attachment.tangential_Pa_m = 1.0;
+  refuse("an attachment of no body", attachments.add(self, &attachment, &handle));
+  attachment.first = nobody;
+  refuse("an attachment of nobody", attachments.add(self, &attachment, &handle));
+  for (const double stiffness : {-1.0, std::nan("")}) {
+    attachment.stiffness_Pa_m = stiffness;
+    refuse("an attachment of no stiffness", attachments.add(self, &attachment, &handle));
+  }
+  refuse("enumerate attachments(null)", attachments.enumerate(self, nullptr, nullptr));
+}
+
 Verdict simulatorArguments(const Trial &trial) {
   const std::vector<std::string> ids = simulatorClasses(trial);
   if (ids.empty()) return skip("no class of it simulates");
@@ -471,6 +491,9 @@ Verdict simulatorArguments(const Trial &trial) {
     const auto contact = session::contactTable(self);
     if (!contact) return fail(id + ": " + contact.error().message);
     if (*contact != nullptr) refuseContact(**contact, self, nobody, refuse);
+    const auto attachments = session::attachmentTable(self);
+    if (!attachments) return fail(id + ": " + attachments.error().message);
+    if (*attachments != nullptr) refuseAttachments(**attachments, self, nobody, refuse);
     if (!accepted.empty()) return fail(id + " accepts what it must refuse: " + accepted);
     if (const std::string bad = one.step(3); !bad.empty()) return fail(id + ", after calls it has refused: " + bad);
   }

@@ -29,23 +29,67 @@ TEST_CASE("An attachment to the surroundings is parameters of its body", "[scene
   CHECK(findValue(scene->bodies[1].params, "surroundings.stiffness") == nullptr);
 }
 
-TEST_CASE("An attachment that is not served yet or says too little is refused by name", "[scene][attachment]") {
-  const std::string surroundings = "bodies = [\"liver\", \"surroundings\"]\n";
-  CHECK_THAT(errorOf(attached("bodies = [\"liver\", \"spine\"]\nstiffness = 1e5\n")),
-             Contains(":11: ") && Contains("'spine' is not served yet") && Contains("\"surroundings\""));
+TEST_CASE("An attachment between bodies, in a region or that tears, is one of the scene", "[scene][attachment]") {
+  const auto read = parse(attached(
+      "bodies = [\"liver\", \"spine\"]\nwithin_mm = 3\nstiffness = 1e5\ntears_at = 2e3\n"
+      "[[attachment]]\nname = \"foot\"\nbodies = [\"liver\", \"surroundings\"]\nstiffness = 1e4\ntangential = 0\n"
+      "region = { sphere = { centre = [0, 0, 0], radius = 0.1 } }\n"));
+  REQUIRE(read.has_value());
+  REQUIRE(read->attachments.size() == 2);
+  const scene::SceneAttachment &layer = read->attachments[0], &foot = read->attachments[1];
+  CHECK(layer.name == "liver/spine");
+  CHECK(layer.names == std::array<std::string, 2>{"liver", "spine"});
+  CHECK(layer.within_m == 0.003);
+  CHECK(layer.stiffness_Pa_m == 1e5);
+  CHECK(layer.tangential_Pa_m == 1e5);
+  CHECK(layer.tearsAt_Pa == 2e3);
+  CHECK_FALSE(layer.region.has_value());
+  CHECK(foot.name == "foot");
+  CHECK(foot.names[1] == "surroundings");
+  CHECK(foot.tangential_Pa_m == 0.0);
+  REQUIRE(foot.region.has_value());
+  CHECK(foot.region->radius == 0.1);
+  CHECK(findValue(read->bodies[0].params, "surroundings.stiffness") == nullptr);
+
+  scene::SceneFile changed = *read;
+  REQUIRE(scene::applyOverride(changed, "attachment.foot.stiffness=2e4", nullptr));
+  CHECK(changed.attachments[1].stiffness_Pa_m == 2e4);
+  REQUIRE(scene::applyOverride(changed, "attachment.0.within_mm=5", nullptr));
+  CHECK(changed.attachments[0].within_m == 0.005);
+  CHECK_THAT(scene::applyOverride(changed, "attachment.0.within_mm=0", nullptr).error().message,
+             Contains("within_mm is 0") && Contains("above 0, mm"));
+  CHECK_THAT(scene::applyOverride(changed, "attachment.feet.stiffness=1", nullptr).error().message,
+             Contains("did you mean 'foot'"));
+}
+
+TEST_CASE("An attachment that cannot be or says too little is refused by name", "[scene][attachment]") {
+  const std::string surroundings = "bodies = [\"liver\", \"surroundings\"]\n",
+                    spine = "bodies = [\"liver\", \"spine\"]\n";
+  CHECK_THAT(errorOf(attached("bodies = [\"liver\", \"spin\"]\nwithin_mm = 3\nstiffness = 1e5\n")),
+             Contains(":10: ") && Contains("no body or obstacle 'spin'") && Contains("did you mean 'spine'"));
   CHECK_THAT(errorOf(attached("bodies = [\"liver\"]\nstiffness = 1e5\n")),
              Contains("bodies is [\"liver\"]; accepted: two names"));
   CHECK_THAT(errorOf(attached("bodies = [\"live\", \"surroundings\"]\nstiffness = 1e5\n")),
              Contains("no body 'live'") && Contains("did you mean 'liver'"));
+  CHECK_THAT(errorOf(attached("bodies = [\"liver\", \"liver\"]\nwithin_mm = 3\nstiffness = 1e5\n")),
+             Contains("'liver' and itself"));
   CHECK_THAT(errorOf(attached(surroundings)), Contains("no 'stiffness'") && Contains("Pa/m"));
   CHECK_THAT(errorOf(attached("stiffness = 1\n")), Contains("no 'bodies'"));
-  CHECK_THAT(errorOf(attached(surroundings + "stiffness = 1e5\ntears_at = 100\n")),
-             Contains("tears is not served yet"));
+  CHECK_THAT(errorOf(attached(spine + "stiffness = 1e5\n")),
+             Contains("does not say where") && Contains("within_mm") && Contains("region"));
   CHECK_THAT(errorOf(attached(surroundings + "stiffness = 1e5\nwithin_mm = 3\n")),
-             Contains("'within_mm' is not served yet"));
+             Contains("between two surfaces") && Contains("region"));
+  CHECK_THAT(errorOf(attached(spine + "within_mm = 3\nstiffness = -1\n")),
+             Contains("stiffness is -1") && Contains("at least 0, Pa/m"));
+  CHECK_THAT(errorOf(attached(spine + "within_mm = 3\nstiffness = 1e5\ntears_at = -2\n")), Contains("tears_at is -2"));
+  CHECK_THAT(errorOf(attached(spine + "within_mm = 3\nstiffness = 1e5\nretardation_time = 0.1\n")),
+             Contains("retardation_time is of an attachment of all of the surface"));
   CHECK_THAT(errorOf(attached(surroundings + "stifness = 1e5\n")), Contains("did you mean 'stiffness'"));
   CHECK_THAT(errorOf(attached(surroundings + "stiffness = 1e5\n[[attachment]]\n" + surroundings + "stiffness = 2e5\n")),
-             Contains("a second attachment holds 'liver'"));
+             Contains("a second attachment holds all of 'liver'"));
+  const std::string layer = spine + "within_mm = 3\nstiffness = 1e5\n";
+  CHECK_THAT(errorOf(attached(layer + "[[attachment]]\n" + layer)),
+             Contains("a second attachment is named 'liver/spine'"));
 }
 
 TEST_CASE("The hold of the surroundings and rigid are set from the command line", "[scene][attachment]") {

@@ -303,6 +303,28 @@ void describeContact(const scene::SceneFile &scene, c3de_object *simulator, std:
   }
 }
 
+void describeAttachments(const scene::SceneFile &scene, std::ostringstream &text, Json &json) {
+  if (scene.attachments.empty()) return;
+  json["attachments"] = Json::array();
+  for (const scene::SceneAttachment &attachment : scene.attachments) {
+    text << "attachment \"" << attachment.name << "\": \"" << attachment.names[0] << "\" to \"" << attachment.names[1]
+         << "\", " << formatNumber(attachment.stiffness_Pa_m) << " Pa/m";
+    if (attachment.tangential_Pa_m != attachment.stiffness_Pa_m)
+      text << " (" << formatNumber(attachment.tangential_Pa_m) << " across)";
+    if (attachment.within_m) text << ", within " << formatNumber(1e3 * *attachment.within_m) << " mm";
+    if (attachment.region) text << ", in a region";
+    if (attachment.tearsAt_Pa > 0.0) text << ", tears at " << formatNumber(attachment.tearsAt_Pa) << " Pa";
+    text << "\n";
+    Json one{{"name", attachment.name},
+             {"bodies", attachment.names},
+             {"stiffness", attachment.stiffness_Pa_m},
+             {"tangential", attachment.tangential_Pa_m},
+             {"tears_at", attachment.tearsAt_Pa}};
+    if (attachment.within_m) one["within_mm"] = 1e3 * *attachment.within_m;
+    json["attachments"].push_back(std::move(one));
+  }
+}
+
 void describeProbeTools(const scene::SceneFile &scene, std::ostringstream &text, Json &json) {
   if (scene.probeTools.empty()) return;
   json["probe_tools"] = Json::array();
@@ -358,6 +380,7 @@ Expected<Described> describeScene(Session &session, const std::filesystem::path 
     out.json["probes"].push_back(Json{{"name", probe.name}, {"body", probe.body}, {"at_m", probe.at_m}});
   }
 
+  describeAttachments(*scene, text, out.json);
   describeProbeTools(*scene, text, out.json);
   describeContact(*scene, built->get(), text, out.json);
   if (built->get() != nullptr) describeComposition(built->get(), text, out.json);

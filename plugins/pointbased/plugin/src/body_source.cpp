@@ -29,21 +29,6 @@ Vec3 vec(const double *v) { return {v[0], v[1], v[2]}; }
 
 sdk::ErrorPlace member(const char *key) { return {{}, 0, key}; }
 
-Region readRegion(const c3de_sim_region *given, const sdk::ErrorPlace &where) {
-  if (given == nullptr) refuse(where, "region is null");
-  const c3de_sim_region in = element(given, 0, 0);
-  Region region;
-  switch (in.kind) {
-    case C3DE_SIM_REGION_EVERYWHERE: region = EverywhereRegion{}; break;
-    case C3DE_SIM_REGION_BOX: region = BoxRegion{vec(in.a), vec(in.b)}; break;
-    case C3DE_SIM_REGION_SPHERE: region = SphereRegion{vec(in.a), in.radius}; break;
-    case C3DE_SIM_REGION_HALF_SPACE: region = HalfSpaceRegion{vec(in.a), vec(in.b)}; break;
-    default: refuse(where, "region kind " + std::to_string(in.kind) + " is not known; accepted: 0 … 3");
-  }
-  if (const auto good = validate(region); !good) refuse(where, good.error());
-  return region;
-}
-
 Eigen::Quaterniond readQuaternion(const double *xyzw, const sdk::ErrorPlace &where) {
   const Eigen::Quaterniond q(xyzw[3], xyzw[0], xyzw[1], xyzw[2]);
   if (!q.coeffs().allFinite() || std::abs(q.norm() - 1.0) > 1e-6) refuse(where, "quaternion is not of unit length");
@@ -99,6 +84,21 @@ std::shared_ptr<const FillSource> readFill(const c3de_sim_fill &fill, const Plac
 }
 
 }  // namespace
+
+Region readRegion(const c3de_sim_region *given, const sdk::ErrorPlace &where) {
+  if (given == nullptr) refuse(where, "region is null");
+  const c3de_sim_region in = element(given, 0, 0);
+  Region region;
+  switch (in.kind) {
+    case C3DE_SIM_REGION_EVERYWHERE: region = EverywhereRegion{}; break;
+    case C3DE_SIM_REGION_BOX: region = BoxRegion{vec(in.a), vec(in.b)}; break;
+    case C3DE_SIM_REGION_SPHERE: region = SphereRegion{vec(in.a), in.radius}; break;
+    case C3DE_SIM_REGION_HALF_SPACE: region = HalfSpaceRegion{vec(in.a), vec(in.b)}; break;
+    default: refuse(where, "region kind " + std::to_string(in.kind) + " is not known; accepted: 0 … 3");
+  }
+  if (const auto good = validate(region); !good) refuse(where, good.error());
+  return region;
+}
 
 std::optional<Fix> readMotion(const c3de_sim_motion *motion, const char *what) {
   if (!motion) return std::nullopt;

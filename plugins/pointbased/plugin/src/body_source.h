@@ -51,6 +51,9 @@ struct BodySource {
 /// @param values  of the body: what a part does not say is as there
 [[nodiscard]] BodySource readSource(const c3de_sim_body &body, const ParameterValues &values);
 
+/// A region of the host. Errors as sdk::Error, with their place.
+[[nodiscard]] Region readRegion(const c3de_sim_region *region, const sdk::ErrorPlace &where);
+
 /// A load of add_load. Errors as sdk::Error.
 [[nodiscard]] Load readLoad(const c3de_sim_load *load);
 

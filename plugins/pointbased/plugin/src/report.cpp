@@ -150,7 +150,23 @@ Json attachmentJson(const Simulator &simulator, std::size_t id) {
           {"force_N", json(reaction.force)},
           {"torque_Nm", json(reaction.torque)},
           {"centre_m", json(reaction.centre)},
-          {"energy_J", simulator.energy(id).foundation}};
+          {"torn_part", 0.0},
+          {"energy_J", foundation.energy(body.state().displacements)}};
+}
+
+Json json(const ReportedAttachment &attachment) {
+  const AttachmentSummary &now = attachment.now;
+  return {{"name", now.name},
+          {"bodies", attachment.names},
+          {"stiffness_Pa_m", attachment.stiffness},
+          {"tangential_Pa_m", attachment.tangential},
+          {"area_m2", now.area},
+          {"force_N", json(now.force)},
+          {"torque_Nm", json(now.torque)},
+          {"centre_m", json(now.centre)},
+          {"torn_part", now.tornPart},
+          {"largest_traction_Pa", now.traction},
+          {"energy_J", now.energy}};
 }
 
 const char *kindOf(const AccuracyWish &wish) {
@@ -224,7 +240,7 @@ std::string howComputed(const Simulator &simulator, std::size_t id) {
 }
 
 std::string reportJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies,
-                       const std::vector<ReportedTool> &tools,
+                       const std::vector<ReportedTool> &tools, const std::vector<ReportedAttachment> &attachments,
                        const std::function<std::string(std::size_t id)> &nameOfId) {
   Json out = {{"bodies", Json::array()},      {"probes", Json::array()},  {"reactions", Json::array()},
               {"attachments", Json::array()}, {"stages", Json::object()}, {"events", Json::array()}};
@@ -260,6 +276,7 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
                              {"position_m", json(state.position)},
                              {"velocity_m_s", json(state.velocity)}});
   }
+  for (const ReportedAttachment &attachment : attachments) out["attachments"].push_back(json(attachment));
   out["probe_tools"] = Json::array();
   for (const ReportedTool &tool : tools)
     out["probe_tools"].push_back({{"name", tool.name},

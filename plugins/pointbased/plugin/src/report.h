@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -26,14 +27,21 @@ struct ReportedTool {
   std::size_t points = 0;
 };
 
+struct ReportedAttachment {
+  AttachmentSummary now;
+  std::array<std::string, 2> names;          ///< of what it joins
+  double stiffness = 0.0, tangential = 0.0;  ///< Pa/m
+};
+
 /// What integrates a body and what computes its forces, for people: "explicit, double precision, AVX3".
 [[nodiscard]] std::string howComputed(const Simulator &simulator, std::size_t body);
 
-/// The keys accuracy, bodies, probes, probe_tools, contacts, reactions, stages, events and notices of the run report,
-/// as one JSON object.
+/// The keys accuracy, attachments, bodies, probes, probe_tools, contacts, reactions, stages, events and notices of the
+/// run report, as one JSON object.
 /// @param nameOfId  of a body, an obstacle or kWorldBox
 [[nodiscard]] std::string reportJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies,
                                      const std::vector<ReportedTool> &tools,
+                                     const std::vector<ReportedAttachment> &attachments,
                                      const std::function<std::string(std::size_t id)> &nameOfId);
 
 }  // namespace pointbased

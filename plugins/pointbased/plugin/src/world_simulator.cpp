@@ -60,12 +60,13 @@ WorldSimulator::~WorldSimulator() {
   if (node_.v != 0 && context_.listener) context_.listener->detached(*this);
 }
 
-std::array<sdk::Interface, 3> WorldSimulator::interfaces() {
+std::array<sdk::Interface, 4> WorldSimulator::interfaces() {
   static constexpr c3de_pointbased_bodies_v1 kBodies{sizeof(c3de_pointbased_bodies_v1), 1,
                                                      sdk::thunk<WorldSimulator, &WorldSimulator::phyxels>,
                                                      sdk::thunk<WorldSimulator, &WorldSimulator::surfels>};
   return {sdk::interfaceOf(sdk::kSimulatorTable<WorldSimulator>), sdk::interfaceOf(kBodies),
-          sdk::interfaceOf(sdk::kContactTable<WorldSimulator>)};
+          sdk::interfaceOf(sdk::kContactTable<WorldSimulator>),
+          sdk::interfaceOf(sdk::kAttachmentTable<WorldSimulator>)};
 }
 
 void WorldSimulator::attach(c3de_handle node) {
@@ -237,8 +238,13 @@ sdk::Result<void> WorldSimulator::getBodyParam(c3de_handle body, c3de_str id, c3
 sdk::Result<void> WorldSimulator::remove(c3de_handle handle) {
   const std::lock_guard lock(mutex_);
   estimated_.erase(handle.v);
+  const auto forgetAttachments = [&] {
+    std::erase_if(attachments_,
+                  [&](const auto &entry) { return entry.second.first == handle.v || entry.second.second == handle.v; });
+  };
   if (bodies_.erase(handle.v) > 0) {
     simulator_.removeBody(handle.v);
+    forgetAttachments();
     std::erase_if(liveLoads_, [&](const auto &entry) { return entry.second.body == handle.v; });
     std::erase_if(holds_, [&](const auto &entry) { return entry.second.body == handle.v; });
     return {};
@@ -251,9 +257,14 @@ sdk::Result<void> WorldSimulator::remove(c3de_handle handle) {
   if (liveLoads_.erase(handle.v) > 0 || simulator_.removeProbe(handle.v)) return {};
   if (obstacles_.erase(handle.v) > 0) {
     simulator_.removeObstacle(handle.v);
+    forgetAttachments();
     return {};
   }
-  return noSuch("body, obstacle, load, probe or hold");
+  if (attachments_.erase(handle.v) > 0) {
+    simulator_.removeAttachment(handle.v);
+    return {};
+  }
+  return noSuch("body, obstacle, attachment, load, probe or hold");
 }
 
 void WorldSimulator::clear() {
@@ -261,6 +272,7 @@ void WorldSimulator::clear() {
   simulator_.clear();
   bodies_.clear();
   obstacles_.clear();
+  attachments_.clear();
   liveLoads_.clear();
   holds_.clear();
 }
@@ -451,7 +463,8 @@ void WorldSimulator::report(c3de_sink json) {
     std::sort(bodies.begin(), bodies.end(), [&](const ReportedBody &a, const ReportedBody &b) {
       return bodies_.at(a.id).order < bodies_.at(b.id).order;
     });
-    text = reportJson(simulator_, bodies, reportedTools(), [this](std::size_t id) { return nameOf(id); });
+    text = reportJson(simulator_, bodies, reportedTools(), reportedAttachments(),
+                      [this](std::size_t id) { return nameOf(id); });
   }
   if (const c3de_status status = sdk::put(json, text); status < 0) throw Error(status, "the report was not taken");
 }
@@ -598,6 +611,11 @@ void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &valu
   if (found == bodies_.end()) throw Error(noSuch("body"));
   BodyRecord record = found->second;
   const Simulator::ContactPairs pairs = simulator_.contactPairs();
+  std::vector<Attachment> attached;
+  for (const auto &[number, attachment] : attachments_)
+    if (attachment.first == body || attachment.second == body) attached.push_back(attachment);
+  std::erase_if(attachments_,
+                [body](const auto &entry) { return entry.second.first == body || entry.second.second == body; });
   record.surface = std::move(built.surface);
   record.values = std::make_shared<const ParameterValues>(values);
   record.promise = built.promise ? std::make_shared<const AccuracyPromise>(std::move(*built.promise)) : nullptr;
@@ -609,6 +627,13 @@ void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &valu
   for (const auto &[pair, settings] : pairs)
     if (pair.first == body || pair.second == body)
       simulator_.setContactPair(id, pair.first == body ? pair.second : pair.first, settings);
+  for (Attachment &attachment : attached) {
+    (attachment.first == body ? attachment.first : attachment.second) = id;
+    if (const auto added = simulator_.addAttachment(attachment))
+      attachments_.emplace(*added, std::move(attachment));
+    else
+      simulator_.addWarning(id, "attachment '" + attachment.name + "' is gone: " + added.error());
+  }
 }
 
 void WorldSimulator::displacement(const c3de_sim_grid *grid, double rim, float *out, float *gaps) const {

@@ -91,6 +91,11 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void addProbeTool(const c3de_sim_probe_tool *tool, c3de_handle *out);
   c3de_status enumProbeTools(void *visitor, EachProbeTool each);
 
+  // iface.attachment
+  using EachAttachment = c3de_status(C3DE_CALL *)(void *visitor, const c3de_sim_attachment_state *state);
+  void addAttachment(const c3de_sim_attachment *attachment, c3de_handle *out);
+  c3de_status enumAttachments(void *visitor, EachAttachment each);
+
   c3de_status saveState(c3de_sink bytes);
   void loadState(const void *bytes, std::uint64_t n);
   void verify(const c3de_progress *progress, c3de_sink json);
@@ -124,7 +129,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   /// Takes a body's points out under the lock; false when the body is gone.
   bool readBody(std::uint64_t body, const std::function<void(const Body &)> &read) const;
 
-  static std::array<sdk::Interface, 3> interfaces();
+  static std::array<sdk::Interface, 4> interfaces();
 
  private:
   /// Ids of loads and holds begin here, above those of bodies, obstacles and probes.
@@ -148,6 +153,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   [[nodiscard]] std::vector<ReportedTool> reportedTools() const;
   /// Of a body, an obstacle or the walls.
   [[nodiscard]] std::string nameOf(std::size_t id) const;
+  [[nodiscard]] std::vector<ReportedAttachment> reportedAttachments() const;
   enum class Walls { stay, makeRoom };
   void add(const c3de_sim_body *body, c3de_handle *out, Walls walls);
   void makeRoom(const BodyRecord &body);
@@ -166,6 +172,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   ParameterValues world_{worldDeclarations()};
   std::map<std::uint64_t, BodyRecord> bodies_;
   std::map<std::uint64_t, ObstacleRecord> obstacles_;
+  std::map<std::uint64_t, Attachment> attachments_;
   /// Of bodies on which forces from outside are to act in the next step. Copies, because another thread may replace the
   /// body while they are being written.
   struct LentPoints {

@@ -84,6 +84,16 @@ std::uint64_t WorldSimulator::fingerprint() const {
     addNumber(settings.friction);
     addNumber(settings.enabled ? 1.0 : 0.0);
   }
+  for (const auto &[id, attachment] : attachments_) {
+    addText(nameOf(attachment.first));
+    addText(attachment.second == kSurroundings ? "" : nameOf(attachment.second));
+    for (const double number : {attachment.within, attachment.stiffness, attachment.tangential, attachment.tearsAt})
+      addNumber(number);
+  }
+  for (const AttachmentSummary &now : simulator_.attachments()) {
+    addNumber(now.area);  // what its region has come to mean
+    addVector(now.centre);
+  }
   return hash;
 }
 

@@ -9,6 +9,7 @@
 #include "files.h"
 #include "forces.h"
 #include "history.h"
+#include "iface/attachment.h"
 #include "iface/contact.h"
 #include "iface/parameter_ids.h"
 #include "iface/simulator.h"

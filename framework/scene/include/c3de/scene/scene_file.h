@@ -155,6 +155,19 @@ struct SceneProbe {
   int line = 0;
 };
 
+/// An elastic layer between the surface of a body and another body, an obstacle, or where it is in the scan. One to the
+/// surroundings that holds all of the surface and does not tear is parameters of its body instead.
+struct SceneAttachment {
+  std::string name;                  ///< differs from those of others
+  std::array<std::string, 2> names;  ///< a body; another body, an obstacle, or kSurroundingsName
+  std::optional<SceneRegion> region;
+  std::optional<double> within_m;                                        ///< > 0: where the surfaces are that near
+  double stiffness_Pa_m = 0.0, tangential_Pa_m = 0.0, tearsAt_Pa = 0.0;  ///< >= 0
+  int line = 0;
+};
+/// Stands for where a body is in the scan.
+inline constexpr const char *kSurroundingsName = "surroundings";
+
 /// Stands for the walls of the world in pairs.
 inline constexpr const char *kWallsName = "box";
 
@@ -196,6 +209,7 @@ struct SceneFile {
   std::vector<SceneLoad> loads;
   std::vector<SceneObstacle> obstacles;
   std::vector<SceneProbe> probes;
+  std::vector<SceneAttachment> attachments;
   std::vector<SceneContactPair> contactPairs;
   std::vector<SceneProbeTool> probeTools;
 
@@ -218,7 +232,7 @@ struct SceneFile {
 
 /// Applies `PATH=VALUE` of the command line, for example "body.liver.material.youngs_modulus=6e3", "solver.dt=auto",
 /// "world.gravity=[0,-9.81,0]", "obstacle.floor.friction=0.2", "fix.0.displacement=[0,0,0.01]",
-/// "load.press.pressure=200", "contact.pair.0.friction=0.1", "probe_tool.finger.radius_mm=5" (by name, or by number
+/// "load.press.pressure=200", "attachment.0.stiffness=1e4", "contact.pair.0.friction=0.1", "probe_tool.finger.radius_mm=5" (by name, or by number
 /// from 0). Errors (ErrorCode::usage) name the nearest path.
 [[nodiscard]] Expected<void> applyOverride(SceneFile &scene, std::string_view assignment,
                                            const MaterialLibrary *materials);

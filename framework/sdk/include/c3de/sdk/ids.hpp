@@ -49,6 +49,8 @@ template <>
 inline constexpr std::string_view kTableId<c3de_imaging_v1>{C3DE_IMAGING_ID};
 
 template <>
+inline constexpr std::string_view kTableId<c3de_attachment_v1>{C3DE_IFACE_ATTACHMENT_ID};
+template <>
 inline constexpr std::string_view kTableId<c3de_contact_v1>{C3DE_IFACE_CONTACT_ID};
 template <>
 inline constexpr std::string_view kTableId<c3de_simulator_v1>{C3DE_IFACE_SIMULATOR_ID};

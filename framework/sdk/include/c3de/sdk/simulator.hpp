@@ -78,4 +78,9 @@ template <class D>
 inline constexpr c3de_contact_v1 kContactTable{sizeof(c3de_contact_v1), 1, thunk<D, &D::setPair>,
                                                thunk<D, &D::addProbeTool>, thunk<D, &D::enumProbeTools>};
 
+/// Static table of iface.attachment, likewise: addAttachment() and enumAttachments().
+template <class D>
+inline constexpr c3de_attachment_v1 kAttachmentTable{sizeof(c3de_attachment_v1), 1, thunk<D, &D::addAttachment>,
+                                                     thunk<D, &D::enumAttachments>};
+
 }  // namespace c3de::sdk

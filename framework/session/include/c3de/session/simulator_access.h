@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "c3de/abi/iface/attachment.h"
 #include "c3de/abi/iface/contact.h"
 #include "c3de/abi/iface/simulator.h"
 #include "c3de/core/expected.h"
@@ -40,6 +41,9 @@ struct ProbeSample {
 /// The table for pairs and probe tools; null: the simulator serves neither. The error (ErrorCode::plugin) says what is
 /// wrong with it. Any thread.
 [[nodiscard]] Expected<const c3de_contact_v1 *> contactTable(c3de_object *simulator);
+
+/// The same for attachments.
+[[nodiscard]] Expected<const c3de_attachment_v1 *> attachmentTable(c3de_object *simulator);
 
 struct ProbeToolSample {
   std::string name;

@@ -76,7 +76,10 @@ bool Simulator::mayTouchItself(std::size_t id, double dt) {
 void Simulator::formGroups(double dt) {
   groupCount_ = 0;
   grouped_.clear();
-  skins_->beginSums();
+  skins_->beginSums([this](std::size_t id) {
+    const BodyStepper &runner = *bodies_.at(id);
+    return runner.asleep() || runner.stopped() || runner.body().rigid();
+  });
   const bool touch = contact_.enabled && (bodies_.size() > 1 || contact_.self);
   if (!touch && attachments_.empty()) return;
   struct One {

@@ -34,9 +34,11 @@ class SkinContacts {
   }
   void setRoomOfSelf(std::size_t id, double room) { roomsOfSelf_[id] = room; }
 
-  /// A step begins: nothing has passed between them in it yet.
-  void beginSums() {
-    for (auto &[id, pair] : pairs_) pair->beginSum();
+  /// A step begins: nothing has passed in it yet between those that do not rest. @param rests(id of a body)
+  template <class Rests>
+  void beginSums(const Rests &rests) {
+    for (auto &[id, pair] : pairs_)
+      if (!rests(id.first) || !rests(id.second)) pair->beginSum();
   }
   /// A body has other materials.
   void forgetModuli(std::size_t id) {
