@@ -125,7 +125,7 @@ TEST_CASE("An attachment carries one body by another, and tears where it bears n
   CHECK(nowhere.exitCode == 3);
   CHECK_THAT(nowhere.errorOutput, Contains("'glue'") && Contains("nowhere within") && Contains("apart"));
   const auto info = runC3de({"info", file.string()});
-  CHECK_THAT(info.output, Contains("attachment \"glue\": \"hanging\" to \"box\", 1e+06 Pa/m, within 40 mm"));
+  CHECK_THAT(info.output, Contains("attachment \"glue\": \"hanging\" to \"box\", 1000000 Pa/m, within 40 mm"));
 }
 
 TEST_CASE("A held body that is thrown comes back to where it was, the same at any number of threads") {

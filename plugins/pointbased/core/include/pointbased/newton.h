@@ -43,6 +43,9 @@ class IncrementalPotential {
     (void)out, (void)stop;
     return false;
   }
+  /// Problems over some of the phyxels each, one after the other, that make the Hessian but for what couples them: a
+  /// preconditioner of each is one of all. Empty: it is one problem.
+  [[nodiscard]] virtual std::span<IncrementalPotential *const> parts() { return {}; }
   /// Most that the present search direction may be scaled by (contact: up to the first touch); 1 is the full step.
   [[nodiscard]] virtual double largestStep(std::span<const Vec3> direction) {
     (void)direction;

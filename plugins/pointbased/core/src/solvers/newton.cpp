@@ -30,7 +30,7 @@ constexpr int kPatience = 6;  // iterations without progress
 }  // namespace
 
 struct NewtonSolver::Impl {
-  detail::AdaptivePreconditioner keeper;
+  detail::PreconditionerOfParts keeper;
   detail::ConjugateGradients linear;
   std::vector<Vec3> start, gradient, right, direction, trial, trialGradient;
   const StopRequest *stop = nullptr;  // of the present solve

@@ -19,6 +19,7 @@ using Sparse = Eigen::SparseMatrix<double>;
 using Incomplete = Eigen::IncompleteCholesky<double, Eigen::Lower, Eigen::NaturalOrdering<int>>;
 
 // Costs in about nanoseconds, as bench_newton showed them; only their ratios matter.
+constexpr std::size_t kMostOfWhole = 1500;    // phyxels of several parts that are factorised together
 constexpr double kProductCost = 1.15;         // per entry of the Hessian, matrix-free
 constexpr double kAssemblyCost = 50.0;        // per entry of the Hessian
 constexpr double kIncompleteCost = 80.0;      // per entry of the factor
@@ -291,6 +292,55 @@ void AdaptivePreconditioner::book(int iterations, double tolerance, bool complet
       m.invalidate();
     }
   }
+}
+
+void PreconditionerOfParts::prepare(IncrementalPotential &problem, Preconditioner choice, const StopRequest *stop) {
+  const std::span<IncrementalPotential *const> parts = problem.parts();
+  isWhole_ = parts.empty() || choice == Preconditioner::incomplete || choice == Preconditioner::factorised ||
+             (choice == Preconditioner::automatic && problem.phyxels() <= kMostOfWhole);
+  sizes_.clear();
+  if (isWhole_)
+    sizes_.push_back(problem.phyxels());
+  else
+    for (IncrementalPotential *part : parts) sizes_.push_back(part->phyxels());
+  keepers_.resize(sizes_.size());
+  if (isWhole_) return keepers_.front().prepare(problem, choice, stop);
+  // What couples the parts costs iterations that no factorisation of one of them saves.
+  const Preconditioner ofPart = choice == Preconditioner::automatic ? Preconditioner::multigrid : choice;
+  for (std::size_t k = 0; k < parts.size(); ++k) keepers_[k].prepare(*parts[k], ofPart, stop);
+}
+
+void PreconditionerOfParts::renew(IncrementalPotential &problem, const StopRequest *stop) {
+  if (isWhole_) return keepers_.front().renew(problem, stop);
+  const std::span<IncrementalPotential *const> parts = problem.parts();
+  for (std::size_t k = 0; k < parts.size(); ++k) keepers_[k].renew(*parts[k], stop);
+}
+
+void PreconditionerOfParts::apply(std::span<const Vec3> in, std::span<Vec3> out) {
+  std::size_t first = 0;
+  for (std::size_t k = 0; k < sizes_.size(); ++k) {
+    keepers_[k].apply(in.subspan(first, sizes_[k]), out.subspan(first, sizes_[k]));
+    first += sizes_[k];
+  }
+}
+
+int PreconditionerOfParts::iterationBudget(double tolerance, int most) const {
+  for (const AdaptivePreconditioner &keeper : keepers_) most = std::min(most, keeper.iterationBudget(tolerance, most));
+  return most;
+}
+
+void PreconditionerOfParts::book(int iterations, double tolerance, bool complete) {
+  for (AdaptivePreconditioner &keeper : keepers_) keeper.book(iterations, tolerance, complete);
+}
+
+int PreconditionerOfParts::factorisations() const {
+  int sum = 0;
+  for (const AdaptivePreconditioner &keeper : keepers_) sum += keeper.factorisations();
+  return sum;
+}
+
+void PreconditionerOfParts::forget() {
+  for (AdaptivePreconditioner &keeper : keepers_) keeper.forget();
 }
 
 }  // namespace pointbased::detail

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "pointbased/newton.h"
 
@@ -48,6 +49,27 @@ class AdaptivePreconditioner {
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
+};
+
+/// One for every part of a large problem that has some (IncrementalPotential::parts()), else one for all of it. Parts of
+/// lattices have a V-cycle, unless an assembled factorisation of all is asked for: what couples the parts takes some
+/// hundred iterations then, and a factorisation of 7 000 phyxels as long as several of such solutions.
+class PreconditionerOfParts {
+ public:
+  /// As AdaptivePreconditioner.
+  void prepare(IncrementalPotential &problem, Preconditioner choice, const StopRequest *stop);
+  void apply(std::span<const Vec3> in, std::span<Vec3> out);
+  [[nodiscard]] int iterationBudget(double tolerance, int most) const;
+  void book(int iterations, double tolerance, bool complete);
+  void renew(IncrementalPotential &problem, const StopRequest *stop);
+  [[nodiscard]] bool isStrong() const { return isWhole_ && keepers_.front().isStrong(); }
+  [[nodiscard]] int factorisations() const;
+  void forget();
+
+ private:
+  std::vector<AdaptivePreconditioner> keepers_{1};
+  std::vector<std::size_t> sizes_;  // phyxels of each
+  bool isWhole_ = true;             // one of all, whatever parts there are
 };
 
 }  // namespace pointbased::detail

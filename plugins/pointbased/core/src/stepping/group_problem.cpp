@@ -7,6 +7,7 @@ namespace pointbased::detail {
 
 GroupProblem::GroupProblem(std::vector<StageProblem *> parts, StageCoupling &coupling)
     : parts_(std::move(parts)), coupling_(coupling), mask_(coupling.phyxels(), 0), now_(coupling.phyxels()) {
+  potentials_.assign(parts_.begin(), parts_.end());
   forParts([&](const StageProblem &part, std::size_t first, std::size_t) {
     std::copy(part.prescribed().begin(), part.prescribed().end(), mask_.begin() + static_cast<std::ptrdiff_t>(first));
   });
@@ -55,8 +56,21 @@ void GroupProblem::product(std::span<const Vec3> du, std::span<Vec3> out) {
 }
 
 void GroupProblem::diagonalBlocks(std::span<Mat3> out) {
-  forParts([&](StageProblem &part, std::size_t first, std::size_t n) { part.diagonalBlocks(out.subspan(first, n)); });
+  // With the share of the coupling that its parts may know already taken from them.
+  forParts([&](StageProblem &part, std::size_t first, std::size_t n) {
+    part.setCoupling({});
+    part.diagonalBlocks(out.subspan(first, n));
+  });
   coupling_.addBlocks(now_, out);
+}
+
+std::span<IncrementalPotential *const> GroupProblem::parts() {
+  blocks_.assign(now_.size(), Mat3::Zero());
+  coupling_.addBlocks(now_, blocks_);
+  forParts([&](StageProblem &part, std::size_t first, std::size_t n) {
+    part.setCoupling(std::span<const Mat3>(blocks_).subspan(first, n));
+  });
+  return potentials_;
 }
 
 bool GroupProblem::assemble(Eigen::SparseMatrix<double> &out) {

@@ -25,6 +25,7 @@ class GroupProblem final : public IncrementalPotential {
   void product(std::span<const Vec3> du, std::span<Vec3> out) override;
   void diagonalBlocks(std::span<Mat3> out) override;
   [[nodiscard]] bool assemble(Eigen::SparseMatrix<double> &out) override;
+  [[nodiscard]] std::span<IncrementalPotential *const> parts() override;
 
  private:
   // visit(part, first of its phyxels, how many)
@@ -38,6 +39,8 @@ class GroupProblem final : public IncrementalPotential {
   }
 
   std::vector<StageProblem *> parts_;
+  std::vector<IncrementalPotential *> potentials_;  // the same
+  std::vector<Mat3> blocks_;
   StageCoupling &coupling_;
   std::vector<std::uint8_t> mask_;
   std::vector<Vec3> now_, forces_;

@@ -8,9 +8,6 @@
 namespace pointbased::detail {
 namespace {
 
-// What has no stiffness of its own (edges, other sides of a corner) resists where the layer between the skins is used
-// up, as stiff as that of a cell of its skin.
-constexpr double kHardShare = 1.0;
 // Spacings: what is that near to a way that has been looked at meets nothing else.
 constexpr double kKnown = 0.05;
 
@@ -141,9 +138,12 @@ void StageCoupling::gather() {
     double modulus = std::numeric_limits<double>::infinity();
     for (const std::size_t k : {joined.first, joined.second})
       modulus = std::min(modulus, members_[k].body->material().youngsModulus);
-    for (std::size_t n = 0; n < joined.pair->active().size(); ++n, ++c)
-      if (Contact &contact = joint_.state().active[c]; !(contact.stiffness > 0.0))
-        contact.stiffness = kHardShare * joined.pair->settings().stiffness * modulus * joined.pair->spacing();
+    // What has no stiffness of its own (edges, other sides of a corner) is as stiff as the layer of a cell.
+    const double ofCell = joined.pair->settings().stiffness * modulus * joined.pair->spacing();
+    for (std::size_t n = 0; n < joined.pair->active().size(); ++n, ++c) {
+      double &k = joint_.state().active[c].stiffness;
+      if (!(k > 0.0)) k = ofCell;
+    }
   }
   if (base_.size() != start_.size()) return;
   // As if they had been measured at the start.

@@ -207,6 +207,7 @@ void StageProblem::addContactAndSurroundings(std::span<Mat3> out) {
   if (contact_)
     addContactBlocks(body_.rest().contact, body_.contact, penalty_, start_, body_.state().displacements, out);
   foundation().addBlocks(1.0 + relativeRetardation(), out);
+  for (std::size_t i = 0; i < coupling_.size(); ++i) out[i] += coupling_[i];
 }
 
 bool StageProblem::assemble(Eigen::SparseMatrix<double> &out) {

@@ -30,6 +30,8 @@ class StageProblem final : public IncrementalPotential {
   StageProblem(Body &body, const Environment &env, const ImplicitStage &stage);
 
   [[nodiscard]] ContactPenalty &penalty() { return penalty_; }
+  /// Diagonal blocks of what couples it to other bodies, for its own preconditioner. The span stays as it is.
+  void setCoupling(std::span<const Mat3> blocks) { coupling_ = blocks; }
   [[nodiscard]] std::span<const Vec3> start() const { return start_; }
 
   [[nodiscard]] std::size_t phyxels() const override { return n_; }
@@ -86,6 +88,7 @@ class StageProblem final : public IncrementalPotential {
   std::vector<Vec3> reference_, referenceWork_;
   double referenceEnergy_ = 0.0, roundOff_ = 0.0;
   ContactPenalty penalty_;
+  std::span<const Mat3> coupling_;
   TangentScratch scratch_;
   std::vector<Eigen::Triplet<double>> triplets_;
   StiffnessFactors factors_;
