@@ -116,10 +116,18 @@ double ElasticFoundation::energy(std::span<const Vec3> u) const {
 
 // Adds scale K ways_.
 void ElasticFoundation::apply(double scale, std::span<Vec3> out, const ParallelFor &parallelFor) const {
+  const bool isotropic = normals_.empty();
   const auto range = [&](std::size_t begin, std::size_t end) {
     for (auto k = static_cast<Index>(begin); k < end; ++k) {
       Vec3 sum = Vec3::Zero();
-      for (Index e = rows_.offsets[k]; e < rows_.offsets[k + 1]; ++e) sum += times(e, ways_[rows_.indices[e]]);
+      if (isotropic) {
+        // One number per entry is all there is.
+        for (Index e = rows_.offsets[k]; e < rows_.offsets[k + 1]; ++e)
+          sum += couplings_[e] * ways_[rows_.indices[e]];
+        sum *= settings_.tangential;
+      } else {
+        for (Index e = rows_.offsets[k]; e < rows_.offsets[k + 1]; ++e) sum += times(e, ways_[rows_.indices[e]]);
+      }
       out[touched_[k]] += scale * sum;
     }
   };

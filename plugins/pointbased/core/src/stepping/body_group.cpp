@@ -153,6 +153,24 @@ Integrator BodyGroup::integratorIn(const WorldSettings &world) const {
   return out;
 }
 
+std::string BodyGroup::whatWouldFit(const WorldSettings &world) const {
+  if (integratorIn(world) == Integrator::explicitVerlet) return {};
+  std::string names;
+  std::size_t phyxels = 0;
+  for (std::size_t k = 0; k < members_.size(); ++k) {
+    if (!moves(k)) continue;
+    const Body &body = members_[k].runner->body();
+    names += (names.empty() ? "'" : ", '") + body.name() + "'";
+    phyxels += body.rest().phyxelCount();
+  }
+  const NewtonResult &solved = solver_.progress();
+  return "bodies " + names + " touch each other, themselves or are attached, and are one system of " +
+         std::to_string(phyxels) + " phyxels, which was not solved after " + std::to_string(solved.iterations) +
+         " Newton steps and " + std::to_string(solved.linearIterations) +
+         " iterations of the linear solver. solver.integrator = \"explicit\" takes small steps instead, " +
+         "contact.enabled = false solves them one by one; fewer phyxels or a larger solver.step_budget help as well";
+}
+
 void BodyGroup::gatherCoupling(std::span<const StepContext> orders) {
   parts_.clear();
   coupling_.clear();

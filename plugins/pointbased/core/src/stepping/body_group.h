@@ -35,6 +35,9 @@ class BodyGroup {
   void advanceAgain(std::span<const StepContext> orders, double span);
   /// As BodyStepper::loadUpTo(), likewise.
   void loadUpTo(std::span<const StepContext> orders, double factor);
+  /// After an implicit or static step was ended half way: how far it had come, and what would help. Empty: they take
+  /// explicit steps.
+  [[nodiscard]] std::string whatWouldFit(const WorldSettings &world) const;
   /// Nothing of earlier steps is used by the next one but the state.
   void startSolverAnew() { solver_.forget(); }
 

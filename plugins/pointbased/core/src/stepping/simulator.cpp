@@ -91,6 +91,12 @@ std::string Simulator::activity() const { return activity_->line(); }
 std::string Simulator::whatWouldFit(const StepFailure &ended, double budget) {
   const auto found = bodies_.find(ended.body);
   if (found == bodies_.end()) return {};
+  for (std::size_t g = 0; g < groupCount_; ++g) {
+    const auto members = groups_[g]->members();
+    const bool isIn =
+        std::any_of(members.begin(), members.end(), [&](const auto &one) { return one.id == ended.body; });
+    if (std::string text = isIn ? groups_[g]->whatWouldFit(world_) : std::string(); !text.empty()) return text;
+  }
   return found->second->whatWouldFit(inSurroundings(ended.body, order(nullptr)), budget);
 }
 
