@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "body/rest_surface.h"
 #include "pointbased/body.h"
 
 namespace pointbased {
@@ -11,6 +12,16 @@ namespace {
 constexpr double kFoundationSampling = 0.5;  // spacings, of the surface
 
 }  // namespace
+
+Surface detail::restSurface(const RestState &rest) {
+  Surface surface;
+  surface.positions.resize(rest.surfels.count());
+  std::vector<Vec3> normals(rest.surfelNormals.size());
+  const std::vector<Vec3> still(rest.phyxelCount(), Vec3::Zero());
+  updateSurfels(rest.surfels, rest.surfelNormals, rest.positions, still, surface.positions, normals, serialFor());
+  surface.triangles = rest.skin;
+  return surface;
+}
 
 void Body::placeHeld(double t, bool rates) {
   const BoundaryConditions &conditions = rest_->conditions;
@@ -86,13 +97,8 @@ std::vector<Reaction> Body::reactions(const Vec3 &gravity) const {
 void Body::bindFoundation() {
   foundation_.unbind();
   if (!foundation_.settings().acts()) return;
-  Surface surface;
-  surface.positions.resize(rest_->surfels.count());
-  std::vector<Vec3> normals(rest_->surfelNormals.size());
-  const std::vector<Vec3> still(rest_->phyxelCount(), Vec3::Zero());
-  updateSurfels(rest_->surfels, rest_->surfelNormals, rest_->positions, still, surface.positions, normals, serialFor());
-  surface.triangles = rest_->skin;
-  SurfacePoints points = sampleSurface(surface, kFoundationSampling * rest_->spacing, EverywhereRegion{});
+  SurfacePoints points =
+      sampleSurface(detail::restSurface(*rest_), kFoundationSampling * rest_->spacing, EverywhereRegion{});
   Interpolation binding = rest_->bind(points.positions, points.normals);
   foundation_.bind(std::move(points), std::move(binding), rest_->phyxelCount());
 }

@@ -122,8 +122,7 @@ void ElasticFoundation::apply(double scale, std::span<Vec3> out, const ParallelF
       Vec3 sum = Vec3::Zero();
       if (isotropic) {
         // One number per entry is all there is.
-        for (Index e = rows_.offsets[k]; e < rows_.offsets[k + 1]; ++e)
-          sum += couplings_[e] * ways_[rows_.indices[e]];
+        for (Index e = rows_.offsets[k]; e < rows_.offsets[k + 1]; ++e) sum += couplings_[e] * ways_[rows_.indices[e]];
         sum *= settings_.tangential;
       } else {
         for (Index e = rows_.offsets[k]; e < rows_.offsets[k + 1]; ++e) sum += times(e, ways_[rows_.indices[e]]);

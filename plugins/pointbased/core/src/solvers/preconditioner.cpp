@@ -297,7 +297,7 @@ void AdaptivePreconditioner::book(int iterations, double tolerance, bool complet
 void PreconditionerOfParts::prepare(IncrementalPotential &problem, Preconditioner choice, const StopRequest *stop) {
   const std::span<IncrementalPotential *const> parts = problem.parts();
   isWhole_ = parts.empty() || choice == Preconditioner::incomplete || choice == Preconditioner::factorised ||
-             (choice == Preconditioner::automatic && problem.phyxels() <= kMostOfWhole);
+             (choice == Preconditioner::automatic && parts.size() > 1 && problem.phyxels() <= kMostOfWhole);
   sizes_.clear();
   if (isWhole_)
     sizes_.push_back(problem.phyxels());

@@ -62,7 +62,7 @@ class PreconditionerOfParts {
   [[nodiscard]] int iterationBudget(double tolerance, int most) const;
   void book(int iterations, double tolerance, bool complete);
   void renew(IncrementalPotential &problem, const StopRequest *stop);
-  [[nodiscard]] bool isStrong() const { return isWhole_ && keepers_.front().isStrong(); }
+  [[nodiscard]] bool isStrong() const { return keepers_.size() == 1 && keepers_.front().isStrong(); }
   [[nodiscard]] int factorisations() const;
   void forget();
 

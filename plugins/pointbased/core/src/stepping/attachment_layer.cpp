@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "base/number_text.h"
+#include "body/rest_surface.h"
 #include "contact/contact_search.h"
 #include "contact/contact_skin.h"
 #include "discretisation/interpolation_at.h"
@@ -71,16 +72,6 @@ void keepOnly(SurfacePoints &points, const std::vector<std::uint8_t> &kept) {
   points.triangles.resize(n);
 }
 
-Surface surfaceOf(const RestState &rest) {
-  Surface surface;
-  surface.positions.resize(rest.surfels.count());
-  std::vector<Vec3> normals(rest.surfelNormals.size());
-  const std::vector<Vec3> still(rest.phyxelCount(), Vec3::Zero());
-  updateSurfels(rest.surfels, rest.surfelNormals, rest.positions, still, surface.positions, normals, serialFor());
-  surface.triangles = rest.skin;
-  return surface;
-}
-
 std::string millimetres(double metres) { return number(1e3 * metres) + " mm"; }
 
 }  // namespace
@@ -100,7 +91,7 @@ Result<AttachmentLayer> AttachmentLayer::make(const Attachment &settings, const 
   out.settings_ = settings;
   const RestState &rest = first.rest();
   out.origin_ = rest.origin;
-  out.points_ = sampleSurface(surfaceOf(rest), kSampling * rest.spacing, shifted(settings.region, rest.origin));
+  out.points_ = sampleSurface(restSurface(rest), kSampling * rest.spacing, shifted(settings.region, rest.origin));
   const std::size_t inRegion = out.points_.count();
   if (inRegion == 0)
     return tl::make_unexpected("no part of the surface of body '" + first.name() +

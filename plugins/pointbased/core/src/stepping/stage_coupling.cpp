@@ -59,8 +59,12 @@ std::span<T> StageCoupling::partOf(std::size_t body, std::span<T> of) const {
   return body == JoinedLayer::kNobody ? std::span<T>() : of.subspan(members_[body].first, members_[body].count);
 }
 
-AttachmentLayer::Sides StageCoupling::sidesOf(const JoinedLayer &layer, std::span<const Vec3> of) const {
-  return {partOf(layer.first, of), partOf(layer.second, of), end_};
+AttachmentLayer::Sides StageCoupling::sidesOf(const JoinedLayer &layer, std::span<const Vec3> now) const {
+  const auto stateOf = [&](std::size_t body) -> std::span<const Vec3> {
+    if (body == JoinedLayer::kNobody) return {};
+    return members_[body].count > 0 ? partOf(body, now) : members_[body].body->state().displacements;
+  };
+  return {stateOf(layer.first), stateOf(layer.second), end_};
 }
 
 void StageCoupling::begin(std::span<const Vec3> start, double end, double span, bool isStatic) {
@@ -172,7 +176,8 @@ void StageCoupling::addForces(std::span<const Vec3> now, std::span<Vec3> forces)
 void StageCoupling::addProduct(std::span<const Vec3> now, std::span<const Vec3> du, std::span<Vec3> out) const {
   if (touches()) addContactProduct(joint_.rows(), joint_.state(), penalty(), start_, now, du, out);
   for (const JoinedLayer &layer : layers_)
-    layer.layer->addProduct(sidesOf(layer, du), partOf(layer.first, out), partOf(layer.second, out));
+    layer.layer->addProduct({partOf(layer.first, du), partOf(layer.second, du), end_}, partOf(layer.first, out),
+                            partOf(layer.second, out));
 }
 
 void StageCoupling::addBlocks(std::span<const Vec3> now, std::span<Mat3> blocks) const {

@@ -69,7 +69,8 @@ class StageCoupling {
   [[nodiscard]] bool meetsAlong(double known, double to) const;
 
  private:
-  [[nodiscard]] AttachmentLayer::Sides sidesOf(const JoinedLayer &layer, std::span<const Vec3> of) const;
+  /// With those that stand still where they are.
+  [[nodiscard]] AttachmentLayer::Sides sidesOf(const JoinedLayer &layer, std::span<const Vec3> now) const;
   template <class T>
   [[nodiscard]] std::span<T> partOf(std::size_t body, std::span<T> of) const;
   [[nodiscard]] ContactPenalty penalty() const { return {0.0, {}, 0.0, span_}; }

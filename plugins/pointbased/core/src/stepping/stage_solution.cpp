@@ -21,7 +21,6 @@ constexpr double kLargestTolerance = 0.1;  // spacings: an impact takes ways of 
 constexpr double kRough = 100.0;           // tolerances within which a solution already tells what the contacts are
 // change of the contact forces that is left to the next stage, of all that presses
 constexpr double kSettled = 1e-2;
-constexpr double kSettledOfBodies = 3e-2;  // likewise, of bodies that touch and move
 
 void addWork(const NewtonResult &solved, NewtonResult &sum) {
   const int iterations = sum.iterations, linear = sum.linearIterations, factorisations = sum.factorisations;
@@ -290,13 +289,12 @@ class StageSolution {
     if (!goesOn()) return Round::givenUp;
     if (enough) return Round::again;
     double change = changeOfForces();
-    if (coupling_ && change <= kSettledOfBodies && !coupling_->isFoundThere()) {
+    if (coupling_ && change <= kSettled && !coupling_->isFoundThere()) {
       coupling_->find(u_);
       updateFriction();
       change = changeOfForces();
     }
-    const double left = coupling_ && !isStatic() ? kSettledOfBodies : kSettled;
-    const bool settled = change <= left || (!coupling_ && round > 0 && contactCount() == before);
+    const bool settled = change <= kSettled || (!coupling_ && round > 0 && contactCount() == before);
     return settled ? Round::done : Round::again;
   }
 
