@@ -224,6 +224,27 @@ TEST_CASE("a body that is attached to an obstacle follows it, and one in its sur
   CHECK_THAT(now.force[1], WithinRel(9.81 * held.body(1)->totalMass(), 1e-3));
 }
 
+TEST_CASE("a body that sleeps is woken by an obstacle that it hangs on, although they do not touch") {
+  Simulator simulator;
+  WorldSettings world;
+  world.damping = 20.0;
+  world.sleep = true;
+  simulator.setWorld(world);
+  Obstacle plate = shapes::halfSpace(Vec3(0, -kGap, 0), Vec3(0, 1, 0), 0.0);
+  plate.motion = [](double t) {
+    RigidMotion motion;
+    motion.displacement = Vec3(0.01 * std::clamp(t - 1.5, 0.0, 1.0), 0, 0);
+    return motion;
+  };
+  const std::size_t id = simulator.addBody(block(0.0)), plateId = simulator.addObstacle(std::move(plate));
+  simulator.setContactPair(id, plateId, {-1.0, false});
+  REQUIRE(simulator.addAttachment(between(id, plateId)));
+  while (simulator.time() < 1.2) REQUIRE(simulator.step());
+  CHECK(simulator.asleep(id));
+  while (simulator.time() < 3.5) REQUIRE(simulator.step());
+  CHECK_THAT(shapes::meanDisplacement(*simulator.body(id))[0], WithinRel(0.01, 0.02));
+}
+
 TEST_CASE("attachments give the same bits for any number of threads, and stiff ones stay stable") {
   std::uint64_t hashes[2];
   for (const int threads : {1, 2}) {

@@ -152,43 +152,6 @@ TEST_CASE("a block on an inclined block sticks below the angle of friction and s
              WithinRel(9.81 * (std::sin(angle) - friction * std::cos(angle)), 0.01));
 }
 
-TEST_CASE("bars of unlike stiffness and spacing that press on each other are under uniform stress") {
-  Simulator simulator;
-  WorldSettings world;
-  world.damping = 60.0;
-  simulator.setWorld(world);
-  simulator.setContact({true, false, 0.5});
-  simulator.addObstacle(shapes::halfSpace(Vec3(0, 0, 0), Vec3(0, 1, 0), 0.5));
-  const std::size_t lower =
-      simulator.addBody(block(Vec3(-0.03, 0.0, -0.03), Vec3(0.03, 0.06, 0.03), 0.01, soft(1e4, 0.0), 6));
-  Load load;
-  load.region = HalfSpaceRegion{Vec3(0, 0.1199, 0), Vec3(0, -1, 0)};
-  load.force = Vec3(0, -0.36, 0);  // 100 Pa: 1 % of the softer one's modulus
-  load.ramp = 0.2;
-  const std::size_t upper =
-      simulator.addBody(block(Vec3(-0.03, 0.06, -0.03), Vec3(0.03, 0.12, 0.03), 0.0075, soft(4e4, 0.0), 8, {}, {load}));
-  while (simulator.time() < 1.0) REQUIRE(simulator.step());
-  const std::vector<ContactSummary> contacts = simulator.contacts();
-  const ContactSummary *found = between(contacts, lower, upper);
-  REQUIRE(found);
-  CHECK_THAT(found->pressing, WithinRel(0.36, 0.01));
-  // Strain of the layer of cells at the contact, along the bar: Hooke.
-  for (const auto &[id, modulus, low, high] :
-       {std::tuple(lower, 1e4, 0.045, 0.06), std::tuple(upper, 4e4, 0.06, 0.072)}) {
-    const Body &body = *simulator.body(id);
-    std::vector<double> strains;
-    for (std::size_t p = 0; p < body.rest().pointCount(); ++p) {
-      const double y = body.rest().origin[1] + body.rest().pointCentres[p][1];
-      if (y > low && y < high) strains.push_back(1.0 - body.gradients()[p](1, 1));
-    }
-    REQUIRE(!strains.empty());
-    const auto [least, most] = std::minmax_element(strains.begin(), strains.end());
-    CAPTURE(id, *least, *most);
-    CHECK_THAT(*least, WithinRel(100.0 / modulus, 0.02));
-    CHECK_THAT(*most, WithinRel(100.0 / modulus, 0.02));
-  }
-}
-
 TEST_CASE("a stack of five blocks stays where it is and presses with what lies on it") {
   Simulator simulator;
   WorldSettings world;

@@ -232,8 +232,8 @@ struct SceneFile {
 
 /// Applies `PATH=VALUE` of the command line, for example "body.liver.material.youngs_modulus=6e3", "solver.dt=auto",
 /// "world.gravity=[0,-9.81,0]", "obstacle.floor.friction=0.2", "fix.0.displacement=[0,0,0.01]",
-/// "load.press.pressure=200", "attachment.0.stiffness=1e4", "contact.pair.0.friction=0.1", "probe_tool.finger.radius_mm=5" (by name, or by number
-/// from 0). Errors (ErrorCode::usage) name the nearest path.
+/// "load.press.pressure=200", "attachment.0.stiffness=1e4", "contact.pair.0.friction=0.1" (by name, or by number from
+/// 0). Errors (ErrorCode::usage) name the nearest path.
 [[nodiscard]] Expected<void> applyOverride(SceneFile &scene, std::string_view assignment,
                                            const MaterialLibrary *materials);
 

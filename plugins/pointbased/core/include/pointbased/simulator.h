@@ -43,8 +43,8 @@ struct Probe {
 
 struct SimulationEvent {
   double time = 0.0;  ///< s
-  /// substep | slowed | smaller_step | stopped | switched | renewed | restored | note | warning | skin | overlap | torn |
-  /// step
+  /// substep | slowed | smaller_step | stopped | switched | renewed | restored | note | warning | skin | overlap |
+  /// torn | step
   std::string kind;
   std::string text;
 };
@@ -119,9 +119,9 @@ class Simulator {
   /// Body::setRigid() while it runs: the body costs nothing then, and its stable step is nobody's. Nothing grabs it.
   void setRigid(std::size_t body, bool rigid);
 
-  /// Between two steps; the simulation is reset. It goes with either of what it joins. Errors, with nothing changed: what
-  /// validate() refuses; ids of nobody, or of one body twice; a body without surface; no part of the surface is in the
-  /// region and near enough.
+  /// Between two steps; the simulation is reset. It goes with either of what it joins. Errors, with nothing changed:
+  /// what validate() refuses; ids of nobody, or of one body twice; a body without surface; no part of the surface is in
+  /// the region, near enough and facing the other one.
   /// @return its id
   [[nodiscard]] Result<std::size_t> addAttachment(const Attachment &attachment);
   bool removeAttachment(std::size_t id);

@@ -51,14 +51,14 @@ class SkinPair {
   [[nodiscard]] const ContactSkin &skin(std::size_t side) const { return sides_[side].skin->skin(); }
   [[nodiscard]] MovingSkin &moving(std::size_t side) { return *sides_[side].skin; }
   void setFriction(double friction) { settings_.friction = friction; }
-  /// Fills active() for a step of dt from where the skins are (MovingSkin::move()), keeping what contacts that go on
-  /// remember.
   enum class Steps {
     small,        ///< explicit: within one, what is near stays beside what it is beside
     longOnes,     ///< implicit: ways are followed to what they meet
     withoutTime,  ///< quasi-static: likewise; what is led apart goes there at once
   };
   void setSteps(Steps steps) { steps_ = steps; }
+  /// Fills active() for a step of dt from where the skins are (MovingSkin::move()), keeping what contacts that go on
+  /// remember.
   /// @param again  of the same step: what overlaps is not led farther apart
   void find(double dt, bool again = false);
   /// The skins have moved on since (MovingSkin::moveOn()): what presses has its place and normal of now, so that a

@@ -18,8 +18,9 @@ using Sparse = Eigen::SparseMatrix<double>;
 // Phyxels come sorted in space; keeping their order takes a third fewer iterations than minimum degree (measured).
 using Incomplete = Eigen::IncompleteCholesky<double, Eigen::Lower, Eigen::NaturalOrdering<int>>;
 
+constexpr std::size_t kMostOfWhole = 1500;  // phyxels of several parts that are factorised together
+
 // Costs in about nanoseconds, as bench_newton showed them; only their ratios matter.
-constexpr std::size_t kMostOfWhole = 1500;    // phyxels of several parts that are factorised together
 constexpr double kProductCost = 1.15;         // per entry of the Hessian, matrix-free
 constexpr double kAssemblyCost = 50.0;        // per entry of the Hessian
 constexpr double kIncompleteCost = 80.0;      // per entry of the factor

@@ -51,8 +51,8 @@ class AdaptivePreconditioner {
   std::unique_ptr<Impl> impl_;
 };
 
-/// One for every part of a large problem that has some (IncrementalPotential::parts()), else one for all of it. Parts of
-/// lattices have a V-cycle, unless an assembled factorisation of all is asked for: what couples the parts takes some
+/// One for every part of a large problem that has some (IncrementalPotential::parts()), else one for all of it. Parts
+/// of lattices have a V-cycle, unless an assembled factorisation of all is asked for: what couples the parts takes some
 /// hundred iterations then, and a factorisation of 7 000 phyxels as long as several of such solutions.
 class PreconditionerOfParts {
  public:

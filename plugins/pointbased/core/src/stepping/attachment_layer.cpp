@@ -11,17 +11,12 @@
 #include "contact/contact_skin.h"
 #include "discretisation/interpolation_at.h"
 
-namespace pointbased {
+namespace pointbased::detail {
 namespace {
 
 constexpr double kSampling = 0.5;  // spacings, of the surface
 constexpr double kFacing = -0.1;   // cosine: surfaces that a layer joins face each other
 constexpr double kTouches = 1e-6;  // spacings
-
-}  // namespace
-
-namespace detail {
-namespace {
 
 // Of every point the nearest of the second body's surface at rest.
 struct NearestOfBody {
@@ -135,8 +130,8 @@ Result<AttachmentLayer> AttachmentLayer::make(const Attachment &settings, const 
   if (out.points_.count() == 0)
     return tl::make_unexpected("the surface of body '" + first.name() + "' is nowhere within " +
                                millimetres(settings.within) + " of the surface of '" +
-                               (second ? second->name() : obstacle->name) + "'; the nearest place of both is " +
-                               millimetres(nearest) + " apart");
+                               (second ? second->name() : obstacle->name) +
+                               "' and faces it; the nearest place of both is " + millimetres(nearest) + " apart");
   if (obstacle) out.motion_ = obstacle->motion;
   out.first_ = rest.bind(out.points_.positions, out.points_.normals);
   if (second) {
@@ -331,5 +326,4 @@ AttachmentSummary AttachmentLayer::summary(const Sides &at) const {
   return out;
 }
 
-}  // namespace detail
-}  // namespace pointbased
+}  // namespace pointbased::detail

@@ -21,7 +21,7 @@ class AttachmentLayer {
 
   [[nodiscard]] const Attachment &settings() const { return settings_; }
   [[nodiscard]] bool joinsBodies() const { return second_.count() > 0; }
-  /// m, the widest gap that it spans, and the spacing of the second body; of bodies only.
+  /// m, the widest gap that it spans; of two bodies only.
   [[nodiscard]] double widest() const { return widest_; }
 
   /// Displacements of the phyxels of both; the second is empty where it is no body, and stands where it is at `time`.
@@ -29,6 +29,8 @@ class AttachmentLayer {
     std::span<const Vec3> first, second;
     double time = 0.0;
   };
+  /// Of an obstacle at the other side; empty: it stands still, or there is none.
+  [[nodiscard]] const std::function<RigidMotion(double)> &motion() const { return motion_; }
   /// Normals as the first body has turned by now: all below is with them until the next call.
   /// @return by how much at most, rad
   double turn(const Sides &at);
@@ -38,8 +40,8 @@ class AttachmentLayer {
   /// Adds its Hessian times a change of the displacements, likewise.
   void addProduct(const Sides &change, std::span<Vec3> first, std::span<Vec3> second) const;
   /// Adds the diagonal blocks of the Hessian; and all of it, from the rows `first` and `second` (in phyxels) on.
+  /// kStands: that body has none.
   void addBlocks(std::span<Mat3> first, std::span<Mat3> second) const;
-  /// kStands: it has no rows.
   void addTriplets(std::size_t first, std::size_t second, std::vector<Eigen::Triplet<double>> &out) const;
   static constexpr std::size_t kStands = std::numeric_limits<std::size_t>::max();
   /// ω² of M^-1 K is at most this, 1/s²: the largest row sum of M^-1/2 K M^-1/2.
@@ -57,7 +59,7 @@ class AttachmentLayer {
   void keep() { kept_ = torn_; }
   void goBack() { torn_ = kept_; }
 
-  /// Without ids and energy of others.
+  /// Its id is left to who keeps it.
   [[nodiscard]] AttachmentSummary summary(const Sides &at) const;
 
  private:

@@ -26,7 +26,11 @@ void BodyGroup::clear() {
 }
 
 double BodyGroup::advance(std::span<const StepContext> orders, double span) {
-  bool rests = true;
+  // What a body is attached to may move although they do not touch.
+  const bool isLed = std::any_of(layers_.begin(), layers_.end(), [&](const JoinedLayer &one) {
+    return goesOn(one.layer->motion(), orders.front().time, span);
+  });
+  bool rests = !isLed;
   for (std::size_t k = 0; k < members_.size(); ++k)
     if (moves(k)) rests = members_[k].runner->sleepsOn(orders[k], span) && rests;
   if (rests) {
@@ -43,7 +47,7 @@ double BodyGroup::advance(std::span<const StepContext> orders, double span) {
     most = std::min(most, runner.mostSubsteps());
   }
   const double gone = tryToAdvance(orders, span, most);
-  bool still = true;
+  bool still = !isLed;
   for (std::size_t k = 0; k < members_.size(); ++k)
     if (moves(k)) still = members_[k].runner->isStill(orders[k], gone) && still;
   if (still)
@@ -120,9 +124,10 @@ AttachmentLayer::Sides BodyGroup::sidesOf(std::size_t layer, double time) const 
   return sides;
 }
 
-void BodyGroup::attract(double time, const std::vector<std::uint8_t> &takes) {
+void BodyGroup::addLayerForces(double time, bool onlyFresh) {
   const auto forcesOf = [&](std::size_t k) {
-    return k != JoinedLayer::kNobody && takes[k] ? members_[k].runner->body().forces() : std::span<Vec3>();
+    const bool takes = k != JoinedLayer::kNobody && moves(k) && (!onlyFresh || fresh_[k] != 0);
+    return takes ? members_[k].runner->body().forces() : std::span<Vec3>();
   };
   for (std::size_t l = 0; l < layers_.size(); ++l) {
     const JoinedLayer &joined = layers_[l];
@@ -199,7 +204,6 @@ BodyGroup::Gone BodyGroup::advanceImplicit(std::span<const StepContext> orders, 
     members_[k].runner->body().contact.sums.begin(orders[k].environment.obstacles.size());
     scale = std::min(scale, members_[k].runner->stepScale());
   }
-  fresh_.assign(members_.size(), 0);
   gatherCoupling(orders);
   coupling_.beginSums();
   const StageCoupling::Contacts before = coupling_.contacts();
@@ -225,8 +229,7 @@ BodyGroup::Gone BodyGroup::advanceImplicit(std::span<const StepContext> orders, 
       return tl::unexpected<Refused>(std::move(*refused));
     }
     (void)tearLayers(time + piece);
-    for (std::size_t k = 0; k < members_.size(); ++k) fresh_[k] = moves(k) ? 1 : 0;
-    attract(time + piece, fresh_);
+    addLayerForces(time + piece);
   }
   return span;
 }
@@ -244,7 +247,7 @@ void BodyGroup::substep(std::span<const StepContext> orders, double time, double
   std::size_t moving = 0;
   for (std::size_t k = 0; k < members_.size(); ++k)
     if (moves(k)) fresh_[k] = substeps_[moving++].evaluateFirst() ? 1 : 0;
-  attract(time, fresh_);
+  addLayerForces(time, true);
   for (ExplicitSubstep &one : substeps_) one.kickFirst();
   const bool touches = !pairs_.empty();
   double margin = std::numeric_limits<double>::infinity();
@@ -271,8 +274,7 @@ void BodyGroup::substep(std::span<const StepContext> orders, double time, double
   else
     for (ExplicitSubstep &one : substeps_) one.solveContacts();
   for (ExplicitSubstep &one : substeps_) one.driftOn();
-  for (std::size_t k = 0; k < members_.size(); ++k) fresh_[k] = moves(k) ? 1 : 0;
-  attract(time + dt, fresh_);
+  addLayerForces(time + dt);
   for (ExplicitSubstep &one : substeps_) one.kickLast();
   if (touches)
     clock.measure(kContact, [&] {

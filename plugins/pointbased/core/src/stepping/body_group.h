@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies that may touch each other, in lock step. Private to the core.
+// Bodies that may touch each other or are attached, in lock step. Private to the core.
 #pragma once
 
 #include "stepping/attachment_layer.h"
@@ -11,9 +11,9 @@
 
 namespace pointbased::detail {
 
-/// Advances bodies that may touch each other or are attached to something, all in the same substeps: those of the one
-/// that needs the smallest. What the guard refuses of one is undone for all. Rigid bodies, and those that have stopped, stand still
-/// and are touched.
+/// Advances bodies that may touch each other or are attached to something, all in the same steps: explicit ones in the
+/// substeps of the one that needs the smallest. What the guard refuses of one is undone for all. Rigid bodies, and
+/// those that have stopped, stand still and are touched.
 class BodyGroup {
  public:
   struct Member {
@@ -64,8 +64,9 @@ class BodyGroup {
   [[nodiscard]] Gone maxSubstep(std::span<const StepContext> orders, double time, double left);
   void gatherSkins();
   [[nodiscard]] AttachmentLayer::Sides sidesOf(std::size_t layer, double time) const;
-  /// Adds the forces of all attachments to those members that take them.
-  void attract(double time, const std::vector<std::uint8_t> &takes);
+  /// Adds the forces of all attachments to those of the members that move.
+  /// @param onlyFresh  to those alone whose forces have been evaluated since
+  void addLayerForces(double time, bool onlyFresh = false);
   /// @return whether anything has torn
   bool tearLayers(double time);
   void substep(std::span<const StepContext> orders, double time, double dt);
@@ -84,7 +85,7 @@ class BodyGroup {
   };
   std::vector<MovedSkin> skins_;     // of all pairs, once each
   double turned_ = 0.0;              // rad, that normals of attachments have turned since the last look
-  std::vector<std::uint8_t> fresh_;  // [members] 1: their forces are without attachments
+  std::vector<std::uint8_t> fresh_;  // [members] 1: forces were evaluated at the beginning of the substep
 };
 
 }  // namespace pointbased::detail

@@ -71,9 +71,7 @@ void BodyGroup::loadUpTo(std::span<const StepContext> orders, double factor) {
       const bool hasTorn = tearLayers(at);
       again = hasTorn || (turned_ > kTurned && ++turns < kMostTurns);
       if (!again) turns = 0;
-      fresh_.assign(members_.size(), 0);
-      for (std::size_t k = 0; k < members_.size(); ++k) fresh_[k] = moves(k) ? 1 : 0;
-      attract(at, fresh_);
+      addLayerForces(at);
       continue;
     }
     for (std::size_t k = 0; k < members_.size(); ++k)

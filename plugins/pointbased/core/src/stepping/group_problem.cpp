@@ -56,7 +56,7 @@ void GroupProblem::product(std::span<const Vec3> du, std::span<Vec3> out) {
 }
 
 void GroupProblem::diagonalBlocks(std::span<Mat3> out) {
-  // With the share of the coupling that its parts may know already taken from them.
+  // parts() may have given them their share of the coupling, which would count twice.
   forParts([&](StageProblem &part, std::size_t first, std::size_t n) {
     part.setCoupling({});
     part.diagonalBlocks(out.subspan(first, n));

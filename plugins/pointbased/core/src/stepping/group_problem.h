@@ -20,7 +20,7 @@ class GroupProblem final : public IncrementalPotential {
   [[nodiscard]] double energy() override;
   [[nodiscard]] double roundOff() const override;
   void gradient(std::span<Vec3> out) override;
-  // What joins them is no concave energy: the Hessian is at least that of inertia.
+  // What joins them has no negative curvature: the Hessian is at least that of inertia.
   [[nodiscard]] double reach(std::span<const Vec3> gradient) const override;
   void product(std::span<const Vec3> du, std::span<Vec3> out) override;
   void diagonalBlocks(std::span<Mat3> out) override;

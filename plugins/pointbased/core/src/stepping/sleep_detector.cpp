@@ -5,14 +5,6 @@
 #include <cmath>
 
 namespace pointbased::detail {
-namespace {
-
-bool same(const RigidMotion &a, const RigidMotion &b) {
-  return a.rotation == b.rotation && a.displacement == b.displacement && a.centre == b.centre;
-}
-
-}  // namespace
-
 bool SleepDetector::look(const Body &body, double tolerance, double dt) {
   unseen_ += dt;
   if (unseen_ < kLookEvery) return false;
@@ -34,14 +26,20 @@ bool SleepDetector::look(const Body &body, double tolerance, double dt) {
   return false;
 }
 
+bool goesOn(const std::function<RigidMotion(double t)> &motion, double time, double dt) {
+  if (!motion) return false;
+  const RigidMotion a = motion(time), b = motion(time + dt);
+  return a.rotation != b.rotation || a.displacement != b.displacement || a.centre != b.centre;
+}
+
 bool isDriven(const Body &body, std::span<const Obstacle> obstacles, double time, double dt) {
   if (!body.hands.empty() || !body.externalForces().empty() || body.constitution().relaxing()) return true;
   for (const Obstacle &obstacle : obstacles)
-    if (obstacle.motion && !same(obstacle.motion(time), obstacle.motion(time + dt))) return true;
+    if (goesOn(obstacle.motion, time, dt)) return true;
   const BoundaryConditions &conditions = body.rest().conditions;
-  const auto goesOn = [time](const auto &one) { return one.ramp > 0.0 && time < one.ramp; };
-  return std::any_of(conditions.fixes.begin(), conditions.fixes.end(), goesOn) ||
-         std::any_of(conditions.loads.begin(), conditions.loads.end(), goesOn);
+  const auto isRamped = [time](const auto &one) { return one.ramp > 0.0 && time < one.ramp; };
+  return std::any_of(conditions.fixes.begin(), conditions.fixes.end(), isRamped) ||
+         std::any_of(conditions.loads.begin(), conditions.loads.end(), isRamped);
 }
 
 }  // namespace pointbased::detail

@@ -34,6 +34,9 @@ class SleepDetector {
   double unseen_ = 0.0;     // s since the last look
 };
 
+/// Whether the motion of an obstacle leads anywhere from `time` to `time` + dt; empty: it stands still.
+[[nodiscard]] bool goesOn(const std::function<RigidMotion(double t)> &motion, double time, double dt);
+
 /// Somebody or something moves the body, or will before `time` + dt: a hand, a support or load whose ramp has not
 /// ended, an obstacle on its way that touches or can reach it, material that relaxes.
 [[nodiscard]] bool isDriven(const Body &body, std::span<const Obstacle> obstacles, double time, double dt);

@@ -37,8 +37,8 @@ typedef struct c3de_attachment_v1 {
   uint32_t size;
   uint32_t rev;
   /* Between two steps; the simulation is reset. It goes with either of what it joins; remove() of iface.simulator takes
-   * it away. Names differ. C3DE_E_STALE: a body or obstacle is not there; C3DE_E_ARG: nothing is there to be attached, or
-   * a number is not accepted. [any] */
+   * it away. Names differ. C3DE_E_STALE: a body or obstacle is not there; C3DE_E_ARG: nothing is there to be attached,
+   * or a number is not accepted. [any] */
   c3de_status(C3DE_CALL *add)(c3de_object *self, const c3de_sim_attachment *attachment, c3de_handle *out);
   /* Calls each() for every attachment in the order they were added, until it returns something other than C3DE_OK,
    * which is returned. [sim] */
