@@ -194,7 +194,7 @@ void TextPanel::Impl::params(Handle handle, const std::string &group) {
 
 void TextPanel::Impl::fillTable() {
   table.size = sizeof table;
-  table.rev = 3;
+  table.rev = 4;
   table.ctx = this;
   table.heading = [](void *c, c3de_str t) { of(c).line("# " + textOf(t)); };
   table.text = [](void *c, c3de_str t) {
@@ -246,6 +246,12 @@ void TextPanel::Impl::fillTable() {
   table.list_end = [](void *c) {
     of(c).isSameLine = false;
     of(c).widget("list end", {}, {}, {});
+  };
+  table.curve = [](void *c, c3de_str id, c3de_str label, c3de_str unit, const double *values, std::uint64_t n) {
+    const std::string latest = values && n > 0 ? formatNumber(values[n - 1]) : std::string("no value");
+    of(c).line(textOf(label) + ": curve of " + std::to_string(n) + ", " + latest + " " + textOf(unit) + " (" +
+               textOf(id) + ")");
+    of(c).widget("curve", textOf(id), textOf(label), latest);
   };
 }
 

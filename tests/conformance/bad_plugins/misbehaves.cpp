@@ -373,6 +373,9 @@ const std::map<std::string_view, Do> &deeds() {
          return addPanel([](void *, const c3de_ui_v1 *ui) {
            if (ui->rev >= 3) ui->list_begin(ui->ctx, text("list"), 3);
            ui->same_line(ui->ctx);
+           const double bad[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()};
+           if (ui->rev >= 4) ui->curve(ui->ctx, text("bad"), text("bad"), text("N"), bad, 2);
+           if (ui->rev >= 4) ui->curve(ui->ctx, text("null"), text("null"), text("N"), nullptr, 7);
          });
        }},
   };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/registry/text_panel.h"
 
+#include <array>
 #include <cstring>
 
 #include "c3de/core/text.h"
@@ -74,6 +75,21 @@ TEST_CASE("patches of colour and lists stand where the panel puts them") {
   CHECK(kinds == "list;swatch;text;list end;text;");
   REQUIRE(text.find("labels"));
   CHECK(text.find("labels")->text == "5");
+}
+
+TEST_CASE("a curve tells its latest value") {
+  Panel panel;
+  panel.onUi = [](void *, const c3de_ui_v1 *ui) {
+    REQUIRE(ui->rev >= 4);
+    const std::array values{0.0, 1.5, 2.25};
+    const auto abi = [](std::string_view text) { return toAbi(text); };
+    ui->curve(ui->ctx, abi("force"), abi("Force"), abi("N"), values.data(), values.size());
+    ui->curve(ui->ctx, abi("none"), abi("Nothing"), abi("N"), nullptr, 0);
+  };
+  TextPanel text(nullptr);
+  CHECK(text.draw(panel) == "Force: curve of 3, 2.25 N (force)\nNothing: curve of 0, no value N (none)");
+  REQUIRE(text.find("force"));
+  CHECK(text.find("force")->text == "2.25");
 }
 
 TEST_CASE("widgets of a text panel act in the next draw and only once") {

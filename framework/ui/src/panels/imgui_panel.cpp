@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "c3de/core/text.h"
 #include "c3de/registry/number_text.h"
@@ -13,6 +14,13 @@ namespace c3de::ui {
 namespace {
 
 constexpr std::uint32_t kListRows = 12, kMostListRows = 100;
+constexpr float kCurveRows = 3.0f;
+
+std::string significant(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
 
 std::string text(c3de_str s) { return shownText(fromAbi(s), Lines::many); }
 
@@ -188,6 +196,40 @@ void ImGuiPanels::listEnd() {
   ImGui::EndChild();
 }
 
+void ImGuiPanels::curve(c3de_str id, c3de_str label, c3de_str unit, std::span<const double> values) {
+  takeSameLine();
+  const std::string unique = uniqueId(id);
+  double low = 0.0, high = 0.0;
+  for (const double v : values) {
+    if (!std::isfinite(v)) continue;
+    low = std::min(low, v);
+    high = std::max(high, v);
+  }
+  ImGui::TextColored(colour::kDim, "%s", text(label).c_str());
+  const std::string highText = significant(high) + " " + text(unit), lowText = significant(low);
+  const float beside = frame_->theme.px(6.0f), height = kCurveRows * ImGui::GetFrameHeight();
+  const float width =
+      std::max(1.0f, ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(highText.c_str()).x - beside);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImGui::Dummy(ImVec2(width, height));
+  markItem(*frame_, area_, unique);
+  ImDrawList &draw = *ImGui::GetWindowDrawList();
+  draw.AddRectFilled(at, ImVec2(at.x + width, at.y + height), ImGui::GetColorU32(ImGuiCol_FrameBg));
+  const double range = high > low ? high - low : 1.0;
+  const auto pointOf = [&](std::size_t i) {
+    const double along = values.size() > 1 ? static_cast<double>(i) / static_cast<double>(values.size() - 1) : 1.0;
+    return ImVec2(at.x + static_cast<float>(along) * width,
+                  at.y + static_cast<float>((high - values[i]) / range) * height);
+  };
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (std::isfinite(values[i - 1]) && std::isfinite(values[i]))
+      draw.AddLine(pointOf(i - 1), pointOf(i), ImGui::GetColorU32(ImGuiCol_PlotLines), frame_->theme.px(1.5f));
+  const ImU32 dim = ImGui::GetColorU32(colour::kDim);
+  draw.AddText(ImVec2(at.x + width + beside, at.y), dim, highText.c_str());
+  draw.AddText(ImVec2(at.x + width + beside, at.y + height - ImGui::GetTextLineHeight()), dim, lowText.c_str());
+  frame_->automation.value(area_, unique, values.empty() ? std::string() : significant(values.back()));
+}
+
 void ImGuiPanels::heading(c3de_str shown) {
   isSameLine_ = false;
   ImGui::Dummy(ImVec2(0.0f, frame_->theme.px(2.0f)));
@@ -292,7 +334,7 @@ void ImGuiPanels::params(c3de_handle set, c3de_str group) {
 void ImGuiPanels::fillTable() {
   c3de_ui_v1 &t = table_;
   t.size = sizeof t;
-  t.rev = 3;
+  t.rev = 4;
   t.ctx = this;
   t.heading = [](void *c, c3de_str s) noexcept {
     if (of(c).isUsable()) of(c).heading(s);
@@ -355,6 +397,9 @@ void ImGuiPanels::fillTable() {
   };
   t.list_end = [](void *c) noexcept {
     if (of(c).isUsable()) of(c).listEnd();
+  };
+  t.curve = [](void *c, c3de_str id, c3de_str label, c3de_str unit, const double *values, std::uint64_t n) noexcept {
+    if (of(c).isUsable() && (values || n == 0)) of(c).curve(id, label, unit, {values, static_cast<std::size_t>(n)});
   };
 }
 

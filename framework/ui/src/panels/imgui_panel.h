@@ -3,6 +3,7 @@
 
 #include <map>
 #include <set>
+#include <span>
 #include <string>
 #include <thread>
 
@@ -42,6 +43,7 @@ class ImGuiPanels {
   std::uint32_t fileButton(c3de_str id, c3de_str label, c3de_str extensions, char *buffer, std::uint64_t capacity);
   void listBegin(c3de_str id, std::uint32_t rows);
   void listEnd();
+  void curve(c3de_str id, c3de_str label, c3de_str unit, std::span<const double> values);
   void heading(c3de_str text);
   void value(c3de_str name, c3de_str value);
   void progress(double fraction, c3de_str text);

@@ -46,6 +46,9 @@ typedef struct c3de_ui_v1 {
    * end of the panel ends a list. */
   void(C3DE_CALL *list_begin)(void *ctx, c3de_str id, uint32_t rows);
   void(C3DE_CALL *list_end)(void *ctx);
+  /* rev 4: n values over equal steps, the latest last, as a curve from the least to the largest of them and 0, which
+   * stand beside it with the unit; a value that is not finite is a gap. `values` are borrowed during the call. */
+  void(C3DE_CALL *curve)(void *ctx, c3de_str id, c3de_str label, c3de_str unit, const double *values, uint64_t n);
 } c3de_ui_v1;
 
 typedef struct c3de_panel { /* copied, strings included */

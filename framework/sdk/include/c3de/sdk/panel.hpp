@@ -84,6 +84,12 @@ class Ui {
     if (ui_->rev >= 3) ui_->list_end(ui_->ctx);
   }
 
+  /// Values over equal steps, the latest last; nothing in hosts that do not have it. Values that are not finite are
+  /// gaps.
+  void curve(std::string_view id, std::string_view label, std::string_view unit, std::span<const double> values) const {
+    if (ui_->rev >= 4) ui_->curve(ui_->ctx, str(id), str(label), str(unit), values.data(), values.size());
+  }
+
  private:
   static std::vector<char> bufferOf(const std::string &value, std::size_t capacity) {
     std::vector<char> buffer(std::max(capacity, value.size() + 1), '\0');
