@@ -141,6 +141,8 @@ struct ContactState {
     std::vector<Index> points;                ///< that were looked at last, ascending
     std::vector<Vec3> positions, velocities;  ///< [points]
   } blocks;
+  /// An obstacle of this number has gone, and those behind it have moved up.
+  void forget(Index obstacle);
   Vec3 ledOut = Vec3::Zero();  ///< kg m, Σ mass · way by which points were led out since the energy was looked at
   struct Solution {
     std::vector<double> inverseMasses;  ///< [contacts] 1/kg

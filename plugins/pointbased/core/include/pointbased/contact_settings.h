@@ -34,6 +34,7 @@ struct ContactSummary {
   double pressing = 0.0;      ///< N, sum of the normal forces, mean over the last step
   double depth = 0.0;         ///< m, >= 0: of the deepest point at the end of the last step; 0 when it only touches
   std::size_t points = 0;     ///< of contact that pressed at the end of the last step
+  double area = 0.0;  ///< m², at rest, of the skin that belongs to these points; between bodies the mean of both
 };
 
 }  // namespace pointbased

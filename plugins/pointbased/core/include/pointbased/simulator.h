@@ -80,6 +80,18 @@ class Simulator {
   std::size_t addObstacle(Obstacle obstacle);
   bool removeBody(std::size_t id);
   bool removeObstacle(std::size_t id);
+  /// An obstacle that comes while the simulation goes on: an instrument. What has been simulated stands, also when
+  /// removeObstacle() takes it away; reset() takes it away, and restore() goes back to the instruments of then.
+  std::size_t addInstrument(Obstacle obstacle);
+  [[nodiscard]] bool isInstrument(std::size_t id) const { return instruments_.contains(id); }
+  /// Leads an obstacle from where it is to another place, evenly: it turns about target.centre by the shorter way while
+  /// that goes straight, and then stands. In place of its own motion, which reset() gives back. Before the first step
+  /// it is there at once, and where it stood still begins there from then on. Of no effect where there is none of this id.
+  /// @param target    finite
+  /// @param duration  s, or load factor, >= 0
+  void guideObstacle(std::size_t id, const RigidMotion &target, double duration);
+  /// guideObstacle() has led it since the last reset().
+  [[nodiscard]] bool isGuided(std::size_t id) const { return ownMotions_.contains(id); }
   void clear();
   [[nodiscard]] Body *body(std::size_t id);
   [[nodiscard]] const Body *body(std::size_t id) const;
@@ -148,6 +160,10 @@ class Simulator {
   /// and where a body has been given another state since. Explicit steps: the impulses of their substeps; implicit
   /// ones: forces of the penalty.
   [[nodiscard]] std::vector<ContactSummary> contacts() const;
+  /// Pressure by which obstacles, walls, other bodies and it itself press on a body, Pa: normal forces over the area of
+  /// skin that a phyxel carries, mean over the last step; their sum over these areas is ContactSummary::pressing.
+  /// @param out  [phyxels]; 0 where nothing presses
+  void contactPressures(std::size_t body, std::vector<double> &out) const;
 
   /// One step of the present size: explicit in the substeps that stability needs, up to 10 000 (then time goes on by
   /// what is done). Refused when every body has stopped. Quasi-static: one load increment; nothing when finished().
@@ -245,6 +261,10 @@ class Simulator {
  private:
   [[nodiscard]] Environment environment() const;
   [[nodiscard]] bool exists(std::size_t id) const;
+  /// Of an obstacle, and of what is attached to it. Empty: it stands still.
+  void setMotion(std::size_t obstacle, std::function<RigidMotion(double t)> motion);
+  void takeObstacles(const detail::SimulatorCheckpoint &kept);
+  void endGuidance();
   /// After a change of pairs or obstacles.
   void updateSurroundings(std::size_t body);
   void updateSurroundings();
@@ -298,6 +318,9 @@ class Simulator {
   std::set<std::size_t> tornReported_;  // attachments
   std::vector<Obstacle> obstacles_;
   std::vector<std::size_t> obstacleIds_;
+  std::set<std::size_t> instruments_;
+  std::set<std::size_t> placed_;  // obstacles that stand still where guideObstacle() has put them before the first step
+  std::map<std::size_t, std::function<RigidMotion(double t)>> ownMotions_;  // of obstacles that are guided
   ContactSettings contact_;
   ContactPairs contactPairs_;
   std::map<std::size_t, std::vector<Obstacle>> surroundings_;  // of bodies that have pairs with obstacles or walls

@@ -286,6 +286,24 @@ void detail::searchContacts(std::span<const Obstacle> obstacles, const WorldBox 
   keepMemories(memory);
 }
 
+void ContactState::forget(Index obstacle) {
+  const auto eraseOf = [obstacle](auto &perObstacle) {
+    if (obstacle < perObstacle.size()) perObstacle.erase(perObstacle.begin() + obstacle);
+  };
+  eraseOf(clearance);
+  eraseOf(sides);
+  const auto eraseContacts = [obstacle](std::vector<Contact> &contacts) {
+    std::erase_if(contacts, [obstacle](const Contact &contact) { return contact.obstacle == obstacle; });
+    for (Contact &contact : contacts)
+      if (contact.obstacle != Contact::kWall && contact.obstacle > obstacle) --contact.obstacle;
+  };
+  eraseContacts(active);
+  eraseContacts(previous);
+  sums = ContactSums();
+  stageForces = ContactSums();
+  blocks = Blocks();
+}
+
 void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt, double margin,
                   std::span<const Vec3> positions, std::span<const Vec3> velocities, std::span<const double> radii,
                   ContactState &memory, const ParallelFor &parallelFor) {

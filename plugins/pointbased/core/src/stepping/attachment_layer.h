@@ -31,6 +31,7 @@ class AttachmentLayer {
   };
   /// Of an obstacle at the other side; empty: it stands still, or there is none.
   [[nodiscard]] const std::function<RigidMotion(double)> &motion() const { return motion_; }
+  void setMotion(std::function<RigidMotion(double)> motion) { motion_ = std::move(motion); }
   /// Normals as the first body has turned by now: all below is with them until the next call.
   /// @return by how much at most, rad
   double turn(const Sides &at);

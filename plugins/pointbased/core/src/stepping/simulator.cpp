@@ -127,15 +127,18 @@ bool Simulator::removeBody(std::size_t id) {
 bool Simulator::removeObstacle(std::size_t id) {
   const auto found = std::find(obstacleIds_.begin(), obstacleIds_.end(), id);
   if (found == obstacleIds_.end()) return false;
-  ++course_;
-  obstacles_.erase(obstacles_.begin() + (found - obstacleIds_.begin()));
+  const auto number = found - obstacleIds_.begin();
+  if (instruments_.erase(id) == 0) ++course_;
+  obstacles_.erase(obstacles_.begin() + number);
   obstacleIds_.erase(found);
+  ownMotions_.erase(id);
+  placed_.erase(id);
   warnings_.erase(id);
   removeAttachmentsOf(id);
   std::erase_if(contactPairs_, [id](const auto &pair) { return pair.first.first == id || pair.first.second == id; });
   updateSurroundings();
   for (auto &[other, runner] : bodies_) {
-    runner->body().contact = ContactState();
+    runner->body().contact.forget(static_cast<Index>(number));
     runner->wake();
   }
   return true;
@@ -147,6 +150,9 @@ void Simulator::clear() {
   warnings_.clear();
   obstacles_.clear();
   obstacleIds_.clear();
+  instruments_.clear();
+  ownMotions_.clear();
+  placed_.clear();
   contactPairs_.clear();
   surroundings_.clear();
   probes_.clear();
@@ -452,6 +458,7 @@ double Simulator::advanceBodies(const detail::StepContext &order) {
 }
 
 void Simulator::reset() {
+  endGuidance();
   for (auto &[id, runner] : bodies_) {
     const bool renewed = runner->body().rereferenceCount() > 0;
     runner->reset();

@@ -22,12 +22,17 @@ Checkpoint Simulator::checkpoint() const {
   kept->lastPair = lastPair_;
   for (const auto &[id, layer] : attachments_) kept->torn.emplace(id, layer->torn());
   kept->tornReported = tornReported_;
+  kept->obstacles = obstacles_;
+  kept->obstacleIds = obstacleIds_;
+  kept->instruments = instruments_;
+  kept->ownMotions = ownMotions_;
   for (const auto &[id, pair] : skins_->pairs()) kept->contacts.emplace(id, pair->memory());
   return kept;
 }
 
 bool Simulator::restore(const Checkpoint &checkpoint) {
   if (!checkpoint || checkpoint->course != course_) return false;
+  takeObstacles(*checkpoint);
   for (auto &[id, runner] : bodies_) {
     const auto found = checkpoint->bodies.find(id);
     if (found == checkpoint->bodies.end()) continue;

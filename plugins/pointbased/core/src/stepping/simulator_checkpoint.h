@@ -22,6 +22,10 @@ struct detail::SimulatorCheckpoint {
   std::map<SkinContacts::PairId, SkinPair::Memory> contacts;
   std::map<std::size_t, std::vector<std::uint8_t>> torn;  // of attachments
   std::set<std::size_t> tornReported;
+  std::vector<Obstacle> obstacles;
+  std::vector<std::size_t> obstacleIds;
+  std::set<std::size_t> instruments;
+  std::map<std::size_t, std::function<RigidMotion(double t)>> ownMotions;
 };
 
 }  // namespace pointbased

@@ -7,6 +7,7 @@
 #include "discretisation/interpolation_at.h"
 #include "pointbased/simulator.h"
 #include "stepping/body_stepper.h"
+#include "stepping/contact_pressure.h"
 #include "stepping/skin_contacts.h"
 
 namespace pointbased {
@@ -141,6 +142,7 @@ std::vector<ContactSummary> Simulator::contacts() const {
       if (!(contact.normalImpulse > 0.0) || last[o] == contact.point) continue;
       last[o] = contact.point;
       ++found[o].points;
+      found[o].area += body.rest().contact.areas[contact.point];
     }
     for (const ContactSummary &summary : found)
       if (summary.pressing > 0.0) out.push_back(summary);
@@ -151,9 +153,24 @@ std::vector<ContactSummary> Simulator::contacts() const {
     const auto points = std::count_if(pair->active().begin(), pair->active().end(),
                                       [](const detail::SkinContact &c) { return c.normalImpulse > 0.0; });
     out.push_back({id.first, id.second, sum.impulse / sum.span, sum.pressing / sum.span, pair->depth(),
-                   static_cast<std::size_t>(points)});
+                   static_cast<std::size_t>(points), detail::pressedArea(*pair)});
   }
   return out;
+}
+
+void Simulator::contactPressures(std::size_t id, std::vector<double> &out) const {
+  const Body *target = body(id);
+  if (!target) {
+    out.clear();
+    return;
+  }
+  detail::PressureOnSkin pressure(*target);
+  pressure.addObstacles();
+  for (const auto &[pair, skins] : skins_->pairs()) {
+    if (pair.first == id) pressure.addSkin(*skins, 0);
+    if (pair.second == id) pressure.addSkin(*skins, 1);
+  }
+  pressure.take(out);
 }
 
 }  // namespace pointbased

@@ -216,6 +216,9 @@ Result<std::string> Simulator::savedState() {
   archive(loadFactor);
   for (const auto &[id, runner] : bodies_)
     if (const std::string why = whyNotKept(runner->body()); !why.empty()) return tl::unexpected(why);
+  for (std::size_t o = 0; o < obstacles_.size(); ++o)
+    if (isGuided(obstacleIds_[o]) || isInstrument(obstacleIds_[o]))
+      return tl::unexpected("'" + obstacles_[o].name + "' is led by a hand; take it away, or reset first");
   skins_->forget();
   for (const auto &group : groups_) group->startSolverAnew();
   for (const auto &[id, runner] : bodies_) {

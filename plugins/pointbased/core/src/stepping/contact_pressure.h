@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// How contact presses on the skin of a body. Private to the core.
+#pragma once
+
+#include "contact/skin_pair.h"
+#include "pointbased/body.h"
+
+namespace pointbased::detail {
+
+/// m², at rest: mean over both skins of the area of the vertices that press at the end of the last step.
+[[nodiscard]] double pressedArea(const SkinPair &pair);
+
+/// Normal forces of the last step, by phyxel, over the area of skin that each carries.
+class PressureOnSkin {
+ public:
+  explicit PressureOnSkin(const Body &body);
+  void addObstacles();  ///< and walls
+  /// @param side  0, 1: of the pair, that is this body
+  void addSkin(const SkinPair &pair, std::size_t side);
+  /// @param out  [phyxels] Pa, >= 0
+  void take(std::vector<double> &out);
+
+ private:
+  const Body &body_;
+  std::vector<double> pressures_, forces_, areas_;  // [phyxels]
+};
+
+}  // namespace pointbased::detail
