@@ -5,6 +5,7 @@
 // image_walk-pulled.png of the scenario image_walk.
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include "support/catch.h"
@@ -210,6 +211,74 @@ TEST_CASE("Pictures of the default scene for the user guide", "[.guide]") {
   window.clickAt(inPane("sagittal", 0.34, 0.3));
   window.waitFrames(5);
   window.screenshot("brain_shift");
+}
+
+TEST_CASE("Pictures of touch and of an implant for the user guide", "[.guide]") {
+  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  const std::filesystem::path folder = std::filesystem::path(testOutputRoot()) / "ui";
+  std::filesystem::create_directories(folder);
+  std::ofstream plate(folder / "guide_plate.obj");
+  for (const double x : {-35.0, 35.0})
+    for (const double y : {56.0, 62.0})
+      for (const double z : {-18.0, 18.0}) plate << "v " << x << ' ' << y << ' ' << z << '\n';
+  plate
+      << "f 1 2 4\nf 1 4 3\nf 5 7 8\nf 5 8 6\nf 1 5 6\nf 1 6 2\nf 3 4 8\nf 3 8 7\nf 1 3 7\nf 1 7 5\nf 2 6 8\nf 2 8 4\n";
+  plate.close();
+  const auto sceneWith = [&](const std::string &name, const std::string &more) {
+    std::ofstream(folder / name)
+        << "format = 1\n[solver]\ndamping = 10.0\n[[body]]\nname = \"organ\"\nmesh = \""
+        << (std::filesystem::path(testResourcesFolder()) / "meshes" / "organ.obj").generic_string()
+        << "\"\nmesh_unit = \"mm\"\nmaterial = { youngs_modulus = 6e3, poisson_ratio = 0.4 }\n"
+           "sampling = { count = 3000 }\n[[attachment]]\nname = \"around\"\n"
+           "bodies = [\"organ\", \"surroundings\"]\nstiffness = 5e4\n"
+        << more;
+    return (folder / name).string();
+  };
+  const auto isShown = [](const Json &s) { return s["values"].contains(kPanel + "Surfels") && s["jobs"].empty(); };
+  const auto rest = [](WorkstationDriver &window) {
+    const double from = window.state()["transport"]["time_s"];
+    window.waitUntil(
+        "it rests", [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + 2.0; }, 180.0);
+  };
+  {
+    WorkstationDriver window("guide");
+    window.start({"--play", sceneWith("guide_touch.toml", "")});
+    window.waitUntil("the organ is shown", isShown, 60.0);
+    window.moveTo(window.inView(0.5, 0.5));
+    window.key("f");
+    window.key("t");
+    window.moveTo(window.inView(0.42, 0.56));
+    window.press();
+    window.wheel(10);
+    window.moveTo(window.inView(0.45, 0.55));
+    rest(window);
+    window.release();
+    window.moveTo(window.inView(0.9, 0.1));
+    rest(window);
+    window.screenshot("touch");
+  }
+  {
+    WorkstationDriver window("guide");
+    window.start({"--play", sceneWith("guide_implant.toml",
+                                      "[[obstacle]]\nname = \"plate\"\nmesh = \"guide_plate.obj\"\nmesh_unit = \"mm\"\n"
+                                      "[view]\ncolour = \"contact_pressure\"\n")});
+    window.waitUntil("the organ is shown", isShown, 60.0);
+    window.moveTo(window.inView(0.5, 0.5));
+    window.key("f");
+    window.key("m");
+    window.click(kPanel + "placed");
+    window.click(kPanel + "placed.option.plate");
+    window.controlClick(kPanel + "placed_y");
+    window.key("ctrl+a");
+    window.type("46");
+    window.key("Return");
+    rest(window);
+    // What lies under it.
+    window.click("scene/plate");
+    window.drag(window.inView(0.85, 0.55), window.inView(0.85, 0.75), 5);
+    window.moveTo(window.inView(0.9, 0.1));
+    window.screenshot("implant");
+  }
 }
 
 TEST_CASE("The plugin manager", "[.guide]") {

@@ -25,6 +25,7 @@ Meaning meaningOf(ColourBy by) {
     case ColourBy::error: return {"Strain error", "%", "of the mean strain\n"};
     case ColourBy::stabilisation: return {"Stabilisation", "%", "of the elastic energy\n"};
     case ColourBy::verified: return {"Error, verified", "mm", ""};
+    case ColourBy::contactPressure: return {"Contact pressure", "kPa", ""};
     default: return {"Displacement", "mm", ""};
   }
 }
@@ -34,6 +35,7 @@ double leastRange(ColourBy by, const Colouring::Bodies &bodies) {
   if (by == ColourBy::error || by == ColourBy::stabilisation) return 1.0;
   if (by == ColourBy::displacement) return 1e-2;
   if (by == ColourBy::verified) return 1e-6;
+  if (by == ColourBy::contactPressure) return 1e-3;
   double stiffest = 0.0;
   for (const auto &[id, body] : bodies)
     for (const Material &m : body->constitution().materials) stiffest = std::max(stiffest, m.youngsModulus);
@@ -66,15 +68,15 @@ void coloursOf(std::span<const double> values, const ColourScale &scale, std::ve
 
 }  // namespace
 
-void ValueReader::read(const Body &body, const ViewSettings &view, std::span<const double> skinErrors,
+void ValueReader::read(const Body &body, const ViewSettings &view, std::span<const double> given,
                        const ParallelFor &parallelFor, BodyValues &out) {
   const RestState &rest = body.rest();
   if (view.colourBy == ColourBy::verified) {
     // Where a body was refused there is no error to show.
     out = BodyValues();
     out.surfels.assign(rest.surfels.count(), 0.0);
-    for (std::size_t i = 0; i < std::min(skinErrors.size(), out.surfels.size()); ++i)
-      out.surfels[i] = kMillimetres * skinErrors[i];
+    for (std::size_t i = 0; i < std::min(given.size(), out.surfels.size()); ++i)
+      out.surfels[i] = kMillimetres * given[i];
     return;
   }
   const bool ownAtPoints = view.colourBy == ColourBy::vonMises && view.points == PointsShown::evaluationPoints;
@@ -96,6 +98,10 @@ void ValueReader::read(const Body &body, const ViewSettings &view, std::span<con
       cauchyStresses(body, pointStresses_, stress_, parallelFor);
       phyxelMeans(rest, pointStresses_, phyxelStresses_);
       for (std::size_t i = 0; i < perPhyxel_.size(); ++i) perPhyxel_[i] = kKilopascals * vonMises(phyxelStresses_[i]);
+      break;
+    case ColourBy::contactPressure:
+      for (std::size_t i = 0; i < perPhyxel_.size(); ++i)
+        perPhyxel_[i] = i < given.size() ? kKilopascals * given[i] : 0.0;
       break;
     default:
       for (std::size_t i = 0; i < perPhyxel_.size(); ++i)
@@ -157,9 +163,11 @@ bool Colouring::update(const Bodies &bodies, const ViewSettings &view, const Par
   view_ = view;
   std::erase_if(entries_, [&](const auto &entry) { return !bodies.contains(entry.first); });
   for (const auto &[id, body] : bodies) {
+    std::vector<double> given;
     const BodyVerification *verified = verification_ ? verification_->body(id) : nullptr;
-    entries_[id].reader.read(*body, view, verified ? verified->result.skinErrors : std::vector<double>(), parallelFor,
-                             entries_[id].values);
+    if (view.colourBy == ColourBy::verified && verified) given = verified->result.skinErrors;
+    if (view.colourBy == ColourBy::contactPressure && pressures_) pressures_(id, given);
+    entries_[id].reader.read(*body, view, given, parallelFor, entries_[id].values);
   }
   scale_ = scaleOf(bodies, view);
   for (const auto &[id, body] : bodies) {
@@ -186,6 +194,8 @@ ColourScale Colouring::scaleOf(const Bodies &bodies, const ViewSettings &view) {
         if (std::isfinite(value)) largest = std::max(largest, value);
     whole = std::max(whole, entry.values.whole);
   }
+  // Where nothing touches there is nothing to tell apart.
+  if (view.colourBy == ColourBy::contactPressure) std::erase_if(all, [](double v) { return !(v > 0.0); });
   scale.high = view.range ? *view.range : range_.update(std::move(all), leastRange(view.colourBy, bodies));
   scale.note = meaning.of + ("largest " + significant(largest) + " ") + meaning.unit;
   if (view.colourBy == ColourBy::error || view.colourBy == ColourBy::stabilisation)

@@ -30,9 +30,10 @@ struct BodyValues {
 /// Takes values off a body, with memory that is used again.
 class ValueReader {
  public:
-  /// @param skinErrors  [surfels] m, of a verification; empty: there is none
-  void read(const Body &body, const ViewSettings &view, std::span<const double> skinErrors,
-            const ParallelFor &parallelFor, BodyValues &out);
+  /// @param given  what the body itself does not know: ColourBy::verified [surfels] m, contactPressure [phyxels] Pa;
+  ///               empty: there is none
+  void read(const Body &body, const ViewSettings &view, std::span<const double> given, const ParallelFor &parallelFor,
+            BodyValues &out);
 
  private:
   std::vector<double> perPhyxel_;
@@ -72,6 +73,10 @@ class Colouring {
               Clock::time_point now = Clock::now());
   /// What ColourBy::verified shows; null: nothing.
   void setVerification(std::shared_ptr<const WorldVerification> verification);
+  /// Who tells what ColourBy::contactPressure shows, [phyxels] Pa of a body.
+  void setPressures(std::function<void(std::uint64_t body, std::vector<double> &out)> pressures) {
+    pressures_ = std::move(pressures);
+  }
   /// Null: by its material.
   [[nodiscard]] const Colours *of(std::uint64_t body) const;
   [[nodiscard]] const std::optional<ColourScale> &scale() const { return scale_; }
@@ -91,6 +96,7 @@ class Colouring {
 
   std::map<std::uint64_t, Entry> entries_;
   std::shared_ptr<const WorldVerification> verification_;
+  std::function<void(std::uint64_t, std::vector<double> &)> pressures_;
   ViewSettings view_;
   std::optional<ColourScale> scale_;
   AutoRange range_;

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "composition.h"
+#include "contact_panel.h"
 
 namespace pointbased {
 namespace {
@@ -50,8 +51,8 @@ std::string_view modeName(std::uint32_t mode) {
 
 }  // namespace
 
-Controller::Controller(const Services &services, const MaterialLaws &laws, PinchTool &pinch)
-    : services_(services), pinch_(pinch), laws_(laws), verification_(services) {
+Controller::Controller(const Services &services, const MaterialLaws &laws, const Tools &tools)
+    : services_(services), tools_(tools), laws_(laws), verification_(services) {
   declareBody();
   worldParameters_ = sdk::orThrow(services_.params.declare(
       "World", worldDeclarations(), [this](const c3de_param_value &value) { worldParameterChanged(value); }));
@@ -113,13 +114,20 @@ void Controller::draw(sdk::Ui &ui) {
   }
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
   followBody(snapshot.get());
+  // What the hand is at stands where it is seen at once.
+  if (tools_.pinch.isActive()) drawPinch(ui);
+  if (tools_.touch.isActive()) drawTouch(ui, tools_.touch, snapshot.get());
+  if (tools_.move.isActive()) drawObstacles(ui, snapshot.get());
   drawRun(ui, snapshot.get());
   verification_.draw(ui, *simulator_, snapshot.get(), isMoving());
   if (snapshot) offerRigid(ui, *snapshot);
   drawBody(ui, snapshot.get());
   drawAccuracy(ui, snapshot.get());
   drawView(ui, snapshot.get());
-  drawPinch(ui);
+  if (!tools_.pinch.isActive()) drawPinch(ui);
+  if (!tools_.touch.isActive()) drawTouch(ui, tools_.touch, snapshot.get());
+  if (!tools_.move.isActive()) drawObstacles(ui, snapshot.get());
+  if (snapshot) drawContacts(ui, *snapshot);
   drawMaterial(ui);
   drawWorld(ui);
   if (snapshot) drawStages(ui, *snapshot);
@@ -295,15 +303,15 @@ void Controller::drawView(sdk::Ui &ui, const Snapshot *snapshot) {
 
 void Controller::drawPinch(sdk::Ui &ui) {
   ui.heading("Pinch");
-  if (ui.button("pinch", pinch_.isActive() ? "Pinch is active" : "Take the pinch tool", !pinch_.isActive()))
-    (void)pinch_.select();
+  if (ui.button("pinch", tools_.pinch.isActive() ? "Pinch is active" : "Take the pinch tool", !tools_.pinch.isActive()))
+    (void)tools_.pinch.select();
   ui.tooltip("Press on the organ and drag; release or Escape lets go");
   (void)ui.slider("pinch_hz", "Stiffness", "Hz", pinchSettings_.frequency_hz, 1.0, 60.0);
   ui.tooltip("Frequency of the spring on the mass it holds: the same feel for small and large organs");
   (void)ui.slider("pinch_radius", "Patch radius", "mm", pinchSettings_.radius_mm, 2.0, 60.0);
   ui.tooltip("Size of the patch that is held, from the next press on; at least two spacings");
-  pinch_.setSettings(pinchSettings_);
-  if (const auto &hold = pinch_.hold()) {
+  tools_.pinch.setSettings(pinchSettings_);
+  if (const auto &hold = tools_.pinch.hold()) {
     ui.value("Held surfel", std::to_string(hold->surfel));
     ui.value("Pinch force", fixed(hold->force, 3) + " N");
     ui.value("Held mass", significant(1e3 * hold->mass, 3) + " g");
@@ -314,8 +322,52 @@ void Controller::drawPinch(sdk::Ui &ui) {
   }
 }
 
+void Controller::drawObstacles(sdk::Ui &ui, const Snapshot *snapshot) {
+  ui.heading("Obstacles and implants");
+  (void)ui.fileButton("obstacle_browse", "Browse…", "obj;stl;ply;vtk", obstaclePath_);
+  ui.tooltip("A surface that bodies do not enter: an implant, a plate, a bone. Where its file has it");
+  ui.sameLine();
+  if (ui.button("obstacle_add", "Add", !job_ && !obstaclePath_.empty())) addObstacle();
+  ui.tooltip("The simulation goes back to its beginning. The unit is that of *Unit of the file* above");
+  drawPlacement(ui, tools_.move, snapshot);
+  if (tools_.move.chosen() != 0 && ui.button("obstacle_remove", "Remove")) {
+    const std::uint64_t id = tools_.move.chosen();
+    tools_.move.choose(0);
+    (void)services_.simulation.post(simulator_->node(), [simulator = sdk::Ref<WorldSimulator>::share(simulator_), id] {
+      sdk::orThrow(simulator->remove({id}));
+    });
+  }
+}
+
+void Controller::addObstacle() {
+  auto run = [this, simulator = sdk::Ref<WorldSimulator>::share(simulator_), path = obstaclePath_,
+              unit = kUnits[unit_]](sdk::Progress progress) -> sdk::Result<void> {
+    auto mesh = services_.meshes.load(path, unit, progress.abi());
+    if (!mesh) return mesh.failure();
+    const std::string name = std::filesystem::path(path).stem().string();
+    c3de_sim_placement placement{};
+    placement.size = sizeof placement;
+    placement.scale = 1.0;
+    c3de_sim_obstacle obstacle{};
+    obstacle.size = sizeof obstacle;
+    obstacle.params_stride = sizeof(c3de_param_value);
+    obstacle.name = sdk::str(name);
+    obstacle.mesh = mesh->handle();
+    obstacle.placement = &placement;
+    simulator->addObstacle(&obstacle, nullptr);
+    return {};
+  };
+  const auto job =
+      services_.jobs.submit("Loading " + std::filesystem::path(obstaclePath_).filename().string(), std::move(run),
+                            [this](const sdk::Result<void> &result) { finish("Add an obstacle", result); });
+  if (job)
+    job_ = *job;
+  else
+    report("Add an obstacle", job.failure().message);
+}
+
 void Controller::transport(std::uint32_t action) {
-  if (action == C3DE_TRANSPORT_STOP || action == C3DE_TRANSPORT_RESET) pinch_.cancel();
+  if (action == C3DE_TRANSPORT_STOP || action == C3DE_TRANSPORT_RESET) tools_.pinch.cancel();
   if (const auto done = services_.simulation.transport(simulator_->node(), action); !done)
     report("Simulation", done.failure().message);
 }

@@ -2,8 +2,10 @@
 #pragma once
 
 #include "c3de/sdk/panel.hpp"
+#include "move_tool.h"
 #include "pinch_tool.h"
 #include "simulator_view.h"
+#include "touch_tool.h"
 #include "verification_panel.h"
 #include "world_simulator.h"
 
@@ -13,7 +15,13 @@ namespace pointbased {
 /// commands between two steps, numbers come from the latest snapshot. Main thread.
 class Controller : public sdk::Panel {
  public:
-  Controller(const Services &services, const MaterialLaws &laws, PinchTool &pinch);
+  /// Those in its order in the window.
+  struct Tools {
+    PinchTool &pinch;
+    TouchTool &touch;
+    MoveTool &move;
+  };
+  Controller(const Services &services, const MaterialLaws &laws, const Tools &tools);
 
   void draw(sdk::Ui &ui) override;
 
@@ -32,9 +40,11 @@ class Controller : public sdk::Panel {
   void drawStages(sdk::Ui &ui, const Snapshot &snapshot);
   void drawView(sdk::Ui &ui, const Snapshot *snapshot);
   void drawPinch(sdk::Ui &ui);
+  void drawObstacles(sdk::Ui &ui, const Snapshot *snapshot);
   void drawWorld(sdk::Ui &ui);
 
   void load();
+  void addObstacle();
   void rebuild();
   /// Every body that deforms, with its sampling left to the dial.
   void applyWish(const Snapshot &snapshot);
@@ -51,7 +61,7 @@ class Controller : public sdk::Panel {
   void report(const std::string &title, const std::string &text);
 
   const Services &services_;
-  PinchTool &pinch_;
+  Tools tools_;
   WorldSimulator *simulator_ = nullptr;
   SimulatorView *view_ = nullptr;
   sdk::ParameterSet bodyParameters_, worldParameters_;
@@ -59,7 +69,7 @@ class Controller : public sdk::Panel {
   std::span<const c3de_param_decl> declared_;       // of bodyParameters_
   ParameterValues nextValues_{bodyDeclarations()};  // what the next load or rebuild uses
   std::uint64_t body_ = 0;                          // the one the parameters belong to
-  std::string path_;
+  std::string path_, obstaclePath_;
   std::uint32_t unit_ = 0;  // index into the unit names
   bool replace_ = true;
   std::optional<c3de_handle> job_;

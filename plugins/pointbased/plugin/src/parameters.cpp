@@ -23,8 +23,9 @@ constexpr std::array<c3de_str, 5> kPreconditioners{str("auto"), str("multigrid")
 constexpr std::array<c3de_str, 3> kEvaluations{str("auto"), str("stress_points"), str("phyxels")};
 constexpr std::array<c3de_str, 3> kSurfaces{str("opaque"), str("transparent"), str("hidden")};
 constexpr std::array<c3de_str, 3> kPoints{str("evaluation_points"), str("phyxels"), str("none")};
-constexpr std::array<c3de_str, 6> kColourings{str("material"), str("displacement"),  str("von_mises"),
-                                              str("error"),    str("stabilisation"), str("verified")};
+constexpr std::array<c3de_str, 7> kColourings{str("material"),         str("displacement"), str("von_mises"),
+                                              str("contact_pressure"), str("error"),        str("stabilisation"),
+                                              str("verified")};
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kRetardationTime = 0.02;  // s: soft tissue of 3 kPa and 60 Pa s
 constexpr double kFar = 1e6;               // m: beyond it, doubles no longer resolve a micrometre next to a body
@@ -132,7 +133,9 @@ constexpr std::array kWorld{
         kPoints, "evaluation_points"),
     choiceParam(
         {"view.colour", "Colour by", "",
-         "material: plain. displacement: from the rest position, mm. von_mises: Cauchy stress, kPa. error: how far off "
+         "material: plain. displacement: from the rest position, mm. von_mises: Cauchy stress, kPa. contact_pressure: "
+         "by "
+         "which others press on the skin, kPa. error: how far off "
          "the strains are by estimate, % of the body's mean. stabilisation: energy that the cells cannot resolve, %. "
          "verified: error of the displacement after Verify, mm; plain once the state moves on",
          "View"},
@@ -467,12 +470,13 @@ ViewSettings viewSettings(const ParameterValues &v) {
   view.points = points == "phyxels" ? PointsShown::phyxels
                 : points == "none"  ? PointsShown::none
                                     : PointsShown::evaluationPoints;
-  view.colourBy = colour == "displacement"    ? ColourBy::displacement
-                  : colour == "von_mises"     ? ColourBy::vonMises
-                  : colour == "error"         ? ColourBy::error
-                  : colour == "stabilisation" ? ColourBy::stabilisation
-                  : colour == "verified"      ? ColourBy::verified
-                                              : ColourBy::material;
+  view.colourBy = colour == "displacement"       ? ColourBy::displacement
+                  : colour == "von_mises"        ? ColourBy::vonMises
+                  : colour == "error"            ? ColourBy::error
+                  : colour == "stabilisation"    ? ColourBy::stabilisation
+                  : colour == "verified"         ? ColourBy::verified
+                  : colour == "contact_pressure" ? ColourBy::contactPressure
+                                                 : ColourBy::material;
   if (!v.isAuto("view.range")) view.range = v.number("view.range");
   return view;
 }

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pinch_tool.h"
 
-#include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 
 namespace pointbased {
@@ -38,15 +36,6 @@ void PinchTool::postToSimulation(std::function<void(WorldSimulator &)> command) 
                                   [simulator = simulator_, command = std::move(command)] { command(*simulator); });
 }
 
-std::optional<PinchTool::NodeRay> PinchTool::rayInNode(const c3de_event &event) const {
-  const auto matrix = services_.scene.worldFromNode(simulator_->node());
-  if (!matrix) return std::nullopt;
-  const Eigen::Matrix4d nodeFromWorld = Eigen::Map<const Eigen::Matrix4d>(matrix->data()).inverse();
-  const Vec3 origin(event.ray_origin_mm), direction(event.ray_direction);
-  return NodeRay{(nodeFromWorld * origin.homogeneous()).head<3>(),
-                 (nodeFromWorld.topLeftCorner<3, 3>() * direction).normalized()};
-}
-
 bool PinchTool::onEvent(const c3de_event &event) {
   if (event.type == C3DE_EVENT_PRESS && event.button == C3DE_BUTTON_LEFT) return press(event);
   if (!hold_) return false;
@@ -68,31 +57,14 @@ bool PinchTool::onEvent(const c3de_event &event) {
 bool PinchTool::press(const c3de_event &event) {
   if (!simulator_ || hold_) return false;
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
-  const std::optional<NodeRay> ray = rayInNode(event);
+  const std::optional<PickRay> ray = rayOf(services_, simulator_->node(), event);
   if (!snapshot || !ray) return false;
-
-  const BodySnapshot *body = nullptr;
-  c3de_ray_hit nearest{};
-  for (const BodySnapshot &candidate : snapshot->bodies) {
-    if (!services_.collision.refit(candidate.surface->tree.handle(), viewOf(candidate.surfels))) continue;
-    const auto hit =
-        services_.collision.ray(candidate.surface->tree.handle(), toArray(ray->origin), toArray(ray->direction));
-    if (!hit || hit->triangle >= candidate.surface->triangles.size()) continue;
-    if (!body || hit->t < nearest.t) {
-      body = &candidate;
-      nearest = *hit;
-    }
-  }
-  if (!body) return false;
+  const std::optional<PickedSurface> picked = pick(services_, *snapshot, *ray);
   // What stands in front of the organ cannot be reached through.
-  for (const ObstacleSnapshot &obstacle : snapshot->obstacles) {
-    const auto hit =
-        services_.collision.ray(obstacle.mesh->tree.handle(), toArray(ray->origin), toArray(ray->direction), nearest.t);
-    if (hit && hit->triangle < obstacle.mesh->triangles.size()) return false;
-  }
-
-  const Vec3 under = ray->origin + nearest.t * ray->direction;
-  const auto &corners = body->surface->triangles[nearest.triangle];
+  if (!picked || !picked->body) return false;
+  const BodySnapshot *body = picked->body;
+  const Vec3 &under = picked->at;
+  const auto &corners = body->surface->triangles[picked->triangle];
   const std::uint32_t surfel = *std::min_element(corners.begin(), corners.end(), [&](std::uint32_t a, std::uint32_t b) {
     return (vectorOf(body->surfels[a]) - under).squaredNorm() < (vectorOf(body->surfels[b]) - under).squaredNorm();
   });
@@ -103,7 +75,6 @@ bool PinchTool::press(const c3de_event &event) {
   grab.target = grabbed;
 
   planePoint_ = under;
-  planeNormal_ = Vec3(event.view_direction);
   grabOffset_ = grabbed - under;
   hold_ = Hold{body->id, body->name, surfel, vectorOf(body->surfels[surfel]), under, 0.0, 0.0};
   history_.begin(simulator_);
@@ -114,13 +85,10 @@ bool PinchTool::press(const c3de_event &event) {
 
 // The hand moves in the plane through the point that was pressed, parallel to the screen.
 void PinchTool::drag(const c3de_event &event) {
-  const std::optional<NodeRay> ray = rayInNode(event);
-  if (!ray) return;
-  const double along = ray->direction.dot(planeNormal_);
-  if (std::abs(along) < 1e-9) return;
-  const double t = (planePoint_ - ray->origin).dot(planeNormal_) / along;
-  if (t <= 0.0) return;
-  hold_->target = ray->origin + t * ray->direction;
+  const std::optional<PickRay> ray = rayOf(services_, simulator_->node(), event);
+  const std::optional<Vec3> at = ray ? ray->onScreenPlane(planePoint_) : std::nullopt;
+  if (!at) return;
+  hold_->target = *at;
   postToSimulation(
       [id = hold_->body, target = Vec3(hold_->target + grabOffset_)](WorldSimulator &s) { s.moveGrab(id, target); });
 }
@@ -129,7 +97,7 @@ void PinchTool::release() {
   if (!hold_) return;
   if (simulator_) simulator_->abandonLongStep();
   postToSimulation([id = hold_->body](WorldSimulator &s) { s.releaseGrab(id); });
-  history_.end(hold_->bodyName);
+  history_.end("pull on " + hold_->bodyName);
   hold_.reset();
   hideMarker();
 }

@@ -6,11 +6,10 @@
 #include "c3de/sdk/tool.hpp"
 #include "grab_patch.h"
 #include "pull_history.h"
+#include "scene_pick.h"
 #include "world_simulator.h"
 
 namespace pointbased {
-
-/// How the pinch holds.
 
 /// Press on the surface: the nearest surfel under the mouse is held, through the host's collision service; drag: a
 /// damped spring pulls its phyxels; release or Escape: let go. A marker shows where, an arrow the pull, a label the
@@ -41,10 +40,6 @@ class PinchTool : public sdk::Tool {
   [[nodiscard]] const std::optional<Hold> &hold() const { return hold_; }
 
  private:
-  struct NodeRay {
-    Vec3 origin, direction;  // m, unit
-  };
-  [[nodiscard]] std::optional<NodeRay> rayInNode(const c3de_event &event) const;
   bool press(const c3de_event &event);
   void drag(const c3de_event &event);
   void release();
@@ -57,7 +52,7 @@ class PinchTool : public sdk::Tool {
   PinchSettings settings_;
   std::optional<Hold> hold_;
   PullHistory history_;
-  Vec3 planePoint_ = Vec3::Zero(), planeNormal_ = Vec3::UnitZ();
+  Vec3 planePoint_ = Vec3::Zero();
   Vec3 grabOffset_ = Vec3::Zero();  // grabbed point minus the point under the mouse
   sdk::Proxy marker_, line_, label_;
 };

@@ -3,9 +3,11 @@
 #include "c3de/sdk/commands.hpp"
 
 #include "controller.h"
+#include "move_tool.h"
 #include "pinch_tool.h"
 #include "point_sets.h"
 #include "simulator_view.h"
+#include "touch_tool.h"
 #include "world_simulator.h"
 
 namespace pointbased {
@@ -27,7 +29,8 @@ class PointBasedPlugin : public SimulatorListener {
       sdk::optional<c3de_tools_v1>(),     sdk::optional<c3de_time_v1>(),     sdk::optional<c3de_simulation_v1>(),
       sdk::optional<c3de_commands_v1>()};
 
-  explicit PointBasedPlugin(sdk::Host host) : context_(host, this), pinch_(context_.services) {
+  explicit PointBasedPlugin(sdk::Host host)
+      : context_(host, this), pinch_(context_.services), touch_(context_.services), move_(context_.services) {
     const sdk::Registry &registry = context_.services.registry;
     sdk::orThrow(registry.add<WorldSimulator>(
         C3DE_POINTBASED_WORLD_SIMULATOR_CLASS, "Point-based simulator",
@@ -39,13 +42,27 @@ class PointBasedPlugin : public SimulatorListener {
     if (context_.services.params && context_.services.notifier && context_.services.simulation &&
         host.service<c3de_panels_v1>()) {
       context_.hasWindow = true;
-      controller_ = std::make_unique<Controller>(context_.services, context_.laws, pinch_);
+      controller_ =
+          std::make_unique<Controller>(context_.services, context_.laws, Controller::Tools{pinch_, touch_, move_});
       sdk::orThrow(controller_->show(host, "pointbased.controller", "Point-based organ"));
-      if (host.service<c3de_tools_v1>())
+      if (host.service<c3de_tools_v1>()) {
         sdk::orThrow(pinch_.add(host, {.id = "pointbased.pinch",
                                        .label = "Pinch",
                                        .hint = "Press on the organ and drag to pull; release or Escape lets go",
                                        .shortcut = 'P'}));
+        sdk::orThrow(touch_.add(
+            host,
+            {.id = "pointbased.touch",
+             .label = "Touch",
+             .hint = "Press on the organ: an instrument stands there; drag moves it, the wheel or D and B push it "
+                     "deeper and back, X takes it away",
+             .shortcut = 'T'}));
+        sdk::orThrow(move_.add(host, {.id = "pointbased.move",
+                                      .label = "Move",
+                                      .hint = "Press on an obstacle and drag; its arrows and rings move it along and "
+                                              "about one axis",
+                                      .shortcut = 'M'}));
+      }
       if (const sdk::Commands commands(host); commands)
         verify_ = sdk::orThrow(
             commands.add({.id = "pointbased.verify",
@@ -59,7 +76,7 @@ class PointBasedPlugin : public SimulatorListener {
   }
 
   sdk::Result<void> stop() {
-    pinch_.setSimulator(nullptr);
+    setSimulator(nullptr);
     if (controller_) controller_->setSimulator(nullptr, nullptr);
     views_.clear();
     return {};
@@ -71,7 +88,7 @@ class PointBasedPlugin : public SimulatorListener {
       view = views_.emplace(&simulator, std::make_unique<SimulatorView>(context_.services, simulator, node))
                  .first->second.get();
     current_ = &simulator;
-    pinch_.setSimulator(&simulator);
+    setSimulator(&simulator);
     if (controller_) controller_->setSimulator(&simulator, view);
   }
 
@@ -79,7 +96,7 @@ class PointBasedPlugin : public SimulatorListener {
     views_.erase(&simulator);
     if (current_ != &simulator) return;
     current_ = nullptr;
-    pinch_.setSimulator(nullptr);
+    setSimulator(nullptr);
     if (controller_) controller_->setSimulator(nullptr, nullptr);
   }
 
@@ -87,12 +104,21 @@ class PointBasedPlugin : public SimulatorListener {
   void onFrame() {
     for (const auto &[simulator, view] : views_) view->update();
     pinch_.update();
+    touch_.update();
+    move_.update();
+  }
+  void setSimulator(WorldSimulator *simulator) {
+    pinch_.setSimulator(simulator);
+    touch_.setSimulator(simulator);
+    move_.setSimulator(simulator);
   }
 
   PluginContext context_;
   WorldSimulator *current_ = nullptr;  // the one that was attached last
   std::map<WorldSimulator *, std::unique_ptr<SimulatorView>> views_;
   PinchTool pinch_;
+  TouchTool touch_;
+  MoveTool move_;
   std::unique_ptr<Controller> controller_;
   sdk::Command verify_;
   sdk::FrameCallback frame_;

@@ -11,7 +11,7 @@ constexpr std::uint32_t kAround = 32, kRings = 8;  // of a whole turn, and from 
 
 }  // namespace
 
-std::shared_ptr<PlacedMesh> meshOf(const ProbeTool &tool) {
+std::shared_ptr<PlacedMesh> meshOf(const Services &services, const ProbeTool &tool) {
   auto mesh = std::make_shared<PlacedMesh>();
   const Vec3 axis = tool.path.front().axis.normalized(), u = axis.unitOrthogonal(), v = axis.cross(u);
   const auto add = [&](const Vec3 &normal, double along) {
@@ -52,6 +52,8 @@ std::shared_ptr<PlacedMesh> meshOf(const ProbeTool &tool) {
   }
   for (const auto &[a, b, c] : mesh->triangles)
     mesh->volume += mesh->positions[a].dot(mesh->positions[b].cross(mesh->positions[c])) / 6.0;
+  mesh->tree = sdk::orThrow(
+      services.collision.create(viewOf(mesh->positions), sdk::rows<std::uint32_t, 3>(std::span(mesh->triangles))));
   return mesh;
 }
 

@@ -8,7 +8,8 @@
 
 namespace pointbased {
 
-/// What is seen of a probe tool, at the first place of its path: a sphere or capsule of triangles. Without a tree.
-[[nodiscard]] std::shared_ptr<PlacedMesh> meshOf(const ProbeTool &tool);
+/// What is seen of a probe tool, at the first place of its path: a sphere or capsule of triangles. Errors of the
+/// services as sdk::Error.
+[[nodiscard]] std::shared_ptr<PlacedMesh> meshOf(const Services &services, const ProbeTool &tool);
 
 }  // namespace pointbased

@@ -13,14 +13,14 @@ void PullHistory::begin(const sdk::Ref<WorldSimulator> &simulator) {
   if (posted) present_ = std::move(pull);
 }
 
-void PullHistory::end(const std::string &bodyName) {
+void PullHistory::end(const std::string &title, Of of) {
   if (!present_) return;
   Pull pull = std::move(*present_);
   present_.reset();
   const std::shared_ptr<const Snapshot> snapshot = pull.simulator->snapshot();
-  if (isOld(pull) || !snapshot || snapshot->steps == pull.steps) return;
+  if (isOld(pull) || !snapshot || (of == Of::time && snapshot->steps == pull.steps)) return;
   const auto go = [this, pull] { return exchange(pull); };
-  const auto step = services_.history.add("pull on " + bodyName, go, go);
+  const auto step = services_.history.add(title, go, go);
   if (!step) return;
   pull.step = *step;
   done_.push_back(std::move(pull));

@@ -8,7 +8,7 @@
 
 namespace pointbased {
 
-/// Pulls as steps of the window's Undo: back to the state before the hand was laid on, and on again. What is simulated
+/// Pulls, touches and moves as steps of the window's Undo: back to the state before the hand was laid on, and on again. What is simulated
 /// anew (a reset, another body) makes them go. Main thread.
 class PullHistory {
  public:
@@ -16,8 +16,12 @@ class PullHistory {
 
   /// Before the hand is laid on.
   void begin(const sdk::Ref<WorldSimulator> &simulator);
-  /// The hand has let go. No step where nothing has been simulated meanwhile.
-  void end(const std::string &bodyName);
+  enum class Of {
+    time,   ///< no step where nothing has been simulated meanwhile
+    place,  ///< where something was placed: a step also without
+  };
+  /// The hand has let go.
+  void end(const std::string &title, Of of = Of::time);
   /// Forgets the steps of a simulation that has begun anew. Once per frame.
   void update();
   void forget();

@@ -290,7 +290,8 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
                                {"force_N", json(contact.force)},
                                {"pressing_N", contact.pressing},
                                {"depth_m", contact.depth},
-                               {"points", contact.points}});
+                               {"points", contact.points},
+                               {"area_m2", contact.area}});
   for (const StageClock::Summary &stage : simulator.stageTimes())
     out["stages"][stage.name] = {{"median_ms", stage.median_ms}, {"p99_ms", stage.p99_ms}, {"calls", stage.calls}};
   for (const SimulationEvent &event : simulator.events())

@@ -22,6 +22,7 @@ constexpr std::array<std::array<float, 3>, 8> kBodies{{{0.66f, 0.27f, 0.22f},
 constexpr float kTransparent = 0.32f;
 constexpr sdk::Material kPoints{{0.95f, 0.78f, 0.42f, 1.0f}, false};
 constexpr sdk::Material kObstacle{{0.55f, 0.60f, 0.66f, 1.0f}, false};
+constexpr sdk::Material kInstrument{{0.45f, 0.75f, 0.95f, 1.0f}, false};
 constexpr sdk::Material kBox{{0.45f, 0.52f, 0.62f, 1.0f}, false};
 constexpr sdk::Material kFloor{{0.24f, 0.28f, 0.33f, 1.0f}, false};  // one-sided: from below one looks through it
 constexpr sdk::Material kFloorGrid{{0.36f, 0.42f, 0.49f, 1.0f}, false};
@@ -131,7 +132,7 @@ SimulatorView::ObstacleView SimulatorView::makeObstacle(const ObstacleSnapshot &
   view.node = sdk::orThrow(services_.scene.addNode(node_, obstacle.name));
   view.mesh = sdk::orThrow(services_.render.createMesh(view.node.handle(), viewOf(obstacle.mesh->positions),
                                                        sdk::rows<std::uint32_t, 3>(std::span(obstacle.mesh->triangles)),
-                                                       kObstacle));
+                                                       obstacle.isInstrument ? kInstrument : kObstacle));
   (void)services_.scene.setBounds(view.node.handle(), toArray(obstacle.mesh->min), toArray(obstacle.mesh->max));
   return view;
 }
@@ -217,7 +218,11 @@ void SimulatorView::update() {
   for (const ObstacleSnapshot &obstacle : snapshot->obstacles) {
     auto found = obstacles_.find(obstacle.id);
     if (found == obstacles_.end()) found = obstacles_.emplace(obstacle.id, makeObstacle(obstacle)).first;
-    if (!obstacle.moves) continue;
+    const Vec3 &rest = obstacle.mesh->min;
+    if (found->second.turned == obstacle.motion.rotation && found->second.moved == obstacle.motion.displacementOf(rest))
+      continue;
+    found->second.turned = obstacle.motion.rotation;
+    found->second.moved = obstacle.motion.displacementOf(rest);
     std::vector<Vec3> positions = obstacle.mesh->positions;
     for (Vec3 &x : positions) x += obstacle.motion.displacementOf(x);
     (void)services_.render.update(found->second.mesh.handle(), C3DE_ATTR_POSITIONS, viewOf(positions));

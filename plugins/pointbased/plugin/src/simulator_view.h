@@ -31,6 +31,8 @@ class SimulatorView {
   struct ObstacleView {
     sdk::SceneNode node;
     sdk::Proxy mesh;
+    Mat3 turned = Mat3::Identity();  // as it is shown
+    Vec3 moved = Vec3::Zero();       // m, of the corner of its box
   };
   [[nodiscard]] BodyView makeBody(const BodySnapshot &body) const;
   void updateBody(BodyView &view, const BodySnapshot &body, const ViewSettings &settings) const;

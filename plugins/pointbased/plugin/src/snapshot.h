@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <mutex>
@@ -10,6 +11,7 @@
 #include "colouring.h"
 #include "parameters.h"
 #include "placed_mesh.h"
+#include "pointbased/probe_tool.h"
 #include "pointbased/simulator.h"
 #include "verification.h"
 
@@ -45,12 +47,48 @@ struct BodySnapshot {
   std::optional<GrabStatus> grab;
 };
 
+/// What passes between two that touch.
+struct ContactSnapshot {
+  ContactSummary summary;
+  std::string first, second;  ///< names
+};
+
+struct AttachmentSnapshot {
+  std::string name, first, second;
+  double force = 0.0;     ///< N
+  double tornPart = 0.0;  ///< 0 … 1
+};
+
+/// What all bodies do to an obstacle together, mean over the last step.
+struct ObstacleTouch {
+  Vec3 force = Vec3::Zero();           ///< N, on the obstacle
+  double pressing = 0.0, depth = 0.0;  ///< N, m
+  double area = 0.0;                   ///< m², of skin that presses
+  std::size_t points = 0;
+
+  void add(const ContactSnapshot &contact, std::uint64_t obstacle) {
+    if (contact.summary.second != obstacle) return;
+    force -= contact.summary.force;
+    pressing += contact.summary.pressing;
+    depth = std::max(depth, contact.summary.depth);
+    area += contact.summary.area;
+    points += contact.summary.points;
+  }
+};
+
 struct ObstacleSnapshot {
   std::uint64_t id = 0;
   std::string name;
-  std::shared_ptr<PlacedMesh> mesh;  ///< at rest
-  RigidMotion motion;                ///< where it is now
-  bool moves = false;
+  std::shared_ptr<PlacedMesh> mesh;    ///< at rest
+  RigidMotion motion;                  ///< where it is now
+  bool hasOwnMotion = false;           ///< of the scene
+  bool isInstrument = false;           ///< in a hand
+  std::optional<ProbeTool> tool = {};  ///< none: made of a mesh
+  ObstacleTouch touch = {};
+
+  /// m, world: of a probe tool its middle, of a mesh that of its box, where it is now and at rest.
+  [[nodiscard]] Vec3 middleAtRest() const { return tool ? tool->path.front().at : Vec3(0.5 * (mesh->min + mesh->max)); }
+  [[nodiscard]] Vec3 middle() const { return middleAtRest() + motion.displacementOf(middleAtRest()); }
 };
 
 /// What the window sees of the simulation: one moment, complete.
@@ -67,6 +105,8 @@ struct Snapshot {
   bool coloursOld = false;             ///< they are those of an earlier state, because finding them takes long
   std::vector<BodySnapshot> bodies;
   std::vector<ObstacleSnapshot> obstacles;
+  std::vector<ContactSnapshot> contacts;
+  std::vector<AttachmentSnapshot> attachments;
   std::vector<StageClock::Summary> stages;
   std::vector<StepComposition> compositions;  ///< of the bodies
   std::vector<SimulationEvent> events;
@@ -74,6 +114,17 @@ struct Snapshot {
   std::shared_ptr<const WorldVerification> verification;  ///< the latest; null: none
   bool verified = false;                                  ///< it is of this state
 
+  [[nodiscard]] const ObstacleSnapshot *obstacle(std::uint64_t id) const {
+    for (const ObstacleSnapshot &o : obstacles)
+      if (o.id == id) return &o;
+    return nullptr;
+  }
+  /// Null: no hand holds one.
+  [[nodiscard]] const ObstacleSnapshot *instrument() const {
+    for (const ObstacleSnapshot &o : obstacles)
+      if (o.isInstrument) return &o;
+    return nullptr;
+  }
   [[nodiscard]] const BodySnapshot *body(std::uint64_t id) const {
     for (const BodySnapshot &b : bodies)
       if (b.id == id) return &b;

@@ -10,7 +10,15 @@ namespace pointbased {
 enum class SurfaceShown : std::uint8_t { opaque, transparent, hidden };
 /// Seen through a surface that is not opaque.
 enum class PointsShown : std::uint8_t { evaluationPoints, phyxels, none };
-enum class ColourBy : std::uint8_t { material, displacement, vonMises, error, stabilisation, verified };
+enum class ColourBy : std::uint8_t {
+  material,
+  displacement,
+  vonMises,
+  error,
+  stabilisation,
+  verified,
+  contactPressure
+};
 
 struct ViewSettings {
   SurfaceShown surface = SurfaceShown::opaque;

@@ -8,6 +8,7 @@
 #include "body_fields.h"
 #include "c3de/sdk/structs.hpp"
 #include "composition.h"
+#include "field_rows.h"
 #include "grab_patch.h"
 #include "point_sets.h"
 #include "report.h"
@@ -26,6 +27,9 @@ void checkStandsStill(const std::string &name, const BodySource &source) {
   if (!source.loads.empty()) throw Error(C3DE_E_ARG, text, {"load", source.loadNumbers.front(), {}});
   if (!source.velocity.isZero(0.0) || !source.angularVelocity.isZero(0.0)) throw Error(C3DE_E_ARG, name + ": " + text);
 }
+
+// A field that is known to the simulator, not to a body.
+constexpr std::string_view kContactPressure = "contact_pressure";
 
 std::string millimetres(double metres) { return shortNumber(1e3 * metres) + " mm"; }
 
@@ -54,6 +58,8 @@ Failure noSuch(const char *what) {
 
 WorldSimulator::WorldSimulator(PluginContext &context) : context_(context), simulator_(context.services.parallelFor()) {
   context_.laws.refresh();
+  colouring_.setPressures(
+      [this](std::uint64_t body, std::vector<double> &out) { simulator_.contactPressures(body, out); });
 }
 
 WorldSimulator::~WorldSimulator() {
@@ -147,7 +153,7 @@ void WorldSimulator::add(const c3de_sim_body *body, c3de_handle *out, Walls wall
   if (walls == Walls::makeRoom) makeRoom(record);
   mustBeInBox(simulator_.world().box, record.name, *record.surface, built.body->rest().spacing);
   record.order = nextOrder_++;
-  simulator_.reset();
+  resetSimulator();
   const std::uint64_t id = simulator_.addBody(std::move(built.body));
   bodies_.emplace(id, std::move(record));
   if (out) *out = {id};
@@ -164,7 +170,7 @@ void WorldSimulator::addObstacle(const c3de_sim_obstacle *obstacle, c3de_handle 
                     readMotion(in.motion, "obstacle"));
   ObstacleRecord record{name, std::move(mesh), built.friction, built.restitution, built.motion};
   const std::lock_guard lock(mutex_);
-  simulator_.reset();
+  resetSimulator();
   const std::uint64_t id = simulator_.addObstacle(std::move(built));
   obstacles_.emplace(id, std::move(record));
   if (out) *out = {id};
@@ -272,6 +278,7 @@ void WorldSimulator::clear() {
   simulator_.clear();
   bodies_.clear();
   obstacles_.clear();
+  placedInstruments_.clear();
   attachments_.clear();
   liveLoads_.clear();
   holds_.clear();
@@ -304,7 +311,7 @@ void WorldSimulator::reset() {
   const std::lock_guard lock(mutex_);
   liveLoads_.clear();
   holds_.clear();
-  simulator_.reset();
+  resetSimulator();
 }
 
 void WorldSimulator::publish() {
@@ -363,9 +370,25 @@ void WorldSimulator::publish() {
     errors.push_back(b.errorAdvice);
   }
   s->notices = noticesOf(simulator_, errors);
+  s->contacts = contactsNow();
+  s->attachments.clear();
+  for (const auto &[id, record] : bodies_)
+    if (const Body &body = *simulator_.body(id); body.foundation().acts())
+      s->attachments.push_back(
+          {"surroundings", record.name, "surroundings", body.foundationReaction().force.norm(), 0.0});
+  for (const AttachmentSummary &now : simulator_.attachments())
+    s->attachments.push_back({now.name, nameOf(now.first),
+                              now.second == kSurroundings ? "surroundings" : nameOf(now.second), now.force.norm(),
+                              now.tornPart});
   s->obstacles.clear();
-  for (const auto &[id, record] : obstacles_)
-    s->obstacles.push_back({id, record.name, record.mesh, simulator_.obstacleMotion(id), record.motion != nullptr});
+  for (const auto &[id, record] : obstacles_) {
+    ObstacleSnapshot o{id, record.name, record.mesh, simulator_.obstacleMotion(id)};
+    o.tool = record.tool;
+    o.isInstrument = simulator_.isInstrument(id);
+    o.hasOwnMotion = record.motion != nullptr;
+    for (const ContactSnapshot &contact : s->contacts) o.touch.add(contact, id);
+    s->obstacles.push_back(std::move(o));
+  }
   takeView(*s);
   exchange_.publish(s);
 }
@@ -504,13 +527,27 @@ c3de_status WorldSimulator::enumFields(c3de_handle body, void *visitor, EachFiel
   }
   for (const c3de_sim_field &field : bodyFields())
     if (const c3de_status status = each(visitor, &field); status != C3DE_OK) return status;
+  for (const std::uint32_t on : {C3DE_SIM_ON_POINTS, C3DE_SIM_ON_SURFACE}) {
+    const c3de_sim_field pressure{sizeof pressure, on, sdk::str(kContactPressure), sdk::str("Pa"), 1, 0};
+    if (const c3de_status status = each(visitor, &pressure); status != C3DE_OK) return status;
+  }
   return C3DE_OK;
 }
 
 void WorldSimulator::readField(c3de_handle body, std::uint32_t on, c3de_str name, c3de_mview out) {
   const std::lock_guard lock(mutex_);
   (void)bodyOrThrow(body);
-  readBodyField(*simulator_.body(body.v), on, sdk::text(name), out);
+  const Body &of = *simulator_.body(body.v);
+  if (sdk::text(name) != kContactPressure || (on != C3DE_SIM_ON_POINTS && on != C3DE_SIM_ON_SURFACE))
+    return readBodyField(of, on, sdk::text(name), out);
+  std::vector<double> pressures;
+  simulator_.contactPressures(body.v, pressures);
+  if (on == C3DE_SIM_ON_SURFACE) {
+    std::vector<double> onSurface(of.rest().surfels.count());
+    interpolateScalars(of.rest().surfels, pressures, onSurface, context_.services.parallelFor());
+    pressures = std::move(onSurface);
+  }
+  writeScalars(out, pressures.size(), [&](std::size_t i) { return pressures[i]; });
 }
 
 void WorldSimulator::triangles(c3de_handle body, c3de_view *out) {
@@ -581,6 +618,7 @@ void WorldSimulator::exchange(Checkpoint &kept) {
   const std::lock_guard lock(mutex_);
   Checkpoint left = simulator_.checkpoint();
   if (simulator_.restore(kept)) kept = std::move(left);
+  followInstruments();
 }
 
 ParameterValues WorldSimulator::worldValues() const {
@@ -621,7 +659,7 @@ void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &valu
   record.promise = built.promise ? std::make_shared<const AccuracyPromise>(std::move(*built.promise)) : nullptr;
   bodies_.erase(found);
   simulator_.removeBody(body);
-  simulator_.reset();
+  resetSimulator();
   const std::size_t id = simulator_.addBody(std::move(built.body));
   bodies_.emplace(id, std::move(record));
   for (const auto &[pair, settings] : pairs)

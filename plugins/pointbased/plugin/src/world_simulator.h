@@ -110,6 +110,14 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void setGrab(std::uint64_t body, Grab grab);
   void moveGrab(std::uint64_t body, const Vec3 &target);
   void releaseGrab(std::uint64_t body);
+  /// The instrument in a hand: comes where its first place is, in the place of the one before; what has been simulated
+  /// stands. Errors of obstacleOf() as sdk::Error. [sim]
+  void placeInstrument(ProbeTool tool);
+  /// Leads its middle to another place, m; nothing where there is none. [sim]
+  void moveInstrument(const Vec3 &middle);
+  void removeInstrument();
+  /// Leads an obstacle or the instrument to another place, no faster than contact follows. [sim]
+  void guide(std::uint64_t obstacle, const RigidMotion &target);
   /// The state before the pull that begins; [sim].
   [[nodiscard]] Checkpoint checkpoint() const;
   /// Goes to the kept state and keeps the one that it leaves; nothing where the simulation has begun anew since. [sim]
@@ -156,6 +164,11 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   [[nodiscard]] std::vector<ReportedAttachment> reportedAttachments() const;
   enum class Walls { stay, makeRoom };
   void add(const c3de_sim_body *body, c3de_handle *out, Walls walls);
+  void takeInstrumentAway();
+  void lead(std::uint64_t obstacle, const RigidMotion &target);
+  void followInstruments();
+  void resetSimulator();
+  [[nodiscard]] std::vector<ContactSnapshot> contactsNow() const;
   void makeRoom(const BodyRecord &body);
   /// What a body that is built now asks the dial.
   [[nodiscard]] DialRequest dialRequest();
@@ -172,6 +185,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   ParameterValues world_{worldDeclarations()};
   std::map<std::uint64_t, BodyRecord> bodies_;
   std::map<std::uint64_t, ObstacleRecord> obstacles_;
+  std::map<std::uint64_t, ObstacleRecord> placedInstruments_;  // since the last reset, also those that have gone
   std::map<std::uint64_t, Attachment> attachments_;
   /// Of bodies on which forces from outside are to act in the next step. Copies, because another thread may replace the
   /// body while they are being written.

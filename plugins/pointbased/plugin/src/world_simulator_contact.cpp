@@ -61,13 +61,13 @@ void WorldSimulator::addProbeTool(const c3de_sim_probe_tool *tool, c3de_handle *
   ProbeTool read = readTool(sdk::readStruct(tool, "tool"));
   auto built = obstacleOf(read);
   if (!built) throw Error(C3DE_E_ARG, built.error());
-  ObstacleRecord record{read.name, meshOf(read), read.friction, 0.0, built->motion, read};
+  ObstacleRecord record{read.name, meshOf(context_.services, read), read.friction, 0.0, built->motion, read};
   const std::lock_guard lock(mutex_);
   for (const auto &[id, other] : obstacles_)
     if (other.tool && other.name == read.name)
       throw Error(C3DE_E_EXISTS, "probe tool '" + read.name + "': there is one of this name already");
   const std::vector<std::string> warnings = warningsOf(read);
-  simulator_.reset();
+  resetSimulator();
   const std::uint64_t id = simulator_.addObstacle(std::move(*built));
   for (const std::string &warning : warnings) simulator_.addWarning(id, warning);
   obstacles_.emplace(id, std::move(record));
@@ -141,6 +141,13 @@ std::vector<ReportedTool> WorldSimulator::reportedTools() const {
     tools.push_back(std::move(tool));
   }
   return tools;
+}
+
+std::vector<ContactSnapshot> WorldSimulator::contactsNow() const {
+  std::vector<ContactSnapshot> contacts;
+  for (const ContactSummary &one : simulator_.contacts())
+    contacts.push_back({one, nameOf(one.first), nameOf(one.second)});
+  return contacts;
 }
 
 std::string WorldSimulator::nameOf(std::size_t id) const {

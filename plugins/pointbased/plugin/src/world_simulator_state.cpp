@@ -64,9 +64,10 @@ std::uint64_t WorldSimulator::fingerprint() const {
     addNumber(obstacle.friction);
     addNumber(obstacle.restitution);
     // A motion is a function: two that meet at these times are taken for one.
+    const std::function<RigidMotion(double)> &motion = simulator_.obstacle(id)->motion;
     for (const double t : {0.01, 0.1, 0.37, 1.0, 3.3}) {
-      if (!obstacle.motion) continue;
-      const RigidMotion at = obstacle.motion(t);
+      if (!motion) continue;
+      const RigidMotion at = motion(t);
       addBytes(at.rotation.data(), 9 * sizeof(double));
       addVector(at.displacementOf(Vec3::Zero()));
     }
@@ -118,7 +119,9 @@ void WorldSimulator::loadState(const void *bytes, std::uint64_t n) {
     throw Error(C3DE_E_ARG,
                 "the state belongs to another scene: bodies, materials, supports, loads, obstacles or world differ");
   state.remove_prefix(sizeof of);
-  if (const auto gone = simulator_.goToSavedState(state); !gone) throw Error(C3DE_E_FORMAT, gone.error());
+  const auto gone = simulator_.goToSavedState(state);
+  followInstruments();
+  if (!gone) throw Error(C3DE_E_FORMAT, gone.error());
   liveLoads_.clear();
   holds_.clear();
 }

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "contact_panel.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace pointbased {
+namespace {
+
+constexpr double kMillimetres = 1e3, kSquareMillimetres = 1e6;
+constexpr double kReach_mm = 300.0;  // of the sliders of a place, around where the organs are
+
+std::string significant(double value, int digits = 3) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return text;
+}
+
+std::string depthText(double metres) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3f mm", kMillimetres * metres);
+  return text;
+}
+
+std::string vectorText(const Vec3 &v, const char *unit) {
+  return significant(v[0]) + "  " + significant(v[1]) + "  " + significant(v[2]) + " " + unit;
+}
+
+std::string percent(double part) { return significant(100.0 * part) + " %"; }
+
+// Of the organs and what stands around them, m.
+Vec3 middleOf(const Snapshot &snapshot) {
+  Vec3 low = Vec3::Constant(1e300), high = -low;
+  for (const BodySnapshot &body : snapshot.bodies) {
+    low = low.cwiseMin(body.surface->min);
+    high = high.cwiseMax(body.surface->max);
+  }
+  return snapshot.bodies.empty() ? Vec3(Vec3::Zero()) : Vec3(0.5 * (low + high));
+}
+
+/// Three sliders; C3DE_UI_* of any of them.
+std::uint32_t placeSliders(sdk::Ui &ui, const std::string &id, const Vec3 &around, Vec3 &place) {
+  std::uint32_t result = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    double value = kMillimetres * place[axis];
+    const double middle = std::round(kMillimetres * around[axis]);
+    const std::uint32_t changed =
+        ui.slider(id + "xyz"[axis], std::string(1, "xyz"[axis]), "mm", value, middle - kReach_mm, middle + kReach_mm);
+    if (changed & C3DE_UI_CHANGED) place[axis] = value / kMillimetres;
+    result |= changed;
+  }
+  return result;
+}
+
+/// @param on  " on plate": rows of a panel have different names
+void drawTouched(sdk::Ui &ui, const ObstacleTouch &touch, const std::string &on = {}) {
+  ui.value("Contact force" + on, significant(touch.force.norm(), 4) + " N");
+  ui.tooltip("What all bodies do to it together, mean over the last step");
+  ui.value("Force x, y, z" + on, vectorText(touch.force, "N"));
+  ui.value("Contact area" + on, significant(kSquareMillimetres * touch.area) + " mm²");
+  ui.tooltip("Of the skin that presses on it, at rest");
+  ui.value("Depth" + on, depthText(touch.depth));
+  ui.tooltip("Of the deepest point of a body in it: what contact has not yet resolved");
+}
+
+}  // namespace
+
+void drawContacts(sdk::Ui &ui, const Snapshot &snapshot) {
+  if (snapshot.contacts.empty() && snapshot.attachments.empty()) return;
+  ui.heading("Contact and attachments");
+  for (const ContactSnapshot &contact : snapshot.contacts) {
+    const ContactSummary &now = contact.summary;
+    const std::string other = now.first == now.second ? "itself" : contact.second;
+    ui.value(contact.first + " – " + other, significant(now.force.norm(), 4) + " N, " +
+                                                significant(kSquareMillimetres * now.area, 2) + " mm², " +
+                                                depthText(now.depth) + " deep");
+    ui.tooltip("Force, area of the skin that presses, and how deep the deepest point is");
+  }
+  for (const AttachmentSnapshot &one : snapshot.attachments) {
+    std::string text = significant(one.force, 4) + " N";
+    if (one.tornPart > 0.0) text += ", " + percent(one.tornPart) + " torn";
+    ui.value(one.first + " = " + one.second, text);
+    ui.tooltip("Attachment '" + one.name + "'");
+  }
+}
+
+void drawTouch(sdk::Ui &ui, TouchTool &touch, const Snapshot *snapshot) {
+  ui.heading("Touch");
+  if (ui.button("touch", touch.isActive() ? "Touch is active" : "Take the touch tool", !touch.isActive()))
+    (void)touch.select();
+  ui.tooltip(
+      "Press on an organ: the instrument stands there. Drag moves it, the wheel or D and B push it deeper and back, X "
+      "takes it away");
+  InstrumentSettings settings = touch.settings();
+  (void)ui.slider("touch_radius", "Radius", "mm", settings.radius_mm, 1.0, 40.0);
+  (void)ui.slider("touch_length", "Length", "mm", settings.length_mm, 0.0, 200.0);
+  ui.tooltip("Between the middles of its ends; 0: a sphere. The end that is pressed with is away from the eye");
+  (void)ui.slider("touch_friction", "Friction", "", settings.friction, 0.0, 2.0);
+  touch.setSettings(settings);
+  const ObstacleSnapshot *instrument = snapshot ? snapshot->instrument() : nullptr;
+  if (!instrument || !touch.target()) {
+    ui.value("Contact force", "–");
+    return;
+  }
+  drawTouched(ui, instrument->touch);
+  for (const ContactSnapshot &contact : snapshot->contacts) {
+    const BodySnapshot *body = snapshot->body(contact.summary.first);
+    if (contact.summary.second != instrument->id || !body || instrument->tool->radius >= body->rest->spacing) continue;
+    ui.text("Thinner than the spacing of " + body->name + " (" + significant(kMillimetres * body->rest->spacing) +
+            " mm): it sinks in between the points where contact is felt. A larger radius, or more phyxels, help");
+  }
+  const std::vector<double> forces = touch.forces();
+  ui.curve("touch_curve", "Force over the last " + significant(TouchTool::kInterval * TouchTool::kMostForces) + " s",
+           "N", forces);
+  Vec3 place = *touch.target();
+  if (placeSliders(ui, "touch_", middleOf(*snapshot), place) & C3DE_UI_CHANGED) touch.moveTo(place);
+  if (ui.button("touch_away", "Take it away")) touch.takeAway();
+}
+
+void drawPlacement(sdk::Ui &ui, MoveTool &move, const Snapshot *snapshot) {
+  std::vector<std::string> names{"none"};
+  std::vector<std::uint64_t> ids{0};
+  std::uint32_t index = 0;
+  if (snapshot)
+    for (const ObstacleSnapshot &obstacle : snapshot->obstacles) {
+      if (obstacle.isInstrument || obstacle.hasOwnMotion) continue;
+      if (obstacle.id == move.chosen()) index = static_cast<std::uint32_t>(ids.size());
+      names.push_back(obstacle.name);
+      ids.push_back(obstacle.id);
+    }
+  if (ids.size() == 1) return;
+  if (ui.button("move", move.isActive() ? "Move is active" : "Take the move tool", !move.isActive()))
+    (void)move.select();
+  ui.tooltip("Press on an obstacle and drag; its arrows and rings move it along and about one axis");
+  if (ui.choice("placed", "Obstacle", index, names)) move.choose(ids[index]);
+  const ObstacleSnapshot *chosen = snapshot->obstacle(move.chosen());
+  if (!chosen || !move.pose()) return;
+  drawTouched(ui, chosen->touch, " on " + chosen->name);
+  ObstaclePose pose = *move.pose();
+  std::uint32_t result = placeSliders(ui, "placed_", middleOf(*snapshot), pose.middle);
+  Vec3 angles = anglesOf(pose.rotation);
+  for (int axis = 0; axis < 3; ++axis) {
+    double value = angles[axis];
+    const std::uint32_t changed = ui.slider(std::string("placed_turn_") + "xyz"[axis],
+                                            std::string("Turned about ") + "xyz"[axis], "°", value, -180.0, 180.0);
+    if (changed & C3DE_UI_CHANGED) {
+      angles[axis] = value;
+      pose.rotation = rotationOf(angles);
+    }
+    result |= changed;
+  }
+  if (result & C3DE_UI_CHANGED) move.setPose(pose);
+  if (result & C3DE_UI_COMMITTED) move.commit();
+}
+
+}  // namespace pointbased

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "c3de/sdk/tool.hpp"
+#include "pull_history.h"
+#include "scene_pick.h"
+#include "world_simulator.h"
+
+namespace pointbased {
+
+/// Where an obstacle is: its middle, and how it has turned from its rest.
+struct ObstaclePose {
+  Vec3 middle = Vec3::Zero();  ///< m
+  Mat3 rotation = Mat3::Identity();
+
+  [[nodiscard]] RigidMotion motionFrom(const Vec3 &middleAtRest) const {
+    return {rotation, middleAtRest, middle - middleAtRest};
+  }
+};
+/// Degrees about x, then y, then z.
+[[nodiscard]] Vec3 anglesOf(const Mat3 &rotation);
+[[nodiscard]] Mat3 rotationOf(const Vec3 &angles_deg);
+
+/// Implants, plates and other obstacles, placed by hand. Press on one: it is chosen, and drag moves it parallel to the
+/// screen; its arrows move it along x, y and z, its rings turn it. One that the scene moves stays the scene's.
+class MoveTool : public sdk::Tool {
+ public:
+  explicit MoveTool(const Services &services);
+
+  void setSimulator(WorldSimulator *simulator);
+  bool onEvent(const c3de_event &event) override;
+  void cancel() override;
+  /// Handles follow the latest snapshot. Once per frame.
+  void update();
+
+  /// The chosen one; 0: none.
+  [[nodiscard]] std::uint64_t chosen() const { return chosen_; }
+  void choose(std::uint64_t obstacle);
+  /// Where the hand wants it; nothing: none is chosen.
+  [[nodiscard]] const std::optional<ObstaclePose> &pose() const { return pose_; }
+  /// By numbers. As one step of Undo until commit().
+  void setPose(const ObstaclePose &pose);
+  void commit();
+
+ private:
+  enum class Handle { free, along, about };
+  struct Drag {
+    Handle handle = Handle::free;
+    int axis = 0;
+    Vec3 point = Vec3::Zero();  // m, where it was pressed, on the handle
+    ObstaclePose from;
+  };
+  bool press(const c3de_event &event);
+  void drag(const PickRay &ray);
+  [[nodiscard]] std::optional<Drag> handleUnder(const PickRay &ray) const;
+  [[nodiscard]] const ObstacleSnapshot *obstacleNow(const std::shared_ptr<const Snapshot> &snapshot) const;
+  void post(std::function<void(WorldSimulator &)> command) const;
+  void lead();
+  void showHandles();
+  void hideHandles();
+
+  const Services &services_;
+  sdk::Ref<WorldSimulator> simulator_;
+  PullHistory history_;
+  std::uint64_t chosen_ = 0;
+  std::string name_;
+  Vec3 middleAtRest_ = Vec3::Zero();
+  double size_ = 0.02;  // m, of the handles
+  std::optional<ObstaclePose> pose_;
+  std::optional<Drag> drag_;
+  bool isEdited_ = false;    // by numbers, since commit()
+  bool isOnItsWay_ = false;  // where the hand wants it and where it is differ
+  std::uint64_t steps_ = 0;  // of the last snapshot
+  std::array<sdk::Proxy, 3> arrows_, rings_;
+};
+
+}  // namespace pointbased

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "touch_tool.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace pointbased {
+namespace {
+
+constexpr sdk::Material kForce{{1.0f, 0.85f, 0.2f, 1.0f}, false};
+constexpr sdk::Material kHand{{0.9f, 0.9f, 0.9f, 1.0f}, false};
+constexpr sdk::Material kGhost{{0.45f, 0.75f, 0.95f, 0.45f}, true};
+constexpr double kPerNotch = 1e-3;      // m, of the wheel or a key
+constexpr double kLongestArrow = 0.04;  // m: of the largest force that the curve shows
+constexpr double kGap = 1e-4;           // m, between the instrument and the surface it is placed at
+constexpr double kAway = 1e-3;          // m: the hand is somewhere else
+
+sdk::Vec3 toArray(const Vec3 &v) { return {v[0], v[1], v[2]}; }
+
+std::string newtons(double force) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g N", force);
+  return text;
+}
+
+ProbeTool instrumentOf(const InstrumentSettings &settings, const Vec3 &middle, const Vec3 &axis) {
+  ProbeTool tool;
+  tool.radius = kMetresPerMillimetre * settings.radius_mm;
+  tool.length = kMetresPerMillimetre * settings.length_mm;
+  tool.friction = settings.friction;
+  tool.path = {{0.0, middle, axis}};
+  return tool;
+}
+
+}  // namespace
+
+TouchTool::TouchTool(const Services &services) : services_(services), history_(services) {}
+
+void TouchTool::setSimulator(WorldSimulator *simulator) {
+  if (simulator_.get() == simulator) return;
+  forget();
+  history_.forget();
+  simulator_ = simulator ? sdk::Ref<WorldSimulator>::share(simulator) : sdk::Ref<WorldSimulator>();
+}
+
+void TouchTool::postToSimulation(std::function<void(WorldSimulator &)> command) const {
+  if (!simulator_) return;
+  (void)services_.simulation.post(simulator_->node(),
+                                  [simulator = simulator_, command = std::move(command)] { command(*simulator); });
+}
+
+void TouchTool::setSettings(const InstrumentSettings &settings) {
+  if (settings == settings_) return;
+  settings_ = settings;
+  isChosen_ = true;
+  if (target_) place(*target_, axis_);
+}
+
+bool TouchTool::onEvent(const c3de_event &event) {
+  switch (event.type) {
+    case C3DE_EVENT_PRESS: return event.button == C3DE_BUTTON_LEFT && press(event);
+    case C3DE_EVENT_MOVE:
+      if (drag_) drag(event);
+      hovered_ = event;
+      return drag_.has_value();
+    case C3DE_EVENT_WHEEL:
+      if (!drag_) return false;
+      pushAlongView(event, kPerNotch * event.wheel);
+      return true;
+    case C3DE_EVENT_RELEASE:
+      if (!drag_ || event.button != C3DE_BUTTON_LEFT) return false;
+      release();
+      return true;
+    case C3DE_EVENT_KEY:
+      if (!target_) return false;
+      if (event.key == 'D' || event.key == 'B') {
+        pushAlongView(event, event.key == 'D' ? kPerNotch : -kPerNotch);
+        return true;
+      }
+      if (event.key == 'X') {
+        takeAway();
+        return true;
+      }
+      return false;
+    default: return false;
+  }
+}
+
+bool TouchTool::press(const c3de_event &event) {
+  if (!simulator_ || drag_) return false;
+  const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
+  const std::optional<PickRay> ray = rayOf(services_, simulator_->node(), event);
+  if (!snapshot || !ray) return false;
+  const std::optional<PickedSurface> picked = pick(services_, *snapshot, *ray);
+  if (!picked) return false;
+  history_.begin(simulator_);
+  if (picked->obstacle && picked->obstacle->isInstrument) {
+    drag_ = Drag{picked->at, picked->obstacle->middle() - picked->at};
+    return true;
+  }
+  settings_.radius_mm = radiusOn(*picked);
+  // It touches with its sphere, or with the end of its capsule, whose other end comes towards the eye.
+  const double radius = kMetresPerMillimetre * settings_.radius_mm;
+  const Vec3 axis = -ray->direction;
+  const Vec3 middle =
+      picked->at + (radius + kGap) * picked->normal + 0.5 * kMetresPerMillimetre * settings_.length_mm * axis;
+  drag_ = Drag{picked->at, middle - picked->at};
+  forces_.clear();
+  place(middle, axis);
+  return true;
+}
+
+// Nobody has said it: a thinner one would sink in between the points of contact.
+double TouchTool::radiusOn(const PickedSurface &picked) const {
+  if (!picked.body || isChosen_) return settings_.radius_mm;
+  return std::max(settings_.radius_mm, std::ceil(picked.body->rest->spacing / kMetresPerMillimetre));
+}
+
+void TouchTool::place(const Vec3 &middle, const Vec3 &axis) {
+  target_ = middle;
+  axis_ = axis;
+  isAwaited_ = true;
+  simulator_->abandonLongStep();
+  postToSimulation([tool = instrumentOf(settings_, middle, axis)](WorldSimulator &s) { s.placeInstrument(tool); });
+}
+
+void TouchTool::moveTo(const Vec3 &middle) {
+  if (!target_) return;
+  target_ = middle;
+  postToSimulation([middle](WorldSimulator &s) { s.moveInstrument(middle); });
+}
+
+void TouchTool::drag(const c3de_event &event) {
+  const std::optional<PickRay> ray = rayOf(services_, simulator_->node(), event);
+  if (!ray) return;
+  if (const std::optional<Vec3> at = ray->onScreenPlane(drag_->point)) moveTo(*at + drag_->offset);
+}
+
+void TouchTool::pushAlongView(const c3de_event &event, double way) {
+  const std::optional<PickRay> ray = rayOf(services_, simulator_->node(), event);
+  if (!ray || !target_) return;
+  const Vec3 along = way * ray->view;
+  if (drag_) drag_->point += along;
+  moveTo(*target_ + along);
+}
+
+void TouchTool::release() {
+  if (!drag_) return;
+  drag_.reset();
+  history_.end("touch");
+}
+
+void TouchTool::cancel() {
+  release();
+  hovered_.reset();
+  ghost_.reset();
+}
+
+void TouchTool::takeAway() {
+  if (simulator_) simulator_->abandonLongStep();
+  postToSimulation([](WorldSimulator &s) { s.removeInstrument(); });
+  forget();
+}
+
+void TouchTool::forget() {
+  release();
+  target_.reset();
+  isAwaited_ = false;
+  hovered_.reset();
+  for (sdk::Proxy *proxy : {&ghost_, &arrow_, &hand_, &label_}) proxy->reset();
+}
+
+// Where the instrument would be placed.
+void TouchTool::hover() {
+  if (!hovered_) return;
+  const c3de_event event = *hovered_;
+  hovered_.reset();
+  ghost_.reset();
+  if (drag_ || !isActive() || !services_.render) return;
+  const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
+  const std::optional<PickRay> ray = rayOf(services_, simulator_->node(), event);
+  if (!snapshot || !ray) return;
+  const std::optional<PickedSurface> picked = pick(services_, *snapshot, *ray);
+  if (!picked || (picked->obstacle && picked->obstacle->isInstrument)) return;
+  const double radius = kMetresPerMillimetre * radiusOn(*picked);
+  const Vec3 middle = picked->at + radius * picked->normal;
+  if (auto made = services_.render.createSpheres(simulator_->node(), viewOf(std::span(&middle, 1)), radius, kGhost))
+    ghost_ = std::move(*made);
+}
+
+void TouchTool::takeForce(const ObstacleSnapshot &instrument, double time) {
+  if (time < forcesUntil_ - 2.0 * kInterval || forces_.empty()) forcesUntil_ = time;  // undone, or begun
+  // A step may be longer than the interval.
+  while (forcesUntil_ <= time) {
+    forces_.push_back(instrument.touch.force.norm());
+    forcesUntil_ += kInterval;
+  }
+  while (forces_.size() > kMostForces) forces_.pop_front();
+}
+
+void TouchTool::showForce(const ObstacleSnapshot &instrument) {
+  if (!services_.render) return;
+  const c3de_handle node = simulator_->node();
+  const Vec3 middle = instrument.middle(), &force = instrument.touch.force;
+  const auto lines = [&](sdk::Proxy &proxy, std::span<const Vec3> points, const sdk::Material &material) {
+    if (proxy) {
+      (void)services_.render.update(proxy.handle(), C3DE_ATTR_POSITIONS, viewOf(points));
+    } else if (auto made = services_.render.createLines(node, viewOf(points), 3.0f, material)) {
+      proxy = std::move(*made);
+    }
+  };
+  const double size = force.norm(), most = forces_.empty() ? size : *std::max_element(forces_.begin(), forces_.end());
+  Vec3 tip = middle;
+  if (size > 0.0 && most > 0.0) {
+    const Vec3 way = kLongestArrow / std::max(most, size) * force, side = 0.12 * way.unitOrthogonal() * way.norm();
+    tip += way;
+    const std::array<Vec3, 6> arrow{middle, tip, tip, tip - 0.25 * way + side, tip, tip - 0.25 * way - side};
+    lines(arrow_, arrow, kForce);
+  } else {
+    arrow_.reset();
+  }
+  // The hand is ahead while it goes faster than the simulation, or that stands.
+  if ((*target_ - middle).norm() > kAway)
+    lines(hand_, std::array<Vec3, 2>{middle, *target_}, kHand);
+  else
+    hand_.reset();
+  const std::string text = newtons(size);
+  if (label_) {
+    (void)services_.render.setLabel(label_.handle(), toArray(tip), text);
+  } else if (auto made = services_.render.createLabel(node, toArray(tip), text, kForce)) {
+    label_ = std::move(*made);
+  }
+}
+
+void TouchTool::update() {
+  history_.update();
+  if (!simulator_) return;
+  hover();
+  const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
+  const ObstacleSnapshot *instrument = snapshot ? snapshot->instrument() : nullptr;
+  if (!instrument) {
+    // Taken away by a reset, or by Undo.
+    if (target_ && !isAwaited_) forget();
+    return;
+  }
+  isAwaited_ = false;
+  if (!target_) {  // brought back by Undo
+    target_ = instrument->middle();
+    axis_ = instrument->motion.rotation * instrument->tool->path.front().axis;
+  }
+  takeForce(*instrument, snapshot->time);
+  showForce(*instrument);
+}
+
+}  // namespace pointbased

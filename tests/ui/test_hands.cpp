@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a person does with an instrument and an implant in the window.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "support/catch.h"
+#include "ui/workstation_driver.h"
+
+using c3de::test::Json;
+using c3de::test::Point;
+using c3de::test::WorkstationDriver;
+
+namespace {
+
+namespace fs = std::filesystem;
+const std::string kPanel = "pointbased.controller/";
+
+std::string whyNot() {
+  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) return reason;
+  if (!fs::exists(fs::path(testPluginFolder()) / (std::string("pointbased") + c3de::pluginExtension())))
+    return "the point-based plugin is not built";
+  return {};
+}
+
+#define C3DE_HANDS_OR_SKIP() \
+  if (const std::string reason = whyNot(); !reason.empty()) C3DE_SKIP(reason)
+
+/// An organ that its surroundings hold, with a plate above it.
+fs::path heldOrgan() {
+  const fs::path folder = fs::path(testOutputRoot()) / "ui";
+  fs::create_directories(folder);
+  std::ofstream plate(folder / "plate.obj");
+  for (const double x : {-40.0, 40.0})
+    for (const double y : {56.0, 64.0})
+      for (const double z : {-20.0, 20.0}) plate << "v " << x << ' ' << y << ' ' << z << '\n';
+  plate
+      << "f 1 2 4\nf 1 4 3\nf 5 7 8\nf 5 8 6\nf 1 5 6\nf 1 6 2\nf 3 4 8\nf 3 8 7\nf 1 3 7\nf 1 7 5\nf 2 6 8\nf 2 8 4\n";
+  std::ofstream(folder / "held.toml")
+      << "format = 1\ntitle = \"Held organ\"\n[solver]\ndamping = 10.0\n[[body]]\nname = \"organ\"\nmesh = \""
+      << (fs::path(testResourcesFolder()) / "meshes" / "organ.obj").generic_string()
+      << "\"\nmesh_unit = \"mm\"\nmaterial = { youngs_modulus = 6e3, poisson_ratio = 0.4 }\n"
+         "sampling = { count = 400 }\n"
+         "[[attachment]]\nname = \"around\"\nbodies = [\"organ\", \"surroundings\"]\nstiffness = 5e4\n"
+         "[[obstacle]]\nname = \"plate\"\nmesh = \"plate.obj\"\nmesh_unit = \"mm\"\n";
+  return folder / "held.toml";
+}
+
+void startOrgan(WorkstationDriver &window) {
+  window.start({heldOrgan().string()});
+  window.waitUntil(
+      "the organ is shown",
+      [](const Json &s) {
+        return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && s["nodes"].size() >= 3 &&
+               !s["values"].value(kPanel + "Surfels", "").empty();
+      },
+      60.0);
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("f");
+}
+
+std::string row(const Json &state, const std::string &name) { return state["values"].value(kPanel + name, ""); }
+double number(const Json &state, const std::string &name) { return std::strtod(row(state, name).c_str(), nullptr); }
+std::string mode(const Json &state) { return state["transport"]["mode"]; }
+
+void play(WorkstationDriver &window) {
+  window.key("space");
+  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 5; });
+}
+
+void rest(WorkstationDriver &window, double seconds) {
+  const double from = window.state()["transport"]["time_s"];
+  window.waitUntil(
+      "it comes to rest", [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + seconds; },
+      120.0);
+}
+
+}  // namespace
+
+TEST_CASE("an instrument is pressed into an organ, felt, undone and taken away", "[hands_touch]") {
+  C3DE_HANDS_OR_SKIP();
+  WorkstationDriver window("hands_touch");
+  startOrgan(window);
+  window.key("t");
+  window.waitUntil("the touch tool is active", [](const Json &s) { return s["tool"] == "pointbased.touch"; });
+  play(window);
+  const Json camera = window.state()["camera"];
+  const Point at = window.inView(0.45, 0.55);
+  window.moveTo(at);
+  window.press();
+  window.waitUntil("an instrument is there", [](const Json &s) { return row(s, "Contact area").ends_with("mm²"); });
+  window.wheel(6);
+  window.waitUntil("it is felt", [](const Json &s) { return number(s, "Contact force") > 0.1; });
+  window.moveTo({at.x + 20, at.y - 20});
+  window.release();
+  rest(window, 2.0);
+  window.moveTo(window.inView(0.9, 0.9));
+  window.screenshot("pressed");
+  CHECK(window.state()["camera"] == camera);
+  // At rest the surroundings hold the organ against the instrument.
+  const Json pressed = window.state();
+  const double force = number(pressed, "Contact force");
+  CHECK(force > 0.1);
+  CHECK(std::abs(number(pressed, "organ = surroundings") - force) < 0.01 * force);
+  CHECK(std::abs(number(pressed, "organ – instrument") - force) < 0.01 * force);
+
+  window.key("d");
+  window.key("d");
+  window.waitUntil("it is pushed deeper", [&](const Json &s) { return number(s, "Contact force") > 1.1 * force; });
+  CHECK(window.state()["notifications"].empty());
+
+  window.key("ctrl+z");
+  window.waitUntil("the touch is undone", [](const Json &s) { return row(s, "Contact force") == "–"; });
+  window.key("ctrl+y");
+  window.waitUntil("it is done again", [&](const Json &s) { return number(s, "Contact force") > 0.5 * force; });
+  window.key("x");
+  window.waitUntil("it is taken away", [](const Json &s) { return row(s, "Contact force") == "–"; });
+
+  // A reset ends a touch that goes on.
+  window.moveTo(at);
+  window.press();
+  window.waitUntil("an instrument is there", [](const Json &s) { return row(s, "Contact area").ends_with("mm²"); });
+  window.key("ctrl+r");
+  window.waitUntil("it has gone", [](const Json &s) { return row(s, "Contact force") == "–"; });
+  window.release();
+}
+
+TEST_CASE("an implant is moved by its handles and by numbers, presses, and is put back by Undo", "[hands_implant]") {
+  C3DE_HANDS_OR_SKIP();
+  WorkstationDriver window("hands_implant");
+  startOrgan(window);
+  window.key("m");
+  window.waitUntil("the move tool is active", [](const Json &s) { return s["tool"] == "pointbased.move"; });
+  // Before the first step it is there at once.
+  window.click(kPanel + "placed");
+  window.click(kPanel + "placed.option.plate");
+  window.waitForValue(kPanel + "placed_y", "60 mm");
+  const auto typed = [&](const std::string &widget, const std::string &text) {
+    window.controlClick(kPanel + widget);
+    window.key("ctrl+a");
+    window.type(text);
+    window.key("Return");
+  };
+  typed("placed_y", "58");
+  window.waitForValue(kPanel + "placed_y", "58 mm");
+  window.screenshot("placed");
+  typed("placed_turn_z", "5");
+  window.waitForValue(kPanel + "placed_turn_z", "5 °");
+  window.moveTo(window.inView(0.9, 0.9));
+  window.key("ctrl+z");
+  window.waitUntil("it is turned back", [](const Json &s) { return std::abs(number(s, "placed_turn_z")) < 1e-6; });
+  CHECK(row(window.state(), "placed_y") == "58 mm");
+
+  play(window);
+  typed("placed_y", "48");
+  window.waitUntil(
+      "it presses", [](const Json &s) { return number(s, "Contact force on plate") > 0.2; }, 60.0);
+  rest(window, 2.0);
+  const Json pressed = window.state();
+  const double force = number(pressed, "Contact force on plate");
+  CHECK(std::abs(number(pressed, "organ = surroundings") - force) < 0.01 * force);
+  CHECK(number(pressed, "Contact area on plate") > 50.0);
+  window.moveTo(window.inView(0.9, 0.9));
+  window.screenshot("pressing");
+  window.key("ctrl+z");
+  window.waitUntil("it is where it was", [](const Json &s) {
+    return row(s, "placed_y") == "58 mm" && number(s, "Contact force on plate") == 0.0;
+  });
+  window.screenshot("undone");
+  CHECK(window.differingPixels("pressing", "undone") > 300);
+  CHECK(window.state()["notifications"].empty());
+}
