@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What does contact between skins cost?
 //
-//   bench_contact [--balls] [--phyxels N]
+//   bench_contact [--balls | --pressed] [--phyxels N]
 //
 // Four balls apart, and the same four as they fall on each other and lie there: milliseconds of contact and of forces
 // in a step, one thread. Then a slab bent over itself, of so many vertices in self-contact: what a step costs while a
-// list of near places serves, and what it costs to make a list.
+// list of near places serves, and what it costs to make a list. Then two blocks that are pressed together: what a
+// sixtieth of a second costs in explicit and in implicit steps, and what it costs where they are apart.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -156,18 +157,94 @@ void balls(double spacing) {
   }
 }
 
+std::unique_ptr<Body> blockOf(const Vec3 &low, const Vec3 &high, double spacing, double modulus, double pressure) {
+  BodyShape shape = shapes::box(low, high);
+  shape.surface = shapes::boxSurface(low, high, static_cast<int>(std::lround((high - low)[0] / spacing)));
+  BodyRecipe recipe;
+  recipe.sampling.spacing = spacing;
+  if (pressure > 0.0) {
+    Load load;
+    load.region = HalfSpaceRegion{Vec3(0, high[1], 0), -Vec3::UnitY()};
+    load.force = Vec3(0, -pressure * (high - low)[0] * (high - low)[2], 0);
+    recipe.loads.push_back(load);
+  } else {
+    Fix ground;
+    ground.region = HalfSpaceRegion{Vec3(0, low[1], 0), Vec3::UnitY()};
+    recipe.fixes.push_back(ground);
+  }
+  auto rest = buildRestState(shape, recipe, {}, serialFor());
+  if (!rest) std::exit(1);
+  Material material;
+  material.law = MaterialLaw::neoHookean;
+  material.youngsModulus = modulus;
+  material.poissonRatio = 0.3;
+  return std::make_unique<Body>(pressure > 0.0 ? "upper" : "lower", *rest,
+                                Constitution{{material}, kLatticeStabilisation}, serialFor());
+}
+
+// Of the same scene with or without contact; 0: it took too long, or was not solved.
+double millisecondsOfFrame(Integrator integrator, double spacing, double modulus, bool touches) {
+  constexpr double kEdge = 0.04, kFrame = 1.0 / 60.0, kSettles = 0.2;
+  Simulator simulator;
+  WorldSettings world;
+  world.integrator = integrator;
+  world.dt = kFrame;
+  world.damping = 20.0;
+  simulator.setWorld(world);
+  ContactSettings contact;
+  contact.enabled = touches;
+  simulator.setContact(contact);
+  const double half = 0.5 * kEdge, gap = 0.01 * spacing;
+  simulator.addBody(blockOf(Vec3(-half, 0, -half), Vec3(half, kEdge, half), spacing, modulus, 0.0));
+  simulator.addBody(blockOf(Vec3(-half + 0.3 * spacing, kEdge + gap, -half),
+                            Vec3(half + 0.3 * spacing, 2.0 * kEdge + gap, half), spacing, modulus, 0.005 * modulus));
+  const auto begin = std::chrono::steady_clock::now();
+  const auto passed = [&] {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  };
+  double settled = -1.0;
+  std::uint64_t steps = 0;
+  while (simulator.time() < 2.0 * kSettles && passed() < 60e3) {
+    if (settled < 0.0 && simulator.time() >= kSettles) {
+      settled = passed();
+      steps = simulator.steps();
+    }
+    if (!simulator.step()) return 0.0;
+  }
+  return settled < 0.0 ? 0.0 : (passed() - settled) / static_cast<double>(simulator.steps() - steps);
+}
+
+void pressed() {
+  std::printf("\n%-10s %10s %14s %14s %14s %14s %10s\n", "modulus", "phyxels", "explicit, ms", "implicit, ms",
+              "expl. apart", "impl. apart", "impl/expl");
+  for (const double spacing : {0.008, 0.004})
+    for (const double modulus : {2e4, 1e6, 3e7}) {
+      const auto n = static_cast<std::size_t>(std::lround(0.04 / spacing)) + 1;
+      const double explicitly = millisecondsOfFrame(Integrator::explicitVerlet, spacing, modulus, true),
+                   implicitly = millisecondsOfFrame(Integrator::implicitSdirk, spacing, modulus, true);
+      std::printf("%-10.0g %10zu %14.2f %14.2f %14.2f %14.2f %10.1f\n", modulus, 2 * n * n * n, explicitly, implicitly,
+                  millisecondsOfFrame(Integrator::explicitVerlet, spacing, modulus, false),
+                  millisecondsOfFrame(Integrator::implicitSdirk, spacing, modulus, false),
+                  explicitly > 0.0 ? implicitly / explicitly : 0.0);
+      std::fflush(stdout);
+    }
+}
+
 }  // namespace
 
 int main(int argc, char **argv) {
   double spacing = 0.0105;
-  bool all = true;
+  bool all = true, onlyPressed = false;
   for (int k = 1; k < argc; ++k) {
     if (std::strcmp(argv[k], "--phyxels") == 0 && k + 1 < argc)
       spacing = std::cbrt(5.3e-4 / std::max(100.0, std::atof(argv[++k])));
     else if (std::strcmp(argv[k], "--balls") == 0)
       all = false;
+    else if (std::strcmp(argv[k], "--pressed") == 0)
+      onlyPressed = true;
   }
-  balls(spacing);
-  if (all) sheets();
+  if (!onlyPressed) balls(spacing);
+  if (all && !onlyPressed) sheets();
+  if (all) pressed();
   return 0;
 }

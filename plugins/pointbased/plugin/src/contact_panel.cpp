@@ -63,11 +63,21 @@ void drawTouched(sdk::Ui &ui, const ObstacleTouch &touch, const std::string &on 
   ui.tooltip("Of the deepest point of a body in it: what contact has not yet resolved");
 }
 
+constexpr double kAway = 1e-3;  // m: the hand is ahead
+
+void drawWay(sdk::Ui &ui, const Snapshot &snapshot, const Vec3 &now, const Vec3 &target) {
+  const double away = (now - target).norm();
+  if (away < kAway) return;
+  if (snapshot.quasiStatic)
+    ui.text(
+        "A quasi-static solution has no time in which it could go there: reset, and place it before the first step");
+  else
+    ui.text("It is " + significant(kMillimetres * away, 2) + " mm away, and goes there while the simulation runs");
+}
+
 }  // namespace
 
 void drawContacts(sdk::Ui &ui, const Snapshot &snapshot) {
-  if (snapshot.contacts.empty() && snapshot.attachments.empty()) return;
-  ui.heading("Contact and attachments");
   for (const ContactSnapshot &contact : snapshot.contacts) {
     const ContactSummary &now = contact.summary;
     const std::string other = now.first == now.second ? "itself" : contact.second;
@@ -112,6 +122,7 @@ void drawTouch(sdk::Ui &ui, TouchTool &touch, const Snapshot *snapshot) {
   const std::vector<double> forces = touch.forces();
   ui.curve("touch_curve", "Force over the last " + significant(TouchTool::kInterval * TouchTool::kMostForces) + " s",
            "N", forces);
+  drawWay(ui, *snapshot, instrument->middle(), *touch.target());
   Vec3 place = *touch.target();
   if (placeSliders(ui, "touch_", middleOf(*snapshot), place) & C3DE_UI_CHANGED) touch.moveTo(place);
   if (ui.button("touch_away", "Take it away")) touch.takeAway();
@@ -136,6 +147,7 @@ void drawPlacement(sdk::Ui &ui, MoveTool &move, const Snapshot *snapshot) {
   const ObstacleSnapshot *chosen = snapshot->obstacle(move.chosen());
   if (!chosen || !move.pose()) return;
   drawTouched(ui, chosen->touch, " on " + chosen->name);
+  drawWay(ui, *snapshot, chosen->middle(), move.pose()->middle);
   ObstaclePose pose = *move.pose();
   std::uint32_t result = placeSliders(ui, "placed_", middleOf(*snapshot), pose.middle);
   Vec3 angles = anglesOf(pose.rotation);

@@ -127,6 +127,8 @@ void Controller::draw(sdk::Ui &ui) {
   if (!tools_.pinch.isActive()) drawPinch(ui);
   if (!tools_.touch.isActive()) drawTouch(ui, tools_.touch, snapshot.get());
   if (!tools_.move.isActive()) drawObstacles(ui, snapshot.get());
+  ui.heading("Contact and attachments");
+  ui.params(worldParameters_.handle(), "Contact");
   if (snapshot) drawContacts(ui, *snapshot);
   drawMaterial(ui);
   drawWorld(ui);

@@ -98,6 +98,7 @@ struct Snapshot {
   std::uint64_t steps = 0, hash = 0;
   std::uint64_t course = 0;  ///< differs where the simulation has begun anew
   bool failed = false;
+  bool quasiStatic = false;
   WorldBox box;
   Vec3 gravity = Vec3::Zero();
   ViewSettings view;

@@ -94,6 +94,13 @@ bool TouchTool::press(const c3de_event &event) {
   if (!snapshot || !ray) return false;
   const std::optional<PickedSurface> picked = pick(services_, *snapshot, *ray);
   if (!picked) return false;
+  if (snapshot->quasiStatic) {
+    (void)services_.notifier.notify(C3DE_LOG_WARN, "Touch",
+                                    "A quasi-static solution has no time in which an instrument could push. "
+                                    "solver.integrator = auto, explicit or implicit has; a [[probe_tool]] of the scene "
+                                    "is led by the load factor");
+    return true;
+  }
   history_.begin(simulator_);
   if (picked->obstacle && picked->obstacle->isInstrument) {
     drag_ = Drag{picked->at, picked->obstacle->middle() - picked->at};

@@ -324,6 +324,7 @@ void WorldSimulator::publish() {
   s->course = simulator_.course();
   s->hash = simulator_.stateHash();
   s->failed = simulator_.failed();
+  s->quasiStatic = simulator_.quasiStatic();
   s->box = simulator_.world().box;
   s->gravity = simulator_.world().gravity;
   s->stages = simulator_.stageTimes();

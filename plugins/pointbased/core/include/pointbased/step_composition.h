@@ -54,6 +54,7 @@ struct CompositionNotes {
   bool maySleep = false;
   std::vector<std::string> probes;        ///< names
   std::vector<std::string> touches = {};  ///< names of the bodies that it touches where they meet
+  bool touchesItself = false;             ///< folds of its skin are near each other
 };
 [[nodiscard]] StepComposition compose(const Body &body, const Environment &environment, const CompositionNotes &notes);
 

@@ -258,7 +258,8 @@ void PatchTree::refit(std::span<const Vec3> positions) {
 
 MovingSkin::MovingSkin(std::shared_ptr<const ContactSkin> skin, const Vec3 &origin, double spacing)
     : skin_(std::move(skin)), tree_(*skin_), origin_(origin), spacing_(spacing), positions_(skin_->count()),
-      seen_(skin_->count(), 0), motions_(tree_.patches().size()), parts_(motions_.size()) {}
+      vertexVelocities_(skin_->count()), seen_(skin_->count(), 0), velocitiesSeen_(skin_->count(), 0),
+      motions_(tree_.patches().size()), parts_(motions_.size()) {}
 
 void MovingSkin::move(std::span<const Vec3> displacements, std::span<const Vec3> velocities,
                       std::span<const float> maxInfluence, double dt) {
@@ -302,7 +303,10 @@ void MovingSkin::place(Index v) {
   seen_[v] = now_;
 }
 
-Vec3 MovingSkin::velocity(Index v) const { return fieldAt(skin_->vertices, v, velocities_); }
+void MovingSkin::takeVelocity(Index v) {
+  vertexVelocities_[v] = fieldAt(skin_->vertices, v, velocities_);
+  velocitiesSeen_[v] = now_;
+}
 
 const MovingSkin::PatchMotion &MovingSkin::motionOf(Index patch) {
   PatchMotion &motion = motions_[patch];

@@ -187,7 +187,11 @@ class MovingSkin {
     if (seen_[v] != now_) place(v);
     return positions_[v];
   }
-  [[nodiscard]] Vec3 velocity(Index v) const;
+  /// That of the step.
+  [[nodiscard]] const Vec3 &velocity(Index v) {
+    if (velocitiesSeen_[v] != now_) takeVelocity(v);
+    return vertexVelocities_[v];
+  }
   /// Around the corners of a patch, and around their velocities.
   struct PatchMotion {
     SkinBox places, velocities;
@@ -222,6 +226,7 @@ class MovingSkin {
 
  private:
   void place(Index v);
+  void takeVelocity(Index v);
   [[nodiscard]] bool isSharp(Index edge, double sine, double rise);
   [[nodiscard]] double squaredInfluence(std::size_t phyxel) const {
     const double l = maxInfluence_.empty() ? 1.0 : static_cast<double>(maxInfluence_[phyxel]);
@@ -235,8 +240,8 @@ class MovingSkin {
   std::vector<double> moduli_;
   std::span<const Vec3> displacements_, velocities_;
   std::span<const float> maxInfluence_;
-  std::vector<Vec3> positions_;
-  std::vector<std::uint64_t> seen_;
+  std::vector<Vec3> positions_, vertexVelocities_;
+  std::vector<std::uint64_t> seen_, velocitiesSeen_;
   std::vector<PatchMotion> motions_;  // [patches]
   std::vector<PatchParts> parts_;     // [patches]
   std::uint64_t now_ = 1, treeOf_ = 0;

@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "stepping/step_cost.h"
+
 namespace pointbased::detail {
 namespace {
 
@@ -46,6 +48,19 @@ double BodyGroup::advance(std::span<const StepContext> orders, double span) {
     runner.forgetEnergy();  // it goes from one body to the other
     most = std::min(most, runner.mostSubsteps());
   }
+  const Integrator scheme = integratorIn(orders.front().world);
+  bool differs = false;
+  for (std::size_t k = 0; k < members_.size(); ++k) {
+    if (!moves(k)) continue;
+    differs = differs || members_[k].runner->integratorIn(orders[k].world) != scheme;
+    members_[k].runner->share(scheme);
+  }
+  if (differs && scheme == Integrator::explicitVerlet)
+    for (std::size_t k = 0; k < members_.size(); ++k)
+      if (moves(k)) {
+        members_[k].runner->reportShared(orders[k], names());
+        break;
+      }
   const double gone = tryToAdvance(orders, span, most);
   bool still = !isLed;
   for (std::size_t k = 0; k < members_.size(); ++k)
@@ -147,7 +162,27 @@ bool BodyGroup::tearLayers(double time) {
   return any;
 }
 
+// All take the substeps of the one with the smallest.
+bool BodyGroup::explicitIsCheaper(const WorldSettings &world) const {
+  double points = 0.0, mostSubsteps = 0.0, implicitly = 0.0;
+  for (std::size_t k = 0; k < members_.size(); ++k) {
+    if (!moves(k)) continue;
+    const Body &body = members_[k].runner->body();
+    const StepCost cost = predictCost(body, world.dt);
+    const auto own = static_cast<double>(body.rest().pointCount());
+    points += own;
+    mostSubsteps = std::max(mostSubsteps, cost.explicitEvaluations);
+    implicitly += own * cost.implicitEvaluations;
+  }
+  return points * mostSubsteps < kImplicitContact * implicitly;
+}
+
 Integrator BodyGroup::integratorIn(const WorldSettings &world) const {
+  // What the last step found, which a checkpoint keeps: from there the same is chosen again.
+  const bool touches = std::any_of(pairs_.begin(), pairs_.end(),
+                                   [](const JoinedPair &joined) { return !joined.pair->active().empty(); });
+  if (world.integrator == Integrator::automatic && touches && explicitIsCheaper(world))
+    return Integrator::explicitVerlet;
   Integrator out = Integrator::explicitVerlet;
   for (std::size_t k = 0; k < members_.size(); ++k) {
     if (!moves(k)) continue;
@@ -158,18 +193,20 @@ Integrator BodyGroup::integratorIn(const WorldSettings &world) const {
   return out;
 }
 
+std::string BodyGroup::names() const {
+  std::string names;
+  for (std::size_t k = 0; k < members_.size(); ++k)
+    if (moves(k)) names += (names.empty() ? "'" : ", '") + members_[k].runner->body().name() + "'";
+  return names;
+}
+
 std::string BodyGroup::whatWouldFit(const WorldSettings &world) const {
   if (integratorIn(world) == Integrator::explicitVerlet) return {};
-  std::string names;
   std::size_t phyxels = 0;
-  for (std::size_t k = 0; k < members_.size(); ++k) {
-    if (!moves(k)) continue;
-    const Body &body = members_[k].runner->body();
-    names += (names.empty() ? "'" : ", '") + body.name() + "'";
-    phyxels += body.rest().phyxelCount();
-  }
+  for (std::size_t k = 0; k < members_.size(); ++k)
+    if (moves(k)) phyxels += members_[k].runner->body().rest().phyxelCount();
   const NewtonResult &solved = solver_.progress();
-  return "bodies " + names + " touch each other, themselves or are attached, and are one system of " +
+  return "bodies " + names() + " touch each other, themselves or are attached, and are one system of " +
          std::to_string(phyxels) + " phyxels, which was not solved after " + std::to_string(solved.iterations) +
          " Newton steps and " + std::to_string(solved.linearIterations) +
          " iterations of the linear solver. solver.integrator = \"explicit\" takes small steps instead, " +
@@ -234,7 +271,7 @@ BodyGroup::Gone BodyGroup::advanceImplicit(std::span<const StepContext> orders, 
   return span;
 }
 
-void BodyGroup::substep(std::span<const StepContext> orders, double time, double dt) {
+void BodyGroup::substep(std::span<const StepContext> orders, double time, double dt, bool goesOn) {
   StageClock &clock = *orders.front().environment.clock;
   substeps_.clear();
   joint_.clear();
@@ -254,7 +291,7 @@ void BodyGroup::substep(std::span<const StepContext> orders, double time, double
   if (touches)
     clock.measure(kContact, [&] {
       for (const JoinedPair &joined : pairs_) margin = std::min(margin, joined.pair->settings().margin);
-      joint_.gather(pairs_, margin);
+      if (!goesOn) joint_.gather(pairs_, margin);
       joint_.predict();
       for (const MovedSkin &moved : skins_) {
         const Body &body = members_[moved.member].runner->body();
@@ -309,7 +346,7 @@ BodyGroup::Gone BodyGroup::advanceExplicit(std::span<const StepContext> orders, 
     if (!stable) return stable;
     needed = std::max(needed, cut.needed(span, *stable));
     const double piece = cut.piece(left, span, *stable);
-    substep(orders, time, piece);
+    substep(orders, time, piece, substeps > 0);
     left -= piece;
     time += piece;
     ++substeps;

@@ -52,8 +52,11 @@ class BodyGroup {
     BodyStepper::Refusal why;
   };
   using Gone = tl::expected<double, Refused>;
-  /// What integrates all of them: something implicit where one of them is.
+  /// What integrates all of them: something implicit where one of them is; of Integrator::automatic, where some touch,
+  /// what is predicted to cost less for all.
   [[nodiscard]] Integrator integratorIn(const WorldSettings &world) const;
+  [[nodiscard]] bool explicitIsCheaper(const WorldSettings &world) const;
+  [[nodiscard]] std::string names() const;  // of those that move
   [[nodiscard]] Gone advanceImplicit(std::span<const StepContext> orders, double span, Integrator scheme);
   /// Fills parts_ and coupling_ for those that move.
   void gatherCoupling(std::span<const StepContext> orders);
@@ -69,7 +72,8 @@ class BodyGroup {
   void addLayerForces(double time, bool onlyFresh = false);
   /// @return whether anything has torn
   bool tearLayers(double time);
-  void substep(std::span<const StepContext> orders, double time, double dt);
+  /// @param goesOn  the last substep of these members was the one before: rows of contacts are those of its end
+  void substep(std::span<const StepContext> orders, double time, double dt, bool goesOn);
 
   std::vector<Member> members_;
   std::vector<JoinedPair> pairs_;

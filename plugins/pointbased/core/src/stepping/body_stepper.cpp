@@ -99,7 +99,8 @@ void BodyStepper::reset() {
   scale_ = 1.0;
   goodSteps_ = 0;
   mostSubsteps_ = 1;
-  integratorReported_ = false;
+  integratorReported_ = sharedReported_ = false;
+  shared_.reset();
   slowReported_ = false;
 }
 
@@ -319,6 +320,15 @@ void BodyStepper::reportIntegrator(const StepContext &order) {
                       body + "is so stiff that explicit steps would be " +
                           number(kStepSafety * body_->stableStepAtRest()) +
                           " s long; it is integrated implicitly. If it hardly deforms, make it an obstacle (rigid)");
+}
+
+void BodyStepper::reportShared(const StepContext &order, const std::string &names) {
+  if (sharedReported_) return;
+  sharedReported_ = true;
+  order.reportEvent("chosen",
+                    "bodies " + names +
+                        " touch each other and take explicit steps together: an implicit one of all of them is "
+                        "predicted to cost more; solver.integrator = \"implicit\" takes it nevertheless");
 }
 
 void BodyStepper::stop(const StepContext &order, const GuardFinding &finding) {

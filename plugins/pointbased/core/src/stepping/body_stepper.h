@@ -41,6 +41,11 @@ class BodyStepper {
   [[nodiscard]] bool stopped() const { return body_->stopped.has_value(); }
   /// The world's, or another where that would not do (noted once).
   [[nodiscard]] Integrator integratorIn(const WorldSettings &world) const;
+  /// What integrates it together with those that it touches or is attached to; nothing: it goes by itself.
+  void share(std::optional<Integrator> scheme) { shared_ = scheme; }
+  [[nodiscard]] Integrator integratorNow(const WorldSettings &world) const {
+    return shared_.value_or(integratorIn(world));
+  }
 
   /// On by `span`, of a step of order.dt.
   /// @param span  s, <= order.dt: what another body has left of the step
@@ -79,6 +84,8 @@ class BodyStepper {
   void fallAsleep();
   [[nodiscard]] std::uint64_t mostSubsteps() const;
   void reportIntegrator(const StepContext &order);
+  /// That it takes explicit steps, because it touches others; once.
+  void reportShared(const StepContext &order, const std::string &names);
   /// Times by which steps are made smaller now, and who says so.
   [[nodiscard]] double stepScale() const { return scale_; }
   /// The body stays in the state that it is in.
@@ -173,7 +180,8 @@ class BodyStepper {
   double scale_ = 1.0;  // part of the usual step in use, after failures
   std::uint64_t goodSteps_ = 0;
   std::uint64_t mostSubsteps_ = 1;  // that have been told
-  bool integratorReported_ = false, slowReported_ = false;
+  bool integratorReported_ = false, sharedReported_ = false, slowReported_ = false;
+  std::optional<Integrator> shared_;
 };
 
 }  // namespace pointbased::detail

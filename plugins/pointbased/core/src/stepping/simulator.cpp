@@ -187,7 +187,7 @@ std::vector<std::size_t> Simulator::bodyIds() const {
 
 Integrator Simulator::integratorOf(std::size_t id) const {
   const auto found = bodies_.find(id);
-  return found == bodies_.end() ? world_.integrator : found->second->integratorIn(world_);
+  return found == bodies_.end() ? world_.integrator : found->second->integratorNow(world_);
 }
 
 std::pair<double, double> Simulator::predictedCost(std::size_t id) const {
@@ -295,7 +295,7 @@ StepComposition Simulator::compositionOf(std::size_t id) const {
   const auto found = bodies_.find(id);
   if (found == bodies_.end()) return {};
   const detail::BodyStepper &runner = *found->second;
-  CompositionNotes notes{{}, runner.integratorIn(world_), world_.sleep, {}};
+  CompositionNotes notes{{}, runner.integratorNow(world_), world_.sleep, {}};
   if (runner.body().rigid())
     notes.idle = "rigid: it stands as it is";
   else if (runner.stopped())
@@ -305,7 +305,9 @@ StepComposition Simulator::compositionOf(std::size_t id) const {
   for (const Probe &probe : probes_)
     if (probe.body == id) notes.probes.push_back(probe.name);
   for (const auto &[other, own] : bodies_)
-    if (canTouch(id, other)) notes.touches.push_back(own->body().name());
+    if (other != id && canTouch(id, other)) notes.touches.push_back(own->body().name());
+  const auto itself = skins_->pairs().find({id, id});
+  notes.touchesItself = canTouch(id, id) && itself != skins_->pairs().end() && itself->second->isNear();
   Environment env = environment();
   env.obstacles = obstaclesOf(id);
   env.box = boxOf(id);

@@ -35,17 +35,22 @@ Box reachOf(const Body &body, const Vec3 &gravity, double dt) {
   return box.wider(kFaster * dt * (std::sqrt(speed) + dt * gravity.norm()) + kSlack * rest.spacing);
 }
 
+// m, of the phyxel that went farthest in the last increment of the load.
+double wayOfIncrement(const Body &body) {
+  const std::vector<Vec3> &before = body.keptState().displacements, &now = body.state().displacements;
+  double way = 0.0;
+  if (before.size() == now.size())
+    for (std::size_t i = 0; i < now.size(); ++i) way = std::max(way, (now[i] - before[i]).norm());
+  return way;
+}
+
 // As far again as in the last increment of the load, and some of its size, because the first one tells nothing.
 Box reachOfIncrement(const Body &body) {
   Box box;
-  double way = 0.0;
+  const double way = wayOfIncrement(body);
   const RestState &rest = body.rest();
-  const bool hasMoved = body.keptState().displacements.size() == rest.phyxelCount();
-  for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
-    const Vec3 &u = body.state().displacements[i];
-    box.add(Vec3(rest.origin + rest.positions[i] + u));
-    if (hasMoved) way = std::max(way, (u - body.keptState().displacements[i]).norm());
-  }
+  for (std::size_t i = 0; i < rest.phyxelCount(); ++i)
+    box.add(Vec3(rest.origin + rest.positions[i] + body.state().displacements[i]));
   return box.wider(kFaster * way + kSlack * rest.spacing + kOfSize * (box.high - box.low).norm());
 }
 
@@ -59,23 +64,29 @@ bool Simulator::canTouch(std::size_t a, std::size_t b) const {
 // A skin can touch itself only after phyxels have moved against each other as far as its parts are apart.
 bool Simulator::mayTouchItself(std::size_t id, double dt) {
   const Body &body = bodies_.at(id)->body();
-  if (quasiStatic() && canTouch(id, id) && !body.rigid() && !bodies_.at(id)->stopped()) return true;
   if (body.rigid() || bodies_.at(id)->stopped() || bodies_.at(id)->asleep() || !canTouch(id, id)) return false;
-  const double room = skins_->roomOfSelf(id) - 2.0 * kFaster * dt * quickCheck(body).speedBound;
-  skins_->setRoomOfSelf(id, room);
-  if (room > 0.0) return false;
+  SkinContacts::RoomOfSelf &room = skins_->roomOfSelf(id, body);
+  const double goes = 2.0 * kFaster * (quasiStatic() ? wayOfIncrement(body) : dt * quickCheck(body).speedBound);
+  room.left -= goes;
+  if (room.left > 0.0) return false;
   SkinPair &pair = skins_->pairOf(id, body, id, body, contact_.friction);
   if (pair.isNear()) return true;  // it was in the last step
+  room.measure(body.state().displacements);
+  room.left -= goes;
+  if (room.left > 0.0) return false;
   pair.moving(0).move(body.state().displacements, body.state().velocities, body.rest().maxInfluence, 0.0);
   pair.find(0.0);
   if (pair.isNear()) return true;
-  skins_->setRoomOfSelf(id, pair.room() / pair.skin(0).gain);
+  room.from.assign(body.state().displacements.begin(), body.state().displacements.end());
+  room.room = room.left = pair.room() / std::max(1.0, pair.skin(0).gain);
   return false;
 }
 
 void Simulator::formGroups(double dt) {
   groupCount_ = 0;
   grouped_.clear();
+  for (auto &[id, runner] : bodies_)
+    if (!runner->asleep()) runner->share(std::nullopt);
   skins_->beginSums([this](std::size_t id) {
     const BodyStepper &runner = *bodies_.at(id);
     return runner.asleep() || runner.stopped() || runner.body().rigid();

@@ -2,6 +2,7 @@
 #include "stepping/skin_contacts.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pointbased::detail {
 namespace {
@@ -56,6 +57,24 @@ SkinPair &SkinContacts::pairOf(std::size_t a, const Body &first, std::size_t b, 
   }
   pair->setFriction(friction);
   return *pair;
+}
+
+SkinContacts::RoomOfSelf &SkinContacts::roomOfSelf(std::size_t id, const Body &body) {
+  RoomOfSelf &room = roomsOfSelf_[id];
+  if (room.of == body.sharedRest()) return room;
+  const double gain = std::max(1.0, pairOf(id, body, id, body, 0.0).skin(0).gain);
+  return roomsOfSelf_[id] = {
+             body.sharedRest(), {}, (kOnePiece - (1.0 + kActive) * kOffset) * body.rest().spacing / gain};
+}
+
+void SkinContacts::RoomOfSelf::measure(std::span<const Vec3> displacements) {
+  const auto gone = [&](std::size_t i) -> Vec3 { return from.empty() ? displacements[i] : displacements[i] - from[i]; };
+  Vec3 mean = Vec3::Zero();
+  for (std::size_t i = 0; i < displacements.size(); ++i) mean += gone(i);
+  mean /= static_cast<double>(std::max<std::size_t>(1, displacements.size()));
+  double farthest = 0.0;
+  for (std::size_t i = 0; i < displacements.size(); ++i) farthest = std::max(farthest, (gone(i) - mean).squaredNorm());
+  left = room - 2.0 * std::sqrt(farthest);
 }
 
 void SkinContacts::forget() {

@@ -26,13 +26,18 @@ class SkinContacts {
   [[nodiscard]] SkinPair &pairOf(std::size_t a, const Body &first, std::size_t b, const Body &second, double friction);
   [[nodiscard]] const std::map<PairId, std::unique_ptr<SkinPair>> &pairs() const { return pairs_; }
 
-  /// m, that the phyxels of a body may still move against each other before its skin can touch itself; negative: it has
-  /// to be looked at.
-  [[nodiscard]] double roomOfSelf(std::size_t id) const {
-    const auto found = roomsOfSelf_.find(id);
-    return found == roomsOfSelf_.end() ? -1.0 : found->second;
-  }
-  void setRoomOfSelf(std::size_t id, double room) { roomsOfSelf_[id] = room; }
+  /// How far the phyxels of a body may move against each other before its skin can touch itself.
+  struct RoomOfSelf {
+    std::shared_ptr<const RestState> of;
+    std::vector<Vec3> from;  ///< [phyxels] m, displacements where `room` was found; empty: at rest
+    double room = 0.0;       ///< m, there
+    double left = 0.0;       ///< m, at least, now
+
+    /// Looks how far they have gone.
+    void measure(std::span<const Vec3> displacements);
+  };
+  /// At rest at first: places of the skin that lie nearer to each other there do not touch.
+  [[nodiscard]] RoomOfSelf &roomOfSelf(std::size_t id, const Body &body);
 
   /// A step begins: nothing has passed in it yet between those that do not rest. @param rests(id of a body)
   template <class Rests>
@@ -55,7 +60,7 @@ class SkinContacts {
   };
   std::map<std::size_t, Skin> skins_;
   std::map<PairId, std::unique_ptr<SkinPair>> pairs_;
-  std::map<std::size_t, double> roomsOfSelf_;
+  std::map<std::size_t, RoomOfSelf> roomsOfSelf_;
 };
 
 }  // namespace pointbased::detail

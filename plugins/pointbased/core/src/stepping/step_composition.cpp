@@ -65,8 +65,9 @@ class Composer {
       if (obstacle.closest) what += (what.empty() ? "obstacle '" : ", '") + obstacle.name + "'";
     if (env_.box.enabled) what += what.empty() ? "walls of the world" : ", walls of the world";
     for (const std::string &name : notes_.touches) what += (what.empty() ? "body '" : ", body '") + name + "'";
+    if (notes_.touchesItself) what += what.empty() ? "itself" : ", itself";
     const bool feels = body_.rest().contact.count() > 0;
-    add("contact", stages_.contact || !notes_.touches.empty(),
+    add("contact", stages_.contact || !notes_.touches.empty() || notes_.touchesItself,
         what.empty() ? "no obstacle, no walls, no other body"
         : feels      ? what
                      : "the body has no points that feel contact",
