@@ -167,6 +167,7 @@ TEST_CASE("two balls pressed together push back as finite elements say, the bett
   CHECK(std::abs(coarse) < 0.03);
   CHECK(std::abs(middle) < 0.03);
   CHECK(std::abs(fine) < 0.01);
+  CHECK(std::abs(fine) < 0.5 * std::abs(coarse));
 }
 
 // Missed, with figures in docs/theory/cannot.md, as all that is tagged so. Skins touch 0.02 spacings before they meet,
@@ -404,6 +405,25 @@ TEST_CASE("blocks of which one is half inside the other from the start are told 
 
 TEST_CASE("blocks with flush sides of which one is half inside the other are apart in the end", "[.missed]") {
   CHECK(overlapByHalf(0.0, 20.0).crossed == 0);
+}
+
+TEST_CASE("blocks that lie on each other on a slippery floor come to rest") {
+  Simulator simulator;
+  setGravity(simulator, 5.0);
+  simulator.setContact({true, false, 0.3});
+  simulator.addObstacle(shapes::halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.0));
+  for (int k = 0; k < 2; ++k) {
+    const Vec3 low(0.002 * k, 0.0001 + k * 0.0501, 0.0);
+    simulator.addBody(block(low, low + Vec3::Constant(0.05), 0.0125, soft(3e5, 0.3), 6));
+  }
+  while (simulator.time() < 3.0) REQUIRE(simulator.step());
+  double fastest = 0.0;
+  while (simulator.time() < 5.0) {
+    REQUIRE(simulator.step());
+    fastest = std::max(fastest, fastestOf(simulator));
+  }
+  CAPTURE(fastest);
+  CHECK(fastest < 3e-3);  // m/s; what the sweeps of the impulses leave over drives it
 }
 
 // The stack of test_body_contact, for longer.
