@@ -21,6 +21,8 @@ constexpr std::uint64_t kExplicitSteps = 128, kFewestExplicitSteps = 32, kOtherS
 constexpr double kTimeOfLook = 1.0 / 60.0;  // s
 // Of the spacing: what overlaps less is what label maps and the planes of nearest points leave.
 constexpr double kLeastOverlap = 0.1;
+// Likewise: cubes with flush sides part from one spacing of overlap, and hold each other at one and a half.
+constexpr double kDeepOverlap = 1.0;
 // Points of contact per phyxel and step that are looked at for overlaps: one costs about as much as three phyxels of a
 // step.
 constexpr double kPointsOfLook = 1.0 / 64.0;
@@ -124,8 +126,12 @@ void Simulator::lookAtContacts() {
         id.first == id.second ? "body '" + body(id.first)->name() + "' overlaps itself"
                               : "bodies '" + body(id.first)->name() + "' and '" + body(id.second)->name() + "' overlap";
     if (pair->allowed() > least)
-      reportEvent("overlap", who + " " + millimetres(pair->allowed()) + " deep where they meet; it is led out at " +
-                                 millimetres(pair->settings().ease) + " a second");
+      reportEvent("overlap",
+                  who + " " + millimetres(pair->allowed()) + " deep where they meet; it is led out at " +
+                      millimetres(pair->settings().ease) + " a second" +
+                      (pair->allowed() > kDeepOverlap * pair->spacing()
+                           ? " at most, but what lies so deep may hold itself there: begin with bodies that are apart"
+                           : ""));
     else
       reportEvent("overlap", who + " " + millimetres(pair->depth()) +
                                  " deep although they touch: contact does not hold what presses them together; a " +
