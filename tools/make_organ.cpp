@@ -107,8 +107,38 @@ geometry::TriangleMesh cap(double radius, double width, double spacing) {
   return out;
 }
 
+/// About the origin; triangles grow from its lowest point, where they are `finest` wide, to eight times that.
+geometry::TriangleMesh ball(double radius, double finest) {
+  constexpr std::uint32_t kSides = 48;
+  constexpr double kPi = 3.141592653589793, kGrows = 0.3, kMost = 8.0;
+  std::vector<double> angles{0.0};
+  while (angles.back() < kPi)
+    angles.push_back(angles.back() + finest / radius * std::clamp(angles.back() / kGrows, 1.0, kMost));
+  const auto rings = static_cast<std::uint32_t>(angles.size() - 2);  // without the poles
+  geometry::TriangleMesh out;
+  out.vertices.push_back({0.0, 0.0, -radius});
+  for (std::uint32_t ring = 1; ring <= rings; ++ring)
+    for (std::uint32_t k = 0; k < kSides; ++k) {
+      const double polar = kPi * angles[ring] / angles.back(), angle = 2.0 * kPi * k / kSides;
+      out.vertices.push_back({radius * std::sin(polar) * std::cos(angle), radius * std::sin(polar) * std::sin(angle),
+                              -radius * std::cos(polar)});
+    }
+  out.vertices.push_back({0.0, 0.0, radius});
+  const auto last = static_cast<std::uint32_t>(out.vertices.size() - 1);
+  for (std::uint32_t k = 0; k < kSides; ++k) {
+    const std::uint32_t l = (k + 1) % kSides, top = 1 + (rings - 1) * kSides;
+    out.triangles.push_back({0, 1 + l, 1 + k});
+    for (std::uint32_t a = 1; a < top; a += kSides) {
+      out.triangles.push_back({a + k, a + l, a + kSides + l});
+      out.triangles.push_back({a + k, a + kSides + l, a + kSides + k});
+    }
+    out.triangles.push_back({last, top + k, top + l});
+  }
+  return out;
+}
+
 int fail(const std::string &why) {
-  fmt::print(stderr, "make_organ: {}\nusage: make_organ organ|obstacle|cap OUTPUT.obj [SPACING_MM]\n", why);
+  fmt::print(stderr, "make_organ: {}\nusage: make_organ organ|obstacle|cap|ball OUTPUT.obj [SPACING_MM]\n", why);
   return 2;
 }
 
@@ -117,10 +147,10 @@ int fail(const std::string &why) {
 int main(int argc, char **argv) {
   if (argc < 3 || argc > 4) return fail("a shape and an output file are expected");
   const std::string_view shape = argv[1];
-  const bool isOrgan = shape == "organ", isCap = shape == "cap";
-  if (!isOrgan && !isCap && shape != "obstacle")
-    return fail(fmt::format("there is no shape '{}'; organ, obstacle and cap are accepted", shape));
-  double spacing = isOrgan ? 12.0 : isCap ? 0.75 : 14.0;
+  const bool isOrgan = shape == "organ", isCap = shape == "cap", isBall = shape == "ball";
+  if (!isOrgan && !isCap && !isBall && shape != "obstacle")
+    return fail(fmt::format("there is no shape '{}'; organ, obstacle, cap and ball are accepted", shape));
+  double spacing = isOrgan ? 12.0 : isCap ? 0.75 : isBall ? 1.1 : 14.0;
   if (argc == 4) {
     const std::string_view text = argv[3];
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), spacing);
@@ -128,8 +158,9 @@ int main(int argc, char **argv) {
       return fail(fmt::format("spacing '{}'; 0.5 to 40 mm are accepted", text));
   }
   const Vec3 half = isOrgan ? Vec3{140, 100, 120} : Vec3{115, 65, 95};
-  auto raw = isCap ? cap(60.0, 15.0, spacing)
-                   : tools::polygonise(isOrgan ? organ : obstacle, {-1.0 * half, half}, spacing, 30);
+  auto raw = isCap    ? cap(60.0, 15.0, spacing)
+             : isBall ? ball(50.0, spacing)
+                      : tools::polygonise(isOrgan ? organ : obstacle, {-1.0 * half, half}, spacing, 30);
   for (Vec3 &v : raw.vertices)
     for (double &x : v) x = std::round(x * 1e4) / 1e4;  // a tenth of a micrometre is enough, and the file stays small
   const auto built = geometry::buildMesh(std::move(raw), geometry::LengthUnit::millimetre);
@@ -139,6 +170,8 @@ int main(int argc, char **argv) {
           ? fmt::format(
                 "A liver-shaped organ of our own: blended ellipsoids, polygonised at {} mm by tools/make_organ.cpp.",
                 spacing)
+      : isBall ? fmt::format("A ball of 50 mm; triangles grow from {} mm at its lowest point, by tools/make_organ.cpp.",
+                             spacing)
       : isCap
           ? fmt::format("The end of a ball of 60 mm, 30 mm wide, in rings of {} mm by tools/make_organ.cpp.", spacing)
           : fmt::format("A rounded block, 160 x 60 x 120 mm, polygonised at {} mm by tools/make_organ.cpp.", spacing);
