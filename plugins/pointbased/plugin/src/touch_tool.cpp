@@ -101,6 +101,8 @@ bool TouchTool::press(const c3de_event &event) {
                                     "is led by the load factor");
     return true;
   }
+  hovered_.reset();
+  ghost_.reset();
   history_.begin(simulator_);
   if (picked->obstacle && picked->obstacle->isInstrument) {
     drag_ = Drag{picked->at, picked->obstacle->middle() - picked->at};
