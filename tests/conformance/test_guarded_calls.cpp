@@ -415,6 +415,15 @@ TEST_CASE("a hundred thousand lines in the log take less than a second") {
   CHECK(f.linesWith("again and again").size() == 100000);
 }
 
+TEST_CASE("curves of what are no numbers are drawn, as gaps") {
+  Guarded f;
+  REQUIRE(f.run("curves of no numbers") == C3DE_OK);
+  registry::TextPanel text(nullptr);
+  (void)text.draw(*f.panels.panels().front());
+  REQUIRE(text.find("null"));
+  CHECK(text.find("null")->text == "no value");
+}
+
 TEST_CASE("a list that a panel does not end ends with the panel") {
   Guarded f;
   REQUIRE(f.run("list without an end") == C3DE_OK);

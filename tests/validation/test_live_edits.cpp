@@ -325,8 +325,8 @@ TEST_CASE("every field that a body names can be read, with as many rows as it ha
     return C3DE_OK;
   };
   REQUIRE(f.table->enum_fields(f.self, f.body, &visit, each) == C3DE_OK);
-  CHECK(visit.names.size() == 12);
-  for (const char *name : {"position", "velocity", "mass", "volume", "stress_vm", "normal"})
+  CHECK(visit.names.size() == 14);
+  for (const char *name : {"position", "velocity", "mass", "volume", "stress_vm", "normal", "contact_pressure"})
     CHECK(std::count(visit.names.begin(), visit.names.end(), name) >= 1);
   double number = 0.0;
   const c3de_mview one{&number, 1, 1, C3DE_F64, 0};

@@ -368,14 +368,19 @@ const std::map<std::string_view, Do> &deeds() {
          for (int i = 0; i < 100000; ++i) log->write(log->ctx, C3DE_LOG_DEBUG, text("again and again"));
          return C3DE_OK;
        }},
+      {"curves of no numbers",
+       [] {
+         return addPanel([](void *, const c3de_ui_v1 *ui) {
+           const double bad[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()};
+           if (ui->rev >= 4) ui->curve(ui->ctx, text("bad"), text("bad"), text("N"), bad, 2);
+           if (ui->rev >= 4) ui->curve(ui->ctx, text("null"), text("null"), text("N"), nullptr, 7);
+         });
+       }},
       {"list without an end",
        [] {
          return addPanel([](void *, const c3de_ui_v1 *ui) {
            if (ui->rev >= 3) ui->list_begin(ui->ctx, text("list"), 3);
            ui->same_line(ui->ctx);
-           const double bad[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()};
-           if (ui->rev >= 4) ui->curve(ui->ctx, text("bad"), text("bad"), text("N"), bad, 2);
-           if (ui->rev >= 4) ui->curve(ui->ctx, text("null"), text("null"), text("N"), nullptr, 7);
          });
        }},
   };

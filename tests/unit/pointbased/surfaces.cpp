@@ -60,10 +60,55 @@ Surface ballSurface(const Vec3 &centre, double radius, int n) {
 
 namespace {
 
-double solidAngle(const Vec3 &a, const Vec3 &b, const Vec3 &c) {
-  const double la = a.norm(), lb = b.norm(), lc = c.norm();
-  return 2.0 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-}
+// Closed surfaces, asked by rays along x, which meet few of the triangles.
+class InsideOf {
+ public:
+  explicit InsideOf(const Surface &surface) : surface_(surface) {
+    low_ = Vec3::Constant(1e300);
+    high_ = -low_;
+    for (const Vec3 &x : surface.positions) {
+      low_ = low_.cwiseMin(x);
+      high_ = high_.cwiseMax(x);
+    }
+    columns_.resize(kColumns * kColumns);
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+      const auto &[a, b, c] = surface.triangles[t];
+      const Vec3 &pa = surface.positions[a], &pb = surface.positions[b], &pc = surface.positions[c];
+      const Vec3 least = pa.cwiseMin(pb).cwiseMin(pc), most = pa.cwiseMax(pb).cwiseMax(pc);
+      for (std::size_t j = columnOf(least, 1); j <= columnOf(most, 1); ++j)
+        for (std::size_t k = columnOf(least, 2); k <= columnOf(most, 2); ++k)
+          columns_[j * kColumns + k].push_back(static_cast<Index>(t));
+    }
+  }
+
+  // How often the surface winds around a point.
+  [[nodiscard]] double operator()(const Vec3 &point) const {
+    if ((point.array() < low_.array()).any() || (point.array() > high_.array()).any()) return 0.0;
+    // Beside edges and corners that lie on planes of a lattice.
+    const Vec3 p = point + 1e-8 * (high_ - low_).cwiseProduct(Vec3(0.0, 0.7310585, 0.4142135));
+    double winds = 0.0;
+    for (const Index t : columns_[columnOf(p, 1) * kColumns + columnOf(p, 2)]) {
+      const auto &[ia, ib, ic] = surface_.triangles[t];
+      const Vec3 a = surface_.positions[ia] - p, b = surface_.positions[ib] - p, c = surface_.positions[ic] - p;
+      const double wa = b[1] * c[2] - b[2] * c[1], wb = c[1] * a[2] - c[2] * a[1], wc = a[1] * b[2] - a[2] * b[1];
+      const double sum = wa + wb + wc;
+      if (!((wa > 0.0 && wb > 0.0 && wc > 0.0) || (wa < 0.0 && wb < 0.0 && wc < 0.0))) continue;
+      if ((wa * a[0] + wb * b[0] + wc * c[0]) / sum > 0.0) winds += sum > 0.0 ? 1.0 : -1.0;
+    }
+    return winds;
+  }
+
+ private:
+  static constexpr std::size_t kColumns = 32;
+  [[nodiscard]] std::size_t columnOf(const Vec3 &x, int axis) const {
+    const double part = (x[axis] - low_[axis]) / std::max(1e-300, high_[axis] - low_[axis]);
+    return static_cast<std::size_t>(std::clamp(part * kColumns, 0.0, kColumns - 1.0));
+  }
+
+  Surface surface_;
+  Vec3 low_, high_;
+  std::vector<std::vector<Index>> columns_;
+};
 
 double distanceTo(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c) {
   const Vec3 n = (b - a).cross(c - a);
@@ -98,21 +143,25 @@ BodyShape inside(const Surface &surface) {
   }
   shape.volume = volumeOf(surface);
   shape.surface = surface;
-  shape.inside = [surface](std::span<const Vec3> points, std::span<double> out) {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      double sum = 0.0;
-      for (const auto &[a, b, c] : surface.triangles)
-        sum += solidAngle(surface.positions[a] - points[i], surface.positions[b] - points[i],
-                          surface.positions[c] - points[i]);
-      out[i] = sum / (4.0 * std::numbers::pi);
-    }
+  shape.inside = [winds = InsideOf(surface)](std::span<const Vec3> points, std::span<double> out) {
+    for (std::size_t i = 0; i < points.size(); ++i) out[i] = winds(points[i]);
   };
-  shape.surfaceDistance = [surface](std::span<const Vec3> points, std::span<double> out) {
+  std::vector<std::pair<Vec3, double>> spheres;  // around the triangles
+  for (const auto &[a, b, c] : surface.triangles) {
+    const Vec3 &pa = surface.positions[a], &pb = surface.positions[b], &pc = surface.positions[c];
+    const Vec3 middle = (pa + pb + pc) / 3.0;
+    spheres.emplace_back(middle, std::max({(pa - middle).norm(), (pb - middle).norm(), (pc - middle).norm()}));
+  }
+  shape.surfaceDistance = [surface, spheres](std::span<const Vec3> points, std::span<double> out) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       out[i] = 1e300;
-      for (const auto &[a, b, c] : surface.triangles)
+      for (std::size_t t = 0; t < spheres.size(); ++t) {
+        const double reach = out[i] + spheres[t].second;
+        if ((points[i] - spheres[t].first).squaredNorm() >= reach * reach) continue;
+        const auto &[a, b, c] = surface.triangles[t];
         out[i] =
             std::min(out[i], distanceTo(points[i], surface.positions[a], surface.positions[b], surface.positions[c]));
+      }
     }
   };
   return shape;

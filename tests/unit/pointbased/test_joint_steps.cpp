@@ -196,3 +196,33 @@ TEST_CASE("whatever two blocks are made of, one lies on the other in equilibrium
           shapes::meanDisplacement(*simulator.body(b))[0]);
   CHECK(shapes::crossings(simulator, a, b) == 0);
 }
+
+TEST_CASE("bodies that touch are integrated together by what costs less for all of them") {
+  const bool stiff = GENERATE(false, true);
+  CAPTURE(stiff);
+  Simulator simulator;
+  integrate(simulator, Integrator::automatic, Vec3(0, -9.81, 0));
+  const Material material = soft(stiff ? 1e9 : 5e6, 0.3);
+  Fix ground;
+  ground.region = HalfSpaceRegion{Vec3::Zero(), Vec3::UnitY()};
+  const std::size_t lower =
+      simulator.addBody(block(Vec3(-0.02, 0, -0.02), Vec3(0.02, 0.04, 0.02), 0.01, material, 6, {ground}));
+  const std::size_t upper =
+      simulator.addBody(block(Vec3(-0.02, 0.045, -0.02), Vec3(0.02, 0.085, 0.02), 0.01, material, 6));
+  const auto [explicitly, implicitly] = simulator.predictedCost(lower);
+  REQUIRE(explicitly > implicitly);
+  REQUIRE((explicitly < 2.0 * implicitly) == !stiff);
+  // By itself, as long as it falls.
+  REQUIRE(simulator.step());
+  CHECK(simulator.integratorOf(upper) == Integrator::implicitSdirk);
+  run(simulator, 0.2);
+  CHECK(simulator.integratorOf(lower) == (stiff ? Integrator::implicitSdirk : Integrator::explicitVerlet));
+  CHECK(simulator.integratorOf(upper) == simulator.integratorOf(lower));
+  const auto told = std::count_if(simulator.events().begin(), simulator.events().end(), [](const SimulationEvent &e) {
+    return e.kind == "chosen" && e.text.find("take explicit steps together") != std::string::npos;
+  });
+  CHECK(told == (stiff ? 0 : 1));
+  CHECK_THAT(simulator.contacts().front().pressing, WithinRel(9.81 * simulator.body(upper)->totalMass(), 0.5));
+  simulator.reset();
+  CHECK(simulator.integratorOf(upper) == Integrator::implicitSdirk);
+}

@@ -5,6 +5,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "contact/contact_skin.h"
 #include "pointbased/contact.h"
 
 namespace pointbased {
@@ -109,15 +110,20 @@ SurfacePoints chooseContactPoints(const Surface &surface, double spacing, std::s
 ContactPoints carriedContact(SurfacePoints chosen, Interpolation binding, std::span<const Vec3> phyxels,
                              double spacing) {
   ContactPoints out{std::move(binding), std::move(chosen.normals), std::move(chosen.areas), {}};
-  out.spacings.assign(out.count(), spacing);
-  for (std::size_t p = 0; p < out.count(); ++p) {
+  out.spacings = detail::spacingsAt(out.binding, phyxels, spacing);
+  return out;
+}
+
+std::vector<double> detail::spacingsAt(const Interpolation &binding, std::span<const Vec3> phyxels, double spacing) {
+  std::vector<double> out(binding.count(), spacing);
+  for (std::size_t p = 0; p < binding.count(); ++p) {
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    for (Index e = out.binding.phyxels.offsets[p]; e < out.binding.phyxels.offsets[p + 1]; ++e) {
-      low = low.cwiseMin(phyxels[out.binding.phyxels.indices[e]]);
-      high = high.cwiseMax(phyxels[out.binding.phyxels.indices[e]]);
+    for (Index e = binding.phyxels.offsets[p]; e < binding.phyxels.offsets[p + 1]; ++e) {
+      low = low.cwiseMin(phyxels[binding.phyxels.indices[e]]);
+      high = high.cwiseMax(phyxels[binding.phyxels.indices[e]]);
     }
     const double size = (high - low).maxCoeff();
-    if (size > 0.0 && size < spacing) out.spacings[p] = spacing * std::exp2(-std::round(std::log2(spacing / size)));
+    if (size > 0.0 && size < spacing) out[p] = spacing * std::exp2(-std::round(std::log2(spacing / size)));
   }
   return out;
 }

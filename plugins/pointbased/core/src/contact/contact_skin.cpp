@@ -256,10 +256,11 @@ void PatchTree::refit(std::span<const Vec3> positions) {
   }
 }
 
-MovingSkin::MovingSkin(std::shared_ptr<const ContactSkin> skin, const Vec3 &origin, double spacing)
-    : skin_(std::move(skin)), tree_(*skin_), origin_(origin), spacing_(spacing), positions_(skin_->count()),
-      vertexVelocities_(skin_->count()), seen_(skin_->count(), 0), velocitiesSeen_(skin_->count(), 0),
-      motions_(tree_.patches().size()), parts_(motions_.size()) {}
+MovingSkin::MovingSkin(std::shared_ptr<const ContactSkin> skin, const Vec3 &origin, double spacing,
+                       std::vector<double> spacings)
+    : skin_(std::move(skin)), tree_(*skin_), origin_(origin), spacing_(spacing), spacings_(std::move(spacings)),
+      positions_(skin_->count()), vertexVelocities_(skin_->count()), seen_(skin_->count(), 0),
+      velocitiesSeen_(skin_->count(), 0), motions_(tree_.patches().size()), parts_(motions_.size()) {}
 
 void MovingSkin::move(std::span<const Vec3> displacements, std::span<const Vec3> velocities,
                       std::span<const float> maxInfluence, double dt) {

@@ -17,6 +17,11 @@ struct SkinEdge {
   std::array<Index, 2> triangles{kNoTriangle, kNoTriangle};  ///< on either side; the second may be missing
 };
 
+/// m, of the cells that carry points, in halvings of that of the body.
+/// @param phyxels  m, at rest
+[[nodiscard]] std::vector<double> spacingsAt(const Interpolation &binding, std::span<const Vec3> phyxels,
+                                             double spacing);
+
 /// Vertices, edges and triangles between which contact of skins is looked for: those that are drawn, divided where they
 /// are larger than the cells that carry them. Const.
 struct ContactSkin {
@@ -157,11 +162,14 @@ struct NearestOnTriangle {
 /// @threads one
 class MovingSkin {
  public:
-  MovingSkin(std::shared_ptr<const ContactSkin> skin, const Vec3 &origin, double spacing);
+  /// @param spacings  [vertices] m, of the cells that carry them; empty: all are `spacing`
+  MovingSkin(std::shared_ptr<const ContactSkin> skin, const Vec3 &origin, double spacing,
+             std::vector<double> spacings = {});
 
   [[nodiscard]] const ContactSkin &skin() const { return *skin_; }
   [[nodiscard]] const PatchTree &tree() const { return tree_; }
   [[nodiscard]] double spacing() const { return spacing_; }
+  [[nodiscard]] double spacingAt(Index v) const { return spacings_.empty() ? spacing_ : spacings_[v]; }
   /// Pa, Young's modulus under each vertex.
   void setModuli(std::vector<double> moduli) { moduli_ = std::move(moduli); }
   [[nodiscard]] double modulus(Index v) const { return moduli_[v]; }
@@ -237,6 +245,7 @@ class MovingSkin {
   PatchTree tree_;
   Vec3 origin_;
   double spacing_;
+  std::vector<double> spacings_;
   std::vector<double> moduli_;
   std::span<const Vec3> displacements_, velocities_;
   std::span<const float> maxInfluence_;

@@ -367,23 +367,30 @@ void SkinPair::lookAt(NearVertex &group) {
   if (isSelf() && !(own.facing(vertex).dot(normal) < kFacing)) return;
 
   // A layer that is given back at once, without time, is not to be strained by friction.
-  const bool frees = steps_ == Steps::withoutTime && distance >= 0.0 && before_ > 0.0 && settings_.offset > distance;
+  const auto offsetAt = [&](Index t) {
+    const auto &[a, b, c] = surface.triangles[t];
+    return settings_.offset * std::min(refinedAt(s, vertex), refinedAt(1 - s, a, b, c));
+  };
+  const double offset = offsetAt(triangle);
+  const bool frees = steps_ == Steps::withoutTime && distance >= 0.0 && before_ > 0.0 && offset > distance;
   // What only touches, without an overlap, gets all of its layer back whatever presses on it.
   if (Side &side = sides_[s]; distance < 0.0 && !side.allowance.empty())
-    holdBack(side.allowance[vertex], settings_.offset - distance);
+    holdBack(side.allowance[vertex], offset - distance);
   const auto addAt = [&](Index t, const Vec3 &weights, const Vec3 &n, double away, Index number) {
     SkinContact contact;
-    contact.gap = away - settings_.offset + allowance(s, vertex);
+    const double ownOffset = offsetAt(t), thickness = ownOffset / settings_.offset * settings_.thickness;
+    contact.gap = away - ownOffset + allowance(s, vertex);
     if (number == 0 && own.skin().areas[vertex] > 0.0) {
       double modulus = 0.0;
       for (std::size_t k = 0; k < 3; ++k)
         modulus += weights[static_cast<Eigen::Index>(k)] * other.modulus(surface.triangles[t][k]);
       // Either skin carries half.
-      const double ofOwn = own.modulus(vertex) / own.spacing(), ofOther = modulus / other.spacing();
+      const double ofOwn = own.modulus(vertex) / own.spacingAt(vertex),
+                   ofOther = modulus / other.spacingAt(surface.triangles[t][0]);
       contact.stiffness = 0.5 * settings_.stiffness * std::min(ofOwn, ofOther) * own.skin().areas[vertex];
-      contact.thickness = settings_.thickness;
+      contact.thickness = thickness;
     } else {
-      contact.gap += settings_.thickness;
+      contact.gap += thickness;
     }
     contact.key = keyOf(s, vertex, number);
     contact.friction = frees ? 0.0 : settings_.friction;
@@ -492,13 +499,14 @@ void SkinPair::lookAt(NearEdges &pair) {
   const auto isWithin = [](double part) { return part > kEnds && part < 1.0 - kEnds; };
   if (!isWithin(at.onFirst) || !isWithin(at.onSecond)) return;
   const Vec3 normal = size > kTiny * spacing_ ? Vec3(sign / size * way) : Vec3(outward.normalized());
+  const double refined = std::min(refinedAt(0, a[0], a[1]), refinedAt(1, b[0], b[1]));
   if (steps_ != Steps::small && sign * size > room) {
     // Whether they pass each other on their way.
     const auto endOf = [&](MovingSkin &skin, Index v) { return Vec3(skin.position(v) + dt_ * skin.velocity(v)); };
     const Vec3 a0 = endOf(first, a[0]), a1 = endOf(first, a[1]), b0 = endOf(second, b[0]), b1 = endOf(second, b[1]);
     const NearestOfSegments then = nearestOfSegments(a0, a1, b0, b1);
     const Vec3 off = (1.0 - then.onFirst) * a0 + then.onFirst * a1 - (1.0 - then.onSecond) * b0 - then.onSecond * b1;
-    if (!isWithin(then.onFirst) || !isWithin(then.onSecond) || !(off.dot(normal) < settings_.offset)) return;
+    if (!isWithin(then.onFirst) || !isWithin(then.onSecond) || !(off.dot(normal) < refined * settings_.offset)) return;
   }
   const double tolerance = sign > 0.0 ? kCone : 0.0;
   if (!leadsOut(second, pair.second, normal, tolerance) || !leadsOut(first, pair.first, -normal, tolerance)) return;
@@ -507,7 +515,7 @@ void SkinPair::lookAt(NearEdges &pair) {
   const double distance = sign * size;
   double allowed = 0.0;
   for (std::size_t k = 0; k < 2; ++k) allowed = std::max({allowed, allowance(0, a[k]), allowance(1, b[k])});
-  contact.gap = distance - settings_.offset + settings_.thickness + allowed;
+  contact.gap = distance - refined * (settings_.offset - settings_.thickness) + allowed;
   contact.key = keyOf(2, pair.first, pair.second);
   contact.friction = settings_.friction;
   contact.parts = {{{a[0], false, 1.0 - at.onFirst},

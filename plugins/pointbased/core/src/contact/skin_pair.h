@@ -154,6 +154,11 @@ class SkinPair {
   [[nodiscard]] Met followWay(std::span<const Near> near) const;
   /// The triangle that it is over at the end of its way, if it is over one.
   [[nodiscard]] Met overAtEnd(std::span<const Near> near) const;
+  /// Of the layer's offset and thickness, 0 … 1: cells are smaller than elsewhere at one of these vertices.
+  template <class... Vertices>
+  [[nodiscard]] double refinedAt(std::size_t side, Vertices... vertices) const {
+    return std::min({1.0, sides_[side].skin->spacingAt(vertices) / spacing_...});
+  }
   [[nodiscard]] double allowance(std::size_t side, Index vertex) const {
     return sides_[side].allowance.empty() ? 0.0 : sides_[side].allowance[vertex];
   }

@@ -31,10 +31,10 @@ MovingSkin &SkinContacts::skinOf(std::size_t id, const Body &body) {
   const RestState &rest = body.rest();
   Skin &renewed = skins_[id];
   renewed.of = body.sharedRest();
-  renewed.moving =
-      std::make_unique<MovingSkin>(makeContactSkin(rest.surfels.expanded(rest.positions), rest.skin,
-                                                   kLongestEdge * rest.spacing, rest.bind, rest.maxInfluence),
-                                   rest.origin, rest.spacing);
+  auto built = makeContactSkin(rest.surfels.expanded(rest.positions), rest.skin, kLongestEdge * rest.spacing, rest.bind,
+                               rest.maxInfluence);
+  std::vector<double> spacings = spacingsAt(built->vertices, rest.positions, rest.spacing);
+  renewed.moving = std::make_unique<MovingSkin>(std::move(built), rest.origin, rest.spacing, std::move(spacings));
   renewed.moving->setModuli(body.moduliAt(renewed.moving->skin().vertices));
   return *renewed.moving;
 }
