@@ -160,6 +160,9 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
   const double force = number(pressed, "Contact force on plate");
   CHECK(std::abs(number(pressed, "organ = surroundings") - force) < 0.01 * force);
   CHECK(number(pressed, "Contact area on plate") > 50.0);
+  // Some of the organ lay there, and not more than the plate holds.
+  CHECK(number(pressed, "Displaced on plate") > 0.1);
+  CHECK(number(pressed, "Displaced on plate") < 25.6);
   window.moveTo(window.inView(0.9, 0.9));
   window.screenshot("pressing");
   window.key("ctrl+z");

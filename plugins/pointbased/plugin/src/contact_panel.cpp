@@ -59,6 +59,8 @@ void drawTouched(sdk::Ui &ui, const ObstacleTouch &touch, const std::string &on 
   ui.value("Force x, y, z" + on, vectorText(touch.force, "N"));
   ui.value("Contact area" + on, significant(kSquareMillimetres * touch.area) + " mm²");
   ui.tooltip("Of the skin that presses on it, at rest");
+  ui.value("Displaced" + on, significant(1e6 * touch.displaced) + " mL");
+  ui.tooltip("Of tissue that lay in the reference where it is now");
   ui.value("Depth" + on, depthText(touch.depth));
   ui.tooltip("Of the deepest point of a body in it: what contact has not yet resolved");
 }

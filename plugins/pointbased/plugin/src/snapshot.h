@@ -65,6 +65,7 @@ struct ObstacleTouch {
   double pressing = 0.0, depth = 0.0;  ///< N, m
   double area = 0.0;                   ///< m², of skin that presses
   std::size_t points = 0;
+  double displaced = 0.0;  ///< m³, of tissue that lay in the reference where the obstacle is now
 
   void add(const ContactSnapshot &contact, std::uint64_t obstacle) {
     if (contact.summary.second != obstacle) return;

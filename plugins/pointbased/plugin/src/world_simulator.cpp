@@ -388,6 +388,7 @@ void WorldSimulator::publish() {
     o.isInstrument = simulator_.isInstrument(id);
     o.hasOwnMotion = record.motion != nullptr;
     for (const ContactSnapshot &contact : s->contacts) o.touch.add(contact, id);
+    if (o.touch.points > 0) o.touch.displaced = displacedVolume(id);
     s->obstacles.push_back(std::move(o));
   }
   takeView(*s);

@@ -169,6 +169,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void followInstruments();
   void resetSimulator();
   [[nodiscard]] std::vector<ContactSnapshot> contactsNow() const;
+  [[nodiscard]] double displacedVolume(std::uint64_t obstacle) const;
   void makeRoom(const BodyRecord &body);
   /// What a body that is built now asks the dial.
   [[nodiscard]] DialRequest dialRequest();

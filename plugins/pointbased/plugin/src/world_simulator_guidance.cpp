@@ -76,6 +76,35 @@ void WorldSimulator::lead(std::uint64_t obstacle, const RigidMotion &target) {
   simulator_.guideObstacle(obstacle, target, std::max({kLeastTime, way / kMostSpeed, turn / kMostTurn}));
 }
 
+// m³, of tissue that lay in the reference where an obstacle is now: evaluation points with their volumes, at its surface
+// by the part of a cell that is in it.
+double WorldSimulator::displacedVolume(std::uint64_t id) const {
+  const Obstacle *obstacle = simulator_.obstacle(id);
+  if (!obstacle || !obstacle->closest) return 0.0;
+  const RigidMotion motion = simulator_.obstacleMotion(id);
+  const PlacedMesh &mesh = *obstacles_.at(id).mesh;
+  std::vector<Vec3> places;  // in its frame at rest
+  std::vector<double> volumes;
+  for (const auto &[body, record] : bodies_) {
+    const RestState &rest = simulator_.body(body)->rest();
+    for (std::size_t q = 0; q < rest.pointCount(); ++q) {
+      const Vec3 x = rest.origin + rest.pointCentres[q] - motion.centre - motion.displacement;
+      const Vec3 at = motion.rotation.transpose() * x + motion.centre;
+      const double half = 0.5 * std::cbrt(rest.stencils.volumes[q]);
+      if ((at.array() < mesh.min.array() - half).any() || (at.array() > mesh.max.array() + half).any()) continue;
+      places.push_back(at);
+      volumes.push_back(rest.stencils.volumes[q]);
+    }
+  }
+  const std::vector<double> ranges(places.size(), (mesh.max - mesh.min).norm());
+  std::vector<SurfacePoint> found(places.size());
+  obstacle->closest(places, ranges, found);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < found.size(); ++k)
+    sum += volumes[k] * std::clamp(0.5 - found[k].distance / std::cbrt(volumes[k]), 0.0, 1.0);
+  return sum;
+}
+
 // After the simulator has gone to another state: its instruments are those of then.
 void WorldSimulator::followInstruments() {
   for (const auto &[id, record] : placedInstruments_) {

@@ -14,8 +14,7 @@ struct StepCost {
 };
 
 /// By how much more contact makes implicit steps dearer than explicit ones: two blocks of 1 331 phyxels that are pressed
-/// together cost 14 … 29 times as much as apart in implicit steps, 9 … 11 times in explicit ones (bench_contact
-/// --pressed).
+/// together cost 13 … 35 times as much as apart in implicit steps, 9 times in explicit ones (bench_contact --pressed).
 inline constexpr double kImplicitContact = 2.0;
 
 /// Explicit: the substeps that the stable step at rest asks for, each an evaluation and kExplicitOverhead. Implicit:
