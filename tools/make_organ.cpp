@@ -76,6 +76,21 @@ double obstacle(const Vec3 &p) {
   return norm(outside) + std::min(inside, 0.0) - kRounding;
 }
 
+/// Triangles between a lowest vertex, rings of vertices around z, and a highest one.
+void closeRings(geometry::TriangleMesh &out, std::uint32_t sides, std::uint32_t rings) {
+  const auto last = static_cast<std::uint32_t>(out.vertices.size() - 1);
+  const std::uint32_t top = 1 + (rings - 1) * sides;
+  for (std::uint32_t k = 0; k < sides; ++k) {
+    const std::uint32_t l = (k + 1) % sides;
+    out.triangles.push_back({0, 1 + l, 1 + k});
+    for (std::uint32_t a = 1; a < top; a += sides) {
+      out.triangles.push_back({a + k, a + l, a + sides + l});
+      out.triangles.push_back({a + k, a + sides + l, a + sides + k});
+    }
+    out.triangles.push_back({last, top + k, top + l});
+  }
+}
+
 /// The lower end of a ball, whose lowest point is the origin, as rings of corners on the ball; above it a cylinder that
 /// is thicker than anything gets into it.
 geometry::TriangleMesh cap(double radius, double width, double spacing) {
@@ -94,16 +109,7 @@ geometry::TriangleMesh cap(double radius, double width, double spacing) {
     out.vertices.push_back({rim[0], rim[1], width});
   }
   out.vertices.push_back({0.0, 0.0, width});
-  const auto last = static_cast<std::uint32_t>(out.vertices.size() - 1);
-  for (std::uint32_t k = 0; k < kSides; ++k) {
-    const std::uint32_t l = (k + 1) % kSides, rim = 1 + rings * kSides;
-    out.triangles.push_back({0, 1 + l, 1 + k});
-    for (std::uint32_t a = 1; a < rim; a += kSides) {
-      out.triangles.push_back({a + k, a + l, a + kSides + l});
-      out.triangles.push_back({a + k, a + kSides + l, a + kSides + k});
-    }
-    out.triangles.push_back({last, rim + k, rim + l});
-  }
+  closeRings(out, kSides, rings + 1);
   return out;
 }
 
@@ -124,16 +130,7 @@ geometry::TriangleMesh ball(double radius, double finest) {
                               -radius * std::cos(polar)});
     }
   out.vertices.push_back({0.0, 0.0, radius});
-  const auto last = static_cast<std::uint32_t>(out.vertices.size() - 1);
-  for (std::uint32_t k = 0; k < kSides; ++k) {
-    const std::uint32_t l = (k + 1) % kSides, top = 1 + (rings - 1) * kSides;
-    out.triangles.push_back({0, 1 + l, 1 + k});
-    for (std::uint32_t a = 1; a < top; a += kSides) {
-      out.triangles.push_back({a + k, a + l, a + kSides + l});
-      out.triangles.push_back({a + k, a + kSides + l, a + kSides + k});
-    }
-    out.triangles.push_back({last, top + k, top + l});
-  }
+  closeRings(out, kSides, rings);
   return out;
 }
 

@@ -154,17 +154,7 @@ TEST_CASE("a block on an inclined block sticks below the angle of friction and s
 
 TEST_CASE("a stack of five blocks stays where it is and presses with what lies on it") {
   Simulator simulator;
-  WorldSettings world;
-  world.gravity = Vec3(0, -9.81, 0);
-  world.damping = 5.0;
-  simulator.setWorld(world);
-  simulator.setContact({true, true, 0.3});
-  simulator.addObstacle(shapes::halfSpace(Vec3(0, 0, 0), Vec3(0, 1, 0), 0.5));
-  std::vector<std::size_t> ids;
-  for (int k = 0; k < 5; ++k) {
-    const Vec3 low(0.002 * (k % 2), 0.0001 + k * 0.0501, 0.0);
-    ids.push_back(simulator.addBody(block(low, low + Vec3::Constant(0.05), 0.0125, soft(3e5, 0.3), 6)));
-  }
+  const std::vector<std::size_t> ids = stackOfFive(simulator);
   while (simulator.time() < 1.5) REQUIRE(simulator.step());
   std::vector<Vec3> then;
   for (const std::size_t id : ids) then.push_back(shapes::meanDisplacement(*simulator.body(id)));

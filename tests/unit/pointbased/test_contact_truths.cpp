@@ -423,14 +423,7 @@ TEST_CASE("blocks that lie on each other on a slippery floor come to rest") {
 // The stack of test_body_contact, for longer.
 TEST_CASE("a stack of five blocks stays where it is for a minute", "[.long]") {
   Simulator simulator;
-  setGravity(simulator, 5.0);
-  simulator.setContact({true, true, 0.3});
-  simulator.addObstacle(shapes::halfSpace(Vec3(0, 0, 0), Vec3(0, 1, 0), 0.5));
-  std::vector<std::size_t> ids;
-  for (int k = 0; k < 5; ++k) {
-    const Vec3 low(0.002 * (k % 2), 0.0001 + k * 0.0501, 0.0);
-    ids.push_back(simulator.addBody(block(low, low + Vec3::Constant(0.05), 0.0125, soft(3e5, 0.3), 6)));
-  }
+  const std::vector<std::size_t> ids = stackOfFive(simulator);
   while (simulator.time() < 2.0) REQUIRE(simulator.step());
   std::vector<Vec3> then;
   for (const std::size_t id : ids) then.push_back(shapes::meanDisplacement(*simulator.body(id)));

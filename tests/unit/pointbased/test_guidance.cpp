@@ -100,10 +100,12 @@ TEST_CASE("what is placed before the first step begins there, also after a reset
   simulator.guideObstacle(id, shifted(Vec3(0, 1, 0)), 0.0);
   run(simulator, 0.1);
   CHECK(simulator.obstacleMotion(plate).displacement == Vec3(0, -0.125, 0));
+  CHECK(simulator.motionAtReset(plate)(0.3).displacement == Vec3(0, -0.25, 0));
   simulator.reset();
   CHECK(simulator.obstacleMotion(plate).displacement == Vec3(0, -0.25, 0));
   CHECK(simulator.obstacleMotion(id).displacementOf(Vec3::Zero()).norm() == 0.0);
   simulator.guideObstacle(77, RigidMotion{}, 0.0);  // nobody
+  CHECK_FALSE(simulator.motionAtReset(77));
 }
 
 TEST_CASE("an instrument presses, is undone and done again, and goes with a reset") {

@@ -54,6 +54,21 @@ std::unique_ptr<Body> ball(const Vec3 &centre, double radius, double spacing, co
   return bodyAt(rest, material);
 }
 
+std::vector<std::size_t> stackOfFive(Simulator &simulator) {
+  WorldSettings world;
+  world.gravity = Vec3(0, -9.81, 0);
+  world.damping = 5.0;
+  simulator.setWorld(world);
+  simulator.setContact({true, true, 0.3});
+  simulator.addObstacle(halfSpace(Vec3(0, 0, 0), Vec3(0, 1, 0), 0.5));
+  std::vector<std::size_t> ids;
+  for (int k = 0; k < 5; ++k) {
+    const Vec3 low(0.002 * (k % 2), 0.0001 + k * 0.0501, 0.0);
+    ids.push_back(simulator.addBody(block(low, low + Vec3::Constant(0.05), 0.0125, soft(3e5, 0.3), 6)));
+  }
+  return ids;
+}
+
 void setVelocity(Simulator &simulator, std::size_t id, const Vec3 &velocity) {
   for (Vec3 &v : simulator.body(id)->state().velocities) v = velocity;
 }

@@ -20,6 +20,8 @@ namespace shapes {
 /// @param n  faces of its skin around the equator. Built once for all balls of the same place and size
 [[nodiscard]] std::unique_ptr<pointbased::Body> ball(const pointbased::Vec3 &centre, double radius, double spacing,
                                                      const pointbased::Material &material, int n);
+/// Five blocks of 50 mm on each other and on the ground, under their weight; the lowest first.
+[[nodiscard]] std::vector<std::size_t> stackOfFive(pointbased::Simulator &simulator);
 void setVelocity(pointbased::Simulator &simulator, std::size_t id, const pointbased::Vec3 &velocity);
 
 /// Of all bodies.

@@ -126,6 +126,21 @@ TEST_CASE("What is shown of the error is the estimate, in per cent") {
   CHECK(values.whole > 1.0);
 }
 
+TEST_CASE("The range of contact pressures is that of the places where something presses") {
+  const auto body = bar();
+  Colouring colouring;
+  colouring.setPressures([&](std::uint64_t id, std::vector<double> &out) {
+    REQUIRE(id == 7);
+    out.assign(body->rest().phyxelCount(), 0.0);
+    out.front() = 1900.0;  // Pa, at one corner alone
+  });
+  REQUIRE(colouring.update({{7, body.get()}}, coloured(ColourBy::contactPressure), serialFor()));
+  REQUIRE(colouring.scale());
+  CHECK(colouring.scale()->unit == "kPa");
+  CHECK(colouring.scale()->high > 0.5);
+  CHECK(colouring.scale()->high <= 2.0);
+}
+
 TEST_CASE("Ranges are round numbers that nearly all values stay below") {
   CHECK(roundedUp(1.0) == Approx(1.0));
   CHECK(roundedUp(1.01) == Approx(1.5));

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "number_text.h"
 
 namespace pointbased {
 namespace {
@@ -40,12 +41,6 @@ double leastRange(ColourBy by, const Colouring::Bodies &bodies) {
   for (const auto &[id, body] : bodies)
     for (const Material &m : body->constitution().materials) stiffest = std::max(stiffest, m.youngsModulus);
   return std::max(1e-6 * stiffest * kKilopascals, 1e-12);
-}
-
-std::string significant(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
 }
 
 /// Mean of the phyxels that an evaluation point stands in.

@@ -2,25 +2,14 @@
 #include "contact_panel.h"
 
 #include <cmath>
-#include <cstdio>
+
+#include "number_text.h"
 
 namespace pointbased {
 namespace {
 
 constexpr double kMillimetres = 1e3, kSquareMillimetres = 1e6;
 constexpr double kReach_mm = 300.0;  // of the sliders of a place, around where the organs are
-
-std::string significant(double value, int digits = 3) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.*g", digits, value);
-  return text;
-}
-
-std::string depthText(double metres) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.3f mm", kMillimetres * metres);
-  return text;
-}
 
 std::string vectorText(const Vec3 &v, const char *unit) {
   return significant(v[0]) + "  " + significant(v[1]) + "  " + significant(v[2]) + " " + unit;
@@ -61,7 +50,7 @@ void drawTouched(sdk::Ui &ui, const ObstacleTouch &touch, const std::string &on 
   ui.tooltip("Of the skin that presses on it, at rest");
   ui.value("Displaced" + on, significant(1e6 * touch.displaced) + " mL");
   ui.tooltip("Of tissue that lay in the reference where it is now");
-  ui.value("Depth" + on, depthText(touch.depth));
+  ui.value("Depth" + on, fixed(kMillimetres * touch.depth, 3) + " mm");
   ui.tooltip("Of the deepest point of a body in it: what contact has not yet resolved");
 }
 
@@ -85,7 +74,7 @@ void drawContacts(sdk::Ui &ui, const Snapshot &snapshot) {
     const std::string other = now.first == now.second ? "itself" : contact.second;
     ui.value(contact.first + " – " + other, significant(now.force.norm(), 4) + " N, " +
                                                 significant(kSquareMillimetres * now.area, 2) + " mm², " +
-                                                depthText(now.depth) + " deep");
+                                                fixed(kMillimetres * now.depth, 3) + " mm deep");
     ui.tooltip("Force, area of the skin that presses, and how deep the deepest point is");
   }
   for (const AttachmentSnapshot &one : snapshot.attachments) {

@@ -9,6 +9,7 @@
 
 #include "composition.h"
 #include "contact_panel.h"
+#include "number_text.h"
 
 namespace pointbased {
 namespace {
@@ -17,18 +18,6 @@ constexpr double kFarBelow = 5.0;  // stable steps of bodies that far apart are 
 
 const std::array<std::string, 4> kUnitNames{"as it says, else mm", "mm", "cm", "m"};
 constexpr std::array<std::uint32_t, 4> kUnits{C3DE_UNIT_UNKNOWN, C3DE_UNIT_MM, C3DE_UNIT_CM, C3DE_UNIT_M};
-
-std::string fixed(double value, int digits) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return text;
-}
-
-std::string significant(double value, int digits) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*g", digits, value);
-  return text;
-}
 
 std::string hexadecimal(std::uint64_t value) {
   char text[24];

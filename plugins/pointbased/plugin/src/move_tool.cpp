@@ -55,20 +55,7 @@ Mat3 rotationOf(const Vec3 &angles_deg) {
       .toRotationMatrix();
 }
 
-MoveTool::MoveTool(const Services &services) : services_(services), history_(services) {}
-
-void MoveTool::setSimulator(WorldSimulator *simulator) {
-  if (simulator_.get() == simulator) return;
-  choose(0);
-  history_.forget();
-  simulator_ = simulator ? sdk::Ref<WorldSimulator>::share(simulator) : sdk::Ref<WorldSimulator>();
-}
-
-void MoveTool::post(std::function<void(WorldSimulator &)> command) const {
-  if (!simulator_) return;
-  (void)services_.simulation.post(simulator_->node(),
-                                  [simulator = simulator_, command = std::move(command)] { command(*simulator); });
-}
+MoveTool::MoveTool(const Services &services) : HandTool(services) {}
 
 const ObstacleSnapshot *MoveTool::obstacleNow(const std::shared_ptr<const Snapshot> &snapshot) const {
   const ObstacleSnapshot *found = snapshot && chosen_ != 0 ? snapshot->obstacle(chosen_) : nullptr;
@@ -104,7 +91,7 @@ void MoveTool::setPose(const ObstaclePose &pose) {
 void MoveTool::commit() {
   if (!isEdited_) return;
   isEdited_ = false;
-  history_.end("move " + name_, PullHistory::Of::place);
+  history_.end("move " + name_, HandHistory::Of::place);
 }
 
 void MoveTool::lead() {
@@ -192,7 +179,7 @@ void MoveTool::cancel() {
   commit();
   if (!drag_) return;
   drag_.reset();
-  history_.end("move " + name_, PullHistory::Of::place);
+  history_.end("move " + name_, HandHistory::Of::place);
 }
 
 void MoveTool::hideHandles() {
@@ -202,27 +189,20 @@ void MoveTool::hideHandles() {
 
 void MoveTool::showHandles() {
   if (!services_.render) return;
-  const auto lines = [&](sdk::Proxy &proxy, std::span<const Vec3> points, int axis) {
-    if (proxy)
-      (void)services_.render.update(proxy.handle(), C3DE_ATTR_POSITIONS, viewOf(points));
-    else if (auto made = services_.render.createLines(simulator_->node(), viewOf(points), 3.0f,
-                                                      kAxes[static_cast<std::size_t>(axis)]))
-      proxy = std::move(*made);
-  };
   for (int axis = 0; axis < 3; ++axis) {
     const Vec3 &at = pose_->middle, along = unit(axis), u = unit((axis + 1) % 3), v = unit((axis + 2) % 3);
     const Vec3 tip = at + size_ * along;
     std::vector<Vec3> points{at, tip};
     for (const Vec3 &side : {u, Vec3(-u), v, Vec3(-v)})
       points.insert(points.end(), {tip, tip - 0.12 * size_ * along + 0.05 * size_ * side});
-    lines(arrows_[static_cast<std::size_t>(axis)], points, axis);
+    showLines(arrows_[static_cast<std::size_t>(axis)], points, kAxes[static_cast<std::size_t>(axis)]);
     points.clear();
     const auto onRing = [&](int k) {
       const double turn = 2.0 * std::numbers::pi * k / kAround;
       return Vec3(at + kRing * size_ * (std::cos(turn) * u + std::sin(turn) * v));
     };
     for (int k = 0; k < kAround; ++k) points.insert(points.end(), {onRing(k), onRing(k + 1)});
-    lines(rings_[static_cast<std::size_t>(axis)], points, axis);
+    showLines(rings_[static_cast<std::size_t>(axis)], points, kAxes[static_cast<std::size_t>(axis)]);
   }
 }
 

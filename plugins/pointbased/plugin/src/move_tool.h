@@ -3,10 +3,7 @@
 
 #include <optional>
 
-#include "c3de/sdk/tool.hpp"
-#include "pull_history.h"
-#include "scene_pick.h"
-#include "world_simulator.h"
+#include "hand_tool.h"
 
 namespace pointbased {
 
@@ -25,11 +22,10 @@ struct ObstaclePose {
 
 /// Implants, plates and other obstacles, placed by hand. Press on one: it is chosen, and drag moves it parallel to the
 /// screen; its arrows move it along x, y and z, its rings turn it. One that the scene moves stays the scene's.
-class MoveTool : public sdk::Tool {
+class MoveTool : public HandTool {
  public:
   explicit MoveTool(const Services &services);
 
-  void setSimulator(WorldSimulator *simulator);
   bool onEvent(const c3de_event &event) override;
   void cancel() override;
   /// Handles follow the latest snapshot. Once per frame.
@@ -56,14 +52,11 @@ class MoveTool : public sdk::Tool {
   void drag(const PickRay &ray);
   [[nodiscard]] std::optional<Drag> handleUnder(const PickRay &ray) const;
   [[nodiscard]] const ObstacleSnapshot *obstacleNow(const std::shared_ptr<const Snapshot> &snapshot) const;
-  void post(std::function<void(WorldSimulator &)> command) const;
+  void leave() override { choose(0); }
   void lead();
   void showHandles();
   void hideHandles();
 
-  const Services &services_;
-  sdk::Ref<WorldSimulator> simulator_;
-  PullHistory history_;
   std::uint64_t chosen_ = 0;
   std::string name_;
   Vec3 middleAtRest_ = Vec3::Zero();

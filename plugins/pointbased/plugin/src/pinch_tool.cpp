@@ -2,39 +2,17 @@
 #include "pinch_tool.h"
 
 #include <algorithm>
-#include <cstdio>
+
+#include "number_text.h"
 
 namespace pointbased {
 namespace {
 
 constexpr sdk::Material kMarker{{1.0f, 0.85f, 0.2f, 1.0f}, false};
 constexpr double kMarkerRadius = 0.3;  // of the spacing
-sdk::Vec3 toArray(const Vec3 &v) { return {v[0], v[1], v[2]}; }
-
-Vec3 vectorOf(const Vec3f &x) { return {x[0], x[1], x[2]}; }
-
-std::string newtons(double force) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f N", force);
-  return text;
-}
-
 }  // namespace
 
-PinchTool::PinchTool(const Services &services) : services_(services), history_(services) {}
-
-void PinchTool::setSimulator(WorldSimulator *simulator) {
-  if (simulator_.get() == simulator) return;
-  release();
-  history_.forget();
-  simulator_ = simulator ? sdk::Ref<WorldSimulator>::share(simulator) : sdk::Ref<WorldSimulator>();
-}
-
-void PinchTool::postToSimulation(std::function<void(WorldSimulator &)> command) const {
-  if (!simulator_) return;
-  (void)services_.simulation.post(simulator_->node(),
-                                  [simulator = simulator_, command = std::move(command)] { command(*simulator); });
-}
+PinchTool::PinchTool(const Services &services) : HandTool(services) {}
 
 bool PinchTool::onEvent(const c3de_event &event) {
   if (event.type == C3DE_EVENT_PRESS && event.button == C3DE_BUTTON_LEFT) return press(event);
@@ -78,7 +56,7 @@ bool PinchTool::press(const c3de_event &event) {
   grabOffset_ = grabbed - under;
   hold_ = Hold{body->id, body->name, surfel, vectorOf(body->surfels[surfel]), under, 0.0, 0.0};
   history_.begin(simulator_);
-  postToSimulation([id = body->id, grab](WorldSimulator &s) { s.setGrab(id, grab); });
+  post([id = body->id, grab](WorldSimulator &s) { s.setGrab(id, grab); });
   showMarker();
   return true;
 }
@@ -89,14 +67,13 @@ void PinchTool::drag(const c3de_event &event) {
   const std::optional<Vec3> at = ray ? ray->onScreenPlane(planePoint_) : std::nullopt;
   if (!at) return;
   hold_->target = *at;
-  postToSimulation(
-      [id = hold_->body, target = Vec3(hold_->target + grabOffset_)](WorldSimulator &s) { s.moveGrab(id, target); });
+  post([id = hold_->body, target = Vec3(hold_->target + grabOffset_)](WorldSimulator &s) { s.moveGrab(id, target); });
 }
 
 void PinchTool::release() {
   if (!hold_) return;
   if (simulator_) simulator_->abandonLongStep();
-  postToSimulation([id = hold_->body](WorldSimulator &s) { s.releaseGrab(id); });
+  post([id = hold_->body](WorldSimulator &s) { s.releaseGrab(id); });
   history_.end("pull on " + hold_->bodyName);
   hold_.reset();
   hideMarker();
@@ -116,7 +93,7 @@ void PinchTool::showMarker() {
                                                  kMarker))
     marker_ = std::move(*made);
   if (auto made = services_.render.createLines(node, viewOf(points), 3.0f, kMarker)) line_ = std::move(*made);
-  if (auto made = services_.render.createLabel(node, toArray(hold_->target), newtons(0.0), kMarker))
+  if (auto made = services_.render.createLabel(node, toArray(hold_->target), fixed(0.0, 2) + " N", kMarker))
     label_ = std::move(*made);
 }
 
@@ -142,7 +119,7 @@ void PinchTool::update() {
   const std::array<Vec3, 2> points{hold_->surfelPosition, hold_->target};
   (void)services_.render.update(marker_.handle(), C3DE_ATTR_POSITIONS, viewOf({points.data(), 1}));
   (void)services_.render.update(line_.handle(), C3DE_ATTR_POSITIONS, viewOf(points));
-  (void)services_.render.setLabel(label_.handle(), toArray(hold_->target), newtons(hold_->force));
+  (void)services_.render.setLabel(label_.handle(), toArray(hold_->target), fixed(hold_->force, 2) + " N");
 }
 
 }  // namespace pointbased

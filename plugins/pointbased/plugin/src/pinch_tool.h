@@ -3,23 +3,18 @@
 
 #include <optional>
 
-#include "c3de/sdk/tool.hpp"
 #include "grab_patch.h"
-#include "pull_history.h"
-#include "scene_pick.h"
-#include "world_simulator.h"
+#include "hand_tool.h"
 
 namespace pointbased {
 
 /// Press on the surface: the nearest surfel under the mouse is held, through the host's collision service; drag: a
 /// damped spring pulls its phyxels; release or Escape: let go. A marker shows where, an arrow the pull, a label the
 /// force.
-class PinchTool : public sdk::Tool {
+class PinchTool : public HandTool {
  public:
   explicit PinchTool(const Services &services);
 
-  /// Which simulator it works on; null: none. Lets go of the one before.
-  void setSimulator(WorldSimulator *simulator);
   void setSettings(const PinchSettings &settings) { settings_ = settings; }
 
   bool onEvent(const c3de_event &event) override;
@@ -45,13 +40,10 @@ class PinchTool : public sdk::Tool {
   void release();
   void showMarker();
   void hideMarker();
-  void postToSimulation(std::function<void(WorldSimulator &)> command) const;
+  void leave() override { release(); }
 
-  const Services &services_;
-  sdk::Ref<WorldSimulator> simulator_;
   PinchSettings settings_;
   std::optional<Hold> hold_;
-  PullHistory history_;
   Vec3 planePoint_ = Vec3::Zero();
   Vec3 grabOffset_ = Vec3::Zero();  // grabbed point minus the point under the mouse
   sdk::Proxy marker_, line_, label_;

@@ -7,10 +7,6 @@
 namespace pointbased {
 namespace {
 
-sdk::Vec3 toArray(const Vec3 &v) { return {v[0], v[1], v[2]}; }
-
-Vec3 vectorOf(const Vec3f &x) { return {x[0], x[1], x[2]}; }
-
 Vec3 towardsEye(const Vec3 &a, const Vec3 &b, const Vec3 &c, const PickRay &ray) {
   const Vec3 normal = (b - a).cross(c - a).normalized();
   return normal.dot(ray.direction) > 0.0 ? Vec3(-normal) : normal;

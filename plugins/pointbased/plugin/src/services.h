@@ -47,6 +47,9 @@ inline constexpr double kMetresPerMillimetre = 1e-3;
   return {values.data(), values.size(), 3, C3DE_F64, static_cast<std::int64_t>(sizeof(Vec3))};
 }
 
+[[nodiscard]] inline sdk::Vec3 toArray(const Vec3 &v) { return {v[0], v[1], v[2]}; }
+[[nodiscard]] inline Vec3 vectorOf(const std::array<float, 3> &v) { return {v[0], v[1], v[2]}; }
+
 /// Rows of three floats.
 [[nodiscard]] inline c3de_view viewOf(std::span<const std::array<float, 3>> values) {
   return {values.data(), values.size(), 3, C3DE_F32, static_cast<std::int64_t>(sizeof(std::array<float, 3>))};

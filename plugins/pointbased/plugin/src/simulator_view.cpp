@@ -29,8 +29,6 @@ constexpr sdk::Material kFloorGrid{{0.36f, 0.42f, 0.49f, 1.0f}, false};
 constexpr double kPointRadius = 0.22;  // of the spacing: dense enough to read the shape, open enough to see through
 constexpr double kLeastRadius = 0.06;  // of the spacing: a point of a cell that is hardly cut can still be seen
 
-sdk::Vec3 toArray(const Vec3 &v) { return {v[0], v[1], v[2]}; }
-
 c3de_view coloursView(std::span<const Rgba8> colours) { return {colours.data(), colours.size(), 4, C3DE_U8, 0}; }
 
 /// That of its label; else by the body's place among the others that have none, from the ninth on colours begin again.

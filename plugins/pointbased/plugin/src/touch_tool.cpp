@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "number_text.h"
 
 namespace pointbased {
 namespace {
@@ -16,14 +17,6 @@ constexpr double kLongestArrow = 0.04;  // m: of the largest force that the curv
 constexpr double kGap = 1e-4;           // m, between the instrument and the surface it is placed at
 constexpr double kAway = 1e-3;          // m: the hand is somewhere else
 
-sdk::Vec3 toArray(const Vec3 &v) { return {v[0], v[1], v[2]}; }
-
-std::string newtons(double force) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g N", force);
-  return text;
-}
-
 ProbeTool instrumentOf(const InstrumentSettings &settings, const Vec3 &middle, const Vec3 &axis) {
   ProbeTool tool;
   tool.radius = kMetresPerMillimetre * settings.radius_mm;
@@ -35,20 +28,7 @@ ProbeTool instrumentOf(const InstrumentSettings &settings, const Vec3 &middle, c
 
 }  // namespace
 
-TouchTool::TouchTool(const Services &services) : services_(services), history_(services) {}
-
-void TouchTool::setSimulator(WorldSimulator *simulator) {
-  if (simulator_.get() == simulator) return;
-  forget();
-  history_.forget();
-  simulator_ = simulator ? sdk::Ref<WorldSimulator>::share(simulator) : sdk::Ref<WorldSimulator>();
-}
-
-void TouchTool::postToSimulation(std::function<void(WorldSimulator &)> command) const {
-  if (!simulator_) return;
-  (void)services_.simulation.post(simulator_->node(),
-                                  [simulator = simulator_, command = std::move(command)] { command(*simulator); });
-}
+TouchTool::TouchTool(const Services &services) : HandTool(services) {}
 
 void TouchTool::setSettings(const InstrumentSettings &settings) {
   if (settings == settings_) return;
@@ -131,13 +111,13 @@ void TouchTool::place(const Vec3 &middle, const Vec3 &axis) {
   axis_ = axis;
   isAwaited_ = true;
   simulator_->abandonLongStep();
-  postToSimulation([tool = instrumentOf(settings_, middle, axis)](WorldSimulator &s) { s.placeInstrument(tool); });
+  post([tool = instrumentOf(settings_, middle, axis)](WorldSimulator &s) { s.placeInstrument(tool); });
 }
 
 void TouchTool::moveTo(const Vec3 &middle) {
   if (!target_) return;
   target_ = middle;
-  postToSimulation([middle](WorldSimulator &s) { s.moveInstrument(middle); });
+  post([middle](WorldSimulator &s) { s.moveInstrument(middle); });
 }
 
 void TouchTool::drag(const c3de_event &event) {
@@ -168,7 +148,7 @@ void TouchTool::cancel() {
 
 void TouchTool::takeAway() {
   if (simulator_) simulator_->abandonLongStep();
-  postToSimulation([](WorldSimulator &s) { s.removeInstrument(); });
+  post([](WorldSimulator &s) { s.removeInstrument(); });
   forget();
 }
 
@@ -210,36 +190,23 @@ void TouchTool::takeForce(const ObstacleSnapshot &instrument, double time) {
 
 void TouchTool::showForce(const ObstacleSnapshot &instrument) {
   if (!services_.render) return;
-  const c3de_handle node = simulator_->node();
   const Vec3 middle = instrument.middle(), &force = instrument.touch.force;
-  const auto lines = [&](sdk::Proxy &proxy, std::span<const Vec3> points, const sdk::Material &material) {
-    if (proxy) {
-      (void)services_.render.update(proxy.handle(), C3DE_ATTR_POSITIONS, viewOf(points));
-    } else if (auto made = services_.render.createLines(node, viewOf(points), 3.0f, material)) {
-      proxy = std::move(*made);
-    }
-  };
   const double size = force.norm(), most = forces_.empty() ? size : *std::max_element(forces_.begin(), forces_.end());
   Vec3 tip = middle;
   if (size > 0.0 && most > 0.0) {
     const Vec3 way = kLongestArrow / std::max(most, size) * force, side = 0.12 * way.unitOrthogonal() * way.norm();
     tip += way;
     const std::array<Vec3, 6> arrow{middle, tip, tip, tip - 0.25 * way + side, tip, tip - 0.25 * way - side};
-    lines(arrow_, arrow, kForce);
+    showLines(arrow_, arrow, kForce);
   } else {
     arrow_.reset();
   }
   // The hand is ahead while it goes faster than the simulation, or that stands.
   if ((*target_ - middle).norm() > kAway)
-    lines(hand_, std::array<Vec3, 2>{middle, *target_}, kHand);
+    showLines(hand_, std::array<Vec3, 2>{middle, *target_}, kHand);
   else
     hand_.reset();
-  const std::string text = newtons(size);
-  if (label_) {
-    (void)services_.render.setLabel(label_.handle(), toArray(tip), text);
-  } else if (auto made = services_.render.createLabel(node, toArray(tip), text, kForce)) {
-    label_ = std::move(*made);
-  }
+  showLabel(label_, tip, significant(size) + " N", kForce);
 }
 
 void TouchTool::update() {

@@ -4,10 +4,7 @@
 #include <deque>
 #include <optional>
 
-#include "c3de/sdk/tool.hpp"
-#include "pull_history.h"
-#include "scene_pick.h"
-#include "world_simulator.h"
+#include "hand_tool.h"
 
 namespace pointbased {
 
@@ -22,12 +19,10 @@ struct InstrumentSettings {
 /// A rigid instrument that pushes what it meets. Press on a surface: it stands there, outside; drag: it moves parallel
 /// to the screen; wheel: deeper and back; release: it stays, and press on it takes hold of it again. An arrow shows the
 /// force on it, a label how large it is.
-class TouchTool : public sdk::Tool {
+class TouchTool : public HandTool {
  public:
   explicit TouchTool(const Services &services);
 
-  /// Which simulator it works on; null: none. Lets go of the instrument of the one before.
-  void setSimulator(WorldSimulator *simulator);
   [[nodiscard]] const InstrumentSettings &settings() const { return settings_; }
   /// As a person has set them: an instrument that stands is made anew at its place. Before, the radius is at least the
   /// spacing of what is touched first.
@@ -64,12 +59,9 @@ class TouchTool : public sdk::Tool {
   void hover();
   void takeForce(const ObstacleSnapshot &instrument, double time);
   void showForce(const ObstacleSnapshot &instrument);
-  void postToSimulation(std::function<void(WorldSimulator &)> command) const;
+  void leave() override { forget(); }
 
-  const Services &services_;
-  sdk::Ref<WorldSimulator> simulator_;
   InstrumentSettings settings_;
-  PullHistory history_;
   std::optional<Drag> drag_;
   std::optional<Vec3> target_;
   Vec3 axis_ = Vec3::UnitZ();

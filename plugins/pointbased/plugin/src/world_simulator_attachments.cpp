@@ -27,6 +27,7 @@ void WorldSimulator::addAttachment(const c3de_sim_attachment *attachment, c3de_h
   for (const auto &[id, other] : attachments_)
     if (other.name == read.name) throw Error(C3DE_E_EXISTS, which + "there is one of this name already");
   const auto added = simulator_.addAttachment(read);
+  followInstruments();  // a new attachment begins the simulation anew
   if (!added) throw Error(C3DE_E_ARG, which + added.error());
   attachments_.emplace(*added, std::move(read));
   if (out) *out = {*added};

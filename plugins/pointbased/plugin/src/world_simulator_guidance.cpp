@@ -20,9 +20,9 @@ constexpr double kLeastTime = 1.0 / 30.0;
 
 void WorldSimulator::placeInstrument(ProbeTool tool) {
   const std::lock_guard lock(mutex_);
-  takeInstrumentAway();
   const auto isTaken = [this](const std::string &name) {
-    return std::any_of(obstacles_.begin(), obstacles_.end(), [&](const auto &one) { return one.second.name == name; });
+    return std::any_of(obstacles_.begin(), obstacles_.end(),
+                       [&](const auto &one) { return one.second.name == name && !simulator_.isInstrument(one.first); });
   };
   tool.name = "instrument";
   for (int k = 2; isTaken(tool.name); ++k) tool.name = "instrument " + std::to_string(k);
@@ -32,6 +32,7 @@ void WorldSimulator::placeInstrument(ProbeTool tool) {
   auto built = obstacleOf(tool);
   if (!built) throw Error(C3DE_E_ARG, built.error());
   ObstacleRecord record{tool.name, meshOf(context_.services, tool), tool.friction, 0.0, {}, tool};
+  takeInstrumentAway();
   const std::uint64_t id = simulator_.addInstrument(std::move(*built));
   obstacles_.emplace(id, record);
   placedInstruments_.emplace(id, std::move(record));
@@ -76,8 +77,8 @@ void WorldSimulator::lead(std::uint64_t obstacle, const RigidMotion &target) {
   simulator_.guideObstacle(obstacle, target, std::max({kLeastTime, way / kMostSpeed, turn / kMostTurn}));
 }
 
-// m³, of tissue that lay in the reference where an obstacle is now: evaluation points with their volumes, at its surface
-// by the part of a cell that is in it.
+// m³, of tissue that lay in the reference where an obstacle is now: evaluation points with their volumes, at its
+// surface by the part of a cell that is in it.
 double WorldSimulator::displacedVolume(std::uint64_t id) const {
   const Obstacle *obstacle = simulator_.obstacle(id);
   if (!obstacle || !obstacle->closest) return 0.0;

@@ -60,11 +60,12 @@ std::uint64_t WorldSimulator::fingerprint() const {
       for (const double share : loaded.shares) addNumber(share);
   }
   for (const auto &[id, obstacle] : obstacles_) {
+    if (simulator_.isInstrument(id)) continue;
     addText(obstacle.name);
     addNumber(obstacle.friction);
     addNumber(obstacle.restitution);
     // A motion is a function: two that meet at these times are taken for one.
-    const std::function<RigidMotion(double)> &motion = simulator_.obstacle(id)->motion;
+    const std::function<RigidMotion(double)> motion = simulator_.motionAtReset(id);
     for (const double t : {0.01, 0.1, 0.37, 1.0, 3.3}) {
       if (!motion) continue;
       const RigidMotion at = motion(t);

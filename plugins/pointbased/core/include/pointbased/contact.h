@@ -87,6 +87,9 @@ struct ContactSums {
 
 /// What contact remembers of one body between steps.
 struct ContactState {
+  /// An obstacle of this number has gone, and those behind it have moved up.
+  void forget(Index obstacle);
+
   /// What is known of a point and an obstacle, in the frame of the obstacle at rest. While the point stays within what
   /// is known nobody is asked: free flight and rest are cheap, and the obstacle's own motion counts like the point's.
   struct ClearanceCache {
@@ -141,8 +144,6 @@ struct ContactState {
     std::vector<Index> points;                ///< that were looked at last, ascending
     std::vector<Vec3> positions, velocities;  ///< [points]
   } blocks;
-  /// An obstacle of this number has gone, and those behind it have moved up.
-  void forget(Index obstacle);
   Vec3 ledOut = Vec3::Zero();  ///< kg m, Σ mass · way by which points were led out since the energy was looked at
   struct Solution {
     std::vector<double> inverseMasses;  ///< [contacts] 1/kg

@@ -86,12 +86,15 @@ class Simulator {
   [[nodiscard]] bool isInstrument(std::size_t id) const { return instruments_.contains(id); }
   /// Leads an obstacle from where it is to another place, evenly: it turns about target.centre by the shorter way while
   /// that goes straight, and then stands. In place of its own motion, which reset() gives back. Before the first step
-  /// it is there at once, and where it stood still begins there from then on. Of no effect where there is none of this id.
+  /// it is there at once, and where it stood still begins there from then on. Of no effect where there is none of this
+  /// id.
   /// @param target    finite
   /// @param duration  s, or load factor, >= 0
   void guideObstacle(std::size_t id, const RigidMotion &target, double duration);
   /// guideObstacle() has led it since the last reset().
   [[nodiscard]] bool isGuided(std::size_t id) const { return ownMotions_.contains(id); }
+  /// Obstacle::motion as reset() gives it back; empty: it stands still, or there is none of this id.
+  [[nodiscard]] std::function<RigidMotion(double t)> motionAtReset(std::size_t id) const;
   void clear();
   [[nodiscard]] Body *body(std::size_t id);
   [[nodiscard]] const Body *body(std::size_t id) const;

@@ -2,6 +2,8 @@
 // Contact between two skins, or of a skin with itself. Private to the core.
 #pragma once
 
+#include <algorithm>
+
 #include "contact/contact_skin.h"
 #include "pointbased/contact.h"
 

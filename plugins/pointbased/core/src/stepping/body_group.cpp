@@ -48,19 +48,7 @@ double BodyGroup::advance(std::span<const StepContext> orders, double span) {
     runner.forgetEnergy();  // it goes from one body to the other
     most = std::min(most, runner.mostSubsteps());
   }
-  const Integrator scheme = integratorIn(orders.front().world);
-  bool differs = false;
-  for (std::size_t k = 0; k < members_.size(); ++k) {
-    if (!moves(k)) continue;
-    differs = differs || members_[k].runner->integratorIn(orders[k].world) != scheme;
-    members_[k].runner->share(scheme);
-  }
-  if (differs && scheme == Integrator::explicitVerlet)
-    for (std::size_t k = 0; k < members_.size(); ++k)
-      if (moves(k)) {
-        members_[k].runner->reportShared(orders[k], names());
-        break;
-      }
+  takeScheme(orders);
   const double gone = tryToAdvance(orders, span, most);
   bool still = !isLed;
   for (std::size_t k = 0; k < members_.size(); ++k)
@@ -69,6 +57,18 @@ double BodyGroup::advance(std::span<const StepContext> orders, double span) {
     for (std::size_t k = 0; k < members_.size(); ++k)
       if (moves(k)) members_[k].runner->fallAsleep();
   return gone;
+}
+
+void BodyGroup::takeScheme(std::span<const StepContext> orders) {
+  scheme_ = integratorIn(orders.front().world);
+  BodyStepper *other = nullptr;  // that would take another one by itself
+  for (std::size_t k = 0; k < members_.size(); ++k) {
+    if (!moves(k)) continue;
+    BodyStepper &runner = *members_[k].runner;
+    runner.share(scheme_);
+    if (!other && runner.integratorIn(orders[k].world) != scheme_) other = &runner;
+  }
+  if (other && scheme_ == Integrator::explicitVerlet) other->reportShared(orders.front(), names());
 }
 
 void BodyGroup::advanceAgain(std::span<const StepContext> orders, double span) {
@@ -88,9 +88,8 @@ double BodyGroup::tryToAdvance(std::span<const StepContext> orders, double span,
     bool any = false;
     for (std::size_t k = 0; k < members_.size(); ++k) any = any || moves(k);
     if (!any) return span;
-    const Integrator scheme = integratorIn(orders.front().world);
-    const Gone gone = scheme == Integrator::explicitVerlet ? advanceExplicit(orders, span, mostSubsteps)
-                                                           : advanceImplicit(orders, span, scheme);
+    const Gone gone = scheme_ == Integrator::explicitVerlet ? advanceExplicit(orders, span, mostSubsteps)
+                                                            : advanceImplicit(orders, span, scheme_);
     if (gone) {
       for (std::size_t k = 0; k < members_.size(); ++k)
         if (moves(k)) members_[k].runner->endAdvance();

@@ -55,6 +55,8 @@ class BodyGroup {
   /// What integrates all of them: something implicit where one of them is; of Integrator::automatic, where some touch,
   /// what is predicted to cost less for all.
   [[nodiscard]] Integrator integratorIn(const WorldSettings &world) const;
+  /// For a step, and for what is taken of it again.
+  void takeScheme(std::span<const StepContext> orders);
   [[nodiscard]] bool explicitIsCheaper(const WorldSettings &world) const;
   [[nodiscard]] std::string names() const;  // of those that move
   [[nodiscard]] Gone advanceImplicit(std::span<const StepContext> orders, double span, Integrator scheme);
@@ -75,6 +77,7 @@ class BodyGroup {
   /// @param goesOn  the last substep of these members was the one before: rows of contacts are those of its end
   void substep(std::span<const StepContext> orders, double time, double dt, bool goesOn);
 
+  Integrator scheme_ = Integrator::explicitVerlet;  // of the step that is being taken
   std::vector<Member> members_;
   std::vector<JoinedPair> pairs_;
   std::vector<JoinedLayer> layers_;

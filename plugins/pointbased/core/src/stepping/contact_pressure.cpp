@@ -90,6 +90,4 @@ void PressureOnSkin::addSkin(const SkinPair &pair, std::size_t side) {
   addQuotients(forces_, areas_, pressures_);
 }
 
-void PressureOnSkin::take(std::vector<double> &out) { out.assign(pressures_.begin(), pressures_.end()); }
-
 }  // namespace pointbased::detail

@@ -17,8 +17,7 @@ class PressureOnSkin {
   void addObstacles();  ///< and walls
   /// @param side  0, 1: of the pair, that is this body
   void addSkin(const SkinPair &pair, std::size_t side);
-  /// @param out  [phyxels] Pa, >= 0
-  void take(std::vector<double> &out);
+  [[nodiscard]] const std::vector<double> &pressures() const { return pressures_; }  ///< [phyxels] Pa, >= 0
 
  private:
   const Body &body_;

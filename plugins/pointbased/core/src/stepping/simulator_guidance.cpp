@@ -56,15 +56,19 @@ void Simulator::setMotion(std::size_t id, Motion motion) {
   updateSurroundings();
 }
 
+Motion Simulator::motionAtReset(std::size_t id) const {
+  if (const auto own = ownMotions_.find(id); own != ownMotions_.end()) return own->second;
+  const Obstacle *found = obstacle(id);
+  return found ? found->motion : Motion();
+}
+
 void Simulator::guideObstacle(std::size_t id, const RigidMotion &target, double duration) {
   POINTBASED_EXPECTS(
       target.rotation.allFinite() && target.centre.allFinite() && target.displacement.allFinite() && duration >= 0.0,
       "a finite place, and a time that is not negative");
   const Obstacle *found = obstacle(id);
   if (!found) return;
-  const auto own = ownMotions_.find(id);
-  const bool standsStill =
-      instruments_.contains(id) || placed_.contains(id) || !(own == ownMotions_.end() ? found->motion : own->second);
+  const bool standsStill = instruments_.contains(id) || placed_.contains(id) || !motionAtReset(id);
   const bool begins = steps_ == 0 && standsStill;
   Motion motion = between(obstacleMotion(id), target, clockOfRamps(), begins ? 0.0 : duration);
   if (begins) {

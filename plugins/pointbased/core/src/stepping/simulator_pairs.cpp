@@ -170,7 +170,7 @@ void Simulator::contactPressures(std::size_t id, std::vector<double> &out) const
     if (pair.first == id) pressure.addSkin(*skins, 0);
     if (pair.second == id) pressure.addSkin(*skins, 1);
   }
-  pressure.take(out);
+  out = pressure.pressures();
 }
 
 }  // namespace pointbased

@@ -62,7 +62,7 @@ SkinPair &SkinContacts::pairOf(std::size_t a, const Body &first, std::size_t b, 
 SkinContacts::RoomOfSelf &SkinContacts::roomOfSelf(std::size_t id, const Body &body) {
   RoomOfSelf &room = roomsOfSelf_[id];
   if (room.of == body.sharedRest()) return room;
-  const double gain = std::max(1.0, pairOf(id, body, id, body, 0.0).skin(0).gain);
+  const double gain = std::max(1.0, skinOf(id, body).skin().gain);
   return roomsOfSelf_[id] = {
              body.sharedRest(), {}, (kOnePiece - (1.0 + kActive) * kOffset) * body.rest().spacing / gain};
 }

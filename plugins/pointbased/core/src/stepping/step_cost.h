@@ -13,8 +13,9 @@ struct StepCost {
   [[nodiscard]] bool implicitIsCheaper() const { return implicitEvaluations < explicitEvaluations; }
 };
 
-/// By how much more contact makes implicit steps dearer than explicit ones: two blocks of 1 331 phyxels that are pressed
-/// together cost 13 … 35 times as much as apart in implicit steps, 9 times in explicit ones (bench_contact --pressed).
+/// By how much more contact makes implicit steps dearer than explicit ones, about: two blocks of 1 331 phyxels that are
+/// pressed together cost 13 … 35 times as much as apart in implicit steps, 9 times in explicit ones (bench_contact
+/// --pressed).
 inline constexpr double kImplicitContact = 2.0;
 
 /// Explicit: the substeps that the stable step at rest asks for, each an evaluation and kExplicitOverhead. Implicit:

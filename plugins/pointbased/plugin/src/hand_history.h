@@ -8,11 +8,11 @@
 
 namespace pointbased {
 
-/// Pulls, touches and moves as steps of the window's Undo: back to the state before the hand was laid on, and on again. What is simulated
-/// anew (a reset, another body) makes them go. Main thread.
-class PullHistory {
+/// Pulls, touches and moves as steps of the window's Undo: back to the state before the hand was laid on, and on again.
+/// What is simulated anew (a reset, another body) makes them go. Main thread.
+class HandHistory {
  public:
-  explicit PullHistory(const Services &services) : services_(services) {}
+  explicit HandHistory(const Services &services) : services_(services) {}
 
   /// Before the hand is laid on.
   void begin(const sdk::Ref<WorldSimulator> &simulator);
@@ -28,18 +28,18 @@ class PullHistory {
 
  private:
   static constexpr std::size_t kMost = 20;  // each keeps a state of every body
-  struct Pull {
+  struct Kept {
     sdk::Ref<WorldSimulator> simulator;
     std::shared_ptr<Checkpoint> state;  // of the simulation's thread
     std::uint64_t course = 0, steps = 0;
     c3de_handle step{};
   };
-  [[nodiscard]] sdk::Result<void> exchange(const Pull &pull) const;
-  [[nodiscard]] static bool isOld(const Pull &pull);
+  [[nodiscard]] sdk::Result<void> exchange(const Kept &kept) const;
+  [[nodiscard]] static bool isOld(const Kept &kept);
 
   const Services &services_;
-  std::optional<Pull> present_;
-  std::deque<Pull> done_;
+  std::optional<Kept> present_;
+  std::deque<Kept> done_;
 };
 
 }  // namespace pointbased
