@@ -19,7 +19,7 @@ const std::vector<std::string> kObstacleKeys{
 const std::vector<std::string> kProbeKeys{"name", "body", "at"};
 const std::vector<std::string> kRootKeys{"format",    "title",    "image",   "world",      "solver",   "view",
                                          "body",      "fix",      "load",    "attachment", "obstacle", "probe",
-                                         "simulator", "accuracy", "contact", "probe_tool"};
+                                         "simulator", "accuracy", "contact", "probe_tool", "grasp"};
 const std::vector<std::string> kWishes{C3DE_PARAM_ID_ERROR_PERCENT, C3DE_PARAM_ID_ERROR_MM, C3DE_PARAM_ID_BUDGET_MS};
 const char *const kMotionRotation = "motion_rotation_deg";
 const char *const kMotionQuaternion = "motion_quaternion";
@@ -73,6 +73,7 @@ bool SceneReader::readScene(const TomlValue &root) {
     if (key == "obstacle") return &SceneReader::readObstacle;
     if (key == "probe") return &SceneReader::readProbe;
     if (key == "probe_tool") return &SceneReader::readProbeTool;
+    if (key == "grasp") return &SceneReader::readGrasp;
     return nullptr;
   };
   for (const auto &[key, value] : root.entries) {
@@ -206,6 +207,8 @@ bool SceneReader::checkBodyNames() {
     if (!checkBodyName("load", load.line, load.body)) return false;
   for (SceneProbe &probe : scene_.probes)
     if (!checkBodyName("probe", probe.line, probe.body)) return false;
+  for (SceneGrasp &grasp : scene_.grasps)
+    if (!checkBodyName("grasp", grasp.line, grasp.body)) return false;
   return true;
 }
 

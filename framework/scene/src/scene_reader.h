@@ -49,6 +49,14 @@ class SceneReader {
   bool probeToolKey(SceneProbeTool &tool, const std::string &key, const TomlValue &value);
   bool readPath(const TomlValue &value, std::vector<SceneToolPlace> &out);
   bool checkAxes(const SceneProbeTool &tool);
+  /// A path: at least so many places, each with time, at, and what `own(place, key, value)` reads of the other keys.
+  template <class Place, class Own>
+  bool readPlaces(const TomlValue &value, const char *accepted, std::size_t least, const std::vector<std::string> &keys,
+                  std::vector<Place> &out, const Own &own);
+  // scene_reader_grasp.cpp
+  bool readGrasp(const TomlValue &table);
+  bool graspKey(SceneGrasp &grasp, const std::string &key, const TomlValue &value);
+  bool checkGrasp(const SceneGrasp &grasp);
   /// Refuses pairs of names that nobody has, and of two that do not touch.
   bool checkPairs();
 
@@ -56,7 +64,7 @@ class SceneReader {
   bool checkWish();
   /// A wish of the command line takes the place of another one.
   bool overrideWish(const std::string &path, const TomlValue &value);
-  /// Gives probes, fixes and loads without a body the only one; refuses names of no body.
+  /// Gives probes, grasps, fixes and loads without a body the only one; refuses names of no body.
   bool checkBodyNames();
   bool checkBodyName(const std::string &what, int line, std::string &body);
   /// Gives bodies what holds all of them.
@@ -121,6 +129,7 @@ class SceneReader {
   bool overrideProbe(const std::string &rest, const TomlValue &value);
   bool overrideContact(const std::string &path, const std::string &rest, const TomlValue &value);
   bool overrideProbeTool(const std::string &rest, const TomlValue &value);
+  bool overrideGrasp(const std::string &rest, const TomlValue &value);
 
   /// What holds all of a body where it is in the scan, as parameters of it.
   struct Attachment {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "c3de/core/text.h"
-#include "scene_reader.h"
+#include "scene_reader_path.h"
 
 namespace c3de::scene {
 namespace {
@@ -120,40 +120,15 @@ bool SceneReader::probeToolKey(SceneProbeTool &tool, const std::string &key, con
 }
 
 bool SceneReader::readPath(const TomlValue &value, std::vector<SceneToolPlace> &out) {
-  if (!requireTables("path", kPath, value)) return false;
-  if (value.items.size() < 2)
-    return refuse(value.line, "path has " + std::to_string(value.items.size()) + " place; accepted: " + kPath);
-  std::vector<SceneToolPlace> path;
-  for (const TomlValue &table : value.items) {
-    SceneToolPlace place;
-    for (const auto &[key, member] : table.entries) {
-      if (key == "time") {
-        const char *accepted = "a number of at least 0, s; of a quasi-static solution the load factor";
-        if (!readNumber("time", accepted, member, place.time_s)) return false;
-        if (place.time_s < 0.0)
-          return refuse(member.line, "time is " + formatNumber(place.time_s) + "; accepted: " + accepted);
-      } else if (key == "at") {
-        if (!readVec3(key, member, place.at_m)) return false;
-      } else if (key == "axis") {
+  return readPlaces(
+      value, kPath, 2, kPlaceKeys, out, [this](SceneToolPlace &place, const std::string &key, const TomlValue &member) {
         Vec3 axis{};
         if (!readVec3(key, member, axis)) return false;
         if (axis == Vec3{})
           return refuse(member.line, "axis is [0, 0, 0]; accepted: the direction of a capsule, of any length");
         place.axis = axis;
-      } else {
-        return refuseKey(member.line, key, "a place of a path", kPlaceKeys);
-      }
-    }
-    for (const char *key : {"time", "at"})
-      if (table.find(key) == nullptr)
-        return refuse(table.line, std::string("a place of the path has no '") + key + "'; accepted: " + kPath);
-    if (!path.empty() && !(place.time_s > path.back().time_s))
-      return refuse(table.line, "time " + formatNumber(place.time_s) + " follows " + formatNumber(path.back().time_s) +
-                                    " in the path; accepted: times that ascend");
-    path.push_back(place);
-  }
-  out = std::move(path);
-  return true;
+        return true;
+      });
 }
 
 bool SceneReader::checkPairs() {

@@ -69,6 +69,7 @@ bool SceneReader::readOverride(const std::string &path, const TomlValue &value) 
   if (first == "probe") return overrideProbe(rest, value);
   if (first == "contact") return overrideContact(path, rest, value);
   if (first == "probe_tool") return overrideProbeTool(rest, value);
+  if (first == "grasp") return overrideGrasp(rest, value);
   if (first == "attachment") return overrideAttachment(rest, value);
   return refusePath(path);
 }
@@ -118,6 +119,8 @@ bool SceneReader::refusePath(const std::string &path) {
     add("contact.pair." + std::to_string(i), {"friction", "enabled"});
   for (const SceneProbeTool &tool : scene_.probeTools)
     add("probe_tool." + tool.name, {"radius_mm", "length_mm", "friction", "path"});
+  for (const SceneGrasp &grasp : scene_.grasps)
+    add("grasp." + grasp.name, {"at", "axis", "jaw_mm", "opening_mm", "closed_mm", "force_limit", "path"});
   const std::string nearest = nearestName(path, known);
   return refuse(
       0, "there is no such path; " + (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") + "accepted: " + list);
@@ -225,6 +228,14 @@ bool SceneReader::overrideProbeTool(const std::string &rest, const TomlValue &va
   if (tool == nullptr) return refuse(0, noElement(scene_.probeTools, "probe tool", rest));
   if (key == "name") return refuse(0, "the name of a probe tool cannot be changed here");
   return probeToolKey(*tool, key, value) && checkAxes(*tool);
+}
+
+bool SceneReader::overrideGrasp(const std::string &rest, const TomlValue &value) {
+  std::string key;
+  SceneGrasp *grasp = findElement(scene_.grasps, rest, key);
+  if (grasp == nullptr) return refuse(0, noElement(scene_.grasps, "grasp", rest));
+  if (key == "name" || key == "body") return refuse(0, "the " + key + " of a grasp cannot be changed here");
+  return graspKey(*grasp, key, value) && checkGrasp(*grasp);
 }
 
 }  // namespace c3de::scene

@@ -117,7 +117,7 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
   if (simulator->contains("load_factor")) report["load_factor"] = simulator->at("load_factor");
   report["reactions"] = simulator->contains("reactions") ? simulator->at("reactions") : Json::array();
   report["attachments"] = simulator->contains("attachments") ? simulator->at("attachments") : Json::array();
-  for (const char *key : {"contacts", "probe_tools"})
+  for (const char *key : {"contacts", "probe_tools", "grasps"})
     report[key] = simulator->contains(key) ? simulator->at(key) : Json::array();
   report["stages"] = simulator->contains("stages") ? simulator->at("stages") : Json::object();
   if (simulator->contains("composition")) report["composition"] = simulator->at("composition");

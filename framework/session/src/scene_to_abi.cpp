@@ -2,6 +2,9 @@
 #include "c3de/session/scene_to_abi.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
 
 #include "c3de/core/text.h"
 
@@ -82,6 +85,45 @@ c3de_sim_probe_tool toAbi(const scene::SceneProbeTool &tool, const std::vector<c
   out.radius_m = tool.radius_m;
   out.length_m = tool.length_m;
   out.friction = tool.friction;
+  out.path = path.data();
+  out.path_n = path.size();
+  return out;
+}
+
+std::vector<c3de_sim_grasp_place> toAbi(const std::vector<scene::SceneGraspPlace> &path) {
+  std::vector<c3de_sim_grasp_place> out;
+  for (const scene::SceneGraspPlace &place : path) {
+    c3de_sim_grasp_place one{};
+    one.size = sizeof one;
+    one.time_s = place.time_s;
+    copy(one.at_m, place.at_m);
+    // About x, then y, then z.
+    std::array<double, 3> c{}, s{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double half = place.turn_deg[axis] * std::numbers::pi / 360.0;
+      c[axis] = std::cos(half);
+      s[axis] = std::sin(half);
+    }
+    one.quaternion[0] = s[0] * c[1] * c[2] - c[0] * s[1] * s[2];
+    one.quaternion[1] = c[0] * s[1] * c[2] + s[0] * c[1] * s[2];
+    one.quaternion[2] = c[0] * c[1] * s[2] - s[0] * s[1] * c[2];
+    one.quaternion[3] = c[0] * c[1] * c[2] + s[0] * s[1] * s[2];
+    out.push_back(one);
+  }
+  return out;
+}
+
+c3de_sim_grasp toAbi(const scene::SceneGrasp &grasp, const std::vector<c3de_sim_grasp_place> &path) {
+  c3de_sim_grasp out{};
+  out.size = sizeof out;
+  out.path_stride = sizeof(c3de_sim_grasp_place);
+  out.name = c3de::toAbi(grasp.name);
+  copy(out.at_m, grasp.at_m);
+  copy(out.axis, grasp.axis);
+  out.jaw_m = grasp.jaw_m;
+  out.opening_m = grasp.opening_m;
+  out.closed_m = grasp.closed_m;
+  out.force_limit_N = grasp.forceLimit_N;
   out.path = path.data();
   out.path_n = path.size();
   return out;

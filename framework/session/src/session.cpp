@@ -85,6 +85,11 @@ Expected<FittedScene> fitScene(c3de_object *simulator, const scene::SceneFile &s
   if (*attachments == nullptr && !scene.attachments.empty())
     return fail(ErrorCode::input,
                 scene.where(scene.attachments.front().line) + ": '[[attachment]]' is not served by this simulator");
+  const auto grasps = graspTable(simulator);
+  if (!grasps) return tl::unexpected(grasps.error());
+  if (*grasps == nullptr && !scene.grasps.empty())
+    return fail(ErrorCode::input,
+                scene.where(scene.grasps.front().line) + ": '[[grasp]]' is not served by this simulator");
   const auto world = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD);
   if (!world) return tl::unexpected(world.error());
   const auto body = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_BODY);
@@ -550,7 +555,7 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
   return impl_->addTouch(simulator, scene, std::move(named));
 }
 
-/// Attachments; probe tools, after the bodies that they may stand in, and then the pairs that may name them.
+/// Attachments, grasps; probe tools, after the bodies that they may stand in, and then the pairs that may name them.
 Expected<void> Session::Impl::addTouch(c3de_object *simulator, const scene::SceneFile &scene,
                                        std::map<std::string, c3de_handle> named) const {
   named[scene::kSurroundingsName] = {0};
@@ -572,6 +577,16 @@ Expected<void> Session::Impl::addTouch(c3de_object *simulator, const scene::Scen
     c3de_handle added{};
     if (const c3de_status code = (*attachments)->add(simulator, &abi, &added); code < 0)
       return tl::unexpected(lastError(code, scene, attachment.line, "adding attachment '" + attachment.name + "'"));
+  }
+  const auto grasps = graspTable(simulator);
+  if (!grasps) return tl::unexpected(grasps.error());
+  for (const scene::SceneGrasp &grasp : scene.grasps) {
+    const std::vector<c3de_sim_grasp_place> path = toAbi(grasp.path);
+    c3de_sim_grasp abi = toAbi(grasp, path);
+    abi.body = named.at(grasp.body);
+    c3de_handle added{};
+    if (const c3de_status code = (*grasps)->add(simulator, &abi, &added); code < 0)
+      return tl::unexpected(lastError(code, scene, grasp.line, "adding grasp '" + grasp.name + "'"));
   }
   if (scene.probeTools.empty() && scene.contactPairs.empty()) return {};
   const auto table = contactTable(simulator);

@@ -66,13 +66,26 @@ Expected<const c3de_contact_v1 *> contactTable(c3de_object *simulator) {
   return table;
 }
 
-Expected<const c3de_attachment_v1 *> attachmentTable(c3de_object *simulator) {
-  const auto found = queryObject(simulator, C3DE_IFACE_ATTACHMENT_ID, 1);
+namespace {
+
+template <class Table>
+Expected<const Table *> tableOf(c3de_object *simulator, const char *id) {
+  const auto found = queryObject(simulator, id, 1);
   if (!found) return nullptr;
-  const auto *table = static_cast<const c3de_attachment_v1 *>(*found);
+  const auto *table = static_cast<const Table *>(*found);
   if (std::string problem = tableProblem(table); !problem.empty())
     return fail(ErrorCode::plugin, "the simulator's table of " + std::move(problem));
   return table;
+}
+
+}  // namespace
+
+Expected<const c3de_attachment_v1 *> attachmentTable(c3de_object *simulator) {
+  return tableOf<c3de_attachment_v1>(simulator, C3DE_IFACE_ATTACHMENT_ID);
+}
+
+Expected<const c3de_grasp_v1 *> graspTable(c3de_object *simulator) {
+  return tableOf<c3de_grasp_v1>(simulator, C3DE_IFACE_GRASP_ID);
 }
 
 Expected<std::vector<ProbeToolSample>> readProbeTools(c3de_object *simulator) {

@@ -56,7 +56,7 @@ bool sets(const std::vector<scene::SceneValue> &values, std::initializer_list<co
 }
 
 bool conservesEnergy(const scene::SceneFile &scene) {
-  if (!scene.loads.empty() || !scene.obstacles.empty() || !scene.probeTools.empty() ||
+  if (!scene.loads.empty() || !scene.obstacles.empty() || !scene.probeTools.empty() || !scene.grasps.empty() ||
       sets(scene.world, {C3DE_PARAM_ID_DAMPING, "world.box"}))
     return false;
   for (const scene::SceneFix &fix : scene.fixes)
@@ -69,7 +69,7 @@ bool conservesEnergy(const scene::SceneFile &scene) {
 
 bool conservesMomentum(const scene::SceneFile &scene) {
   return scene.fixes.empty() && scene.loads.empty() && scene.obstacles.empty() && scene.probeTools.empty() &&
-         !sets(scene.world, {C3DE_PARAM_ID_DAMPING, "world.box", C3DE_PARAM_ID_GRAVITY}) &&
+         scene.grasps.empty() && !sets(scene.world, {C3DE_PARAM_ID_DAMPING, "world.box", C3DE_PARAM_ID_GRAVITY}) &&
          std::none_of(scene.bodies.begin(), scene.bodies.end(), [](const scene::SceneBody &body) {
            return sets(body.params, {C3DE_PARAM_ID_SURROUNDINGS_STIFFNESS});
          });

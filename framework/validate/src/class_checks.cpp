@@ -456,6 +456,29 @@ void refuseAttachments(const c3de_attachment_v1 &attachments, c3de_object *self,
   refuse("enumerate attachments(null)", attachments.enumerate(self, nullptr, nullptr));
 }
 
+/// Grasps that cannot be, likewise.
+template <class Refuse>
+void refuseGrasps(const c3de_grasp_v1 &grasps, c3de_object *self, c3de_handle nobody, const Refuse &refuse) {
+  c3de_handle handle{};
+  refuse("add grasp(null)", grasps.add(self, nullptr, &handle));
+  c3de_sim_grasp grasp{};
+  grasp.size = sizeof grasp;
+  grasp.path_stride = sizeof(c3de_sim_grasp_place);
+  grasp.name = {"jaws", 4};
+  grasp.body = nobody;
+  grasp.axis[0] = 1.0;
+  grasp.jaw_m = 0.01;
+  grasp.opening_m = 0.02;
+  refuse("a grasp of nobody", grasps.add(self, &grasp, &handle));
+  for (const double jaw : {0.0, 0.03, std::nan("")}) {
+    grasp.jaw_m = jaw;
+    refuse("a grasp with jaws that do not stand in their opening", grasps.add(self, &grasp, &handle));
+  }
+  grasp.jaw_m = 0.01;
+  grasp.path_n = 1;
+  refuse("a grasp without its path", grasps.add(self, &grasp, &handle));
+}
+
 Verdict simulatorArguments(const Trial &trial) {
   const std::vector<std::string> ids = simulatorClasses(trial);
   if (ids.empty()) return skip("no class of it simulates");
@@ -494,6 +517,9 @@ Verdict simulatorArguments(const Trial &trial) {
     const auto attachments = session::attachmentTable(self);
     if (!attachments) return fail(id + ": " + attachments.error().message);
     if (*attachments != nullptr) refuseAttachments(**attachments, self, nobody, refuse);
+    const auto grasps = session::graspTable(self);
+    if (!grasps) return fail(id + ": " + grasps.error().message);
+    if (*grasps != nullptr) refuseGrasps(**grasps, self, nobody, refuse);
     if (!accepted.empty()) return fail(id + " accepts what it must refuse: " + accepted);
     if (const std::string bad = one.step(3); !bad.empty()) return fail(id + ", after calls it has refused: " + bad);
   }

@@ -347,6 +347,30 @@ void describeProbeTools(const scene::SceneFile &scene, std::ostringstream &text,
   }
 }
 
+void describeGrasps(const scene::SceneFile &scene, std::ostringstream &text, Json &json) {
+  if (scene.grasps.empty()) return;
+  json["grasps"] = Json::array();
+  for (const scene::SceneGrasp &grasp : scene.grasps) {
+    text << "grasp \"" << grasp.name << "\" of \"" << grasp.body << "\": jaws of " << formatNumber(1e3 * grasp.jaw_m)
+         << " mm, from " << formatNumber(1e3 * grasp.opening_m) << " to " << formatNumber(1e3 * grasp.closed_m)
+         << " mm";
+    if (grasp.forceLimit_N > 0.0) text << " or " << formatNumber(grasp.forceLimit_N) << " N";
+    text << ", " << grasp.path.size() << (grasp.path.size() == 1 ? " place\n" : " places\n");
+    Json path = Json::array();
+    for (const scene::SceneGraspPlace &place : grasp.path)
+      path.push_back(Json{{"time", place.time_s}, {"at", place.at_m}, {"turn_deg", place.turn_deg}});
+    json["grasps"].push_back(Json{{"name", grasp.name},
+                                  {"body", grasp.body},
+                                  {"at", grasp.at_m},
+                                  {"axis", grasp.axis},
+                                  {"jaw_mm", 1e3 * grasp.jaw_m},
+                                  {"opening_mm", 1e3 * grasp.opening_m},
+                                  {"closed_mm", 1e3 * grasp.closed_m},
+                                  {"force_limit", grasp.forceLimit_N},
+                                  {"path", std::move(path)}});
+  }
+}
+
 }  // namespace
 
 Expected<Described> describeScene(Session &session, const std::filesystem::path &file, bool isQuick) {
@@ -382,6 +406,7 @@ Expected<Described> describeScene(Session &session, const std::filesystem::path 
 
   describeAttachments(*scene, text, out.json);
   describeProbeTools(*scene, text, out.json);
+  describeGrasps(*scene, text, out.json);
   describeContact(*scene, built->get(), text, out.json);
   if (built->get() != nullptr) describeComposition(built->get(), text, out.json);
   text << howFar;

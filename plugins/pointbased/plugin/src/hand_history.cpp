@@ -7,7 +7,7 @@ void HandHistory::begin(const sdk::Ref<WorldSimulator> &simulator) {
   present_.reset();
   const std::shared_ptr<const Snapshot> snapshot = simulator->snapshot();
   if (!services_.history || !snapshot) return;
-  Kept kept{simulator, std::make_shared<Checkpoint>(), snapshot->course, snapshot->steps, {}};
+  Kept kept{simulator, std::make_shared<HandState>(), snapshot->course, snapshot->steps, {}};
   const auto posted = services_.simulation.post(simulator->node(),
                                                 [simulator, state = kept.state] { *state = simulator->checkpoint(); });
   if (posted) present_ = std::move(kept);

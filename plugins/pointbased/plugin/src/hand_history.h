@@ -30,7 +30,7 @@ class HandHistory {
   static constexpr std::size_t kMost = 20;  // each keeps a state of every body
   struct Kept {
     sdk::Ref<WorldSimulator> simulator;
-    std::shared_ptr<Checkpoint> state;  // of the simulation's thread
+    std::shared_ptr<HandState> state;  // of the simulation's thread
     std::uint64_t course = 0, steps = 0;
     c3de_handle step{};
   };

@@ -79,16 +79,20 @@ std::shared_ptr<PlacedMesh> placeMesh(const Services &services, c3de_handle mesh
   return placed;
 }
 
-double distanceOff(const Services &services, const PlacedMesh &mesh, const Vec3 &point) {
-  // Far away distances cannot be squared; the box says enough there.
-  const Vec3 beyond = (mesh.min - point).cwiseMax(point - mesh.max).cwiseMax(0.0);
-  if (beyond.maxCoeff() > 1e3 * (mesh.max - mesh.min).norm()) return beyond.stableNorm();
+c3de_closest closestOn(const Services &services, const PlacedMesh &mesh, const Vec3 &point) {
   c3de_closest found{};
   const double everywhere = std::numeric_limits<double>::infinity();
   const auto *table = services.collision.table();
   sdk::orThrow(services.host.check(table->closest(table->ctx, mesh.tree.handle(), viewOf({&point, 1}),
                                                   sdk::scalars(std::span<const double>(&everywhere, 1)), &found)));
-  return std::max(0.0, found.distance);
+  return found;
+}
+
+double distanceOff(const Services &services, const PlacedMesh &mesh, const Vec3 &point) {
+  // Far away distances cannot be squared; the box says enough there.
+  const Vec3 beyond = (mesh.min - point).cwiseMax(point - mesh.max).cwiseMax(0.0);
+  if (beyond.maxCoeff() > 1e3 * (mesh.max - mesh.min).norm()) return beyond.stableNorm();
+  return std::max(0.0, closestOn(services, mesh, point).distance);
 }
 
 double areaOf(const PlacedMesh &mesh) {

@@ -49,6 +49,8 @@ class PlacementTransform {
 [[nodiscard]] std::shared_ptr<PlacedMesh> placeMesh(const Services &services, c3de_handle mesh,
                                                     const Placement &placement);
 
+/// The nearest point of its surface. Errors of the services as sdk::Error.
+[[nodiscard]] c3de_closest closestOn(const Services &services, const PlacedMesh &mesh, const Vec3 &point);
 /// How far a point lies outside of a closed mesh, m; 0 inside. Errors of the services as sdk::Error.
 [[nodiscard]] double distanceOff(const Services &services, const PlacedMesh &mesh, const Vec3 &point);
 /// Area of its triangles, m².

@@ -241,6 +241,7 @@ std::string howComputed(const Simulator &simulator, std::size_t id) {
 
 std::string reportJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies,
                        const std::vector<ReportedTool> &tools, const std::vector<ReportedAttachment> &attachments,
+                       const std::vector<ReportedGrasp> &grasps,
                        const std::function<std::string(std::size_t id)> &nameOfId) {
   Json out = {{"bodies", Json::array()},      {"probes", Json::array()},  {"reactions", Json::array()},
               {"attachments", Json::array()}, {"stages", Json::object()}, {"events", Json::array()}};
@@ -284,6 +285,13 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
                                   {"force_N", json(tool.force)},
                                   {"depth_m", tool.depth},
                                   {"points", tool.points}});
+  out["grasps"] = Json::array();
+  for (const ReportedGrasp &grasp : grasps)
+    out["grasps"].push_back({{"name", grasp.name},
+                             {"holds", grasp.holds},
+                             {"force_N", json(grasp.forces.pull)},
+                             {"squeeze_N", grasp.forces.squeeze},
+                             {"gap_m", grasp.forces.gap}});
   out["contacts"] = Json::array();
   for (const ContactSummary &contact : simulator.contacts())
     out["contacts"].push_back({{"bodies", {nameOfId(contact.first), nameOfId(contact.second)}},

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "accuracy_dial.h"
+#include "grasp.h"
 #include "pointbased/simulator.h"
 
 namespace pointbased {
@@ -27,6 +28,12 @@ struct ReportedTool {
   std::size_t points = 0;
 };
 
+struct ReportedGrasp {
+  std::string name;
+  bool holds = false;
+  GraspForces forces = {};
+};
+
 struct ReportedAttachment {
   AttachmentSummary now;
   std::array<std::string, 2> names;          ///< of what it joins
@@ -36,12 +43,13 @@ struct ReportedAttachment {
 /// What integrates a body and what computes its forces, for people: "explicit, double precision, AVX3".
 [[nodiscard]] std::string howComputed(const Simulator &simulator, std::size_t body);
 
-/// The keys accuracy, attachments, bodies, probes, probe_tools, contacts, reactions, stages, events and notices of the
-/// run report, as one JSON object.
+/// The keys accuracy, attachments, bodies, probes, probe_tools, grasps, contacts, reactions, stages, events and notices
+/// of the run report, as one JSON object.
 /// @param nameOfId  of a body, an obstacle or kWorldBox
 [[nodiscard]] std::string reportJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies,
                                      const std::vector<ReportedTool> &tools,
                                      const std::vector<ReportedAttachment> &attachments,
+                                     const std::vector<ReportedGrasp> &grasps,
                                      const std::function<std::string(std::size_t id)> &nameOfId);
 
 }  // namespace pointbased

@@ -23,9 +23,11 @@ constexpr float kTransparent = 0.32f;
 constexpr sdk::Material kPoints{{0.95f, 0.78f, 0.42f, 1.0f}, false};
 constexpr sdk::Material kObstacle{{0.55f, 0.60f, 0.66f, 1.0f}, false};
 constexpr sdk::Material kInstrument{{0.45f, 0.75f, 0.95f, 1.0f}, false};
+constexpr sdk::Material kJaw{{0.93f, 0.93f, 0.96f, 1.0f}, false};
 constexpr sdk::Material kBox{{0.45f, 0.52f, 0.62f, 1.0f}, false};
 constexpr sdk::Material kFloor{{0.24f, 0.28f, 0.33f, 1.0f}, false};  // one-sided: from below one looks through it
 constexpr sdk::Material kFloorGrid{{0.36f, 0.42f, 0.49f, 1.0f}, false};
+constexpr float kArmWidth = 4.0f;      // px
 constexpr double kPointRadius = 0.22;  // of the spacing: dense enough to read the shape, open enough to see through
 constexpr double kLeastRadius = 0.06;  // of the spacing: a point of a cell that is hardly cut can still be seen
 
@@ -135,6 +137,37 @@ SimulatorView::ObstacleView SimulatorView::makeObstacle(const ObstacleSnapshot &
   return view;
 }
 
+// Discs on what they hold, and the arms of a forceps.
+void SimulatorView::updateJaws(const Snapshot &snapshot) {
+  std::erase_if(jaws_, [&](const auto &entry) {
+    return std::none_of(snapshot.grasps.begin(), snapshot.grasps.end(),
+                        [&](const GraspSnapshot &g) { return g.id == entry.first; });
+  });
+  for (const GraspSnapshot &grasp : snapshot.grasps) {
+    const BodySnapshot *body = snapshot.body(grasp.body);
+    if (!body) continue;
+    JawView &view = jaws_[grasp.id];
+    if (!view.node) view.node = sdk::orThrow(services_.scene.addNode(node_, grasp.name.empty() ? "Jaws" : grasp.name));
+    std::array<Vec3, 2> at;
+    for (std::size_t k = 0; k < 2; ++k) at[k] = grasp.points[k].at(body->surfels);
+    const Vec3 hinge = grasp.hinge(*body);
+    std::vector<Vec3> arms;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const Surface disc = discOf(at[k], k == 0 ? Vec3(-grasp.axis) : grasp.axis, grasp.settings.jaw);
+      if (view.discs[k])
+        (void)services_.render.update(view.discs[k].handle(), C3DE_ATTR_POSITIONS, viewOf(disc.positions));
+      else
+        view.discs[k] = sdk::orThrow(services_.render.createMesh(
+            view.node.handle(), viewOf(disc.positions), sdk::rows<std::uint32_t, 3>(std::span(disc.triangles)), kJaw));
+      arms.insert(arms.end(), {Vec3(at[k] + 0.5 * grasp.settings.jaw * grasp.normal), hinge});
+    }
+    if (view.arms)
+      (void)services_.render.update(view.arms.handle(), C3DE_ATTR_POSITIONS, viewOf(arms));
+    else
+      view.arms = sdk::orThrow(services_.render.createLines(view.node.handle(), viewOf(arms), kArmWidth, kJaw));
+  }
+}
+
 void SimulatorView::updateBox(const WorldBox &box, const Vec3 &gravity) {
   if (box.enabled == shownBox_.enabled && box.min == shownBox_.min && box.max == shownBox_.max &&
       gravity == shownGravity_)
@@ -242,6 +275,7 @@ void SimulatorView::update() {
     const Vec3 min(low[0], low[1], low[2]), max(high[0], high[1], high[2]);
     if (!body.surfels.empty()) (void)services_.scene.setBounds(found->second.node.handle(), toArray(min), toArray(max));
   }
+  updateJaws(*snapshot);
   updateBox(snapshot->box, snapshot->gravity);
   updateLegend(*snapshot);
   // While it plays, a newer snapshot comes by itself.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 
@@ -39,6 +40,7 @@ class SimulatorView {
   void updatePoints(BodyView &view, const BodySnapshot &body, const ViewSettings &settings) const;
   void updateLegend(const Snapshot &snapshot);
   [[nodiscard]] ObstacleView makeObstacle(const ObstacleSnapshot &obstacle) const;
+  void updateJaws(const Snapshot &snapshot);
   void updateBox(const WorldBox &box, const Vec3 &gravity);
   void drawFloor(const WorldBox &box, const Vec3 &gravity);
 
@@ -48,6 +50,12 @@ class SimulatorView {
   std::uint64_t shown_ = 0;
   std::map<std::uint64_t, BodyView> bodies_;
   std::map<std::uint64_t, ObstacleView> obstacles_;
+  struct JawView {
+    sdk::SceneNode node;
+    std::array<sdk::Proxy, 2> discs;
+    sdk::Proxy arms;
+  };
+  std::map<std::uint64_t, JawView> jaws_;  // of grasps
   sdk::SceneNode boxNode_;
   sdk::Proxy box_, floor_, floorGrid_, legend_;
   WorldBox shownBox_;

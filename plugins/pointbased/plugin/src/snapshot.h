@@ -9,6 +9,7 @@
 
 #include "accuracy_dial.h"
 #include "colouring.h"
+#include "grasp.h"
 #include "parameters.h"
 #include "placed_mesh.h"
 #include "pointbased/probe_tool.h"
@@ -92,6 +93,27 @@ struct ObstacleSnapshot {
   [[nodiscard]] Vec3 middle() const { return middleAtRest() + motion.displacementOf(middleAtRest()); }
 };
 
+/// A pair of jaws that holds.
+struct GraspSnapshot {
+  std::uint64_t id = 0;  ///< kGraspInHand: of a person
+  std::string name;      ///< of the scene; empty: in a hand
+  std::uint64_t body = 0;
+  std::array<SkinPoint, 2> points;  ///< of the skin, in the middles of what they hold
+  GraspSettings settings;
+  Vec3 middle = Vec3::Zero();        ///< m, between them, where they are led
+  Mat3 rotation = Mat3::Identity();  ///< likewise
+  Vec3 axis = Vec3::UnitX();         ///< unit, from the first to the second, as they are turned
+  Vec3 normal = Vec3::UnitZ();       ///< unit, away from the tissue, likewise
+  GraspForces forces;
+
+  /// m, world: where the arms of the jaws meet, as they are drawn.
+  [[nodiscard]] Vec3 hinge(const BodySnapshot &of) const {
+    return 0.5 * (points[0].at(of.surfels) + points[1].at(of.surfels)) + kArms * settings.opening * normal;
+  }
+  static constexpr double kArms = 1.2;  ///< openings, from between the jaws to the hinge
+};
+inline constexpr std::uint64_t kGraspInHand = 1;
+
 /// What the window sees of the simulation: one moment, complete.
 struct Snapshot {
   std::uint64_t generation = 0;
@@ -109,6 +131,7 @@ struct Snapshot {
   std::vector<ObstacleSnapshot> obstacles;
   std::vector<ContactSnapshot> contacts;
   std::vector<AttachmentSnapshot> attachments;
+  std::vector<GraspSnapshot> grasps;
   std::vector<StageClock::Summary> stages;
   std::vector<StepComposition> compositions;  ///< of the bodies
   std::vector<SimulationEvent> events;
@@ -125,6 +148,12 @@ struct Snapshot {
   [[nodiscard]] const ObstacleSnapshot *instrument() const {
     for (const ObstacleSnapshot &o : obstacles)
       if (o.isInstrument) return &o;
+    return nullptr;
+  }
+  /// Null: no hand grasps.
+  [[nodiscard]] const GraspSnapshot *graspInHand() const {
+    for (const GraspSnapshot &g : grasps)
+      if (g.id == kGraspInHand) return &g;
     return nullptr;
   }
   [[nodiscard]] const BodySnapshot *body(std::uint64_t id) const {

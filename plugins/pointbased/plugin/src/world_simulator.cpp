@@ -66,13 +66,13 @@ WorldSimulator::~WorldSimulator() {
   if (node_.v != 0 && context_.listener) context_.listener->detached(*this);
 }
 
-std::array<sdk::Interface, 4> WorldSimulator::interfaces() {
+std::array<sdk::Interface, 5> WorldSimulator::interfaces() {
   static constexpr c3de_pointbased_bodies_v1 kBodies{sizeof(c3de_pointbased_bodies_v1), 1,
                                                      sdk::thunk<WorldSimulator, &WorldSimulator::phyxels>,
                                                      sdk::thunk<WorldSimulator, &WorldSimulator::surfels>};
   return {sdk::interfaceOf(sdk::kSimulatorTable<WorldSimulator>), sdk::interfaceOf(kBodies),
-          sdk::interfaceOf(sdk::kContactTable<WorldSimulator>),
-          sdk::interfaceOf(sdk::kAttachmentTable<WorldSimulator>)};
+          sdk::interfaceOf(sdk::kContactTable<WorldSimulator>), sdk::interfaceOf(sdk::kAttachmentTable<WorldSimulator>),
+          sdk::interfaceOf(sdk::kGraspTable<WorldSimulator>)};
 }
 
 void WorldSimulator::attach(c3de_handle node) {
@@ -253,6 +253,10 @@ sdk::Result<void> WorldSimulator::remove(c3de_handle handle) {
     forgetAttachments();
     std::erase_if(liveLoads_, [&](const auto &entry) { return entry.second.body == handle.v; });
     std::erase_if(holds_, [&](const auto &entry) { return entry.second.body == handle.v; });
+    std::erase_if(grasps_, [&](const auto &entry) {
+      const GraspRecord &record = entry.second;
+      return (record.scene ? record.scene->body : record.now->body) == handle.v;
+    });
     return {};
   }
   if (const auto hold = holds_.find(handle.v); hold != holds_.end()) {
@@ -270,7 +274,11 @@ sdk::Result<void> WorldSimulator::remove(c3de_handle handle) {
     simulator_.removeAttachment(handle.v);
     return {};
   }
-  return noSuch("body, obstacle, attachment, load, probe or hold");
+  if (grasps_.contains(handle.v) && handle.v != kGraspInHand) {
+    letGo(handle.v);
+    return {};
+  }
+  return noSuch("body, obstacle, attachment, load, probe, grasp or hold");
 }
 
 void WorldSimulator::clear() {
@@ -282,11 +290,13 @@ void WorldSimulator::clear() {
   attachments_.clear();
   liveLoads_.clear();
   holds_.clear();
+  grasps_.clear();
 }
 
 sdk::Result<void> WorldSimulator::step() {
   const std::lock_guard lock(mutex_);
   takeForces();
+  leadGrasps();
   const double budget = stepBudget(world_, context_.hasWindow);
   request_.beginStep(budget);
   auto stepped = simulator_.step(&request_);
@@ -381,6 +391,7 @@ void WorldSimulator::publish() {
     s->attachments.push_back({now.name, nameOf(now.first),
                               now.second == kSurroundings ? "surroundings" : nameOf(now.second), now.force.norm(),
                               now.tornPart});
+  s->grasps = graspsNow();
   s->obstacles.clear();
   for (const auto &[id, record] : obstacles_) {
     ObstacleSnapshot o{id, record.name, record.mesh, simulator_.obstacleMotion(id)};
@@ -488,7 +499,7 @@ void WorldSimulator::report(c3de_sink json) {
     std::sort(bodies.begin(), bodies.end(), [&](const ReportedBody &a, const ReportedBody &b) {
       return bodies_.at(a.id).order < bodies_.at(b.id).order;
     });
-    text = reportJson(simulator_, bodies, reportedTools(), reportedAttachments(),
+    text = reportJson(simulator_, bodies, reportedTools(), reportedAttachments(), reportedGrasps(),
                       [this](std::size_t id) { return nameOf(id); });
   }
   if (const c3de_status status = sdk::put(json, text); status < 0) throw Error(status, "the report was not taken");
@@ -611,18 +622,6 @@ void WorldSimulator::releaseGrab(std::uint64_t body) {
   simulator_.releaseGrab(body);
 }
 
-Checkpoint WorldSimulator::checkpoint() const {
-  const std::lock_guard lock(mutex_);
-  return simulator_.checkpoint();
-}
-
-void WorldSimulator::exchange(Checkpoint &kept) {
-  const std::lock_guard lock(mutex_);
-  Checkpoint left = simulator_.checkpoint();
-  if (simulator_.restore(kept)) kept = std::move(left);
-  followInstruments();
-}
-
 ParameterValues WorldSimulator::worldValues() const {
   const std::lock_guard lock(mutex_);
   return world_;
@@ -664,6 +663,8 @@ void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &valu
   resetSimulator();
   const std::size_t id = simulator_.addBody(std::move(built.body));
   bodies_.emplace(id, std::move(record));
+  for (auto &[number, grasp] : grasps_)
+    if (grasp.scene && grasp.scene->body == body) grasp.scene->body = id;  // on the same skin
   for (const auto &[pair, settings] : pairs)
     if (pair.first == body || pair.second == body)
       simulator_.setContactPair(id, pair.first == body ? pair.second : pair.first, settings);

@@ -29,6 +29,35 @@ class SimulatorListener {
   virtual void detached(WorldSimulator &simulator) = 0;                    // [main]
 };
 
+/// Jaws of a scene.
+struct GraspPlace {
+  double time = 0.0;                                             ///< s
+  Vec3 at = Vec3::Zero();                                        ///< m, of the middle between the jaws
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< since they took hold
+};
+struct SceneGrasp {
+  std::uint64_t body = 0;
+  JawPlaces places;
+  GraspSettings settings;
+  std::vector<GraspPlace> path;  ///< empty: they stay where they took hold
+
+  [[nodiscard]] double begins() const;  ///< s
+  /// Where they are to be at a time.
+  void lead(Grasp &grasp, double time) const;
+};
+struct GraspRecord {
+  std::string name;
+  std::optional<SceneGrasp> scene;  ///< none: in a hand
+  std::optional<Grasp> now;         ///< none: does not hold
+  bool isOver = false;              ///< has let go, until the simulation begins anew
+};
+
+/// What a hand's step of Undo goes back to.
+struct HandState {
+  Checkpoint state;
+  std::map<std::uint64_t, GraspRecord> grasps;
+};
+
 /// What objects of the plugin share.
 struct PluginContext {
   explicit PluginContext(sdk::Host host, SimulatorListener *l)
@@ -96,6 +125,9 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void addAttachment(const c3de_sim_attachment *attachment, c3de_handle *out);
   c3de_status enumAttachments(void *visitor, EachAttachment each);
 
+  // iface.grasp
+  void addGrasp(const c3de_sim_grasp *grasp, c3de_handle *out);
+
   c3de_status saveState(c3de_sink bytes);
   void loadState(const void *bytes, std::uint64_t n);
   void verify(const c3de_progress *progress, c3de_sink json);
@@ -118,10 +150,16 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void removeInstrument();
   /// Leads an obstacle or the instrument to another place, no faster than contact follows. [sim]
   void guide(std::uint64_t obstacle, const RigidMotion &target);
+  /// Jaws in a hand take hold of a body, in the place of those before; nothing where it is gone. [sim]
+  /// @param places  without problemOf()
+  void grasp(std::uint64_t body, const JawPlaces &places, const GraspSettings &settings);
+  /// Where the hand wants the middle between them, m, and how it has turned them; nothing where there are none. [sim]
+  void leadGrasp(const Vec3 &middle, const Mat3 &rotation);
+  void letGraspGo();
   /// The state before the pull that begins; [sim].
-  [[nodiscard]] Checkpoint checkpoint() const;
+  [[nodiscard]] HandState checkpoint() const;
   /// Goes to the kept state and keeps the one that it leaves; nothing where the simulation has begun anew since. [sim]
-  void exchange(Checkpoint &kept);
+  void exchange(HandState &kept);
   /// Of a step that has taken long, before something is posted that changes it: the state before it stays. Any thread.
   void abandonLongStep() { request_.abandonLongStep(); }
   [[nodiscard]] ParameterValues worldValues() const;
@@ -137,7 +175,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   /// Takes a body's points out under the lock; false when the body is gone.
   bool readBody(std::uint64_t body, const std::function<void(const Body &)> &read) const;
 
-  static std::array<sdk::Interface, 4> interfaces();
+  static std::array<sdk::Interface, 5> interfaces();
 
  private:
   /// Ids of loads and holds begin here, above those of bodies, obstacles and probes.
@@ -167,6 +205,16 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void takeInstrumentAway();
   void lead(std::uint64_t obstacle, const RigidMotion &target);
   void followInstruments();
+  void letGo(std::uint64_t grasp);
+  void setHands(std::uint64_t id, const Grasp &grasp);
+  /// Of its first jaw; the second has the next one.
+  [[nodiscard]] static std::uint64_t handOf(std::uint64_t grasp);
+  /// Nothing: it has lost what it held.
+  [[nodiscard]] std::optional<GraspForces> forcesOn(std::uint64_t id, const Grasp &grasp) const;
+  void leadGrasps();
+  void resetGrasps();
+  [[nodiscard]] std::vector<GraspSnapshot> graspsNow() const;
+  [[nodiscard]] std::vector<ReportedGrasp> reportedGrasps() const;
   void resetSimulator();
   [[nodiscard]] std::vector<ContactSnapshot> contactsNow() const;
   [[nodiscard]] double displacedVolume(std::uint64_t obstacle) const;
@@ -188,6 +236,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   std::map<std::uint64_t, ObstacleRecord> obstacles_;
   std::map<std::uint64_t, ObstacleRecord> placedInstruments_;  // since the last reset, also those that have gone
   std::map<std::uint64_t, Attachment> attachments_;
+  std::map<std::uint64_t, GraspRecord> grasps_;
   /// Of bodies on which forces from outside are to act in the next step. Copies, because another thread may replace the
   /// body while they are being written.
   struct LentPoints {

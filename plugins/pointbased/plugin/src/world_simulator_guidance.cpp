@@ -118,6 +118,7 @@ void WorldSimulator::followInstruments() {
 
 void WorldSimulator::resetSimulator() {
   simulator_.reset();
+  resetGrasps();
   followInstruments();
   placedInstruments_.clear();
 }

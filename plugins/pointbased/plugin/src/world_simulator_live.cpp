@@ -115,14 +115,8 @@ void WorldSimulator::hold(c3de_handle handle, const c3de_sim_hold *hold, c3de_ha
   Grab grab = grabAround(body.rest(), static_cast<std::size_t>(nearest - positions.begin()), settings,
                          body.material().youngsModulus);
   if (in.max_force_N > 0.0) grab.maxForce = in.max_force_N;
-  const auto positionOf = [&](Index i) -> Vec3 {
-    return body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
-  };
-  Vec3 middle = Vec3::Zero();
-  for (std::size_t k = 0; k < grab.phyxels.size(); ++k) middle += grab.weights[k] * positionOf(grab.phyxels[k]);
-  grab.target = middle;
-  if (in.flags & C3DE_SIM_HOLD_SHAPE)
-    for (const Index i : grab.phyxels) grab.arms.push_back(positionOf(i) - middle);
+  const Vec3 middle = grab.target = middleOf(grab, body);
+  if (in.flags & C3DE_SIM_HOLD_SHAPE) keepShape(grab, body);
   const std::uint64_t id = nextLive_++;
   holds_.emplace(id, LiveHold{handle.v, middle - at, at, Mat3::Identity(), !grab.arms.empty()});
   simulator_.setGrab(handle.v, std::move(grab), id);

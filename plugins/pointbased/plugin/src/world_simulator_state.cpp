@@ -92,6 +92,24 @@ std::uint64_t WorldSimulator::fingerprint() const {
     for (const double number : {attachment.within, attachment.stiffness, attachment.tangential, attachment.tearsAt})
       addNumber(number);
   }
+  for (const auto &[id, record] : grasps_) {
+    if (!record.scene) continue;
+    const SceneGrasp &grasp = *record.scene;
+    addText(record.name);
+    addText(nameOf(grasp.body));
+    for (const SkinPoint &point : grasp.places.points) {
+      for (const Index corner : point.corners) addNumber(static_cast<double>(corner));
+      addVector(point.weights);
+    }
+    for (const double number :
+         {grasp.settings.jaw, grasp.settings.opening, grasp.settings.closed, grasp.settings.forceLimit})
+      addNumber(number);
+    for (const GraspPlace &place : grasp.path) {
+      addNumber(place.time);
+      addVector(place.at);
+      for (const double number : place.rotation.coeffs()) addNumber(number);
+    }
+  }
   for (const AttachmentSummary &now : simulator_.attachments()) {
     addNumber(now.area);  // what its region has come to mean
     addVector(now.centre);

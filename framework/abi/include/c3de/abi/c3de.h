@@ -11,6 +11,7 @@
 #include "history.h"
 #include "iface/attachment.h"
 #include "iface/contact.h"
+#include "iface/grasp.h"
 #include "iface/parameter_ids.h"
 #include "iface/simulator.h"
 #include "imaging.h"

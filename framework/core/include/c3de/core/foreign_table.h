@@ -58,6 +58,7 @@ C3DE_TABLE_SLOTS(c3de_simulator_v1, C3DE_IFACE_SIMULATOR_ID, C3DE_SLOT(attach, 1
                  C3DE_SLOT(enum_probes, 1));
 C3DE_TABLE_SLOTS(c3de_contact_v1, C3DE_IFACE_CONTACT_ID, C3DE_SLOT(set_pair, 1));
 C3DE_TABLE_SLOTS(c3de_attachment_v1, C3DE_IFACE_ATTACHMENT_ID, C3DE_SLOT(add, 1), C3DE_SLOT(enumerate, 1));
+C3DE_TABLE_SLOTS(c3de_grasp_v1, C3DE_IFACE_GRASP_ID, C3DE_SLOT(add, 1));
 
 #undef C3DE_TABLE_SLOTS
 #undef C3DE_SLOT

@@ -195,6 +195,26 @@ struct SceneProbeTool {
   int line = 0;
 };
 
+/// Where the middle between two jaws is led, and how they have turned since they took hold, at a time.
+struct SceneGraspPlace {
+  double time_s = 0.0;
+  Vec3 at_m{};
+  Vec3 turn_deg{};  ///< about x, then y, then z
+};
+
+/// Two jaws that take hold of the skin of a body, close on the fold between them, and are led along a path.
+struct SceneGrasp {
+  std::string name, body;
+  Vec3 at_m{};                        ///< material point of the placed body at rest; the nearest skin is grasped
+  Vec3 axis{};                        ///< from the first jaw to the second, of any length but 0
+  double jaw_m = 0.01;                ///< > 0, diameter of what a jaw holds
+  double opening_m = 0.02;            ///< >= jaw_m
+  double closed_m = 0.01;             ///< 0 … opening_m
+  double forceLimit_N = 0.0;          ///< >= 0; 0: none
+  std::vector<SceneGraspPlace> path;  ///< may be empty; times ascend
+  int line = 0;
+};
+
 /// A scene as it was written. Structure is checked; what stands under world, solver, view, material, sampling and
 /// friction is for the simulator's declarations to check.
 struct SceneFile {
@@ -212,6 +232,7 @@ struct SceneFile {
   std::vector<SceneAttachment> attachments;
   std::vector<SceneContactPair> contactPairs;
   std::vector<SceneProbeTool> probeTools;
+  std::vector<SceneGrasp> grasps;
 
   /// "FILE:LINE", or the title when there is no file: what an error message begins with.
   [[nodiscard]] std::string where(int line) const;

@@ -83,4 +83,8 @@ template <class D>
 inline constexpr c3de_attachment_v1 kAttachmentTable{sizeof(c3de_attachment_v1), 1, thunk<D, &D::addAttachment>,
                                                      thunk<D, &D::enumAttachments>};
 
+/// Static table of iface.grasp, likewise: addGrasp().
+template <class D>
+inline constexpr c3de_grasp_v1 kGraspTable{sizeof(c3de_grasp_v1), 1, thunk<D, &D::addGrasp>};
+
 }  // namespace c3de::sdk

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "c3de/abi/iface/contact.h"
+#include "c3de/abi/iface/grasp.h"
 #include "c3de/abi/iface/simulator.h"
 #include "c3de/plugin_host/plugin_error.h"
 #include "c3de/scene/scene_file.h"
@@ -22,6 +23,10 @@ namespace c3de::session {
 /// @param path  of the tool; borrowed, as its name is
 [[nodiscard]] c3de_sim_probe_tool toAbi(const scene::SceneProbeTool &tool,
                                         const std::vector<c3de_sim_tool_place> &path);
+
+[[nodiscard]] std::vector<c3de_sim_grasp_place> toAbi(const std::vector<scene::SceneGraspPlace> &path);
+/// @param path  of the grasp; borrowed, as its name is. The body is for the caller to fill in
+[[nodiscard]] c3de_sim_grasp toAbi(const scene::SceneGrasp &grasp, const std::vector<c3de_sim_grasp_place> &path);
 
 [[nodiscard]] c3de_sim_placement toAbi(const scene::ScenePlacement &placement);
 

@@ -8,6 +8,7 @@
 
 #include "c3de/abi/iface/attachment.h"
 #include "c3de/abi/iface/contact.h"
+#include "c3de/abi/iface/grasp.h"
 #include "c3de/abi/iface/simulator.h"
 #include "c3de/core/expected.h"
 #include "c3de/core/foreign_table.h"
@@ -44,6 +45,8 @@ struct ProbeSample {
 
 /// The same for attachments.
 [[nodiscard]] Expected<const c3de_attachment_v1 *> attachmentTable(c3de_object *simulator);
+/// And for grasps.
+[[nodiscard]] Expected<const c3de_grasp_v1 *> graspTable(c3de_object *simulator);
 
 struct ProbeToolSample {
   std::string name;
