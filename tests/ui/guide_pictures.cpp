@@ -213,7 +213,7 @@ TEST_CASE("Pictures of the default scene for the user guide", "[.guide]") {
   window.screenshot("brain_shift");
 }
 
-TEST_CASE("Pictures of touch and of an implant for the user guide", "[.guide]") {
+TEST_CASE("Pictures of instruments and of an implant for the user guide", "[.guide]") {
   if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
   const std::filesystem::path folder = std::filesystem::path(testOutputRoot()) / "ui";
   std::filesystem::create_directories(folder);
@@ -256,6 +256,25 @@ TEST_CASE("Pictures of touch and of an implant for the user guide", "[.guide]") 
     window.moveTo(window.inView(0.9, 0.1));
     rest(window);
     window.screenshot("touch");
+  }
+  {
+    WorkstationDriver window("guide");
+    window.start({"--play", sceneWith("guide_grasp.toml", "")});
+    window.waitUntil("the organ is shown", isShown, 60.0);
+    window.moveTo(window.inView(0.5, 0.5));
+    window.key("f");
+    window.key("g");
+    const auto at = window.inView(0.4, 0.5);
+    window.moveTo({at.x - 20, at.y});
+    window.moveTo(at);
+    window.press();
+    rest(window);
+    for (int k = 1; k <= 10; ++k) window.moveTo({at.x - 4 * k, at.y - 16 * k});
+    rest(window);
+    window.release();
+    window.moveTo(window.inView(0.9, 0.1));
+    rest(window);
+    window.screenshot("grasp");
   }
   {
     WorkstationDriver window("guide");

@@ -54,6 +54,11 @@ void drawTouched(sdk::Ui &ui, const ObstacleTouch &touch, const std::string &on 
   ui.tooltip("Of the deepest point of a body in it: what contact has not yet resolved");
 }
 
+void drawCurve(sdk::Ui &ui, const std::string &id, const std::string &what, const ForceCurve &curve) {
+  ui.curve(id, what + " over the last " + significant(ForceCurve::kInterval * ForceCurve::kMost) + " s", "N",
+           curve.values());
+}
+
 constexpr double kAway = 1e-3;  // m: the hand is ahead
 
 void drawWay(sdk::Ui &ui, const Snapshot &snapshot, const Vec3 &now, const Vec3 &target) {
@@ -110,13 +115,48 @@ void drawTouch(sdk::Ui &ui, TouchTool &touch, const Snapshot *snapshot) {
     ui.text("Thinner than the spacing of " + body->name + " (" + significant(kMillimetres * body->rest->spacing) +
             " mm): it sinks in between the points where contact is felt. A larger radius, or more phyxels, help");
   }
-  const std::vector<double> forces = touch.forces();
-  ui.curve("touch_curve", "Force over the last " + significant(TouchTool::kInterval * TouchTool::kMostForces) + " s",
-           "N", forces);
+  drawCurve(ui, "touch_curve", "Force", touch.forces());
   drawWay(ui, *snapshot, instrument->middle(), *touch.target());
   Vec3 place = *touch.target();
   if (placeSliders(ui, "touch_", middleOf(*snapshot), place) & C3DE_UI_CHANGED) touch.moveTo(place);
   if (ui.button("touch_away", "Take it away")) touch.takeAway();
+}
+
+void drawGrasp(sdk::Ui &ui, GraspTool &grasp, const Snapshot *snapshot) {
+  ui.heading("Grasp");
+  if (ui.button("grasp", grasp.isActive() ? "Grasp is active" : "Take the grasp tool", !grasp.isActive()))
+    (void)grasp.select();
+  ui.tooltip(
+      "Press on an organ: two jaws take hold on either side and close. Drag moves them, the wheel turns them, X lets "
+      "go");
+  GraspSettings settings = grasp.settings();
+  const auto length = [&](const char *id, const char *label, double low_mm, double high_mm, double &value) {
+    double mm = kMillimetres * value;
+    if (ui.slider(id, label, "mm", mm, low_mm, high_mm) & C3DE_UI_CHANGED) value = mm / kMillimetres;
+  };
+  length("grasp_jaw", "Jaw size", 2.0, 60.0, settings.jaw);
+  ui.tooltip("Diameter of the patch of skin that each jaw holds, from the next press on; at least two spacings");
+  length("grasp_opening", "Opening", 4.0, 120.0, settings.opening);
+  ui.tooltip("Between the middles of the jaws before they close");
+  length("grasp_closed", "Closed gap", 0.0, 120.0, settings.closed);
+  ui.tooltip("The jaws stop closing where what they hold is as near as that");
+  (void)ui.slider("grasp_limit", "Closing force limit", "N", settings.forceLimit, 0.0, 20.0);
+  ui.tooltip("Nor do they close while they squeeze with more; 0: no limit");
+  grasp.setSettings(settings);
+  const GraspSnapshot *now = snapshot ? snapshot->graspInHand() : nullptr;
+  if (!now) {
+    ui.value("Pull force", "–");
+    return;
+  }
+  ui.value("Pull force", significant(now->forces.pull.norm(), 4) + " N");
+  ui.tooltip("Of both jaws together, on the tissue");
+  ui.value("Pull x, y, z", vectorText(now->forces.pull, "N"));
+  ui.value("Squeezing force", significant(now->forces.squeeze, 4) + " N");
+  ui.tooltip("Half of the difference of the two, along the axis of the jaws");
+  ui.value("Gap", fixed(kMillimetres * now->forces.gap, 2) + " mm");
+  ui.tooltip("Between the middles of what they hold");
+  drawCurve(ui, "grasp_curve", "Pull", grasp.forces());
+  if (ui.button("grasp_let_go", "Let go")) grasp.letGo();
 }
 
 void drawPlacement(sdk::Ui &ui, MoveTool &move, const Snapshot *snapshot) {

@@ -106,6 +106,7 @@ void Controller::draw(sdk::Ui &ui) {
   // What the hand is at stands where it is seen at once.
   if (tools_.pinch.isActive()) drawPinch(ui);
   if (tools_.touch.isActive()) drawTouch(ui, tools_.touch, snapshot.get());
+  if (tools_.grasp.isActive()) drawGrasp(ui, tools_.grasp, snapshot.get());
   if (tools_.move.isActive()) drawObstacles(ui, snapshot.get());
   drawRun(ui, snapshot.get());
   verification_.draw(ui, *simulator_, snapshot.get(), isMoving());
@@ -115,6 +116,7 @@ void Controller::draw(sdk::Ui &ui) {
   drawView(ui, snapshot.get());
   if (!tools_.pinch.isActive()) drawPinch(ui);
   if (!tools_.touch.isActive()) drawTouch(ui, tools_.touch, snapshot.get());
+  if (!tools_.grasp.isActive()) drawGrasp(ui, tools_.grasp, snapshot.get());
   if (!tools_.move.isActive()) drawObstacles(ui, snapshot.get());
   ui.heading("Contact and attachments");
   ui.params(worldParameters_.handle(), "Contact");
@@ -301,6 +303,11 @@ void Controller::drawPinch(sdk::Ui &ui) {
   ui.tooltip("Frequency of the spring on the mass it holds: the same feel for small and large organs");
   (void)ui.slider("pinch_radius", "Patch radius", "mm", pinchSettings_.radius_mm, 2.0, 60.0);
   ui.tooltip("Size of the patch that is held, from the next press on; at least two spacings");
+  (void)ui.slider("pinch_most", "Largest force", "N", pinchSettings_.largestForce, 0.0, 20.0);
+  ui.tooltip(
+      "Of the hand, from the next press on; 0: no limit of its own. It never pulls with more than 4 times Young's "
+      "modulus "
+      "times the squared radius");
   tools_.pinch.setSettings(pinchSettings_);
   if (const auto &hold = tools_.pinch.hold()) {
     ui.value("Held surfel", std::to_string(hold->surfel));

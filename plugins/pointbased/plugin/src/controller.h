@@ -2,6 +2,7 @@
 #pragma once
 
 #include "c3de/sdk/panel.hpp"
+#include "grasp_tool.h"
 #include "move_tool.h"
 #include "pinch_tool.h"
 #include "simulator_view.h"
@@ -19,6 +20,7 @@ class Controller : public sdk::Panel {
   struct Tools {
     PinchTool &pinch;
     TouchTool &touch;
+    GraspTool &grasp;
     MoveTool &move;
   };
   Controller(const Services &services, const MaterialLaws &laws, const Tools &tools);

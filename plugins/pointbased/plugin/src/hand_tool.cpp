@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hand_tool.h"
 
+#include <algorithm>
+
 namespace pointbased {
 namespace {
 
-constexpr float kLineWidth = 3.0f;  // px
+constexpr float kLineWidth = 3.0f;      // px
+constexpr double kLongestArrow = 0.04;  // m
 
 }  // namespace
 
@@ -26,6 +29,27 @@ void HandTool::showLines(sdk::Proxy &lines, std::span<const Vec3> points, const 
     (void)services_.render.update(lines.handle(), C3DE_ATTR_POSITIONS, viewOf(points));
   else if (auto made = services_.render.createLines(simulator_->node(), viewOf(points), kLineWidth, material))
     lines = std::move(*made);
+}
+
+Vec3 HandTool::showArrow(sdk::Proxy &arrow, const Vec3 &from, const Vec3 &force, double largest) const {
+  const double size = force.norm();
+  if (!(size > 0.0)) {
+    arrow.reset();
+    return from;
+  }
+  const Vec3 way = kLongestArrow / std::max(largest, size) * force, side = 0.12 * way.unitOrthogonal() * way.norm();
+  const Vec3 tip = from + way;
+  showLines(arrow, std::array<Vec3, 6>{from, tip, tip, tip - 0.25 * way + side, tip, tip - 0.25 * way - side}, kForce);
+  return tip;
+}
+
+bool HandTool::isTimeless(const Snapshot &snapshot, const char *title, const std::string &what,
+                          const std::string &help) const {
+  if (snapshot.quasiStatic)
+    (void)services_.notifier.notify(C3DE_LOG_WARN, title,
+                                    "A quasi-static solution has no time in which " + what +
+                                        ". solver.integrator = auto, explicit or implicit has" + help);
+  return snapshot.quasiStatic;
 }
 
 void HandTool::showLabel(sdk::Proxy &label, const Vec3 &at, const std::string &text,

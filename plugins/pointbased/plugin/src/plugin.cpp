@@ -3,6 +3,7 @@
 #include "c3de/sdk/commands.hpp"
 
 #include "controller.h"
+#include "grasp_tool.h"
 #include "move_tool.h"
 #include "pinch_tool.h"
 #include "point_sets.h"
@@ -30,7 +31,8 @@ class PointBasedPlugin : public SimulatorListener {
       sdk::optional<c3de_commands_v1>()};
 
   explicit PointBasedPlugin(sdk::Host host)
-      : context_(host, this), pinch_(context_.services), touch_(context_.services), move_(context_.services) {
+      : context_(host, this), pinch_(context_.services), touch_(context_.services), grasp_(context_.services),
+        move_(context_.services) {
     const sdk::Registry &registry = context_.services.registry;
     sdk::orThrow(registry.add<WorldSimulator>(
         C3DE_POINTBASED_WORLD_SIMULATOR_CLASS, "Point-based simulator",
@@ -42,8 +44,8 @@ class PointBasedPlugin : public SimulatorListener {
     if (context_.services.params && context_.services.notifier && context_.services.simulation &&
         host.service<c3de_panels_v1>()) {
       context_.hasWindow = true;
-      controller_ =
-          std::make_unique<Controller>(context_.services, context_.laws, Controller::Tools{pinch_, touch_, move_});
+      controller_ = std::make_unique<Controller>(context_.services, context_.laws,
+                                                 Controller::Tools{pinch_, touch_, grasp_, move_});
       sdk::orThrow(controller_->show(host, "pointbased.controller", "Point-based organ"));
       if (host.service<c3de_tools_v1>()) {
         sdk::orThrow(pinch_.add(host, {.id = "pointbased.pinch",
@@ -57,6 +59,13 @@ class PointBasedPlugin : public SimulatorListener {
              .hint = "Press on the organ: an instrument stands there; drag moves it, the wheel or D and B push it "
                      "deeper and back, X takes it away",
              .shortcut = 'T'}));
+        sdk::orThrow(grasp_.add(
+            host,
+            {.id = "pointbased.grasp",
+             .label = "Grasp",
+             .hint = "Press on the organ: two jaws take hold on either side and close; drag moves them, the wheel "
+                     "turns them, X lets go",
+             .shortcut = 'G'}));
         sdk::orThrow(move_.add(host, {.id = "pointbased.move",
                                       .label = "Move",
                                       .hint = "Press on an obstacle and drag; its arrows and rings move it along and "
@@ -105,11 +114,13 @@ class PointBasedPlugin : public SimulatorListener {
     for (const auto &[simulator, view] : views_) view->update();
     pinch_.update();
     touch_.update();
+    grasp_.update();
     move_.update();
   }
   void setSimulator(WorldSimulator *simulator) {
     pinch_.setSimulator(simulator);
     touch_.setSimulator(simulator);
+    grasp_.setSimulator(simulator);
     move_.setSimulator(simulator);
   }
 
@@ -118,6 +129,7 @@ class PointBasedPlugin : public SimulatorListener {
   std::map<WorldSimulator *, std::unique_ptr<SimulatorView>> views_;
   PinchTool pinch_;
   TouchTool touch_;
+  GraspTool grasp_;
   MoveTool move_;
   std::unique_ptr<Controller> controller_;
   sdk::Command verify_;

@@ -9,13 +9,11 @@
 namespace pointbased {
 namespace {
 
-constexpr sdk::Material kForce{{1.0f, 0.85f, 0.2f, 1.0f}, false};
 constexpr sdk::Material kHand{{0.9f, 0.9f, 0.9f, 1.0f}, false};
 constexpr sdk::Material kGhost{{0.45f, 0.75f, 0.95f, 0.45f}, true};
-constexpr double kPerNotch = 1e-3;      // m, of the wheel or a key
-constexpr double kLongestArrow = 0.04;  // m: of the largest force that the curve shows
-constexpr double kGap = 1e-4;           // m, between the instrument and the surface it is placed at
-constexpr double kAway = 1e-3;          // m: the hand is somewhere else
+constexpr double kPerNotch = 1e-3;  // m, of the wheel or a key
+constexpr double kGap = 1e-4;       // m, between the instrument and the surface it is placed at
+constexpr double kAway = 1e-3;      // m: the hand is somewhere else
 
 ProbeTool instrumentOf(const InstrumentSettings &settings, const Vec3 &middle, const Vec3 &axis) {
   ProbeTool tool;
@@ -74,13 +72,9 @@ bool TouchTool::press(const c3de_event &event) {
   if (!snapshot || !ray) return false;
   const std::optional<PickedSurface> picked = pick(services_, *snapshot, *ray);
   if (!picked) return false;
-  if (snapshot->quasiStatic) {
-    (void)services_.notifier.notify(C3DE_LOG_WARN, "Touch",
-                                    "A quasi-static solution has no time in which an instrument could push. "
-                                    "solver.integrator = auto, explicit or implicit has; a [[probe_tool]] of the scene "
-                                    "is led by the load factor");
+  if (isTimeless(*snapshot, "Touch", "an instrument could push",
+                 "; a [[probe_tool]] of the scene is led by the load factor"))
     return true;
-  }
   hovered_.reset();
   ghost_.reset();
   history_.begin(simulator_);
@@ -178,35 +172,16 @@ void TouchTool::hover() {
     ghost_ = std::move(*made);
 }
 
-void TouchTool::takeForce(const ObstacleSnapshot &instrument, double time) {
-  if (time < forcesUntil_ - 2.0 * kInterval || forces_.empty()) forcesUntil_ = time;  // undone, or begun
-  // A step may be longer than the interval.
-  while (forcesUntil_ <= time) {
-    forces_.push_back(instrument.touch.force.norm());
-    forcesUntil_ += kInterval;
-  }
-  while (forces_.size() > kMostForces) forces_.pop_front();
-}
-
 void TouchTool::showForce(const ObstacleSnapshot &instrument) {
   if (!services_.render) return;
   const Vec3 middle = instrument.middle(), &force = instrument.touch.force;
-  const double size = force.norm(), most = forces_.empty() ? size : *std::max_element(forces_.begin(), forces_.end());
-  Vec3 tip = middle;
-  if (size > 0.0 && most > 0.0) {
-    const Vec3 way = kLongestArrow / std::max(most, size) * force, side = 0.12 * way.unitOrthogonal() * way.norm();
-    tip += way;
-    const std::array<Vec3, 6> arrow{middle, tip, tip, tip - 0.25 * way + side, tip, tip - 0.25 * way - side};
-    showLines(arrow_, arrow, kForce);
-  } else {
-    arrow_.reset();
-  }
+  const Vec3 tip = showArrow(arrow_, middle, force, forces_.largest());
   // The hand is ahead while it goes faster than the simulation, or that stands.
   if ((*target_ - middle).norm() > kAway)
     showLines(hand_, std::array<Vec3, 2>{middle, *target_}, kHand);
   else
     hand_.reset();
-  showLabel(label_, tip, significant(size) + " N", kForce);
+  showLabel(label_, tip, significant(force.norm()) + " N", kForce);
 }
 
 void TouchTool::update() {
@@ -225,7 +200,7 @@ void TouchTool::update() {
     target_ = instrument->middle();
     axis_ = instrument->motion.rotation * instrument->tool->path.front().axis;
   }
-  takeForce(*instrument, snapshot->time);
+  forces_.take(instrument->touch.force.norm(), snapshot->time);
   showForce(*instrument);
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <deque>
 #include <optional>
 
+#include "force_curve.h"
 #include "hand_tool.h"
 
 namespace pointbased {
@@ -39,10 +39,8 @@ class TouchTool : public HandTool {
 
   /// Where the hand wants its middle, m; nothing: there is no instrument.
   [[nodiscard]] const std::optional<Vec3> &target() const { return target_; }
-  /// N, on the instrument, every kInterval of simulated time, the latest last.
-  [[nodiscard]] std::vector<double> forces() const { return {forces_.begin(), forces_.end()}; }
-  static constexpr double kInterval = 1.0 / 30.0;  ///< s
-  static constexpr std::size_t kMostForces = 300;
+  /// On the instrument.
+  [[nodiscard]] const ForceCurve &forces() const { return forces_; }
 
  private:
   struct Drag {
@@ -57,7 +55,6 @@ class TouchTool : public HandTool {
   void place(const Vec3 &middle, const Vec3 &axis);
   void forget();
   void hover();
-  void takeForce(const ObstacleSnapshot &instrument, double time);
   void showForce(const ObstacleSnapshot &instrument);
   void leave() override { forget(); }
 
@@ -68,8 +65,7 @@ class TouchTool : public HandTool {
   bool isChosen_ = false;   // settings_, by a person
   bool isAwaited_ = false;  // placed, and not yet in a snapshot
   std::optional<c3de_event> hovered_;
-  std::deque<double> forces_;
-  double forcesUntil_ = 0.0;  // s
+  ForceCurve forces_;
   sdk::Proxy ghost_, arrow_, hand_, label_;
 };
 
