@@ -499,6 +499,78 @@ TEST_CASE("an organ is cut by the slices and can be pulled in the 3D view beside
   CHECK(window.state()["notifications"].empty());
 }
 
+TEST_CASE("implants, instruments and jaws are cut by the slices, as they move", "[image_rigid]") {
+  C3DE_WINDOW_OR_SKIP();
+  if (!fs::exists(fs::path(testPluginFolder()) / (std::string("pointbased") + c3de::pluginExtension())))
+    C3DE_SKIP("the point-based plugin is not built");
+  WorkstationDriver window("image_rigid");
+  std::ofstream(outputFile("image_rigid_plate.obj"))
+      << "v -40 56 -20\nv -40 56 20\nv -40 64 -20\nv -40 64 20\nv 40 56 -20\nv 40 56 20\nv 40 64 -20\nv 40 64 20\n"
+         "f 1 2 4\nf 1 4 3\nf 5 7 8\nf 5 8 6\nf 1 5 6\nf 1 6 2\nf 3 4 8\nf 3 8 7\nf 1 3 7\nf 1 7 5\nf 2 6 8\nf 2 8 4\n";
+  const fs::path scene = outputFile("image_rigid.toml");
+  std::ofstream(scene)
+      << "format = 1\ntitle = \"Rigid in an image\"\n[world]\ngravity = [0.0, 0.0, 0.0]\n[solver]\ndamping = 20.0\n"
+         "[[body]]\nname = \"organ\"\nmesh = \""
+      << (fs::path(testResourcesFolder()) / "meshes" / "organ.obj").generic_string()
+      << "\"\nmesh_unit = \"mm\"\nmaterial = { youngs_modulus = 6e3, poisson_ratio = 0.4 }\n"
+         "sampling = { count = 400 }\n"
+         "[[attachment]]\nbodies = [\"organ\", \"surroundings\"]\nstiffness = 5e4\n"
+         "[[obstacle]]\nname = \"plate\"\nmesh = \"image_rigid_plate.obj\"\nmesh_unit = \"mm\"\n"
+         "[[grasp]]\nname = \"forceps\"\nat = [0, 0, 0.05]\naxis = [1, 0, 0]\njaw_mm = 30\nclosed_mm = 55\n";
+  startOn(window, {imageFile("image_rigid").string(), scene.string()});
+  const auto outlines = [](const std::string &pane, int count) {
+    return [key = pane + ".outlines", count](const Json &s) { return number(s, key) == count; };
+  };
+  // Of the organ, and of the plate where its plane meets it: it lies behind the coronal one.
+  window.waitUntil("organ and plate are cut", outlines("axial", 2), 60.0);
+  CHECK(number(window.state(), "sagittal.outlines") == 2);
+  CHECK(number(window.state(), "coronal.outlines") == 1);
+  window.screenshot("behind");
+  window.click("scene/" + imageFile("image_rigid").filename().string());
+  window.moveTo(inPane(window, "3D", 0.5, 0.5));
+  window.key("f");
+  window.key("m");
+  const std::string panel = "pointbased.controller/";
+  window.click(panel + "placed");
+  window.click(panel + "placed.option.plate");
+  const auto typed = [&](const std::string &widget, const std::string &value) {
+    window.controlClick(panel + widget);
+    window.key("ctrl+a");
+    window.type(value);
+    window.key("Return");
+  };
+  typed("placed_z", "70");
+  window.waitUntil("the plate has left the axial slice", outlines("axial", 1));
+  typed("placed_y", "0");
+  window.waitUntil("it has come into the coronal one", outlines("coronal", 2));
+  window.moveTo(inPane(window, "3D", 0.9, 0.9));
+  window.screenshot("moved");
+  CHECK(window.differingPixels("behind", "moved", "coronal") > 50);
+
+  // Jaws take hold with the first step.
+  window.key("space");
+  window.waitUntil("both jaws are cut", outlines("coronal", 4));
+  // The instrument, on the far side of the organ.
+  window.moveTo(inPane(window, "3D", 0.5, 0.5));
+  window.key("t");
+  window.waitUntil("the touch tool is active", [](const Json &s) { return s["tool"] == "pointbased.touch"; });
+  window.moveTo(inPane(window, "3D", 0.4, 0.5));
+  window.press();
+  window.waitUntil("an instrument is there", [&](const Json &s) {
+    return s["values"].value(panel + "Contact area", std::string()).ends_with("mm²");
+  });
+  window.release();
+  typed("touch_x", "-75");
+  typed("touch_z", "0");
+  typed("touch_y", "0");
+  window.waitUntil("the instrument is cut", outlines("axial", 2), 30.0);
+  window.waitUntil("in both slices", outlines("coronal", 5), 30.0);
+  window.moveTo(inPane(window, "3D", 0.9, 0.9));
+  window.screenshot("all");
+  CHECK(window.differingPixels("moved", "all", "axial") > 20);
+  CHECK(window.state()["notifications"].empty());
+}
+
 TEST_CASE("an image moves with its body, stands where it stands and goes back with it", "[image_warp]") {
   C3DE_WINDOW_OR_SKIP();
   if (!fs::exists(fs::path(testPluginFolder()) / (std::string("pointbased") + c3de::pluginExtension())))

@@ -270,7 +270,7 @@ void WorkstationDriver::keyUp(const std::string &name) { xdotool({"keyup", name}
 
 void WorkstationDriver::type(const std::string &text, int delay_ms) {
   const int first = state().value("frame", 0);
-  xdotool({"type", "--delay", std::to_string(delay_ms), text});
+  xdotool({"type", "--delay", std::to_string(delay_ms), "--", text});
   waitUntil("the text is seen", [&](const Json &s) { return s["frame"].get<int>() > first; });
 }
 

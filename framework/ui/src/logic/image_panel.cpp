@@ -107,8 +107,8 @@ void ImagePanel::drawViews(const c3de_ui_v1 &ui, ImageOptions &options) {
   choice(ui, "alignment", "Planes along", alignment, {"the image", "the patient"});
   options.isAlignedWithImage = alignment == 0;
   checkbox(ui, "cross_hair", "Cross-hair (C)", options.showsCrossHair, "");
-  checkbox(ui, "outlines", "Outlines of bodies", options.showsOutlines,
-           "Where the surfaces of the 3D view cut the slices");
+  checkbox(ui, "outlines", "Outlines", options.showsOutlines,
+           "Where the surfaces of the 3D view cut the slices: of bodies, implants, instruments and jaws, as they move");
   if (button(ui, "reset_views", "Reset views")) views_.resetViews();
 }
 

@@ -45,7 +45,7 @@ struct ImageOptions {
   bool isAlignedWithImage = true;  ///< views along the image's axes; else along the patient's
   bool showsCrossHair = true;
   bool isWindowLevelMode = false;  ///< a left drag in a slice changes window and level, else the cross-hair
-  bool showsOutlines = true;       ///< surfaces of bodies, cut by the slices
+  bool showsOutlines = true;       ///< surfaces of the 3D view, cut by the slices
   bool showsPreview = true;        ///< what is being picked, instead of the labels
 };
 
