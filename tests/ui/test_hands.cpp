@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a person does with an instrument and an implant in the window.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -171,6 +172,49 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
   });
   window.screenshot("undone");
   CHECK(window.differingPixels("pressing", "undone") > 300);
+
+  // Removed where nothing is in its way, it comes back there, and what has been simulated stands.
+  const auto hasPlate = [](const Json &s) {
+    return std::any_of(s["nodes"].begin(), s["nodes"].end(), [](const Json &node) { return node["name"] == "plate"; });
+  };
+  const auto choose = [&] {
+    window.click(kPanel + "placed");
+    window.click(kPanel + "placed.option.plate");
+  };
+  const auto undo = [&](const char *key, bool isThere) {
+    window.moveTo(window.inView(0.9, 0.9));
+    window.key(key);
+    window.waitUntil("it has come or gone", [&](const Json &s) { return hasPlate(s) == isThere; });
+  };
+  typed("placed_y", "61");
+  window.waitUntil("it has gone there", [](const Json &s) { return row(s, "placed_y") == "61 mm"; });
+  rest(window, 0.5);
+  const double steps = window.state()["transport"]["steps"];
+  window.click(kPanel + "obstacle_remove");
+  window.waitUntil("it has gone", [&](const Json &s) { return !hasPlate(s); });
+  undo("ctrl+z", true);
+  choose();
+  window.waitForValue(kPanel + "placed_y", "61 mm");
+  CHECK(window.state()["transport"]["steps"] > steps);
+  undo("ctrl+y", false);
+  undo("ctrl+z", true);
+
+  // Where it pressed the organ has come meanwhile: the simulation begins anew, with the plate where it began.
+  choose();
+  typed("placed_y", "48");
+  window.waitUntil(
+      "it presses", [](const Json &s) { return number(s, "Contact force on plate") > 0.2; }, 60.0);
+  rest(window, 1.0);
+  window.click(kPanel + "obstacle_remove");
+  window.waitUntil("it has gone", [&](const Json &s) { return !hasPlate(s); });
+  rest(window, 1.0);
+  const double before = window.state()["transport"]["steps"];
+  undo("ctrl+z", true);
+  CHECK(window.state()["transport"]["steps"] < before);
+  choose();
+  window.waitForValue(kPanel + "placed_y", "58 mm");
+  window.moveTo(window.inView(0.9, 0.9));
+  window.screenshot("back");
   CHECK(window.state()["notifications"].empty());
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 
 #include "composition.h"
 #include "contact_panel.h"
@@ -71,6 +72,8 @@ sdk::Result<void> Controller::verify() {
 }
 
 void Controller::setSimulator(WorldSimulator *simulator, SimulatorView *view) {
+  if (simulator != simulator_)
+    for (const c3de_handle step : std::exchange(removals_, {})) services_.history.remove(step);
   simulator_ = simulator;
   view_ = view;
   body_ = 0;
@@ -328,13 +331,25 @@ void Controller::drawObstacles(sdk::Ui &ui, const Snapshot *snapshot) {
   if (ui.button("obstacle_add", "Add", !job_ && !obstaclePath_.empty())) addObstacle();
   ui.tooltip("The simulation goes back to its beginning. The unit is that of *Unit of the file* above");
   drawPlacement(ui, tools_.move, snapshot);
-  if (tools_.move.chosen() != 0 && ui.button("obstacle_remove", "Remove")) {
-    const std::uint64_t id = tools_.move.chosen();
-    tools_.move.choose(0);
-    (void)services_.simulation.post(simulator_->node(), [simulator = sdk::Ref<WorldSimulator>::share(simulator_), id] {
-      sdk::orThrow(simulator->remove({id}));
-    });
-  }
+  if (tools_.move.chosen() != 0 && ui.button("obstacle_remove", "Remove") && snapshot) removeObstacle(*snapshot);
+}
+
+// A step of Undo, which holds the obstacle.
+void Controller::removeObstacle(const Snapshot &snapshot) {
+  const auto taken = std::make_shared<WorldSimulator::TakenObstacle>();
+  taken->id = tools_.move.chosen();
+  const ObstacleSnapshot *obstacle = snapshot.obstacle(taken->id);
+  tools_.move.choose(0);
+  const auto post = [this, taken, simulator = sdk::Ref<WorldSimulator>::share(simulator_)](
+                        void (WorldSimulator::*what)(WorldSimulator::TakenObstacle &)) {
+    simulator->abandonLongStep();
+    return services_.simulation.post(simulator->node(), [simulator, taken, what] { (*simulator.*what)(*taken); });
+  };
+  if (!post(&WorldSimulator::takeOut) || !services_.history || !obstacle) return;
+  if (const auto step = services_.history.add(
+          "remove " + obstacle->name, [post] { return post(&WorldSimulator::putBack); },
+          [post] { return post(&WorldSimulator::takeOut); }))
+    removals_.push_back(*step);
 }
 
 void Controller::addObstacle() {

@@ -47,6 +47,7 @@ class Controller : public sdk::Panel {
 
   void load();
   void addObstacle();
+  void removeObstacle(const Snapshot &snapshot);
   void rebuild();
   /// Every body that deforms, with its sampling left to the dial.
   void applyWish(const Snapshot &snapshot);
@@ -75,6 +76,7 @@ class Controller : public sdk::Panel {
   std::uint32_t unit_ = 0;  // index into the unit names
   bool replace_ = true;
   std::optional<c3de_handle> job_;
+  std::vector<c3de_handle> removals_;  // steps of Undo, of obstacles
   PinchSettings pinchSettings_;
   VerificationPanel verification_;
 };

@@ -244,13 +244,9 @@ sdk::Result<void> WorldSimulator::getBodyParam(c3de_handle body, c3de_str id, c3
 sdk::Result<void> WorldSimulator::remove(c3de_handle handle) {
   const std::lock_guard lock(mutex_);
   estimated_.erase(handle.v);
-  const auto forgetAttachments = [&] {
-    std::erase_if(attachments_,
-                  [&](const auto &entry) { return entry.second.first == handle.v || entry.second.second == handle.v; });
-  };
   if (bodies_.erase(handle.v) > 0) {
     simulator_.removeBody(handle.v);
-    forgetAttachments();
+    forgetAttachmentsOf(handle.v);
     std::erase_if(liveLoads_, [&](const auto &entry) { return entry.second.body == handle.v; });
     std::erase_if(holds_, [&](const auto &entry) { return entry.second.body == handle.v; });
     std::erase_if(grasps_, [&](const auto &entry) {
@@ -265,9 +261,8 @@ sdk::Result<void> WorldSimulator::remove(c3de_handle handle) {
     return {};
   }
   if (liveLoads_.erase(handle.v) > 0 || simulator_.removeProbe(handle.v)) return {};
-  if (obstacles_.erase(handle.v) > 0) {
-    simulator_.removeObstacle(handle.v);
-    forgetAttachments();
+  if (obstacles_.contains(handle.v)) {
+    forgetObstacle(handle.v);
     return {};
   }
   if (attachments_.erase(handle.v) > 0) {
@@ -279,6 +274,32 @@ sdk::Result<void> WorldSimulator::remove(c3de_handle handle) {
     return {};
   }
   return noSuch("body, obstacle, attachment, load, probe, grasp or hold");
+}
+
+std::vector<Attachment> WorldSimulator::attachmentsOf(std::uint64_t id) const {
+  std::vector<Attachment> out;
+  for (const auto &[number, attachment] : attachments_)
+    if (attachment.first == id || attachment.second == id) out.push_back(attachment);
+  return out;
+}
+
+void WorldSimulator::attachAgain(Attachment attachment, std::uint64_t before, std::uint64_t now) {
+  (attachment.first == before ? attachment.first : attachment.second) = now;
+  if (const auto added = simulator_.addAttachment(attachment))
+    attachments_.emplace(*added, std::move(attachment));
+  else
+    simulator_.addWarning(now, "attachment '" + attachment.name + "' is gone: " + added.error());
+}
+
+void WorldSimulator::forgetAttachmentsOf(std::uint64_t id) {
+  std::erase_if(attachments_,
+                [id](const auto &entry) { return entry.second.first == id || entry.second.second == id; });
+}
+
+void WorldSimulator::forgetObstacle(std::uint64_t id) {
+  obstacles_.erase(id);
+  simulator_.removeObstacle(id);
+  forgetAttachmentsOf(id);
 }
 
 void WorldSimulator::clear() {
@@ -650,11 +671,8 @@ void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &valu
   if (found == bodies_.end()) throw Error(noSuch("body"));
   BodyRecord record = found->second;
   const Simulator::ContactPairs pairs = simulator_.contactPairs();
-  std::vector<Attachment> attached;
-  for (const auto &[number, attachment] : attachments_)
-    if (attachment.first == body || attachment.second == body) attached.push_back(attachment);
-  std::erase_if(attachments_,
-                [body](const auto &entry) { return entry.second.first == body || entry.second.second == body; });
+  const std::vector<Attachment> attached = attachmentsOf(body);
+  forgetAttachmentsOf(body);
   record.surface = std::move(built.surface);
   record.values = std::make_shared<const ParameterValues>(values);
   record.promise = built.promise ? std::make_shared<const AccuracyPromise>(std::move(*built.promise)) : nullptr;
@@ -668,13 +686,7 @@ void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &valu
   for (const auto &[pair, settings] : pairs)
     if (pair.first == body || pair.second == body)
       simulator_.setContactPair(id, pair.first == body ? pair.second : pair.first, settings);
-  for (Attachment &attachment : attached) {
-    (attachment.first == body ? attachment.first : attachment.second) = id;
-    if (const auto added = simulator_.addAttachment(attachment))
-      attachments_.emplace(*added, std::move(attachment));
-    else
-      simulator_.addWarning(id, "attachment '" + attachment.name + "' is gone: " + added.error());
-  }
+  for (const Attachment &attachment : attached) attachAgain(attachment, body, id);
 }
 
 void WorldSimulator::displacement(const c3de_sim_grid *grid, double rim, float *out, float *gaps) const {

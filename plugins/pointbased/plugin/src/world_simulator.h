@@ -156,6 +156,14 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   /// Where the hand wants the middle between them, m, and how it has turned them; nothing where there are none. [sim]
   void leadGrasp(const Vec3 &middle, const Mat3 &rotation);
   void letGraspGo();
+  /// An obstacle that has been taken out, with what belonged to it. Of the simulation's thread.
+  struct TakenObstacle;
+  /// Takes out the obstacle of this id, as remove() does; nothing where there is none. [sim]
+  void takeOut(TakenObstacle &obstacle);
+  /// Puts it back where it was, under another id, with its pairs of contact and what was attached to it. What has been
+  /// simulated stands, unless something was attached, or skin has come where it was: then the simulation is reset.
+  /// Nothing where it is in. [sim]
+  void putBack(TakenObstacle &obstacle);
   /// The state before the pull that begins; [sim].
   [[nodiscard]] HandState checkpoint() const;
   /// Goes to the kept state and keeps the one that it leaves; nothing where the simulation has begun anew since. [sim]
@@ -217,7 +225,10 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   [[nodiscard]] std::vector<ReportedGrasp> reportedGrasps() const;
   void resetSimulator();
   [[nodiscard]] std::vector<ContactSnapshot> contactsNow() const;
+  [[nodiscard]] std::vector<double> distancesFrom(std::uint64_t obstacle, std::span<const Vec3> points,
+                                                  double near) const;
   [[nodiscard]] double displacedVolume(std::uint64_t obstacle) const;
+  [[nodiscard]] bool holdsSkin(std::uint64_t obstacle);
   void makeRoom(const BodyRecord &body);
   /// What a body that is built now asks the dial.
   [[nodiscard]] DialRequest dialRequest();
@@ -234,6 +245,12 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   ParameterValues world_{worldDeclarations()};
   std::map<std::uint64_t, BodyRecord> bodies_;
   std::map<std::uint64_t, ObstacleRecord> obstacles_;
+  void forgetObstacle(std::uint64_t id);
+  /// Of a body or an obstacle.
+  [[nodiscard]] std::vector<Attachment> attachmentsOf(std::uint64_t id) const;
+  void forgetAttachmentsOf(std::uint64_t id);
+  /// To what is in the place of one that it was attached to; told where that cannot be.
+  void attachAgain(Attachment attachment, std::uint64_t before, std::uint64_t now);
   std::map<std::uint64_t, ObstacleRecord> placedInstruments_;  // since the last reset, also those that have gone
   std::map<std::uint64_t, Attachment> attachments_;
   std::map<std::uint64_t, GraspRecord> grasps_;
@@ -290,6 +307,15 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   [[nodiscard]] bool isVerified(const WorldVerification &verification) const;
   std::uint64_t generation_ = 0;
   c3de_handle node_{};
+};
+
+struct WorldSimulator::TakenObstacle {
+  std::uint64_t id = 0;
+  std::optional<ObstacleRecord> record = {};  ///< none: it is in
+  Obstacle obstacle = {};                     ///< with the motion that a reset gives it
+  RigidMotion place = {};                     ///< where it was
+  Simulator::ContactPairs pairs = {};
+  std::vector<Attachment> attachments = {};
 };
 
 }  // namespace pointbased

@@ -2,6 +2,8 @@
 // What a hand leads: the instrument, and obstacles that are placed.
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "probe_tool_mesh.h"
 #include "world_simulator.h"
@@ -15,6 +17,7 @@ using sdk::Error;
 constexpr double kMostSpeed = 0.5, kMostTurn = 5.0;
 // s: a hand's places come about thirty times a second; between them it goes on evenly.
 constexpr double kLeastTime = 1.0 / 30.0;
+constexpr double kTouching = 5e-4;  // m: skin that is less deep in an obstacle touches it
 
 }  // namespace
 
@@ -77,33 +80,86 @@ void WorldSimulator::lead(std::uint64_t obstacle, const RigidMotion &target) {
   simulator_.guideObstacle(obstacle, target, std::max({kLeastTime, way / kMostSpeed, turn / kMostTurn}));
 }
 
-// m³, of tissue that lay in the reference where an obstacle is now: evaluation points with their volumes, at its
-// surface by the part of a cell that is in it.
-double WorldSimulator::displacedVolume(std::uint64_t id) const {
+void WorldSimulator::takeOut(TakenObstacle &taken) {
+  const std::lock_guard lock(mutex_);
+  const auto found = obstacles_.find(taken.id);
+  const Obstacle *obstacle = simulator_.obstacle(taken.id);
+  if (found == obstacles_.end() || !obstacle) return;
+  taken.record = found->second;
+  taken.obstacle = *obstacle;
+  taken.obstacle.motion = simulator_.motionAtReset(taken.id);
+  taken.place = simulator_.obstacleMotion(taken.id);
+  taken.pairs.clear();
+  for (const auto &[pair, settings] : simulator_.contactPairs())
+    if (pair.first == taken.id || pair.second == taken.id) taken.pairs.emplace(pair, settings);
+  taken.attachments = attachmentsOf(taken.id);
+  forgetObstacle(taken.id);
+}
+
+void WorldSimulator::putBack(TakenObstacle &taken) {
+  const std::lock_guard lock(mutex_);
+  if (!taken.record) return;
+  // Before the first step it is placed anew below; after it, a reset brings it to where it began.
+  if (!taken.record->motion && simulator_.steps() == 0) taken.obstacle.motion = nullptr;
+  const std::uint64_t before = std::exchange(taken.id, simulator_.addObstacle(taken.obstacle));
+  const std::uint64_t id = taken.id;
+  obstacles_.emplace(id, *std::exchange(taken.record, std::nullopt));
+  // One that the scene moves is where its motion has it.
+  if (!obstacles_.at(id).motion) simulator_.guideObstacle(id, taken.place, 0.0);
+  for (const auto &[pair, settings] : taken.pairs)
+    simulator_.setContactPair(id, pair.first == before ? pair.second : pair.first, settings);
+  if (!taken.attachments.empty() || holdsSkin(id)) resetSimulator();
+  for (const Attachment &attachment : taken.attachments) attachAgain(attachment, before, id);
+}
+
+// m, of points from the surface of an obstacle where it is now; inside below 0, infinite where they are `near` or more
+// off its box.
+std::vector<double> WorldSimulator::distancesFrom(std::uint64_t id, std::span<const Vec3> points, double near) const {
+  std::vector<double> distances(points.size(), std::numeric_limits<double>::infinity());
   const Obstacle *obstacle = simulator_.obstacle(id);
-  if (!obstacle || !obstacle->closest) return 0.0;
+  if (!obstacle || !obstacle->closest) return distances;
   const RigidMotion motion = simulator_.obstacleMotion(id);
   const PlacedMesh &mesh = *obstacles_.at(id).mesh;
   std::vector<Vec3> places;  // in its frame at rest
-  std::vector<double> volumes;
-  for (const auto &[body, record] : bodies_) {
-    const RestState &rest = simulator_.body(body)->rest();
-    for (std::size_t q = 0; q < rest.pointCount(); ++q) {
-      const Vec3 x = rest.origin + rest.pointCentres[q] - motion.centre - motion.displacement;
-      const Vec3 at = motion.rotation.transpose() * x + motion.centre;
-      const double half = 0.5 * std::cbrt(rest.stencils.volumes[q]);
-      if ((at.array() < mesh.min.array() - half).any() || (at.array() > mesh.max.array() + half).any()) continue;
-      places.push_back(at);
-      volumes.push_back(rest.stencils.volumes[q]);
-    }
+  std::vector<std::size_t> which;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Vec3 at = motion.rotation.transpose() * (points[k] - motion.centre - motion.displacement) + motion.centre;
+    if ((at.array() < mesh.min.array() - near).any() || (at.array() > mesh.max.array() + near).any()) continue;
+    places.push_back(at);
+    which.push_back(k);
   }
   const std::vector<double> ranges(places.size(), (mesh.max - mesh.min).norm());
   std::vector<SurfacePoint> found(places.size());
   obstacle->closest(places, ranges, found);
+  for (std::size_t k = 0; k < places.size(); ++k) distances[which[k]] = found[k].distance;
+  return distances;
+}
+
+// m³, of tissue that lay in the reference where an obstacle is now: evaluation points with their volumes, at its
+// surface by the part of a cell that is in it.
+double WorldSimulator::displacedVolume(std::uint64_t id) const {
   double sum = 0.0;
-  for (std::size_t k = 0; k < found.size(); ++k)
-    sum += volumes[k] * std::clamp(0.5 - found[k].distance / std::cbrt(volumes[k]), 0.0, 1.0);
+  for (const auto &[body, record] : bodies_) {
+    const RestState &rest = simulator_.body(body)->rest();
+    std::vector<Vec3> places(rest.pointCentres.begin(), rest.pointCentres.end());
+    for (Vec3 &x : places) x += rest.origin;
+    const std::vector<double> &volumes = rest.stencils.volumes;
+    const double largest = volumes.empty() ? 0.0 : *std::max_element(volumes.begin(), volumes.end());
+    const std::vector<double> distances = distancesFrom(id, places, 0.5 * std::cbrt(largest));
+    for (std::size_t q = 0; q < places.size(); ++q)
+      sum += volumes[q] * std::clamp(0.5 - distances[q] / std::cbrt(volumes[q]), 0.0, 1.0);
+  }
   return sum;
+}
+
+// Whether skin lies in an obstacle that has just come: contact would lead some of it out to the wrong side.
+bool WorldSimulator::holdsSkin(std::uint64_t id) {
+  return std::any_of(bodies_.begin(), bodies_.end(), [&](const auto &entry) {
+    std::vector<Vec3> positions, normals;
+    simulator_.surfels(entry.first, positions, normals);
+    const std::vector<double> distances = distancesFrom(id, positions, 0.0);
+    return std::any_of(distances.begin(), distances.end(), [](double d) { return d < -kTouching; });
+  });
 }
 
 // After the simulator has gone to another state: its instruments are those of then.
