@@ -263,9 +263,11 @@ TEST_CASE("jaws grasp an organ, close, pull and turn it, and Undo goes back step
   window.moveTo(jaw);
   window.press();
   window.wheel(4);
+  window.waitUntil("they turn", [&](const Json &s) { return row(s, "Pull x, y, z") != row(pulled, "Pull x, y, z"); });
+  CHECK(number(window.state(), "Gap") < 0.6 * opening);  // it is the grasp of before
+  const std::string turned = row(window.state(), "Pull x, y, z");
   for (int k = 1; k <= 3; ++k) window.moveTo({jaw.x + 10 * k, jaw.y});
-  window.waitUntil("it pulls elsewhere",
-                   [&](const Json &s) { return row(s, "Pull x, y, z") != row(pulled, "Pull x, y, z"); });
+  window.waitUntil("it pulls elsewhere", [&](const Json &s) { return row(s, "Pull x, y, z") != turned; });
   window.release();
   rest(window, 2.0);
   window.screenshot("turned");
