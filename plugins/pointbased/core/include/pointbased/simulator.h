@@ -316,7 +316,8 @@ class Simulator {
   std::unique_ptr<detail::SkinContacts> skins_;
   std::vector<std::unique_ptr<detail::BodyGroup>> groups_;  // of a step; room is kept
   std::size_t groupCount_ = 0;
-  std::set<std::size_t> grouped_;  // bodies of groups
+  std::set<std::size_t> grouped_;          // bodies of groups
+  std::set<std::size_t> touchThemselves_;  // bodies that may, in this step
   std::map<std::size_t, std::unique_ptr<detail::AttachmentLayer>> attachments_;
   std::set<std::size_t> tornReported_;  // attachments
   std::vector<Obstacle> obstacles_;
@@ -337,6 +338,7 @@ class Simulator {
   std::vector<SimulationEvent> events_;
   std::set<std::size_t> notRereferenced_;                   // bodies whose reference could not be
   std::map<std::size_t, double> skinDeepest_;               // m, as drawn, beyond the walls
+  bool skinSinks_ = false;                                  // deeper than at the look before, and not told yet
   std::vector<Vec3> skin_;                                  // room for a look at one
   std::set<std::pair<std::size_t, std::size_t>> overlaps_;  // that have been told
   std::pair<std::size_t, std::size_t> lastPair_{0, 0};      // that was looked at for overlaps

@@ -14,8 +14,9 @@ namespace {
 
 using Triangle = std::array<Index, 3>;
 
-constexpr Index kPatch = 6;     // triangles in one
-constexpr int kMostRounds = 8;  // halvings of an edge
+constexpr Index kPatch = 6;        // triangles in one
+constexpr int kMostRounds = 8;     // halvings of an edge
+constexpr double kCrushed = 0.02;  // of a volume
 
 std::pair<Index, Index> ordered(Index a, Index b) { return a < b ? std::pair(a, b) : std::pair(b, a); }
 
@@ -181,12 +182,14 @@ std::shared_ptr<const ContactSkin> makeContactSkin(Interpolation vertices, std::
     for (const Index v : {a, b, c}) skin->areas[v] += third;
   }
   for (std::size_t v = 0; v < carried.count(); ++v) {
-    double sum = 0.0;
+    double sum = 0.0, plain = 0.0;
     for (Index e = carried.phyxels.offsets[v]; e < carried.phyxels.offsets[v + 1]; ++e)
-      if (carried.weights[e] != 0.0)
-        sum += std::abs(carried.weights[e]) /
-               (maxInfluence.empty() ? 1.0 : static_cast<double>(maxInfluence[carried.phyxels.indices[e]]));
+      if (const double weight = std::abs(carried.weights[e]); weight != 0.0) {
+        plain += weight;
+        sum += weight / (maxInfluence.empty() ? 1.0 : static_cast<double>(maxInfluence[carried.phyxels.indices[e]]));
+      }
     skin->gain = std::max(skin->gain, sum);
+    skin->sum = std::max(skin->sum, plain);
   }
   return skin;
 }
@@ -273,10 +276,9 @@ void MovingSkin::move(std::span<const Vec3> displacements, std::span<const Vec3>
   Vec3 mean = Vec3::Zero();
   for (const Vec3 &v : velocities) mean += v;
   mean /= static_cast<double>(velocities.size());
-  double squared = 0.0;
-  for (std::size_t j = 0; j < velocities.size(); ++j)
-    squared = std::max(squared, squaredInfluence(j) * (velocities[j] - mean).squaredNorm());
-  goes_ = skin_->gain * dt * std::sqrt(squared);
+  FarthestWay way;
+  for (std::size_t j = 0; j < velocities.size(); ++j) way.add(velocities[j] - mean, influence(j));
+  goes_ = dt * way.ofVertices(*skin_);
   meanGoes_ = dt * mean;
 }
 
@@ -291,10 +293,9 @@ double MovingSkin::wentSince(std::span<const Vec3> then, Vec3 &mean) const {
   mean.setZero();
   for (std::size_t j = 0; j < then.size(); ++j) mean += displacements_[j] - then[j];
   mean /= static_cast<double>(then.size());
-  double squared = 0.0;
-  for (std::size_t j = 0; j < then.size(); ++j)
-    squared = std::max(squared, squaredInfluence(j) * (displacements_[j] - then[j] - mean).squaredNorm());
-  return skin_->gain * std::sqrt(squared);
+  FarthestWay way;
+  for (std::size_t j = 0; j < then.size(); ++j) way.add(displacements_[j] - then[j] - mean, influence(j));
+  return way.ofVertices(*skin_);
 }
 
 void MovingSkin::place(Index v) {
@@ -307,6 +308,15 @@ void MovingSkin::place(Index v) {
 void MovingSkin::takeVelocity(Index v) {
   vertexVelocities_[v] = fieldAt(skin_->vertices, v, velocities_);
   velocitiesSeen_[v] = now_;
+}
+
+bool MovingSkin::isInverted(Index v) {
+  if (invertedSeen_.empty()) invertedSeen_.assign(skin_->count(), 0);
+  if (invertedSeen_[v] / 2 != now_) {
+    const bool is = !(gradientAt(skin_->vertices, v, displacements_).determinant() > kCrushed);
+    invertedSeen_[v] = 2 * now_ + (is ? 1 : 0);
+  }
+  return invertedSeen_[v] % 2 != 0;
 }
 
 const MovingSkin::PatchMotion &MovingSkin::motionOf(Index patch) {

@@ -2,6 +2,8 @@
 // The skin of a body as other skins touch it. Private to the core.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 
@@ -31,10 +33,28 @@ struct ContactSkin {
   std::vector<std::array<Index, 3>> edgesOf;  ///< [triangles] edge k leads from corner k to the next
   Csr trianglesOf;                            ///< [vertices]
   std::vector<double> areas;                  ///< [vertices] m², at rest; 0: no corner of a triangle
-  /// The farthest a vertex goes where no phyxel goes farther than one over its largest influence.
-  double gain = 1.0;
+  /// The farthest a vertex goes where no phyxel goes farther than one over its largest influence, and where none goes
+  /// farther than one.
+  double gain = 1.0, sum = 1.0;
 
   [[nodiscard]] std::size_t count() const { return vertices.count(); }
+};
+
+/// How far vertices go at most, by the ways of the phyxels that carry them.
+class FarthestWay {
+ public:
+  /// @param influence  RestState::maxInfluence of the phyxel
+  void add(const Vec3 &way, double influence) {
+    const double squared = way.squaredNorm();
+    squared_ = std::max(squared_, squared);
+    weighted_ = std::max(weighted_, influence * influence * squared);
+  }
+  [[nodiscard]] double ofVertices(const ContactSkin &skin) const {
+    return std::min(skin.gain * std::sqrt(weighted_), skin.sum * std::sqrt(squared_));
+  }
+
+ private:
+  double squared_ = 0.0, weighted_ = 0.0;
 };
 
 /// @param vertices      as phyxels carry those of `triangles`
@@ -85,13 +105,15 @@ class PatchTree {
   [[nodiscard]] const std::vector<Patch> &patches() const { return patches_; }
   [[nodiscard]] const SkinBox &bounds() const { return nodes_.front().box; }
 
-  /// visit(patch of this, patch of the other, squared distance of their boxes at rest) for those whose boxes are nearer
-  /// to each other than `reach`; of a tree and itself each pair once, without those of a patch and itself.
+  /// visit(patch of this, patch of the other, squared distance of their boxes at rest, and now) for those whose boxes are
+  /// nearer to each other than `reach`; of a tree and itself each pair once, without those of a patch and itself.
+  /// @param open   room for what is still to be looked at
   /// @param skips  of the boxes of two parts at rest: none of these is asked for
   template <class Skips, class Visit>
-  void near(const PatchTree &other, double reach, const Skips &skips, const Visit &visit) const {
+  void near(const PatchTree &other, double reach, std::vector<std::pair<Index, Index>> &open, const Skips &skips,
+            const Visit &visit) const {
     const bool isSelf = this == &other;
-    std::vector<std::pair<Index, Index>> open{{0, 0}};
+    open.assign(1, {0, 0});
     while (!open.empty()) {
       const auto [a, b] = open.back();
       open.pop_back();
@@ -103,9 +125,10 @@ class PatchTree {
         open.emplace_back(mine.child + 1, mine.child + 1);
         continue;
       }
-      if (!(mine.box.squaredDistance(theirs.box) <= reach * reach) || skips(mine.rest, theirs.rest)) continue;
+      const double squared = mine.box.squaredDistance(theirs.box);
+      if (!(squared <= reach * reach) || skips(mine.rest, theirs.rest)) continue;
       if (mine.patch != kNone && theirs.patch != kNone)
-        visit(mine.patch, theirs.patch, mine.rest.squaredDistance(theirs.rest));
+        visit(mine.patch, theirs.patch, mine.rest.squaredDistance(theirs.rest), squared);
       else if (theirs.patch != kNone || (mine.patch == kNone && mine.size >= theirs.size))
         for (const Index child : {mine.child, mine.child + 1}) open.emplace_back(child, b);
       else
@@ -200,6 +223,8 @@ class MovingSkin {
     if (velocitiesSeen_[v] != now_) takeVelocity(v);
     return vertexVelocities_[v];
   }
+  /// Whether the tissue at a vertex is turned inside out, or crushed to next to nothing.
+  [[nodiscard]] bool isInverted(Index v);
   /// Around the corners of a patch, and around their velocities.
   struct PatchMotion {
     SkinBox places, velocities;
@@ -236,9 +261,8 @@ class MovingSkin {
   void place(Index v);
   void takeVelocity(Index v);
   [[nodiscard]] bool isSharp(Index edge, double sine, double rise);
-  [[nodiscard]] double squaredInfluence(std::size_t phyxel) const {
-    const double l = maxInfluence_.empty() ? 1.0 : static_cast<double>(maxInfluence_[phyxel]);
-    return l * l;
+  [[nodiscard]] double influence(std::size_t phyxel) const {
+    return maxInfluence_.empty() ? 1.0 : static_cast<double>(maxInfluence_[phyxel]);
   }
 
   std::shared_ptr<const ContactSkin> skin_;
@@ -251,8 +275,9 @@ class MovingSkin {
   std::span<const float> maxInfluence_;
   std::vector<Vec3> positions_, vertexVelocities_;
   std::vector<std::uint64_t> seen_, velocitiesSeen_;
-  std::vector<PatchMotion> motions_;  // [patches]
-  std::vector<PatchParts> parts_;     // [patches]
+  std::vector<std::uint64_t> invertedSeen_;  // [vertices], or empty; twice the state it is of, and one more if it is
+  std::vector<PatchMotion> motions_;         // [patches]
+  std::vector<PatchParts> parts_;            // [patches]
   std::uint64_t now_ = 1, treeOf_ = 0;
   double goes_ = 0.0, goesExactly_ = -1.0, dt_ = 0.0;
   Vec3 meanGoes_ = Vec3::Zero();

@@ -32,6 +32,8 @@ constexpr double kFacing = -0.2;
 constexpr double kBeside = 0.25;
 // What is gathered serves until both have moved by that, in spacings, where a step goes by less than a part of it.
 constexpr double kSlack = 0.03, kCalm = 0.3;
+// Of the margin: contacts that do not press yet come no nearer while those that do are kept as they are.
+constexpr double kServes = 0.5;
 // Of the offset: what slides that far in a step may be over another face then.
 constexpr double kFarSlide = 0.1;
 // Of the offset: a way that comes through the plane of a face so far beside it meets it.
@@ -106,6 +108,13 @@ void SkinPair::measureExactly() {
   went_ += (means[0] - means[1]).norm();
 }
 
+bool SkinPair::serves() const {
+  if (!(servesFor_ > 0.0)) return false;
+  const MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
+  const double goes = first.goes() + second.goes() + (first.meanGoes() - second.meanGoes()).norm();
+  return sinceFound_.since(*this) + goes <= servesFor_;
+}
+
 // From here on, with what is left of its reach.
 void SkinPair::keepList() {
   listReach_ -= went_;
@@ -128,21 +137,22 @@ void SkinPair::find(double dt, bool again) {
   const bool isNew = sinceList_.from[0].empty();
   if (!isNew) went_ = sinceList_.since(*this);
   const double room = settings_.offset + settings_.margin;
-  const auto isOld = [&] { return isNew || !(went_ + goes_ <= listReach_ - room); };
+  const double serves = kServes * settings_.margin;
+  const auto isOld = [&] { return isNew || !(went_ + goes_ + serves <= listReach_ - room); };
   bool hasGathered = !isNew;
   if (isOld()) {
     measureExactly();
     if (isOld()) {
-      listReach_ = room + std::max({settings_.leastReach,
-                                    std::min(kWays * goes_, (isSelf() ? kFarthestOfSelf : kFarthest) * spacing_),
-                                    kFewestWays * goes_});
+      listReach_ =
+          room + serves +
+          std::max({settings_.leastReach, std::min(kWays * goes_, (isSelf() ? kFarthestOfSelf : kFarthest) * spacing_),
+                    kFewestWays * goes_});
       went_ = 0.0;
       list(listReach_);
       hasGathered = false;
     }
     keepList();
   }
-  reach_ = listReach_ - went_;
   std::swap(previous_, active_);
   active_.clear();
   depth_ = 0.0;
@@ -158,6 +168,8 @@ void SkinPair::find(double dt, bool again) {
     if (!(group.wake > moved_ + goes_)) lookAt(group);
   for (NearEdges &pair : edges_)
     if (!(pair.wake > moved_ + goes_)) lookAt(pair);
+  servesFor_ = isFirst_ || allowed_ > 0.0 || steps_ != Steps::small ? 0.0 : serves;
+  if (servesFor_ > 0.0) sinceFound_.begin(*this);
   if (isFirst_) learnAllowances();
   isFirst_ = false;
   // Where nothing is near and nothing inside, nothing overlaps any more.
@@ -171,6 +183,12 @@ void SkinPair::find(double dt, bool again) {
   keepMemories();
 }
 
+double SkinPair::room() const {
+  double apart = listReach_;
+  for (const NearPatches &pair : listed_) apart = std::min(apart, pair.apart);
+  return apart - went_ - settings_.offset - settings_.margin;
+}
+
 void SkinPair::list(double reach) {
   MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
   first.placeAll();
@@ -178,10 +196,10 @@ void SkinPair::list(double reach) {
   listed_.clear();
   const double apart = settings_.apart * settings_.apart;
   first.tree().near(
-      second.tree(), reach,
+      second.tree(), reach, open_,
       [&](const SkinBox &a, const SkinBox &b) { return isSelf() && a.squaredFarthest(b) <= apart; },
-      [&](Index a, Index b, double atRest) {
-        if (!isSelf() || atRest > kBeside * apart) listed_.push_back({a, b, -std::numeric_limits<double>::infinity()});
+      [&](Index a, Index b, double atRest, double now) {
+        if (!isSelf() || atRest > kBeside * apart) listed_.push_back({a, b, std::sqrt(now)});
       });
   if (isFirst_ && !isSelf())
     for (const std::size_t side : {0, 1}) findInside(side);
@@ -526,6 +544,11 @@ void SkinPair::lookAt(NearEdges &pair) {
 }
 
 void SkinPair::add(SkinContact contact, double distance) {
+  // Where a body is turned inside out its skin has no outside.
+  if (isSelf() && std::any_of(contact.parts.begin(), contact.parts.end(), [&](const SkinContact::Part &part) {
+        return part.weight != 0.0 && sides_[0].skin->isInverted(part.vertex);
+      }))
+    return;
   depth_ = std::max(depth_, -distance);
   const double left = contact.gap - settings_.margin;
   Vec3 velocity = Vec3::Zero();
@@ -556,6 +579,7 @@ void SkinPair::learnAllowances() {
 // All of them; what presses more than gently takes it back (holdBack()).
 void SkinPair::easeAllowances() {
   if (!eases_ || !(allowed_ > 0.0)) return;
+  wasEased_ = true;
   allowed_ = 0.0;
   for (Side &side : sides_)
     for (double &allowance : side.allowance) {
@@ -579,8 +603,10 @@ void SkinPair::setMemory(const Memory &memory) {
   }
   allowed_ = memory.allowed;
   isFirst_ = false;
-  sinceList_ = Travel();
+  listAnew();
   sum_ = Sum();
+  sinceFound_.from = memory.foundAt;
+  servesFor_ = memory.servesFor;
 }
 
 void SkinPair::addToSum(double dt) {
@@ -594,6 +620,7 @@ void SkinPair::addToSum(double dt) {
 }
 
 void SkinPair::renewPressing() {
+  findAnew();  // gaps stay those of the beginning of the step
   for (SkinContact &contact : active_) {
     if (!(contact.normalImpulse > 0.0)) continue;
     const auto at = [&](std::size_t k) {

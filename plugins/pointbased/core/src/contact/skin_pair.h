@@ -3,6 +3,8 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "contact/contact_skin.h"
 #include "pointbased/contact.h"
@@ -20,6 +22,13 @@ struct SkinContact : Contact {
     double weight = 0.0;
   };
   std::array<Part, 4> parts{};
+  /// When it was found, for those who keep it longer than a step (SkinPair::serves()): m, gap, and the way of the first
+  /// point seen from the second by displacements of phyxels; nothing before JointContact::gather().
+  struct Found {
+    double gap = 0.0;
+    Vec3 way = Vec3::Zero();
+  };
+  std::optional<Found> found;
   [[nodiscard]] bool isOfEdges() const { return key >> 62 == 2; }
 };
 
@@ -52,17 +61,28 @@ class SkinPair {
   [[nodiscard]] double spacing() const { return spacing_; }  ///< m, of the finer one
   [[nodiscard]] const ContactSkin &skin(std::size_t side) const { return sides_[side].skin->skin(); }
   [[nodiscard]] MovingSkin &moving(std::size_t side) { return *sides_[side].skin; }
-  void setFriction(double friction) { settings_.friction = friction; }
+  void setFriction(double friction) {
+    if (std::exchange(settings_.friction, friction) != friction) findAnew();
+  }
   enum class Steps {
     small,        ///< explicit: within one, what is near stays beside what it is beside
     longOnes,     ///< implicit: ways are followed to what they meet
     withoutTime,  ///< quasi-static: likewise; what is led apart goes there at once
   };
   void setSteps(Steps steps) { steps_ = steps; }
+  /// m, that both may have gone since what is near was looked for.
+  [[nodiscard]] double sinceListed() const { return went_; }
+  /// What is near is looked for anew by the next find(), whatever is left of what is known.
+  void listAnew() { sinceList_.forget(); }
   /// Fills active() for a step of dt from where the skins are (MovingSkin::move()), keeping what contacts that go on
   /// remember.
   /// @param again  of the same step: what overlaps is not led farther apart
   void find(double dt, bool again = false);
+  /// Whether the next step can do with what find() has found last: neither skin goes so far that more than what
+  /// is active could press. Gaps are for the caller to follow. After MovingSkin::move().
+  [[nodiscard]] bool serves() const;
+  /// What has been found does not serve any more.
+  void findAnew() { servesFor_ = 0.0; }
   /// The skins have moved on since (MovingSkin::moveOn()): what presses has its place and normal of now, so that a
   /// further impulse between the two points has no torque. Gaps stay.
   void renewPressing();
@@ -74,9 +94,16 @@ class SkinPair {
     std::array<std::vector<double>, 2> allowances;      // [sides][vertices] m, or empty
     std::array<std::vector<std::uint8_t>, 2> isInside;  // [sides][vertices]
     double allowed = 0.0;
+    std::array<std::vector<Vec3>, 2> foundAt;  // [sides][phyxels] m, displacements
+    double servesFor = 0.0;                    // m
   };
   [[nodiscard]] Memory memory() const {
-    return {active_, {sides_[0].allowance, sides_[1].allowance}, {sides_[0].isInside, sides_[1].isInside}, allowed_};
+    return {active_,
+            {sides_[0].allowance, sides_[1].allowance},
+            {sides_[0].isInside, sides_[1].isInside},
+            allowed_,
+            sinceFound_.from,
+            servesFor_};
   }
   void setMemory(const Memory &memory);
 
@@ -91,14 +118,14 @@ class SkinPair {
   void setSum(const Sum &sum) { sum_ = sum; }
   /// A step of dt is over.
   void addToSum(double dt);
-  /// Whether anything was within reach when it was looked for last: find() has to be called for every step.
-  [[nodiscard]] bool isNear() const { return !listed_.empty(); }
-  /// m, that both may go together before find() has to be called again, if nothing isNear().
-  [[nodiscard]] double room() const { return reach_ - settings_.offset - settings_.margin; }
+  /// m, that both may go together from where they were when it was looked for last before anything can touch.
+  [[nodiscard]] double room() const;
   /// m, deepest overlap of the last find(), with what has been allowed since the start; 0: none.
   [[nodiscard]] double depth() const { return depth_; }
   /// m, deepest overlap that is being led apart; 0: none.
   [[nodiscard]] double allowed() const { return allowed_; }
+  /// Whether something has been led apart since the last call, which takes work.
+  [[nodiscard]] bool takeEased() { return std::exchange(wasEased_, false); }
 
  private:
   /// A vertex and a triangle of the other skin within reach of each other.
@@ -110,7 +137,7 @@ class SkinPair {
   /// Patches that have been near each other, and how far apart they were, less what both had moved until then.
   struct NearPatches {
     Index first = 0, second = 0;
-    double apart = 0.0;  // m
+    double apart = 0.0;  // m, of their boxes
   };
   /// Of one vertex; not looked at before both skins have moved by `wake` since they were gathered.
   struct NearVertex {
@@ -124,6 +151,9 @@ class SkinPair {
   /// How far both skins have moved together, at most, as far as phyxels tell.
   struct Travel {
     std::array<std::vector<Vec3>, 2> from;  // [sides][phyxels] m, displacements at the beginning; empty: none
+    void forget() {
+      for (std::vector<Vec3> &side : from) side.clear();
+    }
     void begin(const SkinPair &pair);
     [[nodiscard]] double since(const SkinPair &pair) const;  // m
   };
@@ -175,17 +205,18 @@ class SkinPair {
   SkinPairSettings settings_;
   double spacing_;
   std::vector<NearPatches> listed_;
-  std::vector<Near> near_;  // by side, vertex, triangle
+  std::vector<std::pair<Index, Index>> open_;  // room for PatchTree::near()
+  std::vector<Near> near_;                     // by side, vertex, triangle
   std::vector<NearVertex> vertices_;
   std::vector<NearEdges> edges_;
-  Travel sinceList_, sinceGathered_;
+  Travel sinceList_, sinceGathered_, sinceFound_;
+  double servesFor_ = 0.0;                     // m, that both may go since found
   std::array<std::vector<Vec3>, 2> listedAt_;  // [sides][vertices] m, places then
   double listReach_ = 0.0;                     // m
   double went_ = 0.0, goes_ = 0.0;             // m, of both together: since it was listed, and in this step
   double slack_ = 0.0, moved_ = 0.0;           // m: what was gathered serves so far; since then
-  double reach_ = 0.0;                         // m, within which the list is still complete
   Steps steps_ = Steps::small;
-  bool isFirst_ = true, eases_ = true;
+  bool isFirst_ = true, eases_ = true, wasEased_ = false;
   double before_ = 0.0;  // m, allowed_ at the beginning of the step
   double dt_ = 0.0;
   std::vector<SkinContact> active_, previous_;

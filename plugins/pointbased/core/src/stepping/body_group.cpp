@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "base/number_text.h"
 #include "stepping/step_cost.h"
 
 namespace pointbased::detail {
@@ -27,6 +28,15 @@ void BodyGroup::clear() {
   layers_.clear();
 }
 
+void BodyGroup::tellMembers() {
+  std::uint64_t group = 0;
+  if (members_.size() > 1 || !layers_.empty()) {
+    group = layers_.size() + 1;
+    for (const Member &member : members_) group = group * 1'000'003 + member.id + 1;
+  }
+  for (const Member &member : members_) member.runner->setGroup(group);
+}
+
 double BodyGroup::advance(std::span<const StepContext> orders, double span) {
   // What a body is attached to may move although they do not touch.
   const bool isLed = std::any_of(layers_.begin(), layers_.end(), [&](const JoinedLayer &one) {
@@ -45,7 +55,6 @@ double BodyGroup::advance(std::span<const StepContext> orders, double span) {
     BodyStepper &runner = *members_[k].runner;
     if (runner.asleep()) runner.wake();
     runner.beginAdvance(orders[k]);
-    runner.forgetEnergy();  // it goes from one body to the other
     most = std::min(most, runner.mostSubsteps());
   }
   takeScheme(orders);
@@ -84,12 +93,19 @@ void BodyGroup::advanceAgain(std::span<const StepContext> orders, double span) {
 double BodyGroup::tryToAdvance(std::span<const StepContext> orders, double span, std::uint64_t mostSubsteps) {
   for (std::size_t k = 0; k < members_.size(); ++k)
     if (moves(k)) (void)members_[k].runner->keepIfSound(orders[k]);
+  bool again = false;  // from the marks
   while (true) {
     bool any = false;
     for (std::size_t k = 0; k < members_.size(); ++k) any = any || moves(k);
     if (!any) return span;
-    const Gone gone = scheme_ == Integrator::explicitVerlet ? advanceExplicit(orders, span, mostSubsteps)
-                                                            : advanceImplicit(orders, span, scheme_);
+    Gone gone = again ? againFromMarks(orders, span) : advanceOnce(orders, span, mostSubsteps);
+    if (gone && orders.front().number % kEnergyInterval == 0)
+      orders.front().environment.clock->measure(kGuard, [&] {
+        std::optional<Refused> grown = lookAtEnergy(orders, orders.front().time + *gone);
+        if (!grown) return;
+        gone = tl::unexpected<Refused>(std::move(*grown));
+        again = true;
+      });
     if (gone) {
       for (std::size_t k = 0; k < members_.size(); ++k)
         if (moves(k)) members_[k].runner->endAdvance();
@@ -98,8 +114,87 @@ double BodyGroup::tryToAdvance(std::span<const StepContext> orders, double span,
     for (const JoinedLayer &joined : layers_) joined.layer->goBack();
     for (std::size_t k = 0; k < members_.size(); ++k)
       if (k != gone.error().member && moves(k)) members_[k].runner->goBack(*orders[k].environment.parallelFor);
-    (void)members_[gone.error().member].runner->tryAgain(orders[gone.error().member], gone.error().why);
+    const std::size_t refused = gone.error().member;
+    (void)members_[refused].runner->tryAgain(
+        orders[refused], gone.error().why,
+        again ? "at " + number(members_[refused].runner->mark()->time) + " s" : "before");
   }
+}
+
+BodyGroup::Gone BodyGroup::advanceOnce(std::span<const StepContext> orders, double span, std::uint64_t mostSubsteps) {
+  return scheme_ == Integrator::explicitVerlet ? advanceExplicit(orders, span, mostSubsteps)
+                                               : advanceImplicit(orders, span, scheme_);
+}
+
+std::optional<double> BodyGroup::timeOfMarks() const {
+  std::optional<double> time;
+  for (std::size_t k = 0; k < members_.size(); ++k) {
+    if (!moves(k)) continue;
+    const std::optional<BodyStepper::Mark> &mark = members_[k].runner->mark();
+    if (!mark || (time && *time != mark->time)) return std::nullopt;
+    time = mark->time;
+  }
+  return time;
+}
+
+std::optional<BodyGroup::Refused> BodyGroup::lookAtEnergy(std::span<const StepContext> orders, double time) {
+  const Vec3 &gravity = orders.front().world.gravity;
+  bool comparable = timeOfMarks().has_value();
+  for (const JoinedPair &joined : pairs_) comparable = !joined.pair->takeEased() && comparable;
+  std::vector<EnergyLevel> levels(members_.size());
+  for (std::size_t k = 0; k < members_.size(); ++k) {
+    if (!moves(k)) continue;
+    levels[k] = energyLevel(members_[k].runner->body(), gravity);
+    comparable = comparable && !members_[k].runner->mayGainEnergy(orders[k]);
+  }
+  for (std::size_t l = 0; l < layers_.size(); ++l) {
+    const JoinedLayer &joined = layers_[l];
+    comparable = comparable && !joined.layer->motion();
+    levels[moves(joined.first) || joined.second == JoinedLayer::kNobody ? joined.first : joined.second].total +=
+        joined.layer->energy(sidesOf(l, time));
+  }
+  EnergyLevel before, now;
+  std::size_t worst = 0;
+  double most = -std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < members_.size(); ++k) {
+    if (!moves(k)) continue;
+    now.add(levels[k]);
+    if (!comparable) continue;
+    const EnergyLevel &known = members_[k].runner->mark()->energy;
+    before.add(known);
+    if (levels[k].total - known.total > most) {
+      most = levels[k].total - known.total;
+      worst = k;
+    }
+  }
+  Vec3 &ledOut = joint_.state().ledOut;
+  now.lifted += std::max(0.0, -gravity.dot(ledOut));
+  ledOut.setZero();
+  for (std::size_t k = 0; k < members_.size(); ++k) members_[k].runner->body().contact.ledOut.setZero();
+  std::string grown = comparable ? energyGrowth(before, now) : std::string();
+  for (std::size_t k = 0; k < members_.size(); ++k) {
+    if (!moves(k)) continue;
+    if (grown.empty())
+      members_[k].runner->setMark(time, levels[k]);
+    else
+      members_[k].runner->backToMark();
+  }
+  if (grown.empty()) return std::nullopt;
+  return Refused{worst,
+                 {{fullCheck(members_[worst].runner->body()).fastestPhyxel, std::move(grown), kLessEnergy}, false}};
+}
+
+BodyGroup::Gone BodyGroup::againFromMarks(std::span<const StepContext> orders, double span) {
+  const double end = orders.front().time + span;
+  std::vector<StepContext> pieces(orders.begin(), orders.end());
+  double time = timeOfMarks().value_or(orders.front().time);
+  while (end - time > 1e-9 * span) {
+    const double left = std::min(orders.front().dt, end - time);
+    for (StepContext &piece : pieces) piece.time = time;
+    if (const Gone gone = advanceOnce(pieces, left, std::numeric_limits<std::uint64_t>::max()); !gone) return gone;
+    time += left;
+  }
+  return span;
 }
 
 BodyGroup::Gone BodyGroup::maxSubstep(std::span<const StepContext> orders, double time, double left) {
@@ -286,17 +381,21 @@ void BodyGroup::substep(std::span<const StepContext> orders, double time, double
   addLayerForces(time, true);
   for (ExplicitSubstep &one : substeps_) one.kickFirst();
   const bool touches = !pairs_.empty();
+  bool serves = false;  // what has been found before
   double margin = std::numeric_limits<double>::infinity();
   if (touches)
     clock.measure(kContact, [&] {
       for (const JoinedPair &joined : pairs_) margin = std::min(margin, joined.pair->settings().margin);
       if (!goesOn) joint_.gather(pairs_, margin);
+      serves = joint_.serves();
       joint_.predict();
       for (const MovedSkin &moved : skins_) {
         const Body &body = members_[moved.member].runner->body();
         moved.skin->move(body.state().displacements, joint_.predicted(moved.member), body.rest().maxInfluence, dt);
       }
+      for (const JoinedPair &joined : pairs_) serves = serves && joined.pair->serves();
       for (const JoinedPair &joined : pairs_) {
+        if (serves) break;
         joined.pair->setSteps(SkinPair::Steps::small);
         joined.pair->find(dt);
       }
@@ -304,7 +403,10 @@ void BodyGroup::substep(std::span<const StepContext> orders, double time, double
   for (ExplicitSubstep &one : substeps_) one.findContacts();
   if (touches)
     clock.measure(kContact, [&] {
-      joint_.gather(pairs_, margin);
+      if (serves)
+        joint_.gatherAgain();
+      else
+        joint_.gather(pairs_, margin);
       joint_.solve(dt, pairs_);
     });
   else
@@ -315,9 +417,11 @@ void BodyGroup::substep(std::span<const StepContext> orders, double time, double
   if (touches)
     clock.measure(kContact, [&] {
       if (joint_.empty()) return;
-      for (const MovedSkin &moved : skins_) moved.skin->moveOn();
-      for (const JoinedPair &joined : pairs_) joined.pair->renewPressing();
-      joint_.gather(pairs_, margin);
+      if (!joint_.serves()) {
+        for (const MovedSkin &moved : skins_) moved.skin->moveOn();
+        for (const JoinedPair &joined : pairs_) joined.pair->renewPressing();
+        joint_.gather(pairs_, margin);
+      }
       joint_.settle(dt, pairs_);
     });
   else

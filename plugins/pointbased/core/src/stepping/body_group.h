@@ -29,6 +29,8 @@ class BodyGroup {
   [[nodiscard]] std::span<const Member> members() const { return members_; }
   [[nodiscard]] std::span<const JoinedPair> pairs() const { return pairs_; }
 
+  /// Tells the members that they exchange energy with each other.
+  void tellMembers();
   /// As BodyStepper::advance() and advanceAgain().
   /// @param orders  [members], each in its own surroundings
   [[nodiscard]] double advance(std::span<const StepContext> orders, double span);
@@ -52,6 +54,13 @@ class BodyGroup {
     BodyStepper::Refusal why;
   };
   using Gone = tl::expected<double, Refused>;
+  [[nodiscard]] Gone advanceOnce(std::span<const StepContext> orders, double span, std::uint64_t mostSubsteps);
+  /// Looks at the energy of all together, at `time`. @return whose has grown most, if that of all has
+  [[nodiscard]] std::optional<Refused> lookAtEnergy(std::span<const StepContext> orders, double time);
+  /// As BodyStepper::againFromMark().
+  [[nodiscard]] Gone againFromMarks(std::span<const StepContext> orders, double span);
+  /// s, of the marks of all that move; nothing: they are not of one time.
+  [[nodiscard]] std::optional<double> timeOfMarks() const;
   /// What integrates all of them: something implicit where one of them is; of Integrator::automatic, where some touch,
   /// what is predicted to cost less for all.
   [[nodiscard]] Integrator integratorIn(const WorldSettings &world) const;

@@ -17,20 +17,6 @@ constexpr double kMostWork = 2e7;  // evaluations of points in a step: some seco
 constexpr double kSmallestScale = 1.0 / 64;  // of the steps that are tried before a body stops
 constexpr double kCrushedScale = 1.0 / 4;    // likewise where it is crushed, which smaller steps seldom change
 
-// Something outside puts energy into the body, or it takes up what it has lost. Wider than isDriven(): after a ramp
-// what swings still exchanges energy with its support.
-bool mayGainEnergy(const Body &body, std::span<const Obstacle> obstacles, double time) {
-  if (!body.hands.empty() || !body.externalForces().empty()) return true;
-  for (const Obstacle &obstacle : obstacles)
-    if (obstacle.motion) return true;
-  const BoundaryConditions &conditions = body.rest().conditions;
-  for (const Fix &fix : conditions.fixes)
-    if (fix.ramp > 0.0 && time <= 1.5 * fix.ramp) return true;
-  for (const Load &load : conditions.loads)
-    if ((load.ramp > 0.0 && time <= 1.5 * load.ramp) || (load.pressure != 0.0 && load.follower)) return true;
-  return body.constitution().relaxing();
-}
-
 }  // namespace
 
 std::uint64_t BodyStepper::mostSubsteps() const {
@@ -237,19 +223,16 @@ double BodyStepper::tryToAdvance(const StepContext &order, double span, std::uin
     Gone gone = again                                      ? againFromMark(order, span)
                 : integrator == Integrator::explicitVerlet ? advanceExplicit(order, span, mostSubsteps, *glance)
                                                            : advanceImplicit(order, span);
-    if (gone && order.number % EnergyWatch::kEnergyInterval == 0)
+    if (gone && order.number % kEnergyInterval == 0)
       order.environment.clock->measure(kGuard, [&] {
-        const bool mayGrow = mayGainEnergy(body, order.environment.obstacles, order.time);
-        const EnergyWatch before = energy_;
-        if (auto grown = energy_.look(body, order.world.gravity, mayGrow)) {
-          gone = refused(std::move(*grown));
-          energy_ = before;
-          if (mark_) backToMark();
-          again = mark_.has_value();
+        const EnergyLevel now = energyLevel(body, order.world.gravity);
+        const bool comparable = mark_.has_value() && !mayGainEnergy(order);
+        if (std::string grown = comparable ? energyGrowth(mark_->energy, now) : std::string(); !grown.empty()) {
+          gone = refused({fullCheck(body).fastestPhyxel, std::move(grown), kLessEnergy});
+          backToMark();
+          again = true;
         } else {
-          if (!mark_) mark_ = Mark();
-          mark_->state = body.state();
-          mark_->time = order.time + *gone;
+          setMark(order.time + *gone, now);
         }
         body.contact.ledOut.setZero();
       });
@@ -259,6 +242,26 @@ double BodyStepper::tryToAdvance(const StepContext &order, double span, std::uin
     }
     if (!tryAgain(order, gone.error(), again ? "at " + number(mark_->time) + " s" : "before")) return span;
   }
+}
+
+// Wider than isDriven(): after a ramp what swings still exchanges energy with its support.
+bool BodyStepper::mayGainEnergy(const StepContext &order) const {
+  if (!body_->hands.empty() || !body_->externalForces().empty()) return true;
+  for (const Obstacle &obstacle : order.environment.obstacles)
+    if (obstacle.motion) return true;
+  const BoundaryConditions &conditions = body_->rest().conditions;
+  for (const Fix &fix : conditions.fixes)
+    if (fix.ramp > 0.0 && order.time <= 1.5 * fix.ramp) return true;
+  for (const Load &load : conditions.loads)
+    if ((load.ramp > 0.0 && order.time <= 1.5 * load.ramp) || (load.pressure != 0.0 && load.follower)) return true;
+  return body_->constitution().relaxing();
+}
+
+void BodyStepper::setMark(double time, const EnergyLevel &energy) {
+  if (!mark_) mark_ = Mark();
+  mark_->state = body_->state();
+  mark_->time = time;
+  mark_->energy = energy;
 }
 
 void BodyStepper::backToMark() {

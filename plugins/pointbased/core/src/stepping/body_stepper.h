@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <tl/expected.hpp>
+#include <utility>
 
 #include "pointbased/world_settings.h"
 #include "stepping/guard.h"
@@ -111,11 +112,24 @@ class BodyStepper {
 
   /// The body is not what it was: another material, another reference.
   void forget();
+  /// The state of the last look at the energy, with which the steps since then begin again where it has grown.
+  struct Mark {
+    State state;
+    double time = 0.0;  ///< s
+    EnergyLevel energy;
+  };
+  [[nodiscard]] const std::optional<Mark> &mark() const { return mark_; }
+  /// It is in order now.
+  void setMark(double time, const EnergyLevel &energy);
+  void backToMark();
   /// Its energy may change from outside.
-  void forgetEnergy() {
-    energy_.forget();
-    mark_.reset();
+  void forgetEnergy() { mark_.reset(); }
+  /// With whom it exchanges energy from here on; 0: with nobody. What it had before tells nothing of others.
+  void setGroup(std::uint64_t group) {
+    if (std::exchange(group_, group) != group) forgetEnergy();
   }
+  /// Something outside puts energy into the body, or it takes up what it has lost.
+  [[nodiscard]] bool mayGainEnergy(const StepContext &order) const;
   /// Nothing of earlier steps is used by the next one but the state.
   void startSolversAnew() {
     solver_.forget();
@@ -154,19 +168,13 @@ class BodyStepper {
   [[nodiscard]] Gone advanceExplicit(const StepContext &order, double span, std::uint64_t mostSubsteps,
                                      const QuickCheckResult &glance);
   [[nodiscard]] Gone advanceImplicit(const StepContext &order, double span);
-  /// The state of the last look at the energy, with which the steps since then begin again.
-  void backToMark();
   /// From the mark to the end of `span`, in steps of order.dt.
   [[nodiscard]] Gone againFromMark(const StepContext &order, double span);
 
   std::unique_ptr<Body> body_;
   NewtonSolver solver_;
-  EnergyWatch energy_;
-  struct Mark {
-    State state;
-    double time = 0.0;  // s
-  };
-  std::optional<Mark> mark_;  // where the energy was looked at last; none: it could not be compared
+  std::optional<Mark> mark_;  // none: the energy cannot be compared
+  std::uint64_t group_ = 0;
   SubstepController substeps_;
   SleepDetector watch_;
   bool asleep_ = false;

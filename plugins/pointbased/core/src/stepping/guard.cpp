@@ -92,28 +92,32 @@ GuardFinding firstNonFinite(const Body &body) {
   return finding;
 }
 
-std::optional<GuardFinding> EnergyWatch::look(const Body &body, const Vec3 &gravity, bool driven) {
+void EnergyLevel::add(const EnergyLevel &other) {
+  total += other.total;
+  kinetic += other.kinetic;
+  stored += other.stored;
+  lifted += other.lifted;
+}
+
+EnergyLevel energyLevel(const Body &body, const Vec3 &gravity) {
   const ElasticEnergy elastic = body.elasticEnergy(serialFor());
-  const double stored = elastic.strain + elastic.stabilisation, kinetic = body.kineticEnergy();
-  double total = kinetic + stored + potential(body, gravity) +
-                 body.patches().energy(body.lastPatchTargets(), body.state().displacements) +
-                 body.foundation().energy(body.state().displacements);
-  const double scale = std::max(kinetic, stored);
-  const bool comparable = known_ && !driven;
-  const double before = total_;
-  // What is led out of an obstacle is lifted by it.
-  const double lifted = std::max(0.0, -gravity.dot(body.contact.ledOut));
-  const double growth = total - total_, allowed = kGrowth * std::max(scale, scale_) + lifted * (1.0 + 1e-9);
-  known_ = true;
-  total_ = total;
-  scale_ = scale;
-  if (!comparable || growth <= allowed || growth <= 1e-12 * (std::abs(total) + std::abs(before))) return std::nullopt;
-  known_ = false;
-  const GuardView view = fullCheck(body);
-  return GuardFinding{view.fastestPhyxel,
-                      "the energy has grown by " + number(growth) + " J with nothing driving it (kinetic " +
-                          number(kinetic) + " J, elastic " + number(stored) + " J)",
-                      "a smaller solver.dt, solver.integrator = \"implicit\" or more material.viscosity"};
+  EnergyLevel level;
+  level.stored = elastic.strain + elastic.stabilisation;
+  level.kinetic = body.kineticEnergy();
+  level.total = level.kinetic + level.stored + potential(body, gravity) +
+                body.patches().energy(body.lastPatchTargets(), body.state().displacements) +
+                body.foundation().energy(body.state().displacements);
+  level.lifted = std::max(0.0, -gravity.dot(body.contact.ledOut));
+  return level;
+}
+
+std::string energyGrowth(const EnergyLevel &before, const EnergyLevel &now) {
+  const auto scaleOf = [](const EnergyLevel &level) { return std::max(level.kinetic, level.stored); };
+  const double growth = now.total - before.total,
+               allowed = kEnergyGrowth * std::max(scaleOf(before), scaleOf(now)) + now.lifted * (1.0 + 1e-9);
+  if (growth <= allowed || growth <= 1e-12 * (std::abs(now.total) + std::abs(before.total))) return {};
+  return "the energy has grown by " + number(growth) + " J with nothing driving it (kinetic " + number(now.kinetic) +
+         " J, elastic " + number(now.stored) + " J)";
 }
 
 }  // namespace pointbased

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <limits>
-#include <optional>
+#include <string>
 
 #include "pointbased/body.h"
 
@@ -34,23 +34,27 @@ struct QuickCheckResult {
 /// not.
 [[nodiscard]] GuardFinding firstNonFinite(const Body &body);
 
-/// Watches the energy of a body that nothing drives: it may not grow. Asked every kEnergyInterval steps, because
-/// energies cost about half a force evaluation.
-class EnergyWatch {
- public:
-  static constexpr std::uint64_t kEnergyInterval = 128;
-  /// Part of the larger of kinetic and elastic energy that the sum may grow by between two looks: velocity Verlet moves
-  /// it by (ω dt)²/4 at most 16 % of the fastest mode's share, contact by what leads out of a penetration.
-  static constexpr double kGrowth = 0.25;
+/// Steps between two looks at the energy of bodies that nothing drives, which may not grow: energies cost about half a
+/// force evaluation.
+inline constexpr std::uint64_t kEnergyInterval = 128;
 
-  /// @param driven  loads that change, moving supports or obstacles, a hand: then the energy may grow
-  /// @return what is wrong, if it has grown
-  [[nodiscard]] std::optional<GuardFinding> look(const Body &body, const Vec3 &gravity, bool driven);
-  void forget() { known_ = false; }
-
- private:
-  bool known_ = false;
-  double total_ = 0.0, scale_ = 0.0;
+/// Energies of a body, or of several, as the guard compares them; J.
+struct EnergyLevel {
+  double total = 0.0;    ///< with the potential of gravity, dead loads, supports and foundation
+  double kinetic = 0.0;  ///< J
+  double stored = 0.0;   ///< J, elastic
+  double lifted = 0.0;   ///< J, by what contact has led out of obstacles since ContactState::ledOut was zero
+  void add(const EnergyLevel &other);
 };
+[[nodiscard]] EnergyLevel energyLevel(const Body &body, const Vec3 &gravity);
+
+/// Part of the larger of kinetic and elastic energy that the sum may grow by between two looks: velocity Verlet moves it
+/// by (ω dt)²/4 at most 16 % of the fastest mode's share, contact by what leads out of a penetration.
+inline constexpr double kEnergyGrowth = 0.25;
+/// Whether energy has come from nothing. @return what is wrong; empty: nothing
+[[nodiscard]] std::string energyGrowth(const EnergyLevel &before, const EnergyLevel &now);
+/// What helps then.
+inline constexpr const char *kLessEnergy =
+    "a smaller solver.dt, solver.integrator = \"implicit\" or more material.viscosity";
 
 }  // namespace pointbased

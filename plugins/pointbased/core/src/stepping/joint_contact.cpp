@@ -12,6 +12,8 @@ constexpr int kSweeps = 60;
 // Of the margin, that speeds left by the sweeps may close in a step, and of the fastest of them. What is left over
 // drives what rests: at 0.02 and 5e-3 phyxels of blocks that lay on each other kept up to 38 mm/s.
 constexpr double kLeft = 5e-4, kTolerance = 2e-3;
+// Of the layer between two skins: contacts that have slid by less keep their normals and what they touch.
+constexpr double kSlip = 0.06;
 
 }  // namespace
 
@@ -55,6 +57,12 @@ void JointContact::endRow() {
   rows_.binding.positions.push_back(Vec3::Zero());
 }
 
+void JointContact::addContact(const Contact &contact) {
+  state_.active.push_back(contact);
+  state_.active.back().point = static_cast<Index>(state_.active.size() - 1);
+  endRow();
+}
+
 void JointContact::gather(std::span<const JoinedPair> pairs, double margin, bool obstacles) {
   rows_.binding.phyxels.offsets.assign(1, 0);
   rows_.binding.phyxels.indices.clear();
@@ -64,11 +72,6 @@ void JointContact::gather(std::span<const JoinedPair> pairs, double margin, bool
   margin_ = margin;
   state_.margin = 0.0;
   if (entryOf_.size() != count_) entryOf_.assign(count_, kNone);
-  const auto addContact = [&](const Contact &contact) {
-    state_.active.push_back(contact);
-    state_.active.back().point = static_cast<Index>(state_.active.size() - 1);
-    endRow();
-  };
   for (const JoinedPair &joined : pairs) {
     const std::array<std::size_t, 2> of{joined.first, joined.second};
     for (const SkinContact &contact : joined.pair->active()) {
@@ -84,9 +87,23 @@ void JointContact::gather(std::span<const JoinedPair> pairs, double margin, bool
       addContact(contact);
     }
   }
+  began_.clear();
+  if (obstacles) {
+    takeDisplacements();
+    for (const JoinedPair &joined : pairs)
+      for (SkinContact &contact : joined.pair->active()) {
+        const std::size_t row = began_.size();
+        if (!contact.found) contact.found = {contact.gap, way(row)};
+        began_.push_back({contact.found->way, contact.found->gap, 0.0});
+      }
+  }
   gathersObstacles_ = obstacles;
+  if (obstacles) addObstacles();
+}
+
+void JointContact::addObstacles() {
   for (const Joined &joined : bodies_) {
-    if (!joined.moves || !obstacles) continue;
+    if (!joined.moves) continue;
     state_.margin = std::max(state_.margin, joined.body->contact.margin);
     const Interpolation &points = joined.body->rest().contact.binding;
     for (const Contact &contact : joined.body->contact.active) {
@@ -96,6 +113,46 @@ void JointContact::gather(std::span<const JoinedPair> pairs, double margin, bool
       addContact(contact);
     }
   }
+}
+
+bool JointContact::serves() {
+  takeDisplacements();
+  for (std::size_t c = 0; c < began_.size(); ++c) {
+    const Contact &contact = state_.active[c];
+    const Vec3 moved = way(c) - began_[c].way;
+    const double slip = kSlip * (contact.thickness > 0.0 ? contact.thickness : margin_);
+    began_[c].rise = moved.dot(contact.normal);
+    if (!((moved - began_[c].rise * contact.normal).squaredNorm() <= slip * slip)) return false;
+  }
+  return true;
+}
+
+void JointContact::gatherAgain() {
+  const std::size_t count = began_.size();
+  rows_.binding.phyxels.offsets.resize(count + 1);
+  const Index entries = rows_.binding.phyxels.offsets.back();
+  rows_.binding.phyxels.indices.resize(entries);
+  rows_.binding.weights.resize(entries);
+  rows_.binding.positions.resize(count);
+  state_.active.resize(count);
+  for (std::size_t c = 0; c < count; ++c) state_.active[c].gap = began_[c].gap + began_[c].rise;
+  state_.margin = 0.0;
+  addObstacles();
+}
+
+Vec3 JointContact::way(std::size_t row) const {
+  const Csr &phyxels = rows_.binding.phyxels;
+  Vec3 sum = Vec3::Zero();
+  for (Index e = phyxels.offsets[row]; e < phyxels.offsets[row + 1]; ++e)
+    sum += rows_.binding.weights[e] * displacements_[phyxels.indices[e]];
+  return sum;
+}
+
+void JointContact::takeDisplacements() {
+  displacements_.resize(count_);
+  for (const Joined &joined : bodies_)
+    std::copy(joined.body->state().displacements.begin(), joined.body->state().displacements.end(),
+              displacements_.begin() + static_cast<std::ptrdiff_t>(joined.first));
 }
 
 void JointContact::takeVelocities() {

@@ -25,6 +25,12 @@ class JointContact {
 
   /// Takes the contacts that have been found: of the pairs, and of each body those in Body::contact, if `obstacles`.
   void gather(std::span<const JoinedPair> pairs, double margin, bool obstacles = true);
+  /// Whether the contacts of pairs that have been gathered last are still those: none of them has slid farther since
+  /// than a small part of the layer between the skins.
+  [[nodiscard]] bool serves();
+  /// Takes these again, with gaps as they are now, and the contacts with obstacles and walls that have been found since.
+  /// After serves().
+  void gatherAgain();
   /// The contacts over all phyxels, as rows of signed weights; Contact::point is the row.
   [[nodiscard]] const ContactPoints &rows() const { return rows_; }
   [[nodiscard]] ContactState &state() { return state_; }
@@ -52,6 +58,10 @@ class JointContact {
   };
   void addRow(std::span<const Index> phyxels, std::span<const double> weights, std::size_t first, double scale);
   void endRow();
+  void addContact(const Contact &contact);
+  void addObstacles();
+  void takeDisplacements();
+  [[nodiscard]] Vec3 way(std::size_t row) const;  // m, from displacements_
   void takeVelocities();
   void giveVelocities();
 
@@ -64,6 +74,14 @@ class JointContact {
   std::vector<double> inverseMasses_;
   std::vector<Vec3> velocities_;
   std::vector<Index> entryOf_;  // [phyxels] of the row that is being made; kNone
+  /// A contact of a pair when it was gathered.
+  struct Began {
+    Vec3 way = Vec3::Zero();  // m, of the displacements
+    double gap = 0.0;         // m
+    double rise = 0.0;        // m, along its normal, since
+  };
+  std::vector<Began> began_;  // [contacts of pairs]
+  std::vector<Vec3> displacements_;
 };
 
 }  // namespace pointbased::detail

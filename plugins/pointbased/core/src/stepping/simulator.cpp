@@ -306,8 +306,7 @@ StepComposition Simulator::compositionOf(std::size_t id) const {
     if (probe.body == id) notes.probes.push_back(probe.name);
   for (const auto &[other, own] : bodies_)
     if (other != id && canTouch(id, other)) notes.touches.push_back(own->body().name());
-  const auto itself = skins_->pairs().find({id, id});
-  notes.touchesItself = canTouch(id, id) && itself != skins_->pairs().end() && itself->second->isNear();
+  notes.touchesItself = touchThemselves_.contains(id);
   Environment env = environment();
   env.obstacles = obstaclesOf(id);
   env.box = boxOf(id);
@@ -401,8 +400,13 @@ detail::BodyCrew &Simulator::gatherCrew(double dt) {
   crew_->clear();
   std::size_t group = 0;
   for (auto &[id, runner] : bodies_) {
-    if (group < groupCount_ && groups_[group]->members().front().id == id) crew_->add(*groups_[group++]);
-    if (!grouped_.contains(id) && !runner->stopped() && !runner->body().rigid()) crew_->add(id, *runner);
+    if (group < groupCount_ && groups_[group]->members().front().id == id) {
+      groups_[group]->tellMembers();
+      crew_->add(*groups_[group++]);
+    }
+    if (grouped_.contains(id)) continue;
+    runner->setGroup(0);
+    if (!runner->stopped() && !runner->body().rigid()) crew_->add(id, *runner);
   }
   return *crew_;
 }

@@ -22,6 +22,8 @@ using Box = SkinBox;
 constexpr double kSlack = 0.5;   // spacings
 constexpr double kOfSize = 0.1;  // of a body, that it may go in an increment of the load
 constexpr double kFaster = 2.0;  // times the way of a step: bodies may gain speed within it
+// Spacings: from where on contact of a skin with itself is looked for, and ways after which what is near may be other.
+constexpr double kNear = 0.1, kOld = 0.02;
 
 // Where a body is, and as much around it as it may go within a step.
 Box reachOf(const Body &body, const Vec3 &gravity, double dt) {
@@ -33,6 +35,36 @@ Box reachOf(const Body &body, const Vec3 &gravity, double dt) {
     speed = std::max(speed, body.state().velocities[i].squaredNorm());
   }
   return box.wider(kFaster * dt * (std::sqrt(speed) + dt * gravity.norm()) + kSlack * rest.spacing);
+}
+
+// m/s, of the fastest vertex of its skin, at most, beside a rigid motion of all.
+double deformingSpeed(const Body &body, const ContactSkin &skin) {
+  const RestState &rest = body.rest();
+  const State &state = body.state();
+  const double count = static_cast<double>(std::max<std::size_t>(1, rest.phyxelCount()));
+  Vec3 place = Vec3::Zero(), velocity = Vec3::Zero();
+  for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
+    place += rest.positions[i] + state.displacements[i];
+    velocity += state.velocities[i];
+  }
+  place /= count;
+  velocity /= count;
+  const auto arm = [&](std::size_t i) -> Vec3 { return rest.positions[i] + state.displacements[i] - place; };
+  Mat3 inertia = Mat3::Zero();
+  Vec3 spin = Vec3::Zero();
+  for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
+    const Vec3 r = arm(i);
+    inertia += r.squaredNorm() * Mat3::Identity() - r * r.transpose();
+    spin += r.cross(state.velocities[i] - velocity);
+  }
+  // What lies in a line has no inertia about it.
+  inertia += 1e-9 * inertia.trace() * Mat3::Identity();
+  const Vec3 turning = inertia.trace() > 0.0 ? Vec3(inertia.ldlt().solve(spin)) : Vec3(Vec3::Zero());
+  FarthestWay fastest;
+  for (std::size_t i = 0; i < rest.phyxelCount(); ++i)
+    fastest.add(state.velocities[i] - velocity - turning.cross(arm(i)),
+                rest.maxInfluence.empty() ? 1.0 : static_cast<double>(rest.maxInfluence[i]));
+  return fastest.ofVertices(skin);
 }
 
 // m, of the phyxel that went farthest in the last increment of the load.
@@ -66,20 +98,29 @@ bool Simulator::mayTouchItself(std::size_t id, double dt) {
   const Body &body = bodies_.at(id)->body();
   if (body.rigid() || bodies_.at(id)->stopped() || bodies_.at(id)->asleep() || !canTouch(id, id)) return false;
   SkinContacts::RoomOfSelf &room = skins_->roomOfSelf(id, body);
-  const double goes = 2.0 * kFaster * (quasiStatic() ? wayOfIncrement(body) : dt * quickCheck(body).speedBound);
+  const QuickCheckResult glance = quickCheck(body);
+  if (!glance.finite) return false;
+  double goes = 2.0 * kFaster * room.skin->sum * (quasiStatic() ? wayOfIncrement(body) : dt * glance.speedBound);
   room.left -= goes;
   if (room.left > 0.0) return false;
   SkinPair &pair = skins_->pairOf(id, body, id, body, contact_.friction);
-  if (pair.isNear()) return true;  // it was in the last step
+  if (!pair.active().empty()) return true;  // it does
   room.measure(body.state().displacements);
+  if (!quasiStatic()) goes = 2.0 * kFaster * dt * deformingSpeed(body, *room.skin);
   room.left -= goes;
   if (room.left > 0.0) return false;
   pair.moving(0).move(body.state().displacements, body.state().velocities, body.rest().maxInfluence, 0.0);
-  pair.find(0.0);
-  if (pair.isNear()) return true;
   room.from.assign(body.state().displacements.begin(), body.state().displacements.end());
-  room.room = room.left = pair.room() / std::max(1.0, pair.skin(0).gain);
-  return false;
+  const auto look = [&] {
+    pair.find(0.0);
+    room.room = pair.room() - kNear * body.rest().spacing;
+    room.left = room.room - goes;
+    return room.left > 0.0;
+  };
+  if (look()) return false;
+  if (!(pair.sinceListed() > kOld * body.rest().spacing)) return true;
+  pair.listAnew();
+  return !look();
 }
 
 void Simulator::formGroups(double dt) {
@@ -92,7 +133,10 @@ void Simulator::formGroups(double dt) {
     return runner.asleep() || runner.stopped() || runner.body().rigid();
   });
   const bool touch = contact_.enabled && (bodies_.size() > 1 || contact_.self);
-  if (!touch && attachments_.empty()) return;
+  touchThemselves_.clear();
+  for (auto &[id, runner] : bodies_)
+    if (touch && mayTouchItself(id, dt)) touchThemselves_.insert(id);
+  if (!(touch && bodies_.size() > 1) && touchThemselves_.empty() && attachments_.empty()) return;
   struct One {
     std::size_t id;
     BodyStepper *runner;
@@ -104,7 +148,7 @@ void Simulator::formGroups(double dt) {
   for (auto &[id, runner] : bodies_) {
     if (!SkinContacts::hasSkin(runner->body())) continue;
     const bool stands = runner->stopped() || runner->body().rigid();
-    if (touch && mayTouchItself(id, dt)) near.emplace_back(ones.size(), ones.size());
+    if (touchThemselves_.contains(id)) near.emplace_back(ones.size(), ones.size());
     ones.push_back({id, runner.get(), stands || runner->asleep(), {}});
     if (!touch || bodies_.size() < 2) continue;
     ones.back().box = quasiStatic() ? reachOfIncrement(runner->body()) : reachOf(runner->body(), world_.gravity, dt);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/polar.h"
+
 namespace pointbased::detail {
 namespace {
 
@@ -62,19 +64,31 @@ SkinPair &SkinContacts::pairOf(std::size_t a, const Body &first, std::size_t b, 
 SkinContacts::RoomOfSelf &SkinContacts::roomOfSelf(std::size_t id, const Body &body) {
   RoomOfSelf &room = roomsOfSelf_[id];
   if (room.of == body.sharedRest()) return room;
-  const double gain = std::max(1.0, skinOf(id, body).skin().gain);
+  const ContactSkin &skin = skinOf(id, body).skin();
   return roomsOfSelf_[id] = {
-             body.sharedRest(), {}, (kOnePiece - (1.0 + kActive) * kOffset) * body.rest().spacing / gain};
+             body.sharedRest(), &skin, {}, (kOnePiece - (1.0 + kActive) * kOffset) * body.rest().spacing};
 }
 
 void SkinContacts::RoomOfSelf::measure(std::span<const Vec3> displacements) {
-  const auto gone = [&](std::size_t i) -> Vec3 { return from.empty() ? displacements[i] : displacements[i] - from[i]; };
-  Vec3 mean = Vec3::Zero();
-  for (std::size_t i = 0; i < displacements.size(); ++i) mean += gone(i);
-  mean /= static_cast<double>(std::max<std::size_t>(1, displacements.size()));
-  double farthest = 0.0;
-  for (std::size_t i = 0; i < displacements.size(); ++i) farthest = std::max(farthest, (gone(i) - mean).squaredNorm());
-  left = room - 2.0 * std::sqrt(farthest);
+  const std::vector<Vec3> &rest = of->positions;
+  const auto then = [&](std::size_t i) -> Vec3 { return from.empty() ? rest[i] : rest[i] + from[i]; };
+  const double count = static_cast<double>(std::max<std::size_t>(1, rest.size()));
+  Vec3 meanThen = Vec3::Zero(), mean = Vec3::Zero();
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    meanThen += then(i);
+    mean += rest[i] + displacements[i];
+  }
+  meanThen /= count;
+  mean /= count;
+  Mat3 covariance = Mat3::Zero();
+  for (std::size_t i = 0; i < rest.size(); ++i)
+    covariance += (rest[i] + displacements[i] - mean) * (then(i) - meanThen).transpose();
+  const Mat3 R = polarBySvd(covariance).R;
+  FarthestWay way;
+  for (std::size_t i = 0; i < rest.size(); ++i)
+    way.add(rest[i] + displacements[i] - mean - R * (then(i) - meanThen),
+            of->maxInfluence.empty() ? 1.0 : static_cast<double>(of->maxInfluence[i]));
+  left = room - 2.0 * way.ofVertices(*skin);
 }
 
 void SkinContacts::forget() {

@@ -26,14 +26,15 @@ class SkinContacts {
   [[nodiscard]] SkinPair &pairOf(std::size_t a, const Body &first, std::size_t b, const Body &second, double friction);
   [[nodiscard]] const std::map<PairId, std::unique_ptr<SkinPair>> &pairs() const { return pairs_; }
 
-  /// How far the phyxels of a body may move against each other before its skin can touch itself.
+  /// How far vertices of a body's skin may move against each other before it can touch itself.
   struct RoomOfSelf {
     std::shared_ptr<const RestState> of;
+    const ContactSkin *skin = nullptr;
     std::vector<Vec3> from;  ///< [phyxels] m, displacements where `room` was found; empty: at rest
     double room = 0.0;       ///< m, there
     double left = 0.0;       ///< m, at least, now
 
-    /// Looks how far they have gone.
+    /// Looks how far they have gone, apart from a motion of all together.
     void measure(std::span<const Vec3> displacements);
   };
   /// At rest at first: places of the skin that lie nearer to each other there do not touch.
@@ -48,6 +49,8 @@ class SkinContacts {
   /// A body has other materials.
   void forgetModuli(std::size_t id) {
     if (const auto found = skins_.find(id); found != skins_.end()) found->second.moving->setModuli({});
+    for (auto &[both, pair] : pairs_)
+      if (both.first == id || both.second == id) pair->findAnew();
   }
   /// Begins anew: of all, and of one body.
   void forget();
