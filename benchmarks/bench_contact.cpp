@@ -6,7 +6,8 @@
 // Four balls apart, and the same four as they fall on each other and lie there: milliseconds of contact and of forces
 // in a step, one thread. Then a slab bent over itself, of so many vertices in self-contact: what a step costs while a
 // list of near places serves, and what it costs to make a list. Then two blocks that are pressed together: what a
-// sixtieth of a second costs in explicit and in implicit steps, and what it costs where they are apart.
+// sixtieth of a second costs in explicit and in implicit steps, and what it costs where they are apart; of explicit ones
+// also per vertex that presses and substep, beside what the dial reckons with (MachineSpeed::touch_ns).
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -15,6 +16,7 @@
 #include <map>
 
 #include "contact/skin_pair.h"
+#include "pointbased/machine_speed.h"
 #include "pointbased/simulator.h"
 #include "shapes.h"
 #include "surfaces.h"
@@ -182,8 +184,14 @@ std::unique_ptr<Body> blockOf(const Vec3 &low, const Vec3 &high, double spacing,
                                 Constitution{{material}, kLatticeStabilisation}, serialFor());
 }
 
-// Of the same scene with or without contact; 0: it took too long, or was not solved.
-double millisecondsOfFrame(Integrator integrator, double spacing, double modulus, bool touches) {
+struct FrameCost {
+  double ms = 0.0;        // 0: it took too long, or was not solved
+  double vertices = 0.0;  // that press
+  double substeps = 0.0;  // explicit
+};
+
+// Of the same scene with or without contact.
+FrameCost costOfFrame(Integrator integrator, double spacing, double modulus, bool touches) {
   constexpr double kEdge = 0.04, kFrame = 1.0 / 60.0, kSettles = 0.2;
   Simulator simulator;
   WorldSettings world;
@@ -209,25 +217,33 @@ double millisecondsOfFrame(Integrator integrator, double spacing, double modulus
       settled = passed();
       steps = simulator.steps();
     }
-    if (!simulator.step()) return 0.0;
+    if (!simulator.step()) return {};
   }
-  return settled < 0.0 ? 0.0 : (passed() - settled) / static_cast<double>(simulator.steps() - steps);
+  FrameCost cost;
+  if (settled < 0.0) return cost;
+  cost.ms = (passed() - settled) / static_cast<double>(simulator.steps() - steps);
+  for (const ContactSummary &pair : simulator.contacts()) cost.vertices += static_cast<double>(pair.points);
+  for (const std::size_t id : simulator.bodyIds())
+    cost.substeps = std::max(cost.substeps, std::ceil(kFrame / (kStepSafety * simulator.body(id)->stableStepAtRest())));
+  return cost;
 }
 
 void pressed() {
-  std::printf("\n%-10s %10s %14s %14s %14s %14s %10s\n", "modulus", "phyxels", "explicit, ms", "implicit, ms",
-              "expl. apart", "impl. apart", "impl/expl");
+  std::printf("\n%-10s %10s %14s %14s %14s %14s %10s %12s\n", "modulus", "phyxels", "explicit, ms", "implicit, ms",
+              "expl. apart", "impl. apart", "impl/expl", "ns a vertex");
   for (const double spacing : {0.008, 0.004})
     for (const double modulus : {2e4, 1e6, 3e7}) {
       const auto n = static_cast<std::size_t>(std::lround(0.04 / spacing)) + 1;
-      const double explicitly = millisecondsOfFrame(Integrator::explicitVerlet, spacing, modulus, true),
-                   implicitly = millisecondsOfFrame(Integrator::implicitSdirk, spacing, modulus, true);
-      std::printf("%-10.0g %10zu %14.2f %14.2f %14.2f %14.2f %10.1f\n", modulus, 2 * n * n * n, explicitly, implicitly,
-                  millisecondsOfFrame(Integrator::explicitVerlet, spacing, modulus, false),
-                  millisecondsOfFrame(Integrator::implicitSdirk, spacing, modulus, false),
-                  explicitly > 0.0 ? implicitly / explicitly : 0.0);
+      const FrameCost explicitly = costOfFrame(Integrator::explicitVerlet, spacing, modulus, true);
+      const double implicitly = costOfFrame(Integrator::implicitSdirk, spacing, modulus, true).ms,
+                   apart = costOfFrame(Integrator::explicitVerlet, spacing, modulus, false).ms;
+      std::printf("%-10.0g %10zu %14.2f %14.2f %14.2f %14.2f %10.1f %12.0f\n", modulus, 2 * n * n * n, explicitly.ms,
+                  implicitly, apart, costOfFrame(Integrator::implicitSdirk, spacing, modulus, false).ms,
+                  explicitly.ms > 0.0 ? implicitly / explicitly.ms : 0.0,
+                  1e6 * (explicitly.ms - apart) / std::max(1.0, explicitly.substeps * explicitly.vertices));
       std::fflush(stdout);
     }
+  std::printf("reckoned with by the dial: %.0f ns a vertex\n", measureSpeed(serialFor(), 1).touch_ns);
 }
 
 }  // namespace

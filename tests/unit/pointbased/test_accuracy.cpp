@@ -159,6 +159,35 @@ TEST_CASE("the cheapest sampling that does what is wished is chosen") {
   CHECK(predictCost(survey, cantilever.constitution, setting, 0.95 * cheap.spacing) > 2.0 * kBudgetToUse);
 }
 
+TEST_CASE("a budget is kept by bodies that touch others, which are coarser for it") {
+  const Cantilever cantilever;
+  const AccuracySurvey survey = cantilever.survey();
+  CostSetting alone = explicitSetting();
+  alone.surfels = 50000;
+  CostSetting touching = alone;
+  touching.touches = true;
+  const auto chosen = [&](const CostSetting &setting, AccuracyWish::Kind kind, double value) {
+    return chooseSampling(survey, cantilever.constitution, setting, {kind, value});
+  };
+  const SamplingChoice free = chosen(alone, AccuracyWish::Kind::budget, 0.2),
+                       among = chosen(touching, AccuracyWish::Kind::budget, 0.2);
+  CHECK(free.touching_ms == 0.0);
+  CHECK(among.touching_ms > 0.0);
+  CHECK(among.count < free.count);
+  CHECK(among.unmet.empty());
+  CHECK(among.frame_ms + among.touching_ms <= 200.0 * kBudgetToUse * 1.001);
+  // 50 000 vertices, a fifth of which touch, in each substep.
+  const double substeps = kFrame * survey.fine.spacing / (kStepSafety * survey.fine.stableStep * among.spacing);
+  CHECK(among.touching_ms == Approx(1e-6 * kTouched * 50000.0 * touching.speed.touch_ns * substeps).epsilon(1e-6));
+  // An error that is wished, and what nobody wishes, do not depend on it; a quasi-static solution has no frames.
+  CHECK(chosen(touching, AccuracyWish::Kind::share, 0.05).spacing ==
+        chosen(alone, AccuracyWish::Kind::share, 0.05).spacing);
+  CHECK(chosen(touching, AccuracyWish::Kind::standard, 1.0).spacing ==
+        chosen(alone, AccuracyWish::Kind::standard, 1.0).spacing);
+  touching.world.integrator = Integrator::quasiStatic;
+  CHECK(predictTouching(survey, cantilever.constitution, touching, among.spacing) == 0.0);
+}
+
 TEST_CASE("a wish that cannot be met is told with what can be had") {
   const Cantilever cantilever;
   const AccuracySurvey survey = cantilever.survey();
@@ -245,10 +274,13 @@ TEST_CASE("the speed of a machine is kept as text, and what is none is refused")
   CHECK(again->double_ns == speed.double_ns);
   CHECK(again->single_ns == speed.single_ns);
   CHECK(again->contact_ns == speed.contact_ns);
+  CHECK(again->touch_ns == speed.touch_ns);
+  CHECK(again->surfel_ns == speed.surfel_ns);
   CHECK(again->threads == 3);
   CHECK(again->kernels == "AVX2");
-  for (const char *text : {"", "1", "2 1 AVX2 1 2 3 4 1 2 3 4 5 6", "1 1 AVX2 1 2 3 4 1 2 3",
-                           "1 1 AVX2 1 2 3 -4 1 2 3 4 5 6", "1 1 AVX2 1 2 3 nan 1 2 3 4 5 6", "x y z"})
+  CHECK(speedFrom("2 1 AVX2 1 2 3 4 1 2 3 4 5 6 7").has_value());
+  for (const char *text : {"", "2", "1 1 AVX2 1 2 3 4 1 2 3 4 5 6 7", "2 1 AVX2 1 2 3 4 1 2 3 4 5 6",
+                           "2 1 AVX2 1 2 3 -4 1 2 3 4 5 6 7", "2 1 AVX2 1 2 3 nan 1 2 3 4 5 6 7", "x y z"})
     CHECK_FALSE(speedFrom(text).has_value());
   // Between the sizes that were measured, and as the nearest beyond them.
   speed.double_ns = {100.0, 50.0, 60.0, 80.0};
@@ -261,6 +293,7 @@ TEST_CASE("a machine is known again by its time, and another one is not") {
   const MachineSpeed here = measureSpeed(serialFor(), 1);
   CHECK(here.double_ns[1] > 0.0);
   CHECK(here.surfel_ns > 0.0);
+  CHECK(here.touch_ns > 0.0);
   MachineSpeed other = here;
   other.threads = 2;
   CHECK_FALSE(isOfThisMachine(other, serialFor(), 1));

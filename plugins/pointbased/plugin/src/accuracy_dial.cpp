@@ -112,9 +112,10 @@ void AccuracyPromise::measured(double ms) {
   if (wish.kind != AccuracyWish::Kind::budget) return;
   const double budget = 1e3 * wish.value;
   choice.unmet.clear();
-  if (ms > budget)
-    choice.unmet = shortNumber(budget) + " ms a frame cannot be had; it takes " + roughly(ms) + " ms with " +
-                   std::to_string(choice.count) + " phyxels";
+  if (const double whole = ms + choice.touching_ms; whole > budget)
+    choice.unmet = shortNumber(budget) + " ms a frame cannot be had; it takes " + roughly(whole) + " ms with " +
+                   std::to_string(choice.count) + " phyxels" +
+                   (choice.touching_ms > 0.0 ? " while a fifth of its skin touches other bodies" : "");
 }
 
 std::string roughly(double value) {
@@ -132,6 +133,10 @@ std::string errorText(const AccuracyPromise &promise) {
   return text;
 }
 
+std::string touchingText(const AccuracyPromise &promise) {
+  return roughly(promise.choice.touching_ms) + " ms more while a fifth of its skin touches other bodies";
+}
+
 std::string noticeOf(const std::string &name, const AccuracyPromise &promise) {
   const std::string who = "body '" + name + "': ";
   if (!promise.unpredicted.empty()) return who + "its error could not be predicted: " + promise.unpredicted;
@@ -141,6 +146,7 @@ std::string noticeOf(const std::string &name, const AccuracyPromise &promise) {
                      " of the largest displacement is expected" +
                      (promise.supposed() ? " as if it were held at its lowest tenth and hung" : "") + ", and " +
                      roughly(promise.choice.frame_ms) + " ms a frame";
+  if (promise.choice.touching_ms > 0.0) text += ", " + touchingText(promise);
   if (!promise.choice.unmet.empty()) text += "; " + promise.choice.unmet;
   return text;
 }

@@ -71,6 +71,8 @@ void refuseTwoWays(const std::string &name, const ParameterValues &body, const A
 
 /// Two digits, or all before the point.
 [[nodiscard]] std::string roughly(double value);
+/// What contact adds to a frame: "3.2 ms more while …".
+[[nodiscard]] std::string touchingText(const AccuracyPromise &promise);
 /// One line for people; empty: there is nothing that they should know.
 [[nodiscard]] std::string noticeOf(const std::string &name, const AccuracyPromise &promise);
 /// "2.1 % (0.9 … 4.8 %)", of the largest displacement; with mm where that is known.

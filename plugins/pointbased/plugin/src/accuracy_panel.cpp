@@ -41,6 +41,7 @@ void costBar(sdk::Ui &ui, const BodySnapshot &body, const AccuracyPromise &promi
   ui.value("A frame takes",
            (now > 0.0 ? roughly(now) + " ms now, " : std::string()) + roughly(promised) + " ms promised");
   ui.tooltip("Computing time of 1/60 s of simulated time. Without a wish the promise is for a machine to reckon with");
+  if (promise.choice.touching_ms > 0.0) ui.text(touchingText(promise));
   const double shown = now > 0.0 ? now : promised;
   ui.progress(part(shown, whole), roughly(shown) + " of " + roughly(whole) + " ms");
 }

@@ -205,15 +205,19 @@ std::unique_ptr<Body> bodyOfDial(const Making &of, BodyRecipe recipe, const Dial
   // The count of bodies that nobody asks more of is met as ever.
   if (promise.survey && recipe.sampling.count != automaticCount(of.shape.volume, area))
     recipe.sampling.spacing = promise.choice.spacing;
+  CostSetting setting = dial.setting;
+  setting.surfels = of.surface.positions.size();
   const bool isBudget = dial.wish.kind == AccuracyWish::Kind::budget;
   for (int attempt = 1;; ++attempt) {
     auto body = bodyOf(of, recipe);
     promise.built(body->rest());
+    if (promise.survey)
+      promise.choice.touching_ms = predictTouching(*promise.survey, of.constitution, setting, promise.choice.spacing);
     if (dial.wish.kind == AccuracyWish::Kind::standard || !dial.frameTime) return body;
     if (!of.request.tell(0.9, "measuring a frame")) throw cancelled();
     promise.measured(dial.frameTime(*body, &of.request));
     if (of.request.isRaised()) throw cancelled();
-    const double over = promise.choice.frame_ms / (1e3 * kBudgetToUse * dial.wish.value);
+    const double over = (promise.choice.frame_ms + promise.choice.touching_ms) / (1e3 * kBudgetToUse * dial.wish.value);
     if (!isBudget || over < 1.0 || attempt == kAttempts || !promise.survey) return body;
     const double coarsest = promise.survey->spacingFor(kFewestPhyxelsOfDial);
     if (!(promise.choice.spacing < 0.99 * coarsest)) return body;

@@ -196,6 +196,7 @@ Json promiseJson(const std::string &name, const AccuracyPromise &promise) {
   }
   out["load"] = promise.supposed() ? "supposed" : "own";
   out["promised_ms"] = choice.frame_ms;
+  out["touching_ms"] = choice.touching_ms;
   out["cost"] = promise.isMeasured ? "measured" : "predicted";
   out["spacing_m"] = choice.spacing;
   out["phyxels"] = choice.count;

@@ -10,6 +10,8 @@ DialRequest WorldSimulator::dialRequest() {
     const std::lock_guard lock(mutex_);
     request.wish = wishOf(world_);
     request.setting.world = worldSettings(world_);
+    request.setting.touches =
+        world_.number(C3DE_PARAM_ID_CONTACT_ENABLED) != 0.0 && world_.number(C3DE_PARAM_ID_ACCURACY_BODIES) > 1.0;
     request.setting.contact = request.setting.world.box.enabled || !obstacles_.empty();
   }
   request.gravity = request.setting.world.gravity;

@@ -82,6 +82,7 @@ struct ErrorPrediction {
 struct CostSetting {
   WorldSettings world;
   bool contact = false;     ///< walls or obstacles
+  bool touches = false;     ///< there are other bodies that it may touch
   std::size_t surfels = 0;  ///< vertices of the skin that is drawn
   MachineSpeed speed;
 };
@@ -89,6 +90,13 @@ struct CostSetting {
 /// ms that a frame of 1/60 s of simulated time takes; of a quasi-static solution the whole.
 [[nodiscard]] double predictCost(const AccuracySurvey &survey, const Constitution &constitution,
                                  const CostSetting &setting, double spacing);
+
+/// Part of a body's skin that is reckoned to touch other bodies, where they do.
+inline constexpr double kTouched = 0.2;
+/// ms that such a frame takes longer while kTouched of the skin touches; 0: nothing can be touched, or it is a
+/// quasi-static solution.
+[[nodiscard]] double predictTouching(const AccuracySurvey &survey, const Constitution &constitution,
+                                     const CostSetting &setting, double spacing);
 
 /// Wall-clock time that 95 % of the frames of a body stay below, ms: from rest in its world, by itself, for half a
 /// simulated second or half a second of computing, because a body that bends takes shorter steps. 0: it cannot be
@@ -117,7 +125,9 @@ struct SamplingChoice {
   ErrorPrediction error;
   double largest = 0.0;   ///< m, what error.share is of
   double frame_ms = 0.0;  ///< predictCost() or measureFrame()
-  std::string unmet;      ///< empty: the wish is met; else why not, and what could be had
+  /// predictTouching(); a budget is for such frames too
+  double touching_ms = 0.0;
+  std::string unmet;  ///< empty: the wish is met; else why not, and what could be had
 };
 
 [[nodiscard]] SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &constitution,

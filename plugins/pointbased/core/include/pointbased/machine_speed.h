@@ -16,6 +16,7 @@ struct MachineSpeed {
   std::array<double, 4> double_ns{};  ///< of a whole substep, per evaluation point
   std::array<double, 4> single_ns{};  ///< likewise, forces in single precision
   double contact_ns = 0.0;            ///< more of a substep, per point of contact, where there are walls
+  double touch_ns = 0.0;              ///< likewise, per vertex of a skin that presses on that of another body
   double surfel_ns = 0.0;             ///< of an update of the skin for a screen, per vertex
   unsigned threads = 1;
   std::string kernels;  ///< instruction set

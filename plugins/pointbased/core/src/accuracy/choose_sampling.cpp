@@ -20,6 +20,8 @@ constexpr double kSpreadPerWay = 0.25;  // more of it per log of the way to fine
 constexpr double kSpreadBeyond = 0.6;   // likewise on the way to spacings coarser than any that was tried
 constexpr double kNineOfTen = 1.645;    // standard deviations on both sides
 constexpr double kLeastDifference = 1e-5;
+// Times an implicit step apart: bench_contact --pressed, 13 … 31.
+constexpr double kTouchingImplicitly = 20.0;
 // Evaluations of a quasi-static solution: 650 to 1000 in one increment (bench_newton), 1200 to 2300 of a cantilever of
 // 500 to 10 000 phyxels in ten.
 constexpr double kEvaluationsToRest = 600.0, kEvaluationsPerIncrement = 120.0;
@@ -89,27 +91,63 @@ ErrorPrediction predictError(const AccuracySurvey &survey, double spacing) {
   return out;
 }
 
+namespace {
+
+// A frame of a body that moves, in parts.
+struct Frame {
+  double phyxels = 0.0, contacts = 0.0;
+  double evaluation_ms = 0.0;
+  double substeps = 0.0;  // of explicit steps
+  double stepped_ms = 0.0;
+  bool isExplicit = false;
+};
+
+Frame frameAt(const AccuracySurvey &survey, const Constitution &constitution, const CostSetting &setting,
+              double spacing) {
+  const WorldSettings &world = setting.world;
+  const double finer = survey.fine.spacing / spacing;
+  Frame frame;
+  frame.phyxels = survey.phyxelsAt(spacing);
+  const double points =
+      static_cast<double>(survey.fine.points) * frame.phyxels / static_cast<double>(survey.fine.phyxels);
+  frame.contacts = static_cast<double>(survey.fine.contacts) * finer * finer;
+  const double stable = kStepSafety * survey.fine.stableStep / finer;
+  frame.evaluation_ms = 1e-6 * materialFactor(constitution) * points * setting.speed.perPoint(points, world.precision);
+  frame.substeps = kFrame / (world.dt > 0.0 ? std::min(world.dt, stable) : stable);
+  const detail::StepCost evaluations = detail::predictCost(stable, world.dt, constitution);
+  frame.isExplicit = world.integrator == Integrator::explicitVerlet ||
+                     (world.integrator == Integrator::automatic && !evaluations.implicitIsCheaper());
+  const double walls_ms = setting.contact ? 1e-6 * frame.contacts * setting.speed.contact_ns : 0.0;
+  frame.stepped_ms = frame.isExplicit ? frame.substeps * (frame.evaluation_ms + walls_ms)
+                                      : kFrame * evaluations.implicitEvaluations * frame.evaluation_ms;
+  return frame;
+}
+
+}  // namespace
+
 double predictCost(const AccuracySurvey &survey, const Constitution &constitution, const CostSetting &setting,
                    double spacing) {
   const WorldSettings &world = setting.world;
-  const double finer = survey.fine.spacing / spacing;
-  const double phyxels = survey.phyxelsAt(spacing);
-  const double points = static_cast<double>(survey.fine.points) * phyxels / static_cast<double>(survey.fine.phyxels);
-  const double contacts = setting.contact ? static_cast<double>(survey.fine.contacts) * finer * finer : 0.0;
-  const double stable = kStepSafety * survey.fine.stableStep / finer;
-  const detail::StepCost evaluations = detail::predictCost(stable, world.dt, constitution);
-  const double evaluation_ms =
-      1e-6 * materialFactor(constitution) * points * setting.speed.perPoint(points, world.precision);
+  const Frame frame = frameAt(survey, constitution, setting, spacing);
   if (world.integrator == Integrator::quasiStatic) {
     const int increments = world.loadSteps > 0 ? world.loadSteps : 10;
-    return (kEvaluationsToRest + increments * kEvaluationsPerIncrement) * evaluation_ms;
+    return (kEvaluationsToRest + increments * kEvaluationsPerIncrement) * frame.evaluation_ms;
   }
-  const double skin_ms = 1e-6 * setting.speed.surfel_ns * static_cast<double>(setting.surfels);
-  const bool isExplicit = world.integrator == Integrator::explicitVerlet ||
-                          (world.integrator == Integrator::automatic && !evaluations.implicitIsCheaper());
-  if (!isExplicit) return kFrame * evaluations.implicitEvaluations * evaluation_ms + skin_ms;
-  const double step = world.dt > 0.0 ? std::min(world.dt, stable) : stable;
-  return kFrame / step * (evaluation_ms + 1e-6 * contacts * setting.speed.contact_ns) + skin_ms;
+  return frame.stepped_ms + 1e-6 * setting.speed.surfel_ns * static_cast<double>(setting.surfels);
+}
+
+double predictTouching(const AccuracySurvey &survey, const Constitution &constitution, const CostSetting &setting,
+                       double spacing) {
+  if (!setting.touches || setting.world.integrator == Integrator::quasiStatic) return 0.0;
+  const Frame frame = frameAt(survey, constitution, setting, spacing);
+  // Skins touch with all vertices that are drawn, and with more where their triangles are larger than cells.
+  const double vertices = kTouched * std::max(frame.contacts, static_cast<double>(setting.surfels));
+  const double explicit_ms = frame.substeps * 1e-6 * vertices * setting.speed.touch_ns;
+  if (frame.isExplicit) return explicit_ms;
+  const double implicit_ms = (kTouchingImplicitly - 1.0) * frame.stepped_ms;
+  // Bodies that touch are integrated by what costs less for all.
+  if (setting.world.integrator != Integrator::automatic) return implicit_ms;
+  return std::max(0.0, std::min(implicit_ms, explicit_ms + frame.substeps * frame.evaluation_ms - frame.stepped_ms));
 }
 
 SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &constitution,
@@ -123,11 +161,13 @@ SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &
     return isSure ? error.likely : error.share;
   };
   const auto costAt = [&](double d) { return predictCost(survey, constitution, setting, d); };
+  // What nobody has wished for is chosen as if nothing touched.
+  const auto touchingAt = [&](double d) { return isSure ? predictTouching(survey, constitution, setting, d) : 0.0; };
   const double finest = survey.spacingFor(kMostPhyxelsOfDial);
   double forBudget = finest;
   if (!isStatic && std::isfinite(limits.budget))
     forBudget = firstGood(finest, survey.spacingFor(kFewestPhyxelsOfDial),
-                          [&](double d) { return 1e-3 * costAt(d) <= kBudgetToUse * limits.budget; });
+                          [&](double d) { return 1e-3 * (costAt(d) + touchingAt(d)) <= kBudgetToUse * limits.budget; });
   // No coarser than what was tried: that costs next to nothing.
   const double forError =
       firstGood(survey.coarse.spacing, finest, [&](double d) { return errorAt(d) <= limits.share; });
@@ -141,12 +181,14 @@ SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &
   out.error = predictError(survey, out.spacing);
   out.largest = survey.largest;
   out.frame_ms = costAt(out.spacing);
-  const bool isWithin = isStatic || 1e-3 * out.frame_ms <= limits.budget;
+  out.touching_ms = predictTouching(survey, constitution, setting, out.spacing);
+  const double whole_ms = out.frame_ms + touchingAt(out.spacing);
+  const bool isWithin = isStatic || 1e-3 * whole_ms <= limits.budget;
   if (wish.kind != AccuracyWish::Kind::budget && errorAt(out.spacing) > 1.001 * limits.share)
     out.unmet = errorUnmet(out, limits, forBudget > finest);
   if (!isWithin)
     out.unmet = detail::number(1e3 * limits.budget, 3) + " ms a frame cannot be had; expected are " +
-                detail::number(out.frame_ms, 3) + " ms with " + std::to_string(out.count) + " phyxels";
+                detail::number(whole_ms, 3) + " ms with " + std::to_string(out.count) + " phyxels";
   return out;
 }
 

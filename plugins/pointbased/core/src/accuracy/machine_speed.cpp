@@ -12,19 +12,20 @@ namespace pointbased {
 namespace {
 
 constexpr double kEdge = 0.1;        // m, of the boxes
+constexpr double kPush = 0.1;        // m/s
 constexpr double kLeastTime = 0.03;  // s that a time is taken over
 constexpr int kLeastSteps = 5;
 constexpr double kSameMachine = 1.35;  // ratio of times up to which it is one
-constexpr int kFormat = 1;
+constexpr int kFormat = 2;
 
 // A box that fits its lattice, with a net of triangles for contact.
-BodyShape boxShape() {
+BodyShape boxShape(const Vec3 &corner = Vec3::Zero()) {
   BodyShape shape;
-  shape.min = Vec3::Zero();
-  shape.max = Vec3::Constant(kEdge);
+  shape.min = corner;
+  shape.max = corner + Vec3::Constant(kEdge);
   shape.volume = kEdge * kEdge * kEdge;
-  const auto depth = [](const Vec3 &x) {
-    return (0.5 * kEdge - (x - Vec3::Constant(0.5 * kEdge)).cwiseAbs().array()).minCoeff();
+  const auto depth = [corner](const Vec3 &x) {
+    return (0.5 * kEdge - (x - corner - Vec3::Constant(0.5 * kEdge)).cwiseAbs().array()).minCoeff();
   };
   shape.inside = [depth](std::span<const Vec3> points, std::span<double> inside) {
     for (std::size_t i = 0; i < points.size(); ++i) inside[i] = depth(points[i]) > 0.0 ? 1.0 : 0.0;
@@ -32,8 +33,7 @@ BodyShape boxShape() {
   shape.surfaceDistance = [depth](std::span<const Vec3> points, std::span<double> distances) {
     for (std::size_t i = 0; i < points.size(); ++i) distances[i] = std::abs(depth(points[i]));
   };
-  for (int corner = 0; corner < 8; ++corner)
-    shape.surface.positions.emplace_back(kEdge * (corner & 1), kEdge * (corner >> 1 & 1), kEdge * (corner >> 2));
+  for (int k = 0; k < 8; ++k) shape.surface.positions.emplace_back(corner + kEdge * Vec3(k & 1, k >> 1 & 1, k >> 2));
   for (const auto &[a, b, c, d] :
        {std::array<Index, 4>{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}) {
     shape.surface.triangles.push_back({a, b, c});
@@ -80,6 +80,29 @@ struct TimedBody {
   double count = 0.0, contacts = 0.0;
 };
 
+// ns that a substep takes longer per vertex that presses, of two boxes that are pushed against each other.
+double touchTime(const ParallelFor &parallelFor, double apart_ns) {
+  TimedBody pushed(MachineSpeed::kPoints[1], Precision::doublePrecision, false, parallelFor);
+  Simulator &simulator = pushed.simulator;
+  const Body &lower = *simulator.body(pushed.id);
+  BodyRecipe recipe;
+  recipe.sampling.spacing = lower.rest().spacing;
+  BodyShape shape = boxShape(Vec3(0, kEdge, 0));
+  const auto rest = buildRestState(shape, recipe, {}, parallelFor);
+  auto upper = std::make_unique<Body>("upper", *rest, lower.constitution(), parallelFor);
+  simulator.body(pushed.id)->setInitialVelocity(Vec3(0, kPush, 0), Vec3::Zero());
+  upper->setInitialVelocity(Vec3(0, -kPush, 0), Vec3::Zero());
+  simulator.addBody(std::move(upper));
+  (void)simulator.step();
+  double pressing = 0.0;
+  const double seconds = secondsOf([&] {
+    (void)simulator.step();
+    for (const ContactSummary &contact : simulator.contacts())
+      pressing = std::max(pressing, static_cast<double>(contact.points));
+  });
+  return std::max(0.0, 1e9 * seconds - 2.0 * pushed.count * apart_ns) / std::max(1.0, pressing);
+}
+
 double surfelTime(const ParallelFor &parallelFor) {
   TimedBody body(MachineSpeed::kPoints[1], Precision::doublePrecision, false, parallelFor);
   const RestState &rest = body.simulator.body(body.id)->rest();
@@ -118,6 +141,7 @@ MachineSpeed nominalSpeed() {
   speed.double_ns = {130.0, 110.0, 110.0, 120.0};
   speed.single_ns = {90.0, 75.0, 75.0, 80.0};
   speed.contact_ns = 40.0;
+  speed.touch_ns = 700.0;
   speed.surfel_ns = 20.0;
   return speed;
 }
@@ -135,6 +159,7 @@ MachineSpeed measureSpeed(const ParallelFor &parallelFor, unsigned threads) {
   TimedBody walled(MachineSpeed::kPoints[1], Precision::doublePrecision, true, parallelFor);
   const double with = walled.step();
   speed.contact_ns = std::max(0.0, 1e9 * with - walled.count * speed.double_ns[1]) / std::max(1.0, walled.contacts);
+  speed.touch_ns = touchTime(parallelFor, speed.double_ns[1]);
   speed.surfel_ns = 1e9 * surfelTime(parallelFor);
   return speed;
 }
@@ -152,7 +177,7 @@ std::string textOf(const MachineSpeed &speed) {
   text << kFormat << ' ' << speed.threads << ' ' << speed.kernels;
   for (const double ns : speed.double_ns) text << ' ' << ns;
   for (const double ns : speed.single_ns) text << ' ' << ns;
-  text << ' ' << speed.contact_ns << ' ' << speed.surfel_ns;
+  text << ' ' << speed.contact_ns << ' ' << speed.touch_ns << ' ' << speed.surfel_ns;
   return text.str();
 }
 
@@ -164,7 +189,7 @@ std::optional<MachineSpeed> speedFrom(std::string_view line) {
   text >> format >> speed.threads >> speed.kernels;
   for (double &ns : speed.double_ns) text >> ns;
   for (double &ns : speed.single_ns) text >> ns;
-  text >> speed.contact_ns >> speed.surfel_ns;
+  text >> speed.contact_ns >> speed.touch_ns >> speed.surfel_ns;
   if (!text || format != kFormat) return std::nullopt;
   for (const auto &all : {speed.double_ns, speed.single_ns})
     for (const double ns : all)
