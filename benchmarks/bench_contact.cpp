@@ -6,8 +6,8 @@
 // Four balls apart, and the same four as they fall on each other and lie there: milliseconds of contact and of forces
 // in a step, one thread. Then a slab bent over itself, of so many vertices in self-contact: what a step costs while a
 // list of near places serves, and what it costs to make a list. Then two blocks that are pressed together: what a
-// sixtieth of a second costs in explicit and in implicit steps, and what it costs where they are apart; of explicit ones
-// also per vertex that presses and substep, beside what the dial reckons with (MachineSpeed::touch_ns).
+// sixtieth of a second costs in explicit and in implicit steps, and what it costs where they are apart; of explicit
+// ones also per vertex that presses and substep, beside what the dial reckons with (MachineSpeed::touch_ns).
 #include <chrono>
 #include <cmath>
 #include <cstdio>

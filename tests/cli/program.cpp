@@ -37,6 +37,15 @@ c3de::ProcessResult runWithoutDisplay(std::vector<std::string> arguments) {
 #endif
 }
 
+nlohmann::json runToReport(const std::filesystem::path &scene, std::vector<std::string> options) {
+  const auto report = scene.parent_path() / "report.json";
+  options.insert(options.begin(), {"run", scene.string(), "--report", report.string(), "-q"});
+  const auto ran = runC3de(options);
+  INFO(ran.errorOutput);
+  REQUIRE(ran.exitCode == 0);
+  return readJson(report);
+}
+
 std::filesystem::path freshFolder(const std::string &name) {
   const std::filesystem::path folder = std::filesystem::path(testOutputRoot()) / "cli" / name;
   std::filesystem::remove_all(folder);

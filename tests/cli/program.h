@@ -14,6 +14,9 @@ c3de::ProcessResult runC3de(std::vector<std::string> arguments);
 /// The same in an environment without a display.
 c3de::ProcessResult runWithoutDisplay(std::vector<std::string> arguments);
 
+/// Runs a scene, which has to succeed. @param options  of `c3de run` @return its report, written beside it
+nlohmann::json runToReport(const std::filesystem::path &scene, std::vector<std::string> options = {});
+
 /// A folder of its own for a test case, empty.
 std::filesystem::path freshFolder(const std::string &name);
 std::filesystem::path writeFile(const std::filesystem::path &file, const std::string &text);

@@ -77,6 +77,28 @@ TEST_CASE("A budget is kept, and said per frame of 1/60 s") {
   CHECK(less["bodies"][0]["phyxels"] < report["bodies"][0]["phyxels"]);
 }
 
+TEST_CASE("A budget holds for bodies that touch, and the report says what that takes") {
+  const auto folder = freshFolder("accuracy-touching");
+  const auto beam = [](const std::string &name, const std::string &place) {
+    return "[[body]]\nname = \"" + name + "\"\nmesh = \"box.obj\"\nmesh_unit = \"m\"\nposition = " + place +
+           "\nmaterial = { youngs_modulus = 1e4, poisson_ratio = 0.3 }\n"
+           "[[fix]]\nbody = \"" +
+           name + "\"\nregion = { half_space = { point = [0, 0.01, 0], normal = [0, 1, 0] } }\n";
+  };
+  writeFile(folder / "box.obj", boxObj());
+  const fs::path scene = writeFile(folder / "scene.toml",
+                                   "format = 1\naccuracy = { budget_ms = 60 }\n"
+                                   "[world]\ngravity = [0, -9.81, 0]\n"
+                                   "[solver]\nintegrator = \"explicit\"\n" +
+                                       beam("one", "[0, 0, 0]") + beam("other", "[0, 0, 1]"));
+  const Json touching = reportOf(folder, scene, {"--steps", "1"}),
+             apart = reportOf(folder, scene, {"--steps", "1", "--set", "contact.enabled=false"});
+  const Json &one = touching["accuracy"]["bodies"][0], &alone = apart["accuracy"]["bodies"][0];
+  CHECK(one["touching_ms"].get<double>() > 0.0);
+  CHECK(alone["touching_ms"] == 0.0);
+  CHECK(one["phyxels"] < alone["phyxels"]);
+}
+
 TEST_CASE("A wish that cannot be met is told with what can be had") {
   const auto folder = freshFolder("accuracy-unmet");
   const fs::path scene = writeBeam(folder, "accuracy = { budget_ms = 0.01 }", "", "explicit");

@@ -39,16 +39,6 @@ std::filesystem::path writeBeam(const std::filesystem::path &folder, const std::
                                              material + " }\nsampling = { " + sampling + " }\n" + more);
 }
 
-Json runScene(const std::filesystem::path &scene, std::vector<std::string> options = {}) {
-  const auto report = scene.parent_path() / "report.json";
-  std::vector<std::string> arguments{"run", scene.string(), "--report", report.string(), "-q"};
-  arguments.insert(arguments.end(), options.begin(), options.end());
-  const auto result = runC3de(arguments);
-  INFO(result.errorOutput);
-  REQUIRE(result.exitCode == 0);
-  return readJson(report);
-}
-
 double component(const Json &vector, std::size_t axis) { return vector.at(axis).get<double>(); }
 
 const char *const kQuasistatic = "integrator = \"quasistatic\"";
@@ -59,7 +49,7 @@ const char *const kSoft = "law = \"stvk\", youngs_modulus = 1e4, poisson_ratio =
 TEST_CASE("A cantilever bends as far as it must, and its support carries the load") {
   const auto folder = freshFolder("cantilever");
   const std::string supports = "[[fix]]\ncentre = [0, 0, 0]\n" + kLeft + "[[load]]\nforce = [0, 0, -1.6e-3]\n" + kRight;
-  const auto json = runScene(writeBeam(folder, kQuasistatic, kSoft, supports));
+  const auto json = runToReport(writeBeam(folder, kQuasistatic, kSoft, supports));
   CHECK(json.at("time_s") == 0.0);
   CHECK(json.at("integrator") == "quasistatic");
   CHECK(json.at("steps").get<int>() >= 1);
@@ -82,7 +72,7 @@ TEST_CASE("Bars of two materials in series stretch by the sum of their parts") {
   const auto folder = freshFolder("two-materials");
   // Without lateral contraction the bar is one-dimensional, and F L / E A is exact for small strain.
   const double force_N = 0.16, stress = force_N / kArea;
-  const auto json = runScene(
+  const auto json = runToReport(
       writeBeam(folder, kQuasistatic, "law = \"linear\", youngs_modulus = 1e4, poisson_ratio = 0.0, density = 1000.0",
                 "[[body.parts]]\nregion = { half_space = { point = [0.104, 0, 0], normal = [-1, 0, 0] } }\n"
                 "material = { youngs_modulus = 4e4 }\n"
@@ -97,7 +87,7 @@ TEST_CASE("A pressure on a face is carried by the support as pressure times area
   const auto folder = freshFolder("pressure");
   // Half of what the column buckles at.
   const std::string supports = "[[fix]]\n" + kLeft + "[[load]]\npressure = 50\nfollower = false\n" + kRight;
-  const auto json = runScene(writeBeam(folder, kQuasistatic, kSoft, supports));
+  const auto json = runToReport(writeBeam(folder, kQuasistatic, kSoft, supports));
   CHECK_THAT(component(json.at("reactions").at(0).at("force_N"), 0), WithinRel(50.0 * kArea, 0.01));
   CHECK(component(json.at("probes").at(0).at("position_m"), 0) < kLength);
 }
@@ -106,7 +96,7 @@ TEST_CASE("A held end that is moved takes the body along, and the two supports p
   const auto folder = freshFolder("prescribed");
   const std::string supports = "[[fix]]\n" + kLeft + "[[fix]]\nname = \"grip\"\ndisplacement = [0.01, 0, 0]\n" + kRight;
   const auto scene = writeBeam(folder, kQuasistatic, kSoft, supports);
-  const auto json = runScene(scene);
+  const auto json = runToReport(scene);
   CHECK_THAT(component(json.at("probes").at(0).at("position_m"), 0), WithinAbs(0.21, 1e-4));
   REQUIRE(json.at("reactions").size() == 2);
   const double left = component(json.at("reactions").at(0).at("force_N"), 0);
@@ -118,7 +108,7 @@ TEST_CASE("A held end that is moved takes the body along, and the two supports p
   CHECK_THAT(left, WithinRel(-right, 0.01));
 
   // The same with a force ten times as small, from the command line.
-  const auto less = runScene(scene, {"--set", "fix.grip.displacement=[0.001, 0, 0]"});
+  const auto less = runToReport(scene, {"--set", "fix.grip.displacement=[0.001, 0, 0]"});
   CHECK_THAT(component(less.at("probes").at(0).at("position_m"), 0), WithinAbs(0.201, 1e-5));
   CHECK(component(less.at("reactions").at(1).at("force_N"), 0) < 0.11 * right);
 }
@@ -128,20 +118,20 @@ TEST_CASE("A prescribed motion in time is reached at the end of its ramp and kep
   const auto scene = writeBeam(folder, "integrator = \"explicit\"\ndamping = 20.0", kSoft,
                                "[[fix]]\nregion = { everywhere = true }\ndisplacement = [0, 0.02, 0]\nramp = 0.05\n",
                                "spacing = 0.01");
-  const auto half = runScene(scene, {"--until", "0.025"});
+  const auto half = runToReport(scene, {"--until", "0.025"});
   const double atHalf = component(half.at("probes").at(0).at("position_m"), 1);
   CHECK(atHalf > 0.002);
   CHECK(atHalf < 0.018);
-  const auto end = runScene(scene, {"--until", "0.08"});
+  const auto end = runToReport(scene, {"--until", "0.08"});
   CHECK_THAT(component(end.at("probes").at(0).at("position_m"), 1), WithinAbs(0.02, 2e-4));
   CHECK_THAT(component(end.at("probes").at(0).at("velocity_m_s"), 1), WithinAbs(0.0, 1e-3));
 }
 
 TEST_CASE("A body begins with the velocity and the spin that the scene gives it") {
   const auto folder = freshFolder("velocity");
-  const auto json = runScene(writeBeam(folder, "integrator = \"explicit\"", kSoft,
-                                       "velocity = [0.3, 0, 0]\nangular_velocity = [2, 0, 0]\n", "spacing = 0.01"),
-                             {"--until", "0.02"});
+  const auto json = runToReport(writeBeam(folder, "integrator = \"explicit\"", kSoft,
+                                          "velocity = [0.3, 0, 0]\nangular_velocity = [2, 0, 0]\n", "spacing = 0.01"),
+                                {"--until", "0.02"});
   const Json &body = json.at("bodies").at(0);
   const double mass_kg = body.at("mass_kg"), time_s = json.at("time_s");
   CHECK_THAT(component(body.at("momentum"), 0), WithinRel(mass_kg * 0.3, 1e-9));
@@ -158,7 +148,7 @@ TEST_CASE("An obstacle that moves pushes what is in its way") {
                                "[[obstacle]]\nmesh = \"plate.obj\"\nmesh_unit = \"m\"\n"
                                "displacement = [0, 0.03, 0]\nramp = 0.1\n",
                                "spacing = 0.01");
-  const auto json = runScene(scene, {"--until", "0.12"});
+  const auto json = runToReport(scene, {"--until", "0.12"});
   // The plate ends 29 mm above where the body's lower face was; a body that is pushed is at least nearly there.
   CHECK(component(json.at("bodies").at(0).at("centre_of_mass_m"), 1) > 0.02);
   CHECK(json.at("bodies").at(0).at("deepest_penetration_m").get<double>() < 0.005);
@@ -170,7 +160,7 @@ TEST_CASE("The implicit integrators fall as far as the explicit one") {
     INFO(integrator);
     const auto scene = writeBeam(folder, std::string("integrator = \"") + integrator + "\"\ndt = 0.01", kSoft,
                                  "[world]\ngravity = [0, -9.81, 0]\n", "spacing = 0.01");
-    const auto json = runScene(scene, {"--until", "0.1"});
+    const auto json = runToReport(scene, {"--until", "0.1"});
     CHECK(json.at("steps") == 10);
     // Backward Euler is ahead by g t dt / 2, the midpoint rule is exact in free fall.
     const double time_s = json.at("time_s");
@@ -208,7 +198,7 @@ TEST_CASE("A material that never yields may say so with infinity") {
   const auto folder = freshFolder("infinite");
   const std::string material = std::string(kSoft) + ", plastic = { yield = inf, creep = 0.0, max = inf }";
   const auto json =
-      runScene(writeBeam(folder, "integrator = \"explicit\"", material, "", "spacing = 0.02"), {"--steps", "3"});
+      runToReport(writeBeam(folder, "integrator = \"explicit\"", material, "", "spacing = 0.02"), {"--steps", "3"});
   CHECK(json.at("steps") == 3);
 }
 
@@ -242,9 +232,9 @@ TEST_CASE("What is shown of a scene does not change its result, and wrong wishes
   const auto folder = freshFolder("view");
   const std::string more = "velocity = [0, 0, 0]\n[[fix]]\n" + kLeft + "[[load]]\nforce = [0, 0, -1.6e-3]\n" + kRight;
   const auto scene = writeBeam(folder, kQuasistatic, kSoft, more, "spacing = 0.02");
-  const auto plain = runScene(scene);
+  const auto plain = runToReport(scene);
   const auto coloured =
-      runScene(scene, {"--set", "view.colour=error", "--set", "view.surface=transparent", "--set", "view.range=20"});
+      runToReport(scene, {"--set", "view.colour=error", "--set", "view.surface=transparent", "--set", "view.range=20"});
   CHECK(plain["state_hash"] == coloured["state_hash"]);
   const auto refused = runC3de({"run", scene.string(), "--set", "view.colour=rainbow"});
   CHECK(refused.exitCode == 2);

@@ -37,16 +37,6 @@ double norm(const Json &v) {
                    std::pow(v.at(2).get<double>(), 2));
 }
 
-Json runToReport(const std::filesystem::path &scene, std::vector<std::string> more) {
-  const auto report = scene.parent_path() / "report.json";
-  std::vector<std::string> arguments{"run", scene.string(), "--report", report.string(), "-q"};
-  arguments.insert(arguments.end(), more.begin(), more.end());
-  const auto ran = runC3de(arguments);
-  INFO(ran.errorOutput);
-  REQUIRE(ran.exitCode == 0);
-  return readJson(report);
-}
-
 }  // namespace
 
 TEST_CASE("A probe tool presses, and report and table say with what force, against what holds the body", "[touch]") {

@@ -338,7 +338,6 @@ class Simulator {
   std::vector<SimulationEvent> events_;
   std::set<std::size_t> notRereferenced_;                   // bodies whose reference could not be
   std::map<std::size_t, double> skinDeepest_;               // m, as drawn, beyond the walls
-  bool skinSinks_ = false;                                  // deeper than at the look before, and not told yet
   std::vector<Vec3> skin_;                                  // room for a look at one
   std::set<std::pair<std::size_t, std::size_t>> overlaps_;  // that have been told
   std::pair<std::size_t, std::size_t> lastPair_{0, 0};      // that was looked at for overlaps

@@ -95,7 +95,7 @@ namespace {
 
 // A frame of a body that moves, in parts.
 struct Frame {
-  double phyxels = 0.0, contacts = 0.0;
+  double contacts = 0.0;
   double evaluation_ms = 0.0;
   double substeps = 0.0;  // of explicit steps
   double stepped_ms = 0.0;
@@ -107,9 +107,8 @@ Frame frameAt(const AccuracySurvey &survey, const Constitution &constitution, co
   const WorldSettings &world = setting.world;
   const double finer = survey.fine.spacing / spacing;
   Frame frame;
-  frame.phyxels = survey.phyxelsAt(spacing);
   const double points =
-      static_cast<double>(survey.fine.points) * frame.phyxels / static_cast<double>(survey.fine.phyxels);
+      static_cast<double>(survey.fine.points) * survey.phyxelsAt(spacing) / static_cast<double>(survey.fine.phyxels);
   frame.contacts = static_cast<double>(survey.fine.contacts) * finer * finer;
   const double stable = kStepSafety * survey.fine.stableStep / finer;
   frame.evaluation_ms = 1e-6 * materialFactor(constitution) * points * setting.speed.perPoint(points, world.precision);

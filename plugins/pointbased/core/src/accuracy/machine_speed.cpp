@@ -84,13 +84,12 @@ struct TimedBody {
 double touchTime(const ParallelFor &parallelFor, double apart_ns) {
   TimedBody pushed(MachineSpeed::kPoints[1], Precision::doublePrecision, false, parallelFor);
   Simulator &simulator = pushed.simulator;
-  const Body &lower = *simulator.body(pushed.id);
+  Body &lower = *simulator.body(pushed.id);
   BodyRecipe recipe;
   recipe.sampling.spacing = lower.rest().spacing;
-  BodyShape shape = boxShape(Vec3(0, kEdge, 0));
-  const auto rest = buildRestState(shape, recipe, {}, parallelFor);
+  const auto rest = buildRestState(boxShape(Vec3(0, kEdge, 0)), recipe, {}, parallelFor);
   auto upper = std::make_unique<Body>("upper", *rest, lower.constitution(), parallelFor);
-  simulator.body(pushed.id)->setInitialVelocity(Vec3(0, kPush, 0), Vec3::Zero());
+  lower.setInitialVelocity(Vec3(0, kPush, 0), Vec3::Zero());
   upper->setInitialVelocity(Vec3(0, -kPush, 0), Vec3::Zero());
   simulator.addBody(std::move(upper));
   (void)simulator.step();

@@ -276,8 +276,8 @@ void MovingSkin::move(std::span<const Vec3> displacements, std::span<const Vec3>
   Vec3 mean = Vec3::Zero();
   for (const Vec3 &v : velocities) mean += v;
   mean /= static_cast<double>(velocities.size());
-  FarthestWay way;
-  for (std::size_t j = 0; j < velocities.size(); ++j) way.add(velocities[j] - mean, influence(j));
+  FarthestWay way(maxInfluence_);
+  for (std::size_t j = 0; j < velocities.size(); ++j) way.add(j, velocities[j] - mean);
   goes_ = dt * way.ofVertices(*skin_);
   meanGoes_ = dt * mean;
 }
@@ -293,8 +293,8 @@ double MovingSkin::wentSince(std::span<const Vec3> then, Vec3 &mean) const {
   mean.setZero();
   for (std::size_t j = 0; j < then.size(); ++j) mean += displacements_[j] - then[j];
   mean /= static_cast<double>(then.size());
-  FarthestWay way;
-  for (std::size_t j = 0; j < then.size(); ++j) way.add(displacements_[j] - then[j] - mean, influence(j));
+  FarthestWay way(maxInfluence_);
+  for (std::size_t j = 0; j < then.size(); ++j) way.add(j, displacements_[j] - then[j] - mean);
   return way.ofVertices(*skin_);
 }
 

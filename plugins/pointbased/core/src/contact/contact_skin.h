@@ -43,8 +43,10 @@ struct ContactSkin {
 /// How far vertices go at most, by the ways of the phyxels that carry them.
 class FarthestWay {
  public:
-  /// @param influence  RestState::maxInfluence of the phyxel
-  void add(const Vec3 &way, double influence) {
+  /// @param maxInfluence  RestState::maxInfluence; empty: 1
+  explicit FarthestWay(std::span<const float> maxInfluence) : maxInfluence_(maxInfluence) {}
+  void add(std::size_t phyxel, const Vec3 &way) {
+    const double influence = maxInfluence_.empty() ? 1.0 : static_cast<double>(maxInfluence_[phyxel]);
     const double squared = way.squaredNorm();
     squared_ = std::max(squared_, squared);
     weighted_ = std::max(weighted_, influence * influence * squared);
@@ -54,6 +56,7 @@ class FarthestWay {
   }
 
  private:
+  std::span<const float> maxInfluence_;
   double squared_ = 0.0, weighted_ = 0.0;
 };
 
@@ -105,8 +108,8 @@ class PatchTree {
   [[nodiscard]] const std::vector<Patch> &patches() const { return patches_; }
   [[nodiscard]] const SkinBox &bounds() const { return nodes_.front().box; }
 
-  /// visit(patch of this, patch of the other, squared distance of their boxes at rest, and now) for those whose boxes are
-  /// nearer to each other than `reach`; of a tree and itself each pair once, without those of a patch and itself.
+  /// visit(patch of this, patch of the other, squared distance of their boxes at rest, and now) for those whose boxes
+  /// are nearer to each other than `reach`; of a tree and itself each pair once, without those of a patch and itself.
   /// @param open   room for what is still to be looked at
   /// @param skips  of the boxes of two parts at rest: none of these is asked for
   template <class Skips, class Visit>
@@ -261,10 +264,6 @@ class MovingSkin {
   void place(Index v);
   void takeVelocity(Index v);
   [[nodiscard]] bool isSharp(Index edge, double sine, double rise);
-  [[nodiscard]] double influence(std::size_t phyxel) const {
-    return maxInfluence_.empty() ? 1.0 : static_cast<double>(maxInfluence_[phyxel]);
-  }
-
   std::shared_ptr<const ContactSkin> skin_;
   PatchTree tree_;
   Vec3 origin_;

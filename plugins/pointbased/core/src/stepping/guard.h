@@ -48,8 +48,8 @@ struct EnergyLevel {
 };
 [[nodiscard]] EnergyLevel energyLevel(const Body &body, const Vec3 &gravity);
 
-/// Part of the larger of kinetic and elastic energy that the sum may grow by between two looks: velocity Verlet moves it
-/// by (ω dt)²/4 at most 16 % of the fastest mode's share, contact by what leads out of a penetration.
+/// Part of the larger of kinetic and elastic energy that the sum may grow by between two looks: velocity Verlet moves
+/// it by (ω dt)²/4 at most 16 % of the fastest mode's share, contact by what leads out of a penetration.
 inline constexpr double kEnergyGrowth = 0.25;
 /// Whether energy has come from nothing. @return what is wrong; empty: nothing
 [[nodiscard]] std::string energyGrowth(const EnergyLevel &before, const EnergyLevel &now);

@@ -28,8 +28,8 @@ class JointContact {
   /// Whether the contacts of pairs that have been gathered last are still those: none of them has slid farther since
   /// than a small part of the layer between the skins.
   [[nodiscard]] bool serves();
-  /// Takes these again, with gaps as they are now, and the contacts with obstacles and walls that have been found since.
-  /// After serves().
+  /// Takes these again, with gaps as they are now, and the contacts with obstacles and walls that have been found
+  /// since. After serves().
   void gatherAgain();
   /// The contacts over all phyxels, as rows of signed weights; Contact::point is the row.
   [[nodiscard]] const ContactPoints &rows() const { return rows_; }

@@ -60,10 +60,9 @@ double deformingSpeed(const Body &body, const ContactSkin &skin) {
   // What lies in a line has no inertia about it.
   inertia += 1e-9 * inertia.trace() * Mat3::Identity();
   const Vec3 turning = inertia.trace() > 0.0 ? Vec3(inertia.ldlt().solve(spin)) : Vec3(Vec3::Zero());
-  FarthestWay fastest;
+  FarthestWay fastest(rest.maxInfluence);
   for (std::size_t i = 0; i < rest.phyxelCount(); ++i)
-    fastest.add(state.velocities[i] - velocity - turning.cross(arm(i)),
-                rest.maxInfluence.empty() ? 1.0 : static_cast<double>(rest.maxInfluence[i]));
+    fastest.add(i, state.velocities[i] - velocity - turning.cross(arm(i)));
   return fastest.ofVertices(skin);
 }
 

@@ -28,9 +28,6 @@ constexpr double kDeepOverlap = 1.0;
 constexpr double kPointsOfLook = 1.0 / 64.0;
 // Of the spacing: edges between points of contact cut in by less.
 constexpr double kSkinThrough = 0.5;
-// Part of that from where on a skin that goes deeper is looked at every kCloseSteps, or the deepest place is missed.
-constexpr double kSinking = 0.3;
-constexpr std::uint64_t kCloseSteps = 8;
 // One body's stable step in the other's: from here on it is told who sets the step of all.
 
 std::string millimetres(double metres) { return number(1e3 * metres, 3) + " mm"; }
@@ -61,12 +58,9 @@ std::uint64_t Simulator::lookEvery() const {
                                                static_cast<double>(kExplicitSteps)));
 }
 
-bool Simulator::isSkinCheckDue() const {
-  return steps_ == 0 || steps_ % lookEvery() == 0 || (skinSinks_ && steps_ % kCloseSteps == 0) || finished();
-}
+bool Simulator::isSkinCheckDue() const { return steps_ == 0 || steps_ % lookEvery() == 0 || finished(); }
 
 void Simulator::checkSkins() {
-  skinSinks_ = false;
   if (world_.box.enabled)
     for (const auto &[id, runner] : bodies_) {
       const Body &body = runner->body();
@@ -83,10 +77,8 @@ void Simulator::checkSkins() {
                                 " through the world's box between the points where it feels contact; a smaller "
                                 "sampling.spacing (it is " +
                                 millimetres(body.rest().spacing) + ") helps");
-      skinSinks_ = skinSinks_ || (depth > deepest && depth > kSinking * through && depth <= through);
       deepest = std::max(deepest, depth);
     }
-  if (steps_ % lookEvery() != 0 && !finished()) return;
   lookAtPairs();
   lookAtContacts();
 }

@@ -84,10 +84,9 @@ void SkinContacts::RoomOfSelf::measure(std::span<const Vec3> displacements) {
   for (std::size_t i = 0; i < rest.size(); ++i)
     covariance += (rest[i] + displacements[i] - mean) * (then(i) - meanThen).transpose();
   const Mat3 R = polarBySvd(covariance).R;
-  FarthestWay way;
+  FarthestWay way(of->maxInfluence);
   for (std::size_t i = 0; i < rest.size(); ++i)
-    way.add(rest[i] + displacements[i] - mean - R * (then(i) - meanThen),
-            of->maxInfluence.empty() ? 1.0 : static_cast<double>(of->maxInfluence[i]));
+    way.add(i, rest[i] + displacements[i] - mean - R * (then(i) - meanThen));
   left = room - 2.0 * way.ofVertices(*skin);
 }
 
