@@ -216,7 +216,7 @@ TEST_CASE("Info says which contacts are switched on or off, and what the probe t
   INFO(text.errorOutput);
   CHECK(text.exitCode == 0);
   CHECK_THAT(text.output, Contains("contact between bodies: on, friction 0.2, where no pair says otherwise") &&
-                              Contains("contact of bodies with themselves: off") &&
+                              Contains("contact of bodies with themselves: on") &&
                               Contains("contact of \"bar\" and \"finger\": off") &&
                               Contains("contact of \"bar\" and \"other\": on, friction 0.05") &&
                               Contains("probe tool \"finger\": radius 80 mm, 2 places from 0 to 0.2 s"));

@@ -346,6 +346,29 @@ TEST_CASE("the arms of a body that are pressed together touch and do not cross")
   }
 }
 
+TEST_CASE("a body whose folds its cells do not tell apart does not touch itself, and says so") {
+  Simulator simulator;
+  WorldSettings world;
+  world.damping = 10.0;
+  simulator.setWorld(world);
+  // A C of arms of 10 mm: 8 mm thick in the mean, of cells of 15 mm.
+  const Surface surface = surfaceOfCubes({9, 5, 3}, 0.01, [](int x, int y, int) { return x < 1 || y < 1 || y >= 4; });
+  Load down;
+  down.region = HalfSpaceRegion{Vec3(0, 0.0499, 0), Vec3(0, -1, 0)};
+  down.force = Vec3(0, -0.5, 0);
+  down.ramp = 0.1;
+  Fix foot;
+  foot.region = HalfSpaceRegion{Vec3(0, 0.001, 0), Vec3(0, 1, 0)};
+  const std::size_t id =
+      simulator.addBody(bodyOf(shapes::inside(surface), 0.015, soft(5e3, 0.3), {foot}, {down}));
+  while (simulator.time() < 0.4) REQUIRE(simulator.step());
+  CHECK(!between(simulator.contacts(), id, id));
+  const auto told = std::count_if(simulator.events().begin(), simulator.events().end(), [](const auto &event) {
+    return event.kind == "warning" && event.text.find("does not touch itself: it is ") != std::string::npos;
+  });
+  CHECK(told == 1);
+}
+
 TEST_CASE("contact goes on from a checkpoint as it went on") {
   Simulator simulator;
   addFallingBalls(simulator, 2);

@@ -57,7 +57,7 @@ constexpr std::array kWorld{
               true),
     boolParam({C3DE_PARAM_ID_CONTACT_SELF, "Contact with itself", "",
                "Folds of a body touch each other; a fine skin that lies in many folds takes long", "Contact"},
-              false, C3DE_PARAM_ADVANCED),
+              true, C3DE_PARAM_ADVANCED),
     numberParam({C3DE_PARAM_ID_CONTACT_FRICTION, "Friction between bodies", "",
                  "Coulomb coefficient of bodies with each other and with themselves, where a pair says nothing of its "
                  "own; 0: slippery",

@@ -14,7 +14,7 @@ inline constexpr std::size_t kWorldBox = 0;
 /// WorldBox) and are felt whatever stands here.
 struct ContactSettings {
   bool enabled = true;    ///< between bodies, and of bodies with themselves
-  bool self = false;      ///< of bodies with themselves, where enabled
+  bool self = true;       ///< of bodies with themselves, where enabled
   double friction = 0.3;  ///< Coulomb, >= 0; of pairs that have none of their own
   bool operator==(const ContactSettings &) const = default;
 };

@@ -302,6 +302,7 @@ class Simulator {
   void checkSkins();
   void lookAtPairs();
   void lookAtContacts();
+  void tellUnresolved(std::size_t id, double thickness);
   void tellAtStart();
   void tellWhereRestitutionIsLost();
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "discretisation/interpolation_at.h"
@@ -263,7 +264,8 @@ MovingSkin::MovingSkin(std::shared_ptr<const ContactSkin> skin, const Vec3 &orig
                        std::vector<double> spacings)
     : skin_(std::move(skin)), tree_(*skin_), origin_(origin), spacing_(spacing), spacings_(std::move(spacings)),
       positions_(skin_->count()), vertexVelocities_(skin_->count()), seen_(skin_->count(), 0),
-      velocitiesSeen_(skin_->count(), 0), motions_(tree_.patches().size()), parts_(motions_.size()) {}
+      velocitiesSeen_(skin_->count(), 0), motions_(tree_.patches().size()), parts_(motions_.size()),
+      slabs_(motions_.size()) {}
 
 void MovingSkin::move(std::span<const Vec3> displacements, std::span<const Vec3> velocities,
                       std::span<const float> maxInfluence, double dt) {
@@ -387,6 +389,32 @@ bool MovingSkin::isSharp(Index edge, double sine, double rise) {
   const double length = (end - position(e.ends[1])).norm();
   const double least = std::min(sine, rise / std::max(length, 1e-12 * rise));
   return n.cross(m).squaredNorm() > least * least * n.squaredNorm() * m.squaredNorm() || n.dot(m) < 0.0;
+}
+
+std::pair<double, double> MovingSkin::extentOf(Index patch, const Vec3 &direction) {
+  std::pair<double, double> extent{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const Index v : tree_.patches()[patch].corners) {
+    const double along = direction.dot(position(v));
+    extent.first = std::min(extent.first, along);
+    extent.second = std::max(extent.second, along);
+  }
+  return extent;
+}
+
+const MovingSkin::Slab &MovingSkin::slabOf(Index patch) {
+  Slab &slab = slabs_[patch];
+  if (slab.seen == now_) return slab;
+  slab.seen = now_;
+  slab.normal.setZero();
+  for (const Index t : tree_.patches()[patch].triangles) slab.normal += faceNormal(t);
+  slab.normal.normalize();
+  std::tie(slab.low, slab.high) = extentOf(patch, slab.normal);
+  return slab;
+}
+
+double MovingSkin::distance(Index patch, const Slab &slab) {
+  const auto [low, high] = extentOf(patch, slab.normal);
+  return std::max(low - slab.high, slab.low - high);
 }
 
 const MovingSkin::PatchParts &MovingSkin::partsOf(Index patch, double sine, double rise) {

@@ -90,7 +90,7 @@ struct SkinBox {
   }
   /// Of the two points of both that are farthest from each other.
   [[nodiscard]] double squaredFarthest(const SkinBox &other) const {
-    return (high - other.low).cwiseMax(other.high - low).cwiseAbs().squaredNorm();
+    return (high - other.low).cwiseMax(other.high - low).squaredNorm();
   }
   [[nodiscard]] SkinBox wider(double by) const { return {low.array() - by, high.array() + by}; }
 };
@@ -234,6 +234,20 @@ class MovingSkin {
     std::uint64_t seen = 0;
   };
   [[nodiscard]] const PatchMotion &motionOf(Index patch);
+  /// Two planes across the mean normal of a patch, between which all its corners lie.
+  struct Slab {
+    Vec3 normal = Vec3::Zero();    // unit
+    double low = 0.0, high = 0.0;  // m, along it
+    std::uint64_t seen = 0;
+    /// m, at least, from a point to the patch; not positive: it may be anywhere.
+    [[nodiscard]] double distance(const Vec3 &x) const {
+      const double along = normal.dot(x);
+      return std::max(low - along, along - high);
+    }
+  };
+  [[nodiscard]] const Slab &slabOf(Index patch);
+  /// The same from a patch of this skin.
+  [[nodiscard]] double distance(Index patch, const Slab &slab);
   /// Boxes of its triangles, in their order, and of those of its edges that are sharp.
   struct PatchParts {
     std::vector<SkinBox> triangles;
@@ -264,6 +278,8 @@ class MovingSkin {
   void place(Index v);
   void takeVelocity(Index v);
   [[nodiscard]] bool isSharp(Index edge, double sine, double rise);
+  // m, along a direction, of the corners of a patch: least and largest.
+  [[nodiscard]] std::pair<double, double> extentOf(Index patch, const Vec3 &direction);
   std::shared_ptr<const ContactSkin> skin_;
   PatchTree tree_;
   Vec3 origin_;
@@ -277,6 +293,7 @@ class MovingSkin {
   std::vector<std::uint64_t> invertedSeen_;  // [vertices], or empty; twice the state it is of, and one more if it is
   std::vector<PatchMotion> motions_;         // [patches]
   std::vector<PatchParts> parts_;            // [patches]
+  std::vector<Slab> slabs_;                  // [patches]
   std::uint64_t now_ = 1, treeOf_ = 0;
   double goes_ = 0.0, goesExactly_ = -1.0, dt_ = 0.0;
   Vec3 meanGoes_ = Vec3::Zero();

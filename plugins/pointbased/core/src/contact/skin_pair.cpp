@@ -231,8 +231,10 @@ void SkinPair::gatherNear() {
     const Vec3 fastest = (mine.velocities.high - theirs.velocities.low)
                              .cwiseAbs()
                              .cwiseMax((theirs.velocities.high - mine.velocities.low).cwiseAbs());
-    const double reach = room + slack_ + dt_ * fastest.norm();
-    const double distance = std::sqrt(mine.places.squaredDistance(theirs.places));
+    const double reach = room + slack_ + (1.0 + kCushion) * dt_ * fastest.norm();
+    double distance = std::sqrt(mine.places.squaredDistance(theirs.places));
+    if (distance <= reach)
+      distance = std::max({distance, first.distance(a, second.slabOf(b)), second.distance(b, first.slabOf(a))});
     apart = distance - went_;
     if (!(distance <= reach)) continue;
     gatherVertices(false, a, b, reach);
@@ -281,12 +283,13 @@ void SkinPair::addDeep(bool ofSecond) {
 void SkinPair::gatherVertices(bool ofSecond, Index patch, Index otherPatch, double reach) {
   MovingSkin &own = *sides_[ofSecond ? 1 : 0].skin, &other = *sides_[ofSecond ? 0 : 1].skin;
   const SkinBox around = other.motionOf(otherPatch).places.wider(reach);
+  const MovingSkin::Slab &slab = other.slabOf(otherPatch);
   const std::vector<Vec3> &rest = own.skin().vertices.positions;
   const std::vector<Index> &triangles = other.tree().patches()[otherPatch].triangles;
   const MovingSkin::PatchParts &parts = partsOf(ofSecond ? 0 : 1, otherPatch);
   for (const Index v : own.tree().patches()[patch].vertices) {
     const Vec3 &x = own.position(v);
-    if (!around.meets({x, x})) continue;
+    if (!around.meets({x, x}) || slab.distance(x) > reach) continue;
     for (std::size_t k = 0; k < triangles.size(); ++k) {
       if (!(parts.triangles[k].squaredDistance(x) <= reach * reach)) continue;
       const Index t = triangles[k];
@@ -310,7 +313,9 @@ void SkinPair::gatherEdges(Index patch, Index otherPatch, double reach) {
     if (!around.meets(own)) continue;
     const SkinBox box = own.wider(reach);
     for (const auto &[f, theirs] : others.edges) {
-      if (!box.meets(theirs) || (isSelf() && share(first.skin().edges[e].ends, second.skin().edges[f].ends))) continue;
+      if (!box.meets(theirs)) continue;
+      const std::array<Index, 2> &ends = first.skin().edges[e].ends, &otherEnds = second.skin().edges[f].ends;
+      if (isSelf() && (share(ends, otherEnds) || areOnePiece(ends, otherEnds))) continue;
       edges_.push_back(
           {isSelf() ? std::min(e, f) : e, isSelf() ? std::max(e, f) : f, -std::numeric_limits<double>::infinity()});
     }
@@ -338,6 +343,14 @@ Index SkinPair::nearestTriangle(MovingSkin &skin, const Vec3 &x) {
 
 bool SkinPair::areOnePiece(const Vec3 &a, const Vec3 &b) const {
   return isSelf() && (a - b).squaredNorm() <= settings_.apart * settings_.apart;
+}
+
+bool SkinPair::areOnePiece(const std::array<Index, 2> &edge, const std::array<Index, 2> &other) const {
+  const std::vector<Vec3> &rest = sides_[0].skin->skin().vertices.positions;
+  for (const Index a : edge)
+    for (const Index b : other)
+      if (!areOnePiece(rest[a], rest[b])) return false;
+  return true;
 }
 
 void SkinPair::lookAt(NearVertex &group) {

@@ -108,6 +108,11 @@ bool Simulator::mayTouchItself(std::size_t id, double dt) {
   if (!quasiStatic()) goes = 2.0 * kFaster * dt * deformingSpeed(body, *room.skin);
   room.left -= goes;
   if (room.left > 0.0) return false;
+  if (!room.isResolved()) {
+    tellUnresolved(id, room.thickness);
+    room.left = std::numeric_limits<double>::infinity();
+    return false;
+  }
   pair.moving(0).move(body.state().displacements, body.state().velocities, body.rest().maxInfluence, 0.0);
   room.from.assign(body.state().displacements.begin(), body.state().displacements.end());
   const auto look = [&] {

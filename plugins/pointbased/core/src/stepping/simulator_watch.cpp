@@ -139,6 +139,16 @@ void Simulator::lookAtContacts() {
   }
 }
 
+void Simulator::tellUnresolved(std::size_t id, double thickness) {
+  if (!overlaps_.insert({id, id}).second) return;
+  reportEvent("warning",
+              "body '" + body(id)->name() + "' does not touch itself: it is " + millimetres(thickness) +
+                  " thick in the mean (twice its volume over its area; of a tube the radius), and cells of " +
+                  millimetres(body(id)->rest().spacing) +
+                  " do not tell its folds apart; with a sampling.spacing up to " +
+                  millimetres(thickness / detail::SkinContacts::RoomOfSelf::kThinnest) + " they would");
+}
+
 void Simulator::tellAtStart() {
   if (toldAtStart_) return;
   toldAtStart_ = true;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/polar.h"
 
@@ -65,8 +66,13 @@ SkinContacts::RoomOfSelf &SkinContacts::roomOfSelf(std::size_t id, const Body &b
   RoomOfSelf &room = roomsOfSelf_[id];
   if (room.of == body.sharedRest()) return room;
   const ContactSkin &skin = skinOf(id, body).skin();
-  return roomsOfSelf_[id] = {
-             body.sharedRest(), &skin, {}, (kOnePiece - (1.0 + kActive) * kOffset) * body.rest().spacing};
+  const double area = std::accumulate(skin.areas.begin(), skin.areas.end(), 0.0);
+  return roomsOfSelf_[id] = {body.sharedRest(),
+                             &skin,
+                             {},
+                             (kOnePiece - (1.0 + kActive) * kOffset) * body.rest().spacing,
+                             0.0,
+                             area > 0.0 ? 2.0 * body.rest().shapeVolume / area : 0.0};
 }
 
 void SkinContacts::RoomOfSelf::measure(std::span<const Vec3> displacements) {

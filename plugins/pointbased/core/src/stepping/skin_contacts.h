@@ -33,6 +33,11 @@ class SkinContacts {
     std::vector<Vec3> from;  ///< [phyxels] m, displacements where `room` was found; empty: at rest
     double room = 0.0;       ///< m, there
     double left = 0.0;       ///< m, at least, now
+    /// m, in the mean: twice the volume over the area, which is the radius of a tube. 0: not known.
+    double thickness = 0.0;
+    /// Whether the spacing tells its folds apart: a tube is wider than what is one piece of tissue.
+    [[nodiscard]] bool isResolved() const { return !(thickness > 0.0) || thickness >= kThinnest * of->spacing; }
+    static constexpr double kThinnest = 0.75;  ///< spacings
 
     /// Looks how far they have gone, apart from a motion of all together.
     void measure(std::span<const Vec3> displacements);
