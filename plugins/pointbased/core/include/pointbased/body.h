@@ -14,8 +14,9 @@
 namespace pointbased {
 
 namespace detail {
+class RigidFrame;
 class VectorForces;
-}
+}  // namespace detail
 
 /// What moves.
 struct State {
@@ -76,7 +77,7 @@ struct BodyCheckpoint {
   std::optional<GuardFinding> stopped;
   std::size_t rereferenceCount = 0;
   Vec3 referenceShiftMoment = Vec3::Zero();  ///< kg m
-  bool rigid = false;
+  bool rigid = false, free = false;
 };
 
 /// A deformable body: rest state, constitution, state, and the scratch of its step.
@@ -215,10 +216,19 @@ class Body {
   /// Σ m (way of the references from the first one to the present one), kg m.
   [[nodiscard]] const Vec3 &referenceShiftMoment() const { return referenceShiftMoment_; }
 
-  /// A rigid body stands as it is in its reference, without velocity: no stage runs, nothing moves it. Both ways it
-  /// goes to its initial state.
-  void setRigid(bool rigid);
+  /// A rigid body keeps its shape. It stands as it is in its reference, without velocity: no stage runs, nothing moves
+  /// it; or, `free`, it moves as a rigid body of the masses of its phyxels, in explicit steps. In any case it goes to
+  /// its initial state.
+  void setRigid(bool rigid, bool free = false);
   [[nodiscard]] bool rigid() const { return rigid_; }
+  /// It is rigid and moves. Not where something is fixed of it, nor in a static solution: there it stands.
+  [[nodiscard]] bool free() const { return rigid_ && free_ && !quasiStatic && !held(); }
+  /// What setRigid() was told, whether it is rigid or not.
+  [[nodiscard]] bool freeWhereRigid() const { return free_; }
+  /// It is rigid and does not move.
+  [[nodiscard]] bool stands() const { return rigid_ && !free(); }
+  /// Mass and inertia of a rigid body; after setRigid().
+  [[nodiscard]] const detail::RigidFrame &rigidFrame() const { return *rigidFrame_; }
 
   /// N per phyxel, from outside of the model, added to those of the scene: constant over a step, kept until they are
   /// set again. Quasi-static: times the load factor.
@@ -235,7 +245,7 @@ class Body {
   [[nodiscard]] BodyCheckpoint checkpoint() const;
   /// The state that was kept, with the material of now; nothing holds the body by hand then. History that the material
   /// of then did not need starts fresh.
-  /// @return false: nothing is changed, because the body was rigid then and is not now, or the other way round
+  /// @return false: nothing is changed, because the body was rigid or free then and is not now, or the other way round
   bool restore(const BodyCheckpoint &checkpoint, const ParallelFor &parallelFor);
   /// What an explicit step takes over from the one before it. Viscous forces are those of its middle: evaluated again,
   /// they would differ.
@@ -266,6 +276,7 @@ class Body {
   };
   void layOut();
   void bindFoundation();
+  void frameRigid();
   [[nodiscard]] Vec3 firstReference(Index phyxel) const;
   [[nodiscard]] double stableStepFor(double tangentRatio) const;
   void vectorise(const ParallelFor &parallelFor);
@@ -294,7 +305,8 @@ class Body {
   ElasticFoundation foundation_;
   double foundationFrequency_ = 0.0;  // rad/s, a bound
   double attachedFrequency_ = 0.0;    // 1/s², likewise
-  bool rigid_ = false;
+  bool rigid_ = false, free_ = false;
+  std::unique_ptr<const detail::RigidFrame> rigidFrame_;  // of a rigid body
   std::vector<Index> fixOfPatch_;
   std::vector<Vec3> patchPoints_, patchShifts_, patchTargets_;
   std::vector<Vec3> externalForces_;  // empty: none

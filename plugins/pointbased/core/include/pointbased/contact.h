@@ -161,6 +161,9 @@ struct ContactState {
     std::vector<Index> touched, slotOf;  ///< [slots] phyxel, [phyxels] slot
     std::vector<double> velocities;      ///< [slots][4] m/s
     std::vector<double> sides;           ///< [contacts][16]: normal, velocity of the surface, tangential impulse, 1/w
+    // Rigid bodies that a contact moves (rigid_particles.h): rows of parts, first of the slots, numbers of each part
+    std::vector<Index> rigidRows, rigidSlots;
+    std::vector<double> rigidParts;
   } solution;
 };
 

@@ -131,8 +131,9 @@ class Simulator {
   /// How its surroundings hold a body, while it runs. Errors of Body::setFoundation(); then nothing is changed.
   [[nodiscard]] Result<void> setFoundation(std::size_t body, const Foundation &foundation);
 
-  /// Body::setRigid() while it runs: the body costs nothing then, and its stable step is nobody's. Nothing grabs it.
-  void setRigid(std::size_t body, bool rigid);
+  /// Body::setRigid() while it runs: a body that stands costs nothing then, and nothing grabs it; of none that is rigid
+  /// is the stable step anybody's.
+  void setRigid(std::size_t body, bool rigid, bool free = false);
 
   /// Between two steps; the simulation is reset. It goes with either of what it joins. Errors, with nothing changed:
   /// what validate() refuses; ids of nobody, or of one body twice; a body without surface; no part of the surface is in
@@ -210,7 +211,7 @@ class Simulator {
   [[nodiscard]] std::uint64_t steps() const { return steps_; }
   /// s, of the next step: of the world, or the longest that any of its bodies takes by itself; 0 quasi-static.
   [[nodiscard]] double stepSize() const;
-  /// s, in which a body takes it: explicit ones in substeps, of this size at rest; 0: rigid, or quasi-static.
+  /// s, in which a body takes it: explicit ones in substeps, of this size at rest; 0: it stands, or quasi-static.
   [[nodiscard]] double stepSizeOf(std::size_t body) const;
   /// Every body has stopped.
   [[nodiscard]] bool failed() const;
@@ -224,11 +225,11 @@ class Simulator {
   [[nodiscard]] std::uint64_t changes(std::size_t body) const;
 
   /// Forces on the phyxels of a body from outside of the model (Body::swapExternalForces), from the next step on until
-  /// they are set again; wakes it. Of no effect on a rigid body.
+  /// they are set again; wakes it. Of no effect on a body that stands (Body::stands()).
   void setExternalForces(std::size_t body, std::span<const Vec3> forces);
   void swapExternalForces(std::size_t body, std::vector<Vec3> &forces);
   /// Takes hold of a body, from the next step on, until it is let go or the simulation reset. A hand that holds it
-  /// already takes hold anew. Of no effect on a rigid body.
+  /// already takes hold anew. Of no effect on a body that stands.
   /// @param hand  who holds; several may hold one body
   void setGrab(std::size_t body, Grab grab, std::uint64_t hand = 0);
   void moveGrab(std::size_t body, const Vec3 &target, std::uint64_t hand = 0);

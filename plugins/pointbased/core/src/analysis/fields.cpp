@@ -18,6 +18,10 @@ void firstPiolaStresses(const Body &body, StressScratch &scratch, const Parallel
   const std::size_t points = body.rest().pointCount();
   scratch.firstPiola.resize(points);
   scratch.ratios.resize(points);
+  if (body.rigid()) {
+    std::fill(scratch.firstPiola.begin(), scratch.firstPiola.end(), Mat3(Mat3::Zero()));
+    return;
+  }
   (void)pointStresses(body.constitution(), body.rest().stencils, body.gradients(), {}, body.state().history, 0.0,
                       nullptr, scratch.firstPiola, scratch.ratios, parallelFor);
 }

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/expects.h"
+#include "body/rigid_frame.h"
 #include "forces/engine_frequency.h"
 #include "forces/vector_forces.h"
 
@@ -195,7 +196,12 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
   vectorise(parallelFor);
   restFrequency_ = frequencyAtRest(parallelFor);
   foundationFrequency_ = std::sqrt(foundation_.squaredFrequencyBound(masses_));
+  if (rigid_) frameRigid();
   forcesCurrent = false;
+}
+
+void Body::frameRigid() {
+  rigidFrame_ = std::make_unique<const detail::RigidFrame>(rest_->positions, masses_, rest_->spacing);
 }
 
 std::vector<double> Body::moduliAt(const Interpolation &points) const {
@@ -220,10 +226,10 @@ double Body::frequencyAtRest(const ParallelFor &parallelFor) const {
 
 double Body::stableStepFor(double tangentRatio) const {
   // No eigenvalue of a sum is above the sum of the largest ones.
-  const double elastic = restFrequency_ * restFrequency_, damped = foundationFrequency_ * foundationFrequency_;
+  const double own = free() ? 0.0 : restFrequency_;
+  const double elastic = own * own, damped = foundationFrequency_ * foundationFrequency_;
   const double around = damped + attachedFrequency_;
-  const double frequency =
-      around > 0.0 ? std::sqrt(elastic * tangentRatio + around) : restFrequency_ * std::sqrt(tangentRatio);
+  const double frequency = around > 0.0 ? std::sqrt(elastic * tangentRatio + around) : own * std::sqrt(tangentRatio);
   if (frequency == 0.0) return std::numeric_limits<double>::infinity();
   // Viscous forces are taken at the velocity half a step before: the bound of central differences with lagged damping.
   double relaxation = 0.0;
@@ -231,7 +237,7 @@ double Body::stableStepFor(double tangentRatio) const {
     relaxation = std::max(relaxation, 2.0 * m.viscosity / m.waveModulus());
   const double xi = around > 0.0 ? 0.5 * (relaxation * elastic + foundation_.settings().retardationTime * damped) /
                                        std::sqrt(elastic + around)
-                                 : 0.5 * relaxation * restFrequency_;
+                                 : 0.5 * relaxation * own;
   return 2.0 / frequency * (std::sqrt(1.0 + xi * xi) - xi);
 }
 
@@ -279,6 +285,12 @@ void Body::forceDifferential(std::span<const Vec3> du, double viscousScale, std:
 }
 
 void Body::evaluate(double t, double dt, const ParallelFor &parallelFor) {
+  if (free()) {
+    std::fill(forces_.begin(), forces_.end(), Vec3(Vec3::Zero()));
+    gradientsOld_ = stressesOld_ = true;
+    addLoads(t, parallelFor);
+    return;
+  }
   if (!vectorForces_) {
     computeGradients(parallelFor);
     if (!state_.history.plasticInverse.empty() && dt > 0.0) computeFlow(dt, parallelFor);
@@ -303,6 +315,10 @@ std::span<const Mat3> Body::gradients() const {
 
 std::span<const Mat3> Body::stresses() const {
   makePoints();
+  if (rigid_) {
+    std::fill(stresses_.begin(), stresses_.end(), Mat3(Mat3::Zero()));
+    stressesOld_ = false;
+  }
   if (stressesOld_) {
     // With the memory of the end of the step: over no time nothing more relaxes.
     tangentRatios_.resize(rest_->pointCount());
@@ -338,7 +354,7 @@ void Body::stressesInto(double dt, const PointHistory &before, PointHistory *aft
   }
   tangentRatios_.resize(rest_->pointCount());
   makePoints();
-  stressesOld_ = false;
+  stressesOld_ = rigid_;  // which has none
   tangentRatio_ = pointStresses(constitution_, rest_->stencils, gradients_, rates, before, dt, after, stresses_,
                                 tangentRatios_, parallelFor);
   relaxedModes_.resize(before.modes.size());
@@ -411,10 +427,15 @@ double Body::factor(double ramp, double t) const {
 }
 
 ElasticEnergy Body::elasticEnergy(const ParallelFor &parallelFor) const {
+  if (rigid_) return {};
   return vectorised() ? exactForces().energy(state_.displacements, state_.history, parallelFor) : elasticEnergy();
 }
 
 ElasticEnergy Body::elasticEnergy(std::span<Eigen::Vector2d> perPoint) const {
+  if (rigid_) {
+    std::fill(perPoint.begin(), perPoint.end(), Eigen::Vector2d(Eigen::Vector2d::Zero()));
+    return {};
+  }
   return pointbased::elasticEnergy(constitution_, rest_->stencils, rest_->positions, state_.displacements, gradients(),
                                    state_.history, perPoint);
 }

@@ -2,6 +2,7 @@
 // Where a body comes from: its initial state, the state before a step, a renewed reference.
 #include <algorithm>
 
+#include "body/rigid_frame.h"
 #include "pointbased/body.h"
 
 namespace pointbased {
@@ -66,11 +67,11 @@ std::string Body::stopMessage() const {
 }
 
 BodyCheckpoint Body::checkpoint() const {
-  return {rest_, state_, contact, stopped, rereferenceCount_, referenceShiftMoment_, rigid_};
+  return {rest_, state_, contact, stopped, rereferenceCount_, referenceShiftMoment_, rigid_, free_};
 }
 
 bool Body::restore(const BodyCheckpoint &checkpoint, const ParallelFor &parallelFor) {
-  if (checkpoint.rigid != rigid_) return false;
+  if (checkpoint.rigid != rigid_ || checkpoint.free != free_) return false;
   const bool sameReference = rest_ == checkpoint.rest;
   rest_ = checkpoint.rest;
   state_ = checkpoint.state;
@@ -91,8 +92,10 @@ bool Body::restore(const BodyCheckpoint &checkpoint, const ParallelFor &parallel
   return true;
 }
 
-void Body::setRigid(bool rigid) {
+void Body::setRigid(bool rigid, bool free) {
   rigid_ = rigid;
+  free_ = free;
+  if (rigid_) frameRigid();
   reset();
 }
 
@@ -120,7 +123,7 @@ void Body::reset() {
       state_.velocities[i] += initialAngularVelocity_.cross(rest_->positions[i] - centre);
   }
   for (const HeldPhyxel &held : heldPhyxels_) state_.velocities[held.phyxel].setZero();
-  if (rigid_) state_.velocities.assign(n, Vec3::Zero());
+  if (stands()) state_.velocities.assign(n, Vec3::Zero());
   forces_.assign(n, Vec3::Zero());
   std::fill(gradients_.begin(), gradients_.end(), Mat3::Identity());
   std::fill(stresses_.begin(), stresses_.end(), Mat3::Zero());

@@ -3,8 +3,10 @@
 #include <cmath>
 #include <limits>
 
+#include "base/polar.h"
 #include "contact/contact_bounce.h"
 #include "contact/contact_kernel.h"
+#include "contact/rigid_particles.h"
 #include "discretisation/interpolation_at.h"
 
 namespace pointbased {
@@ -14,6 +16,10 @@ namespace {
 constexpr double kSlop = 0.02;
 // What these leave of a velocity the next step takes up.
 constexpr int kSettlingSweeps = 8;
+// Contacts of a rigid body all move each other, and take longer to agree. What a face that lands flat is left with of a
+// spin stays.
+constexpr int kRigidBounceSweeps = 200;
+constexpr double kRigidBounceTolerance = 1e-4;
 // Sweeps in a row over the contacts that press.
 constexpr int kSome = 4;
 // Contacts that open faster than this part of the largest speed do not press. Those between have to be swept: of points
@@ -24,13 +30,15 @@ constexpr double kOpen = 0.1;
 struct Hand {
   const Interpolation &binding;
   std::span<const double> inverseMasses;
+  std::span<const detail::RigidParticles> rigid;
   std::span<Vec3> velocities;
 
-  [[nodiscard]] double inverseMass(Index p) const {
-    double sum = 0.0;
-    for (Index e = binding.phyxels.offsets[p]; e < binding.phyxels.offsets[p + 1]; ++e)
-      sum += binding.weights[e] * binding.weights[e] * inverseMasses[binding.phyxels.indices[e]];
-    return sum;
+  // Whose particle it is; null: a phyxel.
+  [[nodiscard]] const detail::RigidParticles *rigidOf(Index j) const {
+    const auto next = std::upper_bound(rigid.begin(), rigid.end(), j,
+                                       [](Index k, const detail::RigidParticles &one) { return k < one.first; });
+    if (next == rigid.begin()) return nullptr;
+    return j < std::prev(next)->first + 4 ? &*std::prev(next) : nullptr;
   }
   [[nodiscard]] Vec3 velocity(Index p) const {
     Vec3 v = Vec3::Zero();
@@ -39,6 +47,23 @@ struct Hand {
     return v;
   }
 };
+
+// What an impulse on contact c changes of the velocities of slots: visit(slot, change).
+template <class Visit>
+void forChanges(const ContactState::Solution &solution, std::size_t c, const Vec3 &impulse, const Visit &visit) {
+  for (Index e = solution.rows[c]; e < solution.rows[c + 1]; ++e)
+    if (solution.pushes[e] != 0.0) visit(solution.slots[e], Vec3(solution.pushes[e] * impulse));
+  if (solution.rigidRows.empty()) return;
+  for (Index r = solution.rigidRows[c]; r < solution.rigidRows[c + 1]; ++r) {
+    const double *part = solution.rigidParts.data() + kernels::kRigidNumbers * std::size_t{r};
+    const Vec3 spin =
+        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(part + kernels::kRigidTurn) * impulse;
+    for (Index k = 0; k < 4; ++k) {
+      const Vec3 arm = Eigen::Map<const Vec3>(part + kernels::kRigidArms + 3 * k);
+      visit(solution.rigidSlots[r] + k, Vec3(part[kernels::kRigidShare] * impulse + spin.cross(arm)));
+    }
+  }
+}
 
 // m/s, above which the impulse of a contact keeps its normal velocity.
 double leastOf(const ContactState::Solution &solution, std::size_t c) {
@@ -57,8 +82,7 @@ void warmStart(const Hand &body, std::span<const Contact> active, ContactState::
     const Vec3 v = body.velocity(active[c].point) - active[c].surfaceVelocity;
     const Vec3 whole = impulse * active[c].normal + solution.tangential[c];
     slope += whole.dot(v) - impulse * leastOf(solution, c);
-    for (Index e = solution.rows[c]; e < solution.rows[c + 1]; ++e)
-      change[solution.slots[e]] += solution.pushes[e] * whole;
+    forChanges(solution, c, whole, [&](Index slot, const Vec3 &more) { change[slot] += more; });
   }
   for (std::size_t s = 0; s < change.size(); ++s)
     if (const double inverse = body.inverseMasses[solution.touched[s]]; inverse > 0.0)
@@ -68,6 +92,48 @@ void warmStart(const Hand &body, std::span<const Contact> active, ContactState::
   for (Vec3 &impulse : solution.tangential) impulse *= part;
   if (part > 0.0)
     for (std::size_t s = 0; s < change.size(); ++s) body.velocities[solution.touched[s]] += part * change[s];
+}
+
+// How contact c moves the rigid bodies that it touches, and what resists it: K = ∂v/∂P, which is the larger the farther
+// from the centre of mass it is, except towards the centre.
+void layOutRigid(const Hand &body, const Contact &contact, std::size_t c, ContactState::Solution &solution) {
+  const Index begin = solution.rigidRows.back();
+  Mat3 K = Mat3::Zero();
+  std::array<const detail::RigidParticles *, 2> of{};
+  std::array<double, 2> shares{};
+  std::array<Vec3, 2> arms{Vec3::Zero(), Vec3::Zero()};
+  for (Index e = solution.rows[c]; e < solution.rows[c + 1]; ++e) {
+    const Index j = solution.touched[solution.slots[e]];
+    const double weight = solution.shares[e];
+    const detail::RigidParticles *one = body.rigidOf(j);
+    if (!one) {
+      K += weight * weight * body.inverseMasses[j] * Mat3::Identity();
+      continue;
+    }
+    const std::size_t k = !of[0] || of[0] == one ? 0 : 1;
+    of[k] = one;
+    shares[k] += weight;
+    arms[k] += weight * one->arms[j - one->first];
+    solution.pushes[e] = 0.0;
+  }
+  for (std::size_t k = 0; k < 2 && of[k]; ++k) {
+    Mat3 across;  // arm x
+    across << 0.0, -arms[k][2], arms[k][1], arms[k][2], 0.0, -arms[k][0], -arms[k][1], arms[k][0], 0.0;
+    const Mat3 turn = of[k]->inverseInertia * across;
+    K += shares[k] * shares[k] / of[k]->mass * Mat3::Identity() - across * turn;
+    solution.rigidSlots.push_back(solution.slotOf[of[k]->first]);
+    solution.rigidParts.push_back(shares[k] / of[k]->mass);
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column) solution.rigidParts.push_back(turn(row, column));
+    for (const Vec3 &arm : of[k]->arms) solution.rigidParts.insert(solution.rigidParts.end(), arm.begin(), arm.end());
+  }
+  solution.rigidRows.push_back(static_cast<Index>(solution.rigidSlots.size()));
+  if (solution.rigidRows.back() == begin) return;
+  const Vec3 &n = contact.normal;
+  const Mat3 tangential = Mat3::Identity() - n * n.transpose();
+  solution.inverseMasses[c] = n.dot(K * n);
+  solution.sides[kernels::kContactNumbers * c + kernels::kTangentialMass] =
+      1.0 / detail::largestEigenvalueBound(tangential * K * tangential);
 }
 
 // The contacts and the velocities of the phyxels that they touch, side by side. Sweeps go to and fro over these.
@@ -81,6 +147,11 @@ void layOut(const Hand &body, std::span<const Contact> active, ContactState::Sol
   solution.slots.clear();
   solution.shares.clear();
   solution.pushes.clear();
+  solution.rigidRows.clear();
+  solution.rigidSlots.clear();
+  solution.rigidParts.clear();
+  if (!body.rigid.empty()) solution.rigidRows.assign(1, 0);
+  solution.inverseMasses.assign(active.size(), 0.0);
   solution.sides.assign(kernels::kContactNumbers * active.size(), 0.0);
   for (std::size_t c = 0; c < active.size(); ++c) {
     const Index p = active[c].point;
@@ -88,14 +159,20 @@ void layOut(const Hand &body, std::span<const Contact> active, ContactState::Sol
       const Index j = phyxels.indices[e];
       Index &slot = solution.slotOf[j];
       if (slot == kNowhere) {
-        slot = static_cast<Index>(solution.touched.size());
-        solution.touched.push_back(j);
+        // The particles of a rigid body side by side, whether the contact has a share in each of them or not.
+        const detail::RigidParticles *one = body.rigid.empty() ? nullptr : body.rigidOf(j);
+        for (Index i = one ? one->first : j; i < (one ? one->first + 4 : j + 1); ++i) {
+          solution.slotOf[i] = static_cast<Index>(solution.touched.size());
+          solution.touched.push_back(i);
+        }
       }
       solution.slots.push_back(slot);
       solution.shares.push_back(body.binding.weights[e]);
       solution.pushes.push_back(body.binding.weights[e] * body.inverseMasses[j]);
+      solution.inverseMasses[c] += body.binding.weights[e] * body.binding.weights[e] * body.inverseMasses[j];
     }
     solution.rows.push_back(static_cast<Index>(solution.slots.size()));
+    if (!body.rigid.empty()) layOutRigid(body, active[c], c, solution);
     for (std::size_t a = 0; a < 3; ++a)
       solution.sides[kernels::kContactNumbers * c + kernels::kNormalOfContact + a] =
           active[c].normal[static_cast<Eigen::Index>(a)];
@@ -139,6 +216,11 @@ void sweep(const Hand &body, std::span<const Contact> active, const ImpulseSetti
   job.floors = solution.floors.data();
   job.friction = still ? nullptr : solution.friction.data();
   job.impulses = solution.impulses.data();
+  if (!solution.rigidSlots.empty()) {
+    job.rigidRows = solution.rigidRows.data();
+    job.rigidSlots = solution.rigidSlots.data();
+    job.rigidParts = solution.rigidParts.data();
+  }
   // Most contacts of a step do not press in the end. After two sweeps over all only those that do, or nearly, are
   // swept, to and fro, so that the last is not always the same; the others have their say before it is good, and every
   // kSome sweeps.
@@ -170,8 +252,6 @@ void sweep(const Hand &body, std::span<const Contact> active, const ImpulseSetti
 }
 
 void prepare(const Hand &body, std::span<const Contact> active, ContactState::Solution &solution) {
-  solution.inverseMasses.resize(active.size());
-  for (std::size_t c = 0; c < active.size(); ++c) solution.inverseMasses[c] = body.inverseMass(active[c].point);
   solution.impulses.assign(active.size(), 0.0);
   solution.tangential.assign(active.size(), Vec3::Zero());
   solution.least.assign(active.size(), 0.0);
@@ -205,7 +285,13 @@ bool findArrivals(const Interpolation &binding, std::span<const Vec3> velocities
 
 Vec3 bounceArrivals(const Interpolation &binding, std::span<const double> inverseMasses, double quietSpeed,
                     ContactState &memory, std::span<Vec3> velocities) {
-  const Hand body{binding, inverseMasses, velocities};
+  return detail::bounceArrivals(binding, inverseMasses, {}, quietSpeed, memory, velocities);
+}
+
+Vec3 detail::bounceArrivals(const Interpolation &binding, std::span<const double> inverseMasses,
+                            std::span<const RigidParticles> rigid, double quietSpeed, ContactState &memory,
+                            std::span<Vec3> velocities) {
+  const Hand body{binding, inverseMasses, rigid, velocities};
   std::vector<Contact> &arriving = memory.previous;
   const auto relative = [&](const Contact &c) { return Vec3(body.velocity(c.point) - c.surfaceVelocity); };
   std::erase_if(arriving, [&](const Contact &c) { return !(relative(c).dot(c.normal) < -quietSpeed); });
@@ -217,15 +303,20 @@ Vec3 bounceArrivals(const Interpolation &binding, std::span<const double> invers
   before.resize(count);
   for (std::size_t c = 0; c < count; ++c) before[c] = relative(arriving[c]);
   prepare(body, arriving, solution);  // none may go on
-  sweep(body, arriving, ImpulseSettings{}, false, solution);
+  ImpulseSettings settings;
+  if (!rigid.empty()) {
+    settings.sweeps = kRigidBounceSweeps;
+    settings.tolerance = kRigidBounceTolerance;
+  }
+  sweep(body, arriving, settings, false, solution);
 
   // e times the impulses on top. All together, with those of friction, they do no work as the obstacles see it,
   // Σ P · (v before + v after)/2 <= 0: at most as much of them as that allows.
   const auto push = [&](double part) {
     for (std::size_t c = 0; c < count; ++c) {
       const Vec3 impulse = part * arriving[c].restitution * solution.impulses[c] * arriving[c].normal;
-      for (Index e = solution.rows[c]; e < solution.rows[c + 1]; ++e)
-        velocities[solution.touched[solution.slots[e]]] += solution.pushes[e] * impulse;
+      forChanges(solution, c, impulse,
+                 [&](Index slot, const Vec3 &more) { velocities[solution.touched[slot]] += more; });
     }
   };
   std::vector<Vec3> &stopped = solution.change;
@@ -268,11 +359,17 @@ Vec3 bounceArrivals(const Interpolation &binding, std::span<const double> invers
 
 Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
                           const ImpulseSettings &settings, ContactState &memory, std::span<Vec3> velocities) {
+  return detail::solveContactImpulses(binding, inverseMasses, {}, dt, settings, memory, velocities);
+}
+
+Vec3 detail::solveContactImpulses(const Interpolation &binding, std::span<const double> inverseMasses,
+                                  std::span<const RigidParticles> rigid, double dt, const ImpulseSettings &settings,
+                                  ContactState &memory, std::span<Vec3> velocities) {
   std::vector<Contact> &active = memory.active;
   ContactState::Solution &solution = memory.solution;
   solution.splitImpulse.clear();
   if (active.empty()) return Vec3::Zero();
-  const Hand body{binding, inverseMasses, velocities};
+  const Hand body{binding, inverseMasses, rigid, velocities};
   prepare(body, active, solution);
   double deepest = 0.0;
   for (std::size_t c = 0; c < active.size(); ++c) {
@@ -300,7 +397,7 @@ Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> 
   const double slop = kSlop * memory.margin;
   if (!(deepest > slop)) return total;
   solution.splitImpulse.assign(velocities.size(), Vec3::Zero());
-  const Hand lead{binding, inverseMasses, solution.splitImpulse};
+  const Hand lead{binding, inverseMasses, rigid, solution.splitImpulse};
   for (std::size_t c = 0; c < active.size(); ++c) {
     const double gap = active[c].gap + active[c].thickness, depth = -gap - slop;
     // Velocities of the split impulses come on top of those of the body, which keep the others within their gaps.
@@ -321,10 +418,19 @@ Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> 
 void settleContactVelocities(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
                              ContactState &memory, std::span<Vec3> velocities) {
   (void)dt;
+  detail::settleContactVelocities(binding, inverseMasses, {}, memory, velocities);
+}
+
+void detail::settleContactVelocities(const Interpolation &binding, std::span<const double> inverseMasses,
+                                     std::span<const RigidParticles> rigid, ContactState &memory,
+                                     std::span<Vec3> velocities) {
   ContactState::Solution &solution = memory.solution;
-  if (!solution.splitImpulse.empty())
+  if (!solution.splitImpulse.empty()) {
     for (std::size_t j = 0; j < velocities.size(); ++j)
       if (inverseMasses[j] > 0.0) velocities[j] -= solution.splitImpulse[j];
+    // Which has turned since.
+    for (const RigidParticles &one : rigid) one.project(velocities.subspan(one.first, 4));
+  }
   solution.splitImpulse.clear();
   // Contacts that the step has closed; in `previous`, which the next search overwrites.
   std::vector<Contact> &closed = memory.previous;
@@ -332,7 +438,7 @@ void settleContactVelocities(const Interpolation &binding, std::span<const doubl
   for (const Contact &contact : memory.active)
     if (contact.normalImpulse > 0.0) closed.push_back(contact);
   if (closed.empty()) return;
-  const Hand body{binding, inverseMasses, velocities};
+  const Hand body{binding, inverseMasses, rigid, velocities};
   prepare(body, closed, solution);
   for (std::size_t c = 0; c < closed.size(); ++c) {
     solution.impulses[c] = closed[c].settleImpulse;

@@ -69,6 +69,70 @@ HWY_INLINE double dot(const Four &a, const Four &b) {
   return (x[0] + x[1]) + x[2];
 }
 
+HWY_INLINE Four cross(const double *a, const double *b) {
+  const double c[4] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0], 0.0};
+  return load(c);
+}
+
+HWY_INLINE Four velocityOf(const SweepJob &job, std::size_t c) {
+  Four v = zero();
+  for (Index e = job.rows[c]; e < job.rows[c + 1]; ++e)
+    v = mulAdd(job.shares[e], load(job.velocities + 4 * std::size_t{job.slots[e]}), v);
+  return sub(v, load(job.sides + kContactNumbers * c + kSurfaceVelocity));
+}
+
+// To phyxels by their shares, to the particles of a rigid body as it moves under the impulse.
+void push(const SweepJob &job, std::size_t c, const Four &impulse) {
+  for (Index e = job.rows[c]; e < job.rows[c + 1]; ++e) {
+    double *velocity = job.velocities + 4 * std::size_t{job.slots[e]};
+    store(mulAdd(job.pushes[e], impulse, load(velocity)), velocity);
+  }
+  double p[4];
+  store(impulse, p);
+  for (Index r = job.rigidRows[c]; r < job.rigidRows[c + 1]; ++r) {
+    const double *part = job.rigidParts + kRigidNumbers * std::size_t{r}, *turn = part + kRigidTurn;
+    double spin[3];
+    for (std::size_t a = 0; a < 3; ++a) spin[a] = turn[3 * a] * p[0] + turn[3 * a + 1] * p[1] + turn[3 * a + 2] * p[2];
+    for (std::size_t k = 0; k < 4; ++k) {
+      double *velocity = job.velocities + 4 * (std::size_t{job.rigidSlots[r]} + k);
+      const Four change = mulAdd(part[kRigidShare], impulse, cross(spin, part + kRigidArms + 3 * k));
+      store(add(load(velocity), change), velocity);
+    }
+  }
+}
+
+// A contact that moves a rigid body: an impulse along the normal turns it, too, so that friction comes after that.
+// @return square of the largest change of a velocity, m²/s²
+double sweepRigid(const SweepJob &job, std::size_t c, SweepResult &result) {
+  double *side = job.sides + kContactNumbers * c;
+  const Four n = load(side + kNormalOfContact);
+  const double w = job.inverseMasses[c], normal = dot(velocityOf(job, c), n), held = job.impulses[c];
+  double wanted = held + (job.least[c] - normal) * side[kMass], least = job.least[c];
+  if (job.compliances != nullptr && job.compliances[c] > 0.0) {
+    const double compliance = job.compliances[c];
+    least = std::max(least - compliance * held, job.floors[c]);
+    wanted = std::max(held + (job.least[c] - normal - compliance * held) / (w + compliance),
+                      held + (job.floors[c] - normal) * side[kMass]);
+  }
+  result.speed = std::max(result.speed, w * held + std::abs(std::min(0.0, normal - least)));
+  side[kRoomOfContact] = normal - least;
+  const double next = wanted < 0.0 ? 0.0 : wanted;
+  if (next == 0.0 && held == 0.0) return 0.0;
+  job.impulses[c] = next;
+  push(job, c, mulAdd(next - held, n, zero()));
+  const double change = w * (next - held);
+  if (job.friction == nullptr || !(job.friction[c] > 0.0)) return change * change;
+  const double mass = side[kTangentialMass];
+  const Four v = velocityOf(job, c), before = load(side + kTangentialImpulse);
+  Four t = sub(before, mulAdd(mass, mulAdd(-dot(v, n), n, v), zero()));
+  const double grip = job.friction[c] * next, squared = dot(t, t);
+  if (squared > grip * grip) t = mulAdd(grip / std::sqrt(squared), t, zero());
+  const Four more = sub(t, before);
+  push(job, c, more);
+  store(t, side + kTangentialImpulse);
+  return std::max(change * change, dot(more, more) / (mass * mass));
+}
+
 SweepResult sweep(const SweepJob &job, bool backwards) {
   SweepResult result;
   double changeSquared = 0.0;
@@ -77,6 +141,10 @@ SweepResult sweep(const SweepJob &job, bool backwards) {
     const std::size_t c = job.which != nullptr ? job.which[k] : k;
     const double w = job.inverseMasses[c];
     if (!(w > 0.0)) continue;
+    if (job.rigidRows != nullptr && job.rigidRows[c] < job.rigidRows[c + 1]) {
+      changeSquared = std::max(changeSquared, sweepRigid(job, c, result));
+      continue;
+    }
     const Index first = job.rows[c], last = job.rows[c + 1];
     // Two sums, so that one addition need not wait for the other.
     Four even = zero(), odd = zero();

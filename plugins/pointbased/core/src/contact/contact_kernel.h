@@ -15,8 +15,13 @@ enum ContactSide : std::size_t {
   kTangentialImpulse = 8,
   kMass = 12,
   kRoomOfContact = 13,
+  kTangentialMass = 14,  ///< of contacts that move rigid bodies
   kContactNumbers = 16
 };
+
+/// Numbers per rigid body that a contact moves, in SweepJob::rigidParts: how its velocity and spin follow an impulse P
+/// on the contact, share P and turn P, and where its four particles are.
+enum RigidPart : std::size_t { kRigidShare = 0, kRigidTurn = 1, kRigidArms = 10, kRigidNumbers = 22 };
 
 /// What a sweep reads and writes; vectors are padded to four numbers, the last 0.
 struct SweepJob {
@@ -32,6 +37,10 @@ struct SweepJob {
   /// [contacts] m/s per N s, by which `least` falls as the impulse grows, and m/s, where it ends; null: it stays
   const double *compliances = nullptr, *floors = nullptr;
   double *impulses = nullptr;  ///< [contacts] in, out: N s
+  /// [contacts + 1] rows of parts; [parts] the first of four slots, the others follow; [parts][kRigidNumbers]. Null:
+  /// nothing is rigid. Entries in the slots of rigid bodies have no push.
+  const Index *rigidRows = nullptr, *rigidSlots = nullptr;
+  const double *rigidParts = nullptr;
 };
 
 struct SweepResult {

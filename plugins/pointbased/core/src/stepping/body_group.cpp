@@ -77,7 +77,9 @@ void BodyGroup::takeScheme(std::span<const StepContext> orders) {
     runner.share(scheme_);
     if (!other && runner.integratorIn(orders[k].world) != scheme_) other = &runner;
   }
-  if (other && scheme_ == Integrator::explicitVerlet) other->reportShared(orders.front(), names());
+  if (!other || scheme_ != Integrator::explicitVerlet) return;
+  const BodyStepper *rigid = freeRigid();
+  other->reportShared(orders.front(), names(), rigid ? rigid->body().name() : std::string());
 }
 
 void BodyGroup::advanceAgain(std::span<const StepContext> orders, double span) {
@@ -271,7 +273,14 @@ bool BodyGroup::explicitIsCheaper(const WorldSettings &world) const {
   return points * mostSubsteps < kImplicitContact * implicitly;
 }
 
+const BodyStepper *BodyGroup::freeRigid() const {
+  for (std::size_t k = 0; k < members_.size(); ++k)
+    if (moves(k) && members_[k].runner->body().free()) return members_[k].runner;
+  return nullptr;
+}
+
 Integrator BodyGroup::integratorIn(const WorldSettings &world) const {
+  if (freeRigid()) return Integrator::explicitVerlet;
   // What the last step found, which a checkpoint keeps: from there the same is chosen again.
   const bool touches = std::any_of(pairs_.begin(), pairs_.end(),
                                    [](const JoinedPair &joined) { return !joined.pair->active().empty(); });
@@ -370,10 +379,11 @@ void BodyGroup::substep(std::span<const StepContext> orders, double time, double
   substeps_.clear();
   joint_.clear();
   for (std::size_t k = 0; k < members_.size(); ++k) {
-    Body &body = members_[k].runner->body();
-    joint_.add(body, moves(k));
-    if (moves(k)) substeps_.emplace_back(body, orders[k].environment, time, dt, true);
+    if (moves(k)) substeps_.emplace_back(members_[k].runner->body(), orders[k].environment, time, dt, true);
   }
+  auto own = substeps_.begin();
+  for (std::size_t k = 0; k < members_.size(); ++k)
+    joint_.add(members_[k].runner->body(), moves(k), true, moves(k) ? (own++)->rigid() : nullptr);
   fresh_.assign(members_.size(), 0);
   std::size_t moving = 0;
   for (std::size_t k = 0; k < members_.size(); ++k)
@@ -422,7 +432,7 @@ void BodyGroup::substep(std::span<const StepContext> orders, double time, double
         for (const JoinedPair &joined : pairs_) joined.pair->renewPressing();
         joint_.gather(pairs_, margin);
       }
-      joint_.settle(dt, pairs_);
+      joint_.settle(pairs_);
     });
   else
     for (ExplicitSubstep &one : substeps_) one.settleContacts();
@@ -435,8 +445,12 @@ void BodyGroup::substep(std::span<const StepContext> orders, double time, double
 
 BodyGroup::Gone BodyGroup::advanceExplicit(std::span<const StepContext> orders, double span,
                                            std::uint64_t mostSubsteps) {
-  std::size_t leader = 0;
-  while (!moves(leader)) ++leader;
+  // One with a stable step, if there is one.
+  std::size_t leader = members_.size();
+  for (std::size_t k = 0; k < members_.size(); ++k)
+    if (moves(k) &&
+        (leader == members_.size() || (members_[leader].runner->body().free() && !members_[k].runner->body().free())))
+      leader = k;
   gatherSkins();
   for (const JoinedPair &joined : pairs_) joined.pair->beginSum();
   for (std::size_t k = 0; k < members_.size(); ++k)

@@ -12,8 +12,8 @@
 namespace pointbased::detail {
 
 /// Advances bodies that may touch each other or are attached to something, all in the same steps: explicit ones in the
-/// substeps of the one that needs the smallest. What the guard refuses of one is undone for all. Rigid bodies, and
-/// those that have stopped, stand still and are touched.
+/// substeps of the one that needs the smallest. What the guard refuses of one is undone for all. Bodies that
+/// stand (Body::stands()), and those that have stopped, are touched.
 class BodyGroup {
  public:
   struct Member {
@@ -46,7 +46,7 @@ class BodyGroup {
  private:
   [[nodiscard]] bool moves(std::size_t k) const {
     const BodyStepper &runner = *members_[k].runner;
-    return !runner.body().rigid() && !runner.stopped();
+    return !runner.body().stands() && !runner.stopped();
   }
   [[nodiscard]] double tryToAdvance(std::span<const StepContext> orders, double span, std::uint64_t mostSubsteps);
   struct Refused {
@@ -61,11 +61,14 @@ class BodyGroup {
   [[nodiscard]] Gone againFromMarks(std::span<const StepContext> orders, double span);
   /// s, of the marks of all that move; nothing: they are not of one time.
   [[nodiscard]] std::optional<double> timeOfMarks() const;
-  /// What integrates all of them: something implicit where one of them is; of Integrator::automatic, where some touch,
+  /// What integrates all of them: explicit steps where one is rigid and free; else something implicit where one of them
+  /// is; of Integrator::automatic, where some touch,
   /// what is predicted to cost less for all.
   [[nodiscard]] Integrator integratorIn(const WorldSettings &world) const;
   /// For a step, and for what is taken of it again.
   void takeScheme(std::span<const StepContext> orders);
+  /// The first of them; null: none.
+  [[nodiscard]] const BodyStepper *freeRigid() const;
   [[nodiscard]] bool explicitIsCheaper(const WorldSettings &world) const;
   [[nodiscard]] std::string names() const;  // of those that move
   [[nodiscard]] Gone advanceImplicit(std::span<const StepContext> orders, double span, Integrator scheme);

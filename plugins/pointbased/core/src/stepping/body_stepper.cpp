@@ -26,6 +26,7 @@ std::uint64_t BodyStepper::mostSubsteps() const {
 }
 
 Integrator BodyStepper::integratorIn(const WorldSettings &world) const {
+  if (body_->free()) return Integrator::explicitVerlet;
   if (world.integrator == Integrator::automatic)
     return predictCost(*body_, world.dt).implicitIsCheaper() ? Integrator::implicitSdirk : Integrator::explicitVerlet;
   if (world.integrator == Integrator::explicitVerlet && world.dt <= 0.0 &&
@@ -144,7 +145,7 @@ void BodyStepper::beginAdvance(const StepContext &order) {
 }
 
 double BodyStepper::advance(const StepContext &order, double span) {
-  if (body_->rigid()) return span;
+  if (body_->stands()) return span;
   if (sleepsOn(order, span)) {
     substeps_.begin(order.dt);
     return span;
@@ -254,7 +255,7 @@ bool BodyStepper::mayGainEnergy(const StepContext &order) const {
     if (fix.ramp > 0.0 && order.time <= 1.5 * fix.ramp) return true;
   for (const Load &load : conditions.loads)
     if ((load.ramp > 0.0 && order.time <= 1.5 * load.ramp) || (load.pressure != 0.0 && load.follower)) return true;
-  return body_->constitution().relaxing();
+  return !body_->rigid() && body_->constitution().relaxing();
 }
 
 void BodyStepper::setMark(double time, const EnergyLevel &energy) {
@@ -309,6 +310,11 @@ void BodyStepper::reportIntegrator(const StepContext &order) {
   if (integratorReported_) return;
   integratorReported_ = true;
   const std::string body = "body '" + body_->name() + "' ";
+  if (body_->free()) {
+    if (order.world.integrator != Integrator::automatic)
+      order.reportEvent("chosen", body + "is rigid and moves freely, in explicit steps: nothing of it is stiff");
+    return;
+  }
   if (order.world.integrator == Integrator::automatic) {
     if (integratorIn(order.world) != Integrator::implicitSdirk) return;
     const StepCost cost = predictCost(*body_, order.world.dt);
@@ -325,9 +331,15 @@ void BodyStepper::reportIntegrator(const StepContext &order) {
                           " s long; it is integrated implicitly. If it hardly deforms, make it an obstacle (rigid)");
 }
 
-void BodyStepper::reportShared(const StepContext &order, const std::string &names) {
+void BodyStepper::reportShared(const StepContext &order, const std::string &names, const std::string &free) {
   if (sharedReported_) return;
   sharedReported_ = true;
+  if (!free.empty()) {
+    order.reportEvent("chosen", "bodies " + names + " touch each other or are attached and take explicit steps " +
+                                    "together: body '" + free +
+                                    "' is rigid and moves freely, which implicit steps do not know");
+    return;
+  }
   order.reportEvent("chosen",
                     "bodies " + names +
                         " touch each other and take explicit steps together: an implicit one of all of them is "

@@ -86,7 +86,8 @@ class BodyStepper {
   [[nodiscard]] std::uint64_t mostSubsteps() const;
   void reportIntegrator(const StepContext &order);
   /// That it takes explicit steps, because it touches others; once.
-  void reportShared(const StepContext &order, const std::string &names);
+  /// @param free  the one of them that is rigid and moves freely; empty: none is
+  void reportShared(const StepContext &order, const std::string &names, const std::string &free);
   /// Times by which steps are made smaller now, and who says so.
   [[nodiscard]] double stepScale() const { return scale_; }
   /// The body stays in the state that it is in.

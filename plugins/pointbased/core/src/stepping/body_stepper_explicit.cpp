@@ -35,7 +35,7 @@ BodyStepper::Gone BodyStepper::maxSubstep(const StepContext &order, double time,
   });
   if (!view.finite) return refused(firstNonFinite(body));
   const double part = kStepSafety * scale_ * substeps_.care() * (bounces(order.environment) ? kBouncing : 1.0);
-  double stable = part * bare;
+  double stable = body.free() ? std::min(part * bare, kFreeStep) : part * bare;
   if (view.fastest > 0.0) stable = std::min(stable, stride / view.fastest);
   // An impact sets phyxels in motion against each other that had the same velocity before.
   const double impact = impactSpeed(body, order.environment, time, std::min(left, stable), stride, view.meanSpeed);
@@ -83,7 +83,8 @@ void BodyStepper::reportSubsteps(const StepContext &order, double span, double g
                                  double needed) {
   const bool whole = !(gone < span);
   // Where nobody has chosen the step, it is that of another body.
-  const double own = order.world.dt > 0.0 ? span : kStepSafety * body_->stableStepAtRest();
+  double own = order.world.dt > 0.0 ? span : kStepSafety * body_->stableStepAtRest();
+  if (body_->free()) own = std::min(own, kFreeStep);
   const double expected = std::max(1.0, SubstepController::piecesOf(span, own));
   if (substeps > mostSubsteps_ && static_cast<double>(substeps) > kManyMore * expected) {
     mostSubsteps_ = substeps;

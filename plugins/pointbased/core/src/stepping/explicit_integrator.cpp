@@ -8,6 +8,7 @@
 #include "pointbased/integrators.h"
 #include "pointbased/step_composition.h"
 #include "stepping/explicit_substep.h"
+#include "stepping/rigid_state.h"
 
 namespace pointbased {
 namespace {
@@ -30,6 +31,10 @@ constexpr double kContactMargin = 0.02;
 
 // What falls for two steps bounces no more.
 constexpr double kQuietKicks = 2.0;
+
+// Contacts of a rigid body all move each other, and take longer to agree than those of a soft one.
+constexpr int kRigidSweeps = 60;
+constexpr double kRigidTolerance = 1e-3, kRigidLeft = 5e-4;
 
 }  // namespace
 
@@ -65,26 +70,34 @@ void pullShape(Body &body, Hand &hand, double omega) {
   const Grab &grab = hand.grab;
   GrabStatus &status = hand.status;
   const double largest = *std::max_element(grab.weights.begin(), grab.weights.end());
+  // kg: of a rigid body they pull all that there is to move.
+  double share = 1.0;
+  if (body.free()) {
+    share = 0.0;
+    for (std::size_t k = 0; k < grab.phyxels.size(); ++k)
+      share += grab.weights[k] / largest * body.masses()[grab.phyxels[k]];
+    share = status.mass / share;
+  }
+  const auto massOf = [&](std::size_t k) { return share * grab.weights[k] / largest * body.masses()[grab.phyxels[k]]; };
   const auto forceOn = [&](std::size_t k) -> Vec3 {
     const Index i = grab.phyxels[k];
     const Vec3 x = body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
     const Vec3 way = grab.target + grab.rotation * grab.arms[k] - x;
-    return grab.weights[k] / largest * body.masses()[i] *
-           (omega * omega * way - 2.0 * grab.dampingRatio * omega * body.state().velocities[i]);
+    return massOf(k) * (omega * omega * way - 2.0 * grab.dampingRatio * omega * body.state().velocities[i]);
   };
   double sum = 0.0;
   for (std::size_t k = 0; k < grab.phyxels.size(); ++k) sum += forceOn(k).norm();
-  const double share = sum > grab.maxForce ? grab.maxForce / sum : 1.0;
+  const double limited = sum > grab.maxForce ? grab.maxForce / sum : 1.0;
   status.force.setZero();
   status.mass = 0.0;
   for (std::size_t k = 0; k < grab.phyxels.size(); ++k) {
     const Index i = grab.phyxels[k];
-    const Vec3 force = share * forceOn(k);
+    const Vec3 force = limited * forceOn(k);
     const Vec3 x = body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
     body.forces()[i] += force;
     status.force += force;
     status.torque += (x - status.point).cross(force);
-    status.mass += grab.weights[k] / largest * body.masses()[i];
+    status.mass += massOf(k);
   }
 }
 
@@ -104,6 +117,11 @@ void applyGrabs(Body &body, double stiffnessLimit) {
       hand.status.point += w * (body.rest().origin + body.rest().positions[i] + body.state().displacements[i]);
       velocity += w * body.state().velocities[i];
       inverseMass += w * w / body.masses()[i];
+    }
+    if (body.free()) {
+      const detail::RigidState rigid(body);
+      const Vec3 arm = hand.status.point - body.rest().origin - rigid.pose.centre;
+      inverseMass = rigid.frame().largestInverseMassAt(rigid.pose, arm);
     }
     hand.status.mass = 1.0 / inverseMass;
     const double omega = std::min(grab.frequency, limit);
@@ -134,7 +152,9 @@ namespace detail {
 
 ExplicitSubstep::ExplicitSubstep(Body &body, const Environment &env, double time, double dt, bool touchesBodies)
     : body_(body), env_(env), time_(time), dt_(dt), stages_(stagesOf(body, env)),
-      together_(!touchesBodies && !stages_.contact && !stages_.patches) {}
+      together_(!touchesBodies && !stages_.contact && !stages_.patches && !body.free()) {
+  if (body.free()) rigid_.emplace(body);
+}
 
 void ExplicitSubstep::evaluate(double time, double dt) {
   const ParallelFor &parallelFor = *env_.parallelFor;
@@ -156,6 +176,10 @@ void ExplicitSubstep::drift(std::size_t begin, std::size_t end) {
 }
 
 void ExplicitSubstep::kick(double h, bool drifts) {
+  if (rigid_) {
+    rigid_->kick(h, body_.forces(), env_.gravity);
+    return rigid_->giveVelocities();
+  }
   State &state = body_.state();
   kernels::Kick all;
   all.h = h;
@@ -182,6 +206,38 @@ void ExplicitSubstep::kickFirst() {
   env_.clock->measure(kIntegrate, [&] { kick(0.5 * dt_, together_); });
 }
 
+// `move` changes velocities of the four particles, to which contact points are bound.
+template <class Move>
+void ExplicitSubstep::moveByContact(const Move &move) {
+  const RigidFrame &frame = rigid_->frame();
+  const Interpolation &points = body_.rest().contact.binding;
+  Interpolation binding;
+  binding.positions.resize(points.count());
+  binding.phyxels.offsets.resize(points.count() + 1, 0);
+  for (const Contact &contact : body_.contact.active) binding.phyxels.offsets[contact.point + 1] = 4;
+  for (std::size_t p = 0; p < points.count(); ++p) {
+    Index &end = binding.phyxels.offsets[p + 1];
+    const bool isActive = end > 0;
+    end += binding.phyxels.offsets[p];
+    if (!isActive) continue;
+    std::array<double, 4> weights{};
+    for (Index e = points.phyxels.offsets[p]; e < points.phyxels.offsets[p + 1]; ++e)
+      for (std::size_t k = 0; k < 4; ++k)
+        weights[k] += points.weights[e] * frame.weightsOf(points.phyxels.indices[e])[k];
+    for (Index k = 0; k < 4; ++k) {
+      binding.phyxels.indices.push_back(k);
+      binding.weights.push_back(weights[k]);
+    }
+  }
+  std::array<Vec3, 4> velocities = frame.particleVelocities(rigid_->pose, rigid_->motion);
+  const RigidParticles particles = frame.particles(rigid_->pose, 0);
+  std::array<double, 4> inverseMasses{};
+  inverseMasses.fill(particles.inverseMass());
+  move(RigidContact{binding, inverseMasses, std::span(&particles, 1), velocities});
+  rigid_->motion = frame.velocityOf(rigid_->pose, velocities);
+  rigid_->giveVelocities();
+}
+
 void ExplicitSubstep::findContacts() {
   if (!stages_.contact) return;
   const RestState &rest = body_.rest();
@@ -193,7 +249,12 @@ void ExplicitSubstep::findContacts() {
     const double quiet = kQuietKicks * env_.gravity.norm() * dt_;
     if (!findArrivals(rest.contact.binding, state.velocities, dt_, quiet, body_.contact)) return;
     kick(-0.5 * dt_, false);
-    bounceArrivals(rest.contact.binding, body_.inverseMasses(), quiet, body_.contact, state.velocities);
+    if (rigid_)
+      moveByContact([&](const RigidContact &of) {
+        detail::bounceArrivals(of.binding, of.inverseMasses, of.rigid, quiet, body_.contact, of.velocities);
+      });
+    else
+      pointbased::bounceArrivals(rest.contact.binding, body_.inverseMasses(), quiet, body_.contact, state.velocities);
     kick(0.5 * dt_, false);
   });
 }
@@ -201,8 +262,18 @@ void ExplicitSubstep::findContacts() {
 void ExplicitSubstep::solveContacts() {
   if (!stages_.contact) return;
   env_.clock->measure(kContact, [&] {
-    solveContactImpulses(body_.rest().contact.binding, body_.inverseMasses(), dt_, ImpulseSettings{}, body_.contact,
-                         body_.state().velocities);
+    if (rigid_) {
+      ImpulseSettings settings;
+      settings.sweeps = kRigidSweeps;
+      settings.tolerance = kRigidTolerance;
+      settings.leastSpeed = kRigidLeft * kContactMargin * body_.rest().spacing / dt_;
+      return moveByContact([&](const RigidContact &of) {
+        detail::solveContactImpulses(of.binding, of.inverseMasses, of.rigid, dt_, settings, body_.contact,
+                                     of.velocities);
+      });
+    }
+    pointbased::solveContactImpulses(body_.rest().contact.binding, body_.inverseMasses(), dt_, ImpulseSettings{},
+                                     body_.contact, body_.state().velocities);
   });
 }
 
@@ -212,8 +283,14 @@ void ExplicitSubstep::driftOn() {
   StageClock &clock = *env_.clock;
   State &state = body_.state();
   const auto range = [this](std::size_t begin, std::size_t end) { drift(begin, end); };
+  if (rigid_)
+    clock.measure(kIntegrate, [&] {
+      rigid_->advance(dt_);
+      rigid_->give();
+    });
   // All of them: those that are held are put in their places below.
-  if (!together_) clock.measure(kIntegrate, [&] { parallelFor(n, kPhyxelGrain, std::cref(range)); });
+  else if (!together_)
+    clock.measure(kIntegrate, [&] { parallelFor(n, kPhyxelGrain, std::cref(range)); });
   if (stages_.supports)
     clock.measure(kSupports, [&] {
       body_.placeHeld(time_ + dt_, true);
@@ -242,8 +319,13 @@ void ExplicitSubstep::damp() {
 void ExplicitSubstep::settleContacts() {
   if (!stages_.contact) return;
   env_.clock->measure(kContact, [&] {
-    settleContactVelocities(body_.rest().contact.binding, body_.inverseMasses(), dt_, body_.contact,
-                            body_.state().velocities);
+    if (rigid_)
+      moveByContact([&](const RigidContact &of) {
+        detail::settleContactVelocities(of.binding, of.inverseMasses, of.rigid, body_.contact, of.velocities);
+      });
+    else
+      pointbased::settleContactVelocities(body_.rest().contact.binding, body_.inverseMasses(), dt_, body_.contact,
+                                          body_.state().velocities);
     sumContactImpulses(dt_, body_.contact);
   });
 }

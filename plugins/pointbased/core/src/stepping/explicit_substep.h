@@ -4,6 +4,7 @@
 
 #include "pointbased/integrators.h"
 #include "pointbased/step_composition.h"
+#include "stepping/rigid_state.h"
 
 namespace pointbased::detail {
 
@@ -26,18 +27,30 @@ class ExplicitSubstep {
   /// The second half of the kick.
   void kickLast();
   void settleContacts();
-  /// What the world's damping takes.
+  /// What the world's damping takes. The last part.
   void damp();
+  /// Of a free rigid body, where the parts so far have brought it; null: of others.
+  [[nodiscard]] RigidState *rigid() { return rigid_ ? &*rigid_ : nullptr; }
 
  private:
   void kick(double h, bool drifts);
   void drift(std::size_t begin, std::size_t end);
   void evaluate(double time, double dt);
+  /// A free rigid body as contact with obstacles and walls takes it.
+  struct RigidContact {
+    const Interpolation &binding;
+    std::span<const double> inverseMasses;
+    std::span<const RigidParticles> rigid;
+    std::span<Vec3> velocities;
+  };
+  template <class Move>
+  void moveByContact(const Move &move);
 
   Body &body_;
   const Environment &env_;
   double time_, dt_;
   StepStages stages_;
+  std::optional<RigidState> rigid_;
   bool together_;  // with nothing in between, half a kick and the drift are one loop
 };
 

@@ -14,6 +14,43 @@ constexpr int kSweeps = 60;
 constexpr double kLeft = 5e-4, kTolerance = 2e-3;
 // Of the layer between two skins: contacts that have slid by less keep their normals and what they touch.
 constexpr double kSlip = 0.06;
+// Sine: places of a skin that lie nearer to the other one, seen from a contact, are lower by so much of their distance.
+constexpr double kCone = 5e-3;
+
+// Whether a vertex, or one of two edges, is not the nearest place of its own skin to the edge or corner that it is held
+// off from: of the flat skin around it another one is, which has contacts of its own. Something soft yields to such a
+// contact; a rigid body that slides over the place would be stopped by it, as if it stood out.
+bool passesBy(SkinPair &pair, const SkinContact &contact) {
+  const auto liesNearer = [&](MovingSkin &skin, Index from, Index other, const Vec3 &towards, const Vec3 &along) {
+    Vec3 way = skin.position(other) - skin.position(from);
+    way -= along.dot(way) * along;
+    return way.dot(towards) > kCone * way.norm();
+  };
+  const auto towardsOther = [&](bool ofSecond) { return ofSecond ? contact.normal : Vec3(-contact.normal); };
+  if (contact.isOfEdges()) {
+    for (const std::size_t k : {std::size_t{0}, std::size_t{2}}) {
+      const auto [a, ofSecond, weight] = contact.parts[k];
+      const Index b = contact.parts[k + 1].vertex;
+      MovingSkin &skin = pair.moving(ofSecond ? 1 : 0);
+      const Vec3 along = (skin.position(b) - skin.position(a)).normalized();
+      for (const Index t : skin.skin().trianglesOf.row(a)) {
+        const auto &corners = skin.skin().triangles[t];
+        if (std::find(corners.begin(), corners.end(), b) == corners.end()) continue;
+        for (const Index other : corners)
+          if (other != a && other != b && liesNearer(skin, a, other, towardsOther(ofSecond), along)) return true;
+      }
+    }
+    return false;
+  }
+  const auto isInside = [](const SkinContact::Part &part) { return part.weight != 0.0; };
+  if (std::all_of(contact.parts.begin() + 1, contact.parts.end(), isInside)) return false;  // of a face
+  const SkinContact::Part &vertex = contact.parts[0];
+  MovingSkin &skin = pair.moving(vertex.ofSecond ? 1 : 0);
+  for (const Index t : skin.skin().trianglesOf.row(vertex.vertex))
+    for (const Index other : skin.skin().triangles[t])
+      if (liesNearer(skin, vertex.vertex, other, towardsOther(vertex.ofSecond), Vec3::Zero())) return true;
+  return false;
+}
 
 }  // namespace
 
@@ -21,11 +58,19 @@ void JointContact::clear() {
   bodies_.clear();
   count_ = 0;
   inverseMasses_.clear();
+  rigid_.clear();
 }
 
-void JointContact::add(Body &body, bool moves, bool counts) {
-  bodies_.push_back({&body, count_, moves, counts});
+void JointContact::add(Body &body, bool moves, bool counts, RigidState *rigid) {
+  bodies_.push_back({&body, count_, moves, counts, rigid, rigid_.size(), {}});
   if (!counts) return;
+  if (rigid) {
+    rigid_.emplace_back();
+    rigid_.back().first = static_cast<Index>(count_);
+    count_ += 4;
+    inverseMasses_.resize(count_, 4.0 / rigid->frame().mass());
+    return;
+  }
   count_ += body.rest().phyxelCount();
   if (moves)
     inverseMasses_.insert(inverseMasses_.end(), body.inverseMasses().begin(), body.inverseMasses().end());
@@ -34,20 +79,28 @@ void JointContact::add(Body &body, bool moves, bool counts) {
 }
 
 // Entries of a phyxel that a row meets twice become one.
-void JointContact::addRow(std::span<const Index> phyxels, std::span<const double> weights, std::size_t first,
-                          double scale) {
-  for (std::size_t e = 0; e < phyxels.size(); ++e) {
-    const double weight = scale * weights[e];
-    if (weight == 0.0) continue;
-    const auto j = static_cast<Index>(first + phyxels[e]);
-    if (entryOf_[j] != kNone) {
-      rows_.binding.weights[entryOf_[j]] += weight;
-      continue;
-    }
-    entryOf_[j] = static_cast<Index>(rows_.binding.weights.size());
-    rows_.binding.phyxels.indices.push_back(j);
-    rows_.binding.weights.push_back(weight);
+void JointContact::addEntry(Index of, double weight) {
+  if (weight == 0.0) return;
+  if (entryOf_[of] != kNone) {
+    rows_.binding.weights[entryOf_[of]] += weight;
+    return;
   }
+  entryOf_[of] = static_cast<Index>(rows_.binding.weights.size());
+  rows_.binding.phyxels.indices.push_back(of);
+  rows_.binding.weights.push_back(weight);
+}
+
+void JointContact::addRow(std::span<const Index> phyxels, std::span<const double> weights, const Joined &of,
+                          double scale) {
+  if (!of.rigid) {
+    for (std::size_t e = 0; e < phyxels.size(); ++e)
+      addEntry(static_cast<Index>(of.first + phyxels[e]), scale * weights[e]);
+    return;
+  }
+  std::array<double, 4> sums{};
+  for (std::size_t e = 0; e < phyxels.size(); ++e)
+    for (std::size_t k = 0; k < 4; ++k) sums[k] += scale * weights[e] * of.rigid->frame().weightsOf(phyxels[e])[k];
+  for (std::size_t k = 0; k < 4; ++k) addEntry(static_cast<Index>(of.first + k), sums[k]);
 }
 
 void JointContact::endRow() {
@@ -74,15 +127,17 @@ void JointContact::gather(std::span<const JoinedPair> pairs, double margin, bool
   if (entryOf_.size() != count_) entryOf_.assign(count_, kNone);
   for (const JoinedPair &joined : pairs) {
     const std::array<std::size_t, 2> of{joined.first, joined.second};
+    const bool isRigid = bodies_[of[0]].rigid || bodies_[of[1]].rigid;
     for (const SkinContact &contact : joined.pair->active()) {
+      const bool counts = !isRigid || !(contact.gap + contact.thickness > 0.0) || !passesBy(*joined.pair, contact);
       for (const SkinContact::Part &part : contact.parts) {
-        if (part.weight == 0.0) continue;
+        if (part.weight == 0.0 || !counts) continue;
         const std::size_t side = part.ofSecond ? 1 : 0;
         if (!bodies_[of[side]].counts) continue;
         const Interpolation &skin = joined.pair->skin(side).vertices;
         const Index begin = skin.phyxels.offsets[part.vertex], end = skin.phyxels.offsets[part.vertex + 1];
         addRow(std::span<const Index>(skin.phyxels.indices).subspan(begin, end - begin),
-               std::span<const double>(skin.weights).subspan(begin, end - begin), bodies_[of[side]].first, part.weight);
+               std::span<const double>(skin.weights).subspan(begin, end - begin), bodies_[of[side]], part.weight);
       }
       addContact(contact);
     }
@@ -109,7 +164,7 @@ void JointContact::addObstacles() {
     for (const Contact &contact : joined.body->contact.active) {
       const Index begin = points.phyxels.offsets[contact.point], end = points.phyxels.offsets[contact.point + 1];
       addRow(std::span<const Index>(points.phyxels.indices).subspan(begin, end - begin),
-             std::span<const double>(points.weights).subspan(begin, end - begin), joined.first, 1.0);
+             std::span<const double>(points.weights).subspan(begin, end - begin), joined, 1.0);
       addContact(contact);
     }
   }
@@ -150,16 +205,30 @@ Vec3 JointContact::way(std::size_t row) const {
 
 void JointContact::takeDisplacements() {
   displacements_.resize(count_);
-  for (const Joined &joined : bodies_)
+  for (const Joined &joined : bodies_) {
+    if (joined.rigid) {
+      const std::array<Vec3, 4> four = joined.rigid->frame().displacementsOf(joined.rigid->pose);
+      std::copy(four.begin(), four.end(), displacements_.begin() + static_cast<std::ptrdiff_t>(joined.first));
+      continue;
+    }
     std::copy(joined.body->state().displacements.begin(), joined.body->state().displacements.end(),
               displacements_.begin() + static_cast<std::ptrdiff_t>(joined.first));
+  }
 }
 
 void JointContact::takeVelocities() {
   velocities_.resize(count_);
-  for (const Joined &joined : bodies_)
+  for (const Joined &joined : bodies_) {
+    if (joined.rigid) {
+      const RigidState &state = *joined.rigid;
+      const std::array<Vec3, 4> four = state.frame().particleVelocities(state.pose, state.motion);
+      std::copy(four.begin(), four.end(), velocities_.begin() + static_cast<std::ptrdiff_t>(joined.first));
+      rigid_[joined.number] = state.frame().particles(state.pose, static_cast<Index>(joined.first));
+      continue;
+    }
     std::copy(joined.body->state().velocities.begin(), joined.body->state().velocities.end(),
               velocities_.begin() + static_cast<std::ptrdiff_t>(joined.first));
+  }
 }
 
 void JointContact::predict() {
@@ -172,11 +241,23 @@ void JointContact::predict() {
       velocities_[rows_.binding.phyxels.indices[e]] +=
           inverseMasses_[rows_.binding.phyxels.indices[e]] * rows_.binding.weights[e] * impulse;
   }
+  for (Joined &joined : bodies_) {
+    if (!joined.rigid) continue;
+    const RigidState &state = *joined.rigid;
+    const RigidVelocity motion =
+        state.frame().velocityOf(state.pose, std::span<const Vec3>(velocities_).subspan(joined.first, 4));
+    joined.predicted.resize(joined.body->rest().phyxelCount());
+    state.frame().move(state.pose, motion, joined.body->rest().positions, joined.predicted);
+  }
 }
 
 void JointContact::giveVelocities() {
   for (const Joined &joined : bodies_)
-    if (joined.moves)
+    if (joined.rigid) {
+      RigidState &state = *joined.rigid;
+      state.motion = state.frame().velocityOf(state.pose, std::span<const Vec3>(velocities_).subspan(joined.first, 4));
+      state.giveVelocities();
+    } else if (joined.moves)
       std::copy_n(velocities_.begin() + static_cast<std::ptrdiff_t>(joined.first),
                   joined.body->state().velocities.size(), joined.body->state().velocities.begin());
 }
@@ -206,14 +287,14 @@ void JointContact::solve(double dt, std::span<const JoinedPair> pairs) {
   settings.sweeps = kSweeps;
   settings.tolerance = kTolerance;
   settings.leastSpeed = kLeft * margin_ / dt;
-  solveContactImpulses(rows_.binding, inverseMasses_, dt, settings, state_, velocities_);
+  solveContactImpulses(rows_.binding, inverseMasses_, rigid_, dt, settings, state_, velocities_);
   giveVelocities();
   giveBack(pairs);
 }
 
-void JointContact::settle(double dt, std::span<const JoinedPair> pairs) {
+void JointContact::settle(std::span<const JoinedPair> pairs) {
   takeVelocities();
-  settleContactVelocities(rows_.binding, inverseMasses_, dt, state_, velocities_);
+  settleContactVelocities(rows_.binding, inverseMasses_, rigid_, state_, velocities_);
   giveVelocities();
   giveBack(pairs);
 }

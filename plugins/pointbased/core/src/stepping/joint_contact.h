@@ -3,7 +3,7 @@
 #pragma once
 
 #include "contact/skin_pair.h"
-#include "pointbased/body.h"
+#include "stepping/rigid_state.h"
 
 namespace pointbased::detail {
 
@@ -14,14 +14,16 @@ struct JoinedPair {
 };
 
 /// Phyxels of several bodies as one row of unknowns, with the contacts between their skins and those of each with
-/// obstacles and walls. What moves nothing (rigid or stopped bodies) has no inverse mass.
+/// obstacles and walls. What moves nothing (rigid or stopped bodies) has no inverse mass. A free rigid body that moves
+/// enters with four particles in place of its phyxels (RigidParticles).
 /// @threads one
 class JointContact {
  public:
   void clear();
   /// @param moves  false: it stands still
   /// @param counts  false: it stands still, and its phyxels are not among the unknowns
-  void add(Body &body, bool moves, bool counts = true);
+  /// @param rigid  of a free rigid body that moves, and stays until clear(); null: of others
+  void add(Body &body, bool moves, bool counts = true, RigidState *rigid = nullptr);
 
   /// Takes the contacts that have been found: of the pairs, and of each body those in Body::contact, if `obstacles`.
   void gather(std::span<const JoinedPair> pairs, double margin, bool obstacles = true);
@@ -41,22 +43,28 @@ class JointContact {
   /// for arriving there. After gather() of the contacts of that step.
   void predict();
   [[nodiscard]] std::span<const Vec3> predicted(std::size_t body) const {
-    return std::span<const Vec3>(velocities_).subspan(bodies_[body].first, bodies_[body].body->rest().phyxelCount());
+    const Joined &joined = bodies_[body];
+    if (joined.rigid) return joined.predicted;
+    return std::span<const Vec3>(velocities_).subspan(joined.first, joined.body->rest().phyxelCount());
   }
   [[nodiscard]] bool empty() const { return state_.active.empty(); }
 
   /// Explicit steps: solveContactImpulses() and settleContactVelocities() of all of them together. What they find goes
   /// back to where the contacts came from.
   void solve(double dt, std::span<const JoinedPair> pairs);
-  void settle(double dt, std::span<const JoinedPair> pairs);
+  void settle(std::span<const JoinedPair> pairs);
 
  private:
   struct Joined {
     Body *body = nullptr;
     std::size_t first = 0;  // of its phyxels among all
     bool moves = true, counts = true;
+    RigidState *rigid = nullptr;  // null: its phyxels are the unknowns
+    std::size_t number = 0;       // among rigid_
+    std::vector<Vec3> predicted;  // [phyxels] m/s, of a rigid one
   };
-  void addRow(std::span<const Index> phyxels, std::span<const double> weights, std::size_t first, double scale);
+  void addEntry(Index of, double weight);
+  void addRow(std::span<const Index> phyxels, std::span<const double> weights, const Joined &of, double scale);
   void endRow();
   void addContact(const Contact &contact);
   void addObstacles();
@@ -72,6 +80,7 @@ class JointContact {
   double margin_ = 0.0;  // m, the least of the pairs
   bool gathersObstacles_ = true;
   std::vector<double> inverseMasses_;
+  std::vector<RigidParticles> rigid_;
   std::vector<Vec3> velocities_;
   std::vector<Index> entryOf_;  // [phyxels] of the row that is being made; kNone
   /// A contact of a pair when it was gathered.

@@ -55,8 +55,9 @@ void Simulator::setWorld(const WorldSettings &world) {
       for (const Fix &fix : conditions.fixes) time_ = std::max(time_, loadFactor_ * fix.ramp);
       for (const Load &load : conditions.loads) time_ = std::max(time_, loadFactor_ * load.ramp);
     }
+  for (auto &[id, runner] : bodies_) runner->body().quasiStatic = quasiStatic();
+  if (wasStatic != quasiStatic()) updateAttachments();
   for (auto &[id, runner] : bodies_) {
-    runner->body().quasiStatic = quasiStatic();
     runner->body().setPrecision(world.precision);
     runner->body().forcesCurrent = false;
     runner->wake();
@@ -192,7 +193,7 @@ Integrator Simulator::integratorOf(std::size_t id) const {
 
 std::pair<double, double> Simulator::predictedCost(std::size_t id) const {
   const Body *target = body(id);
-  if (!target || target->rigid()) return {0.0, 0.0};
+  if (!target || target->stands()) return {0.0, 0.0};
   const detail::StepCost cost = detail::predictCost(*target, world_.dt);
   return {cost.explicitEvaluations, cost.implicitEvaluations};
 }
@@ -238,11 +239,13 @@ void Simulator::setConstitution(std::size_t id, Constitution constitution) {
   describe(id);
 }
 
-void Simulator::setRigid(std::size_t id, bool rigid) {
+void Simulator::setRigid(std::size_t id, bool rigid, bool free) {
   const auto found = bodies_.find(id);
-  if (found == bodies_.end() || found->second->body().rigid() == rigid) return;
+  if (found == bodies_.end()) return;
+  const Body &present = found->second->body();
+  if (present.rigid() == rigid && present.freeWhereRigid() == free) return;
   const bool renewed = found->second->body().rereferenceCount() > 0;
-  found->second->body().setRigid(rigid);
+  found->second->body().setRigid(rigid, free);
   found->second->forget();
   if (renewed) bindProbes(id, std::vector<Vec3>(probes_.size(), Vec3::Zero()));
   updateAttachments();
@@ -262,7 +265,7 @@ double Simulator::stepSize() const {
   // That of the body with the longest; the others take it in substeps of their own.
   double dt = 0.0;
   for (const auto &[id, runner] : bodies_) {
-    if (runner->body().rigid()) continue;
+    if (runner->body().stands()) continue;
     const double own = runner->integratorIn(world_) == Integrator::explicitVerlet
                            ? kStepSafety * runner->body().stableStepAtRest()
                            : kImplicitStep;
@@ -274,9 +277,11 @@ double Simulator::stepSize() const {
 double Simulator::stepSizeOf(std::size_t id) const {
   const Body *target = body(id);
   const double step = stepSize();
-  if (!target || target->rigid() || integratorOf(id) != Integrator::explicitVerlet)
-    return target && !target->rigid() ? step : 0.0;
-  return step / detail::SubstepController::piecesOf(step, kStepSafety * target->stableStepAtRest());
+  if (!target || target->stands() || integratorOf(id) != Integrator::explicitVerlet)
+    return target && !target->stands() ? step : 0.0;
+  const double stable = kStepSafety * target->stableStepAtRest();
+  return step /
+         detail::SubstepController::piecesOf(step, target->free() ? std::min(stable, detail::kFreeStep) : stable);
 }
 
 Environment Simulator::environment() const {
@@ -296,7 +301,7 @@ StepComposition Simulator::compositionOf(std::size_t id) const {
   if (found == bodies_.end()) return {};
   const detail::BodyStepper &runner = *found->second;
   CompositionNotes notes{{}, runner.integratorNow(world_), world_.sleep, {}};
-  if (runner.body().rigid())
+  if (runner.body().stands())
     notes.idle = "rigid: it stands as it is";
   else if (runner.stopped())
     notes.idle = "it has stopped";
@@ -344,9 +349,9 @@ std::uint64_t Simulator::changes(std::size_t id) const {
 }
 
 bool Simulator::failed() const {
-  const auto rigid = static_cast<std::size_t>(
-      std::count_if(bodies_.begin(), bodies_.end(), [](const auto &entry) { return entry.second->body().rigid(); }));
-  return bodies_.size() > rigid && stoppedBodies() + rigid == bodies_.size();
+  const auto standing = static_cast<std::size_t>(
+      std::count_if(bodies_.begin(), bodies_.end(), [](const auto &entry) { return entry.second->body().stands(); }));
+  return bodies_.size() > standing && stoppedBodies() + standing == bodies_.size();
 }
 
 tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
@@ -406,7 +411,7 @@ detail::BodyCrew &Simulator::gatherCrew(double dt) {
     }
     if (grouped_.contains(id)) continue;
     runner->setGroup(0);
-    if (!runner->stopped() && !runner->body().rigid()) crew_->add(id, *runner);
+    if (!runner->stopped() && !runner->body().stands()) crew_->add(id, *runner);
   }
   return *crew_;
 }
@@ -497,7 +502,7 @@ void Simulator::setExternalForces(std::size_t id, std::span<const Vec3> forces) 
 
 void Simulator::swapExternalForces(std::size_t id, std::vector<Vec3> &forces) {
   Body *target = body(id);
-  if (!target || target->rigid()) return;
+  if (!target || target->stands()) return;
   const bool none = std::all_of(forces.begin(), forces.end(), [](const Vec3 &f) { return f.isZero(0.0); });
   if (none && target->externalForces().empty()) return;
   if (none) bodies_.at(id)->forgetEnergy();  // what they have put in has not come from nothing
@@ -520,7 +525,7 @@ auto handOf(B *body, std::uint64_t id) -> decltype(body->hands.data()) {
 
 void Simulator::setGrab(std::size_t id, Grab grab, std::uint64_t hand) {
   Body *target = body(id);
-  if (!target || grab.phyxels.empty() || target->rigid()) return;
+  if (!target || grab.phyxels.empty() || target->stands()) return;
   POINTBASED_EXPECTS(grab.weights.size() == grab.phyxels.size(), "one weight per grabbed phyxel");
   POINTBASED_EXPECTS(grab.arms.empty() || grab.arms.size() == grab.phyxels.size(),
                      "one arm per grabbed phyxel, or none");

@@ -71,11 +71,11 @@ void Simulator::updateAttachments() {
   for (const auto &[number, layer] : attachments_) {
     const Body *first = body(layer->settings().first), *second = body(layer->settings().second);
     const auto massesOf = [](const Body *one) {
-      return one && !one->rigid() ? one->inverseMasses() : std::span<const double>();
+      return one && !one->stands() ? one->inverseMasses() : std::span<const double>();
     };
     const double bound = layer->squaredFrequencyBound(massesOf(first), massesOf(second));
     for (const Body *one : {first, second})
-      if (one && !one->rigid()) squared[one == first ? layer->settings().first : layer->settings().second] += bound;
+      if (one && !one->stands()) squared[one == first ? layer->settings().first : layer->settings().second] += bound;
   }
   for (auto &[id, runner] : bodies_) {
     const auto found = squared.find(id);

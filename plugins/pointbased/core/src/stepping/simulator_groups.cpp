@@ -134,7 +134,7 @@ void Simulator::formGroups(double dt) {
     if (!runner->asleep()) runner->share(std::nullopt);
   skins_->beginSums([this](std::size_t id) {
     const BodyStepper &runner = *bodies_.at(id);
-    return runner.asleep() || runner.stopped() || runner.body().rigid();
+    return runner.asleep() || runner.stopped() || runner.body().stands();
   });
   const bool touch = contact_.enabled && (bodies_.size() > 1 || contact_.self);
   touchThemselves_.clear();
@@ -151,7 +151,7 @@ void Simulator::formGroups(double dt) {
   std::vector<std::pair<std::size_t, std::size_t>> near;
   for (auto &[id, runner] : bodies_) {
     if (!SkinContacts::hasSkin(runner->body())) continue;
-    const bool stands = runner->stopped() || runner->body().rigid();
+    const bool stands = runner->stopped() || runner->body().stands();
     if (touchThemselves_.contains(id)) near.emplace_back(ones.size(), ones.size());
     ones.push_back({id, runner.get(), stands || runner->asleep(), {}});
     if (!touch || bodies_.size() < 2) continue;

@@ -170,7 +170,7 @@ void walk(Archive<Coder> &archive, SavedBody &saved) {
 /// Empty: it can be kept.
 std::string whyNotKept(const Body &body) {
   const std::string which = "body '" + body.name() + "' ";
-  if (body.rigid()) return {};
+  if (body.stands()) return {};
   if (body.rereferenceCount() > 0)
     return which + "has flowed so far that its reference is a later shape; states are kept of the first one";
   if (!body.hands.empty()) return which + "is held by a hand; let go of it first";
@@ -276,6 +276,7 @@ Result<void> Simulator::goToSavedState(std::string_view bytes) {
     const BodyCheckpoint fresh = runner->body().checkpoint();
     one.checkpoint.body.rest = fresh.rest;
     one.checkpoint.body.rigid = fresh.rigid;
+    one.checkpoint.body.free = fresh.free;
     (void)runner->restore(one.checkpoint, parallelFor_);
     runner->setStillness(std::move(one.stillness));
     std::copy(one.patchForces.begin(), one.patchForces.end(), runner->body().patches().forces().begin());

@@ -161,7 +161,7 @@ void Simulator::tellWhereRestitutionIsLost() {
       std::any_of(obstacles_.begin(), obstacles_.end(), [](const Obstacle &o) { return o.restitution > 0.0; });
   if (!bounces) return;
   for (const auto &[id, runner] : bodies_)
-    if (!runner->body().rigid() && runner->integratorIn(world_) != Integrator::explicitVerlet)
+    if (!runner->body().stands() && runner->integratorIn(world_) != Integrator::explicitVerlet)
       reportEvent("warning", "body '" + runner->body().name() +
                                  "' does not bounce: restitution counts in explicit steps alone, and it is " +
                                  (quasiStatic() ? "solved quasi-statically"

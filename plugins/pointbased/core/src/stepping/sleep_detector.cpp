@@ -33,7 +33,8 @@ bool goesOn(const std::function<RigidMotion(double t)> &motion, double time, dou
 }
 
 bool isDriven(const Body &body, std::span<const Obstacle> obstacles, double time, double dt) {
-  if (!body.hands.empty() || !body.externalForces().empty() || body.constitution().relaxing()) return true;
+  if (!body.hands.empty() || !body.externalForces().empty() || (!body.rigid() && body.constitution().relaxing()))
+    return true;
   for (const Obstacle &obstacle : obstacles)
     if (goesOn(obstacle.motion, time, dt)) return true;
   const BoundaryConditions &conditions = body.rest().conditions;

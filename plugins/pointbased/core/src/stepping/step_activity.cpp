@@ -29,6 +29,7 @@ std::string whatWouldHelp(const Body &body, const WorldSettings &world, Integrat
   if (poisson >= kNearlyIncompressible)
     return name + "nearly incompressible (ν " + number(poisson) + "): a lower ν" +
            (isExplicit || isStatic ? "" : ", or explicit steps,") + " would help";
+  if (body.free()) return name + "rigid; what it touches or is attached to sets its steps";
   if (isExplicit) {
     const double stable = kStepSafety * body.stableStepAtRest();
     return name + "steps of no more than " + number(stable) + " s are stable (E " + number(modulus) + " Pa, spacing " +

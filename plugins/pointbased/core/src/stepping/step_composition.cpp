@@ -89,7 +89,8 @@ class Composer {
         [](const Material &m) { return "yield " + number(m.plastic.yield); });
     add("plastic_flow", stages_.flow, yields.empty() ? "no material flows" : yields, flowClock);
     add("stresses", !stages_.fused, stages_.fused ? fused : "stage by stage", kStresses);
-    add("internal_forces", true, "elastic", kForces);
+    add("internal_forces", !body_.rigid(), body_.rigid() ? "rigid: it moves as one and does not deform" : "elastic",
+        kForces);
     addRates();
     const std::size_t loads = body_.rest().conditions.loads.size();
     add("loads", stages_.loads, loads == 0 ? "no load" : plural(loads, "load", "loads"), kForces);
@@ -149,10 +150,10 @@ StepStages stagesOf(const Body &body, const Environment &env) {
   const Constitution &constitution = body.constitution();
   const bool hasRates = !body.quasiStatic;
   StepStages out;
-  out.fused = hasRates && body.vectorised();
-  out.flow = !body.state().history.plasticInverse.empty();
-  out.viscous = hasRates && constitution.viscous();
-  out.relaxing = hasRates && constitution.relaxing();
+  out.fused = hasRates && (body.vectorised() || body.free());
+  out.flow = !body.rigid() && !body.state().history.plasticInverse.empty();
+  out.viscous = hasRates && !body.rigid() && constitution.viscous();
+  out.relaxing = hasRates && !body.rigid() && constitution.relaxing();
   out.loads = !body.rest().conditions.loads.empty();
   out.surroundings = body.foundation().acts();
   out.outside = !body.externalForces().empty();

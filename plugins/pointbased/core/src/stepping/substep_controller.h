@@ -11,6 +11,9 @@ namespace pointbased::detail {
 /// Good steps after which a larger one is tried again, and during which a change counts as recent.
 inline constexpr std::uint64_t kPatience = 256;
 
+/// s: a free rigid body has no stable step, but what it meets is looked for once per substep.
+inline constexpr double kFreeStep = 1e-3;
+
 /// Remembers how the steps of a body were cut, so that their size does not go to and fro.
 ///
 /// Each size of step keeps an energy of its own, (ω dt)²/4 of the exact one off in the fastest modes. One change moves
