@@ -188,6 +188,63 @@ TEST_CASE("A rigid body leaves the step to the others, and takes neither fix nor
   CHECK_THAT(refused(box("bone", "rigid = 1\n")), Contains("rigid"));
 }
 
+TEST_CASE("A free rigid body moves by weight, load and velocity, and takes neither fix nor a static solution",
+          "[free]") {
+  const auto folder = freshFolder("free");
+  const auto report = folder / "report.json";
+  const std::string world = "[world]\ngravity = [0, -9.81, 0]\n",
+                    plate = box("plate", "rigid = true\nfree = true\nvelocity = [0, 0, 0.5]\n");
+  const auto run = [&](const std::string &text, std::vector<std::string> more) {
+    std::vector<std::string> arguments{"run", scene(folder, text).string(), "--report", report.string(), "-q"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto ran = runC3de(arguments);
+    INFO(ran.errorOutput);
+    REQUIRE(ran.exitCode == 0);
+    return readJson(report);
+  };
+  const auto fell =
+      run(world + plate + "[[load]]\nregion = { everywhere = true }\nforce = [3, 0, 0]\n", {"--until", "0.1"});
+  const auto body = fell["bodies"][0];
+  CHECK(body["rigid"].get<bool>());
+  CHECK(body["free"].get<bool>());
+  CHECK(body["integrator"] == "explicit");
+  const double mass = body["mass_kg"].get<double>(), time = fell["time_s"].get<double>();
+  const std::array<double, 3> expected{3.0 * time, -9.81 * mass * time, 0.5 * mass};
+  for (std::size_t a = 0; a < 3; ++a) CHECK_THAT(body["momentum"][a].get<double>(), WithinRel(expected[a], 1e-9));
+  CHECK(body["energy_J"]["elastic"] == 0.0);
+
+  // One on the other, on the floor of the world, whatever the others are integrated by.
+  const auto rests =
+      run("[world]\ngravity = [0, -9.81, 0]\nbox = { min = [-1, 0, -1], max = [2, 2, 2] }\n[solver]\nintegrator = "
+          "\"implicit\"\ndamping = 10\n" +
+              box("bed", "material = { youngs_modulus = 2e5 }\n") +
+              box("plate", "rigid = true\nfree = true\nscale = 0.5\nposition = [0.2, 0.205, 0.05]\n"),
+          {"--until", "1"});
+  bool found = false;
+  for (const auto &one : rests["contacts"]) {
+    if (one["bodies"] != nlohmann::json{"bed", "plate"}) continue;
+    found = true;
+    CHECK_THAT(one["pressing_N"].get<double>(), WithinRel(9.81 * rests["bodies"][1]["mass_kg"].get<double>(), 0.02));
+  }
+  CHECK(found);
+  CHECK(rests["bodies"][0]["integrator"] == "explicit");
+
+  const auto refused = [&](const std::string &text, std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments{"run", scene(folder, text).string(), "--steps", "1", "-q"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto ran = runC3de(arguments);
+    CHECK(ran.exitCode == 3);
+    return ran.errorOutput;
+  };
+  CHECK_THAT(refused(plate, {"--set", "solver.integrator=quasistatic"}),
+             Contains("'plate' is rigid and free") && Contains("moves no rigid body") && Contains("free = false"));
+  CHECK_THAT(refused(plate + "[[fix]]\nregion = { everywhere = true }\n"), Contains("scene.toml:10: ") &&
+                                                                               Contains("'plate' is rigid and free") &&
+                                                                               Contains("nothing of it is fixed"));
+  CHECK_THAT(refused(plate, {"--set", "body.plate.free=false"}), Contains("stands still"));
+  CHECK_THAT(refused(box("plate", "free = 1\n")), Contains("free"));
+}
+
 TEST_CASE("Bone and air of an exported CT stay where they are, without that they bend with the body") {
   const auto folder = freshFolder("still");
   writeHead(folder);

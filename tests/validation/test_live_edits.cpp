@@ -353,3 +353,40 @@ TEST_CASE("a body that a matrix places is that of the same angles, and a matrix 
   matrix[0] *= 1.1;  // sheared
   CHECK_THROWS_WITH(FreeOrgan({{}, 1.0, {}, matrix}), Contains("matrix: not a rotation times one scale above 0"));
 }
+
+TEST_CASE("a rigid body is set free while it runs, falls, is pulled, and is refused where nothing moves") {
+  const auto flag = [](const char *id, bool value) {
+    c3de_param_value out = SimulatorSession::number(id, value ? 1.0 : 0.0);
+    out.type = C3DE_PARAM_BOOL;
+    return out;
+  };
+  const auto word = [](const char *id, const char *text) {
+    c3de_param_value out{};
+    out.size = sizeof out;
+    out.id = {id, std::strlen(id)};
+    out.type = C3DE_PARAM_CHOICE;
+    out.text = {text, std::strlen(text)};
+    return out;
+  };
+  FreeOrgan organ({}, {flag("rigid", true)});
+  organ.session.setWorld({SimulatorSession::vector("world.gravity", {0.0, -9.81, 0.0})});
+  const auto set = [&](const c3de_param_value &value) {
+    return organ.table->set_body_param(organ.self, organ.body, &value);
+  };
+  organ.session.step();
+  CHECK(organ.momentum() == Vec3{});
+  REQUIRE(set(flag("free", true)) == C3DE_OK);
+  for (int k = 0; k < 3; ++k) organ.session.step();
+  CHECK(organ.momentum()[1] < 0.0);
+  organ.session.setWorld({SimulatorSession::vector("world.gravity", {0.0, 0.0, 0.0})});
+  organ.session.reset();
+  (void)organ.addLoad({2.0, 0.0, 0.0}, 0.0);
+  for (int k = 0; k < 3; ++k) organ.session.step();
+  CHECK(organ.momentum()[0] > 0.0);
+  CHECK_THROWS_WITH(organ.session.setWorld({word("solver.integrator", "quasistatic")}),
+                    Contains("rigid and free") && Contains("moves no rigid body"));
+  REQUIRE(set(flag("free", false)) == C3DE_OK);
+  CHECK(organ.momentum() == Vec3{});
+  organ.session.setWorld({word("solver.integrator", "quasistatic")});
+  CHECK(set(flag("free", true)) == C3DE_E_UNSUPPORTED);
+}

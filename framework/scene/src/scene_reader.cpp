@@ -12,7 +12,7 @@ namespace {
 const std::vector<std::string> kBodyKeys{
     "name",     "mesh",      "mesh_unit", "position",         "rotation_deg", "scale",  "material",
     "sampling", "parts",     "velocity",  "angular_velocity", "volume",       "series", "time",
-    "label",    "threshold", "mend",      "edge_length",      "rigid",        "matrix"};
+    "label",    "threshold", "mend",      "edge_length",      "rigid",        "free",   "matrix"};
 const std::vector<std::string> kObstacleKeys{
     "name",        "mesh",         "mesh_unit",           "position", "rotation_deg", "scale",  "friction",
     "restitution", "displacement", "motion_rotation_deg", "centre",   "ramp",         "matrix", "motion_quaternion"};
@@ -278,7 +278,7 @@ bool SceneReader::bodyKey(SceneBody &body, const std::string &key, const TomlVal
       if (!samplingKey(body, member, memberValue)) return false;
     return true;
   }
-  if (key == C3DE_PARAM_ID_RIGID) return store(body.params, key, value);
+  if (key == C3DE_PARAM_ID_RIGID || key == C3DE_PARAM_ID_FREE) return store(body.params, key, value);
   if (key == "parts") return readParts(value, body.parts);
   if (key == "velocity") return readVec3(key, value, body.velocity_m_s);
   if (key == "angular_velocity") return readVec3(key, value, body.angularVelocity_rad_s);

@@ -103,7 +103,7 @@ bool SceneReader::refusePath(const std::string &path) {
   for (const SceneBody &body : scene_.bodies)
     add("body." + body.name, {C3DE_PARAM_ID_DENSITY, C3DE_PARAM_ID_YOUNGS_MODULUS, C3DE_PARAM_ID_POISSON_RATIO,
                               C3DE_PARAM_ID_SPACING, C3DE_PARAM_ID_COUNT, C3DE_PARAM_ID_SURROUNDINGS_STIFFNESS,
-                              C3DE_PARAM_ID_RIGID, "position", "rotation_deg", "matrix", "scale"});
+                              C3DE_PARAM_ID_RIGID, C3DE_PARAM_ID_FREE, "position", "rotation_deg", "matrix", "scale"});
   for (std::size_t i = 0; i < scene_.fixes.size(); ++i)
     add("fix." + nameOrNumber(scene_.fixes[i], i),
         {"displacement", "rotation_deg", "centre", "ramp", "region", "body"});

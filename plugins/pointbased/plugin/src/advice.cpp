@@ -13,7 +13,7 @@ std::string whoPass(const Simulator &simulator) {
   for (std::size_t a = 0; a < bodies.size(); ++a)
     for (std::size_t b = a + 1; b < bodies.size(); ++b) {
       const Body &first = *simulator.body(bodies[a]), &second = *simulator.body(bodies[b]);
-      if ((first.rigid() && second.rigid()) || !simulator.contactPair(bodies[a], bodies[b]).enabled ||
+      if ((first.stands() && second.stands()) || !simulator.contactPair(bodies[a], bodies[b]).enabled ||
           simulator.canTouch(bodies[a], bodies[b]))
         continue;
       return "bodies touch each other in explicit steps alone, and only where they have a skin: '" + first.name() +
@@ -114,9 +114,10 @@ std::vector<std::string> noticesOf(const Simulator &simulator, const std::vector
     const double cost = simulator.costOf(id);
     if (!(cost > 0.0)) return lines;
     char text[160];
-    std::snprintf(text, sizeof text, "'%.60s' %.3g s (stable step %.3g s)", simulator.body(id)->name().c_str(), cost,
-                  simulator.body(id)->stableStepAtRest());
-    costs += (costs.empty() ? "" : ", ") + std::string(text);
+    const Body &body = *simulator.body(id);
+    std::snprintf(text, sizeof text, "'%.60s' %.3g s (stable step %.3g s)", body.name().c_str(), cost,
+                  body.stableStepAtRest());
+    costs += (costs.empty() ? "" : ", ") + (body.free() ? "'" + body.name() + "' " + shortNumber(cost) + " s" : text);
   }
   if (bodies.size() <= 8) lines.push_back("computing a simulated second takes " + costs);
   return lines;

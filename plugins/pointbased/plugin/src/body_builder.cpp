@@ -188,7 +188,7 @@ std::unique_ptr<Body> bodyOf(const Making &of, const BodyRecipe &recipe) {
   body->setInitialVelocity(of.source.velocity, of.source.angularVelocity);
   if (const auto held = body->setFoundation(foundationOf(of.values)); !held)
     throw sdk::Error(C3DE_E_ARG, of.name + ": surroundings.stiffness: " + held.error());
-  if (isRigid(of.values)) body->setRigid(true);
+  if (isRigid(of.values)) body->setRigid(true, isFree(of.values));
   return body;
 }
 

@@ -77,8 +77,8 @@ bool GraspTool::press(const c3de_event &event) {
 bool GraspTool::take(const Snapshot &snapshot, const PickedSurface &picked, const PickRay &ray) {
   const BodySnapshot &body = *picked.body;
   if (isTimeless(snapshot, "Grasp", "jaws could pull")) return true;
-  if (body.rigid) {
-    warn(services_, body.name + " is rigid: nothing pulls it. Surroundings, Rigid takes it back");
+  if (body.stands) {
+    warn(services_, body.name + " is rigid: nothing pulls it. Surroundings, Free lets it move");
     return true;
   }
   const GraspSettings settings = settingsOn(body);

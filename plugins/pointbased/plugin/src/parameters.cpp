@@ -224,10 +224,15 @@ constexpr std::array kBody{
                  "Of the tissue around (Kelvin-Voigt): it damps by its stiffness times this time; 0: swings undamped",
                  "Surroundings"},
                 {0.0, 1e6, 0.0, 0.1}, kRetardationTime, C3DE_PARAM_ADVANCED),
-    boolParam({"rigid", "Rigid", "",
-               "It stands as it is in its reference and costs nothing: for bone, whose step would be everybody's. "
-               "Other bodies "
-               "do not touch it",
+    boolParam(
+        {"rigid", "Rigid", "",
+         "It keeps its shape. It stands as it is in its reference and costs nothing: for bone, whose step would be "
+         "everybody's. Others touch it",
+         "Surroundings"},
+        false),
+    boolParam({C3DE_PARAM_ID_FREE, "Free", "",
+               "Where it is rigid: it moves with its mass, by weight, loads, hands and what it touches, instead of "
+               "standing: an implant or a bone that lies loose. What deforms moves anyway",
                "Surroundings"},
               false),
     choiceParam({"sampling.evaluation", "Evaluation", "",
@@ -523,6 +528,8 @@ Foundation foundationOf(const ParameterValues &v) {
 bool isOfTheSurroundings(std::string_view id) { return id.rfind("surroundings.", 0) == 0; }
 
 bool isRigid(const ParameterValues &v) { return v.number("rigid") != 0.0; }
+
+bool isFree(const ParameterValues &v) { return isRigid(v) && v.number(C3DE_PARAM_ID_FREE) != 0.0; }
 
 Evaluation evaluationOf(const ParameterValues &v) {
   return v.text("sampling.evaluation") == "phyxels" ? Evaluation::phyxels : Evaluation::stressPoints;

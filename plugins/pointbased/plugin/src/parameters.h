@@ -64,6 +64,8 @@ struct StiffnessRange {
 [[nodiscard]] Foundation foundationOf(const ParameterValues &values);
 [[nodiscard]] bool isOfTheSurroundings(std::string_view id);
 [[nodiscard]] bool isRigid(const ParameterValues &values);
+/// Rigid, and moves with its mass.
+[[nodiscard]] bool isFree(const ParameterValues &values);
 [[nodiscard]] Evaluation evaluationOf(const ParameterValues &values);
 [[nodiscard]] double stabilisationOf(const ParameterValues &values);
 /// Without refinements, held regions and materials.

@@ -134,6 +134,7 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported, const Er
           {"cost_ms_per_s", 1e3 * simulator.costOf(reported.id)},
           {"asleep", simulator.asleep(reported.id)},
           {"rigid", body.rigid()},
+          {"free", body.free()},
           {"stopped", body.stopMessage()}};
 }
 
@@ -233,7 +234,8 @@ std::string howComputed(const Simulator &simulator, std::size_t id) {
   const Integrator integrator = simulator.integratorOf(id);
   const bool isExplicit = integrator == Integrator::explicitVerlet;
   const bool single = isExplicit && body.precision() == Precision::singlePrecision && !body.constitution().remembers();
-  if (body.rigid()) return "rigid: it is not";
+  if (body.stands()) return "rigid: it is not";
+  if (body.free()) return "as a rigid body, explicit, steps of " + shortNumber(1e3 * simulator.stepSizeOf(id)) + " ms";
   std::string text = nameOf(integrator);
   if (!simulator.quasiStatic()) text += ", steps of " + shortNumber(1e3 * simulator.stepSizeOf(id)) + " ms";
   if (!(isExplicit ? body.vectorised() : body.vectorisedTangent())) return text + ", by stages";

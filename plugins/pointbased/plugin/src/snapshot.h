@@ -30,6 +30,7 @@ struct BodySnapshot {
   std::uint64_t changes = 0;  ///< of the simulator: the same number, the same places
   bool asleep = false;
   bool rigid = false;
+  bool stands = false;  ///< rigid, and nothing moves it
   bool isExplicit = true;
   double stableStep = 0.0;                         ///< s, at rest
   std::string computed;                            ///< how: "explicit, double precision, AVX3"

@@ -28,6 +28,21 @@ void checkStandsStill(const std::string &name, const BodySource &source) {
   if (!source.velocity.isZero(0.0) || !source.angularVelocity.isZero(0.0)) throw Error(C3DE_E_ARG, name + ": " + text);
 }
 
+// A static solution knows no motion, and what is fixed of a rigid body fixes all of it.
+void checkMoves(const std::string &name, const BodySource &source, bool quasiStatic) {
+  if (!source.fixes.empty())
+    throw Error(C3DE_E_ARG,
+                "body '" + name +
+                    "' is rigid and free, so nothing of it is fixed; accepted: free = false "
+                    "and no fix, which holds it wholly, or rigid = false",
+                {"fix", source.fixNumbers.empty() ? 0 : source.fixNumbers.front(), {}});
+  if (quasiStatic)
+    throw Error(C3DE_E_UNSUPPORTED,
+                "body '" + name +
+                    "' is rigid and free, and a quasi-static solution moves no rigid body; accepted: "
+                    "free = false, or solver.integrator = \"auto\", \"explicit\" or \"implicit\"");
+}
+
 // A field that is known to the simulator, not to a body.
 constexpr std::string_view kContactPressure = "contact_pressure";
 
@@ -105,6 +120,9 @@ sdk::Result<void> WorldSimulator::setWorld(const c3de_param_value *values, std::
   const WorldSettings settings = worldSettings(changed);
   if (settings.box.enabled && !((settings.box.max - settings.box.min).minCoeff() > 0.0))
     return Failure{C3DE_E_ARG, "world.box.max must be above world.box.min on every axis"};
+  if (settings.integrator == Integrator::quasiStatic)
+    for (const auto &[id, record] : bodies_)
+      if (isFree(*record.values)) checkMoves(record.name, record.source, true);
   world_ = std::move(changed);
   // What only concerns the view, or how long a step may take, leaves the solver as it is.
   bool isForTheSolver = n == 0;
@@ -141,7 +159,7 @@ void WorldSimulator::add(const c3de_sim_body *body, c3de_handle *out, Walls wall
   ParameterValues values(context_.laws.declarations());
   sdk::orThrow(values.set(in.params, in.params_n, in.params_stride));
   record.source = readSource(in, values);
-  if (isRigid(values)) checkStandsStill(record.name, record.source);
+  if (isRigid(values) && !isFree(values)) checkStandsStill(record.name, record.source);
   BuiltBody built = buildBody(context_.services, context_.laws, record.name, in.mesh, record.source, values,
                               dialRequest(), sdk::Progress(in.progress));
   if (built.promise) record.promise = std::make_shared<const AccuracyPromise>(std::move(*built.promise));
@@ -150,6 +168,7 @@ void WorldSimulator::add(const c3de_sim_body *body, c3de_handle *out, Walls wall
   record.source.mesh = std::make_shared<const sdk::MeshHandle>(copyMesh(context_.services, in.mesh));
   const StepRequest::Waiting waiting(request_);
   const std::lock_guard lock(mutex_);
+  if (isFree(*record.values)) checkMoves(record.name, record.source, simulator_.quasiStatic());
   if (walls == Walls::makeRoom) makeRoom(record);
   mustBeInBox(simulator_.world().box, record.name, *record.surface, built.body->rest().spacing);
   record.order = nextOrder_++;
@@ -220,8 +239,9 @@ sdk::Result<void> WorldSimulator::setBodyParam(c3de_handle body, const c3de_para
   if (isOfTheSurroundings(id)) {
     if (const auto set = simulator_.setFoundation(body.v, foundationOf(changed)); !set)
       return Failure{C3DE_E_ARG, record.name + ": " + std::string(id) + ": " + set.error()};
-  } else if (id == "rigid") {
-    simulator_.setRigid(body.v, isRigid(changed));
+  } else if (id == "rigid" || id == C3DE_PARAM_ID_FREE) {
+    if (isFree(changed)) checkMoves(record.name, record.source, simulator_.quasiStatic());
+    simulator_.setRigid(body.v, isRigid(changed), isFree(changed));
   } else {
     // Parts keep what they say themselves.
     for (BodyPart &part : record.source.parts)
@@ -373,6 +393,7 @@ void WorldSimulator::publish() {
     b.changes = changes;
     b.asleep = simulator_.asleep(id);
     b.rigid = body.rigid();
+    b.stands = body.stands();
     b.stableStep = body.stableStepAtRest();
     b.isExplicit = simulator_.integratorOf(id) == Integrator::explicitVerlet;
     b.computed = howComputed(simulator_, id);

@@ -87,7 +87,7 @@ void WorldSimulator::leadGrasps() {
     }
     if (record.now) {
       const std::optional<GraspForces> forces = forcesOn(id, *record.now);
-      if (!forces) {  // the phyxels that it held are others now, or the body is rigid
+      if (!forces) {  // the phyxels that it held are others now, or the body stands
         record.now.reset();
         record.isOver = true;
       } else {
@@ -201,7 +201,8 @@ void WorldSimulator::addGrasp(const c3de_sim_grasp *given, c3de_handle *out) {
     throw Error(C3DE_E_UNSUPPORTED, which +
                                         "a quasi-static solution has no hands; accepted: solver.integrator = "
                                         "auto, explicit or implicit");
-  if (simulator_.body(in.body.v)->rigid()) refuse("body '" + of.name + "' is rigid; nobody pulls it");
+  if (simulator_.body(in.body.v)->stands())
+    refuse("body '" + of.name + "' is rigid and stands; nobody pulls it; accepted: rigid = false, or free = true");
   const PlacedMesh &mesh = *of.surface;
   const double off = distanceOff(context_.services, mesh, at);
   const RestState &rest = simulator_.body(in.body.v)->rest();

@@ -18,7 +18,7 @@ void WorldSimulator::points(c3de_handle handle, c3de_sim_points *out) {
   c3de_sim_points points{};
   const RestState &rest = body.rest();
   const std::size_t n = rest.phyxelCount();
-  if (n > 0 && !body.rigid() && !body.stopped) {
+  if (n > 0 && !body.stands() && !body.stopped) {
     LentPoints &lent = lent_[handle.v];
     lent.name = record.name;
     lent.positions.resize(n);
@@ -53,8 +53,8 @@ void WorldSimulator::bind(LiveLoad &live) const {
 void WorldSimulator::addLoad(c3de_handle handle, const c3de_sim_load *load, c3de_handle *out) {
   const std::lock_guard lock(mutex_);
   const BodyRecord &record = bodyOrThrow(handle);
-  if (simulator_.body(handle.v)->rigid())
-    throw Error(C3DE_E_STATE, "body '" + record.name + "' is rigid; a load does not move it");
+  if (simulator_.body(handle.v)->stands())
+    throw Error(C3DE_E_STATE, "body '" + record.name + "' is rigid and stands; a load does not move it");
   LiveLoad live{handle.v, readLoad(load), {}, nullptr, simulator_.time()};
   bind(live);
   const std::uint64_t id = nextLive_++;
@@ -72,7 +72,7 @@ void WorldSimulator::takeForces() {
     std::vector<Vec3> forces;
     if (asked && found->second.forces.size() == n) forces.swap(found->second.forces);
     for (auto &[number, live] : liveLoads_) {
-      if (live.body != id || body.rigid()) continue;
+      if (live.body != id || body.stands()) continue;
       if (live.rest != body.sharedRest()) bind(live);
       forces.resize(n, Vec3::Zero());
       const double since_s = simulator_.time() - live.began_s;
@@ -102,7 +102,7 @@ void WorldSimulator::hold(c3de_handle handle, const c3de_sim_hold *hold, c3de_ha
     throw Error(C3DE_E_ARG,
                 "hold: accepted: a frequency, a damping ratio and a force that are finite and not negative");
   if (in.flags & ~C3DE_SIM_HOLD_SHAPE) throw Error(C3DE_E_UNSUPPORTED, "hold: unknown flags");
-  if (body.rigid()) throw Error(C3DE_E_STATE, "body '" + record.name + "' is rigid; nobody pulls it");
+  if (body.stands()) throw Error(C3DE_E_STATE, "body '" + record.name + "' is rigid and stands; nobody pulls it");
   std::vector<Vec3> positions, normals;
   simulator_.surfels(handle.v, positions, normals);
   if (positions.empty()) throw Error(C3DE_E_STATE, "body '" + record.name + "' has no surface to hold");

@@ -30,6 +30,7 @@
 #define C3DE_PARAM_ID_SPACING "sampling.spacing"                         /* F64, m, between points */
 #define C3DE_PARAM_ID_COUNT "sampling.count"                             /* I64, points, about */
 #define C3DE_PARAM_ID_RIGID "rigid"                                      /* BOOL: stands still and is touched */
+#define C3DE_PARAM_ID_FREE "free"                                        /* BOOL: a rigid body moves with its mass */
 #define C3DE_PARAM_ID_SURROUNDINGS_STIFFNESS "surroundings.stiffness"    /* F64, Pa/m: elastic layer about it */
 
 /* Of an obstacle. */
