@@ -12,7 +12,8 @@ namespace {
 const std::vector<std::string> kBodyKeys{
     "name",     "mesh",      "mesh_unit", "position",         "rotation_deg", "scale",  "material",
     "sampling", "parts",     "velocity",  "angular_velocity", "volume",       "series", "time",
-    "label",    "threshold", "mend",      "edge_length",      "rigid",        "free",   "matrix"};
+    "label",    "threshold", "mend",      "edge_length",      "rigid",        "free",   "matrix",
+    "tissues",  "background"};
 const std::vector<std::string> kObstacleKeys{
     "name",        "mesh",         "mesh_unit",           "position", "rotation_deg", "scale",  "friction",
     "restitution", "displacement", "motion_rotation_deg", "centre",   "ramp",         "matrix", "motion_quaternion"};
@@ -144,7 +145,7 @@ bool SceneReader::readBody(const TomlValue &table) {
   body.line = table.line;
   for (const auto &[key, value] : table.entries)
     if (!bodyKey(body, key, value)) return false;
-  if (!checkSource(table, body) || !checkPlacement(table, body.placement)) return false;
+  if (!checkSource(table, body) || !checkTissues(table, body) || !checkPlacement(table, body.placement)) return false;
 
   const auto taken = [this](const std::string &name) {
     return std::any_of(scene_.bodies.begin(), scene_.bodies.end(),
@@ -283,6 +284,8 @@ bool SceneReader::bodyKey(SceneBody &body, const std::string &key, const TomlVal
   if (key == "velocity") return readVec3(key, value, body.velocity_m_s);
   if (key == "angular_velocity") return readVec3(key, value, body.angularVelocity_rad_s);
   if (isPlacement(key)) return placementKey(body.placement, key, value);
+  if (key == "tissues") return readTissues(value, body.volume.tissues);
+  if (key == "background") return readBackground(value, body);
   if (key == "volume" || key == "series" || key == "time" || key == "label" || key == "threshold" || key == "mend" ||
       key == "edge_length")
     return volumeKey(body.volume, key, value);

@@ -14,7 +14,7 @@ namespace c3de::scene {
 /// Turns TOML into a SceneFile, for files and for `--set`. Functions answer false after the first error, which is kept.
 ///
 /// scene_reader.cpp reads tables, scene_reader_values.cpp what stands in them, scene_reader_supports.cpp regions and
-/// what acts there, scene_reader_attachments.cpp elastic layers, scene_reader_contact.cpp who touches whom,
+/// what acts there, scene_reader_tissues.cpp bodies of many tissues, scene_reader_attachments.cpp elastic layers, scene_reader_contact.cpp who touches whom,
 /// scene_reader_overrides.cpp one value of the command line.
 class SceneReader {
  public:
@@ -100,6 +100,9 @@ class SceneReader {
   bool readStill(const TomlValue &value, SceneStill &out);
   bool volumeKey(SceneVolume &volume, const std::string &key, const TomlValue &value);
   bool checkSource(const TomlValue &table, SceneBody &body);
+  bool readTissues(const TomlValue &value, std::vector<SceneTissue> &out);
+  bool readBackground(const TomlValue &value, SceneBody &body);
+  bool checkTissues(const TomlValue &table, SceneBody &body);
   bool readImageFile(const std::string &key, const TomlValue &value, std::filesystem::path &out);
   bool readTime(const TomlValue &value, std::size_t &out);
   bool readSeries(const TomlValue &value, std::string &out);

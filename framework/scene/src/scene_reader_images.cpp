@@ -200,6 +200,9 @@ bool SceneReader::checkSource(const TomlValue &table, SceneBody &body) {
   const SceneVolume &volume = body.volume;
   const bool byLabel = volume.label || !volume.labelName.empty();
   if (volume.file.empty()) {
+    for (const char *key : {"tissues", "background"})
+      if (const TomlValue *stray = table.find(key); stray != nullptr)
+        return refuse(stray->line, std::string("'") + key + "' belongs to a body with a 'volume', a label map");
     if (const TomlValue *stray = table.find("label"); stray != nullptr)
       return refuse(stray->line, "'label' belongs to a body with a 'volume'");
     for (const char *key : {"series", "threshold", "time", "mend", "edge_length"})
@@ -215,10 +218,12 @@ bool SceneReader::checkSource(const TomlValue &table, SceneBody &body) {
   if (table.find("mesh_unit") != nullptr)
     return refuse(table.find("mesh_unit")->line,
                   "'mesh_unit' belongs to a body with a 'mesh'; volumes say their millimetres");
+  if (!volume.tissues.empty()) return true;
   if (byLabel == volume.threshold.has_value())
-    return refuse(table.line, std::string("the body has a 'volume' and ") +
-                                  (byLabel ? "both 'label' and 'threshold'" : "neither 'label' nor 'threshold'") +
-                                  "; accepted: label = 5, label = \"liver\" or threshold = [lowest, highest]");
+    return refuse(table.line,
+                  std::string("the body has a 'volume' and ") +
+                      (byLabel ? "both 'label' and 'threshold'" : "neither 'label' nor 'threshold'") +
+                      "; accepted: label = 5, label = \"liver\", threshold = [lowest, highest], or tissues = [ … ]");
   return true;
 }
 

@@ -10,11 +10,17 @@
 #include "c3de/imaging/mask_coverage.h"
 #include "c3de/imaging/surface.h"
 #include "c3de/scene/simulation.h"
+#include "c3de/session/tissues.h"
 
 namespace c3de::session {
 namespace {
 
 constexpr double kVoxelsPerSpacing = 16.0;
+
+// mm, of the blocks of voxels that are enough for so many points.
+double coarsestOf(double volume_mm3, double points) {
+  return std::cbrt(volume_mm3 / std::max(points, 1.0)) / kVoxelsPerSpacing;
+}
 
 std::string listOf(const std::vector<imaging::LabelMap> &layers) {
   constexpr std::size_t kMost = 12;
@@ -91,9 +97,16 @@ Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const
   options.series = volume.series;
   options.time = volume.time;
   std::shared_ptr<const Layers> map;
-  std::shared_ptr<const imaging::Volume> image;
+  std::shared_ptr<const imaging::Volume> image, background;
   if (!volume.mask) {
     const TimeSpent reading(took.reading_s);
+    if (volume.background) {
+      imaging::ReadOptions whole;
+      whole.progress = progress;
+      auto read = this->volume(volume.background->image, whole);
+      if (!read) return tl::unexpected(read.error());
+      background = *read;
+    }
     if (volume.threshold) {
       auto read = this->volume(volume.file, options);
       if (!read) return tl::unexpected(read.error());
@@ -107,8 +120,18 @@ Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const
   const TimeSpent masking(took.masks_s);
   Expected<imaging::Mask> mask = imaging::Mask{};
   std::optional<std::array<float, 3>> colour = volume.colour;
+  std::shared_ptr<const imaging::LabelMap> tissues;
   if (volume.mask) {
     mask = *volume.mask;
+  } else if (!volume.tissues.empty()) {
+    auto picked = pickTissues(volume, *map, background.get(), progress);
+    if (!picked) return tl::unexpected(picked.error());
+    notices_.insert(notices_.end(), picked->notices.begin(), picked->notices.end());
+    mask->geometry = picked->voxels.geometry;
+    mask->voxels.resize(picked->voxels.voxels.size());
+    std::transform(picked->voxels.voxels.begin(), picked->voxels.voxels.end(), mask->voxels.begin(),
+                   [](std::uint16_t tissue) { return static_cast<std::uint8_t>(tissue != 0 ? 1 : 0); });
+    tissues = std::make_shared<const imaging::LabelMap>(std::move(picked->voxels));
   } else if (image) {
     mask = imaging::threshold(*image, (*volume.threshold)[0], (*volume.threshold)[1], progress);
   } else {
@@ -123,7 +146,7 @@ Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const
                                       ": nothing is left of what was asked for; accepted: a label or a "
                                       "threshold, mended, that holds voxels");
   if (!mask) return tl::unexpected(mask.error());
-  return PickedVoxels{std::move(*mask), colour};
+  return PickedVoxels{std::move(*mask), colour, std::move(tissues)};
 }
 
 std::vector<std::string> BodySources::takeNotices() { return std::exchange(notices_, {}); }
@@ -151,11 +174,35 @@ Expected<BodyGeometry> bodyGeometryOf(const imaging::Mask &asked, double edge_mm
   }
   {
     const TimeSpent filling(built.took.fills_s);
-    auto fill = imaging::fillOf(mask, std::cbrt(built.volume_mm3 / std::max(points, 1.0)) / kVoxelsPerSpacing);
+    auto fill = imaging::fillOf(mask, coarsestOf(built.volume_mm3, points));
     if (!fill) return tl::unexpected(fill.error());
     built.fill = std::move(*fill);
   }
   return built;
+}
+
+Expected<void> addTissues(const scene::SceneVolume &volume, const imaging::LabelMap &tissues, double points,
+                          BodyGeometry &geometry) {
+  const TimeSpent filling(geometry.took.fills_s);
+  const double coarsest = coarsestOf(geometry.volume_mm3, points);
+  std::vector<std::uint16_t> rigid;
+  for (std::size_t i = 0; i < volume.tissues.size(); ++i) {
+    const auto number = static_cast<std::uint16_t>(i + 1);
+    if (volume.tissues[i].isRigid) {
+      rigid.push_back(number);
+      continue;
+    }
+    auto fill = imaging::fillOf(imaging::maskOf(tissues, number), coarsest);
+    if (!fill)
+      return fail(fill.error().code, "tissue '" + volume.tissues[i].label +
+                                         "' has no voxel of its own: labels of other tissues lie over all of it");
+    geometry.tissues.push_back(std::make_shared<const imaging::Fill>(std::move(*fill)));
+  }
+  if (rigid.empty()) return {};
+  auto fill = imaging::fillOf(imaging::maskOf(tissues, rigid), coarsest);
+  if (!fill) return tl::unexpected(fill.error());
+  geometry.rigid = std::make_shared<const imaging::Fill>(std::move(*fill));
+  return {};
 }
 
 tl::unexpected<Error> failInScene(const Error &error, const scene::SceneFile &scene, int line) {

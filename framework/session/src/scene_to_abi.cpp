@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "c3de/core/text.h"
+#include "c3de/session/body_sources.h"
 
 namespace c3de::session {
 namespace {
@@ -31,6 +32,7 @@ c3de_sim_region toAbi(const scene::SceneRegion &region) {
     case scene::SceneRegion::Kind::box: out.kind = C3DE_SIM_REGION_BOX; break;
     case scene::SceneRegion::Kind::sphere: out.kind = C3DE_SIM_REGION_SPHERE; break;
     case scene::SceneRegion::Kind::halfSpace: out.kind = C3DE_SIM_REGION_HALF_SPACE; break;
+    case scene::SceneRegion::Kind::voxels: out.kind = C3DE_SIM_REGION_FILL; break;
   }
   copy(out.a, region.a);
   copy(out.b, region.b);
@@ -130,7 +132,12 @@ c3de_sim_grasp toAbi(const scene::SceneGrasp &grasp, const std::vector<c3de_sim_
 }
 
 const c3de_sim_region *BodyTables::keep(const scene::SceneRegion &region) {
-  return &regions_.emplace_back(toAbi(region));
+  c3de_sim_region &out = regions_.emplace_back(toAbi(region));
+  if (region.voxels) {
+    const c3de_sim_grid &grid = grids_.emplace_back(toAbi(region.voxels->geometry));
+    out.fill = &fills_.emplace_back(c3de_sim_fill{sizeof(c3de_sim_fill), 0, &grid, region.voxels->values.data()});
+  }
+  return &out;
 }
 
 BodyTables::BodyTables(const scene::SceneFile &scene, const scene::SceneBody &body,
@@ -145,6 +152,17 @@ BodyTables::BodyTables(const scene::SceneFile &scene, const scene::SceneBody &bo
     out.name = c3de::toAbi(fix.name);
     out.region = keep(fix.region);
     out.motion = &motions_.emplace_back(toAbi(fix.motion));
+    fixes_.push_back(out);
+  }
+  if (body.rigidTissue) {
+    scene::SceneRegion region;
+    region.kind = scene::SceneRegion::Kind::voxels;
+    region.voxels = body.rigidTissue;
+    c3de_sim_fix out{};
+    out.size = sizeof out;
+    out.index = static_cast<std::uint32_t>(scene.fixes.size());
+    out.name = c3de::toAbi(std::string_view("rigid tissue"));
+    out.region = keep(region);
     fixes_.push_back(out);
   }
   for (std::size_t i = 0; i < scene.loads.size(); ++i) {

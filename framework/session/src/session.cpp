@@ -202,6 +202,9 @@ Expected<BodyGeometry> loadFromVolume(BodySources &sources, const scene::SceneBo
   }
   auto loaded = bodyGeometryOf(picked->mask, body.volume.edgeLength_mm, points, progress);
   if (!loaded) return loaded;
+  if (picked->tissues)
+    if (const auto added = addTissues(body.volume, *picked->tissues, points, *loaded); !added)
+      return tl::unexpected(added.error());
   loaded->took += took;
   loaded->colour = picked->colour;
   return loaded;
@@ -331,7 +334,10 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
     const render::Colour colour = render::shownColour(source->colour.value_or(std::array<float, 3>{}));
     if (source->colour) abi.colour = colour.data();
     abi.progress = partProgress.abi();
-    const BodyTables tables(scene, body, fitted.parts[i]);
+    scene::SceneBody placed = body;
+    for (std::size_t k = 0; k < source->tissues.size(); ++k) placed.parts[k].region.voxels = source->tissues[k];
+    placed.rigidTissue = source->rigid;
+    const BodyTables tables(scene, placed, fitted.parts[i]);
     tables.fill(abi);
     c3de_handle added{};
     const auto add = [&] { return table->add_body(simulator, &abi, &added); };

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "c3de/core/text.h"
+#include "c3de/imaging/label_names.h"
 #include "c3de/imaging/statistics.h"
 #include "c3de/scene/material_names.h"
 
@@ -12,21 +13,6 @@ namespace {
 
 constexpr double kBone_HU = 200.0, kAir_HU = -400.0;  // between them lies all that is soft
 constexpr double kLeastOfTomography = -900.0;
-
-/// '*' stands for any text.
-bool matches(std::string_view pattern, std::string_view text) {
-  if (pattern.empty()) return text.empty();
-  if (pattern.front() == '*') {
-    for (std::size_t n = 0; n <= text.size(); ++n)
-      if (matches(pattern.substr(1), text.substr(n))) return true;
-    return false;
-  }
-  return !text.empty() && pattern.front() == text.front() && matches(pattern.substr(1), text.substr(1));
-}
-
-bool isMeant(const std::string &wanted, const imaging::LabelMap::Label &label) {
-  return wanted == std::to_string(label.value) || matches(wanted, label.name);
-}
 
 }  // namespace
 
@@ -52,7 +38,7 @@ Expected<imaging::StillRule> stillRuleOf(const scene::SceneStill &wanted, const 
     const std::size_t before = rule.labels.size();
     std::vector<std::string> names;
     for (const imaging::LabelMap::Label &label : labels->labels) {
-      if (isMeant(name, label)) rule.labels.push_back(label.value);
+      if (imaging::isMeant(name, label)) rule.labels.push_back(label.value);
       names.push_back(label.name);
     }
     if (rule.labels.size() > before) continue;

@@ -360,7 +360,7 @@ TEST_CASE("jitter moves only phyxels whose cells lie inside, by what it says") {
   CHECK(filled(beam(), sampling).positions != moved.positions);
 }
 
-TEST_CASE("materials go to the parts whose middle lies in their region") {
+TEST_CASE("materials have evaluation points of their own, in their region") {
   LatticeSampling sampling = withSpacing(0.01);
   sampling.materials = {{BoxRegion{Vec3(-1, -1, -1), Vec3(0.1, 1, 1)}, std::uint16_t{2}},
                         {HalfSpaceRegion{Vec3(0.05, 0, 0), Vec3::UnitX()}, std::uint16_t{1}}};

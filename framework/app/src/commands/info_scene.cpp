@@ -41,6 +41,7 @@ Json jsonOf(const scene::SceneRegion &region) {
     case scene::SceneRegion::Kind::sphere: return {{"sphere", {{"centre", region.a}, {"radius", region.radius}}}};
     case scene::SceneRegion::Kind::halfSpace: return {{"half_space", {{"point", region.a}, {"normal", region.b}}}};
     case scene::SceneRegion::Kind::everywhere: break;
+    case scene::SceneRegion::Kind::voxels: return {{"voxels", true}};
   }
   return {{"everywhere", true}};
 }
@@ -51,14 +52,25 @@ Json jsonOf(const scene::SceneMotion &motion) {
   return json;
 }
 
-/// Materials of regions and finer sampling of a body.
+/// Materials of tissues and regions, and finer sampling of a body.
 void describeRegions(const scene::SceneBody &body, std::ostringstream &text, Json &json) {
+  auto tissue = body.volume.tissues.begin();
   for (const scene::ScenePart &part : body.parts) {
-    text << "  part " << json["parts"].size() << " in " << jsonOf(part.region).dump() << "\n";
+    Json region = jsonOf(part.region);
+    if (part.region.kind == scene::SceneRegion::Kind::voxels) {
+      while (tissue->isRigid) ++tissue;
+      region = {{"label", tissue++->label}};
+    }
+    text << "  part " << json["parts"].size() << " in " << region.dump() << "\n";
     Json params = Json::object();
     describeValues(part.params, text, params);
-    json["parts"].push_back(Json{{"region", jsonOf(part.region)}, {"params", std::move(params)}});
+    json["parts"].push_back(Json{{"region", std::move(region)}, {"params", std::move(params)}});
   }
+  for (const scene::SceneTissue &one : body.volume.tissues)
+    if (one.isRigid) {
+      text << "  rigid: label " << one.label << "\n";
+      json["rigid_labels"].push_back(one.label);
+    }
   for (const scene::SceneRefinement &refinement : body.refinements) {
     text << "  spacing " << formatNumber(refinement.spacing_m) << " m in " << jsonOf(refinement.region).dump() << "\n";
     json["refinements"].push_back(Json{{"region", jsonOf(refinement.region)}, {"spacing_m", refinement.spacing_m}});

@@ -35,6 +35,17 @@ bool isLevel(const std::string &word) {
          std::all_of(word.begin() + 1, word.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
+// '*' stands for any text.
+bool matches(std::string_view pattern, std::string_view text) {
+  if (pattern.empty()) return text.empty();
+  if (pattern.front() == '*') {
+    for (std::size_t n = 0; n <= text.size(); ++n)
+      if (matches(pattern.substr(1), text.substr(n))) return true;
+    return false;
+  }
+  return !text.empty() && pattern.front() == text.front() && matches(pattern.substr(1), text.substr(1));
+}
+
 }  // namespace
 
 std::string readableName(std::string_view name) {
@@ -62,6 +73,10 @@ std::string nameFromFile(const std::filesystem::path &file) {
       }))
     return {};
   return readableName(joined(words));
+}
+
+bool isMeant(std::string_view wanted, const LabelMap::Label &label) {
+  return wanted == std::to_string(label.value) || matches(wanted, label.name);
 }
 
 }  // namespace c3de::imaging

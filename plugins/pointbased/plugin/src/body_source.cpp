@@ -85,7 +85,7 @@ std::shared_ptr<const FillSource> readFill(const c3de_sim_fill &fill, const Plac
 
 }  // namespace
 
-Region readRegion(const c3de_sim_region *given, const sdk::ErrorPlace &where) {
+Region readRegion(const c3de_sim_region *given, const sdk::ErrorPlace &where, const Placement *placement) {
   if (given == nullptr) refuse(where, "region is null");
   const c3de_sim_region in = element(given, 0, 0);
   Region region;
@@ -94,7 +94,15 @@ Region readRegion(const c3de_sim_region *given, const sdk::ErrorPlace &where) {
     case C3DE_SIM_REGION_BOX: region = BoxRegion{vec(in.a), vec(in.b)}; break;
     case C3DE_SIM_REGION_SPHERE: region = SphereRegion{vec(in.a), in.radius}; break;
     case C3DE_SIM_REGION_HALF_SPACE: region = HalfSpaceRegion{vec(in.a), vec(in.b)}; break;
-    default: refuse(where, "region kind " + std::to_string(in.kind) + " is not known; accepted: 0 … 3");
+    case C3DE_SIM_REGION_FILL: {
+      if (in.fill == nullptr) refuse(where, "a region is a fill, and there is none");
+      if (placement == nullptr) refuse(where, "a fill is accepted as the region of a part or a fix of a body alone");
+      auto filled = regionOf(readFill(*in.fill, *placement)->occupancy);
+      if (!filled) refuse(where, "the fill of a region: " + filled.error());
+      region = std::move(*filled);
+      break;
+    }
+    default: refuse(where, "region kind " + std::to_string(in.kind) + " is not known; accepted: 0 … 4");
   }
   if (const auto good = validate(region); !good) refuse(where, good.error());
   return region;
@@ -115,7 +123,7 @@ BodySource readSource(const c3de_sim_body &body, const ParameterValues &values) 
     const c3de_sim_fix in = element(body.fixes, i, body.fixes_stride);
     const sdk::ErrorPlace where{"fix", in.index, {}};
     Fix fix;
-    fix.region = readRegion(in.region, where);
+    fix.region = readRegion(in.region, where, &source.placement);
     setMotion(in.motion, fix, where);
     source.fixes.push_back(std::move(fix));
     source.fixNumbers.push_back(in.index);
@@ -134,7 +142,7 @@ BodySource readSource(const c3de_sim_body &body, const ParameterValues &values) 
     std::vector<std::string> said;
     for (std::uint64_t k = 0; k < in.params_n; ++k)
       said.emplace_back(sdk::text(element(in.params, k, in.params_stride).id));
-    source.parts.push_back({readRegion(in.region, where), std::move(own), std::move(said)});
+    source.parts.push_back({readRegion(in.region, where, &source.placement), std::move(own), std::move(said)});
   }
   for (std::uint64_t i = 0; body.refinements && i < body.refinements_n; ++i) {
     const c3de_sim_refinement in = element(body.refinements, i, body.refinements_stride);

@@ -52,7 +52,9 @@ struct BodySource {
 [[nodiscard]] BodySource readSource(const c3de_sim_body &body, const ParameterValues &values);
 
 /// A region of the host. Errors as sdk::Error, with their place.
-[[nodiscard]] Region readRegion(const c3de_sim_region *region, const sdk::ErrorPlace &where);
+/// @param placement  of the body that it is of; null: it may not be a fill
+[[nodiscard]] Region readRegion(const c3de_sim_region *region, const sdk::ErrorPlace &where,
+                                const Placement *placement = nullptr);
 
 /// A load of add_load. Errors as sdk::Error.
 [[nodiscard]] Load readLoad(const c3de_sim_load *load);

@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "c3de/imaging/volume.h"
+
 namespace c3de::imaging {
 
 /// As a person writes it: "kidney_left" -> "kidney left"; one vertebra is a vertebra: "vertebrae_T12" -> "vertebra
@@ -14,5 +16,8 @@ namespace c3de::imaging {
 /// What a label map of one label shows, by the name of its file: "heart.nii.gz" -> "heart", "liver_mask.nrrd" ->
 /// "liver". Empty where the name says only that it is a label map.
 [[nodiscard]] std::string nameFromFile(const std::filesystem::path &file);
+
+/// Whether a text means a label: its name, with '*' for any text, or its number.
+[[nodiscard]] bool isMeant(std::string_view wanted, const LabelMap::Label &label);
 
 }  // namespace c3de::imaging

@@ -38,11 +38,13 @@ struct ScenePlacement {
 
 /// A part of space in material coordinates: what of a body lies inside or on the border is meant.
 struct SceneRegion {
-  enum class Kind { everywhere, box, sphere, halfSpace };
+  enum class Kind { everywhere, box, sphere, halfSpace, voxels };
   Kind kind = Kind::everywhere;
   Vec3 a{};           ///< m: min of a box, centre of a sphere, point of a half-space
   Vec3 b{};           ///< max of a box, m; normal of a half-space, of any length: the side it points away from
   double radius = 0;  ///< m
+  /// Where more than half of a voxel is filled, placed as its body is; null until the file that it is in has been read
+  std::shared_ptr<const imaging::Fill> voxels;
 };
 
 /// A rigid motion that is reached at the end of the ramp and kept: rotation about x, then y, then z, then displacement.
@@ -68,6 +70,20 @@ struct SceneRefinement {
   int line = 0;
 };
 
+/// Labels of a label map that are one tissue of a body.
+struct SceneTissue {
+  std::string label;               ///< a name, '*' for any text, or a number
+  bool isRigid = false;            ///< it does not move
+  std::vector<SceneValue> params;  ///< ids "material.…"; of a rigid one none
+  int line = 0;
+};
+
+/// What of a body has no label: where an image has values between two limits.
+struct SceneBackground {
+  std::filesystem::path image;
+  double from = 0.0, to = 0.0;  ///< lowest and highest value that belong to it
+};
+
 /// What of an image is a body: a label of a label map, or the values of an image between two limits; then mended.
 struct SceneVolume {
   std::filesystem::path file;                      ///< file or DICOM folder; empty: the body has a mesh, or `mask`
@@ -78,6 +94,9 @@ struct SceneVolume {
   std::string labelName;                           ///< or its name; empty: not by name
   std::string series;                              ///< imaging::ReadOptions::series of the file or folder
   std::optional<std::array<double, 2>> threshold;  ///< lowest and highest value that belong to it
+  /// Instead of one label: a body of many tissues. A label is of the first of them that names it.
+  std::vector<SceneTissue> tissues;
+  std::optional<SceneBackground> background;  ///< its material is that of the body
   imaging::Mending mend;
   double edgeLength_mm = 0.0;  ///< of the triangles of the skin; 0: automatic
 };
@@ -112,8 +131,9 @@ struct SceneBody {
   Vec3 velocity_m_s{};             ///< at the start
   Vec3 angularVelocity_rad_s{};    ///< at the start, about the centre of mass
   std::vector<SceneValue> params;  ///< ids such as "material.youngs_modulus", "sampling.spacing"; each at most once
-  std::vector<ScenePart> parts;
+  std::vector<ScenePart> parts;    ///< those of tissues that are not rigid first, in their order
   std::vector<SceneRefinement> refinements;
+  std::shared_ptr<const imaging::Fill> rigidTissue;  ///< what of it does not move; null: nothing, or not read yet
   int line = 0;
 };
 

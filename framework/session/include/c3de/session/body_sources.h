@@ -31,12 +31,16 @@ struct BodyGeometry {
   Coverage coverage;                           ///< of the mask; of a mesh: nothing
   std::optional<std::array<float, 3>> colour;  ///< linear RGB of its label; none: it is of no label
   Preparation took;                            ///< what was done for it
+  /// Of a body of many tissues: of each that is not rigid, in the order of SceneVolume::tissues
+  std::vector<std::shared_ptr<const imaging::Fill>> tissues;
+  std::shared_ptr<const imaging::Fill> rigid;  ///< of those that are; null: none is
 };
 
 /// What of an image is to become a body.
 struct PickedVoxels {
   imaging::Mask mask;
-  std::optional<std::array<float, 3>> colour;  ///< linear RGB of its label; none: it is of no label
+  std::optional<std::array<float, 3>> colour;        ///< linear RGB of its label; none: it is of no label
+  std::shared_ptr<const imaging::LabelMap> tissues;  ///< PickedTissues::voxels; null: it is of one tissue
 };
 
 /// Images and label maps that the bodies of a scene come from, each file read once. One thread at a time.
@@ -69,6 +73,11 @@ class BodySources {
 /// @param points    about how many there will be, at least: voxels are averaged to a sixteenth of their distance
 [[nodiscard]] Expected<BodyGeometry> bodyGeometryOf(const imaging::Mask &mask, double edge_mm, double points,
                                                     const ProgressFn &progress);
+
+/// Gives a geometry what its tissues fill.
+/// @param points  as of bodyGeometryOf()
+[[nodiscard]] Expected<void> addTissues(const scene::SceneVolume &volume, const imaging::LabelMap &tissues,
+                                        double points, BodyGeometry &geometry);
 
 /// What goes wrong with a file or a value that a scene names, with the place in the scene; a value that cannot be used
 /// is input then, not usage.

@@ -47,6 +47,8 @@ class BodyTables {
 
   const scene::SceneBody &body_;
   std::deque<c3de_sim_region> regions_;  // that do not move while others come
+  std::deque<c3de_sim_grid> grids_;
+  std::deque<c3de_sim_fill> fills_;
   std::deque<c3de_sim_motion> motions_;
   std::vector<c3de_sim_fix> fixes_;
   std::vector<c3de_sim_load> loads_;

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "pointbased/body_shape.h"
+#include "pointbased/region.h"
 
 namespace pointbased {
 
@@ -35,5 +36,8 @@ struct Occupancy {
 /// Memory: 8 bytes per voxel of the part of the grid that is filled. Time: 0.1 µs per voxel on one thread.
 [[nodiscard]] Result<BodyShape> shapeOf(const Occupancy &occupancy, Surface surface = {},
                                         const ParallelFor &parallelFor = serialFor());
+
+/// What is filled by more than half, as a region; distances as in shapeOf(). Errors, memory and time as of shapeOf().
+[[nodiscard]] Result<Region> regionOf(const Occupancy &occupancy, const ParallelFor &parallelFor = serialFor());
 
 }  // namespace pointbased

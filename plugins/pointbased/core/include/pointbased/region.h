@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <variant>
 
 #include "pointbased/types.h"
 
 namespace pointbased {
+
+namespace detail {
+class OccupancyField;
+}
 
 struct BoxRegion {
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< m
@@ -20,9 +25,14 @@ struct HalfSpaceRegion {
   Vec3 normal = Vec3::UnitX();  ///< of any length > 0
 };
 struct EverywhereRegion {};
+/// Where the voxels of a grid are filled by more than half: a tissue of a label map. Made by regionOf() (occupancy.h).
+struct VoxelRegion {
+  std::shared_ptr<const detail::OccupancyField> voxels;
+  Vec3 offset = Vec3::Zero();  ///< m, from this frame to that of the voxels
+};
 
 /// A part of space in material coordinates: what of a body lies inside it is meant. Closed: the border belongs to it.
-using Region = std::variant<EverywhereRegion, BoxRegion, SphereRegion, HalfSpaceRegion>;
+using Region = std::variant<EverywhereRegion, BoxRegion, SphereRegion, HalfSpaceRegion, VoxelRegion>;
 
 /// Signed distance to the border of the region, m, negative inside; -inf for everywhere.
 [[nodiscard]] double signedDistance(const Region &region, const Vec3 &x);

@@ -66,4 +66,9 @@ Result<BodyShape> shapeOf(const Occupancy &occupancy, Surface surface, const Par
   return shape;
 }
 
+Result<Region> regionOf(const Occupancy &occupancy, const ParallelFor &parallelFor) {
+  if (const auto good = check(occupancy); !good) return tl::unexpected<std::string>(good.error());
+  return Region(VoxelRegion{std::make_shared<const detail::OccupancyField>(occupancy, parallelFor)});
+}
+
 }  // namespace pointbased

@@ -21,6 +21,7 @@ class OccupancyField {
   [[nodiscard]] double distance(const Vec3 &x) const;
   /// About the signed distance to the border, negative inside, without the promise of distance().
   [[nodiscard]] double about(const Vec3 &x) const;
+  [[nodiscard]] double voxel() const { return spacing_.minCoeff(); }  ///< m, along its shortest edge
   void shares(std::span<const Vec3> centres, const Mat3 &axes, double edge, std::span<double> out) const;
   [[nodiscard]] bool crosses(const Vec3 &from, const Vec3 &to) const;
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pointbased/region.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
+
+#include "shape/occupancy_field.h"
 
 namespace pointbased {
 namespace {
@@ -46,6 +49,12 @@ double signedDistance(const Region &region, const Vec3 &x) {
           },
           [&](const SphereRegion &sphere) { return (x - sphere.centre).norm() - sphere.radius; },
           [&](const HalfSpaceRegion &half) { return half.normal.dot(x - half.point) / half.normal.norm(); },
+          [&](const VoxelRegion &filled) {
+            const Vec3 there = x + filled.offset;
+            const double about = filled.voxels->about(there);
+            // Beyond the grid it is only known how far that is away.
+            return about > 0.0 ? std::max(about, filled.voxels->distance(there)) : about;
+          },
       },
       region);
 }
@@ -72,6 +81,17 @@ Vec3 borderNormal(const Region &region, const Vec3 &x) {
                           return length > 0.0 ? Vec3(d / length) : Vec3(Vec3::UnitX());
                         },
                         [](const HalfSpaceRegion &half) { return Vec3(half.normal.normalized()); },
+                        [&](const VoxelRegion &filled) {
+                          const double step = 0.5 * filled.voxels->voxel();
+                          Vec3 slope;
+                          for (int a = 0; a < 3; ++a) {
+                            const Vec3 way = step * Vec3::Unit(a);
+                            slope[a] = filled.voxels->about(x + filled.offset + way) -
+                                       filled.voxels->about(x + filled.offset - way);
+                          }
+                          const double length = slope.norm();
+                          return length > 0.0 ? Vec3(slope / length) : Vec3(Vec3::UnitX());
+                        },
                     },
                     region);
 }
@@ -87,6 +107,9 @@ Region shifted(const Region &region, const Vec3 &offset) {
                         },
                         [&](const HalfSpaceRegion &half) {
                           return Region(HalfSpaceRegion{half.point - offset, half.normal});
+                        },
+                        [&](const VoxelRegion &voxels) {
+                          return Region(VoxelRegion{voxels.voxels, voxels.offset + offset});
                         },
                     },
                     region);
@@ -118,6 +141,9 @@ Result<void> validate(const Region &region) {
             if (!half.normal.allFinite() || !(half.normal.norm() > 0.0))
               return fail("the normal " + text(half.normal) + " of the region's half-space must have a length above 0");
             return {};
+          },
+          [&](const VoxelRegion &voxels) -> Result<void> {
+            return voxels.voxels ? Result<void>() : fail("the region has no voxels");
           },
       },
       region);

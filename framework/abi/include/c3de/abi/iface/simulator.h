@@ -17,12 +17,15 @@
 #define C3DE_SIM_REGION_BOX 1u        /* a: min, b: max */
 #define C3DE_SIM_REGION_SPHERE 2u     /* a: centre, radius */
 #define C3DE_SIM_REGION_HALF_SPACE 3u /* a: point, b: normal; the side the normal points away from */
+#define C3DE_SIM_REGION_FILL 4u       /* fill: where more than half of a voxel is filled, placed as the body is; of parts \
+                                       * and fixes of c3de_sim_body alone */
 
 /* A part of space in material coordinates (the body's placed reference shape), m. */
 typedef struct c3de_sim_region {
   uint32_t size;
   uint32_t kind; /* C3DE_SIM_REGION_* */
   double a[3], b[3], radius;
+  const struct c3de_sim_fill *fill; /* may be absent (by size) */
 } c3de_sim_region;
 
 #define C3DE_SIM_HAS_CENTRE 1u     /* centre_m is given; else the centroid of the part */

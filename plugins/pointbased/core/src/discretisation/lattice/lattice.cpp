@@ -2,6 +2,9 @@
 #include "pointbased/lattice.h"
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <map>
 #include <optional>
 
 #include "base/look_for_end.h"
@@ -153,7 +156,7 @@ struct PointGeometry {
   std::array<Eigen::Vector4d, 8> modes;
 };
 
-PointGeometry pointOf(const LatticeCellMap &map, Index p, const PartContent &content) {
+PointGeometry pointOf(const LatticeCellMap &map, Index p, const Moments &content) {
   const CutCellFragment &part = map.parts()[p];
   const Cell &cell = map.set().cells[part.cell];
   const double edge = map.set().edge(cell);
@@ -167,10 +170,10 @@ PointGeometry pointOf(const LatticeCellMap &map, Index p, const PartContent &con
     point.gradients = means.gradients;
     for (Vec3 &corner : corners) corner -= map.set().centre(cell);
   } else {
-    point.volume = content.free.share * edge * edge * edge;
-    point.centre = map.set().centre(cell) + edge * content.free.centroid();
-    point.spread = edge * edge * content.free.variance();
-    point.gradients = content.free.gradients();
+    point.volume = content.share * edge * edge * edge;
+    point.centre = map.set().centre(cell) + edge * content.centroid();
+    point.spread = edge * edge * content.variance();
+    point.gradients = content.gradients();
     for (Vec3 &g : point.gradients) g /= edge;
     for (int j = 0; j < 8; ++j)
       corners[static_cast<std::size_t>(j)] = 0.5 * edge * Vec3(cornerSign(j, 0), cornerSign(j, 1), cornerSign(j, 2));
@@ -187,27 +190,107 @@ PointGeometry pointOf(const LatticeCellMap &map, Index p, const PartContent &con
   return point;
 }
 
-void buildPoints(const LatticeCellMap &map, std::span<const PartContent> contents, LatticeBody &body,
-                 const ParallelFor &parallelFor) {
+// What of a part of a cell is of one material.
+struct MaterialContent {
+  std::uint16_t material = 0;
+  Moments moments;
+};
+// Of the free part of a cell: less goes to the material of which there is most.
+constexpr double kLeastContent = 0.02;
+
+// What lies where in a cell, of the materials and of what is held.
+class MaterialFinder {
+ public:
+  MaterialFinder(const LatticeSampling &sampling, const CellSet &set) : sampling_(sampling), set_(set) {}
+
+  // One material: `free` as it is.
+  [[nodiscard]] std::vector<MaterialContent> contentsIn(const CutCellFragment &part, const Moments &free) const {
+    const Cell &cell = set_.cells[part.cell];
+    const Vec3 middle = set_.frame.world(set_.centre(cell));
+    const double reach = 0.5 * std::sqrt(3.0) * set_.edge(cell);
+    const auto cuts = [&](const Region &region) { return std::abs(signedDistance(region, middle)) <= reach; };
+    // The last region that all of it lies in hides the ones before.
+    std::vector<std::size_t> near;
+    std::uint16_t under = 0;
+    for (std::size_t i = sampling_.materials.size(); i-- > 0;) {
+      const auto &[region, material] = sampling_.materials[i];
+      if (cuts(region)) {
+        near.push_back(i);
+      } else if (signedDistance(region, middle) < 0.0) {
+        under = material;
+        break;
+      }
+    }
+    if (near.empty()) return {{under, free}};
+    std::vector<const Region *> held;
+    for (const Region &region : sampling_.held)
+      if (cuts(region)) held.push_back(&region);
+    std::map<std::uint16_t, Moments> found;
+    const auto add = [&](std::uint16_t material, const SampleContent &content) {
+      if (content.share > 0.0) found[material].add(content.share / kSamples, content.centre, content.variance);
+    };
+    for (int s = 0; s < kSamples; ++s) {
+      if ((part.samples >> s & 1) == 0) continue;
+      SampleContent left = contentOf(set_, cell, s);
+      const auto divided = [&](const Region &region) { return divideSample(set_, region, cell, s, left); };
+      for (const Region *region : held)
+        if (left.share > 0.0) left = divided(*region).outside;
+      for (const std::size_t i : near) {
+        if (!(left.share > 0.0)) break;
+        const DividedSample sides = divided(sampling_.materials[i].first);
+        add(sampling_.materials[i].second, sides.inside);
+        left = sides.outside;
+      }
+      add(under, left);
+    }
+    return withoutSlivers(found, under, free);
+  }
+
+ private:
+  static std::vector<MaterialContent> withoutSlivers(const std::map<std::uint16_t, Moments> &found, std::uint16_t under,
+                                                     const Moments &free) {
+    const auto largest = std::max_element(found.begin(), found.end(),
+                                          [](const auto &a, const auto &b) { return a.second.share < b.second.share; });
+    std::vector<MaterialContent> out;
+    for (const auto &[material, moments] : found)
+      if (moments.share >= kLeastContent * free.share) out.push_back({material, moments});
+    if (out.size() > 1) return out;
+    return {{found.empty() ? under : largest->first, free}};
+  }
+
+  const LatticeSampling &sampling_;
+  const CellSet &set_;
+};
+
+void buildPoints(const LatticeSampling &sampling, const LatticeCellMap &map, std::span<const PartContent> contents,
+                 LatticeBody &body, const ParallelFor &parallelFor) {
   StencilSet &stencils = body.stencils;
   const Mat3 &axes = map.set().frame.axes;
   stencils.axes = axes;
+  const MaterialFinder finder(sampling, map.set());
   Row row;
   for (std::size_t p = 0; p < contents.size(); ++p) {
     if (p % detail::kLookEvery == 0) detail::lookForEnd(parallelFor);
     const CutCellFragment &part = map.parts()[p];
     if (!part.kept || !contents[p].isFree()) continue;
-    const PointGeometry point = pointOf(map, static_cast<Index>(p), contents[p]);
-    row.clear();
-    for (std::size_t j = 0; j < 8; ++j)
-      row.add(map.corners(), part.nodes[j], 0.0, axes * point.gradients[j], point.modes[j]);
-    stencils.phyxels.indices.insert(stencils.phyxels.indices.end(), row.phyxels.begin(), row.phyxels.end());
-    stencils.gradients.insert(stencils.gradients.end(), row.gradients.begin(), row.gradients.end());
-    stencils.modes.insert(stencils.modes.end(), row.modes.begin(), row.modes.end());
-    stencils.phyxels.offsets.push_back(static_cast<Index>(stencils.phyxels.indices.size()));
-    stencils.variances.push_back(point.spread);
-    stencils.volumes.push_back(point.volume);
-    body.pointCentres.push_back(axes * point.centre);
+    // A cell whose corners have been moved is known by these alone.
+    std::vector<MaterialContent> materials{{0, contents[p].free}};
+    if (!sampling.materials.empty()) materials = finder.contentsIn(part, contents[p].free);
+    if (map.distorted(part.cell)) materials.resize(1);
+    for (const auto &[material, moments] : materials) {
+      const PointGeometry point = pointOf(map, static_cast<Index>(p), moments);
+      row.clear();
+      for (std::size_t j = 0; j < 8; ++j)
+        row.add(map.corners(), part.nodes[j], 0.0, axes * point.gradients[j], point.modes[j]);
+      stencils.phyxels.indices.insert(stencils.phyxels.indices.end(), row.phyxels.begin(), row.phyxels.end());
+      stencils.gradients.insert(stencils.gradients.end(), row.gradients.begin(), row.gradients.end());
+      stencils.modes.insert(stencils.modes.end(), row.modes.begin(), row.modes.end());
+      stencils.phyxels.offsets.push_back(static_cast<Index>(stencils.phyxels.indices.size()));
+      stencils.variances.push_back(point.spread);
+      stencils.volumes.push_back(point.volume);
+      if (!sampling.materials.empty()) stencils.materials.push_back(material);
+      body.pointCentres.push_back(axes * point.centre);
+    }
   }
   stencils.phyxels.indices.shrink_to_fit();
   stencils.phyxels.offsets.shrink_to_fit();
@@ -241,22 +324,16 @@ Result<void> checkRefinements(const BodyShape &shape, const LatticeSampling &sam
   return {};
 }
 
-Result<void> assignMaterials(const LatticeSampling &sampling, LatticeBody &body) {
-  if (sampling.materials.empty()) return {};
-  body.stencils.materials.assign(body.pointCentres.size(), 0);
+// Regions that give nothing a material are a mistake in a place or a unit; what voxels hold is there, however little.
+Result<void> checkMaterials(const LatticeSampling &sampling, const StencilSet &stencils) {
   for (std::size_t i = 0; i < sampling.materials.size(); ++i) {
     const auto &[region, material] = sampling.materials[i];
-    bool any = false;
-    for (std::size_t p = 0; p < body.pointCentres.size(); ++p)
-      if (contains(region, body.origin + body.pointCentres[p])) {
-        body.stencils.materials[p] = material;
-        any = true;
-      }
-    if (!any)
-      return refuse(
-          "material region " + std::to_string(i) +
-          " holds the middle of no part of the body that can deform: it misses the body or is smaller than the "
-          "cells");
+    if (std::holds_alternative<VoxelRegion>(region) ||
+        std::find(stencils.materials.begin(), stencils.materials.end(), material) != stencils.materials.end())
+      continue;
+    return refuse("material region " + std::to_string(i) +
+                  " holds no part of the body that can deform: it misses the body, or is smaller than a fiftieth of a "
+                  "cell");
   }
   return {};
 }
@@ -294,7 +371,7 @@ Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &w
   body.weightVolumes = std::move(shared.weights);
   body.heldVolumes = std::move(shared.held);
   body.supportVolumes = std::move(shared.carried);
-  buildPoints(*map, contents, body, parallelFor);
+  buildPoints(sampling, *map, contents, body, parallelFor);
 
   // What was counted comes to the volume of the body.
   double counted = 0.0;
@@ -305,7 +382,7 @@ Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &w
     for (double &v : *volumes) v *= scale;
   for (double &v : body.stencils.volumes) v *= scale;
 
-  if (const auto assigned = assignMaterials(sampling, body); !assigned) return refuse(assigned.error());
+  if (const auto good = checkMaterials(sampling, body.stencils); !good) return refuse(good.error());
   auto held = holdLattice(shape, sampling, *map, patches, contents, scale, parallelFor);
   if (!held) return refuse(held.error());
   body.held = std::move(*held);

@@ -30,15 +30,10 @@ RegionCut cutOf(const CellSet &set, const Region &region, const Cell &cell, int 
   return cut;
 }
 
-struct Divided {
-  SampleContent held, free;
-  double border = 0.0;  // part of the border within the small cell that lies inside the body
-};
-
 // The content of a small cell on both sides of a region's border. Where border and surface run along each other they
 // are ends of intervals on one line; elsewhere each cuts the same part off what the other leaves.
-Divided divide(const SampleContent &content, const Vec3 &middle, const RegionCut &cut) {
-  Divided result{content, content};
+DividedSample divide(const SampleContent &content, const Vec3 &middle, const RegionCut &cut) {
+  DividedSample result{content, content};
   const double along = content.normal.dot(cut.normal);
   if (content.share < 1.0 && std::abs(along) < 0.7) {
     const auto keep = [&](SampleContent &side, double share, const Vec3 &towards) {
@@ -47,8 +42,8 @@ Divided divide(const SampleContent &content, const Vec3 &middle, const RegionCut
       side.variance =
           (side.variance - kSmall * kSmall / 12.0 * (1.0 - share * share) * towards.cwiseAbs2()).cwiseMax(0.0);
     };
-    keep(result.held, cut.share, -cut.normal);
-    keep(result.free, 1.0 - cut.share, cut.normal);
+    keep(result.inside, cut.share, -cut.normal);
+    keep(result.outside, 1.0 - cut.share, cut.normal);
     result.border = content.share;
     return result;
   }
@@ -60,8 +55,8 @@ Divided divide(const SampleContent &content, const Vec3 &middle, const RegionCut
     side.variance = kSmall * kSmall / 12.0 * (Vec3::Ones() - (1.0 - side.share * side.share) * cut.normal.cwiseAbs2());
     return side;
   };
-  result.held = interval(low, std::min(high, at));
-  result.free = interval(std::max(low, at), high);
+  result.inside = interval(low, std::min(high, at));
+  result.outside = interval(std::max(low, at), high);
   result.border = at >= low && at <= high ? 1.0 : 0.0;
   return result;
 }
@@ -95,9 +90,9 @@ HeldPatch measureVolume(const CellSet &set, const CutCellFragment &part, const M
     const SampleContent content = contentOf(set, cell, s);
     if (content.share <= 0.0) continue;
     const RegionCut cut = cutOf(set, region, cell, s);
-    const Divided divided = divide(content, sampleOffset(s), cut);
-    if (cut.share > 0.0 && divided.held.share > 0.0)
-      patch.held.add(divided.held.share / kSamples, divided.held.centre, divided.held.variance);
+    const DividedSample divided = divide(content, sampleOffset(s), cut);
+    if (cut.share > 0.0 && divided.inside.share > 0.0)
+      patch.held.add(divided.inside.share / kSamples, divided.inside.centre, divided.inside.variance);
     // The border as a smeared delta, one small cell wide along its normal. Between two cells it belongs to the outer
     // one, which is the one that can deform.
     const double reach = 0.5 * cut.normal.lpNorm<1>();
@@ -126,7 +121,7 @@ Moments freeMoments(const CellSet &set, const CutCellFragment &part, std::span<c
     SampleContent content = contentOf(set, cell, s);
     for (const Region *region : regions) {
       const RegionCut cut = cutOf(set, *region, cell, s);
-      if (cut.share > 0.0) content = divide(content, sampleOffset(s), cut).free;
+      if (cut.share > 0.0) content = divide(content, sampleOffset(s), cut).outside;
     }
     if (content.share > 0.0) moments.add(content.share / kSamples, content.centre, content.variance);
   }
@@ -349,6 +344,11 @@ HeldPatches findHeld(const BodyShape &shape, const LatticeSampling &sampling, co
       if (!holding[p].empty()) contents[p].free = freeMoments(set, map.parts()[p], holding[p]);
   });
   return result;
+}
+
+DividedSample divideSample(const CellSet &set, const Region &region, const Cell &cell, int sample,
+                           const SampleContent &content) {
+  return divide(content, sampleOffset(sample), cutOf(set, region, cell, sample));
 }
 
 Result<std::vector<ConstrainedRegion>> holdLattice(const BodyShape &shape, const LatticeSampling &sampling,

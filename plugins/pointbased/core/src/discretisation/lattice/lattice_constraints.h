@@ -13,6 +13,15 @@ struct PartContent {
   [[nodiscard]] bool isFree() const { return free.share > 1e-3 * all.share; }
 };
 
+/// The content of a small cell on both sides of a region's border.
+struct DividedSample {
+  SampleContent inside, outside;
+  double border = 0.0;  ///< part of the border within the small cell that lies inside the body
+};
+/// As if the border were a plane in the small cell around a sample.
+[[nodiscard]] DividedSample divideSample(const CellSet &set, const Region &region, const Cell &cell, int sample,
+                                         const SampleContent &content);
+
 /// A piece of a region's border inside the body.
 struct BorderPiece {
   Vec3 place = Vec3::Zero();  ///< in edges of the cell from its centre
