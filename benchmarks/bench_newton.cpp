@@ -82,7 +82,7 @@ struct Filled {
       fix.region = BoxRegion{Vec3(-1e-7, -1.0, -1.0), Vec3(1e-7, 1.0, 1.0)};
       recipe.sampling.spacing = 0.04 / std::floor(std::cbrt(phyxels / 5.0));
     }
-    recipe.fixes = {fix};
+    recipe.fixes.push_back(fix);
     const double begin = processor_ms();
     auto filled = buildRestState(shape, recipe, {}, serialFor());
     if (!filled) throw std::runtime_error(filled.error());

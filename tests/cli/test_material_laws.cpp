@@ -100,8 +100,8 @@ TEST_CASE("The neo-Hookean law of another plugin bends a bar as the built-in one
     INFO(solver);
     CHECK(places[0] > 0.12 + 1e-3);
     // One formula written twice: round-off of 1e-16 in 1000 steps; implicit and quasi-static solutions stop at their
-    // tolerance, far below a micrometre.
-    CHECK(std::abs(places[1] - places[0]) < 1e-9);
+    // tolerance, that of a body that may touch itself at a tenth of a micrometre.
+    CHECK(std::abs(places[1] - places[0]) < (solver.find("implicit") != std::string::npos ? 1e-7 : 1e-9));
   }
 }
 

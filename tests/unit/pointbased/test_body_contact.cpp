@@ -359,8 +359,7 @@ TEST_CASE("a body whose folds its cells do not tell apart does not touch itself,
   down.ramp = 0.1;
   Fix foot;
   foot.region = HalfSpaceRegion{Vec3(0, 0.001, 0), Vec3(0, 1, 0)};
-  const std::size_t id =
-      simulator.addBody(bodyOf(shapes::inside(surface), 0.015, soft(5e3, 0.3), {foot}, {down}));
+  const std::size_t id = simulator.addBody(bodyOf(shapes::inside(surface), 0.015, soft(5e3, 0.3), {foot}, {down}));
   while (simulator.time() < 0.4) REQUIRE(simulator.step());
   CHECK(!between(simulator.contacts(), id, id));
   const auto told = std::count_if(simulator.events().begin(), simulator.events().end(), [](const auto &event) {

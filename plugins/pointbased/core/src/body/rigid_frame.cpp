@@ -10,7 +10,7 @@ namespace pointbased::detail {
 namespace {
 
 // Corners of a tetrahedron: mean 0, and the mean of t tᵀ is 1.
-const std::array<Vec3, 4> kCorners{Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, 1)};
+Vec3 cornerOf(std::size_t k) { return {k < 2 ? 1.0 : -1.0, k % 2 == 0 ? 1.0 : -1.0, k == 0 || k == 3 ? 1.0 : -1.0}; }
 constexpr double kNoExtent = 1e-6;  // of the largest: across it phyxels lie in a plane
 constexpr int kMostIterations = 60;
 
@@ -45,7 +45,7 @@ RigidFrame::RigidFrame(std::span<const Vec3> positions, std::span<const double> 
   for (const Vec3 &X : positions) {
     const Vec3 along = (axes_.transpose() * (X - centre_)).cwiseQuotient(extents_);
     std::array<double, 4> &weights = weights_.emplace_back();
-    for (std::size_t k = 0; k < 4; ++k) weights[k] = 0.25 * (1.0 + kCorners[k].dot(along));
+    for (std::size_t k = 0; k < 4; ++k) weights[k] = 0.25 * (1.0 + cornerOf(k).dot(along));
   }
 }
 
@@ -135,7 +135,7 @@ RigidParticles RigidFrame::particles(const RigidPose &pose, Index first) const {
   out.first = first;
   out.mass = mass_;
   const Mat3 axes = pose.rotation * axes_;
-  for (std::size_t k = 0; k < 4; ++k) out.arms[k] = axes * extents_.cwiseProduct(kCorners[k]);
+  for (std::size_t k = 0; k < 4; ++k) out.arms[k] = axes * extents_.cwiseProduct(cornerOf(k));
   out.inverseInertia = inverseInertia(pose);
   return out;
 }
@@ -143,7 +143,7 @@ RigidParticles RigidFrame::particles(const RigidPose &pose, Index first) const {
 std::array<Vec3, 4> RigidFrame::displacementsOf(const RigidPose &pose) const {
   const Mat3 turn = (pose.rotation - Mat3::Identity()) * axes_;
   std::array<Vec3, 4> out;
-  for (std::size_t k = 0; k < 4; ++k) out[k] = pose.centre - centre_ + turn * extents_.cwiseProduct(kCorners[k]);
+  for (std::size_t k = 0; k < 4; ++k) out[k] = pose.centre - centre_ + turn * extents_.cwiseProduct(cornerOf(k));
   return out;
 }
 
@@ -151,7 +151,7 @@ std::array<Vec3, 4> RigidFrame::particleVelocities(const RigidPose &pose, const 
   const Mat3 axes = pose.rotation * axes_;
   std::array<Vec3, 4> out;
   for (std::size_t k = 0; k < 4; ++k)
-    out[k] = motion.velocity + motion.spin.cross(axes * extents_.cwiseProduct(kCorners[k]));
+    out[k] = motion.velocity + motion.spin.cross(axes * extents_.cwiseProduct(cornerOf(k)));
   return out;
 }
 

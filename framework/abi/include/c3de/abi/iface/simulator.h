@@ -17,8 +17,7 @@
 #define C3DE_SIM_REGION_BOX 1u        /* a: min, b: max */
 #define C3DE_SIM_REGION_SPHERE 2u     /* a: centre, radius */
 #define C3DE_SIM_REGION_HALF_SPACE 3u /* a: point, b: normal; the side the normal points away from */
-#define C3DE_SIM_REGION_FILL 4u       /* fill: where more than half of a voxel is filled, placed as the body is; of parts \
-                                       * and fixes of c3de_sim_body alone */
+#define C3DE_SIM_REGION_FILL 4u /* fill: more than half of a voxel, placed as the body; of its parts and fixes alone */
 
 /* A part of space in material coordinates (the body's placed reference shape), m. */
 typedef struct c3de_sim_region {
