@@ -104,6 +104,16 @@ TEST_CASE("What is not right about tissues is an error, and labels that nobody n
   CHECK_THAT(refusal(sceneOf(kCore, "label = 1\n")), Contains("'tissues' and 'label'"));
   CHECK_THAT(refusal(sceneOf(kCore, "background = { material = \"fat\", image = \"ct.nrrd\", from = 3 }\n")),
              Contains("background has no 'to'"));
+  // Where tissues are set, nothing can take them out of step with their parts.
+  const auto scene = writeFile(folder / "set.toml", sceneOf(kCore + ", " + kPlate)).string();
+  for (const char *set : {"parts=[]", "label=1", "tissues=[]", "rigid=true", "parts.0.region={everywhere=true}"}) {
+    CAPTURE(set);
+    const auto run = runC3de({"run", scene, "--steps", "1", "--set", std::string("body.scan.") + set});
+    CHECK(run.exitCode == 2);
+    CHECK_THAT(run.errorOutput, Contains("accepted") && Contains("material"));
+  }
+  const auto softer = runC3de({"run", scene, "--steps", "1", "--set", "body.scan.parts.0.material.youngs_modulus=5e4"});
+  CHECK(softer.exitCode == 0);
   const auto left =
       runC3de({"run", writeFile(folder / "left.toml", sceneOf(kCore + ", " + kPlate, "")).string(), "--steps", "1"});
   INFO(left.errorOutput);

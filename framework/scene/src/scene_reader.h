@@ -14,8 +14,8 @@ namespace c3de::scene {
 /// Turns TOML into a SceneFile, for files and for `--set`. Functions answer false after the first error, which is kept.
 ///
 /// scene_reader.cpp reads tables, scene_reader_values.cpp what stands in them, scene_reader_supports.cpp regions and
-/// what acts there, scene_reader_tissues.cpp bodies of many tissues, scene_reader_attachments.cpp elastic layers, scene_reader_contact.cpp who touches whom,
-/// scene_reader_overrides.cpp one value of the command line.
+/// what acts there, scene_reader_tissues.cpp bodies of many tissues, scene_reader_attachments.cpp elastic layers,
+/// scene_reader_contact.cpp who touches whom, scene_reader_overrides.cpp one value of the command line.
 class SceneReader {
  public:
   SceneReader(SceneFile &scene, const MaterialLibrary *materials) : scene_(scene), materials_(materials) {}
@@ -100,6 +100,7 @@ class SceneReader {
   bool readStill(const TomlValue &value, SceneStill &out);
   bool volumeKey(SceneVolume &volume, const std::string &key, const TomlValue &value);
   bool checkSource(const TomlValue &table, SceneBody &body);
+  // scene_reader_tissues.cpp
   bool readTissues(const TomlValue &value, std::vector<SceneTissue> &out);
   bool readBackground(const TomlValue &value, SceneBody &body);
   bool checkTissues(const TomlValue &table, SceneBody &body);

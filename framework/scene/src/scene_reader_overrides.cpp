@@ -136,6 +136,13 @@ bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) 
   if (const auto member = keyUnder("sampling.", key)) return samplingKey(*body, *member, value);
   if (keyUnder("surroundings.", key)) return store(body->params, key, value);
   if (const auto member = keyUnder("parts.", key)) return overridePart(*body, *member, value);
+  // What tissues are follows from the whole table.
+  const bool hasTissues = !body->volume.tissues.empty();
+  if (key == "tissues" || key == "background" ||
+      (hasTissues && (key == "parts" || key == "label" || key == "threshold" || key == "rigid" || key == "free")))
+    return refuse(0, "'" + key + "' of " + (hasTissues ? "a body with tissues" : "a body") +
+                         " cannot be changed here, only in the scene; accepted of tissues: "
+                         "parts.NUMBER.material.…, in the order of those that are not rigid");
   const bool isOfVolume =
       key == "volume" || key == "label" || key == "threshold" || key == "mend" || key == "edge_length";
   if (isOfVolume && body->volume.file.empty())
@@ -156,6 +163,8 @@ bool SceneReader::overridePart(SceneBody &body, const std::string &rest, const T
   for (std::size_t i = 0; i < body.parts.size(); ++i) {
     const auto key = keyUnder(std::to_string(i) + ".", rest);
     if (!key) continue;
+    if (*key == "region" && body.parts[i].region.kind == SceneRegion::Kind::voxels)
+      return refuse(0, "this part is a tissue, whose region are its voxels; accepted: material.…");
     if (*key == "region") return readRegion(value, body.parts[i].region);
     if (*key == "material" || *key == "material.preset") return readMaterial(body.parts[i].params, value);
     if (keyUnder("material.", *key)) return store(body.parts[i].params, *key, value);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 
 #include "c3de/core/text.h"
@@ -52,7 +51,7 @@ Expected<PickedTissues> pickTissues(const scene::SceneVolume &volume, const std:
   std::vector<std::uint8_t> isNamed(volume.tissues.size(), 0);
   std::vector<std::string> names, unnamed;
   for (const imaging::LabelMap &map : layers) {
-    std::map<std::uint16_t, std::uint16_t> tissueOf;  // of labels
+    std::vector<std::uint16_t> tissueOf(0x10000, 0);  // [labels]
     for (const imaging::LabelMap::Label &label : map.labels) {
       names.push_back(label.name);
       const auto found = std::find_if(volume.tissues.begin(), volume.tissues.end(), [&](const scene::SceneTissue &one) {
@@ -70,10 +69,8 @@ Expected<PickedTissues> pickTissues(const scene::SceneVolume &volume, const std:
     if (map.voxels.size() != out.voxels.voxels.size())
       return fail(ErrorCode::input, volume.file.string() + ": its layers of labels have different grids");
     for (std::size_t v = 0; v < map.voxels.size(); ++v) {
-      if (map.voxels[v] == 0) continue;
-      const auto found = tissueOf.find(map.voxels[v]);
-      if (found == tissueOf.end() || found->second == 0) continue;
-      if (found->second != out.background || out.voxels.voxels[v] == 0) out.voxels.voxels[v] = found->second;
+      const std::uint16_t tissue = tissueOf[map.voxels[v]];
+      if (tissue != 0 && (tissue != out.background || out.voxels.voxels[v] == 0)) out.voxels.voxels[v] = tissue;
     }
   }
   for (std::size_t i = 0; i < isNamed.size(); ++i) {

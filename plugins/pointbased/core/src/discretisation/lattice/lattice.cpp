@@ -273,10 +273,12 @@ void buildPoints(const LatticeSampling &sampling, const LatticeCellMap &map, std
     if (p % detail::kLookEvery == 0) detail::lookForEnd(parallelFor);
     const CutCellFragment &part = map.parts()[p];
     if (!part.kept || !contents[p].isFree()) continue;
-    // A cell whose corners have been moved is known by these alone.
+    // A cell whose corners have been moved is known by these alone: it is of what it holds most of.
     std::vector<MaterialContent> materials{{0, contents[p].free}};
     if (!sampling.materials.empty()) materials = finder.contentsIn(part, contents[p].free);
-    if (map.distorted(part.cell)) materials.resize(1);
+    if (map.distorted(part.cell))
+      materials = {*std::max_element(materials.begin(), materials.end(),
+                                     [](const auto &a, const auto &b) { return a.moments.share < b.moments.share; })};
     for (const auto &[material, moments] : materials) {
       const PointGeometry point = pointOf(map, static_cast<Index>(p), moments);
       row.clear();
