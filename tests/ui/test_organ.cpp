@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include "support/catch.h"
@@ -597,10 +598,20 @@ TEST_CASE("an organ that plays is made stiff and nearly incompressible, and goes
   const Json edited = window.state();
   const int steps = edited["transport"]["steps"];
   window.moveTo(window.inView(0.9, 0.1));
+  std::map<int, double> shownAt_s;
+  const auto look = [&shownAt_s](const Json &s) {
+    for (const Json &a : s.value("answers", Json::array())) shownAt_s[a[0].get<int>()] = a[4].get<double>();
+  };
+  look(edited);
   // It goes on, or says that it was given up; it does not hang, and nothing fails.
   window.waitUntil("it goes on, or was given up", [&](const Json &s) {
+    look(s);
     return s["transport"]["steps"] > steps + 5 || (mode(s) == "paused" && !s["notifications"].empty());
   });
+  double longest_s = 0.0;
+  for (auto one = shownAt_s.begin(), next = one; one != shownAt_s.end() && ++next != shownAt_s.end(); one = next)
+    if (next->first == one->first + 1) longest_s = std::max(longest_s, next->second - one->second);
+  WARN("from the edits on the longest frame of " << shownAt_s.size() << " took " << 1e3 * longest_s << " ms");
   window.screenshot("stiff");
   window.key("ctrl+r");
   const Json reset =

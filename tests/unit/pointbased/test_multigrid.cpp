@@ -88,7 +88,7 @@ struct Problem {
     const Apply precondition = [this](std::span<const Vec3> in, std::span<Vec3> out) { grid.apply(in, out); };
     cg.begin(right, precondition);
     const Apply product = [this](std::span<const Vec3> in, std::span<Vec3> out) { stiffness(in, out); };
-    REQUIRE(cg.run(product, precondition, 1e-5, 300) == LinearEnd::tolerance);
+    REQUIRE(cg.run(product, precondition, 1e-5, 300, std::numeric_limits<double>::infinity()) == LinearEnd::tolerance);
     return cg.iterations();
   }
 };

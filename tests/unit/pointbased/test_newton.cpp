@@ -9,9 +9,11 @@
 #include <limits>
 
 #include "shapes.h"
+#include "solvers/conjugate_gradients.h"
 #include "support/catch.h"
 
 using namespace pointbased;
+using Catch::Matchers::WithinRel;
 
 namespace {
 
@@ -309,6 +311,7 @@ TEST_CASE("prescribed phyxels stay where they are, bit for bit, and the rest fol
 }
 
 TEST_CASE("a pressed column gives way although its Hessian is not positive there, with every preconditioner") {
+  const bool withinRadius = GENERATE(false, true);
   Column column(21);
   std::vector<std::vector<Vec3>> found;
   for (const Preconditioner p : kAll) {
@@ -317,9 +320,11 @@ TEST_CASE("a pressed column gives way although its Hessian is not positive there
     const double straight = column.energy();
     NewtonSettings settings = with(p);
     settings.maxIterations = 100;
+    settings.trustRegion = withinRadius;
     NewtonSolver solver;
     const NewtonResult result = solver.solve(column, u, settings);
-    CAPTURE(static_cast<int>(p), result.iterations, result.linearIterations, static_cast<int>(result.outcome));
+    CAPTURE(static_cast<int>(p), withinRadius, result.iterations, result.linearIterations,
+            static_cast<int>(result.outcome));
     CHECK(result.good());
     CHECK(column.energy() < 0.5 * straight);
     double sag = 0.0, aside = 0.0;
@@ -334,6 +339,65 @@ TEST_CASE("a pressed column gives way although its Hessian is not positive there
     found.push_back(u);
   }
   for (const auto &u : found) CHECK(difference(u, found.front()) < 1e-7);
+}
+
+TEST_CASE("conjugate gradients go as far as a radius allows, downhill and where the curvature is negative") {
+  const GridProblem grid(6);
+  const auto n = static_cast<std::size_t>(grid.load.size() / 3);
+  double shift = 0.0;  // of all curvatures; those of the weak ground become negative
+  const detail::Apply product = [&](std::span<const Vec3> in, std::span<Vec3> out) {
+    const Eigen::Map<const Eigen::VectorXd> x(in.front().data(), grid.load.size());
+    Eigen::Map<Eigen::VectorXd>(out.front().data(), grid.load.size()) = grid.matrix * x - shift * x;
+  };
+  const Eigen::VectorXd blocks = grid.matrix.diagonal();
+  const detail::Apply precondition = [&](std::span<const Vec3> in, std::span<Vec3> out) {
+    const Eigen::Map<const Eigen::VectorXd> x(in.front().data(), grid.load.size());
+    Eigen::Map<Eigen::VectorXd>(out.front().data(), grid.load.size()) = x.cwiseQuotient(blocks);
+  };
+  std::vector<Vec3> b(n);
+  for (std::size_t i = 0; i < n; ++i) b[i] = grid.load.segment<3>(static_cast<Eigen::Index>(3 * i));
+  const auto lengthOf = [&](std::span<const Vec3> v) {
+    const Eigen::Map<const Eigen::VectorXd> x(v.front().data(), grid.load.size());
+    return std::sqrt(x.dot(blocks.cwiseProduct(x)));
+  };
+  const auto gainOf = [&](std::span<const Vec3> v) {
+    std::vector<Vec3> image(n);
+    product(v, image);
+    return detail::dot(b, v) - 0.5 * detail::dot(v, image);
+  };
+  const double endless = std::numeric_limits<double>::infinity();
+  detail::ConjugateGradients cg;
+  cg.begin(b, precondition);
+  REQUIRE(cg.run(product, precondition, 1e-10, 1000, endless) == detail::LinearEnd::tolerance);
+  CHECK_THAT(cg.length(), WithinRel(lengthOf(cg.x()), 1e-8));
+  CHECK_THAT(cg.gain(), WithinRel(gainOf(cg.x()), 1e-8));
+  const double whole = cg.length(), most = cg.gain();
+
+  double before = 0.0;
+  for (const double part : {0.02, 0.1, 0.5, 0.9}) {
+    std::vector<Vec3> onWay;
+    cg.wayAt(part * whole, onWay);
+    // Between iterates that are kept the way is straight, so a little shorter.
+    CHECK(lengthOf(onWay) < part * whole * (1.0 + 1e-9));
+    CHECK(lengthOf(onWay) > 0.7 * part * whole);
+    detail::ConjugateGradients bounded;
+    bounded.begin(b, precondition);
+    REQUIRE(bounded.run(product, precondition, 1e-10, 1000, part * whole) == detail::LinearEnd::radius);
+    CHECK_THAT(lengthOf(bounded.x()), WithinRel(part * whole, 1e-8));
+    CHECK_THAT(bounded.gain(), WithinRel(gainOf(bounded.x()), 1e-8));
+    CHECK(bounded.gain() > before);
+    CHECK(bounded.gain() < most);
+    before = bounded.gain();
+  }
+
+  shift = 1.0;
+  detail::ConjugateGradients indefinite;
+  indefinite.begin(b, precondition);
+  REQUIRE(indefinite.run(product, precondition, 1e-10, 1000, endless) == detail::LinearEnd::negativeCurvature);
+  indefinite.begin(b, precondition);
+  REQUIRE(indefinite.run(product, precondition, 1e-10, 1000, 10.0 * whole) == detail::LinearEnd::radius);
+  CHECK_THAT(lengthOf(indefinite.x()), WithinRel(10.0 * whole, 1e-8));
+  CHECK_THAT(indefinite.gain(), WithinRel(gainOf(indefinite.x()), 1e-8));
 }
 
 TEST_CASE("small steps at a saddle are not taken for convergence") {

@@ -81,8 +81,12 @@ struct NewtonSettings {
   double toleranceOfWay = 0.0;
   bool firstTellsWay = false;  ///< by the first Newton step, if it is taken whole: obstacles cut others short
   double largestTolerance = std::numeric_limits<double>::infinity();  ///< m, that may come of it
-  double toleranceForce = 0.0;     ///< N, >= 0: largest residual that is good enough without a further step
-  int maxIterations = 50;          ///< Newton steps
+  double toleranceForce = 0.0;  ///< N, >= 0: largest residual that is good enough without a further step
+  int maxIterations = 50;       ///< Newton steps
+  /// A step that does not lower the energy is cut along the way of the linear solve, and sets how far the next ones may
+  /// go in the norm of the preconditioner (trust region); false: it is cut straight. Steps in time are small enough for
+  /// it; static solutions of bodies that buckle are far away, and found sooner without
+  bool trustRegion = false;
   int maxLinearIterations = 2000;  ///< per Newton step; the direction so far is used then
   double linearTolerance = 1e-2;   ///< of the first solves; tightened as the residual falls (Eisenstat and Walker)
   /// Of all solves whose preconditioner is near the inverse: its residual tells the error, and more steps may be
@@ -122,11 +126,16 @@ struct NewtonResult {
 /// calls on problems of the same shape; a factorisation is renewed when the iterations it costs have paid for a new
 /// one, counted, not timed. Same bits for any number of threads when the problem's are.
 ///
+/// Of a step in time that meets nothing (toleranceOfWay without firstTellsWay) the preconditioned gradient tells what is
+/// left where the preconditioner is near the inverse: eight times as much, scaled as in the step before. Where that is
+/// within the tolerance, it is taken as the last correction, without a solve.
+///
 /// The line search halves where the problem cannot be evaluated; it accepts a sufficient decrease of the energy
 /// (Armijo) or, where the change drowns in round-off, a falling gradient whose slope along the step says so (Hager and
 /// Zhang).
 /// @source  Nocedal and Wright, Numerical Optimization, 2nd ed., ch. 7.1; Steihaug 1983; Eisenstat and Walker, SIAM J.
-///          Sci. Comput. 17, 1996, choice 2; Hager and Zhang, SIAM J. Optim. 16, 2005, approximate Wolfe conditions
+///          Sci. Comput. 17, 1996, choice 2; trust region: Conn, Gould and Toint, Trust-Region Methods, 2000, ch. 7.5;
+///          Hager and Zhang, SIAM J. Optim. 16, 2005, approximate Wolfe conditions
 class NewtonSolver {
  public:
   NewtonSolver();

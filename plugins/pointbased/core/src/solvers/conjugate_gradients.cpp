@@ -68,6 +68,7 @@ void ConjugateGradients::begin(std::span<const Vec3> b, const Apply &preconditio
   iterations_ = 0;
   precondition(b_, steepest_);
   z_ = steepest_;
+  stopCount_ = 0;
   goDown();
 }
 
@@ -86,6 +87,9 @@ void ConjugateGradients::goDown() {
   // What x already gained: 1/2 b·x = 1/2 x·A x once x is exact; of use as a measure only.
   gains_.clear();
   total_ = std::max(0.0, dot(b_, x_));
+  xMx_ = total_;  // of an x that another M has led to: of A, which M stands for
+  xMp_ = dot(x_, r_);
+  gainOnRadius_ = 0.0;
 }
 
 bool ConjugateGradients::accurate(double tolerance) const {
@@ -97,7 +101,8 @@ bool ConjugateGradients::accurate(double tolerance) const {
   return tail <= tolerance * tolerance * total_ || gains_.size() == 1;
 }
 
-LinearEnd ConjugateGradients::run(const Apply &product, const Apply &precondition, double tolerance, int iterations) {
+LinearEnd ConjugateGradients::run(const Apply &product, const Apply &precondition, double tolerance, int iterations,
+                                  double radius) {
   if (!std::isfinite(rz_) || rz_ < 0.0) return LinearEnd::notFinite;
   for (int k = 0;; ++k) {
     if (accurate(tolerance)) return LinearEnd::tolerance;
@@ -105,14 +110,28 @@ LinearEnd ConjugateGradients::run(const Apply &product, const Apply &preconditio
     product(p_, q_);
     const double curvature = dot(p_, q_);
     if (!std::isfinite(curvature)) return LinearEnd::notFinite;
-    if (curvature <= kFlat * pMp_) return LinearEnd::negativeCurvature;
+    const bool isFlat = curvature <= kFlat * pMp_;
+    if (isFlat && !std::isfinite(radius)) return LinearEnd::negativeCurvature;
 
-    const double alpha = rz_ / curvature;
+    const double alpha = isFlat ? 0.0 : rz_ / curvature;
+    const double longer = xMx_ + alpha * (2.0 * xMp_ + alpha * pMp_);
+    if (isFlat || longer >= radius * radius) {
+      const double room = std::max(0.0, radius * radius - xMx_);
+      const double onto = room / (xMp_ + std::sqrt(xMp_ * xMp_ + room * pMp_));
+      addScaled(onto, p_, x_);
+      gainOnRadius_ = onto * (rz_ - 0.5 * onto * curvature);
+      xMx_ = std::max(xMx_, radius * radius);
+      ++iterations_;
+      return LinearEnd::radius;
+    }
     addScaled(alpha, p_, x_);
     addScaled(-alpha, q_, r_);
     gains_.push_back(alpha * rz_);
     total_ += gains_.back();
     ++iterations_;
+    xMp_ += alpha * pMp_;
+    xMx_ = longer;
+    keepStop();
 
     precondition(r_, z_);
     const double next = dot(r_, z_);
@@ -120,8 +139,30 @@ LinearEnd ConjugateGradients::run(const Apply &product, const Apply &preconditio
     const double beta = next / rz_;
     for (std::size_t i = 0; i < p_.size(); ++i) p_[i] = z_[i] + beta * p_[i];
     rz_ = next;
-    pMp_ = next + beta * beta * pMp_;  // z is M-orthogonal to the p before
+    pMp_ = next + beta * beta * pMp_;  // z is M-orthogonal to the p before, and to x
+    xMp_ *= beta;
   }
+}
+
+void ConjugateGradients::keepStop() {
+  constexpr double kApart = 1.5;
+  if (stopCount_ > 0 && length() < kApart * stops_[stopCount_ - 1].length) return;
+  if (stopCount_ == stops_.size()) stops_.emplace_back();
+  stops_[stopCount_].length = length();
+  stops_[stopCount_].x.assign(x_.begin(), x_.end());
+  ++stopCount_;
+}
+
+void ConjugateGradients::wayAt(double length, std::vector<Vec3> &out) const {
+  std::size_t next = 0;
+  while (next < stopCount_ && stops_[next].length < length) ++next;
+  const std::span<const Vec3> to = next < stopCount_ ? std::span<const Vec3>(stops_[next].x) : x();
+  const double end = next < stopCount_ ? stops_[next].length : this->length();
+  const double begin = next > 0 ? stops_[next - 1].length : 0.0;
+  const double part = end > begin ? std::min(1.0, (length - begin) / (end - begin)) : 1.0;
+  out.assign(to.size(), Vec3::Zero());
+  addScaled(part, to, out);
+  if (next > 0) addScaled(1.0 - part, stops_[next - 1].x, out);
 }
 
 }  // namespace pointbased::detail

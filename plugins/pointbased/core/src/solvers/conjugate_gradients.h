@@ -2,6 +2,7 @@
 // Preconditioned conjugate gradients over phyxels, truncated for Newton's method, and the sums they need. Private.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "pointbased/types.h"
@@ -26,6 +27,7 @@ using Apply = std::function<void(std::span<const Vec3> in, std::span<Vec3> out)>
 enum class LinearEnd {
   tolerance,          ///< as exact as asked for
   iterations,         ///< out of iterations
+  radius,             ///< x has come as far as it may
   negativeCurvature,  ///< A is not positive along the next search direction; x is what came before it
   notFinite           ///< A or M gave no usable number
 };
@@ -44,20 +46,36 @@ class ConjugateGradients {
   void begin(std::span<const Vec3> b, const Apply &precondition);
   /// From the present x with another M.
   void restart(const Apply &product, const Apply &precondition);
-  /// At most `iterations` more.
-  [[nodiscard]] LinearEnd run(const Apply &product, const Apply &precondition, double tolerance, int iterations);
+  /// At most `iterations` more, and no farther than `radius` from zero in the norm of M: where the way crosses it x
+  /// stays on it, along a direction of negative curvature as well, unless it is infinite.
+  [[nodiscard]] LinearEnd run(const Apply &product, const Apply &precondition, double tolerance, int iterations,
+                              double radius);
 
   [[nodiscard]] std::span<const Vec3> x() const { return x_; }
+  /// |x| in the norm of M. It grows with every iteration.
+  [[nodiscard]] double length() const { return std::sqrt(xMx_); }
+  /// b·x - 1/2 x·A x
+  [[nodiscard]] double gain() const { return 0.5 * total_ + gainOnRadius_; }
+  /// Where the way from zero to x was `length` long, between iterates that are kept.
+  void wayAt(double length, std::vector<Vec3> &out) const;
   /// M^-1 b of the last begin() or restart(): the preconditioned steepest descent.
   [[nodiscard]] std::span<const Vec3> preconditioned() const { return steepest_; }
   [[nodiscard]] int iterations() const { return iterations_; }  ///< since begin()
 
  private:
   void goDown();  // the first direction: z
+  void keepStop();
   [[nodiscard]] bool accurate(double tolerance) const;
 
   std::span<const Vec3> b_;
   std::vector<Vec3> x_, r_, z_, p_, q_, steepest_;
+  struct Stop {
+    double length = 0.0;
+    std::vector<Vec3> x;
+  };
+  std::vector<Stop> stops_;  // iterates, each half as long again as the one before
+  std::size_t stopCount_ = 0;
+  double xMx_ = 0.0, xMp_ = 0.0, gainOnRadius_ = 0.0;
   std::vector<double> gains_;  // α r·z of every iteration since begin() or restart()
   double rz_ = 0.0, reference_ = 0.0, total_ = 0.0, pMp_ = 0.0;
   int iterations_ = 0;

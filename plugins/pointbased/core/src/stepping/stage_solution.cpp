@@ -329,6 +329,7 @@ NewtonSettings newtonSettings(const Body &body, const Environment &env, bool isS
   settings.preconditioner = env.preconditioner;
   settings.stop = env.stop;
   settings.maxIterations = isStatic ? 60 : 30;
+  settings.trustRegion = !isStatic;
   // Under an obstacle inexact static steps stray: a cube under a plate took ten times as long with a tenth.
   settings.strongTolerance = isStatic && env.contact() ? 0.01 : 0.1;
   return settings;
