@@ -90,7 +90,7 @@ Expected<void> applyOverride(SceneFile &scene, std::string_view assignment, cons
   // Read into a copy, so that a refused value leaves the scene as it was.
   SceneFile changed = scene;
   SceneReader reader(changed, materials);
-  if (!reader.readOverride(path, parseOverrideValue(trimmed(assignment.substr(equals + 1)))))
+  if (!reader.readOverride(path, parseOverrideValue(trimmed(assignment.substr(equals + 1))), assignment))
     return tl::unexpected(reader.error());
   scene = std::move(changed);
   return {};

@@ -284,7 +284,7 @@ bool SceneReader::bodyKey(SceneBody &body, const std::string &key, const TomlVal
   if (key == "velocity") return readVec3(key, value, body.velocity_m_s);
   if (key == "angular_velocity") return readVec3(key, value, body.angularVelocity_rad_s);
   if (isPlacement(key)) return placementKey(body.placement, key, value);
-  if (key == "tissues") return readTissues(value, body.volume.tissues);
+  if (key == "tissues") return readTissues(value, body.volume);
   if (key == "background") return readBackground(value, body);
   if (key == "volume" || key == "series" || key == "time" || key == "label" || key == "threshold" || key == "mend" ||
       key == "edge_length")

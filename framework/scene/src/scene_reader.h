@@ -22,8 +22,8 @@ class SceneReader {
 
   /// A whole scene.
   [[nodiscard]] bool readScene(const TomlValue &root);
-  /// One value of `--set path=value`.
-  [[nodiscard]] bool readOverride(const std::string &path, const TomlValue &value);
+  /// One value of `--set path=value`, which is `assignment` as a whole.
+  [[nodiscard]] bool readOverride(const std::string &path, const TomlValue &value, std::string_view assignment);
   [[nodiscard]] const Error &error() const { return error_; }
 
  private:
@@ -101,7 +101,8 @@ class SceneReader {
   bool volumeKey(SceneVolume &volume, const std::string &key, const TomlValue &value);
   bool checkSource(const TomlValue &table, SceneBody &body);
   // scene_reader_tissues.cpp
-  bool readTissues(const TomlValue &value, std::vector<SceneTissue> &out);
+  bool readTissues(const TomlValue &value, SceneVolume &out);
+  bool readTissue(const TomlValue &table, SceneTissue &out);
   bool readBackground(const TomlValue &value, SceneBody &body);
   bool checkTissues(const TomlValue &table, SceneBody &body);
   bool readImageFile(const std::string &key, const TomlValue &value, std::filesystem::path &out);
@@ -122,7 +123,7 @@ class SceneReader {
   /// Stores the value, or what is in the table, under ids that begin with id; replaces what has the id. The tables of a
   /// list are numbered from 1: "id1.key", "id2.key".
   bool store(std::vector<SceneValue> &values, const std::string &id, const TomlValue &value);
-  void put(std::vector<SceneValue> &values, ParameterValue value, int line);
+  void put(std::vector<SceneValue> &values, ParameterValue value, int line, bool isOptional = false);
 
   bool refusePath(const std::string &path);
   bool overrideBody(const std::string &rest, const TomlValue &value);
@@ -150,7 +151,8 @@ class SceneReader {
   SceneFile &scene_;
   std::vector<Attachment> attachments_;
   const MaterialLibrary *materials_;
-  std::string override_;  ///< path of the override that is being read; empty: a file
+  std::string override_;    ///< path of the override that is being read; empty: a file
+  std::string assignment_;  ///< that override as a whole
   Error error_;
 };
 
@@ -161,5 +163,8 @@ class SceneReader {
 [[nodiscard]] std::string joined(const std::vector<std::string> &names);
 
 [[nodiscard]] std::filesystem::path pathFromUtf8(const std::string &text);
+
+/// What a preset says of a material, ids "material.…".
+[[nodiscard]] std::vector<SceneValue> valuesOf(const MaterialPreset &preset);
 
 }  // namespace c3de::scene

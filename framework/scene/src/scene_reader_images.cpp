@@ -218,7 +218,7 @@ bool SceneReader::checkSource(const TomlValue &table, SceneBody &body) {
   if (table.find("mesh_unit") != nullptr)
     return refuse(table.find("mesh_unit")->line,
                   "'mesh_unit' belongs to a body with a 'mesh'; volumes say their millimetres");
-  if (!volume.tissues.empty()) return true;
+  if (volume.hasTissues()) return true;
   if (byLabel == volume.threshold.has_value())
     return refuse(table.line,
                   std::string("the body has a 'volume' and ") +

@@ -52,8 +52,9 @@ std::string noElement(const std::vector<T> &elements, const std::string &what, c
 
 }  // namespace
 
-bool SceneReader::readOverride(const std::string &path, const TomlValue &value) {
+bool SceneReader::readOverride(const std::string &path, const TomlValue &value, std::string_view assignment) {
   override_ = path;
+  assignment_ = assignment;
   const std::size_t dot = path.find('.');
   const std::string first = path.substr(0, dot);
   const std::string rest = dot == std::string::npos ? std::string() : path.substr(dot + 1);
@@ -135,9 +136,13 @@ bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) 
   if (keyUnder("material.", key)) return store(body->params, key, value);
   if (const auto member = keyUnder("sampling.", key)) return samplingKey(*body, *member, value);
   if (keyUnder("surroundings.", key)) return store(body->params, key, value);
-  if (const auto member = keyUnder("parts.", key)) return overridePart(*body, *member, value);
+  if (const auto member = keyUnder("parts.", key)) {
+    if (!body->volume.isOpen()) return overridePart(*body, *member, value);
+    body->volume.overridesOfParts.push_back(assignment_);
+    return true;
+  }
   // What tissues are follows from the whole table.
-  const bool hasTissues = !body->volume.tissues.empty();
+  const bool hasTissues = body->volume.hasTissues();
   if (key == "tissues" || key == "background" ||
       (hasTissues && (key == "parts" || key == "label" || key == "threshold" || key == "rigid" || key == "free")))
     return refuse(0, "'" + key + "' of " + (hasTissues ? "a body with tissues" : "a body") +

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bodies of many tissues.
 #include <cmath>
+#include <utility>
 
 #include "c3de/core/text.h"
+#include "c3de/scene/material_names.h"
 #include "scene_reader.h"
 
 namespace c3de::scene {
@@ -16,39 +18,54 @@ const char *const kLabel = "the name of a label ('*' for any text), or its numbe
 
 }  // namespace
 
-bool SceneReader::readTissues(const TomlValue &value, std::vector<SceneTissue> &out) {
-  if (!requireTables("tissues", kTissue, value)) return false;
-  if (value.items.empty()) return refuse(value.line, std::string("tissues is empty; accepted: ") + kTissue);
-  std::vector<SceneTissue> tissues;
-  for (const TomlValue &table : value.items) {
-    SceneTissue tissue;
-    tissue.line = table.line;
-    for (const auto &[key, member] : table.entries) {
-      if (key == "label") {
-        const bool isNumber =
-            member.isNumber() && member.num == std::floor(member.num) && member.num >= 1.0 && member.num <= 65535.0;
-        if (!isNumber && (member.kind != TomlValue::Kind::text || member.text.empty()))
-          return refuse(member.line, "tissues: label is " +
-                                         (member.isNumber() ? formatNumber(member.num) : member.kindName()) +
-                                         "; accepted: " + kLabel);
-        tissue.label = isNumber ? formatNumber(member.num) : member.text;
-      } else if (key == "rigid") {
-        if (!readBool("tissues: rigid", member, tissue.isRigid)) return false;
-      } else if (key == "material") {
-        if (!readMaterial(tissue.params, member)) return false;
-      } else {
-        return refuseKey(member.line, key, "an entry of tissues", kTissueKeys);
-      }
+bool SceneReader::readTissue(const TomlValue &table, SceneTissue &out) {
+  SceneTissue tissue;
+  tissue.line = table.line;
+  for (const auto &[key, member] : table.entries) {
+    if (key == "label") {
+      const bool isNumber =
+          member.isNumber() && member.num == std::floor(member.num) && member.num >= 1.0 && member.num <= 65535.0;
+      if (!isNumber && (member.kind != TomlValue::Kind::text || member.text.empty()))
+        return refuse(member.line, "tissues: label is " +
+                                       (member.isNumber() ? formatNumber(member.num) : member.kindName()) +
+                                       "; accepted: " + kLabel);
+      tissue.label = isNumber ? formatNumber(member.num) : member.text;
+      tissue.isByName = !isNumber && member.text.find('*') == std::string::npos;
+    } else if (key == "rigid") {
+      if (!readBool("tissues: rigid", member, tissue.isRigid)) return false;
+    } else if (key == "material") {
+      if (!readMaterial(tissue.params, member)) return false;
+      const TomlValue *preset = member.kind == TomlValue::Kind::text ? &member : member.find("preset");
+      if (preset != nullptr) tissue.preset = preset->text;
+    } else {
+      return refuseKey(member.line, key, "an entry of tissues", kTissueKeys);
     }
-    if (tissue.label.empty()) return refuse(table.line, std::string("a tissue has no 'label'; accepted: ") + kLabel);
-    if (tissue.isRigid == (table.find("material") != nullptr))
-      return refuse(table.line,
-                    "the tissue '" + tissue.label + "' has " +
-                        (tissue.isRigid ? "a material and is rigid" : "neither a material nor rigid = true") +
-                        "; accepted: one of them");
-    tissues.push_back(std::move(tissue));
   }
-  out = std::move(tissues);
+  if (tissue.label.empty()) return refuse(table.line, std::string("a tissue has no 'label'; accepted: ") + kLabel);
+  const bool hasMaterial = table.find("material") != nullptr;
+  if (hasMaterial && tissue.isRigid)
+    return refuse(table.line, "the tissue '" + tissue.label + "' has a material and is rigid; accepted: one of them");
+  const bool isFullName = std::exchange(tissue.isByName, !hasMaterial && !tissue.isRigid);
+  if (tissue.isByName && isFullName && (materials_ == nullptr || !tissueOf(*materials_, tissue.label)))
+    return refuse(table.line, unknownTissue(tissue.label));
+  out = std::move(tissue);
+  return true;
+}
+
+bool SceneReader::readTissues(const TomlValue &value, SceneVolume &out) {
+  if (value.kind == TomlValue::Kind::text) {
+    if (value.text != "known")
+      return refuse(value.line, "tissues is \"" + value.text + "\"; accepted: \"known\", or a list such as " + kTissue);
+    out.takesKnownTissues = true;
+    return true;
+  }
+  if (!requireTables("tissues", std::string("\"known\", or ") + kTissue, value)) return false;
+  if (value.items.empty())
+    return refuse(value.line, std::string("tissues is empty; accepted: \"known\", or ") + kTissue);
+  std::vector<SceneTissue> tissues(value.items.size());
+  for (std::size_t i = 0; i < tissues.size(); ++i)
+    if (!readTissue(value.items[i], tissues[i])) return false;
+  out.tissues = std::move(tissues);
   return true;
 }
 
@@ -81,7 +98,7 @@ bool SceneReader::readBackground(const TomlValue &value, SceneBody &body) {
 
 bool SceneReader::checkTissues(const TomlValue &table, SceneBody &body) {
   const SceneVolume &volume = body.volume;
-  if (volume.tissues.empty()) {
+  if (!volume.hasTissues()) {
     if (volume.background)
       return refuse(table.find("background")->line,
                     std::string("'background' belongs to a body with 'tissues'; accepted: tissues = ") + kTissue);
@@ -91,23 +108,9 @@ bool SceneReader::checkTissues(const TomlValue &table, SceneBody &body) {
     if (const TomlValue *stray = table.find(key); stray != nullptr)
       return refuse(stray->line, std::string("the body has 'tissues' and '") + key +
                                      "'; accepted: a material, or rigid = true, for each tissue");
-  std::vector<ScenePart> parts;
-  for (const SceneTissue &tissue : volume.tissues) {
-    if (tissue.isRigid) continue;
-    ScenePart part;
-    part.region.kind = SceneRegion::Kind::voxels;
-    part.params = tissue.params;
-    part.line = tissue.line;
-    parts.push_back(std::move(part));
-  }
-  if (parts.empty() && !volume.background)
-    return refuse(table.find("tissues")->line,
-                  "all tissues are rigid, so nothing of the body can move; accepted: one "
-                  "tissue at least with a material, or a 'background'");
-  // Where no part is, the body is of its background.
-  if (!volume.background)
-    body.params.insert(body.params.end(), parts.front().params.begin(), parts.front().params.end());
-  body.parts.insert(body.parts.begin(), parts.begin(), parts.end());
+  // What follows from names is made when the labels have been read.
+  if (volume.isOpen()) return true;
+  if (const auto made = makeTissueParts(body); !made) return refuse(table.find("tissues")->line, made.error().message);
   return true;
 }
 

@@ -108,21 +108,7 @@ bool SceneReader::readMaterial(std::vector<SceneValue> &params, const TomlValue 
                                       (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
                                       (names.empty() ? "no presets are known" : "accepted: " + joined(names)));
     }
-    const auto number = [&](const char *id, double num) {
-      ParameterValue parameter;
-      parameter.id = id;
-      parameter.num = num;
-      put(params, parameter, preset->line);
-    };
-    number(C3DE_PARAM_ID_DENSITY, found->density);
-    number(C3DE_PARAM_ID_YOUNGS_MODULUS, found->youngsModulus);
-    number(C3DE_PARAM_ID_POISSON_RATIO, found->poissonRatio);
-    // Beside what the tissue is taken for, what is known of it; not every simulator shows that.
-    number(C3DE_PARAM_ID_YOUNGS_MODULUS_LOW, found->youngsModulusMin);
-    number(C3DE_PARAM_ID_YOUNGS_MODULUS_HIGH, found->youngsModulusMax);
-    for (SceneValue &param : params)
-      if (param.value.id == C3DE_PARAM_ID_YOUNGS_MODULUS_LOW || param.value.id == C3DE_PARAM_ID_YOUNGS_MODULUS_HIGH)
-        param.isOptional = true;
+    for (const SceneValue &said : valuesOf(*found)) put(params, said.value, preset->line, said.isOptional);
   }
   for (const auto &[key, member] : value.entries)
     if (key != "preset" && !store(params, "material." + key, member)) return false;
@@ -227,8 +213,8 @@ bool SceneReader::store(std::vector<SceneValue> &values, const std::string &id, 
   return true;
 }
 
-void SceneReader::put(std::vector<SceneValue> &values, ParameterValue value, int line) {
-  const SceneValue stored{std::move(value), override_.empty() ? line : 0, override_};
+void SceneReader::put(std::vector<SceneValue> &values, ParameterValue value, int line, bool isOptional) {
+  const SceneValue stored{std::move(value), override_.empty() ? line : 0, override_, isOptional};
   for (SceneValue &present : values) {
     if (present.value.id != stored.value.id) continue;
     present = stored;

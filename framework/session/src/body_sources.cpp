@@ -120,18 +120,18 @@ Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const
   const TimeSpent masking(took.masks_s);
   Expected<imaging::Mask> mask = imaging::Mask{};
   std::optional<std::array<float, 3>> colour = volume.colour;
-  std::shared_ptr<const imaging::LabelMap> tissues;
+  std::shared_ptr<imaging::LabelMap> tissues;
   if (volume.mask) {
     mask = *volume.mask;
-  } else if (!volume.tissues.empty()) {
+  } else if (volume.hasTissues()) {
+    if (!volume.isSettled) return fail(ErrorCode::internal, "the tissues of a body are not settled");
     auto picked = pickTissues(volume, *map, background.get(), progress);
     if (!picked) return tl::unexpected(picked.error());
-    notices_.insert(notices_.end(), picked->notices.begin(), picked->notices.end());
-    mask->geometry = picked->voxels.geometry;
-    mask->voxels.resize(picked->voxels.voxels.size());
-    std::transform(picked->voxels.voxels.begin(), picked->voxels.voxels.end(), mask->voxels.begin(),
+    mask->geometry = picked->geometry;
+    mask->voxels.resize(picked->voxels.size());
+    std::transform(picked->voxels.begin(), picked->voxels.end(), mask->voxels.begin(),
                    [](std::uint16_t tissue) { return static_cast<std::uint8_t>(tissue != 0 ? 1 : 0); });
-    tissues = std::make_shared<const imaging::LabelMap>(std::move(picked->voxels));
+    tissues = std::make_shared<imaging::LabelMap>(std::move(*picked));
   } else if (image) {
     mask = imaging::threshold(*image, (*volume.threshold)[0], (*volume.threshold)[1], progress);
   } else {
@@ -146,7 +146,25 @@ Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const
                                       ": nothing is left of what was asked for; accepted: a label or a "
                                       "threshold, mended, that holds voxels");
   if (!mask) return tl::unexpected(mask.error());
+  // What mending has taken away is of no tissue; what it has added is what there is between them.
+  if (tissues)
+    for (std::size_t v = 0; v < tissues->voxels.size(); ++v) {
+      std::uint16_t &tissue = tissues->voxels[v];
+      if (mask->voxels[v] == 0)
+        tissue = 0;
+      else if (tissue == 0 && volume.background)
+        tissue = static_cast<std::uint16_t>(volume.tissues.size() + 1);
+    }
   return PickedVoxels{std::move(*mask), colour, std::move(tissues)};
+}
+
+Expected<TissuePlaces> BodySources::placesOf(const scene::SceneBody &body, const PickedVoxels &picked) {
+  imaging::ReadOptions options;
+  options.series = body.volume.series;
+  options.time = body.volume.time;
+  const auto layers = labels(body.volume.file, options);
+  if (!layers) return tl::unexpected(layers.error());
+  return tissuePlaces(body, **layers, *picked.tissues);
 }
 
 std::vector<std::string> BodySources::takeNotices() { return std::exchange(notices_, {}); }
@@ -188,18 +206,21 @@ Expected<void> addTissues(const scene::SceneVolume &volume, const imaging::Label
   std::vector<std::uint16_t> rigid;
   for (std::size_t i = 0; i < volume.tissues.size(); ++i) {
     const auto number = static_cast<std::uint16_t>(i + 1);
+    if (volume.tissues[i].isEmpty) continue;
     if (volume.tissues[i].isRigid) {
       rigid.push_back(number);
       continue;
     }
     auto fill = imaging::fillOf(imaging::maskOf(tissues, number), coarsest);
-    if (!fill)
+    if (!fill && !volume.takesKnownTissues)
       return fail(fill.error().code, "tissue '" + volume.tissues[i].label +
-                                         "' has no voxel of its own: labels of other tissues lie over all of it");
-    geometry.tissues.push_back(std::make_shared<const imaging::Fill>(std::move(*fill)));
+                                         "' has no voxel of its own: labels of other tissues lie over all of it, or "
+                                         "'mend' has taken it away");
+    geometry.tissues.push_back(fill ? std::make_shared<const imaging::Fill>(std::move(*fill)) : nullptr);
   }
-  if (rigid.empty()) return {};
-  auto fill = imaging::fillOf(imaging::maskOf(tissues, rigid), coarsest);
+  const imaging::Mask mask = imaging::maskOf(tissues, rigid);
+  if (imaging::voxelCount(mask) == 0) return {};
+  auto fill = imaging::fillOf(mask, coarsest);
   if (!fill) return tl::unexpected(fill.error());
   geometry.rigid = std::make_shared<const imaging::Fill>(std::move(*fill));
   return {};

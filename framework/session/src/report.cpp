@@ -60,6 +60,39 @@ void addSkinVolumes(const std::vector<SkinVolume> &volumes, Json &report) {
       report["bodies"][i]["skin_volume_m3"] = Json{{"reference", volumes[i].reference_m3}, {"end", volumes[i].end_m3}};
 }
 
+/// What each tissue of a body has done.
+void addTissues(const std::vector<TissueMotion> &bodies, Json &report) {
+  for (const TissueMotion &one : bodies)
+    for (Json &body : report["bodies"]) {
+      if (!body.is_object() || body.value("name", "") != one.places.body) continue;
+      body["tissues"] = Json::array();
+      for (std::size_t t = 0; t <= one.places.tissues.size(); ++t) {
+        const scene::SceneTissue tissue = one.places.tissueAt(t);
+        std::size_t voxels = 0;
+        Json labels = Json::array();
+        for (const LabelPlaces &label : one.places.labels) {
+          if (label.tissue != t) continue;
+          voxels += label.voxels;
+          if (label.value != 0) labels.push_back(label.name);
+        }
+        if (voxels == 0) continue;
+        const LabelMotion motion = one.ofTissue(t);
+        const auto number = [&](double x) { return motion.isKnown() ? Json(x) : Json(); };
+        body["tissues"].push_back(
+            Json{{"name", tissue.label},
+                 {"labels", std::move(labels)},
+                 {"material", tissue.preset.empty() ? Json() : Json(tissue.preset)},
+                 {"rigid", tissue.isRigid},
+                 {"voxels", voxels},
+                 {"volume_m3", {{"reference", motion.reference_m3}, {"end", number(motion.end_m3)}}},
+                 {"displacement_m",
+                  {{"mean", number(motion.meanDisplacement_m())}, {"max", number(motion.largestDisplacement_m)}}},
+                 {"min_J", number(motion.minJ)},
+                 {"followed_part", static_cast<double>(motion.followed) / static_cast<double>(motion.sample)}});
+      }
+    }
+}
+
 /// To each body what was verified of it; time and duration stay outside.
 void addVerification(const std::string &text, Json &report) {
   const Json verification = Json::parse(text, nullptr, false);
@@ -125,6 +158,7 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
   if (simulator->contains("notices")) report["notices"] = simulator->at("notices");
   addCoverage(facts.prepared.coverage, report);
   addSkinVolumes(facts.skinVolumes, report);
+  addTissues(facts.tissues, report);
   if (!facts.verification.empty()) addVerification(facts.verification, report);
   report["state_hash"] = hexadecimal(facts.stateHash);
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -27,6 +27,7 @@
 #include "c3de/session/resources.h"
 #include "c3de/session/scene_to_abi.h"
 #include "c3de/session/simulator_access.h"
+#include "c3de/session/tissues.h"
 
 namespace c3de::session {
 namespace {
@@ -202,9 +203,13 @@ Expected<BodyGeometry> loadFromVolume(BodySources &sources, const scene::SceneBo
   }
   auto loaded = bodyGeometryOf(picked->mask, body.volume.edgeLength_mm, points, progress);
   if (!loaded) return loaded;
-  if (picked->tissues)
+  if (picked->tissues) {
     if (const auto added = addTissues(body.volume, *picked->tissues, points, *loaded); !added)
       return tl::unexpected(added.error());
+    auto places = sources.placesOf(body, *picked);
+    if (!places) return tl::unexpected(places.error());
+    loaded->places = std::make_shared<TissuePlaces>(std::move(*places));
+  }
   loaded->took += took;
   loaded->colour = picked->colour;
   return loaded;
@@ -237,6 +242,25 @@ Described toAbi(const std::string &name, const MeshLease &mesh, const c3de_sim_p
   abi.params = params.data();
   abi.params_n = params.size();
   return abi;
+}
+
+}  // namespace
+
+namespace {
+
+/// Of a scene whose tissues are settled: itself, or a copy.
+Expected<const scene::SceneFile *> settled(c3de_object *simulator, const scene::SceneFile &asked,
+                                           const scene::MaterialLibrary &materials, BodySources &sources,
+                                           const ProgressFn &progress, Preparation &took, scene::SceneFile &copy) {
+  const auto isUnsettled = [](const scene::SceneBody &body) {
+    return body.volume.hasTissues() && !body.volume.isSettled;
+  };
+  if (std::none_of(asked.bodies.begin(), asked.bodies.end(), isUnsettled)) return &asked;
+  // What is wrong with a key is not to be heard after a map has been read.
+  if (const auto fitted = fitScene(simulator, asked); !fitted) return tl::unexpected(fitted.error());
+  copy = asked;
+  if (auto good = settleTissues(copy, materials, sources, progress, took); !good) return tl::unexpected(good.error());
+  return &copy;
 }
 
 }  // namespace
@@ -335,14 +359,21 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
     if (source->colour) abi.colour = colour.data();
     abi.progress = partProgress.abi();
     scene::SceneBody placed = body;
-    for (std::size_t k = 0; k < source->tissues.size(); ++k) placed.parts[k].region.voxels = source->tissues[k];
+    std::vector<std::vector<ParameterValue>> partValues = fitted.parts[i];
+    for (std::size_t k = source->tissues.size(); k-- > 0;) {
+      placed.parts[k].region.voxels = source->tissues[k];
+      if (source->tissues[k]) continue;
+      placed.parts.erase(placed.parts.begin() + static_cast<std::ptrdiff_t>(k));
+      partValues.erase(partValues.begin() + static_cast<std::ptrdiff_t>(k));
+    }
     placed.rigidTissue = source->rigid;
-    const BodyTables tables(scene, placed, fitted.parts[i]);
+    if (source->places) prepared.tissues.push_back(std::move(*source->places));
+    const BodyTables tables(scene, placed, partValues);
     tables.fill(abi);
     c3de_handle added{};
     const auto add = [&] { return table->add_body(simulator, &abi, &added); };
     if (const c3de_status code = partProgress.call(host->ownerOf(simulator), "add_body of a simulator", add); code < 0)
-      return tl::unexpected(lastError(code, scene, body.line, "building body '" + body.name + "'", &body));
+      return tl::unexpected(lastError(code, scene, body.line, "building body '" + body.name + "'", &placed));
     bodies.push_back(added);
   }
   return bodies;
@@ -495,11 +526,19 @@ Expected<void> Session::checkValues(c3de_object *simulator, const scene::SceneFi
   return {};
 }
 
-Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress,
+Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile &asked, const ProgressFn &progress,
                                  Prepared *prepared, BodySources *sources) {
   const auto tableOrError = simulatorTable(simulator);
   if (!tableOrError) return tl::unexpected(tableOrError.error());
   const c3de_simulator_v1 *table = *tableOrError;
+  Prepared unused;
+  BodySources ofThis;
+  if (prepared == nullptr) prepared = &unused;
+  if (sources == nullptr) sources = &ofThis;
+  scene::SceneFile copy;
+  const auto same = settled(simulator, asked, impl_->materials, *sources, progress, prepared->took, copy);
+  if (!same) return tl::unexpected(same.error());
+  const scene::SceneFile &scene = **same;
   const auto fitted = fitScene(simulator, scene);
   if (!fitted) return tl::unexpected(fitted.error());
 
@@ -536,15 +575,13 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
     named[obstacle.name] = added;
   }
 
-  Prepared unused;
-  BodySources ofThis;
   auto bodies = impl_->addBodies(
-      table, simulator, scene, *fitted, sources != nullptr ? *sources : ofThis,
+      table, simulator, scene, *fitted, *sources,
       [&](double f, const std::string &what) {
         const auto before = static_cast<double>(scene.obstacles.size()), own = static_cast<double>(scene.bodies.size());
         return !progress || progress(f < 0.0 ? f : (before + f * own) / (before + own), what);
       },
-      prepared != nullptr ? *prepared : unused);
+      *prepared);
   if (!bodies) return tl::unexpected(bodies.error());
 
   for (const scene::SceneProbe &probe : scene.probes) {
@@ -619,16 +656,20 @@ Expected<void> Session::Impl::addTouch(c3de_object *simulator, const scene::Scen
   return {};
 }
 
-Expected<void> Session::addBodies(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress,
+Expected<void> Session::addBodies(c3de_object *simulator, const scene::SceneFile &asked, const ProgressFn &progress,
                                   Prepared *prepared) {
   const auto table = simulatorTable(simulator);
   if (!table) return tl::unexpected(table.error());
+  Prepared unused;
+  if (prepared == nullptr) prepared = &unused;
+  BodySources sources;
+  scene::SceneFile copy;
+  const auto same = settled(simulator, asked, impl_->materials, sources, progress, prepared->took, copy);
+  if (!same) return tl::unexpected(same.error());
+  const scene::SceneFile &scene = **same;
   const auto fitted = fitScene(simulator, scene);
   if (!fitted) return tl::unexpected(fitted.error());
-  Prepared unused;
-  BodySources sources;
-  const auto added =
-      impl_->addBodies(*table, simulator, scene, *fitted, sources, progress, prepared != nullptr ? *prepared : unused);
+  const auto added = impl_->addBodies(*table, simulator, scene, *fitted, sources, progress, *prepared);
   if (!added) return tl::unexpected(added.error());
   return {};
 }

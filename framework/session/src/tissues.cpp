@@ -4,14 +4,20 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
+#include "c3de/core/log.h"
 #include "c3de/core/text.h"
 #include "c3de/imaging/label_names.h"
+#include "c3de/imaging/reading.h"
+#include "c3de/scene/material_names.h"
+#include "c3de/session/body_sources.h"
 
 namespace c3de::session {
 namespace {
 
 constexpr std::size_t kMostNames = 12;
+constexpr std::size_t kMostSamples = 2000;  // of a label
 
 std::string listOf(const std::vector<std::string> &names) {
   std::string text;
@@ -40,67 +46,240 @@ class ValueAt {
   Mat4 toIndex_;
 };
 
+/// Of each value of a layer: 1 and the number of its tissue, or of the background; 0: of none.
+std::vector<std::uint16_t> tissueNumbers(const scene::SceneVolume &volume, const imaging::LabelMap &map,
+                                         std::size_t layer) {
+  std::vector<std::uint16_t> numbers(0x10000, 0);
+  if (volume.background)
+    for (const imaging::LabelMap::Label &label : map.labels)
+      numbers[label.value] = static_cast<std::uint16_t>(volume.tissues.size() + 1);
+  for (std::size_t i = 0; i < volume.tissues.size(); ++i)
+    for (const scene::SceneLabel &label : volume.tissues[i].labels)
+      if (label.layer == layer)
+        numbers[label.value] = volume.tissues[i].isEmpty ? std::uint16_t{0} : static_cast<std::uint16_t>(i + 1);
+  return numbers;
+}
+
+/// A label of the map, and what it has been taken for so far.
+struct Candidate {
+  scene::SceneLabel label;
+  bool isTaken = false;
+};
+
+std::vector<Candidate> candidatesOf(const std::vector<imaging::LabelMap> &layers) {
+  std::vector<Candidate> all;
+  for (std::size_t layer = 0; layer < layers.size(); ++layer)
+    for (const imaging::LabelMap::Label &label : layers[layer].labels)
+      all.push_back({{layer, label.value, label.name}, false});
+  return all;
+}
+
+std::string listOf(const std::vector<Candidate> &labels) {
+  std::vector<std::string> names;
+  for (const Candidate &one : labels) names.push_back(one.label.name);
+  return names.empty() ? "none" : listOf(names);
+}
+
+/// Gives a tissue of the scene its labels, and what these are where only a name has been said.
+Expected<void> giveLabels(scene::SceneTissue &tissue, std::vector<Candidate> &labels,
+                          const scene::MaterialLibrary &materials, const std::string &file) {
+  std::vector<std::string> names;
+  std::size_t meant = 0;
+  for (Candidate &one : labels) {
+    names.push_back(one.label.name);
+    if (!imaging::isMeant(tissue.label, {one.label.value, one.label.name, {}})) continue;
+    ++meant;
+    if (std::exchange(one.isTaken, true)) continue;
+    tissue.labels.push_back(one.label);
+  }
+  if (meant == 0) {
+    const std::string nearest = nearestName(tissue.label, names);
+    return fail(ErrorCode::input, file + " has no label '" + tissue.label + "'; " +
+                                      (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
+                                      "there are: " + listOf(labels));
+  }
+  if (tissue.labels.empty())
+    return fail(ErrorCode::input, "the labels of tissue '" + tissue.label +
+                                      "' are of tissues before it, of the first that names them; accepted: each label "
+                                      "in one tissue, single names before those with '*'");
+  if (!tissue.isByName) return {};
+  const auto first = scene::tissueOf(materials, tissue.labels.front().name);
+  for (const scene::SceneLabel &label : tissue.labels) {
+    const auto named = scene::tissueOf(materials, label.name);
+    if (!named) return fail(ErrorCode::input, scene::unknownTissue(label.name));
+    if (named->name != first->name)
+      return fail(ErrorCode::input, "the labels of tissue '" + tissue.label + "' are known as different tissues: " +
+                                        tissue.labels.front().name + " as " + std::string(first->name) + ", " +
+                                        label.name + " as " + std::string(named->name) +
+                                        "; accepted: an entry for each before it, a material, or tissues = \"known\"");
+  }
+  (void)scene::nameTissue(tissue, tissue.labels.front().name, materials);
+  return {};
+}
+
+/// A tissue for each that the names of labels are known as, in the order of the map.
+Expected<std::vector<scene::SceneTissue>> knownTissues(std::vector<Candidate> &labels,
+                                                       const scene::MaterialLibrary &materials, int line,
+                                                       const std::string &file) {
+  std::vector<scene::SceneTissue> tissues;
+  for (Candidate &one : labels) {
+    const auto named = scene::tissueOf(materials, one.label.name);
+    if (!named) continue;
+    one.isTaken = true;
+    auto found = std::find_if(tissues.begin(), tissues.end(),
+                              [&](const scene::SceneTissue &tissue) { return tissue.label == named->name; });
+    if (found == tissues.end()) {
+      scene::SceneTissue tissue;
+      tissue.label = named->name;
+      tissue.line = line;
+      (void)scene::nameTissue(tissue, one.label.name, materials);
+      found = tissues.insert(tissues.end(), std::move(tissue));
+    }
+    found->labels.push_back(one.label);
+  }
+  if (tissues.empty())
+    return fail(ErrorCode::input,
+                "no label of " + file + " is known by its name; there are: " + listOf(labels) +
+                    "; accepted: a map with names such as liver, kidney_left, vertebrae_L1, or a list "
+                    "such as tissues = [ { label = 1, material = \"liver\" } ]");
+  return tissues;
+}
+
+/// What becomes of labels that no tissue has.
+void tellOthers(const scene::SceneVolume &volume, const std::vector<Candidate> &labels) {
+  std::vector<std::string> names;
+  for (const Candidate &one : labels)
+    if (!one.isTaken) names.push_back(one.label.name);
+  if (names.empty()) return;
+  log(LogLevel::warn,
+      volume.file.string() + ": " + std::to_string(names.size()) + (names.size() == 1 ? " label is" : " labels are") +
+          " of no " + (volume.takesKnownTissues ? "known tissue" : "tissue") + " and " +
+          (volume.background ? "taken for background" : "left out, as there is no background") + ": " + listOf(names));
+}
+
+Expected<void> settle(const scene::SceneFile &scene, scene::SceneBody &body,
+                      const std::vector<imaging::LabelMap> &layers, const scene::MaterialLibrary &materials) {
+  scene::SceneVolume &volume = body.volume;
+  const std::string file = volume.file.string();
+  const bool wasOpen = volume.isOpen();
+  std::vector<Candidate> labels = candidatesOf(layers);
+  if (volume.takesKnownTissues) {
+    auto tissues = knownTissues(labels, materials, body.line, file);
+    if (!tissues) return failInScene(tissues.error(), scene, body.line);
+    volume.tissues = std::move(*tissues);
+  } else {
+    for (scene::SceneTissue &tissue : volume.tissues)
+      if (auto given = giveLabels(tissue, labels, materials, file); !given)
+        return failInScene(given.error(), scene, tissue.line);
+  }
+  tellOthers(volume, labels);
+  volume.isSettled = true;
+  if (!wasOpen) return {};
+  if (auto made = makeTissueParts(body); !made) return failInScene(made.error(), scene, body.line);
+  return {};
+}
+
 }  // namespace
 
-Expected<PickedTissues> pickTissues(const scene::SceneVolume &volume, const std::vector<imaging::LabelMap> &layers,
-                                    const imaging::Volume *image, const ProgressFn &progress) {
-  PickedTissues out;
-  out.voxels.geometry = layers.front().geometry;
-  out.voxels.voxels.assign(out.voxels.geometry.voxelCount(), 0);
-  out.background = static_cast<std::uint16_t>(volume.tissues.size() + 1);
-  std::vector<std::uint8_t> isNamed(volume.tissues.size(), 0);
-  std::vector<std::string> names, unnamed;
-  for (const imaging::LabelMap &map : layers) {
-    std::vector<std::uint16_t> tissueOf(0x10000, 0);  // [labels]
-    for (const imaging::LabelMap::Label &label : map.labels) {
-      names.push_back(label.name);
-      const auto found = std::find_if(volume.tissues.begin(), volume.tissues.end(), [&](const scene::SceneTissue &one) {
-        return imaging::isMeant(one.label, label);
-      });
-      if (found == volume.tissues.end()) {
-        unnamed.push_back(label.name);
-        tissueOf[label.value] = volume.background ? out.background : std::uint16_t{0};
-        continue;
-      }
-      const auto number = static_cast<std::size_t>(found - volume.tissues.begin());
-      isNamed[number] = 1;
-      tissueOf[label.value] = static_cast<std::uint16_t>(number + 1);
-    }
-    if (map.voxels.size() != out.voxels.voxels.size())
+Expected<void> settleTissues(scene::SceneFile &scene, const scene::MaterialLibrary &materials, BodySources &sources,
+                             const ProgressFn &progress, Preparation &took) {
+  std::vector<std::string> overrides;
+  for (scene::SceneBody &body : scene.bodies) {
+    if (!body.volume.hasTissues() || body.volume.isSettled) continue;
+    imaging::ReadOptions options;
+    options.progress = progress;
+    options.series = body.volume.series;
+    options.time = body.volume.time;
+    const TimeSpent reading(took.reading_s);
+    const auto layers = sources.labels(body.volume.file, options);
+    if (!layers) return failInScene(layers.error(), scene, body.line);
+    if (auto settled = settle(scene, body, **layers, materials); !settled) return settled;
+    const std::vector<std::string> said = std::exchange(body.volume.overridesOfParts, {});
+    overrides.insert(overrides.end(), said.begin(), said.end());
+  }
+  for (const std::string &assignment : overrides)
+    if (auto applied = scene::applyOverride(scene, assignment, &materials); !applied) return applied;
+  return {};
+}
+
+Expected<imaging::LabelMap> pickTissues(const scene::SceneVolume &volume, const std::vector<imaging::LabelMap> &layers,
+                                        const imaging::Volume *image, const ProgressFn &progress) {
+  imaging::LabelMap out;
+  out.geometry = layers.front().geometry;
+  out.voxels.assign(out.geometry.voxelCount(), 0);
+  const auto background = static_cast<std::uint16_t>(volume.tissues.size() + 1);
+  for (std::size_t layer = 0; layer < layers.size(); ++layer) {
+    const imaging::LabelMap &map = layers[layer];
+    if (map.voxels.size() != out.voxels.size())
       return fail(ErrorCode::input, volume.file.string() + ": its layers of labels have different grids");
+    const std::vector<std::uint16_t> tissueOf = tissueNumbers(volume, map, layer);
     for (std::size_t v = 0; v < map.voxels.size(); ++v) {
       const std::uint16_t tissue = tissueOf[map.voxels[v]];
-      if (tissue != 0 && (tissue != out.background || out.voxels.voxels[v] == 0)) out.voxels.voxels[v] = tissue;
+      if (tissue != 0 && (tissue != background || out.voxels[v] == 0)) out.voxels[v] = tissue;
     }
   }
-  for (std::size_t i = 0; i < isNamed.size(); ++i) {
-    if (isNamed[i] != 0) continue;
-    const std::string nearest = nearestName(volume.tissues[i].label, names);
-    return fail(ErrorCode::input, volume.file.string() + " has no label '" + volume.tissues[i].label + "'; " +
-                                      (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
-                                      "there are: " + (names.empty() ? "none" : listOf(names)));
-  }
-  if (!unnamed.empty())
-    out.notices.push_back(
-        std::to_string(unnamed.size()) + (unnamed.size() == 1 ? " label is" : " labels are") + " of no tissue and " +
-        (volume.background ? "taken for background" : "left out, as there is no background") + ": " + listOf(unnamed));
   if (image != nullptr && volume.background) {
     const ValueAt valueAt(*image);
-    const auto &size = out.voxels.geometry.size;
+    const auto &size = out.geometry.size;
     std::size_t v = 0;
     for (std::size_t k = 0; k < size[2]; ++k) {
       if (progress && !progress(static_cast<double>(k) / static_cast<double>(size[2]), "finding tissues"))
         return fail(ErrorCode::cancelled, "cancelled");
       for (std::size_t j = 0; j < size[1]; ++j)
         for (std::size_t i = 0; i < size[0]; ++i, ++v) {
-          if (out.voxels.voxels[v] != 0) continue;
-          const auto value = valueAt(
-              out.voxels.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}));
-          if (value && *value >= volume.background->from && *value <= volume.background->to)
-            out.voxels.voxels[v] = out.background;
+          if (out.voxels[v] != 0) continue;
+          const auto value =
+              valueAt(out.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}));
+          if (value && *value >= volume.background->from && *value <= volume.background->to) out.voxels[v] = background;
         }
     }
   }
+  return out;
+}
+
+TissuePlaces tissuePlaces(const scene::SceneBody &body, const std::vector<imaging::LabelMap> &layers,
+                          const imaging::LabelMap &picked) {
+  const scene::SceneVolume &volume = body.volume;
+  const auto background = static_cast<std::uint16_t>(volume.tissues.size() + 1);
+  TissuePlaces out{body.name, volume.tissues, body.placement, picked.geometry.voxelVolume(), {}};
+  // By layer and value; behind them what has no label.
+  std::vector<std::vector<std::size_t>> entryOf(layers.size(), std::vector<std::size_t>(0x10000, 0));
+  std::vector<std::vector<std::uint16_t>> numbers;
+  for (std::size_t layer = 0; layer < layers.size(); ++layer)
+    numbers.push_back(tissueNumbers(volume, layers[layer], layer));
+  for (std::uint16_t number = 1; number <= background; ++number)
+    for (std::size_t layer = 0; layer < layers.size(); ++layer)
+      for (const imaging::LabelMap::Label &label : layers[layer].labels)
+        if (numbers[layer][label.value] == number) {
+          entryOf[layer][label.value] = out.labels.size();
+          out.labels.push_back({label.name, label.value, number - std::size_t{1}, 0, {}});
+        }
+  const std::size_t unlabelled = out.labels.size();
+  out.labels.push_back({"", 0, volume.tissues.size(), 0, {}});
+  const auto entryAt = [&](std::size_t v) {
+    for (std::size_t layer = layers.size(); layer-- > 0;) {
+      const std::uint16_t value = layers[layer].voxels[v];
+      if (value != 0 && numbers[layer][value] == picked.voxels[v]) return entryOf[layer][value];
+    }
+    return unlabelled;
+  };
+  for (std::size_t v = 0; v < picked.voxels.size(); ++v)
+    if (picked.voxels[v] != 0) ++out.labels[entryAt(v)].voxels;
+  if (out.labels.back().voxels == 0) out.labels.pop_back();
+  // An odd step does not stay in one column of the grid.
+  std::vector<std::size_t> step, seen(out.labels.size(), 0);
+  for (const LabelPlaces &label : out.labels) step.push_back((label.voxels / kMostSamples) | 1U);
+  const auto &size = picked.geometry.size;
+  std::size_t v = 0;
+  for (std::size_t k = 0; k < size[2]; ++k)
+    for (std::size_t j = 0; j < size[1]; ++j)
+      for (std::size_t i = 0; i < size[0]; ++i, ++v) {
+        if (picked.voxels[v] == 0) continue;
+        const std::size_t entry = entryAt(v);
+        if (seen[entry]++ % step[entry] != 0) continue;
+        out.labels[entry].sample.push_back(
+            picked.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}));
+      }
   return out;
 }
 

@@ -62,6 +62,9 @@ Handler declare(CLI::App &app, CommandLine &line) {
   addCount(app, "--probes-every", options.probesEvery, 1, 1000000000LL, "Steps between two rows of --probes")
       ->default_str("1");
   addFile(app, "--energies", options.energies, "FILE.csv", "Write the energies of all bodies over time as CSV");
+  addFile(app, "--tissues", options.tissues, "FILE.csv",
+          "Write what each label of bodies of many tissues has done at the end as CSV: volume, displacement, smallest "
+          "det F");
   CLI::Option *samplePoints = addFile(app, "--sample-points", options.samplePoints, "FILE.csv",
                                       "Material points to follow: a table with body, x [m], y [m], z [m]");
   CLI::Option *sampled =

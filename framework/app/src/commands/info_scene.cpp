@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "commands/info_scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <sstream>
 
+#include "c3de/abi/iface/parameter_ids.h"
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/imaging/reading.h"
@@ -13,6 +16,7 @@
 #include "c3de/session/build_scene.h"
 #include "c3de/session/progress_line.h"
 #include "c3de/session/simulator_access.h"
+#include "c3de/session/tissues.h"
 
 namespace c3de::app {
 namespace {
@@ -58,7 +62,7 @@ void describeRegions(const scene::SceneBody &body, std::ostringstream &text, Jso
   for (const scene::ScenePart &part : body.parts) {
     Json region = jsonOf(part.region);
     if (part.region.kind == scene::SceneRegion::Kind::voxels) {
-      while (tissue->isRigid) ++tissue;
+      while (tissue->isRigid || tissue->isEmpty) ++tissue;
       region = {{"label", tissue++->label}};
     }
     text << "  part " << json["parts"].size() << " in " << region.dump() << "\n";
@@ -130,15 +134,90 @@ Expected<Json> describePart(const geometry::MeshFormats &formats, const scene::S
   return json;
 }
 
-Expected<Json> describeMask(const scene::SceneFile &scene, const scene::SceneBody &body, BodySources &sources,
-                            std::ostringstream &text) {
+/// Of a number among the values of a part or body; nothing: it is not said.
+std::optional<double> numberOf(const std::vector<scene::SceneValue> &values, const std::string &id) {
+  for (const scene::SceneValue &value : values)
+    if (value.value.id == id) return value.value.num;
+  return std::nullopt;
+}
+
+std::string kiloPascal(double pascal) { return fmt::format("{:.6g}", 1e-3 * pascal); }
+
+/// What each label of a body is taken for, how stiff that is, where that comes from, and how much of it there is.
+void describeTissues(const scene::SceneBody &body, const scene::MaterialLibrary &materials, const TissuePlaces &places,
+                     std::ostringstream &text, Json &json) {
+  std::size_t part = 0;
+  json = Json::array();
+  for (std::size_t t = 0; t <= places.tissues.size(); ++t) {
+    const bool isBackground = t == places.tissues.size();
+    if (isBackground && !body.volume.background) break;
+    const scene::SceneTissue tissue = places.tissueAt(t);
+    const bool isPart = !isBackground && !tissue.isRigid && !tissue.isEmpty;
+    Json one{{"label", tissue.label}, {"labels", Json::array()}};
+    std::size_t voxels = 0;
+    std::string labels;
+    for (const LabelPlaces &label : places.labels) {
+      if (label.tissue != t) continue;
+      voxels += label.voxels;
+      if (label.value == 0) continue;
+      one["labels"].push_back(Json{{"value", label.value}, {"name", label.name}, {"voxels", label.voxels}});
+      labels += (labels.empty() ? "" : ", ") + label.name;
+    }
+    if (tissue.isEmpty)
+      for (const scene::SceneLabel &label : tissue.labels) {
+        one["labels"].push_back(Json{{"value", label.value}, {"name", label.name}, {"voxels", 0}});
+        labels += (labels.empty() ? "" : ", ") + label.name;
+      }
+    const double millilitres = 1e-3 * places.voxel_mm3 * static_cast<double>(voxels);
+    text << "  tissue " << tissue.label << ": ";
+    one["rigid"] = tissue.isRigid;
+    one["empty"] = tissue.isEmpty;
+    if (isPart) one["part"] = part;
+    if (tissue.isRigid) text << "rigid";
+    if (tissue.isEmpty) text << "empty";
+    if (isPart || isBackground) {
+      const std::vector<scene::SceneValue> &values = isPart ? body.parts[part++].params : body.params;
+      const auto stiffness = numberOf(values, C3DE_PARAM_ID_YOUNGS_MODULUS);
+      const auto low = numberOf(values, C3DE_PARAM_ID_YOUNGS_MODULUS_LOW);
+      const auto high = numberOf(values, C3DE_PARAM_ID_YOUNGS_MODULUS_HIGH);
+      text << (stiffness ? kiloPascal(*stiffness) + " kPa" : std::string("stiffness of the simulator"));
+      if (stiffness) one["youngs_modulus"] = *stiffness;
+      if (low && high) {
+        text << " (" << kiloPascal(*low) << " … " << kiloPascal(*high) << ")";
+        one["youngs_modulus_range"] = {*low, *high};
+      }
+    }
+    if (const scene::MaterialPreset *preset = materials.find(tissue.preset)) {
+      text << ", " << preset->name << " (" << preset->source << ")";
+      one["material"] = preset->name;
+      one["source"] = preset->source;
+    }
+    if (!tissue.remark.empty()) {
+      text << "; " << tissue.remark;
+      one["remark"] = tissue.remark;
+    }
+    text << "\n    " << voxels << " voxels, " << millilitres << " ml" << (labels.empty() ? "" : " of ") << labels
+         << "\n";
+    one["voxels"] = voxels;
+    one["volume_ml"] = millilitres;
+    json.push_back(std::move(one));
+  }
+}
+
+Expected<Json> describeMask(const scene::SceneFile &scene, const scene::SceneBody &body,
+                            const scene::MaterialLibrary &materials, BodySources &sources, std::ostringstream &text) {
   Preparation took;
   const auto picked = sources.pick(body.volume, {}, took);
   if (!picked) return failInScene(picked.error(), scene, body.line);
   const std::size_t voxels = imaging::voxelCount(picked->mask);
   const double millilitres = imaging::volumeOf(picked->mask) / 1000.0;
   text << "  volume " << body.volume.file.string() << ": " << voxels << " voxels, " << millilitres << " ml\n";
-  return Json{{"file", body.volume.file.string()}, {"voxels", voxels}, {"volume_ml", millilitres}};
+  Json json{{"file", body.volume.file.string()}, {"voxels", voxels}, {"volume_ml", millilitres}};
+  if (!picked->tissues) return json;
+  const auto places = sources.placesOf(body, *picked);
+  if (!places) return failInScene(places.error(), scene, body.line);
+  describeTissues(body, materials, *places, text, json["tissues"]);
+  return json;
 }
 
 /// What the simulator has made of a body; nothing where it does not say.
@@ -229,14 +308,14 @@ Expected<Json> describeSceneImage(const scene::SceneFile &scene, std::ostringstr
 }
 
 /// @param simulator  with the bodies; null: they were not built
-Expected<void> describeBodies(const geometry::MeshFormats &formats, const scene::SceneFile &scene,
-                              c3de_object *simulator, BodySources &sources, std::ostringstream &text, Json &json) {
+Expected<void> describeBodies(Session &session, const scene::SceneFile &scene, c3de_object *simulator,
+                              BodySources &sources, std::ostringstream &text, Json &json) {
   json["bodies"] = Json::array();
   for (const scene::SceneBody &body : scene.bodies) {
     text << "body \"" << body.name << "\"\n";
-    const auto source = body.mesh.empty()
-                            ? describeMask(scene, body, sources, text)
-                            : describePart(formats, scene, body.line, body.mesh, body.meshUnit, true, text);
+    const auto source =
+        body.mesh.empty() ? describeMask(scene, body, session.materials(), sources, text)
+                          : describePart(session.meshFormats(), scene, body.line, body.mesh, body.meshUnit, true, text);
     if (!source) return tl::unexpected(source.error());
     Json one{{"name", body.name}, {body.mesh.empty() ? "volume" : "mesh", *source}, {"params", Json::object()}};
     if (simulator != nullptr) describeBuilt(simulator, json["bodies"].size(), text, one);
@@ -386,10 +465,13 @@ void describeGrasps(const scene::SceneFile &scene, std::ostringstream &text, Jso
 }  // namespace
 
 Expected<Described> describeScene(Session &session, const std::filesystem::path &file, bool isQuick) {
-  const auto scene = scene::loadScene(file, &session.materials());
+  auto scene = scene::loadScene(file, &session.materials());
   if (!scene) return tl::unexpected(scene.error());
   Described out;
   BodySources sources;
+  Preparation took;
+  if (auto settled = settleTissues(*scene, session.materials(), sources, {}, took); !settled)
+    return tl::unexpected(settled.error());
   std::string howFar;
   const auto built = checkLikeRun(session, *scene, isQuick, sources, howFar, out.json);
   if (!built) return tl::unexpected(built.error());
@@ -405,7 +487,7 @@ Expected<Described> describeScene(Session &session, const std::filesystem::path 
     if (!image) return tl::unexpected(image.error());
     out.json["image"] = std::move(*image);
   }
-  if (auto good = describeBodies(session.meshFormats(), *scene, built->get(), sources, text, out.json); !good)
+  if (auto good = describeBodies(session, *scene, built->get(), sources, text, out.json); !good)
     return tl::unexpected(good.error());
   describeSupports(*scene, text, out.json);
   if (auto good = describeObstacles(session.meshFormats(), *scene, text, out.json); !good)

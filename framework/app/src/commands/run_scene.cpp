@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <span>
 #include <utility>
@@ -109,6 +110,7 @@ std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const sc
                                          options.saveState,
                                          options.sampled,
                                          options.energies,
+                                         options.tissues,
                                          options.exportImage.image,
                                          options.exportImage.displacement,
                                          vacatedFile(options.exportImage.displacement)};
@@ -121,7 +123,10 @@ std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const sc
 std::vector<std::filesystem::path> inputsOf(const RunOptions &options, const scene::SceneFile &scene) {
   std::vector<std::filesystem::path> all{options.scene, options.fromState, options.samplePoints};
   all.insert(all.end(), options.session.pluginFiles.begin(), options.session.pluginFiles.end());
-  for (const scene::SceneBody &body : scene.bodies) all.insert(all.end(), {body.mesh, body.volume.file});
+  for (const scene::SceneBody &body : scene.bodies) {
+    all.insert(all.end(), {body.mesh, body.volume.file});
+    if (body.volume.background) all.push_back(body.volume.background->image);
+  }
   for (const scene::SceneObstacle &obstacle : scene.obstacles) all.push_back(obstacle.mesh);
   if (scene.image) {
     all.push_back(scene.image->file);
@@ -246,6 +251,9 @@ Expected<PictureView> checkBeforeBuilding(const RunOptions &options, const scene
   if (!options.exportSurface.empty())
     if (const auto writable = checkSurfaceExport(formats, options.exportSurface, namesOf(scene)); !writable)
       return tl::unexpected(writable.error());
+  if (!options.tissues.empty() && std::none_of(scene.bodies.begin(), scene.bodies.end(),
+                                               [](const scene::SceneBody &body) { return body.volume.hasTissues(); }))
+    return fail(ErrorCode::usage, "--tissues needs a body with tissues, and " + scene.where(1) + " has none");
   if (const auto good = checkFiles(options, &scene); !good) return tl::unexpected(good.error());
   if (const auto good = checkImageExport(options.exportImage, scene); !good) return tl::unexpected(good.error());
   return viewAsked(options, scene);
@@ -317,6 +325,20 @@ std::vector<SkinVolume> skinVolumes(Session &session, c3de_object *simulator) {
     volumes.push_back({kCubicMetres * signedVolume(reference), kCubicMetres * signedVolume(body.skin)});
   }
   return volumes;
+}
+
+/// What labels have done, for report and table.
+void followTissues(const RunOptions &options, c3de_object *simulator, const c3de_simulator_v1 *table, RunFacts &facts,
+                   WrittenOutputs &outputs) {
+  if (options.report.empty() && options.tissues.empty()) return;
+  auto motions = tissueMotions(table, simulator, facts.prepared.tissues);
+  if (motions)
+    facts.tissues = std::move(*motions);
+  else
+    log(LogLevel::warn, "tissues: " + motions.error().message);
+  if (!options.tissues.empty())
+    outputs.note(options.tissues, motions ? writeTissueTable(options.tissues, facts.tissues)
+                                          : Expected<void>(tl::unexpected(motions.error())));
 }
 
 /// How far the end state is off. Of a run that did not come to its end nothing is verified.
@@ -400,6 +422,7 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
     if (const auto notices = noticesOf(*simulatorJson)) facts.notices = *notices;
   writeSampledPoints(options, points, session, simulator.get(), run, outputs);
   if (!options.report.empty()) facts.skinVolumes = skinVolumes(session, simulator.get());
+  followTissues(options, simulator.get(), *table, facts, outputs);
   if (!options.report.empty()) outputs.note(options.report, writeReport(options, facts, run));
   if (!options.saveState.empty()) {
     const auto state = stateBytes(session, simulator.get(), *chosen);

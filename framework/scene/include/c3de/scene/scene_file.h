@@ -70,11 +70,23 @@ struct SceneRefinement {
   int line = 0;
 };
 
+/// A label of a label map that has been read.
+struct SceneLabel {
+  std::size_t layer = 0;    ///< of the map, from 0
+  std::uint16_t value = 0;  ///< in that layer
+  std::string name;
+};
+
 /// Labels of a label map that are one tissue of a body.
 struct SceneTissue {
-  std::string label;               ///< a name, '*' for any text, or a number
+  std::string label;               ///< a name, '*' for any text, or a number; of tissues = "known" the tissue
+  bool isByName = false;           ///< what it is of follows from the names of its labels, which are not read yet
   bool isRigid = false;            ///< it does not move
-  std::vector<SceneValue> params;  ///< ids "material.…"; of a rigid one none
+  bool isEmpty = false;            ///< air: like what has no label
+  std::vector<SceneValue> params;  ///< ids "material.…"; none where it is rigid or empty
+  std::string preset;              ///< that the material began with; empty: none
+  std::string remark;              ///< NamedTissue::remark
+  std::vector<SceneLabel> labels;  ///< once the map has been read: those that are of it
   int line = 0;
 };
 
@@ -96,9 +108,16 @@ struct SceneVolume {
   std::optional<std::array<double, 2>> threshold;  ///< lowest and highest value that belong to it
   /// Instead of one label: a body of many tissues. A label is of the first of them that names it.
   std::vector<SceneTissue> tissues;
+  bool takesKnownTissues = false;             ///< tissues are those whose names are known, once the map has been read
+  bool isSettled = false;                     ///< SceneTissue::labels are known, and parts are made of the tissues
+  std::vector<std::string> overridesOfParts;  ///< `--set` of parts that are not made yet, in their order
   std::optional<SceneBackground> background;  ///< its material is that of the body
   imaging::Mending mend;
   double edgeLength_mm = 0.0;  ///< of the triangles of the skin; 0: automatic
+
+  [[nodiscard]] bool hasTissues() const { return takesKnownTissues || !tissues.empty(); }
+  /// Whether the parts of the tissues follow from names that have not been read yet.
+  [[nodiscard]] bool isOpen() const;
 };
 
 /// What of an image does not go with the bodies beside it.
@@ -285,6 +304,13 @@ struct SceneFile {
 [[nodiscard]] Expected<std::vector<ParameterValue>> fitToDeclarations(const SceneFile &scene,
                                                                       const std::vector<SceneValue> &values,
                                                                       const std::vector<ParameterDecl> &decls);
+
+/// A tissue gets the material of its labels' names, or is rigid or empty; its name is not known, or its preset is not
+/// among the materials: false.
+[[nodiscard]] bool nameTissue(SceneTissue &tissue, std::string_view label, const MaterialLibrary &materials);
+/// Makes the parts of a body from its tissues, of which none is open. Errors (ErrorCode::input, without a place): all
+/// are rigid or empty.
+[[nodiscard]] Expected<void> makeTissueParts(SceneBody &body);
 
 /// "m", "mm" or "cm"; the error says what is accepted.
 [[nodiscard]] Expected<geometry::LengthUnit> parseLengthUnit(std::string_view name);

@@ -20,6 +20,7 @@
 #include "c3de/scene/scene_file.h"
 #include "c3de/session/coverage.h"
 #include "c3de/session/preparation.h"
+#include "c3de/session/tissue_places.h"
 
 namespace c3de::session {
 
@@ -31,8 +32,10 @@ struct BodyGeometry {
   Coverage coverage;                           ///< of the mask; of a mesh: nothing
   std::optional<std::array<float, 3>> colour;  ///< linear RGB of its label; none: it is of no label
   Preparation took;                            ///< what was done for it
-  /// Of a body of many tissues: of each that is not rigid, in the order of SceneVolume::tissues
+  /// Of a body of many tissues: of each that has a part, in the order of SceneVolume::tissues; null: nothing is left of
+  /// one that only its name has brought
   std::vector<std::shared_ptr<const imaging::Fill>> tissues;
+  std::shared_ptr<TissuePlaces> places;        ///< of such a body
   std::shared_ptr<const imaging::Fill> rigid;  ///< of those that are; null: none is
 };
 
@@ -40,7 +43,7 @@ struct BodyGeometry {
 struct PickedVoxels {
   imaging::Mask mask;
   std::optional<std::array<float, 3>> colour;        ///< linear RGB of its label; none: it is of no label
-  std::shared_ptr<const imaging::LabelMap> tissues;  ///< PickedTissues::voxels; null: it is of one tissue
+  std::shared_ptr<const imaging::LabelMap> tissues;  ///< pickTissues(), of what is of the body; null: of one tissue
 };
 
 /// Images and label maps that the bodies of a scene come from, each file read once. One thread at a time.
@@ -50,6 +53,8 @@ class BodySources {
   /// @param took  reading and masks are added
   [[nodiscard]] Expected<PickedVoxels> pick(const scene::SceneVolume &volume, const ProgressFn &progress,
                                             Preparation &took);
+  /// Where the labels of a body of many tissues are.
+  [[nodiscard]] Expected<TissuePlaces> placesOf(const scene::SceneBody &body, const PickedVoxels &picked);
   using Layers = std::vector<imaging::LabelMap>;
   /// An image, or the layers of a label map as a whole, at the time point of the options. Errors are those of the
   /// readers.
@@ -76,6 +81,7 @@ class BodySources {
 
 /// Gives a geometry what its tissues fill.
 /// @param points  as of bodyGeometryOf()
+/// Errors: a tissue that the scene names has no voxel.
 [[nodiscard]] Expected<void> addTissues(const scene::SceneVolume &volume, const imaging::LabelMap &tissues,
                                         double points, BodyGeometry &geometry);
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "c3de/session/coverage.h"
+#include "c3de/session/tissue_places.h"
 
 namespace c3de::session {
 
@@ -29,7 +30,8 @@ struct Preparation {
 /// What there is to say about the bodies of a scene when they are made.
 struct Prepared {
   Preparation took;
-  std::vector<Coverage> coverage;  ///< of the bodies that were made from images, in their order
+  std::vector<Coverage> coverage;     ///< of the bodies that were made from images, in their order
+  std::vector<TissuePlaces> tissues;  ///< of the bodies of many tissues, in their order
 };
 
 /// Adds the wall time of its life to a number.

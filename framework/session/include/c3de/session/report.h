@@ -11,6 +11,7 @@
 #include "c3de/session/preparation.h"
 #include "c3de/session/simulator_identity.h"
 #include "c3de/session/step_times.h"
+#include "c3de/session/tissue_motion.h"
 
 namespace c3de::session {
 
@@ -33,6 +34,7 @@ struct RunFacts {
   /// The simulator's report before the first step; empty: not asked for
   std::string startReport;
   std::vector<SkinVolume> skinVolumes;  ///< of the bodies in their order; empty: not known
+  std::vector<TissueMotion> tissues;    ///< of the bodies of many tissues
   bool isLoadStepped = false;           ///< a quasi-static solution: steps increase the load, there is no time
   SimulatorIdentity simulator;
   std::uint64_t stateHash = 0;

@@ -26,7 +26,7 @@ struct RunOptions {
   std::vector<std::string> overrides;  ///< PATH=VALUE
   std::filesystem::path report, probes, screenshot;  ///< empty: not wanted
   std::uint64_t probesEvery = 1;                     ///< steps
-  std::filesystem::path energies;                    ///< empty: not wanted
+  std::filesystem::path energies, tissues;           ///< empty: not wanted
   std::filesystem::path exportList, exportSurface;   ///< empty: not wanted
   std::filesystem::path fromState, saveState;        ///< empty: not wanted
   std::filesystem::path samplePoints, sampled;       ///< points to follow, and where they are at the end; or empty

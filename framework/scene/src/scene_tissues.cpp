@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// From the tissues of a body to the materials of its parts.
+#include <algorithm>
+#include <utility>
+
+#include "c3de/scene/material_names.h"
+#include "scene_reader.h"
+
+namespace c3de::scene {
+
+bool SceneVolume::isOpen() const {
+  return !isSettled && (takesKnownTissues || std::any_of(tissues.begin(), tissues.end(),
+                                                         [](const SceneTissue &tissue) { return tissue.isByName; }));
+}
+
+std::vector<SceneValue> valuesOf(const MaterialPreset &preset) {
+  std::vector<SceneValue> values;
+  const auto number = [&](const char *id, double num, bool isOptional) {
+    ParameterValue parameter;
+    parameter.id = id;
+    parameter.num = num;
+    values.push_back({std::move(parameter), 0, {}, isOptional});
+  };
+  number(C3DE_PARAM_ID_DENSITY, preset.density, false);
+  number(C3DE_PARAM_ID_YOUNGS_MODULUS, preset.youngsModulus, false);
+  number(C3DE_PARAM_ID_POISSON_RATIO, preset.poissonRatio, false);
+  // Beside what the tissue is taken for, what is known of it; not every simulator shows that.
+  number(C3DE_PARAM_ID_YOUNGS_MODULUS_LOW, preset.youngsModulusMin, true);
+  number(C3DE_PARAM_ID_YOUNGS_MODULUS_HIGH, preset.youngsModulusMax, true);
+  return values;
+}
+
+bool nameTissue(SceneTissue &tissue, std::string_view label, const MaterialLibrary &materials) {
+  const auto named = tissueOf(materials, label);
+  if (!named) return false;
+  tissue.isByName = false;
+  tissue.isRigid = named->isRigid();
+  tissue.isEmpty = named->isEmpty();
+  tissue.remark = named->remark;
+  if (tissue.isEmpty) return true;
+  tissue.preset = named->preset->name;
+  if (tissue.isRigid) return true;
+  tissue.params = valuesOf(*named->preset);
+  for (SceneValue &value : tissue.params) value.line = tissue.line;
+  return true;
+}
+
+Expected<void> makeTissueParts(SceneBody &body) {
+  std::vector<ScenePart> parts;
+  for (const SceneTissue &tissue : body.volume.tissues) {
+    if (tissue.isRigid || tissue.isEmpty) continue;
+    ScenePart part;
+    part.region.kind = SceneRegion::Kind::voxels;
+    part.params = tissue.params;
+    part.line = tissue.line;
+    parts.push_back(std::move(part));
+  }
+  if (parts.empty() && !body.volume.background)
+    return fail(ErrorCode::input,
+                "all tissues are rigid or empty, so nothing of the body can move; accepted: one tissue at least with a "
+                "material, or a 'background'");
+  // Where no part is, the body is of its background; what an override has said counts.
+  if (!body.volume.background)
+    for (const SceneValue &value : parts.front().params)
+      if (std::none_of(body.params.begin(), body.params.end(),
+                       [&](const SceneValue &said) { return said.value.id == value.value.id; }))
+        body.params.push_back(value);
+  body.parts.insert(body.parts.begin(), parts.begin(), parts.end());
+  return {};
+}
+
+}  // namespace c3de::scene

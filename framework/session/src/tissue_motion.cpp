@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/session/tissue_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "c3de/core/csv.h"
+#include "c3de/core/output_file.h"
+#include "c3de/core/text.h"
+#include "c3de/imaging/displacement.h"
+#include "c3de/imaging/warp_grid.h"
+#include "c3de/scene/simulation.h"
+#include "c3de/session/displacement_sampler.h"
+
+namespace c3de::session {
+namespace {
+
+using Mat3 = std::array<Vec3, 3>;  // columns
+
+constexpr double kMargin = 1.0;    // spacings around the bodies
+constexpr double kRim = 1000.0;    // spacings: within the margin the displacement goes on as it is at the border
+constexpr double kFineness = 0.5;  // of the grid that images go by: steps of a quarter of the spacing
+
+double determinant(const Mat3 &m) { return dot(m[0], cross(m[1], m[2])); }
+
+/// m y = b; the determinant is not 0.
+Vec3 solved(const Mat3 &m, const Vec3 &b) {
+  const double d = 1.0 / determinant(m);
+  return {d * dot(b, cross(m[1], m[2])), d * dot(m[0], cross(b, m[2])), d * dot(m[0], cross(m[1], b))};
+}
+
+/// From the scan to where the body is placed at rest, mm.
+Mat4 matrixOf(const scene::ScenePlacement &placement) {
+  if (placement.matrix) {
+    Mat4 m = *placement.matrix;
+    for (const std::size_t i : {12, 13, 14}) m[i] *= scene::kMillimetresPerMetre;
+    return m;
+  }
+  Mat4 m = kIdentity4;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double angle = placement.rotation_deg[axis] * std::numbers::pi / 180.0;
+    const std::size_t b = (axis + 1) % 3, c = (axis + 2) % 3;
+    Mat4 turn = kIdentity4;
+    turn[5 * b] = turn[5 * c] = std::cos(angle);
+    turn[4 * b + c] = std::sin(angle);
+    turn[4 * c + b] = -std::sin(angle);
+    m = multiply(turn, m);
+  }
+  for (std::size_t i = 0; i < 12; ++i) m[i] *= i % 4 == 3 ? 1.0 : placement.scale;
+  for (std::size_t axis = 0; axis < 3; ++axis) m[12 + axis] = scene::kMillimetresPerMetre * placement.position_m[axis];
+  return m;
+}
+
+/// Finds material points again in a displacement that is told by present places.
+class Follower {
+ public:
+  /// @param reference  around all that will be followed
+  Follower(const imaging::DisplacementGrid &u, const imaging::WorldBox &reference) : u_(u), low_(reference.low) {
+    const Vec3 steps = u.geometry.spacing();
+    step_ = std::min({steps[0], steps[1], steps[2]});
+    for (std::size_t a = 0; a < 3; ++a)
+      size_[a] = static_cast<std::size_t>((reference.high[a] - low_[a]) / (2.0 * step_)) + 1;
+    seeds_.assign(size_[0] * size_[1] * size_[2], Vec3{std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0});
+    std::size_t p = 0;
+    const auto &n = u.geometry.size;
+    for (std::size_t k = 0; k < n[2]; ++k)
+      for (std::size_t j = 0; j < n[1]; ++j)
+        for (std::size_t i = 0; i < n[0]; ++i, ++p) {
+          // A gap: the displacement leads to where this material is no more.
+          if (u.gap_mm[p] > u.leastGap()) continue;
+          const Vec3 d{u.xyz_mm[3 * p], u.xyz_mm[3 * p + 1], u.xyz_mm[3 * p + 2]};
+          const Vec3 x = u.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+          if (const auto cell = cellOf(x - d, {})) seeds_[*cell] = x;
+        }
+  }
+
+  struct Found {
+    Vec3 displacement{};
+    double J = 1.0;  ///< det F
+  };
+  /// Nothing: the displacement does not lead there.
+  [[nodiscard]] std::optional<Found> find(const Vec3 &X) const {
+    Vec3 x = seedOf(X);
+    const auto miss = [&] { return X - (x - u_.at(x)); };
+    Vec3 missing = miss();
+    // Newton's method: exact where motion is affine, however far the body has turned.
+    for (int i = 0; i < 16 && norm(missing) > kClose * step_; ++i) {
+      const Mat3 slope = inverseGradient(x);
+      if (determinant(slope) == 0.0) return std::nullopt;
+      Vec3 way = solved(slope, missing);
+      if (const double length = norm(way); length > 2.0 * step_) way = (2.0 * step_ / length) * way;
+      x = x + way;
+      missing = miss();
+    }
+    const double J = 1.0 / determinant(inverseGradient(x));
+    if (!(norm(missing) <= kEnough * step_) || !std::isfinite(J)) return std::nullopt;
+    return Found{x - X, J};
+  }
+
+ private:
+  static constexpr double kClose = 1e-4, kEnough = 0.05;  // of a step
+
+  /// dX/dx
+  [[nodiscard]] Mat3 inverseGradient(const Vec3 &x) const {
+    Mat3 out{};
+    const double h = 0.5 * step_;
+    for (std::size_t a = 0; a < 3; ++a) {
+      Vec3 way{};
+      way[a] = h;
+      out[a] = (-0.5 / h) * (u_.at(x + way) - u_.at(x - way));
+      out[a][a] += 1.0;
+    }
+    return out;
+  }
+  [[nodiscard]] std::optional<std::size_t> cellOf(const Vec3 &X, const std::array<int, 3> &beside) const {
+    std::array<std::size_t, 3> at{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double cell = std::floor((X[a] - low_[a]) / (2.0 * step_)) + beside[a];
+      if (!(cell >= 0.0 && cell < static_cast<double>(size_[a]))) return std::nullopt;
+      at[a] = static_cast<std::size_t>(cell);
+    }
+    return at[0] + size_[0] * (at[1] + size_[1] * at[2]);
+  }
+  [[nodiscard]] Vec3 seedOf(const Vec3 &X) const {
+    Vec3 nearest = X;
+    int least = 4;
+    for (int k = -1; k <= 1; ++k)
+      for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i) {
+          const int far = std::abs(i) + std::abs(j) + std::abs(k);
+          const auto cell = cellOf(X, {i, j, k});
+          if (far >= least || !cell || std::isnan(seeds_[*cell][0])) continue;
+          least = far;
+          nearest = seeds_[*cell];
+        }
+    return nearest;
+  }
+
+  const imaging::DisplacementGrid &u_;
+  Vec3 low_;
+  double step_ = 1.0;
+  std::array<std::size_t, 3> size_{};
+  std::vector<Vec3> seeds_;  ///< present places by cells of the reference, two steps wide; NaN: none
+};
+
+}  // namespace
+
+void LabelMotion::add(const LabelMotion &other) {
+  reference_m3 += other.reference_m3;
+  end_m3 += other.end_m3;
+  if (other.isKnown()) minJ = isKnown() ? std::min(minJ, other.minJ) : other.minJ;
+  largestDisplacement_m = std::max(largestDisplacement_m, other.largestDisplacement_m);
+  displacementSum_m += other.displacementSum_m;
+  followed += other.followed;
+  sample += other.sample;
+}
+
+LabelMotion TissueMotion::ofTissue(std::size_t tissue) const {
+  LabelMotion all;
+  double mean_m4 = 0.0;  // the volumes behind samples differ
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    if (places.labels[i].tissue == tissue) {
+      all.add(labels[i]);
+      if (labels[i].isKnown()) mean_m4 += labels[i].reference_m3 * labels[i].meanDisplacement_m();
+    }
+  if (all.isKnown()) all.displacementSum_m = mean_m4 / all.reference_m3 * static_cast<double>(all.followed);
+  return all;
+}
+
+Expected<std::vector<TissueMotion>> tissueMotions(const c3de_simulator_v1 *table, c3de_object *simulator,
+                                                  const std::vector<TissuePlaces> &bodies) {
+  if (bodies.empty()) return std::vector<TissueMotion>{};
+  const PresentBodies present = presentBodies(table, simulator);
+  imaging::FollowingGrid grid({.mostPoints = 144, .coarsestStep = std::numeric_limits<double>::infinity()});
+  grid.follow(present.box, kFineness * present.spacing_mm, kMargin * present.spacing_mm);
+  imaging::DisplacementGrid u;
+  u.geometry = grid.geometry();
+  if (!readDisplacement(table, simulator, kRim * present.spacing_mm, u))
+    return fail(ErrorCode::state, "the simulator does not say how far its bodies have moved");
+  std::vector<TissueMotion> all;
+  for (const TissuePlaces &places : bodies) {
+    const Mat4 placed = matrixOf(places.placement);
+    const double scale3 = determinant(
+        {Vec3{placed[0], placed[1], placed[2]}, {placed[4], placed[5], placed[6]}, {placed[8], placed[9], placed[10]}});
+    imaging::WorldBox box;
+    for (const LabelPlaces &label : places.labels)
+      for (const Vec3 &X : label.sample) box.add(transformPoint(placed, X));
+    TissueMotion motion{places, {}};
+    motion.labels.resize(places.labels.size());
+    if (box.isEmpty()) {
+      all.push_back(std::move(motion));
+      continue;
+    }
+    const Follower follower(u, box);
+    for (std::size_t i = 0; i < places.labels.size(); ++i) {
+      const LabelPlaces &label = places.labels[i];
+      LabelMotion &out = motion.labels[i];
+      out.reference_m3 = 1e-9 * std::abs(scale3) * places.voxel_mm3 * static_cast<double>(label.voxels);
+      out.sample = label.sample.size();
+      double sum = 0.0;
+      for (const Vec3 &scanned : label.sample) {
+        const auto found = follower.find(transformPoint(placed, scanned));
+        if (!found) continue;
+        const double way_m = norm(found->displacement) / scene::kMillimetresPerMetre;
+        out.minJ = out.followed == 0 ? found->J : std::min(out.minJ, found->J);
+        out.largestDisplacement_m = std::max(out.largestDisplacement_m, way_m);
+        out.displacementSum_m += way_m;
+        sum += found->J;
+        ++out.followed;
+      }
+      if (out.isKnown()) out.end_m3 = out.reference_m3 * sum / static_cast<double>(out.followed);
+    }
+    all.push_back(std::move(motion));
+  }
+  return all;
+}
+
+Expected<void> writeTissueTable(const std::filesystem::path &file, const std::vector<TissueMotion> &bodies) {
+  std::string text =
+      "body,label,name,tissue,material,rigid,voxels,volume [m3],volume at the end [m3],mean displacement "
+      "[m],largest displacement [m],min J\n";
+  for (const TissueMotion &body : bodies)
+    for (std::size_t i = 0; i < body.labels.size(); ++i) {
+      const LabelPlaces &label = body.places.labels[i];
+      const LabelMotion &motion = body.labels[i];
+      const scene::SceneTissue tissue = body.places.tissueAt(label.tissue);
+      text += csvCell(body.places.body) + ',' + (label.value == 0 ? "" : std::to_string(label.value)) + ',' +
+              csvCell(label.name) + ',' + csvCell(tissue.label) + ',' + csvCell(tissue.preset) + ',' +
+              (tissue.isRigid ? "true" : "false") + ',' + std::to_string(label.voxels) + ',' +
+              formatNumber(motion.reference_m3);
+      if (motion.isKnown())
+        for (const double x : {motion.end_m3, motion.meanDisplacement_m(), motion.largestDisplacement_m, motion.minJ})
+          text += ',' + formatNumber(x);
+      else
+        text += ",,,,";
+      text += '\n';
+    }
+  return writeWholeFile(file, text);
+}
+
+}  // namespace c3de::session

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bodies of many tissues as scenes say them; what follows from the map is tested where it is read.
+#include "scene_text.h"
+
+using namespace c3de;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::string bodyWith(const std::string &tissues, const std::string &more = "") {
+  return "format = 1\n[[body]]\nname = \"scan\"\nvolume = \"beam.obj\"\ntissues = " + tissues + "\n" + more;
+}
+
+}  // namespace
+
+TEST_CASE("Tissues that say their materials have parts at once", "[tissues]") {
+  const auto scene =
+      parse(bodyWith("[ { label = \"liver\", material = \"spleen\" }, { label = \"a*\", rigid = true } ]"));
+  REQUIRE(scene);
+  const scene::SceneBody &body = scene->bodies.front();
+  CHECK_FALSE(body.volume.isOpen());
+  REQUIRE(body.parts.size() == 1);
+  CHECK(body.volume.tissues[0].preset == "spleen");
+  CHECK(findValue(body.parts[0].params, "material.youngs_modulus")->value.num == 3000.0);
+  // Without a background the body is of the first.
+  CHECK(findValue(body.params, "material.youngs_modulus")->value.num == 3000.0);
+}
+
+TEST_CASE("Tissues that only say a name wait for the map, and so do overrides of their parts", "[tissues]") {
+  for (const char *tissues :
+       {"\"known\"", "[ { label = \"Left Kidney\" }, { label = \"rib*\" } ]", "[ { label = 3 } ]"}) {
+    CAPTURE(tissues);
+    auto scene = parse(bodyWith(tissues));
+    REQUIRE(scene);
+    CHECK(scene->bodies.front().volume.isOpen());
+    CHECK(scene->bodies.front().parts.empty());
+    const std::string assignment = "body.scan.parts.7.material.youngs_modulus = 9e3";
+    REQUIRE(scene::applyOverride(*scene, assignment, &presets()));
+    CHECK(scene->bodies.front().volume.overridesOfParts == std::vector<std::string>{assignment});
+    const auto whole = scene::applyOverride(*scene, "body.scan.tissues=known", &presets());
+    REQUIRE_FALSE(whole);
+    CHECK_THAT(whole.error().message, Contains("cannot be changed here"));
+  }
+}
+
+TEST_CASE("A tissue by a name that is not known is refused where it stands", "[tissues]") {
+  CHECK_THAT(errorOf(bodyWith("[ { label = \"livr\" } ]")),
+             Contains("test.toml:5: no tissue is known by the name 'livr'; did you mean 'liver'?"));
+  CHECK_THAT(errorOf(bodyWith("[ { label = \"livr\", rigid = false } ]")), Contains("did you mean 'liver'?"));
+  CHECK_THAT(errorOf(bodyWith("\"konwn\"")), Contains("tissues is \"konwn\"; accepted: \"known\", or a list"));
+  CHECK_THAT(errorOf(bodyWith("3")), Contains("tissues is") && Contains("accepted: \"known\", or ["));
+  CHECK_THAT(errorOf(bodyWith("[]")), Contains("tissues is empty"));
+  CHECK_THAT(errorOf(bodyWith("\"known\"", "label = 3\n")), Contains("'tissues' and 'label'"));
+  CHECK_THAT(errorOf(bodyWith("\"known\"", "material = \"liver\"\n")), Contains("'tissues' and 'material'"));
+  CHECK_THAT(errorOf(bodyWith("[ { label = \"liver\", rigid = true, material = \"fat\" } ]")),
+             Contains("has a material and is rigid"));
+}
+
+TEST_CASE("Parts of tissues leave what an override has said of the body", "[tissues]") {
+  auto scene = parse(bodyWith("\"known\""));
+  REQUIRE(scene);
+  REQUIRE(scene::applyOverride(*scene, "body.scan.material.youngs_modulus=77", &presets()));
+  scene::SceneBody &body = scene->bodies.front();
+  for (const char *label : {"trachea", "vertebrae_L1", "liver", "csf"}) {
+    body.volume.tissues.emplace_back();
+    REQUIRE(scene::nameTissue(body.volume.tissues.back(), label, presets()));
+  }
+  REQUIRE(scene::makeTissueParts(body));
+  REQUIRE(body.parts.size() == 2);
+  CHECK(findValue(body.parts[0].params, "material.youngs_modulus")->value.num == 6000.0);
+  CHECK(findValue(body.parts[1].params, "material.youngs_modulus")->value.num == 10.0);
+  CHECK(findValue(body.params, "material.youngs_modulus")->value.num == 77.0);
+  CHECK(findValue(body.params, "material.density")->value.num == 1060.0);
+  body.volume.tissues.resize(2);  // air and bone
+  body.parts.clear();
+  const auto none = scene::makeTissueParts(body);
+  REQUIRE_FALSE(none);
+  CHECK_THAT(none.error().message, Contains("all tissues are rigid or empty"));
+}
