@@ -198,6 +198,12 @@ TEST_CASE("Labels without a material are told apart in the map, and an override 
   const auto scene =
       writeFile(folder / "scene.toml", barScene("[ { label = \"liver*\" }, { label = \"rib*\" }, { label = 3 } ]"))
           .string();
+  const nlohmann::json rib = tissueOf(runToReport(scene, {"--steps", "1"}), "rib*");
+  CHECK(rib["rigid"] == true);
+  CHECK(rib["labels"] == nlohmann::json{"rib_left_1", "rib_left_2"});
+  CHECK(rib["material"] == "bone_cortical");
+  CHECK(rib["displacement_m"]["max"] == 0.0);
+  CHECK(rib["min_J"] == 1.0);
   const auto mass = [&](const std::string &set) {
     return runToReport(scene, {"--steps", "1", "--set", "body.bar.parts." + set})["bodies"][0]["mass_kg"].get<double>();
   };

@@ -24,8 +24,7 @@ constexpr Tissue kLiver{"liver", "liver"}, kLiverTumour{"liver tumour", "liver_h
     kHepaticArtery{"hepatic artery", "hepatic_artery"}, kArtery{"artery", "aorta"}, kHeart{"heart", "heart_passive"},
     kLung{"lung", "lung_inflated"}, kMuscle{"muscle", "muscle_skeletal_rest"}, kSkin{"skin", "skin"},
     kFat{"fat", "fat"}, kCartilage{"cartilage", "cartilage"}, kBone{"bone", "bone_cortical"},
-    kGreyMatter{"grey matter", "brain_grey"}, kWhiteMatter{"white matter", "brain_white"},
-    kFluid{"cerebrospinal fluid", "csf"};
+    kGreyMatter{"grey matter", "brain_grey"}, kWhiteMatter{"white matter", "brain_white"};
 // No preset of their own: the nearest one, and why.
 constexpr Tissue kTumour{"tumour", "breast_idc_high", "taken for breast cancer: an order of magnitude"},
     kBrainTumour{"brain tumour", "brain_white", "taken for white matter"},
@@ -39,7 +38,8 @@ constexpr Tissue kTumour{"tumour", "breast_idc_high", "taken for breast cancer: 
     kBrain{"brain", "brain_grey", "all of it taken for grey matter"},
     kBrainStem{"brain stem", "brain_white", "taken for white matter"},
     kSpinalCord{"spinal cord", "brain_white", "taken for white matter"},
-    kChoroidPlexus{"choroid plexus", "brain_grey", "taken for grey matter"};
+    kChoroidPlexus{"choroid plexus", "brain_grey", "taken for grey matter"},
+    kFluid{"cerebrospinal fluid", "brain_grey", "no solid: taken for grey matter, the softest there is"};
 // Labels of airways show what fills them. Their wall, thinner than most voxels, is where the image shows tissue.
 constexpr Tissue kAir{"air", "", "no tissue: the wall is what an image shows there"};
 

@@ -200,6 +200,13 @@ Expected<std::vector<TissueMotion>> tissueMotions(const c3de_simulator_v1 *table
       LabelMotion &out = motion.labels[i];
       out.reference_m3 = 1e-9 * std::abs(scale3) * places.voxel_mm3 * static_cast<double>(label.voxels);
       out.sample = label.sample.size();
+      // What is held is known to stay; the displacement around it is smoothed over it.
+      if (places.tissueAt(label.tissue).isRigid) {
+        out.end_m3 = out.reference_m3;
+        out.minJ = 1.0;
+        out.followed = out.sample;
+        continue;
+      }
       double sum = 0.0;
       for (const Vec3 &scanned : label.sample) {
         const auto found = follower.find(transformPoint(placed, scanned));

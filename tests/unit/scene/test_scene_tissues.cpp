@@ -68,7 +68,7 @@ TEST_CASE("Parts of tissues leave what an override has said of the body", "[tiss
   REQUIRE(scene::makeTissueParts(body));
   REQUIRE(body.parts.size() == 2);
   CHECK(findValue(body.parts[0].params, "material.youngs_modulus")->value.num == 6000.0);
-  CHECK(findValue(body.parts[1].params, "material.youngs_modulus")->value.num == 10.0);
+  CHECK(findValue(body.parts[1].params, "material.youngs_modulus")->value.num == 1400.0);
   CHECK(findValue(body.params, "material.youngs_modulus")->value.num == 77.0);
   CHECK(findValue(body.params, "material.density")->value.num == 1060.0);
   body.volume.tissues.resize(2);  // air and bone
