@@ -32,8 +32,9 @@ struct TissueMotion {
 };
 
 /// From the displacement that the simulator tells of an image, on a grid of a quarter of the spacing around the bodies,
-/// coarser where that is more than 144 points along an axis: x with x - u(x) = X for each voxel of a sample, det F = 1 / det(1 - grad u) there.
-/// So it is smoothed over about a spacing. Rigid tissues are said to stay. The error (ErrorCode::state): the simulator does not say. [sim]
+/// coarser where that is more than 144 points along an axis: x with x - u(x) = X for each voxel of a sample, and
+/// det F = 1 / det(1 - grad u) there. So it is smoothed over about a spacing. Rigid tissues are said to stay. The error
+/// (ErrorCode::state): the simulator does not say. [sim]
 [[nodiscard]] Expected<std::vector<TissueMotion>> tissueMotions(const c3de_simulator_v1 *table, c3de_object *simulator,
                                                                 const std::vector<TissuePlaces> &bodies);
 

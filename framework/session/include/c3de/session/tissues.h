@@ -14,9 +14,9 @@ namespace c3de::session {
 
 class BodySources;
 
-/// Says which labels of its map each tissue of each body is, and what those are that only a name has been said of; makes
-/// their parts, and then applies what `--set` has said of these. Reads the label maps. A scene whose tissues are settled
-/// stays as it is. Notices go to the log.
+/// Says which labels of its map each tissue of each body is, and what those are that only a name has been said of;
+/// makes their parts, and then applies what `--set` has said of these. Reads the label maps. A scene whose tissues are
+/// settled stays as it is. Notices go to the log.
 /// @param took  reading is added
 /// Errors begin with the place in the scene: a tissue without a label of its own, a name that is not known, labels of
 /// different tissues under one name, nothing that can move, those of readers and overrides. Any thread.
@@ -24,10 +24,10 @@ class BodySources;
                                            BodySources &sources, const ProgressFn &progress, Preparation &took);
 
 /// Which voxels of a label map are which tissue of a body: on the grid of the labels 1 and the number of the tissue in
-/// SceneVolume::tissues, or 1 and their count for the background; 0: not of the body. Where labels of several layers lie
-/// over each other the last one with a tissue counts. What has no tissue is of the background: labels whatever the image
-/// shows there; other voxels, and those of empty tissues, where it is between its limits (at the voxel of the image that
-/// their middle lies in). Without a background that is not of the body.
+/// SceneVolume::tissues, or 1 and their count for the background; 0: not of the body. Where labels of several layers
+/// lie over each other the last one with a tissue counts. What has no tissue is of the background: labels whatever the
+/// image shows there; other voxels, and those of empty tissues, where it is between its limits (at the voxel of the
+/// image that their middle lies in). Without a background that is not of the body.
 /// @param volume  settled
 /// @param image   of the background; null: there is none
 /// Errors: layers of different grids, cancelled. Any thread.
