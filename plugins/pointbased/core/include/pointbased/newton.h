@@ -84,8 +84,8 @@ struct NewtonSettings {
   double toleranceForce = 0.0;  ///< N, >= 0: largest residual that is good enough without a further step
   int maxIterations = 50;       ///< Newton steps
   /// A step that does not lower the energy is cut along the way of the linear solve, and sets how far the next ones may
-  /// go in the norm of the preconditioner (trust region); false: it is cut straight. Steps in time are small enough for
-  /// it; static solutions of bodies that buckle are far away, and found sooner without
+  /// go in the norm of the preconditioner (trust region); false: it is cut straight. For steps in time that meet
+  /// nothing: a static solution of a body that buckles is far away, and found sooner without
   bool trustRegion = false;
   int maxLinearIterations = 2000;  ///< per Newton step; the direction so far is used then
   double linearTolerance = 1e-2;   ///< of the first solves; tightened as the residual falls (Eisenstat and Walker)

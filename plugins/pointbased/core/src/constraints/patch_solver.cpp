@@ -8,14 +8,71 @@
 
 namespace pointbased {
 
+namespace {
+
+/// A = Pᵀ L D Lᵀ P. A solution takes as long as the reading of L: it is read once for three right sides, in float, since
+/// the next step corrects what rounding leaves.
+class Factor {
+ public:
+  void compute(const Eigen::SparseMatrix<double> &A) {
+    solver_.compute(A);
+    const Eigen::SparseMatrix<double> &L = solver_.matrixL().nestedExpression();
+    const auto n = static_cast<std::size_t>(L.cols());
+    entries_.clear();
+    starts_.assign(1, 0);
+    for (Eigen::Index j = 0; j < L.cols(); ++j) {
+      for (Eigen::SparseMatrix<double>::InnerIterator it(L, j); it; ++it)
+        if (it.row() > j) entries_.push_back({static_cast<float>(it.value()), static_cast<Index>(it.row())});
+      starts_.push_back(static_cast<Index>(entries_.size()));
+    }
+    x_.resize(n);
+    inverseD_ = solver_.vectorD().cwiseInverse();
+  }
+  /// Turns right sides into solutions.
+  void solve(std::span<Vec3> x) {
+    const auto &place = solver_.permutationP().indices();
+    const std::size_t n = x_.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto at = static_cast<std::size_t>(place[static_cast<Eigen::Index>(i)]);
+      x_[at] << x[i], 0.0;
+    }
+    for (std::size_t j = 0; j < n; ++j) {
+      const Eigen::Array4d here = x_[j];
+      for (Index e = starts_[j]; e < starts_[j + 1]; ++e) x_[entries_[e].row] -= double{entries_[e].value} * here;
+    }
+    for (std::size_t j = n; j-- > 0;) {
+      Eigen::Array4d sum = x_[j] * inverseD_[static_cast<Eigen::Index>(j)];
+      for (Index e = starts_[j]; e < starts_[j + 1]; ++e) sum -= double{entries_[e].value} * x_[entries_[e].row];
+      x_[j] = sum;
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto at = static_cast<std::size_t>(place[static_cast<Eigen::Index>(i)]);
+      x[i] = x_[at].head<3>();
+    }
+  }
+
+ private:
+  struct Entry {
+    float value;
+    Index row;
+  };
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+  std::vector<Entry> entries_;  // of L below its diagonal, column by column
+  std::vector<Index> starts_;
+  std::vector<Eigen::Array4d> x_;
+  Eigen::VectorXd inverseD_;
+};
+
+}  // namespace
+
 struct PatchSolver::Impl {
   Csr rows;
   std::vector<double> weights, stiffness, inverseMasses;
   std::vector<Vec3> forces;
   Eigen::SparseMatrix<double> coupling;  // C M^-1 C^T
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor;
+  Factor factor;
   double factorisedDt = -1.0;
-  Eigen::Matrix<double, Eigen::Dynamic, 3> right, change;
+  std::vector<Vec3> change;
 
   [[nodiscard]] Vec3 mean(std::size_t p, std::span<const Vec3> field) const {
     Vec3 sum = Vec3::Zero();
@@ -63,7 +120,7 @@ void PatchSolver::set(const Csr &rows, std::span<const double> weights, std::spa
   const Eigen::Map<const Eigen::VectorXd> inverse(m.inverseMasses.data(),
                                                   static_cast<Eigen::Index>(inverseMasses.size()));
   m.coupling = C * inverse.asDiagonal() * C.transpose();
-  m.right.resize(n, 3);
+  m.change.resize(rows.rows());
 }
 
 void PatchSolver::correct(double dt, std::span<const Vec3> targets, std::span<Vec3> displacements,
@@ -84,11 +141,10 @@ void PatchSolver::correct(double dt, std::span<const Vec3> targets, std::span<Ve
     m.factorisedDt = dt;
   }
   for (std::size_t p = 0; p < n; ++p)
-    m.right.row(static_cast<Eigen::Index>(p)) =
-        ((targets[p] - m.mean(p, displacements) - m.forces[p] / m.stiffness[p]) / (dt * dt)).transpose();
-  m.change = m.factor.solve(m.right);
+    m.change[p] = (targets[p] - m.mean(p, displacements) - m.forces[p] / m.stiffness[p]) / (dt * dt);
+  m.factor.solve(m.change);
   for (std::size_t p = 0; p < n; ++p) {
-    const Vec3 change = m.change.row(static_cast<Eigen::Index>(p)).transpose();
+    const Vec3 &change = m.change[p];
     m.forces[p] += change;
     for (Index e = m.rows.offsets[p]; e < m.rows.offsets[p + 1]; ++e) {
       const Index j = m.rows.indices[e];

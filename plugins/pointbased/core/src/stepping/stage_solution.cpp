@@ -157,6 +157,7 @@ class StageSolution {
     if (isStatic() || !(of.tolerance > 0.0)) return;
     settings_.confirmingTolerance = kConfirmingOfDisplacements;
     settings_.firstTellsWay = settings_.firstTellsWay || env.contact() || touches();
+    settings_.trustRegion = !settings_.firstTellsWay;
     settings_.loosestTolerance = settings_.firstTellsWay ? 0.0 : kLoosestOfDisplacements;
     if (!(env.tolerance > 0.0)) settings_.toleranceOfWay = of.tolerance;
     settings_.largestTolerance = std::min(settings_.largestTolerance, kLargestTolerance * member.body->rest().spacing);
@@ -329,7 +330,6 @@ NewtonSettings newtonSettings(const Body &body, const Environment &env, bool isS
   settings.preconditioner = env.preconditioner;
   settings.stop = env.stop;
   settings.maxIterations = isStatic ? 60 : 30;
-  settings.trustRegion = !isStatic;
   // Under an obstacle inexact static steps stray: a cube under a plate took ten times as long with a tenth.
   settings.strongTolerance = isStatic && env.contact() ? 0.01 : 0.1;
   return settings;
