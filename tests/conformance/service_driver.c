@@ -358,7 +358,7 @@ static void drive_render(void) {
   GIVES(C3DE_E_VERSION, host->get_service(host->ctx, text(C3DE_RENDER_ID), 3, &table));
   SAYS("rev >= 3, host has 2");
   c3de_handle node, mesh, spheres, lines, label, none;
-  c3de_material material = {sizeof material, 0, {0.5f, 0.5f, 0.5f, 1.0f}};
+  c3de_material material = {sizeof material, 0, {0.5f, 0.5f, 0.5f, 1.0f}, 0};
   const double at[] = {1, 2, 3}, nowhere[] = {NAN, 0, 0};
   GIVES(C3DE_OK, scene->add_node(scene->ctx, kNone, text("drawn"), &node));
   GIVES(C3DE_OK, render->create_mesh(render->ctx, node, corners(), faces(), &material, &mesh));
@@ -671,7 +671,7 @@ static void drive_tools(void) {
   const c3de_tools_v1 *tools = service(C3DE_TOOLS_ID);
   int calls = 0;
   c3de_tool tool = {sizeof tool, 1, TEXT("test.driver.tool"), TEXT("Driver"), TEXT("hint"), 'D', 0, &calls, activate,
-                    cancel, on_event};
+                    cancel, on_event, 0, 0};
   c3de_handle h, stubborn, none;
   uint32_t active = 9;
   GIVES(C3DE_OK, tools->add(tools->ctx, &tool, &h));
@@ -686,6 +686,10 @@ static void drive_tools(void) {
   GIVES(C3DE_E_ARG, tools->add(tools->ctx, &tool, &none));
   tool.cancel = cancel;
   tool.activate = refuse_to_activate;
+  tool.flags = 2;
+  GIVES(C3DE_E_UNSUPPORTED, tools->add(tools->ctx, &tool, &none));
+  SAYS("accepted: 0, 1 (C3DE_TOOL_IN_SLICES)");
+  tool.flags = C3DE_TOOL_IN_SLICES;
   GIVES(C3DE_OK, tools->add(tools->ctx, &tool, &stubborn));
 
   GIVES(C3DE_OK, tools->activate(tools->ctx, h));

@@ -126,7 +126,7 @@ void prepare(c3de::validate::TrialHost &host, BoundaryValues &values) {
   keep(mesh.create(mesh.ctx, points, triangles, &made), made, "a mesh");
   keep(collision.create(collision.ctx, points, triangles, &made), made, "a tree");
   keep(scene.add_node(scene.ctx, {0}, {"node", 4}, &node), node, "a node");
-  const c3de_material material{sizeof material, 0, {1, 0, 0, 1}};
+  const c3de_material material{sizeof material, 0, {1, 0, 0, 1}, 0};
   keep(render.create_mesh(render.ctx, node, points, triangles, &material, &made), made, "a mesh to draw");
   keep(render.create_spheres(render.ctx, node, points, 1.0, &material, &made), made, "spheres");
   keep(render.create_lines(render.ctx, node, points, 1.0f, &material, &made), made, "lines");

@@ -200,7 +200,7 @@ void addBox(Gallery &g) {
   g.scene->add_node(g.scene->ctx, g.node, str("box"), &child);
   const double min[] = {-60, -40, -30}, max[] = {60, 40, 30};
   g.scene->set_bounds(g.scene->ctx, child, min, max);
-  const c3de_material skin{sizeof(c3de_material), 0, {0.72f, 0.36f, 0.32f, 1.0f}};
+  const c3de_material skin{sizeof(c3de_material), 0, {0.72f, 0.36f, 0.32f, 1.0f}, 0};
   g.render->create_mesh(g.render->ctx, child, {corners, 8, 3, C3DE_F32, 0}, {faces, 12, 3, C3DE_U32, 0}, &skin, &g.box);
 }
 

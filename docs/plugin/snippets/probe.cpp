@@ -24,7 +24,17 @@ constexpr std::array kParams{
 
 class PressTool : public sdk::Tool {
  public:
-  bool onEvent(const c3de_event &event) override { return event.type == C3DE_EVENT_PRESS; }
+  bool onEvent(const c3de_event &event) override {
+    if (event.type != C3DE_EVENT_PRESS) return false;
+    // In the 3D view what is met along the ray would have to be found first; a slice shows the point itself.
+    seen_mm_.reset();
+    if (sdk::isInSlice(event)) seen_mm_ = {event.ray_origin_mm[0], event.ray_origin_mm[1], event.ray_origin_mm[2]};
+    return true;
+  }
+  [[nodiscard]] const std::optional<sdk::Vec3> &seen() const { return seen_mm_; }
+
+ private:
+  std::optional<sdk::Vec3> seen_mm_;
 };
 
 class ProbePlugin : public sdk::Panel {
@@ -44,7 +54,9 @@ class ProbePlugin : public sdk::Panel {
     }
     if (host.service<c3de_panels_v1>()) sdk::orThrow(show(host, "org.example.probe.panel", "Probe"));
     if (host.service<c3de_tools_v1>())
-      sdk::orThrow(tool_.add(host, {.id = "org.example.probe.tool", .label = "Press", .hint = "Press something"}));
+      sdk::orThrow(tool_.add(
+          host,
+          {.id = "org.example.probe.tool", .label = "Press", .hint = "Press something in a slice", .inSlices = true}));
     if (sdk::Time time(host); time) frame_ = sdk::orThrow(time.addFrameCallback([this] { ++frames_; }));
   }
 
@@ -58,7 +70,7 @@ class ProbePlugin : public sdk::Panel {
     ui.heading("Probe");
     if (ui.button("measure", "Measure", jobs_ && !measuring_)) measure();
     if (volume_mm3_) ui.value("Volume", number(*volume_mm3_) + " mm³");
-    if (const auto value = valueAt({0, 0, 0})) ui.value("Image at the origin", number(*value));
+    if (const auto value = valueAt(tool_.seen().value_or(sdk::Vec3{}))) ui.value("Image at the point", number(*value));
     ui.value("Frames", std::to_string(frames_));
     ui.value("Scale is", number(scale_));
     ui.params(params_.handle());

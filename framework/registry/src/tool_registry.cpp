@@ -48,9 +48,14 @@ void ToolRegistry::cancelActive() {
   cancel(tool->self);
 }
 
+bool ToolRegistry::worksInSlices() const {
+  const Tool *tool = tools_.find(active_);
+  return tool && tool->inSlices;
+}
+
 bool ToolRegistry::dispatch(const c3de_event &event) {
   const Tool *tool = tools_.find(active_);
-  if (!tool || !tool->onEvent) return false;
+  if (!tool || !tool->onEvent || (event.where != C3DE_IN_SPACE && !tool->inSlices)) return false;
   const auto onEvent = tool->onEvent;
   std::uint32_t consumed = 0;
   return onEvent(tool->self, &event, &consumed) >= 0 && consumed != 0;

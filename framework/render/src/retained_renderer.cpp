@@ -191,6 +191,22 @@ void RetainedRenderer::forEachMesh(const std::function<void(const MeshView &)> &
   });
 }
 
+void RetainedRenderer::forEachMark(const std::function<void(const MarkView &)> &visit) const {
+  proxies_.forEach([&](Handle, const Proxy &proxy) {
+    if (!proxy.material.inSlices || proxy.isHidden()) return;
+    const auto show = [&](MarkView::Kind kind) {
+      visit({kind, proxy.positions, proxy.radius, proxy.width_px, proxy.text, proxy.transform, proxy.material});
+    };
+    switch (proxy.kind) {
+      case ProxyKind::spheres: return show(MarkView::Kind::spheres);
+      case ProxyKind::lines: return show(MarkView::Kind::lines);
+      case ProxyKind::label: return show(MarkView::Kind::label);
+      case ProxyKind::mesh:
+      case ProxyKind::legend: return;
+    }
+  });
+}
+
 Expected<void> checkImageSize(int width, int height, int largest) {
   if (width >= 1 && height >= 1 && width <= largest && height <= largest) return {};
   return fail(ErrorCode::usage,

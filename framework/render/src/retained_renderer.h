@@ -74,6 +74,7 @@ class RetainedRenderer : public Renderer {
   void setBackground(const Background &background) override;
   [[nodiscard]] std::uint64_t changes() const override { return changes_; }
   void forEachMesh(const std::function<void(const MeshView &)> &visit) const override;
+  void forEachMark(const std::function<void(const MarkView &)> &visit) const override;
 
  protected:
   HandleTable<Proxy> proxies_;

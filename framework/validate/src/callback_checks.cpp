@@ -129,6 +129,7 @@ c3de_event randomEvent(Random &random, std::uint32_t &buttons, double time_s) {
   event.view_direction[2] = -1.0;
   for (double &origin : event.ray_origin_mm) origin = random.unit() * 2000.0 - 1000.0;
   event.time_s = time_s;
+  event.where = static_cast<std::uint32_t>(random.below(4));  // those of slices reach only a tool that asks for them
   return event;
 }
 

@@ -91,7 +91,7 @@ static c3de_status register_everything(const c3de_host *host) {
   const double corners[] = {0, 0, 0, 10, 0, 0, 0, 10, 0, 0, 0, 10};
   const uint32_t faces[] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
   const c3de_view positions = {corners, 4, 3, C3DE_F64, 0}, triangles = {faces, 4, 3, C3DE_U32, 0};
-  const c3de_material material = {sizeof material, 0, {1, 1, 1, 1}};
+  const c3de_material material = {sizeof material, 0, {1, 1, 1, 1}, 0};
   const c3de_handle root = {0};
   DO(scene->add_node(scene->ctx, root, text("Late"), &node));
   made("node", node);
@@ -112,7 +112,7 @@ static c3de_status register_everything(const c3de_host *host) {
   const c3de_panel panel = {sizeof panel, 1, TEXT("test.late.panel"), TEXT("Late"), NULL, on_ui};
   DO(panels->add(panels->ctx, &panel, &handle));
   const c3de_tool tool = {sizeof tool, 1, TEXT("test.late.tool"), TEXT("Late"), TEXT(""), 0, 0, NULL, activate, cancel,
-                          on_event};
+                          on_event, 0, 0};
   DO(tools->add(tools->ctx, &tool, &handle));
   DO(tools->activate(tools->ctx, handle));
   DO(time->add_frame_callback(time->ctx, NULL, on_frame, &handle));

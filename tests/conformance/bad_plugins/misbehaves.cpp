@@ -51,7 +51,7 @@ c3de_status addPanel(OnUi f, std::uint32_t size = sizeof(c3de_panel)) {
 c3de_status addTool(decltype(c3de_tool::activate) a, decltype(c3de_tool::cancel) c, decltype(c3de_tool::on_event) e) {
   const auto *tools = service<c3de_tools_v1>(C3DE_TOOLS_ID);
   const c3de_tool tool{
-      sizeof(c3de_tool), 1, text("test.misbehaves.tool"), text("Bad tool"), text(""), 0, 0, nullptr, a, c, e};
+      sizeof(c3de_tool), 1, text("test.misbehaves.tool"), text("Bad tool"), text(""), 0, 0, nullptr, a, c, e, 0, 0};
   return tools->add(tools->ctx, &tool, &ignored);
 }
 c3de_status submit(decltype(c3de_job::run) run, decltype(c3de_job::done) end) {

@@ -33,8 +33,19 @@ c3de_status C3DE_CALL create(const c3de_host *host, void **) {
   const c3de_panel panel{sizeof(c3de_panel), 1, text("test.panel"), text("Test"), nullptr, &throwFromPanel};
   (void)panels->add(panels->ctx, &panel, &handle);
   const auto *tools = service<c3de_tools_v1>(host, C3DE_TOOLS_ID);
-  const c3de_tool tool{sizeof(c3de_tool), 1,           text("test.tool"), text("Test"), text(""), 0, 0, nullptr,
-                       &throwFromTool,    &cancelTool, &toolEvent};
+  const c3de_tool tool{sizeof(c3de_tool),
+                       1,
+                       text("test.tool"),
+                       text("Test"),
+                       text(""),
+                       0,
+                       0,
+                       nullptr,
+                       &throwFromTool,
+                       &cancelTool,
+                       &toolEvent,
+                       0,
+                       0};
   (void)tools->add(tools->ctx, &tool, &handle);
   const auto *jobs = service<c3de_jobs_v1>(host, C3DE_JOBS_ID);
   const c3de_job job{sizeof(c3de_job), 0, text("Test"), nullptr, &throwFromJob, &throwFromDone};

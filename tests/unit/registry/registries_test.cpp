@@ -141,6 +141,25 @@ TEST_CASE("only the active tool gets events, and says whether it wants them") {
   CHECK(other.events == 0);
 }
 
+TEST_CASE("events of slices reach a tool that asks for them and no other") {
+  ToolRegistry registry;
+  CountingTool ofSpace, ofSlices;
+  Tool asking = ofSlices.asTool("b");
+  asking.inSlices = true;
+  const Handle a = registry.add(ofSpace.asTool("a")), b = registry.add(asking);
+  c3de_event event{};
+  event.where = C3DE_IN_CORONAL;
+  CHECK_FALSE(registry.worksInSlices());
+  registry.activate(a);
+  CHECK_FALSE(registry.worksInSlices());
+  CHECK_FALSE(registry.dispatch(event));
+  CHECK(ofSpace.events == 0);
+  registry.activate(b);
+  CHECK(registry.worksInSlices());
+  CHECK(registry.dispatch(event));
+  CHECK(ofSlices.events == 1);
+}
+
 TEST_CASE("a tool may remove itself while it handles an event") {
   ToolRegistry registry;
   CountingTool tool;

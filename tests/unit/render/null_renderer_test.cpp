@@ -69,6 +69,34 @@ TEST_CASE("Every visible mesh can be looked at where it is drawn") {
   CHECK(count == 1);
 }
 
+TEST_CASE("What is marked for slices can be looked at where it is drawn, and nothing else") {
+  const auto renderer = createNullRenderer();
+  const std::vector<Vec3f> points{{0, 0, 0}, {1, 0, 0}};
+  Material mark;
+  mark.inSlices = true;
+  const Handle spheres = renderer->createSpheres(points, 0.5f, mark), lines = renderer->createLines(points, 3.0f, mark),
+               label = renderer->createLabel({1, 2, 3}, "2 N", mark);
+  (void)renderer->createLines(points, 1.0f, {});
+  (void)renderer->createMesh(std::vector<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, std::vector<Triangle>{{0, 1, 2}},
+                             mark);
+  const auto seen = [&] {
+    std::vector<std::string> all;
+    renderer->forEachMark([&](const MarkView &view) {
+      switch (view.kind) {
+        case MarkView::Kind::spheres: all.push_back("spheres " + std::to_string(view.positions.size())); break;
+        case MarkView::Kind::lines: all.push_back("lines " + std::to_string(static_cast<int>(view.width_px))); break;
+        case MarkView::Kind::label: all.push_back("label " + view.text); break;
+      }
+    });
+    return all;
+  };
+  CHECK(seen() == std::vector<std::string>{"spheres 2", "lines 3", "label 2 N"});
+  renderer->setVisible(spheres, false);
+  renderer->setMaterial(lines, {});
+  renderer->setLabel(label, {0, 0, 0}, "3 N");
+  CHECK(seen() == std::vector<std::string>{"label 3 N"});
+}
+
 TEST_CASE("Whatever changes the picture counts as a change, and what is set again does not") {
   const auto renderer = createNullRenderer();
   ImageRenderer *images = renderer->images();

@@ -34,6 +34,7 @@ render::Material materialOf(const c3de_material *material) {
     out.colour[k] = in.colour[k];
   }
   out.twoSided = in.two_sided != 0;
+  out.inSlices = in.in_slices != 0;
   return out;
 }
 

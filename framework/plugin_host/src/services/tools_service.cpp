@@ -35,6 +35,10 @@ c3de_status C3DE_CALL add(void *ctx, const c3de_tool *tool, c3de_handle *out) no
     if (in.shortcut != 0 && !isKey)
       throw Refusal(C3DE_E_ARG, fmt::format("{}: shortcut is {}, accepted: 0 (none), 'A' to 'Z', '0' to '9'", made.id,
                                             in.shortcut));
+    if ((in.flags & ~C3DE_TOOL_IN_SLICES) != 0)
+      throw Refusal(C3DE_E_UNSUPPORTED, fmt::format("{}: flags are {}, accepted: 0, {} (C3DE_TOOL_IN_SLICES)", made.id,
+                                                    in.flags, C3DE_TOOL_IN_SLICES));
+    made.inSlices = (in.flags & C3DE_TOOL_IN_SLICES) != 0;
     for (const registry::ToolRegistry::Entry &other : plugin.services().tools->tools())
       if (other.tool->id == made.id)
         throw Refusal(C3DE_E_EXISTS,

@@ -219,7 +219,6 @@ bool ImageViews::press(Pane slice, const ViewInput &input) {
   const bool isFirst = buttons_ == 0;
   buttons_ |= input.button;
   if (!isFirst) return false;
-  beforeClick_.reset();
   if (picked_ && input.button == C3DE_BUTTON_LEFT && input.modifiers == 0) {
     std::exchange(picked_, nullptr)(referenceAt(view(slice).worldAt(input.x, input.y)));
     return true;

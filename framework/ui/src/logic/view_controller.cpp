@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <numbers>
 
+#include "logic/tool_event.h"
+
 namespace c3de::ui {
 namespace {
 
@@ -27,27 +29,31 @@ void ViewController::setViewSize(int width, int height) {
   height_ = std::max(height, 1);
 }
 
-bool ViewController::tellTool(const ViewInput &input, std::uint32_t type) {
+c3de_event toolEvent(const ViewInput &input, std::uint32_t type, std::uint32_t buttons, const render::Ray &ray,
+                     const Vec3 &view) {
   c3de_event event{};
   event.size = sizeof event;
   event.type = type;
   event.button = input.button;
-  event.buttons = buttons_;
+  event.buttons = buttons;
   event.modifiers = input.modifiers;
   event.key = input.key;
   event.x_px = input.x;
   event.y_px = input.y;
   event.wheel = input.wheel;
   event.time_s = input.time_s;
-  render::Ray ray = camera_.pickRay(input.x, input.y, width_, height_);
-  if (type == C3DE_EVENT_PRESS) ray.origin = ray.origin + entryOf(ray, cuts_) * ray.direction;
-  const Vec3 forward = camera_.forward();
   for (std::size_t i = 0; i < 3; ++i) {
     event.ray_origin_mm[i] = ray.origin[i];
     event.ray_direction[i] = ray.direction[i];
-    event.view_direction[i] = forward[i];
+    event.view_direction[i] = view[i];
   }
-  return tools_.dispatch(event);
+  return event;
+}
+
+bool ViewController::tellTool(const ViewInput &input, std::uint32_t type) {
+  render::Ray ray = camera_.pickRay(input.x, input.y, width_, height_);
+  if (type == C3DE_EVENT_PRESS) ray.origin = ray.origin + entryOf(ray, cuts_) * ray.direction;
+  return tools_.dispatch(toolEvent(input, type, buttons_, ray, camera_.forward()));
 }
 
 ViewController::Drag ViewController::dragOf(const ViewInput &input) {

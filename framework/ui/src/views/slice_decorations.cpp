@@ -33,9 +33,9 @@ void grounded(ImDrawList *list, ImVec2 at, ImU32 tint, const std::string &text) 
   shadowed(list, at, tint, text);
 }
 
-ImU32 tintOf(const render::Colour &c) {
+ImU32 tintOf(const render::Colour &c, int opacity = 255) {
   const auto byte = [](float v) { return static_cast<int>(std::lround(255.0f * std::clamp(v, 0.0f, 1.0f))); };
-  return IM_COL32(byte(c[0]), byte(c[1]), byte(c[2]), 255);
+  return IM_COL32(byte(c[0]), byte(c[1]), byte(c[2]), opacity);
 }
 
 /// One slice of the frame, with what is needed to draw over it.
@@ -93,6 +93,51 @@ void drawOutlines(const SliceCanvas &canvas, const render::Renderer &renderer) {
     }
   });
   canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".outlines", std::to_string(curves));
+}
+
+/// What tools show of a hand, as the slice sees it: off its plane fainter, and spheres where it cuts them.
+void drawMarks(const SliceCanvas &canvas, const render::Renderer &renderer) {
+  const Vec3 point = canvas.view.worldAt(0, 0), normal = canvas.view.frame().forward;
+  const double slab = 0.5 * canvas.view.step() + 1e-6;
+  std::size_t inPlane = 0, beside = 0;
+  renderer.forEachMark([&](const render::MarkView &mark) {
+    const auto world = [&](const render::Vec3f &p) { return transformPoint(mark.worldFromProxy, {p[0], p[1], p[2]}); };
+    const auto away = [&](const Vec3 &p) { return dot(p - point, normal); };
+    const auto tint = [&](bool isHere) {
+      ++(isHere ? inPlane : beside);
+      return tintOf(mark.material.colour, isHere ? 255 : 115);
+    };
+    switch (mark.kind) {
+      case render::MarkView::Kind::lines:
+        for (std::size_t i = 0; i + 1 < mark.positions.size(); i += 2) {
+          const Vec3 a = world(mark.positions[i]), b = world(mark.positions[i + 1]);
+          const bool isHere = std::min(std::abs(away(a)), std::abs(away(b))) <= slab || away(a) * away(b) < 0.0;
+          canvas.list->AddLine(canvas.pixelOf(a), canvas.pixelOf(b), tint(isHere), canvas.px(mark.width_px));
+        }
+        break;
+      case render::MarkView::Kind::spheres: {
+        const Mat4 &m = mark.worldFromProxy;
+        const double scale = norm(Vec3{m[0], m[1], m[2]}), radius = scale * mark.radius;
+        for (const render::Vec3f &p : mark.positions) {
+          const Vec3 middle = world(p);
+          const double half = radius * radius - away(middle) * away(middle);
+          if (!(half > 0.0)) continue;
+          const auto pixels = static_cast<float>(std::sqrt(half) / canvas.view.millimetresPerPixel());
+          canvas.list->AddCircle(canvas.pixelOf(middle), pixels, tint(true), 0, canvas.px(1.6f));
+        }
+        break;
+      }
+      case render::MarkView::Kind::label: {
+        const Vec3 at = world(mark.positions.front());
+        const ImVec2 pixel = canvas.pixelOf(at), size = ImGui::CalcTextSize(mark.text.c_str());
+        grounded(canvas.list, ImVec2(pixel.x - 0.5f * size.x, pixel.y - size.y - canvas.px(6.0f)),
+                 tint(std::abs(away(at)) <= slab), mark.text);
+        break;
+      }
+    }
+  });
+  canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".marks",
+                                fmt::format("{} in the plane, {} beside it", inPlane, beside));
 }
 
 void drawCrossHair(const SliceCanvas &canvas) {
@@ -266,6 +311,7 @@ void drawSliceDecorations(FrameContext &frame, const render::Renderer &renderer)
     drawShiftLegend(canvas);
     drawMissingLegend(canvas);
     drawTexts(canvas);
+    drawMarks(canvas, renderer);
     list->AddRect(ImVec2(r.x, r.y), ImVec2(r.x + r.w, r.y + r.h), kBorders[static_cast<std::size_t>(pane)], 0.0f, 0,
                   1.0f);
     list->PopClipRect();

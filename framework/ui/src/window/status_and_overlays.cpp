@@ -46,6 +46,11 @@ void cell(FrameContext &frame, const char *name, const std::string &text, const 
   ImGui::SameLine(begin + width + frame.theme.px(18.0f));
 }
 
+/// The active one; null: none.
+const registry::Tool *toolOf(const FrameContext &frame) {
+  return frame.services.tools ? frame.services.tools->find(frame.services.tools->active()) : nullptr;
+}
+
 /// What the mouse does where it is.
 std::string hintOf(const FrameContext &frame) {
   const auto isOver = [&](Pane pane) {
@@ -53,6 +58,8 @@ std::string hintOf(const FrameContext &frame) {
   };
   if (const ImageViews *images = frame.shownImages();
       images && std::any_of(kSlicePanes.begin(), kSlicePanes.end(), isOver)) {
+    if (const registry::Tool *tool = toolOf(frame); tool && tool->inSlices && !images->isPicking())
+      return tool->label + ": " + tool->hint;
     const char *left = images->isPicking()                   ? "Click: pick what is there"
                        : images->options().isWindowLevelMode ? "Left drag: window (sideways), level (upwards)"
                                                              : "Left: cross-hair";
@@ -61,9 +68,7 @@ std::string hintOf(const FrameContext &frame) {
            "only this view    R: reset";
   }
   if (!isOver(Pane::space)) return "H: keys and mouse";
-  if (frame.services.tools)
-    if (const registry::Tool *tool = frame.services.tools->find(frame.services.tools->active()))
-      return tool->label + ": " + tool->hint;
+  if (const registry::Tool *tool = toolOf(frame)) return tool->label + ": " + tool->hint;
   return "Left drag: orbit    Middle or Shift+left: pan    Right, Ctrl+left or wheel: zoom    F: fit    R: reset";
 }
 

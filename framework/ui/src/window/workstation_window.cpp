@@ -19,6 +19,7 @@
 #include "c3de/render/image_renderer.h"
 #include "c3de/render_gl/gl_renderer.h"
 #include "c3de/scene/scene_graph.h"
+#include "c3de/ui/slice_controller.h"
 #include "c3de/ui/view_controller.h"
 #include "panels/imgui_panel.h"
 #include "views/four_views.h"
@@ -56,6 +57,7 @@ struct WorkstationWindow::Impl {
   std::optional<KeptViews> views;
   registry::ToolRegistry noTools;
   std::optional<ViewController> viewController;
+  std::optional<SliceController> sliceController;
 
   PixelRect area, view;  ///< as in FrameContext
   std::array<PixelRect, 4> panes{};
@@ -83,6 +85,7 @@ struct WorkstationWindow::Impl {
   void carryOut(FrameContext &frame, Command command);
   void quitOrAsk();
   void undo();
+  void cancelTool();
   void resetLayout();
   void transport(const SimulationView &simulation, std::uint32_t action);
   void openDialog(bool isMesh);
@@ -120,7 +123,8 @@ bool WorkstationWindow::Impl::handle(Pane pane, ViewInput input, const OsEvent &
   input.x = event.x - rect.x;
   input.y = event.y - rect.y;
   if (pane == Pane::space) return viewController->handle(input);
-  return services.images && services.images->handle(pane, input);
+  ImageViews *images = shownImages();
+  return images && sliceController->handle(*images, pane, input);
 }
 
 void WorkstationWindow::Impl::takeMouse(const OsEvent &event) {
@@ -147,6 +151,7 @@ void WorkstationWindow::Impl::takeMouse(const OsEvent &event) {
         pressedPane.reset();  // the views have moved: the release belongs to none of them
         break;
       }
+      if (ImageViews *images = shownImages(); images && isFirst) images->forgetClick();
       handle(*pressedPane, input, event);
       break;
     }
@@ -194,7 +199,7 @@ void WorkstationWindow::Impl::takeKey(FrameContext &context, const OsEvent &even
       services.images->cancel();
       services.images->cancelPick();
     }
-    return viewController->cancel();
+    return cancelTool();
   }
   if (command != Command::none) return context.request(command);
   if (services.commands)
@@ -210,10 +215,11 @@ void WorkstationWindow::Impl::takeKey(FrameContext &context, const OsEvent &even
   input.kind = ViewInput::Kind::key;
   input.key = event.key;
   input.modifiers = event.modifiers;
-  input.x = event.x - view.x;
-  input.y = event.y - view.y;
   input.time_s = event.time_s;
-  if (event.key < 0x80) viewController->handle(input);
+  if (event.key >= 0x80) return;
+  const auto pane = buttons != 0 ? pressedPane : paneAt(event.x, event.y);
+  const bool isOfSlice = pane && *pane != Pane::space && services.tools && services.tools->worksInSlices();
+  handle(isOfSlice ? *pane : Pane::space, input, event);
 }
 
 void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector<OsEvent> &events) {
@@ -224,7 +230,7 @@ void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector
   for (const OsEvent &event : events) {
     switch (event.kind) {
       case OsEvent::Kind::focusLost:
-        viewController->cancel();
+        cancelTool();
         if (services.images) services.images->cancel();
         buttons = 0;
         break;
@@ -354,6 +360,11 @@ void WorkstationWindow::Impl::quitOrAsk() {
   state.question = {"quit", "Quit C3DE?", toLose, {{"quit", "Quit"}, {"stay", "Stay"}}};
 }
 
+void WorkstationWindow::Impl::cancelTool() {
+  viewController->cancel();
+  sliceController->cancel();
+}
+
 void WorkstationWindow::Impl::undo() {
   // What a tool holds is let go, and is the first to be undone.
   if (services.tools) services.tools->cancelActive();
@@ -369,7 +380,7 @@ void WorkstationWindow::Impl::resetLayout() {
 
 void WorkstationWindow::Impl::transport(const SimulationView &simulation, std::uint32_t action) {
   // What a tool holds is gone with the state.
-  if (action == C3DE_TRANSPORT_RESET || action == C3DE_TRANSPORT_STOP) viewController->cancel();
+  if (action == C3DE_TRANSPORT_RESET || action == C3DE_TRANSPORT_STOP) cancelTool();
   if (actions.transport && simulation.exists) actions.transport(action);
 }
 
@@ -490,6 +501,7 @@ Expected<std::unique_ptr<WorkstationWindow>> WorkstationWindow::create(const Win
   impl->imgui = std::make_unique<ImGuiSession>(*impl->window);
   if (!impl->imgui->theme().note.empty()) log(LogLevel::info, impl->imgui->theme().note);
   impl->viewController.emplace(impl->noTools, impl->camera);
+  impl->sliceController.emplace(impl->noTools);
   return std::unique_ptr<WorkstationWindow>(new WorkstationWindow(std::move(impl)));
 }
 
@@ -504,7 +516,9 @@ WorkstationWindow::~WorkstationWindow() {
 void WorkstationWindow::connect(const WindowServices &services, WindowActions actions) {
   impl_->services = services;
   impl_->actions = std::move(actions);
-  impl_->viewController.emplace(services.tools ? *services.tools : impl_->noTools, impl_->camera);
+  registry::ToolRegistry &tools = services.tools ? *services.tools : impl_->noTools;
+  impl_->viewController.emplace(tools, impl_->camera);
+  impl_->sliceController.emplace(tools);
 }
 
 void WorkstationWindow::setAbout(AboutText about) { impl_->state.about = std::move(about); }

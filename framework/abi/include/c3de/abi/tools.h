@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Tools: what the left mouse button does in the 3D view. One tool is active at a time. */
+/* Tools: what the left mouse button does in the 3D view and, where a tool asks for it, in the slices of an image. One
+ * tool is active at a time. */
 #ifndef C3DE_ABI_TOOLS_H
 #define C3DE_ABI_TOOLS_H
 
@@ -21,6 +22,14 @@
 #define C3DE_MOD_CTRL 2u
 #define C3DE_MOD_ALT 4u
 
+/* Where an event happened. */
+#define C3DE_IN_SPACE 0u /* the 3D view */
+#define C3DE_IN_AXIAL 1u /* a slice of an image, and the next two */
+#define C3DE_IN_SAGITTAL 2u
+#define C3DE_IN_CORONAL 3u
+
+#define C3DE_TOOL_IN_SLICES 1u /* events of slices come, too; without it those of the 3D view only */
+
 typedef struct c3de_event {
   uint32_t size;
   uint32_t type;      /* C3DE_EVENT_* */
@@ -31,10 +40,12 @@ typedef struct c3de_event {
   double x_px, y_px;  /* from the view's upper left corner */
   double wheel;
   /* World; through the pixel, unit direction. From the eye; of a press in a view that is cut, from where it enters what
-   * is left. */
+   * is left. In a slice: from the point of the shown plane that is under the pixel, along view_direction. */
   double ray_origin_mm[3], ray_direction[3];
-  double view_direction[3]; /* world; where the camera looks */
+  double view_direction[3]; /* world; where the camera looks; of a slice its unit normal, away from who looks at it */
   double time_s;
+  uint32_t where; /* may be absent (by size). C3DE_IN_* */
+  uint32_t reserved;
 } c3de_event;
 
 typedef struct c3de_tool { /* copied, strings included */
@@ -48,8 +59,11 @@ typedef struct c3de_tool { /* copied, strings included */
   c3de_status(C3DE_CALL *activate)(void *self); /* [main] */
   /* Also on loss of focus and before another tool: must let go of everything. [main] */
   void(C3DE_CALL *cancel)(void *self);
-  /* *consumed = 1 keeps the event from the camera. [main] */
+  /* *consumed = 1 keeps the event from the camera, and from the gestures of slices. While a press that was consumed
+   * goes on and a slice moves under the mouse, for example by the wheel, a C3DE_EVENT_MOVE follows. [main] */
   c3de_status(C3DE_CALL *on_event)(void *self, const c3de_event *event, uint32_t *consumed);
+  uint32_t flags; /* may be absent (by size). C3DE_TOOL_* */
+  uint32_t reserved2;
 } c3de_tool;
 
 typedef struct c3de_tools_v1 {

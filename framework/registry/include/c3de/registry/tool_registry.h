@@ -14,6 +14,7 @@ struct Tool {
   std::string owner;  ///< plugin id
   std::string id, label, hint;
   std::uint32_t shortcut = 0;
+  bool inSlices = false;  ///< wants events of slices, too
   void *self = nullptr;
   c3de_status(C3DE_CALL *activate)(void *self) = nullptr;
   void(C3DE_CALL *cancel)(void *self) = nullptr;
@@ -32,7 +33,9 @@ class ToolRegistry {
   /// Cancels what the active tool is doing; it stays active.
   void cancelActive();
   [[nodiscard]] const Tool *find(Handle tool) const { return tools_.find(tool); }
-  /// True: the tool took the event.
+  /// The active tool gets events of slices.
+  [[nodiscard]] bool worksInSlices() const;
+  /// True: the tool took the event. One of a slice reaches only a tool that asks for it.
   bool dispatch(const c3de_event &event);
 
   struct Entry {

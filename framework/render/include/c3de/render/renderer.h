@@ -24,6 +24,7 @@ using Colour = std::array<float, 4>;  ///< sRGB and opacity, 0 … 1
 struct Material {
   Colour colour{0.8f, 0.8f, 0.8f, 1.0f};  ///< opacity below 1 blends
   bool twoSided = false;                  ///< meshes: false hides triangles seen from behind (clockwise corners)
+  bool inSlices = false;                  ///< whoever draws slices of images draws it over them (forEachMark)
 };
 
 /// What colours mean. Drawn as a bar with numbers at the right edge of the picture, several below each other.
@@ -64,6 +65,18 @@ class ImageRenderer;
 struct MeshView {
   std::span<const Vec3f> positions;  ///< in the proxy's own space
   std::span<const Triangle> triangles;
+  const Mat4 &worldFromProxy;
+  const Material &material;
+};
+
+/// Spheres, lines or a label that are drawn over slices, too. Borrowed for the call.
+struct MarkView {
+  enum class Kind { spheres, lines, label };
+  Kind kind;
+  std::span<const Vec3f> positions;  ///< in the proxy's own space; lines: pairs, a label: one
+  float radius;                      ///< of spheres, in the proxy's own space
+  float width_px;                    ///< of lines
+  const std::string &text;           ///< of a label
   const Mat4 &worldFromProxy;
   const Material &material;
 };
@@ -125,6 +138,8 @@ class Renderer {
 
   /// Every mesh that is visible, in the order of creation.
   virtual void forEachMesh(const std::function<void(const MeshView &)> &) const {}
+  /// Everything visible but meshes whose material says `inSlices`, in the order of creation.
+  virtual void forEachMark(const std::function<void(const MarkView &)> &) const {}
   /// Images beside the proxies; null: this back end draws none.
   [[nodiscard]] virtual ImageRenderer *images() { return nullptr; }
 

@@ -183,8 +183,10 @@ class Scene : public Service<c3de_scene_v1> {
 struct Material {
   std::array<float, 4> colour{0.8f, 0.8f, 0.8f, 1.0f};  ///< sRGB and opacity
   bool twoSided = false;
+  bool inSlices = false;  ///< lines, labels and spheres are drawn over the slices of an image, too
   [[nodiscard]] c3de_material abi() const noexcept {
-    return {sizeof(c3de_material), twoSided ? 1u : 0u, {colour[0], colour[1], colour[2], colour[3]}};
+    return {
+        sizeof(c3de_material), twoSided ? 1u : 0u, {colour[0], colour[1], colour[2], colour[3]}, inSlices ? 1u : 0u};
   }
 };
 

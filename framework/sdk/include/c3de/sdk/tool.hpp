@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tools: what the left mouse button does in the 3D view.
+// Tools: what the left mouse button does in the 3D view and in slices of an image.
 #pragma once
 
 #include "c3de/sdk/services.hpp"
@@ -10,7 +10,13 @@ struct ToolInfo {
   std::string_view id{}, label{};
   std::string_view hint{};  ///< one line, shown while active
   char shortcut = 0;        ///< ASCII upper case; 0: none
+  bool inSlices = false;    ///< events of the slices of an image come, too; see isInSlice()
 };
+
+/// Whether an event happened in a slice: its ray begins in the plane that is shown. False for all with older hosts.
+[[nodiscard]] inline bool isInSlice(const c3de_event &event) noexcept {
+  return C3DE_HAS(c3de_event, &event, where) && event.where != C3DE_IN_SPACE;
+}
 
 /// Base of a tool. Registered by add(), taken back by the destructor; at most one tool is active. Main thread.
 class Tool {
@@ -24,7 +30,7 @@ class Tool {
   virtual Result<void> activate() { return {}; }
   /// Lets go of everything: Escape, loss of focus, another tool.
   virtual void cancel() {}
-  /// True keeps the event from the camera.
+  /// True keeps the event from the camera and from the gestures of slices.
   virtual bool onEvent(const c3de_event &event) = 0;
 
   /// C3DE_E_UNSUPPORTED in a run without a window.
@@ -41,7 +47,9 @@ class Tool {
                          this,
                          &activateThunk,
                          &cancelThunk,
-                         &eventThunk};
+                         &eventThunk,
+                         info.inSlices ? C3DE_TOOL_IN_SLICES : 0u,
+                         0};
     c3de_handle handle{0};
     if (const c3de_status status = (*table)->add((*table)->ctx, &tool, &handle); status < 0)
       return host.failure(status);

@@ -114,6 +114,8 @@ class ImageViews {
   void setCrossHair(const Vec3 &world);
   /// Cross-hair and slices are again where they were before the last press: it began a double click.
   void takeBackClick();
+  /// Another press than that one began: it is not to be taken back any more.
+  void forgetClick() { beforeClick_.reset(); }
   [[nodiscard]] SliceView &view(Pane slice) { return views_[static_cast<std::size_t>(slice)]; }
   [[nodiscard]] const SliceView &view(Pane slice) const { return views_[static_cast<std::size_t>(slice)]; }
   void resetViews();

@@ -12,7 +12,7 @@
 
 namespace c3de::ui {
 
-/// What happened in the 3D view, in the order in which it happened.
+/// What happened in a view, in the order in which it happened.
 struct ViewInput {
   enum class Kind { press, release, move, wheel, key };
   Kind kind = Kind::move;
