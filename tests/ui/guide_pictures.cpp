@@ -211,6 +211,18 @@ TEST_CASE("Pictures of the default scene for the user guide", "[.guide]") {
   window.clickAt(inPane("sagittal", 0.34, 0.3));
   window.waitFrames(5);
   window.screenshot("brain_shift");
+
+  window.key("p");
+  const c3de::test::Point from = inPane("axial", 0.38, 0.42);
+  window.moveTo(from);
+  window.press();
+  window.waitUntil("tissue is held", [](const Json &s) { return s["values"].contains(kPanel + "Held inside"); });
+  for (int i = 1; i <= 10; ++i) window.moveTo({from.x + 3.0 * i, from.y + 5.0 * i});
+  const double pulled_s = window.state()["transport"]["time_s"];
+  window.waitUntil(
+      "it has followed", [&](const Json &s) { return s["transport"]["time_s"].get<double>() > pulled_s + 0.8; }, 120.0);
+  window.screenshot("pull_in_slice");
+  window.release();
 }
 
 TEST_CASE("Pictures of instruments and of an implant for the user guide", "[.guide]") {

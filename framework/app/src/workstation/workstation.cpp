@@ -417,9 +417,10 @@ void Workstation::onBodiesReady(const BodyCreation::Result &result) {
   const std::string it = isOne ? "it" : "them";
   panels_.notify(
       C3DE_LOG_INFO, (isOne ? "Body created: " : "Bodies created: ") + namesOf(result.created),
-      result.isNew ? "Pinch " + it + " in the 3D view (P). Gravity is off, because the scan shows the organ" +
-                         (isOne ? "" : "s") + " in balance with it; it is in the panel of the simulation."
-                   : std::string(isOne ? "It" : "They") + " joined the simulation that was there, which begins anew.");
+      result.isNew
+          ? "Pinch " + it + " in the 3D view or in a slice (P). Gravity is off, because the scan shows the organ" +
+                (isOne ? "" : "s") + " in balance with it; it is in the panel of the simulation."
+          : std::string(isOne ? "It" : "They") + " joined the simulation that was there, which begins anew.");
   if (!result.notTried.empty())
     panels_.notify(C3DE_LOG_INFO, "Cancelled",
                    namesOf(result.notTried) + (result.notTried.size() == 1 ? " was" : " were") + " not created.");

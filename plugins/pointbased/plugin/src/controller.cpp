@@ -301,7 +301,7 @@ void Controller::drawPinch(sdk::Ui &ui) {
   ui.heading("Pinch");
   if (ui.button("pinch", tools_.pinch.isActive() ? "Pinch is active" : "Take the pinch tool", !tools_.pinch.isActive()))
     (void)tools_.pinch.select();
-  ui.tooltip("Press on the organ and drag; release or Escape lets go");
+  ui.tooltip("Press on the organ, in the 3D view or in a slice, and drag; release or Escape lets go");
   (void)ui.slider("pinch_hz", "Stiffness", "Hz", pinchSettings_.frequency_hz, 1.0, 60.0);
   ui.tooltip("Frequency of the spring on the mass it holds: the same feel for small and large organs");
   (void)ui.slider("pinch_radius", "Patch radius", "mm", pinchSettings_.radius_mm, 2.0, 60.0);
@@ -313,13 +313,17 @@ void Controller::drawPinch(sdk::Ui &ui) {
       "times the squared radius");
   tools_.pinch.setSettings(pinchSettings_);
   if (const auto &hold = tools_.pinch.hold()) {
-    ui.value("Held surfel", std::to_string(hold->surfel));
+    if (hold->surfel)
+      ui.value("Held surfel", std::to_string(*hold->surfel));
+    else
+      ui.value("Held inside", hold->bodyName);
     ui.value("Pinch force", fixed(hold->force, 3) + " N");
     ui.value("Held mass", significant(1e3 * hold->mass, 3) + " g");
-    ui.value("Held point", millimetres(hold->surfelPosition));
+    ui.value("Held point", millimetres(hold->point));
     ui.value("Hand", millimetres(hold->target));
   } else {
     ui.value("Pinch force", "–");
+    if (!tools_.pinch.refusal().empty()) ui.value("Not held", tools_.pinch.refusal());
   }
 }
 

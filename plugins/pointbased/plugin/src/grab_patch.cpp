@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "grab_patch.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 
 #include "pointbased/types.h"
@@ -12,14 +13,36 @@ constexpr double kLeastRadius = 2.0;  // spacings: a patch of a few phyxels at a
 // The pull is limited to this many times E r²: it strains the held patch by several hundred per cent, and no more
 // however far the hand is torn away.
 constexpr double kStrongestPull = 4.0;
+constexpr double kSurroundings = 1.8;  // spacings, around the nearest phyxel: the corners of the cells beside it
 
 Vec3 positionOf(const Body &body, Index i) {
   return body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
 }
 
+Grab withSpring(Grab grab, double radius, const PinchSettings &settings, double youngsModulus) {
+  grab.frequency = 2.0 * EIGEN_PI * settings.frequency_hz;
+  grab.dampingRatio = settings.dampingRatio;
+  grab.maxForce = kStrongestPull * youngsModulus * radius * radius;
+  if (settings.largestForce > 0.0) grab.maxForce = std::min(grab.maxForce, settings.largestForce);
+  return grab;
+}
+
+double radiusOf(const RestState &rest, const PinchSettings &settings) {
+  return std::max(1e-3 * settings.radius_mm, kLeastRadius * rest.spacing);
+}
+
+bool isHeldByFix(const RestState &rest, Index phyxel) {
+  // Of lattices supports hold the continuum, not phyxels.
+  const std::vector<double> &all = rest.weightVolumes.empty() ? rest.volumes : rest.weightVolumes;
+  if (!rest.heldVolumes.empty() && rest.heldVolumes[phyxel] > 0.5 * all[phyxel]) return true;
+  return std::any_of(rest.conditions.held.begin(), rest.conditions.held.end(), [&](const ConstrainedRegion &part) {
+    return std::find(part.phyxels.begin(), part.phyxels.end(), phyxel) != part.phyxels.end();
+  });
+}
+
 }  // namespace
 
-Grab patchAround(const RestState &rest, const Vec3 &at, double radius, std::size_t surfel) {
+Grab patchAround(const RestState &rest, const Vec3 &at, double radius) {
   Grab grab;
   double sum = 0.0;
   std::vector<std::uint8_t> held(rest.phyxelCount(), 0);
@@ -34,6 +57,11 @@ Grab patchAround(const RestState &rest, const Vec3 &at, double radius, std::size
     sum += weight;
   }
   for (double &w : grab.weights) w /= sum;
+  return grab;
+}
+
+Grab patchAround(const RestState &rest, const Vec3 &at, double radius, std::size_t surfel) {
+  Grab grab = patchAround(rest, at, radius);
   if (!grab.phyxels.empty()) return grab;
   const Interpolation binding = rest.surfels.expanded(surfel, rest.positions);
   grab.phyxels = binding.phyxels.indices;
@@ -42,13 +70,40 @@ Grab patchAround(const RestState &rest, const Vec3 &at, double radius, std::size
 }
 
 Grab grabAround(const RestState &rest, std::size_t surfel, const PinchSettings &settings, double youngsModulus) {
-  const double radius = std::max(1e-3 * settings.radius_mm, kLeastRadius * rest.spacing);
-  Grab grab = patchAround(rest, rest.surfels.position(surfel, rest.positions), radius, surfel);
-  grab.frequency = 2.0 * EIGEN_PI * settings.frequency_hz;
-  grab.dampingRatio = settings.dampingRatio;
-  grab.maxForce = kStrongestPull * youngsModulus * radius * radius;
-  if (settings.largestForce > 0.0) grab.maxForce = std::min(grab.maxForce, settings.largestForce);
-  return grab;
+  const double radius = radiusOf(rest, settings);
+  return withSpring(patchAround(rest, rest.surfels.position(surfel, rest.positions), radius, surfel), radius, settings,
+                    youngsModulus);
+}
+
+Grab grabAt(const RestState &rest, const Vec3 &at, const PinchSettings &settings, double youngsModulus) {
+  const double radius = radiusOf(rest, settings);
+  return withSpring(patchAround(rest, at, radius), radius, settings, youngsModulus);
+}
+
+std::optional<MaterialPoint> materialAt(const RestState &rest, std::span<const Vec3> phyxels, const Vec3 &place) {
+  if (phyxels.empty() || phyxels.size() != rest.phyxelCount()) return std::nullopt;
+  const auto nearest =
+      static_cast<std::size_t>(std::min_element(phyxels.begin(), phyxels.end(),
+                                                [&](const Vec3 &a, const Vec3 &b) {
+                                                  return (a - place).squaredNorm() < (b - place).squaredNorm();
+                                                }) -
+                               phyxels.begin());
+  // X - X0 = A (x - x0), least squares: those around it in the reference, since of a fold others are near now.
+  const Vec3 &X0 = rest.positions[nearest], &x0 = phyxels[nearest];
+  const double reach = kSurroundings * rest.spacing;
+  Mat3 ways = 1e-6 * rest.spacing * rest.spacing * Mat3::Identity(), back = ways;
+  for (std::size_t i = 0; i < phyxels.size(); ++i) {
+    const Vec3 X = rest.positions[i] - X0;
+    if (X.squaredNorm() > reach * reach) continue;
+    const Vec3 x = phyxels[i] - x0;
+    ways += x * x.transpose();
+    back += X * x.transpose();
+  }
+  const Mat3 A = ways.ldlt().solve(back.transpose()).transpose();
+  const Vec3 away = A * (place - x0);
+  // Where they are crushed A leads anywhere.
+  const double most = reach / std::max(away.norm(), reach);
+  return MaterialPoint{X0 + most * away, isHeldByFix(rest, static_cast<Index>(nearest))};
 }
 
 Vec3 middleOf(const Grab &grab, const Body &body) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+#include <span>
+
 #include "pointbased/body.h"
 
 namespace pointbased {
@@ -12,14 +15,31 @@ struct PinchSettings {
   double largestForce = 0.0;  ///< N; 0: what strains the patch by several hundred per cent, which is never exceeded
 };
 
-/// The phyxels within a radius, m, of a point, measured at rest, weighted towards the middle; those that a surfel is
-/// bound to when none is so near. Those that a fix holds are left out.
+/// The phyxels within a radius, m, of a point, measured at rest, weighted towards the middle; maybe none. Those that a
+/// fix holds are left out.
 /// @param at  m, in the frame of the phyxels
+[[nodiscard]] Grab patchAround(const RestState &rest, const Vec3 &at, double radius);
+/// The same; those that a surfel is bound to when none is so near.
 [[nodiscard]] Grab patchAround(const RestState &rest, const Vec3 &at, double radius, std::size_t surfel);
 /// A hold on a surfel: the patch around it, and a spring that strains it by several hundred per cent at most. The
 /// target is for the caller to set.
 [[nodiscard]] Grab grabAround(const RestState &rest, std::size_t surfel, const PinchSettings &settings,
                               double youngsModulus);
+/// The same of a point inside; holds nothing where a fix holds all around it.
+/// @param at  m, in the frame of the phyxels
+[[nodiscard]] Grab grabAt(const RestState &rest, const Vec3 &at, const PinchSettings &settings, double youngsModulus);
+
+/// What of a body is at a place now.
+struct MaterialPoint {
+  Vec3 at = Vec3::Zero();  ///< m, in the reference, frame of the phyxels
+  bool isHeld = false;     ///< by a fix
+};
+/// By the phyxels around it, which must surround it more or less: exact where the body has been turned and stretched
+/// evenly. Nothing: the body has no phyxels.
+/// @param phyxels  [phyxels] world, m, where they are now
+/// @param place    world, m
+[[nodiscard]] std::optional<MaterialPoint> materialAt(const RestState &rest, std::span<const Vec3> phyxels,
+                                                      const Vec3 &place);
 /// Every phyxel gets a spring of its own, to where it is now: what is held keeps its shape. The target becomes the mean
 /// of what is held, world, m, which is returned.
 Vec3 keepShape(Grab &grab, const Body &body);

@@ -33,14 +33,20 @@ void HandTool::showLines(sdk::Proxy &lines, std::span<const Vec3> points, const 
 
 Vec3 HandTool::showArrow(sdk::Proxy &arrow, const Vec3 &from, const Vec3 &force, double largest) const {
   const double size = force.norm();
-  if (!(size > 0.0)) {
-    arrow.reset();
-    return from;
-  }
-  const Vec3 way = kLongestArrow / std::max(largest, size) * force, side = 0.12 * way.unitOrthogonal() * way.norm();
-  const Vec3 tip = from + way;
-  showLines(arrow, std::array<Vec3, 6>{from, tip, tip, tip - 0.25 * way + side, tip, tip - 0.25 * way - side}, kForce);
-  return tip;
+  const Vec3 way = size > 0.0 ? Vec3(kLongestArrow / std::max(largest, size) * force) : Vec3(Vec3::Zero());
+  showArrow(arrow, from, way);
+  return from + way;
+}
+
+// Its head has barbs to four sides: a slice sees it from one side only.
+void HandTool::showArrow(sdk::Proxy &arrow, const Vec3 &from, const Vec3 &way) const {
+  const double length = way.norm();
+  if (!(length > 0.0)) return arrow.reset();
+  const Vec3 side = 0.12 * length * way.unitOrthogonal(), other = side.cross(way) / length;
+  const Vec3 tip = from + way, neck = tip - 0.25 * way;
+  showLines(arrow,
+            std::array<Vec3, 10>{from, tip, tip, neck + side, tip, neck - side, tip, neck + other, tip, neck - other},
+            kForce);
 }
 
 bool HandTool::isTimeless(const Snapshot &snapshot, const char *title, const std::string &what,

@@ -27,9 +27,11 @@ class HandTool : public sdk::Tool {
   /// A text at a place, m: made, or moved.
   void showLabel(sdk::Proxy &label, const Vec3 &at, const std::string &text, const sdk::Material &material) const;
 
+  /// An arrow, m: made, or moved; taken away where it has no length.
+  void showArrow(sdk::Proxy &arrow, const Vec3 &from, const Vec3 &way) const;
   /// A force, N, as an arrow; the largest one, N, is as long as arrows get. @return its tip, m
   Vec3 showArrow(sdk::Proxy &arrow, const Vec3 &from, const Vec3 &force, double largest) const;
-  static constexpr sdk::Material kForce{{1.0f, 0.85f, 0.2f, 1.0f}, false};
+  static constexpr sdk::Material kForce{{1.0f, 0.85f, 0.2f, 1.0f}, false, true};
   /// Tells where a solution has no time in which a hand could do something.
   /// @param help  follows what helps: begins with ';', or empty
   [[nodiscard]] bool isTimeless(const Snapshot &snapshot, const char *title, const std::string &what,

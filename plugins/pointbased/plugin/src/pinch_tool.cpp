@@ -2,30 +2,31 @@
 #include "pinch_tool.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "number_text.h"
 
 namespace pointbased {
 namespace {
 
-constexpr sdk::Material kMarker{{1.0f, 0.85f, 0.2f, 1.0f}, false};
 constexpr double kMarkerRadius = 0.3;  // of the spacing
+
 }  // namespace
 
 PinchTool::PinchTool(const Services &services) : HandTool(services) {}
 
 bool PinchTool::onEvent(const c3de_event &event) {
   if (event.type == C3DE_EVENT_PRESS && event.button == C3DE_BUTTON_LEFT) return press(event);
-  if (!hold_) return false;
+  const bool isLeftRelease = event.type == C3DE_EVENT_RELEASE && event.button == C3DE_BUTTON_LEFT;
+  if (!hold_) {
+    if (isLeftRelease) label_.reset();  // of a refusal
+    return false;
+  }
   if (event.type == C3DE_EVENT_MOVE) {
     drag(event);
     return true;
   }
-  if (event.type == C3DE_EVENT_RELEASE && event.button == C3DE_BUTTON_LEFT) {
-    release();
-    return true;
-  }
-  if (event.type == C3DE_EVENT_KEY && event.key == 27) {
+  if (isLeftRelease || (event.type == C3DE_EVENT_KEY && event.key == 27)) {
     release();
     return true;
   }
@@ -37,34 +38,85 @@ bool PinchTool::press(const c3de_event &event) {
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
   const std::optional<PickRay> ray = rayOf(services_, simulator_->node(), event);
   if (!snapshot || !ray) return false;
-  const std::optional<PickedSurface> picked = pick(services_, *snapshot, *ray);
-  // What stands in front of the organ cannot be reached through.
-  if (!picked || !picked->body) return false;
-  const BodySnapshot *body = picked->body;
-  const Vec3 &under = picked->at;
-  const auto &corners = body->surface->triangles[picked->triangle];
-  const std::uint32_t surfel = *std::min_element(corners.begin(), corners.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return (vectorOf(body->surfels[a]) - under).squaredNorm() < (vectorOf(body->surfels[b]) - under).squaredNorm();
-  });
-
-  Grab grab = grabAround(*body->rest, surfel, settings_, body->youngsModulus);
-  Vec3 grabbed = Vec3::Zero();
-  for (std::size_t k = 0; k < grab.phyxels.size(); ++k) grabbed += grab.weights[k] * body->phyxels[grab.phyxels[k]];
-  grab.target = grabbed;
-
-  planePoint_ = under;
-  grabOffset_ = grabbed - under;
-  hold_ = Hold{body->id, body->name, surfel, vectorOf(body->surfels[surfel]), under, 0.0, 0.0};
-  history_.begin(simulator_);
-  post([id = body->id, grab](WorldSimulator &s) { s.setGrab(id, grab); });
-  showMarker();
+  refusal_.clear();
+  if (!sdk::isInSlice(event)) return pressSurface(*snapshot, *ray);
+  pressSlice(*snapshot, ray->origin);
   return true;
 }
 
-// The hand moves in the plane through the point that was pressed, parallel to the screen.
+bool PinchTool::pressSurface(const Snapshot &snapshot, const PickRay &ray) {
+  const std::optional<PickedSurface> picked = pick(services_, snapshot, ray);
+  // What stands in front of the organ cannot be reached through.
+  if (!picked || !picked->body) return false;
+  const BodySnapshot &body = *picked->body;
+  const Vec3 &under = picked->at;
+  if (body.stands) {
+    refuse(under, body.name + " is rigid and stands");
+    return true;
+  }
+  const auto &corners = body.surface->triangles[picked->triangle];
+  const std::uint32_t surfel = *std::min_element(corners.begin(), corners.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return (vectorOf(body.surfels[a]) - under).squaredNorm() < (vectorOf(body.surfels[b]) - under).squaredNorm();
+  });
+  begin(body, grabAround(*body.rest, surfel, settings_, body.youngsModulus), surfel, under);
+  return true;
+}
+
+void PinchTool::pressSlice(const Snapshot &snapshot, const Vec3 &place) {
+  const BodySnapshot *body = bodyAt(snapshot, place);
+  if (!body) return refuse(place, "No body is there");
+  if (body->stands) return refuse(place, body->name + " is rigid and stands");
+  const std::optional<MaterialPoint> material = materialAt(*body->rest, body->phyxels, place);
+  if (!material) return refuse(place, body->name + " has nothing to hold");
+  Grab grab = grabAt(*body->rest, material->at, settings_, body->youngsModulus);
+  if (material->isHeld || grab.phyxels.empty()) return refuse(place, body->name + " is held by a fix there");
+  begin(*body, std::move(grab), std::nullopt, place);
+}
+
+// Null: none. Where bodies lie over each other the one whose material slices show.
+const BodySnapshot *PinchTool::bodyAt(const Snapshot &snapshot, const Vec3 &place) const {
+  const std::vector<const BodySnapshot *> all = Skins(services_, snapshot).bodiesAt(place);
+  if (all.size() < 2) return all.empty() ? nullptr : all.front();
+  simulator_->abandonLongStep();
+  const Vec3 shown = place - simulator_->displacementAt(place);
+  const auto away = [&](const BodySnapshot *body) {
+    const auto material = materialAt(*body->rest, body->phyxels, place);
+    return material ? (body->rest->origin + material->at - shown).norm() : (place - shown).norm();
+  };
+  return *std::min_element(all.begin(), all.end(), [&](const auto *a, const auto *b) { return away(a) < away(b); });
+}
+
+void PinchTool::begin(const BodySnapshot &body, Grab grab, std::optional<std::size_t> surfel, const Vec3 &under) {
+  grab.target.setZero();
+  for (std::size_t k = 0; k < grab.phyxels.size(); ++k) grab.target += grab.weights[k] * body.phyxels[grab.phyxels[k]];
+  planePoint_ = under;
+  grabOffset_ = grab.target - under;
+  hold_ = Hold{body.id, body.name, surfel, surfel ? vectorOf(body.surfels[*surfel]) : under, under, 0.0, 0.0};
+  history_.begin(simulator_);
+  post([id = body.id, grab = std::move(grab)](WorldSimulator &s) { s.setGrab(id, grab); });
+  showMarker(body);
+}
+
+void PinchTool::refuse(const Vec3 &place, const std::string &why) {
+  refusal_ = why;
+  if (services_.render) showLabel(label_, place, why, kForce);
+}
+
+void PinchTool::follow(const BodySnapshot &body) {
+  hold_->force = body.grab ? body.grab->force.norm() : 0.0;
+  hold_->mass = body.grab ? body.grab->mass : 0.0;
+  if (hold_->surfel)
+    hold_->point = vectorOf(body.surfels[*hold_->surfel]);
+  else if (hold_->mass > 0.0)  // a step has been made with it; a point inside goes with the patch around it
+    hold_->point = body.grab->point - grabOffset_;
+}
+
+// The hand moves in the plane through the point that was pressed, parallel to the screen; in a slice in the one that is
+// shown.
 void PinchTool::drag(const c3de_event &event) {
   const std::optional<PickRay> ray = rayOf(services_, simulator_->node(), event);
-  const std::optional<Vec3> at = ray ? ray->onScreenPlane(planePoint_) : std::nullopt;
+  if (!ray) return;
+  const std::optional<Vec3> at = sdk::isInSlice(event) ? ray->origin : ray->onScreenPlane(planePoint_);
   if (!at) return;
   hold_->target = *at;
   post([id = hold_->body, target = Vec3(hold_->target + grabOffset_)](WorldSimulator &s) { s.moveGrab(id, target); });
@@ -79,27 +131,25 @@ void PinchTool::release() {
   hideMarker();
 }
 
-void PinchTool::cancel() { release(); }
+void PinchTool::cancel() {
+  release();
+  label_.reset();
+}
 
-void PinchTool::showMarker() {
-  if (!services_.render || !simulator_) return;
-  const BodySnapshot *body = nullptr;
-  const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
-  if (snapshot) body = snapshot->body(hold_->body);
-  if (!body) return;
-  const c3de_handle node = simulator_->node();
-  const std::array<Vec3, 2> points{hold_->surfelPosition, hold_->target};
-  if (auto made = services_.render.createSpheres(node, viewOf({points.data(), 1}), kMarkerRadius * body->rest->spacing,
-                                                 kMarker))
+void PinchTool::showMarker(const BodySnapshot &body) {
+  if (!services_.render) return;
+  if (marker_)
+    (void)services_.render.update(marker_.handle(), C3DE_ATTR_POSITIONS, viewOf({&hold_->point, 1}));
+  else if (auto made = services_.render.createSpheres(simulator_->node(), viewOf({&hold_->point, 1}),
+                                                      kMarkerRadius * body.rest->spacing, kForce))
     marker_ = std::move(*made);
-  if (auto made = services_.render.createLines(node, viewOf(points), 3.0f, kMarker)) line_ = std::move(*made);
-  if (auto made = services_.render.createLabel(node, toArray(hold_->target), fixed(0.0, 2) + " N", kMarker))
-    label_ = std::move(*made);
+  showArrow(arrow_, hold_->point, hold_->target - hold_->point);
+  showLabel(label_, hold_->target, fixed(hold_->force, 2) + " N", kForce);
 }
 
 void PinchTool::hideMarker() {
   marker_.reset();
-  line_.reset();
+  arrow_.reset();
   label_.reset();
 }
 
@@ -108,18 +158,12 @@ void PinchTool::update() {
   if (!hold_ || !simulator_) return;
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
   const BodySnapshot *body = snapshot ? snapshot->body(hold_->body) : nullptr;
-  if (!body || hold_->surfel >= body->surfels.size()) {
+  if (!body || (hold_->surfel && *hold_->surfel >= body->surfels.size())) {
     release();
     return;
   }
-  hold_->surfelPosition = vectorOf(body->surfels[hold_->surfel]);
-  hold_->force = body->grab ? body->grab->force.norm() : 0.0;
-  hold_->mass = body->grab ? body->grab->mass : 0.0;
-  if (!marker_) return;
-  const std::array<Vec3, 2> points{hold_->surfelPosition, hold_->target};
-  (void)services_.render.update(marker_.handle(), C3DE_ATTR_POSITIONS, viewOf({points.data(), 1}));
-  (void)services_.render.update(line_.handle(), C3DE_ATTR_POSITIONS, viewOf(points));
-  (void)services_.render.setLabel(label_.handle(), toArray(hold_->target), fixed(hold_->force, 2) + " N");
+  follow(*body);
+  showMarker(*body);
 }
 
 }  // namespace pointbased

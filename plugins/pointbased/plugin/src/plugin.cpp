@@ -50,15 +50,19 @@ class PointBasedPlugin : public SimulatorListener {
       if (host.service<c3de_tools_v1>()) {
         sdk::orThrow(pinch_.add(host, {.id = "pointbased.pinch",
                                        .label = "Pinch",
-                                       .hint = "Press on the organ and drag to pull; release or Escape lets go",
-                                       .shortcut = 'P'}));
+                                       .hint = "Press on the organ, here or in a slice, and drag to pull; release or "
+                                               "Escape lets go",
+                                       .shortcut = 'P',
+                                       .inSlices = true}));
         sdk::orThrow(touch_.add(
             host,
             {.id = "pointbased.touch",
              .label = "Touch",
-             .hint = "Press on the organ: an instrument stands there; drag moves it, the wheel or D and B push it "
-                     "deeper and back, X takes it away",
-             .shortcut = 'T'}));
+             .hint =
+                 "Press on the organ, or in a slice: an instrument stands there; drag moves it, D and B or in 3D the "
+                 "wheel push it deeper and back, X takes it away",
+             .shortcut = 'T',
+             .inSlices = true}));
         sdk::orThrow(grasp_.add(
             host,
             {.id = "pointbased.grasp",

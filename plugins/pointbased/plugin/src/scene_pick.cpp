@@ -65,4 +65,30 @@ std::optional<PickedSurface> pick(const Services &services, const Snapshot &snap
   return nearest;
 }
 
+Skins::Skins(const Services &services, const Snapshot &snapshot) : services_(services) {
+  for (const BodySnapshot &body : snapshot.bodies)
+    if (services.collision.refit(body.surface->tree.handle(), viewOf(body.surfels))) bodies_.push_back(&body);
+}
+
+std::vector<const BodySnapshot *> Skins::bodiesAt(const Vec3 &place) const {
+  std::vector<const BodySnapshot *> all;
+  for (const BodySnapshot *body : bodies_)
+    if (closestOn(services_, *body->surface, place).distance < 0.0) all.push_back(body);
+  return all;
+}
+
+NearSkin Skins::near(const Vec3 &place) const {
+  NearSkin near;
+  for (const BodySnapshot *body : bodies_) {
+    const c3de_closest closest = closestOn(services_, *body->surface, place);
+    if (!std::isfinite(closest.distance) || (near.body && near.distance <= closest.distance)) continue;
+    const Vec3 way = place - Vec3::Map(closest.point);
+    const double length = way.norm();
+    near = {
+        body, closest.distance,
+        length > 1e-9 ? Vec3((closest.distance < 0.0 ? -1.0 : 1.0) / length * way) : Vec3(Vec3::Map(closest.normal))};
+  }
+  return near;
+}
+
 }  // namespace pointbased

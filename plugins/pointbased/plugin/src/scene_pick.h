@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "services.h"
 #include "snapshot.h"
@@ -18,7 +19,7 @@ struct PickRay {
   [[nodiscard]] std::optional<Vec3> onScreenPlane(const Vec3 &point) const;
 };
 
-/// Of an event of the 3D view; nothing: the node is gone.
+/// Of an event; nothing: the node is gone. In a slice it begins in the plane that is shown.
 [[nodiscard]] std::optional<PickRay> rayOf(const Services &services, c3de_handle node, const c3de_event &event);
 
 /// The first surface that a ray meets.
@@ -32,5 +33,26 @@ struct PickedSurface {
 };
 /// Refits the trees of the bodies to the snapshot. Main thread.
 [[nodiscard]] std::optional<PickedSurface> pick(const Services &services, const Snapshot &snapshot, const PickRay &ray);
+
+/// The skin that is nearest to a place.
+struct NearSkin {
+  const BodySnapshot *body = nullptr;  ///< null: there is none
+  double distance = 0.0;               ///< m, negative inside
+  Vec3 outwards = Vec3::UnitZ();       ///< unit, out of the body, the shortest way
+};
+/// What is near in a snapshot. Main thread; while it is there nobody else refits the trees of the bodies.
+class Skins {
+ public:
+  /// Refits the trees to the snapshot, which must stay.
+  Skins(const Services &services, const Snapshot &snapshot);
+  /// The bodies whose inside is at a place, m.
+  [[nodiscard]] std::vector<const BodySnapshot *> bodiesAt(const Vec3 &place) const;
+  /// Of all bodies together.
+  [[nodiscard]] NearSkin near(const Vec3 &place) const;
+
+ private:
+  const Services &services_;
+  std::vector<const BodySnapshot *> bodies_;
+};
 
 }  // namespace pointbased

@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "clear_place.h"
 #include "number_text.h"
 
 namespace pointbased {
 namespace {
 
-constexpr sdk::Material kHand{{0.9f, 0.9f, 0.9f, 1.0f}, false};
-constexpr sdk::Material kGhost{{0.45f, 0.75f, 0.95f, 0.45f}, true};
+constexpr sdk::Material kHand{{0.9f, 0.9f, 0.9f, 1.0f}, false, true};
+constexpr sdk::Material kGhost{{0.45f, 0.75f, 0.95f, 0.45f}, true, true};
 constexpr double kPerNotch = 1e-3;  // m, of the wheel or a key
 constexpr double kGap = 1e-4;       // m, between the instrument and the surface it is placed at
 constexpr double kAway = 1e-3;      // m: the hand is somewhere else
@@ -22,6 +23,13 @@ ProbeTool instrumentOf(const InstrumentSettings &settings, const Vec3 &middle, c
   tool.friction = settings.friction;
   tool.path = {{0.0, middle, axis}};
   return tool;
+}
+
+bool isWithin(const ObstacleSnapshot &instrument, const Vec3 &place) {
+  const ProbeTool &tool = *instrument.tool;
+  const Vec3 axis = instrument.motion.rotation * tool.path.front().axis.normalized(), way = place - instrument.middle();
+  const double along = std::clamp(way.dot(axis), -0.5 * tool.length, 0.5 * tool.length);
+  return (way - along * axis).norm() <= tool.radius;
 }
 
 }  // namespace
@@ -43,7 +51,7 @@ bool TouchTool::onEvent(const c3de_event &event) {
       hovered_ = event;
       return drag_.has_value();
     case C3DE_EVENT_WHEEL:
-      if (!drag_) return false;
+      if (!drag_ || sdk::isInSlice(event)) return false;  // of slices the next one is shown, and it goes along
       pushAlongView(event, kPerNotch * event.wheel);
       return true;
     case C3DE_EVENT_RELEASE:
@@ -70,34 +78,66 @@ bool TouchTool::press(const c3de_event &event) {
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
   const std::optional<PickRay> ray = rayOf(services_, simulator_->node(), event);
   if (!snapshot || !ray) return false;
-  const std::optional<PickedSurface> picked = pick(services_, *snapshot, *ray);
-  if (!picked) return false;
+  const bool isSlice = sdk::isInSlice(event);
+  const std::optional<PickedSurface> picked = isSlice ? std::nullopt : pick(services_, *snapshot, *ray);
+  if (!isSlice && !picked) return false;
   if (isTimeless(*snapshot, "Touch", "an instrument could push",
                  "; a [[probe_tool]] of the scene is led by the load factor"))
     return true;
   hovered_.reset();
   ghost_.reset();
-  history_.begin(simulator_);
-  if (picked->obstacle && picked->obstacle->isInstrument) {
-    drag_ = Drag{picked->at, picked->obstacle->middle() - picked->at};
+  const Vec3 under = picked ? picked->at : ray->origin;
+  const ObstacleSnapshot *instrument = snapshot->instrument();
+  if (isSlice ? instrument && isWithin(*instrument, under) : picked->obstacle && picked->obstacle->isInstrument) {
+    history_.begin(simulator_);
+    drag_ = Drag{under, instrument->middle() - under};
     return true;
   }
-  settings_.radius_mm = radiusOn(*picked);
-  // It touches with its sphere, or with the end of its capsule, whose other end comes towards the eye.
-  const double radius = kMetresPerMillimetre * settings_.radius_mm;
-  const Vec3 axis = -ray->direction;
-  const Vec3 middle =
-      picked->at + (radius + kGap) * picked->normal + 0.5 * kMetresPerMillimetre * settings_.length_mm * axis;
-  drag_ = Drag{picked->at, middle - picked->at};
+  const std::optional<Placing> placing = picked ? onSurface(*picked, *ray) : inSlice(*snapshot, *ray);
+  if (!placing) {
+    (void)services_.notifier.notify(
+        C3DE_LOG_INFO, "Touch", "Along this slice the skin is near on both sides; press where the slice crosses it");
+    return true;
+  }
+  history_.begin(simulator_);
+  settings_.radius_mm = placing->radius_mm;
+  drag_ = Drag{under, placing->middle - under};
   forces_.clear();
-  place(middle, axis);
+  place(placing->middle, placing->axis);
   return true;
 }
 
+// It touches with its sphere, or with the end of its capsule, whose other end comes towards the eye.
+TouchTool::Placing TouchTool::onSurface(const PickedSurface &picked, const PickRay &ray) const {
+  Placing placing{Vec3::Zero(), -ray.direction, radiusOn(picked.body)};
+  placing.middle = picked.at + (kMetresPerMillimetre * placing.radius_mm + kGap) * picked.normal + halfOf(placing.axis);
+  return placing;
+}
+
+// Beside the skin that is nearest, a capsule away from it.
+std::optional<TouchTool::Placing> TouchTool::inSlice(const Snapshot &snapshot, const PickRay &ray) const {
+  const Vec3 &place = ray.origin, &normal = ray.view;
+  const Skins skins(services_, snapshot);
+  const NearSkin near = skins.near(place);
+  Placing placing{place, normal.unitOrthogonal(), radiusOn(near.body)};
+  const double radius = kMetresPerMillimetre * placing.radius_mm + kGap;
+  const std::optional<Vec3> end = clearPlace(place, normal, radius, [&](const Vec3 &at) {
+    const NearSkin skin = skins.near(at);
+    return SkinDistance{skin.body ? skin.distance : radius, skin.outwards};
+  });
+  if (!end) return std::nullopt;
+  const Vec3 away = near.outwards - near.outwards.dot(normal) * normal;
+  if (away.norm() > 0.1) placing.axis = away.normalized();
+  placing.middle = *end + halfOf(placing.axis);
+  return placing;
+}
+
+Vec3 TouchTool::halfOf(const Vec3 &axis) const { return 0.5 * kMetresPerMillimetre * settings_.length_mm * axis; }
+
 // Nobody has said it: a thinner one would sink in between the points of contact.
-double TouchTool::radiusOn(const PickedSurface &picked) const {
-  if (!picked.body || isChosen_) return settings_.radius_mm;
-  return std::max(settings_.radius_mm, std::ceil(picked.body->rest->spacing / kMetresPerMillimetre));
+double TouchTool::radiusOn(const BodySnapshot *body) const {
+  if (!body || isChosen_) return settings_.radius_mm;
+  return std::max(settings_.radius_mm, std::ceil(body->rest->spacing / kMetresPerMillimetre));
 }
 
 void TouchTool::place(const Vec3 &middle, const Vec3 &axis) {
@@ -117,14 +157,15 @@ void TouchTool::moveTo(const Vec3 &middle) {
 void TouchTool::drag(const c3de_event &event) {
   const std::optional<PickRay> ray = rayOf(services_, simulator_->node(), event);
   if (!ray) return;
-  if (const std::optional<Vec3> at = ray->onScreenPlane(drag_->point)) moveTo(*at + drag_->offset);
+  const std::optional<Vec3> at = sdk::isInSlice(event) ? ray->origin : ray->onScreenPlane(drag_->point);
+  if (at) moveTo(*at + drag_->offset);
 }
 
 void TouchTool::pushAlongView(const c3de_event &event, double way) {
   const std::optional<PickRay> ray = rayOf(services_, simulator_->node(), event);
   if (!ray || !target_) return;
   const Vec3 along = way * ray->view;
-  if (drag_) drag_->point += along;
+  if (drag_) (sdk::isInSlice(event) ? drag_->offset : drag_->point) += along;
   moveTo(*target_ + along);
 }
 
@@ -164,11 +205,19 @@ void TouchTool::hover() {
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
   const std::optional<PickRay> ray = rayOf(services_, simulator_->node(), event);
   if (!snapshot || !ray) return;
-  const std::optional<PickedSurface> picked = pick(services_, *snapshot, *ray);
-  if (!picked || (picked->obstacle && picked->obstacle->isInstrument)) return;
-  const double radius = kMetresPerMillimetre * radiusOn(*picked);
-  const Vec3 middle = picked->at + radius * picked->normal;
-  if (auto made = services_.render.createSpheres(simulator_->node(), viewOf(std::span(&middle, 1)), radius, kGhost))
+  std::optional<Placing> placing;
+  if (sdk::isInSlice(event)) {
+    if (const ObstacleSnapshot *instrument = snapshot->instrument(); instrument && isWithin(*instrument, ray->origin))
+      return;
+    placing = inSlice(*snapshot, *ray);
+  } else if (const auto picked = pick(services_, *snapshot, *ray);
+             picked && !(picked->obstacle && picked->obstacle->isInstrument)) {
+    placing = onSurface(*picked, *ray);
+  }
+  if (!placing) return;
+  const Vec3 end = placing->middle - halfOf(placing->axis);  // that touches
+  if (auto made = services_.render.createSpheres(simulator_->node(), viewOf(std::span(&end, 1)),
+                                                 kMetresPerMillimetre * placing->radius_mm, kGhost))
     ghost_ = std::move(*made);
 }
 

@@ -17,7 +17,8 @@ struct InstrumentSettings {
 };
 
 /// A rigid instrument that pushes what it meets. Press on a surface: it stands there, outside; drag: it moves parallel
-/// to the screen; wheel: deeper and back; release: it stays, and press on it takes hold of it again. An arrow shows the
+/// to the screen; wheel: deeper and back; release: it stays, and press on it takes hold of it again. In a slice it
+/// stands with its middle in the plane, where that is clear of skins, and moves within the plane. An arrow shows the
 /// force on it, a label how large it is.
 class TouchTool : public HandTool {
  public:
@@ -47,11 +48,18 @@ class TouchTool : public HandTool {
     Vec3 point = Vec3::Zero();   // m, where it was pressed: the hand moves in the plane through it
     Vec3 offset = Vec3::Zero();  // m, from the point under the mouse to the middle
   };
+  struct Placing {
+    Vec3 middle = Vec3::Zero(), axis = Vec3::UnitZ();  // m, unit
+    double radius_mm = 0.0;
+  };
+  [[nodiscard]] Placing onSurface(const PickedSurface &picked, const PickRay &ray) const;
+  [[nodiscard]] std::optional<Placing> inSlice(const Snapshot &snapshot, const PickRay &ray) const;
   bool press(const c3de_event &event);
   void drag(const c3de_event &event);
   void pushAlongView(const c3de_event &event, double way_m);
   void release();
-  [[nodiscard]] double radiusOn(const PickedSurface &picked) const;  // mm
+  [[nodiscard]] double radiusOn(const BodySnapshot *body) const;  // mm
+  [[nodiscard]] Vec3 halfOf(const Vec3 &axis) const;              // m, from an end of the capsule to its middle
   void place(const Vec3 &middle, const Vec3 &axis);
   void forget();
   void hover();

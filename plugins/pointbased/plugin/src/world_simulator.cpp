@@ -721,6 +721,15 @@ void WorldSimulator::displacement(const c3de_sim_grid *grid, double rim, float *
   if (gaps) field.writeGaps({out, 3 * points}, {gaps, points});
 }
 
+Vec3 WorldSimulator::displacementAt(const Vec3 &place) const {
+  DisplacementField field({{1, 1, 1}, place, Mat3::Identity()});
+  std::array<float, 3> u{};
+  const std::lock_guard lock(mutex_);
+  for (const auto &[id, record] : bodies_) field.add(*simulator_.body(id));
+  field.write(0.0, u);
+  return vectorOf(u);
+}
+
 bool WorldSimulator::readBody(std::uint64_t body, const std::function<void(const Body &)> &read) const {
   const std::lock_guard lock(mutex_);
   const Body *found = simulator_.body(body);

@@ -169,6 +169,9 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   /// Goes to the kept state and keeps the one that it leaves; nothing where the simulation has begun anew since. [sim]
   void exchange(HandState &kept);
   /// Of a step that has taken long, before something is posted that changes it: the state before it stays. Any thread.
+  /// m, as slices show it: the material that is at a place has come by it; 0 where no body is. Waits for a step. Any
+  /// thread.
+  [[nodiscard]] Vec3 displacementAt(const Vec3 &place) const;
   void abandonLongStep() { request_.abandonLongStep(); }
   [[nodiscard]] ParameterValues worldValues() const;
   [[nodiscard]] std::optional<BodySource> source(std::uint64_t body) const;

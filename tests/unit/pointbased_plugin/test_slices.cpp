@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tools in slices: what of a body is at a place now, what is held of it, where a ball stands clear of skins.
+#include <Eigen/Geometry>
+#include <numeric>
+
+#include "clear_place.h"
+#include "grab_patch.h"
+#include "lattice_cases.h"
+#include "support/catch.h"
+
+using namespace pointbased;
+
+namespace {
+
+/// 60 x 60 x 60 mm; held in its lowest 6 mm.
+std::shared_ptr<const RestState> heldBlock() {
+  BodyRecipe recipe;
+  recipe.sampling = lattice_cases::withSpacing(0.006);
+  recipe.fixes.emplace_back();
+  recipe.fixes.back().region = HalfSpaceRegion{Vec3(0, 0, 0.306), Vec3::UnitZ()};
+  const BodyShape shape = lattice_cases::box(Vec3(0.1, 0.2, 0.3), Vec3(0.16, 0.26, 0.36));
+  std::vector<Vec3> normals(shape.surface.positions.size(), Vec3::UnitX());
+  auto rest = buildRestState(shape, recipe, normals, serialFor());
+  if (!rest) throw std::runtime_error(rest.error());
+  return *rest;
+}
+
+template <class Way>
+std::vector<Vec3> moved(const RestState &rest, const Way &way) {
+  std::vector<Vec3> now;
+  for (const Vec3 &X : rest.positions) now.push_back(way(Vec3(rest.origin + X)));
+  return now;
+}
+
+}  // namespace
+
+TEST_CASE("The material at a place is found however far a body has gone, turned and stretched", "[slices]") {
+  const auto rest = heldBlock();
+  Mat3 F = Eigen::AngleAxisd(1.1, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  F *= Vec3(1.4, 0.8, 0.9).asDiagonal();
+  const auto way = [&](const Vec3 &X) { return Vec3(F * X + Vec3(3.0, -1.0, 0.5)); };
+  const std::vector<Vec3> now = moved(*rest, way);
+  for (const Vec3 &X : {Vec3(0.13, 0.23, 0.33), Vec3(0.1413, 0.2127, 0.3499), Vec3(0.159, 0.259, 0.359)}) {
+    const auto found = materialAt(*rest, now, way(X));
+    REQUIRE(found);
+    CHECK((rest->origin + found->at - X).norm() < 1e-5);  // the ridge of the least squares: 1e-6 of the spacing squared
+  }
+  CHECK_FALSE(materialAt(*rest, {}, Vec3::Zero()));
+}
+
+TEST_CASE("Of a body that lies folded over itself one layer is taken, not a mean of both", "[slices]") {
+  const auto rest = heldBlock();
+  const double middle = 0.13;
+  // The half beyond the middle has come to lie upon the other one, 2 mm higher.
+  const auto way = [&](const Vec3 &X) { return X[0] <= middle ? X : Vec3(2.0 * middle - X[0], X[1], X[2] + 0.002); };
+  const std::vector<Vec3> now = moved(*rest, way);
+  const Vec3 X(0.109, 0.23, 0.33);
+  const auto found = materialAt(*rest, now, way(X));
+  REQUIRE(found);
+  const Vec3 at = rest->origin + found->at, other(2.0 * middle - X[0], X[1], X[2] - 0.002);
+  CHECK(std::min((at - X).norm(), (at - other).norm()) < 1e-5);
+}
+
+TEST_CASE("Crushed phyxels lead no farther than their surroundings", "[slices]") {
+  const auto rest = heldBlock();
+  const std::vector<Vec3> now = moved(*rest, [](const Vec3 &X) { return Vec3(1e-9 * X); });
+  const auto found = materialAt(*rest, now, Vec3(0.1, 0.1, 0.1));
+  REQUIRE(found);
+  CHECK((found->at - rest->positions.front()).norm() < 0.2);
+}
+
+TEST_CASE("A point inside is held by the patch around it, and what a fix holds is told", "[slices]") {
+  const auto rest = heldBlock();
+  const std::vector<Vec3> now = moved(*rest, [](const Vec3 &X) { return X; });
+  const PinchSettings settings{.radius_mm = 15.0};
+  const auto inside = materialAt(*rest, now, Vec3(0.13, 0.23, 0.335));
+  REQUIRE(inside);
+  CHECK_FALSE(inside->isHeld);
+  const Grab grab = grabAt(*rest, inside->at, settings, 6e3);
+  CHECK(grab.phyxels.size() > 20);
+  CHECK_THAT(std::accumulate(grab.weights.begin(), grab.weights.end(), 0.0), WithinAbs(1.0, 1e-12));
+  Vec3 mean = Vec3::Zero();
+  for (std::size_t k = 0; k < grab.phyxels.size(); ++k) {
+    CHECK((rest->positions[grab.phyxels[k]] - inside->at).norm() < 0.015);
+    mean += grab.weights[k] * now[grab.phyxels[k]];
+  }
+  CHECK((mean - Vec3(0.13, 0.23, 0.335)).norm() < 0.001);
+  CHECK_THAT(grab.maxForce, WithinRel(4.0 * 6e3 * 0.015 * 0.015, 1e-12));
+  const auto below = materialAt(*rest, now, Vec3(0.13, 0.23, 0.302));
+  REQUIRE(below);
+  CHECK(below->isHeld);
+}
+
+TEST_CASE("A ball stands where it is put, or beside the skin within its plane", "[slices]") {
+  // A ball of skin of 30 mm about the origin.
+  const auto skin = [](const Vec3 &at) {
+    return SkinDistance{at.norm() - 0.03, at.norm() > 0.0 ? Vec3(at.normalized()) : Vec3::UnitX()};
+  };
+  const Vec3 z = Vec3::UnitZ();
+  const Vec3 free(0.05, 0.0, 0.0);
+  CHECK(clearPlace(free, z, 0.006, skin) == free);
+  for (const Vec3 &place : {Vec3(0.031, 0, 0), Vec3(0.02, 0.02, 0.0), Vec3(0.001, 0.0, 0.0), Vec3(0.0, 0.01, 0.02)}) {
+    const auto at = clearPlace(place, z, 0.006, skin);
+    REQUIRE(at);
+    CHECK_THAT((*at)[2], WithinAbs(place[2], 1e-12));
+    CHECK_THAT(at->norm(), WithinAbs(0.036, 2e-5));
+    CHECK(std::abs((*at)[0] * place[1] - (*at)[1] * place[0]) < 1e-9);  // straight out
+  }
+  // The plane touches the skin from above: no way within it is short.
+  CHECK_FALSE(clearPlace(Vec3(0, 0, 0.029), z, 0.006, skin));
+}
