@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// A ball 100 times stiffer than the cylinder around it, against axisymmetric finite elements (truths/stiff_ball.py).
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "pointbased/simulator.h"
+#include "solid_shapes.h"
+#include "support/catch.h"
+
+using namespace pointbased;
+
+namespace {
+
+constexpr double kRadius = 0.01, kModulus = 1e4, kPressure = 1.0;  // m, Pa
+
+std::map<std::string, double> truth() {
+  std::ifstream in(C3DE_STIFF_BALL);
+  REQUIRE(in);
+  const nlohmann::json all = nlohmann::json::parse(in);
+  return all.at("values").get<std::map<std::string, double>>();
+}
+
+Material soft(double modulus) {
+  Material material;
+  material.law = MaterialLaw::linear;
+  material.youngsModulus = modulus;
+  material.poissonRatio = 0.3;
+  return material;
+}
+
+// Displacements under the pressure, times the cylinder's modulus over pressure and radius of the ball.
+std::map<std::string, double> solved(double spacing) {
+  const Vec3 middle(0, 0, 2.0 * kRadius);
+  BodyRecipe recipe;
+  recipe.sampling.spacing = spacing;
+  recipe.sampling.axes = Mat3(Mat3::Identity());
+  recipe.sampling.materials.emplace_back(SphereRegion{middle, kRadius}, std::uint16_t{1});
+  Fix foot;
+  foot.region = HalfSpaceRegion{Vec3(0, 0, 1e-6), Vec3::UnitZ()};
+  recipe.fixes.push_back(foot);
+  Load load;
+  load.region = HalfSpaceRegion{Vec3(0, 0, 4.0 * kRadius - 1e-6), -Vec3::UnitZ()};
+  load.force = Vec3(0, 0, -kPressure * 3.14159265358979323846 * 4.0 * kRadius * kRadius);
+  load.follower = false;
+  recipe.loads.push_back(load);
+  const auto rest = buildRestState(solids::cylinder(2.0 * kRadius, 4.0 * kRadius), recipe, {}, serialFor());
+  INFO((rest ? std::string() : rest.error()));
+  REQUIRE(rest.has_value());
+  Constitution constitution;
+  constitution.materials = {soft(kModulus), soft(100.0 * kModulus)};
+  constitution.stabilisation = kLatticeStabilisation;
+  Simulator simulator;
+  WorldSettings world;
+  world.integrator = Integrator::quasiStatic;
+  world.loadSteps = 1;
+  simulator.setWorld(world);
+  const std::size_t id = simulator.addBody(std::make_unique<Body>("cylinder", *rest, constitution, serialFor()));
+  while (!simulator.finished()) REQUIRE(simulator.step());
+  const Body &body = *simulator.body(id);
+  const std::vector<Vec3> places = {middle, middle + kRadius * Vec3::UnitZ(), middle + 2.0 * kRadius * Vec3::UnitZ(),
+                                    middle + 2.0 * kRadius * Vec3::UnitX()};
+  std::vector<Vec3> points;
+  for (const Vec3 &x : places) points.push_back(x - body.rest().origin);
+  std::vector<Vec3> ways(points.size());
+  interpolateDisplacements(body.rest().bind(points, std::vector<Vec3>(points.size(), Vec3::UnitZ())),
+                           body.rest().positions, body.state().displacements, ways, serialFor());
+  const double unit = kModulus / (kPressure * kRadius);
+  return {{"ball_middle_z", unit * ways[0][2]},
+          {"ball_pole_z", unit * ways[1][2]},
+          {"top_axis_z", unit * ways[2][2]},
+          {"side_r", unit * ways[3][0]}};
+}
+
+}  // namespace
+
+// All materials of a cell share its strain, so the ball is larger than it is by a part of a cell: the goal of 5 % is not
+// met with four cells over its radius (docs/theory/lattice.md, several materials). The lattice is the cylinder's: the ball
+// cuts cells as it comes.
+TEST_CASE("a ball 100 times stiffer than what is around it: errors fall with the spacing") {
+  const std::map<std::string, double> fine = truth();
+  std::map<std::string, double> before;
+  for (const auto &[cells, allowed] : {std::pair(2.0, 0.16), std::pair(3.0, 0.11), std::pair(4.0, 0.08)}) {
+    for (const auto &[name, value] : solved(kRadius / cells)) {
+      CAPTURE(cells, name, value);
+      const double error = std::abs(value / fine.at(name) - 1.0);
+      WARN(cells << " cells: " << name << " " << 100.0 * (value / fine.at(name) - 1.0) << " %");
+      if (name.starts_with("ball")) CHECK(error < allowed);
+      if (before.contains(name)) CHECK(error < before[name]);
+      before[name] = error;
+    }
+  }
+}
