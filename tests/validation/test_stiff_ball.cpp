@@ -76,9 +76,9 @@ std::map<std::string, double> solved(double spacing) {
 
 }  // namespace
 
-// All materials of a cell share its strain, so the ball is larger than it is by a part of a cell: the goal of 5 % is not
-// met with four cells over its radius (docs/theory/lattice.md, several materials). The lattice is the cylinder's: the ball
-// cuts cells as it comes.
+// All materials of a cell share its strain, so the ball is too large by a part of a cell: the goal of 5 % is not met
+// with four cells over its radius (docs/theory/lattice.md, several materials). The lattice is the cylinder's, and the
+// ball cuts its cells anywhere.
 TEST_CASE("a ball 100 times stiffer than what is around it: errors fall with the spacing") {
   const std::map<std::string, double> fine = truth();
   std::map<std::string, double> before;

@@ -375,11 +375,11 @@ TEST_CASE("conjugate gradients go as far as a radius allows, downhill and where 
 
   double before = 0.0;
   for (const double part : {0.02, 0.1, 0.5, 0.9}) {
-    std::vector<Vec3> onWay;
-    cg.wayAt(part * whole, onWay);
-    // Between iterates that are kept the way is straight, so a little shorter.
-    CHECK(lengthOf(onWay) < part * whole * (1.0 + 1e-9));
-    CHECK(lengthOf(onWay) > 0.7 * part * whole);
+    std::vector<Vec3> onPath;
+    cg.pointOnPath(part * whole, onPath);
+    // Between recorded iterates the path is straight, so a little shorter.
+    CHECK(lengthOf(onPath) < part * whole * (1.0 + 1e-9));
+    CHECK(lengthOf(onPath) > 0.7 * part * whole);
     detail::ConjugateGradients bounded;
     bounded.begin(b, precondition);
     REQUIRE(bounded.run(product, precondition, 1e-10, 1000, part * whole) == detail::LinearEnd::radius);

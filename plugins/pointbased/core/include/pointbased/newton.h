@@ -83,9 +83,9 @@ struct NewtonSettings {
   double largestTolerance = std::numeric_limits<double>::infinity();  ///< m, that may come of it
   double toleranceForce = 0.0;  ///< N, >= 0: largest residual that is good enough without a further step
   int maxIterations = 50;       ///< Newton steps
-  /// A step that does not lower the energy is cut along the way of the linear solve, and sets how far the next ones may
-  /// go in the norm of the preconditioner (trust region); false: it is cut straight. For steps in time that meet
-  /// nothing: a static solution of a body that buckles is far away, and found sooner without
+  /// Trust region: a step that does not lower the energy is shortened along the path of the linear solve, and bounds
+  /// the next ones in the norm of the preconditioner; false: it is scaled. For steps in time without contact: a static
+  /// solution of a body that buckles is far away, and found sooner without
   bool trustRegion = false;
   int maxLinearIterations = 2000;  ///< per Newton step; the direction so far is used then
   double linearTolerance = 1e-2;   ///< of the first solves; tightened as the residual falls (Eisenstat and Walker)
@@ -126,9 +126,9 @@ struct NewtonResult {
 /// calls on problems of the same shape; a factorisation is renewed when the iterations it costs have paid for a new
 /// one, counted, not timed. Same bits for any number of threads when the problem's are.
 ///
-/// Of a step in time that meets nothing (toleranceOfWay without firstTellsWay) the preconditioned gradient tells what is
-/// left where the preconditioner is near the inverse: eight times as much, scaled as in the step before. Where that is
-/// within the tolerance, it is taken as the last correction, without a solve.
+/// In steps in time without contact (toleranceOfWay without firstTellsWay) the preconditioned gradient estimates the
+/// error that is left, where the preconditioner is near the inverse: eight times it, scaled as in the step before.
+/// Where that is within the tolerance, it is applied as the last correction, without a linear solve.
 ///
 /// The line search halves where the problem cannot be evaluated; it accepts a sufficient decrease of the energy
 /// (Armijo) or, where the change drowns in round-off, a falling gradient whose slope along the step says so (Hager and

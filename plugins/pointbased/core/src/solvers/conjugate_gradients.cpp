@@ -68,7 +68,7 @@ void ConjugateGradients::begin(std::span<const Vec3> b, const Apply &preconditio
   iterations_ = 0;
   precondition(b_, steepest_);
   z_ = steepest_;
-  stopCount_ = 0;
+  recordedCount_ = 0;
   goDown();
 }
 
@@ -131,7 +131,7 @@ LinearEnd ConjugateGradients::run(const Apply &product, const Apply &preconditio
     ++iterations_;
     xMp_ += alpha * pMp_;
     xMx_ = longer;
-    keepStop();
+    recordIterate();
 
     precondition(r_, z_);
     const double next = dot(r_, z_);
@@ -144,25 +144,25 @@ LinearEnd ConjugateGradients::run(const Apply &product, const Apply &preconditio
   }
 }
 
-void ConjugateGradients::keepStop() {
+void ConjugateGradients::recordIterate() {
   constexpr double kApart = 1.5;
-  if (stopCount_ > 0 && length() < kApart * stops_[stopCount_ - 1].length) return;
-  if (stopCount_ == stops_.size()) stops_.emplace_back();
-  stops_[stopCount_].length = length();
-  stops_[stopCount_].x.assign(x_.begin(), x_.end());
-  ++stopCount_;
+  if (recordedCount_ > 0 && length() < kApart * recorded_[recordedCount_ - 1].length) return;
+  if (recordedCount_ == recorded_.size()) recorded_.emplace_back();
+  recorded_[recordedCount_].length = length();
+  recorded_[recordedCount_].x.assign(x_.begin(), x_.end());
+  ++recordedCount_;
 }
 
-void ConjugateGradients::wayAt(double length, std::vector<Vec3> &out) const {
+void ConjugateGradients::pointOnPath(double length, std::vector<Vec3> &out) const {
   std::size_t next = 0;
-  while (next < stopCount_ && stops_[next].length < length) ++next;
-  const std::span<const Vec3> to = next < stopCount_ ? std::span<const Vec3>(stops_[next].x) : x();
-  const double end = next < stopCount_ ? stops_[next].length : this->length();
-  const double begin = next > 0 ? stops_[next - 1].length : 0.0;
+  while (next < recordedCount_ && recorded_[next].length < length) ++next;
+  const std::span<const Vec3> to = next < recordedCount_ ? std::span<const Vec3>(recorded_[next].x) : x();
+  const double end = next < recordedCount_ ? recorded_[next].length : this->length();
+  const double begin = next > 0 ? recorded_[next - 1].length : 0.0;
   const double part = end > begin ? std::min(1.0, (length - begin) / (end - begin)) : 1.0;
   out.assign(to.size(), Vec3::Zero());
   addScaled(part, to, out);
-  if (next > 0) addScaled(1.0 - part, stops_[next - 1].x, out);
+  if (next > 0) addScaled(1.0 - part, recorded_[next - 1].x, out);
 }
 
 }  // namespace pointbased::detail

@@ -46,7 +46,7 @@ class ConjugateGradients {
   void begin(std::span<const Vec3> b, const Apply &precondition);
   /// From the present x with another M.
   void restart(const Apply &product, const Apply &precondition);
-  /// At most `iterations` more, and no farther than `radius` from zero in the norm of M: where the way crosses it x
+  /// At most `iterations` more, and no farther than `radius` from zero in the norm of M: where the path of iterates crosses it x
   /// stays on it, along a direction of negative curvature as well, unless it is infinite.
   [[nodiscard]] LinearEnd run(const Apply &product, const Apply &precondition, double tolerance, int iterations,
                               double radius);
@@ -56,25 +56,25 @@ class ConjugateGradients {
   [[nodiscard]] double length() const { return std::sqrt(xMx_); }
   /// b·x - 1/2 x·A x
   [[nodiscard]] double gain() const { return 0.5 * total_ + gainOnRadius_; }
-  /// Where the way from zero to x was `length` long, between iterates that are kept.
-  void wayAt(double length, std::vector<Vec3> &out) const;
+  /// The point of the path of iterates from zero to x at that |x|, between recorded ones on a straight line.
+  void pointOnPath(double length, std::vector<Vec3> &out) const;
   /// M^-1 b of the last begin() or restart(): the preconditioned steepest descent.
   [[nodiscard]] std::span<const Vec3> preconditioned() const { return steepest_; }
   [[nodiscard]] int iterations() const { return iterations_; }  ///< since begin()
 
  private:
   void goDown();  // the first direction: z
-  void keepStop();
+  void recordIterate();
   [[nodiscard]] bool accurate(double tolerance) const;
 
   std::span<const Vec3> b_;
   std::vector<Vec3> x_, r_, z_, p_, q_, steepest_;
-  struct Stop {
+  struct Recorded {
     double length = 0.0;
     std::vector<Vec3> x;
   };
-  std::vector<Stop> stops_;  // iterates, each half as long again as the one before
-  std::size_t stopCount_ = 0;
+  std::vector<Recorded> recorded_;  // iterates, each half as long again as the one before
+  std::size_t recordedCount_ = 0;
   double xMx_ = 0.0, xMp_ = 0.0, gainOnRadius_ = 0.0;
   std::vector<double> gains_;  // α r·z of every iteration since begin() or restart()
   double rz_ = 0.0, reference_ = 0.0, total_ = 0.0, pMp_ = 0.0;

@@ -26,7 +26,7 @@ constexpr double kFoundAtStart = 1e-3;
 constexpr double kAsPromised = 0.75, kPoor = 0.25;  // parts of the promised decrease
 constexpr double kWiden = 2.0, kNarrow = 0.5;       // of the radius
 // times what the preconditioned gradient says is left; with three, a spinning block erred by 0.16 % instead of 0.05 %
-constexpr double kWary = 8.0;
+constexpr double kSafety = 8.0;
 constexpr int kTrials = 48;
 constexpr int kDoublings = 16;
 constexpr int kPatience = 6;  // iterations without progress
@@ -48,12 +48,12 @@ struct NewtonSolver::Impl {
 
  private:
   struct Direction {
-    bool newton = false;     // solved to `tolerance`, without negative curvature
-    bool negative = false;   // cut short by negative curvature
-    bool confirms = false;   // exact enough to end the solve with
-    bool bounded = false;    // cut short by the radius
-    bool isNothing = false;  // what is left is within the tolerance, as it seems
-    bool isWay = false;      // the way of the linear solve leads to it
+    bool newton = false;       // solved to `tolerance`, without negative curvature
+    bool negative = false;     // cut short by negative curvature
+    bool confirms = false;     // exact enough to end the solve with
+    bool bounded = false;      // cut short by the radius
+    bool isConverged = false;  // what is left is within the tolerance, as it seems
+    bool hasPath = false;      // it ends the path of the linear solve
     double tolerance = 1.0;
     double length = 0.0;  // in the norm of the preconditioner
     double gain = 0.0;    // J, that the quadratic model promises
@@ -65,12 +65,12 @@ struct NewtonSolver::Impl {
   };
 
   bool gradientHere(IncrementalPotential &problem, std::vector<Vec3> &out, Evaluation &at);
-  bool takeRest(IncrementalPotential &problem, std::span<Vec3> u);
+  bool applyLastCorrection(IncrementalPotential &problem, std::span<Vec3> u);
   bool tryAt(IncrementalPotential &problem, std::span<const Vec3> u, double scale, double &energy);
   Direction findDirection(IncrementalPotential &problem, const NewtonSettings &settings, double forcing,
                           double strongForcing);
   double search(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings, Evaluation &at,
-                bool grow, double wayLength);
+                bool grow, double pathLength);
 };
 
 NewtonSolver::NewtonSolver() : impl_(std::make_unique<Impl>()) {}
@@ -149,7 +149,7 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPoten
   linear.begin(right, precondition);
   if (expected > 0.0 && keeper.isStrong() && expected * detail::largest(linear.preconditioned()).value <= tolerance) {
     Direction none;
-    none.isNothing = true;
+    none.isConverged = true;
     direction.assign(linear.preconditioned().begin(), linear.preconditioned().end());
     return none;
   }
@@ -182,7 +182,7 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPoten
   }
   keeper.book(linear.iterations() - before, out.tolerance, end == LinearEnd::tolerance);
   out.bounded = end == LinearEnd::radius;
-  out.isWay = linear.iterations() > 0;
+  out.hasPath = linear.iterations() > 0;
   out.length = linear.length();
   out.gain = linear.gain();
   result.linearIterations = solvedBefore + linear.iterations();
@@ -198,7 +198,7 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPoten
     return dot(gradient, direction) < 0.0 && std::isfinite(detail::largest(direction).value);
   };
   if (!downhill()) {
-    out.newton = out.isWay = false;
+    out.newton = out.hasPath = false;
     direction.assign(linear.preconditioned().begin(), linear.preconditioned().end());
     if (!downhill()) direction = right;
   }
@@ -207,10 +207,10 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPoten
 
 // Finds how far along the direction to go, moves u there, and leaves the problem, the gradient and `at` there. Returns
 // the scale, or 0: nothing found, all is as it was. `grow`: the direction has no natural length, try longer ones.
-// `wayLength`: of the way of the linear solve, along which less than all of the direction is gone, and which then sets
+// `pathLength`: of the path of the linear solve, along which a step that fails is shortened, and which then sets
 // the radius; 0: straight.
 double NewtonSolver::Impl::search(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings,
-                                  Evaluation &at, bool grow, double wayLength) {
+                                  Evaluation &at, bool grow, double pathLength) {
   double slope = dot(gradient, direction);
   const double length = detail::largest(direction).value;
   const double limit = std::min(1.0, problem.largestStep(direction));
@@ -219,12 +219,12 @@ double NewtonSolver::Impl::search(IncrementalPotential &problem, std::span<Vec3>
   const double smallest = std::max(1e-3 * settings.toleranceDisplacement, 1e-17 * detail::largest(u).value);
 
   Evaluation next;
-  double scale = limit, along = limit;  // of the direction; of the present one, which is a part of the way
+  double scale = limit, along = limit;  // of the direction; of the present one, which is a point of the path
   bool found = false;
   for (int k = 0; k < kTrials && !found; ++k) {
     if (k > 0 && scale * length < smallest) break;
-    if (k > 0 && wayLength > 0.0) {
-      linear.wayAt(scale * wayLength, direction);
+    if (k > 0 && pathLength > 0.0) {
+      linear.pointOnPath(scale * pathLength, direction);
       slope = dot(gradient, direction);
       along = std::min(1.0, problem.largestStep(direction));
       if (!(along > 0.0) || !(slope < 0.0)) {
@@ -257,7 +257,7 @@ double NewtonSolver::Impl::search(IncrementalPotential &problem, std::span<Vec3>
     (void)problem.setState(u);
     return 0.0;
   }
-  if (scale < limit && wayLength > 0.0) radius = scale * wayLength;
+  if (scale < limit && pathLength > 0.0) radius = scale * pathLength;
 
   if (grow && scale == 1.0) {
     Evaluation longer;
@@ -287,7 +287,7 @@ double NewtonSolver::Impl::search(IncrementalPotential &problem, std::span<Vec3>
   return scale;
 }
 
-bool NewtonSolver::Impl::takeRest(IncrementalPotential &problem, std::span<Vec3> u) {
+bool NewtonSolver::Impl::applyLastCorrection(IncrementalPotential &problem, std::span<Vec3> u) {
   if (problem.largestStep(direction) < 1.0) return false;
   trial.assign(u.begin(), u.end());
   addScaled(1.0, direction, trial);
@@ -351,11 +351,11 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
 
     const Evaluation before = at;
     const Direction found = findDirection(problem, settings, forcing, strongForcing);
-    if (found.isNothing && takeRest(problem, u)) return end(NewtonOutcome::converged);
+    if (found.isConverged && applyLastCorrection(problem, u)) return end(NewtonOutcome::converged);
     bool newton = found.newton;
     double length = detail::largest(direction).value;
     double scale =
-        search(problem, u, settings, at, found.negative, settings.trustRegion && found.isWay ? found.length : 0.0);
+        search(problem, u, settings, at, found.negative, settings.trustRegion && found.hasPath ? found.length : 0.0);
     if (scale == 0.0) {
       // At the end of what the digits of u can express there is nothing left to find.
       if (newton && length <= std::max(settings.toleranceDisplacement,
@@ -382,7 +382,7 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
     }
     result.lastStep = scale * length;
     expected = settings.toleranceOfWay > 0.0 && !settings.firstTellsWay && newton && scale == 1.0
-                   ? kWary * std::max(1.0, length / detail::largest(linear.preconditioned()).value)
+                   ? kSafety * std::max(1.0, length / detail::largest(linear.preconditioned()).value)
                    : 0.0;
     const bool tellsWay = !settings.firstTellsWay || (result.iterations == 1 && newton && scale == 1.0);
     if (settings.toleranceOfWay > 0.0 && tellsWay)
