@@ -328,7 +328,7 @@ TEST_CASE("in a scan that is turned and a body that has gone far, what is seen i
       "it is far away", [](const Json &s) { return s["transport"]["time_s"] > 0.9; }, 30.0);
   window.key("space");
   window.waitUntil("it stands", [](const Json &s) { return mode(s) == "paused"; });
-  const double gone = 6.0 * window.state()["transport"]["time_s"].get<double>();
+  const double gone = 30.0 * window.state()["transport"]["time_s"].get<double>();
   // The middle of what was the lower half of the organ, in the frame of the scan.
   const Point where = at(window, "axial", 6.0, 15.0 - gone);
   window.moveTo(where);
