@@ -155,3 +155,25 @@ TEST_CASE("steps that are solved to what their scheme errs by end where those to
     CHECK(off <= allowed * largest);
   }
 }
+
+TEST_CASE("an obstacle that a body does not meet changes no bit of its implicit steps") {
+  const auto displacements = [](Integrator integrator, bool hasGround) {
+    Simulator simulator;
+    WorldSettings world;
+    world.integrator = integrator;
+    world.dt = 1.0 / 60.0;
+    simulator.setWorld(world);
+    auto block = latticeBox(Vec3(-0.1, -0.02, -0.02), Vec3(0.1, 0.02, 0.02), 0.01, rubber(3e4));
+    block->setInitialVelocity(Vec3(0.1, 0.0, 0.0), Vec3(0.0, 12.0, 0.0));
+    for (std::size_t i = 0; i < block->state().velocities.size(); ++i)
+      block->state().velocities[i] += Vec3(0.0, 20.0 * std::pow(block->rest().positions[i].x(), 2), 0.0);
+    const std::size_t id = simulator.addBody(std::move(block));
+    if (hasGround) simulator.addObstacle(halfSpace(Vec3(0.0, -1.0, 0.0), Vec3::UnitY(), 0.3));
+    for (int k = 0; k < 12; ++k) REQUIRE(simulator.step());
+    return simulator.body(id)->state().displacements;
+  };
+  for (const Integrator integrator : {Integrator::backwardEuler, Integrator::implicitSdirk}) {
+    INFO("integrator " << static_cast<int>(integrator));
+    CHECK(displacements(integrator, true) == displacements(integrator, false));
+  }
+}

@@ -123,7 +123,8 @@ double StageProblem::energy() {
 }
 
 bool StageProblem::movesFreely() const {
-  return stage_.h > 0.0 && !contact_ && !followers_ && !body_.held() && !body_.foundation().acts();
+  const bool touches = contact_ && !body_.contact.active.empty();
+  return stage_.h > 0.0 && !touches && !followers_ && !body_.held() && !body_.foundation().acts();
 }
 
 Vec3 StageProblem::wayToMomentum() {

@@ -156,11 +156,17 @@ class StageSolution {
     const ImplicitStage &of = *member.stage;
     if (isStatic() || !(of.tolerance > 0.0)) return;
     settings_.confirmingTolerance = kConfirmingOfDisplacements;
-    settings_.firstTellsWay = settings_.firstTellsWay || env.contact() || touches();
-    settings_.trustRegion = !settings_.firstTellsWay;
-    settings_.loosestTolerance = settings_.firstTellsWay ? 0.0 : kLoosestOfDisplacements;
+    settings_.trustRegion = true;
+    settings_.loosestTolerance = kLoosestOfDisplacements;
     if (!(env.tolerance > 0.0)) settings_.toleranceOfWay = of.tolerance;
     settings_.largestTolerance = std::min(settings_.largestTolerance, kLargestTolerance * member.body->rest().spacing);
+  }
+
+  // From the first contact on: obstacles and skins cut steps short.
+  void expectContact() {
+    settings_.firstTellsWay = true;
+    settings_.trustRegion = false;
+    settings_.loosestTolerance = 0.0;
   }
 
   void hold(std::vector<Vec3> &at) const {
@@ -189,6 +195,7 @@ class StageSolution {
   }
 
   [[nodiscard]] bool newton(const std::function<bool(const NewtonResult &)> &watch) {
+    if (restarted_ || (touches() && contactCount() > 0)) expectContact();
     parts_.front().env->clock->measure(kSolve,
                                        [&] { addWork(solver_.solve(problem(), u_, settings_, watch), result_); });
     settings_.toleranceDisplacement = std::max(settings_.toleranceDisplacement, result_.tolerance);
