@@ -549,6 +549,72 @@ TEST_CASE("what touches does not depend on when it was looked for before") {
   CHECK(touching > 1000);
 }
 
+TEST_CASE("where a skin touches itself does not depend on when it was looked at before") {
+  // A sheet that is folded along its middle; its arms beat against each other, without a strain: which edges are sharp
+  // is told when they are gathered.
+  detail::MovingSkin skin(sheetSkin(24, 1.0, true), Vec3::Zero(), 2.0);
+  skin.setModuli(std::vector<double>(skin.skin().count(), 1e4));
+  detail::SkinPairSettings settings;
+  settings.offset = 0.04;
+  settings.thickness = 0.03;
+  settings.stiffness = 50.0;
+  settings.margin = 0.02;
+  settings.ease = 1.0;
+  settings.apart = 3.0;
+  const auto place = [&](std::size_t v, double time) -> Vec3 {
+    const Vec3 &rest = skin.skin().vertices.positions[v];
+    const double from = rest.x() - 12.0, side = from > 0.0 ? 1.0 : -1.0;
+    if (from == 0.0) return {0.1, rest.y(), rest.z()};
+    const double beat = std::sin(0.07 * time) * std::abs(from) / 12.0;
+    return {-std::abs(from), rest.y(), side * (0.1 + 0.085 * beat) + 0.05 * rest.z()};
+  };
+  std::vector<Vec3> ways(skin.skin().count()), speeds = ways;
+  const auto find = [&](detail::SkinPair &pair) {
+    skin.move(ways, speeds, {}, 1.0);
+    pair.find(1.0);
+  };
+  detail::SkinPair pair(skin, skin, settings);
+  std::size_t touching = 0, served = 0, within = 0;
+  for (int k = 0; k < 400; ++k) {
+    for (std::size_t v = 0; v < ways.size(); ++v) {
+      ways[v] = place(v, k) - skin.skin().vertices.positions[v];
+      speeds[v] = place(v, k + 0.5) - place(v, k - 0.5);
+    }
+    skin.move(ways, speeds, {}, 1.0);
+    served += pair.foretold().has_value() ? 1 : 0;
+    if (k == 0) find(pair);  // what overlaps at the first look is another matter
+    find(pair);
+    detail::SkinPair fresh(skin, skin, settings);
+    find(fresh);
+    find(fresh);
+    REQUIRE(pair.active().size() == fresh.active().size());
+    for (std::size_t c = 0; c < fresh.active().size(); ++c) {
+      REQUIRE(pair.active()[c].key == fresh.active()[c].key);
+      REQUIRE(pair.active()[c].gap == fresh.active()[c].gap);
+    }
+    touching += fresh.active().size();
+    if (k % 40 != 20) continue;
+    // All pairs, one by one.
+    const std::vector<Vec3> &rest = skin.skin().vertices.positions;
+    for (Index v = 0; v < skin.skin().count(); ++v) {
+      double nearest = 1e9;
+      for (Index t = 0; t < skin.skin().triangles.size(); ++t) {
+        const auto &[a, b, c] = skin.skin().triangles[t];
+        if ((rest[v] - (rest[a] + rest[b] + rest[c]) / 3.0).norm() < settings.apart + 1.0) continue;
+        nearest = std::min(nearest, skin.nearestOn(t, skin.position(v)).squared);
+      }
+      if (!(std::sqrt(nearest) < settings.offset + 0.9 * settings.margin)) continue;
+      ++within;
+      CHECK(std::any_of(fresh.active().begin(), fresh.active().end(),
+                        [&](const auto &contact) { return !contact.isOfEdges() && contact.parts[0].vertex == v; }));
+    }
+  }
+  CAPTURE(touching, served, within);
+  CHECK(touching > 1000);
+  CHECK(within > 100);
+  CHECK(served > 300);
+}
+
 TEST_CASE("what has overlapped at the start and has parted does not overlap again") {
   TwoSheets sheets;
   detail::SkinPair pair(sheets.lower, sheets.upper, sheets.settings);

@@ -106,32 +106,32 @@ class PatchTree {
     std::vector<Index> vertices, edges;  ///< those that are no other patch's
   };
   [[nodiscard]] const std::vector<Patch> &patches() const { return patches_; }
+  static constexpr Index kNone = 0xffffffffu;
+  struct Node {
+    SkinBox box, rest;
+    Index child = 0;      ///< the other one behind it
+    Index patch = kNone;  ///< of a leaf
+    Index size = 0;       ///< triangles below it
+  };
+  /// Children behind their parents.
+  [[nodiscard]] const std::vector<Node> &nodes() const { return nodes_; }
   [[nodiscard]] const SkinBox &bounds() const { return nodes_.front().box; }
 
-  /// visit(patch of this, patch of the other, squared distance of their boxes at rest, and now) for those whose boxes
-  /// are nearer to each other than `reach`; of a tree and itself each pair once, without those of a patch and itself.
+  /// visit(patch of this, patch of the other, squared distance of their boxes) for those whose boxes are nearer to each
+  /// other than `reach`.
   /// @param open   room for what is still to be looked at
-  /// @param skips  of the boxes of two parts at rest: none of these is asked for
-  template <class Skips, class Visit>
-  void near(const PatchTree &other, double reach, std::vector<std::pair<Index, Index>> &open, const Skips &skips,
+  template <class Visit>
+  void near(const PatchTree &other, double reach, std::vector<std::pair<Index, Index>> &open,
             const Visit &visit) const {
-    const bool isSelf = this == &other;
     open.assign(1, {0, 0});
     while (!open.empty()) {
       const auto [a, b] = open.back();
       open.pop_back();
       const Node &mine = nodes_[a], &theirs = other.nodes_[b];
-      if (isSelf && a == b) {
-        if (mine.patch != kNone) continue;
-        open.emplace_back(mine.child, mine.child);
-        open.emplace_back(mine.child, mine.child + 1);
-        open.emplace_back(mine.child + 1, mine.child + 1);
-        continue;
-      }
       const double squared = mine.box.squaredDistance(theirs.box);
-      if (!(squared <= reach * reach) || skips(mine.rest, theirs.rest)) continue;
+      if (!(squared <= reach * reach)) continue;
       if (mine.patch != kNone && theirs.patch != kNone)
-        visit(mine.patch, theirs.patch, mine.rest.squaredDistance(theirs.rest), squared);
+        visit(mine.patch, theirs.patch, squared);
       else if (theirs.patch != kNone || (mine.patch == kNone && mine.size >= theirs.size))
         for (const Index child : {mine.child, mine.child + 1}) open.emplace_back(child, b);
       else
@@ -163,13 +163,6 @@ class PatchTree {
   }
 
  private:
-  static constexpr Index kNone = 0xffffffffu;
-  struct Node {
-    SkinBox box, rest;
-    Index child = 0;      // the other one behind it
-    Index patch = kNone;  // of a leaf
-    Index size = 0;       // triangles below it
-  };
   std::vector<Node> nodes_;
   std::vector<Patch> patches_;
 };
@@ -211,6 +204,9 @@ class MovingSkin {
   [[nodiscard]] double goes() const { return goes_; }
   [[nodiscard]] const Vec3 &meanGoes() const { return meanGoes_; }
   [[nodiscard]] std::span<const Vec3> displacements() const { return displacements_; }
+  [[nodiscard]] std::span<const Vec3> velocities() const { return velocities_; }
+  [[nodiscard]] std::span<const float> maxInfluence() const { return maxInfluence_; }
+  [[nodiscard]] double dt() const { return dt_; }
   /// As goes(), from the vertices themselves, which costs more. Phyxels that carry next to nothing may be fast.
   [[nodiscard]] double goesExactly();
   /// m: how far vertices have gone at most since phyxels had other displacements, seen from the mean of the phyxels.

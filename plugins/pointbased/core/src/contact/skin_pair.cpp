@@ -12,8 +12,9 @@ namespace pointbased::detail {
 namespace {
 
 // Where steps go far, places are listed as far as so many of their ways, up to a spacing, and at least two.
-// Of one skin less than what lies between patches that may touch.
-constexpr double kWays = 12.0, kFarthest = 1.0, kFarthestOfSelf = 0.65, kFewestWays = 2.0;
+constexpr double kWays = 12.0, kFarthest = 1.0, kFewestWays = 2.0;
+// Spacings: what of one skin is farther apart is not looked at.
+constexpr double kNearOfSelf = 0.13;
 // In spacings: deeper inside is only what was seen inside before.
 constexpr double kDeep = 0.1;
 // Edges whose faces meet at a smaller angle (its sine) are smooth: the vertices beside them tell all.
@@ -28,8 +29,6 @@ constexpr double kCone = 0.05, kEnds = 1e-6;
 constexpr double kOneSide = 0.7;
 // Skins of one body meet face to face.
 constexpr double kFacing = -0.2;
-// Patches of one skin that lie that near each other at rest, in what is one piece of tissue, squared, do not touch.
-constexpr double kBeside = 0.25;
 // What is gathered serves until both have moved by that, in spacings, where a step goes by less than a part of it.
 constexpr double kSlack = 0.03, kCalm = 0.3;
 // Of the margin: contacts that do not press yet come no nearer while those that do are kept as they are.
@@ -69,6 +68,16 @@ SkinPair::SkinPair(MovingSkin &first, MovingSkin &second, const SkinPairSettings
     : sides_{Side{&first, {}, {}}, Side{&second, {}, {}}}, settings_(settings),
       spacing_(std::min(first.spacing(), second.spacing())) {
   for (Side &side : sides_) side.isInside.assign(side.skin->skin().count(), 0);
+  if (isSelf()) forecast_.emplace(first, settings.apart, kNearOfSelf * spacing_);
+}
+
+std::optional<bool> SkinPair::foretold() {
+  return forecast_->serves() ? std::optional<bool>(forecast_->mayTouch()) : std::nullopt;
+}
+
+bool SkinPair::mayTouch() {
+  forecast_->look();
+  return forecast_->mayTouch();
 }
 
 void SkinPair::Travel::begin(const SkinPair &pair) {
@@ -101,9 +110,6 @@ void SkinPair::measureExactly() {
     for (std::size_t v = 0; v < listedAt_[s].size(); ++v)
       squared = std::max(squared, (skin.positions()[v] - listedAt_[s][v] - means[s]).squaredNorm());
     went_ += std::sqrt(squared);
-    if (!isSelf()) continue;
-    went_ *= 2.0;
-    return;
   }
   went_ += (means[0] - means[1]).norm();
 }
@@ -124,8 +130,35 @@ void SkinPair::keepList() {
   for (std::size_t s = 0; s < 2; ++s) {
     const std::span<const Vec3> x = sides_[s].skin->positions();
     listedAt_[s].assign(x.begin(), x.end());
-    if (isSelf()) break;
   }
+}
+
+// @return whether what has been gathered is of the same list
+bool SkinPair::renewList() {
+  const bool isNew = sinceList_.from[0].empty();
+  if (!isNew) went_ = sinceList_.since(*this);
+  const double room = settings_.offset + settings_.margin;
+  const double serves = kServes * settings_.margin;
+  const auto isOld = [&] { return isNew || !(went_ + goes_ + serves <= listReach_ - room); };
+  if (!isOld()) return true;
+  measureExactly();
+  const bool lists = isOld();
+  if (lists) {
+    listReach_ = room + serves +
+                 std::max({settings_.leastReach, std::min(kWays * goes_, kFarthest * spacing_), kFewestWays * goes_});
+    went_ = 0.0;
+    list(listReach_);
+  }
+  keepList();
+  return !lists;
+}
+
+bool SkinPair::renewForecast() {
+  if (!forecast_->serves()) forecast_->look();
+  if (std::exchange(forecastOf_, forecast_->number()) == forecast_->number()) return true;
+  listed_.clear();
+  for (const SkinForecast::Pair &pair : forecast_->pairs()) listed_.push_back({pair.first, pair.second, 0.0});
+  return false;
 }
 
 void SkinPair::find(double dt, bool again) {
@@ -134,25 +167,8 @@ void SkinPair::find(double dt, bool again) {
   if (eases_) before_ = allowed_;
   const MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
   goes_ = first.goes() + second.goes() + (first.meanGoes() - second.meanGoes()).norm();
-  const bool isNew = sinceList_.from[0].empty();
-  if (!isNew) went_ = sinceList_.since(*this);
-  const double room = settings_.offset + settings_.margin;
+  const bool hasGathered = isSelf() ? renewForecast() : renewList();
   const double serves = kServes * settings_.margin;
-  const auto isOld = [&] { return isNew || !(went_ + goes_ + serves <= listReach_ - room); };
-  bool hasGathered = !isNew;
-  if (isOld()) {
-    measureExactly();
-    if (isOld()) {
-      listReach_ =
-          room + serves +
-          std::max({settings_.leastReach, std::min(kWays * goes_, (isSelf() ? kFarthestOfSelf : kFarthest) * spacing_),
-                    kFewestWays * goes_});
-      went_ = 0.0;
-      list(listReach_);
-      hasGathered = false;
-    }
-    keepList();
-  }
   std::swap(previous_, active_);
   active_.clear();
   depth_ = 0.0;
@@ -183,25 +199,15 @@ void SkinPair::find(double dt, bool again) {
   keepMemories();
 }
 
-double SkinPair::room() const {
-  double apart = listReach_;
-  for (const NearPatches &pair : listed_) apart = std::min(apart, pair.apart);
-  return apart - went_ - settings_.offset - settings_.margin;
-}
-
 void SkinPair::list(double reach) {
   MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
   first.placeAll();
-  if (!isSelf()) second.placeAll();
+  second.placeAll();
   listed_.clear();
-  const double apart = settings_.apart * settings_.apart;
-  first.tree().near(
-      second.tree(), reach, open_,
-      [&](const SkinBox &a, const SkinBox &b) { return isSelf() && a.squaredFarthest(b) <= apart; },
-      [&](Index a, Index b, double atRest, double now) {
-        if (!isSelf() || atRest > kBeside * apart) listed_.push_back({a, b, std::sqrt(now)});
-      });
-  if (isFirst_ && !isSelf())
+  first.tree().near(second.tree(), reach, open_, [&](Index a, Index b, double squared) {
+    listed_.push_back({a, b, std::sqrt(squared)});
+  });
+  if (isFirst_)
     for (const std::size_t side : {0, 1}) findInside(side);
 }
 
@@ -224,8 +230,9 @@ void SkinPair::gatherNear() {
   edges_.clear();
   MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
   const double room = settings_.offset + settings_.margin;
-  for (auto &[a, b, apart] : listed_) {
-    if (apart - went_ > room + slack_ + goes_) continue;
+  for (std::size_t k = 0; k < listed_.size(); ++k) {
+    auto &[a, b, apart] = listed_[k];
+    if (isSelf() ? !forecast_->mayMeet(forecast_->pairs()[k]) : apart - went_ > room + slack_ + goes_) continue;
     const MovingSkin::PatchMotion &mine = first.motionOf(a), &theirs = second.motionOf(b);
     // The fastest that a point of one can go, seen from one of the other.
     const Vec3 fastest = (mine.velocities.high - theirs.velocities.low)
@@ -616,7 +623,8 @@ void SkinPair::setMemory(const Memory &memory) {
   }
   allowed_ = memory.allowed;
   isFirst_ = false;
-  listAnew();
+  sinceList_.forget();
+  if (forecast_) forecast_->forget();
   sum_ = Sum();
   sinceFound_.from = memory.foundAt;
   servesFor_ = memory.servesFor;

@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "contact/contact_skin.h"
+#include "contact/skin_forecast.h"
 #include "pointbased/contact.h"
 
 namespace pointbased::detail {
@@ -70,10 +70,11 @@ class SkinPair {
     withoutTime,  ///< quasi-static: likewise; what is led apart goes there at once
   };
   void setSteps(Steps steps) { steps_ = steps; }
-  /// m, that both may have gone since what is near was looked for.
-  [[nodiscard]] double sinceListed() const { return went_; }
-  /// What is near is looked for anew by the next find(), whatever is left of what is known.
-  void listAnew() { sinceList_.forget(); }
+  /// Of a skin and itself: whether it may touch itself in the step that it is about to go (MovingSkin::move()), as far
+  /// as is known; nothing: it has to be looked at.
+  [[nodiscard]] std::optional<bool> foretold();
+  /// Likewise, from a look at all of it.
+  [[nodiscard]] bool mayTouch();
   /// Fills active() for a step of dt from where the skins are (MovingSkin::move()), keeping what contacts that go on
   /// remember.
   /// @param again  of the same step: what overlaps is not led farther apart
@@ -118,8 +119,6 @@ class SkinPair {
   void setSum(const Sum &sum) { sum_ = sum; }
   /// A step of dt is over.
   void addToSum(double dt);
-  /// m, that both may go together from where they were when it was looked for last before anything can touch.
-  [[nodiscard]] double room() const;
   /// m, deepest overlap of the last find(), with what has been allowed since the start; 0: none.
   [[nodiscard]] double depth() const { return depth_; }
   /// m, deepest overlap that is being led apart; 0: none.
@@ -166,6 +165,8 @@ class SkinPair {
   [[nodiscard]] bool isSelf() const { return sides_[0].skin == sides_[1].skin; }
   void measureExactly();
   void keepList();
+  bool renewList();
+  bool renewForecast();
   void list(double reach);
   void findInside(std::size_t side);
   void gatherNear();
@@ -211,6 +212,8 @@ class SkinPair {
   std::vector<Near> near_;                     // by side, vertex, triangle
   std::vector<NearVertex> vertices_;
   std::vector<NearEdges> edges_;
+  std::optional<SkinForecast> forecast_;  // of a skin and itself, instead of a list by reach
+  std::uint64_t forecastOf_ = 0;          // its number when listed_ was filled
   Travel sinceList_, sinceGathered_, sinceFound_;
   double servesFor_ = 0.0;                     // m, that both may go since found
   std::array<std::vector<Vec3>, 2> listedAt_;  // [sides][vertices] m, places then

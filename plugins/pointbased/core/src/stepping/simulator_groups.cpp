@@ -22,8 +22,6 @@ using Box = SkinBox;
 constexpr double kSlack = 0.5;   // spacings
 constexpr double kOfSize = 0.1;  // of a body, that it may go in an increment of the load
 constexpr double kFaster = 2.0;  // times the way of a step: bodies may gain speed within it
-// Spacings: from where on contact of a skin with itself is looked for, and ways after which what is near may be other.
-constexpr double kNear = 0.1, kOld = 0.02;
 
 // Where a body is, and as much around it as it may go within a step.
 Box reachOf(const Body &body, const Vec3 &gravity, double dt) {
@@ -66,12 +64,18 @@ double deformingSpeed(const Body &body, const ContactSkin &skin) {
   return fastest.ofVertices(skin);
 }
 
-// m, of the phyxel that went farthest in the last increment of the load.
-double wayOfIncrement(const Body &body) {
+// m, of each phyxel; zero before the first one.
+std::vector<Vec3> lastIncrement(const Body &body) {
   const std::vector<Vec3> &before = body.keptState().displacements, &now = body.state().displacements;
-  double way = 0.0;
+  std::vector<Vec3> ways(now.size(), Vec3::Zero());
   if (before.size() == now.size())
-    for (std::size_t i = 0; i < now.size(); ++i) way = std::max(way, (now[i] - before[i]).norm());
+    for (std::size_t i = 0; i < now.size(); ++i) ways[i] = now[i] - before[i];
+  return ways;
+}
+
+double wayOfIncrement(const Body &body) {
+  double way = 0.0;
+  for (const Vec3 &one : lastIncrement(body)) way = std::max(way, one.norm());
   return way;
 }
 
@@ -102,9 +106,21 @@ bool Simulator::mayTouchItself(std::size_t id, double dt) {
   double goes = 2.0 * kFaster * room.skin->sum * (quasiStatic() ? wayOfIncrement(body) : dt * glance.speedBound);
   room.left -= goes;
   if (room.left > 0.0) return false;
-  SkinPair &pair = skins_->pairOf(id, body, id, body, contact_.friction);
-  if (!pair.active().empty()) return true;  // it does
-  room.measure(body.state().displacements);
+  SkinPair *own = skins_->ownPair(id);
+  if (own != nullptr && !own->active().empty()) return true;
+  // The increments of a load have no velocities: the next one may be as the last one.
+  const State &state = body.state();
+  std::vector<Vec3> ofLoad;
+  if (quasiStatic()) ofLoad = lastIncrement(body);
+  const auto move = [&](SkinPair &pair) {
+    pair.moving(0).move(state.displacements, quasiStatic() ? ofLoad : state.velocities, body.rest().maxInfluence,
+                        quasiStatic() ? 1.0 : dt);
+  };
+  if (own != nullptr) {
+    move(*own);
+    if (const std::optional<bool> told = own->foretold()) return *told;
+  }
+  room.measure(state.displacements);
   if (!quasiStatic()) goes = 2.0 * kFaster * dt * deformingSpeed(body, *room.skin);
   room.left -= goes;
   if (room.left > 0.0) return false;
@@ -113,18 +129,9 @@ bool Simulator::mayTouchItself(std::size_t id, double dt) {
     room.left = std::numeric_limits<double>::infinity();
     return false;
   }
-  pair.moving(0).move(body.state().displacements, body.state().velocities, body.rest().maxInfluence, 0.0);
-  room.from.assign(body.state().displacements.begin(), body.state().displacements.end());
-  const auto look = [&] {
-    pair.find(0.0);
-    room.room = pair.room() - kNear * body.rest().spacing;
-    room.left = room.room - goes;
-    return room.left > 0.0;
-  };
-  if (look()) return false;
-  if (!(pair.sinceListed() > kOld * body.rest().spacing)) return true;
-  pair.listAnew();
-  return !look();
+  SkinPair &pair = skins_->pairOf(id, body, id, body, contact_.friction);
+  move(pair);
+  return pair.mayTouch();
 }
 
 void Simulator::formGroups(double dt) {

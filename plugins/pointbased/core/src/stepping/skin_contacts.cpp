@@ -18,9 +18,12 @@ constexpr double kActive = 0.5;      // of the offset: contacts that near count
 // 1/s: spacings a second at which what overlaps at the start is led apart at most, and the pressure that does it, in
 // moduli.
 constexpr double kEase = 0.5, kGentle = 1e-2;
-constexpr double kOnePiece = 1.5;                     // of one skin: what lies nearer at rest does not touch itself
-constexpr double kReach = 0.15, kReachOfSelf = 0.25;  // within which places are listed
-constexpr double kLongestEdge = 0.75;                 // of a skin's triangles
+constexpr double kOnePiece = 1.5;      // of one skin: what lies nearer at rest does not touch itself
+constexpr double kReach = 0.15;        // within which places are listed
+constexpr double kLongestEdge = 0.75;  // of a skin's triangles
+
+// m, that parts of a skin that may touch each other are apart at rest.
+double roomAtRest(double spacing) { return (kOnePiece - (1.0 + kActive) * kOffset) * spacing; }
 
 }  // namespace
 
@@ -55,7 +58,7 @@ SkinPair &SkinContacts::pairOf(std::size_t a, const Body &first, std::size_t b, 
     settings.ease = kEase * spacing;
     settings.gentle = kGentle / kStiffness * spacing;
     settings.apart = kOnePiece * spacing;
-    settings.leastReach = (a == b ? kReachOfSelf : kReach) * spacing;
+    settings.leastReach = kReach * spacing;
     pair = std::make_unique<SkinPair>(own, other, settings);
   }
   pair->setFriction(friction);
@@ -63,37 +66,35 @@ SkinPair &SkinContacts::pairOf(std::size_t a, const Body &first, std::size_t b, 
 }
 
 SkinContacts::RoomOfSelf &SkinContacts::roomOfSelf(std::size_t id, const Body &body) {
-  RoomOfSelf &room = roomsOfSelf_[id];
-  if (room.of == body.sharedRest()) return room;
-  const ContactSkin &skin = skinOf(id, body).skin();
+  if (RoomOfSelf &known = roomsOfSelf_[id]; known.of == body.sharedRest()) return known;
+  const ContactSkin &skin = skinOf(id, body).skin();  // which forgets what was known of another reference
+  RoomOfSelf &room = roomsOfSelf_[id] = {};
   const double area = std::accumulate(skin.areas.begin(), skin.areas.end(), 0.0);
-  return roomsOfSelf_[id] = {body.sharedRest(),
-                             &skin,
-                             {},
-                             (kOnePiece - (1.0 + kActive) * kOffset) * body.rest().spacing,
-                             0.0,
-                             area > 0.0 ? 2.0 * body.rest().shapeVolume / area : 0.0};
+  room.of = body.sharedRest();
+  room.skin = &skin;
+  room.left = roomAtRest(body.rest().spacing);
+  room.thickness = area > 0.0 ? 2.0 * body.rest().shapeVolume / area : 0.0;
+  return room;
 }
 
 void SkinContacts::RoomOfSelf::measure(std::span<const Vec3> displacements) {
   const std::vector<Vec3> &rest = of->positions;
-  const auto then = [&](std::size_t i) -> Vec3 { return from.empty() ? rest[i] : rest[i] + from[i]; };
   const double count = static_cast<double>(std::max<std::size_t>(1, rest.size()));
   Vec3 meanThen = Vec3::Zero(), mean = Vec3::Zero();
   for (std::size_t i = 0; i < rest.size(); ++i) {
-    meanThen += then(i);
+    meanThen += rest[i];
     mean += rest[i] + displacements[i];
   }
   meanThen /= count;
   mean /= count;
   Mat3 covariance = Mat3::Zero();
   for (std::size_t i = 0; i < rest.size(); ++i)
-    covariance += (rest[i] + displacements[i] - mean) * (then(i) - meanThen).transpose();
+    covariance += (rest[i] + displacements[i] - mean) * (rest[i] - meanThen).transpose();
   const Mat3 R = polarBySvd(covariance).R;
   FarthestWay way(of->maxInfluence);
   for (std::size_t i = 0; i < rest.size(); ++i)
-    way.add(i, rest[i] + displacements[i] - mean - R * (then(i) - meanThen));
-  left = room - 2.0 * way.ofVertices(*skin);
+    way.add(i, rest[i] + displacements[i] - mean - R * (rest[i] - meanThen));
+  left = roomAtRest(of->spacing) - 2.0 * way.ofVertices(*skin);
 }
 
 void SkinContacts::forget() {

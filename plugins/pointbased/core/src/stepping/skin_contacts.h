@@ -26,24 +26,27 @@ class SkinContacts {
   [[nodiscard]] SkinPair &pairOf(std::size_t a, const Body &first, std::size_t b, const Body &second, double friction);
   [[nodiscard]] const std::map<PairId, std::unique_ptr<SkinPair>> &pairs() const { return pairs_; }
 
-  /// How far vertices of a body's skin may move against each other before it can touch itself.
+  /// When a body may touch itself.
   struct RoomOfSelf {
     std::shared_ptr<const RestState> of;
     const ContactSkin *skin = nullptr;
-    std::vector<Vec3> from;  ///< [phyxels] m, displacements where `room` was found; empty: at rest
-    double room = 0.0;       ///< m, there
-    double left = 0.0;       ///< m, at least, now
+    double left = 0.0;  ///< m, at least, that vertices of its skin may still move against each other from rest
     /// m, in the mean: twice the volume over the area, which is the radius of a tube. 0: not known.
     double thickness = 0.0;
     /// Whether the spacing tells its folds apart: a tube is wider than what is one piece of tissue.
     [[nodiscard]] bool isResolved() const { return !(thickness > 0.0) || thickness >= kThinnest * of->spacing; }
     static constexpr double kThinnest = 0.75;  ///< spacings
 
-    /// Looks how far they have gone, apart from a motion of all together.
+    /// Looks how far they have gone from rest, apart from a motion of all together.
     void measure(std::span<const Vec3> displacements);
   };
   /// At rest at first: places of the skin that lie nearer to each other there do not touch.
   [[nodiscard]] RoomOfSelf &roomOfSelf(std::size_t id, const Body &body);
+  /// That of a body and itself; null: it has not been looked at yet.
+  [[nodiscard]] SkinPair *ownPair(std::size_t id) const {
+    const auto found = pairs_.find({id, id});
+    return found == pairs_.end() ? nullptr : found->second.get();
+  }
 
   /// A step begins: nothing has passed in it yet between those that do not rest. @param rests(id of a body)
   template <class Rests>

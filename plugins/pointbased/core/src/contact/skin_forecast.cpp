@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "contact/skin_forecast.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pointbased::detail {
+namespace {
+
+constexpr float kListed = 0.65f;    // spacings: pairs that come that near are listed
+constexpr double kFaster = 2.0;     // times the way of a step: bodies may gain speed within it
+constexpr float kAlike = 0.5f;      // cosine of normals of parts that do not come to face each other
+constexpr float kSame = 0.995f;     // cosine of normals that are taken for one
+constexpr double kOnePiece = 0.25;  // squared, of that: patches that lie nearer at rest are one
+constexpr double kFirst = 8.0, kFewest = 3.0, kMost = 32.0;  // steps to look ahead
+constexpr double kLonger = 2.0, kAsLong = 1.5;  // where the last look served to its end; else of the steps it served
+
+Eigen::Array4f corner(const Eigen::Vector3f &x) { return {x[0], x[1], x[2], 0.0f}; }
+
+Vec3 meanOf(std::span<const Vec3> all) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3 &one : all) sum += one;
+  return sum / static_cast<double>(std::max<std::size_t>(1, all.size()));
+}
+
+}  // namespace
+
+SkinForecast::SkinForecast(MovingSkin &skin, double apart, double near)
+    : skin_(skin), apart_(apart), near_(static_cast<float>(near)),
+      listed_(std::max(kListed * static_cast<float>(skin.spacing()), 2.0f * near_)), nodes_(skin.tree().nodes().size()),
+      nodeOf_(skin.tree().patches().size()), places_(skin.skin().count()), velocities_(skin.skin().count()),
+      facings_(nodeOf_.size()), balls_(skin.skin().triangles.size()), steps_(kFirst) {
+  const std::vector<PatchTree::Node> &tree = skin.tree().nodes();
+  for (Index k = 0; k < tree.size(); ++k)
+    if (tree[k].patch != PatchTree::kNone) nodeOf_[tree[k].patch] = k;
+  for (std::size_t v = 0; v < places_.size(); ++v) {
+    places_[v] = skin.skin().vertices.positions[v].cast<float>();
+    velocities_[v].setZero();
+  }
+  ++now_;
+  for (Index t = 0; t < balls_.size(); ++t) (void)ballOf(t);
+  restBalls_ = balls_;
+  for (std::vector<Corner> &normals : normals_) normals.resize(balls_.size());
+  findRings();
+  pairs_.reserve(nodeOf_.size());
+  open_.reserve(nodeOf_.size());
+}
+
+bool SkinForecast::serves() {
+  const std::span<const Vec3> u = skin_.displacements(), v = skin_.velocities();
+  const std::size_t count = u.size();
+  if (from_.size() != count) return false;
+  const Vec3 place = meanOf(u), velocity = meanOf(v), before = meanOf(before_);
+  double along = 0.0, squared = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    along += (u[i] - place - from_[i]).dot(evenly_[i]);
+    squared += evenly_[i].squaredNorm();
+  }
+  // As long after the look as makes the state most even: a step that is undone or repeated need not be told of.
+  const double begin = squared > 0.0 ? std::clamp(along / squared, 0.0, horizon_) : 0.0, dt = skin_.dt();
+  FarthestWay astray(skin_.maxInfluence()), gain(skin_.maxInfluence()), last(skin_.maxInfluence());
+  for (std::size_t i = 0; i < count; ++i) {
+    astray.add(i, u[i] - place - from_[i] - begin * evenly_[i]);
+    gain.add(i, v[i] - velocity - evenly_[i]);
+    last.add(i, v[i] - velocity - before_[i] + before);
+  }
+  if (const double gained = last.ofVertices(skin_.skin()); gained > 0.0) gained_ = gained;
+  before_.assign(v.begin(), v.end());
+  const double off = astray.ofVertices(skin_.skin()) + kFaster * dt * (gain.ofVertices(skin_.skin()) + 0.5 * gained_);
+  begin_ = static_cast<float>(begin);
+  end_ = static_cast<float>(begin + kFaster * dt);
+  astray_ = static_cast<float>(2.0 * off);
+  ++served_;
+  return begin + kFaster * dt <= horizon_ * (1.0 + 1e-9) && astray_ < listed_ - near_;
+}
+
+void SkinForecast::look() {
+  const std::span<const Vec3> u = skin_.displacements(), v = skin_.velocities();
+  const double dt = skin_.dt();
+  if (from_.size() == u.size())
+    steps_ =
+        std::clamp(static_cast<double>(end_) > horizon_ ? kLonger * steps_ : kAsLong * static_cast<double>(served_),
+                   kFewest, kMost);
+  else
+    gained_ = 0.0;
+  served_ = 0;
+  const Vec3 place = meanOf(u), velocity = meanOf(v);
+  from_.assign(u.begin(), u.end());
+  evenly_.assign(v.begin(), v.end());
+  before_ = evenly_;
+  for (Vec3 &one : from_) one -= place;
+  for (Vec3 &one : evenly_) one -= velocity;
+  horizon_ = steps_ * dt;
+  begin_ = 0.0f;
+  end_ = static_cast<float>(kFaster * dt);
+  astray_ = static_cast<float>(kFaster * dt * gained_);
+  const auto horizon = static_cast<float>(horizon_);
+  refit(horizon);
+  pairs_.clear();
+  const std::vector<PatchTree::Node> &tree = skin_.tree().nodes();
+  const double apart = apart_ * apart_;
+  open_.assign(1, {0, 0});
+  while (!open_.empty()) {
+    const auto [a, b] = open_.back();
+    open_.pop_back();
+    if (!mayFace(a, b)) continue;
+    if (a == b) {
+      if (tree[a].patch != PatchTree::kNone) continue;
+      const Index child = tree[a].child;
+      open_.insert(open_.end(), {{child, child}, {child, child + 1}, {child + 1, child + 1}});
+      continue;
+    }
+    if (!partWithin(a, b, horizon) || tree[a].rest.squaredFarthest(tree[b].rest) <= apart) continue;
+    if (tree[a].patch != PatchTree::kNone && tree[b].patch != PatchTree::kNone) {
+      // Patches that touch each other at rest never count, whatever of them is farther apart.
+      if (tree[a].rest.squaredDistance(tree[b].rest) > kOnePiece * apart)
+        compare(tree[a].patch, tree[b].patch, horizon);
+      continue;
+    }
+    const bool first =
+        tree[b].patch != PatchTree::kNone || (tree[a].patch == PatchTree::kNone && tree[a].size >= tree[b].size);
+    const Index child = tree[first ? a : b].child;
+    for (const Index one : {child, child + 1}) open_.push_back(first ? std::pair(one, b) : std::pair(a, one));
+  }
+}
+
+void SkinForecast::refit(float horizon) {
+  ++now_;
+  skin_.placeVertices();
+  const Vec3 place = meanOf(skin_.positions());
+  const auto count = static_cast<Index>(places_.size());
+  Vec3 velocity = Vec3::Zero();
+  for (Index v = 0; v < count; ++v) velocity += skin_.velocity(v);
+  velocity /= static_cast<double>(std::max<Index>(1, count));
+  for (Index v = 0; v < count; ++v) {
+    places_[v] = (skin_.position(v) - place).cast<float>();
+    velocities_[v] = (skin_.velocity(v) - velocity).cast<float>();
+  }
+  turn(horizon);
+  const std::vector<PatchTree::Node> &tree = skin_.tree().nodes();
+  for (std::size_t k = nodes_.size(); k-- > 0;) {
+    Motion &node = nodes_[k];
+    node = Motion();
+    if (tree[k].patch == PatchTree::kNone)
+      for (const Index child : {tree[k].child, tree[k].child + 1}) {
+        node.places.add(nodes_[child].places);
+        node.velocities.add(nodes_[child].velocities);
+        node.normals.add(nodes_[child].normals);
+      }
+    else
+      addPatch(tree[k].patch, node);
+  }
+}
+
+void SkinForecast::addPatch(Index patch, Motion &node) const {
+  for (const Index v : skin_.tree().patches()[patch].corners) {
+    node.places.add(corner(places_[v]));
+    node.velocities.add(corner(velocities_[v]));
+  }
+  for (const Index t : rings_.row(patch))
+    for (const std::vector<Corner> &normals : normals_) node.normals.add(normals[t]);
+}
+
+// Vertices and edges of a patch face where the triangles around them do, also those of others.
+void SkinForecast::findRings() {
+  const ContactSkin &skin = skin_.skin();
+  rings_.offsets.assign(1, 0);
+  for (const PatchTree::Patch &patch : skin_.tree().patches()) {
+    std::vector<Index> ring;
+    for (const Index v : patch.corners)
+      for (const Index t : skin.trianglesOf.row(v)) ring.push_back(t);
+    std::sort(ring.begin(), ring.end());
+    ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
+    rings_.indices.insert(rings_.indices.end(), ring.begin(), ring.end());
+    rings_.offsets.push_back(static_cast<Index>(rings_.indices.size()));
+  }
+}
+
+// Now and at the end; of a triangle without an area zero.
+void SkinForecast::turn(float horizon) {
+  const std::vector<std::array<Index, 3>> &triangles = skin_.skin().triangles;
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (std::size_t k = 0; k < 2; ++k) {
+      const auto &[a, b, c] = triangles[t];
+      const float time = k == 0 ? 0.0f : horizon;
+      const Eigen::Vector3f ab = places_[b] - places_[a] + time * (velocities_[b] - velocities_[a]),
+                            ac = places_[c] - places_[a] + time * (velocities_[c] - velocities_[a]);
+      const Eigen::Vector3f normal = ab.cross(ac);
+      const float length = normal.norm();
+      normals_[k][t] = length > 0.0f ? corner(normal / length) : Corner(Corner::Zero());
+    }
+}
+
+// Parts of a solid meet face to face: of two whose normals are about the same no part touches the other.
+// @source  after Volino and Magnenat-Thalmann, Computer Graphics Forum 13(3), 1994
+bool SkinForecast::mayFace(Index a, Index b) const {
+  const Box &mine = nodes_[a].normals, &theirs = nodes_[b].normals;
+  const Corner least =
+      (mine.low * theirs.low).min(mine.low * theirs.high).min((mine.high * theirs.low).min(mine.high * theirs.high));
+  return !(least.sum() > kAlike);
+}
+
+// Whether no plane across an axis keeps two nodes so far apart that they need
+// not be listed.
+bool SkinForecast::partWithin(Index a, Index b, float horizon) const {
+  const Motion &mine = nodes_[a], &theirs = nodes_[b];
+  const Corner above = mine.places.low - theirs.places.high, below = theirs.places.low - mine.places.high;
+  const Corner aboveThen = above + horizon * (mine.velocities.low - theirs.velocities.high),
+               belowThen = below + horizon * (theirs.velocities.low - mine.velocities.high);
+  return above.min(aboveThen).max(below.min(belowThen)).maxCoeff() <= listed_;
+}
+
+// Where planes between the patches do not tell, by their triangles: those that are one piece of tissue do not count.
+void SkinForecast::compare(Index a, Index b, float horizon) {
+  if (!(faces(a, b, horizon) || faces(b, a, horizon))) return;
+  if (!(separationOf(a, b, horizon).leastUntil(horizon) <= listed_)) return;
+  const auto apart = static_cast<float>(apart_);
+  const Motion &first = nodes_[nodeOf_[a]], &second = nodes_[nodeOf_[b]];
+  const float fastest = std::sqrt((first.velocities.high - second.velocities.low)
+                                      .abs()
+                                      .max((second.velocities.high - first.velocities.low).abs())
+                                      .square()
+                                      .sum());
+  const float within = listed_ + horizon * fastest;
+  float now = std::numeric_limits<float>::infinity(), then = now;
+  for (const Index t : skin_.tree().patches()[a].triangles) {
+    const Ball &mine = ballOf(t), &mineAtRest = restBalls_[t];
+    for (const Index s : skin_.tree().patches()[b].triangles) {
+      const Ball &theirs = ballOf(s), &theirsAtRest = restBalls_[s];
+      const Eigen::Vector3f way = theirs.middle - mine.middle;
+      const float far = within + mine.radius + theirs.radius, squared = way.squaredNorm();
+      if (squared > far * far) continue;
+      const float onePiece = apart - mineAtRest.radius - theirsAtRest.radius;
+      if (onePiece >= 0.0f && (theirsAtRest.middle - mineAtRest.middle).squaredNorm() <= onePiece * onePiece) continue;
+      Separation found{0.0f, -fastest};
+      if (squared > 0.0f) found = along(way / std::sqrt(squared), skin_.skin().triangles[t], skin_.skin().triangles[s]);
+      if (found.leastUntil(horizon) > listed_) continue;
+      now = std::min(now, found.distance);
+      then = std::min(then, found.at(horizon));
+    }
+  }
+  // The least of several that change evenly is nowhere less than the line between its ends.
+  if (std::min(now, then) <= listed_) pairs_.push_back({a, b, {now, horizon > 0.0f ? (then - now) / horizon : 0.0f}});
+}
+
+// Between two planes across a direction from the first to the second.
+template <class Corners>
+SkinForecast::Separation SkinForecast::along(const Eigen::Vector3f &direction, const Corners &first,
+                                             const Corners &second) const {
+  constexpr float kFar = std::numeric_limits<float>::infinity();
+  float high = -kFar, fastest = -kFar, low = kFar, slowest = kFar;
+  for (const Index v : first) {
+    high = std::max(high, direction.dot(places_[v]));
+    fastest = std::max(fastest, direction.dot(velocities_[v]));
+  }
+  for (const Index v : second) {
+    low = std::min(low, direction.dot(places_[v]));
+    slowest = std::min(slowest, direction.dot(velocities_[v]));
+  }
+  return {low - high, slowest - fastest};
+}
+
+Eigen::Vector3f SkinForecast::middleOf(Index patch) const {
+  const Box &box = nodes_[nodeOf_[patch]].places;
+  return (0.5f * (box.low + box.high)).head<3>().matrix();
+}
+
+// Whether anything of the second is before the first, now or at the end: what is beside it or behind does not touch it.
+bool SkinForecast::faces(Index a, Index b, float horizon) {
+  const auto &mine = skin_.tree().patches()[a].corners, &theirs = skin_.tree().patches()[b].corners;
+  const Facings &facings = facingsOf(a);
+  const auto known = facings.known();
+  return !facings.isComplete || std::any_of(known.begin(), known.end(), [&](const Eigen::Vector3f &normal) {
+    float lowest = std::numeric_limits<float>::infinity(), slowest = lowest;
+    for (const Index v : mine) {
+      lowest = std::min(lowest, normal.dot(places_[v]));
+      slowest = std::min(slowest, normal.dot(velocities_[v]));
+    }
+    return std::any_of(theirs.begin(), theirs.end(), [&](Index v) {
+      const float above = normal.dot(places_[v]) - lowest;
+      return std::max(above, above + horizon * (normal.dot(velocities_[v]) - slowest)) > 0.0f;
+    });
+  });
+}
+
+// Across the line between the middles, or across one of the two.
+SkinForecast::Separation SkinForecast::separationOf(Index a, Index b, float horizon) {
+  const Eigen::Vector3f way = middleOf(b) - middleOf(a);
+  Separation best{-std::numeric_limits<float>::infinity(), 0.0f};
+  const auto normalOf = [&](Index patch) -> Eigen::Vector3f { return facingsOf(patch).normals.front(); };
+  for (const Eigen::Vector3f &across : {Eigen::Vector3f(way.stableNormalized()), normalOf(a), normalOf(b)}) {
+    const Separation found = along(across.dot(way) < 0.0f ? Eigen::Vector3f(-across) : across,
+                                   skin_.tree().patches()[a].corners, skin_.tree().patches()[b].corners);
+    if (found.leastUntil(horizon) > best.leastUntil(horizon)) best = found;
+    if (best.leastUntil(horizon) > listed_) break;
+  }
+  return best;
+}
+
+// The directions in which it and what is around it faces; alike ones once.
+const SkinForecast::Facings &SkinForecast::facingsOf(Index patch) {
+  Facings &facings = facings_[patch];
+  if (std::exchange(facings.seen, now_) == now_) return facings;
+  facings.count = 0;
+  facings.isComplete = true;
+  facings.normals.front().setZero();
+  for (const Index t : rings_.row(patch)) {
+    const Eigen::Vector3f normal = normals_[0][t].head<3>().matrix();
+    const auto known = facings.known();
+    if (!(normal.squaredNorm() > 0.0f) ||
+        std::any_of(known.begin(), known.end(), [&](const Eigen::Vector3f &one) { return one.dot(normal) > kSame; }))
+      continue;
+    facings.isComplete = facings.count < facings.normals.size();
+    if (!facings.isComplete) break;
+    facings.normals[facings.count++] = normal;
+  }
+  return facings;
+}
+
+const SkinForecast::Ball &SkinForecast::ballOf(Index triangle) {
+  Ball &ball = balls_[triangle];
+  if (ball.seen == now_) return ball;
+  ball = Ball();
+  ball.seen = now_;
+  const auto &corners = skin_.skin().triangles[triangle];
+  for (const Index v : corners) ball.middle += places_[v] / 3.0f;
+  for (const Index v : corners) ball.radius = std::max(ball.radius, (places_[v] - ball.middle).norm());
+  return ball;
+}
+
+}  // namespace pointbased::detail
