@@ -9,11 +9,10 @@ namespace pointbased::detail {
 namespace {
 
 constexpr float kListed = 0.65f;    // spacings: pairs that come that near are listed
-constexpr double kFaster = 2.0;     // times the way of a step: bodies may gain speed within it
-constexpr float kAlike = 0.5f;      // cosine of normals of parts that do not come to face each other
+constexpr float kAlike = 0.2f;      // cosine of normals of parts that do not come to face each other
 constexpr float kSame = 0.995f;     // cosine of normals that are taken for one
 constexpr double kOnePiece = 0.25;  // squared, of that: patches that lie nearer at rest are one
-constexpr double kFirst = 8.0, kFewest = 3.0, kMost = 32.0;  // steps to look ahead
+constexpr double kFirst = 8.0, kFewest = 2.0, kMost = 1024.0;  // steps to look ahead
 constexpr double kLonger = 2.0, kAsLong = 1.5;  // where the last look served to its end; else of the steps it served
 
 Eigen::Array4f corner(const Eigen::Vector3f &x) { return {x[0], x[1], x[2], 0.0f}; }
@@ -67,12 +66,12 @@ bool SkinForecast::serves() {
   }
   if (const double gained = last.ofVertices(skin_.skin()); gained > 0.0) gained_ = gained;
   before_.assign(v.begin(), v.end());
-  const double off = astray.ofVertices(skin_.skin()) + kFaster * dt * (gain.ofVertices(skin_.skin()) + 0.5 * gained_);
+  const double off = astray.ofVertices(skin_.skin()) + dt * (gain.ofVertices(skin_.skin()) + gained_);
   begin_ = static_cast<float>(begin);
-  end_ = static_cast<float>(begin + kFaster * dt);
+  end_ = static_cast<float>(begin + dt);
   astray_ = static_cast<float>(2.0 * off);
   ++served_;
-  return begin + kFaster * dt <= horizon_ * (1.0 + 1e-9) && astray_ < listed_ - near_;
+  return begin + dt <= horizon_ * (1.0 + 1e-9) && astray_ < listed_ - near_;
 }
 
 void SkinForecast::look() {
@@ -93,8 +92,8 @@ void SkinForecast::look() {
   for (Vec3 &one : evenly_) one -= velocity;
   horizon_ = steps_ * dt;
   begin_ = 0.0f;
-  end_ = static_cast<float>(kFaster * dt);
-  astray_ = static_cast<float>(kFaster * dt * gained_);
+  end_ = static_cast<float>(dt);
+  astray_ = static_cast<float>(2.0 * dt * gained_);
   const auto horizon = static_cast<float>(horizon_);
   refit(horizon);
   pairs_.clear();
