@@ -10,10 +10,10 @@ namespace c3de::scene {
 namespace {
 
 const std::vector<std::string> kBodyKeys{
-    "name",     "mesh",      "mesh_unit", "position",         "rotation_deg", "scale",  "material",
-    "sampling", "parts",     "velocity",  "angular_velocity", "volume",       "series", "time",
-    "label",    "threshold", "mend",      "edge_length",      "rigid",        "free",   "matrix",
-    "tissues",  "background"};
+    "name",     "mesh",       "mesh_unit", "position",         "rotation_deg", "scale",  "material",
+    "sampling", "parts",      "velocity",  "angular_velocity", "volume",       "series", "time",
+    "label",    "threshold",  "mend",      "edge_length",      "rigid",        "free",   "matrix",
+    "tissues",  "background", "slides",    "slide_friction"};
 const std::vector<std::string> kObstacleKeys{
     "name",        "mesh",         "mesh_unit",           "position", "rotation_deg", "scale",  "friction",
     "restitution", "displacement", "motion_rotation_deg", "centre",   "ramp",         "matrix", "motion_quaternion"};
@@ -202,6 +202,12 @@ bool SceneReader::readProbe(const TomlValue &table) {
 }
 
 bool SceneReader::checkBodyNames() {
+  const std::vector<std::string> names = namesOfBodies(scene_);
+  for (const SceneBody &body : scene_.bodies)
+    for (const std::string &piece : namesOfPieces(body))
+      if (std::count(names.begin(), names.end(), piece) > 1)
+        return refuse(body.line, "'" + piece + "' is the name of a body and of what slides of '" + body.name +
+                                     "'; accepted: names that differ");
   for (SceneFix &fix : scene_.fixes)
     if (!checkBodyName("fix", fix.line, fix.body)) return false;
   for (SceneLoad &load : scene_.loads)
@@ -214,9 +220,8 @@ bool SceneReader::checkBodyNames() {
 }
 
 bool SceneReader::checkBodyName(const std::string &what, int line, std::string &body) {
-  std::vector<std::string> names;
-  for (const SceneBody &known : scene_.bodies) names.push_back(known.name);
-  if (body.empty() && names.size() == 1) body = names.front();
+  const std::vector<std::string> names = namesOfBodies(scene_);
+  if (body.empty() && scene_.bodies.size() == 1) body = names.front();
   if (std::find(names.begin(), names.end(), body) != names.end()) return true;
   if (body.empty())
     return refuse(line, "the " + what + " has no 'body', and the scene has " + std::to_string(names.size()) +
@@ -286,6 +291,8 @@ bool SceneReader::bodyKey(SceneBody &body, const std::string &key, const TomlVal
   if (isPlacement(key)) return placementKey(body.placement, key, value);
   if (key == "tissues") return readTissues(value, body.volume);
   if (key == "background") return readBackground(value, body);
+  if (key == "slides") return readSlides(value, body.volume);
+  if (key == "slide_friction") return readFriction(key, value, body.volume.slideFriction);
   if (key == "volume" || key == "series" || key == "time" || key == "label" || key == "threshold" || key == "mend" ||
       key == "edge_length")
     return volumeKey(body.volume, key, value);

@@ -44,7 +44,7 @@ class SceneReader {
   bool readContact(const TomlValue &table);
   bool readContactPair(const TomlValue &table);
   bool contactPairKey(SceneContactPair &pair, const std::string &key, const TomlValue &value);
-  bool readFriction(const TomlValue &value, double &out);
+  bool readFriction(const std::string &key, const TomlValue &value, double &out);
   bool readProbeTool(const TomlValue &table);
   bool probeToolKey(SceneProbeTool &tool, const std::string &key, const TomlValue &value);
   bool readPath(const TomlValue &value, std::vector<SceneToolPlace> &out);
@@ -103,7 +103,10 @@ class SceneReader {
   // scene_reader_tissues.cpp
   bool readTissues(const TomlValue &value, SceneVolume &out);
   bool readTissue(const TomlValue &table, SceneTissue &out);
+  /// The name of a label, or its number. @param place  how the message begins
+  bool readLabel(const std::string &place, const TomlValue &value, std::string &out);
   bool readBackground(const TomlValue &value, SceneBody &body);
+  bool readSlides(const TomlValue &value, SceneVolume &out);
   bool checkTissues(const TomlValue &table, SceneBody &body);
   bool readImageFile(const std::string &key, const TomlValue &value, std::filesystem::path &out);
   bool readTime(const TomlValue &value, std::size_t &out);

@@ -94,16 +94,21 @@ bool SceneReader::attachBodies() {
       return refuse(attachment.line, "a second attachment holds all of '" + attachment.body +
                                          "' where it is in the scan; accepted: one for each body");
     attached.push_back(attachment.body);
-    const auto body = std::find_if(scene_.bodies.begin(), scene_.bodies.end(),
-                                   [&](const SceneBody &candidate) { return candidate.name == attachment.body; });
-    for (SceneValue &value : attachment.params) body->params.push_back(std::move(value));
+    const auto give = [&](const std::string &name, std::vector<SceneValue> &params) {
+      if (name != attachment.body) return;
+      for (const SceneValue &value : attachment.params) params.push_back(value);
+    };
+    for (SceneBody &body : scene_.bodies) {
+      give(body.name, body.params);
+      const std::vector<std::string> pieces = namesOfPieces(body);
+      for (std::size_t i = 0; i < pieces.size(); ++i) give(pieces[i], body.volume.slides[i].params);
+    }
   }
   return true;
 }
 
 bool SceneReader::checkAttachments() {
-  std::vector<std::string> bodies;
-  for (const SceneBody &body : scene_.bodies) bodies.push_back(body.name);
+  const std::vector<std::string> bodies = namesOfBodies(scene_);
   std::vector<std::string> others = bodies;
   for (const SceneObstacle &obstacle : scene_.obstacles) others.push_back(obstacle.name);
   for (std::size_t i = 0; i < scene_.attachments.size(); ++i) {

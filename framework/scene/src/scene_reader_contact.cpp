@@ -61,7 +61,7 @@ bool SceneReader::contactPairKey(SceneContactPair &pair, const std::string &key,
   }
   if (key == "friction") {
     double friction = 0.0;
-    if (!readFriction(value, friction)) return false;
+    if (!readFriction(key, value, friction)) return false;
     pair.friction = friction;
     return true;
   }
@@ -69,10 +69,10 @@ bool SceneReader::contactPairKey(SceneContactPair &pair, const std::string &key,
   return refuseKey(value.line, key, "[[contact.pair]]", kPairKeys);
 }
 
-bool SceneReader::readFriction(const TomlValue &value, double &out) {
-  if (!readNumber("friction", kFriction, value, out)) return false;
+bool SceneReader::readFriction(const std::string &key, const TomlValue &value, double &out) {
+  if (!readNumber(key, kFriction, value, out)) return false;
   if (!(out >= 0.0 && out <= kMostFriction))
-    return refuse(value.line, "friction is " + formatNumber(out) + "; accepted: " + kFriction);
+    return refuse(value.line, key + " is " + formatNumber(out) + "; accepted: " + kFriction);
   return true;
 }
 
@@ -114,7 +114,7 @@ bool SceneReader::probeToolKey(SceneProbeTool &tool, const std::string &key, con
     (isRadius ? tool.radius_m : tool.length_m) = kMetresPerMillimetre * size;
     return true;
   }
-  if (key == "friction") return readFriction(value, tool.friction);
+  if (key == "friction") return readFriction(key, value, tool.friction);
   if (key == "path") return readPath(value, tool.path);
   return refuseKey(value.line, key, "[[probe_tool]]", kToolKeys);
 }
@@ -132,8 +132,8 @@ bool SceneReader::readPath(const TomlValue &value, std::vector<SceneToolPlace> &
 }
 
 bool SceneReader::checkPairs() {
-  std::vector<std::string> bodies, others{kWallsName};
-  for (const SceneBody &body : scene_.bodies) bodies.push_back(body.name);
+  const std::vector<std::string> bodies = namesOfBodies(scene_);
+  std::vector<std::string> others{kWallsName};
   for (const SceneObstacle &obstacle : scene_.obstacles) others.push_back(obstacle.name);
   for (const SceneProbeTool &tool : scene_.probeTools) others.push_back(tool.name);
   std::vector<std::string> all = bodies;

@@ -200,7 +200,7 @@ bool SceneReader::checkSource(const TomlValue &table, SceneBody &body) {
   const SceneVolume &volume = body.volume;
   const bool byLabel = volume.label || !volume.labelName.empty();
   if (volume.file.empty()) {
-    for (const char *key : {"tissues", "background"})
+    for (const char *key : {"tissues", "background", "slides", "slide_friction"})
       if (const TomlValue *stray = table.find(key); stray != nullptr)
         return refuse(stray->line, std::string("'") + key + "' belongs to a body with a 'volume', a label map");
     if (const TomlValue *stray = table.find("label"); stray != nullptr)

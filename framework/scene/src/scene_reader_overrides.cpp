@@ -154,7 +154,10 @@ bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) 
     return refuse(0, "'" + key + "' belongs to a body with a 'volume'; this one has a 'mesh'");
   if ((key == "mesh" || key == "mesh_unit") && body->mesh.empty())
     return refuse(0, "'" + key + "' belongs to a body with a 'mesh'; this one has a 'volume'");
+  if ((key == "slides" || key == "slide_friction") && !hasTissues)
+    return refuse(0, "'" + key + "' belongs to a body with 'tissues'");
   if (!bodyKey(*body, key, value)) return false;
+  if (key == "slides") return checkBodyNames() && checkAttachments() && checkPairs();
   // Of two ways to say the same thing, the override is what counts.
   if (key == "label") body->volume.threshold.reset();
   if (key == "threshold") {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bodies of many tissues.
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -14,23 +15,30 @@ const std::vector<std::string> kTissueKeys{"label", "material", "rigid"};
 const std::vector<std::string> kBackgroundKeys{"material", "image", "from", "to"};
 const char *const kTissue = "[ { label = \"liver\", material = \"liver\" }, { label = \"vertebrae*\", rigid = true } ]";
 const char *const kBackground = "{ material = \"fat\", image = \"ct.nii.gz\", from = -150, to = 250 }";
+const char *const kSlides =
+    "[\"liver\", \"lung*\", 5]; labels in brackets are one piece, [[\"liver\", \"gallbladder\"]]";
+constexpr std::size_t kMostSlides = 254;  // numbers of pieces are bytes
 const char *const kLabel = "the name of a label ('*' for any text), or its number, 1 … 65535";
 
 }  // namespace
+
+bool SceneReader::readLabel(const std::string &place, const TomlValue &value, std::string &out) {
+  const bool isNumber =
+      value.isNumber() && value.num == std::floor(value.num) && value.num >= 1.0 && value.num <= 65535.0;
+  if (!isNumber && (value.kind != TomlValue::Kind::text || value.text.empty()))
+    return refuse(value.line,
+                  place + (value.isNumber() ? formatNumber(value.num) : value.kindName()) + "; accepted: " + kLabel);
+  out = isNumber ? formatNumber(value.num) : value.text;
+  return true;
+}
 
 bool SceneReader::readTissue(const TomlValue &table, SceneTissue &out) {
   SceneTissue tissue;
   tissue.line = table.line;
   for (const auto &[key, member] : table.entries) {
     if (key == "label") {
-      const bool isNumber =
-          member.isNumber() && member.num == std::floor(member.num) && member.num >= 1.0 && member.num <= 65535.0;
-      if (!isNumber && (member.kind != TomlValue::Kind::text || member.text.empty()))
-        return refuse(member.line, "tissues: label is " +
-                                       (member.isNumber() ? formatNumber(member.num) : member.kindName()) +
-                                       "; accepted: " + kLabel);
-      tissue.label = isNumber ? formatNumber(member.num) : member.text;
-      tissue.isByName = !isNumber && member.text.find('*') == std::string::npos;
+      if (!readLabel("tissues: label is ", member, tissue.label)) return false;
+      tissue.isByName = !member.isNumber() && member.text.find('*') == std::string::npos;
     } else if (key == "rigid") {
       if (!readBool("tissues: rigid", member, tissue.isRigid)) return false;
     } else if (key == "material") {
@@ -96,14 +104,49 @@ bool SceneReader::readBackground(const TomlValue &value, SceneBody &body) {
   return true;
 }
 
+bool SceneReader::readSlides(const TomlValue &value, SceneVolume &out) {
+  if (value.kind != TomlValue::Kind::array || value.items.empty())
+    return refuse(value.line, "slides is " +
+                                  (value.kind == TomlValue::Kind::array ? "an empty list" : value.kindName()) +
+                                  "; accepted: a list, " + kSlides);
+  if (value.items.size() > kMostSlides)
+    return refuse(value.line, "slides has " + std::to_string(value.items.size()) + " entries; accepted: up to " +
+                                  std::to_string(kMostSlides));
+  std::vector<SceneSlide> slides;
+  std::vector<std::string> seen;
+  for (const TomlValue &entry : value.items) {
+    const bool isList = entry.kind == TomlValue::Kind::array;
+    if (isList && entry.items.empty())
+      return refuse(entry.line, std::string("an entry of slides is an empty list; accepted: ") + kSlides);
+    SceneSlide slide;
+    for (std::size_t i = 0; i < (isList ? entry.items.size() : 1); ++i) {
+      const TomlValue &label = isList ? entry.items[i] : entry;
+      std::string name;
+      if (!readLabel("slides: a label is ", label, name)) return false;
+      if (std::find(seen.begin(), seen.end(), name) != seen.end())
+        return refuse(label.line, "slides names '" + name + "' twice; accepted: each label once");
+      seen.push_back(name);
+      slide.names.push_back(std::move(name));
+    }
+    slides.push_back(std::move(slide));
+  }
+  out.slides = std::move(slides);
+  return true;
+}
+
 bool SceneReader::checkTissues(const TomlValue &table, SceneBody &body) {
   const SceneVolume &volume = body.volume;
   if (!volume.hasTissues()) {
-    if (volume.background)
-      return refuse(table.find("background")->line,
-                    std::string("'background' belongs to a body with 'tissues'; accepted: tissues = ") + kTissue);
+    for (const char *key : {"background", "slides", "slide_friction"})
+      if (const TomlValue *stray = table.find(key); stray != nullptr)
+        return refuse(stray->line, std::string("'") + key +
+                                       "' belongs to a body with 'tissues'; accepted: tissues = \"known\", or " +
+                                       kTissue);
     return true;
   }
+  if (const TomlValue *friction = table.find("slide_friction"); friction != nullptr && volume.slides.empty())
+    return refuse(friction->line,
+                  std::string("'slide_friction' belongs to a body with 'slides'; accepted: slides = ") + kSlides);
   for (const char *key : {"label", "threshold", "material", "rigid", "free"})
     if (const TomlValue *stray = table.find(key); stray != nullptr)
       return refuse(stray->line, std::string("the body has 'tissues' and '") + key +

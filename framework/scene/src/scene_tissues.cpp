@@ -13,6 +13,30 @@ bool SceneVolume::isOpen() const {
                                                          [](const SceneTissue &tissue) { return tissue.isByName; }));
 }
 
+std::vector<std::string> namesOfPieces(const SceneBody &body) {
+  std::vector<std::string> names;
+  for (const SceneSlide &slide : body.volume.slides) {
+    std::string label = slide.names.front();
+    std::erase(label, '*');
+    const std::size_t first = label.find_first_not_of("_- "), last = label.find_last_not_of("_- ");
+    label = first == std::string::npos ? "piece" : label.substr(first, last - first + 1);
+    std::string name = body.name + "." + label;
+    for (int i = 2; std::find(names.begin(), names.end(), name) != names.end(); ++i)
+      name = body.name + "." + label + "-" + std::to_string(i);
+    names.push_back(std::move(name));
+  }
+  return names;
+}
+
+std::vector<std::string> namesOfBodies(const SceneFile &scene) {
+  std::vector<std::string> names;
+  for (const SceneBody &body : scene.bodies) {
+    names.push_back(body.name);
+    for (std::string &piece : namesOfPieces(body)) names.push_back(std::move(piece));
+  }
+  return names;
+}
+
 std::vector<SceneValue> valuesOf(const MaterialPreset &preset) {
   std::vector<SceneValue> values;
   const auto number = [&](const char *id, double num, bool isOptional) {

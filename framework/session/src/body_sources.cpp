@@ -11,6 +11,7 @@
 #include "c3de/imaging/surface.h"
 #include "c3de/scene/simulation.h"
 #include "c3de/session/tissues.h"
+#include "slides.h"
 
 namespace c3de::session {
 namespace {
@@ -100,7 +101,7 @@ Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const
   std::shared_ptr<const imaging::Volume> image, background;
   if (!volume.mask) {
     const TimeSpent reading(took.reading_s);
-    if (volume.background) {
+    if (volume.background && !volume.cut) {
       imaging::ReadOptions whole;
       whole.progress = progress;
       auto read = this->volume(volume.background->image, whole);
@@ -123,6 +124,10 @@ Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const
   std::shared_ptr<imaging::LabelMap> tissues;
   if (volume.mask) {
     mask = *volume.mask;
+  } else if (volume.cut) {
+    PickedVoxels piece = pieceOf(*volume.cut, volume.piece);
+    if (imaging::voxelCount(piece.mask) == 0) return fail(ErrorCode::internal, "a piece of a body has no voxel");
+    return piece;
   } else if (volume.hasTissues()) {
     if (!volume.isSettled) return fail(ErrorCode::internal, "the tissues of a body are not settled");
     auto picked = pickTissues(volume, *map, background.get(), progress);
@@ -164,7 +169,19 @@ Expected<TissuePlaces> BodySources::placesOf(const scene::SceneBody &body, const
   options.time = body.volume.time;
   const auto layers = labels(body.volume.file, options);
   if (!layers) return tl::unexpected(layers.error());
-  return tissuePlaces(body, **layers, *picked.tissues);
+  TissuePlaces places = tissuePlaces(body, **layers, *picked.tissues);
+  if (!body.volume.cut) return places;
+  // A label without a voxel is told of once, with the rest.
+  std::erase_if(places.labels, [&](const LabelPlaces &label) {
+    const auto &sliding = body.volume.cut->labels;
+    return label.voxels == 0 &&
+           (body.volume.piece != 0 || std::any_of(sliding.begin(), sliding.end(), [&](const auto &labels) {
+              return std::any_of(labels.begin(), labels.end(), [&](const scene::SceneLabel &other) {
+                return other.value == label.value && other.name == label.name;
+              });
+            }));
+  });
+  return places;
 }
 
 std::vector<std::string> BodySources::takeNotices() { return std::exchange(notices_, {}); }
@@ -212,7 +229,7 @@ Expected<void> addTissues(const scene::SceneVolume &volume, const imaging::Label
       continue;
     }
     auto fill = imaging::fillOf(imaging::maskOf(tissues, number), coarsest);
-    if (!fill && !volume.takesKnownTissues)
+    if (!fill && !volume.takesKnownTissues && !volume.cut)
       return fail(fill.error().code, "tissue '" + volume.tissues[i].label +
                                          "' has no voxel of its own: labels of other tissues lie over all of it, or "
                                          "'mend' has taken it away");

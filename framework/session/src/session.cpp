@@ -75,6 +75,9 @@ Expected<FittedScene> fitScene(c3de_object *simulator, const scene::SceneFile &s
         return fail(ErrorCode::input, scene.where(body.line) + ": 'volume' is not served by this simulator");
   const auto contact = contactTable(simulator);
   if (!contact) return tl::unexpected(contact.error());
+  for (const scene::SceneBody &body : scene.bodies)
+    if (*contact == nullptr && !body.volume.slides.empty())
+      return fail(ErrorCode::input, scene.where(body.line) + ": 'slides' is not served by this simulator");
   if (*contact == nullptr && !scene.contactPairs.empty())
     return fail(ErrorCode::input,
                 scene.where(scene.contactPairs.front().line) + ": '[[contact.pair]]' is not served by this simulator");
@@ -645,7 +648,8 @@ Expected<void> Session::Impl::addTouch(c3de_object *simulator, const scene::Scen
   for (const scene::SceneContactPair &pair : scene.contactPairs) {
     c3de_sim_contact_pair abi{};
     abi.size = sizeof abi;
-    abi.flags = (pair.friction ? C3DE_SIM_PAIR_HAS_FRICTION : 0u) | (pair.enabled ? 0u : C3DE_SIM_PAIR_OFF);
+    abi.flags = (pair.friction ? C3DE_SIM_PAIR_HAS_FRICTION : 0u) | (pair.enabled ? 0u : C3DE_SIM_PAIR_OFF) |
+                (pair.fits ? C3DE_SIM_PAIR_FITS : 0u);
     abi.first = named.at(pair.names[0]);
     abi.second = named.at(pair.names[1]);
     abi.friction = pair.friction.value_or(0.0);

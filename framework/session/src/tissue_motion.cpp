@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 
 #include "c3de/core/csv.h"
@@ -14,6 +13,7 @@
 #include "c3de/imaging/warp_grid.h"
 #include "c3de/scene/simulation.h"
 #include "c3de/session/displacement_sampler.h"
+#include "placement_matrix.h"
 
 namespace c3de::session {
 namespace {
@@ -30,28 +30,6 @@ double determinant(const Mat3 &m) { return dot(m[0], cross(m[1], m[2])); }
 Vec3 solved(const Mat3 &m, const Vec3 &b) {
   const double d = 1.0 / determinant(m);
   return {d * dot(b, cross(m[1], m[2])), d * dot(m[0], cross(b, m[2])), d * dot(m[0], cross(m[1], b))};
-}
-
-/// From the scan to where the body is placed at rest, mm.
-Mat4 matrixOf(const scene::ScenePlacement &placement) {
-  if (placement.matrix) {
-    Mat4 m = *placement.matrix;
-    for (const std::size_t i : {12, 13, 14}) m[i] *= scene::kMillimetresPerMetre;
-    return m;
-  }
-  Mat4 m = kIdentity4;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double angle = placement.rotation_deg[axis] * std::numbers::pi / 180.0;
-    const std::size_t b = (axis + 1) % 3, c = (axis + 2) % 3;
-    Mat4 turn = kIdentity4;
-    turn[5 * b] = turn[5 * c] = std::cos(angle);
-    turn[4 * b + c] = std::sin(angle);
-    turn[4 * c + b] = -std::sin(angle);
-    m = multiply(turn, m);
-  }
-  for (std::size_t i = 0; i < 12; ++i) m[i] *= i % 4 == 3 ? 1.0 : placement.scale;
-  for (std::size_t axis = 0; axis < 3; ++axis) m[12 + axis] = scene::kMillimetresPerMetre * placement.position_m[axis];
-  return m;
 }
 
 /// Finds material points again in a displacement that is told by present places.

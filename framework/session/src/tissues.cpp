@@ -12,6 +12,7 @@
 #include "c3de/imaging/reading.h"
 #include "c3de/scene/material_names.h"
 #include "c3de/session/body_sources.h"
+#include "slides.h"
 
 namespace c3de::session {
 namespace {
@@ -80,24 +81,25 @@ std::string listOf(const std::vector<Candidate> &labels) {
   return names.empty() ? "none" : listOf(names);
 }
 
+std::string noLabel(const std::string &file, const std::string &wanted, const std::vector<Candidate> &labels) {
+  std::vector<std::string> names;
+  for (const Candidate &one : labels) names.push_back(one.label.name);
+  const std::string nearest = nearestName(wanted, names);
+  return file + " has no label '" + wanted + "'; " + (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
+         "there are: " + listOf(labels);
+}
+
 /// Gives a tissue of the scene its labels, and what these are where only a name has been said.
 Expected<void> giveLabels(scene::SceneTissue &tissue, std::vector<Candidate> &labels,
                           const scene::MaterialLibrary &materials, const std::string &file) {
-  std::vector<std::string> names;
   std::size_t meant = 0;
   for (Candidate &one : labels) {
-    names.push_back(one.label.name);
     if (!imaging::isMeant(tissue.label, {one.label.value, one.label.name, {}})) continue;
     ++meant;
     if (std::exchange(one.isTaken, true)) continue;
     tissue.labels.push_back(one.label);
   }
-  if (meant == 0) {
-    const std::string nearest = nearestName(tissue.label, names);
-    return fail(ErrorCode::input, file + " has no label '" + tissue.label + "'; " +
-                                      (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
-                                      "there are: " + listOf(labels));
-  }
+  if (meant == 0) return fail(ErrorCode::input, noLabel(file, tissue.label, labels));
   if (tissue.labels.empty())
     return fail(ErrorCode::input, "the labels of tissue '" + tissue.label +
                                       "' are of tissues before it, of the first that names them; accepted: each label "
@@ -157,6 +159,42 @@ void tellOthers(const scene::SceneVolume &volume, const std::vector<Candidate> &
           (volume.background ? "taken for background" : "left out, as there is no background") + ": " + listOf(names));
 }
 
+/// Gives what slides its labels.
+Expected<void> giveSlides(scene::SceneVolume &volume, const std::vector<Candidate> &labels) {
+  std::vector<bool> isTaken(labels.size(), false);
+  for (scene::SceneSlide &slide : volume.slides)
+    for (const std::string &wanted : slide.names) {
+      std::size_t meant = 0, taken = 0;
+      for (std::size_t i = 0; i < labels.size(); ++i) {
+        const scene::SceneLabel &label = labels[i].label;
+        if (!imaging::isMeant(wanted, {label.value, label.name, {}})) continue;
+        ++meant;
+        const auto has = [&](const scene::SceneTissue &tissue) {
+          return std::any_of(tissue.labels.begin(), tissue.labels.end(), [&](const scene::SceneLabel &other) {
+            return other.layer == label.layer && other.value == label.value;
+          });
+        };
+        const auto tissue = std::find_if(volume.tissues.begin(), volume.tissues.end(), has);
+        const bool isOfNone = tissue == volume.tissues.end() || tissue->isEmpty;
+        if (isOfNone ? !volume.background : tissue->isRigid)
+          return fail(ErrorCode::input, "slides: label '" + label.name + "' " +
+                                            (isOfNone ? "is not of the body" : "is rigid and does not move") +
+                                            "; accepted: labels of a tissue with a material");
+        if (isTaken[i]) {
+          ++taken;
+          continue;
+        }
+        isTaken[i] = true;
+        slide.labels.push_back(label);
+      }
+      if (meant == 0) return fail(ErrorCode::input, "slides: " + noLabel(volume.file.string(), wanted, labels));
+      if (taken == meant)
+        return fail(ErrorCode::input, "slides: the labels of '" + wanted +
+                                          "' are of names before it; accepted: single names before those with '*'");
+    }
+  return {};
+}
+
 Expected<void> settle(const scene::SceneFile &scene, scene::SceneBody &body,
                       const std::vector<imaging::LabelMap> &layers, const scene::MaterialLibrary &materials) {
   scene::SceneVolume &volume = body.volume;
@@ -173,6 +211,7 @@ Expected<void> settle(const scene::SceneFile &scene, scene::SceneBody &body,
         return failInScene(given.error(), scene, tissue.line);
   }
   tellOthers(volume, labels);
+  if (auto given = giveSlides(volume, labels); !given) return failInScene(given.error(), scene, body.line);
   volume.isSettled = true;
   if (!wasOpen) return {};
   if (auto made = makeTissueParts(body); !made) return failInScene(made.error(), scene, body.line);
@@ -199,7 +238,7 @@ Expected<void> settleTissues(scene::SceneFile &scene, const scene::MaterialLibra
   }
   for (const std::string &assignment : overrides)
     if (auto applied = scene::applyOverride(scene, assignment, &materials); !applied) return applied;
-  return {};
+  return cutSlides(scene, sources, progress, took);
 }
 
 Expected<imaging::LabelMap> pickTissues(const scene::SceneVolume &volume, const std::vector<imaging::LabelMap> &layers,

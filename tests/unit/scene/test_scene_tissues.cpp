@@ -77,3 +77,58 @@ TEST_CASE("Parts of tissues leave what an override has said of the body", "[tiss
   REQUIRE_FALSE(none);
   CHECK_THAT(none.error().message, Contains("all tissues are rigid or empty"));
 }
+
+TEST_CASE("What slides is read as names, numbers and lists, and its pieces have names of their own", "[tissues]") {
+  const auto scene =
+      parse(bodyWith("\"known\"", "slides = [\"liver\", \"lung_*\", 5, [\"spleen\", \"colon\"], \"*lung\"]\n") +
+            "[[probe]]\nname = \"tip\"\nbody = \"scan.lung\"\nat = [0, 0, 0]\n"
+            "[[attachment]]\nbodies = [\"scan.5\", \"surroundings\"]\nstiffness = 1e4\n"
+            "[[contact.pair]]\nbodies = [\"scan\", \"scan.liver\"]\nfriction = 0.1\n");
+  REQUIRE(scene);
+  const scene::SceneVolume &volume = scene->bodies.front().volume;
+  REQUIRE(volume.slides.size() == 5);
+  CHECK(volume.slides[2].names == std::vector<std::string>{"5"});
+  CHECK(volume.slides[3].names == std::vector<std::string>{"spleen", "colon"});
+  CHECK(volume.slideFriction == scene::kSlideFriction);
+  CHECK(scene::namesOfBodies(*scene) ==
+        std::vector<std::string>{"scan", "scan.liver", "scan.lung", "scan.5", "scan.spleen", "scan.lung-2"});
+  // Of the piece, not of the body.
+  CHECK(findValue(volume.slides[2].params, "surroundings.stiffness")->value.num == 1e4);
+  CHECK(findValue(scene->bodies.front().params, "surroundings.stiffness") == nullptr);
+}
+
+TEST_CASE("What is not right about what slides is refused where it stands", "[tissues]") {
+  const auto refusal = [](const std::string &slides) { return errorOf(bodyWith("\"known\"", slides + "\n")); };
+  CHECK_THAT(refusal("slides = \"liver\""), Contains("test.toml:6: slides is text; accepted: a list, [\"liver\""));
+  CHECK_THAT(refusal("slides = []"), Contains("slides is an empty list; accepted: a list"));
+  CHECK_THAT(refusal("slides = [\"liver\", 70000]"), Contains("a label is 70000; accepted: the name of a label"));
+  CHECK_THAT(refusal("slides = [\"\"]"), Contains("a label is") && Contains("accepted: the name of a label"));
+  CHECK_THAT(refusal("slides = [\"liver\", []]"), Contains("an entry of slides is an empty list"));
+  CHECK_THAT(refusal("slides = [\"liver\", [\"spleen\", \"liver\"]]"), Contains("slides names 'liver' twice"));
+  CHECK_THAT(refusal("slides = [\"liver\"]\nslide_friction = 11"),
+             Contains("test.toml:7: slide_friction is 11; accepted: a number from 0 to 10"));
+  CHECK_THAT(refusal("slide_friction = 0.1"), Contains("'slide_friction' belongs to a body with 'slides'"));
+  const std::string label = "format = 1\n[[body]]\nname = \"scan\"\nvolume = \"beam.obj\"\nlabel = 5\n";
+  CHECK_THAT(errorOf(label + "slides = [\"liver\"]\n"),
+             Contains("test.toml:6: 'slides' belongs to a body with 'tissues'; accepted: tissues = \"known\""));
+  CHECK_THAT(errorOf("format = 1\n[[body]]\nmesh = \"beam.obj\"\nmesh_unit = \"mm\"\nslides = [\"liver\"]\n"),
+             Contains("'slides' belongs to a body with a 'volume'"));
+  CHECK_THAT(refusal("slides = [\"liver\"]\n[[body]]\nname = \"scan.liver\"\nmesh = \"beam.obj\"\nmesh_unit = \"mm\""),
+             Contains("'scan.liver' is the name of a body and of what slides of 'scan'"));
+  CHECK_THAT(refusal("slides = [\"liver\"]\n[[fix]]\nbody = \"scan.livr\"\nregion = { everywhere = true }"),
+             Contains("there is no body 'scan.livr'; did you mean 'scan.liver'?"));
+}
+
+TEST_CASE("What slides can be set for a body with tissues, and names of pieces follow", "[tissues]") {
+  auto scene = parse(bodyWith("\"known\"",
+                              "slides = [\"liver\"]\n[[fix]]\nbody = \"scan.liver\"\n"
+                              "region = { everywhere = true }\n"));
+  REQUIRE(scene);
+  REQUIRE(scene::applyOverride(*scene, "body.scan.slides=[\"spleen\", \"liver\"]", &presets()));
+  CHECK(scene->bodies.front().volume.slides.size() == 2);
+  REQUIRE(scene::applyOverride(*scene, "body.scan.slide_friction=0.5", &presets()));
+  CHECK(scene->bodies.front().volume.slideFriction == 0.5);
+  const auto gone = scene::applyOverride(*scene, "body.scan.slides=[\"spleen\"]", &presets());
+  REQUIRE_FALSE(gone);
+  CHECK_THAT(gone.error().message, Contains("there is no body 'scan.liver'"));
+}

@@ -179,3 +179,101 @@ TEST_CASE("Labels of one tissue add up by their volumes") {
   CHECK(all.minJ == 0.8);
   CHECK_FALSE(motion.ofTissue(1).isKnown());
 }
+
+namespace {
+
+/// Liver from x = 0 to 10 mm, bone from 20 to 30, a gizmo of fat from 30 to 40; 8 x 8 mm across.
+const std::string kThree = "tissues = [ { label = 1 }, { label = 3 }, { label = 4, material = \"fat\" } ]\n";
+
+}  // namespace
+
+TEST_CASE("A label that slides becomes a body of its own, and what acts on the body acts on its pieces", "[tissues]") {
+  scene::SceneFile scene = sceneOf(
+      kThree +
+      "slides = [\"gizmo\"]\nsampling = { count = 3000 }\nangular_velocity = [0, 0, 2]\nposition = [0.1, 0, 0]\n"
+      "[[body]]\nname = \"other\"\nmesh = \"other.obj\"\nmesh_unit = \"mm\"\n"
+      "[[fix]]\nbody = \"scan\"\nname = \"all\"\nregion = { half_space = { point = [0.139, 0, 0], normal = [1, 0, 0] } "
+      "}\n"
+      "[[fix]]\nbody = \"scan\"\nname = \"end\"\nregion = { box = { min = [0.14, -1, -1], max = [1, 1, 1] } }\n"
+      "[[load]]\nbody = \"scan\"\nregion = { half_space = { point = [0.136, 0, 0], normal = [1, 0, 0] } }\nforce = [0, "
+      "13, 0]\n"
+      "[[probe]]\nname = \"in\"\nbody = \"scan\"\nat = [0.135, 0, 0]\n"
+      "[[probe]]\nname = \"out\"\nbody = \"scan\"\nat = [0.101, 0, 0]\n"
+      "[[contact.pair]]\nbodies = [\"other\", \"scan\"]\nfriction = 0.7\n");
+  BodySources sources;
+  Preparation took;
+  REQUIRE(settleTissues(scene, presets(), sources, {}, took));
+  REQUIRE(scene.bodies.size() == 3);
+  const scene::SceneBody &rest = scene.bodies[0], &gizmo = scene.bodies[1];
+  CHECK(rest.name == "scan");
+  CHECK(gizmo.name == "scan.gizmo");
+  CHECK(scene.bodies[2].name == "other");
+  const auto countSaid = [](const scene::SceneBody &body) {
+    return std::find_if(body.params.begin(), body.params.end(),
+                        [](const auto &value) { return value.value.id == "sampling.count"; })
+        ->value.num;
+  };
+  // 160 and 80 voxels.
+  CHECK(countSaid(rest) == 2000.0);
+  CHECK(countSaid(gizmo) == 1000.0);
+  const auto piece = sources.pick(gizmo.volume, {}, took);
+  REQUIRE(piece);
+  CHECK(countOf(*piece->tissues, 3) == 80);
+  CHECK(countOf(*piece->tissues, 0) == 240);
+  CHECK(std::count(piece->mask.voxels.begin(), piece->mask.voxels.end(), 1) == 80);
+  CHECK(countOf(*sources.pick(rest.volume, {}, took)->tissues, 3) == 0);
+  CHECK(sources.placesOf(gizmo, *piece)->labels.size() == 1);
+  CHECK(sources.placesOf(rest, *sources.pick(rest.volume, {}, took))->labels.size() == 2);
+  BodyGeometry geometry;
+  geometry.volume_mm3 = 640.0;
+  REQUIRE(addTissues(gizmo.volume, *piece->tissues, 100.0, geometry));
+  REQUIRE(geometry.tissues.size() == 2);
+  CHECK_FALSE(geometry.tissues[0]);
+  CHECK(geometry.tissues[1]);
+  // Centroids of 15 and 35 mm turn about that of all, 21.7 mm, at 2 rad/s.
+  CHECK(rest.velocity_m_s[1] == Approx(-2.0 * 0.020 / 3.0));
+  CHECK(gizmo.velocity_m_s[1] == Approx(2.0 * 0.040 / 3.0));
+  REQUIRE(scene.fixes.size() == 3);
+  CHECK(scene.fixes[0].body == "scan");
+  CHECK(scene.fixes[1].body == "scan.gizmo");  // thinner than a voxel: the face
+  CHECK(scene.fixes[2].body == "scan.gizmo");
+  CHECK(scene.fixes[2].name == "all");
+  CHECK(scene.fixes[0].motion.centre_m == scene.fixes[2].motion.centre_m);
+  REQUIRE(scene.loads.size() == 2);
+  CHECK((*scene.loads[0].force_N)[1] == Approx(10.0));
+  CHECK((*scene.loads[1].force_N)[1] == Approx(3.0));
+  CHECK(scene.probes[0].body == "scan.gizmo");
+  CHECK(scene.probes[1].body == "scan");
+  REQUIRE(scene.contactPairs.size() == 3);
+  CHECK(scene.contactPairs[1].names == std::array<std::string, 2>{"scan.gizmo", "other"});
+  CHECK(scene.contactPairs[1].friction == 0.7);
+  CHECK_FALSE(scene.contactPairs[1].fits);
+  CHECK(scene.contactPairs[2].names == std::array<std::string, 2>{"scan", "scan.gizmo"});
+  CHECK(scene.contactPairs[2].friction == scene::kSlideFriction);
+  CHECK(scene.contactPairs[2].fits);
+  // Cut once.
+  REQUIRE(settleTissues(scene, presets(), sources, {}, took));
+  CHECK(scene.bodies.size() == 3);
+}
+
+TEST_CASE("What cannot slide is an error that says why and what is accepted", "[tissues]") {
+  const auto refusal = [](const std::string &tissues, const std::string &slides) {
+    scene::SceneFile scene = sceneOf(tissues + "slides = " + slides + "\n");
+    BodySources sources;
+    Preparation took;
+    const auto settled = settleTissues(scene, presets(), sources, {}, took);
+    REQUIRE_FALSE(settled);
+    CHECK_THAT(settled.error().message, Contains("tissues.toml:2: slides: "));
+    return settled.error().message;
+  };
+  CHECK_THAT(refusal(kThree, "[\"livr\"]"), Contains("has no label 'livr'; did you mean 'liver'? there are: liver, "));
+  CHECK_THAT(refusal(kThree, "[\"lung*\"]"), Contains("has no label 'lung*'; there are: liver, TRACHEA"));
+  CHECK_THAT(refusal(kThree, "[\"rib*\"]"),
+             Contains("label 'rib left 3' is rigid and does not move; accepted: labels of a tissue with a material"));
+  CHECK_THAT(refusal(kThree, "[\"TRACHEA\"]"), Contains("label 'TRACHEA' is not of the body"));
+  CHECK_THAT(refusal(kThree, "[\"gizmo\", 4]"), Contains("the labels of '4' are of names before it; accepted"));
+  CHECK_THAT(refusal(kThree, "[\"liver\", \"gizmo\"]"),
+             Contains("all that can move of 'scan' slides") && Contains("accepted: labels, or a 'background'"));
+  CHECK_THAT(refusal(kThree + "mend = { largest = true }\n", "[\"liver\"]"),
+             Contains("nothing of 'liver' is of the body") && Contains("'mend' has taken it away"));
+}

@@ -96,12 +96,6 @@ void printSummary(const RunFacts &facts) {
                        facts.scene, facts.outcome, facts.steps, facts.dt_s, facts.time_s, facts.wall_s, factor));
 }
 
-std::vector<std::string> namesOf(const scene::SceneFile &scene) {
-  std::vector<std::string> names;
-  for (const scene::SceneBody &body : scene.bodies) names.push_back(body.name);
-  return names;
-}
-
 std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const scene::SceneFile &scene) {
   std::vector<std::filesystem::path> all{options.report,
                                          options.probes,
@@ -115,7 +109,7 @@ std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const sc
                                          options.exportImage.displacement,
                                          vacatedFile(options.exportImage.displacement)};
   if (!options.exportSurface.empty())
-    for (std::filesystem::path &file : surfaceFiles(options.exportSurface, namesOf(scene)))
+    for (std::filesystem::path &file : surfaceFiles(options.exportSurface, scene::namesOfBodies(scene)))
       all.push_back(std::move(file));
   return all;
 }
@@ -249,7 +243,8 @@ Expected<void> drawPicture(Session &session, c3de_object *simulator, const scene
 Expected<PictureView> checkBeforeBuilding(const RunOptions &options, const scene::SceneFile &scene,
                                           const geometry::MeshFormats &formats) {
   if (!options.exportSurface.empty())
-    if (const auto writable = checkSurfaceExport(formats, options.exportSurface, namesOf(scene)); !writable)
+    if (const auto writable = checkSurfaceExport(formats, options.exportSurface, scene::namesOfBodies(scene));
+        !writable)
       return tl::unexpected(writable.error());
   if (!options.tissues.empty() && std::none_of(scene.bodies.begin(), scene.bodies.end(),
                                                [](const scene::SceneBody &body) { return body.volume.hasTissues(); }))

@@ -48,6 +48,7 @@ void WorldSimulator::setPair(const c3de_sim_contact_pair *pair) {
   ContactPairSettings settings;
   if (hasFriction) settings.friction = frictionOrThrow(in.friction, "");
   settings.enabled = (in.flags & C3DE_SIM_PAIR_OFF) == 0;
+  settings.fits = (in.flags & C3DE_SIM_PAIR_FITS) != 0;
   const std::lock_guard lock(mutex_);
   for (const c3de_handle one : {in.first, in.second})
     if (one.v != kWorldBox && !bodies_.contains(one.v) && !obstacles_.contains(one.v))

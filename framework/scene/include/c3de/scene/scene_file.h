@@ -96,6 +96,24 @@ struct SceneBackground {
   double from = 0.0, to = 0.0;  ///< lowest and highest value that belong to it
 };
 
+/// Of mesothelium on mesothelium: 0.019 ± 0.002 (pleura and peritoneum of rabbits, D'Angelo et al., Respiratory
+/// Physiology & Neurobiology 142, 2004)
+inline constexpr double kSlideFriction = 0.02;
+
+/// Labels of a body of many tissues that are cut free along their border: one piece, which slides on what it borders on.
+struct SceneSlide {
+  std::vector<std::string> names;  ///< of labels, '*' for any text, or numbers
+  std::vector<SceneLabel> labels;  ///< once the map has been read: those that are meant
+  std::vector<SceneValue> params;  ///< of this piece alone: ids "surroundings.…"
+};
+
+/// A body of many tissues in pieces, on the grid of its labels.
+struct SceneCut {
+  imaging::LabelMap tissues;                    ///< 1 and the number of the tissue; 0: not of the body
+  std::vector<std::uint8_t> pieces;             ///< [voxels] 0: the rest, or 1 and the number of what slides
+  std::vector<std::vector<SceneLabel>> labels;  ///< [pieces that slide]
+};
+
 /// What of an image is a body: a label of a label map, or the values of an image between two limits; then mended.
 struct SceneVolume {
   std::filesystem::path file;                      ///< file or DICOM folder; empty: the body has a mesh, or `mask`
@@ -112,6 +130,10 @@ struct SceneVolume {
   bool isSettled = false;                     ///< SceneTissue::labels are known, and parts are made of the tissues
   std::vector<std::string> overridesOfParts;  ///< `--set` of parts that are not made yet, in their order
   std::optional<SceneBackground> background;  ///< its material is that of the body
+  std::vector<SceneSlide> slides;             ///< that are still to be cut free
+  double slideFriction = kSlideFriction;      ///< Coulomb, 0 … 10, of their borders
+  std::shared_ptr<const SceneCut> cut;        ///< of a piece: of which body
+  std::uint8_t piece = 0;                     ///< and which one
   imaging::Mending mend;
   double edgeLength_mm = 0.0;  ///< of the triangles of the skin; 0: automatic
 
@@ -215,6 +237,7 @@ struct SceneContactPair {
   std::array<std::string, 2> names;  ///< of this scene, or kWallsName; at least one is a body
   std::optional<double> friction;    ///< Coulomb, 0 … 10; none: that of the obstacle, or of all bodies
   bool enabled = true;               ///< false: they pass through each other
+  bool fits = false;                 ///< pieces of one body: what overlaps of their skins at the start is no overlap
   int line = 0;
 };
 
@@ -311,6 +334,11 @@ struct SceneFile {
 /// Makes the parts of a body from its tissues, of which none is open. Errors (ErrorCode::input, without a place): all
 /// are rigid or empty.
 [[nodiscard]] Expected<void> makeTissueParts(SceneBody &body);
+
+/// Names of the pieces of a body that slide: its own, a dot, and what the first of their labels is called.
+[[nodiscard]] std::vector<std::string> namesOfPieces(const SceneBody &body);
+/// Names of all bodies, with those of pieces behind that of their body, in the order in which they are built.
+[[nodiscard]] std::vector<std::string> namesOfBodies(const SceneFile &scene);
 
 /// "m", "mm" or "cm"; the error says what is accepted.
 [[nodiscard]] Expected<geometry::LengthUnit> parseLengthUnit(std::string_view name);

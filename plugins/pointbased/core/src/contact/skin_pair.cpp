@@ -184,9 +184,10 @@ void SkinPair::find(double dt, bool again) {
     if (!(group.wake > moved_ + goes_)) lookAt(group);
   for (NearEdges &pair : edges_)
     if (!(pair.wake > moved_ + goes_)) lookAt(pair);
-  servesFor_ = isFirst_ || allowed_ > 0.0 || steps_ != Steps::small ? 0.0 : serves;
+  servesFor_ = isFirst_ || (allowed_ > 0.0 && leadsApart()) || steps_ != Steps::small ? 0.0 : serves;
   if (servesFor_ > 0.0) sinceFound_.begin(*this);
   if (isFirst_) learnAllowances();
+  if (isFirst_ && !leadsApart()) depth_ = 0.0;
   isFirst_ = false;
   // Where nothing is near and nothing inside, nothing overlaps any more.
   const auto hasInside = [](const Side &side) {
@@ -410,7 +411,8 @@ void SkinPair::lookAt(NearVertex &group) {
     return settings_.offset * std::min(refinedAt(s, vertex), refinedAt(1 - s, a, b, c));
   };
   const double offset = offsetAt(triangle);
-  const bool frees = steps_ == Steps::withoutTime && distance >= 0.0 && before_ > 0.0 && offset > distance;
+  const bool frees =
+      steps_ == Steps::withoutTime && distance >= 0.0 && before_ > 0.0 && leadsApart() && offset > distance;
   // What only touches, without an overlap, gets all of its layer back whatever presses on it.
   if (Side &side = sides_[s]; distance < 0.0 && !side.allowance.empty())
     holdBack(side.allowance[vertex], offset - distance);
@@ -438,7 +440,7 @@ void SkinPair::lookAt(NearVertex &group) {
     contact.parts[0] = {vertex, s == 1, side};
     for (std::size_t k = 0; k < 3; ++k)
       contact.parts[k + 1] = {surface.triangles[t][k], s == 0, -side * weights[static_cast<Eigen::Index>(k)]};
-    add(std::move(contact), away);
+    add(std::move(contact), away, allowance(s, vertex));
   };
   addAt(triangle, best.weights, normal, distance, 0);
   if (!(distance > 0.0) || (steps_ != Steps::small && size > room)) return;
@@ -560,16 +562,16 @@ void SkinPair::lookAt(NearEdges &pair) {
                     {a[1], false, at.onFirst},
                     {b[0], true, at.onSecond - 1.0},
                     {b[1], true, -at.onSecond}}};
-  add(std::move(contact), distance);
+  add(std::move(contact), distance, allowed);
 }
 
-void SkinPair::add(SkinContact contact, double distance) {
+void SkinPair::add(SkinContact contact, double distance, double allowed) {
   // Where a body is turned inside out its skin has no outside.
   if (isSelf() && std::any_of(contact.parts.begin(), contact.parts.end(), [&](const SkinContact::Part &part) {
         return part.weight != 0.0 && sides_[0].skin->isInverted(part.vertex);
       }))
     return;
-  depth_ = std::max(depth_, -distance);
+  depth_ = std::max(depth_, -distance - (leadsApart() ? 0.0 : allowed));
   const double left = contact.gap - settings_.margin;
   Vec3 velocity = Vec3::Zero();
   for (const SkinContact::Part &part : contact.parts)
@@ -598,7 +600,7 @@ void SkinPair::learnAllowances() {
 
 // All of them; what presses more than gently takes it back (holdBack()).
 void SkinPair::easeAllowances() {
-  if (!eases_ || !(allowed_ > 0.0)) return;
+  if (!eases_ || !leadsApart() || !(allowed_ > 0.0)) return;
   wasEased_ = true;
   allowed_ = 0.0;
   for (Side &side : sides_)

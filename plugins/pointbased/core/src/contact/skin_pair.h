@@ -38,7 +38,7 @@ struct SkinPairSettings {
   double thickness = 0.0;   ///< m, of that layer: so far it can be compressed
   double stiffness = 0.0;   ///< of the layer, times the modulus of the softer body over its spacing, Pa/m
   double margin = 0.0;      ///< m: contacts closer than this count as active even when nothing moves
-  double ease = 0.0;        ///< m/s, at which what overlaps at the start is led apart at most
+  double ease = 0.0;        ///< m/s, at which what overlaps at the start is led apart at most; 0: it stays
   double gentle = 0.0;      ///< m, by which the layer may be compressed for that
   double apart = 0.0;       ///< m, of a skin with itself: what lies nearer than that at rest is one piece of tissue
   double leastReach = 0.0;  ///< m: places that near are listed, however slow all is
@@ -64,6 +64,7 @@ class SkinPair {
   void setFriction(double friction) {
     if (std::exchange(settings_.friction, friction) != friction) findAnew();
   }
+  void setEase(double ease) { settings_.ease = ease; }
   enum class Steps {
     small,        ///< explicit: within one, what is near stays beside what it is beside
     longOnes,     ///< implicit: ways are followed to what they meet
@@ -119,9 +120,9 @@ class SkinPair {
   void setSum(const Sum &sum) { sum_ = sum; }
   /// A step of dt is over.
   void addToSum(double dt);
-  /// m, deepest overlap of the last find(), with what has been allowed since the start; 0: none.
+  /// m, deepest overlap of the last find(), with what has been allowed since the start unless that stays; 0: none.
   [[nodiscard]] double depth() const { return depth_; }
-  /// m, deepest overlap that is being led apart; 0: none.
+  /// m, deepest overlap that is allowed since the start; 0: none.
   [[nodiscard]] double allowed() const { return allowed_; }
   /// Whether something has been led apart since the last call, which takes work.
   [[nodiscard]] bool takeEased() { return std::exchange(wasEased_, false); }
@@ -197,11 +198,14 @@ class SkinPair {
   [[nodiscard]] double allowance(std::size_t side, Index vertex) const {
     return sides_[side].allowance.empty() ? 0.0 : sides_[side].allowance[vertex];
   }
+  /// Whether what overlaps at the start is led apart; else it is what fits.
+  [[nodiscard]] bool leadsApart() const { return settings_.ease > 0.0; }
   void learnAllowances();
   void easeAllowances();
   void holdBack(double &allowance, double overlap) const;
   /// @param distance  m, of the two skins there; negative: they overlap
-  void add(SkinContact contact, double distance);
+  /// @param allowed   m, of that, since the start
+  void add(SkinContact contact, double distance, double allowed);
   void keepMemories();
 
   std::array<Side, 2> sides_;

@@ -205,8 +205,9 @@ void Simulator::formGroups(double dt) {
         {one.layer, numberOf[one.first],
          one.second == JoinedLayer::kNobody ? JoinedLayer::kNobody : numberOf[one.second]});
   for (const auto &[a, b] : near) {
-    const double friction = a == b ? contact_.friction : contactPair(ones[a].id, ones[b].id).friction;
-    SkinPair &pair = skins_->pairOf(ones[a].id, ones[a].runner->body(), ones[b].id, ones[b].runner->body(), friction);
+    const ContactPairSettings both = contactPair(ones[a].id, ones[b].id);
+    SkinPair &pair = skins_->pairOf(ones[a].id, ones[a].runner->body(), ones[b].id, ones[b].runner->body(),
+                                    both.friction, both.fits);
     groups_[groupOf[sets.find(a)]]->join(pair, numberOf[a], numberOf[b]);
   }
 }

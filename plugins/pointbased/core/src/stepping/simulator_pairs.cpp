@@ -69,6 +69,7 @@ ContactPairSettings Simulator::contactPair(std::size_t a, std::size_t b) const {
   if (const auto own = contactPairs_.find(ordered(a, b)); own != contactPairs_.end()) {
     if (own->second.friction >= 0.0) out.friction = own->second.friction;
     out.enabled = out.enabled && own->second.enabled;
+    out.fits = bodies && own->second.fits;
   }
   return out;
 }

@@ -125,7 +125,10 @@ void Simulator::lookAtContacts() {
     const std::string who =
         id.first == id.second ? "body '" + body(id.first)->name() + "' overlaps itself"
                               : "bodies '" + body(id.first)->name() + "' and '" + body(id.second)->name() + "' overlap";
-    if (pair->allowed() > least)
+    if (pair->allowed() > least && !(pair->settings().ease > 0.0))
+      reportEvent("overlap", who + " up to " + millimetres(pair->allowed()) +
+                                 " deep at the start; they fit each other, so that counts as touching");
+    else if (pair->allowed() > least)
       reportEvent("overlap",
                   who + " " + millimetres(pair->allowed()) + " deep where they meet; it is led out at " +
                       millimetres(pair->settings().ease) + " a second" +

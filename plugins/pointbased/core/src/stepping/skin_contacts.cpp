@@ -45,7 +45,8 @@ MovingSkin &SkinContacts::skinOf(std::size_t id, const Body &body) {
   return *renewed.moving;
 }
 
-SkinPair &SkinContacts::pairOf(std::size_t a, const Body &first, std::size_t b, const Body &second, double friction) {
+SkinPair &SkinContacts::pairOf(std::size_t a, const Body &first, std::size_t b, const Body &second, double friction,
+                               bool fits) {
   MovingSkin &own = skinOf(a, first), &other = skinOf(b, second);
   std::unique_ptr<SkinPair> &pair = pairs_[{a, b}];
   if (!pair) {
@@ -55,13 +56,13 @@ SkinPair &SkinContacts::pairOf(std::size_t a, const Body &first, std::size_t b, 
     settings.thickness = kThickness * settings.offset;
     settings.stiffness = kStiffness;
     settings.margin = kActive * settings.offset;
-    settings.ease = kEase * spacing;
     settings.gentle = kGentle / kStiffness * spacing;
     settings.apart = kOnePiece * spacing;
     settings.leastReach = kReach * spacing;
     pair = std::make_unique<SkinPair>(own, other, settings);
   }
   pair->setFriction(friction);
+  pair->setEase(fits ? 0.0 : kEase * pair->spacing());
   return *pair;
 }
 

@@ -23,7 +23,9 @@ class SkinContacts {
   /// Of the body's present reference.
   [[nodiscard]] MovingSkin &skinOf(std::size_t id, const Body &body);
   /// @param a, b  the smaller id first
-  [[nodiscard]] SkinPair &pairOf(std::size_t a, const Body &first, std::size_t b, const Body &second, double friction);
+  /// @param fits  ContactPairSettings::fits
+  [[nodiscard]] SkinPair &pairOf(std::size_t a, const Body &first, std::size_t b, const Body &second, double friction,
+                                 bool fits = false);
   [[nodiscard]] const std::map<PairId, std::unique_ptr<SkinPair>> &pairs() const { return pairs_; }
 
   /// When a body may touch itself.

@@ -9,6 +9,7 @@
 
 #define C3DE_SIM_PAIR_HAS_FRICTION 1u /* friction counts; else that of the obstacle, or that of all bodies */
 #define C3DE_SIM_PAIR_OFF 2u          /* they pass through each other */
+#define C3DE_SIM_PAIR_FITS 4u         /* two bodies: what overlaps of them at the start is no overlap, and stays */
 
 /* Contact of two bodies, or of a body and an obstacle or a probe tool. */
 typedef struct c3de_sim_contact_pair {
