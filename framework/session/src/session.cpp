@@ -218,6 +218,21 @@ Expected<BodyGeometry> loadFromVolume(BodySources &sources, const scene::SceneBo
   return loaded;
 }
 
+/// A piece whose count is a share of that of its body has the spacing of the rest, which pieces share by volume only
+/// where they are large: phyxels at skins are of little tissue. Small pieces have four spacings along a cube of theirs.
+void sampleAsRest(const c3de_simulator_v1 *table, c3de_object *simulator, c3de_handle rest, double volume_mm3,
+                  std::vector<ParameterValue> &values) {
+  const auto count = std::find_if(values.begin(), values.end(), [](const ParameterValue &value) {
+    return value.id == C3DE_PARAM_ID_COUNT && value.num > 0.0;
+  });
+  c3de_sim_body_info info{};
+  info.size = sizeof info;
+  if (count == values.end() || table->body_info(simulator, rest, &info) < 0 || !(info.spacing_m > 0.0)) return;
+  count->id = C3DE_PARAM_ID_SPACING;
+  count->type = C3DE_PARAM_F64;
+  count->num = std::min(info.spacing_m, std::cbrt(volume_mm3) / (4.0 * scene::kMillimetresPerMetre));
+}
+
 /// Keeps a mesh in the store for the duration of a call.
 class MeshLease {
  public:
@@ -352,7 +367,10 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
     }
     const TimeSpent building(prepared.took.bodies_s);
     const MeshLease lease(meshes, std::move(source->skin));
-    const std::vector<c3de_param_value> params = toAbi(fitted.bodies[i]);
+    std::vector<ParameterValue> values = fitted.bodies[i];
+    if (body.volume.piece != 0)
+      sampleAsRest(table, simulator, bodies[i - body.volume.piece], source->volume_mm3, values);
+    const std::vector<c3de_param_value> params = toAbi(values);
     const c3de_sim_grid grid = toAbi(source->fill.geometry);
     const c3de_sim_fill fill{sizeof(c3de_sim_fill), 0, &grid, source->fill.values.data()};
     const c3de_sim_placement placement = toAbi(body.placement);

@@ -7,13 +7,12 @@
 #include <utility>
 
 #include "c3de/abi/iface/parameter_ids.h"
+#include "c3de/core/log.h"
 #include "c3de/scene/simulation.h"
 #include "placement_matrix.h"
 
 namespace c3de::session {
 namespace {
-
-constexpr double kFewest = 64.0;  // phyxels of a piece, where the scene says how many the body has
 
 /// The place that a point of a region has to it: below 0 inside, m.
 double distanceTo(const scene::SceneRegion &region, const Vec3 &x) {
@@ -38,7 +37,7 @@ class Pieces {
       : cut_(std::move(cut)), fromScan_(matrixOf(placement)) {
     const Vec3 edges = cut_->tissues.geometry.spacing();
     const double scale = norm(Vec3{fromScan_[0], fromScan_[1], fromScan_[2]});
-    halfVoxel_m_ = 0.5 * scale * std::max({edges[0], edges[1], edges[2]}) / scene::kMillimetresPerMetre;
+    halfVoxel_m_ = 0.501 * scale * std::max({edges[0], edges[1], edges[2]}) / scene::kMillimetresPerMetre;
   }
 
   struct Share {
@@ -136,6 +135,26 @@ std::vector<std::uint8_t> piecesOf(const scene::SceneVolume &volume, const BodyS
   return pieces;
 }
 
+/// What slides and goes on beyond the scan has nothing to slide on there.
+void tellOpen(const scene::SceneBody &body, const scene::SceneCut &cut) {
+  const auto &n = cut.tissues.geometry.size;
+  std::vector<std::size_t> open(cut.labels.size() + 1, 0);
+  std::size_t v = 0;
+  for (std::size_t k = 0; k < n[2]; ++k)
+    for (std::size_t j = 0; j < n[1]; ++j)
+      for (std::size_t i = 0; i < n[0]; ++i, ++v)
+        if (cut.tissues.voxels[v] != 0 &&
+            (i == 0 || j == 0 || k == 0 || i + 1 == n[0] || j + 1 == n[1] || k + 1 == n[2]))
+          ++open[cut.pieces[v]];
+  const std::vector<std::string> names = scene::namesOfPieces(body);
+  for (std::size_t s = 0; s < names.size(); ++s)
+    if (open[s + 1] > 0)
+      log(LogLevel::warn, body.volume.file.string() + ": the scan ends in '" + names[s] + "' (" +
+                              std::to_string(open[s + 1]) +
+                              " voxels), so nothing keeps it from sliding out there; a [[fix]] of '" + names[s] +
+                              "' at that border would");
+}
+
 /// Errors are without a place.
 Expected<std::shared_ptr<const scene::SceneCut>> cutOf(const scene::SceneBody &body, BodySources &sources,
                                                        const ProgressFn &progress, Preparation &took) {
@@ -161,6 +180,7 @@ Expected<std::shared_ptr<const scene::SceneCut>> cutOf(const scene::SceneBody &b
     isRestSoft =
         isRestSoft || (cut->pieces[v] == 0 && (tissue > volume.tissues.size() || !volume.tissues[tissue - 1].isRigid));
   }
+  tellOpen(body, *cut);
   for (std::size_t s = 0; s < volume.slides.size(); ++s)
     if (voxels[s + 1] == 0)
       return fail(ErrorCode::input, "slides: nothing of '" + volume.slides[s].names.front() +
@@ -246,7 +266,7 @@ std::vector<scene::SceneBody> bodiesOf(const scene::SceneBody &whole, const std:
     body.velocity_m_s = body.velocity_m_s + cross(whole.angularVelocity_rad_s, pieces.centre(p) - middle);
     for (scene::SceneValue &value : body.params)
       if (value.value.id == C3DE_PARAM_ID_COUNT)
-        value.value.num = std::max(kFewest, std::round(value.value.num * static_cast<double>(voxels[p]) / all));
+        value.value.num = std::max(1.0, std::round(value.value.num * static_cast<double>(voxels[p]) / all));
     std::erase_if(body.refinements, [&](const scene::SceneRefinement &refinement) {
       const std::vector<std::size_t> in = pieces.in(refinement.region).voxels;
       return in[p] == 0 && sumOf(in) > 0;

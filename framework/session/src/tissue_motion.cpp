@@ -10,8 +10,10 @@
 #include "c3de/core/output_file.h"
 #include "c3de/core/text.h"
 #include "c3de/imaging/displacement.h"
+#include "c3de/imaging/masks.h"
 #include "c3de/imaging/warp_grid.h"
 #include "c3de/scene/simulation.h"
+#include "c3de/session/body_states.h"
 #include "c3de/session/displacement_sampler.h"
 #include "placement_matrix.h"
 
@@ -36,7 +38,10 @@ Vec3 solved(const Mat3 &m, const Vec3 &b) {
 class Follower {
  public:
   /// @param reference  around all that will be followed
-  Follower(const imaging::DisplacementGrid &u, const imaging::WorldBox &reference) : u_(u), low_(reference.low) {
+  /// @param isOwn      [points of u] 0: what lies there is not of its body; empty: all is
+  Follower(const imaging::DisplacementGrid &u, const imaging::WorldBox &reference, std::vector<std::uint8_t> isOwn)
+      : u_(u), isOwn_(std::move(isOwn)), toIndex_(imaging::affineInverse(u.geometry.indexToWorld)),
+        low_(reference.low) {
     const Vec3 steps = u.geometry.spacing();
     step_ = std::min({steps[0], steps[1], steps[2]});
     for (std::size_t a = 0; a < 3; ++a)
@@ -48,7 +53,7 @@ class Follower {
       for (std::size_t j = 0; j < n[1]; ++j)
         for (std::size_t i = 0; i < n[0]; ++i, ++p) {
           // A gap: the displacement leads to where this material is no more.
-          if (u.gap_mm[p] > u.leastGap()) continue;
+          if (u.gap_mm[p] > u.leastGap() || (!isOwn_.empty() && isOwn_[p] == 0)) continue;
           const Vec3 d{u.xyz_mm[3 * p], u.xyz_mm[3 * p + 1], u.xyz_mm[3 * p + 2]};
           const Vec3 x = u.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
           if (const auto cell = cellOf(x - d, {})) seeds_[*cell] = x;
@@ -74,13 +79,25 @@ class Follower {
       missing = miss();
     }
     const double J = 1.0 / determinant(inverseGradient(x));
-    if (!(norm(missing) <= kEnough * step_) || !std::isfinite(J)) return std::nullopt;
+    if (!(norm(missing) <= kEnough * step_) || !std::isfinite(J) || !isOwnAt(x)) return std::nullopt;
     return Found{x - X, J};
   }
 
  private:
   static constexpr double kClose = 1e-4, kEnough = 0.05;  // of a step
 
+  [[nodiscard]] bool isOwnAt(const Vec3 &x) const {
+    if (isOwn_.empty()) return true;
+    const Vec3 index = transformPoint(toIndex_, x);
+    const auto &n = u_.geometry.size;
+    std::array<std::size_t, 3> at{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double nearest = std::floor(index[a] + 0.5);
+      if (!(nearest >= 0.0 && nearest < static_cast<double>(n[a]))) return false;
+      at[a] = static_cast<std::size_t>(nearest);
+    }
+    return isOwn_[at[0] + n[0] * (at[1] + n[1] * at[2])] != 0;
+  }
   /// dX/dx
   [[nodiscard]] Mat3 inverseGradient(const Vec3 &x) const {
     Mat3 out{};
@@ -118,11 +135,45 @@ class Follower {
   }
 
   const imaging::DisplacementGrid &u_;
+  std::vector<std::uint8_t> isOwn_;
+  Mat4 toIndex_;
   Vec3 low_;
   double step_ = 1.0;
   std::array<std::size_t, 3> size_{};
   std::vector<Vec3> seeds_;  ///< present places by cells of the reference, two steps wide; NaN: none
 };
+
+/// Points of a grid that are inside a body or beside it, and not inside another one: where bodies have moved apart what
+/// lies between them goes with either. Empty: there is only one.
+std::vector<std::uint8_t> ownPoints(const std::vector<BodyState> &bodies, const std::string &name,
+                                    const imaging::VolumeGeometry &grid) {
+  if (bodies.size() < 2) return {};
+  std::vector<std::uint8_t> own;
+  for (const BodyState &body : bodies)
+    if (body.name == name) own = imaging::maskOf(body.skin, grid).voxels;
+  // Beside it: along each axis in turn.
+  constexpr std::ptrdiff_t kBeside = 2;
+  std::size_t stride = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::vector<std::uint8_t> before = own;
+    const auto n = static_cast<std::ptrdiff_t>(grid.size[a]);
+    for (std::size_t v = 0; v < own.size(); ++v) {
+      if (before[v] != 0) continue;
+      const auto at = static_cast<std::ptrdiff_t>(v / stride % grid.size[a]);
+      for (std::ptrdiff_t d = std::max(-kBeside, -at); d <= std::min(kBeside, n - 1 - at) && own[v] == 0; ++d)
+        own[v] =
+            before[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(v) + d * static_cast<std::ptrdiff_t>(stride))];
+    }
+    stride *= grid.size[a];
+  }
+  for (const BodyState &body : bodies) {
+    if (body.name == name) continue;
+    const std::vector<std::uint8_t> other = imaging::maskOf(body.skin, grid).voxels;
+    for (std::size_t v = 0; v < own.size(); ++v)
+      if (other[v] != 0) own[v] = 0;
+  }
+  return own;
+}
 
 }  // namespace
 
@@ -158,6 +209,8 @@ Expected<std::vector<TissueMotion>> tissueMotions(const c3de_simulator_v1 *table
   u.geometry = grid.geometry();
   if (!readDisplacement(table, simulator, kRim * present.spacing_mm, u))
     return fail(ErrorCode::state, "the simulator does not say how far its bodies have moved");
+  const auto skins = readBodyStates(simulator, BodyParts::skin, {});
+  if (!skins) return tl::unexpected(skins.error());
   std::vector<TissueMotion> all;
   for (const TissuePlaces &places : bodies) {
     const Mat4 placed = matrixOf(places.placement);
@@ -172,7 +225,7 @@ Expected<std::vector<TissueMotion>> tissueMotions(const c3de_simulator_v1 *table
       all.push_back(std::move(motion));
       continue;
     }
-    const Follower follower(u, box);
+    const Follower follower(u, box, ownPoints(*skins, places.body, u.geometry));
     for (std::size_t i = 0; i < places.labels.size(); ++i) {
       const LabelPlaces &label = places.labels[i];
       LabelMotion &out = motion.labels[i];

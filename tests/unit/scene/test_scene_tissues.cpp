@@ -99,7 +99,8 @@ TEST_CASE("What slides is read as names, numbers and lists, and its pieces have 
 
 TEST_CASE("What is not right about what slides is refused where it stands", "[tissues]") {
   const auto refusal = [](const std::string &slides) { return errorOf(bodyWith("\"known\"", slides + "\n")); };
-  CHECK_THAT(refusal("slides = \"liver\""), Contains("test.toml:6: slides is text; accepted: a list, [\"liver\""));
+  CHECK_THAT(refusal("slides = \"liver\""),
+             Contains("test.toml:6: slides is the text \"liver\"; accepted: a list, [\"liver\""));
   CHECK_THAT(refusal("slides = []"), Contains("slides is an empty list; accepted: a list"));
   CHECK_THAT(refusal("slides = [\"liver\", 70000]"), Contains("a label is 70000; accepted: the name of a label"));
   CHECK_THAT(refusal("slides = [\"\"]"), Contains("a label is") && Contains("accepted: the name of a label"));

@@ -191,7 +191,7 @@ TEST_CASE("A label that slides becomes a body of its own, and what acts on the b
   scene::SceneFile scene = sceneOf(
       kThree +
       "slides = [\"gizmo\"]\nsampling = { count = 3000 }\nangular_velocity = [0, 0, 2]\nposition = [0.1, 0, 0]\n"
-      "[[body]]\nname = \"other\"\nmesh = \"other.obj\"\nmesh_unit = \"mm\"\n"
+      "[[body]]\nname = \"other\"\nvolume = \"tissues.nrrd\"\nlabel = 1\n"
       "[[fix]]\nbody = \"scan\"\nname = \"all\"\nregion = { half_space = { point = [0.139, 0, 0], normal = [1, 0, 0] } "
       "}\n"
       "[[fix]]\nbody = \"scan\"\nname = \"end\"\nregion = { box = { min = [0.14, -1, -1], max = [1, 1, 1] } }\n"

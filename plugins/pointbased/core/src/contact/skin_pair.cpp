@@ -47,6 +47,14 @@ bool share(const std::array<Index, 2> &a, const std::array<Index, 2> &b) {
   return a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1];
 }
 
+// m, at rest; 0: there are none.
+double meanEdge(const ContactSkin &skin) {
+  double sum = 0.0;
+  for (const SkinEdge &edge : skin.edges)
+    sum += (skin.vertices.positions[edge.ends[1]] - skin.vertices.positions[edge.ends[0]]).norm();
+  return skin.edges.empty() ? 0.0 : sum / static_cast<double>(skin.edges.size());
+}
+
 // Whether a direction leads out of an edge between all that is around it.
 bool leadsOut(MovingSkin &skin, Index edge, const Vec3 &direction, double tolerance) {
   const SkinEdge &e = skin.skin().edges[edge];
@@ -215,11 +223,15 @@ void SkinPair::list(double reach) {
 // What lies inside the other when both are looked at for the first time; later it is known how it came there.
 void SkinPair::findInside(std::size_t side) {
   MovingSkin &own = *sides_[side].skin, &other = *sides_[1 - side].skin;
+  // Skins of what fits cross by less than their edges are long; what seems deeper lies beside a rim.
+  const double deepest = leadsApart() ? std::numeric_limits<double>::infinity()
+                                      : std::max({kDeep * spacing_, meanEdge(own.skin()), meanEdge(other.skin())});
   for (Index v = 0; v < own.skin().count(); ++v) {
     const Vec3 &x = own.positions()[v];
     if (!(own.skin().areas[v] > 0.0) || other.tree().bounds().squaredDistance(x) > 0.0) continue;
     const Index t = nearestTriangle(other, x);
     const NearestOnTriangle found = other.nearestOn(t, x);
+    if (found.squared > deepest * deepest) continue;
     if ((x - other.placeOn(t, found.weights)).dot(other.outwardAt(t, found.feature)) < 0.0)
       sides_[side].isInside[v] = 1;
   }
