@@ -329,7 +329,7 @@ TEST_CASE("Labels are found again where a body has flown and turned", "[tissues]
 
 namespace {
 
-/// A block of 64 x 64 x 32 mm on one of 128 x 64 x 32 mm, in voxels of 4 mm, the border between them at z = 32 mm.
+/// Two blocks of 128 x 64 x 32 mm on each other, in voxels of 4 mm, the border between them at z = 32 mm.
 void writeBlocks(const std::filesystem::path &file) {
   imaging::LabelMap map;
   map.geometry.size = {34, 18, 18};
@@ -338,8 +338,7 @@ void writeBlocks(const std::filesystem::path &file) {
   map.voxels.assign(map.geometry.voxelCount(), 0);
   for (std::size_t k = 1; k < 17; ++k)
     for (std::size_t j = 1; j < 17; ++j)
-      for (std::size_t i = 1; i < 33; ++i)
-        if (k < 9 || (i >= 5 && i < 21)) map.voxels[i + 34 * (j + 18 * k)] = k < 9 ? 1 : 2;
+      for (std::size_t i = 1; i < 33; ++i) map.voxels[i + 34 * (j + 18 * k)] = k < 9 ? 1 : 2;
   map.labels = {{1, "below", {0.6F, 0.2F, 0.1F}}, {2, "above", {0.2F, 0.6F, 0.1F}}};
   REQUIRE(imaging::writeLabelMap(file, map));
 }
@@ -352,17 +351,17 @@ std::string blocksScene(const std::string &slides, const std::string &world = "g
          "{ label = \"above\", material = { youngs_modulus = 1e5, density = 1000, viscosity = 50 } } ]\n"
          "[[fix]]\nbody = \"scan\"\nregion = { box = { min = [-1, -1, -1], max = [1, 1, 0.004] } }\n"
          "[[load]]\nname = \"push\"\nbody = \"scan\"\nregion = { box = { min = [-1, -1, 0.0325], max = [1, 1, 1] } }\n"
-         "force = [0.643, 0, 0]\n";
+         "force = [1.286, 0, 0]\n";
 }
 
 }  // namespace
 
-TEST_CASE("A layer that slides without friction is pushed aside as a free body, a glued one shears", "[tissues]") {
+TEST_CASE("A layer that slides without friction is pushed aside as a free body and a glued one shears", "[tissues]") {
   const auto folder = freshFolder("tissues-slide");
   writeBlocks(folder / "blocks.nrrd");
   const auto scene = writeFile(folder / "scene.toml", blocksScene("slides = [\"above\"]\nslide_friction = 0\n"));
   const auto table = folder / "tissues.csv";
-  const double t = 0.06, mass = 1000.0 * 64e-3 * 64e-3 * 32e-3, weight = 9.81 * mass, push = 0.643;
+  const double t = 0.06, mass = 1000.0 * 128e-3 * 64e-3 * 32e-3, weight = 9.81 * mass, push = 1.286;
   const auto moved = [&](const nlohmann::json &report, const char *piece) {
     for (const auto &body : report["bodies"])
       if (body["name"] == piece) return body["centre_of_mass_m"][0].get<double>();
@@ -373,27 +372,35 @@ TEST_CASE("A layer that slides without friction is pushed aside as a free body, 
   REQUIRE(report["bodies"].size() == 2);
   CHECK(report["bodies"][1]["name"] == "scan.above");
   CHECK(report["bodies"][1]["mass_kg"].get<double>() == Approx(mass).epsilon(1e-3));
-  // Half a F/m t²; what is lost is the tilt of places of contact as they give way: 2 %.
-  const double free = 0.5 * push / mass * report["time_s"].get<double>() * report["time_s"].get<double>();
-  CHECK(moved(report, "scan.above") - 0.048 == Approx(free).epsilon(0.02));
+  // Half a F/m t². Skins are not flat: bulges of 0.3 mm over edges of 6 mm that climb each other hold back by some 0.05
+  // of what presses, here of the weight; half as much again is allowed.
+  const double s = report["time_s"].get<double>(), free = 0.5 * push / mass * s * s;
+  const double slid = moved(report, "scan.above") - 0.064;
+  CHECK(slid < 1.01 * free);
+  CHECK(slid > free * (1.0 - 0.075 * weight / push));
   REQUIRE(report["contacts"].size() == 1);
   CHECK(report["contacts"][0]["bodies"] == nlohmann::json{"scan", "scan.above"});
-  // No shear across the border: 2 % of the push.
-  CHECK(std::abs(report["contacts"][0]["force_N"][0].get<double>()) < 0.02 * push);
+  CHECK(std::abs(report["contacts"][0]["force_N"][0].get<double>()) < 0.075 * weight);
+  CHECK(-report["contacts"][0]["force_N"][2].get<double>() == Approx(weight).epsilon(0.1));
   const std::string rows = readFile(table);
   CHECK_THAT(rows, Contains("\nscan,1,below,") && Contains("\nscan.above,2,above,"));
   CHECK(std::count(rows.begin(), rows.end(), '\n') == 3);
 
-  // Coulomb on the border: what pushes is less by 0.3 of the weight, once the block has settled on it.
+  // Without weight there is no shear: what is lost is what lies in the other's bulges at the start.
+  const auto light = runToReport(scene, {"--until", "0.06", "--set", "world.gravity=[0, 0, 0]"});
+  CHECK(moved(light, "scan.above") - 0.064 == Approx(free).epsilon(0.05));
+
+  // Coulomb on the border, on top of that.
   const auto rough = runToReport(scene, {"--until", "0.06", "--set", "body.scan.slide_friction=0.3"});
   const double slowed = free * (1.0 - 0.3 * weight / push);
-  CHECK(moved(rough, "scan.above") - 0.048 == Approx(slowed).epsilon(0.1));
+  CHECK(moved(rough, "scan.above") - 0.064 < slowed);
+  CHECK(moved(rough, "scan.above") - 0.064 > slowed - free * 0.075 * weight / push);
 
   const auto glued = runToReport(writeFile(folder / "glued.toml", blocksScene("")), {"--until", "0.06"});
   REQUIRE(glued["bodies"].size() == 1);
   CHECK(glued["contacts"].empty());
-  // The middle of all, of which two thirds are held or near it, by less than a twentieth of what slides.
-  CHECK(std::abs(moved(glued, "scan") - (64e-3 * 2 + 48e-3) / 3.0) < 0.05 * free);
+  // The middle of all, of which half is near what holds it: less than a twentieth of what slides.
+  CHECK(std::abs(moved(glued, "scan") - 0.064) < 0.05 * free);
 }
 
 TEST_CASE("Pieces in balance with the gravity of the scan stay where they are", "[tissues]") {

@@ -28,9 +28,12 @@
 #include "c3de/session/scene_to_abi.h"
 #include "c3de/session/simulator_access.h"
 #include "c3de/session/tissues.h"
+#include "fitted_skins.h"
 
 namespace c3de::session {
 namespace {
+
+constexpr double kFitReach = 1.5;  // voxels: skins lie within about half a voxel of the border, corners an edge
 
 std::string listOf(const std::vector<std::filesystem::path> &paths) {
   std::string text;
@@ -218,6 +221,29 @@ Expected<BodyGeometry> loadFromVolume(BodySources &sources, const scene::SceneBo
   return loaded;
 }
 
+/// The skins of pieces are fitted to each other, so all of a body are there before the first is built.
+Expected<void> loadPieces(BodySources &sources, const scene::SceneFile &scene, const FittedScene &fitted,
+                          const ProgressFn &progress, std::vector<std::optional<BodyGeometry>> &loaded) {
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const auto &cut = scene.bodies[i].volume.cut;
+    if (!cut || scene.bodies[i].volume.piece != 0) continue;
+    std::vector<geometry::TriangleMesh *> skins;
+    for (std::size_t p = i; p < scene.bodies.size() && scene.bodies[p].volume.cut == cut; ++p) {
+      const scene::SceneBody &body = scene.bodies[p];
+      auto piece = loadFromVolume(sources, body, fitted.bodies[p], [&](double, const std::string &what) {
+        return !progress || progress(0.0, body.name + ": " + what);
+      });
+      if (!piece) return failInScene(piece.error(), scene, body.line);
+      loaded[p] = std::move(*piece);
+      skins.push_back(&loaded[p]->skin.mesh);
+    }
+    const Vec3 edges = cut->tissues.geometry.spacing();
+    if (auto good = fitSkins(skins, kFitReach * std::max({edges[0], edges[1], edges[2]})); !good)
+      return failInScene(good.error(), scene, scene.bodies[i].line);
+  }
+  return {};
+}
+
 /// A piece whose count is a share of that of its body has the spacing of the rest, which pieces share by volume only
 /// where they are large: phyxels at skins are of little tissue. Small pieces have four spacings along a cube of theirs.
 void sampleAsRest(const c3de_simulator_v1 *table, c3de_object *simulator, c3de_handle rest, double volume_mm3,
@@ -346,6 +372,7 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
     if (!read) return failInScene(read.error(), scene, body.line);
     meshed[i] = std::move(*read);
   }
+  if (auto cut = loadPieces(sources, scene, fitted, progress, meshed); !cut) return tl::unexpected(cut.error());
   std::vector<c3de_handle> bodies;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const scene::SceneBody &body = scene.bodies[i];

@@ -226,6 +226,37 @@ TEST_CASE("what overlaps at the start is led apart without a jolt") {
                     [](const SimulationEvent &event) { return event.kind == "overlap"; }));
 }
 
+TEST_CASE("bodies that fit each other stay as they lie although their skins overlap, and press from there on") {
+  for (const bool fits : {true, false}) {
+    CAPTURE(fits);
+    Simulator simulator;
+    simulator.setContact({true, false, 0.0});
+    const Material material = soft(1e4, 0.3);
+    const std::size_t a = simulator.addBody(block(Vec3(0, 0, 0), Vec3::Constant(0.05), 0.01, material, 6));
+    const std::size_t b =
+        simulator.addBody(block(Vec3(0.049, -0.012, -0.011), Vec3(0.099, 0.063, 0.062), 0.01, material, 10));
+    simulator.setContactPair(a, b, {.friction = 0.0, .enabled = true, .fits = fits});
+    CHECK(simulator.contactPair(b, a).fits == fits);
+    while (simulator.time() < 0.2) REQUIRE(simulator.step());
+    double farthest = 0.0;
+    for (const std::size_t id : {a, b})
+      for (const Vec3 &u : simulator.body(id)->state().displacements) farthest = std::max(farthest, u.norm());
+    // Led apart at 5 mm a second at most, else nothing acts.
+    CHECK((fits ? farthest < 1e-12 : farthest > 1e-4));
+    if (!fits) continue;
+    // Each at 3 cm/s towards the other one: they part again, and have not gone farther in than the layer gives.
+    for (Vec3 &v : simulator.body(a)->state().velocities) v = Vec3(0.03, 0, 0);
+    for (Vec3 &v : simulator.body(b)->state().velocities) v = Vec3(-0.03, 0, 0);
+    double deepest = 0.0;
+    while (simulator.time() < 0.4) {
+      REQUIRE(simulator.step());
+      for (const ContactSummary &contact : simulator.contacts()) deepest = std::max(deepest, contact.depth);
+    }
+    CHECK(deepest < 0.02 * 0.01);
+    CHECK(simulator.body(b)->state().velocities.front()[0] > simulator.body(a)->state().velocities.front()[0]);
+  }
+}
+
 TEST_CASE("contact between bodies gives the same bits for any number of threads") {
   std::vector<std::uint64_t> hashes;
   for (const unsigned threads : {1u, 2u}) {
