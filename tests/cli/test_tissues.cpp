@@ -372,8 +372,8 @@ TEST_CASE("A layer that slides without friction is pushed aside as a free body a
   REQUIRE(report["bodies"].size() == 2);
   CHECK(report["bodies"][1]["name"] == "scan.above");
   CHECK(report["bodies"][1]["mass_kg"].get<double>() == Approx(mass).epsilon(1e-3));
-  // Half a F/m t². Skins are not flat: bulges of 0.3 mm over edges of 6 mm that climb each other hold back by some 0.05
-  // of what presses, here of the weight; half as much again is allowed.
+  // Half a F/m t². Skins are not flat: bulges of 0.3 mm over edges of 6 mm that climb each other hold back by some
+  // 0.05 of what presses, here of the weight; half as much again is allowed.
   const double s = report["time_s"].get<double>(), free = 0.5 * push / mass * s * s;
   const double slid = moved(report, "scan.above") - 0.064;
   CHECK(slid < 1.01 * free);

@@ -10,10 +10,11 @@
 
 namespace c3de::session {
 
-/// Each body with labels that slide becomes its pieces, the rest first: of the same tissues, with their share of the count
-/// of phyxels (sliding ones have the spacing of the rest in its place when they are built). Fixes, loads and refinements of the body go to the pieces that their regions meet (a force by the voxels
-/// of each there), probes and grasps to the nearest piece, contact pairs to all, attachments to the rest. Pieces touch
-/// each other with SceneVolume::slideFriction where no pair says another one, and fit as they lie.
+/// Each body with labels that slide becomes its pieces, the rest first: of the same tissues, with their share of the
+/// count of phyxels (sliding ones have the spacing of the rest in its place when they are built). Fixes, loads and
+/// refinements of the body go to the pieces that their regions meet (a force by the voxels of each there), probes and
+/// grasps to the nearest piece, contact pairs to all, attachments to the rest. Pieces touch each other with
+/// SceneVolume::slideFriction where no pair says another one, and fit as they lie.
 /// @param took  reading and masks are added
 /// Errors begin with the place in the scene: nothing is left of what slides, or beside it, those of readers.
 [[nodiscard]] Expected<void> cutSlides(scene::SceneFile &scene, BodySources &sources, const ProgressFn &progress,

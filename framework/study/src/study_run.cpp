@@ -56,8 +56,7 @@ Expected<std::vector<Skin>> skinsOf(const Study &study, const Case &one, const P
     return fail(ErrorCode::input, study.where(one.line) + ": the bodies of case '" + one.name +
                                       "' cannot be built: " + (ran->timedOut ? "the time limit was reached" : reason));
   }
-  std::vector<std::string> names;
-  for (const scene::SceneBody &body : planned.scene.bodies) names.push_back(body.name);
+  const std::vector<std::string> names = scene::namesOfBodies(planned.scene);
   const std::vector<std::filesystem::path> files = session::surfaceFiles(file, names);
   std::vector<Skin> skins;
   for (std::size_t i = 0; i < names.size() && i < files.size(); ++i) {

@@ -100,7 +100,7 @@ struct SceneBackground {
 /// Physiology & Neurobiology 142, 2004)
 inline constexpr double kSlideFriction = 0.02;
 
-/// Labels of a body of many tissues that are cut free along their border: one piece, which slides on what it borders on.
+/// Labels of a body of many tissues that are cut free along their border: one piece, which slides on what is beside it.
 struct SceneSlide {
   std::vector<std::string> names;  ///< of labels, '*' for any text, or numbers
   std::vector<SceneLabel> labels;  ///< once the map has been read: those that are meant

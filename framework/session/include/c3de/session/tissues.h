@@ -16,8 +16,8 @@ class BodySources;
 
 /// Says which labels of its map each tissue of each body is, and what those are that only a name has been said of;
 /// makes their parts, and then applies what `--set` has said of these. Reads the label maps. Bodies with labels that
-/// slide become several, one for each piece (SceneVolume::cut), with contact between them; what acts on all of such a body
-/// acts on its pieces. A scene whose tissues are settled stays as it is. Notices go to the log.
+/// slide become several, one for each piece (SceneVolume::cut), with contact between them; what acts on all of such a
+/// body acts on its pieces. A scene whose tissues are settled stays as it is. Notices go to the log.
 /// @param took  reading is added
 /// Errors begin with the place in the scene: a tissue without a label of its own, a name that is not known, labels of
 /// different tissues under one name, nothing that can move, what slides and is no label, rigid or empty, those of

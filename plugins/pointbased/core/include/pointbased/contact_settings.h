@@ -23,8 +23,8 @@ struct ContactSettings {
 struct ContactPairSettings {
   double friction = -1.0;  ///< Coulomb; negative: ContactSettings::friction, or that of the obstacle or the walls
   bool enabled = true;     ///< false: they pass through each other
-  /// Two bodies lie on each other as they are when they are looked at for the first time, such as pieces of what was one:
-  /// what overlaps then is of their skins, not of them, and stays; it is no depth.
+  /// Two bodies lie on each other as they are when they are looked at for the first time, such as pieces of what was
+  /// one: what overlaps then is of their skins, not of them, and stays; it is no depth.
   bool fits = false;
   bool operator==(const ContactPairSettings &) const = default;
 };
