@@ -10,10 +10,10 @@ namespace c3de::scene {
 namespace {
 
 const std::vector<std::string> kBodyKeys{
-    "name",     "mesh",       "mesh_unit", "position",         "rotation_deg", "scale",  "material",
-    "sampling", "parts",      "velocity",  "angular_velocity", "volume",       "series", "time",
-    "label",    "threshold",  "mend",      "edge_length",      "rigid",        "free",   "matrix",
-    "tissues",  "background", "slides",    "slide_friction"};
+    "name",     "mesh",       "mesh_unit", "position",         "rotation_deg",  "scale",  "material",
+    "sampling", "parts",      "velocity",  "angular_velocity", "volume",        "series", "time",
+    "label",    "threshold",  "mend",      "edge_length",      "rigid",         "free",   "matrix",
+    "tissues",  "background", "region",    "slides",           "slide_friction"};
 const std::vector<std::string> kObstacleKeys{
     "name",        "mesh",         "mesh_unit",           "position", "rotation_deg", "scale",  "friction",
     "restitution", "displacement", "motion_rotation_deg", "centre",   "ramp",         "matrix", "motion_quaternion"};
@@ -294,7 +294,7 @@ bool SceneReader::bodyKey(SceneBody &body, const std::string &key, const TomlVal
   if (key == "slides") return readSlides(value, body.volume);
   if (key == "slide_friction") return readFriction(key, value, body.volume.slideFriction);
   if (key == "volume" || key == "series" || key == "time" || key == "label" || key == "threshold" || key == "mend" ||
-      key == "edge_length")
+      key == "edge_length" || key == "region")
     return volumeKey(body.volume, key, value);
   return refuseKey(value.line, key, "[[body]]", kBodyKeys);
 }

@@ -102,6 +102,7 @@ class SceneReader {
   bool checkSource(const TomlValue &table, SceneBody &body);
   // scene_reader_tissues.cpp
   bool readTissues(const TomlValue &value, SceneVolume &out);
+  bool readLabelNames(const TomlValue &value, SceneTissue &out);
   bool readTissue(const TomlValue &table, SceneTissue &out);
   /// The name of a label, or its number. @param place  how the message begins
   bool readLabel(const std::string &place, const TomlValue &value, std::string &out);

@@ -149,6 +149,7 @@ bool SceneReader::volumeKey(SceneVolume &volume, const std::string &key, const T
   if (key == "time") return readTime(value, volume.time);
   if (key == "series") return readSeries(value, volume.series);
   if (key == "edge_length") return length(key, value, volume.edgeLength_mm);
+  if (key == "region") return readRegion(value, volume.region.emplace());
   if (key == "label") {
     if (value.kind == TomlValue::Kind::text) {
       if (value.text.empty()) return refuse(value.line, "label is empty; accepted: the number or the name of a label");
@@ -205,7 +206,7 @@ bool SceneReader::checkSource(const TomlValue &table, SceneBody &body) {
         return refuse(stray->line, std::string("'") + key + "' belongs to a body with a 'volume', a label map");
     if (const TomlValue *stray = table.find("label"); stray != nullptr)
       return refuse(stray->line, "'label' belongs to a body with a 'volume'");
-    for (const char *key : {"series", "threshold", "time", "mend", "edge_length"})
+    for (const char *key : {"series", "threshold", "time", "mend", "edge_length", "region"})
       if (const TomlValue *stray = table.find(key); stray != nullptr)
         return refuse(stray->line, std::string("'") + key + "' belongs to a body with a 'volume'");
     if (body.mesh.empty())

@@ -148,8 +148,8 @@ bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) 
     return refuse(0, "'" + key + "' of " + (hasTissues ? "a body with tissues" : "a body") +
                          " cannot be changed here, only in the scene; accepted of tissues: "
                          "parts.NUMBER.material.…, in the order of those that are not rigid");
-  const bool isOfVolume =
-      key == "volume" || key == "label" || key == "threshold" || key == "mend" || key == "edge_length";
+  const bool isOfVolume = key == "volume" || key == "label" || key == "threshold" || key == "mend" ||
+                          key == "edge_length" || key == "region";
   if (isOfVolume && body->volume.file.empty())
     return refuse(0, "'" + key + "' belongs to a body with a 'volume'; this one has a 'mesh'");
   if ((key == "mesh" || key == "mesh_unit") && body->mesh.empty())

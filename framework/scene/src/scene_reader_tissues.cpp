@@ -12,13 +12,15 @@ namespace c3de::scene {
 namespace {
 
 const std::vector<std::string> kTissueKeys{"label", "material", "rigid"};
-const std::vector<std::string> kBackgroundKeys{"material", "image", "from", "to"};
+const std::vector<std::string> kBackgroundKeys{"material", "image", "from", "to", "series", "time"};
+constexpr std::size_t kRequired = 4;  // of them
 const char *const kTissue = "[ { label = \"liver\", material = \"liver\" }, { label = \"vertebrae*\", rigid = true } ]";
 const char *const kBackground = "{ material = \"fat\", image = \"ct.nii.gz\", from = -150, to = 250 }";
 const char *const kSlides =
     "[\"liver\", \"lung*\", 5]; labels in brackets are one piece, [[\"liver\", \"gallbladder\"]]";
 constexpr std::size_t kMostSlides = 254;  // numbers of pieces are bytes
-const char *const kLabel = "the name of a label ('*' for any text), or its number, 1 … 65535";
+const char *const kLabel = "the name of a label ('*' for any text), its number, 1 … 65535, or a list of them";
+constexpr std::size_t kMostNames = 3;
 
 }  // namespace
 
@@ -32,13 +34,26 @@ bool SceneReader::readLabel(const std::string &place, const TomlValue &value, st
   return true;
 }
 
+bool SceneReader::readLabelNames(const TomlValue &value, SceneTissue &out) {
+  const bool isList = value.kind == TomlValue::Kind::array;
+  if (isList && value.items.empty())
+    return refuse(value.line, std::string("tissues: label is an empty list; accepted: ") + kLabel);
+  for (const TomlValue &one : isList ? value.items : std::vector<TomlValue>{value}) {
+    std::string name;
+    if (!readLabel("tissues: label is ", one, name)) return false;
+    out.wanted.push_back(std::move(name));
+    if (out.wanted.size() <= kMostNames) out.label += (out.label.empty() ? "" : ", ") + out.wanted.back();
+  }
+  if (out.wanted.size() > kMostNames) out.label += " and " + std::to_string(out.wanted.size() - kMostNames) + " more";
+  return true;
+}
+
 bool SceneReader::readTissue(const TomlValue &table, SceneTissue &out) {
   SceneTissue tissue;
   tissue.line = table.line;
   for (const auto &[key, member] : table.entries) {
     if (key == "label") {
-      if (!readLabel("tissues: label is ", member, tissue.label)) return false;
-      tissue.isByName = !member.isNumber() && member.text.find('*') == std::string::npos;
+      if (!readLabelNames(member, tissue)) return false;
     } else if (key == "rigid") {
       if (!readBool("tissues: rigid", member, tissue.isRigid)) return false;
     } else if (key == "material") {
@@ -49,13 +64,16 @@ bool SceneReader::readTissue(const TomlValue &table, SceneTissue &out) {
       return refuseKey(member.line, key, "an entry of tissues", kTissueKeys);
     }
   }
-  if (tissue.label.empty()) return refuse(table.line, std::string("a tissue has no 'label'; accepted: ") + kLabel);
+  if (tissue.wanted.empty()) return refuse(table.line, std::string("a tissue has no 'label'; accepted: ") + kLabel);
   const bool hasMaterial = table.find("material") != nullptr;
   if (hasMaterial && tissue.isRigid)
     return refuse(table.line, "the tissue '" + tissue.label + "' has a material and is rigid; accepted: one of them");
-  const bool isFullName = std::exchange(tissue.isByName, !hasMaterial && !tissue.isRigid);
-  if (tissue.isByName && isFullName && (materials_ == nullptr || !tissueOf(*materials_, tissue.label)))
-    return refuse(table.line, unknownTissue(tissue.label));
+  tissue.isByName = !hasMaterial && !tissue.isRigid;
+  for (const std::string &name : tissue.wanted) {
+    const bool isFullName = name.find('*') == std::string::npos && name.find_first_not_of("0123456789") != name.npos;
+    if (tissue.isByName && isFullName && (materials_ == nullptr || !tissueOf(*materials_, name)))
+      return refuse(table.line, unknownTissue(name));
+  }
   out = std::move(tissue);
   return true;
 }
@@ -90,13 +108,17 @@ bool SceneReader::readBackground(const TomlValue &value, SceneBody &body) {
       if (!readNumber("background: " + key, "a value of the image", member,
                       key == "from" ? background.from : background.to))
         return false;
+    } else if (key == "series") {
+      if (!readSeries(member, background.series)) return false;
+    } else if (key == "time") {
+      if (!readTime(member, background.time)) return false;
     } else {
       return refuseKey(member.line, key, "background", kBackgroundKeys);
     }
   }
-  for (const std::string &key : kBackgroundKeys)
-    if (value.find(key) == nullptr)
-      return refuse(value.line, "background has no '" + key + "'; accepted: " + kBackground);
+  for (std::size_t i = 0; i < kRequired; ++i)
+    if (value.find(kBackgroundKeys[i]) == nullptr)
+      return refuse(value.line, "background has no '" + kBackgroundKeys[i] + "'; accepted: " + kBackground);
   if (!(background.from <= background.to))
     return refuse(value.line, "background: from " + formatNumber(background.from) + " to " +
                                   formatNumber(background.to) + " leaves nothing; accepted: from below to");

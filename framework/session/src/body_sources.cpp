@@ -67,6 +67,33 @@ Expected<FoundLabel> labelOf(const scene::SceneVolume &volume, const std::vector
                                     "there are: " + (names.empty() ? "none" : listOf(layers)));
 }
 
+bool isWithin(const scene::SceneRegion &region, const Vec3 &at_m) {
+  switch (region.kind) {
+    case scene::SceneRegion::Kind::box:
+      for (std::size_t a = 0; a < 3; ++a)
+        if (!(at_m[a] >= region.a[a] && at_m[a] <= region.b[a])) return false;
+      return true;
+    case scene::SceneRegion::Kind::sphere: return norm(at_m - region.a) <= region.radius;
+    case scene::SceneRegion::Kind::halfSpace: return dot(at_m - region.a, region.b) <= 0.0;
+    case scene::SceneRegion::Kind::everywhere:
+    case scene::SceneRegion::Kind::voxels: break;
+  }
+  return true;
+}
+
+void keepWithin(const scene::SceneRegion &region, imaging::Mask &mask) {
+  const auto &size = mask.geometry.size;
+  std::size_t v = 0;
+  for (std::size_t k = 0; k < size[2]; ++k)
+    for (std::size_t j = 0; j < size[1]; ++j)
+      for (std::size_t i = 0; i < size[0]; ++i, ++v) {
+        if (mask.voxels[v] == 0) continue;
+        const Vec3 at_mm =
+            mask.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+        if (!isWithin(region, (1.0 / scene::kMillimetresPerMetre) * at_mm)) mask.voxels[v] = 0;
+      }
+}
+
 }  // namespace
 
 Expected<std::shared_ptr<const BodySources::Layers>> BodySources::labels(const std::filesystem::path &file,
@@ -104,6 +131,8 @@ Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const
     if (volume.background && !volume.cut) {
       imaging::ReadOptions whole;
       whole.progress = progress;
+      whole.series = volume.background->series;
+      whole.time = volume.background->time;
       auto read = this->volume(volume.background->image, whole);
       if (!read) return tl::unexpected(read.error());
       background = *read;
@@ -145,11 +174,13 @@ Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const
     mask = imaging::maskOf(*label->map, label->label->value);
     colour = label->label->colour;
   }
+  if (mask && volume.region) keepWithin(*volume.region, *mask);
   if (mask) mask = imaging::mended(std::move(*mask), volume.mend, progress);
   if (mask && imaging::voxelCount(*mask) == 0)
     return fail(ErrorCode::input, volume.file.string() +
                                       ": nothing is left of what was asked for; accepted: a label or a "
-                                      "threshold, mended, that holds voxels");
+                                      "threshold, " +
+                                      (volume.region ? "within the region and " : "") + "mended, that holds voxels");
   if (!mask) return tl::unexpected(mask.error());
   // What mending has taken away is of no tissue; what it has added is what there is between them.
   if (tissues)
@@ -229,7 +260,7 @@ Expected<void> addTissues(const scene::SceneVolume &volume, const imaging::Label
       continue;
     }
     auto fill = imaging::fillOf(imaging::maskOf(tissues, number), coarsest);
-    if (!fill && !volume.takesKnownTissues && !volume.cut)
+    if (!fill && !volume.takesKnownTissues && !volume.cut && !volume.region)
       return fail(fill.error().code, "tissue '" + volume.tissues[i].label +
                                          "' has no voxel of its own: labels of other tissues lie over all of it, or "
                                          "'mend' has taken it away");

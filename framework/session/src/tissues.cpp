@@ -92,14 +92,18 @@ std::string noLabel(const std::string &file, const std::string &wanted, const st
 /// Gives a tissue of the scene its labels, and what these are where only a name has been said.
 Expected<void> giveLabels(scene::SceneTissue &tissue, std::vector<Candidate> &labels,
                           const scene::MaterialLibrary &materials, const std::string &file) {
-  std::size_t meant = 0;
-  for (Candidate &one : labels) {
-    if (!imaging::isMeant(tissue.label, {one.label.value, one.label.name, {}})) continue;
-    ++meant;
-    if (std::exchange(one.isTaken, true)) continue;
-    tissue.labels.push_back(one.label);
+  const auto isMeant = [](const std::string &wanted, const Candidate &one) {
+    return imaging::isMeant(wanted, {one.label.value, one.label.name, {}});
+  };
+  for (const std::string &wanted : tissue.wanted) {
+    if (std::any_of(labels.begin(), labels.end(), [&](const Candidate &one) { return isMeant(wanted, one); })) continue;
+    return fail(ErrorCode::input, noLabel(file, wanted, labels));
   }
-  if (meant == 0) return fail(ErrorCode::input, noLabel(file, tissue.label, labels));
+  for (Candidate &one : labels) {
+    const bool isOfIt = std::any_of(tissue.wanted.begin(), tissue.wanted.end(),
+                                    [&](const std::string &wanted) { return isMeant(wanted, one); });
+    if (isOfIt && !std::exchange(one.isTaken, true)) tissue.labels.push_back(one.label);
+  }
   if (tissue.labels.empty())
     return fail(ErrorCode::input, "the labels of tissue '" + tissue.label +
                                       "' are of tissues before it, of the first that names them; accepted: each label "
@@ -116,6 +120,7 @@ Expected<void> giveLabels(scene::SceneTissue &tissue, std::vector<Candidate> &la
                                         "; accepted: an entry for each before it, a material, or tissues = \"known\"");
   }
   (void)scene::nameTissue(tissue, tissue.labels.front().name, materials);
+  if (tissue.wanted.size() > 1) tissue.label = first->name;
   return {};
 }
 

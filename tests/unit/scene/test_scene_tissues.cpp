@@ -133,3 +133,34 @@ TEST_CASE("What slides can be set for a body with tissues, and names of pieces f
   REQUIRE_FALSE(gone);
   CHECK_THAT(gone.error().message, Contains("there is no body 'scan.liver'"));
 }
+
+TEST_CASE("A tissue of several labels lists them", "[tissues]") {
+  const auto scene = parse(bodyWith(
+      "[ { label = [\"kidney_left\", \"kidney_right\"] }, { label = [7, \"a*\", \"b\", \"c\"], rigid = true } ]"));
+  REQUIRE(scene);
+  const std::vector<scene::SceneTissue> &tissues = scene->bodies.front().volume.tissues;
+  CHECK(tissues[0].isByName);
+  CHECK(tissues[0].wanted == std::vector<std::string>{"kidney_left", "kidney_right"});
+  CHECK(tissues[1].wanted == std::vector<std::string>{"7", "a*", "b", "c"});
+  CHECK(tissues[1].label == "7, a*, b and 1 more");
+  CHECK_THAT(errorOf(bodyWith("[ { label = [] } ]")), Contains("label is an empty list"));
+  CHECK_THAT(errorOf(bodyWith("[ { label = [\"liver\", 0.5] } ]")), Contains("label is 0.5; accepted: the name"));
+  CHECK_THAT(errorOf(bodyWith("[ { label = [\"liver\", \"gizmo\"] } ]")), Contains("by the name 'gizmo'"));
+}
+
+TEST_CASE("A background says its series and time, a body of a volume its region", "[tissues]") {
+  const auto scene = parse(
+      bodyWith("\"known\"",
+               "background = { material = \"fat\", image = \"beam.obj\", from = 0, to = 1, series = 3, time = 2 }\n"
+               "region = { box = { min = [0, 0, 0], max = [0.1, 0.2, 0.3] } }\n"));
+  REQUIRE(scene);
+  const scene::SceneVolume &volume = scene->bodies.front().volume;
+  CHECK(volume.background->series == "3");
+  CHECK(volume.background->time == 2);
+  REQUIRE(volume.region);
+  CHECK(volume.region->b == Vec3{0.1, 0.2, 0.3});
+  CHECK_THAT(errorOf(bodyWith("\"known\"", "background = { material = \"fat\", image = \"beam.obj\", from = 0 }\n")),
+             Contains("background has no 'to'"));
+  CHECK_THAT(errorOf("format = 1\n[[body]]\nmesh = \"beam.obj\"\nregion = { everywhere = true }\n"),
+             Contains("'region' belongs to a body with a 'volume'"));
+}

@@ -277,3 +277,38 @@ TEST_CASE("What cannot slide is an error that says why and what is accepted", "[
   CHECK_THAT(refusal(kThree + "mend = { largest = true }\n", "[\"liver\"]"),
              Contains("nothing of 'liver' is of the body") && Contains("'mend' has taken it away"));
 }
+
+TEST_CASE("Listed labels are one tissue, called what their names are known as", "[tissues]") {
+  scene::SceneFile scene =
+      sceneOf("tissues = [ { label = [\"gizmo\", 1], material = \"fat\" }, { label = [\"rib left 3\", 3] } ]\n");
+  BodySources sources;
+  Preparation took;
+  REQUIRE(settleTissues(scene, presets(), sources, {}, took));
+  const std::vector<scene::SceneTissue> &tissues = scene.bodies.front().volume.tissues;
+  CHECK(tissues[0].labels.size() == 2);
+  CHECK(tissues[0].label == "gizmo, 1");
+  CHECK(tissues[1].label == "bone");
+  CHECK(tissues[1].isRigid);
+  scene::SceneFile wrong = sceneOf("tissues = [ { label = [\"gizmo\", \"glzmo\"], material = \"fat\" } ]\n");
+  const auto settled = settleTissues(wrong, presets(), sources, {}, took);
+  REQUIRE_FALSE(settled);
+  CHECK_THAT(settled.error().message, Contains("has no label 'glzmo'; did you mean 'gizmo'?"));
+}
+
+TEST_CASE("What lies outside of the region is not of the body", "[tissues]") {
+  // Voxels 2 mm apart from 1 mm on: 6 columns of the first two labels, 3 x 4 rows of each.
+  const std::string box = "region = { box = { min = [0.005, -1, -1], max = [0.0165, 1, 0.006] } }\n";
+  scene::SceneFile scene =
+      sceneOf("tissues = [ { label = [\"liver\", 2], material = \"fat\" }, { label = 4, rigid = true } ]\n" + box);
+  BodySources sources;
+  Preparation took;
+  REQUIRE(settleTissues(scene, presets(), sources, {}, took));
+  const auto picked = sources.pick(scene.bodies.front().volume, {}, took);
+  REQUIRE(picked);
+  CHECK(countOf(*picked->tissues, 1) == 6 * 4 * 3);
+  CHECK(countOf(*picked->tissues, 2) == 0);
+  scene::SceneFile empty = sceneOf("label = 1\nregion = { sphere = { centre = [1, 0, 0], radius = 0.1 } }\n");
+  const auto none = sources.pick(empty.bodies.front().volume, {}, took);
+  REQUIRE_FALSE(none);
+  CHECK_THAT(none.error().message, Contains("within the region"));
+}

@@ -213,6 +213,10 @@ Expected<Json> describeMask(const scene::SceneFile &scene, const scene::SceneBod
   const double millilitres = imaging::volumeOf(picked->mask) / 1000.0;
   text << "  volume " << body.volume.file.string() << ": " << voxels << " voxels, " << millilitres << " ml\n";
   Json json{{"file", body.volume.file.string()}, {"voxels", voxels}, {"volume_ml", millilitres}};
+  if (body.volume.region) {
+    json["region"] = jsonOf(*body.volume.region);
+    text << "  within " << json["region"].dump() << "\n";
+  }
   if (!picked->tissues) return json;
   const auto places = sources.placesOf(body, *picked);
   if (!places) return failInScene(places.error(), scene, body.line);

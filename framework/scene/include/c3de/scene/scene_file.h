@@ -79,20 +79,23 @@ struct SceneLabel {
 
 /// Labels of a label map that are one tissue of a body.
 struct SceneTissue {
-  std::string label;               ///< a name, '*' for any text, or a number; of tissues = "known" the tissue
-  bool isByName = false;           ///< what it is of follows from the names of its labels, which are not read yet
-  bool isRigid = false;            ///< it does not move
-  bool isEmpty = false;            ///< air: like what has no label
-  std::vector<SceneValue> params;  ///< ids "material.…"; none where it is rigid or empty
-  std::string preset;              ///< that the material began with; empty: none
-  std::string remark;              ///< NamedTissue::remark
-  std::vector<SceneLabel> labels;  ///< once the map has been read: those that are of it
+  std::string label;                ///< for people: what `wanted` says; what its labels are known as, where it is that
+  std::vector<std::string> wanted;  ///< names, '*' for any text, or numbers; empty: of tissues = "known"
+  bool isByName = false;            ///< what it is of follows from the names of its labels, which are not read yet
+  bool isRigid = false;             ///< it does not move
+  bool isEmpty = false;             ///< air: like what has no label
+  std::vector<SceneValue> params;   ///< ids "material.…"; none where it is rigid or empty
+  std::string preset;               ///< that the material began with; empty: none
+  std::string remark;               ///< NamedTissue::remark
+  std::vector<SceneLabel> labels;   ///< once the map has been read: those that are of it
   int line = 0;
 };
 
 /// What of a body has no label: where an image has values between two limits.
 struct SceneBackground {
   std::filesystem::path image;
+  std::string series;           ///< imaging::ReadOptions::series of the file or folder
+  std::size_t time = 0;         ///< of several time points, from 0
   double from = 0.0, to = 0.0;  ///< lowest and highest value that belong to it
 };
 
@@ -134,6 +137,7 @@ struct SceneVolume {
   double slideFriction = kSlideFriction;      ///< Coulomb, 0 … 10, of their borders
   std::shared_ptr<const SceneCut> cut;        ///< of a piece: of which body
   std::uint8_t piece = 0;                     ///< and which one
+  std::optional<SceneRegion> region;          ///< of the scan, before placement: nothing outside belongs to it
   imaging::Mending mend;
   double edgeLength_mm = 0.0;  ///< of the triangles of the skin; 0: automatic
 
