@@ -10,6 +10,7 @@
 #include "c3de/core/background_jobs.h"
 #include "c3de/core/text.h"
 #include "c3de/scene/material_names.h"
+#include "label_volumes.h"
 
 namespace c3de::segmentation {
 namespace {
@@ -27,7 +28,8 @@ std::string modulusText(double pascal) {
                               : "kPa");
 }
 
-/// ml of each label.
+}  // namespace
+
 Expected<std::vector<double>> volumesOf(const imaging::LabelMap &map, const ProgressFn &progress) {
   std::vector<std::size_t> counts(65536);
   constexpr std::size_t kChunk = std::size_t{1} << 22;
@@ -42,8 +44,6 @@ Expected<std::vector<double>> volumesOf(const imaging::LabelMap &map, const Prog
     volumes.push_back(static_cast<double>(counts[label.value]) * map.geometry.voxelVolume() / 1000.0);
   return volumes;
 }
-
-}  // namespace
 
 std::string stiffnessText(double value, double low, double high) {
   return modulusText(value) + " (" + modulusText(low) + " … " + modulusText(high) + ")";

@@ -9,6 +9,7 @@
 #include "c3de/core/background_jobs.h"
 #include "c3de/core/main_queue.h"
 #include "c3de/imaging/statistics.h"
+#include "c3de/segmentation/scan_body.h"
 #include "c3de/segmentation/segmentation_workflow.h"
 #include "support/catch.h"
 #include "support/folders.h"
@@ -34,6 +35,8 @@ struct Fixture {
       "test",
       materials,
       {[this] { ++changes; }, [this](std::vector<BodyRequest> r) { made.insert(made.end(), r.begin(), r.end()); }}};
+  std::string scene;  ///< that `scan` has asked for
+  ScanBody scan{jobs, "test", materials, [this](const std::string &text) { scene = text; }};
   MaskSources sources;
 
   static constexpr std::size_t kLarge = 6 * 6 * 6 - 1, kSmall = 4 * 4 * 4;

@@ -122,7 +122,7 @@ TEST_CASE("A map of many labels has a filter, and several are ticked at once", "
   registry::PanelRegistry panels;
   ImageViews views;
   views.setImage(f.sources.image);
-  const SegmentationPanel panel(panels, views, f.guide);
+  const SegmentationPanel panel(panels, views, f.guide, f.scan);
   registry::TextPanel text(nullptr);
   const auto draw = [&] {
     const std::string shown = text.draw(*panels.panels().front());
@@ -169,7 +169,7 @@ TEST_CASE("The panel leads from labels to the button", "[organ]") {
   registry::PanelRegistry panels;
   ImageViews views;
   views.setImage(f.sources.image);
-  const SegmentationPanel panel(panels, views, f.guide);
+  const SegmentationPanel panel(panels, views, f.guide, f.scan);
   registry::TextPanel text(nullptr);
   const auto draw = [&] {
     const std::string shown = text.draw(*panels.panels().front());
@@ -241,4 +241,26 @@ TEST_CASE("A click in a slice that picks does not move the cross-hair, and Escap
   views.handle(Pane::axial, press);
   REQUIRE(picked.size() == 2);
   CHECK(norm(picked[1] + Vec3{10, 0, 0} - views.view(Pane::axial).worldAt(100, 100)) < 1e-9);
+}
+
+TEST_CASE("The panel asks for the body of the whole scan where labels lie over an image", "[organ]") {
+  Fixture f;
+  registry::PanelRegistry panels;
+  ImageViews views;
+  views.setImage(f.sources.image);
+  const SegmentationPanel panel(panels, views, f.guide, f.scan);
+  registry::TextPanel text(nullptr);
+  const auto draw = [&] {
+    (void)text.draw(*panels.panels().front());
+    f.settle();
+  };
+  draw();
+  CHECK(text.find("make_alive") == nullptr);
+  f.scan.setSources({f.sources.image, "ct.nii.gz", "", "labels.nii.gz", {f.sources.labels}});
+  draw();
+  REQUIRE(text.find("make_alive"));
+  CHECK_FALSE(f.scan.isShown());
+  text.press("make_alive");
+  draw();
+  CHECK(f.scan.isShown());
 }

@@ -13,6 +13,8 @@
 
 #include "c3de/abi/log.h"
 #include "c3de/core/log.h"
+#include "c3de/core/output_file.h"
+#include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
 #include "c3de/imaging/label_names.h"
 #include "c3de/imaging/reading.h"
@@ -75,6 +77,7 @@ class Workstation {
   [[nodiscard]] StillPlaces stillPlaces();
   void takeWarp();
   void onBodiesReady(const BodyCreation::Result &result);
+  void makeScanAlive(const std::string &scene);
   void onLoaded(const WorkstationLoader::Loaded &loaded);
   void checkSize(const std::string &unit, double size_mm);
   void onFailed(const std::string &title, const Error &error);
@@ -147,14 +150,15 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
                            [this](const std::string &title, const Error &error) { onFailed(title, error); }});
   images_ = std::make_unique<WorkstationImages>(
       *session_, *renderer_, panels_,
-      WorkstationImages::Events{[this] { onImageShown(); }, [this] { warp_.want(false, image_.rim_mm); },
-                                [this](const std::string &title, const Error &error) { onFailed(title, error); },
-                                [this](std::vector<segmentation::BodyRequest> requests) {
-                                  bodyCreation_->createBodies(std::move(requests));
-                                }});
-  window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
-                    &images_->workflow(), &edits_, &commands_, [this] { return meshExtensions(); }},
-                   actions());
+      WorkstationImages::Events{
+          [this] { onImageShown(); }, [this] { warp_.want(false, image_.rim_mm); },
+          [this](const std::string &title, const Error &error) { onFailed(title, error); },
+          [this](std::vector<segmentation::BodyRequest> requests) { bodyCreation_->createBodies(std::move(requests)); },
+          [this](const std::string &scene) { makeScanAlive(scene); }});
+  window_->connect(
+      {&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
+       &images_->workflow(), &images_->scanBody(), &edits_, &commands_, [this] { return meshExtensions(); }},
+      actions());
   window_->setAbout(about());
   showPluginProblems();
   if (sessionOptions.loadRules.isSafeMode)
@@ -281,6 +285,13 @@ ui::WindowActions Workstation::actions() {
   };
   actions.exportImage = [exportImage](const std::filesystem::path &file) { exportImage({file, {}}); };
   actions.exportDisplacement = [exportImage](const std::filesystem::path &file) { exportImage({{}, file}); };
+  actions.saveScanScene = [this](const std::filesystem::path &file) {
+    const auto written = writeWholeFile(file, images_->scanBody().sceneText(file.parent_path()));
+    if (written)
+      panels_.notify(C3DE_LOG_INFO, "Saved", "The scene of the scan: " + pathText(file));
+    else
+      onFailed("The scene could not be saved", written.error());
+  };
   actions.proposeName = [this](ui::Command exported) { return proposedName(exported); };
   actions.unsaved = [this] { return unsaved(); };
   actions.beforeDraw = [this] {
@@ -435,6 +446,22 @@ void Workstation::onBodiesReady(const BodyCreation::Result &result) {
       reasons + (result.failed.size() == 1 ? "It stays" : "They stay") + " picked; the others were created.");
 }
 
+void Workstation::makeScanAlive(const std::string &scene) {
+  loader_->openText(scene, [this](const Expected<void> &made) {
+    images_->scanBody().finished(made);
+    const std::string title = made ? "The scan is alive" : "Could not make the body of the scan";
+    if (!made && made.error().code != ErrorCode::cancelled)
+      return log(LogLevel::error, title + ": " + made.error().message);
+    if (!made) return onFailed(title, made.error());
+    tools_.cancelActive();
+    session_->simulation()->transport(C3DE_TRANSPORT_PLAY);
+    panels_.notify(
+        C3DE_LOG_INFO, title,
+        "Pull it in a slice or in the 3D view (pinch, P). It is in balance where it lies; another gravity is "
+        "in the panel of the simulation.");
+  });
+}
+
 /// The image deforms with the bodies while both are there.
 void Workstation::askForWarp() {
   scene::Simulation *simulation = session_->simulation();
@@ -481,7 +508,7 @@ void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
   images_->showMissing(loaded.coverage, true);
   warp_.begin();
   images_->showDisplacement(nullptr);
-  if (loaded.image && !loaded.isReload)
+  if (loaded.image && !loaded.isReload && !loaded.isImageOpen)
     images_->open(loaded.image->file, loaded.image->labels, loaded.image->series, loaded.image->time,
                   WorkstationImages::Segmentation::image);
   else

@@ -66,7 +66,8 @@ WorkstationImages::WorkstationImages(Session &session, render::Renderer &rendere
                                      Events events)
     : session_(session), renderer_(renderer), panels_(panels), events_(std::move(events)),
       displacement_(renderer.images(), views_),
-      workflow_(session.jobs(), kJobOwner, session.materials(), {[this] { showPreview(); }, events_.createBodies}) {
+      workflow_(session.jobs(), kJobOwner, session.materials(), {[this] { showPreview(); }, events_.createBodies}),
+      scanBody_(session.jobs(), kJobOwner, session.materials(), events_.makeScanAlive) {
   if (render::ImageRenderer *images = renderer_.images()) images->setShiftColours(ui::shiftColours());
   views_.setTimeChooser([this](std::size_t time) { readTime(time); });
 }
@@ -113,9 +114,9 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
         std::vector<std::filesystem::path> maps = labels;
         if (read->isSegmentation) maps.insert(maps.begin(), wanted.path);
         if (read->image) {
-          show(read->image);
           path_ = wanted.path;
           series_ = wanted.series;
+          show(read->image);
           if (read->isSegmentation)
             read->notices.emplace_back(
                 "Its segments lie over its numbers as labels. To see them over a scan, open the scan, then this file "
@@ -162,6 +163,7 @@ void WorkstationImages::showTime(std::shared_ptr<scene::StoredImage> image) {
   storedImage_ = session_.images().add(std::shared_ptr<const scene::StoredImage>(image));
   views_.replaceImage(image, *handle);
   workflow_.replaceImage(image);
+  tellScanBody();
 }
 
 void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
@@ -192,7 +194,8 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
   }
   session_.sceneGraph().touch();
   workflow_.setSources({image, nullptr});
-  segmentationPanel_.emplace(panels_, views_, workflow_);
+  tellScanBody();
+  segmentationPanel_.emplace(panels_, views_, workflow_, scanBody_);
   panel_.emplace(panels_, views_,
                  ui::ImagePanel::LabelMaps{[this] {
                                              std::vector<std::string> names;
@@ -283,6 +286,7 @@ void WorkstationImages::showLabels(const OpenLabels &open) {
   storedLabels_ = session_.images().add(open.labels);
   workflow_.setSources({workflow_.mask().sources().image, open.labels});
   views_.setLabels(open.labels);
+  tellScanBody();
   for (const std::uint16_t label : open.hidden) views_.setLabelOpacity(label, 0.0f);
   ui::ImageHandles handles = views_.handles();
   handles.labels = *handle;
@@ -312,6 +316,19 @@ void WorkstationImages::removeLabels() {
   views_.setHandles(handles);
   views_.setLabels(nullptr);
   session_.images().removeLabels(std::exchange(storedLabels_, {}));
+}
+
+void WorkstationImages::tellScanBody() {
+  segmentation::ScanBody::Sources sources;
+  sources.image = views_.sharedImage();
+  sources.imageFile = path_;
+  sources.series = series_;
+  if (const std::size_t shown = shownLabels(); shown < labelMaps_.size()) {
+    sources.labelFile = labelMaps_[shown].path;
+    for (const OpenLabels &open : labelMaps_)
+      if (open.path == sources.labelFile) sources.layers.push_back(open.labels);
+  }
+  scanBody_.setSources(std::move(sources));
 }
 
 /// Of what is being picked, over the slices.
@@ -369,6 +386,7 @@ void WorkstationImages::close() {
   if (render::ImageRenderer *images = renderer_.images())
     for (const Handle handle : {views_.handles().image, views_.handles().missing}) images->remove(handle);
   views_.setImage(nullptr);
+  scanBody_.setSources({});
   session_.images().removeImage(std::exchange(storedImage_, {}));
   session_.sceneGraph().remove(std::exchange(node_, {}));
   panel_.reset();

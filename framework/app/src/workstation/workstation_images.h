@@ -12,6 +12,7 @@
 #include "app.h"
 #include "c3de/imaging/displacement.h"
 #include "c3de/imaging/reading.h"
+#include "c3de/segmentation/scan_body.h"
 #include "c3de/session/session.h"
 #include "c3de/ui/image_panel.h"
 #include "c3de/ui/segmentation_panel.h"
@@ -33,6 +34,7 @@ class WorkstationImages {
     std::function<void()> closed;  ///< there is none any more
     std::function<void(const std::string &title, const Error &error)> failed;
     std::function<void(std::vector<segmentation::BodyRequest>)> createBodies;
+    std::function<void(const std::string &scene)> makeScanAlive;  ///< ends with scanBody().finished()
   };
   WorkstationImages(Session &session, render::Renderer &renderer, registry::PanelRegistry &panels, Events events);
   ~WorkstationImages();
@@ -41,6 +43,7 @@ class WorkstationImages {
 
   [[nodiscard]] ui::ImageViews &views() { return views_; }
   [[nodiscard]] segmentation::SegmentationWorkflow &workflow() { return workflow_; }
+  [[nodiscard]] segmentation::ScanBody &scanBody() { return scanBody_; }
   /// What is to be done with a segmentation that is opened as an image.
   enum class Segmentation {
     labels,  ///< it is laid over the image that is open; where none is, over its own numbers
@@ -80,6 +83,8 @@ class WorkstationImages {
   void showLabels(const OpenLabels &open);
   [[nodiscard]] std::size_t shownLabels() const;
   void removeLabels();
+  /// What lies open, for scanBody_.
+  void tellScanBody();
   void showPreview();
   void markMissing();
   void askForSeries(const std::filesystem::path &path, std::vector<std::filesystem::path> labels,
@@ -94,6 +99,7 @@ class WorkstationImages {
   DisplacementPresenter displacement_;
   std::optional<ui::ImagePanel> panel_;
   segmentation::SegmentationWorkflow workflow_;
+  segmentation::ScanBody scanBody_;
   std::optional<ui::SegmentationPanel> segmentationPanel_;
   std::unique_ptr<SeriesChoice> choice_;
   std::filesystem::path path_;  ///< of the image that is open

@@ -86,22 +86,26 @@ Expected<scene::SceneFile> WorkstationLoader::read(const std::vector<std::filesy
   return result;
 }
 
-void WorkstationLoader::load(const std::vector<std::filesystem::path> &files, const std::string &meshUnit,
-                             bool isReload) {
-  if (files.empty()) return;
-  const std::string title = "Could not open " + namesOf(files);
-  if (!session_.simulation()) {
-    files_ = files;
-    meshUnit_ = meshUnit;
-  }
-  auto scene = read(files, meshUnit);
-  if (!scene) return events_.failed(title, scene.error());
+void WorkstationLoader::load(Source source, bool isReload) {
+  const bool isText = !source.text.empty();
+  if (source.files.empty() && !isText) return;
+  const std::string name = isText ? "the body of the scan" : namesOf(source.files);
+  const std::string title = (isText ? "Could not make " : "Could not open ") + name;
+  const auto failed = [this, title, done = source.done](const Error &error) {
+    if (done)
+      done(tl::unexpected(error));
+    else
+      events_.failed(title, error);
+  };
+  if (!session_.simulation()) source_ = source;
+  auto scene = isText ? scene::parseScene(source.text, {}, &session_.materials()) : read(source.files, source.meshUnit);
+  if (!scene) return failed(scene.error());
   auto created = session_.createSimulator(scene->simulatorClass);
-  if (!created) return events_.failed(title, created.error());
+  if (!created) return failed(created.error());
 
   if (!job_.isNull()) session_.jobs().cancel(job_);
   const std::uint64_t serial = ++serial_;
-  const bool needsFloor = std::none_of(files.begin(), files.end(), scene::isScenePath);
+  const bool needsFloor = !isText && std::none_of(source.files.begin(), source.files.end(), scene::isScenePath);
   struct Placed {
     std::optional<Bounds_m> bodies, room;
   };
@@ -110,9 +114,9 @@ void WorkstationLoader::load(const std::vector<std::filesystem::path> &files, co
   const auto simulator = std::make_shared<ObjectRef>(*created);
   const auto shared = std::make_shared<const scene::SceneFile>(std::move(*scene));
   const auto prepared = std::make_shared<Prepared>();
-  const std::string sceneTitle = shared->title.empty() ? namesOf(files) : shared->title;
+  const std::string sceneTitle = shared->title.empty() ? name : shared->title;
   job_ = session_.jobs().submit(
-      kJobOwner, "Opening " + namesOf(files),
+      kJobOwner, (isText ? "Making " : "Opening ") + name,
       [this, simulator, shared, prepared, placed, needsFloor](const ProgressFn &progress) -> Expected<void> {
         if (auto populated = session_.populate(simulator->get(), *shared, progress, prepared.get()); !populated)
           return populated;
@@ -123,16 +127,17 @@ void WorkstationLoader::load(const std::vector<std::filesystem::path> &files, co
         placed->room = *room;
         return {};
       },
-      [this, simulator, shared, prepared, placed, sceneTitle, title, files, meshUnit, isReload,
+      [this, simulator, shared, prepared, placed, sceneTitle, source, failed, isReload, isText,
        serial](const Expected<void> &result) {
         // A later request has taken over.
-        if (serial != serial_) return;
+        if (serial != serial_) {
+          if (source.done) source.done(fail(ErrorCode::cancelled, "something else was opened"));
+          return;
+        }
         job_ = {};
-        if (!result) return events_.failed(title, result.error());
-        if (auto adopted = session_.adopt(simulator->get(), sceneTitle); !adopted)
-          return events_.failed(title, adopted.error());
-        files_ = files;
-        meshUnit_ = meshUnit;
+        if (!result) return failed(result.error());
+        if (auto adopted = session_.adopt(simulator->get(), sceneTitle); !adopted) return failed(adopted.error());
+        source_ = source;
         double size_mm = 0.0;
         if (placed->bodies) size_mm = scene::kMillimetresPerMetre * norm(placed->bodies->max - placed->bodies->min);
         if (scene::Node *node = session_.sceneGraph().find(session_.simulationNode());
@@ -143,8 +148,9 @@ void WorkstationLoader::load(const std::vector<std::filesystem::path> &files, co
           node->boundsMax = framed.max;
           session_.sceneGraph().touch();
         }
-        events_.loaded(
-            {isReload, size_mm, unitText(session_.meshFormats(), files, meshUnit), shared->image, prepared->coverage});
+        events_.loaded({isReload, size_mm, unitText(session_.meshFormats(), source.files, source.meshUnit),
+                        shared->image, isText, prepared->coverage});
+        if (source.done) source.done({});
       });
 }
 

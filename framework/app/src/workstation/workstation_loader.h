@@ -21,6 +21,7 @@ class WorkstationLoader {
     double size_mm = 0.0;   ///< diagonal of all bodies; 0: not known
     std::string unit;       ///< that meshes were read in, and why, for a person; empty when only a scene was opened
     std::optional<scene::SceneImage> image;  ///< that the scene shows beside its bodies
+    bool isImageOpen = false;                ///< it is in the window already
     std::vector<Coverage> coverage;          ///< of bodies from images
   };
   struct Events {
@@ -35,22 +36,37 @@ class WorkstationLoader {
   /// is running.
   /// @param meshUnit  mm, cm, m; empty: what each file says, else mm
   void open(const std::vector<std::filesystem::path> &files, const std::string &meshUnit) {
-    load(files, meshUnit, false);
+    load({files, meshUnit, {}, {}}, false);
+  }
+  /// A scene that was written in the window, of the image that is open there. Ends a load that is running.
+  /// @param done  how it ended, in the place of Events::failed; also of one that another load has ended
+  void openText(const std::string &scene, std::function<void(const Expected<void> &)> done) {
+    load({{}, {}, scene, std::move(done)}, false);
   }
   /// The same files once more, as they are now.
-  void reload() { load(std::vector<std::filesystem::path>(files_), std::string(meshUnit_), true); }
+  void reload() {
+    Source again = source_;
+    again.done = {};
+    load(std::move(again), true);
+  }
 
  private:
-  void load(const std::vector<std::filesystem::path> &files, const std::string &meshUnit, bool isReload);
+  /// What a simulation is made of: files, or the text of a scene.
+  struct Source {
+    std::vector<std::filesystem::path> files;
+    std::string meshUnit;
+    std::string text;
+    std::function<void(const Expected<void> &)> done;  ///< of a text
+  };
+  void load(Source source, bool isReload);
   [[nodiscard]] Expected<scene::SceneFile> read(const std::vector<std::filesystem::path> &files,
                                                 const std::string &meshUnit) const;
 
   Session &session_;
   Events events_;
   Handle job_;
-  std::uint64_t serial_ = 0;                  ///< of the load that was asked for last
-  std::vector<std::filesystem::path> files_;  ///< of the present simulation, or the last try when there is none
-  std::string meshUnit_;
+  std::uint64_t serial_ = 0;  ///< of the load that was asked for last
+  Source source_;             ///< of the present simulation, or the last try when there is none
 };
 
 }  // namespace c3de::app

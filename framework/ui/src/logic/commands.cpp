@@ -18,6 +18,8 @@ constexpr std::array kCommands{
                 "Show a medical image: DICOM, NIfTI, NRRD, MetaImage", 'I', C3DE_MOD_CTRL, 0},
     CommandInfo{Command::openLabels, "file.open_labels", "Open label map…", "Lay labels over the image", 'L',
                 C3DE_MOD_CTRL, 0},
+    CommandInfo{Command::makeScanAlive, "file.make_alive", "Make the scan alive…",
+                "One body of all that the labels show, and of what lies between", 0, 0, 0},
     CommandInfo{Command::closeImage, "file.close_image", "Close image", "Let go of image and labels", 0, 0, 0},
     CommandInfo{Command::reload, "file.reload", "Reload from file", "Read the opened files again", keyF5, 0, 0},
     CommandInfo{Command::exportSurface, "file.export_surface", "Export surface…",

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "c3de/ui/commands.h"
 #include "logic/label_list.h"
 #include "panels/panel_widgets.h"
 
@@ -25,8 +26,8 @@ void swatch(const c3de_ui_v1 &ui, const render::Colour &colour) {
 }  // namespace
 
 SegmentationPanel::SegmentationPanel(registry::PanelRegistry &panels, ImageViews &views,
-                                     segmentation::SegmentationWorkflow &workflow)
-    : panels_(panels), views_(views), workflow_(workflow) {
+                                     segmentation::SegmentationWorkflow &workflow, segmentation::ScanBody &scanBody)
+    : panels_(panels), views_(views), workflow_(workflow), scanBody_(scanBody) {
   registry::Panel panel;
   panel.owner = "c3de";
   panel.id = "segmentation";
@@ -43,6 +44,11 @@ SegmentationPanel::~SegmentationPanel() {
 
 void SegmentationPanel::draw(const c3de_ui_v1 &ui) {
   if (!workflow_.mask().sources().image) return;
+  if (scanBody_.isPossible()) {
+    if (button(ui, "make_alive", commandInfo(Command::makeScanAlive).label)) scanBody_.show(true);
+    tooltip(ui, commandInfo(Command::makeScanAlive).doc);
+    text(ui, "Or one organ of it:");
+  }
   heading(ui, "1  Pick it in the image");
   drawSource(ui);
   const std::size_t several = workflow_.isSeveral() ? workflow_.pickedLabels().size() : 0;

@@ -33,6 +33,8 @@ void drawShortcuts(FrameContext &frame);
 void drawMessages(FrameContext &frame);
 void drawAbout(FrameContext &frame);
 void drawPluginManager(FrameContext &frame);
+/// What the body of a whole scan is to be, while that is asked.
+void drawScanBody(FrameContext &frame);
 /// Asks state.question until there is a state.answer.
 void drawQuestion(FrameContext &frame);
 

@@ -54,7 +54,8 @@ struct WindowState {
   Layout layout;
   EditHistory history;
   bool showShortcuts = false, showAbout = false, showMessages = false, showPlugins = false;
-  std::optional<Question> question;  ///< while a person is asked
+  std::array<char, 128> labelFilter{};  ///< in the dialog of the scan's body
+  std::optional<Question> question;     ///< while a person is asked
   /// To the last one: the ids of question and answer.
   std::pair<std::string, std::string> answer;
   AboutText about;

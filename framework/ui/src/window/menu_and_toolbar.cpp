@@ -8,6 +8,7 @@
 #include "c3de/registry/command_registry.h"
 #include "c3de/registry/parameter_registry.h"
 #include "c3de/registry/tool_registry.h"
+#include "c3de/segmentation/scan_body.h"
 #include "window/chrome.h"
 
 namespace c3de::ui {
@@ -17,6 +18,7 @@ struct MenuEntry {
   Command command;
   bool needsSimulation = false;
   bool needsImage = false;
+  bool needsLabels = false;
 };
 
 /// What a view is called where the patient's z is up.
@@ -34,8 +36,9 @@ const char *patientLabel(Command command) {
 
 void menuItem(FrameContext &frame, const MenuEntry &entry, bool isChecked = false) {
   const CommandInfo &info = commandInfo(entry.command);
-  const bool isEnabled =
-      (!entry.needsSimulation || frame.simulation.exists) && (!entry.needsImage || frame.shownImages());
+  const bool isEnabled = (!entry.needsSimulation || frame.simulation.exists) &&
+                         (!entry.needsImage || frame.shownImages()) &&
+                         (!entry.needsLabels || (frame.services.scanBody && frame.services.scanBody->isPossible()));
   const std::string key = keyText(info.key, info.modifiers);
   const char *label = frame.camera.upAxis == render::UpAxis::z ? patientLabel(entry.command) : nullptr;
   if (ImGui::MenuItem(label ? label : info.label, key.empty() ? nullptr : key.c_str(), isChecked, isEnabled))
@@ -43,7 +46,9 @@ void menuItem(FrameContext &frame, const MenuEntry &entry, bool isChecked = fals
   markItem(frame, "menu", info.id, isEnabled);
   itemTooltip(frame, isEnabled
                          ? info.doc
-                         : std::string(info.doc) + (entry.needsImage ? " (no image is open)" : " (nothing is loaded)"));
+                         : std::string(info.doc) + (entry.needsLabels  ? " (no image with a label map over it is open)"
+                                                    : entry.needsImage ? " (no image is open)"
+                                                                       : " (nothing is loaded)"));
 }
 
 /// "Undo Young's modulus": says what it would change.
@@ -69,6 +74,7 @@ void fileMenu(FrameContext &frame) {
   menuItem(frame, {Command::openScene});
   menuItem(frame, {Command::openImage});
   menuItem(frame, {Command::openLabels, false, true});
+  menuItem(frame, {Command::makeScanAlive, false, false, true});
   menuItem(frame, {Command::closeImage, false, true});
   menuItem(frame, {Command::reload, true});
   ImGui::Separator();

@@ -19,6 +19,7 @@
 #include "c3de/render/image_renderer.h"
 #include "c3de/render_gl/gl_renderer.h"
 #include "c3de/scene/scene_graph.h"
+#include "c3de/segmentation/scan_body.h"
 #include "c3de/ui/slice_controller.h"
 #include "c3de/ui/view_controller.h"
 #include "panels/imgui_panel.h"
@@ -282,6 +283,7 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   drawMessages(context);
   drawAbout(context);
   drawPluginManager(context);
+  drawScanBody(context);
   drawQuestion(context);
 }
 
@@ -405,6 +407,9 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
     case Command::openScene: openDialog(false); break;
     case Command::openImage: openImageDialog(false); break;
     case Command::openLabels: onImage([&](ImageViews &) { openImageDialog(true); }); break;
+    case Command::makeScanAlive:
+      if (services.scanBody) services.scanBody->show(true);
+      break;
     case Command::closeImage: onImage([&](ImageViews &) { call(actions.closeImage); }); break;
     case Command::reload: call(actions.reload); break;
     case Command::exportSurface:

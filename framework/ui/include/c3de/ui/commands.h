@@ -13,6 +13,7 @@ enum class Command {
   openScene,
   openImage,
   openLabels,
+  makeScanAlive,
   closeImage,
   reload,
   exportSurface,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "c3de/registry/panel_registry.h"
+#include "c3de/segmentation/scan_body.h"
 #include "c3de/segmentation/segmentation_workflow.h"
 #include "c3de/ui/image_views.h"
 
@@ -11,7 +12,9 @@ namespace c3de::ui {
 /// it lives. Main thread.
 class SegmentationPanel {
  public:
-  SegmentationPanel(registry::PanelRegistry &panels, ImageViews &views, segmentation::SegmentationWorkflow &workflow);
+  /// @param scanBody  that a button shows
+  SegmentationPanel(registry::PanelRegistry &panels, ImageViews &views, segmentation::SegmentationWorkflow &workflow,
+                    segmentation::ScanBody &scanBody);
   ~SegmentationPanel();
   SegmentationPanel(const SegmentationPanel &) = delete;
   SegmentationPanel &operator=(const SegmentationPanel &) = delete;
@@ -35,6 +38,7 @@ class SegmentationPanel {
   registry::PanelRegistry &panels_;
   ImageViews &views_;
   segmentation::SegmentationWorkflow &workflow_;
+  segmentation::ScanBody &scanBody_;
   Handle panel_;
   std::string filter_;             ///< of the labels that are listed
   const char *awaited_ = nullptr;  ///< id of the button that was pressed last

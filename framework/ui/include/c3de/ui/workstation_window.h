@@ -15,6 +15,7 @@
 #include "c3de/ui/commands.h"
 
 namespace c3de::segmentation {
+class ScanBody;
 class SegmentationWorkflow;
 }  // namespace c3de::segmentation
 
@@ -90,6 +91,7 @@ struct WindowActions {
   std::function<void(const std::filesystem::path &)> saveState, loadState;        ///< of the simulation
   /// The scan as it now lies; how far
   std::function<void(const std::filesystem::path &)> exportImage, exportDisplacement;
+  std::function<void(const std::filesystem::path &)> saveScanScene;  ///< of what is chosen in the dialog of the scan
   /// What a file of that export could be called, without folder and ending; empty: nothing is proposed.
   std::function<std::string(Command exported)> proposeName;
   std::function<void()> closeImage;
@@ -106,6 +108,7 @@ struct WindowServices {
   BackgroundJobs *jobs = nullptr;
   ImageViews *images = nullptr;                            ///< while it has an image, slices stand beside the 3D view
   segmentation::SegmentationWorkflow *workflow = nullptr;  ///< its steps are undone while they are what was edited last
+  segmentation::ScanBody *scanBody = nullptr;              ///< asked for while it is shown
   registry::EditList *edits = nullptr;                     ///< of plugins, likewise
   registry::CommandRegistry *commands = nullptr;           ///< of plugins; a menu where there are any
   std::function<std::string()> meshExtensions;             ///< for the dialog: "obj;stl"

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/segmentation/scan_body.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "c3de/core/path_text.h"
+#include "c3de/core/text.h"
+#include "c3de/imaging/warp_grid.h"
+#include "c3de/scene/material_names.h"
+#include "label_volumes.h"
+
+namespace c3de::segmentation {
+namespace {
+
+// What of a CT is soft tissue; bone that has no label is not.
+constexpr double kFrom_HU = -150.0, kTo_HU = 250.0;
+constexpr double kGravity_m_s2 = 9.81;
+
+/// LPS: left, posterior and superior grow.
+const char *directionOf(Posture posture) {
+  switch (posture) {
+    case Posture::supine: return "[0, {}, 0]";
+    case Posture::prone: return "[0, -{}, 0]";
+    case Posture::leftSide: return "[{}, 0, 0]";
+    case Posture::rightSide: return "[-{}, 0, 0]";
+    case Posture::upright: break;
+  }
+  return "[0, 0, -{}]";
+}
+
+/// A basic string of TOML.
+std::string quoted(const std::string &text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\')
+      out += std::string("\\") + c;
+    else if (code < 0x20 || code == 0x7f)
+      out += fmt::format("\\u{:04x}", static_cast<unsigned>(code));
+    else
+      out += c;
+  }
+  return out + '"';
+}
+
+std::string fileText(const std::filesystem::path &file, const std::filesystem::path &folder) {
+  std::error_code ignored;
+  const std::filesystem::path whole = std::filesystem::absolute(file, ignored).lexically_normal();
+  const std::filesystem::path from = std::filesystem::absolute(folder, ignored).lexically_normal();
+  const std::filesystem::path there = folder.empty() ? whole : whole.lexically_relative(from);
+  const bool isBelow = !there.empty() && *there.begin() != "..";
+  return quoted(pathText(isBelow ? there : whole));
+}
+
+LabelUse useOf(const scene::NamedTissue &tissue) {
+  if (tissue.isEmpty()) return {LabelUse::Kind::air, {}};
+  if (tissue.isRigid()) return {LabelUse::Kind::rigid, {}};
+  return {LabelUse::Kind::material, tissue.preset->name};
+}
+
+}  // namespace
+
+ScanBody::ScanBody(BackgroundJobs &jobs, std::string jobOwner, const scene::MaterialLibrary &materials,
+                   std::function<void(const std::string &)> make)
+    : jobs_(jobs), jobOwner_(std::move(jobOwner)), materials_(materials), make_(std::move(make)),
+      alive_(std::make_shared<bool>(true)) {}
+
+ScanBody::~ScanBody() { *alive_ = false; }
+
+void ScanBody::setSources(Sources sources) {
+  const bool isSameScan = sources.imageFile == sources_.imageFile && sources.series == sources_.series &&
+                          (sources.image != nullptr) == (sources_.image != nullptr);
+  const bool areSameLabels = sources.layers == sources_.layers;
+  sources_ = std::move(sources);
+  if (!isPossible()) isShown_ = false;
+  if (!isSameScan || !areSameLabels) problem_.clear();
+  if (!isSameScan) {
+    settings_ = {};
+    if (sources_.image) {
+      settings_.hasBackground = imaging::looksLikeHounsfield(sources_.image->volume);
+      settings_.from = settings_.hasBackground ? kFrom_HU : sources_.image->range.low;
+      settings_.to = settings_.hasBackground ? kTo_HU : sources_.image->range.high;
+    }
+  }
+  if (areSameLabels) return;
+  if (!counting_.isNull()) jobs_.cancel(std::exchange(counting_, {}));
+  ++serial_;
+  isCounted_ = false;
+  rows_.clear();
+  byName_.clear();
+  numbers_.clear();
+  for (const auto &layer : sources_.layers)
+    for (const imaging::LabelMap::Label &label : layer->map.labels) {
+      Row row;
+      row.name = label.name.empty() ? "label " + std::to_string(label.value) : label.name;
+      row.colour = render::shownColour(label.colour);
+      if (const auto tissue = scene::tissueOf(materials_, label.name)) {
+        row.known = tissue->name;
+        row.remark = tissue->remark;
+        row.isAir = tissue->isEmpty();
+        row.use = useOf(*tissue);
+      }
+      row.material = materials_.find(row.use.preset);
+      byName_.push_back(row.use);
+      numbers_.push_back(label.value);
+      rows_.push_back(std::move(row));
+    }
+}
+
+void ScanBody::show(bool isShown) {
+  isShown_ = isShown && isPossible();
+  if (isShown_ && !isCounted_ && counting_.isNull()) count();
+}
+
+void ScanBody::count() {
+  const auto volumes = std::make_shared<std::vector<double>>();
+  counting_ = jobs_.submit(
+      jobOwner_, "Measuring labels",
+      [layers = sources_.layers, volumes](const ProgressFn &progress) -> Expected<void> {
+        for (const auto &layer : layers) {
+          auto counted = volumesOf(layer->map, progress);
+          if (!counted) return tl::unexpected(counted.error());
+          volumes->insert(volumes->end(), counted->begin(), counted->end());
+        }
+        return {};
+      },
+      [this, alive = alive_, serial = serial_, volumes](const Expected<void> &done) {
+        if (!*alive || serial != serial_) return;
+        counting_ = {};
+        isCounted_ = done.has_value();
+        for (std::size_t i = 0; isCounted_ && i < rows_.size(); ++i) rows_[i].volume_ml = (*volumes)[i];
+      });
+}
+
+void ScanBody::setUse(std::size_t row, LabelUse use) {
+  if (row >= rows_.size()) return;
+  rows_[row].material = use.kind == LabelUse::Kind::material ? materials_.find(use.preset) : nullptr;
+  rows_[row].use = std::move(use);
+}
+
+std::array<Vec3, 2> ScanBody::extent_mm() const {
+  if (sources_.layers.empty()) return {};
+  const imaging::WorldBox box = imaging::boxOf(sources_.layers.front()->map.geometry);
+  return {box.low, box.high};
+}
+
+std::string ScanBody::blockingReason() const {
+  if (!sources_.image) return "no image is open";
+  if (sources_.layers.empty()) return "no label map lies over the image";
+  if (isMaking_) return "a body is being made";
+  if (!isCounted_) return counting_.isNull() ? "the labels have not been measured" : "the labels are being measured";
+  if (std::all_of(rows_.begin(), rows_.end(), [](const Row &row) {
+        return row.use.kind == LabelUse::Kind::none || row.volume_ml.value_or(0.0) <= 0.0;
+      }))
+    return "no label is known by its name; choose a material for one, or that it is rigid";
+  if (settings_.hasBackground) {
+    if (!(settings_.from <= settings_.to))
+      return "the background reaches from " + formatNumber(settings_.from) + " to " + formatNumber(settings_.to) +
+             ": from has to be below to";
+  } else if (std::none_of(rows_.begin(), rows_.end(), [](const Row &row) {
+               return row.use.kind == LabelUse::Kind::material && row.volume_ml.value_or(0.0) > 0.0;
+             })) {
+    return "nothing could move: all labels are rigid, air or left out; choose a material for one, or take a background";
+  }
+  if (settings_.region)
+    for (std::size_t a = 0; a < 3; ++a)
+      if (!((*settings_.region)[0][a] < (*settings_.region)[1][a]))
+        return fmt::format("the region reaches from {} to {} mm along {}: from has to be below to",
+                           formatNumber((*settings_.region)[0][a]), formatNumber((*settings_.region)[1][a]), "xyz"[a]);
+  return {};
+}
+
+/// By name where that means this label alone, else by number.
+std::string ScanBody::labelText(std::size_t row) const {
+  const std::string &name = rows_[row].name;
+  const bool isOne = std::count_if(rows_.begin(), rows_.end(), [&](const Row &r) { return r.name == name; }) == 1;
+  const bool isName = name.find('*') == std::string::npos && name.find_first_not_of("0123456789") != std::string::npos;
+  // A label without a name has one here only.
+  const bool hasName = name != "label " + std::to_string(numbers_[row]);
+  return isOne && isName && hasName ? quoted(name) : std::to_string(numbers_[row]);
+}
+
+std::string ScanBody::sceneText(const std::filesystem::path &folder) const {
+  const std::string image = fileText(sources_.imageFile, folder), labels = fileText(sources_.labelFile, folder);
+  const std::string series = sources_.series.empty() ? "" : quoted(sources_.series);
+  const std::size_t time = sources_.image ? sources_.image->time : 0;
+  std::string text = "format = 1\ntitle = " + quoted(sources_.image ? sources_.image->name : "scan") + "\n\n[image]\n" +
+                     "file = " + image + "\n" + (series.empty() ? "" : "series = " + series + "\n") +
+                     (time > 0 ? "time = " + std::to_string(time) + "\n" : "") + "labels = " + labels + "\n\n";
+  if (settings_.hasGravity) {
+    const std::string gravity = fmt::format(fmt::runtime(directionOf(settings_.posture)), kGravity_m_s2);
+    text += "[world]\ngravity = " + gravity + "\nscan_gravity = " + gravity + "\n\n";
+  }
+  text += "[solver]\ndamping = 2.0\n\n[[body]]\nname = \"scan\"\nvolume = " + labels + "\n";
+
+  // One entry for labels that are one tissue by their names, or got the same choice.
+  std::vector<std::pair<std::string, std::string>> entries;  // what they are, and their labels
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const Row &row = rows_[i];
+    if (row.use.kind == LabelUse::Kind::none || row.volume_ml == 0.0) continue;
+    const bool isByName = row.use == byName_[i];
+    const std::string key = isByName                                ? row.known
+                            : row.use.kind == LabelUse::Kind::rigid ? std::string(", rigid = true")
+                                                                    : ", material = " + quoted(row.use.preset);
+    auto entry = std::find_if(entries.begin(), entries.end(), [&](const auto &one) { return one.first == key; });
+    if (entry == entries.end()) entry = entries.insert(entries.end(), {key, ""});
+    entry->second += (entry->second.empty() ? "" : ", ") + labelText(i);
+  }
+  text += "tissues = [\n";
+  for (const auto &[key, names] : entries)
+    text += "  { label = [" + names + "]" + (key.front() == ',' ? key : "") + " }," +
+            (key.front() == ',' ? "" : "  # " + key) + "\n";
+  text += "]\n";
+  if (settings_.hasBackground)
+    text += "background = { material = " + quoted(settings_.background) + ", image = " + image +
+            (series.empty() ? "" : ", series = " + series) + (time > 0 ? ", time = " + std::to_string(time) : "") +
+            ", from = " + formatNumber(settings_.from) + ", to = " + formatNumber(settings_.to) + " }\n";
+  if (settings_.region) {
+    const auto corner = [&](std::size_t c) {
+      const Vec3 &at = (*settings_.region)[c];
+      return "[" + formatNumber(1e-3 * at[0]) + ", " + formatNumber(1e-3 * at[1]) + ", " + formatNumber(1e-3 * at[2]) +
+             "]";
+    };
+    text += "region = { box = { min = " + corner(0) + ", max = " + corner(1) + " } }\n";
+  }
+  if (settings_.largestOnly) text += "mend = { largest = true }\n";
+  return text + "sampling = { count = " + formatNumber(settings_.points) + " }\n";
+}
+
+void ScanBody::make() {
+  if (!blockingReason().empty()) return;
+  problem_.clear();
+  isMaking_ = true;
+  isShown_ = false;
+  make_(sceneText());
+}
+
+void ScanBody::finished(const Expected<void> &result) {
+  isMaking_ = false;
+  if (result || result.error().code == ErrorCode::cancelled) return;
+  problem_ = result.error().message;
+  show(true);
+}
+
+}  // namespace c3de::segmentation

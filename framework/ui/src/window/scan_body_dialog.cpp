@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+// One body of a whole scan: what each of its labels is of, and what else there is to say.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cfloat>
+
+#include "c3de/segmentation/scan_body.h"
+#include "c3de/segmentation/segmentation_workflow.h"
+#include "logic/label_list.h"
+#include "panels/fields.h"
+#include "window/chrome.h"
+#include "window/file_dialog.h"
+
+namespace c3de::ui {
+namespace {
+
+using segmentation::LabelUse;
+using segmentation::ScanBody;
+using segmentation::ScanBodySettings;
+constexpr const char *kArea = "scan";
+constexpr double kFewestPoints = 50.0, kMostPoints = 200000.0;
+
+void checkbox(FrameContext &frame, const char *id, const char *label, bool &value, const char *doc) {
+  ImGui::Checkbox((std::string(label) + "###" + id).c_str(), &value);
+  markItem(frame, kArea, id);
+  frame.automation.value(kArea, id, value ? "true" : "false");
+  itemTooltip(frame, doc);
+}
+
+/// A number with its unit behind it.
+void number(FrameContext &frame, const std::string &id, const char *label, const std::string &unit, double &value) {
+  ImGui::SameLine();
+  ImGui::TextUnformatted(label);
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(frame.theme.px(84.0f));
+  double typed = value;
+  if (ImGui::InputDouble(("###" + id).c_str(), &typed, 0.0, 0.0, "%.6g") && std::isfinite(typed)) value = typed;
+  markItem(frame, kArea, id);
+  frame.automation.value(kArea, id, shortNumber(value));
+  if (unit.empty()) return;
+  ImGui::SameLine();
+  ImGui::TextColored(colour::kDim, "%s", unit.c_str());
+}
+
+void choice(FrameContext &frame, const std::string &id, float width, const std::vector<std::string> &names,
+            std::uint32_t &index) {
+  ImGui::SetNextItemWidth(width);
+  (void)choiceField(frame, kArea, id, names, index);
+}
+
+/// What a label may be of; the rest of the list are presets.
+std::vector<LabelUse> usesOf(const ScanBody &scan, const ScanBody::Row &row) {
+  std::vector<LabelUse> uses{{LabelUse::Kind::none, {}}, {LabelUse::Kind::rigid, {}}};
+  if (row.isAir) uses.push_back({LabelUse::Kind::air, {}});
+  for (const scene::MaterialPreset &preset : scan.materials().presets())
+    uses.push_back({LabelUse::Kind::material, preset.name});
+  return uses;
+}
+
+std::string nameOf(const LabelUse &use, bool hasBackground) {
+  switch (use.kind) {
+    case LabelUse::Kind::none: return hasBackground ? "background" : "left out";
+    case LabelUse::Kind::air: return "air";
+    case LabelUse::Kind::rigid: return "rigid";
+    case LabelUse::Kind::material: break;
+  }
+  return use.preset;
+}
+
+void drawRow(FrameContext &frame, ScanBody &scan, std::size_t at) {
+  const ScanBody::Row &row = scan.rows()[at];
+  ImGui::PushID(static_cast<int>(at));
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  const float side = ImGui::GetFontSize();
+  ImGui::AlignTextToFramePadding();
+  ImGui::ColorButton("##colour", ImVec4(row.colour[0], row.colour[1], row.colour[2], 1.0f),
+                     ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoDragDrop, ImVec2(side, side));
+  ImGui::SameLine();
+  ImGui::TextUnformatted(row.name.c_str());
+  ImGui::TableNextColumn();
+  ImGui::AlignTextToFramePadding();
+  if (row.known.empty())
+    ImGui::TextColored(colour::kWarn, "not known");
+  else
+    ImGui::TextUnformatted(row.known.c_str());
+  frame.automation.value(kArea, row.name + ".known", row.known.empty() ? "not known" : row.known);
+  itemTooltip(frame, row.known.empty() ? "No tissue is known by this name; choose what it is of" : row.remark);
+  ImGui::TableNextColumn();
+  const std::vector<LabelUse> uses = usesOf(scan, row);
+  std::vector<std::string> names;
+  std::uint32_t index = 0;
+  for (const LabelUse &use : uses) {
+    if (use == row.use) index = static_cast<std::uint32_t>(names.size());
+    names.push_back(nameOf(use, scan.settings().hasBackground));
+  }
+  const std::uint32_t before = index;
+  choice(frame, "use." + row.name, -FLT_MIN, names, index);
+  ImGui::TableNextColumn();
+  ImGui::AlignTextToFramePadding();
+  if (row.material != nullptr) {
+    const std::string stiffness = segmentation::stiffnessText(
+        row.material->youngsModulus, row.material->youngsModulusMin, row.material->youngsModulusMax);
+    ImGui::TextUnformatted(stiffness.c_str());
+    frame.automation.value(kArea, row.name + ".stiffness", stiffness);
+    itemTooltip(frame, row.material->evidence + "\n" + row.material->source);
+  } else {
+    ImGui::TextColored(colour::kDim, "–");
+  }
+  ImGui::TableNextColumn();
+  ImGui::AlignTextToFramePadding();
+  const std::string volume = row.volume_ml ? fmt::format("{:.1f} ml", *row.volume_ml) : std::string("… ml");
+  ImGui::TextUnformatted(volume.c_str());
+  frame.automation.value(kArea, row.name + ".volume", volume);
+  ImGui::PopID();
+  if (index != before) scan.setUse(at, uses[index]);
+}
+
+void drawLabels(FrameContext &frame, ScanBody &scan, float below) {
+  std::array<char, 128> &filter = frame.state.labelFilter;
+  ImGui::SetNextItemWidth(frame.theme.px(280.0f));
+  ImGui::InputTextWithHint("###filter", "Filter: kidney, lung left, not known", filter.data(), filter.size());
+  markItem(frame, kArea, "filter");
+  std::vector<std::size_t> listed;
+  std::size_t unknown = 0;
+  for (std::size_t i = 0; i < scan.rows().size(); ++i) {
+    const ScanBody::Row &row = scan.rows()[i];
+    unknown += row.known.empty() ? 1 : 0;
+    if (isListed(row.name + " " + (row.known.empty() ? "not known" : row.known), filter.data())) listed.push_back(i);
+  }
+  ImGui::SameLine();
+  const std::string count =
+      fmt::format("{} of {} labels, {} not known by their names", listed.size(), scan.rows().size(), unknown);
+  ImGui::TextColored(unknown > 0 ? colour::kWarn : colour::kDim, "%s", count.c_str());
+  frame.automation.value(kArea, "count", count);
+  if (!ImGui::BeginTable(
+          "labels", 5,
+          ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersInnerH | ImGuiTableFlags_Resizable,
+          ImVec2(0, -below)))
+    return;
+  ImGui::TableSetupScrollFreeze(0, 1);
+  ImGui::TableSetupColumn("Label", ImGuiTableColumnFlags_WidthStretch, 0.26f);
+  ImGui::TableSetupColumn("Taken for", ImGuiTableColumnFlags_WidthStretch, 0.16f);
+  ImGui::TableSetupColumn("Material", ImGuiTableColumnFlags_WidthStretch, 0.24f);
+  ImGui::TableSetupColumn("Young's modulus (range)", ImGuiTableColumnFlags_WidthStretch, 0.24f);
+  ImGui::TableSetupColumn("Volume", ImGuiTableColumnFlags_WidthStretch, 0.1f);
+  ImGui::TableHeadersRow();
+  for (const std::size_t at : listed) drawRow(frame, scan, at);
+  ImGui::EndTable();
+}
+
+void drawBackground(FrameContext &frame, const ScanBody &scan, ScanBodySettings &settings) {
+  checkbox(frame, "background", "Background", settings.hasBackground,
+           "What has no label, where the image has values between the two. Without it that is left out");
+  if (!settings.hasBackground) return;
+  const std::vector<std::string> names = scan.materials().names();
+  auto index = static_cast<std::uint32_t>(std::find(names.begin(), names.end(), settings.background) - names.begin());
+  ImGui::SameLine();
+  choice(frame, "background.material", frame.theme.px(180.0f), names, index);
+  if (index < names.size()) settings.background = names[index];
+  const std::string unit = scan.sources().image ? scan.sources().image->volume.unit : "";
+  number(frame, "from", "from", "", settings.from);
+  number(frame, "to", "to", unit, settings.to);
+}
+
+void drawRegion(FrameContext &frame, const ScanBody &scan, ScanBodySettings &settings) {
+  bool hasRegion = settings.region.has_value();
+  checkbox(frame, "region", "Only a region", hasRegion,
+           "A box along the axes of the patient, LPS: what lies outside is left out");
+  if (!hasRegion) return settings.region.reset();
+  if (!settings.region) settings.region = scan.extent_mm();
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::string axis(1, "xyz"[a]);
+    number(frame, "region." + axis + ".from", axis.c_str(), "", (*settings.region)[0][a]);
+    number(frame, "region." + axis + ".to", "…", a == 2 ? "mm" : "", (*settings.region)[1][a]);
+  }
+}
+
+void drawSettings(FrameContext &frame, ScanBody &scan) {
+  ScanBodySettings settings = scan.settings();
+  drawBackground(frame, scan, settings);
+  checkbox(frame, "largest", "Largest piece only", settings.largestOnly, "Without what lies apart, such as the table");
+  number(frame, "points", "    Phyxels", "", settings.points);
+  settings.points = std::clamp(settings.points, kFewestPoints, kMostPoints);
+  checkbox(frame, "gravity", "Gravity, in balance with the scan", settings.hasGravity,
+           "The scan shows the body as it lies in this gravity: it rests, and sinks when gravity becomes another one");
+  if (settings.hasGravity) {
+    auto posture = static_cast<std::uint32_t>(settings.posture);
+    ImGui::SameLine();
+    choice(frame, "posture", frame.theme.px(220.0f),
+           {"lying on the back", "lying on the front", "lying on the left", "lying on the right", "upright"}, posture);
+    settings.posture = static_cast<segmentation::Posture>(posture);
+  }
+  drawRegion(frame, scan, settings);
+  scan.setSettings(settings);
+}
+
+}  // namespace
+
+void drawScanBody(FrameContext &frame) {
+  ScanBody *scan = frame.services.scanBody;
+  if (scan == nullptr || !scan->isShown()) return;
+  bool isShown = true;
+  if (!beginDialog(frame, "Make the scan alive", "make_alive", isShown, ImVec2(980, 700))) {
+    if (!isShown) scan->show(false);
+    return;
+  }
+  const float lines = 5.0f * ImGui::GetFrameHeightWithSpacing() + 2.0f * ImGui::GetTextLineHeightWithSpacing();
+  drawLabels(frame, *scan, lines + frame.theme.px(8.0f));
+  drawSettings(frame, *scan);
+  const std::string reason = scan->blockingReason();
+  ImGui::BeginChild("reason", ImVec2(0, 2.0f * ImGui::GetTextLineHeightWithSpacing()));
+  ImGui::PushTextWrapPos(0.0f);
+  if (!scan->problem().empty()) ImGui::TextColored(colour::kError, "%s", scan->problem().c_str());
+  if (!reason.empty()) ImGui::TextColored(colour::kWarn, "Not yet: %s.", reason.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::EndChild();
+  frame.automation.value(kArea, "problem", scan->problem());
+  frame.automation.value(kArea, "reason", reason);
+  ImGui::BeginDisabled(!reason.empty());
+  const bool isMade = ImGui::Button("Make", ImVec2(frame.theme.px(120.0f), 0));
+  markItem(frame, kArea, "make", reason.empty());
+  itemTooltip(frame, "Beside the window, with a bar that can be cancelled; what is open stays until it is complete");
+  ImGui::SameLine();
+  const bool isSaved = ImGui::Button("Save scene…", ImVec2(frame.theme.px(120.0f), 0));
+  markItem(frame, kArea, "save", reason.empty());
+  itemTooltip(frame, "Write what is chosen as a scene file, to open or to run later");
+  ImGui::EndDisabled();
+  ImGui::SameLine();
+  if (isMade || isSaved) {
+    isShown = false;
+    ImGui::CloseCurrentPopup();
+  }
+  endDialog(frame, isShown);
+  if (!isShown) scan->show(false);
+  if (isMade) scan->make();
+  if (!isSaved) return;
+  FileDialog::Request request;
+  request.title = "Save the scene of the scan";
+  request.extensions = "toml";
+  request.isSaving = true;
+  request.proposed = "scan.toml";
+  request.chosen = [save = frame.actions.saveScanScene, scan](const std::filesystem::path &file, const std::string &) {
+    if (save) save(file);
+    scan->show(true);
+  };
+  frame.fileDialog.open(std::move(request));
+}
+
+}  // namespace c3de::ui

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/segmentation/scan_body.h"
+
+#include <algorithm>
+#include <fstream>
+
+#include "c3de/scene/scene_file.h"
+#include "workflow_fixture.h"
+
+using namespace c3de;
+using namespace c3de::segmentation;
+using namespace c3de::segmentation::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+using LabelKind = LabelUse::Kind;
+
+/// The scan of the fixture with labels of these names, a voxel each; a last one that does not occur.
+struct Scan : Fixture {
+  std::shared_ptr<scene::StoredLabels> labels = std::make_shared<scene::StoredLabels>();
+  std::filesystem::path folder = testOutputFolder() / "scan-body";
+
+  explicit Scan(const std::vector<std::string> &names) {
+    std::filesystem::create_directories(folder);
+    for (const char *file : {"ct.nii.gz", "labels.nii.gz"}) std::ofstream(folder / file) << "not read here";
+    labels->map.geometry = sources.labels->map.geometry;
+    labels->map.voxels.resize(8000);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      labels->map.labels.push_back({static_cast<std::uint16_t>(i + 1), names[i], {}});
+      labels->map.voxels[i] = static_cast<std::uint16_t>(i + 1);
+    }
+    labels->map.labels.push_back({900, "spleen", {}});
+    scan.setSources({sources.image, folder / "ct.nii.gz", "", folder / "labels.nii.gz", {labels}});
+    scan.show(true);
+    settle();
+  }
+  void use(const std::string &name, LabelKind kind, const std::string &preset = "") {
+    const auto row = std::find_if(scan.rows().begin(), scan.rows().end(),
+                                  [&](const ScanBody::Row &one) { return one.name == name; });
+    REQUIRE(row != scan.rows().end());
+    scan.setUse(static_cast<std::size_t>(row - scan.rows().begin()), {kind, preset});
+  }
+  void settings(const std::function<void(ScanBodySettings &)> &change) {
+    ScanBodySettings s = scan.settings();
+    change(s);
+    scan.setSettings(s);
+  }
+  [[nodiscard]] scene::SceneFile read() const {
+    auto parsed = scene::parseScene(scan.sceneText(), {}, &materials);
+    if (!parsed) FAIL(parsed.error().message + "\n" + scan.sceneText());
+    return std::move(*parsed);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("Labels are what their names are known as, with stiffness and volume", "[scan_body]") {
+  Scan f({"liver", "kidney_left", "vertebrae_L1", "trachea", "gizmo"});
+  const auto &rows = f.scan.rows();
+  REQUIRE(rows.size() == 6);
+  CHECK(rows[0].known == "liver");
+  CHECK(rows[0].volume_ml == 0.125);
+  CHECK(rows[1].material == f.materials.find("kidney_cortex"));
+  CHECK(rows[2].use.kind == LabelKind::rigid);
+  CHECK(rows[2].known == "bone");
+  CHECK(rows[3].use.kind == LabelKind::air);
+  CHECK(rows[4].known.empty());
+  CHECK(rows[4].use.kind == LabelKind::none);
+  CHECK(rows[5].volume_ml == 0.0);
+  CHECK(f.scan.blockingReason().empty());
+}
+
+TEST_CASE("The scene of a scan says all that was chosen, and the reader takes it", "[scan_body]") {
+  Scan f({"kidney_left", "kidney_right", "liver", "rib_left_1", "rib_left_2", "aorta", "gizmo", "thing \"x\""});
+  f.use("liver", LabelKind::material, "spleen");
+  f.use("gizmo", LabelKind::material, "spleen");
+  f.use("rib_left_2", LabelKind::none);
+  f.use("aorta", LabelKind::rigid);
+  f.use("thing \"x\"", LabelKind::rigid);
+  f.settings([](ScanBodySettings &s) {
+    s.background = "muscle_skeletal_rest";
+    s.hasBackground = true;
+    s.from = -30.0;
+    s.to = 90.0;
+    s.points = 1234.0;
+    s.posture = Posture::prone;
+    s.region = {{{-10.0, 0.0, 5.0}, {40.0, 60.0, 80.0}}};
+  });
+  const scene::SceneFile scene = f.read();
+  REQUIRE(scene.bodies.size() == 1);
+  const scene::SceneVolume &volume = scene.bodies[0].volume;
+  CHECK(volume.file == f.folder / "labels.nii.gz");
+  REQUIRE(volume.tissues.size() == 4);
+  CHECK(volume.tissues[0].wanted == std::vector<std::string>{"kidney_left", "kidney_right"});
+  CHECK(volume.tissues[0].isByName);
+  CHECK(volume.tissues[1].wanted == std::vector<std::string>{"liver", "gizmo"});
+  CHECK(volume.tissues[1].preset == "spleen");
+  CHECK(volume.tissues[2].wanted == std::vector<std::string>{"rib_left_1"});
+  CHECK(volume.tissues[3].wanted == std::vector<std::string>{"aorta", "thing \"x\""});
+  CHECK(volume.tissues[3].isRigid);
+  REQUIRE(volume.background);
+  CHECK(volume.background->from == -30.0);
+  CHECK(volume.background->to == 90.0);
+  CHECK(volume.mend.largest);
+  REQUIRE(volume.region);
+  CHECK(volume.region->b[1] == Approx(0.06));
+  REQUIRE(scene.image);
+  CHECK(scene.image->file == f.folder / "ct.nii.gz");
+  const auto world = [&](const std::string &id) {
+    const auto found = std::find_if(scene.world.begin(), scene.world.end(),
+                                    [&](const scene::SceneValue &value) { return value.value.id == id; });
+    return found == scene.world.end() ? Vec3{} : found->value.vec;
+  };
+  CHECK(world("world.gravity") == Vec3{0, -9.81, 0});
+  CHECK(world("world.scan_gravity") == world("world.gravity"));
+}
+
+TEST_CASE("A scene that is kept names the files beside it from there", "[scan_body]") {
+  const Scan f({"liver"});
+  CHECK_THAT(f.scan.sceneText(f.folder), Contains("file = \"ct.nii.gz\"") && Contains("volume = \"labels.nii.gz\""));
+  CHECK_THAT(f.scan.sceneText(f.folder / "elsewhere"), !Contains("file = \"ct.nii.gz\""));
+}
+
+TEST_CASE("A label whose name says not it alone goes by its number", "[scan_body]") {
+  Scan f({"liver", "liver", "12", "*", ""});
+  for (std::size_t i = 2; i < 5; ++i) f.scan.setUse(i, {LabelKind::rigid, ""});
+  const scene::SceneFile scene = f.read();
+  CHECK(scene.bodies[0].volume.tissues[0].wanted == std::vector<std::string>{"1", "2"});
+  CHECK(scene.bodies[0].volume.tissues[1].wanted == std::vector<std::string>{"3", "4", "5"});
+}
+
+TEST_CASE("Of a CT what has no label is fat by its values, of another image it is left out", "[scan_body]") {
+  Scan f({"liver"});
+  CHECK(f.scan.settings().hasBackground);
+  CHECK(f.scan.settings().from == -150.0);
+  CHECK(f.scan.settings().to == 250.0);
+  auto other = std::make_shared<scene::StoredImage>(*f.sources.image);
+  other->volume.unit = "";
+  f.scan.setSources({other, f.folder / "mr.nii.gz", "", f.folder / "labels.nii.gz", {f.labels}});
+  CHECK_FALSE(f.scan.settings().hasBackground);
+}
+
+TEST_CASE("What cannot become a body says why", "[scan_body]") {
+  Scan unknown({"gizmo", "thing"});
+  CHECK_THAT(unknown.scan.blockingReason(), Contains("no label is known by its name"));
+  unknown.scan.make();
+  CHECK(unknown.scene.empty());
+  unknown.use("gizmo", LabelKind::material, "fat");
+  CHECK(unknown.scan.blockingReason().empty());
+  Scan rigid({"vertebrae_L1", "trachea"});
+  CHECK(rigid.scan.blockingReason().empty());  // the background moves
+  rigid.settings([](ScanBodySettings &s) { s.hasBackground = false; });
+  CHECK_THAT(rigid.scan.blockingReason(), Contains("nothing could move"));
+  rigid.settings([](ScanBodySettings &s) {
+    s.hasBackground = true;
+    s.from = 300.0;
+  });
+  CHECK_THAT(rigid.scan.blockingReason(), Contains("from 300 to 250"));
+  rigid.settings([](ScanBodySettings &s) {
+    s.from = 0.0;
+    s.region = {{{0.0, 0.0, 9.0}, {1.0, 1.0, 9.0}}};
+  });
+  CHECK_THAT(rigid.scan.blockingReason(), Contains("from 9 to 9 mm along z"));
+}
+
+TEST_CASE("A try that failed comes back with its reason and what was chosen", "[scan_body]") {
+  Scan f({"liver", "gizmo"});
+  f.use("gizmo", LabelKind::rigid);
+  f.scan.make();
+  CHECK(f.scene == f.scan.sceneText());
+  CHECK_FALSE(f.scan.isShown());
+  CHECK_THAT(f.scan.blockingReason(), Contains("is being made"));
+  f.scan.finished(fail(ErrorCode::input, "no voxel is left"));
+  CHECK(f.scan.isShown());
+  CHECK(f.scan.problem() == "no voxel is left");
+  CHECK(f.scan.rows()[1].use.kind == LabelKind::rigid);
+  CHECK(f.scan.blockingReason().empty());
+  f.scan.make();
+  f.scan.finished(fail(ErrorCode::cancelled, "cancelled"));
+  CHECK_FALSE(f.scan.isShown());
+  CHECK(f.scan.problem().empty());
+}
+
+TEST_CASE("Choices outlive another time point and end with other labels", "[scan_body]") {
+  Scan f({"liver", "gizmo"});
+  f.use("gizmo", LabelKind::rigid);
+  f.settings([](ScanBodySettings &s) { s.points = 777.0; });
+  auto later = std::make_shared<scene::StoredImage>(*f.sources.image);
+  later->time = 2;
+  ScanBody::Sources sources = f.scan.sources();
+  sources.image = later;
+  f.scan.setSources(sources);
+  CHECK(f.scan.rows()[1].use.kind == LabelKind::rigid);
+  CHECK(f.scan.settings().points == 777.0);
+  CHECK_THAT(f.scan.sceneText(), Contains("time = 2,") && Contains("\ntime = 2\n"));
+  sources.layers = {f.sources.labels};
+  f.scan.setSources(sources);
+  CHECK(f.scan.rows()[1].name == "thing");
+  CHECK(f.scan.rows()[1].use.kind == LabelKind::none);
+  f.scan.setSources({});
+  CHECK_FALSE(f.scan.isPossible());
+  f.scan.show(true);
+  CHECK_FALSE(f.scan.isShown());
+}
