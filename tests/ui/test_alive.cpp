@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
+#include <string>
+#include <vector>
 
 #include "c3de/imaging/writing.h"
 #include "support/catch.h"
@@ -29,47 +29,66 @@ struct Files {
   fs::path image, labels;
 };
 
-/// A trunk of 64 x 48 x 24 voxels of 4 x 4 x 5 mm, LPS: an ellipse of fat with three labels in it, on a table apart.
-Files writeScan(const std::string &name, const std::array<std::string, 3> &names) {
-  const std::array<std::size_t, 3> n{64, 48, 24};
-  const imaging::VolumeGeometry geometry{n, {4, 0, 0, 0, 0, 4, 0, 0, 0, 0, 5, 0, -126, -94, -57.5, 1}};
-  std::vector<std::int16_t> image;
-  std::vector<std::uint16_t> labels;
-  for (int k = 0; k < 24; ++k)
-    for (int j = 0; j < 48; ++j)
-      for (int i = 0; i < 64; ++i) {
-        const double x = 4.0 * i - 126, y = 4.0 * j - 94, z = 5.0 * k - 57.5;
-        const auto within = [&](double cx, double cy, double cz, double rx, double ry, double rz) {
-          const double u = (x - cx) / rx, v = (y - cy) / ry, w = (z - cz) / rz;
-          return u * u + v * v + w * w <= 1.0;
+/// An ellipsoid that has a label, LPS in mm, with its value in HU.
+struct Organ {
+  std::string name;
+  std::array<double, 3> middle, halfAxes;
+  int value;
+  std::array<float, 3> colour;
+};
+
+std::vector<Organ> threeOrgans(const std::array<std::string, 3> &names) {
+  return {{names[0], {-45, -10, 0}, {48, 40, 38}, 100, {0.6f, 0.2f, 0.1f}},
+          {names[1], {50, 22, 0}, {22, 22, 36}, 160, {0.2f, 0.5f, 0.8f}},
+          {names[2], {0, 40, 0}, {18, 18, 1e9}, 500, {0.9f, 0.9f, 0.6f}}};
+}
+
+/// A trunk: fat with organs in it, an ellipse of 220 x 140 mm that is 100 mm high, on a table that lies apart.
+Files writeScan(const std::string &name, const std::vector<Organ> &organs, double spacing_mm = 4.0) {
+  const auto along = [&](double millimetres) { return static_cast<std::size_t>(std::ceil(millimetres / spacing_mm)); };
+  const std::array<std::size_t, 3> n{along(256), along(192), along(120)};
+  std::array<double, 3> first{};
+  for (std::size_t a = 0; a < 3; ++a) first[a] = -0.5 * spacing_mm * static_cast<double>(n[a] - 1);
+  imaging::Volume volume;
+  volume.geometry = {n,
+                     {spacing_mm, 0, 0, 0, 0, spacing_mm, 0, 0, 0, 0, spacing_mm, 0, first[0], first[1], first[2], 1}};
+  volume.unit = "HU";
+  imaging::LabelMap map;
+  map.geometry = volume.geometry;
+  for (std::size_t o = 0; o < organs.size(); ++o)
+    map.labels.push_back({static_cast<std::uint16_t>(o + 1), organs[o].name, organs[o].colour});
+  std::vector<std::int16_t> values;
+  std::uint32_t noise = 1;
+  for (std::size_t k = 0; k < n[2]; ++k)
+    for (std::size_t j = 0; j < n[1]; ++j)
+      for (std::size_t i = 0; i < n[0]; ++i) {
+        const std::array<double, 3> at{first[0] + spacing_mm * static_cast<double>(i),
+                                       first[1] + spacing_mm * static_cast<double>(j),
+                                       first[2] + spacing_mm * static_cast<double>(k)};
+        const auto isWithin = [&](const std::array<double, 3> &middle, const std::array<double, 3> &halfAxes) {
+          double sum = 0.0;
+          for (std::size_t a = 0; a < 3; ++a) sum += std::pow((at[a] - middle[a]) / halfAxes[a], 2.0);
+          return sum <= 1.0;
         };
-        const bool isBody = within(0, 0, 0, 110, 70, 1e9) && std::abs(z) < 50;
-        const bool isTable = y > 82 && y < 90 && std::abs(z) < 50;
-        const bool isLiver = within(-45, -10, 0, 48, 40, 38);
-        const bool isKidney = within(50, 22, 0, 22, 22, 36);
-        const bool isBone = within(0, 40, 0, 18, 18, 1e9) && isBody;
-        // Stripes, so that it is seen how the tissue moves.
-        const int stripe = (i / 3 + j / 3) % 2 == 0 ? 20 : -20;
-        image.push_back(static_cast<std::int16_t>(isBone     ? 500
-                                                  : isLiver  ? 100 + stripe
-                                                  : isKidney ? 160 + stripe
-                                                  : isBody   ? -90 + stripe
-                                                  : isTable  ? 30
-                                                             : -1000));
-        labels.push_back(isBone ? 3 : isLiver ? 1 : isKidney ? 2 : 0);
+        const bool isHigh = std::abs(at[2]) < 50;
+        const bool isBody = isHigh && isWithin({0, 0, 0}, {110, 70, 1e9});
+        int value = isBody ? -90 : isHigh && at[1] > 82 && at[1] < 90 ? 30 : -1000;
+        std::uint16_t label = 0;
+        for (std::size_t o = 0; isBody && o < organs.size(); ++o)
+          if (isWithin(organs[o].middle, organs[o].halfAxes)) {
+            value = organs[o].value;
+            label = static_cast<std::uint16_t>(o + 1);
+          }
+        // Noise, so that it is seen how the tissue moves.
+        noise = noise * 1664525u + 1013904223u;
+        values.push_back(static_cast<std::int16_t>(value + static_cast<int>(noise >> 26) - 32));
+        map.voxels.push_back(label);
       }
+  volume.voxels = std::move(values);
   const fs::path folder = fs::path(testOutputRoot()) / "ui";
   fs::create_directories(folder);
   const Files files{folder / (name + ".nii.gz"), folder / (name + "_labels.nrrd")};
-  imaging::Volume volume;
-  volume.geometry = geometry;
-  volume.voxels = std::move(image);
-  volume.unit = "HU";
   if (const auto written = imaging::writeVolume(files.image, volume); !written) FAIL(written.error().message);
-  const imaging::LabelMap map{
-      geometry,
-      std::move(labels),
-      {{1, names[0], {0.6f, 0.2f, 0.1f}}, {2, names[1], {0.2f, 0.5f, 0.8f}}, {3, names[2], {0.9f, 0.9f, 0.6f}}}};
   if (const auto written = imaging::writeLabelMap(files.labels, map); !written) FAIL(written.error().message);
   return files;
 }
@@ -120,12 +139,38 @@ void typeInto(WorkstationDriver &window, const std::string &field, const std::st
     window.type(text);
 }
 
+/// Until the body is there and plays.
+Json make(WorkstationDriver &window) {
+  window.click("scan/make");
+  return window.waitUntil(
+      "the body is there and plays",
+      [](const Json &s) {
+        return s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["steps"].get<int>() > 3 &&
+               std::strtod(value(s, "image/axial.outlines").c_str(), nullptr) > 0;
+      },
+      120.0);
+}
+
+void takePinch(WorkstationDriver &window) {
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("p");
+  window.waitUntil("the pinch is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
+}
+
+/// The button stays down.
+void pull(WorkstationDriver &window, const Point &from, const Point &to) {
+  window.moveTo(from);
+  window.press();
+  for (int step = 1; step <= 8; ++step)
+    window.moveTo({from.x + step / 8.0 * (to.x - from.x), from.y + step / 8.0 * (to.y - from.y)});
+}
+
 }  // namespace
 
 TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slice shows it", "[scan_alive]") {
   C3DE_ALIVE_OR_SKIP();
   WorkstationDriver window("scan_alive");
-  openDialog(window, writeScan("scan_alive", {"liver", "kidney_left", "vertebrae_L1"}));
+  openDialog(window, writeScan("scan_alive", threeOrgans({"liver", "kidney_left", "vertebrae_L1"})));
   CHECK(window.value("scan/liver.known") == "liver");
   CHECK(window.value("scan/use.kidney_left") == "kidney_cortex");
   CHECK(window.value("scan/use.vertebrae_L1") == "rigid");
@@ -147,14 +192,7 @@ TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slic
   window.key("Tab");
   window.waitForValue("scan/points", "800");
   window.screenshot("chosen");
-  window.click("scan/make");
-  const Json alive = window.waitUntil(
-      "the body is there and plays",
-      [](const Json &s) {
-        return s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["steps"].get<int>() > 3 &&
-               std::strtod(value(s, "image/axial.outlines").c_str(), nullptr) > 0;
-      },
-      120.0);
+  const Json alive = make(window);
   CHECK_FALSE(alive["widgets"].contains("scan/make"));
   CHECK(alive["panes"].size() == 4);
   bool isTold = false;
@@ -166,17 +204,13 @@ TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slic
   CHECK(isTold);
   window.screenshot("alive");
 
-  window.moveTo(window.inView(0.5, 0.5));
-  window.key("p");
-  window.waitUntil("the pinch is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
-  const Point from = inAxial(window, -60, -20), to = inAxial(window, -85, -50);
+  takePinch(window);
+  const Point from = inAxial(window, -60, -20), to = inAxial(window, -65, -35);
   window.moveTo(from);
   // It is in balance: nothing has moved by itself.
   const Json resting = window.waitUntil("the read-out is there", [](const Json &s) { return isOver(s, "axial", -1); });
   CHECK_FALSE(isOver(resting, "axial", 0.2));
-  window.press();
-  for (int step = 1; step <= 8; ++step)
-    window.moveTo({from.x + step / 8.0 * (to.x - from.x), from.y + step / 8.0 * (to.y - from.y)});
+  pull(window, from, to);
   window.waitUntil(
       "the scan follows", [](const Json &s) { return isOver(s, "axial", 4.0); }, 90.0);
   window.waitFrames(20);
@@ -188,7 +222,7 @@ TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slic
 TEST_CASE("A scan that cannot become a body says why, and what is there stays", "[scan_not_alive]") {
   C3DE_ALIVE_OR_SKIP();
   WorkstationDriver window("scan_not_alive");
-  openDialog(window, writeScan("scan_not_alive", {"gizmo", "thing", "something"}));
+  openDialog(window, writeScan("scan_not_alive", threeOrgans({"gizmo", "thing", "something"})));
   CHECK(window.value("scan/gizmo.known") == "not known");
   CHECK_THAT(window.value("scan/count"), Contains("3 not known"));
   CHECK_THAT(window.value("scan/reason"), Contains("no label is known by its name"));
@@ -226,7 +260,7 @@ TEST_CASE("A scan that cannot become a body says why, and what is there stays", 
                value(s, "scan/problem").find("nothing is left of what was asked for") != std::string::npos;
       },
       60.0);
-  window.screenshotAtRest("refused");
+  window.screenshot("refused");  // the body plays on
   CHECK(refused["transport"]["exists"] == true);
   CHECK(refused["transport"]["mode"] == "playing");
   CHECK(refused["panes"].size() == 4);
@@ -236,30 +270,39 @@ TEST_CASE("A scan that cannot become a body says why, and what is there stays", 
 
 TEST_CASE("Pictures of a scan that was made alive for the user guide", "[.guide]") {
   C3DE_ALIVE_OR_SKIP();
-  C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
-  C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
+  std::vector<Organ> organs{{"liver", {-48, -14, 8}, {50, 40, 44}, 110, {0.6f, 0.2f, 0.1f}},
+                            {"gallbladder", {-26, -38, -6}, {12, 14, 16}, 10, {0.1f, 0.5f, 0.1f}},
+                            {"stomach", {30, -26, 10}, {34, 26, 30}, 50, {0.7f, 0.4f, 0.5f}},
+                            {"spleen", {76, 14, 8}, {20, 30, 34}, 125, {0.4f, 0.1f, 0.5f}},
+                            {"kidney_left", {48, 28, -6}, {18, 20, 34}, 190, {0.2f, 0.5f, 0.8f}},
+                            {"kidney_right", {-46, 32, -8}, {18, 20, 34}, 190, {0.1f, 0.4f, 0.7f}},
+                            {"pancreas", {4, -4, 0}, {28, 9, 12}, 90, {0.8f, 0.6f, 0.2f}},
+                            {"aorta", {8, 16, 0}, {9, 9, 1e9}, 220, {0.8f, 0.1f, 0.1f}},
+                            {"inferior_vena_cava", {-14, 14, 0}, {10, 8, 1e9}, 150, {0.1f, 0.1f, 0.7f}},
+                            {"autochthon_left", {24, 56, 0}, {16, 10, 1e9}, 60, {0.5f, 0.2f, 0.2f}},
+                            {"autochthon_right", {-24, 56, 0}, {16, 10, 1e9}, 60, {0.5f, 0.2f, 0.2f}},
+                            {"vertebrae_L1", {0, 38, 0}, {19, 15, 1e9}, 420, {0.9f, 0.9f, 0.6f}},
+                            {"finding_7", {-72, -2, 12}, {9, 9, 9}, 60, {0.3f, 0.8f, 0.8f}}};
+  // Ribs, where they are cut across.
+  for (int rib = 0; rib < 6; ++rib)
+    for (const double side : {-1.0, 1.0}) {
+      const double angle = -0.6 + 0.32 * rib;
+      organs.push_back({(side > 0 ? "rib_left_" : "rib_right_") + std::to_string(rib + 6),
+                        {side * 102 * std::cos(angle), 64 * std::sin(angle), 0},
+                        {5, 8, 1e9},
+                        600,
+                        {0.8f, 0.8f, 0.7f}});
+    }
   WorkstationDriver window("guide");
-  openDialog(window, {image, labels});
-  choose(window, "spleen", "liver");
+  openDialog(window, writeScan("guide_scan", organs, 2.0));
+  choose(window, "finding_7", "liver_hcc");
   window.screenshotAtRest("alive_dialog");
-  choose(window, "spleen", "spleen");
-  window.click("scan/make");
+  (void)make(window);
+  takePinch(window);
+  const Point from = inAxial(window, -60, -20), to = inAxial(window, -76, -44);
+  pull(window, from, to);
   window.waitUntil(
-      "it plays",
-      [](const Json &s) {
-        return s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["steps"].get<int>() > 3 &&
-               std::strtod(value(s, "image/axial.outlines").c_str(), nullptr) > 0;
-      },
-      300.0);
-  window.moveTo(window.inView(0.5, 0.5));
-  window.key("p");
-  const Point from = inAxial(window, -60, -20), to = inAxial(window, -100, -60);
-  window.moveTo(from);
-  window.press();
-  for (int step = 1; step <= 8; ++step)
-    window.moveTo({from.x + step / 8.0 * (to.x - from.x), from.y + step / 8.0 * (to.y - from.y)});
-  window.waitUntil(
-      "the scan follows", [](const Json &s) { return isOver(s, "axial", 5.0); }, 90.0);
+      "the scan follows", [](const Json &s) { return isOver(s, "axial", 8.0); }, 90.0);
   window.waitFrames(20);
   window.screenshot("alive");
   window.release();

@@ -81,6 +81,7 @@ void ScanBody::setSources(Sources sources) {
     settings_ = {};
     if (sources_.image) {
       settings_.hasBackground = imaging::looksLikeHounsfield(sources_.image->volume);
+      settings_.largestOnly = settings_.hasBackground;  // organs alone lie apart
       settings_.from = settings_.hasBackground ? kFrom_HU : sources_.image->range.low;
       settings_.to = settings_.hasBackground ? kTo_HU : sources_.image->range.high;
     }
@@ -187,8 +188,8 @@ std::string ScanBody::sceneText(const std::filesystem::path &folder) const {
   const std::string image = fileText(sources_.imageFile, folder), labels = fileText(sources_.labelFile, folder);
   const std::string series = sources_.series.empty() ? "" : quoted(sources_.series);
   const std::size_t time = sources_.image ? sources_.image->time : 0;
-  std::string text = "format = 1\ntitle = " + quoted(sources_.image ? sources_.image->name : "scan") + "\n\n[image]\n" +
-                     "file = " + image + "\n" + (series.empty() ? "" : "series = " + series + "\n") +
+  std::string text = "format = 1\ntitle = " + quoted(sources_.image ? sources_.image->name + ", alive" : "scan") +
+                     "\n\n[image]\n" + "file = " + image + "\n" + (series.empty() ? "" : "series = " + series + "\n") +
                      (time > 0 ? "time = " + std::to_string(time) + "\n" : "") + "labels = " + labels + "\n\n";
   if (settings_.hasGravity) {
     const std::string gravity = fmt::format(fmt::runtime(directionOf(settings_.posture)), kGravity_m_s2);

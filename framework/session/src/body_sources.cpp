@@ -263,7 +263,7 @@ Expected<void> addTissues(const scene::SceneVolume &volume, const imaging::Label
     if (!fill && !volume.takesKnownTissues && !volume.cut && !volume.region)
       return fail(fill.error().code, "tissue '" + volume.tissues[i].label +
                                          "' has no voxel of its own: labels of other tissues lie over all of it, or "
-                                         "'mend' has taken it away");
+                                         "'mend' has taken it away (largest: it lies apart from the largest piece)");
     geometry.tissues.push_back(fill ? std::make_shared<const imaging::Fill>(std::move(*fill)) : nullptr);
   }
   const imaging::Mask mask = imaging::maskOf(tissues, rigid);

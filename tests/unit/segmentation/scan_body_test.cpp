@@ -135,10 +135,12 @@ TEST_CASE("Of a CT what has no label is fat by its values, of another image it i
   CHECK(f.scan.settings().hasBackground);
   CHECK(f.scan.settings().from == -150.0);
   CHECK(f.scan.settings().to == 250.0);
+  CHECK(f.scan.settings().largestOnly);
   auto other = std::make_shared<scene::StoredImage>(*f.sources.image);
   other->volume.unit = "";
   f.scan.setSources({other, f.folder / "mr.nii.gz", "", f.folder / "labels.nii.gz", {f.labels}});
   CHECK_FALSE(f.scan.settings().hasBackground);
+  CHECK_FALSE(f.scan.settings().largestOnly);
 }
 
 TEST_CASE("What cannot become a body says why", "[scan_body]") {

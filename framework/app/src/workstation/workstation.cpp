@@ -450,7 +450,8 @@ void Workstation::makeScanAlive(const std::string &scene) {
   loader_->openText(scene, [this](const Expected<void> &made) {
     images_->scanBody().finished(made);
     const std::string title = made ? "The scan is alive" : "Could not make the body of the scan";
-    if (!made && made.error().code != ErrorCode::cancelled)
+    // The dialog says it, where there is one.
+    if (!made && made.error().code != ErrorCode::cancelled && images_->scanBody().isShown())
       return log(LogLevel::error, title + ": " + made.error().message);
     if (!made) return onFailed(title, made.error());
     tools_.cancelActive();

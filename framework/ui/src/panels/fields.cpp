@@ -193,7 +193,7 @@ std::uint32_t choiceField(const FrameContext &frame, const std::string &area, co
   const std::string shown = index < names.size() ? names[index] : std::string("–");
   ImGui::PushID(id.c_str());
   ImGui::BeginDisabled(!isEnabled || names.empty());
-  const bool isOpen = ImGui::BeginCombo("##choice", readable(shown).c_str());
+  const bool isOpen = ImGui::BeginCombo("##choice", readable(shown).c_str(), ImGuiComboFlags_HeightLarge);
   markOpener(frame, area, id, isOpen, isEnabled && !names.empty());
   if (isOpen) {
     for (std::size_t i = 0; i < names.size(); ++i) {
@@ -213,6 +213,15 @@ std::uint32_t choiceField(const FrameContext &frame, const std::string &area, co
   ImGui::PopID();
   frame.automation.value(area, id, shown);
   return result;
+}
+
+void swatch(const std::array<float, 3> &rgb) {
+  const float side = ImGui::GetFrameHeight(), inset = 0.2f * side;
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImGui::Dummy(ImVec2(side - inset, side));
+  ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(at.x, at.y + inset),
+                                            ImVec2(at.x + side - 2.0f * inset, at.y + side - inset),
+                                            ImGui::GetColorU32(ImVec4(rgb[0], rgb[1], rgb[2], 1.0f)), 2.0f);
 }
 
 void fieldError(const FrameContext &frame, const FieldState &state) {

@@ -2,6 +2,7 @@
 // Rows of a property sheet: the name on the left, the control with its unit on the right.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -46,6 +47,9 @@ std::uint32_t numberField(const FrameContext &frame, const std::string &area, co
 /// A drop-down list; returns C3DE_UI_*.
 std::uint32_t choiceField(const FrameContext &frame, const std::string &area, const std::string &id,
                           const std::vector<std::string> &names, std::uint32_t &index, bool isEnabled = true);
+
+/// A square of a colour, as high as a field.
+void swatch(const std::array<float, 3> &rgb);
 
 /// The red line below a field whose typed value was refused.
 void fieldError(const FrameContext &frame, const FieldState &state);

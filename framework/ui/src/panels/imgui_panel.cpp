@@ -385,12 +385,7 @@ void ImGuiPanels::fillTable() {
   t.swatch = [](void *c, float red, float green, float blue) noexcept {
     if (!of(c).isUsable()) return;
     of(c).takeSameLine();
-    const float side = ImGui::GetFrameHeight(), inset = 0.2f * side;
-    const ImVec2 at = ImGui::GetCursorScreenPos();
-    ImGui::Dummy(ImVec2(side - inset, side));
-    ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(at.x, at.y + inset),
-                                              ImVec2(at.x + side - 2.0f * inset, at.y + side - inset),
-                                              ImGui::GetColorU32(ImVec4(red, green, blue, 1.0f)), 2.0f);
+    swatch({red, green, blue});
   };
   t.list_begin = [](void *c, c3de_str id, std::uint32_t rows) noexcept {
     if (of(c).isUsable()) of(c).listBegin(id, rows);

@@ -33,6 +33,7 @@ bool beginRows(const FrameContext &frame, const char *id) {
 }  // namespace
 
 bool beginDialog(FrameContext &frame, const char *title, const char *id, bool &isShown, ImVec2 size) {
+  if (frame.state.question) return false;  // above all; the dialog comes back after it
   if (isShown) ImGui::OpenPopup((std::string(title) + "###" + id).c_str());
   ImGui::SetNextWindowSize(ImVec2(std::min(frame.theme.px(size.x), 0.9f * static_cast<float>(frame.windowSize[0])),
                                   std::min(frame.theme.px(size.y), 0.9f * static_cast<float>(frame.windowSize[1]))),
@@ -46,7 +47,10 @@ bool beginDialog(FrameContext &frame, const char *title, const char *id, bool &i
 void endDialog(FrameContext &frame, bool &isShown) {
   const bool isClosed = ImGui::Button("Close", ImVec2(frame.theme.px(96.0f), 0));
   markItem(frame, "dialog", "close");
-  if (isClosed || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) {
+  // In a field it takes back what was typed.
+  const bool isEscaped = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape)) && !frame.state.isEscapeTaken &&
+                         !ImGui::GetIO().WantTextInput;
+  if (isClosed || isEscaped) {
     isShown = false;
     ImGui::CloseCurrentPopup();
   }

@@ -73,11 +73,9 @@ void drawRow(FrameContext &frame, ScanBody &scan, std::size_t at) {
   ImGui::PushID(static_cast<int>(at));
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
-  const float side = ImGui::GetFontSize();
-  ImGui::AlignTextToFramePadding();
-  ImGui::ColorButton("##colour", ImVec4(row.colour[0], row.colour[1], row.colour[2], 1.0f),
-                     ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoDragDrop, ImVec2(side, side));
+  swatch({row.colour[0], row.colour[1], row.colour[2]});
   ImGui::SameLine();
+  ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(row.name.c_str());
   ImGui::TableNextColumn();
   ImGui::AlignTextToFramePadding();
@@ -153,6 +151,8 @@ void drawLabels(FrameContext &frame, ScanBody &scan, float below) {
 void drawBackground(FrameContext &frame, const ScanBody &scan, ScanBodySettings &settings) {
   checkbox(frame, "background", "Background", settings.hasBackground,
            "What has no label, where the image has values between the two. Without it that is left out");
+  // Without it, organs lie apart.
+  if (settings.hasBackground != scan.settings().hasBackground) settings.largestOnly = settings.hasBackground;
   if (!settings.hasBackground) return;
   const std::vector<std::string> names = scan.materials().names();
   auto index = static_cast<std::uint32_t>(std::find(names.begin(), names.end(), settings.background) - names.begin());
@@ -200,7 +200,8 @@ void drawSettings(FrameContext &frame, ScanBody &scan) {
 
 void drawScanBody(FrameContext &frame) {
   ScanBody *scan = frame.services.scanBody;
-  if (scan == nullptr || !scan->isShown()) return;
+  // It comes back when the file has been chosen, or has not.
+  if (scan == nullptr || !scan->isShown() || frame.fileDialog.isOpen()) return;
   bool isShown = true;
   if (!beginDialog(frame, "Make the scan alive", "make_alive", isShown, ImVec2(980, 700))) {
     if (!isShown) scan->show(false);
@@ -228,10 +229,8 @@ void drawScanBody(FrameContext &frame) {
   itemTooltip(frame, "Write what is chosen as a scene file, to open or to run later");
   ImGui::EndDisabled();
   ImGui::SameLine();
-  if (isMade || isSaved) {
-    isShown = false;
-    ImGui::CloseCurrentPopup();
-  }
+  if (isMade) isShown = false;
+  if (isMade || isSaved) ImGui::CloseCurrentPopup();
   endDialog(frame, isShown);
   if (!isShown) scan->show(false);
   if (isMade) scan->make();
@@ -241,9 +240,8 @@ void drawScanBody(FrameContext &frame) {
   request.extensions = "toml";
   request.isSaving = true;
   request.proposed = "scan.toml";
-  request.chosen = [save = frame.actions.saveScanScene, scan](const std::filesystem::path &file, const std::string &) {
+  request.chosen = [save = frame.actions.saveScanScene](const std::filesystem::path &file, const std::string &) {
     if (save) save(file);
-    scan->show(true);
   };
   frame.fileDialog.open(std::move(request));
 }

@@ -80,6 +80,7 @@ struct WorkstationWindow::Impl {
   void paint(render::Renderer &renderer);
   void takeInput(FrameContext &context, const std::vector<OsEvent> &events);
   void takeMouse(const OsEvent &event);
+  void closeMenus();
   void takeKey(FrameContext &frame, const OsEvent &event);
   void layOut(FrameContext &frame, const render::Renderer &renderer);
   void carryOut(FrameContext &frame);
@@ -173,6 +174,16 @@ void WorkstationWindow::Impl::takeMouse(const OsEvent &event) {
   }
 }
 
+/// And lists, those above a dialog as well; ImGui does it only with its own keyboard navigation.
+void WorkstationWindow::Impl::closeMenus() {
+  const ImVector<ImGuiPopupData> &open = ImGui::GetCurrentContext()->OpenPopupStack;
+  int level = open.Size;
+  while (level > 0 && !(open[level - 1].Window && (open[level - 1].Window->Flags & ImGuiWindowFlags_Modal))) --level;
+  if (level == open.Size) return;
+  ImGui::ClosePopupToLevel(level, true);
+  state.isEscapeTaken = true;
+}
+
 void WorkstationWindow::Impl::takeKey(FrameContext &context, const OsEvent &event) {
   if (event.key == 0) return;
   const Command command = commandOfKey(event.key, event.modifiers);
@@ -181,7 +192,7 @@ void WorkstationWindow::Impl::takeKey(FrameContext &context, const OsEvent &even
   const bool isPopupOpen = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
   // A button of the mouse that is held over a slider counts as well, but one that drags in the view does not.
   if (event.key == keyEscape && !event.isRepeat && isPopupOpen && !io.WantTextInput && !fileDialog.isOpen())
-    return ImGui::ClosePopupToLevel(0, true);  // menus and lists; ImGui does it only with its own keyboard navigation
+    return closeMenus();
   if (io.WantTextInput || isPopupOpen || (io.WantCaptureKeyboard && !pressedPane)) return;
   // Over a slice, its keys are the slice's: they are the same everywhere, but 1 is another thing for an image.
   if (const auto pane = paneAt(event.x, event.y);
@@ -227,6 +238,7 @@ void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector
   viewController->setViewSize(static_cast<int>(view.w), static_cast<int>(view.h));
   const ImageViews *images = shownImages();
   render::ImageScene scene = images ? images->scene() : render::ImageScene();
+  state.isEscapeTaken = false;
   viewController->setCuts(scene.cutsProxies ? std::move(scene.cuts) : std::vector<render::CutPlane>());
   for (const OsEvent &event : events) {
     switch (event.kind) {
@@ -592,8 +604,12 @@ void WorkstationWindow::Impl::layOutAndCarryOut(FrameContext &context, const ren
   carryOut(context);
   state.tooltip.isSeen = false;
   const float dockHeight = state.dock.height;
+  const ImVector<ImGuiPopupData> &popups = ImGui::GetCurrentContext()->OpenPopupStack;
+  const int popupCount = popups.Size;
   layOut(context, renderer);
   if (state.dock.height != dockHeight) framesToSettle = std::max(framesToSettle, 2);
+  // A dialog that comes by itself, with the end of a job: its first frame does not show it.
+  if (popups.Size != popupCount) framesToSettle = kFramesToSettle;
   if (state.answer == std::pair<std::string, std::string>("quit", "quit")) window->requestClose();
   if (!state.tooltip.isSeen) state.tooltip = {};
   carryOut(context);

@@ -38,7 +38,7 @@ struct ScanBodySettings {
   bool hasBackground = true;
   std::string background = "fat";  ///< name of a preset
   double from = 0.0, to = 0.0;     ///< values of the image that are background
-  bool largestOnly = true;         ///< without what lies apart: the table, a blanket
+  bool largestOnly = true;         ///< without what lies apart: the table, a blanket; off where organs lie alone
   double points = 3000.0;
   bool hasGravity = true;  ///< which the scan is in balance with
   Posture posture = Posture::supine;
