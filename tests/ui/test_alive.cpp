@@ -192,6 +192,28 @@ TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slic
   window.key("Tab");
   window.waitForValue("scan/points", "800");
   window.screenshot("chosen");
+
+  // Escape is of the list; the dialog stays. It comes back from the file dialog, with a file and without.
+  window.click("scan/use.liver");
+  window.waitUntil("the list is open",
+                   [](const Json &s) { return s["widgets"].contains("scan/use.liver.option.liver"); });
+  window.key("Escape");
+  window.waitUntil("it is closed", [](const Json &s) { return !s["widgets"].contains("scan/use.liver.option.liver"); });
+  window.waitFrames(2);
+  CHECK(window.has("scan/make"));
+  const fs::path kept = fs::path(testOutputRoot()) / "ui" / "scan_alive.toml";
+  fs::remove(kept);
+  window.click("scan/save");
+  window.click("dialog/cancel");
+  window.waitUntil("the dialog is back", [](const Json &s) { return s["widgets"].contains("scan/make"); });
+  window.click("scan/save");
+  window.waitUntil("a file is asked for", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+  window.key("ctrl+a");
+  window.type(kept.string());
+  window.click("dialog/open");
+  window.waitUntil("the dialog is back", [](const Json &s) { return s["widgets"].contains("scan/make"); });
+  CHECK(fs::exists(kept));
+  CHECK(window.value("scan/use.kidney_left") == "spleen");
   const Json alive = make(window);
   CHECK_FALSE(alive["widgets"].contains("scan/make"));
   CHECK(alive["panes"].size() == 4);
@@ -238,29 +260,40 @@ TEST_CASE("A scan that cannot become a body says why, and what is there stays", 
   choose(window, "gizmo", "liver");
   typeInto(window, "points", "300");
   window.key("Tab");
-  window.click("scan/make");
-  window.waitUntil(
-      "the body is there", [](const Json &s) { return s["jobs"].empty() && s["transport"]["mode"] == "playing"; },
-      120.0);
 
-  // A region that holds nothing of it is refused by the loader: in the dialog, and the body stays.
-  window.click("segmentation/make_alive");
-  window.waitUntil("it is asked again", [](const Json &s) { return s["widgets"].contains("scan/make"); });
-  CHECK(window.value("scan/use.gizmo") == "liver");
+  // A region that holds nothing of it is refused by the loader; the dialog comes back by itself, where nothing moves.
   window.click("scan/region");
   window.waitForValue("scan/region", "true");
   typeInto(window, "region.x.from", "110");
   window.key("Tab");
   window.waitForValue("scan/region.x.from", "110");
-  window.click("scan/make");
-  const Json refused = window.waitUntil(
-      "it is refused",
-      [](const Json &s) {
-        return s["widgets"].contains("scan/make") &&
-               value(s, "scan/problem").find("nothing is left of what was asked for") != std::string::npos;
-      },
-      60.0);
-  window.screenshot("refused");  // the body plays on
+  const auto refuse = [&] {
+    window.click("scan/make");
+    return window.waitUntil(
+        "it is refused",
+        [](const Json &s) {
+          return s["jobs"].empty() && s["widgets"].contains("scan/make") &&
+                 value(s, "scan/problem").find("nothing is left of what was asked for") != std::string::npos;
+        },
+        60.0);
+  };
+  CHECK(refuse()["transport"]["exists"] == false);
+  window.screenshotAtRest("refused");
+  CHECK(window.value("scan/use.gizmo") == "liver");
+  window.click("scan/region");
+  window.waitForValue("scan/region", "false");
+  (void)make(window);
+
+  // And again, while a body is there: that stays, and plays on.
+  window.click("segmentation/make_alive");
+  window.waitUntil("it is asked again", [](const Json &s) { return s["widgets"].contains("scan/make"); });
+  CHECK(window.value("scan/use.gizmo") == "liver");
+  window.click("scan/region");
+  typeInto(window, "region.x.from", "110");
+  window.key("Tab");
+  window.waitForValue("scan/region.x.from", "110");
+  const Json refused = refuse();
+  window.screenshot("refused_again");
   CHECK(refused["transport"]["exists"] == true);
   CHECK(refused["transport"]["mode"] == "playing");
   CHECK(refused["panes"].size() == 4);
@@ -299,8 +332,9 @@ TEST_CASE("Pictures of a scan that was made alive for the user guide", "[.guide]
   window.screenshotAtRest("alive_dialog");
   (void)make(window);
   takePinch(window);
-  const Point from = inAxial(window, -60, -20), to = inAxial(window, -76, -44);
-  pull(window, from, to);
+  window.moveTo(inAxial(window, 0, 0));
+  window.key("4");  // window and level of the abdomen
+  pull(window, inAxial(window, 32, -30), inAxial(window, 40, -56));
   window.waitUntil(
       "the scan follows", [](const Json &s) { return isOver(s, "axial", 8.0); }, 90.0);
   window.waitFrames(20);

@@ -91,7 +91,7 @@ constexpr std::array kWorld{
     autoParam(
         {"solver.step_budget", "Time for a step", "s",
          "A step that takes longer is given up: the state before it stays, and what would help is said. auto: in a "
-         "window 1 s, a load step 10 s; without a window as long as it takes",
+         "window 1 s, a load step and the first explicit step 10 s; without a window as long as it takes",
          "Solver"},
         {0.01, 1e6, 0.1, 60.0}, C3DE_PARAM_LOG_SCALE),
     boolParam({"solver.sleep", "Sleep", "",
@@ -459,10 +459,12 @@ ContactSettings contactSettings(const ParameterValues &v) {
           v.number(C3DE_PARAM_ID_CONTACT_FRICTION)};
 }
 
-double stepBudget(const ParameterValues &v, bool hasWindow) {
+double stepBudget(const ParameterValues &v, bool hasWindow, bool isFirst) {
   if (!v.isAuto("solver.step_budget")) return v.number("solver.step_budget");
   if (!hasWindow) return std::numeric_limits<double>::infinity();
-  return v.text("solver.integrator") == "quasistatic" ? 10.0 : 1.0;
+  const std::string integrator = v.text("solver.integrator");
+  const bool isExplicit = integrator == "auto" || integrator == "explicit";  // an implicit step is long by itself
+  return integrator == "quasistatic" || (isFirst && isExplicit) ? 10.0 : 1.0;
 }
 
 ViewSettings viewSettings(const ParameterValues &v) {

@@ -338,7 +338,7 @@ sdk::Result<void> WorldSimulator::step() {
   const std::lock_guard lock(mutex_);
   takeForces();
   leadGrasps();
-  const double budget = stepBudget(world_, context_.hasWindow);
+  const double budget = stepBudget(world_, context_.hasWindow, simulator_.steps() == 0);
   request_.beginStep(budget);
   auto stepped = simulator_.step(&request_);
   const bool tookTooLong = !stepped && stepped.error().ended && request_.isOverBudget();
