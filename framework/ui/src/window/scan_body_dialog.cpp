@@ -181,7 +181,7 @@ void drawSettings(FrameContext &frame, ScanBody &scan) {
   ScanBodySettings settings = scan.settings();
   drawBackground(frame, scan, settings);
   checkbox(frame, "largest", "Largest piece only", settings.largestOnly, "Without what lies apart, such as the table");
-  number(frame, "points", "    Phyxels", "", settings.points);
+  number(frame, "points", "    Points", "", settings.points);
   settings.points = std::clamp(settings.points, kFewestPoints, kMostPoints);
   checkbox(frame, "gravity", "Gravity, in balance with the scan", settings.hasGravity,
            "The scan shows the body as it lies in this gravity: it rests, and sinks when gravity becomes another one");
