@@ -47,7 +47,8 @@ constexpr const char *kSettings =
     "  random order, kLST 1, one iteration; it has no E, so its error says what such links do at that step. At rest:\n"
     "  implicit steps with motion stopped whenever it slows (the neo-Hookean force undamped: the same end, sooner).\n"
     "This engine: neo-Hookean, its own stabilisation, double precision; explicit at its own step (0.8 of its bound of\n"
-    "  the largest stable one), implicit at 1/60 s; at rest by its quasi-static solution.\n";
+    "  the largest stable one), implicit at 1/60 s, without contact of the body with itself; at rest by its\n"
+    "  quasi-static solution.\n";
 
 struct Options {
   bool quick = false;

@@ -21,6 +21,7 @@ class EngineBody final : public MovingBody {
     world.integrator = integrator;
     world.dt = dt;
     simulator_.setWorld(world);
+    simulator_.setContact({false});  // as the peers
     id_ = simulator_.addBody(
         std::make_unique<Body>("body", rest, Constitution{{material}, kLatticeStabilisation}, serialFor()));
   }
