@@ -11,7 +11,7 @@
 namespace c3de::session {
 
 /// Each body with labels that slide becomes its pieces, the rest first: of the same tissues, with their share of the
-/// count of phyxels (sliding ones have the spacing of the rest in its place when they are built). Fixes, loads and
+/// count of points (sliding ones have the spacing of the rest in its place when they are built). Fixes, loads and
 /// refinements of the body go to the pieces that their regions meet (a force by the voxels of each there), probes and
 /// grasps to the nearest piece, contact pairs to all, attachments to the rest. Pieces touch each other with
 /// SceneVolume::slideFriction where no pair says another one, and fit as they lie.

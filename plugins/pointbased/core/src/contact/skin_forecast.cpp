@@ -9,10 +9,11 @@ namespace pointbased::detail {
 namespace {
 
 constexpr float kListed = 0.65f;    // spacings: pairs that come that near are listed
+constexpr double kFaster = 2.0;     // times the way of a step: bodies may gain speed within it
 constexpr float kAlike = 0.2f;      // cosine of normals of parts that do not come to face each other
 constexpr float kSame = 0.995f;     // cosine of normals that are taken for one
 constexpr double kOnePiece = 0.25;  // squared, of that: patches that lie nearer at rest are one
-constexpr double kFirst = 8.0, kFewest = 2.0, kMost = 1024.0;  // steps to look ahead
+constexpr double kFirst = 8.0, kFewest = 3.0, kMost = 1024.0;  // steps to look ahead
 constexpr double kLonger = 2.0, kAsLong = 1.5;  // where the last look served to its end; else of the steps it served
 
 Eigen::Array4f corner(const Eigen::Vector3f &x) { return {x[0], x[1], x[2], 0.0f}; }
@@ -21,6 +22,20 @@ Vec3 meanOf(std::span<const Vec3> all) {
   Vec3 sum = Vec3::Zero();
   for (const Vec3 &one : all) sum += one;
   return sum / static_cast<double>(std::max<std::size_t>(1, all.size()));
+}
+
+double squaredDistance(const std::array<Vec3, 3> &a, const std::array<Vec3, 3> &b) {
+  double squared = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < 3; ++k) {
+    squared = std::min({squared, nearestOnTriangle(a[k], b[0], b[1], b[2]).squared,
+                        nearestOnTriangle(b[k], a[0], a[1], a[2]).squared});
+    for (std::size_t l = 0; l < 3; ++l) {
+      const Vec3 &a0 = a[k], &a1 = a[(k + 1) % 3], &b0 = b[l], &b1 = b[(l + 1) % 3];
+      const NearestOfSegments near = nearestOfSegments(a0, a1, b0, b1);
+      squared = std::min(squared, (a0 + near.onFirst * (a1 - a0) - b0 - near.onSecond * (b1 - b0)).squaredNorm());
+    }
+  }
+  return squared;
 }
 
 }  // namespace
@@ -66,12 +81,12 @@ bool SkinForecast::serves() {
   }
   if (const double gained = last.ofVertices(skin_.skin()); gained > 0.0) gained_ = gained;
   before_.assign(v.begin(), v.end());
-  const double off = astray.ofVertices(skin_.skin()) + dt * (gain.ofVertices(skin_.skin()) + gained_);
+  const double off = astray.ofVertices(skin_.skin()) + dt * (kFaster * gain.ofVertices(skin_.skin()) + gained_);
   begin_ = static_cast<float>(begin);
-  end_ = static_cast<float>(begin + dt);
+  end_ = static_cast<float>(begin + kFaster * dt);
   astray_ = static_cast<float>(2.0 * off);
   ++served_;
-  return begin + dt <= horizon_ * (1.0 + 1e-9) && astray_ < listed_ - near_;
+  return begin + kFaster * dt <= horizon_ * (1.0 + 1e-9) && astray_ < listed_ - near_;
 }
 
 void SkinForecast::look() {
@@ -92,7 +107,7 @@ void SkinForecast::look() {
   for (Vec3 &one : evenly_) one -= velocity;
   horizon_ = steps_ * dt;
   begin_ = 0.0f;
-  end_ = static_cast<float>(dt);
+  end_ = static_cast<float>(kFaster * dt);
   astray_ = static_cast<float>(2.0 * dt * gained_);
   const auto horizon = static_cast<float>(horizon_);
   refit(horizon);
@@ -214,7 +229,6 @@ bool SkinForecast::partWithin(Index a, Index b, float horizon) const {
 void SkinForecast::compare(Index a, Index b, float horizon) {
   if (!(faces(a, b, horizon) || faces(b, a, horizon))) return;
   if (!(separationOf(a, b, horizon).leastUntil(horizon) <= listed_)) return;
-  const auto apart = static_cast<float>(apart_);
   const Motion &first = nodes_[nodeOf_[a]], &second = nodes_[nodeOf_[b]];
   const float fastest = std::sqrt((first.velocities.high - second.velocities.low)
                                       .abs()
@@ -224,14 +238,13 @@ void SkinForecast::compare(Index a, Index b, float horizon) {
   const float within = listed_ + horizon * fastest;
   float now = std::numeric_limits<float>::infinity(), then = now;
   for (const Index t : skin_.tree().patches()[a].triangles) {
-    const Ball &mine = ballOf(t), &mineAtRest = restBalls_[t];
+    const Ball &mine = ballOf(t);
     for (const Index s : skin_.tree().patches()[b].triangles) {
-      const Ball &theirs = ballOf(s), &theirsAtRest = restBalls_[s];
+      const Ball &theirs = ballOf(s);
       const Eigen::Vector3f way = theirs.middle - mine.middle;
       const float far = within + mine.radius + theirs.radius, squared = way.squaredNorm();
       if (squared > far * far) continue;
-      const float onePiece = apart - mineAtRest.radius - theirsAtRest.radius;
-      if (onePiece >= 0.0f && (theirsAtRest.middle - mineAtRest.middle).squaredNorm() <= onePiece * onePiece) continue;
+      if (areOnePiece(t, s)) continue;
       Separation found{0.0f, -fastest};
       if (squared > 0.0f) found = along(way / std::sqrt(squared), skin_.skin().triangles[t], skin_.skin().triangles[s]);
       if (found.leastUntil(horizon) > listed_) continue;
@@ -241,6 +254,34 @@ void SkinForecast::compare(Index a, Index b, float horizon) {
   }
   // The least of several that change evenly is nowhere less than the line between its ends.
   if (std::min(now, then) <= listed_) pairs_.push_back({a, b, {now, horizon > 0.0f ? (then - now) / horizon : 0.0f}});
+}
+
+bool SkinForecast::areOnePiece(Index triangle, Index other) const {
+  const Ball &first = restBalls_[triangle], &second = restBalls_[other];
+  const float within = static_cast<float>(apart_) - first.radius - second.radius;
+  return within >= 0.0f && (second.middle - first.middle).squaredNorm() <= within * within;
+}
+
+bool SkinForecast::comesNear(const Pair &pair) const {
+  const auto &mine = skin_.tree().patches()[pair.first].triangles,
+             &theirs = skin_.tree().patches()[pair.second].triangles;
+  for (const double part : {0.0, 0.5, 1.0}) {
+    const double time = part * kFaster * skin_.dt();
+    const auto cornersOf = [&](Index triangle) {
+      std::array<Vec3, 3> at;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Index v = skin_.skin().triangles[triangle][k];
+        at[k] = skin_.position(v) + time * skin_.velocity(v);
+      }
+      return at;
+    };
+    for (const Index t : mine) {
+      const std::array<Vec3, 3> a = cornersOf(t);
+      for (const Index s : theirs)
+        if (!areOnePiece(t, s) && squaredDistance(a, cornersOf(s)) <= near_ * near_) return true;
+    }
+  }
+  return false;
 }
 
 // Between two planes across a direction from the first to the second.

@@ -9,6 +9,9 @@
 
 namespace pointbased::detail {
 
+/// Spacings: what of one skin is farther apart does not touch in a step.
+inline constexpr double kNearOfSelf = 0.13;
+
 /// Looks at a skin once for several steps: patches are taken to go on evenly, and pairs that come near each other that
 /// way within a horizon are listed. The list serves until vertices have gone so far astray of it that others may meet.
 /// @threads one
@@ -35,13 +38,14 @@ class SkinForecast {
   void look();
   void forget() { from_.clear(); }
   [[nodiscard]] const std::vector<Pair> &pairs() const { return pairs_; }
-  /// Whether a pair may come nearer than near in that step; after serves() or look().
+  /// Whether a pair may come nearer than near in that step, or in twice as long; after serves() or look().
   [[nodiscard]] bool mayMeet(const Pair &pair) const {
     return std::min(pair.separation.at(begin_), pair.separation.at(end_)) - astray_ <= near_;
   }
-  [[nodiscard]] bool mayTouch() const {
-    return astray_ >= listed_ - near_ ||
-           std::any_of(pairs_.begin(), pairs_.end(), [this](const Pair &pair) { return mayMeet(pair); });
+  /// Whether anything does, if the skin goes on evenly: told from where it is, whatever was looked at before.
+  [[nodiscard]] bool meets() const {
+    return std::any_of(pairs_.begin(), pairs_.end(),
+                       [this](const Pair &pair) { return mayMeet(pair) && comesNear(pair); });
   }
   /// Of the list: another one, another number.
   [[nodiscard]] std::uint64_t number() const { return now_; }
@@ -84,6 +88,8 @@ class SkinForecast {
   [[nodiscard]] bool mayFace(Index a, Index b) const;
   [[nodiscard]] bool partWithin(Index a, Index b, float horizon) const;
   void compare(Index a, Index b, float horizon);
+  [[nodiscard]] bool areOnePiece(Index triangle, Index other) const;
+  [[nodiscard]] bool comesNear(const Pair &pair) const;
   [[nodiscard]] const Ball &ballOf(Index triangle);
   template <class Corners>
   [[nodiscard]] Separation along(const Eigen::Vector3f &direction, const Corners &first, const Corners &second) const;

@@ -13,8 +13,6 @@ namespace {
 
 // Where steps go far, places are listed as far as so many of their ways, up to a spacing, and at least two.
 constexpr double kWays = 12.0, kFarthest = 1.0, kFewestWays = 2.0;
-// Spacings: what of one skin is farther apart is not looked at.
-constexpr double kNearOfSelf = 0.13;
 // In spacings: deeper inside is only what was seen inside before.
 constexpr double kDeep = 0.1;
 // Edges whose faces meet at a smaller angle (its sine) are smooth: the vertices beside them tell all.
@@ -80,12 +78,12 @@ SkinPair::SkinPair(MovingSkin &first, MovingSkin &second, const SkinPairSettings
 }
 
 std::optional<bool> SkinPair::foretold() {
-  return forecast_->serves() ? std::optional<bool>(forecast_->mayTouch()) : std::nullopt;
+  return forecast_->serves() ? std::optional<bool>(forecast_->meets()) : std::nullopt;
 }
 
 bool SkinPair::mayTouch() {
   forecast_->look();
-  return forecast_->mayTouch();
+  return forecast_->meets();
 }
 
 void SkinPair::Travel::begin(const SkinPair &pair) {

@@ -22,8 +22,8 @@ constexpr double kOnePiece = 1.5;      // of one skin: what lies nearer at rest 
 constexpr double kReach = 0.15;        // within which places are listed
 constexpr double kLongestEdge = 0.75;  // of a skin's triangles
 
-// m, that parts of a skin that may touch each other are apart at rest.
-double roomAtRest(double spacing) { return (kOnePiece - (1.0 + kActive) * kOffset) * spacing; }
+// m, that parts of a skin that may touch each other are apart at rest beyond where they are looked at.
+double roomAtRest(double spacing) { return (kOnePiece - kNearOfSelf) * spacing; }
 
 }  // namespace
 
