@@ -245,7 +245,7 @@ Expected<void> loadPieces(BodySources &sources, const scene::SceneFile &scene, c
 }
 
 /// A piece whose count is a share of that of its body has the spacing of the rest, which pieces share by volume only
-/// where they are large: phyxels at skins are of little tissue. Small pieces have four spacings along a cube of theirs.
+/// where they are large: points at skins are of little tissue. Small pieces have four spacings along a cube of theirs.
 void sampleAsRest(const c3de_simulator_v1 *table, c3de_object *simulator, c3de_handle rest, double volume_mm3,
                   std::vector<ParameterValue> &values) {
   const auto count = std::find_if(values.begin(), values.end(), [](const ParameterValue &value) {
