@@ -127,7 +127,7 @@ struct NewtonResult {
 /// one, counted, not timed. Same bits for any number of threads when the problem's are.
 ///
 /// In steps in time without contact (toleranceOfWay without firstTellsWay) the preconditioned gradient estimates the
-/// error that is left, where the preconditioner is near the inverse: eight times it, scaled as in the step before.
+/// error that is left, where the preconditioner is near the inverse: twelve times it, scaled as in the step before.
 /// Where that is within the tolerance, it is applied as the last correction, without a linear solve.
 ///
 /// The line search halves where the problem cannot be evaluated; it accepts a sufficient decrease of the energy

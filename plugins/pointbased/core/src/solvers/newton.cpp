@@ -26,7 +26,7 @@ constexpr double kFoundAtStart = 1e-3;
 constexpr double kAsPromised = 0.75, kPoor = 0.25;  // parts of the promised decrease
 constexpr double kWiden = 2.0, kNarrow = 0.5;       // of the radius
 // times what the preconditioned gradient says is left; with three, a spinning block erred by 0.16 % instead of 0.05 %
-constexpr double kSafety = 8.0;
+constexpr double kSafety = 12.0;
 constexpr int kTrials = 48;
 constexpr int kDoublings = 16;
 constexpr int kPatience = 6;  // iterations without progress
