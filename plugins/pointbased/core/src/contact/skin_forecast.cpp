@@ -8,11 +8,11 @@
 namespace pointbased::detail {
 namespace {
 
-constexpr float kListed = 0.65f;    // spacings: pairs that come that near are listed
-constexpr double kFaster = 2.0;     // times the way of a step: bodies may gain speed within it
-constexpr float kAlike = 0.2f;      // cosine of normals of parts that do not come to face each other
-constexpr float kSame = 0.995f;     // cosine of normals that are taken for one
-constexpr double kOnePiece = 0.25;  // squared, of that: patches that lie nearer at rest are one
+constexpr float kListed = 0.65f;  // spacings: pairs that come that near are listed
+constexpr double kFaster = 2.0;   // times the way of a step: bodies may gain speed within it
+constexpr float kAlike = 0.2f;    // cosine of normals of parts that do not come to face each other
+constexpr float kSame = 0.995f;   // cosine of normals that are taken for one
+constexpr double kBeside = 0.25;  // of the squared distance of one piece: patches that near at rest never touch
 constexpr double kFirst = 8.0, kFewest = 3.0, kMost = 1024.0;  // steps to look ahead
 constexpr double kLonger = 2.0, kAsLong = 1.5;  // where the last look served to its end; else of the steps it served
 
@@ -64,51 +64,52 @@ SkinForecast::SkinForecast(MovingSkin &skin, double apart, double near)
 bool SkinForecast::serves() {
   const std::span<const Vec3> u = skin_.displacements(), v = skin_.velocities();
   const std::size_t count = u.size();
-  if (from_.size() != count) return false;
-  const Vec3 place = meanOf(u), velocity = meanOf(v), before = meanOf(before_);
+  if (placeThen_.size() != count) return false;
+  const Vec3 place = meanOf(u), velocity = meanOf(v), before = meanOf(velocityBefore_);
   double along = 0.0, squared = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
-    along += (u[i] - place - from_[i]).dot(evenly_[i]);
-    squared += evenly_[i].squaredNorm();
+    along += (u[i] - place - placeThen_[i]).dot(velocityThen_[i]);
+    squared += velocityThen_[i].squaredNorm();
   }
-  // As long after the look as makes the state most even: a step that is undone or repeated need not be told of.
+  // The time since the look that fits the displacements best: steps that are undone or repeated need no clock.
   const double begin = squared > 0.0 ? std::clamp(along / squared, 0.0, horizon_) : 0.0, dt = skin_.dt();
-  FarthestWay astray(skin_.maxInfluence()), gain(skin_.maxInfluence()), last(skin_.maxInfluence());
+  FarthestWay deviation(skin_.maxInfluence()), gain(skin_.maxInfluence()), last(skin_.maxInfluence());
   for (std::size_t i = 0; i < count; ++i) {
-    astray.add(i, u[i] - place - from_[i] - begin * evenly_[i]);
-    gain.add(i, v[i] - velocity - evenly_[i]);
-    last.add(i, v[i] - velocity - before_[i] + before);
+    deviation.add(i, u[i] - place - placeThen_[i] - begin * velocityThen_[i]);
+    gain.add(i, v[i] - velocity - velocityThen_[i]);
+    last.add(i, v[i] - velocity - velocityBefore_[i] + before);
   }
-  if (const double gained = last.ofVertices(skin_.skin()); gained > 0.0) gained_ = gained;
-  before_.assign(v.begin(), v.end());
-  const double off = astray.ofVertices(skin_.skin()) + dt * (kFaster * gain.ofVertices(skin_.skin()) + gained_);
+  if (const double gained = last.ofVertices(skin_.skin()); gained > 0.0) velocityChange_ = gained;
+  velocityBefore_.assign(v.begin(), v.end());
+  const double off =
+      deviation.ofVertices(skin_.skin()) + dt * (kFaster * gain.ofVertices(skin_.skin()) + velocityChange_);
   begin_ = static_cast<float>(begin);
   end_ = static_cast<float>(begin + kFaster * dt);
-  astray_ = static_cast<float>(2.0 * off);
+  deviation_ = static_cast<float>(2.0 * off);
   ++served_;
-  return begin + kFaster * dt <= horizon_ * (1.0 + 1e-9) && astray_ < listed_ - near_;
+  return begin + kFaster * dt <= horizon_ * (1.0 + 1e-9) && deviation_ < listed_ - near_;
 }
 
 void SkinForecast::look() {
   const std::span<const Vec3> u = skin_.displacements(), v = skin_.velocities();
   const double dt = skin_.dt();
-  if (from_.size() == u.size())
+  if (placeThen_.size() == u.size())
     steps_ =
         std::clamp(static_cast<double>(end_) > horizon_ ? kLonger * steps_ : kAsLong * static_cast<double>(served_),
                    kFewest, kMost);
   else
-    gained_ = 0.0;
+    velocityChange_ = 0.0;
   served_ = 0;
   const Vec3 place = meanOf(u), velocity = meanOf(v);
-  from_.assign(u.begin(), u.end());
-  evenly_.assign(v.begin(), v.end());
-  before_ = evenly_;
-  for (Vec3 &one : from_) one -= place;
-  for (Vec3 &one : evenly_) one -= velocity;
+  placeThen_.assign(u.begin(), u.end());
+  velocityThen_.assign(v.begin(), v.end());
+  velocityBefore_ = velocityThen_;
+  for (Vec3 &one : placeThen_) one -= place;
+  for (Vec3 &one : velocityThen_) one -= velocity;
   horizon_ = steps_ * dt;
   begin_ = 0.0f;
   end_ = static_cast<float>(kFaster * dt);
-  astray_ = static_cast<float>(2.0 * dt * gained_);
+  deviation_ = static_cast<float>(2.0 * dt * velocityChange_);
   const auto horizon = static_cast<float>(horizon_);
   refit(horizon);
   pairs_.clear();
@@ -125,11 +126,10 @@ void SkinForecast::look() {
       open_.insert(open_.end(), {{child, child}, {child, child + 1}, {child + 1, child + 1}});
       continue;
     }
-    if (!partWithin(a, b, horizon) || tree[a].rest.squaredFarthest(tree[b].rest) <= apart) continue;
+    if (!mayComeNear(a, b, horizon) || tree[a].rest.squaredFarthest(tree[b].rest) <= apart) continue;
     if (tree[a].patch != PatchTree::kNone && tree[b].patch != PatchTree::kNone) {
       // Patches that touch each other at rest never count, whatever of them is farther apart.
-      if (tree[a].rest.squaredDistance(tree[b].rest) > kOnePiece * apart)
-        compare(tree[a].patch, tree[b].patch, horizon);
+      if (tree[a].rest.squaredDistance(tree[b].rest) > kBeside * apart) compare(tree[a].patch, tree[b].patch, horizon);
       continue;
     }
     const bool first =
@@ -151,7 +151,7 @@ void SkinForecast::refit(float horizon) {
     places_[v] = (skin_.position(v) - place).cast<float>();
     velocities_[v] = (skin_.velocity(v) - velocity).cast<float>();
   }
-  turn(horizon);
+  updateNormals(horizon);
   const std::vector<PatchTree::Node> &tree = skin_.tree().nodes();
   for (std::size_t k = nodes_.size(); k-- > 0;) {
     Motion &node = nodes_[k];
@@ -191,8 +191,8 @@ void SkinForecast::findRings() {
   }
 }
 
-// Now and at the end; of a triangle without an area zero.
-void SkinForecast::turn(float horizon) {
+// Now and at the horizon; zero of a triangle without an area.
+void SkinForecast::updateNormals(float horizon) {
   const std::vector<std::array<Index, 3>> &triangles = skin_.skin().triangles;
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (std::size_t k = 0; k < 2; ++k) {
@@ -215,9 +215,8 @@ bool SkinForecast::mayFace(Index a, Index b) const {
   return !(least.sum() > kAlike);
 }
 
-// Whether no plane across an axis keeps two nodes so far apart that they need
-// not be listed.
-bool SkinForecast::partWithin(Index a, Index b, float horizon) const {
+// Whether no plane across an axis separates two nodes until the horizon by more than what is listed.
+bool SkinForecast::mayComeNear(Index a, Index b, float horizon) const {
   const Motion &mine = nodes_[a], &theirs = nodes_[b];
   const Corner above = mine.places.low - theirs.places.high, below = theirs.places.low - mine.places.high;
   const Corner aboveThen = above + horizon * (mine.velocities.low - theirs.velocities.high),
@@ -252,7 +251,7 @@ void SkinForecast::compare(Index a, Index b, float horizon) {
       then = std::min(then, found.at(horizon));
     }
   }
-  // The least of several that change evenly is nowhere less than the line between its ends.
+  // The least of several linear functions is concave: nowhere below the line between its ends.
   if (std::min(now, then) <= listed_) pairs_.push_back({a, b, {now, horizon > 0.0f ? (then - now) / horizon : 0.0f}});
 }
 
@@ -262,7 +261,7 @@ bool SkinForecast::areOnePiece(Index triangle, Index other) const {
   return within >= 0.0f && (second.middle - first.middle).squaredNorm() <= within * within;
 }
 
-bool SkinForecast::comesNear(const Pair &pair) const {
+bool SkinForecast::isNear(const Pair &pair) const {
   const auto &mine = skin_.tree().patches()[pair.first].triangles,
              &theirs = skin_.tree().patches()[pair.second].triangles;
   for (const double part : {0.0, 0.5, 1.0}) {
@@ -284,7 +283,7 @@ bool SkinForecast::comesNear(const Pair &pair) const {
   return false;
 }
 
-// Between two planes across a direction from the first to the second.
+// Of two parallel planes across a direction, which leads from the first to the second.
 template <class Corners>
 SkinForecast::Separation SkinForecast::along(const Eigen::Vector3f &direction, const Corners &first,
                                              const Corners &second) const {
@@ -306,7 +305,7 @@ Eigen::Vector3f SkinForecast::middleOf(Index patch) const {
   return (0.5f * (box.low + box.high)).head<3>().matrix();
 }
 
-// Whether anything of the second is before the first, now or at the end: what is beside it or behind does not touch it.
+// Whether anything of the second is in front of the first, now or at the horizon: else they do not touch.
 bool SkinForecast::faces(Index a, Index b, float horizon) {
   const auto &mine = skin_.tree().patches()[a].corners, &theirs = skin_.tree().patches()[b].corners;
   const Facings &facings = facingsOf(a);

@@ -12,12 +12,13 @@ namespace pointbased::detail {
 /// Spacings: what of one skin is farther apart does not touch in a step.
 inline constexpr double kNearOfSelf = 0.13;
 
-/// Looks at a skin once for several steps: patches are taken to go on evenly, and pairs that come near each other that
-/// way within a horizon are listed. The list serves until vertices have gone so far astray of it that others may meet.
+/// Candidate pairs for contact of a skin with itself, for several steps at once: those patches that come near each other
+/// within a horizon if every vertex keeps its velocity. The list serves until vertices have deviated from that so far
+/// that other patches may meet.
 /// @threads one
 class SkinForecast {
  public:
-  /// How far apart two parts are at least, m, and how that changes, m/s, since the look.
+  /// Lower bound of the distance of two parts at the look, m, and of its rate from then on, m/s.
   struct Separation {
     float distance = 0.0f, rate = 0.0f;
     [[nodiscard]] float at(float time) const { return distance + time * rate; }
@@ -36,16 +37,16 @@ class SkinForecast {
   [[nodiscard]] bool serves();
   /// Lists anew for that step, and for some that follow.
   void look();
-  void forget() { from_.clear(); }
+  void forget() { placeThen_.clear(); }
   [[nodiscard]] const std::vector<Pair> &pairs() const { return pairs_; }
   /// Whether a pair may come nearer than near in that step, or in twice as long; after serves() or look().
   [[nodiscard]] bool mayMeet(const Pair &pair) const {
-    return std::min(pair.separation.at(begin_), pair.separation.at(end_)) - astray_ <= near_;
+    return std::min(pair.separation.at(begin_), pair.separation.at(end_)) - deviation_ <= near_;
   }
-  /// Whether anything does, if the skin goes on evenly: told from where it is, whatever was looked at before.
+  /// Whether any does, with the velocities of now. It follows from the state alone, whatever was looked at before.
   [[nodiscard]] bool meets() const {
     return std::any_of(pairs_.begin(), pairs_.end(),
-                       [this](const Pair &pair) { return mayMeet(pair) && comesNear(pair); });
+                       [this](const Pair &pair) { return mayMeet(pair) && isNear(pair); });
   }
   /// Of the list: another one, another number.
   [[nodiscard]] std::uint64_t number() const { return now_; }
@@ -83,13 +84,13 @@ class SkinForecast {
 
   void refit(float horizon);
   void findRings();
-  void turn(float horizon);
+  void updateNormals(float horizon);
   void addPatch(Index patch, Motion &node) const;
   [[nodiscard]] bool mayFace(Index a, Index b) const;
-  [[nodiscard]] bool partWithin(Index a, Index b, float horizon) const;
+  [[nodiscard]] bool mayComeNear(Index a, Index b, float horizon) const;
   void compare(Index a, Index b, float horizon);
   [[nodiscard]] bool areOnePiece(Index triangle, Index other) const;
-  [[nodiscard]] bool comesNear(const Pair &pair) const;
+  [[nodiscard]] bool isNear(const Pair &pair) const;
   [[nodiscard]] const Ball &ballOf(Index triangle);
   template <class Corners>
   [[nodiscard]] Separation along(const Eigen::Vector3f &direction, const Corners &first, const Corners &second) const;
@@ -111,11 +112,11 @@ class SkinForecast {
   std::vector<Ball> balls_, restBalls_;               // [triangles]
   std::uint64_t now_ = 0;
   std::vector<Pair> pairs_;
-  // Of the phyxels at the look, seen from their mean, and velocities at the step before: m, m/s.
-  std::vector<Vec3> from_, evenly_, before_;
-  double horizon_ = 0.0, steps_, gained_ = 0.0;      // s; steps to look ahead; m/s, in the last step
-  std::size_t served_ = 0;                           // steps since the look
-  float begin_ = 0.0f, end_ = 0.0f, astray_ = 0.0f;  // s since the look, and m of two vertices together: of this step
+  // [phyxels] at the look, relative to the mean: m, m/s; and at the step before: m/s.
+  std::vector<Vec3> placeThen_, velocityThen_, velocityBefore_;
+  double horizon_ = 0.0, steps_, velocityChange_ = 0.0;  // s; steps to look ahead; m/s, in the last step
+  std::size_t served_ = 0;                               // steps since the look
+  float begin_ = 0.0f, end_ = 0.0f, deviation_ = 0.0f;   // of this step: s since the look; m, of two vertices
 };
 
 }  // namespace pointbased::detail

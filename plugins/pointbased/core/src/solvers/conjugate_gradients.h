@@ -46,8 +46,8 @@ class ConjugateGradients {
   void begin(std::span<const Vec3> b, const Apply &precondition);
   /// From the present x with another M.
   void restart(const Apply &product, const Apply &precondition);
-  /// At most `iterations` more, and no farther than `radius` from zero in the norm of M: where the path of iterates crosses it x
-  /// stays on it, along a direction of negative curvature as well, unless it is infinite.
+  /// At most `iterations` more, and no farther than `radius` from zero in the norm of M: where the path of iterates
+  /// crosses it x stays on it, along a direction of negative curvature as well, unless it is infinite.
   [[nodiscard]] LinearEnd run(const Apply &product, const Apply &precondition, double tolerance, int iterations,
                               double radius);
 

@@ -73,6 +73,7 @@ std::vector<Vec3> lastIncrement(const Body &body) {
   return ways;
 }
 
+// m, of the phyxel that went farthest in it.
 double wayOfIncrement(const Body &body) {
   double way = 0.0;
   for (const Vec3 &one : lastIncrement(body)) way = std::max(way, one.norm());
