@@ -28,9 +28,12 @@ std::string readText(const std::filesystem::path &file) {
   return text.str();
 }
 
+constexpr Point kNowhere{2.0, 2.0};  // left of the first menu: a button that was pressed elsewhere is let go there
+
+// What tells most comes first: messages may be cut off.
 std::string essentials(const Json &state) {
-  Json shown;
-  for (const char *key : {"frame", "mouse", "transport", "tool", "notifications", "jobs", "camera", "nodes", "values"})
+  nlohmann::ordered_json shown;
+  for (const char *key : {"jobs", "notifications", "transport", "tool", "frame", "mouse", "values", "camera", "nodes"})
     if (state.contains(key)) shown[key] = state[key];
   return shown.dump(1);
 }
@@ -209,16 +212,22 @@ void WorkstationDriver::doubleClickAt(Point at) {
 }
 
 void WorkstationDriver::click(const std::string &widget) {
-  // A panel may grow while the mouse is on its way.
+  const auto isAt = [&](const Point &at) {
+    const Json now = state()["widgets"];
+    if (!now.contains(widget)) return false;
+    const Json &rect = now[widget];
+    return at.x >= rect[0].get<double>() && at.y >= rect[1].get<double>() && at.x <= rect[2].get<double>() &&
+           at.y <= rect[3].get<double>();
+  };
+  // A panel may grow while the mouse is on its way, or goes down: what is above it tells of the simulation.
   for (int tries = 0; tries < 5; ++tries) {
     const Point at = locate(widget);
     moveTo(at);
-    const Json now = state()["widgets"];
-    if (!now.contains(widget)) continue;
-    const Json &rect = now[widget];
-    if (at.x >= rect[0].get<double>() && at.y >= rect[1].get<double>() && at.x <= rect[2].get<double>() &&
-        at.y <= rect[3].get<double>())
-      return clickAt(at);
+    if (!isAt(at)) continue;
+    press();
+    if (isAt(at)) return release();
+    moveTo(kNowhere);
+    release();
   }
   throw std::runtime_error("'" + widget + "' does not stand still");
 }
