@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pointbased/displacement_field.h"
 
+#include <Eigen/Geometry>
+#include <numbers>
+
 #include "contact_cases.h"
+#include "pointbased/simulator.h"
 #include "shapes.h"
 #include "support/catch.h"
+#include "surfaces.h"
 
 using namespace pointbased;
 
@@ -175,4 +180,123 @@ TEST_CASE("where a body has gone away from, the gap tells how far, and at rest t
     if (distance(0.0) > 0.016) REQUIRE(gaps[p] == 0.0F);
   }
   CHECK(left > 1000);
+}
+
+namespace {
+
+// A block that stands on what is held below, and a patch of its top that is led away and turned.
+struct LedPatch {
+  static constexpr double kSide = 0.1, kRamp = 0.05;  // m, s
+  const Vec3 centre{0.5 * kSide, 0.5 * kSide, kSide}, way{0.01, 0.0, 0.005};
+  Fix patch;
+  Simulator simulator;
+  std::size_t id = 0;
+
+  LedPatch() {
+    Fix foot;
+    foot.region = HalfSpaceRegion{Vec3(0, 0, 0.02), Vec3::UnitZ()};
+    patch.region = SphereRegion{centre, 0.02};
+    patch.displacement = way;
+    patch.rotation_deg = Vec3(0, 0, 20);
+    patch.centre = centre;
+    patch.ramp = kRamp;
+    BodyRecipe recipe;
+    recipe.sampling.spacing = 0.0125;
+    recipe.fixes = {foot, patch};
+    const Vec3 low = Vec3::Zero(), high = Vec3::Constant(kSide);
+    const auto rest = buildRestState(shapes::inside(shapes::boxSurface(low, high, 16)), recipe, {}, serialFor());
+    REQUIRE(rest);
+    id = simulator.addBody(std::make_unique<Body>(
+        "block", *rest, Constitution{{shapes::rubber(1e4)}, kLatticeStabilisation}, serialFor()));
+    simulator.addProbe("inside", id, centre - Vec3(0.004, 0.003, 0.008));
+    simulator.addProbe("on the border of the patch", id, centre + Vec3(0.0, 0.0199, 0.0));
+    simulator.addProbe("below", id, Vec3(0.03, 0.03, 0.01));
+  }
+  void goTo(double time) {
+    while (simulator.time() < time) REQUIRE(simulator.step());
+  }
+  [[nodiscard]] Vec3 led(const Vec3 &X) const {
+    const double s = std::min(1.0, simulator.time() / kRamp), angle = s * 20.0 * std::numbers::pi / 180.0;
+    return centre + Eigen::AngleAxisd(angle, Vec3::UnitZ()).toRotationMatrix() * (X - centre) + s * way;
+  }
+  [[nodiscard]] double distanceOfProbes() const {
+    double most = 0.0;
+    for (const Probe &probe : simulator.probes()) {
+      const bool below = probe.name == "below";
+      most = std::max(most,
+                      (simulator.probeState(probe).position - (below ? probe.reference : led(probe.reference))).norm());
+    }
+    return most;
+  }
+};
+
+constexpr double kRoundOff = 1e-14;  // m, of some rotations of points at a decimetre
+
+}  // namespace
+
+TEST_CASE("what a support holds goes with it, wherever the phyxels beside its border go") {
+  LedPatch block;
+  CHECK(block.distanceOfProbes() < kRoundOff);
+  block.goTo(0.6 * LedPatch::kRamp);
+  CHECK(block.distanceOfProbes() < kRoundOff);
+  const Checkpoint halfway = block.simulator.checkpoint();
+  const Probe &probe = block.simulator.probes().front();
+  const Simulator::ProbeState before = block.simulator.probeState(probe);
+  const double time = block.simulator.time();
+  REQUIRE(block.simulator.step());
+  // The way turns by less than 0.1 rad in a step.
+  const Vec3 mean = (block.simulator.probeState(probe).position - before.position) / (block.simulator.time() - time);
+  CHECK((before.velocity - mean).norm() < 0.05 * mean.norm());
+  block.goTo(2.0 * LedPatch::kRamp);
+  CHECK(block.distanceOfProbes() < kRoundOff);
+  CHECK(block.simulator.probeState(probe).velocity.norm() == 0.0);
+
+  // Surfels, in both precisions; those outside of the patch are free.
+  const RestState &rest = block.simulator.body(block.id)->rest();
+  const std::vector<Vec3> &u = block.simulator.body(block.id)->state().displacements;
+  std::vector<Vec3> x, n, interpolated(rest.surfels.count());
+  std::vector<Vec3f> onScreen, normals;
+  block.simulator.surfels(block.id, x, n);
+  block.simulator.surfels(block.id, onScreen, normals);
+  updateSurfels(rest.surfels, {}, rest.positions, u, interpolated, {}, serialFor());
+  std::size_t held = 0;
+  double elsewhere = 0.0;
+  for (std::size_t s = 0; s < x.size(); ++s) {
+    const Vec3 X = rest.origin + rest.surfels.position(s, rest.positions);
+    if (!contains(block.patch.region, X)) continue;
+    ++held;
+    CHECK((x[s] - block.led(X)).norm() < kRoundOff);
+    for (int a = 0; a < 3; ++a) CHECK(onScreen[s][static_cast<std::size_t>(a)] == Approx(block.led(X)[a]).margin(1e-7));
+    elsewhere = std::max(elsewhere, (rest.origin + interpolated[s] - block.led(X)).norm());
+  }
+  CHECK(held > 20);
+  CHECK(elsewhere > 1e-3);
+
+  // What is there now has come from where the patch was.
+  FieldGrid grid;
+  grid.size = {30, 30, 30};
+  grid.steps = 0.002 * Mat3::Identity();
+  grid.origin = block.centre + block.way - Vec3(0.03, 0.03, 0.04);
+  DisplacementField field(grid);
+  field.add(*block.simulator.body(block.id));
+  std::vector<float> written(3 * grid.count());
+  field.write(0.0, written);
+  std::size_t within = 0;
+  for (std::size_t p = 0; p < grid.count(); ++p) {
+    const Vec3 place = grid.origin + grid.steps * Vec3(static_cast<double>(p % 30), static_cast<double>(p / 30 % 30),
+                                                       static_cast<double>(p / 900));
+    const Vec3 from = place - Vec3(written[3 * p], written[3 * p + 1], written[3 * p + 2]);
+    const Vec3 material =
+        block.centre + Eigen::AngleAxisd(-20.0 * std::numbers::pi / 180.0, Vec3::UnitZ()).toRotationMatrix() *
+                           (place - block.centre - block.way);
+    if (!contains(block.patch.region, material) || material[2] > LedPatch::kSide) continue;
+    ++within;
+    CHECK((from - material).norm() < 1e-8);  // floats of some millimetres
+  }
+  CHECK(within > 1000);
+
+  REQUIRE(block.simulator.restore(halfway));
+  CHECK(block.distanceOfProbes() < kRoundOff);
+  block.simulator.reset();
+  CHECK(block.distanceOfProbes() < kRoundOff);
 }

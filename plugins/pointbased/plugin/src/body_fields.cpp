@@ -85,6 +85,7 @@ void readOfSurfels(const Body &body, std::string_view name, const c3de_mview &ou
   std::vector<Vec3> positions(n), normals(rest.surfelNormals.size());
   updateSurfels(rest.surfels, rest.surfelNormals, rest.positions, body.state().displacements, positions, normals,
                 serialFor());
+  body.placeHeldSurfels(positions, normals);
   if (name == C3DE_SIM_FIELD_POSITION)
     return writeVectors(out, n, [&](std::size_t s) -> Vec3 { return rest.origin + positions[s]; });
   if (normals.size() != n) throw sdk::Error(C3DE_E_STATE, "these surfels have no normals");

@@ -23,6 +23,14 @@ struct State {
   std::vector<Vec3> displacements;  ///< [phyxels] u, m
   std::vector<Vec3> velocities;     ///< [phyxels] m/s
   PointHistory history;             ///< [points] plastic and viscous memory
+  /// s, or load factor: when supports have put what they hold where it is; nothing: not yet
+  std::optional<double> supportTime = std::nullopt;
+};
+
+/// What a support leads: material points of a body, rigidly.
+struct SupportedMotion {
+  RigidMotion motion;            ///< in the frame of the phyxels
+  Vec3 velocity = Vec3::Zero();  ///< m/s, of the point that was asked for
 };
 
 /// What a support exerts on the body.
@@ -179,6 +187,24 @@ class Body {
   [[nodiscard]] const PatchSolver &patches() const { return patches_; }
   [[nodiscard]] std::span<const std::uint8_t> heldMask() const { return heldMask_; }
   [[nodiscard]] bool held() const { return !heldPhyxels_.empty() || patches_.rows() > 0; }
+  /// How the support moves that holds a material point; nothing where the point is free. All that lies in the region of
+  /// a fix goes with it: phyxels beside its border carry free material, too, and may be elsewhere.
+  /// @param X  first reference, world, m
+  [[nodiscard]] std::optional<SupportedMotion> supportAt(const Vec3 &X) const;
+  /// Of one fix, in the frame of the phyxels.
+  [[nodiscard]] RigidMotion supportMotion(std::size_t fix) const;
+  /// By fixes: phyxels that lie in their regions, or within a spacing of them.
+  struct HeldPhyxel {
+    Index phyxel;
+    Index fix;
+  };
+  [[nodiscard]] std::span<const HeldPhyxel> phyxelsNearSupports() const { return nearSupports_; }
+  /// Puts the surfels that supports hold where these are, and turns their normals.
+  /// @param positions  [surfels] m, in the frame of the phyxels
+  /// @param normals    [surfels] unit, or empty
+  void placeHeldSurfels(std::span<Vec3> positions, std::span<Vec3> normals) const;
+  /// @param positions  [surfels] m, world
+  void placeHeldSurfels(std::span<Vec3f> positions, std::span<Vec3f> normals) const;
 
   /// How its surroundings hold it; takes effect with the next force evaluation. Errors: settings that validate()
   /// refuses; a body without a surface, or whose reference has been renewed, if it is to act.
@@ -270,11 +296,11 @@ class Body {
   bool forcesCurrent = false;
 
  private:
-  struct HeldPhyxel {
-    Index phyxel;
-    Index fix;
+  struct HeldSurfel {
+    Index surfel, fix;
   };
   void layOut();
+  void findWhatSupportsHold();
   void bindFoundation();
   void frameRigid();
   [[nodiscard]] Vec3 firstReference(Index phyxel) const;
@@ -299,7 +325,8 @@ class Body {
   std::vector<double> weights_, supportWeights_, gravityShares_;
   std::vector<double> contactModuli_;
   std::vector<Index> carrier_;  // fix that carries it
-  std::vector<HeldPhyxel> heldPhyxels_;
+  std::vector<HeldPhyxel> heldPhyxels_, nearSupports_;
+  std::vector<HeldSurfel> heldSurfels_;
   std::vector<std::uint8_t> heldMask_;
   PatchSolver patches_;
   ElasticFoundation foundation_;

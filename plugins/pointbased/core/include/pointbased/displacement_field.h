@@ -24,7 +24,7 @@ struct FieldGrid {
 ///     X_q(x) = X_q + F_q^-1 (x - x_q),      u(x) = x - Σ w_q X_q(x) / Σ w_q,     w_q = (1 - |X_q(x) - X_q|²/r²)²
 ///
 /// so affine motions are exact whatever the grid, and points within a spacing of an evaluation point (r = 1.1 spacings,
-/// in the material) belong to the body. Points that are inverted say nothing.
+/// in the material) belong to the body. Points that are inverted say nothing. What supports hold goes with them exactly.
 ///
 /// Where a body lies over itself, or two bodies over each other, the points lead to places in the material that are far
 /// from each other, and a mean of them would be tissue from nowhere. Only those within r of each other are averaged; of
@@ -53,6 +53,7 @@ class DisplacementField {
   using Sums = std::vector<Eigen::Vector4d>;  // [points] Σ w u, Σ w
   template <class Visit>
   void visitPoints(const Vec3 &centre, const Vec3 &half, const Visit &visit) const;
+  void addHeld(const Body &body);
   void addTo(std::size_t p, double w, const Vec3 &u, double reach);
   [[nodiscard]] Eigen::Vector4d heaviest(std::size_t p) const;
 

@@ -11,6 +11,7 @@ namespace {
 constexpr double kReach = 1.1;  // spacings
 constexpr double kLeastWeight = 1e-6;
 constexpr double kBeyondGrid = 1000.0;  // m; finite, so that what lies between points is, too
+constexpr double kHeldWeight = 1e6;     // of what supports hold, beside what carries it on the other side of a border
 constexpr double kLeastVolume = 0.02;   // det F: below it a point does not say where anything has come from
 
 // Where an evaluation point stands now; the mean of its phyxels and F carry affine motions exactly.
@@ -67,6 +68,7 @@ void DisplacementField::visitPoints(const Vec3 &centre, const Vec3 &half, const 
 }
 
 void DisplacementField::add(const Body &body) {
+  if (!body.rigid()) addHeld(body);
   const RestState &rest = body.rest();
   const double reach = kReach * rest.spacing, inverseSquare = 1.0 / (reach * reach);
   const std::span<const Mat3> gradients = body.gradients();
@@ -93,6 +95,31 @@ void DisplacementField::add(const Body &body) {
       if (!(left > 0.0)) return;
       material_[p].head<3>() += left * left * (x + F * away - place);
       material_[p][3] += left * left;
+    });
+  }
+}
+
+// What lies in the region of a fix, within a spacing of a phyxel.
+void DisplacementField::addHeld(const Body &body) {
+  const RestState &rest = body.rest();
+  const Vec3 half = rest.spacing * Vec3(toIndex_.row(0).norm(), toIndex_.row(1).norm(), toIndex_.row(2).norm());
+  Index present = StencilSet::kNoFrame;
+  RigidMotion motion;
+  for (const auto &[phyxel, fix] : body.phyxelsNearSupports()) {
+    if (fix != present) motion = body.supportMotion(present = fix);
+    const Region &region = rest.conditions.fixes[fix].region;
+    const Vec3 &X = rest.positions[phyxel];
+    visitPoints(rest.origin + X + motion.displacementOf(X), half, [&](std::size_t p, const Vec3 &place) {
+      if (now_[p][3] >= kHeldWeight) return;
+      const Vec3 x = place - rest.origin;
+      const Vec3 from = motion.rotation.transpose() * (x - motion.centre - motion.displacement) + motion.centre;
+      if (contains(region, rest.origin + from)) addTo(p, kHeldWeight, x - from, kReach * rest.spacing);
+    });
+    if (material_.empty()) continue;
+    visitPoints(rest.origin + X, half, [&](std::size_t p, const Vec3 &place) {
+      if (material_[p][3] >= kHeldWeight || !contains(region, place)) return;
+      material_[p].head<3>() += kHeldWeight * motion.displacementOf(place - rest.origin);
+      material_[p][3] += kHeldWeight;
     });
   }
 }

@@ -103,6 +103,7 @@ void Body::layOut() {
   std::vector<Mat3>().swap(stresses_);
   gradientsOld_ = stressesOld_ = false;
   heldPhyxels_.clear();
+  findWhatSupportsHold();
   patchPoints_.clear();
   patchShifts_.clear();
   fixOfPatch_.clear();

@@ -111,6 +111,7 @@ void Body::reset() {
   const std::size_t n = rest_->phyxelCount();
   state_.displacements.assign(n, Vec3::Zero());
   state_.velocities.assign(n, initialVelocity_);
+  state_.supportTime.reset();
   state_.history = PointHistory();
   state_.history.reset(constitution_, rest_->pointCount(), rest_->stencils.isLattice());
   relaxedModes_.clear();

@@ -23,7 +23,83 @@ Surface detail::restSurface(const RestState &rest) {
   return surface;
 }
 
+RigidMotion Body::supportMotion(std::size_t fix) const {
+  const BoundaryConditions &conditions = rest_->conditions;
+  const Fix &one = conditions.fixes[fix];
+  return motionAt(one, conditions.held[fix], rest_->origin,
+                  state_.supportTime ? factor(one.ramp, *state_.supportTime) : 0.0);
+}
+
+std::optional<SupportedMotion> Body::supportAt(const Vec3 &X) const {
+  if (rigid_) return std::nullopt;
+  const BoundaryConditions &conditions = rest_->conditions;
+  const auto found = std::find_if(conditions.fixes.begin(), conditions.fixes.end(),
+                                  [&](const Fix &fix) { return contains(fix.region, X); });
+  if (found == conditions.fixes.end()) return std::nullopt;
+  const auto f = static_cast<std::size_t>(found - conditions.fixes.begin());
+  SupportedMotion out{supportMotion(f), Vec3::Zero()};
+  if (!quasiStatic && state_.supportTime && *state_.supportTime < found->ramp)
+    out.velocity = motionRate(*found, conditions.held[f], rest_->origin, factor(found->ramp, *state_.supportTime),
+                              X - rest_->origin) /
+                   found->ramp;
+  return out;
+}
+
+// By fixes. A renewed reference is not the one in which regions are told.
+void Body::findWhatSupportsHold() {
+  heldSurfels_.clear();
+  nearSupports_.clear();
+  if (!rest_->referenceShift.empty()) return;
+  const std::vector<Fix> &fixes = rest_->conditions.fixes;
+  std::vector<std::uint8_t> isHeld(rest_->surfels.count(), 0);
+  for (std::size_t f = 0; f < fixes.size(); ++f)
+    for (std::size_t s = 0; s < isHeld.size(); ++s)
+      if (isHeld[s] == 0 && contains(fixes[f].region, rest_->origin + rest_->surfels.position(s, rest_->positions))) {
+        isHeld[s] = 1;
+        heldSurfels_.push_back({static_cast<Index>(s), static_cast<Index>(f)});
+      }
+  for (std::size_t f = 0; f < fixes.size(); ++f)
+    for (std::size_t i = 0; i < rest_->phyxelCount(); ++i)
+      if (signedDistance(fixes[f].region, rest_->origin + rest_->positions[i]) <= rest_->spacing)
+        nearSupports_.push_back({static_cast<Index>(i), static_cast<Index>(f)});
+}
+
+namespace {
+
+// place(surfel, where it is at rest in the frame of the phyxels, motion) for each that is held.
+template <class HeldSurfels, class Place>
+void forHeld(const Body &body, const HeldSurfels &held, const Place &place) {
+  Index present = StencilSet::kNoFrame;
+  RigidMotion motion;
+  for (const auto &[surfel, fix] : held) {
+    if (fix != present) motion = body.supportMotion(present = fix);
+    place(surfel, body.rest().surfels.position(surfel, body.rest().positions), motion);
+  }
+}
+
+}  // namespace
+
+void Body::placeHeldSurfels(std::span<Vec3> positions, std::span<Vec3> normals) const {
+  if (rigid_) return;
+  forHeld(*this, heldSurfels_, [&](Index s, const Vec3 &X, const RigidMotion &motion) {
+    positions[s] = X + motion.displacementOf(X);
+    if (!normals.empty()) normals[s] = motion.rotation * rest_->surfelNormals[s];
+  });
+}
+
+void Body::placeHeldSurfels(std::span<Vec3f> positions, std::span<Vec3f> normals) const {
+  if (rigid_) return;
+  forHeld(*this, heldSurfels_, [&](Index s, const Vec3 &X, const RigidMotion &motion) {
+    const Vec3 x = rest_->origin + X + motion.displacementOf(X);
+    for (std::size_t a = 0; a < 3; ++a) positions[s][a] = static_cast<float>(x[static_cast<Eigen::Index>(a)]);
+    if (normals.empty()) return;
+    const Vec3 n = motion.rotation * rest_->surfelNormals[s];
+    for (std::size_t a = 0; a < 3; ++a) normals[s][a] = static_cast<float>(n[static_cast<Eigen::Index>(a)]);
+  });
+}
+
 void Body::placeHeld(double t, bool rates) {
+  state_.supportTime = t;
   const BoundaryConditions &conditions = rest_->conditions;
   Index present = StencilSet::kNoFrame;
   RigidMotion motion;

@@ -52,6 +52,7 @@ class FarthestWay {
     weighted_ = std::max(weighted_, influence * influence * squared);
   }
   [[nodiscard]] double ofVertices(const ContactSkin &skin) const {
+    if (!(squared_ > 0.0)) return 0.0;  // a gain may be infinite
     return std::min(skin.gain * std::sqrt(weighted_), skin.sum * std::sqrt(squared_));
   }
 

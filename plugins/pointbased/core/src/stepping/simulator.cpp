@@ -226,6 +226,8 @@ Simulator::ProbeState Simulator::probeState(const Probe &probe) const {
   interpolateDisplacements(probe.binding, target->rest().positions, target->state().displacements,
                            std::span<Vec3>(&u, 1), serialFor());
   interpolateField(probe.binding, target->state().velocities, std::span<Vec3>(&v, 1), serialFor());
+  if (const auto held = target->supportAt(probe.reference))
+    return {probe.reference + held->motion.displacementOf(probe.reference - target->rest().origin), held->velocity};
   return {probe.reference + probe.referenceShift + u, v};
 }
 
@@ -569,6 +571,7 @@ void Simulator::surfels(std::size_t id, std::vector<Vec3> &positions, std::vecto
   clock_.measure(kSurfels, [&] {
     updateSurfels(rest.surfels, rest.surfelNormals, rest.positions, target->state().displacements, positions, normals,
                   parallelFor_);
+    target->placeHeldSurfels(positions, normals);
     for (Vec3 &x : positions) x += rest.origin;
   });
 }
@@ -582,6 +585,7 @@ void Simulator::surfels(std::size_t id, std::vector<Vec3f> &positions, std::vect
   clock_.measure(kSurfels, [&] {
     updateSurfels(rest.surfels, rest.surfelNormals, rest.origin, rest.positions, target->state().displacements,
                   screenPhyxels_, positions, normals, parallelFor_);
+    target->placeHeldSurfels(positions, normals);
   });
 }
 

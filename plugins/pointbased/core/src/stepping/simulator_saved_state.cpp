@@ -277,6 +277,8 @@ Result<void> Simulator::goToSavedState(std::string_view bytes) {
     one.checkpoint.body.rest = fresh.rest;
     one.checkpoint.body.rigid = fresh.rigid;
     one.checkpoint.body.free = fresh.free;
+    if (checkpoint.steps > 0)
+      one.checkpoint.body.state.supportTime = quasiStatic() ? checkpoint.loadFactor : checkpoint.time;
     (void)runner->restore(one.checkpoint, parallelFor_);
     runner->setStillness(std::move(one.stillness));
     std::copy(one.patchForces.begin(), one.patchForces.end(), runner->body().patches().forces().begin());
