@@ -205,6 +205,39 @@ TEST_CASE("A scene with an image is drawn as four views, or as the one that was 
     for (std::size_t b = 0; b < a; ++b) CHECK(all[a] != all[b]);
 }
 
+TEST_CASE("The picture of slices shows the overlay that is asked for, and a name that is none costs no step", "[gpu]") {
+  const auto folder = freshFolder("overlays");
+  (void)writeBalls(folder);
+  const auto scene = writeFile(folder / "scene.toml",
+                               std::string(kBody) +
+                                   "label = 1\n[image]\nfile = \"organs.nrrd\"\n\n[world]\ngravity = [0, 0, "
+                                   "-9.81]\n[[fix]]\nregion = { box = { min = [-1, -1, 0.54], max = [1, 1, 1] } }\n")
+                         .string();
+  const auto draw = [&](const std::string &overlay, const std::string &view) {
+    return runWithoutDisplay({"run", scene, "--until", "0.05", "--screenshot", (folder / (overlay + ".png")).string(),
+                              "--size", "320x320", "--view", view, "--overlay", overlay});
+  };
+  const auto plain = draw("none", "coronal");
+  if (plain.exitCode == 6) C3DE_SKIP("no OpenGL here: " + plain.errorOutput);
+  REQUIRE(plain.exitCode == 0);
+  std::vector<std::string> all{readFile(folder / "none.png")};
+  for (const std::string overlay : {"displacement", "volume_change", "stress_vm"}) {
+    const auto ran = draw(overlay, "coronal");
+    INFO(ran.errorOutput);
+    REQUIRE(ran.exitCode == 0);
+    all.push_back(readFile(folder / (overlay + ".png")));
+  }
+  for (std::size_t a = 0; a < all.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b) CHECK(all[a] != all[b]);
+  const auto misspelt = draw("stress", "coronal");
+  CHECK(misspelt.exitCode == 2);
+  CHECK_THAT(misspelt.errorOutput,
+             Contains("--overlay stress: accepted: none, displacement, volume_change, stress_vm"));
+  CHECK_FALSE(std::filesystem::exists(folder / "stress.png"));
+  CHECK(draw("displacement", "3d").exitCode == 2);
+  CHECK(runC3de({"run", scene, "--steps", "1", "--overlay", "none"}).exitCode == 2);
+}
+
 TEST_CASE("A view of slices is refused where there is no image, and a name that is none") {
   const auto folder = freshFolder("no_views");
   const auto scene = writeBoxScene(folder).string();

@@ -677,8 +677,9 @@ TEST_CASE("an image follows its body far from where it began", "[image_warp_far]
   window.waitUntil("the cross-hair is there",
                    [&](const Json &s) { return std::abs(crossHair(s)[0] - place[0]) < 2.0; });
   CHECK_THAT(text(window.state(), "coronal.readout"), Contains("   -1000"));
-  window.click("image/shift");
-  window.waitForValue("image/shift", "true");
+  window.click("image/overlay");
+  window.click("image/overlay.option.|u|");
+  window.waitForValue("image/overlay", "|u|");
   window.moveTo(inPane(window, "3D", 0.5, 0.9));  // over a slice the keys are the slice's
   window.screenshot("rest");
   window.key("space");

@@ -27,7 +27,8 @@ struct PictureSources {
   std::shared_ptr<scene::StoredImage> image;    ///< null: none; then only the 3D view can be drawn
   std::shared_ptr<scene::StoredLabels> labels;  ///< null: none
   ImageWarp how;
-  bool warp = true;  ///< the image as the bodies have deformed it, with |u| in colours
+  bool warp = true;  ///< the image as the bodies have deformed it, with the overlay
+  PictureOverlay overlay;
 };
 
 /// Draws the end of a run without a window. It outlives the session.

@@ -132,10 +132,26 @@ bool RetainedImages::setDisplacement(Handle displacement, std::span<const float>
   return true;
 }
 
-bool RetainedImages::setShiftColours(std::span<const Colour> colours) {
+bool RetainedImages::setField(Handle displacement, std::span<const float> values) {
+  ImageSlot *slot = find(displacement, ImageSlot::Kind::displacement);
+  if (!slot) return false;
+  if (values.empty() && !slot->hasField) return true;
+  const std::size_t points = slot->place.size[0] * slot->place.size[1] * slot->place.size[2];
+  if (!values.empty() && values.size() != points) return false;
+  // Between points with and without a value, the share of those with one tells what the sum is of.
+  std::vector<float> pairs(2 * values.size(), 0.0f);
+  for (std::size_t p = 0; p < values.size(); ++p)
+    if (std::isfinite(values[p])) pairs[2 * p] = values[p], pairs[2 * p + 1] = 1.0f;
+  const bool isThere = uploadField(*slot, pairs);
+  slot->hasField = isThere && !values.empty();
+  ++changes_;
+  return isThere;
+}
+
+bool RetainedImages::setOverlayColours(std::span<const Colour> colours) {
   if (colours.size() < 2) return false;
-  shiftColours_.assign(colours.begin(), colours.end());
-  shiftColoursChanged();
+  overlayColours_.assign(colours.begin(), colours.end());
+  overlayColoursChanged();
   ++changes_;
   return true;
 }

@@ -24,6 +24,7 @@ struct ImageSlot {
   std::vector<std::pair<std::uint16_t, Colour>> colours;
   bool hasGaps = false;     ///< of displacements
   bool hasColours = false;  ///< of images
+  bool hasField = false;    ///< of displacements
   std::unique_ptr<BackEndData> backEnd;
 };
 
@@ -35,7 +36,8 @@ class RetainedImages : public ImageRenderer {
   Expected<Handle> addDisplacement(const GridPlace &place, std::span<const float> xyz_mm,
                                    std::span<const float> gap_mm) override;
   bool setDisplacement(Handle displacement, std::span<const float> xyz_mm, std::span<const float> gap_mm) override;
-  bool setShiftColours(std::span<const Colour> colours) override;
+  bool setField(Handle displacement, std::span<const float> values) override;
+  bool setOverlayColours(std::span<const Colour> colours) override;
   bool remove(Handle handle) override;
   void setScene(ImageScene scene) override;
   [[nodiscard]] std::uint64_t changes() const override { return changes_; }
@@ -48,13 +50,15 @@ class RetainedImages : public ImageRenderer {
   virtual Expected<void> uploadLabels(ImageSlot &slot, std::span<const std::uint16_t> voxels) = 0;
   virtual Expected<void> uploadDisplacement(ImageSlot &slot, std::span<const float> xyz_mm,
                                             std::span<const float> gap_mm) = 0;
+  /// Values without NaN of `slot` as pairs of value and 1, or 0 and 0; none: the field goes.
+  virtual bool uploadField(ImageSlot &slot, std::span<const float> pairs) = 0;
   virtual void labelColoursChanged(ImageSlot &slot) = 0;
-  virtual void shiftColoursChanged() = 0;
+  virtual void overlayColoursChanged() = 0;
 
   [[nodiscard]] ImageSlot *find(Handle handle, ImageSlot::Kind kind);
 
   HandleTable<ImageSlot> slots_;
-  std::vector<Colour> shiftColours_{{0.05f, 0.05f, 0.4f, 1.0f}, {0.95f, 0.9f, 0.2f, 1.0f}};
+  std::vector<Colour> overlayColours_{{0.05f, 0.05f, 0.4f, 1.0f}, {0.95f, 0.9f, 0.2f, 1.0f}};
   ImageScene scene_;
   std::uint64_t changes_ = 0, sceneChanges_ = 0;
 };

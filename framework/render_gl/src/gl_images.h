@@ -8,7 +8,7 @@ namespace c3de::render {
 /// Images of the OpenGL back end; the renderer calls it between its passes.
 class GlImages final : public RetainedImages {
  public:
-  explicit GlImages(RenderStatistics &statistics) : statistics_(statistics) { shiftColoursChanged(); }
+  explicit GlImages(RenderStatistics &statistics) : statistics_(statistics) { overlayColoursChanged(); }
 
   void drawSlice(const ImageLook &look, const SlicePlane &plane, const Viewport &viewport) override;
   Expected<Image> drawSliceToImage(const ImageLook &look, const SlicePlane &plane, int width, int height) override;
@@ -33,8 +33,9 @@ class GlImages final : public RetainedImages {
                                     std::span<const float> gap_mm) override {
     return uploadDisplacementValues(slot, xyz_mm, gap_mm);
   }
+  bool uploadField(ImageSlot &slot, std::span<const float> pairs) override { return uploadFieldValues(slot, pairs); }
   void labelColoursChanged(ImageSlot &slot) override { uploadLabelTable(slot); }
-  void shiftColoursChanged() override { slices_.setShiftColours(shiftColours_); }
+  void overlayColoursChanged() override { slices_.setOverlayColours(overlayColours_); }
   [[nodiscard]] ImageParts partsOf(const ImageLook &look);
 
   RenderStatistics &statistics_;

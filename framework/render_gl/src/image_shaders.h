@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shader texts of images. Positions are in the index spaces of the grids, found in double precision by whoever sets the
-// matrices. Variants are chosen by COLOURED, LABELLED, DISPLACED, VACATED, STILL, MISSING, SHIFT, MAXIMUM, SHADED,
-// LAYERED, because a software renderer pays for both sides of a branch.
+// matrices. Variants are chosen by COLOURED, LABELLED, DISPLACED, VACATED, STILL, MISSING, SHIFT, FIELD, MAXIMUM,
+// SHADED, LAYERED, because a software renderer pays for both sides of a branch.
 #pragma once
 
 namespace c3de::render::shaders {
@@ -11,14 +11,15 @@ enum ImageUnit : unsigned {
   kLabelUnit = 1,
   kLabelColourUnit = 2,
   kDisplacementUnit = 3,
-  kShiftColourUnit = 4,
+  kOverlayColourUnit = 4,
   kTransferUnit = 5,
   kDepthUnit = 6,
   kLayerUnit = 7,  // and the next one
   kBodiesUnit = 9,
   kColourUnit = 10,
   kMissingUnit = 11,
-  kImageUnits = 12
+  kFieldUnit = 12,
+  kImageUnits = 13
 };
 enum SliceUniform : int {
   kClipFromLocal = 0,
@@ -29,7 +30,7 @@ enum SliceUniform : int {
   kLabelFromShift = 5,
   kGrey = 6,
   kLabelOpacity = 7,
-  kShift = 8,
+  kOverlay = 8,
 };
 enum SharedUniform : int { kLeastGap = 16 };
 enum RayUniform : int {
@@ -121,14 +122,17 @@ layout(location = 4) uniform mat3 uImageFromShift;
 layout(location = 5) uniform mat3 uLabelFromShift;
 layout(location = 6) uniform vec2 uGrey;
 layout(location = 7) uniform float uLabelOpacity;
-layout(location = 8) uniform vec3 uShift;
+layout(location = 8) uniform vec3 uOverlay;  // low, 1 / range, opacity
 layout(binding = 0) uniform sampler3D uImage;
 layout(binding = 1) uniform usampler3D uLabels;
 layout(binding = 2) uniform sampler2D uLabelColours;
-layout(binding = 4) uniform sampler2D uShiftColours;
+layout(binding = 4) uniform sampler2D uOverlayColours;
 layout(binding = 10) uniform sampler3D uColours;
 #ifdef MISSING
 layout(binding = 11) uniform sampler3D uMissing;
+#endif
+#ifdef FIELD
+layout(binding = 12) uniform sampler3D uField;
 #endif
 out vec4 oColour;
 void main() {
@@ -166,9 +170,20 @@ void main() {
 #endif
 #ifdef SHIFT
   float size = length(u);
-  vec3 map = texture(uShiftColours, vec2((size - uShift.x) * uShift.y, 0.5)).rgb;
+  vec3 map = texture(uOverlayColours, vec2((size - uOverlay.x) * uOverlay.y, 0.5)).rgb;
   // Fades in over the first twentieth of the range, so that the cells of the grid do not show at the rim.
-  colour = mix(colour, map, uShift.z * clamp(20.0 * (size - uShift.x) * uShift.y, 0.0, 1.0));
+  colour = mix(colour, map, uOverlay.z * clamp(20.0 * (size - uOverlay.x) * uOverlay.y, 0.0, 1.0));
+#endif
+#ifdef FIELD
+  // The sum of those points of the cell that have a value, and their share.
+  vec3 nodes = vec3(textureSize(uField, 0));
+  vec2 sum = texture(uField, (vNode + 0.5) / nodes).rg;
+  bool isTissue = sum.g > 1e-3 && isWithin(vNode, vec3(0.0), nodes - 1.0);
+#ifdef VACATED
+  isTissue = isTissue && !vacated && isWithin(place, vec3(0.0), vec3(1.0)) && texture(uBodies, place).r > 0.5;
+#endif
+  vec3 ofField = texture(uOverlayColours, vec2((sum.r / max(sum.g, 1e-3) - uOverlay.x) * uOverlay.y, 0.5)).rgb;
+  colour = mix(colour, ofField, isTissue ? uOverlay.z : 0.0);
 #endif
 #ifdef VACATED
   // Hatched: nothing is known of what is there now.

@@ -11,7 +11,7 @@ namespace c3de::render {
 namespace {
 
 constexpr unsigned kLabelled = 1, kDisplaced = 2, kShifted = 4, kVacated = 8, kColoured = 16, kStill = 32,
-                   kMissing = 64;
+                   kMissing = 64, kField = 128;
 
 const GridTexture &texturesOf(const ImageSlot &slot) { return static_cast<const GridTexture &>(*slot.backEnd); }
 
@@ -39,6 +39,8 @@ void bindImageTextures(const ImageParts &parts, bool isSmooth) {
   }
   if (parts.displacement) bindTexture(kDisplacementUnit, GL_TEXTURE_3D, texturesOf(*parts.displacement).grid.name());
   if (parts.bodies) bindTexture(kBodiesUnit, GL_TEXTURE_3D, texturesOf(*parts.bodies).grid.name());
+  if (parts.displacement && parts.displacement->hasField)
+    bindTexture(kFieldUnit, GL_TEXTURE_3D, texturesOf(*parts.displacement).field.name());
   if (parts.missing) bindTexture(kMissingUnit, GL_TEXTURE_3D, texturesOf(*parts.missing).grid.name());
   const GLint filter = isSmooth ? GL_LINEAR : GL_NEAREST;
   const auto bindImage = [filter](GLuint unit, const Texture &texture) {
@@ -77,6 +79,7 @@ const Program *SlicePass::programFor(unsigned variant, RenderStatistics &statist
       if (variant & kVacated) texts->push_back("#define VACATED\n");
       if (variant & kColoured) texts->push_back("#define COLOURED\n");
       if (variant & kStill) texts->push_back("#define STILL\n");
+      if (variant & kField) texts->push_back("#define FIELD\n");
       if (variant & kMissing) texts->push_back("#define MISSING\n");
     }
     vertex.insert(vertex.end(), {"#define FLOW out\n", kSlicePlaces, kSliceVertex});
@@ -152,7 +155,11 @@ void SlicePass::draw(const ImageParts &parts, const ImageLook &look, std::span<c
                      const Mat4 &clipFromLocal, const Mat4 &worldFromLocal, RenderStatistics &statistics) {
   unsigned variant = 0;
   if (parts.labels && look.labelOpacity > 0.0f) variant |= kLabelled;
-  if (parts.displacement) variant |= kDisplaced | (look.showsShift && look.shiftOpacity > 0.0f ? kShifted : 0);
+  if (parts.displacement) variant |= kDisplaced;
+  if (parts.displacement && look.overlayOpacity > 0.0f) {
+    if (look.overlay == Overlay::shift) variant |= kShifted;
+    if (look.overlay == Overlay::field && parts.displacement->hasField) variant |= kField;
+  }
   if (parts.knowsVacated()) variant |= kVacated | (look.hasStill ? kStill : 0);
   if (parts.image->hasColours) variant |= kColoured;
   if (parts.missing) variant |= kMissing;
@@ -182,11 +189,11 @@ void SlicePass::draw(const ImageParts &parts, const ImageLook &look, std::span<c
     if (variant & kLabelled) setLinear(kLabelFromShift, parts.labels->indexFromWorld);
   }
   if (variant & kVacated) glUniform1f(kLeastGap, static_cast<float>(look.leastGap));
-  if (variant & kShifted) {
-    const double range = std::max(look.shiftHigh - look.shiftLow, 1e-9);
-    glUniform3f(kShift, static_cast<float>(look.shiftLow), static_cast<float>(1.0 / range),
-                std::clamp(look.shiftOpacity, 0.0f, 1.0f));
-    bindTexture(kShiftColourUnit, GL_TEXTURE_2D, shiftColours_.name());
+  if (variant & (kShifted | kField)) {
+    const double range = std::max(look.overlayHigh - look.overlayLow, 1e-30);
+    glUniform3f(kOverlay, static_cast<float>(look.overlayLow), static_cast<float>(1.0 / range),
+                std::clamp(look.overlayOpacity, 0.0f, 1.0f));
+    bindTexture(kOverlayColourUnit, GL_TEXTURE_2D, overlayColours_.name());
   }
   bindImageTextures(parts, look.isSmooth);
   glBindVertexArray(array_.name());

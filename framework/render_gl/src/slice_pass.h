@@ -25,7 +25,7 @@ struct ImageParts {
 class SlicePass {
  public:
   SlicePass();
-  void setShiftColours(std::span<const Colour> colours) { uploadColourRow(shiftColours_, colours); }
+  void setOverlayColours(std::span<const Colour> colours) { uploadColourRow(overlayColours_, colours); }
   /// Fills the bound viewport.
   void drawFlat(const ImageParts &parts, const ImageLook &look, const SlicePlane &plane, int width, int height,
                 RenderStatistics &statistics);
@@ -39,9 +39,9 @@ class SlicePass {
             const Mat4 &worldFromLocal, RenderStatistics &statistics);
   [[nodiscard]] const Program *programFor(unsigned variant, RenderStatistics &statistics);
 
-  std::array<std::optional<Program>, 128> programs_;
+  std::array<std::optional<Program>, 256> programs_;
   std::optional<Program> outline_;
-  Texture shiftColours_ = Texture::create();
+  Texture overlayColours_ = Texture::create();
   VertexArray array_ = VertexArray::create();
   Buffer buffer_ = Buffer::create();
 };

@@ -229,6 +229,29 @@ Expected<void> uploadDisplacementValues(ImageSlot &slot, std::span<const float> 
   return {};
 }
 
+bool uploadFieldValues(ImageSlot &slot, std::span<const float> pairs) {
+  auto &textures = static_cast<GridTexture &>(*slot.backEnd);
+  if (pairs.empty()) {
+    textures.field = {};
+    return true;
+  }
+  const auto &size = slot.place.size;
+  if (textures.field.name() == 0) {
+    textures.field = Texture::create();
+    if (!makeStorage(textures.field, size, GL_RG32F, GL_LINEAR, 8, "a field")) {
+      textures.field = {};
+      return false;
+    }
+  }
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_3D, textures.field.name());
+  useTight();
+  glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, static_cast<GLsizei>(size[0]), static_cast<GLsizei>(size[1]),
+                  static_cast<GLsizei>(size[2]), GL_RG, GL_FLOAT, pairs.data());
+  glBindTexture(GL_TEXTURE_3D, 0);
+  return true;
+}
+
 void uploadColourRow(const Texture &texture, std::span<const std::array<float, 4>> colours) {
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, texture.name());

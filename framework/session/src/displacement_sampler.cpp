@@ -86,6 +86,17 @@ void DisplacementSampler::begin() {
   ++serial_;
   const std::lock_guard lock(mutex_);
   newest_.reset();
+  offered_.clear();
+}
+
+void DisplacementSampler::wantFields(const FieldsWanted &fields) {
+  const std::lock_guard lock(mutex_);
+  fields_ = fields;
+}
+
+std::vector<PointField> DisplacementSampler::offered() const {
+  const std::lock_guard lock(mutex_);
+  return offered_;
 }
 
 void DisplacementSampler::want(bool wanted, double rim_mm, const imaging::VolumeGeometry &image,
@@ -110,15 +121,20 @@ void DisplacementSampler::onPublished(const scene::Simulation &simulation) {
   const std::uint64_t serial = serial_;
   imaging::VolumeGeometry image;
   StillPlaces still;
+  FieldsWanted fields;
   {
     const std::lock_guard lock(mutex_);
     image = image_;
     still = still_;
+    fields = fields_;
   }
   const bool isNew = std::exchange(gridSerial_, serial) != serial;
   if (isNew) {
     grid_.forget();
     reference_ = referenceBodies(simulation.object(), image);
+    auto offered = pointFields(simulation.table(), simulation.object());
+    const std::lock_guard lock(mutex_);
+    if (serial == serial_) offered_ = std::move(offered);
   }
   if (isNew || !(still == marked_)) {
     marked_ = still;
@@ -133,6 +149,7 @@ void DisplacementSampler::onPublished(const scene::Simulation &simulation) {
   grid->bodies = bodies_;
   grid->hasStill = hasStill_;
   if (!readDisplacement(simulation.table(), simulation.object(), rim, *grid)) return;
+  addFields(simulation.table(), simulation.object(), fields, *grid);
   last_ = std::chrono::steady_clock::now();
   milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();
   const std::lock_guard lock(mutex_);

@@ -26,4 +26,12 @@ std::optional<PictureView> pictureViewOf(const std::string &name) {
   return found->first;
 }
 
+PictureOverlay pictureOverlayOf(const std::string &name) {
+  using Kind = PictureOverlay::Kind;
+  if (name == "none") return {Kind::none, {}};
+  if (name == "displacement") return {Kind::displacement, {}};
+  if (name == "volume_change") return {Kind::volumeChange, {}};
+  return {Kind::field, name};
+}
+
 }  // namespace c3de::session

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Slices of images: which voxel lands on which pixel, and what lies over it.
+#include <cmath>
 #include <filesystem>
 
 #include "gl_fixture.h"
@@ -208,13 +209,62 @@ TEST_CASE("A displacement shows the material that is now there, image and labels
   CHECK(mostDifferent(moved, still) > 100);
 
   // |u| as colours, blue to yellow from 0 to 10 mm.
-  look.showsShift = true;
-  look.shiftOpacity = 1.0f;
-  images.setShiftColours(std::vector<Colour>{{0, 0, 1, 1}, {1, 1, 0, 1}});
+  look.overlay = Overlay::shift;
+  look.overlayOpacity = 1.0f;
+  images.setOverlayColours(std::vector<Colour>{{0, 0, 1, 1}, {1, 1, 0, 1}});
   const Rgb map = pixel(slice(*gl.renderer, look, plane), 72, 72);
   CHECK(difference(map, {128, 128, 128}) <= 2);
-  look.shiftLow = 6.0;  // below the range nothing is laid over
+  look.overlayLow = 6.0;  // below the range nothing is laid over
   CHECK(mostDifferent(slice(*gl.renderer, look, plane), moved) == 0);
+}
+
+TEST_CASE("A field is laid over where it has a value and a body is, in the colours of its range", "[slices]") {
+  C3DE_GL_OR_SKIP(gl);
+  const Phantom phantom = plainPhantom();
+  ImageRenderer &images = *gl.renderer->images();
+  ImageLook look = lookAt(added(images.addImage(phantom.image())));
+  const SlicePlane plane = planeAt({23, 0, 0}, kBack, kDown);
+  const std::array<std::size_t, 3> nodes{13, 13, 13};
+  const GridPlace grid{nodes, {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, -60, -60, -60, 1}};
+  look.displacement = added(images.addDisplacement(grid, std::vector<float>(3 * 2197), std::vector<float>(2197)));
+  look.leastGap = 5.0;
+  const Image plain = slice(*gl.renderer, look, plane);
+  // 3 in front of the middle (y < 0), which is the left half of the view; nothing behind.
+  std::vector<float> values(2197, std::nanf(""));
+  for (std::size_t k = 0; k < 13; ++k)
+    for (std::size_t j = 0; j <= 6; ++j)
+      for (std::size_t i = 0; i < 13; ++i) values[i + 13 * (j + 13 * k)] = 3.0f;
+  look.overlay = Overlay::field;
+  look.overlayLow = 2.0;
+  look.overlayHigh = 4.0;
+  look.overlayOpacity = 1.0f;
+  images.setOverlayColours(std::vector<Colour>{{0, 0, 1, 1}, {1, 1, 0, 1}});
+  CHECK(mostDifferent(slice(*gl.renderer, look, plane), plain) == 0);  // there is none yet
+  REQUIRE(images.setField(look.displacement, values));
+  Image shown = slice(*gl.renderer, look, plane);
+  CHECK(difference(pixel(shown, 40, 72), {128, 128, 128}) <= 2);
+  // Between the last points with a value and the first without, the value is that of those which have one.
+  CHECK(difference(pixel(shown, 80, 72), {128, 128, 128}) <= 2);
+  CHECK(pixel(shown, 110, 72) == pixel(plain, 110, 72));
+  // Only where a body is: of the upper half.
+  std::vector<std::uint8_t> bodies(phantom.place().size[0] * phantom.place().size[1] * phantom.place().size[2], 0);
+  std::size_t v = 0;
+  for (std::size_t k = 0; k < phantom.place().size[2]; ++k)
+    for (std::size_t j = 0; j < phantom.place().size[1]; ++j)
+      for (std::size_t i = 0; i < phantom.place().size[0]; ++i, ++v) {
+        const Vec3 at = transformPoint(phantom.place().worldFromIndex, {double(i), double(j), double(k)});
+        bodies[v] = at[2] > 0 ? 255 : 0;
+      }
+  look.bodies = added(images.addImage({phantom.place(), VoxelType::uint8, bodies.data()}));
+  shown = slice(*gl.renderer, look, plane);
+  CHECK(difference(pixel(shown, 40, 40), {128, 128, 128}) <= 2);
+  CHECK(pixel(shown, 40, 100) == pixel(plain, 40, 100));
+  // Beyond the ends of the range the colours of the ends.
+  look.overlayLow = 5.0;
+  look.overlayHigh = 6.0;
+  CHECK(difference(pixel(slice(*gl.renderer, look, plane), 40, 40), {0, 0, 255}) <= 2);
+  REQUIRE(images.setField(look.displacement, {}));
+  CHECK(mostDifferent(slice(*gl.renderer, look, plane), plain) == 0);
 }
 
 TEST_CASE("No displacement and one of zeros give the same pixels to the bit, outside its grid it is zero", "[slices]") {
@@ -232,9 +282,9 @@ TEST_CASE("No displacement and one of zeros give the same pixels to the bit, out
   std::vector<float> u(3 * 5 * 6 * 7, 0.0f);
   look.displacement = added(images.addDisplacement(grid, u));
   CHECK(mostDifferent(slice(*gl.renderer, look, plane), still) == 0);
-  look.showsShift = true;
+  look.overlay = Overlay::shift;
   CHECK(mostDifferent(slice(*gl.renderer, look, plane), still) == 0);
-  look.showsShift = false;
+  look.overlay = Overlay::none;
 
   for (std::size_t i = 1; i < u.size(); i += 3) u[i] = 3.0f;
   REQUIRE(images.setDisplacement(look.displacement, u));

@@ -43,7 +43,7 @@ TEST_CASE("Without graphics images are kept and refused as with them") {
   REQUIRE(u);
   CHECK(images->setDisplacement(*u, std::vector<float>(24, 1.0f)));
   CHECK_FALSE(images->setDisplacement(*u, std::vector<float>(23, 1.0f)));
-  CHECK_FALSE(images->setShiftColours(std::vector<Colour>(1)));
+  CHECK_FALSE(images->setOverlayColours(std::vector<Colour>(1)));
   CHECK(images->remove(*labels));
   CHECK_FALSE(images->setLabelColours(*labels, {}));
 }
@@ -140,7 +140,12 @@ TEST_CASE("Whatever changes the picture counts as a change, and what is set agai
   counts("setLabelColours", true, [&] { images->setLabelColours(labels, colours); });
   counts("addDisplacement", true, [&] { shift = *images->addDisplacement(place, std::vector<float>(24)); });
   counts("setDisplacement", true, [&] { images->setDisplacement(shift, std::vector<float>(24, 1.0f)); });
-  counts("setShiftColours", true, [&] { images->setShiftColours(std::vector<Colour>(2)); });
+  counts("setField", true, [&] { CHECK(images->setField(shift, std::vector<float>(8, 2.0f))); });
+  CHECK_FALSE(images->setField(shift, std::vector<float>(7)));
+  CHECK_FALSE(images->setField(image, std::vector<float>(8)));
+  counts("setField of none", true, [&] { CHECK(images->setField(shift, {})); });
+  CHECK(images->setField(shift, {}));
+  counts("setOverlayColours", true, [&] { images->setOverlayColours(std::vector<Colour>(2)); });
   ImageScene scene;
   scene.look.image = image;
   counts("setScene", false, [&] { images->setScene(scene); });  // slices are drawn by looks of their own

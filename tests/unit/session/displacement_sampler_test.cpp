@@ -214,3 +214,63 @@ TEST_CASE("While it plays the simulator is asked at most every 50 ms, and the on
   CHECK_FALSE(f.sampler.isBehind());
   CHECK(f.simulator.rims_m.size() == asked + 1);
 }
+
+namespace {
+
+/// The corners of a cube of 20 mm as its points, with a stress of 500 Pa.
+session::test::StandInBody cubeWithPoints() {
+  session::test::StandInBody body = cubeBody(0.02, {0, 0, 0}, {0.002, 0, 0});
+  body.points = 8;
+  body.spacing_m = 0.02;
+  body.inside = body.skin;
+  body.inside.push_back({C3DE_SIM_FIELD_MASS, "kg", std::vector<double>(8, 1e-3)});
+  body.inside.push_back({C3DE_SIM_FIELD_VOLUME, "m^3", std::vector<double>(8, 1e-6)});
+  body.inside.push_back({"stress_of_it", "Pa", std::vector<double>(8, 500.0)});
+  body.inside.push_back({"heat", "K", std::vector<double>(8, 310.0)});
+  return body;
+}
+
+}  // namespace
+
+TEST_CASE("Fields of the tissue are read while somebody looks at them, and told by the name that they have") {
+  Fixture f;
+  f.simulator.bodies = {cubeWithPoints()};
+  f.simulator.gap_m = 0.0;
+  f.sampler.want(true, 5.0, imageGrid());
+  CHECK(f.sampler.offered().empty());
+  f.sampler.onPublished(*f.simulation);
+  CHECK(f.sampler.offered() == std::vector<PointField>{{"stress_of_it", "Pa"}, {"heat", "K"}});
+  CHECK(f.sampler.take()->fields.empty());
+  f.sampler.wantFields({true, ""});
+  f.sampler.onPublished(*f.simulation);
+  auto grid = f.sampler.take();
+  REQUIRE(grid->fields.size() == 2);
+  CHECK(grid->fields[0].name == imaging::kVolumeRatio);
+  CHECK(grid->fields[1].name == "stress_of_it");
+  CHECK(grid->fields[1].unit == "Pa");
+  CHECK(grid->fields[1].low == 500.0);
+  CHECK(grid->fields[1].high == 500.0);
+  // It has moved as a whole, by 2 mm.
+  const auto ratio = grid->valueOf(grid->fields[0], {12, 10, 10}),
+             stress = grid->valueOf(grid->fields[1], {12, 10, 10});
+  REQUIRE(ratio);
+  REQUIRE(stress);
+  CHECK_THAT(*ratio, WithinAbs(1.0, 1e-6));
+  CHECK_THAT(*stress, WithinAbs(500.0, 1e-3));
+  CHECK_FALSE(grid->valueOf(grid->fields[1], {26, 10, 10}));
+  f.sampler.wantFields({true, "heat"});
+  f.sampler.onPublished(*f.simulation);
+  grid = f.sampler.take();
+  REQUIRE(grid->field("heat"));
+  CHECK_FALSE(grid->field("stress_of_it"));
+  f.sampler.wantFields({true, "unknown"});
+  f.sampler.onPublished(*f.simulation);
+  CHECK(f.sampler.take()->fields.size() == 1);
+  // A body that does not have it has no value, the others keep theirs.
+  f.simulator.bodies.push_back(cubeBody(0.01, {0, 0.06, 0}, {0, 0, 0}));
+  f.sampler.begin();
+  CHECK(f.sampler.offered().empty());
+  f.sampler.wantFields({true, "heat"});
+  f.sampler.onPublished(*f.simulation);
+  CHECK(f.sampler.take()->field("heat")->high == 310.0);
+}

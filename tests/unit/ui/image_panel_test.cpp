@@ -51,7 +51,54 @@ TEST_CASE("The panel of an image shows and changes what the views show", "[image
   CHECK(views.options().volumePreset == VolumePreset::maximum);
   CHECK(text.problems().empty());
   CHECK_FALSE(text.find("label_opacity"));
-  CHECK_FALSE(text.find("shift"));
+  CHECK_FALSE(text.find("overlay"));
+}
+
+TEST_CASE("One choice lays |u|, the change of volume or a field of the simulator over the slices", "[image_panel]") {
+  registry::PanelRegistry panels;
+  ImageViews views;
+  views.setImage(headImage());
+  auto u = std::make_shared<imaging::DisplacementGrid>();
+  u->geometry = views.image()->volume.geometry;
+  for (std::size_t v = 0; v < 1000; ++v) u->xyz_mm.insert(u->xyz_mm.end(), {3.0f, 0.0f, 0.0f});
+  u->fields.push_back({"stress_of_it", "Pa", std::vector<float>(1000, 700.0f), 700.0, 700.0});
+  views.setDisplacement(u);
+  views.setOfferedFields({{"heat", "K"}, {"stress_of_it", "Pa"}});
+  const ImagePanel panel(panels, views);
+  registry::TextPanel text(nullptr);
+  const auto draw = [&] { return text.draw(*panels.panels().front()); };
+  draw();
+  CHECK_FALSE(text.find("overlay_fixed"));
+  text.setText("overlay", "|u|");
+  draw();
+  CHECK(views.options().overlay == Overlay::shift);
+  CHECK_THAT(draw(), Contains("0 … 3 mm"));
+  text.setText("overlay", "volume change");
+  draw();
+  CHECK(views.options().overlay == Overlay::volumeChange);
+  text.setText("overlay", "stress of it");
+  draw();
+  CHECK(views.options().overlay == Overlay::field);
+  CHECK(views.options().overlayField == "stress_of_it");
+  CHECK_THAT(draw(), Contains("0 … 0.8 kPa"));
+  CHECK_FALSE(text.find("overlay_high"));
+  text.check("overlay_fixed", true);
+  draw();
+  draw();
+  CHECK(views.options().fixedRange == OverlayRange{0.0, 0.8});
+  text.setNumber("overlay_high", 0.5);
+  text.setNumber("overlay_low", 0.6);
+  draw();
+  CHECK(views.options().fixedRange.high == 0.5);
+  CHECK(views.options().fixedRange.low < 0.5);
+  text.setText("overlay", "heat");
+  draw();
+  CHECK(views.options().overlayField == "heat");
+  CHECK_FALSE(views.options().hasFixedRange);
+  text.setText("overlay", "none");
+  draw();
+  CHECK(views.options().overlay == Overlay::none);
+  CHECK(text.problems().empty());
 }
 
 TEST_CASE("Labels are listed by name and hidden one by one", "[image_panel]") {

@@ -2,6 +2,7 @@
 #include "c3de/ui/image_views.h"
 
 #include <array>
+#include <cmath>
 #include <set>
 
 #include "c3de/abi/tools.h"
@@ -202,6 +203,88 @@ TEST_CASE("The read-out tells position, voxel, value with unit, label and displa
   readout = f.views.readout({-1.5, 3.2, 0.4});
   CHECK(*readout.index == std::array<std::size_t, 3>{27, 43, 21});
   CHECK_THAT(*readout.shift, WithinAbs(5.0, 1e-6));
+  CHECK_FALSE(readout.volumeRatio);
+  CHECK_THAT(readout.text(), Catch::Matchers::EndsWith("   |u| 5.00 mm"));
+  CHECK(readout.tissueText() == "|u| 5.00 mm");
+}
+
+namespace {
+
+/// All of the image has moved by 5 mm and been compressed; a stress of 1500 Pa where z < 0.
+std::shared_ptr<const imaging::DisplacementGrid> compressed(double ratio, double stress_Pa) {
+  auto u = std::make_shared<imaging::DisplacementGrid>();
+  u->geometry = {{2, 2, 3}, {400, 0, 0, 0, 0, 400, 0, 0, 0, 0, 200, 0, -200, -200, -200, 1}};
+  for (int i = 0; i < 12; ++i) u->xyz_mm.insert(u->xyz_mm.end(), {4.0f, 0.0f, -3.0f});
+  const auto value = static_cast<float>(stress_Pa);
+  u->fields.push_back({imaging::kVolumeRatio, "1", std::vector<float>(12, static_cast<float>(ratio)), ratio, ratio});
+  u->fields.push_back({"stress_of_it", "Pa", std::vector<float>(12, value), 0.0, stress_Pa});
+  for (std::size_t p = 4; p < 12; ++p) u->fields[1].values[p] = std::nanf("");
+  return u;
+}
+
+}  // namespace
+
+TEST_CASE("The read-out tells det F and the field where they are known, and nothing where they are not",
+          "[image_views]") {
+  Fixture f;
+  f.views.setDisplacement(compressed(0.953, 1500.0));
+  const Readout below = f.views.readout({-1.5, 3.2, -50}), above = f.views.readout({-1.5, 3.2, 10});
+  REQUIRE(below.index);
+  CHECK(below.tissueText() == "|u| 5.00 mm   det F 0.953   stress of it 1.5 kPa");
+  CHECK(below.text() == below.placeText() + "   " + below.tissueText());
+  CHECK(above.tissueText() == "|u| 5.00 mm   det F 0.953");
+  CHECK(f.views.readout({0, 0, 100}).tissueText().empty());
+}
+
+TEST_CASE("An overlay is told to the renderer in the numbers of the field, its range in those for people",
+          "[image_views]") {
+  Fixture f;
+  f.views.setOfferedFields({{"stress_of_it", "Pa"}});
+  f.views.setDisplacement(compressed(0.953, 1500.0));
+  CHECK_FALSE(f.views.wantsFields());
+  f.views.setPointedAt(true);
+  CHECK(f.views.wantsFields());
+  f.views.setPointedAt(false);
+  const auto choose = [&](Overlay overlay, const std::string &field) {
+    ImageOptions options = f.views.options();
+    options.overlay = overlay;
+    options.overlayField = field;
+    f.views.setOptions(options);
+  };
+  choose(Overlay::shift, "");
+  CHECK_FALSE(f.views.wantsFields());
+  CHECK(f.views.look().overlay == render::Overlay::shift);
+  CHECK(f.views.overlayRange() == OverlayRange{0.0, 5.0});
+  choose(Overlay::volumeChange, "");
+  CHECK(f.views.wantsFields());
+  CHECK(f.views.overlayRange() == OverlayRange{-5.0, 5.0});
+  CHECK(f.views.look().overlay == render::Overlay::field);
+  CHECK(f.views.look().labelOpacity < 0.5 * f.views.options().labelOpacity);
+  CHECK_THAT(f.views.look().overlayLow, WithinAbs(0.95, 1e-9));
+  CHECK_THAT(f.views.look().overlayHigh, WithinAbs(1.05, 1e-9));
+  choose(Overlay::field, "stress_of_it");
+  CHECK(f.views.overlayQuantity().title == "stress of it");
+  CHECK(f.views.overlayRange() == OverlayRange{0.0, 1.5});
+  CHECK(f.views.look().overlayHigh == 1500.0);
+  CHECK(f.views.shownField()->name == "stress_of_it");
+  // It follows, and stays when it is fixed.
+  f.views.setDisplacement(compressed(0.953, 2100.0));
+  CHECK(f.views.overlayRange() == OverlayRange{0.0, 2.5});
+  ImageOptions options = f.views.options();
+  options.hasFixedRange = true;
+  options.fixedRange = {1.0, 3.0};
+  f.views.setOptions(options);
+  f.views.setDisplacement(compressed(0.953, 9000.0));
+  CHECK(f.views.overlayRange() == OverlayRange{1.0, 3.0});
+  CHECK(f.views.look().overlayLow == 1000.0);
+  // One that has not come yet is not shown.
+  choose(Overlay::field, "other");
+  CHECK_FALSE(f.views.shownField());
+  CHECK(f.views.look().overlay == render::Overlay::none);
+  f.views.setDisplacement(nullptr);
+  CHECK_FALSE(f.views.wantsFields());
+  f.views.setImage(testImage());
+  CHECK(f.views.options().overlay == Overlay::none);
 }
 
 TEST_CASE("Another image starts with its own window, level and views, and without the old labels", "[image_views]") {

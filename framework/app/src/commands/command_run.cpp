@@ -17,6 +17,7 @@ namespace {
 struct RunArguments {
   RunOptions options;
   std::string view;
+  std::string overlay;
 };
 
 int run(const RunArguments &arguments, const CommandLine &line) {
@@ -37,6 +38,10 @@ int run(const RunArguments &arguments, const CommandLine &line) {
     if (!options.view)
       return reportError(
           {ErrorCode::usage, "--view " + arguments.view + ": accepted: 3d, axial, sagittal, coronal, four-up"});
+  }
+  if (!arguments.overlay.empty()) {
+    if (options.screenshot.empty()) return reportError({ErrorCode::usage, "--overlay is for --screenshot"});
+    options.overlay = pictureOverlayOf(arguments.overlay);
   }
   return runScene(options);
 }
@@ -78,6 +83,11 @@ Handler declare(CLI::App &app, CommandLine &line) {
          "What the screenshot shows: 3d, axial, sagittal, coronal or four-up; default: four-up where the scene has an "
          "image, else 3d")
       ->type_name("VIEW");
+  app.add_option(
+         "--overlay", arguments->overlay,
+         "What slices of the screenshot show in colours: none, displacement, volume_change, or a field that the "
+         "simulator has at its points, for example contact_pressure; default: displacement")
+      ->type_name("NAME");
   CLI::Option *exportList = addFile(app, "--export", options.exportList, "FILE.pvd",
                                     "Write the simulation for ParaView: points and skins over time");
   addSeconds(app, "--export-every", options.exportEvery_s, 1e-9, "Simulated time between two frames of --export")

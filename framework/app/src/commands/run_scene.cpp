@@ -21,6 +21,7 @@
 #include "c3de/session/file_kind.h"
 #include "c3de/session/headless_run.h"
 #include "c3de/session/interrupt.h"
+#include "c3de/session/point_fields.h"
 #include "c3de/session/progress_line.h"
 #include "c3de/session/sample_points.h"
 #include "c3de/session/simulation_state.h"
@@ -197,6 +198,8 @@ void writeSurfaceExport(const RunOptions &options, Session &session, c3de_object
 /// Before the run, so that a view that cannot be drawn costs none.
 Expected<PictureView> viewAsked(const RunOptions &options, const scene::SceneFile &scene) {
   const PictureView view = options.view.value_or(scene.image ? PictureView::four : PictureView::space);
+  if (options.overlay && (view == PictureView::space || !scene.image))
+    return fail(ErrorCode::usage, "--overlay is for slices of the scene's image, and none is drawn");
   if (view == PictureView::space || scene.image) return view;
   return fail(ErrorCode::usage, std::string("--view ") + nameOf(view) + " shows slices of an image, and " +
                                     scene.where(1) + " has no [image]; accepted: --view 3d");
@@ -233,8 +236,9 @@ Expected<PictureSources> pictureSources(PictureView view, const scene::SceneFile
 Expected<void> drawPicture(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
                            const RunOptions &options, RunPicture &picture, PictureView view, BodySources &sources,
                            const std::vector<Coverage> &coverage) {
-  const auto shown = pictureSources(view, scene, sources, session.materials());
+  auto shown = pictureSources(view, scene, sources, session.materials());
   if (!shown) return tl::unexpected(shown.error());
+  if (options.overlay) shown->overlay = *options.overlay;
   if (auto adopted = session.adopt(simulator, scene.title); !adopted) return adopted;
   return picture.write(session, options.screenshot, options.width, options.height, *shown, coverage);
 }
@@ -357,6 +361,17 @@ Expected<void> verifyEnd(const RunOptions &options, const RunLimits &limits, Ses
   return {};
 }
 
+/// Before the first step, so that a name that is wrong costs none.
+Expected<void> checkOverlay(const RunOptions &options, const c3de_simulator_v1 *table, c3de_object *simulator) {
+  if (!options.overlay || options.overlay->kind != PictureOverlay::Kind::field) return {};
+  std::string known = "none, displacement, volume_change";
+  for (const PointField &field : pointFields(table, simulator)) {
+    if (field.name == options.overlay->field) return {};
+    known += ", " + field.name;
+  }
+  return fail(ErrorCode::usage, "--overlay " + options.overlay->field + ": accepted: " + known);
+}
+
 struct Simulated {
   RunFacts facts;
   std::string overBefore;  ///< the time limit, before the first step; empty: there are facts
@@ -395,6 +410,7 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
   if (!overBefore) return tl::unexpected(overBefore.error());
   if (!overBefore->empty()) return Simulated{{}, std::move(*overBefore)};
 
+  if (const auto good = checkOverlay(options, *table, simulator.get()); !good) return tl::unexpected(good.error());
   if (!options.fromState.empty()) {
     const auto state = readStateFile(options.fromState);
     if (!state) return tl::unexpected(state.error());

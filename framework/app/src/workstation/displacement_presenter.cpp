@@ -92,8 +92,22 @@ Expected<void> DisplacementPresenter::show(std::shared_ptr<const imaging::Displa
     }
     views_.setHandles(handles);
   }
-  views_.setDisplacement(std::move(displacement));
+  views_.setDisplacement(displacement);
+  shown_ = std::move(displacement);
+  showField();
   return shown;
+}
+
+void DisplacementPresenter::showField() {
+  if (!images_ || !views_.image()) return;
+  const imaging::TissueField *field = views_.shownField();
+  const Handle on = field ? views_.handles().displacement : Handle{};
+  if (on == fieldOn_ && (!field || (shown_ == fieldOf_ && field->name == fieldName_))) return;
+  if (!field) images_->setField(fieldOn_, {});
+  if (field && !images_->setField(on, field->values)) log(LogLevel::warn, field->name + " cannot be shown in colours");
+  fieldOn_ = on;
+  fieldOf_ = field ? shown_ : nullptr;
+  fieldName_ = field ? field->name : std::string();
 }
 
 void DisplacementPresenter::forget() {
@@ -101,6 +115,9 @@ void DisplacementPresenter::forget() {
   ui::ImageHandles handles = views_.handles();
   for (Handle *handle : {&handles.displacement, &handles.bodies}) images_->remove(std::exchange(*handle, {}));
   bodies_.reset();
+  shown_.reset();
+  fieldOf_.reset();
+  fieldOn_ = {};
   views_.setHandles(handles);
   views_.setDisplacement(nullptr);
 }

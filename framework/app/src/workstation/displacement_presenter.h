@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "app.h"
 #include "c3de/core/expected.h"
@@ -32,16 +33,23 @@ class DisplacementPresenter {
   /// Shows how the tissue has moved; the grid must not change while it is shown. Null: as it was. Every frame: a grid
   /// in the place of the one before only takes its values. Without an image nothing is done.
   [[nodiscard]] Expected<void> show(std::shared_ptr<const imaging::DisplacementGrid> displacement);
+  /// Shows the field that the views ask for now, of the displacement that is shown.
+  void followOverlay() { showField(); }
   /// Gives back what it has in the memory of the graphics; before the image goes.
   void forget();
 
  private:
   [[nodiscard]] bool takesValues(const imaging::DisplacementGrid &displacement) const;
+  void showField();
   void showBodies(std::shared_ptr<const imaging::Mask> bodies);
 
   render::ImageRenderer *images_;  ///< null: nothing is drawn
   ui::ImageViews &views_;
   std::shared_ptr<const imaging::Mask> bodies_;
+  std::shared_ptr<const imaging::DisplacementGrid> shown_;
+  Handle fieldOn_{};  ///< the displacement that has it in the memory of the graphics
+  std::shared_ptr<const imaging::DisplacementGrid> fieldOf_;
+  std::string fieldName_;
 };
 
 }  // namespace c3de::app

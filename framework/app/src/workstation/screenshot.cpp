@@ -5,10 +5,12 @@
 #include <array>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "c3de/render/renderer.h"
 #include "c3de/session/displacement_sampler.h"
 #include "c3de/session/export_image.h"
+#include "c3de/session/point_fields.h"
 #include "c3de/session/session.h"
 #include "c3de/ui/views_picture.h"
 #include "workstation/displacement_presenter.h"
@@ -17,14 +19,6 @@ namespace c3de::app {
 namespace {
 
 constexpr double kLeastShift_mm = 0.1;  // below it colours would show noise
-
-// 1, 2 or 5 times a power of ten.
-double roundUp(double value) {
-  const double power = std::pow(10.0, std::floor(std::log10(value)));
-  for (const double step : {1.0, 2.0, 5.0})
-    if (value <= step * power) return step * power;
-  return 10.0 * power;
-}
 
 double longestShift(const imaging::DisplacementGrid &u) {
   double most = 0.0;
@@ -40,16 +34,26 @@ Expected<void> showWarp(Session &session, const PictureSources &sources, ui::Ima
                         DisplacementPresenter &shown) {
   scene::Simulation *simulation = session.simulation();
   if (!sources.warp || !simulation) return {};
-  Expected<imaging::DisplacementGrid> u;
-  simulation->call(
-      [&] { u = presentDisplacement(simulation->table(), simulation->object(), sources.image->volume, sources.how); });
-  if (!u) return {};  // not every simulator can say it; its bodies are drawn at any rate
   ui::ImageOptions options = views.options();
-  if (const double most = longestShift(*u); most > kLeastShift_mm) {
-    options.showsShift = true;
-    options.shiftHigh = roundUp(most);
-    views.setOptions(options);
-  }
+  const PictureOverlay &overlay = sources.overlay;
+  options.overlay = overlay.kind == PictureOverlay::Kind::none           ? ui::Overlay::none
+                    : overlay.kind == PictureOverlay::Kind::volumeChange ? ui::Overlay::volumeChange
+                    : overlay.kind == PictureOverlay::Kind::field        ? ui::Overlay::field
+                                                                         : ui::Overlay::shift;
+  options.overlayField = overlay.field;
+  Expected<imaging::DisplacementGrid> u;
+  std::vector<std::pair<std::string, std::string>> offered;
+  simulation->call([&] {
+    u = presentDisplacement(simulation->table(), simulation->object(), sources.image->volume, sources.how);
+    const bool needsField = options.overlay == ui::Overlay::volumeChange || options.overlay == ui::Overlay::field;
+    if (u) addFields(simulation->table(), simulation->object(), {needsField, overlay.field}, *u);
+    for (const PointField &field : pointFields(simulation->table(), simulation->object()))
+      offered.emplace_back(field.name, field.unit);
+  });
+  if (!u) return {};  // not every simulator can say it; its bodies are drawn at any rate
+  if (options.overlay == ui::Overlay::shift && longestShift(*u) <= kLeastShift_mm) options.overlay = ui::Overlay::none;
+  views.setOfferedFields(std::move(offered));
+  views.setOptions(options);
   return shown.show(std::make_shared<const imaging::DisplacementGrid>(std::move(*u)));
 }
 
@@ -72,7 +76,7 @@ Expected<void> writeScreenshot(Session &session, render::Renderer &renderer, con
   DisplacementPresenter displacement(renderer.images(), views);
   if (sources.image && renderer.images()) {
     render::ImageRenderer &drawer = *renderer.images();
-    drawer.setShiftColours(ui::shiftColours());
+    drawer.setOverlayColours(ui::overlayColours());
     views.setImage(sources.image);
     auto image = drawer.addImage(voxelsOf(sources.image->volume));
     if (!image) return tl::unexpected(image.error());

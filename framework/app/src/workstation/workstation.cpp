@@ -75,6 +75,7 @@ class Workstation {
   void onImageShown();
   void askForWarp();
   [[nodiscard]] StillPlaces stillPlaces();
+  void askForFields();
   void takeWarp();
   void onBodiesReady(const BodyCreation::Result &result);
   void makeScanAlive(const std::string &scene);
@@ -100,6 +101,7 @@ class Workstation {
   scene::SceneImage image_;  ///< how images deform beside the simulation
   using StillAsked = std::tuple<scene::SceneStill, std::shared_ptr<const scene::StoredImage>,
                                 std::shared_ptr<const scene::StoredLabels>>;
+  FieldsWanted fieldsAsked_;
   StillAsked stillAsked_;  ///< what was wanted to stay when the warp was asked for
   bool playsWhenLoaded_ = false;
   bool hasReportedFailure_ = false;
@@ -488,12 +490,33 @@ StillPlaces Workstation::stillPlaces() {
   return places;
 }
 
+/// Fields of the tissue, while a person looks at them.
+void Workstation::askForFields() {
+  ui::ImageViews &views = images_->views();
+  std::vector<std::pair<std::string, std::string>> offered;
+  for (const PointField &field : warp_.offered()) offered.emplace_back(field.name, field.unit);
+  views.setOfferedFields(std::move(offered));
+  images_->followOverlay();
+  const ui::ImageOptions &options = views.options();
+  const FieldsWanted wanted{views.wantsFields(),
+                            options.overlay == ui::Overlay::field ? options.overlayField : std::string()};
+  if (wanted == fieldsAsked_) return;
+  fieldsAsked_ = wanted;
+  warp_.wantFields(wanted);
+  scene::Simulation *simulation = session_->simulation();
+  const imaging::DisplacementGrid *shown = views.displacement();
+  const bool isThere =
+      shown && shown->field(imaging::kVolumeRatio) && (wanted.name.empty() || shown->field(wanted.name));
+  if (wanted.any && simulation && !isThere) simulation->post([] {});  // publishes once more
+}
+
 /// Before a frame, whose texts say it as its slices show it.
 void Workstation::takeWarp() {
   const ui::ImageViews &views = images_->views();
   if (warp_.wanted() && stillAsked_ != StillAsked{views.options().still, views.sharedImage(), views.sharedLabels()})
     askForWarp();
   if (auto newest = warp_.take()) images_->showDisplacement(std::move(newest));
+  askForFields();
   scene::Simulation *simulation = session_->simulation();
   if (warp_.isBehind() && simulation && simulation->state().mode != C3DE_SIM_PLAYING) simulation->post([] {});
 }

@@ -68,7 +68,7 @@ WorkstationImages::WorkstationImages(Session &session, render::Renderer &rendere
       displacement_(renderer.images(), views_),
       workflow_(session.jobs(), kJobOwner, session.materials(), {[this] { showPreview(); }, events_.createBodies}),
       scanBody_(session.jobs(), kJobOwner, session.materials(), events_.makeScanAlive) {
-  if (render::ImageRenderer *images = renderer_.images()) images->setShiftColours(ui::shiftColours());
+  if (render::ImageRenderer *images = renderer_.images()) images->setOverlayColours(ui::overlayColours());
   views_.setTimeChooser([this](std::size_t time) { readTime(time); });
 }
 

@@ -62,6 +62,8 @@ class WorkstationImages {
   void close();
   /// Shows how the tissue has moved. Null: as it was.
   void showDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement);
+  /// After a person has chosen what is laid over the slices.
+  void followOverlay() { displacement_.followOverlay(); }
   /// Marks what of the masks of bodies is in none of them, also in an image that is opened later, and says so.
   /// @param isNew  in the place of what was marked; else beside it
   void showMissing(const std::vector<Coverage> &bodies, bool isNew);

@@ -63,6 +63,7 @@ class DisplacementRow {
       u[c] = trilinear<Values::finite>(xyz_ + 3 * place->node + c, stride_, place->within);
     return u;
   }
+  [[nodiscard]] bool isInside(std::size_t i) const { return placeOf(i).has_value(); }
   /// Whether the gap at voxel i is more than leastGap(); outside of the grid it is.
   [[nodiscard]] bool hasGap(std::size_t i) const {
     const std::optional<Place> place = placeOf(i);
@@ -106,19 +107,27 @@ class Vacated {
   /// @param d    in: its displacement; out: 0 where it stays
   /// @return whether it is vacated
   [[nodiscard]] bool settles(const DisplacementRow &row, std::size_t i, const Vec3 &voxel, Vec3 &d) const {
-    const Vec3 now = transformPoint(fromVoxel_, voxel);
-    const std::uint8_t was = shownAt({now[0] - (fromWorld_[0] * d[0] + fromWorld_[4] * d[1] + fromWorld_[8] * d[2]),
-                                      now[1] - (fromWorld_[1] * d[0] + fromWorld_[5] * d[1] + fromWorld_[9] * d[2]),
-                                      now[2] - (fromWorld_[2] * d[0] + fromWorld_[6] * d[1] + fromWorld_[10] * d[2])});
+    const std::uint8_t was = shownBefore(voxel, d);
     if (was == kBodyVoxel) return row.hasGap(i);
     if (d[0] == 0.0 && d[1] == 0.0 && d[2] == 0.0) return false;
     const bool leaves = was == kStillVoxel;
-    if (shownAt(now) != kStillVoxel && (!leaves || norm(d) > leastWay_)) return leaves;
+    if (shownAt(transformPoint(fromVoxel_, voxel)) != kStillVoxel && (!leaves || norm(d) > leastWay_)) return leaves;
     d = {};
     return false;
   }
 
+  /// Whether a body is at voxel i now. @param d  its displacement
+  [[nodiscard]] bool isBody(const DisplacementRow &row, std::size_t i, const Vec3 &voxel, const Vec3 &d) const {
+    return shownBefore(voxel, d) == kBodyVoxel && !row.hasGap(i);
+  }
+
  private:
+  [[nodiscard]] std::uint8_t shownBefore(const Vec3 &voxel, const Vec3 &d) const {
+    const Vec3 now = transformPoint(fromVoxel_, voxel);
+    return shownAt({now[0] - (fromWorld_[0] * d[0] + fromWorld_[4] * d[1] + fromWorld_[8] * d[2]),
+                    now[1] - (fromWorld_[1] * d[0] + fromWorld_[5] * d[1] + fromWorld_[9] * d[2]),
+                    now[2] - (fromWorld_[2] * d[0] + fromWorld_[6] * d[1] + fromWorld_[10] * d[2])});
+  }
   /// 0 outside of the grid.
   [[nodiscard]] std::uint8_t shownAt(const Vec3 &index) const {
     std::size_t at = 0, stride = 1;

@@ -28,7 +28,8 @@ class NullImages final : public RetainedImages {
   Expected<void> uploadLabels(ImageSlot &, std::span<const std::uint16_t>) override { return {}; }
   Expected<void> uploadDisplacement(ImageSlot &, std::span<const float>, std::span<const float>) override { return {}; }
   void labelColoursChanged(ImageSlot &) override {}
-  void shiftColoursChanged() override {}
+  bool uploadField(ImageSlot &, std::span<const float>) override { return true; }
+  void overlayColoursChanged() override {}
 };
 
 class NullRenderer final : public RetainedRenderer {

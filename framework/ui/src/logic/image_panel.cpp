@@ -211,10 +211,40 @@ void ImagePanel::drawShift(const c3de_ui_v1 &ui, ImageOptions &options) {
   if (!views_.hasDisplacement()) return;
   heading(ui, "Displacement");
   drawStill(ui, options.still);
-  checkbox(ui, "shift", "Colours of |u|", options.showsShift, "How far the tissue has moved, over the slices");
-  slider(ui, "shift_high", "Up to", "mm", options.shiftHigh, 0.1, 50.0, "");
-  slider(ui, "shift_low", "From", "mm", options.shiftLow, 0.0, 20.0, "Below it nothing is laid over");
-  options.shiftLow = std::min(options.shiftLow, 0.99 * options.shiftHigh);
+  drawOverlay(ui, options);
+}
+
+void ImagePanel::drawOverlay(const c3de_ui_v1 &ui, ImageOptions &options) {
+  std::vector<std::string> names{"none", quantityOf(Overlay::shift).title, quantityOf(Overlay::volumeChange).title};
+  constexpr auto kFirstField = static_cast<std::uint32_t>(Overlay::field);
+  auto index = static_cast<std::uint32_t>(options.overlay);
+  for (const auto &[name, unit] : views_.offeredFields()) {
+    if (options.overlay == Overlay::field && name == options.overlayField)
+      index = static_cast<std::uint32_t>(names.size());
+    names.push_back(quantityOf(Overlay::field, name, unit).title);
+  }
+  if (choice(ui, "overlay", "Colours", index, names)) {
+    options.overlay = static_cast<Overlay>(std::min(index, kFirstField));
+    options.overlayField = index >= kFirstField ? views_.offeredFields()[index - kFirstField].first : std::string();
+    options.hasFixedRange = false;
+    return;
+  }
+  tooltip(ui,
+          "Over the slices, where bodies are: how far the tissue has moved, how its volume has changed, and what the "
+          "simulator has at its points");
+  if (options.overlay == Overlay::none) return;
+  const std::string unit = views_.overlayQuantity().unit;
+  const OverlayRange automatic = views_.overlayRange();
+  if (checkbox(ui, "overlay_fixed", "Fixed range", options.hasFixedRange,
+               "Else it grows as soon as something is beyond, and shrinks once nothing is beyond two fifths of it"))
+    options.fixedRange = automatic;
+  if (!options.hasFixedRange) return row(ui, "Range", rangeText(automatic, unit));
+  OverlayRange &range = options.fixedRange;
+  const double most = 10.0 * roundedUp(std::max({std::abs(range.low), std::abs(range.high), 1e-6}));
+  slider(ui, "overlay_high", "Up to", unit, range.high, -most, most, "");
+  slider(ui, "overlay_low", "From", unit, range.low, -most, most,
+         options.overlay == Overlay::shift ? "Below it nothing is laid over" : "");
+  if (!(range.low < range.high)) range.low = range.high - 1e-3 * std::max(std::abs(range.high), 1e-6);
 }
 
 }  // namespace c3de::ui

@@ -93,7 +93,7 @@ render::VolumeLook volumeLook(VolumePreset preset, const imaging::ValueRange &ra
   return look;
 }
 
-std::span<const render::Colour> shiftColours() {
+std::span<const render::Colour> overlayColours() {
   static const auto kColours = [] {
     std::array<render::Colour, 64> colours{};
     for (std::size_t i = 0; i < colours.size(); ++i)

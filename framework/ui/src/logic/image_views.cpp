@@ -15,9 +15,12 @@ namespace {
 
 constexpr double kPixelsPerZoomStep = 20.0, kDoubleClick_s = 0.4, kDoubleClick_px = 5.0;
 constexpr float kFaint = 0.25f;
+constexpr float kLabelsBelowField = 0.3f;  // else its colours would not be those of the legend
 constexpr int kFastScroll = 10;
 constexpr int kMovingDivisor = 4;
 constexpr double kAir_HU = -900.0;
+// Ranges of colours below these show nothing but round-off.
+constexpr double kLeastShift_mm = 0.1, kLeastChange_percent = 0.1, kLeastField = 1e-3;
 constexpr std::array<render::Colour, 3> kPaneColours{
     {{0.86f, 0.36f, 0.36f, 1}, {0.88f, 0.76f, 0.30f, 1}, {0.40f, 0.74f, 0.42f, 1}}};
 
@@ -37,7 +40,7 @@ const char *paneName(Pane pane) {
   return kNames[static_cast<std::size_t>(pane)];
 }
 
-std::string Readout::text() const {
+std::string Readout::placeText() const {
   const auto mm = [](double v) { return fmt::format("{:.1f}", std::abs(v) < 0.05 ? 0.0 : v); };
   std::string text = "LPS " + mm(world[0]) + ", " + mm(world[1]) + ", " + mm(world[2]) + " mm";
   if (isVacated) return text + "   left by a body";
@@ -45,8 +48,22 @@ std::string Readout::text() const {
   text += fmt::format("   [{}, {}, {}]   ", (*index)[0], (*index)[1], (*index)[2]) + fmt::format("{:.6g}", value);
   if (!unit.empty()) text += " " + unit;
   if (!label.empty()) text += "   " + label;
-  if (shift) text += fmt::format("   |u| {:.2f} mm", *shift);
   return text;
+}
+
+std::string Readout::tissueText() const {
+  if (isVacated || !index || !shift) return {};
+  std::string text = fmt::format("|u| {:.2f} mm", *shift);
+  if (volumeRatio) text += fmt::format("   det F {:.3f}", *volumeRatio);
+  if (field)
+    text += fmt::format("   {} {:.3g}{}{}", fieldQuantity.title, fieldQuantity.shown(*field),
+                        fieldQuantity.unit.empty() ? "" : " ", fieldQuantity.unit);
+  return text;
+}
+
+std::string Readout::text() const {
+  const std::string tissue = tissueText();
+  return placeText() + (tissue.empty() ? "" : "   ") + tissue;
 }
 
 void viewOfImages(render::Camera &camera) {
@@ -72,7 +89,9 @@ void ImageViews::setImage(std::shared_ptr<const scene::StoredImage> image) {
   options_.volumePreset = isTomography ? VolumePreset::ctBone : VolumePreset::magneticResonance;
   options_.volumeShift = 0.0;
   options_.cuts = {};
-  options_.showsShift = false;
+  options_.overlay = Overlay::none;
+  options_.hasFixedRange = false;
+  steadyRange_.forget();
   for (const Pane pane : kSlicePanes) view(pane).setGrid(image_->volume.geometry);
   applyFrames();
   resetViews();
@@ -99,10 +118,58 @@ void ImageViews::applyFrames() {
   for (const Pane pane : kSlicePanes) view(pane).setFrame(sliceFrame(axisOf(pane), options_.convention, grid));
 }
 
+void ImageViews::setDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement) {
+  displacement_ = std::move(displacement);
+  followRange();
+}
+
+bool ImageViews::wantsFields() const {
+  return hasDisplacement() &&
+         (isPointedAt_ || options_.overlay == Overlay::volumeChange || options_.overlay == Overlay::field);
+}
+
+const imaging::TissueField *ImageViews::shownField() const {
+  if (!displacement_) return nullptr;
+  if (options_.overlay == Overlay::volumeChange) return displacement_->field(imaging::kVolumeRatio);
+  return options_.overlay == Overlay::field ? displacement_->field(options_.overlayField) : nullptr;
+}
+
+Quantity ImageViews::overlayQuantity() const {
+  std::string unit;
+  for (const auto &[name, ofIt] : offered_)
+    if (name == options_.overlayField) unit = ofIt;
+  return quantityOf(options_.overlay, options_.overlayField, unit);
+}
+
+OverlayRange ImageViews::overlayRange() const {
+  return options_.hasFixedRange ? options_.fixedRange : steadyRange_.range();
+}
+
+void ImageViews::followRange() {
+  if (options_.overlay == Overlay::shift && displacement_) {
+    double squared = 0.0;
+    for (std::size_t i = 0; i + 2 < displacement_->xyz_mm.size(); i += 3) {
+      const float *u = &displacement_->xyz_mm[i];
+      squared = std::max(squared, static_cast<double>(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]));
+    }
+    steadyRange_.follow(0.0, std::sqrt(squared), false, kLeastShift_mm);
+  } else if (const imaging::TissueField *field = shownField()) {
+    const Quantity quantity = overlayQuantity();
+    const bool isChange = options_.overlay == Overlay::volumeChange;
+    steadyRange_.follow(quantity.shown(field->low), quantity.shown(field->high), isChange,
+                        isChange ? kLeastChange_percent : kLeastField);
+  }
+}
+
 void ImageViews::setOptions(const ImageOptions &options) {
+  const bool isOther = options.overlay != options_.overlay || options.overlayField != options_.overlayField;
   const bool isTurned =
       options.convention != options_.convention || options.isAlignedWithImage != options_.isAlignedWithImage;
   options_ = options;
+  if (isOther) {
+    steadyRange_.forget();
+    followRange();
+  }
   if (isTurned) applyFrames();
 }
 
@@ -293,6 +360,15 @@ Readout ImageViews::readout(const Vec3 &world) const {
     readout.shift = norm(u);
     readout.isVacated = displacement_->isVacated(world);
     if (readout.isVacated) return readout;
+    for (const imaging::TissueField &field : displacement_->fields) {
+      const std::optional<double> value = displacement_->valueOf(field, world);
+      if (field.name == imaging::kVolumeRatio) {
+        readout.volumeRatio = value;
+      } else {
+        readout.field = value;
+        readout.fieldQuantity = quantityOf(Overlay::field, field.name, field.unit);
+      }
+    }
   }
   const imaging::VolumeGeometry &grid = image_->volume.geometry;
   const Vec3 at = transformPoint(imaging::affineInverse(grid.indexToWorld), material);
@@ -326,9 +402,15 @@ render::ImageLook ImageViews::look() const {
   look.level = options_.windowLevel.level;
   look.isSmooth = options_.isSmooth;
   look.labelOpacity = static_cast<float>(options_.labelOpacity);
-  look.showsShift = options_.showsShift;
-  look.shiftLow = options_.shiftLow;
-  look.shiftHigh = options_.shiftHigh;
+  const Quantity quantity = overlayQuantity();
+  const OverlayRange range = overlayRange();
+  if (options_.overlay == Overlay::shift) look.overlay = render::Overlay::shift;
+  if (shownField()) {
+    look.overlay = render::Overlay::field;
+    look.labelOpacity *= kLabelsBelowField;
+  }
+  look.overlayLow = quantity.value(range.low);
+  look.overlayHigh = quantity.value(range.high);
   return look;
 }
 

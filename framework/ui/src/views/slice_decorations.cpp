@@ -52,6 +52,10 @@ struct SliceCanvas {
     return {rect.x + static_cast<float>(p.x), rect.y + static_cast<float>(p.y)};
   }
   [[nodiscard]] float px(float logical) const { return frame.theme.px(logical); }
+  /// Of the read-out below: while images deform there is one more, for the tissue.
+  [[nodiscard]] float readoutHeight() const {
+    return (images.hasDisplacement() ? 2.0f : 1.0f) * (ImGui::GetTextLineHeight() + px(2.0f));
+  }
 };
 
 void drawRuns(ImDrawList *list, const std::vector<CurveRun> &runs, ImU32 tint, float width) {
@@ -171,8 +175,9 @@ void drawLetters(const SliceCanvas &canvas) {
   shadowed(canvas.list, ImVec2(r.x + r.w - edge - size(right).x, r.y + 0.5f * (r.h - size(right).y)), kLetter, right);
   shadowed(canvas.list, ImVec2(r.x + 0.5f * (r.w - size(top).x), r.y + edge), kLetter, top);
   // Above the line of the read-out.
-  shadowed(canvas.list, ImVec2(r.x + 0.5f * (r.w - size(bottom).x), r.y + r.h - edge - 2.1f * size(bottom).y), kLetter,
-           bottom);
+  shadowed(canvas.list,
+           ImVec2(r.x + 0.5f * (r.w - size(bottom).x), r.y + r.h - edge - canvas.readoutHeight() - size(bottom).y),
+           kLetter, bottom);
   ImGui::PopFont();
   canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".letters",
                                 left + "|" + right + "|" + top + "|" + bottom);
@@ -183,8 +188,8 @@ void drawScaleBar(const SliceCanvas &canvas) {
   const ScaleBar bar = scaleBar(canvas.view.millimetresPerPixel(), 0.25 * r.w);
   if (bar.text.empty()) return;
   const auto length = static_cast<float>(bar.length_px);
-  const float x1 = r.x + r.w - canvas.px(14.0f), x0 = x1 - length, y = r.y + r.h - canvas.px(30.0f),
-              tick = canvas.px(4.0f);
+  const float x1 = r.x + r.w - canvas.px(14.0f), x0 = x1 - length,
+              y = r.y + r.h - canvas.px(14.0f) - canvas.readoutHeight(), tick = canvas.px(4.0f);
   for (const auto &[tint, offset] : {std::pair{kShadow, 1.0f}, {kInk, 0.0f}}) {
     canvas.list->AddLine(ImVec2(x0 + offset, y + offset), ImVec2(x1 + offset, y + offset), tint, canvas.px(1.5f));
     for (const float x : {x0, x1})
@@ -196,11 +201,18 @@ void drawScaleBar(const SliceCanvas &canvas) {
   canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".scale", bar.text);
 }
 
-/// The bar of |u|.
-void drawShiftLegend(const SliceCanvas &canvas) {
+/// The bar of the overlay.
+void drawOverlayLegend(const SliceCanvas &canvas) {
   const ImageOptions &options = canvas.images.options();
-  if (!options.showsShift || !canvas.images.hasDisplacement()) return;
-  const auto colours = shiftColours();
+  const std::string key = std::string(paneName(canvas.pane)) + ".legend";
+  const bool isShown =
+      canvas.images.hasDisplacement() && (options.overlay == Overlay::shift || canvas.images.shownField());
+  const Quantity quantity = canvas.images.overlayQuantity();
+  const OverlayRange range = canvas.images.overlayRange();
+  canvas.frame.automation.value("image", key,
+                                isShown ? quantity.title + " " + rangeText(range, quantity.unit) : std::string("none"));
+  if (!isShown) return;
+  const auto colours = overlayColours();
   const float h = std::min(0.45f * canvas.rect.h, canvas.px(140.0f)), w = canvas.px(10.0f);
   const float x = canvas.rect.x + canvas.px(24.0f), y0 = canvas.rect.y + 0.5f * (canvas.rect.h - h);
   constexpr std::size_t kPieces = 32;
@@ -212,11 +224,16 @@ void drawShiftLegend(const SliceCanvas &canvas) {
                                          colour(i));
   }
   const float line = ImGui::GetTextLineHeight();
-  shadowed(canvas.list, ImVec2(x + w + canvas.px(4.0f), y0 - 0.5f * line), kInk,
-           fmt::format("{:.3g} mm", options.shiftHigh));
-  shadowed(canvas.list, ImVec2(x + w + canvas.px(4.0f), y0 + h - 0.5f * line), kInk,
-           fmt::format("{:.3g} mm", options.shiftLow));
-  shadowed(canvas.list, ImVec2(x, y0 - 1.7f * line), kInk, "|u|");
+  const auto withUnit = [&](double value) {
+    return fmt::format("{:.4g}{}{}", value, quantity.unit.empty() ? "" : " ", quantity.unit);
+  };
+  shadowed(canvas.list, ImVec2(x + w + canvas.px(4.0f), y0 - 0.5f * line), kInk, withUnit(range.high));
+  shadowed(canvas.list, ImVec2(x + w + canvas.px(4.0f), y0 + h - 0.5f * line), kInk, withUnit(range.low));
+  if (range.low < 0.0 && range.high > 0.0) {
+    const float zero = y0 + h * static_cast<float>(range.high / (range.high - range.low));
+    shadowed(canvas.list, ImVec2(x + w + canvas.px(4.0f), zero - 0.5f * line), kInk, "0");
+  }
+  shadowed(canvas.list, ImVec2(x, y0 - 1.7f * line), kInk, quantity.title);
 }
 
 /// What the hatching of missing tissue means.
@@ -226,7 +243,7 @@ void drawMissingLegend(const SliceCanvas &canvas) {
   if (text.empty() || canvas.images.handles().missing.isNull()) return;
   const PixelRect &r = canvas.rect;
   const float line = ImGui::GetTextLineHeight(), size = 0.8f * line, edge = canvas.px(8.0f);
-  const ImVec2 at(r.x + edge, r.y + r.h - edge - 2.3f * line);
+  const ImVec2 at(r.x + edge, r.y + r.h - edge - canvas.readoutHeight() - 1.2f * line);
   const ImU32 tint = IM_COL32(255, 115, 242, 255);
   canvas.list->AddRectFilled(at, ImVec2(at.x + size, at.y + size), IM_COL32(90, 40, 85, 255));
   for (const float part : {0.0f, 0.5f})
@@ -262,14 +279,18 @@ void drawTexts(const SliceCanvas &canvas) {
   const bool isHere = r.contains(canvas.frame.mouseX, canvas.frame.mouseY);
   const Vec3 world =
       isHere ? canvas.view.worldAt(canvas.frame.mouseX - r.x, canvas.frame.mouseY - r.y) : canvas.images.crossHair();
-  const std::string text = canvas.images.readout(world).text();
-  const std::string shown = elided(text, r.w - 2 * edge);
-  grounded(canvas.list, ImVec2(r.x + edge, r.y + r.h - edge - line), isHere ? kInk : ImGui::GetColorU32(colour::kDim),
-           shown);
+  const Readout readout = canvas.images.readout(world);
+  float y = r.y + r.h - edge - canvas.readoutHeight();
+  for (const std::string &text : {readout.placeText(), readout.tissueText()}) {
+    if (!text.empty())
+      grounded(canvas.list, ImVec2(r.x + edge, y), isHere ? kInk : ImGui::GetColorU32(colour::kDim),
+               elided(text, r.w - 2 * edge));
+    y += line;
+  }
 
   AutomationState &automation = canvas.frame.automation;
   automation.value("image", name + ".slice", std::to_string(canvas.view.slice()));
-  automation.value("image", name + ".readout", text);
+  automation.value("image", name + ".readout", readout.text());
   automation.value("image", name + ".scale_mm_per_px", fmt::format("{:.6g}", canvas.view.millimetresPerPixel()));
 }
 
@@ -308,7 +329,7 @@ void drawSliceDecorations(FrameContext &frame, const render::Renderer &renderer)
     drawCrossHair(canvas);
     drawLetters(canvas);
     drawScaleBar(canvas);
-    drawShiftLegend(canvas);
+    drawOverlayLegend(canvas);
     drawMissingLegend(canvas);
     drawTexts(canvas);
     drawMarks(canvas, renderer);

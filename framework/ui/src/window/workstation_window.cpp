@@ -657,6 +657,10 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
   context.mouseX = ImGui::GetIO().MousePos.x;
   context.mouseY = ImGui::GetIO().MousePos.y;
   impl.takeInput(context, events);
+  if (ImageViews *images = impl.shownImages()) {
+    const std::optional<Pane> pane = impl.paneAt(context.mouseX, context.mouseY);
+    images->setPointedAt(pane && *pane != Pane::space);
+  }
   impl.layOutAndCarryOut(context, renderer);
   context.mouseButtons = impl.buttons;
   impl.automation.endFrame(context, GlfwWindow::now_s());

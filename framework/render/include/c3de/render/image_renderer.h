@@ -34,6 +34,13 @@ struct ImageVoxels {
   const std::array<std::uint8_t, 4> *colours = nullptr;
 };
 
+/// What slices show of the displacement in colours.
+enum class Overlay {
+  none,
+  shift,  ///< |u|
+  field   ///< of setField()
+};
+
 /// How an image is looked at. Null handles: without that part.
 struct ImageLook {
   Handle image, labels, displacement;
@@ -49,9 +56,10 @@ struct ImageLook {
   double window = 1.0, level = 0.5;  ///< values: black at level - window/2, white at level + window/2
   bool isSmooth = true;              ///< linear interpolation of grey values; else the nearest voxel
   float labelOpacity = 0.4f;
-  bool showsShift = false;                  ///< |u| as colours over the slices
-  double shiftLow = 0.0, shiftHigh = 10.0;  ///< mm
-  float shiftOpacity = 0.6f;                ///< above shiftLow, after a short rise; elsewhere nothing is shown
+  Overlay overlay = Overlay::none;
+  double overlayLow = 0.0, overlayHigh = 10.0;  ///< |u|: mm; a field: as its numbers are
+  float overlayOpacity = 0.6f;  ///< of |u| above overlayLow, after a short rise, elsewhere nothing is shown; of a field
+                                ///< wherever a body is
   friend bool operator==(const ImageLook &, const ImageLook &) = default;
 };
 
@@ -123,8 +131,11 @@ class ImageRenderer {
   /// New values on the same grid. False: stale handle, or another count; also of gaps.
   virtual bool setDisplacement(Handle displacement, std::span<const float> xyz_mm,
                                std::span<const float> gap_mm = {}) = 0;
-  /// Colours of |u|, the one of shiftLow first; 2 at least.
-  virtual bool setShiftColours(std::span<const Colour> colours) = 0;
+  /// A number for each point of a displacement's grid, in the place of those before; NaN: there is none. Empty: no
+  /// field is there any more. False: stale handle, another count, or too little memory.
+  virtual bool setField(Handle displacement, std::span<const float> values) = 0;
+  /// Colours of what is laid over, the one of overlayLow first; 2 at least.
+  virtual bool setOverlayColours(std::span<const Colour> colours) = 0;
   virtual bool remove(Handle handle) = 0;
 
   /// Draws a slice into the bound framebuffer; black where there is no image.

@@ -5,12 +5,15 @@
 #include <chrono>
 #include <memory>
 #include <mutex>
+#include <string>
+#include <vector>
 
 #include "c3de/imaging/displacement.h"
 #include "c3de/imaging/still.h"
 #include "c3de/imaging/warp_grid.h"
 #include "c3de/scene/image_store.h"
 #include "c3de/scene/simulation.h"
+#include "c3de/session/point_fields.h"
 
 namespace c3de::session {
 
@@ -34,6 +37,10 @@ class DisplacementSampler {
   /// @param still   what of it stays
   void want(bool wanted, double rim_mm, const imaging::VolumeGeometry &image = {}, const StillPlaces &still = {});
   [[nodiscard]] bool wanted() const { return wanted_; }
+  /// And fields of the tissue beside how far it has moved. Any thread.
+  void wantFields(const FieldsWanted &fields);
+  /// Those that the simulator has at its points; known after the first displacement. Any thread.
+  [[nodiscard]] std::vector<PointField> offered() const;
 
   /// On the simulation's thread, after a snapshot. While one simulation takes the place of another both have one, and
   /// one waits for the other. While it plays at most 20 times a second, and no more than a fifth of the time goes
@@ -50,10 +57,12 @@ class DisplacementSampler {
   std::atomic<bool> wanted_ = false, behind_ = false;
   std::atomic<double> rim_mm_ = 10.0, milliseconds_ = 0.0;
   std::atomic<std::uint64_t> serial_ = 1;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::shared_ptr<const imaging::DisplacementGrid> newest_;
   imaging::VolumeGeometry image_;
   StillPlaces still_;
+  FieldsWanted fields_;
+  std::vector<PointField> offered_;
   // Of the simulation's thread, and of both while one takes the place of another:
   std::mutex askingMutex_;
   imaging::FollowingGrid grid_;

@@ -33,7 +33,8 @@ struct RunOptions {
   double exportEvery_s = kDefaultExportEvery_s;
   ImageExport exportImage;
   int width = 1280, height = 720;
-  std::optional<PictureView> view;  ///< none: four-up where the scene has an image, else 3d
+  std::optional<PictureView> view;        ///< none: four-up where the scene has an image, else 3d
+  std::optional<PictureOverlay> overlay;  ///< none: that of PictureOverlay
   std::optional<std::uint64_t> seed;
   bool verify = false;  ///< how far the end state is off, by a much finer solution of it
   bool quiet = false;

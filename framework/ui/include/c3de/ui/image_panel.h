@@ -34,6 +34,7 @@ class ImagePanel {
   void drawVolume(const c3de_ui_v1 &ui, ImageOptions &options);
   void drawStill(const c3de_ui_v1 &ui, scene::SceneStill &still);
   void drawShift(const c3de_ui_v1 &ui, ImageOptions &options);
+  void drawOverlay(const c3de_ui_v1 &ui, ImageOptions &options);
 
   registry::PanelRegistry &panels_;
   ImageViews &views_;

@@ -41,6 +41,6 @@ struct VolumePresetInfo {
 [[nodiscard]] render::VolumeLook volumeLook(VolumePreset preset, const imaging::ValueRange &range, double shift);
 
 /// From dark blue to yellow, of steadily rising lightness, so that it reads with every colour vision.
-[[nodiscard]] std::span<const render::Colour> shiftColours();
+[[nodiscard]] std::span<const render::Colour> overlayColours();
 
 }  // namespace c3de::ui

@@ -7,11 +7,14 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "c3de/imaging/displacement.h"
 #include "c3de/scene/image_store.h"
 #include "c3de/scene/scene_file.h"
 #include "c3de/ui/image_presets.h"
+#include "c3de/ui/overlay.h"
 #include "c3de/ui/slice_view.h"
 #include "c3de/ui/view_controller.h"
 
@@ -35,12 +38,14 @@ struct ImageOptions {
   double labelOpacity = 0.4;
   bool showsSlicesInSpace = true, showsVolume = false;
   VolumePreset volumePreset = VolumePreset::ctBone;
-  double volumeShift = 0.0;                 ///< -1 … 1
-  std::array<SliceCut, 3> cuts{};           ///< of the 3D view, by slice pane
-  bool cutsBodies = true;                   ///< and of what is beside the image there
-  bool showsShift = false;                  ///< |u| over the slices
-  double shiftLow = 0.0, shiftHigh = 10.0;  ///< mm
-  scene::SceneStill still;                  ///< what does not go with the bodies
+  double volumeShift = 0.0;         ///< -1 … 1
+  std::array<SliceCut, 3> cuts{};   ///< of the 3D view, by slice pane
+  bool cutsBodies = true;           ///< and of what is beside the image there
+  Overlay overlay = Overlay::none;  ///< in colours over the slices
+  std::string overlayField;         ///< name of the field that it shows
+  bool hasFixedRange = false;       ///< of the overlay; else it follows what is seen
+  OverlayRange fixedRange;
+  scene::SceneStill still;  ///< what does not go with the bodies
   Convention convention = Convention::radiological;
   bool isAlignedWithImage = true;  ///< views along the image's axes; else along the patient's
   bool showsCrossHair = true;
@@ -64,8 +69,13 @@ struct Readout {
   double value = 0.0;
   std::string unit, label;      ///< label: name; empty where there is none
   std::optional<double> shift;  ///< |u|, mm, where there is a displacement
-  bool isVacated = false;       ///< a body has gone away from there: nothing is known
-  [[nodiscard]] std::string text() const;
+  /// Where tissue of a body is, and fields of it are known
+  std::optional<double> volumeRatio, field;
+  Quantity fieldQuantity;                        ///< of `field`
+  bool isVacated = false;                        ///< a body has gone away from there: nothing is known
+  [[nodiscard]] std::string placeText() const;   ///< where, voxel, value, label
+  [[nodiscard]] std::string tissueText() const;  ///< what has become of the tissue; empty: nothing is known
+  [[nodiscard]] std::string text() const;        ///< both
 };
 
 /// Image, three slice views and one cross-hair; mouse and keys in the slices. No drawing. Main thread.
@@ -84,9 +94,18 @@ class ImageViews {
   /// Asks for a time point of the image; nothing happens for the one that is shown or beyond the last.
   void chooseTime(std::size_t time);
   void setLabels(std::shared_ptr<const scene::StoredLabels> labels);
-  void setDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement) {
-    displacement_ = std::move(displacement);
-  }
+  void setDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement);
+  /// Fields that may be chosen as an overlay, with their units.
+  void setOfferedFields(std::vector<std::pair<std::string, std::string>> fields) { offered_ = std::move(fields); }
+  [[nodiscard]] const std::vector<std::pair<std::string, std::string>> &offeredFields() const { return offered_; }
+  /// The mouse is over a slice: its read-out asks for the fields there.
+  void setPointedAt(bool isPointedAt) { isPointedAt_ = isPointedAt; }
+  [[nodiscard]] bool wantsFields() const;
+  /// The field that the overlay shows; null: none, or it has not come yet.
+  [[nodiscard]] const imaging::TissueField *shownField() const;
+  [[nodiscard]] Quantity overlayQuantity() const;
+  /// In the unit of its quantity: the fixed one, or that of what is seen.
+  [[nodiscard]] OverlayRange overlayRange() const;
   void setHandles(const ImageHandles &handles) { handles_ = handles; }
   [[nodiscard]] const ImageHandles &handles() const { return handles_; }
   /// What is marked as missing, for the legend of the slices; empty: nothing is.
@@ -151,10 +170,14 @@ class ImageViews {
   bool press(Pane slice, const ViewInput &input);
   bool move(Pane slice, const ViewInput &input);
   bool pressKey(Pane slice, const ViewInput &input);
+  void followRange();
 
   std::shared_ptr<const scene::StoredImage> image_;
   std::shared_ptr<const scene::StoredLabels> labels_;
   std::shared_ptr<const imaging::DisplacementGrid> displacement_;
+  std::vector<std::pair<std::string, std::string>> offered_;
+  SteadyRange steadyRange_;
+  bool isPointedAt_ = false;
   ImageOptions options_;
   std::vector<std::pair<std::uint16_t, float>> labelOpacities_;
   std::vector<std::uint16_t> pickedLabels_;

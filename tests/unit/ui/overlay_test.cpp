@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/ui/overlay.h"
+
+#include "c3de/ui/image_views.h"
+#include "support/catch.h"
+
+using namespace c3de;
+using namespace c3de::ui;
+
+TEST_CASE("Quantities are written in units for people", "[overlay]") {
+  const Quantity stress = quantityOf(Overlay::field, "stress_of_it", "Pa");
+  CHECK(stress.title == "stress of it");
+  CHECK(stress.unit == "kPa");
+  CHECK(stress.shown(1500.0) == 1.5);
+  CHECK(stress.value(1.5) == 1500.0);
+  const Quantity change = quantityOf(Overlay::volumeChange);
+  CHECK_THAT(change.shown(0.93), WithinAbs(-7.0, 1e-9));
+  CHECK_THAT(change.value(-7.0), WithinAbs(0.93, 1e-9));
+  CHECK(quantityOf(Overlay::field, "heat", "K").unit == "K");
+  CHECK(quantityOf(Overlay::field, "stretch", "1").unit.empty());
+  CHECK(rangeText({-5, 5}, "%") == "-5 … 5 %");
+  CHECK(rangeText({0, 1.5}, "") == "0 … 1.5");
+}
+
+TEST_CASE("A range ends at round numbers, grows at once and shrinks late", "[overlay]") {
+  for (const auto &[value, rounded] : {std::pair{0.8, 0.8},
+                                       {0.81, 1.0},
+                                       {1.0, 1.0},
+                                       {1.1, 1.5},
+                                       {2.1, 2.5},
+                                       {9.0, 10.0},
+                                       {23.0, 25.0},
+                                       {0.012, 0.015}})
+    CHECK_THAT(roundedUp(value), WithinAbs(rounded, 1e-9));
+  SteadyRange range;
+  range.follow(0.0, 3.3, false, 0.1);
+  CHECK(range.range() == OverlayRange{0.0, 4.0});
+  for (const double high : {3.9, 2.0, 1.7}) range.follow(0.0, high, false, 0.1);
+  CHECK(range.range() == OverlayRange{0.0, 4.0});
+  range.follow(0.0, 4.1, false, 0.1);
+  CHECK(range.range() == OverlayRange{0.0, 5.0});
+  range.follow(0.0, 1.9, false, 0.1);
+  CHECK(range.range() == OverlayRange{0.0, 2.0});
+  range.follow(0.0, 1e-9, false, 0.1);
+  CHECK_THAT(range.range().high, WithinAbs(0.1, 1e-12));
+  // What is negative has its zero in the middle; round-off is not.
+  range.follow(-1e-9, 2.0, false, 0.1);
+  CHECK(range.range() == OverlayRange{0.0, 2.0});
+  range.follow(-7.2, 1.0, false, 0.1);
+  CHECK(range.range() == OverlayRange{-8.0, 8.0});
+  range.forget();
+  range.follow(0.2, 1.1, true, 0.1);
+  CHECK(range.range() == OverlayRange{-1.5, 1.5});
+}
