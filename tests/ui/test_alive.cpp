@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -99,6 +100,30 @@ bool isOver(const Json &state, const std::string &pane, double millimetres) {
   const std::string readout = value(state, "image/" + pane + ".readout");
   const std::size_t at = readout.find("|u| ");
   return at != std::string::npos && std::strtod(readout.c_str() + at + 4, nullptr) > millimetres;
+}
+
+/// Of a value that begins with a number; NaN: there is none.
+double numberOf(const Json &state, const std::string &key) {
+  const std::string text = value(state, key);
+  char *end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  return end == text.c_str() ? std::nan("") : number;
+}
+
+/// Behind the n-th of these words; NaN: it is not there.
+double numberAfter(const std::string &text, const std::string &words, int n = 1) {
+  std::size_t at = 0;
+  for (int i = 0; i < n; ++i) {
+    at = text.find(words, at);
+    if (at == std::string::npos) return std::nan("");
+    at += words.size();
+  }
+  return std::strtod(text.c_str() + at, nullptr);
+}
+
+/// Of a legend: "|u| 0 … 5 mm".
+std::array<double, 2> rangeOf(const std::string &legend, const std::string &title) {
+  return {numberAfter(legend, title + " "), numberAfter(legend, "… ")};
 }
 
 /// A place of the axial view, mm from its middle: to the right, and down.
@@ -241,6 +266,120 @@ TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slic
   window.release();
 }
 
+TEST_CASE("Fields of tissue that is pulled are in the slices, under the mouse and in the table of labels",
+          "[scan_fields]") {
+  C3DE_ALIVE_OR_SKIP();
+  WorkstationDriver window("scan_fields");
+  openDialog(window, writeScan("scan_fields", threeOrgans({"liver", "kidney_left", "vertebrae_L1"})));
+  typeInto(window, "points", "800");
+  window.key("Tab");
+  window.waitForValue("scan/points", "800");
+  (void)make(window);
+
+  window.click("tissues/header");
+  const auto isFollowed = [](const Json &s) { return std::isfinite(numberOf(s, "tissues/liver.det_f")); };
+  const Json resting = window.waitUntil("labels are followed", isFollowed);
+  CHECK(value(resting, "tissues/count") == "4 of 4 labels");
+  CHECK(std::abs(numberOf(resting, "tissues/liver.volume") - 305.6) < 10.0);
+  CHECK(numberOf(resting, "tissues/liver.largest") < 0.5);
+  CHECK(numberOf(resting, "tissues/vertebrae_L1.largest") == 0.0);
+  window.click("tissues/filter");
+  window.type("kidney");
+  window.waitForValue("tissues/count", "1 of 4 labels");
+  CHECK_FALSE(window.has("tissues/liver"));
+  window.key("ctrl+a");
+  window.key("BackSpace");
+  window.key("Return");  // keys are the window's again
+  window.waitForValue("tissues/count", "4 of 4 labels");
+
+  takePinch(window);
+  const Point from = inAxial(window, -60, -20), to = inAxial(window, -62, -45);
+  pull(window, from, to);
+  // The mouse is over tissue, and over none.
+  window.waitUntil(
+      "tissue under the mouse is told",
+      [](const Json &s) {
+        const std::string readout = value(s, "image/axial.readout");
+        return isOver(s, "axial", 4.0) && std::abs(numberAfter(readout, "det F ") - 1.0) > 0.01 &&
+               numberAfter(readout, "stress vm ") > 0.05 && readout.find(" kPa") != std::string::npos;
+      },
+      90.0);
+  const Json pulled = window.waitUntil("the table has followed", [](const Json &s) {
+    return numberOf(s, "tissues/liver.largest") > 4.0 && numberOf(s, "tissues/liver.det_f") < 0.99;
+  });
+  CHECK(numberOf(pulled, "tissues/liver.mean") < numberOf(pulled, "tissues/liver.largest"));
+  CHECK(numberOf(pulled, "tissues/kidney_left.largest") < 0.5 * numberOf(pulled, "tissues/liver.largest"));
+  CHECK(numberOf(pulled, "tissues/vertebrae_L1.largest") == 0.0);
+  window.screenshot("pulled");
+  window.release();
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("space");
+  window.waitUntil("it stands", [](const Json &s) { return s["transport"]["mode"] == "paused"; });
+
+  // Standing, too: what is asked for comes at once.
+  window.screenshotAtRest("plain");
+  CHECK(value(window.state(), "image/axial.legend") == "none");
+  const auto show = [&](const std::string &overlay, const std::string &unit) {
+    window.click("image/overlay");
+    window.click("image/overlay.option." + overlay);
+    const Json shown = window.waitUntil(
+        "it is in the legend", [&](const Json &s) { return value(s, "image/axial.legend").find(overlay + " ") == 0; });
+    INFO(value(shown, "image/axial.legend"));
+    CHECK(value(shown, "image/axial.legend").ends_with(" " + unit));
+    window.moveTo(window.inView(0.5, 0.5));
+    return rangeOf(value(shown, "image/axial.legend"), overlay);
+  };
+  const auto change = show("volume change", "%");
+  CHECK(change[1] > 0.5);
+  CHECK(change[0] == -change[1]);
+  window.screenshotAtRest("change");
+  CHECK(window.differingPixels("plain", "change", "axial") > 2000);
+  const auto stress = show("stress vm", "kPa");
+  CHECK(stress[0] == 0.0);
+  CHECK(stress[1] > 0.02);
+  window.screenshotAtRest("stress");
+  CHECK(window.differingPixels("change", "stress", "axial") > 2000);
+  CHECK(show("|u|", "mm")[1] > 3.0);
+  window.click("image/overlay_fixed");
+  window.waitForValue("image/overlay_fixed", "true");
+  window.controlClick("image/overlay_high");
+  window.key("ctrl+a");
+  window.type("20");
+  window.key("Return");
+  window.waitForValue("image/axial.legend", "|u| 0 … 20 mm");
+  // Beside the body there is no field; inside it is.
+  window.moveTo(inAxial(window, -60, -20));
+  window.waitUntil("tissue is told while it stands",
+                   [](const Json &s) { return value(s, "image/axial.readout").find("det F ") != std::string::npos; });
+  window.moveTo(inAxial(window, -120, -80));
+  window.waitUntil("nothing is told beside the body", [](const Json &s) {
+    const std::string readout = value(s, "image/axial.readout");
+    return readout.find("|u| ") != std::string::npos && readout.find("det F") == std::string::npos &&
+           readout.find("stress") == std::string::npos;
+  });
+
+  const fs::path table = fs::path(testOutputRoot()) / "ui" / "scan_fields.csv";
+  fs::remove(table);
+  window.click("tissues/export");
+  window.waitUntil("a file is asked for", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+  window.key("ctrl+a");
+  window.type(table.string());
+  window.click("dialog/open");
+  window.waitUntil("it is written", [&](const Json &s) { return s["jobs"].empty() && fs::exists(table); });
+  std::ifstream file(table);
+  std::string first, liver;
+  std::getline(file, first);
+  for (std::string line; std::getline(file, line);)
+    if (line.find(",liver,") != std::string::npos) liver = line;
+  CHECK(first ==
+        "body,label,name,tissue,material,rigid,voxels,volume [m3],volume at the end [m3],mean displacement [m],largest "
+        "displacement [m],min J");
+  const double largest_mm = 1e3 * numberAfter(liver, ",", 10);
+  // The table of the window is of a coarser grid, and shows a digit.
+  const double shown_mm = numberOf(window.state(), "tissues/liver.largest");
+  CHECK(std::abs(largest_mm - shown_mm) < 0.05 + 0.1 * largest_mm);
+}
+
 TEST_CASE("A scan that cannot become a body says why, and what is there stays", "[scan_not_alive]") {
   C3DE_ALIVE_OR_SKIP();
   WorkstationDriver window("scan_not_alive");
@@ -340,4 +479,19 @@ TEST_CASE("Pictures of a scan that was made alive for the user guide", "[.guide]
   window.waitFrames(20);
   window.screenshot("alive");
   window.release();
+
+  window.click("notification/close.0");
+  const auto pullWith = [&](const std::string &overlay, const std::string &picture) {
+    window.click("image/overlay");
+    window.click("image/overlay.option." + overlay);
+    if (picture == "tissue_table") window.click("tissues/header");
+    pull(window, inAxial(window, 32, -30), inAxial(window, 40, -56));
+    window.waitUntil(
+        "the scan follows", [](const Json &s) { return isOver(s, "axial", 8.0); }, 90.0);
+    window.waitFrames(60);
+    window.screenshot(picture);
+    window.release();
+  };
+  pullWith("stress vm", "fields");
+  pullWith("volume change", "tissue_table");
 }

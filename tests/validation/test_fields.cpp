@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What slices show of the tissue, against states that are known: det F and stress of bodies of the point-based plugin.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -8,10 +9,12 @@
 #include <memory>
 
 #include "c3de/core/platform.h"
+#include "c3de/imaging/reading.h"
 #include "c3de/session/displacement_sampler.h"
 #include "c3de/session/point_fields.h"
 #include "c3de/session/session.h"
 #include "c3de/session/simulator_access.h"
+#include "c3de/session/tissue_motion.h"
 #include "support/catch.h"
 #include "support/folders.h"
 
@@ -192,4 +195,77 @@ TEST_CASE("A block that hangs is stretched in proportion to what hangs below", "
   CHECK(stress.most < 2943.0 * 0.2 / 24.0);
   // Why det F is not taken from the points.
   CHECK(ratio.rms() < points.rms());
+}
+
+TEST_CASE("What fields and the table of a body of 61 labels cost", "[.cost]") {
+  C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
+  C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
+  for (const char *count : {"3000", "12000"}) {
+    SessionOptions options;
+    options.searchPlugins = false;
+    options.pluginFiles = {std::filesystem::path(testPluginFolder()) / (std::string("pointbased") + pluginExtension())};
+    options.threads = 1;
+    const auto session = std::move(*Session::create(options));
+    const auto scene = scene::parseScene(
+        "format = 1\n[world]\ngravity = [0, -9.81, 0]\nscan_gravity = [0, 9.81, 0]\n[[body]]\nname = \"scan\"\nvolume "
+        "= \"" +
+            labels.string() + "\"\ntissues = \"known\"\nbackground = { material = \"fat\", image = \"" +
+            image.string() + "\", from = -150, to = 250 }\nmend = { largest = true }\nsampling = { count = " + count +
+            " }\n",
+        "cost.toml", &session->materials());
+    if (!scene) FAIL(scene.error().message);
+    const ObjectRef simulator(*session->createSimulator());
+    Prepared prepared;
+    if (const auto built = session->populate(simulator.get(), *scene, {}, &prepared); !built)
+      FAIL(built.error().message);
+    const c3de_simulator_v1 *table = *simulatorTable(simulator.get());
+    for (int i = 0; i < 400; ++i) REQUIRE(table->step(simulator.get()) >= 0);
+    const auto timed = [&](const char *what, const auto &act) {
+      double least = 1e9;
+      for (int i = 0; i < 3; ++i) {
+        const auto from = std::chrono::steady_clock::now();
+        act();
+        least =
+            std::min(least, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count());
+      }
+      std::printf("%6s points, %-46s %8.1f ms\n", count, what, least);
+    };
+    imaging::DisplacementGrid u;
+    imaging::FollowingGrid following;
+    const PresentBodies present = presentBodies(table, simulator.get());
+    following.follow(present.box, present.spacing_mm, 10.0);
+    u.geometry = following.geometry();
+    const auto volume = imaging::readVolume(image, {});
+    REQUIRE(volume);
+    u.bodies = referenceBodies(simulator.get(), volume->volume.geometry);
+    timed("displacement of the window", [&] { REQUIRE(readDisplacement(table, simulator.get(), 10.0, u)); });
+    timed("det F on its grid", [&] { (void)imaging::volumeRatios(u); });
+    timed("det F and stress", [&] {
+      u.fields.clear();
+      addFields(table, simulator.get(), {true, "stress_vm"}, u);
+    });
+    std::printf("%6s points, grid of %zu x %zu x %zu\n", count, u.geometry.size[0], u.geometry.size[1],
+                u.geometry.size[2]);
+    TissueSnapshot snapshot;
+    timed("reading for the table", [&] { snapshot = std::move(*readTissues(table, simulator.get())); });
+    std::vector<TissueMotion> full, live;
+    timed("following the labels", [&] { full = std::move(*followTissues(snapshot, prepared.tissues)); });
+    timed("reading for the live table",
+          [&] { snapshot = std::move(*readTissues(table, simulator.get(), TissueDetail::live)); });
+    timed("following the labels of it", [&] { live = std::move(*followTissues(snapshot, prepared.tissues)); });
+    double mean_mm = 0.0, largest_mm = 0.0, ratio = 0.0, change = 0.0, most_mm = 0.0;
+    for (std::size_t i = 0; i < full[0].labels.size(); ++i) {
+      const LabelMotion &a = full[0].labels[i], &b = live[0].labels[i];
+      if (!a.isKnown() || !b.isKnown()) continue;
+      most_mm = std::max(most_mm, 1e3 * a.largestDisplacement_m);
+      mean_mm = std::max(mean_mm, 1e3 * std::abs(a.meanDisplacement_m() - b.meanDisplacement_m()));
+      largest_mm = std::max(largest_mm, 1e3 * std::abs(a.largestDisplacement_m - b.largestDisplacement_m));
+      ratio = std::max(ratio, std::abs(a.minJ - b.minJ));
+      change = std::max(change, 100.0 * std::abs(a.end_m3 - b.end_m3) / a.reference_m3);
+    }
+    std::printf("%6s points, live against full: mean %.3f mm, largest %.2f of %.1f mm, volume %.2f %%, det F %.3f\n",
+                count, mean_mm, largest_mm, most_mm, change, ratio);
+    std::printf("%6s points, grid of %zu x %zu x %zu\n", count, snapshot.u.geometry.size[0],
+                snapshot.u.geometry.size[1], snapshot.u.geometry.size[2]);
+  }
 }

@@ -22,9 +22,10 @@ namespace {
 
 using Mat3 = std::array<Vec3, 3>;  // columns
 
-constexpr double kMargin = 1.0;    // spacings around the bodies
-constexpr double kRim = 1000.0;    // spacings: within the margin the displacement goes on as it is at the border
-constexpr double kFineness = 0.5;  // of the grid that images go by: steps of a quarter of the spacing
+constexpr double kMargin = 1.0;           // spacings around the bodies
+constexpr double kRim = 1000.0;           // spacings: within the margin the displacement goes on as it is at the border
+constexpr std::size_t kMostPoints = 144;  // along an axis
+constexpr double kFineness = 0.5;         // of the grid that images go by: steps of a quarter of the spacing
 
 double determinant(const Mat3 &m) { return dot(m[0], cross(m[1], m[2])); }
 
@@ -202,15 +203,31 @@ LabelMotion TissueMotion::ofTissue(std::size_t tissue) const {
 Expected<std::vector<TissueMotion>> tissueMotions(const c3de_simulator_v1 *table, c3de_object *simulator,
                                                   const std::vector<TissuePlaces> &bodies) {
   if (bodies.empty()) return std::vector<TissueMotion>{};
+  const auto snapshot = readTissues(table, simulator);
+  if (!snapshot) return tl::unexpected(snapshot.error());
+  return followTissues(*snapshot, bodies);
+}
+
+Expected<TissueSnapshot> readTissues(const c3de_simulator_v1 *table, c3de_object *simulator, TissueDetail detail) {
+  const bool isFull = detail == TissueDetail::full;
   const PresentBodies present = presentBodies(table, simulator);
-  imaging::FollowingGrid grid({.mostPoints = 144, .coarsestStep = std::numeric_limits<double>::infinity()});
-  grid.follow(present.box, kFineness * present.spacing_mm, kMargin * present.spacing_mm);
-  imaging::DisplacementGrid u;
-  u.geometry = grid.geometry();
-  if (!readDisplacement(table, simulator, kRim * present.spacing_mm, u))
+  imaging::FollowingGrid grid(
+      {.mostPoints = isFull ? kMostPoints : kMostPoints / 2, .coarsestStep = std::numeric_limits<double>::infinity()});
+  grid.follow(present.box, (isFull ? kFineness : 2.0 * kFineness) * present.spacing_mm, kMargin * present.spacing_mm);
+  TissueSnapshot snapshot;
+  snapshot.u.geometry = grid.geometry();
+  if (!readDisplacement(table, simulator, kRim * present.spacing_mm, snapshot.u))
     return fail(ErrorCode::state, "the simulator does not say how far its bodies have moved");
-  const auto skins = readBodyStates(simulator, BodyParts::skin, {});
+  auto skins = readBodyStates(simulator, BodyParts::skin, {});
   if (!skins) return tl::unexpected(skins.error());
+  snapshot.skins = std::move(*skins);
+  return snapshot;
+}
+
+Expected<std::vector<TissueMotion>> followTissues(const TissueSnapshot &snapshot,
+                                                  const std::vector<TissuePlaces> &bodies,
+                                                  const std::function<bool()> &goesOn) {
+  const imaging::DisplacementGrid &u = snapshot.u;
   std::vector<TissueMotion> all;
   for (const TissuePlaces &places : bodies) {
     const Mat4 placed = matrixOf(places.placement);
@@ -225,8 +242,9 @@ Expected<std::vector<TissueMotion>> tissueMotions(const c3de_simulator_v1 *table
       all.push_back(std::move(motion));
       continue;
     }
-    const Follower follower(u, box, ownPoints(*skins, places.body, u.geometry));
+    const Follower follower(u, box, ownPoints(snapshot.skins, places.body, u.geometry));
     for (std::size_t i = 0; i < places.labels.size(); ++i) {
+      if (goesOn && !goesOn()) return fail(ErrorCode::cancelled, "following the labels was ended");
       const LabelPlaces &label = places.labels[i];
       LabelMotion &out = motion.labels[i];
       out.reference_m3 = 1e-9 * std::abs(scale3) * places.voxel_mm3 * static_cast<double>(label.voxels);

@@ -2,6 +2,7 @@
 #include "c3de/ui/overlay.h"
 
 #include "c3de/ui/image_views.h"
+#include "c3de/ui/tissue_table.h"
 #include "support/catch.h"
 
 using namespace c3de;
@@ -51,4 +52,28 @@ TEST_CASE("A range ends at round numbers, grows at once and shrinks late", "[ove
   range.forget();
   range.follow(0.2, 1.1, true, 0.1);
   CHECK(range.range() == OverlayRange{-1.5, 1.5});
+}
+
+TEST_CASE("A row of the table says what is known, and is found by label and tissue", "[overlay]") {
+  TissueTable table;
+  TissueRow row;
+  row.label = "kidney_left";
+  row.tissue = "kidney_cortex";
+  row.reference_ml = 150.0;
+  CHECK(row.volumeText() == "150.0");
+  CHECK(row.changeText() == "–");
+  CHECK(row.ratioText() == "–");
+  row.motion = {148.5, 2.34, 8.76, 0.812};
+  CHECK(row.volumeText() == "148.5");
+  CHECK(row.changeText() == "-1.0");
+  CHECK(row.meanText() == "2.3");
+  CHECK(row.largestText() == "8.8");
+  CHECK(row.ratioText() == "0.81");
+  row.motion->volume_ml = 150.0 - 1e-9;
+  CHECK(row.changeText() == "0.0");
+  table.rows = {row, {"liver", "liver", {}, false, 1500.0, {}}};
+  CHECK(listedRows(table, "").size() == 2);
+  CHECK(listedRows(table, "left kidney") == std::vector<std::size_t>{0});
+  CHECK(listedRows(table, "cortex") == std::vector<std::size_t>{0});
+  CHECK(listedRows(table, "spleen").empty());
 }

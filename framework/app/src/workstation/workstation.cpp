@@ -29,10 +29,12 @@
 #include "c3de/session/body_creation.h"
 #include "c3de/session/displacement_sampler.h"
 #include "c3de/session/file_kind.h"
+#include "c3de/session/live_tissues.h"
 #include "c3de/session/simulator_access.h"
 #include "c3de/session/still_rule.h"
 #include "c3de/ui/commands.h"
 #include "c3de/ui/file_browser.h"
+#include "c3de/ui/tissue_table.h"
 #include "c3de/ui/view_controller.h"
 #include "c3de/ui/workstation_window.h"
 #include "commands/exit_code.h"
@@ -76,6 +78,7 @@ class Workstation {
   void askForWarp();
   [[nodiscard]] StillPlaces stillPlaces();
   void askForFields();
+  void fillTissueTable();
   void takeWarp();
   void onBodiesReady(const BodyCreation::Result &result);
   void makeScanAlive(const std::string &scene);
@@ -93,10 +96,14 @@ class Workstation {
   registry::CommandRegistry commands_;
   std::unique_ptr<ui::WorkstationWindow> window_;
   std::unique_ptr<render::Renderer> renderer_;
-  std::unique_ptr<WorkstationLoader> loader_;   ///< used by the session's jobs until they end
-  std::unique_ptr<BodyCreation> bodyCreation_;  ///< likewise
-  std::unique_ptr<WorkstationImages> images_;   ///< likewise
-  DisplacementSampler warp_;                    ///< used by the simulation's thread
+  std::unique_ptr<WorkstationLoader> loader_;         ///< used by the session's jobs until they end
+  std::unique_ptr<BodyCreation> bodyCreation_;        ///< likewise
+  std::unique_ptr<WorkstationImages> images_;         ///< likewise
+  DisplacementSampler warp_;                          ///< used by the simulation's thread
+  LiveTissues tissues_{[this] { window_->wake(); }};  ///< likewise
+  ui::TissueTable tissueTable_;
+  std::shared_ptr<const std::vector<TissueMotion>> tissuesShown_;
+  std::shared_ptr<const std::vector<TissuePlaces>> tissuesOf_;
   std::unique_ptr<Session> session_;
   scene::SceneImage image_;  ///< how images deform beside the simulation
   using StillAsked = std::tuple<scene::SceneStill, std::shared_ptr<const scene::StoredImage>,
@@ -138,7 +145,10 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
   auto session = Session::create(sessionOptions);
   if (!session) return tl::unexpected(session.error());
   session_ = std::move(*session);
-  session_->setPublishedHook([this](const scene::Simulation &simulation) { warp_.onPublished(simulation); });
+  session_->setPublishedHook([this](const scene::Simulation &simulation) {
+    warp_.onPublished(simulation);
+    tissues_.onPublished(simulation);
+  });
 
   playsWhenLoaded_ = options.play;
   loader_ = std::make_unique<WorkstationLoader>(
@@ -157,10 +167,10 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
           [this](const std::string &title, const Error &error) { onFailed(title, error); },
           [this](std::vector<segmentation::BodyRequest> requests) { bodyCreation_->createBodies(std::move(requests)); },
           [this](const std::string &scene) { makeScanAlive(scene); }});
-  window_->connect(
-      {&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
-       &images_->workflow(), &images_->scanBody(), &edits_, &commands_, [this] { return meshExtensions(); }},
-      actions());
+  window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
+                    &images_->workflow(), &images_->scanBody(), &tissueTable_, &edits_, &commands_,
+                    [this] { return meshExtensions(); }},
+                   actions());
   window_->setAbout(about());
   showPluginProblems();
   if (sessionOptions.loadRules.isSafeMode)
@@ -287,6 +297,9 @@ ui::WindowActions Workstation::actions() {
   };
   actions.exportImage = [exportImage](const std::filesystem::path &file) { exportImage({file, {}}); };
   actions.exportDisplacement = [exportImage](const std::filesystem::path &file) { exportImage({{}, file}); };
+  actions.exportTissues = [this, tell](const std::filesystem::path &file) {
+    exportPresentTissues(*session_, tissues_.bodies(), file, tell);
+  };
   actions.saveScanScene = [this](const std::filesystem::path &file) {
     const auto written = writeWholeFile(file, images_->scanBody().sceneText(file.parent_path()));
     if (written)
@@ -315,6 +328,7 @@ std::string Workstation::proposedName(ui::Command exported) const {
   name = ui::fileNamePart(name);
   if (exported == ui::Command::exportImage) name += "-deformed";
   if (exported == ui::Command::exportDisplacement) name += "-displacement";
+  if (exported == ui::Command::exportTissues) name += "-tissues";
   if (scene::Simulation *simulation = session_->simulation())
     name += fmt::format("-{:.3f}s", simulation->state().time_s);
   return name;
@@ -424,6 +438,9 @@ void Workstation::onBodiesReady(const BodyCreation::Result &result) {
   images_->showMissing(result.coverage, result.isNew);
   tools_.cancelActive();  // the simulation begins anew, and what a tool held is gone
   warp_.begin();
+  // Those that were there before begin anew.
+  const std::shared_ptr<const std::vector<TissuePlaces>> stay = result.isNew ? nullptr : tissues_.bodies();
+  tissues_.begin(stay ? *stay : std::vector<TissuePlaces>());
   askForWarp();
   simulation->transport(C3DE_TRANSPORT_PLAY);
   const bool isOne = result.created.size() == 1;
@@ -510,6 +527,45 @@ void Workstation::askForFields() {
   if (wanted.any && simulation && !isThere) simulation->post([] {});  // publishes once more
 }
 
+/// What labels have done, while a person looks at the table.
+void Workstation::fillTissueTable() {
+  tissues_.want(tissueTable_.isShown);
+  const auto bodies = tissues_.bodies();
+  const auto newest = tissues_.newest();
+  if (bodies == tissuesOf_ && newest == tissuesShown_) return;
+  tissuesOf_ = bodies;
+  tissuesShown_ = newest;
+  tissueTable_.rows.clear();
+  if (!bodies) return;
+  constexpr double kMillilitres = 1e6, kMillimetres = 1e3;
+  const scene::StoredLabels *shown = images_->views().labels();
+  for (std::size_t b = 0; b < bodies->size(); ++b) {
+    const TissuePlaces &places = (*bodies)[b];
+    for (std::size_t i = 0; i < places.labels.size(); ++i) {
+      const LabelPlaces &label = places.labels[i];
+      if (label.voxels == 0) continue;
+      ui::TissueRow row;
+      const scene::SceneTissue tissue = places.tissueAt(label.tissue);
+      row.label = label.value == 0 ? "background" : label.name;
+      row.tissue = tissue.preset;
+      row.isRigid = tissue.isRigid;
+      for (std::size_t k = 0; shown && k < shown->map.labels.size(); ++k)
+        if (const auto &one = shown->map.labels[k]; one.value == label.value && one.name == label.name) {
+          const render::Colour colour = render::shownColour(one.colour);
+          row.colour = {colour[0], colour[1], colour[2]};
+        }
+      row.reference_ml = 1e-3 * places.voxel_mm3 * static_cast<double>(label.voxels);
+      if (newest && b < newest->size() && i < (*newest)[b].labels.size())
+        if (const LabelMotion &motion = (*newest)[b].labels[i]; motion.isKnown()) {
+          row.reference_ml = kMillilitres * motion.reference_m3;
+          row.motion = {kMillilitres * motion.end_m3, kMillimetres * motion.meanDisplacement_m(),
+                        kMillimetres * motion.largestDisplacement_m, motion.minJ};
+        }
+      tissueTable_.rows.push_back(std::move(row));
+    }
+  }
+}
+
 /// Before a frame, whose texts say it as its slices show it.
 void Workstation::takeWarp() {
   const ui::ImageViews &views = images_->views();
@@ -517,8 +573,10 @@ void Workstation::takeWarp() {
     askForWarp();
   if (auto newest = warp_.take()) images_->showDisplacement(std::move(newest));
   askForFields();
+  fillTissueTable();
   scene::Simulation *simulation = session_->simulation();
-  if (warp_.isBehind() && simulation && simulation->state().mode != C3DE_SIM_PLAYING) simulation->post([] {});
+  if ((warp_.isBehind() || tissues_.isBehind()) && simulation && simulation->state().mode != C3DE_SIM_PLAYING)
+    simulation->post([] {});
 }
 
 void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
@@ -531,6 +589,7 @@ void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
   images_->onBodiesRemoved();
   images_->showMissing(loaded.coverage, true);
   warp_.begin();
+  tissues_.begin(loaded.tissues);
   images_->showDisplacement(nullptr);
   if (loaded.image && !loaded.isReload && !loaded.isImageOpen)
     images_->open(loaded.image->file, loaded.image->labels, loaded.image->series, loaded.image->time,

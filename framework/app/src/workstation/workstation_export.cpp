@@ -128,4 +128,29 @@ void exportPresentImage(Session &session, std::shared_ptr<const scene::StoredIma
   });
 }
 
+void exportPresentTissues(Session &session, std::shared_ptr<const std::vector<TissuePlaces>> bodies,
+                          const std::filesystem::path &file, ExportTold told) {
+  scene::Simulation *simulation = session.simulation();
+  if (simulation == nullptr || !bodies) return;
+  const auto write = [&session, bodies, file, told](std::shared_ptr<const TissueSnapshot> snapshot) {
+    (void)session.jobs().submit(
+        kJobOwner, "Writing " + pathText(file.filename()),
+        [bodies, file, snapshot](const ProgressFn &progress) -> Expected<void> {
+          const auto motions =
+              followTissues(*snapshot, *bodies, [&] { return !progress || progress(-1.0, "following the labels"); });
+          if (!motions) return tl::unexpected(motions.error());
+          return writeTissueTable(file, *motions);
+        },
+        [file, told](const Expected<void> &result) {
+          if (result) return told(pathText(file));
+          if (result.error().code != ErrorCode::cancelled) told(tl::unexpected(result.error()));
+        });
+  };
+  simulation->post([simulation, queue = &session.mainQueue(), write, told] {
+    auto snapshot = readTissues(simulation->table(), simulation->object());
+    if (!snapshot) return queue->post([told, error = snapshot.error()] { told(tl::unexpected(error)); });
+    queue->post([write, shared = std::make_shared<const TissueSnapshot>(std::move(*snapshot))] { write(shared); });
+  });
+}
+
 }  // namespace c3de::app

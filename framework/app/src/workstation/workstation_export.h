@@ -5,11 +5,13 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "app.h"
 #include "c3de/scene/image_store.h"
 #include "c3de/session/export_image.h"
 #include "c3de/session/session.h"
+#include "c3de/session/tissue_motion.h"
 
 namespace c3de::app {
 
@@ -31,5 +33,9 @@ void exportPresentFrame(Session &session, const std::filesystem::path &file, Exp
 /// and writing are a job beside the window.
 void exportPresentImage(Session &session, std::shared_ptr<const scene::StoredImage> image, const ImageWarp &how,
                         const ImageExport &wanted, ExportTold told);
+
+/// Writes what the labels of bodies of many tissues have done.
+void exportPresentTissues(Session &session, std::shared_ptr<const std::vector<TissuePlaces>> bodies,
+                          const std::filesystem::path &file, ExportTold told);
 
 }  // namespace c3de::app

@@ -149,7 +149,7 @@ void WorkstationLoader::load(Source source, bool isReload) {
           session_.sceneGraph().touch();
         }
         events_.loaded({isReload, size_mm, unitText(session_.meshFormats(), source.files, source.meshUnit),
-                        shared->image, isText, prepared->coverage});
+                        shared->image, isText, prepared->coverage, prepared->tissues});
         if (source.done) source.done({});
       });
 }

@@ -23,6 +23,7 @@ class WorkstationLoader {
     std::optional<scene::SceneImage> image;  ///< that the scene shows beside its bodies
     bool isImageOpen = false;                ///< it is in the window already
     std::vector<Coverage> coverage;          ///< of bodies from images
+    std::vector<TissuePlaces> tissues;       ///< of bodies of many tissues
   };
   struct Events {
     /// The new simulation is the present one.

@@ -30,6 +30,8 @@ constexpr std::array kCommands{
                 "Write the image as the tissue lies now: NRRD, NIfTI, MetaImage", 0, 0, 0},
     CommandInfo{Command::exportDisplacement, "file.export_displacement", "Export displacement…",
                 "Write how far the tissue has moved at each voxel, mm: NRRD, NIfTI, MetaImage", 0, 0, 0},
+    CommandInfo{Command::exportTissues, "file.export_tissues", "Export tissue table…",
+                "Write volume, displacement and smallest det F of each label as they are now: CSV", 0, 0, 0},
     CommandInfo{Command::screenshot, "file.screenshot", "Save screenshot", "Write the 3D view as PNG", keyF12, 0, 0},
     CommandInfo{Command::quit, "file.quit", "Quit", "Close the program", 'Q', C3DE_MOD_CTRL, 0},
     CommandInfo{Command::undo, "edit.undo", "Undo",

@@ -16,7 +16,9 @@ float drawMenuBar(FrameContext &frame);
 /// A failure becomes a message.
 void runPluginCommand(const WindowServices &services, Handle command);
 void drawToolbar(FrameContext &frame, const PixelRect &area);
-/// Scene list and plugin panels.
+/// The labels of a body of many tissues and what they have done.
+void drawTissueTable(FrameContext &frame, const TissueTable &table);
+/// Scene list, tissues and plugin panels.
 void drawSidePanel(FrameContext &frame, ImGuiPanels &panels, const PixelRect &area);
 /// Drag to make the side panel wider or narrower.
 void drawSplitter(FrameContext &frame, const PixelRect &area);

@@ -56,7 +56,8 @@ struct WindowState {
   bool showShortcuts = false, showAbout = false, showMessages = false, showPlugins = false;
   bool isEscapeTaken = false;           ///< in this frame, by a menu or list: it is not meant for the dialog below
   std::array<char, 128> labelFilter{};  ///< in the dialog of the scan's body
-  std::optional<Question> question;     ///< while a person is asked
+  std::array<char, 128> tissueFilter{};
+  std::optional<Question> question;  ///< while a person is asked
   /// To the last one: the ids of question and answer.
   std::pair<std::string, std::string> answer;
   AboutText about;

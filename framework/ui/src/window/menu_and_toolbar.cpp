@@ -19,6 +19,7 @@ struct MenuEntry {
   bool needsSimulation = false;
   bool needsImage = false;
   bool needsLabels = false;
+  bool needsTissues = false;
 };
 
 /// What a view is called where the patient's z is up.
@@ -38,6 +39,7 @@ void menuItem(FrameContext &frame, const MenuEntry &entry, bool isChecked = fals
   const CommandInfo &info = commandInfo(entry.command);
   const bool isEnabled = (!entry.needsSimulation || frame.simulation.exists) &&
                          (!entry.needsImage || frame.shownImages()) &&
+                         (!entry.needsTissues || (frame.services.tissues && !frame.services.tissues->rows.empty())) &&
                          (!entry.needsLabels || (frame.services.scanBody && frame.services.scanBody->isPossible()));
   const std::string key = keyText(info.key, info.modifiers);
   const char *label = frame.camera.upAxis == render::UpAxis::z ? patientLabel(entry.command) : nullptr;
@@ -46,9 +48,10 @@ void menuItem(FrameContext &frame, const MenuEntry &entry, bool isChecked = fals
   markItem(frame, "menu", info.id, isEnabled);
   itemTooltip(frame, isEnabled
                          ? info.doc
-                         : std::string(info.doc) + (entry.needsLabels  ? " (no image with a label map over it is open)"
-                                                    : entry.needsImage ? " (no image is open)"
-                                                                       : " (nothing is loaded)"));
+                         : std::string(info.doc) + (entry.needsTissues  ? " (no body of many tissues is there)"
+                                                    : entry.needsLabels ? " (no image with a label map over it is open)"
+                                                    : entry.needsImage  ? " (no image is open)"
+                                                                        : " (nothing is loaded)"));
 }
 
 /// "Undo Young's modulus": says what it would change.
@@ -82,6 +85,7 @@ void fileMenu(FrameContext &frame) {
   menuItem(frame, {Command::exportFrame, true});
   menuItem(frame, {Command::exportImage, true, true});
   menuItem(frame, {Command::exportDisplacement, true, true});
+  menuItem(frame, {Command::exportTissues, true, false, false, true});
   menuItem(frame, {Command::screenshot});
   ImGui::Separator();
   menuItem(frame, {Command::quit});

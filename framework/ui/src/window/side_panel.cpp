@@ -54,6 +54,14 @@ void drawSidePanel(FrameContext &frame, ImGuiPanels &panels, const PixelRect &ar
   // The scroll bar stands in the padding.
   ImGui::BeginChild("scroll", ImVec2(ImGui::GetContentRegionAvail().x + frame.theme.px(7.0f), 0.0f));
   if (section(frame, "scene", "Scene", true)) sceneTree(frame);
+  if (TissueTable *tissues = frame.services.tissues) {
+    tissues->isShown = !tissues->rows.empty();
+    if (tissues->isShown) {
+      ImGui::Dummy(ImVec2(0, frame.theme.px(2.0f)));
+      tissues->isShown = section(frame, "tissues", "Tissues", false);
+      if (tissues->isShown) drawTissueTable(frame, *tissues);
+    }
+  }
   if (frame.services.panels) {
     // By handle and by value: a panel may remove itself or others while it is drawn.
     for (const Handle handle : std::vector<Handle>(frame.services.panels->handles())) {

@@ -344,6 +344,7 @@ void WorkstationWindow::Impl::openExportDialog(Command command) {
     case Command::exportFrame: set("Export simulation frame", kFrameExtensions, actions.exportFrame); break;
     case Command::exportImage: set("Export deformed image", kImageExtensions, actions.exportImage); break;
     case Command::exportDisplacement: set("Export displacement", kImageExtensions, actions.exportDisplacement); break;
+    case Command::exportTissues: set("Export tissue table", "csv", actions.exportTissues); break;
     case Command::saveState: set("Save state", kStateExtensions, actions.saveState); break;
     default:
       set("Export surface", actions.surfaceExtensions ? actions.surfaceExtensions() : "obj", actions.exportSurface);
@@ -432,6 +433,9 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
     case Command::exportImage:
     case Command::exportDisplacement:
       if (simulation.exists && shownImages()) openExportDialog(command);
+      break;
+    case Command::exportTissues:
+      if (simulation.exists && services.tissues && !services.tissues->rows.empty()) openExportDialog(command);
       break;
     case Command::screenshot: call(actions.screenshot); break;
     case Command::quit: quitOrAsk(); break;

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "c3de/abi/iface/simulator.h"
 #include "c3de/core/expected.h"
+#include "c3de/imaging/displacement.h"
+#include "c3de/session/body_states.h"
 #include "c3de/session/tissue_places.h"
 
 namespace c3de::session {
@@ -31,10 +34,24 @@ struct TissueMotion {
   [[nodiscard]] LabelMotion ofTissue(std::size_t tissue) const;
 };
 
-/// From the displacement that the simulator tells of an image, on a grid of a quarter of the spacing around the bodies,
-/// coarser where that is more than 144 points along an axis: x with x - u(x) = X for each voxel of a sample, and
-/// det F = 1 / det(1 - grad u) there. So it is smoothed over about a spacing. Rigid tissues are said to stay. The error
-/// (ErrorCode::state): the simulator does not say. [sim]
+/// What a simulator says of its bodies as they are now.
+struct TissueSnapshot {
+  imaging::DisplacementGrid u;
+  std::vector<BodyState> skins;
+};
+/// On a grid of a quarter of the spacing around the bodies, coarser where that is more than 144 points along an axis;
+/// live: of half the spacing and up to 72 points, which takes an eighth of the time.
+enum class TissueDetail { full, live };
+/// The error (ErrorCode::state): the simulator does not say. [sim]
+[[nodiscard]] Expected<TissueSnapshot> readTissues(const c3de_simulator_v1 *table, c3de_object *simulator,
+                                                   TissueDetail detail = TissueDetail::full);
+/// Any thread. @param goesOn  asked for every label; false ends it with ErrorCode::cancelled
+[[nodiscard]] Expected<std::vector<TissueMotion>> followTissues(const TissueSnapshot &snapshot,
+                                                                const std::vector<TissuePlaces> &bodies,
+                                                                const std::function<bool()> &goesOn = {});
+/// Both, in full: from the displacement that the simulator tells of an image, x with x - u(x) = X for each voxel of a
+/// sample, and det F = 1 / det(1 - grad u) there. So it is smoothed over about a spacing. Rigid tissues are said to
+/// stay. [sim]
 [[nodiscard]] Expected<std::vector<TissueMotion>> tissueMotions(const c3de_simulator_v1 *table, c3de_object *simulator,
                                                                 const std::vector<TissuePlaces> &bodies);
 

@@ -20,6 +20,7 @@ enum class Command {
   exportFrame,
   exportImage,
   exportDisplacement,
+  exportTissues,
   screenshot,
   quit,
   undo,

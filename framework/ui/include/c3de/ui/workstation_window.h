@@ -13,6 +13,7 @@
 #include "c3de/core/handle.h"
 #include "c3de/render/camera.h"
 #include "c3de/ui/commands.h"
+#include "c3de/ui/tissue_table.h"
 
 namespace c3de::segmentation {
 class ScanBody;
@@ -91,6 +92,7 @@ struct WindowActions {
   std::function<void(const std::filesystem::path &)> saveState, loadState;        ///< of the simulation
   /// The scan as it now lies; how far
   std::function<void(const std::filesystem::path &)> exportImage, exportDisplacement;
+  std::function<void(const std::filesystem::path &)> exportTissues;  ///< what labels have done
   std::function<void(const std::filesystem::path &)> saveScanScene;  ///< of what is chosen in the dialog of the scan
   /// What a file of that export could be called, without folder and ending; empty: nothing is proposed.
   std::function<std::string(Command exported)> proposeName;
@@ -109,6 +111,7 @@ struct WindowServices {
   ImageViews *images = nullptr;                            ///< while it has an image, slices stand beside the 3D view
   segmentation::SegmentationWorkflow *workflow = nullptr;  ///< its steps are undone while they are what was edited last
   segmentation::ScanBody *scanBody = nullptr;              ///< asked for while it is shown
+  TissueTable *tissues = nullptr;                          ///< a section of the side panel while it has rows
   registry::EditList *edits = nullptr;                     ///< of plugins, likewise
   registry::CommandRegistry *commands = nullptr;           ///< of plugins; a menu where there are any
   std::function<std::string()> meshExtensions;             ///< for the dialog: "obj;stl"

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "c3de/scene/simulation.h"
+#include "c3de/session/tissue_motion.h"
+
+namespace c3de::session {
+
+/// How the labels of bodies of many tissues have moved in a running simulation, for who looks at them. What the
+/// simulator says is read between two steps; labels are followed in a thread of its own.
+class LiveTissues {
+ public:
+  /// @param renewed  called on that thread when there are new numbers
+  explicit LiveTissues(std::function<void()> renewed = {});
+  ~LiveTissues();
+  LiveTissues(const LiveTissues &) = delete;
+  LiveTissues &operator=(const LiveTissues &) = delete;
+
+  /// Of the simulation that goes on from here; empty: it has no such bodies. Any thread.
+  void begin(std::vector<TissuePlaces> bodies);
+  /// Somebody looks; else nothing is read. Any thread.
+  void want(bool wanted) { wanted_ = wanted; }
+  [[nodiscard]] bool wanted() const { return wanted_; }
+  /// On the simulation's thread, after a snapshot. While it plays at most twice a second and no more than a tenth of
+  /// the time; not while labels are still followed, and not for as long after it as that took.
+  void onPublished(const scene::Simulation &simulation);
+  /// Null: none yet. Any thread.
+  [[nodiscard]] std::shared_ptr<const std::vector<TissueMotion>> newest() const;
+  /// Of the present simulation. Any thread.
+  [[nodiscard]] std::shared_ptr<const std::vector<TissuePlaces>> bodies() const;
+  /// Whether a snapshot went without and could be read now; asked by who sees that the simulation stands.
+  [[nodiscard]] bool isBehind() const { return wanted_ && behind_ && !isFollowing_; }
+  /// Wall time of the last reading on the simulation's thread and of what came after it, ms. Any thread.
+  [[nodiscard]] double reading_ms() const { return reading_ms_; }
+  [[nodiscard]] double following_ms() const { return following_ms_; }
+
+ private:
+  void work();
+
+  std::function<void()> renewed_;
+  std::atomic<bool> wanted_ = false, behind_ = false, isFollowing_ = false, ends_ = false;
+  std::atomic<double> reading_ms_ = 0.0, following_ms_ = 0.0;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::uint64_t serial_ = 0;  ///< of the simulation
+  std::shared_ptr<const std::vector<TissuePlaces>> bodies_;
+  std::shared_ptr<const std::vector<TissueMotion>> newest_;
+  std::unique_ptr<TissueSnapshot> read_;  ///< to be followed
+  std::uint64_t readSerial_ = 0;
+  std::chrono::steady_clock::time_point lastRead_{}, lastFollowed_{};
+  std::thread thread_;
+};
+
+}  // namespace c3de::session

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/session/live_tissues.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace c3de::session {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kLeast_ms = 500.0, kRestPerReading = 10.0;
+
+double since_ms(Clock::time_point from) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
+}
+
+}  // namespace
+
+LiveTissues::LiveTissues(std::function<void()> renewed) : renewed_(std::move(renewed)) {
+  thread_ = std::thread([this] { work(); });
+}
+
+LiveTissues::~LiveTissues() {
+  {
+    const std::lock_guard lock(mutex_);
+    ends_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void LiveTissues::begin(std::vector<TissuePlaces> bodies) {
+  const std::lock_guard lock(mutex_);
+  ++serial_;
+  bodies_ = bodies.empty() ? nullptr : std::make_shared<const std::vector<TissuePlaces>>(std::move(bodies));
+  newest_.reset();
+  read_.reset();
+  behind_ = bodies_ != nullptr;
+}
+
+std::shared_ptr<const std::vector<TissueMotion>> LiveTissues::newest() const {
+  const std::lock_guard lock(mutex_);
+  return newest_;
+}
+
+std::shared_ptr<const std::vector<TissuePlaces>> LiveTissues::bodies() const {
+  const std::lock_guard lock(mutex_);
+  return bodies_;
+}
+
+void LiveTissues::onPublished(const scene::Simulation &simulation) {
+  std::uint64_t serial = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!bodies_) return;
+    behind_ = true;  // until it is read
+    if (!wanted_ || isFollowing_) return;
+    const bool isPlaying = simulation.state().mode == C3DE_SIM_PLAYING;
+    if (isPlaying && (since_ms(lastRead_) < std::max(kLeast_ms, kRestPerReading * reading_ms_) ||
+                      since_ms(lastFollowed_) < following_ms_))
+      return;
+    serial = serial_;
+  }
+  const auto from = Clock::now();
+  auto snapshot = readTissues(simulation.table(), simulation.object(), TissueDetail::live);
+  {
+    const std::lock_guard lock(mutex_);
+    lastRead_ = Clock::now();
+    reading_ms_ = since_ms(from);
+    behind_ = false;
+    if (!snapshot || serial != serial_) return;
+    read_ = std::make_unique<TissueSnapshot>(std::move(*snapshot));
+    readSerial_ = serial;
+    isFollowing_ = true;
+  }
+  changed_.notify_all();
+}
+
+void LiveTissues::work() {
+  std::unique_lock lock(mutex_);
+  while (!ends_) {
+    changed_.wait(lock, [&] { return ends_ || read_ || isFollowing_; });
+    const std::unique_ptr<TissueSnapshot> snapshot = std::move(read_);
+    const std::uint64_t serial = readSerial_;
+    const std::shared_ptr<const std::vector<TissuePlaces>> bodies = bodies_;
+    if (!snapshot || !bodies || ends_) {
+      isFollowing_ = false;
+      continue;
+    }
+    lock.unlock();
+    const auto from = Clock::now();
+    auto motions = followTissues(*snapshot, *bodies, [this] { return !ends_; });
+    lock.lock();
+    following_ms_ = since_ms(from);
+    lastFollowed_ = Clock::now();
+    isFollowing_ = false;
+    if (!motions || serial != serial_) continue;
+    newest_ = std::make_shared<const std::vector<TissueMotion>>(std::move(*motions));
+    lock.unlock();
+    if (renewed_) renewed_();
+    lock.lock();
+  }
+}
+
+}  // namespace c3de::session

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/ui/tissue_table.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "logic/label_list.h"
+
+namespace c3de::ui {
+namespace {
+
+const std::string kUnknown = "–";
+
+/// Without the sign of a zero.
+std::string rounded(double value, int digits) {
+  const double least = 0.5 * std::pow(10.0, -digits);
+  return fmt::format("{:.{}f}", std::abs(value) < least ? 0.0 : value, digits);
+}
+
+}  // namespace
+
+std::string TissueRow::volumeText() const {
+  const double ml = motion ? motion->volume_ml : reference_ml;
+  return rounded(ml, ml < 100.0 ? 2 : 1);
+}
+
+std::string TissueRow::changeText() const {
+  if (!motion || !(reference_ml > 0.0)) return kUnknown;
+  return rounded(100.0 * (motion->volume_ml / reference_ml - 1.0), 1);
+}
+
+std::string TissueRow::meanText() const { return motion ? rounded(motion->mean_mm, 1) : kUnknown; }
+std::string TissueRow::largestText() const { return motion ? rounded(motion->largest_mm, 1) : kUnknown; }
+std::string TissueRow::ratioText() const { return motion ? rounded(motion->leastRatio, 2) : kUnknown; }
+
+std::vector<std::size_t> listedRows(const TissueTable &table, const std::string &filter) {
+  std::vector<std::size_t> listed;
+  for (std::size_t i = 0; i < table.rows.size(); ++i)
+    if (isListed(table.rows[i].label + " " + table.rows[i].tissue, filter)) listed.push_back(i);
+  return listed;
+}
+
+}  // namespace c3de::ui

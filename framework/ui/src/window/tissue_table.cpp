@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// The labels of a body of many tissues, in the side panel.
+#include "c3de/ui/tissue_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cfloat>
+
+#include "window/chrome.h"
+
+namespace c3de::ui {
+namespace {
+
+constexpr const char *kArea = "tissues";
+constexpr std::size_t kMostRows = 14;
+
+struct Column {
+  const char *title, *id, *tooltip;
+  std::string (TissueRow::*text)() const;
+};
+constexpr std::array kColumns{
+    Column{"ml", "volume", "Volume now", &TissueRow::volumeText},
+    Column{"%", "change", "Its change since the scan", &TissueRow::changeText},
+    Column{"|u| mm", "mean", "Displacement, mean", &TissueRow::meanText},
+    Column{"most", "largest", "Largest displacement, mm", &TissueRow::largestText},
+    Column{"det F", "det_f", "Smallest det F: where it is compressed most, its volume over that of the scan",
+           &TissueRow::ratioText}};
+
+void numberCell(const std::string &text) {
+  const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(text.c_str()).x;
+  ImGui::SetCursorPosX(ImGui::GetCursorPosX() + std::max(room, 0.0f));
+  ImGui::TextUnformatted(text.c_str());
+}
+
+void headings(FrameContext &frame) {
+  ImGui::TableSetupScrollFreeze(0, 1);
+  ImGui::TableSetupColumn("Label", ImGuiTableColumnFlags_WidthStretch);
+  for (const Column &column : kColumns)
+    ImGui::TableSetupColumn(column.title, ImGuiTableColumnFlags_WidthFixed,
+                            std::max(ImGui::CalcTextSize("-100.0").x, ImGui::CalcTextSize(column.title).x));
+  ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
+  ImGui::TableNextColumn();
+  ImGui::TextColored(colour::kDim, "Label");
+  for (const Column &column : kColumns) {
+    ImGui::TableNextColumn();
+    numberCell(column.title);
+    itemTooltip(frame, column.tooltip);
+  }
+}
+
+void drawRow(FrameContext &frame, const TissueRow &row) {
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  const float side = 0.75f * ImGui::GetTextLineHeight();
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  if (row.colour) {
+    const auto &c = *row.colour;
+    const float top = at.y + 0.5f * (ImGui::GetTextLineHeight() - side);
+    ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(at.x, top), ImVec2(at.x + side, top + side),
+                                              ImGui::GetColorU32(ImVec4(c[0], c[1], c[2], 1.0f)), 2.0f);
+  }
+  ImGui::SetCursorPosX(ImGui::GetCursorPosX() + 1.4f * side);
+  ImGui::TextUnformatted(elided(row.label, ImGui::GetContentRegionAvail().x).c_str());
+  markItem(frame, kArea, row.label);
+  itemTooltip(frame, row.label + (row.isRigid ? ": rigid" : row.tissue.empty() ? "" : ": " + row.tissue));
+  for (const Column &column : kColumns) {
+    ImGui::TableNextColumn();
+    numberCell((row.*column.text)());
+  }
+}
+
+}  // namespace
+
+void drawTissueTable(FrameContext &frame, const TissueTable &table) {
+  std::array<char, 128> &filter = frame.state.tissueFilter;
+  ImGui::SetNextItemWidth(-FLT_MIN);
+  ImGui::InputTextWithHint("###tissue_filter", "Filter: kidney, lung left", filter.data(), filter.size());
+  markItem(frame, kArea, "filter");
+  const std::vector<std::size_t> listed = listedRows(table, filter.data());
+  frame.automation.value(kArea, "count", fmt::format("{} of {} labels", listed.size(), table.rows.size()));
+  for (const std::size_t at : listed)
+    for (const Column &column : kColumns)
+      frame.automation.value(kArea, table.rows[at].label + "." + column.id, (table.rows[at].*column.text)());
+  ImGui::PushFont(frame.theme.small);
+  const auto rows = static_cast<float>(std::clamp<std::size_t>(listed.size(), 1, kMostRows) + 1);
+  const float height = rows * (ImGui::GetTextLineHeight() + 2.0f * ImGui::GetStyle().CellPadding.y) + 2.0f;
+  if (ImGui::BeginTable("tissues", 1 + static_cast<int>(kColumns.size()),
+                        ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersInnerH,
+                        ImVec2(0.0f, height))) {
+    headings(frame);
+    for (const std::size_t at : listed) drawRow(frame, table.rows[at]);
+    ImGui::EndTable();
+  }
+  ImGui::PopFont();
+  if (listed.empty()) ImGui::TextColored(colour::kDim, "No label is called so.");
+  if (ImGui::Button("Export…###export")) frame.request(Command::exportTissues);
+  markItem(frame, kArea, "export");
+  itemTooltip(frame, commandInfo(Command::exportTissues).doc);
+}
+
+}  // namespace c3de::ui

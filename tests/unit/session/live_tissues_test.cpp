@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/session/live_tissues.h"
+
+#include <chrono>
+#include <functional>
+#include <thread>
+
+#include "stand_in_simulator.h"
+#include "support/catch.h"
+
+using namespace c3de;
+using namespace c3de::session;
+using session::test::cubeBody;
+using session::test::StandInSimulator;
+
+namespace {
+
+/// A cube of 40 mm with a label of 8 ml in its middle.
+std::vector<TissuePlaces> onePlace() {
+  TissuePlaces places;
+  places.body = "body";
+  places.voxel_mm3 = 8.0;
+  LabelPlaces label;
+  label.name = "liver";
+  label.value = 1;
+  label.voxels = 1000;
+  for (int i = 0; i < 10; ++i)
+    for (int j = 0; j < 10; ++j)
+      for (int k = 0; k < 10; ++k) label.sample.push_back({11.0 + 2 * i, 11.0 + 2 * j, 11.0 + 2 * k});
+  scene::SceneTissue tissue;
+  tissue.label = "liver";
+  places.tissues.push_back(tissue);
+  places.labels.push_back(label);
+  return {places};
+}
+
+struct Fixture {
+  StandInSimulator simulator;
+  std::unique_ptr<scene::Simulation> simulation;
+  std::atomic<int> renewed{0};
+  LiveTissues tissues{[this] { ++renewed; }};
+
+  Fixture() {
+    simulator.bodies = {cubeBody(0.04, {0, 0, 0}, {0.003, 0, 0.004})};
+    simulator.displacement_m = {0.003, 0, 0.004};
+    simulation = std::move(*scene::Simulation::create(simulator.object()));
+    simulation->call([] {});
+  }
+  bool waitFor(const std::function<bool()> &met) {
+    for (int i = 0; i < 2000 && !met(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    return met();
+  }
+};
+
+}  // namespace
+
+TEST_CASE("Labels are followed beside the simulation while somebody looks", "[live_tissues]") {
+  Fixture f;
+  f.tissues.want(true);
+  f.tissues.onPublished(*f.simulation);  // there are no such bodies
+  CHECK(f.simulator.grids.empty());
+  CHECK_FALSE(f.tissues.isBehind());
+  f.tissues.want(false);
+  f.tissues.begin(onePlace());
+  f.tissues.onPublished(*f.simulation);
+  CHECK(f.simulator.grids.empty());
+  CHECK_FALSE(f.tissues.newest());
+  f.tissues.want(true);
+  CHECK(f.tissues.isBehind());
+  f.tissues.onPublished(*f.simulation);
+  REQUIRE(f.waitFor([&] { return f.renewed == 1; }));
+  CHECK_FALSE(f.tissues.isBehind());
+  const auto newest = f.tissues.newest();
+  REQUIRE(newest);
+  REQUIRE(newest->size() == 1);
+  const LabelMotion &liver = newest->front().labels.front();
+  CHECK(liver.followed == 1000);
+  CHECK(liver.reference_m3 == Approx(8e-6));
+  CHECK(liver.end_m3 == Approx(8e-6));
+  CHECK(liver.meanDisplacement_m() == Approx(0.005));
+  CHECK(f.tissues.following_ms() > 0.0);
+  // Another simulation has none of it.
+  f.tissues.begin(onePlace());
+  CHECK_FALSE(f.tissues.newest());
+  f.simulator.failing["displacement"] = -1;
+  f.tissues.onPublished(*f.simulation);
+  CHECK_FALSE(f.tissues.newest());
+  CHECK_FALSE(f.tissues.isBehind());  // it is not asked again and again
+  f.tissues.begin({});
+  CHECK_FALSE(f.tissues.bodies());
+}
+
+TEST_CASE("While it plays labels are read at most twice a second", "[live_tissues]") {
+  Fixture f;
+  f.tissues.begin(onePlace());
+  f.tissues.want(true);
+  f.simulation->transport(C3DE_TRANSPORT_PLAY);
+  REQUIRE(f.waitFor([&] { return f.simulation->state().mode == C3DE_SIM_PLAYING; }));
+  f.tissues.onPublished(*f.simulation);
+  REQUIRE(f.waitFor([&] { return f.renewed == 1; }));
+  const auto from = std::chrono::steady_clock::now();
+  const std::size_t read = f.simulator.grids.size();
+  while (std::chrono::steady_clock::now() - from < std::chrono::milliseconds(200)) f.tissues.onPublished(*f.simulation);
+  CHECK(f.simulator.grids.size() == read);
+  CHECK(f.tissues.isBehind());
+  f.simulation->transport(C3DE_TRANSPORT_PAUSE);
+  REQUIRE(f.waitFor([&] { return f.simulation->state().mode != C3DE_SIM_PLAYING; }));
+  f.tissues.onPublished(*f.simulation);
+  CHECK(f.simulator.grids.size() == read + 1);
+}
+
+TEST_CASE("One that ends does not wait for what is followed", "[live_tissues]") {
+  std::vector<TissuePlaces> many = onePlace();
+  for (int i = 0; i < 1500; ++i) many.front().labels.push_back(many.front().labels.front());
+  StandInSimulator simulator;
+  simulator.bodies = {cubeBody(0.04, {0, 0, 0}, {0.003, 0, 0.004})};
+  simulator.displacement_m = {0.003, 0, 0.004};
+  const auto snapshot = readTissues(simulator.table(), simulator.object(), TissueDetail::live);
+  REQUIRE(snapshot);
+  const auto full = readTissues(simulator.table(), simulator.object());
+  REQUIRE(full);
+  CHECK(full->u.geometry.voxelCount() > 4 * snapshot->u.geometry.voxelCount());
+  using Clock = std::chrono::steady_clock;
+  const auto begun = Clock::now();
+  REQUIRE(followTissues(*snapshot, many));
+  const auto whole = Clock::now() - begun;
+  int asked = 0;
+  const auto ended = followTissues(*snapshot, many, [&] { return ++asked < 3; });
+  REQUIRE_FALSE(ended);
+  CHECK(ended.error().code == ErrorCode::cancelled);
+  CHECK(asked == 3);
+  auto f = std::make_unique<Fixture>();
+  f->tissues.begin(many);
+  f->tissues.want(true);
+  f->tissues.onPublished(*f->simulation);
+  std::this_thread::sleep_for(whole / 4);  // it has begun
+  const auto from = Clock::now();
+  f.reset();
+  // Half leaves room for a machine that does other things meanwhile.
+  CHECK(Clock::now() - from < whole / 2);
+}
