@@ -301,7 +301,7 @@ TEST_CASE("Fields of tissue that is pulled are in the slices, under the mouse an
       [](const Json &s) {
         const std::string readout = value(s, "image/axial.readout");
         return isOver(s, "axial", 4.0) && std::abs(numberAfter(readout, "det F ") - 1.0) > 0.01 &&
-               numberAfter(readout, "stress vm ") > 0.05 && readout.find(" kPa") != std::string::npos;
+               numberAfter(readout, "equivalent stress ") > 0.05 && readout.find(" kPa") != std::string::npos;
       },
       90.0);
   const Json pulled = window.waitUntil("the table has followed", [](const Json &s) {
@@ -334,7 +334,7 @@ TEST_CASE("Fields of tissue that is pulled are in the slices, under the mouse an
   CHECK(change[0] == -change[1]);
   window.screenshotAtRest("change");
   CHECK(window.differingPixels("plain", "change", "axial") > 2000);
-  const auto stress = show("stress vm", "kPa");
+  const auto stress = show("equivalent stress", "kPa");
   CHECK(stress[0] == 0.0);
   CHECK(stress[1] > 0.02);
   window.screenshotAtRest("stress");
@@ -492,6 +492,6 @@ TEST_CASE("Pictures of a scan that was made alive for the user guide", "[.guide]
     window.screenshot(picture);
     window.release();
   };
-  pullWith("stress vm", "fields");
+  pullWith("equivalent stress", "fields");
   pullWith("volume change", "tissue_table");
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/ui/overlay.h"
 
+#include "c3de/abi/iface/simulator.h"
 #include "c3de/ui/image_views.h"
 #include "c3de/ui/tissue_table.h"
 #include "support/catch.h"
@@ -17,6 +18,7 @@ TEST_CASE("Quantities are written in units for people", "[overlay]") {
   const Quantity change = quantityOf(Overlay::volumeChange);
   CHECK_THAT(change.shown(0.93), WithinAbs(-7.0, 1e-9));
   CHECK_THAT(change.value(-7.0), WithinAbs(0.93, 1e-9));
+  CHECK(quantityOf(Overlay::field, C3DE_SIM_FIELD_EQUIVALENT_STRESS, "Pa").title == "equivalent stress");
   CHECK(quantityOf(Overlay::field, "heat", "K").unit == "K");
   CHECK(quantityOf(Overlay::field, "stretch", "1").unit.empty());
   CHECK(rangeText({-5, 5}, "%") == "-5 … 5 %");

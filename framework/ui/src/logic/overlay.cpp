@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include "c3de/abi/iface/simulator.h"
+
 namespace c3de::ui {
 namespace {
 
@@ -26,6 +28,7 @@ Quantity quantityOf(Overlay overlay, const std::string &name, const std::string 
   if (overlay == Overlay::shift) return {"|u|", "mm"};
   if (overlay == Overlay::volumeChange) return {"volume change", "%", 100.0, -100.0};
   Quantity quantity{name, unit};
+  if (name == C3DE_SIM_FIELD_EQUIVALENT_STRESS) quantity.title = "equivalent stress";
   std::replace(quantity.title.begin(), quantity.title.end(), '_', ' ');
   for (const ShownUnit &one : kShownUnits)
     if (unit == one.si) quantity.unit = one.shown, quantity.factor = one.factor;

@@ -25,7 +25,7 @@ constexpr std::array kFields{field(C3DE_SIM_ON_POINTS, C3DE_SIM_FIELD_REFERENCE_
                              field(C3DE_SIM_ON_POINTS, "deformation_gradient", "1", 9),
                              field(C3DE_SIM_ON_POINTS, "strain_green", "1", 9),
                              field(C3DE_SIM_ON_POINTS, "stress_pk2", "Pa", 9),
-                             field(C3DE_SIM_ON_POINTS, "stress_vm", "Pa", 1),
+                             field(C3DE_SIM_ON_POINTS, C3DE_SIM_FIELD_EQUIVALENT_STRESS, "Pa", 1),
                              field(C3DE_SIM_ON_SURFACE, C3DE_SIM_FIELD_REFERENCE_POSITION, "m", 3),
                              field(C3DE_SIM_ON_SURFACE, C3DE_SIM_FIELD_POSITION, "m", 3),
                              field(C3DE_SIM_ON_SURFACE, "normal", "1", 3)};

@@ -10,11 +10,17 @@ namespace pointbased {
 
 namespace {
 
+// A spring adds as much to squared frequencies times dt² at most where it is a force; cells take (0.8 · 2)² of the four
+// that are stable (kStepSafety).
+constexpr double kMild = 0.3;
+
 /// A = Pᵀ L D Lᵀ P. A solution takes as long as the reading of L: it is read once for three right sides, in float, since
 /// the next step corrects what rounding leaves.
 class Factor {
  public:
   void compute(const Eigen::SparseMatrix<double> &A) {
+    x_.clear();
+    if (A.cols() == 0) return;
     solver_.compute(A);
     const Eigen::SparseMatrix<double> &L = solver_.matrixL().nestedExpression();
     const auto n = static_cast<std::size_t>(L.cols());
@@ -72,14 +78,61 @@ struct PatchSolver::Impl {
   Eigen::SparseMatrix<double> coupling;  // C M^-1 C^T
   Factor factor;
   double factorisedDt = -1.0;
-  std::vector<Vec3> change;
+  std::vector<Index> mild, stiff;  // rows that are forces in a step of factorisedDt, and those that are solved for
+  std::vector<Vec3> change;        // [stiff]
+  // M⁻¹ Cᵀ λ at the phyxels that patches pull at: both halves of a kick take it.
+  std::vector<Index> pulled;
+  std::vector<Vec3> acceleration;  // [phyxels]
+  bool isAccelerationOld = true;
+  void accelerate();
 
   [[nodiscard]] Vec3 mean(std::size_t p, std::span<const Vec3> field) const {
     Vec3 sum = Vec3::Zero();
     for (Index e = rows.offsets[p]; e < rows.offsets[p + 1]; ++e) sum += weights[e] * field[rows.indices[e]];
     return sum;
   }
+  void divide(double dt);
 };
+
+void PatchSolver::Impl::accelerate() {
+  for (const Index j : pulled) acceleration[j].setZero();
+  for (std::size_t p = 0; p < rows.rows(); ++p)
+    for (Index e = rows.offsets[p]; e < rows.offsets[p + 1]; ++e)
+      acceleration[rows.indices[e]] += weights[e] * forces[p];
+  for (const Index j : pulled) acceleration[j] *= inverseMasses[j];
+  isAccelerationOld = false;
+}
+
+// Gershgorin: K^½ C M⁻¹ Cᵀ K^½ dt² of the mild rows has no eigenvalue above kMild.
+void PatchSolver::Impl::divide(double dt) {
+  mild.clear();
+  stiff.clear();
+  std::vector<int> place(rows.rows(), -1);
+  for (std::size_t p = 0; p < rows.rows(); ++p) {
+    double sum = 0.0;
+    for (Eigen::SparseMatrix<double>::InnerIterator it(coupling, static_cast<Eigen::Index>(p)); it; ++it)
+      sum += std::abs(it.value());
+    if (!(stiffness[p] * dt * dt * sum > kMild)) {
+      mild.push_back(static_cast<Index>(p));
+      continue;
+    }
+    place[p] = static_cast<int>(stiff.size());
+    stiff.push_back(static_cast<Index>(p));
+  }
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const Index p : stiff) {
+    for (Eigen::SparseMatrix<double>::InnerIterator it(coupling, static_cast<Eigen::Index>(p)); it; ++it)
+      if (const int row = place[static_cast<std::size_t>(it.row())]; row >= 0)
+        entries.emplace_back(row, place[p], it.value());
+    entries.emplace_back(place[p], place[p], 1.0 / (stiffness[p] * dt * dt));
+  }
+  const auto n = static_cast<Eigen::Index>(stiff.size());
+  Eigen::SparseMatrix<double> A(n, n);
+  A.setFromTriplets(entries.begin(), entries.end());
+  factor.compute(A);
+  change.resize(stiff.size());
+  factorisedDt = dt;
+}
 
 PatchSolver::PatchSolver() : impl_(std::make_unique<Impl>()) {}
 PatchSolver::~PatchSolver() = default;
@@ -90,10 +143,17 @@ std::size_t PatchSolver::rows() const { return impl_->rows.rows(); }
 const Csr &PatchSolver::phyxels() const { return impl_->rows; }
 std::span<const double> PatchSolver::weights() const { return impl_->weights; }
 std::span<const double> PatchSolver::stiffness() const { return impl_->stiffness; }
+std::size_t PatchSolver::solvedRows() const { return impl_->stiff.size(); }
 std::span<const Vec3> PatchSolver::forces() const { return impl_->forces; }
-std::vector<Vec3> &PatchSolver::forces() { return impl_->forces; }
+std::vector<Vec3> &PatchSolver::forces() {
+  impl_->isAccelerationOld = true;
+  return impl_->forces;
+}
 
-void PatchSolver::clearForces() { impl_->forces.assign(rows(), Vec3::Zero()); }
+void PatchSolver::clearForces() {
+  impl_->forces.assign(rows(), Vec3::Zero());
+  impl_->isAccelerationOld = true;
+}
 
 void PatchSolver::set(const Csr &rows, std::span<const double> weights, std::span<const double> stiffness,
                       std::span<const double> inverseMasses) {
@@ -108,6 +168,10 @@ void PatchSolver::set(const Csr &rows, std::span<const double> weights, std::spa
   m.stiffness.assign(stiffness.begin(), stiffness.end());
   m.inverseMasses.assign(inverseMasses.begin(), inverseMasses.end());
   m.factorisedDt = -1.0;
+  m.pulled = rows.indices;
+  std::sort(m.pulled.begin(), m.pulled.end());
+  m.pulled.erase(std::unique(m.pulled.begin(), m.pulled.end()), m.pulled.end());
+  m.acceleration.resize(inverseMasses.size());
   clearForces();
   const auto n = static_cast<Eigen::Index>(rows.rows());
   if (n == 0) return;
@@ -120,7 +184,6 @@ void PatchSolver::set(const Csr &rows, std::span<const double> weights, std::spa
   const Eigen::Map<const Eigen::VectorXd> inverse(m.inverseMasses.data(),
                                                   static_cast<Eigen::Index>(inverseMasses.size()));
   m.coupling = C * inverse.asDiagonal() * C.transpose();
-  m.change.resize(rows.rows());
 }
 
 void PatchSolver::correct(double dt, std::span<const Vec3> targets, std::span<Vec3> displacements,
@@ -133,18 +196,15 @@ void PatchSolver::correct(double dt, std::span<const Vec3> targets, std::span<Ve
   POINTBASED_EXPECTS(displacements.size() == m.inverseMasses.size() && velocities.size() == m.inverseMasses.size(),
                      "one displacement and one velocity per phyxel");
   // Parts of a step differ in their last digits.
-  if (!(std::abs(dt - m.factorisedDt) <= 1e-9 * dt)) {
-    Eigen::SparseMatrix<double> A = m.coupling;
-    for (std::size_t p = 0; p < n; ++p)
-      A.coeffRef(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(p)) += 1.0 / (m.stiffness[p] * dt * dt);
-    m.factor.compute(A);
-    m.factorisedDt = dt;
+  if (!(std::abs(dt - m.factorisedDt) <= 1e-9 * dt)) m.divide(dt);
+  for (std::size_t i = 0; i < m.stiff.size(); ++i) {
+    const Index p = m.stiff[i];
+    m.change[i] = (targets[p] - m.mean(p, displacements) - m.forces[p] / m.stiffness[p]) / (dt * dt);
   }
-  for (std::size_t p = 0; p < n; ++p)
-    m.change[p] = (targets[p] - m.mean(p, displacements) - m.forces[p] / m.stiffness[p]) / (dt * dt);
   m.factor.solve(m.change);
-  for (std::size_t p = 0; p < n; ++p) {
-    const Vec3 &change = m.change[p];
+  for (std::size_t i = 0; i < m.stiff.size(); ++i) {
+    const Index p = m.stiff[i];
+    const Vec3 &change = m.change[i];
     m.forces[p] += change;
     for (Index e = m.rows.offsets[p]; e < m.rows.offsets[p + 1]; ++e) {
       const Index j = m.rows.indices[e];
@@ -153,16 +213,15 @@ void PatchSolver::correct(double dt, std::span<const Vec3> targets, std::span<Ve
       displacements[j] += dt * kick;
     }
   }
+  for (const Index p : m.mild) m.forces[p] = m.stiffness[p] * (targets[p] - m.mean(p, displacements));
+  m.isAccelerationOld = true;
 }
 
-void PatchSolver::kick(double h, std::span<Vec3> velocities) const {
-  const Impl &m = *impl_;
+void PatchSolver::kick(double h, std::span<Vec3> velocities) {
+  Impl &m = *impl_;
   POINTBASED_EXPECTS(velocities.size() == m.inverseMasses.size(), "one velocity per phyxel");
-  for (std::size_t p = 0; p < rows(); ++p)
-    for (Index e = m.rows.offsets[p]; e < m.rows.offsets[p + 1]; ++e) {
-      const Index j = m.rows.indices[e];
-      velocities[j] += h * m.inverseMasses[j] * m.weights[e] * m.forces[p];
-    }
+  if (m.isAccelerationOld) m.accelerate();
+  for (const Index j : m.pulled) velocities[j] += h * m.acceleration[j];
 }
 
 void PatchSolver::addForces(std::span<Vec3> forces) const {
@@ -183,6 +242,7 @@ double PatchSolver::energy(std::span<const Vec3> targets, std::span<const Vec3> 
 void PatchSolver::updateForces(std::span<const Vec3> targets, std::span<const Vec3> u) {
   POINTBASED_EXPECTS(targets.size() == rows(), "one target per patch");
   for (std::size_t p = 0; p < rows(); ++p) impl_->forces[p] = impl_->stiffness[p] * (targets[p] - impl_->mean(p, u));
+  impl_->isAccelerationOld = true;
 }
 
 void PatchSolver::addProduct(std::span<const Vec3> du, std::span<Vec3> out) const {

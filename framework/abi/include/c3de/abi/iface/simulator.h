@@ -187,6 +187,8 @@ typedef struct c3de_sim_field {
 #define C3DE_SIM_FIELD_VELOCITY "velocity"                     /* comps 3, m/s */
 #define C3DE_SIM_FIELD_MASS "mass"     /* comps 1, kg; they add up to the body's, held points included */
 #define C3DE_SIM_FIELD_VOLUME "volume" /* comps 1, m^3, at rest */
+/* comps 1, Pa: the tension along one direction that distorts as much (equivalent stress) */
+#define C3DE_SIM_FIELD_EQUIVALENT_STRESS "stress_vm"
 
 typedef struct c3de_sim_probe {
   uint32_t size;
