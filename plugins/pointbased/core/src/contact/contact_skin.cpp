@@ -182,16 +182,21 @@ std::shared_ptr<const ContactSkin> makeContactSkin(Interpolation vertices, std::
     const double third = (x[b] - x[a]).cross(x[c] - x[a]).norm() / 6.0;
     for (const Index v : {a, b, c}) skin->areas[v] += third;
   }
+  std::vector<std::uint8_t> carries;
   for (std::size_t v = 0; v < carried.count(); ++v) {
     double sum = 0.0, plain = 0.0;
     for (Index e = carried.phyxels.offsets[v]; e < carried.phyxels.offsets[v + 1]; ++e)
       if (const double weight = std::abs(carried.weights[e]); weight != 0.0) {
+        if (carried.phyxels.indices[e] >= carries.size()) carries.resize(carried.phyxels.indices[e] + 1, 0);
+        carries[carried.phyxels.indices[e]] = 1;
         plain += weight;
         sum += weight / (maxInfluence.empty() ? 1.0 : static_cast<double>(maxInfluence[carried.phyxels.indices[e]]));
       }
     skin->gain = std::max(skin->gain, sum);
     skin->sum = std::max(skin->sum, plain);
   }
+  for (std::size_t j = 0; j < carries.size(); ++j)
+    if (carries[j] != 0) skin->carriers.push_back(static_cast<Index>(j));
   return skin;
 }
 
@@ -276,10 +281,11 @@ void MovingSkin::move(std::span<const Vec3> displacements, std::span<const Vec3>
   goesExactly_ = -1.0;
   ++now_;
   Vec3 mean = Vec3::Zero();
-  for (const Vec3 &v : velocities) mean += v;
-  mean /= static_cast<double>(velocities.size());
+  const std::vector<Index> &carriers = skin_->carriers;
+  for (const Index j : carriers) mean += velocities[j];
+  mean /= static_cast<double>(std::max<std::size_t>(1, carriers.size()));
   FarthestWay way(maxInfluence_);
-  for (std::size_t j = 0; j < velocities.size(); ++j) way.add(j, velocities[j] - mean);
+  for (const Index j : carriers) way.add(j, velocities[j] - mean);
   goes_ = dt * way.ofVertices(*skin_);
   meanGoes_ = dt * mean;
 }
@@ -293,10 +299,11 @@ double MovingSkin::goesExactly() {
 
 double MovingSkin::wentSince(std::span<const Vec3> then, Vec3 &mean) const {
   mean.setZero();
-  for (std::size_t j = 0; j < then.size(); ++j) mean += displacements_[j] - then[j];
-  mean /= static_cast<double>(then.size());
+  const std::vector<Index> &carriers = skin_->carriers;
+  for (const Index j : carriers) mean += displacements_[j] - then[j];
+  mean /= static_cast<double>(std::max<std::size_t>(1, carriers.size()));
   FarthestWay way(maxInfluence_);
-  for (std::size_t j = 0; j < then.size(); ++j) way.add(j, displacements_[j] - then[j] - mean);
+  for (const Index j : carriers) way.add(j, displacements_[j] - then[j] - mean);
   return way.ofVertices(*skin_);
 }
 

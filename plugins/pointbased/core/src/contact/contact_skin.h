@@ -33,6 +33,7 @@ struct ContactSkin {
   std::vector<std::array<Index, 3>> edgesOf;  ///< [triangles] edge k leads from corner k to the next
   Csr trianglesOf;                            ///< [vertices]
   std::vector<double> areas;                  ///< [vertices] m², at rest; 0: no corner of a triangle
+  std::vector<Index> carriers;                ///< phyxels that carry vertices, ascending: others do not move the skin
   /// The farthest a vertex goes where no phyxel goes farther than one over its largest influence, and where none goes
   /// farther than one.
   double gain = 1.0, sum = 1.0;
@@ -201,7 +202,8 @@ class MovingSkin {
             double dt);
   /// The same step, after the phyxels have moved.
   void moveOn() { ++now_; }
-  /// m: no vertex goes farther in this step, seen from the mean of the phyxels, which goes meanGoes().
+  /// m: no vertex goes farther in this step, seen from the mean of the phyxels that carry the skin, which goes
+  /// meanGoes().
   [[nodiscard]] double goes() const { return goes_; }
   [[nodiscard]] const Vec3 &meanGoes() const { return meanGoes_; }
   [[nodiscard]] std::span<const Vec3> displacements() const { return displacements_; }
@@ -210,7 +212,7 @@ class MovingSkin {
   [[nodiscard]] double dt() const { return dt_; }
   /// As goes(), from the vertices themselves, which costs more. Phyxels that carry next to nothing may be fast.
   [[nodiscard]] double goesExactly();
-  /// m: how far vertices have gone at most since phyxels had other displacements, seen from the mean of the phyxels.
+  /// m: how far vertices have gone at most since phyxels had other displacements, seen from the mean of their carriers.
   /// @param mean  out: m, how far that has gone
   [[nodiscard]] double wentSince(std::span<const Vec3> then, Vec3 &mean) const;
 

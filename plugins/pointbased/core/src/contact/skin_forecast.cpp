@@ -24,6 +24,12 @@ Vec3 meanOf(std::span<const Vec3> all) {
   return sum / static_cast<double>(std::max<std::size_t>(1, all.size()));
 }
 
+Vec3 meanOf(std::span<const Vec3> all, std::span<const Index> which) {
+  Vec3 sum = Vec3::Zero();
+  for (const Index i : which) sum += all[i];
+  return sum / static_cast<double>(std::max<std::size_t>(1, which.size()));
+}
+
 double squaredDistance(const std::array<Vec3, 3> &a, const std::array<Vec3, 3> &b) {
   double squared = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < 3; ++k) {
@@ -63,18 +69,18 @@ SkinForecast::SkinForecast(MovingSkin &skin, double apart, double near)
 
 bool SkinForecast::serves() {
   const std::span<const Vec3> u = skin_.displacements(), v = skin_.velocities();
-  const std::size_t count = u.size();
-  if (placeThen_.size() != count) return false;
-  const Vec3 place = meanOf(u), velocity = meanOf(v), before = meanOf(velocityBefore_);
+  const std::vector<Index> &carriers = skin_.skin().carriers;
+  if (placeThen_.size() != u.size()) return false;
+  const Vec3 place = meanOf(u, carriers), velocity = meanOf(v, carriers), before = meanOf(velocityBefore_, carriers);
   double along = 0.0, squared = 0.0;
-  for (std::size_t i = 0; i < count; ++i) {
+  for (const Index i : carriers) {
     along += (u[i] - place - placeThen_[i]).dot(velocityThen_[i]);
     squared += velocityThen_[i].squaredNorm();
   }
   // The time since the look that fits the displacements best: steps that are undone or repeated need no clock.
   const double begin = squared > 0.0 ? std::clamp(along / squared, 0.0, horizon_) : 0.0, dt = skin_.dt();
   FarthestWay deviation(skin_.maxInfluence()), gain(skin_.maxInfluence()), last(skin_.maxInfluence());
-  for (std::size_t i = 0; i < count; ++i) {
+  for (const Index i : carriers) {
     deviation.add(i, u[i] - place - placeThen_[i] - begin * velocityThen_[i]);
     gain.add(i, v[i] - velocity - velocityThen_[i]);
     last.add(i, v[i] - velocity - velocityBefore_[i] + before);
@@ -100,7 +106,8 @@ void SkinForecast::look() {
   else
     velocityChange_ = 0.0;
   served_ = 0;
-  const Vec3 place = meanOf(u), velocity = meanOf(v);
+  const std::vector<Index> &carriers = skin_.skin().carriers;
+  const Vec3 place = meanOf(u, carriers), velocity = meanOf(v, carriers);
   placeThen_.assign(u.begin(), u.end());
   velocityThen_.assign(v.begin(), v.end());
   velocityBefore_ = velocityThen_;
