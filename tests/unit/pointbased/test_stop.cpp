@@ -303,6 +303,9 @@ TEST_CASE("of a step that was ended is said how far it came, and what fits by th
     CHECK_THAT(text, Contains("125 phyxels") && Contains("measured: "));
     if (integrator == Integrator::explicitVerlet) {
       CHECK_THAT(text, Contains("solver.dt = "));
+      // Where forces take next to nothing of it, something else does.
+      CHECK_THAT(simulator->whatWouldFit(ended.error(), 100.0),
+                 Contains("its forces take only") && Contains("contact") && !Contains("solver.dt"));
     } else {
       CHECK_THAT(text, Contains(" Newton step") && Contains("sampling.count = 50 or less"));
       CHECK_THAT(text, Contains(integrator == Integrator::quasiStatic ? "solver.load_steps" : "solver.dt = 0.0021"));

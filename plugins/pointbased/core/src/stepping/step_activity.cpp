@@ -13,6 +13,7 @@ namespace {
 constexpr double kNearlyIncompressible = 0.49;
 constexpr std::size_t kManyPhyxels = 2000;  // of an implicit step
 constexpr double kMuchCheaper = 0.5;
+constexpr double kLittle = 0.1;       // of a budget: forces that take less are not what it went into
 constexpr double kPartAimedAt = 0.5;  // of a budget: a step is as long as the deformation makes it
 
 }  // namespace
@@ -54,6 +55,12 @@ std::string whatWouldFit(const Body &body, Integrator integrator, const Effort &
   const std::string measured =
       " (measured: " + number(1e3 * effort.evaluation, 2) + " ms per evaluation of the forces)";
   std::string text = "body '" + body.name() + "', " + std::to_string(phyxels) + " phyxels, ";
+  if (isExplicit && explicitTime < kLittle * effort.budget)
+    return text + "was not done after " + number(effort.budget, 2) + " s, though its forces take only " +
+           number(explicitTime, 2) + " s for a step of " + number(dt) + " s" + measured +
+           ": the rest is contact, or a busy machine. Longer edges of the surfaces (edge_length), no contact where "
+           "it " +
+           "does not matter (contact.pair, contact.self), or a larger solver.step_budget would fit";
   if (isExplicit)
     return text + "would take " + number(explicitTime, 2) + " s for a step of " + number(dt) + " s" + measured +
            "; solver.dt = " + number(dt * std::min(0.5, goal / explicitTime), 2) +
