@@ -120,6 +120,26 @@ void SkinPair::measureExactly() {
   went_ += (means[0] - means[1]).norm();
 }
 
+// The same for what is listed, since it was gathered.
+void SkinPair::measureListed(bool hasGathered) {
+  std::array<Vec3, 2> means{Vec3::Zero(), Vec3::Zero()};
+  double goes = 0.0, moved = 0.0;
+  for (std::size_t s = 0; s < 2; ++s) {
+    MovingSkin &skin = *sides_[s].skin;
+    if (hasGathered) (void)skin.wentSince(sinceGathered_.from[s], means[s]);
+    double farthest = 0.0, fastest = 0.0;
+    for (std::size_t k = 0; k < listedVertices_[s].size(); ++k) {
+      const Index v = listedVertices_[s][k];
+      fastest = std::max(fastest, (dt_ * skin.velocity(v) - skin.meanGoes()).squaredNorm());
+      if (hasGathered) farthest = std::max(farthest, (skin.position(v) - gatheredAt_[s][k] - means[s]).squaredNorm());
+    }
+    goes += std::sqrt(fastest);
+    moved += std::sqrt(farthest);
+  }
+  goes_ = goes + (sides_[0].skin->meanGoes() - sides_[1].skin->meanGoes()).norm();
+  if (hasGathered) moved_ = moved + (means[0] - means[1]).norm();
+}
+
 bool SkinPair::serves() const {
   if (!(servesFor_ > 0.0)) return false;
   const MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
@@ -179,11 +199,20 @@ void SkinPair::find(double dt, bool again) {
   active_.clear();
   depth_ = 0.0;
   moved_ = hasGathered && slack_ > 0.0 && !listed_.empty() ? sinceGathered_.since(*this) : 0.0;
+  const auto isCalm = [this] { return goes_ <= kCalm * kSlack * spacing_; };
+  if (!isSelf() && !listed_.empty() && (!isCalm() || moved_ + goes_ > slack_))
+    measureListed(hasGathered && slack_ > 0.0);
   if (!hasGathered || !(slack_ > 0.0 && moved_ + goes_ <= slack_)) {
     moved_ = 0.0;
-    slack_ = goes_ <= kCalm * kSlack * spacing_ ? kSlack * spacing_ : 0.0;
+    slack_ = isCalm() ? kSlack * spacing_ : 0.0;
     gatherNear();
-    if (slack_ > 0.0) sinceGathered_.begin(*this);
+    if (slack_ > 0.0) {
+      sinceGathered_.begin(*this);
+      for (std::size_t s = 0; s < 2; ++s) {
+        gatheredAt_[s].clear();
+        for (const Index v : listedVertices_[s]) gatheredAt_[s].push_back(sides_[s].skin->position(v));
+      }
+    }
   }
   easeAllowances();
   for (NearVertex &group : vertices_)
@@ -214,6 +243,15 @@ void SkinPair::list(double reach) {
   first.tree().near(second.tree(), reach, open_, [&](Index a, Index b, double squared) {
     listed_.push_back({a, b, std::sqrt(squared)});
   });
+  for (std::size_t s = 0; s < 2; ++s) {
+    const std::vector<PatchTree::Patch> &patches = sides_[s].skin->tree().patches();
+    isListed_.assign(sides_[s].skin->skin().count(), 0);
+    for (const NearPatches &pair : listed_)
+      for (const Index v : patches[s == 0 ? pair.first : pair.second].corners) isListed_[v] = 1;
+    listedVertices_[s].clear();
+    for (Index v = 0; v < isListed_.size(); ++v)
+      if (isListed_[v] != 0) listedVertices_[s].push_back(v);
+  }
   if (isFirst_)
     for (const std::size_t side : {0, 1}) findInside(side);
 }

@@ -165,6 +165,7 @@ class SkinPair {
 
   [[nodiscard]] bool isSelf() const { return sides_[0].skin == sides_[1].skin; }
   void measureExactly();
+  void measureListed(bool hasGathered);
   void keepList();
   bool renewList();
   bool renewForecast();
@@ -213,6 +214,7 @@ class SkinPair {
   double spacing_;
   std::vector<NearPatches> listed_;
   std::vector<std::pair<Index, Index>> open_;  // room for PatchTree::near()
+  std::vector<std::uint8_t> isListed_;         // room for list()
   std::vector<Near> near_;                     // by side, vertex, triangle
   std::vector<NearVertex> vertices_;
   std::vector<NearEdges> edges_;
@@ -221,9 +223,12 @@ class SkinPair {
   Travel sinceList_, sinceGathered_, sinceFound_;
   double servesFor_ = 0.0;                     // m, that both may go since found
   std::array<std::vector<Vec3>, 2> listedAt_;  // [sides][vertices] m, places then
-  double listReach_ = 0.0;                     // m
-  double went_ = 0.0, goes_ = 0.0;             // m, of both together: since it was listed, and in this step
-  double slack_ = 0.0, moved_ = 0.0;           // m: what was gathered serves so far; since then
+  // Of patches on the list: vertices, and where they were when places were gathered, m
+  std::array<std::vector<Index>, 2> listedVertices_;
+  std::array<std::vector<Vec3>, 2> gatheredAt_;
+  double listReach_ = 0.0;            // m
+  double went_ = 0.0, goes_ = 0.0;    // m, of both together: since it was listed, and in this step
+  double slack_ = 0.0, moved_ = 0.0;  // m: what was gathered serves so far; since then
   Steps steps_ = Steps::small;
   bool isFirst_ = true, eases_ = true, wasEased_ = false;
   double before_ = 0.0;  // m, allowed_ at the beginning of the step
