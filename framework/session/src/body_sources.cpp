@@ -159,7 +159,7 @@ Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const
     return piece;
   } else if (volume.hasTissues()) {
     if (!volume.isSettled) return fail(ErrorCode::internal, "the tissues of a body are not settled");
-    auto picked = pickTissues(volume, *map, background.get(), progress);
+    auto picked = pickTissues(volume, *map, background.get(), progress, &notices_);
     if (!picked) return tl::unexpected(picked.error());
     mask->geometry = picked->geometry;
     mask->voxels.resize(picked->voxels.size());

@@ -215,6 +215,7 @@ Expected<BodyGeometry> loadFromVolume(BodySources &sources, const scene::SceneBo
     auto places = sources.placesOf(body, *picked);
     if (!places) return tl::unexpected(places.error());
     loaded->places = std::make_shared<TissuePlaces>(std::move(*places));
+    loaded->thickness_mm = thicknessOf(*picked->tissues, body.volume.tissues.size());
   }
   loaded->took += took;
   loaded->colour = picked->colour;
@@ -257,6 +258,30 @@ void sampleAsRest(const c3de_simulator_v1 *table, c3de_object *simulator, c3de_h
   count->id = C3DE_PARAM_ID_SPACING;
   count->type = C3DE_PARAM_F64;
   count->num = std::min(info.spacing_m, std::cbrt(volume_mm3) / (4.0 * scene::kMillimetresPerMetre));
+}
+
+/// That tissues are finer than the cells of their body.
+void tellThin(const c3de_simulator_v1 *table, c3de_object *simulator, c3de_handle added, const scene::SceneBody &body,
+              const BodyGeometry &geometry) {
+  c3de_sim_body_info info{};
+  info.size = sizeof info;
+  if (geometry.thickness_mm.empty() || table->body_info(simulator, added, &info) < 0) return;
+  const double spacing_mm = info.spacing_m * scene::kMillimetresPerMetre;
+  constexpr std::size_t kMost = 6;
+  std::string names;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < geometry.thickness_mm.size(); ++i) {
+    const scene::SceneTissue &tissue = body.volume.tissues[i];
+    const double thickness = body.placement.scale * geometry.thickness_mm[i];
+    if (tissue.isRigid || tissue.isEmpty || !(thickness > 0.0 && thickness < spacing_mm)) continue;
+    if (++count > kMost) continue;
+    names += (names.empty() ? "" : ", ") + tissue.label;
+  }
+  if (count == 0) return;
+  if (count > kMost) names += " and " + std::to_string(count - kMost) + " more";
+  log(LogLevel::info, "body '" + body.name + "': thinner than the spacing of " +
+                          formatNumber(std::round(10.0 * spacing_mm) / 10.0) + " mm: " + names +
+                          "; cells hold such tissue beside what is around it, each by its volume, and move both alike");
 }
 
 /// Keeps a mesh in the store for the duration of a call.
@@ -422,6 +447,7 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
     const auto add = [&] { return table->add_body(simulator, &abi, &added); };
     if (const c3de_status code = partProgress.call(host->ownerOf(simulator), "add_body of a simulator", add); code < 0)
       return tl::unexpected(lastError(code, scene, body.line, "building body '" + body.name + "'", &placed));
+    tellThin(table, simulator, added, body, *source);
     bodies.push_back(added);
   }
   return bodies;

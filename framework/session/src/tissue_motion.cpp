@@ -2,6 +2,7 @@
 #include "c3de/session/tissue_motion.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -25,7 +26,8 @@ using Mat3 = std::array<Vec3, 3>;  // columns
 constexpr double kMargin = 1.0;           // spacings around the bodies
 constexpr double kRim = 1000.0;           // spacings: within the margin the displacement goes on as it is at the border
 constexpr std::size_t kMostPoints = 144;  // along an axis
-constexpr double kFineness = 0.5;         // of the grid that images go by: steps of a quarter of the spacing
+constexpr std::uint8_t kInside = 2, kBeside = 1;  // of points of a grid, to a body
+constexpr double kFineness = 0.5;                 // of the grid that images go by: steps of a quarter of the spacing
 
 double determinant(const Mat3 &m) { return dot(m[0], cross(m[1], m[2])); }
 
@@ -39,25 +41,26 @@ Vec3 solved(const Mat3 &m, const Vec3 &b) {
 class Follower {
  public:
   /// @param reference  around all that will be followed
-  /// @param isOwn      [points of u] 0: what lies there is not of its body; empty: all is
-  Follower(const imaging::DisplacementGrid &u, const imaging::WorldBox &reference, std::vector<std::uint8_t> isOwn)
-      : u_(u), isOwn_(std::move(isOwn)), toIndex_(imaging::affineInverse(u.geometry.indexToWorld)),
-        low_(reference.low) {
+  /// @param own        [points of u] 0: what lies there is not of its body, kBeside: beside it; empty: all is of it
+  Follower(const imaging::DisplacementGrid &u, const imaging::WorldBox &reference, std::vector<std::uint8_t> own)
+      : u_(u), own_(std::move(own)), toIndex_(imaging::affineInverse(u.geometry.indexToWorld)), low_(reference.low) {
     const Vec3 steps = u.geometry.spacing();
     step_ = std::min({steps[0], steps[1], steps[2]});
     for (std::size_t a = 0; a < 3; ++a)
       size_[a] = static_cast<std::size_t>((reference.high[a] - low_[a]) / (2.0 * step_)) + 1;
-    seeds_.assign(size_[0] * size_[1] * size_[2], Vec3{std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0});
+    seeds_.assign(size_[0] * size_[1] * size_[2], Seed{});
     std::size_t p = 0;
     const auto &n = u.geometry.size;
     for (std::size_t k = 0; k < n[2]; ++k)
       for (std::size_t j = 0; j < n[1]; ++j)
         for (std::size_t i = 0; i < n[0]; ++i, ++p) {
           // A gap: the displacement leads to where this material is no more.
-          if (u.gap_mm[p] > u.leastGap() || (!isOwn_.empty() && isOwn_[p] == 0)) continue;
+          if (u.gap_mm[p] > u.leastGap() || (!own_.empty() && own_[p] == 0)) continue;
           const Vec3 d{u.xyz_mm[3 * p], u.xyz_mm[3 * p + 1], u.xyz_mm[3 * p + 2]};
           const Vec3 x = u.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
-          if (const auto cell = cellOf(x - d, {})) seeds_[*cell] = x;
+          const bool isInside = own_.empty() || own_[p] == kInside;
+          if (const auto cell = cellOf(x - d, {}); cell && (isInside || !seeds_[*cell].isInside))
+            seeds_[*cell] = {x, isInside};
         }
   }
 
@@ -67,7 +70,31 @@ class Follower {
   };
   /// Nothing: the displacement does not lead there.
   [[nodiscard]] std::optional<Found> find(const Vec3 &X) const {
-    Vec3 x = seedOf(X);
+    std::optional<Found> best;
+    double least = std::numeric_limits<double>::infinity();
+    // Where pieces of a body have parted, what lies beside one is where the other was: near the body it is found.
+    for (const Vec3 &seed : seedsOf(X)) {
+      const auto found = findFrom(seed, X);
+      if (!found) continue;
+      const double outside = outsideAt(X + found->displacement);
+      if (outside < least) {
+        least = outside;
+        best = found;
+      }
+      if (least <= step_) break;
+    }
+    return best;
+  }
+
+ private:
+  static constexpr double kClose = 1e-4, kEnough = 0.05;  // of a step
+  /// A present place.
+  struct Seed {
+    Vec3 x{std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0};  ///< NaN: none
+    bool isInside = false;                                       ///< of the body, not only beside it
+  };
+
+  [[nodiscard]] std::optional<Found> findFrom(Vec3 x, const Vec3 &X) const {
     const auto miss = [&] { return X - (x - u_.at(x)); };
     Vec3 missing = miss();
     // Newton's method: exact where motion is affine, however far the body has turned.
@@ -83,12 +110,27 @@ class Follower {
     if (!(norm(missing) <= kEnough * step_) || !std::isfinite(J) || !isOwnAt(x)) return std::nullopt;
     return Found{x - X, J};
   }
-
- private:
-  static constexpr double kClose = 1e-4, kEnough = 0.05;  // of a step
-
+  /// About how far a place is from points inside the body, mm; infinity: farther than a step.
+  [[nodiscard]] double outsideAt(const Vec3 &x) const {
+    if (own_.empty()) return 0.0;
+    const Vec3 index = transformPoint(toIndex_, x);
+    const auto &n = u_.geometry.size;
+    double least = std::numeric_limits<double>::infinity();
+    for (int k = -1; k <= 1; ++k)
+      for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i) {
+          const Vec3 at{std::floor(index[0] + 0.5) + i, std::floor(index[1] + 0.5) + j, std::floor(index[2] + 0.5) + k};
+          bool isThere = true;
+          for (std::size_t a = 0; a < 3; ++a) isThere = isThere && at[a] >= 0.0 && at[a] < static_cast<double>(n[a]);
+          if (!isThere) continue;
+          const std::size_t p = static_cast<std::size_t>(at[0]) +
+                                n[0] * (static_cast<std::size_t>(at[1]) + n[1] * static_cast<std::size_t>(at[2]));
+          if (own_[p] == kInside) least = std::min(least, norm(u_.geometry.worldAt(at) - x));
+        }
+    return least;
+  }
   [[nodiscard]] bool isOwnAt(const Vec3 &x) const {
-    if (isOwn_.empty()) return true;
+    if (own_.empty()) return true;
     const Vec3 index = transformPoint(toIndex_, x);
     const auto &n = u_.geometry.size;
     std::array<std::size_t, 3> at{};
@@ -97,7 +139,7 @@ class Follower {
       if (!(nearest >= 0.0 && nearest < static_cast<double>(n[a]))) return false;
       at[a] = static_cast<std::size_t>(nearest);
     }
-    return isOwn_[at[0] + n[0] * (at[1] + n[1] * at[2])] != 0;
+    return own_[at[0] + n[0] * (at[1] + n[1] * at[2])] != 0;
   }
   /// dX/dx
   [[nodiscard]] Mat3 inverseGradient(const Vec3 &x) const {
@@ -120,40 +162,48 @@ class Follower {
     }
     return at[0] + size_[0] * (at[1] + size_[1] * at[2]);
   }
-  [[nodiscard]] Vec3 seedOf(const Vec3 &X) const {
-    Vec3 nearest = X;
-    int least = 4;
+  /// Near first, those inside of the body before those beside it.
+  [[nodiscard]] std::vector<Vec3> seedsOf(const Vec3 &X) const {
+    std::array<std::pair<int, Vec3>, 27> found;
+    std::size_t count = 0;
     for (int k = -1; k <= 1; ++k)
       for (int j = -1; j <= 1; ++j)
         for (int i = -1; i <= 1; ++i) {
-          const int far = std::abs(i) + std::abs(j) + std::abs(k);
           const auto cell = cellOf(X, {i, j, k});
-          if (far >= least || !cell || std::isnan(seeds_[*cell][0])) continue;
-          least = far;
-          nearest = seeds_[*cell];
+          if (!cell || std::isnan(seeds_[*cell].x[0])) continue;
+          found[count++] = {std::abs(i) + std::abs(j) + std::abs(k) + (seeds_[*cell].isInside ? 0 : 4),
+                            seeds_[*cell].x};
         }
-    return nearest;
+    if (count == 0) return {X};
+    std::stable_sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(count),
+                     [](const auto &a, const auto &b) { return a.first < b.first; });
+    std::vector<Vec3> seeds(count);
+    std::transform(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(count), seeds.begin(),
+                   [](const auto &one) { return one.second; });
+    return seeds;
   }
 
   const imaging::DisplacementGrid &u_;
-  std::vector<std::uint8_t> isOwn_;
+  std::vector<std::uint8_t> own_;
   Mat4 toIndex_;
   Vec3 low_;
   double step_ = 1.0;
   std::array<std::size_t, 3> size_{};
-  std::vector<Vec3> seeds_;  ///< present places by cells of the reference, two steps wide; NaN: none
+  std::vector<Seed> seeds_;  ///< by cells of the reference, two steps wide
 };
 
-/// Points of a grid that are inside a body or beside it, and not inside another one: where bodies have moved apart what
-/// lies between them goes with either. Empty: there is only one.
+/// Points of a grid that are inside a body or beside it, and not inside another one: where bodies, or pieces of one,
+/// have moved apart what lies between them goes with either. Empty: its skin is not known.
 std::vector<std::uint8_t> ownPoints(const std::vector<BodyState> &bodies, const std::string &name,
                                     const imaging::VolumeGeometry &grid) {
-  if (bodies.size() < 2) return {};
   std::vector<std::uint8_t> own;
   for (const BodyState &body : bodies)
-    if (body.name == name) own = imaging::maskOf(body.skin, grid).voxels;
+    if (body.name == name && !body.skin.triangles.empty()) own = imaging::maskOf(body.skin, grid).voxels;
+  if (own.empty()) return {};
+  // Alone it may be thinner than the grid: what lies beside it is found from wherever it is.
+  for (std::uint8_t &one : own) one = one != 0 ? kInside : bodies.size() == 1 ? kBeside : 0;
   // Beside it: along each axis in turn.
-  constexpr std::ptrdiff_t kBeside = 2;
+  constexpr std::ptrdiff_t kFar = 2;
   std::size_t stride = 1;
   for (std::size_t a = 0; a < 3; ++a) {
     const std::vector<std::uint8_t> before = own;
@@ -161,9 +211,9 @@ std::vector<std::uint8_t> ownPoints(const std::vector<BodyState> &bodies, const 
     for (std::size_t v = 0; v < own.size(); ++v) {
       if (before[v] != 0) continue;
       const auto at = static_cast<std::ptrdiff_t>(v / stride % grid.size[a]);
-      for (std::ptrdiff_t d = std::max(-kBeside, -at); d <= std::min(kBeside, n - 1 - at) && own[v] == 0; ++d)
-        own[v] =
-            before[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(v) + d * static_cast<std::ptrdiff_t>(stride))];
+      for (std::ptrdiff_t d = std::max(-kFar, -at); d <= std::min(kFar, n - 1 - at) && own[v] == 0; ++d)
+        if (before[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(v) + d * static_cast<std::ptrdiff_t>(stride))])
+          own[v] = kBeside;
     }
     stride *= grid.size[a];
   }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -12,6 +14,7 @@
 #include "c3de/imaging/reading.h"
 #include "c3de/scene/material_names.h"
 #include "c3de/session/body_sources.h"
+#include "placement_matrix.h"
 #include "slides.h"
 
 namespace c3de::session {
@@ -61,6 +64,88 @@ std::vector<std::uint16_t> tissueNumbers(const scene::SceneVolume &volume, const
   return numbers;
 }
 
+/// What an image shows where a map has no label, in voxels of the map.
+struct BackgroundFound {
+  std::size_t asked = 0, beyond = 0, notNumbers = 0, within = 0, labelled = 0;
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+
+  /// Whether it is a number.
+  bool add(const std::optional<double> &value) {
+    ++asked;
+    if (!value) {
+      ++beyond;
+      return false;
+    }
+    if (!std::isfinite(*value)) {
+      ++notNumbers;
+      return false;
+    }
+    least = std::min(least, *value);
+    most = std::max(most, *value);
+    return true;
+  }
+};
+
+Expected<void> tellBackground(const scene::SceneVolume &volume, const BackgroundFound &found,
+                              std::vector<std::string> *notices) {
+  const std::string file = volume.background->image.filename().string();
+  if (found.asked > 0 && found.beyond == found.asked)
+    return fail(ErrorCode::input, "background: " + volume.background->image.string() + " lies beside " +
+                                      volume.file.string() +
+                                      ": no voxel without a label is within the image; accepted: an image of the same "
+                                      "scan, whatever its grid");
+  if (notices == nullptr) return {};
+  const auto tell = [&](const std::string &text) { notices->push_back("Background: " + text + "."); };
+  if (found.beyond > 0) {
+    const double percent = 100.0 * static_cast<double>(found.beyond) / static_cast<double>(found.asked);
+    tell(formatNumber(std::max(0.1, std::round(10.0 * percent) / 10.0)) +
+         " % of the voxels without a label lie beyond " + file + " and are taken for empty");
+  }
+  if (found.notNumbers > 0)
+    tell(std::to_string(found.notNumbers) + " voxels of " + file + " are not finite and are taken for empty");
+  if (found.asked > 0 && found.within + found.labelled == 0)
+    tell("nothing lies between the tissues, as " +
+         (found.least > found.most ? "no value"
+                                   : "no value from " + formatNumber(found.least) + " to " + formatNumber(found.most)) +
+         " that " + file + " has there is from " + formatNumber(volume.background->from) + " to " +
+         formatNumber(volume.background->to));
+  return {};
+}
+
+/// Which tissues lie over which where labels of several layers share voxels.
+Expected<void> tellOverlaps(const scene::SceneVolume &volume, const std::vector<imaging::LabelMap> &layers,
+                            const ProgressFn &progress) {
+  if (layers.size() < 2) return {};
+  std::vector<std::vector<std::uint16_t>> numbers;
+  for (std::size_t layer = 0; layer < layers.size(); ++layer)
+    numbers.push_back(tissueNumbers(volume, layers[layer], layer));
+  const std::size_t background = volume.tissues.size() + 1;
+  std::map<std::pair<std::size_t, std::size_t>, std::size_t> counts;  // of two tissues: what counts, what does not
+  const std::size_t voxels = layers.front().voxels.size(), slice = std::max<std::size_t>(voxels / 64, 1);
+  for (std::size_t v = 0; v < voxels; ++v) {
+    if (v % slice == 0 && progress &&
+        !progress(static_cast<double>(v) / static_cast<double>(voxels), "finding what overlaps"))
+      return fail(ErrorCode::cancelled, "cancelled");
+    std::size_t top = 0;
+    for (std::size_t layer = layers.size(); layer-- > 0;) {
+      if (layers[layer].voxels.size() != voxels || layers[layer].voxels[v] == 0) continue;
+      const std::size_t tissue = numbers[layer][layers[layer].voxels[v]];
+      if (tissue == 0 || tissue == background) continue;
+      if (top == 0)
+        top = tissue;
+      else if (tissue != top)
+        ++counts[{top, tissue}];
+    }
+  }
+  if (counts.empty()) return {};
+  std::vector<std::string> all;
+  for (const auto &[pair, count] : counts)
+    all.push_back(volume.tissues[pair.first - 1].label + " over " + volume.tissues[pair.second - 1].label + " (" +
+                  std::to_string(count) + " voxels)");
+  log(LogLevel::warn, volume.file.string() + ": tissues overlap, and the later layer counts: " + listOf(all));
+  return {};
+}
+
 /// A label of the map, and what it has been taken for so far.
 struct Candidate {
   scene::SceneLabel label;
@@ -78,7 +163,7 @@ std::vector<Candidate> candidatesOf(const std::vector<imaging::LabelMap> &layers
 std::string listOf(const std::vector<Candidate> &labels) {
   std::vector<std::string> names;
   for (const Candidate &one : labels) names.push_back(one.label.name);
-  return names.empty() ? "none" : listOf(names);
+  return names.empty() ? "none, all its voxels are 0" : listOf(names);
 }
 
 std::string noLabel(const std::string &file, const std::string &wanted, const std::vector<Candidate> &labels) {
@@ -201,7 +286,8 @@ Expected<void> giveSlides(scene::SceneVolume &volume, const std::vector<Candidat
 }
 
 Expected<void> settle(const scene::SceneFile &scene, scene::SceneBody &body,
-                      const std::vector<imaging::LabelMap> &layers, const scene::MaterialLibrary &materials) {
+                      const std::vector<imaging::LabelMap> &layers, const scene::MaterialLibrary &materials,
+                      const ProgressFn &progress) {
   scene::SceneVolume &volume = body.volume;
   const std::string file = volume.file.string();
   const bool wasOpen = volume.isOpen();
@@ -216,11 +302,43 @@ Expected<void> settle(const scene::SceneFile &scene, scene::SceneBody &body,
         return failInScene(given.error(), scene, tissue.line);
   }
   tellOthers(volume, labels);
+  if (auto told = tellOverlaps(volume, layers, progress); !told) return told;
   if (auto given = giveSlides(volume, labels); !given) return failInScene(given.error(), scene, body.line);
   volume.isSettled = true;
   if (!wasOpen) return {};
   if (auto made = makeTissueParts(body); !made) return failInScene(made.error(), scene, body.line);
   return {};
+}
+
+bool areSame(const scene::ScenePlacement &a, const scene::ScenePlacement &b) {
+  const Mat4 x = matrixOf(a), y = matrixOf(b);
+  return x == y;
+}
+
+/// Bodies of the same labels in the same place are pressed apart by contact.
+void tellShared(const scene::SceneFile &scene) {
+  for (std::size_t b = 1; b < scene.bodies.size(); ++b)
+    for (std::size_t a = 0; a < b; ++a) {
+      const scene::SceneBody &one = scene.bodies[a], &other = scene.bodies[b];
+      if (!one.volume.isSettled || !other.volume.isSettled || one.volume.cut || other.volume.cut) continue;
+      if (one.volume.file != other.volume.file || one.volume.series != other.volume.series ||
+          one.volume.time != other.volume.time || one.volume.region || other.volume.region ||
+          !areSame(one.placement, other.placement))
+        continue;
+      std::vector<std::string> names;
+      for (const scene::SceneTissue &tissue : one.volume.tissues)
+        for (const scene::SceneLabel &label : tissue.labels)
+          for (const scene::SceneTissue &there : other.volume.tissues)
+            if (!tissue.isEmpty && !there.isEmpty &&
+                std::any_of(there.labels.begin(), there.labels.end(), [&](const scene::SceneLabel &same) {
+                  return same.layer == label.layer && same.value == label.value;
+                }))
+              names.push_back(label.name);
+      if (one.volume.background && other.volume.background) names.emplace_back("background");
+      if (!names.empty())
+        log(LogLevel::warn, scene.where(other.line) + ": '" + one.name + "' and '" + other.name +
+                                "' lie in the same voxels and press each other apart, both have: " + listOf(names));
+    }
 }
 
 }  // namespace
@@ -237,17 +355,21 @@ Expected<void> settleTissues(scene::SceneFile &scene, const scene::MaterialLibra
     const TimeSpent reading(took.reading_s);
     const auto layers = sources.labels(body.volume.file, options);
     if (!layers) return failInScene(layers.error(), scene, body.line);
-    if (auto settled = settle(scene, body, **layers, materials); !settled) return settled;
+    for (const std::string &notice : sources.takeNotices())
+      log(LogLevel::warn, body.volume.file.string() + ": " + notice);
+    if (auto settled = settle(scene, body, **layers, materials, progress); !settled) return settled;
     const std::vector<std::string> said = std::exchange(body.volume.overridesOfParts, {});
     overrides.insert(overrides.end(), said.begin(), said.end());
   }
+  tellShared(scene);
   for (const std::string &assignment : overrides)
     if (auto applied = scene::applyOverride(scene, assignment, &materials); !applied) return applied;
   return cutSlides(scene, sources, progress, took);
 }
 
 Expected<imaging::LabelMap> pickTissues(const scene::SceneVolume &volume, const std::vector<imaging::LabelMap> &layers,
-                                        const imaging::Volume *image, const ProgressFn &progress) {
+                                        const imaging::Volume *image, const ProgressFn &progress,
+                                        std::vector<std::string> *notices) {
   imaging::LabelMap out;
   out.geometry = layers.front().geometry;
   out.voxels.assign(out.geometry.voxelCount(), 0);
@@ -264,6 +386,7 @@ Expected<imaging::LabelMap> pickTissues(const scene::SceneVolume &volume, const 
   }
   if (image != nullptr && volume.background) {
     const ValueAt valueAt(*image);
+    BackgroundFound found;
     const auto &size = out.geometry.size;
     std::size_t v = 0;
     for (std::size_t k = 0; k < size[2]; ++k) {
@@ -271,12 +394,55 @@ Expected<imaging::LabelMap> pickTissues(const scene::SceneVolume &volume, const 
         return fail(ErrorCode::cancelled, "cancelled");
       for (std::size_t j = 0; j < size[1]; ++j)
         for (std::size_t i = 0; i < size[0]; ++i, ++v) {
-          if (out.voxels[v] != 0) continue;
+          if (out.voxels[v] != 0) {
+            found.labelled += out.voxels[v] == background ? 1 : 0;
+            continue;
+          }
           const auto value =
               valueAt(out.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}));
-          if (value && *value >= volume.background->from && *value <= volume.background->to) out.voxels[v] = background;
+          if (found.add(value) && *value >= volume.background->from && *value <= volume.background->to) {
+            out.voxels[v] = background;
+            ++found.within;
+          }
         }
     }
+    if (auto good = tellBackground(volume, found, notices); !good) return tl::unexpected(good.error());
+  }
+  return out;
+}
+
+std::vector<double> thicknessOf(const imaging::LabelMap &picked, std::size_t tissues) {
+  // Sides of voxels are 4/π times the surface of a tube along them: its diameter is 4 V / A.
+  constexpr double kOfSides = 4.0 * 4.0 / 3.14159265358979;
+  const auto &n = picked.geometry.size;
+  const Mat4 &m = picked.geometry.indexToWorld;
+  std::array<Vec3, 3> steps;
+  for (std::size_t a = 0; a < 3; ++a) steps[a] = {m[4 * a], m[4 * a + 1], m[4 * a + 2]};
+  std::array<std::vector<std::size_t>, 3> sides;
+  for (auto &of : sides) of.assign(0x10000, 0);
+  std::vector<std::size_t> voxels(0x10000, 0);
+  const std::array<std::size_t, 3> stride{1, n[0], n[0] * n[1]};
+  std::size_t v = 0;
+  for (std::size_t k = 0; k < n[2]; ++k)
+    for (std::size_t j = 0; j < n[1]; ++j)
+      for (std::size_t i = 0; i < n[0]; ++i, ++v) {
+        const std::uint16_t own = picked.voxels[v];
+        ++voxels[own];
+        const std::array<std::size_t, 3> at{i, j, k};
+        for (std::size_t a = 0; a < 3; ++a) {
+          if (at[a] == 0) ++sides[a][own];
+          const std::uint16_t next = at[a] + 1 < n[a] ? picked.voxels[v + stride[a]] : std::uint16_t{0};
+          if (next == own && at[a] + 1 < n[a]) continue;
+          ++sides[a][own];
+          if (at[a] + 1 < n[a]) ++sides[a][next];
+        }
+      }
+  std::vector<double> out(tissues, 0.0);
+  for (std::size_t t = 0; t < tissues; ++t) {
+    double area = 0.0;
+    for (std::size_t a = 0; a < 3; ++a)
+      area += norm(cross(steps[(a + 1) % 3], steps[(a + 2) % 3])) * static_cast<double>(sides[a][t + 1]);
+    if (area > 0.0) out[t] = kOfSides * picked.geometry.voxelVolume() * static_cast<double>(voxels[t + 1]) / area;
   }
   return out;
 }

@@ -13,6 +13,7 @@
 #include "formats/colours.h"
 #include "formats/image_header.h"
 #include "formats/label_table.h"
+#include "formats/mask_folder.h"
 #include "formats/voxel_reader.h"
 
 namespace c3de::imaging {
@@ -143,7 +144,7 @@ Expected<LoadedLabels> readDicomLabels(const std::filesystem::path &path, const 
   return out;
 }
 
-constexpr std::size_t kMostLayers = 256;
+constexpr std::size_t kMostLayers = 256, kMostEmpty = 12;
 
 }  // namespace
 
@@ -164,6 +165,7 @@ Expected<LoadedVolume> readVolume(const std::filesystem::path &path, const ReadO
 Expected<LoadedLabels> readLabelMap(const std::filesystem::path &path, const ReadOptions &options) {
   const auto format = formatOrError(path);
   if (!format) return tl::unexpected(format.error());
+  if (const auto masks = maskFilesIn(path); !masks.empty()) return readMaskFolder(path, masks, options);
   if (*format == Format::dicom) return readDicomLabels(path, options);
   const auto header = headerOf(path, *format);
   if (!header) return tl::unexpected(header.error());
@@ -181,6 +183,7 @@ Expected<LoadedLabels> readLabelMap(const std::filesystem::path &path, const Rea
   if (!header->labelXml.empty()) tables[0] = caretLabelsOf(header->labelXml);
 
   LoadedLabels out;
+  std::vector<std::string> empty;
   const bool isNamed =
       std::any_of(tables.begin(), tables.end(), [](const LabelTable &table) { return !table.empty(); });
   if (!isNamed) {
@@ -198,10 +201,23 @@ Expected<LoadedLabels> readLabelMap(const std::filesystem::path &path, const Rea
     if (layer == 0) out.notices.insert(out.notices.begin(), loaded->notices.begin(), loaded->notices.end());
     auto map = labelsOf(path, loaded->volume, tables[layer]);
     if (!map) return tl::unexpected(map.error());
+    // Tables beside a file are of all labels that a method knows, those within it of this file.
+    if (isNamed)
+      for (const auto &[value, entry] : tables[layer])
+        if (std::none_of(map->labels.begin(), map->labels.end(),
+                         [&, number = value](const LabelMap::Label &label) { return label.value == number; }))
+          empty.push_back(entry.name);
     if (layer == 0)
       out.labels = std::move(*map);
     else
       out.layers.push_back(std::move(*map));
+  }
+  if (!empty.empty() && empty.size() <= kMostEmpty) {
+    std::string names;
+    for (const std::string &name : empty) names += (names.empty() ? "" : ", ") + name;
+    out.notices.push_back("Labels that are named and have no voxel: " + names + ".");
+  } else if (!empty.empty()) {
+    out.notices.push_back(std::to_string(empty.size()) + " labels are named and have no voxel.");
   }
   if (layers == 1 && out.labels.labels.size() == 1 && !tables[0].contains(out.labels.labels[0].value))
     if (std::string name = nameFromFile(path); !name.empty()) out.labels.labels[0].name = std::move(name);

@@ -69,7 +69,7 @@ struct SeriesInfo {
 /// a.nii.label, a.label, a.txt or a.ctbl with lines of `number name`, of ITK-SNAP or of Slicer. A single label that
 /// nobody named is called after the file (nameFromFile()). Segments of 3D Slicer or DICOM that overlap lie in layers,
 /// of which the first is `labels` and the others are `layers`; a segment is in one of them, its number may be in
-/// several (3D Slicer).
+/// several (3D Slicer). A folder without DICOM whose files are masks is a label map of these, called after their files.
 [[nodiscard]] Expected<LoadedLabels> readLabelMap(const std::filesystem::path &path, const ReadOptions &options = {});
 
 /// The series of a DICOM folder (sub-folders included), of the folder of a DICOM file, or the one image of another

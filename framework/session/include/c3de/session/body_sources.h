@@ -36,6 +36,7 @@ struct BodyGeometry {
   /// one that only its name has brought
   std::vector<std::shared_ptr<const imaging::Fill>> tissues;
   std::shared_ptr<TissuePlaces> places;        ///< of such a body
+  std::vector<double> thickness_mm;            ///< thicknessOf() such a body, in the order of SceneVolume::tissues
   std::shared_ptr<const imaging::Fill> rigid;  ///< of those that are; null: none is
 };
 

@@ -31,11 +31,18 @@ class BodySources;
 /// image shows there; other voxels, and those of empty tissues, where it is between its limits (at the voxel of the
 /// image that their middle lies in). Without a background that is not of the body.
 /// @param volume  settled
-/// @param image   of the background; null: there is none
-/// Errors: layers of different grids, cancelled. Any thread.
+/// @param image    of the background; null: there is none
+/// @param notices  sentences are added: what of the background is taken for empty, or that there is none
+/// Errors: layers of different grids, an image beside the map, cancelled. Any thread.
 [[nodiscard]] Expected<imaging::LabelMap> pickTissues(const scene::SceneVolume &volume,
                                                       const std::vector<imaging::LabelMap> &layers,
-                                                      const imaging::Volume *image, const ProgressFn &progress);
+                                                      const imaging::Volume *image, const ProgressFn &progress,
+                                                      std::vector<std::string> *notices = nullptr);
+
+/// About how thick each tissue is, mm: the diameter of a tube of its volume and surface, which makes balls thinner and
+/// sheets thicker than they are. 0: it has no voxel.
+/// @param picked  pickTissues()
+[[nodiscard]] std::vector<double> thicknessOf(const imaging::LabelMap &picked, std::size_t tissues);
 
 /// The labels of a body of many tissues: where they are.
 /// @param picked  pickTissues() of the same layers, without voxels that are not of the body

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 #include "base/disjoint_sets.h"
 #include "base/symmetric_eigen.h"
@@ -90,6 +91,49 @@ std::string tornWarning(const RestState &rest) {
                 "joins and that "
                 "move apart: it is in places too thin for them; a smaller sampling.spacing keeps it together",
                 pieces, pieces == 1 ? "" : "s", 1e3 * rest.spacing, rest.components);
+  return text;
+}
+
+namespace {
+
+// Triangles that share no vertices are pieces by their numbers alone.
+template <class Triangles>
+bool isClosed(const Triangles &skin) {
+  std::vector<std::pair<Index, Index>> edges, back;
+  for (const auto &[a, b, c] : skin)
+    for (const auto &[from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) {
+      edges.emplace_back(from, to);
+      back.emplace_back(to, from);
+    }
+  std::sort(edges.begin(), edges.end());
+  std::sort(back.begin(), back.end());
+  return edges == back;
+}
+
+}  // namespace
+
+std::string gluedWarning(const RestState &rest) {
+  if (rest.skin.empty()) return {};
+  DisjointSets joined(rest.surfels.count());
+  for (const auto &[a, b, c] : rest.skin) {
+    joined.join(a, b);
+    joined.join(a, c);
+  }
+  std::map<Index, double> volumes;  // below 0: a hollow
+  for (const auto &[a, b, c] : rest.skin) {
+    const auto at = [&](Index i) { return rest.surfels.position(i, rest.positions); };
+    volumes[joined.find(a)] += at(a).dot(at(b).cross(at(c))) / 6.0;
+  }
+  const double cell = rest.spacing * rest.spacing * rest.spacing;
+  const auto pieces = static_cast<std::size_t>(
+      std::count_if(volumes.begin(), volumes.end(), [&](const auto &piece) { return piece.second >= cell; }));
+  if (rest.components >= pieces || !isClosed(rest.skin)) return {};
+  char text[300];
+  std::snprintf(
+      text, sizeof text,
+      "its surface has %zu pieces that lie apart, but its cells of %.3g mm make %zu: gaps thinner than about a "
+      "sixteenth of a cell close; a smaller sampling.spacing keeps them open",
+      pieces, 1e3 * rest.spacing, rest.components);
   return text;
 }
 

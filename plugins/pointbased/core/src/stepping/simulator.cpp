@@ -72,7 +72,8 @@ std::size_t Simulator::addBody(std::unique_ptr<Body> body) {
   body->setPrecision(world_.precision);
   std::string cloud = inspectCloud(body->rest()).warning();
   if (!cloud.empty()) cloud += "; sampling.neighbours and the spacing change it";
-  for (const std::string &unusual : {volumeWarning(body->rest()), tornWarning(body->rest()), cloud}) {
+  for (const std::string &unusual :
+       {volumeWarning(body->rest()), tornWarning(body->rest()), gluedWarning(body->rest()), cloud}) {
     if (unusual.empty()) continue;
     addWarning(nextId_, "body '" + body->name() + "': " + unusual);
   }

@@ -197,6 +197,8 @@ struct MaterialContent {
 };
 // Of the free part of a cell: less goes to the material of which there is most.
 constexpr double kLeastContent = 0.02;
+// Of what voxels tell exactly: a stiff vessel of this part of a cell is felt.
+constexpr double kLeastByVoxels = 0.005;
 
 // What lies where in a cell, of the materials and of what is held.
 class MaterialFinder {
@@ -232,9 +234,22 @@ class MaterialFinder {
     for (int s = 0; s < kSamples; ++s) {
       if ((part.samples >> s & 1) == 0) continue;
       SampleContent left = contentOf(set_, cell, s);
-      const auto divided = [&](const Region &region) { return divideSample(set_, region, cell, s, left); };
-      for (const Region *region : held)
-        if (left.share > 0.0) left = divided(*region).outside;
+      double unfilled = left.share;  // of the small cell, by voxels
+      for (const Region *region : held) {
+        if (!(left.share > 0.0)) break;
+        left = divideSample(set_, *region, cell, s, left).outside;
+        if (const auto share = voxelShare(set_, *region, cell, s)) unfilled = std::max(0.0, unfilled - *share);
+      }
+      const auto divided = [&](const Region &region) {
+        DividedSample sides = divideSample(set_, region, cell, s, left);
+        const auto share = unfilled > 0.0 ? voxelShare(set_, region, cell, s) : std::nullopt;
+        if (!share) return sides;
+        const double within = std::min(1.0, *share / unfilled);
+        sides.inside.share = within * left.share;
+        sides.outside.share = (1.0 - within) * left.share;
+        unfilled *= 1.0 - within;
+        return sides;
+      };
       for (const std::size_t i : near) {
         if (!(left.share > 0.0)) break;
         const DividedSample sides = divided(sampling_.materials[i].first);
@@ -243,17 +258,20 @@ class MaterialFinder {
       }
       add(under, left);
     }
-    return withoutSlivers(found, under, free);
+    const bool byVoxels = std::any_of(near.begin(), near.end(), [&](std::size_t i) {
+      return std::holds_alternative<VoxelRegion>(sampling_.materials[i].first);
+    });
+    return withoutSlivers(found, under, free, byVoxels ? kLeastByVoxels : kLeastContent);
   }
 
  private:
   static std::vector<MaterialContent> withoutSlivers(const std::map<std::uint16_t, Moments> &found, std::uint16_t under,
-                                                     const Moments &free) {
+                                                     const Moments &free, double least) {
     const auto largest = std::max_element(found.begin(), found.end(),
                                           [](const auto &a, const auto &b) { return a.second.share < b.second.share; });
     std::vector<MaterialContent> out;
     for (const auto &[material, moments] : found)
-      if (moments.share >= kLeastContent * free.share) out.push_back({material, moments});
+      if (moments.share >= least * free.share) out.push_back({material, moments});
     if (out.size() > 1) return out;
     return {{found.empty() ? under : largest->first, free}};
   }

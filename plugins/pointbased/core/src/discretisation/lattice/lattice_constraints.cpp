@@ -3,6 +3,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "shape/occupancy_field.h"
+
 namespace pointbased::lattice {
 namespace {
 
@@ -349,6 +351,16 @@ HeldPatches findHeld(const BodyShape &shape, const LatticeSampling &sampling, co
 DividedSample divideSample(const CellSet &set, const Region &region, const Cell &cell, int sample,
                            const SampleContent &content) {
   return divide(content, sampleOffset(sample), cutOf(set, region, cell, sample));
+}
+
+std::optional<double> voxelShare(const CellSet &set, const Region &region, const Cell &cell, int sample) {
+  const auto *filled = std::get_if<VoxelRegion>(&region);
+  if (filled == nullptr) return std::nullopt;
+  const double edge = set.edge(cell);
+  const Vec3 x = set.frame.world(set.centre(cell) + edge * sampleOffset(sample)) + filled->offset;
+  double share = 0.0;
+  filled->voxels->shares(std::span<const Vec3>(&x, 1), set.frame.axes, kSmall * edge, std::span<double>(&share, 1));
+  return share;
 }
 
 Result<std::vector<ConstrainedRegion>> holdLattice(const BodyShape &shape, const LatticeSampling &sampling,

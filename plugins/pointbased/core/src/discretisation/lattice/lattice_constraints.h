@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "discretisation/lattice/cell_map.h"
 #include "discretisation/lattice/lattice_moments.h"
 
@@ -21,6 +23,9 @@ struct DividedSample {
 /// As if the border were a plane in the small cell around a sample.
 [[nodiscard]] DividedSample divideSample(const CellSet &set, const Region &region, const Cell &cell, int sample,
                                          const SampleContent &content);
+/// What voxels fill of the small cell around a sample, however thin they lie in it: no plane is asked. Nothing for
+/// other regions.
+[[nodiscard]] std::optional<double> voxelShare(const CellSet &set, const Region &region, const Cell &cell, int sample);
 
 /// A piece of a region's border inside the body.
 struct BorderPiece {
