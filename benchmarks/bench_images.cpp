@@ -4,10 +4,13 @@
 //
 //   bench_images                 phantoms of two sizes
 //   bench_images --scene FILE    a scene with an [image] while it plays; "default": the one the program starts with
+//   bench_images --scene living  a torso of many tissues, made here, that plays on a thread of its own
 #include <epoxy/gl.h>
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <random>
 #include <vector>
 
 #include "bench/command_line.h"
@@ -77,7 +80,7 @@ int main(int argc, char **argv) {
   bench::CommandLine line("bench_images");
   line.defaults.seconds = 2.0;
   std::string scenePath;
-  line.add("--scene", "FILE|default", [&](const std::string &text) { scenePath = text; });
+  line.add("--scene", "FILE|default|living", [&](const std::string &text) { scenePath = text; });
   if (const auto code = line.parse(argc, argv)) return *code;
   auto context = OffscreenContext::create();
   if (!context) {
@@ -94,6 +97,18 @@ int main(int argc, char **argv) {
   const Target target;
   bench::Report report(line.name(), line.options());
   report.fact("graphics", renderer.description());
+  if (scenePath == "living") {
+    const std::filesystem::path folder =
+        std::filesystem::temp_directory_path() / ("bench_images-" + std::to_string(std::random_device{}()));
+    const auto done = bench::measureLiving(renderer, folder, line.options(), report);
+    std::error_code ignored;
+    std::filesystem::remove_all(folder, ignored);
+    if (!done) {
+      std::fprintf(stderr, "bench_images: %s\n", done.error().message.c_str());
+      return 1;
+    }
+    return report.write();
+  }
   if (!scenePath.empty()) {
     auto file = scenePath == "default" ? session::findResource("scenes/brain_shift.toml")
                                        : Expected<std::filesystem::path>(scenePath);

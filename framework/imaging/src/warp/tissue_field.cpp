@@ -105,18 +105,21 @@ std::vector<float> spread(const VolumeGeometry &grid, const MaterialPoints &poin
       high[a] = static_cast<std::size_t>(last);
     }
     if (isOutside) continue;
+    const Mat4 &m = grid.indexToWorld;
+    const Vec3 step{m[0], m[1], m[2]};
     for (std::size_t k = low[2]; k <= high[2]; ++k)
-      for (std::size_t j = low[1]; j <= high[1]; ++j)
-        for (std::size_t i = low[0]; i <= high[0]; ++i) {
-          const Vec3 way =
-              grid.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}) - points.at_mm[q];
+      for (std::size_t j = low[1]; j <= high[1]; ++j) {
+        Vec3 way = grid.worldAt({static_cast<double>(low[0]), static_cast<double>(j), static_cast<double>(k)}) -
+                   points.at_mm[q];
+        std::size_t p = low[0] + n[0] * (j + n[1] * k);
+        for (std::size_t i = low[0]; i <= high[0]; ++i, ++p, way = way + step) {
           const double share = 1.0 - perSquare * dot(way, way);
           if (!(share > 0.0)) continue;
           const auto weight = static_cast<float>(share * share * share);
-          const std::size_t p = i + n[0] * (j + n[1] * k);
           sums[p] += weight * static_cast<float>(values[q]);
           weights[p] += weight;
         }
+      }
   }
   for (std::size_t p = 0; p < sums.size(); ++p) sums[p] = weights[p] > 0.0F ? sums[p] / weights[p] : kNothing;
   return sums;

@@ -82,8 +82,9 @@ void DisplacementField::add(const Body &body) {
     const Mat3 back = F.inverse();
     const Vec3 x = presentPlace(body, q, F);
     const Vec3 X = rest.origin + rest.pointCentres[q] - (renewed ? carriedBy(rest, q) : Vec3(Vec3::Zero()));
-    // |F dX| is at most the root of the sum of squares times |dX|.
-    visitPoints(x, F.norm() * reach * indexPerMetre, [&](std::size_t p, const Vec3 &place) {
+    // The box around what F makes of the ball, with room for rounding: nothing beyond it counts.
+    const Vec3 half = (1.0 + 1e-9) * reach * (toIndex_ * F).rowwise().norm();
+    visitPoints(x, half, [&](std::size_t p, const Vec3 &place) {
       const Vec3 away = back * (place - x);
       const double left = 1.0 - away.squaredNorm() * inverseSquare;
       if (left > 0.0) addTo(p, left * left, place - X - away, reach);
