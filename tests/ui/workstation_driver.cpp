@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <optional>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <thread>
@@ -212,20 +214,23 @@ void WorkstationDriver::doubleClickAt(Point at) {
 }
 
 void WorkstationDriver::click(const std::string &widget) {
-  const auto isAt = [&](const Point &at) {
+  // Nothing: it is not there.
+  const auto isAt = [&](const Point &at) -> std::optional<bool> {
     const Json now = state()["widgets"];
-    if (!now.contains(widget)) return false;
+    if (!now.contains(widget)) return std::nullopt;
     const Json &rect = now[widget];
     return at.x >= rect[0].get<double>() && at.y >= rect[1].get<double>() && at.x <= rect[2].get<double>() &&
            at.y <= rect[3].get<double>();
   };
-  // A panel may grow while the mouse is on its way, or goes down: what is above it tells of the simulation.
+  // A panel may grow while the mouse is on its way, or goes down: what is above it tells of the simulation. Menus stay
+  // where they are, and open as the mouse goes down: pressed again they would close.
+  const bool isMenu = widget.starts_with("menu/");
   for (int tries = 0; tries < 5; ++tries) {
     const Point at = locate(widget);
     moveTo(at);
-    if (!isAt(at)) continue;
+    if (!isAt(at).value_or(false)) continue;
     press();
-    if (isAt(at)) return release();
+    if (isMenu || isAt(at).value_or(true)) return release();
     moveTo(kNowhere);
     release();
   }
