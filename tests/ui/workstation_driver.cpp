@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <optional>
-#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <thread>
@@ -29,8 +27,6 @@ std::string readText(const std::filesystem::path &file) {
   text << in.rdbuf();
   return text.str();
 }
-
-constexpr Point kNowhere{2.0, 2.0};  // left of the first menu: a button that was pressed elsewhere is let go there
 
 // What tells most comes first: messages may be cut off.
 std::string essentials(const Json &state) {
@@ -214,27 +210,38 @@ void WorkstationDriver::doubleClickAt(Point at) {
 }
 
 void WorkstationDriver::click(const std::string &widget) {
-  // Nothing: it is not there.
-  const auto isAt = [&](const Point &at) -> std::optional<bool> {
-    const Json now = state()["widgets"];
-    if (!now.contains(widget)) return std::nullopt;
-    const Json &rect = now[widget];
-    return at.x >= rect[0].get<double>() && at.y >= rect[1].get<double>() && at.x <= rect[2].get<double>() &&
-           at.y <= rect[3].get<double>();
-  };
-  // A panel may grow while the mouse is on its way, or goes down: what is above it tells of the simulation. Menus stay
-  // where they are, and open as the mouse goes down: pressed again they would close.
-  const bool isMenu = widget.starts_with("menu/");
+  // A panel may grow while the mouse is on its way: what is above the widget tells of the simulation. From then on as
+  // little time as can be.
   for (int tries = 0; tries < 5; ++tries) {
     const Point at = locate(widget);
     moveTo(at);
-    if (!isAt(at).value_or(false)) continue;
-    press();
-    if (isMenu || isAt(at).value_or(true)) return release();
-    moveTo(kNowhere);
-    release();
+    const Json now = state();
+    if (!now["widgets"].contains(widget)) continue;
+    const Json &rect = now["widgets"][widget];
+    if (at.x < rect[0].get<double>() || at.y < rect[1].get<double>() || at.x > rect[2].get<double>() ||
+        at.y > rect[3].get<double>())
+      continue;
+    xdotool({"click", "1"});
+    waitUntil("the click is seen", [first = now["frame"].get<int>()](const Json &s) {
+      return s["mouse"]["buttons"].get<int>() == 0 && s["frame"].get<int>() >= first + 4;
+    });
+    return;
   }
   throw std::runtime_error("'" + widget + "' does not stand still");
+}
+
+Json WorkstationDriver::clickUntil(const std::string &widget, const std::string &what,
+                                   const std::function<bool(const Json &)> &predicate) {
+  for (int tries = 0; tries < 2; ++tries) {
+    click(widget);
+    const Clock::time_point begin = Clock::now();
+    while (secondsSince(begin) < C3DE_UI_PATIENCE * 10.0) {
+      if (Json now = state(); now.contains("frame") && predicate(now)) return now;
+      pause(20);
+    }
+  }
+  click(widget);
+  return waitUntil(what, predicate);
 }
 
 void WorkstationDriver::controlClick(const std::string &widget) {
