@@ -8,6 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include "support/environment.h"
 #include "support/folders.h"
@@ -121,10 +122,16 @@ Json WorkstationDriver::waitUntil(const std::string &what, const std::function<b
   }
 }
 
-void WorkstationDriver::waitFrames(int count) {
+void WorkstationDriver::waitFrames(int count, double idle_s) {
+  // Where nothing changes none are drawn.
   const int first = state().value("frame", 0);
-  waitUntil(std::to_string(count) + " more frames are drawn",
-            [&](const Json &s) { return s["frame"].get<int>() >= first + count; });
+  int last = first;
+  Clock::time_point drawn = Clock::now();
+  waitUntil(std::to_string(count) + " more frames are drawn", [&](const Json &s) {
+    const int now = s["frame"].get<int>();
+    if (std::exchange(last, now) != now) drawn = Clock::now();
+    return now >= first + count || secondsSince(drawn) > C3DE_UI_PATIENCE * idle_s;
+  });
 }
 
 void WorkstationDriver::waitForValue(const std::string &key, const std::string &text) {
@@ -222,9 +229,8 @@ void WorkstationDriver::click(const std::string &widget) {
         at.y > rect[3].get<double>())
       continue;
     xdotool({"click", "1"});
-    waitUntil("the click is seen", [first = now["frame"].get<int>()](const Json &s) {
-      return s["mouse"]["buttons"].get<int>() == 0 && s["frame"].get<int>() >= first + 4;
-    });
+    waitFrames(4, 0.3);
+    waitUntil("the click is seen", [](const Json &s) { return s["mouse"]["buttons"].get<int>() == 0; });
     return;
   }
   throw std::runtime_error("'" + widget + "' does not stand still");

@@ -45,7 +45,7 @@ class WorkstationDriver {
   [[nodiscard]] Json state() const;
   Json waitUntil(const std::string &what, const std::function<bool(const Json &)> &predicate, double timeout_s = 60.0);
   /// Waits for `count` more frames than there are now. Input makes the window draw, so this needs input just before.
-  void waitFrames(int count);
+  void waitFrames(int count, double idle_s = 3.0);  // or until none has been drawn for so long
   /// Waits until a value row shows this text.
   void waitForValue(const std::string &key, const std::string &text);
   [[nodiscard]] std::string value(const std::string &key) const;
