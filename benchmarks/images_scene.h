@@ -19,8 +19,8 @@ inline constexpr int kPaneWidth = 457, kPaneHeight = 357;
 [[nodiscard]] c3de::Expected<void> measureScene(c3de::render::Renderer &renderer, const std::filesystem::path &file,
                                                 const Options &options, Report &report);
 
-/// A torso of some ten tissues that this writes to `folder` itself, alive as the window has it: the simulation plays on a
-/// thread of its own, slices and the 3D view are drawn beside it at no more than 60 frames a second, without and with
+/// A torso of some ten tissues that this writes to `folder` itself, alive as the window has it: the simulation plays on
+/// a thread of its own, slices and the 3D view are drawn beside it at no more than 60 frames a second, without and with
 /// a field in colours.
 [[nodiscard]] c3de::Expected<void> measureLiving(c3de::render::Renderer &renderer, const std::filesystem::path &folder,
                                                  const Options &options, Report &report);

@@ -485,7 +485,8 @@ TEST_CASE("a support that is soft for a step is a force in it", "[supports]") {
       if (!isStatic) CHECK(patches.solvedRows() == 0);
     }
     CHECK(ends[1].norm() > 1e-3);
-    // Of the static one a thousandth of a per cent of what acts is left (solver.tolerance); e^-15 of what swings at first.
+    // Of the static one a thousandth of a per cent of what acts is left (solver.tolerance), and e^-15 of what swings at
+    // first.
     CHECK((ends[0] - ends[1]).norm() < 1e-4 * ends[1].norm());
   }
 }

@@ -43,8 +43,8 @@ inline constexpr double kVolumeMismatch = 0.05;
 /// empty. These parts move apart, because nothing joins them.
 [[nodiscard]] std::string tornWarning(const RestState &rest);
 
-/// The sampling has joined what lies apart: fewer connected parts than its surface has pieces of a cell's volume or more
-/// (hollows do not count). Else empty. Gaps thinner than about a sixteenth of the spacing are not seen.
+/// The sampling has joined what lies apart: fewer connected parts than its surface has pieces of a cell's volume or
+/// more (hollows do not count). Else empty. Gaps thinner than about a sixteenth of the spacing are not seen.
 [[nodiscard]] std::string gluedWarning(const RestState &rest);
 
 }  // namespace pointbased

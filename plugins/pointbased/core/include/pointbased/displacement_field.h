@@ -24,7 +24,8 @@ struct FieldGrid {
 ///     X_q(x) = X_q + F_q^-1 (x - x_q),      u(x) = x - Σ w_q X_q(x) / Σ w_q,     w_q = (1 - |X_q(x) - X_q|²/r²)²
 ///
 /// so affine motions are exact whatever the grid, and points within a spacing of an evaluation point (r = 1.1 spacings,
-/// in the material) belong to the body. Points that are inverted say nothing. What supports hold goes with them exactly.
+/// in the material) belong to the body. Points that are inverted say nothing. What supports hold goes with them
+/// exactly.
 ///
 /// Where a body lies over itself, or two bodies over each other, the points lead to places in the material that are far
 /// from each other, and a mean of them would be tissue from nowhere. Only those within r of each other are averaged; of

@@ -11,6 +11,14 @@ namespace {
 
 constexpr double kFoundationSampling = 0.5;  // spacings, of the surface
 
+// m/s, of a material point that a fix leads: none once its ramp is over, nor in a static solution.
+Vec3 velocityAt(const Body &body, std::size_t f, double t, const Vec3 &X) {
+  const RestState &rest = body.rest();
+  const Fix &fix = rest.conditions.fixes[f];
+  if (body.quasiStatic || !(t < fix.ramp)) return Vec3::Zero();
+  return motionRate(fix, rest.conditions.held[f], rest.origin, body.factor(fix.ramp, t), X) / fix.ramp;
+}
+
 }  // namespace
 
 Surface detail::restSurface(const RestState &rest) {
@@ -38,10 +46,7 @@ std::optional<SupportedMotion> Body::supportAt(const Vec3 &X) const {
   if (found == conditions.fixes.end()) return std::nullopt;
   const auto f = static_cast<std::size_t>(found - conditions.fixes.begin());
   SupportedMotion out{supportMotion(f), Vec3::Zero()};
-  if (!quasiStatic && state_.supportTime && *state_.supportTime < found->ramp)
-    out.velocity = motionRate(*found, conditions.held[f], rest_->origin, factor(found->ramp, *state_.supportTime),
-                              X - rest_->origin) /
-                   found->ramp;
+  if (state_.supportTime) out.velocity = velocityAt(*this, f, *state_.supportTime, X - rest_->origin);
   return out;
 }
 
@@ -52,16 +57,16 @@ void Body::findWhatSupportsHold() {
   if (!rest_->referenceShift.empty()) return;
   const std::vector<Fix> &fixes = rest_->conditions.fixes;
   std::vector<std::uint8_t> isHeld(rest_->surfels.count(), 0);
-  for (std::size_t f = 0; f < fixes.size(); ++f)
+  for (std::size_t f = 0; f < fixes.size(); ++f) {
     for (std::size_t s = 0; s < isHeld.size(); ++s)
       if (isHeld[s] == 0 && contains(fixes[f].region, rest_->origin + rest_->surfels.position(s, rest_->positions))) {
         isHeld[s] = 1;
         heldSurfels_.push_back({static_cast<Index>(s), static_cast<Index>(f)});
       }
-  for (std::size_t f = 0; f < fixes.size(); ++f)
     for (std::size_t i = 0; i < rest_->phyxelCount(); ++i)
       if (signedDistance(fixes[f].region, rest_->origin + rest_->positions[i]) <= rest_->spacing)
         nearSupports_.push_back({static_cast<Index>(i), static_cast<Index>(f)});
+  }
 }
 
 namespace {
@@ -100,22 +105,13 @@ void Body::placeHeldSurfels(std::span<Vec3f> positions, std::span<Vec3f> normals
 
 void Body::placeHeld(double t, bool rates) {
   state_.supportTime = t;
-  const BoundaryConditions &conditions = rest_->conditions;
   Index present = StencilSet::kNoFrame;
   RigidMotion motion;
   for (const HeldPhyxel &held : heldPhyxels_) {
-    const Fix &fix = conditions.fixes[held.fix];
-    const double s = factor(fix.ramp, t);
-    if (held.fix != present) {
-      motion = motionAt(fix, conditions.held[held.fix], rest_->origin, s);
-      present = held.fix;
-    }
+    if (held.fix != present) motion = supportMotion(present = held.fix);
     const Vec3 X = firstReference(held.phyxel);
     state_.displacements[held.phyxel] = motion.displacementOf(X) - (rest_->positions[held.phyxel] - X);
-    if (!rates) continue;
-    const bool moving = fix.ramp > 0.0 && t < fix.ramp && !quasiStatic;
-    state_.velocities[held.phyxel] =
-        moving ? Vec3(motionRate(fix, conditions.held[held.fix], rest_->origin, s, X) / fix.ramp) : Vec3(Vec3::Zero());
+    if (rates) state_.velocities[held.phyxel] = velocityAt(*this, held.fix, t, X);
   }
 }
 

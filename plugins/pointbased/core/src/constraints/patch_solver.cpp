@@ -14,8 +14,8 @@ namespace {
 // that are stable (kStepSafety).
 constexpr double kMild = 0.3;
 
-/// A = Pᵀ L D Lᵀ P. A solution takes as long as the reading of L: it is read once for three right sides, in float, since
-/// the next step corrects what rounding leaves.
+/// A = Pᵀ L D Lᵀ P. A solution takes as long as the reading of L: it is read once for three right sides, in float,
+/// since the next step corrects what rounding leaves.
 class Factor {
  public:
   void compute(const Eigen::SparseMatrix<double> &A) {

@@ -12,9 +12,9 @@ namespace pointbased::detail {
 /// Spacings: what of one skin is farther apart does not touch in a step.
 inline constexpr double kNearOfSelf = 0.13;
 
-/// Candidate pairs for contact of a skin with itself, for several steps at once: those patches that come near each other
-/// within a horizon if every vertex keeps its velocity. The list serves until vertices have deviated from that so far
-/// that other patches may meet.
+/// Candidate pairs for contact of a skin with itself, for several steps at once: those patches that come near each
+/// other within a horizon if every vertex keeps its velocity. The list serves until vertices have deviated from that so
+/// far that other patches may meet.
 /// @threads one
 class SkinForecast {
  public:

@@ -120,16 +120,16 @@ void SkinPair::measureExactly() {
   went_ += (means[0] - means[1]).norm();
 }
 
-// The same for what is listed, since it was gathered.
-void SkinPair::measureListed(bool hasGathered) {
+// The same for what is gathered, since then.
+void SkinPair::measureGathered(bool hasGathered) {
   std::array<Vec3, 2> means{Vec3::Zero(), Vec3::Zero()};
   double goes = 0.0, moved = 0.0;
   for (std::size_t s = 0; s < 2; ++s) {
     MovingSkin &skin = *sides_[s].skin;
     if (hasGathered) (void)skin.wentSince(sinceGathered_.from[s], means[s]);
     double farthest = 0.0, fastest = 0.0;
-    for (std::size_t k = 0; k < listedVertices_[s].size(); ++k) {
-      const Index v = listedVertices_[s][k];
+    for (std::size_t k = 0; k < gatheredOf_[s].size(); ++k) {
+      const Index v = gatheredOf_[s][k];
       fastest = std::max(fastest, (dt_ * skin.velocity(v) - skin.meanGoes()).squaredNorm());
       if (hasGathered) farthest = std::max(farthest, (skin.position(v) - gatheredAt_[s][k] - means[s]).squaredNorm());
     }
@@ -201,7 +201,7 @@ void SkinPair::find(double dt, bool again) {
   moved_ = hasGathered && slack_ > 0.0 && !listed_.empty() ? sinceGathered_.since(*this) : 0.0;
   const auto isCalm = [this] { return goes_ <= kCalm * kSlack * spacing_; };
   if (!isSelf() && !listed_.empty() && (!isCalm() || moved_ + goes_ > slack_))
-    measureListed(hasGathered && slack_ > 0.0);
+    measureGathered(hasGathered && slack_ > 0.0);
   if (!hasGathered || !(slack_ > 0.0 && moved_ + goes_ <= slack_)) {
     moved_ = 0.0;
     slack_ = isCalm() ? kSlack * spacing_ : 0.0;
@@ -210,7 +210,7 @@ void SkinPair::find(double dt, bool again) {
       sinceGathered_.begin(*this);
       for (std::size_t s = 0; s < 2; ++s) {
         gatheredAt_[s].clear();
-        for (const Index v : listedVertices_[s]) gatheredAt_[s].push_back(sides_[s].skin->position(v));
+        for (const Index v : gatheredOf_[s]) gatheredAt_[s].push_back(sides_[s].skin->position(v));
       }
     }
   }
@@ -248,9 +248,10 @@ void SkinPair::list(double reach) {
     isListed_.assign(sides_[s].skin->skin().count(), 0);
     for (const NearPatches &pair : listed_)
       for (const Index v : patches[s == 0 ? pair.first : pair.second].corners) isListed_[v] = 1;
-    listedVertices_[s].clear();
+    gatheredOf_[s].clear();
     for (Index v = 0; v < isListed_.size(); ++v)
-      if (isListed_[v] != 0) listedVertices_[s].push_back(v);
+      if (isListed_[v] != 0) gatheredOf_[s].push_back(v);
+    listedCount_[s] = gatheredOf_[s].size();
   }
   if (isFirst_)
     for (const std::size_t side : {0, 1}) findInside(side);
@@ -303,6 +304,7 @@ void SkinPair::gatherNear() {
   std::sort(near_.begin(), near_.end(), before);
   if (!isSelf()) {
     const std::size_t had = near_.size();
+    for (const std::size_t s : {0, 1}) gatheredOf_[s].resize(listedCount_[s]);
     for (const bool ofSecond : {false, true}) addDeep(ofSecond);
     if (near_.size() > had) std::sort(near_.begin(), near_.end(), before);
   }
@@ -333,6 +335,8 @@ void SkinPair::addDeep(bool ofSecond) {
     const Vec3 x = own.position(v);
     const Index t = nearestTriangle(other, x);
     near_.push_back({v, t, ofSecond});
+    gatheredOf_[ofSecond ? 1 : 0].push_back(v);
+    for (const Index corner : other.skin().triangles[t]) gatheredOf_[ofSecond ? 0 : 1].push_back(corner);
   }
 }
 

@@ -165,7 +165,7 @@ class SkinPair {
 
   [[nodiscard]] bool isSelf() const { return sides_[0].skin == sides_[1].skin; }
   void measureExactly();
-  void measureListed(bool hasGathered);
+  void measureGathered(bool hasGathered);
   void keepList();
   bool renewList();
   bool renewForecast();
@@ -223,8 +223,10 @@ class SkinPair {
   Travel sinceList_, sinceGathered_, sinceFound_;
   double servesFor_ = 0.0;                     // m, that both may go since found
   std::array<std::vector<Vec3>, 2> listedAt_;  // [sides][vertices] m, places then
-  // Of patches on the list: vertices, and where they were when places were gathered, m
-  std::array<std::vector<Index>, 2> listedVertices_;
+  // Vertices of what is gathered: those of patches on the list, then those of places deep inside; and where they were
+  // then, m
+  std::array<std::vector<Index>, 2> gatheredOf_;
+  std::array<std::size_t, 2> listedCount_{};  // [sides] of them: of the list
   std::array<std::vector<Vec3>, 2> gatheredAt_;
   double listReach_ = 0.0;            // m
   double went_ = 0.0, goes_ = 0.0;    // m, of both together: since it was listed, and in this step

@@ -58,9 +58,8 @@ std::string whatWouldFit(const Body &body, Integrator integrator, const Effort &
   if (isExplicit && explicitTime < kLittle * effort.budget)
     return text + "was not done after " + number(effort.budget, 2) + " s, though its forces take only " +
            number(explicitTime, 2) + " s for a step of " + number(dt) + " s" + measured +
-           ": the rest is contact, or a busy machine. Longer edges of the surfaces (edge_length), no contact where "
-           "it " +
-           "does not matter (contact.pair, contact.self), or a larger solver.step_budget would fit";
+           ": the rest is contact, or a busy machine. Longer edges of the surfaces (edge_length), no contact where " +
+           "it does not matter (contact.pair, contact.self), or a larger solver.step_budget would fit";
   if (isExplicit)
     return text + "would take " + number(explicitTime, 2) + " s for a step of " + number(dt) + " s" + measured +
            "; solver.dt = " + number(dt * std::min(0.5, goal / explicitTime), 2) +
