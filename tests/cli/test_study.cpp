@@ -130,6 +130,17 @@ TEST_CASE("A study leaves tables, a report and a diagram of each case, with the 
   CHECK(pointsIn(folder / "one") == 11);
   for (const auto &entry : fs::directory_iterator(folder / "one" / "work")) CHECK(entry.path().extension() == ".csv");
 
+  // What an earlier run gave stands beside; what was never run is refused before anything runs.
+  const auto compared = study(file, folder / "two", {"--resume", "--compare", (folder / "one").string()});
+  CHECK(compared.exitCode == 0);
+  CHECK_THAT(compared.output, Contains(" times the cost of before (median)"));
+  CHECK(errorsIn(folder / "one") == errorsIn(folder / "two"));
+  CHECK_THAT(readFile(folder / "two" / "overview.svg"), Contains("before: "));
+  const auto nowhere = study(file, folder / "three", {"--compare", (folder / "none").string()});
+  CHECK(nowhere.exitCode == 3);
+  CHECK_THAT(nowhere.errorOutput, Contains("study.json") && Contains("is not there"));
+  CHECK_FALSE(fs::exists(folder / "three"));
+
   // Once more is nothing to do; a study that differs is another one.
   const auto resumed = study(file, folder / "one", {"--resume"});
   CHECK(resumed.exitCode == 0);

@@ -35,6 +35,8 @@ class Diagram {
     frame();
     band();
     front();
+    for (std::size_t i = 0; i < curves_.size(); ++i)
+      out_ += EarlierCurve(outcome_, curves_[i], percent_).draw(x_, y_, colourOf(i));
     for (std::size_t i = 0; i < curves_.size(); ++i) curve(i);
     for (std::size_t i = 0; i < curves_.size(); ++i) marks(i);
     for (std::size_t i = 0; i < curves_.size(); ++i) labels(i);
@@ -107,12 +109,17 @@ void Diagram::head() {
 
 void Diagram::scale() {
   std::vector<double> costs, errors;
-  for (const Curve &curve : curves_)
+  for (const Curve &curve : curves_) {
     for (const std::size_t p : curve.points)
       if (isDrawn(p)) {
         costs.insert(costs.end(), {outcome_.points[p].cost->cheapest, outcome_.points[p].cost->dearest});
         errors.push_back(percent_ * *outcome_.points[p].errors.quantity);
       }
+    if (!of_.truth) continue;
+    const EarlierCurve before(outcome_, curve, percent_);
+    costs.insert(costs.end(), before.costs().begin(), before.costs().end());
+    errors.insert(errors.end(), before.errors().begin(), before.errors().end());
+  }
   const double bar = of_.truth ? percent_ * of_.truth->bar : 0.0;
   double least = std::numeric_limits<double>::infinity();
   for (const double error : errors)
@@ -293,6 +300,11 @@ void Diagram::legend() {
   y += kRow - 2;
   out_ += fmt::format("<path d=\"M{} {:.1f}h16\" stroke=\"{}\" stroke-width=\"1.2\"/>\n", kLegendLeft, y, kQuiet) +
           textAt(kLegendLeft + 23, y + 4, "range of the repeats", quiet);
+  if (outcome_.earlier) {
+    y += kRow - 2;
+    out_ +=
+        earlierSample(kLegendLeft, y) + textAt(kLegendLeft + 23, y + 4, escaped(shownName(*outcome_.earlier)), quiet);
+  }
   if (!common_.empty()) {
     y += kRow - 2;
     out_ += textAt(kLegendLeft + 8, y + 4, "8", quiet + " text-anchor=\"middle\"") +

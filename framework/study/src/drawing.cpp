@@ -75,6 +75,41 @@ std::string frontPath(std::vector<std::array<double, 2>> points, double top, dou
       right);
 }
 
+EarlierCurve::EarlierCurve(const Outcome &outcome, const Curve &curve, double percent) {
+  for (const std::size_t p : curve.points)
+    if (outcome.earlier && outcome.earlier->points[p]) {
+      costs_.push_back(outcome.earlier->points[p]->cost_ms);
+      errors_.push_back(percent * outcome.earlier->points[p]->error);
+    }
+}
+
+std::string EarlierCurve::draw(const Axis &x, const Axis &y, const std::string &colour) const {
+  std::string path, dots;
+  for (std::size_t i = 0; i < costs_.size(); ++i) {
+    path += fmt::format("{}{:.1f} {:.1f}", i == 0 ? "M" : "L", x.at(costs_[i]), y.at(errors_[i]));
+    dots += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2\" fill=\"{}\"/>\n", x.at(costs_[i]),
+                        y.at(errors_[i]), colour);
+  }
+  if (path.empty()) return {};
+  return fmt::format("<path d=\"{}\" stroke=\"{}\" stroke-width=\"1.2\" stroke-dasharray=\"3 3\" fill=\"none\"/>\n",
+                     path, colour) +
+         dots;
+}
+
+std::string earlierSample(double x, double y) {
+  return fmt::format(
+      "<path d=\"M{0:.1f} {1:.1f}h16\" stroke=\"{2}\" stroke-width=\"1.2\" stroke-dasharray=\"3 3\"/>\n"
+      "<circle cx=\"{3:.1f}\" cy=\"{1:.1f}\" r=\"2\" fill=\"{2}\"/>\n",
+      x, y, kQuiet, x + 8);
+}
+
+std::string shownName(const EarlierRun &run) {
+  std::string text = "before";
+  for (const std::string &part : {run.version, run.date})
+    if (!part.empty()) text += (text == "before" ? ": " : ", ") + part;
+  return text;
+}
+
 std::vector<std::size_t> looksOf(const Study &study, const Plan &plan, const std::vector<Curve> &curves) {
   std::vector<std::string> labels;
   for (std::size_t c = 0; c < study.cases.size(); ++c)

@@ -86,6 +86,22 @@ struct Rectangle {
 /// one gets for a cost.
 [[nodiscard]] std::string frontPath(std::vector<std::array<double, 2>> points, double top, double right);
 
+/// The points of a curve that an earlier run has: small, joined by dashes.
+class EarlierCurve {
+ public:
+  EarlierCurve(const Outcome &outcome, const Curve &curve, double percent);
+  [[nodiscard]] const std::vector<double> &costs() const { return costs_; }
+  [[nodiscard]] const std::vector<double> &errors() const { return errors_; }
+  [[nodiscard]] std::string draw(const Axis &x, const Axis &y, const std::string &colour) const;
+
+ private:
+  std::vector<double> costs_, errors_;
+};
+/// A sample of its line, 16 wide.
+[[nodiscard]] std::string earlierSample(double x, double y);
+/// "before: 0.9.0, 2026-11-24"
+[[nodiscard]] std::string shownName(const EarlierRun &run);
+
 /// Of each curve the number of its label among those of the whole study, so that one class of points looks alike in all
 /// cases.
 [[nodiscard]] std::vector<std::size_t> looksOf(const Study &study, const Plan &plan, const std::vector<Curve> &curves);

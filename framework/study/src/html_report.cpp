@@ -80,14 +80,16 @@ std::string tableHtml(const Study &study, const Plan &plan, const Outcome &outco
         }))
       columns.push_back(&column);
   const bool hasValue = !study.cases[c].quantity.isField();
+  const std::string costUnit = outcome.cases[c].hasTime ? "ms/s" : "ms";
   std::string text = "<div class=\"scroll\"><table>\n<thead><tr>" + heading("point", "&nbsp;");
   if (hasValue) text += heading("value", escaped(unit));
   text += heading("error", isMillimetres ? "mm" : "%");
   for (const Column *column : columns) text += heading(column->title, column->unit);
-  text += heading("cost", outcome.cases[c].hasTime ? "ms/s" : "ms") + heading("range", "least … most") +
-          heading("step", "median, ms") + heading("step", "99 %, ms") + heading("step", "max, ms") +
-          heading("CPU", "s") + "</tr></thead>\n<tbody>\n";
-  const std::size_t width = columns.size() + (hasValue ? 9 : 8);
+  text += heading("cost", costUnit) + heading("range", "least … most") + heading("step", "median, ms") +
+          heading("step", "99 %, ms") + heading("step", "max, ms") + heading("CPU", "s");
+  if (outcome.earlier) text += heading("before", isMillimetres ? "mm" : "%") + heading("before", costUnit);
+  text += "</tr></thead>\n<tbody>\n";
+  const std::size_t width = columns.size() + (hasValue ? 9 : 8) + (outcome.earlier ? 2 : 0);
   for (const Curve &curve : curves) {
     if (curves.size() > 1)
       text += fmt::format("<tr class=\"group\"><td colspan=\"{}\">{}</td></tr>\n", width, escaped(curve.label));
@@ -106,7 +108,13 @@ std::string tableHtml(const Study &study, const Plan &plan, const Outcome &outco
       const Cost &cost = *point.cost;
       text += cell(cost.median, 1.0) + "<td>" + threeDigits(cost.cheapest) + " … " + threeDigits(cost.dearest) +
               "</td>" + cell(cost.stepMedian_ms, 1.0) + cell(cost.step99_ms, 1.0) + cell(cost.stepMax_ms, 1.0) +
-              cell(cost.cpu_s, 1.0) + "</tr>\n";
+              cell(cost.cpu_s, 1.0);
+      if (outcome.earlier) {
+        const auto &before = outcome.earlier->points[p];
+        text += before ? cell(before->error, isMillimetres ? 1.0 : 100.0) + cell(before->cost_ms, 1.0)
+                       : std::string("<td>–</td><td>–</td>");
+      }
+      text += "</tr>\n";
     }
   }
   return text + "</tbody></table></div>\n";
@@ -164,7 +172,10 @@ std::string reportOf(const Study &study, const Plan &plan, const Program &progra
           row("Study", study.source.filename().string() + ", seed " + std::to_string(study.seed) + ", " +
                            std::to_string(study.repeat) + (study.repeat == 1 ? " timed run" : " timed runs") +
                            " of each point") +
-          row("Date", outcome.date) + "</dl>\n";
+          row("Date", outcome.date);
+  if (const auto &earlier = outcome.earlier)
+    text += row("Compared with", "c3de " + earlier->version + ", " + earlier->date + ", " + earlier->cpu);
+  text += "</dl>\n";
   if (study.cases.size() > 1) text += "<figure>\n" + overviewOf(study, plan, outcome) + "</figure>\n";
   for (std::size_t c = 0; c < study.cases.size(); ++c) text += caseHtml(study, plan, outcome, c);
   return text + "</body>\n</html>\n";

@@ -73,6 +73,10 @@ std::vector<Setting> settingsOf(const LeverValue &value, const std::vector<std::
   return out;
 }
 
+std::string withoutQuotes(const std::string &value) {
+  return value.size() >= 2 && value.front() == '"' ? value.substr(1, value.size() - 2) : value;
+}
+
 std::string shownValue(const LeverValue &value) {
   std::string text = value.value;
   if (text.size() >= 2 && text.front() == '"') return text.substr(1, text.size() - 2);

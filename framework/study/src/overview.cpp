@@ -25,6 +25,8 @@ class Panel {
     scale();
     frame();
     front();
+    for (std::size_t i = 0; i < curves_.size(); ++i)
+      out_ += EarlierCurve(outcome_, curves_[i], percent_).draw(x_, y_, colourOf(i));
     for (std::size_t i = 0; i < curves_.size(); ++i) line(i);
     for (std::size_t i = 0; i < curves_.size(); ++i) marks(i);
     failures();
@@ -61,12 +63,16 @@ class Panel {
 
 void Panel::scale() {
   std::vector<double> costs, errors;
-  for (const Curve &curve : curves_)
+  for (const Curve &curve : curves_) {
     for (const std::size_t p : curve.points)
       if (isDrawn(p)) {
         costs.push_back(outcome_.points[p].cost->median);
         errors.push_back(percent_ * *outcome_.points[p].errors.quantity);
       }
+    const EarlierCurve before(outcome_, curve, percent_);
+    costs.insert(costs.end(), before.costs().begin(), before.costs().end());
+    errors.insert(errors.end(), before.errors().begin(), before.errors().end());
+  }
   x_.from = kPlotLeft;
   x_.to = kPlotRight;
   y_.from = kPlotBottom;
@@ -157,8 +163,8 @@ std::vector<std::vector<Curve>> sharedCurves(const Study &study, const Plan &pla
 }
 
 /// In rows as wide as the picture. @return where they end
-double addLegend(const Study &study, const Plan &plan, const std::vector<std::vector<Curve>> &all, double width,
-                 double y, std::string &out) {
+double addLegend(const Study &study, const Plan &plan, const Outcome &outcome,
+                 const std::vector<std::vector<Curve>> &all, double width, double y, std::string &out) {
   const std::string quiet = fmt::format("fill=\"{}\"", kQuiet);
   double x = kMargin + kPlotLeft;
   const auto place = [&](const std::string &text) {
@@ -192,6 +198,11 @@ double addLegend(const Study &study, const Plan &plan, const std::vector<std::ve
   at = place("uncertainty of the reference");
   out += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"16\" height=\"10\" fill=\"{}\"/>\n", at, y - 5, kBand) +
          textAt(at + 23, y + 4, "uncertainty of the reference", quiet);
+  if (outcome.earlier) {
+    const std::string name = shownName(*outcome.earlier);
+    at = place(name);
+    out += earlierSample(at, y) + textAt(at + 23, y + 4, escaped(name), quiet);
+  }
   return y + kRow;
 }
 
@@ -208,7 +219,7 @@ std::string overviewOf(const Study &study, const Plan &plan, const Outcome &outc
         "<g transform=\"translate({} {})\">\n{}</g>\n", kMargin + kPanel * static_cast<double>(c % columns),
         kHeadline + kPanelHeight * static_cast<double>(c / columns), Panel(study, plan, outcome, c, all[c]).draw());
   const double height =
-      addLegend(study, plan, all, width, kHeadline + kPanelHeight * static_cast<double>(rows) + 14, panels);
+      addLegend(study, plan, outcome, all, width, kHeadline + kPanelHeight * static_cast<double>(rows) + 14, panels);
   return fmt::format(
              "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "
              "role=\"img\" "

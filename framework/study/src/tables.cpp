@@ -20,10 +20,6 @@ std::vector<std::string> leversOf(const Plan &plan) {
   return names;
 }
 
-std::string withoutQuotes(const std::string &value) {
-  return value.size() >= 2 && value.front() == '"' ? value.substr(1, value.size() - 2) : value;
-}
-
 /// Every error with its column and unit.
 struct Column {
   const char *name;
@@ -75,7 +71,7 @@ std::string tableOf(const Study &study, const Plan &plan, const Outcome &outcome
   for (const Column &column : kErrors) text += std::string(",") + column.name;
   text += ",below_bar,steps,time_s,dt_s,integrated_by,state_hash";
   for (const CostColumn &column : kCosts) text += std::string(",") + column.name;
-  text += ",on_front\n";
+  text += outcome.earlier ? ",on_front,earlier_error,earlier_cost_ms\n" : ",on_front\n";
   for (std::size_t p = 0; p < plan.points.size(); ++p) {
     const Point &point = plan.points[p];
     const PointOutcome &is = outcome.points[p];
@@ -98,6 +94,10 @@ std::string tableOf(const Study &study, const Plan &plan, const Outcome &outcome
       for (std::size_t i = 0; i < std::size(kCosts); ++i) text += ',';
       text += ',';
     }
+    if (outcome.earlier) {
+      const auto &before = outcome.earlier->points[p];
+      text += before ? ',' + formatNumber(before->error) + ',' + formatNumber(before->cost_ms) : ",,";
+    }
     text += '\n';
   }
   return text;
@@ -113,6 +113,8 @@ std::string jsonOf(const Study &study, const Plan &plan, const Program &program,
             {"seed", study.seed},
             {"repeat", study.repeat},
             {"cases", Json::array()}};
+  if (const auto &earlier = outcome.earlier)
+    json["compared_with"] = {{"version", earlier->version}, {"date", earlier->date}, {"cpu", earlier->cpu}};
   for (std::size_t c = 0; c < study.cases.size(); ++c) {
     const CaseOutcome &of = outcome.cases[c];
     Json one{{"name", study.cases[c].name},
@@ -145,6 +147,9 @@ std::string jsonOf(const Study &study, const Plan &plan, const Program &program,
         for (const CostColumn &column : kCosts) row[column.name] = (*is.cost).*column.of;
         row["on_front"] = is.isOnFront;
       }
+      if (outcome.earlier && outcome.earlier->points[p])
+        row["earlier"] = {{"error", outcome.earlier->points[p]->error},
+                          {"cost_ms", outcome.earlier->points[p]->cost_ms}};
       one["points"].push_back(std::move(row));
     }
     json["cases"].push_back(std::move(one));

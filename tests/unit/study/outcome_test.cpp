@@ -271,3 +271,58 @@ TEST_CASE("A task comes back from its text as it was") {
   CHECK_FALSE(Task::fromText("{\"id\": 3}"));
   CHECK_FALSE(Task::fromText("half"));
 }
+
+TEST_CASE("A study that was run before is told beside, point by point") {
+  Fixture f(studyText());
+  f.result(0, {0.2}, -0.4);
+  f.result(1, {0.4}, -0.49);
+  const std::filesystem::path folder = testOutputFolder();
+  const auto write = [&](const std::string &text) { std::ofstream(folder / "study.json") << text; };
+  // The same study, a finer grid, times twice and four times as long.
+  Fixture before(studyText("{ probe = \"tip\", component = \"z\" }",
+                           "value = -0.5\nuncertainty = 0.01\nkind = \"formula\"\nsource = \"a book\"",
+                           "[[grid]]\nspacing = [0.05, 0.1, 0.025]\n"));
+  before.result(0, {1.6}, -0.45);
+  before.result(1, {0.4}, -0.35);
+  before.result(2, {3.2}, -0.499);
+  write(jsonOf(before.study, before.plan, {"c3de", "0.8", "b"}, before.outcome()));
+
+  Outcome outcome = f.outcome();
+  CHECK_FALSE(costRatio(f.plan, outcome, 0));
+  const std::string alone = diagramOf(f.study, f.plan, outcome, 0);
+  const auto earlier = loadEarlierRun(folder, f.study, f.plan);
+  REQUIRE(earlier);
+  CHECK(earlier->version == "0.8");
+  outcome.earlier = *earlier;
+  CHECK_THAT(outcome.earlier->points[0]->error, WithinRel(0.3, 1e-12));
+  CHECK_THAT(outcome.earlier->points[1]->cost_ms, WithinRel(800.0, 1e-12));
+  CHECK_THAT(costRatio(f.plan, outcome, 0).value(), WithinRel(0.5 * (0.5 + 0.25), 1e-12));
+
+  const auto rows = rowsOf(tableOf(f.study, f.plan, outcome));
+  for (const auto &row : rows) REQUIRE(row.size() == rows[0].size());
+  CHECK(rows[0][rows[0].size() - 2] == "earlier_error");
+  CHECK_THAT(std::stod(rows[1].back()), WithinRel(200.0, 1e-12));
+  CHECK(Json::parse(jsonOf(f.study, f.plan, {"c3de", "1", "b"}, outcome))["compared_with"]["version"] == "0.8");
+  CHECK_THAT(reportOf(f.study, f.plan, {"c3de", "1", "b"}, outcome), Contains("Compared with") && Contains("30.0"));
+  // Dashes between two places within the frame, in every picture.
+  CHECK(alone.find("stroke-dasharray=\"3 3\"") == std::string::npos);
+  for (const std::string &picture : {diagramOf(f.study, f.plan, outcome, 0), overviewOf(f.study, f.plan, outcome)}) {
+    CHECK_THAT(picture, Contains("before: 0.8, "));
+    CHECK(picture.find("r=\"2\"") != picture.rfind("r=\"2\""));
+    CHECK(picture.find("nan") == std::string::npos);
+  }
+
+  // What failed before has no place, and what is no study, or another one, is said.
+  before.results["id0"] = Result::failed("id0", "diverged", "far");
+  write(jsonOf(before.study, before.plan, {"c3de", "0.8", "b"}, before.outcome()));
+  CHECK_FALSE(loadEarlierRun(folder, f.study, f.plan).value().points[1]);
+  before.study.cases[0].name = "other";
+  write(jsonOf(before.study, before.plan, {"c3de", "0.8", "b"}, before.outcome()));
+  CHECK(loadEarlierRun(folder, f.study, f.plan).error().code == ErrorCode::usage);
+  for (const char *text : {"{", "[]", "{\"cases\": 3}", "{\"cases\": [3, {\"name\": \"beam\", \"points\": 3}]}"}) {
+    write(text);
+    INFO(text);
+    CHECK_FALSE(loadEarlierRun(folder, f.study, f.plan));
+  }
+  CHECK_THAT(loadEarlierRun(folder / "nowhere", f.study, f.plan).error().message, Contains("is not there"));
+}

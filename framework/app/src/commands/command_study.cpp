@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 
 #include "c3de/core/log.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
 #include "c3de/session/interrupt.h"
+#include "c3de/study/report.h"
 #include "c3de/study/study_run.h"
 #include "commands/command_line.h"
 #include "commands/commands.h"
@@ -21,7 +23,7 @@ namespace c3de::app {
 namespace {
 
 struct StudyArguments {
-  std::filesystem::path study, folder;
+  std::filesystem::path study, folder, earlier;
   bool resume = false, quiet = false;
 };
 
@@ -60,8 +62,11 @@ void printSummary(const study::Study &study, const study::Plan &plan, const stud
       if (!outcome.points[p].failure.empty()) ++failed;
       if (outcome.points[p].isOnFront) ++front;
     }
-    printOut(fmt::format("{}: {} points, {} on the front{}\n", study.cases[c].name, points, front,
-                         failed > 0 ? fmt::format(", {} failed", failed) : ""));
+    const auto ratio = study::costRatio(plan, outcome, c);
+    printOut(
+        fmt::format("{}: {} points, {} on the front{}{}\n", study.cases[c].name, points, front,
+                    failed > 0 ? fmt::format(", {} failed", failed) : "",
+                    ratio ? fmt::format(", {} times the cost of before (median)", study::threeDigits(*ratio)) : ""));
   }
   printOut(fmt::format("{}\n", pathText(folder / "report.html")));
 }
@@ -83,6 +88,12 @@ int run(const StudyArguments &arguments, const CommandLine &line) {
   const auto plan = study::planStudy(*study, **session, *program, line.threads.value_or(1));
   if (!plan) return reportError(plan.error());
   session->reset();  // from here on runs are others' processes
+  std::optional<study::EarlierRun> earlier;
+  if (!arguments.earlier.empty()) {
+    auto loaded = study::loadEarlierRun(arguments.earlier, *study, *plan);
+    if (!loaded) return reportError(loaded.error());
+    earlier = std::move(*loaded);
+  }
   const auto folder = study::StudyFolder::open(arguments.folder, *study, *plan, arguments.resume);
   if (!folder) return reportError(folder.error());
 
@@ -91,8 +102,9 @@ int run(const StudyArguments &arguments, const CommandLine &line) {
       line.ranks != nullptr ? line.ranks->workers(study->jobs.value_or(line.ranks->count()))
                             : std::make_unique<study::LocalWorkers>(study::jobsFor(*study, *plan));
   const study::StudyOptions options{pluginOptions(line, *study), arguments.quiet};
-  const auto outcome = study::runStudy(*study, *plan, *program, *folder, options, *workers);
+  auto outcome = study::runStudy(*study, *plan, *program, *folder, options, *workers);
   if (!outcome) return reportError(outcome.error());
+  outcome->earlier = std::move(earlier);
   if (const auto written = study::writeOutputs(*study, *plan, *program, *outcome, arguments.folder); !written)
     return reportError(written.error());
   if (!arguments.quiet) printSummary(*study, *plan, *outcome, arguments.folder);
@@ -110,6 +122,8 @@ Handler declare(CLI::App &app, CommandLine &line) {
          "STUDY", [arguments](const std::string &text) { arguments->study = text; }, "What to run (.toml)")
       ->required();
   addFile(app, "--out", arguments->folder, "FOLDER", "Where results and report go: a new or empty folder")->required();
+  addFile(app, "--compare", arguments->earlier, "FOLDER",
+          "Draw and tell what this study gave before, in another folder: by an earlier build, on another machine");
   app.add_flag("--resume", arguments->resume, "Go on with the study in the folder; what is done is not run again");
   app.add_flag("-q,--quiet", arguments->quiet, "Say nothing but errors");
   addSessionOptions(app, line);

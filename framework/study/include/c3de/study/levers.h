@@ -21,6 +21,9 @@ struct LeverValue {
 /// @param bodies  names of those that deform: levers of sampling and material are of all of them
 [[nodiscard]] std::vector<Setting> settingsOf(const LeverValue &value, const std::vector<std::string> &bodies);
 
+/// The text of a value: what stands between its quotes, or all of it.
+[[nodiscard]] std::string withoutQuotes(const std::string &value);
+
 /// For people: "10 mm" of spacing = 0.01, "stvk" of law, the value as it is of a path.
 [[nodiscard]] std::string shownValue(const LeverValue &value);
 /// "spacing 10 mm, law stvk"

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "c3de/study/earlier_run.h"
 #include "c3de/study/errors.h"
 #include "c3de/study/plan.h"
 
@@ -41,7 +42,11 @@ struct Outcome {
   std::vector<PointOutcome> points;  ///< as in the plan
   std::string cpu, host, date;       ///< where and when
   unsigned processors = 0;
+  std::optional<EarlierRun> earlier;  ///< drawn and told beside
 };
+
+/// What the points of a case cost by what they cost in the earlier run: the median; empty: none is in both.
+[[nodiscard]] std::optional<double> costRatio(const Plan &plan, const Outcome &outcome, std::size_t ofCase);
 
 /// @param samples  of each case; empty where fields are not compared
 /// @param results  by the id of a point
