@@ -69,7 +69,7 @@ std::shared_ptr<const ContactSkin> foldedSheet(int n, double edge, double gap) {
     binding.weights.push_back(1.0);
     binding.gradients.push_back(Vec3::Zero());
   }
-  return makeContactSkin(std::move(binding), std::move(triangles), 1e9, {}, {});
+  return makeContactSkin(std::move(binding), std::move(triangles), {1e9}, {}, {});
 }
 
 void sheets() {

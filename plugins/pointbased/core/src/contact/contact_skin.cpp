@@ -16,89 +16,7 @@ namespace {
 using Triangle = std::array<Index, 3>;
 
 constexpr Index kPatch = 6;        // triangles in one
-constexpr int kMostRounds = 8;     // halvings of an edge
 constexpr double kCrushed = 0.02;  // of a volume
-
-std::pair<Index, Index> ordered(Index a, Index b) { return a < b ? std::pair(a, b) : std::pair(b, a); }
-
-// Halves the edges that are too long, in both triangles that share one, so that no gap opens.
-void divideLongEdges(std::vector<Vec3> &points, std::vector<Triangle> &triangles, double longest) {
-  for (int round = 0; round < kMostRounds; ++round) {
-    std::map<std::pair<Index, Index>, Index> middles;
-    const auto isLong = [&](Index a, Index b) { return (points[a] - points[b]).norm() > longest * (1.0 + 1e-9); };
-    for (const Triangle &t : triangles)
-      for (std::size_t k = 0; k < 3; ++k)
-        if (isLong(t[k], t[(k + 1) % 3])) middles.try_emplace(ordered(t[k], t[(k + 1) % 3]), kNoTriangle);
-    if (middles.empty()) return;
-    for (auto &[edge, middle] : middles) {
-      middle = static_cast<Index>(points.size());
-      points.emplace_back(0.5 * (points[edge.first] + points[edge.second]));
-    }
-    std::vector<Triangle> divided;
-    for (const Triangle &t : triangles) {
-      std::array<Index, 3> m{};  // in the middle of the edge from corner k on
-      int halved = 0;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto found = middles.find(ordered(t[k], t[(k + 1) % 3]));
-        m[k] = found == middles.end() ? kNoTriangle : found->second;
-        halved += m[k] != kNoTriangle ? 1 : 0;
-      }
-      if (halved == 3) {
-        divided.push_back({m[0], m[1], m[2]});
-        for (std::size_t k = 0; k < 3; ++k) divided.push_back({t[k], m[k], m[(k + 2) % 3]});
-        continue;
-      }
-      if (halved == 0) {
-        divided.push_back(t);
-        continue;
-      }
-      // Turned so that the first edge is halved, and the last one is not.
-      std::size_t k = 0;
-      while (m[k] == kNoTriangle || m[(k + 2) % 3] != kNoTriangle) ++k;
-      const Index a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3], ab = m[k], bc = m[(k + 1) % 3];
-      if (halved == 1) {
-        divided.push_back({a, ab, c});
-        divided.push_back({ab, b, c});
-        continue;
-      }
-      divided.push_back({ab, b, bc});
-      // The quadrangle that is left, along its shorter diagonal.
-      if ((points[a] - points[bc]).squaredNorm() <= (points[ab] - points[c]).squaredNorm()) {
-        divided.push_back({a, ab, bc});
-        divided.push_back({a, bc, c});
-      } else {
-        divided.push_back({a, ab, c});
-        divided.push_back({ab, bc, c});
-      }
-    }
-    triangles.swap(divided);
-  }
-}
-
-// Where a surface has an edge it has a vertex for each normal; those that move alike become one, or the faces beside an
-// edge would not know each other.
-void weld(const Interpolation &vertices, double size, std::vector<Triangle> &triangles) {
-  using Key = std::vector<long long>;
-  constexpr double kSame = 1e-6;
-  std::map<Key, Index> first;
-  std::vector<Index> one(vertices.count());
-  for (std::size_t v = 0; v < vertices.count(); ++v) {
-    Key key;
-    for (int a = 0; a < 3; ++a) key.push_back(std::llround(vertices.positions[v][a] / (kSame * size)));
-    std::vector<std::pair<Index, long long>> row;
-    for (Index e = vertices.phyxels.offsets[v]; e < vertices.phyxels.offsets[v + 1]; ++e)
-      if (const long long weight = std::llround(vertices.weights[e] / kSame); weight != 0)
-        row.emplace_back(vertices.phyxels.indices[e], weight);
-    std::sort(row.begin(), row.end());
-    for (const auto &[phyxel, weight] : row) {
-      key.push_back(phyxel);
-      key.push_back(weight);
-    }
-    one[v] = first.try_emplace(std::move(key), static_cast<Index>(v)).first->second;
-  }
-  for (Triangle &t : triangles)
-    for (Index &v : t) v = one[v];
-}
 
 std::vector<Vec3> normalsOf(std::span<const Vec3> points, std::span<const Triangle> triangles) {
   std::vector<Vec3> normals(points.size(), Vec3::Zero());
@@ -110,59 +28,53 @@ std::vector<Vec3> normalsOf(std::span<const Vec3> points, std::span<const Triang
   return normals;
 }
 
-void append(const Interpolation &more, Interpolation &to) {
-  const std::size_t had = to.count(), ranked = to.frames.size();
-  const bool ranks = !to.rank.empty() || !more.rank.empty();
-  const auto shift = static_cast<Index>(to.phyxels.indices.size());
-  to.positions.insert(to.positions.end(), more.positions.begin(), more.positions.end());
-  to.phyxels.indices.insert(to.phyxels.indices.end(), more.phyxels.indices.begin(), more.phyxels.indices.end());
-  for (std::size_t p = 0; p < more.count(); ++p) to.phyxels.offsets.push_back(shift + more.phyxels.offsets[p + 1]);
-  to.weights.insert(to.weights.end(), more.weights.begin(), more.weights.end());
-  to.gradients.insert(to.gradients.end(), more.gradients.begin(), more.gradients.end());
-  if (!ranks) return;
-  to.rank.resize(had, 3);
-  to.frameOf.resize(had, StencilSet::kNoFrame);
-  for (std::size_t p = 0; p < more.count(); ++p) {
-    const int rank = rankOf(more, p);
-    to.rank.push_back(static_cast<std::uint8_t>(rank));
-    to.frameOf.push_back(rank < 3 ? static_cast<Index>(ranked + more.frameOf[p]) : StencilSet::kNoFrame);
-  }
-  to.frames.insert(to.frames.end(), more.frames.begin(), more.frames.end());
-  to.offsets.insert(to.offsets.end(), more.offsets.begin(), more.offsets.end());
-}
-
 void findEdges(ContactSkin &skin) {
-  std::map<std::pair<Index, Index>, Index> numbers;
-  skin.edgesOf.resize(skin.triangles.size());
+  struct Side {
+    std::array<Index, 2> ends;
+    Index number;  // three of each triangle
+  };
+  std::vector<Side> sides;
   for (std::size_t t = 0; t < skin.triangles.size(); ++t)
     for (std::size_t k = 0; k < 3; ++k) {
       const Index a = skin.triangles[t][k], b = skin.triangles[t][(k + 1) % 3];
-      const auto [found, isNew] = numbers.try_emplace(ordered(a, b), static_cast<Index>(skin.edges.size()));
-      if (isNew) skin.edges.push_back({{a, b}, {static_cast<Index>(t), kNoTriangle}});
-      SkinEdge &edge = skin.edges[found->second];
-      if (!isNew && edge.triangles[1] == kNoTriangle) edge.triangles[1] = static_cast<Index>(t);
-      skin.edgesOf[t][k] = found->second;
+      sides.push_back({{std::min(a, b), std::max(a, b)}, static_cast<Index>(sides.size())});
     }
+  std::sort(sides.begin(), sides.end(),
+            [](const Side &a, const Side &b) { return a.ends != b.ends ? a.ends < b.ends : a.number < b.number; });
+  // Edges are numbered as they come up, triangle by triangle.
+  std::vector<Index> firstOf(sides.size());
+  for (std::size_t k = 0; k < sides.size(); ++k)
+    firstOf[sides[k].number] =
+        k > 0 && sides[k - 1].ends == sides[k].ends ? firstOf[sides[k - 1].number] : sides[k].number;
+  skin.edgesOf.resize(skin.triangles.size());
+  std::vector<Index> edgeOf(firstOf.size());
+  for (Index s = 0; s < firstOf.size(); ++s) {
+    const Index t = s / 3, k = s % 3;
+    if (firstOf[s] == s) {
+      edgeOf[s] = static_cast<Index>(skin.edges.size());
+      skin.edges.push_back({{skin.triangles[t][k], skin.triangles[t][(k + 1) % 3]}, {t, kNoTriangle}});
+    } else if (Index &other = skin.edges[edgeOf[firstOf[s]]].triangles[1]; other == kNoTriangle) {
+      other = t;
+    }
+    skin.edgesOf[t][k] = edgeOf[firstOf[s]];
+  }
 }
 
 }  // namespace
 
 std::shared_ptr<const ContactSkin> makeContactSkin(Interpolation vertices, std::vector<Triangle> triangles,
-                                                   double longestEdge, const Binder &bind,
+                                                   const SkinResolution &resolution, const Binder &bind,
                                                    std::span<const float> maxInfluence) {
   auto skin = std::make_shared<ContactSkin>();
-  std::vector<Vec3> points = vertices.positions;
-  weld(vertices, longestEdge, triangles);
-  std::erase_if(triangles, [](const Triangle &t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
-  divideLongEdges(points, triangles, longestEdge);
-  const std::size_t had = vertices.count();
-  skin->vertices = std::move(vertices);
-  if (points.size() > had) {
-    const std::vector<Vec3> normals = normalsOf(points, triangles);
-    append(bind(std::span<const Vec3>(points).subspan(had), std::span<const Vec3>(normals).subspan(had)),
-           skin->vertices);
+  SkinSurface surface = makeSkinSurface(std::move(vertices), std::move(triangles), resolution);
+  skin->vertices = std::move(surface.points);
+  skin->triangles = std::move(surface.triangles);
+  if (!surface.added.empty()) {
+    std::vector<Vec3> points = skin->vertices.positions;
+    points.insert(points.end(), surface.added.begin(), surface.added.end());
+    const std::vector<Vec3> normals = normalsOf(points, skin->triangles);
+    append(bind(surface.added, std::span<const Vec3>(normals).subspan(skin->count())), skin->vertices);
   }
-  skin->triangles = std::move(triangles);
   findEdges(*skin);
 
   std::vector<Index> counts(skin->count(), 0);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 
+#include "contact/skin_surface.h"
 #include "pointbased/interpolation.h"
 #include "pointbased/supports.h"
 
@@ -24,8 +25,8 @@ struct SkinEdge {
 [[nodiscard]] std::vector<double> spacingsAt(const Interpolation &binding, std::span<const Vec3> phyxels,
                                              double spacing);
 
-/// Vertices, edges and triangles between which contact of skins is looked for: those that are drawn, divided where they
-/// are larger than the cells that carry them. Const.
+/// Vertices, edges and triangles between which contact of skins is looked for: those that are drawn, or fewer, divided
+/// where they are larger than the cells that carry them. Const.
 struct ContactSkin {
   Interpolation vertices;
   std::vector<std::array<Index, 3>> triangles;
@@ -52,6 +53,7 @@ class FarthestWay {
     squared_ = std::max(squared_, squared);
     weighted_ = std::max(weighted_, influence * influence * squared);
   }
+  [[nodiscard]] double ofPhyxels() const { return std::sqrt(squared_); }
   [[nodiscard]] double ofVertices(const ContactSkin &skin) const {
     if (!(squared_ > 0.0)) return 0.0;  // a gain may be infinite
     return std::min(skin.gain * std::sqrt(weighted_), skin.sum * std::sqrt(squared_));
@@ -63,12 +65,11 @@ class FarthestWay {
 };
 
 /// @param vertices      as phyxels carry those of `triangles`
-/// @param longestEdge   m: longer edges are halved until they are not
 /// @param bind          carries the points that are added
 /// @param maxInfluence  [phyxels], or empty: 1
 [[nodiscard]] std::shared_ptr<const ContactSkin> makeContactSkin(Interpolation vertices,
                                                                  std::vector<std::array<Index, 3>> triangles,
-                                                                 double longestEdge, const Binder &bind,
+                                                                 const SkinResolution &resolution, const Binder &bind,
                                                                  std::span<const float> maxInfluence);
 
 struct SkinBox {

@@ -22,7 +22,7 @@ constexpr double kTouches = 1e-6;  // spacings
 struct NearestOfBody {
   explicit NearestOfBody(const Body &body)
       : rest_(body.rest()), still_(rest_.phyxelCount(), Vec3::Zero()),
-        skin_(makeContactSkin(rest_.surfels.expanded(rest_.positions), rest_.skin, rest_.spacing, rest_.bind,
+        skin_(makeContactSkin(rest_.surfels.expanded(rest_.positions), rest_.skin, {rest_.spacing}, rest_.bind,
                               rest_.maxInfluence),
               rest_.origin, rest_.spacing) {
     skin_.move(still_, still_, rest_.maxInfluence, 0.0);

@@ -56,7 +56,11 @@ bool Simulator::restore(const Checkpoint &checkpoint) {
   skins_->forget();
   for (const auto &[id, memory] : checkpoint->contacts) {
     const Body *first = body(id.first), *second = body(id.second);
-    if (first && second) skins_->pairOf(id.first, *first, id.second, *second, contact_.friction).setMemory(memory);
+    if (first && second)
+      skins_
+          ->pairOf(detail::SkinContacts::ownerOf(id.first, *first, contactPairs_),
+                   detail::SkinContacts::ownerOf(id.second, *second, contactPairs_), contact_.friction)
+          .setMemory(memory);
   }
   reportEvent("restored",
               "at " + detail::number(from) + " s the state of " + detail::number(time()) + " s was taken up again");

@@ -36,7 +36,7 @@ Box reachOf(const Body &body, const Vec3 &gravity, double dt) {
 }
 
 // m/s, of the fastest vertex of its skin, at most, beside a rigid motion of all.
-double deformingSpeed(const Body &body, const ContactSkin &skin) {
+double deformingSpeed(const Body &body, const SkinContacts::RoomOfSelf &room) {
   const RestState &rest = body.rest();
   const State &state = body.state();
   const double count = static_cast<double>(std::max<std::size_t>(1, rest.phyxelCount()));
@@ -61,7 +61,7 @@ double deformingSpeed(const Body &body, const ContactSkin &skin) {
   FarthestWay fastest(rest.maxInfluence);
   for (std::size_t i = 0; i < rest.phyxelCount(); ++i)
     fastest.add(i, state.velocities[i] - velocity - turning.cross(arm(i)));
-  return fastest.ofVertices(skin);
+  return room.farthest(fastest);
 }
 
 // m, of each phyxel; zero before the first one.
@@ -101,12 +101,12 @@ bool Simulator::canTouch(std::size_t a, std::size_t b) const {
 bool Simulator::mayTouchItself(std::size_t id, double dt) {
   const Body &body = bodies_.at(id)->body();
   if (body.rigid() || bodies_.at(id)->stopped() || bodies_.at(id)->asleep() || !canTouch(id, id)) return false;
-  SkinContacts::RoomOfSelf &room = skins_->roomOfSelf(id, body);
+  SkinContacts::RoomOfSelf *room = &skins_->roomOfSelf(id, body);
   const QuickCheckResult glance = quickCheck(body);
   if (!glance.finite) return false;
-  double goes = 2.0 * kFaster * room.skin->sum * (quasiStatic() ? wayOfIncrement(body) : dt * glance.speedBound);
-  room.left -= goes;
-  if (room.left > 0.0) return false;
+  double goes = 2.0 * kFaster * room->gain * (quasiStatic() ? wayOfIncrement(body) : dt * glance.speedBound);
+  room->left -= goes;
+  if (room->left > 0.0) return false;
   SkinPair *own = skins_->ownPair(id);
   if (own != nullptr && !own->active().empty()) return true;
   // The increments of a load have no velocities: the next one may be as the last one.
@@ -121,16 +121,24 @@ bool Simulator::mayTouchItself(std::size_t id, double dt) {
     move(*own);
     if (const std::optional<bool> told = own->foretold()) return *told;
   }
-  room.measure(state.displacements);
-  if (!quasiStatic()) goes = 2.0 * kFaster * dt * deformingSpeed(body, *room.skin);
-  room.left -= goes;
-  if (room.left > 0.0) return false;
-  if (!room.isResolved()) {
-    tellUnresolved(id, room.thickness);
-    room.left = std::numeric_limits<double>::infinity();
+  const SkinContacts::Owner owner = SkinContacts::ownerOf(id, body, contactPairs_);
+  const auto hasRoom = [&] {
+    room->measure(state.displacements);
+    if (!quasiStatic()) goes = 2.0 * kFaster * dt * deformingSpeed(body, *room);
+    room->left -= goes;
+    return room->left > 0.0;
+  };
+  if (hasRoom()) return false;
+  if (room->skin == nullptr) {
+    room = &skins_->roomOfSkin(owner);
+    if (hasRoom()) return false;
+  }
+  if (!room->isResolved()) {
+    tellUnresolved(id, room->thickness);
+    room->left = std::numeric_limits<double>::infinity();
     return false;
   }
-  SkinPair &pair = skins_->pairOf(id, body, id, body, contact_.friction);
+  SkinPair &pair = skins_->pairOf(owner, owner, contact_.friction);
   move(pair);
   return pair.mayTouch();
 }
@@ -207,8 +215,10 @@ void Simulator::formGroups(double dt) {
          one.second == JoinedLayer::kNobody ? JoinedLayer::kNobody : numberOf[one.second]});
   for (const auto &[a, b] : near) {
     const ContactPairSettings both = contactPair(ones[a].id, ones[b].id);
-    SkinPair &pair = skins_->pairOf(ones[a].id, ones[a].runner->body(), ones[b].id, ones[b].runner->body(),
-                                    both.friction, both.fits);
+    const auto owner = [&](std::size_t k) {
+      return SkinContacts::ownerOf(ones[k].id, ones[k].runner->body(), contactPairs_);
+    };
+    SkinPair &pair = skins_->pairOf(owner(a), owner(b), both.friction, both.fits);
     groups_[groupOf[sets.find(a)]]->join(pair, numberOf[a], numberOf[b]);
   }
 }

@@ -21,15 +21,44 @@ constexpr double kEase = 0.5, kGentle = 1e-2;
 constexpr double kOnePiece = 1.5;      // of one skin: what lies nearer at rest does not touch itself
 constexpr double kReach = 0.15;        // within which places are listed
 constexpr double kLongestEdge = 0.75;  // of a skin's triangles
+// Of pieces that fit: edges, and how far their skins may be off, which by themselves they are by as much.
+constexpr double kEdgeOfPiece = 0.5, kDeviationOfPiece = 0.05;
 
 // m, that parts of a skin that may touch each other are apart at rest beyond where they are looked at.
 double roomAtRest(double spacing) { return (kOnePiece - kNearOfSelf) * spacing; }
 
+// Points within cells have weights that are not negative; others are fitted to phyxels around them, and so are those
+// that contact adds between them, for which twice as much is allowed.
+double mostWeight(const Surfels &surfels) {
+  const Interpolation &rows = surfels.rows();
+  double most = 0.0;
+  for (std::size_t p = 0; p < rows.count(); ++p) {
+    double sum = 0.0;
+    for (Index e = rows.phyxels.offsets[p]; e < rows.phyxels.offsets[p + 1]; ++e) sum += std::abs(rows.weights[e]);
+    most = std::max(most, sum);
+  }
+  return most > 0.0 ? 2.0 * most : 1.0;
+}
+
+double areaOf(const RestState &rest) {
+  const std::vector<Vec3> x = rest.surfels.expanded(rest.positions).positions;
+  double area = 0.0;
+  for (const auto &[a, b, c] : rest.skin) area += 0.5 * (x[b] - x[a]).cross(x[c] - x[a]).norm();
+  return area;
+}
+
 }  // namespace
 
-MovingSkin &SkinContacts::skinOf(std::size_t id, const Body &body) {
+SkinContacts::Owner SkinContacts::ownerOf(std::size_t id, const Body &body, const Simulator::ContactPairs &pairs) {
+  return {id, body, std::any_of(pairs.begin(), pairs.end(), [id](const auto &pair) {
+            return pair.second.fits && (pair.first.first == id || pair.first.second == id);
+          })};
+}
+
+MovingSkin &SkinContacts::skinOf(const Owner &owner) {
+  const auto &[id, body, isPiece] = owner;
   Skin &skin = skins_[id];
-  if (skin.of == body.sharedRest()) {
+  if (skin.of == body.sharedRest() && skin.isPiece == isPiece) {
     if (!skin.moving->hasModuli()) skin.moving->setModuli(body.moduliAt(skin.moving->skin().vertices));
     return *skin.moving;
   }
@@ -37,18 +66,23 @@ MovingSkin &SkinContacts::skinOf(std::size_t id, const Body &body) {
   const RestState &rest = body.rest();
   Skin &renewed = skins_[id];
   renewed.of = body.sharedRest();
-  auto built = makeContactSkin(rest.surfels.expanded(rest.positions), rest.skin, kLongestEdge * rest.spacing, rest.bind,
-                               rest.maxInfluence);
+  renewed.isPiece = isPiece;
+  SkinResolution resolution{kLongestEdge * rest.spacing};
+  if (isPiece) {
+    resolution.edge = kEdgeOfPiece * rest.spacing;
+    resolution.deviation = kDeviationOfPiece * rest.spacing;
+  }
+  auto built =
+      makeContactSkin(rest.surfels.expanded(rest.positions), rest.skin, resolution, rest.bind, rest.maxInfluence);
   std::vector<double> spacings = spacingsAt(built->vertices, rest.positions, rest.spacing);
   renewed.moving = std::make_unique<MovingSkin>(std::move(built), rest.origin, rest.spacing, std::move(spacings));
   renewed.moving->setModuli(body.moduliAt(renewed.moving->skin().vertices));
   return *renewed.moving;
 }
 
-SkinPair &SkinContacts::pairOf(std::size_t a, const Body &first, std::size_t b, const Body &second, double friction,
-                               bool fits) {
-  MovingSkin &own = skinOf(a, first), &other = skinOf(b, second);
-  std::unique_ptr<SkinPair> &pair = pairs_[{a, b}];
+SkinPair &SkinContacts::pairOf(const Owner &first, const Owner &second, double friction, bool fits) {
+  MovingSkin &own = skinOf(first), &other = skinOf(second);
+  std::unique_ptr<SkinPair> &pair = pairs_[{first.id, second.id}];
   if (!pair) {
     const double spacing = std::min(own.spacing(), other.spacing());
     SkinPairSettings settings;
@@ -68,13 +102,20 @@ SkinPair &SkinContacts::pairOf(std::size_t a, const Body &first, std::size_t b, 
 
 SkinContacts::RoomOfSelf &SkinContacts::roomOfSelf(std::size_t id, const Body &body) {
   if (RoomOfSelf &known = roomsOfSelf_[id]; known.of == body.sharedRest()) return known;
-  const ContactSkin &skin = skinOf(id, body).skin();  // which forgets what was known of another reference
   RoomOfSelf &room = roomsOfSelf_[id] = {};
-  const double area = std::accumulate(skin.areas.begin(), skin.areas.end(), 0.0);
+  const double area = areaOf(body.rest());
   room.of = body.sharedRest();
-  room.skin = &skin;
+  room.gain = mostWeight(body.rest().surfels);
   room.left = roomAtRest(body.rest().spacing);
   room.thickness = area > 0.0 ? 2.0 * body.rest().shapeVolume / area : 0.0;
+  return room;
+}
+
+SkinContacts::RoomOfSelf &SkinContacts::roomOfSkin(const Owner &owner) {
+  const ContactSkin &skin = skinOf(owner).skin();  // which forgets the room where it is made
+  RoomOfSelf &room = roomOfSelf(owner.id, owner.body);
+  room.skin = &skin;
+  room.gain = skin.sum;
   return room;
 }
 
@@ -95,7 +136,7 @@ void SkinContacts::RoomOfSelf::measure(std::span<const Vec3> displacements) {
   FarthestWay way(of->maxInfluence);
   for (std::size_t i = 0; i < rest.size(); ++i)
     way.add(i, rest[i] + displacements[i] - mean - R * (rest[i] - meanThen));
-  left = roomAtRest(of->spacing) - 2.0 * way.ofVertices(*skin);
+  left = roomAtRest(of->spacing) - 2.0 * farthest(way);
 }
 
 void SkinContacts::forget() {

@@ -8,6 +8,7 @@
 #include "contact/skin_pair.h"
 #include "pointbased/body.h"
 #include "pointbased/contact_settings.h"
+#include "pointbased/simulator.h"
 
 namespace pointbased::detail {
 
@@ -20,18 +21,27 @@ class SkinContacts {
 
   /// Whether a body has a skin that others can touch.
   [[nodiscard]] static bool hasSkin(const Body &body) { return !body.rest().skin.empty(); }
+  struct Owner {
+    std::size_t id = 0;
+    const Body &body;
+    /// Fits another body (ContactPairSettings::fits): skins of such are off by parts of a spacing, so a coarse one
+    /// serves as well as what is drawn.
+    bool isPiece = false;
+  };
+  [[nodiscard]] static Owner ownerOf(std::size_t id, const Body &body, const Simulator::ContactPairs &pairs);
   /// Of the body's present reference.
-  [[nodiscard]] MovingSkin &skinOf(std::size_t id, const Body &body);
-  /// @param a, b  the smaller id first
-  /// @param fits  ContactPairSettings::fits
-  [[nodiscard]] SkinPair &pairOf(std::size_t a, const Body &first, std::size_t b, const Body &second, double friction,
-                                 bool fits = false);
+  [[nodiscard]] MovingSkin &skinOf(const Owner &owner);
+  /// @param first, second  the smaller id first
+  /// @param fits           ContactPairSettings::fits
+  [[nodiscard]] SkinPair &pairOf(const Owner &first, const Owner &second, double friction, bool fits = false);
   [[nodiscard]] const std::map<PairId, std::unique_ptr<SkinPair>> &pairs() const { return pairs_; }
 
   /// When a body may touch itself.
   struct RoomOfSelf {
     std::shared_ptr<const RestState> of;
+    /// Null as long as a bound by phyxels alone has told: a skin that meets nothing is not made.
     const ContactSkin *skin = nullptr;
+    double gain = 1.0;  ///< no vertex goes farther than this times the farthest phyxel
     double left = 0.0;  ///< m, at least, that vertices of its skin may still move against each other from rest
     /// m, in the mean: twice the volume over the area, which is the radius of a tube. 0: not known.
     double thickness = 0.0;
@@ -41,9 +51,14 @@ class SkinContacts {
 
     /// Looks how far they have gone from rest, apart from a motion of all together.
     void measure(std::span<const Vec3> displacements);
+    [[nodiscard]] double farthest(const FarthestWay &way) const {
+      return skin != nullptr ? way.ofVertices(*skin) : gain * way.ofPhyxels();
+    }
   };
   /// At rest at first: places of the skin that lie nearer to each other there do not touch.
   [[nodiscard]] RoomOfSelf &roomOfSelf(std::size_t id, const Body &body);
+  /// The same, with the bounds of its skin from here on.
+  [[nodiscard]] RoomOfSelf &roomOfSkin(const Owner &owner);
   /// That of a body and itself; null: it has not been looked at yet.
   [[nodiscard]] SkinPair *ownPair(std::size_t id) const {
     const auto found = pairs_.find({id, id});
@@ -69,6 +84,7 @@ class SkinContacts {
  private:
   struct Skin {
     std::shared_ptr<const RestState> of;
+    bool isPiece = false;
     std::unique_ptr<MovingSkin> moving;
   };
   std::map<std::size_t, Skin> skins_;
