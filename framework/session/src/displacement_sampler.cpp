@@ -109,14 +109,14 @@ void DisplacementSampler::want(bool wanted, double rim_mm, const imaging::Volume
   wanted_ = wanted;
 }
 
-void DisplacementSampler::onPublished(const scene::Simulation &simulation) {
-  if (!wanted_) return;
+std::shared_ptr<const imaging::DisplacementGrid> DisplacementSampler::onPublished(const scene::Simulation &simulation) {
+  if (!wanted_) return nullptr;
   const std::lock_guard asking(askingMutex_);
   const auto from = std::chrono::steady_clock::now();
   const std::chrono::duration<double, std::milli> since = from - last_;
   behind_ =
       simulation.state().mode == C3DE_SIM_PLAYING && since.count() < std::max(kLeastMilliseconds, 5.0 * milliseconds_);
-  if (behind_) return;
+  if (behind_) return nullptr;
   const double rim = rim_mm_;
   const std::uint64_t serial = serial_;
   imaging::VolumeGeometry image;
@@ -148,12 +148,13 @@ void DisplacementSampler::onPublished(const scene::Simulation &simulation) {
   grid->geometry = grid_.geometry();
   grid->bodies = bodies_;
   grid->hasStill = hasStill_;
-  if (!readDisplacement(simulation.table(), simulation.object(), rim, *grid)) return;
+  if (!readDisplacement(simulation.table(), simulation.object(), rim, *grid)) return nullptr;
   addFields(simulation.table(), simulation.object(), fields, *grid);
   last_ = from;  // the next one counts from where this one began: a fifth of the time is for them
   milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();
   const std::lock_guard lock(mutex_);
-  if (serial == serial_) newest_ = std::move(grid);
+  if (serial == serial_) newest_ = grid;
+  return grid;
 }
 
 std::shared_ptr<const imaging::DisplacementGrid> DisplacementSampler::take() {

@@ -9,7 +9,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kLeast_ms = 500.0, kRestPerReading = 10.0;
+constexpr double kLeast_ms = 500.0, kRestPerReading = 20.0;
 
 double since_ms(Clock::time_point from) {
   return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
@@ -49,7 +49,8 @@ std::shared_ptr<const std::vector<TissuePlaces>> LiveTissues::bodies() const {
   return bodies_;
 }
 
-void LiveTissues::onPublished(const scene::Simulation &simulation) {
+void LiveTissues::onPublished(const scene::Simulation &simulation,
+                              const std::shared_ptr<const imaging::DisplacementGrid> &u, bool comesWithOthers) {
   std::uint64_t serial = 0;
   {
     const std::lock_guard lock(mutex_);
@@ -57,13 +58,16 @@ void LiveTissues::onPublished(const scene::Simulation &simulation) {
     behind_ = true;  // until it is read
     if (!wanted_ || isFollowing_) return;
     const bool isPlaying = simulation.state().mode == C3DE_SIM_PLAYING;
-    if (isPlaying && (since_ms(lastRead_) < std::max(kLeast_ms, kRestPerReading * reading_ms_) ||
-                      since_ms(lastFollowed_) < following_ms_))
+    if (isPlaying &&
+        ((comesWithOthers && !u) || since_ms(lastRead_) < std::max(kLeast_ms, kRestPerReading * reading_ms_) ||
+         since_ms(lastFollowed_) < following_ms_))
       return;
     serial = serial_;
   }
   const auto from = Clock::now();
-  auto snapshot = readTissues(simulation.table(), simulation.object(), TissueDetail::live);
+  const auto ofItsOwn = [&] { return readTissues(simulation.table(), simulation.object(), TissueDetail::live); };
+  auto snapshot = u ? readTissues(simulation.object(), u) : ofItsOwn();
+  if (!snapshot && u) snapshot = ofItsOwn();
   {
     const std::lock_guard lock(mutex_);
     lastRead_ = Clock::now();

@@ -264,20 +264,34 @@ Expected<TissueSnapshot> readTissues(const c3de_simulator_v1 *table, c3de_object
   imaging::FollowingGrid grid(
       {.mostPoints = isFull ? kMostPoints : kMostPoints / 2, .coarsestStep = std::numeric_limits<double>::infinity()});
   grid.follow(present.box, (isFull ? kFineness : 2.0 * kFineness) * present.spacing_mm, kMargin * present.spacing_mm);
-  TissueSnapshot snapshot;
-  snapshot.u.geometry = grid.geometry();
-  if (!readDisplacement(table, simulator, kRim * present.spacing_mm, snapshot.u))
+  auto u = std::make_shared<imaging::DisplacementGrid>();
+  u->geometry = grid.geometry();
+  if (!readDisplacement(table, simulator, kRim * present.spacing_mm, *u))
     return fail(ErrorCode::state, "the simulator does not say how far its bodies have moved");
   auto skins = readBodyStates(simulator, BodyParts::skin, {});
   if (!skins) return tl::unexpected(skins.error());
-  snapshot.skins = std::move(*skins);
-  return snapshot;
+  return TissueSnapshot{std::move(u), std::move(*skins)};
+}
+
+Expected<TissueSnapshot> readTissues(c3de_object *simulator, std::shared_ptr<const imaging::DisplacementGrid> u) {
+  auto skins = readBodyStates(simulator, BodyParts::skin, {});
+  if (!skins) return tl::unexpected(skins.error());
+  imaging::WorldBox bodies;
+  for (const BodyState &body : *skins)
+    for (const Vec3 &x : body.skin.vertices) bodies.add(x);
+  if (!imaging::boxOf(u->geometry).holds(bodies))
+    return fail(ErrorCode::state, "the grid of the displacement does not hold all bodies");
+  return TissueSnapshot{std::move(u), std::move(*skins)};
 }
 
 Expected<std::vector<TissueMotion>> followTissues(const TissueSnapshot &snapshot,
                                                   const std::vector<TissuePlaces> &bodies,
                                                   const std::function<bool()> &goesOn) {
-  const imaging::DisplacementGrid &u = snapshot.u;
+  // As the simulator says it: what of the image stays, or has been left, is nothing to the tissue.
+  imaging::DisplacementGrid u;
+  u.geometry = snapshot.u->geometry;
+  u.xyz_mm = snapshot.u->xyz_mm;
+  u.gap_mm = snapshot.u->gap_mm;
   std::vector<TissueMotion> all;
   for (const TissuePlaces &places : bodies) {
     const Mat4 placed = matrixOf(places.placement);

@@ -5,6 +5,7 @@
 #include <functional>
 #include <thread>
 
+#include "c3de/session/displacement_sampler.h"
 #include "stand_in_simulator.h"
 #include "support/catch.h"
 
@@ -90,6 +91,45 @@ TEST_CASE("Labels are followed beside the simulation while somebody looks", "[li
   CHECK_FALSE(f.tissues.bodies());
 }
 
+TEST_CASE("A displacement that others have asked for serves the labels too", "[live_tissues]") {
+  Fixture f;
+  DisplacementSampler image;
+  imaging::VolumeGeometry grid{{60, 60, 60}, kIdentity4};
+  image.want(true, 10.0, grid);
+  f.tissues.want(true);
+  f.tissues.begin(onePlace());
+  auto u = std::make_shared<imaging::DisplacementGrid>(*image.onPublished(*f.simulation));
+  // What stays of the image is nothing to the tissue.
+  u->bodies = std::make_shared<imaging::Mask>(
+      imaging::Mask{grid, std::vector<std::uint8_t>(grid.voxelCount(), imaging::kStillVoxel)});
+  u->hasStill = true;
+  REQUIRE(f.simulator.grids.size() == 1);
+  f.simulation->transport(C3DE_TRANSPORT_PLAY);
+  REQUIRE(f.waitFor([&] { return f.simulation->state().mode == C3DE_SIM_PLAYING; }));
+  f.tissues.onPublished(*f.simulation, nullptr, true);  // the next snapshot has one
+  CHECK(f.simulator.grids.size() == 1);
+  CHECK(f.tissues.isBehind());
+  f.tissues.onPublished(*f.simulation, u, true);
+  REQUIRE(f.waitFor([&] { return f.renewed == 1; }));
+  CHECK(f.simulator.grids.size() == 1);
+  CHECK_FALSE(f.tissues.isBehind());
+  const LabelMotion liver = f.tissues.newest()->front().labels.front();
+  CHECK(liver.followed == 1000);
+  CHECK(liver.end_m3 == Approx(8e-6));
+  CHECK(liver.meanDisplacement_m() == Approx(0.005));
+  // One that comes never is asked for once it stands, and one that does not hold all bodies does not serve.
+  f.simulation->transport(C3DE_TRANSPORT_PAUSE);
+  REQUIRE(f.waitFor([&] { return f.simulation->state().mode != C3DE_SIM_PLAYING; }));
+  f.tissues.onPublished(*f.simulation, nullptr, true);
+  CHECK(f.simulator.grids.size() == 2);
+  REQUIRE(f.waitFor([&] { return f.renewed == 2; }));
+  u->geometry.indexToWorld[12] += 40.0;
+  f.tissues.onPublished(*f.simulation, u, true);
+  CHECK(f.simulator.grids.size() == 3);
+  REQUIRE(f.waitFor([&] { return f.renewed == 3; }));
+  CHECK(f.tissues.newest()->front().labels.front().followed == 1000);
+}
+
 TEST_CASE("While it plays labels are read at most twice a second", "[live_tissues]") {
   Fixture f;
   f.tissues.begin(onePlace());
@@ -119,7 +159,7 @@ TEST_CASE("One that ends does not wait for what is followed", "[live_tissues]") 
   REQUIRE(snapshot);
   const auto full = readTissues(simulator.table(), simulator.object());
   REQUIRE(full);
-  CHECK(full->u.geometry.voxelCount() > 4 * snapshot->u.geometry.voxelCount());
+  CHECK(full->u->geometry.voxelCount() > 4 * snapshot->u->geometry.voxelCount());
   using Clock = std::chrono::steady_clock;
   const auto begun = Clock::now();
   REQUIRE(followTissues(*snapshot, many));

@@ -146,8 +146,7 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
   if (!session) return tl::unexpected(session.error());
   session_ = std::move(*session);
   session_->setPublishedHook([this](const scene::Simulation &simulation) {
-    warp_.onPublished(simulation);
-    tissues_.onPublished(simulation);
+    tissues_.onPublished(simulation, warp_.onPublished(simulation), warp_.wanted());
   });
 
   playsWhenLoaded_ = options.play;

@@ -45,7 +45,8 @@ class DisplacementSampler {
   /// On the simulation's thread, after a snapshot. While one simulation takes the place of another both have one, and
   /// one waits for the other. While it plays at most 20 times a second, and no more than a fifth of the time goes
   /// there.
-  void onPublished(const scene::Simulation &simulation);
+  /// @return that of this snapshot; null where none was asked for, or the simulator does not say
+  std::shared_ptr<const imaging::DisplacementGrid> onPublished(const scene::Simulation &simulation);
   /// The newest displacement, once; null when there is none that has not been taken. Any thread.
   [[nodiscard]] std::shared_ptr<const imaging::DisplacementGrid> take();
   /// Whether the last snapshot went without one; asked by who sees that the simulation stands, and posts for another.

@@ -30,9 +30,12 @@ class LiveTissues {
   /// Somebody looks; else nothing is read. Any thread.
   void want(bool wanted) { wanted_ = wanted; }
   [[nodiscard]] bool wanted() const { return wanted_; }
-  /// On the simulation's thread, after a snapshot. While it plays at most twice a second and no more than a tenth of
-  /// the time; not while labels are still followed, and not for as long after it as that took.
-  void onPublished(const scene::Simulation &simulation);
+  /// On the simulation's thread, after a snapshot. While it plays at most twice a second and no more than a twentieth
+  /// of the time; not while labels are still followed, and not for as long after it as that took.
+  /// @param u             of this snapshot, if somebody has asked for it anyway
+  /// @param comesWithOthers  such a one comes with one of the next snapshots: one of its own is not asked for
+  void onPublished(const scene::Simulation &simulation, const std::shared_ptr<const imaging::DisplacementGrid> &u = {},
+                   bool comesWithOthers = false);
   /// Null: none yet. Any thread.
   [[nodiscard]] std::shared_ptr<const std::vector<TissueMotion>> newest() const;
   /// Of the present simulation. Any thread.

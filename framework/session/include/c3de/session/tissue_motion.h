@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,7 @@ struct TissueMotion {
 
 /// What a simulator says of its bodies as they are now.
 struct TissueSnapshot {
-  imaging::DisplacementGrid u;
+  std::shared_ptr<const imaging::DisplacementGrid> u;
   std::vector<BodyState> skins;
 };
 /// On a grid of a quarter of the spacing around the bodies, coarser where that is more than 144 points along an axis;
@@ -45,6 +46,10 @@ enum class TissueDetail { full, live };
 /// The error (ErrorCode::state): the simulator does not say. [sim]
 [[nodiscard]] Expected<TissueSnapshot> readTissues(const c3de_simulator_v1 *table, c3de_object *simulator,
                                                    TissueDetail detail = TissueDetail::full);
+/// The same from a displacement of this state that is there already, which takes next to no time. The error as well:
+/// its grid does not hold all bodies. [sim]
+[[nodiscard]] Expected<TissueSnapshot> readTissues(c3de_object *simulator,
+                                                   std::shared_ptr<const imaging::DisplacementGrid> u);
 /// Any thread. @param goesOn  asked for every label; false ends it with ErrorCode::cancelled
 [[nodiscard]] Expected<std::vector<TissueMotion>> followTissues(const TissueSnapshot &snapshot,
                                                                 const std::vector<TissuePlaces> &bodies,
