@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A plugin for tests of the window: every widget once, every kind of parameter, a tool that counts what it gets, a job
 // that takes its time and a box to look at. What it has seen stands in value rows of its panel.
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -32,6 +33,9 @@ struct Gallery {
   c3de_handle set{}, node{}, box{}, points{}, job{};
 
   std::uint32_t presses = 0, checked = 0, choice = 1;
+  std::uint32_t restless = 0;  ///< from the next press on rows above it come and go with every frame
+  int phase = -1;              ///< of that; -1: not yet
+  std::uint32_t random = 1;    ///< the state is written every few frames: not in step with that
   double slider = 1.5;
   char text[32] = "liver", file[512] = "";
   std::string changed = "none", fileSeen = "none", jobEnd = "none";
@@ -48,9 +52,20 @@ struct Gallery {
 
 void Gallery::draw(const c3de_ui_v1 *ui) {
   void *c = ui->ctx;
-  ui->heading(c, str("Widgets"));
-  ui->text(c, str("Every widget once; this text is long enough to be wrapped at the edge of the panel."));
-  if (ui->button(c, str("press"), str("Press"), 1) & C3DE_UI_COMMITTED) ++presses;
+  random = 1664525U * random + 1013904223U;
+  if (restless != 0 && phase >= 0) phase = static_cast<int>((random >> 16U) % 3U);
+  if (phase != 1) {
+    ui->heading(c, str("Widgets"));
+    ui->text(c, str("Every widget once; this text is long enough to be wrapped at the edge of the panel."));
+  }
+  for (int i = 0; phase == 2 && i < 4; ++i) {
+    ui->button(c, str("comes." + std::to_string(i)), str("It comes and goes"), 1);
+    value(ui, "Comes and goes", std::to_string(i));
+  }
+  if (ui->button(c, str("press"), str("Press"), 1) & C3DE_UI_COMMITTED) {
+    ++presses;
+    if (restless != 0) phase = std::max(phase, 0);
+  }
   ui->tooltip(c, str("Counts"));
   ui->same_line(c);
   ui->button(c, str("off"), str("Not now"), 0);
@@ -93,6 +108,7 @@ void Gallery::draw(const c3de_ui_v1 *ui) {
   ui->text(c, {nullptr, 0});
   ui->button(c, {nullptr, 0}, str("Nameless"), 1);
   ui->button(c, {nullptr, 0}, str("Nameless too"), 1);
+  ui->checkbox(c, str("restless"), str("Restless"), &restless);
   ui->heading(c, str("Parameters"));
   ui->params(c, set, {nullptr, 0});
   value(ui, "Changed", changed);

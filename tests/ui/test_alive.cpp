@@ -424,8 +424,8 @@ TEST_CASE("A scan that cannot become a body says why, and what is there stays", 
   (void)make(window);
 
   // And again, while a body is there: that stays, and plays on.
-  window.clickUntil("segmentation/make_alive", "it is asked again",
-                    [](const Json &s) { return s["widgets"].contains("scan/make"); });
+  window.click("segmentation/make_alive");
+  window.waitUntil("it is asked again", [](const Json &s) { return s["widgets"].contains("scan/make"); });
   CHECK(window.value("scan/use.gizmo") == "liver");
   window.click("scan/region");
   typeInto(window, "region.x.from", "110");

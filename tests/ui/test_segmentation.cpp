@@ -286,9 +286,9 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   window.waitFrames(3);
   CHECK(text(window.state(), "image/preview") == "none");
   // The same body a second time is refused, and the simulation goes on.
-  // The bodies may fall asleep just then, and rows above go. The panel grows row by row until the mask is shown, and
-  // what is below moves.
-  window.clickUntil("segmentation/undo", "it is picked again", [](const Json &s) {
+  window.click("segmentation/undo");
+  // The panel grows row by row until the mask is shown, and what is below moves.
+  window.waitUntil("it is picked again", [](const Json &s) {
     return text(s, "segmentation/Picked").ends_with(" 125000 voxels") && s["jobs"].empty() &&
            text(s, "segmentation/overlay") == "true" && text(s, "image/preview") == "shown";
   });

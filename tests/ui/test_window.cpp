@@ -424,6 +424,45 @@ TEST_CASE("a job that appears does not end what the mouse does", "[job_mid_press
   window.waitForValue("test.gallery/Job", "-12");
 }
 
+TEST_CASE("what is under the mouse stays there while rows above it come and go", "[steady_rows]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("steady_rows");
+  startGallery(window);
+  window.click("test.gallery/restless");
+  window.click("test.gallery/job");  // frames without input
+  const Point at = window.locate("test.gallery/press");
+  const double header = window.state()["widgets"]["test.gallery/header"][1];
+  window.clickAt(at);
+  window.waitForValue("test.gallery/Presses", "1");
+  const auto rect = [&](const Json &s) { return s["widgets"]["test.gallery/press"]; };
+  const Json stands = rect(window.state());
+  bool wentDown = false, wentUp = false;
+  for (int press = 2; press <= 20; ++press) {
+    for (int i = 0; i < 3; ++i) {
+      const Json now = window.state();
+      CHECK(rect(now) == stands);
+      const Json above = now["widgets"].contains("test.gallery/header") ? now["widgets"]["test.gallery/header"]
+                                                                        : now["scrolled_out"]["test.gallery/header"];
+      wentDown = wentDown || above[1] > header + 20.0;
+      wentUp = wentUp || above[1] < header - 20.0;
+      window.waitFrames(1);
+    }
+    window.clickAt(at);
+    window.waitForValue("test.gallery/Presses", std::to_string(press));
+  }
+  CHECK(wentDown);  // there is room above
+  CHECK(wentUp);
+  window.screenshot("moving");
+  // The room goes with the mouse.
+  window.click("test.gallery/restless");
+  window.moveTo(window.inView(0.5, 0.5));
+  window.click("job/cancel.0");
+  window.waitUntil("the job ends", [](const Json &s) { return s["jobs"].empty(); });
+  window.moveTo(window.inView(0.5, 0.5));
+  CHECK(window.locate("test.gallery/header").y < header + 20.0);
+  window.screenshot("left");
+}
+
 TEST_CASE("F12 writes a picture and says where", "[screenshot]") {
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("screenshot");

@@ -217,8 +217,8 @@ void WorkstationDriver::doubleClickAt(Point at) {
 }
 
 void WorkstationDriver::click(const std::string &widget) {
-  // A panel may grow while the mouse is on its way: what is above the widget tells of the simulation. From then on as
-  // little time as can be.
+  // A panel may grow while the mouse is on its way: what is above the widget tells of the simulation. Under the mouse it
+  // stays.
   for (int tries = 0; tries < 5; ++tries) {
     const Point at = locate(widget);
     moveTo(at);
@@ -234,20 +234,6 @@ void WorkstationDriver::click(const std::string &widget) {
     return;
   }
   throw std::runtime_error("'" + widget + "' does not stand still");
-}
-
-Json WorkstationDriver::clickUntil(const std::string &widget, const std::string &what,
-                                   const std::function<bool(const Json &)> &predicate) {
-  for (int tries = 0; tries < 2; ++tries) {
-    click(widget);
-    const Clock::time_point begin = Clock::now();
-    while (secondsSince(begin) < C3DE_UI_PATIENCE * 10.0) {
-      if (Json now = state(); now.contains("frame") && predicate(now)) return now;
-      pause(20);
-    }
-  }
-  click(widget);
-  return waitUntil(what, predicate);
 }
 
 void WorkstationDriver::controlClick(const std::string &widget) {

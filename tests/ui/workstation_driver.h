@@ -58,9 +58,6 @@ class WorkstationDriver {
   void press(int button = 1);
   void release(int button = 1);
   void click(const std::string &widget);
-  /// Again where nothing has come of it after ten seconds: a panel may move between the look and the click.
-  Json clickUntil(const std::string &widget, const std::string &what,
-                  const std::function<bool(const Json &)> &predicate);
   void clickAt(Point at);
   void doubleClickAt(Point at);
   void controlClick(const std::string &widget);

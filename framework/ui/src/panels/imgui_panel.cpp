@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "c3de/core/text.h"
 #include "c3de/registry/number_text.h"
@@ -56,16 +57,18 @@ std::string ImGuiPanels::uniqueId(c3de_str id) {
   return unique;
 }
 
-bool ImGuiPanels::takeSameLine() {
-  const bool was = isSameLine_;
-  isSameLine_ = false;
-  if (was) ImGui::SameLine();
+bool ImGuiPanels::takeSameLine(const std::string &key) {
+  const bool was = std::exchange(isSameLine_, false);
+  if (was)
+    ImGui::SameLine();
+  else if (!key.empty())
+    frame_->state.sideRows.row(area_ + "/" + key);
   return was;
 }
 
 std::uint32_t ImGuiPanels::button(c3de_str id, c3de_str label, bool isEnabled) {
-  takeSameLine();
   const std::string unique = uniqueId(id);
+  takeSameLine(unique);
   ImGui::BeginDisabled(!isEnabled);
   const bool isPressed = ImGui::Button((text(label) + "###" + unique).c_str());
   ImGui::EndDisabled();
@@ -75,8 +78,8 @@ std::uint32_t ImGuiPanels::button(c3de_str id, c3de_str label, bool isEnabled) {
 
 std::uint32_t ImGuiPanels::checkbox(c3de_str id, c3de_str label, std::uint32_t *value) {
   if (!value) return 0;
-  takeSameLine();
   const std::string unique = uniqueId(id);
+  takeSameLine(unique);
   bool isChecked = *value != 0;
   const bool isChanged = ImGui::Checkbox((text(label) + "###" + unique).c_str(), &isChecked);
   markItem(*frame_, area_, unique);
@@ -87,8 +90,8 @@ std::uint32_t ImGuiPanels::checkbox(c3de_str id, c3de_str label, std::uint32_t *
 
 std::uint32_t ImGuiPanels::slider(c3de_str id, c3de_str label, c3de_str unit, double *value, double lo, double hi) {
   if (!value) return 0;
-  const bool isInline = takeSameLine();
   const std::string unique = uniqueId(id);
+  const bool isInline = takeSameLine(unique);
   FieldState &state = field(unique);
   NumberSpec spec;
   spec.low = lo;
@@ -110,8 +113,8 @@ std::uint32_t ImGuiPanels::slider(c3de_str id, c3de_str label, c3de_str unit, do
 std::uint32_t ImGuiPanels::choice(c3de_str id, c3de_str label, std::uint32_t *index, const c3de_str *names,
                                   std::uint64_t n) {
   if (!index) return 0;
-  const bool isInline = takeSameLine();
   const std::string unique = uniqueId(id);
+  const bool isInline = takeSameLine(unique);
   std::vector<std::string> list;
   for (std::uint64_t i = 0; names && i < n; ++i) list.push_back(text(names[i]));
   beginRow(*frame_, text(label), nullptr, isInline, 0.0f);
@@ -122,8 +125,8 @@ std::uint32_t ImGuiPanels::choice(c3de_str id, c3de_str label, std::uint32_t *in
 
 std::uint32_t ImGuiPanels::inputText(c3de_str id, c3de_str label, char *buffer, std::uint64_t capacity) {
   if (!buffer || capacity == 0) return 0;
-  const bool isInline = takeSameLine();
   const std::string unique = uniqueId(id);
+  const bool isInline = takeSameLine(unique);
   buffer[capacity - 1] = '\0';
   beginRow(*frame_, text(label), nullptr, isInline, 0.0f);
   std::uint32_t result = 0;
@@ -139,8 +142,8 @@ std::uint32_t ImGuiPanels::inputText(c3de_str id, c3de_str label, char *buffer, 
 std::uint32_t ImGuiPanels::fileButton(c3de_str id, c3de_str label, c3de_str extensions, char *buffer,
                                       std::uint64_t capacity) {
   if (!buffer || capacity == 0) return 0;
-  takeSameLine();
   const std::string unique = uniqueId(id);
+  takeSameLine(unique);
   FieldState &state = field(unique);
   std::uint32_t result = 0;
   if (state.chosenFile) {
@@ -185,7 +188,9 @@ void ImGuiPanels::listBegin(c3de_str id, std::uint32_t rows) {
   isSameLine_ = false;
   const float height =
       static_cast<float>(rows == 0 ? kListRows : std::min(rows, kMostListRows)) * ImGui::GetFrameHeightWithSpacing();
-  ImGui::BeginChild(("###list" + uniqueId(id)).c_str(), ImVec2(0.0f, height + 2.0f * ImGui::GetStyle().WindowPadding.y),
+  const std::string unique = uniqueId(id);
+  takeSameLine(unique);
+  ImGui::BeginChild(("###list" + unique).c_str(), ImVec2(0.0f, height + 2.0f * ImGui::GetStyle().WindowPadding.y),
                     true);
   isInList_ = true;
 }
@@ -197,8 +202,8 @@ void ImGuiPanels::listEnd() {
 }
 
 void ImGuiPanels::curve(c3de_str id, c3de_str label, c3de_str unit, std::span<const double> values) {
-  takeSameLine();
   const std::string unique = uniqueId(id);
+  takeSameLine(unique);
   double low = 0.0, high = 0.0;
   for (const double v : values) {
     if (!std::isfinite(v)) continue;
@@ -231,16 +236,18 @@ void ImGuiPanels::curve(c3de_str id, c3de_str label, c3de_str unit, std::span<co
 }
 
 void ImGuiPanels::heading(c3de_str shown) {
+  const std::string headingText = text(shown);
   isSameLine_ = false;
+  takeSameLine("#" + headingText);
   ImGui::Dummy(ImVec2(0.0f, frame_->theme.px(2.0f)));
   ImGui::PushFont(frame_->theme.bold);
-  ImGui::TextColored(colour::kAccent, "%s", text(shown).c_str());
+  ImGui::TextColored(colour::kAccent, "%s", headingText.c_str());
   ImGui::PopFont();
 }
 
 void ImGuiPanels::value(c3de_str name, c3de_str shown) {
-  takeSameLine();
   const std::string nameText = text(name), valueText = text(shown);
+  takeSameLine("=" + nameText);
   ImGui::BeginGroup();
   const float labelWidth = std::floor(0.42f * ImGui::GetContentRegionAvail().x);
   ImGui::TextColored(colour::kDim, "%s", elided(nameText, labelWidth - frame_->theme.px(6.0f)).c_str());
@@ -290,6 +297,7 @@ void ImGuiPanels::parameterRows(Handle handle, const std::string &group, bool is
     FieldState &state = field(decl.id);
     used_.insert(decl.id);
     const ParameterValue value = set->values[i];
+    takeSameLine(decl.id);
     const auto changed = parameterField(*frame_, area_, state, decl, value, false);
     if (!changed) continue;
     auto done = registry.edit(handle, *changed);
@@ -314,6 +322,7 @@ void ImGuiPanels::params(c3de_handle set, c3de_str group) {
   ImGui::PushID(static_cast<int>(handle.index));
   parameterRows(handle, wanted, false);
   if (hasAdvanced) {
+    takeSameLine("advanced." + wanted);
     const bool isOpen = ImGui::TreeNodeEx(("Advanced###advanced" + wanted).c_str(), ImGuiTreeNodeFlags_SpanAvailWidth);
     markItem(*frame_, area_, wanted.empty() ? "advanced" : "advanced." + wanted);
     if (isOpen) {

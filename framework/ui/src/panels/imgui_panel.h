@@ -32,8 +32,9 @@ class ImGuiPanels {
   /// Makes ids unique where a panel uses one twice.
   [[nodiscard]] std::string uniqueId(c3de_str id);
   [[nodiscard]] FieldState &field(const std::string &id) { return fields_[area_ + "/" + id]; }
-  /// Whether same_line was asked for the widget that comes now.
-  bool takeSameLine();
+  /// Whether same_line was asked for the widget that comes now; else it begins a row.
+  /// @param key  of the row in all frames; empty: it has none
+  bool takeSameLine(const std::string &key = {});
 
   std::uint32_t button(c3de_str id, c3de_str label, bool isEnabled);
   std::uint32_t checkbox(c3de_str id, c3de_str label, std::uint32_t *value);

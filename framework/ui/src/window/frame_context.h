@@ -15,6 +15,7 @@
 #include "c3de/ui/image_views.h"
 #include "c3de/ui/workstation_window.h"
 #include "window/automation_state.h"
+#include "window/steady_panel.h"
 #include "window/theme.h"
 
 namespace c3de::ui {
@@ -63,6 +64,7 @@ struct WindowState {
   AboutText about;
   std::map<std::string, std::array<AutomationState::Rect, 2>> openers;  ///< of closed menus and lists, and their clips
   Dock dock;
+  SteadyPanel sideRows;             ///< of the side panel
   std::vector<PixelRect> overlays;  ///< over the view, of the last frame: the mouse belongs to them
 };
 

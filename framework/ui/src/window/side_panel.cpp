@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <string>
 
 #include "c3de/registry/panel_registry.h"
 #include "c3de/scene/scene_graph.h"
@@ -11,6 +12,7 @@ namespace {
 constexpr float kNarrowest = 220.0f, kWidest = 900.0f;
 
 bool section(FrameContext &frame, const std::string &area, const std::string &title, bool isOpenAtFirst) {
+  frame.state.sideRows.row(area + "/header");
   ImGui::SetNextItemOpen(isOpenAtFirst, frame.state.layout.resetSections ? ImGuiCond_Always : ImGuiCond_Once);
   ImGui::PushFont(frame.theme.bold);
   const bool isOpen = ImGui::CollapsingHeader((title + "###" + area).c_str());
@@ -27,6 +29,7 @@ void sceneTree(FrameContext &frame) {
   for (const scene::SceneGraph::Row &row : rows) {
     scene::Node *node = scene->find(row.node);
     if (!node) continue;
+    frame.state.sideRows.row("scene/" + std::to_string(row.node.index));
     ImGui::PushID(static_cast<int>(row.node.index));
     ImGui::SetCursorPosX(ImGui::GetCursorPosX() + static_cast<float>(row.depth) * frame.theme.px(16.0f));
     bool isVisible = node->visible;
@@ -53,6 +56,7 @@ void drawSidePanel(FrameContext &frame, ImGuiPanels &panels, const PixelRect &ar
   beginFixed("##side", area, colour::kPanel, ImVec2(frame.theme.px(10.0f), frame.theme.px(8.0f)));
   // The scroll bar stands in the padding.
   ImGui::BeginChild("scroll", ImVec2(ImGui::GetContentRegionAvail().x + frame.theme.px(7.0f), 0.0f));
+  frame.state.sideRows.begin();
   if (section(frame, "scene", "Scene", true)) sceneTree(frame);
   if (TissueTable *tissues = frame.services.tissues) {
     tissues->isShown = !tissues->rows.empty();
@@ -74,6 +78,7 @@ void drawSidePanel(FrameContext &frame, ImGuiPanels &panels, const PixelRect &ar
     }
   }
   frame.state.layout.resetSections = false;
+  frame.state.sideRows.end();
   ImGui::EndChild();
   ImGui::End();
 }

@@ -75,6 +75,7 @@ void drawRow(FrameContext &frame, const TissueRow &row) {
 
 void drawTissueTable(FrameContext &frame, const TissueTable &table) {
   std::array<char, 128> &filter = frame.state.tissueFilter;
+  frame.state.sideRows.row("tissues/filter");
   ImGui::SetNextItemWidth(-FLT_MIN);
   ImGui::InputTextWithHint("###tissue_filter", "Filter: kidney, lung left", filter.data(), filter.size());
   markItem(frame, kArea, "filter");
@@ -95,6 +96,7 @@ void drawTissueTable(FrameContext &frame, const TissueTable &table) {
   }
   ImGui::PopFont();
   if (listed.empty()) ImGui::TextColored(colour::kDim, "No label is called so.");
+  frame.state.sideRows.row("tissues/export");
   if (ImGui::Button("Export…###export")) frame.request(Command::exportTissues);
   markItem(frame, kArea, "export");
   itemTooltip(frame, commandInfo(Command::exportTissues).doc);

@@ -611,7 +611,7 @@ void WorkstationWindow::Impl::layOutAndCarryOut(FrameContext &context, const ren
   const ImVector<ImGuiPopupData> &popups = ImGui::GetCurrentContext()->OpenPopupStack;
   const int popupCount = popups.Size;
   layOut(context, renderer);
-  if (state.dock.height != dockHeight) framesToSettle = std::max(framesToSettle, 2);
+  if (state.dock.height != dockHeight || state.sideRows.isSettling()) framesToSettle = std::max(framesToSettle, 2);
   // A dialog that comes by itself, with the end of a job: its first frame does not show it.
   if (popups.Size != popupCount) framesToSettle = kFramesToSettle;
   if (state.answer == std::pair<std::string, std::string>("quit", "quit")) window->requestClose();

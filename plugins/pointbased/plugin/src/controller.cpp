@@ -158,7 +158,8 @@ void Controller::drawBody(sdk::Ui &ui, const Snapshot *snapshot) {
     ui.value("Neighbours", std::to_string(body->neighbours.min) + " … " + std::to_string(body->neighbours.max) +
                                ", mean " + fixed(body->neighbours.mean, 1));
     ui.value("Mass", significant(body->mass, 4) + " kg");
-    ui.value("Asleep", body->asleep ? "yes: at rest, costs nothing until touched" : "no");
+    ui.value("Asleep", body->asleep ? "yes" : "no");
+    ui.tooltip("At rest: costs nothing until touched");
     ui.value("Computed", body->computed);
     ui.tooltip("What integrates the body (solver.integrator), and what its forces are computed with");
     ui.value("Volume", significant(1e6 * body->rest->shapeVolume, 4) + " mL");
@@ -268,7 +269,7 @@ void Controller::drawRun(sdk::Ui &ui, const Snapshot *snapshot) {
     const double total = body->energy.elastic + body->energy.stabilisation;
     ui.value("Error estimate", fixed(100.0 * body->error, 0) + " %");
     ui.tooltip("Part by which strains and stresses are off in the mean; displacements by about its square");
-    if (body->cost > 0.0) ui.value("Computing", significant(body->cost, 3) + " s per simulated second");
+    ui.value("Computing", body->cost > 0.0 ? significant(body->cost, 3) + " s per simulated second" : std::string("–"));
     ui.value("Stabilisation share",
              total > 0.0 ? fixed(100.0 * body->energy.stabilisation / total, 1) + " %" : std::string("–"));
     ui.tooltip(
