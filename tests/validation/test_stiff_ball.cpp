@@ -76,19 +76,20 @@ std::map<std::string, double> solved(double spacing) {
 
 }  // namespace
 
-// All materials of a cell share its strain, so the ball is too large by a part of a cell: the goal of 5 % is not met
-// with four cells over its radius (docs/theory/lattice.md, several materials). The lattice is the cylinder's, and the
-// ball cuts its cells anywhere.
+// Two materials of a cell are layers with a plane border (docs/theory/lattice.md, several materials); with one strain for
+// both the ball was too large by a part of a cell, and its middle went 15, 10 and 7.4 % too little. The lattice is the
+// cylinder's, and the ball cuts its cells anywhere. The top, a whole radius above, is as far off as its own lattice lets
+// it be.
 TEST_CASE("a ball 100 times stiffer than what is around it: errors fall with the spacing") {
   const std::map<std::string, double> fine = truth();
   std::map<std::string, double> before;
-  for (const auto &[cells, allowed] : {std::pair(2.0, 0.16), std::pair(3.0, 0.11), std::pair(4.0, 0.08)}) {
+  for (const auto &[cells, allowed] : {std::pair(2.0, 0.08), std::pair(3.0, 0.06), std::pair(4.0, 0.05)}) {
     for (const auto &[name, value] : solved(kRadius / cells)) {
       CAPTURE(cells, name, value);
       const double error = std::abs(value / fine.at(name) - 1.0);
       WARN(cells << " cells: " << name << " " << 100.0 * (value / fine.at(name) - 1.0) << " %");
       if (name.starts_with("ball")) CHECK(error < allowed);
-      if (before.contains(name)) CHECK(error < before[name]);
+      if (before.contains(name) && name != "top_axis_z") CHECK(error < before[name]);
       before[name] = error;
     }
   }

@@ -120,9 +120,10 @@ TEST_CASE("a beam of two layers bends as beam theory says, wherever their border
     }
 }
 
-// One strain for all of a cell: of its soft part some is missing, all of it where the other one is rigid.
-TEST_CASE("two materials in a row give as much as their springs, to less than a cell of the softer one") {
-  for (const double ratio : {10.0, 100.0})
+// What is left is how the load is carried into the end: the same wherever the border lies, and whatever the ratio. One
+// strain for both materials of a cell lost up to 0.65 of a cell.
+TEST_CASE("two materials in a row give as much as their springs, wherever their border lies in the cells") {
+  for (const double ratio : {10.0, 100.0, 1e4})
     for (const double offset : {0.0, 0.25, 0.5, 0.75}) {
       CAPTURE(ratio, offset);
       Layered row;
@@ -133,7 +134,7 @@ TEST_CASE("two materials in a row give as much as their springs, to less than a 
       const double area = kHeight * 2.0 * kHeight / row.cells;
       const double truth = 1e-4 / area * (row.border / (ratio * kSoft) + (kLength - row.border) / kSoft);
       const double ofCell = 1e-4 / area / kSoft * kHeight / row.cells;
-      CHECK(std::abs(endOf(row)[0] - truth) < (ratio > 10.0 ? 0.7 : 0.45) * ofCell);
+      CHECK(std::abs(endOf(row)[0] - truth) < 0.07 * ofCell);
     }
 }
 

@@ -230,20 +230,153 @@ TEST_CASE("energies by kernels are those of the scalar engine", "[kernels]") {
       }
 }
 
+namespace {
+
+// A ball of which a plane cuts off a part that is of another material.
+std::shared_ptr<const RestState> ballOfTwo(int count) {
+  LatticeSampling sampling;
+  sampling.count = static_cast<std::size_t>(count);
+  HalfSpaceRegion part;
+  part.point = Vec3(0.112, 0.2, -0.1);
+  part.normal = -Vec3(1.0, 0.3, 0.2).normalized();
+  sampling.materials.emplace_back(part, std::uint16_t{1});
+  return latticeBody(shapes::ball(Vec3(0.1, 0.2, -0.1), 0.05), sampling);
+}
+
+Constitution softAndStiff(MaterialLaw one, MaterialLaw other, double ratio) {
+  Material soft = materialOf(one), stiff = materialOf(other);
+  stiff.youngsModulus = ratio * soft.youngsModulus;
+  stiff.poissonRatio = 0.2;
+  return Constitution{{soft, stiff}, kLatticeStabilisation};
+}
+
+}  // namespace
+
 TEST_CASE("several materials of a body are each answered by their own law", "[kernels]") {
   const BodyShape ball = shapes::ball(Vec3(0.1, 0.2, -0.1), 0.05);
   LatticeSampling sampling;
   sampling.count = 400;
   sampling.materials.emplace_back(BoxRegion{Vec3(0.115, 0.1, -0.2), Vec3(0.2, 0.3, 0.0)}, std::uint16_t{1});
-  Material soft = materialOf(MaterialLaw::neoHookean), stiff = materialOf(MaterialLaw::corotated);
-  stiff.youngsModulus = 1e5;
-  // Auxetic: no kernel knows its neo-Hookean energy, the scalar engine answers.
-  Material auxetic = soft;
+  // Auxetic: no kernel knows its neo-Hookean energy, the scalar engine answers, and cells of both have one strain.
+  Material soft = materialOf(MaterialLaw::neoHookean), auxetic = soft;
   auxetic.poissonRatio = -0.3;
-  for (const auto &materials : {std::vector<Material>{soft, stiff}, std::vector<Material>{soft, auxetic}}) {
-    Body body("b", latticeBody(ball, sampling), Constitution{materials, kLatticeStabilisation}, serialFor());
-    deform(body, 0.2, 0.05, 3);
-    CHECK(difference(body).forces < 1e-11);
+  Body body("b", latticeBody(ball, sampling), Constitution{{soft, auxetic}, kLatticeStabilisation}, serialFor());
+  deform(body, 0.2, 0.05, 3);
+  CHECK(difference(body).forces < 1e-11);
+}
+
+TEST_CASE("forces of cells of two materials are the gradient of their energy, and products its second one",
+          "[kernels]") {
+  for (const auto &[one, other] : {std::pair(MaterialLaw::neoHookean, MaterialLaw::neoHookean),
+                                   std::pair(MaterialLaw::corotated, MaterialLaw::stVenantKirchhoff),
+                                   std::pair(MaterialLaw::linear, MaterialLaw::linear)})
+    for (const double ratio : {3.0, 100.0})
+      for (const double stabilisation : {0.0, kLatticeStabilisation})
+        for (const double size : {1e-3, 0.15}) {
+          Constitution constitution = softAndStiff(one, other, ratio);
+          constitution.stabilisation = stabilisation;
+          const auto rest = ballOfTwo(150);
+          Body body("b", rest, constitution, serialFor());
+          REQUIRE(body.vectorised());
+          CAPTURE(static_cast<int>(one), ratio, stabilisation, size);
+          deform(body, size, 0.1 * size, 7);
+          std::vector<Mat3> ofCells(rest->pointCount());
+          deformationGradients(rest->stencils, body.state().displacements, ofCells, serialFor());
+          std::size_t mixed = 0;
+          for (std::size_t q = 0; q < ofCells.size(); ++q)
+            mixed += (body.gradients()[q] - ofCells[q]).norm() > 1e-3 * size ? 1 : 0;
+          REQUIRE(mixed > 20);
+          const std::vector<Vec3> at = body.state().displacements;
+          support::Random random(5);
+          std::vector<Vec3> du(at.size()), product(at.size());
+          for (Vec3 &d : du) d = random.vector();
+          const auto moved = [&](double by) {
+            for (std::size_t i = 0; i < at.size(); ++i) body.state().displacements[i] = at[i] + by * du[i];
+            body.forgetPoints();
+          };
+          const auto energyAt = [&](double by) {
+            moved(by);
+            return body.elasticEnergy(serialFor()).strain + body.elasticEnergy(serialFor()).stabilisation;
+          };
+          const auto forcesAt = [&](double by) {
+            moved(by);
+            body.evaluateInternal(false, serialFor());
+            return std::vector<Vec3>(body.forces().begin(), body.forces().end());
+          };
+          // Central differences of fourth order: what is left is their round-off.
+          const double h = 1e-3 * size * rest->spacing;
+          const double slope =
+              (8.0 * (energyAt(h) - energyAt(-h)) - energyAt(2.0 * h) + energyAt(-2.0 * h)) / (12.0 * h);
+          const std::vector<Vec3> forces = forcesAt(0.0);
+          double work = 0.0, size2 = 0.0;
+          for (std::size_t i = 0; i < at.size(); ++i) {
+            work -= forces[i].dot(du[i]);
+            size2 += std::abs(forces[i].dot(du[i]));
+          }
+          CHECK(std::abs(work - slope) < 1e-6 * size2);
+          Vec3 sum = Vec3::Zero();
+          for (const Vec3 &f : forces) sum += f;
+          CHECK(sum.norm() < 1e-10 * largest(forces));
+          moved(0.0);
+          body.linearise(serialFor());
+          body.forceDifferential(du, 0.0, product, serialFor());
+          const auto one1 = forcesAt(h), one2 = forcesAt(-h), two1 = forcesAt(2.0 * h), two2 = forcesAt(-2.0 * h);
+          std::vector<Vec3> numeric(at.size());
+          for (std::size_t i = 0; i < at.size(); ++i)
+            numeric[i] = (8.0 * (one1[i] - one2[i]) - two1[i] + two2[i]) / (12.0 * h);
+          CHECK(relativeDifference(numeric, product) < 1e-6);
+        }
+}
+
+TEST_CASE("a turn strains no cell of two materials, and turns the forces of a strained one with it", "[kernels]") {
+  const auto rest = ballOfTwo(150);
+  const Mat3 R = Eigen::AngleAxisd(1.1, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+  for (const Precision precision : {Precision::doublePrecision, Precision::singlePrecision}) {
+    Body body("b", rest, softAndStiff(MaterialLaw::neoHookean, MaterialLaw::neoHookean, 100.0), serialFor());
+    body.setPrecision(precision);
+    const double allowed = precision == Precision::doublePrecision ? 1e-9 : 2e-4;
+    deform(body, 0.1, 0.02, 3);
+    const std::vector<Vec3> strained = body.state().displacements;
+    body.evaluate(0.0, 0.0, serialFor());
+    const std::vector<Vec3> before(body.forces().begin(), body.forces().end());
+    const auto turned = [&](std::span<const Vec3> u) {
+      for (std::size_t i = 0; i < u.size(); ++i)
+        body.state().displacements[i] = R * (rest->positions[i] + u[i]) - rest->positions[i];
+      body.evaluate(0.0, 0.0, serialFor());
+      std::vector<Vec3> back;
+      for (const Vec3 &f : body.forces()) back.push_back(R.transpose() * f);
+      return back;
+    };
+    CHECK(relativeDifference(before, turned(strained)) < allowed);
+    CHECK(largest(turned(std::vector<Vec3>(strained.size(), Vec3::Zero()))) < allowed * largest(before));
+  }
+}
+
+TEST_CASE("a laminate shares a strain across its border as both press alike, and none along it", "[kernels]") {
+  // A cube of one cell in two layers, pressed by a thousandth.
+  LatticeSampling sampling;
+  sampling.spacing = 0.02;
+  sampling.axes = Mat3(Mat3::Identity());
+  HalfSpaceRegion part;
+  part.point = Vec3(0.006, 0.0, 0.0);
+  part.normal = Vec3::UnitX();
+  sampling.materials.emplace_back(part, std::uint16_t{1});
+  const auto rest = latticeBody(shapes::box(Vec3::Zero(), Vec3::Constant(0.02)), sampling);
+  REQUIRE(rest->pointCount() == 2);
+  const Constitution constitution = softAndStiff(MaterialLaw::neoHookean, MaterialLaw::neoHookean, 20.0);
+  Body body("b", rest, constitution, serialFor());
+  for (const Vec3 &strain : {Vec3(-1e-6, 0, 0), Vec3(0, 1e-6, 0), Vec3(1e-6, 2e-6, 0)}) {
+    for (std::size_t i = 0; i < rest->phyxelCount(); ++i)
+      body.state().displacements[i] = strain.cwiseProduct(rest->positions[i]);
+    body.forgetPoints();
+    const Mat3 F0 = body.gradients()[0], F1 = body.gradients()[1];
+    const double v0 = rest->stencils.volumes[0], v1 = rest->stencils.volumes[1];
+    CHECK(((v0 * F0 + v1 * F1) / (v0 + v1) - Mat3(Vec3(strain + Vec3::Ones()).asDiagonal())).norm() < 1e-11);
+    const auto traction = [&](std::size_t q, const Mat3 &F) {
+      return firstPiolaStress(constitution.materials[rest->stencils.materials[q]], F)(0, 0);
+    };
+    CHECK(traction(0, F0) == Approx(traction(1, F1)).epsilon(1e-5));
+    CHECK((F0 - F1).col(1).norm() + (F0 - F1).col(2).norm() < 1e-12);
   }
 }
 

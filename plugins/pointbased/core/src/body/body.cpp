@@ -309,6 +309,7 @@ std::span<const Mat3> Body::gradients() const {
   makePoints();
   if (gradientsOld_) {
     deformationGradients(rest_->stencils, state_.displacements, gradients_, serialFor());
+    if (vectorForces_) vectorForces_->toMaterials(gradients_);
     gradientsOld_ = false;
   }
   return gradients_;
@@ -339,6 +340,7 @@ void Body::computeGradients(const ParallelFor &parallelFor) {
   makePoints();
   gradientsOld_ = false;
   deformationGradients(rest_->stencils, state_.displacements, gradients_, parallelFor);
+  if (vectorForces_) vectorForces_->toMaterials(gradients_);
 }
 
 std::size_t Body::computeFlow(double dt, const ParallelFor &parallelFor) {

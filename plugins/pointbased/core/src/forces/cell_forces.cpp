@@ -9,6 +9,7 @@
 #include "forces/kernels/cell_history_kernel.h"
 #include "forces/kernels/cell_kernel.h"
 #include "forces/kernels/cell_tangent_kernel.h"
+#include "forces/laminate.h"
 #include "forces/relaxing_hourglass.h"
 #include "forces/vector_forces_parts.h"
 #include "pointbased/plasticity.h"
@@ -103,9 +104,10 @@ template <class T>
 class CellForces final : public VectorForces {
  public:
   CellForces(const StencilSet &stencils, std::span<const Vec3> positions, std::span<const double> masses,
-             const Constitution &constitution, const CellPlan &plan, const ParallelFor &parallelFor)
-      : stencils_(stencils), masses_(masses), constitution_(constitution),
-        cells_(sliceCells<T>(stencils, plan, parallelFor)), laws_(lawsOf<T>(constitution)),
+             const Constitution &constitution, const CellPlan &plan, Laminates laminates,
+             const ParallelFor &parallelFor)
+      : stencils_(stencils), masses_(masses), constitution_(constitution), laminates_(std::move(laminates)),
+        cells_(sliceCells<T>(stencils, plan, parallelFor, laminates_)), laws_(lawsOf<T>(constitution)),
         memories_(constitution, plan), fallback_(stencils, positions, constitution_, plan.others),
         turned_(stencils.axes != Mat3::Identity()) {
     layRows(positions.size());
@@ -157,8 +159,10 @@ class CellForces final : public VectorForces {
 
   void linearise(std::span<const Vec3> u, const ParallelFor &parallelFor) override {
     tangents_.resize(cells_.count() * kTangentNumbers * kLanes<T>);
+    laminateTangents_.resize(cells_.laminateNumbers.size() / kLaminateNumbers * kLaminateTangentNumbers);
     const CellJob<T> job = this->job(u);
-    forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellTangents(job, begin, end); });
+    const ScalarLaw scalar = scalarLaw(constitution_);
+    forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellTangents(job, scalar, begin, end); });
     if (!fallback_.empty()) fallback_.linearise(u, parallelFor);
   }
 
@@ -175,7 +179,17 @@ class CellForces final : public VectorForces {
     (void)collect({}, df, parallelFor);
   }
 
-  void dropTangent() override { tangents_ = {}; }
+  void dropTangent() override {
+    tangents_ = {};
+    laminateTangents_ = {};
+  }
+
+  void toMaterials(std::span<Mat3> gradients) const override {
+    for (std::size_t q = 0; q < laminates_.of.size(); ++q)
+      if (const Laminate *laminate = laminates_.at(q))
+        gradients[q] = materialGradient(*laminate, stencils_.axes, gradients[q],
+                                        materialOfPoint(constitution_, stencils_, q).law == MaterialLaw::linear);
+  }
 
  private:
   [[nodiscard]] CellJob<T> job(std::span<const Vec3> u) {
@@ -187,6 +201,7 @@ class CellForces final : public VectorForces {
     job.displacements = fieldOf(u);
     job.partials = partials_.data();
     job.tangents = tangents_.data();
+    job.laminateTangents = laminateTangents_.data();
     job.energies = energies_.data();
     return job;
   }
@@ -275,6 +290,7 @@ class CellForces final : public VectorForces {
   const StencilSet &stencils_;
   std::span<const double> masses_;
   const Constitution constitution_;
+  const Laminates laminates_;
   CellSlices<T> cells_;
   std::vector<LawNumbers<T>> laws_;
   CellMemories memories_;
@@ -284,6 +300,7 @@ class CellForces final : public VectorForces {
   AlignedVector<T> partials_;     // [places][4]
   double stiffnessAtRest_ = 0.0;  // largest of all phyxels over their mass, 1/s²
   AlignedVector<T> tangents_;     // of differential(); empty before
+  AlignedVector<T> laminateTangents_;
   std::vector<double> energies_;  // [slices][2]; empty before
 };
 
@@ -295,10 +312,14 @@ std::unique_ptr<VectorForces> cellForcesOf(const StencilSet &stencils, std::span
   std::vector<std::uint8_t> suits;
   for (const Material &m : constitution.materials) suits.push_back(kernelKnows(m) ? 1 : 0);
   const bool single = precision == Precision::singlePrecision && !constitution.remembers();  // why: see HistoryJob
-  const CellPlan plan = planCells(stencils, single ? kLanes<float> : kLanes<double>, suits, parallelFor);
+  Laminates laminates = findLaminates(stencils, constitution);
+  const CellPlan plan = planCells(stencils, single ? kLanes<float> : kLanes<double>, suits, parallelFor, laminates);
   if (2 * plan.others.size() > stencils.pointCount()) return nullptr;
-  if (single) return std::make_unique<CellForces<float>>(stencils, positions, masses, constitution, plan, parallelFor);
-  return std::make_unique<CellForces<double>>(stencils, positions, masses, constitution, plan, parallelFor);
+  if (single)
+    return std::make_unique<CellForces<float>>(stencils, positions, masses, constitution, plan, std::move(laminates),
+                                               parallelFor);
+  return std::make_unique<CellForces<double>>(stencils, positions, masses, constitution, plan, std::move(laminates),
+                                              parallelFor);
 }
 
 }  // namespace pointbased::detail

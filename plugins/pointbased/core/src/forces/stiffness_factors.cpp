@@ -3,6 +3,7 @@
 
 #include "base/polar.h"
 #include "forces/hourglass_energy.h"
+#include "forces/laminate.h"
 #include "forces/point_loops.h"
 #include "material/laws.h"
 
@@ -59,6 +60,7 @@ void findStiffnessFactors(const Constitution &constitution, const StencilSet &s,
   out.numbers.assign(count, 0.0F);
   out.lambda.resize(s.pointCount());
   out.mu.resize(s.pointCount());
+  const Laminates laminates = findLaminates(s, constitution);
   const bool hasModes = stabilisationOf(constitution, s) == Stabilisation::hourglass;
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t q = begin; q < end; ++q) {
@@ -69,6 +71,9 @@ void findStiffnessFactors(const Constitution &constitution, const StencilSet &s,
       const double root = std::sqrt(s.volumes[q]);
       const GradientRows rows(s, q);
       const ModeRows modes(s, q);
+      const Laminate *laminate = laminates.at(q);
+      const Vec3 normal = laminate != nullptr ? Vec3(s.axes * laminate->normal) : Vec3(Vec3::Zero());
+      const double less = laminate != nullptr ? laminate->shareOfShear() - 1.0 : 0.0;
       Eigen::Vector4d roots = Eigen::Vector4d::Zero();
       if (hasModes) {
         const HourglassEnergy modal(material, constitution.stabilisation);
@@ -79,7 +84,8 @@ void findStiffnessFactors(const Constitution &constitution, const StencilSet &s,
       const std::size_t width = StiffnessFactors::width(last - first);
       float *at = out.numbers.data() + out.first[q];
       for (Index e = first; e < last; ++e, ++at) {
-        const Vec3 g = root * rows[e], a = elastic.turn * g, b = elastic.root * g;
+        const Vec3 g = root * (rows[e] + less * normal.dot(rows[e]) * normal), a = elastic.turn * g,
+                   b = elastic.root * g;
         for (std::size_t k = 0; k < 3; ++k) {
           at[k * width] = static_cast<float>(a[static_cast<Eigen::Index>(k)]);
           at[(3 + k) * width] = static_cast<float>(b[static_cast<Eigen::Index>(k)]);

@@ -26,7 +26,8 @@ struct StiffnessFactors {
   [[nodiscard]] static std::size_t width(std::size_t entries) { return (entries + 7) / 8 * 8; }
 };
 
-/// @param gradients     [points] F
+/// Of laminates what they add is that of the cell, with the share of a shear across the border instead of all of it.
+/// @param gradients     [points] F of the cells
 /// @param viscousScale  1/s: adds the viscous forces of velocities viscousScale · du
 void findStiffnessFactors(const Constitution &constitution, const StencilSet &stencils, std::span<const Mat3> gradients,
                           double viscousScale, StiffnessFactors &out, const ParallelFor &parallelFor);

@@ -43,6 +43,9 @@ class VectorForces {
   /// df = -K du, as forceDifferential(), with the viscous forces of velocities viscousScale du.
   virtual void differential(std::span<const Vec3> du, double viscousScale, std::span<Vec3> df,
                             const ParallelFor &parallelFor) = 0;
+  /// From gradients of cells to those of the materials of their points, where these differ (laminate.h).
+  /// @param gradients  [points] F
+  virtual void toMaterials(std::span<Mat3> gradients) const { (void)gradients; }
   /// Gives back the memory of linearise().
   virtual void dropTangent() = 0;
 };

@@ -350,9 +350,14 @@ void BodyStepper::stop(const StepContext &order, const GuardFinding &finding) {
   Body &body = *body_;
   const ParallelFor &parallelFor = *order.environment.parallelFor;
   // Forces and strains of the state that stays, not of the step that failed.
-  body.computeGradients(parallelFor);
-  body.computeTrialStresses(0.0, parallelFor);
-  body.computeForces(body.quasiStatic ? order.loadFactor : order.time, parallelFor);
+  const double t = body.quasiStatic ? order.loadFactor : order.time;
+  if (body.vectorisedTangent()) {
+    body.evaluate(t, 0.0, parallelFor);
+  } else {
+    body.computeGradients(parallelFor);
+    body.computeTrialStresses(0.0, parallelFor);
+    body.computeForces(t, parallelFor);
+  }
   body.stopped = finding;
   order.reportEvent("stopped", body.stopMessage());
 }

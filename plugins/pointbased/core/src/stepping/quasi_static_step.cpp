@@ -160,9 +160,13 @@ ImplicitResult quasiStaticStep(std::span<const StepPart> given, StageCoupling *c
     const ParallelFor &parallelFor = *env.parallelFor;
     addStageForces(1.0, body.contact);
     std::fill(body.state().velocities.begin(), body.state().velocities.end(), Vec3::Zero());
-    env.clock->measure(kGradients, [&] { body.computeGradients(parallelFor); });
-    env.clock->measure(kStresses, [&] { body.computeStresses(0.0, parallelFor); });
-    env.clock->measure(kForces, [&] { body.computeForces(to, parallelFor); });
+    if (body.vectorised()) {
+      env.clock->measure(kForces, [&] { body.evaluate(to, 0.0, parallelFor); });
+    } else {
+      env.clock->measure(kGradients, [&] { body.computeGradients(parallelFor); });
+      env.clock->measure(kStresses, [&] { body.computeStresses(0.0, parallelFor); });
+      env.clock->measure(kForces, [&] { body.computeForces(to, parallelFor); });
+    }
     body.forcesCurrent = true;
   }
   return out;

@@ -13,18 +13,21 @@
 
 #include "forces/kernels/cell_run-inl.h"
 #include "forces/kernels/hourglass-inl.h"
+#include "forces/kernels/laminate-inl.h"
 #include "forces/kernels/stress-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pointbased::kernels::HWY_NAMESPACE {
 
-template <MaterialLaw kLaw, bool kModal, class D>
+template <MaterialLaw kLaw, bool kModal, bool kMixed, class D>
 HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   using V = hn::Vec<D>;
   const D d = run.d;
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
-  const Mat3Lanes<V> G = run.gradient(x, y, z);
+  const Mat3Lanes<V> ofCell = run.gradient(x, y, z);
+  [[maybe_unused]] std::conditional_t<kMixed, LaminateLanes<kLaw, D>, NoLaminate> laminate(run, ofCell);
+  const Mat3Lanes<V> G = laminate.strained(ofCell);
   const Strain<D> strain(d, G);
   const V stretch2 = largestStretchSquared(d, strain.E, spreadOf(d, strain.E));
   V ratio;
@@ -32,13 +35,14 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   if (run.fields.velocities) {
     SignSums<V> vx, vy, vz;
     run.gatherCorners(run.fields.velocities, vx, vy, vz);
-    S = S + viscousStress(d, hn::Set(d, run.law.twoEta), G, run.gradient(vx, vy, vz));
+    const Mat3Lanes<V> rate = laminate.strained(laminate.change(run.gradient(vx, vy, vz)));
+    S = S + viscousStress(d, hn::Set(d, run.law.twoEta), G, rate);
   }
   S = scaled(run.number(kVolume), S);
   V k[kCorners];
   if constexpr (!kModal) {
     run.stiffnesses(ratio, hn::Zero(d), k);
-    run.scatterStress(S, k);
+    run.scatterStress(laminate.pulled(S), k);
   } else {
     const Mat3Lanes<V> A = run.amplitudes(x, y, z);
     Mat3Lanes<V> pull;
@@ -53,17 +57,17 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
     // Of NaN and a number the maximum may be the number.
     run.stiffnesses(hn::IfThenElse(hn::Eq(ratio, ratio), hn::Max(ratio, stretch2), ratio),
                     kLaw == MaterialLaw::linear ? hn::Zero(d) : run.hourglassStiffness(A), k);
-    run.scatterStress(S, pull, scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}), k);
+    run.scatterStress(laminate.pulled(S), pull, scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}), k);
   }
 }
 
-template <MaterialLaw kLaw, bool kModal, class T>
+template <MaterialLaw kLaw, bool kModal, bool kMixed, class T>
 HWY_NOINLINE void forcesOfSlice(const CellJob<T> &job, const ScalarLaw &scalar, const ChunkFields<T> &fields,
                                 std::size_t slice) {
   using D = hn::CappedTag<T, kLanes<T>>;
   const D d;
   for (std::size_t lane = 0; lane < kLanes<T>; lane += hn::Lanes(d))
-    forcesOfLanes<kLaw, kModal>(CellRun<D>(d, job, fields, slice, lane), scalar);
+    forcesOfLanes<kLaw, kModal, kMixed>(CellRun<D>(d, job, fields, slice, lane), scalar);
 }
 
 template <class T>
@@ -71,10 +75,14 @@ void forcesOf(const CellJob<T> &job, const ScalarLaw &scalar, std::size_t begin,
   for (std::size_t chunk = begin; chunk < end; ++chunk)
     forChunk<Sums::perPhyxel>(job, chunk, [&](std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
       withLaw(job.laws[job.cells->materials[slice]].law, [&](auto law) HWY_ATTR {
+        constexpr MaterialLaw kLaw = decltype(law)::value;
+        const bool isMixed = job.cells->laminates[slice] != kNoLaminate;
         if (job.hourglass) {
-          forcesOfSlice<decltype(law)::value, true>(job, scalar, fields, slice);
+          (isMixed ? forcesOfSlice<kLaw, true, true, T> : forcesOfSlice<kLaw, true, false, T>)(job, scalar, fields,
+                                                                                               slice);
         } else {
-          forcesOfSlice<decltype(law)::value, false>(job, scalar, fields, slice);
+          (isMixed ? forcesOfSlice<kLaw, false, true, T> : forcesOfSlice<kLaw, false, false, T>)(job, scalar, fields,
+                                                                                                 slice);
         }
       });
     });

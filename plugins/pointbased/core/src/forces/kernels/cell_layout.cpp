@@ -79,6 +79,25 @@ class Blocks {
   std::vector<std::uint8_t> whole_;
 };
 
+template <class T>
+void addLaminates(std::span<const Index> points, const detail::Laminates &laminates, CellSlices<T> &out) {
+  const bool isAny = std::any_of(points.begin(), points.end(), [&](Index q) { return laminates.at(q) != nullptr; });
+  constexpr std::size_t kSize = kLaminateNumbers * kLanes<T>;
+  out.laminates.push_back(isAny ? static_cast<Index>(out.laminateNumbers.size() / kSize) : kNoLaminate);
+  if (!isAny) return;
+  const std::size_t first = out.laminateNumbers.size();
+  out.laminateNumbers.resize(first + kSize, T(0));
+  for (std::size_t lane = 0; lane < points.size(); ++lane) {
+    const detail::Laminate *laminate = laminates.at(points[lane]);
+    if (laminate == nullptr) continue;
+    const std::array<double, kLaminateNumbers> numbers = {
+        laminate->normal[0], laminate->normal[1], laminate->normal[2], laminate->share,
+        laminate->shear,     laminate->trace,     laminate->across,    laminate->limit * laminate->limit};
+    for (std::size_t k = 0; k < kLaminateNumbers; ++k)
+      out.laminateNumbers[first + k * kLanes<T> + lane] = static_cast<T>(numbers[k]);
+  }
+}
+
 }  // namespace
 
 std::optional<std::array<double, kCellNumbers>> cellNumbers(const StencilSet &s, std::size_t q) {
@@ -104,7 +123,7 @@ std::optional<std::array<double, kCellNumbers>> cellNumbers(const StencilSet &s,
 }
 
 CellPlan planCells(const StencilSet &s, std::size_t lanes, std::span<const std::uint8_t> suits,
-                   const ParallelFor &parallelFor) {
+                   const ParallelFor &parallelFor, const detail::Laminates &laminates) {
   CellPlan plan;
   detail::Looks look(parallelFor);
   std::vector<std::vector<Index>> byMaterial(suits.size());
@@ -125,7 +144,8 @@ CellPlan planCells(const StencilSet &s, std::size_t lanes, std::span<const std::
     for (std::size_t first = 0; first < points.size(); first += kChunkCells) {
       const auto begin = points.begin() + static_cast<std::ptrdiff_t>(first);
       const auto end = points.begin() + static_cast<std::ptrdiff_t>(std::min(first + kChunkCells, points.size()));
-      std::stable_partition(begin, end, [&](Index q) { return whole[q] != 0; });
+      const auto cut = std::stable_partition(begin, end, [&](Index q) { return whole[q] != 0; });
+      std::stable_partition(cut, end, [&](Index q) { return laminates.at(q) == nullptr; });
     }
     for (std::size_t first = 0; first < points.size(); first += lanes) {
       const std::size_t used = std::min(lanes, points.size() - first);
@@ -138,7 +158,8 @@ CellPlan planCells(const StencilSet &s, std::size_t lanes, std::span<const std::
 }
 
 template <class T>
-CellSlices<T> sliceCells(const StencilSet &s, const CellPlan &plan, const ParallelFor &parallelFor) {
+CellSlices<T> sliceCells(const StencilSet &s, const CellPlan &plan, const ParallelFor &parallelFor,
+                         const detail::Laminates &laminates) {
   constexpr std::size_t kSlice = kLanes<T>;
   CellSlices<T> out;
   out.materials = plan.materials;
@@ -162,6 +183,7 @@ CellSlices<T> sliceCells(const StencilSet &s, const CellPlan &plan, const Parall
         for (std::size_t j = 0; j < kCorners; ++j)
           out.corners[(slice * kCorners + j) * kSlice + lane] = static_cast<std::uint16_t>(
               std::lower_bound(local.begin(), local.end(), phyxelAt(slice, lane, j)) - local.begin());
+      addLaminates(std::span(plan.points).subspan(slice * kSlice, kSlice), laminates, out);
       out.blocks.push_back(blocks.of(s, std::span(plan.points).subspan(slice * kSlice, kSlice), plan.used[slice]));
     }
     out.phyxels.insert(out.phyxels.end(), local.begin(), local.end());
@@ -191,8 +213,10 @@ LawNumbers<T> lawNumbers(const Material &m, double stabilisation) {
   return n;
 }
 
-template CellSlices<float> sliceCells<float>(const StencilSet &, const CellPlan &, const ParallelFor &);
-template CellSlices<double> sliceCells<double>(const StencilSet &, const CellPlan &, const ParallelFor &);
+template CellSlices<float> sliceCells<float>(const StencilSet &, const CellPlan &, const ParallelFor &,
+                                             const detail::Laminates &);
+template CellSlices<double> sliceCells<double>(const StencilSet &, const CellPlan &, const ParallelFor &,
+                                               const detail::Laminates &);
 template LawNumbers<float> lawNumbers<float>(const Material &, double);
 template LawNumbers<double> lawNumbers<double>(const Material &, double);
 

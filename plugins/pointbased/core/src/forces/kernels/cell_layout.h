@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "forces/laminate.h"
 #include "pointbased/constitution.h"
 #include "pointbased/stencil.h"
 #include "slices.h"
@@ -25,13 +26,15 @@ struct CellPlan {
 
 /// Cells in the order of the points, which follows a space-filling curve, by material; within a chunk whole cells
 /// first, which are all alike.
-/// @param suits  per material: whether the kernels know its response
+/// @param suits      per material: whether the kernels know its response
+/// @param laminates  points that have one are taken together
 [[nodiscard]] CellPlan planCells(const StencilSet &stencils, std::size_t lanes, std::span<const std::uint8_t> suits,
-                                 const ParallelFor &parallelFor = serialFor());
+                                 const ParallelFor &parallelFor = serialFor(), const detail::Laminates &laminates = {});
 
 template <class T>
 [[nodiscard]] CellSlices<T> sliceCells(const StencilSet &stencils, const CellPlan &plan,
-                                       const ParallelFor &parallelFor = serialFor());
+                                       const ParallelFor &parallelFor = serialFor(),
+                                       const detail::Laminates &laminates = {});
 
 template <class T>
 [[nodiscard]] LawNumbers<T> lawNumbers(const Material &material, double stabilisation);

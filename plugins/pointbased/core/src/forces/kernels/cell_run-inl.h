@@ -42,6 +42,13 @@ struct CellRun {
 
   HWY_INLINE V number(CellNumber which) const { return hn::Load(d, numbers + which * kSlice); }
 
+  /// Numbers of LaminateNumber; null: all lanes are of one material each.
+  [[nodiscard]] HWY_INLINE const T *laminate() const {
+    const Index which = job.cells->laminates[slice];
+    return which == kNoLaminate ? nullptr
+                                : job.cells->laminateNumbers.data() + which * kLaminateNumbers * kSlice + lane;
+  }
+
   [[nodiscard]] HWY_INLINE std::size_t material() const { return job.cells->materials[slice]; }
 
   HWY_INLINE void gatherCorners(const T *field, SignSums<V> &x, SignSums<V> &y, SignSums<V> &z) const {

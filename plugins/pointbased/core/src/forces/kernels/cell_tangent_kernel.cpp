@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "forces/kernels/cell_tangent_kernel.h"
 
+#include <type_traits>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forces/kernels/cell_tangent_kernel.cpp"
 #define C3DE_KERNEL_WITHOUT_SSE4
@@ -11,6 +13,7 @@
 
 #include "forces/kernels/cell_run-inl.h"
 #include "forces/kernels/hourglass-inl.h"
+#include "forces/kernels/laminate-inl.h"
 #include "forces/kernels/tangent-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -21,23 +24,52 @@ HWY_INLINE TangentRows<D> rowsOf(const CellRun<D> &run) {
   return {run.d, run.job.tangents + run.slice * kTangentNumbers * CellRun<D>::kSlice + run.lane};
 }
 
-template <MaterialLaw kLaw, class D>
-HWY_INLINE void tangentOfLanes(const CellRun<D> &run) {
-  using V = hn::Vec<D>;
-  SignSums<V> x, y, z;
-  run.gatherCorners(run.fields.displacements, x, y, z);
-  prepareTangent<kLaw>(run.d, run.law, Strain<D>(run.d, run.gradient(x, y, z)), rowsOf(run));
-  rowsOf(run).setMatrix(kTangentA, run.amplitudes(x, y, z));
+template <class D>
+HWY_INLINE TangentRows<D> laminateRowsOf(const CellRun<D> &run) {
+  return {run.d, run.job.laminateTangents +
+                     run.job.cells->laminates[run.slice] * kLaminateTangentNumbers * CellRun<D>::kSlice + run.lane};
 }
 
-template <MaterialLaw kLaw, class D>
+template <MaterialLaw kLaw, bool kMixed, class D>
+HWY_INLINE void tangentOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
+  using V = hn::Vec<D>;
+  const D d = run.d;
+  SignSums<V> x, y, z;
+  run.gatherCorners(run.fields.displacements, x, y, z);
+  const Mat3Lanes<V> ofCell = run.gradient(x, y, z), A = run.amplitudes(x, y, z);
+  const std::conditional_t<kMixed, LaminateLanes<kLaw, D>, NoLaminate> laminate(run, ofCell);
+  const Strain<D> strain(d, laminate.strained(ofCell));
+  prepareTangent<kLaw>(d, run.law, strain, rowsOf(run));
+  rowsOf(run).setMatrix(kTangentA, A);
+  if constexpr (kMixed) {
+    V ratio;
+    Mat3Lanes<V> S =
+        scaled(run.number(kVolume),
+               stressOf<kLaw>(d, run.law, strain, largestStretchSquared(d, strain.E, spreadOf(d, strain.E)), scalar,
+                              run.material(), ratio));
+    if (kLaw != MaterialLaw::linear && run.job.hourglass)
+      S = S + times(A, transposed(hourglassConjugate(d, run.law, A + transposeTimes(strain.G, A), run.roots())));
+    laminateRowsOf(run).setMatrix(kCellG, ofCell);
+    laminateRowsOf(run).setMatrix(kMaterialStress, S);
+  }
+}
+
+template <MaterialLaw kLaw, bool kMixed, class D>
 HWY_INLINE void productOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   using V = hn::Vec<D>;
   const D d = run.d;
   const TangentRows<D> at = rowsOf(run);
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
-  const Mat3Lanes<V> dG = run.gradient(x, y, z);
+  using Mixture = std::conditional_t<kMixed, LaminateLanes<kLaw, D>, NoLaminate>;
+  Mat3Lanes<V> ofCell, stress;
+  if constexpr (kMixed) {
+    ofCell = laminateRowsOf(run).getMatrix(kCellG);
+    stress = laminateRowsOf(run).getMatrix(kMaterialStress);
+  }
+  const Mixture laminate(run, ofCell);
+  const auto change = laminate.change(run.gradient(x, y, z));
+  const Mat3Lanes<V> dG = laminate.strained(change);
   Mat3Lanes<V> dS = stressChange<kLaw>(d, run.law, at, dG, scalar, run.material());
   if (run.job.viscousScale > 0)
     dS = dS + viscousStress(d, hn::Set(d, run.law.twoEta * run.job.viscousScale), at.getMatrix(kTangentG), dG);
@@ -45,7 +77,7 @@ HWY_INLINE void productOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   const V nothing[kCorners] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d),
                                hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
   if (!run.job.hourglass) {
-    run.scatterStress(dS, nothing);
+    run.scatterStress(laminate.pulledChange(change, stress, dS), nothing);
     return;
   }
   const Mat3Lanes<V> dA = run.amplitudes(x, y, z);
@@ -61,16 +93,19 @@ HWY_INLINE void productOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
     dS = dS + times(dA, transposed(D3)) + times(A, transposed(dD));
     dPull = dD + times(G, dD) + times(dG, D3);
   }
-  run.scatterStress(dS, dPull, scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}), nothing);
+  run.scatterStress(laminate.pulledChange(change, stress, dS), dPull,
+                    scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}), nothing);
 }
 
 // Strain and modes of some lanes, J.
-template <MaterialLaw kLaw, class D, class V = hn::Vec<D>>
+template <MaterialLaw kLaw, bool kMixed, class D, class V = hn::Vec<D>>
 HWY_INLINE void energiesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar, V &strainEnergy, V &hourglassEnergy) {
   const D d = run.d;
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
-  const Mat3Lanes<V> G = run.gradient(x, y, z);
+  const Mat3Lanes<V> ofCell = run.gradient(x, y, z);
+  const std::conditional_t<kMixed, LaminateLanes<kLaw, D>, NoLaminate> laminate(run, ofCell);
+  const Mat3Lanes<V> G = laminate.strained(ofCell);
   strainEnergy = hn::Mul(run.number(kVolume), energyOf<kLaw>(d, run.law, Strain<D>(d, G), scalar, run.material()));
   hourglassEnergy = hn::Zero(d);
   if (!run.job.hourglass) return;
@@ -83,44 +118,64 @@ HWY_INLINE void energiesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar, 
               hn::MulAdd(run.twist(), twisted, product(B, hourglassConjugate(d, run.law, B, run.roots()))));
 }
 
-template <MaterialLaw kLaw, class T>
-HWY_NOINLINE void tangentsOfSlice(const CellJob<T> &job, const ChunkFields<T> &fields, std::size_t slice) {
-  forLanes(job, fields, slice, [&](const auto &run) HWY_ATTR { tangentOfLanes<kLaw>(run); });
+template <MaterialLaw kLaw, bool kMixed, class T>
+HWY_NOINLINE void tangentsOfSlice(const CellJob<T> &job, const ScalarLaw &scalar, const ChunkFields<T> &fields,
+                                  std::size_t slice) {
+  forLanes(job, fields, slice, [&](const auto &run) HWY_ATTR { tangentOfLanes<kLaw, kMixed>(run, scalar); });
 }
-template <MaterialLaw kLaw, class T>
+template <MaterialLaw kLaw, bool kMixed, class T>
 HWY_NOINLINE void productsOfSlice(const CellJob<T> &job, const ScalarLaw &scalar, const ChunkFields<T> &fields,
                                   std::size_t slice) {
-  forLanes(job, fields, slice, [&](const auto &run) HWY_ATTR { productOfLanes<kLaw>(run, scalar); });
+  forLanes(job, fields, slice, [&](const auto &run) HWY_ATTR { productOfLanes<kLaw, kMixed>(run, scalar); });
 }
-template <MaterialLaw kLaw, class T>
+template <MaterialLaw kLaw, bool kMixed, class T>
 HWY_NOINLINE void energiesOfSlice(const CellJob<T> &job, const ScalarLaw &scalar, const ChunkFields<T> &fields,
                                   std::size_t slice) {
   storeEnergies(job, fields, slice, [&](const auto &run, auto &strain, auto &modes) HWY_ATTR {
-    energiesOfLanes<kLaw>(run, scalar, strain, modes);
+    energiesOfLanes<kLaw, kMixed>(run, scalar, strain, modes);
+  });
+}
+
+/// of(law, whether a slice has laminates, slice, fields), the first two as integral constants.
+template <Sums kSums, class T, class Of>
+HWY_INLINE void forKinds(const CellJob<T> &job, std::size_t begin, std::size_t end, const Of &of) {
+  forSlices<kSums>(job, begin, end, [&](auto law, std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
+    if (job.cells->laminates[slice] != kNoLaminate) {
+      of(law, std::true_type(), slice, fields);
+    } else {
+      of(law, std::false_type(), slice, fields);
+    }
   });
 }
 
 template <class T>
-void tangentsOf(const CellJob<T> &job, std::size_t begin, std::size_t end) {
-  forSlices<Sums::none>(job, begin, end, [&](auto law, std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
-    tangentsOfSlice<decltype(law)::value>(job, fields, slice);
-  });
+void tangentsOf(const CellJob<T> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  forKinds<Sums::none>(job, begin, end,
+                       [&](auto law, auto mixed, std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
+                         tangentsOfSlice<decltype(law)::value, decltype(mixed)::value>(job, scalar, fields, slice);
+                       });
 }
 template <class T>
 void productsOf(const CellJob<T> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
-  forSlices<Sums::perPhyxel>(job, begin, end, [&](auto law, std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
-    productsOfSlice<decltype(law)::value>(job, scalar, fields, slice);
-  });
+  forKinds<Sums::perPhyxel>(job, begin, end,
+                            [&](auto law, auto mixed, std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
+                              productsOfSlice<decltype(law)::value, decltype(mixed)::value>(job, scalar, fields, slice);
+                            });
 }
 template <class T>
 void energiesOf(const CellJob<T> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
-  forSlices<Sums::none>(job, begin, end, [&](auto law, std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
-    energiesOfSlice<decltype(law)::value>(job, scalar, fields, slice);
-  });
+  forKinds<Sums::none>(job, begin, end,
+                       [&](auto law, auto mixed, std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
+                         energiesOfSlice<decltype(law)::value, decltype(mixed)::value>(job, scalar, fields, slice);
+                       });
 }
 
-void TangentsFloat(const CellJob<float> &job, std::size_t begin, std::size_t end) { tangentsOf(job, begin, end); }
-void TangentsDouble(const CellJob<double> &job, std::size_t begin, std::size_t end) { tangentsOf(job, begin, end); }
+void TangentsFloat(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  tangentsOf(job, scalar, begin, end);
+}
+void TangentsDouble(const CellJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  tangentsOf(job, scalar, begin, end);
+}
 void ProductsFloat(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
   productsOf(job, scalar, begin, end);
 }
@@ -147,11 +202,11 @@ HWY_EXPORT(ProductsDouble);
 HWY_EXPORT(EnergiesFloat);
 HWY_EXPORT(EnergiesDouble);
 
-void cellTangents(const CellJob<float> &job, std::size_t begin, std::size_t end) {
-  HWY_DYNAMIC_DISPATCH(TangentsFloat)(job, begin, end);
+void cellTangents(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  HWY_DYNAMIC_DISPATCH(TangentsFloat)(job, scalar, begin, end);
 }
-void cellTangents(const CellJob<double> &job, std::size_t begin, std::size_t end) {
-  HWY_DYNAMIC_DISPATCH(TangentsDouble)(job, begin, end);
+void cellTangents(const CellJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  HWY_DYNAMIC_DISPATCH(TangentsDouble)(job, scalar, begin, end);
 }
 void cellProducts(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
   HWY_DYNAMIC_DISPATCH(ProductsFloat)(job, scalar, begin, end);

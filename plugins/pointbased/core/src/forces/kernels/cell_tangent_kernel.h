@@ -6,10 +6,10 @@
 
 namespace pointbased::kernels {
 
-/// job.tangents at job.displacements, for cellProducts().
+/// job.tangents and job.laminateTangents at job.displacements, for cellProducts().
 /// @threads any, disjoint ranges of chunks; no allocation; bits as cellForces()
-void cellTangents(const CellJob<float> &job, std::size_t begin, std::size_t end);
-void cellTangents(const CellJob<double> &job, std::size_t begin, std::size_t end);
+void cellTangents(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
+void cellTangents(const CellJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
 
 /// Change of the forces on the phyxels of the chunks (job.partials) for changes of the displacements
 /// (job.displacements).

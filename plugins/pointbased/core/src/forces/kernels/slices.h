@@ -44,6 +44,20 @@ enum CellNumber : std::size_t {
   kCellNumbers
 };
 
+/// What a lane of two materials needs besides, in this order: detail::Laminate, lattice axes; zeros where there is one.
+enum LaminateNumber : std::size_t {
+  kNormalX,
+  kNormalY,
+  kNormalZ,
+  kShare,
+  kShear,
+  kTrace,
+  kAcross,
+  kLimitSquared,
+  kLaminateNumbers
+};
+inline constexpr Index kNoLaminate = 0xffffffffu;
+
 /// Cells that are taken together: their phyxels stay in the first cache, and what they do to a phyxel is summed there
 /// before it goes on.
 inline constexpr std::size_t kChunkCells = 64;
@@ -59,6 +73,8 @@ struct CellSlices {
   AlignedVector<T> numbers;              ///< [blocks][kCellNumbers][lanes]; slices of whole cells share a block
   std::vector<Index> blocks;             ///< [slices] which
   std::vector<std::uint8_t> whole;       ///< [blocks] 1: all cells are, so that |g_j|² = 3 kGradient²
+  std::vector<Index> laminates;          ///< [slices] which, or kNoLaminate
+  AlignedVector<T> laminateNumbers;      ///< [slices that have any][kLaminateNumbers][lanes]
   std::vector<Index> firstLocals{0};     ///< [chunks + 1] into phyxels
   std::vector<Index> phyxels;            ///< [chunks][those of its cells, ascending]
 
@@ -128,6 +144,13 @@ enum TangentNumber : std::size_t {
   kTangentNumbers = kTangentTurn + 6
 };
 
+/// What a product needs besides of a slice with laminates: G of the cell and v P of the material with its modes.
+enum LaminateTangentNumber : std::size_t {
+  kCellG,
+  kMaterialStress = kCellG + 9,
+  kLaminateTangentNumbers = kMaterialStress + 9
+};
+
 /// A field of phyxels, as the body has it: [phyxels][3], world axes. The kernels take it relative to its first vector,
 /// so that a body far from where it was made loses no digits, and in lattice axes.
 struct PhyxelField {
@@ -149,8 +172,9 @@ struct CellJob {
   /// [locals of all chunks][4] out: what the chunk does to the phyxel, N, lattice axes; and its stiffness there, N/m:
   /// Σ τ v (λ + 2 μ) |g_j|², τ the tangentRatio() (and stretch of modes) of a cell; NaN where something is none.
   T *partials = nullptr;
-  T *tangents = nullptr;       ///< [slices][kTangentNumbers][lanes] of cellTangents()
-  double *energies = nullptr;  ///< [slices][2] out of cellEnergies(): strain and modes, J
+  T *tangents = nullptr;          ///< [slices][kTangentNumbers][lanes] of cellTangents()
+  T *laminateTangents = nullptr;  ///< [slices with laminates][kLaminateTangentNumbers][lanes] likewise
+  double *energies = nullptr;     ///< [slices][2] out of cellEnergies(): strain and modes, J
 };
 
 /// Sums of partials: rows of phyxels, places in ascending order.
