@@ -380,6 +380,42 @@ TEST_CASE("a laminate shares a strain across its border as both press alike, and
   }
 }
 
+TEST_CASE("three materials of a cell are two layers", "[kernels]") {
+  // Across a cube of one cell: two that are nearly alike, and a soft one.
+  LatticeSampling sampling;
+  sampling.spacing = 0.02;
+  sampling.axes = Mat3(Mat3::Identity());
+  HalfSpaceRegion stiff, other;
+  stiff.point = Vec3(0.006, 0.0, 0.0);
+  stiff.normal = other.normal = Vec3::UnitX();
+  other.point = Vec3(0.003, 0.0, 0.0);
+  sampling.materials.emplace_back(stiff, std::uint16_t{1});
+  sampling.materials.emplace_back(other, std::uint16_t{2});
+  const auto rest = latticeBody(shapes::box(Vec3::Zero(), Vec3::Constant(0.02)), sampling);
+  REQUIRE(rest->pointCount() == 3);
+  Constitution constitution = softAndStiff(MaterialLaw::neoHookean, MaterialLaw::neoHookean, 50.0);
+  constitution.materials.push_back(constitution.materials[1]);  // as stiff as the second
+  constitution.materials[2].youngsModulus *= 1.01;
+  Body body("b", rest, constitution, serialFor());
+  for (std::size_t i = 0; i < rest->phyxelCount(); ++i)
+    body.state().displacements[i] = Vec3(1e-6, 0, 0).cwiseProduct(rest->positions[i]);
+  body.forgetPoints();
+  Mat3 mean = Mat3::Zero();
+  double volume = 0.0;
+  std::array<Mat3, 3> F;
+  for (std::size_t q = 0; q < 3; ++q) {
+    F[rest->stencils.materials[q]] = body.gradients()[q];
+    mean += rest->stencils.volumes[q] * body.gradients()[q];
+    volume += rest->stencils.volumes[q];
+  }
+  CHECK((mean / volume - Mat3(Vec3(1.0 + 1e-6, 1.0, 1.0).asDiagonal())).norm() < 1e-11);
+  CHECK((F[1] - F[2]).norm() < 1e-12);
+  // Those in a row carry the same: the soft one is strained some fifty times as much.
+  const auto traction = [&](std::size_t m) { return firstPiolaStress(constitution.materials[m], F[m])(0, 0); };
+  CHECK(traction(1) == Approx(traction(0)).epsilon(0.02));
+  CHECK(traction(2) == Approx(traction(0)).epsilon(0.02));
+}
+
 TEST_CASE("evaluation by kernels gives the same bits however its loops are cut", "[kernels]") {
   for (const bool lattice : {true, false})
     for (const Precision precision : {Precision::doublePrecision, Precision::singlePrecision}) {

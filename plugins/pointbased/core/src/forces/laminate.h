@@ -9,12 +9,12 @@
 
 namespace pointbased::detail {
 
-/// One of the two points of a cell that holds two materials, as layers with a plane border. The strain F of the cell is
+/// A point of a cell that holds two materials, as layers with a plane border. The strain F of the cell is
 /// their mean, and that across the border is shared so that both press on each other alike (a laminate of rank one):
 ///
 ///     F_q = F (1 + c y nᵀ),   y = b/√(1 + k² b²),   b = -[2 Δμ/μ* (E n)_t + n (Δλ tr E + 2 Δμ n·E n)/(λ* + 2 μ*)]
 ///
-/// E Green strain of F; c the share of the other material, of the other point minus that of this one; Δ the difference
+/// E Green strain of F; c the share of the other layer, of points of the second one minus that of the first; Δ the difference
 /// of the moduli, * their means with the shares exchanged. For small strains this is the solution, turning included; k
 /// keeps |c y| below kMostJump, so that the thinner layer is not turned over where the other is pressed a little. The
 /// linear law takes E linear and y = b.
@@ -39,8 +39,9 @@ struct Laminates {
   [[nodiscard]] const Laminate *at(std::size_t q) const { return of.empty() || of[q] == kNone ? nullptr : &all[of[q]]; }
 };
 
-/// Of cells with exactly two points whose laws the kernels know, of bodies that remember nothing: forces of laminates are
-/// those of the kernels alone (VectorForces).
+/// Of cells with several points whose laws the kernels know, of bodies that remember nothing: forces of laminates are
+/// those of the kernels alone (VectorForces). Of three materials or more those next to each other in stiffness are one
+/// layer, with the mean of their moduli and one strain; the two layers are parted at the widest gap.
 [[nodiscard]] Laminates findLaminates(const StencilSet &stencils, const Constitution &constitution);
 
 /// F of the material of a point, from that of its cell.
