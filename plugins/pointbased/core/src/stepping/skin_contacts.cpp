@@ -27,17 +27,18 @@ constexpr double kEdgeOfPiece = 0.5, kDeviationOfPiece = 0.05;
 // m, that parts of a skin that may touch each other are apart at rest beyond where they are looked at.
 double roomAtRest(double spacing) { return (kOnePiece - kNearOfSelf) * spacing; }
 
-// Points within cells have weights that are not negative; others are fitted to phyxels around them, and so are those
-// that contact adds between them, for which twice as much is allowed.
-double mostWeight(const Surfels &surfels) {
-  const Interpolation &rows = surfels.rows();
-  double most = 0.0;
+// Points of lattices have weights that are not negative; others are fitted to phyxels around them, and so are those that
+// contact adds between them, for which twice as much is allowed.
+double mostWeight(const RestState &rest) {
+  if (rest.stencils.isLattice()) return 1.0;
+  const Interpolation &rows = rest.surfels.rows();
+  double most = 1.0;
   for (std::size_t p = 0; p < rows.count(); ++p) {
     double sum = 0.0;
     for (Index e = rows.phyxels.offsets[p]; e < rows.phyxels.offsets[p + 1]; ++e) sum += std::abs(rows.weights[e]);
     most = std::max(most, sum);
   }
-  return most > 0.0 ? 2.0 * most : 1.0;
+  return 2.0 * most;
 }
 
 double areaOf(const RestState &rest) {
@@ -105,7 +106,7 @@ SkinContacts::RoomOfSelf &SkinContacts::roomOfSelf(std::size_t id, const Body &b
   RoomOfSelf &room = roomsOfSelf_[id] = {};
   const double area = areaOf(body.rest());
   room.of = body.sharedRest();
-  room.gain = mostWeight(body.rest().surfels);
+  room.gain = mostWeight(body.rest());
   room.left = roomAtRest(body.rest().spacing);
   room.thickness = area > 0.0 ? 2.0 * body.rest().shapeVolume / area : 0.0;
   return room;
