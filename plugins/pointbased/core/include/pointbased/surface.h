@@ -26,7 +26,8 @@ struct SurfacePoints {
 
 /// Cuts the triangles at the border of the region, divides what is inside until its edges are at most `spacing`, and
 /// gives centroids and areas of the parts. Areas and first moments are exact for boxes and half-spaces and good to 1e-3
-/// for spheres, whose circle in the plane of a triangle becomes a polygon of 64 sides with its area.
+/// for spheres, whose circle in the plane of a triangle becomes a polygon of 64 sides with its area. Voxels have no plane
+/// border: parts belong to those that lie behind them.
 ///
 /// What lies within 1e-9 of the surface's size of the region counts as inside, so a face on its border is taken whole,
 /// however its coordinates are rounded; strips thinner than that are not.

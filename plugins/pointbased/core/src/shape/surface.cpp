@@ -7,6 +7,8 @@
 #include <numbers>
 #include <utility>
 
+#include "shape/occupancy_field.h"
+
 namespace pointbased {
 namespace {
 
@@ -96,7 +98,7 @@ class Sampler {
     normal_ = twice / length;
     triangle_ = triangle;
     polygon_.assign({a, b, c});
-    if (!inside(a) || !inside(b) || !inside(c)) {
+    if (!std::holds_alternative<VoxelRegion>(within_) && (!inside(a) || !inside(b) || !inside(c))) {
       cut();
       // A face that only touches the border leaves a strip as wide as the tolerance.
       if (polygon_.size() < 3) return;
@@ -177,6 +179,10 @@ class Sampler {
     }
     const Measure m = measure(polygon, normal_);
     if (!(m.area > 0.0)) return;
+    // Voxels have no faces to cut by: a piece belongs to those that lie behind it.
+    if (const auto *filled = std::get_if<VoxelRegion>(&within_);
+        filled != nullptr && !inside(m.centroid - 0.5 * filled->voxels->voxel() * normal_))
+      return;
     points_.positions.push_back(m.centroid);
     points_.normals.push_back(normal_);
     points_.areas.push_back(m.area);

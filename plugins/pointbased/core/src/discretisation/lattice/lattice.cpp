@@ -203,7 +203,8 @@ constexpr double kLeastByVoxels = 0.005;
 // What lies where in a cell, of the materials and of what is held.
 class MaterialFinder {
  public:
-  MaterialFinder(const LatticeSampling &sampling, const CellSet &set) : sampling_(sampling), set_(set) {}
+  MaterialFinder(const BodyShape &shape, const LatticeSampling &sampling, const CellSet &set)
+      : shape_(shape), sampling_(sampling), set_(set) {}
 
   // One material: `free` as it is.
   [[nodiscard]] std::vector<MaterialContent> contentsIn(const CutCellFragment &part, const Moments &free) const {
@@ -237,7 +238,7 @@ class MaterialFinder {
       double unfilled = left.share;  // of the small cell, by voxels
       for (const Region *region : held) {
         if (!(left.share > 0.0)) break;
-        left = divideSample(set_, *region, cell, s, left).outside;
+        left = divideHeld(shape_, set_, *region, cell, s, left).outside;
         if (const auto share = voxelShare(set_, *region, cell, s)) unfilled = std::max(0.0, unfilled - *share);
       }
       const auto divided = [&](const Region &region) {
@@ -276,16 +277,17 @@ class MaterialFinder {
     return {{found.empty() ? under : largest->first, free}};
   }
 
+  const BodyShape &shape_;
   const LatticeSampling &sampling_;
   const CellSet &set_;
 };
 
-void buildPoints(const LatticeSampling &sampling, const LatticeCellMap &map, std::span<const PartContent> contents,
-                 LatticeBody &body, const ParallelFor &parallelFor) {
+void buildPoints(const BodyShape &shape, const LatticeSampling &sampling, const LatticeCellMap &map,
+                 std::span<const PartContent> contents, LatticeBody &body, const ParallelFor &parallelFor) {
   StencilSet &stencils = body.stencils;
   const Mat3 &axes = map.set().frame.axes;
   stencils.axes = axes;
-  const MaterialFinder finder(sampling, map.set());
+  const MaterialFinder finder(shape, sampling, map.set());
   Row row;
   for (std::size_t p = 0; p < contents.size(); ++p) {
     if (p % detail::kLookEvery == 0) detail::lookForEnd(parallelFor);
@@ -391,7 +393,7 @@ Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &w
   body.weightVolumes = std::move(shared.weights);
   body.heldVolumes = std::move(shared.held);
   body.supportVolumes = std::move(shared.carried);
-  buildPoints(sampling, *map, contents, body, parallelFor);
+  buildPoints(shape, sampling, *map, contents, body, parallelFor);
 
   // What was counted comes to the volume of the body.
   double counted = 0.0;

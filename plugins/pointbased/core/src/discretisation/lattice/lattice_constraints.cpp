@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "discretisation/lattice/lattice_samples.h"
 #include "shape/occupancy_field.h"
 
 namespace pointbased::lattice {
@@ -14,6 +15,8 @@ constexpr double kLoose = 0.05;
 // Largest variance, edges², of a border that is held by one mean: a little more than 1/12, that of one along the
 // lattice.
 constexpr double kLongBorder = 0.09;
+// What is filled by voxels to this part is filled: both are told to about a hundredth.
+constexpr double kAll = 0.97;
 
 // How a region cuts one small cell, as if its border were a plane there.
 struct RegionCut {
@@ -76,8 +79,43 @@ int sideOf(const CellSet &set, const Region &region, const Cell &cell) {
   return distance > reach ? 1 : distance < -reach ? -1 : 0;
 }
 
+// Whether a small cell outside of held voxels is parted from them by a gap.
+bool isBeyondGap(const BodyShape &shape, const CellSet &set, const VoxelRegion &held, const Cell &cell,
+                 const SampleContent &content, const Vec3 &middle, const RegionCut &cut) {
+  if (!(cut.distance > 0.0) || !shape.crosses) return false;
+  const Vec3 from = set.frame.world(set.centre(cell) + set.edge(cell) * content.centre);
+  const Vec3 border = set.frame.world(set.centre(cell) + set.edge(cell) * middle - cut.distance * cut.normal);
+  const Vec3 to = border - 0.5 * held.voxels->voxel() * (set.frame.axes * cut.normal);
+  std::uint8_t crosses = 0;
+  shape.crosses(std::span<const Vec3>(&from, 1), std::span<const Vec3>(&to, 1), std::span<std::uint8_t>(&crosses, 1));
+  return crosses != 0;
+}
+
+// As divide(), but voxels tell how much they fill, and end at gaps: planes leave slivers free beside the surface of
+// what is held, and hold across gaps thinner than a small cell.
+DividedSample divideByRegion(const BodyShape &shape, const CellSet &set, const Region &region, const Cell &cell,
+                             int sample, const SampleContent &content, const RegionCut &cut) {
+  const Vec3 middle = sampleOffset(sample);
+  const auto *voxels = std::get_if<VoxelRegion>(&region);
+  if (voxels == nullptr || !(content.share > 0.0)) return divide(content, middle, cut);
+  if (*voxelShare(set, region, cell, sample) >= kAll * content.share) {
+    DividedSample all = divide(content, middle, cut);
+    all.inside = content;
+    all.outside.share = 0.0;
+    if (content.share < kAll) all.border = 0.0;
+    return all;
+  }
+  DividedSample result = divide(content, middle, cut);
+  if (isBeyondGap(shape, set, *voxels, cell, content, middle, cut)) {
+    result.outside = content;
+    result.inside.share = result.border = 0.0;
+  }
+  return result;
+}
+
 // Σ over the samples of the part.
-HeldPatch measureVolume(const CellSet &set, const CutCellFragment &part, const Moments &all, const Region &region) {
+HeldPatch measureVolume(const BodyShape &shape, const CellSet &set, const CutCellFragment &part, const Moments &all,
+                        const Region &region) {
   HeldPatch patch;
   const Cell &cell = set.cells[part.cell];
   const int side = sideOf(set, region, cell);
@@ -86,20 +124,23 @@ HeldPatch measureVolume(const CellSet &set, const CutCellFragment &part, const M
     patch.held = all;
     return patch;
   }
+  // What is too faint to connect is of the nearest part, be it beyond a gap.
+  const View view = viewOf(set, part.cell);
+  const bool connects = std::holds_alternative<VoxelRegion>(region);
   const double edge = set.edge(cell), width = kSmall * edge;
   for (int s = 0; s < kSamples; ++s) {
     if ((part.samples >> s & 1) == 0) continue;
     const SampleContent content = contentOf(set, cell, s);
     if (content.share <= 0.0) continue;
     const RegionCut cut = cutOf(set, region, cell, s);
-    const DividedSample divided = divide(content, sampleOffset(s), cut);
+    const DividedSample divided = divideByRegion(shape, set, region, cell, s, content, cut);
     if (cut.share > 0.0 && divided.inside.share > 0.0)
       patch.held.add(divided.inside.share / kSamples, divided.inside.centre, divided.inside.variance);
     // The border as a smeared delta, one small cell wide along its normal. Between two cells it belongs to the outer
     // one, which is the one that can deform.
     const double reach = 0.5 * cut.normal.lpNorm<1>();
     const double layers = cut.distance / width - 1e-3;
-    if (!(layers > -reach && layers <= reach) || divided.border <= 0.0) continue;
+    if (!(layers > -reach && layers <= reach) || divided.border <= 0.0 || (connects && !view.connects(s))) continue;
     const double area = divided.border * width * width / (2.0 * reach);
     const double off = cut.distance / edge + cut.normal.dot(content.centre - sampleOffset(s));
     patch.borderArea += area;
@@ -115,7 +156,8 @@ bool isThin(const HeldPatch &patch, const Moments &all, double edge) {
          patch.held.share * edge * edge * edge < kThinLayer * edge * patch.facingArea;
 }
 
-Moments freeMoments(const CellSet &set, const CutCellFragment &part, std::span<const Region *const> regions) {
+Moments freeMoments(const BodyShape &shape, const CellSet &set, const CutCellFragment &part,
+                    std::span<const Region *const> regions) {
   Moments moments;
   const Cell &cell = set.cells[part.cell];
   for (int s = 0; s < kSamples; ++s) {
@@ -123,7 +165,7 @@ Moments freeMoments(const CellSet &set, const CutCellFragment &part, std::span<c
     SampleContent content = contentOf(set, cell, s);
     for (const Region *region : regions) {
       const RegionCut cut = cutOf(set, *region, cell, s);
-      if (cut.share > 0.0) content = divide(content, sampleOffset(s), cut).outside;
+      if (cut.share > 0.0) content = divideByRegion(shape, set, *region, cell, s, content, cut).outside;
     }
     if (content.share > 0.0) moments.add(content.share / kSamples, content.centre, content.variance);
   }
@@ -325,7 +367,7 @@ HeldPatches findHeld(const BodyShape &shape, const LatticeSampling &sampling, co
     parallelFor(measured.size(), 64, [&](std::size_t begin, std::size_t end) {
       for (std::size_t p = begin; p < end; ++p)
         if (map.parts()[p].kept && !isSheet(region, set.edge(set.cells[map.parts()[p].cell])))
-          measured[p] = measureVolume(set, map.parts()[p], contents[p].all, region);
+          measured[p] = measureVolume(shape, set, map.parts()[p], contents[p].all, region);
     });
     std::vector<Index> slots(map.parts().size(), kNone);
     for (std::size_t p = 0; p < measured.size(); ++p) {
@@ -343,9 +385,14 @@ HeldPatches findHeld(const BodyShape &shape, const LatticeSampling &sampling, co
   }
   parallelFor(contents.size(), 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p)
-      if (!holding[p].empty()) contents[p].free = freeMoments(set, map.parts()[p], holding[p]);
+      if (!holding[p].empty()) contents[p].free = freeMoments(shape, set, map.parts()[p], holding[p]);
   });
   return result;
+}
+
+DividedSample divideHeld(const BodyShape &shape, const CellSet &set, const Region &region, const Cell &cell, int sample,
+                         const SampleContent &content) {
+  return divideByRegion(shape, set, region, cell, sample, content, cutOf(set, region, cell, sample));
 }
 
 DividedSample divideSample(const CellSet &set, const Region &region, const Cell &cell, int sample,

@@ -23,6 +23,9 @@ struct DividedSample {
 /// As if the border were a plane in the small cell around a sample.
 [[nodiscard]] DividedSample divideSample(const CellSet &set, const Region &region, const Cell &cell, int sample,
                                          const SampleContent &content);
+/// The same of a held region: voxels hold what they fill, and nothing beyond a gap.
+[[nodiscard]] DividedSample divideHeld(const BodyShape &shape, const CellSet &set, const Region &region,
+                                       const Cell &cell, int sample, const SampleContent &content);
 /// What voxels fill of the small cell around a sample, however thin they lie in it: no plane is asked. Nothing for
 /// other regions.
 [[nodiscard]] std::optional<double> voxelShare(const CellSet &set, const Region &region, const Cell &cell, int sample);
