@@ -15,8 +15,9 @@ constexpr double kLoose = 0.05;
 // Largest variance, edges², of a border that is held by one mean: a little more than 1/12, that of one along the
 // lattice.
 constexpr double kLongBorder = 0.09;
-// What is filled by voxels to this part is filled: both are told to about a hundredth.
-constexpr double kAll = 0.97;
+// What is filled by voxels to this part, less some hundredths of a small cell, is filled: shares are known no better. A
+// part of a cell whose sum is filled to the second holds nothing that is free: slivers of it would hang on nothing.
+constexpr double kAll = 0.97, kNearlyNone = 0.03, kAllOfPart = 0.95;
 
 // How a region cuts one small cell, as if its border were a plane there.
 struct RegionCut {
@@ -98,7 +99,7 @@ DividedSample divideByRegion(const BodyShape &shape, const CellSet &set, const R
   const Vec3 middle = sampleOffset(sample);
   const auto *voxels = std::get_if<VoxelRegion>(&region);
   if (voxels == nullptr || !(content.share > 0.0)) return divide(content, middle, cut);
-  if (*voxelShare(set, region, cell, sample) >= kAll * content.share) {
+  if (*voxelShare(set, region, cell, sample) >= kAll * content.share - kNearlyNone) {
     DividedSample all = divide(content, middle, cut);
     all.inside = content;
     all.outside.share = 0.0;
@@ -134,7 +135,7 @@ HeldPatch measureVolume(const BodyShape &shape, const CellSet &set, const CutCel
     if (content.share <= 0.0) continue;
     const RegionCut cut = cutOf(set, region, cell, s);
     const DividedSample divided = divideByRegion(shape, set, region, cell, s, content, cut);
-    if (cut.share > 0.0 && divided.inside.share > 0.0)
+    if (divided.inside.share > 0.0)
       patch.held.add(divided.inside.share / kSamples, divided.inside.centre, divided.inside.variance);
     // The border as a smeared delta, one small cell wide along its normal. Between two cells it belongs to the outer
     // one, which is the one that can deform.
@@ -160,16 +161,19 @@ Moments freeMoments(const BodyShape &shape, const CellSet &set, const CutCellFra
                     std::span<const Region *const> regions) {
   Moments moments;
   const Cell &cell = set.cells[part.cell];
+  double all = 0.0, byVoxels = 0.0;
   for (int s = 0; s < kSamples; ++s) {
     if ((part.samples >> s & 1) == 0) continue;
     SampleContent content = contentOf(set, cell, s);
+    all += content.share;
     for (const Region *region : regions) {
+      if (const auto share = voxelShare(set, *region, cell, s)) byVoxels += std::min(*share, content.share);
       const RegionCut cut = cutOf(set, *region, cell, s);
-      if (cut.share > 0.0) content = divideByRegion(shape, set, *region, cell, s, content, cut).outside;
+      content = divideByRegion(shape, set, *region, cell, s, content, cut).outside;
     }
     if (content.share > 0.0) moments.add(content.share / kSamples, content.centre, content.variance);
   }
-  return moments;
+  return byVoxels < kAllOfPart * all ? moments : Moments{};
 }
 
 void addSurface(const BodyShape &shape, const Region &region, const LatticeCellMap &map, std::vector<Index> &slots,
@@ -361,6 +365,7 @@ HeldPatches findHeld(const BodyShape &shape, const LatticeSampling &sampling, co
   if (result.empty()) return result;
   const CellSet &set = map.set();
   std::vector<std::vector<const Region *>> holding(map.parts().size());
+  std::vector<std::uint8_t> whole(map.parts().size(), 0);  // held, whatever is free of it
   for (std::size_t r = 0; r < sampling.held.size(); ++r) {
     const Region &region = sampling.held[r];
     std::vector<HeldPatch> measured(map.parts().size());
@@ -381,11 +386,18 @@ HeldPatches findHeld(const BodyShape &shape, const LatticeSampling &sampling, co
       contents[patch.part].touched = true;
       patch.thin = isThin(patch, contents[patch.part].all, set.edge(set.cells[map.parts()[patch.part].cell]));
       if (!patch.thin && patch.held.share > 0.0) holding[patch.part].push_back(&region);
+      // What is left of it would hang on nothing.
+      if (std::holds_alternative<VoxelRegion>(region) && patch.border.empty() &&
+          patch.held.share > 0.5 * contents[patch.part].all.share)
+        whole[patch.part] = 1;
     }
   }
   parallelFor(contents.size(), 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p)
-      if (!holding[p].empty()) contents[p].free = freeMoments(shape, set, map.parts()[p], holding[p]);
+      if (whole[p] != 0)
+        contents[p].free = Moments{};
+      else if (!holding[p].empty())
+        contents[p].free = freeMoments(shape, set, map.parts()[p], holding[p]);
   });
   return result;
 }
