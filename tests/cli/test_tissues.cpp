@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // One body of many tissues, as a person writes it.
+#include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
 
 #include "c3de/imaging/writing.h"
 #include "program.h"
@@ -119,6 +123,144 @@ TEST_CASE("What is not right about tissues is an error, and labels that nobody n
   INFO(left.errorOutput);
   CHECK(left.exitCode == 0);
   CHECK_THAT(left.errorOutput, Contains("1 label is of no tissue and left out") && Contains("speck"));
+}
+
+TEST_CASE("Tissues may be told by values and by distance, beside labels and without", "[tissues]") {
+  const auto folder = freshFolder("tissues-rules");
+  (void)writePhantom(folder);
+  const std::string soft = "material = { youngs_modulus = 1e4, density = 1000 }";
+  const auto voxelsOf = [&](const std::string &tissues, const std::string &volume) {
+    std::string text = sceneOf(tissues, "");
+    text.replace(text.find("labels.nrrd"), 11, volume);
+    const auto run = runC3de({"info", "--json", "--quick", writeFile(folder / "scene.toml", text).string()});
+    INFO(run.errorOutput);
+    REQUIRE(run.exitCode == 0);
+    std::map<std::string, std::size_t> voxels;
+    const auto json = nlohmann::json::parse(run.output);
+    for (const auto &tissue : json["bodies"][0]["volume"]["tissues"])
+      voxels[tissue["label"]] = tissue["voxels"].get<std::size_t>();
+    return voxels;
+  };
+  // What it should be, on both grids; voxels of the map take the image's voxel that their middle lies in.
+  std::size_t core = 0, block = 0, shell = 0, front = 0;
+  for (int k = 0; k < 24; ++k)
+    for (int j = 0; j < 24; ++j)
+      for (int i = 0; i < 24; ++i) {
+        if (k < 4 && i >= 4 && i < 20 && j >= 4 && j < 20) continue;
+        const double r = std::hypot(4 * i - 46, 4 * j - 46, 4 * k - 50);
+        const auto isIn = [](int a) { return 4 * a >= 15 && 4 * a < 75; };
+        core += r < 14.0 ? 1 : 0;
+        block += r >= 14.0 && isIn(i) && isIn(j) && isIn(k) ? 1 : 0;
+        bool isNear = false;
+        for (int dk = -1; dk <= 1; ++dk)
+          for (int dj = -1; dj <= 1; ++dj)
+            for (int di = -1; di <= 1; ++di)
+              isNear = isNear || (di * di + dj * dj + dk * dk <= 1 &&
+                                  std::hypot(4 * (i + di) - 46, 4 * (j + dj) - 46, 4 * (k + dk) - 50) < 14.0);
+        shell += r >= 14.0 && isNear ? 1 : 0;
+        front += r >= 14.0 && isNear && 4 * i <= 46 ? 1 : 0;
+      }
+  auto voxels = voxelsOf(
+      kCore + ", " + kPlate + ", { name = \"block\", image = \"ct.nrrd\", threshold = [-100, 100], " + soft + " }",
+      "labels.nrrd");
+  CHECK(voxels["core"] == core);
+  CHECK(voxels["bone*"] == 16 * 16 * 4);
+  CHECK(voxels["block"] == block);
+  // Around tissues before it: of the list in its order, and within a region.
+  const std::string within = "region = { half_space = { point = [0.046, 0, 0], normal = [1, 0, 0] } }";
+  voxels = voxelsOf("{ label = \"core\", " + soft + " }, { name = \"front\", margin = 4.0, " + within +
+                        ", empty = true }, { name = \"block\", image = \"ct.nrrd\", threshold = [-100, 100], rigid = "
+                        "true }",
+                    "labels.nrrd");
+  CHECK(voxels["front"] == 0);  // nothing of it is of the body
+  CHECK(voxels["block"] > 0);
+  CHECK(voxels["block"] + front >= block);
+  CHECK(voxels["block"] < block);
+  voxels = voxelsOf(kCore + ", { name = \"shell\", margin = 4.0, " + soft + " }", "labels.nrrd");
+  CHECK(voxels["shell"] == shell);
+  // Of an image without labels, whose negative values no label map could hold.
+  voxels = voxelsOf("{ name = \"block\", threshold = [-100, 100], " + soft +
+                        " }, { name = \"air\", threshold = "
+                        "[-2000, -900], rigid = true }",
+                    "ct.nrrd");
+  CHECK(voxels["block"] == 1000);
+  CHECK(voxels["air"] == 16 * 16 * 16 - 1000);
+
+  const auto refusal = [&](const std::string &tissue) {
+    const auto run = runC3de(
+        {"run", writeFile(folder / "bad.toml", sceneOf(kCore + ", { " + tissue + " }")).string(), "--steps", "1"});
+    CHECK(run.exitCode == 3);
+    return run.errorOutput;
+  };
+  CHECK_THAT(refusal("name = \"x\", threshold = [500, 900], image = \"ct.nrrd\", " + soft),
+             Contains("bad.toml:10: tissue 'x' holds no voxel (values 500 to 900 of ct.nrrd)"));
+  CHECK_THAT(refusal("name = \"x\", threshold = [9, 5], " + soft), Contains("bad.toml:10: threshold: 9 and 5"));
+  CHECK_THAT(refusal("name = \"x\", margin = 0, " + soft), Contains("margin is 0; accepted: a length in mm above 0"));
+  CHECK_THAT(refusal("threshold = [0, 9], " + soft), Contains("a tissue without a label has no 'name'"));
+  CHECK_THAT(refusal("name = \"x\", " + soft), Contains("neither 'label' nor 'threshold' nor 'margin'"));
+  CHECK_THAT(refusal("label = 2, margin = 3, " + soft), Contains("has a label and a threshold, margin"));
+  CHECK_THAT(refusal("name = \"x\", margin = 3, image = \"ct.nrrd\", " + soft),
+             Contains("'image' belongs to a 'threshold'"));
+  CHECK_THAT(refusal("name = \"x\", margin = 3, empty = true, " + soft), Contains("is empty and has a material"));
+  CHECK_THAT(refusal("name = \"gizmo\", margin = 3"), Contains("no tissue is known by the name 'gizmo'"));
+}
+
+TEST_CASE("In the living brain the skull stays, the brain moves and nothing is turned inside out", "[tissues]") {
+  if (!std::filesystem::exists("/usr/share/mricron/templates/ch2bet.nii.gz"))
+    C3DE_SKIP("mricron-data is not installed");
+  const auto folder = freshFolder("living-brain");
+  const auto points =
+      writeFile(folder / "points.csv",
+                "body,x [m],y [m],z [m]\n"
+                "head,0.0,-0.0785,0.009\nhead,0.0745,0.015,0.019\nhead,0.0,0.113,0.019\n"  // skull, scalp
+                "head,0.0,-0.05,0.03\n");                                                  // frontal pole
+  const auto run = runC3de({"run", (std::filesystem::path(testResourcesFolder()) / "scenes/brain_living.toml").string(),
+                            "--until", "0.5", "--tissues", (folder / "tissues.csv").string(), "--sample-points",
+                            points.string(), "--sampled", (folder / "sampled.csv").string()});
+  INFO(run.errorOutput);
+  REQUIRE(run.exitCode == 0);
+  const auto rowsOf = [](const std::filesystem::path &file) {
+    std::ifstream in(file);
+    std::vector<std::vector<std::string>> rows;
+    for (std::string line; std::getline(in, line);) {
+      rows.emplace_back();
+      std::istringstream cells(line);
+      for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+    }
+    return rows;
+  };
+  const auto sampled = rowsOf(folder / "sampled.csv");
+  REQUIRE(sampled.size() == 5);
+  const auto columnOf = [](const std::vector<std::string> &heading, const std::string &name) {
+    const auto found = std::find(heading.begin(), heading.end(), name);
+    REQUIRE(found != heading.end());
+    return static_cast<std::size_t>(found - heading.begin());
+  };
+  for (std::size_t row = 1; row < sampled.size(); ++row) {
+    CAPTURE(row);
+    double square = 0.0;
+    for (const char *axis : {"x", "y", "z"}) {
+      const double from = std::stod(sampled[row][columnOf(sampled[0], axis + std::string(" [m]"))]);
+      const double to = std::stod(sampled[row][columnOf(sampled[0], axis + std::string(" at the end [m]"))]);
+      square += (to - from) * (to - from);
+    }
+    if (row < 4)
+      CHECK(std::sqrt(square) < 1e-5);
+    else
+      CHECK(std::sqrt(square) > 1e-3);
+  }
+  const auto tissues = rowsOf(folder / "tissues.csv");
+  REQUIRE(tissues.size() == 6);  // what has been drained is not there
+  for (std::size_t row = 1; row < tissues.size(); ++row) {
+    CAPTURE(tissues[row]);
+    CHECK(std::stod(tissues[row][columnOf(tissues[0], "min J")]) > 0.0);
+    const std::string &name = tissues[row][columnOf(tissues[0], "name")];
+    const double mean_m = std::stod(tissues[row][columnOf(tissues[0], "mean displacement [m]")]);
+    if (name == "head")
+      CHECK(mean_m == 0.0);
+    else if (name != "fluid")
+      CHECK(mean_m > 1e-3);
+  }
 }
 
 namespace {

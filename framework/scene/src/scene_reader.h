@@ -104,6 +104,8 @@ class SceneReader {
   bool readTissues(const TomlValue &value, SceneVolume &out);
   bool readLabelNames(const TomlValue &value, SceneTissue &out);
   bool readTissue(const TomlValue &table, SceneTissue &out);
+  bool checkRule(const TomlValue &table, SceneTissue &tissue);
+  bool readThreshold(const TomlValue &value, std::optional<std::array<double, 2>> &out);
   /// The name of a label, or its number. @param place  how the message begins
   bool readLabel(const std::string &place, const TomlValue &value, std::string &out);
   bool readBackground(const TomlValue &value, SceneBody &body);

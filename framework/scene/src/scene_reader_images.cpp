@@ -139,6 +139,19 @@ bool SceneReader::readStill(const TomlValue &value, SceneStill &out) {
   return true;
 }
 
+bool SceneReader::readThreshold(const TomlValue &value, std::optional<std::array<double, 2>> &out) {
+  if (!value.isNumbers(2))
+    return refuse(value.line, "threshold is " + value.kindName() + "; accepted: two numbers [lowest, highest]");
+  const double low = value.items[0].num, high = value.items[1].num;
+  if (std::isnan(low) || std::isnan(high))
+    return refuse(value.line, "threshold is " + value.shown() + "; accepted: two numbers [lowest, highest]");
+  if (low > high)
+    return refuse(value.line, "threshold: " + formatNumber(low) + " and " + formatNumber(high) +
+                                  " leave nothing; accepted: [lowest, highest]");
+  out = {low, high};
+  return true;
+}
+
 bool SceneReader::volumeKey(SceneVolume &volume, const std::string &key, const TomlValue &value) {
   const auto length = [&](const std::string &name, const TomlValue &number, double &out) {
     if (!readNumber(name, "a length in mm, 0 or more", number, out)) return false;
@@ -165,18 +178,7 @@ bool SceneReader::volumeKey(SceneVolume &volume, const std::string &key, const T
     volume.labelName.clear();
     return true;
   }
-  if (key == "threshold") {
-    if (!value.isNumbers(2))
-      return refuse(value.line, "threshold is " + value.kindName() + "; accepted: two numbers [lowest, highest]");
-    const double low = value.items[0].num, high = value.items[1].num;
-    if (std::isnan(low) || std::isnan(high))
-      return refuse(value.line, "threshold is " + value.shown() + "; accepted: two numbers [lowest, highest]");
-    if (low > high)
-      return refuse(value.line, "threshold: " + formatNumber(low) + " and " + formatNumber(high) +
-                                    " leave nothing; accepted: [lowest, highest]");
-    volume.threshold = {low, high};
-    return true;
-  }
+  if (key == "threshold") return readThreshold(value, volume.threshold);
   if (value.kind != TomlValue::Kind::table)
     return refuse(value.line,
                   "mend is " + value.kindName() + "; accepted: a table such as { largest = true, closing = 2 }");

@@ -11,7 +11,8 @@
 namespace c3de::scene {
 namespace {
 
-const std::vector<std::string> kTissueKeys{"label", "material", "rigid"};
+const std::vector<std::string> kTissueKeys{"label",     "material", "rigid",  "empty", "name",
+                                           "threshold", "image",    "margin", "region"};
 const std::vector<std::string> kBackgroundKeys{"material", "image", "from", "to", "series", "time"};
 constexpr std::size_t kRequired = 4;  // of them
 const char *const kTissue = "[ { label = \"liver\", material = \"liver\" }, { label = \"vertebrae*\", rigid = true } ]";
@@ -21,6 +22,9 @@ const char *const kSlides =
 constexpr std::size_t kMostSlides = 254;  // numbers of pieces are bytes
 const char *const kLabel = "the name of a label ('*' for any text), its number, 1 … 65535, or a list of them";
 constexpr std::size_t kMostNames = 3;
+const char *const kRule =
+    "a label, or a name with a threshold of values or a margin around tissues before it, "
+    "{ name = \"bone\", image = \"ct.nii.gz\", threshold = [250, 3000], rigid = true }";
 
 }  // namespace
 
@@ -48,14 +52,46 @@ bool SceneReader::readLabelNames(const TomlValue &value, SceneTissue &out) {
   return true;
 }
 
+bool SceneReader::checkRule(const TomlValue &table, SceneTissue &tissue) {
+  const SceneTissueRule &rule = *tissue.rule;
+  if (table.find("label") != nullptr)
+    return refuse(table.line,
+                  "the tissue has a label and a threshold, margin, region or name; accepted: " + std::string(kRule));
+  if (!rule.threshold && rule.margin_mm == 0.0)
+    return refuse(table.line,
+                  "the tissue has neither 'label' nor 'threshold' nor 'margin'; accepted: " + std::string(kRule));
+  if (tissue.label.empty()) return refuse(table.line, "a tissue without a label has no 'name'");
+  if (!rule.image.empty() && !rule.threshold)
+    return refuse(table.find("image")->line, "'image' belongs to a 'threshold', whose values it has");
+  tissue.wanted = {tissue.label};
+  return true;
+}
+
 bool SceneReader::readTissue(const TomlValue &table, SceneTissue &out) {
   SceneTissue tissue;
+  const auto rule = [&]() -> SceneTissueRule & { return tissue.rule ? *tissue.rule : tissue.rule.emplace(); };
   tissue.line = table.line;
   for (const auto &[key, member] : table.entries) {
     if (key == "label") {
       if (!readLabelNames(member, tissue)) return false;
     } else if (key == "rigid") {
       if (!readBool("tissues: rigid", member, tissue.isRigid)) return false;
+    } else if (key == "empty") {
+      if (!readBool("tissues: empty", member, tissue.isEmpty)) return false;
+    } else if (key == "name") {
+      (void)rule();
+      if (!readName(member, tissue.label)) return false;
+    } else if (key == "threshold") {
+      if (!readThreshold(member, rule().threshold)) return false;
+    } else if (key == "image") {
+      if (!readImageFile("tissues: image", member, rule().image)) return false;
+    } else if (key == "region") {
+      if (!readRegion(member, rule().region.emplace())) return false;
+    } else if (key == "margin") {
+      if (!readNumber("tissues: margin", "a length in mm above 0", member, rule().margin_mm)) return false;
+      if (!(rule().margin_mm > 0.0))
+        return refuse(member.line,
+                      "tissues: margin is " + formatNumber(rule().margin_mm) + "; accepted: a length in mm above 0");
     } else if (key == "material") {
       if (!readMaterial(tissue.params, member)) return false;
       const TomlValue *preset = member.kind == TomlValue::Kind::text ? &member : member.find("preset");
@@ -64,11 +100,15 @@ bool SceneReader::readTissue(const TomlValue &table, SceneTissue &out) {
       return refuseKey(member.line, key, "an entry of tissues", kTissueKeys);
     }
   }
+  if (tissue.rule && !checkRule(table, tissue)) return false;
   if (tissue.wanted.empty()) return refuse(table.line, std::string("a tissue has no 'label'; accepted: ") + kLabel);
   const bool hasMaterial = table.find("material") != nullptr;
   if (hasMaterial && tissue.isRigid)
     return refuse(table.line, "the tissue '" + tissue.label + "' has a material and is rigid; accepted: one of them");
-  tissue.isByName = !hasMaterial && !tissue.isRigid;
+  if (tissue.isEmpty && (hasMaterial || tissue.isRigid))
+    return refuse(table.line, "the tissue '" + tissue.label + "' is empty and " +
+                                  (hasMaterial ? "has a material" : "rigid") + "; accepted: one of them");
+  tissue.isByName = !hasMaterial && !tissue.isRigid && !tissue.isEmpty;
   for (const std::string &name : tissue.wanted) {
     const bool isFullName = name.find('*') == std::string::npos && name.find_first_not_of("0123456789") != name.npos;
     if (tissue.isByName && isFullName && (materials_ == nullptr || !tissueOf(*materials_, name)))

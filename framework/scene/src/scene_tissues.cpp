@@ -13,6 +13,11 @@ bool SceneVolume::isOpen() const {
                                                          [](const SceneTissue &tissue) { return tissue.isByName; }));
 }
 
+bool SceneVolume::asksForLabels() const {
+  return takesKnownTissues ||
+         std::any_of(tissues.begin(), tissues.end(), [](const SceneTissue &tissue) { return !tissue.rule; });
+}
+
 std::vector<std::string> namesOfPieces(const SceneBody &body) {
   std::vector<std::string> names;
   for (const SceneSlide &slide : body.volume.slides) {

@@ -12,6 +12,7 @@
 #include "c3de/scene/simulation.h"
 #include "c3de/session/tissues.h"
 #include "slides.h"
+#include "tissue_rules.h"
 
 namespace c3de::session {
 namespace {
@@ -81,6 +82,8 @@ bool isWithin(const scene::SceneRegion &region, const Vec3 &at_m) {
   return true;
 }
 
+}  // namespace
+
 void keepWithin(const scene::SceneRegion &region, imaging::Mask &mask) {
   const auto &size = mask.geometry.size;
   std::size_t v = 0;
@@ -93,8 +96,6 @@ void keepWithin(const scene::SceneRegion &region, imaging::Mask &mask) {
         if (!isWithin(region, (1.0 / scene::kMillimetresPerMetre) * at_mm)) mask.voxels[v] = 0;
       }
 }
-
-}  // namespace
 
 Expected<std::shared_ptr<const BodySources::Layers>> BodySources::labels(const std::filesystem::path &file,
                                                                          const imaging::ReadOptions &options) {
@@ -116,6 +117,16 @@ Expected<std::shared_ptr<const imaging::Volume>> BodySources::volume(const std::
   if (!loaded) return tl::unexpected(loaded.error());
   notices_.insert(notices_.end(), loaded->notices.begin(), loaded->notices.end());
   return stored = std::make_shared<const imaging::Volume>(std::move(loaded->volume));
+}
+
+Expected<std::shared_ptr<const BodySources::Layers>> BodySources::layersOf(const scene::SceneVolume &volume,
+                                                                           const ProgressFn &progress) {
+  if (volume.ruled) return volume.ruled;
+  imaging::ReadOptions options;
+  options.progress = progress;
+  options.series = volume.series;
+  options.time = volume.time;
+  return labels(volume.file, options);
 }
 
 Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const ProgressFn &progress,
@@ -142,7 +153,7 @@ Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const
       if (!read) return tl::unexpected(read.error());
       image = *read;
     } else {
-      auto read = labels(volume.file, options);
+      auto read = layersOf(volume, progress);
       if (!read) return tl::unexpected(read.error());
       map = *read;
     }
@@ -195,10 +206,7 @@ Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const
 }
 
 Expected<TissuePlaces> BodySources::placesOf(const scene::SceneBody &body, const PickedVoxels &picked) {
-  imaging::ReadOptions options;
-  options.series = body.volume.series;
-  options.time = body.volume.time;
-  const auto layers = labels(body.volume.file, options);
+  const auto layers = layersOf(body.volume, {});
   if (!layers) return tl::unexpected(layers.error());
   TissuePlaces places = tissuePlaces(body, **layers, *picked.tissues);
   if (!body.volume.cut) return places;

@@ -161,10 +161,7 @@ Expected<std::shared_ptr<const scene::SceneCut>> cutOf(const scene::SceneBody &b
   const scene::SceneVolume &volume = body.volume;
   auto picked = sources.pick(volume, progress, took);
   if (!picked) return tl::unexpected(picked.error());
-  imaging::ReadOptions options;
-  options.series = volume.series;
-  options.time = volume.time;
-  const auto layers = sources.labels(volume.file, options);
+  const auto layers = sources.layersOf(volume, progress);
   if (!layers) return tl::unexpected(layers.error());
   auto cut = std::make_shared<scene::SceneCut>();
   cut->pieces = piecesOf(volume, **layers, *picked->tissues);

@@ -16,6 +16,7 @@
 #include "c3de/session/body_sources.h"
 #include "placement_matrix.h"
 #include "slides.h"
+#include "tissue_rules.h"
 
 namespace c3de::session {
 namespace {
@@ -287,7 +288,7 @@ Expected<void> giveSlides(scene::SceneVolume &volume, const std::vector<Candidat
 
 Expected<void> settle(const scene::SceneFile &scene, scene::SceneBody &body,
                       const std::vector<imaging::LabelMap> &layers, const scene::MaterialLibrary &materials,
-                      const ProgressFn &progress) {
+                      BodySources &sources, const ProgressFn &progress) {
   scene::SceneVolume &volume = body.volume;
   const std::string file = volume.file.string();
   const bool wasOpen = volume.isOpen();
@@ -298,11 +299,19 @@ Expected<void> settle(const scene::SceneFile &scene, scene::SceneBody &body,
     volume.tissues = std::move(*tissues);
   } else {
     for (scene::SceneTissue &tissue : volume.tissues)
-      if (auto given = giveLabels(tissue, labels, materials, file); !given)
+      if (tissue.rule) {
+        if (tissue.isByName) (void)scene::nameTissue(tissue, tissue.label, materials);
+      } else if (auto given = giveLabels(tissue, labels, materials, file); !given) {
         return failInScene(given.error(), scene, tissue.line);
+      }
   }
   tellOthers(volume, labels);
   if (auto told = tellOverlaps(volume, layers, progress); !told) return told;
+  if (std::any_of(volume.tissues.begin(), volume.tissues.end(), [](const auto &tissue) { return tissue.rule; })) {
+    if (auto applied = applyRules(scene, body, layers, sources, progress); !applied) return applied;
+    for (const scene::SceneTissue &tissue : volume.tissues)
+      if (tissue.rule) labels.push_back({tissue.labels.front(), true});
+  }
   if (auto given = giveSlides(volume, labels); !given) return failInScene(given.error(), scene, body.line);
   volume.isSettled = true;
   if (!wasOpen) return {};
@@ -353,11 +362,15 @@ Expected<void> settleTissues(scene::SceneFile &scene, const scene::MaterialLibra
     options.series = body.volume.series;
     options.time = body.volume.time;
     const TimeSpent reading(took.reading_s);
-    const auto layers = sources.labels(body.volume.file, options);
-    if (!layers) return failInScene(layers.error(), scene, body.line);
+    std::shared_ptr<const BodySources::Layers> layers = std::make_shared<BodySources::Layers>();
+    if (body.volume.asksForLabels()) {
+      const auto read = sources.labels(body.volume.file, options);
+      if (!read) return failInScene(read.error(), scene, body.line);
+      layers = *read;
+    }
     for (const std::string &notice : sources.takeNotices())
       log(LogLevel::warn, body.volume.file.string() + ": " + notice);
-    if (auto settled = settle(scene, body, **layers, materials, progress); !settled) return settled;
+    if (auto settled = settle(scene, body, *layers, materials, sources, progress); !settled) return settled;
     const std::vector<std::string> said = std::exchange(body.volume.overridesOfParts, {});
     overrides.insert(overrides.end(), said.begin(), said.end());
   }

@@ -121,6 +121,8 @@ std::vector<std::filesystem::path> inputsOf(const RunOptions &options, const sce
   for (const scene::SceneBody &body : scene.bodies) {
     all.insert(all.end(), {body.mesh, body.volume.file});
     if (body.volume.background) all.push_back(body.volume.background->image);
+    for (const scene::SceneTissue &tissue : body.volume.tissues)
+      if (tissue.rule) all.push_back(tissue.rule->image);
   }
   for (const scene::SceneObstacle &obstacle : scene.obstacles) all.push_back(obstacle.mesh);
   if (scene.image) {

@@ -198,7 +198,7 @@ struct Window {
   }
 };
 
-enum class Order { growFirst, shrinkFirst };
+enum class Order { growFirst, shrinkFirst, growOnly };
 
 Expected<Mask> growAndShrink(const Mask &mask, double radius, Order order, const ProgressFn &progress) {
   if (const auto good = checkMask(mask); !good) return tl::unexpected(good.error());
@@ -224,13 +224,14 @@ Expected<Mask> growAndShrink(const Mask &mask, double radius, Order order, const
     for (std::size_t i = 0; i < length; ++i) bits[at + i] = mask.voxels[in + i] != 0 ? 1 : 0;
   });
   Growth growth(*ball, window.n);
-  for (int step = 0; step < 2; ++step) {
-    const bool grows = (step == 0) == (order == Order::growFirst);
+  const int steps = order == Order::growOnly ? 1 : 2;
+  for (int step = 0; step < steps; ++step) {
+    const bool grows = (step == 0) == (order != Order::shrinkFirst);
     if (!grows) invert(bits);
-    if (!growth.grow(bits, stage(progress, 0.5 * step, 0.5 * (step + 1)))) return cancelled();
+    if (!growth.grow(bits, stage(progress, 1.0 * step / steps, 1.0 * (step + 1) / steps))) return cancelled();
     if (!grows) invert(bits);
   }
-  Mask out{mask.geometry, order == Order::growFirst ? mask.voxels : std::vector<std::uint8_t>(mask.voxels.size(), 0)};
+  Mask out{mask.geometry, order != Order::shrinkFirst ? mask.voxels : std::vector<std::uint8_t>(mask.voxels.size(), 0)};
   window.forRows(mask.geometry.size, [&](std::size_t at, std::size_t in, std::size_t length) {
     for (std::size_t i = 0; i < length; ++i) out.voxels[in + i] = bits[at + i];
   });
@@ -241,6 +242,10 @@ Expected<Mask> growAndShrink(const Mask &mask, double radius, Order order, const
 
 Expected<Mask> closed(const Mask &mask, double radius_mm, const ProgressFn &progress) {
   return growAndShrink(mask, radius_mm, Order::growFirst, progress);
+}
+
+Expected<Mask> grown(const Mask &mask, double radius_mm, const ProgressFn &progress) {
+  return growAndShrink(mask, radius_mm, Order::growOnly, progress);
 }
 
 Expected<Mask> opened(const Mask &mask, double radius_mm, const ProgressFn &progress) {

@@ -62,6 +62,9 @@ struct Fill {
 /// what it cuts goes on behind it. Errors as of closed().
 [[nodiscard]] Expected<Mask> opened(const Mask &mask, double radius_mm, const ProgressFn &progress = {});
 
+/// The voxels within a distance of one of the mask, which stays. Errors as of closed().
+[[nodiscard]] Expected<Mask> grown(const Mask &mask, double radius_mm, const ProgressFn &progress = {});
+
 /// What makes the mask of an organ of raw voxels, in this order; 0 and false: not wanted.
 struct Mending {
   double opening_mm = 0.0, closing_mm = 0.0;

@@ -77,7 +77,15 @@ struct SceneLabel {
   std::string name;
 };
 
-/// Labels of a label map that are one tissue of a body.
+/// Which voxels a tissue has where no label says it.
+struct SceneTissueRule {
+  std::optional<std::array<double, 2>> threshold;  ///< lowest and highest value of an image
+  std::filesystem::path image;                     ///< of the threshold; empty: the volume of the body
+  double margin_mm = 0.0;                          ///< within this of tissues before it; 0: anywhere
+  std::optional<SceneRegion> region;               ///< of the scan, before placement: nothing outside of it
+};
+
+/// Labels of a label map, or what a rule takes of what they leave, that are one tissue of a body.
 struct SceneTissue {
   std::string label;                ///< for people: what `wanted` says; what its labels are known as, where it is that
   std::vector<std::string> wanted;  ///< names, '*' for any text, or numbers; empty: of tissues = "known"
@@ -88,6 +96,7 @@ struct SceneTissue {
   std::string preset;               ///< that the material began with; empty: none
   std::string remark;               ///< NamedTissue::remark
   std::vector<SceneLabel> labels;   ///< once the map has been read: those that are of it
+  std::optional<SceneTissueRule> rule;
   int line = 0;
 };
 
@@ -129,7 +138,10 @@ struct SceneVolume {
   std::optional<std::array<double, 2>> threshold;  ///< lowest and highest value that belong to it
   /// Instead of one label: a body of many tissues. A label is of the first of them that names it.
   std::vector<SceneTissue> tissues;
-  bool takesKnownTissues = false;             ///< tissues are those whose names are known, once the map has been read
+  bool takesKnownTissues = false;  ///< tissues are those whose names are known, once the map has been read
+  /// Once the map has been read, where a tissue has a rule: its layers, if labels are asked for, and behind them one of
+  /// what the rules take.
+  std::shared_ptr<const std::vector<imaging::LabelMap>> ruled;
   bool isSettled = false;                     ///< SceneTissue::labels are known, and parts are made of the tissues
   std::vector<std::string> overridesOfParts;  ///< `--set` of parts that are not made yet, in their order
   std::optional<SceneBackground> background;  ///< its material is that of the body
@@ -142,6 +154,8 @@ struct SceneVolume {
   double edgeLength_mm = 0.0;  ///< of the triangles of the skin; 0: automatic
 
   [[nodiscard]] bool hasTissues() const { return takesKnownTissues || !tissues.empty(); }
+  /// Whether a tissue is told by labels, so that the file is to be read as a label map.
+  [[nodiscard]] bool asksForLabels() const;
   /// Whether the parts of the tissues follow from names that have not been read yet.
   [[nodiscard]] bool isOpen() const;
 };

@@ -63,6 +63,9 @@ class BodySources {
                                                                const imaging::ReadOptions &options);
   [[nodiscard]] Expected<std::shared_ptr<const imaging::Volume>> volume(const std::filesystem::path &file,
                                                                         const imaging::ReadOptions &options);
+  /// The layers that the tissues of a body are labels of.
+  [[nodiscard]] Expected<std::shared_ptr<const Layers>> layersOf(const scene::SceneVolume &volume,
+                                                                 const ProgressFn &progress);
   /// Sentences of the readers since the last call.
   [[nodiscard]] std::vector<std::string> takeNotices();
 
