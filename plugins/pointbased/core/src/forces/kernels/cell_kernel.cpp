@@ -25,9 +25,7 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   const D d = run.d;
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
-  const Mat3Lanes<V> ofCell = run.gradient(x, y, z);
-  [[maybe_unused]] std::conditional_t<kMixed, LaminateLanes<kLaw, D>, NoLaminate> laminate(run, ofCell);
-  const Mat3Lanes<V> G = laminate.strained(ofCell);
+  const Mat3Lanes<V> ofCell = run.gradient(x, y, z), G = strainedOf<kLaw, kMixed>(run, ofCell);
   const Strain<D> strain(d, G);
   const V stretch2 = largestStretchSquared(d, strain.E, spreadOf(d, strain.E));
   V ratio;
@@ -35,14 +33,14 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   if (run.fields.velocities) {
     SignSums<V> vx, vy, vz;
     run.gatherCorners(run.fields.velocities, vx, vy, vz);
-    const Mat3Lanes<V> rate = laminate.strained(laminate.change(run.gradient(vx, vy, vz)));
+    const Mat3Lanes<V> rate = strainedChangeOf<kLaw, kMixed>(run, ofCell, run.gradient(vx, vy, vz));
     S = S + viscousStress(d, hn::Set(d, run.law.twoEta), G, rate);
   }
   S = scaled(run.number(kVolume), S);
   V k[kCorners];
   if constexpr (!kModal) {
     run.stiffnesses(ratio, hn::Zero(d), k);
-    run.scatterStress(laminate.pulled(S), k);
+    run.scatterStress(pulledOf<kLaw, kMixed>(run, ofCell, S), k);
   } else {
     const Mat3Lanes<V> A = run.amplitudes(x, y, z);
     Mat3Lanes<V> pull;
@@ -57,7 +55,8 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
     // Of NaN and a number the maximum may be the number.
     run.stiffnesses(hn::IfThenElse(hn::Eq(ratio, ratio), hn::Max(ratio, stretch2), ratio),
                     kLaw == MaterialLaw::linear ? hn::Zero(d) : run.hourglassStiffness(A), k);
-    run.scatterStress(laminate.pulled(S), pull, scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}), k);
+    run.scatterStress(pulledOf<kLaw, kMixed>(run, ofCell, S), pull,
+                      scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}), k);
   }
 }
 

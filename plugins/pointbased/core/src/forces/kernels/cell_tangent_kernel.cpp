@@ -36,12 +36,12 @@ HWY_INLINE void tangentOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   const D d = run.d;
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
-  const Mat3Lanes<V> ofCell = run.gradient(x, y, z), A = run.amplitudes(x, y, z);
-  const std::conditional_t<kMixed, LaminateLanes<kLaw, D>, NoLaminate> laminate(run, ofCell);
-  const Strain<D> strain(d, laminate.strained(ofCell));
+  rowsOf(run).setMatrix(kTangentA, run.amplitudes(x, y, z));
+  const Mat3Lanes<V> ofCell = run.gradient(x, y, z);
+  const Strain<D> strain(d, strainedOf<kLaw, kMixed>(run, ofCell));
   prepareTangent<kLaw>(d, run.law, strain, rowsOf(run));
-  rowsOf(run).setMatrix(kTangentA, A);
   if constexpr (kMixed) {
+    const Mat3Lanes<V> A = rowsOf(run).getMatrix(kTangentA);
     V ratio;
     Mat3Lanes<V> S =
         scaled(run.number(kVolume),
@@ -54,6 +54,17 @@ HWY_INLINE void tangentOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   }
 }
 
+/// From the change of the stress of a material to that of its cell.
+template <MaterialLaw kLaw, bool kMixed, class D, class M = Mat3Lanes<hn::Vec<D>>>
+HWY_INLINE M pulledChange(const CellRun<D> &run, const M &dCell, const M &dS) {
+  if constexpr (!kMixed) {
+    return dS;
+  } else {
+    const LaminateLanes<kLaw, D> laminate(run, laminateRowsOf(run).getMatrix(kCellG));
+    return laminate.pulledChange(laminate.change(dCell), laminateRowsOf(run).getMatrix(kMaterialStress), dS);
+  }
+}
+
 template <MaterialLaw kLaw, bool kMixed, class D>
 HWY_INLINE void productOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   using V = hn::Vec<D>;
@@ -61,15 +72,9 @@ HWY_INLINE void productOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   const TangentRows<D> at = rowsOf(run);
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
-  using Mixture = std::conditional_t<kMixed, LaminateLanes<kLaw, D>, NoLaminate>;
-  Mat3Lanes<V> ofCell, stress;
-  if constexpr (kMixed) {
-    ofCell = laminateRowsOf(run).getMatrix(kCellG);
-    stress = laminateRowsOf(run).getMatrix(kMaterialStress);
-  }
-  const Mixture laminate(run, ofCell);
-  const auto change = laminate.change(run.gradient(x, y, z));
-  const Mat3Lanes<V> dG = laminate.strained(change);
+  const Mat3Lanes<V> dCell = run.gradient(x, y, z);
+  Mat3Lanes<V> dG = dCell;
+  if constexpr (kMixed) dG = strainedChangeOf<kLaw, kMixed>(run, laminateRowsOf(run).getMatrix(kCellG), dCell);
   Mat3Lanes<V> dS = stressChange<kLaw>(d, run.law, at, dG, scalar, run.material());
   if (run.job.viscousScale > 0)
     dS = dS + viscousStress(d, hn::Set(d, run.law.twoEta * run.job.viscousScale), at.getMatrix(kTangentG), dG);
@@ -77,7 +82,7 @@ HWY_INLINE void productOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   const V nothing[kCorners] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d),
                                hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
   if (!run.job.hourglass) {
-    run.scatterStress(laminate.pulledChange(change, stress, dS), nothing);
+    run.scatterStress(pulledChange<kLaw, kMixed>(run, dCell, dS), nothing);
     return;
   }
   const Mat3Lanes<V> dA = run.amplitudes(x, y, z);
@@ -93,7 +98,7 @@ HWY_INLINE void productOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
     dS = dS + times(dA, transposed(D3)) + times(A, transposed(dD));
     dPull = dD + times(G, dD) + times(dG, D3);
   }
-  run.scatterStress(laminate.pulledChange(change, stress, dS), dPull,
+  run.scatterStress(pulledChange<kLaw, kMixed>(run, dCell, dS), dPull,
                     scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}), nothing);
 }
 
@@ -103,9 +108,7 @@ HWY_INLINE void energiesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar, 
   const D d = run.d;
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
-  const Mat3Lanes<V> ofCell = run.gradient(x, y, z);
-  const std::conditional_t<kMixed, LaminateLanes<kLaw, D>, NoLaminate> laminate(run, ofCell);
-  const Mat3Lanes<V> G = laminate.strained(ofCell);
+  const Mat3Lanes<V> G = strainedOf<kLaw, kMixed>(run, run.gradient(x, y, z));
   strainEnergy = hn::Mul(run.number(kVolume), energyOf<kLaw>(d, run.law, Strain<D>(d, G), scalar, run.material()));
   hourglassEnergy = hn::Zero(d);
   if (!run.job.hourglass) return;

@@ -32,7 +32,7 @@ struct LaminateLanes {
 
   D d;
   Vec3Lanes<V> n;
-  V c, shear, trace, across, limit2;
+  V c, shear, ofTrace, across, limit2;
   Mat3Lanes<V> F;  // of the cell
   Vec3Lanes<V> y;
   V inverse;  // 1/√(1 + k² b²)
@@ -43,7 +43,7 @@ struct LaminateLanes {
     n = {number(kNormalX), number(kNormalY), number(kNormalZ)};
     c = number(kShare);
     shear = number(kShear);
-    trace = number(kTrace);
+    ofTrace = number(kTrace);
     across = number(kAcross);
     limit2 = number(kLimitSquared);
     F = plusDiagonal(G, hn::Set(d, T(1)));
@@ -57,7 +57,7 @@ struct LaminateLanes {
   HWY_INLINE Vec3Lanes<V> jump(const Sym3Lanes<V> &E) const {
     const Vec3Lanes<V> En = times(E, n);
     const V nEn = dot(n, En);
-    const V along = hn::MulAdd(trace, pointbased::kernels::HWY_NAMESPACE::trace(E), hn::Mul(across, nEn));
+    const V along = hn::MulAdd(ofTrace, trace(E), hn::Mul(across, nEn));
     return mulAdd(hn::Neg(shear), mulAdd(hn::Neg(nEn), n, En), scaled(hn::Neg(along), n));
   }
   /// Its transpose: jump(E)·v = S : E.
@@ -65,7 +65,7 @@ struct LaminateLanes {
     const V vn = dot(v, n);
     const Vec3Lanes<V> vt = mulAdd(hn::Neg(vn), n, v), half = scaled(hn::Mul(hn::Set(d, T(-0.5)), shear), vt);
     const Mat3Lanes<V> S = outer(half, n) + outer(n, half) + scaled(hn::Neg(hn::Mul(vn, across)), outer(n, n));
-    return plusDiagonal(S, hn::Neg(hn::Mul(vn, trace)));
+    return plusDiagonal(S, hn::Neg(hn::Mul(vn, ofTrace)));
   }
   HWY_INLINE Mat3Lanes<V> strained(const Mat3Lanes<V> &G) const {
     return G + outer(scaled(c, kLinear ? y : times(F, y)), n);
@@ -101,11 +101,11 @@ struct LaminateLanes {
     const Vec3Lanes<V> t = scaled(c, times(stress, n));
     const Vec3Lanes<V> w = transposeTimes(F, t), v = fromJump(w);
     const Vec3Lanes<V> dw = transposeTimes(of.dF, t) + transposeTimes(F, dt);
-    // d of (w - k² (w·y) y)/g, g = √(1 + k² b²), dg/g = k² y·dy g²… by b = g y: k² (y·db)/g and db = g dy + y dg
-    const V wy = dot(w, y), yy = dot(y, y), ydy = dot(y, of.dy);
-    // y·db from dy = (db - k² y (y·db))/g: y·dy = (y·db)(1 - k² y²)/g
-    const V rest = hn::NegMulAdd(limit2, yy, hn::Set(d, T(1)));
-    const V dgOverG = hn::Div(hn::Mul(limit2, ydy), rest);  // dg/g = k² (y·db)/g = k² (y·dy)/(1 - k² y²)
+    // v = (w - k² (w·y) y)/g with g = √(1 + k² b²): dg/g = k² (y·db)/g, and from dy = (db - k² y (y·db))/g follows
+    // (y·db)/g = y·dy/(1 - k² y²).
+    const V wy = dot(w, y);
+    const V rest = hn::NegMulAdd(limit2, dot(y, y), hn::Set(d, T(1)));
+    const V dgOverG = hn::Div(hn::Mul(limit2, dot(y, of.dy)), rest);
     const Vec3Lanes<V> inner =
         dw - scaled(hn::Mul(limit2, hn::Add(dot(dw, y), dot(w, of.dy))), y) - scaled(hn::Mul(limit2, wy), of.dy);
     const Vec3Lanes<V> dv = mulAdd(hn::Neg(dgOverG), v, scaled(inverse, inner));
@@ -113,27 +113,27 @@ struct LaminateLanes {
   }
 };
 
-/// The same where every lane is of one material.
-struct NoLaminate {
-  template <class... Args>
-  HWY_INLINE explicit NoLaminate(const Args &...) {}
-  template <class M>
-  HWY_INLINE const M &strained(const M &G) const {
-    return G;
+/// G of the materials of the lanes, from that of their cells; where none has two it is that.
+template <MaterialLaw kLaw, bool kMixed, class D, class M = Mat3Lanes<hn::Vec<D>>>
+HWY_INLINE M strainedOf(const CellRun<D> &run, const M &G) {
+  if constexpr (kMixed) return LaminateLanes<kLaw, D>(run, G).strained(G);
+  return G;
+}
+/// Likewise of a change of G, or of velocities.
+template <MaterialLaw kLaw, bool kMixed, class D, class M = Mat3Lanes<hn::Vec<D>>>
+HWY_INLINE M strainedChangeOf(const CellRun<D> &run, const M &G, const M &dG) {
+  if constexpr (kMixed) {
+    const LaminateLanes<kLaw, D> laminate(run, G);
+    return laminate.strained(laminate.change(dG));
   }
-  template <class M>
-  HWY_INLINE const M &change(const M &dF) const {
-    return dF;
-  }
-  template <class M>
-  HWY_INLINE const M &pulled(const M &stress) const {
-    return stress;
-  }
-  template <class M>
-  HWY_INLINE const M &pulledChange(const M &, const M &, const M &dStress) const {
-    return dStress;
-  }
-};
+  return dG;
+}
+/// The way back of the stress.
+template <MaterialLaw kLaw, bool kMixed, class D, class M = Mat3Lanes<hn::Vec<D>>>
+HWY_INLINE M pulledOf(const CellRun<D> &run, const M &G, const M &stress) {
+  if constexpr (kMixed) return LaminateLanes<kLaw, D>(run, G).pulled(stress);
+  return stress;
+}
 
 }  // namespace pointbased::kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
