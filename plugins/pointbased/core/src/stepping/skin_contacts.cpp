@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "base/polar.h"
+#include "shape/occupancy_field.h"
 
 namespace pointbased::detail {
 namespace {
@@ -21,8 +23,8 @@ constexpr double kEase = 0.5, kGentle = 1e-2;
 constexpr double kOnePiece = 1.5;      // of one skin: what lies nearer at rest does not touch itself
 constexpr double kReach = 0.15;        // within which places are listed
 constexpr double kLongestEdge = 0.75;  // of a skin's triangles
-// Of pieces that fit: edges, and how far their skins may be off, which by themselves they are by as much.
-constexpr double kEdgeOfPiece = 0.5, kDeviationOfPiece = 0.05;
+// Of skins that are off by themselves: edges, and how far they may be off besides.
+constexpr double kCoarseEdge = 0.5, kCoarse = 0.05;
 
 // m, that parts of a skin that may touch each other are apart at rest beyond where they are looked at.
 double roomAtRest(double spacing) { return (kOnePiece - kNearOfSelf) * spacing; }
@@ -39,6 +41,15 @@ double mostWeight(const RestState &rest) {
     most = std::max(most, sum);
   }
   return 2.0 * most;
+}
+
+// m, by which a skin is off by itself: pieces that fit by parts of a spacing, what is made of voxels by half of one.
+double toleranceOf(const RestState &rest, bool isPiece) {
+  if (isPiece) return std::numeric_limits<double>::infinity();
+  double voxel = 0.0;
+  for (const auto &[region, material] : rest.sampling.materials)
+    if (const auto *voxels = std::get_if<VoxelRegion>(&region)) voxel = std::max(voxel, voxels->voxels->voxel());
+  return 0.5 * voxel;
 }
 
 double areaOf(const RestState &rest) {
@@ -69,9 +80,9 @@ MovingSkin &SkinContacts::skinOf(const Owner &owner) {
   renewed.of = body.sharedRest();
   renewed.isPiece = isPiece;
   SkinResolution resolution{kLongestEdge * rest.spacing};
-  if (isPiece) {
-    resolution.edge = kEdgeOfPiece * rest.spacing;
-    resolution.deviation = kDeviationOfPiece * rest.spacing;
+  if (const double tolerance = toleranceOf(rest, isPiece); tolerance > 0.0) {
+    resolution.edge = kCoarseEdge * rest.spacing;
+    resolution.deviation = std::min(tolerance, kCoarse * rest.spacing);
   }
   auto built =
       makeContactSkin(rest.surfels.expanded(rest.positions), rest.skin, resolution, rest.bind, rest.maxInfluence);
