@@ -18,6 +18,7 @@ namespace {
 
 // Between two displacements while it plays.
 constexpr double kLeastMilliseconds = 50.0;
+constexpr double kTimes = 4.0;  // as long as one took, from its beginning to that of the next
 
 // The bodies with what stays around them; null: nothing does, or too little memory is left.
 std::shared_ptr<const imaging::Mask> withStill(const std::shared_ptr<const imaging::Mask> &bodies,
@@ -114,8 +115,8 @@ std::shared_ptr<const imaging::DisplacementGrid> DisplacementSampler::onPublishe
   const std::lock_guard asking(askingMutex_);
   const auto from = std::chrono::steady_clock::now();
   const std::chrono::duration<double, std::milli> since = from - last_;
-  behind_ =
-      simulation.state().mode == C3DE_SIM_PLAYING && since.count() < std::max(kLeastMilliseconds, 5.0 * milliseconds_);
+  behind_ = simulation.state().mode == C3DE_SIM_PLAYING &&
+            since.count() < std::max(kLeastMilliseconds, kTimes * milliseconds_);
   if (behind_) return nullptr;
   const double rim = rim_mm_;
   const std::uint64_t serial = serial_;
@@ -150,7 +151,7 @@ std::shared_ptr<const imaging::DisplacementGrid> DisplacementSampler::onPublishe
   grid->hasStill = hasStill_;
   if (!readDisplacement(simulation.table(), simulation.object(), rim, *grid)) return nullptr;
   addFields(simulation.table(), simulation.object(), fields, *grid);
-  last_ = from;  // the next one counts from where this one began: a fifth of the time is for them
+  last_ = from;  // the next one counts from where this one began: a quarter of the time is for them
   milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();
   const std::lock_guard lock(mutex_);
   if (serial == serial_) newest_ = grid;

@@ -43,7 +43,7 @@ class DisplacementSampler {
   [[nodiscard]] std::vector<PointField> offered() const;
 
   /// On the simulation's thread, after a snapshot. While one simulation takes the place of another both have one, and
-  /// one waits for the other. While it plays at most 20 times a second, and no more than a fifth of the time goes
+  /// one waits for the other. While it plays at most 20 times a second, and no more than a quarter of the time goes
   /// there.
   /// @return that of this snapshot; null where none was asked for, or the simulator does not say
   std::shared_ptr<const imaging::DisplacementGrid> onPublished(const scene::Simulation &simulation);
