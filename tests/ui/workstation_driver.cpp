@@ -217,8 +217,8 @@ void WorkstationDriver::doubleClickAt(Point at) {
 }
 
 void WorkstationDriver::click(const std::string &widget) {
-  // A panel may grow while the mouse is on its way: what is above the widget tells of the simulation. Under the mouse it
-  // stays.
+  // A panel may grow while the mouse is on its way: what is above the widget tells of the simulation. Under the mouse
+  // it stays.
   for (int tries = 0; tries < 5; ++tries) {
     const Point at = locate(widget);
     moveTo(at);

@@ -76,10 +76,10 @@ std::map<std::string, double> solved(double spacing) {
 
 }  // namespace
 
-// Two materials of a cell are layers with a plane border (docs/theory/lattice.md, several materials); with one strain for
-// both the ball was too large by a part of a cell, and its middle went 15, 10 and 7.4 % too little. The lattice is the
-// cylinder's, and the ball cuts its cells anywhere. The top, a whole radius above, is as far off as its own lattice lets
-// it be.
+// Two materials of a cell are layers with a plane border (docs/theory/lattice.md, several materials); with one strain
+// for both the ball was too large by a part of a cell, and its middle went 15, 10 and 7.4 % too little. The lattice is
+// the cylinder's, and the ball cuts its cells anywhere. The top, a whole radius above, is as far off as its own lattice
+// lets it be.
 TEST_CASE("a ball 100 times stiffer than what is around it: errors fall with the spacing") {
   const std::map<std::string, double> fine = truth();
   std::map<std::string, double> before;

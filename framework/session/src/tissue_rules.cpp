@@ -2,7 +2,6 @@
 #include "tissue_rules.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "c3de/core/text.h"
@@ -16,24 +15,11 @@ Expected<imaging::Mask> between(const imaging::Volume &image, const std::array<d
                                 const imaging::VolumeGeometry &grid, const ProgressFn &progress) {
   auto found = imaging::threshold(image, limits[0], limits[1], progress);
   if (!found || (found->geometry.size == grid.size && found->geometry.indexToWorld == grid.indexToWorld)) return found;
-  const Mat4 toIndex = imaging::affineInverse(image.geometry.indexToWorld);
-  const auto &size = image.geometry.size;
-  imaging::Mask out{grid, std::vector<std::uint8_t>(grid.voxelCount(), 0)};
-  std::size_t v = 0;
-  for (std::size_t k = 0; k < grid.size[2]; ++k)
-    for (std::size_t j = 0; j < grid.size[1]; ++j)
-      for (std::size_t i = 0; i < grid.size[0]; ++i, ++v) {
-        const Vec3 index = transformPoint(
-            toIndex, grid.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}));
-        std::array<std::size_t, 3> at{};
-        bool isInside = true;
-        for (std::size_t a = 0; a < 3; ++a) {
-          const double nearest = std::floor(index[a] + 0.5);
-          isInside = isInside && nearest >= 0.0 && nearest < static_cast<double>(size[a]);
-          at[a] = isInside ? static_cast<std::size_t>(nearest) : 0;
-        }
-        if (isInside) out.voxels[v] = found->voxels[at[0] + size[0] * (at[1] + size[1] * at[2])];
-      }
+  const auto there =
+      imaging::resampled({found->geometry, {found->voxels.begin(), found->voxels.end()}, {}}, grid, progress);
+  if (!there) return tl::unexpected(there.error());
+  imaging::Mask out{grid, {}};
+  for (const std::uint16_t voxel : there->voxels) out.voxels.push_back(voxel != 0 ? 1 : 0);
   return out;
 }
 

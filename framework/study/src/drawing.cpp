@@ -103,12 +103,7 @@ std::string earlierSample(double x, double y) {
       x, y, kQuiet, x + 8);
 }
 
-std::string shownName(const EarlierRun &run) {
-  std::string text = "before";
-  for (const std::string &part : {run.version, run.date})
-    if (!part.empty()) text += (text == "before" ? ": " : ", ") + part;
-  return text;
-}
+std::string shownName(const EarlierRun &run) { return "before: " + run.version + ", " + run.date; }
 
 std::vector<std::size_t> looksOf(const Study &study, const Plan &plan, const std::vector<Curve> &curves) {
   std::vector<std::string> labels;

@@ -156,4 +156,15 @@ Outcome evaluate(const Study &study, const Plan &plan, std::vector<Samples> samp
   return out;
 }
 
+std::optional<double> costRatio(const Plan &plan, const Outcome &outcome, std::size_t ofCase) {
+  std::vector<double> ratios;
+  for (std::size_t p = 0; outcome.earlier && p < plan.points.size(); ++p)
+    if (const auto &before = outcome.earlier->points[p];
+        before && plan.points[p].ofCase == ofCase && outcome.points[p].cost && before->cost_ms > 0.0)
+      ratios.push_back(outcome.points[p].cost->median / before->cost_ms);
+  if (ratios.empty()) return {};
+  std::sort(ratios.begin(), ratios.end());
+  return 0.5 * (ratios[(ratios.size() - 1) / 2] + ratios[ratios.size() / 2]);
+}
+
 }  // namespace c3de::study

@@ -713,6 +713,9 @@ TEST_CASE("a coarse contact skin is closed, lies on the drawn one, and its verti
   }
   // What is allowed is a root mean square of all that was given up around a vertex.
   CHECK(farthest < 3.0 * coarse.deviation);
+  // However far it may be off, something is left to touch.
+  const auto least = detail::makeContactSkin(drawn, rest.skin, {1.0, 1.0, 1.0}, rest.bind, rest.maxInfluence);
+  CHECK(least->triangles.size() >= 2);
   // A surface that is as coarse stays as it is.
   const auto again = detail::makeContactSkin(drawn, rest.skin, {1.0, 1e-6, 1.0}, rest.bind, rest.maxInfluence);
   CHECK(again->triangles.size() == fine->triangles.size());

@@ -5,6 +5,7 @@
 
 #include "pointbased/occupancy.h"
 #include "pointbased/simulator.h"
+#include "stepping/skin_contacts.h"
 #include "support/catch.h"
 #include "surfaces.h"
 #include "touching_bodies.h"
@@ -336,7 +337,8 @@ TEST_CASE("A ball in a shell that is held falls, and all that moves is the ball"
     std::vector<Vec3> ways(1);
     interpolateDisplacements(moved.rest().bind(points, normals), moved.rest().positions, moved.state().displacements,
                              ways, serialFor());
-    // Small cells that hold some of both are of one of them: a part of the fall where the gap is a quarter of the spacing.
+    // Small cells that hold some of both are of one of them: a part of the fall where the gap is a quarter of the
+    // spacing.
     const double fall = 0.5 * simulator.time() * simulator.time();
     if (spacing < 0.016)
       CHECK_THAT(ways[0][2], WithinRel(fall, 0.02));
@@ -364,4 +366,35 @@ TEST_CASE("a cell whose corners have been moved is of the material of which it h
     CHECK((*rest)->stencils.materials[q] == 1);
   }
   CHECK(inner == 4);
+}
+
+TEST_CASE("contact of a body whose tissues are voxels is between a coarser skin than the drawn one") {
+  constexpr std::size_t n = 20;
+  const double radius = 8.0 * kVoxel;
+  Occupancy ball;
+  ball.size = {n, n, n};
+  ball.origin = -0.5 * (n - 1) * kVoxel * Vec3::Ones();
+  ball.steps = kVoxel * Mat3::Identity();
+  std::vector<float> fill;
+  for (std::size_t v = 0; v < n * n * n; ++v)
+    fill.push_back((ball.origin + kVoxel * Vec3(v % n, v / n % n, v / (n * n))).norm() < radius ? 1.0F : 0.0F);
+  ball.fill = fill;
+  const auto shape = shapeOf(ball, shapes::ballSurface(Vec3::Zero(), radius, 60));
+  REQUIRE(shape.has_value());
+  const auto trianglesWith = [&](const Region &tissue) {
+    BodyRecipe recipe;
+    recipe.sampling.spacing = 0.012;
+    recipe.sampling.materials.emplace_back(tissue, std::uint16_t{1});
+    const auto rest = buildRestState(*shape, recipe, {}, serialFor());
+    REQUIRE(rest.has_value());
+    Constitution constitution;
+    constitution.materials = {lawOf(kSoft), lawOf(kSoft)};
+    const Body body("ball", *rest, constitution, serialFor());
+    detail::SkinContacts contacts;
+    const detail::ContactSkin &skin = contacts.skinOf(detail::SkinContacts::ownerOf(1, body, {})).skin();
+    for (const detail::SkinEdge &edge : skin.edges) REQUIRE(edge.triangles[1] != detail::kNoTriangle);
+    return static_cast<double>(skin.triangles.size()) / static_cast<double>((*rest)->skin.size());
+  };
+  CHECK(trianglesWith(SphereRegion{Vec3::Zero(), 0.5 * radius}) == 1.0);
+  CHECK(trianglesWith(regionOf(ball).value()) < 0.25);
 }

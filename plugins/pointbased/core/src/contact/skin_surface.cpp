@@ -79,7 +79,7 @@ void coarsen(std::span<const Vec3> points, const SkinResolution &resolution, std
                                 kStride, 3 * static_cast<std::size_t>(wanted),
                                 static_cast<float>(resolution.deviation) / scale, 0, nullptr) /
                3);
-  triangles.swap(fewer);
+  if (!fewer.empty()) triangles.swap(fewer);  // nothing could touch what has none
 }
 
 // Of the points those that a triangle has, in their order; triangles take their new numbers.

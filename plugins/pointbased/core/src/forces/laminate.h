@@ -9,15 +9,15 @@
 
 namespace pointbased::detail {
 
-/// A point of a cell that holds two materials, as layers with a plane border. The strain F of the cell is
-/// their mean, and that across the border is shared so that both press on each other alike (a laminate of rank one):
+/// A point of a cell that holds two materials, as layers with a plane border. The strain F of the cell is their mean,
+/// and that across the border is shared so that both press on each other alike (a laminate of rank one):
 ///
 ///     F_q = F (1 + c y nᵀ),   y = b/√(1 + k² b²),   b = -[2 Δμ/μ* (E n)_t + n (Δλ tr E + 2 Δμ n·E n)/(λ* + 2 μ*)]
 ///
-/// E Green strain of F; c the share of the other layer, of points of the second one minus that of the first; Δ the difference
-/// of the moduli, * their means with the shares exchanged. For small strains this is the solution, turning included; k
-/// keeps |c y| below kMostJump, so that the thinner layer is not turned over where the other is pressed a little. The
-/// linear law takes E linear and y = b.
+/// E Green strain of F; c the share of the other layer, of points of the second one minus that of the first; Δ the
+/// difference of the moduli, * their means with the shares exchanged. For small strains this is the solution, turning
+/// included; k keeps |c y| below kMostJump, so that the thinner layer is not turned over where the cell is pressed a
+/// little. The linear law takes E linear and F_q = F + c b nᵀ.
 /// @source  Milton, The Theory of Composites, 2002, ch. 9 (laminates)
 struct Laminate {
   Vec3 normal = Vec3::Zero();  ///< n, unit, lattice axes

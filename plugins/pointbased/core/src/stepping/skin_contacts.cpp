@@ -29,8 +29,8 @@ constexpr double kCoarseEdge = 0.5, kCoarse = 0.05;
 // m, that parts of a skin that may touch each other are apart at rest beyond where they are looked at.
 double roomAtRest(double spacing) { return (kOnePiece - kNearOfSelf) * spacing; }
 
-// Points of lattices have weights that are not negative; others are fitted to phyxels around them, and so are those that
-// contact adds between them, for which twice as much is allowed.
+// Points of lattices have weights that are not negative; others are fitted to phyxels around them, and so are those
+// that contact adds between them, for which twice as much is allowed.
 double mostWeight(const RestState &rest) {
   if (rest.stencils.isLattice()) return 1.0;
   const Interpolation &rows = rest.surfels.rows();
