@@ -65,7 +65,7 @@ FLOW vec3 vNode;
 /// Where the material of a point was: u is given at whole nodes, 0 outside; the fourth number is the gap, which is
 /// large outside. A place is vacated where a gap leads to a body of the reference (p: in the texture of the image).
 /// STILL: what stays has u = 0, unless a body has come over it, and leaves a gap where something has moved away from
-/// it.
+/// it; beside rigid tissue there is one only where the fourth number says so.
 inline constexpr const char *kDisplacementFunction = R"(
 layout(binding = 3) uniform sampler3D uDisplacement;
 vec4 shiftAt(vec3 node) {
@@ -77,10 +77,11 @@ vec4 shiftAt(vec3 node) {
 layout(binding = 9) uniform sampler3D uBodies;
 layout(location = 16) uniform float uLeastGap;
 #ifdef STILL
-bool isStill(vec3 p) {
+/// 0: it does not stay; a quarter: it does; three eighths: as rigid tissue.
+float stillAt(vec3 p) {
   vec3 count = vec3(textureSize(uBodies, 0));
   float shown = texelFetch(uBodies, ivec3(clamp(p * count, vec3(0.0), count - 1.0)), 0).r;
-  return isWithin(p, vec3(0.0), vec3(1.0)) && shown > 0.1 && shown < 0.4;
+  return isWithin(p, vec3(0.0), vec3(1.0)) && shown > 0.1 && shown < 0.45 ? shown : 0.0;
 }
 #endif
 /// @param now, p  the place now and that of its material; shift: (u, gap); what stays is put back
@@ -88,8 +89,11 @@ bool isVacated(vec3 now, inout vec3 p, inout vec4 shift) {
   if (isWithin(p, vec3(0.0), vec3(1.0)) && texture(uBodies, p).r > 0.5) return shift.w > uLeastGap;
 #ifdef STILL
   if (shift.xyz == vec3(0.0)) return false;
-  bool leaves = isStill(p);
-  if (!isStill(now) && (!leaves || length(shift.xyz) > 0.25 * uLeastGap)) return leaves;
+  if (stillAt(now) == 0.0) {
+    float was = stillAt(p);
+    if (was == 0.0) return false;
+    if (was > 0.3 ? shift.w > uLeastGap : length(shift.xyz) > 0.25 * uLeastGap) return true;
+  }
   p = now;
   shift.xyz = vec3(0.0);
 #endif

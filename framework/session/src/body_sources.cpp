@@ -209,6 +209,7 @@ Expected<TissuePlaces> BodySources::placesOf(const scene::SceneBody &body, const
   const auto layers = layersOf(body.volume, {});
   if (!layers) return tl::unexpected(layers.error());
   TissuePlaces places = tissuePlaces(body, **layers, *picked.tissues);
+  places.map = picked.tissues;
   if (!body.volume.cut) return places;
   // A label without a voxel is told of once, with the rest.
   std::erase_if(places.labels, [&](const LabelPlaces &label) {

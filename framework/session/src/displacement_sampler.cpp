@@ -23,11 +23,13 @@ constexpr double kTimes = 4.0;  // as long as one took, from its beginning to th
 // The bodies with what stays around them; null: nothing does, or too little memory is left.
 std::shared_ptr<const imaging::Mask> withStill(const std::shared_ptr<const imaging::Mask> &bodies,
                                                const StillPlaces &still) try {
-  if (!bodies || !still.image || still.rule.isEmpty()) return nullptr;
+  if (!bodies) return nullptr;
   auto places = std::make_shared<imaging::Mask>(*bodies);
-  if (!imaging::markStill(still.rule, still.image->volume, still.labels ? &still.labels->map : nullptr, *places))
-    return nullptr;
-  return places;
+  const bool isRuled =
+      still.image && !still.rule.isEmpty() &&
+      imaging::markStill(still.rule, still.image->volume, still.labels ? &still.labels->map : nullptr, *places);
+  const bool isRigid = still.tissues && markRigid(*still.tissues, *places);
+  return isRuled || isRigid ? places : nullptr;
 } catch (const std::bad_alloc &) {
   return nullptr;
 }

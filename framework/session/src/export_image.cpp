@@ -61,8 +61,9 @@ Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFil
 }
 
 Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, BodySources &sources,
-                                const scene::MaterialLibrary &materials) {
+                                const scene::MaterialLibrary &materials, const std::vector<TissuePlaces> &tissues) {
   ImageWarp how;
+  if (!tissues.empty()) how.tissues = std::make_shared<const std::vector<TissuePlaces>>(tissues);
   if (!scene.image) return how;
   const scene::SceneImage &asked = *scene.image;
   how.rim_mm = asked.rim_mm;
@@ -95,6 +96,7 @@ Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v1 
       return tl::unexpected(marked.error());
     u.hasStill = true;
   }
+  if (bodies && how.tissues && markRigid(*how.tissues, *bodies)) u.hasStill = true;
   u.bodies = bodies;
   return u;
 }

@@ -95,7 +95,7 @@ class Follower {
   };
 
   [[nodiscard]] std::optional<Found> findFrom(Vec3 x, const Vec3 &X) const {
-    const auto miss = [&] { return X - (x - u_.at(x)); };
+    const auto miss = [&] { return X - (x - u_.toldAt(x)); };
     Vec3 missing = miss();
     // Newton's method: exact where motion is affine, however far the body has turned.
     for (int i = 0; i < 16 && norm(missing) > kClose * step_; ++i) {
@@ -148,7 +148,7 @@ class Follower {
     for (std::size_t a = 0; a < 3; ++a) {
       Vec3 way{};
       way[a] = h;
-      out[a] = (-0.5 / h) * (u_.at(x + way) - u_.at(x - way));
+      out[a] = (-0.5 / h) * (u_.toldAt(x + way) - u_.toldAt(x - way));
       out[a][a] += 1.0;
     }
     return out;

@@ -12,6 +12,7 @@
 #include "c3de/core/text.h"
 #include "c3de/imaging/label_names.h"
 #include "c3de/imaging/reading.h"
+#include "c3de/imaging/still.h"
 #include "c3de/scene/material_names.h"
 #include "c3de/session/body_sources.h"
 #include "placement_matrix.h"
@@ -464,7 +465,7 @@ TissuePlaces tissuePlaces(const scene::SceneBody &body, const std::vector<imagin
                           const imaging::LabelMap &picked) {
   const scene::SceneVolume &volume = body.volume;
   const auto background = static_cast<std::uint16_t>(volume.tissues.size() + 1);
-  TissuePlaces out{body.name, volume.tissues, body.placement, picked.geometry.voxelVolume(), {}};
+  TissuePlaces out{body.name, volume.tissues, body.placement, picked.geometry.voxelVolume(), {}, {}};
   // By layer and value; behind them what has no label.
   std::vector<std::vector<std::size_t>> entryOf(layers.size(), std::vector<std::size_t>(0x10000, 0));
   std::vector<std::vector<std::uint16_t>> numbers;
@@ -504,6 +505,18 @@ TissuePlaces tissuePlaces(const scene::SceneBody &body, const std::vector<imagin
             picked.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}));
       }
   return out;
+}
+
+bool markRigid(const std::vector<TissuePlaces> &bodies, imaging::Mask &places) {
+  bool isAny = false;
+  for (const TissuePlaces &body : bodies) {
+    std::vector<std::uint16_t> rigid;
+    for (std::size_t i = 0; i < body.tissues.size(); ++i)
+      if (body.tissues[i].isRigid) rigid.push_back(static_cast<std::uint16_t>(i + 1));
+    if (rigid.empty() || !body.map) continue;
+    isAny = imaging::markRigid(*body.map, matrixOf(body.placement), rigid, places) || isAny;
+  }
+  return isAny;
 }
 
 }  // namespace c3de::session

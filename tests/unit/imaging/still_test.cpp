@@ -141,3 +141,48 @@ TEST_CASE("Voxels of bodies do not stay, whatever their value, and another grid 
   Mask other = phantoms::ball(phantoms::grid({10, 10, 10}), 3.0);
   CHECK_FALSE(markStill(boneAndAir(), head.image, nullptr, other));
 }
+
+TEST_CASE("Beside rigid tissue nothing bends it, and a gap is where the simulator has one", "[imaging][still]") {
+  // Rigid on the left of 30 mm, tissue on its right; points of the displacement 8 mm apart, one of them at 28 mm.
+  const VolumeGeometry g = phantoms::grid({60, 12, 12});
+  const auto bodies = std::make_shared<Mask>(Mask{g, std::vector<std::uint8_t>(g.voxelCount(), kBodyVoxel)});
+  LabelMap tissues{phantoms::grid({10, 4, 4}, {3.0, 3.0, 3.0}), {}, {}};
+  for (std::size_t v = 0; v < 160; ++v) tissues.voxels.push_back(v % 10 < 5 ? 2 : 1);
+  Mat4 placement = kIdentity4;  // the map lies 16 mm beside the place where its body is put
+  placement[12] = 16.0;
+  const std::vector<std::uint16_t> rigid{2}, none{7};
+  CHECK_FALSE(markRigid(tissues, placement, none, *bodies));
+  REQUIRE(markRigid(tissues, placement, rigid, *bodies));
+  const double border = 16.0 + 3.0 * 5.0 - 1.5;  // 29.5: from half a voxel before the first centre
+  for (std::size_t i = 15; i < 60; ++i) REQUIRE(bodies->voxels[i] == (double(i) < border ? kRigidVoxel : kBodyVoxel));
+  DisplacementGrid u;
+  u.geometry = phantoms::grid({9, 3, 3}, {8.0, 8.0, 8.0});
+  u.geometry.indexToWorld[12] = -4.0;
+  u.bodies = bodies;
+  u.hasStill = true;
+  u.gap_mm.assign(81, 0.0f);
+  // Stretched away from the border fivefold, as attached tissue is: between points that bends what is rigid.
+  for (std::size_t p = 0; p < 81; ++p) {
+    const double x = -4.0 + 8.0 * double(p % 9);
+    u.xyz_mm.insert(u.xyz_mm.end(), {float(std::max(0.0, 0.8 * (x - border))), 0.0f, 0.0f});
+  }
+  REQUIRE(u.toldAt({29.0, 4, 4})[0] > 0.2);
+  for (double x = 16.0; x < 55.0; x += 0.125) {
+    CAPTURE(x);
+    const double told = u.toldAt({x, 4, 4})[0];
+    if (x == border || x - told == border) continue;
+    REQUIRE_FALSE(u.isVacated({x, 4, 4}));
+    REQUIRE(u.at({x, 4, 4})[0] == (x < border || x - told < border ? 0.0 : told));
+    REQUIRE(u.hasTissue({x, 4, 4}) == (x > border && x - told > border));
+  }
+  // Torn off by 8 mm: a gap of that width.
+  for (std::size_t p = 0; p < 81; ++p) {
+    const double x = -4.0 + 8.0 * double(p % 9);
+    u.xyz_mm[3 * p] = x < border ? 0.0f : 8.0f;
+    u.gap_mm[p] = x > border && x < border + 8.0 ? 8.0f : 0.0f;
+  }
+  CHECK(u.isVacated({border + 3.0, 4, 4}));
+  CHECK_FALSE(u.isVacated({border - 2.0, 4, 4}));
+  CHECK_FALSE(u.isVacated({border + 16.0, 4, 4}));
+  CHECK(u.at({border - 2.0, 4, 4}) == Vec3{});
+}

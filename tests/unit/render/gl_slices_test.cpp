@@ -467,4 +467,25 @@ TEST_CASE("What stays is not displaced, and what has moved away from it leaves a
     }
   CHECK((kept > 1000 && moved > 1000));
   CHECK(hatched == 2 * (kSide - 32));
+
+  // Of rigid tissue: what moves away from it leaves no gap that the displacement has not, and shows its own place.
+  for (std::uint8_t &v : stays) v = v == 64 ? 96 : 0;
+  look.bodies = added(images.addImage({place, VoxelType::uint8, stays.data()}));
+  const Image attached = slice(*gl.renderer, look, plane);
+  look.displacement = added(images.addDisplacement(grid, u, std::vector<float>(gaps.size(), 5.0f)));
+  const Image torn = slice(*gl.renderer, look, plane);
+  int own = 0;
+  hatched = 0;
+  for (int y = 16; y < kSide - 16; ++y)
+    for (int x = 16; x < kSide - 16; ++x) {
+      const double across = 0.5 * (x + 0.5 - 72);
+      if (across < -3.0 || (across > 3.0 && across < 4.0)) {
+        REQUIRE(difference(pixel(attached, x, y), pixel(still, x, y)) == 0);
+        ++own;
+      }
+      if (across > 3.0 && across < 4.0) hatched += isHatch(pixel(torn, x, y)) ? 1 : 0;
+      if (across < -3.0) REQUIRE(difference(pixel(torn, x, y), pixel(still, x, y)) == 0);
+    }
+  CHECK(own > 1000);
+  CHECK(hatched == 2 * (kSide - 32));
 }

@@ -180,6 +180,22 @@ TEST_CASE("What stays is marked around the bodies, and a change of it counts at 
   REQUIRE(grid);
   CHECK_FALSE(grid->hasStill);
   CHECK(stillVoxels(*grid) == 0);
+  // Rigid tissue of the bodies.
+  TissuePlaces places;
+  places.tissues.resize(2);
+  places.tissues[1].isRigid = true;
+  imaging::LabelMap map{imageGrid(), std::vector<std::uint16_t>(imageGrid().voxelCount(), 1), {}};
+  map.voxels[15 + 40 * (15 + 40 * 15)] = 2;
+  places.map = std::make_shared<const imaging::LabelMap>(std::move(map));
+  StillPlaces rigid;
+  rigid.tissues = std::make_shared<const std::vector<TissuePlaces>>(std::vector{places});
+  f.sampler.want(true, 5.0, imageGrid(), rigid);
+  f.sampler.onPublished(*f.simulation);
+  grid = f.sampler.take();
+  REQUIRE(grid);
+  CHECK(grid->hasStill);
+  CHECK(grid->bodies->voxels[15 + 40 * (15 + 40 * 15)] == imaging::kRigidVoxel);
+  CHECK(grid->bodies->voxels[16 + 40 * (15 + 40 * 15)] == imaging::kBodyVoxel);
 }
 
 TEST_CASE("A simulator that cannot say leaves nothing to take") {

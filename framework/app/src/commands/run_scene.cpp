@@ -166,14 +166,14 @@ Expected<void> writeReport(const RunOptions &options, const RunFacts &facts, con
 
 /// Of the scene's image, which has been read before.
 Expected<void> writeImageExports(const RunOptions &options, Session &session, const scene::SceneFile &scene,
-                                 BodySources &sources, const c3de_simulator_v1 *table, c3de_object *simulator,
-                                 WrittenOutputs &outputs) {
+                                 BodySources &sources, const Prepared &prepared, const c3de_simulator_v1 *table,
+                                 c3de_object *simulator, WrittenOutputs &outputs) {
   imaging::ReadOptions chosen;
   chosen.series = scene.image->series;
   chosen.time = scene.image->time;
   const auto image = sources.volume(scene.image->file, chosen);
   if (!image) return tl::unexpected(image.error());
-  const auto how = imageWarpOf(scene, sources, session.materials());
+  const auto how = imageWarpOf(scene, sources, session.materials(), prepared.tissues);
   if (!how) return tl::unexpected(how.error());
   const ImageExport &wanted = options.exportImage;
   const auto u = presentDisplacement(table, simulator, **image, *how);
@@ -209,7 +209,7 @@ Expected<PictureView> viewAsked(const RunOptions &options, const scene::SceneFil
 
 /// The scene's image has been read before, and is there.
 Expected<PictureSources> pictureSources(PictureView view, const scene::SceneFile &scene, BodySources &sources,
-                                        const scene::MaterialLibrary &materials) {
+                                        const scene::MaterialLibrary &materials, const Prepared &prepared) {
   PictureSources out;
   out.view = view;
   if (view == PictureView::space) return out;
@@ -221,7 +221,7 @@ Expected<PictureSources> pictureSources(PictureView view, const scene::SceneFile
   out.image->name = imageName(scene.image->file);
   out.image->volume = **image;
   out.image->range = imaging::robustRange(out.image->volume);
-  auto how = imageWarpOf(scene, sources, materials);
+  auto how = imageWarpOf(scene, sources, materials, prepared.tissues);
   if (!how) return tl::unexpected(how.error());
   out.how = std::move(*how);
   out.warp = scene.image->warp;
@@ -237,12 +237,12 @@ Expected<PictureSources> pictureSources(PictureView view, const scene::SceneFile
 
 Expected<void> drawPicture(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
                            const RunOptions &options, RunPicture &picture, PictureView view, BodySources &sources,
-                           const std::vector<Coverage> &coverage) {
-  auto shown = pictureSources(view, scene, sources, session.materials());
+                           const Prepared &prepared) {
+  auto shown = pictureSources(view, scene, sources, session.materials(), prepared);
   if (!shown) return tl::unexpected(shown.error());
   if (options.overlay) shown->overlay = *options.overlay;
   if (auto adopted = session.adopt(simulator, scene.title); !adopted) return adopted;
-  return picture.write(session, options.screenshot, options.width, options.height, *shown, coverage);
+  return picture.write(session, options.screenshot, options.width, options.height, *shown, prepared.coverage);
 }
 
 /// What can be refused before anything is built. Returns what the screenshot shows.
@@ -444,11 +444,13 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
   }
   if (!options.exportSurface.empty()) writeSurfaceExport(options, session, simulator.get(), outputs);
   if (options.exportImage.isWanted())
-    if (const auto good = writeImageExports(options, session, *scene, sources, *table, simulator.get(), outputs); !good)
+    if (const auto good =
+            writeImageExports(options, session, *scene, sources, facts.prepared, *table, simulator.get(), outputs);
+        !good)
       return tl::unexpected(good.error());
   if (picture != nullptr)
-    outputs.note(options.screenshot, drawPicture(session, simulator.get(), *scene, options, *picture, *view, sources,
-                                                 facts.prepared.coverage));
+    outputs.note(options.screenshot,
+                 drawPicture(session, simulator.get(), *scene, options, *picture, *view, sources, facts.prepared));
   return Simulated{facts, {}};
 }
 

@@ -65,7 +65,8 @@ void DisplacementPresenter::showBodies(std::shared_ptr<const imaging::Mask> bodi
   images_->remove(std::exchange(handles.bodies, {}));
   if (bodies_) {
     std::vector<std::uint8_t> white(bodies_->voxels);
-    for (std::uint8_t &v : white) v = v == imaging::kBodyVoxel ? 255 : v == imaging::kStillVoxel ? 64 : 0;
+    for (std::uint8_t &v : white)
+      v = v == imaging::kBodyVoxel ? 255 : v == imaging::kStillVoxel ? 64 : v == imaging::kRigidVoxel ? 96 : 0;
     // Without it the image stays where bodies have gone away; that is no reason to show nothing.
     if (auto handle = images_->addImage({placeOf(bodies_->geometry), render::VoxelType::uint8, white.data()}))
       handles.bodies = *handle;

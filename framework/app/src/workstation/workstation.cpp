@@ -292,7 +292,8 @@ ui::WindowActions Workstation::actions() {
     // The map of labels is lent by what holds it.
     const std::shared_ptr<const imaging::LabelMap> labels =
         still.labels ? std::shared_ptr<const imaging::LabelMap>(still.labels, &still.labels->map) : nullptr;
-    exportPresentImage(*session_, images_->views().sharedImage(), {image_.rim_mm, still.rule, labels}, wanted, tell);
+    exportPresentImage(*session_, images_->views().sharedImage(), {image_.rim_mm, still.rule, labels, still.tissues},
+                       wanted, tell);
   };
   actions.exportImage = [exportImage](const std::filesystem::path &file) { exportImage({file, {}}); };
   actions.exportDisplacement = [exportImage](const std::filesystem::path &file) { exportImage({{}, file}); };
@@ -496,7 +497,7 @@ void Workstation::askForWarp() {
 /// What of the image stays, as the panel says it.
 StillPlaces Workstation::stillPlaces() {
   const ui::ImageViews &views = images_->views();
-  StillPlaces places{views.sharedImage(), views.sharedLabels(), {}};
+  StillPlaces places{views.sharedImage(), views.sharedLabels(), {}, tissues_.bodies()};
   auto rule = stillRuleOf(views.options().still, places.image->volume, places.labels ? &places.labels->map : nullptr,
                           session_->materials());
   if (rule)

@@ -21,17 +21,19 @@ void markValues(const StillRule &rule, const Volume &image, Mask &places) {
       image.voxels);
 }
 
-void markLabels(const StillRule &rule, const LabelMap &labels, Mask &places) {
-  std::vector<std::uint8_t> stays(65536, 0);
-  for (const std::uint16_t label : rule.labels) stays[label] = 1;
-  stays[0] = 0;
-  const Mat4 labelFromVoxel = multiply(affineInverse(labels.geometry.indexToWorld), places.geometry.indexToWorld);
+/// Voxels whose centres lie in one of the labels. @param mark  given what a voxel is already
+template <class Mark>
+void markLabels(const LabelMap &labels, const Mat4 &worldFromLabel, std::span<const std::uint16_t> wanted, Mask &places,
+                const Mark &mark) {
+  std::vector<std::uint8_t> isWanted(65536, 0);
+  for (const std::uint16_t label : wanted) isWanted[label] = 1;
+  isWanted[0] = 0;
+  const Mat4 labelFromVoxel = multiply(affineInverse(worldFromLabel), places.geometry.indexToWorld);
   const auto &n = places.geometry.size, &size = labels.geometry.size;
   std::size_t v = 0;
   for (std::size_t k = 0; k < n[2]; ++k)
     for (std::size_t j = 0; j < n[1]; ++j)
       for (std::size_t i = 0; i < n[0]; ++i, ++v) {
-        if (places.voxels[v] != 0) continue;
         const Vec3 index =
             transformPoint(labelFromVoxel, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
         std::size_t at = 0, stride = 1;
@@ -43,7 +45,7 @@ void markLabels(const StillRule &rule, const LabelMap &labels, Mask &places) {
           at += stride * static_cast<std::size_t>(nearest);
           stride *= size[a];
         }
-        if (isInside && stays[labels.voxels[at]] != 0) places.voxels[v] = kStillVoxel;
+        if (isInside && isWanted[labels.voxels[at]] != 0) mark(places.voxels[v]);
       }
 }
 
@@ -57,8 +59,19 @@ Expected<void> markStill(const StillRule &rule, const Volume &image, const Label
     return {};
   }
   if (rule.above || rule.below) markValues(rule, image, places);
-  if (labels != nullptr && !rule.labels.empty()) markLabels(rule, *labels, places);
+  if (labels != nullptr && !rule.labels.empty())
+    markLabels(*labels, labels->geometry.indexToWorld, rule.labels, places,
+               [](std::uint8_t &place) { place = place == 0 ? kStillVoxel : place; });
   return {};
+}
+
+bool markRigid(const LabelMap &tissues, const Mat4 &placement, std::span<const std::uint16_t> rigid, Mask &places) {
+  bool isAny = false;
+  markLabels(tissues, multiply(placement, tissues.geometry.indexToWorld), rigid, places, [&](std::uint8_t &place) {
+    place = kRigidVoxel;
+    isAny = true;
+  });
+  return isAny;
 }
 
 }  // namespace c3de::imaging

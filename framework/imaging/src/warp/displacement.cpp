@@ -8,6 +8,13 @@
 
 namespace c3de::imaging {
 
+Vec3 DisplacementGrid::toldAt(const Vec3 &world) const {
+  if (xyz_mm.empty()) return {};
+  DisplacementRow row(*this, affineInverse(geometry.indexToWorld));
+  row.startAt(world);
+  return row.at(0);
+}
+
 Vec3 DisplacementGrid::at(const Vec3 &world) const {
   if (xyz_mm.empty()) return {};
   DisplacementRow row(*this, affineInverse(geometry.indexToWorld));

@@ -110,8 +110,10 @@ class Vacated {
     const std::uint8_t was = shownBefore(voxel, d);
     if (was == kBodyVoxel) return row.hasGap(i);
     if (d[0] == 0.0 && d[1] == 0.0 && d[2] == 0.0) return false;
-    const bool leaves = was == kStillVoxel;
-    if (shownAt(transformPoint(fromVoxel_, voxel)) != kStillVoxel && (!leaves || norm(d) > leastWay_)) return leaves;
+    if (!stays(shownAt(transformPoint(fromVoxel_, voxel)))) {
+      if (!stays(was)) return false;
+      if (was == kRigidVoxel ? row.hasGap(i) : norm(d) > leastWay_) return true;
+    }
     d = {};
     return false;
   }
@@ -122,6 +124,7 @@ class Vacated {
   }
 
  private:
+  static bool stays(std::uint8_t shown) { return shown == kStillVoxel || shown == kRigidVoxel; }
   [[nodiscard]] std::uint8_t shownBefore(const Vec3 &voxel, const Vec3 &d) const {
     const Vec3 now = transformPoint(fromVoxel_, voxel);
     return shownAt({now[0] - (fromWorld_[0] * d[0] + fromWorld_[4] * d[1] + fromWorld_[8] * d[2]),

@@ -15,6 +15,7 @@ namespace c3de::imaging {
 inline constexpr std::uint8_t kBodyVoxel = 1;  ///< a body
 /// What stays, bone or air: a body may come over it, nothing else moves it
 inline constexpr std::uint8_t kStillVoxel = 2;
+inline constexpr std::uint8_t kRigidVoxel = 3;  ///< rigid tissue of a body: stays, too
 
 /// A quantity of the tissue at the points of a grid, as it lies now.
 struct TissueField {
@@ -34,18 +35,21 @@ inline constexpr const char *kVolumeRatio = "det F";
 ///
 /// What stays is where the reference shows it: u is 0 there, unless X lies in a body, which has come over it. What was
 /// beside it and has moved away by more than a quarter of leastGap(), so that X lies in what stays, leaves a gap:
-/// vacated, too.
+/// vacated, too. Beside rigid tissue of a body the simulator knows of gaps: without one what lies beside it is attached
+/// to it, and where the grid, which is coarser than the border, leads X across it, u is 0 as well.
 struct DisplacementGrid {
   VolumeGeometry geometry;
   std::vector<float> xyz_mm;    ///< 3 for each point, i fastest
   std::vector<float> gap_mm{};  ///< for each point, how far the material of X is from it now; empty: not known
   /// The reference, on a grid of its own: 0 or k…Voxel; null: nothing is vacated or stays
   std::shared_ptr<const Mask> bodies{};
-  bool hasStill = false;              ///< kStillVoxel occurs
+  bool hasStill = false;              ///< kStillVoxel or kRigidVoxel occurs
   std::vector<TissueField> fields{};  ///< those that somebody looks at, on the same grid
 
   /// u at a point of the world, mm; 0 in what stays.
   [[nodiscard]] Vec3 at(const Vec3 &world) const;
+  /// The same, as if nothing stayed: continuous.
+  [[nodiscard]] Vec3 toldAt(const Vec3 &world) const;
   /// Whether the tissue that the reference shows there has gone away and nothing has come.
   [[nodiscard]] bool isVacated(const Vec3 &world) const;
   [[nodiscard]] bool knowsVacated() const { return bodies != nullptr && !gap_mm.empty(); }

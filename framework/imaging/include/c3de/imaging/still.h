@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "c3de/core/expected.h"
@@ -25,5 +26,11 @@ struct StillRule {
 /// Errors: usage, when `places` is on another grid.
 [[nodiscard]] Expected<void> markStill(const StillRule &rule, const Volume &image, const LabelMap *labels,
                                        Mask &places);
+
+/// Marks the voxels whose centres lie in one of these labels as kRigidVoxel, those of bodies too.
+/// @param tissues    on a grid of its own
+/// @param placement  of that grid in the world
+/// @return whether there is one
+bool markRigid(const LabelMap &tissues, const Mat4 &placement, std::span<const std::uint16_t> rigid, Mask &places);
 
 }  // namespace c3de::imaging

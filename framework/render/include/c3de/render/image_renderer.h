@@ -47,7 +47,8 @@ struct ImageLook {
   /// An image on the grid of `image`, white where bodies are in the reference; with a displacement that has gaps,
   /// places that they have left are hatched in slices and empty in volumes. Null: nothing is known of bodies.
   Handle bodies{};
-  /// A quarter of white in `bodies` is what stays: only bodies come over it, and what moves away from it leaves a gap.
+  /// A quarter of white in `bodies` is what stays: only bodies come over it, and what moves away from it leaves a gap;
+  /// three eighths: it stays, and a gap beside it is one that the displacement has.
   bool hasStill = false;
   /// An image on the grid of `image`, above half its white where tissue of the reference was meant to be a body and is
   /// in none: marked in slices. Null: nothing is.

@@ -14,14 +14,16 @@
 #include "c3de/scene/image_store.h"
 #include "c3de/scene/simulation.h"
 #include "c3de/session/point_fields.h"
+#include "c3de/session/tissue_places.h"
 
 namespace c3de::session {
 
 /// What of an image stays while bodies move.
 struct StillPlaces {
-  std::shared_ptr<const scene::StoredImage> image;  ///< null: nothing stays
+  std::shared_ptr<const scene::StoredImage> image;  ///< null: nothing stays by the rule
   std::shared_ptr<const scene::StoredLabels> labels;
   imaging::StillRule rule;
+  std::shared_ptr<const std::vector<TissuePlaces>> tissues;  ///< whose rigid ones stay; null: there are no such bodies
   friend bool operator==(const StillPlaces &, const StillPlaces &) = default;
 };
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "c3de/abi/iface/simulator.h"
 #include "c3de/core/expected.h"
@@ -11,6 +12,7 @@
 #include "c3de/imaging/still.h"
 #include "c3de/scene/materials.h"
 #include "c3de/scene/scene_file.h"
+#include "c3de/session/tissue_places.h"
 
 namespace c3de {
 class ThreadPool;
@@ -34,11 +36,15 @@ struct ImageWarp {
   double rim_mm = 10.0;                             ///< within it their displacement falls to nothing around them
   imaging::StillRule still;                         ///< what stays
   std::shared_ptr<const imaging::LabelMap> labels;  ///< that `still` speaks of; may be null
+  std::shared_ptr<const std::vector<TissuePlaces>>
+      tissues{};  ///< whose rigid ones stay; null: there are no such bodies
 };
 /// That of a scene, whose image and labels are read if they are not yet. Errors: those of reading and of stillRuleOf(),
 /// with the line of [image].
+/// @param tissues  of its bodies; empty: they are not made yet
 [[nodiscard]] Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, BodySources &sources,
-                                              const scene::MaterialLibrary &materials);
+                                              const scene::MaterialLibrary &materials,
+                                              const std::vector<TissuePlaces> &tissues = {});
 
 /// Before the simulation begins: that there is an image whose grid they take, and that the files can be written.
 /// Errors: usage, output.

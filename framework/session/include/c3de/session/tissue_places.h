@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "c3de/core/vec.h"
+#include "c3de/imaging/volume.h"
 #include "c3de/scene/scene_file.h"
 
 namespace c3de::session {
@@ -27,6 +29,7 @@ struct TissuePlaces {
   scene::ScenePlacement placement;
   double voxel_mm3 = 0.0;
   std::vector<LabelPlaces> labels;
+  std::shared_ptr<const imaging::LabelMap> map;  ///< pickTissues(), where the scan is
 
   /// That of LabelPlaces::tissue, of the background one of that name.
   [[nodiscard]] scene::SceneTissue tissueAt(std::size_t number) const {
@@ -36,5 +39,8 @@ struct TissuePlaces {
     return background;
   }
 };
+
+/// Marks what of bodies is rigid, where they are at rest, as imaging::kRigidVoxel. Whether there is any. Any thread.
+bool markRigid(const std::vector<TissuePlaces> &bodies, imaging::Mask &places);
 
 }  // namespace c3de::session
