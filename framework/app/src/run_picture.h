@@ -8,9 +8,9 @@
 #include "app.h"
 #include "c3de/core/expected.h"
 #include "c3de/scene/image_store.h"
-#include "c3de/session/coverage.h"
 #include "c3de/session/export_image.h"
 #include "c3de/session/picture_view.h"
+#include "c3de/session/preparation.h"
 
 namespace c3de::render {
 class Renderer;
@@ -40,7 +40,7 @@ class RunPicture {
   [[nodiscard]] virtual render::Renderer &renderer() = 0;
   /// As writeScreenshot().
   [[nodiscard]] virtual Expected<void> write(Session &session, const std::filesystem::path &file, int width, int height,
-                                             const PictureSources &sources, const std::vector<Coverage> &coverage) = 0;
+                                             const PictureSources &sources, const Prepared &prepared) = 0;
 };
 
 }  // namespace c3de::app

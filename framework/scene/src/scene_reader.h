@@ -105,6 +105,7 @@ class SceneReader {
   bool readLabelNames(const TomlValue &value, SceneTissue &out);
   bool readTissue(const TomlValue &table, SceneTissue &out);
   bool checkRule(const TomlValue &table, SceneTissue &tissue);
+  bool readColour(const std::string &key, const TomlValue &value, Vec3 &out);  ///< sRGB, 0 … 1
   bool readThreshold(const TomlValue &value, std::optional<std::array<double, 2>> &out);
   /// The name of a label, or its number. @param place  how the message begins
   bool readLabel(const std::string &place, const TomlValue &value, std::string &out);

@@ -11,8 +11,8 @@
 namespace c3de::scene {
 namespace {
 
-const std::vector<std::string> kTissueKeys{"label",     "material", "rigid",  "empty", "name",
-                                           "threshold", "image",    "margin", "region"};
+const std::vector<std::string> kTissueKeys{"label", "material", "rigid",  "empty", "name",  "threshold",
+                                           "image", "margin",   "region", "show",  "colour"};
 const std::vector<std::string> kBackgroundKeys{"material", "image", "from", "to", "series", "time"};
 constexpr std::size_t kRequired = 4;  // of them
 const char *const kTissue = "[ { label = \"liver\", material = \"liver\" }, { label = \"vertebrae*\", rigid = true } ]";
@@ -67,6 +67,13 @@ bool SceneReader::checkRule(const TomlValue &table, SceneTissue &tissue) {
   return true;
 }
 
+bool SceneReader::readColour(const std::string &key, const TomlValue &value, Vec3 &out) {
+  if (!readVec3(key, value, out)) return false;
+  if (std::all_of(out.begin(), out.end(), [](double c) { return c >= 0.0 && c <= 1.0; })) return true;
+  return refuse(value.line, key + " is (" + formatNumber(out[0]) + ", " + formatNumber(out[1]) + ", " +
+                                formatNumber(out[2]) + "); accepted: red, green and blue from 0 to 1");
+}
+
 bool SceneReader::readTissue(const TomlValue &table, SceneTissue &out) {
   SceneTissue tissue;
   const auto rule = [&]() -> SceneTissueRule & { return tissue.rule ? *tissue.rule : tissue.rule.emplace(); };
@@ -78,6 +85,10 @@ bool SceneReader::readTissue(const TomlValue &table, SceneTissue &out) {
       if (!readBool("tissues: rigid", member, tissue.isRigid)) return false;
     } else if (key == "empty") {
       if (!readBool("tissues: empty", member, tissue.isEmpty)) return false;
+    } else if (key == "show") {
+      if (!readBool("tissues: show", member, tissue.isShown)) return false;
+    } else if (key == "colour") {
+      if (!readColour("tissues: colour", member, tissue.colour.emplace())) return false;
     } else if (key == "name") {
       (void)rule();
       if (!readName(member, tissue.label)) return false;

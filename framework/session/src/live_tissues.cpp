@@ -9,7 +9,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kLeast_ms = 500.0, kRestPerReading = 20.0;
+constexpr double kLabels_ms = 500.0, kSurfaces_ms = 100.0, kRestPerReading = 20.0;
 
 double since_ms(Clock::time_point from) {
   return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
@@ -35,8 +35,25 @@ void LiveTissues::begin(std::vector<TissuePlaces> bodies) {
   ++serial_;
   bodies_ = bodies.empty() ? nullptr : std::make_shared<const std::vector<TissuePlaces>>(std::move(bodies));
   newest_.reset();
+  surfaces_.reset();
+  hasSurfaces_ = false;
+  places_.reset();
   read_.reset();
   behind_ = bodies_ != nullptr;
+}
+
+void LiveTissues::follow(std::shared_ptr<const std::vector<TissueSurface>> surfaces) {
+  const std::lock_guard lock(mutex_);
+  if (surfaces == surfaces_) return;
+  surfaces_ = std::move(surfaces);
+  hasSurfaces_ = surfaces_ != nullptr;
+  places_.reset();
+  behind_ = bodies_ != nullptr;
+}
+
+std::shared_ptr<const SurfacePlaces> LiveTissues::places() const {
+  const std::lock_guard lock(mutex_);
+  return places_;
 }
 
 std::shared_ptr<const std::vector<TissueMotion>> LiveTissues::newest() const {
@@ -52,15 +69,16 @@ std::shared_ptr<const std::vector<TissuePlaces>> LiveTissues::bodies() const {
 void LiveTissues::onPublished(const scene::Simulation &simulation,
                               const std::shared_ptr<const imaging::DisplacementGrid> &u, bool comesWithOthers) {
   std::uint64_t serial = 0;
+  bool isPlaying = false;
   {
     const std::lock_guard lock(mutex_);
     if (!bodies_) return;
     behind_ = true;  // until it is read
-    if (!wanted_ || isFollowing_) return;
-    const bool isPlaying = simulation.state().mode == C3DE_SIM_PLAYING;
-    if (isPlaying &&
-        ((comesWithOthers && !u) || since_ms(lastRead_) < std::max(kLeast_ms, kRestPerReading * reading_ms_) ||
-         since_ms(lastFollowed_) < following_ms_))
+    if ((!wanted_ && !hasSurfaces_) || isFollowing_) return;
+    isPlaying = simulation.state().mode == C3DE_SIM_PLAYING;
+    const double least = hasSurfaces_ ? kSurfaces_ms : kLabels_ms;
+    if (isPlaying && ((comesWithOthers && !u) || since_ms(lastRead_) < std::max(least, kRestPerReading * reading_ms_) ||
+                      since_ms(lastFollowed_) < following_ms_))
       return;
     serial = serial_;
   }
@@ -76,6 +94,7 @@ void LiveTissues::onPublished(const scene::Simulation &simulation,
     if (!snapshot || serial != serial_) return;
     read_ = std::make_unique<TissueSnapshot>(std::move(*snapshot));
     readSerial_ = serial;
+    readWhilePlaying_ = isPlaying;
     isFollowing_ = true;
   }
   changed_.notify_all();
@@ -88,19 +107,29 @@ void LiveTissues::work() {
     const std::unique_ptr<TissueSnapshot> snapshot = std::move(read_);
     const std::uint64_t serial = readSerial_;
     const std::shared_ptr<const std::vector<TissuePlaces>> bodies = bodies_;
+    const std::shared_ptr<const std::vector<TissueSurface>> surfaces = surfaces_;
+    const std::shared_ptr<const SurfacePlaces> before = places_;
+    const bool wantsLabels = wanted_ && !(readWhilePlaying_ && since_ms(lastLabels_) < kLabels_ms);
     if (!snapshot || !bodies || ends_) {
       isFollowing_ = false;
       continue;
     }
     lock.unlock();
     const auto from = Clock::now();
-    auto motions = followTissues(*snapshot, *bodies, [this] { return !ends_; });
+    const auto goesOn = [this] { return !ends_; };
+    auto places = surfaces ? followSurfaces(*snapshot, surfaces, before.get(), goesOn) : SurfacePlaces{};
+    auto motions = wantsLabels ? followTissues(*snapshot, *bodies, goesOn) : std::vector<TissueMotion>{};
     lock.lock();
     following_ms_ = since_ms(from);
     lastFollowed_ = Clock::now();
     isFollowing_ = false;
-    if (!motions || serial != serial_) continue;
-    newest_ = std::make_shared<const std::vector<TissueMotion>>(std::move(*motions));
+    if (serial != serial_) continue;
+    if (places && surfaces && surfaces == surfaces_)
+      places_ = std::make_shared<const SurfacePlaces>(std::move(*places));
+    if (motions && wantsLabels) {
+      newest_ = std::make_shared<const std::vector<TissueMotion>>(std::move(*motions));
+      lastLabels_ = lastFollowed_;
+    }
     lock.unlock();
     if (renewed_) renewed_();
     lock.lock();

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "c3de/core/text.h"
+#include "c3de/imaging/label_names.h"
 #include "c3de/session/body_sources.h"
 
 namespace c3de::session {
@@ -91,7 +92,7 @@ Expected<void> applyRules(const scene::SceneFile &scene, scene::SceneBody &body,
       return failInScene({ErrorCode::input, "tissue '" + tissue.label + "' holds no voxel (" + shown(rule) +
                                                 "); accepted: what labels and tissues before it leave something of"},
                          scene, tissue.line);
-    taken.labels.push_back({value, tissue.label, {}});
+    taken.labels.push_back({value, tissue.label, imaging::distinctColour(value)});
     tissue.labels = {{layers.size(), value, tissue.label}};
   }
   layers.push_back(std::move(taken));

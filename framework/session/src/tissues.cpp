@@ -476,10 +476,10 @@ TissuePlaces tissuePlaces(const scene::SceneBody &body, const std::vector<imagin
       for (const imaging::LabelMap::Label &label : layers[layer].labels)
         if (numbers[layer][label.value] == number) {
           entryOf[layer][label.value] = out.labels.size();
-          out.labels.push_back({label.name, label.value, number - std::size_t{1}, 0, {}});
+          out.labels.push_back({label.name, label.value, number - std::size_t{1}, 0, label.colour, {}});
         }
   const std::size_t unlabelled = out.labels.size();
-  out.labels.push_back({"", 0, volume.tissues.size(), 0, {}});
+  out.labels.push_back({"", 0, volume.tissues.size(), 0, {}, {}});
   const auto entryAt = [&](std::size_t v) {
     for (std::size_t layer = layers.size(); layer-- > 0;) {
       const std::uint16_t value = layers[layer].voxels[v];

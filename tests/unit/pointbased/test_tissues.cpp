@@ -276,6 +276,53 @@ TEST_CASE("A pillar that stands on voxels that are held sags by its weight, its 
   }
 }
 
+// It fell out of the scan, and whoever asked where the body is was told of a place far away.
+TEST_CASE("a bit of tissue that hangs on nothing is held beside rigid tissue, and a piece of it falls") {
+  for (const std::size_t wide : {2, 6}) {  // voxels; 0.6 and 9 % of what is free
+    CAPTURE(wide);
+    constexpr std::size_t foot = 5, top = 24, above = 27;
+    const std::size_t high = wide + 1;
+    std::vector<float> body = pillar(1, top);
+    for (std::size_t k = above; k < above + high; ++k)
+      for (std::size_t j = 3; j < 3 + wide; ++j)
+        for (std::size_t i = 3; i < 3 + wide; ++i) body[i + kWide * (j + kWide * k)] = 1.0F;
+    Surface skin = skinOf(1, top);
+    const auto at = [](double x) { return (x - 0.5) * kVoxel; };
+    const double side = at(3.0 + static_cast<double>(wide));
+    Surface apart = shapes::boxSurface(Vec3(at(3), at(3), at(above)), Vec3(side, side, at(above + high)));
+    const auto first = static_cast<Index>(skin.positions.size());
+    skin.positions.insert(skin.positions.end(), apart.positions.begin(), apart.positions.end());
+    for (auto triangle : apart.triangles) {
+      for (Index &corner : triangle) corner += first;
+      skin.triangles.push_back(triangle);
+    }
+    const auto rest = heldAtFoot(body, skin, foot, 0.005);
+    CHECK(rest->components == 2);
+    Constitution constitution;
+    constitution.materials = {lawOf(kSoft)};
+    constitution.stabilisation = kLatticeStabilisation;
+    Simulator simulator;
+    WorldSettings world;
+    world.integrator = Integrator::explicitVerlet;
+    world.gravity = Vec3(0, 0, -1);
+    simulator.setWorld(world);
+    const std::size_t id = simulator.addBody(std::make_unique<Body>("pillar", rest, constitution, serialFor()));
+    while (simulator.time() < 0.05) REQUIRE(simulator.step());
+    const Body &moved = *simulator.body(id);
+    const double middle = 0.5 * (at(3) + side);
+    const std::vector<Vec3> points{Vec3(middle, middle, 0.5 * (at(above) + at(above + high))) - moved.rest().origin},
+        normals{Vec3(0, 0, 1)};
+    std::vector<Vec3> ways(1);
+    interpolateDisplacements(moved.rest().bind(points, normals), moved.rest().positions, moved.state().displacements,
+                             ways, serialFor());
+    const double fall = 0.5 * simulator.time() * simulator.time();
+    if (wide == 2)
+      CHECK(ways[0].norm() == 0.0);
+    else
+      CHECK_THAT(ways[0][2], WithinRel(-fall, 0.02));
+  }
+}
+
 // Planes and distances held it there, and left 7 % of the shell free.
 TEST_CASE("A ball in a shell that is held falls, and all that moves is the ball") {
   constexpr std::size_t n = 60;

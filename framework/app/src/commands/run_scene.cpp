@@ -242,7 +242,7 @@ Expected<void> drawPicture(Session &session, c3de_object *simulator, const scene
   if (!shown) return tl::unexpected(shown.error());
   if (options.overlay) shown->overlay = *options.overlay;
   if (auto adopted = session.adopt(simulator, scene.title); !adopted) return adopted;
-  return picture.write(session, options.screenshot, options.width, options.height, *shown, prepared.coverage);
+  return picture.write(session, options.screenshot, options.width, options.height, *shown, prepared);
 }
 
 /// What can be refused before anything is built. Returns what the screenshot shows.

@@ -13,8 +13,8 @@ class GlPicture final : public RunPicture {
       : context_(std::move(context)), renderer_(std::move(renderer)) {}
   render::Renderer &renderer() override { return *renderer_; }
   Expected<void> write(Session &session, const std::filesystem::path &file, int width, int height,
-                       const PictureSources &sources, const std::vector<Coverage> &coverage) override {
-    return writeScreenshot(session, *renderer_, file, width, height, sources, coverage);
+                       const PictureSources &sources, const Prepared &prepared) override {
+    return writeScreenshot(session, *renderer_, file, width, height, sources, prepared);
   }
 
  private:

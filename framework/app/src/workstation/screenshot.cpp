@@ -14,6 +14,7 @@
 #include "c3de/session/session.h"
 #include "c3de/ui/views_picture.h"
 #include "workstation/displacement_presenter.h"
+#include "workstation/tissue_presenter.h"
 
 namespace c3de::app {
 namespace {
@@ -57,11 +58,25 @@ Expected<void> showWarp(Session &session, const PictureSources &sources, ui::Ima
   return shown.show(std::make_shared<const imaging::DisplacementGrid>(std::move(*u)));
 }
 
+/// Where they are now.
+void showTissues(Session &session, const Prepared &prepared, TissuePresenter &shown) {
+  scene::Simulation *simulation = session.simulation();
+  if (!simulation || prepared.tissues.empty()) return;
+  auto made = tissueSurfaces(prepared.tissues, {});
+  if (!made) return;
+  const auto surfaces = std::make_shared<const std::vector<TissueSurface>>(std::move(*made));
+  shown.show(surfaces, session.simulationNode());
+  Expected<TissueSnapshot> now;
+  simulation->call([&] { now = readTissues(simulation->table(), simulation->object()); });
+  if (!now) return;  // not every simulator can say it
+  if (auto places = followSurfaces(*now, surfaces, nullptr))
+    shown.place(std::make_shared<const SurfacePlaces>(std::move(*places)));
+}
+
 }  // namespace
 
 Expected<void> writeScreenshot(Session &session, render::Renderer &renderer, const std::filesystem::path &file,
-                               int width, int height, const PictureSources &sources,
-                               const std::vector<Coverage> &coverage) {
+                               int width, int height, const PictureSources &sources, const Prepared &prepared) {
   scene::Simulation *simulation = session.simulation();
   std::string title;
   if (simulation) {
@@ -96,8 +111,10 @@ Expected<void> writeScreenshot(Session &session, render::Renderer &renderer, con
       if (!box.isEmpty()) views.setCrossHair(0.5 * (box.low + box.high));
     }
     if (auto warped = showWarp(session, sources, views, displacement); !warped) return warped;
-    if (auto marked = showMissing(drawer, views, coverage); !marked) return marked;
+    if (auto marked = showMissing(drawer, views, prepared.coverage); !marked) return marked;
   }
+  TissuePresenter tissues(renderer, session.sceneGraph());
+  if (sources.view == PictureView::four || sources.view == PictureView::space) showTissues(session, prepared, tissues);
   const auto picture = ui::pictureOfViews(renderer, views, session.sceneGraph(), title, width, height);
   if (!picture) return tl::unexpected(picture.error());
   return render::writePng(file.string(), *picture);

@@ -9,8 +9,8 @@
 
 #include "app.h"
 #include "c3de/core/expected.h"
-#include "c3de/session/coverage.h"
 #include "c3de/session/export_image.h"
+#include "c3de/session/preparation.h"
 #include "run_picture.h"
 
 namespace c3de::render {
@@ -27,6 +27,6 @@ namespace c3de::app {
 /// the bodies; what of masks is in no body is marked in them. Main thread.
 [[nodiscard]] Expected<void> writeScreenshot(Session &session, render::Renderer &renderer,
                                              const std::filesystem::path &file, int width, int height,
-                                             const PictureSources &sources, const std::vector<Coverage> &coverage);
+                                             const PictureSources &sources, const Prepared &prepared);
 
 }  // namespace c3de::app

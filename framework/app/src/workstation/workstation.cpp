@@ -40,6 +40,7 @@
 #include "commands/exit_code.h"
 #include "commands/last_crash.h"
 #include "workstation/plugin_choices.h"
+#include "workstation/tissue_presenter.h"
 #include "workstation/workstation_export.h"
 #include "workstation/workstation_images.h"
 #include "workstation/workstation_loader.h"
@@ -79,6 +80,8 @@ class Workstation {
   [[nodiscard]] StillPlaces stillPlaces();
   void askForFields();
   void fillTissueTable();
+  void showTissues();
+  void makeTissueSurfaces();
   void takeWarp();
   void onBodiesReady(const BodyCreation::Result &result);
   void makeScanAlive(const std::string &scene);
@@ -101,11 +104,14 @@ class Workstation {
   std::unique_ptr<WorkstationImages> images_;         ///< likewise
   DisplacementSampler warp_;                          ///< used by the simulation's thread
   LiveTissues tissues_{[this] { window_->wake(); }};  ///< likewise
+  Handle surfacesJob_;
+  std::uint64_t surfacesSerial_ = 0;
   ui::TissueTable tissueTable_;
   std::shared_ptr<const std::vector<TissueMotion>> tissuesShown_;
   std::shared_ptr<const std::vector<TissuePlaces>> tissuesOf_;
   std::unique_ptr<Session> session_;
-  scene::SceneImage image_;  ///< how images deform beside the simulation
+  std::unique_ptr<TissuePresenter> tissueSurfaces_;  ///< uses the session's tree
+  scene::SceneImage image_;                          ///< how images deform beside the simulation
   using StillAsked = std::tuple<scene::SceneStill, std::shared_ptr<const scene::StoredImage>,
                                 std::shared_ptr<const scene::StoredLabels>>;
   FieldsWanted fieldsAsked_;
@@ -166,6 +172,7 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
           [this](const std::string &title, const Error &error) { onFailed(title, error); },
           [this](std::vector<segmentation::BodyRequest> requests) { bodyCreation_->createBodies(std::move(requests)); },
           [this](const std::string &scene) { makeScanAlive(scene); }});
+  tissueSurfaces_ = std::make_unique<TissuePresenter>(*renderer_, session_->sceneGraph());
   window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
                     &images_->workflow(), &images_->scanBody(), &tissueTable_, &edits_, &commands_,
                     [this] { return meshExtensions(); }},
@@ -441,6 +448,7 @@ void Workstation::onBodiesReady(const BodyCreation::Result &result) {
   // Those that were there before begin anew.
   const std::shared_ptr<const std::vector<TissuePlaces>> stay = result.isNew ? nullptr : tissues_.bodies();
   tissues_.begin(stay ? *stay : std::vector<TissuePlaces>());
+  makeTissueSurfaces();
   askForWarp();
   simulation->transport(C3DE_TRANSPORT_PLAY);
   const bool isOne = result.created.size() == 1;
@@ -566,6 +574,37 @@ void Workstation::fillTissueTable() {
   }
 }
 
+/// Of bodies of many tissues, beside the window: the simulation has begun.
+void Workstation::makeTissueSurfaces() {
+  tissueSurfaces_->forget();
+  const std::uint64_t serial = ++surfacesSerial_;
+  if (!surfacesJob_.isNull()) session_->jobs().cancel(std::exchange(surfacesJob_, {}));
+  const std::shared_ptr<const std::vector<TissuePlaces>> bodies = tissues_.bodies();
+  if (!bodies) return;
+  const auto made = std::make_shared<std::vector<TissueSurface>>();
+  surfacesJob_ = session_->jobs().submit(
+      kJobOwner, "Surfaces of tissues",
+      [bodies, made](const ProgressFn &progress) -> Expected<void> {
+        auto surfaces = tissueSurfaces(*bodies, progress);
+        if (!surfaces) return tl::unexpected(surfaces.error());
+        *made = std::move(*surfaces);
+        return {};
+      },
+      [this, serial, made](const Expected<void> &result) {
+        if (serial != surfacesSerial_) return;
+        surfacesJob_ = {};
+        if (!result) return;  // cancelled: the body is there without them
+        tissueSurfaces_->show(made, session_->simulationNode());
+      });
+}
+
+/// Where the surfaces of tissues are, while the tree shows one that moves.
+void Workstation::showTissues() {
+  tissueSurfaces_->followTree();
+  tissues_.follow(tissueSurfaces_->seen());
+  tissueSurfaces_->place(tissues_.places());
+}
+
 /// Before a frame, whose texts say it as its slices show it.
 void Workstation::takeWarp() {
   const ui::ImageViews &views = images_->views();
@@ -574,6 +613,7 @@ void Workstation::takeWarp() {
   if (auto newest = warp_.take()) images_->showDisplacement(std::move(newest));
   askForFields();
   fillTissueTable();
+  showTissues();
   scene::Simulation *simulation = session_->simulation();
   if ((warp_.isBehind() || tissues_.isBehind()) && simulation && simulation->state().mode != C3DE_SIM_PLAYING)
     simulation->post([] {});
@@ -590,6 +630,7 @@ void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
   images_->showMissing(loaded.coverage, true);
   warp_.begin();
   tissues_.begin(loaded.tissues);
+  makeTissueSurfaces();
   images_->showDisplacement(nullptr);
   if (loaded.image && !loaded.isReload && !loaded.isImageOpen)
     images_->open(loaded.image->file, loaded.image->labels, loaded.image->series, loaded.image->time,

@@ -7,6 +7,7 @@
 #include <new>
 
 #include "c3de/core/text.h"
+#include "c3de/imaging/label_names.h"
 #include "formats/image_header.h"
 #include "formats/label_table.h"
 #include "formats/voxel_reader.h"

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "c3de/imaging/label_names.h"
+
 namespace c3de::imaging {
 namespace {
 

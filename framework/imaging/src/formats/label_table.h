@@ -28,8 +28,6 @@ using LabelTable = std::map<std::uint16_t, LabelName>;
 /// Blue.
 [[nodiscard]] LabelTable caretLabelsOf(const std::string &xml);
 
-/// A colour for the n-th label; any two of the first dozens look different.
-[[nodiscard]] std::array<float, 3> distinctColour(std::size_t n);
 [[nodiscard]] float linearOf(double srgb);  ///< both 0 … 1
 [[nodiscard]] double srgbOf(float linear);
 

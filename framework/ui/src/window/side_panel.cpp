@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cstddef>
+#include <limits>
 #include <string>
 
 #include "c3de/registry/panel_registry.h"
@@ -26,9 +28,13 @@ void sceneTree(FrameContext &frame) {
   if (!scene) return;
   const auto rows = scene->rows();
   if (rows.empty()) ImGui::TextColored(colour::kDim, "Nothing is loaded");
-  for (const scene::SceneGraph::Row &row : rows) {
+  int foldedAt = std::numeric_limits<int>::max();  // depth of the folded node that rows are below
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const scene::SceneGraph::Row &row = rows[i];
     scene::Node *node = scene->find(row.node);
-    if (!node) continue;
+    if (!node || row.depth > foldedAt) continue;
+    foldedAt = node->isFolded ? row.depth : std::numeric_limits<int>::max();
+    const bool isParent = i + 1 < rows.size() && rows[i + 1].depth > row.depth;
     frame.state.sideRows.row("scene/" + std::to_string(row.node.index));
     ImGui::PushID(static_cast<int>(row.node.index));
     ImGui::SetCursorPosX(ImGui::GetCursorPosX() + static_cast<float>(row.depth) * frame.theme.px(16.0f));
@@ -46,6 +52,15 @@ void sceneTree(FrameContext &frame) {
     ImGui::PushStyleColor(ImGuiCol_Text, isShown ? colour::kText : colour::kDim);
     ImGui::TextUnformatted(elided(node->name, ImGui::GetContentRegionAvail().x).c_str());
     ImGui::PopStyleColor();
+    if (isParent) {
+      ImGui::SameLine();
+      ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(0.0f, 0.0f));
+      if (ImGui::ArrowButton("##fold", node->isFolded ? ImGuiDir_Right : ImGuiDir_Down))
+        node->isFolded = !node->isFolded;
+      ImGui::PopStyleVar();
+      markItem(frame, "scene", node->name + "/fold");
+      itemTooltip(frame, node->isFolded ? "List what is below it" : "Do not list what is below it");
+    }
     ImGui::PopID();
   }
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -19,5 +21,8 @@ namespace c3de::imaging {
 
 /// Whether a text means a label: its name, with '*' for any text, or its number.
 [[nodiscard]] bool isMeant(std::string_view wanted, const LabelMap::Label &label);
+
+/// Linear RGB for the n-th label that has no colour of its own; any two of the first dozens look different.
+[[nodiscard]] std::array<float, 3> distinctColour(std::size_t n);
 
 }  // namespace c3de::imaging

@@ -92,6 +92,8 @@ struct SceneTissue {
   bool isByName = false;            ///< what it is of follows from the names of its labels, which are not read yet
   bool isRigid = false;             ///< it does not move
   bool isEmpty = false;             ///< air: like what has no label
+  bool isShown = true;              ///< it has a surface in the 3D view
+  std::optional<Vec3> colour;       ///< of that, sRGB, 0 … 1; none: that of its labels
   std::vector<SceneValue> params;   ///< ids "material.…"; none where it is rigid or empty
   std::string preset;               ///< that the material began with; empty: none
   std::string remark;               ///< NamedTissue::remark

@@ -16,6 +16,7 @@ struct Node {
   Handle parent;
   Mat4 parentFromNode = kIdentity4;
   bool visible = true;
+  bool isFolded = false;  ///< a list of nodes leaves out what is below it
   bool hasBounds = false;
   Vec3 boundsMin{}, boundsMax{};  ///< node space
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -15,11 +16,12 @@ namespace c3de::session {
 
 /// Where a label of a body's map has its voxels, mm in the scan.
 struct LabelPlaces {
-  std::string name;          ///< empty: the background without a label
-  std::uint16_t value = 0;   ///< 0: no label
-  std::size_t tissue = 0;    ///< in SceneVolume::tissues; their count: the background
-  std::size_t voxels = 0;    ///< that are of the body
-  std::vector<Vec3> sample;  ///< middles of some of them, evenly in the order of voxels; all of a small label
+  std::string name;               ///< empty: the background without a label
+  std::uint16_t value = 0;        ///< 0: no label
+  std::size_t tissue = 0;         ///< in SceneVolume::tissues; their count: the background
+  std::size_t voxels = 0;         ///< that are of the body
+  std::array<float, 3> colour{};  ///< linear RGB, as its map shows it
+  std::vector<Vec3> sample;       ///< middles of some of them, evenly in the order of voxels; all of a small label
 };
 
 /// The labels of a body of many tissues, in the order of its tissues and of the map, those without a voxel too.

@@ -2,7 +2,10 @@
 #include "discretisation/lattice/lattice_constraints.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
 
+#include "base/disjoint_sets.h"
 #include "discretisation/lattice/lattice_samples.h"
 #include "shape/occupancy_field.h"
 
@@ -18,6 +21,8 @@ constexpr double kLongBorder = 0.09;
 // What is filled by voxels to this part, less some hundredths of a small cell, is filled: shares are known no better. A
 // part of a cell whose sum is filled to the second holds nothing that is free: slivers of it would hang on nothing.
 constexpr double kAll = 0.97, kNearlyNone = 0.03, kAllOfPart = 0.95;
+// Of all that is free: less than this that hangs on nothing is a bit.
+constexpr double kLooseBit = 0.01;
 
 // How a region cuts one small cell, as if its border were a plane there.
 struct RegionCut {
@@ -359,6 +364,45 @@ class Holder {
 
 }  // namespace
 
+namespace {
+
+// Bits of tissue that nothing joins to what voxels hold would fall out of the scan: they are held.
+void holdLooseBits(const LatticeSampling &sampling, const LatticeCellMap &map, std::vector<PartContent> &contents,
+                   HeldPatches &patches) {
+  const auto region = std::find_if(sampling.held.begin(), sampling.held.end(),
+                                   [](const Region &held) { return std::holds_alternative<VoxelRegion>(held); });
+  if (region == sampling.held.end()) return;
+  const auto isFree = [&](Index p) { return map.parts()[p].kept && contents[p].isFree(); };
+  DisjointSets pieces(contents.size());
+  for (const FragmentLink &link : map.links())
+    if (isFree(link.a) && isFree(link.b)) pieces.join(link.a, link.b);
+  std::vector<double> volumes(contents.size(), 0.0);
+  double all = 0.0;
+  for (Index p = 0; p < contents.size(); ++p) {
+    if (!isFree(p)) continue;
+    const double volume = contents[p].free.share * std::pow(map.set().cells[map.parts()[p].cell].size, 3);
+    volumes[pieces.find(p)] += volume;
+    all += volume;
+  }
+  std::vector<std::uint8_t> hangs(contents.size(), 0);
+  for (const std::vector<HeldPatch> &held : patches)
+    for (const HeldPatch &patch : held)
+      if (patch.thin || patch.borderArea > 0.0) hangs[pieces.find(patch.part)] = 1;
+  std::vector<HeldPatch> &held = patches[static_cast<std::size_t>(region - sampling.held.begin())];
+  for (Index p = 0; p < contents.size(); ++p) {
+    const Index piece = pieces.find(p);
+    if (!isFree(p) || hangs[piece] != 0 || !(volumes[piece] < kLooseBit * all)) continue;
+    auto patch = std::find_if(held.begin(), held.end(), [&](const HeldPatch &one) { return one.part == p; });
+    if (patch == held.end()) patch = held.insert(held.end(), HeldPatch{});
+    patch->part = p;
+    patch->held = contents[p].all;
+    contents[p].free = Moments{};
+    contents[p].touched = true;
+  }
+}
+
+}  // namespace
+
 HeldPatches findHeld(const BodyShape &shape, const LatticeSampling &sampling, const LatticeCellMap &map,
                      std::vector<PartContent> &contents, const ParallelFor &parallelFor) {
   HeldPatches result(sampling.held.size());
@@ -399,6 +443,7 @@ HeldPatches findHeld(const BodyShape &shape, const LatticeSampling &sampling, co
       else if (!holding[p].empty())
         contents[p].free = freeMoments(shape, set, map.parts()[p], holding[p]);
   });
+  holdLooseBits(sampling, map, contents, result);
   return result;
 }
 

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "workstation/tissue_presenter.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace c3de::app {
+namespace {
+
+constexpr std::size_t kMostListed = 6;  // more are folded at first
+
+}  // namespace
+
+void TissuePresenter::show(std::shared_ptr<const std::vector<TissueSurface>> surfaces, Handle parent) {
+  forget();
+  if (!surfaces || surfaces->empty()) return;
+  surfaces_ = std::move(surfaces);
+  group_ = scene_.add(parent, "tissues");
+  if (scene::Node *group = scene_.find(group_)) group->isFolded = surfaces_->size() > kMostListed;
+  const bool isOneBody = std::all_of(surfaces_->begin(), surfaces_->end(), [&](const TissueSurface &surface) {
+    return surface.body == surfaces_->front().body;
+  });
+  for (const TissueSurface &surface : *surfaces_) {
+    std::vector<render::Vec3f> positions;
+    positions.reserve(surface.reference.vertices.size());
+    for (const Vec3 &x : surface.reference.vertices)
+      positions.push_back({static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])});
+    render::Material material;
+    material.colour = {surface.colour[0], surface.colour[1], surface.colour[2], 1.0f};
+    material.isOutlined = false;
+    Drawn one;
+    one.mesh = renderer_.createMesh(positions, surface.reference.triangles, material);
+    one.node = scene_.add(group_, isOneBody ? surface.name : surface.body + ": " + surface.name);
+    drawn_.push_back(one);
+  }
+  followTree();
+}
+
+void TissuePresenter::forget() {
+  for (const Drawn &one : drawn_) renderer_.destroy(one.mesh);
+  drawn_.clear();
+  scene_.remove(std::exchange(group_, {}));
+  surfaces_.reset();
+  places_.reset();
+}
+
+void TissuePresenter::place(const std::shared_ptr<const SurfacePlaces> &places) {
+  if (!places || places == places_ || places->of != surfaces_) return;
+  places_ = places;
+  for (std::size_t i = 0; i < drawn_.size(); ++i)
+    if (!places_->vertices[i].empty()) renderer_.setPositions(drawn_[i].mesh, places_->vertices[i]);
+}
+
+void TissuePresenter::followTree() {
+  for (Drawn &one : drawn_) {
+    const bool isVisible = scene_.isVisible(one.node);
+    if (isVisible == one.isVisible) continue;
+    one.isVisible = isVisible;
+    renderer_.setVisible(one.mesh, isVisible);
+  }
+}
+
+std::shared_ptr<const std::vector<TissueSurface>> TissuePresenter::seen() const {
+  for (std::size_t i = 0; i < drawn_.size(); ++i)
+    if (drawn_[i].isVisible && !(*surfaces_)[i].isRigid) return surfaces_;
+  return nullptr;
+}
+
+}  // namespace c3de::app
