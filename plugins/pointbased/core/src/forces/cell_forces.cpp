@@ -110,6 +110,7 @@ class CellForces final : public VectorForces {
         cells_(sliceCells<T>(stencils, plan, parallelFor, laminates_)), laws_(lawsOf<T>(constitution)),
         memories_(constitution, plan), fallback_(stencils, positions, constitution_, plan.others),
         turned_(stencils.axes != Mat3::Identity()) {
+    laminates_.modes = {};
     layRows(positions.size());
     detail::lookForEnd(parallelFor);
     stiffnessAtRest_ = largestStiffnessAtRest(parallelFor);
@@ -185,10 +186,7 @@ class CellForces final : public VectorForces {
   }
 
   void toMaterials(std::span<Mat3> gradients) const override {
-    for (std::size_t q = 0; q < laminates_.of.size(); ++q)
-      if (const Laminate *laminate = laminates_.at(q))
-        gradients[q] = materialGradient(*laminate, stencils_.axes, gradients[q],
-                                        materialOfPoint(constitution_, stencils_, q).law == MaterialLaw::linear);
+    toMaterialGradients(laminates_, stencils_, constitution_, gradients);
   }
 
  private:
@@ -290,7 +288,7 @@ class CellForces final : public VectorForces {
   const StencilSet &stencils_;
   std::span<const double> masses_;
   const Constitution constitution_;
-  const Laminates laminates_;
+  Laminates laminates_;  // without modes: the slices have them
   CellSlices<T> cells_;
   std::vector<LawNumbers<T>> laws_;
   CellMemories memories_;
@@ -312,7 +310,7 @@ std::unique_ptr<VectorForces> cellForcesOf(const StencilSet &stencils, std::span
   std::vector<std::uint8_t> suits;
   for (const Material &m : constitution.materials) suits.push_back(kernelKnows(m) ? 1 : 0);
   const bool single = precision == Precision::singlePrecision && !constitution.remembers();  // why: see HistoryJob
-  Laminates laminates = findLaminates(stencils, constitution);
+  Laminates laminates = findLaminates(stencils, constitution, LaminateModes::with);
   const CellPlan plan = planCells(stencils, single ? kLanes<float> : kLanes<double>, suits, parallelFor, laminates);
   if (2 * plan.others.size() > stencils.pointCount()) return nullptr;
   if (single)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "forces/point_loops.h"
 #include "forces/vector_forces_parts.h"
@@ -19,6 +20,8 @@ constexpr double kAlike = 1e-6;     // of a modulus
 struct Layer {
   double volume = 0.0, mu = 0.0, lambda = 0.0;
   Vec3 middle = Vec3::Zero(), squares = Vec3::Zero();  // m, m²: means of place and of its squares
+  Vec3 first = Vec3::Zero(), mixed = Vec3::Zero();     // as in CellShape
+  Vec3 extent = Vec3::Zero();                          // m⁵: Σ v s
 
   void add(const StencilSet &s, std::size_t q, const Material &material) {
     const CellShape &shape = *s.shapeOf(q);
@@ -29,12 +32,14 @@ struct Layer {
     lambda += v * (material.lambda() + material.volumeStiffness);
     middle += v * place;
     squares += v * (s.variances[q] + place.cwiseAbs2());
+    first += v * shape.first;
+    mixed += v * shape.mixed;
+    extent += v * s.variances[q];
   }
   void divide() {
     mu /= volume;
     lambda /= volume;
-    middle /= volume;
-    squares /= volume;
+    for (Vec3 *mean : {&middle, &squares, &first, &mixed}) *mean /= volume;
   }
 };
 
@@ -61,11 +66,138 @@ std::size_t softerOf(const Constitution &constitution, const StencilSet &s, std:
   return count;
 }
 
+using Matrix9 = Eigen::Matrix<double, 9, 9>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+// Of strains xx, yy, zz, yz, xz, xy, shears twice.
+Matrix6 stiffnessOf(double mu, double lambda) {
+  Matrix6 C = Matrix6::Zero();
+  C.topLeftCorner<3, 3>().setConstant(lambda);
+  C.diagonal() << 2.0 * mu + lambda, 2.0 * mu + lambda, 2.0 * mu + lambda, mu, mu, mu;
+  return C;
+}
+
+// The strain of y nᵀ for every y.
+Eigen::Matrix<double, 6, 3> strainOfJump(const Vec3 &n) {
+  Eigen::Matrix<double, 6, 3> Y = Eigen::Matrix<double, 6, 3>::Zero();
+  for (int c = 0; c < 3; ++c) {
+    Y(c, c) = n[c];
+    const int d = (c + 1) % 3, e = (c + 2) % 3;
+    Y(3 + c, d) = n[e];
+    Y(3 + c, e) = n[d];
+  }
+  return Y;
+}
+
+// Strains of the modes from B, column after column: three for every axis along which they vary, xx, yy and 2 xy of the
+// axes p, q across it.
+Matrix9 strainsOfModes() {
+  constexpr std::array<std::array<int, 2>, 3> kModes = {{{0, 1}, {0, 2}, {1, 2}}};
+  Matrix9 out = Matrix9::Zero();
+  for (int mode = 0; mode < 3; ++mode)
+    for (int k = 0; k < 2; ++k) {
+      const int along = kModes[mode][k], by = kModes[mode][1 - k];  // the derivative by `by` varies along `along`
+      for (int r = 0; r < 3; ++r) {
+        if (r == along) continue;
+        const int row = r != by ? 2 : r == (along == 0 ? 1 : 0) ? 0 : 1;
+        out(3 * along + row, 3 * mode + r) = 1.0;
+      }
+    }
+  return out;
+}
+
+// Strains within the layers for those of the modes that vary along an axis: plane stress across it for both together,
+// shared across the border.
+// @return per layer: from xx, yy, 2 xy to all six
+std::array<Eigen::Matrix<double, 6, 3>, 2> sharedStrains(const std::array<Layer, 2> &layers, const Vec3 &normal,
+                                                         int axis) {
+  const std::array<int, 3> kept = {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2, 3 + axis};
+  const double all = layers[0].volume + layers[1].volume;
+  std::array<Eigen::Matrix<double, 6, 9>, 2> all9;
+  Matrix9 sum = Matrix9::Zero();
+  for (std::size_t k = 0; k < 2; ++k) {
+    Eigen::Matrix<double, 6, 9> &T = all9[k];
+    T.setZero();
+    for (int i = 0, free = 3; i < 6; ++i) {
+      const auto found = std::ranges::find(kept, i);
+      T(i, found != kept.end() ? static_cast<int>(found - kept.begin()) : free++) = 1.0;
+    }
+    T.rightCols<3>() = (k == 0 ? layers[1].volume : -layers[0].volume) / all * strainOfJump(normal);
+    sum += layers[k].extent[axis] * T.transpose() * stiffnessOf(layers[k].mu, layers[k].lambda) * T;
+  }
+  const Eigen::Matrix<double, 6, 3> rest = -sum.bottomRightCorner<6, 6>().ldlt().solve(sum.bottomLeftCorner<6, 3>());
+  std::array<Eigen::Matrix<double, 6, 3>, 2> out;
+  for (std::size_t k = 0; k < 2; ++k) out[k] = all9[k].leftCols<3>() + all9[k].rightCols<6>() * rest;
+  return out;
+}
+
+// Energies of the modes of a cell by its layers.
+class SharedModes {
+ public:
+  SharedModes(const std::array<Layer, 2> &layers, const Vec3 &normal, double stabilisation) {
+    Vec3 root;
+    for (int axis = 0; axis < 3; ++axis) {
+      strains_[static_cast<std::size_t>(axis)] = sharedStrains(layers, normal, axis);
+      double shear = 0.0;
+      for (std::size_t k = 0; k < 2; ++k) {
+        const Eigen::Matrix<double, 6, 1> t = strains_[static_cast<std::size_t>(axis)][k].col(2);
+        shear += layers[k].extent[axis] * t.dot(stiffnessOf(layers[k].mu, layers[k].lambda) * t);
+      }
+      root[axis] = std::sqrt(shear);
+    }
+    // Its square is HourglassEnergy's θ 1 + (1 - θ)/3 of the shears.
+    const double warping = std::sqrt(kWarping);
+    Matrix9 relieved = Matrix9::Identity();
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        relieved(3 * i + 2, 3 * j + 2) = ((i == j ? warping : 0.0) + (1.0 - warping) / 3.0) * root[j] / root[i];
+    fromB_ = std::sqrt(stabilisation) * relieved * strainsOfModes();
+  }
+
+  [[nodiscard]] ModeMatrix of(std::size_t layer, const Material &material, const Vec3 &extent) const {
+    const Matrix6 C = stiffnessOf(material.mu(), material.lambda() + material.volumeStiffness);
+    Matrix9 K = Matrix9::Zero();
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto &T = strains_[static_cast<std::size_t>(axis)][layer];
+      K.block<3, 3>(3 * axis, 3 * axis) = extent[axis] * T.transpose() * C * T;
+    }
+    return packed(fromB_.transpose() * K * fromB_);
+  }
+
+  static ModeMatrix packed(const Matrix9 &K) {
+    ModeMatrix out;
+    std::size_t at = 0;
+    for (int i = 0; i < 9; ++i)
+      for (int j = 0; j <= i; ++j) out[at++] = K(i, j);
+    return out;
+  }
+
+ private:
+  std::array<std::array<Eigen::Matrix<double, 6, 3>, 2>, 3> strains_;  // [axes][layers]
+  Matrix9 fromB_;
+};
+
 }  // namespace
 
-Laminates findLaminates(const StencilSet &s, const Constitution &constitution) {
+ModeMatrix Laminates::modesAt(const StencilSet &s, std::size_t q) const {
+  if (at(q) != nullptr) return modes[of[q]];
+  Matrix9 K;
+  for (int i = 0; i < 9; ++i) {
+    Mat3 B = Mat3::Zero();
+    B(i % 3, i / 3) = 1.0;
+    const Mat3 D = plain[s.materials[q]].conjugate(B, s.volumes[q] * s.variances[q]);
+    K.col(i) = Eigen::Map<const Eigen::Matrix<double, 9, 1>>(D.data());
+  }
+  return SharedModes::packed(K);
+}
+
+Laminates findLaminates(const StencilSet &s, const Constitution &constitution, LaminateModes modes) {
   Laminates out;
   if (s.materials.empty() || !s.isLattice() || !s.reference.empty() || constitution.remembers()) return out;
+  const bool withModes = modes == LaminateModes::with && constitution.stabilisation > 0.0;
+  if (withModes)
+    for (const Material &material : constitution.materials)
+      out.plain.emplace_back(material, constitution.stabilisation);
   const auto muOf = [&](Index q) { return materialOfPoint(constitution, s, q).mu(); };
   std::vector<Index> points;
   for (Index q = 0; q < s.pointCount(); q += static_cast<Index>(points.size())) {
@@ -76,6 +208,7 @@ Laminates findLaminates(const StencilSet &s, const Constitution &constitution) {
           return kernelKnows(materialOfPoint(constitution, s, p)) && s.shapeOf(p) != nullptr;
         }))
       continue;
+    const Index cell = points.front();
     std::ranges::stable_sort(points, {}, muOf);
     const std::size_t softer = softerOf(constitution, s, points);
     std::array<Layer, 2> layers;
@@ -92,30 +225,70 @@ Laminates findLaminates(const StencilSet &s, const Constitution &constitution) {
     Laminate laminate;
     laminate.normal = normalOf(one, two, 0.25 / s.shapeOf(q)->gradient);
     if (laminate.normal == Vec3::Zero()) continue;
-    laminate.shear = 2.0 * (one.mu - two.mu) / mu;
-    laminate.trace = (one.lambda - two.lambda) / wave;
-    laminate.across = 2.0 * (one.mu - two.mu) / wave;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const Layer &layer = layers[k];
+      const double sign = k == 0 ? 1.0 : -1.0;
+      laminate.layers[k] = {k == 0 ? ofOne : ofTwo,
+                            sign * 2.0 * layer.mu / mu,
+                            sign * layer.lambda / wave,
+                            sign * 2.0 * layer.mu / wave,
+                            layer.first,
+                            layer.mixed};
+    }
     laminate.limit = std::max(ofOne, ofTwo) / kMostJump;
+    laminate.cell = cell;
+    std::optional<SharedModes> shared;
+    if (withModes) shared.emplace(layers, laminate.normal, constitution.stabilisation);
     if (out.of.empty()) out.of.assign(s.pointCount(), Laminates::kNone);
     for (std::size_t k = 0; k < points.size(); ++k) {
-      laminate.share = k < softer ? ofTwo : -ofOne;
-      out.of[points[k]] = static_cast<Index>(out.all.size());
+      const Index p = points[k];
+      const std::size_t layer = k < softer ? 0 : 1;
+      laminate.share = layer == 0 ? ofTwo : -ofOne;
+      laminate.part = s.volumes[p] / layers[layer].volume;
+      out.of[p] = static_cast<Index>(out.all.size());
       out.all.push_back(laminate);
+      if (shared)
+        out.modes.push_back(shared->of(layer, materialOfPoint(constitution, s, p), s.volumes[p] * s.variances[p]));
     }
   }
   return out;
 }
 
-Mat3 materialGradient(const Laminate &laminate, const Mat3 &axes, const Mat3 &F, bool isLinear) {
-  const Mat3 own = axes.transpose() * F * axes;
-  const Vec3 &n = laminate.normal;
-  const Mat3 E = isLinear ? Mat3(0.5 * (own + own.transpose()) - Mat3::Identity())
-                          : Mat3(0.5 * (own.transpose() * own - Mat3::Identity()));
-  const Vec3 En = E * n;
-  const double nEn = n.dot(En);
-  const Vec3 b = -(laminate.shear * (En - nEn * n) + (laminate.trace * E.trace() + laminate.across * nEn) * n);
-  const Vec3 y = isLinear ? b : Vec3(own * b / std::sqrt(1.0 + laminate.limit * laminate.limit * b.squaredNorm()));
-  return F + laminate.share * (axes * y) * (axes * n).transpose();
+void toMaterialGradients(const Laminates &laminates, const StencilSet &s, const Constitution &constitution,
+                         std::span<Mat3> gradients) {
+  const auto isOf = [&](std::size_t q, Index cell) {
+    return q < s.pointCount() && laminates.at(q) != nullptr && laminates.at(q)->cell == cell;
+  };
+  for (std::size_t q = 0; q < laminates.of.size();) {
+    const Laminate *laminate = laminates.at(q);
+    if (laminate == nullptr) {
+      ++q;
+      continue;
+    }
+    const Index cell = laminate->cell;
+    std::size_t end = q;
+    std::array<Mat3, 2> F = {Mat3::Zero(), Mat3::Zero()};
+    for (; isOf(end, cell); ++end)
+      F[laminates.at(end)->share > 0.0 ? 0 : 1] +=
+          laminates.at(end)->part * (s.axes.transpose() * gradients[end] * s.axes);
+    const Mat3 mean = laminate->layers[0].share * F[0] + laminate->layers[1].share * F[1];
+    const Vec3 &n = laminate->normal;
+    for (; q < end; ++q) {
+      const bool isLinear = materialOfPoint(constitution, s, q).law == MaterialLaw::linear;
+      Vec3 b = Vec3::Zero();
+      for (std::size_t k = 0; k < 2; ++k) {
+        const Mat3 E = isLinear ? Mat3(symmetric(F[k]) - Mat3::Identity())
+                                : Mat3(0.5 * (F[k].transpose() * F[k] - Mat3::Identity()));
+        const Laminate::Layer &layer = laminate->layers[k];
+        const Vec3 En = E * n;
+        const double nEn = n.dot(En);
+        b -= layer.shear * (En - nEn * n) + (layer.trace * E.trace() + layer.across * nEn) * n;
+      }
+      const double k = laminate->limit;
+      const Vec3 y = isLinear ? b : Vec3(mean * b / std::sqrt(1.0 + k * k * b.squaredNorm()));
+      gradients[q] += laminates.at(q)->share * (s.axes * y) * (s.axes * n).transpose();
+    }
+  }
 }
 
 }  // namespace pointbased::detail

@@ -60,7 +60,7 @@ void findStiffnessFactors(const Constitution &constitution, const StencilSet &s,
   out.numbers.assign(count, 0.0F);
   out.lambda.resize(s.pointCount());
   out.mu.resize(s.pointCount());
-  const Laminates laminates = findLaminates(s, constitution);
+  const Laminates laminates = findLaminates(s, constitution, LaminateModes::without);
   const bool hasModes = stabilisationOf(constitution, s) == Stabilisation::hourglass;
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t q = begin; q < end; ++q) {

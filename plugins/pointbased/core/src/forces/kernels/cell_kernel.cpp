@@ -12,7 +12,6 @@
 #include <hwy/highway.h>
 
 #include "forces/kernels/cell_run-inl.h"
-#include "forces/kernels/hourglass-inl.h"
 #include "forces/kernels/laminate-inl.h"
 #include "forces/kernels/stress-inl.h"
 
@@ -25,7 +24,8 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   const D d = run.d;
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
-  const Mat3Lanes<V> ofCell = run.gradient(x, y, z), G = strainedOf<kLaw, kMixed>(run, ofCell);
+  const LaminateLanes<kLaw, kMixed, D> laminate(run, x, y, z);
+  const Mat3Lanes<V> G = laminate.strained(run.gradient(x, y, z));
   const Strain<D> strain(d, G);
   const V stretch2 = largestStretchSquared(d, strain.E, spreadOf(d, strain.E));
   V ratio;
@@ -33,30 +33,29 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   if (run.fields.velocities) {
     SignSums<V> vx, vy, vz;
     run.gatherCorners(run.fields.velocities, vx, vy, vz);
-    const Mat3Lanes<V> rate = strainedChangeOf<kLaw, kMixed>(run, ofCell, run.gradient(vx, vy, vz));
+    const Mat3Lanes<V> rate = laminate.strained(laminate.change(vx, vy, vz), run.gradient(vx, vy, vz));
     S = S + viscousStress(d, hn::Set(d, run.law.twoEta), G, rate);
   }
   S = scaled(run.number(kVolume), S);
   V k[kCorners];
   if constexpr (!kModal) {
     run.stiffnesses(ratio, hn::Zero(d), k);
-    run.scatterStress(pulledOf<kLaw, kMixed>(run, ofCell, S), k);
+    laminate.scatter(S, k);
   } else {
     const Mat3Lanes<V> A = run.amplitudes(x, y, z);
     Mat3Lanes<V> pull;
     if constexpr (kLaw == MaterialLaw::linear) {
-      pull = hourglassConjugate(d, run.law, A, run.roots());
+      pull = laminate.modes(A);
     } else {
       // B = Fᵀ A, S += A Dᵀ, pull = F D
-      const Mat3Lanes<V> D3 = hourglassConjugate(d, run.law, A + transposeTimes(G, A), run.roots());
+      const Mat3Lanes<V> D3 = laminate.modes(A + transposeTimes(G, A));
       S = S + times(A, transposed(D3));
       pull = D3 + times(G, D3);
     }
     // Of NaN and a number the maximum may be the number.
     run.stiffnesses(hn::IfThenElse(hn::Eq(ratio, ratio), hn::Max(ratio, stretch2), ratio),
                     kLaw == MaterialLaw::linear ? hn::Zero(d) : run.hourglassStiffness(A), k);
-    run.scatterStress(pulledOf<kLaw, kMixed>(run, ofCell, S), pull,
-                      scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}), k);
+    laminate.scatter(S, k, pull, scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}));
   }
 }
 

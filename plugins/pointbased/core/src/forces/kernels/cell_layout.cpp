@@ -80,21 +80,39 @@ class Blocks {
 };
 
 template <class T>
-void addLaminates(std::span<const Index> points, const detail::Laminates &laminates, CellSlices<T> &out) {
+void addLaminates(const StencilSet &s, std::span<const Index> points, std::size_t used,
+                  const detail::Laminates &laminates, CellSlices<T> &out) {
   const bool isAny = std::any_of(points.begin(), points.end(), [&](Index q) { return laminates.at(q) != nullptr; });
   constexpr std::size_t kSize = kLaminateNumbers * kLanes<T>;
   out.laminates.push_back(isAny ? static_cast<Index>(out.laminateNumbers.size() / kSize) : kNoLaminate);
   if (!isAny) return;
   const std::size_t first = out.laminateNumbers.size();
   out.laminateNumbers.resize(first + kSize, T(0));
-  for (std::size_t lane = 0; lane < points.size(); ++lane) {
+  for (std::size_t lane = 0; lane < used; ++lane) {
+    const auto set = [&](std::size_t k, double value) {
+      out.laminateNumbers[first + k * kLanes<T> + lane] = static_cast<T>(value);
+    };
+    if (!laminates.plain.empty()) {
+      const detail::ModeMatrix modes = laminates.modesAt(s, points[lane]);
+      for (std::size_t k = 0; k < modes.size(); ++k) set(kMatrix + k, modes[k]);
+    }
     const detail::Laminate *laminate = laminates.at(points[lane]);
     if (laminate == nullptr) continue;
-    const std::array<double, kLaminateNumbers> numbers = {
-        laminate->normal[0], laminate->normal[1], laminate->normal[2], laminate->share,
-        laminate->shear,     laminate->trace,     laminate->across,    laminate->limit * laminate->limit};
-    for (std::size_t k = 0; k < kLaminateNumbers; ++k)
-      out.laminateNumbers[first + k * kLanes<T> + lane] = static_cast<T>(numbers[k]);
+    for (std::size_t c = 0; c < 3; ++c) set(kNormalX + c, laminate->normal[static_cast<Eigen::Index>(c)]);
+    set(kShare, laminate->share);
+    set(kLimitSquared, laminate->limit * laminate->limit);
+    for (std::size_t l = 0; l < 2; ++l) {
+      const auto &layer = laminate->layers[l];
+      const std::size_t at = kLayer + l * kNextLayer;
+      set(at + kLayerShare, layer.share);
+      set(at + kShear, layer.shear);
+      set(at + kTrace, layer.trace);
+      set(at + kAcross, layer.across);
+      for (std::size_t c = 0; c < 3; ++c) {
+        set(at + kLayerFirst + c, layer.first[static_cast<Eigen::Index>(c)]);
+        set(at + kLayerMixed + c, layer.mixed[static_cast<Eigen::Index>(c)]);
+      }
+    }
   }
 }
 
@@ -183,7 +201,7 @@ CellSlices<T> sliceCells(const StencilSet &s, const CellPlan &plan, const Parall
         for (std::size_t j = 0; j < kCorners; ++j)
           out.corners[(slice * kCorners + j) * kSlice + lane] = static_cast<std::uint16_t>(
               std::lower_bound(local.begin(), local.end(), phyxelAt(slice, lane, j)) - local.begin());
-      addLaminates(std::span(plan.points).subspan(slice * kSlice, kSlice), laminates, out);
+      addLaminates(s, std::span(plan.points).subspan(slice * kSlice, kSlice), plan.used[slice], laminates, out);
       out.blocks.push_back(blocks.of(s, std::span(plan.points).subspan(slice * kSlice, kSlice), plan.used[slice]));
     }
     out.phyxels.insert(out.phyxels.end(), local.begin(), local.end());

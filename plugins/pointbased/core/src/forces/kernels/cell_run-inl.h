@@ -23,6 +23,19 @@ struct ChunkFields {
   T *entries = nullptr;                                     ///< [kCorners][lanes][4] out
 };
 
+/// Of a mean gradient over the corners: kGradient to kMixedZ.
+template <class V>
+struct FitRows {
+  V g, px, py, pz, mx, my, mz;
+};
+
+/// A stress, v P, that goes back by rows of its own.
+template <class V>
+struct FitStress {
+  FitRows<V> rows;
+  Mat3Lanes<V> S;
+};
+
 template <class D>
 struct CellRun {
   using T = Real<D>;
@@ -65,27 +78,28 @@ struct CellRun {
     z = signSums(uz);
   }
 
+  HWY_INLINE FitRows<V> rows() const {
+    return {number(kGradient), number(kFirstX), number(kFirstY), number(kFirstZ),
+            number(kMixedX),   number(kMixedY), number(kMixedZ)};
+  }
+
   // One row of G (and of the amplitudes) per component.
-  HWY_INLINE void fit(const SignSums<V> &c, V &gx, V &gy, V &gz) const {
-    const V g = number(kGradient);
-    const V px = number(kFirstX), py = number(kFirstY), pz = number(kFirstZ);
-    gx = hn::MulAdd(g, c.x, hn::MulAdd(py, c.xy, hn::MulAdd(pz, c.xz, hn::Mul(number(kMixedX), c.xyz))));
-    gy = hn::MulAdd(g, c.y, hn::MulAdd(px, c.xy, hn::MulAdd(pz, c.yz, hn::Mul(number(kMixedY), c.xyz))));
-    gz = hn::MulAdd(g, c.z, hn::MulAdd(px, c.xz, hn::MulAdd(py, c.yz, hn::Mul(number(kMixedZ), c.xyz))));
+  static HWY_INLINE void fit(const FitRows<V> &r, const SignSums<V> &c, V &gx, V &gy, V &gz) {
+    gx = hn::MulAdd(r.g, c.x, hn::MulAdd(r.py, c.xy, hn::MulAdd(r.pz, c.xz, hn::Mul(r.mx, c.xyz))));
+    gy = hn::MulAdd(r.g, c.y, hn::MulAdd(r.px, c.xy, hn::MulAdd(r.pz, c.yz, hn::Mul(r.my, c.xyz))));
+    gz = hn::MulAdd(r.g, c.z, hn::MulAdd(r.px, c.xz, hn::MulAdd(r.py, c.yz, hn::Mul(r.mz, c.xyz))));
   }
 
   // What one component of the stress and of the pulls of the modes does to the signs.
-  HWY_INLINE SignSums<V> unfit(V sx, V sy, V sz, V mxy, V mxz, V myz, V mxyz) const {
-    const V g = number(kGradient);
-    const V px = number(kFirstX), py = number(kFirstY), pz = number(kFirstZ);
+  static HWY_INLINE SignSums<V> unfit(const FitRows<V> &r, V sx, V sy, V sz, V mxy, V mxz, V myz, V mxyz) {
     SignSums<V> t;
-    t.x = hn::Mul(g, sx);
-    t.y = hn::Mul(g, sy);
-    t.z = hn::Mul(g, sz);
-    t.xy = hn::MulAdd(py, sx, hn::MulAdd(px, sy, mxy));
-    t.xz = hn::MulAdd(pz, sx, hn::MulAdd(px, sz, mxz));
-    t.yz = hn::MulAdd(pz, sy, hn::MulAdd(py, sz, myz));
-    t.xyz = hn::MulAdd(number(kMixedX), sx, hn::MulAdd(number(kMixedY), sy, hn::MulAdd(number(kMixedZ), sz, mxyz)));
+    t.x = hn::Mul(r.g, sx);
+    t.y = hn::Mul(r.g, sy);
+    t.z = hn::Mul(r.g, sz);
+    t.xy = hn::MulAdd(r.py, sx, hn::MulAdd(r.px, sy, mxy));
+    t.xz = hn::MulAdd(r.pz, sx, hn::MulAdd(r.px, sz, mxz));
+    t.yz = hn::MulAdd(r.pz, sy, hn::MulAdd(r.py, sz, myz));
+    t.xyz = hn::MulAdd(r.mx, sx, hn::MulAdd(r.my, sy, hn::MulAdd(r.mz, sz, mxyz)));
     return t;
   }
 
@@ -130,12 +144,16 @@ struct CellRun {
       hn::StoreInterleaved4(fx[j], fy[j], fz[j], k[j], d, out + 4 * j * kSlice);
   }
 
-  HWY_INLINE Mat3Lanes<V> gradient(const SignSums<V> &x, const SignSums<V> &y, const SignSums<V> &z) const {
+  static HWY_INLINE Mat3Lanes<V> gradient(const FitRows<V> &r, const SignSums<V> &x, const SignSums<V> &y,
+                                          const SignSums<V> &z) {
     Mat3Lanes<V> G;
-    fit(x, G.c0.x, G.c1.x, G.c2.x);
-    fit(y, G.c0.y, G.c1.y, G.c2.y);
-    fit(z, G.c0.z, G.c1.z, G.c2.z);
+    fit(r, x, G.c0.x, G.c1.x, G.c2.x);
+    fit(r, y, G.c0.y, G.c1.y, G.c2.y);
+    fit(r, z, G.c0.z, G.c1.z, G.c2.z);
     return G;
+  }
+  HWY_INLINE Mat3Lanes<V> gradient(const SignSums<V> &x, const SignSums<V> &y, const SignSums<V> &z) const {
+    return gradient(rows(), x, y, z);
   }
   HWY_INLINE Mat3Lanes<V> amplitudes(const SignSums<V> &x, const SignSums<V> &y, const SignSums<V> &z) const {
     const V kxy = number(kModeXY), kxz = number(kModeXZ), kyz = number(kModeYZ);
@@ -147,23 +165,41 @@ struct CellRun {
   HWY_INLINE V twist() const { return hn::Mul(hn::Set(d, law.hourglassTwist), number(kTwist)); }
 
   /// v P, what pulls the modes and what pulls xyz, back to the corners.
-  /// @param k  goes with the forces
-  HWY_INLINE void scatterStress(const Mat3Lanes<V> &S, const V (&k)[kCorners]) const {
+  /// @param k     goes with the forces
+  /// @param more  FitStress
+  template <class... More>
+  HWY_INLINE void scatterStress(const Mat3Lanes<V> &S, const V (&k)[kCorners], const More &...more) const {
     const V zero = hn::Zero(d);
-    scatter(unfit(S.c0.x, S.c1.x, S.c2.x, zero, zero, zero, zero),
-            unfit(S.c0.y, S.c1.y, S.c2.y, zero, zero, zero, zero),
-            unfit(S.c0.z, S.c1.z, S.c2.z, zero, zero, zero, zero), k);
+    const Vec3Lanes<V> none{zero, zero, zero};
+    scatterPulled(S, {none, none, none}, none, k, more...);
   }
+  template <class... More>
   HWY_INLINE void scatterStress(const Mat3Lanes<V> &S, const Mat3Lanes<V> &pull, const Vec3Lanes<V> &twisted,
-                                const V (&k)[kCorners]) const {
-    const V kxy = number(kModeXY), kxz = number(kModeXZ), kyz = number(kModeYZ);
-    scatter(unfit(S.c0.x, S.c1.x, S.c2.x, hn::Mul(kxy, pull.c0.x), hn::Mul(kxz, pull.c1.x), hn::Mul(kyz, pull.c2.x),
-                  twisted.x),
-            unfit(S.c0.y, S.c1.y, S.c2.y, hn::Mul(kxy, pull.c0.y), hn::Mul(kxz, pull.c1.y), hn::Mul(kyz, pull.c2.y),
-                  twisted.y),
-            unfit(S.c0.z, S.c1.z, S.c2.z, hn::Mul(kxy, pull.c0.z), hn::Mul(kxz, pull.c1.z), hn::Mul(kyz, pull.c2.z),
-                  twisted.z),
-            k);
+                                const V (&k)[kCorners], const More &...more) const {
+    scatterPulled(
+        S, {scaled(number(kModeXY), pull.c0), scaled(number(kModeXZ), pull.c1), scaled(number(kModeYZ), pull.c2)},
+        twisted, k, more...);
+  }
+
+ private:
+  template <class... More>
+  HWY_INLINE void scatterPulled(const Mat3Lanes<V> &S, const Mat3Lanes<V> &m, const Vec3Lanes<V> &xyz,
+                                const V (&k)[kCorners], const More &...more) const {
+    const FitRows<V> r = rows();
+    SignSums<V> x = unfit(r, S.c0.x, S.c1.x, S.c2.x, m.c0.x, m.c1.x, m.c2.x, xyz.x);
+    SignSums<V> y = unfit(r, S.c0.y, S.c1.y, S.c2.y, m.c0.y, m.c1.y, m.c2.y, xyz.y);
+    SignSums<V> z = unfit(r, S.c0.z, S.c1.z, S.c2.z, m.c0.z, m.c1.z, m.c2.z, xyz.z);
+    (addStress(more, x, y, z), ...);
+    scatter(x, y, z, k);
+  }
+  static HWY_INLINE void addStress(const FitStress<V> &of, SignSums<V> &x, SignSums<V> &y, SignSums<V> &z) {
+    const auto add = [&](V sx, V sy, V sz, SignSums<V> &to) HWY_ATTR {
+      const SignSums<V> t = unfit(of.rows, sx, sy, sz, to.xy, to.xz, to.yz, to.xyz);
+      to = {hn::Add(to.x, t.x), hn::Add(to.y, t.y), hn::Add(to.z, t.z), t.xy, t.xz, t.yz, t.xyz};
+    };
+    add(of.S.c0.x, of.S.c1.x, of.S.c2.x, x);
+    add(of.S.c0.y, of.S.c1.y, of.S.c2.y, y);
+    add(of.S.c0.z, of.S.c1.z, of.S.c2.z, z);
   }
 };
 

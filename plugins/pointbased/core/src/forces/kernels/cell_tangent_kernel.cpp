@@ -12,9 +12,7 @@
 #include <hwy/highway.h>
 
 #include "forces/kernels/cell_run-inl.h"
-#include "forces/kernels/hourglass-inl.h"
 #include "forces/kernels/laminate-inl.h"
-#include "forces/kernels/tangent-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pointbased::kernels::HWY_NAMESPACE {
@@ -24,12 +22,6 @@ HWY_INLINE TangentRows<D> rowsOf(const CellRun<D> &run) {
   return {run.d, run.job.tangents + run.slice * kTangentNumbers * CellRun<D>::kSlice + run.lane};
 }
 
-template <class D>
-HWY_INLINE TangentRows<D> laminateRowsOf(const CellRun<D> &run) {
-  return {run.d, run.job.laminateTangents +
-                     run.job.cells->laminates[run.slice] * kLaminateTangentNumbers * CellRun<D>::kSlice + run.lane};
-}
-
 template <MaterialLaw kLaw, bool kMixed, class D>
 HWY_INLINE void tangentOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   using V = hn::Vec<D>;
@@ -37,8 +29,8 @@ HWY_INLINE void tangentOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
   rowsOf(run).setMatrix(kTangentA, run.amplitudes(x, y, z));
-  const Mat3Lanes<V> ofCell = run.gradient(x, y, z);
-  const Strain<D> strain(d, strainedOf<kLaw, kMixed>(run, ofCell));
+  const LaminateLanes<kLaw, kMixed, D> laminate(run, x, y, z);
+  const Strain<D> strain(d, laminate.strained(run.gradient(x, y, z)));
   prepareTangent<kLaw>(d, run.law, strain, rowsOf(run));
   if constexpr (kMixed) {
     const Mat3Lanes<V> A = rowsOf(run).getMatrix(kTangentA);
@@ -48,20 +40,8 @@ HWY_INLINE void tangentOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
                stressOf<kLaw>(d, run.law, strain, largestStretchSquared(d, strain.E, spreadOf(d, strain.E)), scalar,
                               run.material(), ratio));
     if (kLaw != MaterialLaw::linear && run.job.hourglass)
-      S = S + times(A, transposed(hourglassConjugate(d, run.law, A + transposeTimes(strain.G, A), run.roots())));
-    laminateRowsOf(run).setMatrix(kCellG, ofCell);
-    laminateRowsOf(run).setMatrix(kMaterialStress, S);
-  }
-}
-
-/// From the change of the stress of a material to that of its cell.
-template <MaterialLaw kLaw, bool kMixed, class D, class M = Mat3Lanes<hn::Vec<D>>>
-HWY_INLINE M pulledChange(const CellRun<D> &run, const M &dCell, const M &dS) {
-  if constexpr (!kMixed) {
-    return dS;
-  } else {
-    const LaminateLanes<kLaw, D> laminate(run, laminateRowsOf(run).getMatrix(kCellG));
-    return laminate.pulledChange(laminate.change(dCell), laminateRowsOf(run).getMatrix(kMaterialStress), dS);
+      S = S + times(A, transposed(laminate.modes(A + transposeTimes(strain.G, A))));
+    laminate.keep(S);
   }
 }
 
@@ -72,9 +52,9 @@ HWY_INLINE void productOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   const TangentRows<D> at = rowsOf(run);
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
-  const Mat3Lanes<V> dCell = run.gradient(x, y, z);
-  Mat3Lanes<V> dG = dCell;
-  if constexpr (kMixed) dG = strainedChangeOf<kLaw, kMixed>(run, laminateRowsOf(run).getMatrix(kCellG), dCell);
+  const LaminateLanes<kLaw, kMixed, D> laminate(run);
+  const auto change = laminate.change(x, y, z);
+  const Mat3Lanes<V> dG = laminate.strained(change, run.gradient(x, y, z));
   Mat3Lanes<V> dS = stressChange<kLaw>(d, run.law, at, dG, scalar, run.material());
   if (run.job.viscousScale > 0)
     dS = dS + viscousStress(d, hn::Set(d, run.law.twoEta * run.job.viscousScale), at.getMatrix(kTangentG), dG);
@@ -82,24 +62,22 @@ HWY_INLINE void productOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   const V nothing[kCorners] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d),
                                hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
   if (!run.job.hourglass) {
-    run.scatterStress(pulledChange<kLaw, kMixed>(run, dCell, dS), nothing);
+    laminate.scatterChange(change, dS, nothing);
     return;
   }
   const Mat3Lanes<V> dA = run.amplitudes(x, y, z);
   Mat3Lanes<V> dPull;
   if constexpr (kLaw == MaterialLaw::linear) {
-    dPull = hourglassConjugate(d, run.law, dA, run.roots());
+    dPull = laminate.modes(dA);
   } else {
     // B = Fᵀ A, S += A Dᵀ, pull = F D
     const Mat3Lanes<V> G = at.getMatrix(kTangentG), A = at.getMatrix(kTangentA);
-    const Mat3Lanes<V> D3 = hourglassConjugate(d, run.law, A + transposeTimes(G, A), run.roots());
-    const Mat3Lanes<V> dD =
-        hourglassConjugate(d, run.law, dA + transposeTimes(G, dA) + transposeTimes(dG, A), run.roots());
+    const Mat3Lanes<V> D3 = laminate.modes(A + transposeTimes(G, A));
+    const Mat3Lanes<V> dD = laminate.modes(dA + transposeTimes(G, dA) + transposeTimes(dG, A));
     dS = dS + times(dA, transposed(D3)) + times(A, transposed(dD));
     dPull = dD + times(G, dD) + times(dG, D3);
   }
-  run.scatterStress(pulledChange<kLaw, kMixed>(run, dCell, dS), dPull,
-                    scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}), nothing);
+  laminate.scatterChange(change, dS, nothing, dPull, scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}));
 }
 
 // Strain and modes of some lanes, J.
@@ -108,7 +86,8 @@ HWY_INLINE void energiesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar, 
   const D d = run.d;
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
-  const Mat3Lanes<V> G = strainedOf<kLaw, kMixed>(run, run.gradient(x, y, z));
+  const LaminateLanes<kLaw, kMixed, D> laminate(run, x, y, z);
+  const Mat3Lanes<V> G = laminate.strained(run.gradient(x, y, z));
   strainEnergy = hn::Mul(run.number(kVolume), energyOf<kLaw>(d, run.law, Strain<D>(d, G), scalar, run.material()));
   hourglassEnergy = hn::Zero(d);
   if (!run.job.hourglass) return;
@@ -116,9 +95,7 @@ HWY_INLINE void energiesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar, 
   Mat3Lanes<V> B = A;
   if constexpr (kLaw != MaterialLaw::linear) B = A + transposeTimes(G, A);
   const V twisted = hn::MulAdd(x.xyz, x.xyz, hn::MulAdd(y.xyz, y.xyz, hn::Mul(z.xyz, z.xyz)));
-  hourglassEnergy =
-      hn::Mul(hn::Set(d, Real<D>(0.5)),
-              hn::MulAdd(run.twist(), twisted, product(B, hourglassConjugate(d, run.law, B, run.roots()))));
+  hourglassEnergy = hn::Mul(hn::Set(d, Real<D>(0.5)), hn::MulAdd(run.twist(), twisted, product(B, laminate.modes(B))));
 }
 
 template <MaterialLaw kLaw, bool kMixed, class T>
