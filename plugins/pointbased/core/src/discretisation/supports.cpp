@@ -20,8 +20,9 @@ namespace {
 // Phyxels within this of a region, in spacings, are inside: coordinates may be rounded.
 constexpr double kTolerance = 1e-9;
 
-// Samples of a held surface, in spacings: the mean over a patch then hardly depends on where they lie.
-constexpr double kPatchSampling = 0.5;
+// Samples of a held or loaded surface, in spacings: means over patches and shares of phyxels then hardly depend on where
+// they lie.
+constexpr double kSurfaceSampling = 0.5;
 
 const char *const kMeetsNothing =
     "the region meets no part of the body; move or enlarge it until it holds a part of the surface or a phyxel";
@@ -134,7 +135,7 @@ Result<ConstrainedRegion> holdCloud(const Region &region, std::span<const Vec3> 
   // The surface inside is held in the mean, patch by patch.
   Vec3 areaMoment = Vec3::Zero();
   if (!positions.empty()) {
-    const SurfacePoints samples = sampleSurface(surface, kPatchSampling * spacing, region);
+    const SurfacePoints samples = sampleSurface(surface, kSurfaceSampling * spacing, region);
     for (std::size_t p = 0; p < samples.count(); ++p) {
       part.area += samples.areas[p];
       areaMoment += samples.areas[p] * samples.positions[p];
@@ -158,7 +159,7 @@ Result<LoadedPart> loadedPart(const Load &load, const Surface &surface, double s
     return tl::make_unexpected(std::string("force and pressure must be finite numbers"));
   LoadedPart part;
 
-  const SurfacePoints samples = sampleSurface(surface, spacing, load.region);
+  const SurfacePoints samples = sampleSurface(surface, kSurfaceSampling * spacing, load.region);
   if (samples.count() > 0) {
     part.area = std::accumulate(samples.areas.begin(), samples.areas.end(), 0.0);
     part.points = bind(samples.positions, samples.normals);

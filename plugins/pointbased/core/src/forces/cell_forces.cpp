@@ -310,7 +310,7 @@ std::unique_ptr<VectorForces> cellForcesOf(const StencilSet &stencils, std::span
   std::vector<std::uint8_t> suits;
   for (const Material &m : constitution.materials) suits.push_back(kernelKnows(m) ? 1 : 0);
   const bool single = precision == Precision::singlePrecision && !constitution.remembers();  // why: see HistoryJob
-  Laminates laminates = findLaminates(stencils, constitution, LaminateModes::with);
+  Laminates laminates = findLaminates(stencils, constitution);
   const CellPlan plan = planCells(stencils, single ? kLanes<float> : kLanes<double>, suits, parallelFor, laminates);
   if (2 * plan.others.size() > stencils.pointCount()) return nullptr;
   if (single)

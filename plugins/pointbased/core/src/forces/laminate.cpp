@@ -89,23 +89,6 @@ Eigen::Matrix<double, 6, 3> strainOfJump(const Vec3 &n) {
   return Y;
 }
 
-// Strains of the modes from B, column after column: three for every axis along which they vary, xx, yy and 2 xy of the
-// axes p, q across it.
-Matrix9 strainsOfModes() {
-  constexpr std::array<std::array<int, 2>, 3> kModes = {{{0, 1}, {0, 2}, {1, 2}}};
-  Matrix9 out = Matrix9::Zero();
-  for (int mode = 0; mode < 3; ++mode)
-    for (int k = 0; k < 2; ++k) {
-      const int along = kModes[mode][k], by = kModes[mode][1 - k];  // the derivative by `by` varies along `along`
-      for (int r = 0; r < 3; ++r) {
-        if (r == along) continue;
-        const int row = r != by ? 2 : r == (along == 0 ? 1 : 0) ? 0 : 1;
-        out(3 * along + row, 3 * mode + r) = 1.0;
-      }
-    }
-  return out;
-}
-
 // Strains within the layers for those of the modes that vary along an axis: plane stress across it for both together,
 // shared across the border.
 // @return per layer: from xx, yy, 2 xy to all six
@@ -147,54 +130,62 @@ class SharedModes {
     }
     // Its square is HourglassEnergy's θ 1 + (1 - θ)/3 of the shears.
     const double warping = std::sqrt(kWarping);
-    Matrix9 relieved = Matrix9::Identity();
+    relieved_ = std::sqrt(stabilisation) * Matrix9::Identity();
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
-        relieved(3 * i + 2, 3 * j + 2) = ((i == j ? warping : 0.0) + (1.0 - warping) / 3.0) * root[j] / root[i];
-    fromB_ = std::sqrt(stabilisation) * relieved * strainsOfModes();
+        relieved_(3 * i + 2, 3 * j + 2) =
+            std::sqrt(stabilisation) * ((i == j ? warping : 0.0) + (1.0 - warping) / 3.0) * root[j] / root[i];
   }
 
-  [[nodiscard]] ModeMatrix of(std::size_t layer, const Material &material, const Vec3 &extent) const {
+  [[nodiscard]] ModeForm of(std::size_t layer, const Material &material, const Vec3 &extent) const {
     const Matrix6 C = stiffnessOf(material.mu(), material.lambda() + material.volumeStiffness);
     Matrix9 K = Matrix9::Zero();
     for (int axis = 0; axis < 3; ++axis) {
       const auto &T = strains_[static_cast<std::size_t>(axis)][layer];
       K.block<3, 3>(3 * axis, 3 * axis) = extent[axis] * T.transpose() * C * T;
     }
-    return packed(fromB_.transpose() * K * fromB_);
+    return packed(relieved_.transpose() * K * relieved_);
   }
 
-  static ModeMatrix packed(const Matrix9 &K) {
-    ModeMatrix out;
+  // @param K  of xx, yy, 2 xy of the axes across x, then y, then z
+  static ModeForm packed(const Matrix9 &K) {
+    ModeForm out;
     std::size_t at = 0;
-    for (int i = 0; i < 9; ++i)
-      for (int j = 0; j <= i; ++j) out[at++] = K(i, j);
+    for (int i = 0; i < 9; i += 3)
+      for (const auto &[r, c] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1)}) out[at++] = K(i + r, i + c);
+    for (int i = 0; i < 9; i += 3)
+      for (int r = 0; r < 2; ++r)
+        for (int c = 0; c < 3; ++c) out[at++] = K(i + r, 3 * c + 2);
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c <= r; ++c) out[at++] = K(3 * r + 2, 3 * c + 2);
     return out;
   }
 
  private:
   std::array<std::array<Eigen::Matrix<double, 6, 3>, 2>, 3> strains_;  // [axes][layers]
-  Matrix9 fromB_;
+  Matrix9 relieved_;
 };
 
 }  // namespace
 
-ModeMatrix Laminates::modesAt(const StencilSet &s, std::size_t q) const {
+ModeForm Laminates::modesAt(const StencilSet &s, std::size_t q) const {
   if (at(q) != nullptr) return modes[of[q]];
-  Matrix9 K;
-  for (int i = 0; i < 9; ++i) {
-    Mat3 B = Mat3::Zero();
-    B(i % 3, i / 3) = 1.0;
-    const Mat3 D = plain[s.materials[q]].conjugate(B, s.volumes[q] * s.variances[q]);
-    K.col(i) = Eigen::Map<const Eigen::Matrix<double, 9, 1>>(D.data());
+  const HourglassEnergy &energy = plain[s.materials[q]];
+  const Vec3 vs = s.volumes[q] * s.variances[q], root = vs.cwiseSqrt();
+  Matrix9 K = Matrix9::Zero();
+  for (int i = 0; i < 3; ++i) {
+    K.block<2, 2>(3 * i, 3 * i) =
+        vs[i] * (2.0 * energy.mu() * Eigen::Matrix2d::Identity() + Eigen::Matrix2d::Constant(energy.lambda()));
+    for (int j = 0; j < 3; ++j)
+      K(3 * i + 2, 3 * j + 2) = energy.mu() * root[i] * root[j] * ((i == j ? kWarping : 0.0) + (1.0 - kWarping) / 3.0);
   }
   return SharedModes::packed(K);
 }
 
-Laminates findLaminates(const StencilSet &s, const Constitution &constitution, LaminateModes modes) {
+Laminates findLaminates(const StencilSet &s, const Constitution &constitution) {
   Laminates out;
   if (s.materials.empty() || !s.isLattice() || !s.reference.empty() || constitution.remembers()) return out;
-  const bool withModes = modes == LaminateModes::with && constitution.stabilisation > 0.0;
+  const bool withModes = constitution.stabilisation > 0.0;
   if (withModes)
     for (const Material &material : constitution.materials)
       out.plain.emplace_back(material, constitution.stabilisation);
@@ -225,15 +216,10 @@ Laminates findLaminates(const StencilSet &s, const Constitution &constitution, L
     Laminate laminate;
     laminate.normal = normalOf(one, two, 0.25 / s.shapeOf(q)->gradient);
     if (laminate.normal == Vec3::Zero()) continue;
+    std::array<Laminate::Moduli, 2> moduli;
     for (std::size_t k = 0; k < 2; ++k) {
-      const Layer &layer = layers[k];
       const double sign = k == 0 ? 1.0 : -1.0;
-      laminate.layers[k] = {k == 0 ? ofOne : ofTwo,
-                            sign * 2.0 * layer.mu / mu,
-                            sign * layer.lambda / wave,
-                            sign * 2.0 * layer.mu / wave,
-                            layer.first,
-                            layer.mixed};
+      moduli[k] = {sign * 2.0 * layers[k].mu / mu, sign * layers[k].lambda / wave, sign * 2.0 * layers[k].mu / wave};
     }
     laminate.limit = std::max(ofOne, ofTwo) / kMostJump;
     laminate.cell = cell;
@@ -244,6 +230,10 @@ Laminates findLaminates(const StencilSet &s, const Constitution &constitution, L
       const Index p = points[k];
       const std::size_t layer = k < softer ? 0 : 1;
       laminate.share = layer == 0 ? ofTwo : -ofOne;
+      laminate.own = moduli[layer];
+      laminate.other = moduli[1 - layer];
+      laminate.first = layers[1 - layer].first;
+      laminate.mixed = layers[1 - layer].mixed;
       laminate.part = s.volumes[p] / layers[layer].volume;
       out.of[p] = static_cast<Index>(out.all.size());
       out.all.push_back(laminate);
@@ -267,26 +257,29 @@ void toMaterialGradients(const Laminates &laminates, const StencilSet &s, const 
     }
     const Index cell = laminate->cell;
     std::size_t end = q;
-    std::array<Mat3, 2> F = {Mat3::Zero(), Mat3::Zero()};
+    std::array<Mat3, 2> means = {Mat3::Zero(), Mat3::Zero()};
     for (; isOf(end, cell); ++end)
-      F[laminates.at(end)->share > 0.0 ? 0 : 1] +=
+      means[laminates.at(end)->share > 0.0 ? 0 : 1] +=
           laminates.at(end)->part * (s.axes.transpose() * gradients[end] * s.axes);
-    const Mat3 mean = laminate->layers[0].share * F[0] + laminate->layers[1].share * F[1];
-    const Vec3 &n = laminate->normal;
     for (; q < end; ++q) {
+      laminate = laminates.at(q);
       const bool isLinear = materialOfPoint(constitution, s, q).law == MaterialLaw::linear;
+      const Vec3 &n = laminate->normal;
       Vec3 b = Vec3::Zero();
-      for (std::size_t k = 0; k < 2; ++k) {
-        const Mat3 E = isLinear ? Mat3(symmetric(F[k]) - Mat3::Identity())
-                                : Mat3(0.5 * (F[k].transpose() * F[k] - Mat3::Identity()));
-        const Laminate::Layer &layer = laminate->layers[k];
+      const auto add = [&](const Laminate::Moduli &of, const Mat3 &F) {
+        const Mat3 E =
+            isLinear ? Mat3(symmetric(F) - Mat3::Identity()) : Mat3(0.5 * (F.transpose() * F - Mat3::Identity()));
         const Vec3 En = E * n;
         const double nEn = n.dot(En);
-        b -= layer.shear * (En - nEn * n) + (layer.trace * E.trace() + layer.across * nEn) * n;
-      }
-      const double k = laminate->limit;
-      const Vec3 y = isLinear ? b : Vec3(mean * b / std::sqrt(1.0 + k * k * b.squaredNorm()));
-      gradients[q] += laminates.at(q)->share * (s.axes * y) * (s.axes * n).transpose();
+        b -= of.shear * (En - nEn * n) + (of.trace * E.trace() + of.across * nEn) * n;
+      };
+      const Mat3 own = s.axes.transpose() * gradients[q] * s.axes, &other = means[laminate->share > 0.0 ? 1 : 0];
+      add(laminate->own, own);
+      add(laminate->other, other);
+      const double ofOther = std::abs(laminate->share), k = laminate->limit;
+      const Vec3 y =
+          isLinear ? b : Vec3(((1.0 - ofOther) * own + ofOther * other) * b / std::sqrt(1.0 + k * k * b.squaredNorm()));
+      gradients[q] += laminate->share * (s.axes * y) * (s.axes * n).transpose();
     }
   }
 }

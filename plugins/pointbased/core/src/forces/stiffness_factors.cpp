@@ -18,6 +18,14 @@ Eigen::Vector4d modeRoots(const HourglassEnergy &modal, const Vec3 &vs, double v
   return Eigen::Vector4d(mean(0, 1), mean(0, 2), mean(1, 2), modal.twist(volume, variances)).cwiseSqrt();
 }
 
+// The same of a laminate.
+Eigen::Vector4d modeRoots(const ModeForm &form, double twist) {
+  const double shearX = form[27], shearY = form[29], shearZ = form[32];
+  return Eigen::Vector4d((form[0] + form[3] + shearX + shearY) / 3.0, (form[2] + form[6] + shearX + shearZ) / 3.0,
+                         (form[5] + form[8] + shearY + shearZ) / 3.0, twist)
+      .cwiseSqrt();
+}
+
 // The tangent of a point: λ (turn^T : dF) turn + μ turn dF^T turn + root² dF.
 struct Elastic {
   double lambda, mu;
@@ -60,7 +68,7 @@ void findStiffnessFactors(const Constitution &constitution, const StencilSet &s,
   out.numbers.assign(count, 0.0F);
   out.lambda.resize(s.pointCount());
   out.mu.resize(s.pointCount());
-  const Laminates laminates = findLaminates(s, constitution, LaminateModes::without);
+  const Laminates laminates = findLaminates(s, constitution);
   const bool hasModes = stabilisationOf(constitution, s) == Stabilisation::hourglass;
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t q = begin; q < end; ++q) {
@@ -77,7 +85,9 @@ void findStiffnessFactors(const Constitution &constitution, const StencilSet &s,
       Eigen::Vector4d roots = Eigen::Vector4d::Zero();
       if (hasModes) {
         const HourglassEnergy modal(material, constitution.stabilisation);
-        roots = modeRoots(modal, s.volumes[q] * s.variances[q], s.volumes[q], s.variances[q]);
+        roots = laminate != nullptr
+                    ? modeRoots(laminates.modes[laminates.of[q]], modal.twist(s.volumes[q], s.variances[q]))
+                    : modeRoots(modal, s.volumes[q] * s.variances[q], s.volumes[q], s.variances[q]);
         if (material.law != MaterialLaw::linear) roots.head<3>() *= std::sqrt(gradients[q].squaredNorm() / 3.0);
       }
       const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];

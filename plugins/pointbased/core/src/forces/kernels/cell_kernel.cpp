@@ -24,8 +24,8 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   const D d = run.d;
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
-  const LaminateLanes<kLaw, kMixed, D> laminate(run, x, y, z);
-  const Mat3Lanes<V> G = laminate.strained(run.gradient(x, y, z));
+  LaminateLanes<kLaw, kMixed, D> laminate(run);
+  const Mat3Lanes<V> G = laminate.strained(x, y, z);
   const Strain<D> strain(d, G);
   const V stretch2 = largestStretchSquared(d, strain.E, spreadOf(d, strain.E));
   V ratio;
@@ -33,7 +33,7 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   if (run.fields.velocities) {
     SignSums<V> vx, vy, vz;
     run.gatherCorners(run.fields.velocities, vx, vy, vz);
-    const Mat3Lanes<V> rate = laminate.strained(laminate.change(vx, vy, vz), run.gradient(vx, vy, vz));
+    const Mat3Lanes<V> rate = laminate.change(vx, vy, vz).dG;
     S = S + viscousStress(d, hn::Set(d, run.law.twoEta), G, rate);
   }
   S = scaled(run.number(kVolume), S);

@@ -93,25 +93,22 @@ void addLaminates(const StencilSet &s, std::span<const Index> points, std::size_
       out.laminateNumbers[first + k * kLanes<T> + lane] = static_cast<T>(value);
     };
     if (!laminates.plain.empty()) {
-      const detail::ModeMatrix modes = laminates.modesAt(s, points[lane]);
-      for (std::size_t k = 0; k < modes.size(); ++k) set(kMatrix + k, modes[k]);
+      const detail::ModeForm modes = laminates.modesAt(s, points[lane]);
+      for (std::size_t k = 0; k < modes.size(); ++k) set(kModeForm + k, modes[k]);
     }
     const detail::Laminate *laminate = laminates.at(points[lane]);
     if (laminate == nullptr) continue;
     for (std::size_t c = 0; c < 3; ++c) set(kNormalX + c, laminate->normal[static_cast<Eigen::Index>(c)]);
     set(kShare, laminate->share);
     set(kLimitSquared, laminate->limit * laminate->limit);
-    for (std::size_t l = 0; l < 2; ++l) {
-      const auto &layer = laminate->layers[l];
-      const std::size_t at = kLayer + l * kNextLayer;
-      set(at + kLayerShare, layer.share);
-      set(at + kShear, layer.shear);
-      set(at + kTrace, layer.trace);
-      set(at + kAcross, layer.across);
-      for (std::size_t c = 0; c < 3; ++c) {
-        set(at + kLayerFirst + c, layer.first[static_cast<Eigen::Index>(c)]);
-        set(at + kLayerMixed + c, layer.mixed[static_cast<Eigen::Index>(c)]);
-      }
+    for (const auto &[at, moduli] : {std::pair(kOwnModuli, laminate->own), std::pair(kOtherModuli, laminate->other)}) {
+      set(at, moduli.shear);
+      set(at + 1, moduli.trace);
+      set(at + 2, moduli.across);
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      set(kOtherFirst + c, laminate->first[static_cast<Eigen::Index>(c)]);
+      set(kOtherFirst + 3 + c, laminate->mixed[static_cast<Eigen::Index>(c)]);
     }
   }
 }

@@ -29,8 +29,8 @@ HWY_INLINE void tangentOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
   rowsOf(run).setMatrix(kTangentA, run.amplitudes(x, y, z));
-  const LaminateLanes<kLaw, kMixed, D> laminate(run, x, y, z);
-  const Strain<D> strain(d, laminate.strained(run.gradient(x, y, z)));
+  LaminateLanes<kLaw, kMixed, D> laminate(run);
+  const Strain<D> strain(d, laminate.strained(x, y, z));
   prepareTangent<kLaw>(d, run.law, strain, rowsOf(run));
   if constexpr (kMixed) {
     const Mat3Lanes<V> A = rowsOf(run).getMatrix(kTangentA);
@@ -41,7 +41,7 @@ HWY_INLINE void tangentOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
                               run.material(), ratio));
     if (kLaw != MaterialLaw::linear && run.job.hourglass)
       S = S + times(A, transposed(laminate.modes(A + transposeTimes(strain.G, A))));
-    laminate.keep(S);
+    laminate.keep(x, y, z, S);
   }
 }
 
@@ -52,9 +52,10 @@ HWY_INLINE void productOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   const TangentRows<D> at = rowsOf(run);
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
-  const LaminateLanes<kLaw, kMixed, D> laminate(run);
+  LaminateLanes<kLaw, kMixed, D> laminate(run);
+  laminate.restore();
   const auto change = laminate.change(x, y, z);
-  const Mat3Lanes<V> dG = laminate.strained(change, run.gradient(x, y, z));
+  const Mat3Lanes<V> dG = change.dG;
   Mat3Lanes<V> dS = stressChange<kLaw>(d, run.law, at, dG, scalar, run.material());
   if (run.job.viscousScale > 0)
     dS = dS + viscousStress(d, hn::Set(d, run.law.twoEta * run.job.viscousScale), at.getMatrix(kTangentG), dG);
@@ -86,8 +87,8 @@ HWY_INLINE void energiesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar, 
   const D d = run.d;
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
-  const LaminateLanes<kLaw, kMixed, D> laminate(run, x, y, z);
-  const Mat3Lanes<V> G = laminate.strained(run.gradient(x, y, z));
+  LaminateLanes<kLaw, kMixed, D> laminate(run);
+  const Mat3Lanes<V> G = laminate.strained(x, y, z);
   strainEnergy = hn::Mul(run.number(kVolume), energyOf<kLaw>(d, run.law, Strain<D>(d, G), scalar, run.material()));
   hourglassEnergy = hn::Zero(d);
   if (!run.job.hourglass) return;

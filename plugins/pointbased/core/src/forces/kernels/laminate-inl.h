@@ -25,22 +25,26 @@ HWY_INLINE Vec3Lanes<V> times(const Sym3Lanes<V> &a, const Vec3Lanes<V> &b) {
           hn::MulAdd(a.xz, b.x, hn::MulAdd(a.yz, b.y, hn::Mul(a.zz, b.z)))};
 }
 
-/// The strain of one material from that of its cell (G = F - 1), what a stress of it does to the cell, and the energy of
-/// its modes. Where no lane has two materials: the identity.
+/// The strain of one material from the corners of its cell (G = F - 1), what a stress of it does to them, and the energy
+/// of its modes. Where no lane has two materials: what CellRun says.
 template <MaterialLaw kLaw, bool kMixed, class D>
 struct LaminateLanes {
   using V = hn::Vec<D>;
   using M = Mat3Lanes<V>;
-  struct Change {};
+  struct Change {
+    M dG;
+  };
 
   const CellRun<D> &run;
 
-  HWY_INLINE LaminateLanes(const CellRun<D> &of, const SignSums<V> &, const SignSums<V> &, const SignSums<V> &)
-      : run(of) {}
   HWY_INLINE explicit LaminateLanes(const CellRun<D> &of) : run(of) {}
-  HWY_INLINE M strained(const M &G) const { return G; }
-  HWY_INLINE Change change(const SignSums<V> &, const SignSums<V> &, const SignSums<V> &) const { return {}; }
-  HWY_INLINE M strained(const Change &, const M &dG) const { return dG; }
+  HWY_INLINE M strained(const SignSums<V> &x, const SignSums<V> &y, const SignSums<V> &z) {
+    return run.gradient(x, y, z);
+  }
+  HWY_INLINE void restore() const {}
+  HWY_INLINE Change change(const SignSums<V> &x, const SignSums<V> &y, const SignSums<V> &z) const {
+    return {run.gradient(x, y, z)};
+  }
   template <class... Modes>
   HWY_INLINE void scatter(const M &S, const V (&k)[kCorners], const Modes &...modes) const {
     run.scatterStress(S, modes..., k);
@@ -63,68 +67,69 @@ struct LaminateLanes<kLaw, true, D> {
   const CellRun<D> &run;
   const T *numbers;
   Vec3Lanes<V> n;
-  V c, limit2;
-  V shares[2], shear[2], ofTrace[2], across[2];
-  FitRows<V> rows[2];
-  M G[2], F[2], mean;  // of the layers and of the cell
+  V c, ofOther, limit2;
+  M own, other, mean;  // F of both layers and of the cell; G for the linear law, which needs no more
   Vec3Lanes<V> y;
   V inverse;  // 1/√(1 + k² b²)
 
-  HWY_INLINE LaminateLanes(const CellRun<D> &of, const SignSums<V> &ux, const SignSums<V> &uy, const SignSums<V> &uz)
-      : d(of.d), run(of) {
-    load();
-    for (int l = 0; l < 2; ++l) G[l] = run.gradient(rows[l], ux, uy, uz);
-    share();
+  HWY_INLINE explicit LaminateLanes(const CellRun<D> &of) : d(of.d), run(of), numbers(of.laminate()) {
+    n = {number(kNormalX), number(kNormalY), number(kNormalZ)};
+    c = number(kShare);
+    ofOther = hn::Abs(c);
+    limit2 = number(kLimitSquared);
   }
-  /// As keep() left it.
-  HWY_INLINE explicit LaminateLanes(const CellRun<D> &of) : d(of.d), run(of) {
-    load();
-    for (std::size_t l = 0; l < 2; ++l) G[l] = kept().getMatrix(kLayerG + 9 * l);
-    share();
+  HWY_INLINE M strained(const SignSums<V> &ux, const SignSums<V> &uy, const SignSums<V> &uz) {
+    const M G = run.gradient(ux, uy, uz);
+    share(G, run.gradient(otherRows(), ux, uy, uz));
+    return G + outer(scaled(c, kLinear ? y : times(mean, y)), n);
   }
-  HWY_INLINE void keep(const M &stress) const {
-    for (std::size_t l = 0; l < 2; ++l) kept().setMatrix(kLayerG + 9 * l, G[l]);
+  /// For scatterChange(), with the stress that scatter() gets.
+  HWY_INLINE void keep(const SignSums<V> &ux, const SignSums<V> &uy, const SignSums<V> &uz, const M &stress) const {
+    kept().setMatrix(kLayerG, run.gradient(ux, uy, uz));
+    kept().setMatrix(kLayerG + 9, run.gradient(otherRows(), ux, uy, uz));
     kept().setMatrix(kMaterialStress, stress);
   }
+  HWY_INLINE void restore() { share(kept().getMatrix(kLayerG), kept().getMatrix(kLayerG + 9)); }
 
-  HWY_INLINE M strained(const M &of) const { return of + outer(scaled(c, kLinear ? y : times(mean, y)), n); }
   template <class... Modes>
   HWY_INLINE void scatter(const M &S, const V (&k)[kCorners], const Modes &...modes) const {
-    const Vec3Lanes<V> t = scaled(c, times(S, n)), v = kLinear ? t : fromJump(transposeTimes(mean, t));
-    const auto pulled = [&](int l) HWY_ATTR -> FitStress<V> {
-      if constexpr (kLinear) return {rows[l], spread(l, v)};
-      return {rows[l], scaled(shares[l], outer(t, y)) + times(F[l], spread(l, v))};
-    };
-    run.scatterStress(S, modes..., k, pulled(0), pulled(1));
+    const Vec3Lanes<V> t = scaled(c, times(S, n));
+    if constexpr (kLinear) {
+      run.scatterStress(S + spread(kOwnModuli, t), modes..., k, FitStress<V>{otherRows(), spread(kOtherModuli, t)});
+    } else {
+      const Vec3Lanes<V> v = fromJump(transposeTimes(mean, t));
+      const M ty = outer(t, y), ofMean = scaled(ofOther, ty);
+      run.scatterStress(S + (ty - ofMean) + times(own, spread(kOwnModuli, v)), modes..., k,
+                        FitStress<V>{otherRows(), ofMean + times(other, spread(kOtherModuli, v))});
+    }
   }
 
-  /// Changes of the layers and of the jump.
+  /// Changes of the layers, of the jump and of the material.
   struct Change {
-    M dF[2], dMean;
+    M dOwn, dOther, dMean;
     Vec3Lanes<V> dy;
+    M dG;
   };
   HWY_INLINE Change change(const SignSums<V> &ux, const SignSums<V> &uy, const SignSums<V> &uz) const {
     Change of;
-    for (int l = 0; l < 2; ++l) of.dF[l] = run.gradient(rows[l], ux, uy, uz);
-    of.dMean = scaled(shares[0], of.dF[0]) + scaled(shares[1], of.dF[1]);
+    of.dOwn = run.gradient(ux, uy, uz);
+    of.dOther = run.gradient(otherRows(), ux, uy, uz);
     if constexpr (kLinear) {
-      of.dy = jump(smallStrain(d, of.dF[0]), smallStrain(d, of.dF[1]));
+      of.dy = jump(smallStrain(d, of.dOwn), smallStrain(d, of.dOther));
+      of.dG = of.dOwn + outer(scaled(c, of.dy), n);
     } else {
+      of.dMean = of.dOwn + scaled(ofOther, of.dOther - of.dOwn);
       of.dy = fromJump(
-          jump(smallStrain(d, transposeTimes(F[0], of.dF[0])), smallStrain(d, transposeTimes(F[1], of.dF[1]))));
+          jump(smallStrain(d, transposeTimes(own, of.dOwn)), smallStrain(d, transposeTimes(other, of.dOther))));
+      of.dG = of.dOwn + outer(scaled(c, times(of.dMean, y) + times(mean, of.dy)), n);
     }
     return of;
   }
-  HWY_INLINE M strained(const Change &of, const M &dG) const {
-    if constexpr (kLinear) return dG + outer(scaled(c, of.dy), n);
-    return dG + outer(scaled(c, times(of.dMean, y) + times(mean, of.dy)), n);
-  }
-  /// The change of scatter() of the stress that keep() got.
   template <class... Modes>
   HWY_INLINE void scatterChange(const Change &of, const M &dS, const V (&k)[kCorners], const Modes &...modes) const {
     const Vec3Lanes<V> dt = scaled(c, times(dS, n));
     if constexpr (kLinear) {
-      run.scatterStress(dS, modes..., k, FitStress<V>{rows[0], spread(0, dt)}, FitStress<V>{rows[1], spread(1, dt)});
+      run.scatterStress(dS + spread(kOwnModuli, dt), modes..., k, FitStress<V>{otherRows(), spread(kOtherModuli, dt)});
     } else {
       const Vec3Lanes<V> t = scaled(c, times(kept().getMatrix(kMaterialStress), n));
       const Vec3Lanes<V> w = transposeTimes(mean, t), v = fromJump(w);
@@ -137,76 +142,81 @@ struct LaminateLanes<kLaw, true, D> {
       const Vec3Lanes<V> inner =
           dw - scaled(hn::Mul(limit2, hn::Add(dot(dw, y), dot(w, of.dy))), y) - scaled(hn::Mul(limit2, wy), of.dy);
       const Vec3Lanes<V> dv = mulAdd(hn::Neg(dgOverG), v, scaled(inverse, inner));
-      const auto pulled = [&](int l) HWY_ATTR -> FitStress<V> {
-        return {rows[l], scaled(shares[l], outer(dt, y) + outer(t, of.dy)) + times(of.dF[l], spread(l, v)) +
-                             times(F[l], spread(l, dv))};
-      };
-      run.scatterStress(dS, modes..., k, pulled(0), pulled(1));
+      const M dty = outer(dt, y) + outer(t, of.dy), ofMean = scaled(ofOther, dty);
+      run.scatterStress(
+          dS + (dty - ofMean) + times(of.dOwn, spread(kOwnModuli, v)) + times(own, spread(kOwnModuli, dv)), modes..., k,
+          FitStress<V>{otherRows(),
+                       ofMean + times(of.dOther, spread(kOtherModuli, v)) + times(other, spread(kOtherModuli, dv))});
     }
   }
 
-  /// dU/dB of the modes, detail::ModeMatrix.
+  /// dU/dB of detail::ModeForm.
   HWY_INLINE M modes(const M &B) const {
-    const V b[9] = {B.c0.x, B.c0.y, B.c0.z, B.c1.x, B.c1.y, B.c1.z, B.c2.x, B.c2.y, B.c2.z};
-    V out[9];
-    for (std::size_t i = 0, at = kMatrix; i < 9; ++i) {
-      out[i] = hn::Zero(d);
-      for (std::size_t j = 0; j < i; ++j, ++at) {
-        const V K = number(at);
-        out[i] = hn::MulAdd(K, b[j], out[i]);
-        out[j] = hn::MulAdd(K, b[i], out[j]);
-      }
-      out[i] = hn::MulAdd(number(at++), b[i], out[i]);
+    const V e[6] = {B.c0.y, B.c1.z, B.c0.x, B.c2.z, B.c1.x, B.c2.y};
+    const V g[3] = {hn::Add(B.c0.z, B.c1.y), hn::Add(B.c0.z, B.c2.x), hn::Add(B.c1.y, B.c2.x)};
+    V fe[6], fg[3];
+    std::size_t at = kModeForm;
+    for (std::size_t i = 0; i < 6; i += 2, at += 3) {
+      fe[i] = hn::MulAdd(number(at), e[i], hn::Mul(number(at + 1), e[i + 1]));
+      fe[i + 1] = hn::MulAdd(number(at + 1), e[i], hn::Mul(number(at + 2), e[i + 1]));
     }
-    return {{out[0], out[1], out[2]}, {out[3], out[4], out[5]}, {out[6], out[7], out[8]}};
+    for (V &f : fg) f = hn::Zero(d);
+    for (std::size_t i = 0; i < 6; ++i)
+      for (std::size_t j = 0; j < 3; ++j, ++at) {
+        fe[i] = hn::MulAdd(number(at), g[j], fe[i]);
+        fg[j] = hn::MulAdd(number(at), e[i], fg[j]);
+      }
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < i; ++j, ++at) {
+        fg[i] = hn::MulAdd(number(at), g[j], fg[i]);
+        fg[j] = hn::MulAdd(number(at), g[i], fg[j]);
+      }
+      fg[i] = hn::MulAdd(number(at++), g[i], fg[i]);
+    }
+    return {{fe[2], fe[0], hn::Add(fg[0], fg[1])},
+            {fe[4], hn::Add(fg[0], fg[2]), fe[1]},
+            {hn::Add(fg[1], fg[2]), fe[5], fe[3]}};
   }
 
  private:
   HWY_INLINE V number(std::size_t k) const { return hn::Load(d, numbers + k * CellRun<D>::kSlice); }
+  HWY_INLINE FitRows<V> otherRows() const {
+    return {run.number(kGradient),   number(kOtherFirst),     number(kOtherFirst + 1), number(kOtherFirst + 2),
+            number(kOtherFirst + 3), number(kOtherFirst + 4), number(kOtherFirst + 5)};
+  }
   HWY_INLINE TangentRows<D> kept() const {
     return {d, run.job.laminateTangents +
                    run.job.cells->laminates[run.slice] * kLaminateTangentNumbers * CellRun<D>::kSlice + run.lane};
   }
-  HWY_INLINE void load() {
-    numbers = run.laminate();
-    n = {number(kNormalX), number(kNormalY), number(kNormalZ)};
-    c = number(kShare);
-    limit2 = number(kLimitSquared);
-    for (std::size_t l = 0; l < 2; ++l) {
-      const auto of = [&](std::size_t k) HWY_ATTR { return number(kLayer + l * kNextLayer + k); };
-      shares[l] = of(kLayerShare);
-      shear[l] = of(kShear);
-      ofTrace[l] = of(kTrace);
-      across[l] = of(kAcross);
-      rows[l] = {run.number(kGradient), of(kLayerFirst),     of(kLayerFirst + 1), of(kLayerFirst + 2),
-                 of(kLayerMixed),       of(kLayerMixed + 1), of(kLayerMixed + 2)};
+  HWY_INLINE void share(const M &ownG, const M &otherG) {
+    const V one = hn::Set(d, T(1));
+    if constexpr (kLinear) {
+      y = jump(smallStrain(d, ownG), smallStrain(d, otherG));
+    } else {
+      own = plusDiagonal(ownG, one);
+      other = plusDiagonal(otherG, one);
+      mean = own + scaled(ofOther, otherG - ownG);
+      const Vec3Lanes<V> b = jump(greenStrain(d, ownG), greenStrain(d, otherG));
+      inverse = hn::Div(one, hn::Sqrt(hn::MulAdd(limit2, dot(b, b), one)));
+      y = scaled(inverse, b);
     }
   }
-  HWY_INLINE void share() {
-    const V one = hn::Set(d, T(1));
-    for (int l = 0; l < 2; ++l) F[l] = plusDiagonal(G[l], one);
-    mean = scaled(shares[0], F[0]) + scaled(shares[1], F[1]);
-    const Vec3Lanes<V> b =
-        kLinear ? jump(smallStrain(d, G[0]), smallStrain(d, G[1])) : jump(greenStrain(d, G[0]), greenStrain(d, G[1]));
-    inverse = kLinear ? one : hn::Div(one, hn::Sqrt(hn::MulAdd(limit2, dot(b, b), one)));
-    y = scaled(inverse, b);
-  }
   // b of the strains of the layers, or its change.
-  HWY_INLINE Vec3Lanes<V> jump(const Sym3Lanes<V> &one, const Sym3Lanes<V> &two) const {
-    return jump(0, one) + jump(1, two);
+  HWY_INLINE Vec3Lanes<V> jump(const Sym3Lanes<V> &ofOwn, const Sym3Lanes<V> &ofOthers) const {
+    return jumpOf(kOwnModuli, ofOwn) + jumpOf(kOtherModuli, ofOthers);
   }
-  HWY_INLINE Vec3Lanes<V> jump(int l, const Sym3Lanes<V> &E) const {
+  HWY_INLINE Vec3Lanes<V> jumpOf(LaminateNumber moduli, const Sym3Lanes<V> &E) const {
     const Vec3Lanes<V> En = times(E, n);
     const V nEn = dot(n, En);
-    const V along = hn::MulAdd(ofTrace[l], trace(E), hn::Mul(across[l], nEn));
-    return mulAdd(hn::Neg(shear[l]), mulAdd(hn::Neg(nEn), n, En), scaled(hn::Neg(along), n));
+    const V along = hn::MulAdd(number(moduli + 1), trace(E), hn::Mul(number(moduli + 2), nEn));
+    return mulAdd(hn::Neg(number(moduli)), mulAdd(hn::Neg(nEn), n, En), scaled(hn::Neg(along), n));
   }
-  // Its transpose: jump(l, E)·v = S : E.
-  HWY_INLINE M spread(int l, const Vec3Lanes<V> &v) const {
+  // Its transpose: jumpOf(moduli, E)·v = S : E.
+  HWY_INLINE M spread(LaminateNumber moduli, const Vec3Lanes<V> &v) const {
     const V vn = dot(v, n);
-    const Vec3Lanes<V> vt = mulAdd(hn::Neg(vn), n, v), half = scaled(hn::Mul(hn::Set(d, T(-0.5)), shear[l]), vt);
-    const M S = outer(half, n) + outer(n, half) + scaled(hn::Neg(hn::Mul(vn, across[l])), outer(n, n));
-    return plusDiagonal(S, hn::Neg(hn::Mul(vn, ofTrace[l])));
+    const Vec3Lanes<V> vt = mulAdd(hn::Neg(vn), n, v), half = scaled(hn::Mul(hn::Set(d, T(-0.5)), number(moduli)), vt);
+    const M S = outer(half, n) + outer(n, half) + scaled(hn::Neg(hn::Mul(vn, number(moduli + 2))), outer(n, n));
+    return plusDiagonal(S, hn::Neg(hn::Mul(vn, number(moduli + 1))));
   }
   // What dy does, seen from db.
   HWY_INLINE Vec3Lanes<V> fromJump(const Vec3Lanes<V> &w) const {

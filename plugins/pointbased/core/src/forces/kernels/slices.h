@@ -51,12 +51,12 @@ enum LaminateNumber : std::size_t {
   kNormalZ,
   kShare,
   kLimitSquared,
-  kLayer,                             ///< of the first layer: share, moduli and rows of its gradient
-  kNextLayer = 10,                    ///< numbers of a layer
-  kMatrix = kLayer + 2 * kNextLayer,  ///< detail::ModeMatrix, of lanes of one material too
-  kLaminateNumbers = kMatrix + 45
+  kOwnModuli,                      ///< 3
+  kOtherModuli = kOwnModuli + 3,   ///< 3
+  kOtherFirst = kOtherModuli + 3,  ///< 6: first, mixed
+  kModeForm = kOtherFirst + 6,     ///< detail::ModeForm, of lanes of one material too
+  kLaminateNumbers = kModeForm + 33
 };
-enum LayerNumber : std::size_t { kLayerShare, kShear, kTrace, kAcross, kLayerFirst, kLayerMixed = kLayerFirst + 3 };
 inline constexpr Index kNoLaminate = 0xffffffffu;
 
 /// Cells that are taken together: their phyxels stay in the first cache, and what they do to a phyxel is summed there
@@ -145,7 +145,7 @@ enum TangentNumber : std::size_t {
   kTangentNumbers = kTangentTurn + 6
 };
 
-/// What a product needs besides of a slice with laminates: G of the layers and v P of the material with its modes.
+/// What a product needs besides of a slice with laminates: G of both layers and v P of the material with its modes.
 enum LaminateTangentNumber : std::size_t {
   kLayerG,
   kMaterialStress = kLayerG + 2 * 9,
