@@ -277,6 +277,7 @@ Expected<void> addTissues(const scene::SceneVolume &volume, const imaging::Label
   }
   const imaging::Mask mask = imaging::maskOf(tissues, rigid);
   if (imaging::voxelCount(mask) == 0) return {};
+  leaveOut(mask, geometry.coverage);
   auto fill = imaging::fillOf(mask, coarsest);
   if (!fill) return tl::unexpected(fill.error());
   geometry.rigid = std::make_shared<const imaging::Fill>(std::move(*fill));

@@ -25,6 +25,16 @@ Coverage coverageOf(const imaging::Mask &asked, const geometry::TriangleMesh &sk
   return out;
 }
 
+void leaveOut(const imaging::Mask &rigid, Coverage &coverage) {
+  coverage.asked_mm3 -= imaging::volumeOf(rigid);
+  if (!coverage.missing) return;
+  imaging::Mask missing = *coverage.missing;
+  for (std::size_t v = 0; v < missing.voxels.size(); ++v)
+    if (rigid.voxels[v] != 0) missing.voxels[v] = 0;
+  coverage.missing_mm3 = imaging::volumeOf(missing);
+  coverage.missing = coverage.missing_mm3 > 0.0 ? std::make_shared<const imaging::Mask>(std::move(missing)) : nullptr;
+}
+
 std::string sentenceOf(const Coverage &coverage) {
   if (!(coverage.missing_mm3 > kWorthSaying * coverage.asked_mm3)) return {};
   std::string text = fmt::format("{:.3g} ml ({:.2g} %) of what was asked for as '{}' is in no body",

@@ -179,3 +179,46 @@ TEST_CASE("One that ends does not wait for what is followed", "[live_tissues]") 
   // Half leaves room for a machine that does other things meanwhile.
   CHECK(Clock::now() - from < whole / 2);
 }
+
+TEST_CASE("Surfaces are followed ten times a second while somebody looks, and labels with them twice",
+          "[live_tissues]") {
+  Fixture f;
+  f.tissues.begin(onePlace());
+  const auto surfaces = std::make_shared<std::vector<TissueSurface>>(1);
+  surfaces->front().body = "body";
+  surfaces->front().reference.vertices = {{10, 10, 10}, {30, 10, 10}, {10, 30, 10}};
+  f.tissues.onPublished(*f.simulation);
+  CHECK(f.simulator.grids.empty());
+  f.tissues.follow(surfaces);
+  CHECK(f.tissues.isBehind());
+  f.tissues.onPublished(*f.simulation);
+  REQUIRE(f.waitFor([&] { return f.renewed == 1; }));
+  auto places = f.tissues.places();
+  REQUIRE(places);
+  CHECK(places->of == surfaces);
+  REQUIRE(places->vertices.front().size() == 3);
+  CHECK(places->vertices.front()[1][0] == Approx(33.0));
+  CHECK(places->vertices.front()[1][2] == Approx(14.0));
+  CHECK_FALSE(f.tissues.newest());  // nobody looks at the labels
+  f.tissues.want(true);
+  f.simulation->transport(C3DE_TRANSPORT_PLAY);
+  REQUIRE(f.waitFor([&] { return f.simulation->state().mode == C3DE_SIM_PLAYING; }));
+  // What a slow machine needs for a reading is left out of account: at least both are followed, labels less often.
+  int labels = 0, times = 0;
+  auto last = f.tissues.newest();
+  const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(1400);
+  while (std::chrono::steady_clock::now() < until) {
+    f.tissues.onPublished(*f.simulation);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    if (f.tissues.places() != places) ++times, places = f.tissues.places();
+    if (f.tissues.newest() != last) ++labels, last = f.tissues.newest();
+  }
+  CHECK(labels >= 1);
+  CHECK(labels <= 3);
+  CHECK(times > labels);
+  CHECK(times <= 15);
+  // Another simulation has other tissues.
+  f.simulation->transport(C3DE_TRANSPORT_PAUSE);
+  f.tissues.begin(onePlace());
+  CHECK_FALSE(f.tissues.places());
+}

@@ -23,6 +23,10 @@ struct Coverage {
 /// @param specks  of `asked` that were left out before
 [[nodiscard]] Coverage coverageOf(const imaging::Mask &asked, const geometry::TriangleMesh &skin, std::size_t specks);
 
+/// Without what is rigid, which stays where the image shows it, in a body or not.
+/// @param rigid  on the grid of the mask
+void leaveOut(const imaging::Mask &rigid, Coverage &coverage);
+
 /// "12.3 ml (4.5 %) of what was asked for as 'aorta' is in no body; …", with what would help; empty where nothing is
 /// missing that a person would want to know: less than a thousandth.
 [[nodiscard]] std::string sentenceOf(const Coverage &coverage);
