@@ -4,10 +4,14 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "c3de/imaging/writing.h"
+#include "c3de/render/camera.h"
 #include "support/catch.h"
 #include "ui/workstation_driver.h"
 
@@ -20,6 +24,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 namespace fs = std::filesystem;
+const std::string kPanel = "pointbased.controller/";
 
 #define C3DE_ALIVE_OR_SKIP()                                                                             \
   if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);        \
@@ -126,12 +131,35 @@ std::array<double, 2> rangeOf(const std::string &legend, const std::string &titl
   return {numberAfter(legend, title + " "), numberAfter(legend, "… ")};
 }
 
-/// A place of the axial view, mm from its middle: to the right, and down.
-Point inAxial(const WorkstationDriver &window, double right_mm, double down_mm) {
-  const Json state = window.state(), r = state["panes"]["axial"];
-  const double scale = std::strtod(value(state, "image/axial.scale_mm_per_px").c_str(), nullptr);
+/// A place of a slice, mm from the middle of its view: to the right, and down.
+Point inSlice(const WorkstationDriver &window, const std::string &pane, double right_mm, double down_mm) {
+  const Json state = window.state(), r = state["panes"][pane];
+  const double scale = std::strtod(value(state, "image/" + pane + ".scale_mm_per_px").c_str(), nullptr);
   return {r["x"].get<double>() + 0.5 * r["w"].get<double>() + right_mm / scale,
           r["y"].get<double>() + 0.5 * r["h"].get<double>() + down_mm / scale};
+}
+Point inAxial(const WorkstationDriver &window, double right_mm, double down_mm) {
+  return inSlice(window, "axial", right_mm, down_mm);
+}
+
+/// Where the 3D view of a patient shows a point of the world.
+Point inSpace(const WorkstationDriver &window, const Vec3 &world) {
+  const Json state = window.state(), r = state["panes"]["3D"], c = state["camera"];
+  render::Camera camera;
+  camera.upAxis = render::UpAxis::z;
+  camera.yaw = c["yaw"];
+  camera.pitch = c["pitch"];
+  camera.distance = c["distance"];
+  for (std::size_t i = 0; i < 3; ++i) camera.focus[i] = c["focus"][i];
+  const Vec3 pixel = camera.project(world, r["w"], r["h"]);
+  return {r["x"].get<double>() + pixel[0], r["y"].get<double>() + pixel[1]};
+}
+
+/// Three numbers of a row of the simulator's panel.
+Vec3 vectorOf(const Json &state, const std::string &row) {
+  Vec3 at{};
+  std::istringstream(value(state, kPanel + row)) >> at[0] >> at[1] >> at[2];
+  return at;
 }
 
 void openDialog(WorkstationDriver &window, const Files &files) {
@@ -180,6 +208,32 @@ void takePinch(WorkstationDriver &window) {
   window.moveTo(window.inView(0.5, 0.5));
   window.key("p");
   window.waitUntil("the pinch is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
+}
+
+/// What a table of tissues says of each label: how far it has moved, mm, and its smallest det F.
+struct Motion {
+  double mean_mm, largest_mm, leastRatio;
+};
+std::map<std::string, Motion> exportTissues(WorkstationDriver &window, const std::string &name) {
+  const fs::path table = fs::path(testOutputRoot()) / "ui" / (name + ".csv");
+  fs::remove(table);
+  window.click("menu/file");
+  window.click("menu/file.export_tissues");
+  window.waitUntil("a file is asked for", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+  window.key("ctrl+a");
+  window.type(table.string(), 10);
+  window.click("dialog/open");
+  window.waitUntil("it is written", [&](const Json &s) { return s["jobs"].empty() && fs::exists(table); });
+  std::map<std::string, Motion> motions;
+  std::ifstream file(table);
+  std::string line;
+  std::getline(file, line);
+  while (std::getline(file, line)) {
+    const std::size_t begin = line.find(',', line.find(',') + 1) + 1;
+    motions[line.substr(begin, line.find(',', begin) - begin)] = {
+        1e3 * numberAfter(line, ",", 9), 1e3 * numberAfter(line, ",", 10), numberAfter(line, ",", 11)};
+  }
+  return motions;
 }
 
 /// The button stays down.
@@ -378,6 +432,97 @@ TEST_CASE("Fields of tissue that is pulled are in the slices, under the mouse an
   // The table of the window is of a coarser grid, and shows a digit.
   const double shown_mm = numberOf(window.state(), "tissues/liver.largest");
   CHECK(std::abs(largest_mm - shown_mm) < 0.05 + 0.1 * largest_mm);
+}
+
+TEST_CASE("The liver of a CT is pulled by three centimetres in a slice and in the 3D view, and all comes back",
+          "[scan_liver]") {
+  C3DE_ALIVE_OR_SKIP();
+  C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
+  C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
+  WorkstationDriver window("scan_liver");
+  openDialog(window, {image, labels});
+  CHECK(window.value("scan/use.liver") == "liver");
+  CHECK(window.value("scan/use.vertebrae_L1") == "rigid");
+  CHECK(window.value("scan/background.material") == "fat");
+  CHECK(window.value("scan/points") == "3000");
+  (void)make(window);
+  window.click("notification/close.0");
+  window.click("notification/close.0");
+  window.click("tissues/header");
+  window.waitUntil("labels are followed",
+                   [](const Json &s) { return std::isfinite(numberOf(s, "tissues/liver.det_f")); });
+
+  // The liver, with the right kidney beside it; the middle of the image is in the middle of the views.
+  const Vec3 middle{-3.5, -161.3, 260.8}, liver{-85, -185, 368};
+  window.clickAt(inSlice(window, "coronal", liver[0] - middle[0], middle[2] - liver[2]));
+  window.waitUntil("the axial slice is there", [&](const Json &s) {
+    return std::abs(numberAfter(value(s, "image/cross_hair"), " ", 2) - liver[2]) < 2;
+  });
+  takePinch(window);
+  window.moveTo(inAxial(window, 0, 0));
+  window.key("4");  // window and level of the abdomen
+
+  const auto follow = [&](const std::string &where, const std::string &pane, const Vec3 &from) {
+    const double begin = window.state()["transport"]["time_s"];
+    window.waitUntil(
+        "the tissue has come after the hand",
+        [&](const Json &s) {
+          return s["transport"]["time_s"].get<double>() > begin + 2.5 && numberOf(s, "tissues/liver.largest") > 10.0;
+        },
+        60.0);
+    window.screenshot(where + "_pulled");
+    const Json pulled = window.state();
+    CHECK(std::abs(norm(vectorOf(pulled, "Hand") - from) - 30.0) < 1.5);
+    CHECK(norm(vectorOf(pulled, "Held point") - from) > 12.0);
+    CHECK(numberOf(pulled, kPanel + "Pinch force") > 5.0);
+    // Arrow, point and newtons are in this slice, and in the 3D view.
+    CHECK_THAT(value(pulled, "image/" + pane + ".marks"), Contains("7 in the plane"));
+    CHECK(window.differingPixels(where + "_before", where + "_pulled", "3D") > 100);
+    window.key("space");
+    window.waitUntil("it stands", [](const Json &s) { return s["transport"]["mode"] == "paused"; });
+    window.release();
+    const auto motions = exportTissues(window, "scan_liver_" + where);
+    REQUIRE(motions.size() > 50);
+    for (const auto &[label, motion] : motions) {
+      INFO(label);
+      CHECK(motion.leastRatio > 0.0);
+      if (label.starts_with("vertebrae")) CHECK(motion.largest_mm < 0.01);
+    }
+    CHECK(motions.at("kidney_right").mean_mm > 2.0);
+    CHECK(motions.at("kidney_right").largest_mm > 8.0);
+    CHECK(motions.at("kidney_left").largest_mm < 2.0);
+    window.moveTo(window.inView(0.95, 0.9));
+    window.key("space");
+    // The table shows tenths of a millimetre.
+    window.waitUntil(
+        "all has come back",
+        [](const Json &s) {
+          std::size_t back = 0;
+          for (const auto &[key, text] : s["values"].items())
+            if (key.starts_with("tissues/") && key.ends_with(".largest") && numberOf(s, key) < 0.15) ++back;
+          return value(s, "tissues/count").starts_with(std::to_string(back) + " of ");
+        },
+        60.0);
+  };
+  const auto isHeld = [](const Json &s) { return value(s, kPanel + "Held inside") == "scan"; };
+
+  window.screenshot("slice_before");
+  pull(window, inAxial(window, liver[0] - middle[0], liver[1] - middle[1]),
+       inAxial(window, liver[0] - middle[0], liver[1] - middle[1] - 30.0));
+  const Json held = window.waitUntil("it is held", isHeld);
+  follow("slice", "axial", {liver[0], liver[1], vectorOf(held, "Hand")[2]});
+
+  // In the 3D view, from the front: without what is before the coronal slice the liver is on the face of the cut.
+  const Vec3 onFace{-95, -161.3, 372};
+  window.key("shift+c");
+  window.waitForValue("image/cut_coronal", "without the front");
+  window.key("1");
+  window.key("f");
+  window.waitFrames(10);
+  window.screenshot("space_before");
+  pull(window, inSpace(window, onFace), inSpace(window, onFace + Vec3{30, 0, 0}));
+  window.waitUntil("it is held", isHeld);
+  follow("space", "coronal", onFace);
 }
 
 TEST_CASE("A scan that cannot become a body says why, and what is there stays", "[scan_not_alive]") {

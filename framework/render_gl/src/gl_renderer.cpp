@@ -95,6 +95,7 @@ class GlRenderer final : public RetainedRenderer {
     // Surfaces that blend are drawn between the parts of the volume, where there is one.
     if (!images_.drawVolume(camera, frame, viewport, changes_, isFinal, drawDepth, layers_))
       blended_.draw(frame, programs_, statistics_);
+    drawMarks(frame);
     labels_.draw(frame, programs_, statistics_);
     leaveState();
   }
@@ -104,10 +105,27 @@ class GlRenderer final : public RetainedRenderer {
       const CutProxies cut(frame);
       proxies_.forEach([&](Handle, Proxy &proxy) {
         const bool isText = proxy.kind == ProxyKind::label || proxy.kind == ProxyKind::legend;
-        if (!proxy.isHidden() && !isText && !proxy.isTransparent()) drawOpaque(proxy, frame, programs_, statistics_);
+        if (!proxy.isHidden() && !isText && !proxy.isTransparent() && !isMark(proxy))
+          drawOpaque(proxy, frame, programs_, statistics_);
       });
     }
     images_.drawOpaque(frame);
+  }
+
+  /// What tools show of a hand, which is inside of tissue or on the face of a cut as often as beside it.
+  static bool isMark(const Proxy &proxy) {
+    return proxy.material.inSlices && !proxy.isTransparent() &&
+           (proxy.kind == ProxyKind::spheres || proxy.kind == ProxyKind::lines);
+  }
+
+  /// Whole, and before everything else.
+  void drawMarks(Frame frame) {
+    frame.cutsProxies = false;
+    glDepthFunc(GL_ALWAYS);
+    proxies_.forEach([&](Handle, Proxy &proxy) {
+      if (isMark(proxy) && !proxy.isHidden()) drawOpaque(proxy, frame, programs_, statistics_);
+    });
+    glDepthFunc(GL_LEQUAL);
   }
 
   static Frame makeFrame(const Camera &camera, const Viewport &viewport) {

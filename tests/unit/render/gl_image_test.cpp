@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What single shapes look like.
+#include "c3de/render/image_renderer.h"
 #include "gl_fixture.h"
 
 using namespace c3de;
@@ -380,4 +381,35 @@ TEST_CASE("A legend without two colours or with a range that does not grow is re
   CHECK(renderer->createLegend(legend).isNull());
   CHECK(!renderer->setColours(made, std::vector<Colour>{{1, 0, 0, 1}}));
   CHECK(!renderer->setLegend(renderer->createSpheres(std::vector<Vec3f>{{0, 0, 0}}, 1.0f, {}), redToBlue()));
+}
+
+TEST_CASE("What tools show of a hand is seen through what hides it and beyond cuts, and nothing else is") {
+  C3DE_GL_OR_SKIP(gl);
+  setBlackBackground(*gl.renderer);
+  // A wall before a sphere and a line; the middle is in the middle of the picture.
+  gl.renderer->createMesh(std::vector<Vec3f>{{-90, -90, 30}, {90, -90, 30}, {0, 120, 30}},
+                          std::vector<Triangle>{{0, 1, 2}}, {{0, 0, 1, 1}, true});
+  Material mark{{1, 1, 0, 1}};
+  const Handle sphere = gl.renderer->createSpheres(std::vector<Vec3f>{{0, 0, 0}}, 12.0f, mark);
+  const Handle line = gl.renderer->createLines(std::vector<Vec3f>{{20, 0, 0}, {60, 0, 0}}, 6.0f, mark);
+  const auto isYellow = [](const Image &image, int x) {
+    const Rgb c = pixel(image, x, 60);
+    return c[0] > 60 && c[1] > 60 && c[2] < 60;
+  };
+  const auto seen = [&] {
+    const Image image = drawn(*gl.renderer, frontCamera());
+    return std::pair{isYellow(image, 80), isYellow(image, 110)};
+  };
+  CHECK(seen() == std::pair{false, false});
+  ImageScene cut;
+  cut.cuts = {{{0, 0, -40}, {0, 0, 1}}};
+  cut.cutsProxies = true;
+  gl.renderer->images()->setScene(cut);
+  CHECK(seen() == std::pair{false, false});  // all lies beyond it, the wall as well
+  mark.inSlices = true;
+  gl.renderer->setMaterial(sphere, mark);
+  gl.renderer->setMaterial(line, mark);
+  CHECK(seen() == std::pair{true, true});
+  gl.renderer->images()->setScene({});
+  CHECK(seen() == std::pair{true, true});
 }

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kPixelsPerZoomStep = 20.0;
 constexpr double kNeverWithin_mm = 1e9;
+constexpr double kNowhere_mm = -1.0;
 
 /// How far along the ray the last of the cuts it begins behind is passed.
 double entryOf(const render::Ray &ray, const std::vector<render::CutPlane> &cuts) {
@@ -42,6 +43,7 @@ c3de_event toolEvent(const ViewInput &input, std::uint32_t type, std::uint32_t b
   event.y_px = input.y;
   event.wheel = input.wheel;
   event.time_s = input.time_s;
+  event.slice_mm = kNowhere_mm;
   for (std::size_t i = 0; i < 3; ++i) {
     event.ray_origin_mm[i] = ray.origin[i];
     event.ray_direction[i] = ray.direction[i];
@@ -53,7 +55,9 @@ c3de_event toolEvent(const ViewInput &input, std::uint32_t type, std::uint32_t b
 bool ViewController::tellTool(const ViewInput &input, std::uint32_t type) {
   render::Ray ray = camera_.pickRay(input.x, input.y, width_, height_);
   if (type == C3DE_EVENT_PRESS) ray.origin = ray.origin + entryOf(ray, cuts_) * ray.direction;
-  return tools_.dispatch(toolEvent(input, type, buttons_, ray, camera_.forward()));
+  c3de_event event = toolEvent(input, type, buttons_, ray, camera_.forward());
+  if (type == C3DE_EVENT_PRESS && findSlice_) event.slice_mm = findSlice_(ray).value_or(kNowhere_mm);
+  return tools_.dispatch(event);
 }
 
 ViewController::Drag ViewController::dragOf(const ViewInput &input) {

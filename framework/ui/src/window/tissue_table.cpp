@@ -50,6 +50,16 @@ void headings(FrameContext &frame) {
   }
 }
 
+/// With its last word, which often says which of two it is: "lung_lower…_left".
+std::string shortened(const std::string &label, float width) {
+  constexpr std::size_t kLongestEnd = 8;
+  const std::size_t last = label.find_last_of("_ ");
+  if (last == std::string::npos || label.size() - last > kLongestEnd || ImGui::CalcTextSize(label.c_str()).x <= width)
+    return elided(label, width);
+  const std::string end = label.substr(last);
+  return elided(label.substr(0, last), width - ImGui::CalcTextSize(end.c_str()).x) + end;
+}
+
 void drawRow(FrameContext &frame, const TissueRow &row) {
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
@@ -62,7 +72,7 @@ void drawRow(FrameContext &frame, const TissueRow &row) {
                                               ImGui::GetColorU32(ImVec4(c[0], c[1], c[2], 1.0f)), 2.0f);
   }
   ImGui::SetCursorPosX(ImGui::GetCursorPosX() + 1.4f * side);
-  ImGui::TextUnformatted(elided(row.label, ImGui::GetContentRegionAvail().x).c_str());
+  ImGui::TextUnformatted(shortened(row.label, ImGui::GetContentRegionAvail().x).c_str());
   markItem(frame, kArea, row.label);
   itemTooltip(frame, row.label + (row.isRigid ? ": rigid" : row.tissue.empty() ? "" : ": " + row.tissue));
   for (const Column &column : kColumns) {

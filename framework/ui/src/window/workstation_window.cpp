@@ -22,6 +22,7 @@
 #include "c3de/segmentation/scan_body.h"
 #include "c3de/ui/slice_controller.h"
 #include "c3de/ui/view_controller.h"
+#include "logic/seen_slice.h"
 #include "panels/imgui_panel.h"
 #include "views/four_views.h"
 #include "views/kept_views.h"
@@ -78,7 +79,7 @@ struct WorkstationWindow::Impl {
   std::vector<OsEvent> takeEvents();
   void layOutAndCarryOut(FrameContext &context, const render::Renderer &renderer);
   void paint(render::Renderer &renderer);
-  void takeInput(FrameContext &context, const std::vector<OsEvent> &events);
+  void takeInput(FrameContext &context, const std::vector<OsEvent> &events, const render::Renderer &renderer);
   void takeMouse(const OsEvent &event);
   void closeMenus();
   void takeKey(FrameContext &frame, const OsEvent &event);
@@ -234,12 +235,18 @@ void WorkstationWindow::Impl::takeKey(FrameContext &context, const OsEvent &even
   handle(isOfSlice ? *pane : Pane::space, input, event);
 }
 
-void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector<OsEvent> &events) {
+void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector<OsEvent> &events,
+                                        const render::Renderer &renderer) {
   viewController->setViewSize(static_cast<int>(view.w), static_cast<int>(view.h));
   const ImageViews *images = shownImages();
-  render::ImageScene scene = images ? images->scene() : render::ImageScene();
+  const render::ImageScene scene = images ? images->scene() : render::ImageScene();
   state.isEscapeTaken = false;
-  viewController->setCuts(scene.cutsProxies ? std::move(scene.cuts) : std::vector<render::CutPlane>());
+  viewController->setCuts(scene.cutsProxies ? scene.cuts : std::vector<render::CutPlane>());
+  viewController->setSliceFinder([&](const render::Ray &ray) -> std::optional<double> {
+    if (scene.slices.empty()) return std::nullopt;
+    const imaging::VolumeGeometry &grid = images->image()->volume.geometry;
+    return seenSlice(renderer, scene, {grid.size, grid.indexToWorld}, ray);
+  });
   for (const OsEvent &event : events) {
     switch (event.kind) {
       case OsEvent::Kind::focusLost:
@@ -255,6 +262,7 @@ void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector
       default: takeMouse(event);
     }
   }
+  viewController->setSliceFinder(nullptr);
 }
 
 void WorkstationWindow::Impl::layOutPanes() {
@@ -660,7 +668,7 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
   impl.automation.beginFrame();
   context.mouseX = ImGui::GetIO().MousePos.x;
   context.mouseY = ImGui::GetIO().MousePos.y;
-  impl.takeInput(context, events);
+  impl.takeInput(context, events, renderer);
   if (ImageViews *images = impl.shownImages()) {
     const std::optional<Pane> pane = impl.paneAt(context.mouseX, context.mouseY);
     images->setPointedAt(pane && *pane != Pane::space);

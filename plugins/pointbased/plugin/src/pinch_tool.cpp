@@ -39,9 +39,20 @@ bool PinchTool::press(const c3de_event &event) {
   const std::optional<PickRay> ray = rayOf(services_, simulator_->node(), event);
   if (!snapshot || !ray) return false;
   refusal_.clear();
-  if (!sdk::isInSlice(event)) return pressSurface(*snapshot, *ray);
-  pressSlice(*snapshot, ray->origin);
-  return true;
+  if (sdk::isInSlice(event)) {
+    pressInside(bodyAt(*snapshot, ray->origin), ray->origin);
+    return true;
+  }
+  if (const std::optional<double> slice = sdk::seenSlice(event)) {
+    c3de_event there = event;
+    for (std::size_t i = 0; i < 3; ++i) there.ray_origin_mm[i] += *slice * event.ray_direction[i];
+    const Vec3 place = rayOf(services_, simulator_->node(), there).value_or(*ray).origin;
+    if (const BodySnapshot *body = bodyAt(*snapshot, place)) {
+      pressInside(body, place);
+      return true;
+    }
+  }
+  return pressSurface(*snapshot, *ray);
 }
 
 bool PinchTool::pressSurface(const Snapshot &snapshot, const PickRay &ray) {
@@ -62,8 +73,7 @@ bool PinchTool::pressSurface(const Snapshot &snapshot, const PickRay &ray) {
   return true;
 }
 
-void PinchTool::pressSlice(const Snapshot &snapshot, const Vec3 &place) {
-  const BodySnapshot *body = bodyAt(snapshot, place);
+void PinchTool::pressInside(const BodySnapshot *body, const Vec3 &place) {
   if (!body) return refuse(place, "No body is there");
   if (body->stands) return refuse(place, body->name + " is rigid and stands");
   const std::optional<MaterialPoint> material = materialAt(*body->rest, body->phyxels, place);

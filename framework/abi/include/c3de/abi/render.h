@@ -18,7 +18,8 @@ typedef struct c3de_material {
   uint32_t two_sided;
   float colour[4]; /* sRGB and opacity, 0 … 1; opacity below 1 blends, correctly ordered */
   /* May be absent (by size). 1: drawn over the slices of an image, too: lines and labels as the slice sees them,
-   * fainter off its plane; spheres as the circle in which it cuts them. Meshes are outlined there anyway. */
+   * fainter off its plane; spheres as the circle in which it cuts them. Meshes are outlined there anyway. In the 3D
+   * view lines and spheres of it are whole and before everything else. */
   uint32_t in_slices;
 } c3de_material;
 

@@ -24,8 +24,10 @@ using Colour = std::array<float, 4>;  ///< sRGB and opacity, 0 … 1
 struct Material {
   Colour colour{0.8f, 0.8f, 0.8f, 1.0f};  ///< opacity below 1 blends
   bool twoSided = false;                  ///< meshes: false hides triangles seen from behind (clockwise corners)
-  bool inSlices = false;                  ///< whoever draws slices of images draws it over them (forEachMark)
-  bool isOutlined = true;                 ///< meshes: whoever draws slices of images draws where they cut it
+  /// Whoever draws slices of images draws it over them (forEachMark); opaque lines and spheres are drawn whole, in
+  /// front of everything.
+  bool inSlices = false;
+  bool isOutlined = true;  ///< meshes: whoever draws slices of images draws where they cut it
 };
 
 /// What colours mean. Drawn as a bar with numbers at the right edge of the picture, several below each other.
