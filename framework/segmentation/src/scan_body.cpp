@@ -91,6 +91,7 @@ void ScanBody::setSources(Sources sources) {
   ++serial_;
   isCounted_ = false;
   rows_.clear();
+  undo_.clear();
   byName_.clear();
   numbers_.clear();
   for (const auto &layer : sources_.layers)
@@ -136,10 +137,23 @@ void ScanBody::count() {
       });
 }
 
-void ScanBody::setUse(std::size_t row, LabelUse use) {
-  if (row >= rows_.size()) return;
-  rows_[row].material = use.kind == LabelUse::Kind::material ? materials_.find(use.preset) : nullptr;
-  rows_[row].use = std::move(use);
+void ScanBody::take(Row &row, const LabelUse &use) const {
+  row.material = use.kind == LabelUse::Kind::material ? materials_.find(use.preset) : nullptr;
+  row.use = use;
+}
+
+void ScanBody::setUse(const std::vector<std::size_t> &rows, const LabelUse &use) {
+  std::vector<LabelUse> before;
+  for (const Row &row : rows_) before.push_back(row.use);
+  undo_.push_back(std::move(before));
+  for (const std::size_t row : rows)
+    if (row < rows_.size()) take(rows_[row], use);
+}
+
+void ScanBody::undo() {
+  if (undo_.empty()) return;
+  for (std::size_t i = 0; i < rows_.size(); ++i) take(rows_[i], undo_.back()[i]);
+  undo_.pop_back();
 }
 
 std::array<Vec3, 2> ScanBody::extent_mm() const {

@@ -39,7 +39,7 @@ struct Scan : Fixture {
     const auto row = std::find_if(scan.rows().begin(), scan.rows().end(),
                                   [&](const ScanBody::Row &one) { return one.name == name; });
     REQUIRE(row != scan.rows().end());
-    scan.setUse(static_cast<std::size_t>(row - scan.rows().begin()), {kind, preset});
+    scan.setUse({static_cast<std::size_t>(row - scan.rows().begin())}, {kind, preset});
   }
   void settings(const std::function<void(ScanBodySettings &)> &change) {
     ScanBodySettings s = scan.settings();
@@ -124,10 +124,33 @@ TEST_CASE("A scene that is kept names the files beside it from there", "[scan_bo
 
 TEST_CASE("A label whose name says not it alone goes by its number", "[scan_body]") {
   Scan f({"liver", "liver", "12", "*", ""});
-  for (std::size_t i = 2; i < 5; ++i) f.scan.setUse(i, {LabelKind::rigid, ""});
+  f.scan.setUse({2, 3, 4}, {LabelKind::rigid, ""});
   const scene::SceneFile scene = f.read();
   CHECK(scene.bodies[0].volume.tissues[0].wanted == std::vector<std::string>{"1", "2"});
   CHECK(scene.bodies[0].volume.tissues[1].wanted == std::vector<std::string>{"3", "4", "5"});
+}
+
+TEST_CASE("What labels are of is chosen for many at once and taken back step by step", "[scan_body]") {
+  Scan f({"liver", "gizmo", "thing"});
+  CHECK_FALSE(f.scan.canUndo());
+  f.scan.setUse({1, 2, 77}, {LabelKind::material, "spleen"});
+  f.use("thing", LabelKind::rigid);
+  CHECK(f.scan.rows()[1].material == f.materials.find("spleen"));
+  CHECK(f.scan.rows()[2].use.kind == LabelKind::rigid);
+  f.scan.undo();
+  CHECK(f.scan.rows()[2].material == f.materials.find("spleen"));
+  f.scan.undo();
+  for (const std::size_t row : {1, 2}) {
+    CHECK(f.scan.rows()[row].use == LabelUse{});
+    CHECK(f.scan.rows()[row].material == nullptr);
+  }
+  CHECK(f.scan.rows()[0].material == f.materials.find("liver"));
+  CHECK_FALSE(f.scan.canUndo());
+  f.scan.undo();
+  // Other labels begin anew.
+  f.use("gizmo", LabelKind::rigid);
+  f.scan.setSources({});
+  CHECK_FALSE(f.scan.canUndo());
 }
 
 TEST_CASE("Of a CT what has no label is fat by its values, of another image it is left out", "[scan_body]") {

@@ -79,3 +79,25 @@ TEST_CASE("A row of the table says what is known, and is found by label and tiss
   CHECK(listedRows(table, "cortex") == std::vector<std::size_t>{0});
   CHECK(listedRows(table, "spleen").empty());
 }
+
+TEST_CASE("Rows of tissues come in the order of a column, those that nothing is known of at the end") {
+  TissueTable table;
+  const auto add = [&](double reference_ml, std::optional<TissueRow::Motion> motion) {
+    TissueRow row;
+    row.reference_ml = reference_ml;
+    row.motion = motion;
+    table.rows.push_back(row);
+  };
+  add(10.0, TissueRow::Motion{10.2, 1.0, 9.0, 0.9});
+  add(50.0, std::nullopt);
+  add(20.0, TissueRow::Motion{18.0, 3.0, 4.0, 0.7});
+  add(40.0, TissueRow::Motion{40.0, 2.0, 2.0, 0.8});
+  const auto order = [&](TissueOrder by) { return listedRows(table, "", by); };
+  using Rows = std::vector<std::size_t>;
+  CHECK(order(TissueOrder::labels) == Rows{0, 1, 2, 3});
+  CHECK(order(TissueOrder::volume) == Rows{1, 3, 2, 0});
+  CHECK(order(TissueOrder::change) == Rows{2, 0, 3, 1});
+  CHECK(order(TissueOrder::mean) == Rows{2, 3, 0, 1});
+  CHECK(order(TissueOrder::largest) == Rows{0, 2, 3, 1});
+  CHECK(order(TissueOrder::leastRatio) == Rows{2, 3, 0, 1});
+}

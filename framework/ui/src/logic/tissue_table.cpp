@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "logic/label_list.h"
 
@@ -16,6 +18,20 @@ const std::string kUnknown = "–";
 std::string rounded(double value, int digits) {
   const double least = 0.5 * std::pow(10.0, -digits);
   return fmt::format("{:.{}f}", std::abs(value) < least ? 0.0 : value, digits);
+}
+
+double rankOf(const TissueRow &row, TissueOrder order) {
+  if (order == TissueOrder::volume) return row.motion ? row.motion->volume_ml : row.reference_ml;
+  if (!row.motion) return -std::numeric_limits<double>::infinity();
+  switch (order) {
+    case TissueOrder::change: return std::abs(row.motion->volume_ml / std::max(row.reference_ml, 1e-9) - 1.0);
+    case TissueOrder::mean: return row.motion->mean_mm;
+    case TissueOrder::largest: return row.motion->largest_mm;
+    case TissueOrder::leastRatio: return -row.motion->leastRatio;
+    case TissueOrder::labels:
+    case TissueOrder::volume: break;
+  }
+  return 0.0;
 }
 
 }  // namespace
@@ -34,10 +50,14 @@ std::string TissueRow::meanText() const { return motion ? rounded(motion->mean_m
 std::string TissueRow::largestText() const { return motion ? rounded(motion->largest_mm, 1) : kUnknown; }
 std::string TissueRow::ratioText() const { return motion ? rounded(motion->leastRatio, 2) : kUnknown; }
 
-std::vector<std::size_t> listedRows(const TissueTable &table, const std::string &filter) {
+std::vector<std::size_t> listedRows(const TissueTable &table, const std::string &filter, TissueOrder order) {
   std::vector<std::size_t> listed;
   for (std::size_t i = 0; i < table.rows.size(); ++i)
     if (isListed(table.rows[i].label + " " + table.rows[i].tissue, filter)) listed.push_back(i);
+  if (order != TissueOrder::labels)
+    std::stable_sort(listed.begin(), listed.end(), [&](std::size_t a, std::size_t b) {
+      return rankOf(table.rows[a], order) > rankOf(table.rows[b], order);
+    });
   return listed;
 }
 

@@ -13,6 +13,7 @@
 #include "c3de/ui/commands.h"
 #include "c3de/ui/edit_history.h"
 #include "c3de/ui/image_views.h"
+#include "c3de/ui/tissue_table.h"
 #include "c3de/ui/workstation_window.h"
 #include "window/automation_state.h"
 #include "window/steady_panel.h"
@@ -58,6 +59,7 @@ struct WindowState {
   bool isEscapeTaken = false;           ///< in this frame, by a menu or list: it is not meant for the dialog below
   std::array<char, 128> labelFilter{};  ///< in the dialog of the scan's body
   std::array<char, 128> tissueFilter{};
+  TissueOrder tissueOrder = TissueOrder::labels;
   std::optional<Question> question;  ///< while a person is asked
   /// To the last one: the ids of question and answer.
   std::pair<std::string, std::string> answer;

@@ -50,9 +50,9 @@ void choice(FrameContext &frame, const std::string &id, float width, const std::
 }
 
 /// What a label may be of; the rest of the list are presets.
-std::vector<LabelUse> usesOf(const ScanBody &scan, const ScanBody::Row &row) {
+std::vector<LabelUse> usesOf(const ScanBody &scan, bool isAir) {
   std::vector<LabelUse> uses{{LabelUse::Kind::none, {}}, {LabelUse::Kind::rigid, {}}};
-  if (row.isAir) uses.push_back({LabelUse::Kind::air, {}});
+  if (isAir) uses.push_back({LabelUse::Kind::air, {}});
   for (const scene::MaterialPreset &preset : scan.materials().presets())
     uses.push_back({LabelUse::Kind::material, preset.name});
   return uses;
@@ -86,7 +86,7 @@ void drawRow(FrameContext &frame, ScanBody &scan, std::size_t at) {
   frame.automation.value(kArea, row.name + ".known", row.known.empty() ? "not known" : row.known);
   itemTooltip(frame, row.known.empty() ? "No tissue is known by this name; choose what it is of" : row.remark);
   ImGui::TableNextColumn();
-  const std::vector<LabelUse> uses = usesOf(scan, row);
+  const std::vector<LabelUse> uses = usesOf(scan, row.isAir);
   std::vector<std::string> names;
   std::uint32_t index = 0;
   for (const LabelUse &use : uses) {
@@ -112,7 +112,27 @@ void drawRow(FrameContext &frame, ScanBody &scan, std::size_t at) {
   ImGui::TextUnformatted(volume.c_str());
   frame.automation.value(kArea, row.name + ".volume", volume);
   ImGui::PopID();
-  if (index != before) scan.setUse(at, uses[index]);
+  if (index != before) scan.setUse({at}, uses[index]);
+}
+
+/// One material for all that are listed, and the way back.
+void drawListed(FrameContext &frame, ScanBody &scan, const std::vector<std::size_t> &listed) {
+  const std::vector<LabelUse> uses = usesOf(scan, false);
+  std::vector<std::string> names;
+  for (const LabelUse &use : uses) names.push_back(nameOf(use, scan.settings().hasBackground));
+  names.emplace_back("All listed are…");
+  const auto none = static_cast<std::uint32_t>(uses.size());
+  const float undo = frame.theme.px(64.0f), list = frame.theme.px(170.0f);
+  ImGui::SameLine(ImGui::GetContentRegionMax().x - undo - list - ImGui::GetStyle().ItemSpacing.x);
+  std::uint32_t index = none;
+  choice(frame, "use_listed", list, names, index);
+  if (index != none) scan.setUse(listed, uses[index]);
+  ImGui::SameLine();
+  ImGui::BeginDisabled(!scan.canUndo());
+  if (ImGui::Button("Undo###undo", ImVec2(undo, 0))) scan.undo();
+  markItem(frame, kArea, "undo", scan.canUndo());
+  itemTooltip(frame, "Takes back the last choice of a material");
+  ImGui::EndDisabled();
 }
 
 void drawLabels(FrameContext &frame, ScanBody &scan, float below) {
@@ -132,6 +152,7 @@ void drawLabels(FrameContext &frame, ScanBody &scan, float below) {
       fmt::format("{} of {} labels, {} not known by their names", listed.size(), scan.rows().size(), unknown);
   ImGui::TextColored(unknown > 0 ? colour::kWarn : colour::kDim, "%s", count.c_str());
   frame.automation.value(kArea, "count", count);
+  drawListed(frame, scan, listed);
   if (!ImGui::BeginTable(
           "labels", 5,
           ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersInnerH | ImGuiTableFlags_Resizable,

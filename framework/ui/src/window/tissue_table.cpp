@@ -19,14 +19,15 @@ constexpr std::size_t kMostRows = 14;
 struct Column {
   const char *title, *id, *tooltip;
   std::string (TissueRow::*text)() const;
+  TissueOrder order;
 };
 constexpr std::array kColumns{
-    Column{"ml", "volume", "Volume now", &TissueRow::volumeText},
-    Column{"%", "change", "Its change since the scan", &TissueRow::changeText},
-    Column{"|u| mm", "mean", "Displacement, mean", &TissueRow::meanText},
-    Column{"most", "largest", "Largest displacement, mm", &TissueRow::largestText},
+    Column{"ml", "volume", "Volume now", &TissueRow::volumeText, TissueOrder::volume},
+    Column{"%", "change", "Its change since the scan", &TissueRow::changeText, TissueOrder::change},
+    Column{"|u| mm", "mean", "Displacement, mean", &TissueRow::meanText, TissueOrder::mean},
+    Column{"most", "largest", "Largest displacement, mm", &TissueRow::largestText, TissueOrder::largest},
     Column{"det F", "det_f", "Smallest det F: where it is compressed most, its volume over that of the scan",
-           &TissueRow::ratioText}};
+           &TissueRow::ratioText, TissueOrder::leastRatio}};
 
 void numberCell(const std::string &text) {
   const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(text.c_str()).x;
@@ -42,11 +43,29 @@ void headings(FrameContext &frame) {
                             std::max(ImGui::CalcTextSize("-100.0").x, ImGui::CalcTextSize(column.title).x));
   ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
   ImGui::TableNextColumn();
-  ImGui::TextColored(colour::kDim, "Label");
+  TissueOrder &order = frame.state.tissueOrder;
+  const auto heading = [&](const char *title, const char *id, TissueOrder its, const std::string &tooltip) {
+    // In front of its number; the whole cell is pressed.
+    const ImVec2 at = ImGui::GetCursorPos();
+    if (ImGui::Selectable((std::string("###") + id).c_str(), false)) order = order == its ? TissueOrder::labels : its;
+    markItem(frame, kArea, std::string("order.") + id);
+    itemTooltip(frame, tooltip);
+    ImGui::SetCursorPos(at);
+    ImGui::PushStyleColor(ImGuiCol_Text, order == its ? colour::kText : colour::kDim);
+    if (its == TissueOrder::labels)
+      ImGui::TextUnformatted(title);
+    else
+      numberCell(title);
+    ImGui::PopStyleColor();
+  };
+  heading("Label", "label", TissueOrder::labels, "As the body has them");
   for (const Column &column : kColumns) {
     ImGui::TableNextColumn();
-    numberCell(column.title);
-    itemTooltip(frame, column.tooltip);
+    heading(
+        column.title, column.id, column.order,
+        std::string(column.tooltip) + (column.order == order                     ? ".\nA press: as the body has them"
+                                       : column.order == TissueOrder::leastRatio ? ".\nA press: the smallest first"
+                                                                                 : ".\nA press: the largest first"));
   }
 }
 
@@ -89,7 +108,8 @@ void drawTissueTable(FrameContext &frame, const TissueTable &table) {
   ImGui::SetNextItemWidth(-FLT_MIN);
   ImGui::InputTextWithHint("###tissue_filter", "Filter: kidney, lung left", filter.data(), filter.size());
   markItem(frame, kArea, "filter");
-  const std::vector<std::size_t> listed = listedRows(table, filter.data());
+  const std::vector<std::size_t> listed = listedRows(table, filter.data(), frame.state.tissueOrder);
+  frame.automation.value(kArea, "first", listed.empty() ? std::string() : table.rows[listed.front()].label);
   frame.automation.value(kArea, "count", fmt::format("{} of {} labels", listed.size(), table.rows.size()));
   for (const std::size_t at : listed)
     for (const Column &column : kColumns)

@@ -87,7 +87,11 @@ class ScanBody {
   };
   /// All labels, layer by layer.
   [[nodiscard]] const std::vector<Row> &rows() const { return rows_; }
-  void setUse(std::size_t row, LabelUse use);
+  /// One step of undo(), also of many rows.
+  void setUse(const std::vector<std::size_t> &rows, const LabelUse &use);
+  /// What the rows were before the last setUse(); where there was none, nothing happens.
+  void undo();
+  [[nodiscard]] bool canUndo() const { return !undo_.empty(); }
   [[nodiscard]] const ScanBodySettings &settings() const { return settings_; }
   void setSettings(const ScanBodySettings &settings) { settings_ = settings; }
   /// The box around the labels' grid, LPS in mm.
@@ -109,6 +113,7 @@ class ScanBody {
 
  private:
   void count();
+  void take(Row &row, const LabelUse &use) const;
   [[nodiscard]] std::string labelText(std::size_t row) const;
 
   BackgroundJobs &jobs_;
@@ -118,8 +123,9 @@ class ScanBody {
   Sources sources_;
   ScanBodySettings settings_;
   std::vector<Row> rows_;
-  std::vector<LabelUse> byName_;        ///< what each row is without a person's choice
-  std::vector<std::uint16_t> numbers_;  ///< of each row
+  std::vector<std::vector<LabelUse>> undo_;  ///< what rows were before each step
+  std::vector<LabelUse> byName_;             ///< what each row is without a person's choice
+  std::vector<std::uint16_t> numbers_;       ///< of each row
   std::string problem_;
   Handle counting_;
   std::uint64_t serial_ = 0;

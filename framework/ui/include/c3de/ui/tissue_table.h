@@ -34,7 +34,11 @@ struct TissueTable {
   bool isShown = false;         ///< in the last frame
 };
 
-/// Rows whose label or tissue has every word of the filter in it.
-[[nodiscard]] std::vector<std::size_t> listedRows(const TissueTable &table, const std::string &filter);
+/// What comes first: the largest number, of a change whatever its sign, of det F the smallest.
+enum class TissueOrder { labels, volume, change, mean, largest, leastRatio };
+
+/// Rows whose label or tissue has every word of the filter in it. Those of which nothing is known come last.
+[[nodiscard]] std::vector<std::size_t> listedRows(const TissueTable &table, const std::string &filter,
+                                                  TissueOrder order = TissueOrder::labels);
 
 }  // namespace c3de::ui
