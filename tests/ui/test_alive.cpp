@@ -754,3 +754,39 @@ TEST_CASE("Pictures of a scan that was made alive for the user guide", "[.guide]
   pullWith("equivalent stress", "fields");
   pullWith("volume change", "tissue_table");
 }
+
+TEST_CASE("Picture of a liver that is pulled for the first page", "[.guide]") {
+  C3DE_ALIVE_OR_SKIP();
+  C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
+  C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
+  WorkstationDriver window("guide");
+  openDialog(window, {image, labels});
+  (void)make(window);
+  window.click("notification/close.0");
+  window.click("notification/close.0");
+  window.click("tissues/header");
+  window.controlClick("image/label_opacity");
+  window.key("ctrl+a");
+  window.type("0.3");
+  window.key("Return");
+  window.clickAt(inSlice(window, "axial", -75, 8));
+  window.clickAt(inSlice(window, "coronal", -75, -107));
+  takePinch(window);
+  window.key("shift+c");
+  window.key("1");
+  window.drag(window.inView(0.5, 0.9), window.inView(0.42, 0.98), 4);
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("f");
+  window.wheel(2);
+  window.moveTo(inAxial(window, 0, 0));
+  window.key("4");
+  (void)window.locate("tissues/filter");
+  window.click("tissues/order.largest");
+  pull(window, inSlice(window, "coronal", -100, -98), inSlice(window, "coronal", -58, -84));
+  const double begin = window.state()["transport"]["time_s"];
+  window.waitUntil(
+      "the tissue has come after the hand",
+      [&](const Json &s) { return s["transport"]["time_s"].get<double>() > begin + 2.5; }, 90.0);
+  window.screenshot("liver");
+  window.release();
+}

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Two jaws: where they find skin, how they close, what they squeeze with.
+#include <functional>
+#include <set>
+
 #include "force_curve.h"
 #include "grab_patch.h"
 #include "grasp.h"
@@ -180,6 +183,43 @@ TEST_CASE("A hand's own largest force is taken where it is below what tissue bea
   CHECK(grabAround(body->rest(), 0, limited, 6e3).maxForce == 2.0);
   limited.largestForce = 100.0;
   CHECK(grabAround(body->rest(), 0, limited, 6e3).maxForce == bears);
+}
+
+TEST_CASE("A hand pulls with what the tissue bears that it holds", "[grasp]") {
+  const auto one = softSlab(0.005);
+  RestState rest = one->rest();
+  const std::size_t n = rest.phyxelCount();
+  const auto bodyOf = [&](const std::function<bool(std::size_t)> &isStiff) {
+    rest.materialShares.clear();
+    for (std::size_t i = 0; i < n; ++i)
+      rest.materialShares.insert(rest.materialShares.end(), {isStiff(i) ? 0.0 : 1.0, isStiff(i) ? 1.0 : 0.0});
+    Material stiff = one->material();
+    stiff.youngsModulus *= 3.0;
+    return Body("two", std::make_shared<const RestState>(rest),
+                Constitution{{one->material(), stiff}, kLatticeStabilisation}, serialFor());
+  };
+  const Grab held = grabAround(one->rest(), 0, {.radius_mm = 18.0}, 6e3);
+  const auto limitOf = [&](const Body &body, double own = 0.0) {
+    Grab grab = held;
+    limitToTissue(grab, body, own);
+    return grab.maxForce / held.maxForce;
+  };
+  CHECK(limitOf(*one) == 1.0);
+  CHECK_THAT(limitOf(bodyOf([](std::size_t) { return true; })), WithinAbs(3.0, 1e-12));
+  CHECK_THAT(limitOf(bodyOf([](std::size_t) { return false; })), WithinAbs(1.0, 1e-12));
+  // Half of its weight in each: the harmonic mean of 1 and 3.
+  double weight = 0.0;
+  std::set<Index> stiff;
+  for (std::size_t k = 0; k < held.phyxels.size() && weight < 0.5; ++k) {
+    stiff.insert(held.phyxels[k]);
+    weight += held.weights[k];
+  }
+  const double expected = 1.0 / (weight / 3.0 + 1.0 - weight);
+  CHECK(expected < 2.0);
+  const Body half = bodyOf([&](std::size_t i) { return stiff.contains(static_cast<Index>(i)); });
+  CHECK_THAT(limitOf(half), WithinAbs(expected, 1e-12));
+  CHECK_THAT(limitOf(half, 2.0), WithinAbs(2.0 / held.maxForce, 1e-12));
+  CHECK_THAT(limitOf(half, 1e3), WithinAbs(expected, 1e-12));
 }
 
 TEST_CASE("What is horizontal on the screen follows from two places of the mouse", "[grasp]") {

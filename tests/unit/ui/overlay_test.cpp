@@ -71,6 +71,8 @@ TEST_CASE("A row of the table says what is known, and is found by label and tiss
   CHECK(row.meanText() == "2.3");
   CHECK(row.largestText() == "8.8");
   CHECK(row.ratioText() == "0.81");
+  row.motion->volume_ml = 14109.4;
+  CHECK(row.volumeText() == "14109");
   row.motion->volume_ml = 150.0 - 1e-9;
   CHECK(row.changeText() == "0.0");
   table.rows = {row, {"liver", "liver", {}, false, 1500.0, {}}};

@@ -38,7 +38,7 @@ double rankOf(const TissueRow &row, TissueOrder order) {
 
 std::string TissueRow::volumeText() const {
   const double ml = motion ? motion->volume_ml : reference_ml;
-  return rounded(ml, ml < 100.0 ? 2 : 1);
+  return rounded(ml, ml < 100.0 ? 2 : ml < 1e4 ? 1 : 0);
 }
 
 std::string TissueRow::changeText() const {

@@ -80,6 +80,24 @@ Grab grabAt(const RestState &rest, const Vec3 &at, const PinchSettings &settings
   return withSpring(patchAround(rest, at, radius), radius, settings, youngsModulus);
 }
 
+void limitToTissue(Grab &grab, const Body &body, double ownLimit) {
+  if (body.constitution().materials.size() > 1) {
+    Interpolation each;
+    each.positions.resize(grab.phyxels.size());
+    each.weights.assign(grab.phyxels.size(), 1.0);
+    each.phyxels.indices = grab.phyxels;
+    for (std::size_t k = 1; k <= grab.phyxels.size(); ++k) each.phyxels.offsets.push_back(static_cast<Index>(k));
+    const std::vector<double> moduli = body.moduliAt(each);
+    double softness = 0.0, weight = 0.0;
+    for (std::size_t k = 0; k < moduli.size(); ++k) {
+      softness += grab.weights[k] / moduli[k];
+      weight += grab.weights[k];
+    }
+    if (softness > 0.0) grab.maxForce *= weight / softness / body.material().youngsModulus;
+  }
+  if (ownLimit > 0.0) grab.maxForce = std::min(grab.maxForce, ownLimit);
+}
+
 std::optional<MaterialPoint> materialAt(const RestState &rest, std::span<const Vec3> phyxels, const Vec3 &place) {
   if (phyxels.empty() || phyxels.size() != rest.phyxelCount()) return std::nullopt;
   const auto nearest =

@@ -29,6 +29,11 @@ struct PinchSettings {
 /// @param at  m, in the frame of the phyxels
 [[nodiscard]] Grab grabAt(const RestState &rest, const Vec3 &at, const PinchSettings &settings, double youngsModulus);
 
+/// Limits a hold, which was made with the modulus of a body's first material, to what the tissue bears that it holds:
+/// soft parts count for the most, since they give way first.
+/// @param ownLimit  N, of PinchSettings::largestForce; 0: none
+void limitToTissue(Grab &grab, const Body &body, double ownLimit);
+
 /// What of a body is at a place now.
 struct MaterialPoint {
   Vec3 at = Vec3::Zero();  ///< m, in the reference, frame of the phyxels

@@ -69,7 +69,7 @@ bool PinchTool::pressSurface(const Snapshot &snapshot, const PickRay &ray) {
   const std::uint32_t surfel = *std::min_element(corners.begin(), corners.end(), [&](std::uint32_t a, std::uint32_t b) {
     return (vectorOf(body.surfels[a]) - under).squaredNorm() < (vectorOf(body.surfels[b]) - under).squaredNorm();
   });
-  begin(body, grabAround(*body.rest, surfel, settings_, body.youngsModulus), surfel, under);
+  begin(body, grabAround(*body.rest, surfel, ofTissue(), body.youngsModulus), surfel, under);
   return true;
 }
 
@@ -78,7 +78,7 @@ void PinchTool::pressInside(const BodySnapshot *body, const Vec3 &place) {
   if (body->stands) return refuse(place, body->name + " is rigid and stands");
   const std::optional<MaterialPoint> material = materialAt(*body->rest, body->phyxels, place);
   if (!material) return refuse(place, body->name + " has nothing to hold");
-  Grab grab = grabAt(*body->rest, material->at, settings_, body->youngsModulus);
+  Grab grab = grabAt(*body->rest, material->at, ofTissue(), body->youngsModulus);
   if (material->isHeld || grab.phyxels.empty()) return refuse(place, body->name + " is held by a fix there");
   begin(*body, std::move(grab), std::nullopt, place);
 }
@@ -96,6 +96,13 @@ const BodySnapshot *PinchTool::bodyAt(const Snapshot &snapshot, const Vec3 &plac
   return *std::min_element(all.begin(), all.end(), [&](const auto *a, const auto *b) { return away(a) < away(b); });
 }
 
+// The hand's own limit counts beside that of the tissue, which its body knows.
+PinchSettings PinchTool::ofTissue() const {
+  PinchSettings settings = settings_;
+  settings.largestForce = 0.0;
+  return settings;
+}
+
 void PinchTool::begin(const BodySnapshot &body, Grab grab, std::optional<std::size_t> surfel, const Vec3 &under) {
   grab.target.setZero();
   for (std::size_t k = 0; k < grab.phyxels.size(); ++k) grab.target += grab.weights[k] * body.phyxels[grab.phyxels[k]];
@@ -103,7 +110,9 @@ void PinchTool::begin(const BodySnapshot &body, Grab grab, std::optional<std::si
   grabOffset_ = grab.target - under;
   hold_ = Hold{body.id, body.name, surfel, surfel ? vectorOf(body.surfels[*surfel]) : under, under, 0.0, 0.0};
   history_.begin(simulator_);
-  post([id = body.id, grab = std::move(grab)](WorldSimulator &s) { s.setGrab(id, grab); });
+  post([id = body.id, grab = std::move(grab), own = settings_.largestForce](WorldSimulator &s) {
+    s.setGrab(id, grab, own);
+  });
   showMarker(body);
 }
 

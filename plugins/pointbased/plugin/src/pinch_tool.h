@@ -9,9 +9,9 @@
 namespace pointbased {
 
 /// Press on the surface: the nearest surfel under the mouse is held, through the host's collision service; in a slice,
-/// or on one that is seen in the 3D view: the material that is there, inside. Drag: a damped spring pulls its phyxels, in a slice within its plane;
-/// release or Escape: let go. A marker shows where, an arrow the pull, a label the force. Where nothing can be held a
-/// label says why until the button is released.
+/// or on one that is seen in the 3D view: the material that is there, inside. Drag: a damped spring pulls its phyxels,
+/// in a slice within its plane; release or Escape: let go. A marker shows where, an arrow the pull, a label the force.
+/// Where nothing can be held a label says why until the button is released.
 class PinchTool : public HandTool {
  public:
   explicit PinchTool(const Services &services);
@@ -42,6 +42,7 @@ class PinchTool : public HandTool {
   bool pressSurface(const Snapshot &snapshot, const PickRay &ray);
   void pressInside(const BodySnapshot *body, const Vec3 &place);
   [[nodiscard]] const BodySnapshot *bodyAt(const Snapshot &snapshot, const Vec3 &place) const;
+  [[nodiscard]] PinchSettings ofTissue() const;
   void begin(const BodySnapshot &body, Grab grab, std::optional<std::size_t> surfel, const Vec3 &under);
   void refuse(const Vec3 &place, const std::string &why);
   void follow(const BodySnapshot &body);

@@ -649,8 +649,9 @@ void WorldSimulator::surfels(c3de_handle body, c3de_object **out) {
   sdk::notNull(out, "out") = sdk::make<SurfelSet>(sdk::Ref<WorldSimulator>::share(this), body.v).detach()->abi();
 }
 
-void WorldSimulator::setGrab(std::uint64_t body, Grab grab) {
+void WorldSimulator::setGrab(std::uint64_t body, Grab grab, double ownLimit) {
   const std::lock_guard lock(mutex_);
+  if (const Body *held = simulator_.body(body)) limitToTissue(grab, *held, ownLimit);
   simulator_.setGrab(body, std::move(grab));
 }
 

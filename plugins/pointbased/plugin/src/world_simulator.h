@@ -139,7 +139,8 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   // For the controller, the view and the pinch of this plugin.
   [[nodiscard]] std::shared_ptr<const Snapshot> snapshot() const { return exchange_.latest(); }
   [[nodiscard]] c3de_handle node() const { return node_; }
-  void setGrab(std::uint64_t body, Grab grab);
+  /// @param ownLimit  N, of the hand beside what the tissue bears; 0: none
+  void setGrab(std::uint64_t body, Grab grab, double ownLimit);
   void moveGrab(std::uint64_t body, const Vec3 &target);
   void releaseGrab(std::uint64_t body);
   /// The instrument in a hand: comes where its first place is, in the place of the one before; what has been simulated

@@ -114,6 +114,7 @@ void WorldSimulator::hold(c3de_handle handle, const c3de_sim_hold *hold, c3de_ha
   if (in.damping_ratio > 0.0) settings.dampingRatio = in.damping_ratio;
   Grab grab = grabAround(body.rest(), static_cast<std::size_t>(nearest - positions.begin()), settings,
                          body.material().youngsModulus);
+  limitToTissue(grab, body, 0.0);
   if (in.max_force_N > 0.0) grab.maxForce = in.max_force_N;
   const Vec3 middle = grab.target = middleOf(grab, body);
   if (in.flags & C3DE_SIM_HOLD_SHAPE) keepShape(grab, body);
