@@ -55,7 +55,7 @@ TissueSnapshot turned(double angle) {
 TEST_CASE("Tissues have surfaces around their voxels, without cavities and specks, coloured as their largest label",
           "[tissue_surfaces]") {
   TissuePlaces places = cube();
-  places.placement.translation_m = {0.1, 0.0, 0.0};
+  places.placement.position_m = {0.1, 0.0, 0.0};
   auto made = tissueSurfaces({places}, {});
   REQUIRE(made);
   REQUIRE(made->size() == 2);

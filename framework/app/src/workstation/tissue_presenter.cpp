@@ -28,7 +28,7 @@ void TissuePresenter::show(std::shared_ptr<const std::vector<TissueSurface>> sur
       positions.push_back({static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])});
     render::Material material;
     material.colour = {surface.colour[0], surface.colour[1], surface.colour[2], 1.0f};
-    material.isOutlined = false;
+    material.isInside = true;
     Drawn one;
     one.mesh = renderer_.createMesh(positions, surface.reference.triangles, material);
     one.node = scene_.add(group_, isOneBody ? surface.name : surface.body + ": " + surface.name);

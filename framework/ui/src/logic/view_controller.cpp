@@ -43,7 +43,7 @@ c3de_event toolEvent(const ViewInput &input, std::uint32_t type, std::uint32_t b
   event.y_px = input.y;
   event.wheel = input.wheel;
   event.time_s = input.time_s;
-  event.slice_mm = kNowhere_mm;
+  event.inside_mm = kNowhere_mm;
   for (std::size_t i = 0; i < 3; ++i) {
     event.ray_origin_mm[i] = ray.origin[i];
     event.ray_direction[i] = ray.direction[i];
@@ -56,7 +56,7 @@ bool ViewController::tellTool(const ViewInput &input, std::uint32_t type) {
   render::Ray ray = camera_.pickRay(input.x, input.y, width_, height_);
   if (type == C3DE_EVENT_PRESS) ray.origin = ray.origin + entryOf(ray, cuts_) * ray.direction;
   c3de_event event = toolEvent(input, type, buttons_, ray, camera_.forward());
-  if (type == C3DE_EVENT_PRESS && findSlice_) event.slice_mm = findSlice_(ray).value_or(kNowhere_mm);
+  if (type == C3DE_EVENT_PRESS && findInside_) event.inside_mm = findInside_(ray).value_or(kNowhere_mm);
   return tools_.dispatch(event);
 }
 

@@ -73,7 +73,7 @@ void drawOutlines(const SliceCanvas &canvas, const render::Renderer &renderer) {
   const Vec3 point = canvas.view.worldAt(0, 0), normal = canvas.view.frame().forward;
   std::size_t curves = 0;
   renderer.forEachMesh([&](const render::MeshView &mesh) {
-    if (!mesh.material.isOutlined) return;
+    if (mesh.material.isInside) return;
     // Into the mesh's space goes the plane, not every vertex into the world's; (v - p) n = 0 with v = M x.
     const Mat4 &m = mesh.worldFromProxy;
     const Vec3 local{m[0] * normal[0] + m[1] * normal[1] + m[2] * normal[2],

@@ -22,7 +22,7 @@
 #include "c3de/segmentation/scan_body.h"
 #include "c3de/ui/slice_controller.h"
 #include "c3de/ui/view_controller.h"
-#include "logic/seen_slice.h"
+#include "logic/seen_inside.h"
 #include "panels/imgui_panel.h"
 #include "views/four_views.h"
 #include "views/kept_views.h"
@@ -242,10 +242,13 @@ void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector
   const render::ImageScene scene = images ? images->scene() : render::ImageScene();
   state.isEscapeTaken = false;
   viewController->setCuts(scene.cutsProxies ? scene.cuts : std::vector<render::CutPlane>());
-  viewController->setSliceFinder([&](const render::Ray &ray) -> std::optional<double> {
-    if (scene.slices.empty()) return std::nullopt;
-    const imaging::VolumeGeometry &grid = images->image()->volume.geometry;
-    return seenSlice(renderer, scene, {grid.size, grid.indexToWorld}, ray);
+  viewController->setInsideFinder([&](const render::Ray &ray) -> std::optional<double> {
+    std::optional<render::GridPlace> place;
+    if (images && images->image()) {
+      const imaging::VolumeGeometry &grid = images->image()->volume.geometry;
+      place = {grid.size, grid.indexToWorld};
+    }
+    return seenInside(renderer, scene, place ? &*place : nullptr, ray);
   });
   for (const OsEvent &event : events) {
     switch (event.kind) {
@@ -262,7 +265,7 @@ void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector
       default: takeMouse(event);
     }
   }
-  viewController->setSliceFinder(nullptr);
+  viewController->setInsideFinder(nullptr);
 }
 
 void WorkstationWindow::Impl::layOutPanes() {

@@ -43,7 +43,7 @@ bool PinchTool::press(const c3de_event &event) {
     pressInside(bodyAt(*snapshot, ray->origin), ray->origin);
     return true;
   }
-  if (const std::optional<double> slice = sdk::seenSlice(event)) {
+  if (const std::optional<double> slice = sdk::seenInside(event)) {
     c3de_event there = event;
     for (std::size_t i = 0; i < 3; ++i) there.ray_origin_mm[i] += *slice * event.ray_direction[i];
     const Vec3 place = rayOf(services_, simulator_->node(), there).value_or(*ray).origin;

@@ -46,9 +46,10 @@ typedef struct c3de_event {
   double time_s;
   uint32_t where; /* may be absent (by size). C3DE_IN_* */
   uint32_t reserved;
-  /* May be absent (by size). Of a press in the 3D view: how far along the ray a slice is seen that is shown there as a
-   * plane, with nothing opaque before it; negative: none is. */
-  double slice_mm;
+  /* May be absent (by size). Of a press in the 3D view: how far along the ray the inside of a body is seen, on a slice
+   * that is shown there as a plane or as the surface of a tissue, with nothing else opaque before it; negative: it is
+   * not. */
+  double inside_mm;
 } c3de_event;
 
 typedef struct c3de_tool { /* copied, strings included */

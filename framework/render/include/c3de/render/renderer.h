@@ -27,7 +27,9 @@ struct Material {
   /// Whoever draws slices of images draws it over them (forEachMark); opaque lines and spheres are drawn whole, in
   /// front of everything.
   bool inSlices = false;
-  bool isOutlined = true;  ///< meshes: whoever draws slices of images draws where they cut it
+  /// Meshes: it lies inside of a body. Whoever draws slices of images does not outline it; a tool takes hold of the
+  /// tissue behind it.
+  bool isInside = false;
 };
 
 /// What colours mean. Drawn as a bar with numbers at the right edge of the picture, several below each other.

@@ -18,10 +18,11 @@ struct ToolInfo {
   return C3DE_HAS(c3de_event, &event, where) && event.where != C3DE_IN_SPACE;
 }
 
-/// Of a press in the 3D view: how far along its ray, mm, a slice is seen that is shown there as a plane.
-[[nodiscard]] inline std::optional<double> seenSlice(const c3de_event &event) noexcept {
-  if (!C3DE_HAS(c3de_event, &event, slice_mm) || event.slice_mm < 0.0) return std::nullopt;
-  return event.slice_mm;
+/// Of a press in the 3D view: how far along its ray, mm, the inside of a body is seen, on a slice that is shown there as
+/// a plane or as the surface of a tissue.
+[[nodiscard]] inline std::optional<double> seenInside(const c3de_event &event) noexcept {
+  if (!C3DE_HAS(c3de_event, &event, inside_mm) || event.inside_mm < 0.0) return std::nullopt;
+  return event.inside_mm;
 }
 
 /// Base of a tool. Registered by add(), taken back by the destructor; at most one tool is active. Main thread.

@@ -35,8 +35,10 @@ class ViewController {
   void setViewSize(int width, int height);
   /// What is cut away cannot be grasped: the ray of a press begins where it enters what is left.
   void setCuts(std::vector<render::CutPlane> cuts) { cuts_ = std::move(cuts); }
-  /// Who knows how far along the ray of a press a slice is seen that is shown as a plane; none: it is not.
-  void setSliceFinder(std::function<std::optional<double>(const render::Ray &)> find) { findSlice_ = std::move(find); }
+  /// Who knows how far along the ray of a press the inside of a body is seen; none: it is not.
+  void setInsideFinder(std::function<std::optional<double>(const render::Ray &)> find) {
+    findInside_ = std::move(find);
+  }
   /// True: the tool took it, or the camera moved.
   bool handle(const ViewInput &input);
   /// Escape, loss of focus: the tool lets go, the camera stops. Buttons that are still down are ignored until released.
@@ -53,7 +55,7 @@ class ViewController {
   render::Camera &camera_;
   int width_ = 1, height_ = 1;
   std::vector<render::CutPlane> cuts_;
-  std::function<std::optional<double>(const render::Ray &)> findSlice_;
+  std::function<std::optional<double>(const render::Ray &)> findInside_;
   Drag drag_ = Drag::none;
   Handle dragTool_;
   std::uint32_t buttons_ = 0, dragButton_ = 0;

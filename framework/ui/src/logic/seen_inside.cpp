@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "logic/seen_slice.h"
+#include "logic/seen_inside.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -31,7 +32,8 @@ double distanceTo(const std::vector<Vec3> &corners, const Vec3 &normal, const re
 }
 
 /// @source  Möller and Trumbore, Fast, minimum storage ray-triangle intersection, 1997
-bool isBefore(double end, const render::MeshView &mesh, const render::Ray &ray) {
+/// That of a mesh; never.
+double distanceTo(const render::MeshView &mesh, const render::Ray &ray) {
   // Into the space of the mesh, which leaves distances along the ray as they are in numbers.
   const Mat4 back = imaging::affineInverse(mesh.worldFromProxy);
   const Vec3 origin = transformPoint(back, ray.origin);
@@ -40,32 +42,35 @@ bool isBefore(double end, const render::MeshView &mesh, const render::Ray &ray) 
     const render::Vec3f &p = mesh.positions[i];
     return Vec3{p[0], p[1], p[2]};
   };
+  double nearest = kNever;
   for (const auto &triangle : mesh.triangles) {
     const Vec3 a = corner(triangle[0]), ab = corner(triangle[1]) - a, ac = corner(triangle[2]) - a;
     const Vec3 p = cross(way, ac), q = cross(origin - a, ab);
     const double det = dot(ab, p);
     if (det == 0.0 || (det < 0.0 && !mesh.material.twoSided)) continue;
     const double u = dot(origin - a, p) / det, v = dot(way, q) / det, t = dot(ac, q) / det;
-    if (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t >= 0.0 && t < end) return true;
+    if (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t >= 0.0) nearest = std::min(nearest, t);
   }
-  return false;
+  return nearest;
 }
 
 }  // namespace
 
-std::optional<double> seenSlice(const render::Renderer &renderer, const render::ImageScene &scene,
-                                const render::GridPlace &place, const render::Ray &ray) {
-  double nearest = kNever;
-  for (const render::SliceInSpace &slice : scene.slices)
-    nearest = std::min(
-        nearest, distanceTo(render::cutPolygon(render::sliceOutline(place, slice.point, slice.normal), scene.cuts),
-                            slice.normal, ray));
-  if (nearest == kNever) return std::nullopt;
-  bool isHidden = false;
+std::optional<double> seenInside(const render::Renderer &renderer, const render::ImageScene &scene,
+                                 const render::GridPlace *place, const render::Ray &ray) {
+  double inside = kNever, before = kNever;
+  for (std::size_t i = 0; place != nullptr && i < scene.slices.size(); ++i) {
+    const render::SliceInSpace &slice = scene.slices[i];
+    const std::vector<Vec3> corners =
+        render::cutPolygon(render::sliceOutline(*place, slice.point, slice.normal), scene.cuts);
+    inside = std::min(inside, distanceTo(corners, slice.normal, ray));
+  }
   renderer.forEachMesh([&](const render::MeshView &mesh) {
-    isHidden = isHidden || (mesh.material.colour[3] >= 1.0f && isBefore(nearest, mesh, ray));
+    if (mesh.material.colour[3] < 1.0f) return;
+    double &nearest = mesh.material.isInside ? inside : before;
+    nearest = std::min(nearest, distanceTo(mesh, ray));
   });
-  return isHidden ? std::nullopt : std::optional(nearest);
+  return inside < before ? std::optional(inside) : std::nullopt;
 }
 
 }  // namespace c3de::ui
