@@ -305,6 +305,23 @@ TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slic
   CHECK(isTold);
   window.screenshot("alive");
 
+  // Its organs are in the 3D view, and the tree shows and hides them.
+  window.waitUntil("organs are in the tree", [](const Json &s) { return s["widgets"].contains("scene/tissues"); });
+  CHECK(window.has("scene/liver"));
+  window.waitFrames(3);
+  window.screenshot("organs");
+  window.click("scene/liver");
+  window.waitFrames(3);
+  window.screenshot("without_liver");
+  CHECK(window.differingPixels("organs", "without_liver", "3D") > 500);
+  CHECK(window.differingPixels("organs", "without_liver", "axial") < 20);
+  window.click("scene/liver");
+  window.click("scene/tissues/fold");
+  window.waitUntil("the list is folded", [](const Json &s) { return !s["widgets"].contains("scene/liver"); });
+  window.waitFrames(3);
+  window.screenshot("folded");
+  CHECK(window.differingPixels("organs", "folded", "3D") < 20);
+
   takePinch(window);
   const Point from = inAxial(window, -60, -20), to = inAxial(window, -65, -35);
   window.moveTo(from);

@@ -226,7 +226,7 @@ Expected<TissuePlaces> BodySources::placesOf(const scene::SceneBody &body, const
 
 std::vector<std::string> BodySources::takeNotices() { return std::exchange(notices_, {}); }
 
-Expected<BodyGeometry> bodyGeometryOf(const imaging::Mask &asked, double edge_mm, double points,
+Expected<BodyGeometry> bodyGeometryOf(const imaging::Mask &asked, double edge_mm, double points, bool isOfTissues,
                                       const ProgressFn &progress) {
   BodyGeometry built;
   auto cleaned = [&] {
@@ -245,7 +245,9 @@ Expected<BodyGeometry> bodyGeometryOf(const imaging::Mask &asked, double edge_mm
     auto skin = geometry::buildMesh(std::move(*surface), geometry::LengthUnit::millimetre);
     if (!skin) return tl::unexpected(skin.error());
     built.skin = std::move(*skin);
-    built.coverage = coverageOf(asked, built.skin.mesh, cleaned->specks);
+    // Tissues are where their voxels are, whatever the skin leaves out.
+    built.coverage =
+        isOfTissues ? coverageOf(asked, mask, cleaned->specks) : coverageOf(asked, built.skin.mesh, cleaned->specks);
   }
   {
     const TimeSpent filling(built.took.fills_s);
@@ -277,7 +279,6 @@ Expected<void> addTissues(const scene::SceneVolume &volume, const imaging::Label
   }
   const imaging::Mask mask = imaging::maskOf(tissues, rigid);
   if (imaging::voxelCount(mask) == 0) return {};
-  leaveOut(mask, geometry.coverage);
   auto fill = imaging::fillOf(mask, coarsest);
   if (!fill) return tl::unexpected(fill.error());
   geometry.rigid = std::make_shared<const imaging::Fill>(std::move(*fill));

@@ -13,11 +13,8 @@ namespace {
 
 constexpr double kWorthSaying = 1e-3;  // of what was asked for
 
-}  // namespace
-
-Coverage coverageOf(const imaging::Mask &asked, const geometry::TriangleMesh &skin, std::size_t specks) {
+Coverage missingOf(const imaging::Mask &asked, imaging::Mask missing, std::size_t specks) {
   Coverage out;
-  imaging::Mask missing = imaging::notEnclosed(asked, skin);
   out.asked_mm3 = imaging::volumeOf(asked);
   out.missing_mm3 = imaging::volumeOf(missing);
   out.specks = specks;
@@ -25,14 +22,17 @@ Coverage coverageOf(const imaging::Mask &asked, const geometry::TriangleMesh &sk
   return out;
 }
 
-void leaveOut(const imaging::Mask &rigid, Coverage &coverage) {
-  coverage.asked_mm3 -= imaging::volumeOf(rigid);
-  if (!coverage.missing) return;
-  imaging::Mask missing = *coverage.missing;
+}  // namespace
+
+Coverage coverageOf(const imaging::Mask &asked, const geometry::TriangleMesh &skin, std::size_t specks) {
+  return missingOf(asked, imaging::notEnclosed(asked, skin), specks);
+}
+
+Coverage coverageOf(const imaging::Mask &asked, const imaging::Mask &filled, std::size_t specks) {
+  imaging::Mask missing = asked;
   for (std::size_t v = 0; v < missing.voxels.size(); ++v)
-    if (rigid.voxels[v] != 0) missing.voxels[v] = 0;
-  coverage.missing_mm3 = imaging::volumeOf(missing);
-  coverage.missing = coverage.missing_mm3 > 0.0 ? std::make_shared<const imaging::Mask>(std::move(missing)) : nullptr;
+    if (filled.voxels[v] != 0) missing.voxels[v] = 0;
+  return missingOf(asked, std::move(missing), specks);
 }
 
 std::string sentenceOf(const Coverage &coverage) {

@@ -20,18 +20,20 @@ namespace {
 constexpr double kLeastMilliseconds = 50.0;
 constexpr double kTimes = 4.0;  // as long as one took, from its beginning to that of the next
 
-// The bodies with what stays around them; null: nothing does, or too little memory is left.
+// The bodies with what stays around them by a rule; null: nothing does, or too little memory is left.
 std::shared_ptr<const imaging::Mask> withStill(const std::shared_ptr<const imaging::Mask> &bodies,
                                                const StillPlaces &still) try {
-  if (!bodies) return nullptr;
+  if (!bodies || !still.image || still.rule.isEmpty()) return nullptr;
   auto places = std::make_shared<imaging::Mask>(*bodies);
-  const bool isRuled =
-      still.image && !still.rule.isEmpty() &&
-      imaging::markStill(still.rule, still.image->volume, still.labels ? &still.labels->map : nullptr, *places);
-  const bool isRigid = still.tissues && markRigid(*still.tissues, *places);
-  return isRuled || isRigid ? places : nullptr;
+  if (!imaging::markStill(still.rule, still.image->volume, still.labels ? &still.labels->map : nullptr, *places))
+    return nullptr;
+  return places;
 } catch (const std::bad_alloc &) {
   return nullptr;
+}
+
+bool holdsRigid(const imaging::Mask &places) {
+  return std::find(places.voxels.begin(), places.voxels.end(), imaging::kRigidVoxel) != places.voxels.end();
 }
 
 }  // namespace
@@ -64,12 +66,22 @@ bool readDisplacement(const c3de_simulator_v1 *table, c3de_object *simulator, do
   return true;
 }
 
-std::shared_ptr<imaging::Mask> referenceBodies(c3de_object *simulator, const imaging::VolumeGeometry &image) try {
+std::shared_ptr<imaging::Mask> referenceBodies(c3de_object *simulator, const imaging::VolumeGeometry &image,
+                                               const std::vector<TissuePlaces> *tissues) try {
   const auto bodies = readBodyStates(simulator, BodyParts::skin, {});
   if (!bodies || image.voxelCount() == 0) return nullptr;
+  const auto hasMap = [&](const std::string &name) {
+    return tissues != nullptr && std::any_of(tissues->begin(), tissues->end(), [&](const TissuePlaces &places) {
+             return places.map && places.body == name;
+           });
+  };
   auto all = std::make_shared<imaging::Mask>();
   for (const BodyState &body : *bodies) {
     if (body.skin.triangles.empty()) continue;
+    if (hasMap(body.name)) {
+      if (all->voxels.empty()) *all = {image, std::vector<std::uint8_t>(image.voxelCount(), 0)};
+      continue;
+    }
     geometry::TriangleMesh reference = body.skin;
     const std::vector<double> &moved = body.skinArrays.front().values;
     for (std::size_t v = 0; v < reference.vertices.size(); ++v)
@@ -80,7 +92,9 @@ std::shared_ptr<imaging::Mask> referenceBodies(c3de_object *simulator, const ima
     else
       std::transform(one.voxels.begin(), one.voxels.end(), all->voxels.begin(), all->voxels.begin(), std::bit_or<>());
   }
-  return all->voxels.empty() ? nullptr : all;
+  if (all->voxels.empty()) return nullptr;
+  if (tissues != nullptr) markTissues(*tissues, *all);
+  return all;
 } catch (const std::bad_alloc &) {
   return nullptr;
 }
@@ -134,16 +148,17 @@ std::shared_ptr<const imaging::DisplacementGrid> DisplacementSampler::onPublishe
   const bool isNew = std::exchange(gridSerial_, serial) != serial;
   if (isNew) {
     grid_.forget();
-    reference_ = referenceBodies(simulation.object(), image);
     auto offered = pointFields(simulation.table(), simulation.object());
     const std::lock_guard lock(mutex_);
     if (serial == serial_) offered_ = std::move(offered);
   }
+  if (isNew || still.tissues != marked_.tissues)
+    reference_ = referenceBodies(simulation.object(), image, still.tissues.get());
   if (isNew || !(still == marked_)) {
     marked_ = still;
     const std::shared_ptr<const imaging::Mask> places = withStill(reference_, still);
-    hasStill_ = places != nullptr;
-    bodies_ = hasStill_ ? places : reference_;
+    hasStill_ = places != nullptr || (reference_ && holdsRigid(*reference_));
+    bodies_ = places ? places : reference_;
   }
   const PresentBodies bodies = presentBodies(simulation.table(), simulation.object());
   grid_.follow(bodies.box, bodies.spacing_mm, rim);

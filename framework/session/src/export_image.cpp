@@ -90,13 +90,13 @@ Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v1 
   u.geometry = gridOf(presentBodies(table, simulator), image.geometry, how.rim_mm);
   if (!readDisplacement(table, simulator, how.rim_mm, u))
     return fail(ErrorCode::state, "the simulator does not say how far its bodies have moved");
-  const std::shared_ptr<imaging::Mask> bodies = referenceBodies(simulator, image.geometry);
+  const std::shared_ptr<imaging::Mask> bodies = referenceBodies(simulator, image.geometry, how.tissues.get());
+  u.hasStill = bodies && std::count(bodies->voxels.begin(), bodies->voxels.end(), imaging::kRigidVoxel) > 0;
   if (bodies && !how.still.isEmpty()) {
     if (auto marked = imaging::markStill(how.still, image, how.labels.get(), *bodies); !marked)
       return tl::unexpected(marked.error());
     u.hasStill = true;
   }
-  if (bodies && how.tissues && markRigid(*how.tissues, *bodies)) u.hasStill = true;
   u.bodies = bodies;
   return u;
 }

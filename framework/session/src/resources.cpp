@@ -23,7 +23,7 @@ Expected<std::filesystem::path> findResource(const std::filesystem::path &name) 
 
 Expected<DefaultScene> findDefaultScene() {
   std::string why;
-  if (const auto head = findResource("scenes/brain_shift.toml"); !head)
+  if (const auto head = findResource("scenes/brain_living.toml"); !head)
     why = head.error().message;
   else if (const auto scene = scene::loadScene(*head, nullptr); !scene)
     why = scene.error().message;

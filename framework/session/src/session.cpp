@@ -207,7 +207,7 @@ Expected<BodyGeometry> loadFromVolume(BodySources &sources, const scene::SceneBo
     if (value.id == C3DE_PARAM_ID_SPACING && value.num > 0.0)
       points = imaging::volumeOf(picked->mask) / std::pow(value.num * scene::kMillimetresPerMetre, 3);
   }
-  auto loaded = bodyGeometryOf(picked->mask, body.volume.edgeLength_mm, points, progress);
+  auto loaded = bodyGeometryOf(picked->mask, body.volume.edgeLength_mm, points, picked->tissues != nullptr, progress);
   if (!loaded) return loaded;
   if (picked->tissues) {
     if (const auto added = addTissues(body.volume, *picked->tissues, points, *loaded); !added)

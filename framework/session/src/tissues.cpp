@@ -507,14 +507,14 @@ TissuePlaces tissuePlaces(const scene::SceneBody &body, const std::vector<imagin
   return out;
 }
 
-bool markRigid(const std::vector<TissuePlaces> &bodies, imaging::Mask &places) {
+bool markTissues(const std::vector<TissuePlaces> &bodies, imaging::Mask &places) {
   bool isAny = false;
   for (const TissuePlaces &body : bodies) {
     std::vector<std::uint16_t> rigid;
     for (std::size_t i = 0; i < body.tissues.size(); ++i)
       if (body.tissues[i].isRigid) rigid.push_back(static_cast<std::uint16_t>(i + 1));
-    if (rigid.empty() || !body.map) continue;
-    isAny = imaging::markRigid(*body.map, matrixOf(body.placement), rigid, places) || isAny;
+    if (!body.map) continue;
+    isAny = imaging::markTissues(*body.map, matrixOf(body.placement), rigid, places) || isAny;
   }
   return isAny;
 }

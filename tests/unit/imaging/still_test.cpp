@@ -145,14 +145,14 @@ TEST_CASE("Voxels of bodies do not stay, whatever their value, and another grid 
 TEST_CASE("Beside rigid tissue nothing bends it, and a gap is where the simulator has one", "[imaging][still]") {
   // Rigid on the left of 30 mm, tissue on its right; points of the displacement 8 mm apart, one of them at 28 mm.
   const VolumeGeometry g = phantoms::grid({60, 12, 12});
-  const auto bodies = std::make_shared<Mask>(Mask{g, std::vector<std::uint8_t>(g.voxelCount(), kBodyVoxel)});
-  LabelMap tissues{phantoms::grid({10, 4, 4}, {3.0, 3.0, 3.0}), {}, {}};
-  for (std::size_t v = 0; v < 160; ++v) tissues.voxels.push_back(v % 10 < 5 ? 2 : 1);
+  const auto bodies = std::make_shared<Mask>(Mask{g, std::vector<std::uint8_t>(g.voxelCount(), 0)});
+  LabelMap tissues{phantoms::grid({20, 4, 4}, {3.0, 3.0, 3.0}), {}, {}};
+  for (std::size_t v = 0; v < 320; ++v) tissues.voxels.push_back(v % 20 < 5 ? 2 : 1);
   Mat4 placement = kIdentity4;  // the map lies 16 mm beside the place where its body is put
   placement[12] = 16.0;
   const std::vector<std::uint16_t> rigid{2}, none{7};
-  CHECK_FALSE(markRigid(tissues, placement, none, *bodies));
-  REQUIRE(markRigid(tissues, placement, rigid, *bodies));
+  CHECK_FALSE(markTissues(tissues, placement, none, *bodies));
+  REQUIRE(markTissues(tissues, placement, rigid, *bodies));
   const double border = 16.0 + 3.0 * 5.0 - 1.5;  // 29.5: from half a voxel before the first centre
   for (std::size_t i = 15; i < 60; ++i) REQUIRE(bodies->voxels[i] == (double(i) < border ? kRigidVoxel : kBodyVoxel));
   DisplacementGrid u;

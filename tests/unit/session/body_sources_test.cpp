@@ -178,7 +178,7 @@ TEST_CASE("The geometry of a body has the volume of its mask, as skin and as fil
   imaging::Mask mask = ball();
   const double volume_mm3 = imaging::volumeOf(mask);
   mask.voxels[at(1, 1, 1)] = 1;
-  const auto body = bodyGeometryOf(mask, 0.0, 500.0, {});
+  const auto body = bodyGeometryOf(mask, 0.0, 500.0, false, {});
   REQUIRE(body);
   CHECK(body->volume_mm3 == volume_mm3);
   const double filled =
@@ -192,8 +192,8 @@ TEST_CASE("The geometry of a body has the volume of its mask, as skin and as fil
   CHECK(body->took.surfaces_s > 0.0);
   CHECK(body->took.fills_s > 0.0);
   std::fill(mask.voxels.begin(), mask.voxels.end(), std::uint8_t{0});
-  CHECK_FALSE(bodyGeometryOf(mask, 0.0, 500.0, {}));
-  CHECK(bodyGeometryOf(ball(), 0.0, 500.0, [](double, const std::string &) { return false; }).error().code ==
+  CHECK_FALSE(bodyGeometryOf(mask, 0.0, 500.0, false, {}));
+  CHECK(bodyGeometryOf(ball(), 0.0, 500.0, false, [](double, const std::string &) { return false; }).error().code ==
         ErrorCode::cancelled);
 }
 
@@ -205,7 +205,7 @@ TEST_CASE("Voxels are averaged to a sixteenth of the distance of points, never f
     for (std::size_t j = 2; j < 42; ++j)
       for (std::size_t i = 2; i < 42; ++i) cube.voxels[i + 44 * (j + 44 * k)] = 1;
   // An edge of 80 mm: 5 mm for a single phyxel, which is two voxels of 2 mm.
-  const auto coarse = bodyGeometryOf(cube, 0.0, 1.0, {}), fine = bodyGeometryOf(cube, 0.0, 1000.0, {});
+  const auto coarse = bodyGeometryOf(cube, 0.0, 1.0, false, {}), fine = bodyGeometryOf(cube, 0.0, 1000.0, false, {});
   REQUIRE(coarse);
   REQUIRE(fine);
   CHECK(coarse->fill.geometry.spacing() == Vec3{4, 4, 4});

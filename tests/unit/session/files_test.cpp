@@ -75,7 +75,7 @@ TEST_CASE("Resources are found from the program, and one that is missing is told
 TEST_CASE("What opens by itself is the head, or another scene with the reason") {
   const auto scene = findDefaultScene();
   REQUIRE(scene);
-  const bool isHead = scene->file.filename() == "brain_shift.toml";
+  const bool isHead = scene->file.filename() == "brain_living.toml";
   CHECK((isHead || scene->file.filename() == "first_light.toml"));
   CHECK(scene->notice.empty() == isHead);
 }

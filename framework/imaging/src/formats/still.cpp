@@ -21,13 +21,9 @@ void markValues(const StillRule &rule, const Volume &image, Mask &places) {
       image.voxels);
 }
 
-/// Voxels whose centres lie in one of the labels. @param mark  given what a voxel is already
+/// Every voxel whose centre lies in a label. @param mark  given the label, and what a voxel is already
 template <class Mark>
-void markLabels(const LabelMap &labels, const Mat4 &worldFromLabel, std::span<const std::uint16_t> wanted, Mask &places,
-                const Mark &mark) {
-  std::vector<std::uint8_t> isWanted(65536, 0);
-  for (const std::uint16_t label : wanted) isWanted[label] = 1;
-  isWanted[0] = 0;
+void markLabels(const LabelMap &labels, const Mat4 &worldFromLabel, Mask &places, const Mark &mark) {
   const Mat4 labelFromVoxel = multiply(affineInverse(worldFromLabel), places.geometry.indexToWorld);
   const auto &n = places.geometry.size, &size = labels.geometry.size;
   std::size_t v = 0;
@@ -45,8 +41,14 @@ void markLabels(const LabelMap &labels, const Mat4 &worldFromLabel, std::span<co
           at += stride * static_cast<std::size_t>(nearest);
           stride *= size[a];
         }
-        if (isInside && isWanted[labels.voxels[at]] != 0) mark(places.voxels[v]);
+        if (isInside && labels.voxels[at] != 0) mark(labels.voxels[at], places.voxels[v]);
       }
+}
+
+std::vector<std::uint8_t> among(std::span<const std::uint16_t> labels) {
+  std::vector<std::uint8_t> all(65536, 0);
+  for (const std::uint16_t label : labels) all[label] = 1;
+  return all;
 }
 
 }  // namespace
@@ -59,18 +61,22 @@ Expected<void> markStill(const StillRule &rule, const Volume &image, const Label
     return {};
   }
   if (rule.above || rule.below) markValues(rule, image, places);
-  if (labels != nullptr && !rule.labels.empty())
-    markLabels(*labels, labels->geometry.indexToWorld, rule.labels, places,
-               [](std::uint8_t &place) { place = place == 0 ? kStillVoxel : place; });
+  if (labels == nullptr || rule.labels.empty()) return {};
+  const std::vector<std::uint8_t> stays = among(rule.labels);
+  markLabels(*labels, labels->geometry.indexToWorld, places, [&](std::uint16_t label, std::uint8_t &place) {
+    if (place == 0 && stays[label] != 0) place = kStillVoxel;
+  });
   return {};
 }
 
-bool markRigid(const LabelMap &tissues, const Mat4 &placement, std::span<const std::uint16_t> rigid, Mask &places) {
+bool markTissues(const LabelMap &tissues, const Mat4 &placement, std::span<const std::uint16_t> rigid, Mask &places) {
+  const std::vector<std::uint8_t> isRigid = among(rigid);
   bool isAny = false;
-  markLabels(tissues, multiply(placement, tissues.geometry.indexToWorld), rigid, places, [&](std::uint8_t &place) {
-    place = kRigidVoxel;
-    isAny = true;
-  });
+  markLabels(tissues, multiply(placement, tissues.geometry.indexToWorld), places,
+             [&](std::uint16_t tissue, std::uint8_t &place) {
+               place = isRigid[tissue] != 0 ? kRigidVoxel : kBodyVoxel;
+               isAny = isAny || place == kRigidVoxel;
+             });
   return isAny;
 }
 

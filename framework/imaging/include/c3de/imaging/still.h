@@ -27,10 +27,11 @@ struct StillRule {
 [[nodiscard]] Expected<void> markStill(const StillRule &rule, const Volume &image, const LabelMap *labels,
                                        Mask &places);
 
-/// Marks the voxels whose centres lie in one of these labels as kRigidVoxel, those of bodies too.
+/// Marks the voxels whose centres lie in a label of a map as kRigidVoxel, where it is one of `rigid`, else as kBodyVoxel,
+/// whatever they were.
 /// @param tissues    on a grid of its own
 /// @param placement  of that grid in the world
-/// @return whether there is one
-bool markRigid(const LabelMap &tissues, const Mat4 &placement, std::span<const std::uint16_t> rigid, Mask &places);
+/// @return whether one is rigid
+bool markTissues(const LabelMap &tissues, const Mat4 &placement, std::span<const std::uint16_t> rigid, Mask &places);
 
 }  // namespace c3de::imaging

@@ -80,8 +80,9 @@ class BodySources {
 /// Of a mask, without its specks. Errors are those of surface and fill.
 /// @param edge_mm   of the triangles of the skin; 0: automatic
 /// @param points    about how many there will be, at least: voxels are averaged to a sixteenth of their distance
+/// @param isOfTissues  addTissues() follows
 [[nodiscard]] Expected<BodyGeometry> bodyGeometryOf(const imaging::Mask &mask, double edge_mm, double points,
-                                                    const ProgressFn &progress);
+                                                    bool isOfTissues, const ProgressFn &progress);
 
 /// Gives a geometry what its tissues fill.
 /// @param points  as of bodyGeometryOf()

@@ -22,10 +22,8 @@ struct Coverage {
 /// What a closed skin leaves of a mask outside.
 /// @param specks  of `asked` that were left out before
 [[nodiscard]] Coverage coverageOf(const imaging::Mask &asked, const geometry::TriangleMesh &skin, std::size_t specks);
-
-/// Without what is rigid, which stays where the image shows it, in a body or not.
-/// @param rigid  on the grid of the mask
-void leaveOut(const imaging::Mask &rigid, Coverage &coverage);
+/// What voxels that fill a body leave of it. @param filled  on the grid of `asked`
+[[nodiscard]] Coverage coverageOf(const imaging::Mask &asked, const imaging::Mask &filled, std::size_t specks);
 
 /// "12.3 ml (4.5 %) of what was asked for as 'aorta' is in no body; …", with what would help; empty where nothing is
 /// missing that a person would want to know: less than a thousandth.

@@ -23,7 +23,7 @@ struct StillPlaces {
   std::shared_ptr<const scene::StoredImage> image;  ///< null: nothing stays by the rule
   std::shared_ptr<const scene::StoredLabels> labels;
   imaging::StillRule rule;
-  std::shared_ptr<const std::vector<TissuePlaces>> tissues;  ///< whose rigid ones stay; null: there are no such bodies
+  std::shared_ptr<const std::vector<TissuePlaces>> tissues;  ///< of bodies; null: there are none of many
   friend bool operator==(const StillPlaces &, const StillPlaces &) = default;
 };
 
@@ -70,7 +70,7 @@ class DisplacementSampler {
   std::mutex askingMutex_;
   imaging::FollowingGrid grid_;
   std::uint64_t gridSerial_ = 0;
-  std::shared_ptr<const imaging::Mask> reference_, bodies_;  // bodies alone; with what stays
+  std::shared_ptr<const imaging::Mask> reference_, bodies_;  // bodies alone; with what stays by the rule
   StillPlaces marked_;                                       // that bodies_ has
   bool hasStill_ = false;
   std::chrono::steady_clock::time_point last_{};
@@ -82,10 +82,12 @@ struct PresentBodies {
 };
 /// [sim]
 [[nodiscard]] PresentBodies presentBodies(const c3de_simulator_v1 *table, c3de_object *simulator);
-/// Where the bodies are in the reference, on the grid of an image; null where the simulator lends no skins, or too
-/// little memory is left. [sim]
+/// Where the bodies are in the reference, on the grid of an image: kBodyVoxel and, of rigid tissue, kRigidVoxel; null
+/// where the simulator lends no skins, or too little memory is left.
+/// @param tissues  of those that have maps, whose voxels count in the place of their skins; null: there are none [sim]
 [[nodiscard]] std::shared_ptr<imaging::Mask> referenceBodies(c3de_object *simulator,
-                                                             const imaging::VolumeGeometry &image);
+                                                             const imaging::VolumeGeometry &image,
+                                                             const std::vector<TissuePlaces> *tissues = nullptr);
 /// Displacements and gaps. False where the simulator cannot say, or fails. [sim]
 [[nodiscard]] bool readDisplacement(const c3de_simulator_v1 *table, c3de_object *simulator, double rim_mm,
                                     imaging::DisplacementGrid &grid);

@@ -36,8 +36,7 @@ struct ImageWarp {
   double rim_mm = 10.0;                             ///< within it their displacement falls to nothing around them
   imaging::StillRule still;                         ///< what stays
   std::shared_ptr<const imaging::LabelMap> labels;  ///< that `still` speaks of; may be null
-  std::shared_ptr<const std::vector<TissuePlaces>>
-      tissues{};  ///< whose rigid ones stay; null: there are no such bodies
+  std::shared_ptr<const std::vector<TissuePlaces>> tissues{};  ///< of bodies; null: there are none of many
 };
 /// That of a scene, whose image and labels are read if they are not yet. Errors: those of reading and of stillRuleOf(),
 /// with the line of [image].
