@@ -209,11 +209,10 @@ TEST_CASE("In the living brain the skull stays, the brain moves and nothing is t
   if (!std::filesystem::exists("/usr/share/mricron/templates/ch2bet.nii.gz"))
     C3DE_SKIP("mricron-data is not installed");
   const auto folder = freshFolder("living-brain");
-  const auto points =
-      writeFile(folder / "points.csv",
-                "body,x [m],y [m],z [m]\n"
-                "head,0.0,-0.0785,0.009\nhead,0.0745,0.015,0.019\nhead,0.0,0.113,0.019\n"  // skull, scalp
-                "head,0.0,-0.05,0.03\n");                                                  // frontal pole
+  const auto points = writeFile(folder / "points.csv",
+                                "body,x [m],y [m],z [m]\n"
+                                "head,0.0,-0.0785,0.009\nhead,0.0745,0.015,0.019\nhead,0.0,0.106,0.019\n"  // skull
+                                "head,0.0,-0.05,0.03\n");  // frontal pole
   const auto run = runC3de({"run", (std::filesystem::path(testResourcesFolder()) / "scenes/brain_living.toml").string(),
                             "--until", "0.5", "--tissues", (folder / "tissues.csv").string(), "--sample-points",
                             points.string(), "--sampled", (folder / "sampled.csv").string()});

@@ -15,13 +15,15 @@ namespace {
 constexpr double kMostJump = 0.7;
 constexpr double kLeastWay = 1e-6;  // of a cell, between the middles of two materials
 constexpr double kAlike = 1e-6;     // of a modulus
+// Of the square of a cell's edge: what is flatter still shares strains as if it were not.
+constexpr double kLeastSpread = 1e-6;
 
 // Some of the points of a cell, taken as one material: sums weighted by volume until they are divided.
 struct Layer {
   double volume = 0.0, mu = 0.0, lambda = 0.0;
   Vec3 middle = Vec3::Zero(), squares = Vec3::Zero();  // m, m²: means of place and of its squares
   Vec3 first = Vec3::Zero(), mixed = Vec3::Zero();     // as in CellShape
-  Vec3 extent = Vec3::Zero();                          // m⁵: Σ v s
+  Vec3 extent = Vec3::Zero();                          // m⁵: Σ v s, above 0
 
   void add(const StencilSet &s, std::size_t q, const Material &material) {
     const CellShape &shape = *s.shapeOf(q);
@@ -34,7 +36,7 @@ struct Layer {
     squares += v * (s.variances[q] + place.cwiseAbs2());
     first += v * shape.first;
     mixed += v * shape.mixed;
-    extent += v * s.variances[q];
+    extent += v * (s.variances[q] + Vec3::Constant(kLeastSpread * edge * edge));
   }
   void divide() {
     mu /= volume;
