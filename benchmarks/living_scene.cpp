@@ -20,6 +20,7 @@
 #include "c3de/session/body_sources.h"
 #include "c3de/session/build_scene.h"
 #include "c3de/session/displacement_sampler.h"
+#include "c3de/session/live_tissues.h"
 #include "c3de/session/session.h"
 #include "c3de/session/simulator_access.h"
 #include "c3de/session/still_rule.h"
@@ -27,6 +28,7 @@
 #include "c3de/ui/image_views.h"
 #include "images_scene.h"
 #include "workstation/displacement_presenter.h"
+#include "workstation/tissue_presenter.h"
 
 namespace bench {
 namespace {
@@ -163,9 +165,20 @@ class LivingBench {
     return {};
   }
 
+  /// The surfaces of the tissues in the 3D view.
+  Expected<void> showTissues(const std::vector<session::TissuePlaces> &bodies) {
+    auto made = session::tissueSurfaces(bodies, {});
+    if (!made) return tl::unexpected(made.error());
+    tissues_.begin(bodies);
+    surfaces_.show(std::make_shared<const std::vector<session::TissueSurface>>(std::move(*made)),
+                   session_.simulationNode());
+    tissues_.follow(surfaces_.seen());
+    return {};
+  }
+
   /// On the simulation's thread.
   void onPublished(const scene::Simulation &simulation) {
-    sampler_.onPublished(simulation);
+    tissues_.onPublished(simulation, sampler_.onPublished(simulation), true);
     c3de_sim_status status{};
     status.size = sizeof status;
     ++snapshots_;
@@ -196,10 +209,11 @@ class LivingBench {
     for (std::size_t v = 0; v < 4; ++v)
       report.row({what, ui::paneName(static_cast<ui::Pane>(v)), median(counts_.draw_ms[v]),
                   static_cast<double>(counts_.draw_ms[v].size()) / took_s,
-                  static_cast<double>(counts_.deformed[v]) / took_s, nullptr, nullptr});
+                  static_cast<double>(counts_.deformed[v]) / took_s, nullptr, nullptr, nullptr, nullptr});
     report.row({what, "all", median(counts_.frame_ms), static_cast<double>(counts_.frame_ms.size()) / took_s,
                 static_cast<double>(*std::min_element(counts_.deformed.begin(), counts_.deformed.end())) / took_s,
-                median(counts_.displacement_ms), rate});
+                median(counts_.displacement_ms), static_cast<double>(counts_.surfaces_ms.size()) / took_s,
+                median(counts_.surfaces_ms), rate});
     return {};
   }
 
@@ -223,6 +237,11 @@ class LivingBench {
     if (newest)
       if (const auto shown = displacement_.show(std::move(newest)); !shown) return;
     displacement_.followOverlay();
+    if (auto places = tissues_.places(); places != places_) {
+      counts_.surfaces_ms.push_back(tissues_.following_ms());
+      places_ = std::move(places);
+      surfaces_.place(places_);
+    }
     images_.setScene(views_.scene());
     const render::ImageLook look = views_.look();
     const std::uint64_t snapshots = snapshots_;
@@ -246,7 +265,7 @@ class LivingBench {
   struct Counts {
     std::array<std::vector<double>, 4> draw_ms;
     std::array<std::size_t, 4> deformed{};
-    std::vector<double> frame_ms, displacement_ms;
+    std::vector<double> frame_ms, displacement_ms, surfaces_ms;
   };
 
   render::ImageRenderer &images_;
@@ -259,6 +278,9 @@ class LivingBench {
   ui::ImageViews views_;
   app::DisplacementPresenter displacement_{&images_, views_};
   session::DisplacementSampler sampler_;
+  app::TissuePresenter surfaces_{renderer_, session_.sceneGraph()};
+  std::shared_ptr<const session::SurfacePlaces> places_;
+  session::LiveTissues tissues_;
   render::Camera camera_;
   Counts counts_;
 };
@@ -280,8 +302,9 @@ Expected<void> measureLiving(render::Renderer &renderer, const std::filesystem::
   auto scene = scene::loadScene(*file, &(*session)->materials());
   if (!scene) return tl::unexpected(scene.error());
   session::BodySources sources;
+  session::Prepared prepared;
   const double from = wall_ms();
-  if (auto done = session::buildScene(**session, simulator.get(), *scene, sources, {}); !done)
+  if (auto done = session::buildScene(**session, simulator.get(), *scene, sources, {}, &prepared); !done)
     return tl::unexpected(done.error());
   report.fact("prepared_ms", wall_ms() - from);
   auto volume = sources.volume(scene->image->file, {});
@@ -297,16 +320,22 @@ Expected<void> measureLiving(render::Renderer &renderer, const std::filesystem::
   if (!rule) return tl::unexpected(rule.error());
 
   LivingBench bench(renderer, **session, image, scene->image->rim_mm);
-  if (auto done = bench.upload({image, stored, std::move(*rule)}); !done) return done;
+  if (auto done = bench.upload({image, stored, std::move(*rule),
+                                std::make_shared<const std::vector<session::TissuePlaces>>(prepared.tissues)});
+      !done)
+    return done;
   (*session)->setPublishedHook([&bench](const scene::Simulation &simulation) { bench.onPublished(simulation); });
   simulator.get()->vt->retain(simulator.get());
   if (auto done = (*session)->adopt(simulator.get(), "torso"); !done) return done;
+  if (auto done = bench.showTissues(prepared.tissues); !done) return done;
   report.table("living", {{"overlay", "overlay", 0},
                           {"view", "view", 0},
                           {"draw_ms", "ms a frame", 2},
                           {"drawn_hz", "drawn /s", 1},
                           {"deformed_hz", "deformed /s", 1},
                           {"displacement_ms", "displacement ms", 2},
+                          {"surfaces_hz", "surfaces /s", 1},
+                          {"surfaces_ms", "surfaces ms", 1},
                           {"rate", "rate of real time", 2}});
   const std::pair<const char *, ui::Overlay> parts[] = {
       {"none", ui::Overlay::none}, {"det F", ui::Overlay::volumeChange}, {"stress", ui::Overlay::field}};

@@ -789,7 +789,9 @@ TEST_CASE("Picture of a liver that is pulled for the first page", "[.guide]") {
   window.clickAt(inSlice(window, "axial", -75, 8));
   window.clickAt(inSlice(window, "coronal", -75, -107));
   takePinch(window);
-  window.key("shift+c");
+  window.click("image/slices_in_space");
+  window.waitUntil("organs are in the tree", [](const Json &s) { return s["widgets"].contains("scene/tissues"); });
+  window.moveTo(window.inView(0.5, 0.5));
   window.key("1");
   window.drag(window.inView(0.5, 0.9), window.inView(0.42, 0.98), 4);
   window.moveTo(window.inView(0.5, 0.5));
