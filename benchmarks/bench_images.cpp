@@ -3,7 +3,7 @@
 // resolution and at rest. The drawing alone, into a framebuffer of the size of a window's views at 1280 x 800.
 //
 //   bench_images                 phantoms of two sizes
-//   bench_images --scene FILE    a scene with an [image] while it plays; "default": the one the program starts with
+//   bench_images --scene FILE    a scene with an [image] while it plays; "head": brain_shift.toml
 //   bench_images --scene living  a torso of many tissues, made here, that plays on a thread of its own
 #include <epoxy/gl.h>
 
@@ -80,7 +80,7 @@ int main(int argc, char **argv) {
   bench::CommandLine line("bench_images");
   line.defaults.seconds = 2.0;
   std::string scenePath;
-  line.add("--scene", "FILE|default|living", [&](const std::string &text) { scenePath = text; });
+  line.add("--scene", "FILE|head|living", [&](const std::string &text) { scenePath = text; });
   if (const auto code = line.parse(argc, argv)) return *code;
   auto context = OffscreenContext::create();
   if (!context) {
@@ -110,8 +110,8 @@ int main(int argc, char **argv) {
     return report.write();
   }
   if (!scenePath.empty()) {
-    auto file = scenePath == "default" ? session::findResource("scenes/brain_shift.toml")
-                                       : Expected<std::filesystem::path>(scenePath);
+    auto file = scenePath == "head" ? session::findResource("scenes/brain_shift.toml")
+                                    : Expected<std::filesystem::path>(scenePath);
     const Expected<void> done =
         file ? bench::measureScene(renderer, *file, line.options(), report) : tl::unexpected(file.error());
     if (!done) {

@@ -202,7 +202,10 @@ TEST_CASE("Pictures of the default scene for the user guide", "[.guide]") {
   window.start({"--play", (std::filesystem::path(testResourcesFolder()) / "scenes" / "brain_living.toml").string()});
   window.waitUntil(
       "the brain has settled",
-      [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty() && s["transport"]["time_s"].get<double>() > 4.0; }, 120.0);
+      [](const Json &s) {
+        return s["panes"].size() == 4 && s["jobs"].empty() && s["transport"]["time_s"].get<double>() > 4.0;
+      },
+      120.0);
   const auto inPane = [&](const char *pane, double u, double v) {
     const Json r = window.state()["panes"][pane];
     return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(),

@@ -56,6 +56,21 @@ TEST_CASE("A tissue by a name that is not known is refused where it stands", "[t
              Contains("has a material and is rigid"));
 }
 
+TEST_CASE("A tissue may be left out of the 3D view, and have a colour there", "[tissues]") {
+  const auto scene =
+      parse(bodyWith("[ { label = \"liver\", show = false }, { label = \"a*\", material = \"fat\", "
+                     "colour = [0.5, 0, 1] } ]"));
+  REQUIRE(scene);
+  const auto &tissues = scene->bodies.front().volume.tissues;
+  CHECK_FALSE(tissues[0].isShown);
+  CHECK_FALSE(tissues[0].colour);
+  CHECK(tissues[1].isShown);
+  CHECK(tissues[1].colour == Vec3{0.5, 0.0, 1.0});
+  CHECK_THAT(errorOf(bodyWith("[ { label = \"liver\", colour = [0.5, 0, 255] } ]")),
+             Contains("tissues: colour is (0.5, 0, 255); accepted: red, green and blue from 0 to 1"));
+  CHECK_THAT(errorOf(bodyWith("[ { label = \"liver\", show = 3 } ]")), Contains("tissues: show"));
+}
+
 TEST_CASE("Parts of tissues leave what an override has said of the body", "[tissues]") {
   auto scene = parse(bodyWith("\"known\""));
   REQUIRE(scene);
