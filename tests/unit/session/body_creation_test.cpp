@@ -218,7 +218,7 @@ TEST_CASE("A name that the simulation has already is refused, and what is left i
 
 TEST_CASE("Where no body can be created the reasons of all are told") {
   Fixture f(true);
-  f.simulator.failing["add_body"] = C3DE_E_NOMEM;
+  f.simulator.fail("add_body", C3DE_E_NOMEM);
   f.creation->createBodies({request("liver"), request("nothing", 0)});
   f.settle();
   CHECK(f.created.empty());
@@ -245,14 +245,14 @@ TEST_CASE("Without a simulator no body is created, and the reason is that of the
 
 TEST_CASE("Bodies that were created before a cancellation stay, and the others are not tried") {
   Fixture f(true);
-  f.simulator.failing["add_body"] = C3DE_E_CANCELLED;
+  f.simulator.fail("add_body", C3DE_E_CANCELLED);
   f.creation->createBodies({request("liver"), request("spleen")});
   f.settle();
   CHECK(f.created.empty());
   REQUIRE(f.failed.size() == 1);
   CHECK(f.failed[0].second.code == ErrorCode::cancelled);
   f.failed.clear();
-  f.simulator.failing.clear();
+  f.simulator.failNowhere();
   f.simulator.cancelsFrom = 2;
   f.creation->createBodies({request("liver"), request("spleen"), request("aorta")});
   f.settle();

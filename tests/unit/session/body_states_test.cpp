@@ -92,7 +92,7 @@ TEST_CASE("Fields are those of the simulator, with its names and units, and one 
   REQUIRE(temperature);
   CHECK(temperature->values == std::vector<double>{310, 311});
   CHECK_FALSE(named(states->front().inside.arrays, "pair [1]"));
-  simulator.failing["enum_fields"] = C3DE_E_INTERNAL;
+  simulator.fail("enum_fields", C3DE_E_INTERNAL);
   states = read(simulator);
   REQUIRE(states);
   CHECK(named(states->front().inside.arrays, "displacement [mm]"));
@@ -101,7 +101,7 @@ TEST_CASE("Fields are those of the simulator, with its names and units, and one 
 TEST_CASE("Where skins alone are asked for, points are not read") {
   StandInSimulator simulator;
   simulator.bodies = {bodyWithPoints()};
-  simulator.failing["points"] = C3DE_E_INTERNAL;
+  simulator.fail("points", C3DE_E_INTERNAL);
   const auto states = read(simulator, BodyParts::skin);
   REQUIRE(states);
   CHECK(states->front().inside.points.empty());
@@ -111,11 +111,11 @@ TEST_CASE("Where skins alone are asked for, points are not read") {
 TEST_CASE("A surface without triangles gives points alone, and triangles of another form or of no vertex are refused") {
   StandInSimulator simulator;
   simulator.bodies = {bodyWithPoints()};
-  simulator.failing["triangles"] = C3DE_E_UNSUPPORTED;
+  simulator.fail("triangles", C3DE_E_UNSUPPORTED);
   auto states = read(simulator);
   REQUIRE(states);
   CHECK(states->front().skin.triangles.empty());
-  simulator.failing.clear();
+  simulator.failNowhere();
   simulator.triangleComponents = 4;
   states = read(simulator);
   REQUIRE_FALSE(states);
@@ -140,7 +140,7 @@ TEST_CASE("What a simulator does not give is named with the body and the reason 
   for (const Refusal &one : refusals) {
     StandInSimulator simulator;
     simulator.bodies = {bodyWithPoints()};
-    simulator.failing[one.function] = C3DE_E_INTERNAL;
+    simulator.fail(one.function, C3DE_E_INTERNAL);
     const auto states = read(simulator, BodyParts::skinAndInside, one.text);
     REQUIRE_FALSE(states);
     CHECK(states.error().code == ErrorCode::plugin);

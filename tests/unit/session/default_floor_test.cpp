@@ -37,7 +37,7 @@ TEST_CASE("Bounds are those of all skins as they are now, and without a skin the
   CHECK(norm(bounds->min - Vec3{0, 0, -1}) < 1e-12);
   CHECK(norm(bounds->max - Vec3{1.1, 3.2, 0.1}) < 1e-12);
   simulator.bodies.resize(1);
-  simulator.failing["surface"] = C3DE_E_INTERNAL;
+  simulator.fail("surface", C3DE_E_INTERNAL);
   CHECK_FALSE(boundsOfBodies(simulator.object()));
 }
 
@@ -67,7 +67,7 @@ TEST_CASE("Walls are put up where the simulator declares them and they fit") {
   CHECK_FALSE(*room);
   CHECK(simulator.world.empty());
 
-  simulator.failing["set_world"] = C3DE_E_STATE;
+  simulator.fail("set_world", C3DE_E_STATE);
   room = putUpRoom(simulator.object(), kBodies);
   REQUIRE_FALSE(room);
   CHECK(room.error().code == ErrorCode::plugin);

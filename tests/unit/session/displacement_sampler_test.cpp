@@ -89,9 +89,9 @@ TEST_CASE("A displacement is asked for in metres and told in mm") {
   REQUIRE(grid.gap_mm.size() == 24);
   CHECK_THAT(grid.gap_mm[23], WithinAbs(4.0f, 1e-5));
 
-  simulator.failing["displacement"] = C3DE_E_UNSUPPORTED;
+  simulator.fail("displacement", C3DE_E_UNSUPPORTED);
   CHECK_FALSE(readDisplacement(simulator.table(), simulator.object(), 10.0, grid));
-  simulator.failing.clear();
+  simulator.failNowhere();
   grid.geometry.size = {0, 0, 0};
   CHECK_FALSE(readDisplacement(simulator.table(), simulator.object(), 10.0, grid));
   StandInSimulator without;
@@ -201,7 +201,7 @@ TEST_CASE("What stays is marked around the bodies, and a change of it counts at 
 TEST_CASE("A simulator that cannot say leaves nothing to take") {
   Fixture f;
   f.sampler.want(true, 5.0, imageGrid());
-  f.simulator.failing["displacement"] = C3DE_E_INTERNAL;
+  f.simulator.fail("displacement", C3DE_E_INTERNAL);
   f.sampler.onPublished(*f.simulation);
   CHECK_FALSE(f.sampler.take());
 }

@@ -152,7 +152,7 @@ TEST_CASE("The present displacement covers the bodies within the image, with wha
   u = presentDisplacement(simulator.table(), simulator.object(), scan(), how);
   REQUIRE(u);
   CHECK_FALSE(u->hasStill);
-  simulator.failing["displacement"] = C3DE_E_INTERNAL;
+  simulator.fail("displacement", C3DE_E_INTERNAL);
   u = presentDisplacement(simulator.table(), simulator.object(), scan(), how);
   REQUIRE_FALSE(u);
   CHECK(u.error().code == ErrorCode::state);

@@ -95,19 +95,19 @@ TEST_CASE("A quasi-static solution goes on until the simulator says that it is f
 
 TEST_CASE("A step that fails ends the run, and the place and the reason are told") {
   Fixture f;
-  f.simulator.failing["step"] = C3DE_E_DIVERGED;
+  f.simulator.fail("step", C3DE_E_DIVERGED);
   REQUIRE(f.run());
   CHECK(f.facts().outcome == "diverged");
   CHECK(f.facts().failure == "step 1 at 0 s failed: status -14");
   Fixture load;
-  load.simulator.failing["step"] = C3DE_E_STATE;
+  load.simulator.fail("step", C3DE_E_STATE);
   load.simulator.finishesAtStep = 5;
   REQUIRE(load.run());
   CHECK(load.facts().outcome == "failed");
   CHECK(load.facts().failure == "load step 1 failed: status -7");
   // Ended by nobody: neither a time limit nor a signal.
   Fixture cancelled;
-  cancelled.simulator.failing["step"] = C3DE_E_CANCELLED;
+  cancelled.simulator.fail("step", C3DE_E_CANCELLED);
   REQUIRE(cancelled.run());
   CHECK(cancelled.facts().failure == "step 1 at 0 s failed: status -12");
 }
@@ -192,7 +192,7 @@ TEST_CASE("Frames are exported at their times and at the end") {
 TEST_CASE("An export that fails on the way is told, and the run goes on without it") {
   Fixture f;
   f.simulator.bodies = {cubeBody(0.1, {0, 0, 0}, {0, 0, 0})};
-  f.simulator.failing["surface"] = C3DE_E_INTERNAL;
+  f.simulator.fail("surface", C3DE_E_INTERNAL);
   f.options.steps = 2;
   f.options.exportList = testOutputFolder() / "run.pvd";
   REQUIRE(f.run());
@@ -210,7 +210,7 @@ TEST_CASE("A simulator that does not say its status, its probes or its hash ends
     Fixture f;
     f.options.steps = 1;
     f.options.probes = testOutputFolder() / "probes.csv";
-    f.simulator.failing[function] = C3DE_E_INTERNAL;
+    f.simulator.fail(function, C3DE_E_INTERNAL);
     const auto run = f.run();
     REQUIRE_FALSE(run);
     CHECK(run.error().code == ErrorCode::plugin);

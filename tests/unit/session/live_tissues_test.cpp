@@ -83,7 +83,7 @@ TEST_CASE("Labels are followed beside the simulation while somebody looks", "[li
   // Another simulation has none of it.
   f.tissues.begin(onePlace());
   CHECK_FALSE(f.tissues.newest());
-  f.simulator.failing["displacement"] = -1;
+  f.simulator.fail("displacement", -1);
   f.tissues.onPublished(*f.simulation);
   CHECK_FALSE(f.tissues.newest());
   CHECK_FALSE(f.tissues.isBehind());  // it is not asked again and again

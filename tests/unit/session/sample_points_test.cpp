@@ -71,11 +71,11 @@ TEST_CASE("Points of a body that is not there name the nearest, and a simulator 
   const auto absent = positionsOf(simulator.object(), {{"bdy", {}, 3}}, "p.csv", {});
   REQUIRE_FALSE(absent);
   CHECK(absent.error().message == "p.csv:3: there is no body 'bdy'; did you mean 'body'?");
-  simulator.failing["add_probe"] = C3DE_E_ARG;
+  simulator.fail("add_probe", C3DE_E_ARG);
   const auto refused = positionsOf(simulator.object(), {{"body", {}, 2}}, "p.csv", {});
   REQUIRE_FALSE(refused);
   CHECK_THAT(refused.error().message, Contains("p.csv:2: the point cannot be followed"));
-  simulator.failing.clear();
+  simulator.failNowhere();
   CHECK_THAT(positionsOf(simulator.object(), {{"body", {}, 2}}, "p.csv", {}).error().message,
              Contains("0 probes where 1 were added"));
 }

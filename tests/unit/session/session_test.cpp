@@ -153,7 +153,7 @@ TEST_CASE("A simulator that refuses is told with the line of what it refused") {
       {"add_probe", {8, "adding probe 'tip' failed (status -1)"}}};
   for (const auto &[function, expected] : refusals) {
     Fixture f;
-    f.simulator.failing[function] = C3DE_E_ARG;
+    f.simulator.fail(function, C3DE_E_ARG);
     const auto refused = f.populate(text);
     REQUIRE_FALSE(refused);
     CHECK(refused.error().code == ErrorCode::input);
@@ -161,7 +161,7 @@ TEST_CASE("A simulator that refuses is told with the line of what it refused") {
     CHECK(refused.error().message == place + expected.second);
   }
   Fixture f;
-  f.simulator.failing["add_body"] = C3DE_E_CANCELLED;
+  f.simulator.fail("add_body", C3DE_E_CANCELLED);
   const auto cancelled = f.populate(text);
   REQUIRE_FALSE(cancelled);
   CHECK(cancelled.error().code == ErrorCode::cancelled);
@@ -245,7 +245,7 @@ TEST_CASE("A simulator that cannot be shown leaves the present one as it was") {
   const auto session = sessionWithoutPlugins();
   REQUIRE(session->adopt(present.object(), "present"));
   const Handle node = session->simulationNode();
-  next.failing["attach"] = C3DE_E_GPU;
+  next.fail("attach", C3DE_E_GPU);
   const auto adopted = session->adopt(next.object(), "next");
   REQUIRE_FALSE(adopted);
   CHECK(adopted.error().code == ErrorCode::plugin);

@@ -97,7 +97,7 @@ TEST_CASE("Declarations are those of the scope, and a simulator that does not sa
   CHECK(world->front().id == "solver.dt");
   REQUIRE(body->size() == 2);
   CHECK(body->back().id == "material.poisson_ratio");
-  simulator.failing["declarations"] = C3DE_E_INTERNAL;
+  simulator.fail("declarations", C3DE_E_INTERNAL);
   const auto refused = simulatorDeclarations(simulator.object(), C3DE_SIM_SCOPE_OBSTACLE);
   REQUIRE_FALSE(refused);
   CHECK(refused.error().code == ErrorCode::plugin);
@@ -125,7 +125,7 @@ TEST_CASE("Probes are read with name and position, and a simulator that does not
   CHECK((*probes)[0].name == "tip");
   CHECK((*probes)[0].position_m == Vec3{1, 2, 3});
   CHECK((*probes)[1].name == "root");
-  simulator.failing["enum_probes"] = C3DE_E_INTERNAL;
+  simulator.fail("enum_probes", C3DE_E_INTERNAL);
   const auto refused = readProbes(simulator.table(), simulator.object());
   REQUIRE_FALSE(refused);
   CHECK(refused.error().code == ErrorCode::plugin);

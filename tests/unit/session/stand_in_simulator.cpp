@@ -58,8 +58,19 @@ const c3de_simulator_v1 *StandInSimulator::table() {
 }
 
 c3de_status StandInSimulator::answer(const char *function) const {
-  const auto refused = failing.find(function);
-  return refused == failing.end() ? C3DE_OK : refused->second;
+  const std::lock_guard lock(failingMutex_);
+  const auto refused = failing_.find(function);
+  return refused == failing_.end() ? C3DE_OK : refused->second;
+}
+
+void StandInSimulator::fail(const std::string &function, c3de_status with) {
+  const std::lock_guard lock(failingMutex_);
+  failing_[function] = with;
+}
+
+void StandInSimulator::failNowhere() {
+  const std::lock_guard lock(failingMutex_);
+  failing_.clear();
 }
 
 void StandInSimulator::declare() {

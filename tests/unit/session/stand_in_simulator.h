@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,9 @@ class StandInSimulator {
   [[nodiscard]] c3de_object *object() { return &shared_.object; }
   [[nodiscard]] const c3de_simulator_v1 *table();
   [[nodiscard]] int references() const { return references_; }
+  /// From now on that function answers with an error. Any thread, also while a simulation calls it.
+  void fail(const std::string &function, c3de_status with);
+  void failNowhere();
 
   // What it says:
   std::vector<StandInBody> bodies;
@@ -62,7 +66,6 @@ class StandInSimulator {
   bool lacksStateHash = false;
   const c3de_contact_v1 *contact = nullptr;          ///< null: it does not answer iface.contact
   bool hasDisplacement = true, hasInterrupt = true;  ///< those slots are not null
-  std::map<std::string, c3de_status> failing;        ///< by the name of the function
   /// Numbers from -1 to 1e9; gravity, min and max: vectors from -10 to 10; enabled, rigid: switches.
   std::vector<std::string> worldIds, bodyIds;
   std::string report = R"({"bodies": [], "probes": []})";
@@ -102,6 +105,8 @@ class StandInSimulator {
   c3de_simulator_v1 table_ = makeTable();
   Shared shared_{};
   std::vector<c3de_param_decl> worldDecls_, bodyDecls_;
+  mutable std::mutex failingMutex_;
+  std::map<std::string, c3de_status> failing_;  ///< by the name of the function
   std::atomic<int> references_{1};
 };
 

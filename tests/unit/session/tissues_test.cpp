@@ -160,7 +160,7 @@ TEST_CASE("Labels are followed by what the simulator says, and it may not say", 
   CHECK(liver.largestDisplacement_m == Approx(0.005));
   CHECK(liver.minJ == Approx(1.0));
   CHECK(bone.largestDisplacement_m == 0.0);
-  simulator.failing["displacement"] = -1;
+  simulator.fail("displacement", -1);
   motions = tissueMotions(simulator.table(), simulator.object(), {*places});
   REQUIRE_FALSE(motions);
   CHECK_THAT(motions.error().message, Contains("does not say how far"));
