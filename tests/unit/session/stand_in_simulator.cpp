@@ -259,7 +259,7 @@ c3de_simulator_v1 StandInSimulator::makeTable() {
     return C3DE_OK;
   };
   table.displacement = [](c3de_object *self, const c3de_sim_grid *grid, double rim_m, float *xyz_m,
-                          float *gap_m) -> c3de_status {
+                          float *gaps_m) -> c3de_status {
     StandInSimulator &it = of(self);
     if (const c3de_status code = it.answer("displacement"); code < 0) return code;
     it.rims_m.push_back(rim_m);
@@ -267,7 +267,7 @@ c3de_simulator_v1 StandInSimulator::makeTable() {
     const std::uint64_t n = grid->points[0] * grid->points[1] * grid->points[2];
     for (std::uint64_t i = 0; i < n; ++i) {
       for (std::size_t a = 0; a < 3; ++a) xyz_m[3 * i + a] = static_cast<float>(it.displacement_m[a]);
-      if (gap_m != nullptr) gap_m[i] = static_cast<float>(it.gap_m);
+      if (gaps_m != nullptr) gaps_m[i] = static_cast<float>(it.gap_m);
     }
     return C3DE_OK;
   };
