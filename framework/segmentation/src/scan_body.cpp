@@ -209,9 +209,8 @@ std::string ScanBody::sceneText(const std::filesystem::path &folder) const {
     const std::string gravity = fmt::format(fmt::runtime(directionOf(settings_.posture)), kGravity_m_s2);
     text += "[world]\ngravity = " + gravity + "\nscan_gravity = " + gravity + "\n\n";
   }
-  // What is to be seen in the 3D view are the tissues; around them the skin of what lies between.
-  text += std::string("[view]\nsurface = \"") + (settings_.hasBackground ? "transparent" : "hidden") +
-          "\"\npoints = \"none\"\n\n";
+  // What is to be seen in the 3D view are the tissues.
+  text += "[view]\nsurface = \"transparent\"\npoints = \"none\"\n\n";
   text += "[solver]\ndamping = 2.0\n\n[[body]]\nname = \"scan\"\nvolume = " + labels + "\n";
 
   // One entry for labels that are one tissue by their names, or got the same choice.

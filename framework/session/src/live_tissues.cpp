@@ -42,6 +42,13 @@ void LiveTissues::begin(std::vector<TissuePlaces> bodies) {
   behind_ = bodies_ != nullptr;
 }
 
+void LiveTissues::want(bool wanted) {
+  if (wanted_.exchange(wanted) || !wanted) return;
+  // A snapshot that was read for surfaces alone says nothing of the labels.
+  const std::lock_guard lock(mutex_);
+  behind_ = bodies_ != nullptr;
+}
+
 void LiveTissues::follow(std::shared_ptr<const std::vector<TissueSurface>> surfaces) {
   const std::lock_guard lock(mutex_);
   if (surfaces == surfaces_) return;

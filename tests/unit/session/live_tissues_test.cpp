@@ -200,7 +200,14 @@ TEST_CASE("Surfaces are followed ten times a second while somebody looks, and la
   CHECK(places->vertices.front()[1][0] == Approx(33.0));
   CHECK(places->vertices.front()[1][2] == Approx(14.0));
   CHECK_FALSE(f.tissues.newest());  // nobody looks at the labels
+  CHECK_FALSE(f.tissues.isBehind());
   f.tissues.want(true);
+  CHECK(f.tissues.isBehind());
+  f.tissues.onPublished(*f.simulation);
+  REQUIRE(f.waitFor([&] { return f.renewed == 2; }));
+  CHECK(f.tissues.newest());
+  CHECK_FALSE(f.tissues.isBehind());
+  places = f.tissues.places();
   f.simulation->transport(C3DE_TRANSPORT_PLAY);
   REQUIRE(f.waitFor([&] { return f.simulation->state().mode == C3DE_SIM_PLAYING; }));
   // What a slow machine needs for a reading is left out of account: at least both are followed, labels less often.

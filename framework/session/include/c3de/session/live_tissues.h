@@ -30,7 +30,7 @@ class LiveTissues {
   /// Of the simulation that goes on from here; empty: it has no such bodies. Any thread.
   void begin(std::vector<TissuePlaces> bodies);
   /// Somebody looks at the labels; else they are not followed. Any thread.
-  void want(bool wanted) { wanted_ = wanted; }
+  void want(bool wanted);
   [[nodiscard]] bool wanted() const { return wanted_; }
   /// Surfaces of the present simulation that somebody looks at; null: none. Any thread.
   void follow(std::shared_ptr<const std::vector<TissueSurface>> surfaces);
