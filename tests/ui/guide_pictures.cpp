@@ -216,7 +216,7 @@ TEST_CASE("Pictures of the default scene for the user guide", "[.guide]") {
   window.screenshot("brain_shift");
 
   window.key("p");
-  const c3de::test::Point from = inPane("axial", 0.38, 0.42);
+  const c3de::test::Point from = inPane("axial", 0.44, 0.52);
   window.moveTo(from);
   window.press();
   window.waitUntil("tissue is held", [](const Json &s) { return s["values"].contains(kPanel + "Held inside"); });

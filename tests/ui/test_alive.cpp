@@ -779,6 +779,7 @@ TEST_CASE("Picture of a liver that is pulled for the first page", "[.guide]") {
   WorkstationDriver window("guide");
   openDialog(window, {image, labels});
   (void)make(window);
+  window.waitUntil("organs are in the tree", [](const Json &s) { return s["widgets"].contains("scene/tissues"); });
   window.click("notification/close.0");
   window.click("notification/close.0");
   window.click("tissues/header");
@@ -790,7 +791,6 @@ TEST_CASE("Picture of a liver that is pulled for the first page", "[.guide]") {
   window.clickAt(inSlice(window, "coronal", -75, -107));
   takePinch(window);
   window.click("image/slices_in_space");
-  window.waitUntil("organs are in the tree", [](const Json &s) { return s["widgets"].contains("scene/tissues"); });
   window.moveTo(window.inView(0.5, 0.5));
   window.key("1");
   window.drag(window.inView(0.5, 0.9), window.inView(0.42, 0.98), 4);
