@@ -32,10 +32,6 @@ std::shared_ptr<const imaging::Mask> withStill(const std::shared_ptr<const imagi
   return nullptr;
 }
 
-bool holdsRigid(const imaging::Mask &places) {
-  return std::find(places.voxels.begin(), places.voxels.end(), imaging::kRigidVoxel) != places.voxels.end();
-}
-
 }  // namespace
 
 PresentBodies presentBodies(const c3de_simulator_v1 *table, c3de_object *simulator) {
@@ -157,8 +153,8 @@ std::shared_ptr<const imaging::DisplacementGrid> DisplacementSampler::onPublishe
   if (isNew || !(still == marked_)) {
     marked_ = still;
     const std::shared_ptr<const imaging::Mask> places = withStill(reference_, still);
-    hasStill_ = places != nullptr || (reference_ && holdsRigid(*reference_));
     bodies_ = places ? places : reference_;
+    hasStill_ = bodies_ && imaging::holdsStill(*bodies_);
   }
   const PresentBodies bodies = presentBodies(simulation.table(), simulation.object());
   grid_.follow(bodies.box, bodies.spacing_mm, rim);

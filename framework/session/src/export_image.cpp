@@ -91,12 +91,10 @@ Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v1 
   if (!readDisplacement(table, simulator, how.rim_mm, u))
     return fail(ErrorCode::state, "the simulator does not say how far its bodies have moved");
   const std::shared_ptr<imaging::Mask> bodies = referenceBodies(simulator, image.geometry, how.tissues.get());
-  u.hasStill = bodies && std::count(bodies->voxels.begin(), bodies->voxels.end(), imaging::kRigidVoxel) > 0;
-  if (bodies && !how.still.isEmpty()) {
+  if (bodies && !how.still.isEmpty())
     if (auto marked = imaging::markStill(how.still, image, how.labels.get(), *bodies); !marked)
       return tl::unexpected(marked.error());
-    u.hasStill = true;
-  }
+  u.hasStill = bodies && imaging::holdsStill(*bodies);
   u.bodies = bodies;
   return u;
 }

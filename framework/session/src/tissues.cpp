@@ -507,16 +507,14 @@ TissuePlaces tissuePlaces(const scene::SceneBody &body, const std::vector<imagin
   return out;
 }
 
-bool markTissues(const std::vector<TissuePlaces> &bodies, imaging::Mask &places) {
-  bool isAny = false;
+void markTissues(const std::vector<TissuePlaces> &bodies, imaging::Mask &places) {
   for (const TissuePlaces &body : bodies) {
     std::vector<std::uint16_t> rigid;
     for (std::size_t i = 0; i < body.tissues.size(); ++i)
       if (body.tissues[i].isRigid) rigid.push_back(static_cast<std::uint16_t>(i + 1));
     if (!body.map) continue;
-    isAny = imaging::markTissues(*body.map, matrixOf(body.placement), rigid, places) || isAny;
+    imaging::markTissues(*body.map, matrixOf(body.placement), rigid, places);
   }
-  return isAny;
 }
 
 }  // namespace c3de::session

@@ -12,7 +12,7 @@ using session::test::cubeBody;
 
 namespace {
 
-// A cube of 40 mm in voxels of 1 mm: a ball of 15 mm with a hollow in a background, on a rigid plate; a speck beside it.
+// A cube of 40 mm in voxels of 1 mm: a hollow ball of 15 mm in a background, over a rigid plate; a speck beside it.
 TissuePlaces cube() {
   auto map = std::make_shared<imaging::LabelMap>();
   map->geometry.size = {40, 40, 40};

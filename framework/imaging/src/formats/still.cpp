@@ -69,15 +69,16 @@ Expected<void> markStill(const StillRule &rule, const Volume &image, const Label
   return {};
 }
 
-bool markTissues(const LabelMap &tissues, const Mat4 &placement, std::span<const std::uint16_t> rigid, Mask &places) {
+void markTissues(const LabelMap &tissues, const Mat4 &placement, std::span<const std::uint16_t> rigid, Mask &places) {
   const std::vector<std::uint8_t> isRigid = among(rigid);
-  bool isAny = false;
-  markLabels(tissues, multiply(placement, tissues.geometry.indexToWorld), places,
-             [&](std::uint16_t tissue, std::uint8_t &place) {
-               place = isRigid[tissue] != 0 ? kRigidVoxel : kBodyVoxel;
-               isAny = isAny || place == kRigidVoxel;
-             });
-  return isAny;
+  markLabels(
+      tissues, multiply(placement, tissues.geometry.indexToWorld), places,
+      [&](std::uint16_t tissue, std::uint8_t &place) { place = isRigid[tissue] != 0 ? kRigidVoxel : kBodyVoxel; });
+}
+
+bool holdsStill(const Mask &places) {
+  return std::any_of(places.voxels.begin(), places.voxels.end(),
+                     [](std::uint8_t place) { return place == kStillVoxel || place == kRigidVoxel; });
 }
 
 }  // namespace c3de::imaging

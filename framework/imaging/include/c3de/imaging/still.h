@@ -27,11 +27,12 @@ struct StillRule {
 [[nodiscard]] Expected<void> markStill(const StillRule &rule, const Volume &image, const LabelMap *labels,
                                        Mask &places);
 
-/// Marks the voxels whose centres lie in a label of a map as kRigidVoxel, where it is one of `rigid`, else as kBodyVoxel,
-/// whatever they were.
+/// Marks the voxels whose centres lie in a label of a map as kRigidVoxel, where it is one of `rigid`, else as
+/// kBodyVoxel, whatever they were.
 /// @param tissues    on a grid of its own
 /// @param placement  of that grid in the world
-/// @return whether one is rigid
-bool markTissues(const LabelMap &tissues, const Mat4 &placement, std::span<const std::uint16_t> rigid, Mask &places);
+void markTissues(const LabelMap &tissues, const Mat4 &placement, std::span<const std::uint16_t> rigid, Mask &places);
+/// DisplacementGrid::hasStill of these places.
+[[nodiscard]] bool holdsStill(const Mask &places);
 
 }  // namespace c3de::imaging

@@ -34,9 +34,9 @@ class LiveTissues {
   [[nodiscard]] bool wanted() const { return wanted_; }
   /// Surfaces of the present simulation that somebody looks at; null: none. Any thread.
   void follow(std::shared_ptr<const std::vector<TissueSurface>> surfaces);
-  /// On the simulation's thread, after a snapshot. While it plays labels at most twice a second, surfaces ten times, and
-  /// no more than a twentieth of the time; not while something is still followed, and not for as long after it as that
-  /// took.
+  /// On the simulation's thread, after a snapshot. While it plays labels at most twice a second, surfaces ten times,
+  /// and no more than a twentieth of the time; not while something is still followed, and not for as long after it as
+  /// that took.
   /// @param u             of this snapshot, if somebody has asked for it anyway
   /// @param comesWithOthers  such a one comes with one of the next snapshots: one of its own is not asked for
   void onPublished(const scene::Simulation &simulation, const std::shared_ptr<const imaging::DisplacementGrid> &u = {},

@@ -42,8 +42,8 @@ struct TissuePlaces {
   }
 };
 
-/// Marks where the tissues of bodies are at rest, as imaging::kBodyVoxel and kRigidVoxel: voxel by voxel, where a skin is
-/// as coarse as its edges. Whether one is rigid. Any thread.
-bool markTissues(const std::vector<TissuePlaces> &bodies, imaging::Mask &places);
+/// Marks where the tissues of bodies are at rest, as imaging::kBodyVoxel and kRigidVoxel: voxel by voxel, where a skin
+/// is as coarse as its edges. Any thread.
+void markTissues(const std::vector<TissuePlaces> &bodies, imaging::Mask &places);
 
 }  // namespace c3de::session

@@ -22,9 +22,9 @@ struct TissueSurface {
   bool isRigid = false;
   geometry::TriangleMesh reference;  ///< as the body is placed at rest, mm
 };
-/// Those of all tissues that are to be shown and have voxels, without the background. Voxels are taken together, and cavities left
-/// out, so that a tissue has some ten thousand triangles; one that is too thin for that has no surface. Errors:
-/// cancelled. Any thread.
+/// Those of all tissues that are to be shown and have voxels, without the background. Voxels are taken together, and
+/// cavities left out, so that a tissue has some ten thousand triangles; one that is too thin for that has no surface.
+/// Errors: cancelled. Any thread.
 [[nodiscard]] Expected<std::vector<TissueSurface>> tissueSurfaces(const std::vector<TissuePlaces> &bodies,
                                                                   const ProgressFn &progress);
 

@@ -25,8 +25,8 @@ HWY_INLINE Vec3Lanes<V> times(const Sym3Lanes<V> &a, const Vec3Lanes<V> &b) {
           hn::MulAdd(a.xz, b.x, hn::MulAdd(a.yz, b.y, hn::Mul(a.zz, b.z)))};
 }
 
-/// The strain of one material from the corners of its cell (G = F - 1), what a stress of it does to them, and the energy
-/// of its modes. Where no lane has two materials: what CellRun says.
+/// The strain of one material from the corners of its cell (G = F - 1), what a stress of it does to them, and the
+/// energy of its modes. Where no lane has two materials: what CellRun says.
 template <MaterialLaw kLaw, bool kMixed, class D>
 struct LaminateLanes {
   using V = hn::Vec<D>;
@@ -134,7 +134,7 @@ struct LaminateLanes<kLaw, true, D> {
       const Vec3Lanes<V> t = scaled(c, times(kept().getMatrix(kMaterialStress), n));
       const Vec3Lanes<V> w = transposeTimes(mean, t), v = fromJump(w);
       const Vec3Lanes<V> dw = transposeTimes(of.dMean, t) + transposeTimes(mean, dt);
-      // v = (w - k² (w·y) y)/g with g = √(1 + k² b²): dg/g = k² (y·db)/g, and from dy = (db - k² y (y·db))/g follows
+      // v = (w - k² (w·y) y)/g with g = √(1 + k² b²): dg/g = k² (y·db)/g; from dy = (db - k² y (y·db))/g follows
       // (y·db)/g = y·dy/(1 - k² y²).
       const V wy = dot(w, y);
       const V rest = hn::NegMulAdd(limit2, dot(y, y), hn::Set(d, T(1)));
