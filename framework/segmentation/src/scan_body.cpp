@@ -76,11 +76,17 @@ void ScanBody::setSources(Sources sources) {
   const bool areSameLabels = sources.layers == sources_.layers;
   sources_ = std::move(sources);
   if (!isPossible()) isShown_ = false;
-  if (!isSameScan || !areSameLabels) problem_.clear();
+  if (!isSameScan || !areSameLabels) {
+    problem_.clear();
+    undo_.clear();
+    isOfEarlierScan_ = isMaking_;
+  }
   if (!isSameScan) {
     settings_ = {};
+    unit_.clear();
     if (sources_.image) {
       settings_.hasBackground = imaging::looksLikeHounsfield(sources_.image->volume);
+      unit_ = sources_.image->volume.unit.empty() && settings_.hasBackground ? "HU" : sources_.image->volume.unit;
       settings_.largestOnly = settings_.hasBackground;  // organs alone lie apart
       settings_.from = settings_.hasBackground ? kFrom_HU : sources_.image->range.low;
       settings_.to = settings_.hasBackground ? kTo_HU : sources_.image->range.high;
@@ -91,7 +97,6 @@ void ScanBody::setSources(Sources sources) {
   ++serial_;
   isCounted_ = false;
   rows_.clear();
-  undo_.clear();
   byName_.clear();
   numbers_.clear();
   for (const auto &layer : sources_.layers)
@@ -142,18 +147,42 @@ void ScanBody::take(Row &row, const LabelUse &use) const {
   row.use = use;
 }
 
+void ScanBody::keepStep() {
+  Step step;
+  for (const Row &row : rows_) step.uses.push_back(row.use);
+  step.region = settings_.region;
+  undo_.push_back(std::move(step));
+  isTyped_ = false;
+}
+
 void ScanBody::setUse(const std::vector<std::size_t> &rows, const LabelUse &use) {
-  std::vector<LabelUse> before;
-  for (const Row &row : rows_) before.push_back(row.use);
-  undo_.push_back(std::move(before));
+  keepStep();
   for (const std::size_t row : rows)
     if (row < rows_.size()) take(rows_[row], use);
 }
 
+void ScanBody::setRegion(const std::optional<std::array<Vec3, 2>> &region) {
+  if (region == settings_.region) return;
+  keepStep();
+  settings_.region = region;
+}
+
+void ScanBody::setSettings(const ScanBodySettings &settings) {
+  const bool isTyped = settings.region && settings_.region;
+  if (settings.region != settings_.region && !(isTyped && isTyped_)) {
+    keepStep();
+    isTyped_ = isTyped;
+  }
+  settings_ = settings;
+}
+
 void ScanBody::undo() {
   if (undo_.empty()) return;
-  for (std::size_t i = 0; i < rows_.size(); ++i) take(rows_[i], undo_.back()[i]);
+  const Step &step = undo_.back();
+  for (std::size_t i = 0; i < rows_.size(); ++i) take(rows_[i], step.uses[i]);
+  settings_.region = step.region;
   undo_.pop_back();
+  isTyped_ = false;
 }
 
 std::array<Vec3, 2> ScanBody::extent_mm() const {
@@ -163,9 +192,13 @@ std::array<Vec3, 2> ScanBody::extent_mm() const {
 }
 
 std::string ScanBody::blockingReason() const {
+  std::string reason = sceneReason();
+  return reason.empty() && isMaking_ ? "a body is being made" : reason;
+}
+
+std::string ScanBody::sceneReason() const {
   if (!sources_.image) return "no image is open";
   if (sources_.layers.empty()) return "no label map lies over the image";
-  if (isMaking_) return "a body is being made";
   if (!isCounted_) return counting_.isNull() ? "the labels have not been measured" : "the labels are being measured";
   if (std::all_of(rows_.begin(), rows_.end(), [](const Row &row) {
         return row.use.kind == LabelUse::Kind::none || row.volume_ml.value_or(0.0) <= 0.0;
@@ -251,15 +284,17 @@ void ScanBody::make() {
   if (!blockingReason().empty()) return;
   problem_.clear();
   isMaking_ = true;
+  isOfEarlierScan_ = false;
   isShown_ = false;
   make_(sceneText());
 }
 
-void ScanBody::finished(const Expected<void> &result) {
+bool ScanBody::finished(const Expected<void> &result) {
   isMaking_ = false;
-  if (result || result.error().code == ErrorCode::cancelled) return;
+  if (result || result.error().code == ErrorCode::cancelled || isOfEarlierScan_ || !isPossible()) return false;
   problem_ = result.error().message;
   show(true);
+  return true;
 }
 
 }  // namespace c3de::segmentation

@@ -147,6 +147,24 @@ TEST_CASE("What labels are of is chosen for many at once and taken back step by 
   CHECK(f.scan.rows()[0].material == f.materials.find("liver"));
   CHECK_FALSE(f.scan.canUndo());
   f.scan.undo();
+  // The region as well; numbers that are typed one after the other are one step.
+  const auto setRegion = [&](double low, double high) {
+    f.settings([&](ScanBodySettings &s) { s.region = {{{low, 0.0, 0.0}, {high, 50.0, 50.0}}}; });
+  };
+  setRegion(1, 9);
+  for (const double typed : {2.0, 20.0, 23.0}) setRegion(typed, 90);
+  setRegion(23, 91);
+  f.scan.setRegion(std::array<Vec3, 2>{{{5.0, 0.0, 0.0}, {6.0, 50.0, 50.0}}});
+  f.use("gizmo", LabelKind::rigid);
+  f.scan.undo();
+  CHECK(f.scan.settings().region->at(0)[0] == 5.0);
+  f.scan.undo();
+  CHECK(f.scan.settings().region->at(1)[0] == 91.0);
+  f.scan.undo();
+  CHECK(f.scan.settings().region->at(0)[0] == 1.0);
+  f.scan.undo();
+  CHECK_FALSE(f.scan.settings().region);
+  CHECK_FALSE(f.scan.canUndo());
   // Other labels begin anew.
   f.use("gizmo", LabelKind::rigid);
   f.scan.setSources({});
@@ -159,11 +177,21 @@ TEST_CASE("Of a CT what has no label is fat by its values, of another image it i
   CHECK(f.scan.settings().from == -150.0);
   CHECK(f.scan.settings().to == 250.0);
   CHECK(f.scan.settings().largestOnly);
+  CHECK(f.scan.unit() == "HU");
   auto other = std::make_shared<scene::StoredImage>(*f.sources.image);
   other->volume.unit = "";
   f.scan.setSources({other, f.folder / "mr.nii.gz", "", f.folder / "labels.nii.gz", {f.labels}});
   CHECK_FALSE(f.scan.settings().hasBackground);
   CHECK_FALSE(f.scan.settings().largestOnly);
+  CHECK(f.scan.unit().empty());
+  // A file that does not say it, with the values of a CT.
+  std::vector<std::int16_t> voxels(8000, -1000);
+  std::fill(voxels.begin(), voxels.begin() + 4000, std::int16_t{40});
+  auto unsaid = std::make_shared<scene::StoredImage>(*other);
+  unsaid->volume.voxels = voxels;
+  f.scan.setSources({unsaid, f.folder / "unsaid.nii.gz", "", f.folder / "labels.nii.gz", {f.labels}});
+  CHECK(f.scan.settings().hasBackground);
+  CHECK(f.scan.unit() == "HU");
 }
 
 TEST_CASE("What cannot become a body says why", "[scan_body]") {
@@ -196,15 +224,37 @@ TEST_CASE("A try that failed comes back with its reason and what was chosen", "[
   CHECK(f.scene == f.scan.sceneText());
   CHECK_FALSE(f.scan.isShown());
   CHECK_THAT(f.scan.blockingReason(), Contains("is being made"));
-  f.scan.finished(fail(ErrorCode::input, "no voxel is left"));
+  CHECK(f.scan.sceneReason().empty());  // and can be saved
+  CHECK(f.scan.finished(fail(ErrorCode::input, "no voxel is left")));
   CHECK(f.scan.isShown());
   CHECK(f.scan.problem() == "no voxel is left");
   CHECK(f.scan.rows()[1].use.kind == LabelKind::rigid);
   CHECK(f.scan.blockingReason().empty());
   f.scan.make();
-  f.scan.finished(fail(ErrorCode::cancelled, "cancelled"));
+  CHECK_FALSE(f.scan.finished(fail(ErrorCode::cancelled, "cancelled")));
   CHECK_FALSE(f.scan.isShown());
   CHECK(f.scan.problem().empty());
+}
+
+TEST_CASE("What went wrong with a scan is not told of another one", "[scan_body]") {
+  Scan f({"liver"});
+  f.scan.make();
+  CHECK(f.scan.finished(fail(ErrorCode::input, "no voxel is left")));
+  ScanBody::Sources other = f.scan.sources();
+  other.imageFile = f.folder / "other.nii.gz";
+  f.scan.setSources(other);
+  CHECK(f.scan.problem().empty());
+  // Nor when it ends after the other one has been opened.
+  f.scan.show(false);
+  f.scan.make();
+  f.scan.setSources({});
+  other.imageFile = f.folder / "third.nii.gz";
+  f.scan.setSources(other);
+  f.scan.show(true);
+  f.settle();
+  CHECK_FALSE(f.scan.finished(fail(ErrorCode::input, "no voxel is left")));
+  CHECK(f.scan.problem().empty());
+  CHECK(f.scan.blockingReason().empty());
 }
 
 TEST_CASE("Choices outlive another time point and end with other labels", "[scan_body]") {

@@ -475,11 +475,10 @@ void Workstation::onBodiesReady(const BodyCreation::Result &result) {
 
 void Workstation::makeScanAlive(const std::string &scene) {
   loader_->openText(scene, [this](const Expected<void> &made) {
-    images_->scanBody().finished(made);
+    const bool isShown = images_->scanBody().finished(made);
     const std::string title = made ? "The scan is alive" : "Could not make the body of the scan";
-    // The dialog says it, where there is one.
-    if (!made && made.error().code != ErrorCode::cancelled && images_->scanBody().isShown())
-      return log(LogLevel::error, title + ": " + made.error().message);
+    // The dialog says it.
+    if (isShown) return log(LogLevel::error, title + ": " + made.error().message);
     if (!made) return onFailed(title, made.error());
     tools_.cancelActive();
     session_->simulation()->transport(C3DE_TRANSPORT_PLAY);

@@ -89,16 +89,23 @@ class ScanBody {
   [[nodiscard]] const std::vector<Row> &rows() const { return rows_; }
   /// One step of undo(), also of many rows.
   void setUse(const std::vector<std::size_t> &rows, const LabelUse &use);
-  /// What the rows were before the last setUse(); where there was none, nothing happens.
+  /// A step as well.
+  void setRegion(const std::optional<std::array<Vec3, 2>> &region);
+  /// What rows and region were before the last step; where there was none, nothing happens.
   void undo();
   [[nodiscard]] bool canUndo() const { return !undo_.empty(); }
   [[nodiscard]] const ScanBodySettings &settings() const { return settings_; }
-  void setSettings(const ScanBodySettings &settings) { settings_ = settings; }
+  /// A region that is another one is a step of undo(); numbers of it that are set one after the other are one together.
+  void setSettings(const ScanBodySettings &settings);
+  /// Of the image's values: as its file says, or "HU" where they look like it; empty: not known.
+  [[nodiscard]] const std::string &unit() const { return unit_; }
   /// The box around the labels' grid, LPS in mm.
   [[nodiscard]] std::array<Vec3, 2> extent_mm() const;
   [[nodiscard]] const scene::MaterialLibrary &materials() const { return materials_; }
 
-  /// Why no body can be made yet, for a person; empty: it can.
+  /// Why there is no scene yet, for a person; empty: there is.
+  [[nodiscard]] std::string sceneReason() const;
+  /// Why no body can be made now: that, or one is being made.
   [[nodiscard]] std::string blockingReason() const;
   /// A scene that makes the body. Labels of one tissue or one preset are one tissue of it, labels without voxels none.
   /// @param folder  where it will be: files in it are named from there; empty: in full
@@ -106,14 +113,16 @@ class ScanBody {
 
   /// Nothing while blockingReason() has a reason.
   void make();
-  /// What was begun by make() has ended. An error is shown where the person chose; choices stay.
-  void finished(const Expected<void> &result);
+  /// What was begun by make() has ended. An error is shown where the person chose, unless another scan has been opened
+  /// since; choices stay. True: it is shown.
+  bool finished(const Expected<void> &result);
   /// Why the last try has made no body; empty: it has, or there was none.
   [[nodiscard]] const std::string &problem() const { return problem_; }
 
  private:
   void count();
   void take(Row &row, const LabelUse &use) const;
+  void keepStep();
   [[nodiscard]] std::string labelText(std::size_t row) const;
 
   BackgroundJobs &jobs_;
@@ -123,13 +132,19 @@ class ScanBody {
   Sources sources_;
   ScanBodySettings settings_;
   std::vector<Row> rows_;
-  std::vector<std::vector<LabelUse>> undo_;  ///< what rows were before each step
-  std::vector<LabelUse> byName_;             ///< what each row is without a person's choice
-  std::vector<std::uint16_t> numbers_;       ///< of each row
-  std::string problem_;
+  struct Step {
+    std::vector<LabelUse> uses;
+    std::optional<std::array<Vec3, 2>> region;
+  };
+  std::vector<Step> undo_;              ///< what was before each step
+  std::vector<LabelUse> byName_;        ///< what each row is without a person's choice
+  std::vector<std::uint16_t> numbers_;  ///< of each row
+  std::string problem_, unit_;
   Handle counting_;
   std::uint64_t serial_ = 0;
   bool isShown_ = false, isMaking_ = false, isCounted_ = false;
+  bool isOfEarlierScan_ = false;  ///< what is being made
+  bool isTyped_ = false;          ///< the last step is of numbers of the region
   std::shared_ptr<bool> alive_;
 };
 
