@@ -244,6 +244,56 @@ void pull(WorkstationDriver &window, const Point &from, const Point &to) {
     window.moveTo({from.x + step / 8.0 * (to.x - from.x), from.y + step / 8.0 * (to.y - from.y)});
 }
 
+/// Corners of a box: "x y z x y z", mm.
+using Box = std::array<double, 6>;
+Box boxOf(const std::string &text) {
+  Box box{};
+  std::istringstream in(text);
+  for (double &number : box) in >> number;
+  return box;
+}
+Box drawnBox(const WorkstationDriver &window) { return boxOf(window.value("region/box")); }
+Box chosenBox(const WorkstationDriver &window) {
+  std::string text;
+  for (const char *end : {"from", "to"})
+    for (const char *axis : {"x", "y", "z"}) text += window.value(std::string("scan/region.") + axis + "." + end) + " ";
+  return boxOf(text);
+}
+bool isNear(const Box &a, const Box &b, double tolerance) {
+  return std::equal(a.begin(), a.end(), b.begin(), [&](double p, double q) { return std::abs(p - q) <= tolerance; });
+}
+
+void waitForDrawn(WorkstationDriver &window, const Box &box, double tolerance) {
+  window.waitUntil("the box is there that was drawn",
+                   [&](const Json &s) { return isNear(boxOf(value(s, "region/box")), box, tolerance); });
+}
+
+/// Of the skins as they lie now.
+Box exportedBounds(WorkstationDriver &window, const std::string &name) {
+  const fs::path file = fs::path(testOutputRoot()) / "ui" / (name + ".obj");
+  fs::remove(file);
+  window.click("menu/file");
+  window.click("menu/file.export_surface");
+  window.waitUntil("a file is asked for", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+  window.key("ctrl+a");
+  window.type(file.string(), 10);
+  window.click("dialog/open");
+  window.waitUntil("it is written", [&](const Json &s) { return s["jobs"].empty() && fs::exists(file); });
+  Box bounds{1e9, 1e9, 1e9, -1e9, -1e9, -1e9};
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) {
+    if (!line.starts_with("v ")) continue;
+    std::istringstream numbers(line.substr(2));
+    for (std::size_t a = 0; a < 3; ++a) {
+      double at = 0.0;
+      numbers >> at;
+      bounds[a] = std::min(bounds[a], at);
+      bounds[3 + a] = std::max(bounds[3 + a], at);
+    }
+  }
+  return bounds;
+}
+
 }  // namespace
 
 TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slice shows it", "[scan_alive]") {
@@ -716,6 +766,113 @@ TEST_CASE("A scan that cannot become a body says why, and what is there stays", 
   window.waitUntil("it is closed", [](const Json &s) { return !s["widgets"].contains("scan/make"); });
 }
 
+TEST_CASE("A region is drawn as a box in the slices, and the body is what of the scan lies in it", "[scan_region]") {
+  C3DE_ALIVE_OR_SKIP();
+  constexpr double kVoxel_mm = 4.0;
+  constexpr Box kWhole{-128, -96, -60, 128, 96, 60};
+  WorkstationDriver window("scan_region");
+  openDialog(window, writeScan("scan_region", threeOrgans({"liver", "kidney_left", "vertebrae_L1"}), kVoxel_mm));
+  CHECK(window.value("scan/unit") == "HU");
+  choose(window, "kidney_left", "spleen");
+  window.key("ctrl+z");
+  window.waitForValue("scan/use.kidney_left", "kidney_cortex");
+  typeInto(window, "points", "800");
+  window.key("Tab");
+  window.waitForValue("scan/points", "800");
+
+  // It begins with all of the scan.
+  const auto draw = [&] {
+    window.click("scan/draw_region");
+    return window.waitUntil("the slices are to be drawn in", [](const Json &s) {
+      return s["widgets"].contains("region/done") && s["widgets"].contains("region/axial.left") &&
+             !s["widgets"].contains("scan/make");
+    });
+  };
+  (void)draw();
+  waitForDrawn(window, kWhole, 1e-6);
+  window.screenshotAtRest("whole");
+
+  // A rectangle in the axial slice, taken back and made again; top and bottom by their handles in the coronal one.
+  window.drag(inAxial(window, -80, -60), inAxial(window, 60, 50), 5);
+  const Box inOne{-80, -60, -60, 60, 50, 60};
+  waitForDrawn(window, inOne, kVoxel_mm);
+  window.key("ctrl+z");
+  waitForDrawn(window, kWhole, 1e-6);
+  window.key("ctrl+y");
+  waitForDrawn(window, inOne, kVoxel_mm);
+  window.drag(window.locate("region/coronal.top"), inSlice(window, "coronal", 0, -24), 5);
+  window.drag(window.locate("region/coronal.bottom"), inSlice(window, "coronal", 20, 36), 5);
+  const Box wanted{-80, -60, -36, 60, 50, 24};
+  waitForDrawn(window, wanted, kVoxel_mm);
+  CHECK_THAT(window.value("region/size"), Contains(" mm"));
+  CHECK(std::abs(window.number("region/volume") - 924.0) < 100.0);
+  window.screenshotAtRest("drawn");
+
+  // The mouse tells what it would do; Escape takes back a drag, and only that.
+  window.moveTo(window.locate("region/axial.top_left"));
+  window.waitForValue("region/axial.grip", "side");
+  window.screenshot("corner");
+  window.moveTo(inAxial(window, 20, 20));
+  window.waitForValue("region/axial.grip", "move");
+  window.moveTo(inAxial(window, 100, 20));
+  window.waitForValue("region/axial.grip", "draw");
+  const Box before = drawnBox(window);
+  pull(window, window.locate("region/sagittal.left"), inSlice(window, "sagittal", 0, 0));
+  window.waitUntil("it is dragged", [&](const Json &s) { return boxOf(value(s, "region/box"))[1] > before[1] + 40; });
+  window.key("Escape");
+  waitForDrawn(window, before, 1e-6);
+  window.moveTo(inSlice(window, "sagittal", 10, 0));
+  window.release();
+  waitForDrawn(window, before, 1e-6);
+  CHECK(window.has("region/done"));
+
+  // Beside the box it is dashed; the wheel goes through the slices as ever.
+  const int slice = std::atoi(window.value("image/axial.slice").c_str());
+  window.moveTo(inAxial(window, 20, 20));
+  window.wheel(10);
+  window.waitForValue("image/axial.slice", std::to_string(slice + 10));
+  window.waitForValue("region/axial.is_cut", "false");
+  window.screenshotAtRest("beside");
+  window.wheel(-10);
+  window.waitForValue("region/axial.is_cut", "true");
+
+  // Enter: the dialog has it.
+  window.key("Return");
+  const auto isBack = [](const Json &s) {
+    return s["widgets"].contains("scan/make") && !s["widgets"].contains("region/done");
+  };
+  window.waitUntil("the dialog is back", isBack);
+  CHECK(window.value("scan/region") == "true");
+  CHECK(isNear(chosenBox(window), before, 1e-3));
+  window.screenshotAtRest("back");
+
+  // Moved, and cancelled by key and by button: what was there is there.
+  for (const bool isKey : {true, false}) {
+    (void)draw();
+    waitForDrawn(window, before, 1e-6);
+    window.drag(inAxial(window, -40, 0), inAxial(window, -20, 20), 4);
+    waitForDrawn(window, {-60, -40, -36, 80, 70, 24}, kVoxel_mm);
+    window.click("region/whole");
+    waitForDrawn(window, kWhole, 1e-6);
+    if (isKey)
+      window.key("Escape");
+    else
+      window.click("region/cancel");
+    window.waitUntil("the dialog is back", isBack);
+    CHECK(isNear(chosenBox(window), before, 1e-3));
+  }
+
+  (void)make(window);
+  const Box body = exportedBounds(window, "scan_region");
+  CAPTURE(body[0], body[1], body[2], body[3], body[4], body[5]);
+  for (std::size_t a = 0; a < 3; ++a) {
+    CHECK(body[a] > before[a] - 0.5 * kVoxel_mm);
+    CHECK(body[3 + a] < before[3 + a] + 0.5 * kVoxel_mm);
+  }
+  CHECK(isNear(body, before, 1.5 * kVoxel_mm));  // there is fat in each direction
+  window.screenshot("alive");
+}
+
 TEST_CASE("Pictures of a scan that was made alive for the user guide", "[.guide]") {
   C3DE_ALIVE_OR_SKIP();
   std::vector<Organ> organs{{"liver", {-48, -14, 8}, {50, 40, 44}, 110, {0.6f, 0.2f, 0.1f}},
@@ -745,6 +902,15 @@ TEST_CASE("Pictures of a scan that was made alive for the user guide", "[.guide]
   openDialog(window, writeScan("guide_scan", organs, 2.0));
   choose(window, "finding_7", "liver_hcc");
   window.screenshotAtRest("alive_dialog");
+  window.click("scan/draw_region");
+  (void)window.locate("region/axial.left");
+  window.moveTo(inAxial(window, 0, 0));
+  window.key("4");
+  window.drag(inAxial(window, -100, -66), inAxial(window, 20, 42), 4);
+  window.drag(window.locate("region/coronal.top"), inSlice(window, "coronal", 0, -30), 4);
+  window.moveTo(window.locate("region/axial.bottom_right"));
+  window.screenshotAtRest("region");
+  window.click("region/cancel");
   (void)make(window);
   takePinch(window);
   window.moveTo(inAxial(window, 0, 0));

@@ -54,6 +54,15 @@ SliceFrame sliceFrame(SliceAxis axis, Convention convention, const imaging::Volu
   }
 }
 
+double voxelStep(const imaging::VolumeGeometry &grid, const Vec3 &direction) {
+  const Mat4 inverse = imaging::affineInverse(grid.indexToWorld);
+  double fastest = 0.0;
+  for (std::size_t r = 0; r < 3; ++r)
+    fastest = std::max(
+        fastest, std::abs(inverse[r] * direction[0] + inverse[4 + r] * direction[1] + inverse[8 + r] * direction[2]));
+  return 1.0 / fastest;
+}
+
 std::string orientationLetters(const Vec3 &direction) {
   static constexpr const char *kLetters[3][2] = {{"R", "L"}, {"A", "P"}, {"I", "S"}};
   std::array<std::size_t, 3> order{0, 1, 2};
@@ -101,13 +110,7 @@ void SliceView::setFrame(const SliceFrame &frame) {
 }
 
 void SliceView::countSlices() {
-  // Along `forward`, the index that changes fastest goes from voxel to voxel in one step.
-  const Mat4 inverse = imaging::affineInverse(grid_.indexToWorld);
-  double fastest = 0.0;
-  for (std::size_t r = 0; r < 3; ++r)
-    fastest = std::max(fastest, std::abs(inverse[r] * frame_.forward[0] + inverse[4 + r] * frame_.forward[1] +
-                                         inverse[8 + r] * frame_.forward[2]));
-  step_ = 1.0 / fastest;
+  step_ = voxelStep(grid_, frame_.forward);
   double low = 1e300, high = -1e300;
   for (unsigned corner = 0; corner < 8; ++corner) {
     Vec3 index{};

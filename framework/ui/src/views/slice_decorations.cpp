@@ -9,13 +9,13 @@
 #include "c3de/imaging/volume.h"
 #include "c3de/render/renderer.h"
 #include "logic/curve_runs.h"
+#include "views/slice_canvas.h"
 #include "window/chrome.h"
 
 namespace c3de::ui {
 namespace {
 
-constexpr ImU32 kShadow = IM_COL32(0, 0, 0, 200), kLetter = IM_COL32(240, 214, 120, 255),
-                kInk = IM_COL32(222, 228, 236, 255);
+constexpr ImU32 kLetter = IM_COL32(240, 214, 120, 255), kInk = IM_COL32(222, 228, 236, 255);
 constexpr ImU32 kCross = IM_COL32(90, 200, 250, 210);
 constexpr std::array<ImU32, 4> kBorders{IM_COL32(219, 92, 92, 255), IM_COL32(224, 194, 76, 255),
                                         IM_COL32(102, 189, 107, 255), IM_COL32(70, 80, 96, 255)};
@@ -37,26 +37,6 @@ ImU32 tintOf(const render::Colour &c, int opacity = 255) {
   const auto byte = [](float v) { return static_cast<int>(std::lround(255.0f * std::clamp(v, 0.0f, 1.0f))); };
   return IM_COL32(byte(c[0]), byte(c[1]), byte(c[2]), opacity);
 }
-
-/// One slice of the frame, with what is needed to draw over it.
-struct SliceCanvas {
-  FrameContext &frame;
-  const ImageViews &images;
-  Pane pane;
-  const PixelRect &rect;
-  const SliceView &view;
-  ImDrawList *list;
-
-  [[nodiscard]] ImVec2 pixelOf(const Vec3 &world) const {
-    const SliceView::Pixel p = view.pixelOf(world);
-    return {rect.x + static_cast<float>(p.x), rect.y + static_cast<float>(p.y)};
-  }
-  [[nodiscard]] float px(float logical) const { return frame.theme.px(logical); }
-  /// Of the read-out below: while images deform there is one more, for the tissue.
-  [[nodiscard]] float readoutHeight() const {
-    return (images.hasDisplacement() ? 2.0f : 1.0f) * (ImGui::GetTextLineHeight() + px(2.0f));
-  }
-};
 
 void drawRuns(ImDrawList *list, const std::vector<CurveRun> &runs, ImU32 tint, float width) {
   std::vector<ImVec2> points;
@@ -327,6 +307,7 @@ void drawSliceDecorations(FrameContext &frame, const render::Renderer &renderer)
     list->PushClipRect(ImVec2(r.x, r.y), ImVec2(r.x + r.w, r.y + r.h), true);
     const SliceCanvas canvas{frame, *images, pane, r, images->view(pane), list};
     drawOutlines(canvas, renderer);
+    drawRegion(canvas);
     drawCrossHair(canvas);
     drawLetters(canvas);
     drawScaleBar(canvas);
@@ -342,6 +323,7 @@ void drawSliceDecorations(FrameContext &frame, const render::Renderer &renderer)
     const PixelRect &r = frame.view;
     list->PushClipRect(ImVec2(r.x, r.y), ImVec2(r.x + r.w, r.y + r.h), true);
     drawCrossInSpace(frame, *images);
+    drawRegionInSpace(frame);
     list->PopClipRect();
   }
   ImGui::PopFont();

@@ -15,6 +15,7 @@
 #include "c3de/ui/image_views.h"
 #include "c3de/ui/tissue_table.h"
 #include "c3de/ui/workstation_window.h"
+#include "logic/region_drawing.h"
 #include "window/automation_state.h"
 #include "window/steady_panel.h"
 #include "window/theme.h"
@@ -60,7 +61,8 @@ struct WindowState {
   std::array<char, 128> labelFilter{};  ///< in the dialog of the scan's body
   std::array<char, 128> tissueFilter{};
   TissueOrder tissueOrder = TissueOrder::labels;
-  std::optional<Question> question;  ///< while a person is asked
+  std::optional<RegionDrawing> region;  ///< while it is drawn; the dialog of the scan's body waits
+  std::optional<Question> question;     ///< while a person is asked
   /// To the last one: the ids of question and answer.
   std::pair<std::string, std::string> answer;
   AboutText about;

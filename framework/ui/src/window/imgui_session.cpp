@@ -63,6 +63,7 @@ void ImGuiSession::beginFrame() {
   ImGui_ImplGlfw_NewFrame();
   // The back end looks at where the mouse is now; this frame shows where it was when its events came.
   ImGuiIO &io = ImGui::GetIO();
+  io.MouseDrawCursor = false;  // whoever needs it says so, each frame
   io.MousePos = mouse_;
   io.MouseDown[0] = (buttons_ & C3DE_BUTTON_LEFT) != 0;
   io.MouseDown[1] = (buttons_ & C3DE_BUTTON_RIGHT) != 0;

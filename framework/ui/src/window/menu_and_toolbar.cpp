@@ -58,7 +58,9 @@ void menuItem(FrameContext &frame, const MenuEntry &entry, bool isChecked = fals
 void editItem(FrameContext &frame, Command command) {
   const CommandInfo &info = commandInfo(command);
   const EditHistory &history = frame.state.history;
-  const std::string what = command == Command::undo ? history.undoLabel() : history.redoLabel();
+  std::string what = command == Command::undo ? history.undoLabel() : history.redoLabel();
+  if (const auto &region = frame.state.region)
+    what = (command == Command::undo ? region->region().canUndo() : region->region().canRedo()) ? "region" : "";
   const std::string label = std::string(info.label) + (what.empty() ? "" : " " + what) + "###" + info.id;
   const std::string key = keyText(info.key, info.modifiers);
   if (ImGui::MenuItem(label.c_str(), key.c_str(), false, !what.empty())) frame.request(command);

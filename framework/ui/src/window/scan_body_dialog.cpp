@@ -19,6 +19,7 @@ using segmentation::LabelUse;
 using segmentation::ScanBody;
 using segmentation::ScanBodySettings;
 constexpr const char *kArea = "scan";
+constexpr float kHandleSize = 12.0f;  // logical pixels
 constexpr double kFewestPoints = 50.0, kMostPoints = 200000.0;
 
 void checkbox(FrameContext &frame, const char *id, const char *label, bool &value, const char *doc) {
@@ -131,7 +132,7 @@ void drawListed(FrameContext &frame, ScanBody &scan, const std::vector<std::size
   ImGui::BeginDisabled(!scan.canUndo());
   if (ImGui::Button("Undo###undo", ImVec2(undo, 0))) scan.undo();
   markItem(frame, kArea, "undo", scan.canUndo());
-  itemTooltip(frame, "Takes back the last choice of a material");
+  itemTooltip(frame, "Takes back the last choice of a material or of the region (Ctrl+Z)");
   ImGui::EndDisabled();
 }
 
@@ -180,25 +181,35 @@ void drawBackground(FrameContext &frame, const ScanBody &scan, ScanBodySettings 
   ImGui::SameLine();
   choice(frame, "background.material", frame.theme.px(180.0f), names, index);
   if (index < names.size()) settings.background = names[index];
-  const std::string unit = scan.sources().image ? scan.sources().image->volume.unit : "";
   number(frame, "from", "from", "", settings.from);
-  number(frame, "to", "to", unit, settings.to);
+  number(frame, "to", "to", scan.unit(), settings.to);
+  frame.automation.value(kArea, "unit", scan.unit());
 }
 
-void drawRegion(FrameContext &frame, const ScanBody &scan, ScanBodySettings &settings) {
+/// True: it is to be drawn.
+bool drawRegion(FrameContext &frame, const ScanBody &scan, ScanBodySettings &settings) {
   bool hasRegion = settings.region.has_value();
   checkbox(frame, "region", "Only a region", hasRegion,
            "A box along the axes of the patient, LPS: what lies outside is left out");
-  if (!hasRegion) return settings.region.reset();
+  ImGui::SameLine();
+  const bool isDrawn = ImGui::Button("Draw in slices…");
+  markItem(frame, kArea, "draw_region");
+  itemTooltip(frame, "As a box over the slices, by mouse; then back to here");
+  if (!hasRegion) {
+    settings.region.reset();
+    return isDrawn;
+  }
   if (!settings.region) settings.region = scan.extent_mm();
   for (std::size_t a = 0; a < 3; ++a) {
     const std::string axis(1, "xyz"[a]);
     number(frame, "region." + axis + ".from", axis.c_str(), "", (*settings.region)[0][a]);
     number(frame, "region." + axis + ".to", "…", a == 2 ? "mm" : "", (*settings.region)[1][a]);
   }
+  return isDrawn;
 }
 
-void drawSettings(FrameContext &frame, ScanBody &scan) {
+/// True: the region is to be drawn.
+bool drawSettings(FrameContext &frame, ScanBody &scan) {
   ScanBodySettings settings = scan.settings();
   drawBackground(frame, scan, settings);
   checkbox(frame, "largest", "Largest piece only", settings.largestOnly, "Without what lies apart, such as the table");
@@ -213,16 +224,17 @@ void drawSettings(FrameContext &frame, ScanBody &scan) {
            {"lying on the back", "lying on the front", "lying on the left", "lying on the right", "upright"}, posture);
     settings.posture = static_cast<segmentation::Posture>(posture);
   }
-  drawRegion(frame, scan, settings);
+  const bool isDrawn = drawRegion(frame, scan, settings);
   scan.setSettings(settings);
+  return isDrawn;
 }
 
 }  // namespace
 
 void drawScanBody(FrameContext &frame) {
   ScanBody *scan = frame.services.scanBody;
-  // It comes back when the file has been chosen, or has not.
-  if (scan == nullptr || !scan->isShown() || frame.fileDialog.isOpen()) return;
+  // It comes back when the file has been chosen, or has not, and when the region is drawn.
+  if (scan == nullptr || !scan->isShown() || frame.fileDialog.isOpen() || frame.state.region) return;
   bool isShown = true;
   if (!beginDialog(frame, "Make the scan alive", "make_alive", isShown, ImVec2(980, 700))) {
     if (!isShown) scan->show(false);
@@ -230,7 +242,7 @@ void drawScanBody(FrameContext &frame) {
   }
   const float lines = 5.0f * ImGui::GetFrameHeightWithSpacing() + 2.0f * ImGui::GetTextLineHeightWithSpacing();
   drawLabels(frame, *scan, lines + frame.theme.px(8.0f));
-  drawSettings(frame, *scan);
+  const bool isDrawn = drawSettings(frame, *scan);
   const std::string reason = scan->blockingReason();
   ImGui::BeginChild("reason", ImVec2(0, 2.0f * ImGui::GetTextLineHeightWithSpacing()));
   ImGui::PushTextWrapPos(0.0f);
@@ -244,17 +256,22 @@ void drawScanBody(FrameContext &frame) {
   const bool isMade = ImGui::Button("Make", ImVec2(frame.theme.px(120.0f), 0));
   markItem(frame, kArea, "make", reason.empty());
   itemTooltip(frame, "Beside the window, with a bar that can be cancelled; what is open stays until it is complete");
+  ImGui::EndDisabled();
   ImGui::SameLine();
+  const bool isComplete = scan->sceneReason().empty();
+  ImGui::BeginDisabled(!isComplete);
   const bool isSaved = ImGui::Button("Save scene…", ImVec2(frame.theme.px(120.0f), 0));
-  markItem(frame, kArea, "save", reason.empty());
+  markItem(frame, kArea, "save", isComplete);
   itemTooltip(frame, "Write what is chosen as a scene file, to open or to run later");
   ImGui::EndDisabled();
   ImGui::SameLine();
   if (isMade) isShown = false;
-  if (isMade || isSaved) ImGui::CloseCurrentPopup();
+  if (isMade || isSaved || isDrawn) ImGui::CloseCurrentPopup();
   endDialog(frame, isShown);
   if (!isShown) scan->show(false);
   if (isMade) scan->make();
+  if (isDrawn && frame.shownImages())
+    frame.state.region.emplace(*frame.shownImages(), *scan, frame.theme.px(kHandleSize));
   if (!isSaved) return;
   FileDialog::Request request;
   request.title = "Save the scene of the scan";

@@ -87,6 +87,8 @@ struct WorkstationWindow::Impl {
   void carryOut(FrameContext &frame);
   void carryOut(FrameContext &frame, Command command);
   void quitOrAsk();
+  /// The dialog of the scan's body is what is answered.
+  [[nodiscard]] bool isScanAsked() const;
   void undo();
   void cancelTool();
   void resetLayout();
@@ -126,6 +128,7 @@ bool WorkstationWindow::Impl::handle(Pane pane, ViewInput input, const OsEvent &
   input.x = event.x - rect.x;
   input.y = event.y - rect.y;
   if (pane == Pane::space) return viewController->handle(input);
+  if (state.region && state.region->handle(pane, input)) return true;
   ImageViews *images = shownImages();
   return images && sliceController->handle(*images, pane, input);
 }
@@ -194,6 +197,8 @@ void WorkstationWindow::Impl::takeKey(FrameContext &context, const OsEvent &even
   // A button of the mouse that is held over a slider counts as well, but one that drags in the view does not.
   if (event.key == keyEscape && !event.isRepeat && isPopupOpen && !io.WantTextInput && !fileDialog.isOpen())
     return closeMenus();
+  // The dialog of the scan's body has steps of its own.
+  if (command == Command::undo && isPopupOpen && !io.WantTextInput && isScanAsked()) return context.request(command);
   if (io.WantTextInput || isPopupOpen || (io.WantCaptureKeyboard && !pressedPane)) return;
   // Over a slice, its keys are the slice's: they are the same everywhere, but 1 is another thing for an image.
   if (const auto pane = paneAt(event.x, event.y);
@@ -206,6 +211,11 @@ void WorkstationWindow::Impl::takeKey(FrameContext &context, const OsEvent &even
     return;
   }
   if (event.isRepeat) return;
+  if (event.key == keyEscape && state.region) {
+    if (!state.region->cancelDrag()) endRegion(context, false);
+    state.isEscapeTaken = true;  // the dialog comes back in this frame
+    return;
+  }
   if (event.key == keyEscape) {
     if (context.simulation.isLongStep() && actions.transport) actions.transport(C3DE_TRANSPORT_PAUSE);
     if (services.images) {
@@ -255,6 +265,7 @@ void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector
       case OsEvent::Kind::focusLost:
         cancelTool();
         if (services.images) services.images->cancel();
+        if (state.region) (void)state.region->cancelDrag();
         buttons = 0;
         break;
       case OsEvent::Kind::drop:
@@ -283,7 +294,8 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
       std::min(std::round(theme.px(state.layout.sideWidth)), std::max(width - theme.px(160.0f), 0.0f));
   const float grip = std::round(theme.px(5.0f));
   const float top = menuHeight + toolbarHeight, middle = std::max(height - top - statusHeight, 1.0f);
-  area = {sideWidth + grip, top, std::max(width - sideWidth - grip, 1.0f), middle};
+  const float barHeight = std::min(regionBarHeight(context), middle - 1.0f);
+  area = {sideWidth + grip, top + barHeight, std::max(width - sideWidth - grip, 1.0f), middle - barHeight};
   layOutPanes();
   context.area = area;
   context.view = view;
@@ -296,6 +308,7 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   drawSidePanel(context, panels, {0, top, sideWidth, middle - dockHeight});
   drawDock(context, {0, top + middle - dockHeight, sideWidth, dockHeight});
   drawSplitter(context, {sideWidth, top, grip, middle});
+  drawRegionBar(context, {area.x, top, area.w, barHeight});
   drawStatusBar(context, {0, height - statusHeight, width, statusHeight});
   drawViewDecorations(context);
   drawSliceDecorations(context, renderer);
@@ -391,7 +404,13 @@ void WorkstationWindow::Impl::cancelTool() {
   sliceController->cancel();
 }
 
+bool WorkstationWindow::Impl::isScanAsked() const {
+  return services.scanBody && services.scanBody->isShown() && !state.region && !state.question && !fileDialog.isOpen();
+}
+
 void WorkstationWindow::Impl::undo() {
+  if (state.region) return state.region->undo();
+  if (isScanAsked()) return services.scanBody->undo();
   // What a tool holds is let go, and is the first to be undone.
   if (services.tools) services.tools->cancelActive();
   state.history.follow(services.parameters, services.workflow, services.edits);
@@ -451,7 +470,7 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
     case Command::screenshot: call(actions.screenshot); break;
     case Command::quit: quitOrAsk(); break;
     case Command::undo: undo(); break;
-    case Command::redo: state.history.redo(); break;
+    case Command::redo: state.region ? state.region->redo() : state.history.redo(); break;
     case Command::fitView: framesToFit = 1; break;
     case Command::resetView: resetView(paneAt(context.mouseX, context.mouseY)); break;
     case Command::viewFront: lookFrom({0, 0, -1}, {0, 1, 0}); break;

@@ -25,6 +25,9 @@ struct SliceFrame {
 /// (made orthogonal, the slices of the image as they are).
 [[nodiscard]] SliceFrame sliceFrame(SliceAxis axis, Convention convention, const imaging::VolumeGeometry *alignedWith);
 
+/// How far it is along a unit direction from one voxel to the next, mm: that of the index which changes fastest.
+[[nodiscard]] double voxelStep(const imaging::VolumeGeometry &grid, const Vec3 &direction);
+
 /// Where a direction of the world points: L or R, A or P, S or I, the largest part first; a second letter when that
 /// part is above a tenth. For example "L", "PS".
 [[nodiscard]] std::string orientationLetters(const Vec3 &direction);
