@@ -87,6 +87,12 @@ EOF
 stand_in ctest <<EOF
 #!$(type -P bash)
 echo "ctest \$*" >>"$state/log"
+[ -f "$state/failing_test" ] || exit 0
+mkdir -p Testing/Temporary test-output/validation
+echo "12:a beam bends" >Testing/Temporary/LastTestsFailed.log
+echo "a figure" >test-output/validation/figures.txt
+echo "*** Failed"
+exit 8
 EOF
 # Compilers that complain about every line of a source with BAD, and about headers that are not there.
 compilers_stand_in() {
@@ -269,6 +275,13 @@ case $machine in
     called 'cmake --preset release -DC3DE_BUILD_TESTS=ON'
     called 'cmake --build build/release$'
     called 'ctest .*-R core'
+    ;;
+  check_names_what_failed)
+    cp "$state/sources" "$state/installed"
+    touch "$state/failing_test"
+    launch check
+    ends_with_status 8
+    [ "$(tail -n 1 "$place/out")" = "  a beam bends" ] || fail "the test that failed was expected at the end"
     ;;
   configure_fails)
     cp "$state/sources" "$state/installed"

@@ -555,7 +555,7 @@ TEST_CASE("a step beyond its budget is given up, with what would fit, and nothin
   const Json paused = window.waitUntil("it is given up", isGivenUp, 60.0);
   const std::string text = paused["notifications"].back()["text"];
   CHECK_THAT(text, Contains("given up after 1 s (solver.step_budget)") && Contains("organ") &&
-                       Contains("Newton steps") && Contains("measured") && Contains("sampling.count = "));
+                       Contains("Newton step") && Contains("measured") && Contains("sampling.count = "));
   CHECK(paused["transport"]["steps"] == 0);
   window.screenshot("given_up");
 
