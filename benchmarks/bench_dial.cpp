@@ -22,6 +22,7 @@
 #include "bench/report.h"
 #include "bench/timing.h"
 #include "dial/random_problems.h"
+#include "pointbased/adaptive_sampling.h"
 #include "pointbased/sampling.h"
 #include "pointbased/simulator.h"
 
@@ -184,6 +185,60 @@ int heldOut(const bench::CommandLine &line, std::uint64_t first, int problems) {
   return report.write();
 }
 
+/// Errors of bodies with cells of one size and with finer ones where a trial says that error arises.
+int adaptive(const bench::CommandLine &line, std::uint64_t first, int problems, double finest) {
+  bench::Report report(line.name(), line.options());
+  report.table("adaptive", {{"problem", "problem                             "},
+                            {"wanted", "wanted"},
+                            {"even", "even"},
+                            {"even_percent", "error %", 3},
+                            {"dearer", "1.68 x"},
+                            {"dearer_percent", "error %", 3},
+                            {"adaptive", "adaptive"},
+                            {"adaptive_percent", "error %", 3},
+                            {"share", "share", 2},
+                            {"halved", "halved"},
+                            {"step", "step", 2},
+                            {"ratio", "adaptive/even", 2},
+                            {"ratio_dearer", "adaptive/dearer", 2}});
+  double sum = 0.0, sumDearer = 0.0;
+  int n = 0;
+  for (std::uint64_t seed = first; seed < first + static_cast<std::uint64_t>(problems); ++seed) {
+    const dial::RandomProblem problem = dial::randomProblem(seed);
+    const SurfacePoints samples = skinSamples(problem.shape.surface, problem.recipe.fixes, 500);
+    const auto truth = solveTrial(problem.problem(), static_cast<std::size_t>(finest), samples, serialFor());
+    if (!truth) continue;
+    for (const double count : {700.0, 2000.0}) {
+      const auto even = solveTrial(problem.problem(), static_cast<std::size_t>(count), samples, serialFor());
+      const auto dearer = solveTrial(problem.problem(), static_cast<std::size_t>(1.68 * count), samples, serialFor());
+      BodyRecipe recipe = problem.recipe;
+      recipe.sampling.spacing = 0.0;
+      recipe.sampling.count = static_cast<std::size_t>(count);
+      const AccuracyProblem wanted{problem.shape, recipe, problem.constitution, problem.foundation, problem.gravity};
+      const auto adapted = adaptSampling(wanted, AdaptiveGain::sameCount, serialFor());
+      if (!even || !dearer || !adapted) continue;
+      BodyRecipe finer = recipe;
+      finer.sampling = adapted->sampling;
+      const AccuracyProblem again{problem.shape, finer, problem.constitution, problem.foundation, problem.gravity};
+      const auto solved = solveTrial(again, samples, serialFor());
+      if (!solved) {
+        std::printf("%s: %s\n", problem.name.c_str(), solved.error().c_str());
+        continue;
+      }
+      const auto error = [&](const TrialSolution &of) { return 100.0 * skinDifference(of, *truth) / truth->largest; };
+      report.row({problem.name, count, even->phyxels, error(*even), dearer->phyxels, error(*dearer), solved->phyxels,
+                  error(*solved), adapted->share, adapted->halved, solved->stableStep / even->stableStep,
+                  error(*solved) / error(*even), error(*solved) / error(*dearer)});
+      sum += std::log(error(*solved) / error(*even));
+      sumDearer += std::log(error(*solved) / error(*dearer));
+      ++n;
+    }
+  }
+  report.note("adaptive over even, in the mean: " + std::to_string(std::exp(sum / n)) +
+              ", over 1.68 times as many: " + std::to_string(std::exp(sumDearer / n)));
+  return report.write();
+}
+
 int fit(std::uint64_t first, int problems, double finest) {
   std::vector<std::array<double, 3>> rows;  // log difference, way, log error
   for (std::uint64_t seed = first; seed < first + static_cast<std::uint64_t>(problems); ++seed) {
@@ -248,7 +303,13 @@ int main(int argc, char **argv) {
     isFit = true;
     problems = std::atoi(text.c_str());
   });
+  bool isAdaptive = false;
+  line.add("--adaptive", "PROBLEMS", [&](const std::string &text) {
+    isAdaptive = true;
+    problems = std::atoi(text.c_str());
+  });
   if (const auto exit = line.parse(argc, argv)) return *exit;
+  if (isAdaptive) return adaptive(line, first.value_or(0), problems.value_or(30), finest);
   if (isFit) return fit(first.value_or(0), problems.value_or(30), finest);
   return heldOut(line, first.value_or(kHeldOut), problems.value_or(20));
 }

@@ -124,6 +124,12 @@ std::string roughly(double value) {
   return text;
 }
 
+std::string adaptiveText(const AdaptiveSampling &adaptive) {
+  if (adaptive.halved == 0) return "cells of one size: " + adaptive.uniform;
+  return std::to_string(adaptive.halved) + " of " + std::to_string(adaptive.cells) + " cells halved, which had " +
+         roughly(100.0 * adaptive.share) + " % of the squared error of a trial";
+}
+
 std::string errorText(const AccuracyPromise &promise) {
   const ErrorPrediction &e = promise.choice.error;
   std::string text =

@@ -10,6 +10,7 @@
 #include "c3de/abi/iface/parameter_ids.h"
 #include "parameters.h"
 #include "pointbased/accuracy.h"
+#include "pointbased/adaptive_sampling.h"
 
 namespace pointbased {
 
@@ -50,6 +51,9 @@ struct DialRequest {
   /// measureFrame() of a built body in its world; empty: what is predicted counts
   std::function<double(const Body &, const StopRequest *)> frameTime;
 };
+
+/// What has become of a wish for finer cells, for a person.
+[[nodiscard]] std::string adaptiveText(const AdaptiveSampling &adaptive);
 
 /// What was chosen for a body whose sampling nobody has said.
 struct AccuracyPromise {

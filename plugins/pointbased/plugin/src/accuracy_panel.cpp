@@ -62,6 +62,7 @@ void tissueBar(sdk::Ui &ui, const BodySnapshot &body) {
 
 void drawAccuracyBars(sdk::Ui &ui, const BodySnapshot &body) {
   if (body.rigid) return;
+  if (body.adaptive) ui.text("Adaptive: " + adaptiveText(*body.adaptive) + ".");
   if (!body.promise) {
     ui.text("The sampling was chosen by hand: nothing is promised.");
   } else if (!body.promise->survey) {

@@ -43,13 +43,6 @@ std::string millimetres(double metres) {
   return text;
 }
 
-double finestOf(const RestState &rest) {
-  double finest = rest.spacing;
-  if (rest.sampling.surfaceSpacing > 0.0) finest = std::min(finest, rest.sampling.surfaceSpacing);
-  for (const Refinement &refinement : rest.sampling.refinements) finest = std::min(finest, refinement.spacing);
-  return finest;
-}
-
 }  // namespace
 
 double phyxelsAt(const RestState &rest, double area, double spacing) {
@@ -61,7 +54,7 @@ double phyxelsAt(const RestState &rest, double area, double spacing) {
 std::string tooCoarse(const RestState &rest, double area) {
   if (rest.evaluation != Evaluation::stressPoints || !(area > 0.0)) return {};
   const double thickness = 2.0 * rest.shapeVolume / area;
-  if (!(thickness < kThinnest * finestOf(rest))) return {};
+  if (!(thickness < kThinnest * finestSpacing(rest.sampling, rest.spacing))) return {};
   const double good = thickness / kThinnestGood;
   char spacing[40];
   std::snprintf(spacing, sizeof spacing, "%.2g", good);

@@ -151,10 +151,11 @@ BodyRecipe recipeOf(const Services &services, const std::string &name, const Bod
     recipe.sampling.materials.emplace_back(source.parts[i].region, static_cast<std::uint16_t>(i + 1));
   recipe.neighbors = neighborChoiceOf(values);
   if (recipe.evaluation == Evaluation::phyxels &&
-      (!source.refinements.empty() || recipe.sampling.surfaceSpacing > 0.0 || recipe.sampling.jitter > 0.0))
-    throw sdk::Error(C3DE_E_ARG, name +
-                                     ": sampling.refine, surface_spacing and jitter belong to sampling.evaluation = " +
-                                     "\"stress_points\"; with \"phyxels\" choose spacing or count");
+      (!source.refinements.empty() || recipe.sampling.surfaceSpacing > 0.0 || recipe.sampling.jitter > 0.0 ||
+       values.text("sampling.adaptive") == "on"))
+    throw sdk::Error(C3DE_E_ARG,
+                     name + ": sampling.refine, surface_spacing, adaptive and jitter belong to sampling.evaluation = " +
+                         "\"stress_points\"; with \"phyxels\" choose spacing or count");
   recipe.fixes = source.fixes;
   recipe.loads = source.loads;
   recipe.reshape = reshapeOf(services);
@@ -169,11 +170,55 @@ struct Making {
   const BodyShape &shape;
   const PlacedMesh &surface;
   const Constitution &constitution;
+  const DialRequest &dial;
   const ParallelFor &parallelFor;
   BuildRequest &request;
+
+  [[nodiscard]] AccuracyProblem problem(const BodyRecipe &recipe) const {
+    return {shape, recipe, constitution, foundationOf(values), dial.gravity};
+  }
 };
 
-std::unique_ptr<Body> bodyOf(const Making &of, const BodyRecipe &recipe) {
+// Whether something is known to act on it beside gravity.
+bool isActedOn(const BodySource &source) {
+  return !source.loads.empty() || !source.hands.empty() ||
+         std::any_of(source.fixes.begin(), source.fixes.end(), [](const Fix &fix) {
+           return !fix.displacement.isZero(0.0) || !fix.rotation_deg.isZero(0.0) || fix.rotationVector;
+         });
+}
+
+bool isAdaptive(const Making &of) {
+  const std::string &asked = of.values.text("sampling.adaptive");
+  if (isRigid(of.values) || evaluationOf(of.values) == Evaluation::phyxels || asked == "off") return false;
+  return asked == "on" || (of.source.fill && !of.source.parts.empty() && isActedOn(of.source));
+}
+
+// Where cells are to be finer, for as many phyxels.
+AdaptiveSampling adapted(const Making &of, const BodyRecipe &recipe) {
+  if (!of.request.tell(0.03, "finding where its error arises")) throw cancelled();
+  BodyRecipe tried = recipe;
+  tried.loads.insert(tried.loads.end(), of.source.hands.begin(), of.source.hands.end());
+  const auto unchanged = [&](std::string why) {
+    AdaptiveSampling out;
+    out.sampling = recipe.sampling;
+    out.uniform = std::move(why);
+    return out;
+  };
+  if (!isActedOn(of.source) && of.dial.gravity.isZero(0.0))
+    return unchanged("nothing leads or loads it, and no hand has pulled it yet");
+  const Integrator integrator = of.dial.setting.world.integrator;
+  const bool isExplicit = integrator == Integrator::explicitVerlet || integrator == Integrator::automatic;
+  auto found = adaptSampling(of.problem(tried), isExplicit ? AdaptiveGain::sameCost : AdaptiveGain::sameCount,
+                             of.parallelFor, &of.request);
+  if (of.request.isRaised()) throw cancelled();
+  return found ? std::move(*found) : unchanged("a trial has no solution: " + found.error());
+}
+
+std::unique_ptr<Body> bodyOf(const Making &of, BodyRecipe recipe, std::optional<AdaptiveSampling> &adaptive) {
+  if (isAdaptive(of)) {
+    adaptive = adapted(of, recipe);
+    recipe.sampling = adaptive->sampling;
+  }
   auto rest = buildRestState(of.shape, recipe, of.surface.normals, of.parallelFor, [&](double fraction) {
     return of.request.tell(0.05 + 0.8 * fraction, "filling with phyxels");
   });
@@ -194,22 +239,28 @@ std::unique_ptr<Body> bodyOf(const Making &of, const BodyRecipe &recipe) {
 
 // The sampling that the dial chooses. What was predicted to fit a budget is measured, and made coarser where it does
 // not.
-std::unique_ptr<Body> bodyOfDial(const Making &of, BodyRecipe recipe, const DialRequest &dial,
-                                 AccuracyPromise &promise) {
+std::unique_ptr<Body> bodyOfDial(const Making &of, BodyRecipe recipe, BuiltBody &out) {
+  const DialRequest &dial = of.dial;
+  AccuracyPromise &promise = out.promise.emplace();
   constexpr int kAttempts = 6;
   constexpr double kCostOrder = 3.0;  // of a frame in the spacing, at least: phyxels; and steps
   const double area = areaOf(of.surface);
-  promise = promiseFor({of.shape, recipe, of.constitution, foundationOf(of.values), dial.gravity}, area, dial,
-                       of.parallelFor, of.request);
+  promise = promiseFor(of.problem(recipe), area, dial, of.parallelFor, of.request);
   recipe.sampling.count = promise.choice.count;
   // The count of bodies that nobody asks more of is met as ever.
-  if (promise.survey && recipe.sampling.count != automaticCount(of.shape.volume, area))
-    recipe.sampling.spacing = promise.choice.spacing;
+  const auto askFor = [&](double spacing) {
+    // Coarser cells, some of which are halved, are as many.
+    if (isAdaptive(of))
+      recipe.sampling.count = static_cast<std::size_t>(std::lround(promise.survey->phyxelsAt(spacing)));
+    else
+      recipe.sampling.spacing = spacing;
+  };
+  if (promise.survey && recipe.sampling.count != automaticCount(of.shape.volume, area)) askFor(promise.choice.spacing);
   CostSetting setting = dial.setting;
   setting.surfels = of.surface.positions.size();
   const bool isBudget = dial.wish.kind == AccuracyWish::Kind::budget;
   for (int attempt = 1;; ++attempt) {
-    auto body = bodyOf(of, recipe);
+    auto body = bodyOf(of, recipe, out.adaptive);
     promise.built(body->rest());
     if (promise.survey)
       promise.choice.touching_ms = predictTouching(*promise.survey, of.constitution, setting, promise.choice.spacing);
@@ -221,7 +272,7 @@ std::unique_ptr<Body> bodyOfDial(const Making &of, BodyRecipe recipe, const Dial
     if (!isBudget || over < 1.0 || attempt == kAttempts || !promise.survey) return body;
     const double coarsest = promise.survey->spacingFor(kFewestPhyxelsOfDial);
     if (!(promise.choice.spacing < 0.99 * coarsest)) return body;
-    recipe.sampling.spacing = std::min(coarsest, promise.choice.spacing * std::pow(over, 1.0 / kCostOrder));
+    askFor(std::min(coarsest, promise.choice.spacing * std::pow(over, 1.0 / kCostOrder)));
   }
 }
 
@@ -244,13 +295,13 @@ BuiltBody build(const Services &services, const MaterialLaws &laws, const std::s
   const auto shape = source.fill ? shapeOf(source.fill->occupancy, surfaceOf(*out.surface), parallelFor)
                                  : Result<BodyShape>(shapeOf(services, mesh, source.placement, out.surface));
   if (!shape) throw sdk::Error(C3DE_E_ARG, name + ": its fill: " + shape.error());
-  const Making making{name, source, values, *shape, *out.surface, constitution, parallelFor, request};
+  const Making making{name, source, values, *shape, *out.surface, constitution, dial, parallelFor, request};
   if (isForTheDial(values)) {
-    out.body = bodyOfDial(making, std::move(recipe), dial, out.promise.emplace());
+    out.body = bodyOfDial(making, std::move(recipe), out);
     return out;
   }
   if (recipe.sampling.count == 0) recipe.sampling.count = automaticCount(shape->volume, areaOf(*out.surface));
-  out.body = bodyOf(making, recipe);
+  out.body = bodyOf(making, std::move(recipe), out.adaptive);
   return out;
 }
 

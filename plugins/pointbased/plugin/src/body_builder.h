@@ -13,7 +13,8 @@ namespace pointbased {
 struct BuiltBody {
   std::unique_ptr<Body> body;
   std::shared_ptr<PlacedMesh> surface;
-  std::optional<AccuracyPromise> promise;  ///< where the dial has chosen its sampling
+  std::optional<AccuracyPromise> promise;    ///< where the dial has chosen its sampling
+  std::optional<AdaptiveSampling> adaptive;  ///< where finer cells were asked for
 };
 
 /// Fills the mesh, binds its vertices as surfels. Errors as sdk::Error: a mesh that bounds no volume, a sampling that

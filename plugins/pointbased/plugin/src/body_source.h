@@ -43,6 +43,7 @@ struct BodySource {
   std::vector<std::uint32_t> loadNumbers;
   std::vector<BodyPart> parts;  ///< later ones win
   std::vector<Refinement> refinements;
+  std::vector<Load> hands;  ///< what hands have done to it so far: loads of the trial of an adaptive sampling
   std::optional<std::array<float, 3>> colour;                    ///< sRGB; none: any
   Vec3 velocity = Vec3::Zero(), angularVelocity = Vec3::Zero();  ///< m/s, rad/s; at the start
 };

@@ -173,7 +173,13 @@ void Controller::drawAccuracy(sdk::Ui &ui, const Snapshot *snapshot) {
   if (!snapshot) return;
   if (ui.button("apply_wish", "Apply to all bodies", !job_ && !snapshot->bodies.empty())) applyWish(*snapshot);
   ui.tooltip("Samples every body anew, as finely as the wish asks; the simulation goes back to its beginning");
-  if (const BodySnapshot *body = snapshot->body(body_)) drawAccuracyBars(ui, *body);
+  const BodySnapshot *body = snapshot->body(body_);
+  if (ui.button("finer", "Finer where it errs", !job_ && body && !body->rigid)) makeFiner(*body);
+  ui.tooltip(
+      "Samples the body anew with as many phyxels: smaller cells where its supports, its loads and the hands so far "
+      "make "
+      "most of the error; the simulation goes back to its beginning");
+  if (body) drawAccuracyBars(ui, *body);
 }
 
 void Controller::chooseBody(sdk::Ui &ui, const Snapshot &snapshot) {
@@ -478,6 +484,12 @@ void Controller::applyWish(const Snapshot &snapshot) {
   }
   simulator_->shareBudget(bodies.size());
   startRebuilding("Sampling the bodies for the wish", std::move(bodies));
+}
+
+void Controller::makeFiner(const BodySnapshot &body) {
+  ParameterValues values = *body.values;
+  sdk::orThrow(values.set(sdk::textValue("sampling.adaptive", "on")));
+  startRebuilding("Finding where the error arises", {{body.id, std::move(values)}});
 }
 
 void Controller::rebuild() { startRebuilding("Filling the organ again", {{body_, nextValues_}}); }

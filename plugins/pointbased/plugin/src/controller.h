@@ -49,6 +49,7 @@ class Controller : public sdk::Panel {
   void addObstacle();
   void removeObstacle(const Snapshot &snapshot);
   void rebuild();
+  void makeFiner(const BodySnapshot &body);
   /// Every body that deforms, with its sampling left to the dial.
   void applyWish(const Snapshot &snapshot);
   void startRebuilding(const std::string &title, std::vector<std::pair<std::uint64_t, ParameterValues>> bodies);

@@ -20,6 +20,7 @@ constexpr std::array<c3de_str, 6> kIntegrators{str("auto"),     str("explicit"),
 constexpr std::array<c3de_str, 3> kPrecisions{str("auto"), str("double"), str("single")};
 constexpr std::array<c3de_str, 5> kPreconditioners{str("auto"), str("multigrid"), str("block_jacobi"),
                                                    str("incomplete"), str("factorised")};
+constexpr std::array<c3de_str, 3> kAdaptive{str("auto"), str("on"), str("off")};
 constexpr std::array<c3de_str, 3> kEvaluations{str("auto"), str("stress_points"), str("phyxels")};
 constexpr std::array<c3de_str, 3> kSurfaces{str("opaque"), str("transparent"), str("hidden")};
 constexpr std::array<c3de_str, 3> kPoints{str("evaluation_points"), str("phyxels"), str("none")};
@@ -253,6 +254,12 @@ constexpr std::array kBody{
          "to 4000, so that the spacing is at most half of the thickness",
          "Sampling", C3DE_PARAM_ID_SPACING},
         {1.0, static_cast<double>(kMaximumPhyxels), 50.0, 5000.0}, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_LOG_SCALE)),
+    choiceParam(
+        {"sampling.adaptive", "Finer where it errs", "",
+         "stress_points: cells are halved where a trial solution under supports, loads and hands has most of its "
+         "error, for as many phyxels in all; auto: bodies of several tissues that something leads or loads",
+         "Sampling"},
+        kAdaptive, "auto", C3DE_PARAM_NEEDS_RESET),
     numberParam({"sampling.surface_spacing", "Surface spacing", "m",
                  "stress_points: cells that the surface cuts are divided until they are at most this; 0: as inside",
                  "Sampling"},

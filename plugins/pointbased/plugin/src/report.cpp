@@ -138,6 +138,12 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported, const Er
           {"stopped", body.stopMessage()}};
 }
 
+Json adaptiveJson(const AdaptiveSampling &adaptive) {
+  Json out = {{"halved_cells", adaptive.halved}, {"cells", adaptive.cells}, {"error_share", adaptive.share}};
+  if (!adaptive.uniform.empty()) out["uniform"] = adaptive.uniform;
+  return out;
+}
+
 // What holds a body elastically where it is in the scan.
 Json attachmentJson(const Simulator &simulator, std::size_t id) {
   const Body &body = *simulator.body(id);
@@ -254,6 +260,10 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
     if (body.promise) errors.push_back(noticeOf(simulator.body(body.id)->name(), *body.promise));
     errors.push_back(errorAdvice(*simulator.body(body.id), body.meshArea, error.relative));
     out["bodies"].push_back(bodyJson(simulator, body, error));
+    if (body.adaptive) {
+      out["bodies"].back()["adaptive"] = adaptiveJson(*body.adaptive);
+      errors.push_back("body '" + simulator.body(body.id)->name() + "': " + adaptiveText(*body.adaptive));
+    }
     if (simulator.body(body.id)->foundation().acts()) out["attachments"].push_back(attachmentJson(simulator, body.id));
     const std::vector<Reaction> reactions = simulator.reactions(body.id);
     for (std::size_t f = 0; f < reactions.size(); ++f)

@@ -17,7 +17,8 @@ struct ReportedBody {
   double meshVolume;  ///< m³
   double meshArea;    ///< m²
   std::vector<std::uint32_t> fixNumbers;
-  std::shared_ptr<const AccuracyPromise> promise;  ///< null: its sampling was said
+  std::shared_ptr<const AccuracyPromise> promise;    ///< null: its sampling was said
+  std::shared_ptr<const AdaptiveSampling> adaptive;  ///< null: finer cells were not asked for
 };
 
 struct ReportedTool {

@@ -24,7 +24,8 @@ struct BodySnapshot {
   std::shared_ptr<const RestState> rest;
   std::shared_ptr<PlacedMesh> surface;
   std::shared_ptr<const ParameterValues> values;
-  std::shared_ptr<const AccuracyPromise> promise;  ///< null: its sampling was said
+  std::shared_ptr<const AccuracyPromise> promise;    ///< null: its sampling was said
+  std::shared_ptr<const AdaptiveSampling> adaptive;  ///< null: finer cells were not asked for
   /// sRGB, of the surface by the material; none: by its place among the bodies
   std::optional<std::array<float, 3>> colour;
   std::uint64_t changes = 0;  ///< of the simulator: the same number, the same places

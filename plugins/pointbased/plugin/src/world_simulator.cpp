@@ -162,9 +162,8 @@ void WorldSimulator::add(const c3de_sim_body *body, c3de_handle *out, Walls wall
   if (isRigid(values) && !isFree(values)) checkStandsStill(record.name, record.source);
   BuiltBody built = buildBody(context_.services, context_.laws, record.name, in.mesh, record.source, values,
                               dialRequest(), sdk::Progress(in.progress));
-  if (built.promise) record.promise = std::make_shared<const AccuracyPromise>(std::move(*built.promise));
+  record.take(built);
   record.values = std::make_shared<const ParameterValues>(std::move(values));
-  record.surface = std::move(built.surface);
   record.source.mesh = std::make_shared<const sdk::MeshHandle>(copyMesh(context_.services, in.mesh));
   const StepRequest::Waiting waiting(request_);
   const std::lock_guard lock(mutex_);
@@ -403,6 +402,7 @@ void WorldSimulator::publish() {
     b.surface = record.surface;
     b.values = record.values;
     b.promise = record.promise;
+    b.adaptive = record.adaptive;
     b.colour = record.source.colour;
     if (!samePlaces) {
       b.phyxels.resize(body.rest().phyxelCount());
@@ -537,7 +537,8 @@ void WorldSimulator::report(c3de_sink json) {
     const std::lock_guard lock(mutex_);
     std::vector<ReportedBody> bodies;
     for (const auto &[id, record] : bodies_)
-      bodies.push_back({id, record.surface->volume, areaOf(*record.surface), record.source.fixNumbers, record.promise});
+      bodies.push_back({id, record.surface->volume, areaOf(*record.surface), record.source.fixNumbers, record.promise,
+                        record.adaptive});
     std::sort(bodies.begin(), bodies.end(), [&](const ReportedBody &a, const ReportedBody &b) {
       return bodies_.at(a.id).order < bodies_.at(b.id).order;
     });
@@ -652,11 +653,13 @@ void WorldSimulator::surfels(c3de_handle body, c3de_object **out) {
 void WorldSimulator::setGrab(std::uint64_t body, Grab grab, double ownLimit) {
   const std::lock_guard lock(mutex_);
   if (const Body *held = simulator_.body(body)) limitToTissue(grab, *held, ownLimit);
+  keepHand(body, grab);
   simulator_.setGrab(body, std::move(grab));
 }
 
 void WorldSimulator::moveGrab(std::uint64_t body, const Vec3 &target) {
   const std::lock_guard lock(mutex_);
+  keepPull(body, 0);
   simulator_.moveGrab(body, target);
 }
 
@@ -695,9 +698,8 @@ void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &valu
   const Simulator::ContactPairs pairs = simulator_.contactPairs();
   const std::vector<Attachment> attached = attachmentsOf(body);
   forgetAttachmentsOf(body);
-  record.surface = std::move(built.surface);
+  record.take(built);
   record.values = std::make_shared<const ParameterValues>(values);
-  record.promise = built.promise ? std::make_shared<const AccuracyPromise>(std::move(*built.promise)) : nullptr;
   bodies_.erase(found);
   simulator_.removeBody(body);
   resetSimulator();

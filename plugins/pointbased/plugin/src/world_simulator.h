@@ -197,7 +197,9 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
     std::shared_ptr<PlacedMesh> surface;
     std::shared_ptr<const ParameterValues> values;  // replaced, never changed: snapshots share it
     BodySource source;
-    std::shared_ptr<const AccuracyPromise> promise;  // null: its sampling was said
+    std::shared_ptr<const AccuracyPromise> promise;    // null: its sampling was said
+    std::shared_ptr<const AdaptiveSampling> adaptive;  // null: finer cells were not asked for
+    void take(BuiltBody &built);
     std::size_t order = 0;
   };
   struct ObstacleRecord {
@@ -234,6 +236,9 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   [[nodiscard]] double displacedVolume(std::uint64_t obstacle) const;
   [[nodiscard]] bool holdsSkin(std::uint64_t obstacle);
   void makeRoom(const BodyRecord &body);
+  /// Where hands hold and how they pull, for the trial of an adaptive sampling: the last eight places of a body.
+  void keepHand(std::uint64_t body, const Grab &grab);
+  void keepPull(std::uint64_t body, std::uint64_t hand);
   /// What a body that is built now asks the dial.
   [[nodiscard]] DialRequest dialRequest();
   /// measureFrame() in this world.

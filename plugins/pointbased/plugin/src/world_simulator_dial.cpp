@@ -37,6 +37,43 @@ double WorldSimulator::frameTime(const Body &body, const StopRequest *stop) cons
   return measureFrame(body, settings, obstacles, context_.services.parallelFor(), stop);
 }
 
+void WorldSimulator::BodyRecord::take(BuiltBody &built) {
+  surface = std::move(built.surface);
+  promise = built.promise ? std::make_shared<const AccuracyPromise>(std::move(*built.promise)) : nullptr;
+  adaptive = built.adaptive ? std::make_shared<const AdaptiveSampling>(std::move(*built.adaptive)) : nullptr;
+}
+
+void WorldSimulator::keepHand(std::uint64_t body, const Grab &grab) {
+  constexpr std::size_t kMost = 8;
+  const auto found = bodies_.find(body);
+  if (found == bodies_.end() || grab.phyxels.empty()) return;
+  const RestState &rest = simulator_.body(body)->rest();
+  SphereRegion place;
+  for (std::size_t i = 0; i < grab.phyxels.size(); ++i)
+    place.centre += grab.weights[i] * (rest.origin + rest.positions[grab.phyxels[i]]);
+  for (const Index i : grab.phyxels)
+    place.radius = std::max(place.radius, (rest.origin + rest.positions[i] - place.centre).norm());
+  place.radius = std::max(place.radius, rest.spacing);
+  std::vector<Load> &hands = found->second.source.hands;
+  std::erase_if(hands, [&](const Load &other) {
+    return other.force.isZero(0.0) || signedDistance(other.region, place.centre) < 0.0;
+  });
+  if (hands.size() >= kMost) hands.erase(hands.begin());
+  hands.push_back({place});
+}
+
+void WorldSimulator::keepPull(std::uint64_t body, std::uint64_t hand) {
+  const std::optional<GrabStatus> status = simulator_.grabStatus(body, hand);
+  const auto found = bodies_.find(body);
+  if (found == bodies_.end() || found->second.source.hands.empty() || !status) return;
+  std::vector<Load> &hands = found->second.source.hands;
+  const auto way = [&](const Load &load) { return std::abs(signedDistance(load.region, status->point)); };
+  Vec3 &most = std::min_element(hands.begin(), hands.end(), [&](const Load &a, const Load &b) {
+                 return way(a) < way(b);
+               })->force;
+  if (status->force.squaredNorm() > most.squaredNorm()) most = status->force;
+}
+
 void WorldSimulator::shareBudget(std::size_t bodies) {
   const std::lock_guard lock(mutex_);
   sdk::orThrow(world_.set(sdk::integerValue(C3DE_PARAM_ID_ACCURACY_BODIES, static_cast<std::int64_t>(bodies))));

@@ -54,7 +54,10 @@ void WorldSimulator::letGo(std::uint64_t id) {
 std::uint64_t WorldSimulator::handOf(std::uint64_t grasp) { return grasp == kGraspInHand ? kFirstHand : grasp; }
 
 void WorldSimulator::setHands(std::uint64_t id, const Grasp &grasp) {
-  for (std::size_t jaw = 0; jaw < 2; ++jaw) simulator_.setGrab(grasp.body, grasp.grabs[jaw], handOf(id) + jaw);
+  for (std::size_t jaw = 0; jaw < 2; ++jaw) {
+    keepHand(grasp.body, grasp.grabs[jaw]);
+    simulator_.setGrab(grasp.body, grasp.grabs[jaw], handOf(id) + jaw);
+  }
 }
 
 std::optional<GraspForces> WorldSimulator::forcesOn(std::uint64_t id, const Grasp &grasp) const {
@@ -95,6 +98,7 @@ void WorldSimulator::leadGrasps() {
         if (record.scene) record.scene->lead(*record.now, end);
         record.now->aim();
         for (std::size_t jaw = 0; jaw < 2; ++jaw) {
+          keepPull(record.now->body, handOf(id) + jaw);
           simulator_.moveGrab(record.now->body, record.now->grabs[jaw].target, handOf(id) + jaw);
           simulator_.turnGrab(record.now->body, record.now->rotation, handOf(id) + jaw);
         }

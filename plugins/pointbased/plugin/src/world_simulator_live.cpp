@@ -120,6 +120,7 @@ void WorldSimulator::hold(c3de_handle handle, const c3de_sim_hold *hold, c3de_ha
   if (in.flags & C3DE_SIM_HOLD_SHAPE) keepShape(grab, body);
   const std::uint64_t id = nextLive_++;
   holds_.emplace(id, LiveHold{handle.v, middle - at, at, Mat3::Identity(), !grab.arms.empty()});
+  keepHand(handle.v, grab);
   simulator_.setGrab(handle.v, std::move(grab), id);
   if (out) *out = {id};
 }
@@ -140,6 +141,7 @@ void WorldSimulator::pull(c3de_handle handle, const double *target_m3, const dou
   if (quaternion4 && hold.keepsShape) rotation = readRotation(quaternion4, "pull");
   hold.target = target;
   hold.rotation = rotation;
+  keepPull(hold.body, handle.v);
   simulator_.moveGrab(hold.body, target + rotation * hold.fromNamed, handle.v);
   simulator_.turnGrab(hold.body, rotation, handle.v);
 }

@@ -18,7 +18,7 @@ namespace pointbased {
 /// A body as it is to be simulated, but for its sampling.
 struct AccuracyProblem {
   const BodyShape &shape;
-  const BodyRecipe &recipe;  ///< its spacing and count do not matter
+  const BodyRecipe &recipe;
   const Constitution &constitution;
   Foundation foundation{};
   Vec3 gravity = Vec3::Zero();  ///< m/s²
@@ -40,7 +40,10 @@ struct TrialSolution {
 [[nodiscard]] std::vector<Vec3> displacementsAt(const RestState &rest, std::span<const Vec3> displacements,
                                                 const SurfacePoints &samples, const ParallelFor &parallelFor);
 
-/// Errors: those of buildRestState(); no equilibrium.
+/// With the sampling of its recipe. Errors: those of buildRestState(); no equilibrium.
+[[nodiscard]] Result<TrialSolution> solveTrial(const AccuracyProblem &problem, const SurfacePoints &samples,
+                                               const ParallelFor &parallelFor, const StopRequest *stop = nullptr);
+/// With cells of one size. Errors likewise.
 /// @param count  wanted phyxels
 [[nodiscard]] Result<TrialSolution> solveTrial(const AccuracyProblem &problem, std::size_t count,
                                                const SurfacePoints &samples, const ParallelFor &parallelFor,

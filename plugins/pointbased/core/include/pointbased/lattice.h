@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 
@@ -18,11 +19,24 @@ struct Refinement {
   double spacing = 0.0;  ///< m; the lattice halves its cells until they are at most this
 };
 
+/// Cells of a lattice that are to be finer, by their numbers: what adaptSampling() (adaptive_sampling.h) finds.
+struct FinerCells {
+  using Place = std::array<std::int32_t, 3>;
+  Vec3 corner = Vec3::Zero();    ///< world, m: where cell (0, 0, 0) begins
+  Mat3 axes = Mat3::Identity();  ///< of the lattice, columns
+  double edge = 0.0;             ///< of these cells, m
+  std::vector<Place> places;     ///< ascending; empty: no cells are finer
+  double spacing = 0.0;          ///< m; cells with their middle in one of these are halved until they are at most this
+
+  [[nodiscard]] bool holds(const Vec3 &x) const;  ///< whether a point of the world, m, lies in one of them
+};
+
 struct LatticeSampling {
   double spacing = 0.0;      ///< edge of the cells, m; 0: from count
   std::size_t count = 1000;  ///< wanted phyxels
   std::vector<Refinement> refinements;
   double surfaceSpacing = 0.0;  ///< > 0: cells that the surface cuts are at most this large, m
+  FinerCells finer;
   /// Of the lattice, columns; a rotation. Empty: along the faces of the body, where it has such, else along the border
   /// of the first half-space among `held`, else along the world's axes (latticeDirection() in src/discretisation/lattice)
   std::optional<Mat3> axes;
@@ -33,6 +47,9 @@ struct LatticeSampling {
   std::vector<Region> held;
   std::vector<std::pair<Region, std::uint16_t>> materials;  ///< later ones win; elsewhere material 0
 };
+
+/// Edge of the smallest cells of a lattice whose coarsest have the edge `spacing`, m.
+[[nodiscard]] double finestSpacing(const LatticeSampling &sampling, double spacing);
 
 /// Which cell holds a material point, and the functions there. Const, any thread.
 class CellMap {
@@ -52,6 +69,7 @@ class CellMap {
 struct LatticeBody {
   Vec3 origin = Vec3::Zero();         ///< world, m; all below is relative to it
   double spacing = 0.0;               ///< m, of the coarsest cells
+  Vec3 corner = Vec3::Zero();         ///< m, where the coarsest cells begin, along `stencils.axes` from there
   std::vector<Vec3> positions;        ///< [phyxels] X, m, sorted in space; some lie outside of the body
   std::vector<double> volumes;        ///< [phyxels] m³, > 0; sum: the body's volume (density times it is the mass)
   std::vector<double> weightVolumes;  ///< [phyxels] m³, ∫N_j: what a uniform load on the material gives each; same sum

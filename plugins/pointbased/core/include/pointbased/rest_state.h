@@ -38,12 +38,13 @@ struct Neighbours {
 /// far from the world's origin loses no digits.
 struct RestState {
   Evaluation evaluation = Evaluation::phyxels;
-  Vec3 origin = Vec3::Zero();   ///< world, m
-  double spacing = 0.0;         ///< m
-  double shapeVolume = 0.0;     ///< m³, of the shape that was filled: what its surface encloses
-  double countedVolume = 0.0;   ///< m³, that the sampling has found inside of it; 0: nobody has counted
-  std::vector<Vec3> positions;  ///< [phyxels] X, m
-  std::vector<double> volumes;  ///< [phyxels] m³
+  Vec3 origin = Vec3::Zero();         ///< world, m
+  double spacing = 0.0;               ///< m, of lattices the edge of the coarsest cells
+  Vec3 latticeCorner = Vec3::Zero();  ///< m, where the coarsest cells begin, along stencils.axes from there
+  double shapeVolume = 0.0;           ///< m³, of the shape that was filled: what its surface encloses
+  double countedVolume = 0.0;         ///< m³, that the sampling has found inside of it; 0: nobody has counted
+  std::vector<Vec3> positions;        ///< [phyxels] X, m
+  std::vector<double> volumes;        ///< [phyxels] m³
   /// [phyxels] m³, shares of a load on the material of a held body; empty: `volumes`
   std::vector<double> weightVolumes;
   std::vector<double> heldVolumes;  ///< [phyxels] m³, part of `weightVolumes` that supports carry; empty: none

@@ -3,8 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pointbased/accuracy.h"
-#include "pointbased/body.h"
+#include "accuracy/trial_solution.h"
 #include "pointbased/integrators.h"
 #include "pointbased/interpolation.h"
 #include "shape/surface_area.h"
@@ -26,12 +25,7 @@ Constitution linearOf(const Constitution &constitution) {
   return out;
 }
 
-BodyRecipe scaled(const BodyRecipe &recipe, std::size_t count) {
-  BodyRecipe out = recipe;
-  out.sampling.spacing = 0.0;
-  out.sampling.count = count;
-  out.sampling.refinements.clear();
-  out.sampling.surfaceSpacing = 0.0;
+BodyRecipe scaled(BodyRecipe out) {
   for (Fix &fix : out.fixes) {
     fix.displacement *= kSmall;
     fix.rotation_deg *= kSmall;
@@ -100,26 +94,50 @@ std::vector<Vec3> displacementsAt(const RestState &rest, std::span<const Vec3> d
   return out;
 }
 
-Result<TrialSolution> solveTrial(const AccuracyProblem &problem, std::size_t count, const SurfacePoints &samples,
-                                 const ParallelFor &parallelFor, const StopRequest *stop) {
-  auto rest = buildRestState(problem.shape, scaled(problem.recipe, count), {}, parallelFor);
+namespace detail {
+
+Result<std::unique_ptr<Body>> solvedTrial(const AccuracyProblem &problem, const ParallelFor &parallelFor,
+                                          const StopRequest *stop) {
+  auto rest = buildRestState(problem.shape, scaled(problem.recipe), {}, parallelFor);
   if (!rest) return tl::unexpected(rest.error());
-  Body body("trial", *rest, linearOf(problem.constitution), parallelFor);
-  if (const auto held = body.setFoundation(problem.foundation); !held) return tl::unexpected(held.error());
-  if (const auto solved = solveLinear(body, kSmall * problem.gravity, parallelFor, stop); !solved)
+  auto body = std::make_unique<Body>("trial", *rest, linearOf(problem.constitution), parallelFor);
+  if (const auto held = body->setFoundation(problem.foundation); !held) return tl::unexpected(held.error());
+  if (const auto solved = solveLinear(*body, kSmall * problem.gravity, parallelFor, stop); !solved)
     return tl::unexpected(solved.error());
+  return body;
+}
+
+}  // namespace detail
+
+Result<TrialSolution> solveTrial(const AccuracyProblem &problem, const SurfacePoints &samples,
+                                 const ParallelFor &parallelFor, const StopRequest *stop) {
+  const auto solved = detail::solvedTrial(problem, parallelFor, stop);
+  if (!solved) return tl::unexpected(solved.error());
+  const Body &body = **solved;
+  const RestState &rest = body.rest();
   TrialSolution out;
-  out.spacing = (*rest)->spacing;
-  out.phyxels = (*rest)->phyxelCount();
-  out.points = (*rest)->pointCount();
-  out.contacts = (*rest)->contact.count();
+  out.spacing = rest.spacing;
+  out.phyxels = rest.phyxelCount();
+  out.points = rest.pointCount();
+  out.contacts = rest.contact.count();
   out.stableStep = body.stableStepAtRest();
-  out.ways = displacementsAt(**rest, body.state().displacements, samples, parallelFor);
+  out.ways = displacementsAt(rest, body.state().displacements, samples, parallelFor);
   for (Vec3 &u : out.ways) {
     u /= kSmall;
     out.largest = std::max(out.largest, u.norm());
   }
   return out;
+}
+
+Result<TrialSolution> solveTrial(const AccuracyProblem &problem, std::size_t count, const SurfacePoints &samples,
+                                 const ParallelFor &parallelFor, const StopRequest *stop) {
+  BodyRecipe recipe = problem.recipe;
+  recipe.sampling.spacing = 0.0;
+  recipe.sampling.count = count;
+  recipe.sampling.refinements.clear();
+  recipe.sampling.surfaceSpacing = 0.0;
+  return solveTrial({problem.shape, recipe, problem.constitution, problem.foundation, problem.gravity}, samples,
+                    parallelFor, stop);
 }
 
 double skinDifference(const TrialSolution &a, const TrialSolution &b) {

@@ -44,6 +44,7 @@ BodyRecipe shadowRecipe(const BodyRecipe &recipe, double spacing, double refinem
   out.evaluation = Evaluation::stressPoints;
   out.sampling.spacing = spacing / refinement;
   for (Refinement &finer : out.sampling.refinements) finer.spacing /= refinement;
+  out.sampling.finer.spacing /= refinement;
   if (fineSupports)
     for (const Fix &fix : out.fixes)
       out.sampling.refinements.push_back({fix.region, out.sampling.spacing / kSupportRefinement});

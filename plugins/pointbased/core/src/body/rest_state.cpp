@@ -237,11 +237,10 @@ void bindSkin(const BodyShape &shape, const LatticeSampling &sampling, std::span
   rest.surfelNormals.assign(surfelNormals.begin(), surfelNormals.end());
   rest.skin = local.triangles;
   if (local.triangles.empty()) return;
-  // As fine as the finest cells: a refined place is refined to be touched.
-  double finest = rest.spacing;
-  for (const Refinement &refinement : sampling.refinements)
-    while (finest > refinement.spacing * (1.0 + 1e-9)) finest *= 0.5;
-  while (sampling.surfaceSpacing > 0.0 && finest > sampling.surfaceSpacing * (1.0 + 1e-9)) finest *= 0.5;
+  // As fine as the finest cells: a refined place is refined to be touched, one that is finer for its error is not.
+  LatticeSampling touched = sampling;
+  touched.finer = {};
+  const double finest = finestSpacing(touched, rest.spacing);
   SurfacePoints chosen =
       rest.components > 1 ? chooseContactPoints(local, finest, piecesOf(rest)) : chooseContactPoints(local, finest);
   Interpolation binding = rest.bind(chosen.positions, chosen.normals);
@@ -263,6 +262,7 @@ Result<std::shared_ptr<RestState>> restOfLattice(const BodyShape &shape, const B
   rest->evaluation = Evaluation::stressPoints;
   rest->origin = body.origin;
   rest->spacing = body.spacing;
+  rest->latticeCorner = body.corner;
   rest->sampling = recipe.sampling;
   rest->reshape = recipe.reshape;
   rest->shapeVolume = shape.volume;

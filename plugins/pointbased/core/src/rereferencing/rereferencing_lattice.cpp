@@ -135,7 +135,7 @@ Result<Rereferencing> detail::renewedLattice(const Body &body, const ParallelFor
     return refuse("its supports and loads are given in its first shape");
   if (body.constitution().materials.size() > 1)
     return refuse("its parts of other materials are given in its first shape");
-  if (!old.sampling.refinements.empty() || old.sampling.surfaceSpacing > 0.0)
+  if (!old.sampling.refinements.empty() || old.sampling.surfaceSpacing > 0.0 || !old.sampling.finer.places.empty())
     return refuse("its refinement is given in its first shape");
   for (const Vec3 &u : body.state().displacements)
     if (!u.allFinite()) return refuse("its state is not finite");

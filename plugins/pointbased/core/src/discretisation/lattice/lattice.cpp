@@ -385,6 +385,7 @@ Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &w
   const Frame &frame = map->set().frame;
   body.origin = frame.origin;
   body.spacing = frame.spacing;
+  body.corner = frame.axes * frame.low;
   body.components = map->components();
   body.positions.reserve(map->corners().positions.size());
   for (const Vec3 &local : map->corners().positions) body.positions.push_back(frame.axes * local);

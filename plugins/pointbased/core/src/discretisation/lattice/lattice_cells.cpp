@@ -5,6 +5,36 @@
 #include "base/number_text.h"
 #include "discretisation/lattice/lattice_samples.h"
 
+namespace pointbased {
+namespace {
+
+// Edge of the largest cells that are at most this large, by halving.
+double halvedTo(double spacing, double wanted) {
+  return spacing / std::exp2(std::max(0.0, std::ceil(std::log2(spacing / wanted) - 1e-6)));
+}
+
+}  // namespace
+
+double finestSpacing(const LatticeSampling &sampling, double spacing) {
+  double finest = spacing;
+  for (const Refinement &r : sampling.refinements) finest = std::min(finest, halvedTo(spacing, r.spacing));
+  if (sampling.surfaceSpacing > 0.0) finest = std::min(finest, halvedTo(spacing, sampling.surfaceSpacing));
+  if (!sampling.finer.places.empty()) finest = std::min(finest, halvedTo(spacing, sampling.finer.spacing));
+  return finest;
+}
+
+bool FinerCells::holds(const Vec3 &x) const {
+  const Vec3 at = axes.transpose() * (x - corner) / edge;
+  Place place{};
+  for (int a = 0; a < 3; ++a) {
+    if (!(std::abs(at[a]) < 1e9)) return false;
+    place[static_cast<std::size_t>(a)] = static_cast<std::int32_t>(std::floor(at[a]));
+  }
+  return std::binary_search(places.begin(), places.end(), place);
+}
+
+}  // namespace pointbased
+
 namespace pointbased::lattice {
 namespace {
 
@@ -201,20 +231,12 @@ bool meets(const Region &region, const Frame &frame, const Vec3 &centre, double 
 }
 
 int levelsNeeded(const LatticeSampling &sampling, double spacing) {
-  double smallest = spacing;
-  for (const Refinement &r : sampling.refinements) smallest = std::min(smallest, r.spacing);
-  if (sampling.surfaceSpacing > 0.0) smallest = std::min(smallest, sampling.surfaceSpacing);
-  return std::max(0, static_cast<int>(std::ceil(std::log2(spacing / smallest) - 1e-6)));
+  return static_cast<int>(std::lround(std::log2(spacing / finestSpacing(sampling, spacing))));
 }
 
 std::string tooMany() {
   return "the refined lattice has too many cells for " + std::to_string(kMaximumPhyxels) +
          " phyxels: use a larger spacing in refinements or surfaceSpacing";
-}
-
-// Edge of the largest cells that are at most this large, by halving.
-double halvedTo(double spacing, double wanted) {
-  return spacing / std::exp2(std::max(0.0, std::ceil(std::log2(spacing / wanted) - 1e-6)));
 }
 
 // CutCellFragment of a cell that lies in a region.
@@ -270,7 +292,7 @@ std::vector<Leaf> coarsestLeaves(const Frame &frame, std::span<const State> stat
   return leaves;
 }
 
-// Cells of a level that are coarser than the surface or a refinement wants them.
+// Cells of a level that are coarser than the surface, a refinement or the list of finer cells wants them.
 std::vector<Cell3> cellsToSplit(Tree &tree, int level, const LatticeSampling &sampling, const Frame &frame) {
   std::vector<Cell3> split;
   for (const auto &[key, state] : tree.level(level)) {
@@ -281,6 +303,8 @@ std::vector<Cell3> cellsToSplit(Tree &tree, int level, const LatticeSampling &sa
       if (wanted) break;
       wanted = edge > r.spacing * (1.0 + 1e-6) && meets(r.region, frame, tree.centre(level, Tree::place(key)), edge);
     }
+    if (!wanted && !sampling.finer.places.empty() && edge > sampling.finer.spacing * (1.0 + 1e-6))
+      wanted = sampling.finer.holds(frame.world(tree.centre(level, Tree::place(key))));
     if (wanted) split.push_back(Tree::place(key));
   }
   return split;

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/adaptive_sampling.h"
+
+#include <cmath>
+
+#include "lattice_cases.h"
+#include "pointbased/stop_request.h"
+#include "support/catch.h"
+#include "surfaces.h"
+
+using namespace pointbased;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr double kEdge = 0.1;  // m, of the block
+const Vec3 kMiddle(0.05, 0.05, 0.07);
+
+/// A block that stands on its lower face; a small ball inside is led sideways.
+struct LedBlock {
+  BodyShape shape = lattice_cases::box(Vec3::Zero(), Vec3::Constant(kEdge));
+  BodyRecipe recipe;
+  Constitution constitution;
+  explicit LedBlock(std::size_t count) {
+    shape.surface = shapes::boxSurface(Vec3::Zero(), Vec3::Constant(kEdge), 8);
+    Fix bottom, ball;
+    bottom.region = HalfSpaceRegion{Vec3::Zero(), Vec3::UnitZ()};
+    ball.region = SphereRegion{kMiddle, 0.012};
+    ball.displacement = Vec3(0.01, 0, 0);
+    recipe.fixes = {bottom, ball};
+    recipe.sampling.count = count;
+    Material material;
+    material.youngsModulus = 1e4;
+    material.poissonRatio = 0.45;
+    constitution = {{material}, kLatticeStabilisation};
+  }
+  [[nodiscard]] AccuracyProblem problem() const { return {shape, recipe, constitution}; }
+  [[nodiscard]] AdaptiveSampling adapted(AdaptiveGain gain = AdaptiveGain::sameCount,
+                                         const ParallelFor &parallelFor = serialFor()) const {
+    auto out = adaptSampling(problem(), gain, parallelFor);
+    REQUIRE(out.has_value());
+    return *out;
+  }
+};
+
+TrialSolution solved(const LedBlock &block, const LatticeSampling &sampling, const SurfacePoints &samples) {
+  LedBlock other = block;
+  other.recipe.sampling = sampling;
+  const auto out = solveTrial(other.problem(), samples, serialFor());
+  REQUIRE(out.has_value());
+  return *out;
+}
+
+Vec3 middleOf(const FinerCells &cells, std::size_t i) {
+  const auto &k = cells.places[i];
+  return cells.corner + cells.edge * (cells.axes * (Vec3(k[0], k[1], k[2]) + Vec3::Constant(0.5)));
+}
+
+class Raised final : public StopRequest {
+ public:
+  [[nodiscard]] bool isRaised() const noexcept override { return true; }
+};
+
+}  // namespace
+
+TEST_CASE("a cell of the list is halved, alone") {
+  const BodyShape block = lattice_cases::box(Vec3::Zero(), Vec3::Constant(kEdge));
+  LatticeSampling sampling = lattice_cases::withSpacing(0.02);
+  sampling.axes = Mat3::Identity();
+  const LatticeBody even = lattice_cases::filled(block, sampling);
+  sampling.finer = {even.origin + even.corner, Mat3::Identity(), even.spacing, {{2, 2, 2}}, 0.5 * even.spacing};
+  const LatticeBody finer = lattice_cases::filled(block, sampling);
+  // Its middle is a phyxel; corners on its edges and faces hang on the larger cells beside it.
+  CHECK(finer.positions.size() == even.positions.size() + 1);
+  CHECK(finer.stencils.pointCount() == even.stencils.pointCount() + 7);
+  CHECK(lattice_cases::consistencyOf(finer).worst() < 1e-11);
+  CHECK(sampling.finer.holds(Vec3(0.041, 0.059, 0.05)));
+  CHECK_FALSE(sampling.finer.holds(Vec3(0.039, 0.05, 0.05)));
+  CHECK_FALSE(sampling.finer.holds(Vec3(1e300, 0.05, 0.05)));
+  // Twice finer as a whole: the cells in its place are as much finer as before.
+  sampling.spacing *= 0.5;
+  sampling.finer.spacing *= 0.5;
+  LatticeSampling twice = sampling;
+  twice.finer = {};
+  CHECK(lattice_cases::filled(block, sampling).stencils.pointCount() ==
+        lattice_cases::filled(block, twice).stencils.pointCount() + 8 * 7);
+}
+
+TEST_CASE("cells are halved where a body is led, for as many phyxels and a smaller error") {
+  const LedBlock block(2000);
+  const AdaptiveSampling adapted = block.adapted();
+  REQUIRE(adapted.halved > 0);
+  CHECK(adapted.halved < adapted.cells / 5);
+  CHECK(adapted.share > 0.72);
+  CHECK(adapted.uniform.empty());
+  // Many lie around the ball, in a tenth of the volume; the others at the edges of the lower face, where the strain has no bound either.
+  std::size_t near = 0;
+  for (std::size_t i = 0; i < adapted.halved; ++i)
+    near += (middleOf(adapted.sampling.finer, i) - kMiddle).norm() < 0.03 ? 1 : 0;
+  CHECK(3 * near > adapted.halved);
+
+  const SurfacePoints samples = skinSamples(block.shape.surface, block.recipe.fixes, 500);
+  const TrialSolution even = solved(block, block.recipe.sampling, samples);
+  const TrialSolution finer = solved(block, adapted.sampling, samples);
+  CHECK(static_cast<double>(finer.phyxels) == Approx(static_cast<double>(even.phyxels)).epsilon(0.1));
+  LatticeSampling fine;
+  fine.count = 20000;
+  const TrialSolution truth = solved(block, fine, samples);
+  CHECK(skinDifference(finer, truth) < 0.8 * skinDifference(even, truth));  // 0.72
+}
+
+TEST_CASE("where the error is even, cells of one size stay") {
+  // A bar that hangs from its whole upper face.
+  LedBlock block(1000);
+  block.recipe.fixes.resize(1);
+  block.recipe.fixes.front().region = HalfSpaceRegion{Vec3(0, 0, kEdge), -Vec3::UnitZ()};
+  block.constitution.materials.front().poissonRatio = 0.0;  // no edges where it is held from contracting
+  const auto adapted = adaptSampling({block.shape, block.recipe, block.constitution, {}, Vec3(0, 0, -9.81)},
+                                     AdaptiveGain::sameCount, serialFor());
+  REQUIRE(adapted.has_value());
+  CHECK(adapted->halved == 0);
+  CHECK(adapted->sampling.finer.places.empty());
+  CHECK(adapted->sampling.count == 1000);
+  CHECK(adapted->sampling.spacing == 0.0);
+  CHECK_THAT(adapted->uniform, Contains("too evenly") && Contains("72 % are needed"));
+}
+
+TEST_CASE("a spacing that is wished stays that of the coarsest cells") {
+  LedBlock block(0);
+  block.recipe.sampling.spacing = 0.01;
+  const AdaptiveSampling adapted = block.adapted();
+  REQUIRE(adapted.halved > 0);
+  CHECK(adapted.sampling.spacing == 0.01);
+  CHECK(adapted.sampling.finer.edge == Approx(0.01));
+  const SurfacePoints samples = skinSamples(block.shape.surface, block.recipe.fixes, 100);
+  const auto even = static_cast<double>(solved(block, block.recipe.sampling, samples).phyxels);
+  CHECK(static_cast<double>(solved(block, adapted.sampling, samples).phyxels) == Approx(even / 0.6).epsilon(0.1));
+}
+
+TEST_CASE("finer cells are the same for any number of threads, and are not sought when nobody wants them") {
+  const LedBlock block(1500);
+  const AdaptiveSampling once = block.adapted(),
+                         again = block.adapted(AdaptiveGain::sameCount, lattice_cases::threadedFor(3));
+  CHECK(once.sampling.finer.places == again.sampling.finer.places);
+  CHECK(once.share == again.share);
+  const Raised stop;
+  CHECK_THROWS_AS(adaptSampling(block.problem(), AdaptiveGain::sameCount, serialFor(), &stop), Stopped);
+}
+
+TEST_CASE("finer cells that halve the explicit step have to save more") {
+  // Part of the error in the cells that would be halved: between what either asks for.
+  const LedBlock block(1000);
+  const AdaptiveSampling count = block.adapted(), cost = block.adapted(AdaptiveGain::sameCost);
+  REQUIRE(count.share > 0.72);
+  REQUIRE(count.share < 0.85);
+  CHECK(count.halved > 0);
+  CHECK(cost.halved == 0);
+  CHECK_THAT(cost.uniform, Contains("85 % are needed"));
+}
