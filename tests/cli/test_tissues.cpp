@@ -544,6 +544,39 @@ TEST_CASE("A layer that slides without friction is pushed aside as a free body a
   CHECK(std::abs(moved(glued, "scan") - 0.064) < 0.05 * free);
 }
 
+TEST_CASE("A piece of what slides is set by the name that the report says", "[tissues]") {
+  const auto folder = freshFolder("tissues-slide-set");
+  writeBlocks(folder / "blocks.nrrd");
+  const auto scene = writeFile(folder / "scene.toml", blocksScene("slides = [\"above\"]\n"));
+  const auto run = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"--steps", "1"});
+    return runToReport(scene, more)["bodies"];
+  };
+  const auto as = run({});
+  const auto set =
+      run({"--set", "body.scan.above.material.density=500", "--set", "body.scan.above.sampling.spacing=0.016"});
+  REQUIRE(set.size() == 2);
+  CHECK(set[0]["mass_kg"] == as[0]["mass_kg"]);
+  CHECK(set[0]["phyxels"] == as[0]["phyxels"]);
+  CHECK(set[1]["mass_kg"].get<double>() == Approx(0.5 * as[1]["mass_kg"].get<double>()));
+  CHECK(set[1]["phyxels"].get<int>() < as[1]["phyxels"].get<int>() / 4);
+  // Of a body that counts its points a piece that says none has the spacing of the rest, one that does has its own.
+  const auto counted = run({"--set", "body.scan.sampling.count=2000", "--set", "body.scan.above.sampling.count=100"});
+  CHECK(counted[1]["phyxels"].get<int>() < counted[0]["phyxels"].get<int>() / 4);
+
+  const auto refusal = [&](const std::string &assignment) {
+    const auto refused = runC3de({"run", scene.string(), "--steps", "1", "--set", assignment});
+    CHECK(refused.exitCode == 2);
+    return refused.errorOutput;
+  };
+  CHECK_THAT(refusal("body.scan.abov.material.density=500"),
+             Contains("there is no piece 'scan.abov'; did you mean 'scan.above'? accepted: scan.above"));
+  CHECK_THAT(refusal("body.scan.above.material.densty=500"),
+             Contains("--set body.scan.above.material.densty") && Contains("did you mean 'material.density'?"));
+  CHECK_THAT(refusal("body.scan.above.position=[0,0,0]"),
+             Contains("cannot be changed for a piece; accepted: material"));
+}
+
 TEST_CASE("Pieces in balance with the gravity of the scan stay where they are", "[tissues]") {
   const auto folder = freshFolder("tissues-slide-rest");
   writeBlocks(folder / "blocks.nrrd");

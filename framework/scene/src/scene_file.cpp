@@ -121,6 +121,9 @@ const SceneValue *valueOf(const std::vector<SceneValue> &values, const std::stri
   return found == values.end() ? nullptr : &*found;
 }
 
+/// Of two values that say the same in two ways, the higher one counts.
+int rankOf(const SceneValue &value) { return value.isOfPiece ? 2 : value.overridePath.empty() ? 0 : 1; }
+
 /// "material.prony1." of "material.prony1.share".
 std::string tableOf(const std::string &id) { return id.substr(0, id.rfind('.') + 1); }
 
@@ -134,10 +137,10 @@ Expected<std::vector<ParameterValue>> fitToDeclarations(const SceneFile &scene, 
     if (said == nullptr || decl.alternativeTo.empty()) continue;
     const SceneValue *other = valueOf(values, decl.alternativeTo);
     if (other == nullptr) continue;
-    if (said->overridePath.empty() == other->overridePath.empty())
+    if (rankOf(*said) == rankOf(*other))
       return fail(codeOf(*said), scene.where(*said) + ": '" + decl.id + "' and '" + decl.alternativeTo +
                                      "' say the same; accepted: one of them");
-    superseded.insert(said->overridePath.empty() ? decl.id : decl.alternativeTo);
+    superseded.insert(rankOf(*said) < rankOf(*other) ? decl.id : decl.alternativeTo);
   }
   for (const SceneValue &value : values) {
     const auto decl = findParameter(decls, value.value.id);

@@ -39,15 +39,32 @@ T *findElement(std::vector<T> &elements, const std::string &rest, std::string &k
   return best;
 }
 
-template <class T>
-std::string noElement(const std::vector<T> &elements, const std::string &what, const std::string &rest) {
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < elements.size(); ++i) names.push_back(nameOrNumber(elements[i], i));
-  const std::string name = rest.substr(0, rest.find('.'));
+/// Which piece of a body "piece.key" speaks of, and the key, which may be missing; names may contain dots.
+std::optional<std::size_t> findPiece(const SceneBody &body, const std::string &rest, std::string &key) {
+  std::optional<std::size_t> best;
+  const std::vector<std::string> names = namesOfPieces(body);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string label = names[i].substr(body.name.size() + 1);
+    const auto found = rest == label ? std::optional<std::string>("") : keyUnder(label + ".", rest);
+    if (!found || (best && found->size() >= key.size())) continue;
+    best = i;
+    key = *found;
+  }
+  return best;
+}
+
+std::string noElement(const std::vector<std::string> &names, const std::string &what, const std::string &name) {
   if (std::find(names.begin(), names.end(), name) != names.end()) return "says no key of " + what + " '" + name + "'";
   const std::string nearest = nearestName(name, names);
   return "there is no " + what + " '" + name + "'; " + (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
          (names.empty() ? "the scene has none" : "accepted: " + joined(names));
+}
+
+template <class T>
+std::string noElement(const std::vector<T> &elements, const std::string &what, const std::string &rest) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < elements.size(); ++i) names.push_back(nameOrNumber(elements[i], i));
+  return noElement(names, what, rest.substr(0, rest.find('.')));
 }
 
 }  // namespace
@@ -101,10 +118,14 @@ bool SceneReader::refusePath(const std::string &path) {
     list += ", " + element + "." + (keys.size() == 1 ? keys.front() : "…");
     for (const std::string &key : keys) known.push_back(element + "." + key);
   };
-  for (const SceneBody &body : scene_.bodies)
+  for (const SceneBody &body : scene_.bodies) {
     add("body." + body.name, {C3DE_PARAM_ID_DENSITY, C3DE_PARAM_ID_YOUNGS_MODULUS, C3DE_PARAM_ID_POISSON_RATIO,
                               C3DE_PARAM_ID_SPACING, C3DE_PARAM_ID_COUNT, C3DE_PARAM_ID_SURROUNDINGS_STIFFNESS,
                               C3DE_PARAM_ID_RIGID, C3DE_PARAM_ID_FREE, "position", "rotation_deg", "matrix", "scale"});
+    for (const std::string &piece : namesOfPieces(body))
+      add("body." + piece, {C3DE_PARAM_ID_DENSITY, C3DE_PARAM_ID_YOUNGS_MODULUS, C3DE_PARAM_ID_POISSON_RATIO,
+                            C3DE_PARAM_ID_SPACING, C3DE_PARAM_ID_COUNT, C3DE_PARAM_ID_SURROUNDINGS_STIFFNESS});
+  }
   for (std::size_t i = 0; i < scene_.fixes.size(); ++i)
     add("fix." + nameOrNumber(scene_.fixes[i], i),
         {"displacement", "rotation_deg", "centre", "ramp", "region", "body"});
@@ -130,7 +151,9 @@ bool SceneReader::refusePath(const std::string &path) {
 bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) {
   std::string key;
   SceneBody *body = findElement(scene_.bodies, rest, key);
-  if (body == nullptr) return refuse(0, noElement(scene_.bodies, "body", rest));
+  if (body == nullptr) return refuse(0, noElement(namesOfBodies(scene_), "body", rest.substr(0, rest.find('.'))));
+  std::string keyOfPiece;
+  if (const auto slide = findPiece(*body, key, keyOfPiece)) return overridePiece(*body, *slide, keyOfPiece, value);
   if (key == "name") return refuse(0, "the name of a body cannot be changed here");
   if (key == "material.preset") return readMaterial(body->params, value);
   if (keyUnder("material.", key)) return store(body->params, key, value);
@@ -156,8 +179,11 @@ bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) 
     return refuse(0, "'" + key + "' belongs to a body with a 'mesh'; this one has a 'volume'");
   if ((key == "slides" || key == "slide_friction") && !hasTissues)
     return refuse(0, "'" + key + "' belongs to a body with 'tissues'");
+  if (key == "slides") return overrideSlides(*body, value);
+  if (const std::size_t dot = key.find('.'); dot != std::string::npos && !body->volume.slides.empty())
+    return refuse(0, noElement(namesOfPieces(*body), "piece", body->name + "." + key.substr(0, dot)) + "; keys of '" +
+                         body->name + "': material.…, sampling.…, surroundings.…, parts.…");
   if (!bodyKey(*body, key, value)) return false;
-  if (key == "slides") return checkBodyNames() && checkAttachments() && checkPairs();
   // Of two ways to say the same thing, the override is what counts.
   if (key == "label") body->volume.threshold.reset();
   if (key == "threshold") {
@@ -165,6 +191,33 @@ bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) 
     body->volume.labelName.clear();
   }
   return true;
+}
+
+bool SceneReader::overridePiece(SceneBody &body, std::size_t slide, const std::string &key, const TomlValue &value) {
+  std::vector<SceneValue> &params = body.volume.slides[slide].params;
+  if (key == "material" || key == "material.preset") return readMaterial(params, value);
+  const auto sampling = keyUnder("sampling.", key);
+  if (keyUnder("material.", key) || keyUnder("surroundings.", key) || (sampling && *sampling != "refine"))
+    return store(params, key, value);
+  return refuse(0, (key.empty() ? "says no key of a piece of '" + body.name + "'"
+                                : "'" + key + "' is of all of '" + body.name + "' and cannot be changed for a piece") +
+                       "; accepted: material, material.…, sampling.… but refine, surroundings.…");
+}
+
+bool SceneReader::overrideSlides(SceneBody &body, const TomlValue &value) {
+  const std::vector<SceneSlide> before = body.volume.slides;
+  const std::vector<std::string> names = namesOfPieces(body);
+  if (!readSlides(value, body.volume)) return false;
+  // What has been said of a piece stays with its name.
+  const std::vector<std::string> now = namesOfPieces(body);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (before[i].params.empty()) continue;
+    const auto found = std::find(now.begin(), now.end(), names[i]);
+    if (found == now.end())
+      return refuse(0, noElement(now, "piece", names[i]) + "; an [[attachment]] or --set speaks of it");
+    body.volume.slides[static_cast<std::size_t>(found - now.begin())].params = before[i].params;
+  }
+  return checkBodyNames() && checkAttachments() && checkPairs();
 }
 
 bool SceneReader::overridePart(SceneBody &body, const std::string &rest, const TomlValue &value) {

@@ -33,6 +33,34 @@ std::vector<std::string> namesOfPieces(const SceneBody &body) {
   return names;
 }
 
+namespace {
+
+bool isUnder(const char *table, const SceneValue &value) { return value.value.id.rfind(table, 0) == 0; }
+
+void replace(std::vector<SceneValue> &values, const std::vector<SceneValue> &own) {
+  std::erase_if(values, [&](const SceneValue &value) {
+    return std::any_of(own.begin(), own.end(), [&](const SceneValue &one) { return one.value.id == value.value.id; });
+  });
+  values.insert(values.end(), own.begin(), own.end());
+}
+
+}  // namespace
+
+SceneBody bodyOfPiece(const SceneBody &body, std::size_t slide) {
+  std::vector<SceneValue> own = body.volume.slides[slide].params;
+  for (SceneValue &value : own) value.isOfPiece = true;
+  SceneBody piece = body;
+  piece.name = namesOfPieces(body)[slide];
+  piece.volume.slides.clear();
+  piece.volume.piece = static_cast<std::uint8_t>(slide + 1);
+  std::erase_if(piece.params, [](const SceneValue &value) { return isUnder("surroundings.", value); });
+  replace(piece.params, own);
+  std::erase_if(own, [](const SceneValue &value) { return !isUnder("material.", value); });
+  for (ScenePart &part : piece.parts)
+    if (part.region.kind == SceneRegion::Kind::voxels) replace(part.params, own);
+  return piece;
+}
+
 std::vector<std::string> namesOfBodies(const SceneFile &scene) {
   std::vector<std::string> names;
   for (const SceneBody &body : scene.bodies) {

@@ -69,6 +69,13 @@ PlacedBody placed(const scene::SceneBody &body, const FittedBody &fitted, const 
   return out;
 }
 
+/// Whether its count of points is its share of that of the body that it was cut from.
+bool sharesCount(const scene::SceneBody &body) {
+  return body.volume.piece != 0 && std::none_of(body.params.begin(), body.params.end(), [](const auto &value) {
+           return value.isOfPiece && value.value.id == C3DE_PARAM_ID_COUNT;
+         });
+}
+
 /// What there is to say about a body that is to be built, kept and told.
 void note(const scene::SceneBody &body, BodyGeometry &geometry, Prepared &prepared) {
   prepared.took += geometry.took;
@@ -147,7 +154,7 @@ Expected<c3de_handle> BodyLoader::addBody(std::size_t index, BodyGeometry geomet
   const FittedBody &fitted = scene_.fitted().bodies[index];
   const MeshLease lease(lent_, std::move(geometry.skin));
   std::vector<ParameterValue> values = fitted.values;
-  if (body.volume.piece != 0) sampleAsRest(rest, geometry.volume_mm3, values);
+  if (sharesCount(body)) sampleAsRest(rest, geometry.volume_mm3, values);
   const std::vector<c3de_param_value> params = toAbi(values);
   const c3de_sim_grid grid = toAbi(geometry.fill.geometry);
   const c3de_sim_fill fill{sizeof(c3de_sim_fill), 0, &grid, geometry.fill.values.data()};

@@ -95,6 +95,9 @@ Expected<FittedScene> fitScene(c3de_object *simulator, scene::SceneFile scene) {
     auto good = fitBody(scene, one, *body);
     if (!good) return tl::unexpected(good.error());
     fitted.bodies.push_back(std::move(*good));
+    for (std::size_t s = 0; s < one.volume.slides.size(); ++s)
+      if (const auto piece = fitBody(scene, scene::bodyOfPiece(one, s), *body); !piece)
+        return tl::unexpected(piece.error());
   }
   for (const scene::SceneObstacle &one : scene.obstacles) {
     values = scene::fitToDeclarations(scene, one.params, *obstacle);

@@ -249,30 +249,24 @@ std::vector<scene::SceneBody> bodiesOf(const scene::SceneBody &whole, const std:
                                        const std::shared_ptr<const scene::SceneCut> &cut, const Pieces &pieces) {
   const std::vector<std::size_t> voxels = pieces.in({}).voxels;
   const auto all = static_cast<double>(sumOf(voxels));
-  std::vector<scene::SceneBody> bodies(names.size(), whole);
+  std::vector<scene::SceneBody> bodies{whole};
+  for (std::size_t s = 0; s < whole.volume.slides.size(); ++s) bodies.push_back(scene::bodyOfPiece(whole, s));
   Vec3 middle{};
   for (std::size_t p = 0; p < names.size(); ++p)
     middle = middle + (static_cast<double>(voxels[p]) / all) * pieces.centre(p);
   for (std::size_t p = 0; p < names.size(); ++p) {
     scene::SceneBody &body = bodies[p];
-    body.name = names[p];
     body.volume.slides.clear();
     body.volume.cut = cut;
-    body.volume.piece = static_cast<std::uint8_t>(p);
     // Together they turn as the body would.
     body.velocity_m_s = body.velocity_m_s + cross(whole.angularVelocity_rad_s, pieces.centre(p) - middle);
     for (scene::SceneValue &value : body.params)
-      if (value.value.id == C3DE_PARAM_ID_COUNT)
+      if (value.value.id == C3DE_PARAM_ID_COUNT && !value.isOfPiece)
         value.value.num = std::max(1.0, std::round(value.value.num * static_cast<double>(voxels[p]) / all));
     std::erase_if(body.refinements, [&](const scene::SceneRefinement &refinement) {
       const std::vector<std::size_t> in = pieces.in(refinement.region).voxels;
       return in[p] == 0 && sumOf(in) > 0;
     });
-    if (p == 0) continue;
-    std::erase_if(body.params,
-                  [](const scene::SceneValue &value) { return value.value.id.rfind("surroundings.", 0) == 0; });
-    const std::vector<scene::SceneValue> &own = whole.volume.slides[p - 1].params;
-    body.params.insert(body.params.end(), own.begin(), own.end());
   }
   return bodies;
 }

@@ -149,6 +149,105 @@ TEST_CASE("What slides can be set for a body with tissues, and names of pieces f
   CHECK_THAT(gone.error().message, Contains("there is no body 'scan.liver'"));
 }
 
+TEST_CASE("A piece is set by its name, and what is said of it counts more than what is said of its body", "[tissues]") {
+  auto scene = parse(bodyWith("[ { label = 1, material = \"liver\" }, { label = \"tumour\", material = \"spleen\" } ]",
+                              "slides = [\"liver\", \"liver.left\", \"lung*\"]\nsampling = { spacing = 0.01 }\n"
+                              "[[attachment]]\nbodies = [\"scan\", \"surroundings\"]\nstiffness = 1e4\n"));
+  REQUIRE(scene);
+  const auto set = [&](const std::string &assignment) {
+    CAPTURE(assignment);
+    REQUIRE(scene::applyOverride(*scene, assignment, &presets()));
+  };
+  set("body.scan.liver.material.youngs_modulus=7e3");
+  set("body.scan.liver.sampling.count=50");
+  set("body.scan.liver.left.material=spleen");  // the longest name
+  set("body.0.lung.surroundings.stiffness=5");
+  set("body.scan.sampling.count=900");
+  set("body.scan.material.youngs_modulus=8e3");
+  const scene::SceneBody &body = scene->bodies.front();
+  CHECK(findValue(body.params, "material.youngs_modulus")->value.num == 8e3);
+  const scene::SceneBody liver = scene::bodyOfPiece(body, 0), left = scene::bodyOfPiece(body, 1),
+                         lung = scene::bodyOfPiece(body, 2);
+  CHECK(liver.name == "scan.liver");
+  CHECK(liver.volume.piece == 1);
+  // All of its tissues.
+  CHECK(findValue(liver.params, "material.youngs_modulus")->value.num == 7e3);
+  for (const scene::ScenePart &part : liver.parts)
+    CHECK(findValue(part.params, "material.youngs_modulus")->value.num == 7e3);
+  CHECK(findValue(liver.parts[0].params, "material.density") != nullptr);
+  CHECK(findValue(left.parts[0].params, "material.youngs_modulus")->value.num == 3000.0);
+  CHECK(findValue(lung.params, "material.youngs_modulus")->value.num == 8e3);
+  CHECK(findValue(lung.params, "surroundings.stiffness")->value.num == 5.0);
+  CHECK(findValue(liver.params, "surroundings.stiffness") == nullptr);
+  // Of three ways to say how many points there are that of the piece counts.
+  ParameterDecl spacing, count;
+  spacing.id = "sampling.spacing";
+  count.id = "sampling.count";
+  count.type = C3DE_PARAM_I64;
+  count.alternativeTo = spacing.id;
+  for (ParameterDecl *decl : {&spacing, &count}) decl->max = 1e6;
+  const auto sampled = [&](const scene::SceneBody &of) {
+    std::vector<scene::SceneValue> values = of.params;
+    std::erase_if(values, [](const auto &value) { return value.value.id.rfind("sampling.", 0) != 0; });
+    auto fitted = scene::fitToDeclarations(*scene, values, {spacing, count});
+    if (!fitted) FAIL(fitted.error().message);
+    REQUIRE(fitted->size() == 1);
+    return fitted->front();
+  };
+  CHECK(sampled(liver).id == "sampling.count");
+  CHECK(sampled(liver).num == 50.0);
+  CHECK(sampled(lung).num == 900.0);
+  set("body.scan.lung.sampling.spacing=0.002");
+  const ParameterValue fine = sampled(scene::bodyOfPiece(scene->bodies.front(), 2));
+  CHECK(fine.id == "sampling.spacing");
+  CHECK(fine.num == 0.002);
+}
+
+TEST_CASE("What a piece cannot have of its own, and names of no piece, are refused with what is accepted",
+          "[tissues]") {
+  auto scene = parse(bodyWith("\"known\"", "slides = [\"liver\", \"lung*\"]\n"));
+  REQUIRE(scene);
+  const auto refusal = [&](const std::string &assignment) {
+    CAPTURE(assignment);
+    const auto refused = scene::applyOverride(*scene, assignment, &presets());
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().code == ErrorCode::usage);
+    return refused.error().message;
+  };
+  for (const char *key : {"position=[0,0,0]", "rigid=true", "velocity=[0,0,1]", "sampling.refine=[]", "label=3",
+                          "parts.0.material.density=900", "slides=[\"liver\"]"})
+    CHECK_THAT(refusal("body.scan.liver." + std::string(key)),
+               Contains("is of all of 'scan' and cannot be changed for a piece; accepted: material, material.…, "
+                        "sampling.… but refine, surroundings.…"));
+  CHECK_THAT(refusal("body.scan.liver=3"), Contains("says no key of a piece of 'scan'; accepted: material, "));
+  CHECK_THAT(refusal("body.scan.liver.material=livr"), Contains("did you mean 'liver'?"));
+  CHECK_THAT(
+      refusal("body.scan.livr.material.density=900"),
+      Contains("--set body.scan.livr.material.density: there is no piece 'scan.livr'; did you mean 'scan.liver'? "
+               "accepted: scan.liver, scan.lung; keys of 'scan': material.…"));
+  CHECK_THAT(refusal("body.scam.material.density=900"),
+             Contains("there is no body 'scam'; did you mean 'scan'? accepted: scan, scan.liver, scan.lung"));
+  CHECK_THAT(refusal("boddy.scan.liver.material.density=900"),
+             Contains("did you mean 'body.scan.liver.material.density'?") && Contains("body.scan.lung.…"));
+}
+
+TEST_CASE("What has been said of a piece stays with its name when others slide", "[tissues]") {
+  auto scene = parse(bodyWith("\"known\"",
+                              "slides = [\"liver\", \"lung*\"]\n"
+                              "[[attachment]]\nbodies = [\"scan.lung\", \"surroundings\"]\nstiffness = 1e4\n"));
+  REQUIRE(scene);
+  REQUIRE(scene::applyOverride(*scene, "body.scan.lung.material.density=300", &presets()));
+  REQUIRE(scene::applyOverride(*scene, "body.scan.slides=[\"lung*\", \"spleen\"]", &presets()));
+  const std::vector<scene::SceneSlide> &slides = scene->bodies.front().volume.slides;
+  REQUIRE(slides.size() == 2);
+  CHECK(findValue(slides[0].params, "material.density")->value.num == 300.0);
+  CHECK(findValue(slides[0].params, "surroundings.stiffness")->value.num == 1e4);
+  CHECK(slides[1].params.empty());
+  const auto gone = scene::applyOverride(*scene, "body.scan.slides=[\"spleen\"]", &presets());
+  REQUIRE_FALSE(gone);
+  CHECK_THAT(gone.error().message, Contains("there is no piece 'scan.lung'") && Contains("accepted: scan.spleen"));
+}
+
 TEST_CASE("A tissue of several labels lists them", "[tissues]") {
   const auto scene = parse(bodyWith(
       "[ { label = [\"kidney_left\", \"kidney_right\"] }, { label = [7, \"a*\", \"b\", \"c\"], rigid = true } ]"));

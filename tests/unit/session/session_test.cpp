@@ -118,6 +118,25 @@ TEST_CASE("A key that the simulator does not know, or a value it does not take, 
   CHECK(f.simulator.world.empty());
 }
 
+TEST_CASE("What is said of a piece is checked before the map that it is cut from is read") {
+  Fixture f;
+  c3de_contact_v1 contact{};
+  contact.size = sizeof contact;
+  contact.rev = 1;
+  contact.set_pair = [](c3de_object *, const c3de_sim_contact_pair *) -> c3de_status { return C3DE_OK; };
+  f.simulator.contact = &contact;
+  scene::SceneFile scene = f.scene(
+      "[[body]]\nname = \"scan\"\nvolume = \"garbage.nrrd\"\nslides = [\"a\"]\n"
+      "tissues = [ { label = \"a\", material = { density = 900 } }, { label = \"b\", material = { density = 900 } } "
+      "]\n");
+  REQUIRE(f.session->checkValues(f.simulator.object(), scene));
+  REQUIRE(scene::applyOverride(scene, "body.scan.a.material.densty=5", nullptr));
+  const auto refused = f.session->populate(f.simulator.object(), scene, {});
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::usage);
+  CHECK_THAT(refused.error().message, Contains("--set body.scan.a.material.densty: unknown key"));
+}
+
 TEST_CASE("A body of an image is refused by name and line where the simulator fills none") {
   Fixture f;
   f.simulator.hasDisplacement = false;

@@ -256,6 +256,29 @@ TEST_CASE("A label that slides becomes a body of its own, and what acts on the b
   CHECK(scene.bodies.size() == 3);
 }
 
+TEST_CASE("What is said of a piece alone is that of its body, and of no other", "[tissues]") {
+  scene::SceneFile scene = sceneOf(kThree + "slides = [\"gizmo\"]\nsampling = { count = 3000 }\n");
+  for (const char *assignment : {"body.scan.gizmo.sampling.count=70", "body.scan.gizmo.material.youngs_modulus=123",
+                                 "body.scan.parts.1.material.youngs_modulus=456"})
+    REQUIRE(scene::applyOverride(scene, assignment, &presets()));
+  BodySources sources;
+  Preparation took;
+  REQUIRE(settleTissues(scene, presets(), sources, {}, took));
+  REQUIRE(scene.bodies.size() == 2);
+  const auto said = [](const std::vector<scene::SceneValue> &values, const std::string &id) {
+    const auto found = std::find_if(values.begin(), values.end(), [&](const auto &one) { return one.value.id == id; });
+    REQUIRE(found != values.end());
+    return found->value.num;
+  };
+  const scene::SceneBody &rest = scene.bodies[0], &gizmo = scene.bodies[1];
+  CHECK(said(rest.params, "sampling.count") == 2000.0);
+  CHECK(said(gizmo.params, "sampling.count") == 70.0);  // not a share of it
+  REQUIRE(gizmo.parts.size() == 2);
+  CHECK(said(gizmo.parts[1].params, "material.youngs_modulus") == 123.0);
+  CHECK(said(rest.parts[1].params, "material.youngs_modulus") == 456.0);
+  CHECK(said(rest.parts[0].params, "material.youngs_modulus") > 456.0);
+}
+
 TEST_CASE("What cannot slide is an error that says why and what is accepted", "[tissues]") {
   const auto refusal = [](const std::string &tissues, const std::string &slides) {
     scene::SceneFile scene = sceneOf(tissues + "slides = " + slides + "\n");

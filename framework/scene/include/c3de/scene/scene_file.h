@@ -26,6 +26,7 @@ struct SceneValue {
   int line = 0;              ///< in SceneFile::source; 0: not from a file
   std::string overridePath;  ///< not empty: it came from `--set overridePath=…`
   bool isOptional = false;   ///< a simulator that does not declare it goes without; nobody has written it
+  bool isOfPiece = false;    ///< said of a piece alone: it counts more than what an override says of its body
 };
 
 /// Scale, then rotation about x, y and z, then position.
@@ -118,7 +119,7 @@ inline constexpr double kSlideFriction = 0.02;
 struct SceneSlide {
   std::vector<std::string> names;  ///< of labels, '*' for any text, or numbers
   std::vector<SceneLabel> labels;  ///< once the map has been read: those that are meant
-  std::vector<SceneValue> params;  ///< of this piece alone: ids "surroundings.…"
+  std::vector<SceneValue> params;  ///< of this piece alone: ids "material.…", "sampling.…", "surroundings.…"
 };
 
 /// A body of many tissues in pieces, on the grid of its labels.
@@ -336,12 +337,13 @@ struct SceneFile {
 /// Applies `PATH=VALUE` of the command line, for example "body.liver.material.youngs_modulus=6e3", "solver.dt=auto",
 /// "world.gravity=[0,-9.81,0]", "obstacle.floor.friction=0.2", "fix.0.displacement=[0,0,0.01]",
 /// "load.press.pressure=200", "attachment.0.stiffness=1e4", "contact.pair.0.friction=0.1" (by name, or by number from
-/// 0). Errors (ErrorCode::usage) name the nearest path.
+/// 0); of a piece by its name, "body.abdomen.liver.material.youngs_modulus=2e3". Errors (ErrorCode::usage) name the
+/// nearest path.
 [[nodiscard]] Expected<void> applyOverride(SceneFile &scene, std::string_view assignment,
                                            const MaterialLibrary *materials);
 
 /// The values of one table, as their declarations want them: a whole number becomes a number, text a choice. Of two
-/// ways to say the same thing (ParameterDecl::alternativeTo) an override counts.
+/// ways to say the same thing (ParameterDecl::alternativeTo) an override counts, and before it what is said of a piece.
 /// Errors begin with where(value): unknown (names the nearest), outside what is accepted, two ways to say the same
 /// thing, a part of what has to be said together. ErrorCode::usage for an override, ErrorCode::input else.
 [[nodiscard]] Expected<std::vector<ParameterValue>> fitToDeclarations(const SceneFile &scene,
@@ -357,6 +359,9 @@ struct SceneFile {
 
 /// Names of the pieces of a body that slide: its own, a dot, and what the first of their labels is called.
 [[nodiscard]] std::vector<std::string> namesOfPieces(const SceneBody &body);
+/// A piece that slides, as a body of its own: of the same values, placement and tissues; what is said of it alone takes
+/// the place of what is said of the body, its material that of all tissues. Nothing holds it but what is said of it.
+[[nodiscard]] SceneBody bodyOfPiece(const SceneBody &body, std::size_t slide);
 /// Names of all bodies, with those of pieces behind that of their body, in the order in which they are built.
 [[nodiscard]] std::vector<std::string> namesOfBodies(const SceneFile &scene);
 
