@@ -149,3 +149,40 @@ TEST_CASE("Without a wish a body is sampled for five per cent and says what to e
   // Whoever says the sampling is promised nothing.
   CHECK_FALSE(reportOf(folder, writeBeam(folder, "", "sampling = { count = 200 }")).contains("accuracy"));
 }
+
+TEST_CASE("Cells are finer where a trial has its error, and the report says how many") {
+  const auto folder = freshFolder("accuracy-adaptive");
+  const fs::path scene = writeBeam(folder, "", "sampling = { count = 1500 }");
+  const auto adaptive = [&](const std::string &value, const std::vector<std::string> &more = {}) {
+    std::vector<std::string> arguments{"--set", "body.beam.sampling.adaptive=" + value};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return reportOf(folder, scene, arguments);
+  };
+  const Json off = adaptive("off"), on = adaptive("on");
+  CHECK_FALSE(off["bodies"][0].contains("adaptive"));
+  // By itself only where a body is of several tissues.
+  CHECK(reportOf(folder, scene)["state_hash"] == off["state_hash"]);
+  const Json &said = on["bodies"][0]["adaptive"];
+  CHECK(said["halved_cells"] > 0);
+  CHECK(said["halved_cells"] < said["cells"]);
+  CHECK(said["error_share"] > 0.72);
+  CHECK(on["bodies"][0]["phyxels"].get<double>() == Approx(off["bodies"][0]["phyxels"].get<double>()).epsilon(0.1));
+  CHECK(on["bodies"][0]["spacing_m"] > off["bodies"][0]["spacing_m"]);
+  CHECK_THAT(on["notices"].dump(), Contains("cells halved, which had"));
+  CHECK(adaptive("on")["state_hash"] == on["state_hash"]);
+}
+
+TEST_CASE("Where nothing is known to act on a body its cells stay of one size, and the report says so") {
+  const auto folder = freshFolder("accuracy-adaptive-nothing");
+  const fs::path scene = writeBeam(folder, "", "sampling = { count = 300, adaptive = \"on\" }");
+  const Json nothing = reportOf(folder, scene, {"--set", "world.gravity=[0,0,0]"});
+  CHECK(nothing["bodies"][0]["adaptive"]["halved_cells"] == 0);
+  CHECK_THAT(nothing["bodies"][0]["adaptive"]["uniform"].get<std::string>(), Contains("nothing leads or loads it"));
+  CHECK_THAT(nothing["notices"].dump(), Contains("cells of one size"));
+  const auto cloud = runC3de({"run", scene.string(), "--set", "body.beam.sampling.evaluation=phyxels"});
+  CHECK(cloud.exitCode == 3);
+  CHECK_THAT(cloud.errorOutput, Contains("adaptive and jitter belong to sampling.evaluation"));
+  const auto wrong = runC3de({"run", scene.string(), "--set", "body.beam.sampling.adaptive=yes"});
+  CHECK(wrong.exitCode == 2);
+  CHECK_THAT(wrong.errorOutput, Contains("auto | on | off"));
+}

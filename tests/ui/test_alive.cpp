@@ -387,6 +387,45 @@ TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slic
   window.release();
 }
 
+TEST_CASE("Cells become finer where a hand has pulled, for as many points", "[scan_finer]") {
+  C3DE_ALIVE_OR_SKIP();
+  WorkstationDriver window("scan_finer");
+  openDialog(window, writeScan("scan_finer", threeOrgans({"liver", "kidney_left", "vertebrae_L1"})));
+  typeInto(window, "points", "1200");
+  window.key("Tab");
+  window.waitForValue("scan/points", "1200");
+  (void)make(window);
+  const double phyxels = numberOf(window.state(), kPanel + "Phyxels"),
+               spacing = numberOf(window.state(), kPanel + "Spacing");
+  REQUIRE(phyxels > 900);
+  CHECK_FALSE(window.state()["values"].contains(kPanel + "Halved cells"));
+
+  takePinch(window);
+  pull(window, inAxial(window, -60, -20), inAxial(window, -62, -45));
+  window.waitUntil(
+      "the scan follows", [](const Json &s) { return isOver(s, "axial", 4.0); }, 90.0);
+  window.release();
+  window.screenshot("pulled");
+  window.click(kPanel + "finer");
+  const Json finer = window.waitUntil(
+      "the body is sampled anew",
+      [](const Json &s) { return s["jobs"].empty() && s["values"].contains(kPanel + "Halved cells"); }, 90.0);
+  CHECK(numberOf(finer, kPanel + "Halved cells") > 0);
+  CHECK(std::abs(numberOf(finer, kPanel + "Phyxels") - phyxels) < 0.15 * phyxels);
+  CHECK(numberOf(finer, kPanel + "Spacing") > 1.05 * spacing);
+  window.waitUntil(
+      "it has begun anew", [](const Json &s) { return !isOver(s, "axial", 0.5); }, 30.0);
+  window.screenshot("finer");
+  // It is pulled as before.
+  window.moveTo(window.inView(0.5, 0.5));
+  if (window.state()["transport"]["mode"] != "playing") window.key("space");
+  pull(window, inAxial(window, -60, -20), inAxial(window, -62, -45));
+  window.waitUntil(
+      "the scan follows again", [](const Json &s) { return isOver(s, "axial", 4.0); }, 90.0);
+  window.screenshot("pulled_finer");
+  window.release();
+}
+
 TEST_CASE("Fields of tissue that is pulled are in the slices, under the mouse and in the table of labels",
           "[scan_fields]") {
   C3DE_ALIVE_OR_SKIP();

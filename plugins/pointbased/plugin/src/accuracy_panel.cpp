@@ -62,7 +62,10 @@ void tissueBar(sdk::Ui &ui, const BodySnapshot &body) {
 
 void drawAccuracyBars(sdk::Ui &ui, const BodySnapshot &body) {
   if (body.rigid) return;
-  if (body.adaptive) ui.text("Adaptive: " + adaptiveText(*body.adaptive) + ".");
+  if (body.adaptive) {
+    ui.value("Halved cells", std::to_string(body.adaptive->halved) + " of " + std::to_string(body.adaptive->cells));
+    ui.text(adaptiveText(*body.adaptive));
+  }
   if (!body.promise) {
     ui.text("The sampling was chosen by hand: nothing is promised.");
   } else if (!body.promise->survey) {

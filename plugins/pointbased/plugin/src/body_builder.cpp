@@ -190,7 +190,8 @@ bool isActedOn(const BodySource &source) {
 bool isAdaptive(const Making &of) {
   const std::string &asked = of.values.text("sampling.adaptive");
   if (isRigid(of.values) || evaluationOf(of.values) == Evaluation::phyxels || asked == "off") return false;
-  return asked == "on" || (of.source.fill && !of.source.parts.empty() && isActedOn(of.source));
+  return asked == "on" || (of.values.isAuto("sampling.spacing") && of.source.fill && !of.source.parts.empty() &&
+                           isActedOn(of.source));
 }
 
 // Where cells are to be finer, for as many phyxels.
@@ -208,7 +209,9 @@ AdaptiveSampling adapted(const Making &of, const BodyRecipe &recipe) {
     return unchanged("nothing leads or loads it, and no hand has pulled it yet");
   const Integrator integrator = of.dial.setting.world.integrator;
   const bool isExplicit = integrator == Integrator::explicitVerlet || integrator == Integrator::automatic;
-  auto found = adaptSampling(of.problem(tried), isExplicit ? AdaptiveGain::sameCost : AdaptiveGain::sameCount,
+  // Who asks for it pays for shorter steps.
+  const bool hasToPay = isExplicit && of.values.text("sampling.adaptive") == "auto";
+  auto found = adaptSampling(of.problem(tried), hasToPay ? AdaptiveGain::sameCost : AdaptiveGain::sameCount,
                              of.parallelFor, &of.request);
   if (of.request.isRaised()) throw cancelled();
   return found ? std::move(*found) : unchanged("a trial has no solution: " + found.error());
