@@ -35,9 +35,8 @@ struct LedBlock {
     constitution = {{material}, kLatticeStabilisation};
   }
   [[nodiscard]] AccuracyProblem problem() const { return {shape, recipe, constitution}; }
-  [[nodiscard]] AdaptiveSampling adapted(AdaptiveGain gain = AdaptiveGain::sameCount,
-                                         const ParallelFor &parallelFor = serialFor()) const {
-    auto out = adaptSampling(problem(), gain, parallelFor);
+  [[nodiscard]] AdaptiveSampling adapted(bool isExplicit = false, const ParallelFor &parallelFor = serialFor()) const {
+    auto out = adaptSampling(problem(), isExplicit, parallelFor);
     REQUIRE(out.has_value());
     return *out;
   }
@@ -115,8 +114,8 @@ TEST_CASE("where the error is even, cells of one size stay") {
   block.recipe.fixes.resize(1);
   block.recipe.fixes.front().region = HalfSpaceRegion{Vec3(0, 0, kEdge), -Vec3::UnitZ()};
   block.constitution.materials.front().poissonRatio = 0.0;  // no edges where it is held from contracting
-  const auto adapted = adaptSampling({block.shape, block.recipe, block.constitution, {}, Vec3(0, 0, -9.81)},
-                                     AdaptiveGain::sameCount, serialFor());
+  const auto adapted =
+      adaptSampling({block.shape, block.recipe, block.constitution, {}, Vec3(0, 0, -9.81)}, false, serialFor());
   REQUIRE(adapted.has_value());
   CHECK(adapted->halved == 0);
   CHECK(adapted->sampling.finer.places.empty());
@@ -139,21 +138,36 @@ TEST_CASE("a spacing that is wished stays that of the coarsest cells") {
 
 TEST_CASE("finer cells are the same for any number of threads, and are not sought when nobody wants them") {
   const LedBlock block(1500);
-  const AdaptiveSampling once = block.adapted(),
-                         again = block.adapted(AdaptiveGain::sameCount, lattice_cases::threadedFor(3));
+  const AdaptiveSampling once = block.adapted(), again = block.adapted(false, lattice_cases::threadedFor(3));
   CHECK(once.sampling.finer.places == again.sampling.finer.places);
   CHECK(once.share == again.share);
   const Raised stop;
-  CHECK_THROWS_AS(adaptSampling(block.problem(), AdaptiveGain::sameCount, serialFor(), &stop), Stopped);
+  CHECK_THROWS_AS(adaptSampling(block.problem(), false, serialFor(), &stop), Stopped);
 }
 
-TEST_CASE("finer cells that halve the explicit step have to save more") {
-  // Part of the error in the cells that would be halved: between what either asks for.
-  const LedBlock block(1000);
-  const AdaptiveSampling count = block.adapted(), cost = block.adapted(AdaptiveGain::sameCost);
-  REQUIRE(count.share > 0.72);
-  REQUIRE(count.share < 0.85);
-  CHECK(count.halved > 0);
-  CHECK(cost.halved == 0);
-  CHECK_THAT(cost.uniform, Contains("85 % are needed"));
+TEST_CASE("cells of stiff material stay whole where explicit steps would become too short") {
+  // A stiff foot, in whose edges the error would be as well.
+  LedBlock block(1500);
+  Material stiff = block.constitution.materials.front();
+  stiff.youngsModulus = 30.0 * stiff.youngsModulus;
+  block.constitution.materials.push_back(stiff);
+  const BoxRegion foot{Vec3(-1, -1, -1), Vec3(1, 1, 0.031)};
+  block.recipe.sampling.materials = {{foot, 1}};
+  const AdaptiveSampling any = block.adapted(), steps = block.adapted(true);
+  REQUIRE(any.halved > 0);
+  REQUIRE(steps.halved > 0);
+  const auto inFoot = [&](const AdaptiveSampling &of) {
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < of.halved; ++i) n += middleOf(of.sampling.finer, i)[2] < 0.025 ? 1 : 0;
+    return n;
+  };
+  CHECK(inFoot(steps) == 0);
+  const SurfacePoints samples = skinSamples(block.shape.surface, block.recipe.fixes, 100);
+  const double step = solved(block, block.recipe.sampling, samples).stableStep;
+  CHECK(solved(block, steps.sampling, samples).stableStep > 0.5 * step);
+  // A soft head on a block of stiff material that is led: what errs is stiff.
+  block.recipe.sampling.materials = {{BoxRegion{Vec3(-1, -1, -1), Vec3(1, 1, 0.099)}, 1}};
+  const AdaptiveSampling none = block.adapted(true);
+  CHECK(none.halved == 0);
+  CHECK_THAT(none.uniform, Contains("cells of stiff material"));
 }

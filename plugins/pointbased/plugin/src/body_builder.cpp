@@ -187,11 +187,17 @@ bool isActedOn(const BodySource &source) {
          });
 }
 
+bool isExplicit(const Making &of) {
+  const Integrator integrator = of.dial.setting.world.integrator;
+  return integrator == Integrator::explicitVerlet || integrator == Integrator::automatic;
+}
+
+// By itself where bodies of several tissues are solved: explicit steps become shorter and dearer.
 bool isAdaptive(const Making &of) {
   const std::string &asked = of.values.text("sampling.adaptive");
   if (isRigid(of.values) || evaluationOf(of.values) == Evaluation::phyxels || asked == "off") return false;
-  return asked == "on" || (of.values.isAuto("sampling.spacing") && of.source.fill && !of.source.parts.empty() &&
-                           isActedOn(of.source));
+  return asked == "on" || (!isExplicit(of) && of.values.isAuto("sampling.spacing") && of.source.fill &&
+                           !of.source.parts.empty() && isActedOn(of.source));
 }
 
 // Where cells are to be finer, for as many phyxels.
@@ -207,12 +213,7 @@ AdaptiveSampling adapted(const Making &of, const BodyRecipe &recipe) {
   };
   if (!isActedOn(of.source) && of.dial.gravity.isZero(0.0))
     return unchanged("nothing leads or loads it, and no hand has pulled it yet");
-  const Integrator integrator = of.dial.setting.world.integrator;
-  const bool isExplicit = integrator == Integrator::explicitVerlet || integrator == Integrator::automatic;
-  // Who asks for it pays for shorter steps.
-  const bool hasToPay = isExplicit && of.values.text("sampling.adaptive") == "auto";
-  auto found = adaptSampling(of.problem(tried), hasToPay ? AdaptiveGain::sameCost : AdaptiveGain::sameCount,
-                             of.parallelFor, &of.request);
+  auto found = adaptSampling(of.problem(tried), isExplicit(of), of.parallelFor, &of.request);
   if (of.request.isRaised()) throw cancelled();
   return found ? std::move(*found) : unchanged("a trial has no solution: " + found.error());
 }

@@ -8,12 +8,6 @@
 
 namespace pointbased {
 
-/// What finer cells in places have to be better than, to be chosen.
-enum class AdaptiveGain {
-  sameCount,  ///< as many cells of one size
-  sameCost    ///< so many cells of one size that their explicit steps cost as much: half the edge is half the step
-};
-
 /// Where the cells of a lattice are halved, and what that promises.
 struct AdaptiveSampling {
   LatticeSampling sampling;  ///< what was asked for, with about as many phyxels
@@ -30,13 +24,15 @@ struct AdaptiveSampling {
 ///
 /// Where a tenth of the cells has most of the squared error, halving them takes more of it away than cells that are 1.2
 /// times finer everywhere: borders of what is held, led or loaded, thin necks, edges of stiff parts. Where the error is
-/// even, the sampling stays what it is. The bounds of `share` are from bench_dial --adaptive.
+/// even, the sampling stays what it is; the bound of `share` is from bench_dial --adaptive.
 ///
+/// @param isExplicit  cells of material so stiff that their halves would ask for explicit steps of less than half of the
+///                    trial's are left whole
 /// Errors: those of buildRestState(); no equilibrium. Costs a body of that size and a linear solution of it.
 /// @threads  the same bits for any number of threads behind parallelFor
 /// @source  Zienkiewicz and Zhu, A simple error estimator and adaptive procedure for practical engineering analysis,
 ///          IJNME 24, 1987; the choice between both samplings: own
-[[nodiscard]] Result<AdaptiveSampling> adaptSampling(const AccuracyProblem &problem, AdaptiveGain gain,
+[[nodiscard]] Result<AdaptiveSampling> adaptSampling(const AccuracyProblem &problem, bool isExplicit,
                                                      const ParallelFor &parallelFor, const StopRequest *stop = nullptr);
 
 }  // namespace pointbased

@@ -7,15 +7,17 @@
 
 #include "accuracy/trial_solution.h"
 #include "base/number_text.h"
+#include "forces/point_loops.h"
 #include "pointbased/error_estimate.h"
 
 namespace pointbased {
 namespace {
 
 constexpr double kBasePart = 0.6;  // of the wanted phyxels, before cells are halved
-// bench_dial --adaptive, 24 random bodies: from here on the error is smaller than that of as many cells of one size,
-// and than that of 1.7 times as many, which cost explicit steps as much.
-constexpr double kShareForCount = 0.72, kShareForCost = 0.85;
+// bench_dial --adaptive, 24 random bodies: from here on the error is smaller than that of as many cells of one size.
+constexpr double kLeastShare = 0.72;
+constexpr double kStepOfCells = 0.7;   // stable steps of lattices, in edges over the speed of sound, at least
+constexpr double kShortestStep = 0.5;  // explicit steps may become that much of the trial's
 
 using Place = FinerCells::Place;
 
@@ -31,10 +33,12 @@ struct CellError {
   Place at{};
   double error = 0.0;   // J
   double volume = 0.0;  // m³, of the body in it
+  double speed = 0.0;   // m/s, of sound in its stiffest material
 };
 
 /// The coarsest cells of a lattice that hold evaluation points, with what these err, worst first.
-std::vector<CellError> cellErrors(const RestState &rest, std::span<const double> errors) {
+std::vector<CellError> cellErrors(const Body &body, std::span<const double> errors) {
+  const RestState &rest = body.rest();
   const Mat3 inverse = rest.stencils.axes.transpose();
   std::unordered_map<Place, std::size_t, PlaceHash> numbers;
   std::vector<CellError> cells;
@@ -43,9 +47,12 @@ std::vector<CellError> cellErrors(const RestState &rest, std::span<const double>
     Place at{};
     for (int a = 0; a < 3; ++a) at[static_cast<std::size_t>(a)] = static_cast<std::int32_t>(std::floor(local[a]));
     const auto [found, isNew] = numbers.try_emplace(at, cells.size());
-    if (isNew) cells.push_back({at, 0.0, 0.0});
-    cells[found->second].error += errors[q];
-    cells[found->second].volume += rest.stencils.volumes[q];
+    if (isNew) cells.push_back({at});
+    CellError &cell = cells[found->second];
+    const Material &material = detail::materialOfPoint(body.constitution(), rest.stencils, q);
+    cell.error += errors[q];
+    cell.volume += rest.stencils.volumes[q];
+    cell.speed = std::max(cell.speed, std::sqrt(material.waveModulus() / material.restDensity));
   }
   std::sort(cells.begin(), cells.end(), [](const CellError &a, const CellError &b) {
     return a.error != b.error ? a.error > b.error : a.at < b.at;
@@ -102,8 +109,8 @@ FinerCells finerCells(const RestState &rest, std::span<const CellError> halved) 
 
 }  // namespace
 
-Result<AdaptiveSampling> adaptSampling(const AccuracyProblem &problem, AdaptiveGain gain,
-                                       const ParallelFor &parallelFor, const StopRequest *stop) {
+Result<AdaptiveSampling> adaptSampling(const AccuracyProblem &problem, bool isExplicit, const ParallelFor &parallelFor,
+                                       const StopRequest *stop) {
   AdaptiveSampling out;
   out.sampling = problem.recipe.sampling;
   BodyRecipe recipe = problem.recipe;
@@ -120,22 +127,30 @@ Result<AdaptiveSampling> adaptSampling(const AccuracyProblem &problem, AdaptiveG
   ErrorScratch scratch;
   (void)estimateError(trial, nullptr, scratch, parallelFor);
 
-  const std::vector<CellError> cells = cellErrors(rest, scratch.errors);
+  std::vector<CellError> cells = cellErrors(trial, scratch.errors);
+  double all = 0.0, worst = 0.0;
+  for (const CellError &cell : cells) all += cell.error;
+  out.cells = cells.size();
+  if (isExplicit) {
+    const double step = kShortestStep * trial.stableStepAtRest();
+    std::erase_if(cells, [&](const CellError &cell) { return kStepOfCells * 0.5 * rest.spacing < step * cell.speed; });
+  }
+  double left = 0.0;
+  for (const CellError &cell : cells) left += cell.error;
   const auto phyxels = static_cast<double>(rest.phyxelCount());
   const double wanted = isCount ? static_cast<double>(out.sampling.count) : phyxels / kBasePart;
   const std::size_t halved = halvedFor(cells, rest.spacing, wanted - phyxels);
-  double all = 0.0, worst = 0.0;
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    all += cells[i].error;
-    if (i < halved) worst += cells[i].error;
-  }
-  out.cells = cells.size();
+  for (std::size_t i = 0; i < halved; ++i) worst += cells[i].error;
   out.share = all > 0.0 ? worst / all : 0.0;
-  const double least = gain == AdaptiveGain::sameCost ? kShareForCost : kShareForCount;
-  if (halved == 0 || !(out.share >= least)) {
-    out.uniform = "its error arises too evenly for that: " + detail::number(100.0 * out.share, 2) + " % of it in " +
-                  detail::number(100.0 * static_cast<double>(halved) / static_cast<double>(cells.size()), 2) +
-                  " % of the cells; " + detail::number(100.0 * least, 2) + " % are needed";
+  if (halved == 0 || !(out.share >= kLeastShare)) {
+    const auto percent = [](double share) { return detail::number(100.0 * share, 2) + " %"; };
+    out.uniform =
+        left < kLeastShare * all
+            ? "most of its error arises in cells of stiff material, whose halves would ask for explicit steps "
+              "of less than half the length; solver.integrator = \"quasistatic\" or \"implicit\" has none"
+            : "its error arises too evenly for that: " + percent(out.share) + " of it in " +
+                  percent(static_cast<double>(halved) / static_cast<double>(out.cells)) + " of the cells; " +
+                  percent(kLeastShare) + " are needed";
     return out;
   }
   out.halved = halved;
