@@ -202,6 +202,7 @@ void BlendedPass::drawRuns(const Frame &frame, const Programs &programs, RenderS
   }
   glUseProgram(programs.mesh.name());
   glUniformMatrix3fv(shaders::kNormalMatrix, 1, GL_FALSE, identity3.data());
+  glUniform1f(shaders::kCover, 0.0f);
   glUniform1i(shaders::kTwoSided, 1);  // faces that must not be seen from behind were left out
   glUniform1i(shaders::kBlended, 1);
   glUseProgram(programs.sphere.name());

@@ -87,9 +87,13 @@ class GlRenderer final : public RetainedRenderer {
     });
     drawSolids(frame);
     blended_.prepare(statistics_);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    drawCovers(frame);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     const auto drawDepth = [this](const Frame &small) {
       glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
       drawSolids(small);
+      drawCovers(small);
       glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     };
     // Surfaces that blend are drawn between the parts of the volume, where there is one.
@@ -110,6 +114,16 @@ class GlRenderer final : public RetainedRenderer {
       });
     }
     images_.drawOpaque(frame);
+  }
+
+  /// What blends is not drawn where they are.
+  void drawCovers(const Frame &frame) {
+    if (blended_.isEmpty()) return;
+    const CutProxies cut(frame);
+    proxies_.forEach([&](Handle, Proxy &proxy) {
+      if (proxy.kind == ProxyKind::mesh && proxy.material.cover > 0.0f && !proxy.isHidden() && !proxy.isTransparent())
+        drawOpaque(proxy, frame, programs_, statistics_, true);
+    });
   }
 
   /// What tools show of a hand, which is inside of tissue or on the face of a cut as often as beside it.

@@ -100,7 +100,8 @@ void upload(Proxy &proxy, ProxyBuffers &buffers, RenderStatistics &statistics) {
 
 }  // namespace
 
-void drawOpaque(Proxy &proxy, const Frame &frame, const Programs &programs, RenderStatistics &statistics) {
+void drawOpaque(Proxy &proxy, const Frame &frame, const Programs &programs, RenderStatistics &statistics,
+                bool isCover) {
   ProxyBuffers &buffers = buffersOf(proxy, statistics);
   glBindVertexArray(buffers.array.name());
   upload(proxy, buffers, statistics);
@@ -124,6 +125,7 @@ void drawOpaque(Proxy &proxy, const Frame &frame, const Programs &programs, Rend
       const Mat3f normals = normalMatrix(viewFromProxy);
       glUniformMatrix3fv(shaders::kNormalMatrix, 1, GL_FALSE, normals.data());
       glUniform1i(shaders::kTwoSided, proxy.material.twoSided ? 1 : 0);
+      glUniform1f(shaders::kCover, isCover ? proxy.material.cover * lengthScale(proxy.transform) : 0.0f);
       glUniform1i(shaders::kBlended, 0);
       glFrontFace(linearDeterminant(proxy.transform) < 0.0 ? GL_CW : GL_CCW);
       if (!proxy.material.twoSided) glEnable(GL_CULL_FACE);

@@ -10,6 +10,8 @@ namespace c3de::render {
 
 /// Uploads what changed and draws one mesh, sphere or line proxy.
 /// @param statistics  counts of made vertex arrays and draw calls are added to
-void drawOpaque(Proxy &proxy, const Frame &frame, const Programs &programs, RenderStatistics &statistics);
+/// @param isCover  of a mesh the depth that Material::cover says alone is drawn
+void drawOpaque(Proxy &proxy, const Frame &frame, const Programs &programs, RenderStatistics &statistics,
+                bool isCover = false);
 
 }  // namespace c3de::render

@@ -28,6 +28,7 @@ enum Uniform : int {
   kNear = 3,          // lines
   kAtlas = 3,         // labels
   kCuts = 5,          // meshes, spheres, lines: 3 of them
+  kCover = 8,         // meshes
   kTopColour = 0,     // background
   kBottomColour = 1   // background
 };
@@ -115,6 +116,7 @@ layout(location = 2) in vec4 aColour;
 layout(location = 0) uniform mat4 uProjection;
 layout(location = 1) uniform mat4 uViewFromProxy;
 layout(location = 2) uniform mat3 uNormalMatrix;
+layout(location = 8) uniform float uCover;
 out vec3 vPosition;
 out vec3 vNormal;
 out vec4 vColour;
@@ -127,6 +129,10 @@ void main() {
   vColour = vec4(toLinear(aColour.rgb), aColour.a);
   cut(p.xyz);
   gl_Position = uProjection * p;
+  if (uCover > 0.0) {  // as deep as if it were thicker by that, where it is
+    vec4 thicker = uProjection * vec4(p.xyz + uCover * vNormal, 1.0);
+    gl_Position.z = thicker.z / thicker.w * gl_Position.w;
+  }
 }
 )";
 inline constexpr const char *kMeshFragment = R"(

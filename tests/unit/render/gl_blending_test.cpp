@@ -53,6 +53,45 @@ TEST_CASE("Two transparent squares mix by the over-operator whatever the order o
   CHECK(difference(pixel(drawn(r, behind), kX, kY), turned) <= 2);
 }
 
+// Where a scan ends, skin and organs are the same face: stripes of both.
+TEST_CASE("A transparent surface that crosses an opaque one within its cover is not seen, one before it is") {
+  C3DE_GL_OR_SKIP(gl);
+  Renderer &r = *gl.renderer;
+  setBlackBackground(r);
+  const Shape wall = square(15, 0);
+  Material material{{0.2f, 0.7f, 0.3f, 1.0f}};
+  material.cover = 2.0f;
+  const Handle organ = r.createMesh(wall.positions, wall.triangles, material);
+  Camera camera = frontCamera();
+  camera.yaw = 0.6;
+  const Image alone = drawn(r, camera);
+  // A roof that rises by 1 mm in front of the wall and falls by 1 mm behind it.
+  const Shape roof{{{-15, -15, -1}, {15, -15, 1}, {15, 15, -1}, {-15, 15, 1}}, {{0, 1, 2}, {0, 2, 3}}};
+  const auto seen = [&](const Image &image) {
+    int different = 0;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) different += difference(pixel(image, x, y), pixel(alone, x, y)) > 2;
+    return different;
+  };
+  const auto film = [&](float z) {
+    Shape shape = roof;
+    for (Vec3f &x : shape.positions) x[2] += z;
+    const Handle skin = r.createMesh(shape.positions, shape.triangles, {{0.8f, 0.6f, 0.5f, 0.4f}});
+    const int different = seen(drawn(r, camera));
+    r.destroy(skin);
+    return different;
+  };
+  // At its rim the film stands out beyond the wall by some pixels.
+  CHECK(film(0.0f) < 40);
+  const int before = film(4.0f);
+  CHECK(before > 500);
+  material.cover = 0.0f;
+  REQUIRE(r.setMaterial(organ, material));
+  const int striped = film(0.0f);
+  CHECK(striped > before / 4);
+  CHECK(striped < 3 * before / 4);
+}
+
 TEST_CASE("Triangles of different proxies interleave by depth") {
   C3DE_GL_OR_SKIP(gl);
   Renderer &r = *gl.renderer;

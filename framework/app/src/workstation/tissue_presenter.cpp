@@ -9,6 +9,14 @@ namespace c3de::app {
 namespace {
 
 constexpr std::size_t kMostListed = 6;  // more are folded at first
+// Edges: where a scan ends the surface of a tissue and the skin of the body are the same, each off by parts of one.
+constexpr float kCover = 0.5f;
+
+float meanEdge(const geometry::TriangleMesh &mesh) {
+  double sum = 0.0;
+  for (const Triangle &t : mesh.triangles) sum += norm(mesh.vertices[t[1]] - mesh.vertices[t[0]]);
+  return static_cast<float>(sum / static_cast<double>(std::max<std::size_t>(1, mesh.triangles.size())));
+}
 
 }  // namespace
 
@@ -29,6 +37,7 @@ void TissuePresenter::show(std::shared_ptr<const std::vector<TissueSurface>> sur
     render::Material material;
     material.colour = {surface.colour[0], surface.colour[1], surface.colour[2], 1.0f};
     material.isInside = true;
+    material.cover = kCover * meanEdge(surface.reference);
     Drawn one;
     one.mesh = renderer_.createMesh(positions, surface.reference.triangles, material);
     one.node = scene_.add(group_, isOneBody ? surface.name : surface.body + ": " + surface.name);

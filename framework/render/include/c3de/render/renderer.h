@@ -30,6 +30,9 @@ struct Material {
   /// Meshes: it lies inside of a body. Whoever draws slices of images does not outline it; a tool takes hold of the
   /// tissue behind it.
   bool isInside = false;
+  /// Meshes that do not blend: nothing that blends is seen in front of it within this, in its own space. Two surfaces
+  /// of the same thing, each off by some of that, would alternate from pixel to pixel.
+  float cover = 0.0f;
 };
 
 /// What colours mean. Drawn as a bar with numbers at the right edge of the picture, several below each other.
