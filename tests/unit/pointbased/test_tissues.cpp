@@ -323,18 +323,26 @@ TEST_CASE("a bit of tissue that hangs on nothing is held beside rigid tissue, an
   }
 }
 
-// Planes and distances held it there, and left 7 % of the shell free.
-TEST_CASE("A ball in a shell that is held falls, and all that moves is the ball") {
+namespace {
+
+/// Of a ball in a shell of voxels that is held, with a gap between them. Voxels:
+constexpr double kBall = 20.0, kShell = 22.5, kOuter = 28.0;
+struct BallInShell {
+  std::shared_ptr<const RestState> rest;
+  double ballVolume = 0.0;  ///< m³
+  Region shell;
+};
+
+BallInShell ballInShell(double spacing) {
   constexpr std::size_t n = 60;
-  constexpr double ballRadius = 20.0, gap = 2.5, shellRadius = 28.0;  // voxels
+  BallInShell out;
   std::vector<float> body(n * n * n, 0.0F), shell(body);
-  double ballVolume = 0.0;
   for (std::size_t v = 0; v < body.size(); ++v) {
     const Vec3 x(static_cast<double>(v % n), static_cast<double>(v / n % n), static_cast<double>(v / n / n));
     const double r = (x - Vec3::Constant(0.5 * (n - 1))).norm();
-    shell[v] = r > ballRadius + gap && r < shellRadius ? 1.0F : 0.0F;
-    body[v] = r < ballRadius ? 1.0F : shell[v];
-    if (r < ballRadius) ballVolume += kVoxel * kVoxel * kVoxel;
+    shell[v] = r > kShell && r < kOuter ? 1.0F : 0.0F;
+    body[v] = r < kBall ? 1.0F : shell[v];
+    if (r < kBall) out.ballVolume += kVoxel * kVoxel * kVoxel;
   }
   const auto cube = [&](const std::vector<float> &fill) {
     Occupancy all;
@@ -345,39 +353,52 @@ TEST_CASE("A ball in a shell that is held falls, and all that moves is the ball"
     return all;
   };
   Surface skin;
-  for (const double radius : {ballRadius, ballRadius + gap, shellRadius}) {
+  for (const double radius : {kBall, kShell, kOuter}) {
     const Surface one = shapes::ballSurface(Vec3::Zero(), radius * kVoxel, 24);
     const auto first = static_cast<Index>(skin.positions.size());
     skin.positions.insert(skin.positions.end(), one.positions.begin(), one.positions.end());
     for (auto triangle : one.triangles) {
-      if (radius == ballRadius + gap) std::swap(triangle[0], triangle[1]);  // of a hollow
+      if (radius == kShell) std::swap(triangle[0], triangle[1]);  // of a hollow
       for (Index &corner : triangle) corner += first;
       skin.triangles.push_back(triangle);
     }
   }
   const auto shape = shapeOf(cube(body), skin);
   REQUIRE(shape.has_value());
+  BodyRecipe recipe;
+  recipe.sampling.spacing = spacing;
+  Fix fix;
+  fix.region = out.shell = regionOf(cube(shell)).value();
+  recipe.fixes = {fix};
+  const auto rest = buildRestState(*shape, recipe, {}, serialFor());
+  INFO((rest ? std::string() : rest.error()));
+  REQUIRE(rest.has_value());
+  out.rest = *rest;
+  return out;
+}
+
+std::unique_ptr<Body> softBody(const std::shared_ptr<const RestState> &rest) {
+  Constitution constitution;
+  constitution.materials = {lawOf(kSoft)};
+  constitution.stabilisation = kLatticeStabilisation;
+  return std::make_unique<Body>("ball", rest, constitution, serialFor());
+}
+
+}  // namespace
+
+// Planes and distances held it there, and left 7 % of the shell free.
+TEST_CASE("A ball in a shell that is held falls, and all that moves is the ball") {
   for (const double spacing : {0.009, 0.011, 0.013, 0.015, 0.017, 0.019}) {
     CAPTURE(spacing);
-    BodyRecipe recipe;
-    recipe.sampling.spacing = spacing;
-    Fix fix;
-    fix.region = regionOf(cube(shell)).value();
-    recipe.fixes = {fix};
-    const auto rest = buildRestState(*shape, recipe, {}, serialFor());
-    INFO((rest ? std::string() : rest.error()));
-    REQUIRE(rest.has_value());
-    const std::vector<double> &volumes = (*rest)->stencils.volumes;
-    CHECK_THAT(std::accumulate(volumes.begin(), volumes.end(), 0.0), WithinRel(ballVolume, 0.02));
-    Constitution constitution;
-    constitution.materials = {lawOf(kSoft)};
-    constitution.stabilisation = kLatticeStabilisation;
+    const BallInShell ball = ballInShell(spacing);
+    const std::vector<double> &volumes = ball.rest->stencils.volumes;
+    CHECK_THAT(std::accumulate(volumes.begin(), volumes.end(), 0.0), WithinRel(ball.ballVolume, 0.02));
     Simulator simulator;
     WorldSettings world;
     world.integrator = Integrator::explicitVerlet;
     world.gravity = Vec3(0, 0, 1);
     simulator.setWorld(world);
-    const std::size_t id = simulator.addBody(std::make_unique<Body>("ball", *rest, constitution, serialFor()));
+    const std::size_t id = simulator.addBody(softBody(ball.rest));
     while (simulator.time() < 0.05) REQUIRE(simulator.step());
     const Body &moved = *simulator.body(id);
     const std::vector<Vec3> points{-moved.rest().origin}, normals{Vec3(0, 0, 1)};
@@ -391,6 +412,75 @@ TEST_CASE("A ball in a shell that is held falls, and all that moves is the ball"
       CHECK_THAT(ways[0][2], WithinRel(fall, 0.02));
     else
       CHECK(ways[0][2] > 0.9 * fall);
+  }
+}
+
+// Both are one body, and nearer than what is one piece of tissue to contact of skins: a brain was pulled through its
+// skull.
+TEST_CASE("Soft tissue comes to lie on rigid tissue of its own body, and does not enter it", "[contact]") {
+  const auto integrator = GENERATE(Integrator::explicitVerlet, Integrator::implicitSdirk);
+  CAPTURE(static_cast<int>(integrator));
+  const BallInShell ball = ballInShell(0.011);
+  for (const bool meets : {true, false}) {
+    CAPTURE(meets);
+    Simulator simulator;
+    WorldSettings world;
+    world.integrator = integrator;
+    world.gravity = Vec3(0, 0, 10);
+    world.damping = 4.0;
+    simulator.setWorld(world);
+    ContactSettings contact;
+    contact.enabled = meets;
+    contact.self = false;
+    simulator.setContact(contact);
+    const std::size_t id = simulator.addBody(softBody(ball.rest));
+    const auto depth = [&] {
+      const Body &body = *simulator.body(id);
+      const Interpolation &points = body.rest().contact.binding;
+      std::vector<Vec3> ways(points.count());
+      interpolateDisplacements(points, body.rest().positions, body.state().displacements, ways, serialFor());
+      double deepest = 0.0;
+      for (std::size_t p = 0; p < ways.size(); ++p) {
+        const Vec3 X = body.rest().origin + points.positions[p];
+        if (X.norm() < (kBall + 0.5) * kVoxel)
+          deepest = std::max(deepest, -signedDistance(ball.shell, Vec3(X + ways[p])));
+      }
+      return deepest;
+    };
+    double deepest = 0.0;
+    while (simulator.time() < 1.0) {
+      REQUIRE(simulator.step());
+      deepest = std::max(deepest, depth());
+      if (!meets && deepest > 2.0 * kVoxel) break;
+    }
+    if (!meets) {
+      CHECK(deepest > 2.0 * kVoxel);  // of 2.75 to the middle of the shell
+      continue;
+    }
+    // What is between points of contact is half a spacing wide, and voxels are steps.
+    CHECK(deepest < 0.25 * kVoxel);
+    // It lies there with its weight, and nothing else of the body presses.
+    const auto contacts = simulator.contacts();
+    REQUIRE(contacts.size() == 1);
+    CHECK(contacts[0].first == id);
+    CHECK(contacts[0].second == id);
+    const double weight = ball.ballVolume * lawOf(kSoft).restDensity * 10.0;
+    CHECK_THAT(contacts[0].force[2], WithinRel(-weight, 0.05));
+    // Other obstacles may come and go beside it.
+    Obstacle plate;
+    plate.name = "plate";
+    plate.closest = [](std::span<const Vec3> at, std::span<const double>, std::span<SurfacePoint> out) {
+      for (std::size_t k = 0; k < at.size(); ++k) out[k] = {Vec3::UnitZ(), at[k][2] + 1.0};
+    };
+    const std::size_t plateId = simulator.addInstrument(plate);
+    CHECK(simulator.obstaclesOf(id).size() == 1);
+    REQUIRE(simulator.step());
+    REQUIRE(simulator.contacts().size() == 1);
+    CHECK(simulator.contacts()[0].second == id);
+    REQUIRE(simulator.removeObstacle(plateId));
+    REQUIRE(simulator.step());
+    CHECK(simulator.obstaclesOf(id).empty());
+    CHECK(depth() < 0.25 * kVoxel);
   }
 }
 

@@ -13,8 +13,9 @@ inline constexpr std::size_t kWorldBox = 0;
 /// Contact of bodies with each other and with themselves. Obstacles and walls have settings of their own (Obstacle,
 /// WorldBox) and are felt whatever stands here.
 struct ContactSettings {
-  bool enabled = true;    ///< between bodies, and of bodies with themselves
-  bool self = true;       ///< of bodies with themselves, where enabled
+  /// Between bodies, of bodies with themselves, and of soft tissue with rigid tissue of its body (voxels of a fix)
+  bool enabled = true;
+  bool self = true;       ///< of skins of bodies with themselves, where enabled
   double friction = 0.3;  ///< Coulomb, >= 0; of pairs that have none of their own
   bool operator==(const ContactSettings &) const = default;
 };

@@ -34,6 +34,10 @@ struct Obstacle {
   /// First crossing of the way from → to, likewise: t in [0, 1] and the normal of the surface there (either side); t
   /// < 0: none. Several threads at once. Empty: fast points may pass thin parts, and pass by edges with a push.
   std::function<double(const Vec3 &from, const Vec3 &to, Vec3 &normal)> crossing;
+  /// [points of contact] of the one body that feels it, whose rigid tissue it is: 1, part of it, and it is not felt.
+  /// Empty: all feel it.
+  std::vector<std::uint8_t> isPart;
+  [[nodiscard]] bool isFeltBy(std::size_t point) const { return isPart.empty() || isPart[point] == 0; }
 };
 
 /// Walls, m.

@@ -269,6 +269,10 @@ class Simulator {
   void setMotion(std::size_t obstacle, std::function<RigidMotion(double t)> motion);
   void takeObstacles(const detail::SimulatorCheckpoint &kept);
   void endGuidance();
+  /// All that is felt by points of contact: the body's own rigid tissue, then obstaclesOf().
+  [[nodiscard]] std::span<const Obstacle> surroundingsOf(std::size_t body) const;
+  /// How many of these are its own.
+  [[nodiscard]] std::size_t ownOf(std::size_t body) const;
   /// After a change of pairs or obstacles.
   void updateSurroundings(std::size_t body);
   void updateSurroundings();
@@ -329,8 +333,10 @@ class Simulator {
   std::map<std::size_t, std::function<RigidMotion(double t)>> ownMotions_;  // of obstacles that are guided
   ContactSettings contact_;
   ContactPairs contactPairs_;
-  std::map<std::size_t, std::vector<Obstacle>> surroundings_;  // of bodies that have pairs with obstacles or walls
-  std::uint64_t contactSwitches_ = 0;                          // grows when a pair is switched on or off
+  std::map<std::size_t, std::vector<Obstacle>> rigidTissues_;  // of bodies that have such
+  // surroundingsOf() bodies that have pairs with obstacles or walls, or rigid tissue
+  std::map<std::size_t, std::vector<Obstacle>> surroundings_;
+  std::uint64_t contactSwitches_ = 0;  // grows when a pair is switched on or off
   std::vector<Probe> probes_;
   std::size_t nextId_ = 1;
   std::uint64_t course_ = 0;  // grows where what has been simulated ends: a reset, other bodies or obstacles

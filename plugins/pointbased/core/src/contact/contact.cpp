@@ -184,6 +184,7 @@ class ObstacleSearch {
     ask_.ways.clear();
     ask_.ranges.clear();
     for (std::size_t k = 0; k < looked_.count(); ++k) {
+      if (!obstacle_.isFeltBy(looked_.point(k))) continue;
       const ClearanceCache &known = clearance_[looked_.point(k)];
       const Vec3 at = step_.local(looked_.positions[k]);
       const Vec3 way = step_.way(looked_.positions[k], at, looked_.velocities[k]);

@@ -173,7 +173,7 @@ double roomOf(const ContactState &memory, std::span<const Obstacle> obstacles, c
   double room = std::numeric_limits<double>::infinity();
   const Vec3 &x = looked.positions[k];
   for (std::size_t o = 0; o < obstacles.size(); ++o) {
-    if (!obstacles[o].closest) continue;
+    if (!obstacles[o].closest || !obstacles[o].isFeltBy(looked.point(k))) continue;
     const ContactState::ClearanceCache &known = memory.clearance[o][looked.point(k)];
     const Vec3 at = obstacles[o].motion ? toRest(memory.blocks.motions[o], x) : x;
     room = std::min(room, std::min(known.distance, known.reach) - (at - known.at).norm());
@@ -226,8 +226,13 @@ void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, doub
   }
   // In their own order, which is that of the contacts.
   blocks.points.clear();
+  const auto feels = [&](Index p) {
+    return box.enabled || std::any_of(obstacles.begin(), obstacles.end(), [p](const Obstacle &obstacle) {
+             return obstacle.closest && obstacle.isFeltBy(p);
+           });
+  };
   for (Index p = 0; p < n; ++p)
-    if (blocks.near[blocks.blockOf[p]] != 0) blocks.points.push_back(p);
+    if (blocks.near[blocks.blockOf[p]] != 0 && feels(p)) blocks.points.push_back(p);
   if (blocks.points.empty()) {
     std::swap(memory.previous, memory.active);
     memory.active.clear();

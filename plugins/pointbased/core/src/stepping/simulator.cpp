@@ -12,6 +12,7 @@
 #include "pointbased/cloud_quality.h"
 #include "stepping/attachment_layer.h"
 #include "stepping/body_crew.h"
+#include "stepping/rigid_tissue.h"
 #include "stepping/step_activity.h"
 #include "stepping/step_cost.h"
 
@@ -77,7 +78,9 @@ std::size_t Simulator::addBody(std::unique_ptr<Body> body) {
     if (unusual.empty()) continue;
     addWarning(nextId_, "body '" + body->name() + "': " + unusual);
   }
+  if (auto tissues = detail::rigidTissuesOf(*body); !tissues.empty()) rigidTissues_[nextId_] = std::move(tissues);
   bodies_.emplace(nextId_, std::make_unique<detail::BodyStepper>(std::move(body)));
+  updateSurroundings(nextId_);
   ++course_;
   describe(nextId_);
   return nextId_++;
@@ -119,6 +122,7 @@ bool Simulator::removeBody(std::size_t id) {
   ++course_;
   warnings_.erase(id);
   surroundings_.erase(id);
+  rigidTissues_.erase(id);
   std::erase_if(contactPairs_, [id](const auto &pair) { return pair.first.first == id || pair.first.second == id; });
   activity_->forget(id);
   skins_->forget(id);
@@ -140,7 +144,7 @@ bool Simulator::removeObstacle(std::size_t id) {
   std::erase_if(contactPairs_, [id](const auto &pair) { return pair.first.first == id || pair.first.second == id; });
   updateSurroundings();
   for (auto &[other, runner] : bodies_) {
-    runner->body().contact.forget(static_cast<Index>(number));
+    runner->body().contact.forget(static_cast<Index>(ownOf(other) + number));
     runner->wake();
   }
   return true;
@@ -157,6 +161,7 @@ void Simulator::clear() {
   placed_.clear();
   contactPairs_.clear();
   surroundings_.clear();
+  rigidTissues_.clear();
   probes_.clear();
   reset();
 }
@@ -316,7 +321,7 @@ StepComposition Simulator::compositionOf(std::size_t id) const {
     if (other != id && canTouch(id, other)) notes.touches.push_back(own->body().name());
   notes.touchesItself = touchThemselves_.contains(id);
   Environment env = environment();
-  env.obstacles = obstaclesOf(id);
+  env.obstacles = surroundingsOf(id);
   env.box = boxOf(id);
   return compose(runner.body(), env, notes);
 }

@@ -32,9 +32,15 @@ void Simulator::setContact(const ContactSettings &contact) {
   POINTBASED_EXPECTS(contact.friction >= 0.0 && std::isfinite(contact.friction),
                      "friction is finite, and not negative");
   if (contact == contact_) return;
-  if (contact.enabled != contact_.enabled || contact.self != contact_.self) ++contactSwitches_;
+  const bool switches = contact.enabled != contact_.enabled;
+  if (switches || contact.self != contact_.self) ++contactSwitches_;
   contact_ = contact;
-  for (auto &[id, runner] : bodies_) runner->wake();
+  for (auto &[id, runner] : bodies_) {
+    runner->wake();
+    if (!rigidTissues_.contains(id)) continue;
+    updateSurroundings(id);
+    if (switches) runner->body().contact = ContactState();
+  }
 }
 
 bool Simulator::exists(std::size_t id) const {
@@ -79,19 +85,24 @@ void Simulator::updateSurroundings(std::size_t id) {
     const auto &[a, b] = pair.first;
     return (a == id && !bodies_.contains(b)) || (b == id && !bodies_.contains(a));
   });
-  if (!has) {
+  const auto tissues = rigidTissues_.find(id);
+  const bool meetsThem = tissues != rigidTissues_.end() && contact_.enabled;
+  if (!has && !meetsThem) {
     surroundings_.erase(id);
     return;
   }
-  std::vector<Obstacle> &own = surroundings_[id];
-  own = obstacles_;
+  std::vector<Obstacle> &all = surroundings_[id];
+  all.clear();
+  if (meetsThem) all = tissues->second;
+  for (Obstacle &tissue : all) tissue.friction = contact_.friction;
   for (std::size_t o = 0; o < obstacles_.size(); ++o) {
     const ContactPairSettings pair = contactPair(id, obstacleIds_[o]);
-    own[o].friction = pair.friction;
+    Obstacle &felt = all.emplace_back(obstacles_[o]);
+    felt.friction = pair.friction;
     if (pair.enabled) continue;
-    own[o].motion = nullptr;
-    own[o].closest = nullptr;
-    own[o].crossing = nullptr;
+    felt.motion = nullptr;
+    felt.closest = nullptr;
+    felt.crossing = nullptr;
   }
 }
 
@@ -99,10 +110,14 @@ void Simulator::updateSurroundings() {
   for (const auto &[id, runner] : bodies_) updateSurroundings(id);
 }
 
-std::span<const Obstacle> Simulator::obstaclesOf(std::size_t id) const {
+std::span<const Obstacle> Simulator::surroundingsOf(std::size_t id) const {
   const auto found = surroundings_.find(id);
   return std::span<const Obstacle>(found == surroundings_.end() ? obstacles_ : found->second);
 }
+
+std::size_t Simulator::ownOf(std::size_t id) const { return surroundingsOf(id).size() - obstacles_.size(); }
+
+std::span<const Obstacle> Simulator::obstaclesOf(std::size_t id) const { return surroundingsOf(id).subspan(ownOf(id)); }
 
 WorldBox Simulator::boxOf(std::size_t id) const {
   WorldBox box = world_.box;
@@ -116,21 +131,33 @@ WorldBox Simulator::boxOf(std::size_t id) const {
 detail::StepContext Simulator::inSurroundings(std::size_t id, const detail::StepContext &order) const {
   detail::StepContext own = order;
   if (!surroundings_.contains(id)) return own;
-  own.environment.obstacles = obstaclesOf(id);
+  own.environment.obstacles = surroundingsOf(id);
   own.environment.box = boxOf(id);
   return own;
 }
 
 std::vector<ContactSummary> Simulator::contacts() const {
   std::vector<ContactSummary> out;
+  const auto add = [&](const ContactSummary &more) {
+    const auto known = std::find_if(out.begin(), out.end(), [&](const ContactSummary &one) {
+      return one.first == more.first && one.second == more.second;
+    });
+    if (known == out.end()) return out.push_back(more);
+    known->force += more.force;
+    known->pressing += more.pressing;
+    known->depth = std::max(known->depth, more.depth);
+    known->points += more.points;
+    known->area += more.area;
+  };
   for (const auto &[id, runner] : bodies_) {
     const Body &body = runner->body();
     const ContactSums &sums = body.contact.sums;
-    if (!(sums.span > 0.0) || sums.of.size() != obstacles_.size() + 1) continue;
+    const std::size_t own = ownOf(id), walls = own + obstacles_.size();
+    if (!(sums.span > 0.0) || sums.of.size() != walls + 1) continue;
     std::vector<ContactSummary> found(sums.of.size());
     for (std::size_t o = 0; o < found.size(); ++o) {
       found[o].first = id;
-      found[o].second = o < obstacles_.size() ? obstacleIds_[o] : kWorldBox;
+      found[o].second = o < own ? id : o < walls ? obstacleIds_[o - own] : kWorldBox;
       found[o].force = sums.of[o].impulse / sums.span;
       found[o].pressing = sums.of[o].pressing / sums.span;
     }
@@ -138,7 +165,7 @@ std::vector<ContactSummary> Simulator::contacts() const {
     std::vector<Index> last(found.size(), Contact::kWall);
     const double elapsed = clockOfRamps() - body.contact.lookedAt;
     for (const Contact &contact : body.contact.active) {
-      const std::size_t o = contact.obstacle == Contact::kWall ? obstacles_.size() : contact.obstacle;
+      const std::size_t o = contact.obstacle == Contact::kWall ? walls : contact.obstacle;
       found[o].depth = std::max(found[o].depth, -gapNow(body, contact, elapsed));
       if (!(contact.normalImpulse > 0.0) || last[o] == contact.point) continue;
       last[o] = contact.point;
@@ -146,15 +173,15 @@ std::vector<ContactSummary> Simulator::contacts() const {
       found[o].area += body.rest().contact.areas[contact.point];
     }
     for (const ContactSummary &summary : found)
-      if (summary.pressing > 0.0) out.push_back(summary);
+      if (summary.pressing > 0.0) add(summary);
   }
   for (const auto &[id, pair] : skins_->pairs()) {
     const detail::SkinPair::Sum &sum = pair->sum();
     if (!(sum.pressing > 0.0) || !(sum.span > 0.0)) continue;
     const auto points = std::count_if(pair->active().begin(), pair->active().end(),
                                       [](const detail::SkinContact &c) { return c.normalImpulse > 0.0; });
-    out.push_back({id.first, id.second, sum.impulse / sum.span, sum.pressing / sum.span, pair->depth(),
-                   static_cast<std::size_t>(points), detail::pressedArea(*pair)});
+    add({id.first, id.second, sum.impulse / sum.span, sum.pressing / sum.span, pair->depth(),
+         static_cast<std::size_t>(points), detail::pressedArea(*pair)});
   }
   return out;
 }

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rigid tissue of a body, as its own soft tissue meets it. Private to the core.
+#pragma once
+
+#include <vector>
+
+#include "pointbased/body.h"
+
+namespace pointbased::detail {
+
+/// The voxels of each fix that stands still, which soft tissue of the body does not enter; points of contact that lie
+/// in them at rest are part of them. Of lattices: points of contact of clouds are chosen anew with a reference.
+[[nodiscard]] std::vector<Obstacle> rigidTissuesOf(const Body &body);
+
+}  // namespace pointbased::detail
