@@ -131,8 +131,9 @@ class Recorder : public sdk::Object<Recorder> {
     for (std::uint64_t i = 0; i < in->parts_n; ++i) {
       const c3de_sim_part &part = sdk::strided(in->parts, i, in->parts_stride);
       findSomething(*part.region, "part", static_cast<std::uint32_t>(i));
-      body["parts"].push_back(
-          {{"region", json(*part.region)}, {"params", json(part.params, part.params_n, part.params_stride)}});
+      body["parts"].push_back({{"name", std::string(sdk::text(part.name))},
+                               {"region", json(*part.region)},
+                               {"params", json(part.params, part.params_n, part.params_stride)}});
     }
     for (std::uint64_t i = 0; i < in->refinements_n; ++i) {
       const c3de_sim_refinement &refinement = sdk::strided(in->refinements, i, in->refinements_stride);

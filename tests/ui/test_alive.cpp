@@ -610,7 +610,7 @@ TEST_CASE("The liver of a CT is pulled by three centimetres in a slice and in th
         },
         60.0);
   };
-  const auto isHeld = [](const Json &s) { return value(s, kPanel + "Held inside") == "scan"; };
+  const auto isHeld = [](const Json &s) { return value(s, kPanel + "Held inside") == "scan: liver"; };
 
   window.screenshot("slice_before");
   pull(window, inAxial(window, liver[0] - middle[0], liver[1] - middle[1]),

@@ -107,6 +107,7 @@ Expected<void> makeTissueParts(SceneBody &body) {
   for (const SceneTissue &tissue : body.volume.tissues) {
     if (tissue.isRigid || tissue.isEmpty) continue;
     ScenePart part;
+    part.name = tissue.label;
     part.region.kind = SceneRegion::Kind::voxels;
     part.params = tissue.params;
     part.line = tissue.line;

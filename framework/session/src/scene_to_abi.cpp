@@ -187,6 +187,7 @@ BodyTables::BodyTables(const scene::SceneFile &scene, const scene::SceneBody &bo
     out.region = keep(body.parts[i].region);
     out.params = partValues_[i].data();
     out.params_n = partValues_[i].size();
+    out.name = c3de::toAbi(body.parts[i].name);
     parts_.push_back(out);
   }
   for (const scene::SceneRefinement &refinement : body.refinements) {

@@ -12,12 +12,14 @@ using namespace pointbased;
 
 namespace {
 
-/// 60 x 60 x 60 mm; held in its lowest 6 mm.
-std::shared_ptr<const RestState> heldBlock() {
+/// 60 x 60 x 60 mm; held in its lowest 6 mm, or there.
+std::shared_ptr<const RestState> heldBlock(const Region &held = HalfSpaceRegion{Vec3(0, 0, 0.306), Vec3::UnitZ()}) {
   BodyRecipe recipe;
   recipe.sampling = lattice_cases::withSpacing(0.006);
+  recipe.sampling.materials = {{HalfSpaceRegion{Vec3(0, 0, 0.33), Vec3::UnitZ()}, std::uint16_t{1}},
+                               {HalfSpaceRegion{Vec3(0, 0, 0.315), Vec3::UnitZ()}, std::uint16_t{2}}};
   recipe.fixes.emplace_back();
-  recipe.fixes.back().region = HalfSpaceRegion{Vec3(0, 0, 0.306), Vec3::UnitZ()};
+  recipe.fixes.back().region = held;
   const BodyShape shape = lattice_cases::box(Vec3(0.1, 0.2, 0.3), Vec3(0.16, 0.26, 0.36));
   std::vector<Vec3> normals(shape.surface.positions.size(), Vec3::UnitX());
   auto rest = buildRestState(shape, recipe, normals, serialFor());
@@ -89,6 +91,51 @@ TEST_CASE("A point inside is held by the patch around it, and what a fix holds i
   const auto below = materialAt(*rest, now, Vec3(0.13, 0.23, 0.302));
   REQUIRE(below);
   CHECK(below->isHeld);
+}
+
+// The phyxel nearest to it is held for the most part: tissue beside bone could not be held.
+TEST_CASE("What is held at a place is what the support holds, not the phyxel nearest to it", "[slices]") {
+  // Flat borders of what is held would go through the middles of cells.
+  const auto upTo = [](double z) { return SphereRegion{Vec3(0.13, 0.23, 0.28), z - 0.28}; };
+  double layer = 1.0;  // of phyxels
+  const auto whole = heldBlock(upTo(0.306));
+  for (const Vec3 &X : whole->positions)
+    if (const double z = (whole->origin + X)[2]; z > 0.303) layer = std::min(layer, z);
+  const double border = layer + 0.0015, beside = border + 1e-4;
+  const auto rest = heldBlock(upTo(border));
+  const std::vector<Vec3> now = moved(*rest, [](const Vec3 &X) { return X; });
+  const auto held = materialAt(*rest, now, Vec3(0.13, 0.23, border - 1e-4));
+  REQUIRE(held);
+  CHECK(held->isHeld);
+  const Vec3 place(0.13, 0.23, beside);
+  const auto nearest = std::min_element(now.begin(), now.end(), [&](const Vec3 &a, const Vec3 &b) {
+    return (a - place).squaredNorm() < (b - place).squaredNorm();
+  });
+  REQUIRE((*nearest)[2] < border);
+  const auto free = materialAt(*rest, now, place);
+  REQUIRE(free);
+  CHECK_FALSE(free->isHeld);
+  // By what moves: all that is held is accelerated alike.
+  const Grab grab = grabAt(*rest, free->at, {.radius_mm = 12.0}, 6e3);
+  REQUIRE(!grab.phyxels.empty());
+  const double radius = 0.012;
+  for (std::size_t k = 0; k < grab.phyxels.size(); ++k) {
+    const Index i = grab.phyxels[k];
+    const double moves = rest->volumes[i] - rest->supportVolumes[i];
+    const double kernel = kernelWeight((rest->positions[i] - free->at).norm(), radius);
+    const double first = rest->volumes[grab.phyxels[0]] - rest->supportVolumes[grab.phyxels[0]];
+    const double firstKernel = kernelWeight((rest->positions[grab.phyxels[0]] - free->at).norm(), radius);
+    CHECK_THAT(grab.weights[k] * first * firstKernel, WithinRel(grab.weights[0] * moves * kernel, 1e-9));
+  }
+}
+
+TEST_CASE("The tissue at a place is the last one whose region holds it, or whose border is at hand", "[slices]") {
+  const auto rest = heldBlock();
+  const auto numberAt = [&](double z) { return materialNumberAt(*rest, Vec3(0.13, 0.23, z) - rest->origin); };
+  CHECK(numberAt(0.31) == 2);
+  CHECK(numberAt(0.325) == 1);
+  CHECK(numberAt(0.3301) == 1);
+  CHECK(numberAt(0.335) == 0);
 }
 
 TEST_CASE("A ball stands where it is put, or beside the skin within its plane", "[slices]") {

@@ -78,10 +78,12 @@ TEST_CASE("Parts of tissues leave what an override has said of the body", "[tiss
   scene::SceneBody &body = scene->bodies.front();
   for (const char *label : {"trachea", "vertebrae_L1", "liver", "csf"}) {
     body.volume.tissues.emplace_back();
+    body.volume.tissues.back().label = label;
     REQUIRE(scene::nameTissue(body.volume.tissues.back(), label, presets()));
   }
   REQUIRE(scene::makeTissueParts(body));
   REQUIRE(body.parts.size() == 2);
+  CHECK(body.parts[0].name == "liver");
   CHECK(findValue(body.parts[0].params, "material.youngs_modulus")->value.num == 6000.0);
   CHECK(findValue(body.parts[1].params, "material.youngs_modulus")->value.num == 1400.0);
   CHECK(findValue(body.params, "material.youngs_modulus")->value.num == 77.0);

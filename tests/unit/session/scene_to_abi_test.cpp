@@ -80,6 +80,7 @@ TEST_CASE("A body gets its own fixes and loads with their numbers in the scene, 
   scene.loads[2].follower = false;
   scene.loads[2].ramp_s = 0.5;
   body.parts.resize(1);
+  body.parts[0].name = "cyst";
   body.parts[0].region = sphere(0.3);
   body.refinements.resize(1);
   body.refinements[0].spacing_m = 0.004;
@@ -106,6 +107,7 @@ TEST_CASE("A body gets its own fixes and loads with their numbers in the scene, 
   CHECK(vec(out.loads[1].force_N) == Vec3{0, 0, 3});
   CHECK(out.loads[1].ramp_s == 0.5);
   REQUIRE(out.parts_n == 1);
+  CHECK(fromAbi(out.parts[0].name) == "cyst");
   CHECK(out.parts[0].region->radius == 0.3);
   REQUIRE(out.parts[0].params_n == 1);
   CHECK(fromAbi(out.parts[0].params[0].id) == "material.density");

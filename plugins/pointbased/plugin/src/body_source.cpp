@@ -142,8 +142,12 @@ BodySource readSource(const c3de_sim_body &body, const ParameterValues &values) 
     std::vector<std::string> said;
     for (std::uint64_t k = 0; k < in.params_n; ++k)
       said.emplace_back(sdk::text(element(in.params, k, in.params_stride).id));
-    source.parts.push_back({readRegion(in.region, where, &source.placement), std::move(own), std::move(said)});
+    source.parts.push_back({std::string(sdk::text(in.name)), readRegion(in.region, where, &source.placement),
+                            std::move(own), std::move(said)});
   }
+  std::vector<std::string> tissues;
+  for (const BodyPart &part : source.parts) tissues.push_back(part.name);
+  source.tissues = std::make_shared<const std::vector<std::string>>(std::move(tissues));
   for (std::uint64_t i = 0; body.refinements && i < body.refinements_n; ++i) {
     const c3de_sim_refinement in = element(body.refinements, i, body.refinements_stride);
     const sdk::ErrorPlace where{"refinement", static_cast<std::uint32_t>(i), {}};

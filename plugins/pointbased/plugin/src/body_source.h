@@ -16,6 +16,7 @@ namespace pointbased {
 
 /// Another material in a region of a body.
 struct BodyPart {
+  std::string name;  ///< of a tissue; may be empty
   Region region;
   ParameterValues values;        ///< complete: what the part does not say is as in the body
   std::vector<std::string> own;  ///< ids that the part says itself
@@ -41,7 +42,8 @@ struct BodySource {
   std::vector<std::uint32_t> fixNumbers;  ///< of reports and messages
   std::vector<Load> loads;
   std::vector<std::uint32_t> loadNumbers;
-  std::vector<BodyPart> parts;  ///< later ones win
+  std::vector<BodyPart> parts;                              ///< later ones win
+  std::shared_ptr<const std::vector<std::string>> tissues;  ///< names of these, for those who share them
   std::vector<Refinement> refinements;
   std::vector<Load> hands;  ///< what hands have done to it so far: loads of the trial of an adaptive sampling
   std::optional<std::array<float, 3>> colour;                    ///< sRGB; none: any

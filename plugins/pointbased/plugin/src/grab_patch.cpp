@@ -15,6 +15,9 @@ constexpr double kLeastRadius = 2.0;  // spacings: a patch of a few phyxels at a
 constexpr double kStrongestPull = 4.0;
 constexpr double kSurroundings = 1.8;  // spacings, around the nearest phyxel: the corners of the cells beside it
 
+// Spacings: voxels taken together leave places at borders to no tissue.
+constexpr double kBesideTissue = 0.1;
+
 Vec3 positionOf(const Body &body, Index i) {
   return body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
 }
@@ -31,13 +34,17 @@ double radiusOf(const RestState &rest, const PinchSettings &settings) {
   return std::max(1e-3 * settings.radius_mm, kLeastRadius * rest.spacing);
 }
 
-bool isHeldByFix(const RestState &rest, Index phyxel) {
-  // Of lattices supports hold the continuum, not phyxels.
-  const std::vector<double> &all = rest.weightVolumes.empty() ? rest.volumes : rest.weightVolumes;
-  if (!rest.heldVolumes.empty() && rest.heldVolumes[phyxel] > 0.5 * all[phyxel]) return true;
-  return std::any_of(rest.conditions.held.begin(), rest.conditions.held.end(), [&](const ConstrainedRegion &part) {
-    return std::find(part.phyxels.begin(), part.phyxels.end(), phyxel) != part.phyxels.end();
-  });
+// What a support holds of a lattice is the continuum, of a cloud its phyxels.
+bool isHeldByFix(const RestState &rest, const Vec3 &at, std::size_t nearest) {
+  Vec3 X = rest.origin + at;  // in the first reference
+  if (!rest.referenceShift.empty()) X -= rest.referenceShift[nearest];
+  if (std::any_of(rest.conditions.fixes.begin(), rest.conditions.fixes.end(),
+                  [&](const Fix &fix) { return contains(fix.region, X); }))
+    return true;
+  return !rest.stencils.isLattice() &&
+         std::any_of(rest.conditions.held.begin(), rest.conditions.held.end(), [&](const ConstrainedRegion &part) {
+           return std::binary_search(part.phyxels.begin(), part.phyxels.end(), static_cast<Index>(nearest));
+         });
 }
 
 }  // namespace
@@ -50,7 +57,9 @@ Grab patchAround(const RestState &rest, const Vec3 &at, double radius) {
     for (const Index i : part.phyxels) held[i] = 1;
   for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
     if (held[i]) continue;
-    const double weight = rest.volumes[i] * kernelWeight((rest.positions[i] - at).norm(), radius);
+    // By what moves: a phyxel of which a support carries nearly all is light, and would leave the hand no force.
+    const double moves = rest.volumes[i] - (rest.supportVolumes.empty() ? 0.0 : rest.supportVolumes[i]);
+    const double weight = moves * kernelWeight((rest.positions[i] - at).norm(), radius);
     if (weight <= 0.0) continue;
     grab.phyxels.push_back(static_cast<Index>(i));
     grab.weights.push_back(weight);
@@ -121,7 +130,20 @@ std::optional<MaterialPoint> materialAt(const RestState &rest, std::span<const V
   const Vec3 away = A * (place - x0);
   // Where they are crushed A leads anywhere.
   const double most = reach / std::max(away.norm(), reach);
-  return MaterialPoint{X0 + most * away, isHeldByFix(rest, static_cast<Index>(nearest))};
+  const Vec3 at = X0 + most * away;
+  return MaterialPoint{at, isHeldByFix(rest, at, nearest)};
+}
+
+std::uint16_t materialNumberAt(const RestState &rest, const Vec3 &at) {
+  std::uint16_t number = 0;
+  double nearest = kBesideTissue * rest.spacing;
+  for (const auto &[region, material] : rest.sampling.materials) {
+    const double away = std::max(0.0, signedDistance(region, rest.origin + at));
+    if (away > nearest) continue;  // of those that hold it the last one counts
+    nearest = away;
+    number = material;
+  }
+  return number;
 }
 
 Vec3 middleOf(const Grab &grab, const Body &body) {

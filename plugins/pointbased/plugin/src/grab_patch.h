@@ -45,6 +45,9 @@ struct MaterialPoint {
 /// @param place    world, m
 [[nodiscard]] std::optional<MaterialPoint> materialAt(const RestState &rest, std::span<const Vec3> phyxels,
                                                       const Vec3 &place);
+/// Of which material a body is at a point of its reference, frame of the phyxels: by its regions, and within a tenth of
+/// a spacing of one; 0 where none is.
+[[nodiscard]] std::uint16_t materialNumberAt(const RestState &rest, const Vec3 &at);
 /// Every phyxel gets a spring of its own, to where it is now: what is held keeps its shape. The target becomes the mean
 /// of what is held, world, m, which is returned.
 Vec3 keepShape(Grab &grab, const Body &body);

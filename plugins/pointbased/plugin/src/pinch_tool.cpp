@@ -81,6 +81,9 @@ void PinchTool::pressInside(const BodySnapshot *body, const Vec3 &place) {
   Grab grab = grabAt(*body->rest, material->at, ofTissue(), body->youngsModulus);
   if (material->isHeld || grab.phyxels.empty()) return refuse(place, body->name + " is held by a fix there");
   begin(*body, std::move(grab), std::nullopt, place);
+  const std::size_t part = materialNumberAt(*body->rest, material->at);
+  if (part > 0 && body->tissues && part <= body->tissues->size() && !(*body->tissues)[part - 1].empty())
+    hold_->what += ": " + (*body->tissues)[part - 1];
 }
 
 // Null: none. Where bodies lie over each other the one whose material slices show.
@@ -145,7 +148,7 @@ void PinchTool::release() {
   if (!hold_) return;
   if (simulator_) simulator_->abandonLongStep();
   post([id = hold_->body](WorldSimulator &s) { s.releaseGrab(id); });
-  history_.end("pull on " + hold_->bodyName);
+  history_.end("pull on " + hold_->what);
   hold_.reset();
   hideMarker();
 }

@@ -26,7 +26,7 @@ class PinchTool : public HandTool {
 
   struct Hold {
     std::uint64_t body = 0;
-    std::string bodyName;
+    std::string what;                   ///< for people: the body, inside of it the tissue too
     std::optional<std::size_t> surfel;  ///< none: a point inside
     Vec3 point = Vec3::Zero();          ///< m, what is held, now
     Vec3 target = Vec3::Zero();         ///< m, where the hand is

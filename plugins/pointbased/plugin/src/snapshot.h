@@ -21,6 +21,7 @@ namespace pointbased {
 struct BodySnapshot {
   std::uint64_t id = 0;
   std::string name;
+  std::shared_ptr<const std::vector<std::string>> tissues;  ///< names of its parts, from 0; may be empty
   std::shared_ptr<const RestState> rest;
   std::shared_ptr<PlacedMesh> surface;
   std::shared_ptr<const ParameterValues> values;

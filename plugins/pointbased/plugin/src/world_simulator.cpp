@@ -398,6 +398,7 @@ void WorldSimulator::publish() {
     b.computed = howComputed(simulator_, id);
     b.id = id;
     b.name = record.name;
+    b.tissues = record.source.tissues;
     b.rest = body.sharedRest();
     b.surface = record.surface;
     b.values = record.values;

@@ -59,6 +59,7 @@ struct SceneMotion {
 
 /// Another material in a region of a body; later ones win.
 struct ScenePart {
+  std::string name;  ///< SceneTissue::label; empty: of no tissue
   SceneRegion region;
   std::vector<SceneValue> params;  ///< ids "material.…"; what is missing is as in the body
   int line = 0;

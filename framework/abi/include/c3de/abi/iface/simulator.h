@@ -80,6 +80,7 @@ typedef struct c3de_sim_part { /* another material in a region; later ones win *
   const c3de_sim_region *region;
   const c3de_param_value *params; /* ids "material.…" of C3DE_SIM_SCOPE_BODY; what is missing is as in the body */
   uint64_t params_n;
+  c3de_str name; /* may be absent (by size), or empty. Of a tissue, for people */
 } c3de_sim_part;
 
 typedef struct c3de_sim_refinement { /* finer sampling in a region */
