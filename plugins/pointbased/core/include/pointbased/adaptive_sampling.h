@@ -26,7 +26,7 @@ struct AdaptiveSampling {
 /// times finer everywhere: borders of what is held, led or loaded, thin necks, edges of stiff parts. Where the error is
 /// even, the sampling stays what it is; the bound of `share` is from bench_dial --adaptive.
 ///
-/// @param isExplicit  cells of material so stiff that their halves would ask for explicit steps of less than half of the
+/// @param isExplicit  cells of material so stiff that their halves would ask for explicit steps of about a third of the
 ///                    trial's are left whole
 /// Errors: those of buildRestState(); no equilibrium. Costs a body of that size and a linear solution of it.
 /// @threads  the same bits for any number of threads behind parallelFor

@@ -16,8 +16,10 @@ namespace {
 constexpr double kBasePart = 0.6;  // of the wanted phyxels, before cells are halved
 // bench_dial --adaptive, 24 random bodies: from here on the error is smaller than that of as many cells of one size.
 constexpr double kLeastShare = 0.72;
-constexpr double kStepOfCells = 0.7;   // stable steps of lattices, in edges over the speed of sound, at least
-constexpr double kShortestStep = 0.5;  // explicit steps may become that much of the trial's
+constexpr double kStepOfCells = 0.8;  // stable steps of lattices, in edges over the speed of sound
+// Of the trial's explicit step: cells of the material that decides it ask for half of it when they are halved, and are
+// not to be left out where that is a little more than kStepOfCells.
+constexpr double kShortestStep = 0.35;
 
 using Place = FinerCells::Place;
 
@@ -147,7 +149,7 @@ Result<AdaptiveSampling> adaptSampling(const AccuracyProblem &problem, bool isEx
     out.uniform =
         left < kLeastShare * all
             ? "most of its error arises in cells of stiff material, whose halves would ask for explicit steps "
-              "of less than half the length; solver.integrator = \"quasistatic\" or \"implicit\" has none"
+              "of about a third the length; solver.integrator = \"quasistatic\" or \"implicit\" has none"
             : "its error arises too evenly for that: " + percent(out.share) + " of it in " +
                   percent(static_cast<double>(halved) / static_cast<double>(out.cells)) + " of the cells; " +
                   percent(kLeastShare) + " are needed";

@@ -227,9 +227,9 @@ void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, doub
   // In their own order, which is that of the contacts.
   blocks.points.clear();
   const auto feels = [&](Index p) {
-    return box.enabled || std::any_of(obstacles.begin(), obstacles.end(), [p](const Obstacle &obstacle) {
-             return obstacle.closest && obstacle.isFeltBy(p);
-           });
+    // What is switched off as well: what is known of it has to be forgotten on the way.
+    return box.enabled || std::any_of(obstacles.begin(), obstacles.end(),
+                                      [p](const Obstacle &obstacle) { return obstacle.isFeltBy(p); });
   };
   for (Index p = 0; p < n; ++p)
     if (blocks.near[blocks.blockOf[p]] != 0 && feels(p)) blocks.points.push_back(p);
