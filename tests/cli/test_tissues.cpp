@@ -89,6 +89,26 @@ TEST_CASE("A body of many tissues has their volumes and densities, and what is r
   CHECK(held < 1.01 * 9.81 * mass);
 }
 
+TEST_CASE("A body of many tissues that is led has finer cells there by itself in a static solution", "[tissues]") {
+  const auto folder = freshFolder("tissues-adaptive");
+  (void)writePhantom(folder);
+  const auto scene =
+      writeFile(folder / "scene.toml",
+                sceneOf(kCore + ", " + kPlate) +
+                    "[[fix]]\nbody = \"scan\"\nregion = { sphere = { centre = [0.046, 0.046, 0.05], radius = "
+                    "0.006 } }\ndisplacement = [0.004, 0, 0]\n");
+  const std::vector<std::string> count{"--set", "body.scan.sampling.count=1200", "--set",
+                                       "solver.integrator=quasistatic"};
+  const auto led = runToReport(scene, count);
+  REQUIRE(led["bodies"][0].contains("adaptive"));
+  CHECK(led["bodies"][0]["adaptive"]["halved_cells"] > 0);
+  CHECK(led["bodies"][0]["phyxels"].get<double>() == Approx(1200.0).epsilon(0.12));
+  // Whoever says a spacing means it, and explicit steps are for speed.
+  CHECK_FALSE(runToReport(scene, {"--set", "solver.integrator=quasistatic"})["bodies"][0].contains("adaptive"));
+  CHECK_FALSE(
+      runToReport(scene, {"--set", "body.scan.sampling.count=1200", "--steps", "1"})["bodies"][0].contains("adaptive"));
+}
+
 TEST_CASE("What is not right about tissues is an error, and labels that nobody names are told", "[tissues]") {
   const auto folder = freshFolder("tissues-refused");
   (void)writePhantom(folder);
