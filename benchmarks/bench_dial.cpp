@@ -3,6 +3,7 @@
 //
 //   bench_dial [--first SEED] [--problems N] [--csv FILE] [--json FILE]
 //   bench_dial --fit PROBLEMS [--first SEED] [--finest PHYXELS]
+//   bench_dial --adaptive PROBLEMS [--first SEED] [--finest PHYXELS]
 //
 // Bodies, materials and loads that the model was not fitted to, drawn by seed (dial/random_problems.h), each with a
 // wish of 3, 5, 10 or 20 % of its largest displacement. For each: two trials, what the dial chooses, and then
@@ -12,6 +13,8 @@
 //           measured when it was built
 // --fit: errors of linear solutions of seven samplings of each body against a fine one, and the coefficients of the
 // model by least squares. Those in choose_sampling.cpp are of seeds 0 … 29.
+// --adaptive: errors of linear solutions with cells of one size, of as many of which some are halved (adaptSampling()),
+// and of 1.68 times as many of one size.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>

@@ -210,22 +210,27 @@ void takePinch(WorkstationDriver &window) {
   window.waitUntil("the pinch is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
 }
 
+/// The file that an item of the menu writes.
+fs::path exported(WorkstationDriver &window, const std::string &item, const std::string &name) {
+  const fs::path file = fs::path(testOutputRoot()) / "ui" / name;
+  fs::remove(file);
+  window.click("menu/file");
+  window.click("menu/file." + item);
+  window.waitUntil("a file is asked for", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+  window.key("ctrl+a");
+  window.type(file.string(), 10);
+  window.click("dialog/open");
+  window.waitUntil("it is written", [&](const Json &s) { return s["jobs"].empty() && fs::exists(file); });
+  return file;
+}
+
 /// What a table of tissues says of each label: how far it has moved, mm, and its smallest det F.
 struct Motion {
   double mean_mm, largest_mm, leastRatio;
 };
 std::map<std::string, Motion> exportTissues(WorkstationDriver &window, const std::string &name) {
-  const fs::path table = fs::path(testOutputRoot()) / "ui" / (name + ".csv");
-  fs::remove(table);
-  window.click("menu/file");
-  window.click("menu/file.export_tissues");
-  window.waitUntil("a file is asked for", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
-  window.key("ctrl+a");
-  window.type(table.string(), 10);
-  window.click("dialog/open");
-  window.waitUntil("it is written", [&](const Json &s) { return s["jobs"].empty() && fs::exists(table); });
   std::map<std::string, Motion> motions;
-  std::ifstream file(table);
+  std::ifstream file(exported(window, "export_tissues", name + ".csv"));
   std::string line;
   std::getline(file, line);
   while (std::getline(file, line)) {
@@ -270,17 +275,8 @@ void waitForDrawn(WorkstationDriver &window, const Box &box, double tolerance) {
 
 /// Of the skins as they lie now.
 Box exportedBounds(WorkstationDriver &window, const std::string &name) {
-  const fs::path file = fs::path(testOutputRoot()) / "ui" / (name + ".obj");
-  fs::remove(file);
-  window.click("menu/file");
-  window.click("menu/file.export_surface");
-  window.waitUntil("a file is asked for", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
-  window.key("ctrl+a");
-  window.type(file.string(), 10);
-  window.click("dialog/open");
-  window.waitUntil("it is written", [&](const Json &s) { return s["jobs"].empty() && fs::exists(file); });
   Box bounds{1e9, 1e9, 1e9, -1e9, -1e9, -1e9};
-  std::ifstream in(file);
+  std::ifstream in(exported(window, "export_surface", name + ".obj"));
   for (std::string line; std::getline(in, line);) {
     if (!line.starts_with("v ")) continue;
     std::istringstream numbers(line.substr(2));

@@ -92,7 +92,8 @@ TEST_CASE("cells are halved where a body is led, for as many phyxels and a small
   CHECK(adapted.halved < adapted.cells / 5);
   CHECK(adapted.share > 0.72);
   CHECK(adapted.uniform.empty());
-  // Many lie around the ball, in a tenth of the volume; the others at the edges of the lower face, where the strain has no bound either.
+  // Many lie around the ball, in a tenth of the volume; the others at the edges of the lower face, where the strain has
+  // no bound either.
   std::size_t near = 0;
   for (std::size_t i = 0; i < adapted.halved; ++i)
     near += (middleOf(adapted.sampling.finer, i) - kMiddle).norm() < 0.03 ? 1 : 0;

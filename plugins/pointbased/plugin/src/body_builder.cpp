@@ -182,9 +182,7 @@ struct Making {
 // Whether something is known to act on it beside gravity.
 bool isActedOn(const BodySource &source) {
   return !source.loads.empty() || !source.hands.empty() ||
-         std::any_of(source.fixes.begin(), source.fixes.end(), [](const Fix &fix) {
-           return !fix.displacement.isZero(0.0) || !fix.rotation_deg.isZero(0.0) || fix.rotationVector;
-         });
+         std::any_of(source.fixes.begin(), source.fixes.end(), [](const Fix &fix) { return fix.leads(); });
 }
 
 bool isExplicit(const Making &of) {

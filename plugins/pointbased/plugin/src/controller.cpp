@@ -177,8 +177,7 @@ void Controller::drawAccuracy(sdk::Ui &ui, const Snapshot *snapshot) {
   if (ui.button("finer", "Finer where it errs", !job_ && body && !body->rigid)) makeFiner(*body);
   ui.tooltip(
       "Samples the body anew with as many phyxels: smaller cells where its supports, its loads and the hands so far "
-      "make "
-      "most of the error; the simulation goes back to its beginning");
+      "make most of the error; the simulation goes back to its beginning");
   if (body) drawAccuracyBars(ui, *body);
 }
 

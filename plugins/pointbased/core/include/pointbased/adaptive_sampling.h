@@ -13,8 +13,8 @@ struct AdaptiveSampling {
   LatticeSampling sampling;  ///< what was asked for, with about as many phyxels
   std::size_t halved = 0;    ///< cells; 0: those of one size serve as well
   std::size_t cells = 0;     ///< before they are halved
-  double share =
-      0.0;  ///< part of the squared error, in energy, that arises in those that are halved, or were looked at
+  /// Part of the squared error, in energy, that arises in those that are halved, or would have been
+  double share = 0.0;
   std::string uniform;  ///< why no cells are halved; else empty
 };
 

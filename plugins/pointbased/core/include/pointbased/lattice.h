@@ -28,6 +28,9 @@ struct FinerCells {
   std::vector<Place> places;     ///< ascending; empty: no cells are finer
   double spacing = 0.0;          ///< m; cells with their middle in one of these are halved until they are at most this
 
+  /// The number of the cell that holds a point of the world, m, whether it is to be finer or not; at most 10⁹ from the
+  /// first.
+  [[nodiscard]] Place placeOf(const Vec3 &x) const;
   [[nodiscard]] bool holds(const Vec3 &x) const;  ///< whether a point of the world, m, lies in one of them
 };
 
@@ -38,7 +41,8 @@ struct LatticeSampling {
   double surfaceSpacing = 0.0;  ///< > 0: cells that the surface cuts are at most this large, m
   FinerCells finer;
   /// Of the lattice, columns; a rotation. Empty: along the faces of the body, where it has such, else along the border
-  /// of the first half-space among `held`, else along the world's axes (latticeDirection() in src/discretisation/lattice)
+  /// of the first half-space among `held`, else along the world's axes (latticeDirection() in
+  /// src/discretisation/lattice)
   std::optional<Mat3> axes;
   /// 0 … 0.3: phyxels whose cells lie wholly inside are moved by up to this part of the spacing
   double jitter = 0.0;
@@ -72,7 +76,7 @@ struct LatticeBody {
   Vec3 corner = Vec3::Zero();         ///< m, where the coarsest cells begin, along `stencils.axes` from there
   std::vector<Vec3> positions;        ///< [phyxels] X, m, sorted in space; some lie outside of the body
   std::vector<double> volumes;        ///< [phyxels] m³, > 0; sum: the body's volume (density times it is the mass)
-  std::vector<double> weightVolumes;  ///< [phyxels] m³, ∫N_j: what a uniform load on the material gives each; same sum
+  std::vector<double> weightVolumes;  ///< [phyxels] m³, ∫N_j: what a uniform load on the material gives each
   /// [phyxels] m³: the part of `weightVolumes` that moves with a support; empty: nothing is held
   std::vector<double> heldVolumes;
   /// [phyxels] m³: the part of `volumes`, of the mass, that moves with a support; likewise
@@ -92,8 +96,8 @@ struct LatticeBody {
 ///
 ///     v_q = volume of the part,   g_qj = mean of ∇N_j over the part,   N_j trilinear
 ///
-/// the mean gradient makes Σ_q v_q g_qj = ∫ N_j n dA over the body's border: constant stress is in exact balance with
-/// its tractions however the surface cuts the cells (gradients at the centre of the cell instead made a beam 22 % too
+/// the mean gradient makes Σ_q v_q g_qj = ∫ N_j n dA over the body's border: constant stress is in exact balance
+/// with its tractions however the surface cuts the cells (gradients at the centre of the cell instead made a beam 22 % too
 /// stiff). Nodes are shared by parts of neighbouring cells only where the body goes on through the common face; parts
 /// on two sides of a gap have corners of their own, so nothing couples across it. Nodes that hang on a larger cell
 /// follow its corners linearly, so affine fields stay exact and forces balanced across a change of spacing.

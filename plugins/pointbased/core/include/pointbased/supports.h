@@ -18,6 +18,11 @@ struct Fix {
   std::optional<Vec3> centre;        ///< world, m; default: centroid of the held part
   double ramp = 0.0;                 ///< s, >= 0; with a quasi-static solution the load factor takes its place
   std::optional<Vec3> rotationVector = std::nullopt;  ///< rad, about this one axis, in the place of rotation_deg
+
+  /// Whether it leads what it holds somewhere; else that stays where it is.
+  [[nodiscard]] bool leads() const {
+    return !displacement.isZero(0.0) || !rotation_deg.isZero(0.0) || rotationVector.has_value();
+  }
 };
 
 /// A force or a pressure on a part of a body.

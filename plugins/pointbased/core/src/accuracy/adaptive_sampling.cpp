@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
+#include <map>
 
 #include "accuracy/trial_solution.h"
 #include "base/number_text.h"
@@ -17,19 +17,10 @@ constexpr double kBasePart = 0.6;  // of the wanted phyxels, before cells are ha
 // bench_dial --adaptive, 24 random bodies: from here on the error is smaller than that of as many cells of one size.
 constexpr double kLeastShare = 0.72;
 constexpr double kStepOfCells = 0.8;  // stable steps of lattices, in edges over the speed of sound
-// Of the trial's explicit step: cells of the material that decides it ask for half of it when they are halved, and are
-// not to be left out where that is a little more than kStepOfCells.
+// Of the trial's explicit step. Halves of the cells that decide it ask for half of it, and are accepted.
 constexpr double kShortestStep = 0.35;
 
 using Place = FinerCells::Place;
-
-struct PlaceHash {
-  std::size_t operator()(const Place &p) const {
-    return static_cast<std::size_t>((std::uint64_t(std::uint32_t(p[0])) * 73856093u) ^
-                                    (std::uint64_t(std::uint32_t(p[1])) * 19349663u << 16) ^
-                                    (std::uint64_t(std::uint32_t(p[2])) * 83492791u << 32));
-  }
-};
 
 struct CellError {
   Place at{};
@@ -39,15 +30,12 @@ struct CellError {
 };
 
 /// The coarsest cells of a lattice that hold evaluation points, with what these err, worst first.
-std::vector<CellError> cellErrors(const Body &body, std::span<const double> errors) {
+std::vector<CellError> cellErrors(const Body &body, const FinerCells &lattice, std::span<const double> errors) {
   const RestState &rest = body.rest();
-  const Mat3 inverse = rest.stencils.axes.transpose();
-  std::unordered_map<Place, std::size_t, PlaceHash> numbers;
+  std::map<Place, std::size_t> numbers;
   std::vector<CellError> cells;
   for (std::size_t q = 0; q < rest.pointCount(); ++q) {
-    const Vec3 local = inverse * (rest.pointCentres[q] - rest.latticeCorner) / rest.spacing;
-    Place at{};
-    for (int a = 0; a < 3; ++a) at[static_cast<std::size_t>(a)] = static_cast<std::int32_t>(std::floor(local[a]));
+    const Place at = lattice.placeOf(rest.origin + rest.pointCentres[q]);
     const auto [found, isNew] = numbers.try_emplace(at, cells.size());
     if (isNew) cells.push_back({at});
     CellError &cell = cells[found->second];
@@ -66,7 +54,7 @@ std::vector<CellError> cellErrors(const Body &body, std::span<const double> erro
 /// middle of edges and faces are phyxels where all cells around are halved; of cut cells only some of the eight hold
 /// anything.
 std::size_t halvedFor(std::span<const CellError> cells, double edge, double more) {
-  std::unordered_map<Place, std::size_t, PlaceHash> order;
+  std::map<Place, std::size_t> order;
   for (std::size_t i = 0; i < cells.size(); ++i) order.emplace(cells[i].at, i);
   // A corner belongs to the last of the cells around it.
   std::vector<double> added(cells.size(), 0.0);
@@ -98,15 +86,9 @@ std::size_t halvedFor(std::span<const CellError> cells, double edge, double more
   return cells.size();
 }
 
-FinerCells finerCells(const RestState &rest, std::span<const CellError> halved) {
-  FinerCells out;
-  out.corner = rest.origin + rest.latticeCorner;
-  out.axes = rest.stencils.axes;
-  out.edge = rest.spacing;
-  out.spacing = 0.5 * rest.spacing;
-  for (const CellError &cell : halved) out.places.push_back(cell.at);
-  std::sort(out.places.begin(), out.places.end());
-  return out;
+/// The coarsest cells of a lattice, to be halved; none of them yet.
+FinerCells cellsOf(const RestState &rest) {
+  return {rest.origin + rest.latticeCorner, rest.stencils.axes, rest.spacing, {}, 0.5 * rest.spacing};
 }
 
 }  // namespace
@@ -129,25 +111,28 @@ Result<AdaptiveSampling> adaptSampling(const AccuracyProblem &problem, bool isEx
   ErrorScratch scratch;
   (void)estimateError(trial, nullptr, scratch, parallelFor);
 
-  std::vector<CellError> cells = cellErrors(trial, scratch.errors);
-  double all = 0.0, worst = 0.0;
-  for (const CellError &cell : cells) all += cell.error;
+  FinerCells finer = cellsOf(rest);
+  std::vector<CellError> cells = cellErrors(trial, finer, scratch.errors);
+  const auto errorOf = [](std::span<const CellError> some) {
+    double sum = 0.0;
+    for (const CellError &cell : some) sum += cell.error;
+    return sum;
+  };
+  const double all = errorOf(cells);
   out.cells = cells.size();
   if (isExplicit) {
     const double step = kShortestStep * trial.stableStepAtRest();
     std::erase_if(cells, [&](const CellError &cell) { return kStepOfCells * 0.5 * rest.spacing < step * cell.speed; });
   }
-  double left = 0.0;
-  for (const CellError &cell : cells) left += cell.error;
   const auto phyxels = static_cast<double>(rest.phyxelCount());
   const double wanted = isCount ? static_cast<double>(out.sampling.count) : phyxels / kBasePart;
   const std::size_t halved = halvedFor(cells, rest.spacing, wanted - phyxels);
-  for (std::size_t i = 0; i < halved; ++i) worst += cells[i].error;
-  out.share = all > 0.0 ? worst / all : 0.0;
+  const std::span<const CellError> worst = std::span(cells).first(halved);
+  out.share = all > 0.0 ? errorOf(worst) / all : 0.0;
   if (halved == 0 || !(out.share >= kLeastShare)) {
     const auto percent = [](double share) { return detail::number(100.0 * share, 2) + " %"; };
     out.uniform =
-        left < kLeastShare * all
+        errorOf(cells) < kLeastShare * all
             ? "most of its error arises in cells of stiff material, whose halves would ask for explicit steps "
               "of about a third the length; solver.integrator = \"quasistatic\" or \"implicit\" has none"
             : "its error arises too evenly for that: " + percent(out.share) + " of it in " +
@@ -157,7 +142,9 @@ Result<AdaptiveSampling> adaptSampling(const AccuracyProblem &problem, bool isEx
   }
   out.halved = halved;
   out.sampling.spacing = rest.spacing;
-  out.sampling.finer = finerCells(rest, std::span(cells).first(halved));
+  for (const CellError &cell : worst) finer.places.push_back(cell.at);
+  std::sort(finer.places.begin(), finer.places.end());
+  out.sampling.finer = std::move(finer);
   return out;
 }
 

@@ -31,9 +31,7 @@ bool isLoaded(const AccuracyProblem &problem) {
   const BodyRecipe &recipe = problem.recipe;
   return !problem.gravity.isZero(0.0) || std::any_of(recipe.loads.begin(), recipe.loads.end(), [](const Load &load) {
     return !load.force.isZero(0.0) || load.pressure != 0.0;
-  }) || std::any_of(recipe.fixes.begin(), recipe.fixes.end(), [](const Fix &fix) {
-    return !fix.displacement.isZero(0.0) || !fix.rotation_deg.isZero(0.0) || fix.rotationVector;
-  });
+  }) || std::any_of(recipe.fixes.begin(), recipe.fixes.end(), [](const Fix &fix) { return fix.leads(); });
 }
 
 /// What of a body lies lowest against `up`.

@@ -15,9 +15,7 @@ std::vector<Obstacle> detail::rigidTissuesOf(const Body &body) {
   const RestState &rest = body.rest();
   if (!rest.stencils.isLattice()) return out;
   for (const Fix &fix : rest.conditions.fixes) {
-    if (!std::holds_alternative<VoxelRegion>(fix.region) || !fix.displacement.isZero() || !fix.rotation_deg.isZero() ||
-        fix.rotationVector)
-      continue;
+    if (!std::holds_alternative<VoxelRegion>(fix.region) || fix.leads()) continue;
     Obstacle &tissue = out.emplace_back();
     tissue.name = "rigid tissue of " + body.name();
     tissue.closest = [region = fix.region](std::span<const Vec3> points, std::span<const double> ranges,

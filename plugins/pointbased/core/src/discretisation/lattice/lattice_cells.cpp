@@ -23,15 +23,16 @@ double finestSpacing(const LatticeSampling &sampling, double spacing) {
   return finest;
 }
 
-bool FinerCells::holds(const Vec3 &x) const {
+FinerCells::Place FinerCells::placeOf(const Vec3 &x) const {
+  constexpr double kMost = 1e9;
   const Vec3 at = axes.transpose() * (x - corner) / edge;
   Place place{};
-  for (int a = 0; a < 3; ++a) {
-    if (!(std::abs(at[a]) < 1e9)) return false;
-    place[static_cast<std::size_t>(a)] = static_cast<std::int32_t>(std::floor(at[a]));
-  }
-  return std::binary_search(places.begin(), places.end(), place);
+  for (int a = 0; a < 3; ++a)
+    place[static_cast<std::size_t>(a)] = static_cast<std::int32_t>(std::clamp(std::floor(at[a]), -kMost, kMost));
+  return place;
 }
+
+bool FinerCells::holds(const Vec3 &x) const { return std::binary_search(places.begin(), places.end(), placeOf(x)); }
 
 }  // namespace pointbased
 
