@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "forces/kernels/cell_layout.h"
 #include "support/catch.h"
 #include "vector_cases.h"
 
@@ -47,6 +48,33 @@ TEST_CASE("vector kernels give the forces of the scalar engine in double precisi
               CHECK(d.step > -0.01);
               if (!lattice) CHECK(d.step < 0.01);
             }
+}
+
+TEST_CASE("cells beside larger ones are taken by the kernels", "[kernels]") {
+  const auto rest = bodies()[2].rest;
+  const HangingCells &hanging = rest->stencils.hanging;
+  REQUIRE(hanging.points.size() > 50);
+  REQUIRE(hanging.phyxels.rows() > 30);
+  const std::uint8_t suits = 1;
+  CHECK(kernels::planCells(rest->stencils, 8, {&suits, 1}).others.empty());
+  for (const HangingCells::Point &point : hanging.points) {
+    // What hangs follows phyxels to its place: the corners are those of a cube.
+    std::array<Vec3, 8> corners;
+    for (std::size_t j = 0; j < 8; ++j) {
+      const Index corner = point.corners[j], row = corner & ~HangingCells::kHangs;
+      corners[j] = Vec3::Zero();
+      if (row == corner) corners[j] = rest->positions[corner];
+      if (row == corner) continue;
+      const std::span<const Index> followed = hanging.phyxels.row(row);
+      for (std::size_t k = 0; k < followed.size(); ++k)
+        corners[j] += hanging.weights[hanging.phyxels.offsets[row] + k] * rest->positions[followed[k]];
+    }
+    const double edge = 0.25 / point.shape.gradient;
+    for (std::size_t j = 0; j < 8; ++j) {
+      const Vec3 expected = corners[0] + edge * Vec3(j & 1, j >> 1 & 1, j >> 2);
+      CHECK((corners[j] - expected).norm() < 1e-12);
+    }
+  }
 }
 
 TEST_CASE("viscous forces by kernels are those of the scalar engine", "[kernels]") {
@@ -233,14 +261,26 @@ TEST_CASE("energies by kernels are those of the scalar engine", "[kernels]") {
 namespace {
 
 // A ball of which a plane cuts off a part that is of another material.
-std::shared_ptr<const RestState> ballOfTwo(int count) {
-  LatticeSampling sampling;
-  sampling.count = static_cast<std::size_t>(count);
+std::shared_ptr<const RestState> ballOfTwo(LatticeSampling sampling) {
   HalfSpaceRegion part;
   part.point = Vec3(0.112, 0.2, -0.1);
   part.normal = -Vec3(1.0, 0.3, 0.2).normalized();
   sampling.materials.emplace_back(part, std::uint16_t{1});
   return latticeBody(shapes::ball(Vec3(0.1, 0.2, -0.1), 0.05), sampling);
+}
+
+std::shared_ptr<const RestState> ballOfTwo(std::size_t count) {
+  LatticeSampling sampling;
+  sampling.count = count;
+  return ballOfTwo(std::move(sampling));
+}
+
+// Cells beside larger ones, that hold both.
+std::shared_ptr<const RestState> refinedBallOfTwo() {
+  LatticeSampling sampling;
+  sampling.spacing = 0.02;
+  sampling.refinements.push_back({BoxRegion{Vec3(0.05, 0.1, -0.2), Vec3(0.2, 0.2, 0.0)}, 0.01});
+  return ballOfTwo(std::move(sampling));
 }
 
 Constitution softAndStiff(MaterialLaw one, MaterialLaw other, double ratio) {
@@ -272,10 +312,10 @@ TEST_CASE("forces of cells of two materials are the gradient of their energy, an
                                    std::pair(MaterialLaw::linear, MaterialLaw::linear)})
     for (const double ratio : {3.0, 100.0})
       for (const double stabilisation : {0.0, kLatticeStabilisation})
-        for (const double size : {1e-3, 0.15}) {
+        for (const auto &[size, rest] :
+             {std::pair(1e-3, ballOfTwo(150)), std::pair(0.15, ballOfTwo(150)), std::pair(0.15, refinedBallOfTwo())}) {
           Constitution constitution = softAndStiff(one, other, ratio);
           constitution.stabilisation = stabilisation;
-          const auto rest = ballOfTwo(150);
           Body body("b", rest, constitution, serialFor());
           REQUIRE(body.vectorised());
           CAPTURE(static_cast<int>(one), ratio, stabilisation, size);

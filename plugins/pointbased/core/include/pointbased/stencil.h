@@ -33,6 +33,29 @@ struct CellShape {
   bool operator==(const CellShape &) const = default;
 };
 
+/// Points of cells beside larger ones. Some of their corners hang in the middle of an edge or a face of a larger cell: no
+/// phyxels, but means of a few. Over all eight corners the rows of such a point have a CellShape; the rows of its
+/// stencil are those, spread over the phyxels that the corners follow.
+struct HangingCells {
+  /// Marks a corner that hangs; what is left is its row of `phyxels`.
+  static constexpr Index kHangs = 0x80000000u;
+  struct Point {
+    Index point = 0;
+    CellShape shape;
+    std::array<Index, 8> corners{};  ///< a phyxel, or kHangs and a row
+  };
+  std::vector<Point> points;    ///< ascending
+  Csr phyxels;                  ///< per hanging corner: what it follows
+  std::vector<double> weights;  ///< per entry of `phyxels`; those of a corner sum to one
+
+  /// Null: no corner of its cell hangs.
+  [[nodiscard]] const Point *find(std::size_t point) const {
+    const auto at = std::lower_bound(points.begin(), points.end(), point,
+                                     [](const Point &one, std::size_t other) { return one.point < other; });
+    return at != points.end() && at->point == point ? &*at : nullptr;
+  }
+};
+
 /// Evaluation points with their stencils over the phyxels, from the reference state and const ever after.
 ///
 /// Everything the method does at a point q is linear in the displacements of a few phyxels:
@@ -58,6 +81,7 @@ struct StencilSet {
   /// GradientRows.
   std::vector<CellShape> shapes;
   std::vector<Index> rowsOf;
+  HangingCells hanging;          ///< of lattices with finer cells, at rest as they were made
   std::vector<Vec3> variances;   ///< per point, lattices: variance of the part's material along the lattice axes, m²
   Mat3 axes = Mat3::Identity();  ///< lattice axes, columns; x, y, z of modes and variances
   std::vector<std::uint16_t> materials;  ///< per point: which of the body's materials; empty: the first
@@ -80,6 +104,12 @@ struct StencilSet {
   /// The shape of a point of a compact set, or null.
   [[nodiscard]] const CellShape *shapeOf(std::size_t q) const {
     return !rowsOf.empty() && rowsOf[q] < shapes.size() ? &shapes[rowsOf[q]] : nullptr;
+  }
+  /// Likewise, over its corners where some of them hang.
+  [[nodiscard]] const CellShape *cellShapeOf(std::size_t q) const {
+    if (const CellShape *shape = shapeOf(q)) return shape;
+    const HangingCells::Point *point = hanging.find(q);
+    return point != nullptr ? &point->shape : nullptr;
   }
   /// Where the rows of a point begin that has no shape.
   [[nodiscard]] std::size_t firstRow(std::size_t q) const {
@@ -146,8 +176,12 @@ class ModeRows {
   std::array<Eigen::Vector4d, 8> own_;
 };
 
-/// The shape that reproduces the rows of a point up to round-off (kSameRows), or nothing: corners that hang on a larger
-/// cell, jittered cells, a renewed reference, flat stencils, clouds.
+/// The shape that reproduces rows over the corners of a cell up to round-off (kSameRows), or nothing: jittered cells.
+/// @param gradients  lattice axes, 1/m
+[[nodiscard]] std::optional<CellShape> shapeOfRows(const std::array<Vec3, 8> &gradients,
+                                                   const std::array<Eigen::Vector4d, 8> &modes);
+/// That of a point, or nothing: corners that hang on a larger cell, jittered cells, a renewed reference, flat stencils,
+/// clouds.
 [[nodiscard]] std::optional<CellShape> findShape(const StencilSet &stencils, std::size_t q);
 /// Keeps shapes in place of rows wherever a point has one; equal shapes once.
 void compactRows(StencilSet &stencils);

@@ -60,35 +60,40 @@ void cellModes(const CellShape &shape, std::array<Eigen::Vector4d, 8> &out) {
   for (std::size_t j = 0; j < kCorners; ++j) out[j] = shape.modes.cwiseProduct(modeSigns(j));
 }
 
-std::optional<CellShape> findShape(const StencilSet &s, std::size_t q) {
-  if (!s.isLattice() || !s.reference.empty() || s.rank[q] != 3 ||
-      s.phyxels.offsets[q + 1] - s.phyxels.offsets[q] != kCorners)
-    return {};
-  if (const CellShape *shape = s.shapeOf(q)) return *shape;
-  const std::size_t first = s.firstRow(q);
-  std::array<Vec3, kCorners> g;
+std::optional<CellShape> shapeOfRows(const std::array<Vec3, 8> &g, const std::array<Eigen::Vector4d, 8> &modes) {
   std::array<Eigen::Vector4d, kCorners> signs;
-  for (std::size_t j = 0; j < kCorners; ++j) {
-    g[j] = s.axes.transpose() * s.gradients[first + j];
-    signs[j] = modeSigns(j);
-  }
+  for (std::size_t j = 0; j < kCorners; ++j) signs[j] = modeSigns(j);
   CellShape shape;
   shape.gradient = mean([&](std::size_t j) { return sign(j, 0) * g[j].x(); });
   shape.first = {mean([&](std::size_t j) { return signs[j][0] * g[j].y(); }),
                  mean([&](std::size_t j) { return signs[j][0] * g[j].x(); }),
                  mean([&](std::size_t j) { return signs[j][1] * g[j].x(); })};
   for (int c = 0; c < 3; ++c) shape.mixed[c] = mean([&](std::size_t j) { return signs[j][3] * g[j][c]; });
-  for (int m = 0; m < 4; ++m) shape.modes[m] = mean([&](std::size_t j) { return signs[j][m] * s.modes[first + j][m]; });
+  for (int m = 0; m < 4; ++m) shape.modes[m] = mean([&](std::size_t j) { return signs[j][m] * modes[j][m]; });
 
   std::array<Vec3, kCorners> again;
   cellGradients(shape, Mat3::Identity(), again);
   for (std::size_t j = 0; j < kCorners; ++j) {
     if (!((again[j] - g[j]).cwiseAbs().maxCoeff() <= kSameRows * shape.gradient)) return {};
     for (int m = 0; m < 4; ++m)
-      if (!(std::abs(shape.modes[m] * signs[j][m] - s.modes[first + j][m]) <= kSameRows * std::abs(shape.modes[m])))
-        return {};
+      if (!(std::abs(shape.modes[m] * signs[j][m] - modes[j][m]) <= kSameRows * std::abs(shape.modes[m]))) return {};
   }
   return shape;
+}
+
+std::optional<CellShape> findShape(const StencilSet &s, std::size_t q) {
+  if (!s.isLattice() || !s.reference.empty() || s.rank[q] != 3 ||
+      s.phyxels.offsets[q + 1] - s.phyxels.offsets[q] != kCorners || s.hanging.find(q) != nullptr)
+    return {};
+  if (const CellShape *shape = s.shapeOf(q)) return *shape;
+  const std::size_t first = s.firstRow(q);
+  std::array<Vec3, kCorners> gradients;
+  std::array<Eigen::Vector4d, kCorners> modes;
+  for (std::size_t j = 0; j < kCorners; ++j) {
+    gradients[j] = s.axes.transpose() * s.gradients[first + j];
+    modes[j] = s.modes[first + j];
+  }
+  return shapeOfRows(gradients, modes);
 }
 
 void compactRows(StencilSet &s) {

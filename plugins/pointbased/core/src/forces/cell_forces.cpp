@@ -113,7 +113,7 @@ class CellForces final : public VectorForces {
     laminates_.modes = {};
     layRows(positions.size());
     detail::lookForEnd(parallelFor);
-    stiffnessAtRest_ = largestStiffnessAtRest(parallelFor);
+    stiffnessAtRest_ = largestStiffnessAtRest(plan.others, parallelFor);
   }
 
   double evaluate(std::span<const Vec3> u, std::span<const Vec3> v, const HistoryStep &step, std::span<Vec3> forces,
@@ -232,20 +232,37 @@ class CellForces final : public VectorForces {
     partials_.assign(4 * all, T(0));
   }
 
-  // Stiffness that an entry of a point gives its phyxel at rest, N/m.
-  [[nodiscard]] double stiffnessOf(std::size_t q, const GradientRows &gradients, Index entry) const {
-    return stencils_.volumes[q] * materialOfPoint(constitution_, stencils_, q).waveModulus() *
-           gradients[entry].squaredNorm();
+  // v (λ + 2 μ), what |g|² multiplies to a stiffness at rest, N m.
+  [[nodiscard]] double waveStiffness(std::size_t q) const {
+    return stencils_.volumes[q] * materialOfPoint(constitution_, stencils_, q).waveModulus();
   }
 
-  [[nodiscard]] double largestStiffnessAtRest(const ParallelFor &parallelFor) const {
+  [[nodiscard]] double largestStiffnessAtRest(std::span<const Index> others, const ParallelFor &parallelFor) const {
     std::vector<double> sums(masses_.size(), 0.0);
     Looks look(parallelFor);
+    const HangingCells &hanging = stencils_.hanging;
     for (std::size_t q = 0; q < stencils_.pointCount(); ++q) {
       look();
+      const double stiffness = waveStiffness(q);
+      if (const auto *point = hanging.find(q); point != nullptr && !std::ranges::binary_search(others, q)) {
+        // As the kernels have it: of the corners, handed on by the weights.
+        std::array<Vec3, kCorners> gradients;
+        cellGradients(point->shape, stencils_.axes, gradients);
+        for (std::size_t j = 0; j < kCorners; ++j) {
+          const double ofCorner = stiffness * gradients[j].squaredNorm();
+          const Index corner = point->corners[j], row = corner & ~HangingCells::kHangs;
+          if (row == corner) {
+            sums[corner] += ofCorner;
+            continue;
+          }
+          for (Index e = hanging.phyxels.offsets[row]; e < hanging.phyxels.offsets[row + 1]; ++e)
+            sums[hanging.phyxels.indices[e]] += hanging.weights[e] * ofCorner;
+        }
+        continue;
+      }
       const GradientRows gradients(stencils_, q);
       for (Index e = stencils_.phyxels.offsets[q]; e < stencils_.phyxels.offsets[q + 1]; ++e)
-        sums[stencils_.phyxels.indices[e]] += stiffnessOf(q, gradients, e);
+        sums[stencils_.phyxels.indices[e]] += stiffness * gradients[e].squaredNorm();
     }
     double largest = 0.0;
     for (std::size_t i = 0; i < sums.size(); ++i) largest = std::max(largest, sums[i] / masses_[i]);
@@ -260,7 +277,9 @@ class CellForces final : public VectorForces {
       for (int c = 0; c < 3; ++c) out[4 * k + static_cast<std::size_t>(c)] = static_cast<T>(f[c]);
       const Index entry = fallback_.entries()[k], q = stencils_.pointOfEntry(entry);
       out[4 * k + 3] =
-          stiffness ? static_cast<T>(fallback_.ratio(q) * stiffnessOf(q, GradientRows(stencils_, q), entry)) : T(0);
+          stiffness
+              ? static_cast<T>(fallback_.ratio(q) * waveStiffness(q) * GradientRows(stencils_, q)[entry].squaredNorm())
+              : T(0);
     }
   }
 

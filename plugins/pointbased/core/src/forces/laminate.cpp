@@ -26,7 +26,7 @@ struct Layer {
   Vec3 extent = Vec3::Zero();                          // m⁵: Σ v s, above 0
 
   void add(const StencilSet &s, std::size_t q, const Material &material) {
-    const CellShape &shape = *s.shapeOf(q);
+    const CellShape &shape = *s.cellShapeOf(q);
     const double edge = 0.25 / shape.gradient, v = s.volumes[q];
     const Vec3 place = 2.0 * edge * edge * shape.first;
     volume += v;
@@ -44,6 +44,13 @@ struct Layer {
     for (Vec3 *mean : {&middle, &squares, &first, &mixed}) *mean /= volume;
   }
 };
+
+// Cells beside each other may hang on the same phyxels.
+bool isOfOneCell(const StencilSet &s, std::size_t one, std::size_t other) {
+  const HangingCells::Point *a = s.hanging.find(one), *b = s.hanging.find(other);
+  if (a != nullptr || b != nullptr) return a != nullptr && b != nullptr && a->corners == b->corners;
+  return std::ranges::equal(s.phyxels.row(one), s.phyxels.row(other));
+}
 
 // Across the border: from the middle of one layer to that of the other, by the extents of both, which a skin may cut.
 Vec3 normalOf(const Layer &one, const Layer &two, double edge) {
@@ -195,10 +202,10 @@ Laminates findLaminates(const StencilSet &s, const Constitution &constitution) {
   std::vector<Index> points;
   for (Index q = 0; q < s.pointCount(); q += static_cast<Index>(points.size())) {
     points.assign(1, q);
-    while (points.back() + 1 < s.pointCount() && std::ranges::equal(s.phyxels.row(q), s.phyxels.row(points.back() + 1)))
+    while (points.back() + 1 < s.pointCount() && isOfOneCell(s, q, points.back() + 1))
       points.push_back(points.back() + 1);
     if (points.size() == 1 || !std::ranges::all_of(points, [&](Index p) {
-          return kernelKnows(materialOfPoint(constitution, s, p)) && s.shapeOf(p) != nullptr;
+          return kernelKnows(materialOfPoint(constitution, s, p)) && s.cellShapeOf(p) != nullptr;
         }))
       continue;
     const Index cell = points.front();
@@ -216,7 +223,7 @@ Laminates findLaminates(const StencilSet &s, const Constitution &constitution) {
         (std::abs(one.mu - two.mu) <= kAlike * mu && std::abs(one.lambda - two.lambda) <= kAlike * wave))
       continue;
     Laminate laminate;
-    laminate.normal = normalOf(one, two, 0.25 / s.shapeOf(q)->gradient);
+    laminate.normal = normalOf(one, two, 0.25 / s.cellShapeOf(q)->gradient);
     if (laminate.normal == Vec3::Zero()) continue;
     std::array<Laminate::Moduli, 2> moduli;
     for (std::size_t k = 0; k < 2; ++k) {

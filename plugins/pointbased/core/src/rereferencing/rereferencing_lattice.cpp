@@ -63,6 +63,7 @@ void carryStrain(const OldPoints &old, std::span<const Vec3> centres, StencilSet
   const Interpolation fit = bindToCloud(centres, old.centres, parallelFor);
   const std::size_t points = s.pointCount();
   expandRows(s);
+  s.hanging = {};
   s.reference.resize(points);
   s.referenceInverse.resize(points);
   history.plasticInverse.assign(points, Mat3::Identity());

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <unordered_map>
 
 #include "base/look_for_end.h"
 #include "base/number_text.h"
@@ -282,12 +283,58 @@ class MaterialFinder {
   const CellSet &set_;
 };
 
+// Notes points whose cells have corners that hang.
+class HangingCellFinder {
+ public:
+  HangingCellFinder(const NodeTable &corners, HangingCells &out) : corners_(corners), out_(out) {}
+
+  void add(const std::array<Index, 8> &nodes, const PointGeometry &geometry, std::size_t point) {
+    HangingCells::Point found;
+    found.point = static_cast<Index>(point);
+    bool any = false;
+    for (std::size_t j = 0; j < nodes.size(); ++j) {
+      found.corners[j] = cornerOf(nodes[j]);
+      any = any || (found.corners[j] & HangingCells::kHangs) != 0;
+    }
+    if (!any) return;
+    const auto shape = shapeOfRows(geometry.gradients, geometry.modes);
+    if (!shape) return;
+    found.shape = *shape;
+    out_.points.push_back(found);
+  }
+
+ private:
+  Index cornerOf(Index node) {
+    Index only = 0;
+    std::size_t count = 0;
+    corners_.visit(node, [&](Index phyxel, double) {
+      only = phyxel;
+      ++count;
+    });
+    if (count == 1) return only;
+    const auto [known, fresh] = rows_.emplace(node, static_cast<Index>(out_.phyxels.rows()));
+    if (fresh) {
+      corners_.visit(node, [&](Index phyxel, double weight) {
+        out_.phyxels.indices.push_back(phyxel);
+        out_.weights.push_back(weight);
+      });
+      out_.phyxels.offsets.push_back(static_cast<Index>(out_.phyxels.indices.size()));
+    }
+    return HangingCells::kHangs | known->second;
+  }
+
+  const NodeTable &corners_;
+  HangingCells &out_;
+  std::unordered_map<Index, Index> rows_;  // by node
+};
+
 void buildPoints(const BodyShape &shape, const LatticeSampling &sampling, const LatticeCellMap &map,
                  std::span<const PartContent> contents, LatticeBody &body, const ParallelFor &parallelFor) {
   StencilSet &stencils = body.stencils;
   const Mat3 &axes = map.set().frame.axes;
   stencils.axes = axes;
   const MaterialFinder finder(shape, sampling, map.set());
+  HangingCellFinder hanging(map.corners(), stencils.hanging);
   Row row;
   for (std::size_t p = 0; p < contents.size(); ++p) {
     if (p % detail::kLookEvery == 0) detail::lookForEnd(parallelFor);
@@ -301,6 +348,7 @@ void buildPoints(const BodyShape &shape, const LatticeSampling &sampling, const 
                                      [](const auto &a, const auto &b) { return a.moments.share < b.moments.share; })};
     for (const auto &[material, moments] : materials) {
       const PointGeometry point = pointOf(map, static_cast<Index>(p), moments);
+      hanging.add(part.nodes, point, stencils.pointCount());
       row.clear();
       for (std::size_t j = 0; j < 8; ++j)
         row.add(map.corners(), part.nodes[j], 0.0, axes * point.gradients[j], point.modes[j]);

@@ -116,8 +116,10 @@ void addLaminates(const StencilSet &s, std::span<const Index> points, std::size_
 }  // namespace
 
 std::optional<std::array<double, kCellNumbers>> cellNumbers(const StencilSet &s, std::size_t q) {
-  const auto shape = findShape(s, q);
+  const HangingCells::Point *hanging = s.hanging.find(q);
+  const auto shape = hanging != nullptr ? hanging->shape : findShape(s, q);
   if (!shape) return {};
+  if (hanging != nullptr && s.phyxels.row(q).size() > kMostOfCell) return {};
   std::array<double, kCellNumbers> n{};
   n[kGradient] = shape->gradient;
   for (int c = 0; c < 3; ++c) {
@@ -172,6 +174,65 @@ CellPlan planCells(const StencilSet &s, std::size_t lanes, std::span<const std::
   return plan;
 }
 
+namespace {
+
+/// Corners of the points of a chunk, numbered: phyxels, and behind them corners that hang.
+class ChunkCorners {
+ public:
+  explicit ChunkCorners(const StencilSet &s) : s_(s) {}
+
+  void begin(std::span<const Index> points) {
+    phyxels_.clear();
+    hanging_.clear();
+    for (const Index q : points) {
+      const std::span<const Index> row = s_.phyxels.row(q);
+      phyxels_.insert(phyxels_.end(), row.begin(), row.end());
+      if (const HangingCells::Point *point = s_.hanging.find(q))
+        for (const Index corner : point->corners)
+          if ((corner & HangingCells::kHangs) != 0) hanging_.push_back(corner);
+    }
+    for (std::vector<Index> *some : {&phyxels_, &hanging_}) {
+      std::ranges::sort(*some);
+      some->erase(std::unique(some->begin(), some->end()), some->end());
+    }
+  }
+  /// Local numbers of the corners of one of these points.
+  [[nodiscard]] std::array<std::uint16_t, kCorners> of(Index q) const {
+    const HangingCells::Point *point = s_.hanging.find(q);
+    std::array<std::uint16_t, kCorners> out;
+    for (std::size_t j = 0; j < kCorners; ++j)
+      out[j] = local(point != nullptr ? point->corners[j] : s_.phyxels.row(q)[j]);
+    return out;
+  }
+  template <class T>
+  void end(CellSlices<T> &out) const {
+    out.phyxels.insert(out.phyxels.end(), phyxels_.begin(), phyxels_.end());
+    out.firstLocals.push_back(static_cast<Index>(out.phyxels.size()));
+    for (const Index corner : hanging_) {
+      const Index row = corner & ~HangingCells::kHangs;
+      for (Index e = s_.hanging.phyxels.offsets[row]; e < s_.hanging.phyxels.offsets[row + 1]; ++e) {
+        out.followed.push_back(local(s_.hanging.phyxels.indices[e]));
+        out.followedWeights.push_back(static_cast<T>(s_.hanging.weights[e]));
+      }
+      out.followedRows.push_back(static_cast<Index>(out.followed.size()));
+    }
+    out.firstHanging.push_back(static_cast<Index>(out.followedRows.size() - 1));
+  }
+
+ private:
+  [[nodiscard]] std::uint16_t local(Index corner) const {
+    const bool hangs = (corner & HangingCells::kHangs) != 0;
+    const std::vector<Index> &all = hangs ? hanging_ : phyxels_;
+    const auto place = std::ranges::lower_bound(all, corner) - all.begin();
+    return static_cast<std::uint16_t>((hangs ? phyxels_.size() : 0) + static_cast<std::size_t>(place));
+  }
+
+  const StencilSet &s_;
+  std::vector<Index> phyxels_, hanging_;  // ascending
+};
+
+}  // namespace
+
 template <class T>
 CellSlices<T> sliceCells(const StencilSet &s, const CellPlan &plan, const ParallelFor &parallelFor,
                          const detail::Laminates &laminates) {
@@ -180,29 +241,21 @@ CellSlices<T> sliceCells(const StencilSet &s, const CellPlan &plan, const Parall
   out.materials = plan.materials;
   out.corners.resize(plan.points.size() * kCorners);
   Blocks<T> blocks;
-  std::vector<Index> local;
+  ChunkCorners chunk(s);
   for (std::size_t begin = 0; begin < out.count(); begin += kChunkSlices<T>) {
     const std::size_t end = std::min(out.count(), begin + kChunkSlices<T>);
-    const auto phyxelAt = [&](std::size_t slice, std::size_t lane, std::size_t j) {
-      return s.phyxels.indices[s.phyxels.offsets[plan.points[slice * kSlice + lane]] + j];
-    };
-    local.clear();
     if (begin / kChunkSlices<T> % 64 == 0) detail::lookForEnd(parallelFor);
-    for (std::size_t slice = begin; slice < end; ++slice)
-      for (std::size_t lane = 0; lane < kSlice; ++lane)
-        for (std::size_t j = 0; j < kCorners; ++j) local.push_back(phyxelAt(slice, lane, j));
-    std::sort(local.begin(), local.end());
-    local.erase(std::unique(local.begin(), local.end()), local.end());
+    chunk.begin(std::span(plan.points).subspan(begin * kSlice, (end - begin) * kSlice));
     for (std::size_t slice = begin; slice < end; ++slice) {
-      for (std::size_t lane = 0; lane < kSlice; ++lane)
-        for (std::size_t j = 0; j < kCorners; ++j)
-          out.corners[(slice * kCorners + j) * kSlice + lane] = static_cast<std::uint16_t>(
-              std::lower_bound(local.begin(), local.end(), phyxelAt(slice, lane, j)) - local.begin());
-      addLaminates(s, std::span(plan.points).subspan(slice * kSlice, kSlice), plan.used[slice], laminates, out);
-      out.blocks.push_back(blocks.of(s, std::span(plan.points).subspan(slice * kSlice, kSlice), plan.used[slice]));
+      const std::span<const Index> points = std::span(plan.points).subspan(slice * kSlice, kSlice);
+      for (std::size_t lane = 0; lane < kSlice; ++lane) {
+        const auto corners = chunk.of(points[lane]);
+        for (std::size_t j = 0; j < kCorners; ++j) out.corners[(slice * kCorners + j) * kSlice + lane] = corners[j];
+      }
+      addLaminates(s, points, plan.used[slice], laminates, out);
+      out.blocks.push_back(blocks.of(s, points, plan.used[slice]));
     }
-    out.phyxels.insert(out.phyxels.end(), local.begin(), local.end());
-    out.firstLocals.push_back(static_cast<Index>(out.phyxels.size()));
+    chunk.end(out);
   }
   out.phyxels.shrink_to_fit();
   out.numbers = blocks.take();

@@ -13,7 +13,7 @@ namespace pointbased::kernels {
 
 /// The numbers of one point, in the order of CellNumber, where its stencil is that of eight corners of a cell:
 /// gradients are means of those of the trilinear functions, mode rows are multiples of the products of signs. Nothing
-/// where findShape() finds none.
+/// where findShape() finds none and no corner hangs.
 [[nodiscard]] std::optional<std::array<double, kCellNumbers>> cellNumbers(const StencilSet &stencils, std::size_t q);
 
 /// Points by slices.

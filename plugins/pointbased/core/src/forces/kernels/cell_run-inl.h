@@ -203,6 +203,42 @@ struct CellRun {
   }
 };
 
+/// Corners of a chunk that hang: they follow the phyxels before them in its fields, and hand on what acts on them.
+template <class T>
+class HangingLocals {
+ public:
+  HWY_INLINE HangingLocals(const CellSlices<T> &cells, std::size_t chunk)
+      : cells_(cells), first_(cells.firstHanging[chunk]), last_(cells.firstHanging[chunk + 1]),
+        phyxels_(cells.firstLocals[chunk + 1] - cells.firstLocals[chunk]) {}
+  [[nodiscard]] HWY_INLINE bool any() const { return first_ != last_; }
+  [[nodiscard]] HWY_INLINE std::size_t all() const { return phyxels_ + (last_ - first_); }
+  HWY_INLINE void follow(T *field) const {
+    forAll([&](T *corner, std::size_t phyxel, T weight)
+               HWY_ATTR { Records<T>::addScaled(weight, field + 4 * phyxel, corner); },
+           field, true);
+  }
+  HWY_INLINE void handOn(T *sums) const {
+    forAll([&](const T *corner, std::size_t phyxel, T weight)
+               HWY_ATTR { Records<T>::addScaled(weight, corner, sums + 4 * phyxel); },
+           sums, false);
+  }
+
+ private:
+  template <class Of>
+  HWY_INLINE void forAll(const Of &of, T *field, bool clear) const {
+    for (std::size_t row = first_; row < last_; ++row) {
+      T *corner = field + 4 * (phyxels_ + row - first_);
+      if (clear)
+        for (int c = 0; c < 4; ++c) corner[c] = T(0);
+      for (Index e = cells_.followedRows[row]; e < cells_.followedRows[row + 1]; ++e)
+        of(corner, cells_.followed[e], cells_.followedWeights[e]);
+    }
+  }
+
+  const CellSlices<T> &cells_;
+  std::size_t first_, last_, phyxels_;
+};
+
 enum class Sums : bool { none, perPhyxel };
 
 /// ofSlice(slice, fields) for the slices of a chunk; with Sums::perPhyxel what it leaves in fields.entries is summed
@@ -212,18 +248,23 @@ HWY_INLINE void forChunk(const CellJob<T> &job, std::size_t chunk, const OfSlice
   const CellSlices<T> &cells = *job.cells;
   HWY_ALIGN_MAX T displacements[4 * kMostLocals];
   HWY_ALIGN_MAX T velocities[4 * kMostLocals];
+  HWY_ALIGN_MAX T withHanging[4 * kMostLocals];
   HWY_ALIGN_MAX T entries[4 * kCorners * kLanes<T>];
   const std::size_t first = cells.firstLocals[chunk], count = cells.firstLocals[chunk + 1] - first;
-  const Index *phyxels = cells.phyxels.data() + first;
-  Records<T>::load(job.displacements, job.axes, job.turned, phyxels, count, displacements);
+  const HangingLocals<T> hanging(cells, chunk);
+  const auto load = [&](const PhyxelField &from, T *to) HWY_ATTR {
+    Records<T>::load(from, job.axes, job.turned, cells.phyxels.data() + first, count, to);
+    hanging.follow(to);
+  };
+  load(job.displacements, displacements);
   ChunkFields<T> fields{displacements, nullptr, entries};
   if (job.velocities.at) {
-    Records<T>::load(job.velocities, job.axes, job.turned, phyxels, count, velocities);
+    load(job.velocities, velocities);
     fields.velocities = velocities;
   }
-  T *sums = job.partials + 4 * first;
+  T *sums = hanging.any() ? withHanging : job.partials + 4 * first;
   if constexpr (kSums == Sums::perPhyxel)
-    for (std::size_t k = 0; k < 4 * count; ++k) sums[k] = T(0);
+    for (std::size_t k = 0; k < 4 * hanging.all(); ++k) sums[k] = T(0);
   const std::size_t end = HWY_MIN(cells.count(), (chunk + 1) * kChunkSlices<T>);
   for (std::size_t slice = chunk * kChunkSlices<T>; slice < end; ++slice) {
     ofSlice(slice, fields);
@@ -232,6 +273,11 @@ HWY_INLINE void forChunk(const CellJob<T> &job, std::size_t chunk, const OfSlice
       for (std::size_t k = 0; k < kCorners * kLanes<T>; ++k)
         Records<T>::add(entries + 4 * k, sums + 4 * std::size_t{corners[k]});
     }
+  }
+  if constexpr (kSums == Sums::perPhyxel) {
+    if (!hanging.any()) return;
+    hanging.handOn(sums);
+    for (std::size_t k = 0; k < 4 * count; ++k) job.partials[4 * first + k] = sums[k];
   }
 }
 

@@ -93,6 +93,19 @@ class Records {
     }
   }
 
+  /// to += weight from; the product rounded on every machine.
+  static HWY_INLINE void addScaled(T weight, const T *from, T *to) {
+    if constexpr (kWhole) {
+      const hn::CappedTag<T, 4> d;
+      hn::Store(hn::Add(hn::Load(d, to), hn::Mul(hn::Set(d, weight), hn::Load(d, from))), d, to);
+    } else {
+      for (int c = 0; c < 4; ++c) {
+        const T product = weight * from[c];
+        to[c] += product;
+      }
+    }
+  }
+
   /// Vectors of phyxels less the first of all, in lattice axes; products and sums rounded one by one on every machine.
   static HWY_INLINE void load(const PhyxelField &field, const double (&axes)[3][3], bool turned, const Index *phyxels,
                               std::size_t count, T *out) {

@@ -64,20 +64,27 @@ inline constexpr Index kNoLaminate = 0xffffffffu;
 inline constexpr std::size_t kChunkCells = 64;
 template <class T>
 inline constexpr std::size_t kChunkSlices = kChunkCells / kLanes<T>;
-inline constexpr std::size_t kMostLocals = kChunkCells * kCorners;  ///< phyxels of a chunk
+/// Phyxels of one cell, where some of its corners hang.
+inline constexpr std::size_t kMostOfCell = 16;
+inline constexpr std::size_t kMostLocals = kChunkCells * (kMostOfCell + kCorners);  ///< corners and phyxels of a chunk
 
 /// Cells of a lattice: kLanes of one material to a slice, kChunkSlices slices to a chunk.
 template <class T>
 struct CellSlices {
   std::vector<std::uint16_t> materials;  ///< [slices]
-  AlignedVector<std::uint16_t> corners;  ///< [slices][kCorners][lanes] into the phyxels of the chunk
-  AlignedVector<T> numbers;              ///< [blocks][kCellNumbers][lanes]; slices of whole cells share a block
-  std::vector<Index> blocks;             ///< [slices] which
-  std::vector<std::uint8_t> whole;       ///< [blocks] 1: all cells are, so that |g_j|² = 3 kGradient²
-  std::vector<Index> laminates;          ///< [slices] which, or kNoLaminate
-  AlignedVector<T> laminateNumbers;      ///< [slices that have any][kLaminateNumbers][lanes]
-  std::vector<Index> firstLocals{0};     ///< [chunks + 1] into phyxels
-  std::vector<Index> phyxels;            ///< [chunks][those of its cells, ascending]
+  /// [slices][kCorners][lanes] into the phyxels of the chunk, and behind them its corners that hang
+  AlignedVector<std::uint16_t> corners;
+  AlignedVector<T> numbers;             ///< [blocks][kCellNumbers][lanes]; slices of whole cells share a block
+  std::vector<Index> blocks;            ///< [slices] which
+  std::vector<std::uint8_t> whole;      ///< [blocks] 1: all cells are, so that |g_j|² = 3 kGradient²
+  std::vector<Index> laminates;         ///< [slices] which, or kNoLaminate
+  AlignedVector<T> laminateNumbers;     ///< [slices that have any][kLaminateNumbers][lanes]
+  std::vector<Index> firstLocals{0};    ///< [chunks + 1] into phyxels
+  std::vector<Index> phyxels;           ///< [chunks][those of its cells, ascending]
+  std::vector<Index> firstHanging{0};   ///< [chunks + 1] into the rows of `followed`
+  std::vector<Index> followedRows{0};   ///< [corners that hang + 1] into followed
+  std::vector<std::uint16_t> followed;  ///< phyxels of the chunk
+  std::vector<T> followedWeights;       ///< [followed]
 
   [[nodiscard]] std::size_t count() const { return materials.size(); }
   [[nodiscard]] std::size_t chunks() const { return firstLocals.size() - 1; }
