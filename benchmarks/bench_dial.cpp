@@ -218,7 +218,7 @@ int adaptive(const bench::CommandLine &line, std::uint64_t first, int problems, 
       recipe.sampling.spacing = 0.0;
       recipe.sampling.count = static_cast<std::size_t>(count);
       const AccuracyProblem wanted{problem.shape, recipe, problem.constitution, problem.foundation, problem.gravity};
-      const auto adapted = adaptSampling(wanted, false, serialFor());
+      const auto adapted = adaptSampling(wanted, serialFor());
       if (!even || !dearer || !adapted) continue;
       BodyRecipe finer = recipe;
       finer.sampling = adapted->sampling;

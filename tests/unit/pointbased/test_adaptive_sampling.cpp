@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pointbased/adaptive_sampling.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "lattice_cases.h"
+#include "pointbased/simulator.h"
 #include "pointbased/stop_request.h"
 #include "support/catch.h"
 #include "surfaces.h"
@@ -35,8 +38,8 @@ struct LedBlock {
     constitution = {{material}, kLatticeStabilisation};
   }
   [[nodiscard]] AccuracyProblem problem() const { return {shape, recipe, constitution}; }
-  [[nodiscard]] AdaptiveSampling adapted(bool isExplicit = false, const ParallelFor &parallelFor = serialFor()) const {
-    auto out = adaptSampling(problem(), isExplicit, parallelFor);
+  [[nodiscard]] AdaptiveSampling adapted(const ParallelFor &parallelFor = serialFor()) const {
+    auto out = adaptSampling(problem(), parallelFor);
     REQUIRE(out.has_value());
     return *out;
   }
@@ -116,7 +119,7 @@ TEST_CASE("where the error is even, cells of one size stay") {
   block.recipe.fixes.front().region = HalfSpaceRegion{Vec3(0, 0, kEdge), -Vec3::UnitZ()};
   block.constitution.materials.front().poissonRatio = 0.0;  // no edges where it is held from contracting
   const auto adapted =
-      adaptSampling({block.shape, block.recipe, block.constitution, {}, Vec3(0, 0, -9.81)}, false, serialFor());
+      adaptSampling({block.shape, block.recipe, block.constitution, {}, Vec3(0, 0, -9.81)}, serialFor());
   REQUIRE(adapted.has_value());
   CHECK(adapted->halved == 0);
   CHECK(adapted->sampling.finer.places.empty());
@@ -139,31 +142,103 @@ TEST_CASE("a spacing that is wished stays that of the coarsest cells") {
 
 TEST_CASE("finer cells are the same for any number of threads, and are not sought when nobody wants them") {
   const LedBlock block(1500);
-  const AdaptiveSampling once = block.adapted(), again = block.adapted(false, lattice_cases::threadedFor(3));
+  const AdaptiveSampling once = block.adapted(), again = block.adapted(lattice_cases::threadedFor(3));
   CHECK(once.sampling.finer.places == again.sampling.finer.places);
   CHECK(once.share == again.share);
   const Raised stop;
-  CHECK_THROWS_AS(adaptSampling(block.problem(), false, serialFor(), &stop), Stopped);
+  CHECK_THROWS_AS(adaptSampling(block.problem(), serialFor(), &stop), Stopped);
 }
 
-TEST_CASE("cells of stiff material stay whole where explicit steps would become too short") {
-  CHECK(LedBlock(1500).adapted(true).halved > 0);  // of one material
-  // A stiff shell around the ball, thinner than the cells: what they hold of it does not decide the step yet.
+TEST_CASE("small stiff cells get a little more inertia and their body its long explicit steps") {
+  // A stiff shell around the ball, thinner than the cells: halved, these hold more of it and ask for shorter steps.
   LedBlock block(1500);
   Material stiff = block.constitution.materials.front();
   stiff.youngsModulus = 1000.0 * stiff.youngsModulus;
   block.constitution.materials.push_back(stiff);
-  const SphereRegion shell{kMiddle, 0.014};
-  block.recipe.sampling.materials = {{shell, 1}};
-  const AdaptiveSampling any = block.adapted();
-  const auto inShell = [&](std::size_t i) {
-    return std::abs(signedDistance(Region(shell), middleOf(any.sampling.finer, i))) < 0.5 * any.sampling.finer.edge;
+  block.recipe.sampling.materials = {{SphereRegion{kMiddle, 0.014}, 1}};
+  const AdaptiveSampling adapted = block.adapted();
+  REQUIRE(adapted.halved > 0);
+  BodyRecipe recipe = block.recipe;
+  const auto bodyOf = [&](const LatticeSampling &sampling) {
+    recipe.sampling = sampling;
+    return Body("b", *buildRestState(block.shape, recipe, {}, serialFor()), block.constitution, serialFor());
   };
-  std::size_t touching = 0;
-  for (std::size_t i = 0; i < any.halved; ++i) touching += inShell(i) ? 1 : 0;
-  REQUIRE(touching > 10);
-  const AdaptiveSampling steps = block.adapted(true);
-  CHECK(steps.halved == 0);
-  CHECK(steps.cells == any.cells);
-  CHECK_THAT(steps.uniform, Contains("cells of stiff material"));
+  // What was expected of cells of one size is about what these have.
+  CHECK(adapted.evenStep == Approx(bodyOf(block.recipe.sampling).stableStepAtRest()).epsilon(0.5));
+  Body body = bodyOf(adapted.sampling);
+  const double shortStep = body.stableStepAtRest();
+  const auto sum = [](std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); };
+  const double mass = sum(body.masses()), weight = sum(body.weights());
+  CHECK(body.addedMass() == std::pair(0.0, std::size_t{0}));
+  CHECK(std::ranges::equal(body.masses(), body.restMasses()));
+
+  body.scaleMasses(2.0 * shortStep, serialFor());
+  CHECK(body.stableStepAtRest() == Approx(2.0 * shortStep).epsilon(0.02));
+  const auto [added, phyxels] = body.addedMass();
+  double movable = 0.0, more = 0.0;
+  for (std::size_t i = 0; i < body.masses().size(); ++i) {
+    CHECK(body.masses()[i] >= body.restMasses()[i]);
+    if (body.heldMask()[i] != 0) continue;
+    movable += body.restMasses()[i];
+    more += body.masses()[i] - body.restMasses()[i];
+    CHECK(body.inverseMasses()[i] == 1.0 / body.masses()[i]);
+    CHECK(body.gravityShares()[i] * body.masses()[i] == Approx(body.weights()[i]));
+  }
+  CHECK(added == Approx(more));
+  CHECK((added > 0.0 && added <= 0.0501 * movable));
+  CHECK((phyxels > 0 && phyxels < body.masses().size() / 4));
+  CHECK(sum(body.restMasses()) == Approx(mass));
+  CHECK(sum(body.weights()) == weight);
+  // Lasts, and ends.
+  body.setConstitution(Constitution(body.constitution()), serialFor());
+  CHECK(body.addedMass().first == Approx(added));
+  body.scaleMasses(0.0, serialFor());
+  CHECK(body.stableStepAtRest() == shortStep);
+  CHECK(sum(body.masses()) == Approx(mass));
+
+  // Never more than a twentieth, however long a step is wished; and of what is of one stiffness nothing: many cells ask
+  // for the same step.
+  body.scaleMasses(1e3 * shortStep, serialFor());
+  CHECK(body.addedMass().first <= 0.0501 * movable);
+  Body even("e", *buildRestState(block.shape, LedBlock(1500).recipe, {}, serialFor()), LedBlock(1500).constitution,
+            serialFor());
+  even.scaleMasses(2.0 * even.stableStepAtRest(), serialFor());
+  CHECK(even.addedMass().first == 0.0);
+}
+
+TEST_CASE("mass scaling changes no weight, and slows a swing by half of the added mass at most") {
+  LedBlock block(800);
+  Material stiff = block.constitution.materials.front();
+  stiff.youngsModulus = 100.0 * stiff.youngsModulus;
+  block.constitution.materials.push_back(stiff);
+  block.recipe.sampling.materials = {{SphereRegion{Vec3(0.05, 0.05, 0.05), 0.01}, 1}};
+  block.recipe.fixes.resize(1);
+  // To the first turning point of a block that stands and begins to lean: when, s, and how far, m.
+  const auto swing = [&](double factor) {
+    Simulator simulator;
+    WorldSettings world;
+    world.integrator = Integrator::explicitVerlet;
+    world.gravity = Vec3(0, 1.0, 0);
+    simulator.setWorld(world);
+    auto body = std::make_unique<Body>("b", *buildRestState(block.shape, block.recipe, {}, serialFor()),
+                                       block.constitution, serialFor());
+    body->scaleMasses(factor * body->stableStepAtRest(), serialFor());
+    CHECK((body->addedMass().first > 0.0) == (factor > 0.0));
+    const std::size_t id = simulator.addBody(std::move(body));
+    const State &state = simulator.body(id)->state();
+    // Of the centre of mass, without what single phyxels do.
+    const auto meanOf = [&](std::span<const Vec3> field) {
+      double sum = 0.0;
+      for (const Vec3 &v : field) sum += v.y();
+      return sum / static_cast<double>(field.size());
+    };
+    do REQUIRE(simulator.step());
+    while (meanOf(state.velocities) > 0.0);
+    return std::pair(simulator.time(), meanOf(state.displacements));
+  };
+  const auto [time, way] = swing(0.0);
+  const auto [laterTime, laterWay] = swing(2.0);
+  CHECK(laterTime > time);
+  CHECK(laterTime == Approx(time).epsilon(0.025));
+  CHECK(laterWay == Approx(way).epsilon(0.01));  // twice the way to rest, which weights alone decide
 }

@@ -130,6 +130,16 @@ std::string adaptiveText(const AdaptiveSampling &adaptive) {
          roughly(100.0 * adaptive.share) + " % of the squared error of a trial";
 }
 
+std::string addedMassText(const Body &body) {
+  const auto [mass, phyxels] = body.addedMass();
+  if (phyxels == 0) return "";
+  double all = 0.0;
+  for (std::size_t i = 0; i < body.restMasses().size(); ++i)
+    if (body.inverseMasses()[i] > 0.0) all += body.restMasses()[i];
+  return roughly(1e3 * mass) + " g of inertia (" + roughly(100.0 * mass / all) + " % of what can move) added to " +
+         std::to_string(phyxels) + " phyxels of small stiff cells for longer explicit steps: nothing at rest feels it";
+}
+
 std::string errorText(const AccuracyPromise &promise) {
   const ErrorPrediction &e = promise.choice.error;
   std::string text =

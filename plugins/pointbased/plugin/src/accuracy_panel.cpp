@@ -65,6 +65,7 @@ void drawAccuracyBars(sdk::Ui &ui, const BodySnapshot &body) {
   if (body.adaptive) {
     ui.value("Halved cells", std::to_string(body.adaptive->halved) + " of " + std::to_string(body.adaptive->cells));
     ui.text(adaptiveText(*body.adaptive));
+    if (!body.addedMass.empty()) ui.text(body.addedMass);
   }
   if (!body.promise) {
     ui.text("The sampling was chosen by hand: nothing is promised.");

@@ -190,12 +190,12 @@ bool isExplicit(const Making &of) {
   return integrator == Integrator::explicitVerlet || integrator == Integrator::automatic;
 }
 
-// By itself where bodies of several tissues are solved: explicit steps become shorter and dearer.
+// By itself for bodies of several tissues.
 bool isAdaptive(const Making &of) {
   const std::string &asked = of.values.text("sampling.adaptive");
   if (isRigid(of.values) || evaluationOf(of.values) == Evaluation::phyxels || asked == "off") return false;
-  return asked == "on" || (!isExplicit(of) && of.values.isAuto("sampling.spacing") && of.source.fill &&
-                           !of.source.parts.empty() && isActedOn(of.source));
+  return asked == "on" ||
+         (of.values.isAuto("sampling.spacing") && of.source.fill && !of.source.parts.empty() && isActedOn(of.source));
 }
 
 // Where cells are to be finer, for as many phyxels.
@@ -211,16 +211,12 @@ AdaptiveSampling adapted(const Making &of, const BodyRecipe &recipe) {
   };
   if (!isActedOn(of.source) && of.dial.gravity.isZero(0.0))
     return unchanged("nothing leads or loads it, and no hand has pulled it yet");
-  auto found = adaptSampling(of.problem(tried), isExplicit(of), of.parallelFor, &of.request);
+  auto found = adaptSampling(of.problem(tried), of.parallelFor, &of.request);
   if (of.request.isRaised()) throw cancelled();
   return found ? std::move(*found) : unchanged("a trial has no solution: " + found.error());
 }
 
-std::unique_ptr<Body> bodyOf(const Making &of, BodyRecipe recipe, std::optional<AdaptiveSampling> &adaptive) {
-  if (isAdaptive(of)) {
-    adaptive = adapted(of, recipe);
-    recipe.sampling = adaptive->sampling;
-  }
+std::unique_ptr<Body> filledBody(const Making &of, const BodyRecipe &recipe) {
   auto rest = buildRestState(of.shape, recipe, of.surface.normals, of.parallelFor, [&](double fraction) {
     return of.request.tell(0.05 + 0.8 * fraction, "filling with phyxels");
   });
@@ -231,7 +227,31 @@ std::unique_ptr<Body> bodyOf(const Making &of, BodyRecipe recipe, std::optional<
   if (const std::string thin = tooCoarse(**rest, areaOf(of.surface)); !thin.empty() && !isRigid(of.values))
     throw sdk::Error(C3DE_E_ARG, of.name + ": " + thin);
   if (!of.request.tell(0.85, "finding the stable step")) throw cancelled();
-  auto body = std::make_unique<Body>(of.name, std::move(*rest), of.constitution, of.parallelFor);
+  return std::make_unique<Body>(of.name, std::move(*rest), of.constitution, of.parallelFor);
+}
+
+// With the steps of cells of one size as far as a little added mass allows; null where they would be too dear.
+std::unique_ptr<Body> adaptiveBody(const Making &of, BodyRecipe recipe, AdaptiveSampling &adaptive) {
+  recipe.sampling = adaptive.sampling;
+  auto body = filledBody(of, recipe);
+  if (!isExplicit(of) || adaptive.halved == 0) return body;
+  // Halves of the cells that decide the step ask for half of it.
+  constexpr double kShortestStep = 0.4;
+  body->scaleMasses(adaptive.evenStep, of.parallelFor);
+  if (body->stableStepAtRest() >= kShortestStep * adaptive.evenStep) return body;
+  adaptive.uniform = "halves of its stiff cells would ask for explicit steps of " +
+                     shortNumber(1e3 * body->stableStepAtRest()) + " instead of " +
+                     shortNumber(1e3 * adaptive.evenStep) +
+                     " ms; solver.integrator = \"quasistatic\" or \"implicit\" has no such steps";
+  adaptive.halved = 0;
+  adaptive.sampling.finer = {};
+  return nullptr;
+}
+
+std::unique_ptr<Body> bodyOf(const Making &of, const BodyRecipe &recipe, std::optional<AdaptiveSampling> &adaptive) {
+  std::unique_ptr<Body> body;
+  if (isAdaptive(of)) body = adaptiveBody(of, recipe, adaptive.emplace(adapted(of, recipe)));
+  if (!body) body = filledBody(of, recipe);
   body->setInitialVelocity(of.source.velocity, of.source.angularVelocity);
   if (const auto held = body->setFoundation(foundationOf(of.values)); !held)
     throw sdk::Error(C3DE_E_ARG, of.name + ": surroundings.stiffness: " + held.error());

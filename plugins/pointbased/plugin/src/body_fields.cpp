@@ -61,7 +61,8 @@ void readOfPhyxels(const Body &body, std::string_view name, const c3de_mview &ou
     return writeVectors(out, n, [&](std::size_t i) { return body.state().velocities[i]; });
   if (name == C3DE_SIM_FIELD_MASS) {  // with what supports carry
     const std::span<const double> carried = body.supportMasses();
-    return writeScalars(out, n, [&](std::size_t i) { return body.masses()[i] + (carried.empty() ? 0.0 : carried[i]); });
+    return writeScalars(out, n,
+                        [&](std::size_t i) { return body.restMasses()[i] + (carried.empty() ? 0.0 : carried[i]); });
   }
   if (name == C3DE_SIM_FIELD_VOLUME) return writeScalars(out, n, [&](std::size_t i) { return rest.volumes[i]; });
   if (name == "stress_pk2") {

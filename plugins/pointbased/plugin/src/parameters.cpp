@@ -257,8 +257,8 @@ constexpr std::array kBody{
     choiceParam(
         {"sampling.adaptive", "Finer where it errs", "",
          "stress_points: cells are halved where a trial solution under supports, loads and hands has most of its "
-         "error, for as many phyxels in all; explicit steps become shorter and dearer. auto: bodies of several "
-         "tissues that something leads or loads, in static solutions and implicit steps",
+         "error, for as many phyxels in all; few that would shorten explicit steps get more inertia. auto: bodies of "
+         "several tissues that something leads or loads",
          "Sampling"},
         kAdaptive, "auto", C3DE_PARAM_NEEDS_RESET),
     numberParam({"sampling.surface_spacing", "Surface spacing", "m",

@@ -41,7 +41,7 @@ MassSums massSums(const Body &body) {
   const RestState &rest = body.rest();
   MassSums sums;
   for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
-    const double m = body.masses()[i] + (body.supportMasses().empty() ? 0.0 : body.supportMasses()[i]);
+    const double m = body.restMasses()[i] + (body.supportMasses().empty() ? 0.0 : body.supportMasses()[i]);
     const Vec3 x = rest.origin + rest.positions[i] + body.state().displacements[i];
     const Vec3 &v = body.state().velocities[i];
     sums.momentum += m * v;
@@ -101,6 +101,7 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported, const Er
           {"surfels", rest.surfels.count()},
           {"spacing_m", rest.spacing},
           {"mass_kg", sums.mass},
+          {"added_mass_kg", body.addedMass().first},
           {"volume_m3", sums.volume},
           {"mesh_volume_m3", reported.meshVolume},
           {"counted_volume_m3", rest.countedVolume},
@@ -263,6 +264,8 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
     if (body.adaptive) {
       out["bodies"].back()["adaptive"] = adaptiveJson(*body.adaptive);
       errors.push_back("body '" + simulator.body(body.id)->name() + "': " + adaptiveText(*body.adaptive));
+      if (const std::string added = addedMassText(*simulator.body(body.id)); !added.empty())
+        errors.back() += "; " + added;
     }
     if (simulator.body(body.id)->foundation().acts()) out["attachments"].push_back(attachmentJson(simulator, body.id));
     const std::vector<Reaction> reactions = simulator.reactions(body.id);

@@ -27,6 +27,7 @@ struct BodySnapshot {
   std::shared_ptr<const ParameterValues> values;
   std::shared_ptr<const AccuracyPromise> promise;    ///< null: its sampling was said
   std::shared_ptr<const AdaptiveSampling> adaptive;  ///< null: finer cells were not asked for
+  std::string addedMass;                             ///< addedMassText()
   /// sRGB, of the surface by the material; none: by its place among the bodies
   std::optional<std::array<float, 3>> colour;
   std::uint64_t changes = 0;  ///< of the simulator: the same number, the same places

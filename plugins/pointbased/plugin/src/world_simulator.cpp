@@ -404,6 +404,7 @@ void WorldSimulator::publish() {
     b.values = record.values;
     b.promise = record.promise;
     b.adaptive = record.adaptive;
+    b.addedMass = addedMassText(body);
     b.colour = record.source.colour;
     if (!samePlaces) {
       b.phyxels.resize(body.rest().phyxelCount());

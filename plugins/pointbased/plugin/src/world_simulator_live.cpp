@@ -29,7 +29,7 @@ void WorldSimulator::points(c3de_handle handle, c3de_sim_points *out) {
     if (lent.masses.size() != n || lent.rest != body.sharedRest()) {
       lent.rest = body.sharedRest();
       lent.masses.resize(n);
-      for (std::size_t i = 0; i < n; ++i) lent.masses[i] = body.inverseMasses()[i] > 0.0 ? body.masses()[i] : 0.0;
+      for (std::size_t i = 0; i < n; ++i) lent.masses[i] = body.inverseMasses()[i] > 0.0 ? body.restMasses()[i] : 0.0;
     }
     points.name = sdk::str(lent.name);
     points.count = n;

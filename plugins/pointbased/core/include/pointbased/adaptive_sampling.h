@@ -15,6 +15,8 @@ struct AdaptiveSampling {
   std::size_t cells = 0;     ///< before they are halved
   /// Part of the squared error, in energy, that arises in those that are halved, or would have been
   double share = 0.0;
+  /// About the largest stable explicit step at rest with cells of one size, as many phyxels, s; 0: not known
+  double evenStep = 0.0;
   std::string uniform;  ///< why no cells are halved; else empty
 };
 
@@ -26,13 +28,11 @@ struct AdaptiveSampling {
 /// times finer everywhere: borders of what is held, led or loaded, thin necks, edges of stiff parts. Where the error is
 /// even, the sampling stays what it is; the bound of `share` is from bench_dial --adaptive.
 ///
-/// @param isExplicit  cells of material so stiff that their halves would ask for explicit steps of about a third of the
-///                    trial's are left whole
 /// Errors: those of buildRestState(); no equilibrium. Costs a body of that size and a linear solution of it.
 /// @threads  the same bits for any number of threads behind parallelFor
 /// @source  Zienkiewicz and Zhu, A simple error estimator and adaptive procedure for practical engineering analysis,
 ///          IJNME 24, 1987; the choice between both samplings: own
-[[nodiscard]] Result<AdaptiveSampling> adaptSampling(const AccuracyProblem &problem, bool isExplicit,
-                                                     const ParallelFor &parallelFor, const StopRequest *stop = nullptr);
+[[nodiscard]] Result<AdaptiveSampling> adaptSampling(const AccuracyProblem &problem, const ParallelFor &parallelFor,
+                                                     const StopRequest *stop = nullptr);
 
 }  // namespace pointbased

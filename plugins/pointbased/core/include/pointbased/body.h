@@ -104,7 +104,12 @@ class Body {
   [[nodiscard]] const Material &material() const { return constitution_.materials.front(); }
   [[nodiscard]] const State &state() const { return state_; }
   [[nodiscard]] State &state() { return state_; }
+  /// Inertia, kg: with what scaleMasses() adds.
   [[nodiscard]] std::span<const double> masses() const { return masses_; }
+  /// The same without, kg.
+  [[nodiscard]] std::span<const double> restMasses() const { return restMasses_.empty() ? masses_ : restMasses_; }
+  /// Of phyxels that are not held: what scaleMasses() has added, kg, and to how many.
+  [[nodiscard]] std::pair<double, std::size_t> addedMass() const;
   /// Mass around a phyxel that moves with a support and takes no part in the motion of the others, kg; empty: none.
   [[nodiscard]] std::span<const double> supportMasses() const { return supportMasses_; }
   /// kg: gravity pulls with weights()[i] g. Of a free body its masses, so that it falls without a strain; of a held one
@@ -126,6 +131,14 @@ class Body {
   /// Takes effect with the next force evaluation; the stable step is found anew. History of what a material no longer
   /// needs is dropped, what it newly needs starts fresh.
   void setConstitution(Constitution constitution, const ParallelFor &parallelFor);
+
+  /// Mass scaling: phyxels of few small or stiff cells, which alone ask for short explicit steps, get more inertia, until
+  /// the stable step at rest is `step` or a twentieth of the mass of what can move has been added. Weights stay, so that
+  /// nothing at rest feels it. Bodies that nothing holds, and those whose step would not become half as long again,
+  /// stay what they are. Lasts for setConstitution().
+  /// @param step  s; 0: no more
+  /// @source  Belytschko, Liu, Moran, Elkhodary, Nonlinear Finite Elements for Continua and Structures, 2014, ch. 6
+  void scaleMasses(double step, const ParallelFor &parallelFor);
 
   /// Initial velocities, m/s and rad/s about the centre of mass: part of the initial state.
   void setInitialVelocity(const Vec3 &velocity, const Vec3 &angularVelocity);
@@ -300,11 +313,13 @@ class Body {
     Index surfel, fix;
   };
   void layOut();
+  void shareGravity();
   void findWhatSupportsHold();
   void bindFoundation();
   void frameRigid();
   [[nodiscard]] Vec3 firstReference(Index phyxel) const;
   [[nodiscard]] double stableStepFor(double tangentRatio) const;
+  void addMasses(const ParallelFor &parallelFor);
   void vectorise(const ParallelFor &parallelFor);
   [[nodiscard]] double frequencyAtRest(const ParallelFor &parallelFor) const;
   void makePoints() const;
@@ -322,6 +337,8 @@ class Body {
   PointHistory trial_;
   Vec3 initialVelocity_ = Vec3::Zero(), initialAngularVelocity_ = Vec3::Zero();
   std::vector<double> masses_, inverseMasses_, supportMasses_;
+  std::vector<double> restMasses_;  // empty: no mass is added
+  double scaledStep_ = 0.0;         // s, of scaleMasses()
   std::vector<double> weights_, supportWeights_, gravityShares_;
   std::vector<double> contactModuli_;
   std::vector<Index> carrier_;  // fix that carries it

@@ -7,7 +7,6 @@
 
 #include "accuracy/trial_solution.h"
 #include "base/number_text.h"
-#include "forces/point_loops.h"
 #include "pointbased/error_estimate.h"
 
 namespace pointbased {
@@ -16,9 +15,6 @@ namespace {
 constexpr double kBasePart = 0.6;  // of the wanted phyxels, before cells are halved
 // bench_dial --adaptive, 24 random bodies: from here on the error is smaller than that of as many cells of one size.
 constexpr double kLeastShare = 0.72;
-constexpr double kStepOfCells = 0.8;  // stable steps of lattices, in edges over the speed of sound
-// Of the trial's explicit step. Halves of the cells that decide it ask for half of it, and are accepted.
-constexpr double kShortestStep = 0.35;
 
 using Place = FinerCells::Place;
 
@@ -26,7 +22,6 @@ struct CellError {
   Place at{};
   double error = 0.0;   // J
   double volume = 0.0;  // m³, of the body in it
-  double speed = 0.0;   // m/s, of sound in its stiffest material
 };
 
 /// The coarsest cells of a lattice that hold evaluation points, with what these err, worst first.
@@ -39,10 +34,8 @@ std::vector<CellError> cellErrors(const Body &body, const FinerCells &lattice, s
     const auto [found, isNew] = numbers.try_emplace(at, cells.size());
     if (isNew) cells.push_back({at});
     CellError &cell = cells[found->second];
-    const Material &material = detail::materialOfPoint(body.constitution(), rest.stencils, q);
     cell.error += errors[q];
     cell.volume += rest.stencils.volumes[q];
-    cell.speed = std::max(cell.speed, std::sqrt(material.waveModulus() / material.restDensity));
   }
   std::sort(cells.begin(), cells.end(), [](const CellError &a, const CellError &b) {
     return a.error != b.error ? a.error > b.error : a.at < b.at;
@@ -93,7 +86,7 @@ FinerCells cellsOf(const RestState &rest) {
 
 }  // namespace
 
-Result<AdaptiveSampling> adaptSampling(const AccuracyProblem &problem, bool isExplicit, const ParallelFor &parallelFor,
+Result<AdaptiveSampling> adaptSampling(const AccuracyProblem &problem, const ParallelFor &parallelFor,
                                        const StopRequest *stop) {
   AdaptiveSampling out;
   out.sampling = problem.recipe.sampling;
@@ -120,10 +113,7 @@ Result<AdaptiveSampling> adaptSampling(const AccuracyProblem &problem, bool isEx
   };
   const double all = errorOf(cells);
   out.cells = cells.size();
-  if (isExplicit) {
-    const double step = kShortestStep * trial.stableStepAtRest();
-    std::erase_if(cells, [&](const CellError &cell) { return kStepOfCells * 0.5 * rest.spacing < step * cell.speed; });
-  }
+  out.evenStep = std::cbrt(kBasePart) * trial.stableStepAtRest();
   const auto phyxels = static_cast<double>(rest.phyxelCount());
   const double wanted = isCount ? static_cast<double>(out.sampling.count) : phyxels / kBasePart;
   const std::size_t halved = halvedFor(cells, rest.spacing, wanted - phyxels);
@@ -131,11 +121,7 @@ Result<AdaptiveSampling> adaptSampling(const AccuracyProblem &problem, bool isEx
   out.share = all > 0.0 ? errorOf(worst) / all : 0.0;
   if (halved == 0 || !(out.share >= kLeastShare)) {
     const auto percent = [](double share) { return detail::number(100.0 * share, 2) + " %"; };
-    out.uniform =
-        errorOf(cells) < kLeastShare * all
-            ? "most of its error arises in cells of stiff material, whose halves would ask for explicit steps "
-              "of about a third the length; solver.integrator = \"quasistatic\" or \"implicit\" has none"
-            : "its error arises too evenly for that: " + percent(out.share) + " of it in " +
+    out.uniform = "its error arises too evenly for that: " + percent(out.share) + " of it in " +
                   percent(static_cast<double>(halved) / static_cast<double>(out.cells)) + " of the cells; " +
                   percent(kLeastShare) + " are needed";
     return out;

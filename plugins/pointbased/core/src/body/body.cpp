@@ -140,6 +140,7 @@ void Body::layOut() {
   }
   const bool weighs = !conditions.held.empty() && !rest_->weightVolumes.empty();
   for (auto *values : {&weights_, &supportWeights_, &gravityShares_}) values->assign(weighs ? n : 0, 0.0);
+  restMasses_.clear();
   bindFoundation();
 }
 
@@ -175,9 +176,8 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
       supportWeights_[i] = std::clamp(rest_->heldVolumes[i] / rest_->weightVolumes[i], 0.0, kMostCarried) * weights_[i];
       weights_[i] -= supportWeights_[i];
     }
-    if (!weights_.empty()) gravityShares_[i] = weights_[i] / masses_[i];
-    inverseMasses_[i] = heldMask_[i] ? 0.0 : 1.0 / masses_[i];
   }
+  addMasses(parallelFor);
 
   const std::vector<double> moduli = meansAround(constitution_, *rest_, &Material::youngsModulus);
   Csr rows;
@@ -194,11 +194,16 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
     }
   patches_.set(rows, weights, stiffness, inverseMasses_);
   contactModuli_ = moduliAt(rest_->contact.binding);
-  vectorise(parallelFor);
-  restFrequency_ = frequencyAtRest(parallelFor);
   foundationFrequency_ = std::sqrt(foundation_.squaredFrequencyBound(masses_));
   if (rigid_) frameRigid();
   forcesCurrent = false;
+}
+
+void Body::shareGravity() {
+  for (std::size_t i = 0; i < masses_.size(); ++i) {
+    if (!weights_.empty()) gravityShares_[i] = weights_[i] / masses_[i];
+    inverseMasses_[i] = heldMask_[i] ? 0.0 : 1.0 / masses_[i];
+  }
 }
 
 void Body::frameRigid() {
@@ -451,7 +456,7 @@ double Body::kineticEnergy() const {
 
 double Body::totalMass() const {
   double mass = 0.0;
-  for (const double m : masses_) mass += m;
+  for (const double m : restMasses()) mass += m;
   for (const double m : supportMasses_) mass += m;
   return mass;
 }

@@ -118,7 +118,7 @@ void Body::reset() {
   if (!initialAngularVelocity_.isZero()) {
     Vec3 centre = Vec3::Zero();
     for (std::size_t i = 0; i < n; ++i)
-      centre += (masses_[i] + (supportMasses_.empty() ? 0.0 : supportMasses_[i])) * rest_->positions[i];
+      centre += (restMasses()[i] + (supportMasses_.empty() ? 0.0 : supportMasses_[i])) * rest_->positions[i];
     centre /= totalMass();
     for (std::size_t i = 0; i < n; ++i)
       state_.velocities[i] += initialAngularVelocity_.cross(rest_->positions[i] - centre);

@@ -200,7 +200,7 @@ Result<Rereferencing> detail::renewedLattice(const Body &body, const ParallelFor
   const double density = body.material().restDensity;
   std::vector<double> masses;
   for (const double v : rest->volumes) masses.push_back(density * v);
-  correctMomenta(motionOf(body.masses(), now, body.state().velocities), masses, positions, out.state.velocities);
+  correctMomenta(motionOf(body.restMasses(), now, body.state().velocities), masses, positions, out.state.velocities);
   out.rest = std::move(rest);
   return out;
 }

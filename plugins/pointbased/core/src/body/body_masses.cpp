@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// Mass scaling.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "forces/point_loops.h"
+#include "pointbased/body.h"
+
+namespace pointbased {
+namespace {
+
+constexpr double kMostAdded = 0.05;    // of the mass that can move: a usual bound where inertia is to matter
+constexpr double kLeastLonger = 1.5;   // of the step; else no mass is added
+constexpr double kCloseEnough = 0.99;  // of the wanted step
+constexpr int kRounds = 4;
+constexpr int kHalvings = 50;
+
+/// Σ_q v (λ + 2 μ) |g_qi|² of the phyxels, N/m: over the masses it is about the square of the frequencies there.
+std::vector<double> waveStiffnesses(const Constitution &constitution, const StencilSet &s, std::size_t phyxels) {
+  std::vector<double> sums(phyxels, 0.0);
+  for (std::size_t q = 0; q < s.pointCount(); ++q) {
+    const GradientRows gradients(s, q);
+    const double stiffness = s.volumes[q] * detail::materialOfPoint(constitution, s, q).waveModulus();
+    for (Index e = s.phyxels.offsets[q]; e < s.phyxels.offsets[q + 1]; ++e)
+      sums[s.phyxels.indices[e]] += stiffness * gradients[e].squaredNorm();
+  }
+  return sums;
+}
+
+}  // namespace
+
+std::pair<double, std::size_t> Body::addedMass() const {
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < restMasses_.size(); ++i) {
+    if (heldMask_[i] != 0 || !(masses_[i] > restMasses_[i])) continue;
+    sum += masses_[i] - restMasses_[i];
+    ++count;
+  }
+  return {sum, count};
+}
+
+void Body::scaleMasses(double step, const ParallelFor &parallelFor) {
+  if (!restMasses_.empty()) masses_ = restMasses_;
+  scaledStep_ = step;
+  addMasses(parallelFor);
+  if (rigid_) frameRigid();
+  forcesCurrent = false;
+}
+
+/// Beginning from masses_ as they are at rest: these, what follows from them, and the kernels.
+void Body::addMasses(const ParallelFor &parallelFor) {
+  restMasses_.clear();
+  shareGravity();
+  vectorise(parallelFor);
+  restFrequency_ = frequencyAtRest(parallelFor);
+  const double before = restFrequency_, wanted = scaledStep_ > 0.0 ? 2.0 / scaledStep_ : before;
+  if (weights_.empty() || !(before > kLeastLonger * wanted)) return;
+
+  const std::vector<double> own = masses_;
+  const std::vector<double> stiffness = waveStiffnesses(constitution_, rest_->stencils, own.size());
+  const auto massAt = [&](std::size_t i, double bound) { return std::max(own[i], stiffness[i] / bound); };
+  double movable = 0.0;
+  for (std::size_t i = 0; i < own.size(); ++i) movable += heldMask_[i] != 0 ? 0.0 : own[i];
+  const auto addedAt = [&](double bound) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < own.size(); ++i) sum += heldMask_[i] != 0 ? 0.0 : massAt(i, bound) - own[i];
+    return sum;
+  };
+  for (int round = 0; round < kRounds && kCloseEnough * restFrequency_ > wanted; ++round) {
+    double above = 0.0;
+    for (std::size_t i = 0; i < own.size(); ++i) above = std::max(above, stiffness[i] / masses_[i]);
+    double bound = above * (wanted / restFrequency_) * (wanted / restFrequency_);
+    const bool isTooMuch = addedAt(bound) > kMostAdded * movable;
+    for (int k = 0; isTooMuch && k < kHalvings; ++k) {
+      const double middle = 0.5 * (bound + above);
+      (addedAt(middle) > kMostAdded * movable ? bound : above) = middle;
+    }
+    if (isTooMuch) bound = above;
+    for (std::size_t i = 0; i < own.size(); ++i) masses_[i] = massAt(i, bound);
+    vectorise(parallelFor);
+    restFrequency_ = frequencyAtRest(parallelFor);
+    if (isTooMuch) break;
+  }
+  if (before >= kLeastLonger * restFrequency_) {
+    restMasses_ = own;
+  } else {
+    masses_ = own;
+    vectorise(parallelFor);
+    restFrequency_ = before;
+  }
+  shareGravity();
+}
+
+}  // namespace pointbased
