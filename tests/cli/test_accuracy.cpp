@@ -172,6 +172,28 @@ TEST_CASE("Cells are finer where a trial has its error, and the report says how 
   CHECK(adaptive("on")["state_hash"] == on["state_hash"]);
 }
 
+TEST_CASE("In explicit steps few small stiff cells get more inertia but no weight, and the report says how much") {
+  const auto folder = freshFolder("accuracy-added-mass");
+  const fs::path scene =
+      writeBeam(folder, "",
+                "sampling = { count = 1500, adaptive = \"on\" }\nparts = [ { region = { sphere = { centre = "
+                "[0.11, 0.03, -0.03], radius = 0.006 } }, material = { youngs_modulus = 1e9 } } ]",
+                "explicit");
+  const Json added = reportOf(folder, scene, {"--steps", "1"});
+  const Json &body = added["bodies"][0];
+  REQUIRE(body["adaptive"]["halved_cells"] > 0);
+  CHECK(body["added_mass_kg"] > 0.0);
+  CHECK(body["added_mass_kg"] < 0.05 * body["mass_kg"].get<double>());
+  CHECK(body["mass_kg"].get<double>() == Approx(40.0).epsilon(1e-3));  // of the beam's volume and density
+  CHECK_THAT(added["notices"].dump(), Contains("of what can move) added to") && Contains("nothing at rest feels it"));
+  // What takes no explicit steps needs none.
+  for (const auto &[key, value] : {std::pair("solver.integrator", "implicit"), {"solver.integrator", "quasistatic"}}) {
+    const Json plain = reportOf(folder, scene, {"--steps", "1", "--set", std::string(key) + "=" + value});
+    CHECK(plain["bodies"][0]["added_mass_kg"] == 0.0);
+    CHECK(plain["notices"].dump().find("nothing at rest feels it") == std::string::npos);
+  }
+}
+
 TEST_CASE("Where nothing is known to act on a body its cells stay of one size, and the report says so") {
   const auto folder = freshFolder("accuracy-adaptive-nothing");
   const fs::path scene = writeBeam(folder, "", "sampling = { count = 300, adaptive = \"on\" }");

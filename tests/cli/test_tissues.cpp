@@ -89,7 +89,7 @@ TEST_CASE("A body of many tissues has their volumes and densities, and what is r
   CHECK(held < 1.01 * 9.81 * mass);
 }
 
-TEST_CASE("A body of many tissues that is led has finer cells there by itself in a static solution", "[tissues]") {
+TEST_CASE("A body of many tissues that is led has finer cells there by itself", "[tissues]") {
   const auto folder = freshFolder("tissues-adaptive");
   (void)writePhantom(folder);
   const auto scene =
@@ -103,10 +103,17 @@ TEST_CASE("A body of many tissues that is led has finer cells there by itself in
   REQUIRE(led["bodies"][0].contains("adaptive"));
   CHECK(led["bodies"][0]["adaptive"]["halved_cells"] > 0);
   CHECK(led["bodies"][0]["phyxels"].get<double>() == Approx(1200.0).epsilon(0.12));
-  // Whoever says a spacing means it, and explicit steps are for speed.
+  CHECK(led["bodies"][0]["added_mass_kg"] == 0.0);
+  // Whoever says a spacing means it.
   CHECK_FALSE(runToReport(scene, {"--set", "solver.integrator=quasistatic"})["bodies"][0].contains("adaptive"));
-  CHECK_FALSE(
-      runToReport(scene, {"--set", "body.scan.sampling.count=1200", "--steps", "1"})["bodies"][0].contains("adaptive"));
+
+  // In explicit steps as well.
+  const auto stepped = runToReport(scene, {"--set", "body.scan.sampling.count=1200", "--steps", "1"});
+  const auto even = runToReport(
+      scene, {"--set", "body.scan.sampling.count=1200", "--set", "body.scan.sampling.adaptive=off", "--steps", "1"});
+  CHECK_FALSE(even["bodies"][0].contains("adaptive"));
+  CHECK(stepped["bodies"][0]["adaptive"]["halved_cells"] == led["bodies"][0]["adaptive"]["halved_cells"]);
+  CHECK(stepped["bodies"][0]["stable_dt_s"].get<double>() > 0.4 * even["bodies"][0]["stable_dt_s"].get<double>());
 }
 
 TEST_CASE("What is not right about tissues is an error, and labels that nobody names are told", "[tissues]") {

@@ -185,11 +185,6 @@ bool isActedOn(const BodySource &source) {
          std::any_of(source.fixes.begin(), source.fixes.end(), [](const Fix &fix) { return fix.leads(); });
 }
 
-bool isExplicit(const Making &of) {
-  const Integrator integrator = of.dial.setting.world.integrator;
-  return integrator == Integrator::explicitVerlet || integrator == Integrator::automatic;
-}
-
 // By itself for bodies of several tissues.
 bool isAdaptive(const Making &of) {
   const std::string &asked = of.values.text("sampling.adaptive");
@@ -234,7 +229,7 @@ std::unique_ptr<Body> filledBody(const Making &of, const BodyRecipe &recipe) {
 std::unique_ptr<Body> adaptiveBody(const Making &of, BodyRecipe recipe, AdaptiveSampling &adaptive) {
   recipe.sampling = adaptive.sampling;
   auto body = filledBody(of, recipe);
-  if (!isExplicit(of) || adaptive.halved == 0) return body;
+  if (!mayStepExplicitly(of.dial.setting.world.integrator) || adaptive.halved == 0) return body;
   // Halves of the cells that decide the step ask for half of it.
   constexpr double kShortestStep = 0.4;
   body->scaleMasses(adaptive.evenStep, of.parallelFor);
@@ -340,6 +335,10 @@ BuiltBody buildBody(const Services &services, const MaterialLaws &laws, const st
   } catch (const Stopped &) {
     throw cancelled();
   }
+}
+
+bool mayStepExplicitly(Integrator integrator) {
+  return integrator == Integrator::explicitVerlet || integrator == Integrator::automatic;
 }
 
 BodyFilling fillingOf(const Services &services, const std::string &name, const BodySource &source,

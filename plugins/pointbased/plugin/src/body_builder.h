@@ -24,6 +24,10 @@ struct BuiltBody {
                                   c3de_handle mesh, const BodySource &source, const ParameterValues &values,
                                   const DialRequest &dial, const sdk::Progress &progress);
 
+/// Whether the smallest cells of a body may decide the length of steps, so that its masses are scaled
+/// (Body::scaleMasses).
+[[nodiscard]] bool mayStepExplicitly(Integrator integrator);
+
 /// What a body is filled from, to be filled once more in another way.
 struct BodyFilling {
   BodyShape shape;

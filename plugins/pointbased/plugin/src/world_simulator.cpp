@@ -131,6 +131,12 @@ sdk::Result<void> WorldSimulator::setWorld(const c3de_param_value *values, std::
     isForTheSolver = !isOfTheView(id) && id != "solver.step_budget";
   }
   if (isForTheSolver) {
+    const bool isExplicit = mayStepExplicitly(settings.integrator);
+    if (isExplicit != mayStepExplicitly(simulator_.world().integrator))
+      for (const auto &[id, record] : bodies_)
+        if (record.adaptive && record.adaptive->halved > 0)
+          simulator_.body(id)->scaleMasses(isExplicit ? record.adaptive->evenStep : 0.0,
+                                           context_.services.parallelFor());
     simulator_.setWorld(settings);
     simulator_.setContact(contactSettings(world_));
   }
