@@ -824,6 +824,40 @@ TEST_CASE("a wish for accuracy samples the organ anew and shows what to expect",
   CHECK(window.state()["messages"].empty());
 }
 
+TEST_CASE("inertia that explicit steps ask for is told, and goes with them", "[organ_inertia]") {
+  C3DE_ORGAN_OR_SKIP();
+  const fs::path scene = fs::path(testOutputRoot()) / "ui" / "inertia.toml";
+  fs::create_directories(scene.parent_path());
+  std::ofstream(scene)
+      << "format = 1\n[world]\ngravity = [0.0, -9.81, 0.0]\n[solver]\nintegrator = \"explicit\"\n[[body]]\nname = "
+         "\"organ\"\nmesh = \""
+      << organMesh().generic_string()
+      << "\"\nmesh_unit = \"mm\"\nmaterial = \"liver\"\nsampling = { count = 1500, adaptive = \"on\" }\n"
+         "parts = [ { region = { sphere = { centre = [-0.048, 0, 0], radius = 0.004 } }, material = { youngs_modulus "
+         "= 1e8 } } ]\n"
+         "[[fix]]\nregion = { half_space = { point = [-0.05, 0, 0], normal = [1, 0, 0] } }\n";
+  WorkstationDriver window("organ_inertia");
+  window.start({scene.string()});
+  const auto isTold = [](const Json &s) {
+    return row(s, "Added inertia").find(" % of what can move, to ") != std::string::npos;
+  };
+  const Json made = window.waitUntil(
+      "the organ is shown", [](const Json &s) { return s["jobs"].empty() && !row(s, "Halved cells").empty(); }, 60.0);
+  CHECK(isTold(made));
+  const std::string mass = row(made, "Mass");
+  window.locate(std::string(kPanel) + "view.surface");  // below it
+  window.screenshotAtRest("told");
+  const auto choose = [&](const std::string &integrator) {
+    window.click(std::string(kPanel) + "solver.integrator");
+    window.click(std::string(kPanel) + "solver.integrator.option." + integrator);
+  };
+  choose("implicit");
+  const Json implicit = window.waitUntil("it is gone", [&](const Json &s) { return !isTold(s); });
+  CHECK(row(implicit, "Mass") == mass);
+  choose("explicit");
+  window.waitUntil("it is there again", isTold);
+}
+
 TEST_CASE("a plugin's clamp and the pinch hold one organ; each lets go by itself", "[organ_clamp]") {
   C3DE_ORGAN_OR_SKIP();
   const std::string clamp = (fs::path(testExampleFolder()) / (std::string("clamp") + c3de::pluginExtension())).string();

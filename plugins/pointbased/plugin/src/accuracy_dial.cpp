@@ -136,9 +136,8 @@ std::string addedMassText(const Body &body) {
   double all = 0.0;
   for (std::size_t i = 0; i < body.restMasses().size(); ++i)
     if (body.inverseMasses()[i] > 0.0) all += body.restMasses()[i];
-  return roughly(1e3 * mass) + " g of inertia (" + roughly(100.0 * mass / all) + " % of what can move) added to " +
-         std::to_string(phyxels) +
-         " phyxels of the smallest and stiffest cells, for longer explicit steps: nothing at rest feels it";
+  return roughly(1e3 * mass) + " g, " + roughly(100.0 * mass / all) + " % of what can move, to " +
+         std::to_string(phyxels) + " phyxels";
 }
 
 std::string errorText(const AccuracyPromise &promise) {

@@ -54,7 +54,7 @@ struct DialRequest {
 
 /// What has become of a wish for finer cells, for a person.
 [[nodiscard]] std::string adaptiveText(const AdaptiveSampling &adaptive);
-/// What mass scaling has added to a body; empty: nothing.
+/// How much mass scaling has added to a body; empty: nothing.
 [[nodiscard]] std::string addedMassText(const Body &body);
 
 /// What was chosen for a body whose sampling nobody has said.

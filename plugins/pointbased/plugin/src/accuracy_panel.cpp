@@ -65,7 +65,12 @@ void drawAccuracyBars(sdk::Ui &ui, const BodySnapshot &body) {
   if (body.adaptive) {
     ui.value("Halved cells", std::to_string(body.adaptive->halved) + " of " + std::to_string(body.adaptive->cells));
     ui.text(adaptiveText(*body.adaptive));
-    if (!body.addedMass.empty()) ui.text(body.addedMass);
+    if (!body.addedMass.empty()) {
+      ui.value("Added inertia", body.addedMass);
+      ui.tooltip(
+          "Phyxels of the smallest and stiffest cells have more inertia, so that explicit steps are longer (mass "
+          "scaling). Weights stay: nothing at rest feels it");
+    }
   }
   if (!body.promise) {
     ui.text("The sampling was chosen by hand: nothing is promised.");
