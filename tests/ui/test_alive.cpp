@@ -614,6 +614,22 @@ TEST_CASE("The liver of a CT is pulled by three centimetres in a slice and in th
   const Json held = window.waitUntil("it is held", isHeld);
   follow("slice", "axial", {liver[0], liver[1], vectorOf(held, "Hand")[2]});
 
+  // As many phyxels, finer where it was pulled; stiff vessels there get a little inertia for it.
+  window.click(kPanel + "finer");
+  const Json finer = window.waitUntil(
+      "the body is sampled anew",
+      [](const Json &s) { return s["jobs"].empty() && s["values"].contains(kPanel + "Halved cells"); }, 90.0);
+  CHECK(numberOf(finer, kPanel + "Halved cells") > 50);
+  CHECK_THAT(value(finer, kPanel + "Added inertia"), Contains(" % of what can move, to "));
+  CHECK_THAT(value(finer, kPanel + "Computed"), Contains("explicit"));
+  window.moveTo(window.inView(0.95, 0.9));
+  if (window.state()["transport"]["mode"] != "playing") window.key("space");
+  window.screenshot("finer_before");
+  pull(window, inAxial(window, liver[0] - middle[0], liver[1] - middle[1]),
+       inAxial(window, liver[0] - middle[0], liver[1] - middle[1] - 30.0));
+  const Json again = window.waitUntil("it is held", isHeld);
+  follow("finer", "axial", {liver[0], liver[1], vectorOf(again, "Hand")[2]});
+
   // In the 3D view, from the front: without what is before the coronal slice the liver is on the face of the cut.
   const Vec3 onFace{-95, -161.3, 372};
   window.key("shift+c");

@@ -64,7 +64,12 @@ void drawAccuracyBars(sdk::Ui &ui, const BodySnapshot &body) {
   if (body.rigid) return;
   if (body.adaptive) {
     ui.value("Halved cells", std::to_string(body.adaptive->halved) + " of " + std::to_string(body.adaptive->cells));
-    ui.text(adaptiveText(*body.adaptive));
+    ui.tooltip("Cells that had most of the error of a trial");
+    if (body.adaptive->halved > 0) {
+      ui.value("… had of the error", roughly(100.0 * body.adaptive->share) + " % of its square");
+    } else {
+      ui.text(adaptiveText(*body.adaptive));
+    }
     if (!body.addedMass.empty()) {
       ui.value("Added inertia", body.addedMass);
       ui.tooltip(
