@@ -1026,3 +1026,113 @@ TEST_CASE("Picture of a liver that is pulled for the first page", "[.guide]") {
   window.screenshot("liver");
   window.release();
 }
+
+TEST_CASE("While a region is drawn the scan lies at rest, and menus, keys and tools do what they say",
+          "[scan_region_alive]") {
+  C3DE_ALIVE_OR_SKIP();
+  constexpr double kVoxel_mm = 4.0;
+  WorkstationDriver window("scan_region_alive");
+  openDialog(window, writeScan("scan_region_alive", threeOrgans({"liver", "kidney_left", "vertebrae_L1"}), kVoxel_mm));
+  typeInto(window, "points", "300");
+  window.key("Tab");
+  window.waitForValue("scan/points", "300");
+  (void)make(window);
+  takePinch(window);
+  pull(window, inAxial(window, -45, -10), inAxial(window, -45, -40));
+  window.waitUntil(
+      "the scan follows", [](const Json &s) { return isOver(s, "axial", 8.0); }, 90.0);
+  window.key("space");
+  const auto waitForMode = [&](const std::string &mode) {
+    window.waitUntil("it is " + mode, [&](const Json &s) { return s["transport"]["mode"] == mode; });
+  };
+  waitForMode("paused");
+  window.release();
+  window.screenshotAtRest("pulled");
+
+  // Beside the button of the panel there is the menu, for coming and for going back.
+  const auto isAsked = [](const Json &s) {
+    return s["widgets"].contains("scan/make") && !s["widgets"].contains("region/done");
+  };
+  const auto isDrawn = [](const Json &s) {
+    return s["widgets"].contains("region/done") && s["widgets"].contains("region/axial.left") &&
+           !s["widgets"].contains("scan/make") && !s["widgets"].contains("dialog/path");
+  };
+  const auto chooseFile = [&](const std::string &item) {
+    window.click("menu/file");
+    window.click("menu/file." + item);
+  };
+  const auto isAtRest = [](const Json &s) {
+    return value(s, "region/note").find("as it was read") != std::string::npos &&
+           value(s, "image/axial.readout").find("|u|") == std::string::npos &&
+           !s["values"].contains("image/axial.outlines");
+  };
+  Box drawn{-128, -96, -60, 128, 96, 60};
+  for (const bool isMenu : {true, false}) {
+    if (isMenu)
+      chooseFile("make_alive");
+    else
+      window.waitUntil("it is asked", isAsked);
+    window.waitUntil("it is asked", isAsked);
+    window.click("scan/draw_region");
+    window.waitUntil("it is drawn", isDrawn);
+    waitForDrawn(window, drawn, 1e-3);
+    window.moveTo(inAxial(window, -45, -30));
+    window.waitUntil("the scan is at rest", isAtRest);
+    window.screenshotAtRest(isMenu ? "at_rest" : "at_rest_again");
+    const double left = isMenu ? -80 : -60;
+    window.drag(isMenu ? inAxial(window, -80, -60) : window.locate("region/axial.left"),
+                isMenu ? inAxial(window, 60, 50) : inAxial(window, left, 0), 5);
+    drawn = {left, -60, -60, 60, 50, 60};
+    waitForDrawn(window, drawn, kVoxel_mm);
+    drawn = drawnBox(window);
+    if (isMenu)
+      chooseFile("make_alive");
+    else
+      window.click("segmentation/make_alive");
+    window.waitUntil("the dialog is back", isAsked);
+    CHECK(window.value("scan/region") == "true");
+    CHECK(isNear(chosenBox(window), drawn, 1e-3));
+  }
+
+  // What is opened above it gets its keys; the simulation plays below it; the tool keeps the 3D view.
+  window.click("scan/draw_region");
+  window.waitUntil("it is drawn", isDrawn);
+  window.moveTo(inAxial(window, 0, 0));
+  for (const char *key : {"ctrl+o", "F1"}) {
+    window.key(key);
+    window.waitUntil("a dialog is above", [](const Json &s) {
+      return s["widgets"].contains("dialog/path") || s["widgets"].contains("dialog/close");
+    });
+    window.key("Return");
+    window.key("Escape");
+    window.waitUntil("it is drawn", isDrawn);
+  }
+  window.key("space");
+  waitForMode("playing");
+  window.waitUntil("the scan is at rest", isAtRest);
+  window.key("space");
+  waitForMode("paused");
+  window.key("space");
+  pull(window, window.inView(0.5, 0.5), window.inView(0.6, 0.4));
+  window.waitUntil("the pinch pulls", [](const Json &s) { return numberOf(s, kPanel + "Pinch force") > 0.0; });
+  window.key("Escape");
+  window.waitUntil("it lets go", [](const Json &s) { return value(s, kPanel + "Pinch force") == "–"; });
+  window.release();
+  window.key("space");
+  waitForMode("paused");
+  window.waitUntil("it is drawn", isDrawn);
+  waitForDrawn(window, drawn, 1e-3);
+  window.screenshotAtRest("above");
+  window.key("Escape");
+  window.waitUntil("the dialog is back", isAsked);
+  CHECK(isNear(chosenBox(window), drawn, 1e-3));
+
+  // Without an image there is nothing to draw in.
+  window.click("scan/draw_region");
+  window.waitUntil("it is drawn", isDrawn);
+  chooseFile("close_image");
+  window.waitUntil("all is gone", [](const Json &s) {
+    return s["panes"].size() < 4 && !s["widgets"].contains("region/done") && !s["widgets"].contains("scan/make");
+  });
+  window.screenshotAtRest("closed");
+}

@@ -75,7 +75,7 @@ void ScanBody::setSources(Sources sources) {
                           (sources.image != nullptr) == (sources_.image != nullptr);
   const bool areSameLabels = sources.layers == sources_.layers;
   sources_ = std::move(sources);
-  if (!isPossible()) isShown_ = false;
+  if (!isPossible()) isShown_ = isAside_ = false;
   if (!isSameScan || !areSameLabels) {
     problem_.clear();
     undo_.clear();
@@ -119,6 +119,7 @@ void ScanBody::setSources(Sources sources) {
 
 void ScanBody::show(bool isShown) {
   isShown_ = isShown && isPossible();
+  isAside_ = false;
   if (isShown_ && !isCounted_ && counting_.isNull()) count();
 }
 
@@ -293,7 +294,7 @@ bool ScanBody::finished(const Expected<void> &result) {
   isMaking_ = false;
   if (result || result.error().code == ErrorCode::cancelled || isOfEarlierScan_ || !isPossible()) return false;
   problem_ = result.error().message;
-  show(true);
+  if (!isShown_) show(true);
   return true;
 }
 

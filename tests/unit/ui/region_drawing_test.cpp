@@ -188,3 +188,80 @@ TEST_CASE("A region is drawn as long as its scan is asked about", "[region_drawi
   f.scan.show(false);
   CHECK_FALSE(again.follow());
 }
+
+TEST_CASE("Whoever asks for the dialog while a region is drawn has it there, as drawn", "[region_drawing]") {
+  Slices f;
+  RegionDrawing drawing(f.views, f.scan, 10.0);
+  CHECK(f.scan.isShown());
+  CHECK(f.scan.isAside());
+  f.drag(drawing, Pane::axial, {20, 30, 0}, {60, 80, 0});
+  CHECK(drawing.follow());
+  CHECK_FALSE(f.scan.settings().region);
+  f.scan.show(true);
+  CHECK_FALSE(drawing.follow());
+  drawing.end();
+  CHECK(f.scan.isShown());
+  CHECK_FALSE(f.scan.isAside());
+  REQUIRE(f.scan.settings().region);
+  checkBox(*f.scan.settings().region, {20, 30, -2.5}, {60, 80, 97.5});
+}
+
+TEST_CASE("A body that could not be made does not end the drawing of a region, and is told after it",
+          "[region_drawing]") {
+  Slices f;
+  f.scan.setUse({0}, {LabelUse::Kind::material, "liver"});
+  f.scan.make();
+  f.scan.show(true);
+  RegionDrawing drawing(f.views, f.scan, 10.0);
+  CHECK(f.scan.finished(fail(ErrorCode::input, "nothing is left")));
+  CHECK(drawing.follow());
+  drawing.end();
+  CHECK(f.scan.isShown());
+  CHECK_FALSE(f.scan.isAside());
+  CHECK(f.scan.problem() == "nothing is left");
+}
+
+TEST_CASE("While a region is drawn the scan is shown as it was read, and then as bodies have moved it",
+          "[region_drawing]") {
+  Slices f;
+  auto moved = std::make_shared<imaging::DisplacementGrid>();
+  moved->geometry = {{2, 2, 2}, {400, 0, 0, 0, 0, 400, 0, 0, 0, 0, 400, 0, -200, -200, -200, 1}};
+  for (int i = 0; i < 8; ++i) moved->xyz_mm.insert(moved->xyz_mm.end(), {20.0f, 0.0f, 0.0f});
+  moved->fields.push_back({imaging::kVolumeRatio, "1", std::vector<float>(8, 0.9f), 0.9, 0.9});
+  ImageHandles handles = f.views.handles();
+  handles.displacement = {7, 1};
+  f.views.setHandles(handles);
+  f.views.setDisplacement(moved);
+  ImageOptions options = f.views.options();
+  options.overlay = Overlay::volumeChange;
+  f.views.setOptions(options);
+  const Vec3 at{50, 50, 50};
+  const auto isMoved = [&] {
+    CHECK_FALSE(f.views.isAtRest());
+    CHECK((*f.views.readout(at).index)[0] == 6);
+    CHECK(f.views.look().displacement == Handle{7, 1});
+    CHECK(f.views.look().overlay == render::Overlay::field);
+    CHECK(f.views.wantsFields());
+  };
+  isMoved();
+  RegionDrawing drawing(f.views, f.scan, 10.0);
+  CHECK(f.views.isAtRest());
+  CHECK((*f.views.readout(at).index)[0] == 10);
+  CHECK_FALSE(f.views.readout(at).shift);
+  CHECK(f.views.look().displacement.isNull());
+  CHECK(f.views.look().overlay == render::Overlay::none);
+  CHECK_FALSE(f.views.wantsFields());
+  Vec3 picked{};
+  f.views.pickNext([&](const Vec3 &reference) { picked = reference; });
+  const SliceView::Pixel pixel = f.views.view(Pane::axial).pixelOf({20, 30, 0});
+  (void)f.views.handle(Pane::axial, {Input::press, C3DE_BUTTON_LEFT, 0, 0, pixel.x, pixel.y});
+  CHECK_THAT(picked[0], WithinAbs(20.0, 1e-6));
+  // Bodies move on meanwhile.
+  f.views.setDisplacement(moved);
+  CHECK(f.views.isAtRest());
+  drawing.end();
+  isMoved();
+  f.views.setDisplacement(nullptr);
+  RegionDrawing again(f.views, f.scan, 10.0);
+  CHECK_FALSE(f.views.isAtRest());
+}

@@ -123,15 +123,20 @@ void ImageViews::setDisplacement(std::shared_ptr<const imaging::DisplacementGrid
   followRange();
 }
 
+void ImageViews::showAtRest(bool isAtRest) {
+  isAtRest_ = isAtRest;
+  followRange();
+}
+
 bool ImageViews::wantsFields() const {
-  return hasDisplacement() &&
+  return showsDisplacement() &&
          (isPointedAt_ || options_.overlay == Overlay::volumeChange || options_.overlay == Overlay::field);
 }
 
 const imaging::TissueField *ImageViews::shownField() const {
-  if (!displacement_) return nullptr;
-  if (options_.overlay == Overlay::volumeChange) return displacement_->field(imaging::kVolumeRatio);
-  return options_.overlay == Overlay::field ? displacement_->field(options_.overlayField) : nullptr;
+  if (!warp()) return nullptr;
+  if (options_.overlay == Overlay::volumeChange) return warp()->field(imaging::kVolumeRatio);
+  return options_.overlay == Overlay::field ? warp()->field(options_.overlayField) : nullptr;
 }
 
 Quantity ImageViews::overlayQuantity() const {
@@ -278,9 +283,7 @@ bool ImageViews::handle(Pane slice, const ViewInput &input) {
   return isChanged;
 }
 
-Vec3 ImageViews::referenceAt(const Vec3 &world) const {
-  return displacement_ ? world - displacement_->at(world) : world;
-}
+Vec3 ImageViews::referenceAt(const Vec3 &world) const { return warp() ? world - warp()->at(world) : world; }
 
 bool ImageViews::press(Pane slice, const ViewInput &input) {
   const bool isFirst = buttons_ == 0;
@@ -354,14 +357,14 @@ Readout ImageViews::readout(const Vec3 &world) const {
   readout.world = world;
   if (!image_) return readout;
   Vec3 material = world;
-  if (displacement_) {
-    const Vec3 u = displacement_->at(world);
+  if (const imaging::DisplacementGrid *warp = this->warp()) {
+    const Vec3 u = warp->at(world);
     material = world - u;
     readout.shift = norm(u);
-    readout.isVacated = displacement_->isVacated(world);
+    readout.isVacated = warp->isVacated(world);
     if (readout.isVacated) return readout;
-    for (const imaging::TissueField &field : displacement_->fields) {
-      const std::optional<double> value = displacement_->valueOf(field, world);
+    for (const imaging::TissueField &field : warp->fields) {
+      const std::optional<double> value = warp->valueOf(field, world);
       if (field.name == imaging::kVolumeRatio) {
         readout.volumeRatio = value;
       } else {
@@ -393,11 +396,11 @@ render::ImageLook ImageViews::look() const {
   render::ImageLook look;
   look.image = handles_.image;
   look.labels = handles_.preview.isNull() || !options_.showsPreview ? handles_.labels : handles_.preview;
-  look.displacement = handles_.displacement;
+  look.displacement = isAtRest_ ? Handle{} : handles_.displacement;
   look.bodies = handles_.bodies;
-  look.hasStill = displacement_ && displacement_->hasStill;
+  look.hasStill = warp() && warp()->hasStill;
   look.missing = handles_.missing;
-  look.leastGap = displacement_ ? displacement_->leastGap() : 0.0;
+  look.leastGap = warp() ? warp()->leastGap() : 0.0;
   look.window = options_.windowLevel.window;
   look.level = options_.windowLevel.level;
   look.isSmooth = options_.isSmooth;

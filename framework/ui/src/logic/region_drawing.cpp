@@ -26,6 +26,8 @@ RegionBox regionOf(const segmentation::ScanBody &scan) {
 
 RegionDrawing::RegionDrawing(ImageViews &images, segmentation::ScanBody &scan, double handle_px)
     : images_(images), scan_(scan), region_(regionOf(scan)), handle_px_(handle_px) {
+  scan.stepAside();
+  images.showAtRest(true);
   const Vec3 right = images.view(Pane::axial).frame().right, down = images.view(Pane::coronal).frame().down;
   ImageOptions options = images.options();
   wasWindowLevel_ = std::exchange(options.isWindowLevelMode, false);
@@ -48,7 +50,9 @@ bool RegionDrawing::follow() {
     wasAligned_ = true;
     images_.setOptions(options);
   }
-  return scan_.isShown() && scan_.extent_mm() == region_.limits();
+  if (!scan_.isShown() || scan_.extent_mm() != region_.limits()) return false;
+  if (!scan_.isAside()) keep();
+  return scan_.isAside();
 }
 
 bool RegionDrawing::handle(Pane slice, const ViewInput &input) {
@@ -114,6 +118,8 @@ void RegionDrawing::end() {
   options.isAlignedWithImage = wasAligned_;
   options.isWindowLevelMode = options.isWindowLevelMode || wasWindowLevel_;
   images_.setOptions(options);
+  images_.showAtRest(false);
+  scan_.show(scan_.isShown());
 }
 
 }  // namespace c3de::ui

@@ -8,8 +8,8 @@
 namespace c3de::ui {
 
 /// While a person draws the region of a scan's body in the slices: their plain left drags are its own, a click without
-/// a drag is the cross-hair's. The box is along the axes of the patient, and so are the slices until it ends. No
-/// drawing. Main thread; both parameters must outlive it.
+/// a drag is the cross-hair's. The box is along the axes of the patient and of the scan as it was read; the slices show
+/// both so until it ends. The dialog of the scan is aside. No drawing. Main thread; both parameters must outlive it.
 class RegionDrawing {
  public:
   /// Begins with the region of the scan, or with all of it. Where only the 3D view is shown, slices come beside it.
@@ -23,8 +23,8 @@ class RegionDrawing {
   /// What a drag does that begins at a pixel of a slice, or the one that is in progress there. None: nothing.
   [[nodiscard]] std::optional<BoxGrip> grip(Pane slice, double x, double y) const;
 
-  /// Each frame: the slices stay along the axes of the patient. False: the scan is not asked about any more, or another
-  /// one is; end() is all that is left.
+  /// Each frame: the slices stay along the axes of the patient. False: end() is all that is left. Either the scan is not
+  /// asked about any more, or another one is; or a person has gone back to its dialog, and the region is kept.
   [[nodiscard]] bool follow();
   /// Input in a slice. True: it was taken.
   bool handle(Pane slice, const ViewInput &input);

@@ -27,7 +27,7 @@ struct SliceCanvas {
   [[nodiscard]] float px(float logical) const { return frame.theme.px(logical); }
   /// Of the read-out below: while images deform there is one more, for the tissue.
   [[nodiscard]] float readoutHeight() const {
-    return (images.hasDisplacement() ? 2.0f : 1.0f) * (ImGui::GetTextLineHeight() + px(2.0f));
+    return (images.showsDisplacement() ? 2.0f : 1.0f) * (ImGui::GetTextLineHeight() + px(2.0f));
   }
 };
 

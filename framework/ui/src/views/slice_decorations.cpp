@@ -49,7 +49,7 @@ void drawRuns(ImDrawList *list, const std::vector<CurveRun> &runs, ImU32 tint, f
 }
 
 void drawOutlines(const SliceCanvas &canvas, const render::Renderer &renderer) {
-  if (!canvas.images.options().showsOutlines) return;
+  if (!canvas.images.options().showsOutlines || canvas.images.isAtRest()) return;  // they lie where bodies are now
   const Vec3 point = canvas.view.worldAt(0, 0), normal = canvas.view.frame().forward;
   std::size_t curves = 0;
   renderer.forEachMesh([&](const render::MeshView &mesh) {
@@ -187,7 +187,7 @@ void drawOverlayLegend(const SliceCanvas &canvas) {
   const ImageOptions &options = canvas.images.options();
   const std::string key = std::string(paneName(canvas.pane)) + ".legend";
   const bool isShown =
-      canvas.images.hasDisplacement() && (options.overlay == Overlay::shift || canvas.images.shownField());
+      canvas.images.showsDisplacement() && (options.overlay == Overlay::shift || canvas.images.shownField());
   const Quantity quantity = canvas.images.overlayQuantity();
   const OverlayRange range = canvas.images.overlayRange();
   canvas.frame.automation.value("image", key,

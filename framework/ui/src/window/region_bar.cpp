@@ -16,9 +16,9 @@ std::string noteOf(const FrameContext &frame) {
   std::string note;
   if (frame.state.region->isTurned())
     note = "The slices are along the axes of the patient, as the box is, until this ends.";
-  if (const ImageViews *images = frame.shownImages(); images && images->hasDisplacement())
-    note +=
-        std::string(note.empty() ? "" : " ") + "The box is of the scan as it was read, not as bodies have moved it.";
+  if (const ImageViews *images = frame.shownImages(); images && images->isAtRest())
+    note += std::string(note.empty() ? "" : " ") +
+            "The scan is shown as it was read, until this ends; bodies have moved it since.";
   return note;
 }
 

@@ -234,7 +234,7 @@ bool drawSettings(FrameContext &frame, ScanBody &scan) {
 void drawScanBody(FrameContext &frame) {
   ScanBody *scan = frame.services.scanBody;
   // It comes back when the file has been chosen, or has not, and when the region is drawn.
-  if (scan == nullptr || !scan->isShown() || frame.fileDialog.isOpen() || frame.state.region) return;
+  if (scan == nullptr || !scan->isShown() || scan->isAside() || frame.fileDialog.isOpen()) return;
   bool isShown = true;
   if (!beginDialog(frame, "Make the scan alive", "make_alive", isShown, ImVec2(980, 700))) {
     if (!isShown) scan->show(false);

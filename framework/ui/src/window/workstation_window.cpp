@@ -212,9 +212,14 @@ void WorkstationWindow::Impl::takeKey(FrameContext &context, const OsEvent &even
   }
   if (event.isRepeat) return;
   if (event.key == keyEscape && state.region) {
-    if (!state.region->cancelDrag()) endRegion(context, false);
-    state.isEscapeTaken = true;  // the dialog comes back in this frame
-    return;
+    const bool isDragged = state.region->cancelDrag();
+    // What a hand does in the 3D view, and a click that is awaited, end before it.
+    const bool isEnded = !isDragged && buttons == 0 && !(shownImages() && shownImages()->isPicking());
+    if (isEnded) endRegion(context, false);
+    if (isDragged || isEnded) {
+      state.isEscapeTaken = true;  // the dialog comes back in this frame
+      return;
+    }
   }
   if (event.key == keyEscape) {
     if (context.simulation.isLongStep() && actions.transport) actions.transport(C3DE_TRANSPORT_PAUSE);

@@ -74,6 +74,9 @@ class ScanBody {
   /// Whether a person is being asked. Nothing is shown where it is not possible.
   void show(bool isShown);
   [[nodiscard]] bool isShown() const { return isShown_; }
+  /// While it is shown the dialog can stand aside, for its region to be drawn, until show() is called.
+  void stepAside() { isAside_ = isShown_; }
+  [[nodiscard]] bool isAside() const { return isAside_; }
 
   struct Row {
     std::string name;
@@ -114,7 +117,7 @@ class ScanBody {
   /// Nothing while blockingReason() has a reason.
   void make();
   /// What was begun by make() has ended. An error is shown where the person chose, unless another scan has been opened
-  /// since; choices stay. True: it is shown.
+  /// since; choices stay. True: it is shown, or will be when it stands aside no more.
   bool finished(const Expected<void> &result);
   /// Why the last try has made no body; empty: it has, or there was none.
   [[nodiscard]] const std::string &problem() const { return problem_; }
@@ -142,7 +145,7 @@ class ScanBody {
   std::string problem_, unit_;
   Handle counting_;
   std::uint64_t serial_ = 0;
-  bool isShown_ = false, isMaking_ = false, isCounted_ = false;
+  bool isShown_ = false, isAside_ = false, isMaking_ = false, isCounted_ = false;
   bool isOfEarlierScan_ = false;  ///< what is being made
   bool isTyped_ = false;          ///< the last step is of numbers of the region
   std::shared_ptr<bool> alive_;

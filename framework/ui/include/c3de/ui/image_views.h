@@ -117,6 +117,11 @@ class ImageViews {
   [[nodiscard]] const std::shared_ptr<const scene::StoredLabels> &sharedLabels() const { return labels_; }
   [[nodiscard]] const imaging::DisplacementGrid *displacement() const { return displacement_.get(); }
   [[nodiscard]] bool hasDisplacement() const { return displacement_ != nullptr; }
+  /// Shows the image as it was read, in all views and read-outs, although bodies have moved it; the displacement stays.
+  void showAtRest(bool isAtRest);
+  [[nodiscard]] bool showsDisplacement() const { return warp() != nullptr; }
+  /// There is a displacement that is not shown.
+  [[nodiscard]] bool isAtRest() const { return hasDisplacement() && !showsDisplacement(); }
 
   [[nodiscard]] const ImageOptions &options() const { return options_; }
   /// Turns the views where convention or alignment change.
@@ -165,6 +170,8 @@ class ImageViews {
  private:
   enum class Drag { none, crossHair, windowLevel, pan, zoom };
   void applyFrames();
+  /// That the views show; null: the image is as it was read.
+  [[nodiscard]] const imaging::DisplacementGrid *warp() const { return isAtRest_ ? nullptr : displacement_.get(); }
   [[nodiscard]] Vec3 referenceAt(const Vec3 &world) const;
   [[nodiscard]] Vec3 nearestInImage(const Vec3 &world) const;
   bool press(Pane slice, const ViewInput &input);
@@ -177,7 +184,7 @@ class ImageViews {
   std::shared_ptr<const imaging::DisplacementGrid> displacement_;
   std::vector<std::pair<std::string, std::string>> offered_;
   SteadyRange steadyRange_;
-  bool isPointedAt_ = false;
+  bool isPointedAt_ = false, isAtRest_ = false;
   ImageOptions options_;
   std::vector<std::pair<std::uint16_t, float>> labelOpacities_;
   std::vector<std::uint16_t> pickedLabels_;
