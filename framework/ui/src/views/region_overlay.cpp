@@ -48,7 +48,7 @@ void darkenOutside(const SliceCanvas &canvas, ImVec2 min, ImVec2 max) {
 }
 
 void drawHandle(const SliceCanvas &canvas, const BoxHandle &handle, bool isHot, bool isCut) {
-  const RegionDrawing &drawing = *canvas.frame.state.region;
+  const RegionDrawing &drawing = *canvas.frame.modes.region();
   const ImVec2 at(canvas.rect.x + static_cast<float>(handle.x), canvas.rect.y + static_cast<float>(handle.y));
   const auto size = static_cast<float>(drawing.handle_px());
   const float half = (isHot ? 0.5f : 0.4f) * size;
@@ -97,8 +97,8 @@ const char *nameOf(const BoxGrip &grip) {
 }  // namespace
 
 void drawRegion(const SliceCanvas &canvas) {
-  if (!canvas.frame.state.region) return;
-  const RegionDrawing &drawing = *canvas.frame.state.region;
+  if (!canvas.frame.modes.region()) return;
+  const RegionDrawing &drawing = *canvas.frame.modes.region();
   const BoxInSlice box = boxInSlice(canvas.view, drawing.region().box());
   const auto pixel = [&](double x, double y) {
     return ImVec2(canvas.rect.x + static_cast<float>(x), canvas.rect.y + static_cast<float>(y));
@@ -122,8 +122,8 @@ void drawRegion(const SliceCanvas &canvas) {
 }
 
 void drawRegionInSpace(FrameContext &frame) {
-  if (!frame.state.region) return;
-  const Box &box = frame.state.region->region().box();
+  if (!frame.modes.region()) return;
+  const Box &box = frame.modes.region()->region().box();
   const PixelRect &r = frame.view;
   const auto corner = [&](unsigned c) { return Vec3{box[c & 1u][0], box[c >> 1u & 1u][1], box[c >> 2u & 1u][2]}; };
   ImDrawList *list = ImGui::GetBackgroundDrawList();

@@ -71,8 +71,9 @@ Expected<render::Image> pictureOfViews(render::Renderer &renderer, ImageViews &i
   simulation.title = title;
   AutomationState automation{std::filesystem::path()};
   WindowState state;
+  Modes modes(camera);
   FileDialog dialog;
-  FrameContext frame{services, actions, simulation, imgui.theme(), automation, state, dialog, camera};
+  FrameContext frame{services, actions, simulation, imgui.theme(), automation, state, modes, dialog, camera};
   frame.area = area;
   frame.view = space;
   frame.panes = panes;

@@ -37,12 +37,9 @@ void drawAbout(FrameContext &frame);
 void drawPluginManager(FrameContext &frame);
 /// What the body of a whole scan is to be, while that is asked.
 void drawScanBody(FrameContext &frame);
-/// Above the views while the region of the scan's body is drawn, state.region: its size and what ends it. Ends it, too,
-/// when the scan is another one. 0 while nothing is drawn.
+/// Above the views while the region of the scan's body is drawn: its size and what ends it. 0 while nothing is drawn.
 [[nodiscard]] float regionBarHeight(const FrameContext &frame);
 void drawRegionBar(FrameContext &frame, const PixelRect &area);
-/// @param isKept  the scan gets the region, else it stays as it was
-void endRegion(FrameContext &frame, bool isKept);
 /// Asks state.question until there is a state.answer.
 void drawQuestion(FrameContext &frame);
 

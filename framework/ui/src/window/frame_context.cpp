@@ -2,6 +2,7 @@
 #include "window/frame_context.h"
 
 #include "c3de/registry/tool_registry.h"
+#include "window/file_dialog.h"
 
 namespace c3de::ui {
 
@@ -9,6 +10,17 @@ std::string FrameContext::activeToolId() const {
   if (services.tools)
     if (const registry::Tool *tool = services.tools->find(services.tools->active())) return tool->id;
   return "orbit";
+}
+
+Modes::Above FrameContext::above() const {
+  const ImGuiIO &io = ImGui::GetIO();
+  Modes::Above above;
+  above.isPopup = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
+  above.isFile = fileDialog.isOpen();
+  above.isQuestion = state.question.has_value();
+  above.isTyping = io.WantTextInput;
+  above.takesKeys = io.WantCaptureKeyboard;
+  return above;
 }
 
 void markItem(const FrameContext &frame, const std::string &area, const std::string &id, bool enabled) {

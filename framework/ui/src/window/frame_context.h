@@ -11,11 +11,10 @@
 #include <vector>
 
 #include "c3de/ui/commands.h"
-#include "c3de/ui/edit_history.h"
 #include "c3de/ui/image_views.h"
 #include "c3de/ui/tissue_table.h"
 #include "c3de/ui/workstation_window.h"
-#include "logic/region_drawing.h"
+#include "logic/modes.h"
 #include "window/automation_state.h"
 #include "window/steady_panel.h"
 #include "window/theme.h"
@@ -23,12 +22,6 @@
 namespace c3de::ui {
 
 class FileDialog;
-
-struct PixelRect {
-  float x = 0, y = 0, w = 0, h = 0;
-  [[nodiscard]] bool isEmpty() const { return w < 1.0f || h < 1.0f; }
-  [[nodiscard]] bool contains(double px, double py) const { return px >= x && py >= y && px < x + w && py < y + h; }
-};
 
 /// What a person can arrange; reset by "Reset layout".
 struct Layout {
@@ -55,14 +48,11 @@ struct Dock {
 struct WindowState {
   TooltipTimer tooltip;
   Layout layout;
-  EditHistory history;
   bool showShortcuts = false, showAbout = false, showMessages = false, showPlugins = false;
-  bool isEscapeTaken = false;           ///< in this frame, by a menu or list: it is not meant for the dialog below
   std::array<char, 128> labelFilter{};  ///< in the dialog of the scan's body
   std::array<char, 128> tissueFilter{};
   TissueOrder tissueOrder = TissueOrder::labels;
-  std::optional<RegionDrawing> region;  ///< while it is drawn; the dialog of the scan's body waits
-  std::optional<Question> question;     ///< while a person is asked
+  std::optional<Question> question;  ///< while a person is asked
   /// To the last one: the ids of question and answer.
   std::pair<std::string, std::string> answer;
   AboutText about;
@@ -70,6 +60,7 @@ struct WindowState {
   Dock dock;
   SteadyPanel sideRows;             ///< of the side panel
   std::vector<PixelRect> overlays;  ///< over the view, of the last frame: the mouse belongs to them
+  int framesToFit = 0;              ///< that bring everything visible into the view
 };
 
 struct FrameContext {
@@ -79,6 +70,7 @@ struct FrameContext {
   const Theme &theme;
   AutomationState &automation;
   WindowState &state;
+  Modes &modes;
   FileDialog &fileDialog;
   render::Camera &camera;
   std::vector<Command> commands{};   ///< to be carried out after the frame is described
@@ -98,6 +90,8 @@ struct FrameContext {
     return services.images && services.images->image() ? services.images : nullptr;
   }
   [[nodiscard]] std::string activeToolId() const;
+  /// At this moment.
+  [[nodiscard]] Modes::Above above() const;
 };
 
 /// Makes the last ImGui item known to the automation state.

@@ -48,7 +48,7 @@ void endDialog(FrameContext &frame, bool &isShown) {
   const bool isClosed = ImGui::Button("Close", ImVec2(frame.theme.px(96.0f), 0));
   markItem(frame, "dialog", "close");
   // In a field it takes back what was typed.
-  const bool isEscaped = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape)) && !frame.state.isEscapeTaken &&
+  const bool isEscaped = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape)) && !frame.modes.isEscapeTaken() &&
                          !ImGui::GetIO().WantTextInput;
   if (isClosed || isEscaped) {
     isShown = false;

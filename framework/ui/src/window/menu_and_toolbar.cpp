@@ -57,10 +57,7 @@ void menuItem(FrameContext &frame, const MenuEntry &entry, bool isChecked = fals
 /// "Undo Young's modulus": says what it would change.
 void editItem(FrameContext &frame, Command command) {
   const CommandInfo &info = commandInfo(command);
-  const EditHistory &history = frame.state.history;
-  std::string what = command == Command::undo ? history.undoLabel() : history.redoLabel();
-  if (const auto &region = frame.state.region)
-    what = (command == Command::undo ? region->region().canUndo() : region->region().canRedo()) ? "region" : "";
+  const std::string what = command == Command::undo ? frame.modes.undoLabel() : frame.modes.redoLabel();
   const std::string label = std::string(info.label) + (what.empty() ? "" : " " + what) + "###" + info.id;
   const std::string key = keyText(info.key, info.modifiers);
   if (ImGui::MenuItem(label.c_str(), key.c_str(), false, !what.empty())) frame.request(command);

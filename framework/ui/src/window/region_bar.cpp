@@ -14,7 +14,7 @@ constexpr double kSmall_mm = 10.0;
 /// What is not as it seems to be; empty: nothing.
 std::string noteOf(const FrameContext &frame) {
   std::string note;
-  if (frame.state.region->isTurned())
+  if (frame.modes.region()->isTurned())
     note = "The slices are along the axes of the patient, as the box is, until this ends.";
   if (const ImageViews *images = frame.shownImages(); images && images->isAtRest())
     note += std::string(note.empty() ? "" : " ") +
@@ -25,22 +25,15 @@ std::string noteOf(const FrameContext &frame) {
 }  // namespace
 
 float regionBarHeight(const FrameContext &frame) {
-  if (!frame.state.region) return 0.0f;
+  if (!frame.modes.region()) return 0.0f;
   const float note = noteOf(frame).empty() ? 0.0f : frame.theme.small->FontSize + ImGui::GetStyle().ItemSpacing.y;
   return std::round(ImGui::GetFrameHeight() + note + frame.theme.px(12.0f));
 }
 
-void endRegion(FrameContext &frame, bool isKept) {
-  if (!frame.state.region) return;
-  if (isKept) frame.state.region->keep();
-  frame.state.region->end();
-  frame.state.region.reset();
-}
-
 void drawRegionBar(FrameContext &frame, const PixelRect &area) {
-  if (!frame.state.region) return;
-  RegionDrawing &drawing = *frame.state.region;
-  if (!drawing.follow()) return endRegion(frame, false);
+  frame.modes.followRegion();
+  if (!frame.modes.region()) return;
+  RegionDrawing &drawing = *frame.modes.region();
   beginFixed("##region", area, colour::kPanel, ImVec2(frame.theme.px(10.0f), frame.theme.px(6.0f)));
   const Vec3 size = drawing.region().size_mm();
   const int decimals = std::max({size[0], size[1], size[2]}) < kSmall_mm ? 3 : 1;
@@ -68,8 +61,8 @@ void drawRegionBar(FrameContext &frame, const PixelRect &area) {
   const float right = ImGui::GetWindowContentRegionMax().x - done - whole - cancel - 2.0f * gap;
   ImGui::SameLine(right);
   // Enter in a field of the side panel, or of a dialog above, is that one's.
-  const bool isFree = !ImGui::GetIO().WantTextInput &&
-                      !ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
+  const Modes::Above above = frame.above();
+  const bool isFree = !above.isTyping && !above.isPopup;
   const auto isPressed = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
   ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.20f, 0.42f, 0.48f, 1.0f));
   const bool isDone = ImGui::Button("Done (Enter)", ImVec2(done, 0)) ||
@@ -94,7 +87,7 @@ void drawRegionBar(FrameContext &frame, const PixelRect &area) {
   }
   frame.automation.value("region", "note", note);
   ImGui::End();
-  if (isDone || isCancelled) endRegion(frame, isDone);
+  if (isDone || isCancelled) frame.modes.endRegion(isDone);
 }
 
 }  // namespace c3de::ui

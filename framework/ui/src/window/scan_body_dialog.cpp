@@ -270,8 +270,7 @@ void drawScanBody(FrameContext &frame) {
   endDialog(frame, isShown);
   if (!isShown) scan->show(false);
   if (isMade) scan->make();
-  if (isDrawn && frame.shownImages())
-    frame.state.region.emplace(*frame.shownImages(), *scan, frame.theme.px(kHandleSize));
+  if (isDrawn) frame.modes.beginRegion(frame.theme.px(kHandleSize));
   if (!isSaved) return;
   FileDialog::Request request;
   request.title = "Save the scene of the scan";

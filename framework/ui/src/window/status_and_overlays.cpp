@@ -58,7 +58,7 @@ std::string hintOf(const FrameContext &frame) {
   };
   if (const ImageViews *images = frame.shownImages();
       images && std::any_of(kSlicePanes.begin(), kSlicePanes.end(), isOver)) {
-    if (frame.state.region && !images->isPicking() && !images->options().isWindowLevelMode)
+    if (frame.modes.region() && !images->isPicking() && !images->options().isWindowLevelMode)
       return "Drag: handles move a side, inside moves the box, outside draws another    Click: cross-hair    Wheel: "
              "slices    Middle or Shift+left: pan    Right or Ctrl+wheel: zoom    Ctrl+Z: undo";
     if (const registry::Tool *tool = toolOf(frame); tool && tool->inSlices && !images->isPicking())

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/ui/workstation_window.h"
-#include "c3de/registry/command_registry.h"
 
 #include <epoxy/gl.h>
 #include <imgui.h>
@@ -10,22 +9,16 @@
 #include <cmath>
 #include <optional>
 
-#include "c3de/abi/tools.h"
 #include "c3de/core/background_jobs.h"
 #include "c3de/core/log.h"
-#include "c3de/registry/panel_registry.h"
-#include "c3de/registry/parameter_registry.h"
-#include "c3de/registry/tool_registry.h"
 #include "c3de/render/image_renderer.h"
 #include "c3de/render_gl/gl_renderer.h"
 #include "c3de/scene/scene_graph.h"
-#include "c3de/segmentation/scan_body.h"
-#include "c3de/ui/slice_controller.h"
-#include "c3de/ui/view_controller.h"
 #include "logic/seen_inside.h"
 #include "panels/imgui_panel.h"
 #include "views/four_views.h"
 #include "views/kept_views.h"
+#include "window/carry_out.h"
 #include "window/chrome.h"
 #include "window/dock.h"
 #include "window/file_dialog.h"
@@ -39,8 +32,16 @@ constexpr double kFrameTime_s = 1.0 / 60.0;
 constexpr double kIdleWait_s = 1.0, kCursorBlink_s = 0.25;
 /// Frames after an event until everything that follows from it stands: popups and layout take one more frame each.
 constexpr int kFramesToSettle = 3;
-constexpr const char *kFrameExtensions = "pvd", *kStateExtensions = "c3dstate";
-constexpr const char *kImageExtensions = "nrrd;nii;gz;mha";
+
+/// Those above a dialog; ImGui does it only with its own keyboard navigation. True: there were any.
+bool closeMenus() {
+  const ImVector<ImGuiPopupData> &open = ImGui::GetCurrentContext()->OpenPopupStack;
+  int level = open.Size;
+  while (level > 0 && !(open[level - 1].Window && (open[level - 1].Window->Flags & ImGuiWindowFlags_Modal))) --level;
+  if (level == open.Size) return false;
+  ImGui::ClosePopupToLevel(level, true);
+  return true;
+}
 
 }  // namespace
 
@@ -56,21 +57,15 @@ struct WorkstationWindow::Impl {
   FileDialog fileDialog;
   ImGuiPanels panels;
   render::Camera camera;
+  Modes modes{camera};
   std::optional<KeptViews> views;
-  registry::ToolRegistry noTools;
-  std::optional<ViewController> viewController;
-  std::optional<SliceController> sliceController;
 
   PixelRect area, view;  ///< as in FrameContext
   std::array<PixelRect, 4> panes{};
-  std::uint32_t buttons = 0;
-  std::optional<Pane> pressedPane;  ///< where the buttons that are down were pressed
-  DoubleClick doubleClick;
   bool isRefining = false;  ///< the 3D view gets better by being drawn again
   std::uint64_t frame = 0;
   double lastFrame_s = 0.0, framesPerSecond = 0.0;
   int framesToSettle = kFramesToSettle;
-  int framesToFit = 0;
   bool isMoving = false;  ///< something changes by itself: playing, jobs
   bool takesNews = true;  ///< the frame shows what is new, else what is there and what the input has made of it
   double frameBegan_s = 0.0;
@@ -80,184 +75,36 @@ struct WorkstationWindow::Impl {
   void layOutAndCarryOut(FrameContext &context, const render::Renderer &renderer);
   void paint(render::Renderer &renderer);
   void takeInput(FrameContext &context, const std::vector<OsEvent> &events, const render::Renderer &renderer);
-  void takeMouse(const OsEvent &event);
-  void closeMenus();
-  void takeKey(FrameContext &frame, const OsEvent &event);
+  void takeKey(FrameContext &context, const OsEvent &event);
   void layOut(FrameContext &frame, const render::Renderer &renderer);
   void carryOut(FrameContext &frame);
-  void carryOut(FrameContext &frame, Command command);
-  void quitOrAsk();
-  /// The dialog of the scan's body is what is answered.
-  [[nodiscard]] bool isScanAsked() const;
-  void undo();
-  void cancelTool();
-  void resetLayout();
-  void transport(const SimulationView &simulation, std::uint32_t action);
-  void openDialog(bool isMesh);
-  void openImageDialog(bool areLabels);
-  void openExportDialog(Command command);
-  void openStateDialog();
-  void lookFrom(const Vec3 &meshDirection, const Vec3 &patientDirection);
-  /// None: all of them.
-  void resetView(std::optional<Pane> pane);
   void fitIfWanted();
   void measureRate(double now_s);
   void layOutPanes();
-  bool handle(Pane pane, ViewInput input, const OsEvent &event);
   [[nodiscard]] ImageViews *shownImages() const {
     return services.images && services.images->image() ? services.images : nullptr;
   }
-  /// Null over the side panel, an overlay or a menu.
-  [[nodiscard]] std::optional<Pane> paneAt(double x, double y) const;
   [[nodiscard]] render::Viewport viewportOf(const PixelRect &rect) const;
 };
 
-std::optional<Pane> WorkstationWindow::Impl::paneAt(double x, double y) const {
-  if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel)) return {};
-  if (std::any_of(state.overlays.begin(), state.overlays.end(),
-                  [&](const PixelRect &overlay) { return overlay.contains(x, y); }))
-    return {};
-  for (const Pane pane : {Pane::axial, Pane::sagittal, Pane::coronal, Pane::space})
-    if (panes[static_cast<std::size_t>(pane)].contains(x, y)) return pane;
-  return {};
-}
-
-/// With the position from the pane's upper left corner.
-bool WorkstationWindow::Impl::handle(Pane pane, ViewInput input, const OsEvent &event) {
-  const PixelRect &rect = panes[static_cast<std::size_t>(pane)];
-  input.x = event.x - rect.x;
-  input.y = event.y - rect.y;
-  if (pane == Pane::space) return viewController->handle(input);
-  if (state.region && state.region->handle(pane, input)) return true;
-  ImageViews *images = shownImages();
-  return images && sliceController->handle(*images, pane, input);
-}
-
-void WorkstationWindow::Impl::takeMouse(const OsEvent &event) {
-  using Kind = OsEvent::Kind;
-  ViewInput input;
-  input.button = event.button;
-  input.modifiers = event.modifiers;
-  input.wheel = event.wheel;
-  input.time_s = event.time_s;
-  switch (event.kind) {
-    case Kind::press: {
-      // Events are told by where they happened, not by where the mouse is when the frame begins.
-      const bool isFirst = buttons == 0;
-      if (isFirst) pressedPane = paneAt(event.x, event.y);
-      buttons |= event.button;
-      input.kind = ViewInput::Kind::press;
-      if (!pressedPane) break;
-      ViewInput click = input;
-      click.x = event.x;
-      click.y = event.y;
-      if (ImageViews *images = shownImages(); images && isFirst && doubleClick.press(*pressedPane, click)) {
-        images->takeBackClick();
-        images->setMaximised(images->maximised() ? std::nullopt : pressedPane);
-        pressedPane.reset();  // the views have moved: the release belongs to none of them
-        break;
-      }
-      if (ImageViews *images = shownImages(); images && isFirst) images->forgetClick();
-      handle(*pressedPane, input, event);
-      break;
-    }
-    case Kind::release:
-      buttons &= ~event.button;
-      input.kind = ViewInput::Kind::release;
-      if (pressedPane) handle(*pressedPane, input, event);
-      break;
-    case Kind::move:
-      input.kind = ViewInput::Kind::move;
-      if (const auto pane = buttons != 0 ? pressedPane : paneAt(event.x, event.y)) handle(*pane, input, event);
-      break;
-    case Kind::wheel:
-      input.kind = ViewInput::Kind::wheel;
-      if (const auto pane = paneAt(event.x, event.y)) handle(*pane, input, event);
-      break;
-    default: break;
-  }
-}
-
-/// And lists, those above a dialog as well; ImGui does it only with its own keyboard navigation.
-void WorkstationWindow::Impl::closeMenus() {
-  const ImVector<ImGuiPopupData> &open = ImGui::GetCurrentContext()->OpenPopupStack;
-  int level = open.Size;
-  while (level > 0 && !(open[level - 1].Window && (open[level - 1].Window->Flags & ImGuiWindowFlags_Modal))) --level;
-  if (level == open.Size) return;
-  ImGui::ClosePopupToLevel(level, true);
-  state.isEscapeTaken = true;
-}
-
 void WorkstationWindow::Impl::takeKey(FrameContext &context, const OsEvent &event) {
-  if (event.key == 0) return;
-  const Command command = commandOfKey(event.key, event.modifiers);
-  if (command == Command::quit && !event.isRepeat) return context.request(command);
-  const ImGuiIO &io = ImGui::GetIO();
-  const bool isPopupOpen = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
-  // A button of the mouse that is held over a slider counts as well, but one that drags in the view does not.
-  if (event.key == keyEscape && !event.isRepeat && isPopupOpen && !io.WantTextInput && !fileDialog.isOpen())
-    return closeMenus();
-  // The dialog of the scan's body has steps of its own.
-  if (command == Command::undo && isPopupOpen && !io.WantTextInput && isScanAsked()) return context.request(command);
-  if (io.WantTextInput || isPopupOpen || (io.WantCaptureKeyboard && !pressedPane)) return;
-  // Over a slice, its keys are the slice's: they are the same everywhere, but 1 is another thing for an image.
-  if (const auto pane = paneAt(event.x, event.y);
-      pane && *pane != Pane::space && shownImages() && ImageViews::isSliceKey(event.key, event.modifiers)) {
-    ViewInput input;
-    input.kind = ViewInput::Kind::key;
-    input.key = event.key;
-    input.modifiers = event.modifiers;
-    handle(*pane, input, event);
-    return;
-  }
-  if (event.isRepeat) return;
-  if (event.key == keyEscape && state.region) {
-    const bool isDragged = state.region->cancelDrag();
-    // What a hand does in the 3D view, and a click that is awaited, end before it.
-    const bool isEnded = !isDragged && buttons == 0 && !(shownImages() && shownImages()->isPicking());
-    if (isEnded) endRegion(context, false);
-    if (isDragged || isEnded) {
-      state.isEscapeTaken = true;  // the dialog comes back in this frame
-      return;
-    }
-  }
-  if (event.key == keyEscape) {
-    if (context.simulation.isLongStep() && actions.transport) actions.transport(C3DE_TRANSPORT_PAUSE);
-    if (services.images) {
-      services.images->cancel();
-      services.images->cancelPick();
-    }
-    return cancelTool();
-  }
-  if (command != Command::none) return context.request(command);
-  if (services.commands)
-    if (const Handle found = services.commands->ofKey(event.key, event.modifiers); !found.isNull())
-      return runPluginCommand(services, found);
-  if (event.modifiers == 0 && services.tools && isFreeForTools(event.key))
-    for (const registry::ToolRegistry::Entry &entry : services.tools->tools())
-      if (entry.tool->shortcut == event.key) {
-        services.tools->activate(entry.handle);
-        return;
-      }
-  ViewInput input;
-  input.kind = ViewInput::Kind::key;
-  input.key = event.key;
-  input.modifiers = event.modifiers;
-  input.time_s = event.time_s;
-  if (event.key >= 0x80) return;
-  const auto pane = buttons != 0 ? pressedPane : paneAt(event.x, event.y);
-  const bool isOfSlice = pane && *pane != Pane::space && services.tools && services.tools->worksInSlices();
-  handle(isOfSlice ? *pane : Pane::space, input, event);
+  const Modes::Answer answer = modes.takeKey(event, context.above());
+  if (answer.command != Command::none) context.request(answer.command);
+  if (!answer.pluginCommand.isNull()) runPluginCommand(services, answer.pluginCommand);
+  if (answer.closesMenus && closeMenus()) modes.takeEscape();
+  if (answer.endsLongStep && context.simulation.isLongStep() && actions.transport)
+    actions.transport(C3DE_TRANSPORT_PAUSE);
 }
 
 void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector<OsEvent> &events,
                                         const render::Renderer &renderer) {
-  viewController->setViewSize(static_cast<int>(view.w), static_cast<int>(view.h));
+  modes.beginFrame(panes, state.overlays);
+  ViewController &space = modes.space();
+  space.setViewSize(static_cast<int>(view.w), static_cast<int>(view.h));
   const ImageViews *images = shownImages();
   const render::ImageScene scene = images ? images->scene() : render::ImageScene();
-  state.isEscapeTaken = false;
-  viewController->setCuts(scene.cutsProxies ? scene.cuts : std::vector<render::CutPlane>());
-  viewController->setInsideFinder([&](const render::Ray &ray) -> std::optional<double> {
+  space.setCuts(scene.cutsProxies ? scene.cuts : std::vector<render::CutPlane>());
+  space.setInsideFinder([&](const render::Ray &ray) -> std::optional<double> {
     std::optional<render::GridPlace> place;
     if (images && images->image()) {
       const imaging::VolumeGeometry &grid = images->image()->volume.geometry;
@@ -267,21 +114,16 @@ void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector
   });
   for (const OsEvent &event : events) {
     switch (event.kind) {
-      case OsEvent::Kind::focusLost:
-        cancelTool();
-        if (services.images) services.images->cancel();
-        if (state.region) (void)state.region->cancelDrag();
-        buttons = 0;
-        break;
+      case OsEvent::Kind::focusLost: modes.loseFocus(); break;
       case OsEvent::Kind::drop:
         if (actions.open && !event.files.empty()) actions.open({event.files, "mm", false});
         break;
       case OsEvent::Kind::keyDown: takeKey(context, event); break;
       case OsEvent::Kind::close: context.request(Command::quit); break;
-      default: takeMouse(event);
+      default: modes.takeMouse(event, context.above());
     }
   }
-  viewController->setInsideFinder(nullptr);
+  space.setInsideFinder(nullptr);
 }
 
 void WorkstationWindow::Impl::layOutPanes() {
@@ -328,200 +170,16 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   drawQuestion(context);
 }
 
-void WorkstationWindow::Impl::openDialog(bool isMesh) {
-  FileDialog::Request request;
-  request.title = isMesh ? "Open mesh" : "Open scene";
-  request.extensions = !isMesh ? "toml" : services.meshExtensions ? services.meshExtensions() : std::string();
-  request.asksMeshUnit = isMesh;
-  request.chosen = [this](const std::filesystem::path &file, const std::string &unit) {
-    if (actions.open) actions.open({{file}, unit, false});
-  };
-  fileDialog.open(std::move(request));
-}
-
-void WorkstationWindow::Impl::openImageDialog(bool areLabels) {
-  FileDialog::Request request;
-  request.title = areLabels ? "Open label map" : "Open image: a file, or any file of a DICOM series";
-  request.chosen = [this, areLabels](const std::filesystem::path &file, const std::string &) {
-    if (actions.open) actions.open({{file}, "mm", areLabels});
-  };
-  fileDialog.open(std::move(request));
-}
-
-void WorkstationWindow::Impl::openStateDialog() {
-  FileDialog::Request request;
-  request.title = "Load state";
-  request.extensions = kStateExtensions;
-  request.chosen = [this](const std::filesystem::path &file, const std::string &) {
-    if (actions.loadState) actions.loadState(file);
-  };
-  fileDialog.open(std::move(request));
-}
-
-void WorkstationWindow::Impl::openExportDialog(Command command) {
-  FileDialog::Request request;
-  request.isSaving = true;
-  std::function<void(const std::filesystem::path &)> action;
-  const auto set = [&](const char *title, const std::string &extensions, const auto &wanted) {
-    request.title = title;
-    request.extensions = extensions;
-    const std::string name = actions.proposeName ? actions.proposeName(command) : std::string();
-    if (!name.empty()) request.proposed = name + "." + extensions.substr(0, extensions.find(';'));
-    action = wanted;
-  };
-  switch (command) {
-    case Command::exportFrame: set("Export simulation frame", kFrameExtensions, actions.exportFrame); break;
-    case Command::exportImage: set("Export deformed image", kImageExtensions, actions.exportImage); break;
-    case Command::exportDisplacement: set("Export displacement", kImageExtensions, actions.exportDisplacement); break;
-    case Command::exportTissues: set("Export tissue table", "csv", actions.exportTissues); break;
-    case Command::saveState: set("Save state", kStateExtensions, actions.saveState); break;
-    default:
-      set("Export surface", actions.surfaceExtensions ? actions.surfaceExtensions() : "obj", actions.exportSurface);
-      break;
-  }
-  request.chosen = [action](const std::filesystem::path &file, const std::string &) {
-    if (action) action(file);
-  };
-  fileDialog.open(std::move(request));
-}
-
-void WorkstationWindow::Impl::lookFrom(const Vec3 &meshDirection, const Vec3 &patientDirection) {
-  lookAlong(camera, camera.upAxis == render::UpAxis::z ? patientDirection : meshDirection);
-}
-
-void WorkstationWindow::Impl::resetView(std::optional<Pane> pane) {
-  ImageViews *images = shownImages();
-  for (const Pane slice : kSlicePanes)
-    if (images && pane.value_or(slice) == slice) images->view(slice).reset();
-  if (pane.value_or(Pane::space) != Pane::space) return;
-  lookFromStart(camera);
-  framesToFit = 1;
-}
-
-void WorkstationWindow::Impl::quitOrAsk() {
-  const std::string toLose = actions.unsaved ? actions.unsaved() : std::string();
-  if (toLose.empty()) return window->requestClose();
-  state.question = {"quit", "Quit C3DE?", toLose, {{"quit", "Quit"}, {"stay", "Stay"}}};
-}
-
-void WorkstationWindow::Impl::cancelTool() {
-  viewController->cancel();
-  sliceController->cancel();
-}
-
-bool WorkstationWindow::Impl::isScanAsked() const {
-  return services.scanBody && services.scanBody->isShown() && !state.region && !state.question && !fileDialog.isOpen();
-}
-
-void WorkstationWindow::Impl::undo() {
-  if (state.region) return state.region->undo();
-  if (isScanAsked()) return services.scanBody->undo();
-  // What a tool holds is let go, and is the first to be undone.
-  if (services.tools) services.tools->cancelActive();
-  state.history.follow(services.parameters, services.workflow, services.edits);
-  state.history.undo();
-}
-
-void WorkstationWindow::Impl::resetLayout() {
-  state.layout = {};
-  state.layout.resetSections = true;
-  if (ImageViews *images = shownImages()) images->setMaximised({});
-}
-
-void WorkstationWindow::Impl::transport(const SimulationView &simulation, std::uint32_t action) {
-  // What a tool holds is gone with the state.
-  if (action == C3DE_TRANSPORT_RESET || action == C3DE_TRANSPORT_STOP) cancelTool();
-  if (actions.transport && simulation.exists) actions.transport(action);
-}
-
-void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
-  const SimulationView &simulation = context.simulation;
-  const auto call = [](const std::function<void()> &action) {
-    if (action) action();
-  };
-  const auto onImage = [&](const auto &act) {
-    if (ImageViews *images = shownImages()) act(*images);
-  };
-  const auto toggle = [&](bool ImageOptions::*flag) {
-    onImage([flag](ImageViews &images) {
-      ImageOptions options = images.options();
-      options.*flag = !(options.*flag);
-      images.setOptions(options);
-    });
-  };
-  switch (command) {
-    case Command::none: break;
-    case Command::openMesh: openDialog(true); break;
-    case Command::openScene: openDialog(false); break;
-    case Command::openImage: openImageDialog(false); break;
-    case Command::openLabels: onImage([&](ImageViews &) { openImageDialog(true); }); break;
-    case Command::makeScanAlive:
-      if (services.scanBody) services.scanBody->show(true);
-      break;
-    case Command::closeImage: onImage([&](ImageViews &) { call(actions.closeImage); }); break;
-    case Command::reload: call(actions.reload); break;
-    case Command::exportSurface:
-    case Command::exportFrame:
-    case Command::saveState:
-      if (simulation.exists) openExportDialog(command);
-      break;
-    case Command::exportImage:
-    case Command::exportDisplacement:
-      if (simulation.exists && shownImages()) openExportDialog(command);
-      break;
-    case Command::exportTissues:
-      if (simulation.exists && services.tissues && !services.tissues->rows.empty()) openExportDialog(command);
-      break;
-    case Command::screenshot: call(actions.screenshot); break;
-    case Command::quit: quitOrAsk(); break;
-    case Command::undo: undo(); break;
-    case Command::redo: state.region ? state.region->redo() : state.history.redo(); break;
-    case Command::fitView: framesToFit = 1; break;
-    case Command::resetView: resetView(paneAt(context.mouseX, context.mouseY)); break;
-    case Command::viewFront: lookFrom({0, 0, -1}, {0, 1, 0}); break;
-    case Command::viewBack: lookFrom({0, 0, 1}, {0, -1, 0}); break;
-    case Command::viewLeft: lookFrom({1, 0, 0}, {-1, 0, 0}); break;
-    case Command::viewRight: lookFrom({-1, 0, 0}, {1, 0, 0}); break;
-    case Command::viewTop: lookFrom({0, -1, 0}, {0, 0, -1}); break;
-    case Command::viewBottom: lookFrom({0, 1, 0}, {0, 0, 1}); break;
-    case Command::fourViews: onImage([](ImageViews &images) { images.setMaximised({}); }); break;
-    case Command::onlySpace: onImage([](ImageViews &images) { images.setMaximised(Pane::space); }); break;
-    case Command::resetSlices: onImage([](ImageViews &images) { images.resetViews(); }); break;
-    case Command::crossHair: toggle(&ImageOptions::showsCrossHair); break;
-    case Command::windowLevelMode: toggle(&ImageOptions::isWindowLevelMode); break;
-    case Command::cutAxial: onImage([](ImageViews &images) { images.turnCut(Pane::axial); }); break;
-    case Command::cutSagittal: onImage([](ImageViews &images) { images.turnCut(Pane::sagittal); }); break;
-    case Command::cutCoronal: onImage([](ImageViews &images) { images.turnCut(Pane::coronal); }); break;
-    case Command::resetLayout: resetLayout(); break;
-    case Command::playPause:
-      transport(simulation, simulation.transport.mode == C3DE_SIM_PLAYING ? C3DE_TRANSPORT_PAUSE : C3DE_TRANSPORT_PLAY);
-      break;
-    case Command::step: transport(simulation, C3DE_TRANSPORT_STEP); break;
-    case Command::reset: transport(simulation, C3DE_TRANSPORT_RESET); break;
-    case Command::stop: transport(simulation, C3DE_TRANSPORT_STOP); break;
-    case Command::loadState:
-      if (simulation.exists) openStateDialog();
-      break;
-    case Command::orbitTool:
-      if (services.tools) services.tools->activate({});
-      break;
-    case Command::showShortcuts: state.showShortcuts = true; break;
-    case Command::showMessages: state.showMessages = true; break;
-    case Command::managePlugins: state.showPlugins = true; break;
-    case Command::showAbout: state.showAbout = true; break;
-  }
-}
-
 void WorkstationWindow::Impl::carryOut(FrameContext &context) {
-  for (const Command command : std::exchange(context.commands, {})) carryOut(context, command);
+  for (const Command command : std::exchange(context.commands, {})) ui::carryOut(context, command);
 }
 
 void WorkstationWindow::Impl::fitIfWanted() {
-  if (framesToFit <= 0 || !services.scene) return;
+  if (state.framesToFit <= 0 || !services.scene) return;
   const auto bounds = services.scene->bounds();
   if (!bounds) return;
   camera.fit(bounds->min, bounds->max, view.isEmpty() ? 1.0 : view.w / view.h);
-  --framesToFit;
+  --state.framesToFit;
   framesToSettle = std::max(framesToSettle, 1);
 }
 
@@ -556,8 +214,6 @@ Expected<std::unique_ptr<WorkstationWindow>> WorkstationWindow::create(const Win
   if (auto version = render::checkGlVersion(); !version) return tl::unexpected(version.error());
   impl->imgui = std::make_unique<ImGuiSession>(*impl->window);
   if (!impl->imgui->theme().note.empty()) log(LogLevel::info, impl->imgui->theme().note);
-  impl->viewController.emplace(impl->noTools, impl->camera);
-  impl->sliceController.emplace(impl->noTools);
   return std::unique_ptr<WorkstationWindow>(new WorkstationWindow(std::move(impl)));
 }
 
@@ -572,9 +228,7 @@ WorkstationWindow::~WorkstationWindow() {
 void WorkstationWindow::connect(const WindowServices &services, WindowActions actions) {
   impl_->services = services;
   impl_->actions = std::move(actions);
-  registry::ToolRegistry &tools = services.tools ? *services.tools : impl_->noTools;
-  impl_->viewController.emplace(tools, impl_->camera);
-  impl_->sliceController.emplace(tools);
+  impl_->modes.connect(services);
 }
 
 void WorkstationWindow::setAbout(AboutText about) { impl_->state.about = std::move(about); }
@@ -649,9 +303,9 @@ void WorkstationWindow::Impl::layOutAndCarryOut(FrameContext &context, const ren
   if (state.dock.height != dockHeight || state.sideRows.isSettling()) framesToSettle = std::max(framesToSettle, 2);
   // A dialog that comes by itself, with the end of a job: its first frame does not show it.
   if (popups.Size != popupCount) framesToSettle = kFramesToSettle;
-  if (state.answer == std::pair<std::string, std::string>("quit", "quit")) window->requestClose();
   if (!state.tooltip.isSeen) state.tooltip = {};
   carryOut(context);
+  if (state.answer == kQuit) window->requestClose();
   fitIfWanted();
 }
 
@@ -679,9 +333,8 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
                   (impl.services.jobs && !impl.services.jobs->running().empty());
   impl.measureRate(GlfwWindow::now_s());
 
-  FrameContext context{impl.services,   impl.actions, simulation,      impl.imgui->theme(),
-                       impl.automation, impl.state,   impl.fileDialog, impl.camera};
-  impl.state.history.follow(impl.services.parameters, impl.services.workflow, impl.services.edits);
+  FrameContext context{impl.services, impl.actions, simulation,      impl.imgui->theme(), impl.automation,
+                       impl.state,    impl.modes,   impl.fileDialog, impl.camera};
   context.windowSize = impl.window->windowSize();
   context.frame = ++impl.frame;
   context.framesPerSecond = impl.framesPerSecond;
@@ -697,11 +350,11 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
   context.mouseY = ImGui::GetIO().MousePos.y;
   impl.takeInput(context, events, renderer);
   if (ImageViews *images = impl.shownImages()) {
-    const std::optional<Pane> pane = impl.paneAt(context.mouseX, context.mouseY);
+    const std::optional<Pane> pane = impl.modes.paneAt(context.mouseX, context.mouseY, context.above());
     images->setPointedAt(pane && *pane != Pane::space);
   }
   impl.layOutAndCarryOut(context, renderer);
-  context.mouseButtons = impl.buttons;
+  context.mouseButtons = impl.modes.buttons();
   impl.automation.endFrame(context, GlfwWindow::now_s());
   impl.imgui->endFrame();
 
@@ -728,7 +381,7 @@ int WorkstationWindow::viewHeight() const {
 
 void WorkstationWindow::requestFit() {
   // The first bounds may be those of a part of what is loaded.
-  impl_->framesToFit = 3;
+  impl_->state.framesToFit = 3;
   impl_->window->wake();
 }
 

@@ -13,34 +13,13 @@
 #include "c3de/core/handle.h"
 #include "c3de/render/camera.h"
 #include "c3de/ui/commands.h"
-#include "c3de/ui/tissue_table.h"
+#include "c3de/ui/window_services.h"
 
-namespace c3de::segmentation {
-class ScanBody;
-class SegmentationWorkflow;
-}  // namespace c3de::segmentation
-
-namespace c3de::registry {
-class CommandRegistry;
-class EditList;
-class PanelRegistry;
-class ParameterRegistry;
-class ToolRegistry;
-}  // namespace c3de::registry
-
-namespace c3de {
-class BackgroundJobs;
-namespace render {
+namespace c3de::render {
 class Renderer;
 }
-namespace scene {
-class SceneGraph;
-}
-}  // namespace c3de
 
 namespace c3de::ui {
-
-class ImageViews;
 
 struct WindowOptions {
   std::string title = "C3DE";
@@ -99,22 +78,6 @@ struct WindowActions {
   std::function<void()> closeImage;
   std::function<std::string()> unsaved;  ///< what quitting now would lose, for a person; empty: nothing
   std::function<void()> beforeDraw;      ///< panels have been handled, the 3D view is about to be drawn
-};
-
-/// What the window shows; must outlive its last drawFrame(). Null members show nothing.
-struct WindowServices {
-  registry::PanelRegistry *panels = nullptr;
-  registry::ToolRegistry *tools = nullptr;
-  registry::ParameterRegistry *parameters = nullptr;
-  scene::SceneGraph *scene = nullptr;
-  BackgroundJobs *jobs = nullptr;
-  ImageViews *images = nullptr;                            ///< while it has an image, slices stand beside the 3D view
-  segmentation::SegmentationWorkflow *workflow = nullptr;  ///< its steps are undone while they are what was edited last
-  segmentation::ScanBody *scanBody = nullptr;              ///< asked for while it is shown
-  TissueTable *tissues = nullptr;                          ///< a section of the side panel while it has rows
-  registry::EditList *edits = nullptr;                     ///< of plugins, likewise
-  registry::CommandRegistry *commands = nullptr;           ///< of plugins; a menu where there are any
-  std::function<std::string()> meshExtensions;             ///< for the dialog: "obj;stl"
 };
 
 /// For Help > About.

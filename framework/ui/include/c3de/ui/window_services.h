@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "c3de/ui/tissue_table.h"
+
+namespace c3de::segmentation {
+class ScanBody;
+class SegmentationWorkflow;
+}  // namespace c3de::segmentation
+
+namespace c3de::registry {
+class CommandRegistry;
+class EditList;
+class PanelRegistry;
+class ParameterRegistry;
+class ToolRegistry;
+}  // namespace c3de::registry
+
+namespace c3de {
+class BackgroundJobs;
+namespace scene {
+class SceneGraph;
+}
+}  // namespace c3de
+
+namespace c3de::ui {
+
+class ImageViews;
+
+/// What the window shows; must outlive its last drawFrame(). Null members show nothing.
+struct WindowServices {
+  registry::PanelRegistry *panels = nullptr;
+  registry::ToolRegistry *tools = nullptr;
+  registry::ParameterRegistry *parameters = nullptr;
+  scene::SceneGraph *scene = nullptr;
+  BackgroundJobs *jobs = nullptr;
+  ImageViews *images = nullptr;                            ///< while it has an image, slices stand beside the 3D view
+  segmentation::SegmentationWorkflow *workflow = nullptr;  ///< its steps are undone while they are what was edited last
+  segmentation::ScanBody *scanBody = nullptr;              ///< asked for while it is shown
+  TissueTable *tissues = nullptr;                          ///< a section of the side panel while it has rows
+  registry::EditList *edits = nullptr;                     ///< of plugins, likewise
+  registry::CommandRegistry *commands = nullptr;           ///< of plugins; a menu where there are any
+  std::function<std::string()> meshExtensions;             ///< for the dialog: "obj;stl"
+};
+
+}  // namespace c3de::ui
