@@ -604,6 +604,123 @@ TEST_CASE("A piece of what slides is set by the name that the report says", "[ti
              Contains("cannot be changed for a piece; accepted: material"));
 }
 
+TEST_CASE("Pieces and the rest are rigid, free or thrown each by itself, and the rest has a name", "[tissues]") {
+  const auto folder = freshFolder("tissues-slide-pieces");
+  writeBlocks(folder / "blocks.nrrd");
+  const std::string slides = "slides = [\"above\"]\nslide_friction = 0\n", text = blocksScene(slides);
+  const auto scene = writeFile(folder / "scene.toml", text);
+  const auto run = [&](const std::filesystem::path &what, const std::vector<std::string> &set, double until_s = 0.02) {
+    std::vector<std::string> more{"--until", std::to_string(until_s)};
+    for (const std::string &one : set) more.insert(more.end(), {"--set", one});
+    return runToReport(what, more);
+  };
+  const auto centre = [](const nlohmann::json &report, std::size_t body, std::size_t axis) {
+    return report["bodies"][body]["centre_of_mass_m"][axis].get<double>();
+  };
+  const auto as = run(scene, {});
+  REQUIRE(as["bodies"].size() == 2);
+
+  // It stands, and what is pushed against it does not come through.
+  const auto standing = run(scene, {"body.scan.above.rigid=true", "body.scan.velocity=[0, 0, 0.1]"});
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    CHECK(centre(standing, 1, axis) == Approx(axis == 0 ? 0.064 : axis == 1 ? 0.032 : 0.048).margin(1e-12));
+  // It goes as the soft one does, half a F/m t² less what bulges hold back, and keeps its shape.
+  const double pushed = centre(as, 1, 0) - 0.064;
+  const auto free = run(scene, {"body.scan.above.free=true", "body.scan.above.rigid=true"});
+  CHECK(pushed > 5e-4);
+  CHECK(centre(free, 1, 0) - 0.064 == Approx(pushed).epsilon(0.15));
+  CHECK(free["bodies"][1]["energy_J"]["elastic"] == 0.0);
+  CHECK(free["bodies"][0]["energy_J"]["elastic"] > 0.0);
+  // Each by itself.
+  const std::vector<std::string> light{"world.gravity=[0, 0, 0]", "load.push.force=[0, 0, 0]"};
+  const auto thrown = [&](std::string set, double until_s) {
+    std::vector<std::string> all = light;
+    all.push_back(std::move(set));
+    return run(scene, all, until_s);
+  };
+  const auto above = thrown("body.scan.above.velocity=[0, 0.1, 0]", 0.01),
+             rest = thrown("body.scan.rest.velocity=[0, 0.1, 0]", 1e-4);
+  CHECK(centre(above, 1, 1) - 0.032 == Approx(1e-3).epsilon(0.05));
+  CHECK(std::abs(centre(above, 0, 1) - 0.032) < 5e-5);
+  const double mass = rest["bodies"][0]["mass_kg"].get<double>();
+  CHECK(rest["bodies"][0]["momentum"][1].get<double>() > 0.7 * 0.1 * mass);  // it is held below
+  CHECK(std::abs(rest["bodies"][1]["momentum"][1].get<double>()) < 0.05 * 0.1 * mass);
+
+  // What speaks of the rest speaks of nothing else.
+  const auto set = run(scene, {"body.scan.rest.material.density=500", "body.scan.rest.sampling.spacing=0.016"}, 1e-4);
+  CHECK(set["bodies"][0]["mass_kg"].get<double>() == Approx(0.5 * as["bodies"][0]["mass_kg"].get<double>()));
+  CHECK(set["bodies"][0]["phyxels"].get<int>() < as["bodies"][0]["phyxels"].get<int>() / 4);
+  CHECK(set["bodies"][1]["mass_kg"] == as["bodies"][1]["mass_kg"]);
+  CHECK(set["bodies"][1]["phyxels"] == as["bodies"][1]["phyxels"]);
+  const std::string fix = "[[fix]]\nbody = \"scan\"\n", pair = "[[contact.pair]]\nfriction = 0.3\nbodies = [\"scan";
+  REQUIRE(text.find(fix) != std::string::npos);
+  std::string all = text, alone = text;
+  all += pair + "\", \"scan.above\"]\n";
+  alone.replace(alone.find(fix), fix.size(), "[[fix]]\nbody = \"scan.rest\"\n");
+  alone += pair + ".rest\", \"scan.above\"]\n";
+  const auto whole = run(writeFile(folder / "all.toml", all), {}),
+             other = run(writeFile(folder / "rest.toml", alone), {});
+  CHECK(whole["state_hash"] == other["state_hash"]);
+  CHECK(whole["state_hash"] != as["state_hash"]);
+  REQUIRE(other["contacts"].size() == 1);
+  CHECK(other["contacts"][0]["bodies"] == nlohmann::json{"scan", "scan.above"});
+  // A fix of both acts on what does not stand anyway.
+  std::string both = text;
+  both.replace(both.find("0.004] } }"), 10, "0.004] } }\n[[fix]]\nbody = \"scan\"\nregion = { everywhere = true }");
+  const auto held = run(writeFile(folder / "both.toml", both), {"body.scan.above.rigid=true"}, 1e-3);
+  REQUIRE(held["reactions"].size() == 2);
+  CHECK(held["reactions"][1]["body"] == "scan");
+
+  const auto refusal = [&](const std::vector<std::string> &assignments) {
+    std::vector<std::string> arguments{"run", scene.string(), "--steps", "1"};
+    for (const std::string &one : assignments) arguments.insert(arguments.end(), {"--set", one});
+    const auto refused = runC3de(arguments);
+    CHECK(refused.exitCode == 2);
+    return refused.errorOutput;
+  };
+  CHECK_THAT(refusal({"body.scan.above.free=true"}),
+             Contains("--set body.scan.above.free: 'scan.above' deforms, and moves freely where nothing holds it; "
+                      "accepted: free = true of what is rigid, --set body.scan.above.rigid=true"));
+  CHECK_THAT(refusal({"body.scan.rest.velocity=[0, 0, 1]", "body.scan.rest.rigid=true"}),
+             Contains("'scan.rest' has a velocity and is rigid, which stands in its place; accepted: one of them, or "
+                      "--set body.scan.rest.free=true"));
+  CHECK_THAT(refusal({"body.scan.rigid=true"}), Contains("of pieces: PIECE.rigid, pieces: scan.above, scan.rest"));
+  CHECK_THAT(refusal({"body.scan.rst.rigid=true"}),
+             Contains("there is no piece 'scan.rst'; did you mean 'scan.rest'? accepted: scan.above, scan.rest"));
+}
+
+TEST_CASE("Rigid tissue of a piece that is rigid does what all of it does", "[tissues]") {
+  const auto folder = freshFolder("tissues-slide-bone");
+  imaging::LabelMap map;
+  map.geometry.size = {18, 18, 26};
+  for (const std::size_t axis : {0, 5, 10}) map.geometry.indexToWorld[axis] = 4.0;
+  map.voxels.assign(map.geometry.voxelCount(), 0);
+  for (std::size_t k = 1; k < 25; ++k)
+    for (std::size_t j = 1; j < 17; ++j)
+      for (std::size_t i = 1; i < 17; ++i) map.voxels[i + 18 * (j + 18 * k)] = k < 9 ? 3 : k < 17 ? 1 : 2;
+  map.labels = {{1, "below", {0.6F, 0.2F, 0.1F}}, {2, "above", {0.2F, 0.6F, 0.1F}}, {3, "bone", {0.9F, 0.9F, 0.6F}}};
+  REQUIRE(imaging::writeLabelMap(folder / "blocks.nrrd", map));
+  const auto scene =
+      writeFile(folder / "scene.toml",
+                "format = 1\n[world]\ngravity = [0, 0, -9.81]\n[[body]]\nname = \"scan\"\nvolume = \"blocks.nrrd\"\n"
+                "slides = [\"above\"]\nsampling = { spacing = 0.008 }\n"
+                "tissues = [ { label = \"below\", material = \"liver\" }, { label = \"above\", material = \"liver\" }, "
+                "{ label = \"bone\", rigid = true } ]\n");
+  const auto as = runToReport(scene, {"--until", "0.01"});
+  REQUIRE(as["reactions"].size() == 1);
+  const auto standing = runToReport(scene, {"--until", "0.01", "--set", "body.scan.rest.rigid=true"});
+  CHECK(standing["reactions"].empty());
+  const double dropped =
+      as["bodies"][0]["centre_of_mass_m"][2].get<double>() - standing["bodies"][0]["centre_of_mass_m"][2].get<double>();
+  CHECK(dropped < 0.0);
+  const auto falling = runToReport(
+      scene, {"--until", "0.01", "--set", "body.scan.rest.rigid=true", "--set", "body.scan.rest.free=true"});
+  const double t = falling["time_s"].get<double>();
+  CHECK(standing["bodies"][0]["centre_of_mass_m"][2].get<double>() -
+            falling["bodies"][0]["centre_of_mass_m"][2].get<double>() ==
+        Approx(0.5 * 9.81 * t * t).epsilon(0.1));
+}
+
 TEST_CASE("Pieces in balance with the gravity of the scan stay where they are", "[tissues]") {
   const auto folder = freshFolder("tissues-slide-rest");
   writeBlocks(folder / "blocks.nrrd");

@@ -161,6 +161,13 @@ Expected<std::vector<ParameterValue>> fitToDeclarations(const SceneFile &scene, 
   return all;
 }
 
+const SceneValue *trueOf(const std::vector<SceneValue> &values, std::string_view id) {
+  const auto found = std::find_if(values.begin(), values.end(), [&](const SceneValue &value) {
+    return value.value.id == id && value.value.num != 0.0;
+  });
+  return found == values.end() ? nullptr : &*found;
+}
+
 Expected<geometry::LengthUnit> parseLengthUnit(std::string_view name) {
   if (name == "m") return geometry::LengthUnit::metre;
   if (name == "mm") return geometry::LengthUnit::millimetre;

@@ -202,12 +202,16 @@ bool SceneReader::readProbe(const TomlValue &table) {
 }
 
 bool SceneReader::checkBodyNames() {
-  const std::vector<std::string> names = namesOfBodies(scene_);
-  for (const SceneBody &body : scene_.bodies)
-    for (const std::string &piece : namesOfPieces(body))
+  const std::vector<std::string> names = namesToSpeakOf(scene_);
+  for (const SceneBody &body : scene_.bodies) {
+    if (body.volume.slides.empty()) continue;
+    std::vector<std::string> pieces = namesOfPieces(body);
+    pieces.push_back(nameOfRest(body));
+    for (const std::string &piece : pieces)
       if (std::count(names.begin(), names.end(), piece) > 1)
-        return refuse(body.line, "'" + piece + "' is the name of a body and of what slides of '" + body.name +
+        return refuse(body.line, "'" + piece + "' is the name of a body and of a piece of '" + body.name +
                                      "'; accepted: names that differ");
+  }
   for (SceneFix &fix : scene_.fixes)
     if (!checkBodyName("fix", fix.line, fix.body)) return false;
   for (SceneLoad &load : scene_.loads)
@@ -220,7 +224,7 @@ bool SceneReader::checkBodyNames() {
 }
 
 bool SceneReader::checkBodyName(const std::string &what, int line, std::string &body) {
-  const std::vector<std::string> names = namesOfBodies(scene_);
+  const std::vector<std::string> names = namesToSpeakOf(scene_);
   if (body.empty() && scene_.bodies.size() == 1) body = names.front();
   if (std::find(names.begin(), names.end(), body) != names.end()) return true;
   if (body.empty())

@@ -134,7 +134,7 @@ class SceneReader {
 
   bool refusePath(const std::string &path);
   bool overrideBody(const std::string &rest, const TomlValue &value);
-  bool overridePiece(SceneBody &body, std::size_t slide, const std::string &key, const TomlValue &value);
+  bool overridePiece(const SceneBody &body, ScenePiece &piece, const std::string &key, const TomlValue &value);
   bool overrideSlides(SceneBody &body, const TomlValue &value);
   bool overridePart(SceneBody &body, const std::string &rest, const TomlValue &value);
   bool overrideFix(const std::string &rest, const TomlValue &value);

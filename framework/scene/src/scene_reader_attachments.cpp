@@ -100,6 +100,7 @@ bool SceneReader::attachBodies() {
     };
     for (SceneBody &body : scene_.bodies) {
       give(body.name, body.params);
+      if (!body.volume.slides.empty()) give(nameOfRest(body), body.volume.rest.params);
       const std::vector<std::string> pieces = namesOfPieces(body);
       for (std::size_t i = 0; i < pieces.size(); ++i) give(pieces[i], body.volume.slides[i].params);
     }
@@ -108,7 +109,7 @@ bool SceneReader::attachBodies() {
 }
 
 bool SceneReader::checkAttachments() {
-  const std::vector<std::string> bodies = namesOfBodies(scene_);
+  const std::vector<std::string> bodies = namesToSpeakOf(scene_);
   std::vector<std::string> others = bodies;
   for (const SceneObstacle &obstacle : scene_.obstacles) others.push_back(obstacle.name);
   for (std::size_t i = 0; i < scene_.attachments.size(); ++i) {

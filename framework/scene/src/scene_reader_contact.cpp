@@ -132,7 +132,7 @@ bool SceneReader::readPath(const TomlValue &value, std::vector<SceneToolPlace> &
 }
 
 bool SceneReader::checkPairs() {
-  const std::vector<std::string> bodies = namesOfBodies(scene_);
+  const std::vector<std::string> bodies = namesToSpeakOf(scene_);
   std::vector<std::string> others{kWallsName};
   for (const SceneObstacle &obstacle : scene_.obstacles) others.push_back(obstacle.name);
   for (const SceneProbeTool &tool : scene_.probeTools) others.push_back(tool.name);

@@ -39,15 +39,23 @@ T *findElement(std::vector<T> &elements, const std::string &rest, std::string &k
   return best;
 }
 
-/// Which piece of a body "piece.key" speaks of, and the key, which may be missing; names may contain dots.
-std::optional<std::size_t> findPiece(const SceneBody &body, const std::string &rest, std::string &key) {
-  std::optional<std::size_t> best;
-  const std::vector<std::string> names = namesOfPieces(body);
+/// Of what slides, then of the rest; none: the body is not cut.
+std::vector<std::string> namesOfAllPieces(const SceneBody &body) {
+  std::vector<std::string> names = namesOfPieces(body);
+  if (!names.empty()) names.push_back(nameOfRest(body));
+  return names;
+}
+
+/// What is said of the piece that "piece.key" speaks of, and the key, which may be missing; names may contain dots.
+/// Null: it is none.
+ScenePiece *findPiece(SceneBody &body, const std::string &rest, std::string &key) {
+  ScenePiece *best = nullptr;
+  const std::vector<std::string> names = namesOfAllPieces(body);
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string label = names[i].substr(body.name.size() + 1);
     const auto found = rest == label ? std::optional<std::string>("") : keyUnder(label + ".", rest);
     if (!found || (best && found->size() >= key.size())) continue;
-    best = i;
+    best = i < body.volume.slides.size() ? &body.volume.slides[i] : &body.volume.rest;
     key = *found;
   }
   return best;
@@ -122,9 +130,10 @@ bool SceneReader::refusePath(const std::string &path) {
     add("body." + body.name, {C3DE_PARAM_ID_DENSITY, C3DE_PARAM_ID_YOUNGS_MODULUS, C3DE_PARAM_ID_POISSON_RATIO,
                               C3DE_PARAM_ID_SPACING, C3DE_PARAM_ID_COUNT, C3DE_PARAM_ID_SURROUNDINGS_STIFFNESS,
                               C3DE_PARAM_ID_RIGID, C3DE_PARAM_ID_FREE, "position", "rotation_deg", "matrix", "scale"});
-    for (const std::string &piece : namesOfPieces(body))
+    for (const std::string &piece : namesOfAllPieces(body))
       add("body." + piece, {C3DE_PARAM_ID_DENSITY, C3DE_PARAM_ID_YOUNGS_MODULUS, C3DE_PARAM_ID_POISSON_RATIO,
-                            C3DE_PARAM_ID_SPACING, C3DE_PARAM_ID_COUNT, C3DE_PARAM_ID_SURROUNDINGS_STIFFNESS});
+                            C3DE_PARAM_ID_SPACING, C3DE_PARAM_ID_COUNT, C3DE_PARAM_ID_SURROUNDINGS_STIFFNESS,
+                            C3DE_PARAM_ID_RIGID, C3DE_PARAM_ID_FREE, "velocity"});
   }
   for (std::size_t i = 0; i < scene_.fixes.size(); ++i)
     add("fix." + nameOrNumber(scene_.fixes[i], i),
@@ -151,9 +160,9 @@ bool SceneReader::refusePath(const std::string &path) {
 bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) {
   std::string key;
   SceneBody *body = findElement(scene_.bodies, rest, key);
-  if (body == nullptr) return refuse(0, noElement(namesOfBodies(scene_), "body", rest.substr(0, rest.find('.'))));
+  if (body == nullptr) return refuse(0, noElement(namesToSpeakOf(scene_), "body", rest.substr(0, rest.find('.'))));
   std::string keyOfPiece;
-  if (const auto slide = findPiece(*body, key, keyOfPiece)) return overridePiece(*body, *slide, keyOfPiece, value);
+  if (ScenePiece *piece = findPiece(*body, key, keyOfPiece)) return overridePiece(*body, *piece, keyOfPiece, value);
   if (key == "name") return refuse(0, "the name of a body cannot be changed here");
   if (key == "material.preset") return readMaterial(body->params, value);
   if (keyUnder("material.", key)) return store(body->params, key, value);
@@ -166,11 +175,14 @@ bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) 
   }
   // What tissues are follows from the whole table.
   const bool hasTissues = body->volume.hasTissues();
+  const bool isOfPieces = !body->volume.slides.empty() && (key == C3DE_PARAM_ID_RIGID || key == C3DE_PARAM_ID_FREE);
   if (key == "tissues" || key == "background" ||
       (hasTissues && (key == "parts" || key == "label" || key == "threshold" || key == "rigid" || key == "free")))
     return refuse(0, "'" + key + "' of " + (hasTissues ? "a body with tissues" : "a body") +
                          " cannot be changed here, only in the scene; accepted of tissues: "
-                         "parts.NUMBER.material.…, in the order of those that are not rigid");
+                         "parts.NUMBER.material.…, in the order of those that are not rigid" +
+                         (isOfPieces ? "; of pieces: PIECE." + key + ", pieces: " + joined(namesOfAllPieces(*body))
+                                     : std::string()));
   const bool isOfVolume = key == "volume" || key == "label" || key == "threshold" || key == "mend" ||
                           key == "edge_length" || key == "region";
   if (isOfVolume && body->volume.file.empty())
@@ -181,8 +193,8 @@ bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) 
     return refuse(0, "'" + key + "' belongs to a body with 'tissues'");
   if (key == "slides") return overrideSlides(*body, value);
   if (const std::size_t dot = key.find('.'); dot != std::string::npos && !body->volume.slides.empty())
-    return refuse(0, noElement(namesOfPieces(*body), "piece", body->name + "." + key.substr(0, dot)) + "; keys of '" +
-                         body->name + "': material.…, sampling.…, surroundings.…, parts.…");
+    return refuse(0, noElement(namesOfAllPieces(*body), "piece", body->name + "." + key.substr(0, dot)) +
+                         "; keys of '" + body->name + "': material.…, sampling.…, surroundings.…, parts.…");
   if (!bodyKey(*body, key, value)) return false;
   // Of two ways to say the same thing, the override is what counts.
   if (key == "label") body->volume.threshold.reset();
@@ -193,15 +205,19 @@ bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) 
   return true;
 }
 
-bool SceneReader::overridePiece(SceneBody &body, std::size_t slide, const std::string &key, const TomlValue &value) {
-  std::vector<SceneValue> &params = body.volume.slides[slide].params;
+bool SceneReader::overridePiece(const SceneBody &body, ScenePiece &piece, const std::string &key,
+                                const TomlValue &value) {
+  std::vector<SceneValue> &params = piece.params;
+  if (key == "velocity") return readVec3(key, value, piece.velocity_m_s.emplace());
+  if (key == C3DE_PARAM_ID_RIGID || key == C3DE_PARAM_ID_FREE) return store(params, key, value);
   if (key == "material" || key == "material.preset") return readMaterial(params, value);
   const auto sampling = keyUnder("sampling.", key);
   if (keyUnder("material.", key) || keyUnder("surroundings.", key) || (sampling && *sampling != "refine"))
     return store(params, key, value);
   return refuse(0, (key.empty() ? "says no key of a piece of '" + body.name + "'"
                                 : "'" + key + "' is of all of '" + body.name + "' and cannot be changed for a piece") +
-                       "; accepted: material, material.…, sampling.… but refine, surroundings.…");
+                       "; accepted: material, material.…, sampling.… but refine, surroundings.…, velocity, rigid, "
+                       "free");
 }
 
 bool SceneReader::overrideSlides(SceneBody &body, const TomlValue &value) {
@@ -211,11 +227,11 @@ bool SceneReader::overrideSlides(SceneBody &body, const TomlValue &value) {
   // What has been said of a piece stays with its name.
   const std::vector<std::string> now = namesOfPieces(body);
   for (std::size_t i = 0; i < before.size(); ++i) {
-    if (before[i].params.empty()) continue;
+    if (before[i].isEmpty()) continue;
     const auto found = std::find(now.begin(), now.end(), names[i]);
     if (found == now.end())
       return refuse(0, noElement(now, "piece", names[i]) + "; an [[attachment]] or --set speaks of it");
-    body.volume.slides[static_cast<std::size_t>(found - now.begin())].params = before[i].params;
+    static_cast<ScenePiece &>(body.volume.slides[static_cast<std::size_t>(found - now.begin())]) = before[i];
   }
   return checkBodyNames() && checkAttachments() && checkPairs();
 }

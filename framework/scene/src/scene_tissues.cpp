@@ -33,6 +33,14 @@ std::vector<std::string> namesOfPieces(const SceneBody &body) {
   return names;
 }
 
+std::string nameOfRest(const SceneBody &body) {
+  const std::vector<std::string> names = namesOfPieces(body);
+  std::string name = body.name + ".rest";
+  for (int i = 2; std::find(names.begin(), names.end(), name) != names.end(); ++i)
+    name = body.name + ".rest-" + std::to_string(i);
+  return name;
+}
+
 namespace {
 
 bool isUnder(const char *table, const SceneValue &value) { return value.value.id.rfind(table, 0) == 0; }
@@ -44,22 +52,30 @@ void replace(std::vector<SceneValue> &values, const std::vector<SceneValue> &own
   values.insert(values.end(), own.begin(), own.end());
 }
 
-}  // namespace
-
-SceneBody bodyOfPiece(const SceneBody &body, std::size_t slide) {
-  std::vector<SceneValue> own = body.volume.slides[slide].params;
+/// The piece, with what is said of it alone.
+SceneBody bodyWith(SceneBody piece, const ScenePiece &said) {
+  std::vector<SceneValue> own = said.params;
   for (SceneValue &value : own) value.isOfPiece = true;
-  SceneBody piece = body;
-  piece.name = namesOfPieces(body)[slide];
   piece.volume.slides.clear();
-  piece.volume.piece = static_cast<std::uint8_t>(slide + 1);
-  std::erase_if(piece.params, [](const SceneValue &value) { return isUnder("surroundings.", value); });
   replace(piece.params, own);
   std::erase_if(own, [](const SceneValue &value) { return !isUnder("material.", value); });
   for (ScenePart &part : piece.parts)
     if (part.region.kind == SceneRegion::Kind::voxels) replace(part.params, own);
+  piece.velocity_m_s = said.velocity_m_s.value_or(piece.velocity_m_s);
   return piece;
 }
+
+}  // namespace
+
+SceneBody bodyOfPiece(const SceneBody &body, std::size_t slide) {
+  SceneBody piece = body;
+  piece.name = namesOfPieces(body)[slide];
+  piece.volume.piece = static_cast<std::uint8_t>(slide + 1);
+  std::erase_if(piece.params, [](const SceneValue &value) { return isUnder("surroundings.", value); });
+  return bodyWith(std::move(piece), body.volume.slides[slide]);
+}
+
+SceneBody bodyOfRest(const SceneBody &body) { return bodyWith(body, body.volume.rest); }
 
 std::vector<std::string> namesOfBodies(const SceneFile &scene) {
   std::vector<std::string> names;
@@ -67,6 +83,13 @@ std::vector<std::string> namesOfBodies(const SceneFile &scene) {
     names.push_back(body.name);
     for (std::string &piece : namesOfPieces(body)) names.push_back(std::move(piece));
   }
+  return names;
+}
+
+std::vector<std::string> namesToSpeakOf(const SceneFile &scene) {
+  std::vector<std::string> names = namesOfBodies(scene);
+  for (const SceneBody &body : scene.bodies)
+    if (!body.volume.slides.empty()) names.push_back(nameOfRest(body));
   return names;
 }
 

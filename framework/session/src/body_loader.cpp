@@ -65,7 +65,8 @@ PlacedBody placed(const scene::SceneBody &body, const FittedBody &fitted, const 
     out.body.parts.erase(out.body.parts.begin() + static_cast<std::ptrdiff_t>(k));
     out.parts.erase(out.parts.begin() + static_cast<std::ptrdiff_t>(k));
   }
-  out.body.rigidTissue = geometry.rigid;
+  // Where all of it is rigid, its rigid tissue does what all of it does.
+  if (!scene::trueOf(body.params, C3DE_PARAM_ID_RIGID)) out.body.rigidTissue = geometry.rigid;
   return out;
 }
 

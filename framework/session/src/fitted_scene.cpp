@@ -11,12 +11,6 @@
 namespace c3de::session {
 namespace {
 
-bool isRigid(const scene::SceneBody &body) {
-  return std::any_of(body.params.begin(), body.params.end(), [](const scene::SceneValue &value) {
-    return value.value.id == C3DE_PARAM_ID_RIGID && value.value.num != 0.0;
-  });
-}
-
 // Bodies are handed over one after the other; the first one has to leave time for the others.
 void sayHowManyShareBudget(const scene::SceneFile &scene, const std::vector<ParameterDecl> &declared,
                            std::vector<ParameterValue> &world) {
@@ -26,8 +20,10 @@ void sayHowManyShareBudget(const scene::SceneFile &scene, const std::vector<Para
   ParameterValue bodies;
   bodies.id = id;
   bodies.type = C3DE_PARAM_I64;
-  bodies.num = static_cast<double>(
-      std::count_if(scene.bodies.begin(), scene.bodies.end(), [](const scene::SceneBody &b) { return !isRigid(b); }));
+  bodies.num =
+      static_cast<double>(std::count_if(scene.bodies.begin(), scene.bodies.end(), [](const scene::SceneBody &b) {
+        return !scene::trueOf(b.params, C3DE_PARAM_ID_RIGID);
+      }));
   bodies.num = std::max(1.0, bodies.num);
   world.push_back(std::move(bodies));
 }
@@ -95,6 +91,8 @@ Expected<FittedScene> fitScene(c3de_object *simulator, scene::SceneFile scene) {
     auto good = fitBody(scene, one, *body);
     if (!good) return tl::unexpected(good.error());
     fitted.bodies.push_back(std::move(*good));
+    if (one.volume.slides.empty()) continue;
+    if (const auto rest = fitBody(scene, scene::bodyOfRest(one), *body); !rest) return tl::unexpected(rest.error());
     for (std::size_t s = 0; s < one.volume.slides.size(); ++s)
       if (const auto piece = fitBody(scene, scene::bodyOfPiece(one, s), *body); !piece)
         return tl::unexpected(piece.error());

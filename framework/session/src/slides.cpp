@@ -190,19 +190,50 @@ Expected<std::shared_ptr<const scene::SceneCut>> cutOf(const scene::SceneBody &b
   return cut;
 }
 
-/// Copies of what acts in a region of the body, one for each piece that it meets; those behind the first at the end.
+const scene::ScenePiece &saidOf(const scene::SceneBody &whole, std::size_t piece) {
+  return piece == 0 ? whole.volume.rest : whole.volume.slides[piece - 1];
+}
+
+/// It is where it is, whatever acts on it.
+bool stands(const scene::ScenePiece &piece) {
+  return scene::trueOf(piece.params, C3DE_PARAM_ID_RIGID) && !scene::trueOf(piece.params, C3DE_PARAM_ID_FREE);
+}
+
+/// What is said of pieces has a meaning together.
+Expected<void> checkPieces(const scene::SceneFile &scene, const scene::SceneBody &whole,
+                           const std::vector<std::string> &names) {
+  for (std::size_t p = 0; p < names.size(); ++p) {
+    const scene::ScenePiece &said = saidOf(whole, p);
+    const std::string name = p == 0 ? scene::nameOfRest(whole) : names[p];
+    const scene::SceneValue *free = scene::trueOf(said.params, C3DE_PARAM_ID_FREE);
+    if (free && !scene::trueOf(said.params, C3DE_PARAM_ID_RIGID))
+      return fail(ErrorCode::usage, scene.where(*free) + ": '" + name +
+                                        "' deforms, and moves freely where nothing holds it; accepted: free = true of "
+                                        "what is rigid, --set body." +
+                                        name + ".rigid=true");
+    if (said.velocity_m_s && stands(said))
+      return fail(ErrorCode::usage, scene.where(*scene::trueOf(said.params, C3DE_PARAM_ID_RIGID)) + ": '" + name +
+                                        "' has a velocity and is rigid, which stands in its place; accepted: one of "
+                                        "them, or --set body." +
+                                        name + ".free=true");
+  }
+  return {};
+}
+
+/// Copies of what acts in a region of the body, one for each piece that it meets and that does not stand in its place
+/// anyway; those behind the first at the end.
 template <class Acting, class Share>
-void shareOut(std::vector<Acting> &all, const std::string &body, const std::vector<std::string> &names,
+void shareOut(std::vector<Acting> &all, const scene::SceneBody &whole, const std::vector<std::string> &names,
               const Pieces &pieces, const Share &share) {
   const std::size_t count = all.size();
   for (std::size_t i = 0; i < count; ++i) {
-    if (all[i].body != body) continue;
-    const Acting whole = all[i];
-    const Pieces::Share in = pieces.in(whole.region);
+    if (all[i].body != whole.name) continue;
+    const Acting acting = all[i];
+    const Pieces::Share in = pieces.in(acting.region);
     bool isFirst = true;
     for (std::size_t p = 0; p < names.size(); ++p) {
-      if (in.voxels[p] == 0) continue;
-      Acting own = whole;
+      if (in.voxels[p] == 0 || stands(saidOf(whole, p))) continue;
+      Acting own = acting;
       own.body = names[p];
       share(own, in, p);
       if (std::exchange(isFirst, false))
@@ -244,22 +275,53 @@ void shareOutContacts(scene::SceneFile &scene, const scene::SceneBody &body, con
     }
 }
 
+/// What speaks of the rest alone, once what speaks of all of the body has been shared out.
+void renameRest(scene::SceneFile &scene, const scene::SceneBody &whole) {
+  const std::string rest = scene::nameOfRest(whole);
+  const auto rename = [&](std::string &name) {
+    if (name == rest) name = whole.name;
+  };
+  for (scene::SceneFix &fix : scene.fixes) rename(fix.body);
+  for (scene::SceneLoad &load : scene.loads) rename(load.body);
+  for (scene::SceneProbe &probe : scene.probes) rename(probe.body);
+  for (scene::SceneGrasp &grasp : scene.grasps) rename(grasp.body);
+  for (scene::SceneAttachment &attachment : scene.attachments)
+    for (std::string &name : attachment.names) rename(name);
+  // A pair of the rest counts more than one of all of the body.
+  std::vector<scene::SceneContactPair> &pairs = scene.contactPairs;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto said = pairs[i].names;
+    for (std::string &name : pairs[i].names) rename(name);
+    if (pairs[i].names == said) continue;
+    const auto &[a, b] = pairs[i].names;
+    for (std::size_t j = pairs.size(); j-- > 0;)
+      if (j != i &&
+          ((pairs[j].names[0] == a && pairs[j].names[1] == b) || (pairs[j].names[0] == b && pairs[j].names[1] == a))) {
+        pairs[i].fits = pairs[i].fits || pairs[j].fits;
+        if (!pairs[i].friction) pairs[i].friction = pairs[j].friction;
+        pairs.erase(pairs.begin() + static_cast<std::ptrdiff_t>(j));
+        if (j < i) --i;
+      }
+  }
+}
+
 /// The bodies of the pieces, the rest first.
 std::vector<scene::SceneBody> bodiesOf(const scene::SceneBody &whole, const std::vector<std::string> &names,
                                        const std::shared_ptr<const scene::SceneCut> &cut, const Pieces &pieces) {
   const std::vector<std::size_t> voxels = pieces.in({}).voxels;
   const auto all = static_cast<double>(sumOf(voxels));
-  std::vector<scene::SceneBody> bodies{whole};
+  std::vector<scene::SceneBody> bodies{scene::bodyOfRest(whole)};
   for (std::size_t s = 0; s < whole.volume.slides.size(); ++s) bodies.push_back(scene::bodyOfPiece(whole, s));
   Vec3 middle{};
   for (std::size_t p = 0; p < names.size(); ++p)
     middle = middle + (static_cast<double>(voxels[p]) / all) * pieces.centre(p);
   for (std::size_t p = 0; p < names.size(); ++p) {
     scene::SceneBody &body = bodies[p];
-    body.volume.slides.clear();
     body.volume.cut = cut;
     // Together they turn as the body would.
-    body.velocity_m_s = body.velocity_m_s + cross(whole.angularVelocity_rad_s, pieces.centre(p) - middle);
+    if (!saidOf(whole, p).velocity_m_s)
+      body.velocity_m_s = body.velocity_m_s + cross(whole.angularVelocity_rad_s, pieces.centre(p) - middle);
+    if (stands(saidOf(whole, p))) body.velocity_m_s = body.angularVelocity_rad_s = {};
     for (scene::SceneValue &value : body.params)
       if (value.value.id == C3DE_PARAM_ID_COUNT && !value.isOfPiece)
         value.value.num = std::max(1.0, std::round(value.value.num * static_cast<double>(voxels[p]) / all));
@@ -282,24 +344,25 @@ Expected<void> cutSlides(scene::SceneFile &scene, BodySources &sources, const Pr
       all.insert(all.begin(), whole.name);
       return all;
     }();
+    if (auto good = checkPieces(scene, whole, names); !good) return good;
     const auto cut = cutOf(whole, sources, progress, took);
     if (!cut) return failInScene(cut.error(), scene, whole.line);
     const Pieces pieces(*cut, whole.placement);
 
-    shareOut(scene.fixes, whole.name, names, pieces, [](scene::SceneFix &fix, const Pieces::Share &in, std::size_t) {
+    shareOut(scene.fixes, whole, names, pieces, [](scene::SceneFix &fix, const Pieces::Share &in, std::size_t) {
       // What turns the body turns its pieces about one centre.
       if (!fix.motion.centre_m) fix.motion.centre_m = (1.0 / static_cast<double>(sumOf(in.voxels))) * in.sum_m;
     });
-    shareOut(
-        scene.loads, whole.name, names, pieces, [](scene::SceneLoad &load, const Pieces::Share &in, std::size_t p) {
-          if (!load.force_N) return;
-          load.force_N = (static_cast<double>(in.voxels[p]) / static_cast<double>(sumOf(in.voxels))) * *load.force_N;
-        });
+    shareOut(scene.loads, whole, names, pieces, [](scene::SceneLoad &load, const Pieces::Share &in, std::size_t p) {
+      if (!load.force_N) return;
+      load.force_N = (static_cast<double>(in.voxels[p]) / static_cast<double>(sumOf(in.voxels))) * *load.force_N;
+    });
     for (scene::SceneProbe &probe : scene.probes)
       if (probe.body == whole.name) probe.body = names[pieces.nearest(probe.at_m)];
     for (scene::SceneGrasp &grasp : scene.grasps)
       if (grasp.body == whole.name) grasp.body = names[pieces.nearest(grasp.at_m)];
     shareOutContacts(scene, whole, names);
+    renameRest(scene, whole);
 
     std::vector<scene::SceneBody> bodies = bodiesOf(whole, names, *cut, pieces);
     const auto at = scene.bodies.erase(scene.bodies.begin() + static_cast<std::ptrdiff_t>(b));

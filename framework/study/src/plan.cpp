@@ -171,12 +171,8 @@ Expected<void> Planner::planCase(std::size_t c) {
   if (!contents) return tl::unexpected(contents.error());
   if (auto applied = apply(*scene, one.set); !applied) return applied;
   PlannedCase planned{std::move(*scene), {}, std::move(*contents)};
-  for (const scene::SceneBody &body : planned.scene.bodies) {
-    const bool isRigid = std::any_of(body.params.begin(), body.params.end(), [](const scene::SceneValue &value) {
-      return value.value.id == C3DE_PARAM_ID_RIGID && value.value.num != 0.0;
-    });
-    if (!isRigid) planned.bodies.push_back(body.name);
-  }
+  for (const scene::SceneBody &body : planned.scene.bodies)
+    if (!scene::trueOf(body.params, C3DE_PARAM_ID_RIGID)) planned.bodies.push_back(body.name);
   if (planned.bodies.empty()) return refuse(one.line, "nothing deforms in " + one.scene.string());
   const std::string name = "case " + one.name;
   const Quantity &quantity = one.quantity;

@@ -132,7 +132,9 @@ TEST_CASE("What is not right about what slides is refused where it stands", "[ti
   CHECK_THAT(errorOf("format = 1\n[[body]]\nmesh = \"beam.obj\"\nmesh_unit = \"mm\"\nslides = [\"liver\"]\n"),
              Contains("'slides' belongs to a body with a 'volume'"));
   CHECK_THAT(refusal("slides = [\"liver\"]\n[[body]]\nname = \"scan.liver\"\nmesh = \"beam.obj\"\nmesh_unit = \"mm\""),
-             Contains("'scan.liver' is the name of a body and of what slides of 'scan'"));
+             Contains("'scan.liver' is the name of a body and of a piece of 'scan'"));
+  CHECK_THAT(refusal("slides = [\"liver\"]\n[[body]]\nname = \"scan.rest\"\nmesh = \"beam.obj\"\nmesh_unit = \"mm\""),
+             Contains("'scan.rest' is the name of a body and of a piece of 'scan'"));
   CHECK_THAT(refusal("slides = [\"liver\"]\n[[fix]]\nbody = \"scan.livr\"\nregion = { everywhere = true }"),
              Contains("there is no body 'scan.livr'; did you mean 'scan.liver'?"));
 }
@@ -205,6 +207,42 @@ TEST_CASE("A piece is set by its name, and what is said of it counts more than w
   CHECK(fine.num == 0.002);
 }
 
+TEST_CASE("The rest of what slides has a name of its own, and what is said of it is of it alone", "[tissues]") {
+  auto scene = parse(bodyWith("[ { label = 1, material = \"liver\" } ]",
+                              "slides = [\"liver\", \"rest\"]\nvelocity = [1, 0, 0]\n"
+                              "[[fix]]\nbody = \"scan.rest-2\"\nregion = { everywhere = true }\n"
+                              "[[attachment]]\nbodies = [\"scan.rest-2\", \"surroundings\"]\nstiffness = 1e4\n"
+                              "[[contact.pair]]\nbodies = [\"scan.rest-2\", \"scan.liver\"]\nfriction = 0.1\n"));
+  REQUIRE(scene);
+  // A label that is called rest keeps its name.
+  CHECK(scene::namesToSpeakOf(*scene) == std::vector<std::string>{"scan", "scan.liver", "scan.rest", "scan.rest-2"});
+  for (const char *assignment :
+       {"body.scan.rest-2.material.density=800", "body.scan.rest-2.rigid=true", "body.scan.rest-2.free=true",
+        "body.scan.liver.velocity=[0,0,2]", "body.scan.rest.material.density=700"}) {
+    CAPTURE(assignment);
+    REQUIRE(scene::applyOverride(*scene, assignment, &presets()));
+  }
+  const scene::SceneBody &body = scene->bodies.front();
+  const scene::SceneBody rest = scene::bodyOfRest(body), liver = scene::bodyOfPiece(body, 0),
+                         label = scene::bodyOfPiece(body, 1);
+  CHECK(rest.name == "scan");
+  CHECK(rest.volume.piece == 0);
+  CHECK(rest.volume.slides.empty());
+  CHECK(findValue(rest.parts[0].params, "material.density")->value.num == 800.0);
+  CHECK(findValue(label.parts[0].params, "material.density")->value.num == 700.0);
+  CHECK(findValue(rest.params, "surroundings.stiffness")->value.num == 1e4);
+  CHECK(scene::trueOf(rest.params, "rigid"));
+  CHECK(scene::trueOf(rest.params, "free"));
+  CHECK_FALSE(scene::trueOf(liver.params, "rigid"));
+  CHECK(rest.velocity_m_s == Vec3{1, 0, 0});
+  CHECK(liver.velocity_m_s == Vec3{0, 0, 2});
+  // Without slides there is no rest.
+  auto whole = parse(bodyWith("\"known\"", ""));
+  REQUIRE(whole);
+  CHECK(scene::namesToSpeakOf(*whole) == std::vector<std::string>{"scan"});
+  CHECK_FALSE(scene::applyOverride(*whole, "body.scan.rest.rigid=true", &presets()));
+}
+
 TEST_CASE("What a piece cannot have of its own, and names of no piece, are refused with what is accepted",
           "[tissues]") {
   auto scene = parse(bodyWith("\"known\"", "slides = [\"liver\", \"lung*\"]\n"));
@@ -216,19 +254,20 @@ TEST_CASE("What a piece cannot have of its own, and names of no piece, are refus
     CHECK(refused.error().code == ErrorCode::usage);
     return refused.error().message;
   };
-  for (const char *key : {"position=[0,0,0]", "rigid=true", "velocity=[0,0,1]", "sampling.refine=[]", "label=3",
+  for (const char *key : {"position=[0,0,0]", "scale=2", "angular_velocity=[0,0,1]", "sampling.refine=[]", "label=3",
                           "parts.0.material.density=900", "slides=[\"liver\"]"})
     CHECK_THAT(refusal("body.scan.liver." + std::string(key)),
                Contains("is of all of 'scan' and cannot be changed for a piece; accepted: material, material.…, "
-                        "sampling.… but refine, surroundings.…"));
+                        "sampling.… but refine, surroundings.…, velocity, rigid, free"));
   CHECK_THAT(refusal("body.scan.liver=3"), Contains("says no key of a piece of 'scan'; accepted: material, "));
   CHECK_THAT(refusal("body.scan.liver.material=livr"), Contains("did you mean 'liver'?"));
   CHECK_THAT(
       refusal("body.scan.livr.material.density=900"),
       Contains("--set body.scan.livr.material.density: there is no piece 'scan.livr'; did you mean 'scan.liver'? "
-               "accepted: scan.liver, scan.lung; keys of 'scan': material.…"));
-  CHECK_THAT(refusal("body.scam.material.density=900"),
-             Contains("there is no body 'scam'; did you mean 'scan'? accepted: scan, scan.liver, scan.lung"));
+               "accepted: scan.liver, scan.lung, scan.rest; keys of 'scan': material.…"));
+  CHECK_THAT(
+      refusal("body.scam.material.density=900"),
+      Contains("there is no body 'scam'; did you mean 'scan'? accepted: scan, scan.liver, scan.lung, scan.rest"));
   CHECK_THAT(refusal("boddy.scan.liver.material.density=900"),
              Contains("did you mean 'body.scan.liver.material.density'?") && Contains("body.scan.lung.…"));
 }

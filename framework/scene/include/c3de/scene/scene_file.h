@@ -116,11 +116,17 @@ struct SceneBackground {
 /// Physiology & Neurobiology 142, 2004)
 inline constexpr double kSlideFriction = 0.02;
 
+/// What is said of one piece of a body that is cut, in the place of what is said of all of it.
+struct ScenePiece {
+  std::vector<SceneValue> params;    ///< ids "material.…", "sampling.…", "surroundings.…", "rigid", "free"
+  std::optional<Vec3> velocity_m_s;  ///< at the start, of its centre of mass
+  [[nodiscard]] bool isEmpty() const { return params.empty() && !velocity_m_s; }
+};
+
 /// Labels of a body of many tissues that are cut free along their border: one piece, which slides on what is beside it.
-struct SceneSlide {
+struct SceneSlide : ScenePiece {
   std::vector<std::string> names;  ///< of labels, '*' for any text, or numbers
   std::vector<SceneLabel> labels;  ///< once the map has been read: those that are meant
-  std::vector<SceneValue> params;  ///< of this piece alone: ids "material.…", "sampling.…", "surroundings.…"
 };
 
 /// A body of many tissues in pieces, on the grid of its labels.
@@ -150,6 +156,7 @@ struct SceneVolume {
   std::vector<std::string> overridesOfParts;  ///< `--set` of parts that are not made yet, in their order
   std::optional<SceneBackground> background;  ///< its material is that of the body
   std::vector<SceneSlide> slides;             ///< that are still to be cut free
+  ScenePiece rest;                            ///< what is left when they are
   double slideFriction = kSlideFriction;      ///< Coulomb, 0 … 10, of their borders
   std::shared_ptr<const SceneCut> cut;        ///< of a piece: of which body
   std::uint8_t piece = 0;                     ///< and which one
@@ -338,7 +345,7 @@ struct SceneFile {
 /// Applies `PATH=VALUE` of the command line, for example "body.liver.material.youngs_modulus=6e3", "solver.dt=auto",
 /// "world.gravity=[0,-9.81,0]", "obstacle.floor.friction=0.2", "fix.0.displacement=[0,0,0.01]",
 /// "load.press.pressure=200", "attachment.0.stiffness=1e4", "contact.pair.0.friction=0.1" (by name, or by number from
-/// 0); of a piece by its name, "body.abdomen.liver.material.youngs_modulus=2e3". Errors (ErrorCode::usage) name the
+/// 0); of a piece by its name, "body.abdomen.liver.material.youngs_modulus=2e3", "body.abdomen.rest.rigid=true". Errors (ErrorCode::usage) name the
 /// nearest path.
 [[nodiscard]] Expected<void> applyOverride(SceneFile &scene, std::string_view assignment,
                                            const MaterialLibrary *materials);
@@ -351,6 +358,9 @@ struct SceneFile {
                                                                       const std::vector<SceneValue> &values,
                                                                       const std::vector<ParameterDecl> &decls);
 
+/// Null: these values do not have one of this id that is true.
+[[nodiscard]] const SceneValue *trueOf(const std::vector<SceneValue> &values, std::string_view id);
+
 /// A tissue gets the material of its labels' names, or is rigid or empty; its name is not known, or its preset is not
 /// among the materials: false.
 [[nodiscard]] bool nameTissue(SceneTissue &tissue, std::string_view label, const MaterialLibrary &materials);
@@ -360,11 +370,18 @@ struct SceneFile {
 
 /// Names of the pieces of a body that slide: its own, a dot, and what the first of their labels is called.
 [[nodiscard]] std::vector<std::string> namesOfPieces(const SceneBody &body);
+/// By which the rest of a body with slides is spoken of alone: "abdomen.rest", with a number where a label has that
+/// name. Once it is cut the rest has the name of the body.
+[[nodiscard]] std::string nameOfRest(const SceneBody &body);
 /// A piece that slides, as a body of its own: of the same values, placement and tissues; what is said of it alone takes
 /// the place of what is said of the body, its material that of all tissues. Nothing holds it but what is said of it.
 [[nodiscard]] SceneBody bodyOfPiece(const SceneBody &body, std::size_t slide);
+/// The rest of a body with slides likewise; it is held by what holds the body.
+[[nodiscard]] SceneBody bodyOfRest(const SceneBody &body);
 /// Names of all bodies, with those of pieces behind that of their body, in the order in which they are built.
 [[nodiscard]] std::vector<std::string> namesOfBodies(const SceneFile &scene);
+/// What a scene may speak of: these, and the rest of each body with slides.
+[[nodiscard]] std::vector<std::string> namesToSpeakOf(const SceneFile &scene);
 
 /// "m", "mm" or "cm"; the error says what is accepted.
 [[nodiscard]] Expected<geometry::LengthUnit> parseLengthUnit(std::string_view name);
