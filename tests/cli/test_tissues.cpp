@@ -708,6 +708,12 @@ TEST_CASE("Rigid tissue of a piece that is rigid does what all of it does", "[ti
                 "{ label = \"bone\", rigid = true } ]\n");
   const auto as = runToReport(scene, {"--until", "0.01"});
   REQUIRE(as["reactions"].size() == 1);
+  // Cells of 8 mm are of bone or not: 9 x 9 corners in 5 layers over 32 mm, of which the uppermost is of both.
+  CHECK(as["bodies"][0]["phyxels"] == 9 * 9 * 9);
+  CHECK(as["bodies"][0]["held_phyxels"] == 9 * 9 * 4);
+  CHECK(as["bodies"][1]["held_phyxels"] == 0);
+  CHECK_THAT(as["notices"].dump(), Contains("body 'scan': 324 of its 729 phyxels are held, in rigid tissue") &&
+                                       !Contains("body 'scan.above': 0 of"));
   const auto standing = runToReport(scene, {"--until", "0.01", "--set", "body.scan.rest.rigid=true"});
   CHECK(standing["reactions"].empty());
   const double dropped =

@@ -30,6 +30,8 @@ constexpr double kThinnestGood = 0.5;       // likewise, what is proposed instea
 constexpr double kMostPhyxels = 200'000.0;  // that are proposed: more is no simulation that one waits for
 // rms strain below which an error of the strain is an error of nothing
 constexpr double kLeastStrain = 1e-4;
+constexpr double kHardlyAny = 1e-3;                    // of a phyxel, that moves
+constexpr double kHeldToTell = 0.25;                   // of the phyxels
 constexpr double kErrorAimedAt = 0.95 * kErrorToTell;  // what is proposed keeps the promise
 
 std::string rounded(double count) {
@@ -65,6 +67,13 @@ std::string tooCoarse(const RestState &rest, double area) {
          " or sampling.count = " + rounded(phyxelsAt(rest, area, good)) + " would do";
 }
 
+std::size_t heldPhyxels(const RestState &rest) {
+  std::vector<std::uint8_t> held(rest.phyxelCount(), 0);
+  for (const ConstrainedRegion &part : rest.conditions.held)
+    for (const Index i : part.phyxels) held[i] = 1;
+  return static_cast<std::size_t>(std::count(held.begin(), held.end(), std::uint8_t{1}));
+}
+
 std::string errorAdvice(const Body &body, double area, double estimate) {
   const RestState &rest = body.rest();
   if (!(estimate > kErrorToTell) || !(area > 0.0)) return {};
@@ -92,6 +101,13 @@ std::vector<std::string> noticesOf(const Simulator &simulator, const std::vector
   const std::vector<std::size_t> bodies = simulator.bodyIds();
   for (const std::string &error : errors)
     if (!error.empty()) lines.push_back(error);
+  for (const std::size_t id : bodies) {
+    const Body &body = *simulator.body(id);
+    const std::size_t held = heldPhyxels(body.rest()), all = body.rest().phyxelCount();
+    if (!body.rigid() && static_cast<double>(held) > kHeldToTell * static_cast<double>(all))
+      lines.push_back("body '" + body.name() + "': " + std::to_string(held) + " of its " + std::to_string(all) +
+                      " phyxels are held, in rigid tissue or by supports; a count that is asked for includes them");
+  }
   constexpr std::size_t kMostOfAKind = 3;
   for (const char *kind : {"warning", "stopped", "skin", "overlap", "step"}) {
     std::size_t count = 0;

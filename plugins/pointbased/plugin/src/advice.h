@@ -15,6 +15,9 @@ namespace pointbased {
 /// @param area  of its surface, m²
 [[nodiscard]] double phyxelsAt(const RestState &rest, double area, double spacing);
 
+/// How many phyxels supports hold, in rigid tissue most of all: they are in the count and do not move by themselves.
+[[nodiscard]] std::size_t heldPhyxels(const RestState &rest);
+
 /// Why a lattice is too coarse for what it is laid into, with the spacing and count that would do; empty: it is not.
 ///
 /// The thickness is twice the volume over the area: that of a sheet, the radius of a tube. Below 0.15 spacings most

@@ -152,7 +152,9 @@ void Controller::drawBody(sdk::Ui &ui, const Snapshot *snapshot) {
   const BodySnapshot *body = snapshot ? snapshot->body(body_) : nullptr;
   if (body) {
     if (snapshot->bodies.size() == 1) ui.value("Body", body->name);
-    ui.value("Phyxels", std::to_string(body->phyxels.size()));
+    const std::size_t held = body->rigid ? 0 : body->held;
+    ui.value("Phyxels", std::to_string(body->phyxels.size()) + (held > 0 ? ", " + std::to_string(held) + " held" : ""));
+    ui.tooltip(held > 0 ? "Those that supports and rigid tissue hold count as well" : "");
     ui.value("Surfels", std::to_string(body->surfels.size()));
     ui.value("Spacing", fixed(1e3 * body->rest->spacing, 2) + " mm");
     ui.value("Neighbours", std::to_string(body->neighbours.min) + " … " + std::to_string(body->neighbours.max) +

@@ -96,6 +96,7 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported, const Er
   return {{"name", body.name()},
           {"evaluation", rest.evaluation == Evaluation::stressPoints ? "stress_points" : "phyxels"},
           {"phyxels", rest.phyxelCount()},
+          {"held_phyxels", heldPhyxels(rest)},
           {"points", rest.pointCount()},
           {"components", rest.components},
           {"surfels", rest.surfels.count()},

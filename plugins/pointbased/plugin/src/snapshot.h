@@ -31,6 +31,7 @@ struct BodySnapshot {
   /// sRGB, of the surface by the material; none: by its place among the bodies
   std::optional<std::array<float, 3>> colour;
   std::uint64_t changes = 0;  ///< of the simulator: the same number, the same places
+  std::size_t held = 0;       ///< phyxels that do not move by themselves: heldPhyxels()
   bool asleep = false;
   bool rigid = false;
   bool stands = false;  ///< rigid, and nothing moves it

@@ -421,6 +421,7 @@ void WorldSimulator::publish() {
     estimate(id, body, *record.surface, !samePlaces, b);
     b.cost = simulator_.costOf(id);
     b.mass = body.totalMass();
+    b.held = heldPhyxels(body.rest());
     b.youngsModulus = body.material().youngsModulus;
     b.energy = simulator_.energy(id);
     b.grab = simulator_.grabStatus(id);
