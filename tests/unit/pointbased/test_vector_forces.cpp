@@ -51,28 +51,36 @@ TEST_CASE("vector kernels give the forces of the scalar engine in double precisi
 }
 
 TEST_CASE("cells beside larger ones are taken by the kernels", "[kernels]") {
-  const auto rest = bodies()[2].rest;
-  const HangingCells &hanging = rest->stencils.hanging;
-  REQUIRE(hanging.points.size() > 50);
-  REQUIRE(hanging.phyxels.rows() > 30);
-  const std::uint8_t suits = 1;
-  CHECK(kernels::planCells(rest->stencils, 8, {&suits, 1}).others.empty());
-  for (const HangingCells::Point &point : hanging.points) {
-    // What hangs follows phyxels to its place: the corners are those of a cube.
-    std::array<Vec3, 8> corners;
-    for (std::size_t j = 0; j < 8; ++j) {
-      const Index corner = point.corners[j], row = corner & ~HangingCells::kHangs;
-      corners[j] = Vec3::Zero();
-      if (row == corner) corners[j] = rest->positions[corner];
-      if (row == corner) continue;
-      const std::span<const Index> followed = hanging.phyxels.row(row);
-      for (std::size_t k = 0; k < followed.size(); ++k)
-        corners[j] += hanging.weights[hanging.phyxels.offsets[row] + k] * rest->positions[followed[k]];
-    }
-    const double edge = 0.25 / point.shape.gradient;
-    for (std::size_t j = 0; j < 8; ++j) {
-      const Vec3 expected = corners[0] + edge * Vec3(j & 1, j >> 1 & 1, j >> 2);
-      CHECK((corners[j] - expected).norm() < 1e-12);
+  for (const std::size_t which : {2u, 4u}) {
+    const Case one = bodies()[which];
+    const auto &rest = one.rest;
+    CAPTURE(one.name);
+    const HangingCells &hanging = rest->stencils.hanging;
+    REQUIRE(hanging.points.size() > 50);
+    REQUIRE(hanging.phyxels.rows() > 30);
+    const std::uint8_t suits = 1;
+    std::size_t longest = 0;
+    for (std::size_t q = 0; q < rest->pointCount(); ++q)
+      longest = std::max(longest, rest->stencils.phyxels.row(q).size());
+    CAPTURE(longest);
+    CHECK(kernels::planCells(rest->stencils, 8, {&suits, 1}).others.empty());
+    for (const HangingCells::Point &point : hanging.points) {
+      // What hangs follows phyxels to its place: the corners are those of a cube.
+      std::array<Vec3, 8> corners;
+      for (std::size_t j = 0; j < 8; ++j) {
+        const Index corner = point.corners[j], row = corner & ~HangingCells::kHangs;
+        corners[j] = Vec3::Zero();
+        if (row == corner) corners[j] = rest->positions[corner];
+        if (row == corner) continue;
+        const std::span<const Index> followed = hanging.phyxels.row(row);
+        for (std::size_t k = 0; k < followed.size(); ++k)
+          corners[j] += hanging.weights[hanging.phyxels.offsets[row] + k] * rest->positions[followed[k]];
+      }
+      const double edge = 0.25 / point.shape.gradient;
+      for (std::size_t j = 0; j < 8; ++j) {
+        const Vec3 expected = corners[0] + edge * Vec3(j & 1, j >> 1 & 1, j >> 2);
+        CHECK((corners[j] - expected).norm() < 1e-12);
+      }
     }
   }
 }

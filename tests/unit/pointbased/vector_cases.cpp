@@ -19,15 +19,18 @@ std::shared_ptr<const RestState> latticeBody(const BodyShape &shape, LatticeSamp
 
 std::vector<Case> bodies() {
   const BodyShape ball = shapes::ball(Vec3(0.1, 0.2, -0.1), 0.05);
-  LatticeSampling plain, turned, refined;
+  LatticeSampling plain, turned, refined, twice;
   plain.count = turned.count = 400;
   turned.axes = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   refined.spacing = 0.02;
   refined.refinements.push_back({BoxRegion{Vec3(0.05, 0.1, -0.2), Vec3(0.1, 0.3, 0.0)}, 0.01});
+  twice.spacing = 0.03;
+  twice.refinements.push_back({SphereRegion{Vec3(0.13, 0.2, -0.1), 0.015}, 0.0075});
   return {{"cut cells", latticeBody(ball, plain)},
           {"turned lattice", latticeBody(ball, turned)},
           {"refined lattice", latticeBody(ball, refined)},
-          {"two lobes", latticeBody(shapes::horseshoe(), plain)}};
+          {"two lobes", latticeBody(shapes::horseshoe(), plain)},
+          {"refined twice", latticeBody(ball, twice)}};
 }
 
 std::vector<Case> clouds() {

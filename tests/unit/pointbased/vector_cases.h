@@ -15,7 +15,7 @@ struct Case {
 };
 
 [[nodiscard]] std::shared_ptr<const RestState> latticeBody(const BodyShape &shape, LatticeSampling sampling);
-/// Lattices: cut cells, turned axes, two sizes of cells, two lobes.
+/// Lattices: cut cells, turned axes, two sizes of cells, two lobes, three sizes of cells.
 [[nodiscard]] std::vector<Case> bodies();
 /// Clouds: few and many neighbours, flat stencils.
 [[nodiscard]] std::vector<Case> clouds();
