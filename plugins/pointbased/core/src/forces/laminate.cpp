@@ -45,13 +45,6 @@ struct Layer {
   }
 };
 
-// Cells beside each other may hang on the same phyxels.
-bool isOfOneCell(const StencilSet &s, std::size_t one, std::size_t other) {
-  const HangingCells::Point *a = s.hanging.find(one), *b = s.hanging.find(other);
-  if (a != nullptr || b != nullptr) return a != nullptr && b != nullptr && a->corners == b->corners;
-  return std::ranges::equal(s.phyxels.row(one), s.phyxels.row(other));
-}
-
 // Across the border: from the middle of one layer to that of the other, by the extents of both, which a skin may cut.
 Vec3 normalOf(const Layer &one, const Layer &two, double edge) {
   const double all = one.volume + two.volume;
@@ -202,7 +195,7 @@ Laminates findLaminates(const StencilSet &s, const Constitution &constitution) {
   std::vector<Index> points;
   for (Index q = 0; q < s.pointCount(); q += static_cast<Index>(points.size())) {
     points.assign(1, q);
-    while (points.back() + 1 < s.pointCount() && isOfOneCell(s, q, points.back() + 1))
+    while (points.back() + 1 < s.pointCount() && std::ranges::equal(s.phyxels.row(q), s.phyxels.row(points.back() + 1)))
       points.push_back(points.back() + 1);
     if (points.size() == 1 || !std::ranges::all_of(points, [&](Index p) {
           return kernelKnows(materialOfPoint(constitution, s, p)) && s.cellShapeOf(p) != nullptr;
