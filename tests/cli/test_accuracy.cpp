@@ -187,6 +187,12 @@ TEST_CASE("In explicit steps few small stiff cells get more inertia but no weigh
   CHECK(body["mass_kg"].get<double>() == Approx(40.0).epsilon(1e-3));  // of the beam's volume and density
   CHECK_THAT(added["notices"].dump(),
              Contains("longer explicit steps, at rest unfelt: ") && Contains(" % of what can move, to "));
+  // A state that is saved goes on as if nothing had been.
+  const fs::path state = folder / "middle.c3dstate";
+  const auto hashOf = [&](const std::vector<std::string> &more) { return reportOf(folder, scene, more)["state_hash"]; };
+  const Json whole = hashOf({"--steps", "40"});
+  (void)hashOf({"--steps", "20", "--save-state", state.string()});
+  CHECK(hashOf({"--steps", "40", "--from-state", state.string()}) == whole);
   // What takes no explicit steps needs none.
   for (const auto &[key, value] : {std::pair("solver.integrator", "implicit"), {"solver.integrator", "quasistatic"}}) {
     const Json plain = reportOf(folder, scene, {"--steps", "1", "--set", std::string(key) + "=" + value});

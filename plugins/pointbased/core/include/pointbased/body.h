@@ -320,6 +320,7 @@ class Body {
   [[nodiscard]] Vec3 firstReference(Index phyxel) const;
   [[nodiscard]] double stableStepFor(double tangentRatio) const;
   void addMasses(const ParallelFor &parallelFor);
+  void followMasses();
   void vectorise(const ParallelFor &parallelFor);
   [[nodiscard]] double frequencyAtRest(const ParallelFor &parallelFor) const;
   void makePoints() const;

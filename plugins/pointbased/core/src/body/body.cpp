@@ -178,7 +178,12 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
     }
   }
   addMasses(parallelFor);
+  contactModuli_ = moduliAt(rest_->contact.binding);
+  followMasses();
+}
 
+// What depends on the masses besides the kernels.
+void Body::followMasses() {
   const std::vector<double> moduli = meansAround(constitution_, *rest_, &Material::youngsModulus);
   Csr rows;
   std::vector<double> weights, stiffness;
@@ -193,7 +198,6 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
       stiffness.push_back(kPatchStiffness * modulus * part.areas[p] / rest_->spacing);
     }
   patches_.set(rows, weights, stiffness, inverseMasses_);
-  contactModuli_ = moduliAt(rest_->contact.binding);
   foundationFrequency_ = std::sqrt(foundation_.squaredFrequencyBound(masses_));
   if (rigid_) frameRigid();
   forcesCurrent = false;

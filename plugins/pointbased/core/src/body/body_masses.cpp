@@ -45,8 +45,7 @@ void Body::scaleMasses(double step, const ParallelFor &parallelFor) {
   if (!restMasses_.empty()) masses_ = restMasses_;
   scaledStep_ = step;
   addMasses(parallelFor);
-  if (rigid_) frameRigid();
-  forcesCurrent = false;
+  followMasses();
 }
 
 /// Beginning from masses_ as they are at rest: these, what follows from them, and the kernels.
