@@ -19,55 +19,8 @@ namespace {
 using sdk::Error;
 using sdk::Failure;
 
-// What a rigid body would not do must not be asked of it.
-void checkStandsStill(const std::string &name, const BodySource &source) {
-  const std::string text =
-      "the body is rigid and stands still; accepted: rigid = false, or no fix, no load and no velocity";
-  if (!source.fixes.empty()) throw Error(C3DE_E_ARG, text, {"fix", source.fixNumbers.front(), {}});
-  if (!source.loads.empty()) throw Error(C3DE_E_ARG, text, {"load", source.loadNumbers.front(), {}});
-  if (!source.velocity.isZero(0.0) || !source.angularVelocity.isZero(0.0)) throw Error(C3DE_E_ARG, name + ": " + text);
-}
-
-// A static solution knows no motion, and what is fixed of a rigid body fixes all of it.
-void checkMoves(const std::string &name, const BodySource &source, bool quasiStatic) {
-  if (!source.fixes.empty())
-    throw Error(C3DE_E_ARG,
-                "body '" + name +
-                    "' is rigid and free, so nothing of it is fixed; accepted: free = false "
-                    "and no fix, which holds it wholly, or rigid = false",
-                {"fix", source.fixNumbers.empty() ? 0 : source.fixNumbers.front(), {}});
-  if (quasiStatic)
-    throw Error(C3DE_E_UNSUPPORTED,
-                "body '" + name +
-                    "' is rigid and free, and a quasi-static solution moves no rigid body; accepted: "
-                    "free = false, or solver.integrator = \"auto\", \"explicit\" or \"implicit\"");
-}
-
 // A field that is known to the simulator, not to a body.
 constexpr std::string_view kContactPressure = "contact_pressure";
-
-std::string millimetres(double metres) { return shortNumber(1e3 * metres) + " mm"; }
-
-// A body may begin a little inside of a wall, as in an obstacle: contact leads it out. What stands outside is a
-// mistake.
-void mustBeInBox(const WorldBox &box, const std::string &name, const PlacedMesh &surface, double spacing) {
-  if (!box.enabled) return;
-  for (int axis = 0; axis < 3; ++axis)
-    for (const bool upper : {false, true}) {
-      const double beyond = upper ? surface.max[axis] - box.max[axis] : box.min[axis] - surface.min[axis];
-      if (beyond <= 0.5 * spacing) continue;
-      throw Error(C3DE_E_ARG, "body '" + name + "' reaches " + millimetres(beyond) + " beyond world.box." +
-                                  (upper ? "max" : "min") + " on the " + "xyz"[axis] + " axis (" +
-                                  shortNumber(upper ? surface.max[axis] : surface.min[axis]) + " m against " +
-                                  shortNumber(upper ? box.max[axis] : box.min[axis]) +
-                                  " m); accepted: inside, or up to half a spacing (" + millimetres(0.5 * spacing) +
-                                  ") beyond");
-    }
-}
-
-Failure noSuch(const char *what) {
-  return {C3DE_E_STALE, std::string("there is no such ") + what + " in this simulation"};
-}
 
 }  // namespace
 
@@ -121,8 +74,7 @@ sdk::Result<void> WorldSimulator::setWorld(const c3de_param_value *values, std::
   if (settings.box.enabled && !((settings.box.max - settings.box.min).minCoeff() > 0.0))
     return Failure{C3DE_E_ARG, "world.box.max must be above world.box.min on every axis"};
   if (settings.integrator == Integrator::quasiStatic)
-    for (const auto &[id, record] : bodies_)
-      if (isFree(*record.values)) checkMoves(record.name, record.source, true);
+    for (const auto &[id, record] : table_.bodies()) record.checkFree(*record.values, true);
   world_ = std::move(changed);
   // What only concerns the view, or how long a step may take, leaves the solver as it is.
   bool isForTheSolver = n == 0;
@@ -133,7 +85,7 @@ sdk::Result<void> WorldSimulator::setWorld(const c3de_param_value *values, std::
   if (isForTheSolver) {
     const bool isExplicit = mayStepExplicitly(settings.integrator);
     if (isExplicit != mayStepExplicitly(simulator_.world().integrator))
-      for (const auto &[id, record] : bodies_)
+      for (const auto &[id, record] : table_.bodies())
         if (record.adaptive && record.adaptive->halved > 0)
           simulator_.body(id)->scaleMasses(isExplicit ? record.adaptive->evenStep : 0.0,
                                            context_.services.parallelFor());
@@ -165,21 +117,20 @@ void WorldSimulator::add(const c3de_sim_body *body, c3de_handle *out, Walls wall
   ParameterValues values(context_.laws.declarations());
   sdk::orThrow(values.set(in.params, in.params_n, in.params_stride));
   record.source = readSource(in, values);
-  if (isRigid(values) && !isFree(values)) checkStandsStill(record.name, record.source);
-  BuiltBody built = buildBody(context_.services, context_.laws, record.name, in.mesh, record.source, values,
+  record.values = std::make_shared<const ParameterValues>(std::move(values));
+  record.checkRigid();
+  BuiltBody built = buildBody(context_.services, context_.laws, record.name, in.mesh, record.source, *record.values,
                               dialRequest(), sdk::Progress(in.progress));
   record.take(built);
-  record.values = std::make_shared<const ParameterValues>(std::move(values));
   record.source.mesh = std::make_shared<const sdk::MeshHandle>(copyMesh(context_.services, in.mesh));
   const StepRequest::Waiting waiting(request_);
   const std::lock_guard lock(mutex_);
-  if (isFree(*record.values)) checkMoves(record.name, record.source, simulator_.quasiStatic());
+  record.checkFree(*record.values, simulator_.quasiStatic());
   if (walls == Walls::makeRoom) makeRoom(record);
-  mustBeInBox(simulator_.world().box, record.name, *record.surface, built.body->rest().spacing);
-  record.order = nextOrder_++;
+  record.checkIsIn(simulator_.world().box, built.body->rest().spacing);
   resetSimulator();
   const std::uint64_t id = simulator_.addBody(std::move(built.body));
-  bodies_.emplace(id, std::move(record));
+  table_.addBody(id, std::move(record));
   if (out) *out = {id};
 }
 
@@ -196,45 +147,30 @@ void WorldSimulator::addObstacle(const c3de_sim_obstacle *obstacle, c3de_handle 
   const std::lock_guard lock(mutex_);
   resetSimulator();
   const std::uint64_t id = simulator_.addObstacle(std::move(built));
-  obstacles_.emplace(id, std::move(record));
+  table_.addObstacle(id, std::move(record));
   if (out) *out = {id};
 }
 
 void WorldSimulator::addProbe(c3de_str name, c3de_handle body, const double *at_m3, c3de_handle *out) {
   const std::lock_guard lock(mutex_);
-  const BodyRecord &record = bodyOrThrow(body);
+  const BodyRecord &record = table_.bodyOrThrow(body.v);
   (void)sdk::notNull(at_m3, "at_m3");
   const Vec3 at(at_m3[0], at_m3[1], at_m3[2]);
   const std::string which = "probe '" + std::string(sdk::text(name)) + "': ";
   if (!at.allFinite()) throw Error(C3DE_E_ARG, which + "the point is not finite");
   // A probe is carried by the cell it lies in, and off the skin by that of the skin, whose functions go on: within half
   // a spacing they are as good as the sampling, farther off they tell of no tissue.
-  const double tolerance = 0.5 * simulator_.body(body.v)->rest().spacing;
-  const double off = distanceOff(context_.services, *record.surface, at);
-  if (!(off <= tolerance))
-    throw Error(C3DE_E_ARG,
-                which + "(" + shortNumber(at[0]) + ", " + shortNumber(at[1]) + ", " + shortNumber(at[2]) + ") m lies " +
-                    millimetres(off) + " off body '" + record.name + "', which spans (" +
-                    shortNumber(record.surface->min[0]) + ", " + shortNumber(record.surface->min[1]) + ", " +
-                    shortNumber(record.surface->min[2]) + ") … (" + shortNumber(record.surface->max[0]) + ", " +
-                    shortNumber(record.surface->max[1]) + ", " + shortNumber(record.surface->max[2]) +
-                    ") m; accepted: inside, or up to half a spacing (" + millimetres(tolerance) + ") off its surface");
+  record.checkReaches(context_.services, at, simulator_.body(body.v)->rest().spacing, which);
   for (const Probe &other : simulator_.probes())
     if (other.name == sdk::text(name)) throw Error(C3DE_E_EXISTS, which + "there is one of this name already");
   const std::size_t id = simulator_.addProbe(std::string(sdk::text(name)), body.v, at);
   if (out) *out = {id};
 }
 
-WorldSimulator::BodyRecord &WorldSimulator::bodyOrThrow(c3de_handle body) {
-  const auto found = bodies_.find(body.v);
-  if (found == bodies_.end()) throw Error(noSuch("body"));
-  return found->second;
-}
-
 sdk::Result<void> WorldSimulator::setBodyParam(c3de_handle body, const c3de_param_value *value) {
   const c3de_param_value in = sdk::readStruct(value, "value");
   const std::lock_guard lock(mutex_);
-  BodyRecord &record = bodyOrThrow(body);
+  BodyRecord &record = table_.bodyOrThrow(body.v);
   ParameterValues changed = *record.values;
   if (auto done = changed.set(in); !done) return done;
   const std::string_view id = sdk::text(in.id);
@@ -245,7 +181,7 @@ sdk::Result<void> WorldSimulator::setBodyParam(c3de_handle body, const c3de_para
     if (const auto set = simulator_.setFoundation(body.v, foundationOf(changed)); !set)
       return Failure{C3DE_E_ARG, record.name + ": " + std::string(id) + ": " + set.error()};
   } else if (id == "rigid" || id == C3DE_PARAM_ID_FREE) {
-    if (isFree(changed)) checkMoves(record.name, record.source, simulator_.quasiStatic());
+    record.checkFree(changed, simulator_.quasiStatic());
     simulator_.setRigid(body.v, isRigid(changed), isFree(changed));
   } else {
     // Parts keep what they say themselves.
@@ -260,7 +196,7 @@ sdk::Result<void> WorldSimulator::setBodyParam(c3de_handle body, const c3de_para
 
 sdk::Result<void> WorldSimulator::getBodyParam(c3de_handle body, c3de_str id, c3de_param_value *out) {
   const std::lock_guard lock(mutex_);
-  auto found = bodyOrThrow(body).values->get(sdk::text(id));
+  auto found = table_.bodyOrThrow(body.v).values->get(sdk::text(id));
   if (!found) return found.failure();
   sdk::writeStruct(out, *found, "out");
   return {};
@@ -269,9 +205,8 @@ sdk::Result<void> WorldSimulator::getBodyParam(c3de_handle body, c3de_str id, c3
 sdk::Result<void> WorldSimulator::remove(c3de_handle handle) {
   const std::lock_guard lock(mutex_);
   estimated_.erase(handle.v);
-  if (bodies_.erase(handle.v) > 0) {
+  if (table_.removeBody(handle.v)) {
     simulator_.removeBody(handle.v);
-    forgetAttachmentsOf(handle.v);
     std::erase_if(liveLoads_, [&](const auto &entry) { return entry.second.body == handle.v; });
     std::erase_if(holds_, [&](const auto &entry) { return entry.second.body == handle.v; });
     std::erase_if(grasps_, [&](const auto &entry) {
@@ -286,11 +221,11 @@ sdk::Result<void> WorldSimulator::remove(c3de_handle handle) {
     return {};
   }
   if (liveLoads_.erase(handle.v) > 0 || simulator_.removeProbe(handle.v)) return {};
-  if (obstacles_.contains(handle.v)) {
-    forgetObstacle(handle.v);
+  if (table_.removeObstacle(handle.v)) {
+    simulator_.removeObstacle(handle.v);
     return {};
   }
-  if (attachments_.erase(handle.v) > 0) {
+  if (table_.removeAttachment(handle.v)) {
     simulator_.removeAttachment(handle.v);
     return {};
   }
@@ -301,39 +236,18 @@ sdk::Result<void> WorldSimulator::remove(c3de_handle handle) {
   return noSuch("body, obstacle, attachment, load, probe, grasp or hold");
 }
 
-std::vector<Attachment> WorldSimulator::attachmentsOf(std::uint64_t id) const {
-  std::vector<Attachment> out;
-  for (const auto &[number, attachment] : attachments_)
-    if (attachment.first == id || attachment.second == id) out.push_back(attachment);
-  return out;
-}
-
 void WorldSimulator::attachAgain(Attachment attachment, std::uint64_t before, std::uint64_t now) {
   (attachment.first == before ? attachment.first : attachment.second) = now;
   if (const auto added = simulator_.addAttachment(attachment))
-    attachments_.emplace(*added, std::move(attachment));
+    table_.addAttachment(*added, std::move(attachment));
   else
     simulator_.addWarning(now, "attachment '" + attachment.name + "' is gone: " + added.error());
-}
-
-void WorldSimulator::forgetAttachmentsOf(std::uint64_t id) {
-  std::erase_if(attachments_,
-                [id](const auto &entry) { return entry.second.first == id || entry.second.second == id; });
-}
-
-void WorldSimulator::forgetObstacle(std::uint64_t id) {
-  obstacles_.erase(id);
-  simulator_.removeObstacle(id);
-  forgetAttachmentsOf(id);
 }
 
 void WorldSimulator::clear() {
   const std::lock_guard lock(mutex_);
   simulator_.clear();
-  bodies_.clear();
-  obstacles_.clear();
-  placedInstruments_.clear();
-  attachments_.clear();
+  table_.clear();
   liveLoads_.clear();
   holds_.clear();
   grasps_.clear();
@@ -386,9 +300,9 @@ void WorldSimulator::publish() {
   s->stages = simulator_.stageTimes();
   s->compositions = compositionsOf(simulator_);
   s->events = simulator_.events();
-  s->bodies.resize(bodies_.size());
+  s->bodies.resize(table_.bodies().size());
   std::size_t k = 0;
-  for (const auto &[id, record] : bodies_) {
+  for (const auto &[id, record] : table_.bodies()) {
     const Body &body = *simulator_.body(id);
     BodySnapshot &b = s->bodies[k++];
     const bool sameBody = b.id == id && b.rest == body.sharedRest();
@@ -434,17 +348,16 @@ void WorldSimulator::publish() {
   s->notices = noticesOf(simulator_, errors);
   s->contacts = contactsNow();
   s->attachments.clear();
-  for (const auto &[id, record] : bodies_)
+  for (const auto &[id, record] : table_.bodies())
     if (const Body &body = *simulator_.body(id); body.foundation().acts())
       s->attachments.push_back(
           {"surroundings", record.name, "surroundings", body.foundationReaction().force.norm(), 0.0});
   for (const AttachmentSummary &now : simulator_.attachments())
-    s->attachments.push_back({now.name, nameOf(now.first),
-                              now.second == kSurroundings ? "surroundings" : nameOf(now.second), now.force.norm(),
-                              now.tornPart});
+    s->attachments.push_back(
+        {now.name, table_.nameOf(now.first), table_.nameOfAttached(now.second), now.force.norm(), now.tornPart});
   s->grasps = graspsNow();
   s->obstacles.clear();
-  for (const auto &[id, record] : obstacles_) {
+  for (const auto &[id, record] : table_.obstacles()) {
     ObstacleSnapshot o{id, record.name, record.mesh, simulator_.obstacleMotion(id)};
     o.tool = record.tool;
     o.isInstrument = simulator_.isInstrument(id);
@@ -477,7 +390,7 @@ void WorldSimulator::estimate(std::uint64_t id, const Body &body, const PlacedMe
 void WorldSimulator::takeView(Snapshot &s) {
   s.view = viewSettings(world_);
   Colouring::Bodies bodies;
-  for (const auto &[id, record] : bodies_) bodies.emplace(id, simulator_.body(id));
+  for (const auto &[id, record] : table_.bodies()) bodies.emplace(id, simulator_.body(id));
   s.verification = verification_;
   s.verified = verification_ && isVerified(*verification_);
   // What was verified is another state now.
@@ -524,8 +437,8 @@ void WorldSimulator::status(c3de_sim_status *out) {
   s.steps = simulator_.steps();
   s.time_s = simulator_.time();
   s.dt_s = simulator_.stepSize();
-  s.bodies = bodies_.size();
-  s.obstacles = obstacles_.size();
+  s.bodies = table_.bodies().size();
+  s.obstacles = table_.obstacles().size();
   s.finished = simulator_.finished() ? 1u : 0u;
   s.stopped = static_cast<std::uint32_t>(simulator_.stoppedBodies());
   if (simulator_.quasiStatic()) {
@@ -545,31 +458,28 @@ void WorldSimulator::report(c3de_sink json) {
   {
     const std::lock_guard lock(mutex_);
     std::vector<ReportedBody> bodies;
-    for (const auto &[id, record] : bodies_)
+    for (const std::uint64_t id : table_.bodiesInOrder()) {
+      const BodyRecord &record = *table_.body(id);
       bodies.push_back({id, record.surface->volume, areaOf(*record.surface), record.source.fixNumbers, record.promise,
                         record.adaptive});
-    std::sort(bodies.begin(), bodies.end(), [&](const ReportedBody &a, const ReportedBody &b) {
-      return bodies_.at(a.id).order < bodies_.at(b.id).order;
-    });
+    }
     text = reportJson(simulator_, bodies, reportedTools(), reportedAttachments(), reportedGrasps(),
-                      [this](std::size_t id) { return nameOf(id); });
+                      [this](std::size_t id) { return table_.nameOf(id); });
   }
   if (const c3de_status status = sdk::put(json, text); status < 0) throw Error(status, "the report was not taken");
 }
 
 sdk::Result<void> WorldSimulator::bodyAt(std::uint64_t index, c3de_handle *out) {
   const std::lock_guard lock(mutex_);
-  std::vector<std::pair<std::size_t, std::uint64_t>> ordered;
-  for (const auto &[id, record] : bodies_) ordered.push_back({record.order, id});
-  std::sort(ordered.begin(), ordered.end());
-  if (index >= ordered.size()) return noSuch("body");
-  sdk::notNull(out, "out") = {ordered[static_cast<std::size_t>(index)].second};
+  const std::vector<std::uint64_t> ids = table_.bodiesInOrder();
+  if (index >= ids.size()) return noSuch("body");
+  sdk::notNull(out, "out") = {ids[static_cast<std::size_t>(index)]};
   return {};
 }
 
 sdk::Result<void> WorldSimulator::bodyInfo(c3de_handle handle, c3de_sim_body_info *out) {
   const std::lock_guard lock(mutex_);
-  const BodyRecord &record = bodyOrThrow(handle);
+  const BodyRecord &record = table_.bodyOrThrow(handle.v);
   const Body &body = *simulator_.body(handle.v);
   c3de_sim_body_info info{};
   info.name = sdk::str(record.name);
@@ -588,7 +498,7 @@ c3de_status WorldSimulator::enumFields(c3de_handle body, void *visitor, EachFiel
   if (!each) throw Error(C3DE_E_ARG, "each is null");
   {
     const std::lock_guard lock(mutex_);
-    (void)bodyOrThrow(body);
+    (void)table_.bodyOrThrow(body.v);
   }
   for (const c3de_sim_field &field : bodyFields())
     if (const c3de_status status = each(visitor, &field); status != C3DE_OK) return status;
@@ -601,7 +511,7 @@ c3de_status WorldSimulator::enumFields(c3de_handle body, void *visitor, EachFiel
 
 void WorldSimulator::readField(c3de_handle body, std::uint32_t on, c3de_str name, c3de_mview out) {
   const std::lock_guard lock(mutex_);
-  (void)bodyOrThrow(body);
+  (void)table_.bodyOrThrow(body.v);
   const Body &of = *simulator_.body(body.v);
   if (sdk::text(name) != kContactPressure || (on != C3DE_SIM_ON_POINTS && on != C3DE_SIM_ON_SURFACE))
     return readBodyField(of, on, sdk::text(name), out);
@@ -617,7 +527,7 @@ void WorldSimulator::readField(c3de_handle body, std::uint32_t on, c3de_str name
 
 void WorldSimulator::triangles(c3de_handle body, c3de_view *out) {
   const std::lock_guard lock(mutex_);
-  (void)bodyOrThrow(body);
+  (void)table_.bodyOrThrow(body.v);
   const auto &skin = simulator_.body(body.v)->rest().skin;
   static_assert(sizeof(skin[0]) == 3 * sizeof(std::uint32_t));
   sdk::notNull(out, "out") = {skin.data(), skin.size(), 3, C3DE_U32, 0};
@@ -645,7 +555,7 @@ c3de_status WorldSimulator::enumProbes(void *visitor, EachProbe each) {
 void WorldSimulator::phyxels(c3de_handle body, c3de_object **out) {
   {
     const std::lock_guard lock(mutex_);
-    (void)bodyOrThrow(body);
+    (void)table_.bodyOrThrow(body.v);
   }
   sdk::notNull(out, "out") =
       sdk::make<PhyxelSet>(context_, sdk::Ref<WorldSimulator>::share(this), body.v).detach()->abi();
@@ -654,7 +564,7 @@ void WorldSimulator::phyxels(c3de_handle body, c3de_object **out) {
 void WorldSimulator::surfels(c3de_handle body, c3de_object **out) {
   {
     const std::lock_guard lock(mutex_);
-    (void)bodyOrThrow(body);
+    (void)table_.bodyOrThrow(body.v);
   }
   sdk::notNull(out, "out") = sdk::make<SurfelSet>(sdk::Ref<WorldSimulator>::share(this), body.v).detach()->abi();
 }
@@ -684,36 +594,33 @@ ParameterValues WorldSimulator::worldValues() const {
 
 std::optional<BodySource> WorldSimulator::source(std::uint64_t body) const {
   const std::lock_guard lock(mutex_);
-  const auto found = bodies_.find(body);
-  if (found == bodies_.end()) return std::nullopt;
-  return found->second.source;
+  const BodyRecord *found = table_.body(body);
+  return found ? std::optional(found->source) : std::nullopt;
 }
 
 void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &values, const sdk::Progress &progress) {
-  const auto from = source(body);
-  if (!from) throw Error(noSuch("body"));
   std::string name;
+  BodySource from;
   {
     const std::lock_guard lock(mutex_);
-    name = bodies_.at(body).name;
+    const BodyRecord &record = table_.bodyOrThrow(body);
+    name = record.name;
+    from = record.source;
   }
   BuiltBody built =
-      buildBody(context_.services, context_.laws, name, from->mesh->handle(), *from, values, dialRequest(), progress);
+      buildBody(context_.services, context_.laws, name, from.mesh->handle(), from, values, dialRequest(), progress);
   const StepRequest::Waiting waiting(request_);
   const std::lock_guard lock(mutex_);
-  const auto found = bodies_.find(body);
-  if (found == bodies_.end()) throw Error(noSuch("body"));
-  BodyRecord record = found->second;
+  BodyRecord record = table_.bodyOrThrow(body);
   const Simulator::ContactPairs pairs = simulator_.contactPairs();
-  const std::vector<Attachment> attached = attachmentsOf(body);
-  forgetAttachmentsOf(body);
+  const std::vector<Attachment> attached = table_.attachmentsOf(body);
   record.take(built);
   record.values = std::make_shared<const ParameterValues>(values);
-  bodies_.erase(found);
+  table_.removeBody(body);
   simulator_.removeBody(body);
   resetSimulator();
   const std::size_t id = simulator_.addBody(std::move(built.body));
-  bodies_.emplace(id, std::move(record));
+  table_.addBody(id, std::move(record));
   for (auto &[number, grasp] : grasps_)
     if (grasp.scene && grasp.scene->body == body) grasp.scene->body = id;  // on the same skin
   for (const auto &[pair, settings] : pairs)
@@ -728,7 +635,7 @@ void WorldSimulator::displacement(const c3de_sim_grid *grid, double rim, float *
   DisplacementField field(readGrid(*grid, "grid"), gaps != nullptr);
   const std::size_t points = grid->points[0] * grid->points[1] * grid->points[2];
   const std::lock_guard lock(mutex_);
-  for (const auto &[id, record] : bodies_) field.add(*simulator_.body(id));
+  for (const auto &[id, record] : table_.bodies()) field.add(*simulator_.body(id));
   field.write(rim, {out, 3 * points});
   if (gaps) field.writeGaps({out, 3 * points}, {gaps, points});
 }
@@ -737,7 +644,7 @@ Vec3 WorldSimulator::displacementAt(const Vec3 &place) const {
   DisplacementField field({{1, 1, 1}, place, Mat3::Identity()});
   std::array<float, 3> u{};
   const std::lock_guard lock(mutex_);
-  for (const auto &[id, record] : bodies_) field.add(*simulator_.body(id));
+  for (const auto &[id, record] : table_.bodies()) field.add(*simulator_.body(id));
   field.write(0.0, u);
   return vectorOf(u);
 }

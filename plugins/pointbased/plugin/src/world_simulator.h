@@ -5,7 +5,7 @@
 #include <map>
 #include <mutex>
 
-#include "body_builder.h"
+#include "body_table.h"
 #include "c3de/pointbased/point_sets.hpp"
 #include "c3de/sdk/object.hpp"
 #include "c3de/sdk/simulator.hpp"
@@ -192,33 +192,13 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
  private:
   /// Ids of loads and holds begin here, above those of bodies, obstacles and probes.
   static constexpr std::uint64_t kFirstLive = std::uint64_t{1} << 32;
-  struct BodyRecord {
-    std::string name;
-    std::shared_ptr<PlacedMesh> surface;
-    std::shared_ptr<const ParameterValues> values;  // replaced, never changed: snapshots share it
-    BodySource source;
-    std::shared_ptr<const AccuracyPromise> promise;    // null: its sampling was said
-    std::shared_ptr<const AdaptiveSampling> adaptive;  // null: finer cells were not asked for
-    void take(BuiltBody &built);
-    std::size_t order = 0;
-  };
-  struct ObstacleRecord {
-    std::string name;
-    std::shared_ptr<PlacedMesh> mesh;
-    double friction = 0.0, restitution = 0.0;
-    std::function<RigidMotion(double t)> motion;  ///< empty: stands still
-    std::optional<ProbeTool> tool = {};           ///< none: made of a mesh
-  };
   [[nodiscard]] std::vector<std::string> warningsOf(const ProbeTool &tool) const;
   [[nodiscard]] std::vector<ReportedTool> reportedTools() const;
-  /// Of a body, an obstacle or the walls.
-  [[nodiscard]] std::string nameOf(std::size_t id) const;
   [[nodiscard]] std::vector<ReportedAttachment> reportedAttachments() const;
   enum class Walls { stay, makeRoom };
   void add(const c3de_sim_body *body, c3de_handle *out, Walls walls);
   void takeInstrumentAway();
   void lead(std::uint64_t obstacle, const RigidMotion &target);
-  void followInstruments();
   void letGo(std::uint64_t grasp);
   void setHands(std::uint64_t id, const Grasp &grasp);
   /// Of its first jaw; the second has the next one.
@@ -243,7 +223,6 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   [[nodiscard]] DialRequest dialRequest();
   /// measureFrame() in this world.
   [[nodiscard]] double frameTime(const Body &body, const StopRequest *stop) const;
-  [[nodiscard]] BodyRecord &bodyOrThrow(c3de_handle body);
   void takeView(Snapshot &snapshot);
   void estimate(std::uint64_t id, const Body &body, const PlacedMesh &surface, bool moved, BodySnapshot &out);
 
@@ -252,16 +231,9 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   StepRequest request_;
   Simulator simulator_;
   ParameterValues world_{worldDeclarations()};
-  std::map<std::uint64_t, BodyRecord> bodies_;
-  std::map<std::uint64_t, ObstacleRecord> obstacles_;
-  void forgetObstacle(std::uint64_t id);
-  /// Of a body or an obstacle.
-  [[nodiscard]] std::vector<Attachment> attachmentsOf(std::uint64_t id) const;
-  void forgetAttachmentsOf(std::uint64_t id);
+  BodyTable table_;
   /// To what is in the place of one that it was attached to; told where that cannot be.
   void attachAgain(Attachment attachment, std::uint64_t before, std::uint64_t now);
-  std::map<std::uint64_t, ObstacleRecord> placedInstruments_;  // since the last reset, also those that have gone
-  std::map<std::uint64_t, Attachment> attachments_;
   std::map<std::uint64_t, GraspRecord> grasps_;
   /// Of bodies on which forces from outside are to act in the next step. Copies, because another thread may replace the
   /// body while they are being written.
@@ -296,7 +268,6 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void bind(LiveLoad &load) const;
   void takeForces();
   [[nodiscard]] std::uint64_t fingerprint() const;
-  std::size_t nextOrder_ = 0;
   SnapshotExchange exchange_;
   Colouring colouring_;
   struct BoundPoints {

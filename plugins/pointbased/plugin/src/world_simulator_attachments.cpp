@@ -21,24 +21,22 @@ void WorldSimulator::addAttachment(const c3de_sim_attachment *attachment, c3de_h
   read.tearsAt = in.tears_at_Pa;
   const StepRequest::Waiting waiting(request_);
   const std::lock_guard lock(mutex_);
-  if (!bodies_.contains(read.first) ||
-      (read.second != kSurroundings && !bodies_.contains(read.second) && !obstacles_.contains(read.second)))
+  if (!table_.hasBody(read.first) || (read.second != kSurroundings && !table_.has(read.second)))
     throw Error(C3DE_E_STALE, which + "there is no such body or obstacle in this simulation");
-  for (const auto &[id, other] : attachments_)
-    if (other.name == read.name) throw Error(C3DE_E_EXISTS, which + "there is one of this name already");
+  if (table_.hasAttachment(read.name)) throw Error(C3DE_E_EXISTS, which + "there is one of this name already");
   const auto added = simulator_.addAttachment(read);
-  followInstruments();  // a new attachment begins the simulation anew
+  table_.followInstruments(simulator_);  // a new attachment begins the simulation anew
   if (!added) throw Error(C3DE_E_ARG, which + added.error());
-  attachments_.emplace(*added, std::move(read));
+  table_.addAttachment(*added, std::move(read));
   if (out) *out = {*added};
 }
 
 std::vector<ReportedAttachment> WorldSimulator::reportedAttachments() const {
   std::vector<ReportedAttachment> out;
   for (AttachmentSummary &summary : simulator_.attachments()) {
-    const std::string second = summary.second == kSurroundings ? "surroundings" : nameOf(summary.second);
-    const Attachment &of = attachments_.at(summary.id);
-    out.push_back({std::move(summary), {nameOf(of.first), second}, of.stiffness, of.tangential});
+    const Attachment &of = table_.attachments().at(summary.id);
+    out.push_back(
+        {std::move(summary), {table_.nameOf(of.first), table_.nameOfAttached(of.second)}, of.stiffness, of.tangential});
   }
   return out;
 }

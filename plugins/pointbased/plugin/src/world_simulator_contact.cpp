@@ -51,9 +51,9 @@ void WorldSimulator::setPair(const c3de_sim_contact_pair *pair) {
   settings.fits = (in.flags & C3DE_SIM_PAIR_FITS) != 0;
   const std::lock_guard lock(mutex_);
   for (const c3de_handle one : {in.first, in.second})
-    if (one.v != kWorldBox && !bodies_.contains(one.v) && !obstacles_.contains(one.v))
+    if (one.v != kWorldBox && !table_.has(one.v))
       throw Error(C3DE_E_STALE, "there is no such body, obstacle or probe tool in this simulation");
-  if (in.first.v == in.second.v || (!bodies_.contains(in.first.v) && !bodies_.contains(in.second.v)))
+  if (in.first.v == in.second.v || (!table_.hasBody(in.first.v) && !table_.hasBody(in.second.v)))
     throw Error(C3DE_E_ARG, "a pair of contact has a body and another body, an obstacle, a probe tool or the walls");
   simulator_.setContactPair(in.first.v, in.second.v, settings);
 }
@@ -64,14 +64,13 @@ void WorldSimulator::addProbeTool(const c3de_sim_probe_tool *tool, c3de_handle *
   if (!built) throw Error(C3DE_E_ARG, built.error());
   ObstacleRecord record{read.name, meshOf(context_.services, read), read.friction, 0.0, built->motion, read};
   const std::lock_guard lock(mutex_);
-  for (const auto &[id, other] : obstacles_)
-    if (other.tool && other.name == read.name)
-      throw Error(C3DE_E_EXISTS, "probe tool '" + read.name + "': there is one of this name already");
+  if (table_.hasProbeTool(read.name))
+    throw Error(C3DE_E_EXISTS, "probe tool '" + read.name + "': there is one of this name already");
   const std::vector<std::string> warnings = warningsOf(read);
   resetSimulator();
   const std::uint64_t id = simulator_.addObstacle(std::move(*built));
   for (const std::string &warning : warnings) simulator_.addWarning(id, warning);
-  obstacles_.emplace(id, std::move(record));
+  table_.addObstacle(id, std::move(record));
   if (out) *out = {id};
 }
 
@@ -79,7 +78,7 @@ void WorldSimulator::addProbeTool(const c3de_sim_probe_tool *tool, c3de_handle *
 std::vector<std::string> WorldSimulator::warningsOf(const ProbeTool &tool) const {
   std::vector<std::string> warnings;
   const std::string which = "probe tool '" + tool.name + "' ";
-  for (const auto &[id, record] : bodies_) {
+  for (const auto &[id, record] : table_.bodies()) {
     const RestState &rest = simulator_.body(id)->rest();
     double spacing = rest.spacing;
     for (const double own : rest.contact.spacings) spacing = std::min(spacing, own);
@@ -127,7 +126,7 @@ c3de_status WorldSimulator::enumProbeTools(void *visitor, EachProbeTool each) {
 std::vector<ReportedTool> WorldSimulator::reportedTools() const {
   std::vector<ReportedTool> tools;
   const std::vector<ContactSummary> contacts = simulator_.contacts();
-  for (const auto &[id, record] : obstacles_) {
+  for (const auto &[id, record] : table_.obstacles()) {
     if (!record.tool) continue;
     ReportedTool tool;
     tool.name = record.name;
@@ -147,15 +146,8 @@ std::vector<ReportedTool> WorldSimulator::reportedTools() const {
 std::vector<ContactSnapshot> WorldSimulator::contactsNow() const {
   std::vector<ContactSnapshot> contacts;
   for (const ContactSummary &one : simulator_.contacts())
-    contacts.push_back({one, nameOf(one.first), nameOf(one.second)});
+    contacts.push_back({one, table_.nameOf(one.first), table_.nameOf(one.second)});
   return contacts;
-}
-
-std::string WorldSimulator::nameOf(std::size_t id) const {
-  if (id == kWorldBox) return "box";
-  if (const auto body = bodies_.find(id); body != bodies_.end()) return body->second.name;
-  const auto obstacle = obstacles_.find(id);
-  return obstacle == obstacles_.end() ? std::string() : obstacle->second.name;
 }
 
 }  // namespace pointbased

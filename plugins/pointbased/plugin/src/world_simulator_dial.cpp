@@ -12,7 +12,7 @@ DialRequest WorldSimulator::dialRequest() {
     request.setting.world = worldSettings(world_);
     request.setting.touches =
         world_.number(C3DE_PARAM_ID_CONTACT_ENABLED) != 0.0 && world_.number(C3DE_PARAM_ID_ACCURACY_BODIES) > 1.0;
-    request.setting.contact = request.setting.world.box.enabled || !obstacles_.empty();
+    request.setting.contact = request.setting.world.box.enabled || !table_.obstacles().empty();
   }
   request.gravity = request.setting.world.gravity;
   // What nobody has wished for must not depend on the machine.
@@ -37,16 +37,10 @@ double WorldSimulator::frameTime(const Body &body, const StopRequest *stop) cons
   return measureFrame(body, settings, obstacles, context_.services.parallelFor(), stop);
 }
 
-void WorldSimulator::BodyRecord::take(BuiltBody &built) {
-  surface = std::move(built.surface);
-  promise = built.promise ? std::make_shared<const AccuracyPromise>(std::move(*built.promise)) : nullptr;
-  adaptive = built.adaptive ? std::make_shared<const AdaptiveSampling>(std::move(*built.adaptive)) : nullptr;
-}
-
 void WorldSimulator::keepHand(std::uint64_t body, const Grab &grab) {
   constexpr std::size_t kMost = 8;
-  const auto found = bodies_.find(body);
-  if (found == bodies_.end() || grab.phyxels.empty()) return;
+  BodyRecord *record = table_.body(body);
+  if (!record || grab.phyxels.empty()) return;
   const RestState &rest = simulator_.body(body)->rest();
   SphereRegion place;
   for (std::size_t i = 0; i < grab.phyxels.size(); ++i)
@@ -54,7 +48,7 @@ void WorldSimulator::keepHand(std::uint64_t body, const Grab &grab) {
   for (const Index i : grab.phyxels)
     place.radius = std::max(place.radius, (rest.origin + rest.positions[i] - place.centre).norm());
   place.radius = std::max(place.radius, rest.spacing);
-  std::vector<Load> &hands = found->second.source.hands;
+  std::vector<Load> &hands = record->source.hands;
   std::erase_if(hands, [&](const Load &other) {
     return other.force.isZero(0.0) || signedDistance(other.region, place.centre) < 0.0;
   });
@@ -64,9 +58,9 @@ void WorldSimulator::keepHand(std::uint64_t body, const Grab &grab) {
 
 void WorldSimulator::keepPull(std::uint64_t body, std::uint64_t hand) {
   const std::optional<GrabStatus> status = simulator_.grabStatus(body, hand);
-  const auto found = bodies_.find(body);
-  if (found == bodies_.end() || found->second.source.hands.empty() || !status) return;
-  std::vector<Load> &hands = found->second.source.hands;
+  BodyRecord *record = table_.body(body);
+  if (!record || record->source.hands.empty() || !status) return;
+  std::vector<Load> &hands = record->source.hands;
   const auto way = [&](const Load &load) { return std::abs(signedDistance(load.region, status->point)); };
   Vec3 &most = std::min_element(hands.begin(), hands.end(), [&](const Load &a, const Load &b) {
                  return way(a) < way(b);

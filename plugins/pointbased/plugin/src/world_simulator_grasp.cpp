@@ -21,7 +21,7 @@ std::string millimetres(double metres) { return shortNumber(1e3 * metres) + " mm
 
 void WorldSimulator::grasp(std::uint64_t body, const JawPlaces &places, const GraspSettings &settings) {
   const std::lock_guard lock(mutex_);
-  if (!bodies_.contains(body)) return;
+  if (!table_.hasBody(body)) return;
   letGo(kGraspInHand);
   GraspRecord record;
   record.now = takeHold(body, *simulator_.body(body), places, settings);
@@ -130,7 +130,7 @@ void WorldSimulator::exchange(HandState &kept) {
       if (record.now) setHands(id, *record.now);
     kept = std::move(left);
   }
-  followInstruments();
+  table_.followInstruments(simulator_);
 }
 
 std::vector<GraspSnapshot> WorldSimulator::graspsNow() const {
@@ -198,7 +198,7 @@ void WorldSimulator::addGrasp(const c3de_sim_grasp *given, c3de_handle *out) {
     scene.path.push_back({place.time_s, to, Eigen::Quaterniond(readRotation(place.quaternion, "path"))});
   }
   const std::lock_guard lock(mutex_);
-  const BodyRecord &of = bodyOrThrow(in.body);
+  const BodyRecord &of = table_.bodyOrThrow(in.body.v);
   for (const auto &[id, other] : grasps_)
     if (other.name == record.name) throw Error(C3DE_E_EXISTS, which + "there is one of this name already");
   if (simulator_.quasiStatic())

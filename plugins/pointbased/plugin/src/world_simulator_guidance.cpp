@@ -23,27 +23,21 @@ constexpr double kTouching = 5e-4;  // m: skin that is less deep in an obstacle 
 
 void WorldSimulator::placeInstrument(ProbeTool tool) {
   const std::lock_guard lock(mutex_);
-  const auto isTaken = [this](const std::string &name) {
-    return std::any_of(obstacles_.begin(), obstacles_.end(),
-                       [&](const auto &one) { return one.second.name == name && !simulator_.isInstrument(one.first); });
-  };
-  tool.name = "instrument";
-  for (int k = 2; isTaken(tool.name); ++k) tool.name = "instrument " + std::to_string(k);
+  tool.name = table_.freeInstrumentName();
   tool.path.resize(1, tool.path.empty() ? ToolPlace() : tool.path.front());
   tool.path.push_back(tool.path.front());
   tool.path.back().time = tool.path.front().time + 1.0;
   auto built = obstacleOf(tool);
   if (!built) throw Error(C3DE_E_ARG, built.error());
-  ObstacleRecord record{tool.name, meshOf(context_.services, tool), tool.friction, 0.0, {}, tool};
+  const ObstacleRecord record{tool.name, meshOf(context_.services, tool), tool.friction, 0.0, {}, tool};
   takeInstrumentAway();
   const std::uint64_t id = simulator_.addInstrument(std::move(*built));
-  obstacles_.emplace(id, record);
-  placedInstruments_.emplace(id, std::move(record));
+  table_.addInstrument(id, record);
 }
 
 void WorldSimulator::moveInstrument(const Vec3 &middle) {
   const std::lock_guard lock(mutex_);
-  for (const auto &[id, record] : obstacles_) {
+  for (const auto &[id, record] : table_.obstacles()) {
     if (!simulator_.isInstrument(id)) continue;
     const Vec3 &at = record.tool->path.front().at;
     lead(id, {Mat3::Identity(), at, middle - at});
@@ -56,8 +50,7 @@ void WorldSimulator::removeInstrument() {
 }
 
 void WorldSimulator::takeInstrumentAway() {
-  for (const auto &[id, record] : placedInstruments_)
-    if (obstacles_.erase(id) > 0) simulator_.removeObstacle(id);
+  for (const std::uint64_t id : table_.removeInstruments()) simulator_.removeObstacle(id);
 }
 
 void WorldSimulator::guide(std::uint64_t obstacle, const RigidMotion &target) {
@@ -66,12 +59,12 @@ void WorldSimulator::guide(std::uint64_t obstacle, const RigidMotion &target) {
 }
 
 void WorldSimulator::lead(std::uint64_t obstacle, const RigidMotion &target) {
-  const auto found = obstacles_.find(obstacle);
-  if (found == obstacles_.end()) return;
+  const ObstacleRecord *record = table_.obstacle(obstacle);
+  if (!record) return;
   const RigidMotion now = simulator_.obstacleMotion(obstacle);
   // The corners of its box go farthest.
   double way = 0.0;
-  const Vec3 &low = found->second.mesh->min, &high = found->second.mesh->max;
+  const Vec3 &low = record->mesh->min, &high = record->mesh->max;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 x((corner & 1) ? high[0] : low[0], (corner & 2) ? high[1] : low[1], (corner & 4) ? high[2] : low[2]);
     way = std::max(way, (target.displacementOf(x) - now.displacementOf(x)).norm());
@@ -82,18 +75,19 @@ void WorldSimulator::lead(std::uint64_t obstacle, const RigidMotion &target) {
 
 void WorldSimulator::takeOut(TakenObstacle &taken) {
   const std::lock_guard lock(mutex_);
-  const auto found = obstacles_.find(taken.id);
+  const ObstacleRecord *record = table_.obstacle(taken.id);
   const Obstacle *obstacle = simulator_.obstacle(taken.id);
-  if (found == obstacles_.end() || !obstacle) return;
-  taken.record = found->second;
+  if (!record || !obstacle) return;
+  taken.record = *record;
   taken.obstacle = *obstacle;
   taken.obstacle.motion = simulator_.motionAtReset(taken.id);
   taken.place = simulator_.obstacleMotion(taken.id);
   taken.pairs.clear();
   for (const auto &[pair, settings] : simulator_.contactPairs())
     if (pair.first == taken.id || pair.second == taken.id) taken.pairs.emplace(pair, settings);
-  taken.attachments = attachmentsOf(taken.id);
-  forgetObstacle(taken.id);
+  taken.attachments = table_.attachmentsOf(taken.id);
+  table_.removeObstacle(taken.id);
+  simulator_.removeObstacle(taken.id);
 }
 
 void WorldSimulator::putBack(TakenObstacle &taken) {
@@ -103,9 +97,9 @@ void WorldSimulator::putBack(TakenObstacle &taken) {
   if (!taken.record->motion && simulator_.steps() == 0) taken.obstacle.motion = nullptr;
   const std::uint64_t before = std::exchange(taken.id, simulator_.addObstacle(taken.obstacle));
   const std::uint64_t id = taken.id;
-  obstacles_.emplace(id, *std::exchange(taken.record, std::nullopt));
+  table_.addObstacle(id, *std::exchange(taken.record, std::nullopt));
   // One that the scene moves is where its motion has it.
-  if (!obstacles_.at(id).motion) simulator_.guideObstacle(id, taken.place, 0.0);
+  if (!table_.obstacle(id)->motion) simulator_.guideObstacle(id, taken.place, 0.0);
   for (const auto &[pair, settings] : taken.pairs)
     simulator_.setContactPair(id, pair.first == before ? pair.second : pair.first, settings);
   if (!taken.attachments.empty() || holdsSkin(id)) resetSimulator();
@@ -119,7 +113,7 @@ std::vector<double> WorldSimulator::distancesFrom(std::uint64_t id, std::span<co
   const Obstacle *obstacle = simulator_.obstacle(id);
   if (!obstacle || !obstacle->closest) return distances;
   const RigidMotion motion = simulator_.obstacleMotion(id);
-  const PlacedMesh &mesh = *obstacles_.at(id).mesh;
+  const PlacedMesh &mesh = *table_.obstacle(id)->mesh;
   std::vector<Vec3> places;  // in its frame at rest
   std::vector<std::size_t> which;
   for (std::size_t k = 0; k < points.size(); ++k) {
@@ -139,7 +133,7 @@ std::vector<double> WorldSimulator::distancesFrom(std::uint64_t id, std::span<co
 // surface by the part of a cell that is in it.
 double WorldSimulator::displacedVolume(std::uint64_t id) const {
   double sum = 0.0;
-  for (const auto &[body, record] : bodies_) {
+  for (const auto &[body, record] : table_.bodies()) {
     const RestState &rest = simulator_.body(body)->rest();
     std::vector<Vec3> places(rest.pointCentres.begin(), rest.pointCentres.end());
     for (Vec3 &x : places) x += rest.origin;
@@ -154,7 +148,7 @@ double WorldSimulator::displacedVolume(std::uint64_t id) const {
 
 // Whether skin lies in an obstacle that has just come: contact would lead some of it out to the wrong side.
 bool WorldSimulator::holdsSkin(std::uint64_t id) {
-  return std::any_of(bodies_.begin(), bodies_.end(), [&](const auto &entry) {
+  return std::any_of(table_.bodies().begin(), table_.bodies().end(), [&](const auto &entry) {
     std::vector<Vec3> positions, normals;
     simulator_.surfels(entry.first, positions, normals);
     const std::vector<double> distances = distancesFrom(id, positions, 0.0);
@@ -162,21 +156,11 @@ bool WorldSimulator::holdsSkin(std::uint64_t id) {
   });
 }
 
-// After the simulator has gone to another state: its instruments are those of then.
-void WorldSimulator::followInstruments() {
-  for (const auto &[id, record] : placedInstruments_) {
-    if (simulator_.obstacle(id))
-      obstacles_.emplace(id, record);
-    else
-      obstacles_.erase(id);
-  }
-}
-
 void WorldSimulator::resetSimulator() {
   simulator_.reset();
   resetGrasps();
-  followInstruments();
-  placedInstruments_.clear();
+  table_.followInstruments(simulator_);
+  table_.forgetInstruments();
 }
 
 }  // namespace pointbased

@@ -13,7 +13,7 @@ using sdk::Error;
 
 void WorldSimulator::points(c3de_handle handle, c3de_sim_points *out) {
   const std::lock_guard lock(mutex_);
-  const BodyRecord &record = bodyOrThrow(handle);
+  const BodyRecord &record = table_.bodyOrThrow(handle.v);
   const Body &body = *simulator_.body(handle.v);
   c3de_sim_points points{};
   const RestState &rest = body.rest();
@@ -43,16 +43,17 @@ void WorldSimulator::points(c3de_handle handle, c3de_sim_points *out) {
 
 void WorldSimulator::bind(LiveLoad &live) const {
   const Body &body = *simulator_.body(live.body);
-  const PlacedMesh &mesh = *bodies_.at(live.body).surface;
+  const BodyRecord &record = *table_.body(live.body);
+  const PlacedMesh &mesh = *record.surface;
   auto part = loadOn(live.load, body.rest(), {mesh.positions, mesh.triangles});
-  if (!part) throw Error(C3DE_E_ARG, "a load on body '" + bodies_.at(live.body).name + "': " + part.error());
+  if (!part) throw Error(C3DE_E_ARG, "a load on body '" + record.name + "': " + part.error());
   live.part = std::move(*part);
   live.rest = body.sharedRest();
 }
 
 void WorldSimulator::addLoad(c3de_handle handle, const c3de_sim_load *load, c3de_handle *out) {
   const std::lock_guard lock(mutex_);
-  const BodyRecord &record = bodyOrThrow(handle);
+  const BodyRecord &record = table_.bodyOrThrow(handle.v);
   if (simulator_.body(handle.v)->stands())
     throw Error(C3DE_E_STATE, "body '" + record.name + "' is rigid and stands; a load does not move it");
   LiveLoad live{handle.v, readLoad(load), {}, nullptr, simulator_.time()};
@@ -64,7 +65,7 @@ void WorldSimulator::addLoad(c3de_handle handle, const c3de_sim_load *load, c3de
 
 // Those that were asked for since the last step, and live loads; the others have none.
 void WorldSimulator::takeForces() {
-  for (const auto &[id, record] : bodies_) {
+  for (const auto &[id, record] : table_.bodies()) {
     const auto found = lent_.find(id);
     const Body &body = *simulator_.body(id);
     const std::size_t n = body.rest().phyxelCount();
@@ -86,13 +87,13 @@ void WorldSimulator::takeForces() {
       simulator_.setExternalForces(id, {});
     if (asked) found->second.forces.swap(forces);
   }
-  std::erase_if(lent_, [this](const auto &entry) { return !bodies_.contains(entry.first); });
+  std::erase_if(lent_, [this](const auto &entry) { return !table_.hasBody(entry.first); });
 }
 
 void WorldSimulator::hold(c3de_handle handle, const c3de_sim_hold *hold, c3de_handle *out) {
   const auto in = sdk::readStruct(hold, "hold");
   const std::lock_guard lock(mutex_);
-  const BodyRecord &record = bodyOrThrow(handle);
+  const BodyRecord &record = table_.bodyOrThrow(handle.v);
   const Body &body = *simulator_.body(handle.v);
   const Vec3 at(in.at_m[0], in.at_m[1], in.at_m[2]);
   const auto amount = [](double value) { return std::isfinite(value) && value >= 0.0; };

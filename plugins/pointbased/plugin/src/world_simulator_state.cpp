@@ -30,7 +30,7 @@ std::uint64_t WorldSimulator::fingerprint() const {
     }
   };
   addValues(world_);
-  for (const auto &[id, record] : bodies_) {
+  for (const auto &[id, record] : table_.bodies()) {
     const Body &body = *simulator_.body(id);
     addText(record.name);
     addValues(*record.values);
@@ -59,7 +59,7 @@ std::uint64_t WorldSimulator::fingerprint() const {
     for (const LoadedPart &loaded : conditions.loaded)
       for (const double share : loaded.shares) addNumber(share);
   }
-  for (const auto &[id, obstacle] : obstacles_) {
+  for (const auto &[id, obstacle] : table_.obstacles()) {
     if (simulator_.isInstrument(id)) continue;
     addText(obstacle.name);
     addNumber(obstacle.friction);
@@ -81,14 +81,14 @@ std::uint64_t WorldSimulator::fingerprint() const {
     for (const Vec3 &x : obstacle.mesh->positions) addVector(x);
   }
   for (const auto &[pair, settings] : simulator_.contactPairs()) {
-    addText(nameOf(pair.first));
-    addText(nameOf(pair.second));
+    addText(table_.nameOf(pair.first));
+    addText(table_.nameOf(pair.second));
     addNumber(settings.friction);
     addNumber(settings.enabled ? 1.0 : 0.0);
   }
-  for (const auto &[id, attachment] : attachments_) {
-    addText(nameOf(attachment.first));
-    addText(attachment.second == kSurroundings ? "" : nameOf(attachment.second));
+  for (const auto &[id, attachment] : table_.attachments()) {
+    addText(table_.nameOf(attachment.first));
+    addText(attachment.second == kSurroundings ? "" : table_.nameOf(attachment.second));
     for (const double number : {attachment.within, attachment.stiffness, attachment.tangential, attachment.tearsAt})
       addNumber(number);
   }
@@ -96,7 +96,7 @@ std::uint64_t WorldSimulator::fingerprint() const {
     if (!record.scene) continue;
     const SceneGrasp &grasp = *record.scene;
     addText(record.name);
-    addText(nameOf(grasp.body));
+    addText(table_.nameOf(grasp.body));
     for (const SkinPoint &point : grasp.places.points) {
       for (const Index corner : point.corners) addNumber(static_cast<double>(corner));
       addVector(point.weights);
@@ -139,7 +139,7 @@ void WorldSimulator::loadState(const void *bytes, std::uint64_t n) {
                 "the state belongs to another scene: bodies, materials, supports, loads, obstacles or world differ");
   state.remove_prefix(sizeof of);
   const auto gone = simulator_.goToSavedState(state);
-  followInstruments();
+  table_.followInstruments(simulator_);
   if (!gone) throw Error(C3DE_E_FORMAT, gone.error());
   liveLoads_.clear();
   holds_.clear();

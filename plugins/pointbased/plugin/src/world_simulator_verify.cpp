@@ -25,7 +25,7 @@ std::shared_ptr<const WorldVerification> WorldSimulator::verifyBodies(const sdk:
     const std::lock_guard lock(mutex_);
     out->quasiStatic = simulator_.quasiStatic();
     out->clock = out->quasiStatic ? simulator_.loadFactor() : simulator_.time();
-    for (const auto &[id, record] : bodies_) {
+    for (const auto &[id, record] : table_.bodies()) {
       all.push_back({standingBody(simulator_, id), record.source, record.values});
       out->bodies.push_back({id, simulator_.changes(id), record.name, record.source.fixNumbers, {}, {}});
     }
@@ -62,9 +62,9 @@ void WorldSimulator::verify(const c3de_progress *progress, c3de_sink json) {
 }
 
 bool WorldSimulator::isVerified(const WorldVerification &verification) const {
-  if (verification.bodies.size() != bodies_.size()) return false;
+  if (verification.bodies.size() != table_.bodies().size()) return false;
   for (const BodyVerification &body : verification.bodies)
-    if (!bodies_.contains(body.id) || simulator_.changes(body.id) != body.changes) return false;
+    if (!table_.hasBody(body.id) || simulator_.changes(body.id) != body.changes) return false;
   return true;
 }
 
