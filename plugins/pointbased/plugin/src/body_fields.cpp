@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <string>
-#include <vector>
 
 #include "c3de/sdk/text.hpp"
 #include "field_rows.h"
@@ -29,6 +28,9 @@ constexpr std::array kFields{field(C3DE_SIM_ON_POINTS, C3DE_SIM_FIELD_REFERENCE_
                              field(C3DE_SIM_ON_SURFACE, C3DE_SIM_FIELD_REFERENCE_POSITION, "m", 3),
                              field(C3DE_SIM_ON_SURFACE, C3DE_SIM_FIELD_POSITION, "m", 3),
                              field(C3DE_SIM_ON_SURFACE, "normal", "1", 3)};
+
+constexpr std::array kContactFields{field(C3DE_SIM_ON_POINTS, "contact_pressure", "Pa", 1),
+                                    field(C3DE_SIM_ON_SURFACE, "contact_pressure", "Pa", 1)};
 
 std::vector<Mat3> gradientsOf(const Body &body) {
   std::vector<Mat3> gradients(body.rest().phyxelCount());
@@ -96,6 +98,21 @@ void readOfSurfels(const Body &body, std::string_view name, const c3de_mview &ou
 }  // namespace
 
 std::span<const c3de_sim_field> bodyFields() { return kFields; }
+
+std::span<const c3de_sim_field> contactFields() { return kContactFields; }
+
+bool isContactField(std::uint32_t on, std::string_view name) {
+  return std::any_of(kContactFields.begin(), kContactFields.end(),
+                     [&](const c3de_sim_field &one) { return one.on == on && sdk::text(one.name) == name; });
+}
+
+void writeContactPressures(const Body &body, std::uint32_t on, const std::vector<double> &pressures,
+                           const ParallelFor &parallelFor, const c3de_mview &out) {
+  if (on == C3DE_SIM_ON_POINTS) return writeScalars(out, pressures.size(), [&](std::size_t i) { return pressures[i]; });
+  std::vector<double> onSurface(body.rest().surfels.count());
+  interpolateScalars(body.rest().surfels, pressures, onSurface, parallelFor);
+  writeScalars(out, onSurface.size(), [&](std::size_t i) { return onSurface[i]; });
+}
 
 void readBodyField(const Body &body, std::uint32_t on, std::string_view name, const c3de_mview &out) {
   std::string known;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "c3de/abi/iface/simulator.h"
 #include "pointbased/body.h"
@@ -17,5 +18,13 @@ namespace pointbased {
 
 /// Copies a field into room for all its rows. Errors as sdk::Error: no such field (names what there is), no room.
 void readBodyField(const Body &body, std::uint32_t on, std::string_view name, const c3de_mview &out);
+
+/// Those of contact, which the simulator knows and a body does not: the contact pressure at phyxels and at surfels.
+[[nodiscard]] std::span<const c3de_sim_field> contactFields();
+[[nodiscard]] bool isContactField(std::uint32_t on, std::string_view name);
+/// Copies pressures, Pa, that are known at phyxels into room for all rows of a contact field. Errors as sdk::Error: no
+/// room.
+void writeContactPressures(const Body &body, std::uint32_t on, const std::vector<double> &pressures,
+                           const ParallelFor &parallelFor, const c3de_mview &out);
 
 }  // namespace pointbased

@@ -14,6 +14,19 @@ std::string metres(const Vec3 &at) {
 
 }  // namespace
 
+c3de_sim_body_info BodyRecord::info(const Body &body) const {
+  c3de_sim_body_info info{};
+  info.name = sdk::str(name);
+  info.points = body.rest().phyxelCount();
+  info.surface_points = body.rest().surfels.count();
+  info.mass_kg = body.totalMass();
+  for (const double v : body.rest().volumes) info.volume_m3 += v;
+  info.mesh_volume_m3 = surface->volume;
+  info.spacing_m = body.rest().spacing;
+  info.stable_dt_s = body.stableStepAtRest();
+  return info;
+}
+
 void BodyRecord::take(BuiltBody &built) {
   surface = std::move(built.surface);
   promise = built.promise ? std::make_shared<const AccuracyPromise>(std::move(*built.promise)) : nullptr;

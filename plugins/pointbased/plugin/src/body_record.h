@@ -22,6 +22,8 @@ struct BodyRecord {
   std::shared_ptr<const AdaptiveSampling> adaptive;  ///< null: finer cells were not asked for
   std::size_t order = 0;                             ///< from 1, as bodies were added; 0: not added yet
 
+  /// As iface.simulator tells it; its name is borrowed from this.
+  [[nodiscard]] c3de_sim_body_info info(const Body &body) const;
   /// All of it but the body.
   void take(BuiltBody &built);
   /// That nothing is asked of a rigid body that it would not do. Errors as sdk::Error.

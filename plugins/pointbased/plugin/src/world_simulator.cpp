@@ -4,11 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "advice.h"
 #include "body_fields.h"
 #include "c3de/sdk/structs.hpp"
-#include "composition.h"
-#include "field_rows.h"
 #include "grab_patch.h"
 #include "point_sets.h"
 #include "report.h"
@@ -19,15 +16,11 @@ namespace {
 using sdk::Error;
 using sdk::Failure;
 
-// A field that is known to the simulator, not to a body.
-constexpr std::string_view kContactPressure = "contact_pressure";
-
 }  // namespace
 
-WorldSimulator::WorldSimulator(PluginContext &context) : context_(context), simulator_(context.services.parallelFor()) {
+WorldSimulator::WorldSimulator(PluginContext &context)
+    : context_(context), simulator_(context.services.parallelFor()), snapshots_(context.services, simulator_, table_) {
   context_.laws.refresh();
-  colouring_.setPressures(
-      [this](std::uint64_t body, std::vector<double> &out) { simulator_.contactPressures(body, out); });
 }
 
 WorldSimulator::~WorldSimulator() {
@@ -204,7 +197,7 @@ sdk::Result<void> WorldSimulator::getBodyParam(c3de_handle body, c3de_str id, c3
 
 sdk::Result<void> WorldSimulator::remove(c3de_handle handle) {
   const std::lock_guard lock(mutex_);
-  estimated_.erase(handle.v);
+  snapshots_.forget(handle.v);
   if (table_.removeBody(handle.v)) {
     simulator_.removeBody(handle.v);
     std::erase_if(liveLoads_, [&](const auto &entry) { return entry.second.body == handle.v; });
@@ -286,148 +279,7 @@ void WorldSimulator::reset() {
 
 void WorldSimulator::publish() {
   const std::lock_guard lock(mutex_);
-  const std::shared_ptr<Snapshot> s = exchange_.writable();
-  s->generation = ++generation_;
-  s->time = simulator_.time();
-  s->dt = simulator_.stepSize();
-  s->steps = simulator_.steps();
-  s->course = simulator_.course();
-  s->hash = simulator_.stateHash();
-  s->failed = simulator_.failed();
-  s->quasiStatic = simulator_.quasiStatic();
-  s->box = simulator_.world().box;
-  s->gravity = simulator_.world().gravity;
-  s->stages = simulator_.stageTimes();
-  s->compositions = compositionsOf(simulator_);
-  s->events = simulator_.events();
-  s->bodies.resize(table_.bodies().size());
-  std::size_t k = 0;
-  for (const auto &[id, record] : table_.bodies()) {
-    const Body &body = *simulator_.body(id);
-    BodySnapshot &b = s->bodies[k++];
-    const bool sameBody = b.id == id && b.rest == body.sharedRest();
-    if (!sameBody) b.neighbours = countNeighbours(body.rest());
-    const std::uint64_t changes = simulator_.changes(id);
-    const bool samePlaces = sameBody && b.changes == changes;
-    b.changes = changes;
-    b.asleep = simulator_.asleep(id);
-    b.rigid = body.rigid();
-    b.stands = body.stands();
-    b.stableStep = body.stableStepAtRest();
-    b.isExplicit = simulator_.integratorOf(id) == Integrator::explicitVerlet;
-    b.computed = howComputed(simulator_, id);
-    b.id = id;
-    b.name = record.name;
-    b.tissues = record.source.tissues;
-    b.rest = body.sharedRest();
-    b.surface = record.surface;
-    b.values = record.values;
-    b.promise = record.promise;
-    b.adaptive = record.adaptive;
-    b.addedMass = addedMassText(body);
-    b.colour = record.source.colour;
-    if (!samePlaces) {
-      b.phyxels.resize(body.rest().phyxelCount());
-      for (std::size_t i = 0; i < b.phyxels.size(); ++i)
-        b.phyxels[i] = body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
-      simulator_.surfels(id, b.surfels, b.normals);
-    }
-    estimate(id, body, *record.surface, !samePlaces, b);
-    b.cost = simulator_.costOf(id);
-    b.mass = body.totalMass();
-    b.held = heldPhyxels(body.rest());
-    b.youngsModulus = body.material().youngsModulus;
-    b.energy = simulator_.energy(id);
-    b.grab = simulator_.grabStatus(id);
-  }
-  std::vector<std::string> errors;
-  for (const BodySnapshot &b : s->bodies) {
-    if (b.promise) errors.push_back(noticeOf(b.name, *b.promise));
-    errors.push_back(b.errorAdvice);
-  }
-  s->notices = noticesOf(simulator_, errors);
-  s->contacts = contactsNow();
-  s->attachments.clear();
-  for (const auto &[id, record] : table_.bodies())
-    if (const Body &body = *simulator_.body(id); body.foundation().acts())
-      s->attachments.push_back(
-          {"surroundings", record.name, "surroundings", body.foundationReaction().force.norm(), 0.0});
-  for (const AttachmentSummary &now : simulator_.attachments())
-    s->attachments.push_back(
-        {now.name, table_.nameOf(now.first), table_.nameOfAttached(now.second), now.force.norm(), now.tornPart});
-  s->grasps = graspsNow();
-  s->obstacles.clear();
-  for (const auto &[id, record] : table_.obstacles()) {
-    ObstacleSnapshot o{id, record.name, record.mesh, simulator_.obstacleMotion(id)};
-    o.tool = record.tool;
-    o.isInstrument = simulator_.isInstrument(id);
-    o.hasOwnMotion = record.motion != nullptr;
-    for (const ContactSnapshot &contact : s->contacts) o.touch.add(contact, id);
-    if (o.touch.points > 0) o.touch.displaced = displacedVolume(id);
-    s->obstacles.push_back(std::move(o));
-  }
-  takeView(*s);
-  exchange_.publish(s);
-}
-
-/// Now and then, so that it takes a fiftieth of the time at most.
-void WorldSimulator::estimate(std::uint64_t id, const Body &body, const PlacedMesh &surface, bool moved,
-                              BodySnapshot &out) {
-  using Clock = std::chrono::steady_clock;
-  Estimated &last = estimated_[id];
-  const Clock::time_point begin = Clock::now();
-  if (moved && begin >= last.next) {
-    last.error = estimateError(body, nullptr, last.scratch, context_.services.parallelFor()).relative;
-    last.advice = errorAdvice(body, areaOf(surface), last.error);
-    const Clock::time_point end = Clock::now();
-    last.next = end + std::max<Clock::duration>(50 * (end - begin), std::chrono::milliseconds(200));
-  }
-  out.error = last.error;
-  out.errorAdvice = last.advice;
-}
-
-/// Points of the inside and colours, where they are shown.
-void WorldSimulator::takeView(Snapshot &s) {
-  s.view = viewSettings(world_);
-  Colouring::Bodies bodies;
-  for (const auto &[id, record] : table_.bodies()) bodies.emplace(id, simulator_.body(id));
-  s.verification = verification_;
-  s.verified = verification_ && isVerified(*verification_);
-  // What was verified is another state now.
-  if (s.view.colourBy == ColourBy::verified && !s.verified) s.view.colourBy = ColourBy::material;
-  colouring_.setVerification(s.verified ? verification_ : nullptr);
-  const ParallelFor parallelFor = context_.services.parallelFor();
-  s.coloursOld = !colouring_.update(bodies, s.view, parallelFor);
-  s.colours = colouring_.scale();
-  const bool showsEvaluationPoints = s.view.showsPoints() && s.view.points == PointsShown::evaluationPoints;
-  std::erase_if(points_, [&](const auto &entry) { return !showsEvaluationPoints || !bodies.contains(entry.first); });
-  for (BodySnapshot &b : s.bodies) {
-    const Body &body = *bodies.at(b.id);
-    b.points.clear();
-    if (s.view.showsPoints()) {
-      if (s.view.points == PointsShown::phyxels) {
-        b.points = b.phyxels;
-      } else {
-        BoundPoints &points = points_[b.id];
-        if (points.rest != &body.rest()) points = {&body.rest(), bindPoints(body.rest())};
-        b.points.resize(points.binding.count());
-        interpolateDisplacements(points.binding, body.rest().positions, body.state().displacements, b.points,
-                                 parallelFor);
-        for (std::size_t q = 0; q < b.points.size(); ++q)
-          b.points[q] += body.rest().origin + points.binding.positions[q];
-      }
-    }
-    const Colouring::Colours *colours = colouring_.of(b.id);
-    if (!colours) {
-      b.surfelColours.clear();
-      b.pointColours.clear();
-      b.colours = 0;
-    } else if (b.colours != colouring_.generation() || b.surfelColours.size() != colours->surfels.size()) {
-      b.surfelColours = colours->surfels;
-      b.pointColours = colours->points;
-      b.colours = colouring_.generation();
-    }
-  }
+  snapshots_.publish(viewSettings(world_), graspsNow());
 }
 
 void WorldSimulator::status(c3de_sim_status *out) {
@@ -480,17 +332,7 @@ sdk::Result<void> WorldSimulator::bodyAt(std::uint64_t index, c3de_handle *out) 
 sdk::Result<void> WorldSimulator::bodyInfo(c3de_handle handle, c3de_sim_body_info *out) {
   const std::lock_guard lock(mutex_);
   const BodyRecord &record = table_.bodyOrThrow(handle.v);
-  const Body &body = *simulator_.body(handle.v);
-  c3de_sim_body_info info{};
-  info.name = sdk::str(record.name);
-  info.points = body.rest().phyxelCount();
-  info.surface_points = body.rest().surfels.count();
-  info.mass_kg = body.totalMass();
-  for (const double v : body.rest().volumes) info.volume_m3 += v;
-  info.mesh_volume_m3 = record.surface->volume;
-  info.spacing_m = body.rest().spacing;
-  info.stable_dt_s = body.stableStepAtRest();
-  sdk::writeStruct(out, info, "out");
+  sdk::writeStruct(out, record.info(*simulator_.body(handle.v)), "out");
   return {};
 }
 
@@ -500,12 +342,9 @@ c3de_status WorldSimulator::enumFields(c3de_handle body, void *visitor, EachFiel
     const std::lock_guard lock(mutex_);
     (void)table_.bodyOrThrow(body.v);
   }
-  for (const c3de_sim_field &field : bodyFields())
-    if (const c3de_status status = each(visitor, &field); status != C3DE_OK) return status;
-  for (const std::uint32_t on : {C3DE_SIM_ON_POINTS, C3DE_SIM_ON_SURFACE}) {
-    const c3de_sim_field pressure{sizeof pressure, on, sdk::str(kContactPressure), sdk::str("Pa"), 1, 0};
-    if (const c3de_status status = each(visitor, &pressure); status != C3DE_OK) return status;
-  }
+  for (const std::span<const c3de_sim_field> fields : {bodyFields(), contactFields()})
+    for (const c3de_sim_field &field : fields)
+      if (const c3de_status status = each(visitor, &field); status != C3DE_OK) return status;
   return C3DE_OK;
 }
 
@@ -513,16 +352,10 @@ void WorldSimulator::readField(c3de_handle body, std::uint32_t on, c3de_str name
   const std::lock_guard lock(mutex_);
   (void)table_.bodyOrThrow(body.v);
   const Body &of = *simulator_.body(body.v);
-  if (sdk::text(name) != kContactPressure || (on != C3DE_SIM_ON_POINTS && on != C3DE_SIM_ON_SURFACE))
-    return readBodyField(of, on, sdk::text(name), out);
+  if (!isContactField(on, sdk::text(name))) return readBodyField(of, on, sdk::text(name), out);
   std::vector<double> pressures;
   simulator_.contactPressures(body.v, pressures);
-  if (on == C3DE_SIM_ON_SURFACE) {
-    std::vector<double> onSurface(of.rest().surfels.count());
-    interpolateScalars(of.rest().surfels, pressures, onSurface, context_.services.parallelFor());
-    pressures = std::move(onSurface);
-  }
-  writeScalars(out, pressures.size(), [&](std::size_t i) { return pressures[i]; });
+  writeContactPressures(of, on, pressures, context_.services.parallelFor(), out);
 }
 
 void WorldSimulator::triangles(c3de_handle body, c3de_view *out) {

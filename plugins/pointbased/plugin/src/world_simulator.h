@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <chrono>
 #include <map>
 #include <mutex>
 
@@ -10,10 +9,9 @@
 #include "c3de/sdk/object.hpp"
 #include "c3de/sdk/simulator.hpp"
 #include "parameters.h"
-#include "pointbased/error_estimate.h"
 #include "pointbased/probe_tool.h"
 #include "report.h"
-#include "snapshot.h"
+#include "snapshot_writer.h"
 #include "step_request.h"
 #include "verification.h"
 
@@ -137,7 +135,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void surfels(c3de_handle body, c3de_object **out);
 
   // For the controller, the view and the pinch of this plugin.
-  [[nodiscard]] std::shared_ptr<const Snapshot> snapshot() const { return exchange_.latest(); }
+  [[nodiscard]] std::shared_ptr<const Snapshot> snapshot() const { return snapshots_.latest(); }
   [[nodiscard]] c3de_handle node() const { return node_; }
   /// @param ownLimit  N, of the hand beside what the tissue bears; 0: none
   void setGrab(std::uint64_t body, Grab grab, double ownLimit);
@@ -210,11 +208,6 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   [[nodiscard]] std::vector<GraspSnapshot> graspsNow() const;
   [[nodiscard]] std::vector<ReportedGrasp> reportedGrasps() const;
   void resetSimulator();
-  [[nodiscard]] std::vector<ContactSnapshot> contactsNow() const;
-  [[nodiscard]] std::vector<double> distancesFrom(std::uint64_t obstacle, std::span<const Vec3> points,
-                                                  double near) const;
-  [[nodiscard]] double displacedVolume(std::uint64_t obstacle) const;
-  [[nodiscard]] bool holdsSkin(std::uint64_t obstacle);
   void makeRoom(const BodyRecord &body);
   /// Where hands hold and how they pull, for the trial of an adaptive sampling: the last eight places of a body.
   void keepHand(std::uint64_t body, const Grab &grab);
@@ -223,8 +216,6 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   [[nodiscard]] DialRequest dialRequest();
   /// measureFrame() in this world.
   [[nodiscard]] double frameTime(const Body &body, const StopRequest *stop) const;
-  void takeView(Snapshot &snapshot);
-  void estimate(std::uint64_t id, const Body &body, const PlacedMesh &surface, bool moved, BodySnapshot &out);
 
   PluginContext &context_;
   mutable std::mutex mutex_;
@@ -232,6 +223,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   Simulator simulator_;
   ParameterValues world_{worldDeclarations()};
   BodyTable table_;
+  SnapshotWriter snapshots_;
   /// To what is in the place of one that it was attached to; told where that cannot be.
   void attachAgain(Attachment attachment, std::uint64_t before, std::uint64_t now);
   std::map<std::uint64_t, GraspRecord> grasps_;
@@ -268,24 +260,6 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void bind(LiveLoad &load) const;
   void takeForces();
   [[nodiscard]] std::uint64_t fingerprint() const;
-  SnapshotExchange exchange_;
-  Colouring colouring_;
-  struct BoundPoints {
-    const RestState *rest = nullptr;
-    Interpolation binding;
-  };
-  std::map<std::uint64_t, BoundPoints> points_;  // while evaluation points are shown
-  struct Estimated {
-    std::chrono::steady_clock::time_point next{};  // not before
-    double error = 0.0;
-    std::string advice;
-    ErrorScratch scratch;
-  };
-  std::map<std::uint64_t, Estimated> estimated_;
-  std::shared_ptr<const WorldVerification> verification_;  // the latest
-  /// Whether it is of the present state.
-  [[nodiscard]] bool isVerified(const WorldVerification &verification) const;
-  std::uint64_t generation_ = 0;
   c3de_handle node_{};
 };
 

@@ -143,11 +143,4 @@ std::vector<ReportedTool> WorldSimulator::reportedTools() const {
   return tools;
 }
 
-std::vector<ContactSnapshot> WorldSimulator::contactsNow() const {
-  std::vector<ContactSnapshot> contacts;
-  for (const ContactSummary &one : simulator_.contacts())
-    contacts.push_back({one, table_.nameOf(one.first), table_.nameOf(one.second)});
-  return contacts;
-}
-
 }  // namespace pointbased

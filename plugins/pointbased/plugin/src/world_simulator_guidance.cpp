@@ -2,9 +2,9 @@
 // What a hand leads: the instrument, and obstacles that are placed.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
+#include "obstacle_overlap.h"
 #include "probe_tool_mesh.h"
 #include "world_simulator.h"
 
@@ -17,7 +17,6 @@ using sdk::Error;
 constexpr double kMostSpeed = 0.5, kMostTurn = 5.0;
 // s: a hand's places come about thirty times a second; between them it goes on evenly.
 constexpr double kLeastTime = 1.0 / 30.0;
-constexpr double kTouching = 5e-4;  // m: skin that is less deep in an obstacle touches it
 
 }  // namespace
 
@@ -102,58 +101,8 @@ void WorldSimulator::putBack(TakenObstacle &taken) {
   if (!table_.obstacle(id)->motion) simulator_.guideObstacle(id, taken.place, 0.0);
   for (const auto &[pair, settings] : taken.pairs)
     simulator_.setContactPair(id, pair.first == before ? pair.second : pair.first, settings);
-  if (!taken.attachments.empty() || holdsSkin(id)) resetSimulator();
+  if (!taken.attachments.empty() || holdsSkin(simulator_, table_, id)) resetSimulator();
   for (const Attachment &attachment : taken.attachments) attachAgain(attachment, before, id);
-}
-
-// m, of points from the surface of an obstacle where it is now; inside below 0, infinite where they are `near` or more
-// off its box.
-std::vector<double> WorldSimulator::distancesFrom(std::uint64_t id, std::span<const Vec3> points, double near) const {
-  std::vector<double> distances(points.size(), std::numeric_limits<double>::infinity());
-  const Obstacle *obstacle = simulator_.obstacle(id);
-  if (!obstacle || !obstacle->closest) return distances;
-  const RigidMotion motion = simulator_.obstacleMotion(id);
-  const PlacedMesh &mesh = *table_.obstacle(id)->mesh;
-  std::vector<Vec3> places;  // in its frame at rest
-  std::vector<std::size_t> which;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const Vec3 at = motion.rotation.transpose() * (points[k] - motion.centre - motion.displacement) + motion.centre;
-    if ((at.array() < mesh.min.array() - near).any() || (at.array() > mesh.max.array() + near).any()) continue;
-    places.push_back(at);
-    which.push_back(k);
-  }
-  const std::vector<double> ranges(places.size(), (mesh.max - mesh.min).norm());
-  std::vector<SurfacePoint> found(places.size());
-  obstacle->closest(places, ranges, found);
-  for (std::size_t k = 0; k < places.size(); ++k) distances[which[k]] = found[k].distance;
-  return distances;
-}
-
-// m³, of tissue that lay in the reference where an obstacle is now: evaluation points with their volumes, at its
-// surface by the part of a cell that is in it.
-double WorldSimulator::displacedVolume(std::uint64_t id) const {
-  double sum = 0.0;
-  for (const auto &[body, record] : table_.bodies()) {
-    const RestState &rest = simulator_.body(body)->rest();
-    std::vector<Vec3> places(rest.pointCentres.begin(), rest.pointCentres.end());
-    for (Vec3 &x : places) x += rest.origin;
-    const std::vector<double> &volumes = rest.stencils.volumes;
-    const double largest = volumes.empty() ? 0.0 : *std::max_element(volumes.begin(), volumes.end());
-    const std::vector<double> distances = distancesFrom(id, places, 0.5 * std::cbrt(largest));
-    for (std::size_t q = 0; q < places.size(); ++q)
-      sum += volumes[q] * std::clamp(0.5 - distances[q] / std::cbrt(volumes[q]), 0.0, 1.0);
-  }
-  return sum;
-}
-
-// Whether skin lies in an obstacle that has just come: contact would lead some of it out to the wrong side.
-bool WorldSimulator::holdsSkin(std::uint64_t id) {
-  return std::any_of(table_.bodies().begin(), table_.bodies().end(), [&](const auto &entry) {
-    std::vector<Vec3> positions, normals;
-    simulator_.surfels(entry.first, positions, normals);
-    const std::vector<double> distances = distancesFrom(id, positions, 0.0);
-    return std::any_of(distances.begin(), distances.end(), [](double d) { return d < -kTouching; });
-  });
 }
 
 void WorldSimulator::resetSimulator() {

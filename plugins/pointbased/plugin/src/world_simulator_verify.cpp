@@ -51,7 +51,7 @@ std::shared_ptr<const WorldVerification> WorldSimulator::verifyBodies(const sdk:
   }
   out->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   const std::lock_guard lock(mutex_);
-  verification_ = out;
+  snapshots_.setVerification(out);
   return out;
 }
 
@@ -59,13 +59,6 @@ void WorldSimulator::verify(const c3de_progress *progress, c3de_sink json) {
   const auto verified = verifyBodies(sdk::Progress(progress));
   if (const c3de_status status = sdk::put(json, verificationJson(*verified)); status < 0)
     throw Error(status, "the text was not taken");
-}
-
-bool WorldSimulator::isVerified(const WorldVerification &verification) const {
-  if (verification.bodies.size() != table_.bodies().size()) return false;
-  for (const BodyVerification &body : verification.bodies)
-    if (!table_.hasBody(body.id) || simulator_.changes(body.id) != body.changes) return false;
-  return true;
 }
 
 }  // namespace pointbased
