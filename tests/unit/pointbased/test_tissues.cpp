@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cells that hold two materials, against formulas of layered bars and beams.
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "pointbased/fields.h"
 #include "pointbased/occupancy.h"
 #include "pointbased/simulator.h"
 #include "stepping/skin_contacts.h"
@@ -534,4 +536,38 @@ TEST_CASE("contact of a body whose tissues are voxels is between a coarser skin 
   };
   CHECK(trianglesWith(SphereRegion{Vec3::Zero(), 0.5 * radius}) == 1.0);
   CHECK(trianglesWith(regionOf(ball).value()) < 0.25);
+}
+
+TEST_CASE("An evaluation point goes with its own part of a cell, though its middle lies nearer to another part") {
+  constexpr std::size_t n = 40;
+  Occupancy folds;
+  folds.size = {n, n, n};
+  folds.steps = kVoxel * Mat3::Identity();
+  std::vector<float> fill;
+  for (std::size_t v = 0; v < n * n * n; ++v) {
+    const Vec3 x = 0.7 * Vec3(v % n, v / n % n, v / (n * n));  // a gyroid: sheets with gaps between them
+    const double g =
+        std::sin(x[0]) * std::cos(x[1]) + std::sin(x[1]) * std::cos(x[2]) + std::sin(x[2]) * std::cos(x[0]);
+    fill.push_back(std::abs(g) > 0.6 ? 1.0F : 0.0F);
+  }
+  folds.fill = fill;
+  const Vec3 middle = Vec3::Constant(0.5 * (n - 1) * kVoxel);
+  const auto shape = shapeOf(folds, shapes::ballSurface(middle, 0.4 * n * kVoxel, 40));
+  REQUIRE(shape.has_value());
+  BodyRecipe recipe;
+  recipe.sampling.spacing = 8.0 * kVoxel;
+  const auto made = buildRestState(*shape, recipe, {}, serialFor());
+  REQUIRE(made.has_value());
+  const RestState &rest = **made;
+  const Interpolation points = bindPoints(rest);
+  REQUIRE(points.count() == rest.pointCount());
+  for (std::size_t q = 0; q < points.count(); ++q) {
+    const std::span<const Index> stencil = rest.stencils.phyxels.row(q), bound = points.phyxels.row(q);
+    Vec3 place = Vec3::Zero();
+    for (std::size_t e = 0; e < bound.size(); ++e) {
+      CHECK(std::find(stencil.begin(), stencil.end(), bound[e]) != stencil.end());
+      place += points.weights[points.phyxels.offsets[q] + e] * rest.positions[bound[e]];
+    }
+    CHECK((place - rest.pointCentres[q]).norm() < 1e-12);
+  }
 }

@@ -10,8 +10,9 @@
 
 namespace pointbased {
 
-SnapshotWriter::SnapshotWriter(const Services &services, Simulator &simulator, const BodyTable &table)
-    : services_(services), simulator_(simulator), table_(table) {
+SnapshotWriter::SnapshotWriter(const Services &services, Simulator &simulator, const BodyTable &table,
+                               EvaluationPoints &points)
+    : services_(services), simulator_(simulator), table_(table), points_(points) {
   colouring_.setPressures(
       [this](std::uint64_t body, std::vector<double> &out) { simulator_.contactPressures(body, out); });
 }
@@ -139,8 +140,6 @@ void SnapshotWriter::takeView(Snapshot &s) {
   const ParallelFor parallelFor = services_.parallelFor();
   s.coloursOld = !colouring_.update(bodies, s.view, parallelFor);
   s.colours = colouring_.scale();
-  const bool showsEvaluationPoints = s.view.showsPoints() && s.view.points == PointsShown::evaluationPoints;
-  std::erase_if(points_, [&](const auto &entry) { return !showsEvaluationPoints || !bodies.contains(entry.first); });
   for (BodySnapshot &b : s.bodies) {
     const Body &body = *bodies.at(b.id);
     b.points.clear();
@@ -148,13 +147,10 @@ void SnapshotWriter::takeView(Snapshot &s) {
       if (s.view.points == PointsShown::phyxels) {
         b.points = b.phyxels;
       } else {
-        BoundPoints &points = points_[b.id];
-        if (points.rest != &body.rest()) points = {&body.rest(), bindPoints(body.rest())};
-        b.points.resize(points.binding.count());
-        interpolateDisplacements(points.binding, body.rest().positions, body.state().displacements, b.points,
-                                 parallelFor);
-        for (std::size_t q = 0; q < b.points.size(); ++q)
-          b.points[q] += body.rest().origin + points.binding.positions[q];
+        const Interpolation &points = points_.of(b.id, body.sharedRest());
+        b.points.resize(points.count());
+        interpolateDisplacements(points, body.rest().positions, body.state().displacements, b.points, parallelFor);
+        for (std::size_t q = 0; q < b.points.size(); ++q) b.points[q] += body.rest().origin + points.positions[q];
       }
     }
     const Colouring::Colours *colours = colouring_.of(b.id);

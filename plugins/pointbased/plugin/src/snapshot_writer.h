@@ -5,18 +5,19 @@
 #include <map>
 
 #include "body_table.h"
+#include "evaluation_points.h"
 #include "pointbased/error_estimate.h"
 #include "snapshot.h"
 
 namespace pointbased {
 
 /// Writes what the window sees of a simulation and hands it out. Of what is dear it keeps from one snapshot to the next
-/// what has not changed: error estimates, colours, evaluation points that are shown.
+/// what has not changed: error estimates and colours.
 ///
 /// It reads the simulator and the table, so the mutex of WorldSimulator is held in every call but latest().
 class SnapshotWriter {
  public:
-  SnapshotWriter(const Services &services, Simulator &simulator, const BodyTable &table);
+  SnapshotWriter(const Services &services, Simulator &simulator, const BodyTable &table, EvaluationPoints &points);
 
   /// The present moment. Solver's thread.
   /// @param grasps  as they hold now
@@ -31,10 +32,6 @@ class SnapshotWriter {
   }
 
  private:
-  struct BoundPoints {
-    const RestState *rest = nullptr;
-    Interpolation binding;
-  };
   struct Estimated {
     std::chrono::steady_clock::time_point next{};  // not before
     double error = 0.0;
@@ -52,9 +49,9 @@ class SnapshotWriter {
   const Services &services_;
   Simulator &simulator_;
   const BodyTable &table_;
+  EvaluationPoints &points_;
   SnapshotExchange exchange_;
   Colouring colouring_;
-  std::map<std::uint64_t, BoundPoints> points_;  // while evaluation points are shown
   std::map<std::uint64_t, Estimated> estimated_;
   std::shared_ptr<const WorldVerification> verification_;
   std::uint64_t generation_ = 0;

@@ -19,7 +19,8 @@ using sdk::Failure;
 }  // namespace
 
 WorldSimulator::WorldSimulator(PluginContext &context)
-    : context_(context), simulator_(context.services.parallelFor()), snapshots_(context.services, simulator_, table_) {
+    : context_(context), simulator_(context.services.parallelFor()),
+      snapshots_(context.services, simulator_, table_, points_) {
   context_.laws.refresh();
 }
 
@@ -198,6 +199,7 @@ sdk::Result<void> WorldSimulator::getBodyParam(c3de_handle body, c3de_str id, c3
 sdk::Result<void> WorldSimulator::remove(c3de_handle handle) {
   const std::lock_guard lock(mutex_);
   snapshots_.forget(handle.v);
+  points_.forget(handle.v);
   if (table_.removeBody(handle.v)) {
     simulator_.removeBody(handle.v);
     std::erase_if(liveLoads_, [&](const auto &entry) { return entry.second.body == handle.v; });
@@ -468,7 +470,10 @@ void WorldSimulator::displacement(const c3de_sim_grid *grid, double rim, float *
   DisplacementField field(readGrid(*grid, "grid"), gaps != nullptr);
   const std::size_t points = grid->points[0] * grid->points[1] * grid->points[2];
   const std::lock_guard lock(mutex_);
-  for (const auto &[id, record] : table_.bodies()) field.add(*simulator_.body(id));
+  for (const auto &[id, record] : table_.bodies()) {
+    const Body &body = *simulator_.body(id);
+    field.add(body, points_.of(id, body.sharedRest()));
+  }
   field.write(rim, {out, 3 * points});
   if (gaps) field.writeGaps({out, 3 * points}, {gaps, points});
 }
@@ -477,7 +482,10 @@ Vec3 WorldSimulator::displacementAt(const Vec3 &place) const {
   DisplacementField field({{1, 1, 1}, place, Mat3::Identity()});
   std::array<float, 3> u{};
   const std::lock_guard lock(mutex_);
-  for (const auto &[id, record] : table_.bodies()) field.add(*simulator_.body(id));
+  for (const auto &[id, record] : table_.bodies()) {
+    const Body &body = *simulator_.body(id);
+    field.add(body, points_.of(id, body.sharedRest()));
+  }
   field.write(0.0, u);
   return vectorOf(u);
 }

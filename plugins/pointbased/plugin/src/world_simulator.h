@@ -223,6 +223,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   Simulator simulator_;
   ParameterValues world_{worldDeclarations()};
   BodyTable table_;
+  mutable EvaluationPoints points_;
   SnapshotWriter snapshots_;
   /// To what is in the place of one that it was attached to; told where that cannot be.
   void attachAgain(Attachment attachment, std::uint64_t before, std::uint64_t now);

@@ -37,7 +37,8 @@ class DisplacementField {
 
   /// Adds a body as it is now. Cost: about 40 grid points per evaluation point where the grid is half as wide as the
   /// spacing; twice that with gaps.
-  void add(const Body &body);
+  /// @param points  bindPoints() of its present reference; of clouds not looked at
+  void add(const Body &body, const Interpolation &points);
   /// What was added, with a rim around it: from the border of the bodies u falls smoothly to 0 within `rim` (m, >= 0;
   /// up to a grid step shorter or longer).
   /// @param out  [points][3] m, i fastest; 0 beyond the rim

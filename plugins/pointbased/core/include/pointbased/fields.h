@@ -26,7 +26,8 @@ void cauchyStresses(const Body &body, std::span<Mat3> out, StressScratch &scratc
 /// sqrt(3/2 s : s), s the deviator of a symmetric stress: the stress of a bar that is stretched.
 [[nodiscard]] double vonMises(const Mat3 &stress);
 
-/// The evaluation points as points of the body, at the centroids of what they stand for.
+/// The evaluation points as points of the body, at the centroids of what they stand for, carried by phyxels of their own
+/// stencils.
 [[nodiscard]] Interpolation bindPoints(const RestState &rest);
 
 /// Σ φ a of any field of the phyxels, held within the values of the phyxels around: weights may be negative.

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "discretisation/interpolation_at.h"
+
 namespace pointbased {
 namespace {
 
@@ -12,22 +14,40 @@ constexpr double kReach = 1.1;  // spacings
 constexpr double kLeastWeight = 1e-6;
 constexpr double kBeyondGrid = 1000.0;  // m; finite, so that what lies between points is, too
 constexpr double kHeldWeight = 1e6;     // of what supports hold, beside what carries it on the other side of a border
-constexpr double kLeastVolume = 0.02;   // det F: below it a point does not say where anything has come from
+constexpr double kSliver = 0.25, kWhole = 0.5;  // of what its phyxels carry
+constexpr double kLeastVolume = 0.02;           // det F: below it a point does not say where anything has come from
 
-// Where an evaluation point stands now; the mean of its phyxels and F carry affine motions exactly.
-Vec3 presentPlace(const Body &body, std::size_t q, const Mat3 &F) {
+// Where an evaluation point stands now. Not by the mean of its phyxels: those that a sliver alone reaches are light, and
+// may be a decimetre from what they hardly carry.
+Vec3 presentPlace(const Body &body, std::size_t q, const Interpolation &points) {
   const RestState &rest = body.rest();
-  const StencilSet &s = rest.stencils;
-  Vec3 X = Vec3::Zero(), u = Vec3::Zero();
-  const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];
-  if (rest.evaluation == Evaluation::phyxels) return rest.origin + rest.pointCentres[q] + body.state().displacements[q];
-  for (Index e = first; e < last; ++e) {
-    X += rest.positions[s.phyxels.indices[e]];
-    u += body.state().displacements[s.phyxels.indices[e]];
+  const std::span<const Vec3> u = body.state().displacements;
+  return rest.origin + rest.pointCentres[q] +
+         (rest.evaluation == Evaluation::phyxels ? u[q] : detail::fieldAt(points, q, u));
+}
+
+// F of the surroundings of points. That of a sliver of the body in its cell says nothing of what lies beside it: the
+// means of its phyxels do. Of clouds there are no slivers.
+std::vector<Mat3> gradientsAround(const Body &body, const Interpolation &points) {
+  const RestState &rest = body.rest();
+  const std::span<const Mat3> own = body.gradients();
+  std::vector<Mat3> out(own.begin(), own.end());
+  if (rest.evaluation == Evaluation::phyxels) return out;
+  std::vector<Mat3> means(rest.phyxelCount());
+  phyxelGradients(rest, own, means);
+  for (std::size_t q = 0; q < out.size(); ++q) {
+    Mat3 around = Mat3::Zero();
+    double carried = 0.0;
+    for (Index e = points.phyxels.offsets[q]; e < points.phyxels.offsets[q + 1]; ++e) {
+      const Index j = points.phyxels.indices[e];
+      around += points.weights[e] * means[j];
+      carried += points.weights[e] * (rest.volumes[j] - (rest.supportVolumes.empty() ? 0.0 : rest.supportVolumes[j]));
+    }
+    const double part = rest.stencils.volumes[q] / carried;
+    const double share = std::clamp((part - kSliver) / (kWhole - kSliver), 0.0, 1.0);
+    if (carried > 0.0 && share < 1.0) out[q] = share * own[q] + (1.0 - share) * around;
   }
-  const double part = 1.0 / static_cast<double>(last - first);
-  const Vec3 &centre = rest.pointCentres[q];
-  return rest.origin + centre + part * u + (F - Mat3::Identity()) * (centre - part * X);
+  return out;
 }
 
 // Way of a point from the first reference to this one.
@@ -67,12 +87,12 @@ void DisplacementField::visitPoints(const Vec3 &centre, const Vec3 &half, const 
     }
 }
 
-void DisplacementField::add(const Body &body) {
+void DisplacementField::add(const Body &body, const Interpolation &points) {
   if (!body.rigid()) addHeld(body);
   const RestState &rest = body.rest();
   const double reach = kReach * rest.spacing, inverseSquare = 1.0 / (reach * reach);
-  const std::span<const Mat3> gradients = body.gradients();
   const bool renewed = !rest.referenceShift.empty();
+  const std::vector<Mat3> gradients = renewed ? std::vector<Mat3>() : gradientsAround(body, points);
   // Rows of the inverse steps: how far an index goes with a way in space.
   const Vec3 indexPerMetre(toIndex_.row(0).norm(), toIndex_.row(1).norm(), toIndex_.row(2).norm());
   for (std::size_t q = 0; q < rest.pointCount(); ++q) {
@@ -80,7 +100,7 @@ void DisplacementField::add(const Body &body) {
     const Mat3 F = renewed ? Mat3(Mat3::Identity()) : gradients[q];
     if (!(F.determinant() > kLeastVolume) || !F.allFinite()) continue;
     const Mat3 back = F.inverse();
-    const Vec3 x = presentPlace(body, q, F);
+    const Vec3 x = presentPlace(body, q, points);
     const Vec3 X = rest.origin + rest.pointCentres[q] - (renewed ? carriedBy(rest, q) : Vec3(Vec3::Zero()));
     // The box around what F makes of the ball, with room for rounding: nothing beyond it counts.
     const Vec3 half = (1.0 + 1e-9) * reach * (toIndex_ * F).rowwise().norm();

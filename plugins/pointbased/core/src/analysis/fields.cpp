@@ -67,7 +67,34 @@ double vonMises(const Mat3 &stress) {
   return std::sqrt(1.5) * deviator.norm();
 }
 
-Interpolation bindPoints(const RestState &rest) { return rest.bind(rest.pointCentres, {}); }
+Interpolation bindPoints(const RestState &rest) {
+  Interpolation points = rest.bind(rest.pointCentres, {});
+  if (!rest.stencils.isLattice()) return points;
+  // Where two parts of the body share a cell, the middle of one may lie in the other: then by its own affine motion.
+  const Csr &own = rest.stencils.phyxels;
+  const auto isOwn = [&](std::size_t q) {
+    const std::span<const Index> stencil = own.row(q), bound = points.phyxels.row(q);
+    return std::all_of(bound.begin(), bound.end(),
+                       [&](Index j) { return std::find(stencil.begin(), stencil.end(), j) != stencil.end(); });
+  };
+  Interpolation out;
+  for (std::size_t q = 0; q < points.count(); ++q) {
+    const bool kept = isOwn(q);
+    const Csr &from = kept ? points.phyxels : own;
+    const GradientRows rows(rest.stencils, q);
+    const double part = 1.0 / static_cast<double>(own.row(q).size());
+    Vec3 middle = Vec3::Zero();
+    for (const Index j : own.row(q)) middle += part * rest.positions[j];
+    for (Index e = from.offsets[q]; e < from.offsets[q + 1]; ++e) {
+      out.phyxels.indices.push_back(from.indices[e]);
+      out.gradients.push_back(kept ? points.gradients[e] : rows[e]);
+      out.weights.push_back(kept ? points.weights[e] : part + rows[e].dot(rest.pointCentres[q] - middle));
+    }
+    out.phyxels.offsets.push_back(static_cast<Index>(out.phyxels.indices.size()));
+  }
+  out.positions = std::move(points.positions);
+  return out;
+}
 
 void interpolateScalars(const Interpolation &binding, std::span<const double> field, std::span<double> out,
                         const ParallelFor &parallelFor) {
