@@ -461,6 +461,17 @@ TEST_CASE("Soft tissue comes to lie on rigid tissue of its own body, and does no
     }
     // What is between points of contact is half a spacing wide, and voxels are steps.
     CHECK(deepest < 0.25 * kVoxel);
+    // What cannot move is not looked at, though the skin of bone goes beside its voxels.
+    const Body &body = *simulator.body(id);
+    std::size_t stay = 0;
+    const auto stays = [&](Index p) {
+      const std::span<const Index> phyxels = body.rest().contact.binding.phyxels.row(p);
+      return std::all_of(phyxels.begin(), phyxels.end(), [&](Index j) { return body.inverseMasses()[j] == 0.0; });
+    };
+    for (Index p = 0; p < body.rest().contact.count(); ++p)
+      if (stays(p) && !contains(ball.shell, body.rest().origin + body.rest().contact.binding.positions[p])) ++stay;
+    CHECK(stay > 100);
+    for (const Contact &touching : body.contact.active) CHECK_FALSE(stays(touching.point));
     // It lies there with its weight, and nothing else of the body presses.
     const auto contacts = simulator.contacts();
     REQUIRE(contacts.size() == 1);

@@ -128,7 +128,9 @@ struct ContactState {
   /// Points that are near each other are looked at together, and not before the phyxels that carry them, or an
   /// obstacle, can have come as near as the nearest of them was away.
   struct Blocks {
-    std::vector<double> room;  ///< [blocks] m: up to here none of them meets anything
+    /// [points], [blocks] m: until the way of the block is so long they meet nothing
+    std::vector<double> limits, blockLimits;
+    std::vector<double> ways;  ///< [blocks] m, the farthest that a point can have gone since the first search
     /// [blocks] of ways times maxInfluence to the way of a point: the largest Σ |φ|/maxInfluence
     std::vector<double> gains;
     std::vector<float> maxInfluence;  ///< [phyxels][3], or empty
@@ -139,9 +141,10 @@ struct ContactState {
     std::vector<Vec3> before;                 ///< [phyxels] m, displacements at the last search
     std::vector<RigidMotion> motions;         ///< [obstacles] at the last search; only of those that move
     double size = 0.0;                        ///< m, of the points at rest around the first
-    std::vector<Index> blockOf;               ///< [points]
-    std::vector<std::uint8_t> near;           ///< [blocks] 1: looked at
-    std::vector<Index> points;                ///< that were looked at last, ascending
+    Csr points;                               ///< [blocks]
+    std::vector<Index> nearBlocks;            ///< that hold such
+    std::vector<std::uint64_t> near;          ///< a bit of each point: looked at
+    std::vector<Index> looked;                ///< points that were looked at last, ascending
     std::vector<Vec3> positions, velocities;  ///< [points]
   } blocks;
   Vec3 ledOut = Vec3::Zero();  ///< kg m, Σ mass · way by which points were led out since the energy was looked at
@@ -154,7 +157,7 @@ struct ContactState {
     std::vector<Vec3> tangential;
     std::vector<Vec3> change;        ///< [slots] m/s
     std::vector<Vec3> arrivals;      ///< [contacts that arrive] m/s, relative to the surface
-    std::vector<Vec3> splitImpulse;  ///< [phyxels] m/s, taken back when the step settles; empty: none
+    std::vector<Vec3> splitImpulse;  ///< [phyxels] m/s, taken back from `touched` when the step settles; empty: none
     // The contacts over the phyxels that they touch, side by side in memory (kernels/contact_kernel.h):
     std::vector<Index> rows, slots;      ///< [contacts + 1], [entries]
     std::vector<double> shares, pushes;  ///< [entries] φ, φ/m

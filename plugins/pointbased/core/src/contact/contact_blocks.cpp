@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Contacts of points that a body carries: those that cannot meet anything are not looked at.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -62,7 +63,8 @@ void learnBlocks(const Interpolation &binding, std::span<const float> maxInfluen
   const double width =
       std::max((high - low).maxCoeff() / (1.0 + std::sqrt(static_cast<double>(binding.count()))), 1e-300);
   const std::vector<Index> order = inSpace(binding.positions, width);
-  blocks.blockOf.resize(binding.count());
+  blocks.points = Csr{};
+  blocks.points.indices = order;
   std::vector<Index> row;
   for (std::size_t begin = 0; begin < binding.count(); begin += kBlock) {
     row.clear();
@@ -70,7 +72,6 @@ void learnBlocks(const Interpolation &binding, std::span<const float> maxInfluen
     double gain = binding.rank.empty() ? 1.0 : std::numeric_limits<double>::infinity();
     for (std::size_t k = begin; k < std::min(binding.count(), begin + kBlock); ++k) {
       const Index p = order[k];
-      blocks.blockOf[p] = static_cast<Index>(begin / kBlock);
       double sum = 0.0;
       for (Index e = binding.phyxels.offsets[p]; e < binding.phyxels.offsets[p + 1]; ++e) {
         const Index j = binding.phyxels.indices[e];
@@ -85,6 +86,7 @@ void learnBlocks(const Interpolation &binding, std::span<const float> maxInfluen
     blocks.chunks.indices.insert(blocks.chunks.indices.end(), row.begin(), row.end());
     blocks.chunks.offsets.push_back(static_cast<Index>(blocks.chunks.indices.size()));
     blocks.gains.push_back(gain);
+    blocks.points.offsets.push_back(static_cast<Index>(std::min(binding.count(), begin + kBlock)));
   }
 }
 
@@ -190,10 +192,19 @@ void beginBlocks(std::span<const Obstacle> obstacles, const WorldBox &box, doubl
   const std::size_t count = blocksOf(binding.count(), kBlock);
   if (blocks.gains.size() != count) learnBlocks(binding, body.maxInfluence, blocks);
   const bool sameBox = box.enabled == blocks.box.enabled && box.min == blocks.box.min && box.max == blocks.box.max;
-  if (blocks.room.size() == count && blocks.before.size() == body.displacements.size() && sameBox &&
-      blocks.margin == margin && memory.clearance.size() == obstacles.size())
+  const bool finite =
+      std::all_of(blocks.ways.begin(), blocks.ways.end(), [](double way) { return std::isfinite(way); });
+  if (finite && blocks.limits.size() == binding.count() && blocks.before.size() == body.displacements.size() &&
+      sameBox && blocks.margin == margin && memory.clearance.size() == obstacles.size())
     return;
-  blocks.room.assign(count, -1.0);
+  // What is switched off is looked at as well: what is known of it has to be forgotten on the way.
+  blocks.limits.assign(binding.count(), -1.0);
+  for (std::size_t p = 0; p < binding.count(); ++p)
+    if (!box.enabled &&
+        std::none_of(obstacles.begin(), obstacles.end(), [p](const Obstacle &o) { return o.isFeltBy(p); }))
+      blocks.limits[p] = std::numeric_limits<double>::infinity();
+  blocks.ways.assign(count, 0.0);
+  blocks.blockLimits.assign(count, -1.0);
   blocks.before.assign(body.displacements.begin(), body.displacements.end());
   blocks.size = 0.0;
   for (const Vec3 &X : binding.positions) blocks.size = std::max(blocks.size, (X - binding.positions.front()).norm());
@@ -215,48 +226,54 @@ void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, doub
   largestWays(body, dt, blocks);
   const ObstacleWays moved = waysOfObstacles(obstacles, time, dt, body, blocks);
 
-  blocks.near.assign(blocks.room.size(), 0);
-  for (std::size_t b = 0; b < blocks.room.size(); ++b) {
+  blocks.near.assign(n / 64 + 1, 0);
+  blocks.nearBlocks.clear();
+  for (std::size_t b = 0; b < blocks.ways.size(); ++b) {
     const std::span<const Index> chunks = blocks.chunks.row(b);
-    double &room = blocks.room[b];
-    room -= blocks.gains[b] * largestOf(chunks, blocks.went) + moved.went;
-    if (blocks.gains[b] * largestOf(chunks, blocks.goes) + moved.goes < room) continue;
-    blocks.near[b] = 1;
-    room = std::numeric_limits<double>::infinity();
+    blocks.ways[b] += blocks.gains[b] * largestOf(chunks, blocks.went) + moved.went;
+    const double way = blocks.ways[b] + blocks.gains[b] * largestOf(chunks, blocks.goes) + moved.goes;
+    // What is not a number is looked at, so that the guard finds it.
+    if (way < blocks.blockLimits[b]) continue;
+    blocks.nearBlocks.push_back(static_cast<Index>(b));
+    for (const Index p : blocks.points.row(b))
+      if (!(way < blocks.limits[p])) blocks.near[p / 64] |= std::uint64_t{1} << p % 64;
   }
   // In their own order, which is that of the contacts.
-  blocks.points.clear();
-  const auto feels = [&](Index p) {
-    // What is switched off as well: what is known of it has to be forgotten on the way.
-    return box.enabled || std::any_of(obstacles.begin(), obstacles.end(),
-                                      [p](const Obstacle &obstacle) { return obstacle.isFeltBy(p); });
-  };
-  for (Index p = 0; p < n; ++p)
-    if (blocks.near[blocks.blockOf[p]] != 0 && feels(p)) blocks.points.push_back(p);
-  if (blocks.points.empty()) {
+  blocks.looked.clear();
+  for (std::size_t word = 0; word < blocks.near.size(); ++word)
+    for (std::uint64_t bits = blocks.near[word]; bits != 0; bits &= bits - 1)
+      blocks.looked.push_back(static_cast<Index>(64 * word + static_cast<std::size_t>(std::countr_zero(bits))));
+  if (blocks.looked.empty()) {
     std::swap(memory.previous, memory.active);
     memory.active.clear();
     memory.margin = margin;
     memory.lookedAt = time;
     return;
   }
-  blocks.positions.resize(blocks.points.size());
-  blocks.velocities.resize(blocks.points.size());
+  blocks.positions.resize(blocks.looked.size());
+  blocks.velocities.resize(blocks.looked.size());
   const auto carry = [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      const Index p = blocks.points[k];
+      const Index p = blocks.looked[k];
       const Mat3 F = rankOf(binding, p) < 3 ? gradientAt(binding, p, body.displacements) : Mat3(Mat3::Identity());
       blocks.positions[k] = body.origin + binding.positions[p] + displacementAt(binding, p, body.displacements, F);
       blocks.velocities[k] = fieldAt(binding, p, body.velocities);
     }
   };
-  parallelFor(blocks.points.size(), 128, std::cref(carry));
-  const Looked looked{blocks.points, blocks.positions, blocks.velocities, body.points.radii};
+  parallelFor(blocks.looked.size(), 128, std::cref(carry));
+  const Looked looked{blocks.looked, blocks.positions, blocks.velocities, body.points.radii};
   searchContacts(obstacles, box, time, dt, margin, n, looked, memory, parallelFor);
 
-  for (std::size_t k = 0; k < looked.count(); ++k) {
-    double &room = blocks.room[blocks.blockOf[looked.point(k)]];
-    room = std::min(room, kRoomSafety * roomOf(memory, obstacles, box, looked, k));
+  for (std::size_t k = 0; k < looked.count(); ++k)
+    blocks.limits[looked.point(k)] = kRoomSafety * roomOf(memory, obstacles, box, looked, k);
+  for (const Index b : blocks.nearBlocks) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Index p : blocks.points.row(b)) {
+      // Those that were looked at count from here.
+      if ((blocks.near[p / 64] >> p % 64 & 1) != 0) blocks.limits[p] += blocks.ways[b];
+      least = std::min(least, blocks.limits[p]);
+    }
+    blocks.blockLimits[b] = least;
   }
 }
 

@@ -408,7 +408,7 @@ Vec3 detail::solveContactImpulses(const Interpolation &binding, std::span<const 
     solution.tangential[c].setZero();
   }
   sweep(lead, active, settings, true, solution);
-  for (std::size_t j = 0; j < velocities.size(); ++j) {
+  for (const Index j : solution.touched) {
     velocities[j] += solution.splitImpulse[j];
     if (inverseMasses[j] > 0.0) memory.ledOut += dt / inverseMasses[j] * solution.splitImpulse[j];
   }
@@ -426,7 +426,7 @@ void detail::settleContactVelocities(const Interpolation &binding, std::span<con
                                      std::span<Vec3> velocities) {
   ContactState::Solution &solution = memory.solution;
   if (!solution.splitImpulse.empty()) {
-    for (std::size_t j = 0; j < velocities.size(); ++j)
+    for (const Index j : solution.touched)
       if (inverseMasses[j] > 0.0) velocities[j] -= solution.splitImpulse[j];
     // Which has turned since.
     for (const RigidParticles &one : rigid) one.project(velocities.subspan(one.first, 4));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stepping/rigid_tissue.h"
 
+#include <algorithm>
+
 namespace pointbased {
 namespace {
 
@@ -8,14 +10,33 @@ namespace {
 // and a fortieth the margin (findContacts).
 constexpr double kPlane = 0.375;
 
+// Whether soft tissue meets the voxels of a fix.
+bool isRigidTissue(const Fix &fix) { return std::holds_alternative<VoxelRegion>(fix.region) && !fix.leads(); }
+
+// What moves with the fixes alone.
+class HeldPoints {
+ public:
+  explicit HeldPoints(const RestState &rest) : isHeld_(rest.phyxelCount(), 0) {
+    for (const ConstrainedRegion &held : rest.conditions.held)
+      for (const Index j : held.phyxels) isHeld_[j] = 1;
+  }
+  [[nodiscard]] bool hold(std::span<const Index> phyxels) const {
+    return std::all_of(phyxels.begin(), phyxels.end(), [this](Index j) { return isHeld_[j] != 0; });
+  }
+
+ private:
+  std::vector<std::uint8_t> isHeld_;
+};
+
 }  // namespace
 
 std::vector<Obstacle> detail::rigidTissuesOf(const Body &body) {
   std::vector<Obstacle> out;
   const RestState &rest = body.rest();
   if (!rest.stencils.isLattice()) return out;
+  const HeldPoints held(rest);
   for (const Fix &fix : rest.conditions.fixes) {
-    if (!std::holds_alternative<VoxelRegion>(fix.region) || fix.leads()) continue;
+    if (!isRigidTissue(fix)) continue;
     Obstacle &tissue = out.emplace_back();
     tissue.name = "rigid tissue of " + body.name();
     tissue.closest = [region = fix.region](std::span<const Vec3> points, std::span<const double> ranges,
@@ -25,8 +46,11 @@ std::vector<Obstacle> detail::rigidTissuesOf(const Body &body) {
         if (answers[k].distance <= kPlane * ranges[k]) answers[k].normal = borderNormal(region, points[k]);
       }
     };
-    for (const Vec3 &X : rest.contact.binding.positions)
-      tissue.isPart.push_back(contains(fix.region, rest.origin + X) ? 1 : 0);
+    const Interpolation &points = rest.contact.binding;
+    for (std::size_t p = 0; p < points.count(); ++p) {
+      const bool isPart = held.hold(points.phyxels.row(p)) || contains(fix.region, rest.origin + points.positions[p]);
+      tissue.isPart.push_back(isPart ? 1 : 0);
+    }
   }
   return out;
 }

@@ -9,7 +9,7 @@
 namespace pointbased::detail {
 
 /// The voxels of each fix that stands still, which soft tissue of the body does not enter; points of contact that lie
-/// in them at rest are part of them. Of lattices: points of contact of clouds are chosen anew with a reference.
+/// in them at rest, or that held phyxels alone carry, are part of them. Of lattices: points of contact of clouds are chosen anew with a reference.
 [[nodiscard]] std::vector<Obstacle> rigidTissuesOf(const Body &body);
 
 }  // namespace pointbased::detail
