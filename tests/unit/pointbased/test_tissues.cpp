@@ -497,6 +497,39 @@ TEST_CASE("Soft tissue comes to lie on rigid tissue of its own body, and does no
   }
 }
 
+TEST_CASE("Soft tissue that comes far into rigid tissue between points of contact is told of, once", "[contact]") {
+  const BallInShell ball = ballInShell(0.011);
+  for (const double weight : {10.0, 3000.0}) {
+    CAPTURE(weight);
+    Simulator simulator;
+    WorldSettings world;
+    world.integrator = Integrator::explicitVerlet;
+    world.gravity = Vec3(0, 0, weight);
+    world.damping = 4.0;
+    simulator.setWorld(world);
+    ContactSettings contact;
+    contact.self = false;
+    simulator.setContact(contact);
+    const std::size_t id = simulator.addBody(softBody(ball.rest));
+    while (simulator.time() < 0.5) REQUIRE(simulator.step());
+    // The skin as it is drawn, of what is soft.
+    std::vector<Vec3> x, n;
+    simulator.surfels(id, x, n);
+    const RestState &rest = *ball.rest;
+    double depth = 0.0;
+    for (std::size_t p = 0; p < x.size(); ++p)
+      if ((rest.origin + rest.surfels.position(p, rest.positions)).norm() < (kBall + 0.5) * kVoxel)
+        depth = std::max(depth, -signedDistance(ball.shell, x[p]));
+    const auto told = std::count_if(simulator.events().begin(), simulator.events().end(),
+                                    [](const SimulationEvent &event) { return event.kind == "skin"; });
+    CAPTURE(depth, simulator.skinDepth(id));
+    CHECK(simulator.skinDepth(id) >= depth);
+    // Half of the way between points of contact.
+    CHECK((depth > 0.25 * rest.spacing) == (weight > 100.0));
+    CHECK(told == (weight > 100.0 ? 1 : 0));
+  }
+}
+
 TEST_CASE("a cell whose corners have been moved is of the material of which it holds most") {
   const Surface surface = shapes::boxSurface(Vec3(0, 0, 0), Vec3(0.06, 0.06, 0.06));
   BodyRecipe recipe;

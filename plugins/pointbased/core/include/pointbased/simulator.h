@@ -238,8 +238,8 @@ class Simulator {
   /// Nothing: this hand does not hold it.
   [[nodiscard]] std::optional<GrabStatus> grabStatus(std::size_t body, std::uint64_t hand = 0) const;
 
-  /// How deep the skin of a body has been beyond walls or in obstacles, m: the deepest point of contact of every step,
-  /// and the skin as it is drawn, now and every 128 explicit steps (walls only).
+  /// How deep the skin of a body has been beyond walls, in obstacles or in rigid tissue of its own, m: the deepest point
+  /// of contact of every step, and the skin as it is drawn, now and every 128 explicit steps (not in obstacles).
   [[nodiscard]] double skinDepth(std::size_t body) const;
   /// Wall-clock time that a body takes per simulated second, s; 0 before the first step and of quasi-static solutions.
   [[nodiscard]] double costOf(std::size_t body) const;
@@ -306,6 +306,7 @@ class Simulator {
   [[nodiscard]] bool isSkinCheckDue() const;
   void checkSkins();
   void lookAtPairs();
+  void lookAtRigidTissue(std::size_t id);
   void lookAtContacts();
   void tellUnresolved(std::size_t id, double thickness);
   void tellAtStart();
@@ -346,6 +347,7 @@ class Simulator {
   std::vector<SimulationEvent> events_;
   std::set<std::size_t> notRereferenced_;                   // bodies whose reference could not be
   std::map<std::size_t, double> skinDeepest_;               // m, as drawn, beyond the walls
+  std::map<std::size_t, double> rigidDeepest_;              // m, as drawn, in rigid tissue of the body itself
   std::vector<Vec3> skin_;                                  // room for a look at one
   std::set<std::pair<std::size_t, std::size_t>> overlaps_;  // that have been told
   std::pair<std::size_t, std::size_t> lastPair_{0, 0};      // that was looked at for overlaps

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "shape/occupancy_field.h"
+
 namespace pointbased {
 namespace {
 
@@ -53,6 +55,26 @@ std::vector<Obstacle> detail::rigidTissuesOf(const Body &body) {
     }
   }
   return out;
+}
+
+double detail::depthInRigidTissue(const Body &body, std::vector<Vec3> &skin, const ParallelFor &parallelFor) {
+  const RestState &rest = body.rest();
+  skin.resize(rest.surfels.count());
+  if (skin.empty() || !rest.stencils.isLattice()) return 0.0;
+  updateSurfels(rest.surfels, {}, rest.positions, body.state().displacements, skin, {}, parallelFor);
+  const HeldPoints held(rest);
+  double deepest = 0.0;
+  for (const Fix &fix : rest.conditions.fixes) {
+    if (!isRigidTissue(fix)) continue;
+    const auto &voxels = std::get<VoxelRegion>(fix.region);
+    for (std::size_t p = 0; p < skin.size(); ++p) {
+      const double depth = -voxels.voxels->about(rest.origin + skin[p] + voxels.offset);
+      if (!(depth > deepest)) continue;
+      const Interpolation at = rest.surfels.expanded(p, rest.positions);
+      if (!held.hold(at.phyxels.row(0)) && !contains(fix.region, rest.origin + at.positions[0])) deepest = depth;
+    }
+  }
+  return deepest;
 }
 
 }  // namespace pointbased

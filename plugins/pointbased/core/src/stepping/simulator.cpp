@@ -496,6 +496,7 @@ void Simulator::reset() {
     for (const std::string &warning : warnings) reportEvent("warning", warning);
   notRereferenced_.clear();
   skinDeepest_.clear();
+  rigidDeepest_.clear();
   overlaps_.clear();
   lastPair_ = {0, 0};
   toldAtStart_ = false;

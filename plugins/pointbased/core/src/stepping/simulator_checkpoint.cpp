@@ -18,6 +18,7 @@ Checkpoint Simulator::checkpoint() const {
   kept->events = events_;
   kept->notRereferenced = notRereferenced_;
   kept->skinDeepest = skinDeepest_;
+  kept->rigidDeepest = rigidDeepest_;
   kept->overlaps = overlaps_;
   kept->lastPair = lastPair_;
   for (const auto &[id, layer] : attachments_) kept->torn.emplace(id, layer->torn());
@@ -48,6 +49,7 @@ bool Simulator::restore(const Checkpoint &checkpoint) {
   events_ = checkpoint->events;
   notRereferenced_ = checkpoint->notRereferenced;
   skinDeepest_ = checkpoint->skinDeepest;
+  rigidDeepest_ = checkpoint->rigidDeepest;
   overlaps_ = checkpoint->overlaps;
   lastPair_ = checkpoint->lastPair;
   for (const auto &[id, torn] : checkpoint->torn)

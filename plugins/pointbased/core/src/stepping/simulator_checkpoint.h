@@ -16,7 +16,7 @@ struct detail::SimulatorCheckpoint {
   std::uint64_t steps = 0;
   std::vector<SimulationEvent> events;
   std::set<std::size_t> notRereferenced;
-  std::map<std::size_t, double> skinDeepest;
+  std::map<std::size_t, double> skinDeepest, rigidDeepest;
   std::set<std::pair<std::size_t, std::size_t>> overlaps;
   std::pair<std::size_t, std::size_t> lastPair;
   std::map<SkinContacts::PairId, SkinPair::Memory> contacts;

@@ -7,6 +7,7 @@
 #include "base/number_text.h"
 #include "pointbased/simulator.h"
 #include "stepping/body_stepper.h"
+#include "stepping/rigid_tissue.h"
 #include "stepping/skin_contacts.h"
 #include "stepping/skin_watch.h"
 
@@ -28,6 +29,9 @@ constexpr double kDeepOverlap = 1.0;
 constexpr double kPointsOfLook = 1.0 / 64.0;
 // Of the spacing: edges between points of contact cut in by less.
 constexpr double kSkinThrough = 0.5;
+// Of the spacing, of soft tissue in rigid tissue: half of the way between points of contact. What lies between them may
+// come so far where cells bend; more is not the contact that there is.
+constexpr double kInRigidTissue = 0.25;
 // One body's stable step in the other's: from here on it is told who sets the step of all.
 
 std::string millimetres(double metres) { return number(1e3 * metres, 3) + " mm"; }
@@ -38,8 +42,12 @@ double Simulator::skinDepth(std::size_t id) const {
   const Body *target = body(id);
   if (!target) return 0.0;
   std::vector<Vec3> skin;
-  const auto told = skinDeepest_.find(id);
-  return std::max({target->contact.deepest, told == skinDeepest_.end() ? 0.0 : told->second,
+  const auto told = [id](const std::map<std::size_t, double> &depths) {
+    const auto found = depths.find(id);
+    return found == depths.end() ? 0.0 : found->second;
+  };
+  const double inRigid = ownOf(id) > 0 ? detail::depthInRigidTissue(*target, skin, parallelFor_) : 0.0;
+  return std::max({target->contact.deepest, told(skinDeepest_), told(rigidDeepest_), inRigid,
                    pointbased::skinDepth(*target, obstaclesOf(id), boxOf(id), clockOfRamps(), skin, parallelFor_)});
 }
 
@@ -79,8 +87,24 @@ void Simulator::checkSkins() {
                                 millimetres(body.rest().spacing) + ") helps");
       deepest = std::max(deepest, depth);
     }
+  for (const auto &[id, tissues] : rigidTissues_) lookAtRigidTissue(id);
   lookAtPairs();
   lookAtContacts();
+}
+
+void Simulator::lookAtRigidTissue(std::size_t id) {
+  const detail::BodyStepper &runner = *bodies_.at(id);
+  const Body &body = runner.body();
+  if (ownOf(id) == 0 || runner.asleep() || body.contact.active.empty()) return;
+  const double depth = detail::depthInRigidTissue(body, skin_, parallelFor_);
+  const double most = kInRigidTissue * body.rest().spacing;
+  double &deepest = rigidDeepest_[id];
+  if (depth > most && deepest <= most)
+    reportEvent("skin", "body '" + body.name() + "': soft tissue comes " + millimetres(depth) +
+                            " into its rigid tissue, between the points where it feels contact; a smaller "
+                            "sampling.spacing (it is " +
+                            millimetres(body.rest().spacing) + ") helps");
+  deepest = std::max(deepest, depth);
 }
 
 // At the start all of them, and in implicit steps, which cost more; else in turn, as many at a time as cost a few per
