@@ -108,6 +108,40 @@ TEST_CASE("a corner that only a sliver of the body reaches does not lead the fie
   CHECK(farthest < 2.0 * tissue);  // points beside the body go on from it
 }
 
+TEST_CASE("what lies beside a body goes with it as far as its cells there are wide") {
+  constexpr double kSide = 0.06, kCoarse = 0.02, kFine = 0.005;
+  BodyRecipe recipe;
+  recipe.sampling.spacing = kCoarse;
+  recipe.sampling.axes = Mat3(Mat3::Identity());
+  recipe.sampling.refinements = {{HalfSpaceRegion{Vec3(0.04, 0, 0), -Vec3::UnitX()}, kFine}};
+  const Surface box = shapes::boxSurface(Vec3::Zero(), Vec3::Constant(kSide), 12);
+  const auto rest = buildRestState(shapes::inside(box), recipe, {}, serialFor());
+  REQUIRE(rest);
+  Body body("box", *rest, Constitution{{shapes::rubber(1e4)}, kLatticeStabilisation}, serialFor());
+  const Vec3 way(0.0, 0.001, 0.0);
+  for (Vec3 &displacement : body.state().displacements) displacement = way;
+  // A line through the middle, half a millimetre from point to point.
+  FieldGrid line;
+  line.size = {201, 1, 1};
+  line.steps = 0.0005 * Mat3::Identity();
+  line.origin = Vec3(-0.02, 0.5 * kSide, 0.5 * kSide);
+  DisplacementField field(line);
+  field.add(body, bindPoints(**rest));
+  std::vector<float> u(3 * line.count());
+  field.write(0.0, u);
+  double first = 1.0, last = -1.0;
+  for (std::size_t p = 0; p < line.count(); ++p) {
+    const double x = line.origin[0] + 0.0005 * static_cast<double>(p);
+    if (x >= 0.0 && x <= kSide) REQUIRE(u[3 * p + 1] == Approx(way[1]));
+    if (!(u[3 * p + 1] > 0.0F)) continue;
+    first = std::min(first, x);
+    last = std::max(last, x);
+  }
+  CHECK(first < -0.25 * kCoarse);
+  CHECK(last > kSide);
+  CHECK(last < kSide + kFine);
+}
+
 TEST_CASE("the rim of a displacement field falls to nothing within its width, and bodies at rest displace nothing") {
   const auto made = body(Evaluation::stressPoints);
   FieldGrid grid;

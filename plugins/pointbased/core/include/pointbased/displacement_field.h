@@ -23,8 +23,8 @@ struct FieldGrid {
 ///
 ///     X_q(x) = X_q + F_q^-1 (x - x_q),      u(x) = x - Σ w_q X_q(x) / Σ w_q,     w_q = (1 - |X_q(x) - X_q|²/r²)²
 ///
-/// so affine motions are exact whatever the grid, and points within a spacing of an evaluation point (r = 1.1 spacings,
-/// in the material) belong to the body. Points that are inverted say nothing. What supports hold goes with them
+/// so affine motions are exact whatever the grid, and points within a spacing of an evaluation point (r = 1.1 edges of its
+/// cell, in the material) belong to the body. Points that are inverted say nothing. What supports hold goes with them
 /// exactly.
 ///
 /// Where a body lies over itself, or two bodies over each other, the points lead to places in the material that are far

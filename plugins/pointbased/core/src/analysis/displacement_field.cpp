@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/contact_skin.h"
 #include "discretisation/interpolation_at.h"
 
 namespace pointbased {
@@ -90,7 +91,10 @@ void DisplacementField::visitPoints(const Vec3 &centre, const Vec3 &half, const 
 void DisplacementField::add(const Body &body, const Interpolation &points) {
   if (!body.rigid()) addHeld(body);
   const RestState &rest = body.rest();
-  const double reach = kReach * rest.spacing, inverseSquare = 1.0 / (reach * reach);
+  // Smaller cells stand closer, and their F goes for less.
+  const std::vector<double> spacings = rest.evaluation == Evaluation::phyxels
+                                           ? std::vector<double>(rest.pointCount(), rest.spacing)
+                                           : detail::spacingsAt(points, rest.positions, rest.spacing);
   const bool renewed = !rest.referenceShift.empty();
   const std::vector<Mat3> gradients = renewed ? std::vector<Mat3>() : gradientsAround(body, points);
   // Rows of the inverse steps: how far an index goes with a way in space.
@@ -102,6 +106,7 @@ void DisplacementField::add(const Body &body, const Interpolation &points) {
     const Mat3 back = F.inverse();
     const Vec3 x = presentPlace(body, q, points);
     const Vec3 X = rest.origin + rest.pointCentres[q] - (renewed ? carriedBy(rest, q) : Vec3(Vec3::Zero()));
+    const double reach = kReach * spacings[q], inverseSquare = 1.0 / (reach * reach);
     // The box around what F makes of the ball, with room for rounding: nothing beyond it counts.
     const Vec3 half = (1.0 + 1e-9) * reach * (toIndex_ * F).rowwise().norm();
     visitPoints(x, half, [&](std::size_t p, const Vec3 &place) {
