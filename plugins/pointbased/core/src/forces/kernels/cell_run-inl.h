@@ -248,7 +248,10 @@ HWY_INLINE void forChunk(const CellJob<T> &job, std::size_t chunk, const OfSlice
   const CellSlices<T> &cells = *job.cells;
   HWY_ALIGN_MAX T displacements[4 * kMostLocals];
   HWY_ALIGN_MAX T velocities[4 * kMostLocals];
-  HWY_ALIGN_MAX T withHanging[4 * kMostLocals];
+  // Not a whole number of pages from the displacements: loads would wait for stores to addresses that differ by pages
+  // alone, and everything takes twice the time.
+  HWY_ALIGN_MAX T padded[4 * kMostLocals + 2304 / sizeof(T)];
+  T *const withHanging = padded + 2304 / sizeof(T);
   HWY_ALIGN_MAX T entries[4 * kCorners * kLanes<T>];
   const std::size_t first = cells.firstLocals[chunk], count = cells.firstLocals[chunk + 1] - first;
   const HangingLocals<T> hanging(cells, chunk);
