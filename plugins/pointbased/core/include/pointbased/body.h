@@ -132,10 +132,10 @@ class Body {
   /// needs is dropped, what it newly needs starts fresh.
   void setConstitution(Constitution constitution, const ParallelFor &parallelFor);
 
-  /// Mass scaling: phyxels of few small or stiff cells, which alone ask for short explicit steps, get more inertia, until
-  /// the stable step at rest is `step` or a twentieth of the mass of what can move has been added. Weights stay, so that
-  /// nothing at rest feels it. Bodies that nothing holds, and those whose step would not become half as long again,
-  /// stay what they are. Lasts for setConstitution().
+  /// Mass scaling: phyxels of few small or stiff cells, which alone ask for short explicit steps, get more inertia,
+  /// until the stable step at rest is `step` or a twentieth of the mass of what can move has been added. Weights stay,
+  /// so that nothing at rest feels it. Bodies that nothing holds, and those whose step would not become half as long
+  /// again, stay what they are. Lasts for setConstitution().
   /// @param step  s; 0: no more
   /// @source  Belytschko, Liu, Moran, Elkhodary, Nonlinear Finite Elements for Continua and Structures, 2014, ch. 6
   void scaleMasses(double step, const ParallelFor &parallelFor);
