@@ -201,6 +201,43 @@ TEST_CASE("In explicit steps few small stiff cells get more inertia but no weigh
   }
 }
 
+TEST_CASE("Cells stay of one size where halves of stiff ones would ask for far shorter explicit steps") {
+  const auto folder = freshFolder("accuracy-too-short");
+  writeFile(folder / "box.obj", boxObj());
+  // Nothing holds it but a soft bed: no mass is added.
+  const fs::path scene = writeFile(folder / "bed.toml", R"(format = 1
+[solver]
+integrator = "explicit"
+[world]
+gravity = [0, 0, 0]
+[[body]]
+name = "beam"
+mesh = "box.obj"
+mesh_unit = "m"
+material = { law = "neo_hookean", youngs_modulus = 1e6, poisson_ratio = 0.4, density = 1000.0 }
+sampling = { count = 1500, adaptive = "on" }
+parts = [ { region = { sphere = { centre = [0.51, 0.11, 0.11], radius = 0.02 } }, material = { youngs_modulus = 1e9 } } ]
+[[attachment]]
+name = "bed"
+bodies = ["beam", "surroundings"]
+stiffness = 1e6
+[[load]]
+region = { sphere = { centre = [0.5, 0.1, 0.2], radius = 0.08 } }
+force = [0, 0, 10]
+)");
+  const Json stiff = reportOf(folder, scene, {"--steps", "1"});
+  const Json &body = stiff["bodies"][0];
+  CHECK(body["adaptive"]["halved_cells"] == 0);
+  CHECK_THAT(body["adaptive"]["uniform"].get<std::string>(),
+             Contains("halves of its stiff cells would ask for explicit steps of ") && Contains(" instead of "));
+  CHECK(body["added_mass_kg"] == 0.0);
+  const Json even = reportOf(folder, scene, {"--steps", "1", "--set", "body.beam.sampling.adaptive=off"});
+  CHECK(body["phyxels"] == even["bodies"][0]["phyxels"]);
+  CHECK(body["stable_dt_s"] == even["bodies"][0]["stable_dt_s"]);
+  CHECK(reportOf(folder, scene, {"--set", "solver.integrator=quasistatic"})["bodies"][0]["adaptive"]["halved_cells"] >
+        0);
+}
+
 TEST_CASE("Where nothing is known to act on a body its cells stay of one size, and the report says so") {
   const auto folder = freshFolder("accuracy-adaptive-nothing");
   const fs::path scene = writeBeam(folder, "", "sampling = { count = 300, adaptive = \"on\" }");

@@ -68,13 +68,9 @@ TEST_CASE("cells beside larger ones are taken by the kernels", "[kernels]") {
       // What hangs follows phyxels to its place: the corners are those of a cube.
       std::array<Vec3, 8> corners;
       for (std::size_t j = 0; j < 8; ++j) {
-        const Index corner = point.corners[j], row = corner & ~HangingCells::kHangs;
         corners[j] = Vec3::Zero();
-        if (row == corner) corners[j] = rest->positions[corner];
-        if (row == corner) continue;
-        const std::span<const Index> followed = hanging.phyxels.row(row);
-        for (std::size_t k = 0; k < followed.size(); ++k)
-          corners[j] += hanging.weights[hanging.phyxels.offsets[row] + k] * rest->positions[followed[k]];
+        hanging.visit(point.corners[j],
+                      [&](Index phyxel, double weight) { corners[j] += weight * rest->positions[phyxel]; });
       }
       const double edge = 0.25 / point.shape.gradient;
       for (std::size_t j = 0; j < 8; ++j) {

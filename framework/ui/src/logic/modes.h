@@ -22,17 +22,17 @@ namespace c3de::ui {
 /// Who gets the mouse and the keys, and what Escape and Undo mean: decided here and nowhere else. What a person is doing
 /// lies in layers; an event goes to the uppermost one that is there and wants it.
 ///
-///  layer      there while                   mouse                   keys                      Escape
-///  above      a menu, a list, a dialog or   all of it               all but Ctrl+Q, and       closes menus and lists; what
-///             a question is open                                    Undo for the scan's body  a dialog does is its own
-///  drag       a button is held in a view    stays with that view    as below                  lets go; so does a click that
-///                                                                                             is awaited in a slice
-///  region     the region of the scan's      plain left drags in     Enter (of its bar), Undo  takes back the drag, else ends
-///             body is drawn                 slices                  and Redo                  it without keeping it
-///  tool       one is active                 in the 3D view, and in  its own                   lets go
-///                                           slices if it wants
-///  views      always                        camera, cross-hair      slice keys over a slice,  a step that takes long is
-///                                                                   commands, shortcuts       paused
+///  layer   there while                  mouse                   keys                      Escape
+///  above   a menu, a list, a dialog or  all of it               all but Ctrl+Q, and       closes menus and lists; what
+///          a question is open                                   Undo for the scan's body  a dialog does is its own
+///  drag    a button is held in a view   stays with that view    as below                  lets go; so does a click
+///                                                                                         that is awaited in a slice
+///  region  the region of the scan's     plain left drags in     Enter (of its bar), Undo  takes back the drag, else
+///          body is drawn                slices                  and Redo                  ends it without keeping it
+///  tool    one is active                in the 3D view, and in  its own                   lets go
+///                                       slices if it wants
+///  views   always                       camera, cross-hair      slice keys over a slice,  a step that takes long is
+///                                                               commands, shortcuts       paused
 ///
 /// Nothing is drawn here, and what Dear ImGui has open is told by Above. Main thread.
 class Modes {

@@ -226,9 +226,10 @@ std::unique_ptr<Body> filledBody(const Making &of, const BodyRecipe &recipe) {
 }
 
 // With the steps of cells of one size as far as a little added mass allows; null where they would be too dear.
-std::unique_ptr<Body> adaptiveBody(const Making &of, BodyRecipe recipe, AdaptiveSampling &adaptive) {
-  recipe.sampling = adaptive.sampling;
-  auto body = filledBody(of, recipe);
+std::unique_ptr<Body> adaptiveBody(const Making &of, const BodyRecipe &recipe, AdaptiveSampling &adaptive) {
+  BodyRecipe finer = recipe;
+  finer.sampling = adaptive.sampling;
+  auto body = filledBody(of, finer);
   if (!mayStepExplicitly(of.dial.setting.world.integrator) || adaptive.halved == 0) return body;
   // Halves of the cells that decide the step ask for half of it.
   constexpr double kShortestStep = 0.4;
@@ -239,7 +240,7 @@ std::unique_ptr<Body> adaptiveBody(const Making &of, BodyRecipe recipe, Adaptive
                      shortNumber(1e3 * adaptive.evenStep) +
                      " ms; solver.integrator = \"quasistatic\" or \"implicit\" has no such steps";
   adaptive.halved = 0;
-  adaptive.sampling.finer = {};
+  adaptive.sampling = recipe.sampling;
   return nullptr;
 }
 

@@ -8,8 +8,8 @@
 
 namespace pointbased {
 
-/// How the evaluation points of bodies follow their phyxels (bindPoints()), kept from one question to the next. The mutex
-/// of WorldSimulator is held in every call.
+/// How the evaluation points of bodies follow their phyxels (bindPoints()), kept from one question to the next. The
+/// mutex of WorldSimulator is held in every call.
 class EvaluationPoints {
  public:
   /// Valid until the next call.

@@ -6,8 +6,8 @@
 
 namespace pointbased {
 
-/// m³, of tissue that lay in the reference where an obstacle of the table is now: evaluation points with their volumes,
-/// at its surface by the part of a cell that is in it.
+/// m³, of tissue that lay in the reference where an obstacle of the table is now: evaluation points with their
+/// volumes, at its surface by the part of a cell that is in it.
 [[nodiscard]] double displacedVolume(const Simulator &simulator, const BodyTable &table, std::uint64_t obstacle);
 
 /// Whether skin lies in an obstacle of the table that has just come: contact would lead some of it out to the wrong

@@ -345,8 +345,8 @@ struct SceneFile {
 /// Applies `PATH=VALUE` of the command line, for example "body.liver.material.youngs_modulus=6e3", "solver.dt=auto",
 /// "world.gravity=[0,-9.81,0]", "obstacle.floor.friction=0.2", "fix.0.displacement=[0,0,0.01]",
 /// "load.press.pressure=200", "attachment.0.stiffness=1e4", "contact.pair.0.friction=0.1" (by name, or by number from
-/// 0); of a piece by its name, "body.abdomen.liver.material.youngs_modulus=2e3", "body.abdomen.rest.rigid=true". Errors (ErrorCode::usage) name the
-/// nearest path.
+/// 0); of a piece by its name, "body.abdomen.liver.material.youngs_modulus=2e3", "body.abdomen.rest.rigid=true".
+/// Errors (ErrorCode::usage) name the nearest path.
 [[nodiscard]] Expected<void> applyOverride(SceneFile &scene, std::string_view assignment,
                                            const MaterialLibrary *materials);
 

@@ -28,8 +28,8 @@ struct FinerCells {
   std::vector<Place> places;     ///< ascending; empty: no cells are finer
   double spacing = 0.0;          ///< m; cells with their middle in one of these are halved until they are at most this
 
-  /// The number of the cell that holds a point of the world, m, whether it is to be finer or not; at most 10⁹ from the
-  /// first.
+  /// The number of the cell that holds a point of the world, m, whether it is to be finer or not; at most 10⁹ from
+  /// the first.
   [[nodiscard]] Place placeOf(const Vec3 &x) const;
   [[nodiscard]] bool holds(const Vec3 &x) const;  ///< whether a point of the world, m, lies in one of them
 };
@@ -71,12 +71,13 @@ class CellMap {
 /// A body on the cells of a lattice: phyxels at the corners of every cell that holds a part of the body, one evaluation
 /// point (stress point) per cell and connected part.
 struct LatticeBody {
-  Vec3 origin = Vec3::Zero();         ///< world, m; all below is relative to it
-  double spacing = 0.0;               ///< m, of the coarsest cells
-  Vec3 corner = Vec3::Zero();         ///< m, where the coarsest cells begin, along `stencils.axes` from there
-  std::vector<Vec3> positions;        ///< [phyxels] X, m, sorted in space; some lie outside of the body
-  std::vector<double> volumes;        ///< [phyxels] m³, > 0; sum: the body's volume (density times it is the mass)
-  std::vector<double> weightVolumes;  ///< [phyxels] m³, ∫N_j: what a uniform load on the material gives each
+  Vec3 origin = Vec3::Zero();   ///< world, m; all below is relative to it
+  double spacing = 0.0;         ///< m, of the coarsest cells
+  Vec3 corner = Vec3::Zero();   ///< m, where the coarsest cells begin, along `stencils.axes` from there
+  std::vector<Vec3> positions;  ///< [phyxels] X, m, sorted in space; some lie outside of the body
+  std::vector<double> volumes;  ///< [phyxels] m³, > 0; sum: the body's volume (density times it is the mass)
+  /// [phyxels] m³, ∫N_j: what a uniform load on the material gives each; same sum
+  std::vector<double> weightVolumes;
   /// [phyxels] m³: the part of `weightVolumes` that moves with a support; empty: nothing is held
   std::vector<double> heldVolumes;
   /// [phyxels] m³: the part of `volumes`, of the mass, that moves with a support; likewise
@@ -97,8 +98,8 @@ struct LatticeBody {
 ///     v_q = volume of the part,   g_qj = mean of ∇N_j over the part,   N_j trilinear
 ///
 /// the mean gradient makes Σ_q v_q g_qj = ∫ N_j n dA over the body's border: constant stress is in exact balance
-/// with its tractions however the surface cuts the cells (gradients at the centre of the cell instead made a beam 22 % too
-/// stiff). Nodes are shared by parts of neighbouring cells only where the body goes on through the common face; parts
+/// with its tractions however the surface cuts the cells (gradients at the centre of the cell instead made a beam 22 %
+/// too stiff). Nodes are shared by parts of neighbouring cells only where the body goes on through the common face; parts
 /// on two sides of a gap have corners of their own, so nothing couples across it. Nodes that hang on a larger cell
 /// follow its corners linearly, so affine fields stay exact and forces balanced across a change of spacing.
 ///

@@ -307,6 +307,7 @@ class Simulator {
   void checkSkins();
   void lookAtPairs();
   void lookAtRigidTissue(std::size_t id);
+  void tellDepth(const Body &body, double depth, double spacings, double &deepest, const char *what, const char *where);
   void lookAtContacts();
   void tellUnresolved(std::size_t id, double thickness);
   void tellAtStart();

@@ -33,8 +33,8 @@ struct CellShape {
   bool operator==(const CellShape &) const = default;
 };
 
-/// Points of cells beside larger ones. Some of their corners hang in the middle of an edge or a face of a larger cell: no
-/// phyxels, but means of a few. Over all eight corners the rows of such a point have a CellShape; the rows of its
+/// Points of cells beside larger ones. Some of their corners hang in the middle of an edge or a face of a larger cell:
+/// no phyxels, but means of a few. Over all eight corners the rows of such a point have a CellShape; the rows of its
 /// stencil are those, spread over the phyxels that the corners follow.
 struct HangingCells {
   /// Marks a corner that hangs; what is left is its row of `phyxels`.
@@ -48,6 +48,13 @@ struct HangingCells {
   Csr phyxels;                  ///< per hanging corner: what it follows
   std::vector<double> weights;  ///< per entry of `phyxels`; those of a corner sum to one
 
+  /// of(phyxel, weight) for what a corner is or follows.
+  template <class Of>
+  void visit(Index corner, const Of &of) const {
+    if ((corner & kHangs) == 0) return of(corner, 1.0);
+    const Index row = corner & ~kHangs;
+    for (Index e = phyxels.offsets[row]; e < phyxels.offsets[row + 1]; ++e) of(phyxels.indices[e], weights[e]);
+  }
   /// Null: no corner of its cell hangs.
   [[nodiscard]] const Point *find(std::size_t point) const {
     const auto at = std::lower_bound(points.begin(), points.end(), point,

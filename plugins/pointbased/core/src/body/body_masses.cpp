@@ -2,9 +2,8 @@
 // Mass scaling.
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
-#include "forces/point_loops.h"
+#include "forces/wave_stiffness.h"
 #include "pointbased/body.h"
 
 namespace pointbased {
@@ -15,18 +14,6 @@ constexpr double kLeastLonger = 1.5;   // of the step; else no mass is added
 constexpr double kCloseEnough = 0.99;  // of the wanted step
 constexpr int kRounds = 4;
 constexpr int kHalvings = 50;
-
-/// Σ_q v (λ + 2 μ) |g_qi|² of the phyxels, N/m: over the masses it is about the square of the frequencies there.
-std::vector<double> waveStiffnesses(const Constitution &constitution, const StencilSet &s, std::size_t phyxels) {
-  std::vector<double> sums(phyxels, 0.0);
-  for (std::size_t q = 0; q < s.pointCount(); ++q) {
-    const GradientRows gradients(s, q);
-    const double stiffness = s.volumes[q] * detail::materialOfPoint(constitution, s, q).waveModulus();
-    for (Index e = s.phyxels.offsets[q]; e < s.phyxels.offsets[q + 1]; ++e)
-      sums[s.phyxels.indices[e]] += stiffness * gradients[e].squaredNorm();
-  }
-  return sums;
-}
 
 }  // namespace
 
@@ -58,7 +45,8 @@ void Body::addMasses(const ParallelFor &parallelFor) {
   if (weights_.empty() || !(before > kLeastLonger * wanted)) return;
 
   const std::vector<double> own = masses_;
-  const std::vector<double> stiffness = waveStiffnesses(constitution_, rest_->stencils, own.size());
+  const std::vector<double> stiffness = detail::waveStiffnesses(constitution_, rest_->stencils, own.size(), parallelFor,
+                                                                [](std::size_t) { return false; });
   const auto massAt = [&](std::size_t i, double bound) { return std::max(own[i], stiffness[i] / bound); };
   double movable = 0.0;
   for (std::size_t i = 0; i < own.size(); ++i) movable += heldMask_[i] != 0 ? 0.0 : own[i];

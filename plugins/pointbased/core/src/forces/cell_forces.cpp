@@ -12,6 +12,7 @@
 #include "forces/laminate.h"
 #include "forces/relaxing_hourglass.h"
 #include "forces/vector_forces_parts.h"
+#include "forces/wave_stiffness.h"
 #include "pointbased/plasticity.h"
 
 namespace pointbased::detail {
@@ -238,32 +239,9 @@ class CellForces final : public VectorForces {
   }
 
   [[nodiscard]] double largestStiffnessAtRest(std::span<const Index> others, const ParallelFor &parallelFor) const {
-    std::vector<double> sums(masses_.size(), 0.0);
-    Looks look(parallelFor);
-    const HangingCells &hanging = stencils_.hanging;
-    for (std::size_t q = 0; q < stencils_.pointCount(); ++q) {
-      look();
-      const double stiffness = waveStiffness(q);
-      if (const auto *point = hanging.find(q); point != nullptr && !std::ranges::binary_search(others, q)) {
-        // As the kernels have it: of the corners, handed on by the weights.
-        std::array<Vec3, kCorners> gradients;
-        cellGradients(point->shape, stencils_.axes, gradients);
-        for (std::size_t j = 0; j < kCorners; ++j) {
-          const double ofCorner = stiffness * gradients[j].squaredNorm();
-          const Index corner = point->corners[j], row = corner & ~HangingCells::kHangs;
-          if (row == corner) {
-            sums[corner] += ofCorner;
-            continue;
-          }
-          for (Index e = hanging.phyxels.offsets[row]; e < hanging.phyxels.offsets[row + 1]; ++e)
-            sums[hanging.phyxels.indices[e]] += hanging.weights[e] * ofCorner;
-        }
-        continue;
-      }
-      const GradientRows gradients(stencils_, q);
-      for (Index e = stencils_.phyxels.offsets[q]; e < stencils_.phyxels.offsets[q + 1]; ++e)
-        sums[stencils_.phyxels.indices[e]] += stiffness * gradients[e].squaredNorm();
-    }
+    const std::vector<double> sums =
+        waveStiffnesses(constitution_, stencils_, masses_.size(), parallelFor,
+                        [&](std::size_t q) { return !std::ranges::binary_search(others, q); });
     double largest = 0.0;
     for (std::size_t i = 0; i < sums.size(); ++i) largest = std::max(largest, sums[i] / masses_[i]);
     return largest;

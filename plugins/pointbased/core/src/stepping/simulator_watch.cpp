@@ -78,14 +78,7 @@ void Simulator::checkSkins() {
       if (runner->asleep() || body.contact.active.empty() || (steps_ % every != 0 && steps_ % kExplicitSteps == 0))
         continue;
       const double depth = pointbased::skinDepth(body, {}, boxOf(id), clockOfRamps(), skin_, parallelFor_);
-      double &deepest = skinDeepest_[id];
-      const double through = kSkinThrough * body.rest().spacing;
-      if (depth > through && deepest <= through)
-        reportEvent("skin", "body '" + body.name() + "': its skin reaches " + millimetres(depth) +
-                                " through the world's box between the points where it feels contact; a smaller "
-                                "sampling.spacing (it is " +
-                                millimetres(body.rest().spacing) + ") helps");
-      deepest = std::max(deepest, depth);
+      tellDepth(body, depth, kSkinThrough, skinDeepest_[id], "its skin reaches ", " through the world's box");
     }
   for (const auto &[id, tissues] : rigidTissues_) lookAtRigidTissue(id);
   lookAtPairs();
@@ -97,13 +90,17 @@ void Simulator::lookAtRigidTissue(std::size_t id) {
   const Body &body = runner.body();
   if (ownOf(id) == 0 || runner.asleep() || body.contact.active.empty()) return;
   const double depth = detail::depthInRigidTissue(body, skin_, parallelFor_);
-  const double most = kInRigidTissue * body.rest().spacing;
-  double &deepest = rigidDeepest_[id];
+  tellDepth(body, depth, kInRigidTissue, rigidDeepest_[id], "soft tissue comes ", " into its rigid tissue,");
+}
+
+// Once, from so many spacings on.
+void Simulator::tellDepth(const Body &body, double depth, double spacings, double &deepest, const char *what,
+                          const char *where) {
+  const double spacing = body.rest().spacing, most = spacings * spacing;
   if (depth > most && deepest <= most)
-    reportEvent("skin", "body '" + body.name() + "': soft tissue comes " + millimetres(depth) +
-                            " into its rigid tissue, between the points where it feels contact; a smaller "
-                            "sampling.spacing (it is " +
-                            millimetres(body.rest().spacing) + ") helps");
+    reportEvent("skin", "body '" + body.name() + "': " + what + millimetres(depth) + where +
+                            " between the points where it feels contact; a smaller sampling.spacing (it is " +
+                            millimetres(spacing) + ") helps");
   deepest = std::max(deepest, depth);
 }
 
