@@ -216,7 +216,9 @@ mesh = "box.obj"
 mesh_unit = "m"
 material = { law = "neo_hookean", youngs_modulus = 1e6, poisson_ratio = 0.4, density = 1000.0 }
 sampling = { count = 1500, adaptive = "on" }
-parts = [ { region = { sphere = { centre = [0.51, 0.11, 0.11], radius = 0.02 } }, material = { youngs_modulus = 1e9 } } ]
+[[body.parts]]
+region = { sphere = { centre = [0.51, 0.11, 0.11], radius = 0.02 } }
+material = { youngs_modulus = 1e9 }
 [[attachment]]
 name = "bed"
 bodies = ["beam", "surroundings"]

@@ -19,8 +19,8 @@
 
 namespace c3de::ui {
 
-/// Who gets the mouse and the keys, and what Escape and Undo mean: decided here and nowhere else. What a person is doing
-/// lies in layers; an event goes to the uppermost one that is there and wants it.
+/// Who gets the mouse and the keys, and what Escape and Undo mean: decided here and nowhere else. What a person is
+/// doing lies in layers; an event goes to the uppermost one that is there and wants it.
 ///
 ///  layer   there while                  mouse                   keys                      Escape
 ///  above   a menu, a list, a dialog or  all of it               all but Ctrl+Q, and       closes menus and lists; what

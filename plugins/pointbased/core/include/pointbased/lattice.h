@@ -98,10 +98,10 @@ struct LatticeBody {
 ///     v_q = volume of the part,   g_qj = mean of ∇N_j over the part,   N_j trilinear
 ///
 /// the mean gradient makes Σ_q v_q g_qj = ∫ N_j n dA over the body's border: constant stress is in exact balance
-/// with its tractions however the surface cuts the cells (gradients at the centre of the cell instead made a beam 22 %
-/// too stiff). Nodes are shared by parts of neighbouring cells only where the body goes on through the common face; parts
-/// on two sides of a gap have corners of their own, so nothing couples across it. Nodes that hang on a larger cell
-/// follow its corners linearly, so affine fields stay exact and forces balanced across a change of spacing.
+/// with its tractions however the surface cuts the cells (gradients at the centre of the cell instead made a beam
+/// 22 % too stiff). Nodes are shared by parts of neighbouring cells only where the body goes on through the common
+/// face; parts on two sides of a gap have corners of their own, so nothing couples across it. Nodes that hang on a
+/// larger cell follow its corners linearly, so affine fields stay exact and forces balanced across a change of spacing.
 ///
 /// Parts of less than a fiftieth of their cell are dropped where the body goes on beside them; what is left is scaled
 /// to the volume of the body. Without BodyShape::crosses gaps of half a spacing separate, with it thinner ones too.

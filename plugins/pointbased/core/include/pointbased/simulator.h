@@ -238,8 +238,8 @@ class Simulator {
   /// Nothing: this hand does not hold it.
   [[nodiscard]] std::optional<GrabStatus> grabStatus(std::size_t body, std::uint64_t hand = 0) const;
 
-  /// How deep the skin of a body has been beyond walls, in obstacles or in rigid tissue of its own, m: the deepest point
-  /// of contact of every step, and the skin as it is drawn, now and every 128 explicit steps (not in obstacles).
+  /// How deep the skin of a body has been beyond walls, in obstacles or in rigid tissue of its own, m: the deepest
+  /// point of contact of every step, and the skin as it is drawn, now and every 128 explicit steps (not in obstacles).
   [[nodiscard]] double skinDepth(std::size_t body) const;
   /// Wall-clock time that a body takes per simulated second, s; 0 before the first step and of quasi-static solutions.
   [[nodiscard]] double costOf(std::size_t body) const;

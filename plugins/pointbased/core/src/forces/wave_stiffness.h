@@ -9,7 +9,7 @@
 
 namespace pointbased::detail {
 
-/// Σ_q v (λ + 2 μ) |g_qi|² of the phyxels at rest, N/m: over the masses it is about the square of the frequencies there.
+/// Σ_q v (λ + 2 μ) |g_qi|² of the phyxels at rest, N/m: over the masses about the square of the frequencies there.
 /// @param isByCorners  of a point whose cell has corners that hang: |g|² of the corners, handed on by their weights, as
 ///                     the kernels have it; else of the rows of its stencil
 template <class IsByCorners>
