@@ -32,8 +32,8 @@ void pull(WorkstationDriver &window, const std::string &picture) {
   window.waitUntil("a surfel is held", [](const Json &s) { return s["values"].contains(kPanel + "Held surfel"); });
   for (int i = 1; i <= 10; ++i) window.moveTo(window.inView(0.46 + 0.004 * i, 0.43 - 0.025 * i));
   const double from = window.state()["transport"]["time_s"];
-  window.waitUntil(
-      "it has followed", [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + 0.8; }, 60.0);
+  window.waitUntil("it has followed",
+                   [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + 0.8; });
   window.screenshot(picture);
   window.release();
 }
@@ -46,8 +46,8 @@ TEST_CASE("Pictures of the user guide", "[.guide]") {
   window.start({"--play", (std::filesystem::path(testResourcesFolder()) / "scenes" / "first_light.toml").string()});
   const auto rest = [&](double seconds) {
     const double from = window.state()["transport"]["time_s"];
-    window.waitUntil(
-        "it rests", [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + seconds; }, 180.0);
+    window.waitUntil("it rests",
+                     [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + seconds; });
   };
   // Each picture begins where the organ has come to rest after its fall.
   const auto fallAgain = [&] {
@@ -56,8 +56,7 @@ TEST_CASE("Pictures of the user guide", "[.guide]") {
     window.waitUntil("it is reset", [](const Json &s) { return s["transport"]["time_s"].get<double>() < 1.0; });
     rest(3.0);
   };
-  window.waitUntil(
-      "the organ is shown", [](const Json &s) { return s["values"].contains(kPanel + "Surfels"); }, 60.0);
+  window.waitUntil("the organ is shown", [](const Json &s) { return s["values"].contains(kPanel + "Surfels"); });
   window.moveTo(window.inView(0.9, 0.1));
   window.key("f");
   // Room for the legend.
@@ -84,8 +83,7 @@ TEST_CASE("Pictures of images for the user guide", "[.guide]") {
   C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
   WorkstationDriver window("guide");
   window.start({image.string()});
-  window.waitUntil(
-      "the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);
+  window.waitUntil("the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); });
   const auto inPane = [&](const char *pane, double u, double v) {
     const Json r = window.state()["panes"][pane];
     return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(),
@@ -107,13 +105,10 @@ TEST_CASE("Pictures of cuts and transparent surfaces for the user guide", "[.gui
     C3DE_SKIP("mricron-data is not installed");
   WorkstationDriver window("guide");
   window.start({(std::filesystem::path(testResourcesFolder()) / "scenes" / "brain_shift.toml").string()});
-  window.waitUntil(
-      "the brain is there",
-      [](const Json &s) {
-        return s["panes"].size() == 4 && s["jobs"].empty() &&
-               std::strtod(s["values"].value("image/axial.outlines", "0").c_str(), nullptr) > 0;
-      },
-      60.0);
+  window.waitUntil("the brain is there", [](const Json &s) {
+    return s["panes"].size() == 4 && s["jobs"].empty() &&
+           std::strtod(s["values"].value("image/axial.outlines", "0").c_str(), nullptr) > 0;
+  });
   const auto inSpace = [&](double u, double v) {
     const Json r = window.state()["panes"]["3D"];
     return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(),
@@ -126,8 +121,7 @@ TEST_CASE("Pictures of cuts and transparent surfaces for the user guide", "[.gui
   };
   window.click("image/volume");
   window.key("space");
-  window.waitUntil(
-      "it settles", [](const Json &s) { return s["transport"]["time_s"] > 2.0; }, 60.0);
+  window.waitUntil("it settles", [](const Json &s) { return s["transport"]["time_s"] > 2.0; });
   window.key("space");
   window.moveTo(inSpace(0.95, 0.95));
   window.key("shift+s");
@@ -150,12 +144,9 @@ TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
   C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
   WorkstationDriver window("guide");
   window.start({image.string(), labels.string()});
-  window.waitUntil(
-      "image and labels are shown",
-      [](const Json &s) {
-        return s["panes"].size() == 4 && s["jobs"].empty() && s["widgets"].contains("segmentation/label_filter");
-      },
-      60.0);
+  window.waitUntil("image and labels are shown", [](const Json &s) {
+    return s["panes"].size() == 4 && s["jobs"].empty() && s["widgets"].contains("segmentation/label_filter");
+  });
   const auto inCoronal = [&](double u, double v) {
     const Json r = window.state()["panes"]["coronal"];
     return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(),
@@ -169,12 +160,9 @@ TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
   window.click("segmentation/label.5");
   window.waitForValue("segmentation/material", "liver");
   window.click("segmentation/close");
-  window.waitUntil(
-      "it is closed",
-      [](const Json &s) {
-        return s["jobs"].empty() && s["values"].value("segmentation/Steps", "").find("closed by") != std::string::npos;
-      },
-      60.0);
+  window.waitUntil("it is closed", [](const Json &s) {
+    return s["jobs"].empty() && s["values"].value("segmentation/Steps", "").find("closed by") != std::string::npos;
+  });
   window.moveTo(inCoronal(0.9, 0.95));
   window.screenshot("organ");
 
@@ -190,8 +178,8 @@ TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
   window.moveTo(inCoronal(0.9, 0.95));
   window.screenshot("organs_picked");
   window.click("segmentation/create");
-  window.waitUntil(
-      "they are created", [](const Json &s) { return s["jobs"].empty() && s["transport"]["time_s"] > 0.2; }, 60.0);
+  window.waitUntil("they are created",
+                   [](const Json &s) { return s["jobs"].empty() && s["transport"]["time_s"] > 0.2; });
   window.moveTo(inCoronal(0.9, 0.95));
   window.screenshot("organs");
 }
@@ -200,12 +188,9 @@ TEST_CASE("Pictures of the default scene for the user guide", "[.guide]") {
   if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
   WorkstationDriver window("guide");
   window.start({"--play", (std::filesystem::path(testResourcesFolder()) / "scenes" / "brain_living.toml").string()});
-  window.waitUntil(
-      "the brain has settled",
-      [](const Json &s) {
-        return s["panes"].size() == 4 && s["jobs"].empty() && s["transport"]["time_s"].get<double>() > 4.0;
-      },
-      120.0);
+  window.waitUntil("the brain has settled", [](const Json &s) {
+    return s["panes"].size() == 4 && s["jobs"].empty() && s["transport"]["time_s"].get<double>() > 4.0;
+  });
   const auto inPane = [&](const char *pane, double u, double v) {
     const Json r = window.state()["panes"][pane];
     return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(),
@@ -222,8 +207,8 @@ TEST_CASE("Pictures of the default scene for the user guide", "[.guide]") {
   window.waitUntil("tissue is held", [](const Json &s) { return s["values"].contains(kPanel + "Held inside"); });
   for (int i = 1; i <= 10; ++i) window.moveTo({from.x + 3.0 * i, from.y + 5.0 * i});
   const double pulled_s = window.state()["transport"]["time_s"];
-  window.waitUntil(
-      "it has followed", [&](const Json &s) { return s["transport"]["time_s"].get<double>() > pulled_s + 0.8; }, 120.0);
+  window.waitUntil("it has followed",
+                   [&](const Json &s) { return s["transport"]["time_s"].get<double>() > pulled_s + 0.8; });
   window.screenshot("pull_in_slice");
   window.release();
 }
@@ -252,13 +237,12 @@ TEST_CASE("Pictures of instruments and of an implant for the user guide", "[.gui
   const auto isShown = [](const Json &s) { return s["values"].contains(kPanel + "Surfels") && s["jobs"].empty(); };
   const auto rest = [](WorkstationDriver &window) {
     const double from = window.state()["transport"]["time_s"];
-    window.waitUntil(
-        "it rests", [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + 2.0; }, 180.0);
+    window.waitUntil("it rests", [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + 2.0; });
   };
   {
     WorkstationDriver window("guide");
     window.start({"--play", sceneWith("guide_touch.toml", "")});
-    window.waitUntil("the organ is shown", isShown, 60.0);
+    window.waitUntil("the organ is shown", isShown);
     window.moveTo(window.inView(0.5, 0.5));
     window.key("f");
     window.key("t");
@@ -275,7 +259,7 @@ TEST_CASE("Pictures of instruments and of an implant for the user guide", "[.gui
   {
     WorkstationDriver window("guide");
     window.start({"--play", sceneWith("guide_grasp.toml", "")});
-    window.waitUntil("the organ is shown", isShown, 60.0);
+    window.waitUntil("the organ is shown", isShown);
     window.moveTo(window.inView(0.5, 0.5));
     window.key("f");
     window.key("g");
@@ -296,7 +280,7 @@ TEST_CASE("Pictures of instruments and of an implant for the user guide", "[.gui
     window.start({"--play", sceneWith("guide_implant.toml",
                                       "[[obstacle]]\nname = \"plate\"\nmesh = \"guide_plate.obj\"\nmesh_unit = \"mm\"\n"
                                       "[view]\ncolour = \"contact_pressure\"\n")});
-    window.waitUntil("the organ is shown", isShown, 60.0);
+    window.waitUntil("the organ is shown", isShown);
     window.moveTo(window.inView(0.5, 0.5));
     window.key("f");
     window.key("m");
@@ -326,8 +310,7 @@ TEST_CASE("The plugin manager", "[.guide]") {
   const ScopedEnvironment person("HOME", home.string());
   WorkstationDriver window("guide_plugins");
   window.start({"--plugin-path", plugins.string(), "--without", "org.c3de.material_law"});
-  window.waitUntil(
-      "the organ is shown", [](const Json &s) { return s["values"].contains(kPanel + "Surfels"); }, 60.0);
+  window.waitUntil("the organ is shown", [](const Json &s) { return s["values"].contains(kPanel + "Surfels"); });
   window.key("ctrl+shift+p");
   window.waitUntil("the manager is open", [](const Json &s) { return s["widgets"].contains("dialog/close"); });
   window.screenshotAtRest("plugins");

@@ -164,12 +164,9 @@ Vec3 vectorOf(const Json &state, const std::string &row) {
 
 void openDialog(WorkstationDriver &window, const Files &files) {
   window.start({files.image.string(), files.labels.string()});
-  window.waitUntil(
-      "image and labels are there",
-      [](const Json &s) {
-        return s["panes"].size() == 4 && s["jobs"].empty() && s["widgets"].contains("segmentation/make_alive");
-      },
-      60.0);
+  window.waitUntil("image and labels are there", [](const Json &s) {
+    return s["panes"].size() == 4 && s["jobs"].empty() && s["widgets"].contains("segmentation/make_alive");
+  });
   window.click("menu/file");
   window.click("menu/file.make_alive");
   window.waitUntil("the labels are measured", [](const Json &s) {
@@ -195,13 +192,10 @@ void typeInto(WorkstationDriver &window, const std::string &field, const std::st
 /// Until the body is there and plays.
 Json make(WorkstationDriver &window) {
   window.click("scan/make");
-  return window.waitUntil(
-      "the body is there and plays",
-      [](const Json &s) {
-        return s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["steps"].get<int>() > 3 &&
-               std::strtod(value(s, "image/axial.outlines").c_str(), nullptr) > 0;
-      },
-      120.0);
+  return window.waitUntil("the body is there and plays", [](const Json &s) {
+    return s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["steps"].get<int>() > 3 &&
+           std::strtod(value(s, "image/axial.outlines").c_str(), nullptr) > 0;
+  });
 }
 
 void takePinch(WorkstationDriver &window) {
@@ -375,8 +369,7 @@ TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slic
   const Json resting = window.waitUntil("the read-out is there", [](const Json &s) { return isOver(s, "axial", -1); });
   CHECK_FALSE(isOver(resting, "axial", 0.2));
   pull(window, from, to);
-  window.waitUntil(
-      "the scan follows", [](const Json &s) { return isOver(s, "axial", 4.0); }, 90.0);
+  window.waitUntil("the scan follows", [](const Json &s) { return isOver(s, "axial", 4.0); });
   window.waitFrames(20);
   window.screenshot("pulled");
   CHECK(window.differingPixels("alive", "pulled", "axial") > 200);
@@ -398,26 +391,23 @@ TEST_CASE("Cells become finer where a hand has pulled, for as many points", "[sc
 
   takePinch(window);
   pull(window, inAxial(window, -60, -20), inAxial(window, -62, -45));
-  window.waitUntil(
-      "the scan follows", [](const Json &s) { return isOver(s, "axial", 4.0); }, 90.0);
+  window.waitUntil("the scan follows", [](const Json &s) { return isOver(s, "axial", 4.0); });
   window.release();
   window.screenshot("pulled");
   window.click(kPanel + "finer");
-  const Json finer = window.waitUntil(
-      "the body is sampled anew",
-      [](const Json &s) { return s["jobs"].empty() && s["values"].contains(kPanel + "Halved cells"); }, 90.0);
+  const Json finer = window.waitUntil("the body is sampled anew", [](const Json &s) {
+    return s["jobs"].empty() && s["values"].contains(kPanel + "Halved cells");
+  });
   CHECK(numberOf(finer, kPanel + "Halved cells") > 0);
   CHECK(std::abs(numberOf(finer, kPanel + "Phyxels") - phyxels) < 0.15 * phyxels);
   CHECK(numberOf(finer, kPanel + "Spacing") > 1.05 * spacing);
-  window.waitUntil(
-      "it has begun anew", [](const Json &s) { return !isOver(s, "axial", 0.5); }, 30.0);
+  window.waitUntil("it has begun anew", [](const Json &s) { return !isOver(s, "axial", 0.5); });
   window.screenshot("finer");
   // It is pulled as before.
   window.moveTo(window.inView(0.5, 0.5));
   if (window.state()["transport"]["mode"] != "playing") window.key("space");
   pull(window, inAxial(window, -60, -20), inAxial(window, -62, -45));
-  window.waitUntil(
-      "the scan follows again", [](const Json &s) { return isOver(s, "axial", 4.0); }, 90.0);
+  window.waitUntil("the scan follows again", [](const Json &s) { return isOver(s, "axial", 4.0); });
   window.screenshot("pulled_finer");
   window.release();
 }
@@ -452,14 +442,11 @@ TEST_CASE("Fields of tissue that is pulled are in the slices, under the mouse an
   const Point from = inAxial(window, -60, -20), to = inAxial(window, -62, -45);
   pull(window, from, to);
   // The mouse is over tissue, and over none.
-  window.waitUntil(
-      "tissue under the mouse is told",
-      [](const Json &s) {
-        const std::string readout = value(s, "image/axial.readout");
-        return isOver(s, "axial", 4.0) && std::abs(numberAfter(readout, "det F ") - 1.0) > 0.001 &&
-               numberAfter(readout, "equivalent stress ") > 0.05 && readout.find(" kPa") != std::string::npos;
-      },
-      90.0);
+  window.waitUntil("tissue under the mouse is told", [](const Json &s) {
+    const std::string readout = value(s, "image/axial.readout");
+    return isOver(s, "axial", 4.0) && std::abs(numberAfter(readout, "det F ") - 1.0) > 0.001 &&
+           numberAfter(readout, "equivalent stress ") > 0.05 && readout.find(" kPa") != std::string::npos;
+  });
   const Json pulled = window.waitUntil("the table has followed", [](const Json &s) {
     return numberOf(s, "tissues/liver.largest") > 4.0 && numberOf(s, "tissues/liver.det_f") < 0.99;
   });
@@ -566,12 +553,9 @@ TEST_CASE("The liver of a CT is pulled by three centimetres in a slice and in th
 
   const auto follow = [&](const std::string &where, const std::string &pane, const Vec3 &from) {
     const double begin = window.state()["transport"]["time_s"];
-    window.waitUntil(
-        "the tissue has come after the hand",
-        [&](const Json &s) {
-          return s["transport"]["time_s"].get<double>() > begin + 2.5 && numberOf(s, "tissues/liver.largest") > 10.0;
-        },
-        60.0);
+    window.waitUntil("the tissue has come after the hand", [&](const Json &s) {
+      return s["transport"]["time_s"].get<double>() > begin + 2.5 && numberOf(s, "tissues/liver.largest") > 10.0;
+    });
     window.screenshot(where + "_pulled");
     const Json pulled = window.state();
     CHECK(std::abs(norm(vectorOf(pulled, "Hand") - from) - 30.0) < 1.5);
@@ -596,15 +580,12 @@ TEST_CASE("The liver of a CT is pulled by three centimetres in a slice and in th
     window.moveTo(window.inView(0.95, 0.9));
     window.key("space");
     // The table shows tenths of a millimetre.
-    window.waitUntil(
-        "all has come back",
-        [](const Json &s) {
-          std::size_t back = 0;
-          for (const auto &[key, text] : s["values"].items())
-            if (key.starts_with("tissues/") && key.ends_with(".largest") && numberOf(s, key) < 0.15) ++back;
-          return value(s, "tissues/count").starts_with(std::to_string(back) + " of ");
-        },
-        60.0);
+    window.waitUntil("all has come back", [](const Json &s) {
+      std::size_t back = 0;
+      for (const auto &[key, text] : s["values"].items())
+        if (key.starts_with("tissues/") && key.ends_with(".largest") && numberOf(s, key) < 0.15) ++back;
+      return value(s, "tissues/count").starts_with(std::to_string(back) + " of ");
+    });
   };
   const auto isHeld = [](const Json &s) { return value(s, kPanel + "Held inside") == "scan: liver"; };
 
@@ -616,9 +597,9 @@ TEST_CASE("The liver of a CT is pulled by three centimetres in a slice and in th
 
   // As many phyxels, finer where it was pulled; stiff vessels there get a little inertia for it.
   window.click(kPanel + "finer");
-  const Json finer = window.waitUntil(
-      "the body is sampled anew",
-      [](const Json &s) { return s["jobs"].empty() && s["values"].contains(kPanel + "Halved cells"); }, 90.0);
+  const Json finer = window.waitUntil("the body is sampled anew", [](const Json &s) {
+    return s["jobs"].empty() && s["values"].contains(kPanel + "Halved cells");
+  });
   CHECK(numberOf(finer, kPanel + "Halved cells") > 50);
   CHECK_THAT(value(finer, kPanel + "Added inertia"), Contains(" % of what can move, to "));
   CHECK_THAT(value(finer, kPanel + "Computed"), Contains("explicit"));
@@ -727,9 +708,9 @@ TEST_CASE("A scan of two hundred labels is chosen from, made alive and read as q
   window.key("space");
   window.click("tissues/order.largest");
   pull(window, inAxial(window, -55, -40), inAxial(window, -55, -60));
-  const Json pulled = window.waitUntil(
-      "something has moved",
-      [](const Json &s) { return numberOf(s, "tissues/" + value(s, "tissues/first") + ".largest") > 4.0; }, 90.0);
+  const Json pulled = window.waitUntil("something has moved", [](const Json &s) {
+    return numberOf(s, "tissues/" + value(s, "tissues/first") + ".largest") > 4.0;
+  });
   const double most = numberOf(pulled, "tissues/" + value(pulled, "tissues/first") + ".largest");
   for (const auto &[key, text] : pulled["values"].items())
     if (key.starts_with("tissues/") && key.ends_with(".largest")) CHECK(numberOf(pulled, key) <= most);
@@ -785,13 +766,10 @@ TEST_CASE("A scan that cannot become a body says why, and what is there stays", 
   window.waitForValue("scan/region.x.from", "110");
   const auto refuse = [&] {
     window.click("scan/make");
-    return window.waitUntil(
-        "it is refused",
-        [](const Json &s) {
-          return s["jobs"].empty() && s["widgets"].contains("scan/make") &&
-                 value(s, "scan/problem").find("nothing is left of what was asked for") != std::string::npos;
-        },
-        60.0);
+    return window.waitUntil("it is refused", [](const Json &s) {
+      return s["jobs"].empty() && s["widgets"].contains("scan/make") &&
+             value(s, "scan/problem").find("nothing is left of what was asked for") != std::string::npos;
+    });
   };
   CHECK(refuse()["transport"]["exists"] == false);
   window.screenshotAtRest("refused");
@@ -967,8 +945,7 @@ TEST_CASE("Pictures of a scan that was made alive for the user guide", "[.guide]
   window.moveTo(inAxial(window, 0, 0));
   window.key("4");  // window and level of the abdomen
   pull(window, inAxial(window, 32, -30), inAxial(window, 40, -56));
-  window.waitUntil(
-      "the scan follows", [](const Json &s) { return isOver(s, "axial", 8.0); }, 90.0);
+  window.waitUntil("the scan follows", [](const Json &s) { return isOver(s, "axial", 8.0); });
   window.waitFrames(20);
   window.screenshot("alive");
   window.release();
@@ -979,8 +956,7 @@ TEST_CASE("Pictures of a scan that was made alive for the user guide", "[.guide]
     window.click("image/overlay.option." + overlay);
     if (picture == "tissue_table") window.click("tissues/header");
     pull(window, inAxial(window, 32, -30), inAxial(window, 40, -56));
-    window.waitUntil(
-        "the scan follows", [](const Json &s) { return isOver(s, "axial", 8.0); }, 90.0);
+    window.waitUntil("the scan follows", [](const Json &s) { return isOver(s, "axial", 8.0); });
     window.waitFrames(60);
     window.screenshot(picture);
     window.release();
@@ -1020,9 +996,8 @@ TEST_CASE("Picture of a liver that is pulled for the first page", "[.guide]") {
   window.click("tissues/order.largest");
   pull(window, inSlice(window, "coronal", -100, -98), inSlice(window, "coronal", -58, -84));
   const double begin = window.state()["transport"]["time_s"];
-  window.waitUntil(
-      "the tissue has come after the hand",
-      [&](const Json &s) { return s["transport"]["time_s"].get<double>() > begin + 2.5; }, 90.0);
+  window.waitUntil("the tissue has come after the hand",
+                   [&](const Json &s) { return s["transport"]["time_s"].get<double>() > begin + 2.5; });
   window.screenshot("liver");
   window.release();
 }
@@ -1039,8 +1014,7 @@ TEST_CASE("While a region is drawn the scan lies at rest, and menus, keys and to
   (void)make(window);
   takePinch(window);
   pull(window, inAxial(window, -45, -10), inAxial(window, -45, -40));
-  window.waitUntil(
-      "the scan follows", [](const Json &s) { return isOver(s, "axial", 8.0); }, 90.0);
+  window.waitUntil("the scan follows", [](const Json &s) { return isOver(s, "axial", 8.0); });
   window.key("space");
   const auto waitForMode = [&](const std::string &mode) {
     window.waitUntil("it is " + mode, [&](const Json &s) { return s["transport"]["mode"] == mode; });

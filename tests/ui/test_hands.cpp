@@ -49,13 +49,10 @@ fs::path heldOrgan() {
 
 void startOrgan(WorkstationDriver &window) {
   window.start({heldOrgan().string()});
-  window.waitUntil(
-      "the organ is shown",
-      [](const Json &s) {
-        return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && s["nodes"].size() >= 3 &&
-               !s["values"].value(kPanel + "Surfels", "").empty();
-      },
-      60.0);
+  window.waitUntil("the organ is shown", [](const Json &s) {
+    return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && s["nodes"].size() >= 3 &&
+           !s["values"].value(kPanel + "Surfels", "").empty();
+  });
   window.moveTo(window.inView(0.5, 0.5));
   window.key("f");
 }
@@ -71,9 +68,8 @@ void play(WorkstationDriver &window) {
 
 void rest(WorkstationDriver &window, double seconds) {
   const double from = window.state()["transport"]["time_s"];
-  window.waitUntil(
-      "it comes to rest", [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + seconds; },
-      120.0);
+  window.waitUntil("it comes to rest",
+                   [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + seconds; });
 }
 
 }  // namespace
@@ -154,8 +150,7 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
 
   play(window);
   typed("placed_y", "48");
-  window.waitUntil(
-      "it presses", [](const Json &s) { return number(s, "Contact force on plate") > 0.2; }, 60.0);
+  window.waitUntil("it presses", [](const Json &s) { return number(s, "Contact force on plate") > 0.2; });
   rest(window, 2.0);
   const Json pressed = window.state();
   const double force = number(pressed, "Contact force on plate");
@@ -202,8 +197,7 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
   // Where it pressed the organ has come meanwhile: the simulation begins anew, with the plate where it began.
   choose();
   typed("placed_y", "48");
-  window.waitUntil(
-      "it presses", [](const Json &s) { return number(s, "Contact force on plate") > 0.2; }, 60.0);
+  window.waitUntil("it presses", [](const Json &s) { return number(s, "Contact force on plate") > 0.2; });
   rest(window, 1.0);
   window.click(kPanel + "obstacle_remove");
   window.waitUntil("it has gone", [&](const Json &s) { return !hasPlate(s); });

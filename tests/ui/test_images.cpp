@@ -65,8 +65,7 @@ fs::path labelFile(const std::string &scenario, const std::string &extension = "
 
 void startOn(WorkstationDriver &window, const std::vector<std::string> &files) {
   window.start(files);
-  window.waitUntil(
-      "the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);
+  window.waitUntil("the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); });
 }
 
 Point inPane(const WorkstationDriver &window, const char *pane, double u, double v) {
@@ -313,8 +312,7 @@ TEST_CASE("a view shows what has changed in it at once, and no more than that", 
                    [](const Json &s) { return s["jobs"].empty() && !text(s, "Label map").empty(); });
   const auto shot = [&](const char *name) {
     window.moveTo(inPane(window, "3D", 0.9, 0.9));
-    window.waitUntil(
-        "notices are gone", [](const Json &s) { return s["notifications"].empty(); }, 60.0);
+    window.waitUntil("notices are gone", [](const Json &s) { return s["notifications"].empty(); });
     window.screenshotAtRest(name);
   };
   const auto differ = [&](const char *before, const char *after, const std::vector<std::string> &changed) {
@@ -445,9 +443,9 @@ TEST_CASE("of several files each that cannot be used says why, and the others ar
   REQUIRE(c3de::imaging::writeLabelMap(far, map));
   startOn(window, {imageFile("image_several").string(), notes.string(),
                    (fs::path(testResourcesFolder()) / "meshes" / "organ.obj").string(), far.string()});
-  const Json state = window.waitUntil(
-      "both messages and the organ",
-      [](const Json &s) { return s["notifications"].size() == 2 && s["transport"]["exists"].get<bool>(); }, 60.0);
+  const Json state = window.waitUntil("both messages and the organ", [](const Json &s) {
+    return s["notifications"].size() == 2 && s["transport"]["exists"].get<bool>();
+  });
   std::string all;
   for (const Json &n : state["notifications"])
     all += n["title"].get<std::string>() + ": " + n["text"].get<std::string>() + "\n";
@@ -469,13 +467,10 @@ TEST_CASE("an organ is cut by the slices and can be pulled in the 3D view beside
       << "material = { law = \"neo_hookean\", youngs_modulus = 6e3, poisson_ratio = 0.4, density = 1000.0 }\n"
       << "sampling = { count = 400 }\n";
   startOn(window, {imageFile("image_organ").string(), scene.string()});
-  window.waitUntil(
-      "the organ is cut by all slices",
-      [](const Json &s) {
-        return number(s, "axial.outlines") >= 1 && number(s, "sagittal.outlines") >= 1 &&
-               number(s, "coronal.outlines") >= 1;
-      },
-      60.0);
+  window.waitUntil("the organ is cut by all slices", [](const Json &s) {
+    return number(s, "axial.outlines") >= 1 && number(s, "sagittal.outlines") >= 1 &&
+           number(s, "coronal.outlines") >= 1;
+  });
   // the planes would hide the organ from the mouse
   window.click("scene/" + imageFile("image_organ").filename().string());
   window.moveTo(inPane(window, "3D", 0.5, 0.5));
@@ -522,7 +517,7 @@ TEST_CASE("implants, instruments and jaws are cut by the slices, as they move", 
     return [key = pane + ".outlines", count](const Json &s) { return number(s, key) == count; };
   };
   // Of the organ, and of the plate where its plane meets it: it lies behind the coronal one.
-  window.waitUntil("organ and plate are cut", outlines("axial", 2), 60.0);
+  window.waitUntil("organ and plate are cut", outlines("axial", 2));
   CHECK(number(window.state(), "sagittal.outlines") == 2);
   CHECK(number(window.state(), "coronal.outlines") == 1);
   window.screenshot("behind");
@@ -563,8 +558,8 @@ TEST_CASE("implants, instruments and jaws are cut by the slices, as they move", 
   typed("touch_x", "-75");
   typed("touch_z", "0");
   typed("touch_y", "0");
-  window.waitUntil("the instrument is cut", outlines("axial", 2), 30.0);
-  window.waitUntil("in both slices", outlines("coronal", 5), 30.0);
+  window.waitUntil("the instrument is cut", outlines("axial", 2));
+  window.waitUntil("in both slices", outlines("coronal", 5));
   window.moveTo(inPane(window, "3D", 0.9, 0.9));
   window.screenshot("all");
   CHECK(window.differingPixels("moved", "all", "axial") > 20);
@@ -590,12 +585,10 @@ TEST_CASE("an image moves with its body, stands where it stands and goes back wi
     const std::size_t at = readout.find("|u| ");
     return at == std::string::npos ? -1.0 : std::strtod(readout.c_str() + at + 4, nullptr);
   };
-  window.waitUntil(
-      "the image knows its displacement", [&](const Json &s) { return shift_mm(s) == 0.0; }, 60.0);
+  window.waitUntil("the image knows its displacement", [&](const Json &s) { return shift_mm(s) == 0.0; });
   window.screenshot("rest");
   window.key("space");
-  window.waitUntil(
-      "it flies", [](const Json &s) { return s["transport"]["time_s"] > 0.8; }, 30.0);
+  window.waitUntil("it flies", [](const Json &s) { return s["transport"]["time_s"] > 0.8; });
   window.key("space");
   // What is shown in the end is the displacement of the time that is shown; the read-out has two decimals.
   window.waitUntil("it stands", [&](const Json &s) {
@@ -671,8 +664,7 @@ TEST_CASE("an image follows its body far from where it began", "[image_warp_far]
     const std::size_t at = readout.find("|u| ");
     return at == std::string::npos ? -1.0 : std::strtod(readout.c_str() + at + 4, nullptr);
   };
-  window.waitUntil(
-      "the image knows its displacement", [&](const Json &s) { return shift_mm(s) == 0.0; }, 60.0);
+  window.waitUntil("the image knows its displacement", [&](const Json &s) { return shift_mm(s) == 0.0; });
   window.clickAt(pixelOf(window, "axial", place));
   window.waitUntil("the cross-hair is there",
                    [&](const Json &s) { return std::abs(crossHair(s)[0] - place[0]) < 2.0; });
@@ -683,8 +675,7 @@ TEST_CASE("an image follows its body far from where it began", "[image_warp_far]
   window.moveTo(inPane(window, "3D", 0.5, 0.9));  // over a slice the keys are the slice's
   window.screenshot("rest");
   window.key("space");
-  window.waitUntil(
-      "it is far away", [](const Json &s) { return s["transport"]["time_s"] > 1.1; }, 30.0);
+  window.waitUntil("it is far away", [](const Json &s) { return s["transport"]["time_s"] > 1.1; });
   window.key("space");
   const Json flown = window.waitUntil("it stands", [&](const Json &s) {
     return s["transport"]["mode"] == "paused" &&
@@ -704,20 +695,19 @@ TEST_CASE("a folder of several series asks for one, and for none", "[image_serie
   WorkstationDriver window("image_series");
   window.start({folder.string()});
   const auto isAsked = [](const Json &s) { return s["jobs"].empty() && s["widgets"].contains("series/series.1"); };
-  window.waitUntil("a series is asked for", isAsked, 60.0);
+  window.waitUntil("a series is asked for", isAsked);
   CHECK(window.state()["panes"].empty());
   // In the view, where the picture is going to be, and nothing else is asked for there.
   const Json asked = window.state();
   CHECK(asked["widgets"]["series/series.1"][0].get<double>() > asked["area"]["x"].get<double>());
   window.screenshot("asked");
   window.click("series/series.1");
-  window.waitUntil(
-      "the series is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);
+  window.waitUntil("the series is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); });
   CHECK_FALSE(window.state()["widgets"].contains("series/series.0"));
 
   WorkstationDriver other("image_series_none");
   other.start({folder.string()});
-  other.waitUntil("a series is asked for", isAsked, 60.0);
+  other.waitUntil("a series is asked for", isAsked);
   other.click("series/cancel");
   other.waitUntil("the question is gone", [](const Json &s) { return !s["widgets"].contains("series/series.1"); });
   CHECK(other.state()["panes"].empty());
@@ -731,10 +721,9 @@ TEST_CASE("a segmentation that is opened as an image is a label map", "[image_se
   for (const fs::path &file : {segments, labelFile("image_segmentation", ".seg.nrrd")}) {
     WorkstationDriver alone("image_segmentation" + file.extension().string());
     alone.start({file.string()});
-    const Json state = alone.waitUntil(
-        "its labels are there",
-        [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty() && !text(s, "Label map").empty(); },
-        60.0);
+    const Json state = alone.waitUntil("its labels are there", [](const Json &s) {
+      return s["panes"].size() == 4 && s["jobs"].empty() && !text(s, "Label map").empty();
+    });
     CHECK(text(state, "Label map") == file.filename().string());
     std::string all;
     for (const Json &n : state["notifications"]) all += n["text"].get<std::string>() + "\n";
@@ -750,8 +739,8 @@ TEST_CASE("a segmentation that is opened as an image is a label map", "[image_se
   window.key("ctrl+a");
   window.type(segments.string());
   window.key("Return");
-  const Json state = window.waitUntil(
-      "its labels are there", [](const Json &s) { return s["jobs"].empty() && !text(s, "Label map").empty(); }, 60.0);
+  const Json state = window.waitUntil("its labels are there",
+                                      [](const Json &s) { return s["jobs"].empty() && !text(s, "Label map").empty(); });
   CHECK(text(state, "Image") == shown);
   CHECK(text(state, "Label map") == "liver.dcm");
   std::string all;

@@ -39,13 +39,10 @@ TEST_CASE("an organ of masses and springs is shown, follows the hand and is let 
   const std::string plugin =
       (fs::path(testExampleFolder()) / (std::string("mass_spring") + c3de::pluginExtension())).string();
   window.start({floatingSprings().string(), "--plugin", plugin});
-  window.waitUntil(
-      "the organ is shown",
-      [](const Json &s) {
-        return s["transport"]["exists"].get<bool>() && s["jobs"].empty() &&
-               s["values"].contains("org.c3de.mass_spring.panel/organ");
-      },
-      60.0);
+  window.waitUntil("the organ is shown", [](const Json &s) {
+    return s["transport"]["exists"].get<bool>() && s["jobs"].empty() &&
+           s["values"].contains("org.c3de.mass_spring.panel/organ");
+  });
   window.moveTo(window.inView(0.5, 0.5));
   window.key("f");
   window.key("s");

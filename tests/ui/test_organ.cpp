@@ -48,16 +48,12 @@ fs::path floatingOrgan() {
 
 void startOrgan(WorkstationDriver &window) {
   window.start({floatingOrgan().string()});
-  window.waitUntil(
-      "the organ is there", [](const Json &s) { return s["transport"]["exists"].get<bool>() && s["jobs"].empty(); },
-      60.0);
+  window.waitUntil("the organ is there",
+                   [](const Json &s) { return s["transport"]["exists"].get<bool>() && s["jobs"].empty(); });
   // Its node and its rows come with the first snapshot and push what stands below them down.
-  window.waitUntil(
-      "the organ is shown",
-      [](const Json &s) {
-        return s["nodes"].size() >= 2 && !s["values"].value(std::string(kPanel) + "Surfels", "").empty();
-      },
-      60.0);
+  window.waitUntil("the organ is shown", [](const Json &s) {
+    return s["nodes"].size() >= 2 && !s["values"].value(std::string(kPanel) + "Surfels", "").empty();
+  });
   window.moveTo(window.inView(0.5, 0.5));
   window.key("f");
 }
@@ -83,12 +79,11 @@ TEST_CASE("a mesh alone falls on a floor and stays in sight", "[organ_floor]") {
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_floor");
   window.start({organMesh().string(), "--play"});
-  window.waitUntil(
-      "the organ is shown", [](const Json &s) { return !row(s, "Surfels").empty(); }, 60.0);
+  window.waitUntil("the organ is shown", [](const Json &s) { return !row(s, "Surfels").empty(); });
   window.screenshot("falling");
   // Free fall would have taken it 20 m down.
-  window.waitUntil(
-      "two seconds are simulated", [](const Json &s) { return s["transport"]["time_s"].get<double>() > 2.0; }, 90.0);
+  window.waitUntil("two seconds are simulated",
+                   [](const Json &s) { return s["transport"]["time_s"].get<double>() > 2.0; });
   window.key("space");
   window.waitUntil("it stands still", [](const Json &s) { return mode(s) == "paused"; });
   window.screenshot("lying");
@@ -111,16 +106,16 @@ TEST_CASE("a paused organ is verified: an error bar, and colours until it moves 
                           "sampling = { count = 400 }\n[[fix]]\nregion = { half_space = { point = [-0.06, 0, 0], "
                           "normal = [1, 0, 0] } }\n";
   window.start({scene.string(), "--play"});
-  window.waitUntil(
-      "a part of a second is simulated",
-      [](const Json &s) { return !row(s, "Surfels").empty() && s["transport"]["time_s"].get<double>() > 0.3; }, 120.0);
+  window.waitUntil("a part of a second is simulated", [](const Json &s) {
+    return !row(s, "Surfels").empty() && s["transport"]["time_s"].get<double>() > 0.3;
+  });
   window.key("space");
   window.waitUntil("it is paused", [](const Json &s) { return mode(s) == "paused"; });
   const std::string hash = row(window.state(), "State hash");
   CHECK(row(window.state(), "Colours").empty());
   window.click(std::string(kPanel) + "verify");
-  const Json verified = window.waitUntil(
-      "the error bar is there", [](const Json &s) { return row(s, "organ").starts_with("±"); }, 120.0);
+  const Json verified =
+      window.waitUntil("the error bar is there", [](const Json &s) { return row(s, "organ").starts_with("±"); });
   CHECK(row(verified, "organ").find(" mm (") != std::string::npos);
   CHECK_FALSE(row(verified, "Shadow").empty());
   CHECK(row(verified, "State hash") == hash);
@@ -131,9 +126,8 @@ TEST_CASE("a paused organ is verified: an error bar, and colours until it moves 
   window.waitUntil("the state has moved on", [](const Json &s) { return row(s, "Colours").empty(); });
   window.screenshot("moved_on");
   window.key("ctrl+shift+v");
-  window.waitUntil(
-      "the keys have verified it, too",
-      [](const Json &s) { return row(s, "Colours").starts_with("Error, verified, 0"); }, 120.0);
+  window.waitUntil("the keys have verified it, too",
+                   [](const Json &s) { return row(s, "Colours").starts_with("Error, verified, 0"); });
 }
 
 TEST_CASE("a pinched organ follows the hand and lets go on release", "[organ_pinch]") {
@@ -161,13 +155,10 @@ TEST_CASE("a pinched organ follows the hand and lets go on release", "[organ_pin
   window.screenshot("pulling");
   const auto hand = millimetres(row(window.state(), "Hand"));
   REQUIRE(distance(hand, start) > 10.0);
-  window.waitUntil(
-      "the organ follows",
-      [&](const Json &s) {
-        const auto at = millimetres(row(s, "Held point"));
-        return distance(at, start) > 0.3 * distance(hand, start) && distance(at, hand) < distance(start, hand);
-      },
-      60.0);
+  window.waitUntil("the organ follows", [&](const Json &s) {
+    const auto at = millimetres(row(s, "Held point"));
+    return distance(at, start) > 0.3 * distance(hand, start) && distance(at, hand) < distance(start, hand);
+  });
   window.screenshot("followed");
   window.release();
   window.waitUntil("it is let go", [](const Json &s) { return row(s, "Pinch force") == "–"; });
@@ -235,9 +226,8 @@ TEST_CASE("an organ is loaded through the plugin's panel, and a bad file leaves 
     window.click("pointbased.controller/load");
   };
   choose(copy);
-  window.waitUntil(
-      "the new organ is there", [](const Json &s) { return row(s, "Body") == "second_organ" && s["jobs"].empty(); },
-      60.0);
+  window.waitUntil("the new organ is there",
+                   [](const Json &s) { return row(s, "Body") == "second_organ" && s["jobs"].empty(); });
   CHECK(window.state()["notifications"].empty());
   window.screenshot("loaded");
 
@@ -262,7 +252,7 @@ TEST_CASE("a mesh that says its unit is opened in it", "[organ_unit]") {
   {
     WorkstationDriver window("organ_unit");
     window.start({file.string()});
-    CHECK(window.waitUntil("it is of the file's unit", isTwoLitres, 60.0)["notifications"].empty());
+    CHECK(window.waitUntil("it is of the file's unit", isTwoLitres)["notifications"].empty());
     // The dialog leaves it to the file, too.
     window.key("ctrl+m");
     window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
@@ -271,9 +261,8 @@ TEST_CASE("a mesh that says its unit is opened in it", "[organ_unit]") {
   }
   WorkstationDriver asked("organ_unit_asked");
   asked.start({"--unit", "cm", file.string()});
-  const Json state = asked.waitUntil(
-      "a unit that is asked for wins, and looks wrong",
-      [](const Json &s) { return s["jobs"].empty() && !s["notifications"].empty(); }, 60.0);
+  const Json state = asked.waitUntil("a unit that is asked for wins, and looks wrong",
+                                     [](const Json &s) { return s["jobs"].empty() && !s["notifications"].empty(); });
   CHECK(state["notifications"][0]["title"] == "Is the unit right?");
   CHECK_THAT(state["notifications"][0]["text"].get<std::string>(), Contains("cm, as was asked"));
   // The panel of the plugin leaves it to the file.
@@ -285,7 +274,7 @@ TEST_CASE("a mesh that says its unit is opened in it", "[organ_unit]") {
   asked.waitUntil("the file is taken",
                   [&](const Json &s) { return row(s, "browse") == fs::weakly_canonical(file).string(); });
   asked.click("pointbased.controller/load");
-  asked.waitUntil("it is of the file's unit", isTwoLitres, 60.0);
+  asked.waitUntil("it is of the file's unit", isTwoLitres);
 }
 
 TEST_CASE("a file that cannot be opened leaves the simulation that is open", "[organ_keeps]") {
@@ -506,14 +495,12 @@ TEST_CASE("a step that takes long is said while it lasts, and reset and Escape e
   const fs::path scene = heavyScene("step_budget = 300.0");
   WorkstationDriver window("organ_long_step");
   window.start({scene.string()});
-  window.waitUntil(
-      "the organ is there", [](const Json &s) { return s["transport"]["exists"] == true; }, 120.0);
+  window.waitUntil("the organ is there", [](const Json &s) { return s["transport"]["exists"] == true; });
   window.moveTo(window.inView(0.9, 0.1));
   const auto isLong = [](const Json &s) { return s["values"].contains("status/long_step"); };
   const auto waitForLongStep = [&] {
-    return window.waitUntil(
-        "the long step is said", [&](const Json &s) { return isLong(s) && s["transport"]["step_running_s"] > 2.0; },
-        60.0);
+    return window.waitUntil("the long step is said",
+                            [&](const Json &s) { return isLong(s) && s["transport"]["step_running_s"] > 2.0; });
   };
   window.key("space");
   const Json busy = waitForLongStep();
@@ -544,15 +531,14 @@ TEST_CASE("a step beyond its budget is given up, with what would fit, and nothin
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_step_budget");
   window.start({heavyScene("").string()});
-  window.waitUntil(
-      "the organ is there", [](const Json &s) { return s["transport"]["exists"] == true; }, 120.0);
+  window.waitUntil("the organ is there", [](const Json &s) { return s["transport"]["exists"] == true; });
   window.moveTo(window.inView(0.9, 0.1));
   window.key("space");
-  const Json said = window.waitUntil(
-      "the step is said to take long", [](const Json &s) { return s["values"].contains("status/long_step"); }, 60.0);
+  const Json said = window.waitUntil("the step is said to take long",
+                                     [](const Json &s) { return s["values"].contains("status/long_step"); });
   CHECK_THAT(said["values"]["status/long_step"].get<std::string>(), Contains("given up after 1 s"));
   const auto isGivenUp = [](const Json &s) { return mode(s) == "paused" && !s["notifications"].empty(); };
-  const Json paused = window.waitUntil("it is given up", isGivenUp, 60.0);
+  const Json paused = window.waitUntil("it is given up", isGivenUp);
   const std::string text = paused["notifications"].back()["text"];
   CHECK_THAT(text, Contains("given up after 1 s (solver.step_budget)") && Contains("organ") &&
                        Contains("Newton step") && Contains("measured") && Contains("sampling.count = "));
@@ -565,12 +551,10 @@ TEST_CASE("a step beyond its budget is given up, with what would fit, and nothin
   window.type("500");
   window.key("Return");
   window.click(std::string(kPanel) + "rebuild");
-  window.waitUntil(
-      "it is filled again", [](const Json &s) { return std::stod(row(s, "Phyxels")) < 1000.0; }, 60.0);
+  window.waitUntil("it is filled again", [](const Json &s) { return std::stod(row(s, "Phyxels")) < 1000.0; });
   window.moveTo(window.inView(0.9, 0.1));
   window.key("space");
-  window.waitUntil(
-      "it moves", [](const Json &s) { return s["transport"]["steps"] > 2; }, 60.0);
+  window.waitUntil("it moves", [](const Json &s) { return s["transport"]["steps"] > 2; });
 }
 
 TEST_CASE("an organ that plays is made stiff and nearly incompressible, and goes on", "[organ_stiff_edit]") {
@@ -583,8 +567,7 @@ TEST_CASE("an organ that plays is made stiff and nearly incompressible, and goes
                           "1000.0 }\nsampling = { count = 989 }\nangular_velocity = [0.0, 0.0, 20.0]\n";
   WorkstationDriver window("organ_stiff_edit");
   window.start({scene.string()});
-  window.waitUntil(
-      "the organ is there", [](const Json &s) { return s["transport"]["exists"] == true; }, 60.0);
+  window.waitUntil("the organ is there", [](const Json &s) { return s["transport"]["exists"] == true; });
   window.moveTo(window.inView(0.9, 0.1));
   window.key("space");
   window.waitUntil("it plays", [](const Json &s) { return s["transport"]["steps"] > 5; });
@@ -746,12 +729,9 @@ TEST_CASE("a plugin's force field pulls an organ of the point-based plugin, live
   constexpr const char *kStrength = "org.c3de.magnet.panel/strength", *kPulls = "org.c3de.magnet.panel/Pulls with";
   WorkstationDriver window("organ_magnet");
   window.start({floatingOrgan().string(), "--plugin", magnet});
-  window.waitUntil(
-      "the organ is shown",
-      [](const Json &s) {
-        return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty();
-      },
-      60.0);
+  window.waitUntil("the organ is shown", [](const Json &s) {
+    return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty();
+  });
   window.moveTo(window.inView(0.5, 0.5));
   window.key("f");
   window.key("space");
@@ -786,8 +766,8 @@ TEST_CASE("a wish for accuracy samples the organ anew and shows what to expect",
                        << "[[fix]]\nregion = { half_space = { point = [-0.05, 0, 0], normal = [1, 0, 0] } }\n";
   WorkstationDriver window("organ_accuracy");
   window.start({scene.string()});
-  window.waitUntil(
-      "the organ is shown", [](const Json &s) { return s["jobs"].empty() && !row(s, "Error expected").empty(); }, 60.0);
+  window.waitUntil("the organ is shown",
+                   [](const Json &s) { return s["jobs"].empty() && !row(s, "Error expected").empty(); });
   window.moveTo(window.inView(0.5, 0.5));
   window.key("f");
   CHECK(row(window.state(), "Tissue stiffness") == "1 … 15 kPa");
@@ -804,10 +784,9 @@ TEST_CASE("a wish for accuracy samples the organ anew and shows what to expect",
                      [&](const Json &s) { return std::stod("0" + row(s, parameter)) == std::stod(value); });
     const std::string hash = row(window.state(), "Phyxels");
     window.click(std::string(kPanel) + "apply_wish");
-    return window.waitUntil(
-        "the organ is sampled anew",
-        [&](const Json &s) { return s["jobs"].empty() && !row(s, "Phyxels").empty() && row(s, "Phyxels") != hash; },
-        60.0);
+    return window.waitUntil("the organ is sampled anew", [&](const Json &s) {
+      return s["jobs"].empty() && !row(s, "Phyxels").empty() && row(s, "Phyxels") != hash;
+    });
   };
   const Json accurate = wish(kPercent, "0.4");
   CHECK(std::stod(row(accurate, "Phyxels")) > 2.0 * before);
@@ -842,7 +821,7 @@ TEST_CASE("inertia that explicit steps ask for is told, and goes with them", "[o
     return row(s, "Added inertia").find(" % of what can move, to ") != std::string::npos;
   };
   const Json made = window.waitUntil(
-      "the organ is shown", [](const Json &s) { return s["jobs"].empty() && !row(s, "Halved cells").empty(); }, 60.0);
+      "the organ is shown", [](const Json &s) { return s["jobs"].empty() && !row(s, "Halved cells").empty(); });
   CHECK(isTold(made));
   const std::string mass = row(made, "Mass");
   window.locate(std::string(kPanel) + "view.surface");  // below it
@@ -866,12 +845,9 @@ TEST_CASE("a plugin's clamp and the pinch hold one organ; each lets go by itself
                        *kPulls = "org.c3de.clamp.panel/Pulls with", *kTurns = "org.c3de.clamp.panel/Turns with";
   WorkstationDriver window("organ_clamp");
   window.start({floatingOrgan().string(), "--plugin", clamp});
-  window.waitUntil(
-      "the organ is shown",
-      [](const Json &s) {
-        return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty();
-      },
-      60.0);
+  window.waitUntil("the organ is shown", [](const Json &s) {
+    return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty();
+  });
   window.moveTo(window.inView(0.5, 0.5));
   window.key("f");
   window.key("space");
@@ -913,12 +889,9 @@ TEST_CASE("a command of a plugin stands in the menu and answers its keys; where 
   constexpr const char *kEntry = "menu/plugins.org.c3de.image_samples.log";
   WorkstationDriver window("commands");
   window.start({floatingOrgan().string(), "--plugin", samples});
-  window.waitUntil(
-      "the organ is shown",
-      [](const Json &s) {
-        return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty();
-      },
-      60.0);
+  window.waitUntil("the organ is shown", [](const Json &s) {
+    return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty();
+  });
   window.click("menu/plugins");
   window.waitUntil("the menu is open", [&](const Json &s) { return s["widgets"].contains(kEntry); });
   window.screenshot("menu");

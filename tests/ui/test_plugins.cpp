@@ -134,11 +134,10 @@ TEST_CASE("a job and a step that do not get on are told, and ended by a click", 
     arguments.emplace_back("--trust-plugins");  // else it is refused for it
     window.start(arguments);
     window.waitUntil("the job runs", [](const Json &s) { return !s["jobs"].empty(); });
-    window.waitUntil("it is told", isTold, 40.0);
+    window.waitUntil("it is told", isTold);
     window.screenshot("told");
     clickChoice(window, 0);
-    window.waitUntil(
-        "the job is over", [](const Json &s) { return s["jobs"].empty(); }, 40.0);
+    window.waitUntil("the job is over", [](const Json &s) { return s["jobs"].empty(); });
   }
   const Person person("hangs_step");
   const ScopedEnvironment place("C3DE_TEST_DIES", "slow step");
@@ -146,13 +145,11 @@ TEST_CASE("a job and a step that do not get on are told, and ended by a click", 
   auto arguments = person.arguments();
   arguments[0] = (fs::path(testResourcesFolder()) / "scenes" / "first_light.toml").string();
   window.start(arguments);
-  window.waitUntil(
-      "the organ is there", [](const Json &s) { return s["transport"]["exists"].get<bool>(); }, 60.0);
+  window.waitUntil("the organ is there", [](const Json &s) { return s["transport"]["exists"].get<bool>(); });
   window.key("space");
-  window.waitUntil("it is told", isTold, 60.0);
+  window.waitUntil("it is told", isTold);
   window.screenshot("told");
   clickChoice(window, 0);
-  window.waitUntil(
-      "it has stopped", [](const Json &s) { return s["transport"]["mode"] == "stopped"; }, 60.0);
+  window.waitUntil("it has stopped", [](const Json &s) { return s["transport"]["mode"] == "stopped"; });
   CHECK(window.state()["transport"]["steps"] == 0);
 }

@@ -96,8 +96,8 @@ TEST_CASE("a liver is found in a CT by threshold, becomes a body, and the scan f
   C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
   WorkstationDriver window("image_walk");
   window.start({image.string()});
-  const Json first = window.waitUntil(
-      "the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);
+  const Json first =
+      window.waitUntil("the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); });
   const Vec3 centre = crossHair(first);
   CHECK(norm(centre - Vec3{-3.544, -161.319, 260.802}) < 2.7);  // `c3de info`; half a voxel's diagonal is 2.6 mm
 
@@ -125,8 +125,7 @@ TEST_CASE("a liver is found in a CT by threshold, becomes a body, and the scan f
   };
   const auto picked = [](const Json &s) { return number(s, "segmentation/Picked"); };
   const auto settled = [&](const char *what, const auto &isMet) {
-    return window.waitUntil(
-        what, [&](const Json &s) { return s["jobs"].empty() && isMet(picked(s)); }, 60.0);
+    return window.waitUntil(what, [&](const Json &s) { return s["jobs"].empty() && isMet(picked(s)); });
   };
   enter("segmentation/low", "20");
   enter("segmentation/high", "100");
@@ -156,13 +155,10 @@ TEST_CASE("a liver is found in a CT by threshold, becomes a body, and the scan f
   window.waitForValue("segmentation/held", "nothing");
   window.screenshot("organ");
   window.click("segmentation/create");
-  window.waitUntil(
-      "the body is created",
-      [](const Json &s) {
-        return s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["time_s"] > 0.2 &&
-               number(s, "image/axial.outlines") >= 1 && number(s, "image/coronal.outlines") >= 1;
-      },
-      90.0);
+  window.waitUntil("the body is created", [](const Json &s) {
+    return s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["time_s"] > 0.2 &&
+           number(s, "image/axial.outlines") >= 1 && number(s, "image/coronal.outlines") >= 1;
+  });
 
   window.click("notification/close.0");
   takePinchTool(window);
@@ -171,8 +167,8 @@ TEST_CASE("a liver is found in a CT by threshold, becomes a body, and the scan f
   window.moveTo(window.inView(0.38, 0.4));
   (void)pinch(window);
   for (int i = 1; i <= 8; ++i) window.moveTo(window.inView(0.38 + 0.03 * i, 0.4 + 0.04 * i));
-  const Json pulled = window.waitUntil(
-      "the tissue at the cross-hair has moved", [](const Json &s) { return shift_mm(s, "coronal") > 2.0; }, 30.0);
+  const Json pulled = window.waitUntil("the tissue at the cross-hair has moved",
+                                       [](const Json &s) { return shift_mm(s, "coronal") > 2.0; });
   window.waitFrames(20);
   window.screenshot("pulled");
   for (const char *pane : {"axial", "coronal", "3D"}) {
@@ -200,10 +196,9 @@ TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes
   C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
   WorkstationDriver window("image_returns");
   window.start({image.string(), labels.string()});
-  const Json first = window.waitUntil(
-      "the scan and its labels are shown",
-      [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty() && !text(s, "image/Label map").empty(); },
-      60.0);
+  const Json first = window.waitUntil("the scan and its labels are shown", [](const Json &s) {
+    return s["panes"].size() == 4 && s["jobs"].empty() && !text(s, "image/Label map").empty();
+  });
   const Vec3 centre = crossHair(first);
   window.moveTo(pixelOf(window, "coronal", centre, centre));
   window.key("4");
@@ -219,15 +214,12 @@ TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes
   (void)window.locate("segmentation/surroundings");
   window.screenshot("held");
   window.click("segmentation/create");
-  window.waitUntil(
-      "the body is created",
-      [](const Json &s) {
-        return s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["time_s"] > 0.2 &&
-               number(s, "image/axial.outlines") + number(s, "image/coronal.outlines") +
-                       number(s, "image/sagittal.outlines") >=
-                   0;
-      },
-      90.0);
+  window.waitUntil("the body is created", [](const Json &s) {
+    return s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["time_s"] > 0.2 &&
+           number(s, "image/axial.outlines") + number(s, "image/coronal.outlines") +
+                   number(s, "image/sagittal.outlines") >=
+               0;
+  });
 
   (void)pointAt(window, centre, {95.0, -135.0, 375.0});
   takePinchTool(window);
@@ -251,14 +243,13 @@ TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes
     window.waitFrames(2);
   }
   CHECK(norm(millimetres(window.state(), "Hand") - from) >= 30.0);
-  window.waitUntil(
-      "the organ gives way", [&](const Json &s) { return norm(millimetres(s, "Held point") - from) > 5.0; }, 30.0);
+  window.waitUntil("the organ gives way",
+                   [&](const Json &s) { return norm(millimetres(s, "Held point") - from) > 5.0; });
   window.waitFrames(20);
   window.screenshot("pulled");
   window.release();
   window.moveTo(window.inView(0.5, 0.5));
-  window.waitUntil(
-      "it has come back", [](const Json &s) { return shift_mm(s, "axial") < 0.05; }, 30.0);
+  window.waitUntil("it has come back", [](const Json &s) { return shift_mm(s, "axial") < 0.05; });
   window.waitFrames(10);
   window.screenshot("returned");
   CHECK(window.differingPixels("before", "pulled", "3D") > 300);

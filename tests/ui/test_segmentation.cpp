@@ -74,8 +74,7 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and becomes 
   if (const auto written = imaging::writeVolume(file, phantom.volume); !written) FAIL(written.error().message);
   WorkstationDriver window("image_guide");
   window.start({file.string()});
-  window.waitUntil(
-      "the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);
+  window.waitUntil("the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); });
   CHECK(window.value("image/preview") == "none");
   window.screenshot("before");
 
@@ -121,13 +120,10 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and becomes 
   CHECK_THAT(window.value("segmentation/Young's modulus"), Contains("6 kPa (1 kPa … 15 kPa)"));
   window.screenshot("material");
   window.click("segmentation/create");
-  window.waitUntil(
-      "the body is created",
-      [](const Json &s) {
-        return s["jobs"].empty() && s["transport"]["exists"] == true && s["transport"]["mode"] == "playing" &&
-               s["transport"]["time_s"] > 0.0;
-      },
-      60.0);
+  window.waitUntil("the body is created", [](const Json &s) {
+    return s["jobs"].empty() && s["transport"]["exists"] == true && s["transport"]["mode"] == "playing" &&
+           s["transport"]["time_s"] > 0.0;
+  });
   const Json state = window.state();
   CHECK(std::any_of(state["nodes"].begin(), state["nodes"].end(),
                     [](const Json &node) { return node["name"] == "liver"; }));
@@ -200,9 +196,9 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
 
   WorkstationDriver window("image_organs");
   window.start({image.string(), many.string(), other.string()});
-  window.waitUntil(
-      "both label maps are open",
-      [](const Json &s) { return s["jobs"].empty() && text(s, "image/label_map") == "image_organs_other.nrrd"; }, 60.0);
+  window.waitUntil("both label maps are open", [](const Json &s) {
+    return s["jobs"].empty() && text(s, "image/label_map") == "image_organs_other.nrrd";
+  });
   CHECK(window.has("segmentation/label.4"));
   CHECK_FALSE(window.has("segmentation/label_filter"));
   window.click("image/label_map");
@@ -239,13 +235,10 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   window.type("0.5");
   window.key("Return");
   window.click("segmentation/create");
-  const Json made = window.waitUntil(
-      "the kidneys are created",
-      [](const Json &s) {
-        return s["jobs"].empty() && s["transport"]["exists"] == true && s["transport"]["time_s"] > 0.0 &&
-               hasNode(s, "kidney_left");
-      },
-      120.0);
+  const Json made = window.waitUntil("the kidneys are created", [](const Json &s) {
+    return s["jobs"].empty() && s["transport"]["exists"] == true && s["transport"]["time_s"] > 0.0 &&
+           hasNode(s, "kidney_left");
+  });
   CHECK(hasNode(made, "kidney_right"));
   CHECK_FALSE(hasNode(made, "muscle_trunk"));
   CHECK_FALSE(notification(made, "Bodies created: kidney_right and kidney_left").is_null());
@@ -274,9 +267,9 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   window.waitForValue("segmentation/points", "400");
   window.screenshot("own_count");
   window.click("segmentation/create");
-  window.waitUntil(
-      "the trunk has joined them",
-      [](const Json &s) { return s["jobs"].empty() && hasNode(s, "muscle_trunk") && hasNode(s, "kidney_left"); }, 60.0);
+  window.waitUntil("the trunk has joined them", [](const Json &s) {
+    return s["jobs"].empty() && hasNode(s, "muscle_trunk") && hasNode(s, "kidney_left");
+  });
   window.waitForValue("image/label.4", "false");
   window.moveTo(axialPixel(window, {0, -45, 0}));
   window.screenshot("created");

@@ -109,13 +109,10 @@ Vec3 millimetres(const Json &state, const std::string &name) {
 
 void start(WorkstationDriver &window, const fs::path &scene) {
   window.start({scene.string()});
-  window.waitUntil(
-      "organ and bone are in the scan",
-      [](const Json &s) {
-        return s["panes"].size() == 4 && s["jobs"].empty() && !row(s, "Surfels").empty() &&
-               text(s, "axial.outlines") == "2" && text(s, "axial.readout").find("|u| ") != std::string::npos;
-      },
-      90.0);
+  window.waitUntil("organ and bone are in the scan", [](const Json &s) {
+    return s["panes"].size() == 4 && s["jobs"].empty() && !row(s, "Surfels").empty() &&
+           text(s, "axial.outlines") == "2" && text(s, "axial.readout").find("|u| ") != std::string::npos;
+  });
 }
 
 /// A place of a pane, mm from its middle: to the right, and down.
@@ -324,8 +321,7 @@ TEST_CASE("in a scan that is turned and a body that has gone far, what is seen i
   start(window, sceneOf("slice_oblique", says));
   take(window, "p", "pointbased.pinch");
   play(window);
-  window.waitUntil(
-      "it is far away", [](const Json &s) { return s["transport"]["time_s"] > 0.9; }, 30.0);
+  window.waitUntil("it is far away", [](const Json &s) { return s["transport"]["time_s"] > 0.9; });
   window.key("space");
   window.waitUntil("it stands", [](const Json &s) { return mode(s) == "paused"; });
   const double gone = 30.0 * window.state()["transport"]["time_s"].get<double>();
@@ -371,8 +367,7 @@ TEST_CASE("where two bodies lie over each other the one is held that the slice s
   take(window, "p", "pointbased.pinch");
   window.moveTo(window.inView(0.9, 0.9));
   window.key("space");
-  window.waitUntil(
-      "it is there", [](const Json &s) { return s["transport"]["time_s"] > 2.9; }, 30.0);
+  window.waitUntil("it is there", [](const Json &s) { return s["transport"]["time_s"] > 2.9; });
   window.key("space");
   window.waitUntil("it stands", [](const Json &s) { return mode(s) == "paused"; });
   const double gone = 6.0 * window.state()["transport"]["time_s"].get<double>();

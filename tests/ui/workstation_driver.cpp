@@ -18,6 +18,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// Twelve times the longest wait on an idle machine: what ends here hangs, and is not slow.
+constexpr double kPatience_s = 180.0;
+
 void pause(int milliseconds) { std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds)); }
 
 double secondsSince(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
@@ -63,9 +66,8 @@ void WorkstationDriver::start(const std::vector<std::string> &arguments) {
   all.insert(all.end(), arguments.begin(), arguments.end());
   launch(all);
   // A few frames, so that what opens at the start has opened.
-  waitUntil(
-      "the window is drawn", [](const Json &s) { return s["frame"].get<int>() >= 2 && s["focused"].get<bool>(); },
-      30.0);
+  waitUntil("the window is drawn",
+            [](const Json &s) { return s["frame"].get<int>() >= 2 && s["focused"].get<bool>(); });
 }
 
 int WorkstationDriver::startAndWait(const std::vector<std::string> &arguments,
@@ -78,7 +80,7 @@ int WorkstationDriver::startAndWait(const std::vector<std::string> &arguments,
   all.emplace_back(C3DE_PROGRAM);
   all.insert(all.end(), arguments.begin(), arguments.end());
   launch(all);
-  return waitForExit(30.0);
+  return waitForExit();
 }
 
 void WorkstationDriver::launch(const std::vector<std::string> &command) {
@@ -93,8 +95,8 @@ void WorkstationDriver::launch(const std::vector<std::string> &command) {
 std::string WorkstationDriver::logText() const { return readText(log_); }
 bool WorkstationDriver::isRunning() { return program_ && program_->isRunning(); }
 
-int WorkstationDriver::waitForExit(double timeout_s) {
-  const auto code = program_->wait(C3DE_UI_PATIENCE * timeout_s);
+int WorkstationDriver::waitForExit() {
+  const auto code = program_->wait(C3DE_UI_PATIENCE * kPatience_s);
   if (!code) throw std::runtime_error("the program does not end: " + code.error().message + "\n" + logText());
   return *code;
 }
@@ -105,15 +107,14 @@ Json WorkstationDriver::state() const {
   return read.is_discarded() ? Json::object() : read;
 }
 
-Json WorkstationDriver::waitUntil(const std::string &what, const std::function<bool(const Json &)> &predicate,
-                                  double timeout_s) {
+Json WorkstationDriver::waitUntil(const std::string &what, const std::function<bool(const Json &)> &predicate) {
   const Clock::time_point begin = Clock::now();
   for (;;) {
     Json now = state();
     if (now.contains("frame") && predicate(now)) return now;
     if (program_ && !program_->isRunning())
       throw std::runtime_error("the program ended while waiting until " + what + "\n" + logText());
-    if (secondsSince(begin) > C3DE_UI_PATIENCE * timeout_s) {
+    if (secondsSince(begin) > C3DE_UI_PATIENCE * kPatience_s) {
       screenshot("timeout");
       throw std::runtime_error("timed out waiting until " + what + "; state: " + essentials(now) +
                                "\nlog: " + logText());

@@ -37,7 +37,7 @@ Validated validate(const std::string &plugin, std::vector<std::string> options =
   fs::create_directories(report.parent_path());
   fs::remove(report);
   options.insert(options.begin(), {C3DE_VALIDATE, plugin, "--json", report.string()});
-  const auto ended = c3de::runProcess(options, 170.0);
+  const auto ended = c3de::runProcess(options, 500.0);
   REQUIRE(ended);
   CHECK_FALSE(ended->timedOut);
   Validated out{ended->exitCode, ended->output, ended->errorOutput, {}};
