@@ -646,6 +646,83 @@ TEST_CASE("where a skin touches itself does not depend on when it was looked at 
   CHECK(served > 300);
 }
 
+TEST_CASE("the forecast of a skin asks its vertices where light phyxels swing about") {
+  // A folded sheet whose arms beat against each other. Each vertex is carried by a phyxel of its own, and by ten light
+  // ones that many share and that swing about without reason, as phyxels do that a sliver of a body alone reaches.
+  constexpr std::size_t kLight = 40, kEach = 10;
+  constexpr double kWeight = 0.03;
+  const auto plain = sheetSkin(24, 1.0, true);
+  Interpolation vertices;
+  vertices.phyxels.offsets.assign(1, 0);
+  vertices.positions = plain->vertices.positions;
+  const std::size_t own = vertices.positions.size();
+  for (std::size_t v = 0; v < own; ++v) {
+    vertices.phyxels.indices.push_back(static_cast<Index>(v));
+    vertices.weights.push_back(1.0 - kEach * kWeight);
+    for (std::size_t k = 0; k < kEach; ++k) {
+      vertices.phyxels.indices.push_back(static_cast<Index>(own + (7 * v + 9 * k) % kLight));
+      vertices.weights.push_back(kWeight);
+    }
+    vertices.phyxels.offsets.push_back(static_cast<Index>(vertices.phyxels.indices.size()));
+  }
+  vertices.gradients.assign(vertices.weights.size(), Vec3::Zero());
+  std::vector<float> influence(own + kLight, 1.0f);
+  std::fill(influence.begin() + static_cast<std::ptrdiff_t>(own), influence.end(), static_cast<float>(kWeight));
+  const auto carried = detail::makeContactSkin(std::move(vertices), plain->triangles, {1e9}, {}, influence);
+  detail::MovingSkin skin(carried, Vec3::Zero(), 2.0);
+  constexpr double kApart = 3.0, kNear = 0.26;
+  detail::SkinForecast forecast(skin, kApart, kNear);
+  const std::vector<Vec3> &rest = carried->vertices.positions;
+  const auto wayOf = [&](std::size_t i, double time) -> Vec3 {
+    if (i >= own) {
+      const double phase = 0.7 * time + 2.4 * static_cast<double>(i);
+      return {0.3 * std::cos(phase), 0.3 * std::sin(1.3 * phase), 0.3 * std::sin(phase)};
+    }
+    const double from = rest[i].x() - 12.0, side = from > 0.0 ? 1.0 : -1.0;
+    const double beat = std::sin(0.03 * time) * std::abs(from) / 12.0;
+    const Vec3 to(0.1 - std::abs(from), rest[i].y(), side * (0.9 + 0.82 * beat) + 0.05 * rest[i].z());
+    return (to - rest[i]) / (1.0 - kEach * kWeight);
+  };
+  std::vector<Vec3> ways(own + kLight), speeds = ways;
+  std::size_t looks = 0, near = 0;
+  for (int k = 0; k < 400; ++k) {
+    for (std::size_t i = 0; i < ways.size(); ++i) {
+      ways[i] = wayOf(i, k);
+      speeds[i] = wayOf(i, k + 0.5) - wayOf(i, k - 0.5);
+    }
+    skin.move(ways, speeds, influence, 1.0);
+    if (!forecast.serves()) {
+      forecast.look();
+      ++looks;
+    }
+    if (k % 5 != 0) continue;
+    // All that is near is listed, whenever it was looked at.
+    const std::vector<detail::PatchTree::Patch> &patches = skin.tree().patches();
+    const auto isListed = [&](Index v, Index t) {
+      const auto has = [](const std::vector<Index> &all, Index one) {
+        return std::find(all.begin(), all.end(), one) != all.end();
+      };
+      return std::any_of(forecast.pairs().begin(), forecast.pairs().end(), [&](const auto &pair) {
+        const auto &first = patches[pair.first], &second = patches[pair.second];
+        return forecast.mayMeet(pair) && ((has(first.corners, v) && has(second.triangles, t)) ||
+                                          (has(second.corners, v) && has(first.triangles, t)));
+      });
+    };
+    for (Index v = 0; v < own; ++v)
+      for (Index t = 0; t < carried->triangles.size(); ++t) {
+        const auto &[a, b, c] = carried->triangles[t];
+        if ((rest[v] - (rest[a] + rest[b] + rest[c]) / 3.0).norm() < kApart + 1.0 ||
+            skin.nearestOn(t, skin.position(v)).squared > kNear * kNear)
+          continue;
+        ++near;
+        CHECK(isListed(v, t));
+      }
+  }
+  CAPTURE(looks, near);
+  CHECK(near > 100);
+  CHECK(looks < 40);
+}
+
 TEST_CASE("what has overlapped at the start and has parted does not overlap again") {
   TwoSheets sheets;
   detail::SkinPair pair(sheets.lower, sheets.upper, sheets.settings);

@@ -40,7 +40,7 @@ using Region = std::variant<EverywhereRegion, BoxRegion, SphereRegion, HalfSpace
 /// everywhere.
 [[nodiscard]] Vec3 borderNormal(const Region &region, const Vec3 &x);
 /// Without tolerance: exactly on the border is inside.
-[[nodiscard]] inline bool contains(const Region &region, const Vec3 &x) { return signedDistance(region, x) <= 0.0; }
+[[nodiscard]] bool contains(const Region &region, const Vec3 &x);
 /// The same region in a frame whose origin is at `offset`: its coordinates less the offset.
 [[nodiscard]] Region shifted(const Region &region, const Vec3 &offset);
 /// What is wrong with it (min above max, radius <= 0, normal of no length, not finite), or nothing.

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "contact/contact_skin.h"
 #include "discretisation/interpolation_at.h"
@@ -131,19 +132,22 @@ void DisplacementField::addHeld(const Body &body) {
   const Vec3 half = rest.spacing * Vec3(toIndex_.row(0).norm(), toIndex_.row(1).norm(), toIndex_.row(2).norm());
   Index present = StencilSet::kNoFrame;
   RigidMotion motion;
+  // Phyxels of a fix stand so close that most points are near many of them.
+  std::vector<Index> seen(grid_.count(), present), seenInReference(material_.size(), present);
+  const auto isNew = [&present](Index &one) { return std::exchange(one, present) != present; };
   for (const auto &[phyxel, fix] : body.phyxelsNearSupports()) {
     if (fix != present) motion = body.supportMotion(present = fix);
     const Region &region = rest.conditions.fixes[fix].region;
     const Vec3 &X = rest.positions[phyxel];
     visitPoints(rest.origin + X + motion.displacementOf(X), half, [&](std::size_t p, const Vec3 &place) {
-      if (now_[p][3] >= kHeldWeight) return;
+      if (now_[p][3] >= kHeldWeight || !isNew(seen[p])) return;
       const Vec3 x = place - rest.origin;
       const Vec3 from = motion.rotation.transpose() * (x - motion.centre - motion.displacement) + motion.centre;
       if (contains(region, rest.origin + from)) addTo(p, kHeldWeight, x - from, kReach * rest.spacing);
     });
     if (material_.empty()) continue;
     visitPoints(rest.origin + X, half, [&](std::size_t p, const Vec3 &place) {
-      if (material_[p][3] >= kHeldWeight || !contains(region, place)) return;
+      if (material_[p][3] >= kHeldWeight || !isNew(seenInReference[p]) || !contains(region, place)) return;
       material_[p].head<3>() += kHeldWeight * motion.displacementOf(place - rest.origin);
       material_[p][3] += kHeldWeight;
     });

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "discretisation/interpolation_at.h"
+
 namespace pointbased::detail {
 namespace {
 
@@ -67,6 +69,19 @@ SkinForecast::SkinForecast(MovingSkin &skin, double apart, double near)
   open_.reserve(nodeOf_.size());
 }
 
+double SkinForecast::Deviation::bound(const MovingSkin &skin, std::span<const Vec3> ways) const {
+  FarthestWay since(skin.maxInfluence());
+  for (const Index i : skin.skin().carriers) since.add(i, ways[i] - then_[i]);
+  return most_ + since.ofVertices(skin.skin());
+}
+
+double SkinForecast::Deviation::measure(const ContactSkin &skin, std::span<const Vec3> ways) {
+  double squared = 0.0;
+  for (Index v = 0; v < skin.count(); ++v) squared = std::max(squared, fieldAt(skin.vertices, v, ways).squaredNorm());
+  then_.assign(ways.begin(), ways.end());
+  return most_ = std::sqrt(squared);
+}
+
 bool SkinForecast::serves() {
   const std::span<const Vec3> u = skin_.displacements(), v = skin_.velocities();
   const std::vector<Index> &carriers = skin_.skin().carriers;
@@ -79,16 +94,23 @@ bool SkinForecast::serves() {
   }
   // The time since the look that fits the displacements best: steps that are undone or repeated need no clock.
   const double begin = squared > 0.0 ? std::clamp(along / squared, 0.0, horizon_) : 0.0, dt = skin_.dt();
-  FarthestWay deviation(skin_.maxInfluence()), gain(skin_.maxInfluence()), last(skin_.maxInfluence());
+  FarthestWay last(skin_.maxInfluence());
+  for (std::vector<Vec3> &ways : ways_) ways.resize(u.size());
   for (const Index i : carriers) {
-    deviation.add(i, u[i] - place - placeThen_[i] - begin * velocityThen_[i]);
-    gain.add(i, v[i] - velocity - velocityThen_[i]);
+    ways_[0][i] = u[i] - place - placeThen_[i] - begin * velocityThen_[i];
+    ways_[1][i] = ways_[0][i] + kFaster * dt * (v[i] - velocity - velocityThen_[i]);
     last.add(i, v[i] - velocity - velocityBefore_[i] + before);
   }
   if (const double gained = last.ofVertices(skin_.skin()); gained > 0.0) velocityChange_ = gained;
   velocityBefore_.assign(v.begin(), v.end());
-  const double off =
-      deviation.ofVertices(skin_.skin()) + dt * (kFaster * gain.ofVertices(skin_.skin()) + velocityChange_);
+  const double room = 0.5 * static_cast<double>(listed_ - near_) - dt * velocityChange_;
+  double off = 0.0;
+  for (std::size_t k = 0; k < ways_.size(); ++k) {
+    double most = deviations_[k].bound(skin_, ways_[k]);
+    if (most >= room) most = deviations_[k].measure(skin_.skin(), ways_[k]);
+    off = std::max(off, most);
+  }
+  off += dt * velocityChange_;
   begin_ = static_cast<float>(begin);
   end_ = static_cast<float>(begin + kFaster * dt);
   deviation_ = static_cast<float>(2.0 * off);
@@ -106,6 +128,7 @@ void SkinForecast::look() {
   else
     velocityChange_ = 0.0;
   served_ = 0;
+  for (Deviation &one : deviations_) one.forget(u.size());
   const std::vector<Index> &carriers = skin_.skin().carriers;
   const Vec3 place = meanOf(u, carriers), velocity = meanOf(v, carriers);
   placeThen_.assign(u.begin(), u.end());
@@ -126,17 +149,19 @@ void SkinForecast::look() {
   while (!open_.empty()) {
     const auto [a, b] = open_.back();
     open_.pop_back();
-    if (!mayFace(a, b)) continue;
     if (a == b) {
+      if (!mayFace(a, b)) continue;
       if (tree[a].patch != PatchTree::kNone) continue;
       const Index child = tree[a].child;
       open_.insert(open_.end(), {{child, child}, {child, child + 1}, {child + 1, child + 1}});
       continue;
     }
-    if (!mayComeNear(a, b, horizon) || tree[a].rest.squaredFarthest(tree[b].rest) <= apart) continue;
-    if (tree[a].patch != PatchTree::kNone && tree[b].patch != PatchTree::kNone) {
-      // Patches that touch each other at rest never count, whatever of them is farther apart.
-      if (tree[a].rest.squaredDistance(tree[b].rest) > kBeside * apart) compare(tree[a].patch, tree[b].patch, horizon);
+    const bool areLeaves = tree[a].patch != PatchTree::kNone && tree[b].patch != PatchTree::kNone;
+    // Patches that touch each other at rest never count, whatever of them is farther apart.
+    if (areLeaves && tree[a].rest.squaredDistance(tree[b].rest) <= kBeside * apart) continue;
+    if (!mayComeNear(a, b) || !mayFace(a, b) || tree[a].rest.squaredFarthest(tree[b].rest) <= apart) continue;
+    if (areLeaves) {
+      compare(tree[a].patch, tree[b].patch, horizon);
       continue;
     }
     const bool first =
@@ -165,19 +190,19 @@ void SkinForecast::refit(float horizon) {
     node = Motion();
     if (tree[k].patch == PatchTree::kNone)
       for (const Index child : {tree[k].child, tree[k].child + 1}) {
-        node.places.add(nodes_[child].places);
-        node.velocities.add(nodes_[child].velocities);
+        node.now.add(nodes_[child].now);
+        node.then.add(nodes_[child].then);
         node.normals.add(nodes_[child].normals);
       }
     else
-      addPatch(tree[k].patch, node);
+      addPatch(tree[k].patch, horizon, node);
   }
 }
 
-void SkinForecast::addPatch(Index patch, Motion &node) const {
+void SkinForecast::addPatch(Index patch, float horizon, Motion &node) const {
   for (const Index v : skin_.tree().patches()[patch].corners) {
-    node.places.add(corner(places_[v]));
-    node.velocities.add(corner(velocities_[v]));
+    node.now.add(corner(places_[v]));
+    node.then.add(corner(places_[v] + horizon * velocities_[v]));
   }
   for (const Index t : rings_.row(patch))
     for (const std::vector<Corner> &normals : normals_) node.normals.add(normals[t]);
@@ -222,25 +247,23 @@ bool SkinForecast::mayFace(Index a, Index b) const {
   return !(least.sum() > kAlike);
 }
 
-// Whether no plane across an axis separates two nodes until the horizon by more than what is listed.
-bool SkinForecast::mayComeNear(Index a, Index b, float horizon) const {
+// Whether no plane across an axis separates two nodes until the horizon by more than what is listed. The distance along
+// an axis is concave in time: the least of linear functions.
+bool SkinForecast::mayComeNear(Index a, Index b) const {
   const Motion &mine = nodes_[a], &theirs = nodes_[b];
-  const Corner above = mine.places.low - theirs.places.high, below = theirs.places.low - mine.places.high;
-  const Corner aboveThen = above + horizon * (mine.velocities.low - theirs.velocities.high),
-               belowThen = below + horizon * (theirs.velocities.low - mine.velocities.high);
-  return above.min(aboveThen).max(below.min(belowThen)).maxCoeff() <= listed_;
+  const Corner above = (mine.now.low - theirs.now.high).min(mine.then.low - theirs.then.high),
+               below = (theirs.now.low - mine.now.high).min(theirs.then.low - mine.then.high);
+  return above.max(below).maxCoeff() <= listed_;
 }
 
 // Where planes between the patches do not tell, by their triangles: those that are one piece of tissue do not count.
 void SkinForecast::compare(Index a, Index b, float horizon) {
   if (!(faces(a, b, horizon) || faces(b, a, horizon))) return;
   if (!(separationOf(a, b, horizon).leastUntil(horizon) <= listed_)) return;
-  const Motion &first = nodes_[nodeOf_[a]], &second = nodes_[nodeOf_[b]];
-  const float fastest = std::sqrt((first.velocities.high - second.velocities.low)
-                                      .abs()
-                                      .max((second.velocities.high - first.velocities.low).abs())
-                                      .square()
-                                      .sum());
+  Box first, second;
+  for (const Index v : skin_.tree().patches()[a].corners) first.add(corner(velocities_[v]));
+  for (const Index v : skin_.tree().patches()[b].corners) second.add(corner(velocities_[v]));
+  const float fastest = std::sqrt((first.high - second.low).abs().max((second.high - first.low).abs()).square().sum());
   const float within = listed_ + horizon * fastest;
   float now = std::numeric_limits<float>::infinity(), then = now;
   for (const Index t : skin_.tree().patches()[a].triangles) {
@@ -273,18 +296,27 @@ bool SkinForecast::isNear(const Pair &pair) const {
              &theirs = skin_.tree().patches()[pair.second].triangles;
   for (const double part : {0.0, 0.5, 1.0}) {
     const double time = part * kFaster * skin_.dt();
-    const auto cornersOf = [&](Index triangle) {
-      std::array<Vec3, 3> at;
+    struct Placed {
+      std::array<Vec3, 3> corners;
+      SkinBox box;
+    };
+    const auto placed = [&](Index triangle) {
+      Placed out;
       for (std::size_t k = 0; k < 3; ++k) {
         const Index v = skin_.skin().triangles[triangle][k];
-        at[k] = skin_.position(v) + time * skin_.velocity(v);
+        out.box.add(out.corners[k] = skin_.position(v) + time * skin_.velocity(v));
       }
-      return at;
+      return out;
     };
     for (const Index t : mine) {
-      const std::array<Vec3, 3> a = cornersOf(t);
-      for (const Index s : theirs)
-        if (!areOnePiece(t, s) && squaredDistance(a, cornersOf(s)) <= near_ * near_) return true;
+      const Placed one = placed(t);
+      for (const Index s : theirs) {
+        if (areOnePiece(t, s)) continue;
+        const Placed other = placed(s);
+        if (one.box.squaredDistance(other.box) <= near_ * near_ &&
+            squaredDistance(one.corners, other.corners) <= near_ * near_)
+          return true;
+      }
     }
   }
   return false;
@@ -308,7 +340,7 @@ SkinForecast::Separation SkinForecast::along(const Eigen::Vector3f &direction, c
 }
 
 Eigen::Vector3f SkinForecast::middleOf(Index patch) const {
-  const Box &box = nodes_[nodeOf_[patch]].places;
+  const Box &box = nodes_[nodeOf_[patch]].now;
   return (0.5f * (box.low + box.high)).head<3>().matrix();
 }
 

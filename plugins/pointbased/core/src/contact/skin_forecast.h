@@ -2,6 +2,7 @@
 // Which parts of a skin may touch each other in the next steps. Private to the core.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -65,13 +66,28 @@ class SkinForecast {
     }
   };
   struct Motion {
-    Box places, velocities, normals;
+    Box now, then, normals;  // then: at the horizon
   };
   // Around a triangle.
   struct Ball {
     Eigen::Vector3f middle = Eigen::Vector3f::Zero();
     float radius = 0.0f;  // m
     std::uint64_t seen = 0;
+  };
+  // How far vertices deviate at most, m. Phyxels alone say several times as much as is so where light ones swing about:
+  // from the vertices themselves now and then, and from phyxels by what has changed since.
+  class Deviation {
+   public:
+    void forget(std::size_t phyxels) {
+      then_.assign(phyxels, Vec3::Zero());
+      most_ = 0.0;
+    }
+    [[nodiscard]] double bound(const MovingSkin &skin, std::span<const Vec3> ways) const;
+    double measure(const ContactSkin &skin, std::span<const Vec3> ways);
+
+   private:
+    std::vector<Vec3> then_;  // [phyxels] m
+    double most_ = 0.0;       // m, then
   };
   // Where a patch faces: unit.
   struct Facings {
@@ -85,9 +101,9 @@ class SkinForecast {
   void refit(float horizon);
   void findRings();
   void updateNormals(float horizon);
-  void addPatch(Index patch, Motion &node) const;
+  void addPatch(Index patch, float horizon, Motion &node) const;
   [[nodiscard]] bool mayFace(Index a, Index b) const;
-  [[nodiscard]] bool mayComeNear(Index a, Index b, float horizon) const;
+  [[nodiscard]] bool mayComeNear(Index a, Index b) const;
   void compare(Index a, Index b, float horizon);
   [[nodiscard]] bool areOnePiece(Index triangle, Index other) const;
   [[nodiscard]] bool isNear(const Pair &pair) const;
@@ -114,6 +130,9 @@ class SkinForecast {
   std::vector<Pair> pairs_;
   // [phyxels] at the look, relative to the mean: m, m/s; and at the step before: m/s.
   std::vector<Vec3> placeThen_, velocityThen_, velocityBefore_;
+  // From what was expected, now and at the end of the step: [phyxels] m; and of vertices.
+  std::array<std::vector<Vec3>, 2> ways_;
+  std::array<Deviation, 2> deviations_;
   double horizon_ = 0.0, steps_, velocityChange_ = 0.0;  // s; steps to look ahead; m/s, in the last step
   std::size_t served_ = 0;                               // steps since the look
   float begin_ = 0.0f, end_ = 0.0f, deviation_ = 0.0f;   // of this step: s since the look; m, of two vertices

@@ -59,6 +59,12 @@ double signedDistance(const Region &region, const Vec3 &x) {
       region);
 }
 
+bool contains(const Region &region, const Vec3 &x) {
+  // Of voxels the sign is enough: how far the border is costs several times as much.
+  if (const auto *filled = std::get_if<VoxelRegion>(&region)) return filled->voxels->about(x + filled->offset) <= 0.0;
+  return signedDistance(region, x) <= 0.0;
+}
+
 Vec3 borderNormal(const Region &region, const Vec3 &x) {
   return std::visit(Overloaded{
                         [](const EverywhereRegion &) { return Vec3(Vec3::Zero()); },
