@@ -67,8 +67,13 @@ double detail::depthInRigidTissue(const Body &body, std::vector<Vec3> &skin, con
   for (const Fix &fix : rest.conditions.fixes) {
     if (!isRigidTissue(fix)) continue;
     const auto &voxels = std::get<VoxelRegion>(fix.region);
+    const Vec3 shift = rest.origin + voxels.offset;
     for (std::size_t p = 0; p < skin.size(); ++p) {
-      const double depth = -voxels.voxels->about(rest.origin + skin[p] + voxels.offset);
+      const Vec3 x = skin[p] + shift;
+      // Most of a skin is far from a rib.
+      if ((x.array() < voxels.voxels->min().array()).any() || (x.array() > voxels.voxels->max().array()).any())
+        continue;
+      const double depth = -voxels.voxels->about(x);
       if (!(depth > deepest)) continue;
       const Interpolation at = rest.surfels.expanded(p, rest.positions);
       if (!held.hold(at.phyxels.row(0)) && !contains(fix.region, rest.origin + at.positions[0])) deepest = depth;
