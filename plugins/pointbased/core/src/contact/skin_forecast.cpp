@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "discretisation/interpolation_at.h"
 
@@ -69,24 +70,19 @@ SkinForecast::SkinForecast(MovingSkin &skin, double apart, double near)
   open_.reserve(nodeOf_.size());
 }
 
-double SkinForecast::Deviation::bound(const MovingSkin &skin, std::span<const Vec3> ways) const {
-  FarthestWay since(skin.maxInfluence());
-  for (const Index i : skin.skin().carriers) since.add(i, ways[i] - then_[i]);
-  return most_ + since.ofVertices(skin.skin());
-}
-
-double SkinForecast::Deviation::measure(const ContactSkin &skin, std::span<const Vec3> ways) {
+double SkinForecast::Deviation::measure(const ContactSkin &skin) {
   double squared = 0.0;
   for (Index v = 0; v < skin.count(); ++v) squared = std::max(squared, fieldAt(skin.vertices, v, ways).squaredNorm());
-  then_.assign(ways.begin(), ways.end());
-  return most_ = std::sqrt(squared);
+  waysThen = ways;
+  return mostThen = std::sqrt(squared);
 }
 
 bool SkinForecast::serves() {
   const std::span<const Vec3> u = skin_.displacements(), v = skin_.velocities();
   const std::vector<Index> &carriers = skin_.skin().carriers;
   if (placeThen_.size() != u.size()) return false;
-  const Vec3 place = meanOf(u, carriers), velocity = meanOf(v, carriers), before = meanOf(velocityBefore_, carriers);
+  const Vec3 place = meanOf(u, carriers), velocity = meanOf(v, carriers);
+  const Vec3 before = std::exchange(meanBefore_, velocity);
   double along = 0.0, squared = 0.0;
   for (const Index i : carriers) {
     along += (u[i] - place - placeThen_[i]).dot(velocityThen_[i]);
@@ -95,25 +91,24 @@ bool SkinForecast::serves() {
   // The time since the look that fits the displacements best: steps that are undone or repeated need no clock.
   const double begin = squared > 0.0 ? std::clamp(along / squared, 0.0, horizon_) : 0.0, dt = skin_.dt();
   FarthestWay last(skin_.maxInfluence());
-  for (std::vector<Vec3> &ways : ways_) ways.resize(u.size());
+  std::array<FarthestWay, 2> since{last, last};
   for (const Index i : carriers) {
-    ways_[0][i] = u[i] - place - placeThen_[i] - begin * velocityThen_[i];
-    ways_[1][i] = ways_[0][i] + kFaster * dt * (v[i] - velocity - velocityThen_[i]);
+    deviations_[0].ways[i] = u[i] - place - placeThen_[i] - begin * velocityThen_[i];
+    deviations_[1].ways[i] = deviations_[0].ways[i] + kFaster * dt * (v[i] - velocity - velocityThen_[i]);
+    for (std::size_t k = 0; k < since.size(); ++k) since[k].add(i, deviations_[k].ways[i] - deviations_[k].waysThen[i]);
     last.add(i, v[i] - velocity - velocityBefore_[i] + before);
+    velocityBefore_[i] = v[i];
   }
   if (const double gained = last.ofVertices(skin_.skin()); gained > 0.0) velocityChange_ = gained;
-  velocityBefore_.assign(v.begin(), v.end());
-  const double room = 0.5 * static_cast<double>(listed_ - near_) - dt * velocityChange_;
+  const double gains = dt * velocityChange_, room = 0.5 * static_cast<double>(listed_ - near_) - gains;
   double off = 0.0;
-  for (std::size_t k = 0; k < ways_.size(); ++k) {
-    double most = deviations_[k].bound(skin_, ways_[k]);
-    if (most >= room) most = deviations_[k].measure(skin_.skin(), ways_[k]);
-    off = std::max(off, most);
+  for (std::size_t k = 0; k < since.size(); ++k) {
+    const double bound = deviations_[k].mostThen + since[k].ofVertices(skin_.skin());
+    off = std::max(off, bound < room ? bound : deviations_[k].measure(skin_.skin()));
   }
-  off += dt * velocityChange_;
   begin_ = static_cast<float>(begin);
   end_ = static_cast<float>(begin + kFaster * dt);
-  deviation_ = static_cast<float>(2.0 * off);
+  deviation_ = static_cast<float>(2.0 * (off + gains));
   ++served_;
   return begin + kFaster * dt <= horizon_ * (1.0 + 1e-9) && deviation_ < listed_ - near_;
 }
@@ -128,12 +123,17 @@ void SkinForecast::look() {
   else
     velocityChange_ = 0.0;
   served_ = 0;
-  for (Deviation &one : deviations_) one.forget(u.size());
   const std::vector<Index> &carriers = skin_.skin().carriers;
   const Vec3 place = meanOf(u, carriers), velocity = meanOf(v, carriers);
   placeThen_.assign(u.begin(), u.end());
   velocityThen_.assign(v.begin(), v.end());
   velocityBefore_ = velocityThen_;
+  meanBefore_ = velocity;
+  for (Deviation &one : deviations_) {
+    one.ways.assign(u.size(), Vec3::Zero());
+    one.waysThen = one.ways;
+    one.mostThen = 0.0;
+  }
   for (Vec3 &one : placeThen_) one -= place;
   for (Vec3 &one : velocityThen_) one -= velocity;
   horizon_ = steps_ * dt;

@@ -74,20 +74,12 @@ class SkinForecast {
     float radius = 0.0f;  // m
     std::uint64_t seen = 0;
   };
-  // How far vertices deviate at most, m. Phyxels alone say several times as much as is so where light ones swing about:
-  // from the vertices themselves now and then, and from phyxels by what has changed since.
-  class Deviation {
-   public:
-    void forget(std::size_t phyxels) {
-      then_.assign(phyxels, Vec3::Zero());
-      most_ = 0.0;
-    }
-    [[nodiscard]] double bound(const MovingSkin &skin, std::span<const Vec3> ways) const;
-    double measure(const ContactSkin &skin, std::span<const Vec3> ways);
-
-   private:
-    std::vector<Vec3> then_;  // [phyxels] m
-    double most_ = 0.0;       // m, then
+  // How far vertices deviate from what was expected. Phyxels alone say several times as much as is so where light ones
+  // swing about: now and then the vertices are asked, and phyxels say what has changed since.
+  struct Deviation {
+    std::vector<Vec3> ways, waysThen;  // [phyxels] m
+    double mostThen = 0.0;             // m, of a vertex
+    double measure(const ContactSkin &skin);
   };
   // Where a patch faces: unit.
   struct Facings {
@@ -130,9 +122,8 @@ class SkinForecast {
   std::vector<Pair> pairs_;
   // [phyxels] at the look, relative to the mean: m, m/s; and at the step before: m/s.
   std::vector<Vec3> placeThen_, velocityThen_, velocityBefore_;
-  // From what was expected, now and at the end of the step: [phyxels] m; and of vertices.
-  std::array<std::vector<Vec3>, 2> ways_;
-  std::array<Deviation, 2> deviations_;
+  Vec3 meanBefore_ = Vec3::Zero();                       // m/s, of the carriers
+  std::array<Deviation, 2> deviations_;                  // now, and at the end of the step
   double horizon_ = 0.0, steps_, velocityChange_ = 0.0;  // s; steps to look ahead; m/s, in the last step
   std::size_t served_ = 0;                               // steps since the look
   float begin_ = 0.0f, end_ = 0.0f, deviation_ = 0.0f;   // of this step: s since the look; m, of two vertices
