@@ -523,35 +523,42 @@ TEST_CASE("Fields of tissue that is pulled are in the slices, under the mouse an
   CHECK(std::abs(largest_mm - shown_mm) < 0.05 + 0.1 * largest_mm);
 }
 
-TEST_CASE("The liver of a CT is pulled by three centimetres in a slice and in the 3D view, and all comes back",
-          "[scan_liver]") {
-  C3DE_ALIVE_OR_SKIP();
-  C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
-  C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
-  WorkstationDriver window("scan_liver");
-  openDialog(window, {image, labels});
-  CHECK(window.value("scan/use.liver") == "liver");
-  CHECK(window.value("scan/use.vertebrae_L1") == "rigid");
-  CHECK(window.value("scan/background.material") == "fat");
-  CHECK(window.value("scan/points") == "3000");
-  (void)make(window);
-  window.click("notification/close.0");
-  window.click("notification/close.0");
-  window.click("tissues/header");
-  window.waitUntil("labels are followed",
-                   [](const Json &s) { return std::isfinite(numberOf(s, "tissues/liver.det_f")); });
+bool isLiverHeld(const Json &s) { return value(s, kPanel + "Held inside") == "scan: liver"; }
 
-  // The liver, with the right kidney beside it; the middle of the image is in the middle of the views.
-  const Vec3 middle{-3.5, -161.3, 260.8}, liver{-85, -185, 368};
-  window.clickAt(inSlice(window, "coronal", liver[0] - middle[0], middle[2] - liver[2]));
-  window.waitUntil("the axial slice is there", [&](const Json &s) {
-    return std::abs(numberAfter(value(s, "image/cross_hair"), " ", 2) - liver[2]) < 2;
-  });
-  takePinch(window);
-  window.moveTo(inAxial(window, 0, 0));
-  window.key("4");  // window and level of the abdomen
+/// A CT alive, with the cross-hair in its liver and the pinch in the hand.
+class LiverOfCt {
+ public:
+  LiverOfCt(const char *scenario, const Files &files) : window(scenario), scenario_(scenario) {
+    openDialog(window, files);
+    CHECK(window.value("scan/use.liver") == "liver");
+    CHECK(window.value("scan/use.vertebrae_L1") == "rigid");
+    CHECK(window.value("scan/background.material") == "fat");
+    CHECK(window.value("scan/points") == "3000");
+    (void)make(window);
+    window.click("notification/close.0");
+    window.click("notification/close.0");
+    window.click("tissues/header");
+    window.waitUntil("labels are followed",
+                     [](const Json &s) { return std::isfinite(numberOf(s, "tissues/liver.det_f")); });
+    window.clickAt(inSlice(window, "coronal", kPlace[0] - kMiddle[0], kMiddle[2] - kPlace[2]));
+    window.waitUntil("the axial slice is there", [](const Json &s) {
+      return std::abs(numberAfter(value(s, "image/cross_hair"), " ", 2) - kPlace[2]) < 2;
+    });
+    takePinch(window);
+    window.moveTo(inAxial(window, 0, 0));
+    window.key("4");  // window and level of the abdomen
+  }
 
-  const auto follow = [&](const std::string &where, const std::string &pane, const Vec3 &from) {
+  /// By three centimetres to the front in the axial slice; the button stays down. Where the hand began, mm.
+  Vec3 pullInSlice() {
+    const double x = kPlace[0] - kMiddle[0], y = kPlace[1] - kMiddle[1];
+    pull(window, inAxial(window, x, y), inAxial(window, x, y - 30.0));
+    const Json held = window.waitUntil("it is held", isLiverHeld);
+    return {kPlace[0], kPlace[1], vectorOf(held, "Hand")[2]};
+  }
+
+  /// What must be so once the tissue has come after a hand that began there, and after it has let go.
+  void follow(const std::string &where, const std::string &pane, const Vec3 &from) {
     const double begin = window.state()["transport"]["time_s"];
     window.waitUntil("the tissue has come after the hand", [&](const Json &s) {
       return s["transport"]["time_s"].get<double>() > begin + 2.5 && numberOf(s, "tissues/liver.largest") > 10.0;
@@ -567,7 +574,7 @@ TEST_CASE("The liver of a CT is pulled by three centimetres in a slice and in th
     window.key("space");
     window.waitUntil("it stands", [](const Json &s) { return s["transport"]["mode"] == "paused"; });
     window.release();
-    const auto motions = exportTissues(window, "scan_liver_" + where);
+    const auto motions = exportTissues(window, scenario_ + "_" + where);
     REQUIRE(motions.size() > 50);
     for (const auto &[label, motion] : motions) {
       INFO(label);
@@ -586,30 +593,25 @@ TEST_CASE("The liver of a CT is pulled by three centimetres in a slice and in th
         if (key.starts_with("tissues/") && key.ends_with(".largest") && numberOf(s, key) < 0.15) ++back;
       return value(s, "tissues/count").starts_with(std::to_string(back) + " of ");
     });
-  };
-  const auto isHeld = [](const Json &s) { return value(s, kPanel + "Held inside") == "scan: liver"; };
+  }
 
+  WorkstationDriver window;
+
+ private:
+  // mm: of the image, which is in the middle of the views; and in the liver, with the right kidney beside it.
+  static constexpr Vec3 kMiddle{-3.5, -161.3, 260.8}, kPlace{-85, -185, 368};
+  std::string scenario_;
+};
+
+TEST_CASE("The liver of a CT is pulled by three centimetres in a slice and in the 3D view, and all comes back",
+          "[scan_liver]") {
+  C3DE_ALIVE_OR_SKIP();
+  C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
+  C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
+  LiverOfCt liver("scan_liver", {image, labels});
+  WorkstationDriver &window = liver.window;
   window.screenshot("slice_before");
-  pull(window, inAxial(window, liver[0] - middle[0], liver[1] - middle[1]),
-       inAxial(window, liver[0] - middle[0], liver[1] - middle[1] - 30.0));
-  const Json held = window.waitUntil("it is held", isHeld);
-  follow("slice", "axial", {liver[0], liver[1], vectorOf(held, "Hand")[2]});
-
-  // As many phyxels, finer where it was pulled; stiff vessels there get a little inertia for it.
-  window.click(kPanel + "finer");
-  const Json finer = window.waitUntil("the body is sampled anew", [](const Json &s) {
-    return s["jobs"].empty() && s["values"].contains(kPanel + "Halved cells");
-  });
-  CHECK(numberOf(finer, kPanel + "Halved cells") > 50);
-  CHECK_THAT(value(finer, kPanel + "Added inertia"), Contains(" % of what can move, to "));
-  CHECK_THAT(value(finer, kPanel + "Computed"), Contains("explicit"));
-  window.moveTo(window.inView(0.95, 0.9));
-  if (window.state()["transport"]["mode"] != "playing") window.key("space");
-  window.screenshot("finer_before");
-  pull(window, inAxial(window, liver[0] - middle[0], liver[1] - middle[1]),
-       inAxial(window, liver[0] - middle[0], liver[1] - middle[1] - 30.0));
-  const Json again = window.waitUntil("it is held", isHeld);
-  follow("finer", "axial", {liver[0], liver[1], vectorOf(again, "Hand")[2]});
+  liver.follow("slice", "axial", liver.pullInSlice());
 
   // In the 3D view, from the front: without what is before the coronal slice the liver is on the face of the cut.
   const Vec3 onFace{-95, -161.3, 372};
@@ -620,8 +622,33 @@ TEST_CASE("The liver of a CT is pulled by three centimetres in a slice and in th
   window.waitFrames(10);
   window.screenshot("space_before");
   pull(window, inSpace(window, onFace), inSpace(window, onFace + Vec3{30, 0, 0}));
-  window.waitUntil("it is held", isHeld);
-  follow("space", "coronal", onFace);
+  window.waitUntil("it is held", isLiverHeld);
+  liver.follow("space", "coronal", onFace);
+}
+
+TEST_CASE("Where the liver of a CT has been pulled its cells get finer, and it is pulled again", "[scan_liver_finer]") {
+  C3DE_ALIVE_OR_SKIP();
+  C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
+  C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
+  LiverOfCt liver("scan_liver_finer", {image, labels});
+  WorkstationDriver &window = liver.window;
+  (void)liver.pullInSlice();
+  window.waitUntil("the tissue has come after the hand",
+                   [](const Json &s) { return numberOf(s, "tissues/liver.largest") > 10.0; });
+  window.release();
+
+  // As many phyxels; stiff vessels there get a little inertia for it.
+  window.click(kPanel + "finer");
+  const Json finer = window.waitUntil("the body is sampled anew", [](const Json &s) {
+    return s["jobs"].empty() && s["values"].contains(kPanel + "Halved cells");
+  });
+  CHECK(numberOf(finer, kPanel + "Halved cells") > 50);
+  CHECK_THAT(value(finer, kPanel + "Added inertia"), Contains(" % of what can move, to "));
+  CHECK_THAT(value(finer, kPanel + "Computed"), Contains("explicit"));
+  window.moveTo(window.inView(0.95, 0.9));
+  if (window.state()["transport"]["mode"] != "playing") window.key("space");
+  window.screenshot("finer_before");
+  liver.follow("finer", "axial", liver.pullInSlice());
 }
 
 /// Small balls in a trunk of fat: ribs, vertebrae and organs whose names are known, and as many that are not.

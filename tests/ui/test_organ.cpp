@@ -548,10 +548,10 @@ TEST_CASE("a step beyond its budget is given up, with what would fit, and nothin
   // Coarser, it goes: far below what was proposed, so that a busy machine does it as well.
   window.controlClick(std::string(kPanel) + "sampling.count");
   window.key("ctrl+a");
-  window.type("500");
+  window.type("200");
   window.key("Return");
   window.click(std::string(kPanel) + "rebuild");
-  window.waitUntil("it is filled again", [](const Json &s) { return std::stod(row(s, "Phyxels")) < 1000.0; });
+  window.waitUntil("it is filled again", [](const Json &s) { return std::stod(row(s, "Phyxels")) < 300.0; });
   window.moveTo(window.inView(0.9, 0.1));
   window.key("space");
   window.waitUntil("it moves", [](const Json &s) { return s["transport"]["steps"] > 2; });

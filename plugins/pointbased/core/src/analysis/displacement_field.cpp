@@ -132,7 +132,7 @@ void DisplacementField::addHeld(const Body &body) {
   const Vec3 half = rest.spacing * Vec3(toIndex_.row(0).norm(), toIndex_.row(1).norm(), toIndex_.row(2).norm());
   Index present = StencilSet::kNoFrame;
   RigidMotion motion;
-  // Phyxels of a fix stand so close that most points are near many of them.
+  // Phyxels of a fix stand so close that most points are near many of them; each is asked for once.
   std::vector<Index> seen(grid_.count(), present), seenInReference(material_.size(), present);
   const auto isNew = [&present](Index &one) { return std::exchange(one, present) != present; };
   for (const auto &[phyxel, fix] : body.phyxelsNearSupports()) {
