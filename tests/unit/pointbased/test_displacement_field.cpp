@@ -367,6 +367,25 @@ TEST_CASE("what a support holds goes with it, wherever the phyxels beside its bo
   }
   CHECK(within > 1000);
 
+  // In the air around it the material that is told of stands off by as far as the patch has led it away.
+  DisplacementField withGaps(grid, true);
+  withGaps.add(*block.simulator.body(block.id), bindPoints(rest));
+  withGaps.write(0.02, written);
+  std::vector<float> gaps(grid.count());
+  withGaps.writeGaps(written, gaps);
+  std::size_t beside = 0;
+  for (std::size_t p = 0; p < grid.count(); ++p) {
+    const Vec3 place = grid.origin + grid.steps * Vec3(static_cast<double>(p % 30), static_cast<double>(p / 30 % 30),
+                                                       static_cast<double>(p / 900));
+    const Vec3 from = place - Vec3(written[3 * p], written[3 * p + 1], written[3 * p + 2]);
+    // All corners of the cell of the grid around it are in the patch.
+    if (gaps[p] == 0.0f || (from - block.centre).norm() > 0.02 - 0.002 * std::sqrt(3.0)) continue;
+    ++beside;
+    CHECK(std::abs(static_cast<double>(gaps[p]) - (block.led(from) - place).norm()) < 1e-6);
+  }
+  CAPTURE(beside);
+  CHECK(beside > 20);
+
   REQUIRE(block.simulator.restore(halfway));
   CHECK(block.distanceOfProbes() < kRoundOff);
   block.simulator.reset();

@@ -19,8 +19,8 @@ constexpr double kHeldWeight = 1e6;     // of what supports hold, beside what ca
 constexpr double kSliver = 0.25, kWhole = 0.5;  // of what its phyxels carry
 constexpr double kLeastVolume = 0.02;           // det F: below it a point does not say where anything has come from
 
-// Where an evaluation point stands now. Not by the mean of its phyxels: those that a sliver alone reaches are light, and
-// may be a decimetre from what they hardly carry.
+// Where an evaluation point stands now. Not by the mean of its phyxels: those that a sliver alone reaches are light,
+// and may be a decimetre from what they hardly carry.
 Vec3 presentPlace(const Body &body, std::size_t q, const Interpolation &points) {
   const RestState &rest = body.rest();
   const std::span<const Vec3> u = body.state().displacements;
@@ -132,7 +132,7 @@ void DisplacementField::addHeld(const Body &body) {
   const Vec3 half = rest.spacing * Vec3(toIndex_.row(0).norm(), toIndex_.row(1).norm(), toIndex_.row(2).norm());
   Index present = StencilSet::kNoFrame;
   RigidMotion motion;
-  // Phyxels of a fix stand so close that most points are near many of them; each is asked for once.
+  // Most points are near many phyxels of a fix; whether they lie in its region is asked once.
   std::vector<Index> seen(grid_.count(), present), seenInReference(material_.size(), present);
   const auto isNew = [&present](Index &one) { return std::exchange(one, present) != present; };
   for (const auto &[phyxel, fix] : body.phyxelsNearSupports()) {

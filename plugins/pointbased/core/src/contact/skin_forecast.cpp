@@ -100,7 +100,7 @@ bool SkinForecast::serves() {
     velocityBefore_[i] = v[i];
   }
   if (const double gained = last.ofVertices(skin_.skin()); gained > 0.0) velocityChange_ = gained;
-  const double gains = dt * velocityChange_, room = 0.5 * static_cast<double>(listed_ - near_) - gains;
+  const double ofChange = dt * velocityChange_, room = 0.5 * static_cast<double>(listed_ - near_) - ofChange;
   double off = 0.0;
   for (std::size_t k = 0; k < since.size(); ++k) {
     const double bound = deviations_[k].mostThen + since[k].ofVertices(skin_.skin());
@@ -108,7 +108,7 @@ bool SkinForecast::serves() {
   }
   begin_ = static_cast<float>(begin);
   end_ = static_cast<float>(begin + kFaster * dt);
-  deviation_ = static_cast<float>(2.0 * (off + gains));
+  deviation_ = static_cast<float>(2.0 * (off + ofChange));
   ++served_;
   return begin + kFaster * dt <= horizon_ * (1.0 + 1e-9) && deviation_ < listed_ - near_;
 }
