@@ -176,4 +176,10 @@ class SceneReader {
 /// What a preset says of a material, ids "material.…".
 [[nodiscard]] std::vector<SceneValue> valuesOf(const MaterialPreset &preset);
 
+/// Labels of larger numbers are renumbered when their map is read, and are known by the names of labels without a name.
+inline constexpr double kLargestLabel = 65535.0;
+[[nodiscard]] bool isLabelNumber(double number);
+/// "7", "label 70000"
+[[nodiscard]] std::string labelText(double number);
+
 }  // namespace c3de::scene

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // [image], and bodies that are made from a volume.
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "c3de/core/text.h"
@@ -16,6 +18,14 @@ const char *const kStill =
 const std::vector<std::string> kMendKeys{"opening", "closing", "largest", "fill_holes"};
 
 }  // namespace
+
+bool isLabelNumber(double number) {
+  return number >= 1.0 && number <= 9007199254740992.0 && number == std::floor(number);
+}
+
+std::string labelText(double number) {
+  return number <= kLargestLabel ? formatNumber(number) : fmt::format("label {:.0f}", number);
+}
 
 bool SceneReader::readImageFile(const std::string &key, const TomlValue &value, std::filesystem::path &out) {
   std::string text;
@@ -119,13 +129,12 @@ bool SceneReader::readStill(const TomlValue &value, SceneStill &out) {
                       "still.labels is " + member.kindName() +
                           "; accepted: names of labels ('*' for any text) or their numbers, [\"rib*\", 5]");
       for (const TomlValue &label : member.items) {
-        const bool isNumber =
-            label.isNumber() && label.num == std::floor(label.num) && label.num >= 1.0 && label.num <= 65535.0;
+        const bool isNumber = label.isNumber() && isLabelNumber(label.num);
         if (!isNumber && (label.kind != TomlValue::Kind::text || label.text.empty()))
           return refuse(label.line, "a label of still.labels is " +
                                         (label.isNumber() ? formatNumber(label.num) : label.kindName()) +
-                                        "; accepted: a name ('*' for any text), or a whole number 1 … 65535");
-        still.labels.push_back(isNumber ? formatNumber(label.num) : label.text);
+                                        "; accepted: a name ('*' for any text), or a whole number from 1");
+        still.labels.push_back(isNumber ? labelText(label.num) : label.text);
       }
     } else {
       return refuseKey(member.line, key, "still", kStillKeys);
@@ -171,11 +180,15 @@ bool SceneReader::volumeKey(SceneVolume &volume, const std::string &key, const T
     }
     double number = 0.0;
     if (!readNumber(key, "the number or the name of a label", value, number)) return false;
-    if (number != std::floor(number) || !(number >= 1.0 && number <= 65535.0))
-      return refuse(value.line, "label is " + formatNumber(number) +
-                                    "; accepted: a whole number 1 … 65535, or the name of a label");
-    volume.label = static_cast<std::uint16_t>(number);
+    if (!isLabelNumber(number))
+      return refuse(value.line,
+                    "label is " + formatNumber(number) + "; accepted: a whole number from 1, or the name of a label");
+    volume.label.reset();
     volume.labelName.clear();
+    if (number > kLargestLabel)
+      volume.labelName = labelText(number);
+    else
+      volume.label = static_cast<std::uint16_t>(number);
     return true;
   }
   if (key == "threshold") return readThreshold(value, volume.threshold);

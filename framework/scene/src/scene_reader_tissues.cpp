@@ -20,7 +20,7 @@ const char *const kBackground = "{ material = \"fat\", image = \"ct.nii.gz\", fr
 const char *const kSlides =
     "[\"liver\", \"lung*\", 5]; labels in brackets are one piece, [[\"liver\", \"gallbladder\"]]";
 constexpr std::size_t kMostSlides = 254;  // numbers of pieces are bytes
-const char *const kLabel = "the name of a label ('*' for any text), its number, 1 … 65535, or a list of them";
+const char *const kLabel = "the name of a label ('*' for any text), its number, or a list of them";
 constexpr std::size_t kMostNames = 3;
 const char *const kRule =
     "a label, or a name with a threshold of values or a margin around tissues before it, "
@@ -29,12 +29,11 @@ const char *const kRule =
 }  // namespace
 
 bool SceneReader::readLabel(const std::string &place, const TomlValue &value, std::string &out) {
-  const bool isNumber =
-      value.isNumber() && value.num == std::floor(value.num) && value.num >= 1.0 && value.num <= 65535.0;
+  const bool isNumber = value.isNumber() && isLabelNumber(value.num);
   if (!isNumber && (value.kind != TomlValue::Kind::text || value.text.empty()))
     return refuse(value.line,
                   place + (value.isNumber() ? formatNumber(value.num) : value.kindName()) + "; accepted: " + kLabel);
-  out = isNumber ? formatNumber(value.num) : value.text;
+  out = isNumber ? labelText(value.num) : value.text;
   return true;
 }
 

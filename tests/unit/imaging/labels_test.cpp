@@ -20,19 +20,97 @@ const std::string kPlaced = "space: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,
 
 }  // namespace
 
-TEST_CASE("Labels are whole numbers that are not negative, the first voxel that is none is named", "[imaging]") {
+TEST_CASE("Labels are whole numbers, and the first voxel that is none is named", "[imaging]") {
   const auto good = readLabelMap(textNrrd("good.nrrd", "float", "2 2 1", "0 3 3 17", kPlaced));
   REQUIRE(good);
   REQUIRE(good->labels.labels.size() == 2);
   CHECK(good->labels.labels[0].name == "label 3");
   CHECK(good->labels.labels[1].value == 17);
+  CHECK(good->notices.empty());
   for (const auto &[voxels, wrong] : {std::pair{"0 1 2.5 3", "voxel (0, 1, 0) is 2.5"},
-                                      {"0 -1 2 3", "voxel (1, 0, 0) is -1"},
-                                      {"0 1 2 70000", "voxel (1, 1, 0) is 70000"}}) {
+                                      {"0 1 2.02 3", "voxel (0, 1, 0) is 2.0"},
+                                      {"0 -1 2 -1024", "holds -1 and, at voxel (1, 1, 0), -1024"}}) {
     const auto refused = readLabelMap(textNrrd("bad.nrrd", "float", "2 2 1", voxels, kPlaced));
     REQUIRE_FALSE(refused);
-    CHECK_THAT(refused.error().message, Contains(wrong) && Contains("0 to 65535"));
+    CHECK_THAT(refused.error().message, Contains(wrong) && Contains("accepted as labels: whole numbers from 0"));
   }
+}
+
+TEST_CASE("Labels that are nearly whole are rounded, and what is no number is background, with a notice", "[imaging]") {
+  using Labels = std::vector<std::uint16_t>;
+  struct Case {
+    const char *type, *voxels;
+    Labels expected;
+    std::vector<const char *> notices;
+  };
+  const std::vector<Case> cases{
+      {"float",
+       "0 4.9999 4.9999 1",
+       {0, 5, 5, 1},
+       {"2 voxels are not a whole number, by up to 0.0001", "(1, 0, 0) is 4.99"}},
+      {"double", "5.0001 0 0 5", {5, 0, 0, 5}, {"1 voxel is not a whole number"}},
+      {"float", "-0.001 5 5.009 5", {0, 5, 5, 5}, {"2 voxels are not a whole number, by up to 0.009"}},
+      {"float", "nan 5 nan 5", {0, 5, 0, 5}, {"2 voxels are not finite numbers and are taken for background"}},
+      {"double", "nan 5 0 5", {0, 5, 0, 5}, {"1 voxel is not a finite number and is taken for background"}},
+      {"short", "-1 5 0 5", {0, 5, 0, 5}, {"1 voxel of -1 is taken for background"}},
+      {"float", "-1 5 -1 5", {0, 5, 0, 5}, {"2 voxels of -1 are taken for background"}},
+      {"int", "-32768 5 -32768 7", {0, 5, 0, 7}, {"2 voxels of -32768"}},
+      {"float", "-0.9999 5 nan 6.999", {0, 5, 0, 7}, {"of -1 is taken", "not a finite", "2 voxels are not a whole"}},
+      {"float", "0 5 5 6", {0, 5, 5, 6}, {}}};
+  for (const Case &one : cases) {
+    CAPTURE(one.voxels);
+    const auto read = readLabelMap(textNrrd("nearly.nrrd", one.type, "2 2 1", one.voxels, kPlaced));
+    if (!read) FAIL(read.error().message);
+    CHECK(read->labels.voxels == one.expected);
+    CHECK(read->notices.empty() == one.notices.empty());
+    for (const char *notice : one.notices) CHECK(says(read->notices, notice));
+  }
+}
+
+TEST_CASE("Labels above 65535 are renumbered and keep their names", "[imaging]") {
+  // Of the mouse brain atlas of the Allen Institute, whose numbers reach 614454277.
+  const auto file = textNrrd("atlas.nrrd", "uint32", "2 2 2", "0 1 70000 614454277 3 70000 0 1", kPlaced);
+  const auto plain = readLabelMap(file);
+  if (!plain) FAIL(plain.error().message);
+  CHECK(plain->labels.voxels == std::vector<std::uint16_t>{0, 1, 2, 4, 3, 2, 0, 1});
+  REQUIRE(plain->labels.labels.size() == 4);
+  CHECK(plain->labels.labels[1].name == "label 70000");
+  CHECK(plain->labels.labels[3].name == "label 614454277");
+  CHECK(says(plain->notices, "2 labels above 65535 are renumbered: 70000 is 2, 614454277 is 4"));
+
+  // A number that the table names stays free for it.
+  const auto beside = write(testOutputFolder() / "atlas.txt", "2 cortex\n614454277 supraoculomotor\n");
+  const auto named = readLabelMap(file);
+  std::filesystem::remove(beside);
+  REQUIRE(named);
+  CHECK(named->labels.voxels == std::vector<std::uint16_t>{0, 1, 4, 5, 3, 4, 0, 1});
+  CHECK(named->labels.labels.back().name == "supraoculomotor");
+  CHECK(named->labels.labels[2].name == "label 70000");
+
+  std::string many;
+  for (int n = 1; n <= 65536; ++n) many += std::to_string(n + (n > 65535 ? 10 : 0)) + " ";
+  const auto refused = readLabelMap(textNrrd("toomany.nrrd", "uint32", "256 256 1", many, kPlaced));
+  REQUIRE_FALSE(refused);
+  CHECK_THAT(refused.error().message, Contains("more than 65535 different"));
+}
+
+TEST_CASE("Label maps that other programs have spoilt are read", "[imaging]") {
+  {
+    C3DE_DATA_OR_SKIP(file, "found/labels/almost.nii.gz");
+    const auto read = readLabelMap(file);
+    if (!read) FAIL(read.error().message);
+    REQUIRE(read->labels.labels.size() == 2);
+    CHECK(read->labels.labels[0].value == 5);
+    CHECK(read->labels.labels[1].value == 7015);
+    CHECK(says(read->notices, "8257 voxels are not a whole number, by up to 0.00049, and rounded to the label"));
+  }
+  C3DE_DATA_OR_SKIP(file, "found/labels/nanbg.nii.gz");
+  const auto read = readLabelMap(file);
+  if (!read) FAIL(read.error().message);
+  REQUIRE(read->labels.labels.size() == 2);
+  CHECK(read->labels.labels[0].value == 5);
+  CHECK(read->labels.labels[1].value == 7);
+  CHECK(says(read->notices, "55743 voxels are not finite numbers and are taken for background"));
 }
 
 TEST_CASE("Names come from a table beside the file, in each of its forms", "[imaging]") {

@@ -128,6 +128,6 @@ TEST_CASE("Bad values of what stays are refused with what is accepted", "[scene]
   CHECK_THAT(errorOf(imaged("still = { above = nan }\n")), Contains("still.above"));
   CHECK_THAT(errorOf(imaged("still = { above = 100, below = 200 }\n")), Contains("leave nothing that moves"));
   CHECK_THAT(errorOf(imaged("still = { labels = [\"rib*\"] }\n")), Contains("there is no 'labels'"));
-  CHECK_THAT(errorOf(imaged("labels = \"block.obj\"\nstill = { labels = [0] }\n")), Contains("1 … 65535"));
+  CHECK_THAT(errorOf(imaged("labels = \"block.obj\"\nstill = { labels = [0] }\n")), Contains("a whole number from 1"));
   CHECK_THAT(errorOf(imaged("labels = \"block.obj\"\nstill = { labels = [] }\n")), Contains("names of labels"));
 }

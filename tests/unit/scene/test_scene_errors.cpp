@@ -176,7 +176,7 @@ TEST_CASE("Every mistake in a scene is refused with file, line, what is wrong an
       {"a volume without a part", kVolume, "", "neither 'label' nor 'threshold'", "threshold = [lowest, highest]"},
       {"a volume with two parts", kVolume + "label = 1\nthreshold = [1, 2]\n", "", "both 'label' and 'threshold'",
        "label = 5"},
-      {"the background as a body", kVolume + "label = 0\n", ":4: ", "label is 0", "1 … 65535"},
+      {"the background as a body", kVolume + "label = 0\n", ":4: ", "label is 0", "a whole number from 1"},
       {"limits the wrong way round", kVolume + "threshold = [2, 1]\n", ":4: ", "2 and 1 leave nothing",
        "[lowest, highest]"},
       {"a misspelt mending", kVolume + "label = 1\nmend = { clossing = 1 }\n", ":5: ", "unknown key 'clossing'",

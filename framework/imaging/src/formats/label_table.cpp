@@ -11,7 +11,8 @@
 namespace c3de::imaging {
 namespace {
 
-bool isLabel(double x) { return x >= 0.0 && x <= 65535.0 && x == std::floor(x); }
+/// Doubles hold all whole numbers up to 2^53.
+bool isLabel(double x) { return x >= 0.0 && x <= 9007199254740992.0 && x == std::floor(x); }
 
 /// ITK-SNAP: number r g b alpha visible mesh "name".
 bool takeItkSnap(const std::string &line, LabelTable &table) {
@@ -19,7 +20,7 @@ bool takeItkSnap(const std::string &line, LabelTable &table) {
   if (from == std::string::npos || to <= from) return false;
   const auto n = numbersIn(line.substr(0, from));
   if (n.size() != 7 || !isLabel(n[0])) return false;
-  table[static_cast<std::uint16_t>(n[0])] = {line.substr(from + 1, to - from - 1),
+  table[static_cast<std::uint64_t>(n[0])] = {line.substr(from + 1, to - from - 1),
                                              true,
                                              {linearOf(n[1] / 255.0), linearOf(n[2] / 255.0), linearOf(n[3] / 255.0)}};
   return true;
@@ -63,7 +64,7 @@ LabelTable readLabelTable(const std::filesystem::path &path) {
       entry.coloured = true;
       for (std::size_t c = 0; c < 3; ++c) entry.colour[c] = linearOf(rgb[c] / 255.0);
     }
-    table[static_cast<std::uint16_t>(number)] = entry;
+    table[static_cast<std::uint64_t>(number)] = entry;
   }
   return table;
 }
@@ -115,7 +116,7 @@ std::vector<LabelTable> segmentsOf(const std::vector<std::pair<std::string, std:
     if (!isLabel(segment.value) || segment.entry.name.empty()) continue;
     const double layer = std::max(segment.layer, 0.0);
     if (layer < static_cast<double>(layers))
-      tables[static_cast<std::size_t>(layer)][static_cast<std::uint16_t>(segment.value)] = segment.entry;
+      tables[static_cast<std::size_t>(layer)][static_cast<std::uint64_t>(segment.value)] = segment.entry;
   }
   return tables;
 }
@@ -140,7 +141,7 @@ LabelTable caretLabelsOf(const std::string &xml) {
     at = end + close.size();
     const double value = attribute("Key");
     if (!isLabel(value) || name.empty()) continue;
-    LabelName &entry = table[static_cast<std::uint16_t>(value)];
+    LabelName &entry = table[static_cast<std::uint64_t>(value)];
     entry.name = name;
     const std::array<double, 3> rgb{attribute("Red"), attribute("Green"), attribute("Blue")};
     entry.coloured = std::all_of(rgb.begin(), rgb.end(), [](double x) { return x >= 0.0 && x <= 1.0; });

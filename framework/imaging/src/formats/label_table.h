@@ -12,7 +12,8 @@ struct LabelName {
   bool coloured = false;
   std::array<float, 3> colour{};  ///< linear RGB
 };
-using LabelTable = std::map<std::uint16_t, LabelName>;
+/// By the number in the file, which may be above those of LabelMap.
+using LabelTable = std::map<std::uint64_t, LabelName>;
 
 /// Lines of `number name …` (MRIcron), ITK-SNAP's label description, or Slicer's and FreeSurfer's `number name r g b
 /// a`.

@@ -101,13 +101,14 @@ Expected<LoadedLabels> readMaskFolder(const std::filesystem::path &folder,
                               std::to_string(kMostMasks) + " masks, or one label map");
   Layers layers(folder, options.memoryLimit);
   VolumeGeometry grid;
-  std::vector<std::string> empty;
+  std::vector<std::string> empty, notices;
   for (std::size_t f = 0; f < files.size(); ++f) {
     ReadOptions one = options;
     one.progress = partOf(options.progress, static_cast<double>(f) / static_cast<double>(files.size()),
                           static_cast<double>(f + 1) / static_cast<double>(files.size()));
     auto read = readLabelMap(files[f], one);
     if (!read) return tl::unexpected(read.error());
+    for (const std::string &notice : read->notices) notices.push_back(files[f].filename().string() + ": " + notice);
     const LabelMap &mask = read->labels;
     if (!read->layers.empty() || mask.labels.size() > 1)
       return refuse(files[f], "holds " + std::to_string(mask.labels.size()) +
@@ -138,6 +139,7 @@ Expected<LoadedLabels> readMaskFolder(const std::filesystem::path &folder,
   if (shared > 0)
     text += "; they share " + std::to_string(shared) + " voxels and lie in " + std::to_string(all.size()) + " layers";
   out.notices.push_back(text + ".");
+  out.notices.insert(out.notices.end(), notices.begin(), notices.end());
   if (!empty.empty()) out.notices.push_back("Masks without a voxel: " + listOf(empty) + ".");
   out.labels.geometry = grid;
   if (all.empty()) {

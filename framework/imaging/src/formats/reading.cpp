@@ -13,6 +13,7 @@
 #include "formats/colours.h"
 #include "formats/image_header.h"
 #include "formats/label_table.h"
+#include "formats/label_values.h"
 #include "formats/mask_folder.h"
 #include "formats/voxel_reader.h"
 
@@ -80,41 +81,26 @@ Expected<LoadedVolume> readFile(const ImageHeader &header, const ReadOptions &op
   return out;
 }
 
-/// Whole numbers 0 … 65535, or the first voxel that is none.
-template <class T>
-std::optional<std::size_t> toLabels(const std::vector<T> &voxels, double slope, double intercept,
-                                    std::vector<std::uint16_t> &labels) {
-  labels.resize(voxels.size());
-  const bool plain = slope == 1.0 && intercept == 0.0;
-  for (std::size_t v = 0; v < voxels.size(); ++v) {
-    const double value = plain ? static_cast<double>(voxels[v]) : slope * static_cast<double>(voxels[v]) + intercept;
-    if (!(value >= 0.0 && value <= 65535.0) || value != std::floor(value)) return v;
-    labels[v] = static_cast<std::uint16_t>(value);
-  }
-  return std::nullopt;
-}
-
 /// @param table  names and colours; what it does not know is numbered
-Expected<LabelMap> labelsOf(const std::filesystem::path &path, const Volume &volume, const LabelTable &table) {
+/// @param notices  sentences are added
+Expected<LabelMap> labelsOf(const std::filesystem::path &path, const Volume &volume, const LabelTable &table,
+                            std::vector<std::string> &notices) {
+  auto values = labelValuesOf(path, volume, table);
+  if (!values) return tl::unexpected(values.error());
+  notices.insert(notices.end(), values->notices.begin(), values->notices.end());
   LabelMap map;
   map.geometry = volume.geometry;
-  const auto wrong = std::visit(
-      [&](const auto &all) { return toLabels(all, volume.slope, volume.intercept, map.voxels); }, volume.voxels);
-  if (wrong) {
-    const auto &size = volume.geometry.size;
-    const std::size_t i = *wrong % size[0], j = *wrong / size[0] % size[1], k = *wrong / (size[0] * size[1]);
-    return refuse(path, "is no label map: voxel (" + std::to_string(i) + ", " + std::to_string(j) + ", " +
-                            std::to_string(k) + ") is " + formatNumber(volume.value(i, j, k)) +
-                            "; whole numbers from 0 to 65535 are labels");
-  }
+  map.voxels = std::move(values->voxels);
   std::vector<bool> occurs(65536, false);
   for (const std::uint16_t label : map.voxels) occurs[label] = true;
   for (std::size_t value = 1; value < occurs.size(); ++value) {
     if (!occurs[value]) continue;
     const auto number = static_cast<std::uint16_t>(value);
-    const auto named = table.find(number);
+    const auto renumbered = values->original.find(number);
+    const std::uint64_t original = renumbered == values->original.end() ? value : renumbered->second;
+    const auto named = table.find(original);
     const bool known = named != table.end() && !named->second.name.empty();
-    map.labels.push_back({number, known ? named->second.name : "label " + std::to_string(value),
+    map.labels.push_back({number, known ? named->second.name : "label " + std::to_string(original),
                           known && named->second.coloured ? named->second.colour : distinctColour(map.labels.size())});
   }
   return map;
@@ -125,7 +111,7 @@ tl::unexpected<Error> hasOneTime(const std::filesystem::path &path, std::size_t 
 }
 
 tl::unexpected<Error> holdsColours(const std::filesystem::path &path) {
-  return refuse(path, "is no label map: it holds colours; labels are whole numbers from 0 to 65535, one per voxel");
+  return refuse(path, "is no label map: it holds colours; labels are whole numbers from 0, one per voxel");
 }
 
 /// A segmentation, or an image whose values are numbers of labels.
@@ -138,7 +124,7 @@ Expected<LoadedLabels> readDicomLabels(const std::filesystem::path &path, const 
   if (!loaded->volume.colours.empty()) return holdsColours(path);
   LoadedLabels out;
   out.notices = loaded->notices;
-  auto map = labelsOf(path, loaded->volume, {});
+  auto map = labelsOf(path, loaded->volume, {}, out.notices);
   if (!map) return tl::unexpected(map.error());
   out.labels = std::move(*map);
   return out;
@@ -199,13 +185,13 @@ Expected<LoadedLabels> readLabelMap(const std::filesystem::path &path, const Rea
     auto loaded = readFile(*header, one);
     if (!loaded) return tl::unexpected(loaded.error());
     if (layer == 0) out.notices.insert(out.notices.begin(), loaded->notices.begin(), loaded->notices.end());
-    auto map = labelsOf(path, loaded->volume, tables[layer]);
+    auto map = labelsOf(path, loaded->volume, tables[layer], out.notices);
     if (!map) return tl::unexpected(map.error());
     // Tables beside a file are of all labels that a method knows, those within it of this file.
     if (isNamed)
       for (const auto &[value, entry] : tables[layer])
         if (std::none_of(map->labels.begin(), map->labels.end(),
-                         [&, number = value](const LabelMap::Label &label) { return label.value == number; }))
+                         [&named = entry.name](const LabelMap::Label &label) { return label.name == named; }))
           empty.push_back(entry.name);
     if (layer == 0)
       out.labels = std::move(*map);

@@ -64,7 +64,8 @@ struct SeriesInfo {
 /// than allowed (the message names both figures).
 [[nodiscard]] Expected<LoadedVolume> readVolume(const std::filesystem::path &path, const ReadOptions &options = {});
 
-/// Reads whole numbers 0 … 65535 as labels. Names and colours come from the file (segments of NRRD; the label table
+/// Reads whole numbers from 0 as labels. With a notice: values off by up to 0.01 are rounded, what is not finite and one
+/// negative value are background, numbers above 65535 get free ones. Names and colours come from the file (segments of NRRD; the label table
 /// that Connectome Workbench and TotalSegmentator put into NIfTI) or a table beside it: for a.nii.gz that is a.nii.txt,
 /// a.nii.label, a.label, a.txt or a.ctbl with lines of `number name`, of ITK-SNAP or of Slicer. A single label that
 /// nobody named is called after the file (nameFromFile()). Segments of 3D Slicer or DICOM that overlap lie in layers,
