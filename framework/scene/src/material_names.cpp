@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "c3de/core/text.h"
@@ -34,7 +35,9 @@ constexpr Tissue kTumour{"tumour", "breast_idc_high", "taken for breast cancer: 
     kOesophagus{"oesophagus", "stomach", "taken for the stomach"},
     kBladder{"urinary bladder", "stomach", "taken for the stomach; what fills it is not in it"},
     kAdrenalGland{"adrenal gland", "pancreas", "taken for the pancreas, a gland too"},
-    kDisc{"intervertebral disc", "cartilage", "taken for cartilage"},
+    kDisc{"intervertebral disc", "cartilage", "taken for cartilage"}, kMarrow{"bone marrow", "fat", "taken for fat"},
+    kSalivaryGland{"salivary gland", "pancreas", "taken for the pancreas, a gland too"},
+    kUterus{"uterus", "muscle_skeletal_rest", "smooth muscle, taken for muscle at rest"},
     kBrain{"brain", "brain_grey", "all of it taken for grey matter"},
     kBrainStem{"brain stem", "brain_white", "taken for white matter"},
     kSpinalCord{"spinal cord", "brain_white", "taken for white matter"},
@@ -43,7 +46,7 @@ constexpr Tissue kTumour{"tumour", "breast_idc_high", "taken for breast cancer: 
 // Labels of airways show what fills them. Their wall, thinner than most voxels, is where the image shows tissue.
 constexpr Tissue kAir{"air", "", "no tissue: the wall is what an image shows there"};
 
-/// All words of a row must occur; the first row that fits and whose preset exists is taken.
+/// All words of a row must occur, as wordsOf() has them; the first row that fits and whose preset exists is taken.
 struct Row {
   std::array<std::string_view, 2> words;
   const Tissue &tissue;
@@ -65,35 +68,55 @@ constexpr Row kRows[] = {
     {{"renal", "cyst"}, kKidneyCyst},
     {{"bile", "duct"}, kBileDuct},
     {{"hepatic", "artery"}, kHepaticArtery},
+    {{"artery", "lumen"}, kArtery},
     {{"artery", ""}, kArtery},
+    {{"aorta", "lumen"}, kArtery},
     {{"aorta", ""}, kArtery},
     {{"brachiocephalic", "trunk"}, kArtery},
     {{"coeliac", "trunk"}, kArtery},
     {{"celiac", "trunk"}, kArtery},
+    {{"brachiocephalicus", "truncus"}, kArtery},
     {{"pulmonary", "trunk"}, kArtery},
+    {{"vein", "lumen"}, kVein},
+    {{"vena", "lumen"}, kVein},
     {{"vein", ""}, kVein},
     {{"vena", ""}, kVein},
     {{"ivc", ""}, kVein},
     {{"svc", ""}, kVein},
+    {{"postcava", ""}, kVein},
     {{"venous", "sinus"}, kVein},
-    {{"venous", "sinuse"}, kVein},
+    {{"blood", "vessel"}, kVein},
     {{"vessel", ""}, kVein},
     {{"optic", "nerve"}, kWhiteMatter},
+    {{"optic", "disc"}, kWhiteMatter},
     {{"cerebrospinal", "fluid"}, kFluid},
     {{"csf", ""}, kFluid},
     {{"subarachnoid", "space"}, kFluid},
+    {{"trachea", "lumen"}, kAir},
+    {{"bronchus", "lumen"}, kAir},
+    {{"airway", "lumen"}, kAir},
     {{"trachea", ""}, kAir},
     {{"bronchus", ""}, kAir},
-    {{"bronchi", ""}, kAir},
     {{"bronchia", ""}, kAir},
     {{"airway", ""}, kAir},
     {{"air", ""}, kAir},
+    {{"gas", ""}, kAir},
+    // What surrounds organs and is named after them, before these.
+    {{"fat", ""}, kFat},
+    {{"adipose", ""}, kFat},
+    {{"marrow", ""}, kMarrow},
+    {{"intervertebral", "disc"}, kDisc},
+    {{"disc", ""}, kDisc},
+    {{"cartilage", ""}, kCartilage},
+    {{"sterno", "thyroid"}, kMuscle},
     // Trunk.
     {{"liver", "cirrhosis"}, kDiseasedLiver},
     {{"liver", "fibrosis"}, kDiseasedLiver},
     {{"liver", "diseased"}, kDiseasedLiver},
     {{"gallbladder", ""}, kGallbladder},
     {{"gall", "bladder"}, kGallbladder},
+    {{"vesica", "fellea"}, kGallbladder},
+    {{"vesica", "biliaris"}, kGallbladder},
     {{"liver", ""}, kLiver},
     {{"adrenal", ""}, kAdrenalGland},
     {{"suprarenal", ""}, kAdrenalGland},
@@ -101,17 +124,24 @@ constexpr Row kRows[] = {
     {{"renal", ""}, kKidney},
     {{"spleen", ""}, kSpleen},
     {{"pancreas", ""}, kPancreas},
+    {{"ventricle", "horn"}, kFluid},
+    {{"ventricle", "trigone"}, kFluid},
+    {{"ventricle", "body"}, kFluid},
     {{"heart", ""}, kHeart},
+    {{"cardiac", ""}, kHeart},
     {{"myocardium", ""}, kHeart},
     {{"atrium", ""}, kHeart},
     {{"atrial", "appendage"}, kHeart},
     {{"lung", ""}, kLung},
+    {{"pulmonary", ""}, kLung},
     {{"stomach", ""}, kStomach},
+    {{"gastric", ""}, kStomach},
     {{"oesophagus", ""}, kOesophagus},
     {{"esophagus", ""}, kOesophagus},
     {{"bowel", ""}, kBowel},
     {{"intestine", ""}, kBowel},
     {{"duodenum", ""}, kBowel},
+    {{"zwoelffingerdarm", ""}, kBowel},
     {{"jejunum", ""}, kBowel},
     {{"ileum", ""}, kBowel},
     {{"colon", ""}, kBowel},
@@ -120,11 +150,19 @@ constexpr Row kRows[] = {
     {{"sigmoid", ""}, kBowel},
     {{"rectum", ""}, kBowel},
     {{"bladder", ""}, kBladder},
+    {{"vesica", ""}, kBladder},
     {{"thyroid", ""}, kThyroid},
+    {{"parotid", ""}, kSalivaryGland},
+    {{"submandibular", ""}, kSalivaryGland},
+    {{"salivary", ""}, kSalivaryGland},
     {{"prostate", ""}, kProstate},
+    {{"uterus", ""}, kUterus},
     {{"breast", ""}, kBreast},
     // Brain.
     {{"spinal", "cord"}, kSpinalCord},
+    {{"spinalcord", ""}, kSpinalCord},
+    {{"medulla", "spinalis"}, kSpinalCord},
+    {{"rueckenmark", ""}, kSpinalCord},
     {{"choroid", "plexus"}, kChoroidPlexus},
     {{"white", "matter"}, kWhiteMatter},
     {{"wm", ""}, kWhiteMatter},
@@ -167,8 +205,6 @@ constexpr Row kRows[] = {
     {{"brain", ""}, kBrain},
     {{"cerebrum", ""}, kBrain},
     // What there is everywhere.
-    {{"intervertebral", "disc"}, kDisc},
-    {{"cartilage", ""}, kCartilage},
     {{"muscle", ""}, kMuscle},
     {{"gluteus", ""}, kMuscle},
     {{"iliopsoas", ""}, kMuscle},
@@ -177,9 +213,49 @@ constexpr Row kRows[] = {
     {{"diaphragm", ""}, kMuscle},
     {{"quadriceps", ""}, kMuscle},
     {{"sartorius", ""}, kMuscle},
+    {{"adductor", ""}, kMuscle},
+    {{"biceps", ""}, kMuscle},
+    {{"constrictor", ""}, kMuscle},
+    {{"coracobrachial", ""}, kMuscle},
+    {{"coracobrachialis", ""}, kMuscle},
+    {{"deltoid", ""}, kMuscle},
+    {{"deltoideus", ""}, kMuscle},
+    {{"erector", ""}, kMuscle},
+    {{"gastrocnemius", ""}, kMuscle},
+    {{"gracilis", ""}, kMuscle},
+    {{"hamstring", ""}, kMuscle},
+    {{"iliacus", ""}, kMuscle},
+    {{"infraspinatus", ""}, kMuscle},
+    {{"latissimus", ""}, kMuscle},
+    {{"levator", ""}, kMuscle},
+    {{"masseter", ""}, kMuscle},
+    {{"multifidus", ""}, kMuscle},
+    {{"oblique", ""}, kMuscle},
+    {{"obturator", ""}, kMuscle},
+    {{"pectoralis", ""}, kMuscle},
+    {{"piriformis", ""}, kMuscle},
+    {{"platysma", ""}, kMuscle},
+    {{"prevertebral", ""}, kMuscle},
+    {{"pterygoid", ""}, kMuscle},
+    {{"quadratus", ""}, kMuscle},
+    {{"rectus", ""}, kMuscle},
+    {{"scalene", ""}, kMuscle},
+    {{"semimembranosus", ""}, kMuscle},
+    {{"semitendinosus", ""}, kMuscle},
+    {{"serratus", ""}, kMuscle},
+    {{"soleus", ""}, kMuscle},
+    {{"sternocleidomastoid", ""}, kMuscle},
+    {{"subscapularis", ""}, kMuscle},
+    {{"supraspinatus", ""}, kMuscle},
+    {{"temporalis", ""}, kMuscle},
+    {{"tibialis", ""}, kMuscle},
+    {{"teres", ""}, kMuscle},
+    {{"thyrohyoid", ""}, kMuscle},
+    {{"transversospinalis", ""}, kMuscle},
+    {{"trapezius", ""}, kMuscle},
+    {{"triceps", ""}, kMuscle},
+    {{"thigh", "compartment"}, kMuscle},
     {{"skin", ""}, kSkin},
-    {{"fat", ""}, kFat},
-    {{"adipose", ""}, kFat},
     {{"bone", ""}, kBone},
     {{"skeleton", ""}, kBone},
     {{"skull", ""}, kBone},
@@ -210,44 +286,243 @@ constexpr Row kRows[] = {
     {{"scapula", ""}, kBone},
     {{"clavicula", ""}, kBone},
     {{"clavicle", ""}, kBone},
+    {{"hard", "palate"}, kBone},
+    {{"calcaneus", ""}, kBone},
+    {{"coccyx", ""}, kBone},
+    {{"costa", ""}, kBone},
+    {{"femoral", ""}, kBone},
+    {{"humeral", ""}, kBone},
+    {{"hyoid", ""}, kBone},
+    {{"ilium", ""}, kBone},
+    {{"ischium", ""}, kBone},
+    {{"jaw", ""}, kBone},
+    {{"jawbone", ""}, kBone},
+    {{"manubrium", ""}, kBone},
+    {{"maxilla", ""}, kBone},
+    {{"pubis", ""}, kBone},
+    {{"ribcage", ""}, kBone},
+    {{"styloid", ""}, kBone},
+    {{"talus", ""}, kBone},
+    {{"vertebral", ""}, kBone},
+    {{"zygomatic", ""}, kBone},
 };
 
-/// In a name, these say that it is something in the organ or beside it.
-constexpr std::string_view kOthers[] = {"tumour", "lesion", "nodule", "cyst",  "vessel", "vein",  "vena",
-                                        "artery", "duct",   "nerve",  "fluid", "csf",    "space", "cavity",
-                                        "canal",  "lumen",  "stone",  "stent", "implant"};
+/// In a name, these say that it is something in the organ or beside it: a row with one of them is meant.
+constexpr std::string_view kBesides[] = {"tumour", "vessel", "vein", "vena", "artery",
+                                         "nerve",  "fluid",  "csf",  "space"};
+/// Likewise, and the row has to have all of them that the name has.
+constexpr std::string_view kOthers[] = {
+    "lesion",   "nodule",  "cyst",     "duct",     "cavity",        "canal",      "lumen",       "stone",
+    "stent",    "implant", "thrombus", "plaque",   "calcification", "haematoma",  "haemorrhage", "bleed",
+    "blood",    "abscess", "oedema",   "effusion", "content",       "screw",      "catheter",    "electrode",
+    "needle",   "clip",    "coil",     "wire",     "tube",          "prosthesis", "pacemaker",   "marker",
+    "ligament", "tendon",  "valve",    "node",     "gtv",           "ctv",        "ptv"};
 
-/// Words for the same, as they are in the rows.
-std::string_view usual(std::string_view word) {
-  for (const std::string_view tumour :
-       {"tumor", "tumors", "tumours", "cancer", "carcinoma", "metastasis", "metastases", "neoplasm"})
-    if (word == tumour) return "tumour";
-  return word == "gray" ? std::string_view("grey") : word;
+/// Words for the same, as the rows have them: spellings, and the German and Latin names of organs.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 103> kSynonyms{{{"tumor", "tumour"},
+                                                                                    {"cancer", "tumour"},
+                                                                                    {"carcinoma", "tumour"},
+                                                                                    {"metastasis", "tumour"},
+                                                                                    {"metastases", "tumour"},
+                                                                                    {"neoplasm", "tumour"},
+                                                                                    {"gray", "grey"},
+                                                                                    {"disk", "disc"},
+                                                                                    {"hematoma", "haematoma"},
+                                                                                    {"hemorrhage", "haemorrhage"},
+                                                                                    {"bleeding", "bleed"},
+                                                                                    {"edema", "oedema"},
+                                                                                    {"thrombosed", "thrombus"},
+                                                                                    {"calcified", "calcification"},
+                                                                                    {"aortic", "aorta"},
+                                                                                    {"aortae", "aorta"},
+                                                                                    {"arota", "aorta"},
+                                                                                    {"hauptschlagader", "aorta"},
+                                                                                    {"arteria", "artery"},
+                                                                                    {"arterie", "artery"},
+                                                                                    {"venacava", "vena"},
+                                                                                    {"vene", "vein"},
+                                                                                    {"vv", "vein"},
+                                                                                    {"hohlvene", "vena"},
+                                                                                    {"pfortader", "vein"},
+                                                                                    {"gefaess", "vessel"},
+                                                                                    {"gefaesse", "vessel"},
+                                                                                    {"vas", "vessel"},
+                                                                                    {"vasculature", "vessel"},
+                                                                                    {"links", "left"},
+                                                                                    {"linke", "left"},
+                                                                                    {"linker", "left"},
+                                                                                    {"linkes", "left"},
+                                                                                    {"sinister", "left"},
+                                                                                    {"sinistra", "left"},
+                                                                                    {"sinistrum", "left"},
+                                                                                    {"sin", "left"},
+                                                                                    {"lt", "left"},
+                                                                                    {"rechts", "right"},
+                                                                                    {"rechte", "right"},
+                                                                                    {"rechter", "right"},
+                                                                                    {"rechtes", "right"},
+                                                                                    {"dexter", "right"},
+                                                                                    {"dextra", "right"},
+                                                                                    {"dextrum", "right"},
+                                                                                    {"dex", "right"},
+                                                                                    {"rt", "right"},
+                                                                                    {"leber", "liver"},
+                                                                                    {"hepar", "liver"},
+                                                                                    {"niere", "kidney"},
+                                                                                    {"nebenniere", "adrenal"},
+                                                                                    {"suprarenalis", "adrenal"},
+                                                                                    {"milz", "spleen"},
+                                                                                    {"lien", "spleen"},
+                                                                                    {"magen", "stomach"},
+                                                                                    {"gaster", "stomach"},
+                                                                                    {"pankreas", "pancreas"},
+                                                                                    {"bauchspeicheldruese", "pancreas"},
+                                                                                    {"gallenblase", "gallbladder"},
+                                                                                    {"harnblase", "bladder"},
+                                                                                    {"blase", "bladder"},
+                                                                                    {"herz", "heart"},
+                                                                                    {"herzmuskel", "heart"},
+                                                                                    {"lunge", "lung"},
+                                                                                    {"pulmo", "lung"},
+                                                                                    {"pulmones", "lung"},
+                                                                                    {"speiseroehre", "oesophagus"},
+                                                                                    {"luftroehre", "trachea"},
+                                                                                    {"luft", "air"},
+                                                                                    {"darm", "bowel"},
+                                                                                    {"duenndarm", "bowel"},
+                                                                                    {"dickdarm", "bowel"},
+                                                                                    {"schilddruese", "thyroid"},
+                                                                                    {"prostata", "prostate"},
+                                                                                    {"gebaermutter", "uterus"},
+                                                                                    {"gehirn", "brain"},
+                                                                                    {"hirn", "brain"},
+                                                                                    {"grosshirn", "cerebrum"},
+                                                                                    {"kleinhirn", "cerebellum"},
+                                                                                    {"hirnstamm", "brainstem"},
+                                                                                    {"muskel", "muscle"},
+                                                                                    {"muskulatur", "muscle"},
+                                                                                    {"musculus", "muscle"},
+                                                                                    {"haut", "skin"},
+                                                                                    {"fett", "fat"},
+                                                                                    {"knorpel", "cartilage"},
+                                                                                    {"bandscheibe", "disc"},
+                                                                                    {"knochen", "bone"},
+                                                                                    {"knochenmark", "marrow"},
+                                                                                    {"skelett", "skeleton"},
+                                                                                    {"schaedel", "skull"},
+                                                                                    {"unterkiefer", "mandible"},
+                                                                                    {"oberkiefer", "maxilla"},
+                                                                                    {"wirbel", "vertebra"},
+                                                                                    {"wirbelkoerper", "vertebra"},
+                                                                                    {"wirbelsaeule", "spine"},
+                                                                                    {"rippe", "rib"},
+                                                                                    {"brustbein", "sternum"},
+                                                                                    {"kreuzbein", "sacrum"},
+                                                                                    {"becken", "pelvis"},
+                                                                                    {"oberschenkelknochen", "femur"},
+                                                                                    {"schulterblatt", "scapula"},
+                                                                                    {"schluesselbein", "clavicle"}}};
+
+/// Whether a word is another, or its plural as English, German and Latin make it.
+bool isForm(std::string_view word, std::string_view of) {
+  if (word.substr(0, of.size()) == of) {
+    const std::string_view ending = word.substr(of.size());
+    if (ending.empty() || ending == "s" || ending == "es" || ending == "n") return true;
+    if (ending == "e" && of.ends_with('a')) return true;
+  }
+  const auto becomes = [&](std::string_view ending, std::string_view plural) {
+    return of.ends_with(ending) && word.size() == of.size() - ending.size() + plural.size() && word.ends_with(plural) &&
+           word.substr(0, of.size() - ending.size()) == of.substr(0, of.size() - ending.size());
+  };
+  return becomes("y", "ies") || becomes("us", "i") || becomes("um", "a") || becomes("is", "es");
 }
 
-/// In lower case, without digits and separators.
-std::vector<std::string> wordsOf(std::string_view text) {
-  std::vector<std::string> words{""};
-  for (const char c : text) {
-    const bool isUpper = c >= 'A' && c <= 'Z', isLower = c >= 'a' && c <= 'z';
-    if (isUpper || isLower)
-      words.back() += isUpper ? static_cast<char>(c - 'A' + 'a') : c;
-    else if (!words.back().empty())
-      words.emplace_back();
+std::string_view usual(std::string_view word) {
+  for (const auto &[from, to] : kSynonyms)
+    if (isForm(word, from)) return to;
+  return word;
+}
+
+/// Umlauts and accents of UTF-8 as ASCII writes them; other letters beyond ASCII separate words.
+std::string withoutAccents(std::string_view text) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kLetters{{{"ä", "ae"},
+                                                                                   {"Ä", "Ae"},
+                                                                                   {"ö", "oe"},
+                                                                                   {"Ö", "Oe"},
+                                                                                   {"ü", "ue"},
+                                                                                   {"Ü", "Ue"},
+                                                                                   {"ß", "ss"},
+                                                                                   {"é", "e"},
+                                                                                   {"œ", "oe"}}};
+  std::string out;
+  while (!text.empty()) {
+    const auto letter =
+        std::find_if(kLetters.begin(), kLetters.end(), [&](const auto &one) { return text.starts_with(one.first); });
+    out += letter != kLetters.end() ? letter->second : text.substr(0, 1);
+    text.remove_prefix(letter != kLetters.end() ? letter->first.size() : 1);
   }
-  for (std::string &word : words) word = usual(word);
+  return out;
+}
+
+/// "leftkidney" -> "left", "kidney"; other words stay whole.
+void addWord(std::vector<std::string> &words, std::string_view word) {
+  constexpr std::size_t kShortest = 3;  // of what is left: "cleft", "bright"
+  for (const std::string_view side : {"left", "right"}) {
+    if (word.size() < side.size() + kShortest || !(word.starts_with(side) || word.ends_with(side))) continue;
+    const std::string_view rest =
+        word.starts_with(side) ? word.substr(side.size()) : word.substr(0, word.size() - side.size());
+    words.emplace_back(side);
+    words.emplace_back(usual(rest));
+    return;
+  }
+  if (!word.empty()) words.emplace_back(usual(word));
+}
+
+/// The words of a name in lower case, without digits, as the rows have them: "LeftKidney", "kidney_L", "Niere links 1".
+std::vector<std::string> wordsOf(std::string_view label) {
+  const std::string text = withoutAccents(label);
+  const auto isUpper = [&](std::size_t i) { return i < text.size() && text[i] >= 'A' && text[i] <= 'Z'; };
+  const auto isLower = [&](std::size_t i) { return i < text.size() && text[i] >= 'a' && text[i] <= 'z'; };
+  std::vector<std::string> words;
+  std::string word;
+  for (std::size_t i = 0; i <= text.size(); ++i) {
+    const bool isLetter = isUpper(i) || isLower(i);
+    // A capital begins a word behind a small letter, and before one: "MRLiver".
+    const bool begins = isUpper(i) && i > 0 && (isLower(i - 1) || (isUpper(i - 1) && isLower(i + 1)));
+    if (!isLetter || begins) {
+      addWord(words, word);
+      word.clear();
+    }
+    if (isLetter) word += isUpper(i) ? static_cast<char>(text[i] - 'A' + 'a') : text[i];
+  }
   return words;
 }
 
 bool has(const std::vector<std::string> &words, std::string_view wanted) {
-  return std::any_of(words.begin(), words.end(), [&](const std::string &word) {
-    return word == wanted || (word.size() == wanted.size() + 1 && word.back() == 's' && word.starts_with(wanted));
-  });
+  return std::any_of(words.begin(), words.end(), [&](const std::string &word) { return isForm(word, wanted); });
 }
 
-bool isOther(std::string_view word) {
-  return std::find(std::begin(kOthers), std::end(kOthers), word) != std::end(kOthers);
-}
+/// Whether a row may be meant by a name with words that say that it is no organ.
+class Meant {
+ public:
+  explicit Meant(const std::vector<std::string> &words) {
+    for (const std::string_view word : kOthers)
+      if (has(words, word)) others_.push_back(word);
+    isBeside_ =
+        std::any_of(std::begin(kBesides), std::end(kBesides), [&](std::string_view word) { return has(words, word); });
+  }
+  [[nodiscard]] bool operator()(const Row &row) const {
+    const auto isIn = [&](std::string_view word) { return row.words[0] == word || row.words[1] == word; };
+    const bool isOfRow = std::any_of(std::begin(kBesides), std::end(kBesides), isIn) ||
+                         std::any_of(std::begin(kOthers), std::end(kOthers), isIn);
+    if (isBeside_ && !isOfRow) return false;
+    return isIn("tumour") || std::all_of(others_.begin(), others_.end(), isIn);
+  }
+
+ private:
+  std::vector<std::string_view> others_;
+  bool isBeside_ = false;
+};
 
 }  // namespace
 
@@ -258,11 +533,10 @@ std::optional<NamedTissue> tissueOf(const MaterialLibrary &materials, std::strin
     return NamedTissue{same->name, same};
   }
   const std::vector<std::string> words = wordsOf(label);
-  const bool isOrgan =
-      std::none_of(std::begin(kOthers), std::end(kOthers), [&](std::string_view other) { return has(words, other); });
+  const Meant isMeant(words);
   for (const Row &row : kRows) {
     const bool fits = has(words, row.words[0]) && (row.words[1].empty() || has(words, row.words[1]));
-    if (!fits || !(isOrgan || isOther(row.words[0]) || isOther(row.words[1]))) continue;
+    if (!fits || !isMeant(row)) continue;
     const MaterialPreset *preset = materials.find(row.tissue.preset);
     if (preset != nullptr || row.tissue.preset.empty()) return NamedTissue{row.tissue.name, preset, row.tissue.remark};
   }
