@@ -32,6 +32,27 @@ imaging::VolumeGeometry gridOf(const PresentBodies &bodies, const imaging::Volum
   return grid.geometry();
 }
 
+/// a.nii.gz -> a-vacated.nii.gz
+std::filesystem::path withSuffix(const std::filesystem::path &file, const std::string &suffix) {
+  std::filesystem::path ending = file.extension(), stem = file.stem();
+  if (ending == ".gz") ending = stem.extension().native() + ending.native(), stem = stem.stem();
+  stem += suffix;
+  stem += ending;
+  return file.parent_path() / stem;
+}
+
+bool isSameFile(const std::filesystem::path &a, const std::filesystem::path &b) {
+  std::error_code code;
+  return a == b || std::filesystem::equivalent(a, b, code);
+}
+
+/// Whether a body is made from labels of its volume.
+bool isOfLabels(const scene::SceneBody &body) {
+  const scene::SceneVolume &volume = body.volume;
+  return !volume.file.empty() && !volume.threshold &&
+         (volume.hasTissues() ? volume.asksForLabels() : volume.label || !volume.labelName.empty());
+}
+
 }  // namespace
 
 Expected<void> checkImageFile(const std::filesystem::path &file) {
@@ -49,11 +70,20 @@ Expected<void> checkImageFile(const std::filesystem::path &file) {
 Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFile &scene) {
   if (!wanted.isWanted()) return {};
   if (!scene.image)
-    return fail(ErrorCode::usage,
-                "--export-image and --export-displacement need a scene with an [image], whose grid they take; " +
-                    scene.where(1) + " has none");
+    return fail(
+        ErrorCode::usage,
+        "--export-image, --export-labels and --export-displacement need a scene with an [image], whose grid they "
+        "take; " +
+            scene.where(1) + " has none");
   if (!wanted.image.empty())
     if (auto good = checkImageFile(wanted.image); !good) return good;
+  if (!wanted.labels.empty()) {
+    if (auto good = checkImageFile(wanted.labels); !good) return good;
+    if (scene.image->labels.empty() && std::none_of(scene.bodies.begin(), scene.bodies.end(), isOfLabels)) {
+      BodySources none;
+      return tl::unexpected(labelsToExport(scene, none).error());
+    }
+  }
   if (!wanted.displacement.empty())
     for (const std::filesystem::path &file : {wanted.displacement, vacatedFile(wanted.displacement)})
       if (auto good = checkImageFile(file); !good) return good;
@@ -100,22 +130,75 @@ Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v1 
 }
 
 std::filesystem::path vacatedFile(const std::filesystem::path &displacement) {
-  if (displacement.empty()) return {};
-  std::filesystem::path ending = displacement.extension(), stem = displacement.stem();
-  if (ending == ".gz") ending = stem.extension().native() + ending.native(), stem = stem.stem();
-  stem += "-vacated";
-  stem += ending;
-  return displacement.parent_path() / stem;
+  return displacement.empty() ? displacement : withSuffix(displacement, "-vacated");
 }
 
-Expected<std::string> writeImages(const ImageExport &wanted, const imaging::Volume &image,
+std::vector<std::filesystem::path> labelFiles(const std::filesystem::path &labels, std::size_t layers) {
+  std::vector<std::filesystem::path> files;
+  for (std::size_t layer = 0; !labels.empty() && layer < layers; ++layer)
+    files.push_back(layer == 0 ? labels : withSuffix(labels, "-" + std::to_string(layer + 1)));
+  return files;
+}
+
+bool isImageOfLabels(const scene::SceneFile &scene) {
+  if (!scene.image) return false;
+  const auto isImage = [&](const std::filesystem::path &file) { return isSameFile(file, scene.image->file); };
+  return std::any_of(scene.image->labels.begin(), scene.image->labels.end(), isImage) ||
+         std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                     [&](const scene::SceneBody &body) { return isOfLabels(body) && isImage(body.volume.file); });
+}
+
+Expected<std::shared_ptr<const std::vector<imaging::LabelMap>>> labelsToExport(const scene::SceneFile &scene,
+                                                                               BodySources &sources) {
+  imaging::ReadOptions options;
+  std::filesystem::path file;
+  int line = 1;
+  if (scene.image && !scene.image->labels.empty()) {
+    file = scene.image->labels.back();
+    line = scene.image->line;
+  } else if (const auto body = std::find_if(scene.bodies.begin(), scene.bodies.end(), isOfLabels);
+             body != scene.bodies.end()) {
+    file = body->volume.file;
+    options.series = body->volume.series;
+    options.time = body->volume.time;
+    line = body->line;
+  }
+  if (file.empty())
+    return fail(ErrorCode::usage, "--export-labels needs a label map, and " + scene.where(line) +
+                                      " has none; accepted: [image] with labels = \"…\", or a body with a label or "
+                                      "tissues of its volume");
+  auto layers = sources.labels(file, options);
+  if (!layers) return failInScene(layers.error(), scene, line);
+  return *layers;
+}
+
+Expected<std::string> writeLabels(const std::filesystem::path &file,
+                                  const std::vector<const imaging::LabelMap *> &layers,
+                                  const imaging::VolumeGeometry &grid, const imaging::DisplacementGrid &u,
+                                  const ProgressFn &progress, ThreadPool *threads) {
+  const std::vector<std::filesystem::path> files = labelFiles(file, layers.size());
+  std::string text;
+  for (std::size_t layer = 0; layer < layers.size(); ++layer) {
+    const auto warped = imaging::warped(*layers[layer], u, grid, progress, threads);
+    if (!warped) return tl::unexpected(warped.error());
+    if (auto written = imaging::writeLabelMap(files[layer], *warped); !written) return tl::unexpected(written.error());
+    text += (text.empty() ? "" : "\n") +
+            fmt::format("{}: {} {}, each voxel with the label nearest to where its tissue was", pathText(files[layer]),
+                        warped->labels.size(), warped->labels.size() == 1 ? "label" : "labels");
+  }
+  return text;
+}
+
+Expected<std::string> writeImages(const ImageExport &wanted, const imaging::Volume &image, bool areLabels,
                                   const imaging::DisplacementGrid &u, const ProgressFn &progress, ThreadPool *threads) {
   std::string told;
   if (!wanted.image.empty()) {
-    const auto warped = imaging::warped(image, u, progress, threads);
+    const auto sampling = areLabels ? imaging::WarpSampling::nearest : imaging::WarpSampling::linear;
+    const auto warped = imaging::warped(image, u, progress, threads, sampling);
     if (!warped) return tl::unexpected(warped.error());
     if (auto written = imaging::writeVolume(wanted.image, *warped); !written) return tl::unexpected(written.error());
     told = pathText(wanted.image);
+    if (areLabels) told += ": a label map, so each voxel has the label nearest to where its tissue was";
     if (!image.colours.empty()) told += ": brightness of the colours";
   }
   if (wanted.displacement.empty()) return told;

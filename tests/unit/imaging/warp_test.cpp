@@ -199,6 +199,62 @@ TEST_CASE("Warped labels are the nearest ones, and the list keeps those that are
   CHECK(same->voxels == labels.voxels);
 }
 
+TEST_CASE("An image of label numbers is warped without numbers between them", "[imaging][warp]") {
+  // Labels 1 and 200: halfway between them lies 100, another organ.
+  Volume labels;
+  labels.geometry = phantoms::grid({12, 4, 4}, {2.0, 2.0, 2.0});
+  std::vector<std::uint8_t> voxels(12 * 4 * 4, 0);
+  for (std::size_t row = 0; row < 16; ++row)
+    for (std::size_t i = 3; i < 9; ++i) voxels[12 * row + i] = i < 6 ? 1 : 200;
+  labels.voxels = voxels;
+  const DisplacementGrid u = constant(gridAround(labels.geometry, {8, 8, 8}, 3.0), {1.1, 0.0, 0.0});
+  const auto mixed = warped(labels, u), nearest = warped(labels, u, {}, nullptr, WarpSampling::nearest);
+  REQUIRE((mixed && nearest));
+  const auto &found = std::get<std::vector<std::uint8_t>>(nearest->voxels);
+  for (std::size_t i = 0; i < 12; ++i) CHECK(found[i] == (i < 4 ? 0 : i < 7 ? 1 : i < 10 ? 200 : 0));
+  const auto &between = std::get<std::vector<std::uint8_t>>(mixed->voxels);
+  CHECK(std::count_if(between.begin(), between.end(), [](int v) { return v != 0 && v != 1 && v != 200; }) > 0);
+}
+
+TEST_CASE("Labels that move by whole voxels are as many as before, also on the finer grid of an image",
+          "[imaging][warp]") {
+  LabelMap labels;
+  labels.geometry = phantoms::oblique({20, 18, 16}, {3.0, 2.0, 1.5}, true);
+  labels.voxels.assign(labels.geometry.voxelCount(), 0);
+  for (std::size_t v = 0; v < labels.voxels.size(); ++v) {
+    const std::size_t i = v % 20, j = v / 20 % 18, k = v / 360;
+    if (i > 3 && i < 14 && j > 3 && j < 12 && k > 3 && k < 11) labels.voxels[v] = (i + j + k) % 3 == 0 ? 7 : 40;
+  }
+  labels.labels = {{7, "spleen", {}}, {40, "liver", {}}};
+  const auto counts = [](const LabelMap &map) {
+    return std::array{std::count(map.voxels.begin(), map.voxels.end(), 7),
+                      std::count(map.voxels.begin(), map.voxels.end(), 40)};
+  };
+  const Vec3 step = labels.geometry.worldAt({3, -2, 1}) - labels.geometry.worldAt({0, 0, 0});
+  const DisplacementGrid u = constant(gridAround(labels.geometry, {12, 12, 12}, 8.0), step);
+  const auto moved = warped(labels, u);
+  REQUIRE(moved);
+  CHECK(counts(*moved) == counts(labels));
+
+  // Each voxel of the labels is eight of the image, whose grid is larger.
+  VolumeGeometry image = labels.geometry;
+  for (std::size_t a = 0; a < 3; ++a) {
+    image.size[a] = 2 * labels.geometry.size[a] + 6;
+    for (std::size_t r = 0; r < 3; ++r) image.indexToWorld[4 * a + r] *= 0.5;
+  }
+  const Vec3 first = labels.geometry.worldAt({-1.75, -1.75, -1.75});
+  for (std::size_t r = 0; r < 3; ++r) image.indexToWorld[12 + r] = first[r];
+  const auto still = warped(labels, constant(u.geometry, {}), image), finer = warped(labels, u, image);
+  REQUIRE((still && finer));
+  CHECK(sameGrid(finer->geometry, image));
+  for (const auto &map : {*still, *finer}) {
+    CHECK(counts(map)[0] == 8 * counts(labels)[0]);
+    CHECK(counts(map)[1] == 8 * counts(labels)[1]);
+    CHECK(map.labels.size() == 2);
+  }
+  CHECK(still->voxels != finer->voxels);
+}
+
 TEST_CASE("The field and its length on the grid of an image are those at its voxels", "[imaging][warp]") {
   const VolumeGeometry g = awkwardGeometry(true);
   const DisplacementGrid u = affine(gridAround(g, {6, 5, 3}, 2.0), phantoms::centreOf(g), kGentle, {0.4, -0.9, 0.6});

@@ -169,8 +169,8 @@ TEST_CASE("The warped scan, its displacement and the vacated places are written 
   bodies->geometry = scan().geometry;
   bodies->voxels.assign(40 * 40 * 40, 0);
   u.bodies = bodies;
-  const ImageExport wanted{folder / "warped.nrrd", folder / "u.nrrd"};
-  auto told = writeImages(wanted, scan(), u, {}, nullptr);
+  const ImageExport wanted{folder / "warped.nrrd", folder / "u.nrrd", {}};
+  auto told = writeImages(wanted, scan(), false, u, {}, nullptr);
   REQUIRE(told);
   CHECK_THAT(*told, Contains("warped.nrrd\n") && Contains("u.nrrd\n") &&
                         Contains("u-vacated.nrrd: no voxel is left by a body"));
@@ -188,14 +188,51 @@ TEST_CASE("The warped scan, its displacement and the vacated places are written 
   gone->voxels[10 + 40 * (10 + 40 * 10)] = gone->voxels[11 + 40 * (10 + 40 * 10)] = imaging::kBodyVoxel;
   u.bodies = gone;
   u.gap_mm.assign(8, 80.0f);
-  told = writeImages({{}, folder / "u.nrrd"}, scan(), u, {}, nullptr);
+  told = writeImages({{}, folder / "u.nrrd", {}}, scan(), false, u, {}, nullptr);
   REQUIRE(told);
   CHECK_THAT(*told, !Contains("warped.nrrd") && Contains("2 voxels (0.00 ml) are left by a body"));
   const auto marked = imaging::readVolume(folder / "u-vacated.nrrd");
   REQUIRE(marked);
   CHECK(marked->volume.value(11, 10, 10) == 1.0);
   CHECK(marked->volume.value(10, 10, 10) == 0.0);
-  const auto failed = writeImages({folder / "nowhere" / "a.nrrd", {}}, scan(), u, {}, nullptr);
+  const auto failed = writeImages({folder / "nowhere" / "a.nrrd", {}, {}}, scan(), false, u, {}, nullptr);
   REQUIRE_FALSE(failed);
   CHECK(failed.error().code == ErrorCode::output);
+}
+
+TEST_CASE("A scene says where its labels are exported from, and whether its image is a label map") {
+  const fs::path folder = testOutputFolder();
+  imaging::LabelMap labels;
+  labels.geometry = scan().geometry;
+  labels.voxels.assign(40 * 40 * 40, 0);
+  labels.voxels[1] = 4;
+  labels.labels = {{4, "rib_left_1", {1, 1, 1}}};
+  REQUIRE(imaging::writeLabelMap(folder / "from.nrrd", labels));
+  REQUIRE(imaging::writeVolume(folder / "from_ct.nrrd", scan()));
+  BodySources sources;
+  scene::SceneFile scene = sceneWith(folder / "from_ct.nrrd");
+  ImageExport wanted{{}, {}, folder / "moved.nrrd"};
+  auto checked = checkImageExport(wanted, scene);
+  REQUIRE_FALSE(checked);
+  CHECK(checked.error().code == ErrorCode::usage);
+  CHECK_THAT(checked.error().message, Contains("--export-labels needs a label map") && Contains("lung.toml"));
+  CHECK_FALSE(isImageOfLabels(scene));
+  // Of a body.
+  scene.bodies.emplace_back().volume.file = folder / "from.nrrd";
+  scene.bodies[0].volume.label = 4;
+  CHECK(checkImageExport(wanted, scene));
+  CHECK_FALSE(isImageOfLabels(scene));
+  auto layers = labelsToExport(scene, sources);
+  REQUIRE(layers);
+  CHECK((*layers)->front().labels[0].name == "rib_left_1");
+  scene.image->file = folder / "." / "from.nrrd";
+  CHECK(isImageOfLabels(scene));
+  scene.bodies[0].volume.label.reset();
+  scene.bodies[0].volume.threshold = {0.5, 4.5};
+  CHECK_FALSE(isImageOfLabels(scene));
+  CHECK_FALSE(checkImageExport(wanted, scene));
+  scene.image->labels = {folder / "from.nrrd"};
+  CHECK(isImageOfLabels(scene));
+  CHECK(checkImageExport(wanted, scene));
+  CHECK(labelFiles("a/b.nii.gz", 3) == std::vector<fs::path>{"a/b.nii.gz", "a/b-2.nii.gz", "a/b-3.nii.gz"});
 }

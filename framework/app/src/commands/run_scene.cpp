@@ -108,6 +108,7 @@ std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const sc
                                          options.tissues,
                                          options.exportImage.image,
                                          options.exportImage.displacement,
+                                         options.exportImage.labels,
                                          vacatedFile(options.exportImage.displacement)};
   if (!options.exportSurface.empty())
     for (std::filesystem::path &file : surfaceFiles(options.exportSurface, scene::namesOfBodies(scene)))
@@ -179,14 +180,24 @@ Expected<void> writeImageExports(const RunOptions &options, Session &session, co
   const auto u = presentDisplacement(table, simulator, **image, *how);
   for (const auto &file : {wanted.image, wanted.displacement}) {
     if (file.empty()) continue;
-    const ImageExport one = file == wanted.image ? ImageExport{file, {}} : ImageExport{{}, file};
-    const auto told =
-        u ? writeImages(one, **image, *u, {}, &session.pool()) : Expected<std::string>(tl::unexpected(u.error()));
+    const ImageExport one = file == wanted.image ? ImageExport{file, {}, {}} : ImageExport{{}, file, {}};
+    const auto told = u ? writeImages(one, **image, isImageOfLabels(scene), *u, {}, &session.pool())
+                        : Expected<std::string>(tl::unexpected(u.error()));
     if (told) log(LogLevel::info, *told);
     const Expected<void> written = told ? Expected<void>() : Expected<void>(tl::unexpected(told.error()));
     outputs.note(file, written);
     if (file == wanted.displacement && told) outputs.note(vacatedFile(file), written);
   }
+  if (wanted.labels.empty()) return {};
+  const auto layers = labelsToExport(scene, sources);
+  if (!layers) return tl::unexpected(layers.error());
+  std::vector<const imaging::LabelMap *> maps;
+  for (const imaging::LabelMap &layer : **layers) maps.push_back(&layer);
+  const auto told = u ? writeLabels(wanted.labels, maps, (*image)->geometry, *u, {}, &session.pool())
+                      : Expected<std::string>(tl::unexpected(u.error()));
+  if (told) log(LogLevel::info, *told);
+  for (const std::filesystem::path &file : labelFiles(wanted.labels, (*layers)->size()))
+    outputs.note(file, told ? Expected<void>() : Expected<void>(tl::unexpected(told.error())));
   return {};
 }
 

@@ -299,11 +299,15 @@ ui::WindowActions Workstation::actions() {
     // The map of labels is lent by what holds it.
     const std::shared_ptr<const imaging::LabelMap> labels =
         still.labels ? std::shared_ptr<const imaging::LabelMap>(still.labels, &still.labels->map) : nullptr;
-    exportPresentImage(*session_, images_->views().sharedImage(), {image_.rim_mm, still.rule, labels, still.tissues},
-                       wanted, tell);
+    const segmentation::ScanBody::Sources &open = images_->scanBody().sources();
+    exportPresentImage(
+        *session_,
+        {images_->views().sharedImage(), open.layers, !open.layers.empty() && open.imageFile == open.labelFile},
+        {image_.rim_mm, still.rule, labels, still.tissues}, wanted, tell);
   };
-  actions.exportImage = [exportImage](const std::filesystem::path &file) { exportImage({file, {}}); };
-  actions.exportDisplacement = [exportImage](const std::filesystem::path &file) { exportImage({{}, file}); };
+  actions.exportImage = [exportImage](const std::filesystem::path &file) { exportImage({file, {}, {}}); };
+  actions.exportLabels = [exportImage](const std::filesystem::path &file) { exportImage({{}, {}, file}); };
+  actions.exportDisplacement = [exportImage](const std::filesystem::path &file) { exportImage({{}, file, {}}); };
   actions.exportTissues = [this, tell](const std::filesystem::path &file) {
     exportPresentTissues(*session_, tissues_.bodies(), file, tell);
   };
@@ -327,13 +331,15 @@ ui::WindowActions Workstation::actions() {
 std::string Workstation::proposedName(ui::Command exported) const {
   const scene::StoredImage *image = images_->views().image();
   const scene::Node *node = session_->sceneGraph().find(session_->simulationNode());
-  const bool isOfImage = exported == ui::Command::exportImage || exported == ui::Command::exportDisplacement;
+  const bool isOfImage = exported == ui::Command::exportImage || exported == ui::Command::exportLabels ||
+                         exported == ui::Command::exportDisplacement;
   std::string name = isOfImage && image ? imaging::nameFromFile(pathFromText(image->name))
                      : node             ? node->name
                                         : std::string();
   if (name.empty()) name = isOfImage ? "image" : "bodies";
   name = ui::fileNamePart(name);
   if (exported == ui::Command::exportImage) name += "-deformed";
+  if (exported == ui::Command::exportLabels) name += "-labels-deformed";
   if (exported == ui::Command::exportDisplacement) name += "-displacement";
   if (exported == ui::Command::exportTissues) name += "-tissues";
   if (scene::Simulation *simulation = session_->simulation())

@@ -100,18 +100,25 @@ void exportPresentFrame(Session &session, const std::filesystem::path &file, Exp
   whileStanding(session, write, std::move(told));
 }
 
-void exportPresentImage(Session &session, std::shared_ptr<const scene::StoredImage> image, const ImageWarp &how,
-                        const ImageExport &wanted, ExportTold told) {
+void exportPresentImage(Session &session, const PresentImages &images, const ImageWarp &how, const ImageExport &wanted,
+                        ExportTold told) {
   scene::Simulation *simulation = session.simulation();
+  const std::shared_ptr<const scene::StoredImage> image = images.image;
   if (simulation == nullptr || !image) return;
-  const std::filesystem::path file = wanted.image.empty() ? wanted.displacement : wanted.image;
+  const std::filesystem::path file = !wanted.image.empty()    ? wanted.image
+                                     : !wanted.labels.empty() ? wanted.labels
+                                                              : wanted.displacement;
   if (auto good = checkImageFile(file); !good) return told(tl::unexpected(good.error()));
-  const auto write = [&session, image, wanted, file, told](std::shared_ptr<const imaging::DisplacementGrid> u) {
+  const auto write = [&session, images, wanted, file, told](std::shared_ptr<const imaging::DisplacementGrid> u) {
     const auto written = std::make_shared<std::string>();
     (void)session.jobs().submit(
         kJobOwner, "Writing " + pathText(file.filename()),
-        [image, wanted, u, written](const ProgressFn &progress) -> Expected<void> {
-          auto answer = writeImages(wanted, image->volume, *u, progress, nullptr);
+        [images, wanted, u, written](const ProgressFn &progress) -> Expected<void> {
+          std::vector<const imaging::LabelMap *> layers;
+          for (const auto &layer : images.layers) layers.push_back(&layer->map);
+          auto answer = wanted.labels.empty()
+                            ? writeImages(wanted, images.image->volume, images.areLabels, *u, progress, nullptr)
+                            : writeLabels(wanted.labels, layers, images.image->volume.geometry, *u, progress, nullptr);
           if (!answer) return tl::unexpected(answer.error());
           *written = std::move(*answer);
           return {};

@@ -29,10 +29,16 @@ void exportPresentSurface(Session &session, const std::filesystem::path &file, E
 /// The same as a sequence of one frame: FILE.pvd and its folder.
 void exportPresentFrame(Session &session, const std::filesystem::path &file, ExportTold told);
 
-/// The image as the tissue now lies, or how far it has moved at its voxels. The displacement is of one moment; warping
-/// and writing are a job beside the window.
-void exportPresentImage(Session &session, std::shared_ptr<const scene::StoredImage> image, const ImageWarp &how,
-                        const ImageExport &wanted, ExportTold told);
+/// What is open in the views.
+struct PresentImages {
+  std::shared_ptr<const scene::StoredImage> image;
+  std::vector<std::shared_ptr<const scene::StoredLabels>> layers;  ///< of the label map over it
+  bool areLabels = false;                                          ///< that map is the image
+};
+/// One file of `wanted`: the image or its labels as the tissue lies now, or how far it has moved at the image's voxels.
+/// The displacement is of one moment; warping and writing are a job beside the window.
+void exportPresentImage(Session &session, const PresentImages &images, const ImageWarp &how, const ImageExport &wanted,
+                        ExportTold told);
 
 /// Writes what the labels of bodies of many tissues have done.
 void exportPresentTissues(Session &session, std::shared_ptr<const std::vector<TissuePlaces>> bodies,

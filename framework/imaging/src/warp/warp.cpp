@@ -101,6 +101,13 @@ class Source {
 
 using Sizes = std::array<std::size_t, 3>;
 
+/// Of an index that is not negative.
+std::size_t nearestOffset(const Vec3 &at, const Sizes &n) {
+  Sizes nearest{};
+  for (std::size_t a = 0; a < 3; ++a) nearest[a] = static_cast<std::size_t>(at[a] + 0.5);
+  return nearest[0] + n[0] * (nearest[1] + n[1] * nearest[2]);
+}
+
 std::optional<Vacated> vacatedBy(const DisplacementGrid &u, const VolumeGeometry &g) {
   if (!u.knowsVacated()) return std::nullopt;
   return Vacated(u, g.indexToWorld);
@@ -141,6 +148,12 @@ T linear(const T *voxels, const Sizes &size, const Sizes &stride, const Vec3 &at
   return stored<T>(trilinear<kValues>(voxels, stride, t));
 }
 
+void keepThoseThatOccur(LabelMap &map) {
+  std::vector<std::uint8_t> occurs(65536, 0);
+  for (const std::uint16_t label : map.voxels) occurs[label] = 1;
+  std::erase_if(map.labels, [&](const LabelMap::Label &label) { return occurs[label.value] == 0; });
+}
+
 tl::unexpected<Error> noMemory(std::size_t bytes) {
   return fail(ErrorCode::usage,
               fmt::format("not enough memory for the result of {:.1f} GB", 1e-9 * static_cast<double>(bytes)));
@@ -149,7 +162,7 @@ tl::unexpected<Error> noMemory(std::size_t bytes) {
 }  // namespace
 
 Expected<Volume> warped(const Volume &reference, const DisplacementGrid &u, const ProgressFn &progress,
-                        ThreadPool *threads) {
+                        ThreadPool *threads, WarpSampling sampling) {
   const VolumeGeometry &g = reference.geometry;
   if (const auto good = checkGrid(g, "image"); !good) return tl::unexpected(good.error());
   if (const auto good = checkDisplacement(u); !good) return tl::unexpected(good.error());
@@ -176,7 +189,8 @@ Expected<Volume> warped(const Volume &reference, const DisplacementGrid &u, cons
               if (vacated && vacated->settles(displacement, i, indexOf(i, j, k), d))
                 voxel[i] = empty;
               else if (!isZero(d))
-                voxel[i] = linear(from, n, stride, source.of(i, j, k, d));
+                voxel[i] = sampling == WarpSampling::nearest ? from[nearestOffset(source.of(i, j, k, d), n)]
+                                                             : linear(from, n, stride, source.of(i, j, k, d));
             }
           };
           return forRows(u, g, "warping", progress, threads, row);
@@ -211,21 +225,51 @@ Expected<LabelMap> warped(const LabelMap &reference, const DisplacementGrid &u, 
                                     continue;
                                   }
                                   if (isZero(d)) continue;
-                                  const Vec3 at = source.of(i, j, k, d);
-                                  std::array<std::size_t, 3> nearest{};
-                                  for (std::size_t a = 0; a < 3; ++a)
-                                    nearest[a] = static_cast<std::size_t>(at[a] + 0.5);
-                                  voxel[i] =
-                                      reference.voxels[nearest[0] + g.size[0] * (nearest[1] + g.size[1] * nearest[2])];
+                                  voxel[i] = reference.voxels[nearestOffset(source.of(i, j, k, d), g.size)];
                                 }
                               });
     if (!done) return tl::unexpected(done.error());
-    std::vector<std::uint8_t> occurs(65536, 0);
-    for (const std::uint16_t label : out.voxels) occurs[label] = 1;
-    std::erase_if(out.labels, [&](const LabelMap::Label &label) { return occurs[label.value] == 0; });
+    keepThoseThatOccur(out);
     return out;
   } catch (const std::bad_alloc &) {
     return noMemory(2 * reference.voxels.size());
+  }
+}
+
+Expected<LabelMap> warped(const LabelMap &reference, const DisplacementGrid &u, const VolumeGeometry &grid,
+                          const ProgressFn &progress, ThreadPool *threads) {
+  const VolumeGeometry &g = reference.geometry;
+  if (sameGrid(g, grid)) return warped(reference, u, progress, threads);
+  for (const auto &[one, what] : {std::pair(&g, "label map"), {&grid, "grid"}})
+    if (const auto good = checkGrid(*one, what); !good) return tl::unexpected(good.error());
+  if (const auto good = checkDisplacement(u); !good) return tl::unexpected(good.error());
+  if (reference.voxels.size() != g.voxelCount())
+    return fail(ErrorCode::internal, "the voxels of the label map do not fit its geometry");
+  try {
+    LabelMap out{grid, std::vector<std::uint16_t>(grid.voxelCount(), 0), reference.labels};
+    const Mat4 indexFromWorld = affineInverse(g.indexToWorld);
+    const std::optional<Vacated> vacated = vacatedBy(u, grid);
+    const auto done = forRows(u, grid, "warping labels", progress, threads,
+                              [&](const DisplacementRow &row, std::size_t j, std::size_t k, Part) {
+                                std::uint16_t *voxel = out.voxels.data() + grid.size[0] * (j + grid.size[1] * k);
+                                for (std::size_t i = 0; i < grid.size[0]; ++i) {
+                                  Vec3 d = row.at(i);
+                                  if (vacated && vacated->settles(row, i, indexOf(i, j, k), d)) continue;
+                                  const Vec3 at = transformPoint(indexFromWorld, grid.worldAt(indexOf(i, j, k)) - d);
+                                  bool isInside = true;
+                                  for (std::size_t a = 0; a < 3; ++a)
+                                    isInside =
+                                        isInside && at[a] >= -0.5 && at[a] < static_cast<double>(g.size[a]) - 0.5;
+                                  if (!isInside) continue;
+                                  const Vec3 within{std::max(at[0], 0.0), std::max(at[1], 0.0), std::max(at[2], 0.0)};
+                                  voxel[i] = reference.voxels[nearestOffset(within, g.size)];
+                                }
+                              });
+    if (!done) return tl::unexpected(done.error());
+    keepThoseThatOccur(out);
+    return out;
+  } catch (const std::bad_alloc &) {
+    return noMemory(2 * grid.voxelCount());
   }
 }
 

@@ -57,6 +57,7 @@ void openExportDialog(FrameContext &frame, Command command) {
   switch (command) {
     case Command::exportFrame: set("Export simulation frame", kFrameExtensions, actions.exportFrame); break;
     case Command::exportImage: set("Export deformed image", kImageExtensions, actions.exportImage); break;
+    case Command::exportLabels: set("Export deformed labels", kImageExtensions, actions.exportLabels); break;
     case Command::exportDisplacement: set("Export displacement", kImageExtensions, actions.exportDisplacement); break;
     case Command::exportTissues: set("Export tissue table", "csv", actions.exportTissues); break;
     case Command::saveState: set("Save state", kStateExtensions, actions.saveState); break;
@@ -140,6 +141,10 @@ void carryOut(FrameContext &frame, Command command) {
     case Command::exportImage:
     case Command::exportDisplacement:
       if (simulation.exists && frame.shownImages()) openExportDialog(frame, command);
+      break;
+    case Command::exportLabels:
+      if (simulation.exists && frame.shownImages() && frame.shownImages()->labels() != nullptr)
+        openExportDialog(frame, command);
       break;
     case Command::exportTissues:
       if (simulation.exists && frame.services.tissues && !frame.services.tissues->rows.empty())

@@ -83,6 +83,7 @@ void fileMenu(FrameContext &frame) {
   menuItem(frame, {Command::exportSurface, true});
   menuItem(frame, {Command::exportFrame, true});
   menuItem(frame, {Command::exportImage, true, true});
+  menuItem(frame, {Command::exportLabels, true, true, true});
   menuItem(frame, {Command::exportDisplacement, true, true});
   menuItem(frame, {Command::exportTissues, true, false, false, true});
   menuItem(frame, {Command::screenshot});

@@ -19,15 +19,25 @@ class ThreadPool;
 /// little memory), internal (voxels that do not fit their geometry), cancelled. Any thread.
 namespace c3de::imaging {
 
-/// Stored voxels, linear between their centres, rounded to the stored type (halves away from zero). Behind the border
-/// of the reference its outermost voxels go on. Where u is exactly zero voxels are copied, to the bit.
+/// linear: between voxel centres, rounded to the stored type (halves away from zero). nearest: the voxel whose centre is
+/// nearest, for images whose values are numbers of labels.
+enum class WarpSampling { linear, nearest };
+
+/// Stored voxels. Behind the border of the reference its outermost voxels go on. Where u is exactly zero voxels are
+/// copied, to the bit.
 [[nodiscard]] Expected<Volume> warped(const Volume &reference, const DisplacementGrid &u,
-                                      const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
+                                      const ProgressFn &progress = {}, ThreadPool *threads = nullptr,
+                                      WarpSampling sampling = WarpSampling::linear);
 
 /// The nearest label, 0 where vacated; the border goes on as in images. Labels that no longer occur are left out of the
 /// list.
 [[nodiscard]] Expected<LabelMap> warped(const LabelMap &reference, const DisplacementGrid &u,
                                         const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
+
+/// The same on another grid: a voxel there takes the label nearest to where its centre was, 0 where the map ends.
+[[nodiscard]] Expected<LabelMap> warped(const LabelMap &reference, const DisplacementGrid &u,
+                                        const VolumeGeometry &grid, const ProgressFn &progress = {},
+                                        ThreadPool *threads = nullptr);
 
 /// |u| at every voxel centre as float, unit "mm"; 0 in what stays.
 [[nodiscard]] Expected<Volume> magnitudeOf(const DisplacementGrid &u, const VolumeGeometry &grid,

@@ -28,7 +28,9 @@ struct ImageExport {
   std::filesystem::path image;
   /// u(x) in mm at its voxels (x, y, z in LPS): the material at x was at x - u. Beside it vacatedFile() is written.
   std::filesystem::path displacement;
-  [[nodiscard]] bool isWanted() const { return !image.empty() || !displacement.empty(); }
+  /// The label map as the tissue lies now, on the grid of the image; labelFiles() lists what is written
+  std::filesystem::path labels;
+  [[nodiscard]] bool isWanted() const { return !image.empty() || !displacement.empty() || !labels.empty(); }
 };
 
 /// How an image goes with the bodies.
@@ -56,11 +58,29 @@ struct ImageWarp {
 /// u.nrrd -> u-vacated.nrrd: 1 where a body has gone away and nothing is known of what is there now. The field itself
 /// has no mark: it stays finite, as programs that resample with it need it.
 [[nodiscard]] std::filesystem::path vacatedFile(const std::filesystem::path &displacement);
-/// Warps and writes. Any thread. The answer is for a person: the files, and how much of the image is vacated.
-/// @param threads  null: the calling one alone
-[[nodiscard]] Expected<std::string> writeImages(const ImageExport &wanted, const imaging::Volume &image,
+/// Whether the values of the scene's image are numbers of labels: it is one of its label maps, or a body is made from
+/// its labels.
+[[nodiscard]] bool isImageOfLabels(const scene::SceneFile &scene);
+/// The layers of the label map that is exported: the last of [image], else that of the first body with labels. Errors:
+/// those of reading, and that there is none.
+[[nodiscard]] Expected<std::shared_ptr<const std::vector<imaging::LabelMap>>> labelsToExport(
+    const scene::SceneFile &scene, BodySources &sources);
+/// a.nrrd, a-2.nrrd, …: one for each layer.
+[[nodiscard]] std::vector<std::filesystem::path> labelFiles(const std::filesystem::path &labels, std::size_t layers);
+/// Warps and writes image and displacement. Any thread. The answer is for a person: the files, and how much of the image
+/// is vacated.
+/// @param areLabels  the values of the image are numbers of labels: the nearest is taken, nothing is interpolated
+/// @param threads    null: the calling one alone
+[[nodiscard]] Expected<std::string> writeImages(const ImageExport &wanted, const imaging::Volume &image, bool areLabels,
                                                 const imaging::DisplacementGrid &u, const ProgressFn &progress,
                                                 ThreadPool *threads);
+/// Likewise of the label map: the nearest label at each voxel of the image.
+/// @param layers  of labelsToExport()
+/// @param grid    of the image
+[[nodiscard]] Expected<std::string> writeLabels(const std::filesystem::path &file,
+                                                const std::vector<const imaging::LabelMap *> &layers,
+                                                const imaging::VolumeGeometry &grid, const imaging::DisplacementGrid &u,
+                                                const ProgressFn &progress, ThreadPool *threads);
 /// That the name has an ending that can be written, and can be written to. Errors: usage, output.
 [[nodiscard]] Expected<void> checkImageFile(const std::filesystem::path &file);
 

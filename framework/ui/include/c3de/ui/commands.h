@@ -19,6 +19,7 @@ enum class Command {
   exportSurface,
   exportFrame,
   exportImage,
+  exportLabels,
   exportDisplacement,
   exportTissues,
   screenshot,

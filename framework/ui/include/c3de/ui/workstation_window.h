@@ -69,8 +69,8 @@ struct WindowActions {
   std::function<void(const std::filesystem::path &)> exportSurface, exportFrame;  ///< the present state
   std::function<std::string()> surfaceExtensions;                                 ///< "obj;stl", the proposed one first
   std::function<void(const std::filesystem::path &)> saveState, loadState;        ///< of the simulation
-  /// The scan as it now lies; how far
-  std::function<void(const std::filesystem::path &)> exportImage, exportDisplacement;
+  /// Image and labels as the tissue lies now; how far it has moved
+  std::function<void(const std::filesystem::path &)> exportImage, exportLabels, exportDisplacement;
   std::function<void(const std::filesystem::path &)> exportTissues;  ///< what labels have done
   std::function<void(const std::filesystem::path &)> saveScanScene;  ///< of what is chosen in the dialog of the scan
   /// What a file of that export could be called, without folder and ending; empty: nothing is proposed.
