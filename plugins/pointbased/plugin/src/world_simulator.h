@@ -7,6 +7,7 @@
 #include "body_table.h"
 #include "c3de/pointbased/point_sets.hpp"
 #include "c3de/sdk/object.hpp"
+#include "c3de/sdk/scene_record.hpp"
 #include "c3de/sdk/simulator.hpp"
 #include "parameters.h"
 #include "pointbased/probe_tool.h"
@@ -260,7 +261,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   [[nodiscard]] LiveHold &holdOrThrow(c3de_handle hold);
   void bind(LiveLoad &load) const;
   void takeForces();
-  [[nodiscard]] std::uint64_t fingerprint() const;
+  [[nodiscard]] sdk::SceneRecord sceneRecord() const;
   c3de_handle node_{};
 };
 

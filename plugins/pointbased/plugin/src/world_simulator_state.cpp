@@ -1,120 +1,163 @@
 // SPDX-License-Identifier: Apache-2.0
 // The state of a simulation as bytes.
-#include <cstring>
-
+#include "accuracy_dial.h"
+#include "c3de/abi/iface/parameter_ids.h"
+#include "c3de/sdk/scene_record.hpp"
 #include "world_simulator.h"
 
 namespace pointbased {
 
 using sdk::Error;
 
+namespace {
+
+std::span<const double> numbersOf(const Vec3 &v) { return {v.data(), 3}; }
+
+/// Many vectors as their bits.
+void addDigest(sdk::SceneRecord &record, const std::string &field, std::span<const Vec3> vectors) {
+  static_assert(sizeof(Vec3) == 3 * sizeof(double));
+  record.addDigest(field, std::span<const double>(vectors.empty() ? nullptr : vectors[0].data(), 3 * vectors.size()));
+}
+
+/// How long a step may take, and what a sampling was chosen for, are no physics: the sampling itself is recorded.
+bool isOfThePhysics(std::string_view id) {
+  return !isOfTheView(id) && !isAWish(id) && id != C3DE_PARAM_ID_ACCURACY_BODIES && id != "solver.step_budget";
+}
+
+void addValues(sdk::SceneRecord &record, const std::string &owner, const ParameterValues &values) {
+  for (const c3de_param_decl &d : values.declarations())
+    if (isOfThePhysics(sdk::text(d.id)))
+      record.add(owner + std::string(sdk::text(d.id)), sdk::orThrow(values.get(sdk::text(d.id))));
+}
+
+void addBodyFields(sdk::SceneRecord &record, const BodyRecord &of, const Body &body) {
+  const std::string owner = "body '" + of.name + "': ";
+  const RestState &rest = body.rest();
+  record.add(owner + "number of phyxels", static_cast<double>(rest.phyxelCount()));
+  record.add(owner + "spacing", rest.spacing);
+  record.add(owner + "origin", numbersOf(rest.origin));
+  addDigest(record, owner + "places of its phyxels", rest.positions);
+  record.addDigest(owner + "masses of its phyxels", body.masses());
+  record.addDigest(owner + "held phyxels", body.inverseMasses());
+  addValues(record, owner, *of.values);
+  for (std::size_t p = 0; p < of.source.parts.size(); ++p) {
+    const BodyPart &part = of.source.parts[p];
+    const std::string name = part.name.empty() ? "part " + std::to_string(p) : "tissue '" + part.name + "'";
+    for (const c3de_param_decl &d : part.values.declarations())
+      if (isOfThePhysics(sdk::text(d.id)) && sdk::text(d.id).rfind("material.", 0) == 0)
+        record.add(owner + name + ", " + std::string(sdk::text(d.id)), sdk::orThrow(part.values.get(sdk::text(d.id))));
+  }
+  for (std::size_t f = 0; f < of.source.fixes.size(); ++f) {
+    const Fix &fix = of.source.fixes[f];
+    const std::string name = owner + "fix " + std::to_string(f) + ", ";
+    record.add(name + "displacement", numbersOf(fix.displacement));
+    record.add(name + "rotation_deg", numbersOf(fix.rotation_deg));
+    record.add(name + "centre", numbersOf(fix.centre.value_or(Vec3::Zero())));
+    record.add(name + "rotation vector", numbersOf(fix.rotationVector.value_or(Vec3::Zero())));
+    record.add(name + "ramp", fix.ramp);
+  }
+  for (std::size_t l = 0; l < of.source.loads.size(); ++l) {
+    const Load &load = of.source.loads[l];
+    const std::string name = owner + "load " + std::to_string(l) + ", ";
+    record.add(name + "force", numbersOf(load.force));
+    record.add(name + "pressure", load.pressure);
+    record.add(name + "follower", load.follower ? "true" : "false");
+    record.add(name + "ramp", load.ramp);
+  }
+  // What their regions have come to mean.
+  for (std::size_t f = 0; f < rest.conditions.held.size(); ++f)
+    record.addDigest(owner + "region of fix " + std::to_string(f),
+                     std::span<const Index>(rest.conditions.held[f].rows.indices));
+  for (std::size_t l = 0; l < rest.conditions.loaded.size(); ++l)
+    record.addDigest(owner + "region of load " + std::to_string(l),
+                     std::span<const double>(rest.conditions.loaded[l].shares));
+}
+
+}  // namespace
+
 // What a state belongs to: everything that a scene says of the physics.
-std::uint64_t WorldSimulator::fingerprint() const {
-  std::uint64_t hash = 0xcbf29ce484222325ull;
-  const auto addBytes = [&](const void *bytes, std::size_t n) {
-    for (std::size_t i = 0; i < n; ++i) hash = (hash ^ static_cast<const unsigned char *>(bytes)[i]) * 0x100000001b3ull;
-  };
-  const auto addNumber = [&](double value) { addBytes(&value, sizeof value); };
-  const auto addVector = [&](const Vec3 &v) { addBytes(v.data(), 3 * sizeof(double)); };
-  const auto addText = [&](std::string_view text) {
-    addNumber(static_cast<double>(text.size()));
-    addBytes(text.data(), text.size());
-  };
-  const auto addValues = [&](const ParameterValues &values) {
-    for (const c3de_param_decl &d : values.declarations()) {
-      if (isOfTheView(sdk::text(d.id))) continue;
-      const c3de_param_value value = sdk::orThrow(values.get(sdk::text(d.id)));
-      addText(sdk::text(value.text));
-      addNumber(value.num);
-      addVector(Vec3(value.vec));
-    }
-  };
-  addValues(world_);
-  for (const auto &[id, record] : table_.bodies()) {
-    const Body &body = *simulator_.body(id);
-    addText(record.name);
-    addValues(*record.values);
-    for (const BodyPart &part : record.source.parts) addValues(part.values);
-    addVector(body.rest().origin);
-    for (const Vec3 &x : body.rest().positions) addVector(x);
-    for (const double m : body.masses()) addNumber(m);
-    for (const double m : body.inverseMasses()) addNumber(m);
-    for (const Fix &fix : record.source.fixes) {
-      addVector(fix.displacement);
-      addVector(fix.rotation_deg);
-      addVector(fix.centre.value_or(Vec3::Zero()));
-      addVector(fix.rotationVector.value_or(Vec3::Zero()));
-      addNumber(fix.ramp);
-    }
-    for (const Load &load : record.source.loads) {
-      addVector(load.force);
-      addNumber(load.pressure);
-      addNumber(load.follower ? 1.0 : 0.0);
-      addNumber(load.ramp);
-    }
-    // What their regions have come to mean.
-    const BoundaryConditions &conditions = body.rest().conditions;
-    for (const ConstrainedRegion &held : conditions.held)
-      for (const Index i : held.rows.indices) addNumber(static_cast<double>(i));
-    for (const LoadedPart &loaded : conditions.loaded)
-      for (const double share : loaded.shares) addNumber(share);
+sdk::SceneRecord WorldSimulator::sceneRecord() const {
+  sdk::SceneRecord record;
+  addValues(record, "", world_);
+  // "auto" follows the wish.
+  record.add("precision", worldSettings(world_).precision == Precision::doublePrecision ? "double" : "single");
+  // The bytes behind the record name bodies, obstacles and attachments by their order.
+  std::size_t body = 0, place = 0, layer = 0;
+  for (const auto &[id, of] : table_.bodies()) {
+    record.add("body '" + of.name + "': order", static_cast<double>(body++));
+    addBodyFields(record, of, *simulator_.body(id));
   }
   for (const auto &[id, obstacle] : table_.obstacles()) {
     if (simulator_.isInstrument(id)) continue;
-    addText(obstacle.name);
-    addNumber(obstacle.friction);
-    addNumber(obstacle.restitution);
+    const std::string owner = "obstacle '" + obstacle.name + "': ";
+    record.add(owner + "order", static_cast<double>(place++));
+    record.add(owner + "friction", obstacle.friction);
+    record.add(owner + "restitution", obstacle.restitution);
     // A motion is a function: two that meet at these times are taken for one.
     const std::function<RigidMotion(double)> motion = simulator_.motionAtReset(id);
+    std::vector<double> course;
     for (const double t : {0.01, 0.1, 0.37, 1.0, 3.3}) {
       if (!motion) continue;
       const RigidMotion at = motion(t);
-      addBytes(at.rotation.data(), 9 * sizeof(double));
-      addVector(at.displacementOf(Vec3::Zero()));
+      const Vec3 displacement = at.displacementOf(Vec3::Zero());
+      course.insert(course.end(), at.rotation.data(), at.rotation.data() + 9);
+      course.insert(course.end(), displacement.data(), displacement.data() + 3);
     }
     if (obstacle.tool)
       for (const ToolPlace &place : obstacle.tool->path) {
-        addNumber(place.time);
-        addVector(place.at);
-        addVector(place.axis);
+        course.push_back(place.time);
+        course.insert(course.end(), place.at.data(), place.at.data() + 3);
+        course.insert(course.end(), place.axis.data(), place.axis.data() + 3);
       }
-    for (const Vec3 &x : obstacle.mesh->positions) addVector(x);
+    record.addDigest(owner + "motion", std::span<const double>(course));
+    addDigest(record, owner + "shape and place", obstacle.mesh->positions);
   }
   for (const auto &[pair, settings] : simulator_.contactPairs()) {
-    addText(table_.nameOf(pair.first));
-    addText(table_.nameOf(pair.second));
-    addNumber(settings.friction);
-    addNumber(settings.enabled ? 1.0 : 0.0);
+    const std::string owner =
+        "contact of '" + table_.nameOf(pair.first) + "' and '" + table_.nameOf(pair.second) + "': ";
+    record.add(owner + "friction", settings.friction);
+    record.add(owner + "enabled", settings.enabled ? "true" : "false");
   }
   for (const auto &[id, attachment] : table_.attachments()) {
-    addText(table_.nameOf(attachment.first));
-    addText(attachment.second == kSurroundings ? "" : table_.nameOf(attachment.second));
-    for (const double number : {attachment.within, attachment.stiffness, attachment.tangential, attachment.tearsAt})
-      addNumber(number);
-  }
-  for (const auto &[id, record] : grasps_) {
-    if (!record.scene) continue;
-    const SceneGrasp &grasp = *record.scene;
-    addText(record.name);
-    addText(table_.nameOf(grasp.body));
-    for (const SkinPoint &point : grasp.places.points) {
-      for (const Index corner : point.corners) addNumber(static_cast<double>(corner));
-      addVector(point.weights);
-    }
-    for (const double number :
-         {grasp.settings.jaw, grasp.settings.opening, grasp.settings.closed, grasp.settings.forceLimit})
-      addNumber(number);
-    for (const GraspPlace &place : grasp.path) {
-      addNumber(place.time);
-      addVector(place.at);
-      for (const double number : place.rotation.coeffs()) addNumber(number);
-    }
+    const std::string owner = "attachment '" + attachment.name + "': ";
+    record.add(owner + "order", static_cast<double>(layer++));
+    record.add(owner + "first", table_.nameOf(attachment.first));
+    record.add(owner + "second",
+               attachment.second == kSurroundings ? "surroundings" : table_.nameOf(attachment.second));
+    record.add(owner + "within", attachment.within);
+    record.add(owner + "stiffness", attachment.stiffness);
+    record.add(owner + "tangential", attachment.tangential);
+    record.add(owner + "tears_at", attachment.tearsAt);
   }
   for (const AttachmentSummary &now : simulator_.attachments()) {
-    addNumber(now.area);  // what its region has come to mean
-    addVector(now.centre);
+    // What its region has come to mean.
+    record.add("attachment '" + now.name + "': area", now.area);
+    record.add("attachment '" + now.name + "': centre", numbersOf(now.centre));
   }
-  return hash;
+  for (const auto &[id, of] : grasps_) {
+    if (!of.scene) continue;
+    const SceneGrasp &grasp = *of.scene;
+    const std::string owner = "grasp '" + of.name + "': ";
+    record.add(owner + "body", table_.nameOf(grasp.body));
+    record.add(owner + "jaw", grasp.settings.jaw);
+    record.add(owner + "opening", grasp.settings.opening);
+    record.add(owner + "closed", grasp.settings.closed);
+    record.add(owner + "force_limit", grasp.settings.forceLimit);
+    std::vector<double> numbers;
+    for (const SkinPoint &point : grasp.places.points) {
+      for (const Index corner : point.corners) numbers.push_back(static_cast<double>(corner));
+      numbers.insert(numbers.end(), point.weights.data(), point.weights.data() + 3);
+    }
+    record.addDigest(owner + "places on the skin", std::span<const double>(numbers));
+    numbers.clear();
+    for (const GraspPlace &place : grasp.path) {
+      numbers.push_back(place.time);
+      numbers.insert(numbers.end(), place.at.data(), place.at.data() + 3);
+      for (const double number : place.rotation.coeffs()) numbers.push_back(number);
+    }
+    record.addDigest(owner + "path", std::span<const double>(numbers));
+  }
+  return record;
 }
 
 c3de_status WorldSimulator::saveState(c3de_sink sink) {
@@ -122,22 +165,17 @@ c3de_status WorldSimulator::saveState(c3de_sink sink) {
   if (!liveLoads_.empty()) throw Error(C3DE_E_STATE, "loads that came while it ran act on it; remove them first");
   const auto state = simulator_.savedState();
   if (!state) throw Error(C3DE_E_STATE, state.error());
-  const std::uint64_t of = fingerprint();
-  std::string bytes(reinterpret_cast<const char *>(&of), sizeof of);
-  return sdk::put(sink, bytes + *state);
+  return sdk::put(sink, sceneRecord().bytes() + *state);
 }
 
 void WorldSimulator::loadState(const void *bytes, std::uint64_t n) {
   if (bytes == nullptr) throw Error(C3DE_E_ARG, "load_state: bytes is null");
   const std::lock_guard lock(mutex_);
   std::string_view state(static_cast<const char *>(bytes), static_cast<std::size_t>(n));
-  std::uint64_t of = 0;
-  if (state.size() < sizeof of) throw Error(C3DE_E_FORMAT, "the state ends too early");
-  std::memcpy(&of, state.data(), sizeof of);
-  if (of != fingerprint())
-    throw Error(C3DE_E_ARG,
-                "the state belongs to another scene: bodies, materials, supports, loads, obstacles or world differ");
-  state.remove_prefix(sizeof of);
+  const auto of = sdk::SceneRecord::take(state);
+  if (!of) throw Error(C3DE_E_FORMAT, "the state ends too early, or is of another version of the plugin");
+  if (const std::string differences = sceneRecord().differencesFrom(*of); !differences.empty())
+    throw Error(C3DE_E_ARG, "the state belongs to another scene: " + differences);
   const auto gone = simulator_.goToSavedState(state);
   table_.followInstruments(simulator_);
   if (!gone) throw Error(C3DE_E_FORMAT, gone.error());

@@ -9,6 +9,7 @@
 #include "c3de/sdk/params.hpp"
 #include "c3de/sdk/plugin.hpp"
 #include "c3de/sdk/running_simulator.hpp"
+#include "c3de/sdk/scene_record.hpp"
 #include "c3de/sdk/services.hpp"
 #include "c3de/sdk/simulator.hpp"
 #include "c3de/sdk/structs.hpp"
