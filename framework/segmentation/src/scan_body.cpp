@@ -55,6 +55,20 @@ std::string fileText(const std::filesystem::path &file, const std::filesystem::p
   return quoted(pathText(isBelow ? there : whole));
 }
 
+imaging::Mask boxOnGrid(const imaging::VolumeGeometry &grid, const std::array<Vec3, 2> &box) {
+  imaging::Mask out{grid, std::vector<std::uint8_t>(grid.voxelCount(), 0)};
+  std::size_t v = 0;
+  for (std::size_t k = 0; k < grid.size[2]; ++k)
+    for (std::size_t j = 0; j < grid.size[1]; ++j)
+      for (std::size_t i = 0; i < grid.size[0]; ++i, ++v) {
+        const Vec3 at = grid.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+        bool isInside = true;
+        for (std::size_t a = 0; a < 3; ++a) isInside = isInside && at[a] >= box[0][a] && at[a] <= box[1][a];
+        out.voxels[v] = isInside ? 1 : 0;
+      }
+  return out;
+}
+
 LabelUse useOf(const scene::NamedTissue &tissue) {
   if (tissue.isEmpty()) return {LabelUse::Kind::air, {}};
   if (tissue.isRigid()) return {LabelUse::Kind::rigid, {}};
@@ -92,6 +106,12 @@ void ScanBody::setSources(Sources sources) {
       settings_.to = settings_.hasBackground ? kTo_HU : sources_.image->range.high;
     }
   }
+  if (!isSameScan || !areSameLabels) {
+    if (!checking_.isNull()) jobs_.cancel(std::exchange(checking_, {}));
+    ++checkSerial_;
+    findings_.clear();
+    checked_.clear();
+  }
   if (areSameLabels) return;
   if (!counting_.isNull()) jobs_.cancel(std::exchange(counting_, {}));
   ++serial_;
@@ -121,6 +141,56 @@ void ScanBody::show(bool isShown) {
   isShown_ = isShown && isPossible();
   isAside_ = false;
   if (isShown_ && !isCounted_ && counting_.isNull()) count();
+  check();
+}
+
+void ScanBody::check() {
+  if (!isShown_ || !isCounted_) return;
+  std::string choices = settings_.hasBackground
+                            ? fmt::format("{} {} {}", settings_.from, settings_.to, settings_.background)
+                            : std::string("no background");
+  if (settings_.region)
+    for (const Vec3 &corner : *settings_.region) choices += fmt::format(" {} {} {}", corner[0], corner[1], corner[2]);
+  std::vector<LabelRole> roles;
+  for (const Row &row : rows_) {
+    roles.push_back(row.use.kind == LabelUse::Kind::none    ? LabelRole::background
+                    : row.use.kind == LabelUse::Kind::air   ? LabelRole::empty
+                    : row.use.kind == LabelUse::Kind::rigid ? LabelRole::rigid
+                                                            : LabelRole::soft);
+    choices += static_cast<char>('a' + static_cast<int>(roles.back()));
+  }
+  if (choices == checked_) return;
+  checked_ = choices;
+  if (!checking_.isNull()) jobs_.cancel(std::exchange(checking_, {}));
+  const auto found = std::make_shared<std::vector<LabelFinding>>();
+  checking_ = jobs_.submit(
+      jobOwner_, "Checking labels",
+      [sources = sources_, settings = settings_, roles, found](const ProgressFn &progress) -> Expected<void> {
+        LabelCheck wanted;
+        auto next = roles.begin();
+        for (const auto &layer : sources.layers) {
+          wanted.layers.push_back(&layer->map);
+          const auto count = static_cast<std::ptrdiff_t>(layer->map.labels.size());
+          wanted.roles.emplace_back(next, next + count);
+          next += count;
+        }
+        wanted.image = &sources.image->volume;
+        if (settings.hasBackground) wanted.background = {settings.from, settings.to, settings.background};
+        imaging::Mask region;
+        if (settings.region) {
+          region = boxOnGrid(wanted.layers.front()->geometry, *settings.region);
+          wanted.region = &region;
+        }
+        auto findings = checkLabels(wanted, progress);
+        if (!findings) return tl::unexpected(findings.error());
+        *found = std::move(*findings);
+        return {};
+      },
+      [this, alive = alive_, serial = ++checkSerial_, found](const Expected<void> &done) {
+        if (!*alive || serial != checkSerial_) return;
+        checking_ = {};
+        if (done) findings_ = std::move(*found);
+      });
 }
 
 void ScanBody::count() {
@@ -140,6 +210,7 @@ void ScanBody::count() {
         counting_ = {};
         isCounted_ = done.has_value();
         for (std::size_t i = 0; isCounted_ && i < rows_.size(); ++i) rows_[i].volume_ml = (*volumes)[i];
+        check();
       });
 }
 
@@ -160,12 +231,14 @@ void ScanBody::setUse(const std::vector<std::size_t> &rows, const LabelUse &use)
   keepStep();
   for (const std::size_t row : rows)
     if (row < rows_.size()) take(rows_[row], use);
+  check();
 }
 
 void ScanBody::setRegion(const std::optional<std::array<Vec3, 2>> &region) {
   if (region == settings_.region) return;
   keepStep();
   settings_.region = region;
+  check();
 }
 
 void ScanBody::setSettings(const ScanBodySettings &settings) {
@@ -175,6 +248,7 @@ void ScanBody::setSettings(const ScanBodySettings &settings) {
     isTyped_ = isTyped;
   }
   settings_ = settings;
+  check();
 }
 
 void ScanBody::undo() {
@@ -184,6 +258,7 @@ void ScanBody::undo() {
   settings_.region = step.region;
   undo_.pop_back();
   isTyped_ = false;
+  check();
 }
 
 std::array<Vec3, 2> ScanBody::extent_mm() const {

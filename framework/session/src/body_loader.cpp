@@ -113,8 +113,7 @@ Expected<NamedHandles> BodyLoader::add(Prepared &prepared) {
       return progress.update(kReadingShare * std::max(fraction, 0.0), what);
     });
     if (!geometry) return tl::unexpected(geometry.error());
-    for (const std::string &notice : sources_.takeNotices())
-      log(LogLevel::warn, body.volume.file.string() + ": " + notice);
+    sources_.reportNotices(body.volume.file);
     note(body, *geometry, prepared);
     const TimeSpent building(prepared.took.bodies_s);
     const c3de_handle rest =

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "c3de/core/log.h"
+#include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
 #include "c3de/imaging/label_names.h"
 #include "c3de/imaging/mask_coverage.h"
@@ -225,6 +227,14 @@ Expected<TissuePlaces> BodySources::placesOf(const scene::SceneBody &body, const
 }
 
 std::vector<std::string> BodySources::takeNotices() { return std::exchange(notices_, {}); }
+
+void BodySources::reportNotices(const std::filesystem::path &file) {
+  for (const std::string &notice : takeNotices()) {
+    log(LogLevel::warn, file.string() + ": " + notice);
+    std::string line = pathText(file.filename()) + ": " + notice;
+    if (std::find(said_.begin(), said_.end(), line) == said_.end()) said_.push_back(std::move(line));
+  }
+}
 
 Expected<BodyGeometry> bodyGeometryOf(const imaging::Mask &asked, double edge_mm, double points, bool isOfTissues,
                                       const ProgressFn &progress) {

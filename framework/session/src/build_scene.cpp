@@ -2,7 +2,6 @@
 #include "c3de/session/build_scene.h"
 
 #include "c3de/abi/imaging.h"
-#include "c3de/core/log.h"
 #include "c3de/imaging/statistics.h"
 #include "c3de/session/export_image.h"
 #include "c3de/session/file_kind.h"
@@ -18,10 +17,10 @@ Expected<void> readSceneImage(const scene::SceneFile &scene, BodySources &source
   chosen.series = image.series;
   chosen.time = image.time;
   if (const auto read = sources.volume(image.file, chosen); !read) return failInScene(read.error(), scene, image.line);
-  for (const std::string &notice : sources.takeNotices()) log(LogLevel::warn, image.file.string() + ": " + notice);
+  sources.reportNotices(image.file);
   for (const std::filesystem::path &labels : image.labels) {
     if (const auto read = sources.labels(labels, options); !read) return failInScene(read.error(), scene, image.line);
-    for (const std::string &notice : sources.takeNotices()) log(LogLevel::warn, labels.string() + ": " + notice);
+    sources.reportNotices(labels);
   }
   // That the labels which are to stay are there; presets add none that are not.
   if (!image.still.labels.empty())

@@ -156,6 +156,8 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
   if (simulator->contains("composition")) report["composition"] = simulator->at("composition");
   report["events"] = simulator->contains("events") ? simulator->at("events") : Json::array();
   if (simulator->contains("notices")) report["notices"] = simulator->at("notices");
+  for (const std::string &notice : facts.prepared.notices)
+    report["events"].push_back(Json{{"time_s", 0.0}, {"kind", "input"}, {"text", notice}});
   addCoverage(facts.prepared.coverage, report);
   addSkinVolumes(facts.skinVolumes, report);
   addTissues(facts.tissues, report);

@@ -61,6 +61,7 @@ Expected<void> SceneLoader::populate(const scene::SceneFile &scene) {
   if (auto set = setWorld(*loading); !set) return set;
   auto handles = addSkins(*loading);
   if (!handles) return tl::unexpected(handles.error());
+  prepared_.notices = sources_.said();
   if (auto added = addProbes(*loading, *handles); !added) return added;
   return addTouch(*loading, std::move(*handles));
 }
@@ -72,6 +73,7 @@ Expected<void> SceneLoader::addBodies(const scene::SceneFile &scene) {
   if (!loading) return tl::unexpected(loading.error());
   const auto handles = addSkins(*loading);
   if (!handles) return tl::unexpected(handles.error());
+  prepared_.notices = sources_.said();
   return {};
 }
 

@@ -14,6 +14,7 @@
 #include "c3de/imaging/reading.h"
 #include "c3de/imaging/still.h"
 #include "c3de/scene/material_names.h"
+#include "c3de/segmentation/label_checks.h"
 #include "c3de/session/body_sources.h"
 #include "placement_matrix.h"
 #include "slides.h"
@@ -320,6 +321,54 @@ Expected<void> settle(const scene::SceneFile &scene, scene::SceneBody &body,
   return {};
 }
 
+/// Notices of what the grey values of its image contradict: that of the background, else that of the scene.
+Expected<void> checkAgainstImage(const scene::SceneFile &scene, const scene::SceneBody &body,
+                                 const std::vector<imaging::LabelMap> &layers, BodySources &sources,
+                                 const ProgressFn &progress) {
+  const scene::SceneVolume &volume = body.volume;
+  if (layers.empty() || (!volume.background && !scene.image)) return {};
+  const std::filesystem::path file = volume.background ? volume.background->image : scene.image->file;
+  imaging::ReadOptions options;
+  options.progress = progress;
+  options.series = volume.background ? volume.background->series : scene.image->series;
+  options.time = volume.background ? volume.background->time : scene.image->time;
+  const auto image = sources.volume(file, options);
+  if (!image) return failInScene(image.error(), scene, volume.background ? body.line : scene.image->line);
+  sources.reportNotices(file);
+  segmentation::LabelCheck check;
+  check.image = image->get();
+  for (std::size_t layer = 0; layer < layers.size(); ++layer) {
+    check.layers.push_back(&layers[layer]);
+    std::vector<segmentation::LabelRole> &roles = check.roles.emplace_back();
+    for (const imaging::LabelMap::Label &label : layers[layer].labels) {
+      const auto tissue = std::find_if(volume.tissues.begin(), volume.tissues.end(), [&](const auto &one) {
+        return std::any_of(one.labels.begin(), one.labels.end(), [&](const scene::SceneLabel &other) {
+          return other.layer == layer && other.value == label.value;
+        });
+      });
+      roles.push_back(tissue == volume.tissues.end() ? segmentation::LabelRole::background
+                      : tissue->isEmpty              ? segmentation::LabelRole::empty
+                      : tissue->isRigid              ? segmentation::LabelRole::rigid
+                                                     : segmentation::LabelRole::soft);
+    }
+  }
+  // Rules take of what has no label; what they leave is not known here.
+  const bool hasRules =
+      std::any_of(volume.tissues.begin(), volume.tissues.end(), [](const auto &tissue) { return tissue.rule; });
+  if (volume.background && !hasRules) check.background = {volume.background->from, volume.background->to, "background"};
+  imaging::Mask region;
+  if (volume.region) {
+    region = {layers.front().geometry, std::vector<std::uint8_t>(layers.front().voxels.size(), 1)};
+    keepWithin(*volume.region, region);
+    check.region = &region;
+  }
+  const auto findings = segmentation::checkLabels(check, progress);
+  if (!findings) return failInScene(findings.error(), scene, body.line);
+  for (const segmentation::LabelFinding &finding : *findings)
+    sources.addNotice("body '" + body.name + "': " + finding.text + "; accepted: " + finding.advice + ".");
+  return {};
+}
+
 bool areSame(const scene::ScenePlacement &a, const scene::ScenePlacement &b) {
   const Mat4 x = matrixOf(a), y = matrixOf(b);
   return x == y;
@@ -369,9 +418,10 @@ Expected<void> settleTissues(scene::SceneFile &scene, const scene::MaterialLibra
       if (!read) return failInScene(read.error(), scene, body.line);
       layers = *read;
     }
-    for (const std::string &notice : sources.takeNotices())
-      log(LogLevel::warn, body.volume.file.string() + ": " + notice);
+    sources.reportNotices(body.volume.file);
     if (auto settled = settle(scene, body, *layers, materials, sources, progress); !settled) return settled;
+    if (auto checked = checkAgainstImage(scene, body, *layers, sources, progress); !checked) return checked;
+    sources.reportNotices(body.volume.file);
     const std::vector<std::string> said = std::exchange(body.volume.overridesOfParts, {});
     overrides.insert(overrides.end(), said.begin(), said.end());
   }

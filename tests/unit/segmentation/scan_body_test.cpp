@@ -116,6 +116,31 @@ TEST_CASE("The scene of a scan says all that was chosen, and the reader takes it
   CHECK(world("world.scan_gravity") == world("world.gravity"));
 }
 
+TEST_CASE("What the image contradicts is found before the body is made, and follows the choices", "[scan_body]") {
+  // The image shows 0 HU where the labels are: no bone.
+  Scan f({"liver", "vertebrae_L1", "rib_left_1"});
+  const auto isRigid = [](const LabelFinding &one) { return one.kind == LabelFinding::Kind::rigid; };
+  const auto found = [&] {
+    f.settle();
+    CHECK_FALSE(f.scan.isChecking());
+    const auto &all = f.scan.findings();
+    const auto one = std::find_if(all.begin(), all.end(), isRigid);
+    return one == all.end() ? std::string() : one->text;
+  };
+  CHECK_THAT(found(), Contains("2 of 2 rigid labels") && Contains("vertebrae_L1") && Contains("rib_left_1"));
+  f.use("rib_left_1", LabelKind::material, "liver");
+  CHECK_THAT(found(), Contains("1 of 1 rigid label") && !Contains("rib_left_1"));
+  f.use("vertebrae_L1", LabelKind::none);
+  CHECK(found().empty());
+  f.scan.undo();
+  f.scan.undo();
+  CHECK_THAT(found(), Contains("2 of 2 rigid labels"));
+  // Outside of the region nothing is of the body.
+  f.settings([](ScanBodySettings &s) { s.region = {{{40.0, 40.0, 40.0}, {90.0, 90.0, 90.0}}}; });
+  CHECK(found().empty());
+  CHECK(f.scan.blockingReason().empty());
+}
+
 TEST_CASE("A scene that is kept names the files beside it from there", "[scan_body]") {
   const Scan f({"liver"});
   CHECK_THAT(f.scan.sceneText(f.folder), Contains("file = \"ct.nii.gz\"") && Contains("volume = \"labels.nii.gz\""));

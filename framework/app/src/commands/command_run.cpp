@@ -96,7 +96,7 @@ Handler declare(CLI::App &app, CommandLine &line) {
   addFile(app, "--export-image", options.exportImage.image, "FILE",
           "Write the scene's image as the tissue lies at the end (nrrd, nii, nii.gz, mha)");
   addFile(app, "--export-labels", options.exportImage.labels, "FILE",
-          "Write the label map as the tissue lies at the end: the nearest label at each voxel of the image");
+          "Write the deformed label map of the end: the nearest label at each voxel of the image");
   addFile(app, "--export-displacement", options.exportImage.displacement, "FILE",
           "Write how far the tissue has come, mm at the voxels of the image");
   addFile(app, "--export-surface", options.exportSurface, "FILE",

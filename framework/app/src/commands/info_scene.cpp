@@ -209,6 +209,7 @@ Expected<Json> describeMask(const scene::SceneFile &scene, const scene::SceneBod
   Preparation took;
   const auto picked = sources.pick(body.volume, {}, took);
   if (!picked) return failInScene(picked.error(), scene, body.line);
+  sources.reportNotices(body.volume.file);
   const std::size_t voxels = imaging::voxelCount(picked->mask);
   const double millilitres = imaging::volumeOf(picked->mask) / 1000.0;
   text << "  volume " << body.volume.file.string() << ": " << voxels << " voxels, " << millilitres << " ml\n";
@@ -507,6 +508,8 @@ Expected<Described> describeScene(Session &session, const std::filesystem::path 
   describeGrasps(*scene, text, out.json);
   describeContact(*scene, built->get(), text, out.json);
   if (built->get() != nullptr) describeComposition(built->get(), text, out.json);
+  out.json["notices"] = sources.said();
+  for (const std::string &notice : sources.said()) text << "notice: " << notice << "\n";
   text << howFar;
   out.text = text.str();
   return out;

@@ -501,6 +501,7 @@ int runScene(const RunOptions &options) {
   if (!options.quiet) {
     printSummary(*facts);
     for (const std::string &line : verificationLines(facts->verification)) std::printf("  %s\n", line.c_str());
+    for (const std::string &notice : facts->prepared.notices) std::printf("  note: %s\n", notice.c_str());
     for (const std::string &notice : facts->notices) std::printf("  note: %s\n", notice.c_str());
   }
   const std::string kept = outputs.written().empty() ? "; --report FILE.json keeps the last good state"

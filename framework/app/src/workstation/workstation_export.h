@@ -35,7 +35,7 @@ struct PresentImages {
   std::vector<std::shared_ptr<const scene::StoredLabels>> layers;  ///< of the label map over it
   bool areLabels = false;                                          ///< that map is the image
 };
-/// One file of `wanted`: the image or its labels as the tissue lies now, or how far it has moved at the image's voxels.
+/// One file of `wanted`: the deformed image or labels, or how far the tissue has moved at the image's voxels.
 /// The displacement is of one moment; warping and writing are a job beside the window.
 void exportPresentImage(Session &session, const PresentImages &images, const ImageWarp &how, const ImageExport &wanted,
                         ExportTold told);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cfloat>
+#include <optional>
 
 #include "c3de/segmentation/scan_body.h"
 #include "c3de/segmentation/segmentation_workflow.h"
@@ -20,6 +21,7 @@ using segmentation::ScanBody;
 using segmentation::ScanBodySettings;
 constexpr const char *kArea = "scan";
 constexpr float kHandleSize = 12.0f;  // logical pixels
+constexpr float kFindingLines = 6.0f;
 constexpr double kFewestPoints = 50.0, kMostPoints = 200000.0;
 
 void checkbox(FrameContext &frame, const char *id, const char *label, bool &value, const char *doc) {
@@ -229,6 +231,36 @@ bool drawSettings(FrameContext &frame, ScanBody &scan) {
   return isDrawn;
 }
 
+/// What image and labels contradict, with a button where a limit of the background helps.
+void drawFindings(FrameContext &frame, ScanBody &scan) {
+  const std::vector<segmentation::LabelFinding> &findings = scan.findings();
+  std::string all;
+  ImGui::BeginChild("findings", ImVec2(0, kFindingLines * ImGui::GetTextLineHeightWithSpacing()));
+  std::optional<double> chosen;
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    const segmentation::LabelFinding &finding = findings[i];
+    const std::string text = finding.text + ": " + finding.advice + ".";
+    if (finding.to) {
+      const std::string id = "finding_to." + std::to_string(i);
+      if (ImGui::SmallButton((fmt::format("Background to {}", shortNumber(*finding.to)) + "###" + id).c_str()))
+        chosen = finding.to;
+      markItem(frame, kArea, id);
+      itemTooltip(frame, "Sets the upper limit of the background");
+      ImGui::SameLine();
+    }
+    ImGui::PushTextWrapPos(0.0f);
+    ImGui::TextColored(colour::kWarn, "%s", text.c_str());
+    ImGui::PopTextWrapPos();
+    all += (all.empty() ? "" : "\n") + text;
+  }
+  ImGui::EndChild();
+  frame.automation.value(kArea, "findings", all);
+  if (!chosen) return;
+  ScanBodySettings settings = scan.settings();
+  settings.to = *chosen;
+  scan.setSettings(settings);
+}
+
 }  // namespace
 
 void drawScanBody(FrameContext &frame) {
@@ -240,9 +272,15 @@ void drawScanBody(FrameContext &frame) {
     if (!isShown) scan->show(false);
     return;
   }
-  const float lines = 5.0f * ImGui::GetFrameHeightWithSpacing() + 2.0f * ImGui::GetTextLineHeightWithSpacing();
+  const bool hasFindings = !scan->findings().empty();
+  const float lines = 5.0f * ImGui::GetFrameHeightWithSpacing() +
+                      (2.0f + (hasFindings ? kFindingLines : 0.0f)) * ImGui::GetTextLineHeightWithSpacing();
   drawLabels(frame, *scan, lines + frame.theme.px(8.0f));
   const bool isDrawn = drawSettings(frame, *scan);
+  if (hasFindings)
+    drawFindings(frame, *scan);
+  else
+    frame.automation.value(kArea, "findings", "");
   const std::string reason = scan->blockingReason();
   ImGui::BeginChild("reason", ImVec2(0, 2.0f * ImGui::GetTextLineHeightWithSpacing()));
   ImGui::PushTextWrapPos(0.0f);

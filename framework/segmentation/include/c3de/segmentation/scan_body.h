@@ -14,6 +14,7 @@
 #include "c3de/render/renderer.h"
 #include "c3de/scene/image_store.h"
 #include "c3de/scene/materials.h"
+#include "c3de/segmentation/label_checks.h"
 
 namespace c3de::segmentation {
 
@@ -106,6 +107,11 @@ class ScanBody {
   [[nodiscard]] std::array<Vec3, 2> extent_mm() const;
   [[nodiscard]] const scene::MaterialLibrary &materials() const { return materials_; }
 
+  /// What image and labels contradict of the present choices, while it is shown; those before the last choice while
+  /// isChecking().
+  [[nodiscard]] const std::vector<LabelFinding> &findings() const { return findings_; }
+  [[nodiscard]] bool isChecking() const { return !checking_.isNull(); }
+
   /// Why there is no scene yet, for a person; empty: there is.
   [[nodiscard]] std::string sceneReason() const;
   /// Why no body can be made now: that, or one is being made.
@@ -124,6 +130,8 @@ class ScanBody {
 
  private:
   void count();
+  /// Begins findings() anew where a choice has changed that they depend on.
+  void check();
   void take(Row &row, const LabelUse &use) const;
   void keepStep();
   [[nodiscard]] std::string labelText(std::size_t row) const;
@@ -143,8 +151,10 @@ class ScanBody {
   std::vector<LabelUse> byName_;        ///< what each row is without a person's choice
   std::vector<std::uint16_t> numbers_;  ///< of each row
   std::string problem_, unit_;
-  Handle counting_;
-  std::uint64_t serial_ = 0;
+  Handle counting_, checking_;
+  std::vector<LabelFinding> findings_;
+  std::string checked_;  ///< the choices that findings_ are of, or are going to be; empty: none
+  std::uint64_t serial_ = 0, checkSerial_ = 0;
   bool isShown_ = false, isAside_ = false, isMaking_ = false, isCounted_ = false;
   bool isOfEarlierScan_ = false;  ///< what is being made
   bool isTyped_ = false;          ///< the last step is of numbers of the region

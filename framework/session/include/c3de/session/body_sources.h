@@ -66,15 +66,20 @@ class BodySources {
   /// The layers that the tissues of a body are labels of.
   [[nodiscard]] Expected<std::shared_ptr<const Layers>> layersOf(const scene::SceneVolume &volume,
                                                                  const ProgressFn &progress);
-  /// Sentences of the readers since the last call.
+  /// Sentences of the readers, and others, since the last call.
   [[nodiscard]] std::vector<std::string> takeNotices();
+  void addNotice(std::string sentence) { notices_.push_back(std::move(sentence)); }
+  /// Logs what takeNotices() gives as warnings of a file, and keeps it for said().
+  void reportNotices(const std::filesystem::path &file);
+  /// All that was reported, each once, with the name of its file in front.
+  [[nodiscard]] const std::vector<std::string> &said() const { return said_; }
 
  private:
   /// One of its series at one of its time points
   using File = std::tuple<std::filesystem::path, std::string, std::size_t>;
   std::map<File, std::shared_ptr<const Layers>> labels_;
   std::map<File, std::shared_ptr<const imaging::Volume>> volumes_;
-  std::vector<std::string> notices_;
+  std::vector<std::string> notices_, said_;
 };
 
 /// Of a mask, without its specks. Errors are those of surface and fill.

@@ -28,7 +28,7 @@ struct ImageExport {
   std::filesystem::path image;
   /// u(x) in mm at its voxels (x, y, z in LPS): the material at x was at x - u. Beside it vacatedFile() is written.
   std::filesystem::path displacement;
-  /// The label map as the tissue lies now, on the grid of the image; labelFiles() lists what is written
+  /// The deformed label map, on the grid of the image; labelFiles() lists what is written
   std::filesystem::path labels;
   [[nodiscard]] bool isWanted() const { return !image.empty() || !displacement.empty() || !labels.empty(); }
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <string>
 #include <vector>
 
 #include "c3de/session/coverage.h"
@@ -32,6 +33,7 @@ struct Prepared {
   Preparation took;
   std::vector<Coverage> coverage;     ///< of the bodies that were made from images, in their order
   std::vector<TissuePlaces> tissues;  ///< of the bodies of many tissues, in their order
+  std::vector<std::string> notices;   ///< BodySources::said(): of files, and what images contradict
 };
 
 /// Adds the wall time of its life to a number.
