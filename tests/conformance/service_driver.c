@@ -708,6 +708,11 @@ static void drive_tools(void) {
   GIVES(C3DE_OK, tools->remove(tools->ctx, h));
   GIVES(C3DE_E_STALE, tools->remove(tools->ctx, h));
   GIVES(C3DE_OK, tools->remove(tools->ctx, stubborn));
+  double marked[3] = {0, 0, 0};
+  HOLDS(tools->rev >= 2);
+  GIVES(C3DE_OK, tools->marked_point(tools->ctx, marked));
+  HOLDS(marked[0] == 1 && marked[1] == -2 && marked[2] == 3.5);
+  GIVES(C3DE_E_ARG, tools->marked_point(tools->ctx, NULL));
 }
 
 /* ---- history ---- */

@@ -177,6 +177,10 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
                     &images_->workflow(), &images_->scanBody(), &tissueTable_, &edits_, &commands_,
                     [this] { return meshExtensions(); }},
                    actions());
+  tools_.setMarkedPoint([this] {
+    const ui::ImageViews &views = images_->views();
+    return views.image() ? views.crossHair() : window_->camera().focus;
+  });
   window_->setAbout(about());
   showPluginProblems();
   if (sessionOptions.loadRules.isSafeMode)

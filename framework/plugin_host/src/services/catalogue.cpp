@@ -37,7 +37,7 @@ constexpr std::array kCatalogue{
     ServiceEntry{C3DE_COLLISION_ID, &always, "", &member<&ServiceTables::collision>, kCollisionRevision},
     ServiceEntry{C3DE_PARAMS_ID, &has<&Services::parameters>, "a window", &member<&ServiceTables::params>},
     ServiceEntry{C3DE_PANELS_ID, &has<&Services::panels>, "a window", &member<&ServiceTables::panels>},
-    ServiceEntry{C3DE_TOOLS_ID, &has<&Services::tools>, "a window", &member<&ServiceTables::tools>},
+    ServiceEntry{C3DE_TOOLS_ID, &has<&Services::tools>, "a window", &member<&ServiceTables::tools>, kToolsRevision},
     ServiceEntry{C3DE_JOBS_ID, &has<&Services::jobs>, "background jobs", &member<&ServiceTables::jobs>},
     ServiceEntry{C3DE_TIME_ID, &has<&Services::mainQueue>, "a main loop", &member<&ServiceTables::time>},
     ServiceEntry{C3DE_SIMULATION_ID, &has<&Services::simulations>, "simulations", &member<&ServiceTables::simulation>,

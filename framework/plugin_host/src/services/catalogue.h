@@ -11,8 +11,9 @@ namespace c3de::plugin_host {
 
 /// Revision of the services of this host that have not grown.
 inline constexpr std::uint32_t kServiceRevision = 1;
-/// Those that have: legends; pairs of triangles; watching simulations; writers.
-inline constexpr std::uint32_t kRenderRevision = 2, kCollisionRevision = 2, kSimulationRevision = 2, kFilesRevision = 2;
+/// Those that have: legends; pairs of triangles; watching simulations; writers; the point that is marked.
+inline constexpr std::uint32_t kRenderRevision = 2, kCollisionRevision = 2, kSimulationRevision = 2, kFilesRevision = 2,
+                               kToolsRevision = 2;
 
 struct ServiceTables;
 

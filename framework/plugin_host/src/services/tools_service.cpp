@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "arguments.h"
 #include "c3de/registry/tool_registry.h"
 #include "last_error.h"
@@ -81,10 +83,19 @@ c3de_status C3DE_CALL isActive(void *ctx, c3de_handle tool, std::uint32_t *activ
   });
 }
 
+c3de_status C3DE_CALL markedPoint(void *ctx, double *out) noexcept {
+  return serveOnMain(ctx, "tools.marked_point", [&](PluginContext &plugin) {
+    requireNonNull(out, "out");
+    const auto point = plugin.services().tools->markedPoint();
+    if (!point) throw Refusal(C3DE_E_UNSUPPORTED, "there are no views in which a point could be marked");
+    std::copy(point->begin(), point->end(), out);
+  });
+}
+
 }  // namespace
 
 c3de_tools_v1 makeToolsTable(PluginContext *plugin) {
-  return {sizeof(c3de_tools_v1), kServiceRevision, plugin, &add, &removeTool, &activate, &isActive};
+  return {sizeof(c3de_tools_v1), kToolsRevision, plugin, &add, &removeTool, &activate, &isActive, &markedPoint};
 }
 
 }  // namespace c3de::plugin_host

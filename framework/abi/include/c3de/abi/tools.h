@@ -72,12 +72,15 @@ typedef struct c3de_tool { /* copied, strings included */
 
 typedef struct c3de_tools_v1 {
   uint32_t size;
-  uint32_t rev;
+  uint32_t rev; /* 2: from marked_point() on */
   void *ctx;
   c3de_status(C3DE_CALL *add)(void *ctx, const c3de_tool *tool, c3de_handle *out);  /* [main] */
   c3de_status(C3DE_CALL *remove)(void *ctx, c3de_handle tool);                      /* [main] */
   c3de_status(C3DE_CALL *activate)(void *ctx, c3de_handle tool);                    /* 0: none [main] */
   c3de_status(C3DE_CALL *is_active)(void *ctx, c3de_handle tool, uint32_t *active); /* [main] */
+  /* rev 2: the point that a person has marked, three numbers, mm, world: the cross-hair of the image that is open, else
+   * the point that the camera turns about. C3DE_E_UNSUPPORTED where there are no views. [main] */
+  c3de_status(C3DE_CALL *marked_point)(void *ctx, double *out_mm3);
 } c3de_tools_v1;
 
 #endif

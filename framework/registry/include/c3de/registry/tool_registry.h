@@ -2,11 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "c3de/abi/tools.h"
 #include "c3de/core/handle.h"
+#include "c3de/core/vec.h"
 
 namespace c3de::registry {
 
@@ -38,6 +42,12 @@ class ToolRegistry {
   /// True: the tool took the event. One of a slice reaches only a tool that asks for it.
   bool dispatch(const c3de_event &event);
 
+  /// Who knows the point that a person has marked, mm; none: there are no views.
+  void setMarkedPoint(std::function<Vec3()> point) { markedPoint_ = std::move(point); }
+  [[nodiscard]] std::optional<Vec3> markedPoint() const {
+    return markedPoint_ ? std::optional(markedPoint_()) : std::nullopt;
+  }
+
   struct Entry {
     Handle handle;
     const Tool *tool;
@@ -48,6 +58,7 @@ class ToolRegistry {
   HandleTable<Tool, HandleKind::tool> tools_;
   std::vector<Handle> order_;
   Handle active_;
+  std::function<Vec3()> markedPoint_;
 };
 
 }  // namespace c3de::registry

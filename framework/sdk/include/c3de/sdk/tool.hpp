@@ -25,6 +25,15 @@ struct ToolInfo {
   return event.inside_mm;
 }
 
+/// The point that a person has marked, mm, world: the cross-hair of the image that is open, else the point that the
+/// camera turns about. Nothing in a run without a window, and with older hosts. Main thread.
+[[nodiscard]] inline std::optional<Vec3> markedPoint(Host host) {
+  const auto *table = host.service<c3de_tools_v1>(2);
+  Vec3 point{};
+  if (!table || table->marked_point(table->ctx, point.data()) < 0) return std::nullopt;
+  return point;
+}
+
 /// Base of a tool. Registered by add(), taken back by the destructor; at most one tool is active. Main thread.
 class Tool {
  public:
