@@ -43,9 +43,11 @@ std::vector<Panel *> PanelRegistry::panels() {
   return result;
 }
 
-void PanelRegistry::notify(std::uint32_t severity, std::string title, std::string text, std::vector<Choice> choices) {
+void PanelRegistry::notify(std::uint32_t severity, std::string title, std::string text, std::vector<Choice> choices,
+                           About about) {
   std::erase_if(notifications_, [&](const Notification &n) { return n.title == title; });
-  notifications_.push_back({severity, std::move(title), std::move(text), ++serial_, timeOfDay(), std::move(choices)});
+  notifications_.push_back(
+      {severity, std::move(title), std::move(text), ++serial_, timeOfDay(), std::move(choices), about});
   if (log_.size() == kMostLogged) log_.erase(log_.begin());
   log_.push_back(notifications_.back());
 }
@@ -53,6 +55,13 @@ void PanelRegistry::notify(std::uint32_t severity, std::string title, std::strin
 bool PanelRegistry::hasViewPanel() {
   const std::vector<Panel *> all = panels();
   return std::any_of(all.begin(), all.end(), [](const Panel *panel) { return panel->isInView; });
+}
+
+void PanelRegistry::dismissAboutSimulation(std::uint64_t upTo) {
+  const auto isOver = [upTo](const Notification &n) { return n.about == About::simulation && n.serial <= upTo; };
+  std::erase_if(notifications_, isOver);
+  for (Notification &n : log_)
+    if (isOver(n)) n.choices.clear();
 }
 
 void PanelRegistry::dismiss(std::uint64_t serial) {

@@ -198,6 +198,8 @@ void BodyCreation::createBodies(std::vector<segmentation::BodyRequest> requests)
         if (result->isNew)
           if (auto adopted = session_.adopt(simulator->get(), namesOf(result->created)); !adopted)
             return events_.failed(title, adopted.error());
+        if (const scene::Simulation *now = session_.simulation(); !now || now->object() != simulator->get())
+          return events_.failed(title, {ErrorCode::state, "the simulation that they were to join has been closed"});
         events_.created(*result);
       });
 }

@@ -6,6 +6,7 @@
 
 #include "c3de/core/log.h"
 #include "c3de/core/path_text.h"
+#include "c3de/registry/panel_registry.h"
 #include "c3de/registry/parameter_registry.h"
 #include "c3de/registry/settings_store.h"
 #include "c3de/scene/force_fields.h"
@@ -43,6 +44,7 @@ struct Session::Impl {
   scene::MaterialLibrary materials;
   std::vector<std::filesystem::path> folders;
   std::function<void(const scene::Simulation &)> publishedHook;
+  registry::PanelRegistry *panels = nullptr;      ///< null: there is no window
   std::string simulatorClass;                     ///< where a scene does not say one
   std::unique_ptr<plugin_host::PluginHost> host;  ///< after everything that plugins reach
   std::shared_ptr<scene::Simulation> simulation;
@@ -95,7 +97,7 @@ Expected<std::unique_ptr<Session>> Session::create(const SessionOptions &options
   services.simulations = &impl->simulations;
   services.forces = &impl->forces;
   services.renderer = options.renderer;
-  services.panels = options.panels;
+  services.panels = impl->panels = options.panels;
   services.parameters = options.parameters != nullptr ? options.parameters : &impl->parameters;
   services.tools = options.tools;
   services.edits = options.edits;
@@ -260,6 +262,7 @@ Expected<void> Session::adopt(c3de_object *simulator, const std::string &title, 
   const Handle nextNode = impl_->addNode(title);
   impl_->connect(nextNode, title, next);
 
+  const std::uint64_t messages = impl_->panels != nullptr ? impl_->panels->lastSerial() : 0;
   // The one before lets go of its panels and proxies first, so that there is never a second set of them.
   if (impl_->simulation) impl_->simulation->table()->attach(impl_->simulation->object(), c3de_handle{0});
   const c3de_status code = next->table()->attach(simulator, c3de_handle{nextNode.bits()});
@@ -273,7 +276,15 @@ Expected<void> Session::adopt(c3de_object *simulator, const std::string &title, 
                 "the simulator could not be shown: " + (text.empty() ? "status " + std::to_string(code) : text));
   }
   impl_->release(std::exchange(impl_->simulation, std::move(next)), std::exchange(impl_->node, nextNode));
+  if (impl_->panels != nullptr) impl_->panels->dismissAboutSimulation(messages);
   return {};
+}
+
+void Session::closeSimulation() {
+  if (!impl_->simulation) return;
+  impl_->simulation->table()->attach(impl_->simulation->object(), c3de_handle{0});
+  impl_->release(std::exchange(impl_->simulation, nullptr), std::exchange(impl_->node, {}));
+  if (impl_->panels != nullptr) impl_->panels->dismissAboutSimulation(impl_->panels->lastSerial());
 }
 
 }  // namespace c3de::session

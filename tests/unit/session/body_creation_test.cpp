@@ -261,3 +261,14 @@ TEST_CASE("Bodies that were created before a cancellation stay, and the others a
   CHECK(namesIn(f.created[0].created) == std::vector<std::string>{"liver"});
   CHECK(namesIn(f.created[0].notTried) == std::vector<std::string>{"spleen", "aorta"});
 }
+
+TEST_CASE("Bodies whose simulation is closed while they are made are refused") {
+  Fixture f(true);
+  f.creation->createBodies({request("liver")});
+  f.session->closeSimulation();
+  f.settle();
+  CHECK(f.created.empty());
+  REQUIRE(f.failed.size() == 1);
+  CHECK(f.failed[0].second.code == ErrorCode::state);
+  CHECK_THAT(f.failed[0].second.message, Contains("has been closed"));
+}

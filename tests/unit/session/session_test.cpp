@@ -7,6 +7,7 @@
 #include "box_mesh.h"
 #include "c3de/geometry/mesh_writer.h"
 #include "c3de/imaging/writing.h"
+#include "c3de/registry/panel_registry.h"
 #include "c3de/session/body_sources.h"
 #include "c3de/session/build_scene.h"
 #include "stand_in_simulator.h"
@@ -20,8 +21,9 @@ using session::test::StandInSimulator;
 
 namespace {
 
-std::unique_ptr<Session> sessionWithoutPlugins() {
+std::unique_ptr<Session> sessionWithoutPlugins(registry::PanelRegistry *panels = nullptr) {
   SessionOptions options;
+  options.panels = panels;
   options.searchPlugins = false;
   options.threads = 1;
   auto session = Session::create(options);
@@ -257,6 +259,39 @@ TEST_CASE("An adopted simulator has a node of its own in millimetres, and the on
   }
   CHECK(second.attached == 0);
   CHECK(second.references() == 1);
+}
+
+TEST_CASE("Messages about a simulation go with it, whether it is closed or another one comes") {
+  using registry::About;
+  StandInSimulator first, second;
+  registry::PanelRegistry panels;
+  {
+    const auto session = sessionWithoutPlugins(&panels);
+    session->closeSimulation();  // there is none
+    REQUIRE(session->adopt(first.object(), "first"));
+    const Handle node = session->simulationNode();
+    panels.notify(1, "Body created: liver", "", {{"Undo", [] {}}}, About::simulation);
+    panels.notify(1, "Saved", "");
+    second.fail("attach", C3DE_E_GPU);
+    REQUIRE_FALSE(session->adopt(second.object(), "second"));
+    CHECK(panels.notifications().size() == 2);
+    second.fail("attach", C3DE_OK);
+    REQUIRE(session->adopt(second.object(), "second"));
+    REQUIRE(panels.notifications().size() == 1);
+    CHECK(panels.notifications()[0].title == "Saved");
+    panels.notify(2, "Paused: a step took too long", "", {}, About::simulation);
+    session->closeSimulation();
+    CHECK(session->simulation() == nullptr);
+    CHECK(session->simulationNode().isNull());
+    CHECK(session->sceneGraph().rows().empty());
+    CHECK_FALSE(session->sceneGraph().find(node));
+    CHECK(second.attached == 0);
+    CHECK(second.references() == 1);
+    REQUIRE(panels.notifications().size() == 1);
+    // The list of all messages keeps them, and offers nothing for what is gone.
+    REQUIRE(panels.log().size() == 3);
+    CHECK(panels.log()[0].choices.empty());
+  }
 }
 
 TEST_CASE("A simulator that cannot be shown leaves the present one as it was") {

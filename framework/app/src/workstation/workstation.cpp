@@ -83,6 +83,7 @@ class Workstation {
   void showTissues();
   void makeTissueSurfaces();
   void takeWarp();
+  void closeSimulation();
   void onBodiesReady(const BodyCreation::Result &result);
   void makeScanAlive(const std::string &scene);
   void onLoaded(const WorkstationLoader::Loaded &loaded);
@@ -171,7 +172,7 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
           [this] { onImageShown(); }, [this] { warp_.want(false, image_.rim_mm); },
           [this](const std::string &title, const Error &error) { onFailed(title, error); },
           [this](std::vector<segmentation::BodyRequest> requests) { bodyCreation_->createBodies(std::move(requests)); },
-          [this](const std::string &scene) { makeScanAlive(scene); }});
+          [this](const std::string &scene) { makeScanAlive(scene); }, [this] { closeSimulation(); }});
   tissueSurfaces_ = std::make_unique<TissuePresenter>(*renderer_, session_->sceneGraph());
   window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
                     &images_->workflow(), &images_->scanBody(), &tissueTable_, &edits_, &commands_,
@@ -226,7 +227,8 @@ void Workstation::open(const ui::OpenRequest &request) {
   if (!images.empty() && request.areLabels)
     images_->openLabels(images.front());
   else if (!images.empty())
-    images_->open(images.front(), {images.begin() + 1, images.end()});
+    images_->open(images.front(), {images.begin() + 1, images.end()}, {}, 0, WorkstationImages::Segmentation::labels,
+                  !others.empty());
   if (!others.empty()) loader_->open(others, request.meshUnit);
 }
 
@@ -245,6 +247,7 @@ ui::WindowActions Workstation::actions() {
     window_->camera().upAxis = render::UpAxis::y;
     window_->requestFit();
   };
+  actions.closeSimulation = [this] { closeSimulation(); };
   actions.reload = [this] { loader_->reload(); };
   actions.simulators = [this] {
     std::vector<ui::SimulatorChoice> choices;
@@ -412,7 +415,8 @@ void Workstation::watchForFailure() {
     log(LogLevel::error, "the simulation stopped: " + why);
     panels_.notify(C3DE_LOG_ERROR, "The simulation stopped",
                    why + "\nThe last good state is shown. Reset (" + keyOf(ui::Command::reset) +
-                       ") goes back to the initial state.");
+                       ") goes back to the initial state.",
+                   {}, registry::About::simulation);
   }
   hasReportedFailure_ = hasFailed;
 }
@@ -424,7 +428,8 @@ void Workstation::watchForStepsGivenUp() {
   if (now.steps > stepsGivenUp_)
     panels_.notify(C3DE_LOG_WARN, "Paused: a step took too long",
                    now.why + "\n" + keyOf(ui::Command::playPause) + " tries it again, " + keyOf(ui::Command::reset) +
-                       " goes back to the initial state.");
+                       " goes back to the initial state.",
+                   {}, registry::About::simulation);
   stepsGivenUp_ = now.steps;
 }
 
@@ -435,13 +440,27 @@ void Workstation::checkSize(const std::string &unit, double size_mm) {
     panels_.notify(C3DE_LOG_WARN, "Is the unit right?",
                    "The numbers of the file were taken as " + unit + ". That makes what is shown " +
                        formatNumber(std::round(size_mm * 10.0) / 10.0) +
-                       " mm across. File > Open mesh… asks for another unit; on the command line it is --unit.");
+                       " mm across. File > Open mesh… asks for another unit; on the command line it is --unit.",
+                   {}, registry::About::simulation);
 }
 
 void Workstation::onImageShown() {
   render::Camera &camera = window_->camera();
   if (camera.upAxis != render::UpAxis::z) ui::viewOfImages(camera);
   window_->requestFit();
+  askForWarp();
+}
+
+/// Image and labels stay.
+void Workstation::closeSimulation() {
+  tools_.cancelActive();
+  session_->closeSimulation();
+  image_ = {};
+  images_->onBodiesRemoved();
+  images_->showMissing({}, true);
+  warp_.begin();
+  tissues_.begin({});
+  makeTissueSurfaces();
   askForWarp();
 }
 
@@ -463,12 +482,13 @@ void Workstation::onBodiesReady(const BodyCreation::Result &result) {
   simulation->transport(C3DE_TRANSPORT_PLAY);
   const bool isOne = result.created.size() == 1;
   const std::string it = isOne ? "it" : "them";
-  panels_.notify(
-      C3DE_LOG_INFO, (isOne ? "Body created: " : "Bodies created: ") + namesOf(result.created),
-      result.isNew
-          ? "Pinch " + it + " in the 3D view or in a slice (P). Gravity is off, because the scan shows the organ" +
-                (isOne ? "" : "s") + " in balance with it; it is in the panel of the simulation."
-          : std::string(isOne ? "It" : "They") + " joined the simulation that was there, which begins anew.");
+  panels_.notify(C3DE_LOG_INFO, (isOne ? "Body created: " : "Bodies created: ") + namesOf(result.created),
+                 result.isNew
+                     ? "Pinch " + it +
+                           " in the 3D view or in a slice (P). Gravity is off, because the scan shows the organ" +
+                           (isOne ? "" : "s") + " in balance with it; it is in the panel of the simulation."
+                     : std::string(isOne ? "It" : "They") + " joined the simulation that was there, which begins anew.",
+                 {}, registry::About::simulation);
   if (!result.notTried.empty())
     panels_.notify(C3DE_LOG_INFO, "Cancelled",
                    namesOf(result.notTried) + (result.notTried.size() == 1 ? " was" : " were") + " not created.");
@@ -495,7 +515,8 @@ void Workstation::makeScanAlive(const std::string &scene) {
     panels_.notify(
         C3DE_LOG_INFO, title,
         "Pull it in a slice or in the 3D view (pinch, P). It is in balance where it lies; another gravity is "
-        "in the panel of the simulation.");
+        "in the panel of the simulation.",
+        {}, registry::About::simulation);
   });
 }
 
@@ -643,7 +664,7 @@ void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
   images_->showDisplacement(nullptr);
   if (loaded.image && !loaded.isReload && !loaded.isImageOpen)
     images_->open(loaded.image->file, loaded.image->labels, loaded.image->series, loaded.image->time,
-                  WorkstationImages::Segmentation::image);
+                  WorkstationImages::Segmentation::image, true);
   else
     askForWarp();
   scene::Simulation *simulation = session_->simulation();

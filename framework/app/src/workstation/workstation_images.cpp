@@ -81,7 +81,8 @@ WorkstationImages::~WorkstationImages() {
 }
 
 void WorkstationImages::open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels,
-                             const std::string &series, std::size_t time, Segmentation segmentation) {
+                             const std::string &series, std::size_t time, Segmentation segmentation,
+                             bool isOfSimulation) {
   choice_.reset();
   if (!job_.isNull()) session_.jobs().cancel(job_);
   const std::uint64_t serial = ++serial_;
@@ -106,7 +107,7 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
         }
         return readStored(wanted, progress, *read);
       },
-      [this, wanted, labels = std::move(labels), read, serial](const Expected<void> &result) {
+      [this, wanted, labels = std::move(labels), read, serial, isOfSimulation](const Expected<void> &result) {
         if (serial != serial_) return;  // a later request has taken over
         job_ = {};
         if (!result) return events_.failed("Could not open " + wanted.name, result.error());
@@ -116,7 +117,7 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
         if (read->image) {
           path_ = wanted.path;
           series_ = wanted.series;
-          show(read->image);
+          show(read->image, isOfSimulation);
           if (read->isSegmentation)
             read->notices.emplace_back(
                 "Its segments lie over its numbers as labels. To see them over a scan, open the scan, then this file "
@@ -166,13 +167,13 @@ void WorkstationImages::showTime(std::shared_ptr<scene::StoredImage> image) {
   tellScanBody();
 }
 
-void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
+void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image, bool isOfSimulation) {
   render::ImageRenderer *images = renderer_.images();
   if (!images) return;
   std::string notice;
   auto handle = images->addImage(voxelsOf(image->volume), &notice);
   if (!handle) return events_.failed("Could not show " + image->name, handle.error());
-  const bool isAnother = views_.image() != nullptr && session_.simulation() != nullptr;
+  const bool isAnother = !isOfSimulation && session_.simulation() != nullptr;
   close();
   storedImage_ = session_.images().add(std::shared_ptr<const scene::StoredImage>(image));
   views_.setImage(image);
@@ -206,10 +207,21 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
                                            [this] { return shownLabels(); },
                                            [this](std::size_t index) { showLabels(OpenLabels(labelMaps_[index])); }});
   if (!notice.empty()) tell("Opened " + image->name, {notice});
-  if (isAnother)
-    tell("The simulation goes on",
-         {"Its bodies were there before " + image->name + ", and deform it where they lie in it."});
+  if (isAnother) offerToCloseSimulation(image->name);
   events_.shown();
+}
+
+void WorkstationImages::offerToCloseSimulation(const std::string &image) {
+  // Not while messages are drawn, and not another simulation that has been opened since.
+  const auto close = [this, node = session_.simulationNode()] {
+    session_.mainQueue().post([this, node] {
+      if (session_.simulationNode() == node) events_.closeSimulation();
+    });
+  };
+  panels_.notify(C3DE_LOG_INFO, "The simulation is still open",
+                 "Its bodies were made before " + image +
+                     " was opened, and deform it where they overlap it. File > Close simulation removes them.",
+                 {{"Close the simulation", close}}, registry::About::simulation);
 }
 
 void WorkstationImages::openLabels(const std::filesystem::path &path) {
@@ -361,7 +373,7 @@ void WorkstationImages::showMissing(const std::vector<Coverage> &bodies, bool is
   for (const Coverage &body : bodies)
     if (std::string text = sentenceOf(body); !text.empty()) sentences.push_back(std::move(text));
   if (!sentences.empty()) sentences.emplace_back("It is hatched in the slices.");
-  tell("Not all of it is there", sentences);
+  tell("Not all of it is there", sentences, registry::About::simulation);
   markMissing();
 }
 
@@ -400,10 +412,10 @@ void WorkstationImages::followNode() {
     node->hasBounds = views_.options().showsSlicesInSpace || views_.options().showsVolume;
 }
 
-void WorkstationImages::tell(const std::string &title, const std::vector<std::string> &notices) {
+void WorkstationImages::tell(const std::string &title, const std::vector<std::string> &notices, registry::About about) {
   std::string text;
   for (const std::string &notice : notices) text += (text.empty() ? "" : "\n") + notice;
-  if (!text.empty()) panels_.notify(C3DE_LOG_INFO, title, text);
+  if (!text.empty()) panels_.notify(C3DE_LOG_INFO, title, text, {}, about);
 }
 
 void WorkstationImages::askForSeries(const std::filesystem::path &path, std::vector<std::filesystem::path> labels,

@@ -12,6 +12,7 @@
 #include "app.h"
 #include "c3de/imaging/displacement.h"
 #include "c3de/imaging/reading.h"
+#include "c3de/registry/panel_registry.h"
 #include "c3de/segmentation/scan_body.h"
 #include "c3de/session/session.h"
 #include "c3de/ui/image_panel.h"
@@ -35,6 +36,7 @@ class WorkstationImages {
     std::function<void(const std::string &title, const Error &error)> failed;
     std::function<void(std::vector<segmentation::BodyRequest>)> createBodies;
     std::function<void(const std::string &scene)> makeScanAlive;  ///< ends with scanBody().finished()
+    std::function<void()> closeSimulation;
   };
   WorkstationImages(Session &session, render::Renderer &renderer, registry::PanelRegistry &panels, Events events);
   ~WorkstationImages();
@@ -51,8 +53,10 @@ class WorkstationImages {
   };
   /// A file, a DICOM folder or any file of its series; ends a load that is running. Of several series a panel asks for
   /// one.
+  /// @param isOfSimulation  the present simulation, or one that is being opened, belongs to it
   void open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels = {},
-            const std::string &series = {}, std::size_t time = 0, Segmentation segmentation = Segmentation::labels);
+            const std::string &series = {}, std::size_t time = 0, Segmentation segmentation = Segmentation::labels,
+            bool isOfSimulation = false);
   /// Over the image that is open, one after the other; the last one is shown, the panel leads back to the others.
   void openLabels(const std::filesystem::path &path);
   /// The outlines of the bodies take the place of their labels, and nothing of them is picked any more.
@@ -77,7 +81,8 @@ class WorkstationImages {
     std::shared_ptr<const scene::StoredLabels> labels;
     std::vector<std::uint16_t> hidden;  ///< because their bodies are there
   };
-  void show(std::shared_ptr<scene::StoredImage> image);
+  void show(std::shared_ptr<scene::StoredImage> image, bool isOfSimulation);
+  void offerToCloseSimulation(const std::string &image);
   /// Reads another time point of the image that is open and puts it in its place.
   void readTime(std::size_t time);
   void showTime(std::shared_ptr<scene::StoredImage> image);
@@ -91,7 +96,8 @@ class WorkstationImages {
   void markMissing();
   void askForSeries(const std::filesystem::path &path, std::vector<std::filesystem::path> labels,
                     std::vector<imaging::SeriesInfo> series);
-  void tell(const std::string &title, const std::vector<std::string> &notices);
+  void tell(const std::string &title, const std::vector<std::string> &notices,
+            registry::About about = registry::About::program);
 
   Session &session_;
   render::Renderer &renderer_;

@@ -3,6 +3,7 @@
 
 #include "arguments.h"
 #include "c3de/registry/panel_registry.h"
+#include "c3de/scene/simulation_directory.h"
 #include "services/callbacks.h"
 #include "services/services.h"
 
@@ -46,7 +47,10 @@ c3de_status C3DE_CALL notify(void *ctx, std::uint32_t severity, c3de_str title, 
       throw Refusal(C3DE_E_ARG, fmt::format("severity is {}, accepted: 0 (debug) to 3 (error)", severity));
     std::string heading = labelOf(title, "title");
     if (heading.empty()) heading = plugin.id();
-    plugin.services().panels->notify(severity, std::move(heading), labelOf(text, "text", Lines::many));
+    const scene::SimulationDirectory *simulations = plugin.services().simulations;
+    const bool isOfSimulation = simulations != nullptr && !simulations->all().empty();
+    plugin.services().panels->notify(severity, std::move(heading), labelOf(text, "text", Lines::many), {},
+                                     isOfSimulation ? registry::About::simulation : registry::About::program);
   });
 }
 

@@ -21,6 +21,8 @@ constexpr std::array kCommands{
     CommandInfo{Command::makeScanAlive, "file.make_alive", "Make the scan alive…",
                 "One body of all that the labels show, and of what lies between", 0, 0, 0},
     CommandInfo{Command::closeImage, "file.close_image", "Close image", "Let go of image and labels", 0, 0, 0},
+    CommandInfo{Command::closeSimulation, "file.close_simulation", "Close simulation",
+                "Remove the bodies and obstacles; image and labels stay as they are", 0, 0, 0},
     CommandInfo{Command::reload, "file.reload", "Reload from file", "Read the opened files again", keyF5, 0, 0},
     CommandInfo{Command::exportSurface, "file.export_surface", "Export surface…",
                 "Write the bodies' skins as they lie now: OBJ, STL, PLY, VTP", 'E', C3DE_MOD_CTRL, 0},

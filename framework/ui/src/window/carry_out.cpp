@@ -132,6 +132,9 @@ void carryOut(FrameContext &frame, Command command) {
       if (frame.services.scanBody) frame.services.scanBody->show(true);
       break;
     case Command::closeImage: onImage([&](ImageViews &) { call(frame.actions.closeImage); }); break;
+    case Command::closeSimulation:
+      if (simulation.exists) call(frame.actions.closeSimulation);
+      break;
     case Command::reload: call(frame.actions.reload); break;
     case Command::exportSurface:
     case Command::exportFrame:

@@ -78,6 +78,7 @@ void fileMenu(FrameContext &frame) {
   menuItem(frame, {Command::openLabels, false, true});
   menuItem(frame, {Command::makeScanAlive, false, false, true});
   menuItem(frame, {Command::closeImage, false, true});
+  menuItem(frame, {Command::closeSimulation, true});
   menuItem(frame, {Command::reload, true});
   ImGui::Separator();
   menuItem(frame, {Command::exportSurface, true});

@@ -26,12 +26,16 @@ struct Choice {
   std::function<void()> act;
 };
 
+/// What a message is about: what belongs to a simulation ends with it.
+enum class About { program, simulation };
+
 struct Notification {
   std::uint32_t severity = 1;  ///< as in log.h
   std::string title, text;
   std::uint64_t serial = 0;
   std::string time;  ///< of the day, "16:05:09"
   std::vector<Choice> choices;
+  About about = About::program;
 };
 
 /// The panels that plugins have registered, and messages to the person. Main thread only.
@@ -47,9 +51,14 @@ class PanelRegistry {
   [[nodiscard]] Panel *find(Handle panel) { return panels_.find(panel); }
 
   /// Replaces an earlier message of the same title. The choices stand in the list of all messages, too.
-  void notify(std::uint32_t severity, std::string title, std::string text, std::vector<Choice> choices = {});
+  void notify(std::uint32_t severity, std::string title, std::string text, std::vector<Choice> choices = {},
+              About about = About::program);
   [[nodiscard]] std::vector<Notification> &notifications() { return notifications_; }
   void dismiss(std::uint64_t serial);
+  /// Of the latest message; 0: there was none.
+  [[nodiscard]] std::uint64_t lastSerial() const { return serial_; }
+  /// Messages about a simulation that ends, up to this serial. They stay in the log, without their choices.
+  void dismissAboutSimulation(std::uint64_t upTo);
   /// All messages since the start, dismissed or not, the oldest first; of very many the latest.
   [[nodiscard]] const std::vector<Notification> &log() const { return log_; }
   [[nodiscard]] bool hasViewPanel();

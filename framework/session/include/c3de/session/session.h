@@ -116,6 +116,8 @@ class Session {
   [[nodiscard]] Expected<void> adopt(c3de_object *simulator, const std::string &title);
   /// The same without a thread: the caller steps (Simulation::beginStep).
   [[nodiscard]] Expected<void> adoptForRun(c3de_object *simulator, const std::string &title);
+  /// Ends the present simulation: its thread, its node, messages about it. Nothing where there is none. Main thread.
+  void closeSimulation();
 
  private:
   [[nodiscard]] Expected<void> adopt(c3de_object *simulator, const std::string &title, bool isDrivenByCaller);

@@ -15,6 +15,7 @@ enum class Command {
   openLabels,
   makeScanAlive,
   closeImage,
+  closeSimulation,
   reload,
   exportSurface,
   exportFrame,

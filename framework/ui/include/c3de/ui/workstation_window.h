@@ -75,7 +75,7 @@ struct WindowActions {
   std::function<void(const std::filesystem::path &)> saveScanScene;  ///< of what is chosen in the dialog of the scan
   /// What a file of that export could be called, without folder and ending; empty: nothing is proposed.
   std::function<std::string(Command exported)> proposeName;
-  std::function<void()> closeImage;
+  std::function<void()> closeImage, closeSimulation;
   std::function<std::string()> unsaved;  ///< what quitting now would lose, for a person; empty: nothing
   std::function<void()> beforeDraw;      ///< panels have been handled, the 3D view is about to be drawn
 };
