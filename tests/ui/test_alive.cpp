@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // From a scan and its labels to one body of all that they show, by mouse.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <sstream>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -523,6 +526,52 @@ TEST_CASE("Fields of tissue that is pulled are in the slices, under the mouse an
   CHECK(std::abs(largest_mm - shown_mm) < 0.05 + 0.1 * largest_mm);
 }
 
+TEST_CASE("where another scan is opened the simulation of the one before is closed by a button of its message",
+          "[scan_close]") {
+  C3DE_ALIVE_OR_SKIP();
+  WorkstationDriver window("scan_close");
+  openDialog(window, writeScan("scan_close", threeOrgans({"liver", "kidney_left", "vertebrae_L1"})));
+  typeInto(window, "points", "300");
+  window.key("Tab");
+  window.waitForValue("scan/points", "300");
+  (void)make(window);
+  const Files other = writeScan("scan_close_other", threeOrgans({"liver", "kidney_left", "vertebrae_L1"}));
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("ctrl+i");
+  window.waitUntil("a file is asked for", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+  window.key("ctrl+a");
+  window.type(other.image.string());
+  window.click("dialog/open");
+  std::string button;
+  const Json offered = window.waitUntil("it is offered to close the simulation", [&](const Json &s) {
+    for (std::size_t i = 0; i < s["notifications"].size(); ++i) {
+      button = "notification/choose." + std::to_string(i) + ".0";
+      if (s["widgets"].contains(button)) return true;
+    }
+    return false;
+  });
+  CHECK(offered["notifications"].dump().find("The simulation is still open") != std::string::npos);
+  window.screenshot("offered");
+  window.click(button);
+  const Json closed =
+      window.waitUntil("the simulation is closed", [](const Json &s) { return s["transport"]["exists"] == false; });
+  CHECK(closed["panes"].size() == 4);
+  // No message is left about a body that is gone.
+  for (const char *title : {"The simulation is still open", "The scan is alive", "Not all of it is there"})
+    CHECK(closed["notifications"].dump().find(title) == std::string::npos);
+  window.waitUntil("the image is shown as it was read", [](const Json &s) {
+    return !s["values"].contains("image/axial.outlines") || value(s, "image/axial.outlines") == "0";
+  });
+  window.screenshot("closed");
+
+  // The menu has it, too.
+  window.click("menu/file");
+  window.waitUntil("there is none to close", [](const Json &s) {
+    const Json &disabled = s["disabled"];
+    return std::find(disabled.begin(), disabled.end(), "menu/file.close_simulation") != disabled.end();
+  });
+}
+
 bool isLiverHeld(const Json &s) { return value(s, kPanel + "Held inside") == "scan: liver"; }
 
 /// A CT alive, with the cross-hair in its liver and the pinch in the hand.
@@ -624,6 +673,37 @@ TEST_CASE("The liver of a CT is pulled by three centimetres in a slice and in th
   pull(window, inSpace(window, onFace), inSpace(window, onFace + Vec3{30, 0, 0}));
   window.waitUntil("it is held", isLiverHeld);
   liver.follow("space", "coronal", onFace);
+}
+
+TEST_CASE("The first pull at a CT does not pause the simulation while other programs keep the machine busy",
+          "[scan_liver_busy]") {
+  C3DE_ALIVE_OR_SKIP();
+  C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
+  C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
+  LiverOfCt liver("scan_liver_busy", {image, labels});
+  WorkstationDriver &window = liver.window;
+  // The views are drawn by software beside them.
+  std::vector<std::jthread> busy;
+  for (unsigned k = 0; k < std::max(2u, std::thread::hardware_concurrency()); ++k)
+    busy.emplace_back([](const std::stop_token &stop) {
+      while (!stop.stop_requested()) {
+      }
+    });
+  std::string paused;
+  const auto look = [&paused](const Json &s) {
+    if (s["transport"]["mode"] != "playing") paused = s["notifications"].dump();
+    return paused.empty();
+  };
+  (void)liver.pullInSlice();
+  window.waitUntil("the tissue comes after the hand",
+                   [&](const Json &s) { return !look(s) || numberOf(s, "tissues/liver.largest") > 10.0; });
+  window.screenshot("pulled");
+  WARN("beside busy programs: " << window.value("status/rate"));
+  window.release();
+  const int steps = window.state()["transport"]["steps"];
+  window.waitUntil("it goes on after the release",
+                   [&](const Json &s) { return !look(s) || s["transport"]["steps"].get<int>() > steps + 20; });
+  CHECK(paused == "");
 }
 
 TEST_CASE("Where the liver of a CT has been pulled its cells get finer, and it is pulled again", "[scan_liver_finer]") {

@@ -166,6 +166,43 @@ TEST_CASE("a pinched organ follows the hand and lets go on release", "[organ_pin
   CHECK(window.state()["notifications"].empty());
 }
 
+TEST_CASE("a pinch while the simulation is stopped says so, and pulls as soon as it plays", "[organ_pinch_stopped]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("organ_pinch_stopped");
+  startOrgan(window);
+  window.key("p");
+  window.waitUntil("the pinch tool is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
+  const Point from = window.inView(0.5, 0.5), to = window.inView(0.62, 0.38);
+  window.moveTo(from);
+  window.waitUntil("the status bar says it", [](const Json &s) {
+    return s["values"].value("status/hint", "").starts_with("Space plays the simulation");
+  });
+  window.press();
+  const Json held = window.waitUntil("it is said at the hand", [](const Json &s) {
+    return row(s, "Nothing moves") == "Stopped: press Space to play";
+  });
+  CHECK(mode(held) == "stopped");
+  const auto start = millimetres(row(held, "Held point"));
+  for (int i = 1; i <= 4; ++i) window.moveTo({from.x + i / 4.0 * (to.x - from.x), from.y + i / 4.0 * (to.y - from.y)});
+  window.waitFrames(5);
+  window.screenshot("stopped");
+  CHECK(window.state()["transport"]["steps"] == 0);
+
+  // The hold is kept, and acts.
+  window.key("space");
+  window.waitUntil("the organ follows", [&](const Json &s) {
+    return mode(s) == "playing" && row(s, "Nothing moves").empty() &&
+           distance(millimetres(row(s, "Held point")), start) > 5.0;
+  });
+  window.key("space");
+  window.waitUntil("a pause is said as well",
+                   [](const Json &s) { return row(s, "Nothing moves") == "Paused: press Space to play"; });
+  window.screenshot("paused");
+  window.release();
+  window.waitUntil("it is released", [](const Json &s) { return row(s, "Held point").empty(); });
+  CHECK(window.state()["notifications"].empty());
+}
+
 TEST_CASE("play, pause, step and reset do what they say, and reset is exact", "[organ_transport]") {
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_transport");
@@ -296,6 +333,29 @@ TEST_CASE("a file that cannot be opened leaves the simulation that is open", "[o
   const auto steps = state["transport"]["steps"].get<long long>();
   window.waitUntil("it goes on", [&](const Json &s) { return s["transport"]["steps"].get<long long>() > steps + 5; });
   window.screenshot("kept");
+}
+
+TEST_CASE("a simulation that plays is closed by the menu, and another one is opened", "[organ_close]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("organ_close");
+  startOrgan(window);
+  window.key("p");
+  window.key("space");
+  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 5; });
+  window.click("menu/file");
+  window.click("menu/file.close_simulation");
+  const Json closed = window.waitUntil("it is closed", [](const Json &s) { return s["transport"]["exists"] == false; });
+  CHECK(closed["nodes"].empty());
+  CHECK(row(window.state(), "Surfels").empty());
+  window.screenshot("closed");
+  window.key("ctrl+m");
+  window.waitUntil("a file is asked for", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+  window.key("ctrl+a");
+  window.type(organMesh().string());
+  window.click("dialog/open");
+  window.waitUntil("another one is there", [](const Json &s) {
+    return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty();
+  });
 }
 
 TEST_CASE("surface and frame of the present state are exported through the menu", "[organ_export]") {
@@ -476,15 +536,15 @@ TEST_CASE("an organ from a scene can be filled again with another count", "[orga
 namespace {
 
 // Nearly incompressible in implicit steps: many seconds for each.
-fs::path heavyScene(const std::string &solver) {
-  fs::path scene = fs::path(testOutputRoot()) / "ui" / "heavy.toml";
+fs::path heavyScene(const std::string &solver, int count = 12000) {
+  fs::path scene = fs::path(testOutputRoot()) / "ui" / ("heavy_" + std::to_string(count) + ".toml");
   fs::create_directories(scene.parent_path());
   std::ofstream(scene)
       << "format = 1\ntitle = \"Heavy organ\"\n[solver]\nintegrator = \"implicit\"\n"
       << solver << "\n[[body]]\n"
       << "name = \"organ\"\nmesh = \"" << organMesh().generic_string() << "\"\nmesh_unit = \"mm\"\n"
       << "material = { law = \"neo_hookean\", youngs_modulus = 2e6, poisson_ratio = 0.499, density = 1000.0 }\n"
-      << "sampling = { count = 12000 }\nangular_velocity = [0.0, 0.0, 40.0]\n";
+      << "sampling = { count = " << count << " }\nangular_velocity = [0.0, 0.0, 40.0]\n";
   return scene;
 }
 
@@ -530,7 +590,7 @@ TEST_CASE("a step that takes long is said while it lasts, and reset and Escape e
 TEST_CASE("a step beyond its budget is given up, with what would fit, and nothing is lost", "[organ_step_budget]") {
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_step_budget");
-  window.start({heavyScene("").string()});
+  window.start({heavyScene("step_budget = 1.0").string()});
   window.waitUntil("the organ is there", [](const Json &s) { return s["transport"]["exists"] == true; });
   window.moveTo(window.inView(0.9, 0.1));
   window.key("space");
@@ -555,6 +615,45 @@ TEST_CASE("a step beyond its budget is given up, with what would fit, and nothin
   window.moveTo(window.inView(0.9, 0.1));
   window.key("space");
   window.waitUntil("it moves", [](const Json &s) { return s["transport"]["steps"] > 2; });
+}
+
+TEST_CASE("while a hand holds it no step is given up, and the status bar says that it is slow", "[organ_hand_budget]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("organ_hand_budget");
+  // No step fits into this budget.
+  window.start({heavyScene("step_budget = 0.01", 3000).string()});
+  window.waitUntil("the organ is shown", [](const Json &s) {
+    return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty();
+  });
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("f");
+  window.key("p");
+  window.waitUntil("the pinch tool is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
+  const Point from = window.inView(0.5, 0.5);
+  window.moveTo(from);
+  window.press();
+  window.waitUntil("it is held", [](const Json &s) { return !row(s, "Held surfel").empty(); });
+  window.key("space");
+  for (int i = 1; i <= 8; ++i) window.moveTo({from.x + 6 * i, from.y - 6 * i});
+  // Software drawing and other programs take their time beside it.
+  const Json slow = window.waitUntil("it goes on, slowly", [](const Json &s) {
+    return s["transport"]["steps"] >= 3 && s["values"].value("status/rate", "").starts_with("slower than real time: ");
+  });
+  CHECK(mode(slow) == "playing");
+  CHECK(slow["notifications"].empty());
+  window.screenshot("slow");
+
+  // Escape ends the hold; without it the budget counts again.
+  window.key("Escape");
+  window.waitUntil("it is released", [](const Json &s) { return row(s, "Held surfel").empty(); });
+  window.release();
+  window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
+  const int steps = window.state()["transport"]["steps"];
+  window.key("space");
+  const Json paused =
+      window.waitUntil("the step is given up", [](const Json &s) { return !s["notifications"].empty(); });
+  CHECK(paused["notifications"].back()["title"] == "Paused: a step took too long");
+  CHECK(paused["transport"]["steps"] == steps);
 }
 
 TEST_CASE("an organ that plays is made stiff and nearly incompressible, and goes on", "[organ_stiff_edit]") {

@@ -51,6 +51,15 @@ const registry::Tool *toolOf(const FrameContext &frame) {
   return frame.services.tools ? frame.services.tools->find(frame.services.tools->active()) : nullptr;
 }
 
+/// What the left button does with a tool; before it, that nothing moves while the simulation does not play.
+std::string hintOf(const FrameContext &frame, const registry::Tool &tool) {
+  const std::uint32_t mode = frame.simulation.transport.mode;
+  const bool isStill = frame.simulation.exists && (mode == C3DE_SIM_STOPPED || mode == C3DE_SIM_PAUSED);
+  const CommandInfo &play = commandInfo(Command::playPause);
+  return (isStill ? keyText(play.key, play.modifiers) + " plays the simulation    " : std::string()) + tool.label +
+         ": " + tool.hint;
+}
+
 /// What the mouse does where it is.
 std::string hintOf(const FrameContext &frame) {
   const auto isOver = [&](Pane pane) {
@@ -62,7 +71,7 @@ std::string hintOf(const FrameContext &frame) {
       return "Drag: handles move a side, inside moves the box, outside draws another    Click: cross-hair    Wheel: "
              "slices    Middle or Shift+left: pan    Right or Ctrl+wheel: zoom    Ctrl+Z: undo";
     if (const registry::Tool *tool = toolOf(frame); tool && tool->inSlices && !images->isPicking())
-      return tool->label + ": " + tool->hint;
+      return hintOf(frame, *tool);
     const char *left = images->isPicking()                   ? "Click: pick what is there"
                        : images->options().isWindowLevelMode ? "Left drag: window (sideways), level (upwards)"
                                                              : "Left: cross-hair";
@@ -71,7 +80,7 @@ std::string hintOf(const FrameContext &frame) {
            "only this view    R: reset";
   }
   if (!isOver(Pane::space)) return "H: keys and mouse";
-  if (const registry::Tool *tool = toolOf(frame)) return tool->label + ": " + tool->hint;
+  if (const registry::Tool *tool = toolOf(frame)) return hintOf(frame, *tool);
   return "Left drag: orbit    Middle or Shift+left: pan    Right, Ctrl+left or wheel: zoom    F: fit    R: reset";
 }
 
@@ -98,9 +107,12 @@ void drawStatusBar(FrameContext &frame, const PixelRect &area) {
     const bool isSlow = t.mode == C3DE_SIM_PLAYING && t.target_rate > 0.0 && t.real_time_factor < 0.9 * t.target_rate;
     const bool hasRate = t.mode == C3DE_SIM_PLAYING;
     cell(frame, "rate",
-         hasRate ? fixedText(t.real_time_factor, 2) + "× real time (target " + target + ")" : "target " + target,
+         !hasRate  ? "target " + target
+         : !isSlow ? fixedText(t.real_time_factor, 2) + "× real time (target " + target + ")"
+                   : std::string(t.target_rate == 1.0 ? "slower than real time: " : "slower than the target: ") +
+                         fixedText(t.real_time_factor, 2) + "×",
          isSlow ? colour::kWarn : colour::kText, 190,
-         "Simulated seconds per second, achieved over the last second of playing, and aimed at");
+         ("Simulated seconds per second, achieved over the last second of playing; the target is " + target).c_str());
     cell(frame, "step_ms", fixedText(t.step_ms, 2) + " ms/step",
          simulation.isLongStep() ? colour::kWarn : colour::kText, 88,
          "Wall time of a step, mean of the last second; of the present one when that is longer");

@@ -68,7 +68,8 @@ void drawWay(sdk::Ui &ui, const Snapshot &snapshot, const Vec3 &now, const Vec3 
     ui.text(
         "A quasi-static solution has no time in which it could go there: reset, and place it before the first step");
   else
-    ui.text("It is " + significant(kMillimetres * away, 2) + " mm away, and goes there while the simulation runs");
+    ui.text("It is " + significant(kMillimetres * away, 2) +
+            " mm away from there, and moves while the simulation plays (Space)");
 }
 
 }  // namespace

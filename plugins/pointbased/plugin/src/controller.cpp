@@ -325,6 +325,7 @@ void Controller::drawPinch(sdk::Ui &ui) {
       ui.value("Held surfel", std::to_string(*hold->surfel));
     else
       ui.value("Held inside", hold->what);
+    if (!hold->whyStill.empty()) ui.value("Nothing moves", hold->whyStill);
     ui.value("Pinch force", fixed(hold->force, 3) + " N");
     ui.value("Held mass", significant(1e3 * hold->mass, 3) + " g");
     ui.value("Held point", millimetres(hold->point));

@@ -211,8 +211,10 @@ void GraspTool::update() {
     showLines(hand_, std::array<Vec3, 2>{middle, pose_->middle}, kHand);
   else
     hand_.reset();
+  const std::string still = drag_ ? whyStill() : std::string();
   showLabel(label_, tip,
-            significant(grasp->forces.pull.norm()) + " N, squeezing " + significant(grasp->forces.squeeze) + " N",
+            significant(grasp->forces.pull.norm()) + " N, squeezing " + significant(grasp->forces.squeeze) + " N" +
+                (still.empty() ? "" : "    " + still),
             kForce);
 }
 

@@ -24,6 +24,17 @@ void HandTool::post(std::function<void(WorldSimulator &)> command) const {
                                   [simulator = simulator_, command = std::move(command)] { command(*simulator); });
 }
 
+std::string HandTool::whyStill() const {
+  if (!simulator_) return {};
+  const auto state = services_.simulation.state(simulator_->node());
+  switch (state ? state->mode : C3DE_SIM_PLAYING) {
+    case C3DE_SIM_STOPPED: return "Stopped: press Space to play";
+    case C3DE_SIM_PAUSED: return "Paused: press Space to play";
+    case C3DE_SIM_FAILED: return "Failed: Ctrl+R resets the simulation";
+    default: return {};
+  }
+}
+
 void HandTool::showLines(sdk::Proxy &lines, std::span<const Vec3> points, const sdk::Material &material) const {
   if (lines)
     (void)services_.render.update(lines.handle(), C3DE_ATTR_POSITIONS, viewOf(points));

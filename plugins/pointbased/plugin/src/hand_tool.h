@@ -27,6 +27,9 @@ class HandTool : public sdk::Tool {
   /// A text at a place, m: made, or moved.
   void showLabel(sdk::Proxy &label, const Vec3 &at, const std::string &text, const sdk::Material &material) const;
 
+  /// Why a hand moves nothing now, and what helps: "Paused: press Space to play". Empty while the simulation plays.
+  [[nodiscard]] std::string whyStill() const;
+
   /// An arrow, m: made, or moved; taken away where it has no length.
   void showArrow(sdk::Proxy &arrow, const Vec3 &from, const Vec3 &way) const;
   /// A force, N, as an arrow; the largest one, N, is as long as arrows get. @return its tip, m

@@ -185,6 +185,7 @@ void MoveTool::cancel() {
 void MoveTool::hideHandles() {
   for (auto *handles : {&arrows_, &rings_})
     for (sdk::Proxy &handle : *handles) handle.reset();
+  label_.reset();
 }
 
 void MoveTool::showHandles() {
@@ -220,6 +221,11 @@ void MoveTool::update() {
                        (obstacle->motion.rotation - pose_->rotation).norm() < kThere;
   if (isThere || snapshot->steps < steps_) isOnItsWay_ = false;
   steps_ = snapshot->steps;
+  const std::string still = drag_ && snapshot->steps > 0 ? whyStill() : std::string();
+  if (still.empty() || !services_.render)
+    label_.reset();
+  else
+    showLabel(label_, pose_->middle, still, kForce);
   if (!drag_ && !isEdited_ && !isOnItsWay_) pose_ = ObstaclePose{obstacle->middle(), obstacle->motion.rotation};
   if (isActive())
     showHandles();

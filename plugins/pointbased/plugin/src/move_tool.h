@@ -67,6 +67,7 @@ class MoveTool : public HandTool {
   bool isOnItsWay_ = false;  // where the hand wants it and where it is differ
   std::uint64_t steps_ = 0;  // of the last snapshot
   std::array<sdk::Proxy, 3> arrows_, rings_;
+  sdk::Proxy label_;
 };
 
 }  // namespace pointbased

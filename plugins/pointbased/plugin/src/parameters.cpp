@@ -91,8 +91,9 @@ constexpr std::array kWorld{
                  {1.0, 10000.0, 1.0, 50.0}, 10.0),
     autoParam(
         {"solver.step_budget", "Time for a step", "s",
-         "A step that takes longer is given up: the state before it stays, and what would help is said. auto: in a "
-         "window 1 s, a load step and the first explicit step 10 s; without a window as long as it takes",
+         "A step that computes for longer is given up: the state before it stays, and what would help is said. What "
+         "other programs and the drawing take does not count, and no step is given up while a hand holds or touches "
+         "tissue. auto: 10 s in a window, no limit without one",
          "Solver"},
         {0.01, 1e6, 0.1, 60.0}, C3DE_PARAM_LOG_SCALE),
     boolParam({"solver.sleep", "Sleep", "",
@@ -467,12 +468,9 @@ ContactSettings contactSettings(const ParameterValues &v) {
           v.number(C3DE_PARAM_ID_CONTACT_FRICTION)};
 }
 
-double stepBudget(const ParameterValues &v, bool hasWindow, bool isFirst) {
+double stepBudget(const ParameterValues &v, bool hasWindow) {
   if (!v.isAuto("solver.step_budget")) return v.number("solver.step_budget");
-  if (!hasWindow) return std::numeric_limits<double>::infinity();
-  const std::string integrator = v.text("solver.integrator");
-  const bool isExplicit = integrator == "auto" || integrator == "explicit";  // an implicit step is long by itself
-  return integrator == "quasistatic" || (isFirst && isExplicit) ? 10.0 : 1.0;
+  return hasWindow ? 10.0 : std::numeric_limits<double>::infinity();
 }
 
 ViewSettings viewSettings(const ParameterValues &v) {

@@ -49,9 +49,8 @@ class ParameterValues {
 
 [[nodiscard]] WorldSettings worldSettings(const ParameterValues &values);
 [[nodiscard]] ContactSettings contactSettings(const ParameterValues &values);
-/// s that a step may take before it is given up; infinite: as long as it likes.
-/// @param isFirst  it prepares the contacts of all skins as well, which later ones keep
-[[nodiscard]] double stepBudget(const ParameterValues &values, bool hasWindow, bool isFirst);
+/// s that a step may compute before it is given up; infinite: no limit.
+[[nodiscard]] double stepBudget(const ParameterValues &values, bool hasWindow);
 [[nodiscard]] ViewSettings viewSettings(const ParameterValues &values);
 /// Whether a parameter of the world says only what is shown.
 [[nodiscard]] bool isOfTheView(std::string_view id);

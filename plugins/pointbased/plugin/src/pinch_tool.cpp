@@ -40,7 +40,8 @@ bool PinchTool::press(const c3de_event &event) {
   if (!snapshot || !ray) return false;
   refusal_.clear();
   if (sdk::isInSlice(event)) {
-    pressInside(bodyAt(*snapshot, ray->origin), ray->origin);
+    const BodySnapshot *body = bodyAt(*snapshot, ray->origin);
+    if (!body || !isTimeless(*snapshot, "Pinch", "a hand could pull")) pressInside(body, ray->origin);
     return true;
   }
   if (const std::optional<double> slice = sdk::seenInside(event)) {
@@ -48,7 +49,7 @@ bool PinchTool::press(const c3de_event &event) {
     for (std::size_t i = 0; i < 3; ++i) there.ray_origin_mm[i] += *slice * event.ray_direction[i];
     const Vec3 place = rayOf(services_, simulator_->node(), there).value_or(*ray).origin;
     if (const BodySnapshot *body = bodyAt(*snapshot, place)) {
-      pressInside(body, place);
+      if (!isTimeless(*snapshot, "Pinch", "a hand could pull")) pressInside(body, place);
       return true;
     }
   }
@@ -59,6 +60,7 @@ bool PinchTool::pressSurface(const Snapshot &snapshot, const PickRay &ray) {
   const std::optional<PickedSurface> picked = pick(services_, snapshot, ray);
   // What stands in front of the organ cannot be reached through.
   if (!picked || !picked->body) return false;
+  if (isTimeless(snapshot, "Pinch", "a hand could pull")) return true;
   const BodySnapshot &body = *picked->body;
   const Vec3 &under = picked->at;
   if (body.stands) {
@@ -111,8 +113,10 @@ void PinchTool::begin(const BodySnapshot &body, Grab grab, std::optional<std::si
   for (std::size_t k = 0; k < grab.phyxels.size(); ++k) grab.target += grab.weights[k] * body.phyxels[grab.phyxels[k]];
   planePoint_ = under;
   grabOffset_ = grab.target - under;
-  hold_ = Hold{body.id, body.name, surfel, surfel ? vectorOf(body.surfels[*surfel]) : under, under, 0.0, 0.0};
+  hold_ =
+      Hold{body.id, body.name, surfel, surfel ? vectorOf(body.surfels[*surfel]) : under, under, 0.0, 0.0, whyStill()};
   history_.begin(simulator_);
+  simulator_->spareStep();
   post([id = body.id, grab = std::move(grab), own = settings_.largestForce](WorldSimulator &s) {
     s.setGrab(id, grab, own);
   });
@@ -125,6 +129,7 @@ void PinchTool::refuse(const Vec3 &place, const std::string &why) {
 }
 
 void PinchTool::follow(const BodySnapshot &body) {
+  hold_->whyStill = whyStill();
   hold_->force = body.grab ? body.grab->force.norm() : 0.0;
   hold_->mass = body.grab ? body.grab->mass : 0.0;
   if (hold_->surfel)
@@ -166,7 +171,12 @@ void PinchTool::showMarker(const BodySnapshot &body) {
                                                       kMarkerRadius * body.rest->spacing, kForce))
     marker_ = std::move(*made);
   showArrow(arrow_, hold_->point, hold_->target - hold_->point);
-  showLabel(label_, hold_->target, fixed(hold_->force, 2) + " N", kForce);
+  const std::string &still = hold_->whyStill, force = fixed(hold_->force, 2) + " N";
+  showLabel(label_, hold_->target,
+            still.empty()         ? force
+            : hold_->force == 0.0 ? still
+                                  : force + "    " + still,
+            kForce);
 }
 
 void PinchTool::hideMarker() {

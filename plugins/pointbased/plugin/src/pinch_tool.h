@@ -11,6 +11,7 @@ namespace pointbased {
 /// Press on the surface: the nearest surfel under the mouse is held, through the host's collision service; in a slice,
 /// or on one that is seen in the 3D view: the material that is there, inside. Drag: a damped spring pulls its phyxels,
 /// in a slice within its plane; release or Escape: let go. A marker shows where, an arrow the pull, a label the force.
+/// While the simulation does not play the label says so, and what is held is pulled as soon as it does.
 /// Where nothing can be held a label says why until the button is released.
 class PinchTool : public HandTool {
  public:
@@ -32,6 +33,7 @@ class PinchTool : public HandTool {
     Vec3 target = Vec3::Zero();         ///< m, where the hand is
     double force = 0.0;                 ///< N
     double mass = 0.0;                  ///< kg held
+    std::string whyStill;               ///< HandTool::whyStill()
   };
   [[nodiscard]] const std::optional<Hold> &hold() const { return hold_; }
   /// Why the last press holds nothing; empty: it does, or met nothing in the 3D view.

@@ -5,10 +5,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <ctime>
 #include <limits>
 
 #include "pointbased/stop_request.h"
+#include "thread_clock.h"
 
 namespace pointbased {
 
@@ -22,17 +22,20 @@ class StepRequest final : public StopRequest {
     return interrupted_.load(std::memory_order_relaxed) || waiting_.load(std::memory_order_relaxed) > 0 ||
            abandoned_.load(std::memory_order_relaxed) || isOverBudget();
   }
-  /// s that the present step may take; infinite: as long as it likes.
+  /// s of processor time that the present step may take; infinite: no limit.
   [[nodiscard]] double budget() const noexcept {
-    const std::int64_t begin = begin_, end = end_;
-    return begin == kNone || end == kNever ? std::numeric_limits<double>::infinity()
-                                           : 1e-9 * static_cast<double>(end - begin);
+    return end_ == kNever ? std::numeric_limits<double>::infinity() : 1e-9 * static_cast<double>(budget_);
   }
-  /// The present step has taken longer than it may, of processor time as well where that can be told: on a busy machine
-  /// a short one may wait for its turn for a second.
+  /// The thread of the present step has computed for longer than it may. Time in which that thread waits for a processor
+  /// does not count, nor does what other threads of the program compute.
   [[nodiscard]] bool isOverBudget() const noexcept {
-    return now() > end_.load(std::memory_order_relaxed) &&
-           static_cast<double>(std::clock() - clockThen_.load(std::memory_order_relaxed)) >= budget() * CLOCKS_PER_SEC;
+    std::int64_t end = end_.load(std::memory_order_relaxed);
+    const std::int64_t present = now();
+    if (present <= end) return false;
+    const std::int64_t left = budget_ - (clock_.now() - clockThen_);
+    if (left <= 0) return true;
+    end_.compare_exchange_strong(end, present + left, std::memory_order_relaxed);  // it cannot be over before
+    return false;
   }
 
   /// By the host, until it is taken back.
@@ -42,6 +45,9 @@ class StepRequest final : public StopRequest {
     const std::int64_t begin = begin_;
     if (begin != kNone && now() - begin > std::chrono::nanoseconds(kLong).count()) abandoned_ = true;
   }
+
+  /// The present step has no limit any more: a hand has taken hold of tissue.
+  void spareStep() { end_ = kNever; }
 
   /// While it lives, somebody waits for the simulator to put it back to the beginning: no step is worth anything.
   class Waiting {
@@ -55,12 +61,15 @@ class StepRequest final : public StopRequest {
     StepRequest &request_;
   };
 
-  /// @param budget  s, that it may take; infinite: as long as it likes
+  /// On the thread of the step. @param budget  s of its processor time; infinite: no limit
   void beginStep(double budget) {
+    const bool isLimited = std::isfinite(budget);
     abandoned_ = false;
-    clockThen_ = std::clock();
+    if (isLimited) clock_ = ThreadClock::ofThisThread();
+    clockThen_ = clock_.now();
     begin_ = now();
-    end_ = std::isfinite(budget) ? begin_ + static_cast<std::int64_t>(1e9 * budget) : kNever;
+    budget_ = isLimited ? static_cast<std::int64_t>(1e9 * budget) : 0;
+    end_ = isLimited ? begin_ + budget_ : kNever;
   }
   void endStep() {
     begin_ = kNone;
@@ -75,8 +84,11 @@ class StepRequest final : public StopRequest {
 
   std::atomic<bool> interrupted_{false}, abandoned_{false};
   std::atomic<int> waiting_{0};
-  std::atomic<std::int64_t> begin_{kNone}, end_{kNever};  // ns, of the present step and of its budget
-  std::atomic<std::clock_t> clockThen_{0};                // of the process, at the beginning
+  std::atomic<std::int64_t> begin_{kNone}, budget_{0};  // ns, of the present step
+  mutable std::atomic<std::int64_t> end_{kNever};       // ns of the wall: before it the budget cannot be used up
+  // Of the thread of the present step; written while nobody computes.
+  ThreadClock clock_;
+  std::int64_t clockThen_ = 0;
 };
 
 }  // namespace pointbased

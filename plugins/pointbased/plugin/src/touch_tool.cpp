@@ -230,7 +230,8 @@ void TouchTool::showForce(const ObstacleSnapshot &instrument) {
     showLines(hand_, std::array<Vec3, 2>{middle, *target_}, kHand);
   else
     hand_.reset();
-  showLabel(label_, tip, significant(force.norm()) + " N", kForce);
+  const std::string still = drag_ ? whyStill() : std::string();
+  showLabel(label_, tip, significant(force.norm()) + " N" + (still.empty() ? "" : "    " + still), kForce);
 }
 
 void TouchTool::update() {

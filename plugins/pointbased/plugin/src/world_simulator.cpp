@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "body_fields.h"
 #include "c3de/sdk/structs.hpp"
@@ -252,7 +253,7 @@ sdk::Result<void> WorldSimulator::step() {
   const std::lock_guard lock(mutex_);
   takeForces();
   leadGrasps();
-  const double budget = stepBudget(world_, context_.hasWindow, simulator_.steps() == 0);
+  const double budget = isInHand() ? std::numeric_limits<double>::infinity() : stepBudget(world_, context_.hasWindow);
   request_.beginStep(budget);
   auto stepped = simulator_.step(&request_);
   const bool tookTooLong = !stepped && stepped.error().ended && request_.isOverBudget();
@@ -263,6 +264,13 @@ sdk::Result<void> WorldSimulator::step() {
                                        simulator_.whatWouldFit(stepped.error(), budget)};
   if (!stepped) return Failure{stepped.error().ended ? C3DE_E_CANCELLED : C3DE_E_DIVERGED, stepped.error().text};
   return {};
+}
+
+bool WorldSimulator::isInHand() const {
+  const auto isHeld = [this](const auto &entry) { return !simulator_.body(entry.first)->hands.empty(); };
+  const auto isInstrument = [this](const auto &entry) { return simulator_.isInstrument(entry.first); };
+  return std::any_of(table_.bodies().begin(), table_.bodies().end(), isHeld) ||
+         std::any_of(table_.obstacles().begin(), table_.obstacles().end(), isInstrument);
 }
 
 void WorldSimulator::activity(c3de_sink text) {

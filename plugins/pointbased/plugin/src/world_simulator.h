@@ -168,11 +168,13 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   [[nodiscard]] HandState checkpoint() const;
   /// Goes to the kept state and keeps the one that it leaves; nothing where the simulation has begun anew since. [sim]
   void exchange(HandState &kept);
-  /// Of a step that has taken long, before something is posted that changes it: the state before it stays. Any thread.
   /// m, as slices show it: the material that is at a place has come by it; 0 where no body is. Waits for a step. Any
   /// thread.
   [[nodiscard]] Vec3 displacementAt(const Vec3 &place) const;
+  /// Of a step that has taken long, before something is posted that changes it: the state before it stays. Any thread.
   void abandonLongStep() { request_.abandonLongStep(); }
+  /// Before a hand's hold is posted: the present step is not given up for its budget. Any thread.
+  void spareStep() { request_.spareStep(); }
   [[nodiscard]] ParameterValues worldValues() const;
   [[nodiscard]] std::optional<BodySource> source(std::uint64_t body) const;
   /// How many bodies share a budget that is wished. Any thread.
@@ -206,6 +208,8 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   [[nodiscard]] std::optional<GraspForces> forcesOn(std::uint64_t id, const Grasp &grasp) const;
   void leadGrasps();
   void resetGrasps();
+  /// A hand holds a body, or leads the instrument.
+  [[nodiscard]] bool isInHand() const;
   [[nodiscard]] std::vector<GraspSnapshot> graspsNow() const;
   [[nodiscard]] std::vector<ReportedGrasp> reportedGrasps() const;
   void resetSimulator();
