@@ -212,6 +212,63 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
   CHECK(window.state()["notifications"].empty());
 }
 
+TEST_CASE("an implant is added in the unit that is chosen, at the marked point, while the simulation goes on",
+          "[hands_add_implant]") {
+  C3DE_HANDS_OR_SKIP();
+  WorkstationDriver window("hands_add_implant");
+  startOrgan(window);
+  // A cube of two inches, far from the organ, in a file that says no unit.
+  const fs::path file = fs::path(testOutputRoot()) / "ui" / "cube.obj";
+  std::ofstream(file) << "v 300 0 0\nv 302 0 0\nv 300 2 0\nv 302 2 0\nv 300 0 2\nv 302 0 2\nv 300 2 2\nv 302 2 2\n"
+                         "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\n"
+                         "f 2 4 8\nf 2 8 6\n";
+  play(window);
+  rest(window, 0.3);
+  window.click(kPanel + "obstacle_browse");
+  window.waitUntil("a file is asked for", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+  window.key("ctrl+a");
+  window.type(file.string());
+  window.click("dialog/open");
+  window.waitUntil("its unit is asked for", [](const Json &s) { return row(s, "Its size") == "2 × 2 × 2 mm"; });
+  window.click(kPanel + "obstacle_unit");
+  window.click(kPanel + "obstacle_unit.option.inch");
+  window.waitForValue(kPanel + "Its size", "50.8 × 50.8 × 50.8 mm");
+  window.screenshot("asked");
+  // Beside the organ, where the camera turns about: the middle of the organ, without an image.
+  const Json focus = window.state()["camera"]["focus"];
+  CHECK(std::abs(std::strtod(row(window.state(), "Its middle").c_str(), nullptr) - focus[0].get<double>()) < 0.06);
+  // There tissue lies: a reset is announced, not made.
+  const double before = window.state()["transport"]["time_s"];
+  window.click(kPanel + "obstacle_add");
+  window.waitForValue(kPanel + "Tissue lies there", "organ");
+  CHECK(window.state()["transport"]["time_s"].get<double>() > before);
+  window.screenshot("announced");
+
+  // Elsewhere the state stays: in centimetres the file has it 3 m away.
+  window.click(kPanel + "obstacle_unit");
+  window.click(kPanel + "obstacle_unit.option.cm");
+  window.click(kPanel + "obstacle_place");
+  window.click(kPanel + "obstacle_place.option.where its file has it");
+  window.waitForValue(kPanel + "Its middle", "3010.0  10.0  10.0 mm");
+  const auto hasCube = [](const Json &s) {
+    return std::any_of(s["nodes"].begin(), s["nodes"].end(), [](const Json &node) { return node["name"] == "cube"; });
+  };
+  const double at = window.state()["transport"]["time_s"];
+  window.click(kPanel + "obstacle_add");
+  const Json added = window.waitUntil("it is there", hasCube);
+  CHECK(mode(added) == "playing");
+  CHECK(added["transport"]["time_s"].get<double>() > at);
+  CHECK_FALSE(added["widgets"].contains(kPanel + "obstacle_unit"));
+  // A step of Undo.
+  window.moveTo(window.inView(0.9, 0.9));
+  window.key("ctrl+z");
+  window.waitUntil("it is undone", [&](const Json &s) { return !hasCube(s); });
+  window.key("ctrl+y");
+  const Json again = window.waitUntil("it is done again", hasCube);
+  CHECK(again["transport"]["time_s"].get<double>() > at);
+  CHECK(again["notifications"].empty());
+}
+
 TEST_CASE("jaws grasp an organ, close, pull and turn it, and Undo goes back step by step", "[hands_grasp]") {
   C3DE_HANDS_OR_SKIP();
   WorkstationDriver window("hands_grasp");

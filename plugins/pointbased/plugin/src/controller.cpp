@@ -42,7 +42,7 @@ std::string_view modeName(std::uint32_t mode) {
 }  // namespace
 
 Controller::Controller(const Services &services, const MaterialLaws &laws, const Tools &tools)
-    : services_(services), tools_(tools), laws_(laws), verification_(services) {
+    : services_(services), tools_(tools), laws_(laws), verification_(services), obstacles_(services, tools.move) {
   declareBody();
   worldParameters_ = sdk::orThrow(services_.params.declare(
       "World", worldDeclarations(), [this](const c3de_param_value &value) { worldParameterChanged(value); }));
@@ -72,8 +72,7 @@ sdk::Result<void> Controller::verify() {
 }
 
 void Controller::setSimulator(WorldSimulator *simulator, SimulatorView *view) {
-  if (simulator != simulator_)
-    for (const c3de_handle step : std::exchange(removals_, {})) services_.history.remove(step);
+  obstacles_.setSimulator(simulator);
   simulator_ = simulator;
   view_ = view;
   body_ = 0;
@@ -110,7 +109,7 @@ void Controller::draw(sdk::Ui &ui) {
   if (tools_.pinch.isActive()) drawPinch(ui);
   if (tools_.touch.isActive()) drawTouch(ui, tools_.touch, snapshot.get());
   if (tools_.grasp.isActive()) drawGrasp(ui, tools_.grasp, snapshot.get());
-  if (tools_.move.isActive()) drawObstacles(ui, snapshot.get());
+  if (tools_.move.isActive()) obstacles_.draw(ui, snapshot.get());
   drawRun(ui, snapshot.get());
   verification_.draw(ui, *simulator_, snapshot.get(), isMoving());
   if (snapshot) offerRigid(ui, *snapshot);
@@ -120,7 +119,7 @@ void Controller::draw(sdk::Ui &ui) {
   if (!tools_.pinch.isActive()) drawPinch(ui);
   if (!tools_.touch.isActive()) drawTouch(ui, tools_.touch, snapshot.get());
   if (!tools_.grasp.isActive()) drawGrasp(ui, tools_.grasp, snapshot.get());
-  if (!tools_.move.isActive()) drawObstacles(ui, snapshot.get());
+  if (!tools_.move.isActive()) obstacles_.draw(ui, snapshot.get());
   ui.heading("Contact and attachments");
   ui.params(worldParameters_.handle(), "Contact");
   if (snapshot) drawContacts(ui, *snapshot);
@@ -334,62 +333,6 @@ void Controller::drawPinch(sdk::Ui &ui) {
     ui.value("Pinch force", "–");
     if (!tools_.pinch.refusal().empty()) ui.value("Not held", tools_.pinch.refusal());
   }
-}
-
-void Controller::drawObstacles(sdk::Ui &ui, const Snapshot *snapshot) {
-  ui.heading("Obstacles and implants");
-  (void)ui.fileButton("obstacle_browse", "Browse…", "obj;stl;ply;vtk", obstaclePath_);
-  ui.tooltip("A surface that bodies do not enter: an implant, a plate, a bone. Where its file has it");
-  ui.sameLine();
-  if (ui.button("obstacle_add", "Add", !job_ && !obstaclePath_.empty())) addObstacle();
-  ui.tooltip("The simulation goes back to its beginning. The unit is that of *Unit of the file* above");
-  drawPlacement(ui, tools_.move, snapshot);
-  if (tools_.move.chosen() != 0 && ui.button("obstacle_remove", "Remove") && snapshot) removeObstacle(*snapshot);
-}
-
-// A step of Undo, which holds the obstacle.
-void Controller::removeObstacle(const Snapshot &snapshot) {
-  const auto taken = std::make_shared<WorldSimulator::TakenObstacle>();
-  taken->id = tools_.move.chosen();
-  const ObstacleSnapshot *obstacle = snapshot.obstacle(taken->id);
-  tools_.move.choose(0);
-  const auto post = [this, taken, simulator = sdk::Ref<WorldSimulator>::share(simulator_)](
-                        void (WorldSimulator::*what)(WorldSimulator::TakenObstacle &)) {
-    simulator->abandonLongStep();
-    return services_.simulation.post(simulator->node(), [simulator, taken, what] { (*simulator.*what)(*taken); });
-  };
-  if (!post(&WorldSimulator::takeOut) || !services_.history || !obstacle) return;
-  if (const auto step = services_.history.add(
-          "remove " + obstacle->name, [post] { return post(&WorldSimulator::putBack); },
-          [post] { return post(&WorldSimulator::takeOut); }))
-    removals_.push_back(*step);
-}
-
-void Controller::addObstacle() {
-  auto run = [this, simulator = sdk::Ref<WorldSimulator>::share(simulator_), path = obstaclePath_,
-              unit = kUnits[unit_]](sdk::Progress progress) -> sdk::Result<void> {
-    auto mesh = services_.meshes.load(path, unit, progress.abi());
-    if (!mesh) return mesh.failure();
-    const std::string name = std::filesystem::path(path).stem().string();
-    c3de_sim_placement placement{};
-    placement.size = sizeof placement;
-    placement.scale = 1.0;
-    c3de_sim_obstacle obstacle{};
-    obstacle.size = sizeof obstacle;
-    obstacle.params_stride = sizeof(c3de_param_value);
-    obstacle.name = sdk::str(name);
-    obstacle.mesh = mesh->handle();
-    obstacle.placement = &placement;
-    simulator->addObstacle(&obstacle, nullptr);
-    return {};
-  };
-  const auto job =
-      services_.jobs.submit("Loading " + std::filesystem::path(obstaclePath_).filename().string(), std::move(run),
-                            [this](const sdk::Result<void> &result) { finish("Add an obstacle", result); });
-  if (job)
-    job_ = *job;
-  else
-    report("Add an obstacle", job.failure().message);
 }
 
 void Controller::transport(std::uint32_t action) {

@@ -4,6 +4,7 @@
 #include "c3de/sdk/panel.hpp"
 #include "grasp_tool.h"
 #include "move_tool.h"
+#include "obstacle_panel.h"
 #include "pinch_tool.h"
 #include "simulator_view.h"
 #include "touch_tool.h"
@@ -42,12 +43,9 @@ class Controller : public sdk::Panel {
   void drawStages(sdk::Ui &ui, const Snapshot &snapshot);
   void drawView(sdk::Ui &ui, const Snapshot *snapshot);
   void drawPinch(sdk::Ui &ui);
-  void drawObstacles(sdk::Ui &ui, const Snapshot *snapshot);
   void drawWorld(sdk::Ui &ui);
 
   void load();
-  void addObstacle();
-  void removeObstacle(const Snapshot &snapshot);
   void rebuild();
   void makeFiner(const BodySnapshot &body);
   /// Every body that deforms, with its sampling left to the dial.
@@ -73,13 +71,13 @@ class Controller : public sdk::Panel {
   std::span<const c3de_param_decl> declared_;       // of bodyParameters_
   ParameterValues nextValues_{bodyDeclarations()};  // what the next load or rebuild uses
   std::uint64_t body_ = 0;                          // the one the parameters belong to
-  std::string path_, obstaclePath_;
+  std::string path_;
   std::uint32_t unit_ = 0;  // index into the unit names
   bool replace_ = true;
   std::optional<c3de_handle> job_;
-  std::vector<c3de_handle> removals_;  // steps of Undo, of obstacles
   PinchSettings pinchSettings_;
   VerificationPanel verification_;
+  ObstaclePanel obstacles_;
 };
 
 }  // namespace pointbased

@@ -161,9 +161,11 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   /// Takes out the obstacle of this id, as remove() does; nothing where there is none. [sim]
   void takeOut(TakenObstacle &obstacle);
   /// Puts it back where it was, under another id, with its pairs of contact and what was attached to it. What has been
-  /// simulated stands, unless something was attached, or skin has come where it was: then the simulation is reset.
-  /// Nothing where it is in. [sim]
-  void putBack(TakenObstacle &obstacle);
+  /// simulated stays, unless something was attached, or skin has come where it was: then the simulation is reset.
+  /// Nothing where it is in. [sim] @return whether the simulation has been reset
+  bool putBack(TakenObstacle &obstacle);
+  /// One that has not been in yet, with the usual friction. Errors as sdk::Error. Any thread.
+  [[nodiscard]] TakenObstacle prepareObstacle(const std::string &name, c3de_handle mesh, const Placement &placement);
   /// The state before the pull that begins; [sim].
   [[nodiscard]] HandState checkpoint() const;
   /// Goes to the kept state and keeps the one that it leaves; nothing where the simulation has begun anew since. [sim]

@@ -89,20 +89,35 @@ void WorldSimulator::takeOut(TakenObstacle &taken) {
   simulator_.removeObstacle(taken.id);
 }
 
-void WorldSimulator::putBack(TakenObstacle &taken) {
+bool WorldSimulator::putBack(TakenObstacle &taken) {
   const std::lock_guard lock(mutex_);
-  if (!taken.record) return;
+  if (!taken.record) return false;
   // Before the first step it is placed anew below; after it, a reset brings it to where it began.
   if (!taken.record->motion && simulator_.steps() == 0) taken.obstacle.motion = nullptr;
   const std::uint64_t before = std::exchange(taken.id, simulator_.addObstacle(taken.obstacle));
   const std::uint64_t id = taken.id;
   table_.addObstacle(id, *std::exchange(taken.record, std::nullopt));
-  // One that the scene moves is where its motion has it.
-  if (!table_.obstacle(id)->motion) simulator_.guideObstacle(id, taken.place, 0.0);
+  // One that the scene moves is where its motion has it; one that has not been moved is where it was built.
+  const bool isElsewhere =
+      taken.obstacle.motion || !taken.place.rotation.isIdentity(0.0) || !taken.place.displacement.isZero(0.0);
+  if (!table_.obstacle(id)->motion && isElsewhere) simulator_.guideObstacle(id, taken.place, 0.0);
   for (const auto &[pair, settings] : taken.pairs)
     simulator_.setContactPair(id, pair.first == before ? pair.second : pair.first, settings);
-  if (!taken.attachments.empty() || holdsSkin(simulator_, table_, id)) resetSimulator();
+  const bool isReset = simulator_.steps() > 0 && (!taken.attachments.empty() || holdsSkin(simulator_, table_, id));
+  if (isReset || !taken.attachments.empty()) resetSimulator();
   for (const Attachment &attachment : taken.attachments) attachAgain(attachment, before, id);
+  return isReset;
+}
+
+WorldSimulator::TakenObstacle WorldSimulator::prepareObstacle(const std::string &name, c3de_handle mesh,
+                                                              const Placement &placement) {
+  const ParameterValues values(obstacleDeclarations());
+  auto placed = placeMesh(context_.services, mesh, placement);
+  TakenObstacle taken;
+  taken.obstacle = buildObstacle(context_.services, name, placed,
+                                 {values.number("friction"), values.number("restitution")}, std::nullopt);
+  taken.record = ObstacleRecord{name, std::move(placed), taken.obstacle.friction, taken.obstacle.restitution, {}};
+  return taken;
 }
 
 void WorldSimulator::resetSimulator() {
