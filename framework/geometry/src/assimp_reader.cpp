@@ -1,17 +1,84 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <assimp/MemoryIOWrapper.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <assimp/Importer.hpp>
+#include <charconv>
+#include <cstdint>
+#include <memory>
 
+#include "c3de/core/input_file.h"
+#include "c3de/core/path_text.h"
 #include "file_text.h"
 #include "ply_header.h"
 #include "raw_mesh.h"
 
 namespace c3de::geometry {
 namespace {
+
+/// "a%20b" to "a b"; what is no escape stays.
+std::string withoutEscapes(std::string_view uri) {
+  std::string out;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    unsigned char byte = 0;
+    const char *from = uri.data() + i + 1;
+    if (uri[i] == '%' && i + 2 < uri.size() && std::from_chars(from, from + 2, byte, 16).ptr == from + 2) {
+      out += static_cast<char>(byte);
+      i += 2;
+    } else {
+      out += uri[i];
+    }
+  }
+  return out;
+}
+
+/// What assimp sees of the disk: the mesh, which is in memory already, so that paths of any script work on any system,
+/// and the files that a glTF names by their URIs.
+class MeshFiles : public Assimp::IOSystem {
+ public:
+  MeshFiles(const std::filesystem::path &path, const std::string &text)
+      : folder_(path.parent_path()), name_(displayPath(path)), text_(text) {}
+
+  /// Why a file that the mesh names could not be read; empty: there was none such.
+  [[nodiscard]] const std::string &problem() const { return problem_; }
+
+  bool Exists(const char *file) const override { return file == name_ || checkInputFile(resolved(file)); }
+  char getOsSeparator() const override { return '/'; }
+  Assimp::IOStream *Open(const char *file, const char * = "rb") override {
+    if (file == name_) return stream(text_);
+    auto read = readWholeFile(resolved(file));
+    if (!read) {
+      problem_ = read.error().message;
+      return nullptr;
+    }
+    return stream(*others_.emplace_back(std::make_unique<std::string>(std::move(*read))));
+  }
+  void Close(Assimp::IOStream *stream) override { delete stream; }
+
+ private:
+  static Assimp::IOStream *stream(const std::string &bytes) {
+    return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t *>(bytes.data()), bytes.size());
+  }
+  /// Of a path as assimp makes it, the folder of the mesh and a URI one behind the other.
+  [[nodiscard]] std::filesystem::path resolved(std::string_view file) const {
+    const std::size_t own = name_.find_last_of("/\\") + 1;  // 0: no folder
+    if (file.starts_with(std::string_view(name_).substr(0, own))) file.remove_prefix(own);
+    const std::filesystem::path asWritten = namedFile(folder_, std::string(file));
+    std::error_code code;
+    if (std::filesystem::exists(asWritten, code)) return asWritten;
+    if (file.starts_with("file:")) file.remove_prefix(file.starts_with("file://") ? 7 : 5);
+    return namedFile(folder_, withoutEscapes(file));
+  }
+
+  std::filesystem::path folder_;
+  std::string name_;
+  const std::string &text_;
+  std::vector<std::unique_ptr<std::string>> others_;
+  std::string problem_;
+};
 
 /// Appends the meshes of a node and of those below it, placed as the file places them. A mesh may stand at several
 /// nodes.
@@ -71,14 +138,13 @@ Expected<RawMesh> readWithAssimp(const std::filesystem::path &path) {
   constexpr unsigned kFlags = aiProcess_ValidateDataStructure;
   try {
     Assimp::Importer importer;
-    // From memory, so that paths of any script work on any system; a glTF may name others beside it.
-    const bool isInSeveralFiles = extension == ".gltf";
-    const aiScene *scene = isInSeveralFiles
-                               ? importer.ReadFile(name, kFlags)
-                               : importer.ReadFileFromMemory(text->data(), text->size(), kFlags, extension.c_str() + 1);
+    auto *const files = new MeshFiles(path, *text);
+    importer.SetIOHandler(files);  // which owns it
+    const aiScene *scene = importer.ReadFile(name, kFlags);
     if (!scene)
       return fail(ErrorCode::input,
-                  fmt::format("{}: cannot be read as {}: {}", name, extension.substr(1), importer.GetErrorString()));
+                  fmt::format("{}: cannot be read as {}: {}{}", name, extension.substr(1), importer.GetErrorString(),
+                              files->problem().empty() ? "" : " (" + files->problem() + ")"));
     if (scene->mNumMeshes == 0 || !scene->mRootNode)
       return fail(ErrorCode::input, fmt::format("{}: no surface in it; is this a {} file?", name, extension.substr(1)));
     RawMesh raw;

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <fstream>
 
+#include "c3de/core/input_file.h"
+#include "c3de/core/path_text.h"
+
 namespace c3de::geometry {
 
-std::string displayPath(const std::filesystem::path &path) {
-  const std::u8string text = path.u8string();
-  return std::string(text.begin(), text.end());
-}
+std::string displayPath(const std::filesystem::path &path) { return pathText(path); }
 
 std::string lowerExtension(const std::filesystem::path &path) {
   std::string extension = displayPath(path.extension());
@@ -23,20 +23,18 @@ std::string lowerExtension(const std::filesystem::path &path) {
 Expected<std::string> readWholeFile(const std::filesystem::path &path) {
   constexpr std::uintmax_t kMaxBytes = std::uintmax_t{1} << 30;
   const std::string name = displayPath(path);
+  auto in = openInputFile(path);
+  if (!in) return tl::unexpected(in.error());
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) return fail(ErrorCode::input, name + ": there is no such file");
-  if (!std::filesystem::is_regular_file(path, error))
-    return fail(ErrorCode::input, name + ": is not a file (a folder?); a mesh file is expected");
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error) return fail(ErrorCode::input, name + ": cannot be read: " + error.message());
   if (size == 0) return fail(ErrorCode::input, name + ": the file is empty (0 bytes)");
   if (size > kMaxBytes)
     return fail(ErrorCode::input,
                 fmt::format("{}: {} bytes; meshes of up to {} bytes (1 GiB) are accepted", name, size, kMaxBytes));
-  std::ifstream in(path, std::ios::binary);
   std::string text(static_cast<std::size_t>(size), '\0');
-  in.read(text.data(), static_cast<std::streamsize>(size));
-  if (!in) return fail(ErrorCode::input, name + ": cannot be read (permission, or it changed while it was read)");
+  in->read(text.data(), static_cast<std::streamsize>(size));
+  if (!*in) return fail(ErrorCode::input, name + ": cannot be read (permission, or it changed while it was read)");
   return text;
 }
 

@@ -2,9 +2,12 @@
 #include "frame_comment.h"
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <string>
+#include <vector>
 
+#include "c3de/core/input_file.h"
 #include "file_text.h"
 
 namespace c3de::geometry {
@@ -13,15 +16,22 @@ namespace {
 /// Comments stand at the beginning; a file of a gigabyte is not searched.
 constexpr std::size_t kSearchedBytes = 65536;
 
+std::string lowerCase(std::string_view text) {
+  std::string out(text);
+  for (char &c : out)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return out;
+}
+
 /// The comments of the head, each in a line of its own.
 std::string headComments(std::string_view text, std::string_view extension) {
   text = text.substr(0, kSearchedBytes);
   std::string out;
   if (extension == ".stl") {
-    const std::size_t end = text.starts_with("solid") ? text.find('\n') : 80;
+    const std::size_t end = lowerCase(text.substr(0, 5)) == "solid" ? text.find('\n') : 80;
     return std::string(text.substr(0, std::min(end, std::size_t{256})));
   }
-  if (extension == ".vtp") {
+  if (extension == ".vtp" || extension == ".vtu") {
     for (std::size_t at = text.find("<!--"); at != std::string_view::npos; at = text.find("<!--", at + 4)) {
       const std::size_t end = text.find("-->", at);
       if (end == std::string_view::npos) break;
@@ -49,39 +59,54 @@ std::string headComments(std::string_view text, std::string_view extension) {
 
 bool isWord(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_'; }
 
-/// The word after the first `key` that begins a word; empty: there is none.
-std::string_view wordAfter(std::string_view text, std::string_view key) {
+/// The words after `key` and one of the separators, wherever the key begins a word.
+std::vector<std::string> wordsAfter(std::string_view text, std::string_view key, std::string_view separators) {
+  std::vector<std::string> words;
   for (std::size_t at = text.find(key); at != std::string_view::npos; at = text.find(key, at + 1)) {
     if (at > 0 && isWord(text[at - 1])) continue;
-    std::size_t begin = at + key.size();
-    while (begin < text.size() && text[begin] == ' ') ++begin;
+    std::size_t begin = text.find_first_not_of(' ', at + key.size());
+    if (begin == std::string_view::npos || separators.find(text[begin]) == std::string_view::npos) continue;
+    begin = std::min(text.find_first_not_of(" \"'", begin + 1), text.size());
     std::size_t end = begin;
     while (end < text.size() && isWord(text[end])) ++end;
-    return text.substr(begin, end - begin);
+    const bool isPlain = end == text.size() || std::string_view("/^*").find(text[end]) == std::string_view::npos;
+    if (end > begin && isPlain) words.emplace_back(text.substr(begin, end - begin));
   }
-  return {};
+  return words;
+}
+
+std::optional<LengthUnit> unitNamed(std::string_view word) {
+  for (const auto &[unit, names] :
+       {std::pair{LengthUnit::metre, std::array{"m", "meter", "meters", "metre", "metres"}},
+        {LengthUnit::millimetre, {"mm", "millimeter", "millimeters", "millimetre", "millimetres"}},
+        {LengthUnit::centimetre, {"cm", "centimeter", "centimeters", "centimetre", "centimetres"}}})
+    if (std::find(names.begin(), names.end(), word) != names.end()) return unit;
+  return std::nullopt;
 }
 
 }  // namespace
 
 FrameComment frameComment(std::string_view text, std::string_view extension) {
-  const std::string comments = headComments(text, extension);
+  const std::string comments = headComments(text, extension), lower = lowerCase(comments);
   FrameComment said;
-  for (const std::string_view key : {"UNITS=", "UNIT=", "unit:"}) {
-    const std::string_view word = wordAfter(comments, key);
-    for (const LengthUnit unit : {LengthUnit::metre, LengthUnit::millimetre, LengthUnit::centimetre})
-      if (word == unitName(unit)) said.unit = unit;
-    if (said.unit) break;
-  }
-  said.isRas = wordAfter(comments, "SPACE=") == "RAS";
+  for (const std::string_view key : {"units", "unit"})
+    for (std::string &word : wordsAfter(lower, key, "=:")) {
+      if (!said.unit) said.unit = unitNamed(word);
+      if (!said.unit && said.unknownUnit.empty()) said.unknownUnit = std::move(word);
+    }
+  if (said.unit) said.unknownUnit.clear();
+  if (extension == ".glb" || extension == ".gltf") said.unit = LengthUnit::metre;  // by the standard, 3.4
+  const auto spaces = wordsAfter(comments, "SPACE", "=");
+  said.isRas = !spaces.empty() && spaces.front() == "RAS";
   return said;
 }
 
 FrameComment frameCommentOf(const std::filesystem::path &path) {
-  std::ifstream in(path, std::ios::binary);
+  auto in = openInputFile(path);
+  if (!in) return frameComment({}, lowerExtension(path));
   std::string head(kSearchedBytes, '\0');
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
+  in->read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(in->gcount(), 0)));
   return frameComment(head, lowerExtension(path));
 }
 

@@ -16,7 +16,8 @@
 namespace c3de::geometry {
 namespace {
 
-constexpr std::array<std::string_view, 8> kExtensions{".obj", ".stl", ".ply", ".vtk", ".vtp", ".off", ".glb", ".gltf"};
+constexpr std::array<std::string_view, 9> kExtensions{".obj", ".stl", ".ply",  ".vtk", ".vtp",
+                                                      ".off", ".glb", ".gltf", ".vtu"};
 
 tl::unexpected<Error> cancelled(const std::string &what) { return fail(ErrorCode::cancelled, what + ": cancelled"); }
 
@@ -96,10 +97,11 @@ Expected<LoadedMesh> loadMesh(const std::filesystem::path &path, std::optional<L
   const std::string extension = lowerExtension(path);
   const FrameComment said = frameCommentOf(path);
   const LengthUnit unit = stated.value_or(said.unit.value_or(LengthUnit::millimetre));
-  Expected<RawMesh> raw = extension == ".obj"   ? readObj(path, millimetresPer(unit))
-                          : extension == ".vtk" ? readVtk(path)
-                          : extension == ".vtp" ? readVtp(path)
-                                                : readWithAssimp(path);
+  Expected<RawMesh> raw = extension == ".obj"                          ? readObj(path, millimetresPer(unit))
+                          : extension == ".stl"                        ? readStl(path)
+                          : extension == ".vtk"                        ? readVtk(path)
+                          : extension == ".vtp" || extension == ".vtu" ? readVtp(path)
+                                                                       : readWithAssimp(path);
   if (!raw) return tl::unexpected(raw.error());
   std::vector<std::string> repairs = std::move(raw->notes);
   if (raw->facesDropped)
@@ -117,6 +119,10 @@ Expected<LoadedMesh> loadMesh(const std::filesystem::path &path, std::optional<L
       cleanUp({std::move(raw->vertices), std::move(raw->triangles)}, unit, std::move(repairs), name, progress);
   if (loaded && stated && said.unit && *said.unit != *stated)
     loaded->report.warnings.push_back(unitsDiffer(*said.unit, *stated));
+  if (loaded && !said.unknownUnit.empty())
+    loaded->report.warnings.push_back(fmt::format(
+        "The file says that its unit is {}, which is not read: its numbers were taken as {}; accepted: m, cm, mm.",
+        quotedText(said.unknownUnit), unitName(unit)));
   return loaded;
 }
 

@@ -31,6 +31,7 @@ struct RawMesh {
 
 /// Each refuses with "file:line: what, value, what is accepted". @param millimetresPerUnit  for the range check
 [[nodiscard]] Expected<RawMesh> readObj(const std::filesystem::path &path, double millimetresPerUnit);
+[[nodiscard]] Expected<RawMesh> readStl(const std::filesystem::path &path);
 [[nodiscard]] Expected<RawMesh> readVtk(const std::filesystem::path &path);
 [[nodiscard]] Expected<RawMesh> readVtp(const std::filesystem::path &path);
 [[nodiscard]] Expected<RawMesh> readWithAssimp(const std::filesystem::path &path);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Legacy VTK polydata (.vtk), ASCII and binary, both the classic cell layout and the one of version 5.1.
+// Legacy VTK (.vtk), surfaces and the outer surface of unstructured grids; ASCII and binary, both the classic cell
+// layout and the one of version 5.1.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <cstring>
 #include <string_view>
 
+#include "cell_surface.h"
 #include "file_text.h"
 #include "raw_mesh.h"
 
@@ -44,10 +46,18 @@ class VtkParser {
   Expected<void> integers(std::size_t n, const std::string &type, std::vector<long long> &out);
   [[nodiscard]] const unsigned char *bytes(std::size_t n);
   Expected<void> points(RawMesh &raw);
-  /// Begin of each cell in `corners`, one entry more than cells.
-  Expected<void> cells(const std::string &section, std::vector<std::size_t> &begin, std::vector<long long> &corners);
-  Expected<void> addCells(const std::string &section, const std::vector<std::size_t> &begin,
-                          const std::vector<long long> &corners, RawMesh &raw) const;
+  struct Cells {
+    std::string section;
+    std::vector<std::size_t> begin;  ///< of each cell in `corners`, one entry more than cells
+    std::vector<long long> corners;
+    [[nodiscard]] std::size_t count() const { return begin.size() - 1; }
+  };
+  Expected<Cells> cells(const std::string &section);
+  /// The corners of one cell, all in range.
+  Expected<std::vector<unsigned>> cornersOf(const Cells &cells, std::size_t cell, const RawMesh &raw) const;
+  Expected<void> addCells(const Cells &cells, RawMesh &raw) const;
+  Expected<RawMesh> polydata();
+  Expected<RawMesh> grid();
   void skipMetadata();
 
   std::string fileName_;
@@ -173,14 +183,13 @@ Expected<void> VtkParser::points(RawMesh &raw) {
   return {};
 }
 
-Expected<void> VtkParser::cells(const std::string &section, std::vector<std::size_t> &begin,
-                                std::vector<long long> &corners) {
+Expected<VtkParser::Cells> VtkParser::cells(const std::string &section) {
+  Cells out{section, {0}, {}};
+  auto &[name, begin, corners] = out;
   auto first = count("cells");
   if (!first) return tl::unexpected(first.error());
   auto second = count("indices");
   if (!second) return tl::unexpected(second.error());
-  begin.assign(1, 0);
-  corners.clear();
 
   // Version 5.1 says OFFSETS on the next line; the classic layout goes on with numbers.
   const std::size_t here = at_;
@@ -189,11 +198,11 @@ Expected<void> VtkParser::cells(const std::string &section, std::vector<std::siz
     token();
     const std::string offsetType = lowerToken();
     std::vector<long long> offsets;
-    if (auto ok = integers(*first, offsetType, offsets); !ok) return ok;
+    if (auto ok = integers(*first, offsetType, offsets); !ok) return tl::unexpected(ok.error());
     if (const std::string_view t = token(); t != "CONNECTIVITY")
       return refuse("CONNECTIVITY expected, found " + quotedText(t));
     const std::string connectivityType = lowerToken();
-    if (auto ok = integers(*second, connectivityType, corners); !ok) return ok;
+    if (auto ok = integers(*second, connectivityType, corners); !ok) return tl::unexpected(ok.error());
     begin.clear();
     for (std::size_t i = 0; i < offsets.size(); ++i) {
       if (offsets[i] < (i ? offsets[i - 1] : 0) || offsets[i] > static_cast<long long>(corners.size()) ||
@@ -203,12 +212,12 @@ Expected<void> VtkParser::cells(const std::string &section, std::vector<std::siz
       begin.push_back(static_cast<std::size_t>(offsets[i]));
     }
     if (begin.empty()) begin.push_back(0);
-    return {};
+    return out;
   }
 
   at_ = here;
   std::vector<long long> list;
-  if (auto ok = integers(*second, "int", list); !ok) return ok;
+  if (auto ok = integers(*second, "int", list); !ok) return tl::unexpected(ok.error());
   std::size_t i = 0;
   for (std::size_t cell = 0; cell < *first; ++cell) {
     const long long n = i < list.size() ? list[i] : -1;
@@ -220,34 +229,37 @@ Expected<void> VtkParser::cells(const std::string &section, std::vector<std::siz
     begin.push_back(corners.size());
     i += static_cast<std::size_t>(n) + 1;
   }
-  return {};
+  return out;
 }
 
-Expected<void> VtkParser::addCells(const std::string &section, const std::vector<std::size_t> &begin,
-                                   const std::vector<long long> &corners, RawMesh &raw) const {
-  std::vector<unsigned> face;
-  for (std::size_t c = 0; c + 1 < begin.size(); ++c) {
-    face.clear();
-    for (std::size_t i = begin[c]; i < begin[c + 1]; ++i) {
-      if (corners[i] < 0 || corners[i] >= static_cast<long long>(raw.vertices.size()))
-        return fail(
-            ErrorCode::input,
-            fmt::format("{}: {} {}: point index {} is out of range; the file has {} points, 0 to {} are accepted",
-                        fileName_, section, c, corners[i], raw.vertices.size(),
-                        static_cast<long long>(raw.vertices.size()) - 1));
-      face.push_back(static_cast<unsigned>(corners[i]));
-    }
-    if (section == "TRIANGLE_STRIPS") {
-      if (face.size() < 3) ++raw.facesDropped;
-      for (std::size_t i = 0; i + 2 < face.size(); ++i)
-        raw.triangles.push_back(i % 2 == 0 ? Triangle{face[i], face[i + 1], face[i + 2]}
-                                           : Triangle{face[i + 1], face[i], face[i + 2]});
+Expected<std::vector<unsigned>> VtkParser::cornersOf(const Cells &cells, std::size_t cell, const RawMesh &raw) const {
+  std::vector<unsigned> corners;
+  for (std::size_t i = cells.begin[cell]; i < cells.begin[cell + 1]; ++i) {
+    if (cells.corners[i] < 0 || cells.corners[i] >= static_cast<long long>(raw.vertices.size()))
+      return fail(ErrorCode::input,
+                  fmt::format("{}: {} {}: point index {} is out of range; the file has {} points, 0 to {} are accepted",
+                              fileName_, cells.section, cell, cells.corners[i], raw.vertices.size(),
+                              static_cast<long long>(raw.vertices.size()) - 1));
+    corners.push_back(static_cast<unsigned>(cells.corners[i]));
+  }
+  return corners;
+}
+
+Expected<void> VtkParser::addCells(const Cells &cells, RawMesh &raw) const {
+  for (std::size_t c = 0; c < cells.count(); ++c) {
+    const auto face = cornersOf(cells, c, raw);
+    if (!face) return tl::unexpected(face.error());
+    if (cells.section == "TRIANGLE_STRIPS") {
+      if (face->size() < 3) ++raw.facesDropped;
+      for (std::size_t i = 0; i + 2 < face->size(); ++i)
+        raw.triangles.push_back(i % 2 == 0 ? Triangle{(*face)[i], (*face)[i + 1], (*face)[i + 2]}
+                                           : Triangle{(*face)[i + 1], (*face)[i], (*face)[i + 2]});
       continue;
     }
-    if (face.size() > kMaxFaceCorners || !addFace(raw, face))
+    if (face->size() > kMaxFaceCorners || !addFace(raw, *face))
       return fail(ErrorCode::input,
                   fmt::format("{}: {} {} has {} corners; up to {} are accepted, up to 4096 if it is concave", fileName_,
-                              section, c, face.size(), kMaxFaceCorners));
+                              cells.section, c, face->size(), kMaxFaceCorners));
   }
   return {};
 }
@@ -269,16 +281,16 @@ Expected<RawMesh> VtkParser::run() {
   const bool binary = coding == "binary";
   if (const std::string word = lowerToken(); word != "dataset")
     return refuse("DATASET expected, found " + quotedText(word));
-  if (const std::string_view kind = token(); kind != "POLYDATA")
-    return refuse("dataset " + quotedText(kind) + "; POLYDATA (a surface) is accepted");
   binary_ = binary;
+  const std::string_view kind = token();
+  if (kind == "POLYDATA") return polydata();
+  if (kind == "UNSTRUCTURED_GRID") return grid();
+  binary_ = false;
+  return refuse("dataset " + quotedText(kind) + "; POLYDATA (a surface) and UNSTRUCTURED_GRID (cells) are accepted");
+}
 
+Expected<RawMesh> VtkParser::polydata() {
   RawMesh raw;
-  struct Cells {
-    std::string section;
-    std::vector<std::size_t> begin;
-    std::vector<long long> corners;
-  };
   std::vector<Cells> surfaces;
   std::size_t ignored = 0;
   while (true) {
@@ -287,12 +299,12 @@ Expected<RawMesh> VtkParser::run() {
     if (keyword == "POINTS") {
       if (auto ok = points(raw); !ok) return tl::unexpected(ok.error());
     } else if (keyword == "POLYGONS" || keyword == "TRIANGLE_STRIPS" || keyword == "LINES" || keyword == "VERTICES") {
-      Cells cellsRead{keyword, {}, {}};
-      if (auto ok = cells(keyword, cellsRead.begin, cellsRead.corners); !ok) return tl::unexpected(ok.error());
+      auto read = cells(keyword);
+      if (!read) return tl::unexpected(read.error());
       if (keyword == "LINES" || keyword == "VERTICES")
-        ignored += cellsRead.begin.size() - 1;
+        ignored += read->count();
       else
-        surfaces.push_back(std::move(cellsRead));
+        surfaces.push_back(std::move(*read));
     } else if (keyword == "METADATA") {
       skipMetadata();
     } else if (keyword == "FIELD") {
@@ -304,12 +316,52 @@ Expected<RawMesh> VtkParser::run() {
   }
   if (raw.vertices.empty()) return fail(ErrorCode::input, fileName_ + ": no POINTS; a surface is expected");
   for (const Cells &c : surfaces)
-    if (auto ok = addCells(c.section, c.begin, c.corners, raw); !ok) return tl::unexpected(ok.error());
+    if (auto ok = addCells(c, raw); !ok) return tl::unexpected(ok.error());
   if (raw.triangles.empty())
     return fail(ErrorCode::input,
                 fmt::format("{}: {} points but no faces (POLYGONS or TRIANGLE_STRIPS); a surface is expected",
                             fileName_, raw.vertices.size()));
   if (ignored) raw.notes.push_back(fmt::format("{} lines and single points of the file were left out", ignored));
+  return raw;
+}
+
+Expected<RawMesh> VtkParser::grid() {
+  RawMesh raw;
+  Cells all{"CELLS", {0}, {}};
+  std::vector<long long> types;
+  while (true) {
+    const std::string keyword(token());
+    if (keyword.empty() || keyword == "POINT_DATA" || keyword == "CELL_DATA") break;
+    if (keyword == "POINTS") {
+      if (auto ok = points(raw); !ok) return tl::unexpected(ok.error());
+    } else if (keyword == "CELLS") {
+      auto read = cells(keyword);
+      if (!read) return tl::unexpected(read.error());
+      all = std::move(*read);
+    } else if (keyword == "CELL_TYPES") {
+      const auto n = count("types of cells");
+      if (!n) return tl::unexpected(n.error());
+      if (auto ok = integers(*n, "int", types); !ok) return tl::unexpected(ok.error());
+    } else if (keyword == "METADATA") {
+      skipMetadata();
+    } else {
+      return refuse("section " + quotedText(keyword) + " is not known; POINTS, CELLS and CELL_TYPES are accepted");
+    }
+  }
+  if (types.size() != all.count())
+    return fail(ErrorCode::input, fmt::format("{}: {} CELLS with {} CELL_TYPES; one type for each cell is accepted",
+                                              fileName_, all.count(), types.size()));
+  CellSurface surface;
+  const auto named = [&](const Error &error) { return fail(error.code, fileName_ + ": " + error.message); };
+  for (std::size_t c = 0; c < all.count(); ++c) {
+    const auto corners = cornersOf(all, c, raw);
+    if (!corners) return tl::unexpected(corners.error());
+    if (auto added = surface.add(types[c], *corners); !added) return named(added.error());
+  }
+  if (auto done = surface.finish(raw); !done) return named(done.error());
+  if (raw.triangles.empty())
+    return fail(ErrorCode::input,
+                fmt::format("{}: {} points but no cells with a surface", fileName_, raw.vertices.size()));
   return raw;
 }
 

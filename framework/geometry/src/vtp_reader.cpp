@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTK's XML polydata (.vtp): text, base64 and raw arrays, in place or appended, as they are or packed with zlib.
+// VTK's XML files of surfaces (.vtp) and of cells (.vtu, of which the outer surface is taken): text, base64 and raw arrays, in place or appended, as they are or packed with zlib.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include <map>
 
 #include "base64.h"
+#include "cell_surface.h"
 #include "file_text.h"
 #include "raw_mesh.h"
 #include "vtk_blocks.h"
@@ -27,7 +28,9 @@ struct Piece {
   std::map<std::string, std::map<std::string, Array>> arrays;  ///< by section ("Points", "Polys", …), then by name
 };
 
-bool isSection(const std::string &name) { return name == "Points" || name == "Polys" || name == "Strips"; }
+bool isSection(const std::string &name) {
+  return name == "Points" || name == "Polys" || name == "Strips" || name == "Cells";
+}
 
 std::size_t bytesOf(const std::string &type) {
   if (type == "Int8" || type == "UInt8") return 1;
@@ -49,7 +52,9 @@ class VtpParser {
   Expected<void> scan();
   Expected<std::string> bytes(const Array &array, const std::string &what) const;
   Expected<std::vector<double>> numbers(const Array &array, const std::string &what) const;
-  Expected<void> addFaces(const Piece &piece, const std::string &section, std::size_t first, RawMesh &raw) const;
+  /// Adds the faces of a section to the mesh, or its cells to a surface of cells.
+  Expected<void> addFaces(const Piece &piece, const std::string &section, std::size_t first, RawMesh &raw,
+                          CellSurface &surface) const;
   [[nodiscard]] std::uint64_t word(const unsigned char *p, std::size_t size) const;
 
   std::string fileName_;
@@ -67,10 +72,11 @@ Expected<void> VtpParser::scan() {
     const XmlScan::Tag tag = xml.next();
     if (tag.kind == XmlScan::Kind::broken) return refuse(fmt::format("not XML any more at byte {}", xml.position()));
     if (tag.kind == XmlScan::Kind::end)
-      return isOpen ? Expected<void>{} : refuse("no <VTKFile> in it; is this a VTP file?");
+      return isOpen ? Expected<void>{} : refuse("no <VTKFile> in it; is this a VTP or VTU file?");
     if (tag.name == "VTKFile" && tag.kind == XmlScan::Kind::open) {
-      if (tag.get("type") != "PolyData")
-        return refuse("dataset " + quotedText(tag.get("type")) + "; PolyData (a surface) is accepted");
+      if (tag.get("type") != "PolyData" && tag.get("type") != "UnstructuredGrid")
+        return refuse("dataset " + quotedText(tag.get("type")) +
+                      "; PolyData (a surface) and UnstructuredGrid (cells) are accepted");
       isPacked_ = !tag.get("compressor").empty();
       if (isPacked_ && tag.get("compressor") != "vtkZLibDataCompressor")
         return refuse("the arrays are compressed by " + quotedText(tag.get("compressor")) +
@@ -194,8 +200,8 @@ Expected<std::vector<double>> VtpParser::numbers(const Array &array, const std::
   return out;
 }
 
-Expected<void> VtpParser::addFaces(const Piece &piece, const std::string &section, std::size_t first,
-                                   RawMesh &raw) const {
+Expected<void> VtpParser::addFaces(const Piece &piece, const std::string &section, std::size_t first, RawMesh &raw,
+                                   CellSurface &surface) const {
   const auto found = piece.arrays.find(section);
   if (found == piece.arrays.end()) return {};
   const auto connectivityAt = found->second.find("connectivity"), offsetsAt = found->second.find("offsets");
@@ -204,6 +210,17 @@ Expected<void> VtpParser::addFaces(const Piece &piece, const std::string &sectio
   if (!corners) return tl::unexpected(corners.error());
   const auto ends = numbers(offsetsAt->second, "offsets of " + section);
   if (!ends) return tl::unexpected(ends.error());
+  std::vector<double> types;
+  if (section == "Cells") {
+    const auto typesAt = found->second.find("types");
+    if (typesAt == found->second.end()) return refuse("<Cells> without the array types");
+    auto read = numbers(typesAt->second, "types of Cells");
+    if (!read) return tl::unexpected(read.error());
+    types = std::move(*read);
+    if (types.size() != ends->size())
+      return refuse(
+          fmt::format("{} cells with {} types; one type for each cell is accepted", ends->size(), types.size()));
+  }
   double begin = 0.0;
   std::vector<unsigned> face;
   for (std::size_t c = 0; c < ends->size(); ++c) {
@@ -220,6 +237,11 @@ Expected<void> VtpParser::addFaces(const Piece &piece, const std::string &sectio
       face.push_back(static_cast<unsigned>(first + static_cast<std::size_t>(index)));
     }
     begin = end;
+    if (section == "Cells") {
+      if (auto added = surface.add(types[c] < 256.0 ? static_cast<long long>(types[c]) : -1, face); !added)
+        return refuse(added.error().message);
+      continue;
+    }
     if (section == "Strips") {
       if (face.size() < 3) ++raw.facesDropped;
       for (std::size_t i = 0; i + 2 < face.size(); ++i)
@@ -237,6 +259,7 @@ Expected<void> VtpParser::addFaces(const Piece &piece, const std::string &sectio
 Expected<RawMesh> VtpParser::run() {
   if (auto ok = scan(); !ok) return tl::unexpected(ok.error());
   RawMesh raw;
+  CellSurface surface;
   for (const Piece &piece : pieces_) {
     const auto points = piece.arrays.find("Points");
     if (piece.pointCount == 0 || points == piece.arrays.end()) continue;
@@ -256,11 +279,13 @@ Expected<RawMesh> VtpParser::run() {
           return refuse(fmt::format("{} coordinate {} of point {} is not finite", "xyz"[k], p[k], i));
       raw.vertices.push_back(p);
     }
-    for (const char *section : {"Polys", "Strips"})
-      if (auto ok = addFaces(piece, section, first, raw); !ok) return tl::unexpected(ok.error());
+    for (const char *section : {"Polys", "Strips", "Cells"})
+      if (auto ok = addFaces(piece, section, first, raw, surface); !ok) return tl::unexpected(ok.error());
   }
+  if (auto done = surface.finish(raw); !done) return refuse(done.error().message);
   if (raw.triangles.empty())
-    return refuse(fmt::format("{} points but no faces (Polys or Strips); a surface is expected", raw.vertices.size()));
+    return refuse(
+        fmt::format("{} points but no faces (Polys, Strips or Cells); a surface is expected", raw.vertices.size()));
   return raw;
 }
 

@@ -171,8 +171,6 @@ class SceneReader {
 /// "a, b, c"
 [[nodiscard]] std::string joined(const std::vector<std::string> &names);
 
-[[nodiscard]] std::filesystem::path pathFromUtf8(const std::string &text);
-
 /// What a preset says of a material, ids "material.…".
 [[nodiscard]] std::vector<SceneValue> valuesOf(const MaterialPreset &preset);
 

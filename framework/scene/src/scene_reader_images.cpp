@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "c3de/core/input_file.h"
 #include "c3de/core/text.h"
 #include "scene_reader.h"
 
@@ -30,11 +31,14 @@ std::string labelText(double number) {
 bool SceneReader::readImageFile(const std::string &key, const TomlValue &value, std::filesystem::path &out) {
   std::string text;
   if (!readText(key, value, text)) return false;
-  const std::filesystem::path path = (scene_.source.parent_path() / pathFromUtf8(text)).lexically_normal();
+  const std::filesystem::path path = namedFile(scene_.source.parent_path(), text).lexically_normal();
   std::error_code code;
   if (text.empty()) return refuse(value.line, key + " is empty; accepted: an image file or DICOM folder");
   if (!std::filesystem::exists(path, code))
     return refuse(value.line, key + " '" + text + "' does not exist; it is looked for at " + path.string());
+  if (const std::string instead = whatInsteadOfFile(path);
+      !instead.empty() && !std::filesystem::is_directory(path, code))
+    return refuse(value.line, key + " '" + text + "' " + instead + "; accepted: an image file or DICOM folder");
   out = path;
   return true;
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "c3de/core/input_file.h"
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
 
@@ -19,29 +20,19 @@ bool isEntryOf(const std::string &id, const std::string &list) {
   return end > list.size() && end < id.size() && id[end] == '.';
 }
 
-/// Formats that say in which unit their numbers are.
-bool carriesUnit(const std::filesystem::path &mesh) {
-  const std::string extension = mesh.extension().string();
-  return extension == ".gltf" || extension == ".glb";
-}
-
 }  // namespace
-
-std::filesystem::path pathFromUtf8(const std::string &text) {
-  return std::filesystem::path(std::u8string(text.begin(), text.end()));
-}
 
 bool SceneReader::meshKey(const std::string &key, const TomlValue &value, std::filesystem::path &out) {
   std::string text;
   if (!readText(key, value, text)) return false;
   if (text.empty()) return refuse(value.line, "mesh is empty; accepted: a mesh file");
-  const std::filesystem::path path = scene_.source.parent_path() / pathFromUtf8(text);
+  const std::filesystem::path path = namedFile(scene_.source.parent_path(), text);
   std::error_code code;
-  if (std::filesystem::is_directory(path, code))
-    return refuse(value.line, "mesh '" + text + "' is a folder; accepted: a mesh file");
   if (!std::filesystem::exists(path, code))
     return refuse(value.line,
                   "mesh '" + text + "' does not exist; it is looked for at " + path.lexically_normal().string());
+  if (const std::string instead = whatInsteadOfFile(path); !instead.empty())
+    return refuse(value.line, "mesh '" + text + "' " + instead + "; accepted: a mesh file");
   out = path.lexically_normal();
   return true;
 }
@@ -130,12 +121,9 @@ bool SceneReader::requireUnit(const TomlValue &table, const std::filesystem::pat
     unit = *said;
     return true;
   }
-  if (!carriesUnit(mesh))
-    return refuse(table.line,
-                  "'mesh_unit' is missing; " + mesh.filename().string() +
-                      " does not say its unit by a comment such as UNITS=mm; accepted: \"m\", \"mm\", \"cm\"");
-  unit = geometry::LengthUnit::metre;
-  return true;
+  return refuse(table.line,
+                "'mesh_unit' is missing; " + mesh.filename().string() +
+                    " does not say its unit by a comment such as UNITS=mm; accepted: \"m\", \"mm\", \"cm\"");
 }
 
 bool SceneReader::readText(const std::string &key, const TomlValue &value, std::string &out) {

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "c3de/core/input_file.h"
 #include "c3de/core/text.h"
 
 namespace c3de::scene {
@@ -129,17 +130,15 @@ Expected<TomlValue> parseToml(std::string_view text, const std::string &source) 
 
 Expected<std::string> readTextFile(const std::filesystem::path &path) {
   std::error_code code;
-  const std::filesystem::file_status status = std::filesystem::status(path, code);
-  if (!std::filesystem::exists(status)) return fail(ErrorCode::input, path.string() + ": no such file");
-  if (!std::filesystem::is_regular_file(status)) return fail(ErrorCode::input, path.string() + ": not a file");
+  auto file = openInputFile(path);
+  if (!file) return tl::unexpected(file.error());
   const std::uintmax_t bytes = std::filesystem::file_size(path, code);
   if (!code && bytes > kMaxFileBytes)
     return fail(ErrorCode::input, path.string() + ": has " + std::to_string(bytes) + " bytes; accepted: up to " +
                                       std::to_string(kMaxFileBytes));
-  std::ifstream file(path, std::ios::binary);
   std::ostringstream content;
-  if (file) content << file.rdbuf();
-  if (!file) return fail(ErrorCode::input, path.string() + ": cannot be read");
+  content << file->rdbuf();
+  if (!*file) return fail(ErrorCode::input, path.string() + ": cannot be read");
   return std::move(content).str();
 }
 

@@ -90,8 +90,8 @@ TEST_CASE("Binary VTK is read, float and double, both layouts") {
 
 TEST_CASE("Broken VTK files are refused with the place and the value") {
   CHECK_THAT(refusal("hello\n", "bad.vtk"), Contains("bad.vtk:1") && Contains("legacy VTK"));
-  CHECK_THAT(refusal(kHead + "ASCII\nDATASET UNSTRUCTURED_GRID\n", "bad.vtk"),
-             Contains("bad.vtk:4") && Contains("UNSTRUCTURED_GRID") && Contains("POLYDATA"));
+  CHECK_THAT(refusal(kHead + "ASCII\nDATASET STRUCTURED_GRID\n", "bad.vtk"),
+             Contains("bad.vtk:4") && Contains("'STRUCTURED_GRID'") && Contains("POLYDATA"));
   CHECK_THAT(refusal(kHead + "ASCII\n" + kPoints, "bad.vtk"), Contains("4 points but no faces"));
   CHECK_THAT(refusal(kHead + "ASCII\n" + kPoints + "POLYGONS 1 4\n3 0 1 4\n", "bad.vtk"),
              Contains("point index 4") && Contains("0 to 3"));
@@ -123,7 +123,7 @@ TEST_CASE("A truncated VTK file is refused wherever it ends") {
   }
 }
 
-TEST_CASE("STL, PLY and OFF are read through assimp and welded") {
+TEST_CASE("STL, PLY and OFF are read and welded") {
   checkTetrahedron(
       "solid t\nfacet normal 0 0 -1\nouter loop\nvertex 0 0 0\nvertex 0 10 0\nvertex 10 0 0\nendloop\nendfacet\n"
       "facet normal 0 -1 0\nouter loop\nvertex 0 0 0\nvertex 10 0 0\nvertex 0 0 10\nendloop\nendfacet\n"

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "c3de/core/input_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/session/default_floor.h"
@@ -29,8 +30,6 @@ std::string uniqueName(const scene::SceneFile &scene, const std::string &wanted)
   return name;
 }
 
-bool isGltf(const std::filesystem::path &file) { return file.extension() == ".gltf" || file.extension() == ".glb"; }
-
 std::string unitText(const geometry::MeshFormats &formats, const std::vector<std::filesystem::path> &files,
                      const std::string &stated) {
   std::string text;
@@ -38,7 +37,6 @@ std::string unitText(const geometry::MeshFormats &formats, const std::vector<std
     if (scene::isScenePath(file)) continue;
     const auto said = formats.unitInFile(file);
     const std::string unit = !stated.empty() ? stated + ", as was asked"
-                             : isGltf(file)  ? "m, as glTF has it"
                              : said          ? std::string(geometry::unitName(*said)) + ", as the file says"
                                              : "mm, because it says none";
     if (text.find(unit) == std::string::npos) text += (text.empty() ? "" : "; ") + unit;
@@ -67,9 +65,8 @@ Expected<scene::SceneFile> WorkstationLoader::read(const std::vector<std::filesy
   }
   for (const std::filesystem::path &file : files) {
     if (scene::isScenePath(file)) continue;
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(file, error))
-      return fail(ErrorCode::input, pathText(file) + ": not a file; accepted: meshes, images and scenes (.toml)");
+    if (const auto good = checkInputFile(file); !good)
+      return fail(ErrorCode::input, good.error().message + "; accepted: meshes, images and scenes (.toml)");
     scene::SceneFile one = scene::sceneForMesh(
         file, meshUnit.empty() ? session_.meshFormats().unitInFile(file).value_or(geometry::LengthUnit::millimetre)
                                : *stated);
