@@ -216,7 +216,10 @@ Expected<Described> describeImage(const std::filesystem::path &path, const imagi
   Described out;
   out.json = Json{{"file", path.string()}, {"kind", "image"}};
   std::error_code code;
-  const bool folder = std::filesystem::is_directory(path, code);
+  // a DICOMDIR means a folder too
+  const bool folder =
+      std::filesystem::is_directory(path, code) ||
+      std::none_of(list->begin(), list->end(), [](const SeriesInfo &info) { return info.holdsNamedFile; });
   const bool hasParts = std::any_of(list->begin(), list->end(), [](const SeriesInfo &info) { return info.isPart; });
   if (folder || list->front().files > 1 || hasParts || patientNames) {
     describeSeries(*list, patientNames, out);

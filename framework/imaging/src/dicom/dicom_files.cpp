@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "c3de/core/input_file.h"
 #include "c3de/core/text.h"
 #include "dicom/dicom_colours.h"
 #include "dicom/dicom_mosaic.h"
@@ -31,6 +32,18 @@ struct Places {
         if (auto all = groups.front().decimals(tag); !all.empty()) return all;
     }
     return file.decimals(tag);
+  }
+  /// Notes a value that is there and is left out because it is not what it should be.
+  void noteBad(std::uint32_t group, std::uint32_t tag, const char *name, const char *accepted,
+               std::vector<std::string> &notices) const {
+    std::string written = file.text(tag);
+    for (const DicomSet *set : {shared, own})
+      if (set)
+        if (const auto groups = set->items(group); !groups.empty() && groups.front().has(tag))
+          written = groups.front().text(tag);
+    if (!written.empty())
+      notices.push_back(std::string(name) + " '" + written.substr(0, 60) + "' is not " + accepted +
+                        "; it is left out.");
   }
   /// The first item of a sequence.
   [[nodiscard]] std::optional<DicomSet> item(std::uint32_t tag) const {
@@ -72,7 +85,10 @@ DicomFrame readFrame(const Places &from, const DicomSet &file, const std::string
     if (position.empty()) position = detectors.front().decimals(0x00200032);
     if (orientation.empty()) orientation = detectors.front().decimals(0x00200037);
   }
-  if (finite(position, 3)) frame.position = Vec3{position[0], position[1], position[2]};
+  if (finite(position, 3))
+    frame.position = Vec3{position[0], position[1], position[2]};
+  else
+    from.noteBad(0x00209113, 0x00200032, "Image Position", "three numbers", out.notices);
   if (finite(orientation, 6)) {
     const Vec3 row{orientation[0], orientation[1], orientation[2]},
         column{orientation[3], orientation[4], orientation[5]};
@@ -84,6 +100,8 @@ DicomFrame readFrame(const Places &from, const DicomSet &file, const std::string
     } else {
       out.refusal = "its Image Orientation is not two unit vectors at a right angle";
     }
+  } else {
+    from.noteBad(0x00209116, 0x00200037, "Image Orientation", "six numbers", out.notices);
   }
   auto spacing = from.decimals(0x00289110, 0x00280030);
   if (!finite(spacing, 2)) {
@@ -94,11 +112,18 @@ DicomFrame readFrame(const Places &from, const DicomSet &file, const std::string
     frame.rowStep = spacing[0];
     frame.columnStep = spacing[1];
     frame.spaced = true;
+  } else {
+    from.noteBad(0x00289110, 0x00280030, "Pixel Spacing", "two numbers above 0", out.notices);
   }
   frame.sliceStep = std::abs(numberOr(from.decimals(0x00289110, 0x00180088), 0.0));
   if (frame.sliceStep == 0.0) frame.sliceStep = std::abs(numberOr(from.decimals(0x00289110, 0x00180050), 0.0));
-  frame.slope = numberOr(from.decimals(0x00289145, 0x00281053), 1.0);
-  frame.intercept = numberOr(from.decimals(0x00289145, 0x00281052), 0.0);
+  const auto slope = from.decimals(0x00289145, 0x00281053), intercept = from.decimals(0x00289145, 0x00281052);
+  frame.slope = numberOr(slope, 1.0);
+  frame.intercept = numberOr(intercept, 0.0);
+  const auto isNumber = [](const std::vector<double> &all) { return !all.empty() && std::isfinite(all[0]); };
+  if (!isNumber(slope) || slope[0] == 0.0)
+    from.noteBad(0x00289145, 0x00281053, "Rescale Slope", "a number other than 0", out.notices);
+  if (!isNumber(intercept)) from.noteBad(0x00289145, 0x00281052, "Rescale Intercept", "a number", out.notices);
   if (frame.slope == 0.0) frame.slope = 1.0;
   if (modality == "RTDOSE") frame.slope = numberOr(file.decimals(0x3004000e), 1.0), frame.intercept = 0.0;
   if (file.text(0x00080016) == kParametricMap) scaleParameter(from, frame, out);
@@ -217,14 +242,28 @@ std::optional<DicomFile> describe(const std::filesystem::path &path, const Dicom
   return out;
 }
 
+std::uint64_t bytesOfPixels(const DicomFile &file, const DicomContent &content) {
+  const std::uint64_t numbers =
+      static_cast<std::uint64_t>(file.rows) * file.columns * file.frames.size() * samplesStored(content.set);
+  return (numbers * file.bits + 7) / 8;
+}
+
+/// Says where pixels that are stored as they are go on behind those of the header; they are padded to even length.
+std::string pixelsLeftOver(const DicomFile &file, const DicomContent &content) {
+  const DicomSet::Element *pixels = content.pixels();
+  if (!pixels || pixels->undefined) return {};
+  const std::uint64_t need = bytesOfPixels(file, content);
+  if (pixels->length <= need + 1) return {};
+  return "The file holds " + std::to_string(pixels->length - need) + " bytes behind the " + std::to_string(need) +
+         " of the pixels that its header says; they are left out. Are rows, columns and frames right?";
+}
+
 /// What keeps the pixels from being read: a file that ends within them, or has none.
 std::string missingPixels(const DicomFile &file, const DicomContent &content) {
   const DicomSet::Element *pixels = content.pixels();
   if (!pixels) return content.damage.empty() ? "has no pixels" : "is truncated or damaged: " + content.damage;
   if (pixels->undefined) return fragmentsOf(content) ? "" : "is truncated or damaged within its compressed pixels";
-  const std::uint64_t numbers =
-      static_cast<std::uint64_t>(file.rows) * file.columns * file.frames.size() * samplesStored(content.set);
-  const std::uint64_t need = (numbers * file.bits + 7) / 8;
+  const std::uint64_t need = bytesOfPixels(file, content);
   const std::uint64_t there = std::min<std::uint64_t>(pixels->length, content.bytes->length() - pixels->at);
   if (there < need)
     return "is truncated: " + std::to_string(there) + " of " + std::to_string(need) + " bytes of pixels";
@@ -234,10 +273,21 @@ std::string missingPixels(const DicomFile &file, const DicomContent &content) {
 }  // namespace
 
 bool isDicom(const std::filesystem::path &path) {
-  std::ifstream file(path, std::ios::binary);
+  auto file = openInputFile(path);
   char head[132] = {};
-  file.read(head, sizeof head);
-  return file.gcount() == sizeof head && std::memcmp(head + 128, "DICM", 4) == 0;
+  if (!file || !file->read(head, sizeof head)) return false;
+  if (std::memcmp(head + 128, "DICM", 4) == 0) return true;
+  // Without the preamble it begins with the signature, the meta header, or what images begin with.
+  const bool mayBe = std::memcmp(head, "DICM", 4) == 0 || ((head[0] == 2 || head[0] == 8) && head[1] == 0);
+  return mayBe && readDicomHeader(path);
+}
+
+std::filesystem::path placeOfImages(const std::filesystem::path &path) {
+  constexpr std::uint32_t kDirectoryRecords = 0x00041220;
+  if (!isDicom(path)) return path;
+  const auto content = parseDicom(path);
+  if (!content || !content->set.has(kDirectoryRecords)) return path;
+  return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
 }
 
 std::optional<DicomFile> readDicomHeader(const std::filesystem::path &path) {
@@ -246,9 +296,11 @@ std::optional<DicomFile> readDicomHeader(const std::filesystem::path &path) {
   auto out = describe(path, content->set);
   if (!out || !out->refusal.empty()) return out;
   out->refusal = missingPixels(*out, *content);
+  if (const std::string more = pixelsLeftOver(*out, *content); !more.empty()) out->notices.push_back(more);
   if (isMosaic(content->set)) splitMosaic(content->set, *out);
   // as they are decoded
   if (out->isColoured || (out->segmentation && out->bits < 8)) out->bits = 8, out->isSigned = false;
+  if (content->bytes->hasDecimalComma) out->notices.emplace_back(kDecimalCommaNotice);
   return out;
 }
 

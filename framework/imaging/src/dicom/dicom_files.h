@@ -58,8 +58,11 @@ struct DicomFile {
   std::vector<DicomFrame> frames;
 };
 
-/// Whether the file begins as DICOM does.
+/// Whether the file is DICOM by its signature, or an image of DICOM that has lost it.
 [[nodiscard]] bool isDicom(const std::filesystem::path &path);
+
+/// Where to look for the images that a path means: the folder of a DICOMDIR, else the path itself.
+[[nodiscard]] std::filesystem::path placeOfImages(const std::filesystem::path &path);
 
 /// Reads a header without its pixels; nothing for what is no DICOM image (reports, plans, directories, other files).
 [[nodiscard]] std::optional<DicomFile> readDicomHeader(const std::filesystem::path &path);

@@ -196,9 +196,16 @@ std::string DicomSet::text(std::uint32_t tag) const {
 }
 
 std::vector<double> DicomSet::decimals(std::uint32_t tag) const {
-  std::string value = text(tag);
-  std::replace(value.begin(), value.end(), '\\', ' ');
-  return numbersIn(value);
+  const std::string value = text(tag);
+  std::vector<double> all;
+  for (std::size_t at = 0; at < value.size();) {
+    const std::size_t end = std::min(value.find('\\', at), value.size());
+    const std::string one = trimmed(value.substr(at, end - at));
+    bytes_->hasDecimalComma = bytes_->hasDecimalComma || hasDecimalComma(one);
+    all.push_back(numberFrom(one));
+    at = end + 1;
+  }
+  return all;
 }
 
 std::string DicomSet::name(std::uint32_t tag) const { return dicomText(text(tag), characterSet_); }
@@ -309,7 +316,9 @@ std::optional<DicomContent> parseDicom(const std::filesystem::path &path) {
   out.bytes = std::make_shared<DicomBytes>(path);
   char magic[4] = {};
   const bool signedAsDicom = out.bytes->read(128, magic, 4) && std::memcmp(magic, "DICM", 4) == 0;
-  std::uint64_t at = signedAsDicom ? 132 : 0;
+  const bool isSignedAtOnce =
+      !signedAsDicom && out.bytes->read(0, magic, 4) && std::memcmp(magic, "DICM", 4) == 0;  // without the preamble
+  std::uint64_t at = signedAsDicom ? 132 : isSignedAtOnce ? 4 : 0;
   Walker walker(*out.bytes);
   // The meta group is always explicit and little-endian.
   for (auto head = walker.head(at, {}); head && head->tag >> 16 == 2; head = walker.head(at, {})) {

@@ -24,6 +24,8 @@ class DicomBytes {
   [[nodiscard]] std::uint64_t length() const { return length_; }
   /// False: there are not so many.
   [[nodiscard]] bool read(std::uint64_t at, void *to, std::size_t bytes);
+  /// That a number of the file has a decimal comma, which the standard does not know.
+  bool hasDecimalComma = false;
 
  private:
   std::ifstream file_;
@@ -49,7 +51,7 @@ class DicomSet {
   [[nodiscard]] const Element *find(std::uint32_t tag) const;
   [[nodiscard]] std::string text(std::uint32_t tag) const;                  ///< without padding; "" if absent
   [[nodiscard]] std::string name(std::uint32_t tag) const;                  ///< text for a person, UTF-8
-  [[nodiscard]] std::vector<double> decimals(std::uint32_t tag) const;      ///< of text such as 1\2\3
+  [[nodiscard]] std::vector<double> decimals(std::uint32_t tag) const;      ///< of text such as 1\2\3; NaN for none
   [[nodiscard]] std::size_t number(std::uint32_t tag) const;                ///< of 16 bits; 0 if absent
   [[nodiscard]] std::vector<std::uint16_t> words(std::uint32_t tag) const;  ///< of 16 bits, US or OW
   [[nodiscard]] std::vector<double> doubles(std::uint32_t tag) const;       ///< of 64 bits (FD)

@@ -115,8 +115,12 @@ struct Chosen {
   [[nodiscard]] const DicomStack &it() const { return folder.stacks[stack]; }
 };
 
-Expected<Chosen> find(const std::filesystem::path &path, const ReadOptions &options, Kind kind) {
+Expected<Chosen> find(const std::filesystem::path &named, const ReadOptions &options, Kind kind) {
   Chosen out;
+  const std::filesystem::path path = placeOfImages(named);
+  if (path != named)
+    out.notices.push_back(named.filename().string() +
+                          " is a list of files (DICOMDIR): the folder in which it lies is read.");
   auto folder = scanDicom(path, partOf(options.progress, 0.0, 0.2));
   if (!folder) return tl::unexpected(folder.error());
   out.folder = std::move(*folder);
@@ -182,7 +186,7 @@ Expected<std::optional<LoadedLabels>> readDicomSegments(const std::filesystem::p
 }
 
 Expected<std::vector<SeriesInfo>> listDicom(const std::filesystem::path &path, const ProgressFn &progress) {
-  const auto folder = scanDicom(path, progress);
+  const auto folder = scanDicom(placeOfImages(path), progress);
   if (!folder) return tl::unexpected(folder.error());
   std::vector<SeriesInfo> all;
   for (const DicomStack &stack : folder->stacks) {

@@ -39,19 +39,21 @@ std::vector<std::filesystem::path> filesBelow(const std::filesystem::path &path)
   std::error_code code;
   const auto take = [&](const std::filesystem::directory_entry &entry) {
     std::error_code ignored;
-    if (entry.is_regular_file(ignored) && files.size() < 200000) files.push_back(entry.path());
+    if (entry.is_regular_file(ignored) && !isStray(entry.path()) && files.size() < 200000)
+      files.push_back(entry.path());
   };
   if (std::filesystem::is_directory(path, code)) {
     std::filesystem::recursive_directory_iterator at(path, std::filesystem::directory_options::skip_permission_denied,
                                                      code),
         end;
     for (; !code && at != end; at.increment(code)) {
-      if (at.depth() >= 8) at.disable_recursion_pending();
+      if (at.depth() >= 8 || isStray(at->path())) at.disable_recursion_pending();
       take(*at);
     }
   } else {
     const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
     for (const auto &entry : std::filesystem::directory_iterator(folder, code)) take(entry);
+    if (isStray(path)) files.push_back(path);  // asked for by name
   }
   std::sort(files.begin(), files.end());
   return files;

@@ -8,6 +8,8 @@
 #include <fstream>
 #include <limits>
 
+#include "c3de/core/input_file.h"
+
 namespace c3de::imaging {
 namespace {
 
@@ -19,7 +21,7 @@ class FileBytes : public ByteStream {
     return static_cast<std::size_t>(file_.gcount());
   }
   [[nodiscard]] std::string fault() const override { return file_.bad() ? "it cannot be read" : ""; }
-  void finish() override {}
+  std::size_t finish() override { return 0; }
 
  private:
   std::ifstream file_;
@@ -61,11 +63,16 @@ class InflatedBytes : public ByteStream {
     return bytes - left;
   }
   [[nodiscard]] std::string fault() const override { return fault_; }
-  void finish() override {
+  std::size_t finish() override {
     std::array<char, 4096> rest;
+    std::size_t behind = 0;
     // A body of data that goes on for long behind the voxels is another volume: not worth the time.
     for (int i = 0; i < 64 && !ended_ && fault_.empty(); ++i)
-      if (read(rest.data(), rest.size()) == 0) break;
+      if (const std::size_t got = read(rest.data(), rest.size()); got == 0)
+        break;
+      else
+        behind += got;
+    return behind;
   }
 
  private:
@@ -92,16 +99,14 @@ class InflatedBytes : public ByteStream {
 
 Expected<std::unique_ptr<ByteStream>> openBytes(const std::filesystem::path &path, std::uint64_t offset,
                                                 bool deflated) {
-  std::error_code code;
-  if (!std::filesystem::is_regular_file(path, code)) return fail(ErrorCode::input, path.string() + ": no such file");
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(ErrorCode::input, path.string() + ": cannot be opened");
-  file.seekg(static_cast<std::streamoff>(offset));
-  if (!file)
+  auto file = openInputFile(path);
+  if (!file) return tl::unexpected(file.error());
+  file->seekg(static_cast<std::streamoff>(offset));
+  if (!*file)
     return fail(ErrorCode::input,
                 path.string() + ": has no byte " + std::to_string(offset) + ", where the voxels should begin");
-  if (deflated) return std::make_unique<InflatedBytes>(std::move(file));
-  return std::make_unique<FileBytes>(std::move(file));
+  if (deflated) return std::make_unique<InflatedBytes>(std::move(*file));
+  return std::make_unique<FileBytes>(std::move(*file));
 }
 
 bool skipBytes(ByteStream &stream, std::uint64_t bytes) {
@@ -115,8 +120,8 @@ bool skipBytes(ByteStream &stream, std::uint64_t bytes) {
 }
 
 bool isGzip(const std::filesystem::path &path) {
-  std::ifstream file(path, std::ios::binary);
-  return file.get() == 0x1f && file.get() == 0x8b;
+  auto file = openInputFile(path);
+  return file && file->get() == 0x1f && file->get() == 0x8b;
 }
 
 Expected<std::vector<unsigned char>> firstBytes(const std::filesystem::path &path, std::size_t bytes) {

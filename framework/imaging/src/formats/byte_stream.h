@@ -18,8 +18,8 @@ class ByteStream {
   virtual std::size_t read(void *to, std::size_t bytes) = 0;
   /// What is wrong so far; empty: nothing.
   [[nodiscard]] virtual std::string fault() const = 0;
-  /// Reads away what is left of a compressed stream, so that its check sum is looked at.
-  virtual void finish() = 0;
+  /// Reads away what is left of a compressed stream, so that its check sum is looked at. @return bytes, at most 256 KiB
+  virtual std::size_t finish() = 0;
 };
 
 /// @param deflated  the bytes from offset on are gzip or zlib; they are delivered inflated

@@ -69,25 +69,93 @@ Expected<void> setAffine(ImageHeader &header, const Vec3 &i, const Vec3 &j, cons
   return {};
 }
 
+namespace {
+
+double plainNumber(const char *from, const char *to) {
+  if (from != to && *from == '+') ++from;
+  double value = 0.0;
+  const auto [stop, error] = std::from_chars(from, to, value);
+  return error == std::errc() && stop == to ? value : std::numeric_limits<double>::quiet_NaN();
+}
+
+bool isDigit(char c) { return c >= '0' && c <= '9'; }
+
+/// Where the only comma of a word is, between two digits and without a point beside it.
+std::size_t decimalComma(const std::string &word) {
+  const std::size_t comma = word.find(',');
+  if (comma == std::string::npos || comma == 0 || comma + 1 == word.size() || word.rfind(',') != comma ||
+      word.find('.') != std::string::npos || !isDigit(word[comma - 1]) || !isDigit(word[comma + 1]))
+    return std::string::npos;
+  return comma;
+}
+
+/// Calls visit(word, isBracketed) for what stands between blanks and brackets, within brackets between commas too.
+template <class Visit>
+void forEachWord(const std::string &text, Visit &&visit) {
+  bool isBracketed = false;
+  std::string word;
+  for (const char c : text + " ") {
+    if (std::isspace(static_cast<unsigned char>(c)) != 0 || c == '(' || c == ')' || (isBracketed && c == ',')) {
+      if (!word.empty()) visit(word, isBracketed);
+      word.clear();
+      if (c == '(' || c == ')') isBracketed = c == '(';
+    } else {
+      word += c;
+    }
+  }
+}
+
+}  // namespace
+
+double numberFrom(const std::string &word) {
+  std::string number = word;
+  if (const std::size_t comma = decimalComma(word); comma != std::string::npos) number[comma] = '.';
+  return plainNumber(number.data(), number.data() + number.size());
+}
+
 std::vector<double> numbersIn(const std::string &text) {
   std::vector<double> all;
-  const auto parts = [](char c) {
-    return std::isspace(static_cast<unsigned char>(c)) || c == '(' || c == ')' || c == ',';
-  };
-  for (std::size_t at = 0; at < text.size();) {
-    if (parts(text[at])) {
-      ++at;
-      continue;
+  forEachWord(text, [&](const std::string &word, bool) {
+    if (decimalComma(word) != std::string::npos) {
+      all.push_back(numberFrom(word));
+      return;
     }
-    std::size_t end = at;
-    while (end < text.size() && !parts(text[end])) ++end;
-    double value = 0.0;
-    const char *from = text.data() + at + (text[at] == '+' ? 1 : 0), *to = text.data() + end;
-    const auto [stop, error] = std::from_chars(from, to, value);
-    all.push_back(error == std::errc() && stop == to ? value : std::numeric_limits<double>::quiet_NaN());
-    at = end;
-  }
+    for (std::size_t at = 0; at < word.size();) {
+      const std::size_t end = std::min(word.find(',', at), word.size());
+      if (end > at) all.push_back(plainNumber(word.data() + at, word.data() + end));
+      at = end + 1;
+    }
+  });
   return all;
+}
+
+bool hasDecimalComma(const std::string &text) {
+  bool found = false;
+  forEachWord(text, [&](const std::string &word, bool isBracketed) {
+    found = found || (!isBracketed && decimalComma(word) != std::string::npos);
+  });
+  return found;
+}
+
+std::optional<double> millimetresOf(const std::string &unit) {
+  struct Named {
+    double millimetres;
+    std::vector<const char *> names;
+  };
+  static const std::vector<Named> kUnits{
+      {1.0, {"mm", "millimeter", "millimeters", "millimetre", "millimetres"}},
+      {1000.0, {"m", "meter", "meters", "metre", "metres"}},
+      {100.0, {"dm", "decimeter", "decimeters", "decimetre", "decimetres"}},
+      {10.0, {"cm", "centimeter", "centimeters", "centimetre", "centimetres"}},
+      {1e-3,
+       {"um", "\xc2\xb5m", "\xce\xbcm", "micron", "microns", "micrometer", "micrometers", "micrometre", "micrometres"}},
+      {1e-6, {"nm", "nanometer", "nanometers", "nanometre", "nanometres"}},
+      {25.4, {"in", "inch", "inches"}}};
+  const std::string lower = lowerCase(unit);
+  for (const Named &one : kUnits)
+    if (std::any_of(one.names.begin(), one.names.end(), [&](const char *name) { return lower == name; }))
+      return one.millimetres;
+  return std::nullopt;
 }
 
 std::vector<std::string> numberedNames(const std::string &pattern, const std::vector<double> &range) {
@@ -123,6 +191,11 @@ std::string lowerCase(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
+}
+
+bool isStray(const std::filesystem::path &path) {
+  const std::string name = lowerCase(path.filename().string());
+  return name.starts_with('.') || name == "thumbs.db" || name == "desktop.ini" || name == "__macosx";
 }
 
 std::string imageExtension(const std::filesystem::path &path) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -60,12 +61,24 @@ struct ImageHeader {
 [[nodiscard]] Expected<void> setAffine(ImageHeader &header, const Vec3 &i, const Vec3 &j, const Vec3 &k,
                                        const Vec3 &origin);
 
-/// Numbers of a text, separated by blanks, commas or brackets; "nan" and words that are no number become NaN.
+/// One number: "1.5", "+2e-3", or with a decimal comma "1,5"; NaN for anything else.
+[[nodiscard]] double numberFrom(const std::string &word);
+/// Numbers of a text, separated by blanks or brackets, within brackets by commas; "nan" and words that are no number
+/// become NaN. A single comma between digits is a decimal comma, several separate numbers.
 [[nodiscard]] std::vector<double> numbersIn(const std::string &text);
+/// Whether a word of the text, outside of brackets, has a decimal comma.
+[[nodiscard]] bool hasDecimalComma(const std::string &text);
+inline constexpr const char *kDecimalCommaNotice =
+    "Numbers of the file have a decimal comma, as in '0,5'; they are read with a decimal point.";
+/// Millimetres of a unit of length, by its symbol or its English name; nothing for what is none.
+[[nodiscard]] std::optional<double> millimetresOf(const std::string &unit);
 /// `slice%03d.raw` with {first, last, step}: the names; empty for what is no such pattern.
 [[nodiscard]] std::vector<std::string> numberedNames(const std::string &pattern, const std::vector<double> &range);
 [[nodiscard]] std::string trimmed(const std::string &text);
 [[nodiscard]] std::string lowerCase(std::string text);
+/// Whether a file or folder is what operating systems leave among others: "._a.dcm", ".DS_Store", "Thumbs.db",
+/// "desktop.ini", "__MACOSX". Hidden files are among them.
+[[nodiscard]] bool isStray(const std::filesystem::path &path);
 /// The extension in lower case, with ".nii.gz", ".img.gz" and ".hdr.gz" whole.
 [[nodiscard]] std::string imageExtension(const std::filesystem::path &path);
 

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "c3de/core/input_file.h"
 #include "c3de/imaging/label_names.h"
 
 namespace c3de::imaging {
@@ -40,9 +41,9 @@ double srgbOf(float linear) {
 
 LabelTable readLabelTable(const std::filesystem::path &path) {
   LabelTable table;
-  std::ifstream file(path);
+  auto file = openInputFile(path);
   std::string line;
-  for (int lines = 0; lines < 100000 && std::getline(file, line); ++lines) {
+  for (int lines = 0; file && lines < 100000 && std::getline(*file, line); ++lines) {
     line = trimmed(line);
     if (line.empty() || line.front() == '#' || line.size() > 1000 || takeItkSnap(line, table)) continue;
     std::istringstream words(line);

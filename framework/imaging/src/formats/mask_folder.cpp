@@ -88,7 +88,7 @@ std::vector<std::filesystem::path> maskFilesIn(const std::filesystem::path &fold
   std::filesystem::directory_iterator at(folder, code), end;
   for (; !code && at != end; at.increment(code)) {
     std::error_code ignored;
-    if (at->is_regular_file(ignored) && isImageFile(at->path())) files.push_back(at->path());
+    if (at->is_regular_file(ignored) && isImageFile(at->path()) && !isStray(at->path())) files.push_back(at->path());
   }
   std::sort(files.begin(), files.end());
   return files;

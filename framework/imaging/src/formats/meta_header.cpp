@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "c3de/core/input_file.h"
 #include "c3de/core/text.h"
 #include "formats/image_header.h"
 
@@ -39,8 +40,9 @@ struct Parsed {
 };
 
 Expected<Parsed> parse(const std::filesystem::path &path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return refuse(path, "cannot be opened");
+  auto opened = openInputFile(path);
+  if (!opened) return tl::unexpected(opened.error());
+  std::ifstream &file = *opened;
   Parsed out;
   std::string line;
   for (int lines = 0; lines < 4096; ++lines) {
@@ -152,13 +154,40 @@ Expected<void> readVoxelType(ImageHeader &header, const Keys &keys) {
   return {};
 }
 
+/// The numbers of the first of these keys that is there, `n` of them; empty: none is. A decimal comma gets a notice.
+Expected<std::vector<double>> lengthsOf(ImageHeader &header, const Keys &keys,
+                                        std::initializer_list<const char *> names, std::size_t n) {
+  const std::string text = valueOf(keys, names);
+  auto numbers = numbersIn(text);
+  if (hasDecimalComma(text) &&
+      std::find(header.notices.begin(), header.notices.end(), kDecimalCommaNotice) == header.notices.end())
+    header.notices.emplace_back(kDecimalCommaNotice);
+  const bool isFull = numbers.size() == n || (n == 2 && numbers.size() == 3);
+  if (numbers.empty() ||
+      (isFull && std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); })))
+    return numbers;
+  return refuse(header.path, std::string(*names.begin()) + " = " + text.substr(0, 80) + " is not the " +
+                                 std::to_string(n) + " finite numbers, one for each axis, that are accepted");
+}
+
 /// Where the voxels lie in the world, with a notice for what the header does not say.
 Expected<void> place(ImageHeader &header, const Keys &keys, std::size_t n) {
-  auto spacing = numbersIn(valueOf(keys, {"ElementSpacing", "ElementSize"}));
-  if (spacing.size() < n) {
+  auto stated = lengthsOf(header, keys, {"ElementSpacing", "ElementSize"}, n);
+  if (!stated) return tl::unexpected(stated.error());
+  std::vector<double> &spacing = *stated;
+  if (spacing.empty()) {
     header.notices.push_back("The header gives no spacing: 1 mm is taken.");
     spacing.assign(n, 1.0);
   }
+  double unit_mm = 1.0;
+  if (const std::string unit = valueOf(keys, {"DistanceUnits"}); !unit.empty() && unit != "?") {
+    const auto known = millimetresOf(unit);
+    if (!known)
+      header.notices.push_back("The DistanceUnits of the header, '" + unit.substr(0, 40) +
+                               "', are no unit of length that is known: mm is taken.");
+    unit_mm = known.value_or(1.0);
+  }
+  for (std::size_t a = 0; a < std::min<std::size_t>(n, 3); ++a) spacing[a] *= unit_mm;
   auto matrix = numbersIn(valueOf(keys, {"TransformMatrix", "Rotation", "Orientation"}));
   if (matrix.size() < n * n) {
     header.notices.push_back(
@@ -167,7 +196,10 @@ Expected<void> place(ImageHeader &header, const Keys &keys, std::size_t n) {
     matrix.assign(n * n, 0.0);
     for (std::size_t a = 0; a < n; ++a) matrix[a * n + a] = 1.0;
   }
-  auto offset = numbersIn(valueOf(keys, {"Offset", "Position", "Origin"}));
+  auto origin = lengthsOf(header, keys, {"Offset", "Position", "Origin"}, n);
+  if (!origin) return tl::unexpected(origin.error());
+  std::vector<double> &offset = *origin;
+  for (double &x : offset) x *= unit_mm;
   if (offset.empty())
     header.notices.push_back("The header does not say where the first voxel lies (Offset): 0, 0, 0 is taken.");
   offset.resize(std::max<std::size_t>(offset.size(), 3), 0.0);
@@ -199,7 +231,8 @@ Expected<void> findData(ImageHeader &header, const Parsed &parsed) {
   const double headerSize = numberOf(parsed.keys, "HeaderSize").value_or(0.0);
   for (const std::string &name : *files) {
     const bool local = name == "LOCAL" || name == "Local" || name == "local";
-    ImageHeader::Part part{local ? header.path : header.path.parent_path() / name, local ? parsed.dataOffset : 0};
+    ImageHeader::Part part{local ? header.path : namedFile(header.path.parent_path(), name),
+                           local ? parsed.dataOffset : 0};
     if (!local && headerSize != 0.0) {
       std::error_code code;
       const auto length = static_cast<double>(std::filesystem::file_size(part.path, code));

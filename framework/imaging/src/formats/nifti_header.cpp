@@ -241,6 +241,10 @@ Expected<ImageHeader> readNiftiHeader(const std::filesystem::path &path) {
   Columns c = place(n, header);
   const int space = n.units & 7;
   const double mm = space == 1 ? 1000.0 : space == 3 ? 1e-3 : 1.0;
+  if (space < 1 || space > 3)
+    header.notices.push_back(space == 0 ? std::string("The header does not name its unit of length: mm is taken.")
+                                        : "The header's unit of length, number " + std::to_string(space) +
+                                              ", is not known (1 m, 2 mm, 3 micrometres): mm is taken.");
   for (Vec3 &v : c) v = mm * Vec3{-v[0], -v[1], v[2]};  // RAS to LPS
   if (const auto set = setAffine(header, c[0], c[1], c[2], c[3]); !set) return tl::unexpected(set.error());
 

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <map>
 
+#include "c3de/core/input_file.h"
 #include "c3de/core/text.h"
 #include "formats/image_header.h"
 
@@ -51,8 +52,9 @@ std::string fieldOf(const std::string &name) {
 bool isField(const std::string &name) { return std::find(kFields.begin(), kFields.end(), name) != kFields.end(); }
 
 Expected<Parsed> parse(const std::filesystem::path &path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return refuse(path, "cannot be opened");
+  auto opened = openInputFile(path);
+  if (!opened) return tl::unexpected(opened.error());
+  std::ifstream &file = *opened;
   std::string line;
   const auto next = [&] {
     line.clear();
@@ -166,11 +168,30 @@ Vec3 toLps(const std::string &space, std::vector<std::string> &notices) {
   return {1, 1, 1};
 }
 
-double millimetres(const std::string &unit) {
-  if (unit == "m") return 1000.0;
-  if (unit == "cm") return 10.0;
-  if (unit == "um" || unit == "µm" || unit == "micron" || unit == "microns") return 1e-3;
-  return 1.0;
+/// Words, each in quotes or not; "" is an empty one.
+std::vector<std::string> quotedWords(const std::string &text) {
+  std::vector<std::string> all;
+  for (std::size_t at = 0; (at = text.find_first_not_of(" \t", at)) != std::string::npos;) {
+    const bool isQuoted = text[at] == '"';
+    const std::size_t from = at + (isQuoted ? 1 : 0);
+    const std::size_t end = std::min(text.find_first_of(isQuoted ? "\"" : " \t", from), text.size());
+    all.push_back(trimmed(text.substr(from, end - from)));
+    at = end + (isQuoted ? 1 : 0);
+  }
+  return all;
+}
+
+/// Millimetres of each of some units; of one that is not known 1, with a notice.
+std::vector<double> millimetresOfAll(const std::vector<std::string> &units, std::vector<std::string> &notices) {
+  std::vector<double> all;
+  for (const std::string &unit : units) {
+    const auto known = millimetresOf(unit);
+    all.push_back(known.value_or(1.0));
+    std::string notice = "The unit '" + unit.substr(0, 40) + "' of the header is no length that is known: mm is taken.";
+    if (!known && !unit.empty() && std::find(notices.begin(), notices.end(), notice) == notices.end())
+      notices.push_back(std::move(notice));
+  }
+  return all;
 }
 
 bool isOneOf(const std::string &kind, std::initializer_list<const char *> kinds) {
@@ -185,17 +206,35 @@ bool isColour(Scalar scalar, double size, const std::string &kind) {
   return scalar == Scalar::u8 && isOneOf(kind, {"", "vector", "3-vector", "4-vector"});
 }
 
-/// Which of the file's axes lie in space; the others count channels of a colour, or volumes.
+bool isOfSpace(const std::string &kind) { return isOneOf(kind, {"", "domain", "space", "???", "none"}); }
+
+/// Which of the file's axes lie in space; the others count channels of a colour, or volumes. An axis of another kind
+/// than space is none of them, nor one whose spacing is NaN beside spacings that are numbers.
 Expected<std::vector<std::size_t>> spatialAxes(ImageHeader &header, const std::vector<double> &sizes,
                                                const std::vector<std::vector<double>> &directions,
-                                               const std::vector<std::string> &kinds) {
+                                               const std::vector<std::string> &kinds,
+                                               const std::vector<double> &spacings) {
+  for (const auto &[name, count] :
+       {std::pair{"kinds", kinds.size()}, {"spacings", spacings.size()}, {"space directions", directions.size()}})
+    if (count != 0 && count != sizes.size())
+      return refuse(header.path, "its " + std::string(name) + " has " + std::to_string(count) + " entries for " +
+                                     std::to_string(sizes.size()) + " axes");
+  const auto spaced = std::count_if(spacings.begin(), spacings.end(), [](double x) { return std::isfinite(x); });
+  if (directions.empty() && kinds.empty() && static_cast<std::size_t>(spaced) == spacings.size() &&
+      (sizes.size() > 3 || sizes[0] <= 4.0))
+    header.notices.push_back("The header does not say which of its " + std::to_string(sizes.size()) +
+                             " axes lie in space (kinds): the first are taken.");
   std::vector<std::size_t> axes;
   for (std::size_t a = 0; a < sizes.size(); ++a) {
     if (!(sizes[a] >= 1.0 && sizes[a] < 1e9))
       return refuse(header.path, "the header says " + formatNumber(sizes[a]) + " along axis " + std::to_string(a + 1));
     const std::string kind = a < kinds.size() ? kinds[a] : "";
-    const bool inSpace = directions.empty() ? isOneOf(kind, {"", "domain", "space", "???", "none"}) && axes.size() < 3
-                                            : a < directions.size() && !directions[a].empty();
+    const bool isPlaced =
+        directions.empty() ? !(a < spacings.size() && std::isnan(spacings[a]) && spaced >= 2) : !directions[a].empty();
+    const bool inSpace = isOfSpace(kind) && isPlaced;
+    if (!isOfSpace(kind) && !directions.empty() && isPlaced)
+      header.notices.push_back("Axis " + std::to_string(a + 1) + " has a direction in space and is of kind '" + kind +
+                               "', which is no axis of space: its direction is left out.");
     if (inSpace && axes.size() < 3) {
       axes.push_back(a);
       continue;
@@ -206,8 +245,7 @@ Expected<std::vector<std::size_t>> spatialAxes(ImageHeader &header, const std::v
       continue;
     }
     const bool isBehind = axes.size() >= std::min<std::size_t>(3, sizes.size() - 1);
-    const bool countsVolumes =
-        isOneOf(kind, {"time", "list"}) || (isBehind && isOneOf(kind, {"", "domain", "space", "???", "none"}));
+    const bool countsVolumes = isOneOf(kind, {"time", "list"}) || (isBehind && isOfSpace(kind));
     if (!countsVolumes)
       return refuse(header.path,
                     "holds " + formatNumber(sizes[a]) + " numbers per voxel (axis " + std::to_string(a + 1) +
@@ -227,20 +265,52 @@ Expected<std::vector<std::size_t>> spatialAxes(ImageHeader &header, const std::v
   return axes;
 }
 
+bool isTimed(const std::string &space) {
+  const std::string s = lowerCase(space);
+  return s.ends_with("-time") || s == "last" || s == "rast" || s == "lpst";
+}
+
+/// Millimetres per unit: along the axes of space where there are directions, else along the axes of the image that lie
+/// in space.
+Expected<Vec3> unitsOf(ImageHeader &header, const Parsed &parsed, const std::vector<std::size_t> &axes,
+                       bool hasDirections) {
+  const auto ofSpace = quotedWords(parsed.field("space units")), ofAxes = quotedWords(parsed.field("units"));
+  const auto space_mm = millimetresOfAll(ofSpace, header.notices);
+  std::vector<std::string> spatial;
+  for (const std::size_t a : axes) spatial.push_back(a < ofAxes.size() ? ofAxes[a] : "");
+  const auto axes_mm = millimetresOfAll(spatial, header.notices);
+  Vec3 units{1.0, 1.0, 1.0};
+  if (!ofSpace.empty()) {
+    std::copy_n(space_mm.begin(), std::min<std::size_t>(3, space_mm.size()), units.begin());
+  } else if (!hasDirections) {
+    std::copy_n(axes_mm.begin(), std::min<std::size_t>(3, axes_mm.size()), units.begin());
+  } else if (!axes_mm.empty()) {
+    if (std::any_of(axes_mm.begin(), axes_mm.end(), [&](double x) { return x != axes_mm[0]; }))
+      return refuse(header.path,
+                    "its axes have different units, which its space directions cannot have; accepted: "
+                    "'space units'");
+    units = {axes_mm[0], axes_mm[0], axes_mm[0]};
+    if (axes_mm[0] != 1.0)
+      header.notices.push_back("The header gives the unit '" + spatial[0] +
+                               "' for axes, none for space: it is taken for directions and origin.");
+  }
+  return units;
+}
+
 Expected<void> place(ImageHeader &header, const Parsed &parsed, const std::vector<double> &sizes) {
   const auto directions = vectorsIn(parsed.field("space directions"));
-  const auto axes = spatialAxes(header, sizes, directions, words(parsed.field("kinds")));
+  const auto spacings = numbersIn(parsed.field("spacings"));
+  if (hasDecimalComma(parsed.field("spacings"))) header.notices.emplace_back(kDecimalCommaNotice);
+  const auto axes = spatialAxes(header, sizes, directions, words(parsed.field("kinds")), spacings);
   if (!axes) return tl::unexpected(axes.error());
   std::vector<double> inSpace;
   for (const std::size_t a : *axes) inSpace.push_back(sizes[a]);
   if (const auto set = setSize(header, inSpace); !set) return set;
   const Vec3 sign = toLps(parsed.field("space"), header.notices);
-  std::string units = parsed.field("space units");
-  units.erase(std::remove(units.begin(), units.end(), '"'), units.end());
-  const auto unit = words(units);
+  const auto units = unitsOf(header, parsed, *axes, !directions.empty());
+  if (!units) return tl::unexpected(units.error());
 
   std::array<Vec3, 3> column{};
-  const auto spacings = numbersIn(parsed.field("spacings"));
   if (directions.empty())
     header.notices.push_back("The header does not say how the image lies in the patient: only its spacing is known.");
   for (std::size_t a = 0; a < 3; ++a) {
@@ -257,9 +327,9 @@ Expected<void> place(ImageHeader &header, const Parsed &parsed, const std::vecto
     if (!directions.empty()) {
       column[a] = Vec3{};
       for (std::size_t x = 0; x < 3 && x < directions[axis].size(); ++x)
-        column[a][x] = sign[x] * directions[axis][x] * (x < unit.size() ? millimetres(unit[x]) : 1.0);
+        column[a][x] = sign[x] * directions[axis][x] * (*units)[x];
     } else if (axis < spacings.size() && std::isfinite(spacings[axis]) && spacings[axis] != 0.0) {
-      column[a][a] = sign[a] * spacings[axis];
+      column[a][a] = sign[a] * spacings[axis] * (*units)[a];
     } else {
       header.notices.push_back("The header gives no spacing along axis " + std::to_string(a + 1) + ": 1 mm is taken.");
       column[a][a] = sign[a];
@@ -269,19 +339,26 @@ Expected<void> place(ImageHeader &header, const Parsed &parsed, const std::vecto
   Vec3 origin{};
   if (!directions.empty() && origins.empty())
     header.notices.push_back("The header does not say where the first voxel lies (space origin): 0, 0, 0 is taken.");
+  const std::size_t most = isTimed(parsed.field("space")) ? 4 : 3;
+  for (const auto &direction : directions)
+    if (direction.size() > most)
+      return refuse(header.path, "a vector of its space directions has " + std::to_string(direction.size()) +
+                                     " numbers; accepted are " + std::to_string(most) +
+                                     ", with a decimal point (a decimal comma separates numbers)");
   for (const auto &direction : directions)
     if (!origins.empty() && !direction.empty() && direction.size() != origins[0].size())
       return refuse(header.path, "its space origin has " + std::to_string(origins[0].size()) +
                                      " numbers, its space directions have " + std::to_string(direction.size()));
   if (!origins.empty())
-    for (std::size_t x = 0; x < 3 && x < origins[0].size(); ++x)
-      origin[x] = sign[x] * origins[0][x] * (x < unit.size() ? millimetres(unit[x]) : 1.0);
+    for (std::size_t x = 0; x < 3 && x < origins[0].size(); ++x) origin[x] = sign[x] * origins[0][x] * (*units)[x];
   return setAffine(header, column[0], column[1], column[2], origin);
 }
 
 /// Where the voxels of a file begin after so many lines.
 Expected<std::uint64_t> afterLines(const std::filesystem::path &path, std::uint64_t offset, double lines) {
-  std::ifstream file(path, std::ios::binary);
+  auto opened = openInputFile(path);
+  if (!opened) return tl::unexpected(opened.error());
+  std::ifstream &file = *opened;
   file.seekg(static_cast<std::streamoff>(offset));
   for (double n = 0.0; n < lines; n += 1.0) {
     int c = EOF;
@@ -330,7 +407,7 @@ Expected<void> findParts(ImageHeader &header, const Parsed &parsed) {
     if (parsed.dataOffset == 0) return refuse(header.path, "ends with its header: there are no voxels");
     header.parts = {{header.path, parsed.dataOffset}};
   }
-  for (const std::string &name : names) header.parts.push_back({header.path.parent_path() / name, 0});
+  for (const std::string &name : names) header.parts.push_back({namedFile(header.path.parent_path(), name), 0});
   if (header.parts.empty()) return refuse(header.path, "names no file with voxels");
   return {};
 }

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <optional>
 
+#include "c3de/core/input_file.h"
 #include "c3de/core/text.h"
 #include "c3de/imaging/label_names.h"
 #include "dicom/dicom_series.h"
@@ -31,15 +32,16 @@ Format formatOf(const std::filesystem::path &path) {
   if (extension == ".nrrd" || extension == ".nhdr") return Format::nrrd;
   if (extension == ".mha" || extension == ".mhd") return Format::meta;
   if (isDicom(path) || extension == ".dcm" || extension == ".ima") return Format::dicom;
-  std::ifstream file(path, std::ios::binary);
+  auto file = openInputFile(path);
   char head[8] = {};
-  file.read(head, sizeof head);
+  if (file) file->read(head, sizeof head);
   return std::string(head, 7) == "NRRD000" ? Format::nrrd : Format::none;
 }
 
 Expected<Format> formatOrError(const std::filesystem::path &path) {
   std::error_code code;
-  if (!std::filesystem::exists(path, code)) return refuse(path, "no such file or folder");
+  if (!std::filesystem::is_directory(path, code))
+    if (const auto good = checkInputFile(path); !good) return tl::unexpected(good.error());
   const Format format = formatOf(path);
   if (format != Format::none) return format;
   // DICOM without its signature exists; no other format is worth a guess.

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <fstream>
 
+#include "c3de/core/input_file.h"
+
 namespace c3de::imaging {
 namespace {
 
@@ -14,7 +16,9 @@ std::string whole(double x) { return std::to_string(static_cast<long long>(x)); 
 /// Whether the trailer of a gzip file says that it inflates to so many bytes (modulo 2³²); a file that is cut ends
 /// elsewhere.
 bool endsAsGzipOf(const ImageHeader::Part &part, double bytes) {
-  std::ifstream file(part.path, std::ios::binary);
+  auto opened = openInputFile(part.path);
+  if (!opened) return false;
+  std::ifstream &file = *opened;
   file.seekg(static_cast<std::streamoff>(part.offset));
   if (file.get() != 0x1f || file.get() != 0x8b) return false;
   std::array<unsigned char, 4> last{};
@@ -71,16 +75,28 @@ Expected<void> VoxelBytes::read(void *to, std::size_t bytes) {
 
 std::string VoxelBytes::faultAtEnd() {
   if (!stream_) return {};
-  stream_->finish();
+  behind_ = static_cast<double>(stream_->finish());
   return stream_->fault();
+}
+
+double VoxelBytes::leftOver() const {
+  if (header_.encoding != ImageHeader::Encoding::raw) return behind_;
+  double behind = 0.0;
+  for (const ImageHeader::Part &part : header_.parts) {
+    std::error_code code;
+    const auto size = std::filesystem::file_size(part.path, code);
+    if (!code) behind += std::max(0.0, static_cast<double>(size) - static_cast<double>(part.offset) - share_);
+  }
+  return behind;
 }
 
 Expected<void> checkFileSize(const ImageHeader &header, double bytes) {
   double there = 0.0;
   for (const ImageHeader::Part &part : header.parts) {
+    if (const auto good = checkInputFile(part.path); !good)
+      return fail(ErrorCode::input, good.error().message + " (named by " + header.path.filename().string() + ")");
     std::error_code code;
     const auto size = std::filesystem::file_size(part.path, code);
-    if (code) return refuse(part.path, "no such file (named by " + header.path.filename().string() + ")");
     there += static_cast<double>(size) - static_cast<double>(part.offset);
   }
   const double least = header.encoding == ImageHeader::Encoding::raw ? bytes

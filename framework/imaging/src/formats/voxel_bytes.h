@@ -22,13 +22,15 @@ class VoxelBytes {
   [[nodiscard]] double at() const { return at_; }
   /// Looks at the check sum behind the last voxel; what is wrong, empty: nothing.
   [[nodiscard]] std::string faultAtEnd();
+  /// Bytes of the files behind the voxels; of compressed ones only after faultAtEnd(), and no more than are looked at.
+  [[nodiscard]] double leftOver() const;
 
  private:
   [[nodiscard]] std::string because() const { return stream_->fault().empty() ? "" : " (" + stream_->fault() + ")"; }
   [[nodiscard]] Expected<void> open();
 
   const ImageHeader &header_;
-  double share_, at_ = 0.0;
+  double share_, at_ = 0.0, behind_ = 0.0;
   std::size_t part_ = 0;  ///< that stream_ reads
   std::unique_ptr<ByteStream> stream_;
 };

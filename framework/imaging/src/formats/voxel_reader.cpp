@@ -9,6 +9,7 @@
 #include <limits>
 #include <new>
 #include <optional>
+#include <string_view>
 
 #include "c3de/core/platform.h"
 #include "formats/voxel_bytes.h"
@@ -79,6 +80,10 @@ Expected<void> readBinary(const ImageHeader &header, const ReadOptions &options,
     if (!counted) return tl::unexpected(counted.error());
     whole = *counted;
   }
+  if (const double behind = bytes.leftOver(); behind > 0.0)
+    notices.push_back("The file holds " + std::to_string(static_cast<long long>(behind)) + " bytes behind the " +
+                      std::to_string(static_cast<long long>(bytesOfAll(header))) +
+                      " of the voxels that its header says; they are left out. Is the size in the header right?");
   if (header.bigEndian != (std::endian::native == std::endian::big)) swapBytes(all);
   return {};
 }
@@ -101,7 +106,7 @@ std::optional<std::size_t> placeIn(const ImageHeader &header, std::size_t time, 
 /// Numbers as text (or bytes as pairs of hexadecimal digits), of which one file holds all.
 template <class T>
 Expected<void> readText(const ImageHeader &header, const ReadOptions &options, std::vector<T> &all,
-                        std::optional<std::size_t> &whole) {
+                        std::optional<std::size_t> &whole, std::vector<std::string> &notices) {
   if (header.parts.size() != 1) return refuse(header.path, "voxels as text in several files are not read");
   auto opened = openBytes(header.parts[0].path, header.parts[0].offset, false);
   if (!opened) return tl::unexpected(opened.error());
@@ -143,13 +148,16 @@ Expected<void> readText(const ImageHeader &header, const ReadOptions &options, s
   };
   bool isGood = true, isEnd = false;
   while (count < total && isGood && !isEnd) {
+    std::size_t i = 0;
     const std::size_t got = (*opened)->read(chunk.data(), chunk.size());
     if (!shouldContinue(options.progress, static_cast<double>(count) / static_cast<double>(total), "Reading voxels"))
       return cancelled(header.path);
-    for (std::size_t i = 0; i < got && count < total && isGood; ++i)
-      isGood = take(static_cast<unsigned char>(chunk[i]));
+    for (; i < got && count < total && isGood; ++i) isGood = take(static_cast<unsigned char>(chunk[i]));
     isEnd = got == 0;
     if (isEnd) isGood = take(EOF);
+    if (count == total && std::string_view(chunk.data(), got).find_first_not_of(" \t\r\n,", i) != std::string::npos)
+      notices.push_back("The file holds more numbers than the " + std::to_string(total) +
+                        " voxels that its header says; they are left out. Is the size in the header right?");
   }
   if (count < needed && !isGood)
     return refuse(header.parts[0].path, "voxel " + std::to_string(count) + " is no number of the stored type");
@@ -167,7 +175,8 @@ Expected<std::vector<T>> readAll(const ImageHeader &header, const ReadOptions &o
   std::vector<T> all(header.geometry.voxelCount() * header.channels);
   const bool binary =
       header.encoding == ImageHeader::Encoding::raw || header.encoding == ImageHeader::Encoding::deflated;
-  const auto read = binary ? readBinary(header, options, all, whole, notices) : readText(header, options, all, whole);
+  const auto read =
+      binary ? readBinary(header, options, all, whole, notices) : readText(header, options, all, whole, notices);
   if (!read) return tl::unexpected(read.error());
   return all;
 }
