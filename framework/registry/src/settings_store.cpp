@@ -8,6 +8,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "c3de/core/input_file.h"
 #include "c3de/core/log.h"
 #include "c3de/core/output_file.h"
 #include "c3de/core/path_text.h"
@@ -30,8 +31,8 @@ SettingsStore::Values &SettingsStore::valuesOf(const std::string &plugin) {
   const std::filesystem::path file = fileOf(plugin);
   std::error_code code;
   if (!std::filesystem::exists(file, code)) return values;
-  std::ifstream in(file, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  auto in = openInputFile(file);
+  const std::string bytes = in ? std::string(std::istreambuf_iterator<char>(*in), {}) : std::string();
   const nlohmann::json json = nlohmann::json::parse(bytes, nullptr, false);
   const bool isWhole = json.is_object() && json.size() <= kMostKeys &&
                        std::all_of(json.begin(), json.end(), [](const auto &value) { return value.is_string(); });

@@ -14,11 +14,21 @@ extern "C" void noteInterrupt(int signal) {
   std::signal(signal, SIG_DFL);
 }
 
+#ifdef SIGHUP
+extern "C" void noteHangUp(int signal) {
+  interrupted = 1;
+  std::signal(signal, SIG_IGN);  // of a terminal that closes the shell and the kernel send one each
+}
+#endif
+
 }  // namespace
 
 void watchForInterrupt() {
   std::signal(SIGINT, noteInterrupt);
   std::signal(SIGTERM, noteInterrupt);
+#ifdef SIGHUP
+  if (std::signal(SIGHUP, noteHangUp) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // as nohup wants it
+#endif
 }
 
 bool wasInterrupted() { return interrupted != 0; }

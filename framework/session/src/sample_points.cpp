@@ -8,6 +8,7 @@
 #include <map>
 
 #include "c3de/core/csv.h"
+#include "c3de/core/input_file.h"
 #include "c3de/core/output_file.h"
 #include "c3de/core/text.h"
 #include "c3de/session/simulator_access.h"
@@ -36,9 +37,9 @@ std::string headOf(const std::array<const char *, 3> &axes) {
 
 Expected<std::vector<SamplePoint>> readSamplePoints(const std::filesystem::path &file,
                                                     const std::array<const char *, 3> &axes) {
-  std::error_code code;
-  if (!std::filesystem::is_regular_file(file, code)) return fail(ErrorCode::input, file.string() + ": no such file");
-  std::ifstream in(file, std::ios::binary);
+  auto opened = openInputFile(file);
+  if (!opened) return tl::unexpected(opened.error());
+  std::ifstream &in = *opened;
   std::string row;
   if (!std::getline(in, row))
     return fail(ErrorCode::input, file.string() +

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <optional>
 
+#include "c3de/core/input_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
 #include "c3de/scene/text_sink.h"
@@ -125,17 +126,16 @@ Expected<void> goToState(Session &session, c3de_object *simulator, const Simulat
 
 Expected<std::string> readStateFile(const std::filesystem::path &file) {
   const std::string name = pathText(file);
+  auto in = openInputFile(file);
+  if (!in) return tl::unexpected(in.error());
   std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error))
-    return fail(ErrorCode::input, name + ": there is no such file; the state of a simulation is expected");
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (error || size > kMostBytes)
     return fail(ErrorCode::input,
                 fmt::format("{}: cannot be read as a state; accepted: up to {} bytes", name, kMostBytes));
   std::string bytes(static_cast<std::size_t>(size), '\0');
-  std::ifstream in(file, std::ios::binary);
-  in.read(bytes.data(), static_cast<std::streamsize>(size));
-  if (!in) return fail(ErrorCode::input, name + ": cannot be read (permission, or it changed while it was read)");
+  in->read(bytes.data(), static_cast<std::streamsize>(size));
+  if (!*in) return fail(ErrorCode::input, name + ": cannot be read (permission, or it changed while it was read)");
   return bytes;
 }
 

@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "c3de/core/input_file.h"
 #include "c3de/core/log.h"
 #include "c3de/core/path_text.h"
 
@@ -56,10 +57,10 @@ std::map<Key, EarlierRun::Point> pointsIn(const Json &of) {
 
 Expected<EarlierRun> loadEarlierRun(const std::filesystem::path &folder, const Study &study, const Plan &plan) {
   const std::filesystem::path file = folder / "study.json";
-  std::ifstream in(file, std::ios::binary);
+  auto in = openInputFile(file);
   if (!in)
     return fail(ErrorCode::input, pathText(file) + ": is not there; accepted: the folder of a study that has ended");
-  const Json json = Json::parse(in, nullptr, false);
+  const Json json = Json::parse(*in, nullptr, false);
   if (!json.is_object() || !json.contains("cases") || !json["cases"].is_array())
     return fail(ErrorCode::input, pathText(file) + ": is no study; accepted: what c3de study has written");
   EarlierRun run{

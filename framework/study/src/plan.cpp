@@ -5,6 +5,7 @@
 #include <fstream>
 #include <set>
 
+#include "c3de/core/input_file.h"
 #include "c3de/core/text.h"
 #include "c3de/session/body_sources.h"
 #include "c3de/session/simulator_access.h"
@@ -288,8 +289,9 @@ Expected<void> Planner::addPoint(std::size_t c, Point point, const std::vector<S
 std::string hashOf(std::string_view bytes) { return Hash().add(bytes).text(); }
 
 Expected<std::string> hashOfFile(const std::filesystem::path &file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return fail(ErrorCode::input, file.string() + ": no such file, or it cannot be read");
+  auto opened = openInputFile(file);
+  if (!opened) return tl::unexpected(opened.error());
+  std::ifstream &in = *opened;
   Hash hash;
   std::vector<char> buffer(std::size_t{1} << 20);
   while (in.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) || in.gcount() > 0)

@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "c3de/core/input_file.h"
 #include "c3de/core/log.h"
 #include "c3de/core/output_file.h"
 #include "c3de/core/path_text.h"
@@ -42,12 +43,8 @@ Expected<scene::SceneFile> readScene(const RunOptions &options, const scene::Mat
   if (scene::isScenePath(options.scene)) {
     scene = scene::loadScene(options.scene, &materials);
   } else {
-    std::error_code code;
-    if (!std::filesystem::is_regular_file(options.scene, code))
-      return fail(ErrorCode::input,
-                  options.scene.string() +
-                      (std::filesystem::is_directory(options.scene, code) ? ": is a folder" : ": no such file") +
-                      "; accepted: a scene (.toml) or a mesh");
+    if (const auto good = checkInputFile(options.scene); !good)
+      return fail(ErrorCode::input, good.error().message + "; accepted: a scene (.toml) or a mesh");
     if (const FileKind kind = kindOf(options.scene, &formats); kind == FileKind::unknown)
       return tl::unexpected(unknownKind(options.scene, &formats));
     else if (kind == FileKind::image)

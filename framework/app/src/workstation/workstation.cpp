@@ -29,6 +29,7 @@
 #include "c3de/session/body_creation.h"
 #include "c3de/session/displacement_sampler.h"
 #include "c3de/session/file_kind.h"
+#include "c3de/session/interrupt.h"
 #include "c3de/session/live_tissues.h"
 #include "c3de/session/simulator_access.h"
 #include "c3de/session/still_rule.h"
@@ -195,6 +196,8 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
 }
 
 void Workstation::run() {
+  watchForInterrupt();
+  window_->closeWhen(wasInterrupted);
   while (!window_->closeRequested()) {
     const bool takesNews = window_->waitForFrame();
     if (takesNews) {
@@ -685,7 +688,7 @@ int runWorkstation(const WorkstationOptions &options) {
   Workstation workstation;
   if (auto started = workstation.start(options); !started) return reportError(started.error());
   workstation.run();
-  return kDone;
+  return wasInterrupted() ? kInterrupted : kDone;
 }
 
 }  // namespace c3de::app

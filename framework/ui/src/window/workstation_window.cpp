@@ -63,6 +63,7 @@ struct WorkstationWindow::Impl {
   PixelRect area, view;  ///< as in FrameContext
   std::array<PixelRect, 4> panes{};
   bool isRefining = false;  ///< the 3D view gets better by being drawn again
+  std::function<bool()> isAskedToEnd;
   std::uint64_t frame = 0;
   double lastFrame_s = 0.0, framesPerSecond = 0.0;
   int framesToSettle = kFramesToSettle;
@@ -249,6 +250,7 @@ bool WorkstationWindow::waitForFrame() {
   for (;;) {
     const double now_s = GlfwWindow::now_s();
     impl.automation.writeIfDue(now_s);
+    if (impl.isAskedToEnd && impl.isAskedToEnd()) impl.window->requestClose();
     const bool isDue = impl.window->hasEvents() || impl.framesToSettle > 0 || impl.isMoving || impl.isRefining ||
                        impl.window->closeRequested();
     const double sinceFrame_s = now_s - impl.lastFrame_s;
@@ -370,6 +372,7 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
 
 void WorkstationWindow::wake() { impl_->window->wake(); }
 bool WorkstationWindow::closeRequested() const { return impl_->window->closeRequested(); }
+void WorkstationWindow::closeWhen(std::function<bool()> isAskedToEnd) { impl_->isAskedToEnd = std::move(isAskedToEnd); }
 void WorkstationWindow::requestClose() { impl_->window->requestClose(); }
 render::Camera &WorkstationWindow::camera() { return impl_->camera; }
 int WorkstationWindow::viewWidth() const {

@@ -133,6 +133,8 @@ class WorkstationWindow {
   void wake();
 
   [[nodiscard]] bool closeRequested() const;
+  /// Closes the window, without a question, once the function answers true; it is asked once a second at least.
+  void closeWhen(std::function<bool()> isAskedToEnd);
   void requestClose();
 
   [[nodiscard]] render::Camera &camera();
