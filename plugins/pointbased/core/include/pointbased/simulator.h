@@ -310,7 +310,8 @@ class Simulator {
   void tellDepth(const Body &body, double depth, double spacings, double &deepest, const char *what, const char *where);
   void lookAtContacts();
   void tellUnresolved(std::size_t id, double thickness);
-  void tellAtStart();
+  void tellAtStart(const detail::StepContext &order);
+  void lookAtStart(const detail::StepContext &order);
   void tellWhereRestitutionIsLost();
 
   ParallelFor plainLoops_;

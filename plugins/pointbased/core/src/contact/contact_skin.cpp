@@ -371,6 +371,32 @@ Vec3 MovingSkin::outwardAt(Index triangle, int feature) {
   return k < 4 ? edgeNormal(skin_->edgesOf[triangle][k - 1]) : vertexNormal(skin_->triangles[triangle][k - 4]);
 }
 
+Index MovingSkin::nearestTriangle(const Vec3 &x) {
+  Index at = kNoTriangle;
+  double best = std::numeric_limits<double>::infinity();
+  tree_.nearest(x, [&](Index t) {
+    const double squared = nearestOn(t, x).squared;
+    if (squared < best || (squared == best && t < at)) {
+      best = squared;
+      at = t;
+    }
+    return squared;
+  });
+  return at;
+}
+
+Vec3 MovingSkin::nearestPlace(const Vec3 &x) {
+  const Index t = nearestTriangle(x);
+  return placeOn(t, nearestOn(t, x).weights);
+}
+
+double MovingSkin::signedDistance(const Vec3 &x) {
+  const Index t = nearestTriangle(x);
+  const NearestOnTriangle found = nearestOn(t, x);
+  const bool isInside = (x - placeOn(t, found.weights)).dot(outwardAt(t, found.feature)) < 0.0;
+  return (isInside ? -1.0 : 1.0) * std::sqrt(found.squared);
+}
+
 NearestOnTriangle nearestOnTriangle(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c) {
   NearestOnTriangle out;
   const auto end = [&](double u, double v, double w, int feature) {

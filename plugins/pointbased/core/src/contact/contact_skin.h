@@ -274,6 +274,12 @@ class MovingSkin {
   [[nodiscard]] NearestOnTriangle nearestOn(Index triangle, const Vec3 &x);
   [[nodiscard]] Vec3 placeOn(Index triangle, const Vec3 &weights);
 
+  /// The triangle that is nearest to a point; the first of several. After placeAll().
+  [[nodiscard]] Index nearestTriangle(const Vec3 &x);
+  [[nodiscard]] Vec3 nearestPlace(const Vec3 &x);
+  /// m, negative inside. After placeAll().
+  [[nodiscard]] double signedDistance(const Vec3 &x);
+
  private:
   void place(Index v);
   void takeVelocity(Index v);

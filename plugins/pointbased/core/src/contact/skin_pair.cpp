@@ -266,7 +266,7 @@ void SkinPair::findInside(std::size_t side) {
   for (Index v = 0; v < own.skin().count(); ++v) {
     const Vec3 &x = own.positions()[v];
     if (!(own.skin().areas[v] > 0.0) || other.tree().bounds().squaredDistance(x) > 0.0) continue;
-    const Index t = nearestTriangle(other, x);
+    const Index t = other.nearestTriangle(x);
     const NearestOnTriangle found = other.nearestOn(t, x);
     if (found.squared > deepest * deepest) continue;
     if ((x - other.placeOn(t, found.weights)).dot(other.outwardAt(t, found.feature)) < 0.0)
@@ -333,7 +333,7 @@ void SkinPair::addDeep(bool ofSecond) {
     if (found != end && found->vertex == v && found->ofSecond == ofSecond) continue;
     other.placeAll();
     const Vec3 x = own.position(v);
-    const Index t = nearestTriangle(other, x);
+    const Index t = other.nearestTriangle(x);
     near_.push_back({v, t, ofSecond});
     gatheredOf_[ofSecond ? 1 : 0].push_back(v);
     for (const Index corner : other.skin().triangles[t]) gatheredOf_[ofSecond ? 0 : 1].push_back(corner);
@@ -385,20 +385,6 @@ void SkinPair::gatherEdges(Index patch, Index otherPatch, double reach) {
 const MovingSkin::PatchParts &SkinPair::partsOf(std::size_t side, Index patch) const {
   MovingSkin &skin = *sides_[side].skin;
   return skin.partsOf(patch, kSharp, kRise * settings_.offset);
-}
-
-Index SkinPair::nearestTriangle(MovingSkin &skin, const Vec3 &x) {
-  Index at = kNoTriangle;
-  double best = std::numeric_limits<double>::infinity();
-  skin.tree().nearest(x, [&](Index t) {
-    const double squared = skin.nearestOn(t, x).squared;
-    if (squared < best || (squared == best && t < at)) {
-      best = squared;
-      at = t;
-    }
-    return squared;
-  });
-  return at;
 }
 
 bool SkinPair::areOnePiece(const Vec3 &a, const Vec3 &b) const {

@@ -176,7 +176,6 @@ class SkinPair {
   void gatherVertices(bool ofSecond, Index patch, Index otherPatch, double reach);
   void gatherEdges(Index patch, Index otherPatch, double reach);
   [[nodiscard]] const MovingSkin::PatchParts &partsOf(std::size_t side, Index patch) const;
-  [[nodiscard]] static Index nearestTriangle(MovingSkin &skin, const Vec3 &x);
   [[nodiscard]] bool areOnePiece(const Vec3 &a, const Vec3 &b) const;  // at rest, m
   /// All of one edge of a skin and all of another one, by their ends.
   [[nodiscard]] bool areOnePiece(const std::array<Index, 2> &edge, const std::array<Index, 2> &other) const;

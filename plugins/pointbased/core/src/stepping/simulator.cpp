@@ -371,11 +371,12 @@ tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
   if (failed()) return refusal();
   if (finished()) return {};
   const detail::FlushDenormals flush;
+  const detail::StepContext order = this->order(stop);
   if (steps_ == 0) {
-    tellAtStart();
+    tellAtStart(order);
+    if (failed()) return refusal();
     checkSkins();
   }
-  const detail::StepContext order = this->order(stop);
   for (auto &[id, runner] : bodies_) runner->beginStep();
   for (auto &[id, layer] : attachments_) layer->keep();
   double gone = 0.0;

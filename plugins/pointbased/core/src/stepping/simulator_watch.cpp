@@ -10,6 +10,7 @@
 #include "stepping/rigid_tissue.h"
 #include "stepping/skin_contacts.h"
 #include "stepping/skin_watch.h"
+#include "stepping/start_overlap.h"
 
 namespace pointbased {
 namespace {
@@ -24,6 +25,8 @@ constexpr double kTimeOfLook = 1.0 / 60.0;  // s
 constexpr double kLeastOverlap = 0.1;
 // Likewise: cubes with flush sides part from one spacing of overlap, and hold each other at one and a half.
 constexpr double kDeepOverlap = 1.0;
+// Of the mass of a body in another one at the start: contact leads less apart.
+constexpr double kMostOfBody = 0.6;
 // Points of contact per phyxel and step that are looked at for overlaps: one costs about as much as three phyxels of a
 // step.
 constexpr double kPointsOfLook = 1.0 / 64.0;
@@ -48,6 +51,7 @@ double Simulator::skinDepth(std::size_t id) const {
   };
   const double inRigid = ownOf(id) > 0 ? detail::depthInRigidTissue(*target, skin, parallelFor_) : 0.0;
   return std::max({target->contact.deepest, told(skinDeepest_), told(rigidDeepest_), inRigid,
+                   depthOfPassage(*target, surroundingsOf(id), clockOfRamps(), parallelFor_),
                    pointbased::skinDepth(*target, obstaclesOf(id), boxOf(id), clockOfRamps(), skin, parallelFor_)});
 }
 
@@ -173,10 +177,74 @@ void Simulator::tellUnresolved(std::size_t id, double thickness) {
                   millimetres(thickness / detail::SkinContacts::RoomOfSelf::kThinnest) + " they would");
 }
 
-void Simulator::tellAtStart() {
+void Simulator::tellAtStart(const detail::StepContext &order) {
   if (toldAtStart_) return;
   toldAtStart_ = true;
   tellWhereRestitutionIsLost();
+  lookAtStart(order);
+}
+
+// Reports what overlaps, and stops bodies that contact cannot separate from what they overlap.
+void Simulator::lookAtStart(const detail::StepContext &order) {
+  detail::SkinContacts skins;
+  const auto skinOf = [&](std::size_t id) -> detail::MovingSkin * {
+    const Body &body = bodies_.at(id)->body();
+    if (!detail::SkinContacts::hasSkin(body)) return nullptr;
+    detail::MovingSkin &skin = skins.skinOf(detail::SkinContacts::ownerOf(id, body, contactPairs_));
+    skin.move(body.state().displacements, body.state().velocities, body.rest().maxInfluence, 0.0);
+    skin.placeAll();
+    return &skin;
+  };
+  for (auto &[id, runner] : bodies_) {
+    const std::span<const Obstacle> obstacles = obstaclesOf(id);
+    Body &body = runner->body();
+    if (body.stands()) continue;
+    for (std::size_t o = 0; o < obstacles.size() && !runner->stopped(); ++o) {
+      if (instruments_.contains(obstacleIds_[o])) continue;
+      const detail::ObstacleOverlap found = detail::overlapWith(
+          obstacles[o], obstacleMotion(obstacleIds_[o]), body, [&, of = id] { return skinOf(of); }, parallelFor_);
+      if (!(found.depth > kLeastOverlap * body.rest().spacing)) continue;
+      const std::string &name = obstacles[o].name;
+      if (found.isEnclosed) {
+        const double way = found.way.norm();
+        const Vec3 along = way > 0.0 ? Vec3(found.way / way) : Vec3(Vec3::Zero());
+        runner->stop(order, {found.phyxel,
+                             "obstacle '" + name + "' begins " + millimetres(found.depth) +
+                                 " deep in it, where contact cannot separate them",
+                             "to begin with '" + name + "' outside of the body, at least " + millimetres(way) +
+                                 " along (" + number(along[0], 2) + ", " + number(along[1], 2) + ", " +
+                                 number(along[2], 2) + "), or to switch contact of the pair off"});
+        continue;
+      }
+      std::vector<std::vector<ContactState::Side>> &sides = body.contact.sides;
+      const std::size_t own = ownOf(id) + o;
+      if (!found.led.empty()) {
+        sides.resize(std::max(sides.size(), surroundingsOf(id).size()));
+        sides[own].assign(body.rest().contact.count(), ContactState::Side());
+      }
+      for (const detail::ObstacleOverlap::Led &led : found.led) sides[own][led.point] = {led.place, true};
+      reportEvent("overlap", "body '" + body.name() + "' and obstacle '" + name + "' overlap " +
+                                 millimetres(found.depth) +
+                                 " deep at the start; contact leads the body out at 100 mm a second at most. Begin "
+                                 "with them apart where that motion is not wanted");
+    }
+  }
+  for (auto a = bodies_.begin(); a != bodies_.end(); ++a)
+    for (auto b = std::next(a); b != bodies_.end(); ++b) {
+      Body &first = a->second->body(), &second = b->second->body();
+      if ((first.stands() && second.stands()) || !canTouch(a->first, b->first) || contactPair(a->first, b->first).fits)
+        continue;
+      if (!detail::boundsOf(first).meets(detail::boundsOf(second))) continue;
+      const detail::BodyOverlap found = detail::overlapBetween(first, *skinOf(a->first), second, *skinOf(b->first));
+      if (!(found.part > kMostOfBody)) continue;
+      for (const auto &[runner, other] : {std::pair(a->second.get(), &second), std::pair(b->second.get(), &first)})
+        if (!runner->body().stands() && !runner->stopped())
+          runner->stop(order, {0,
+                               "body '" + other->name() + "' begins in the same place: " +
+                                   number(100.0 * found.part, 2) + " % of one lie in the other, up to " +
+                                   millimetres(found.depth) + " deep, where contact cannot separate them",
+                               "to begin with bodies that are apart, or to switch contact of the pair off"});
+    }
 }
 
 void Simulator::tellWhereRestitutionIsLost() {

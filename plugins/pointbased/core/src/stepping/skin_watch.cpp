@@ -108,6 +108,31 @@ double skinDepth(const Body &body, std::span<const Obstacle> obstacles, const Wo
   return std::isfinite(deepest) ? deepest : 0.0;
 }
 
+double depthOfPassage(const Body &body, std::span<const Obstacle> obstacles, double time,
+                      const ParallelFor &parallelFor) {
+  const RestState &rest = body.rest();
+  const std::vector<std::vector<ContactState::Side>> &sides = body.contact.sides;
+  const std::size_t count = rest.contact.count();
+  double deepest = 0.0;
+  std::vector<Vec3> points;
+  for (std::size_t o = 0; o < std::min(obstacles.size(), sides.size()); ++o) {
+    if (!obstacles[o].crossing || sides[o].size() != count) continue;
+    if (points.empty()) {
+      points.resize(count);
+      updateSurfels(rest.contact.binding, {}, rest.positions, body.state().displacements, points, {}, parallelFor);
+    }
+    const RigidMotion motion = obstacles[o].motion ? obstacles[o].motion(time) : RigidMotion{};
+    for (std::size_t p = 0; p < count; ++p) {
+      if (!sides[o][p].known) continue;
+      const Vec3 &from = sides[o][p].place, to = detail::toRest(motion, Vec3(rest.origin + points[p]));
+      Vec3 normal;
+      const double part = from == to ? -1.0 : obstacles[o].crossing(from, to, normal);
+      if (part >= 0.0) deepest = std::max(deepest, std::abs(normal.dot((1.0 - part) * (to - from))));
+    }
+  }
+  return std::isfinite(deepest) ? deepest : 0.0;
+}
+
 Overlap overlapOf(const Body &a, const Body &b) {
   if (a.rest().contact.count() == 0 || b.rest().contact.count() == 0) return {};
   const double reach = std::max(a.rest().spacing, b.rest().spacing);

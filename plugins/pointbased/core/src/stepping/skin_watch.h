@@ -14,6 +14,12 @@ namespace pointbased {
 [[nodiscard]] double skinDepth(const Body &body, std::span<const Obstacle> obstacles, const WorldBox &box, double time,
                                std::vector<Vec3> &skin, const ParallelFor &parallelFor);
 
+/// m, of the point of contact that lies deepest behind the surface through which it came, even where it has come out on
+/// the other side; 0: none.
+/// @param obstacles  those that ContactState::sides of the body is about
+[[nodiscard]] double depthOfPassage(const Body &body, std::span<const Obstacle> obstacles, double time,
+                                    const ParallelFor &parallelFor);
+
 /// Where the skins of two bodies overlap, by their points of contact: a point is inside of the other body if it lies
 /// behind the plane of that one's nearest point.
 struct Overlap {
