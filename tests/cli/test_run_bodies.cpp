@@ -106,8 +106,7 @@ TEST_CASE("Two bodies that overlap are told of in the summary, the report and in
   CHECK_THAT(runC3de({"info", scene.string()}).output, Contains("contact between bodies: on"));
 }
 
-TEST_CASE(
-    "An error estimate above a tenth is said in the summary and as an event, and the count it proposes keeps it") {
+TEST_CASE("A stress figure above a tenth is said in the summary and as an event, and the count it proposes keeps it") {
   const auto folder = freshFolder("error-told");
   const auto report = folder / "report.json";
   // A plate on edge that sags: two cells over its thickness.
@@ -126,18 +125,18 @@ TEST_CASE(
     return std::pair(result.output, readJson(report));
   };
   const auto [coarse, coarseJson] = run("count = 150");
-  const double estimate = coarseJson["bodies"][0]["error_estimate"].get<double>();
+  const double estimate = coarseJson["bodies"][0]["accuracy_statement"]["stress_error"].get<double>();
   REQUIRE(estimate > 0.1);
-  CHECK_THAT(coarse, Contains("error_estimate") && Contains("sampling.count = "));
+  CHECK_THAT(coarse, Contains("Stress and strain: ± ") && Contains("sampling.count = "));
   CHECK(coarseJson["events"].back()["kind"] == "sampling");
   const std::string key = "sampling.count = ";
   const auto count = std::stoul(coarse.substr(coarse.find(key) + key.size()));
   CHECK(count > 150);
   const auto [fine, fineJson] = run("count = " + std::to_string(std::min<unsigned long>(count, 12000)));
-  if (count <= 12000) CHECK(fineJson["bodies"][0]["error_estimate"].get<double>() < 0.12);
+  if (count <= 12000) CHECK(fineJson["bodies"][0]["accuracy_statement"]["stress_error"].get<double>() < 0.12);
 }
 
-TEST_CASE("With the count that is proposed the error estimate of bars is below a tenth") {
+TEST_CASE("With the count that is proposed the stress figure of bars is below a tenth") {
   const auto folder = freshFolder("error-kept");
   const auto report = folder / "report.json";
   writeFile(folder / "box.obj", boxObj());
@@ -157,7 +156,7 @@ TEST_CASE("With the count that is proposed the error estimate of bars is below a
       INFO(result.output << result.errorOutput);
       REQUIRE(result.exitCode == 0);
       coarse = result.output;
-      return readJson(report)["bodies"][0]["error_estimate"].get<double>();
+      return readJson(report)["bodies"][0]["accuracy_statement"]["stress_error"].get<double>();
     };
     REQUIRE(estimateAt(100) > 0.1);
     INFO(what << coarse);

@@ -43,7 +43,7 @@ void openManager(WorkstationDriver &window) {
 void clickChoice(WorkstationDriver &window, int number) {
   const Json messages = window.state()["notifications"];
   for (std::size_t i = 0; i < messages.size(); ++i)
-    if (messages[i].dump().find("has not returned") != std::string::npos)
+    if (messages[i].dump().find(" s so far.") != std::string::npos)
       return window.click("notification/choose." + std::to_string(messages.size() - 1 - i) + "." +
                           std::to_string(number));
 }
@@ -123,9 +123,7 @@ TEST_CASE("safe mode is one of the answers, and holds for one run", "[crash]") {
 
 TEST_CASE("a job and a step that do not get on are told, and ended by a click", "[hangs]") {
   if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
-  const auto isTold = [](const Json &s) {
-    return s["notifications"].dump().find("has not returned") != std::string::npos;
-  };
+  const auto isTold = [](const Json &s) { return s["notifications"].dump().find(" s so far.") != std::string::npos; };
   {
     const Person person("hangs_job");
     const ScopedEnvironment place("C3DE_TEST_DIES", "silent job");

@@ -29,6 +29,27 @@ std::vector<registry::Choice> choices(const Services &services, const LongCall &
   return out;
 }
 
+/// What a person waits for.
+std::string titleOf(const LongCall &call) {
+  switch (call.kind) {
+    case CallKind::step: return "The simulation takes long";
+    case CallKind::job: return "A job takes long";
+    default: return "A plugin takes long";
+  }
+}
+
+/// How long, and what helps. The ids are in the log.
+std::string textOf(const LongCall &call) {
+  const bool isOfThePlugin = call.kind == CallKind::prompt;
+  const std::string what = isOfThePlugin                    ? "a plugin"
+                           : call.kind == CallKind::step    ? "a step of the simulation"
+                           : call.what == "building a body" ? "building a body"
+                                                            : "a job";
+  if (call.isOver) return fmt::format("It was {}: {:.1f} s. It is done.", what, call.seconds);
+  return fmt::format("It is {}: {:.1f} s so far.{}", what, call.seconds,
+                     isOfThePlugin ? " The log says which one; Plugins in the menu switches it off." : "");
+}
+
 }  // namespace
 
 void tellLongCall(const Services &services, const LongCall &call) {
@@ -38,7 +59,7 @@ void tellLongCall(const Services &services, const LongCall &call) {
   if (call.isOver && call.kind == CallKind::prompt)
     line = fmt::format("{} has returned after {:.1f} s", name, call.seconds);
   else if (call.isOver)
-    line = fmt::format("{} has got on after {:.1f} s", name, call.seconds);
+    line = fmt::format("{} continued after {:.1f} s", name, call.seconds);
   else
     line = fmt::format("{} has not returned for {:.1f} s{}", name, call.seconds,
                        call.isOnMain ? "; the program waits for it" : "");
@@ -47,8 +68,8 @@ void tellLongCall(const Services &services, const LongCall &call) {
   if (!services.panels || !services.mainQueue || (call.isOnMain && !call.isOver)) return;
   const std::uint32_t severity = call.isOver ? C3DE_LOG_INFO : C3DE_LOG_WARN;
   auto actions = call.isOver ? std::vector<registry::Choice>() : choices(services, call);
-  services.mainQueue->post([panels = services.panels, severity, title = call.owner + " is slow to answer", line,
-                            actions = std::move(actions)] { panels->notify(severity, title, line, actions); });
+  services.mainQueue->post([panels = services.panels, severity, title = titleOf(call), text = textOf(call),
+                            actions = std::move(actions)] { panels->notify(severity, title, text, actions); });
 }
 
 }  // namespace c3de::plugin_host

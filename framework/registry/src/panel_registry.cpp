@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <ctime>
 
+#include "c3de/core/log.h"
+
 namespace c3de::registry {
 namespace {
 
@@ -45,6 +47,12 @@ std::vector<Panel *> PanelRegistry::panels() {
 
 void PanelRegistry::notify(std::uint32_t severity, std::string title, std::string text, std::vector<Choice> choices,
                            About about) {
+  if (wording_) {
+    std::string shownTitle = wording_(title), shown = wording_(text);
+    if (shownTitle != title || shown != text) c3de::log(LogLevel::info, title + ": " + text);
+    title = std::move(shownTitle);
+    text = std::move(shown);
+  }
   std::erase_if(notifications_, [&](const Notification &n) { return n.title == title; });
   notifications_.push_back(
       {severity, std::move(title), std::move(text), ++serial_, timeOfDay(), std::move(choices), about});

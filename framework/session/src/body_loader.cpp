@@ -143,7 +143,7 @@ Expected<c3de_handle> BodyLoader::addObstacle(std::size_t index, PartProgress &p
   }
   c3de_handle added{};
   const auto add = [&] { return scene_.table()->add_obstacle(scene_.simulator(), &abi, &added); };
-  if (const c3de_status code = progress.call(scene_.owner(), "add_obstacle of a simulator", add); code < 0)
+  if (const c3de_status code = progress.call(scene_.owner(), "adding an obstacle", add); code < 0)
     return tl::unexpected(scene_.failure(code, "adding obstacle '" + obstacle.name + "'", obstacle.line));
   return added;
 }
@@ -169,7 +169,7 @@ Expected<c3de_handle> BodyLoader::addBody(std::size_t index, BodyGeometry geomet
   tables.fill(abi);
   c3de_handle added{};
   const auto add = [&] { return scene_.table()->add_body(scene_.simulator(), &abi, &added); };
-  if (const c3de_status code = progress.call(scene_.owner(), "add_body of a simulator", add); code < 0)
+  if (const c3de_status code = progress.call(scene_.owner(), "building a body", add); code < 0)
     return tl::unexpected(scene_.failure(code, "building body '" + body.name + "'", body.line, &whole.body));
   tellThin(added, body, geometry.thickness_mm);
   return added;

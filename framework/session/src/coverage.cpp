@@ -42,7 +42,7 @@ std::string sentenceOf(const Coverage &coverage) {
   if (coverage.specks > 0)
     text += coverage.specks == 1 ? "; 1 loose island of a few voxels is left out"
                                  : fmt::format("; {} loose islands of a few voxels are left out", coverage.specks);
-  return text + "; a shorter edge_length of the skin keeps thin parts";
+  return text + "; shorter edges of the skin (edge_length) keep thin parts";
 }
 
 imaging::Mask missingOn(const imaging::VolumeGeometry &grid, const std::vector<Coverage> &bodies) {

@@ -157,8 +157,7 @@ void Session::setPublishedHook(std::function<void(const scene::Simulation &)> ho
 Expected<SimulatorIdentity> Session::chooseSimulator(const std::string &classId) const {
   const std::vector<std::string> ids = impl_->host->classesWith(C3DE_IFACE_SIMULATOR_ID);
   if (ids.empty())
-    return fail(ErrorCode::plugin, std::string("no loaded plugin offers a class that answers ") +
-                                       C3DE_IFACE_SIMULATOR_ID + "; folders searched: " + listOf(impl_->folders) +
+    return fail(ErrorCode::plugin, "no plugin that simulates is loaded; folders searched: " + listOf(impl_->folders) +
                                        "; `c3de plugins` says what was found and why it was refused");
   std::string list;
   for (const std::string &id : ids) list += (list.empty() ? "" : ", ") + id;

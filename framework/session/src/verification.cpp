@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "c3de/core/foreign_call.h"
@@ -24,6 +25,43 @@ struct Asked {
 double numberOf(const Json &body, const char *key) {
   const auto found = body.find(key);
   return found != body.end() && found->is_number() ? found->get<double>() : 0.0;
+}
+
+Json bodiesOf(const std::string &text) {
+  const Json json = Json::parse(text, nullptr, false);
+  return json.is_object() ? json.value("bodies", Json::array()) : Json::array();
+}
+
+/// What a simulator says of the accuracy of a body itself.
+std::vector<std::string> statementOf(const Json &body) {
+  std::vector<std::string> lines;
+  if (!body.is_object()) return lines;
+  const Json statement = body.value("accuracy_statement", Json::object());
+  const Json said = statement.is_object() ? statement.value("lines", Json::array()) : Json::array();
+  for (const Json &line : said)
+    if (line.is_string()) lines.push_back(fmt::format("{}: {}", body.value("name", ""), line.get<std::string>()));
+  return lines;
+}
+
+/// @param hasStatement  the figures were said already
+void addVerified(const Json &body, bool hasStatement, std::vector<std::string> &lines) {
+  const std::string name = body.value("name", "");
+  if (body.contains("refused")) {
+    lines.push_back(fmt::format("{}: not verified: {}", name, body.value("refused", "")));
+    return;
+  }
+  const double error = numberOf(body, "error_95_m"), largest = numberOf(body, "largest_displacement_m");
+  if (!hasStatement)
+    lines.push_back(
+        largest > 0.0
+            ? fmt::format("{}: verified, off by {:.3g} mm ({:.3g} % of {:.3g} mm) at 95 % of its skin, {:.3g} mm "
+                          "at most",
+                          name, 1e3 * error, 100.0 * error / largest, 1e3 * largest,
+                          1e3 * numberOf(body, "error_max_m"))
+            : fmt::format("{}: verified, nothing is deformed", name));
+  if (const auto limits = body.find("limits"); limits != body.end() && limits->is_array())
+    for (const Json &limit : *limits)
+      if (limit.is_string()) lines.push_back("  " + limit.get<std::string>());
 }
 
 }  // namespace
@@ -55,24 +93,18 @@ Expected<std::string> verification(Session &session, c3de_object *simulator, con
 
 std::vector<std::string> verificationLines(const std::string &verificationJson) {
   std::vector<std::string> lines;
-  const Json json = Json::parse(verificationJson, nullptr, false);
-  if (!json.is_object()) return lines;
-  for (const Json &body : json.value("bodies", Json::array())) {
-    if (!body.is_object()) continue;
-    const std::string name = body.value("name", "");
-    if (body.contains("refused")) {
-      lines.push_back(fmt::format("{}: not verified: {}", name, body.value("refused", "")));
-      continue;
-    }
-    const double error = numberOf(body, "error_95_m"), largest = numberOf(body, "largest_displacement_m");
-    lines.push_back(
-        fmt::format("{}: verified, off by {:.3g} mm ({:.3g} % of {:.3g} mm) at 95 % of its skin, {:.3g} mm "
-                    "at most",
-                    name, 1e3 * error, largest > 0.0 ? 100.0 * error / largest : 0.0, 1e3 * largest,
-                    1e3 * numberOf(body, "error_max_m")));
-    if (const auto limits = body.find("limits"); limits != body.end() && limits->is_array())
-      for (const Json &limit : *limits)
-        if (limit.is_string()) lines.push_back("  " + limit.get<std::string>());
+  for (const Json &body : bodiesOf(verificationJson))
+    if (body.is_object()) addVerified(body, false, lines);
+  return lines;
+}
+
+std::vector<std::string> accuracyLines(const std::string &simulatorJson, const std::string &verificationJson) {
+  std::vector<std::string> lines;
+  const Json bodies = bodiesOf(simulatorJson), verified = bodiesOf(verificationJson);
+  for (std::size_t i = 0; i < std::max(bodies.size(), verified.size()); ++i) {
+    const std::vector<std::string> statement = i < bodies.size() ? statementOf(bodies[i]) : std::vector<std::string>();
+    lines.insert(lines.end(), statement.begin(), statement.end());
+    if (i < verified.size() && verified[i].is_object()) addVerified(verified[i], !statement.empty(), lines);
   }
   return lines;
 }

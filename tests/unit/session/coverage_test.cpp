@@ -51,11 +51,11 @@ TEST_CASE("What a skin leaves of a mask outside is told by volume and place") {
 TEST_CASE("What is missing is a sentence from a thousandth on, with what would help") {
   CHECK(sentenceOf(coverage(1000.0, 1.0, 0)).empty());
   CHECK(sentenceOf(coverage(1000.0, 1.1, 0)) ==
-        "0.0011 ml (0.11 %) of what was asked for as 'aorta' is in no body; a shorter edge_length of the skin keeps "
-        "thin parts");
+        "0.0011 ml (0.11 %) of what was asked for as 'aorta' is in no body; shorter edges of the skin (edge_length) "
+        "keep thin parts");
   CHECK(sentenceOf(coverage(200000.0, 12340.0, 1)) ==
-        "12.3 ml (6.2 %) of what was asked for as 'aorta' is in no body; 1 loose island of a few voxels is left out; a "
-        "shorter edge_length of the skin keeps thin parts");
+        "12.3 ml (6.2 %) of what was asked for as 'aorta' is in no body; 1 loose island of a few voxels is left out; "
+        "shorter edges of the skin (edge_length) keep thin parts");
   CHECK_THAT(sentenceOf(coverage(1000.0, 400.0, 2)), Contains("; 2 loose islands of a few voxels are left out; "));
   CHECK(sentenceOf(coverage(0.0, 0.0, 0)).empty());
 }

@@ -439,8 +439,11 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
 
   if (const auto good = verifyEnd(options, limits, session, simulator.get(), *table, facts); !good)
     return tl::unexpected(good.error());
-  if (const auto simulatorJson = run.simulatorReport())
-    if (const auto notices = noticesOf(*simulatorJson)) facts.notices = *notices;
+  if (!options.quiet)
+    if (const auto simulatorJson = run.simulatorReport()) {
+      facts.accuracy = accuracyLines(*simulatorJson, facts.verification);
+      if (const auto notices = noticesOf(*simulatorJson)) facts.notices = *notices;
+    }
   writeSampledPoints(options, points, session, simulator.get(), run, outputs);
   if (!options.report.empty()) facts.skinVolumes = skinVolumes(session, simulator.get());
   followTissues(options, simulator.get(), *table, facts, outputs);
@@ -497,7 +500,7 @@ int runScene(const RunOptions &options) {
 
   if (!options.quiet) {
     printSummary(*facts);
-    for (const std::string &line : verificationLines(facts->verification)) std::printf("  %s\n", line.c_str());
+    for (const std::string &line : facts->accuracy) std::printf("  %s\n", line.c_str());
     for (const std::string &notice : facts->prepared.notices) std::printf("  note: %s\n", notice.c_str());
     for (const std::string &notice : facts->notices) std::printf("  note: %s\n", notice.c_str());
   }

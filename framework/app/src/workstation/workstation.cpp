@@ -23,6 +23,7 @@
 #include "c3de/registry/edit_list.h"
 #include "c3de/registry/panel_registry.h"
 #include "c3de/registry/parameter_registry.h"
+#include "c3de/registry/plain_words.h"
 #include "c3de/registry/tool_registry.h"
 #include "c3de/render/renderer.h"
 #include "c3de/render_gl/gl_renderer.h"
@@ -140,6 +141,7 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
   SessionOptions sessionOptions = options.session;
   sessionOptions.renderer = renderer_.get();
   sessionOptions.panels = &panels_;
+  panels_.setWording([this](const std::string &text) { return registry::plainWords(text, parameters_); });
   sessionOptions.parameters = &parameters_;
   sessionOptions.tools = &tools_;
   sessionOptions.edits = &edits_;

@@ -9,6 +9,8 @@
 #include "c3de/core/text.h"
 #include "c3de/imaging/label_names.h"
 #include "c3de/registry/number_text.h"
+#include "c3de/registry/parameter_registry.h"
+#include "c3de/registry/plain_words.h"
 
 namespace c3de::ui {
 namespace {
@@ -228,7 +230,8 @@ void fieldError(const FrameContext &frame, const FieldState &state) {
   if (state.error.empty()) return;
   ImGui::PushFont(frame.theme.small);
   ImGui::PushStyleColor(ImGuiCol_Text, colour::kError);
-  ImGui::TextWrapped("%s", state.error.c_str());
+  const registry::ParameterRegistry *parameters = frame.services.parameters;
+  ImGui::TextWrapped("%s", (parameters ? registry::plainWords(state.error, *parameters) : state.error).c_str());
   ImGui::PopStyleColor();
   ImGui::PopFont();
 }

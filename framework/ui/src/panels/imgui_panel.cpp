@@ -9,6 +9,7 @@
 #include "c3de/core/text.h"
 #include "c3de/registry/number_text.h"
 #include "c3de/registry/parameter_registry.h"
+#include "c3de/registry/plain_words.h"
 #include "window/file_dialog.h"
 
 namespace c3de::ui {
@@ -34,6 +35,11 @@ void wrappedText(const std::string &shown) {
 }  // namespace
 
 ImGuiPanels::ImGuiPanels() { fillTable(); }
+
+std::string ImGuiPanels::worded(c3de_str shown) const {
+  const registry::ParameterRegistry *parameters = frame_->services.parameters;
+  return parameters ? registry::plainWords(text(shown), *parameters) : text(shown);
+}
 
 void ImGuiPanels::draw(FrameContext &frame, const registry::Panel &panel) {
   if (!panel.onUi) return;
@@ -246,7 +252,7 @@ void ImGuiPanels::heading(c3de_str shown) {
 }
 
 void ImGuiPanels::value(c3de_str name, c3de_str shown) {
-  const std::string nameText = text(name), valueText = text(shown);
+  const std::string nameText = text(name), valueText = worded(shown);
   takeSameLine("=" + nameText);
   ImGui::BeginGroup();
   const float labelWidth = std::floor(0.42f * ImGui::GetContentRegionAvail().x);
@@ -351,7 +357,7 @@ void ImGuiPanels::fillTable() {
   t.text = [](void *c, c3de_str s) noexcept {
     if (!of(c).isUsable() || fromAbi(s).empty()) return;
     if (of(c).takeSameLine()) ImGui::AlignTextToFramePadding();
-    wrappedText(text(s));
+    wrappedText(of(c).worded(s));
   };
   t.separator = [](void *c) noexcept {
     if (!of(c).isUsable()) return;
@@ -382,7 +388,7 @@ void ImGuiPanels::fillTable() {
     if (of(c).isUsable()) of(c).value(name, v);
   };
   t.tooltip = [](void *c, c3de_str s) noexcept {
-    if (of(c).isUsable()) itemTooltip(*of(c).frame_, text(s));
+    if (of(c).isUsable()) itemTooltip(*of(c).frame_, of(c).worded(s));
   };
   t.params = [](void *c, c3de_handle set, c3de_str group) noexcept {
     if (of(c).isUsable()) of(c).params(set, group);

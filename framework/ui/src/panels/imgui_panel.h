@@ -48,6 +48,8 @@ class ImGuiPanels {
   void heading(c3de_str text);
   void value(c3de_str name, c3de_str value);
   void progress(double fraction, c3de_str text);
+  /// plainWords() of what a panel says.
+  [[nodiscard]] std::string worded(c3de_str text) const;
   void params(c3de_handle set, c3de_str group);
   void parameterRows(Handle handle, const std::string &group, bool isAdvanced);
 

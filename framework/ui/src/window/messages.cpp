@@ -8,6 +8,7 @@
 #include "c3de/abi/log.h"
 #include "c3de/core/background_jobs.h"
 #include "c3de/registry/panel_registry.h"
+#include "c3de/registry/plain_words.h"
 #include "window/chrome.h"
 #include "window/dock.h"
 
@@ -151,12 +152,15 @@ void longStep(FrameContext &frame) {
   ImGui::TextColored(colour::kWarn, "%s", title.c_str());
   ImGui::PopFont();
   ImGui::PushTextWrapPos(0.0f);
-  if (!frame.simulation.activity.empty()) ImGui::TextUnformatted(frame.simulation.activity.c_str());
+  const std::string activity = frame.services.parameters
+                                   ? registry::plainWords(frame.simulation.activity, *frame.services.parameters)
+                                   : frame.simulation.activity;
+  if (!activity.empty()) ImGui::TextUnformatted(activity.c_str());
   const CommandInfo &reset = commandInfo(Command::reset);
   ImGui::TextColored(colour::kDim, "Esc pauses, %s goes back to the initial state",
                      keyText(reset.key, reset.modifiers).c_str());
   ImGui::PopTextWrapPos();
-  frame.automation.value("status", "long_step", title + ": " + frame.simulation.activity);
+  frame.automation.value("status", "long_step", title + ": " + activity);
 }
 
 }  // namespace

@@ -14,7 +14,6 @@ namespace pointbased {
 namespace {
 
 constexpr const char *kSpeedKey = "accuracy.machine_speed";
-constexpr double kErrorToWarn = 0.1;       // of the largest displacement: above it every body says so
 constexpr double kFinerThanSingle = 1e-3;  // of the largest displacement: wishes below it keep double precision
 
 }  // namespace
@@ -140,27 +139,19 @@ std::string addedMassText(const Body &body) {
          std::to_string(phyxels) + " phyxels";
 }
 
-std::string errorText(const AccuracyPromise &promise) {
-  const ErrorPrediction &e = promise.choice.error;
-  std::string text =
-      roughly(100.0 * e.share) + " % (" + roughly(100.0 * e.low) + " … " + roughly(100.0 * e.high) + " %)";
-  if (!promise.supposed() && promise.choice.largest > 0.0)
-    text += ", " + roughly(1e3 * promise.choice.largest * e.share) + " mm";
-  return text;
-}
-
 std::string touchingText(const AccuracyPromise &promise) {
   return roughly(promise.choice.touching_ms) + " ms more while a fifth of its skin touches other bodies";
 }
 
 std::string noticeOf(const std::string &name, const AccuracyPromise &promise) {
   const std::string who = "body '" + name + "': ";
-  if (!promise.unpredicted.empty()) return who + "its error could not be predicted: " + promise.unpredicted;
   const bool isWished = promise.wish.kind != AccuracyWish::Kind::standard;
-  if (!isWished && promise.choice.error.share < kErrorToWarn) return {};
-  std::string text = who + "an error of the skin of " + errorText(promise) +
-                     " of the largest displacement is expected" +
-                     (promise.supposed() ? " as if it were held at its lowest tenth and hung" : "") + ", and " +
+  if (!promise.survey)
+    return isWished ? who + "no sampling could be chosen for " + textOf(promise.wish) + ": " + promise.unpredicted
+                    : std::string();
+  if (!isWished && promise.choice.unmet.empty()) return {};
+  std::string text = who + "sampled with " + std::to_string(promise.choice.count) + " phyxels" +
+                     (isWished ? " for " + textOf(promise.wish) : std::string()) + ", " +
                      roughly(promise.choice.frame_ms) + " ms a frame";
   if (promise.choice.touching_ms > 0.0) text += ", " + touchingText(promise);
   if (!promise.choice.unmet.empty()) text += "; " + promise.choice.unmet;

@@ -81,7 +81,5 @@ void refuseTwoWays(const std::string &name, const ParameterValues &body, const A
 [[nodiscard]] std::string touchingText(const AccuracyPromise &promise);
 /// One line for people; empty: there is nothing that they should know.
 [[nodiscard]] std::string noticeOf(const std::string &name, const AccuracyPromise &promise);
-/// "2.1 % (0.9 … 4.8 %)", of the largest displacement; with mm where that is known.
-[[nodiscard]] std::string errorText(const AccuracyPromise &promise);
 
 }  // namespace pointbased

@@ -19,19 +19,12 @@ double wishedError(const AccuracyPromise &promise) {
   }
 }
 
-void errorBar(sdk::Ui &ui, const BodySnapshot &body, const AccuracyPromise &promise) {
-  ui.value("Error expected", errorText(promise));
-  ui.tooltip(
-      "At rest, of 95 % of the skin, as part of its largest displacement; in brackets where nine of ten bodies lie");
-  if (promise.wish.kind != AccuracyWish::Kind::budget) {
-    const double wished = wishedError(promise);
-    ui.progress(part(promise.choice.error.share, wished),
-                roughly(100.0 * promise.choice.error.share) + " of " + roughly(100.0 * wished) + " %");
-  }
-  ui.value("Estimated now", roughly(100.0 * body.error * body.error) + " %");
-  ui.tooltip(
-      "The square of the error estimate of the strains in the present state: about the part that displacements "
-      "are off");
+// How much of a wish is used up. The figure itself is in the statement.
+void wishBar(sdk::Ui &ui, const AccuracyPromise &promise) {
+  if (promise.wish.kind != AccuracyWish::Kind::share && promise.wish.kind != AccuracyWish::Kind::length) return;
+  const double wished = wishedError(promise), likely = promise.choice.error.likely;
+  ui.value("Wished error", roughly(100.0 * wished) + " % of the largest displacement");
+  ui.progress(part(likely, wished), roughly(100.0 * part(likely, wished)) + " % of it used");
 }
 
 void costBar(sdk::Ui &ui, const BodySnapshot &body, const AccuracyPromise &promise) {
@@ -60,6 +53,17 @@ void tissueBar(sdk::Ui &ui, const BodySnapshot &body) {
 
 }  // namespace
 
+void drawAccuracyStatement(sdk::Ui &ui, const BodySnapshot &body) {
+  if (body.rigid) {
+    ui.text("Rigid: it has no error of its own.");
+    return;
+  }
+  for (const std::string &line : body.accuracy.lines()) {
+    const std::size_t colon = line.find(": ");
+    ui.value(line.substr(0, colon), line.substr(colon + 2));
+  }
+}
+
 void drawAccuracyBars(sdk::Ui &ui, const BodySnapshot &body) {
   if (body.rigid) return;
   if (body.adaptive) {
@@ -77,15 +81,9 @@ void drawAccuracyBars(sdk::Ui &ui, const BodySnapshot &body) {
           "scaling). Weights stay: nothing at rest feels it");
     }
   }
-  if (!body.promise) {
-    ui.text("The sampling was chosen by hand: nothing is promised.");
-  } else if (!body.promise->survey) {
-    ui.text("The error could not be predicted: " + body.promise->unpredicted);
-  } else {
-    errorBar(ui, body, *body.promise);
+  if (body.promise && body.promise->survey) {
+    wishBar(ui, *body.promise);
     costBar(ui, body, *body.promise);
-    if (body.promise->supposed())
-      ui.text("Nothing holds or loads it: expected as if it were held at its lowest tenth and hung.");
     if (!body.promise->choice.unmet.empty()) ui.text(body.promise->choice.unmet);
   }
   tissueBar(ui, body);

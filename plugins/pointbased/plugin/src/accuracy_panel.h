@@ -6,8 +6,10 @@
 
 namespace pointbased {
 
-/// Three bars: the error that is expected against the one that is wished, the time of a frame now against the one that
-/// was promised, and how much the tissue's own stiffness leaves open.
+/// The three lines of AccuracyStatement.
+void drawAccuracyStatement(sdk::Ui &ui, const BodySnapshot &body);
+/// Bars: how much of a wished error is used, the time of a frame now against the one that was promised, and how much
+/// the tissue's own stiffness leaves open.
 void drawAccuracyBars(sdk::Ui &ui, const BodySnapshot &body);
 
 }  // namespace pointbased

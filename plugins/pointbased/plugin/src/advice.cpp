@@ -81,19 +81,14 @@ std::string errorAdvice(const Body &body, double area, double estimate) {
   const double scale = body.material().youngsModulus * rest.shapeVolume;
   if (!(energy.strain + energy.stabilisation > 0.5 * kLeastStrain * kLeastStrain * scale)) return {};
   const auto ratio = [](double e) { return std::sqrt(e * e / (1.0 - e * e)); };
-  char text[40];
-  std::snprintf(text, sizeof text, "%.2g", estimate);
-  std::string advice = "body '" + body.name() + "': strains and stresses are off by a part of about " + text +
-                       " (error_estimate) at a spacing of " + millimetres(rest.spacing) + "; ";
   // Cells wider than the body is thick do not see how it bends: the estimate begins to fall where they are as thick.
   const double from = std::min(rest.spacing, 2.0 * rest.shapeVolume / area);
   const double spacing =
       from * std::pow(ratio(kErrorAimedAt) / ratio(std::min(estimate, 0.999)), 1.0 / kOrderOfEstimate);
   const double count = phyxelsAt(rest, area, spacing);
   if (!(count <= kMostPhyxels))
-    return advice + "no count up to " + rounded(kMostPhyxels) +
-           " brings that below 0.1 everywhere: use sampling.refine where it matters, or read displacements only";
-  return advice + "sampling.count = " + rounded(count) + " (" + millimetres(spacing) + ") would bring it to about 0.1";
+    return "smaller cells where the error arises help (Refine here, sampling.adaptive = \"on\")";
+  return "sampling.count = " + rounded(count) + " (spacing " + millimetres(spacing) + ") would bring it to 10 %";
 }
 
 std::vector<std::string> noticesOf(const Simulator &simulator, const std::vector<std::string> &errors) {

@@ -25,12 +25,12 @@ namespace pointbased {
 /// body. Above that the error estimate tells how good it is.
 [[nodiscard]] std::string tooCoarse(const RestState &rest, double area);
 
-/// What to say of an error estimate above 0.1: how large, and the count that brings it below; empty: nothing.
+/// What makes an error estimate above 0.1 smaller: the count that brings it there; empty: it is no larger.
 ///
 /// The estimate of bodies that are held, hang or lie falls with the spacing to the power kOrderOfEstimate, in the sense
 /// of e²/(1 - e²), which is error energy over energy: measured on organs (docs/theory/time.md). Of a body that is
 /// thinner than a spacing it begins to fall at a spacing of the thickness.
-/// @param estimate  ErrorEstimate::relative of the present state
+/// @param estimate  AccuracyStatement::stress of the present state
 [[nodiscard]] std::string errorAdvice(const Body &body, double area, double estimate);
 inline constexpr double kOrderOfEstimate = 0.7;
 inline constexpr double kErrorToTell = 0.1;

@@ -30,6 +30,9 @@ c3de_sim_body_info BodyRecord::info(const Body &body) const {
 void BodyRecord::take(BuiltBody &built) {
   surface = std::move(built.surface);
   promise = built.promise ? std::make_shared<const AccuracyPromise>(std::move(*built.promise)) : nullptr;
+  trials = promise
+               ? std::make_shared<const DisplacementTrials>(DisplacementTrials{promise->survey, promise->unpredicted})
+               : nullptr;
   adaptive = built.adaptive ? std::make_shared<const AdaptiveSampling>(std::move(*built.adaptive)) : nullptr;
 }
 

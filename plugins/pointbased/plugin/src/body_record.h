@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "accuracy_statement.h"
 #include "body_builder.h"
 #include "parameters.h"
 #include "pointbased/probe_tool.h"
@@ -20,6 +21,7 @@ struct BodyRecord {
   BodySource source;
   std::shared_ptr<const AccuracyPromise> promise;    ///< null: its sampling was said
   std::shared_ptr<const AdaptiveSampling> adaptive;  ///< null: finer cells were not asked for
+  std::shared_ptr<const DisplacementTrials> trials;  ///< null: not made yet
   std::size_t order = 0;                             ///< from 1, as bodies were added; 0: not added yet
 
   /// As iface.simulator tells it; its name is borrowed from this.

@@ -127,6 +127,8 @@ BodySource readSource(const c3de_sim_body &body, const ParameterValues &values) 
     setMotion(in.motion, fix, where);
     source.fixes.push_back(std::move(fix));
     source.fixNumbers.push_back(in.index);
+    const std::string_view name = sdk::text(in.name);
+    source.fixNames.push_back(name.empty() ? std::to_string(in.index) : std::string(name));
   }
   for (std::uint64_t i = 0; body.loads && i < body.loads_n; ++i) {
     const c3de_sim_load in = element(body.loads, i, body.loads_stride);

@@ -40,6 +40,7 @@ struct BodySource {
   std::shared_ptr<const FillSource> fill;  ///< null: the inside of the mesh
   std::vector<Fix> fixes;
   std::vector<std::uint32_t> fixNumbers;  ///< of reports and messages
+  std::vector<std::string> fixNames;      ///< their numbers where they have none
   std::vector<Load> loads;
   std::vector<std::uint32_t> loadNumbers;
   std::vector<BodyPart> parts;                              ///< later ones win

@@ -111,10 +111,9 @@ void Controller::draw(sdk::Ui &ui) {
   if (tools_.grasp.isActive()) drawGrasp(ui, tools_.grasp, snapshot.get());
   if (tools_.move.isActive()) obstacles_.draw(ui, snapshot.get());
   drawRun(ui, snapshot.get());
-  verification_.draw(ui, *simulator_, snapshot.get(), isMoving());
+  drawAccuracy(ui, snapshot.get());
   if (snapshot) offerRigid(ui, *snapshot);
   drawBody(ui, snapshot.get());
-  drawAccuracy(ui, snapshot.get());
   drawView(ui, snapshot.get());
   if (!tools_.pinch.isActive()) drawPinch(ui);
   if (!tools_.touch.isActive()) drawTouch(ui, tools_.touch, snapshot.get());
@@ -170,16 +169,41 @@ void Controller::drawBody(sdk::Ui &ui, const Snapshot *snapshot) {
 
 void Controller::drawAccuracy(sdk::Ui &ui, const Snapshot *snapshot) {
   ui.heading("Accuracy");
+  const BodySnapshot *body = snapshot ? snapshot->body(body_) : nullptr;
+  if (body) drawAccuracyStatement(ui, *body);
+  verification_.draw(ui, *simulator_, snapshot, isMoving());
+  if (ui.button("finer", "Refine here", !job_ && body && !body->rigid)) makeFiner(*body);
+  ui.tooltip(
+      "Samples the body anew with as many phyxels: smaller cells where its supports, its loads and the hands so far "
+      "make most of the error; the simulation starts again");
+  verification_.drawResult(ui, snapshot);
   ui.params(worldParameters_.handle(), "Accuracy");
   if (!snapshot) return;
   if (ui.button("apply_wish", "Apply to all bodies", !job_ && !snapshot->bodies.empty())) applyWish(*snapshot);
-  ui.tooltip("Samples every body anew, as finely as the wish asks; the simulation goes back to its beginning");
-  const BodySnapshot *body = snapshot->body(body_);
-  if (ui.button("finer", "Finer where it errs", !job_ && body && !body->rigid)) makeFiner(*body);
-  ui.tooltip(
-      "Samples the body anew with as many phyxels: smaller cells where its supports, its loads and the hands so far "
-      "make most of the error; the simulation goes back to its beginning");
+  ui.tooltip("Samples every body anew, as finely as the wish asks; the simulation starts again");
   if (body) drawAccuracyBars(ui, *body);
+  makeTrials(*snapshot);
+}
+
+// Once for each body, beside the steps.
+void Controller::makeTrials(const Snapshot &snapshot) {
+  if (job_ || trials_ || std::all_of(snapshot.bodies.begin(), snapshot.bodies.end(), [](const BodySnapshot &body) {
+        return body.rigid || body.isTried;
+      }))
+    return;
+  auto run = [simulator = sdk::Ref<WorldSimulator>::share(simulator_)](sdk::Progress progress) -> sdk::Result<void> {
+    simulator->tryBodies(progress, serialFor());
+    return {};
+  };
+  const auto job = services_.jobs.submit("Estimating the accuracy", std::move(run),
+                                         [this, node = simulator_->node()](const sdk::Result<void> &result) {
+                                           trials_.reset();
+                                           if (!result)
+                                             services_.log.warn("estimating the accuracy: " + result.failure().message);
+                                           // A command makes the solver publish, so that the result shows up while it is paused.
+                                           (void)services_.simulation.post(node, [] {});
+                                         });
+  if (job) trials_ = *job;
 }
 
 void Controller::chooseBody(sdk::Ui &ui, const Snapshot &snapshot) {
@@ -273,8 +297,6 @@ void Controller::drawRun(sdk::Ui &ui, const Snapshot *snapshot) {
     ui.value("Kinetic energy", significant(body->energy.kinetic, 3) + " J");
     ui.value("Elastic energy", significant(body->energy.elastic, 3) + " J");
     const double total = body->energy.elastic + body->energy.stabilisation;
-    ui.value("Error estimate", fixed(100.0 * body->error, 0) + " %");
-    ui.tooltip("Part by which strains and stresses are off in the mean; displacements by about its square");
     ui.value("Computing", body->cost > 0.0 ? significant(body->cost, 3) + " s per simulated second" : std::string("–"));
     ui.value("Stabilisation share",
              total > 0.0 ? fixed(100.0 * body->energy.stabilisation / total, 1) + " %" : std::string("–"));

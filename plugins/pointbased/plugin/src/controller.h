@@ -48,6 +48,7 @@ class Controller : public sdk::Panel {
   void load();
   void rebuild();
   void makeFiner(const BodySnapshot &body);
+  void makeTrials(const Snapshot &snapshot);
   /// Every body that deforms, with its sampling left to the dial.
   void applyWish(const Snapshot &snapshot);
   void startRebuilding(const std::string &title, std::vector<std::pair<std::uint64_t, ParameterValues>> bodies);
@@ -70,6 +71,7 @@ class Controller : public sdk::Panel {
   const MaterialLaws &laws_;
   std::span<const c3de_param_decl> declared_;       // of bodyParameters_
   ParameterValues nextValues_{bodyDeclarations()};  // what the next load or rebuild uses
+  std::optional<c3de_handle> trials_;               // the job that makes them
   std::uint64_t body_ = 0;                          // the one the parameters belong to
   std::string path_;
   std::uint32_t unit_ = 0;  // index into the unit names

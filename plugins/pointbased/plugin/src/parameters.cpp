@@ -256,7 +256,7 @@ constexpr std::array kBody{
          "Sampling", C3DE_PARAM_ID_SPACING},
         {1.0, static_cast<double>(kMaximumPhyxels), 50.0, 5000.0}, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_LOG_SCALE)),
     choiceParam(
-        {"sampling.adaptive", "Finer where it errs", "",
+        {"sampling.adaptive", "Refine here", "",
          "stress_points: cells are halved where a trial solution under supports, loads and hands has most of its "
          "error, for as many phyxels in all; few that would shorten explicit steps get more inertia. auto: bodies of "
          "several tissues that something leads or loads",

@@ -87,6 +87,27 @@ Json neighboursJson(const RestState &rest) {
   return out;
 }
 
+const char *nameOf(AccuracyStatement::Basis basis) {
+  switch (basis) {
+    case AccuracyStatement::Basis::verified: return "verified";
+    case AccuracyStatement::Basis::estimated: return "estimated";
+    case AccuracyStatement::Basis::none: break;
+  }
+  return "none";
+}
+
+Json json(const AccuracyStatement &statement) {
+  const bool isKnown = statement.basis != AccuracyStatement::Basis::none;
+  return {{"lines", statement.lines()},
+          {"basis", nameOf(statement.basis)},
+          {"displacement_error_m", isKnown ? Json(statement.displacement) : Json()},
+          {"largest_displacement_m", statement.largestDisplacement},
+          {"worst_m", statement.worst ? json(*statement.worst) : Json()},
+          {"stress_error", statement.stress},
+          {"left_out_part", statement.leftOut},
+          {"singular_places", statement.places}};
+}
+
 Json bodyJson(const Simulator &simulator, const ReportedBody &reported, const ErrorEstimate &error) {
   const Body &body = *simulator.body(reported.id);
   const RestState &rest = body.rest();
@@ -256,12 +277,20 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
                        const std::function<std::string(std::size_t id)> &nameOfId) {
   Json out = {{"bodies", Json::array()},      {"probes", Json::array()},  {"reactions", Json::array()},
               {"attachments", Json::array()}, {"stages", Json::object()}, {"events", Json::array()}};
-  std::vector<std::string> errors;
+  std::vector<std::string> errors, samplings;
   for (const ReportedBody &body : bodies) {
     const ErrorEstimate error = estimateError(*simulator.body(body.id));
     if (body.promise) errors.push_back(noticeOf(simulator.body(body.id)->name(), *body.promise));
-    errors.push_back(errorAdvice(*simulator.body(body.id), body.meshArea, error.relative));
     out["bodies"].push_back(bodyJson(simulator, body, error));
+    if (!simulator.body(body.id)->rigid()) {
+      ErrorScratch scratch;
+      const AccuracyStatement statement = stateAccuracy(
+          simulator, body.id, {body.meshArea, body.fixNames, body.trials.get(), body.verification, nameOfId}, scratch,
+          serialFor());
+      out["bodies"].back()["accuracy_statement"] = json(statement);
+      if (!statement.help.empty())
+        samplings.push_back("body '" + simulator.body(body.id)->name() + "': " + statement.lines()[1]);
+    }
     if (body.adaptive) {
       out["bodies"].back()["adaptive"] = adaptiveJson(*body.adaptive);
       errors.push_back("body '" + simulator.body(body.id)->name() + "': " + adaptiveText(*body.adaptive));
@@ -323,7 +352,8 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
   for (const SimulationEvent &event : simulator.events())
     out["events"].push_back({{"time_s", event.time}, {"kind", event.kind}, {"text", event.text}});
   // How far off the end is, is an event of the end.
-  for (const std::string &error : errors)
+  samplings.insert(samplings.begin(), errors.begin(), errors.end());
+  for (const std::string &error : samplings)
     if (!error.empty()) out["events"].push_back({{"time_s", simulator.time()}, {"kind", "sampling"}, {"text", error}});
   out["notices"] = noticesOf(simulator, errors);
   out["composition"] = compositionJson(simulator);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "accuracy_dial.h"
+#include "accuracy_statement.h"
 #include "grasp.h"
 #include "pointbased/simulator.h"
 
@@ -17,8 +18,11 @@ struct ReportedBody {
   double meshVolume;  ///< m³
   double meshArea;    ///< m²
   std::vector<std::uint32_t> fixNumbers;
+  std::span<const std::string> fixNames;
   std::shared_ptr<const AccuracyPromise> promise;    ///< null: its sampling was said
   std::shared_ptr<const AdaptiveSampling> adaptive;  ///< null: finer cells were not asked for
+  std::shared_ptr<const DisplacementTrials> trials;  ///< null: not made yet
+  const BodyVerification *verification = nullptr;    ///< of the present state; null: none
 };
 
 struct ReportedTool {

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "accuracy_dial.h"
+#include "accuracy_statement.h"
 #include "colouring.h"
 #include "grasp.h"
 #include "parameters.h"
@@ -45,8 +46,8 @@ struct BodySnapshot {
   std::uint64_t colours = 0;                       ///< the same number, the same colours
   double mass = 0.0;                               ///< kg
   double youngsModulus = 0.0;                      ///< Pa
-  double error = 0.0;                              ///< ErrorEstimate::relative, of now or a little before
-  std::string errorAdvice;                         ///< empty: it is small
+  AccuracyStatement accuracy;                      ///< of now or a little before; of a rigid body nothing
+  bool isTried = false;                            ///< the trials of its statement were made
   double cost = 0.0;                               ///< s of computing per simulated second
   Simulator::Energy energy;
   Neighbours neighbours;

@@ -73,7 +73,7 @@ void SnapshotWriter::takeBodies(Snapshot &s) {
         b.phyxels[i] = body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
       simulator_.surfels(id, b.surfels, b.normals);
     }
-    estimate(body, !samePlaces, b);
+    estimate(record, !samePlaces, b);
     b.cost = simulator_.costOf(id);
     b.mass = body.totalMass();
     b.held = heldPhyxels(body.rest());
@@ -82,10 +82,8 @@ void SnapshotWriter::takeBodies(Snapshot &s) {
     b.grab = simulator_.grabStatus(id);
   }
   std::vector<std::string> errors;
-  for (const BodySnapshot &b : s.bodies) {
+  for (const BodySnapshot &b : s.bodies)
     if (b.promise) errors.push_back(noticeOf(b.name, *b.promise));
-    errors.push_back(b.errorAdvice);
-  }
   s.notices = noticesOf(simulator_, errors);
 }
 
@@ -114,18 +112,29 @@ void SnapshotWriter::takeContact(Snapshot &s) const {
 }
 
 // Now and then, so that it takes a fiftieth of the time at most.
-void SnapshotWriter::estimate(const Body &body, bool moved, BodySnapshot &out) {
+void SnapshotWriter::estimate(const BodyRecord &record, bool moved, BodySnapshot &out) {
   using Clock = std::chrono::steady_clock;
   Estimated &last = estimated_[out.id];
   const Clock::time_point begin = Clock::now();
-  if (moved && begin >= last.next) {
-    last.error = estimateError(body, nullptr, last.scratch, services_.parallelFor()).relative;
-    last.advice = errorAdvice(body, areaOf(*out.surface), last.error);
+  out.isTried = record.trials != nullptr;
+  if (out.rigid) {
+    out.accuracy = {};
+    return;
+  }
+  const std::shared_ptr<const WorldVerification> verified = verificationOfNow();
+  const bool isNew = last.trials != record.trials || last.verification != verified;
+  if (isNew || (moved && begin >= last.next)) {
+    last.trials = record.trials;
+    last.verification = verified;
+    last.statement = stateAccuracy(
+        simulator_, out.id,
+        {areaOf(*out.surface), record.source.fixNames, record.trials.get(), verified ? verified->body(out.id) : nullptr,
+         [this](std::size_t id) { return table_.nameOf(id); }},
+        last.scratch, services_.parallelFor());
     const Clock::time_point end = Clock::now();
     last.next = end + std::max<Clock::duration>(50 * (end - begin), std::chrono::milliseconds(200));
   }
-  out.error = last.error;
-  out.errorAdvice = last.advice;
+  out.accuracy = last.statement;
 }
 
 // Points of the inside and colours, where they are shown.

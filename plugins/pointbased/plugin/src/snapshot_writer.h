@@ -30,19 +30,24 @@ class SnapshotWriter {
   void setVerification(std::shared_ptr<const WorldVerification> verification) {
     verification_ = std::move(verification);
   }
+  /// The latest, if it is of the present state; else null.
+  [[nodiscard]] std::shared_ptr<const WorldVerification> verificationOfNow() const {
+    return verification_ && isOfNow(*verification_) ? verification_ : nullptr;
+  }
 
  private:
   struct Estimated {
     std::chrono::steady_clock::time_point next{};  // not before
-    double error = 0.0;
-    std::string advice;
+    AccuracyStatement statement;
+    std::shared_ptr<const DisplacementTrials> trials;       // that it was made with
+    std::shared_ptr<const WorldVerification> verification;  // likewise
     ErrorScratch scratch;
   };
 
   void takeBodies(Snapshot &s);
   void takeContact(Snapshot &s) const;
   void takeView(Snapshot &s);
-  void estimate(const Body &body, bool moved, BodySnapshot &out);
+  void estimate(const BodyRecord &record, bool moved, BodySnapshot &out);
   /// Whether it is of the present state.
   [[nodiscard]] bool isOfNow(const WorldVerification &verification) const;
 

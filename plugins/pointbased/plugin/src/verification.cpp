@@ -3,8 +3,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "advice.h"
-
 namespace pointbased {
 namespace {
 
@@ -39,10 +37,6 @@ Json bodyJson(const BodyVerification &body) {
 }
 
 }  // namespace
-
-std::string errorText(const Verification &verification, double error) {
-  return shortNumber(1e3 * error) + " mm (" + shortNumber(verification.percent(error)) + " %)";
-}
 
 std::string verificationJson(const WorldVerification &verification) {
   Json out;

@@ -33,9 +33,6 @@ struct WorldVerification {
   }
 };
 
-/// "0.12 mm (1.3 %)"
-[[nodiscard]] std::string errorText(const Verification &verification, double error);
-
 /// As iface.simulator verify() gives it.
 [[nodiscard]] std::string verificationJson(const WorldVerification &verification);
 

@@ -9,22 +9,12 @@ void drawBody(sdk::Ui &ui, const BodyVerification &body) {
     ui.text(body.name + ": not verified: " + body.refused);
     return;
   }
-  const Verification &v = body.result;
-  ui.value(body.name, "± " + errorText(v, v.error95));
-  ui.tooltip("95 % of the skin are off by less: in mm, and in % of the largest displacement, " +
-             shortNumber(1e3 * v.largestDisplacement) + " mm");
-  ui.value("At most", errorText(v, v.errorMax) + " at " + shortNumber(1e3 * v.worst[0]) + " " +
-                          shortNumber(1e3 * v.worst[1]) + " " + shortNumber(1e3 * v.worst[2]) + " mm");
-  ui.value("Inside, root mean square", errorText(v, v.errorRms));
-  ui.value("Shadow", std::to_string(v.shadowPhyxels) + " phyxels, " + shortNumber(1e3 * v.shadowSpacing) + " mm, " +
-                         shortNumber(v.seconds) + " s");
-  for (const std::string &limit : v.limits) ui.text("Note: " + limit);
+  for (const std::string &limit : body.result.limits) ui.text(body.name + ": " + limit);
 }
 
 }  // namespace
 
 void VerificationPanel::draw(sdk::Ui &ui, WorldSimulator &simulator, const Snapshot *snapshot, bool isMoving) {
-  ui.heading("Verify");
   const auto state = job_ ? services_.jobs.progress(*job_) : sdk::Result<sdk::Jobs::State>(sdk::Failure{});
   if (job_ && state) {
     ui.progress(state->fraction, state->what);
@@ -34,12 +24,16 @@ void VerificationPanel::draw(sdk::Ui &ui, WorldSimulator &simulator, const Snaps
     ui.tooltip(isMoving ? "Pause first: what is verified is the paused state"
                         : "Solves the present state once more with half the spacing, and tells how far it is off");
   }
+}
+
+void VerificationPanel::drawResult(sdk::Ui &ui, const Snapshot *snapshot) {
   if (!failure_.empty()) ui.text(failure_);
   if (!snapshot || !snapshot->verification) return;
   const WorldVerification &verified = *snapshot->verification;
   if (!snapshot->verified)
-    ui.text(std::string("Of an earlier state, at ") + (verified.quasiStatic ? "load factor " : "") +
-            shortNumber(verified.clock) + (verified.quasiStatic ? "" : " s"));
+    return ui.text(std::string("The last verification was of an earlier state, at ") +
+                   (verified.quasiStatic ? "load factor " : "") + shortNumber(verified.clock) +
+                   (verified.quasiStatic ? "" : " s"));
   for (const BodyVerification &body : verified.bodies) drawBody(ui, body);
 }
 

@@ -8,13 +8,16 @@
 
 namespace pointbased {
 
-/// The part of the panel that verifies the paused state and shows the result as error bars. Main thread.
+/// The part of the panel that verifies the paused state. Main thread.
 class VerificationPanel {
  public:
   explicit VerificationPanel(const Services &services) : services_(services) {}
 
-  /// @param isMoving  the simulation plays: a verification would be of a state that is gone when it is told
+  /// The button, or how far the verification has come.
+  /// @param isMoving  the simulation plays: a verification would be of an earlier state when it ends
   void draw(sdk::Ui &ui, WorldSimulator &simulator, const Snapshot *snapshot, bool isMoving);
+  /// What the latest result leaves out, and what was refused.
+  void drawResult(sdk::Ui &ui, const Snapshot *snapshot);
   /// Begins a verification, beside the steps. Fails while one is under way.
   sdk::Result<void> begin(WorldSimulator &simulator);
 

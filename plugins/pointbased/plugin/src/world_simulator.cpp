@@ -315,15 +315,24 @@ void WorldSimulator::stateHash(std::uint64_t *out) {
   sdk::notNull(out, "out") = simulator_.stateHash();
 }
 
+bool WorldSimulator::hasStepped() const {
+  const std::lock_guard lock(mutex_);
+  return simulator_.steps() > 0;
+}
+
 void WorldSimulator::report(c3de_sink json) {
   std::string text;
+  // Before the first step nothing is off yet; a report of then waits for nothing.
+  if (hasStepped()) tryBodies(sdk::Progress(nullptr), context_.services.parallelFor());
   {
     const std::lock_guard lock(mutex_);
     std::vector<ReportedBody> bodies;
+    const std::shared_ptr<const WorldVerification> verified = snapshots_.verificationOfNow();
     for (const std::uint64_t id : table_.bodiesInOrder()) {
       const BodyRecord &record = *table_.body(id);
-      bodies.push_back({id, record.surface->volume, areaOf(*record.surface), record.source.fixNumbers, record.promise,
-                        record.adaptive});
+      bodies.push_back({id, record.surface->volume, areaOf(*record.surface), record.source.fixNumbers,
+                        record.source.fixNames, record.promise, record.adaptive, record.trials,
+                        verified ? verified->body(id) : nullptr});
     }
     text = reportJson(simulator_, bodies, reportedTools(), reportedAttachments(), reportedGrasps(),
                       [this](std::size_t id) { return table_.nameOf(id); });

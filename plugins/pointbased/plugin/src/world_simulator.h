@@ -187,6 +187,9 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   /// How far the bodies are from their shadows, as they are between two steps; the simulation does not change, and may
   /// go on meanwhile. Errors as sdk::Error: cancelled. Any thread.
   std::shared_ptr<const WorldVerification> verifyBodies(const sdk::Progress &progress);
+  /// Makes the trials from which displacement errors are estimated, of bodies that have none yet: some tenths of a
+  /// second each. Bodies that cannot be tried, or whose trials are cancelled, say so in their statement. Any thread.
+  void tryBodies(const sdk::Progress &progress, const ParallelFor &parallelFor);
   /// Takes a body's points out under the lock; false when the body is gone.
   bool readBody(std::uint64_t body, const std::function<void(const Body &)> &read) const;
 
@@ -196,6 +199,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   /// Ids of loads and holds begin here, above those of bodies, obstacles and probes.
   static constexpr std::uint64_t kFirstLive = std::uint64_t{1} << 32;
   [[nodiscard]] std::vector<std::string> warningsOf(const ProbeTool &tool) const;
+  [[nodiscard]] bool hasStepped() const;
   [[nodiscard]] std::vector<ReportedTool> reportedTools() const;
   [[nodiscard]] std::vector<ReportedAttachment> reportedAttachments() const;
   enum class Walls { stay, makeRoom };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What bodies ask the dial when they are built.
+#include "build_request.h"
 #include "world_simulator.h"
 
 namespace pointbased {
@@ -35,6 +36,47 @@ double WorldSimulator::frameTime(const Body &body, const StopRequest *stop) cons
     obstacles.assign(simulator_.obstacles().begin(), simulator_.obstacles().end());
   }
   return measureFrame(body, settings, obstacles, context_.services.parallelFor(), stop);
+}
+
+void WorldSimulator::tryBodies(const sdk::Progress &progress, const ParallelFor &parallelFor) {
+  struct Untried {
+    std::uint64_t id = 0;
+    std::string name;
+    BodySource source;
+    std::shared_ptr<const ParameterValues> values;
+    std::shared_ptr<const RestState> rest;
+  };
+  std::vector<Untried> all;
+  Vec3 gravity;
+  {
+    const std::lock_guard lock(mutex_);
+    gravity = simulator_.world().gravity;
+    for (const auto &[id, record] : table_.bodies())
+      if (!record.trials && !simulator_.body(id)->rigid())
+        all.push_back({id, record.name, record.source, record.values, simulator_.body(id)->sharedRest()});
+  }
+  BuildRequest request(progress);
+  const auto tried = [&](const Untried &one) -> DisplacementTrials {
+    if (!request.tell(0.0, one.name + ": trying coarse samplings")) return {nullptr, "its trials were cancelled"};
+    if (one.rest->evaluation != Evaluation::stressPoints) return {nullptr, "phyxels without a lattice have no trials"};
+    try {
+      const BodyFilling filling = fillingOf(context_.services, one.name, one.source, *one.values, parallelFor);
+      const Constitution constitution = constitutionOf(context_.laws, one.name, one.source, *one.values);
+      auto survey = surveyAccuracy({filling.shape, filling.recipe, constitution, foundationOf(*one.values), gravity},
+                                   parallelFor, &request);
+      if (request.isRaised()) return {nullptr, "its trials were cancelled"};
+      if (!survey) return {nullptr, survey.error()};
+      return {std::make_shared<const AccuracySurvey>(std::move(*survey)), {}};
+    } catch (const sdk::Error &error) {
+      return {nullptr, error.what()};
+    }
+  };
+  for (const Untried &one : all) {
+    DisplacementTrials trials = tried(one);
+    const std::lock_guard lock(mutex_);
+    if (BodyRecord *record = table_.body(one.id); record && simulator_.body(one.id)->sharedRest() == one.rest)
+      record->trials = std::make_shared<const DisplacementTrials>(std::move(trials));
+  }
 }
 
 void WorldSimulator::keepHand(std::uint64_t body, const Grab &grab) {

@@ -50,6 +50,8 @@ class PanelRegistry {
   [[nodiscard]] std::vector<Handle> handles() const { return order_; }
   [[nodiscard]] Panel *find(Handle panel) { return panels_.find(panel); }
 
+  /// How messages are worded for a person: plainWords(). What it changes is logged as it was.
+  void setWording(std::function<std::string(const std::string &)> wording) { wording_ = std::move(wording); }
   /// Replaces an earlier message of the same title. The choices stand in the list of all messages, too.
   void notify(std::uint32_t severity, std::string title, std::string text, std::vector<Choice> choices = {},
               About about = About::program);
@@ -68,6 +70,7 @@ class PanelRegistry {
   std::vector<Handle> order_;
   std::vector<Notification> notifications_, log_;
   std::uint64_t serial_ = 0;
+  std::function<std::string(const std::string &)> wording_;
 };
 
 }  // namespace c3de::registry

@@ -28,6 +28,11 @@ class ParameterRegistry {
   [[nodiscard]] ParameterSet *find(Handle set);
   /// The sets of a plugin.
   [[nodiscard]] std::vector<Handle> ownedBy(const std::string &plugin) const;
+  /// visit(const ParameterSet &) for all of them.
+  template <class Visit>
+  void forEach(Visit &&visit) const {
+    sets_.forEach([&](Handle, const ParameterSet &set) { visit(set); });
+  }
   /// Checks, stores and, if `tellListener`, calls the listener.
   /// Without telling it is the owner who shows what is: the set's history of edits ends there.
   [[nodiscard]] Expected<void> set(Handle set, const ParameterValue &value, bool tellListener);

@@ -40,9 +40,10 @@ struct RunFacts {
   std::uint64_t stateHash = 0;
   std::optional<std::uint64_t> seed;
   Prepared prepared;
-  std::vector<std::string> notices;  ///< of the simulator, for people
-  std::string verification;          ///< of the simulator, JSON; empty: not asked for
-  double firstStep_s = 0.0;          ///< the first step alone
+  std::vector<std::string> accuracy;  ///< accuracyLines() of the end
+  std::vector<std::string> notices;   ///< of the simulator, for people
+  std::string verification;           ///< of the simulator, JSON; empty: not asked for
+  double firstStep_s = 0.0;           ///< the first step alone
   /// From the start of the command, plugins and scene file included, to the end of that step
   double toFirstStep_s = 0.0;
 };

@@ -24,5 +24,9 @@ namespace c3de::session {
 
 /// The same for people, a line per body.
 [[nodiscard]] std::vector<std::string> verificationLines(const std::string &verificationJson);
+/// How accurate the end state is: the statement of each body in the simulator's report, with what a verification adds.
+/// @param verificationJson  may be empty
+[[nodiscard]] std::vector<std::string> accuracyLines(const std::string &simulatorJson,
+                                                     const std::string &verificationJson);
 
 }  // namespace c3de::session

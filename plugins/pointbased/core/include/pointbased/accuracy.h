@@ -58,6 +58,7 @@ struct AccuracySurvey {
   double volume = 0.0, area = 0.0;  ///< m³, m²
   double largest = 0.0;             ///< m, displacement under the loads
   double difference = 0.0;          ///< skinDifference() of both, part of `largest`
+  Vec3 worst = Vec3::Zero();        ///< world, m, at rest: the sample of the skin at which they differ most
   /// Nothing holds the body, or nothing loads it, or both: its lowest tenth was held, its weight was its load
   bool supposed = false;
 

@@ -47,8 +47,9 @@ struct Verification {
   /// m, estimated errors of displacements: errorOverDifference() times the difference. Root of the mean square over the
   /// volume; 95 % of the area of the skin, and all of it, are below the others.
   double errorRms = 0.0, error95 = 0.0, errorMax = 0.0;
-  Vec3 worst = Vec3::Zero();         ///< world, m: where the skin now is that is farthest off
-  double largestDisplacement = 0.0;  ///< m, of the shadow's skin; of a free body beyond its rigid motion
+  Vec3 worst = Vec3::Zero();  ///< world, m: where the skin now is that is farthest off
+  /// m, of the shadow's skin; of a free body beyond its rigid motion. 0: what there is, is rounding
+  double largestDisplacement = 0.0;
   double elasticEnergy = 0.0, shadowElasticEnergy = 0.0;  ///< J, with their stabilisation
   std::vector<Reaction> reactions, shadowReactions;       ///< by fix
   std::vector<double> skinErrors;                         ///< [surfels of the body] m

@@ -47,9 +47,8 @@ Region lowestOf(const Surface &surface, const Vec3 &up) {
 using Trials = std::pair<TrialSolution, TrialSolution>;
 
 /// Two trials; where what holds the body is too small for their cells to see, two finer ones.
-Result<Trials> tryTwice(const AccuracyProblem &problem, double area, const ParallelFor &parallelFor,
-                        const StopRequest *stop) {
-  const SurfacePoints samples = skinSamples(problem.shape.surface, problem.recipe.fixes, kSamples);
+Result<Trials> tryTwice(const AccuracyProblem &problem, double area, const SurfacePoints &samples,
+                        const ParallelFor &parallelFor, const StopRequest *stop) {
   const auto count = static_cast<double>(automaticCount(problem.shape.volume, area));
   const auto solved = [&](double part) {
     return solveTrial(problem, static_cast<std::size_t>(part * count), samples, parallelFor, stop);
@@ -66,6 +65,17 @@ Result<Trials> tryTwice(const AccuracyProblem &problem, double area, const Paral
     }
   }
   return tl::unexpected(failure);
+}
+
+Vec3 worstOf(const SurfacePoints &samples, const AccuracySurvey &survey) {
+  Vec3 worst = Vec3::Zero();
+  double most = -1.0;
+  for (std::size_t i = 0; i < survey.fine.ways.size() && i < survey.coarse.ways.size(); ++i)
+    if (const double apart = (survey.coarse.ways[i] - survey.fine.ways[i]).norm(); apart > most) {
+      most = apart;
+      worst = samples.positions[i];
+    }
+  return worst;
 }
 
 }  // namespace
@@ -101,11 +111,13 @@ Result<AccuracySurvey> surveyAccuracy(const AccuracyProblem &problem, const Para
     fix.region = lowestOf(problem.shape.surface, -tried.gravity.normalized());
     recipe.fixes.push_back(fix);
   }
-  auto tries = tryTwice(tried, survey.area, parallelFor, stop);
+  const SurfacePoints samples = skinSamples(problem.shape.surface, recipe.fixes, kSamples);
+  auto tries = tryTwice(tried, survey.area, samples, parallelFor, stop);
   if (!tries) return tl::unexpected(tries.error());
   survey.coarse = std::move(tries->first);
   survey.fine = std::move(tries->second);
   survey.largest = survey.fine.largest;
+  survey.worst = worstOf(samples, survey);
   if (survey.largest > 0.0) survey.difference = skinDifference(survey.coarse, survey.fine) / survey.largest;
   if (!(survey.largest < kAstray * (problem.shape.max - problem.shape.min).norm()))
     return tl::unexpected(std::string("a part of it is held by nothing"));

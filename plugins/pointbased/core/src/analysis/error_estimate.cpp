@@ -7,6 +7,7 @@
 
 #include "forces/hourglass_energy.h"
 #include "forces/point_loops.h"
+#include "pointbased/singular_places.h"
 
 namespace pointbased {
 
@@ -276,6 +277,17 @@ void stabilisationShares(const Body &body, const ErrorScratch &scratch, std::vec
       perPhyxel[j] = stabilisation / whole;
     }
   }
+}
+
+double relativeErrorOutside(const Body &body, const ErrorScratch &scratch, const SingularPlaces &places) {
+  double error = 0.0, whole = 0.0;
+  for (std::size_t q = 0; q < scratch.errors.size(); ++q) {
+    if (places.points[q] != 0) continue;
+    error += scratch.errors[q];
+    whole += scratch.errors[q] + std::max(scratch.energies[q][0], 0.0) + scratch.energies[q][1] + floorOf(body, q);
+  }
+  if (!std::isfinite(whole)) return 1.0;
+  return whole > 0.0 ? std::sqrt(error / whole) : 0.0;
 }
 
 ErrorEstimate estimateError(const Body &body, std::vector<double> *perPhyxel) {

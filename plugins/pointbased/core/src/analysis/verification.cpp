@@ -9,6 +9,7 @@
 #include "analysis/shadow_forces.h"
 #include "analysis/shadow_solution.h"
 #include "base/number_text.h"
+#include "pointbased/error_estimate.h"
 
 namespace pointbased {
 
@@ -20,6 +21,7 @@ constexpr double kSkinSampling = 0.5;       // spacings of the body
 constexpr double kQuantile = 0.95;          // of the area of the skin
 constexpr double kBuildShare = 0.25;        // of the progress
 constexpr double kSupportRefinement = 2.0;  // of the shadow
+constexpr double kRounding = 1e-12;         // of the distance from the world's origin
 
 tl::unexpected<std::string> refused(const std::string &text) { return tl::unexpected<std::string>(text); }
 
@@ -245,10 +247,12 @@ class Verifying {
   [[nodiscard]] double largestDisplacement(const Compared &at) const {
     const bool isHeld = body_.held() || body_.foundation().settings().holds();
     const RigidFit fit = isHeld ? RigidFit() : rigidFit(at.reference, at.fine, at.weights);
-    double largest = 0.0;
-    for (std::size_t i = 0; i < at.reference.size(); ++i)
+    double largest = 0.0, reach = 0.0;
+    for (std::size_t i = 0; i < at.reference.size(); ++i) {
       largest = std::max(largest, (at.fine[i] - fit(at.reference[i])).norm());
-    return largest;
+      reach = std::max({reach, at.reference[i].norm(), at.fine[i].norm()});
+    }
+    return largest > std::max(kStrainFloor * (shape_.max - shape_.min).norm(), kRounding * reach) ? largest : 0.0;
   }
 
   [[nodiscard]] std::vector<std::string> limits(const ShadowState &solved) const {

@@ -75,7 +75,11 @@ void BodyGroup::takeScheme(std::span<const StepContext> orders) {
     if (!moves(k)) continue;
     BodyStepper &runner = *members_[k].runner;
     runner.share(scheme_);
-    if (!other && runner.integratorIn(orders[k].world) != scheme_) other = &runner;
+    // A body that would choose another integrator by itself has the group's: that is another event.
+    if (runner.integratorIn(orders[k].world) == scheme_)
+      runner.reportIntegrator(orders[k]);
+    else if (!other)
+      other = &runner;
   }
   if (!other || scheme_ != Integrator::explicitVerlet) return;
   const BodyStepper *rigid = freeRigid();

@@ -151,6 +151,7 @@ double BodyStepper::advance(const StepContext &order, double span) {
     return span;
   }
   beginAdvance(order);
+  reportIntegrator(order);
   const double gone = tryToAdvance(order, span, mostSubsteps());
   if (isStill(order, gone)) fallAsleep();
   return gone;
@@ -164,7 +165,6 @@ void BodyStepper::advanceAgain(const StepContext &order, double span) {
 
 std::optional<QuickCheckResult> BodyStepper::keepIfSound(const StepContext &order) {
   Body &body = *body_;
-  if (integratorIn(order.world) != order.world.integrator) reportIntegrator(order);
   // What somebody has put in from outside is caught before it becomes the state to go back to.
   QuickCheckResult glance;
   order.environment.clock->measure(kGuard, [&] { glance = quickCheck(body); });
@@ -307,7 +307,7 @@ BodyStepper::Gone BodyStepper::advanceImplicit(const StepContext &order, double 
 }
 
 void BodyStepper::reportIntegrator(const StepContext &order) {
-  if (integratorReported_) return;
+  if (integratorReported_ || integratorIn(order.world) == order.world.integrator) return;
   integratorReported_ = true;
   const std::string body = "body '" + body_->name() + "' ";
   if (body_->free()) {

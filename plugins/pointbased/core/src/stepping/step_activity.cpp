@@ -58,7 +58,7 @@ std::string whatWouldFit(const Body &body, Integrator integrator, const Effort &
   if (isExplicit && explicitTime < kLittle * effort.budget)
     return text + "was not done after " + number(effort.budget, 2) + " s, though its forces take only " +
            number(explicitTime, 2) + " s for a step of " + number(dt) + " s" + measured +
-           ": the rest is contact, or a busy machine. Longer edges of the surfaces (edge_length), no contact where " +
+           ": the rest is contact, or a busy machine. A coarser surface, no contact where " +
            "it does not matter (contact.pair, contact.self), or a larger solver.step_budget would fit";
   if (isExplicit)
     return text + "would take " + number(explicitTime, 2) + " s for a step of " + number(dt) + " s" + measured +
@@ -78,7 +78,7 @@ std::string whatWouldFit(const Body &body, Integrator integrator, const Effort &
   offer("sampling.count = " + std::to_string(10 * std::llround(0.1 * count)) + " or less");
   double poisson = 0.0;
   for (const Material &m : body.constitution().materials) poisson = std::max(poisson, m.poissonRatio);
-  if (poisson >= kNearlyIncompressible) offer("poisson_ratio below " + number(kNearlyIncompressible));
+  if (poisson >= kNearlyIncompressible) offer("a Poisson's ratio below " + number(kNearlyIncompressible));
   if (isStatic)
     offer("more solver.load_steps");
   else

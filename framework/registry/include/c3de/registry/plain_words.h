@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "c3de/registry/parameter_registry.h"
+
+namespace c3de::registry {
+
+/// A text for the window: ids of parameters become the labels that the panels show, "solver.dt" is “Step”. Other keys of
+/// the same tables lose their table ("contact.pair" is “pair”), and ids of interfaces and classes ("c3de.iface.…/1")
+/// are taken out. Addresses, file names and numbers stay.
+[[nodiscard]] std::string plainWords(std::string_view text, const ParameterRegistry &parameters);
+
+}  // namespace c3de::registry

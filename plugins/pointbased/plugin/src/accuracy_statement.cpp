@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "accuracy_statement.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "advice.h"
+#include "pointbased/error_estimate.h"
+
+namespace pointbased {
+namespace {
+
+constexpr double kNothingLeft = 0.98;  // part of the volume in singular places: the rest has no figure
+constexpr double kMuchLeftOut = 0.5;   // likewise: the line says how little it is about
+constexpr double kLeastInMillimetres = 1e-6;
+
+std::string twoDigits(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, std::abs(value) < 100.0 ? "%.2g" : "%.0f", value);
+  return text;
+}
+
+std::string millimetres(double metres) { return twoDigits(1e3 * metres) + " mm"; }
+
+std::string percent(double share) {
+  return share > 0.0 && share < 1e-3 ? "less than 0.1 %" : twoDigits(100.0 * share) + " %";
+}
+
+std::string placeText(const Vec3 &at) {
+  const auto axis = [](const char *name, double metres) {
+    char text[40];
+    // Adding 0 turns -0 into 0.
+    std::snprintf(text, sizeof text, "%s %.0f", name, std::round(1e3 * metres) + 0.0);
+    return std::string(text);
+  };
+  return axis("x", at[0]) + ", " + axis("y", at[1]) + ", " + axis("z", at[2]) + " mm";
+}
+
+std::string joined(const std::vector<std::string> &parts) {
+  std::string text;
+  for (const std::string &part : parts) text += (text.empty() ? "" : ", ") + part;
+  return text;
+}
+
+/// The present displacement of the point of the skin that has moved most, m, and of all of them.
+struct SkinMotion {
+  double largest = 0.0;
+  std::vector<Vec3> reference, now;  // world, m
+};
+
+SkinMotion skinMotion(const Body &body) {
+  const RestState &rest = body.rest();
+  SkinMotion out;
+  const std::span<const Vec3> u = body.state().displacements;
+  if (rest.surfels.count() == 0) {
+    for (std::size_t j = 0; j < u.size(); ++j) {
+      out.reference.push_back(rest.origin + rest.positions[j]);
+      out.now.push_back(out.reference.back() + u[j]);
+    }
+  } else {
+    out.reference.resize(rest.surfels.count());
+    out.now.resize(rest.surfels.count());
+    for (std::size_t p = 0; p < out.reference.size(); ++p)
+      out.reference[p] = rest.origin + rest.surfels.position(p, rest.positions);
+    updateSurfels(rest.surfels, {}, rest.positions, u, out.now, {}, serialFor());
+    for (Vec3 &x : out.now) x += rest.origin;
+  }
+  for (std::size_t p = 0; p < out.now.size(); ++p)
+    out.largest = std::max(out.largest, (out.now[p] - out.reference[p]).norm());
+  return out;
+}
+
+/// Where the point of the skin is now that lies nearest to a place of the reference.
+Vec3 nowAt(const SkinMotion &skin, const Vec3 &reference) {
+  Vec3 out = reference;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t p = 0; p < skin.reference.size(); ++p)
+    if (const double squared = (skin.reference[p] - reference).squaredNorm(); squared < nearest) {
+      nearest = squared;
+      out = reference + (skin.now[p] - skin.reference[p]);
+    }
+  return out;
+}
+
+std::vector<std::string> touching(const Simulator &simulator, std::size_t id, const AccuracySources &sources) {
+  std::vector<std::string> names;
+  for (const ContactSummary &contact : simulator.contacts()) {
+    if (contact.points == 0 || (contact.first != id && contact.second != id)) continue;
+    const std::size_t other = contact.first == id ? contact.second : contact.first;
+    names.push_back(other == id ? "itself" : other == kWorldBox ? "the walls" : "'" + sources.nameOfId(other) + "'");
+  }
+  return names;
+}
+
+void takeVerification(const Verification &verified, AccuracyStatement &out) {
+  out.basis = AccuracyStatement::Basis::verified;
+  out.largestDisplacement = verified.largestDisplacement;
+  out.finer =
+      static_cast<double>(verified.shadowPhyxels) / static_cast<double>(std::max<std::size_t>(1, verified.phyxels));
+  if (!(verified.largestDisplacement > 0.0)) return;
+  out.displacement = verified.error95;
+  out.displacementAtMost = verified.errorMax;
+  out.worst = verified.worst;
+}
+
+void estimateDisplacement(const Body &body, const AccuracySources &sources, const SkinMotion &skin,
+                          bool isActedOnElsewhere, AccuracyStatement &out) {
+  out.largestDisplacement = skin.largest;
+  if (!sources.trials) {
+    out.reason = "no trial solutions have been made yet";
+    return;
+  }
+  if (!sources.trials->survey) {
+    out.reason = sources.trials->failure;
+    return;
+  }
+  const AccuracySurvey &survey = *sources.trials->survey;
+  const double share = predictError(survey, body.rest().spacing).likely;
+  if (survey.supposed) {
+    out.reason =
+        "nothing but contact or inertia holds it, or nothing loads it; hung from its lowest tenth it would be " +
+        percent(share) + " of its deformation";
+    return;
+  }
+  out.basis = AccuracyStatement::Basis::estimated;
+  const bool isMoved = skin.largest > kStrainFloor * survey.largest;
+  if (!isMoved) out.largestDisplacement = survey.largest;
+  out.displacement = share * out.largestDisplacement;
+  out.worst = nowAt(skin, survey.worst);
+  out.reason = !isMoved             ? "expected at rest, nothing is displaced yet"
+               : isActedOnElsewhere ? "at rest; what contact and hands add is not in it"
+                                    : "at rest";
+}
+
+std::string displacementLine(const AccuracyStatement &of) {
+  using enum AccuracyStatement::Basis;
+  if (of.basis == none) return "Displacement: not estimated: " + of.reason + ". A verification measures it";
+  const bool isVerified = of.basis == verified;
+  const std::string how = isVerified ? "verified with " + twoDigits(of.finer) + " times the points"
+                                     : "estimated by two coarser solutions, " + of.reason;
+  if (!(of.displacement > 1e-3 * kLeastInMillimetres)) return "Displacement: no error beyond rounding (" + how + ")";
+  std::string text = "Displacement: ± " + millimetres(of.displacement) + " on 95 % of the skin (" + how + ")";
+  if (of.worst)
+    text += ", largest" +
+            (of.displacementAtMost > 0.0 ? ", " + millimetres(of.displacementAtMost) + "," : std::string()) + " at " +
+            placeText(*of.worst);
+  return text;
+}
+
+std::string stressLine(const AccuracyStatement &of) {
+  const std::string begin = "Stress and strain: ";
+  if (!of.isStrained) return begin + "nothing is strained";
+  if (of.leftOut > kNothingLeft)
+    return begin + "no figure: at this spacing singular places are all of the body; smaller cells leave some outside";
+  std::string text = begin + "± " + percent(of.stress) + " in the mean";
+  if (!of.places.empty())
+    text += of.leftOut > kMuchLeftOut
+                ? " in the " + percent(1.0 - of.leftOut) + " of its volume that lie outside of singular places"
+                : " outside of singular places";
+  if (!of.help.empty()) text += "; " + of.help;
+  return text;
+}
+
+std::string placesLine(const AccuracyStatement &of) {
+  if (of.places.empty()) return "Singular places: none found";
+  return "Singular places: " + joined(of.places) + " (" + percent(of.leftOut) +
+         " of the volume; left out, because stress has no finite value there)";
+}
+
+}  // namespace
+
+std::array<std::string, 3> AccuracyStatement::lines() const {
+  return {displacementLine(*this), stressLine(*this), placesLine(*this)};
+}
+
+AccuracyStatement stateAccuracy(const Simulator &simulator, std::size_t id, const AccuracySources &sources,
+                                ErrorScratch &scratch, const ParallelFor &parallelFor) {
+  const Body &body = *simulator.body(id);
+  AccuracyStatement out;
+  out.whole = estimateError(body, nullptr, scratch, parallelFor).relative;
+  std::vector<double> pressures;
+  simulator.contactPressures(id, pressures);
+  const SingularPlaces places = findSingularPlaces(body, pressures);
+  out.stress = relativeErrorOutside(body, scratch, places);
+  out.leftOut = places.volumePart;
+  out.isStrained = out.whole > 0.0;
+  for (const std::size_t f : places.fixes) {
+    const bool isNamed = f < sources.fixes.size() && !sources.fixes[f].empty();
+    out.places.push_back("edge of support " + (isNamed ? "'" + sources.fixes[f] + "'" : std::to_string(f)));
+  }
+  const std::vector<std::string> touched = touching(simulator, id, sources);
+  if (places.contact) {
+    for (const std::string &name : touched) out.places.push_back("edge of contact with " + name);
+    if (touched.empty()) out.places.emplace_back("edge of contact");
+  }
+  if (places.hands) out.places.emplace_back("where a hand holds it");
+  out.help = errorAdvice(body, sources.area, out.stress);
+
+  if (sources.verification && sources.verification->refused.empty()) {
+    takeVerification(sources.verification->result, out);
+    return out;
+  }
+  estimateDisplacement(body, sources, skinMotion(body), !touched.empty() || places.hands, out);
+  return out;
+}
+
+}  // namespace pointbased
