@@ -2,6 +2,7 @@
 #include "stepping/joint_contact.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace pointbased::detail {
 namespace {
@@ -50,6 +51,14 @@ bool passesBy(SkinPair &pair, const SkinContact &contact) {
     for (const Index other : skin.skin().triangles[t])
       if (liesNearer(skin, vertex.vertex, other, towardsOther(vertex.ofSecond), Vec3::Zero())) return true;
   return false;
+}
+
+// A contact whose row is empty exerts no force, and none that it exerted before is reported.
+void leaveOut(Contact &contact) {
+  contact.gap = std::numeric_limits<double>::infinity();
+  contact.normalImpulse = contact.settleImpulse = contact.normalForce = 0.0;
+  contact.frictionImpulse.setZero();
+  contact.settleFriction.setZero();
 }
 
 }  // namespace
@@ -139,6 +148,7 @@ void JointContact::gather(std::span<const JoinedPair> pairs, double margin, bool
                std::span<const double>(skin.weights).subspan(begin, end - begin), bodies_[of[side]], part.weight);
       }
       addContact(contact);
+      if (!counts) leaveOut(state_.active.back());
     }
   }
   began_.clear();
