@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <mutex>
 #include <optional>
 #include <random>
+#include <thread>
 #include <utility>
 
 #include "c3de/core/path_text.h"
@@ -67,38 +69,55 @@ class FixedText {
 
 const char *nameOf(CrashRecord::Place place) { return kPlaces[static_cast<std::size_t>(place)]; }
 
-void onFatalError(const char *how, const void *const *stack, std::size_t depth) noexcept {
+/// Whose code a stack is in.
+struct Culprit {
+  CrashRecord::Place place = CrashRecord::Place::program;
+  const char *owner = nullptr, *what = nullptr;
+};
+
+Culprit culpritOf(const void *const *stack, std::size_t depth) noexcept {
   using Place = CrashRecord::Place;
   const detail::ForeignPlace at = detail::foreignPlaceOfThread();
   const char *owner = nullptr;
   for (std::size_t i = 0; i < depth && owner == nullptr; ++i) owner = ownerOfCode(stack[i]);
-  const char *what = at.isInside ? at.what : nullptr;
-  Place place = Place::program;
-  if (at.isInside) {
-    place = Place::call;
-    if (owner == nullptr) owner = at.owner;
-  } else if (owner != nullptr) {
-    place = Place::thread;
-  } else if (at.owner != nullptr) {
-    place = Place::before;
-    owner = at.owner;
-    what = at.what;
-  }
-  FixedText told;
-  told << "\nc3de: fatal: " << how;
-  if (place == Place::program) told << ", in the program itself";
-  if (place == Place::call) told << ", in plugin " << owner << " (" << what << ")";
-  if (place == Place::thread) told << ", in plugin " << owner << " (on a thread of its own)";
-  if (place == Place::before) told << ", in the program itself, after plugin " << owner << " (" << what << ")";
-  told << "\n";
-  detail::writeToErrorStream(told.data(), told.size());
+  if (at.isInside) return {Place::call, owner != nullptr ? owner : at.owner, at.what};
+  if (owner != nullptr) return {Place::thread, owner, nullptr};
+  if (at.owner != nullptr) return {Place::before, at.owner, at.what};
+  return {};
+}
 
+void writeToJournal(const Culprit &culprit, const char *how) noexcept {
   const detail::HeldFile *journal = journalOfProcess.load();
   if (journal == nullptr) return;
   FixedText record;
-  record << nameOf(place) << "\n" << how << "\n" << owner << "\n" << what << "\n";
+  record << nameOf(culprit.place) << "\n" << how << "\n" << culprit.owner << "\n" << culprit.what << "\n";
   journal->replace(record.data(), record.size());
 }
+
+void onFatalError(const char *how, const void *const *stack, std::size_t depth) noexcept {
+  using Place = CrashRecord::Place;
+  const Culprit at = culpritOf(stack, depth);
+  FixedText told;
+  told << "\nc3de: fatal: " << how;
+  if (at.place == Place::program) told << ", in the program itself";
+  if (at.place == Place::call) told << ", in plugin " << at.owner << " (" << at.what << ")";
+  if (at.place == Place::thread) told << ", in plugin " << at.owner << " (on a thread of its own)";
+  if (at.place == Place::before) told << ", in the program itself, after plugin " << at.owner << " (" << at.what << ")";
+  // Damage to the heap is found by whoever asks for memory next.
+  const detail::ForeignPlace earlier = detail::earlierPlaceOfThread(at.owner);
+  if (at.place == Place::call && earlier.owner != nullptr)
+    told << "; called before it: plugin " << earlier.owner << " (" << earlier.what << ")";
+  told << "\n";
+  detail::writeToErrorStream(told.data(), told.size());
+  writeToJournal(at, how);
+}
+
+/// Handlers of exit() and what takes the place of _exit() are given no data of ours: static.
+struct ExitWatch {
+  std::atomic<int> code{0};
+  std::atomic<long long> process{-1};
+  std::atomic<std::thread::id> mainThread{};
+} exitWatch;
 
 /// Empty: it says nothing.
 std::optional<CrashRecord> read(const std::filesystem::path &path) {
@@ -179,6 +198,45 @@ std::string CrashRecord::cause() const {
       return fmt::format("was ended from outside while plugin {} ({}) did not return for {}", owner, what, how);
   }
   return fmt::format("ended by {}, in the program itself", how);
+}
+
+// No log: code from outside may be within it, or in a handler of a signal.
+void detail::onExit(const char *how) noexcept {
+  using Place = CrashRecord::Place;
+  // A child that somebody has forked ends as it likes.
+  if (processId() != exitWatch.process.load()) return;
+  std::array<const void *, 64> stack{};
+  const Culprit at = culpritOf(stack.data(), presentStack(stack.data(), stack.size()));
+  const bool isForeign = at.place == Place::call || at.place == Place::thread;
+  if (!isForeign && std::this_thread::get_id() == exitWatch.mainThread.load()) return;
+  FixedText told;
+  told << "c3de: error: ";
+  if (isForeign)
+    told << "plugin " << at.owner;
+  else
+    told << "a thread that is not the program's";
+  told << " has ended the program, by " << how;
+  if (at.place == Place::call) told << " within " << at.what;
+  if (at.place == Place::thread) told << " on a thread of its own";
+  told << "; results that were not written are lost\n";
+  writeToErrorStream(told.data(), told.size());
+  writeToJournal(isForeign ? at : Culprit{}, how);
+  endProcess(exitWatch.code.load());
+}
+
+void nameWhoExits(int code) {
+  exitWatch.code = code;
+  exitWatch.process = processId();
+  exitWatch.mainThread = std::this_thread::get_id();
+  std::array<const void *, 1> loads{};
+  (void)detail::presentStack(loads.data(), loads.size());  // what it needs is loaded by its first call
+  static const bool isRegistered = [] {
+#if !defined(__MINGW32__)  // which has no quick_exit
+    (void)std::at_quick_exit([] { detail::onExit("quick_exit()"); });
+#endif
+    return std::atexit([] { detail::onExit("exit()"); }) == 0;
+  }();
+  (void)isRegistered;
 }
 
 void tellFatalErrors() { detail::installFatalHandler(&onFatalError); }

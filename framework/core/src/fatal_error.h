@@ -18,6 +18,17 @@ using FatalHandler = void (*)(const char *how, const void *const *stack, std::si
 /// From now on; the process dies after it as it would have without. One handler.
 void installFatalHandler(FatalHandler handler);
 
+/// Code addresses of the present stack, the innermost first; how many.
+[[nodiscard]] std::size_t presentStack(const void **out, std::size_t most) noexcept;
+
+/// Ends the process at once: no handler of exit() runs, nothing is flushed.
+[[noreturn]] void endProcess(int exitCode) noexcept;
+
+/// For the platform, where it can see that somebody asks for the end of the process: returns unless that is code from
+/// outside, which is named then.
+/// @param how  "_exit()"
+void onExit(const char *how) noexcept;
+
 /// A stack for the handler on the present thread, so that one whose own has overflown can be handled. Made and given
 /// back by the thread that uses it.
 class HandlerStack {

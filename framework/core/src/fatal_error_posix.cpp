@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <array>
@@ -60,6 +61,21 @@ void installFatalHandler(FatalHandler handler) {
   action.sa_flags = SA_SIGINFO | SA_ONSTACK;
   sigemptyset(&action.sa_mask);
   for (std::size_t i = 0; i < kFatal.size(); ++i) sigaction(kFatal[i].signal, &action, &before[i]);
+}
+
+std::size_t presentStack(const void **out, std::size_t most) noexcept {
+  const int depth = backtrace(const_cast<void **>(out), static_cast<int>(most));
+  return depth > 0 ? static_cast<std::size_t>(depth) : 0;
+}
+
+void endProcess(int exitCode) noexcept {
+  for (;;) {
+#if defined(SYS_exit_group)
+    syscall(SYS_exit_group, exitCode);
+#else
+    raise(SIGKILL);
+#endif
+  }
 }
 
 HandlerStack::HandlerStack() {
@@ -121,3 +137,19 @@ void writeToErrorStream(const char *text, std::size_t size) noexcept {
 }
 
 }  // namespace c3de::detail
+
+#if defined(__linux__)
+// Plugins find these before those of the C library, because the program comes first where symbols are looked up. exit()
+// of the C library does not call them.
+extern "C" {
+__attribute__((visibility("default"))) void _exit(int code) {  // NOLINT(bugprone-reserved-identifier): its name
+  c3de::detail::onExit("_exit()");
+  c3de::detail::endProcess(code);
+}
+__attribute__((visibility("default"))) void _Exit(
+    int code) noexcept {  // NOLINT(bugprone-reserved-identifier): as above
+  c3de::detail::onExit("_Exit()");
+  c3de::detail::endProcess(code);
+}
+}
+#endif

@@ -64,6 +64,14 @@ void installFatalHandler(FatalHandler handler) {
   std::signal(SIGABRT, &onAbort);
 }
 
+std::size_t presentStack(const void **out, std::size_t most) noexcept {
+  return CaptureStackBackTrace(0, static_cast<DWORD>(most), const_cast<void **>(out), nullptr);
+}
+
+void endProcess(int exitCode) noexcept {
+  for (;;) TerminateProcess(GetCurrentProcess(), static_cast<UINT>(exitCode));
+}
+
 HandlerStack::HandlerStack() {
   ULONG size = kStackSize;
   (void)SetThreadStackGuarantee(&size);

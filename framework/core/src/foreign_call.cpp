@@ -7,16 +7,18 @@
 #include <array>
 #include <atomic>
 #include <condition_variable>
-#include <cstdlib>
+#include <map>
 #include <mutex>
 #include <set>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "c3de/core/environment_faults.h"
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
 #include "fatal_error.h"
+#include "foreign_environment.h"
 #include "foreign_place.h"
 
 namespace c3de {
@@ -31,6 +33,7 @@ struct Frame {
   std::atomic<const char *> owner{nullptr}, what{nullptr};
   std::atomic<std::uint64_t> subject{0};
   std::atomic<CallKind> kind{CallKind::prompt};
+  std::uint64_t floatControl = 0;  ///< when it began; of its own thread
 };
 
 struct ThreadCalls {
@@ -39,6 +42,8 @@ struct ThreadCalls {
   std::atomic<std::thread::id> thread{};
   std::array<Frame, ForeignCall::kMostNested> frames;
   // Of its own thread:
+  const char *lastOwner = nullptr, *lastWhat = nullptr;    ///< of the call that has returned last
+  const char *otherOwner = nullptr, *otherWhat = nullptr;  ///< of the last one before it with another owner
   std::uint64_t lastSerial = 0;
   bool wasTooDeep = false;
 };
@@ -82,18 +87,39 @@ ThreadCalls *callsOfThread() noexcept {
   return ownCalls;
 }
 
-std::atomic<int> exitCodeOfForeign{0};
+// Handlers of exit() may come here: never destroyed.
+std::mutex &faultsMutex() {
+  static auto *const mutex = new std::mutex;
+  return *mutex;
+}
+std::map<std::string, std::string> &faults() {
+  static auto *const all = new std::map<std::string, std::string>;
+  return *all;
+}
 
-void nameCaller() noexcept {
-  const detail::ForeignPlace place = detail::foreignPlaceOfThread();
-  if (!place.isInside) return;
+std::string localeText(const std::string &was) { return "it writes numbers as in the locale " + shownText(was); }
+
+/// In the log, once per owner. @param describe(values...)  what is other than before
+template <class Describe, class... Values>
+void reportChange(const char *owner, const char *what, const Describe &describe, const Values &...values) noexcept {
   try {
-    log(LogLevel::error, fmt::format("plugin {} has ended the program, by exit() within {}; results that were not "
-                                     "written are lost",
-                                     place.owner, place.what));
-  } catch (...) {
+    const std::string name = owner != nullptr ? owner : "(unknown)";
+    std::string line = fmt::format("plugin {}: {} has changed how the program computes: {}; that is restored", name,
+                                   what != nullptr ? what : "a call", describe(values...));
+    {
+      const std::lock_guard lock(faultsMutex());
+      if (!faults().try_emplace(name, line).second) return;
+    }
+    log(LogLevel::error, line);
+  } catch (...) {  // no memory for the line
   }
-  std::_Exit(exitCodeOfForeign.load());
+}
+
+void restoreLocaleOf(const char *owner, const char *what) noexcept {
+  try {
+    if (const std::string was = detail::restoreLocale(); !was.empty()) reportChange(owner, what, localeText, was);
+  } catch (...) {  // no memory for the text
+  }
 }
 
 }  // namespace
@@ -107,10 +133,28 @@ detail::ForeignPlace detail::foreignPlaceOfThread() noexcept {
   return {frame.owner.load(), frame.what.load(), depth > 0};
 }
 
+detail::ForeignPlace detail::earlierPlaceOfThread(const char *owner) noexcept {
+  const ThreadCalls *calls = ownCalls;
+  if (!calls) return {};
+  if (calls->lastOwner != owner) return {calls->lastOwner, calls->lastWhat, false};
+  return {calls->otherOwner, calls->otherWhat, false};
+}
+
 ForeignCall::ForeignCall(const char *owner, const char *what, CallKind kind, std::uint64_t subject) noexcept {
+  static const std::uint64_t floatControlOfProgram = detail::floatControl();
   ThreadCalls *calls = callsOfThread();
   if (!calls) return;
   const std::size_t depth = calls->depth.load(std::memory_order_relaxed);
+  std::uint64_t floatControl = detail::floatControl();
+  if (depth == 0) {
+    // Not every function of a simulator is called through here.
+    if (floatControl != floatControlOfProgram) {
+      detail::setFloatControl(floatControlOfProgram);
+      reportChange(calls->lastOwner, calls->lastWhat, detail::floatDifference, floatControl, floatControlOfProgram);
+      floatControl = floatControlOfProgram;
+    }
+    if (kind != CallKind::part) restoreLocaleOf(calls->lastOwner, calls->lastWhat);
+  }
   if (depth < kMostNested) {
     Frame &frame = calls->frames[depth];
     frame.serial.store(0, std::memory_order_relaxed);
@@ -119,14 +163,38 @@ ForeignCall::ForeignCall(const char *owner, const char *what, CallKind kind, std
     frame.subject.store(subject, std::memory_order_relaxed);
     frame.kind.store(kind, std::memory_order_relaxed);
     frame.serial.store(++calls->lastSerial, std::memory_order_release);
+    frame.floatControl = floatControl;
     serial_ = &frame.serial;
   }
   calls->depth.store(depth + 1, std::memory_order_release);
 }
 
 ForeignCall::~ForeignCall() {
-  if (ThreadCalls *calls = ownCalls)
-    calls->depth.store(calls->depth.load(std::memory_order_relaxed) - 1, std::memory_order_release);
+  ThreadCalls *calls = ownCalls;
+  if (!calls) return;
+  const std::size_t depth = calls->depth.load(std::memory_order_relaxed) - 1;
+  calls->depth.store(depth, std::memory_order_release);
+  if (depth >= kMostNested) return;
+  const Frame &frame = calls->frames[depth];
+  const char *owner = frame.owner.load(std::memory_order_relaxed), *what = frame.what.load(std::memory_order_relaxed);
+  if (calls->lastOwner != owner) {
+    calls->otherOwner = calls->lastOwner;
+    calls->otherWhat = calls->lastWhat;
+  }
+  calls->lastOwner = owner;
+  calls->lastWhat = what;
+  if (const std::uint64_t now = detail::floatControl(); now != frame.floatControl) {
+    detail::setFloatControl(frame.floatControl);
+    reportChange(owner, what, detail::floatDifference, now, frame.floatControl);
+  }
+  if (frame.kind.load(std::memory_order_relaxed) != CallKind::part) restoreLocaleOf(owner, what);
+}
+
+std::vector<std::string> environmentFaults() {
+  const std::lock_guard lock(faultsMutex());
+  std::vector<std::string> all;
+  for (const auto &[owner, line] : faults()) all.push_back(line);
+  return all;
 }
 
 bool ForeignCall::isTooDeep(const char *owner, const char *what) noexcept {
@@ -278,18 +346,6 @@ CallWatchdog::~CallWatchdog() {
   }
   impl_->wake.notify_one();
   impl_->thread.join();
-}
-
-void nameWhoExits(int code) {
-  exitCodeOfForeign = code;
-  static const bool isRegistered = [] {
-    log(LogLevel::debug, "watching for plugins that end the program");  // before: so the log outlives the handler
-#if !defined(__MINGW32__)                                               // which has no quick_exit
-    (void)std::at_quick_exit(&nameCaller);
-#endif
-    return std::atexit(&nameCaller) == 0;
-  }();
-  (void)isRegistered;
 }
 
 }  // namespace c3de

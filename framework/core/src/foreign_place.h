@@ -10,5 +10,7 @@ struct ForeignPlace {
 };
 /// Also for handlers of signals and of exit().
 [[nodiscard]] ForeignPlace foreignPlaceOfThread() noexcept;
+/// The last call of the present thread that has returned, of another owner than this one; none: null.
+[[nodiscard]] ForeignPlace earlierPlaceOfThread(const char *owner) noexcept;
 
 }  // namespace c3de::detail

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "c3de/core/first_size.h"
 #include "c3de/core/foreign_call.h"
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
@@ -16,6 +17,10 @@ namespace {
 using AnyFunction = void (*)();
 
 }  // namespace
+
+std::string sizeProblem(std::uint64_t size, std::size_t least, const char *type) {
+  return fmt::format("its member size is {}, needed are at least {} ({})", size, least, type);
+}
 
 std::string slotProblem(const void *table, std::uint32_t size, std::uint32_t rev, std::span<const TableSlot> slots) {
   rev = std::max<std::uint32_t>(rev, 1);

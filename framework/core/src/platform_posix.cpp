@@ -2,6 +2,7 @@
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <link.h>
+#include <locale.h>
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
@@ -9,6 +10,7 @@
 #include <sys/prctl.h>
 #endif
 #include <sys/file.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -19,11 +21,14 @@
 #include <cstring>
 #include <ctime>
 #include <fstream>
+#include <new>
 #include <thread>
 #include <utility>
 
+#include "c3de/core/guarded_memory.h"
 #include "c3de/core/platform.h"
 #include "descriptors.h"
+#include "foreign_environment.h"
 #include "open_file.h"
 #include "process_output.h"
 
@@ -338,6 +343,36 @@ void ChildProcess::kill() {
   if (wait(2.0)) return;
   ::kill(static_cast<pid_t>(id_), SIGKILL);
   (void)wait(2.0);
+}
+
+GuardedMemory::GuardedMemory(std::size_t bytes) {
+  const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  size_ = (bytes + page - 1) / page * page;
+  void *all = mmap(nullptr, size_ + 2 * kGuard, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (all == MAP_FAILED) throw std::bad_alloc();
+  data_ = static_cast<unsigned char *>(all) + kGuard;
+  if (mprotect(data_, size_, PROT_READ | PROT_WRITE) == 0) return;
+  munmap(all, size_ + 2 * kGuard);
+  throw std::bad_alloc();
+}
+
+GuardedMemory::~GuardedMemory() {
+  if (data_ != nullptr) munmap(data_ - kGuard, size_ + 2 * kGuard);
+}
+
+GuardedMemory::GuardedMemory(GuardedMemory &&other) noexcept
+    : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
+
+GuardedMemory &GuardedMemory::operator=(GuardedMemory &&other) noexcept {
+  std::swap(data_, other.data_);
+  std::swap(size_, other.size_);
+  return *this;
+}
+
+bool detail::resetThreadLocale() noexcept {
+  if (uselocale(nullptr) == LC_GLOBAL_LOCALE) return false;
+  (void)uselocale(LC_GLOBAL_LOCALE);
+  return true;
 }
 
 }  // namespace c3de

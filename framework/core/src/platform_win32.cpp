@@ -5,13 +5,17 @@
 #include <shlobj.h>
 
 #include <chrono>
+#include <clocale>
 #include <cstdio>
+#include <new>
 #include <thread>
 #include <utility>
 
+#include "c3de/core/guarded_memory.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
 #include "descriptors.h"
+#include "foreign_environment.h"
 #include "open_file.h"
 #include "process_output.h"
 
@@ -324,6 +328,36 @@ void ChildProcess::kill() {
   if (!isRunning()) return;
   TerminateProcess(reinterpret_cast<HANDLE>(id_), 1);
   (void)wait(2.0);
+}
+
+GuardedMemory::GuardedMemory(std::size_t bytes) {
+  SYSTEM_INFO system{};
+  GetSystemInfo(&system);
+  size_ = (bytes + system.dwPageSize - 1) / system.dwPageSize * system.dwPageSize;
+  auto *all = static_cast<unsigned char *>(VirtualAlloc(nullptr, size_ + 2 * kGuard, MEM_RESERVE, PAGE_NOACCESS));
+  if (all == nullptr) throw std::bad_alloc();
+  data_ = all + kGuard;
+  if (VirtualAlloc(data_, size_, MEM_COMMIT, PAGE_READWRITE) != nullptr) return;
+  VirtualFree(all, 0, MEM_RELEASE);
+  throw std::bad_alloc();
+}
+
+GuardedMemory::~GuardedMemory() {
+  if (data_ != nullptr) VirtualFree(data_ - kGuard, 0, MEM_RELEASE);
+}
+
+GuardedMemory::GuardedMemory(GuardedMemory &&other) noexcept
+    : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
+
+GuardedMemory &GuardedMemory::operator=(GuardedMemory &&other) noexcept {
+  std::swap(data_, other.data_);
+  std::swap(size_, other.size_);
+  return *this;
+}
+
+bool detail::resetThreadLocale() noexcept {
+  (void)_configthreadlocale(_DISABLE_PER_THREAD_LOCALE);  // answers whether it was on before
+  return false;
 }
 
 }  // namespace c3de

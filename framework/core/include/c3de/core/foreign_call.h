@@ -25,7 +25,7 @@ enum class CallKind : std::uint8_t {
   part     ///< of one that is on another thread; not told
 };
 
-/// A call into code from outside, from construction to destruction, on one thread. A handful of relaxed stores; any
+/// A call into code from outside, on one thread; rounding and locale are restored after it (environment_faults.h). Any
 /// thread. Beyond kMostNested calls within each other, and where there are very many threads, a call is not recorded.
 class ForeignCall {
  public:
@@ -99,8 +99,8 @@ class CallWatchdog {
   std::unique_ptr<Impl> impl_;
 };
 
-/// From now on, code from outside that ends the program (exit, quick_exit) is named in the log and on stderr, and the
-/// exit code is `code`.
+/// From now on, code from outside that ends the program (exit, quick_exit, on Linux _exit) is named on stderr and in the
+/// journal, also on a thread of its own, and the exit code is `code`. On the main thread. exit_group is not seen.
 void nameWhoExits(int code);
 
 }  // namespace c3de
