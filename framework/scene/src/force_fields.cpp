@@ -10,7 +10,9 @@
 #include <optional>
 #include <utility>
 
+#include "c3de/core/log.h"
 #include "c3de/core/text.h"
+#include "lent_points.h"
 
 namespace c3de::scene {
 namespace {
@@ -33,6 +35,9 @@ bool actsOn(const ForceFields::Field &field, Handle simulation) {
 }
 
 }  // namespace
+
+ForceFields::ForceFields() : lent_(std::make_unique<LentPoints>()) {}
+ForceFields::~ForceFields() = default;
 
 Handle ForceFields::add(Field field) {
   if (applying_ == std::this_thread::get_id()) return {};
@@ -103,28 +108,41 @@ Expected<void> ForceFields::applyTo(Handle simulation, c3de_object *simulator, c
   c3de_sim_points points{};
   points.size = sizeof points;
   if (table->points(simulator, body, &points) < 0 || points.count == 0) return {};
+  if (!points.positions_m || !points.velocities_m_s || !points.masses_kg || !points.forces_N)
+    return fail(ErrorCode::plugin,
+                fmt::format("points() of the simulator gives null for an array of body '{}', which has {} points",
+                            fromAbi(points.name), points.count));
+  lent_->lend(points);
+  const c3de_sim_points &lent = lent_->points();
   const c3de_force_call call{sizeof(c3de_force_call),
                              0,
                              {simulation.bits()},
                              body,
-                             points.name,
+                             lent.name,
                              time_s,
-                             points.count,
-                             points.positions_m,
-                             points.velocities_m_s,
-                             points.masses_kg,
-                             points.forces_N};
-  const std::size_t numbers = 3 * static_cast<std::size_t>(points.count);
+                             lent.count,
+                             lent.positions_m,
+                             lent.velocities_m_s,
+                             lent.masses_kg,
+                             lent.forces_N};
+  const std::size_t numbers = 3 * static_cast<std::size_t>(lent.count);
   for (auto at = fields_.begin(); at != fields_.end(); ++at) {
-    const Field &field = at->second;
+    Field &field = at->second;
     if (!actsOn(field, simulation)) continue;
     std::string why;
     if (const c3de_status code = field.apply(call); code < 0) {
       why = field.takeError ? field.takeError() : std::string();
       if (why.empty()) why = fmt::format("status {}", code);
-    } else if (const auto bad = firstNonFinite(points.forces_N, numbers)) {
-      why = fmt::format("the force on its point {} is {}", *bad / 3, points.forces_N[*bad]);
+    } else if (const char *array = lent_->overrun()) {
+      why = fmt::format("it has written beyond the end of {}, which has {} points", array, lent.count);
+    } else if (const auto bad = firstNonFinite(lent.forces_N, numbers)) {
+      why = fmt::format("the force on its point {} is {}", *bad / 3, lent.forces_N[*bad]);
     } else {
+      const char *written = lent_->restoreReadOnly();
+      if (written != nullptr && !std::exchange(field.isReported, true))
+        log(LogLevel::error,
+            fmt::format("the force field '{}' of {} writes to {}, which it may only read; that has no effect",
+                        field.name, field.owner, written));
       continue;
     }
     const std::string message = fmt::format("the force field '{}' of {} is removed: for body '{}': {}", field.name,
@@ -133,6 +151,7 @@ Expected<void> ForceFields::applyTo(Handle simulation, c3de_object *simulator, c
     count_ = fields_.size();
     return fail(ErrorCode::plugin, message);
   }
+  lent_->giveForces();
   return {};
 }
 

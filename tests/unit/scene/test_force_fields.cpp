@@ -188,3 +188,69 @@ TEST_CASE("What cannot be prepared pauses a simulation before the step, and the 
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   CHECK(fake.steps >= 5);
 }
+
+TEST_CASE("What a force field writes to positions, velocities and masses reaches nobody") {
+  Fixture f;
+  f.fields.add({"vandal",
+                "org.vandal",
+                {},
+                [](const c3de_force_call &call) -> c3de_status {
+                  for (const double *array : {call.positions_m, call.velocities_m_s, call.masses_kg})
+                    const_cast<double *>(array)[0] = 1e3;
+                  return C3DE_OK;
+                },
+                {}});
+  double seen = 0.0;
+  f.fields.add({"reader",
+                "org.reader",
+                {},
+                [&seen](const c3de_force_call &call) -> c3de_status {
+                  for (const double *array : {call.positions_m, call.velocities_m_s, call.masses_kg})
+                    seen = std::max(seen, array[0]);
+                  call.forces_N[0] += 2.0;
+                  return C3DE_OK;
+                },
+                {}});
+  REQUIRE(f.apply());
+  CHECK(seen < 1e3);
+  CHECK(f.sum() == 2.0 * 2.0);  // one for each body
+  for (int body = 0; body < 2; ++body) {
+    c3de_sim_points points{};
+    points.size = sizeof points;
+    REQUIRE(f.table()->points(f.fake.object(), {static_cast<std::uint64_t>(body) + 1}, &points) >= 0);
+    CHECK(points.positions_m[0] < 1e3);
+    CHECK(points.velocities_m_s[0] < 1e3);
+    CHECK(points.masses_kg[0] < 1e3);
+  }
+}
+
+TEST_CASE("A force field that writes beyond an array is removed, and the message names it") {
+  struct Beyond {
+    const char *array;
+    double *(*place)(const c3de_force_call &call);
+  };
+  for (const Beyond &beyond :
+       {Beyond{"forces_N", [](const c3de_force_call &call) { return call.forces_N + 3 * call.count; }},
+        Beyond{"masses_kg", [](const c3de_force_call &call) { return call.forces_N - 1; }},
+        Beyond{"velocities_m_s",
+               [](const c3de_force_call &call) { return const_cast<double *>(call.velocities_m_s) + 3 * call.count; }},
+        Beyond{"positions_m",
+               [](const c3de_force_call &call) { return const_cast<double *>(call.positions_m) - 1; }}}) {
+    INFO(beyond.array);
+    Fixture f;
+    f.fields.add({"long",
+                  "org.long",
+                  {},
+                  [&beyond](const c3de_force_call &call) -> c3de_status {
+                    *beyond.place(call) = 1.0;
+                    return C3DE_OK;
+                  },
+                  {}});
+    const auto applied = f.apply();
+    REQUIRE_FALSE(applied);
+    CHECK_THAT(applied.error().message,
+               Contains("'long' of org.long is removed") && Contains(std::string("beyond the end of ") + beyond.array));
+    CHECK(f.sum() == 0.0);
+    CHECK(f.apply());
+  }
+}

@@ -242,7 +242,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   /// Of bodies on which forces from outside are to act in the next step. Copies, because another thread may replace the
   /// body while they are being written.
   struct LentPoints {
-    std::vector<Vec3> positions, forces;
+    std::vector<Vec3> positions, velocities, forces;
     std::vector<double> masses;             // empty: to be taken anew
     std::shared_ptr<const RestState> rest;  // that the masses are of
     std::string name;

@@ -24,6 +24,8 @@ void WorldSimulator::points(c3de_handle handle, c3de_sim_points *out) {
     lent.positions.resize(n);
     for (std::size_t i = 0; i < n; ++i)
       lent.positions[i] = rest.origin + rest.positions[i] + body.state().displacements[i];
+    // A copy as well: whoever asks may keep the pointer, or write to it.
+    lent.velocities = body.state().velocities;
     lent.forces.assign(n, Vec3::Zero());
     lent.asked = true;
     if (lent.masses.size() != n || lent.rest != body.sharedRest()) {
@@ -34,7 +36,7 @@ void WorldSimulator::points(c3de_handle handle, c3de_sim_points *out) {
     points.name = sdk::str(lent.name);
     points.count = n;
     points.positions_m = lent.positions.front().data();
-    points.velocities_m_s = body.state().velocities.front().data();
+    points.velocities_m_s = lent.velocities.front().data();
     points.masses_kg = lent.masses.data();
     points.forces_N = lent.forces.front().data();
   }

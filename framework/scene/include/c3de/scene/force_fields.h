@@ -4,6 +4,7 @@
 #include <atomic>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -15,9 +16,14 @@
 
 namespace c3de::scene {
 
+class LentPoints;
+
 /// Forces of plugins on the bodies of running simulations.
 class ForceFields {
  public:
+  ForceFields();
+  ~ForceFields();
+
   struct Field {
     std::string name;
     std::string owner;  ///< the plugin's id
@@ -25,6 +31,7 @@ class ForceFields {
     /// Below 0: not applied, and `takeError` says why.
     std::function<c3de_status(const c3de_force_call &)> apply;
     std::function<std::string()> takeError;
+    bool isReported = false;  ///< that it writes to what is lent for reading
   };
 
   /// Any thread; null: not added, because this thread is applying a field.
@@ -49,6 +56,7 @@ class ForceFields {
   std::atomic<std::thread::id> applying_{};
   std::map<std::uint64_t, Field> fields_;  ///< in the order they were added
   std::uint32_t next_ = 1;
+  std::unique_ptr<LentPoints> lent_;
 };
 
 }  // namespace c3de::scene
