@@ -9,6 +9,11 @@
 #include <string>
 #include <thread>
 
+#if !defined(_WIN32)
+#include <sys/wait.h>
+#include <unistd.h>
+#endif
+
 #include "c3de/sdk/sdk.hpp"
 
 namespace {
@@ -27,21 +32,43 @@ struct Loading {
   }
 } loading;
 
+void endsTheProgram(const std::string &place) {
+  if (diesIn(place + " exit")) std::exit(0);
+  if (diesIn(place + " quick_exit")) std::quick_exit(0);
+  if (diesIn(place + " _Exit")) std::_Exit(0);
+  if (diesIn(place + " thread exit")) std::thread([] { std::exit(0); }).join();
+  if (diesIn(place + " thread _Exit")) std::thread([] { std::_Exit(0); }).join();
+#if !defined(_WIN32)
+  if (diesIn(place + " child _exit")) {  // a process of its own may end as it likes
+    const pid_t child = fork();
+    if (child == 0) _exit(7);
+    int status = 0;
+    if (waitpid(child, &status, 0) != child || WEXITSTATUS(status) != 7) std::abort();
+  }
+#endif
+}
+
 class Dying : public sdk::Panel {
  public:
   static constexpr sdk::PluginInfo info{.id = "test.dying", .version = "1.0.0", .displayName = "Dying"};
   static constexpr std::array needs{sdk::required<c3de_forces_v1>(), sdk::optional<c3de_panels_v1>(),
-                                    sdk::optional<c3de_jobs_v1>()};
+                                    sdk::optional<c3de_jobs_v1>(), sdk::optional<c3de_settings_v1>()};
 
   explicit Dying(sdk::Host host) : host_(host) {
     if (diesIn("create")) std::abort();
-    if (diesIn("exit")) std::exit(0);
+    if (diesIn("nowhere, and counts")) {
+      const sdk::Settings settings(host);
+      const auto before = settings.get("lives");
+      sdk::orThrow(settings.set("lives", std::to_string(1 + (before ? std::stoi(*before) : 0))));
+    }
+    endsTheProgram("create");
     if (diesIn("hang")) std::this_thread::sleep_for(std::chrono::minutes(10));
     field_ = sdk::orThrow(sdk::Forces(host).add("dying", [](const c3de_force_call &) -> sdk::Result<void> {
       if (diesIn("step")) {
         volatile std::uintptr_t nowhere = 8;  // compilers know what they can see
         *reinterpret_cast<volatile int *>(nowhere) = 1;
       }
+      endsTheProgram("step");
       // As long as the test that asks for it is patient.
       if (diesIn("slow step")) std::this_thread::sleep_for(std::chrono::seconds(14));
       return {};

@@ -43,6 +43,8 @@ class Person {
     return {};
   }
 
+  [[nodiscard]] fs::path home() const { return folder_ / "home"; }
+
   fs::path plugin;
 
  private:
@@ -57,9 +59,13 @@ TEST_CASE("a plugin that dies, hangs or exits at its first use is refused, and t
   struct Case {
     const char *where, *said;
   };
-  for (const Case &one : {Case{"loading", "(loading of its library)"}, Case{"create", "in plugin test.dying (create)"},
-                          Case{"thread", "in plugin test.dying (on a thread of its own)"},
-                          Case{"exit", "by exit() within create"}, Case{"hang", "had not come to an end after 5 s"}}) {
+  for (const Case &one :
+       {Case{"loading", "(loading of its library)"}, Case{"create", "in plugin test.dying (create)"},
+        Case{"thread", "in plugin test.dying (on a thread of its own)"}, Case{"create exit", "by exit() within create"},
+        Case{"create _Exit", "by _Exit() within create"},
+        Case{"create thread exit", "plugin test.dying has ended the program, by exit()"},
+        Case{"create thread _Exit", "plugin test.dying has ended the program, by _Exit()"},
+        Case{"hang", "had not come to an end after 5 s"}}) {
     INFO(one.where);
     const Person person(std::string("first-use-") + one.where);
     const auto result = person.run(one.where);
@@ -92,6 +98,38 @@ TEST_CASE("who trusts a plugin sees what ends his run, and is told again at the 
     CHECK(person.run("").errorOutput.find("the last run") == std::string::npos);  // told once
     CHECK_THAT(person.plugins().output, Contains("crashed  test.dying: one run ended by SIG"));
   }
+}
+
+TEST_CASE("the first use of a plugin leaves nothing in its settings") {
+  const Person person("first-use-settings");
+  REQUIRE(person.run("nowhere, and counts").exitCode == 0);
+  const fs::path file = person.home() / "config" / "settings" / "test.dying.json";
+  REQUIRE(fs::exists(file));
+  CHECK(readJson(file).at("lives") == "1");
+}
+
+TEST_CASE("a plugin that ends a run is named, the run has failed, and the next one says why") {
+  struct Case {
+    const char *where, *said;
+  };
+  for (const Case &one : {Case{"step exit", "by exit() within apply of a force field"},
+                          Case{"step quick_exit", "by quick_exit() within apply of a force field"},
+                          Case{"step _Exit", "by _Exit() within apply of a force field"},
+                          Case{"step thread exit", "by exit() on a thread of its own"},
+                          Case{"step thread _Exit", "by _Exit() on a thread of its own"}}) {
+    INFO(one.where);
+    const Person person(std::string("ends-the-run-") + one.where);
+    const auto ended = person.run(one.where);
+    INFO(ended.errorOutput);
+    CHECK(ended.exitCode == 4);
+    CHECK_THAT(ended.errorOutput, Contains(std::string("plugin test.dying has ended the program, ") + one.said));
+    const auto next = person.run("");
+    CHECK(next.exitCode == 0);
+    CHECK_THAT(next.errorOutput, Contains("the last run ended by ") && Contains("exit(), in plugin test.dying (") &&
+                                     Contains("--without test.dying"));
+  }
+  const Person person("ends-a-child");
+  CHECK(person.run("step child _exit").exitCode == 0);
 }
 
 TEST_CASE("a simulator that dies while it builds a body is named, with the call") {

@@ -40,8 +40,8 @@ std::string saidAtTheEnd(const std::string &text) {
 /// Why the plugin cannot be used; empty: nothing speaks against it. What makes it refuse or be refused is found when it
 /// is loaded, with all services there.
 std::string tryInProcess(const LoadRules &rules, const std::filesystem::path &file) {
-  std::vector<std::string> command{pathText(rules.prober), "plugins",  "--no-plugins",
-                                   "--trust-plugins",      "--plugin", pathText(file)};
+  std::vector<std::string> command{
+      pathText(rules.prober), "plugins", "--no-plugins", "--trust-plugins", "--trial", "--plugin", pathText(file)};
   if (rules.hasWindow) command.emplace_back("--as-in-window");
   const auto ended = runProcess(command, LoadGate::kMostSeconds);
   if (!ended) return {};

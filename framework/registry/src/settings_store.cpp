@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -28,6 +29,7 @@ SettingsStore::Values &SettingsStore::valuesOf(const std::string &plugin) {
   const auto [at, isNew] = plugins_.try_emplace(plugin);
   if (!isNew) return at->second;
   Values &values = at->second;
+  if (folder_.empty()) return values;
   const std::filesystem::path file = fileOf(plugin);
   std::error_code code;
   if (!std::filesystem::exists(file, code)) return values;
@@ -47,6 +49,7 @@ SettingsStore::Values &SettingsStore::valuesOf(const std::string &plugin) {
 }
 
 Expected<void> SettingsStore::write(const std::string &plugin, Values &values) {
+  if (folder_.empty()) return {};
   const std::filesystem::path file = fileOf(plugin);
   std::error_code code;
   std::filesystem::create_directories(folder_, code);
@@ -98,6 +101,17 @@ std::vector<std::string> SettingsStore::keys(const std::string &plugin) {
   return all;
 }
 
-std::filesystem::path defaultSettingsFolder() { return userConfigDirectory() / "settings"; }
+namespace {
+
+// Of the process, as the level of the log: it is a trial or it is none.
+std::atomic<bool> isInMemory{false};
+
+}  // namespace
+
+void keepSettingsInMemory() { isInMemory = true; }
+
+std::filesystem::path defaultSettingsFolder() {
+  return isInMemory ? std::filesystem::path() : userConfigDirectory() / "settings";
+}
 
 }  // namespace c3de::registry

@@ -27,6 +27,9 @@ std::string listOf(const std::vector<std::filesystem::path> &paths) {
 
 }  // namespace
 
+/// What comes with the program simulates where others are installed beside it and nobody chooses.
+static constexpr const char *kOwnSimulator = "c3de.pointbased.WorldSimulator/1";
+
 struct Session::Impl {
   Impl(unsigned threads, bool hasWindow) : pool(threads, hasWindow), jobs(mainQueue) {}
 
@@ -161,7 +164,9 @@ Expected<SimulatorIdentity> Session::chooseSimulator(const std::string &classId)
                                        "; `c3de plugins` says what was found and why it was refused");
   std::string list;
   for (const std::string &id : ids) list += (list.empty() ? "" : ", ") + id;
-  const std::string wanted = !classId.empty() ? classId : impl_->simulatorClass;
+  std::string wanted = !classId.empty() ? classId : impl_->simulatorClass;
+  if (wanted.empty() && ids.size() > 1 && std::find(ids.begin(), ids.end(), kOwnSimulator) != ids.end())
+    wanted = kOwnSimulator;
   if (wanted.empty() && ids.size() > 1)
     return fail(ErrorCode::plugin, "several classes simulate: " + list +
                                        "; choose one with [simulator] class = \"…\" in the scene, --set "

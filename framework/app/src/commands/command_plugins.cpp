@@ -14,6 +14,7 @@
 #include "c3de/registry/edit_list.h"
 #include "c3de/registry/panel_registry.h"
 #include "c3de/registry/parameter_registry.h"
+#include "c3de/registry/settings_store.h"
 #include "c3de/registry/tool_registry.h"
 #include "c3de/render/renderer.h"
 #include "c3de/session/file_kind.h"
@@ -191,9 +192,12 @@ Handler declare(CLI::App &app, CommandLine &line) {
       ->type_name("ID")
       ->allow_extra_args(false);
   app.add_option("--on", *on, "Switch it on again (repeatable)")->type_name("ID")->allow_extra_args(false);
+  const auto isTrial = std::make_shared<bool>(false);
+  app.add_flag("--trial", *isTrial, "Keep settings of plugins in memory alone, as where a first use is tried");
   addSessionOptions(app, line);
-  return [&line, on, off, isAsInWindow] {
+  return [&line, on, off, isAsInWindow, isTrial] {
     const SessionOptions options = line.sessionOptions();
+    if (*isTrial) registry::keepSettingsInMemory();
     if (!off->empty())
       if (const int failed = switchPlugins(*options.loadRules.records, *off, true)) return failed;
     if (!on->empty()) return switchPlugins(*options.loadRules.records, *on, false);

@@ -19,7 +19,8 @@ namespace c3de::registry {
 /// touched. Of two programs that write at the same time the later one wins.
 class SettingsStore {
  public:
-  /// @param folder  need not be there; made when something is written
+  /// @param folder  need not be there; made when something is written. Empty: nothing is read or written, and values
+  ///                last as long as this
   explicit SettingsStore(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
   static constexpr std::size_t kMostKeys = 1000, kLongestValue = std::size_t{1} << 20;
@@ -47,7 +48,10 @@ class SettingsStore {
   std::map<std::string, Values> plugins_;
 };
 
-/// Where settings lie unless somebody says otherwise: the folder "settings" in the person's folder of settings.
+/// Where settings lie unless somebody says otherwise: the folder "settings" in the person's folder of settings; after
+/// keepSettingsInMemory(), empty.
 [[nodiscard]] std::filesystem::path defaultSettingsFolder();
+/// For a process that only tries plugins: what they set from now on ends with it. Before a session is made.
+void keepSettingsInMemory();
 
 }  // namespace c3de::registry
