@@ -132,7 +132,7 @@ void ParameterValues::set(const c3de_param_value &in) {
 
 void ParameterValues::set(const c3de_param_value *values, std::uint64_t n, std::uint64_t stride) {
   ParameterValues changed = *this;
-  for (std::uint64_t i = 0; i < n; ++i) changed.set(sdk::strided(values, i, stride));
+  for (std::uint64_t i = 0; i < n; ++i) changed.set(sdk::readElement(values, i, stride, "value"));
   *this = std::move(changed);
 }
 

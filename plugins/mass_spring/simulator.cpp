@@ -156,11 +156,11 @@ void Simulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
 
   std::vector<Part> parts;
   for (std::uint64_t i = 0; i < in.parts_n; ++i) {
-    const auto part = sdk::readStruct(&sdk::strided(in.parts, i, in.parts_stride), "part");
+    const auto part = sdk::readElement(in.parts, i, in.parts_stride, "part");
     Part made{sdk::readStruct(part.region, "region"), values, {}};
     made.values.set(part.params, part.params_n, part.params_stride);
     for (std::uint64_t k = 0; k < part.params_n; ++k)
-      made.own.emplace_back(sdk::text(sdk::strided(part.params, k, part.params_stride).id));
+      made.own.emplace_back(sdk::text(sdk::readElement(part.params, k, part.params_stride, "parameter").id));
     if (std::none_of(lattice.cells().begin(), lattice.cells().end(),
                      [&](const Lattice::Cell &cell) { return contains(made.region, lattice.centre(cell)); }))
       throw Error(C3DE_E_ARG, "the region meets no middle of a cell; the spacing is " + shown(1e3 * spacing) + " mm",
@@ -171,7 +171,7 @@ void Simulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
   auto made = context_.method.make(std::move(lattice), std::move(surface), std::move(ofCells), values);
   PointBody &physics = *made;
   for (std::uint64_t i = 0; i < in.fixes_n; ++i) {
-    const auto fix = sdk::readStruct(&sdk::strided(in.fixes, i, in.fixes_stride), "fix");
+    const auto fix = sdk::readElement(in.fixes, i, in.fixes_stride, "fix");
     const auto region = sdk::readStruct(fix.region, "region");
     Support support;
     support.number = fix.index;
@@ -193,7 +193,7 @@ void Simulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
     physics.addSupport(std::move(support));
   }
   for (std::uint64_t i = 0; i < in.loads_n; ++i)
-    physics.loads.push_back(readLoad(sdk::readStruct(&sdk::strided(in.loads, i, in.loads_stride), "load"), physics));
+    physics.loads.push_back(readLoad(sdk::readElement(in.loads, i, in.loads_stride, "load"), physics));
   const Vec3 velocity = vectorOf(in.velocity_m_s), angular = vectorOf(in.angular_velocity_rad_s);
   if (!isFinite(velocity) || !isFinite(angular)) throw Error(C3DE_E_ARG, "velocities must be finite");
   physics.setInitialVelocity(velocity, angular);

@@ -114,10 +114,6 @@ void refuseStride(const char *name, std::uint64_t stride, std::uint64_t least, s
                                         stride, alignment, least, kLargestStride));
 }
 
-void refuseSize(const char *name, std::uint64_t size, std::size_t needed) {
-  throw Refusal(C3DE_E_ARG, fmt::format("{}: its member size is {}, needed are at least {}", name, size, needed));
-}
-
 double finiteOf(double value, const char *name) {
   if (!std::isfinite(value)) throw Refusal(C3DE_E_ARG, fmt::format("{} is {}, which is not finite", name, value));
   return value;

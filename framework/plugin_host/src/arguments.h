@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "c3de/abi/base.h"
+#include "c3de/core/first_size.h"
 #include "c3de/core/foreign_table.h"
 #include "c3de/core/handle.h"
 #include "c3de/core/text.h"
 #include "c3de/core/vec.h"
-#include "first_sizes.h"
 #include "refusal.h"
 
 namespace c3de::plugin_host {
@@ -39,15 +39,20 @@ T *requireNonNull(T *pointer, const char *name) {
 /// Beyond, a stride is rubbish and not that of a newer plugin.
 inline constexpr std::uint64_t kLargestStride = 65536;
 [[noreturn]] void refuseStride(const char *name, std::uint64_t stride, std::uint64_t least, std::uint64_t alignment);
-[[noreturn]] void refuseSize(const char *name, std::uint64_t size, std::size_t needed);
+
+/// Refuses a struct below its first size.
+template <class T>
+void requireSize(const T *in, const char *name) {
+  if (const std::string problem = sizeProblem(requireNonNull(in, name)); !problem.empty())
+    throw Refusal(C3DE_E_ARG, std::string(name) + ": " + problem);
+}
 
 /// The struct as far as both sides know it; members beyond the caller's size are zero. Refused below the first size.
 template <class T>
 [[nodiscard]] T structOf(const T *in, const char *name) {
-  requireNonNull(in, name);
+  requireSize(in, name);
   std::uint32_t size = 0;
   std::memcpy(&size, in, sizeof size);
-  if (size < FirstSize<T>::value) refuseSize(name, size, FirstSize<T>::value);
   T copy{};
   std::memcpy(&copy, in, std::min<std::size_t>(size, sizeof(T)));
   return copy;
@@ -64,9 +69,8 @@ template <class T>
 /// Writes as much as the caller has room for and leaves its size as it is.
 template <class T>
 void writeStruct(T *out, T value, const char *name) {
-  requireNonNull(out, name);
+  requireSize(out, name);
   const std::uint32_t size = out->size;
-  if (size < FirstSize<T>::value) refuseSize(name, size, FirstSize<T>::value);
   value.size = size;
   std::memcpy(out, &value, std::min<std::size_t>(size, sizeof(T)));
 }

@@ -3,25 +3,18 @@
 
 #include <fmt/format.h>
 
+#include "c3de/core/first_size.h"
 #include "c3de/core/foreign_table.h"
 
 namespace c3de::scene {
-namespace {
-
-/// Of revision 1; later ones only grow.
-constexpr std::size_t kFirstSize = 8 + 32 * 8;
-static_assert(sizeof(c3de_simulator_v1) >= kFirstSize);
-
-}  // namespace
 
 Expected<const c3de_simulator_v1 *> simulatorTable(c3de_object *simulator) {
   const auto found = queryTable<c3de_simulator_v1>(simulator, C3DE_IFACE_SIMULATOR_ID);
   if (!found) return found;
   const c3de_simulator_v1 *table = *found;
   // What may be null stands within it, too.
-  if (table->size < kFirstSize)
-    return fail(ErrorCode::plugin, fmt::format("the table of {} has {} bytes; needed: {}", C3DE_IFACE_SIMULATOR_ID,
-                                               table->size, kFirstSize));
+  if (const std::string problem = sizeProblem(table); !problem.empty())
+    return fail(ErrorCode::plugin, fmt::format("the table of {}: {}", C3DE_IFACE_SIMULATOR_ID, problem));
   // These three are one thing.
   const bool holds = table->hold != nullptr;
   if ((table->pull != nullptr) != holds || (table->hold_state != nullptr) != holds)

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "c3de/abi/iface/simulator.h"
+#include "c3de/core/first_size.h"
+#include "c3de/core/log.h"
 #include "c3de/core/text.h"
 
 namespace c3de::session {
@@ -33,6 +35,10 @@ class FieldReader {
       // Nothing may be thrown through the boundary.
       try {
         auto &to = *static_cast<Visit *>(visitor);
+        if (const std::string problem = sizeProblem(field); !problem.empty()) {
+          log(LogLevel::error, "a field of the simulator cannot be read: " + problem);
+          return C3DE_E_ARG;
+        }
         const bool isKnown = field->comps == 1 || field->comps == 3 || field->comps == 9;
         if (field->on == to.on && isKnown)
           to.found.push_back({std::string(fromAbi(field->name)), shownText(fromAbi(field->unit)), field->comps});

@@ -175,6 +175,12 @@ Expected<void> HeadlessRun::run() {
     if (auto start = simulatorReport()) facts_.startReport = std::move(*start);
 
   const char *owner = session_.plugins().ownerOf(simulator_);
+  const auto bodyCount = [this] {
+    c3de_sim_status status{};
+    status.size = sizeof status;
+    return table_->status(simulator_, &status) < 0 ? 0 : status.bodies;
+  };
+  const std::uint64_t bodies = bodyCount();
   std::optional<StepLimit> limit(std::in_place, simulator_, table_, limits_.deadline);
   ProgressLine progress(options_.quiet);
   double wall_s = 0.0;
@@ -225,6 +231,13 @@ Expected<void> HeadlessRun::run() {
     facts_.stepTimes.add(1e3 * step_s);
     simulation.endStep();
     if (const auto read = readStatus(); !read) return read;
+    if (const std::uint64_t now = bodyCount(); now < bodies) {
+      facts_.outcome = "failed";
+      facts_.failure = std::to_string(bodies - now) + " of " + std::to_string(bodies) +
+                       " bodies were removed while the simulation ran, after " + position() +
+                       "; a plugin has done that";
+      break;
+    }
     if (!finished_ && facts_.steps == stepsBefore && facts_.time_s == timeBefore_s) {
       facts_.outcome = "failed";
       facts_.failure = "the simulator answers that it has made a step, but neither step count nor time has grown";

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 
+#include "c3de/core/first_size.h"
 #include "c3de/core/text.h"
 
 namespace c3de::session {
@@ -16,6 +17,8 @@ Expected<std::vector<ParameterDecl>> simulatorDeclarations(c3de_object *simulato
   if (code < 0)
     return fail(ErrorCode::plugin, "the simulator does not say its parameters of scope " + std::to_string(scope) +
                                        " (status " + std::to_string(code) + ")");
+  if (const std::string problem = arrayProblem(decls, n, stride); !problem.empty())
+    return fail(ErrorCode::plugin, "the simulator's parameters of scope " + std::to_string(scope) + ": " + problem);
   return readDeclarations(decls, n, stride);
 }
 
@@ -34,23 +37,53 @@ std::vector<Vec3> surfacePositions(c3de_object *simulator, c3de_handle body) {
   return positions;
 }
 
+namespace {
+
+/// What a simulator has shown of what it has several of, and why it was refused; empty: it was not.
+template <class T>
+struct Seen {
+  std::vector<T> all;
+  std::string problem;
+
+  /// @param what  "probes"
+  [[nodiscard]] Expected<std::vector<T>> answer(c3de_status code, const char *what) {
+    if (!problem.empty())
+      return fail(ErrorCode::plugin,
+                  std::string("of the ") + what + " of the simulator one cannot be read: " + problem);
+    if (code < 0)
+      return fail(ErrorCode::plugin,
+                  std::string("the simulator does not say its ") + what + " (status " + std::to_string(code) + ")");
+    return std::move(all);
+  }
+};
+
+/// For each(): adds read(*in). Nothing may be thrown through the boundary.
+template <class T, class Struct, class Read>
+c3de_status see(void *visitor, const Struct *in, const Read &read) noexcept {
+  try {
+    auto &seen = *static_cast<Seen<T> *>(visitor);
+    seen.problem = sizeProblem(in);
+    if (!seen.problem.empty()) return C3DE_E_ARG;
+    seen.all.push_back(read(*in));
+    return C3DE_OK;
+  } catch (...) {
+    return C3DE_E_NOMEM;
+  }
+}
+
+Vec3 vec(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
+
+}  // namespace
+
 Expected<std::vector<ProbeSample>> readProbes(const c3de_simulator_v1 *table, c3de_object *simulator) {
-  std::vector<ProbeSample> samples;
+  Seen<ProbeSample> seen;
   const c3de_status code =
-      table->enum_probes(simulator, &samples, [](void *visitor, const c3de_sim_probe *probe) -> c3de_status {
-        // Nothing may be thrown through the boundary.
-        try {
-          const auto vec = [](const double(&v)[3]) { return Vec3{v[0], v[1], v[2]}; };
-          static_cast<std::vector<ProbeSample> *>(visitor)->push_back(
-              {shownText(fromAbi(probe->name)), vec(probe->position_m), vec(probe->velocity_m_s)});
-          return C3DE_OK;
-        } catch (...) {
-          return C3DE_E_NOMEM;
-        }
+      table->enum_probes(simulator, &seen, [](void *visitor, const c3de_sim_probe *probe) -> c3de_status {
+        return see<ProbeSample>(visitor, probe, [](const c3de_sim_probe &in) -> ProbeSample {
+          return {shownText(fromAbi(in.name)), vec(in.position_m), vec(in.velocity_m_s)};
+        });
       });
-  if (code < 0)
-    return fail(ErrorCode::plugin, "the simulator does not say its probes (status " + std::to_string(code) + ")");
-  return samples;
+  return seen.answer(code, "probes");
 }
 
 Expected<const c3de_contact_v1 *> contactTable(c3de_object *simulator) {
@@ -59,8 +92,9 @@ Expected<const c3de_contact_v1 *> contactTable(c3de_object *simulator) {
   const auto *table = static_cast<const c3de_contact_v1 *>(*found);
   if (std::string problem = tableProblem(table); !problem.empty())
     return fail(ErrorCode::plugin, "the simulator's table of " + std::move(problem));
-  if (table->size < sizeof(c3de_contact_v1) ||
-      (table->add_probe_tool == nullptr) != (table->enum_probe_tools == nullptr))
+  if (const std::string problem = sizeProblem(table); !problem.empty())
+    return fail(ErrorCode::plugin, std::string("the simulator's table of ") + C3DE_IFACE_CONTACT_ID + ": " + problem);
+  if ((table->add_probe_tool == nullptr) != (table->enum_probe_tools == nullptr))
     return fail(ErrorCode::plugin, std::string("of add_probe_tool() and enum_probe_tools() in the table of ") +
                                        C3DE_IFACE_CONTACT_ID + " one is missing; accepted: both, or null for both");
   return table;
@@ -89,25 +123,17 @@ Expected<const c3de_grasp_v1 *> graspTable(c3de_object *simulator) {
 }
 
 Expected<std::vector<ProbeToolSample>> readProbeTools(c3de_object *simulator) {
-  std::vector<ProbeToolSample> samples;
+  Seen<ProbeToolSample> seen;
   const auto table = contactTable(simulator);
   if (!table) return tl::unexpected(table.error());
-  if (*table == nullptr || (*table)->enum_probe_tools == nullptr) return samples;
+  if (*table == nullptr || (*table)->enum_probe_tools == nullptr) return seen.all;
   const c3de_status code = (*table)->enum_probe_tools(
-      simulator, &samples, [](void *visitor, const c3de_sim_probe_tool_state *tool) -> c3de_status {
-        // Nothing may be thrown through the boundary.
-        try {
-          const auto vec = [](const double(&v)[3]) { return Vec3{v[0], v[1], v[2]}; };
-          static_cast<std::vector<ProbeToolSample> *>(visitor)->push_back(
-              {shownText(fromAbi(tool->name)), vec(tool->position_m), vec(tool->force_N)});
-          return C3DE_OK;
-        } catch (...) {
-          return C3DE_E_NOMEM;
-        }
+      simulator, &seen, [](void *visitor, const c3de_sim_probe_tool_state *tool) -> c3de_status {
+        return see<ProbeToolSample>(visitor, tool, [](const c3de_sim_probe_tool_state &in) -> ProbeToolSample {
+          return {shownText(fromAbi(in.name)), vec(in.position_m), vec(in.force_N)};
+        });
       });
-  if (code < 0)
-    return fail(ErrorCode::plugin, "the simulator does not say its probe tools (status " + std::to_string(code) + ")");
-  return samples;
+  return seen.answer(code, "probe tools");
 }
 
 }  // namespace c3de::session

@@ -37,7 +37,8 @@ std::pair<c3de_status, std::string> refusalOf(F &&f) {
 
 /// Now has a member that First had not: what every struct of the boundary looks like once it has grown.
 template <>
-struct c3de::plugin_host::FirstSize<Now> {
+struct c3de::FirstSize<Now> {
+  static constexpr const char *name = "Now";
   static constexpr std::size_t value = sizeof(First);
 };
 
@@ -84,7 +85,7 @@ TEST_CASE("a struct of a newer caller is read as far as we know it") {
 TEST_CASE("a struct below its first revision is refused") {
   const Now tooSmall{4, 7, 8};
   CHECK(refusalOf([&] { (void)structOf(&tooSmall, "thing"); }).second ==
-        "thing: its member size is 4, needed are at least 8");
+        "thing: its member size is 4, needed are at least 8 (Now)");
   const Now *volatile nothing = nullptr;  // volatile: the compiler must not see it coming
   CHECK(refusalOf([&] { (void)structOf(static_cast<const Now *>(nothing), "thing"); }).second == "thing is null");
 }

@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cctype>
+#include <functional>
+#include <initializer_list>
+#include <string_view>
+#include <vector>
 
 #include "arguments.h"
 #include "c3de/core/log.h"
@@ -97,6 +101,31 @@ struct FormatProgress {
   std::atomic<bool> isCancelled{false};
 };
 
+/// That a plugin which is lent bytes for reading writes to them is seen by their sum.
+class ReadOnlyBytes {
+ public:
+  ReadOnlyBytes(std::initializer_list<std::string_view> lent) : lent_(lent), before_(sum()) {}
+  /// Logged, once a call.
+  void report(const PluginContext &plugin, const char *what) const {
+    if (sum() != before_)
+      log(LogLevel::error, fmt::format("plugin {}: {} has written to what it is lent for reading", plugin.id(), what));
+  }
+
+ private:
+  [[nodiscard]] std::size_t sum() const {
+    std::size_t all = 0;
+    for (const std::string_view bytes : lent_) all = 31 * all + std::hash<std::string_view>()(bytes);
+    return all;
+  }
+  std::vector<std::string_view> lent_;
+  std::size_t before_;
+};
+
+template <class T>
+std::string_view bytesOf(const std::vector<T> &values) {
+  return {reinterpret_cast<const char *>(values.data()), values.size() * sizeof(T)};
+}
+
 Expected<geometry::ReadMesh> readWith(PluginContext &plugin, const c3de_mesh_reader &reader,
                                       const std::filesystem::path &path, std::string_view bytes,
                                       const ProgressFn &progress) {
@@ -111,7 +140,9 @@ Expected<geometry::ReadMesh> readWith(PluginContext &plugin, const c3de_mesh_rea
     reading.call = &recorded;
     status = reader.read(reader.self, &source, &reading.abi, collector.abi());
   };
+  const ReadOnlyBytes lent{bytes};
   const bool returned = callPlugin(plugin, "read of a mesh reader", read, CallKind::job);
+  lent.report(plugin, "read of a mesh reader");
   std::string text = takeLastError();
   if (reading.isCancelled) return fail(ErrorCode::cancelled, "cancelled");
   if (!returned) return fail(ErrorCode::plugin, "an exception left it; the log says which");
@@ -158,7 +189,9 @@ Expected<std::string> writeWith(PluginContext &plugin, const c3de_mesh_writer &w
     writing.call = &recorded;
     status = writer.write(writer.self, &contents, &writing.abi, {&collector, &ByteCollector::put});
   };
+  const ReadOnlyBytes lent{bytesOf(mesh.vertices), bytesOf(mesh.triangles)};
   const bool returned = callPlugin(plugin, "write of a mesh writer", write, CallKind::job);
+  lent.report(plugin, "write of a mesh writer");
   const std::string text = takeLastError();
   if (writing.isCancelled) return fail(ErrorCode::cancelled, "cancelled");
   if (!returned) return fail(ErrorCode::plugin, "an exception left it; the log says which");

@@ -7,6 +7,7 @@
 #include <cstddef>
 
 #include "arguments.h"
+#include "c3de/core/log.h"
 #include "c3de/scene/simulation_directory.h"
 #include "fuse.h"
 #include "services/services.h"
@@ -78,6 +79,21 @@ c3de_status C3DE_CALL enumSimulations(void *ctx, void *visitor,
   return served < 0 ? served : answer;
 }
 
+/// In what a watcher has changed the simulation that it was only told of; empty: in nothing.
+std::string changeOf(PluginContext &plugin, Handle node, const c3de_sim_status &before) {
+  const auto simulation = plugin.services().simulations->find(node);
+  c3de_sim_status now{};
+  now.size = sizeof now;
+  if (!simulation || simulation->table()->status(simulation->object(), &now) < 0) return {};
+  if (now.bodies < before.bodies)
+    return fmt::format("has removed bodies: there were {}, there {} {}", before.bodies, now.bodies == 1 ? "is" : "are",
+                       now.bodies);
+  // A body that another thread has added takes it back to its beginning.
+  if (now.bodies == before.bodies && now.steps != before.steps)
+    return fmt::format("has changed the state: {} steps were made, now there are {}", before.steps, now.steps);
+  return {};
+}
+
 c3de_status C3DE_CALL watch(void *ctx, const c3de_simulation_watch *given, c3de_handle *out) noexcept {
   return serveOnMain(ctx, "simulation.watch", [&](PluginContext &plugin) {
     requireNonNull(out, "out")->v = 0;
@@ -93,8 +109,8 @@ c3de_status C3DE_CALL watch(void *ctx, const c3de_simulation_watch *given, c3de_
         callPlugin(*owner, "removed of a watch of simulations", [&] { taken.removed(taken.self, {node.bits()}); });
       };
     if (taken.stepped)
-      watch.stepped = [fuse = std::make_shared<Fuse>(plugin, "a watch of simulations"), taken](
-                          Handle node, const c3de_sim_status &status) {
+      watch.stepped = [fuse = std::make_shared<Fuse>(plugin, "a watch of simulations"), taken, owner = &plugin,
+                       isReported = std::make_shared<bool>(false)](Handle node, const c3de_sim_status &status) {
         (void)fuse->call(
             "stepped of a watch of simulations",
             [&] {
@@ -102,6 +118,13 @@ c3de_status C3DE_CALL watch(void *ctx, const c3de_simulation_watch *given, c3de_
               return C3DE_OK;
             },
             CallKind::step);
+        if (*isReported) return;
+        const std::string change = changeOf(*owner, node, status);
+        if (change.empty()) return;
+        *isReported = true;
+        log(LogLevel::error, fmt::format("plugin {}: stepped of a watch of simulations {}; other states are asked for "
+                                         "by transport() of {}",
+                                         owner->id(), change, C3DE_SIMULATION_ID));
       };
     writeHandle(out, plugin.services().simulations->watch(std::move(watch)));
   });

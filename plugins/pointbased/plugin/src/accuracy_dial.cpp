@@ -8,6 +8,7 @@
 
 #include "c3de/abi/iface/parameter_ids.h"
 #include "c3de/sdk/commands.hpp"
+#include "c3de/sdk/structs.hpp"
 #include "placed_mesh.h"
 
 namespace pointbased {
@@ -24,7 +25,7 @@ sdk::Result<void> settleWishes(ParameterValues &world, const c3de_param_value *v
                                std::uint64_t stride) {
   std::string_view last;
   for (std::uint64_t i = 0; i < n; ++i) {
-    const std::string_view id = sdk::text(sdk::strided(values, i, stride).id);
+    const std::string_view id = sdk::text(sdk::readElement(values, i, stride, "value").id);
     if (!isAWish(id) || world.isAuto(id)) continue;
     if (!last.empty() && id != last)
       return sdk::Failure{C3DE_E_ARG, std::string(last) + " and " + std::string(id) +

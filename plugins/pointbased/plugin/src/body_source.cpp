@@ -3,23 +3,13 @@
 
 #include <Eigen/LU>
 #include <cmath>
-#include <cstring>
+
+#include "c3de/sdk/structs.hpp"
 
 namespace pointbased {
 namespace {
 
 using sdk::Error;
-
-// Structs grow at their end: what the caller does not know stays zero.
-template <class T>
-T element(const T *first, std::uint64_t index, std::uint64_t stride) {
-  const auto *at = reinterpret_cast<const unsigned char *>(first) + index * stride;
-  std::uint32_t size = 0;
-  std::memcpy(&size, at, sizeof size);
-  T value{};
-  std::memcpy(&value, at, std::min<std::size_t>(size, sizeof value));
-  return value;
-}
 
 Vec3 vec(const double *v) { return {v[0], v[1], v[2]}; }
 
@@ -43,7 +33,7 @@ Vec3 rotationVectorOf(const double *xyzw, const sdk::ErrorPlace &where) {
 
 void setMotion(const c3de_sim_motion *given, Fix &fix, const sdk::ErrorPlace &where) {
   if (given == nullptr) return;
-  const c3de_sim_motion in = element(given, 0, 0);
+  const c3de_sim_motion in = sdk::readStruct(given, "motion");
   fix.displacement = vec(in.displacement_m);
   if (in.flags & C3DE_SIM_HAS_QUATERNION)
     fix.rotationVector = rotationVectorOf(in.quaternion, where);
@@ -71,7 +61,7 @@ Load readLoad(const c3de_sim_load &in, const sdk::ErrorPlace &where) {
 }
 
 std::shared_ptr<const FillSource> readFill(const c3de_sim_fill &fill, const Placement &placement) {
-  const c3de_sim_fill in = element(&fill, 0, fill.size);
+  const c3de_sim_fill in = sdk::readStruct(&fill, "fill");
   if (in.grid == nullptr || in.values == nullptr) refuse(member("fill"), "grid or values is null");
   const FieldGrid grid = readGrid(*in.grid, "fill");
   const PlacementTransform transform(placement);
@@ -87,7 +77,7 @@ std::shared_ptr<const FillSource> readFill(const c3de_sim_fill &fill, const Plac
 
 Region readRegion(const c3de_sim_region *given, const sdk::ErrorPlace &where, const Placement *placement) {
   if (given == nullptr) refuse(where, "region is null");
-  const c3de_sim_region in = element(given, 0, 0);
+  const c3de_sim_region in = sdk::readStruct(given, "region");
   Region region;
   switch (in.kind) {
     case C3DE_SIM_REGION_EVERYWHERE: region = EverywhereRegion{}; break;
@@ -120,7 +110,7 @@ BodySource readSource(const c3de_sim_body &body, const ParameterValues &values) 
   BodySource source;
   source.placement = readPlacement(body.placement);
   for (std::uint64_t i = 0; body.fixes && i < body.fixes_n; ++i) {
-    const c3de_sim_fix in = element(body.fixes, i, body.fixes_stride);
+    const c3de_sim_fix in = sdk::readElement(body.fixes, i, body.fixes_stride, "fix");
     const sdk::ErrorPlace where{"fix", in.index, {}};
     Fix fix;
     fix.region = readRegion(in.region, where, &source.placement);
@@ -131,19 +121,19 @@ BodySource readSource(const c3de_sim_body &body, const ParameterValues &values) 
     source.fixNames.push_back(name.empty() ? std::to_string(in.index) : std::string(name));
   }
   for (std::uint64_t i = 0; body.loads && i < body.loads_n; ++i) {
-    const c3de_sim_load in = element(body.loads, i, body.loads_stride);
+    const c3de_sim_load in = sdk::readElement(body.loads, i, body.loads_stride, "load");
     const sdk::ErrorPlace where{"load", in.index, {}};
     source.loads.push_back(readLoad(in, where));
     source.loadNumbers.push_back(in.index);
   }
   for (std::uint64_t i = 0; body.parts && i < body.parts_n; ++i) {
-    const c3de_sim_part in = element(body.parts, i, body.parts_stride);
+    const c3de_sim_part in = sdk::readElement(body.parts, i, body.parts_stride, "part");
     const sdk::ErrorPlace where{"part", static_cast<std::uint32_t>(i), {}};
     ParameterValues own = values;
     if (auto set = own.set(in.params, in.params_n, in.params_stride); !set) refuse(where, set.failure().message);
     std::vector<std::string> said;
     for (std::uint64_t k = 0; k < in.params_n; ++k)
-      said.emplace_back(sdk::text(element(in.params, k, in.params_stride).id));
+      said.emplace_back(sdk::text(sdk::readElement(in.params, k, in.params_stride, "parameter").id));
     source.parts.push_back({std::string(sdk::text(in.name)), readRegion(in.region, where, &source.placement),
                             std::move(own), std::move(said)});
   }
@@ -151,7 +141,7 @@ BodySource readSource(const c3de_sim_body &body, const ParameterValues &values) 
   for (const BodyPart &part : source.parts) tissues.push_back(part.name);
   source.tissues = std::make_shared<const std::vector<std::string>>(std::move(tissues));
   for (std::uint64_t i = 0; body.refinements && i < body.refinements_n; ++i) {
-    const c3de_sim_refinement in = element(body.refinements, i, body.refinements_stride);
+    const c3de_sim_refinement in = sdk::readElement(body.refinements, i, body.refinements_stride, "refinement");
     const sdk::ErrorPlace where{"refinement", static_cast<std::uint32_t>(i), {}};
     if (!std::isfinite(in.spacing_m) || in.spacing_m <= 0.0) refuse(where, "spacing is not finite and > 0 m");
     source.refinements.push_back({readRegion(in.region, where), in.spacing_m});
@@ -172,8 +162,7 @@ BodySource readSource(const c3de_sim_body &body, const ParameterValues &values) 
 }
 
 Load readLoad(const c3de_sim_load *load) {
-  if (load == nullptr) throw Error(C3DE_E_ARG, "load is null");
-  const c3de_sim_load in = element(load, 0, 0);
+  const c3de_sim_load in = sdk::readStruct(load, "load");
   return readLoad(in, {"load", in.index, {}});
 }
 
@@ -182,7 +171,7 @@ Mat3 readRotation(const double *xyzw, const char *what) {
 }
 
 FieldGrid readGrid(const c3de_sim_grid &grid, const char *what) {
-  const c3de_sim_grid in = element(&grid, 0, grid.size);
+  const c3de_sim_grid in = sdk::readStruct(&grid, "grid");
   FieldGrid out;
   constexpr std::uint64_t kMost = std::uint64_t{1} << 31;
   std::uint64_t count = 1;

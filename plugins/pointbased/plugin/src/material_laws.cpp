@@ -2,7 +2,6 @@
 #include "material_laws.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace pointbased {
 namespace {
@@ -127,16 +126,22 @@ void MaterialLaws::refresh() {
 void MaterialLaws::take(std::shared_ptr<Offer> offer, Generation &next) const {
   offer->object = sdk::orThrow(services_.registry.create(offer->id));
   offer->table = offer->object.query<c3de_material_law_v1>();
-  if (!offer->table || offer->table->size < sizeof(c3de_material_law_v1))
+  if (!offer->table)
     throw Error(C3DE_E_VERSION, std::string("its objects do not answer ") + C3DE_POINTBASED_MATERIAL_LAW_ID);
+  constexpr std::uint32_t kFirstSize = 48;  // of revision 1
+  static_assert(sizeof(void *) != 8 || sizeof(c3de_material_law_v1) >= kFirstSize);
+  if (offer->table->size < kFirstSize)
+    throw Error(C3DE_E_ARG, std::string("its table of ") + C3DE_POINTBASED_MATERIAL_LAW_ID + ": its member size is " +
+                                std::to_string(offer->table->size) + ", needed are at least " +
+                                std::to_string(kFirstSize));
   const c3de_param_decl *decls = nullptr;
   std::uint64_t n = 0, stride = 0;
   sdk::orThrow(services_.host.check(offer->table->declarations(offer->object.get(), &decls, &n, &stride)));
   std::vector<const Parameter *> added;
   for (std::uint64_t i = 0; i < n; ++i) {
     Parameter &p = offer->parameters.emplace_back();
-    const c3de_param_decl &in = sdk::strided(decls, i, stride);
-    std::memcpy(&p.declaration, &in, std::min<std::size_t>(in.size, sizeof in));
+    const c3de_param_decl in = sdk::readElement(decls, i, stride, "declaration");
+    p.declaration = in;
     p.id = "material." + std::string(text(in.id));
     p.declaration.size = sizeof(c3de_param_decl);
     p.declaration.id = sdk::str(p.id);

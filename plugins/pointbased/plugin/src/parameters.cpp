@@ -3,6 +3,7 @@
 
 #include "accuracy_dial.h"
 #include "c3de/abi/iface/parameter_ids.h"
+#include "c3de/sdk/structs.hpp"
 
 #include <algorithm>
 #include <array>
@@ -377,7 +378,7 @@ sdk::Result<void> ParameterValues::set(const c3de_param_value &value) {
 
 sdk::Result<void> ParameterValues::set(const c3de_param_value *values, std::uint64_t n, std::uint64_t stride) {
   for (std::uint64_t i = 0; i < n; ++i)
-    if (auto done = set(strided(values, i, stride)); !done) return done;
+    if (auto done = set(c3de::sdk::readElement(values, i, stride, "parameter")); !done) return done;
   return {};
 }
 

@@ -6,13 +6,14 @@
 #include <cstdio>
 #include <limits>
 
+#include "c3de/sdk/structs.hpp"
+
 namespace pointbased {
 
 Placement readPlacement(const c3de_sim_placement *placement) {
   Placement out;
   if (placement == nullptr) return out;
-  c3de_sim_placement in{};
-  std::memcpy(&in, placement, std::min<std::size_t>(placement->size, sizeof in));
+  const c3de_sim_placement in = sdk::readStruct(placement, "placement");
   if (in.flags & C3DE_SIM_PLACED_BY_MATRIX) {
     const Eigen::Matrix4d matrix = Eigen::Map<const Eigen::Matrix4d>(in.matrix);
     const Mat3 linear = matrix.topLeftCorner<3, 3>();

@@ -74,7 +74,7 @@ sdk::Result<void> WorldSimulator::setWorld(const c3de_param_value *values, std::
   // What only concerns the view, or how long a step may take, leaves the solver as it is.
   bool isForTheSolver = n == 0;
   for (std::uint64_t i = 0; i < n && !isForTheSolver; ++i) {
-    const std::string_view id = sdk::text(sdk::strided(values, i, stride).id);
+    const std::string_view id = sdk::text(sdk::readElement(values, i, stride, "value").id);
     isForTheSolver = !isOfTheView(id) && id != "solver.step_budget";
   }
   if (isForTheSolver) {

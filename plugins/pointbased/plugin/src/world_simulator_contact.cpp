@@ -29,11 +29,10 @@ ProbeTool readTool(const c3de_sim_probe_tool &in) {
   tool.radius = in.radius_m;
   tool.length = in.length_m;
   tool.friction = frictionOrThrow(in.friction, "probe tool '" + tool.name + "': ");
-  if (in.path == nullptr || in.path_stride < sizeof in.path->size)
-    throw Error(C3DE_E_ARG, "probe tool '" + tool.name + "': its path is null, or its stride too small");
+  if (in.path == nullptr) throw Error(C3DE_E_ARG, "probe tool '" + tool.name + "': its path is null");
   Vec3 axis = Vec3::UnitZ();
   for (std::uint64_t k = 0; k < in.path_n; ++k) {
-    const auto place = sdk::readStruct(&sdk::strided(in.path, k, in.path_stride), "path");
+    const auto place = sdk::readElement(in.path, k, in.path_stride, "probe tool '" + tool.name + "': place");
     if (place.flags & C3DE_SIM_PLACE_HAS_AXIS) axis = Vec3(place.axis);
     tool.path.push_back({place.time_s, Vec3(place.at_m), axis});
   }

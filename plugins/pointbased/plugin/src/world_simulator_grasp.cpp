@@ -187,10 +187,9 @@ void WorldSimulator::addGrasp(const c3de_sim_grasp *given, c3de_handle *out) {
   const Vec3 at(in.at_m), axis(in.axis);
   if (!at.allFinite() || !axis.allFinite() || axis.norm() <= 0.0)
     refuse("the point or the axis is not finite; accepted: finite numbers, and an axis that is not [0, 0, 0]");
-  if (in.path_n > 0 && (in.path == nullptr || in.path_stride < sizeof in.path->size))
-    refuse("its path is null, or its stride too small");
+  if (in.path_n > 0 && in.path == nullptr) refuse("its path is null");
   for (std::uint64_t k = 0; k < in.path_n; ++k) {
-    const auto place = sdk::readStruct(&sdk::strided(in.path, k, in.path_stride), "path");
+    const auto place = sdk::readElement(in.path, k, in.path_stride, which + "place");
     const Vec3 to(place.at_m);
     if (!std::isfinite(place.time_s) || !to.allFinite() ||
         !(scene.path.empty() || place.time_s > scene.path.back().time))
