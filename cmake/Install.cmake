@@ -55,6 +55,7 @@ install(FILES "${PROJECT_SOURCE_DIR}/plugins/hello/hello.c" "${PROJECT_SOURCE_DI
   "${PROJECT_SOURCE_DIR}/plugins/image_samples/image_samples.cpp"
   "${PROJECT_SOURCE_DIR}/plugins/material_law/material_law.cpp" "${PROJECT_SOURCE_DIR}/plugins/mesh_reader/FORMAT.md"
   "${PROJECT_SOURCE_DIR}/docs/plugin/snippets/minimal.c" "${PROJECT_SOURCE_DIR}/docs/plugin/snippets/probe.cpp"
+  "${PROJECT_SOURCE_DIR}/docs/plugin/snippets/phyxels.cpp"
   "${PROJECT_SOURCE_DIR}/docs/plugin/snippets/CMakeLists.txt"
   DESTINATION share/c3de/examples COMPONENT sdk)
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/plugins/mass_spring" DESTINATION share/c3de/examples COMPONENT sdk

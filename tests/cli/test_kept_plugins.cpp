@@ -56,4 +56,29 @@ TEST_CASE("a simulator of the first frozen interfaces is chosen by a scene and r
   CHECK(time_s >= 0.999);
 }
 
+TEST_CASE("a reader of phyxels of the first frozen interfaces reads what today's does", "[kept]") {
+  const auto folder = freshFolder("kept_phyxels");
+  const auto scene = writeBoxScene(folder);
+  const auto said = [&](const std::string &plugin) {
+    const auto run = runC3de({"run", scene.string(), "--steps", "1", "--plugin", plugin});
+    CHECK(run.exitCode == 0);
+    const auto at = run.errorOutput.find("box: ");
+    return at == std::string::npos ? std::string() : run.errorOutput.substr(at, run.errorOutput.find('\n', at) - at);
+  };
+  const std::string then = said(kept("phyxels_of_1.so").string());
+  CHECK_THAT(then, Contains(" phyxels, ") && Contains("largest Green strain 0.0"));
+  CHECK(then == said((std::filesystem::path(C3DE_TEST_PLUGINS) / "phyxels.so").string()));
+}
+
+TEST_CASE("a material law of the first frozen interfaces acts as today's does", "[kept]") {
+  const auto folder = freshFolder("kept_material_law");
+  const auto scene = writeBoxScene(folder);
+  const auto hash = [&](const std::string &plugin) {
+    return reportOf(folder, {scene.string(), "--steps", "20", "--plugin", plugin, "--set",
+                             "body.box.material.law=org.c3de.neo_hookean/0"})
+        .at("state_hash");
+  };
+  CHECK(hash(kept("material_law_of_1.so").string()) == hash(today("material_law")));
+}
+
 #endif

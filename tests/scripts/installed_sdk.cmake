@@ -25,7 +25,7 @@ foreach(one IN LISTS new)
 endforeach()
 file(WRITE "${PLACE}/new/CMakeLists.txt" "${gathered}")
 
-set(examples minimal hello probe clamp magnet mesh_reader image_samples material_law mass_spring)
+set(examples minimal hello probe phyxels clamp magnet mesh_reader image_samples material_law mass_spring)
 list(LENGTH examples example_count)
 foreach(compiler IN LISTS COMPILERS)
   string(REPLACE "+" "_" name "${compiler}")

@@ -4,12 +4,14 @@
 #include <array>
 #include <atomic>
 #include <bit>
+#include <cfenv>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <locale>
 #include <memory>
 #include <random>
 #include <stdexcept>
@@ -147,6 +149,7 @@ class Faller : public sdk::Object<Faller> {
     if (is("simulator_aborts") && steps_ == 7) std::abort();
     if (is("simulator_hangs") && steps_ == 7) sleepLong();
     ++steps_;
+    if (is("simulator_rounds_upward")) std::fesetround(FE_UPWARD);
     if (is("simulator_stands_still")) return;
     y_ -= 1e-3;
     if (is("simulator_is_random")) y_ += 1e-12 * static_cast<double>(std::random_device()());
@@ -181,6 +184,7 @@ class Faller : public sdk::Object<Faller> {
   }
   void bodyInfo(c3de_handle body, c3de_sim_body_info *out) {
     need(body);
+    if (is("simulator_takes_small_structs") && out->size == 4) return;
     c3de_sim_body_info info{};
     info.name = sdk::str("cube");
     info.surface_points = is("simulator_has_no_surface") ? 0 : 3;
@@ -238,6 +242,10 @@ constexpr std::array kParams{sdk::numberParam({.id = "size", .label = "Size", .u
                                               {.min = 0.0, .max = 1.0, .softMin = 0.0, .softMax = 1.0}, 0.5),
                              sdk::numberParam({.id = "age", .label = "", .unit = "s", .doc = "How old."},
                                               {.min = 0.0, .max = 1.0, .softMin = 0.0, .softMax = 1.0}, 0.5)};
+
+struct Comma : std::numpunct<char> {
+  char do_decimal_point() const override { return ','; }
+};
 
 struct OddTool : sdk::Tool {
   void cancel() override {
@@ -298,6 +306,8 @@ class Modes : public sdk::Panel {
           [](const sdk::MeshSource &source, sdk::Progress, const sdk::MeshSink &) -> sdk::Result<void> {
             if (is("reader_dies_of_little") && source.bytes.size() < 50) crash();
             if (is("reader_hangs")) sleepLong();
+            if (is("reader_writes_to_its_file") && !source.bytes.empty())
+              ++const_cast<char &>(reinterpret_cast<const char &>(source.bytes.front()));
             return sdk::Failure{C3DE_E_ARG, "no such file is accepted"};
           }));
     if (const sdk::Files files(host); files)
@@ -306,6 +316,8 @@ class Modes : public sdk::Panel {
                               [](const sdk::MeshContents &mesh, sdk::Progress, c3de_sink bytes) -> sdk::Result<void> {
                                 if (is("writer_dies_of_much") && mesh.positions.size() > 10'000) crash();
                                 if (is("writer_hangs")) sleepLong();
+                                if (is("writer_writes_to_its_mesh"))
+                                  const_cast<double &>(mesh.positions.front()[0]) += 1.0;
                                 if (is("writer_throws")) throw std::runtime_error("of a writer");
                                 if (is("writer_puts_nowhere")) bytes.put(bytes.self, nullptr, 100);
                                 (void)sdk::put(bytes, "odd");
@@ -315,13 +327,26 @@ class Modes : public sdk::Panel {
       field_ = sdk::orThrow(forces.add("odd", [](const c3de_force_call &call) -> sdk::Result<void> {
         for (std::uint64_t k = 0; is("field_divides_by_zero") && k < call.count; ++k)
           call.forces_N[3 * k] += 1.0 / call.positions_m[3 * k];
+        if (call.count > 0) {
+          if (is("field_writes_to_positions")) const_cast<double *>(call.positions_m)[0] += 1.0;
+          if (is("field_writes_to_velocities")) const_cast<double *>(call.velocities_m_s)[0] += 1.0;
+          if (is("field_writes_to_masses")) const_cast<double *>(call.masses_kg)[0] += 1.0;
+          if (is("field_writes_beyond_its_forces")) call.forces_N[3 * call.count] = 0.0;
+        }
+        if (is("field_rounds_upward")) std::fesetround(FE_UPWARD);
         if (is("field_dies_of_little") && call.count < 5) crash();
         if (is("field_throws")) throw std::runtime_error("of a field");
         return {};
       }));
     if (const sdk::Simulation simulations(host); simulations)
-      watch_ = sdk::orThrow(simulations.watch({}, {}, [](c3de_handle, std::uint64_t, double) {
+      watch_ = sdk::orThrow(simulations.watch({}, {}, [simulations](c3de_handle node, std::uint64_t, double) {
         if (is("stepped_throws")) throw std::runtime_error("of a watch");
+        if (const auto object = simulations.find(node)) {
+          const sdk::RunningSimulator simulator(*object);
+          if (is("stepped_clears_the_simulation")) simulator.table()->clear(simulator.abi());
+          if (is("stepped_removes_a_body")) (void)simulator.remove({1});
+          if (is("stepped_resets_the_simulation")) simulator.table()->reset(simulator.abi());
+        }
       }));
     if (const sdk::Commands commands(host); commands)
       command_ = sdk::orThrow(commands.add({.id = "test.modes.command", .title = "Odd"}, []() -> sdk::Result<void> {
@@ -352,6 +377,7 @@ class Modes : public sdk::Panel {
   void draw(sdk::Ui &ui) override {
     if (is("panel_throws")) throw std::runtime_error("of a panel");
     if (is("panel_dies")) crash();
+    if (is("panel_changes_the_locale")) std::locale::global(std::locale(std::locale(), new Comma));
     if (is("panel_hangs")) sleepLong();
     if (is("panel_ends_no_list")) ui.listBegin("list");
     static bool isOn = false;

@@ -68,6 +68,17 @@ TEST_CASE("good plugins pass every check") {
   CHECK(validate(C3DE_MATERIAL_LAW, {"--with", C3DE_POINTBASED}).exitCode == 0);
 }
 
+TEST_CASE("a good plugin may require what every run serves, or a window") {
+  for (const char *name : {"requires_params", "requires_panels"}) {
+    const Validated good = validate(testPlugin(name));
+    INFO(good.output);
+    CHECK(good.exitCode == 0);
+    CHECK(good.of("lifecycle.headless")["result"] == "pass");
+  }
+  CHECK_THAT(validate(testPlugin("requires_panels")).of("lifecycle.headless")["text"].get<std::string>(),
+             Contains("refuses itself: needs c3de.panels/1"));
+}
+
 TEST_CASE("plugins that are refused fail in the check that says why") {
   struct Bad {
     const char *plugin, *check, *says;
@@ -147,6 +158,20 @@ TEST_CASE("each way to misbehave is found by the check beside it") {
       {"command_dies", "commands", "fail", "SIGSEGV"},
       {"reader_dies_of_little", "readers", "fail", "SIGSEGV"},
       {"reader_hangs", "readers", "fail", "had not come to an end"},
+      {"field_writes_to_positions", "steps", "fail", "writes to positions_m, which it may only read"},
+      {"field_writes_to_velocities", "steps", "fail", "writes to velocities_m_s, which it may only read"},
+      {"field_writes_to_masses", "steps", "fail", "writes to masses_kg, which it may only read"},
+      {"field_writes_beyond_its_forces", "steps", "fail", "beyond the end of forces_N"},
+      {"field_rounds_upward", "steps", "fail", "apply of a force field has changed how the program computes"},
+      {"stepped_clears_the_simulation", "steps", "fail", "has removed bodies: there were 1, there are 0"},
+      {"stepped_removes_a_body", "steps", "fail", "has removed bodies"},
+      {"stepped_resets_the_simulation", "steps", "fail", "has changed the state"},
+      {"panel_changes_the_locale", "panels", "fail", "it writes numbers as in the locale"},
+      {"reader_writes_to_its_file", "readers", "fail", "has written to what it is lent for reading"},
+      {"writer_writes_to_its_mesh", "writers", "fail", "has written to what it is lent for reading"},
+      {"simulator_rounds_upward", "simulators", "fail", "it rounds upward"},
+      {"simulator_takes_small_structs", "simulators.arguments", "fail",
+       "body_info with a c3de_sim_body_info of size 4"},
       {"field_divides_by_zero", "steps", "fail", "inf"},
       {"field_dies_of_little", "steps", "fail", "SIGSEGV"},
       {"field_throws", "steps", "fail", "of a field"},

@@ -2,13 +2,17 @@
 // What a plugin registers, worked at random as people work it.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 
 #include "c3de/abi/iface/simulator.h"
 #include "c3de/abi/tools.h"
+#include "c3de/core/text.h"
 #include "c3de/registry/text_panel.h"
+#include "c3de/scene/simulation.h"
 #include "check.h"
 #include "trial.h"
 
@@ -241,31 +245,15 @@ Verdict writers(const Trial &trial) {
   return pass(fmt::format("{} of {} surfaces written", written, asked));
 }
 
-/// A simulation of one body that is nothing but points: some in one place, some held, none at all.
+/// A simulation of one body that is nothing but points: some in one place, some held, none at all. Whoever asks for more
+/// is answered that it is not served.
 class Points {
  public:
   Points() {
-    table_.size = sizeof table_;
-    table_.rev = 1;
-    table_.status = [](c3de_object *, c3de_sim_status *out) -> c3de_status {
-      out->bodies = 1;
-      return C3DE_OK;
-    };
-    table_.body_at = [](c3de_object *, std::uint64_t, c3de_handle *out) -> c3de_status {
-      out->v = 1;
-      return C3DE_OK;
-    };
-    table_.points = [](c3de_object *self, c3de_handle, c3de_sim_points *out) -> c3de_status {
-      Points &own = of(self);
-      own.isAsked_ = true;
-      out->name = {"body", 4};
-      out->count = own.masses_.size();
-      out->positions_m = own.positions_.data();
-      out->velocities_m_s = own.velocities_.data();
-      out->masses_kg = own.masses_.data();
-      out->forces_N = own.forces_.data();
-      return C3DE_OK;
-    };
+    // The tables of this process: each object finds its own through self.
+    static const c3de_object_vt vt{sizeof(c3de_object_vt), 1, [](c3de_object *) -> std::uint32_t { return 2; },
+                                   [](c3de_object *) -> std::uint32_t { return 1; }, &query};
+    self_.object.vt = &vt;
   }
   Points(const Points &) = delete;
   Points &operator=(const Points &) = delete;
@@ -284,10 +272,23 @@ class Points {
       if (random.below(8) == 0)                     // on the first one, or at the origin
         for (std::size_t c = 0; c < 3; ++c) positions_[3 * i + c] = i % 2 == 0 ? positions_[c] : 0.0;
     }
+    ++steps_;
   }
   [[nodiscard]] c3de_object *object() { return &self_.object; }
-  [[nodiscard]] const c3de_simulator_v1 *table() const { return &table_; }
+  [[nodiscard]] static const c3de_simulator_v1 *table() {
+    static const c3de_simulator_v1 made = makeTable();
+    return &made;
+  }
   [[nodiscard]] bool isAsked() const { return isAsked_; }
+  [[nodiscard]] c3de_sim_status status() const {
+    c3de_sim_status status{};
+    status.size = sizeof status;
+    status.steps = steps_;
+    status.time_s = 1e-3 * static_cast<double>(steps_);
+    status.dt_s = 1e-3;
+    status.bodies = hasBody_ ? 1 : 0;
+    return status;
+  }
 
  private:
   struct Self {
@@ -296,30 +297,117 @@ class Points {
   };
   static Points &of(c3de_object *self) { return *reinterpret_cast<Self *>(self)->points; }
 
-  c3de_simulator_v1 table_{};
+  static c3de_status C3DE_CALL query(c3de_object *, c3de_str id, std::uint32_t minRev, const void **found) {
+    if (fromAbi(id) != C3DE_IFACE_SIMULATOR_ID) return C3DE_E_NOT_FOUND;
+    if (minRev > 1) return C3DE_E_VERSION;
+    *found = table();
+    return C3DE_OK;
+  }
+  template <class... Arguments>
+  static c3de_status C3DE_CALL unserved(c3de_object *, Arguments...) noexcept {
+    return C3DE_E_UNSUPPORTED;
+  }
+  template <class... Arguments>
+  static void serveNot(c3de_status(C3DE_CALL *&slot)(c3de_object *, Arguments...)) {
+    slot = &unserved<Arguments...>;
+  }
+
+  static c3de_simulator_v1 makeTable() {
+    c3de_simulator_v1 table{};
+    table.size = sizeof table;
+    table.rev = 1;
+    serveNot(table.attach);
+    serveNot(table.declarations);
+    serveNot(table.set_world);
+    serveNot(table.add_body);
+    serveNot(table.add_obstacle);
+    serveNot(table.add_probe);
+    serveNot(table.set_body_param);
+    serveNot(table.get_body_param);
+    serveNot(table.body_info);
+    serveNot(table.read_field);
+    serveNot(table.triangles);
+    serveNot(table.report);
+    table.enum_fields = [](c3de_object *, c3de_handle, void *, auto *) -> c3de_status { return C3DE_OK; };
+    table.enum_probes = [](c3de_object *, void *, auto *) -> c3de_status { return C3DE_OK; };
+    table.publish = [](c3de_object *) -> c3de_status { return C3DE_OK; };
+    table.state_hash = [](c3de_object *self, std::uint64_t *out) -> c3de_status {
+      *out = of(self).steps_;
+      return C3DE_OK;
+    };
+    table.clear = [](c3de_object *self) -> c3de_status {
+      of(self).hasBody_ = false;
+      return C3DE_OK;
+    };
+    table.remove = [](c3de_object *self, c3de_handle what) -> c3de_status {
+      if (what.v != 1) return C3DE_E_STALE;
+      of(self).hasBody_ = false;
+      return C3DE_OK;
+    };
+    table.step = [](c3de_object *self) -> c3de_status {
+      ++of(self).steps_;
+      return C3DE_OK;
+    };
+    table.reset = [](c3de_object *self) -> c3de_status {
+      of(self).steps_ = 0;
+      return C3DE_OK;
+    };
+    table.status = [](c3de_object *self, c3de_sim_status *out) -> c3de_status {
+      const std::uint32_t size = out->size;
+      const c3de_sim_status status = of(self).status();
+      std::memcpy(out, &status, std::min<std::size_t>(size, sizeof status));
+      out->size = size;
+      return C3DE_OK;
+    };
+    table.body_at = [](c3de_object *self, std::uint64_t index, c3de_handle *out) -> c3de_status {
+      if (index > 0 || !of(self).hasBody_) return C3DE_E_NOT_FOUND;
+      out->v = 1;
+      return C3DE_OK;
+    };
+    table.points = [](c3de_object *self, c3de_handle, c3de_sim_points *out) -> c3de_status {
+      Points &own = of(self);
+      own.isAsked_ = true;
+      out->name = {"body", 4};
+      out->count = own.masses_.size();
+      out->positions_m = own.positions_.data();
+      out->velocities_m_s = own.velocities_.data();
+      out->masses_kg = own.masses_.data();
+      out->forces_N = own.forces_.data();
+      return C3DE_OK;
+    };
+    return table;
+  }
+
   Self self_{{nullptr}, this};
   std::vector<double> positions_, velocities_, masses_, forces_;
-  bool isAsked_ = false;
+  std::uint64_t steps_ = 0;
+  bool isAsked_ = false, hasBody_ = true;
 };
 
 Verdict steps(const Trial &trial) {
+  Points points;  // longer than a plugin that may keep it
   const LoadedTrial loaded(trial, TrialHost::Serves::all);
   if (!loaded.refusal.empty()) return fail(loaded.refusal);
   Random random(trial.seed);
-  Points points;
-  c3de_sim_status status{};
-  status.size = sizeof status;
-  for (int i = 0; i < kEvents; ++i) {
-    points.move(random);
-    if (const auto applied = loaded.host->forces.apply({}, points.object(), points.table()); !applied)
-      return fail(applied.error().message);
-    status.time_s = 1e-3 * static_cast<double>(++status.steps);
-    loaded.host->simulations.stepped({1, 1}, status);
-  }
-  const Verdict said = loaded.complaints();
-  if (said.result != Result::pass || points.isAsked())
-    return said.result == Result::pass ? pass(fmt::format("{} steps", kEvents)) : said;
-  return pass(fmt::format("{} steps; it adds no force", kEvents));
+  // Where a plugin finds it and may do with it what it likes, too.
+  const Handle node = loaded.host->sceneGraph.add({}, "Points");
+  auto simulation = scene::Simulation::createForCaller(points.object());
+  if (!simulation) return fail(simulation.error().message);
+  loaded.host->simulations.add(node, "Points", std::move(*simulation));
+  const auto take = [&]() -> Verdict {
+    for (int i = 0; i < kEvents; ++i) {
+      if (const auto applied = loaded.host->forces.apply(node, points.object(), Points::table()); !applied)
+        return fail(applied.error().message);
+      points.move(random);
+      loaded.host->simulations.stepped(node, points.status());
+    }
+    return loaded.complaints();
+  };
+  const Verdict said = take();
+  loaded.host->simulations.remove(node);
+  loaded.host->sceneGraph.remove(node);
+  if (said.result != Result::pass) return said;
+  return pass(fmt::format("{} steps{}", kEvents, points.isAsked() ? "" : "; it adds no force"));
 }
 
 constexpr std::array kChecks{
@@ -329,7 +417,9 @@ constexpr std::array kChecks{
     Check{"commands", "Each command three times, with nothing open", &commands},
     Check{"readers", "300 files of rubbish for each reader of meshes", &readers},
     Check{"writers", "30 surfaces for each writer of meshes, one of 100 000 triangles", &writers},
-    Check{"steps", "300 steps of a simulation for its force fields and watches", &steps}};
+    Check{"steps",
+          "300 steps of a simulation for its force fields and watches: what it only reads, and the bodies, stay",
+          &steps}};
 
 }  // namespace
 

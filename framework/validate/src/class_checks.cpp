@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "c3de/abi/iface/simulator.h"
+#include "c3de/core/first_size.h"
 #include "c3de/core/foreign_table.h"
 #include "c3de/scene/text_sink.h"
 #include "c3de/session/body_sources.h"
@@ -479,6 +480,32 @@ void refuseGrasps(const c3de_grasp_v1 &grasps, c3de_object *self, c3de_handle no
   refuse("a grasp without its path", grasps.add(self, &grasp, &handle));
 }
 
+/// Structs that are smaller than their first revision. @param refuse(what, status)
+template <class T, class Call, class Refuse>
+void refuseSmall(const char *what, T given, const Refuse &refuse, const Call &call) {
+  for (const std::size_t size : {std::size_t{0}, std::size_t{4}, FirstSize<T>::value - 1}) {
+    given.size = static_cast<std::uint32_t>(size);
+    refuse(fmt::format("{} with a {} of size {}", what, FirstSize<T>::name, size).c_str(), call(&given));
+  }
+}
+
+template <class Refuse>
+void refuseSmallStructs(const c3de_simulator_v1 &table, c3de_object *self, const Refuse &refuse) {
+  c3de_handle body{}, handle{};
+  if (table.body_at(self, 0, &body) < 0) return;
+  refuseSmall("status", c3de_sim_status{}, refuse, [&](auto *out) { return table.status(self, out); });
+  refuseSmall("body_info", c3de_sim_body_info{}, refuse, [&](auto *out) { return table.body_info(self, body, out); });
+  refuseSmall("add_body", c3de_sim_body{}, refuse, [&](auto *in) { return table.add_body(self, in, &handle); });
+  refuseSmall("add_obstacle", c3de_sim_obstacle{}, refuse,
+              [&](auto *in) { return table.add_obstacle(self, in, &handle); });
+  if (table.points != nullptr)
+    refuseSmall("points", c3de_sim_points{}, refuse, [&](auto *out) { return table.points(self, body, out); });
+  if (table.add_load != nullptr)
+    refuseSmall("add_load", c3de_sim_load{}, refuse, [&](auto *in) { return table.add_load(self, body, in, &handle); });
+  if (table.hold != nullptr)
+    refuseSmall("hold", c3de_sim_hold{}, refuse, [&](auto *in) { return table.hold(self, body, in, &handle); });
+}
+
 Verdict simulatorArguments(const Trial &trial) {
   const std::vector<std::string> ids = simulatorClasses(trial);
   if (ids.empty()) return skip("no class of it simulates");
@@ -502,6 +529,7 @@ Verdict simulatorArguments(const Trial &trial) {
     refuse("status(null)", table->status(self, nullptr));
     c3de_sim_status status{};
     refuse("status of size 0", table->status(self, &status));
+    refuseSmallStructs(*table, self, refuse);
     refuse("declarations of a scope that nobody has",
            table->declarations(self, 0xffffffffu, nullptr, nullptr, nullptr));
     c3de_param_value unknown{};

@@ -50,7 +50,22 @@ Verdict live(const Trial &trial, TrialHost::Serves serves, const TrialHost::Chan
 
 Verdict once(const Trial &trial) { return live(trial, TrialHost::Serves::all); }
 
-Verdict headless(const Trial &trial) { return live(trial, TrialHost::Serves::headless); }
+/// Of a plugin whose descriptor requires what a host does not serve, which host says so; empty: it does not.
+std::string requirementBeyond(const Trial &trial, TrialHost::Serves serves) {
+  const auto library = DynamicLibrary::open(trial.plugin);
+  if (!library) return {};
+  const TrialHost host(trial.folder / "settings", serves);
+  const auto negotiated = plugin_host::negotiate(*library, host.services);
+  return negotiated ? std::string() : negotiated.error().message;
+}
+
+Verdict headless(const Trial &trial) {
+  // A descriptor may say that there has to be a window.
+  if (const std::string why = requirementBeyond(trial, TrialHost::Serves::headless);
+      !why.empty() && requirementBeyond(trial, TrialHost::Serves::all).empty())
+    return pass("refuses itself: " + why);
+  return live(trial, TrialHost::Serves::headless);
+}
 
 Verdict least(const Trial &trial) {
   const LoadedTrial loaded(trial, TrialHost::Serves::least);

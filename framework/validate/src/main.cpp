@@ -13,10 +13,13 @@
 #include <vector>
 
 #include "c3de/core/crash_journal.h"
+#include "c3de/core/environment_faults.h"
+#include "c3de/core/foreign_call.h"
 #include "c3de/core/output_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
 #include "c3de/core/text.h"
+#include "c3de/registry/settings_store.h"
 #include "check.h"
 
 namespace {
@@ -106,12 +109,23 @@ Verdict runInChild(const Check &check, const std::string &file, const Options &o
                             : fmt::format("ended the process{}: {}", when, words));
 }
 
+/// A good check of a plugin that leaves the process other than it was is none.
+Verdict withEnvironment(Verdict verdict) {
+  // What was changed outside of a recorded call is found by the next one.
+  { const ForeignCall last("c3de-validate", "the end of a check", CallKind::prompt); }
+  const std::vector<std::string> faults = environmentFaults();
+  return verdict.result == Result::fail || faults.empty() ? verdict : fail(faults.front());
+}
+
 int child(const Options &options) {
   if (options.files.size() != 1) return kUsage;
+  registry::keepSettingsInMemory();
+  { const ForeignCall first("c3de-validate", "the beginning of a check", CallKind::prompt); }
   endWithParent();  // a plugin may never come back
   for (const Check &check : allChecks()) {
     if (options.child != check.name) continue;
-    const Verdict verdict = runHere(check, trialOf(options, options.files.front(), pathFromText(options.folder)));
+    const Verdict verdict =
+        withEnvironment(runHere(check, trialOf(options, options.files.front(), pathFromText(options.folder))));
     const Json json{{"result", static_cast<int>(verdict.result)}, {"text", verdict.text}};
     const std::string line =
         "\n" + std::string(kVerdictMark) + json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";

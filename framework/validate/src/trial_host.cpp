@@ -21,11 +21,11 @@ TrialHost::TrialHost(std::filesystem::path folder, Serves serves, const Change &
     services.forces = &forces;
     services.meshFormats = &meshFormats;
     services.settings = &settings;
+    services.parameters = &parameters;
   }
   if (serves == Serves::all) {
     services.renderer = renderer.get();
     services.panels = &panels;
-    services.parameters = &parameters;
     services.tools = &tools;
     services.edits = &edits;
     services.commands = &commands;
