@@ -50,6 +50,20 @@ TEST_CASE("the window opens with its menus and closes by Ctrl+Q", "[start]") {
   CHECK(window.state()["closing"] == true);
 }
 
+TEST_CASE("without arguments the window opens the head of many tissues, and no message", "[default_scene]") {
+  C3DE_WINDOW_OR_SKIP();
+  if (!std::filesystem::exists("/usr/share/mricron/templates/ch2.nii.gz"))
+    C3DE_SKIP("the scan of the default scene is not installed (Debian package mricron-data)");
+  WorkstationDriver window("default_scene");
+  window.start(std::vector<std::string>{});
+  const Json state = window.waitUntil("a scene is open", [](const Json &s) {
+    return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && s["panes"].size() == 4;
+  });
+  window.screenshotAtRest("head");
+  CHECK(state["notifications"].empty());
+  CHECK(window.value("image/name") == "ch2.nii.gz");
+}
+
 TEST_CASE("menus open, and About names versions, graphics and plugins", "[menu]") {
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("menu");

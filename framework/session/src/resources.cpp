@@ -7,6 +7,12 @@
 #include "c3de/scene/scene_file.h"
 
 namespace c3de::session {
+namespace {
+
+/// The scan that scenes/brain_living.toml reads.
+constexpr const char *kHeadScan = "/usr/share/mricron/templates/ch2.nii.gz";
+
+}  // namespace
 
 Expected<std::filesystem::path> findResource(const std::filesystem::path &name) {
   const std::filesystem::path programFolder = executablePath().parent_path();
@@ -21,18 +27,29 @@ Expected<std::filesystem::path> findResource(const std::filesystem::path &name) 
   return fail(ErrorCode::input, "the resource '" + name.generic_string() + "' is missing; looked for: " + looked);
 }
 
+Expected<scene::MaterialLibrary> loadMaterialPresets() {
+  const auto file = findResource("materials.toml");
+  if (!file) return tl::unexpected(file.error());
+  return scene::MaterialLibrary::load(*file);
+}
+
 Expected<DefaultScene> findDefaultScene() {
   std::string why;
   if (const auto head = findResource("scenes/brain_living.toml"); !head)
     why = head.error().message;
-  else if (const auto scene = scene::loadScene(*head, nullptr); !scene)
+  else if (const auto materials = loadMaterialPresets(); !materials)
+    why = materials.error().message;
+  else if (const auto scene = scene::loadScene(*head, &*materials); !scene)
     why = scene.error().message;
   else
     return DefaultScene{*head, ""};
   auto organ = findResource("scenes/first_light.toml");
   if (!organ) return tl::unexpected(organ.error());
+  std::error_code code;
+  const bool isInstalled = std::filesystem::exists(kHeadScan, code);
   return DefaultScene{std::move(*organ),
-                      "The head is not here (" + why + "); on Debian the package mricron-data has it"};
+                      "The scene of a head cannot be opened (" + why + ")" +
+                          (isInstalled ? "" : "; the Debian package mricron-data contains its scan")};
 }
 
 }  // namespace c3de::session

@@ -82,10 +82,7 @@ Session::~Session() {
 Expected<std::unique_ptr<Session>> Session::create(const SessionOptions &options) {
   auto impl = std::make_unique<Impl>(options.threads, options.panels != nullptr);
 
-  const auto materialsFile = findResource("materials.toml");
-  auto materials = materialsFile ? scene::MaterialLibrary::load(*materialsFile)
-                                 : Expected<scene::MaterialLibrary>(tl::unexpected(materialsFile.error()));
-  if (materials)
+  if (auto materials = loadMaterialPresets(); materials)
     impl->materials = std::move(*materials);
   else
     log(LogLevel::warn, "no material presets: " + materials.error().message);
