@@ -1,10 +1,45 @@
 # What `cmake --install BUILD --component NAME --prefix PREFIX` puts where:
-#   runtime  the programs, the point-based plugin, that of the methods that studies compare with, and the resources
+#   runtime  the programs, the point-based plugin, that of the methods that studies compare with, the resources, the
+#            documentation, and the licences of all that is linked
 #   sdk      headers of the plugin boundary and of its C++ comfort, the CMake package C3DE, a pkg-config file, examples
 #   pointbased  the point-based core to link into programs of others: static library and headers; needs sdk for the package
+# ./run builds all that these components install (C3DE_PRODUCTS).
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
+include(Licences)
 
+# The target `products` is what ./run builds: all that is installed, and the examples that guide and scenes name.
+# products.txt lists their files for tests/scripts/documented_commands.sh.
+set(C3DE_PRODUCTS c3de c3de_workstation c3de_study_mpi c3de_validate pointbased c3de_pointbased_core baselines
+  hello clamp magnet mass_spring material_law mesh_reader image_samples)
+add_custom_target(products)
+set(files "")
+foreach(product IN LISTS C3DE_PRODUCTS)
+  if(TARGET ${product})
+    add_dependencies(products ${product})
+    string(APPEND files "$<TARGET_FILE:${product}>\n")
+  endif()
+endforeach()
+file(GENERATE OUTPUT "${PROJECT_BINARY_DIR}/products$<$<BOOL:${CMAKE_CONFIGURATION_TYPES}>:-$<CONFIG>>.txt" CONTENT "${files}")
+
+# c3de_require_built(COMPONENT TARGET…)   what is installed next: where a file of it is missing, one message says what to type.
+function(c3de_require_built component)
+  set(files "")
+  foreach(target IN LISTS ARGN)
+    if(TARGET ${target})
+      string(APPEND files " \"$<TARGET_FILE:${target}>\"")
+    endif()
+  endforeach()
+  file(RELATIVE_PATH build "${PROJECT_SOURCE_DIR}" "${PROJECT_BINARY_DIR}")
+  install(CODE "foreach(file IN ITEMS${files})
+    if(NOT EXISTS \"\${file}\")
+      cmake_path(GET file FILENAME name)
+      message(FATAL_ERROR \" component ${component}: \${name} is not built; type: cmake --build ${build} --target products\")
+    endif()
+  endforeach()" COMPONENT ${component})
+endfunction()
+
+c3de_require_built(runtime c3de c3de_validate c3de_workstation c3de_study_mpi pointbased baselines)
 install(TARGETS c3de c3de_validate RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT runtime)
 if(TARGET c3de_workstation)
   install(TARGETS c3de_workstation RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT runtime)
@@ -23,6 +58,17 @@ if(TARGET baselines)
 endif()
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/resources/" DESTINATION share/c3de COMPONENT runtime)
 
+# The folder has the layout of the source tree, so that links between pages hold.
+set(documents share/doc/c3de)
+foreach(component runtime sdk pointbased)
+  install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/NOTICE" DESTINATION ${documents} COMPONENT ${component})
+endforeach()
+install(FILES "${PROJECT_SOURCE_DIR}/README.md" "${PROJECT_SOURCE_DIR}/CHANGELOG.md" DESTINATION ${documents} COMPONENT runtime)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs" DESTINATION ${documents} COMPONENT runtime)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs/plugin" DESTINATION ${documents}/docs COMPONENT sdk)
+c3de_install_licences(runtime ${documents}/licences)
+c3de_install_licences(pointbased ${documents}/licences eigen nanoflann meshoptimizer highway expected)
+
 set_target_properties(c3de_abi PROPERTIES EXPORT_NAME abi)
 set_target_properties(c3de_sdk PROPERTIES EXPORT_NAME sdk)
 install(TARGETS c3de_abi c3de_sdk c3de_pointbased_abi EXPORT C3DEPluginSDK
@@ -31,12 +77,14 @@ set(package "${CMAKE_INSTALL_LIBDIR}/cmake/C3DE")
 install(EXPORT C3DEPluginSDK NAMESPACE c3de:: DESTINATION "${package}" COMPONENT sdk)
 configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/C3DEConfig.cmake.in" "${PROJECT_BINARY_DIR}/C3DEConfig.cmake"
   INSTALL_DESTINATION "${package}")
-# Headers of a package and the host that loads its plugins need not be of one version: the boundary negotiates.
-write_basic_package_version_file("${PROJECT_BINARY_DIR}/C3DEConfigVersion.cmake" COMPATIBILITY SameMinorVersion
+# The plugin boundary is frozen: a later package serves whoever asks for an earlier one. The host that loads a plugin need
+# not be of the version of its headers: the boundary negotiates.
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/C3DEConfigVersion.cmake" COMPATIBILITY AnyNewerVersion
   ARCH_INDEPENDENT)
 install(FILES "${PROJECT_BINARY_DIR}/C3DEConfig.cmake" "${PROJECT_BINARY_DIR}/C3DEConfigVersion.cmake"
   "${CMAKE_CURRENT_LIST_DIR}/AddPlugin.cmake" "${CMAKE_CURRENT_LIST_DIR}/plugin.version"
   DESTINATION "${package}" COMPONENT sdk)
+c3de_require_built(pointbased c3de_pointbased_core)
 set_target_properties(c3de_pointbased_core PROPERTIES EXPORT_NAME pointbased OUTPUT_NAME c3de_pointbased)
 install(TARGETS c3de_pointbased_core EXPORT C3DEPointBased
   ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT pointbased
