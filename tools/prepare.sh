@@ -40,10 +40,11 @@ c3de_watched() {
 
 c3de_seconds() { echo "($2 s)"; }
 
-# The last "[done/all]" that ninja wrote, and how long the rest takes if it goes on like this. Before ninja counts what is to
-# be built it has cmake write its files anew where that is due, and counts that by itself.
+# How far ninja's LOG is after SECONDS, and how long the rest takes. Steps are weighed by tools/build-costs.txt, because a few
+# sources take a hundred times as long as most; build/build.plan lists what was to be done. Before ninja counts what is to be
+# built it has cmake write its files anew where that is due, and counts that by itself.
 c3de_build_steps() {
-  local steps=0 all=0 what="" left=""
+  local steps=0 all=0 what="" left="" percent=0 left_s=0
   read -r steps all what < <(tail -c 4000 "$1" 2>/dev/null | sed -n 's|^\[\([0-9]*\)/\([0-9]*\)\]|\1 \2 |p' | tail -n 1) || true
   case $what in
     Re-running\ CMake* | Re-checking\ *)
@@ -55,12 +56,29 @@ c3de_build_steps() {
     echo "($2 s)"
     return
   fi
-  # The first steps tell little: long files may come later.
-  if [ $((steps * 20)) -ge "$all" ] && [ "$2" -ge 10 ]; then
-    left=$(($2 * (all - steps) / steps))
-    if [ "$left" -ge 90 ]; then left=", about $(((left + 30) / 60)) min left"; else left=", about $left s left"; fi
+  read -r percent left_s < <(c3de_cost_done "$1" "$2" "$steps" "$all")
+  # The first steps say little.
+  if [ "$percent" -ge 3 ] && [ "$2" -ge 10 ]; then
+    if [ "$left_s" -ge 90 ]; then left=", about $(((left_s + 30) / 60)) min left"; else left=", about $left_s s left"; fi
   fi
-  echo "step $steps of $all ($((100 * steps / all)) %)$left"
+  echo "step $steps of $all ($percent %)$left"
+}
+
+# c3de_cost_done LOG SECONDS STEPS ALL   "PERCENT SECONDS_LEFT" by the costs of the steps in LOG and build/build.plan. Without
+# a plan of about ALL steps each step counts the same.
+c3de_cost_done() {
+  awk -v seconds="$2" -v steps="$3" -v all="$4" '
+    # A step is known by the file that it makes; one that is not in the table costs as much as a small source.
+    function cost(line) { sub(/^\[[^]]*\] */, "", line); sub(/.* /, "", line); return line in costs ? costs[line] : line ~ /\.o$/ ? 5 : 0.5 }
+    FILENAME ~ /build-costs.txt$/ { if ($0 !~ /^#/) costs[$2] = $1; next }
+    !/^\[/ { next }
+    FILENAME ~ /build.plan$/ { ++planned; total += cost($0); next }
+    { done += cost($0) }
+    END {
+      if (planned < 0.9 * all || planned > 1.1 * all || total <= 0) { done = steps; total = all }
+      if (done > total) done = total
+      printf "%d %d\n", 100 * done / total, (done ? seconds * (total - done) / done : 0)
+    }' tools/build-costs.txt build/build.plan "$1"
 }
 
 # Which of the packages are not installed.
@@ -159,9 +177,10 @@ c3de_configure() {
     options=(-DC3DE_BUILD_TESTS=ON -DC3DE_BUILD_BENCHMARKS=ON)
     [ -f build/release/build.ninja ] && grep -q '^C3DE_BUILD_TESTS:BOOL=ON' "$cache" 2>/dev/null && return 0
   else
-    [ -f build/release/build.ninja ] && return 0
-    # The program alone needs no test library.
-    options=(-DC3DE_BUILD_TESTS=OFF -DC3DE_BUILD_BENCHMARKS=OFF)
+    [ -f build/release/build.ninja ] && grep -q '^C3DE_BUILD_BENCHMARKS:BOOL=ON' "$cache" 2>/dev/null && return 0
+    # The program alone needs no test library. Benchmarks are targets that are built when they are asked for.
+    options=(-DC3DE_BUILD_BENCHMARKS=ON)
+    [ -f build/release/build.ninja ] || options+=(-DC3DE_BUILD_TESTS=OFF)
   fi
   mkdir -p build
   c3de_watched "configuring" build/configure.log c3de_seconds cmake --preset release "${options[@]}" || {
@@ -174,6 +193,12 @@ c3de_configure() {
 c3de_build() {
   local log=build/build.log targets=()
   [ $# -eq 0 ] || targets=(--target "$@")
+  # What is to be done. Without the rule that has cmake write its files anew, at which a dry run ends.
+  : >build/build.plan
+  if [ -f build/release/build.ninja ] && command -v ninja >/dev/null; then
+    awk '/: RERUN_CMAKE /{ skip = 1 } /^$/{ skip = 0 } !skip' build/release/build.ninja >build/release/plan.ninja
+    NINJA_STATUS='[%f/%t] ' ninja -C build/release -n -f plan.ninja "$@" >build/build.plan 2>/dev/null || true
+  fi
   NINJA_STATUS='[%f/%t] ' c3de_watched "building:" "$log" c3de_build_steps cmake --build build/release "${targets[@]}" || {
     # ninja says FAILED before the compiler's words; what other files printed meanwhile is not wanted.
     grep -A 30 -m 1 '^FAILED:' "$log" >&2 || tail -n 30 "$log" >&2

@@ -23,6 +23,25 @@ TEST_CASE("The option --help explains every sub-command and ends well") {
   CHECK_THAT(run.output, Contains("--until") && Contains("--report") && Contains("--set"));
 }
 
+TEST_CASE("The texts from which ./run answers before a build are those of --help") {
+  const std::filesystem::path folder = std::filesystem::path(testResourcesFolder()) / ".." / "tools" / "help";
+  std::size_t count = 0;
+  for (const auto &file : std::filesystem::directory_iterator(folder)) {
+    const std::string command = file.path().stem().string();
+    INFO("tools/update-help.sh writes " << file.path().string());
+    const auto help = command == "c3de" ? runC3de({"--help"}) : runC3de({command, "--help"});
+    CHECK(help.exitCode == 0);
+    CHECK(help.output == readFile(file.path()));
+    ++count;
+    if (command != "c3de") CHECK_THAT(readFile(folder / "c3de.txt"), Contains("\n  " + command + " "));
+  }
+  const std::string all = readFile(folder / "c3de.txt");
+  const std::size_t commands = all.find("Subcommands:\n");
+  REQUIRE(commands != std::string::npos);
+  CHECK(std::count(all.begin() + static_cast<std::ptrdiff_t>(commands), all.end(), '\n') >=
+        static_cast<std::ptrdiff_t>(count));
+}
+
 TEST_CASE("Wrong usage ends with 2, says what is wrong on stderr and nothing on stdout") {
   const struct {
     std::vector<std::string> arguments;

@@ -5,9 +5,12 @@ set -uo pipefail
 root=$1 machine=$2
 place=$(mktemp -d)
 trap 'rm -rf "$place"' EXIT
-mkdir -p "$place/tree/tools" "$place/bin" "$place/state"
-cp "$root/run" "$root/check" "$place/tree"
-cp "$root"/tools/*.sh "$root"/tools/debian-packages*.txt "$place/tree/tools"
+abi=framework/abi/include/c3de/abi
+mkdir -p "$place/tree/tools" "$place/tree/benchmarks" "$place/tree/$abi" "$place/bin" "$place/state"
+cp "$root/run" "$root/check" "$root/CMakeLists.txt" "$place/tree"
+cp -r "$root"/tools/*.sh "$root"/tools/*.txt "$root/tools/help" "$place/tree/tools"
+cp "$root/$abi/base.h" "$place/tree/$abi"
+touch "$place/tree/x.obj" "$place/tree/benchmarks/bench_law.cpp"
 state=$place/state
 touch "$state/installed" "$state/log"
 sed -e 's/#.*//' -e '/^ *$/d' "$root"/tools/debian-packages*.txt >"$state/sources"
@@ -15,7 +18,7 @@ required() { sed -e 's/#.*//' -e '/^ *$/d' "$root/tools/debian-packages.txt"; }
 
 # PATH holds the stand-ins and what scripts need of the system, nothing else.
 for tool in awk bash basename cat chmod cp date dirname env false find grep head kill ln ls mkdir mktemp ninja nproc paste printf pwd \
-            rm sed seq setsid sh sleep sort tail tr true wc; do
+            rm sed seq setsid sh sleep sort tail touch tr true wc; do
   path=$(type -P "$tool") && ln -s "$path" "$place/bin/$tool"
 done
 stand_in() {
@@ -75,14 +78,16 @@ if [ "\$1" = --preset ]; then
   done >build/clang/compile_commands.json
   tests=OFF
   for a in "\$@"; do [ "\$a" != -DC3DE_BUILD_TESTS=ON ] || tests=ON; done
-  echo "C3DE_BUILD_TESTS:BOOL=\$tests" >build/release/CMakeCache.txt
+  printf 'C3DE_BUILD_TESTS:BOOL=%s\nC3DE_BUILD_BENCHMARKS:BOOL=ON\n' "\$tests" >build/release/CMakeCache.txt
   exit 0
 fi
 [ ! -f "$state/anew" ] || { echo "[0/2] Re-checking globbed directories..."; sleep 5; }
 [ ! -f "$state/slow" ] || for i in \$(seq 1 "\$(cat "$state/slow")"); do echo "[\$i/40] Building"; sleep 1; done
 [ ! -f "$state/bad_build" ] || { printf '[1/2] Building a\nFAILED: a.o\na.cpp:7: error: no such thing\n'; exit 1; }
+mkdir -p build/release/bin
 printf '#!%s\necho "program: \$*"\n' "$(type -P bash)" >build/release/bin/c3de
-chmod +x build/release/bin/c3de
+printf '#!%s\necho "benchmark: \$*"\n' "$(type -P bash)" >build/release/bin/bench_law
+chmod +x build/release/bin/*
 EOF
 stand_in ctest <<EOF
 #!$(type -P bash)
@@ -169,14 +174,14 @@ case $machine in
     ;;
   some_missing)
     required | grep -vx -e libfcl-dev -e g++ >"$state/installed"
-    launch run info
+    launch run info x.obj
     ends_with_status 0
     called 'apt-get install.* g++ libfcl-dev mricron-data libopenmpi-dev openmpi-bin$'
-    runs_program info
+    runs_program info x.obj
     ;;
   all_there)
     cp "$state/sources" "$state/installed"
-    launch run info
+    launch run info x.obj
     ends_with_status 0
     never_called apt-get
     [ ! -s "$place/err" ] || fail "nothing was expected on stderr"
@@ -204,18 +209,18 @@ case $machine in
   sudo_works)
     echo 1000 >"$state/uid"
     sudo_stands_in
-    launch run info
+    launch run info x.obj
     ends_with_status 0
     called 'sudo -n env DEBIAN_FRONTEND=noninteractive apt-get install'
     installed_all_required
     ;;
   update_fails)
     touch "$state/no_network"
-    launch run info
+    launch run info x.obj
     ends_with_status 0
     says "apt-get update failed; trying with the package lists that are there"
     installed_all_required
-    runs_program info
+    runs_program info x.obj
     ;;
   nothing_can_be_had)
     touch "$state/no_network" "$state/no_archives"
@@ -235,46 +240,163 @@ case $machine in
     ;;
   unknown_welcome_package)
     sed -i '/^mricron-data$/d' "$state/sources"
-    launch run info
+    launch run info x.obj
     ends_with_status 0
     installed_all_required
     says "goes on without: mricron-data"
-    runs_program info
+    runs_program info x.obj
     ;;
   welcome_asked_once)
     required >"$state/installed"
     sed -i '/^mricron-data$/d' "$state/sources"
-    launch run info
+    launch run info x.obj
     ends_with_status 0
     : >"$state/log"
-    launch run info
+    launch run info x.obj
     ends_with_status 0
     never_called apt-get
     [ ! -s "$place/err" ] || fail "nothing was expected on stderr the second time"
     ;;
   no_debian)
     rm "$place/bin/dpkg-query"
-    launch run info
+    launch run info x.obj
     ends_with_status 0
     says "not a Debian system"
-    runs_program info
+    runs_program info x.obj
     ;;
-  version_builds_no_tests)
+  run_builds_no_tests)
     cp "$state/sources" "$state/installed"
-    launch run --version
+    launch run info x.obj
     ends_with_status 0
-    called 'cmake --preset release -DC3DE_BUILD_TESTS=OFF -DC3DE_BUILD_BENCHMARKS=OFF$'
-    called 'cmake --build build/release --target c3de pointbased hello$'
-    runs_program --version
+    called 'cmake --preset release -DC3DE_BUILD_BENCHMARKS=ON -DC3DE_BUILD_TESTS=OFF$'
+    called 'cmake --build build/release --target products$'
+    runs_program info x.obj
     ;;
   check_configures_tests)
     cp "$state/sources" "$state/installed"
-    launch run --version
+    launch run info x.obj
     launch check -R core
     ends_with_status 0
     called 'cmake --preset release -DC3DE_BUILD_TESTS=ON'
     called 'cmake --build build/release$'
     called 'ctest .*-R core'
+    ;;
+  run_keeps_tests)
+    cp "$state/sources" "$state/installed"
+    launch check
+    : >"$state/log"
+    launch run info x.obj
+    ends_with_status 0
+    never_called 'cmake --preset'
+    ;;
+  run_adds_benchmarks)
+    cp "$state/sources" "$state/installed"
+    mkdir -p "$place/tree/build/release"
+    touch "$place/tree/build/release/build.ninja"
+    echo "C3DE_BUILD_BENCHMARKS:BOOL=OFF" >"$place/tree/build/release/CMakeCache.txt"
+    launch run bench_law --seconds 1
+    ends_with_status 0
+    called 'cmake --preset release -DC3DE_BUILD_BENCHMARKS=ON$'
+    called 'cmake --build build/release --target bench_law$'
+    says "c3de: benchmarks are built when they are asked for: bench_law"
+    [ "$(tail -n 1 "$place/out")" = "benchmark: --seconds 1" ] || fail "the benchmark was expected to run"
+    ;;
+  help_before_building)
+    # Nothing is installed here. The texts are held to the program's by test_cli.
+    launch run --help
+    ends_with_status 0
+    cmp "$place/out" "$root/tools/help/c3de.txt" || fail "the help was expected"
+    launch run run no.toml --until --help
+    ends_with_status 0
+    cmp "$place/out" "$root/tools/help/run.txt" || fail "the help of run was expected"
+    launch run -h
+    ends_with_status 0
+    launch run --version
+    ends_with_status 0
+    [ "$(cat "$place/out")" = "c3de $(sed -nE 's/^project\(C3DE VERSION ([0-9.]+).*/\1/p' "$root/CMakeLists.txt"), plugin ABI 1.0" ] || fail "the version was expected"
+    [ ! -s "$state/log" ] || fail "nothing was to be called"
+    ;;
+  mistakes_before_building)
+    touch "$place/tree/a.toml" "$place/tree/s.toml"
+    while read -r code arguments; do
+      text=${arguments#*=> } arguments=${arguments%% => *}
+      eval "launch run $arguments"
+      [ "$status" -eq "$code" ] || fail "$arguments: status $code was expected"
+      says "$text"
+      [ ! -s "$place/out" ] && [ "$(grep -c '' "$place/err")" -eq 1 ] || fail "$arguments: one line on stderr was expected"
+      [ ! -s "$state/log" ] || fail "$arguments: nothing was to be called"
+    done <<'EOF'
+2 rnu => 'rnu' is neither a command nor a file; commands: run info plugins new-plugin study
+2 --frobnicate => '--frobnicate' is not accepted here; see ./run --help
+2 run => SCENE is required; see ./run run --help
+2 run a.toml --untill 1 => '--untill' is not accepted here; see ./run run --help
+2 run a.toml --until => --until: 1 required SECONDS missing
+2 run a.toml --until -1 => --until: '-1' is not accepted; accepted: a number
+2 run a.toml --until=1,5 => --until: '1,5' is not accepted
+2 run a.toml --until nan => --until: 'nan' is not accepted
+2 run a.toml --steps 1.5 => --steps: '1.5' is not accepted; accepted: a whole number
+2 run a.toml --screenshot a.png --size huge => --size: 'huge' is not accepted; accepted: WIDTHxHEIGHT
+2 run a.toml --report '' => --report: '' is not accepted; accepted: a file name
+2 run a.toml --report --quiet => --report: '--quiet' is not accepted; accepted: a file name
+2 run a.toml --until 1 --steps 3 => --until excludes --steps
+2 run a.toml --export-every 0.1 => --export-every requires --export
+2 run a.toml --sampled out.csv => --sampled requires --sample-points
+2 run a.toml --resume => '--resume' is not accepted here
+2 info => FILE is required
+2 info x.obj --unit inch => --unit: 'inch' is not accepted; accepted: m, mm, cm
+2 study => STUDY is required
+2 study s.toml => --out is required
+2 plugins --off => --off: 1 required ID missing
+2 new-plugin => NAME is required
+2 --json => --json is for --version, info and plugins
+2 bench_none => there is no benchmark 'bench_none'; accepted: bench_law
+3 run nowhere/a.toml => nowhere/a.toml: no such file
+3 info x.obj y.obj => y.obj: no such file
+3 nowhere/liver.obj => nowhere/liver.obj: no such file
+6 x.obj => there is no display (DISPLAY and WAYLAND_DISPLAY are empty)
+6 --play => there is no display
+EOF
+    ;;
+  right_arguments_build)
+    cp "$state/sources" "$state/installed"
+    touch "$place/tree/a.toml" "$place/tree/s.toml"
+    while read -r arguments; do
+      eval "launch run $arguments"
+      [ "$status" -eq 0 ] || fail "$arguments: status 0 was expected"
+      called 'cmake --build build/release --target products$'
+      : >"$state/log"
+    done <<'EOF'
+run a.toml --until 1e-3 -q --set body.a.b=-1 --set solver.dt=auto --report -
+run --until=.5 a.toml --export=a.pvd --export-every .1 --set=a.b=1 --plugin-param org.c3de.magnet:strength=-20 -v
+--verbose --threads 2 run a.toml --steps +3 --verify
+run -qv a.toml --size 640x480 --screenshot=a.png
+info x.obj a.toml --quick --json
+info x.obj --time 3 --series 1.2#3
+plugins --json --off a --on b
+new-plugin mine --kind tool
+study s.toml --out out/s --resume
+--version --json
+EOF
+    ;;
+  estimates)
+    # recorded_build.txt: when each step of a build by two processes ends: measured processor times of the compiler, each
+    # varied by a factor of 0.6 to 1.6. What is left is to be said within a factor of 1.5 from a twentieth of the time on.
+    mkdir "$place/tree/build"
+    cd "$place/tree" || exit 1
+    . tools/prepare.sh
+    touch "$place/out" "$place/err"
+    all=$(grep -c '' "$root/tests/scripts/recorded_build.txt")
+    awk -v all="$all" '{ print $1, "[" NR "/" all "] Building CXX object " $2 }' "$root/tests/scripts/recorded_build.txt" >steps
+    cut -d ' ' -f 2- steps | sort >build/build.plan
+    whole=$(tail -n 1 steps | cut -d . -f 1)
+    for percent in 5 10 20 30 40 50 60 70 80 90; do
+      now=$((whole * percent / 100))
+      awk -v now=$now '$1 <= now { sub(/^[^ ]+ /, ""); print }' steps >build.log
+      said=$(c3de_build_steps build.log $now)
+      said_s=$(sed -nE 's/.*about ([0-9]+) min left/\1 60/p; s/.*about ([0-9]+) s left/\1 1/p' <<<"$said" | awk '{ print $1 * $2 }')
+      awk -v said="${said_s:-0}" -v left=$((whole - now)) 'BEGIN { exit !(said > left / 1.5 - 30 && said < left * 1.5 + 30) }' ||
+        fail "after $now of $whole s: $said"
+    done
     ;;
   check_names_what_failed)
     cp "$state/sources" "$state/installed"
@@ -303,16 +425,16 @@ case $machine in
   progress_in_a_log)
     cp "$state/sources" "$state/installed"
     echo 5 >"$state/slow"
-    launch run info
+    launch run info x.obj
     ends_with_status 0
     grep -qE 'c3de: building: step ([2-5]) of 40 \((5|7|10|12) %\)' "$place/err" || fail "the step was expected"
     grep -q $'\r' "$place/err" && fail "a log should have no carriage returns"
-    [ "$(cat "$place/out")" = "program: info" ] || fail "only the program was expected on stdout"
+    [ "$(cat "$place/out")" = "program: info x.obj" ] || fail "only the program was expected on stdout"
     ;;
   progress_while_cmake_runs)
     cp "$state/sources" "$state/installed"
     touch "$state/anew"
-    launch run info
+    launch run info x.obj
     ends_with_status 0
     says "c3de: building: cmake configures anew ("
     says_not "step 0 of 2"
@@ -378,7 +500,7 @@ case $machine in
     cp "$state/sources" "$state/installed"
     echo 14 >"$state/slow"
     status=0
-    (cd "$place/tree" && script -qec "env -i PATH=$place/bin HOME=$place $(type -P bash) ./run info" /dev/null) \
+    (cd "$place/tree" && script -qec "env -i PATH=$place/bin HOME=$place $(type -P bash) ./run info x.obj" /dev/null) \
       >"$place/err" </dev/null || status=$?
     : >"$place/out"
     ends_with_status 0
@@ -390,7 +512,7 @@ case $machine in
     cp "$state/sources" "$state/installed"
     echo 30 >"$state/slow"
     (cd "$place/tree" && exec setsid env -i PATH="$place/bin" HOME="$place" "$(type -P bash)" -c \
-      'trap - INT; exec '"$(type -P bash)"' ./run info') >"$place/out" 2>"$place/err" </dev/null &
+      'trap - INT; exec '"$(type -P bash)"' ./run info x.obj') >"$place/out" 2>"$place/err" </dev/null &
     group=$!
     sleep 4
     kill -TERM -- "-$group"
