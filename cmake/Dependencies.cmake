@@ -1,6 +1,8 @@
 # Third-party libraries, one target each; docs/dev/dependencies.md says what each is for and which module may use it.
 find_package(Threads REQUIRED)
 find_package(Eigen3 REQUIRED)
+# What Eigen has under other licences than MPL-2.0 does not compile.
+set_property(TARGET Eigen3::Eigen APPEND PROPERTY INTERFACE_COMPILE_DEFINITIONS EIGEN_MPL2_ONLY)
 find_package(assimp REQUIRED)
 find_package(fcl REQUIRED)
 if(C3DE_BUILD_WINDOW)
