@@ -34,7 +34,7 @@ bool isInterfaceId(std::string_view token) {
   return isNumber && isDotted(name.substr(0, kDraft.size()) == kDraft ? name.substr(kDraft.size()) : name);
 }
 
-std::string quoted(std::string_view label) { return "“" + std::string(label) + "”"; }
+std::string inMarks(std::string_view label) { return "“" + std::string(label) + "”"; }
 
 /// The words for a token; itself where it is no id.
 std::string wordsFor(std::string_view token, const ParameterRegistry &parameters) {
@@ -50,11 +50,11 @@ std::string wordsFor(std::string_view token, const ParameterRegistry &parameters
                                   std::string_view(decl.id).substr(0, table.size()) == table);
     }
   });
-  if (!label.empty()) return quoted(label);
+  if (!label.empty()) return inMarks(label);
   if (!isOfATable) return std::string(token);
   std::string key(token.substr(token.rfind('.') + 1));
   std::replace(key.begin(), key.end(), '_', ' ');
-  return quoted(key);
+  return inMarks(key);
 }
 
 }  // namespace
