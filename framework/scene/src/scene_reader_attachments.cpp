@@ -43,7 +43,8 @@ bool SceneReader::attachmentKey(SceneAttachment &attachment, const std::string &
   }
   if (key == "region") return readRegion(value, attachment.region.emplace());
   if (key == "stiffness") return readNotNegative(key, "Pa/m (stress per way)", value, attachment.stiffness_Pa_m);
-  if (key == "tangential") return readNotNegative(key, "Pa/m (stress per way)", value, attachment.tangential_Pa_m);
+  if (key == "tangential")
+    return readNotNegative(key, "Pa/m (stress per way)", value, attachment.saidTangential_Pa_m.emplace());
   if (key == "tears_at") return readNotNegative(key, "Pa; 0: never", value, attachment.tearsAt_Pa);
   return refuseKey(value.line, key, "[[attachment]]", kKeys);
 }
@@ -63,7 +64,6 @@ bool SceneReader::readAttachment(const TomlValue &table) {
     return refuse(table.line, std::string("the attachment has no 'bodies'; accepted: ") + kBodies);
   if (table.find("stiffness") == nullptr)
     return refuse(table.line, std::string("the attachment has no 'stiffness'; accepted: ") + kStiffness);
-  if (table.find("tangential") == nullptr) attachment.tangential_Pa_m = attachment.stiffness_Pa_m;
   const bool toSurroundings = attachment.names[1] == kSurroundingsName;
   if (toSurroundings && attachment.within_m)
     return refuse(table.line, "within_mm is between two surfaces; of an attachment to the surroundings accepted: " +

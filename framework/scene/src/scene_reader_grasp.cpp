@@ -23,9 +23,6 @@ bool SceneReader::readGrasp(const TomlValue &table) {
   if (table.find("at") == nullptr) return refuse(table.line, std::string("the grasp has no 'at'; accepted: ") + kAt);
   if (table.find("axis") == nullptr)
     return refuse(table.line, std::string("the grasp has no 'axis'; accepted: ") + kAxis);
-  // What is not said goes with what is.
-  if (table.find("opening_mm") == nullptr) grasp.opening_m = 2.0 * grasp.jaw_m;
-  if (table.find("closed_mm") == nullptr) grasp.closed_m = 0.5 * grasp.opening_m;
   if (grasp.name.empty()) grasp.name = "grasp-" + std::to_string(scene_.grasps.size() + 1);
   for (const SceneGrasp &other : scene_.grasps)
     if (other.name == grasp.name)
@@ -37,12 +34,12 @@ bool SceneReader::readGrasp(const TomlValue &table) {
 
 bool SceneReader::checkGrasp(const SceneGrasp &grasp) {
   const auto mm = [](double metres) { return formatNumber(metres / kMetresPerMillimetre); };
-  if (grasp.opening_m < grasp.jaw_m)
-    return refuse(grasp.line, "opening_mm is " + mm(grasp.opening_m) + " and jaw_mm is " + mm(grasp.jaw_m) +
+  if (grasp.opening_m() < grasp.jaw_m)
+    return refuse(grasp.line, "opening_mm is " + mm(grasp.opening_m()) + " and jaw_mm is " + mm(grasp.jaw_m) +
                                   ": the jaws do not stand side by side; accepted: an opening_mm of at least jaw_mm");
-  return grasp.closed_m <= grasp.opening_m ||
+  return grasp.closed_m() <= grasp.opening_m() ||
          refuse(grasp.line,
-                "closed_mm is " + mm(grasp.closed_m) + "; accepted: 0 to opening_mm, " + mm(grasp.opening_m));
+                "closed_mm is " + mm(grasp.closed_m()) + "; accepted: 0 to opening_mm, " + mm(grasp.opening_m()));
 }
 
 bool SceneReader::graspKey(SceneGrasp &grasp, const std::string &key, const TomlValue &value) {
@@ -58,12 +55,13 @@ bool SceneReader::graspKey(SceneGrasp &grasp, const std::string &key, const Toml
     double size = 0.0;
     if (!readNumber(key, accepted, value, size)) return false;
     if (!(size > 0.0)) return refuse(value.line, key + " is " + formatNumber(size) + "; accepted: " + accepted);
-    (key == "jaw_mm" ? grasp.jaw_m : grasp.opening_m) = kMetresPerMillimetre * size;
+    (key == "jaw_mm" ? grasp.jaw_m : grasp.saidOpening_m.emplace()) = kMetresPerMillimetre * size;
     return true;
   }
   if (key == "closed_mm") {
-    if (!readNotNegative(key, "mm", value, grasp.closed_m)) return false;
-    grasp.closed_m *= kMetresPerMillimetre;
+    double gap = 0.0;
+    if (!readNotNegative(key, "mm", value, gap)) return false;
+    grasp.saidClosed_m = kMetresPerMillimetre * gap;
     return true;
   }
   if (key == "force_limit") return readNotNegative(key, "N; 0: no limit", value, grasp.forceLimit_N);

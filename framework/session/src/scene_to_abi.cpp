@@ -123,8 +123,8 @@ c3de_sim_grasp toAbi(const scene::SceneGrasp &grasp, const std::vector<c3de_sim_
   copy(out.at_m, grasp.at_m);
   copy(out.axis, grasp.axis);
   out.jaw_m = grasp.jaw_m;
-  out.opening_m = grasp.opening_m;
-  out.closed_m = grasp.closed_m;
+  out.opening_m = grasp.opening_m();
+  out.closed_m = grasp.closed_m();
   out.force_limit_N = grasp.forceLimit_N;
   out.path = path.data();
   out.path_n = path.size();

@@ -25,7 +25,7 @@ Expected<void> addAttachments(const LoadingScene &loading, const NamedHandles &h
     abi.region = &region;
     abi.within_m = attachment.within_m.value_or(0.0);
     abi.stiffness_Pa_m = attachment.stiffness_Pa_m;
-    abi.tangential_Pa_m = attachment.tangential_Pa_m;
+    abi.tangential_Pa_m = attachment.tangential_Pa_m();
     abi.tears_at_Pa = attachment.tearsAt_Pa;
     c3de_handle added{};
     if (const c3de_status code = (*table)->add(loading.simulator(), &abi, &added); code < 0)

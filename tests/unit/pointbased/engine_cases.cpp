@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine_cases.h"
 
+#include "forces/entry_forces.h"
+
 #include <Eigen/LU>
 #include <algorithm>
 
@@ -191,8 +193,8 @@ Evaluated evaluate(const EngineCase &c, const Constitution &constitution, std::s
   std::vector<HourglassStrain> relaxed(history.modes.size());
   if (!history.modes.empty())
     relaxModes(constitution, c.stencils, u, out.gradients, history, dt, nullptr, relaxed, parallelFor);
-  internalForces(constitution, c.stencils, c.positions, u, out.gradients, out.stresses, entries, out.forces,
-                 parallelFor, relaxed);
+  detail::internalForcesOf(constitution, c.stencils, c.positions, u, out.gradients, out.stresses, relaxed, velocities,
+                           entries, out.forces, parallelFor);
   return out;
 }
 

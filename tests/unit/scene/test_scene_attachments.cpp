@@ -41,12 +41,12 @@ TEST_CASE("An attachment between bodies, in a region or that tears, is one of th
   CHECK(layer.names == std::array<std::string, 2>{"liver", "spine"});
   CHECK(layer.within_m == 0.003);
   CHECK(layer.stiffness_Pa_m == 1e5);
-  CHECK(layer.tangential_Pa_m == 1e5);
+  CHECK(layer.tangential_Pa_m() == 1e5);
   CHECK(layer.tearsAt_Pa == 2e3);
   CHECK_FALSE(layer.region.has_value());
   CHECK(foot.name == "foot");
   CHECK(foot.names[1] == "surroundings");
-  CHECK(foot.tangential_Pa_m == 0.0);
+  CHECK(foot.tangential_Pa_m() == 0.0);
   REQUIRE(foot.region.has_value());
   CHECK(foot.region->radius == 0.1);
   CHECK(findValue(read->bodies[0].params, "surroundings.stiffness") == nullptr);
@@ -90,6 +90,22 @@ TEST_CASE("An attachment that cannot be or says too little is refused by name", 
   const std::string layer = spine + "within_mm = 3\nstiffness = 1e5\n";
   CHECK_THAT(errorOf(attached(layer + "[[attachment]]\n" + layer)),
              Contains("a second attachment is named 'liver/spine'"));
+}
+
+TEST_CASE("A stiffness across that nobody has said follows the one along the normal", "[scene][attachment]") {
+  const std::string layer = "bodies = [\"liver\", \"spine\"]\nwithin_mm = 3\nstiffness = 1e5\n";
+  auto scene = parse(attached(layer));
+  REQUIRE(scene.has_value());
+  REQUIRE(scene::applyOverride(*scene, "attachment.liver/spine.stiffness=2e6", &presets()));
+  CHECK(scene->attachments[0].stiffness_Pa_m == 2e6);
+  CHECK(scene->attachments[0].tangential_Pa_m() == 2e6);
+  REQUIRE(scene::applyOverride(*scene, "attachment.liver/spine.tangential=3e5", &presets()));
+  REQUIRE(scene::applyOverride(*scene, "attachment.liver/spine.stiffness=4e6", &presets()));
+  CHECK(scene->attachments[0].tangential_Pa_m() == 3e5);
+  auto said = parse(attached(layer + "tangential = 5e4\n"));
+  REQUIRE(said.has_value());
+  REQUIRE(scene::applyOverride(*said, "attachment.liver/spine.stiffness=2e6", &presets()));
+  CHECK(said->attachments[0].tangential_Pa_m() == 5e4);
 }
 
 TEST_CASE("The hold of the surroundings and rigid are set from the command line", "[scene][attachment]") {

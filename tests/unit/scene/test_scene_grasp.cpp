@@ -24,18 +24,33 @@ TEST_CASE("A grasp has jaws, and a path if it is led", "[scene][grasp]") {
   CHECK(tongs.body == scene->bodies[0].name);  // the only one
   CHECK(tongs.axis == Vec3{2, 0, 0});
   CHECK(tongs.jaw_m == 0.008);
-  CHECK(tongs.opening_m == 0.024);
-  CHECK(tongs.closed_m == 0.006);
+  CHECK(tongs.opening_m() == 0.024);
+  CHECK(tongs.closed_m() == 0.006);
   CHECK(tongs.forceLimit_N == 0.5);
   REQUIRE(tongs.path.size() == 2);
   CHECK(tongs.path[0].turn_deg == Vec3{});
   CHECK(tongs.path[1].turn_deg == Vec3{0, 0, 30});
   // What is not said goes with the jaws.
   CHECK(scene->grasps[1].name == "grasp-2");
-  CHECK(scene->grasps[1].opening_m == 0.024);
-  CHECK(scene->grasps[1].closed_m == 0.012);
+  CHECK(scene->grasps[1].opening_m() == 0.024);
+  CHECK(scene->grasps[1].closed_m() == 0.012);
   CHECK(scene->grasps[1].forceLimit_N == 0.0);
   CHECK(scene->grasps[1].path.empty());
+}
+
+TEST_CASE("The opening and the gap of jaws follow what is set, unless they have been said", "[scene][grasp]") {
+  auto scene = parse(grasped("name = \"tongs\"\n" + kHere + "jaw_mm = 8\n"));
+  REQUIRE(scene.has_value());
+  scene::SceneGrasp &tongs = scene->grasps[0];
+  // Before, the opening stayed at 16 mm, and a jaw of 30 was refused.
+  REQUIRE(scene::applyOverride(*scene, "grasp.tongs.jaw_mm=30", &presets()));
+  CHECK(tongs.opening_m() == 0.06);
+  CHECK(tongs.closed_m() == 0.03);
+  REQUIRE(scene::applyOverride(*scene, "grasp.tongs.opening_mm=80", &presets()));
+  CHECK(tongs.closed_m() == 0.04);
+  REQUIRE(scene::applyOverride(*scene, "grasp.tongs.closed_mm=10", &presets()));
+  REQUIRE(scene::applyOverride(*scene, "grasp.tongs.opening_mm=70", &presets()));
+  CHECK(tongs.closed_m() == 0.01);
 }
 
 TEST_CASE("A grasp that says too little or what cannot be is refused", "[scene][grasp]") {

@@ -405,8 +405,8 @@ void describeAttachments(const scene::SceneFile &scene, std::ostringstream &text
   for (const scene::SceneAttachment &attachment : scene.attachments) {
     text << "attachment \"" << attachment.name << "\": \"" << attachment.names[0] << "\" to \"" << attachment.names[1]
          << "\", " << formatNumber(attachment.stiffness_Pa_m) << " Pa/m";
-    if (attachment.tangential_Pa_m != attachment.stiffness_Pa_m)
-      text << " (" << formatNumber(attachment.tangential_Pa_m) << " across)";
+    if (attachment.tangential_Pa_m() != attachment.stiffness_Pa_m)
+      text << " (" << formatNumber(attachment.tangential_Pa_m()) << " across)";
     if (attachment.within_m) text << ", within " << formatNumber(1e3 * *attachment.within_m) << " mm";
     if (attachment.region) text << ", in a region";
     if (attachment.tearsAt_Pa > 0.0) text << ", tears at " << formatNumber(attachment.tearsAt_Pa) << " Pa";
@@ -414,7 +414,7 @@ void describeAttachments(const scene::SceneFile &scene, std::ostringstream &text
     Json one{{"name", attachment.name},
              {"bodies", attachment.names},
              {"stiffness", attachment.stiffness_Pa_m},
-             {"tangential", attachment.tangential_Pa_m},
+             {"tangential", attachment.tangential_Pa_m()},
              {"tears_at", attachment.tearsAt_Pa}};
     if (attachment.within_m) one["within_mm"] = 1e3 * *attachment.within_m;
     json["attachments"].push_back(std::move(one));
@@ -448,7 +448,7 @@ void describeGrasps(const scene::SceneFile &scene, std::ostringstream &text, Jso
   json["grasps"] = Json::array();
   for (const scene::SceneGrasp &grasp : scene.grasps) {
     text << "grasp \"" << grasp.name << "\" of \"" << grasp.body << "\": jaws of " << formatNumber(1e3 * grasp.jaw_m)
-         << " mm, from " << formatNumber(1e3 * grasp.opening_m) << " to " << formatNumber(1e3 * grasp.closed_m)
+         << " mm, from " << formatNumber(1e3 * grasp.opening_m()) << " to " << formatNumber(1e3 * grasp.closed_m())
          << " mm";
     if (grasp.forceLimit_N > 0.0) text << " or " << formatNumber(grasp.forceLimit_N) << " N";
     text << ", " << grasp.path.size() << (grasp.path.size() == 1 ? " place\n" : " places\n");
@@ -460,8 +460,8 @@ void describeGrasps(const scene::SceneFile &scene, std::ostringstream &text, Jso
                                   {"at", grasp.at_m},
                                   {"axis", grasp.axis},
                                   {"jaw_mm", 1e3 * grasp.jaw_m},
-                                  {"opening_mm", 1e3 * grasp.opening_m},
-                                  {"closed_mm", 1e3 * grasp.closed_m},
+                                  {"opening_mm", 1e3 * grasp.opening_m()},
+                                  {"closed_mm", 1e3 * grasp.closed_m()},
                                   {"force_limit", grasp.forceLimit_N},
                                   {"path", std::move(path)}});
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 
 #include "advice.h"
 #include "build_request.h"
@@ -255,43 +256,80 @@ std::unique_ptr<Body> bodyOf(const Making &of, const BodyRecipe &recipe, std::op
   return body;
 }
 
-// The sampling that the dial chooses. What was predicted to fit a budget is measured, and made coarser where it does
-// not.
+void measureFrameOf(const Making &of, const Body &body, AccuracyPromise &promise) {
+  if (!of.request.tell(0.9, "measuring a frame")) throw cancelled();
+  promise.measured(of.dial.frameTime(body, &of.request));
+  if (of.request.isRaised()) throw cancelled();
+}
+
+// The finest sampling whose measured frame is within a budget, on a ladder of counts, so that small differences of what
+// is measured lead to the same one. It begins with what was predicted.
+std::unique_ptr<Body> bodyWithinBudget(const Making &of, BodyRecipe recipe, const CostSetting &setting,
+                                       const std::function<void(BodyRecipe &, double)> &askFor, BuiltBody &out) {
+  constexpr int kAttempts = 7;
+  constexpr double kRung = 1.08;            // ratio of counts
+  constexpr double kCostOrder = 4.0 / 3.0;  // of a frame in the count: phyxels, and steps
+  // Parts of the budget: what a frame may take at most, what is aimed at, and what is enough.
+  constexpr double kAtMost = 0.95, kAimedAt = 0.88, kUsed = 0.8;
+  const AccuracyPromise predicted = *out.promise;
+  const AccuracySurvey &survey = *predicted.survey;
+  const double budget = 1e3 * predicted.wish.value;  // ms
+  const int last = static_cast<int>(std::log(kMostPhyxelsOfDial / kFewestPhyxelsOfDial) / std::log(kRung));
+  const double first = std::log(static_cast<double>(predicted.choice.count) / kFewestPhyxelsOfDial) / std::log(kRung);
+  int rung = std::clamp(static_cast<int>(std::lround(first)), 0, last);
+  int within = -1, beyond = last + 1;
+  std::unique_ptr<Body> best;
+  for (int attempt = 1;; ++attempt) {
+    AccuracyPromise promise = predicted;
+    std::optional<AdaptiveSampling> adaptive;
+    askFor(recipe, survey.spacingFor(kFewestPhyxelsOfDial * std::pow(kRung, rung)));
+    auto body = bodyOf(of, recipe, adaptive);
+    promise.built(body->rest());
+    promise.choice.touching_ms = predictTouching(survey, of.constitution, setting, promise.choice.spacing);
+    measureFrameOf(of, *body, promise);
+    const double frame = promise.choice.frame_ms + promise.choice.touching_ms;
+    const bool isWithin = frame <= kAtMost * budget;
+    (isWithin ? within : beyond) = rung;
+    // Without one within the budget: the coarsest that was tried.
+    if (isWithin || within < 0) {
+      best = std::move(body);
+      *out.promise = std::move(promise);
+      out.adaptive = std::move(adaptive);
+    }
+    if ((isWithin && frame >= kUsed * budget) || beyond - within <= 1 || attempt >= kAttempts) return best;
+    const double way = std::log(kAimedAt * budget / frame) / (kCostOrder * std::log(kRung));
+    const int next = rung + static_cast<int>(std::clamp(std::round(way), -1.0 * last, 1.0 * last));
+    rung = std::clamp(next, within + 1, beyond - 1);
+  }
+}
+
+// The sampling that the dial chooses.
 std::unique_ptr<Body> bodyOfDial(const Making &of, BodyRecipe recipe, BuiltBody &out) {
   const DialRequest &dial = of.dial;
   AccuracyPromise &promise = out.promise.emplace();
-  constexpr int kAttempts = 6;
-  constexpr double kCostOrder = 3.0;  // of a frame in the spacing, at least: phyxels; and steps
   const double area = areaOf(of.surface);
   promise = promiseFor(of.problem(recipe), area, dial, of.parallelFor, of.request);
   recipe.sampling.count = promise.choice.count;
   // The count of bodies that nobody asks more of is met as ever.
-  const auto askFor = [&](double spacing) {
+  const auto askFor = [&of, survey = promise.survey](BodyRecipe &asked, double spacing) {
     // Coarser cells, some of which are halved, are as many.
     if (isAdaptive(of))
-      recipe.sampling.count = static_cast<std::size_t>(std::lround(promise.survey->phyxelsAt(spacing)));
+      asked.sampling.count = static_cast<std::size_t>(std::lround(survey->phyxelsAt(spacing)));
     else
-      recipe.sampling.spacing = spacing;
+      asked.sampling.spacing = spacing;
   };
-  if (promise.survey && recipe.sampling.count != automaticCount(of.shape.volume, area)) askFor(promise.choice.spacing);
+  if (promise.survey && recipe.sampling.count != automaticCount(of.shape.volume, area))
+    askFor(recipe, promise.choice.spacing);
   CostSetting setting = dial.setting;
   setting.surfels = of.surface.positions.size();
-  const bool isBudget = dial.wish.kind == AccuracyWish::Kind::budget;
-  for (int attempt = 1;; ++attempt) {
-    auto body = bodyOf(of, recipe, out.adaptive);
-    promise.built(body->rest());
-    if (promise.survey)
-      promise.choice.touching_ms = predictTouching(*promise.survey, of.constitution, setting, promise.choice.spacing);
-    if (dial.wish.kind == AccuracyWish::Kind::standard || !dial.frameTime) return body;
-    if (!of.request.tell(0.9, "measuring a frame")) throw cancelled();
-    promise.measured(dial.frameTime(*body, &of.request));
-    if (of.request.isRaised()) throw cancelled();
-    const double over = (promise.choice.frame_ms + promise.choice.touching_ms) / (1e3 * kBudgetToUse * dial.wish.value);
-    if (!isBudget || over < 1.0 || attempt == kAttempts || !promise.survey) return body;
-    const double coarsest = promise.survey->spacingFor(kFewestPhyxelsOfDial);
-    if (!(promise.choice.spacing < 0.99 * coarsest)) return body;
-    askFor(std::min(coarsest, promise.choice.spacing * std::pow(over, 1.0 / kCostOrder)));
-  }
+  if (dial.wish.kind == AccuracyWish::Kind::budget && promise.survey && dial.frameTime)
+    return bodyWithinBudget(of, std::move(recipe), setting, askFor, out);
+  auto body = bodyOf(of, recipe, out.adaptive);
+  promise.built(body->rest());
+  if (promise.survey)
+    promise.choice.touching_ms = predictTouching(*promise.survey, of.constitution, setting, promise.choice.spacing);
+  if (dial.wish.kind != AccuracyWish::Kind::standard && dial.frameTime) measureFrameOf(of, *body, promise);
+  return body;
 }
 
 BuiltBody build(const Services &services, const MaterialLaws &laws, const std::string &name, c3de_handle mesh,

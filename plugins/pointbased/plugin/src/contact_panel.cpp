@@ -135,10 +135,15 @@ void drawGrasp(sdk::Ui &ui, GraspTool &grasp, const Snapshot *snapshot) {
     double mm = kMillimetres * value;
     if (ui.slider(id, label, "mm", mm, low_mm, high_mm) & C3DE_UI_CHANGED) value = mm / kMillimetres;
   };
+  // What nobody has chosen follows, as in a scene.
+  const bool openingFollows = settings.opening == 2.0 * settings.jaw,
+             gapFollows = settings.closed == 0.5 * settings.opening;
   length("grasp_jaw", "Jaw size", 2.0, 60.0, settings.jaw);
+  if (openingFollows) settings.opening = 2.0 * settings.jaw;
   ui.tooltip("Diameter of the patch of skin that each jaw holds, from the next press on; at least two spacings");
   length("grasp_opening", "Opening", 4.0, 120.0, settings.opening);
   ui.tooltip("Between the middles of the jaws before they close");
+  if (gapFollows) settings.closed = 0.5 * settings.opening;
   length("grasp_closed", "Closed gap", 0.0, 120.0, settings.closed);
   ui.tooltip("The jaws stop closing where what they hold is as near as that");
   (void)ui.slider("grasp_limit", "Closing force limit", "N", settings.forceLimit, 0.0, 20.0);

@@ -12,6 +12,7 @@
 #include "pointbased/cloud_quality.h"
 #include "pointbased/error_estimate.h"
 #include "pointbased/plasticity.h"
+#include "pointbased/support_energy.h"
 
 namespace pointbased {
 namespace {
@@ -143,6 +144,7 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported, const Er
             {"stabilisation", energy.stabilisation},
             {"gravity", energy.gravity},
             {"attachment", energy.foundation},
+            {"supports", supportEnergy(body)},
             {"plastic", 0.0}}},
           {"momentum", json(sums.momentum)},
           {"angular_momentum", json(sums.angularMomentum)},

@@ -252,8 +252,10 @@ struct SceneAttachment {
   std::array<std::string, 2> names;  ///< a body; another body, an obstacle, or kSurroundingsName
   std::optional<SceneRegion> region;
   std::optional<double> within_m;                                        ///< > 0: where the surfaces are that near
-  double stiffness_Pa_m = 0.0, tangential_Pa_m = 0.0, tearsAt_Pa = 0.0;  ///< >= 0
+  double stiffness_Pa_m = 0.0, tearsAt_Pa = 0.0;                         ///< >= 0
+  std::optional<double> saidTangential_Pa_m;                             ///< >= 0; none: it follows the stiffness
   int line = 0;
+  [[nodiscard]] double tangential_Pa_m() const { return saidTangential_Pa_m.value_or(stiffness_Pa_m); }
 };
 /// Stands for where a body is in the scan.
 inline constexpr const char *kSurroundingsName = "surroundings";
@@ -299,11 +301,13 @@ struct SceneGrasp {
   Vec3 at_m{};                        ///< material point of the placed body at rest; the nearest skin is grasped
   Vec3 axis{};                        ///< from the first jaw to the second, of any length but 0
   double jaw_m = 0.01;                ///< > 0, diameter of what a jaw holds
-  double opening_m = 0.02;            ///< >= jaw_m
-  double closed_m = 0.01;             ///< 0 … opening_m
+  std::optional<double> saidOpening_m;  ///< >= jaw_m; none: twice jaw_m
+  std::optional<double> saidClosed_m;   ///< 0 … opening_m(); none: half of that
   double forceLimit_N = 0.0;          ///< >= 0; 0: none
   std::vector<SceneGraspPlace> path;  ///< may be empty; times ascend
   int line = 0;
+  [[nodiscard]] double opening_m() const { return saidOpening_m.value_or(2.0 * jaw_m); }
+  [[nodiscard]] double closed_m() const { return saidClosed_m.value_or(0.5 * opening_m()); }
 };
 
 /// A scene as it was written. Structure is checked; what stands under world, solver, view, material, sampling and

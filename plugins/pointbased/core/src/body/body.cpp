@@ -7,6 +7,7 @@
 
 #include "base/expects.h"
 #include "body/rigid_frame.h"
+#include "forces/entry_forces.h"
 #include "forces/engine_frequency.h"
 #include "forces/vector_forces.h"
 
@@ -359,6 +360,7 @@ std::size_t Body::computeFlow(double dt, const ParallelFor &parallelFor) {
 void Body::stressesInto(double dt, const PointHistory &before, PointHistory *after, bool viscous,
                         const ParallelFor &parallelFor) {
   std::span<const Mat3> rates;
+  rates_.clear();
   if (viscous && constitution_.viscous()) {
     rates_.resize(rest_->pointCount());
     gradientRates(rest_->stencils, state_.velocities, rates_, parallelFor);
@@ -396,8 +398,10 @@ void Body::computeElasticStresses(const ParallelFor &parallelFor) {
 
 void Body::computeInternalForces(const ParallelFor &parallelFor) {
   entryForces_.resize(rest_->stencils.phyxels.indices.size());
-  internalForces(constitution_, rest_->stencils, rest_->positions, state_.displacements, gradients_, stresses_,
-                 entryForces_, forces_, parallelFor, relaxedModes_);
+  // With the rates of the stresses.
+  const std::span<const Vec3> velocities = rates_.empty() ? std::span<const Vec3>() : state_.velocities;
+  detail::internalForcesOf(constitution_, rest_->stencils, rest_->positions, state_.displacements, gradients_, stresses_,
+                           relaxedModes_, velocities, entryForces_, forces_, parallelFor);
 }
 
 void Body::computeForces(double t, const ParallelFor &parallelFor) {

@@ -5,6 +5,7 @@
 
 #include "body/rest_surface.h"
 #include "pointbased/body.h"
+#include "pointbased/support_energy.h"
 
 namespace pointbased {
 namespace {
@@ -163,6 +164,14 @@ std::vector<Reaction> Body::reactions(const Vec3 &gravity) const {
       add(holder->fix, rest_->positions[j] + state_.displacements[j], -(patches_.weights()[e] * patches_.forces()[p]));
     }
   return out;
+}
+
+double supportEnergy(const Body &body) {
+  const PatchSolver &patches = body.patches();
+  double sum = 0.0;
+  for (std::size_t p = 0; p < patches.rows(); ++p)
+    sum += 0.5 * patches.forces()[p].squaredNorm() / patches.stiffness()[p];
+  return sum;
 }
 
 // Points of its own: those of contact miss the first moments of the surface by a per cent.

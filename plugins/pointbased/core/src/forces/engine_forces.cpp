@@ -5,6 +5,7 @@
 #include "forces/entry_forces.h"
 #include "forces/point_response.h"
 #include "forces/relaxing_hourglass.h"
+#include "forces/viscous_hourglass.h"
 
 namespace pointbased {
 
@@ -12,19 +13,34 @@ using namespace detail;
 
 namespace {
 
+// The viscous part of what the modes of a point pull with; without velocities none.
+void addViscous(const Material &material, double stabilisation, const StencilSet &s, std::size_t q, const Mat3 &F,
+                const Amplitudes &modes, std::span<const Vec3> velocities, Mat3 &stress, Mat3 &pull, Vec3 &twisted) {
+  if (velocities.empty() || !(material.viscosity > 0.0)) return;
+  Mat3 rateOfF;
+  Amplitudes rateOfModes;
+  fittedModes(s, q, velocities, rateOfF, rateOfModes);
+  addViscousModes(viscousHourglass(material, stabilisation), material.law == MaterialLaw::linear, s, q, F, modes,
+                  rateOfF, rateOfModes, stress, pull, twisted);
+}
+
 // What every point of a run does to the phyxels of its stencil; the anchor takes the opposite of the sum.
 template <Stabilisation control>
 void pointForces(const Material &material, double stabilisation, const StencilSet &s, std::span<const Vec3> X,
                  std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
-                 std::span<Vec3> entryForces, std::size_t from, std::size_t to) {
+                 std::span<const Vec3> velocities, std::span<Vec3> entryForces, std::size_t from, std::size_t to) {
   const HourglassEnergy hourglass(material, stabilisation);
   const bool linear = material.law == MaterialLaw::linear;
   for (std::size_t q = from; q < to; ++q) {
     if constexpr (control == Stabilisation::hourglass) {
-      const ModalPoint point(hourglass, s, q, linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u));
-      Mat3 stress = stresses[q];
+      const Mat3 F = linear ? Mat3(Mat3::Identity()) : gradients[q];
+      const Amplitudes modes = amplitudes(s, q, u);
+      const ModalPoint point(hourglass, s, q, F, modes);
+      Mat3 stress = stresses[q], pull = point.FQ * point.D;
+      Vec3 twisted = point.twistStiffness * point.twist;
       if (!linear) stress += point.A * point.QD.transpose();
-      spread(ModalConjugates(stress, point.FQ * point.D, point.twistStiffness * point.twist), s, q, entryForces);
+      addViscous(material, stabilisation, s, q, F, modes, velocities, stress, pull, twisted);
+      spread(ModalConjugates(stress, pull, twisted), s, q, entryForces);
     } else if constexpr (control == Stabilisation::isotropic) {
       Mat3 stress = stresses[q];
       const double scale = s.rank[q] > 0 ? residualScale(material, stabilisation, s.volumes[q]) : 0.0;
@@ -45,17 +61,21 @@ void pointForces(const Material &material, double stabilisation, const StencilSe
 // The same of lattice cells whose modes relax.
 void relaxingForces(const Material &material, double stabilisation, const StencilSet &s, std::span<const Vec3> u,
                     std::span<const Mat3> gradients, std::span<const Mat3> stresses,
-                    std::span<const HourglassStrain> relaxed, std::span<Vec3> entryForces, std::size_t from,
-                    std::size_t to) {
+                    std::span<const HourglassStrain> relaxed, std::span<const Vec3> velocities,
+                    std::span<Vec3> entryForces, std::size_t from, std::size_t to) {
   const RelaxingModes modes(material, stabilisation, 0.0);
   const bool linear = material.law == MaterialLaw::linear;
   for (std::size_t q = from; q < to; ++q) {
-    const RelaxingModalPoint point(modes, s, q, linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u),
+    const Mat3 F = linear ? Mat3(Mat3::Identity()) : gradients[q];
+    const Amplitudes amplitude = amplitudes(s, q, u);
+    const RelaxingModalPoint point(modes, s, q, F, amplitude,
                                    relaxed.empty() ? HourglassStrain(HourglassStrain::Zero()) : relaxed[q]);
     Mat3 stress = stresses[q];
     if (!linear) stress += point.A * point.QD.transpose();
-    const HourglassStrain pull = point.FQ * point.D;
-    spread(ModalConjugates(stress, pull.leftCols<3>(), pull.col(3)), s, q, entryForces);
+    Mat3 pull = point.FQ * point.D.leftCols<3>();
+    Vec3 twisted = point.FQ * point.D.col(3);
+    addViscous(material, stabilisation, s, q, F, amplitude, velocities, stress, pull, twisted);
+    spread(ModalConjugates(stress, pull, twisted), s, q, entryForces);
   }
 }
 
@@ -65,20 +85,35 @@ namespace detail {
 
 void entryForcesOf(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
                    std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
-                   std::span<const HourglassStrain> relaxed, std::span<Vec3> entryForces,
-                   const ParallelFor &parallelFor) {
+                   std::span<const HourglassStrain> relaxed, std::span<const Vec3> velocities,
+                   std::span<Vec3> entryForces, const ParallelFor &parallelFor) {
   const Stabilisation control = stabilisationOf(constitution, s);
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
       if (control == Stabilisation::hourglass && material.relaxes())
-        return relaxingForces(material, constitution.stabilisation, s, u, gradients, stresses, relaxed, entryForces,
-                              from, to);
+        return relaxingForces(material, constitution.stabilisation, s, u, gradients, stresses, relaxed, velocities,
+                              entryForces, from, to);
       const auto run = control == Stabilisation::hourglass   ? pointForces<Stabilisation::hourglass>
                        : control == Stabilisation::isotropic ? pointForces<Stabilisation::isotropic>
                                                              : pointForces<Stabilisation::none>;
-      run(material, constitution.stabilisation, s, X, u, gradients, stresses, entryForces, from, to);
+      run(material, constitution.stabilisation, s, X, u, gradients, stresses, velocities, entryForces, from, to);
     });
   });
+}
+
+void internalForcesOf(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
+                      std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
+                      std::span<const HourglassStrain> relaxed, std::span<const Vec3> velocities,
+                      std::span<Vec3> entryForces, std::span<Vec3> forces, const ParallelFor &parallelFor) {
+  POINTBASED_EXPECTS(!constitution.materials.empty(), "a material");
+  POINTBASED_EXPECTS(X.size() == s.entriesOfPhyxel.rows() && u.size() == X.size(),
+                     "one position and one displacement per phyxel");
+  POINTBASED_EXPECTS(gradients.size() == s.pointCount(), "one gradient per evaluation point");
+  POINTBASED_EXPECTS(stresses.size() == s.pointCount(), "one stress per evaluation point");
+  POINTBASED_EXPECTS(entryForces.size() == s.phyxels.indices.size() && forces.size() == X.size(),
+                     "room for every entry and every phyxel");
+  entryForcesOf(constitution, s, X, u, gradients, stresses, relaxed, velocities, entryForces, parallelFor);
+  gather<Vec3>(s, entryForces, forces, parallelFor);
 }
 
 }  // namespace detail
@@ -87,15 +122,7 @@ void internalForces(const Constitution &constitution, const StencilSet &s, std::
                     std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
                     std::span<Vec3> entryForces, std::span<Vec3> forces, const ParallelFor &parallelFor,
                     std::span<const HourglassStrain> relaxed) {
-  POINTBASED_EXPECTS(!constitution.materials.empty(), "a material");
-  POINTBASED_EXPECTS(X.size() == s.entriesOfPhyxel.rows() && u.size() == X.size(),
-                     "one position and one displacement per phyxel");
-  POINTBASED_EXPECTS(gradients.size() == s.pointCount(), "one gradient per evaluation point");
-  POINTBASED_EXPECTS(stresses.size() == s.pointCount(), "one stress per evaluation point");
-  POINTBASED_EXPECTS(entryForces.size() == s.phyxels.indices.size() && forces.size() == X.size(),
-                     "room for every entry and every phyxel");
-  entryForcesOf(constitution, s, X, u, gradients, stresses, relaxed, entryForces, parallelFor);
-  gather<Vec3>(s, entryForces, forces, parallelFor);
+  internalForcesOf(constitution, s, X, u, gradients, stresses, relaxed, {}, entryForces, forces, parallelFor);
 }
 
 }  // namespace pointbased

@@ -6,6 +6,7 @@
 #include "forces/entry_forces.h"
 #include "forces/point_response.h"
 #include "forces/relaxing_hourglass.h"
+#include "forces/viscous_hourglass.h"
 
 namespace pointbased {
 
@@ -22,12 +23,14 @@ struct Field {
 // Change of what a point pulls its phyxels with; dP is v dP of its stress.
 template <Stabilisation control>
 void spreadChange(const Material &material, double stabilisation, const HourglassEnergy &hourglass, const StencilSet &s,
-                  std::size_t q, const Field &field, const Mat3 &dFit, Mat3 dP, const Amplitudes &dA,
-                  std::span<Vec3> entries) {
+                  std::size_t q, const Field &field, double viscousScale, const Mat3 &dFit, Mat3 dP,
+                  const Amplitudes &dA, std::span<Vec3> entries) {
   const Mat3 &F = field.gradients[q];
   if constexpr (control == Stabilisation::hourglass) {
     const bool linear = material.law == MaterialLaw::linear;
-    const ModalPoint point(hourglass, s, q, linear ? Mat3(Mat3::Identity()) : F, amplitudes(s, q, field.displacements));
+    const Mat3 turning = linear ? Mat3(Mat3::Identity()) : F;
+    const Amplitudes modes = amplitudes(s, q, field.displacements);
+    const ModalPoint point(hourglass, s, q, turning, modes);
     const Mat3 dModes = dA.topLeftCorner<3, 3>();
     Mat3 dB = point.FQ.transpose() * dModes;
     if (!linear) dB += (dFit * s.axes).transpose() * point.A;
@@ -37,7 +40,11 @@ void spreadChange(const Material &material, double stabilisation, const Hourglas
       dC += dFit * point.QD;
       dP += dModes * point.QD.transpose() + point.A * (s.axes * dD).transpose();
     }
-    spread(ModalConjugates(dP, dC, point.twistStiffness * dA.topRightCorner<3, 1>()), s, q, entries);
+    Vec3 dTwisted = point.twistStiffness * dA.topRightCorner<3, 1>();
+    if (viscousScale > 0.0 && material.viscosity > 0.0)
+      addViscousModes(viscousHourglass(material, stabilisation), linear, s, q, turning, modes, viscousScale * dFit,
+                      viscousScale * dA, dP, dC, dTwisted);
+    spread(ModalConjugates(dP, dC, dTwisted), s, q, entries);
   } else if constexpr (control == Stabilisation::isotropic) {
     const double scale = s.rank[q] > 0 ? residualScale(material, stabilisation, s.volumes[q]) : 0.0;
     const ResidualPoint residual(s, q, F);
@@ -61,20 +68,12 @@ void spreadChange(const Material &material, double stabilisation, const Hourglas
 
 template <Stabilisation control>
 void fittedChange(const StencilSet &s, std::size_t q, std::span<const Vec3> du, Mat3 &dFit, Amplitudes &dA) {
-  const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];
-  const Vec3 anchor = du[s.phyxels.indices[first]];
-  const GradientRows gradients(s, q);
   if constexpr (control == Stabilisation::hourglass) {
-    const ModeRows modes(s, q);
-    Eigen::Matrix<double, 4, 7> all = Eigen::Matrix<double, 4, 7>::Zero();
-    for (Index e = first + 1; e < last; ++e) {
-      const Eigen::Vector4d d = padded(du[s.phyxels.indices[e]] - anchor);
-      for (int c = 0; c < 3; ++c) all.col(c) += gradients[e][c] * d;
-      for (int m = 0; m < 4; ++m) all.col(3 + m) += modes[e][m] * d;
-    }
-    dFit = all.topLeftCorner<3, 3>();
-    dA = all.rightCols<4>();
+    fittedModes(s, q, du, dFit, dA);
   } else {
+    const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];
+    const Vec3 anchor = du[s.phyxels.indices[first]];
+    const GradientRows gradients(s, q);
     dFit.setZero();
     for (Index e = first + 1; e < last; ++e) dFit += (du[s.phyxels.indices[e]] - anchor) * gradients[e].transpose();
   }
@@ -102,8 +101,8 @@ void runCustomChange(const PointResponse &response, double stabilisation, const 
       const Mat3 &F = field.gradients[q];
       VolumeTerm::addDifferential(moduli, law.tangent(moduli, F), dFs[i], dPs[i]);
       if (response.viscous) dPs[i] += response.viscousStress(q, F, viscousScale * dFits[i]);
-      spreadChange<control>(material, stabilisation, hourglass, s, q, field, dFits[i], s.volumes[q] * dPs[i], dAs[i],
-                            entries);
+      spreadChange<control>(material, stabilisation, hourglass, s, q, field, viscousScale, dFits[i],
+                            s.volumes[q] * dPs[i], dAs[i], entries);
     }
   });
 }
@@ -122,7 +121,7 @@ void runChange(const Material &material, double stabilisation, const StencilSet 
       Amplitudes dA;
       fittedChange<control>(s, q, field.change, dFit, dA);
       const Mat3 dP = s.volumes[q] * stressChange(q, dFit);
-      spreadChange<control>(material, stabilisation, hourglass, s, q, field, dFit, dP, dA, entries);
+      spreadChange<control>(material, stabilisation, hourglass, s, q, field, viscousScale, dFit, dP, dA, entries);
     }
   };
   if (response.elastic()) {
@@ -154,8 +153,9 @@ void runRelaxingChange(const Material &material, double stabilisation, const Ste
     Amplitudes dA;
     fittedChange<Stabilisation::hourglass>(s, q, field.change, dFit, dA);
     const Mat3 &F = field.gradients[q];
-    const RelaxingModalPoint point(modes, s, q, linear ? Mat3(Mat3::Identity()) : F,
-                                   amplitudes(s, q, field.displacements), response.hourglassPast(q));
+    const Mat3 turning = linear ? Mat3(Mat3::Identity()) : F;
+    const Amplitudes amplitude = amplitudes(s, q, field.displacements);
+    const RelaxingModalPoint point(modes, s, q, turning, amplitude, response.hourglassPast(q));
     const HourglassStrain dModes = dA.topRows<3>();
     HourglassStrain dStrain = point.FQ.transpose() * dModes;
     if (!linear) dStrain += (dFit * s.axes).transpose() * point.A;
@@ -166,7 +166,12 @@ void runRelaxingChange(const Material &material, double stabilisation, const Ste
       dC += dFit * point.QD;
       dP += dModes * point.QD.transpose() + point.A * (s.axes * dD).transpose();
     }
-    spread(ModalConjugates(dP, dC.leftCols<3>(), dC.col(3)), s, q, entries);
+    Mat3 dPull = dC.leftCols<3>();
+    Vec3 dTwisted = dC.col(3);
+    if (viscousScale > 0.0 && material.viscosity > 0.0)
+      addViscousModes(viscousHourglass(material, stabilisation), linear, s, q, turning, amplitude, viscousScale * dFit,
+                      viscousScale * dA, dP, dPull, dTwisted);
+    spread(ModalConjugates(dP, dPull, dTwisted), s, q, entries);
   }
 }
 

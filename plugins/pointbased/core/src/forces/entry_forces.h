@@ -8,10 +8,18 @@
 namespace pointbased::detail {
 
 /// The part of internalForces() up to the entries, for the points that parallelFor runs over.
+/// @param velocities  of the viscous modes; empty: none
 void entryForcesOf(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
                    std::span<const Vec3> displacements, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
-                   std::span<const HourglassStrain> relaxed, std::span<Vec3> entryForces,
-                   const ParallelFor &parallelFor);
+                   std::span<const HourglassStrain> relaxed, std::span<const Vec3> velocities,
+                   std::span<Vec3> entryForces, const ParallelFor &parallelFor);
+
+/// internalForces() with what the viscosity of the modes does.
+void internalForcesOf(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
+                      std::span<const Vec3> displacements, std::span<const Mat3> gradients,
+                      std::span<const Mat3> stresses, std::span<const HourglassStrain> relaxed,
+                      std::span<const Vec3> velocities, std::span<Vec3> entryForces, std::span<Vec3> forces,
+                      const ParallelFor &parallelFor);
 
 /// The part of forceDifferential() up to the entries, likewise.
 void entryDifferentialsOf(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "forces/point_response.h"
+#include "forces/viscous_hourglass.h"
 
 namespace pointbased::detail {
 
@@ -33,7 +34,9 @@ class PointStiffness {
                  std::span<const Vec3> u, std::span<const Mat3> gradients, const PointResponse &response,
                  double viscousScale)
       : s_(s), q_(q), gradientRows_(s, q), modeRows_(s, q), X_(X), control_(stabilisationOf(constitution, s)),
-        modal_(response.material, constitution.stabilisation), linear_(response.material.law == MaterialLaw::linear),
+        modal_(response.material, constitution.stabilisation),
+        viscous_(viscousHourglass(response.material, constitution.stabilisation)),
+        viscousScale_(response.material.viscosity > 0.0 ? viscousScale : 0.0), linear_(response.material.law == MaterialLaw::linear),
         point_(modal_, s, q, linear_ ? Mat3(Mat3::Identity()) : gradients[q],
                control_ == Stabilisation::hourglass ? amplitudes(s, q, u) : Amplitudes(Amplitudes::Zero()),
                control_ == Stabilisation::hourglass ? s.variances[q] : Vec3(Vec3::Zero())) {
@@ -45,6 +48,9 @@ class PointStiffness {
       twistQD_ = point.QD.col(3);
       point_.twistStiffness = relaxing_->present().twist(s.volumes[q], s.variances[q]);
     }
+    // Without the turn of its own.
+    if (control_ == Stabilisation::hourglass && viscousScale_ > 0.0)
+      point_.twistStiffness += viscousScale_ * viscous_.twist(s.volumes[q], s.variances[q]);
     const bool flat = s.rank[q] < 3;
     const Mat3 seen = flat ? seenDirections(s.rank[q], frameOfPoint(s, q)) : Mat3(Mat3::Identity());
     for (int c = 0; c < 9; ++c) {
@@ -81,7 +87,8 @@ class PointStiffness {
     for (int i = 0; i < 3; ++i) {
       Mat3 dB = point_.FQ.row(i).transpose() * row.transpose();
       if (!linear_) dB += turned * point_.A.row(i);
-      const Mat3 dD = (relaxing_ ? relaxing_->present() : modal_).conjugate(dB, point_.vs);
+      Mat3 dD = (relaxing_ ? relaxing_->present() : modal_).conjugate(dB, point_.vs);
+      if (viscousScale_ > 0.0) dD += viscousScale_ * viscous_.conjugate(dB, point_.vs);
       out.modes.col(i) = Eigen::Map<const Eigen::Matrix<double, 9, 1>>(dB.data());
       out.conjugate.col(i) = Eigen::Map<const Eigen::Matrix<double, 9, 1>>(dD.data());
       if (relaxing_) {
@@ -143,7 +150,8 @@ class PointStiffness {
   ModeRows modeRows_;
   std::span<const Vec3> X_;
   Stabilisation control_;
-  HourglassEnergy modal_;
+  HourglassEnergy modal_, viscous_;
+  double viscousScale_;
   bool linear_;
   ModalPoint point_;
   std::optional<RelaxingModes> relaxing_;

@@ -2,9 +2,9 @@
 #include "forces/stiffness_factors.h"
 
 #include "base/polar.h"
-#include "forces/hourglass_energy.h"
 #include "forces/laminate.h"
 #include "forces/point_loops.h"
+#include "forces/viscous_hourglass.h"
 #include "material/laws.h"
 
 namespace pointbased::detail {
@@ -84,7 +84,10 @@ void findStiffnessFactors(const Constitution &constitution, const StencilSet &s,
       const double less = laminate != nullptr ? laminate->shareOfShear() - 1.0 : 0.0;
       Eigen::Vector4d roots = Eigen::Vector4d::Zero();
       if (hasModes) {
-        const HourglassEnergy modal(material, constitution.stabilisation);
+        const HourglassEnergy elasticModes(material, constitution.stabilisation),
+            viscous = viscousHourglass(material, viscousScale * constitution.stabilisation),
+            modal(elasticModes.mu() + viscous.mu(), elasticModes.lambda() + viscous.lambda(),
+                  elasticModes.twistModulus() + viscous.twistModulus());
         roots = laminate != nullptr
                     ? modeRoots(laminates.modes[laminates.of[q]], modal.twist(s.volumes[q], s.variances[q]))
                     : modeRoots(modal, s.volumes[q] * s.variances[q], s.volumes[q], s.variances[q]);

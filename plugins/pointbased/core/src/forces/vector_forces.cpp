@@ -85,7 +85,7 @@ double ScalarFallback::evaluate(std::span<const Vec3> u, std::span<const Vec3> v
   relaxedModes_.resize(history.modes.size());
   if (!history.modes.empty())
     relaxModes(constitution_, stencils_, u, gradients_, history, step.dt, &history, relaxedModes_, own);
-  entryForcesOf(constitution_, stencils_, positions_, u, gradients_, stresses_, relaxedModes_, entryForces_, own);
+  entryForcesOf(constitution_, stencils_, positions_, u, gradients_, stresses_, relaxedModes_, v, entryForces_, own);
   return ratio;
 }
 

@@ -21,8 +21,8 @@ constexpr double kTightest = 1e-6;      // of the forcing terms
 constexpr double kConfirming = 1e-3;    // linear tolerance of a step that ends the solve
 constexpr double kResidualFall = 1e-6;  // of the first residual; see NewtonSettings::toleranceForce
 constexpr double kRounding = 1e-10;     // relative change of the energy that may be round-off of a cancelled sum
-// of the displacement that is tolerated: what a step after the other may leave
-constexpr double kFoundAtStart = 1e-3;
+constexpr double kFoundAtStart = 1e-3;  // of the tolerance: a solution that is no farther is found even without descent
+constexpr double kOfReach = 2e-3;       // part of the increment that inertia alone allows: the tolerance is at most that
 constexpr double kAsPromised = 0.75, kPoor = 0.25;  // parts of the promised decrease
 constexpr double kWiden = 2.0, kNarrow = 0.5;       // of the radius
 // times what the preconditioned gradient says is left; with three, a spinning block erred by 0.16 % instead of 0.05 %
@@ -300,8 +300,9 @@ bool NewtonSolver::Impl::applyLastCorrection(IncrementalPotential &problem, std:
   return true;
 }
 
-NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings,
+NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &asked,
                                        const std::function<bool(const NewtonResult &)> &shouldContinue) {
+  NewtonSettings settings = asked;
   result = NewtonResult();
   stop = settings.stop;
   tolerance = settings.toleranceDisplacement;
@@ -311,8 +312,9 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
   trialGradient.resize(n);
 
   Evaluation at;
+  bool isSmall = false;  // all that is left is far below the tolerance that was asked for
   const auto end = [&](NewtonOutcome outcome) {
-    result.outcome = outcome;
+    result.outcome = isSmall && outcome == NewtonOutcome::noDescent ? NewtonOutcome::converged : outcome;
     return result;
   };
   const auto report = [&] {
@@ -333,7 +335,13 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
   report();
   if (!finite) return end(NewtonOutcome::notFinite);
 
-  if (problem.reach(gradient) <= kFoundAtStart * settings.toleranceDisplacement) return end(NewtonOutcome::converged);
+  const double reach = problem.reach(gradient);
+  if (reach <= 0.0) return end(NewtonOutcome::converged);
+  // An increment below the tolerance counts: step after step it adds up to all of the motion.
+  isSmall = reach <= kFoundAtStart * settings.toleranceDisplacement;
+  const double roundOff = 8.0 * std::numeric_limits<double>::epsilon() * detail::largest(u).value;
+  settings.toleranceDisplacement = std::min(settings.toleranceDisplacement, std::max(roundOff, kOfReach * reach));
+  tolerance = settings.toleranceDisplacement;
 
   start.assign(u.begin(), u.end());
   const double first = at.residual.value;

@@ -17,6 +17,7 @@ namespace {
 constexpr double kSampling = 0.5;  // spacings, of the surface
 constexpr double kFacing = -0.1;   // cosine: surfaces that a layer joins face each other
 constexpr double kTouches = 1e-6;  // spacings
+constexpr double kCrushed = 0.05;  // det F, below which the normal has no direction that could be followed
 
 // Of every point the nearest of the second body's surface at rest.
 struct NearestOfBody {
@@ -183,20 +184,38 @@ void AttachmentLayer::forEntries(std::size_t p, const Visit &visit) const {
     visit(true, second_.phyxels.indices[e], -second_.weights[e]);
 }
 
+// With n = cof(F) N / |cof(F) N|: δn = -P F^-T δFᵀ n, P = 1 - n nᵀ. The energy A (k_n - k_t) (n·d)²/2 therefore pulls
+// phyxel j with n (g_j·w), w = F^-1 P A (k_n - k_t) (n·d) d. Without it a turning layer takes or gives energy.
 double AttachmentLayer::turn(const Sides &at) {
   if (settings_.stiffness == settings_.tangential || at.first.empty()) return 0.0;
+  const std::optional<RigidMotion> motion = motionAt(at);
+  turning_.assign(at.first.size(), Vec3::Zero());
   double most = 0.0;
   for (std::size_t p = 0; p < normals_.size(); ++p) {
     const Mat3 F = gradientAt(first_, p, at.first);
     Mat3 cofactor;
     for (int c = 0; c < 3; ++c) cofactor.col(c) = F.col((c + 1) % 3).cross(F.col((c + 2) % 3));
     const Vec3 n = cofactor * points_.normals[p];
-    const double length = n.norm();
-    const Vec3 turned = length > 0.0 && std::isfinite(length) ? Vec3(n / length) : points_.normals[p];
+    const double length = n.norm(), J = F.col(0).dot(cofactor.col(0));
+    const bool isSound = length > 0.0 && std::isfinite(length);
+    const Vec3 turned = isSound ? Vec3(n / length) : points_.normals[p];
     most = std::max(most, (turned - normals_[p]).norm());
     normals_[p] = turned;
+    if (isTorn(p) || !isSound || !(J > kCrushed) || rankOf(first_, p) < 3) continue;
+    const Vec3 d = wayOf(p, at, motion ? &*motion : nullptr);
+    const double along = turned.dot(d);
+    const Vec3 pull = points_.areas[p] * (settings_.stiffness - settings_.tangential) * along * (d - along * turned);
+    const Vec3 w = cofactor.transpose() * pull / J;
+    for (Index e = first_.phyxels.offsets[p]; e < first_.phyxels.offsets[p + 1]; ++e)
+      turning_[first_.phyxels.indices[e]] += first_.gradients[e].dot(w) * turned;
   }
   return most;
+}
+
+double AttachmentLayer::workOfTurning(std::span<const Vec3> first) const {
+  double work = 0.0;
+  for (std::size_t i = 0; i < std::min(turning_.size(), first.size()); ++i) work += turning_[i].dot(first[i]);
+  return work;
 }
 
 double AttachmentLayer::energy(const Sides &at) const {
@@ -218,6 +237,7 @@ void AttachmentLayer::addForces(const Sides &at, std::span<Vec3> first, std::spa
     if (!first.empty()) spreadForce(first_, p, force, first);
     if (joinsBodies() && !second.empty()) spreadForce(second_, p, -force, second);
   }
+  for (std::size_t i = 0; i < std::min(turning_.size(), first.size()); ++i) first[i] += turning_[i];
 }
 
 void AttachmentLayer::addProduct(const Sides &change, std::span<Vec3> first, std::span<Vec3> second) const {

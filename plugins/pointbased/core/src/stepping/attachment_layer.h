@@ -32,9 +32,11 @@ class AttachmentLayer {
   /// Of an obstacle at the other side; empty: it stands still, or there is none.
   [[nodiscard]] const std::function<RigidMotion(double)> &motion() const { return motion_; }
   void setMotion(std::function<RigidMotion(double)> motion) { motion_ = std::move(motion); }
-  /// Normals as the first body has turned by now: all below is with them until the next call.
-  /// @return by how much at most, rad
+  /// Normals as the first body has turned by now, and the forces by which it resists turning them: all below is with
+  /// both until the next call. @return by how much at most, rad
   double turn(const Sides &at);
+  /// Of these forces along displacements of the first body, J; energy() leaves it out.
+  [[nodiscard]] double workOfTurning(std::span<const Vec3> first) const;
   [[nodiscard]] double energy(const Sides &at) const;  ///< J
   /// Adds its forces to the phyxels of both, N; an empty span is left out.
   void addForces(const Sides &at, std::span<Vec3> first, std::span<Vec3> second) const;
@@ -78,6 +80,7 @@ class AttachmentLayer {
   Interpolation first_, second_;               // of these points; the second is empty where it is no body
   std::function<RigidMotion(double)> motion_;  // of an obstacle that moves
   std::vector<Vec3> normals_;                  // as they have turned
+  std::vector<Vec3> turning_;                  // [phyxels of the first] N, of turn(); empty: it does not depend on them
   std::vector<std::uint8_t> torn_, kept_;
   double area_ = 0.0, widest_ = 0.0;
 };

@@ -253,13 +253,15 @@ void BodyGroup::addLayerForces(double time, bool onlyFresh) {
 
 bool BodyGroup::tearLayers(double time) {
   bool any = false;
-  turned_ = 0.0;
-  for (std::size_t l = 0; l < layers_.size(); ++l) {
-    const AttachmentLayer::Sides sides = sidesOf(l, time);
-    any = layers_[l].layer->tear(sides) || any;
-    turned_ = std::max(turned_, layers_[l].layer->turn(sides));
-  }
+  for (std::size_t l = 0; l < layers_.size(); ++l) any = layers_[l].layer->tear(sidesOf(l, time)) || any;
+  turnLayers(time);
   return any;
+}
+
+void BodyGroup::turnLayers(double time) {
+  turned_ = 0.0;
+  for (std::size_t l = 0; l < layers_.size(); ++l)
+    turned_ = std::max(turned_, layers_[l].layer->turn(sidesOf(l, time)));
 }
 
 // All take the substeps of the one with the smallest.
@@ -392,6 +394,7 @@ void BodyGroup::substep(std::span<const StepContext> orders, double time, double
   std::size_t moving = 0;
   for (std::size_t k = 0; k < members_.size(); ++k)
     if (moves(k)) fresh_[k] = substeps_[moving++].evaluateFirst() ? 1 : 0;
+  if (std::find(fresh_.begin(), fresh_.end(), 1) != fresh_.end()) turnLayers(time);
   addLayerForces(time, true);
   for (ExplicitSubstep &one : substeps_) one.kickFirst();
   const bool touches = !pairs_.empty();
@@ -426,6 +429,7 @@ void BodyGroup::substep(std::span<const StepContext> orders, double time, double
   else
     for (ExplicitSubstep &one : substeps_) one.solveContacts();
   for (ExplicitSubstep &one : substeps_) one.driftOn();
+  turnLayers(time + dt);  // before the forces: a normal that lags makes energy
   addLayerForces(time + dt);
   for (ExplicitSubstep &one : substeps_) one.kickLast();
   if (touches)

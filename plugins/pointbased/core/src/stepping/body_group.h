@@ -86,6 +86,7 @@ class BodyGroup {
   void addLayerForces(double time, bool onlyFresh = false);
   /// @return whether anything has torn
   bool tearLayers(double time);
+  void turnLayers(double time);
   /// @param goesOn  the last substep of these members was the one before: rows of contacts are those of its end
   void substep(std::span<const StepContext> orders, double time, double dt, bool goesOn);
 

@@ -163,7 +163,10 @@ void StageCoupling::gather() {
 
 double StageCoupling::energy(std::span<const Vec3> now) const {
   double sum = touches() ? contactEnergy(joint_.rows(), joint_.state(), penalty(), start_, now) : 0.0;
-  for (const JoinedLayer &layer : layers_) sum += layer.layer->energy(sidesOf(layer, now));
+  for (const JoinedLayer &layer : layers_) {
+    const AttachmentLayer::Sides sides = sidesOf(layer, now);
+    sum += layer.layer->energy(sides) - layer.layer->workOfTurning(sides.first);
+  }
   return sum;
 }
 

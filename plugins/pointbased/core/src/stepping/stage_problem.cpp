@@ -14,6 +14,7 @@ namespace {
 // Stiffness of contact in units of E A / d: a body of height H presses itself in by rho g H / (kContactStiffness E /
 // d).
 constexpr double kContactStiffness = 30.0;
+constexpr double kRoundOffs = 16.0;  // units in the last place, in the sums of a gradient
 
 // Over triplets, of which a large body has millions; looks whether they are still wanted.
 class AskedTriplets {
@@ -176,7 +177,14 @@ double StageProblem::reach(std::span<const Vec3> gradient) const {
   if (!(stage_.h > 0.0)) return std::numeric_limits<double>::infinity();
   double farthest = 0.0;
   for (std::size_t i = 0; i < n_; ++i) farthest = std::max(farthest, gradient[i].norm() / body_.masses()[i]);
-  return farthest / (a_ + damping_);
+  farthest /= a_ + damping_;
+  // Displacements are rounded in the inertia, and in the strains, which the stiffest motion turns into forces.
+  double size = 0.0;
+  for (const Vec3 &u : body_.state().displacements) size = std::max(size, u.squaredNorm());
+  const double stiff = stage_.h * body_.restFrequency();
+  const double rounding = kRoundOffs * std::numeric_limits<double>::epsilon() *
+                          (std::sqrt(size) + stiff * stiff * (std::sqrt(size) + body_.rest().spacing));
+  return farthest <= rounding ? 0.0 : farthest;
 }
 
 void StageProblem::product(std::span<const Vec3> du, std::span<Vec3> out) {

@@ -208,10 +208,13 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const HistoryJob &history, 
     S = S - relaxedStress<kLaw>(d, run.law, memory.material, elastic.strain, frame,
                                 memory.template records<27>(history.prony), memory.axes, scalar, run.material());
   elastic.pullBack(d, S, ratio);
-  if (run.fields.velocities) {
-    SignSums<V> vx, vy, vz;
+  const bool isViscous = run.fields.velocities != nullptr;
+  SignSums<V> vx, vy, vz;
+  Mat3Lanes<V> rate;
+  if (isViscous) {
     run.gatherCorners(run.fields.velocities, vx, vy, vz);
-    S = S + viscousStress(d, hn::Set(d, run.law.twoEta), G, run.gradient(vx, vy, vz));
+    rate = run.gradient(vx, vy, vz);
+    S = S + viscousStress(d, hn::Set(d, run.law.twoEta), G, rate);
   }
   S = scaled(run.number(kVolume), S);
   V k[kCorners];
@@ -253,6 +256,9 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const HistoryJob &history, 
     S = S + times(A, transposed(D3));
     pull = D3 + times(G, D3);
   }
+  if (isViscous)
+    addViscousModes<kLinear>(d, run.law, 1.0, run.roots(), run.number(kTwist), {G, A, C},
+                             {rate, run.amplitudes(vx, vy, vz), {vx.xyz, vy.xyz, vz.xyz}}, S, pull, twisted);
   // Of NaN and a number the maximum may be the number.
   run.stiffnesses(hn::IfThenElse(hn::Eq(ratio, ratio), hn::Max(ratio, stretch2), ratio), modes, k);
   run.scatterStress(S, pull, twisted, k);

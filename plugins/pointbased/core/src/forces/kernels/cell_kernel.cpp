@@ -30,10 +30,12 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   const V stretch2 = largestStretchSquared(d, strain.E, spreadOf(d, strain.E));
   V ratio;
   Mat3Lanes<V> S = stressOf<kLaw>(d, run.law, strain, stretch2, scalar, run.material(), ratio);
-  if (run.fields.velocities) {
-    SignSums<V> vx, vy, vz;
+  const bool isViscous = run.fields.velocities != nullptr;
+  SignSums<V> vx, vy, vz;
+  Mat3Lanes<V> rate;
+  if (isViscous) {
     run.gatherCorners(run.fields.velocities, vx, vy, vz);
-    const Mat3Lanes<V> rate = laminate.change(vx, vy, vz).dG;
+    rate = laminate.change(vx, vy, vz).dG;
     S = S + viscousStress(d, hn::Set(d, run.law.twoEta), G, rate);
   }
   S = scaled(run.number(kVolume), S);
@@ -52,10 +54,16 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
       S = S + times(A, transposed(D3));
       pull = D3 + times(G, D3);
     }
+    const Vec3Lanes<V> xyz{x.xyz, y.xyz, z.xyz};
+    Vec3Lanes<V> twisted = scaled(run.twist(), xyz);
+    if (isViscous)
+      addViscousModes<kLaw == MaterialLaw::linear>(
+          d, run.law, Real<D>(1), run.roots(), run.number(kTwist), {G, A, xyz},
+          {rate, run.amplitudes(vx, vy, vz), {vx.xyz, vy.xyz, vz.xyz}}, S, pull, twisted);
     // Of NaN and a number the maximum may be the number.
     run.stiffnesses(hn::IfThenElse(hn::Eq(ratio, ratio), hn::Max(ratio, stretch2), ratio),
                     kLaw == MaterialLaw::linear ? hn::Zero(d) : run.hourglassStiffness(A), k);
-    laminate.scatter(S, k, pull, scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}));
+    laminate.scatter(S, k, pull, twisted);
   }
 }
 

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "base/look_for_end.h"
-#include "forces/hourglass_energy.h"
+#include "forces/viscous_hourglass.h"
 
 namespace pointbased::kernels {
 namespace {
@@ -275,6 +275,10 @@ LawNumbers<T> lawNumbers(const Material &m, double stabilisation) {
   n.hourglassMu = static_cast<T>(hourglass.mu());
   n.hourglassLambda = static_cast<T>(hourglass.lambda());
   n.hourglassTwist = static_cast<T>(hourglass.twistModulus());
+  const detail::HourglassEnergy viscous = detail::viscousHourglass(m, stabilisation);
+  n.viscousMu = static_cast<T>(viscous.mu());
+  n.viscousLambda = static_cast<T>(viscous.lambda());
+  n.viscousTwist = static_cast<T>(viscous.twistModulus());
   n.twoEta = static_cast<T>(2.0 * m.viscosity);
   n.waveAtRest = static_cast<T>(lambda + 2.0 * m.mu());
   n.allAtRest = static_cast<T>(std::max(3.0 * lambda, 0.0) + 2.0 * m.mu());

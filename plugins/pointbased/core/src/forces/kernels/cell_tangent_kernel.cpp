@@ -29,6 +29,9 @@ HWY_INLINE void tangentOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
   rowsOf(run).setMatrix(kTangentA, run.amplitudes(x, y, z));
+  rowsOf(run).set(kTangentTwist, x.xyz);
+  rowsOf(run).set(kTangentTwist + 1, y.xyz);
+  rowsOf(run).set(kTangentTwist + 2, z.xyz);
   LaminateLanes<kLaw, kMixed, D> laminate(run);
   const Strain<D> strain(d, laminate.strained(x, y, z));
   prepareTangent<kLaw>(d, run.law, strain, rowsOf(run));
@@ -78,7 +81,16 @@ HWY_INLINE void productOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
     dS = dS + times(dA, transposed(D3)) + times(A, transposed(dD));
     dPull = dD + times(G, dD) + times(dG, D3);
   }
-  laminate.scatterChange(change, dS, nothing, dPull, scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}));
+  const Vec3Lanes<V> dXyz{x.xyz, y.xyz, z.xyz};
+  Vec3Lanes<V> dTwisted = scaled(run.twist(), dXyz);
+  if (run.job.viscousScale > 0)
+    addViscousModes<kLaw == MaterialLaw::linear>(
+        d, run.law, run.job.viscousScale, run.roots(), run.number(kTwist),
+        {at.getMatrix(kTangentG),
+         at.getMatrix(kTangentA),
+         {at.get(kTangentTwist), at.get(kTangentTwist + 1), at.get(kTangentTwist + 2)}},
+        {dG, dA, dXyz}, dS, dPull, dTwisted);
+  laminate.scatterChange(change, dS, nothing, dPull, dTwisted);
 }
 
 // Strain and modes of some lanes, J.

@@ -13,13 +13,13 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointbased::kernels::HWY_NAMESPACE {
 
-/// dU/dB of HourglassEnergy::conjugate().
+/// dU/dB of HourglassEnergy::conjugate() for moduli μ and λ*, Pa.
 /// @param B  columns xy, xz, yz
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE Mat3Lanes<V> hourglassConjugate(D d, const LawNumbers<Real<D>> &m, const Mat3Lanes<V> &B,
+HWY_INLINE Mat3Lanes<V> hourglassConjugate(D d, Real<D> ofMu, Real<D> ofLambda, const Mat3Lanes<V> &B,
                                            const Vec3Lanes<V> &root) {
   using T = Real<D>;
-  const V mu = hn::Set(d, m.hourglassMu), lambda = hn::Set(d, m.hourglassLambda), two = hn::Set(d, 2 * m.hourglassMu);
+  const V mu = hn::Set(d, ofMu), lambda = hn::Set(d, ofLambda), two = hn::Set(d, 2 * ofMu);
   const V theta = hn::Set(d, T(detail::kWarping)), rest = hn::Set(d, T((1.0 - detail::kWarping) / 3.0));
   const V tx = hn::Mul(root.x, hn::Add(B.c0.z, B.c1.y));
   const V ty = hn::Mul(root.y, hn::Add(B.c0.z, B.c2.x));
@@ -37,6 +37,43 @@ HWY_INLINE Mat3Lanes<V> hourglassConjugate(D d, const LawNumbers<Real<D>> &m, co
   D3.c1 = {hn::Mul(vz, hn::MulAdd(two, B.c1.x, pz)), hn::Add(sx, sz), hn::Mul(vx, hn::MulAdd(two, B.c1.z, px))};
   D3.c2 = {hn::Add(sy, sz), hn::Mul(vz, hn::MulAdd(two, B.c2.y, pz)), hn::Mul(vy, hn::MulAdd(two, B.c2.z, py))};
   return D3;
+}
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE Mat3Lanes<V> hourglassConjugate(D d, const LawNumbers<Real<D>> &m, const Mat3Lanes<V> &B,
+                                           const Vec3Lanes<V> &root) {
+  return hourglassConjugate(d, m.hourglassMu, m.hourglassLambda, B, root);
+}
+
+/// Of some lanes, G = F - 1: amplitudes of the modes xy, xz, yz and Σ s u of xyz.
+template <class V>
+struct ModalState {
+  Mat3Lanes<V> G, A;
+  Vec3Lanes<V> xyz;
+};
+
+/// Adds what the viscosity of the modes does (addViscousModes() in viscous_hourglass.h), times `scale`.
+/// @param twist  kTwist of the lanes
+template <bool kLinear, class D, class V = hn::Vec<D>>
+HWY_INLINE void addViscousModes(D d, const LawNumbers<Real<D>> &m, Real<D> scale, const Vec3Lanes<V> &root, V twist,
+                                const ModalState<V> &at, const ModalState<V> &rate, Mat3Lanes<V> &S,
+                                Mat3Lanes<V> &pull, Vec3Lanes<V> &twisted) {
+  Mat3Lanes<V> dB = rate.A;
+  Vec3Lanes<V> w = rate.xyz;
+  if constexpr (!kLinear) {
+    dB = dB + transposeTimes(at.G, rate.A) + transposeTimes(rate.G, at.A);
+    w = w + transposeTimes(at.G, rate.xyz) + transposeTimes(rate.G, at.xyz);
+  }
+  const Mat3Lanes<V> D3 = hourglassConjugate(d, scale * m.viscousMu, scale * m.viscousLambda, dB, root);
+  w = scaled(hn::Mul(hn::Set(d, scale * m.viscousTwist), twist), w);
+  if constexpr (kLinear) {
+    pull = pull + D3;
+    twisted = twisted + w;
+  } else {
+    S = S + times(at.A, transposed(D3)) +
+        Mat3Lanes<V>{scaled(w.x, at.xyz), scaled(w.y, at.xyz), scaled(w.z, at.xyz)};
+    pull = pull + D3 + times(at.G, D3);
+    twisted = twisted + w + times(at.G, w);
+  }
 }
 
 }  // namespace pointbased::kernels::HWY_NAMESPACE

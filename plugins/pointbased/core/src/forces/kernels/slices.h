@@ -98,6 +98,7 @@ struct LawNumbers {
   T hourglassMu{}, hourglassLambda{}, hourglassTwist{};  ///< Pa; stabilisation × μ, λ*, kTwistStiffness E
   T waveAtRest{}, allAtRest{};                           ///< Pa: what tangentRatio() divides by
   T twoEta{};                                            ///< Pa s: twice the viscosity
+  T viscousMu{}, viscousLambda{}, viscousTwist{};        ///< Pa s, of the modes: viscousHourglass()
 };
 
 /// Answers where a lane is collapsed or turned beyond what the formulas of the kernels hold. F, P and their changes
@@ -144,7 +145,8 @@ struct HistoryJob {
 enum TangentNumber : std::size_t {
   kTangentG,                      ///< 9: G
   kTangentA = kTangentG + 9,      ///< 9: amplitudes of the modes xy, xz, yz, 1/m
-  kTangentFirst = kTangentA + 9,  ///< dW/dJ; corotated: 2 μ - λ (tr U - 3)
+  kTangentTwist = kTangentA + 9,      ///< 3: Σ s u of the mode xyz, m
+  kTangentFirst = kTangentTwist + 3,  ///< dW/dJ; corotated: 2 μ - λ (tr U - 3)
   kTangentSecond,                 ///< d²W/dJ²
   kTangentStray,                  ///< 1 where the scalar law has to answer, else 0
   kTangentR,                      ///< 9: R
