@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "c3de/imaging/reading.h"
 #include "c3de/imaging/writing.h"
 #include "c3de/render/camera.h"
 #include "support/catch.h"
@@ -377,6 +378,38 @@ TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slic
   window.screenshot("pulled");
   CHECK(window.differingPixels("alive", "pulled", "axial") > 200);
   window.release();
+}
+
+TEST_CASE("What image and labels contradict is shown before the body is made, until the choice is another",
+          "[scan_findings]") {
+  C3DE_ALIVE_OR_SKIP();
+  std::vector<Organ> organs = threeOrgans({"vertebrae_L2", "kidney_left", "vertebrae_L1"});
+  organs[0].value = 40;
+  WorkstationDriver window("scan_findings");
+  const Files files = writeScan("scan_findings", organs);
+  openDialog(window, files);
+  const auto findings = [](const Json &s) { return value(s, "scan/findings"); };
+  const Json shown = window.waitUntil("a finding", [&](const Json &s) { return !findings(s).empty(); });
+  CHECK_THAT(findings(shown), Contains("1 of 2 rigid labels") && Contains("vertebrae_L2 (") && Contains("material"));
+  window.screenshotAtRest("dialog");
+  choose(window, "vertebrae_L2", "liver");
+  window.waitUntil("no finding", [&](const Json &s) { return s["jobs"].empty() && findings(s).empty(); });
+
+  // Its labels can be written as they are now; it is in balance with its weight.
+  typeInto(window, "points", "300");
+  window.key("Tab");
+  window.waitForValue("scan/points", "300");
+  (void)make(window);
+  const auto before = imaging::readLabelMap(files.labels),
+             after = imaging::readLabelMap(exported(window, "export_labels", "scan_findings_labels.nrrd"));
+  REQUIRE((before && after));
+  REQUIRE(after->labels.voxels.size() == before->labels.voxels.size());
+  std::size_t other = 0;
+  for (std::size_t v = 0; v < after->labels.voxels.size(); ++v)
+    other += after->labels.voxels[v] != before->labels.voxels[v] ? 1 : 0;
+  CHECK(100 * other < after->labels.voxels.size());
+  REQUIRE(after->labels.labels.size() == 3);
+  CHECK(after->labels.labels[0].name == "vertebrae_L2");
 }
 
 TEST_CASE("Cells become finer where a hand has pulled, for as many points", "[scan_finer]") {

@@ -22,6 +22,7 @@ constexpr std::size_t kMostLabels = 60000;   // whose values are kept apart
 constexpr double kReach_mm = 10.0;           // of contrast agent beside its vessel: branches without a label
 constexpr double kStep_HU = 20.0;            // of the limits that are proposed
 constexpr std::size_t kDenseNeighbours = 3;  // of six: corners of what is two voxels thick have them
+constexpr double kMostOfHoles_HU = 700.0;    // of contrast agent in arteries and veins; cortical bone shows more
 constexpr double kMetal_HU = 2000.0;
 constexpr double kMostContrast_HU = 1200.0;  // undiluted, in the vein where it comes in
 
@@ -321,26 +322,32 @@ class GreyValues {
   }
 
   [[nodiscard]] std::optional<LabelFinding> boneFinding() const {
-    std::size_t holes = 0, taken = 0;
+    Histogram holes;
+    std::size_t taken = 0;
     for (std::size_t v = 0; v < marks_.size(); ++v) {
       if (marks_[v] != kUnlabelled || values_[v] < kUnlabelledBone_HU || !isBone(v)) continue;
       const double hu = values_[v];
       if (hu > check_.background->to)
-        ++holes;
+        holes.add(hu);
       else if (hu >= check_.background->from)
         ++taken;
     }
-    if (millilitres(holes + taken) < kLeastBone_ml) return std::nullopt;
+    const double holes_ml = millilitres(holes.total()), taken_ml = millilitres(taken);
+    if (holes_ml + taken_ml < kLeastBone_ml) return std::nullopt;
     LabelFinding out;
     out.kind = LabelFinding::Kind::bone;
-    out.text = fmt::format("{:.3g} ml without a label look like bone (from {:.0f} HU on)", millilitres(holes + taken),
-                           kUnlabelledBone_HU);
-    if (taken > 0) out.text += fmt::format(": {:.3g} ml would be {}", millilitres(taken), check_.background->material);
-    if (holes > 0) out.text += fmt::format("{} {:.3g} ml would be holes", taken > 0 ? "," : ":", millilitres(holes));
+    out.text = fmt::format("{:.3g} ml without a label look like bone or contrast agent (from {:.0f} HU on)",
+                           holes_ml + taken_ml, kUnlabelledBone_HU);
+    if (taken > 0) out.text += fmt::format(": {:.3g} ml would be {}", taken_ml, check_.background->material);
+    if (holes.total() > 0) out.text += fmt::format("{} {:.3g} ml would be holes", taken > 0 ? "," : ":", holes_ml);
     out.advice = fmt::format(
-        "label these bones, or add a tissue {{ name = \"bone\", image = \"…\", threshold = [{:.0f}, {:.0f}], rigid = "
-        "true }}",
+        "label them, or add a tissue {{ name = \"bone\", image = \"…\", threshold = [{:.0f}, {:.0f}], rigid = true }}",
         kUnlabelledBone_HU, kMetal_HU + 1000.0);
+    // Cortical bone reaches more.
+    const double most = holes.total() > 0 ? holes.quantile(0.995) : 0.0;
+    if (holes_ml < kLeastContrast_ml || most > kMostOfHoles_HU) return out;
+    out.to = kStep_HU * std::ceil(most / kStep_HU);
+    out.advice += fmt::format("; where it is contrast agent, let the background reach to {} HU", formatNumber(*out.to));
     return out;
   }
 

@@ -187,11 +187,20 @@ TEST_CASE("Bone without a label is reported as holes and as background", "[label
                              !Contains("holes"));
   CHECK_THAT(bone->advice, Contains("threshold = [150, 3000], rigid = true"));
   CHECK_FALSE(bone->to);
-  add(700, 29, 5);  // cortical: 3.4 ml
+  add(900, 29, 5);  // cortical: 3.4 ml
   findings = scan.findings();
   bone = findOf(findings, Kind::bone);
   REQUIRE(bone != nullptr);
   CHECK_THAT(bone->text, Contains("13.8 ml would be fat, 3.3") && Contains(" ml would be holes"));
+  CHECK_FALSE(bone->to);
+  // A vessel full of contrast agent, none of which has a label.
+  add(480, 29, 5);
+  findings = scan.findings();
+  bone = findOf(findings, Kind::bone);
+  REQUIRE(bone != nullptr);
+  CHECK_THAT(bone->text, Contains("bone or contrast agent"));
+  CHECK_THAT(bone->advice, Contains("let the background reach to 500 HU"));
+  CHECK(bone->to == 500.0);
   // 140 HU is enhanced soft tissue; a layer of one voxel around a labelled bone is partial volume; 1.7 ml are a calcification.
   Scan less;
   Scan::each([&](std::size_t i, std::size_t j, std::size_t k, std::size_t v) {
