@@ -20,11 +20,13 @@ inline std::string gltfBuffer() {
 
 /// Its description. @param uri  of the buffer; empty: it is in the same file
 inline std::string gltf(const std::string &uri) {
-  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":)"
-         R"([{"attributes":{"POSITION":0},"indices":1}]}],"buffers":[{)" +
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+         R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"buffers":[{)" +
          (uri.empty() ? "" : "\"uri\":\"" + uri + "\",") +
-         R"("byteLength":72}],"bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":24}],)"
-         R"("accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[0.1,0.1,0.1]},)"
+         R"("byteLength":72}],)"
+         R"("bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":24}],)"
+         R"("accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3",)"
+         R"("min":[0,0,0],"max":[0.1,0.1,0.1]},)"
          R"({"bufferView":1,"componentType":5123,"count":12,"type":"SCALAR"}]})";
 }
 

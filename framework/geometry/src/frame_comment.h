@@ -20,8 +20,8 @@ struct FrameComment {
   bool isRas = false;              ///< "SPACE=RAS": x to the right, y to the front; else LPS is taken
 };
 
-/// Looks at comments alone (glTF has its unit by its standard): `#` lines of OBJ and OFF, the 80 bytes or the first line of STL, comments of PLY and XML,
-/// the title of legacy VTK. @param extension  lower case with the dot
+/// Looks at comments alone (glTF has its unit by its standard): `#` lines of OBJ and OFF, the 80 bytes or the first line
+/// of STL, comments of PLY and XML, the title of legacy VTK. @param extension  lower case with the dot
 [[nodiscard]] FrameComment frameComment(std::string_view text, std::string_view extension);
 /// The same for a file, of which it reads the beginning; nothing said where it cannot be read.
 [[nodiscard]] FrameComment frameCommentOf(const std::filesystem::path &path);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTK's XML files of surfaces (.vtp) and of cells (.vtu, of which the outer surface is taken): text, base64 and raw arrays, in place or appended, as they are or packed with zlib.
+// VTK's XML files of surfaces (.vtp) and of cells (.vtu, of which the outer surface is taken): text, base64 and raw
+// arrays, in place or appended, as they are or packed with zlib.
 #include <fmt/format.h>
 
 #include <algorithm>
