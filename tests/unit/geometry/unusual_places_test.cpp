@@ -74,7 +74,7 @@ TEST_CASE("Files that a glTF names are found by their URIs") {
   test_files::write("h\xc3\xa9.bin", test::gltfBuffer());
   test_files::write("sub folder/in.bin", test::gltfBuffer());
   int n = 0;
-  for (const std::string uri :
+  for (const std::string &uri :
        {std::string("plain.bin"), std::string("./plain.bin"), std::string("with%20blank.bin"),
         std::string("with blank.bin"), std::string("100%25.bin"), std::string("h%C3%A9.bin"),
         std::string("sub%20folder/in.bin"), std::string("sub folder\\\\in.bin"), std::string("sub%20folder%2Fin.bin"),
