@@ -35,7 +35,7 @@ constexpr std::array kCatalogue{
     ServiceEntry{C3DE_SCENE_ID, &has<&Services::sceneGraph>, "a scene", &member<&ServiceTables::scene>},
     ServiceEntry{C3DE_RENDER_ID, &hasRender, "a window", &member<&ServiceTables::render>, kRenderRevision},
     ServiceEntry{C3DE_COLLISION_ID, &always, "", &member<&ServiceTables::collision>, kCollisionRevision},
-    ServiceEntry{C3DE_PARAMS_ID, &has<&Services::parameters>, "a window", &member<&ServiceTables::params>},
+    ServiceEntry{C3DE_PARAMS_ID, &has<&Services::parameters>, "parameters", &member<&ServiceTables::params>},
     ServiceEntry{C3DE_PANELS_ID, &has<&Services::panels>, "a window", &member<&ServiceTables::panels>},
     ServiceEntry{C3DE_TOOLS_ID, &has<&Services::tools>, "a window", &member<&ServiceTables::tools>, kToolsRevision},
     ServiceEntry{C3DE_JOBS_ID, &has<&Services::jobs>, "background jobs", &member<&ServiceTables::jobs>},
