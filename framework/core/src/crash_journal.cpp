@@ -12,6 +12,7 @@
 #include <mutex>
 #include <optional>
 #include <random>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -105,7 +106,9 @@ void onFatalError(const char *how, const void *const *stack, std::size_t depth) 
   if (at.place == Place::before) told << ", in the program itself, after plugin " << at.owner << " (" << at.what << ")";
   // Damage to the heap is found by whoever asks for memory next.
   const detail::ForeignPlace earlier = detail::earlierPlaceOfThread(at.owner);
-  if (at.place == Place::call && earlier.owner != nullptr)
+  // By the name of its file it was called before it had said its id.
+  if (at.place == Place::call && earlier.owner != nullptr &&
+      !std::string_view(earlier.owner).ends_with(pluginExtension()))
     told << "; called before it: plugin " << earlier.owner << " (" << earlier.what << ")";
   told << "\n";
   detail::writeToErrorStream(told.data(), told.size());

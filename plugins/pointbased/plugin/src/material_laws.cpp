@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "c3de/sdk/structs.hpp"
+
 namespace pointbased {
 namespace {
 
