@@ -268,8 +268,8 @@ TEST_CASE("the point-based simulator refuses structs below their first size, whe
   body.fixes_stride = 8;
   CHECK(add() == C3DE_E_ARG);
   CHECK_THAT(plugin_host::takeLastError(), Contains("stride is 8") && Contains("at least 40"));
-  body.fixes_stride = 0;
-  fix.size = sizeof fix;
+  body.fixes_n = body.loads_n = body.refinements_n = 0;
+  body.parts_stride = body.params_stride = 0;
   const c3de_status added = add();
   INFO(plugin_host::takeLastError());
   REQUIRE(added == C3DE_OK);

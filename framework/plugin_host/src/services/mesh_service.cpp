@@ -46,12 +46,12 @@ c3de_status C3DE_CALL load(void *ctx, c3de_str path, std::uint32_t unit, const c
     requireNonNull(out, "out")->v = 0;
     const std::string name = textOf(path, "path");
     if (name.empty()) throw Refusal(C3DE_E_ARG, "path is empty");
+    const ProgressFn told = progressOf(progress);
     const std::optional<LengthUnit> lengthUnit = unitOf(unit);
     const std::filesystem::path file(std::u8string(name.begin(), name.end()));
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error)) throw Refusal(C3DE_E_IO, name + ": there is no such file");
     const geometry::MeshFormats *formats = plugin.services().meshFormats;
-    const ProgressFn told = progressOf(progress);
     store(plugin,
           orRefuse(formats ? formats->load(file, lengthUnit, told) : geometry::loadMesh(file, lengthUnit, told)), out);
   });
