@@ -154,7 +154,8 @@ Expected<void> readVoxelType(ImageHeader &header, const Keys &keys) {
   return {};
 }
 
-/// The numbers of the first of these keys that is there, `n` of them; empty: none is. A decimal comma gets a notice.
+/// The numbers of the first of these keys that is there, at least `n`; empty: none is. A decimal comma gets a notice;
+/// where commas make more numbers than there are axes, which of them are meant is not known.
 Expected<std::vector<double>> lengthsOf(ImageHeader &header, const Keys &keys,
                                         std::initializer_list<const char *> names, std::size_t n) {
   const std::string text = valueOf(keys, names);
@@ -162,7 +163,7 @@ Expected<std::vector<double>> lengthsOf(ImageHeader &header, const Keys &keys,
   if (hasDecimalComma(text) &&
       std::find(header.notices.begin(), header.notices.end(), kDecimalCommaNotice) == header.notices.end())
     header.notices.emplace_back(kDecimalCommaNotice);
-  const bool isFull = numbers.size() == n || (n == 2 && numbers.size() == 3);
+  const bool isFull = numbers.size() == n || (numbers.size() > n && text.find(',') == std::string::npos);
   if (numbers.empty() ||
       (isFull && std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); })))
     return numbers;

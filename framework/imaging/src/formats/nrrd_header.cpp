@@ -229,8 +229,9 @@ Expected<std::vector<std::size_t>> spatialAxes(ImageHeader &header, const std::v
     if (!(sizes[a] >= 1.0 && sizes[a] < 1e9))
       return refuse(header.path, "the header says " + formatNumber(sizes[a]) + " along axis " + std::to_string(a + 1));
     const std::string kind = a < kinds.size() ? kinds[a] : "";
-    const bool isPlaced =
-        directions.empty() ? !(a < spacings.size() && std::isnan(spacings[a]) && spaced >= 2) : !directions[a].empty();
+    const bool isPlaced = directions.empty() ? !(a < spacings.size() && std::isnan(spacings[a]) &&
+                                                 (spaced >= 3 || (a == 0 && spaced == 2)))
+                                             : !directions[a].empty();
     const bool inSpace = isOfSpace(kind) && isPlaced;
     if (!isOfSpace(kind) && !directions.empty() && isPlaced)
       header.notices.push_back("Axis " + std::to_string(a + 1) + " has a direction in space and is of kind '" + kind +
