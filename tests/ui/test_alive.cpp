@@ -589,7 +589,7 @@ TEST_CASE("where another scan is opened the simulation of the one before is clos
   const Json closed =
       window.waitUntil("the simulation is closed", [](const Json &s) { return s["transport"]["exists"] == false; });
   CHECK(closed["panes"].size() == 4);
-  // No message is left about a body that is gone.
+  // No message about its bodies is left.
   for (const char *title : {"The simulation is still open", "The scan is alive", "Not all of it is there"})
     CHECK(closed["notifications"].dump().find(title) == std::string::npos);
   window.waitUntil("the image is shown as it was read", [](const Json &s) {
@@ -734,7 +734,7 @@ TEST_CASE("The first pull at a CT does not pause the simulation while other prog
   WARN("beside busy programs: " << window.value("status/rate"));
   window.release();
   const int steps = window.state()["transport"]["steps"];
-  window.waitUntil("it goes on after the release",
+  window.waitUntil("it plays on after the release",
                    [&](const Json &s) { return !look(s) || s["transport"]["steps"].get<int>() > steps + 20; });
   CHECK(paused == "");
 }

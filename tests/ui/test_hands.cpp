@@ -212,7 +212,7 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
   CHECK(window.state()["notifications"].empty());
 }
 
-TEST_CASE("an implant is added in the unit that is chosen, at the marked point, while the simulation goes on",
+TEST_CASE("an implant is added in the unit that is chosen, at the marked point, and the simulation keeps its state",
           "[hands_add_implant]") {
   C3DE_HANDS_OR_SKIP();
   WorkstationDriver window("hands_add_implant");
@@ -229,7 +229,8 @@ TEST_CASE("an implant is added in the unit that is chosen, at the marked point, 
   window.key("ctrl+a");
   window.type(file.string());
   window.click("dialog/open");
-  window.waitUntil("its unit is asked for", [](const Json &s) { return row(s, "Its size") == "2 × 2 × 2 mm"; });
+  window.waitUntil("its unit is asked for",
+                   [](const Json &s) { return row(s, "Its size") == "2.00 × 2.00 × 2.00 mm"; });
   window.click(kPanel + "obstacle_unit");
   window.click(kPanel + "obstacle_unit.option.inch");
   window.waitForValue(kPanel + "Its size", "50.8 × 50.8 × 50.8 mm");
@@ -237,10 +238,13 @@ TEST_CASE("an implant is added in the unit that is chosen, at the marked point, 
   // Beside the organ, where the camera turns about: the middle of the organ, without an image.
   const Json focus = window.state()["camera"]["focus"];
   CHECK(std::abs(std::strtod(row(window.state(), "Its middle").c_str(), nullptr) - focus[0].get<double>()) < 0.06);
-  // There tissue lies: a reset is announced, not made.
+  // In metres the organ is inside of it: a reset is announced, not made.
+  window.click(kPanel + "obstacle_unit");
+  window.click(kPanel + "obstacle_unit.option.m");
+  window.waitForValue(kPanel + "Its size", "2000 × 2000 × 2000 mm");
   const double before = window.state()["transport"]["time_s"];
   window.click(kPanel + "obstacle_add");
-  window.waitForValue(kPanel + "Tissue lies there", "organ");
+  window.waitForValue(kPanel + "Tissue in the way", "organ");
   CHECK(window.state()["transport"]["time_s"].get<double>() > before);
   window.screenshot("announced");
 

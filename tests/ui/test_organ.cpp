@@ -648,7 +648,7 @@ TEST_CASE("while a hand holds it no step is given up, and the status bar says th
   window.key("space");
   for (int i = 1; i <= 8; ++i) window.moveTo({from.x + 6 * i, from.y - 6 * i});
   // Software drawing and other programs take their time beside it.
-  const Json slow = window.waitUntil("it goes on, slowly", [](const Json &s) {
+  const Json slow = window.waitUntil("it plays, slowly", [](const Json &s) {
     return s["transport"]["steps"] >= 3 && s["values"].value("status/rate", "").starts_with("slower than real time: ");
   });
   CHECK(mode(slow) == "playing");

@@ -261,7 +261,7 @@ TEST_CASE("An adopted simulator has a node of its own in millimetres, and the on
   CHECK(second.references() == 1);
 }
 
-TEST_CASE("Messages about a simulation go with it, whether it is closed or another one comes") {
+TEST_CASE("Messages about a simulation end with it, whether it is closed or replaced") {
   using registry::About;
   StandInSimulator first, second;
   registry::PanelRegistry panels;
@@ -288,7 +288,7 @@ TEST_CASE("Messages about a simulation go with it, whether it is closed or anoth
     CHECK(second.attached == 0);
     CHECK(second.references() == 1);
     REQUIRE(panels.notifications().size() == 1);
-    // The list of all messages keeps them, and offers nothing for what is gone.
+    // The list of all messages keeps them without their choices.
     REQUIRE(panels.log().size() == 3);
     CHECK(panels.log()[0].choices.empty());
   }

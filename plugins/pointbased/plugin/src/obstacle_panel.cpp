@@ -22,8 +22,10 @@ constexpr double kInside = 0.5;  // winding number
 
 std::uint32_t unitIndexOf(std::uint32_t unit) { return unit == C3DE_UNIT_M ? 2u : unit == C3DE_UNIT_CM ? 1u : 0u; }
 
+std::string lengthText(double mm) { return fixed(mm, mm < 10.0 ? 2 : mm < 100.0 ? 1 : 0); }
+
 std::string sizeText(const Vec3 &extent_mm) {
-  return significant(extent_mm[0]) + " × " + significant(extent_mm[1]) + " × " + significant(extent_mm[2]) + " mm";
+  return lengthText(extent_mm[0]) + " × " + lengthText(extent_mm[1]) + " × " + lengthText(extent_mm[2]) + " mm";
 }
 
 std::string placeText(const Vec3 &at_mm) {
@@ -38,15 +40,15 @@ void ObstaclePanel::setSimulator(WorldSimulator *simulator) {
   simulator_ = simulator ? sdk::Ref<WorldSimulator>::share(simulator) : sdk::Ref<WorldSimulator>();
   ++serial_;
   candidate_.reset();
-  told_.clear();
+  resets_.clear();
 }
 
 void ObstaclePanel::draw(sdk::Ui &ui, const Snapshot *snapshot) {
   ui.heading("Obstacles and implants");
-  std::erase_if(told_, [this](const Told &one) {
-    if (!*one.hasReset) return false;
-    (void)services_.notifier.notify(C3DE_LOG_WARN, "The simulation has begun again",
-                                    "Tissue lay where " + one.name + " was put. The state before is lost.");
+  std::erase_if(resets_, [this](const Reset &one) {
+    if (!*one.hasMade) return false;
+    (void)services_.notifier.notify(C3DE_LOG_WARN, "The simulation has restarted",
+                                    "Tissue was where " + one.name + " was put. The state before is lost.");
     return true;
   });
   if (ui.fileButton("obstacle_browse", "Add from a file…", "obj;stl;ply;vtk", path_)) read();
@@ -87,14 +89,14 @@ void ObstaclePanel::drawCandidate(sdk::Ui &ui, const Snapshot *snapshot) {
   one.middle = at;
   const bool isConfirmed = !one.overlapped.empty();
   if (isConfirmed) {
-    ui.value("Tissue lies there", one.overlapped);
-    ui.text("Added there, the simulation goes back to its beginning. Elsewhere its state stays.");
+    ui.value("Tissue in the way", one.overlapped);
+    ui.text("Added there, it restarts the simulation. Elsewhere the state of the simulation stays.");
   }
-  if (ui.button("obstacle_add", isConfirmed ? "Add, and begin again" : "Add", snapshot && !job_)) {
+  if (ui.button("obstacle_add", isConfirmed ? "Add, and restart" : "Add", snapshot && !job_)) {
     if (!isConfirmed && snapshot->steps > 0) one.overlapped = bodiesIn(one, *snapshot);
     if (isConfirmed || one.overlapped.empty()) add(*snapshot);
   }
-  ui.tooltip("A step of Undo. The state of the simulation stays");
+  ui.tooltip(isConfirmed ? "A step of Undo" : "A step of Undo. The state of the simulation stays");
   ui.sameLine();
   if (ui.button("obstacle_cancel", "Do not add")) candidate_.reset();
 }
@@ -199,12 +201,12 @@ void ObstaclePanel::keepStep(const std::string &what, const std::string &name, c
 }
 
 sdk::Result<void> ObstaclePanel::putBack(const std::string &name, const Taken &taken) {
-  const Told told{name};
+  const Reset reset{name};
   simulator_->abandonLongStep();
-  auto posted = services_.simulation.post(simulator_->node(), [simulator = simulator_, taken, reset = told.hasReset] {
-    *reset = simulator->putBack(*taken);
+  auto posted = services_.simulation.post(simulator_->node(), [simulator = simulator_, taken, hasMade = reset.hasMade] {
+    *hasMade = simulator->putBack(*taken);
   });
-  if (posted) told_.push_back(told);
+  if (posted) resets_.push_back(reset);
   return posted;
 }
 

@@ -35,10 +35,10 @@ class ObstaclePanel {
     std::string overlapped;  ///< bodies that lie there, when Add was pressed; adding it has to be confirmed
     std::string middle;      ///< where that was
   };
-  /// A reset that an obstacle in the way of tissue makes, told once.
-  struct Told {
+  /// A reset of the simulation because tissue was where an obstacle was put; reported once.
+  struct Reset {
     std::string name;
-    std::shared_ptr<std::atomic<bool>> hasReset = std::make_shared<std::atomic<bool>>(false);
+    std::shared_ptr<std::atomic<bool>> hasMade = std::make_shared<std::atomic<bool>>(false);
   };
 
   void read();
@@ -50,7 +50,7 @@ class ObstaclePanel {
   [[nodiscard]] sdk::Result<void> putBack(const std::string &name, const Taken &taken);
   [[nodiscard]] sdk::Result<void> takeOut(const Taken &taken) const;
   [[nodiscard]] Placement placementOf(const Candidate &candidate) const;
-  /// Bodies whose skin lies in it.
+  /// Names of the bodies whose skin is inside of it; empty: none.
   [[nodiscard]] std::string bodiesIn(const Candidate &candidate, const Snapshot &snapshot) const;
   void submit(const std::string &title, std::function<sdk::Result<void>(sdk::Progress)> work,
               std::function<void()> whenDone);
@@ -64,7 +64,7 @@ class ObstaclePanel {
   std::optional<c3de_handle> job_;
   std::uint64_t serial_ = 0;        // of the simulator; what a job of an earlier one brings is dropped
   std::vector<c3de_handle> steps_;  // of Undo
-  std::vector<Told> told_;
+  std::vector<Reset> resets_;
 };
 
 }  // namespace pointbased
