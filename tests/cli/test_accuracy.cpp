@@ -77,6 +77,22 @@ TEST_CASE("A budget is kept, and said per frame of 1/60 s") {
   CHECK(less["bodies"][0]["phyxels"] < report["bodies"][0]["phyxels"]);
 }
 
+TEST_CASE("A budget is used, and the same wish gives the same count again and again") {
+  const auto folder = freshFolder("accuracy-again");
+  const fs::path scene = writeBeam(folder, "accuracy = { budget_ms = 4 }", "", "explicit");
+  double most = 0.0, least = 1e9;
+  for (int k = 0; k < 5; ++k) {
+    const Json report = reportOf(folder, scene, {"--until", "0.02"});
+    const auto count = report["bodies"][0]["phyxels"].get<double>();
+    most = std::max(most, count);
+    least = std::min(least, count);
+    CHECK(report["accuracy"]["promised_ms"].get<double>() > 0.7 * 4.0);
+    CHECK(report["accuracy"]["promised_ms"].get<double>() < 4.0);
+  }
+  CAPTURE(least, most);
+  CHECK(most <= 1.1 * least);
+}
+
 TEST_CASE("A budget holds for bodies that touch, and the report says what that takes") {
   const auto folder = freshFolder("accuracy-touching");
   const auto beam = [](const std::string &name, const std::string &place) {

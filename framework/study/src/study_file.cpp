@@ -15,7 +15,7 @@ namespace {
 
 using scene::TomlValue;
 
-const std::vector<std::string> kEnergies{"elastic", "kinetic", "stabilisation", "gravity", "attachment"};
+const std::vector<std::string> kEnergies{"elastic", "kinetic", "stabilisation", "gravity", "attachment", "supports"};
 const std::vector<std::string> kKinds{"formula", "finite_elements", "measurement"};
 const std::vector<std::string> kComponents{"x", "y", "z", "magnitude"};
 

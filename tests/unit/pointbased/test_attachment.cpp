@@ -154,6 +154,28 @@ TEST_CASE("a body that is thrown takes the attached one along with their momenta
   CHECK(shapes::meanVelocity(*simulator.body(blocks.lower)).norm() > 0.01);
 }
 
+// The stiffness turns with the surface, and the surface resists that: no energy comes of it, and no torque is left.
+TEST_CASE("an attachment that is stiffer across than along its normal, or softer, keeps energy and momenta") {
+  const double ratio = GENERATE(1e-3, 0.1, 10.0, 1e3);
+  CAPTURE(ratio);
+  Simulator simulator;
+  const Joined blocks =
+      addBlocks(simulator, {}, {}, [&](Attachment &layer) { layer.tangential = ratio * layer.stiffness; });
+  Body &upper = *simulator.body(blocks.upper);
+  for (std::size_t i = 0; i < upper.masses().size(); ++i)
+    upper.state().velocities[i] = Vec3(0.03, 0.1, 0) + Vec3(1, 0, 3).cross(upper.rest().positions[i]);
+  const shapes::Total before = shapes::totalOf(simulator);
+  double most = before.energy;
+  while (simulator.time() < 0.4) {
+    REQUIRE(simulator.step());
+    const shapes::Total now = shapes::totalOf(simulator);
+    most = std::max(most, now.energy);
+    REQUIRE((now.angular - before.angular).norm() < 1e-9 * before.angular.norm());
+  }
+  CHECK(simulator.stoppedBodies() == 0);
+  CHECK(most < 1.02 * before.energy);
+}
+
 TEST_CASE("an attachment tears where it pulls with more than it bears, until the simulation is reset") {
   Simulator simulator;
   damped(simulator);

@@ -190,6 +190,7 @@ double AttachmentLayer::turn(const Sides &at) {
   if (settings_.stiffness == settings_.tangential || at.first.empty()) return 0.0;
   const std::optional<RigidMotion> motion = motionAt(at);
   turning_.assign(at.first.size(), Vec3::Zero());
+  stiffening_ = 0.0;
   double most = 0.0;
   for (std::size_t p = 0; p < normals_.size(); ++p) {
     const Mat3 F = gradientAt(first_, p, at.first);
@@ -206,8 +207,13 @@ double AttachmentLayer::turn(const Sides &at) {
     const double along = turned.dot(d);
     const Vec3 pull = points_.areas[p] * (settings_.stiffness - settings_.tangential) * along * (d - along * turned);
     const Vec3 w = cofactor.transpose() * pull / J;
-    for (Index e = first_.phyxels.offsets[p]; e < first_.phyxels.offsets[p + 1]; ++e)
+    double gradients = 0.0, weights = 0.0;
+    for (Index e = first_.phyxels.offsets[p]; e < first_.phyxels.offsets[p + 1]; ++e) {
       turning_[first_.phyxels.indices[e]] += first_.gradients[e].dot(w) * turned;
+      gradients += first_.gradients[e].squaredNorm();
+      weights += first_.weights[e] * first_.weights[e];
+    }
+    stiffening_ = std::max(stiffening_, d.norm() * std::sqrt(gradients / weights));
   }
   return most;
 }

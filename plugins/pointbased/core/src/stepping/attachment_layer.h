@@ -35,6 +35,9 @@ class AttachmentLayer {
   /// Normals as the first body has turned by now, and the forces by which it resists turning them: all below is with
   /// both until the next call. @return by how much at most, rad
   double turn(const Sides &at);
+  /// How much |d| |∂n/∂u| adds to what the way alone changes by, largest of all points at the last turn(): no frequency
+  /// is above that of squaredFrequencyBound() times one more than this. 0: as stiff across as along the normal.
+  [[nodiscard]] double stiffening() const { return stiffening_; }
   /// Of these forces along displacements of the first body, J; energy() leaves it out.
   [[nodiscard]] double workOfTurning(std::span<const Vec3> first) const;
   [[nodiscard]] double energy(const Sides &at) const;  ///< J
@@ -82,7 +85,7 @@ class AttachmentLayer {
   std::vector<Vec3> normals_;                  // as they have turned
   std::vector<Vec3> turning_;                  // [phyxels of the first] N, of turn(); empty: it does not depend on them
   std::vector<std::uint8_t> torn_, kept_;
-  double area_ = 0.0, widest_ = 0.0;
+  double area_ = 0.0, widest_ = 0.0, stiffening_ = 0.0;
 };
 
 /// A layer among the bodies of a group.

@@ -211,6 +211,7 @@ BodyGroup::Gone BodyGroup::maxSubstep(std::span<const StepContext> orders, doubl
     if (!stable) return tl::unexpected<Refused>({k, stable.error()});
     least = std::min(least, *stable);
   }
+  for (const JoinedLayer &joined : layers_) least /= 1.0 + joined.layer->stiffening();
   // An impact sets phyxels in motion against each other that had the same velocity before.
   for (const JoinedPair &joined : pairs_) {
     if (joined.first == joined.second) continue;
