@@ -24,8 +24,8 @@ std::unique_ptr<Body> block(double modulus, bool isHeld, std::vector<Load> loads
     fix.region = BoxRegion{Vec3(-1, -1, -1), Vec3(1, 1e-3, 1)};
     recipe.fixes.push_back(fix);
   }
-  auto rest = buildRestState(
-      shapes::inside(shapes::boxSurface(Vec3::Zero(), Vec3(kEdge, 2 * kEdge, kEdge), 4)), recipe, {}, serialFor());
+  auto rest = buildRestState(shapes::inside(shapes::boxSurface(Vec3::Zero(), Vec3(kEdge, 2 * kEdge, kEdge), 4)), recipe,
+                             {}, serialFor());
   REQUIRE(rest);
   Material material;
   material.youngsModulus = modulus;

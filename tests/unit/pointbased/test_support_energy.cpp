@@ -33,7 +33,9 @@ std::vector<Setup> setups() {
       {"a beam held at both ends",
        beam,
        {heldIn(Vec3(-1, -1, -1), Vec3(0, 1, 1)), heldIn(Vec3(0.2, -1, -1), Vec3(1, 1, 1))}},
-      {"a ball held at a cap", shapes::ballSurface(Vec3::Zero(), 0.05, 12), {heldIn(Vec3(-1, 0.03, -1), Vec3(1, 1, 1))}},
+      {"a ball held at a cap",
+       shapes::ballSurface(Vec3::Zero(), 0.05, 12),
+       {heldIn(Vec3(-1, 0.03, -1), Vec3(1, 1, 1))}},
   };
 }
 
@@ -78,7 +80,8 @@ TEST_CASE("strain, stabilisation and supports store half of the work of the load
         if (isLoaded) {
           Load load;
           load.region = BoxRegion{Vec3(0.08, -1, -1), Vec3(0.12, 1, 1)};
-          if (setup.name[2] == 'b' && setup.name[3] == 'a') load.region = BoxRegion{Vec3(-1, -1, -1), Vec3(1, -0.02, 1)};
+          if (setup.name[2] == 'b' && setup.name[3] == 'a')
+            load.region = BoxRegion{Vec3(-1, -1, -1), Vec3(1, -0.02, 1)};
           load.force = Vec3(0.1, 0.2, -0.3);
           loads.push_back(load);
         }

@@ -251,9 +251,9 @@ struct SceneAttachment {
   std::string name;                  ///< differs from those of others
   std::array<std::string, 2> names;  ///< a body; another body, an obstacle, or kSurroundingsName
   std::optional<SceneRegion> region;
-  std::optional<double> within_m;                                        ///< > 0: where the surfaces are that near
-  double stiffness_Pa_m = 0.0, tearsAt_Pa = 0.0;                         ///< >= 0
-  std::optional<double> saidTangential_Pa_m;                             ///< >= 0; none: it follows the stiffness
+  std::optional<double> within_m;                 ///< > 0: where the surfaces are that near
+  double stiffness_Pa_m = 0.0, tearsAt_Pa = 0.0;  ///< >= 0
+  std::optional<double> saidTangential_Pa_m;      ///< >= 0; none: it follows the stiffness
   int line = 0;
   [[nodiscard]] double tangential_Pa_m() const { return saidTangential_Pa_m.value_or(stiffness_Pa_m); }
 };
@@ -298,13 +298,13 @@ struct SceneGraspPlace {
 /// Two jaws that take hold of the skin of a body, close on the fold between them, and are led along a path.
 struct SceneGrasp {
   std::string name, body;
-  Vec3 at_m{};                        ///< material point of the placed body at rest; the nearest skin is grasped
-  Vec3 axis{};                        ///< from the first jaw to the second, of any length but 0
-  double jaw_m = 0.01;                ///< > 0, diameter of what a jaw holds
+  Vec3 at_m{};                          ///< material point of the placed body at rest; the nearest skin is grasped
+  Vec3 axis{};                          ///< from the first jaw to the second, of any length but 0
+  double jaw_m = 0.01;                  ///< > 0, diameter of what a jaw holds
   std::optional<double> saidOpening_m;  ///< >= jaw_m; none: twice jaw_m
   std::optional<double> saidClosed_m;   ///< 0 … opening_m(); none: half of that
-  double forceLimit_N = 0.0;          ///< >= 0; 0: none
-  std::vector<SceneGraspPlace> path;  ///< may be empty; times ascend
+  double forceLimit_N = 0.0;            ///< >= 0; 0: none
+  std::vector<SceneGraspPlace> path;    ///< may be empty; times ascend
   int line = 0;
   [[nodiscard]] double opening_m() const { return saidOpening_m.value_or(2.0 * jaw_m); }
   [[nodiscard]] double closed_m() const { return saidClosed_m.value_or(0.5 * opening_m()); }

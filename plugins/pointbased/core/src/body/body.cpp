@@ -7,8 +7,8 @@
 
 #include "base/expects.h"
 #include "body/rigid_frame.h"
-#include "forces/entry_forces.h"
 #include "forces/engine_frequency.h"
+#include "forces/entry_forces.h"
 #include "forces/vector_forces.h"
 
 namespace pointbased {
@@ -400,8 +400,8 @@ void Body::computeInternalForces(const ParallelFor &parallelFor) {
   entryForces_.resize(rest_->stencils.phyxels.indices.size());
   // With the rates of the stresses.
   const std::span<const Vec3> velocities = rates_.empty() ? std::span<const Vec3>() : state_.velocities;
-  detail::internalForcesOf(constitution_, rest_->stencils, rest_->positions, state_.displacements, gradients_, stresses_,
-                           relaxedModes_, velocities, entryForces_, forces_, parallelFor);
+  detail::internalForcesOf(constitution_, rest_->stencils, rest_->positions, state_.displacements, gradients_,
+                           stresses_, relaxedModes_, velocities, entryForces_, forces_, parallelFor);
 }
 
 void Body::computeForces(double t, const ParallelFor &parallelFor) {

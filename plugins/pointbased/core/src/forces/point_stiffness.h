@@ -36,7 +36,8 @@ class PointStiffness {
       : s_(s), q_(q), gradientRows_(s, q), modeRows_(s, q), X_(X), control_(stabilisationOf(constitution, s)),
         modal_(response.material, constitution.stabilisation),
         viscous_(viscousHourglass(response.material, constitution.stabilisation)),
-        viscousScale_(response.material.viscosity > 0.0 ? viscousScale : 0.0), linear_(response.material.law == MaterialLaw::linear),
+        viscousScale_(response.material.viscosity > 0.0 ? viscousScale : 0.0),
+        linear_(response.material.law == MaterialLaw::linear),
         point_(modal_, s, q, linear_ ? Mat3(Mat3::Identity()) : gradients[q],
                control_ == Stabilisation::hourglass ? amplitudes(s, q, u) : Amplitudes(Amplitudes::Zero()),
                control_ == Stabilisation::hourglass ? s.variances[q] : Vec3(Vec3::Zero())) {

@@ -22,7 +22,7 @@ constexpr double kConfirming = 1e-3;    // linear tolerance of a step that ends 
 constexpr double kResidualFall = 1e-6;  // of the first residual; see NewtonSettings::toleranceForce
 constexpr double kRounding = 1e-10;     // relative change of the energy that may be round-off of a cancelled sum
 constexpr double kFoundAtStart = 1e-3;  // of the tolerance: a solution that is no farther is found even without descent
-constexpr double kOfReach = 2e-3;       // part of the increment that inertia alone allows: the tolerance is at most that
+constexpr double kOfReach = 2e-3;  // part of the increment that inertia alone allows: the tolerance is at most that
 constexpr double kAsPromised = 0.75, kPoor = 0.25;  // parts of the promised decrease
 constexpr double kWiden = 2.0, kNarrow = 0.5;       // of the radius
 // times what the preconditioned gradient says is left; with three, a spinning block erred by 0.16 % instead of 0.05 %

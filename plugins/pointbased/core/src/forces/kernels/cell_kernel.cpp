@@ -57,9 +57,9 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
     const Vec3Lanes<V> xyz{x.xyz, y.xyz, z.xyz};
     Vec3Lanes<V> twisted = scaled(run.twist(), xyz);
     if (isViscous)
-      addViscousModes<kLaw == MaterialLaw::linear>(
-          d, run.law, Real<D>(1), run.roots(), run.number(kTwist), {G, A, xyz},
-          {rate, run.amplitudes(vx, vy, vz), {vx.xyz, vy.xyz, vz.xyz}}, S, pull, twisted);
+      addViscousModes<kLaw == MaterialLaw::linear>(d, run.law, Real<D>(1), run.roots(), run.number(kTwist), {G, A, xyz},
+                                                   {rate, run.amplitudes(vx, vy, vz), {vx.xyz, vy.xyz, vz.xyz}}, S,
+                                                   pull, twisted);
     // Of NaN and a number the maximum may be the number.
     run.stiffnesses(hn::IfThenElse(hn::Eq(ratio, ratio), hn::Max(ratio, stretch2), ratio),
                     kLaw == MaterialLaw::linear ? hn::Zero(d) : run.hourglassStiffness(A), k);

@@ -55,8 +55,8 @@ struct ModalState {
 /// @param twist  kTwist of the lanes
 template <bool kLinear, class D, class V = hn::Vec<D>>
 HWY_INLINE void addViscousModes(D d, const LawNumbers<Real<D>> &m, Real<D> scale, const Vec3Lanes<V> &root, V twist,
-                                const ModalState<V> &at, const ModalState<V> &rate, Mat3Lanes<V> &S,
-                                Mat3Lanes<V> &pull, Vec3Lanes<V> &twisted) {
+                                const ModalState<V> &at, const ModalState<V> &rate, Mat3Lanes<V> &S, Mat3Lanes<V> &pull,
+                                Vec3Lanes<V> &twisted) {
   Mat3Lanes<V> dB = rate.A;
   Vec3Lanes<V> w = rate.xyz;
   if constexpr (!kLinear) {
@@ -69,8 +69,7 @@ HWY_INLINE void addViscousModes(D d, const LawNumbers<Real<D>> &m, Real<D> scale
     pull = pull + D3;
     twisted = twisted + w;
   } else {
-    S = S + times(at.A, transposed(D3)) +
-        Mat3Lanes<V>{scaled(w.x, at.xyz), scaled(w.y, at.xyz), scaled(w.z, at.xyz)};
+    S = S + times(at.A, transposed(D3)) + Mat3Lanes<V>{scaled(w.x, at.xyz), scaled(w.y, at.xyz), scaled(w.z, at.xyz)};
     pull = pull + D3 + times(at.G, D3);
     twisted = twisted + w + times(at.G, w);
   }

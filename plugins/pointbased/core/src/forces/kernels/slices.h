@@ -143,14 +143,14 @@ struct HistoryJob {
 
 /// What a product with the tangent needs of a point, in this order; the last ones of the corotated law alone.
 enum TangentNumber : std::size_t {
-  kTangentG,                      ///< 9: G
-  kTangentA = kTangentG + 9,      ///< 9: amplitudes of the modes xy, xz, yz, 1/m
+  kTangentG,                          ///< 9: G
+  kTangentA = kTangentG + 9,          ///< 9: amplitudes of the modes xy, xz, yz, 1/m
   kTangentTwist = kTangentA + 9,      ///< 3: Σ s u of the mode xyz, m
   kTangentFirst = kTangentTwist + 3,  ///< dW/dJ; corotated: 2 μ - λ (tr U - 3)
-  kTangentSecond,                 ///< d²W/dJ²
-  kTangentStray,                  ///< 1 where the scalar law has to answer, else 0
-  kTangentR,                      ///< 9: R
-  kTangentTurn = kTangentR + 9,   ///< 6: (tr(U) 1 - U)^-1, xx yy zz xy xz yz
+  kTangentSecond,                     ///< d²W/dJ²
+  kTangentStray,                      ///< 1 where the scalar law has to answer, else 0
+  kTangentR,                          ///< 9: R
+  kTangentTurn = kTangentR + 9,       ///< 6: (tr(U) 1 - U)^-1, xx yy zz xy xz yz
   kTangentNumbers = kTangentTurn + 6
 };
 
