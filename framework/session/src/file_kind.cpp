@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/session/file_kind.h"
 
+#include "c3de/core/input_file.h"
 #include "c3de/core/path_text.h"
 
 #include <string>
@@ -20,6 +21,8 @@ FileKind kindOf(const std::filesystem::path &path, const geometry::MeshFormats *
 }
 
 Error unknownKind(const std::filesystem::path &path, const geometry::MeshFormats *formats) {
+  if (const std::string instead = whatInsteadOfFile(path); !instead.empty())
+    return {ErrorCode::input, path.string() + ": " + instead};
   const auto own = geometry::meshExtensions();
   std::string meshes;
   for (const std::string &one : formats ? formats->extensions() : std::vector<std::string>(own.begin(), own.end()))
