@@ -21,7 +21,8 @@ FileKind kindOf(const std::filesystem::path &path, const geometry::MeshFormats *
 }
 
 Error unknownKind(const std::filesystem::path &path, const geometry::MeshFormats *formats) {
-  if (const std::string instead = whatInsteadOfFile(path); !instead.empty())
+  std::error_code code;
+  if (const std::string instead = whatInsteadOfFile(path); !instead.empty() && std::filesystem::exists(path, code))
     return {ErrorCode::input, path.string() + ": " + instead};
   const auto own = geometry::meshExtensions();
   std::string meshes;
