@@ -379,14 +379,15 @@ study s.toml --out out/s --resume
 EOF
     ;;
   estimates)
-    # recorded_build.txt: when each step of a build by two processes ends: measured processor times of the compiler, each
-    # varied by a factor of 0.6 to 1.6. What is left is to be said within a factor of 1.5 from a twentieth of the time on.
+    # simulated_build.txt: when each step of a build by two processes ends. No build was recorded: the times follow from
+    # measured processor times of the compiler, each varied by a factor of 0.6 to 1.6, so a loaded machine is not tested.
+    # The time left is to be said within a factor of 1.5 from a twentieth of the time on.
     mkdir "$place/tree/build"
     cd "$place/tree" || exit 1
     . tools/prepare.sh
     touch "$place/out" "$place/err"
-    all=$(grep -c '' "$root/tests/scripts/recorded_build.txt")
-    awk -v all="$all" '{ print $1, "[" NR "/" all "] Building CXX object " $2 }' "$root/tests/scripts/recorded_build.txt" >steps
+    all=$(grep -c '' "$root/tests/scripts/simulated_build.txt")
+    awk -v all="$all" '{ print $1, "[" NR "/" all "] Building CXX object " $2 }' "$root/tests/scripts/simulated_build.txt" >steps
     cut -d ' ' -f 2- steps | sort >build/build.plan
     whole=$(tail -n 1 steps | cut -d . -f 1)
     for percent in 5 10 20 30 40 50 60 70 80 90; do
