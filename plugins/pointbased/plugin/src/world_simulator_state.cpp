@@ -82,7 +82,7 @@ sdk::SceneRecord WorldSimulator::sceneRecord() const {
   // "auto" follows the wish.
   record.add("precision", worldSettings(world_).precision == Precision::doublePrecision ? "double" : "single");
   // The bytes behind the record name bodies, obstacles and attachments by their order.
-  std::size_t body = 0, place = 0, layer = 0;
+  std::size_t body = 0, rank = 0, layer = 0;
   for (const auto &[id, of] : table_.bodies()) {
     record.add("body '" + of.name + "': order", static_cast<double>(body++));
     addBodyFields(record, of, *simulator_.body(id));
@@ -90,7 +90,7 @@ sdk::SceneRecord WorldSimulator::sceneRecord() const {
   for (const auto &[id, obstacle] : table_.obstacles()) {
     if (simulator_.isInstrument(id)) continue;
     const std::string owner = "obstacle '" + obstacle.name + "': ";
-    record.add(owner + "order", static_cast<double>(place++));
+    record.add(owner + "order", static_cast<double>(rank++));
     record.add(owner + "friction", obstacle.friction);
     record.add(owner + "restitution", obstacle.restitution);
     // A motion is a function: two that meet at these times are taken for one.
