@@ -84,7 +84,7 @@ sdk::SceneRecord WorldSimulator::sceneRecord() const {
   // The bytes behind the record name bodies, obstacles and attachments by their order.
   std::size_t body = 0, rank = 0, layer = 0;
   for (const auto &[id, of] : table_.bodies()) {
-    record.add("body '" + of.name + "': order", static_cast<double>(body++));
+    record.add("body '" + of.name + "': order", static_cast<double>(bodies++));
     addBodyFields(record, of, *simulator_.body(id));
   }
   for (const auto &[id, obstacle] : table_.obstacles()) {
@@ -120,7 +120,7 @@ sdk::SceneRecord WorldSimulator::sceneRecord() const {
   }
   for (const auto &[id, attachment] : table_.attachments()) {
     const std::string owner = "attachment '" + attachment.name + "': ";
-    record.add(owner + "order", static_cast<double>(layer++));
+    record.add(owner + "order", static_cast<double>(layers++));
     record.add(owner + "first", table_.nameOf(attachment.first));
     record.add(owner + "second",
                attachment.second == kSurroundings ? "surroundings" : table_.nameOf(attachment.second));
