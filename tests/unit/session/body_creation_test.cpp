@@ -239,7 +239,7 @@ TEST_CASE("Without a simulator no body is created, and the reason is that of the
   REQUIRE(f.failed.size() == 1);
   CHECK(f.failed[0].first == "Could not create liver");
   CHECK(f.failed[0].second.code == ErrorCode::plugin);
-  CHECK_THAT(f.failed[0].second.message, Contains("no loaded plugin offers a class"));
+  CHECK_THAT(f.failed[0].second.message, Contains("no plugin that simulates is loaded"));
   CHECK(f.session->simulation() == nullptr);
 }
 

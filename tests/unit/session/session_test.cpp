@@ -217,7 +217,7 @@ TEST_CASE("Without a plugin there is no simulator, and the folders that were sea
   const auto simulator = session->createSimulator();
   REQUIRE_FALSE(simulator);
   CHECK(simulator.error().code == ErrorCode::plugin);
-  CHECK_THAT(simulator.error().message, Contains("no loaded plugin offers a class that answers") &&
+  CHECK_THAT(simulator.error().message, Contains("no plugin that simulates is loaded") &&
                                             Contains("folders searched: none") && Contains("`c3de plugins`"));
   CHECK(session->simulation() == nullptr);
   CHECK(session->simulationNode().isNull());

@@ -21,7 +21,7 @@ TEST_CASE("An object without the table, or with one that is too short or lacks a
   const auto small = simulatorTable(simulator.object());
   REQUIRE_FALSE(small);
   CHECK(small.error().code == ErrorCode::plugin);
-  CHECK_THAT(small.error().message, Contains("256 bytes; needed: 264"));
+  CHECK_THAT(small.error().message, Contains("member size is 256, needed are at least 264"));
   simulator.tableSize = sizeof(c3de_simulator_v1);
   simulator.lacksStateHash = true;
   const auto lacking = simulatorTable(simulator.object());
