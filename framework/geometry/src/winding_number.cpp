@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "c3de/core/assert.h"
+#include "mesh_edges.h"
 
 namespace c3de::geometry {
 namespace {
@@ -97,9 +98,24 @@ double farSolidAngle(const Node &node, const Vec3 &d, double r2) {
 
 }  // namespace
 
+/// Triangles that hang together, with a tree of their own. Outside of its box a closed one adds nothing: long triangles
+/// are never far away for an expansion, and a mesh of many shells would be summed triangle by triangle.
+struct Shell {
+  std::uint32_t begin = 0, end = 0;  ///< nodes
+  bool isClosed = false;
+  Box box;
+  [[nodiscard]] bool isNothingAt(const Vec3 &p) const {
+    if (!isClosed) return false;
+    for (std::size_t k = 0; k < 3; ++k)
+      if (p[k] < box.min[k] || p[k] > box.max[k]) return true;
+    return false;
+  }
+};
+
 struct WindingNumber::Impl {
   std::vector<Corners> triangles;  ///< in tree order
-  std::vector<Node> nodes;         ///< depth first
+  std::vector<Node> nodes;         ///< depth first, one tree behind the other
+  std::vector<Shell> shells;
 
   void build(std::vector<Corners> &source, std::vector<std::uint32_t> &order, std::size_t begin, std::size_t end);
   double sum(const Vec3 &p) const;
@@ -169,23 +185,66 @@ void WindingNumber::Impl::build(std::vector<Corners> &source, std::vector<std::u
 
 double WindingNumber::Impl::sum(const Vec3 &p) const {
   double total = 0.0;
-  std::size_t i = 0;
-  while (i < nodes.size()) {
-    const Node &node = nodes[i];
-    const Vec3 d = node.centre - p;
-    const double r2 = dot(d, d);
-    if (r2 > node.farDistanceSquared) {
-      total += farSolidAngle(node, d, r2);
-      i = node.skip;
-    } else if (node.isLeaf) {
-      for (std::uint32_t t = node.begin; t < node.end; ++t) total += solidAngle(triangles[t], p);
-      i = node.skip;
-    } else {
-      ++i;
+  for (const Shell &shell : shells) {
+    if (shell.isNothingAt(p)) continue;
+    std::size_t i = shell.begin;
+    while (i < shell.end) {
+      const Node &node = nodes[i];
+      const Vec3 d = node.centre - p;
+      const double r2 = dot(d, d);
+      if (r2 > node.farDistanceSquared) {
+        total += farSolidAngle(node, d, r2);
+        i = node.skip;
+      } else if (node.isLeaf) {
+        for (std::uint32_t t = node.begin; t < node.end; ++t) total += solidAngle(triangles[t], p);
+        i = node.skip;
+      } else {
+        ++i;
+      }
     }
   }
   return total / (4.0 * std::numbers::pi);
 }
+
+namespace {
+
+/// Triangles by the tree they belong to: each closed shell has its own, all that is open one together, as has a mesh
+/// that is one shell. @param isClosed  out: of each
+std::vector<std::vector<std::uint32_t>> shellsOf(const TriangleMesh &mesh, std::vector<std::uint8_t> &isClosed) {
+  constexpr std::size_t kMostShells = 4096;  // each is looked at for each point
+  std::vector<std::uint32_t> all(mesh.triangles.size());
+  std::iota(all.begin(), all.end(), 0u);
+  isClosed.assign(1, 0);
+  DisjointSets joined(mesh.vertices.size());
+  for (const Triangle &t : mesh.triangles) {
+    joined.join(t[0], t[1]);
+    joined.join(t[0], t[2]);
+  }
+  std::vector<std::uint8_t> isOpen(mesh.vertices.size(), 0);
+  forEachEdge(sortedSides(mesh.triangles), [&](std::span<const TriangleSide> edge) {
+    if (!isBalanced(edge)) isOpen[joined.find(edge.front().low)] = 1;
+  });
+  constexpr unsigned kNone = 0xffffffffu;
+  std::vector<unsigned> shellOf(mesh.vertices.size(), kNone);
+  std::vector<std::vector<std::uint32_t>> shells(1);  // the first: what is open
+  for (const std::uint32_t t : all) {
+    const unsigned root = joined.find(mesh.triangles[t][0]);
+    if (shellOf[root] == kNone) {
+      shellOf[root] = isOpen[root] != 0 ? 0u : static_cast<unsigned>(shells.size());
+      if (isOpen[root] == 0) shells.emplace_back();
+    }
+    shells[shellOf[root]].push_back(t);
+  }
+  if (shells.size() - (shells.front().empty() ? 1 : 0) < 2 || shells.size() > kMostShells) return {std::move(all)};
+  isClosed.resize(shells.size(), 1);
+  if (shells.front().empty()) {
+    shells.erase(shells.begin());
+    isClosed.erase(isClosed.begin());
+  }
+  return shells;
+}
+
+}  // namespace
 
 WindingNumber::WindingNumber(const TriangleMesh &mesh) {
   auto impl = std::make_unique<Impl>();
@@ -194,12 +253,32 @@ WindingNumber::WindingNumber(const TriangleMesh &mesh) {
   for (const Triangle &t : mesh.triangles)
     source.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
   if (!source.empty()) {
-    std::vector<std::uint32_t> order(source.size());
-    std::iota(order.begin(), order.end(), 0u);
+    std::vector<std::uint8_t> isClosed;
+    auto orders = shellsOf(mesh, isClosed);
     impl->nodes.reserve(source.size());
-    impl->build(source, order, 0, source.size());
     impl->triangles.reserve(source.size());
-    for (std::uint32_t i : order) impl->triangles.push_back(source[i]);
+    for (std::size_t s = 0; s < orders.size(); ++s) {
+      std::vector<std::uint32_t> &order = orders[s];
+      Shell shell;
+      shell.isClosed = isClosed[s] != 0;
+      shell.box = {source[order.front()].a, source[order.front()].a};
+      for (const std::uint32_t t : order)
+        for (const Vec3 *v : {&source[t].a, &source[t].b, &source[t].c})
+          for (std::size_t k = 0; k < 3; ++k) {
+            shell.box.min[k] = std::min(shell.box.min[k], (*v)[k]);
+            shell.box.max[k] = std::max(shell.box.max[k], (*v)[k]);
+          }
+      const auto first = static_cast<std::uint32_t>(impl->triangles.size());
+      shell.begin = static_cast<std::uint32_t>(impl->nodes.size());
+      impl->build(source, order, 0, order.size());
+      shell.end = static_cast<std::uint32_t>(impl->nodes.size());
+      for (std::size_t n = shell.begin; n < shell.end; ++n) {
+        impl->nodes[n].begin += first;
+        impl->nodes[n].end += first;
+      }
+      for (const std::uint32_t t : order) impl->triangles.push_back(source[t]);
+      impl->shells.push_back(shell);
+    }
   }
   impl_ = std::move(impl);
 }
