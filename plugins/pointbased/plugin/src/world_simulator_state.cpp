@@ -82,7 +82,7 @@ sdk::SceneRecord WorldSimulator::sceneRecord() const {
   // "auto" follows the wish.
   record.add("precision", worldSettings(world_).precision == Precision::doublePrecision ? "double" : "single");
   // The bytes behind the record name bodies, obstacles and attachments by their order.
-  std::size_t body = 0, rank = 0, layer = 0;
+  std::size_t bodies = 0, rank = 0, layers = 0;
   for (const auto &[id, of] : table_.bodies()) {
     record.add("body '" + of.name + "': order", static_cast<double>(bodies++));
     addBodyFields(record, of, *simulator_.body(id));
