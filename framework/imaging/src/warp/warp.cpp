@@ -84,6 +84,16 @@ class Source {
   explicit Source(const VolumeGeometry &g) : indexFromWorld_(affineInverse(g.indexToWorld)) {
     for (std::size_t a = 0; a < 3; ++a) last_[a] = static_cast<double>(g.size[a] - 1);
   }
+  /// Whether the material of voxel i j k comes from beyond the outermost voxels.
+  [[nodiscard]] bool isBeyond(std::size_t i, std::size_t j, std::size_t k, const Vec3 &u) const {
+    const Mat4 &m = indexFromWorld_;
+    const Vec3 index{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double at = index[a] - (m[a] * u[0] + m[4 + a] * u[1] + m[8 + a] * u[2]);
+      if (!(at >= -0.5 && at < last_[a] + 0.5)) return true;
+    }
+    return false;
+  }
   /// The index where the material of voxel i j k was, brought back to the border where it lies outside.
   [[nodiscard]] Vec3 of(std::size_t i, std::size_t j, std::size_t k, const Vec3 &u) const {
     const Mat4 &m = indexFromWorld_;
@@ -188,9 +198,12 @@ Expected<Volume> warped(const Volume &reference, const DisplacementGrid &u, cons
               Vec3 d = displacement.at(i);
               if (vacated && vacated->settles(displacement, i, indexOf(i, j, k), d))
                 voxel[i] = empty;
-              else if (!isZero(d))
-                voxel[i] = sampling == WarpSampling::nearest ? from[nearestOffset(source.of(i, j, k, d), n)]
-                                                             : linear(from, n, stride, source.of(i, j, k, d));
+              else if (isZero(d))
+                continue;
+              else if (sampling == WarpSampling::linear)
+                voxel[i] = linear(from, n, stride, source.of(i, j, k, d));
+              else
+                voxel[i] = source.isBeyond(i, j, k, d) ? empty : from[nearestOffset(source.of(i, j, k, d), n)];
             }
           };
           return forRows(u, g, "warping", progress, threads, row);
@@ -239,7 +252,6 @@ Expected<LabelMap> warped(const LabelMap &reference, const DisplacementGrid &u, 
 Expected<LabelMap> warped(const LabelMap &reference, const DisplacementGrid &u, const VolumeGeometry &grid,
                           const ProgressFn &progress, ThreadPool *threads) {
   const VolumeGeometry &g = reference.geometry;
-  if (sameGrid(g, grid)) return warped(reference, u, progress, threads);
   for (const auto &[one, what] : {std::pair(&g, "label map"), {&grid, "grid"}})
     if (const auto good = checkGrid(*one, what); !good) return tl::unexpected(good.error());
   if (const auto good = checkDisplacement(u); !good) return tl::unexpected(good.error());

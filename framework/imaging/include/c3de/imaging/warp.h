@@ -20,10 +20,10 @@ class ThreadPool;
 namespace c3de::imaging {
 
 /// linear: between voxel centres, rounded to the stored type (halves away from zero). nearest: the voxel whose centre is
-/// nearest, for images whose values are numbers of labels.
+/// nearest, for images whose values are numbers of labels; beyond the border of the reference its lowest value.
 enum class WarpSampling { linear, nearest };
 
-/// Stored voxels. Behind the border of the reference its outermost voxels go on. Where u is exactly zero voxels are
+/// Stored voxels. Linear: behind the border of the reference its outermost voxels go on. Where u is exactly zero voxels are
 /// copied, to the bit.
 [[nodiscard]] Expected<Volume> warped(const Volume &reference, const DisplacementGrid &u,
                                       const ProgressFn &progress = {}, ThreadPool *threads = nullptr,
