@@ -633,7 +633,7 @@ TEST_CASE("while a hand holds it no step is given up, and the status bar says th
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_hand_budget");
   // No step fits into this budget.
-  window.start({heavyScene("step_budget = 0.01", 3000).string()});
+  window.start({heavyScene("step_budget = 0.01", 1000).string()});
   window.waitUntil("the organ is shown", [](const Json &s) {
     return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty();
   });
@@ -652,7 +652,10 @@ TEST_CASE("while a hand holds it no step is given up, and the status bar says th
     return s["transport"]["steps"] >= 3 && s["values"].value("status/rate", "").starts_with("slower than real time: ");
   });
   CHECK(mode(slow) == "playing");
-  CHECK(slow["notifications"].empty());
+  const auto isGivenUp = [](const Json &s) {
+    return s["notifications"].dump().find("Paused: a step took too long") != std::string::npos;
+  };
+  CHECK_FALSE(isGivenUp(slow));
   window.screenshot("slow");
 
   // Escape ends the hold; without it the budget counts again.
@@ -663,8 +666,7 @@ TEST_CASE("while a hand holds it no step is given up, and the status bar says th
   const int steps = window.state()["transport"]["steps"];
   window.key("space");
   const Json paused =
-      window.waitUntil("the step is given up", [](const Json &s) { return !s["notifications"].empty(); });
-  CHECK(paused["notifications"].back()["title"] == "Paused: a step took too long");
+      window.waitUntil("the step is given up", [&](const Json &s) { return isGivenUp(s) && mode(s) == "paused"; });
   CHECK(paused["transport"]["steps"] == steps);
 }
 
