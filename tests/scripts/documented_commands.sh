@@ -95,7 +95,7 @@ instead() {
     'cmake --build build/release --target '*) reason="needs a build tree" ;;
     'cmake -S PREFIX/share/c3de/examples'* | 'cmake -S heart_beat'* | 'cmake --build my_plugins' | 'cmake --build batch && batch/batch')
       reason="the tests 'sdk: …' do the same" ;;
-    'PREFIX/bin/c3de --plugin heart_beat/'*) reason="needs the build that is looked at above" ;;
+    'PREFIX/bin/c3de --plugin heart_beat/'* | *' my_plugins/'*) reason="needs the build that is looked at above" ;;
     *' study '*) reason="takes minutes; test_cli runs cuts of the shipped studies" ;;
     *brain_shift.toml*) reason="takes minutes" ;;
     *abdomen.toml* | *dicom_folder*) reason="a scan of the reader" ;;

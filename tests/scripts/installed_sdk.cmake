@@ -79,6 +79,12 @@ foreach(compiler IN LISTS COMPILERS)
   if(NOT output MATCHES "closed")
     message(SEND_ERROR "${compiler}: the new format is not read again:\n${output}")
   endif()
+  # What reads phyxels finds them.
+  run("${HOST}" run "${PLACE}/prefix/share/c3de/scenes/first_light.toml" --steps 1 --no-plugins --plugin "${POINTBASED}"
+      --plugin "${plugins}/phyxels.so")
+  if(NOT output MATCHES "organ: [1-9][0-9]* phyxels, ")
+    message(SEND_ERROR "${compiler}: the phyxels of the organ were to be reported:\n${output}")
+  endif()
   # The scenes that show a law and a simulator of others.
   run("${HOST}" run "${PLACE}/prefix/share/c3de/scenes/stiffening_organ.toml" --steps 5 --no-plugins
       --plugin "${POINTBASED}" --plugin "${plugins}/material_law.so")
