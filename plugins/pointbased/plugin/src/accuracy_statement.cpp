@@ -115,20 +115,17 @@ void estimateDisplacement(const Body &body, const AccuracySources &sources, cons
     return;
   }
   const AccuracySurvey &survey = *sources.trials->survey;
-  const double share = predictError(survey, body.rest().spacing).likely;
   if (survey.supposed) {
-    out.reason =
-        "nothing but contact or inertia holds it, or nothing loads it; hung from its lowest tenth it would be " +
-        percent(share) + " of its deformation";
+    out.reason = "nothing holds it but contact, attachments or inertia, or nothing loads it";
     return;
   }
   out.basis = AccuracyStatement::Basis::estimated;
   const bool isMoved = skin.largest > kStrainFloor * survey.largest;
   if (!isMoved) out.largestDisplacement = survey.largest;
-  out.displacement = share * out.largestDisplacement;
+  out.displacement = predictError(survey, body.rest().spacing).likely * out.largestDisplacement;
   out.worst = nowAt(skin, survey.worst);
   out.reason = !isMoved             ? "expected at rest, nothing is displaced yet"
-               : isActedOnElsewhere ? "at rest; what contact and hands add is not in it"
+               : isActedOnElsewhere ? "at rest; what contact, attachments and hands add is not in it"
                                     : "at rest";
 }
 
@@ -185,8 +182,10 @@ AccuracyStatement stateAccuracy(const Simulator &simulator, std::size_t id, cons
   out.leftOut = places.volumePart;
   out.isStrained = out.whole > 0.0;
   for (const std::size_t f : places.fixes) {
-    const bool isNamed = f < sources.fixes.size() && !sources.fixes[f].empty();
-    out.places.push_back("edge of support " + (isNamed ? "'" + sources.fixes[f] + "'" : std::to_string(f)));
+    // Without a name it has its number in the scene.
+    const std::string name = f < sources.fixes.size() ? sources.fixes[f] : std::to_string(f);
+    const bool isNumber = name.find_first_not_of("0123456789") == std::string::npos;
+    out.places.push_back("edge of support " + (isNumber ? name : "'" + name + "'"));
   }
   const std::vector<std::string> touched = touching(simulator, id, sources);
   if (places.contact) {
@@ -200,7 +199,10 @@ AccuracyStatement stateAccuracy(const Simulator &simulator, std::size_t id, cons
     takeVerification(sources.verification->result, out);
     return out;
   }
-  estimateDisplacement(body, sources, skinMotion(body), !touched.empty() || places.hands, out);
+  const std::vector<AttachmentSummary> attachments = simulator.attachments();
+  const bool isAttached = std::any_of(attachments.begin(), attachments.end(),
+                                      [&](const AttachmentSummary &a) { return a.first == id || a.second == id; });
+  estimateDisplacement(body, sources, skinMotion(body), !touched.empty() || isAttached || places.hands, out);
   return out;
 }
 

@@ -21,8 +21,9 @@ void VerificationPanel::draw(sdk::Ui &ui, WorldSimulator &simulator, const Snaps
     if (ui.button("cancel_verify", "Cancel")) (void)services_.jobs.cancel(*job_);
   } else {
     if (ui.button("verify", "Verify", !isMoving && snapshot && !snapshot->bodies.empty())) (void)begin(simulator);
-    ui.tooltip(isMoving ? "Pause first: what is verified is the paused state"
-                        : "Solves the present state once more with half the spacing, and tells how far it is off");
+    ui.tooltip(
+        isMoving ? "Pause first: what is verified is the paused state"
+                 : "Solves the present state once more with half the spacing: the displacement error is measured then");
   }
 }
 

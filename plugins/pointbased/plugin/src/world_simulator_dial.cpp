@@ -59,6 +59,9 @@ void WorldSimulator::tryBodies(const sdk::Progress &progress, const ParallelFor 
   const auto tried = [&](const Untried &one) -> DisplacementTrials {
     if (!request.tell(0.0, one.name + ": trying coarse samplings")) return {nullptr, "its trials were cancelled"};
     if (one.rest->evaluation != Evaluation::stressPoints) return {nullptr, "phyxels without a lattice have no trials"};
+    // Trials of a supposed support would say nothing of this state, and filling a body for them takes time.
+    if (one.rest->conditions.fixes.empty() && !foundationOf(*one.values).holds())
+      return {nullptr, "nothing holds it but contact, attachments or inertia"};
     try {
       const BodyFilling filling = fillingOf(context_.services, one.name, one.source, *one.values, parallelFor);
       const Constitution constitution = constitutionOf(context_.laws, one.name, one.source, *one.values);
