@@ -137,7 +137,12 @@ void JointContact::gather(std::span<const JoinedPair> pairs, double margin, bool
   for (const JoinedPair &joined : pairs) {
     const std::array<std::size_t, 2> of{joined.first, joined.second};
     for (const SkinContact &contact : joined.pair->active()) {
-      const bool counts = !(contact.gap + contact.thickness > 0.0) || !passesBy(*joined.pair, contact);
+      // What overlaps always counts. The cushion of a long step may have closed a gap, and a plane that is met on the way
+      // may be nearer than the face itself.
+      const SkinPairSettings &settings = joined.pair->settings();
+      const double layer = contact.thickness > 0.0 ? contact.thickness * settings.offset / settings.thickness
+                                                   : settings.offset - settings.thickness;
+      const bool counts = contact.gap + layer < 0.0 || !passesBy(*joined.pair, contact);
       for (const SkinContact::Part &part : contact.parts) {
         if (part.weight == 0.0 || !counts) continue;
         const std::size_t side = part.ofSecond ? 1 : 0;
