@@ -128,7 +128,7 @@ TEST_CASE("The engine takes fields of all phyxels and all evaluation points") {
                internalForces(constitution, rest.stencils, rest.positions, u, F, stresses, std::span(entries).first(3),
                               forces, serialFor());
              }),
-             Contains("internalForces: room for every entry and every phyxel"));
+             Contains("internalForcesOf: room for every entry and every phyxel"));
   TangentScratch scratch;
   CHECK_THAT(brokenBy([&] {
                forceDifferential(constitution, rest.stencils, rest.positions, u, F, PointHistory(), 0.0, 0.0, shorter,

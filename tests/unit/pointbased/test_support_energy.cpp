@@ -50,7 +50,6 @@ std::unique_ptr<Body> bodyOf(const Setup &setup, double spacing, MaterialLaw law
   material.law = law;
   material.youngsModulus = 1e5;
   material.poissonRatio = 0.4;
-  material.density = 1000.0;
   return std::make_unique<Body>("body", *rest, Constitution{{material}, kLatticeStabilisation}, serialFor());
 }
 

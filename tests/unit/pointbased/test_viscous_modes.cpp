@@ -24,7 +24,6 @@ std::unique_ptr<Body> cube(double viscosity, MaterialLaw law = MaterialLaw::neoH
   material.law = law;
   material.youngsModulus = 5e4;
   material.poissonRatio = 0.45;
-  material.density = 1000.0;
   material.viscosity = viscosity;
   return std::make_unique<Body>("cube", *rest, Constitution{{material}, kLatticeStabilisation}, serialFor());
 }

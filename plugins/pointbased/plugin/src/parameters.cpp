@@ -84,7 +84,7 @@ constexpr std::array kWorld{
                 {0.0, 1e4, 0.0, 20.0}, 0.0),
     autoParam({"solver.tolerance_mm", "Tolerance", "mm",
                "Implicit and quasi-static: converged when a full correction moves no phyxel further. auto: 1e-5 of the "
-               "spacing, quasi-static 1e-6. A step in time is solved to 0.2 % of its increment where that is less",
+               "spacing, quasi-static 1e-6. Increments below ten times that are solved to 0.2 %",
                "Solver"},
               {1e-12, 1000.0, 1e-6, 1.0}, C3DE_PARAM_LOG_SCALE | C3DE_PARAM_ADVANCED),
     integerParam({"solver.load_steps", "Load steps", "", "Quasi-static: increments of the load; halved where one fails",

@@ -27,7 +27,7 @@ class PointStiffness {
     Columns stress;             ///< d(v P) by displacements of the entry
     Columns modes;              ///< dB by displacements of the entry
     Columns conjugate;          ///< dD = H dB
-    Mat3 twist = Mat3::Zero();  ///< only where modes relax: change of Q^T F^T a_xyz
+    Mat3 twist = Mat3::Zero();  ///< only where modes relax or are viscous: change of Q^T F^T a_xyz
   };
 
   PointStiffness(const Constitution &constitution, const StencilSet &s, std::size_t q, std::span<const Vec3> X,
@@ -49,9 +49,8 @@ class PointStiffness {
       twistQD_ = point.QD.col(3);
       point_.twistStiffness = relaxing_->present().twist(s.volumes[q], s.variances[q]);
     }
-    // Without the turn of its own.
     if (control_ == Stabilisation::hourglass && viscousScale_ > 0.0)
-      point_.twistStiffness += viscousScale_ * viscous_.twist(s.volumes[q], s.variances[q]);
+      viscousTwist_ = viscousScale_ * viscous_.twist(s.volumes[q], s.variances[q]);
     const bool flat = s.rank[q] < 3;
     const Mat3 seen = flat ? seenDirections(s.rank[q], frameOfPoint(s, q)) : Mat3(Mat3::Identity());
     for (int c = 0; c < 9; ++c) {
@@ -92,7 +91,7 @@ class PointStiffness {
       if (viscousScale_ > 0.0) dD += viscousScale_ * viscous_.conjugate(dB, point_.vs);
       out.modes.col(i) = Eigen::Map<const Eigen::Matrix<double, 9, 1>>(dB.data());
       out.conjugate.col(i) = Eigen::Map<const Eigen::Matrix<double, 9, 1>>(dD.data());
-      if (relaxing_) {
+      if (relaxing_ || viscousTwist_ > 0.0) {
         out.twist.col(i) = modeRows_[e][3] * point_.FQ.row(i).transpose();
         if (!linear_) out.twist.col(i) += point_.twist[i] * turned;
       }
@@ -109,9 +108,10 @@ class PointStiffness {
       // Eigen takes its product of large matrices from this size on, which costs ten times as much here.
       K += ofJ.modes.transpose().lazyProduct(ofL.conjugate);
       if (relaxing_)
-        K += point_.twistStiffness * ofJ.twist.transpose().lazyProduct(ofL.twist);
+        K += (point_.twistStiffness + viscousTwist_) * ofJ.twist.transpose().lazyProduct(ofL.twist);
       else
         K.diagonal().array() += point_.twistStiffness * modeRows_[j][3] * modeRows_[l][3];
+      if (!relaxing_ && viscousTwist_ > 0.0) K += viscousTwist_ * ofJ.twist.transpose().lazyProduct(ofL.twist);
     } else if (scale_ > 0.0) {
       K += scale_ * residualCoefficient(j, l) * visible_;
     }
@@ -152,7 +152,7 @@ class PointStiffness {
   std::span<const Vec3> X_;
   Stabilisation control_;
   HourglassEnergy modal_, viscous_;
-  double viscousScale_;
+  double viscousScale_, viscousTwist_ = 0.0;
   bool linear_;
   ModalPoint point_;
   std::optional<RelaxingModes> relaxing_;

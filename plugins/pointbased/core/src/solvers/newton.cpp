@@ -21,8 +21,8 @@ constexpr double kTightest = 1e-6;      // of the forcing terms
 constexpr double kConfirming = 1e-3;    // linear tolerance of a step that ends the solve
 constexpr double kResidualFall = 1e-6;  // of the first residual; see NewtonSettings::toleranceForce
 constexpr double kRounding = 1e-10;     // relative change of the energy that may be round-off of a cancelled sum
-constexpr double kFoundAtStart = 1e-3;  // of the tolerance: a solution that is no farther is found even without descent
-constexpr double kOfReach = 2e-3;  // part of the increment that inertia alone allows: the tolerance is at most that
+constexpr double kOfReach = 2e-3;  // of a small increment, as inertia alone allows it: the tolerance is at most that
+constexpr double kSmall = 10.0;    // tolerances, of such an increment
 constexpr double kAsPromised = 0.75, kPoor = 0.25;  // parts of the promised decrease
 constexpr double kWiden = 2.0, kNarrow = 0.5;       // of the radius
 // times what the preconditioned gradient says is left; with three, a spinning block erred by 0.16 % instead of 0.05 %
@@ -312,9 +312,10 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
   trialGradient.resize(n);
 
   Evaluation at;
-  bool isSmall = false;  // all that is left is far below the tolerance that was asked for
+  bool isWithinAsked = false;  // what was left is below the tolerance that was asked for: round-off may end the solve
   const auto end = [&](NewtonOutcome outcome) {
-    result.outcome = isSmall && outcome == NewtonOutcome::noDescent ? NewtonOutcome::converged : outcome;
+    const bool isGivenUp = outcome == NewtonOutcome::noDescent || outcome == NewtonOutcome::iterationLimit;
+    result.outcome = isWithinAsked && isGivenUp ? NewtonOutcome::converged : outcome;
     return result;
   };
   const auto report = [&] {
@@ -338,9 +339,12 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
   const double reach = problem.reach(gradient);
   if (reach <= 0.0) return end(NewtonOutcome::converged);
   // An increment below the tolerance counts: step after step it adds up to all of the motion.
-  isSmall = reach <= kFoundAtStart * settings.toleranceDisplacement;
-  const double roundOff = 8.0 * std::numeric_limits<double>::epsilon() * detail::largest(u).value;
-  settings.toleranceDisplacement = std::min(settings.toleranceDisplacement, std::max(roundOff, kOfReach * reach));
+  const bool isSmall = reach <= kSmall * asked.toleranceDisplacement;
+  isWithinAsked = reach <= asked.toleranceDisplacement;
+  if (isSmall) {
+    const double roundOff = 8.0 * std::numeric_limits<double>::epsilon() * detail::largest(u).value;
+    settings.toleranceDisplacement = std::min(asked.toleranceDisplacement, std::max(roundOff, kOfReach * reach));
+  }
   tolerance = settings.toleranceDisplacement;
 
   start.assign(u.begin(), u.end());
@@ -389,6 +393,7 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
         radius = kWiden * found.length;
     }
     result.lastStep = scale * length;
+    isWithinAsked = isWithinAsked || (isSmall && newton && scale == 1.0 && length <= asked.toleranceDisplacement);
     expected = settings.toleranceOfWay > 0.0 && !settings.firstTellsWay && newton && scale == 1.0
                    ? kSafety * std::max(1.0, length / detail::largest(linear.preconditioned()).value)
                    : 0.0;

@@ -14,7 +14,7 @@ namespace {
 // Stiffness of contact in units of E A / d: a body of height H presses itself in by rho g H / (kContactStiffness E /
 // d).
 constexpr double kContactStiffness = 30.0;
-constexpr double kRoundOffs = 16.0;  // units in the last place, in the sums of a gradient
+constexpr double kRoundOffs = 64.0;  // units in the last place, in the sums of a gradient
 
 // Over triplets, of which a large body has millions; looks whether they are still wanted.
 class AskedTriplets {
