@@ -2,6 +2,7 @@
 #include "stepping/joint_contact.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace pointbased::detail {
 namespace {
@@ -18,8 +19,8 @@ constexpr double kSlip = 0.06;
 constexpr double kCone = 5e-3;
 
 // Whether a vertex, or one of two edges, is not the nearest place of its own skin to the edge or corner that it is held
-// off from: of the flat skin around it another one is, which has contacts of its own. Something soft yields to such a
-// contact; a rigid body that slides over the place would be stopped by it, as if it stood out.
+// off from: a place of the flat skin around it is nearer, which has contacts of its own. The plane of such a contact
+// leans against the direction in which the bodies slide, as if the vertex stood out of its skin.
 bool passesBy(SkinPair &pair, const SkinContact &contact) {
   const auto liesNearer = [&](MovingSkin &skin, Index from, Index other, const Vec3 &towards, const Vec3 &along) {
     Vec3 way = skin.position(other) - skin.position(from);
@@ -50,6 +51,14 @@ bool passesBy(SkinPair &pair, const SkinContact &contact) {
     for (const Index other : skin.skin().triangles[t])
       if (liesNearer(skin, vertex.vertex, other, towardsOther(vertex.ofSecond), Vec3::Zero())) return true;
   return false;
+}
+
+// A contact whose row is empty exerts no force, and none that it exerted before is reported.
+void leaveOut(Contact &contact) {
+  contact.gap = std::numeric_limits<double>::infinity();
+  contact.normalImpulse = contact.settleImpulse = contact.normalForce = 0.0;
+  contact.frictionImpulse.setZero();
+  contact.settleFriction.setZero();
 }
 
 }  // namespace
@@ -127,9 +136,16 @@ void JointContact::gather(std::span<const JoinedPair> pairs, double margin, bool
   if (entryOf_.size() != count_) entryOf_.assign(count_, kNone);
   for (const JoinedPair &joined : pairs) {
     const std::array<std::size_t, 2> of{joined.first, joined.second};
-    const bool isRigid = bodies_[of[0]].rigid || bodies_[of[1]].rigid;
+    // Between two skins that yield, leaning planes are what keeps corners and edges apart.
+    const auto isHard = [&](const Joined &body) { return body.rigid || !body.moves; };
+    const bool leansCount = !isHard(bodies_[of[0]]) && !isHard(bodies_[of[1]]);
     for (const SkinContact &contact : joined.pair->active()) {
-      const bool counts = !isRigid || !(contact.gap + contact.thickness > 0.0) || !passesBy(*joined.pair, contact);
+      // What overlaps always counts. The cushion of a long step may have closed a gap, and a plane that is met on the way
+      // may be nearer than the face itself.
+      const SkinPairSettings &settings = joined.pair->settings();
+      const double layer = contact.thickness > 0.0 ? contact.thickness * settings.offset / settings.thickness
+                                                   : settings.offset - settings.thickness;
+      const bool counts = leansCount || contact.gap + layer < 0.0 || !passesBy(*joined.pair, contact);
       for (const SkinContact::Part &part : contact.parts) {
         if (part.weight == 0.0 || !counts) continue;
         const std::size_t side = part.ofSecond ? 1 : 0;
@@ -140,6 +156,7 @@ void JointContact::gather(std::span<const JoinedPair> pairs, double margin, bool
                std::span<const double>(skin.weights).subspan(begin, end - begin), bodies_[of[side]], part.weight);
       }
       addContact(contact);
+      if (!counts) leaveOut(state_.active.back());
     }
   }
   began_.clear();

@@ -126,7 +126,8 @@ BodyOverlap overlapBetween(const Body &first, MovingSkin &firstSkin, const Body 
       all += mass;
       if (other.tree().bounds().squaredDistance(places[i]) > 0.0) continue;
       const double depth = -other.signedDistance(places[i]);
-      if (!(depth > 0.0)) continue;
+      // Phyxels on the border of a body of the same shape count as inside of it.
+      if (!(depth > -kTiny * body.rest().spacing)) continue;
       inside += mass;
       out.depth = std::max(out.depth, depth);
     }
