@@ -25,8 +25,9 @@ make_tree() {
     # Links of the other kind would lead the program back to the folder where it was built.
     ln "$file" "$tree/build/release/${file#"$build"/}" 2>/dev/null || cp "$file" "$tree/build/release/${file#"$build"/}" || exit 1
   done <"$build/products.txt"
-  # What configuring leaves for installing.
-  (cd "$build" && find . -name cmake_install.cmake -o -path './CMakeFiles/Export/*.cmake' -o -path './C3DE*.cmake' -o -path './*.pc') |
+  # What configuring leaves for installing, without what tests have left.
+  (cd "$build" && find . -path ./test-output -prune -o -type f '(' -name cmake_install.cmake -o -path './CMakeFiles/Export/*.cmake' \
+      -o -path './C3DE*.cmake' -o -path './*.pc' ')' -print) |
     while read -r file; do
       mkdir -p "$(dirname "$tree/build/release/$file")"
       sed "s|$build|$tree/build/release|g" "$build/$file" >"$tree/build/release/$file"
