@@ -119,7 +119,7 @@ TEST_CASE("What is not right about what slides is refused where it stands", "[ti
   CHECK_THAT(refusal("slides = \"liver\""),
              Contains("test.toml:6: slides is the text \"liver\"; accepted: a list, [\"liver\""));
   CHECK_THAT(refusal("slides = []"), Contains("slides is an empty list; accepted: a list"));
-  CHECK_THAT(refusal("slides = [\"liver\", 70000]"), Contains("a label is 70000; accepted: the name of a label"));
+  CHECK_THAT(refusal("slides = [\"liver\", -3]"), Contains("a label is -3; accepted: the name of a label"));
   CHECK_THAT(refusal("slides = [\"\"]"), Contains("a label is") && Contains("accepted: the name of a label"));
   CHECK_THAT(refusal("slides = [\"liver\", []]"), Contains("an entry of slides is an empty list"));
   CHECK_THAT(refusal("slides = [\"liver\", [\"spleen\", \"liver\"]]"), Contains("slides names 'liver' twice"));
