@@ -125,7 +125,7 @@ TEST_CASE("a plugin that ends a run is named, the run has failed, and the next o
     CHECK_THAT(ended.errorOutput, Contains(std::string("plugin test.dying has ended the program, ") + one.said));
     const auto next = person.run("");
     CHECK(next.exitCode == 0);
-    CHECK_THAT(next.errorOutput, Contains("the last run ended by ") && Contains("exit(), in plugin test.dying (") &&
+    CHECK_THAT(next.errorOutput, Contains("the last run ended by ") && Contains("xit(), in plugin test.dying (") &&
                                      Contains("--without test.dying"));
   }
   const Person person("ends-a-child");
@@ -142,7 +142,7 @@ TEST_CASE("a simulator that dies while it builds a body is named, with the call"
       runC3de({"run", scene.string(), "--steps", "1", "--no-plugins", "--plugin", C3DE_RECORDER, "--trust-plugins"});
   CHECK(died.exitCode >= 128);
   CHECK_THAT(died.errorOutput,
-             Contains("c3de: fatal: SIG") && Contains("in plugin test.recorder (add_body of a simulator)"));
+             Contains("c3de: fatal: SIG") && Contains("in plugin test.recorder (building a body)"));
 }
 
 TEST_CASE("a plugin can be left out, for one run or for all") {

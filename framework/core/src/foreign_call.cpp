@@ -146,14 +146,14 @@ ForeignCall::ForeignCall(const char *owner, const char *what, CallKind kind, std
   if (!calls) return;
   const std::size_t depth = calls->depth.load(std::memory_order_relaxed);
   std::uint64_t floatControl = detail::floatControl();
-  if (depth == 0) {
-    // Not every function of a simulator is called through here.
+  // Not every function of a simulator is called through here. A part of a loop may belong to one that computes otherwise.
+  if (depth == 0 && kind != CallKind::part) {
     if (floatControl != floatControlOfProgram) {
       detail::setFloatControl(floatControlOfProgram);
       reportChange(calls->lastOwner, calls->lastWhat, detail::floatDifference, floatControl, floatControlOfProgram);
       floatControl = floatControlOfProgram;
     }
-    if (kind != CallKind::part) restoreLocaleOf(calls->lastOwner, calls->lastWhat);
+    restoreLocaleOf(calls->lastOwner, calls->lastWhat);
   }
   if (depth < kMostNested) {
     Frame &frame = calls->frames[depth];
