@@ -61,7 +61,7 @@ std::string meta(const std::string &spacing, const std::string &more = "", const
 }
 
 /// 4 x 3 x 2 bytes with spacings 1, 2, 3 of a unit.
-std::string nifti(int unit) {
+std::string nifti(int unit, float size = 1) {
   std::string out(352 + 24, '\0');
   const auto put = [&](std::size_t at, auto value) { std::memcpy(out.data() + at, &value, sizeof value); };
   put(0, std::int32_t{348});
@@ -69,12 +69,12 @@ std::string nifti(int unit) {
   std::memcpy(out.data() + 40, dims, sizeof dims);
   put(70, std::int16_t{2});
   put(72, std::int16_t{8});
-  const float pixdim[8] = {1, 1, 2, 3, 1, 1, 1, 1};
+  const float pixdim[8] = {1, size, 2 * size, 3 * size, 1, 1, 1, 1};
   std::memcpy(out.data() + 76, pixdim, sizeof pixdim);
   put(108, 352.0F);
   out[123] = static_cast<char>(unit);
   put(254, std::int16_t{1});
-  const float rows[12] = {1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 3, 0};
+  const float rows[12] = {size, 0, 0, 0, 0, 2 * size, 0, 0, 0, 0, 3 * size, 0};
   std::memcpy(out.data() + 280, rows, sizeof rows);
   std::memcpy(out.data() + 344, "n+1", 4);
   return out;
@@ -266,7 +266,8 @@ TEST_CASE("Lengths of MetaImage are read in their unit, with points or commas", 
   }
 }
 
-TEST_CASE("The unit of a NIfTI is heeded, and said where there is none", "[imaging][lengths]") {
+TEST_CASE("The unit of a NIfTI is heeded, and without one lengths that are unusual in mm are reported",
+          "[imaging][lengths]") {
   const auto file = testOutputFolder() / "unit.nii";
   for (const auto &[unit, factor] : {std::pair{1, 1000.0},
                                      {2, 1.0},
@@ -282,9 +283,14 @@ TEST_CASE("The unit of a NIfTI is heeded, and said where there is none", "[imagi
     const auto loaded = readVolume(write(file, nifti(unit)));
     REQUIRE(loaded);
     CHECK_THAT(loaded->volume.geometry.spacing()[2], WithinRel(3.0 * factor, 1e-6));
-    const int length = unit & 7;
-    CHECK(says(loaded->notices, "does not name its unit of length: mm is taken") == (length == 0));
-    CHECK(says(loaded->notices, "is not known") == (length > 3));
+    CHECK_FALSE(says(loaded->notices, "unusual in mm"));
+    CHECK(says(loaded->notices, "is not known") == ((unit & 7) > 3));
+  }
+  for (const auto &[size, isUnusual] : {std::pair{1e-3F, true}, {0.1F, false}, {5.0F, false}, {1000.0F, true}}) {
+    INFO(size);
+    const auto loaded = readVolume(write(file, nifti(0, size)));
+    REQUIRE(loaded);
+    CHECK(says(loaded->notices, "unusual in mm: mm is taken") == isUnusual);
   }
 }
 

@@ -135,6 +135,16 @@ bool spans(const Columns &c) {
   return lengths > 0.0 && std::abs(dot(c[0], cross(c[1], c[2]))) > 1e-6 * lengths;
 }
 
+/// Whether voxels are as long as those of scanners, from micro-CT to overviews: files without a unit are in mm by
+/// custom, and their lengths contradict it only outside of this range.
+bool isUsualInMillimetres(const Columns &c) {
+  constexpr double kShortest = 0.02, kLongest = 20.0;  // mm
+  return std::all_of(c.begin(), c.begin() + 3, [](const Vec3 &axis) {
+    const double length = norm(axis);
+    return length >= kShortest && length <= kLongest;
+  });
+}
+
 /// sform if its code is positive, else qform, else the spacing alone.
 Columns place(const Nifti &n, ImageHeader &header) {
   Vec3 spacing{};
@@ -241,10 +251,12 @@ Expected<ImageHeader> readNiftiHeader(const std::filesystem::path &path) {
   Columns c = place(n, header);
   const int space = n.units & 7;
   const double mm = space == 1 ? 1000.0 : space == 3 ? 1e-3 : 1.0;
-  if (space < 1 || space > 3)
-    header.notices.push_back(space == 0 ? std::string("The header does not name its unit of length: mm is taken.")
-                                        : "The header's unit of length, number " + std::to_string(space) +
-                                              ", is not known (1 m, 2 mm, 3 micrometres): mm is taken.");
+  if (space > 3)
+    header.notices.push_back("The header's unit of length, number " + std::to_string(space) +
+                             ", is not known (1 m, 2 mm, 3 micrometres): mm is taken.");
+  else if (space == 0 && !isUsualInMillimetres(c))
+    header.notices.push_back(
+        "The header does not name its unit of length, and its voxels are unusual in mm: mm is taken.");
   for (Vec3 &v : c) v = mm * Vec3{-v[0], -v[1], v[2]};  // RAS to LPS
   if (const auto set = setAffine(header, c[0], c[1], c[2], c[3]); !set) return tl::unexpected(set.error());
 
