@@ -23,8 +23,8 @@ struct SingularPlaces {
 
 /// Finds edges of supports, of contact and of what hands hold.
 ///
-/// A support ends where its region meets the free skin; one that reaches no skin has all of its border as edge (rigid
-/// tissue, an organ that is led). Contact ends in cells that have phyxels under pressure and phyxels of the skin without.
+/// A support ends where its region meets the free skin. Inside of a body only boxes have an edge; tissue is taken to be
+/// smooth, and the stress on the face of a bonded part is finite. Contact ends on the skin between pressed and free points.
 /// Edges of loads are not among them (a jump of the traction leaves stress bounded), nor are edges between two materials.
 /// @param pressures  [phyxels] Pa, Simulator::contactPressures(); empty: nothing touches the body
 [[nodiscard]] SingularPlaces findSingularPlaces(const Body &body, std::span<const double> pressures);

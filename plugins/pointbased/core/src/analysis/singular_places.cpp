@@ -2,7 +2,7 @@
 #include "pointbased/singular_places.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 
 #include "base/point_tree.h"
 
@@ -12,32 +12,27 @@ using namespace detail;
 
 namespace {
 
-constexpr double kOnBorder = 1e-6;  // spacings: rounding of what lies on the border of a region
-
-/// Calls found(q) for the evaluation points that have a phyxel with isOf and one without.
-template <class IsOf, class IsOther, class Found>
-void forMixedPoints(const StencilSet &s, const IsOf &isOf, const IsOther &isOther, const Found &found) {
-  for (std::size_t q = 0; q < s.pointCount(); ++q) {
-    bool of = false, other = false;
-    for (Index e = s.phyxels.offsets[q]; e < s.phyxels.offsets[q + 1]; ++e) {
-      of = of || isOf(s.phyxels.indices[e]);
-      other = other || isOther(s.phyxels.indices[e]);
-    }
-    if (of && other) found(q);
-  }
-}
+constexpr double kOnBorder = 1e-6;   // spacings: rounding of what lies on the border of a region
+constexpr double kLeastShare = 0.1;  // of the weights of a point: less is rounding of where the point lies
 
 class Finder {
  public:
   Finder(const Body &body, SingularPlaces &out)
       : body_(body), rest_(body.rest()), out_(out), points_(rest_.pointCentres),
-        skin_(rest_.contact.binding.positions) {}
+        skin_(rest_.contact.binding.positions) {
+    for (const Vec3 &x : rest_.pointCentres) {
+      low_ = low_.cwiseMin(x);
+      high_ = high_.cwiseMax(x);
+    }
+  }
 
   void addSupports() {
-    const BoundaryConditions &conditions = rest_.conditions;
-    for (std::size_t f = 0; f < conditions.fixes.size() && f < conditions.held.size(); ++f) {
-      std::vector<Vec3> edge = rim(conditions.fixes[f].region);
-      if (edge.empty()) edge = border(conditions.held[f]);
+    const std::size_t fixes = std::min(rest_.conditions.fixes.size(), rest_.conditions.held.size());
+    for (std::size_t f = 0; f < fixes; ++f) {
+      const Region &region = rest_.conditions.fixes[f].region;
+      const bool isTissue = std::holds_alternative<VoxelRegion>(region);
+      std::vector<Vec3> edge = isTissue ? rimOfTissue(rest_.conditions.held[f]) : rim(region);
+      if (const auto *box = std::get_if<BoxRegion>(&region)) addBoxEdges(*box, edge);
       if (edge.empty()) continue;
       out_.fixes.push_back(f);
       leaveOutAround(edge);
@@ -46,14 +41,11 @@ class Finder {
 
   void addContact(std::span<const double> pressures) {
     if (pressures.size() != rest_.phyxelCount()) return;
-    const auto presses = [&](Index j) { return pressures[j] > 0.0; };
-    if (std::none_of(pressures.begin(), pressures.end(), [](double p) { return p > 0.0; })) return;
-    std::vector<std::uint8_t> onSkin(rest_.phyxelCount(), 0);
-    for (const Index j : rest_.contact.binding.phyxels.indices) onSkin[j] = 1;
+    std::vector<std::uint8_t> isPressed(rest_.contact.count());
+    for (std::size_t p = 0; p < isPressed.size(); ++p)
+      isPressed[p] = shareOf(p, [&](Index j) { return pressures[j] > 0.0; }) > 0.5 ? 1 : 0;
     std::vector<Vec3> edge;
-    forMixedPoints(
-        rest_.stencils, presses, [&](Index j) { return onSkin[j] != 0 && !presses(j); },
-        [&](std::size_t q) { edge.push_back(rest_.pointCentres[q]); });
+    forEdge(isPressed, [&](const Vec3 &pressed, const Vec3 &free) { edge.push_back(0.5 * (pressed + free)); });
     out_.contact = !edge.empty();
     leaveOutAround(edge);
   }
@@ -77,6 +69,20 @@ class Finder {
   }
 
  private:
+  // Calls found(in, out) for the points of the skin that are in and have others within a spacing, with the nearest.
+  template <class Found>
+  void forEdge(const std::vector<std::uint8_t> &isIn, const Found &found) {
+    const std::vector<Vec3> &at = rest_.contact.binding.positions;
+    for (std::size_t p = 0; p < at.size(); ++p) {
+      if (isIn[p] == 0) continue;
+      skin_.within(at[p], rest_.spacing, found_);
+      const std::pair<Index, double> *nearest = nullptr;
+      for (const auto &near : found_)
+        if (isIn[near.first] == 0 && (nearest == nullptr || near.second < nearest->second)) nearest = &near;
+      if (nearest != nullptr) found(at[p], at[nearest->first]);
+    }
+  }
+
   // Where a region that is held meets the free skin.
   [[nodiscard]] std::vector<Vec3> rim(const Region &region) {
     const std::vector<Vec3> &at = rest_.contact.binding.positions;
@@ -84,25 +90,52 @@ class Finder {
     for (std::size_t p = 0; p < at.size(); ++p)
       isHeld[p] = signedDistance(region, rest_.origin + at[p]) <= kOnBorder * rest_.spacing ? 1 : 0;
     std::vector<Vec3> edge;
-    for (std::size_t p = 0; p < at.size(); ++p) {
-      if (isHeld[p] == 0) continue;
-      skin_.within(at[p], rest_.spacing, found_);
-      if (std::any_of(found_.begin(), found_.end(), [&](const auto &near) { return isHeld[near.first] == 0; }))
-        edge.push_back(at[p]);
+    forEdge(isHeld, [&](const Vec3 &held, const Vec3 &) { edge.push_back(held); });
+    return edge;
+  }
+
+  // The skin of a tissue runs along its voxels, some points just inside and some just outside, and other skin may be as
+  // near across a gap: what carries a point says to which side it belongs.
+  [[nodiscard]] std::vector<Vec3> rimOfTissue(const ConstrainedRegion &held) const {
+    std::vector<std::uint8_t> isHeld(rest_.phyxelCount(), 0);
+    for (const Index j : held.phyxels) isHeld[j] = 1;
+    std::vector<Vec3> edge;
+    for (std::size_t p = 0; p < rest_.contact.count(); ++p) {
+      const double share = shareOf(p, [&](Index j) { return isHeld[j] != 0; });
+      if (share > kLeastShare && share < 1.0 - kLeastShare) edge.push_back(rest_.contact.binding.positions[p]);
     }
     return edge;
   }
 
-  // What is held beside what is not, inside of the body.
-  [[nodiscard]] std::vector<Vec3> border(const ConstrainedRegion &held) const {
-    std::vector<std::uint8_t> isHeld(rest_.phyxelCount(), 0), isSupported(rest_.phyxelCount(), 0);
-    for (const Index j : held.phyxels) isHeld[j] = isSupported[j] = 1;
-    for (const Index j : held.rows.indices) isSupported[j] = 1;
-    std::vector<Vec3> edge;
-    forMixedPoints(
-        rest_.stencils, [&](Index j) { return isSupported[j] != 0; }, [&](Index j) { return isHeld[j] == 0; },
-        [&](std::size_t q) { edge.push_back(rest_.pointCentres[q]); });
-    return edge;
+  // Part of what carries a point of the skin.
+  template <class Is>
+  [[nodiscard]] double shareOf(std::size_t p, const Is &is) const {
+    const Interpolation &binding = rest_.contact.binding;
+    double share = 0.0;
+    for (Index e = binding.phyxels.offsets[p]; e < binding.phyxels.offsets[p + 1]; ++e)
+      if (is(binding.phyxels.indices[e])) share += binding.weights[e];
+    return share;
+  }
+
+  // Tissue around a held part has unbounded stress where that has an edge. Of all regions only boxes have edges.
+  void addBoxEdges(const BoxRegion &box, std::vector<Vec3> &edge) const {
+    const double half = 0.5 * rest_.spacing;
+    const Vec3 low = (box.min - rest_.origin).cwiseMax(low_), high = (box.max - rest_.origin).cwiseMin(high_);
+    for (int axis = 0; axis < 3; ++axis) {
+      const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+      for (const double atU : {box.min[u], box.max[u]})
+        for (const double atV : {box.min[v], box.max[v]})
+          for (double along = low[axis]; along <= high[axis]; along += half) {
+            Vec3 x;
+            x[axis] = along;
+            x[u] = atU - rest_.origin[u];
+            x[v] = atV - rest_.origin[v];
+            Index cell = 0;
+            double squared = 0.0;
+            const bool isNear = points_.nearest(x, 1, &cell, &squared) == 1;
+            if (isNear && squared < rest_.spacing * rest_.spacing) edge.push_back(x);
+          }
+    }
   }
 
   void leaveOutAround(std::span<const Vec3> edge) {
@@ -116,6 +149,7 @@ class Finder {
   const RestState &rest_;
   SingularPlaces &out_;
   PointTree points_, skin_;
+  Vec3 low_ = Vec3::Constant(std::numeric_limits<double>::infinity()), high_ = -low_;  // m, of the points
   std::vector<std::pair<Index, double>> found_;
 };
 
