@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "pointbased/accuracy.h"
 #include "support/catch.h"
 #include "truth_file.h"
 #include "truth_problems.h"
@@ -142,4 +143,49 @@ TEST_CASE("verify: its error is within a factor of 1.5 of the true one", "[verif
   // Those that are not: the beams' twist, whose errors of two kinds cancel, and ellipsoids of 160 phyxels, thinner than
   // their lattice where they are held.
   CHECK(10 * certain.within >= 9 * certain.rows);
+}
+
+TEST_CASE("the displacement figure before a verification bounds the true error of four of five", "[statement]") {
+  std::vector<Case> cases;
+  addBeams(cases);
+  addCurved(cases);
+  addPressed(cases);
+  std::size_t rows = 0, bounded = 0;
+  double worst = 0.0, sumOfLogs = 0.0;
+  std::printf("%-36s %-14s %-13s %10s %10s %8s\n", "case", "sampling", "quantity", "true, mm", "figure, mm", "ratio");
+  for (const Case &one : cases) {
+    SolvedBody body(one.problem);
+    const auto survey = surveyAccuracy({one.problem.shape,
+                                        one.problem.recipe,
+                                        Constitution{{one.problem.material}, kLatticeStabilisation},
+                                        {},
+                                        one.problem.world.gravity},
+                                       serialFor());
+    if (!survey || survey->supposed) continue;
+    double largest = 0.0;
+    for (const Vec3 &u : body.body().state().displacements) largest = std::max(largest, u.norm());
+    const double figure = predictError(*survey, body.rest().spacing).likely * largest;
+    for (const std::string &quantity : one.quantities) {
+      if (quantity.find("u_") == std::string::npos) continue;
+      const auto known = truth(one.truth + "." + quantity);
+      REQUIRE(known);
+      const double error = std::abs(known->value - quantityOf(body, quantity, one.length));
+      if (error < 3.0 * known->uncertainty) continue;
+      ++rows;
+      bounded += error <= figure ? 1 : 0;
+      worst = std::max(worst, error / figure);
+      sumOfLogs += std::log(figure / error);
+      std::printf("%-36s %-14s %-13s %10.4f %10.4f %8.2f\n", one.truth.c_str(), one.sampling.substr(2).c_str(),
+                  quantity.c_str(), 1e3 * error, 1e3 * figure, figure / error);
+    }
+  }
+  const double typical = std::exp(sumOfLogs / static_cast<double>(rows));
+  std::printf("bounded: %zu of %zu; the worst is %.2f of its figure; figures are %.1f times the error in the mean\n",
+              bounded, rows, worst, typical);
+  CHECK(rows >= 15);
+  // All of the others are beams.
+  CHECK(5 * bounded >= 4 * rows);
+  CHECK(worst < 2.0);
+  // A figure that is always far too large would say nothing.
+  CHECK(typical < 8.0);
 }

@@ -25,7 +25,7 @@ struct DisplacementTrials {
 struct AccuracyStatement {
   enum class Basis {
     verified,   ///< compared with a finer solution of this state
-    estimated,  ///< from trials at rest: five of six bodies are better
+    estimated,  ///< from trials at rest: predictError()
     none        ///< nothing is known; `reason`
   };
   Basis basis = Basis::none;
