@@ -224,9 +224,9 @@ TEST_CASE("a call on the main thread that does not return is named while it last
   CHECK(f.linesWith("; the program waits for it").size() == 2);
   CHECK(f.soon(name + " has returned after 0.4 s"));
   f.mainQueue.runFrame();
-  const registry::Notification *message = f.message("A plugin takes long");
+  const registry::Notification *message = f.message("The window did not respond");
   REQUIRE(message);
-  CHECK(message->text == "It was a plugin: 0.4 s. It is done.");
+  CHECK(message->text == "It waited 0.4 s for a plugin and responds again. The log names the plugin.");
 }
 
 TEST_CASE("the calls of a plugin's life that do not return are named, the library by its file") {
@@ -266,6 +266,19 @@ TEST_CASE("the message about a job that hangs lets people wait or cancel it") {
   CHECK(f.jobs.running().front().cancelling);
   f.runFramesUntilIdle();
   CHECK(f.jobs.running().empty());
+}
+
+TEST_CASE("work that shows its own progress is named in the log, without a message") {
+  Guarded f;
+  std::thread([] {
+    (void)callForeign("test.slow", "building a body", CallKind::job, [](const ForeignCall &) {
+      std::this_thread::sleep_for(400ms);
+      return C3DE_OK;
+    });
+  }).join();
+  CHECK(f.soon("plugin test.slow: building a body continued after 0.4 s"));
+  f.mainQueue.runFrame();
+  CHECK(f.panels.notifications().empty());
 }
 
 TEST_CASE("a step that hangs is named, and the message lets people stop the simulation") {

@@ -31,6 +31,7 @@ std::vector<registry::Choice> choices(const Services &services, const LongCall &
 
 /// What a person waits for.
 std::string titleOf(const LongCall &call) {
+  if (call.isOnMain) return "The window did not respond";
   switch (call.kind) {
     case CallKind::step: return "The simulation takes long";
     case CallKind::job: return "A job takes long";
@@ -40,14 +41,24 @@ std::string titleOf(const LongCall &call) {
 
 /// How long, and what helps. The ids are in the log.
 std::string textOf(const LongCall &call) {
-  const bool isOfThePlugin = call.kind == CallKind::prompt;
-  const std::string what = isOfThePlugin                    ? "a plugin"
-                           : call.kind == CallKind::step    ? "a step of the simulation"
-                           : call.what == "building a body" ? "building a body"
-                                                            : "a job";
-  if (call.isOver) return fmt::format("It was {}: {:.1f} s. It is done.", what, call.seconds);
-  return fmt::format("It is {}: {:.1f} s so far.{}", what, call.seconds,
-                     isOfThePlugin ? " The log says which one; Plugins in the menu switches it off." : "");
+  if (call.isOnMain)
+    return fmt::format("It waited {:.1f} s for a plugin and responds again. The log names the plugin.", call.seconds);
+  switch (call.kind) {
+    case CallKind::step: return fmt::format("A step of the simulation has taken {:.1f} s so far.", call.seconds);
+    case CallKind::job:
+      return fmt::format("A job in the background has reported no progress for {:.1f} s so far.", call.seconds);
+    default:
+      return fmt::format(
+          "A plugin has been busy for {:.1f} s so far. The log names it; Plugins in the menu switches it off.",
+          call.seconds);
+  }
+}
+
+/// While the main thread waits nothing can be drawn: then the end is said. Work of the program's own shows its progress
+/// and can be cancelled there; a job's and a step's end is seen.
+bool isShown(const LongCall &call) {
+  if (call.isOnMain) return call.isOver;
+  return !call.isOver && !(call.kind == CallKind::job && call.subject == 0);
 }
 
 }  // namespace
@@ -64,8 +75,7 @@ void tellLongCall(const Services &services, const LongCall &call) {
     line = fmt::format("{} has not returned for {:.1f} s{}", name, call.seconds,
                        call.isOnMain ? "; the program waits for it" : "");
   log(LogLevel::warn, line);
-  // While the main thread hangs nothing can be drawn: then the end is told, with how long it took.
-  if (!services.panels || !services.mainQueue || (call.isOnMain && !call.isOver)) return;
+  if (!services.panels || !services.mainQueue || !isShown(call)) return;
   const std::uint32_t severity = call.isOver ? C3DE_LOG_INFO : C3DE_LOG_WARN;
   auto actions = call.isOver ? std::vector<registry::Choice>() : choices(services, call);
   services.mainQueue->post([panels = services.panels, severity, title = titleOf(call), text = textOf(call),

@@ -80,7 +80,7 @@ class PointBasedPlugin : public SimulatorListener {
         verify_ = sdk::orThrow(
             commands.add({.id = "pointbased.verify",
                           .title = "Verify the present state",
-                          .doc = "Solves the paused state once more with half the spacing, and tells how far it is off",
+                          .doc = "Solves the paused state once more with half the spacing, and reports the difference in mm",
                           .key = 'V',
                           .modifiers = C3DE_MOD_CTRL | C3DE_MOD_SHIFT},
                          [this] { return controller_->verify(); }));
