@@ -25,6 +25,8 @@ constexpr double kCushion = 0.1;
 constexpr double kCone = 0.05, kEnds = 1e-6;
 // Sides of which the normals are closer than this cosine are one.
 constexpr double kOneSide = 0.7;
+// Sine: a neighbour of a vertex that lies so much nearer to a face reaches the plane of that face first.
+constexpr double kBehind = 0.65;
 // Skins of one body meet face to face.
 constexpr double kFacing = -0.2;
 // What is gathered serves until both have moved by that, in spacings, where a step goes by less than a part of it.
@@ -66,6 +68,17 @@ bool leadsOut(MovingSkin &skin, Index edge, const Vec3 &direction, double tolera
     if (direction.dot(into) > tolerance * into.norm()) return false;
   }
   return true;
+}
+
+// Whether the own skin of a vertex rises steeply beside it towards a face with this normal.
+bool isBehind(MovingSkin &skin, Index vertex, const Vec3 &normal) {
+  const Vec3 x = skin.position(vertex);
+  for (const Index t : skin.skin().trianglesOf.row(vertex))
+    for (const Index other : skin.skin().triangles[t]) {
+      const Vec3 way = skin.position(other) - x;
+      if (-way.dot(normal) > kBehind * way.norm()) return true;
+    }
+  return false;
 }
 
 }  // namespace
@@ -452,7 +465,7 @@ void SkinPair::lookAt(NearVertex &group) {
   const bool frees =
       steps_ == Steps::withoutTime && distance >= 0.0 && before_ > 0.0 && leadsApart() && offset > distance;
   // What only touches, without an overlap, gets all of its layer back whatever presses on it.
-  if (Side &side = sides_[s]; distance < 0.0 && !side.allowance.empty())
+  if (Side &side = sides_[s]; isInside != 0 && !side.allowance.empty())
     holdBack(side.allowance[vertex], offset - distance);
   const auto addAt = [&](Index t, const Vec3 &weights, const Vec3 &n, double away, Index number) {
     SkinContact contact;
@@ -478,7 +491,7 @@ void SkinPair::lookAt(NearVertex &group) {
     contact.parts[0] = {vertex, s == 1, side};
     for (std::size_t k = 0; k < 3; ++k)
       contact.parts[k + 1] = {surface.triangles[t][k], s == 0, -side * weights[static_cast<Eigen::Index>(k)]};
-    add(std::move(contact), away, allowance(s, vertex));
+    add(std::move(contact), isInside != 0 ? away : std::max(away, 0.0), allowance(s, vertex));
   };
   addAt(triangle, best.weights, normal, distance, 0);
   if (!(distance > 0.0) || (steps_ != Steps::small && size > room)) return;
@@ -528,6 +541,10 @@ SkinPair::Met SkinPair::followWay(std::span<const Near> near) const {
     soonest = part;
     first = {one.triangle, there.weights, n, away};
   }
+  // A vertex of a floor ahead of a block that sinks in, before its contacts are known, meets the front of the block.
+  // What holds the two apart is the face that it is over at the end.
+  if (first.triangle != kNoTriangle && isBehind(own, near.front().vertex, first.normal))
+    if (const Met over = overAtEnd(near); over.triangle != kNoTriangle) return over;
   return first;
 }
 
@@ -541,10 +558,16 @@ SkinPair::Met SkinPair::overAtEnd(std::span<const Near> near) const {
   double nearest = std::numeric_limits<double>::infinity();
   for (const Near &one : near) {
     const auto &[a, b, c] = other.skin().triangles[one.triangle];
-    const NearestOnTriangle found = nearestOnTriangle(end, endOf(other, a), endOf(other, b), endOf(other, c));
+    const std::array<Vec3, 3> ends{endOf(other, a), endOf(other, b), endOf(other, c)};
+    const NearestOnTriangle found = nearestOnTriangle(end, ends[0], ends[1], ends[2]);
     const Vec3 n = other.faceNormal(one.triangle).normalized();
     const double away = n.dot(p - other.position(a));
-    if (found.feature != 0 || !(found.squared < nearest) || !(away > 0.0)) continue;
+    // Ahead of a body the plane of a face that is slightly turned may lie behind the vertex.
+    if (!(found.squared < nearest) || !(away > -kCone * (p - other.position(a)).norm())) continue;
+    // Over the border of two faces it is over both of them.
+    const Vec3 off = end - found.weights[0] * ends[0] - found.weights[1] * ends[1] - found.weights[2] * ends[2];
+    if (found.feature != 0 && !(tangential(off, n).norm() <= kCone * off.norm() + kTiny * spacing_)) continue;
+    if (isBehind(own, near.front().vertex, n)) continue;
     nearest = found.squared;
     over = {one.triangle, found.weights, n, away};
   }
