@@ -67,7 +67,7 @@ TEST_CASE("info tells what an image is, for people and for programs") {
   const auto image = writeFile(
       folder / "small.nrrd",
       "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 3\nspace: RAS\n"
-      "space directions: (2,0,0) (0,3,0) (0,0,4.1)\nspace origin: (1,2,3)\nencoding: ascii\n\n-5 0 1 2 3 40\n");
+      "space directions: (2,0,0) (0,3,0) (0,0,4.1)\nspace origin: (1,2,3)\nencoding: ascii\n\n-5 -4 1 2 3 40\n");
   writeFile(folder / "small.txt", "1 liver\n");
   const auto text = runC3de({"info", image.string()});
   CHECK(text.exitCode == 0);
@@ -79,7 +79,7 @@ TEST_CASE("info tells what an image is, for people and for programs") {
   CHECK(parsed.at("size") == nlohmann::json({2, 1, 3}));
   CHECK(parsed.at("range") == nlohmann::json({-5.0, 40.0}));
   CHECK(parsed.at("index_to_world_mm").at(0) == nlohmann::json({-2.0, 0.0, 0.0, -1.0}));
-  CHECK_FALSE(parsed.contains("labels"));  // -5 is no label
+  CHECK_FALSE(parsed.contains("labels"));  // several negative values: an image
   const auto cut =
       writeFile(folder / "cut.nrrd",
                 "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 3\nspace: RAS\nencoding: ascii\n\n-5 0 1\n");

@@ -45,7 +45,8 @@ TEST_CASE("Without plugins a run ends with 4 and says what is missing") {
   const auto folder = freshFolder("no-plugins");
   const auto result = runC3de({"run", writeBoxScene(folder).string(), "--no-plugins"});
   CHECK(result.exitCode == 4);
-  CHECK_THAT(result.errorOutput, Contains("c3de: error: ") && Contains("iface.simulator"));
+  CHECK_THAT(result.errorOutput,
+             Contains("c3de: error: ") && Contains("no plugin that simulates is loaded") && Contains("`c3de plugins`"));
   const auto list = runC3de({"plugins", "--no-plugins", "--json"});
   CHECK(list.exitCode == 0);
   CHECK(nlohmann::json::parse(list.output).at("plugins").empty());

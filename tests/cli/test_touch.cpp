@@ -163,14 +163,17 @@ TEST_CASE("A probe tool that is thin, or begins inside a body, is told of, and o
              Contains("probe tool 'pin' has a radius of 5 mm") && Contains("'bar' a spacing of 50 mm") &&
                  Contains("sampling.spacing"));
   const std::string from = "path = [ { time = 0, at = [0.5, Y, 0.1] }, { time = 1, at = [0.5, 1, 0.1] } ]\n";
-  const auto beginsAt = [&](const std::string &y) {
+  const auto ballAt = [&](const std::string &y) {
     std::string text = from;
     text.replace(text.find('Y'), 1, y);
-    return events("[[probe_tool]]\nname = \"ball\"\nradius_mm = 80\n" + text);
+    return "[[probe_tool]]\nname = \"ball\"\nradius_mm = 80\n" + text;
   };
-  CHECK(beginsAt("0.28").empty());
-  CHECK_THAT(beginsAt("0.26"), Contains("'ball' begins 20 mm deep in body 'bar'"));
-  CHECK_THAT(beginsAt("0.1"), Contains("'ball' begins with its middle inside body 'bar'"));
+  CHECK(events(ballAt("0.28")).empty());
+  CHECK_THAT(events(ballAt("0.26")), Contains("'ball' begins 20 mm deep in body 'bar'"));
+  const auto within = runC3de({"run", scene(folder, kHeld + ballAt("0.1")).string(), "--steps", "1", "-q"});
+  CHECK(within.exitCode == 5);
+  CHECK_THAT(within.errorOutput,
+             Contains("'ball' begins 100 mm deep in it") && Contains("to begin with 'ball' outside"));
 
   const auto turned = scene(folder, kHeld +
                                         "[[probe_tool]]\nname = \"rod\"\nradius_mm = 80\nlength_mm = 100\npath = [ { "
