@@ -904,7 +904,7 @@ TEST_CASE("a wish for accuracy samples the organ anew and shows what to expect",
   };
   const Json accurate = wish(kPercent, "0.4");
   CHECK(std::stod(row(accurate, "Phyxels")) > 2.0 * before);
-  window.locate(std::string(kPanel) + "view.surface");  // below the bars
+  window.locate(std::string(kPanel) + "rebuild");  // below the bars
   window.screenshotAtRest("error");
   // Another wish takes the place of the first one.
   const Json quick = wish(kBudget, "0.5");
