@@ -107,6 +107,9 @@ TEST_CASE("an obstacle that is half inside a body is led out on the side from wh
 TEST_CASE("two bodies in one place do not begin, and the reason names the depth") {
   Simulator simulator;
   simulator.setContact({true, false, 0.3});
+  SECTION("alike") {
+    for (int k = 0; k < 2; ++k) simulator.addBody(block(Vec3::Zero(), Vec3::Constant(0.05), 0.0125, soft(1e4, 0.3), 6));
+  }
   SECTION("nearly") {
     simulator.addBody(block(Vec3::Zero(), Vec3::Constant(0.05), 0.0125, soft(1e4, 0.3), 6));
     simulator.addBody(block(Vec3(0.004, 0, 0.001), Vec3(0.054, 0.05, 0.051), 0.01, soft(1e4, 0.3), 5));
