@@ -38,6 +38,8 @@ class ImplicitStep {
     }
     return result_;
   }
+  /// Which obstacle the refused solution passes through; empty: it was refused for another reason.
+  [[nodiscard]] const std::string &passage() const { return passage_; }
 
  private:
   // One body of the step.
@@ -62,10 +64,11 @@ class ImplicitStep {
   // @param weight  s, for which the forces of contact of this stage count
   void solveStage(double from, double weight, const std::function<bool()> &goesOn = {},
                   std::span<const Vec3> offer = {}) {
+    passage_.clear();
     const int iterations = result_.iterations, linearIterations = result_.linearIterations;
     std::vector<StageMember> members;
     for (const Part &part : parts_) members.push_back({part.body, part.env, &part.stage});
-    result_ = detail::solveStage(members, coupling_, solver_, {from, offer, {}, goesOn, weight});
+    result_ = detail::solveStage(members, coupling_, solver_, {from, offer, {}, goesOn, weight, &passage_});
     result_.iterations += iterations;
     result_.linearIterations += linearIterations;
     for (Part &part : parts_) addStageForces(weight, part.body->contact);
@@ -162,6 +165,7 @@ class ImplicitStep {
   NewtonSolver &solver_;
   double time_, dt_;
   NewtonResult result_;
+  std::string passage_;
 };
 
 }  // namespace
@@ -169,8 +173,10 @@ class ImplicitStep {
 ImplicitResult implicitStep(std::span<const StepPart> parts, StageCoupling *coupling, NewtonSolver &solver, double time,
                             double dt, Integrator scheme) {
   ImplicitResult out;
-  out.newton = ImplicitStep(parts, coupling, solver, time, dt).solve(scheme);
-  if (out.failure = failureOf(out.newton); !out.failure.empty()) return out;
+  ImplicitStep step(parts, coupling, solver, time, dt);
+  out.newton = step.solve(scheme);
+  out.failure = step.passage().empty() ? failureOf(out.newton) : step.passage();
+  if (!out.failure.empty()) return out;
 
   for (const StepPart &part : parts) {
     Body &body = *part.body;

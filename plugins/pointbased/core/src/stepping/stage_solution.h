@@ -21,6 +21,7 @@ struct StageRequest {
   std::function<bool()> shouldContinue;  ///< asked in every iteration; false: cancelled
   std::function<bool()> goesOn;          ///< asked when the contacts are about known; false: given up unfinished
   double weight = 0.0;                   ///< s, or load factor: for which the forces between bodies count
+  std::string *passage = nullptr;        ///< receives which obstacle a refused solution passes through, for a person
 };
 
 /// A body with its part of a stage; lengths and times are the same for all.
