@@ -120,7 +120,7 @@ void AccuracyPromise::measured(double ms) {
 
 std::string roughly(double value) {
   char text[40];
-  std::snprintf(text, sizeof text, std::abs(value) < 100.0 ? "%.2g" : "%.0f", value);
+  std::snprintf(text, sizeof text, std::abs(value) < 99.5 ? "%.2g" : "%.0f", value);
   return text;
 }
 

@@ -16,7 +16,7 @@ constexpr double kLeastInMillimetres = 1e-6;
 
 std::string twoDigits(double value) {
   char text[40];
-  std::snprintf(text, sizeof text, std::abs(value) < 100.0 ? "%.2g" : "%.0f", value);
+  std::snprintf(text, sizeof text, std::abs(value) < 99.5 ? "%.2g" : "%.0f", value);
   return text;
 }
 
