@@ -28,7 +28,7 @@ std::filesystem::path folderOfFiles(const std::string &name) {
   for (int i = 0; i < 64; ++i) voxels += "1 ";
   writeFile(folder / "labels.nrrd", kImage + voxels + "\n");
   writeFile(folder / "cut.nrrd", kImage + "1 1 1\n");
-  writeFile(folder / "negative.nrrd", kImage + "-1 " + voxels.substr(2) + "\n");
+  writeFile(folder / "negative.nrrd", kImage + "-1 -2 " + voxels.substr(4) + "\n");
   std::filesystem::create_directories(folder / "empty");
   return folder;
 }
@@ -123,7 +123,8 @@ TEST_CASE("info says what it could not check") {
           .string();
   const auto without = runC3de({"info", misses, "--no-plugins"});
   CHECK(without.exitCode == 0);
-  CHECK_THAT(without.output, Contains("not checked: keys and values of materials") && Contains("no loaded plugin"));
+  CHECK_THAT(without.output,
+             Contains("not checked: keys and values of materials") && Contains("no plugin that simulates is loaded"));
   const auto quick = runC3de({"info", misses, "--quick"});
   CHECK(quick.exitCode == 0);
   CHECK_THAT(quick.output, Contains("every key is known") && Contains("not checked: sampling") && Contains("--quick"));
