@@ -132,8 +132,6 @@ double errorOfSpeed(const Slide &of) {
 TEST_CASE("a soft block slides on the flat skin of a rigid body as Coulomb says, whatever the triangles are") {
   Slide of;
   of.integrator = GENERATE(Integrator::implicitSdirk, Integrator::backwardEuler, Integrator::explicitVerlet);
-  // Second-order steps are caught from 20 mm a step on.
-  of.seconds = of.integrator == Integrator::implicitSdirk ? 0.5 : 1.0;
   of.friction = GENERATE(0.0, 0.95) * std::tan(of.degrees * std::numbers::pi / 180.0);
   SECTION("as it is") {}
   SECTION("aslant over the triangles") { of.heading = 27.0; }
