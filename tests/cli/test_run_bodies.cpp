@@ -261,7 +261,8 @@ TEST_CASE("A weight on an attachment that is stiffer across than along its norma
   INFO(result.errorOutput);
   REQUIRE(result.exitCode == 0);
   double total = 0.0, given = 0.0;
-  for (const Json &body : readJson(report)["bodies"]) {
+  const Json end = readJson(report);
+  for (const Json &body : end["bodies"]) {
     for (const char *part : {"kinetic", "elastic", "stabilisation", "gravity", "attachment", "supports"})
       total += body["energy_J"][part].get<double>();
     given += std::abs(body["energy_J"]["gravity"].get<double>());
