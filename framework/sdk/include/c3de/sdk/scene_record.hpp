@@ -116,8 +116,11 @@ class SceneRecord {
         lineOf(line);
     constexpr std::size_t kMost = 6;
     std::string all;
-    for (std::size_t i = 0; i < std::min(lines.size(), kMost); ++i) all += (i == 0 ? "" : "; ") + lines[i];
+    for (std::size_t i = 0; i < std::min(lines.size(), kMost); ++i) all += (i == 0 ? "" : "; ") + shortened(lines[i]);
     if (lines.size() > kMost) all += " and " + std::to_string(lines.size() - kMost) + " more";
+    // A damaged state may hold any bytes.
+    std::replace_if(
+        all.begin(), all.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
     return all;
   }
 
@@ -144,6 +147,13 @@ class SceneRecord {
     for (std::size_t i = 0; i < 8; ++i) out |= std::uint64_t{static_cast<unsigned char>(bytes[i])} << (8 * i);
     bytes.remove_prefix(8);
     return out;
+  }
+  static std::string shortened(std::string line) {
+    constexpr std::size_t kLongest = 300;
+    if (line.size() <= kLongest) return line;
+    std::size_t end = kLongest;
+    while (end > 0 && (static_cast<unsigned char>(line[end]) & 0xc0u) == 0x80u) --end;  // not within a character
+    return line.substr(0, end) + "…";
   }
   static std::string ownerOf(const std::string &field) {
     const std::size_t colon = field.find(": ");
