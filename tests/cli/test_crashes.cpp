@@ -141,8 +141,7 @@ TEST_CASE("a simulator that dies while it builds a body is named, with the call"
   const auto died =
       runC3de({"run", scene.string(), "--steps", "1", "--no-plugins", "--plugin", C3DE_RECORDER, "--trust-plugins"});
   CHECK(died.exitCode >= 128);
-  CHECK_THAT(died.errorOutput,
-             Contains("c3de: fatal: SIG") && Contains("in plugin test.recorder (building a body)"));
+  CHECK_THAT(died.errorOutput, Contains("c3de: fatal: SIG") && Contains("in plugin test.recorder (building a body)"));
 }
 
 TEST_CASE("a plugin can be left out, for one run or for all") {

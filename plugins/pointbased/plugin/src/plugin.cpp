@@ -77,13 +77,13 @@ class PointBasedPlugin : public SimulatorListener {
                                       .shortcut = 'M'}));
       }
       if (const sdk::Commands commands(host); commands)
-        verify_ = sdk::orThrow(
-            commands.add({.id = "pointbased.verify",
-                          .title = "Verify the present state",
-                          .doc = "Solves the paused state once more with half the spacing, and reports the difference in mm",
-                          .key = 'V',
-                          .modifiers = C3DE_MOD_CTRL | C3DE_MOD_SHIFT},
-                         [this] { return controller_->verify(); }));
+        verify_ = sdk::orThrow(commands.add(
+            {.id = "pointbased.verify",
+             .title = "Verify the present state",
+             .doc = "Solves the paused state once more with half the spacing, and reports the difference in mm",
+             .key = 'V',
+             .modifiers = C3DE_MOD_CTRL | C3DE_MOD_SHIFT},
+            [this] { return controller_->verify(); }));
     }
     if (context_.services.time) frame_ = sdk::orThrow(context_.services.time.addFrameCallback([this] { onFrame(); }));
   }
