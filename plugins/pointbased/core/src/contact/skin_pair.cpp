@@ -567,7 +567,8 @@ SkinPair::Met SkinPair::overAtEnd(std::span<const Near> near) const {
     // Over the border of two faces it is over both of them.
     const Vec3 off = end - found.weights[0] * ends[0] - found.weights[1] * ends[1] - found.weights[2] * ends[2];
     if (found.feature != 0 && !(tangential(off, n).norm() <= kCone * off.norm() + kTiny * spacing_)) continue;
-    if (isBehind(own, near.front().vertex, n)) continue;
+    // Its own skin faces that face. Along a side that both bodies have in one plane it does not.
+    if (isBehind(own, near.front().vertex, n) || !(own.vertexNormal(near.front().vertex).dot(n) < 0.0)) continue;
     nearest = found.squared;
     over = {one.triangle, found.weights, n, away};
   }
