@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/kernels/field_kernel.h"
 #include "base/number_text.h"
@@ -14,6 +15,8 @@ using detail::number;
 
 // Beyond this squares, and energies made of them, are no numbers any more.
 constexpr double kHuge = 1e150;
+// Units in the last place of what strain energies are differences of. A body that has come to rest keeps that much.
+constexpr double kRoundOffs = 8.0;
 
 double sumOfSquares(std::span<const Vec3> field) {
   return field.empty() ? 0.0 : kernels::roughSumOfSquares(field.front().data(), 3 * field.size());
@@ -97,6 +100,7 @@ void EnergyLevel::add(const EnergyLevel &other) {
   kinetic += other.kinetic;
   stored += other.stored;
   lifted += other.lifted;
+  roundOff += other.roundOff;
 }
 
 EnergyLevel energyLevel(const Body &body, const Vec3 &gravity) {
@@ -108,13 +112,18 @@ EnergyLevel energyLevel(const Body &body, const Vec3 &gravity) {
                 body.patches().energy(body.lastPatchTargets(), body.state().displacements) +
                 body.foundation().energy(body.state().displacements);
   level.lifted = std::max(0.0, -gravity.dot(body.contact.ledOut));
+  // The energy density of neo-Hooke is a difference of terms of the size of its moduli.
+  double squaredSpeed = 0.0;  // of pressure waves
+  for (const Material &m : body.constitution().materials)
+    squaredSpeed = std::max(squaredSpeed, m.waveModulus() / m.restDensity);
+  level.roundOff = kRoundOffs * std::numeric_limits<double>::epsilon() * squaredSpeed * body.totalMass();
   return level;
 }
 
 std::string energyGrowth(const EnergyLevel &before, const EnergyLevel &now) {
   const auto scaleOf = [](const EnergyLevel &level) { return std::max(level.kinetic, level.stored); };
-  const double growth = now.total - before.total,
-               allowed = kEnergyGrowth * std::max(scaleOf(before), scaleOf(now)) + now.lifted * (1.0 + 1e-9);
+  const double growth = now.total - before.total, allowed = kEnergyGrowth * std::max(scaleOf(before), scaleOf(now)) +
+                                                            now.lifted * (1.0 + 1e-9) + before.roundOff + now.roundOff;
   if (growth <= allowed || growth <= 1e-12 * (std::abs(now.total) + std::abs(before.total))) return {};
   return "the energy has grown by " + number(growth) + " J with nothing driving it (kinetic " + number(now.kinetic) +
          " J, elastic " + number(now.stored) + " J)";

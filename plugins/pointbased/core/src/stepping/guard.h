@@ -40,10 +40,11 @@ inline constexpr std::uint64_t kEnergyInterval = 128;
 
 /// Energies of a body, or of several, as the guard compares them; J.
 struct EnergyLevel {
-  double total = 0.0;    ///< with the potential of gravity, dead loads, supports and foundation
-  double kinetic = 0.0;  ///< J
-  double stored = 0.0;   ///< J, elastic
-  double lifted = 0.0;   ///< J, by what contact has led out of obstacles since ContactState::ledOut was zero
+  double total = 0.0;     ///< with the potential of gravity, dead loads, supports and foundation
+  double kinetic = 0.0;   ///< J
+  double stored = 0.0;    ///< J, elastic
+  double lifted = 0.0;    ///< J, by what contact has led out of obstacles since ContactState::ledOut was zero
+  double roundOff = 0.0;  ///< J, of `stored`
   void add(const EnergyLevel &other);
 };
 [[nodiscard]] EnergyLevel energyLevel(const Body &body, const Vec3 &gravity);
