@@ -36,7 +36,7 @@ struct StressPoint {
 /// name
 Law makeLaw(const std::string &name, double youngsModulus, double poissonRatio, double density);
 
-/// What neoHookeanMixed takes from its element; the other laws do not look at it.
+/// The data that neoHookeanMixed receives from its element; the other laws ignore it.
 struct MixedPressure {
   double stress = 0.0;   ///< projected lambda ln J, for P, Pa
   double tangent = 0.0;  ///< Newton's own prediction of it, for dP/dF, Pa

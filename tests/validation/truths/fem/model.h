@@ -45,7 +45,7 @@ struct Model {
   std::vector<NodalForce> forces;
   std::vector<PressureFace> pressures;
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< m/s^2
-  std::vector<double> loadFactors;                    ///< [stage] at its end; between stages everything moves linearly
+  std::vector<double> loadFactors;                    ///< [stage] at its end; within a stage everything varies linearly
   int increments = 1;                                 ///< per stage; halved where Newton fails
 };
 

@@ -22,7 +22,7 @@ class Multifrontal {
   /// @return false if a pivot vanishes or is not finite
   bool factorize(const std::function<const ElementMatrix &(int e)> &matrixOf);
 
-  /// Negative pivots of the last factorisation: more than none means that the state is not stable.
+  /// Negative pivots of the last factorisation: a positive number means that the state is not stable.
   int negativePivots() const { return negativePivots_; }
 
   Eigen::VectorXd solve(const Eigen::VectorXd &right) const;
@@ -33,14 +33,14 @@ class Multifrontal {
     std::vector<int> unknowns;   ///< those eliminated here, then the border
     int pivots = 0;              ///< how many are eliminated here
     Eigen::MatrixXd factor;      ///< [unknowns x pivots] unit lower L; D is on its diagonal
-    Eigen::MatrixXd complement;  ///< [border x border] lower half, for the part above; freed there
+    Eigen::MatrixXd complement;  ///< [border x border] lower half, for the parent part; freed there
   };
 
   void extend(Front &child, Eigen::MatrixXd &matrix);
 
   std::vector<Front> fronts_;
   std::vector<std::array<int, kElementDofs>> elementUnknowns_;
-  std::vector<int> place_;  ///< scratch: [unknown] row in the present front
+  std::vector<int> place_;  ///< scratch: [unknown] row in the current front
   int negativePivots_ = 0;
 };
 

@@ -38,7 +38,7 @@ class Newton {
 
   Solution run() {
     const int stages = static_cast<int>(model_.loadFactors.size());
-    double time = 0.0;  // stage number plus the part of the stage that is done
+    double time = 0.0;  // stage number plus the completed fraction of the stage
     double increment = 1.0 / model_.increments;
     while (time < stages - 1e-12) {
       const double stageEnd = std::floor(time + 1e-12) + 1.0;
@@ -86,7 +86,7 @@ class Newton {
   }
 
   /// Residual (external minus internal) at the free degrees of freedom. With `heldChange` the tangents are filled too,
-  /// and the first-order effect of moving the held ones by it is taken off the residual.
+  /// and the first-order effect of the prescribed displacement `heldChange` is subtracted from the residual.
   bool assemble(double time, const Eigen::VectorXd *heldChange, Eigen::VectorXd &residual) {
     const double factor = interpolate(model_.loadFactors, time);
     residual.setZero(freedoms_);
@@ -178,7 +178,7 @@ class Newton {
       step = solver_.solve(residual);
       if (!step.allFinite()) return false;
       move(step, iteration == 0 ? heldChange : none, 1.0);
-      // A step that turns a point inside out is shortened (the first one, which moves what is held, is not).
+      // A step that inverts a point is shortened (the first one, which applies the prescribed displacements, is not).
       double scale = 1.0;
       while (!assemble(to, nullptr, trial)) {
         if (iteration == 0 || scale < 0.05) return false;
@@ -195,9 +195,9 @@ class Newton {
   double smallestJacobian_ = 1.0;
   double forceScale_ = 0.0;
   std::vector<int> number_;  ///< [3 node + axis]
-  Multifrontal solver_;      ///< after number_ and freedoms_, which its construction fills
+  Multifrontal solver_;      ///< after number_ and freedoms_, which its constructor fills
   std::vector<Multifrontal::ElementMatrix> tangents_;
-  std::vector<PressureState> pressures_;   ///< [element] as Newton's method predicts them
+  std::vector<PressureState> pressures_;   ///< [element] as predicted by Newton's method
   std::vector<std::vector<int>> facesOf_;  ///< [element] indices into model.pressures
   Vectors deadForces_, displacements_, internalForces_;
 };

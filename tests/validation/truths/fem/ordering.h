@@ -7,11 +7,11 @@
 
 namespace truth {
 
-/// A part of the nested dissection: what is eliminated once its two halves are done.
+/// A part of the nested dissection: its own nodes are eliminated once its two halves are done.
 struct Part {
   int first = -1, second = -1;  ///< halves (indices of parts), or -1 in a leaf
   int element = -1;             ///< of a leaf
-  std::vector<int> nodes;       ///< eliminated here: those that both halves share and no part above has taken
+  std::vector<int> nodes;       ///< eliminated here: those that both halves share and no parent part has eliminated
 };
 
 /// Nested dissection: elements are halved at the median of their centres along the longest side, down to single ones.
