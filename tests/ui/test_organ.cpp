@@ -612,8 +612,8 @@ TEST_CASE("a step beyond its budget is given up, with what would fit, and nothin
   const auto isGivenUp = [](const Json &s) { return mode(s) == "paused" && !s["notifications"].empty(); };
   const Json paused = window.waitUntil("it is given up", isGivenUp);
   const std::string text = paused["notifications"].back()["text"];
-  CHECK_THAT(text, Contains("given up after 1 s (“Time for a step”)") && Contains("organ") && Contains("Newton step") &&
-                       Contains("measured") && Contains("“Count” = "));
+  CHECK_THAT(text, Contains("given up after 1 s (“Time for a step”)") && Contains("organ"));
+  CHECK_THAT(text, Contains("Newton step") && Contains("measured") && Contains("“Count” = "));
   CHECK(paused["transport"]["steps"] == 0);
   window.screenshot("given_up");
 

@@ -175,6 +175,20 @@ class Sample {
 
 }  // namespace
 
+TEST_CASE("a scene record names what differs in one line of text, whatever a damaged state holds") {
+  SceneRecord here, saved;
+  here.add("world: gravity", 9.81);
+  saved.add("world: gravity", 1.62);
+  CHECK(here.differencesFrom(here).empty());
+  CHECK_THAT(here.differencesFrom(saved), Contains("world: gravity is 9.81, in the state 1.62"));
+  saved.add("world: title", std::string_view("\x1b[2J\n"
+                                             "a\x7f"));
+  saved.add("world: note", std::string(299, 'x') + "äöü" + std::string(400, 'q'));
+  const std::string text = here.differencesFrom(saved);
+  CHECK(std::none_of(text.begin(), text.end(), [](char c) { return (c >= 0 && c < 0x20) || c == 0x7f; }));
+  CHECK_THAT(text, Contains("?[2J?a?") && Contains("…") && !Contains("q"));
+}
+
 TEST_CASE("the entry of an SDK plugin declines a host of another ABI") {
   using Entry = detail::PluginEntry<Sample>;
   c3de_offer offer{};

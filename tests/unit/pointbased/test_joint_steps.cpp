@@ -215,7 +215,14 @@ TEST_CASE("bodies that touch are integrated together by what costs less for all 
   // By itself, as long as it falls.
   REQUIRE(simulator.step());
   CHECK(simulator.integratorOf(upper) == Integrator::implicitSdirk);
-  run(simulator, 0.2);
+  // Their sides lie in one plane: a contact with the side of the other body lets one into the other, or distorts a cell.
+  const double begin = shapes::totalOf(simulator).energy;
+  double most = begin;
+  while (simulator.time() < 0.2) {
+    REQUIRE(simulator.step());
+    most = std::max(most, shapes::totalOf(simulator).energy);
+  }
+  CHECK(most - begin < 1e-2 * 9.81 * simulator.body(upper)->totalMass() * 0.005);
   CHECK(simulator.integratorOf(lower) == (stiff ? Integrator::implicitSdirk : Integrator::explicitVerlet));
   CHECK(simulator.integratorOf(upper) == simulator.integratorOf(lower));
   const auto told = std::count_if(simulator.events().begin(), simulator.events().end(), [](const SimulationEvent &e) {

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <thread>
 
 #include "c3de/abi/iface/parameter_ids.h"
 #include "c3de/sdk/commands.hpp"
 #include "c3de/sdk/structs.hpp"
+#include "number_text.h"
 #include "placed_mesh.h"
 
 namespace pointbased {
@@ -113,21 +113,15 @@ void AccuracyPromise::measured(double ms) {
   const double budget = 1e3 * wish.value;
   choice.unmet.clear();
   if (const double whole = ms + choice.touching_ms; whole > budget)
-    choice.unmet = shortNumber(budget) + " ms a frame cannot be had; it takes " + roughly(whole) + " ms with " +
+    choice.unmet = shortNumber(budget) + " ms a frame cannot be had; it takes " + twoDigits(whole) + " ms with " +
                    std::to_string(choice.count) + " phyxels" +
                    (choice.touching_ms > 0.0 ? " while a fifth of its skin touches other bodies" : "");
-}
-
-std::string roughly(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, std::abs(value) < 99.5 ? "%.2g" : "%.0f", value);
-  return text;
 }
 
 std::string adaptiveText(const AdaptiveSampling &adaptive) {
   if (adaptive.halved == 0) return "cells of one size: " + adaptive.uniform;
   return std::to_string(adaptive.halved) + " of " + std::to_string(adaptive.cells) + " cells halved, which had " +
-         roughly(100.0 * adaptive.share) + " % of the squared error of a trial";
+         twoDigits(100.0 * adaptive.share) + " % of the squared error of a trial";
 }
 
 std::string addedMassText(const Body &body) {
@@ -136,12 +130,12 @@ std::string addedMassText(const Body &body) {
   double all = 0.0;
   for (std::size_t i = 0; i < body.restMasses().size(); ++i)
     if (body.inverseMasses()[i] > 0.0) all += body.restMasses()[i];
-  return roughly(1e3 * mass) + " g, " + roughly(100.0 * mass / all) + " % of what can move, to " +
+  return twoDigits(1e3 * mass) + " g, " + twoDigits(100.0 * mass / all) + " % of what can move, to " +
          std::to_string(phyxels) + " phyxels";
 }
 
 std::string touchingText(const AccuracyPromise &promise) {
-  return roughly(promise.choice.touching_ms) + " ms more while a fifth of its skin touches other bodies";
+  return twoDigits(promise.choice.touching_ms) + " ms more while a fifth of its skin touches other bodies";
 }
 
 std::string noticeOf(const std::string &name, const AccuracyPromise &promise) {
@@ -153,7 +147,7 @@ std::string noticeOf(const std::string &name, const AccuracyPromise &promise) {
   if (!isWished && promise.choice.unmet.empty()) return {};
   std::string text = who + "sampled with " + std::to_string(promise.choice.count) + " phyxels" +
                      (isWished ? " for " + textOf(promise.wish) : std::string()) + ", " +
-                     roughly(promise.choice.frame_ms) + " ms a frame";
+                     twoDigits(promise.choice.frame_ms) + " ms a frame";
   if (promise.choice.touching_ms > 0.0) text += ", " + touchingText(promise);
   if (!promise.choice.unmet.empty()) text += "; " + promise.choice.unmet;
   return text;

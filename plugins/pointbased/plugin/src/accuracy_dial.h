@@ -75,8 +75,6 @@ struct AccuracyPromise {
 /// Refuses a body that says how fine it is sampled in a world that says how accurate it is to be, as sdk::Error.
 void refuseTwoWays(const std::string &name, const ParameterValues &body, const AccuracyWish &wish);
 
-/// Two digits, or all before the point.
-[[nodiscard]] std::string roughly(double value);
 /// What contact adds to a frame: "3.2 ms more while …".
 [[nodiscard]] std::string touchingText(const AccuracyPromise &promise);
 /// One line for people; empty: there is nothing that they should know.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "number_text.h"
+
 namespace pointbased {
 namespace {
 
@@ -23,8 +25,8 @@ double wishedError(const AccuracyPromise &promise) {
 void wishBar(sdk::Ui &ui, const AccuracyPromise &promise) {
   if (promise.wish.kind != AccuracyWish::Kind::share && promise.wish.kind != AccuracyWish::Kind::length) return;
   const double wished = wishedError(promise), likely = promise.choice.error.likely;
-  ui.value("Wished error", roughly(100.0 * wished) + " % of the largest displacement");
-  ui.progress(part(likely, wished), roughly(100.0 * part(likely, wished)) + " % of it used");
+  ui.value("Wished error", twoDigits(100.0 * wished) + " % of the largest displacement");
+  ui.progress(part(likely, wished), twoDigits(100.0 * part(likely, wished)) + " % of it used");
 }
 
 void costBar(sdk::Ui &ui, const BodySnapshot &body, const AccuracyPromise &promise) {
@@ -32,23 +34,23 @@ void costBar(sdk::Ui &ui, const BodySnapshot &body, const AccuracyPromise &promi
   const bool isBudget = promise.wish.kind == AccuracyWish::Kind::budget;
   const double whole = 1e3 * (isBudget ? promise.wish.value : kStandardBudget);
   ui.value("A frame takes",
-           (now > 0.0 ? roughly(now) + " ms now, " : std::string()) + roughly(promised) + " ms promised");
+           (now > 0.0 ? twoDigits(now) + " ms now, " : std::string()) + twoDigits(promised) + " ms promised");
   ui.tooltip("Computing time of 1/60 s of simulated time. Without a wish the promise is for a machine to reckon with");
   if (promise.choice.touching_ms > 0.0) ui.text(touchingText(promise));
   const double shown = now > 0.0 ? now : promised;
-  ui.progress(part(shown, whole), roughly(shown) + " of " + roughly(whole) + " ms");
+  ui.progress(part(shown, whole), twoDigits(shown) + " of " + twoDigits(whole) + " ms");
 }
 
 void tissueBar(sdk::Ui &ui, const BodySnapshot &body) {
   const StiffnessRange range = stiffnessRangeOf(*body.values);
   const double E = body.youngsModulus;
-  ui.value("Tissue stiffness", roughly(1e-3 * range.low) + " … " + roughly(1e-3 * range.high) + " kPa");
+  ui.value("Tissue stiffness", twoDigits(1e-3 * range.low) + " … " + twoDigits(1e-3 * range.high) + " kPa");
   ui.tooltip(range.isKnown
                  ? "The range of Young's modulus that the literature gives for the tissue: what is computed "
                    "is no better than what is known of it"
                  : "Nothing is known of the range of this Young's modulus; ±50 % are usual for living tissue");
-  ui.progress(part(range.high - range.low, 2.0 * E), "displacements " + roughly(100.0 * (E / range.high - 1.0)) +
-                                                         " … +" + roughly(100.0 * (E / range.low - 1.0)) + " %");
+  ui.progress(part(range.high - range.low, 2.0 * E), "displacements " + twoDigits(100.0 * (E / range.high - 1.0)) +
+                                                         " … +" + twoDigits(100.0 * (E / range.low - 1.0)) + " %");
 }
 
 }  // namespace
@@ -70,7 +72,7 @@ void drawAccuracyBars(sdk::Ui &ui, const BodySnapshot &body) {
     ui.value("Halved cells", std::to_string(body.adaptive->halved) + " of " + std::to_string(body.adaptive->cells));
     ui.tooltip("Cells that had most of the error of a trial");
     if (body.adaptive->halved > 0) {
-      ui.value("… had of the error", roughly(100.0 * body.adaptive->share) + " % of its square");
+      ui.value("… had of the error", twoDigits(100.0 * body.adaptive->share) + " % of its square");
     } else {
       ui.text(adaptiveText(*body.adaptive));
     }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "advice.h"
+#include "number_text.h"
 #include "pointbased/error_estimate.h"
 
 namespace pointbased {
@@ -13,12 +14,6 @@ namespace {
 constexpr double kNothingLeft = 0.98;  // part of the volume in singular places: the rest has no figure
 constexpr double kMuchLeftOut = 0.5;   // likewise: the line says how little it is about
 constexpr double kLeastInMillimetres = 1e-6;
-
-std::string twoDigits(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, std::abs(value) < 99.5 ? "%.2g" : "%.0f", value);
-  return text;
-}
 
 std::string millimetres(double metres) { return twoDigits(1e3 * metres) + " mm"; }
 

@@ -2,6 +2,7 @@
 // Numbers as a person reads them.
 #pragma once
 
+#include <cmath>
 #include <cstdio>
 #include <string>
 
@@ -19,6 +20,11 @@ namespace pointbased {
   char text[64];
   std::snprintf(text, sizeof text, "%.*g", digits, value);
   return text;
+}
+
+/// Two significant digits, or all before the point: "0.0012", "87", "1234".
+[[nodiscard]] inline std::string twoDigits(double value) {
+  return std::abs(value) < 99.5 ? significant(value, 2) : fixed(value, 0);
 }
 
 }  // namespace pointbased

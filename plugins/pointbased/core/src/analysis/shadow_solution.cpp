@@ -150,7 +150,7 @@ class FromHere {
     const auto wanted = [this] {
       return !problem_.goesOn || problem_.goesOn(1.0 - kRoundLeft * std::pow(kRoundLeaves, round_));
     };
-    return failureOf(solveStage(shadow_, solver_, env_, stage, {clock_, {}, wanted, {}}));
+    return failureOf(solveStage(shadow_, solver_, env_, stage, {clock_, {}, wanted, {}}).newton);
   }
 
   [[nodiscard]] std::string solveHeld() { return stage(0.0); }

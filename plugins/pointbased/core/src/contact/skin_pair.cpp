@@ -25,7 +25,8 @@ constexpr double kCushion = 0.1;
 constexpr double kCone = 0.05, kEnds = 1e-6;
 // Sides of which the normals are closer than this cosine are one.
 constexpr double kOneSide = 0.7;
-// Sine: a neighbour of a vertex that lies so much nearer to a face reaches the plane of that face first.
+// Sine of the angle between a face and the edge to a neighbour of a vertex. A neighbour beyond it is so much nearer to
+// the face that it reaches the plane of the face first.
 constexpr double kBehind = 0.65;
 // Skins of one body meet face to face.
 constexpr double kFacing = -0.2;
@@ -75,8 +76,8 @@ bool isBehind(MovingSkin &skin, Index vertex, const Vec3 &normal) {
   const Vec3 x = skin.position(vertex);
   for (const Index t : skin.skin().trianglesOf.row(vertex))
     for (const Index other : skin.skin().triangles[t]) {
-      const Vec3 way = skin.position(other) - x;
-      if (-way.dot(normal) > kBehind * way.norm()) return true;
+      const Vec3 edge = skin.position(other) - x;
+      if (-edge.dot(normal) > kBehind * edge.norm()) return true;
     }
   return false;
 }

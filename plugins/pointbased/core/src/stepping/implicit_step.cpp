@@ -27,7 +27,7 @@ class ImplicitStep {
     sumsBefore_ = coupling_->sums();
   }
 
-  NewtonResult solve(Integrator scheme) {
+  StageResult solve(Integrator scheme) {
     switch (scheme) {
       case Integrator::implicitMidpoint: midpoint(); break;
       case Integrator::implicitSdirk: sdirk(); break;
@@ -38,8 +38,6 @@ class ImplicitStep {
     }
     return result_;
   }
-  /// Which obstacle the refused solution passes through; empty: it was refused for another reason.
-  [[nodiscard]] const std::string &passage() const { return passage_; }
 
  private:
   // One body of the step.
@@ -64,13 +62,12 @@ class ImplicitStep {
   // @param weight  s, for which the forces of contact of this stage count
   void solveStage(double from, double weight, const std::function<bool()> &goesOn = {},
                   std::span<const Vec3> offer = {}) {
-    passage_.clear();
-    const int iterations = result_.iterations, linearIterations = result_.linearIterations;
+    const int iterations = result_.newton.iterations, linearIterations = result_.newton.linearIterations;
     std::vector<StageMember> members;
     for (const Part &part : parts_) members.push_back({part.body, part.env, &part.stage});
-    result_ = detail::solveStage(members, coupling_, solver_, {from, offer, {}, goesOn, weight, &passage_});
-    result_.iterations += iterations;
-    result_.linearIterations += linearIterations;
+    result_ = detail::solveStage(members, coupling_, solver_, {from, offer, {}, goesOn, weight});
+    result_.newton.iterations += iterations;
+    result_.newton.linearIterations += linearIterations;
     for (Part &part : parts_) addStageForces(weight, part.body->contact);
   }
 
@@ -98,7 +95,7 @@ class ImplicitStep {
     bool impact = false;
     for (Part &part : parts_) part.stage = {0.5 * dt_, time_ + 0.5 * dt_, 0.5 * dt_, part.u0, part.v0, 0.0, 0.5 * dt_};
     solveStage(time_, dt_, [&] { return !(impact = presses()); });
-    if (result_.good() && impact) return backwardEulerInstead();
+    if (result_.newton.good() && impact) return backwardEulerInstead();
     bool meets = false;
     for (Part &part : parts_) {
       State &state = part.body->state();
@@ -108,10 +105,10 @@ class ImplicitStep {
         state.velocities[i] = 2.0 * (state.displacements[i] - part.u0[i]) / dt_ - part.v0[i];
       }
       // What the second half meets, the middle has not seen.
-      meets = meets || (result_.good() && stagesOf(*part.body, *part.env).contact &&
+      meets = meets || (result_.newton.good() && stagesOf(*part.body, *part.env).contact &&
                         findContactsAlong(*part.body, *part.env, part.u0, time_, dt_));
     }
-    if (meets || (result_.good() && coupling_ && coupling_->meetsAlong(0.5 * dt_, dt_))) backwardEulerInstead();
+    if (meets || (result_.newton.good() && coupling_ && coupling_->meetsAlong(0.5 * dt_, dt_))) backwardEulerInstead();
   }
 
   void sdirk() {
@@ -120,7 +117,7 @@ class ImplicitStep {
     for (Part &part : parts_)
       part.stage = {gamma * dt_, time_ + gamma * dt_, gamma * dt_, part.u0, part.v0, 0.0, gamma * dt_, kErrorOfSdirk};
     solveStage(time_, (1.0 - gamma) * dt_, [&] { return !(impact = meetsAnew()); });
-    if (!result_.good()) return;
+    if (!result_.newton.good()) return;
     if (impact) return backwardEulerInstead();
     for (Part &part : parts_) {
       const State &state = part.body->state();
@@ -164,8 +161,7 @@ class ImplicitStep {
   std::vector<SkinPair::Sum> sumsBefore_;
   NewtonSolver &solver_;
   double time_, dt_;
-  NewtonResult result_;
-  std::string passage_;
+  StageResult result_;
 };
 
 }  // namespace
@@ -173,9 +169,9 @@ class ImplicitStep {
 ImplicitResult implicitStep(std::span<const StepPart> parts, StageCoupling *coupling, NewtonSolver &solver, double time,
                             double dt, Integrator scheme) {
   ImplicitResult out;
-  ImplicitStep step(parts, coupling, solver, time, dt);
-  out.newton = step.solve(scheme);
-  out.failure = step.passage().empty() ? failureOf(out.newton) : step.passage();
+  const StageResult solved = ImplicitStep(parts, coupling, solver, time, dt).solve(scheme);
+  out.newton = solved.newton;
+  out.failure = solved.passage.empty() ? failureOf(out.newton) : solved.passage;
   if (!out.failure.empty()) return out;
 
   for (const StepPart &part : parts) {

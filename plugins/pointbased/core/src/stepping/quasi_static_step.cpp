@@ -95,7 +95,7 @@ ImplicitResult quasiStaticStep(std::span<const StepPart> given, StageCoupling *c
       members.push_back({part.body, part.env, &part.stage});
     }
     if (coupling) coupling->beginSums();
-    out.newton = solveStage(members, coupling, solver, {from, {}, shouldContinue, {}, 1.0});
+    out.newton = solveStage(members, coupling, solver, {from, {}, shouldContinue, {}, 1.0}).newton;
     double moved = 0.0, leaning = 0.0;  // m, N
     for (const Part &part : parts)
       for (std::size_t i = 0; i < part.before.size(); ++i) {

@@ -21,8 +21,8 @@ constexpr double kLargestTolerance = 0.1;  // spacings: an impact takes ways of 
 constexpr double kRough = 100.0;           // tolerances within which a solution already tells what the contacts are
 // change of the contact forces that is left to the next stage, of all that presses
 constexpr double kSettled = 1e-2;
-// Spacings that a point of contact of a fast body may lie behind a surface of an obstacle at the end of a stage in time;
-// else the stage is solved again with a contact that is stiffer by the factor, so many times at most. A decelerated body
+// Spacings: largest depth of a point of contact of a fast body behind an obstacle at the end of a stage in time. Beyond
+// it the stage is solved again with a contact that is stiffer by the factor, at most so many times. A decelerated body
 // of height H presses itself in by rho H |dv/dt| d/(30 E): 9 mm at 300 m/s in steps of 1/60 s, for 60 mm of 50 kPa.
 constexpr double kDeepest = 0.1, kStiffer = 30.0;
 constexpr int kTimesStiffer = 2;
@@ -91,12 +91,13 @@ class StageSolution {
     if (coupling_) group_.emplace(std::move(problems), *coupling_);
   }
 
-  NewtonResult solve() {
+  StageResult solve() {
     bool complete = true;
+    std::string passes;
     if (touches()) {
       begin();
       complete = solveContacts();
-      std::string passes = complete ? passage() : std::string();
+      if (complete) passes = passage();
       for (int n = 0; n < kTimesStiffer && complete && !passes.empty(); ++n) {
         for (Part &part : parts_) part.problem.penalty().stiffness *= kStiffer;
         solution_.clear();
@@ -104,11 +105,10 @@ class StageSolution {
         // What has no solution with a stiffer contact still passes through.
         if (complete && result_.good()) passes = passage();
       }
-      const bool isCut = result_.outcome == NewtonOutcome::cancelled || result_.outcome == NewtonOutcome::notFinite;
-      if (complete && !isCut && !passes.empty()) {
-        result_.outcome = NewtonOutcome::iterationLimit;
-        if (request_.passage) *request_.passage = std::move(passes);
-      }
+      // A solve that was cancelled or left the finite numbers has its own reason.
+      if (!complete || result_.outcome == NewtonOutcome::cancelled || result_.outcome == NewtonOutcome::notFinite)
+        passes.clear();
+      if (!passes.empty()) result_.outcome = NewtonOutcome::iterationLimit;
     } else {
       (void)newton([&](const NewtonResult &) { return wanted(); });
     }
@@ -128,7 +128,7 @@ class StageSolution {
         finishContactStage(pointsOf(part), part.problem.penalty(), of(part, start_), of(part, u_), memory);
     }
     if (coupling_ && complete && result_.good()) coupling_->finish(u_, request_.weight);
-    return result_;
+    return {result_, std::move(passes)};
   }
 
  private:
@@ -278,13 +278,13 @@ class StageSolution {
   [[nodiscard]] bool isFast(Part &part) {
     const double span = part.stage->contactSpan;
     if (!(span > 0.0)) return false;
-    double slowest = std::numeric_limits<double>::infinity(), way = 0.0, surface = 0.0;
+    double slowest = std::numeric_limits<double>::infinity(), travel = 0.0, surface = 0.0;
     for (const Material &m : part.body->constitution().materials)
       slowest = std::min(slowest, std::sqrt(m.waveModulus() / m.restDensity));
     const std::span<const Vec3> from = of(part, start_), to = of(part, freeMotion_);
-    for (std::size_t i = 0; i < to.size(); ++i) way = std::max(way, (to[i] - from[i]).norm());
+    for (std::size_t i = 0; i < to.size(); ++i) travel = std::max(travel, (to[i] - from[i]).norm());
     for (const Contact &c : part.body->contact.active) surface = std::max(surface, c.surfaceVelocity.norm());
-    return way / span + surface > kFast * slowest;
+    return travel / span + surface > kFast * slowest;
   }
 
   // What the solution of a fast body passes through: points of contact lie behind the surface of an obstacle that they
@@ -421,13 +421,13 @@ std::vector<Index> pressingPoints(const ContactState &contact) {
   return points;
 }
 
-NewtonResult solveStage(std::span<const StageMember> members, StageCoupling *coupling, NewtonSolver &solver,
-                        const StageRequest &request) {
+StageResult solveStage(std::span<const StageMember> members, StageCoupling *coupling, NewtonSolver &solver,
+                       const StageRequest &request) {
   return StageSolution(members, coupling, solver, request).solve();
 }
 
-NewtonResult solveStage(Body &body, NewtonSolver &solver, const Environment &env, const ImplicitStage &stage,
-                        const StageRequest &request) {
+StageResult solveStage(Body &body, NewtonSolver &solver, const Environment &env, const ImplicitStage &stage,
+                       const StageRequest &request) {
   const StageMember alone{&body, &env, &stage};
   return solveStage(std::span<const StageMember>(&alone, 1), nullptr, solver, request);
 }

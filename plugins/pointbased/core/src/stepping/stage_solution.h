@@ -21,7 +21,11 @@ struct StageRequest {
   std::function<bool()> shouldContinue;  ///< asked in every iteration; false: cancelled
   std::function<bool()> goesOn;          ///< asked when the contacts are about known; false: given up unfinished
   double weight = 0.0;                   ///< s, or load factor: for which the forces between bodies count
-  std::string *passage = nullptr;        ///< receives which obstacle a refused solution passes through, for a person
+};
+
+struct StageResult {
+  NewtonResult newton;
+  std::string passage;  ///< which obstacle a refused solution passes through, for a person; empty: none
 };
 
 /// A body with its part of a stage; lengths and times are the same for all.
@@ -35,10 +39,10 @@ struct StageMember {
 /// solution, until their forces are those it was found with. body.state() is the end of the stage.
 /// NewtonResult::worst counts the phyxels of all members.
 /// @param coupling  of the members and of those that stand still; null: of one body alone
-[[nodiscard]] NewtonResult solveStage(std::span<const StageMember> members, StageCoupling *coupling,
-                                      NewtonSolver &solver, const StageRequest &request);
-[[nodiscard]] NewtonResult solveStage(Body &body, NewtonSolver &solver, const Environment &environment,
-                                      const ImplicitStage &stage, const StageRequest &request);
+[[nodiscard]] StageResult solveStage(std::span<const StageMember> members, StageCoupling *coupling,
+                                     NewtonSolver &solver, const StageRequest &request);
+[[nodiscard]] StageResult solveStage(Body &body, NewtonSolver &solver, const Environment &environment,
+                                     const ImplicitStage &stage, const StageRequest &request);
 
 /// Contacts of the body on the straight way from `start` to its present displacements, kept in body.contact.
 /// @return whether a point passes a surface
