@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What does the plugin boundary cost? Each pair is measured in turns, so that a busy machine slows both.
+// Measures the cost of the plugin boundary. The members of each pair run in turns, so that a busy machine slows both.
 //
 //   a step of a body of 3 000 and 10 000 points with and without a force field that does nothing
-//   a sum over 10 000 points through a view that the boundary lends, and over a vector of C++
-//   10 000 rays into a tree through c3de.collision/1, and into the same tree of C++
+//   a sum over 10 000 points through a view that the boundary lends, and over a C++ vector
+//   10 000 rays into a tree through c3de.collision/1, and into the same tree in C++
 #include <fmt/format.h>
 
 #include <cmath>
@@ -44,7 +44,7 @@ T orGiveUp(Expected<T> value) {
   return std::move(*value);
 }
 
-/// A free organ of about so many points, in a session of its own, stepped by us.
+/// A free organ of about this number of points, in its own session, stepped by this benchmark.
 class FreeOrgan {
  public:
   FreeOrgan(std::size_t points, unsigned threads) {
@@ -83,7 +83,7 @@ class FreeOrgan {
 
  private:
   std::unique_ptr<session::Session> session_;
-  c3de_object *simulator_ = nullptr;  ///< the session lets go of it
+  c3de_object *simulator_ = nullptr;  ///< released by the session
   const c3de_simulator_v1 *table_ = nullptr;
 };
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What does contact between skins cost?
+// Measures the cost of contact between skins.
 //
 //   bench_contact [--balls | --pressed] [--phyxels N]
 //
-// Four balls apart, and the same four as they fall on each other and lie there: milliseconds of contact and of forces
-// in a step, one thread. Then a slab bent over itself, of so many vertices in self-contact: what a step costs while a
-// list of near places serves, and what it costs to make a list. Then two blocks that are pressed together: what a
-// sixtieth of a second costs in explicit and in implicit steps, and what it costs where they are apart; of explicit
-// ones also per vertex that presses and substep, beside what the dial reckons with (MachineSpeed::touch_ns).
+// Four balls, first apart, then falling on each other and resting: milliseconds of contact and of forces per step, one
+// thread. Then a slab bent over itself, with the given number of vertices in self-contact: the cost of a step while the
+// list of near pairs is valid, and the cost of building the list. Then two blocks pressed together: the cost of a
+// sixtieth of a second in explicit and in implicit steps, and the cost while they are apart. For explicit steps also
+// per pressing vertex and substep, next to the value that the cost model assumes (MachineSpeed::touch_ns).
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -36,7 +36,7 @@ double millisecondsOf(const std::function<void()> &run, int repetitions) {
   return best;
 }
 
-// Skins whose vertices are their phyxels: two sheets of n x n squares, one half an offset-and-margin above the other.
+// Skins whose vertices are their phyxels: two sheets of n x n squares, one half an offset and margin above the other.
 std::shared_ptr<const ContactSkin> foldedSheet(int n, double edge, double gap) {
   std::vector<Vec3> points;
   std::vector<std::array<Index, 3>> triangles;
@@ -59,7 +59,7 @@ std::shared_ptr<const ContactSkin> foldedSheet(int n, double edge, double gap) {
         triangles.push_back(upper);
       }
   }
-  // At rest the second sheet lies far off.
+  // At rest the second sheet is far away.
   Interpolation binding;
   binding.phyxels.offsets.assign(1, 0);
   for (std::size_t p = 0; p < points.size(); ++p) {
@@ -131,7 +131,7 @@ void balls(double spacing) {
     Simulator simulator;
     WorldSettings world;
     world.damping = 20.0;
-    // Towards the middle: gravity that changes sign is not to be had, a box that is too narrow is.
+    // Towards the middle: gravity cannot change sign, so a box that is too narrow presses the blocks together.
     world.box.enabled = together;
     world.box.min = Vec3(-0.11, -0.11, -0.06);
     world.box.max = Vec3(0.11, 0.11, 0.06);
@@ -185,12 +185,12 @@ std::unique_ptr<Body> blockOf(const Vec3 &low, const Vec3 &high, double spacing,
 }
 
 struct FrameCost {
-  double ms = 0.0;        // 0: it took too long, or was not solved
-  double vertices = 0.0;  // that press
+  double ms = 0.0;        // 0: over the time limit, or not solved
+  double vertices = 0.0;  // vertices that press
   double substeps = 0.0;  // explicit
 };
 
-// Of the same scene with or without contact.
+// For the same scene with or without contact.
 FrameCost costOfFrame(Integrator integrator, double spacing, double modulus, bool touches) {
   constexpr double kEdge = 0.04, kFrame = 1.0 / 60.0, kSettles = 0.2;
   Simulator simulator;

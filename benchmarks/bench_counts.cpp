@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many instructions do fixed kernels take? A gate against getting slower that no clock and no other program
-// disturbs.
+// Counts the instructions of fixed kernels: a performance regression gate that neither the clock nor other programs
+// disturb.
 //
 //   bench_counts
 //
 // Runs small workloads, each once to warm up and once through c3deCounted(), and prints their names in order.
-// instruction_counts.cmake runs it under callgrind, which writes what it has counted after every c3deCounted(), and
-// compares with instruction_counts.json. The instruction set is held at AVX2, the best one that callgrind knows.
+// instruction_counts.cmake runs it under callgrind, which writes its counts after every c3deCounted(), and compares
+// with instruction_counts.json. The instruction set is fixed at AVX2, the best one that callgrind supports.
 #include <hwy/targets.h>
 
 #include <cmath>
@@ -22,7 +22,7 @@
 #include "forces/kernels/cell_kernel.h"
 #include "pointbased/simulator.h"
 
-// Callgrind counts inside of it alone: its name is an option there.
+// Callgrind counts only inside this function: its name is passed as an option.
 extern "C" {
 #if defined(__GNUC__)
 __attribute__((noinline))
@@ -95,7 +95,7 @@ Obstacle ballBelow(double radius) {
   return ball;
 }
 
-// A fresh search, and one a step later, which knows what is far.
+// A fresh search, and one a step later, which reuses the list of distant pairs.
 Named contact(std::string name, const std::shared_ptr<Body> &body) {
   auto memory = std::make_shared<ContactState>();
   auto moved = std::make_shared<std::vector<Vec3>>();

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Does the dial keep what it promises?
+// Checks the predictions of the accuracy setting.
 //
 //   bench_dial [--first SEED] [--problems N] [--csv FILE] [--json FILE]
 //   bench_dial --fit PROBLEMS [--first SEED] [--finest PHYXELS]
 //   bench_dial --adaptive PROBLEMS [--first SEED] [--finest PHYXELS]
 //
-// Bodies, materials and loads that the model was not fitted to, drawn by seed (dial/random_problems.h), each with a
-// wish of 3, 5, 10 or 20 % of its largest displacement. For each: two trials, what the dial chooses, and then
-//   error   the body solved with its own law at that sampling, against eight times as many phyxels; what that still
-//           lacks is added by the order of the model
-//   cost    what a frame of the body takes in half a second of explicit steps under its loads, against what was
-//           measured when it was built
+// Bodies, materials and loads that the model was not fitted to, drawn by seed (dial/random_problems.h), each with an
+// accuracy target of 3, 5, 10 or 20 % of its largest displacement. For each: two trials, the chosen sampling, and then
+//   error   the body solved with its own law at that sampling, against eight times as many phyxels; the remaining
+//           error of that reference is added by the order of the model
+//   cost    the time per frame of the body in half a second of explicit steps under its loads, against the
+//           time measured when it was built
 // --fit: errors of linear solutions of seven samplings of each body against a fine one, and the coefficients of the
-// model by least squares. Those in choose_sampling.cpp are of seeds 0 … 29.
-// --adaptive: errors of linear solutions with cells of one size, of as many of which some are halved (adaptSampling()),
-// and of 1.68 times as many of one size.
+// model by least squares. Those in choose_sampling.cpp are from seeds 0 … 29. --adaptive: errors of linear solutions
+// with cells of uniform size, of the same number of cells some of which are halved (adaptSampling()), and of 1.68 times
+// as many cells of uniform size.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -34,8 +34,8 @@ namespace {
 using namespace pointbased;
 
 constexpr std::uint64_t kHeldOut = 1000;  // first seed that nothing was fitted to
-constexpr double kOrder = 1.25;           // of errors in the spacing, for what the reference lacks
-constexpr double kWishes[] = {0.03, 0.05, 0.1, 0.2};
+constexpr double kOrder = 1.25;           // order of the errors in the spacing, for the error of the reference itself
+constexpr double kAccuracyTargets[] = {0.03, 0.05, 0.1, 0.2};
 
 double sizeOf(const Surface &surface) {
   Vec3 low = surface.positions.front(), high = low;
@@ -73,7 +73,7 @@ std::unique_ptr<Simulator> worldOf(const dial::RandomProblem &problem, double sp
   return simulator;
 }
 
-/// The body at rest under its loads by its own law; nothing where there is no equilibrium.
+/// The body at rest under its loads with its own law; nullopt where there is no equilibrium.
 std::optional<TrialSolution> solve(const dial::RandomProblem &problem, double spacing, const SurfacePoints &samples) {
   std::size_t id = 0;
   const auto simulator = worldOf(problem, spacing, Integrator::quasiStatic, id);
@@ -95,8 +95,7 @@ struct FrameTimes {
   double promised = 0.0, measured = 0.0;  // ms
 };
 
-/// What is promised of a frame when the body is built, and what it takes in the mean of half a simulated second, by the
-/// clock of the wall.
+/// The time per frame predicted when the body is built, and the mean wall time per frame over half a simulated second.
 FrameTimes frameTimes(const dial::RandomProblem &problem, double spacing) {
   constexpr double kSimulated = 0.5;  // s
   std::size_t id = 0;
@@ -148,16 +147,16 @@ int heldOut(const bench::CommandLine &line, std::uint64_t first, int problems) {
     const double survey_ms = bench::processor_ms() - begin;
     if (!one) continue;
     auto &[problem, survey] = *one;
-    // As far as organs are moved: where they buckle or fold, there is no one answer.
+    // Up to the displacements that organs undergo: where they buckle or fold, the solution is not unique.
     const double factor = 0.06 * sizeOf(problem.shape.surface) / survey.largest;
     scaleLoads(problem, factor);
     survey.largest *= factor;
-    const double wish = kWishes[seed % 4];
+    const double wish = kAccuracyTargets[seed % 4];
     CostSetting setting;
     setting.speed = speed;
     setting.world.integrator = Integrator::explicitVerlet;
     const SamplingChoice choice =
-        chooseSampling(survey, problem.constitution, setting, {AccuracyWish::Kind::share, wish});
+        chooseSampling(survey, problem.constitution, setting, {AccuracyTarget::Kind::share, wish});
     const SurfacePoints samples = skinSamples(problem.shape.surface, problem.recipe.fixes, 500);
     const auto solved = solve(problem, choice.spacing, samples);
     const double fine = std::clamp(8.0 * static_cast<double>(choice.count), 3000.0, 16000.0);
@@ -188,7 +187,7 @@ int heldOut(const bench::CommandLine &line, std::uint64_t first, int problems) {
   return report.write();
 }
 
-/// Errors of bodies with cells of one size and with finer ones where a trial says that error arises.
+/// Errors of bodies with cells of uniform size, and with finer cells where a trial locates the error.
 int adaptive(const bench::CommandLine &line, std::uint64_t first, int problems, double finest) {
   bench::Report report(line.name(), line.options());
   report.table("adaptive", {{"problem", "problem                             "},
@@ -243,7 +242,7 @@ int adaptive(const bench::CommandLine &line, std::uint64_t first, int problems, 
 }
 
 int fit(std::uint64_t first, int problems, double finest) {
-  std::vector<std::array<double, 3>> rows;  // log difference, way, log error
+  std::vector<std::array<double, 3>> rows;  // log difference, log spacing over that of the fine trial, log error
   for (std::uint64_t seed = first; seed < first + static_cast<std::uint64_t>(problems); ++seed) {
     const auto one = tried(seed);
     if (!one) continue;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Does a body tell the error of its strains truly?
+// Compares the error estimate of the strains of a body with the true error.
 //
 //   bench_error [--finest CELLS] [--only TEXT] [--csv FILE] [--json FILE]
 //
-// Static problems, each solved at several spacings by every way to lay the lattice, and by one evaluation per phyxel;
-// and once on a fine lattice (--finest cells over the thickness), which stands for the truth. The strain of a solution
-// is what its energy is made of: on a lattice linear within each cell by its modes, in a cloud constant around each
-// phyxel.
+// Static problems, each solved at several spacings by every layout of the lattice, and by one evaluation per phyxel;
+// and once on a fine lattice (--finest cells over the thickness), which is the reference solution. The strain of a
+// solution is the strain in its energy: on a lattice linear within each cell by its modes, in a cloud constant around
+// each phyxel.
 //
 //   true error = |strain of the solution - strain of the fine one| / |strain of the fine one|   in the energy norm
 //   effectivity = estimate / true error
@@ -43,7 +43,7 @@ BodyShape boxShape(const Vec3 &min, const Vec3 &max) {
   return shape;
 }
 
-/// About the origin, with a net of latitudes and longitudes for its surface.
+/// About the origin, with a surface of latitudes and longitudes.
 BodyShape ballShape(double radius) {
   BodyShape shape = shapes::ball(Vec3::Zero(), radius);
   shape.surface = shapes::ballSurface(Vec3::Zero(), radius, 48);
@@ -106,7 +106,7 @@ std::vector<Problem> problems(int finest) {
 struct Layout {
   std::string name;
   Evaluation evaluation = Evaluation::stressPoints;
-  double shift = 0.0;  // spacings
+  double shift = 0.0;  // in spacings
   Mat3 axes = Mat3::Identity();
 };
 
@@ -131,7 +131,7 @@ struct Solution {
 Solution solve(const Problem &problem, const Layout &layout, int layers) {
   const double spacing = problem.thickness / layers;
   BodyShape shape = problem.shape;
-  // The lattice lies about the middle of the bounds: wider ones move it.
+  // The lattice is centred on the bounds: wider bounds shift it.
   if (layout.shift > 0.0) shape.max += Vec3::Constant(2.0 * layout.shift * spacing);
   BodyRecipe recipe;
   recipe.evaluation = layout.evaluation;

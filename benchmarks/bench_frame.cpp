@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// What does a whole frame of 1/60 s cost, and which part of it costs how much?
+// Measures the cost of a whole frame of 1/60 s and of each of its stages.
 //
 //   bench_frame [--frames N] [--size WIDTHxHEIGHT] [--colours] [--only first_light|lattice_10000] [--json FILE]
 //
-// Two scenes go through the program as they do in its window, without the window: read, built by the plugin, stepped,
-// published, handed to the renderer, drawn by OpenGL into a buffer of its own.
-//   first_light     the scene that opens by itself
+// Two scenes pass through the program as they do in its window, without the window: read, built by the plugin, stepped,
+// published, handed to the renderer, drawn by OpenGL into an offscreen buffer.
+//   first_light     the default scene of the program
 //   lattice_10000   an organ of 10 000 phyxels and 50 000 surfels that falls on a block in a box
 // A step is a whole frame, in the substeps that stability needs, on one thread. The simulator's own stages are those of
-// its report; "step, other" is what they leave of the step. In the program the step has a thread of its own: "solver"
-// is that thread's share of the frame, "screen" the window's.
+// its report; "step, other" is the remainder of the step. In the program the step has its own thread: "solver" is that
+// thread's share of the frame, "screen" the window's.
 //
-// A share is that of the median of a stage in the sum of step, publishing, handing over and drawing.
+// A share is the median of a stage relative to the sum of step, publishing, handing over and drawing.
 #include <epoxy/gl.h>
 
 #include <algorithm>
@@ -42,7 +42,7 @@ using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kSurfels = 50'000;
-constexpr std::size_t kUsualFrames = 90;  // the fall, the impact and what follows
+constexpr std::size_t kUsualFrames = 90;  // the fall, the impact and the motion after it
 
 struct Options {
   std::size_t frames = kUsualFrames;
@@ -94,7 +94,7 @@ Options optionsOf(int argc, char **argv) {
   return options;
 }
 
-/// A lobed ellipsoid, mm, as an OBJ file: the faces of a divided cube, blown up.
+/// A lobed ellipsoid, mm, as an OBJ file: the faces of a subdivided cube, projected outwards.
 void writeOrgan(const std::filesystem::path &file, std::size_t vertices) {
   const int n = static_cast<int>(std::lround(std::sqrt((static_cast<double>(vertices) - 2.0) / 6.0)));
   std::map<std::array<int, 3>, std::size_t> numbers;
@@ -102,7 +102,7 @@ void writeOrgan(const std::filesystem::path &file, std::size_t vertices) {
   const auto vertex = [&](const std::array<int, 3> &at) {
     const auto [found, isNew] = numbers.try_emplace(at, numbers.size() + 1);
     if (isNew) {
-      // Equal angles, so that the triangles are of about one size.
+      // Equal angles, so that the triangles have about equal size.
       double d[3], length = 0.0;
       for (int a = 0; a < 3; ++a) {
         d[a] = std::tan((2.0 * at[static_cast<std::size_t>(a)] / n - 1.0) * std::atan(1.0));
@@ -169,7 +169,7 @@ struct Samples {
   }
 };
 
-/// A picture that nobody sees.
+/// An offscreen framebuffer.
 class Target {
  public:
   Target(int width, int height) {
@@ -227,7 +227,7 @@ Json measure(const std::string &name, const std::filesystem::path &file, const O
        {dt, std::string(options.colours ? "view.colour=von_mises" : "view.colour=material")})
     if (auto set = scene::applyOverride(scene, assignment, &session->materials()); !set) stop(set.error().message);
   if (auto done = session->populate(simulator.get(), scene, {}); !done) stop(done.error().message);
-  // One count for the simulation of the program, which stays paused; steps are asked for below.
+  // One reference for the program's simulation, which stays paused; the steps are requested below.
   simulator.get()->vt->retain(simulator.get());
   if (auto done = session->adopt(simulator.get(), name); !done) stop(done.error().message);
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What does an elastic step cost in a program that could do so much more?
+// Measures the overhead that unused features add to an elastic step.
 //
 //   bench_idle_cost simulator|by_hand STEPS
 //
-// A free body falls and swings, without contact, supports, loads, viscosity or flow, by velocity Verlet: once through
-// Simulator, and once by the elastic stages alone, written out below. Both end in the same bits, whose hash is printed:
-// they are the same steps. Instructions are counted by callgrind; those of STEPS steps less those of fewer, so that
-// building the body does not count. idle_cost.cmake does it and judges.
+// A free body falls and oscillates, without contact, supports, loads, viscosity or plastic flow, by velocity Verlet:
+// once through Simulator, and once by the elastic stages alone, written out below. Both end in the same bits, whose
+// hash is printed: they are the same steps. Callgrind counts the instructions; the count of a shorter run is subtracted
+// from that of STEPS steps, so that building the body does not count. idle_cost.cmake does this and evaluates the
+// result.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -86,7 +87,7 @@ std::uint64_t bySimulator(const std::shared_ptr<const RestState> &rest, double d
   return hashOf(body.state().displacements, body.state().velocities);
 }
 
-/// Nothing but: half a kick, drift, forces, half a kick; and the bound of the step, which Verlet needs.
+/// Only half a kick, drift, forces and half a kick, and the stability bound of the step, which Verlet needs.
 std::uint64_t byHand(const std::shared_ptr<const RestState> &rest, double dt, int steps) {
   Body body("body", rest, constitution(), serialFor());
   const std::span<const double> inverse = body.inverseMasses();

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a frame of four views of an image costs: slices, slices that are warped, volume rendering at its moving
-// resolution and at rest. The drawing alone, into a framebuffer of the size of a window's views at 1280 x 800.
+// Measures the cost of a frame of four views of an image: slices, warped slices, volume rendering at its interactive
+// resolution and at rest. Only the drawing, into a framebuffer of the size of a window's views at 1280 x 800.
 //
 //   bench_images                 phantoms of two sizes
 //   bench_images --scene FILE    a scene with an [image] while it plays; "head": brain_shift.toml
-//   bench_images --scene living  a torso of many tissues, made here, that plays on a thread of its own
+//   bench_images --scene living  a torso of many tissues, generated here, that plays on its own thread
 #include <epoxy/gl.h>
 
 #include <cmath>
@@ -29,7 +29,7 @@ using namespace c3de::render;
 
 using bench::kPaneHeight, bench::kPaneWidth;
 
-/// A head-like blob with noise, -1000 … 1500 as of computed tomography.
+/// A head-like shape with noise, -1000 … 1500 as in computed tomography.
 std::vector<std::int16_t> voxelsOf(const std::array<std::size_t, 3> &size) {
   std::vector<std::int16_t> voxels;
   voxels.reserve(size[0] * size[1] * size[2]);
@@ -141,7 +141,7 @@ int main(int argc, char **argv) {
     // 4 mm nodes over the middle half: a brain.
     const auto nodes = static_cast<std::size_t>(0.15 * extent[0]);
     const double edge = 0.6 * extent[0] / static_cast<double>(nodes - 1);
-    const GridPlace grid{
+    const GridGeometry grid{
         {nodes, nodes, nodes},
         {edge, 0, 0, 0, 0, edge, 0, 0, 0, 0, edge, 0, -0.3 * extent[0], -0.3 * extent[0], -0.3 * extent[0], 1}};
     std::vector<float> u(3 * nodes * nodes * nodes, 2.0f);

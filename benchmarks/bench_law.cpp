@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What does a material law from outside cost against the built-in law of the same formula?
+// Measures the cost of an external material law against the built-in law of the same formula.
 //
 //   bench_law
 //
 // Forces of a deformed ball, one thread, in turns: the built-in neo-Hookean law by vector kernels and by the scalar
-// engine, the same law from outside with and without bounds of its own. The scalar engine is what a law from outside
-// runs in.
+// engine, the same law as an external law with and without its own bounds. External laws run in the scalar engine.
 #include <cstdio>
 
 #include "bench/bodies.h"

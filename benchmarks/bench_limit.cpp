@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// How near do the forces of a lattice come to what one core can do?
+// Compares the forces of a lattice with the peak performance of one core.
 //
 //   bench_limit [--target AVX3|AVX2|SSE4|SSSE3] [--seconds S] [--csv FILE] [--json FILE]
 //
 // machine  flop/s of chains of multiply-adds in registers, in single and double precision; bytes/s of a triad a = b + s
-//          c whose arrays fit into the second-level cache, into the last one perhaps, and into none
+//          c whose arrays fit into the second-level cache, possibly into the last-level cache, and into none
 // forces   flop/s and bytes/s of the kernel of cells alone and of a whole evaluation, neo-Hookean with the energy of
 //          the modes, on balls: operations and bytes of force_counts.h over the median time; in turns with the chains
-//          of multiply-adds, so that the per cent are of the same minute
+//          of multiply-adds, so that the percentages refer to the same minute
 //
-// One thread. --target: not the best instruction set of the machine but this one.
+// One thread. --target: this instruction set instead of the best one of the machine.
 #include <hwy/targets.h>
 
 #include <algorithm>
@@ -72,7 +72,7 @@ Limits machine(bench::Report &report, double seconds) {
   return out;
 }
 
-// No cell of these bodies is so far from rest that the scalar law would be asked.
+// No cell of these bodies is so far from rest that the scalar law would be called.
 double noStress(const void *, std::size_t, const double *, double *) { return 1.0; }
 
 // The kernel alone, as an evaluation calls it.
@@ -101,10 +101,10 @@ class CellKernel {
     kernels::cellForces(job, scalar, 0, slices_.chunks());
   }
   [[nodiscard]] std::size_t cells() const { return cells_; }
-  /// Phyxels of all chunks: those between two chunks count in both.
+  /// Phyxels of all chunks: those shared by two chunks count in both.
   [[nodiscard]] std::size_t locals() const { return slices_.phyxels.size(); }
   [[nodiscard]] std::size_t numbers() const { return slices_.numbers.size(); }
-  /// With the lanes that stand for nothing: the price of slices that are not full.
+  /// With the padding lanes: the cost of slices that are not full.
   [[nodiscard]] std::size_t lanes() const { return slices_.count() * kernels::kLanes<T>; }
 
  private:
@@ -133,7 +133,7 @@ void forces(bench::Report &report, const Limits &limit, double seconds, std::siz
                              locals * counts::localBytes(sizeof(T)) + n * counts::kFieldBytes;
   const double allBytes = kernelBytes + locals * counts::collectBytes(sizeof(T)) + n * counts::kForceBytes;
   const auto row = [&](const char *what, const Timing &time, double operations, double bytes) {
-    // By where what streams through stays from one evaluation to the next.
+    // Chosen by the cache level in which the streamed data stays between evaluations.
     const double triad = bytes < 2e6 ? limit.cache : bytes < 24.0 * kLastCacheTriad ? limit.lastCache : limit.memory;
     report.row({what, kSingle ? "float" : "double", rest->phyxelCount(), kernel.cells(),
                 100.0 * cells / static_cast<double>(kernel.lanes()), 1e3 * time.median_ms, 1e6 * time.median_ms / cells,

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which preconditioner serves Newton's method best, at which size, shape and stiffness?
+// Compares preconditioners of Newton's method by size, shape and stiffness.
 //
 //   bench_newton [--phyxels N]... [--body NAME] [--modulus PA] [--poisson NU] [--preconditioner NAME] [--case NAME]
 //                [--csv FILE] [--json FILE]
 //
 // Bodies of the simulator, cells cut by their skins: a box of 0.2 x 0.04 x 0.04 m, a liver, a kidney and a tube by
-// formulas, held at the lowest eighth of their longest axis; a beam: that box on whole cells, held at its end face.
+// formulas, fixed at the lowest eighth of their longest axis; a beam: that box on whole cells, fixed at its end face.
 //   rest   a quasi-static solution under gravity across the axis, that bends a box of 10 kPa by a fifth of its length
 //          and grows with the modulus; one load step
 //   first  a step of backward Euler, dt = 1/60 s, from rest under 9.81 m/s²
@@ -38,7 +38,7 @@ using bench::processor_ms;
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// A ball of unit radius, moved.
+/// A deformed ball of unit radius.
 Surface ball(const std::function<Vec3(const Vec3 &)> &moved) {
   constexpr int kRings = 24;
   return validation::latheSurface(kRings, 40, [&](int ring, double phi) {
@@ -97,7 +97,7 @@ std::unique_ptr<Body> bodyOf(const Filled &filled, const Case &of) {
   return std::make_unique<Body>(of.body, filled.rest, Constitution{{material}, kLatticeStabilisation}, serialFor());
 }
 
-/// ms of one evaluation of the forces, as an explicit substep takes it.
+/// ms of one evaluation of the forces, as in an explicit substep.
 double evaluation_ms(Body &body) {
   body.evaluate(0.0, 0.0, serialFor());
   const int n = std::max(3, static_cast<int>(2e5 / static_cast<double>(body.rest().phyxelCount())));
@@ -166,7 +166,7 @@ void solveRest(const Filled &filled, const Case &of, Rows &rows) {
   body->quasiStatic = true;
   const ParallelFor serial = serialFor();
   StageClock clock(stageNames());
-  // ρ g bends a box of 0.2 m by a fifth of its length at 10 kPa; others by about as much of theirs.
+  // ρ g bends a box of 0.2 m by a fifth of its length at 10 kPa; other bodies by about the same part of their length.
   const double slender = 0.2 / filled.height * (of.body == "box" || of.body == "tube" ? 1.0 : 2.0);
   const Environment env = environmentOf(of, Vec3(0, 0, -0.5 * slender * of.youngsModulus / 1e4), clock, serial);
   NewtonSolver solver;

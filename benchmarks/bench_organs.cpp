@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far off are organs at the default sampling, and did the program say so?
+// Compares the errors of organs at the default sampling with the predicted errors.
 //
 //   bench_organs [--mesh FILE]... [--only TEXT] [--phyxels N] [--csv FILE] [--json FILE]
 //
-// A ventricle, a hip bone, a gut and a vessel made by formulas, and the meshes that are named (made 12 cm long if their
+// A ventricle, a hip bone, a gut and a vessel by formulas, and the named meshes (scaled to a length of 12 cm if their
 // file has no unit that fits an organ), of 6 kPa and Poisson's ratio 0.45. Each
 //   hangs    from its upper quarter
 //   gripped  the ends of its longest axis are held, and one is moved across it by a tenth of its length
-//   pinched  a spot of the skin, a quarter of the length wide, is drawn out by as much, with one end held
-// For each the sampling that is chosen without a wish (--phyxels: that one instead), the error that is expected of it,
+//   pinched  a region of the skin, a quarter of the length wide, is pulled out by as much, with one end held
+// For each: the sampling that is chosen without an accuracy target (--phyxels: that one instead), its predicted error,
 // and the difference to a solution of half the spacing by verify(), which is within a factor of 1.5 of the true error.
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,7 @@ namespace {
 using namespace pointbased;
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr std::size_t kMostOfShadow = 60'000;  // phyxels: half a minute
+constexpr std::size_t kMaxOfFineReference = 60'000;  // phyxels: half a minute
 
 /// Half an ellipsoid with a cavity: 9 cm from base to apex, 7 cm wide, walls of 11 mm.
 Surface ventricle() {
@@ -69,7 +69,7 @@ Surface hipBone() {
   return out;
 }
 
-/// Bends what lies along x into an S.
+/// Bends a body along x into an S.
 Surface wound(Surface surface, double height, double length) {
   for (Vec3 &x : surface.positions) x[1] += height * std::sin(2.0 * kPi * x[0] / length);
   return surface;
@@ -123,7 +123,7 @@ std::vector<Loading> loadings(const BodyShape &shape) {
   hangs.gravity = -9.81 * Vec3::Unit(along);
   Loading gripped{"gripped", {beyond(along, 0.1, -1.0), beyond(along, 0.9, 1.0)}, {}};
   gripped.fixes[1].displacement = 0.1 * extent[along] * Vec3::Unit(across);
-  // Where the skin is farthest out across the axis.
+  // Where the skin is farthest from the axis.
   const Vec3 *out = &shape.surface.positions.front();
   for (const Vec3 &x : shape.surface.positions)
     if (x[across] > (*out)[across]) out = &x;
@@ -169,7 +169,7 @@ class Judge {
     setting.speed = nominalSpeed();
     setting.surfels = shape.surface.positions.size();
     setting.world.integrator = Integrator::automatic;
-    SamplingChoice choice = chooseSampling(*survey, constitution, setting, {AccuracyWish::Kind::standard, 1.0});
+    SamplingChoice choice = chooseSampling(*survey, constitution, setting, {AccuracyTarget::Kind::standard, 1.0});
     recipe.sampling.spacing = phyxels_ > 0.0 ? survey->spacingFor(phyxels_) : choice.spacing;
     const auto rest = buildRestState(shape, recipe, {}, serialFor());
     if (!rest) return report_.note(name + ": " + rest.error());
@@ -188,8 +188,8 @@ class Judge {
     const double solve_ms = bench::processor_ms() - begin;
     if (simulator.body(id)->stopped) return report_.note(name + ": no rest was found");
     VerifySettings settings;
-    settings.mostPhyxels = kMostOfShadow;
-    const auto verified = verify(standingBody(simulator, id), shape, recipe, serialFor(), {}, nullptr, settings);
+    settings.mostPhyxels = kMaxOfFineReference;
+    const auto verified = verify(verificationTarget(simulator, id), shape, recipe, serialFor(), {}, nullptr, settings);
     if (!verified) return report_.note(name + ": not verified: " + verified.error());
     const double error = verified->percent(verified->error95);
     const bool isIn = error >= 100.0 * promised.low && error <= 100.0 * promised.high;

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// What does a simulated second cost, and how wrong is the body at rest: this engine beside Bullet?
+// Compares this engine with Bullet: the cost of a simulated second, and the error of the body at rest.
 //
 //   bench_peers [--quick] [--organ FILE] [--only TEXT] [--json FILE]
 //   bench_peers --organ FILE --deck DECK.inp [--nodes N]      writes the static problem for CalculiX and ends
 //
 // Bodies fall from rest, held at one end, at about 500, 3 000 and 10 000 nodes. Cost: processor time of one thread per
-// simulated second at the largest stable step (on offer: a frame of 1/60 s divided by powers of 2^(1/4); unstable is
-// what is not finite, goes out of bounds or moves with more energy than gravity has given; half a second or 1.5 s of
-// processor time each). This engine's explicit steps are its own choice. Error: of the body at rest against one truth
-// for all, at a higher modulus, where strains are small and the laws agree. --quick: 500 nodes alone.
+// simulated second at the largest stable step. The steps tried are a frame of 1/60 s divided by powers of 2^(1/4). A
+// run is unstable if its state is not finite, leaves the bounds or has more kinetic energy than gravity has supplied.
+// Each run covers half a second or 1.5 s of processor time. This engine chooses its explicit steps itself. Error: of
+// the body at rest against one reference value for all, at a higher modulus, where strains are small and the laws
+// agree. --quick: only 500 nodes.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -79,13 +80,13 @@ class Comparison {
       row.model = nameOf(settings);
       row.nodes = mesh.nodes.size();
       const auto make = [&](double dt) { return makeBulletBody(mesh, scene_.soft, settings, dt); };
-      // Explicit steps go with the spacing; implicit ones begin with a frame.
+      // Explicit steps scale with the spacing; implicit ones begin with a frame.
       int &known = hints_.try_emplace(row.model, implicit || row.kind == Kind::massSpring ? 0 : 16).first->second;
       row.cost = costAtLargestStep(make, boundsOf(scene_), known, kBudgetMs);
       if (row.cost.stable) known = row.cost.index;
       if (row.kind == Kind::massSpring) {
         const auto body = makeBulletBody(mesh, scene_.stiff, settings, row.cost.stable ? row.cost.dt : kFrame);
-        row.settled = settle(*body, 600);
+        row.settled = relaxToRest(*body, 600);
       } else {
         row.settled = atRest[model == BulletModel::neoHookean ? 1 : 0];
       }
@@ -141,8 +142,8 @@ class Comparison {
     rows_.push_back(row);
   }
 
-  /// Begins with what is known: the same mesh with the other law, else the coarser mesh.
-  /// The damping of the neo-Hookean force makes the way long and changes nothing at its end, so it is off.
+  /// Begins at the known shape: the same mesh with the other law, else the coarser mesh. The damping of the neo-Hookean
+  /// force slows the approach and does not change its end, so it is off.
   double settled(const TetraMesh &mesh, BulletModel model, bool matched) {
     const auto body = makeBulletBody(
         mesh, scene_.stiff, BulletSettings{model, true, model == BulletModel::linearElasticity, matched}, kFrame);
@@ -154,7 +155,7 @@ class Comparison {
       pointbased::interpolateDisplacements(bound, restNodes_, rest_, u, pointbased::serialFor());
       setBulletDisplacements(*body, u);
     }
-    const double displacement = settle(*body, 240);
+    const double displacement = relaxToRest(*body, 240);
     if (model == BulletModel::linearElasticity) {
       rest_ = bulletDisplacements(*body);
       restNodes_ = mesh.nodes;
@@ -240,7 +241,7 @@ int main(int argc, char **argv) {
     printHead(scene.name, what + (scene.truth != 0.0 ? "truth " + std::to_string(1e3 * scene.truth) + " mm"
                                                      : std::string("truth UNKNOWN, so no errors")));
     Comparison comparison(scene);
-    // Coarser bodies of this engine may have the peer's error already.
+    // Coarser bodies of this engine may already reach the error of the peer engine.
     for (const std::size_t size : {24, 100, 250}) comparison.engine(size);
     for (const std::size_t size : sizes) {
       comparison.bullet(size);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Does a phyxel cost the same in a small body and in a large one, and how many bytes is it?
+// Measures the cost per phyxel in small and large bodies, and its memory in bytes.
 //
 //   bench_scaling [--least PHYXELS] [--most PHYXELS] [--surfels N] [--only building] [--threads N] [--seconds S]
 //                 [--csv FILE] [--json FILE]
@@ -8,17 +8,18 @@
 // neo-Hookean with stabilisation:
 //   forces   one evaluation of the internal forces
 //   substep  one explicit step of Simulator: forces, integration and the guard, without contact
-// in turns, medians. A small ball has more surface, so fewer cells per phyxel: costs per evaluation point stand beside.
+// in turns, medians. A small ball has more surface, so fewer cells per phyxel: costs per evaluation point are also
+// listed.
 //
 // Building: processor time from a closed mesh, a box and a liver by a formula, each held at one end, to a body ready
-// for its first step, the least of three; and how long nobody has looked for a request to stop. --only building: this
-// alone.
+// for its first step, the least of three; and the longest time without a check for a stop request. --only building:
+// this alone.
 //
 // Memory of materials: the same evaluation of 3 000 phyxels over a step of 1 ms with a material that flows or relaxes,
-// over that of the elastic one.
+// relative to that of the elastic one.
 //
-// Memory: what operator new has given out for the rest state and for the body, by counting; "of these" the vectors that
-// can be seen from outside, by their sizes. Surfels: what a rest state with them has more.
+// Memory: the bytes allocated by operator new for the rest state and for the body, by counting; "of these" the vectors
+// that are accessible from outside, by their sizes. Surfels: the additional memory of a rest state with them.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -46,7 +47,7 @@ using namespace pointbased;
 using bench::Timing;
 
 constexpr std::size_t kSizes[] = {56, 200, 1000, 3000, 10000, 30000, 100000, 200000};
-constexpr std::size_t kSpreadFrom = 900;  // phyxels: lattices have only about as many as asked for
+constexpr std::size_t kSpreadFrom = 900;  // phyxels: lattices match the requested number only approximately
 
 template <class T>
 double bytes(const std::vector<T> &v) {
@@ -84,7 +85,7 @@ Built build(const Kind &kind, std::size_t phyxels, std::size_t surfels, const Pa
   const std::size_t between = bench::heapBytes();
   out.body = std::make_unique<Body>("ball", out.rest, bench::constitutionFor(*out.rest), parallelFor);
   out.body->setPrecision(kind.precision);
-  bench::evaluateForces(*out.body, parallelFor);  // what is laid out by the first one counts
+  bench::evaluateForces(*out.body, parallelFor);  // memory allocated by the first evaluation counts
   out.restBytes = static_cast<double>(between - before);
   out.bodyBytes = static_cast<double>(bench::heapBytes() - between);
   return out;
@@ -129,7 +130,7 @@ void surfelMemory(bench::Report &report, std::size_t surfels, const ParallelFor 
   }
 }
 
-// What a step costs where the material remembers its past.
+// The cost of a step of a material with history.
 void historyTable(bench::Report &report, double seconds, const ParallelFor &parallelFor) {
   constexpr std::size_t kPhyxels = 3000;
   constexpr double kStep = 1e-3;  // s
@@ -168,7 +169,7 @@ void historyTable(bench::Report &report, double seconds, const ParallelFor &para
   }
 }
 
-/// Never raised; ms of the processor for which nobody has looked.
+/// Never raised; measures the processor time without a check, ms.
 class Listening final : public StopRequest {
  public:
   [[nodiscard]] bool isRaised() const noexcept override {

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long from the start of the program to a window that answers, and from an organ's file to its first step?
+// Measures the time from the start of the program to a responsive window, and from an organ's file to its first step.
 //
 //   xvfb-run -a -s "-screen 0 1280x800x24" bench_start [--program c3de] [--runs N] [--csv FILE] [--json FILE]
 //
 // window  c3de on its default scene: first frame, frame with the simulation ready to play, first step after --play
-// organ   a scene with an organ of 30 000 triangles made here and 3 000 phyxels on a lattice: likewise, and `c3de run`
-//         to the end of its first step, without a window
+// organ   a scene with an organ of 30 000 triangles generated here and 3 000 phyxels on a lattice: the same frames, and
+//         `c3de run` to the end of its first step, without a window
 //
 // Wall time is from the start of the process to the moment this program sees the frame in the file of
-// --automation-state (looked at every 2 ms; the program writes it at most 20 times a second). Processor time is the
-// program's own, of all its threads, drawing included (there may be no graphics processor): what else the machine does
-// counts little. The first run stands apart: files may have to come from the disk.
+// --automation-state (polled every 2 ms; the program writes it at most 20 times a second). Processor time is the
+// program's own, of all its threads, drawing included (there may be no graphics processor), so that other load has
+// little effect. The first run is reported separately: files may have to be read from the disk.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -81,7 +81,7 @@ Json readState(const std::filesystem::path &file) {
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   text << in.rdbuf();
-  // It is replaced at once, but may not be there yet.
+  // The file is replaced atomically, but may not exist yet.
   Json state = Json::parse(text.str(), nullptr, false);
   return state.is_object() ? state : Json::object();
 }
@@ -165,7 +165,7 @@ int main(int argc, char **argv) {
   struct Case {
     const char *name;
     std::vector<std::string> files;
-    double readyLimit_ms, stepLimit_ms;  // what is asked for; 0: nothing
+    double readyLimit_ms, stepLimit_ms;  // requested limits; 0: none
   };
   const Case cases[] = {{"default scene", {}, 1000.0, 0.0}, {"organ", {organ}, 0.0, 2000.0}};
   for (const Case &c : cases) {

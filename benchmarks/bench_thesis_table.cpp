@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long do forces and the surfel update take for the six sizes of Bremm's thesis (UFSC 2012), beside its own figures
-// and beside its own loop, written plainly in double precision, on the same points and neighbours?
+// Measures forces and the surfel update for the six sizes of Bremm's thesis (UFSC 2012), next to the figures of the
+// thesis and to its loop, written plainly in double precision, on the same points and neighbours.
 //
 //   bench_thesis_table [--threads N] [--seconds S] [--csv FILE] [--json FILE]
 //
@@ -10,10 +10,10 @@
 // law and without stabilisation. A lattice has no loop of the thesis: its rows are compared, per phyxel, with the plain
 // loop on the cloud of that size.
 //
-// Surfels are updated as a screen is given them, positions and normals in single precision.
-// The clouds are the N lattice points nearest to a centre, the surfels a Fibonacci sphere around them, so the sizes are
-// exact; lattices have about as many phyxels. The thesis used a 3.2 GHz quad core of 2012; here a phyxel chooses 26
-// neighbours, and ties and symmetry make it 31 to 35. Its figures are times of another method, machine and compiler.
+// Surfels are updated as for the screen, positions and normals in single precision. The clouds are the N lattice points
+// nearest to a centre, the surfels a Fibonacci sphere around them, so the sizes are exact; lattices have about as many
+// phyxels. The thesis used a 3.2 GHz quad core of 2012; here a phyxel chooses 26 neighbours, and ties and symmetry make
+// it 31 to 35. Its figures are times of another method, machine and compiler.
 #include <cstdio>
 #include <string>
 #include <vector>

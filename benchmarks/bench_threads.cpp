@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// What does a fork-join cost, and what do two threads bring to a step of 3 000 phyxels?
+// Measures the cost of a fork-join and the speed-up of a step of 3 000 phyxels on two threads.
 //
 //   bench_threads [--only fork-join|steps] [--phyxels N] [--threads N] [--seconds S] [--csv FILE] [--json FILE]
 //
 // fork-join  loops of 0, 10, 50 and 200 µs of work (arithmetic without memory), one after the other and with 30 µs of
-//            work of the caller alone in between (taken off again), serial, by c3de::ThreadPool, and by oneTBB's
-//            parallel_for (static and automatic partitioner) if it was there when this was built
-// steps      forces and explicit substeps of balls, 1 thread against --threads (2 if not said)
+//            work of the caller alone in between (subtracted), serial, by c3de::ThreadPool, and by oneTBB's
+//            parallel_for (static and automatic partitioner) if it was present at build time
+// steps      forces and explicit substeps of balls, 1 thread against --threads (2 by default)
 //
-// All in turns. "median" is what a machine gives as it is now; "1 %" is the first percentile, what it gives when nobody
-// else wants its processors: with other load a second thread cannot be had half of the time. speed-up: serial over
+// All in turns. "median" is the time at the present load of the machine; "1 %" is the first percentile, the time
+// without other load: under other load a second thread is not available half of the time. speed-up: serial over
 // parallel, each of both.
 #include <algorithm>
 #include <cmath>
@@ -40,7 +40,7 @@ using bench::Timing;
 constexpr std::size_t kItems = 4096, kGrain = 64;
 constexpr double kGap_us = 30.0;
 
-// Dependent multiplications: the same time everywhere, whatever the caches hold.
+// Dependent multiplications: the time does not depend on the contents of the caches.
 double work(std::size_t rounds, double x = 1.0) {
   for (std::size_t i = 0; i < rounds; ++i) x = x * 0.999999 + 1e-9;
   return x;
@@ -169,8 +169,8 @@ bool steps(bench::Report &report, std::size_t phyxels, c3de::ThreadPool &pool, d
   return true;
 }
 
-// What the processors give when all of them multiply and add in registers alone: those that share the units of one core
-// give together what one gives, and no program of this kind can gain from the second.
+// The throughput of the processors when all of them multiply and add only in registers. Processors that share the units
+// of one core have together the throughput of one, and no program of this kind can gain from the second.
 void processors(bench::Report &report, c3de::ThreadPool &pool, unsigned threads, double seconds) {
   report.table("processors", {{"what", "what                "},
                               {"one_gflops", "1 thread GFLOP/s", 1},

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Operations and bytes of one force evaluation on a lattice, counted from the kernels' formulas
-// (plugins/pointbased/core/ src/kernels): to be counted again when they change. A multiply-add is two operations, an
-// addition, multiplication, division and square root one; signs, comparisons, maxima and shuffles are none.
+// (plugins/pointbased/core/ src/kernels); recount when they change. A multiply-add is two operations, an addition,
+// multiplication, division and square root one; signs, comparisons, maxima and shuffles are none.
 #pragma once
 
 #include <cstddef>
@@ -38,17 +38,18 @@ inline constexpr double kCornerSums = 8 * 4;                 // a corner's force
 /// In the kernel of cells.
 inline constexpr double kCellOperations = kSignSums + kFit + kStrain + kStretch + kLaw + kTangentBound + kScale +
                                           kModes + kUnfit + kSpreadSigns + kCornerSums;
-/// Beside it, per phyxel of a chunk: its part is added to the force.
+/// Besides the kernel, per phyxel of a chunk: its contribution is added to the force.
 inline constexpr double kCollectOperations = 3;
 
-/// Bytes that must go through, each once, however often the caches see them. Per cell: 8 corners; its numbers are
-/// counted where they lie, since whole cells share theirs.
+/// Minimal memory traffic in bytes: each datum is transferred once, regardless of the caches. Per cell: 8 corners; the
+/// numbers of a cell are counted with their arrays, since whole cells share theirs.
 inline constexpr double kCellBytes = 8 * 2;
-/// Per phyxel of a chunk: which it is, four numbers out (zeroed first, in the first cache).
+/// Per phyxel of a chunk: its index, four numbers out (zeroed first, in the first-level cache).
 constexpr double localBytes(std::size_t number) { return 4 + 4 * static_cast<double>(number); }
 /// Per phyxel: u.
 inline constexpr double kFieldBytes = 24;
-/// Beside the kernel: per phyxel of a chunk its place and four numbers in, per phyxel a row's offset and the force out.
+/// Besides the kernel: per phyxel of a chunk its index and four numbers in, per phyxel a row's offset and the force
+/// out.
 constexpr double collectBytes(std::size_t number) { return 4 + 4 * static_cast<double>(number); }
 inline constexpr double kForceBytes = 4 + 24;
 

@@ -43,9 +43,9 @@ endfunction()
 
 count(by_hand by_hand byHand handState)
 count(simulator simulator simulator simulatorState)
-# What the guard does: its two looks at the state, the copy to go back to, the energy.
-count(guard simulator guard guardState "--toggle-collect=pointbased::glanceAt*" "--toggle-collect=pointbased::isFinite*"
-      "--toggle-collect=pointbased::Body::keepState*" "--toggle-collect=pointbased::EnergyWatch::look*")
+# What the guard does: both checks of the state, the copy for a retry, the energy.
+count(guard simulator guard guardState "--toggle-collect=pointbased::quickCheck*" "--toggle-collect=pointbased::isFinite*"
+      "--toggle-collect=pointbased::Body::keepState*" "--toggle-collect=pointbased::energyLevel*")
 
 math(EXPR beside "${simulator} - ${guard} - ${byHand}")
 percent("${beside}" ${byHand} besidePercent)

@@ -116,7 +116,7 @@ class SceneBench {
 
   void draw() {
     images_.setScene(views_.scene());
-    const render::ImageLook look = views_.look();
+    const render::ImageDisplay look = views_.look();
     for (const ui::Pane pane : ui::kSlicePanes) {
       const int v = static_cast<int>(pane);
       images_.drawSlice(look, views_.view(pane).plane(),

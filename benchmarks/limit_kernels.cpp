@@ -13,7 +13,7 @@ namespace limits::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Latency times throughput of today's cores is 8 to 10 chains; 12 leave registers for the factors.
+// Latency times throughput of current cores is 8 to 10 chains; 12 leave registers for the factors.
 constexpr std::size_t kChains = 12;
 
 template <class T>

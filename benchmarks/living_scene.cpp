@@ -20,10 +20,10 @@
 #include "c3de/session/body_sources.h"
 #include "c3de/session/build_scene.h"
 #include "c3de/session/displacement_sampler.h"
-#include "c3de/session/live_tissues.h"
+#include "c3de/session/fixed_region_rule.h"
 #include "c3de/session/session.h"
 #include "c3de/session/simulator_access.h"
-#include "c3de/session/still_rule.h"
+#include "c3de/session/tissue_tracker.h"
 #include "c3de/ui/image_presets.h"
 #include "c3de/ui/image_views.h"
 #include "images_scene.h"
@@ -42,7 +42,7 @@ struct Organ {
   Vec3 centre, radii;  // mm, LPS; z of a tube: half its length
   bool isTube = false;
 };
-// Later ones lie over those before.
+// Later organs overwrite earlier ones.
 constexpr double kChest = 150.0, kDepth = 105.0, kHeight = 150.0;
 const Organ kOrgans[] = {
     {"lung_right", -800, {-70, 0, 75}, {55, 75, 70}},
@@ -66,11 +66,11 @@ bool isInside(const Organ &organ, const Vec3 &x) {
   return r(0) * r(0) + r(1) * r(1) + r(2) * r(2) < 1.0;
 }
 
-/// 1 and the number of the organ; 0: fat; none: air around.
+/// 1 plus the index of the organ; 0: fat; none: surrounding air.
 std::optional<std::size_t> organAt(const Vec3 &x) {
   const double r = std::hypot(x[0] / kChest, x[1] / kDepth);
   if (r > 1.0 || std::abs(x[2]) > kHeight) return std::nullopt;
-  // Hoops behind the skin.
+  // Rings behind the skin.
   if (x[2] > -20.0 && r > 0.88 && r < 0.95 && std::fmod(x[2] + 200.0, 30.0) < 10.0) return kOrganCount;
   for (std::size_t i = kOrganCount - 1; i-- > 0;)
     if (isInside(kOrgans[i], x)) return i + 1;
@@ -96,7 +96,7 @@ imaging::VolumeGeometry gridOf(double edge_mm) {
   return grid;
 }
 
-/// An image of 2 mm, labels of 4 mm, and a scene of 3000 points that is tilted by 30° out of the gravity of its scan.
+/// An image of 2 mm, labels of 4 mm, and a scene of 3000 points that is tilted by 30° from the gravity of its scan.
 Expected<std::filesystem::path> writeTorso(const std::filesystem::path &folder) {
   std::error_code code;
   std::filesystem::create_directories(folder, code);
@@ -150,7 +150,7 @@ class LivingBench {
     images_.setOverlayColours(ui::overlayColours());
   }
 
-  Expected<void> upload(const session::StillPlaces &still) {
+  Expected<void> upload(const session::FixedRegions &still) {
     const imaging::Volume &volume = views_.image()->volume;
     auto handle = images_.addImage(app::voxelsOf(volume));
     if (!handle) return tl::unexpected(handle.error());
@@ -166,7 +166,7 @@ class LivingBench {
   }
 
   /// The surfaces of the tissues in the 3D view.
-  Expected<void> showTissues(const std::vector<session::TissuePlaces> &bodies) {
+  Expected<void> showTissues(const std::vector<session::TissueVoxels> &bodies) {
     auto made = session::tissueSurfaces(bodies, {});
     if (!made) return tl::unexpected(made.error());
     tissues_.begin(bodies);
@@ -195,8 +195,8 @@ class LivingBench {
     for (const session::PointField &field : sampler_.offered())
       if (field.name == "stress_vm" && overlay == ui::Overlay::field) options.overlayField = field.name;
     views_.setOptions(options);
-    sampler_.wantFields({overlay != ui::Overlay::none, overlay == ui::Overlay::field ? options.overlayField : ""});
-    run(0.5);  // programs are linked, and the first displacement comes
+    sampler_.requestFields({overlay != ui::Overlay::none, overlay == ui::Overlay::field ? options.overlayField : ""});
+    run(0.5);  // programs are linked, and the first displacement arrives
     for (int i = 0; i < 100 && overlay != ui::Overlay::none && views_.shownField() == nullptr; ++i) run(0.1);
     if (overlay != ui::Overlay::none && views_.shownField() == nullptr)
       return fail(ErrorCode::plugin, std::string("the field of '") + what + "' has not come");
@@ -243,11 +243,11 @@ class LivingBench {
       surfaces_.place(places_);
     }
     images_.setScene(views_.scene());
-    const render::ImageLook look = views_.look();
+    const render::ImageDisplay look = views_.look();
     const std::uint64_t snapshots = snapshots_;
     const bool hasMoved = std::exchange(drawnSnapshots_, snapshots) != snapshots;
     for (std::size_t v = 0; v < 4; ++v) {
-      // As the window does: what has not changed is kept.
+      // As in the window: unchanged views are retained.
       if (!isNew && (static_cast<ui::Pane>(v) != ui::Pane::space || !hasMoved)) continue;
       const double from = wall_ms();
       const int x = static_cast<int>(v) % 2 * kPaneWidth, y = static_cast<int>(v) / 2 * kPaneHeight;
@@ -279,8 +279,8 @@ class LivingBench {
   app::DisplacementPresenter displacement_{&images_, views_};
   session::DisplacementSampler sampler_;
   app::TissuePresenter surfaces_{renderer_, session_.sceneGraph()};
-  std::shared_ptr<const session::SurfacePlaces> places_;
-  session::LiveTissues tissues_;
+  std::shared_ptr<const session::SurfacePositions> places_;
+  session::TissueTracker tissues_;
   render::Camera camera_;
   Counts counts_;
 };
@@ -316,12 +316,12 @@ Expected<void> measureLiving(render::Renderer &renderer, const std::filesystem::
   if (!labels) return tl::unexpected(labels.error());
   auto stored = std::make_shared<scene::StoredLabels>();
   stored->map = (*labels)->front();
-  auto rule = session::stillRuleOf(scene->image->still, image->volume, &stored->map, (*session)->materials());
+  auto rule = session::fixedRegionRuleOf(scene->image->still, image->volume, &stored->map, (*session)->materials());
   if (!rule) return tl::unexpected(rule.error());
 
   LivingBench bench(renderer, **session, image, scene->image->rim_mm);
   if (auto done = bench.upload({image, stored, std::move(*rule),
-                                std::make_shared<const std::vector<session::TissuePlaces>>(prepared.tissues)});
+                                std::make_shared<const std::vector<session::TissueVoxels>>(prepared.tissues)});
       !done)
     return done;
   (*session)->setPublishedHook([&bench](const scene::Simulation &simulation) { bench.onPublished(simulation); });
@@ -342,7 +342,7 @@ Expected<void> measureLiving(render::Renderer &renderer, const std::filesystem::
   Expected<void> done;
   for (const auto &[what, overlay] : parts)
     if (done) done = bench.measure(what, overlay, options.seconds, report);
-  // Its thread calls the bench, which goes first.
+  // Its thread calls the bench, which is destroyed first.
   if (scene::Simulation *simulation = (*session)->simulation()) simulation->setPublishedListener({});
   return done;
 }

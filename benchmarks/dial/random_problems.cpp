@@ -26,14 +26,14 @@ double logBetween(Random &random, double low, double high) {
 int choice(Random &random, int n) { return std::min(n - 1, static_cast<int>(n * (0.5 * random() + 0.5))); }
 
 Mat3 randomRotation(Random &random) {
-  // Braces: arguments would be drawn in any order.
+  // Braces: the order of evaluation of function arguments is unspecified.
   const Eigen::Vector4d q{random(), random(), random(), random()};
   return Eigen::Quaterniond(q.normalized()).toRotationMatrix();
 }
 
 double signedPower(double x, double p) { return std::copysign(std::pow(std::abs(x), p), x); }
 
-/// A ball, a cylinder or a box with rounded edges, or between them, with bumps.
+/// A ball, a cylinder or a box with rounded edges, or a shape between them, with bumps.
 Surface lobed(Random &random, const Vec3 &semiAxes, double boxiness, double bumps) {
   struct Bump {
     Vec3 direction;
@@ -83,7 +83,7 @@ Surface tube(double radius, double wall, double length) {
   return out;
 }
 
-/// Bends what lies along x into an arc of `angle`, about z.
+/// Bends a body along x into an arc of `angle`, about z.
 void bend(Surface &surface, double angle) {
   if (std::abs(angle) < 1e-6) return;
   double length = 0.0;
@@ -107,7 +107,7 @@ Extent extentOf(const Surface &surface) {
   return out;
 }
 
-/// What of the surface lies beyond a part of its extent along a direction, as a half space.
+/// The surface beyond a fraction of its extent along a direction, as a half space.
 Region endOf(const Surface &surface, const Vec3 &direction, double part) {
   double low = 1e300, high = -1e300;
   for (const Vec3 &x : surface.positions) {
@@ -207,7 +207,7 @@ std::string draw(RandomProblem &out, Random &random) {
 }  // namespace
 
 RandomProblem randomProblem(std::uint64_t seed) {
-  // Seeds beside each other are to give bodies that have nothing in common.
+  // Neighbouring seeds must give unrelated bodies.
   Random random((seed + 1) * 0x9e3779b97f4a7c15ull ^ (seed << 17));
   for (int i = 0; i < 8; ++i) (void)random();
   RandomProblem out;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies, materials and loads drawn by seed: what the accuracy dial is fitted to and tried on.
+// Bodies, materials and loads drawn by seed: the accuracy setting is fitted to them and tested on them.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 namespace dial {
 
 struct RandomProblem {
-  std::string name;  ///< family, size, what loads it
+  std::string name;  ///< family, size, load
   pointbased::BodyShape shape;
   std::vector<pointbased::Vec3> normals;  ///< of the vertices of the surface
   pointbased::BodyRecipe recipe;
@@ -23,8 +23,8 @@ struct RandomProblem {
 };
 
 /// Lobed, bent, boxy and tubular bodies of 3 … 20 cm in any direction; soft and stiff, nearly incompressible ones too;
-/// held at an end, between two ends or all around; under their weight, a force or a prescribed motion.
-/// The same for equal seeds, on every machine.
+/// fixed at one end, at both ends or all around; under their weight, a force or a prescribed motion. The same for equal
+/// seeds, on every machine.
 [[nodiscard]] RandomProblem randomProblem(std::uint64_t seed);
 
 }  // namespace dial

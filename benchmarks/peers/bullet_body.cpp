@@ -24,7 +24,7 @@ btVector3 toBullet(const Vec3 &x) {
 }
 Vec3 fromBullet(const btVector3 &x) { return {x.x(), x.y(), x.z()}; }
 
-/// What both kinds of worlds need, in the order in which it must live.
+/// The components that both kinds of worlds need, in the order of their lifetimes.
 struct Stage {
   btSoftBodyRigidBodyCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher{&configuration};
@@ -58,7 +58,7 @@ class BulletBody : public MovingBody {
     double most = 0.0;
     for (std::size_t i = 0; i < mesh_.nodes.size(); ++i) {
       const double u = displacementOf(i).norm();
-      if (!(u <= most)) most = u;  // keeps what is not a number
+      if (!(u <= most)) most = u;  // NaN propagates
     }
     return most;
   }
@@ -80,7 +80,7 @@ class BulletBody : public MovingBody {
   [[nodiscard]] double massOf(std::size_t i) const { return density_ * mesh_.volumes[i]; }
   [[nodiscard]] Vec3 displacementOf(std::size_t i) const { return fromBullet(node(i).m_x) - mesh_.nodes[i]; }
 
-  /// Nodes with their masses; those that are held have none, which is Bullet's way to hold.
+  /// Nodes with their masses; fixed nodes have mass zero, which fixes them in Bullet.
   std::unique_ptr<btSoftBody> makeNodes(btSoftBodyWorldInfo &info) const {
     btAlignedObjectArray<btVector3> positions;
     btAlignedObjectArray<btScalar> masses;
@@ -111,7 +111,7 @@ class MassSpring final : public BulletBody {
       for (std::size_t a = 0; a < 4; ++a)
         for (std::size_t b = a + 1; b < 4; ++b) edges.insert(std::minmax(t[a], t[b]));
     for (const auto &[a, b] : edges) body_->appendLink(a, b);
-    body_->randomizeConstraints();  // as Bullet's own makers of bodies do; in the order of the nodes they whip
+    body_->randomizeConstraints();  // as Bullet's own body factories do; in the order of the nodes the bodies whip
     world_.setGravity(toBullet(kGravity));
     world_.addSoftBody(body_.get());
   }
@@ -135,11 +135,12 @@ class Deformable final : public BulletBody {
     world_ = std::make_unique<btDeformableMultiBodyDynamicsWorld>(&stage_.dispatcher, &stage_.broadphase, &constraints_,
                                                                   &stage_.configuration, &solver_);
     world_->setImplicit(settings.implicit);
-    // Implicit steps of 3.24 hold nothing without it; every example of Bullet that steps implicitly sets it.
+    // Without it, implicit steps of 3.24 do not hold the fixed nodes; every example of Bullet with implicit steps sets
+    // it.
     world_->setUseProjection(settings.implicit);
     body_ = makeNodes(world_->getWorldInfo());
     for (const auto &t : mesh.tetrahedra) body_->appendTetra(t[0], t[1], t[2], t[3]);
-    // What Bullet's own readers of files do after the last tetrahedron.
+    // Bullet's own file readers call this after the last tetrahedron.
     body_->initializeDmInverse();
     body_->m_tetraScratches.resize(body_->m_tetras.size());
     body_->m_tetraScratchesTn.resize(body_->m_tetras.size());

@@ -10,7 +10,7 @@ namespace peers {
 enum class BulletModel {
   massSpring,        ///< links along all edges of the tetrahedra, btSoftRigidDynamicsWorld
   linearElasticity,  ///< corotated linear tetrahedra, btDeformableMultiBodyDynamicsWorld
-  neoHookean         ///< tetrahedra of Smith et al.'s energy, likewise
+  neoHookean         ///< tetrahedra of Smith et al.'s energy, in the same world
 };
 
 struct BulletSettings {
@@ -30,7 +30,7 @@ struct BulletSettings {
 [[nodiscard]] std::unique_ptr<MovingBody> makeBulletBody(const TetraMesh &mesh, const Solid &solid,
                                                          const BulletSettings &settings, double dt);
 
-/// Present displacements of the nodes, m, and their replacement (velocities become zero): to begin near equilibrium.
+/// Current displacements of the nodes, m, and a setter (velocities become zero): to begin near equilibrium.
 [[nodiscard]] std::vector<Vec3> bulletDisplacements(const MovingBody &body);
 void setBulletDisplacements(MovingBody &body, const std::vector<Vec3> &displacements);
 

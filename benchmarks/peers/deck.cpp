@@ -14,7 +14,7 @@ void writeDeck(const TetraMesh &mesh, const Solid &solid, std::ostream &out) {
     out << number << ", " << x[0] << ", " << x[1] << ", " << x[2] << '\n';
   };
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i) node(i + 1, mesh.nodes[i]);
-  // CalculiX's order: corners, then the middles of 12 23 31 14 24 34.
+  // CalculiX's order: corners, then the midpoints of 12 23 31 14 24 34.
   static constexpr std::size_t kEdges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
   std::map<std::pair<int, int>, std::size_t> middles;
   for (const auto &t : mesh.tetrahedra)

@@ -8,8 +8,8 @@
 
 namespace peers {
 
-/// The static problem for CalculiX: 10-node tetrahedra with the middles of the edges, St. Venant-Kirchhoff, NLGEOM.
-/// Prints displacements, of which organ_truth.py takes the mean.
+/// The static problem for CalculiX: 10-node tetrahedra with straight edges and mid-edge nodes, St. Venant-Kirchhoff,
+/// NLGEOM. Prints displacements; organ_truth.py computes their mean.
 void writeDeck(const TetraMesh &mesh, const Solid &solid, std::ostream &out);
 
 }  // namespace peers

@@ -21,7 +21,7 @@ class EngineBody final : public MovingBody {
     world.integrator = integrator;
     world.dt = dt;
     simulator_.setWorld(world);
-    simulator_.setContact({false});  // as the peers
+    simulator_.setContact({false});  // as the peer engines
     id_ = simulator_.addBody(
         std::make_unique<Body>("body", rest, Constitution{{material}, kLatticeStabilisation}, serialFor()));
   }
@@ -49,7 +49,7 @@ class EngineBody final : public MovingBody {
     for (Vec3 &v : simulator_.body(id_)->state().velocities) v.setZero();
   }
 
-  Result<void> settle() {
+  Result<void> relaxToRest() {
     while (!simulator_.finished())
       if (const auto done = simulator_.step(); !done) return tl::unexpected(done.error().text);
     if (body().stopped) return tl::unexpected(body().stopMessage());
@@ -82,7 +82,7 @@ std::unique_ptr<MovingBody> makeEngineBody(const Scene &scene, const std::shared
 
 Result<Vec3> engineAtRest(const Scene &scene, const std::shared_ptr<const RestState> &rest, const Solid &solid) {
   EngineBody body(scene, rest, solid, Integrator::quasiStatic, 0.0);
-  if (const auto done = body.settle(); !done) return tl::unexpected(done.error());
+  if (const auto done = body.relaxToRest(); !done) return tl::unexpected(done.error());
   return body.displacement();
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// This engine as a program would use it: its own choice of step, law and stabilisation.
+// This engine as a program would use it: with its own choice of step, law and stabilisation.
 #pragma once
 
 #include "moving_body.h"

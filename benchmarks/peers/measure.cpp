@@ -18,8 +18,8 @@ bool isSound(const MovingBody &body, const Bounds &bounds) {
 }
 
 Cost run(const MakeBody &make, double dt, const Bounds &bounds, double budgetMs) {
-  constexpr double kSeconds = 0.5;  // of simulated time: the first swing
-  constexpr int kLeastSteps = 8;
+  constexpr double kSeconds = 0.5;  // of simulated time: the first oscillation
+  constexpr int kMinSteps = 8;
   constexpr int kWarmUp = 2;
   constexpr int kAtOnce = 8;  // steps between two readings of the clock
   Cost cost;
@@ -28,7 +28,7 @@ Cost run(const MakeBody &make, double dt, const Bounds &bounds, double budgetMs)
     if (!(body->step() > 0.0)) return cost;
   double spent = 0.0;
   int steps = 0;
-  while (steps < kLeastSteps || (cost.simulated < kSeconds && spent < budgetMs)) {
+  while (steps < kMinSteps || (cost.simulated < kSeconds && spent < budgetMs)) {
     const int many = spent > 0.0 && spent / steps > 10.0 ? 1 : kAtOnce;
     const double begin = processorMs();
     for (int i = 0; i < many; ++i) {
@@ -57,7 +57,7 @@ Cost costAtLargestStep(const MakeBody &make, const Bounds &bounds, int hint, dou
     if (cost.stable) best = cost;
     return cost.stable;
   };
-  // In growing strides away from the hint until both sides are known, then in halves.
+  // In growing strides away from the hint until it is bracketed, then by bisection.
   int index = std::clamp(hint, 0, kOfferedSteps - 1);
   for (int stride = 1;; stride *= 2) {
     const bool good = isStable(index);
@@ -69,7 +69,7 @@ Cost costAtLargestStep(const MakeBody &make, const Bounds &bounds, int hint, dou
   return best;
 }
 
-double settle(MovingBody &body, int mostSteps) {
+double relaxToRest(MovingBody &body, int mostSteps) {
   constexpr int kPause = 12;        // steps
   constexpr double kChange = 2e-4;  // of the displacement
   double kinetic = 0.0, before = 0.0;

@@ -7,17 +7,17 @@
 
 namespace peers {
 
-/// Largest step that anybody is offered: a frame.
+/// Largest step tried: a frame.
 inline constexpr double kFrame = 1.0 / 60.0;  // s
-/// Offered steps are a frame divided by powers of 2^(1/4).
+/// The steps tried are a frame divided by powers of 2^(1/4).
 [[nodiscard]] double offeredStep(int index);
 inline constexpr int kOfferedSteps = 60;
 
 using MakeBody = std::function<std::unique_ptr<MovingBody>(double dt)>;
 
 struct Bounds {
-  double length = 0.0;  ///< m, of the body: nothing may go farther than ten times this, so a free fall may
-  double energy = 0.0;  ///< J, weight times length: motion may exceed what gravity has given by a fiftieth of it
+  double length = 0.0;  ///< m, of the body: nothing may move farther than ten times this, so a free fall may
+  double energy = 0.0;  ///< J, weight times length: kinetic energy may exceed the work of gravity by a fiftieth of it
 };
 
 struct Cost {
@@ -26,7 +26,7 @@ struct Cost {
   double stepMs = 0.0;       ///< processor time of one step, ms
   double perSecondMs = 0.0;  ///< processor time of a simulated second, ms
   double simulated = 0.0;    ///< s that were timed
-  int index = 0;             ///< of the offered step
+  int index = 0;             ///< of the tried step
 };
 
 [[nodiscard]] double processorMs();
@@ -37,11 +37,11 @@ struct Cost {
 /// spent (eight steps at least). Instability ends it: then `stable` is false.
 [[nodiscard]] Cost run(const MakeBody &make, double dt, const Bounds &bounds, double budgetMs);
 
-/// The cost at the largest of the offered steps that stays stable, looked for from `hint` on.
+/// The cost at the largest of the tried steps that stays stable, searched from `hint` on.
 [[nodiscard]] Cost costAtLargestStep(const MakeBody &make, const Bounds &bounds, int hint, double budgetMs);
 
-/// Until the measured displacement rests: motion is stopped whenever the kinetic energy falls (kinetic damping).
+/// Until the measured displacement is at rest: motion is stopped whenever the kinetic energy falls (kinetic damping).
 /// @return vertical displacement, m; NaN: it does not come to rest within `mostSteps`
-[[nodiscard]] double settle(MovingBody &body, int mostSteps);
+[[nodiscard]] double relaxToRest(MovingBody &body, int mostSteps);
 
 }  // namespace peers

@@ -10,7 +10,7 @@ namespace peers {
 
 namespace {
 
-/// Cheapest of those that fulfil a condition and are stable; null: none.
+/// The cheapest of the stable ones that fulfil a condition; null: none.
 template <class Condition>
 const Row *cheapest(std::span<const Row> rows, const Condition &condition) {
   const Row *best = nullptr;
@@ -98,7 +98,7 @@ void printRatios(std::span<const Row> rows, nlohmann::ordered_json &out) {
   for (const Row &row : rows)
     if (isFem(row) && row.cost.stable && std::abs(row.error) < least) least = std::abs(row.error);
   if (!std::isfinite(least)) return;
-  constexpr double kTie = 1e-3;  // forces of one mesh differ by less
+  constexpr double kTie = 1e-3;  // forces of one mesh differ by less than this
   std::printf("of all sizes\n");
   tell("equal or smaller error, FEM at its best",
        cheapest(rows, [&](const Row &r) { return isFem(r) && std::abs(r.error) <= least + kTie; }),

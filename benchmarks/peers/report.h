@@ -12,14 +12,14 @@ namespace peers {
 
 enum class Kind { engine, fem, massSpring };
 
-/// One way to simulate one scene at one size.
+/// One method for one scene at one size.
 struct Row {
   std::string scene, model;
   Kind kind = Kind::engine;
   std::size_t wanted = 0, nodes = 0;
   Cost cost;             ///< of the soft body
   double settled = 0.0;  ///< m, vertical, of the stiff body; NaN: none
-  double error = 0.0;    ///< of that against the truth, relative; NaN: none
+  double error = 0.0;    ///< relative error of `settled`; NaN: none
 };
 
 void printHead(const std::string &scene, const std::string &what);

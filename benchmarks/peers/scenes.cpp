@@ -59,7 +59,7 @@ Vec3 meanOverFace(const Surface &surface, const RestState &rest, std::span<const
   return sum / area;
 }
 
-/// ∫u dV over what is not held, by the functions of the lattice.
+/// ∫u dV over the free part, by the shape functions of the lattice.
 Vec3 meanOfFreePart(const RestState &rest, std::span<const Vec3> u) {
   const std::vector<double> &all = rest.weightVolumes.empty() ? rest.volumes : rest.weightVolumes;
   Vec3 sum = Vec3::Zero();

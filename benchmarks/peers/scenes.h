@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two scenes, for every engine alike: what is held, made of what, measured where, and its truth.
+// The two scenes, identical for every engine: fixed region, material, measured displacement, and its reference value.
 #pragma once
 
 #include <filesystem>
@@ -22,14 +22,14 @@ struct Scene {
   /// The measured displacement of a body of this engine, m.
   std::function<Vec3(const pointbased::RestState &, std::span<const Vec3> displacements)> measure;
   double truth = 0.0;  ///< m, vertical component of the measured displacement of `stiff`; 0: unknown
-  std::string origin;  ///< of the truth
+  std::string origin;  ///< source of the reference value
   double size = 0.0;   ///< m, longest edge of the bounds
 };
 
-/// 0.2 x 0.04 x 0.04 m, x = 0 held; the mean displacement of the far end.
+/// 0.2 x 0.04 x 0.04 m, x = 0 fixed; the mean displacement of the far end.
 [[nodiscard]] Scene cantilever();
 
-/// The organ of a file (mm) that hangs from its uppermost fifth; the mean displacement of what is below. Errors: why
+/// The organ of a file (mm) that hangs from its uppermost fifth; the mean displacement of the part below. Errors: why
 /// the file cannot be used.
 [[nodiscard]] pointbased::Result<Scene> hangingOrgan(const std::filesystem::path &file);
 

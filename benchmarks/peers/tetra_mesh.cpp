@@ -11,7 +11,7 @@ namespace {
 
 using Cell = std::array<int, 3>;
 
-/// The lattice of a bounding box with nodes of three indices; nodes are numbered as cells ask for them.
+/// The lattice of a bounding box with nodes of three indices; nodes are numbered as cells request them.
 class Lattice {
  public:
   Lattice(const Vec3 &origin, const Vec3 &spacing, const Cell &cells)
@@ -23,7 +23,7 @@ class Lattice {
     for (int c = 0; c < 8; ++c)
       corners[c] = number({cell[0] + (c & 1), cell[1] + ((c >> 1) & 1), cell[2] + ((c >> 2) & 1)}, mesh);
     // Five: one in the middle and four at corners, mirrored from cell to cell so that faces of neighbours agree. A bar
-    // of 525 nodes bends 11 % too little with them, 21 % with six around a diagonal: better for who uses them.
+    // of 525 nodes bends 11 % too little with them, 21 % with six around a diagonal, so five favour the peer engines.
     static constexpr int kFives[2][5][4] = {{{0, 3, 5, 6}, {1, 0, 3, 5}, {2, 0, 3, 6}, {4, 0, 5, 6}, {7, 3, 5, 6}},
                                             {{1, 2, 4, 7}, {0, 1, 2, 4}, {3, 1, 2, 7}, {5, 1, 4, 7}, {6, 2, 4, 7}}};
     for (const auto &four : kFives[(cell[0] + cell[1] + cell[2]) % 2])
@@ -56,7 +56,7 @@ void measureVolumes(TetraMesh &mesh) {
     for (const int node : t) mesh.volumes[static_cast<std::size_t>(node)] += 0.25 * volumeOf(mesh, t);
 }
 
-/// Held nodes last: a predictor of Bullet 3.24's implicit steps counts forces of free nodes only.
+/// Fixed nodes last: a predictor of Bullet 3.24's implicit steps counts only forces of free nodes.
 template <class Held>
 void putHeldLast(TetraMesh &mesh, const Held &held) {
   std::vector<int> order(mesh.nodes.size());
@@ -75,7 +75,7 @@ void putHeldLast(TetraMesh &mesh, const Held &held) {
     for (int &node : t) node = renamed[static_cast<std::size_t>(node)];
 }
 
-/// Corners that belong to a face of one tetrahedron alone.
+/// Corners that belong to a face of a single tetrahedron.
 std::vector<std::uint8_t> borderNodes(const TetraMesh &mesh) {
   std::vector<std::array<int, 3>> faces;
   for (const auto &t : mesh.tetrahedra)
@@ -103,13 +103,13 @@ void moveToSurface(TetraMesh &mesh, const std::function<Vec3(const Vec3 &)> &clo
   for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t)
     for (const int node : mesh.tetrahedra[t]) around[static_cast<std::size_t>(node)].push_back(t);
   const std::vector<std::uint8_t> border = borderNodes(mesh);
-  // In a few passes, so that neighbours make room for each other.
+  // In a few passes, so that neighbours can follow each other.
   for (int pass = 0; pass < 6; ++pass)
     for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
       if (!border[i]) continue;
       const Vec3 here = mesh.nodes[i];
       Vec3 way = closest(here) - here;
-      // The plane that separates what is held stays one.
+      // The boundary plane of the fixed region remains a plane.
       if (std::abs(here[2] - heldFrom) < 1e-6 * spacing) way[2] = 0.0;
       for (int halving = 0; halving < 4; ++halving, way *= 0.5) {
         mesh.nodes[i] = here + way;
@@ -121,7 +121,7 @@ void moveToSurface(TetraMesh &mesh, const std::function<Vec3(const Vec3 &)> &clo
     }
 }
 
-/// Only the largest part whose tetrahedra hang together by faces of cells: an island would fall.
+/// Only the largest component whose tetrahedra are connected by faces of cells: an island would fall.
 std::vector<Cell> connectedCells(const std::vector<Cell> &cells, const Cell &counts) {
   const auto at = [&](const Cell &c) { return (static_cast<std::size_t>(c[2]) * counts[1] + c[1]) * counts[0] + c[0]; };
   std::vector<int> label(static_cast<std::size_t>(counts[0]) * counts[1] * counts[2], -1);
@@ -156,7 +156,7 @@ std::vector<Cell> connectedCells(const std::vector<Cell> &cells, const Cell &cou
 }
 
 TetraMesh cutOrgan(const pointbased::BodyShape &shape, double heldFrom, double spacing) {
-  // A plane of nodes lies at heldFrom.
+  // A plane of nodes is at heldFrom.
   Vec3 origin = shape.min;
   origin[2] = heldFrom - spacing * std::ceil((heldFrom - shape.min[2]) / spacing);
   Cell counts{};

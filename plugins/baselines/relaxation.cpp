@@ -8,10 +8,10 @@
 namespace baselines {
 namespace {
 
-constexpr int kMostEvaluations = 200000;
+constexpr int kMaxEvaluations = 200000;
 /// Laws stiffen; steps are shortened by this where forces grow out of bounds.
 constexpr double kShorten = 0.5;
-constexpr int kMostShortenings = 6;
+constexpr int kMaxShortenings = 6;
 
 /// What is left of the forces on free points, and what all that bears or loads them amounts to.
 struct Balance {
@@ -46,7 +46,7 @@ class Descent {
     std::vector<Vec3> before = start_;
     body_.state().positions = start_;
     double t = 1.0, first_N = -1.0;
-    for (; evaluations < kMostEvaluations; ++evaluations) {
+    for (; evaluations < kMaxEvaluations; ++evaluations) {
       body_.computeForces(0.0, loading_);
       const Balance is = balance();
       if (!std::isfinite(is.left_N)) return false;
@@ -108,7 +108,7 @@ void relax(PointBody &body, const Loading &loading, const ParameterValues &ofWor
   const double tolerance = ofWorld.number(kTolerance);
   int evaluations = 0;
   double stepLength = 1.0;
-  for (int n = 0; n <= kMostShortenings && evaluations < kMostEvaluations; ++n, stepLength *= kShorten)
+  for (int n = 0; n <= kMaxShortenings && evaluations < kMaxEvaluations; ++n, stepLength *= kShorten)
     if (descent.run(tolerance, stepLength, evaluations)) return;
   char text[80];
   std::snprintf(text, sizeof text, "comes to no rest within %d evaluations; help: more load steps", evaluations);

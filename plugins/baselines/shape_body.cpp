@@ -58,14 +58,14 @@ void ShapeBody::setMaterials(std::vector<Elasticity> materials) {
     cluster.nodes.erase(std::unique(cluster.nodes.begin(), cluster.nodes.end()), cluster.nodes.end());
     const double count = static_cast<double>(cluster.nodes.size());
     for (const std::uint32_t n : cluster.nodes) cluster.middle += (1.0 / count) * points()[n];
-    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d secondMoment = Eigen::Matrix3d::Zero();
     for (const std::uint32_t n : cluster.nodes) {
       const Eigen::Vector3d r = vector(points()[n] - cluster.middle);
-      spread += r * r.transpose();
+      secondMoment += r * r.transpose();
       clustersAt[n] += 1.0;
     }
-    cluster.inverse = spread.inverse();
-    cluster.stiffness_N_m = stiffness / (spread.trace() / 3.0);
+    cluster.inverse = secondMoment.inverse();
+    cluster.stiffness_N_m = stiffness / (secondMoment.trace() / 3.0);
     for (const std::uint32_t n : cluster.nodes) bounds[n] += cluster.stiffness_N_m;
     clusters_.push_back(std::move(cluster));
   }

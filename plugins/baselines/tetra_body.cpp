@@ -15,12 +15,12 @@ constexpr std::array<std::array<std::array<std::uint8_t, 4>, 5>, 2> kDivisions{
 
 /// Below this part of its volume the law of neo-Hooke goes on straight, so that there is a way back from the other
 /// side; at rest nothing may be there.
-constexpr double kLeastVolume = 0.1;
+constexpr double kMinVolume = 0.1;
 
-/// ln J and its derivative, straight below kLeastVolume.
+/// ln J and its derivative, straight below kMinVolume.
 std::pair<double, double> logarithm(double J) {
-  if (J >= kLeastVolume) return {std::log(J), 1.0 / J};
-  return {std::log(kLeastVolume) + (J - kLeastVolume) / kLeastVolume, 1.0 / kLeastVolume};
+  if (J >= kMinVolume) return {std::log(J), 1.0 / J};
+  return {std::log(kMinVolume) + (J - kMinVolume) / kMinVolume, 1.0 / kMinVolume};
 }
 
 /// dJ/dF
@@ -187,7 +187,7 @@ double TetraBody::elasticEnergy_J() const {
 std::string TetraBody::trouble() const {
   if (law_ != Law::neoHookean) return {};
   const auto flat = std::count_if(tetrahedra_.begin(), tetrahedra_.end(),
-                                  [&](const Tetrahedron &t) { return gradient(t).determinant() < kLeastVolume; });
+                                  [&](const Tetrahedron &t) { return gradient(t).determinant() < kMinVolume; });
   return flat == 0 ? "" : std::to_string(flat) + " tetrahedra are pressed flat or turned inside out";
 }
 

@@ -8,8 +8,8 @@
 namespace mass_spring {
 namespace {
 
-constexpr std::int64_t kMostCells = 4000000;  // of the box around the body
-constexpr std::size_t kMostTriangles = 200000;
+constexpr std::int64_t kMaxCells = 4000000;  // of the box around the body
+constexpr std::size_t kMaxTriangles = 200000;
 constexpr int kSamples = 3;  // along each edge of a cell, for the part of it that is filled
 
 std::string shown(double value) {
@@ -26,9 +26,9 @@ Lattice::Lattice(const Surface &surface, double spacing_m, const Inside &inside,
   for (std::size_t a = 0; a < 3; ++a) {
     const double cells = std::max(1.0, std::ceil((surface.max[a] - surface.min[a]) / spacing_ - 1e-6));
     boxed *= cells;
-    if (!(boxed <= static_cast<double>(kMostCells)))
+    if (!(boxed <= static_cast<double>(kMaxCells)))
       throw sdk::Error(C3DE_E_ARG, "sampling.spacing = " + shown(spacing_) + " m makes more than " +
-                                       std::to_string(kMostCells) + " cells around the body; accepted: a larger one");
+                                       std::to_string(kMaxCells) + " cells around the body; accepted: a larger one");
     counts_[a] = static_cast<std::int64_t>(cells);
     origin_[a] = 0.5 * (surface.min[a] + surface.max[a] - cells * spacing_);
   }
@@ -119,7 +119,7 @@ Surface refined(Surface surface, double longest_m) {
     for (const auto &t : surface.triangles)
       for (std::size_t e = 0; e < 3; ++e)
         longest = std::max(longest, length(surface.vertices[t[e]] - surface.vertices[t[(e + 1) % 3]]));
-    if (longest <= longest_m || 4 * surface.triangles.size() > kMostTriangles) return surface;
+    if (longest <= longest_m || 4 * surface.triangles.size() > kMaxTriangles) return surface;
     // Every triangle into four, so that no cracks open.
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
     const auto middle = [&](std::uint32_t a, std::uint32_t b) {

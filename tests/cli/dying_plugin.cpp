@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Dies, hangs or ends the program where the environment says so (C3DE_TEST_DIES): so that one file can be good when it
-// is first used and bad later.
+// Crashes, hangs or ends the program where the environment variable C3DE_TEST_DIES specifies: so that one file can be
+// good at first and bad later.
 #include <array>
 #include <cstdint>
 #include <cstdlib>
@@ -25,7 +25,7 @@ bool diesIn(const std::string &place) {
   return wanted != nullptr && place == wanted;
 }
 
-/// Of the library itself, before it has said who it is.
+/// Of the library itself, before it has identified itself.
 struct Loading {
   Loading() {
     if (diesIn("loading")) std::abort();
@@ -39,7 +39,7 @@ void endsTheProgram(const std::string &place) {
   if (diesIn(place + " thread exit")) std::thread([] { std::exit(0); }).join();
   if (diesIn(place + " thread _Exit")) std::thread([] { std::_Exit(0); }).join();
 #if !defined(_WIN32)
-  if (diesIn(place + " child _exit")) {  // a process of its own may end as it likes
+  if (diesIn(place + " child _exit")) {  // a separate process may end in any way
     const pid_t child = fork();
     if (child == 0) _exit(7);
     int status = 0;
@@ -65,11 +65,11 @@ class Dying : public sdk::Panel {
     if (diesIn("hang")) std::this_thread::sleep_for(std::chrono::minutes(10));
     field_ = sdk::orThrow(sdk::Forces(host).add("dying", [](const c3de_force_call &) -> sdk::Result<void> {
       if (diesIn("step")) {
-        volatile std::uintptr_t nowhere = 8;  // compilers know what they can see
+        volatile std::uintptr_t nowhere = 8;  // prevents the compiler from seeing the null access
         *reinterpret_cast<volatile int *>(nowhere) = 1;
       }
       endsTheProgram("step");
-      // As long as the test that asks for it is patient.
+      // Shorter than the timeout of the requesting test.
       if (diesIn("slow step")) std::this_thread::sleep_for(std::chrono::seconds(14));
       return {};
     }));
@@ -77,7 +77,7 @@ class Dying : public sdk::Panel {
   }
 
   void start() {
-    // Asks rarely whether it is cancelled.
+    // Rarely checks whether it is cancelled.
     if (diesIn("silent job"))
       sdk::orThrow(sdk::Jobs(host_).submit(
           "Endless",

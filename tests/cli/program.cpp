@@ -11,7 +11,7 @@ namespace {
 constexpr double kPatience_s = 300.0;
 
 c3de::ProcessResult runProgram(const std::vector<std::string> &command) {
-  // Not those of whoever runs the tests.
+  // Not the files of the user who runs the tests.
   const std::string home = c3de::environmentVariable("C3DE_HOME");
   const ScopedEnvironment user("C3DE_HOME", home.empty() ? testOutputRoot() + std::string("/cli/user") : home);
   auto result = c3de::runProcess(command, kPatience_s);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A simulator without physics that reports what it was given, so that tests of the program can compare it with the
-// scene. The voxels a body is filled from are told by their sum, and where their middle is in the frame of the mesh. It
-// diverges at step 4 when a body begins with a velocity of 13 m/s along x, and finds nothing in a sphere of radius 666.
+// A simulator without physics that reports its input, so that tests of the program can compare it with the scene. The
+// voxels that a body is filled from are reported by their sum and their centre in the frame of the mesh. It diverges at
+// step 4 when a body starts with a velocity of 13 m/s along x, and finds nothing in a sphere of radius 666.
 #include <array>
 #include <cstdlib>
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// [accuracy] of a scene: what is wished, what is chosen for it, what the report promises, and every wrong way to ask.
+// [accuracy] of a scene: the target, the chosen sampling, the predictions of the report, and all invalid settings.
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
@@ -41,7 +41,7 @@ Json reportOf(const fs::path &folder, const fs::path &scene, const std::vector<s
   return Json::parse(readFile(file));
 }
 
-/// Whether other programs use more than half of a processor beside this one; true where that is not known.
+/// Whether other programs use more than half of a processor at the same time; true where that is unknown.
 bool isBusy() {
 #ifdef _WIN32
   return true;
@@ -66,7 +66,7 @@ TEST_CASE("A finer sampling is chosen for a smaller error, and the report promis
   const Json fine = reportOf(folder, scene, {"--set", "accuracy.error_percent=1"});
   CHECK(fine["bodies"][0]["phyxels"] > coarse["bodies"][0]["phyxels"]);
   CHECK(fine["accuracy"]["bodies"][0]["phyxels"] == fine["bodies"][0]["phyxels"]);
-  // The same in millimetres of what it moves by.
+  // The same in millimetres of displacement.
   const double mm = 10.0 * coarse["accuracy"]["bodies"][0]["largest_displacement_m"].get<double>();
   const Json same = reportOf(folder, scene, {"--set", "accuracy.error_mm=" + std::to_string(mm)});
   CHECK(same["accuracy"]["wish"] == "error_mm");
@@ -81,7 +81,7 @@ TEST_CASE("A budget is kept, and said per frame of 1/60 s") {
   const Json report = reportOf(folder, scene, {"--until", "0.05"});
   CHECK(report["accuracy"]["wish"] == "budget_ms");
   CHECK(report["accuracy"]["bodies"][0]["cost"] == "measured");
-  // On a busy machine it may not be had; then that is said.
+  // On a busy machine the budget may be out of reach; this is then reported.
   const bool isWithin = report["accuracy"]["promised_ms"].get<double>() <= 8.0;
   CHECK(report["accuracy"]["bodies"][0]["met"] == isWithin);
   const Json less = reportOf(folder, scene, {"--until", "0.05", "--set", "accuracy.budget_ms=0.5"});
@@ -164,7 +164,7 @@ TEST_CASE("A wish of the command line takes the place of that of the scene") {
   const fs::path scene = writeBeam(folder, "accuracy = { budget_ms = 16 }");
   const Json report = reportOf(folder, scene, {"--set", "accuracy.error_percent=5"});
   CHECK(report["accuracy"]["wish"] == "error_percent");
-  // What is no wish leaves it.
+  // A key that is not an accuracy target leaves the target unchanged.
   CHECK(reportOf(folder, scene, {"--set", "accuracy.bodies=2"})["accuracy"]["wish"] == "budget_ms");
 }
 
@@ -174,7 +174,7 @@ TEST_CASE("Without a wish a body is sampled for five per cent and says what to e
   CHECK(report["accuracy"]["wish"] == "standard");
   CHECK(report["bodies"][0]["phyxels"] > 900);  // 1000, within some per cent
   CHECK(report["accuracy"]["promised_error"] < 0.05);
-  // Whoever says the sampling is promised nothing.
+  // With an explicit sampling nothing is predicted.
   CHECK_FALSE(reportOf(folder, writeBeam(folder, "", "sampling = { count = 200 }")).contains("accuracy"));
 }
 
@@ -188,7 +188,7 @@ TEST_CASE("Cells are finer where a trial has its error, and the report says how 
   };
   const Json off = adaptive("off"), on = adaptive("on");
   CHECK_FALSE(off["bodies"][0].contains("adaptive"));
-  // By itself only where a body is of several tissues.
+  // Automatic only where a body consists of several tissues.
   CHECK(reportOf(folder, scene)["state_hash"] == off["state_hash"]);
   const Json &said = on["bodies"][0]["adaptive"];
   CHECK(said["halved_cells"] > 0);
@@ -215,13 +215,13 @@ TEST_CASE("In explicit steps few small stiff cells get more inertia but no weigh
   CHECK(body["mass_kg"].get<double>() == Approx(40.0).epsilon(1e-3));  // of the beam's volume and density
   CHECK_THAT(added["notices"].dump(),
              Contains("longer explicit steps, at rest unfelt: ") && Contains(" % of what can move, to "));
-  // A state that is saved goes on as if nothing had been.
+  // A saved state continues without any difference.
   const fs::path state = folder / "middle.c3dstate";
   const auto hashOf = [&](const std::vector<std::string> &more) { return reportOf(folder, scene, more)["state_hash"]; };
   const Json whole = hashOf({"--steps", "40"});
   (void)hashOf({"--steps", "20", "--save-state", state.string()});
   CHECK(hashOf({"--steps", "40", "--from-state", state.string()}) == whole);
-  // What takes no explicit steps needs none.
+  // Steps that are not explicit do not need it.
   for (const auto &[key, value] : {std::pair("solver.integrator", "implicit"), {"solver.integrator", "quasistatic"}}) {
     const Json plain = reportOf(folder, scene, {"--steps", "1", "--set", std::string(key) + "=" + value});
     CHECK(plain["bodies"][0]["added_mass_kg"] == 0.0);
@@ -232,7 +232,7 @@ TEST_CASE("In explicit steps few small stiff cells get more inertia but no weigh
 TEST_CASE("Cells stay of one size where halves of stiff ones would ask for far shorter explicit steps") {
   const auto folder = freshFolder("accuracy-too-short");
   writeFile(folder / "box.obj", boxObj());
-  // Nothing holds it but a soft bed: no mass is added.
+  // Held only by a soft foundation: no mass is added.
   const fs::path scene = writeFile(folder / "bed.toml", R"(format = 1
 [solver]
 integrator = "explicit"

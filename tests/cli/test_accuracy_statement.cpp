@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The three lines that say how accurate a result is, in summary and report.
+// The three lines that state the accuracy of a result, in summary and report.
 #include <cmath>
 
 #include "program.h"
@@ -60,7 +60,7 @@ TEST_CASE("The summary says in three lines how accurate a result is, and the rep
   CHECK(statement["basis"] == "estimated");
   CHECK(statement["displacement_error_m"].get<double>() > 0.0);
   CHECK(statement["displacement_error_m"].get<double>() < 0.1 * statement["largest_displacement_m"].get<double>());
-  // The figure leaves out what the estimate of the whole body has at the clamp.
+  // The figure excludes the estimate of the whole body at the clamp.
   CHECK(statement["stress_error"].get<double>() < ran.body["error_estimate"].get<double>());
   CHECK(ran.body.contains("stabilisation_share"));
   // One figure for each: nothing else in the summary is an error.
@@ -78,7 +78,7 @@ TEST_CASE("A verification takes the place of the estimate in the same line", "[s
   CHECK(ran.statement()["basis"] == "verified");
   const double verified = ran.statement()["displacement_error_m"].get<double>();
   CHECK(verified == ran.body["verification"]["error_95_m"].get<double>());
-  // The estimate before bounds what is measured, and not by more than a factor of ten.
+  // The estimate bounds the error measured afterwards, by no more than a factor of ten.
   const double estimated = plain.statement()["displacement_error_m"].get<double>();
   CHECK(verified < estimated);
   CHECK(verified > 0.1 * estimated);
@@ -92,7 +92,7 @@ TEST_CASE("A figure that has no basis is none, with the reason", "[statement]") 
       "\"m\"\nmaterial = { youngs_modulus = 1e4 }\nsampling = { count = 150 }\n";
   const Run ran = run(folder, falling, {"--until", "0.05", "--verify"});
   INFO(ran.output);
-  // It has only moved: what a verification finds of displacements is rounding.
+  // It has only moved: the displacement error found by a verification is rounding.
   CHECK(ran.body["verification"]["largest_displacement_m"] == 0.0);
   CHECK(ran.body["verification"]["error_95_percent"] == 0.0);
   CHECK_THAT(ran.line(0), Contains("no error beyond rounding"));
@@ -124,7 +124,7 @@ TEST_CASE("The edge of contact is a singular place, with what it touches", "[sta
 TEST_CASE("A body that is attached to a rigid one is told one integrator, not two", "[statement]") {
   const auto folder = freshFolder("one_integrator");
   writeFile(folder / "box.obj", boxObj());
-  // By itself the stiff bar would take implicit steps; beside what is rigid and free both take explicit ones.
+  // Alone, the stiff bar would use implicit steps; next to a free rigid body both use explicit ones.
   const Run ran =
       run(folder,
           "format = 1\n[world]\ngravity = [0, 0, -9.81]\n[[body]]\nname = \"bar\"\nmesh = \"box.obj\"\n"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plugins that end the program: what is said, and how one goes on.
+// Plugins that end the program: the message, and how to continue.
 #include "program.h"
 #include "support/environment.h"
 
@@ -7,7 +7,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A person of his own, with his own copy of the plugin and a scene.
+/// A separate user, with an own copy of the plugin and a scene.
 class Person {
  public:
   explicit Person(const std::string &name)
@@ -18,7 +18,7 @@ class Person {
     scene_ = writeBoxScene(folder_);
   }
 
-  /// @param dies  where the plugin dies; empty: nowhere
+  /// @param dies  where the plugin crashes; empty: nowhere
   [[nodiscard]] c3de::ProcessResult run(const std::string &dies, const std::vector<std::string> &more = {}) const {
     const ScopedEnvironment place("C3DE_TEST_DIES", dies);
     std::vector<std::string> arguments{"run", scene_.string(), "--steps",
@@ -33,7 +33,7 @@ class Person {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return runC3de(arguments);
   }
-  /// What `c3de plugins --json` says of the plugin.
+  /// The entry of the plugin in `c3de plugins --json`.
   [[nodiscard]] nlohmann::json listed(const std::vector<std::string> &more = {}) const {
     std::vector<std::string> arguments{"--json"};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -71,9 +71,9 @@ TEST_CASE("a plugin that dies, hangs or exits at its first use is refused, and t
     const auto result = person.run(one.where);
     INFO(result.errorOutput);
     CHECK(result.exitCode == 0);
-    CHECK_THAT(result.errorOutput, Contains("refused: its first use, in a process of its own,") && Contains(one.said) &&
+    CHECK_THAT(result.errorOutput, Contains("refused: its first use, in a separate process,") && Contains(one.said) &&
                                        Contains("--trust-plugins"));
-    // It is known from then on, until the file changes.
+    // It is remembered from then on, until the file changes.
     CHECK_THAT(person.run("").errorOutput, Contains(one.said));
     fs::last_write_time(person.plugin, fs::last_write_time(person.plugin) + std::chrono::seconds(2));
     CHECK(person.run("").errorOutput.find("refused") == std::string::npos);
@@ -95,7 +95,7 @@ TEST_CASE("who trusts a plugin sees what ends his run, and is told again at the 
     CHECK(next.exitCode == 0);
     CHECK_THAT(next.errorOutput, Contains("the last run ended by SIG") && Contains("in plugin test.dying " + place) &&
                                      Contains("--without test.dying") && Contains("--safe-mode"));
-    CHECK(person.run("").errorOutput.find("the last run") == std::string::npos);  // told once
+    CHECK(person.run("").errorOutput.find("the last run") == std::string::npos);  // reported once
     CHECK_THAT(person.plugins().output, Contains("crashed  test.dying: one run ended by SIG"));
   }
 }
@@ -167,7 +167,7 @@ TEST_CASE("a plugin can be left out, for one run or for all") {
   CHECK(person.listed().at("state") == "off");
   CHECK_THAT(person.listed().at("reason").get<std::string>(), Contains("c3de plugins --on test.dying"));
   CHECK(person.run("step").exitCode == 0);
-  // Who names the file wants it.
+  // Naming the file explicitly loads it.
   CHECK(person.run("step", {"--plugin", person.plugin.string()}).exitCode >= 128);
   const auto misspelt = person.plugins({"--on", "test.diying"});
   CHECK(misspelt.exitCode == 2);

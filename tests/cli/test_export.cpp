@@ -10,7 +10,7 @@
 
 namespace {
 
-/// A second body of the same mesh beside the first.
+/// A second body of the same mesh next to the first.
 const char *const kSecondBody = R"(
 [[body]]
 name = "other: box"
@@ -35,7 +35,7 @@ std::vector<Frame> framesOf(const std::filesystem::path &list) {
   return frames;
 }
 
-/// The numbers of an array of a written file: base64 behind the '_', a length of 8 bytes, then the values.
+/// The numbers of an array of a written file: base64 after the '_', a length of 8 bytes, then the values.
 template <class T>
 std::vector<T> arrayOf(const std::string &text, const std::string &name) {
   const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -149,7 +149,7 @@ TEST_CASE("The skin of the end state is written for every body, in formats that 
     CHECK_THAT(json.at("box_min_mm").at(2).get<double>(), WithinAbs(2000.0, 0.5));
     CHECK(runC3de({"info", (folder / ("end-box." + extension)).string()}).exitCode == 0);
   }
-  // One body: the name as it was given; and simulated again without a unit, it falls as it is.
+  // One body: the name as specified; simulated again without a unit, it falls unscaled.
   const auto one = folder / "one.stl";
   CHECK(runC3de({"run", writeBoxScene(folder).string(), "--steps", "3", "-q", "--export-surface", one.string()})
             .exitCode == 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Jaws of a scene: what they pull and squeeze with, without a window.
+// Jaws of a scene: their pulling and squeezing forces, without a window.
 #include <cmath>
 
 #include "program.h"
@@ -36,7 +36,7 @@ TEST_CASE("Jaws of a scene squeeze and lift, and the report says with what, agai
     more.insert(more.end(), {"--until", until});
     return runToReport(file, more).at("grasps").at(0);
   };
-  // Before the time of the first place they do not hold.
+  // Before the time of the first position they do not hold.
   const Json before = graspAt("0.3");
   CHECK(before.at("name") == "tongs");
   CHECK(before.at("holds") == false);
@@ -47,17 +47,17 @@ TEST_CASE("Jaws of a scene squeeze and lift, and the report says with what, agai
   CHECK(grasp.at("holds") == true);
   CHECK(grasp.at("gap_m").get<double>() < 0.1805);
   CHECK(grasp.at("squeeze_N").get<double>() > 1.0);
-  // What lifts comes out at the support; damping carries damping dt/2 of it.
+  // The lifting force appears at the support; damping carries damping dt/2 of it.
   const double lift = grasp.at("force_N").at(1).get<double>();
   CHECK(lift > 1.0);
   CHECK(std::abs(report.at("reactions").at(0).at("force_N").at(1).get<double>() + lift) < 0.05 * lift);
-  // A limit of the force is where they stop closing.
+  // A force limit is where they stop closing.
   const Json limited =
       graspAt("2.5", {"--set", "grasp.tongs.force_limit=1", "--set", "grasp.tongs.path=[{time=0.5,at=[0.5,0.2,0.1]}]"});
   CHECK(limited.at("squeeze_N").get<double>() < 1.05);
   CHECK(limited.at("squeeze_N").get<double>() > 0.9);
   CHECK(limited.at("gap_m").get<double>() > grasp.at("gap_m").get<double>());
-  // Turned about the skin's normal, they turn the tissue.
+  // Rotated about the skin's normal, they rotate the tissue.
   const Json turned =
       runToReport(file, {"--until", "2.5", "--set",
                          "grasp.tongs.path=[{time=0,at=[0.5,0.2,0.1]},{time=1,at=[0.5,0.2,0.1],turn_deg=[0,20,0]}]"});

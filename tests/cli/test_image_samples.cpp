@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The example plugins/image_samples without a window: images and parameters are served, and its lines are in the log.
+// The example plugins/image_samples without a window: images and parameters are available, and its lines are in the
+// log.
 #include <regex>
 
 #include "c3de/imaging/writing.h"
@@ -46,7 +47,7 @@ TEST_CASE("A plugin reads the image of the scene at the points of bodies, withou
   CHECK(std::stoi(found[4]) > 100);
   CHECK(found[5] == "0");
 
-  // Without an image there is nothing to say, and that is no error.
+  // Without an image there is no output, and that is no error.
   const auto none = runC3de({"run", writeBoxScene(freshFolder("image-samples-none")).string(), "--steps", "2",
                              "--plugin", example("image_samples")});
   CHECK(none.exitCode == 0);
@@ -93,7 +94,7 @@ TEST_CASE("The example of a clamp lifts and turns a body of either simulator") {
   const auto turned =
       bodyAfter({"--plugin-param", "org.c3de.clamp:closed=true", "--plugin-param", "org.c3de.clamp:turn=30"});
   CHECK(turned.at("bodies").at(0).at("angular_momentum").at(1).get<double>() != 0.0);
-  // One that leads only the mean of what is held.
+  // One that prescribes only the mean of the held region.
   const std::string springs = (std::filesystem::path(testResourcesFolder()) / "scenes/springs.toml").string();
   const auto hashAfter = [&](const char *lift) {
     const auto run =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plugins that were built when the interfaces were frozen act in today's program as today's do. Source and the line each was
-// built with: tests/conformance/kept/README.md.
+// Plugins built when the interfaces were frozen behave in the current program like current ones. Source and build
+// command of each: tests/conformance/kept/README.md.
 #include "program.h"
 
 #if defined(__linux__) && defined(__x86_64__)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Labels that deform with the tissue, labels that contradict their image, and what a saved state belongs to.
+// Labels that deform with the tissue, labels that contradict their image, and the scene that a saved state belongs to.
 #include <algorithm>
 #include <map>
 
@@ -179,7 +179,7 @@ TEST_CASE("A state of another scene is refused with the fields that differ, and 
     return runC3de(arguments);
   };
   CHECK(withSet({}).exitCode == 0);
-  // How long a step may take is no physics, nor is a value that is given as its default.
+  // The time limit of a step is not physics, nor is a value set to its default.
   const auto budget = withSet({"solver.step_budget=5"});
   INFO(budget.errorOutput);
   CHECK(budget.exitCode == 0);

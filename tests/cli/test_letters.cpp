@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// File → body → simulation → exported image → file: what was left, front or head in the scan still is, on any grid.
+// File → body → simulation → exported image → file: left, front and head of the scan are preserved, on any grid.
 #include "c3de/imaging/reading.h"
 #include "c3de/imaging/sampling.h"
 #include "c3de/imaging/writing.h"
@@ -11,7 +11,7 @@ using namespace c3de::test;
 
 namespace {
 
-/// Part of the pixels of a letter that are as they should be where the body has gone to, seen by a reader.
+/// Fraction of the pixels of a letter that are correct at the body's new position, as seen by a reader.
 double readable(const imaging::Volume &volume, const LetterPlace &place, const Vec3 &right, const Vec3 &gone) {
   std::vector<Vec3> points;
   for (int row = 0; row < 7; ++row)
@@ -33,7 +33,7 @@ double readable(const imaging::Volume &volume, const LetterPlace &place, const V
 TEST_CASE("Letters on a body that has moved read right in the exported image, from any grid and format") {
   for (const LetterGrid &grid : letterGrids())
     for (const char *name : {"phantom.nii.gz", "phantom.nrrd", "phantom.mha"}) {
-      // A sheared grid is one of NRRD and NIfTI.
+      // Only NRRD and NIfTI store sheared grids.
       if (std::string(grid.name) == "sheared" && std::string(name) == "phantom.mha") continue;
       CAPTURE(grid.name, name);
       const auto folder = freshFolder("letters");

@@ -70,7 +70,7 @@ TEST_CASE("a bar of springs stretches by Young's modulus and thins by a quarter"
   // Springs are linear in their length and not in the strain: at 1 % that is half a per cent of it.
   CHECK_THAT(strain, WithinRel(kPressure / kYoungsModulus, 0.01));
   CHECK_THAT(-across / strain, WithinRel(0.25, 0.01));
-  // The support takes up what pulls, exactly.
+  // The support balances the pull, exactly.
   CHECK_THAT(report.at("reactions").at(0).at("force_N").at(0).get<double>(), WithinRel(-0.0016 * kPressure, 1e-6));
 }
 
@@ -152,14 +152,14 @@ TEST_CASE("a state of the point-based simulator goes on bit for bit, through con
   struct Case {
     std::string scene, half, whole;
   };
-  // In the air, on the block, and by supports that move.
+  // In the air, on the block, and by moving supports.
   for (const Case &one : {Case{scene, "100", "400"}, Case{scene, "400", "700"}, Case{held, "60", "300"}}) {
     INFO(one.scene << ' ' << one.half);
     const std::string saved = hashAfter(one.scene, one.half, {"--save-state", state});
     CHECK(hashAfter(one.scene, one.half, {"--from-state", state}) == saved);
     CHECK(hashAfter(one.scene, one.whole, {"--from-state", state}) == hashAfter(one.scene, one.whole, {}));
   }
-  // What a scene says otherwise is noticed, also where it changes no body.
+  // A different scene setting is detected, even where it changes no body.
   std::string elsewhere = readFile(held);
   elsewhere.replace(elsewhere.find("[0.05, 0, 0]"), 12, "[0.04, 0, 0]");
   for (const auto &[other, more] :

@@ -51,7 +51,7 @@ double placeOf(const Json &report, std::size_t probe) {
   return report.at("probes").at(probe).at("position_m").at(0).get<double>();
 }
 
-// Nominal stress of the exponential law, with its default parameters, in a bar that is free to become thinner.
+// Nominal stress of the exponential law, with its default parameters, in a bar with free lateral contraction.
 double uniaxialStress(double stretch) {
   constexpr double mu = 2000.0, b = 2.0, K = 20000.0;
   const auto slopes = [&](double across) {
@@ -61,7 +61,7 @@ double uniaxialStress(double stretch) {
     return std::pair(w * (2.0 * scale * stretch - 2.0 / 3.0 * I / stretch) + p * across * across,
                      w * (4.0 * scale * across - 4.0 / 3.0 * I / across) + 2.0 * p * stretch * across);
   };
-  double low = 0.5, high = 1.2;  // the stress across grows with the width
+  double low = 0.5, high = 1.2;  // the lateral stress grows with the width
   for (int i = 0; i < 100; ++i) (slopes(0.5 * (low + high)).second < 0.0 ? low : high) = 0.5 * (low + high);
   return slopes(low).first;
 }
@@ -99,8 +99,8 @@ TEST_CASE("The neo-Hookean law of another plugin bends a bar as the built-in one
     }
     INFO(solver);
     CHECK(places[0] > 0.12 + 1e-3);
-    // One formula written twice: round-off of 1e-16 in 1000 steps; implicit and quasi-static solutions stop at their
-    // tolerance, that of a body that may touch itself at a tenth of a micrometre.
+    // One formula written twice: round-off of 1e-16 in 1000 steps. Implicit and quasi-static solutions stop at their
+    // tolerance, which for a body with self-contact is a tenth of a micrometre.
     CHECK(std::abs(places[1] - places[0]) < (solver.find("implicit") != std::string::npos ? 1e-7 : 1e-9));
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The example plugins/mesh_reader in the program: its files are opened like all others, broken ones are refused with
-// their line.
+// the line.
 #include "program.h"
 
 namespace {
@@ -40,7 +40,7 @@ TEST_CASE("A format that a plugin brings is read by info, with its unit and repo
   CHECK(json.at("fillable") == true);
   CHECK(json.at("closed") == true);
   CHECK_THAT(json.at("volume_mm3").get<double>(), WithinRel(4000.0, 1e-9));
-  // Asked for by its id for a file of another name; and for one that is none of its files.
+  // Selected by its id for a file of another name; and for a file that is not of its format.
   const auto other = writeFile(folder / "box.obj", boxTri("mm")).string();
   const auto asked =
       runC3de({"info", other, "--json", "--no-plugins", "--plugin", reader(), "--reader", "org.c3de.trimesh"});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What new-plugin writes and refuses; that it builds and loads is the business of ctest -R sdk.
+// Output and refusals of new-plugin; ctest -R sdk checks that the output builds and loads.
 #include "program.h"
 
 TEST_CASE("new-plugin writes source, build file and README in the name of the plugin") {

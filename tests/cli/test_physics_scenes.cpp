@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes with supports, loads and materials, run by the program with the point-based plugin and compared with what
-// mechanics says.
+// Scenes with supports, loads and materials, run by the program with the point-based plugin and compared with
+// mechanics.
 #include <array>
 #include <cmath>
 #include <sstream>
@@ -12,7 +12,7 @@ namespace {
 using Json = nlohmann::json;
 using Point = std::array<double, 3>;
 
-/// A closed box with faces that look outwards.
+/// A closed box with outward faces.
 std::string brickObj(const Point &min, const Point &max) {
   std::ostringstream text;
   for (int i = 0; i < 8; ++i) {
@@ -53,13 +53,13 @@ TEST_CASE("A cantilever bends as far as it must, and its support carries the loa
   CHECK(json.at("time_s") == 0.0);
   CHECK(json.at("integrator") == "quasistatic");
   CHECK(json.at("steps").get<int>() >= 1);
-  // -2.0344 mm: extrapolated finite elements, tests/validation/truths; 2 % is what five layers are allowed.
+  // -2.0344 mm: extrapolated finite elements, tests/validation/truths; 2 % is the limit for five layers.
   const Json &tip = json.at("probes").at(0);
   CHECK_THAT(component(tip.at("position_m"), 2) - component(tip.at("reference_m"), 2), WithinRel(-2.0344e-3, 0.02));
   REQUIRE(json.at("reactions").size() == 1);
   const Json &reaction = json.at("reactions").at(0);
   CHECK(reaction.at("fix") == 0);
-  // Equilibrium: what is left of it is the tolerance of the solution, far below 1 %.
+  // Equilibrium: the residual is the tolerance of the solution, far below 1 %.
   CHECK_THAT(component(reaction.at("force_N"), 2), WithinRel(1.6e-3, 0.01));
   CHECK_THAT(component(reaction.at("force_N"), 0), WithinAbs(0.0, 1.6e-5));
   CHECK_THAT(component(reaction.at("torque_Nm"), 1), WithinRel(-1.6e-3 * kLength, 0.01));
@@ -78,14 +78,14 @@ TEST_CASE("Bars of two materials in series stretch by the sum of their parts") {
                 "material = { youngs_modulus = 4e4 }\n"
                 "[[fix]]\n" +
                     kLeft + "[[load]]\nforce = [0.16, 0, 0]\n" + kRight));
-  // The border lies between two cells of 8 mm: a cell that it crosses has one material, by its centre.
+  // The border is between two cells of 8 mm: a cell that it crosses has one material, by its centre.
   const double expected_m = stress * (0.104 / 1e4 + (kLength - 0.104) / 4e4);
   CHECK_THAT(component(json.at("probes").at(0).at("position_m"), 0) - kLength, WithinRel(expected_m, 0.02));
 }
 
 TEST_CASE("A pressure on a face is carried by the support as pressure times area") {
   const auto folder = freshFolder("pressure");
-  // Half of what the column buckles at.
+  // Half of the column's buckling load.
   const std::string supports = "[[fix]]\n" + kLeft + "[[load]]\npressure = 50\nfollower = false\n" + kRight;
   const auto json = runToReport(writeBeam(folder, kQuasistatic, kSoft, supports));
   CHECK_THAT(component(json.at("reactions").at(0).at("force_N"), 0), WithinRel(50.0 * kArea, 0.01));
@@ -101,13 +101,13 @@ TEST_CASE("A held end that is moved takes the body along, and the two supports p
   REQUIRE(json.at("reactions").size() == 2);
   const double left = component(json.at("reactions").at(0).at("force_N"), 0);
   const double right = component(json.at("reactions").at(1).at("force_N"), 0);
-  // E A strain (0.8 N) and what the held faces add by keeping their width: below 10 % at five times as long as thick;
-  // St. Venant-Kirchhoff in tension adds 1.5 strains, 7.5 %.
+  // E A strain (0.8 N) and the contribution of the held faces, which keep their width: below 10 % at five times as long
+  // as thick; St. Venant-Kirchhoff in tension adds 1.5 strains, 7.5 %.
   CHECK(right > 0.8);
   CHECK(right < 0.8 * 1.2);
   CHECK_THAT(left, WithinRel(-right, 0.01));
 
-  // The same with a force ten times as small, from the command line.
+  // The same with a tenth of the force, from the command line.
   const auto less = runToReport(scene, {"--set", "fix.grip.displacement=[0.001, 0, 0]"});
   CHECK_THAT(component(less.at("probes").at(0).at("position_m"), 0), WithinAbs(0.201, 1e-5));
   CHECK(component(less.at("reactions").at(1).at("force_N"), 0) < 0.11 * right);
@@ -136,7 +136,7 @@ TEST_CASE("A body begins with the velocity and the spin that the scene gives it"
   const double mass_kg = body.at("mass_kg"), time_s = json.at("time_s");
   CHECK_THAT(component(body.at("momentum"), 0), WithinRel(mass_kg * 0.3, 1e-9));
   CHECK_THAT(component(body.at("centre_of_mass_m"), 0), WithinAbs(0.5 * kLength + 0.3 * time_s, 1e-6));
-  // I = m (a² + b²) / 12 of the box; at four cells across a hundredth of it is left uncorrected.
+  // I = m (a² + b²) / 12 of the box; at four cells across a hundredth of it remains uncorrected.
   const double box = (0.0016 + 0.0016) / 12.0;
   CHECK_THAT(component(body.at("angular_momentum"), 0), WithinRel(mass_kg * 2.0 * box, 0.012));
 }
@@ -149,7 +149,7 @@ TEST_CASE("An obstacle that moves pushes what is in its way") {
                                "displacement = [0, 0.03, 0]\nramp = 0.1\n",
                                "spacing = 0.01");
   const auto json = runToReport(scene, {"--until", "0.12"});
-  // The plate ends 29 mm above where the body's lower face was; a body that is pushed is at least nearly there.
+  // The plate ends 29 mm above the initial position of the body's lower face; a pushed body is at least nearly there.
   CHECK(component(json.at("bodies").at(0).at("centre_of_mass_m"), 1) > 0.02);
   CHECK(json.at("bodies").at(0).at("deepest_penetration_m").get<double>() < 0.005);
 }
@@ -204,7 +204,7 @@ TEST_CASE("A material that never yields may say so with infinity") {
 
 TEST_CASE("A body that cannot go on stops in its last good state, the other goes on, and the run says so") {
   const auto folder = freshFolder("one-stops");
-  // 3000 rad/s tear a body apart whose waves run at 3 m/s.
+  // 3000 rad/s tear a body apart whose waves travel at 3 m/s.
   writeFile(folder / "beam.obj", brickObj({0.0, -0.02, -0.02}, {kLength, 0.02, 0.02}));
   const auto block = [](const std::string &name, const std::string &spin, const std::string &height) {
     return "[[body]]\nname = \"" + name + "\"\nposition = [0, " + height +

@@ -169,7 +169,7 @@ TEST_CASE("Nothing to do is done: zero steps report the initial state") {
 TEST_CASE("A simulation that diverges ends with 5, says what helps and reports the last good state") {
   const auto folder = freshFolder("diverged");
   const auto report = folder / "report.json";
-  // 1000 rad/s tear a body apart whose waves run at 4 m/s.
+  // 1000 rad/s tear a body apart whose waves travel at 4 m/s.
   const auto result = runC3de({"run", writeBoxScene(folder).string(), "--steps", "5", "--set", "solver.dt=0.02",
                                "--set", "body.box.material.law=neo_hookean", "--set",
                                "body.box.angular_velocity=[0,0,1000]", "--report", report.string()});
@@ -184,7 +184,7 @@ TEST_CASE("A simulation that diverges ends with 5, says what helps and reports t
 TEST_CASE("The time limit ends a run within a step, and the state before it is reported") {
   const auto folder = freshFolder("limit_in_step");
   const auto report = folder / "report.json";
-  // A minute and more for a step of so many phyxels that are nearly incompressible.
+  // A minute and more for a step of so many nearly incompressible phyxels.
   const auto begin = std::chrono::steady_clock::now();
   const auto result = runC3de({"run",          writeBoxScene(folder).string(),
                                "--steps",      "1",

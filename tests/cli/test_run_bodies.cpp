@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the program says of bodies whose scene or sampling cannot give what it seems to promise.
+// Messages of the program about bodies whose scene or sampling cannot deliver what it seems to promise.
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -143,7 +143,7 @@ TEST_CASE("With the count that is proposed the stress figure of bars is below a 
   const auto end = std::string("region = { half_space = { point = [0.9999, 0, 0], normal = [-1, 0, 0] } }\n");
   struct Case {
     std::string what;
-    unsigned long coarse;  // phyxels that are too few for it
+    unsigned long coarse;  // too few phyxels for it
   };
   for (const auto &[what, few] :
        {Case{"[[load]]\n" + end + "force = [15, 0, 0]\n", 200},
@@ -184,12 +184,12 @@ TEST_CASE("A tube far thinner than the spacing is refused, with what would do") 
   const auto at = refused.errorOutput.find(key);
   REQUIRE(at != std::string::npos);
   const auto count = std::stoul(refused.errorOutput.substr(at + key.size()));
-  // The scene without its probe, which lies off the body: nearer than half a spacing only while that is 61 mm.
+  // The scene without its probe, which is off the body: nearer than half a spacing only while that is 61 mm.
   std::string text = readFile(scene);
   text.resize(text.find("[[probe]]"));
   text.replace(text.find("small-intestine.vtk"), 19, (scene.parent_path() / "small-intestine.vtk").generic_string());
   const auto fine = writeFile(folder / "fine.toml", text);
-  // With that it lies on the floor and has no more energy than it was dropped with.
+  // With that it rests on the floor and has no more energy than when it was dropped.
   const auto report = folder / "report.json";
   const auto done = runC3de({"run", fine.string(), "--until", "4", "-q", "--report", report.string(), "--set",
                              "body.smallint.sampling.count=" + std::to_string(count)});
@@ -214,7 +214,7 @@ TEST_CASE("A soft kidney that buckles under its weight finds its rest") {
   const auto body = nlohmann::json::parse(readFile(report))["bodies"][0];
   CHECK(body["energy_J"]["kinetic"].get<double>() == 0.0);
   CHECK(body["inverted_points"].get<int>() == 0);
-  // Its free end hangs beside what holds it: far below where it was made.
+  // Its free end hangs next to its support: far below its initial position.
   CHECK(body["energy_J"]["gravity"].get<double>() < -1e-3);
 }
 
@@ -247,7 +247,7 @@ TEST_CASE("A held body in short implicit steps swings from the first step on") {
   INFO(result.errorOutput);
   REQUIRE(result.exitCode == 0);
   const Json body = readJson(report)["bodies"][0];
-  // What no wave has reached in 1.2 ms falls with 0.1 m/s².
+  // The part that no wave has reached in 1.2 ms falls with 0.1 m/s².
   const double t = 40 * 3e-5, speed = 0.1 * t, mass = body["mass_kg"].get<double>();
   CHECK(body["energy_J"]["kinetic"].get<double>() > 0.5 * 0.5 * mass * speed * speed);
   CHECK(body["energy_J"]["kinetic"].get<double>() < 0.5 * mass * speed * speed * 1.01);

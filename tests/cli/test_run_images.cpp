@@ -64,11 +64,11 @@ TEST_CASE("Labels become bodies with the volume of their voxels, by number and b
   for (std::size_t b = 0; b < 2; ++b) {
     const auto &body = json["bodies"][b];
     CHECK(body["name"] == (b == 0 ? "big" : "spleen"));
-    // The fill is scaled to its voxels; 1e-6 is what floats of the fill leave.
+    // The fill is scaled to its voxels; 1e-6 is the rounding of the fill's floats.
     CHECK(body["volume_m3"].get<double>() ==
           Approx(1e-6 * millilitres(map, static_cast<std::uint16_t>(b + 1))).epsilon(1e-6));
     CHECK(body["mesh_volume_m3"].get<double>() == Approx(body["volume_m3"].get<double>()).epsilon(0.01));
-    // Where its voxels are: LPS, in metres.
+    // Position of its voxels: LPS, in metres.
     const Vec3 centre = map.geometry.worldAt(b == 0 ? Vec3{16, 24, 20} : Vec3{44, 26, 22});
     for (std::size_t a = 0; a < 3; ++a)
       CHECK(body["centre_of_mass_m"][a].get<double>() == Approx(1e-3 * centre[a]).margin(2e-4));
@@ -286,7 +286,7 @@ TEST_CASE("Liver, spleen and kidneys of a CT take their first step within ten se
     CHECK(stages[stage] > 0.0);
     sum += stages[stage].get<double>();
   }
-  // What is left goes to plugins, the scene file and the program itself.
+  // The remaining time is used by plugins, the scene file and the program itself.
   CHECK(stages["to_first_step_s"] > sum);
   CHECK(stages["to_first_step_s"] < took.count());
 }
@@ -294,7 +294,7 @@ TEST_CASE("Liver, spleen and kidneys of a CT take their first step within ten se
 TEST_CASE("An image is exported as the tissue lies at the end, with the way it has come") {
   const auto folder = freshFolder("exported_image");
   (void)writeBalls(folder);
-  // A free ball flies two voxels, 3.2 mm, towards -z; the other one stays where it is, an image alone.
+  // A free ball flies two voxels, 3.2 mm, towards -z; the other one stays in place, as an image only.
   const auto scene = writeFile(folder / "scene.toml",
                                "format = 1\n[image]\nfile = \"organs.nrrd\"\nrim = 4\n[world]\ngravity = [0, 0, 0]\n" +
                                    std::string(kBody).substr(11) + "label = 2\nvelocity = [0, 0, -0.1]\n");
@@ -325,7 +325,7 @@ TEST_CASE("An image is exported as the tissue lies at the end, with the way it h
   };
   const auto is = [&](std::size_t i, std::size_t j, std::size_t k) { return warped->volume.value(i, j, k); };
   const Vec3 flown = centreOf(is, 2.0) - centreOf(was, 2.0), stayed = centreOf(is, 1.0) - centreOf(was, 1.0);
-  // Labels move by whole voxels, of 1.6 mm; a rim of 4 mm is squeezed and stretched: a quarter of a voxel.
+  // Labels move by whole voxels, of 1.6 mm; a rim of 4 mm is compressed and stretched: a quarter of a voxel.
   CHECK_THAT(flown[2], WithinAbs(-3.2, 0.4));
   CHECK_THAT(flown[0], WithinAbs(0.0, 0.4));
   CHECK_THAT(stayed[2], WithinAbs(0.0, 0.4));
@@ -431,10 +431,10 @@ TEST_CASE("An exported image follows a body far away, also while another one has
       }
   CHECK(inside > 900);
   CHECK(right == inside);
-  // Within the rim the image is stretched: there is nothing there to be seen.
+  // Within the rim the image is stretched: it contains no information.
   CHECK(empty == beside);
 
-  // What the balls have left is marked beside the displacement, which stays finite.
+  // The region that the balls have left is marked in addition to the displacement, which stays finite.
   const auto marks = imaging::readVolume(folder / "u-vacated.nrrd");
   REQUIRE(marks);
   CHECK(imaging::sameGrid(marks->volume.geometry, before.geometry, 1e-3));
@@ -445,16 +445,16 @@ TEST_CASE("An exported image follows a body far away, also while another one has
     const bool isMarked = marks->volume.value(i, j, k) == 1.0;
     marked += isMarked ? 1 : 0;
     balls += before.voxels[v] != 0 ? 1 : 0;
-    // Inside of where a ball was, and not where the other one is now.
+    // Inside the former position of a ball, and not where the other one is now.
     if (before.voxels[v] == 0 || norm(x - there) < 14.0 || warped->volume.value(i, j, k) != 0.0) continue;
     ++left;
     leftAndMarked += isMarked ? 1 : 0;
   }
   CHECK(left > 900);
-  // Single voxels are empty because they would come from outside of the image.
+  // Single voxels are empty because their source is outside of the image.
   CHECK(leftAndMarked <= left);
   CHECK(static_cast<double>(leftAndMarked) > 0.999 * static_cast<double>(left));
-  // Bodies are as large as their skins, which lie up to half a voxel off the border.
+  // Bodies are as large as their skins, which are up to half a voxel off the border.
   CHECK(static_cast<double>(marked) < 1.05 * static_cast<double>(balls));
   CHECK_THAT(ran.errorOutput + ran.output,
              Contains("u-vacated.nrrd: " + std::to_string(marked) + " voxels") && Contains("ml) are left by a body"));

@@ -11,7 +11,7 @@ TEST_CASE("An output that cannot be written ends with 7 before anything is simul
   for (const std::string option : {"--report", "--probes", "--screenshot", "--export", "--export-surface"}) {
     INFO(option);
     const std::string file = option == "--export" ? "file.pvd" : option == "--export-surface" ? "file.stl" : "file";
-    // Simulating this long would take longer than the test is given.
+    // Simulating this long would exceed the time of the test.
     const auto absent = runC3de({"run", scene, "--until", "1e6", option, (folder / "absent" / file).string()});
     CHECK(absent.exitCode == 7);
     CHECK_THAT(absent.errorOutput, Contains("c3de: error: ") && Contains("there is no folder"));
@@ -65,7 +65,7 @@ TEST_CASE("A full disk is named, what fits is written whole, and the rest is sai
   const auto folder = freshFolder("full-disk");
   const auto scene = writeBoxScene(folder).string();
   const auto at = [&](const char *name) { return (folder / name).string(); };
-  // One kilobyte or two, as the shell counts: less than the report and the frames, more than the skin.
+  // One kilobyte or two, depending on the shell: less than the report and the frames, more than the skin.
   const auto result = c3de::runProcess(
       {"sh", "-c", "ulimit -f 2; exec \"$0\" \"$@\"", C3DE_PROGRAM, "run", scene, "--steps", "200", "--probes",
        at("probes.csv"), "--export", at("e.pvd"), "--report", at("report.json"), "--export-surface", at("skin.stl")},

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the program makes of supports, loads, parts and limits of a run, with a simulator that reports what it was
-// given.
+// How the program passes on supports, loads, parts and limits of a run, with a simulator that reports its input.
 #include <algorithm>
 #include <chrono>
 
@@ -127,7 +126,7 @@ mesh_unit = "m"
   CHECK(obstacles.at(0).at("motion").at("rotation_deg") == Json{10, 0, 0});
   CHECK(obstacles.at(0).at("motion").at("ramp_s") == 2);
   CHECK(obstacles.at(1).at("motion").is_null());
-  // What the simulator says of reactions stands in the report as it is.
+  // The simulator's reactions are in the report unchanged.
   CHECK(json.at("reactions").at(0).at("torque_Nm") == Json{0, 0, 1});
 }
 
@@ -200,7 +199,7 @@ TEST_CASE("A run that diverges leaves report and probes with the last good state
   const auto json = readJson(report);
   CHECK(json.at("outcome") == "diverged");
   CHECK(json.at("steps") == 3);
-  // The start, step 2, and the last good state.
+  // The start, step 2, and the last valid state.
   CHECK_THAT(readFile(probes), Contains("\n0,") && Contains("\n0.002,2,") && Contains("\n0.003,3,"));
 }
 
@@ -266,7 +265,7 @@ TEST_CASE("Where two plugins simulate the scene says which, else the program's o
     arguments.insert(arguments.end(), more.begin(), more.end());
     return runC3de(arguments);
   };
-  // "a.test" comes first by name; the program's own is taken all the same.
+  // "a.test" comes first by name; the program's own is used nevertheless.
   const auto box = writeBoxScene(freshFolder("two_simulators_box"));
   const auto neither =
       runC3de({"run", "--plugin", C3DE_RECORDER, box.string(), "--steps", "1", "--report", report.string()});
@@ -276,7 +275,8 @@ TEST_CASE("Where two plugins simulate the scene says which, else the program's o
   const std::pair<std::string, std::string> classes[] = {{"a.test.Recorder/0", "test.recorder"},
                                                          {"c3de.pointbased.WorldSimulator/1", "c3de.pointbased"}};
   for (const auto &[id, plugin] : classes) {
-    // What the scene declares is the recorder's; the other refuses it by name, which is who was asked.
+    // The scene's settings belong to the recorder; the other simulator refuses them, and the message names the
+    // requested one.
     const auto chosen = run({"--set", "simulator.class=" + id});
     if (plugin != "test.recorder") {
       CHECK_THAT(chosen.errorOutput, !Contains("several classes"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Material points that are followed, and what a report says for comparisons: times of steps, the start, volumes.
+// Tracked material points, and report values for comparisons: times of steps, the start, volumes.
 #include <algorithm>
 #include <sstream>
 
@@ -39,7 +39,7 @@ TEST_CASE("Points are where probes at the same places are, and nothing else of t
   for (std::size_t a = 0; a < 3; ++a)
     CHECK(std::stod(rows[1][4 + a]) == report["probes"][0]["position_m"][a].get<double>());
   CHECK(std::stod(rows[1][5]) < 0.0);                   // it bends
-  CHECK(std::abs(std::stod(rows[2][5]) - 0.1) < 0.05);  // hardly so where it is held
+  CHECK(std::abs(std::stod(rows[2][5]) - 0.1) < 0.05);  // almost none where it is held
 }
 
 TEST_CASE("Points that cannot be followed are refused before the first step, with their line") {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `info` says about a scene is what `run` would say.
+// `info` reports the same about a scene as `run` would.
 #include <chrono>
 #include <sstream>
 
@@ -33,7 +33,7 @@ std::filesystem::path folderOfFiles(const std::string &name) {
   return folder;
 }
 
-/// What went wrong, without lines about progress, which a slow machine adds.
+/// The errors, without progress lines, which a slow machine adds.
 std::string errorsOf(const c3de::ProcessResult &result) {
   std::istringstream lines(result.errorOutput);
   std::string errors;
@@ -159,7 +159,7 @@ TEST_CASE("Without a count a thin body has more phyxels than a thick one") {
     REQUIRE(told.exitCode == 0);
     return nlohmann::json::parse(told.output).at("bodies").at(0).at("points").get<double>();
   };
-  // At least these; more where an error of 5 % asks for them.
+  // At least these; more where an error of 5 % requires them.
   CHECK(phyxelsOf("box.obj", "") > 0.92 * 1000);
   // V = 0.01 m³, A = 0.52 m²: 2A³/V² = 2812.
   const double thin = phyxelsOf("thin.obj", "");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `c3de study` from outside: a small study to its end, killed and gone on with, and every bad input.
+// `c3de study` from outside: a small study to its end, killed and resumed, and every invalid input.
 #include <chrono>
 #include <regex>
 #include <sstream>
@@ -39,7 +39,7 @@ at = [0.9, 0.1, 0.1]
 )");
 }
 
-// A bar that hangs has rho g x (L - x/2) / E, less what the held end keeps from contracting.
+// A bar that hangs has rho g x (L - x/2) / E, minus the contraction that the held end prevents.
 const std::string kTip = R"(
 [[case]]
 name = "tip"
@@ -118,7 +118,7 @@ TEST_CASE("A study leaves tables, a report and a diagram of each case, with the 
     CHECK(point["cost_ms"] > 0.0);
     CHECK(point["cost_least_ms"] <= point["cost_most_ms"]);
   }
-  // The field of the two samplings of one method: the finer one is nearer.
+  // The field of the two samplings of one method: the finer one is closer.
   const auto &points = json["cases"][1]["points"];
   CHECK(points[5]["field_l2"] < points[3]["field_l2"]);
   CHECK(points[3]["surface_max_mm"] >= points[3]["surface_95_mm"]);
@@ -126,11 +126,11 @@ TEST_CASE("A study leaves tables, a report and a diagram of each case, with the 
   const auto again = study(file, folder / "two");
   REQUIRE(again.exitCode == 0);
   CHECK(errorsIn(folder / "one") == errorsIn(folder / "two"));
-  // Nothing is left of what was on the way.
+  // No temporary files remain.
   CHECK(pointsIn(folder / "one") == 11);
   for (const auto &entry : fs::directory_iterator(folder / "one" / "work")) CHECK(entry.path().extension() == ".csv");
 
-  // What an earlier run gave stands beside; what was never run is refused before anything runs.
+  // The results of an earlier run are listed next to it; a case that was never run is refused before anything runs.
   const auto compared = study(file, folder / "two", {"--resume", "--compare", (folder / "one").string()});
   CHECK(compared.exitCode == 0);
   CHECK_THAT(compared.output, Contains(" times the cost of before (median)"));
@@ -141,7 +141,7 @@ TEST_CASE("A study leaves tables, a report and a diagram of each case, with the 
   CHECK_THAT(nowhere.errorOutput, Contains("study.json") && Contains("is not there"));
   CHECK_FALSE(fs::exists(folder / "three"));
 
-  // Once more is nothing to do; a study that differs is another one.
+  // A repetition has nothing to do; a study that differs is another one.
   const auto resumed = study(file, folder / "one", {"--resume"});
   CHECK(resumed.exitCode == 0);
   const auto refused = study(file, folder / "one");
@@ -162,7 +162,7 @@ TEST_CASE("A study that is killed goes on where it was, and ends as one that was
   const auto file = writeStudy(folder, kTip + kField + kGrid);
   REQUIRE(study(file, folder / "whole").exitCode == 0);
   {
-    // The shell becomes the program, so that its number is known.
+    // The shell is replaced by the program, so that its process id is known.
     auto child =
         c3de::ChildProcess::start({"sh", "-c", "echo $$ > \"$0\"; exec \"$@\"", (folder / "pid").string(), C3DE_PROGRAM,
                                    "study", file.string(), "--out", (folder / "out").string(), "-q"},
@@ -229,7 +229,7 @@ TEST_CASE("Under mpirun several processes run one study, and its errors are thos
   const auto folder = freshFolder("study-mpi");
   const auto file = writeStudy(folder, kTip + kField + kGrid);
   REQUIRE(study(file, folder / "one").exitCode == 0);
-  // What a machine for tests may need: few processors, and root.
+  // For test machines with few processors, and running as root.
   const ScopedEnvironment root("OMPI_ALLOW_RUN_AS_ROOT", "1"), sure("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"),
       more("OMPI_MCA_rmaps_base_oversubscribe", "1");
   const auto result = c3de::runProcess(
@@ -237,7 +237,7 @@ TEST_CASE("Under mpirun several processes run one study, and its errors are thos
   REQUIRE(result);
   INFO(result->errorOutput);
   CHECK(result->exitCode == 0);
-  // One process speaks.
+  // Only one process prints.
   CHECK(result->output.find("tip: 4 points") == result->output.rfind("tip: 4 points"));
   CHECK(errorsIn(folder / "one") == errorsIn(folder / "three"));
   const auto refused = c3de::runProcess(
@@ -280,7 +280,7 @@ TEST_CASE("Time limits and references that fail are told, and the other cases go
   CHECK_THAT(result.errorOutput, Contains("study.toml:11: case 'field': the run of the reference with spacing 4 mm ") &&
                                      Contains("time limit"));
   CHECK_THAT(result.output, Contains("tip: 1 points, 1 on the front"));
-  // What is at rest is not damped: three runs that agree.
+  // A static case is not damped: three runs that agree.
   CHECK(readJson(folder / "out" / "study.json")["cases"][2]["reference"]["uncertainty"] == 0.0);
   CHECK(readJson(folder / "out" / "study.json")["cases"][0]["failure"].is_string());
 }
@@ -328,7 +328,7 @@ TEST_CASE("A cut of the shipped study: five classes of methods in one picture, t
     for (const auto &point : one["points"])
       if (point.contains("error"))
         errors.try_emplace(one["name"].get<std::string>() + ": " + point["label"].get<std::string>(), point["error"]);
-  // What a method can represent it has to the last digits, what it cannot it is off by what it lacks.
+  // Fields that a method can represent are exact to the last digits; for others it has its characteristic error.
   CHECK(errors.at("patch: C3DE, stress points") < 1e-9);
   CHECK(errors.at("patch: linear tetrahedra") < 1e-6);
   CHECK(errors.at("patch: shape matching") < 1e-6);
@@ -339,12 +339,12 @@ TEST_CASE("A cut of the shipped study: five classes of methods in one picture, t
     CHECK(errors.at(std::string("cantilever: ") + of) > 0.1);
     CHECK(errors.at(std::string("cantilever: ") + of) < 0.5);
   }
-  // Beads in gel: nearer with some friction under the plate than where it slides, whatever the method.
+  // Beads in gel: closer with some friction under the plate than with free sliding, for every method.
   CHECK(errors.at("truth cube: C3DE, friction of the plate") < 0.06);
   CHECK(errors.at("truth cube: C3DE, stress points") < 0.12);
   for (const char *of : {"linear tetrahedra", "mass springs", "shape matching", "thesis as printed"})
     CHECK(errors.at(std::string("truth cube: ") + of) > 0.15);
-  // Forward Euler, as printed, gains energy until nothing is left.
+  // Forward Euler, as printed, gains energy until the state is destroyed.
   CHECK_FALSE(errors.contains("free cube: thesis as printed"));
   CHECK_THAT(readFile(folder / "one" / "study.csv"), Contains(",diverged,"));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies that their surroundings hold, rigid ones, and images of which not everything moves.
+// Bodies held by their surroundings, rigid bodies, and images of which only a part moves.
 #include <cmath>
 
 #include "c3de/imaging/reading.h"
@@ -37,7 +37,7 @@ void writeHead(const std::filesystem::path &folder) {
   REQUIRE(imaging::writeVolume(folder / "head.nrrd", image));
 }
 
-// The largest changes of the exported image in bone, and in what is soft behind the ball, when it has flown 3 mm.
+// The largest changes of the exported image in bone, and in soft tissue behind the ball, after it has flown 3 mm.
 std::array<double, 2> largestChanges(const std::filesystem::path &folder, const std::string &still) {
   const auto file =
       writeFile(folder / "scene.toml",
@@ -213,7 +213,7 @@ TEST_CASE("A free rigid body moves by weight, load and velocity, and takes neith
   for (std::size_t a = 0; a < 3; ++a) CHECK_THAT(body["momentum"][a].get<double>(), WithinRel(expected[a], 1e-9));
   CHECK(body["energy_J"]["elastic"] == 0.0);
 
-  // One on the other, on the floor of the world, whatever the others are integrated by.
+  // One on the other, on the floor of the world, whatever the integrator of the others.
   const auto rests =
       run("[world]\ngravity = [0, -9.81, 0]\nbox = { min = [-1, 0, -1], max = [2, 2, 2] }\n[solver]\nintegrator = "
           "\"implicit\"\ndamping = 10\n" +

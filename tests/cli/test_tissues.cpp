@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One body of many tissues, as a person writes it.
+// One body of many tissues, as a user writes it.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -78,11 +78,11 @@ TEST_CASE("A body of many tissues has their volumes and densities, and what is r
       }
   const double voxel = 64e-9;
   CHECK(body["volume_m3"].get<double>() == Approx(voxel * static_cast<double>(ball + block + plate)).epsilon(1e-6));
-  // Materials are told apart by the samples of cells, 2.5 mm apart, and planes between them.
+  // Materials are resolved by the samples of cells, 2.5 mm apart, and planes between them.
   const double mass = voxel * (2000.0 * static_cast<double>(ball) + 1000.0 * static_cast<double>(block + plate));
   CHECK(body["mass_kg"].get<double>() == Approx(mass).epsilon(2e-3));
   REQUIRE(report["reactions"].size() == 1);
-  // What hangs on the plate: all but its own weight; the plate rests in itself.
+  // The weight hanging on the plate: all but its own; the plate supports itself.
   const double hanging = 9.81 * voxel * (2000.0 * static_cast<double>(ball) + 1000.0 * static_cast<double>(block));
   const double held = -report["reactions"][0]["force_N"][0].get<double>();
   CHECK(held > 0.97 * hanging);
@@ -104,7 +104,7 @@ TEST_CASE("A body of many tissues that is led has finer cells there by itself", 
   CHECK(led["bodies"][0]["adaptive"]["halved_cells"] > 0);
   CHECK(led["bodies"][0]["phyxels"].get<double>() == Approx(1200.0).epsilon(0.12));
   CHECK(led["bodies"][0]["added_mass_kg"] == 0.0);
-  // Whoever says a spacing means it.
+  // An explicit spacing is used as specified.
   CHECK_FALSE(runToReport(scene, {"--set", "solver.integrator=quasistatic"})["bodies"][0].contains("adaptive"));
 
   // In explicit steps as well.
@@ -135,7 +135,7 @@ TEST_CASE("What is not right about tissues is an error, and labels that nobody n
   CHECK_THAT(refusal(sceneOf(kCore, "label = 1\n")), Contains("'tissues' and 'label'"));
   CHECK_THAT(refusal(sceneOf(kCore, "background = { material = \"fat\", image = \"ct.nrrd\", from = 3 }\n")),
              Contains("background has no 'to'"));
-  // Where tissues are set, nothing can take them out of step with their parts.
+  // Where tissues are set, they cannot become inconsistent with their parts.
   const auto scene = writeFile(folder / "set.toml", sceneOf(kCore + ", " + kPlate)).string();
   for (const char *set : {"parts=[]", "label=1", "tissues=[]", "rigid=true", "parts.0.region={everywhere=true}"}) {
     CAPTURE(set);
@@ -168,7 +168,7 @@ TEST_CASE("Tissues may be told by values and by distance, beside labels and with
       voxels[tissue["label"]] = tissue["voxels"].get<std::size_t>();
     return voxels;
   };
-  // What it should be, on both grids; voxels of the map take the image's voxel that their middle lies in.
+  // The expected result, on both grids; voxels of the map use the image voxel that contains their centre.
   std::size_t core = 0, block = 0, shell = 0, front = 0;
   for (int k = 0; k < 24; ++k)
     for (int j = 0; j < 24; ++j)
@@ -193,13 +193,13 @@ TEST_CASE("Tissues may be told by values and by distance, beside labels and with
   CHECK(voxels["core"] == core);
   CHECK(voxels["bone*"] == 16 * 16 * 4);
   CHECK(voxels["block"] == block);
-  // Around tissues before it: of the list in its order, and within a region.
+  // Around earlier tissues: in the order of the list, and within a region.
   const std::string within = "region = { half_space = { point = [0.046, 0, 0], normal = [1, 0, 0] } }";
   voxels = voxelsOf("{ label = \"core\", " + soft + " }, { name = \"front\", margin = 4.0, " + within +
                         ", empty = true }, { name = \"block\", image = \"ct.nrrd\", threshold = [-100, 100], rigid = "
                         "true }",
                     "labels.nrrd");
-  CHECK(voxels["front"] == 0);  // nothing of it is of the body
+  CHECK(voxels["front"] == 0);  // none of it belongs to the body
   CHECK(voxels["block"] > 0);
   CHECK(voxels["block"] + front >= block);
   CHECK(voxels["block"] < block);
@@ -276,7 +276,7 @@ TEST_CASE("In the living brain the skull stays, the brain moves and nothing is t
       CHECK(std::sqrt(square) > 1e-3);
   }
   const auto tissues = rowsOf(folder / "tissues.csv");
-  REQUIRE(tissues.size() == 6);  // what has been drained is not there
+  REQUIRE(tissues.size() == 6);  // the drained fluid is absent
   for (std::size_t row = 1; row < tissues.size(); ++row) {
     CAPTURE(tissues[row]);
     CHECK(std::stod(tissues[row][columnOf(tissues[0], "min J")]) > 0.0);
@@ -291,8 +291,8 @@ TEST_CASE("In the living brain the skull stays, the brain moves and nothing is t
 
 namespace {
 
-// A bar of 200 x 40 x 40 mm along x in voxels of 4 mm, with a layer of voxels without label around: one label after the
-// other along it, more than fifty one row of voxels after the other.
+// A bar of 200 x 40 x 40 mm along x in voxels of 4 mm, with a layer of unlabelled voxels around: labels in sequence
+// along it, more than fifty in sequence by rows of voxels.
 void writeBar(const std::filesystem::path &file, const std::vector<std::string> &names) {
   const std::size_t n = names.size();
   imaging::LabelMap map;
@@ -437,7 +437,7 @@ TEST_CASE("Two hundred labels are a handful of tissues", "[tissues]") {
 TEST_CASE("Report and table say how labels have moved and changed", "[tissues]") {
   const auto folder = freshFolder("tissues-moved");
   writeBar(folder / "bar.nrrd", {"liver", "spleen", "pancreas", "label 4"});
-  // Stretched by a tenth without narrowing: u = 0.1 x, J = 1.1.
+  // Stretched by a tenth without lateral contraction: u = 0.1 x, J = 1.1.
   const std::string held =
       "[solver]\nintegrator = \"quasistatic\"\nload_steps = 2\n"
       "[[fix]]\nregion = { box = { min = [-1, -1, -1], max = [0.002, 1, 1] } }\n"
@@ -461,7 +461,7 @@ TEST_CASE("Report and table say how labels have moved and changed", "[tissues]")
   CHECK(spleen["volume_m3"]["end"].get<double>() == Approx(1.1 * rest).epsilon(0.01));
   CHECK(spleen["min_J"].get<double>() == Approx(1.1).epsilon(0.02));
   CHECK(spleen["followed_part"] == 1.0);
-  // Slices from 50 to 100 mm of 200; voxels' middles lie 2 mm inside.
+  // Slices from 50 to 100 mm of 200; the centres of voxels are 2 mm inside.
   CHECK(spleen["displacement_m"]["mean"].get<double>() == Approx(0.0075).epsilon(0.03));
   CHECK(spleen["displacement_m"]["max"].get<double>() == Approx(0.0098).epsilon(0.03));
   CHECK(tissueOf(report, "4")["displacement_m"]["mean"].get<double>() == Approx(0.0175).epsilon(0.03));
@@ -490,7 +490,7 @@ TEST_CASE("Labels are found again where a body has flown and turned", "[tissues]
     CHECK((*tissue)["volume_m3"]["reference"].get<double>() == Approx(2e-5).epsilon(0.05));
     CHECK((*tissue)["volume_m3"]["end"].get<double>() == Approx(2e-5).epsilon(0.06));
   }
-  // The axis goes with it: a metre along y, and half a turn about it.
+  // The axis moves with it: a metre along y, and half a turn about it.
   CHECK(liver["displacement_m"]["mean"].get<double>() == Approx(1.0).epsilon(0.02));
   CHECK(spleen["displacement_m"]["max"].get<double>() < 1.05);
 }
@@ -511,7 +511,7 @@ void writeBlocks(const std::filesystem::path &file) {
   REQUIRE(imaging::writeLabelMap(file, map));
 }
 
-/// Held below; the block above is pushed along x by half of its weight.
+/// Held at the bottom; the block above is pushed along x by half of its weight.
 std::string blocksScene(const std::string &slides, const std::string &world = "gravity = [0, 0, -9.81]\n") {
   return "format = 1\n[world]\n" + world +
          "[[body]]\nname = \"scan\"\nvolume = \"blocks.nrrd\"\nsampling = { spacing = 0.008 }\n" + slides +
@@ -540,8 +540,8 @@ TEST_CASE("A layer that slides without friction is pushed aside as a free body a
   REQUIRE(report["bodies"].size() == 2);
   CHECK(report["bodies"][1]["name"] == "scan.above");
   CHECK(report["bodies"][1]["mass_kg"].get<double>() == Approx(mass).epsilon(1e-3));
-  // Half a F/m t². Skins are not flat: bulges of 0.3 mm over edges of 6 mm that climb each other hold back by some
-  // 0.05 of what presses, here of the weight; half as much again is allowed.
+  // Half a F/m t². Skins are not flat: bulges of 0.3 mm over edges of 6 mm that climb each other resist by some 0.05 of
+  // the pressing force, here of the weight; half as much again is allowed.
   const double s = report["time_s"].get<double>(), free = 0.5 * push / mass * s * s;
   const double slid = moved(report, "scan.above") - 0.064;
   CHECK(slid < 1.01 * free);
@@ -554,11 +554,11 @@ TEST_CASE("A layer that slides without friction is pushed aside as a free body a
   CHECK_THAT(rows, Contains("\nscan,1,below,") && Contains("\nscan.above,2,above,"));
   CHECK(std::count(rows.begin(), rows.end(), '\n') == 3);
 
-  // Without weight there is no shear: what is lost is what lies in the other's bulges at the start.
+  // Without weight there is no shear: the loss is from initial overlap with the other's bulges.
   const auto light = runToReport(scene, {"--until", "0.06", "--set", "world.gravity=[0, 0, 0]"});
   CHECK(moved(light, "scan.above") - 0.064 == Approx(free).epsilon(0.05));
 
-  // Coulomb on the border, on top of that.
+  // Coulomb friction on the border, in addition.
   const auto rough = runToReport(scene, {"--until", "0.06", "--set", "body.scan.slide_friction=0.3"});
   const double slowed = free * (1.0 - 0.3 * weight / push);
   CHECK(moved(rough, "scan.above") - 0.064 < slowed);
@@ -567,7 +567,7 @@ TEST_CASE("A layer that slides without friction is pushed aside as a free body a
   const auto glued = runToReport(writeFile(folder / "glued.toml", blocksScene("")), {"--until", "0.06"});
   REQUIRE(glued["bodies"].size() == 1);
   CHECK(glued["contacts"].empty());
-  // The middle of all, of which half is near what holds it: less than a twentieth of what slides.
+  // The mean of all points, half of which are near the support: less than a twentieth of the sliding distance.
   CHECK(std::abs(moved(glued, "scan") - 0.064) < 0.05 * free);
 }
 
@@ -587,7 +587,8 @@ TEST_CASE("A piece of what slides is set by the name that the report says", "[ti
   CHECK(set[0]["phyxels"] == as[0]["phyxels"]);
   CHECK(set[1]["mass_kg"].get<double>() == Approx(0.5 * as[1]["mass_kg"].get<double>()));
   CHECK(set[1]["phyxels"].get<int>() < as[1]["phyxels"].get<int>() / 4);
-  // Of a body that counts its points a piece that says none has the spacing of the rest, one that does has its own.
+  // In a body with a given point count, a piece without a setting has the spacing of the rest, a piece with one has its
+  // own.
   const auto counted = run({"--set", "body.scan.sampling.count=2000", "--set", "body.scan.above.sampling.count=100"});
   CHECK(counted[1]["phyxels"].get<int>() < counted[0]["phyxels"].get<int>() / 4);
 
@@ -620,18 +621,18 @@ TEST_CASE("Pieces and the rest are rigid, free or thrown each by itself, and the
   const auto as = run(scene, {});
   REQUIRE(as["bodies"].size() == 2);
 
-  // It stands, and what is pushed against it does not come through.
+  // It is static, and the body pushed against it does not pass through.
   const auto standing = run(scene, {"body.scan.above.rigid=true", "body.scan.velocity=[0, 0, 0.1]"});
   for (std::size_t axis = 0; axis < 3; ++axis)
     CHECK(centre(standing, 1, axis) == Approx(axis == 0 ? 0.064 : axis == 1 ? 0.032 : 0.048).margin(1e-12));
-  // It goes as the soft one does, half a F/m t² less what bulges hold back, and keeps its shape.
+  // It moves like the soft one, half a F/m t² less the resistance of the bulges, and keeps its shape.
   const double pushed = centre(as, 1, 0) - 0.064;
   const auto free = run(scene, {"body.scan.above.free=true", "body.scan.above.rigid=true"});
   CHECK(pushed > 5e-4);
   CHECK(centre(free, 1, 0) - 0.064 == Approx(pushed).epsilon(0.15));
   CHECK(free["bodies"][1]["energy_J"]["elastic"] == 0.0);
   CHECK(free["bodies"][0]["energy_J"]["elastic"] > 0.0);
-  // Each by itself.
+  // Each separately.
   const std::vector<std::string> light{"world.gravity=[0, 0, 0]", "load.push.force=[0, 0, 0]"};
   const auto thrown = [&](std::string set, double until_s) {
     std::vector<std::string> all = light;
@@ -643,10 +644,10 @@ TEST_CASE("Pieces and the rest are rigid, free or thrown each by itself, and the
   CHECK(centre(above, 1, 1) - 0.032 == Approx(1e-3).epsilon(0.05));
   CHECK(std::abs(centre(above, 0, 1) - 0.032) < 5e-5);
   const double mass = rest["bodies"][0]["mass_kg"].get<double>();
-  CHECK(rest["bodies"][0]["momentum"][1].get<double>() > 0.7 * 0.1 * mass);  // it is held below
+  CHECK(rest["bodies"][0]["momentum"][1].get<double>() > 0.7 * 0.1 * mass);  // it is held at the bottom
   CHECK(std::abs(rest["bodies"][1]["momentum"][1].get<double>()) < 0.05 * 0.1 * mass);
 
-  // What speaks of the rest speaks of nothing else.
+  // A setting of the rest applies to nothing else.
   const auto set = run(scene, {"body.scan.rest.material.density=500", "body.scan.rest.sampling.spacing=0.016"}, 1e-4);
   CHECK(set["bodies"][0]["mass_kg"].get<double>() == Approx(0.5 * as["bodies"][0]["mass_kg"].get<double>()));
   CHECK(set["bodies"][0]["phyxels"].get<int>() < as["bodies"][0]["phyxels"].get<int>() / 4);
@@ -664,7 +665,7 @@ TEST_CASE("Pieces and the rest are rigid, free or thrown each by itself, and the
   CHECK(whole["state_hash"] != as["state_hash"]);
   REQUIRE(other["contacts"].size() == 1);
   CHECK(other["contacts"][0]["bodies"] == nlohmann::json{"scan", "scan.above"});
-  // A fix of both acts on what does not stand anyway.
+  // A fix of both acts on the part that is not static already.
   std::string both = text;
   both.replace(both.find("0.004] } }"), 10, "0.004] } }\n[[fix]]\nbody = \"scan\"\nregion = { everywhere = true }");
   const auto held = run(writeFile(folder / "both.toml", both), {"body.scan.above.rigid=true"}, 1e-3);

@@ -55,7 +55,7 @@ TEST_CASE("A probe tool presses, and report and table say with what force, again
   CHECK(force > 1.0);
   CHECK(tool.at("depth_m").get<double>() < 0.002);
   CHECK(tool.at("points").get<int>() >= 4);
-  // At rest what is pressed in comes out at the support; damping carries damping dt/2 of it, 0.8 %.
+  // At rest the pressing force appears at the support; damping carries damping dt/2 of it, 0.8 %.
   const Json &reaction = report.at("reactions").at(0).at("force_N");
   CHECK(std::abs(reaction.at(1).get<double>() - force) < 0.03 * force);
   REQUIRE(report.at("contacts").size() == 1);
@@ -84,7 +84,7 @@ TEST_CASE("A probe tool presses by load steps, and goes where the command line s
   const auto forceWith = [&](std::vector<std::string> more) {
     return runToReport(file, std::move(more)).at("probe_tools").at(0).at("force_N").at(1).get<double>();
   };
-  // The load factor takes the place of the time: 0.2 is the end of the path.
+  // The load factor replaces the time: 0.2 is the end of the path.
   const double force = forceWith({});
   CHECK(force > 1.0);
   const double less =
@@ -122,7 +122,7 @@ TEST_CASE("What holds a body up is reported by name, and a pair lets it through 
   const Json fallen = runToReport(file, {"--until", "0.4", "--set", "contact.pair.0.enabled=false"});
   CHECK(fallen.at("contacts").empty());
   CHECK(fallen.at("bodies").at(0).at("momentum").at(1).get<double>() < -0.95 * 9.81 * 0.4 * mass);
-  // Friction between bodies is none of the table's.
+  // Friction between bodies does not belong to the table.
   const Json general =
       runToReport(file, {"--until", "0.8", "--set", "solver.damping=20", "--set", "contact.friction=0.1"});
   CHECK(general.at("state_hash") == held.at("state_hash"));

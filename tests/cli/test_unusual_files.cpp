@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Paths that lead to no file, meshes in several units, terminals that close.
+// Paths without a regular file, meshes in several units, terminals that close.
 #include <algorithm>
 
 #include "program.h"
@@ -89,7 +89,7 @@ TEST_CASE("A pipe in place of any input is refused at once, by name") {
 
 namespace {
 
-/// Starts a long run in a shell, sends it signals once it steps, and gives its exit code.
+/// Starts a long run in a shell, sends it signals once it steps, and returns its exit code.
 int exitCodeAfter(const std::filesystem::path &folder, const std::string &signals, const std::string &before = "",
                   const std::string &until = "1000") {
   const auto scene = writeBoxScene(folder);

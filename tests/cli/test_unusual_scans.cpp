@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a body of many tissues does with label maps and images that are not as one thinks of them.
+// Bodies of many tissues with unusual label maps and images.
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -87,7 +87,7 @@ TEST_CASE("A background is found in an image of any grid, and what of it is empt
   CHECK(usualTissues[2]["voxels"] == 20 * 12 * 12 - 512);
   CHECK_THAT(usual.errorOutput, !Contains("Background"));
 
-  // Axes turned about: the image runs along z, against x and against y.
+  // Permuted axes: the image runs along z, against x and against y.
   imaging::VolumeGeometry turned{{12, 24, 12}, {}};
   turned.indexToWorld = {0, 0, 4, 0, -4, 0, 0, 0, 0, -4, 0, 0, 92, 44, 0, 1};
   writeImage(folder / "ct.nrrd", turned,
@@ -215,7 +215,7 @@ TEST_CASE("Organs on both sides of a gap of one voxel part, and the table says w
   CHECK(report["tissues"][0]["displacement_m"]["max"].get<double>() < 1e-4);
   CHECK(report["tissues"][1]["displacement_m"]["mean"].get<double>() == Approx(0.079).epsilon(0.05));
 
-  // A gap of a thirtieth of a cell: it closes, and that is said.
+  // A gap of a thirtieth of a cell: it closes, and this is reported.
   writeLabels(folder / "labels.nrrd", {{160, 80, 80}, steps(0.5)}, halves(160, 81), {"liver", "spleen"});
   const auto glued = runC3de({"run", writeFile(folder / "fine.toml", sceneOf("")).string(), "--steps", "1", "--set",
                               "body.scan.sampling.spacing=0.016"});

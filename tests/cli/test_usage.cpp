@@ -95,7 +95,7 @@ TEST_CASE("Wrong usage ends with 2, says what is wrong on stderr and nothing on 
     CHECK(result.exitCode == 2);
     CHECK(result.output.empty());
     CHECK_THAT(result.errorOutput, Contains("c3de: error: ") && Contains(one.contains));
-    // One line says it; the help is asked for.
+    // One line reports it; the help is printed only on request.
     CHECK(std::count(result.errorOutput.begin(), result.errorOutput.end(), '\n') == 1);
   }
 }

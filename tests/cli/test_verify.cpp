@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a run is off (--verify), and what its steps consist of (info).
+// The error of a run (--verify), and the composition of its steps (info).
 #include <algorithm>
 
 #include "program.h"
@@ -44,7 +44,7 @@ TEST_CASE("run --verify: the error of the end state is in the report and is said
   CHECK(verified["error_95_percent"].get<double>() < 5.0);
   CHECK(verified["shadow_phyxels"].get<int>() > 4 * verified["phyxels"].get<int>());
   CHECK(verified["reactions"][0]["shadow_force_N"][2].get<double>() == Approx(0.04).epsilon(1e-3));
-  // Nothing of the run has changed by it.
+  // The run itself is unchanged by it.
   CHECK(report["state_hash"] == before["state_hash"]);
   CHECK_FALSE(before["bodies"][0].contains("verification"));
 }

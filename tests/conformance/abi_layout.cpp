@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The layout that is promised: a change of a number or a type in this file breaks every plugin that was built before.
-// New members go last, with a new line here. 64-bit systems.
+// The guaranteed layout: a change of a number or a type in this file breaks every plugin built before it. New members
+// are appended, with a new line here. 64-bit systems.
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>

@@ -8,7 +8,7 @@
 
 namespace c3de::test {
 
-/// A simulator without bodies whose steps bring time forward by a millisecond; made with the SDK.
+/// A simulator without bodies whose steps advance time by a millisecond; made with the SDK.
 class CountingSimulator : public sdk::Object<CountingSimulator> {
  public:
   static std::array<sdk::Interface, 1> interfaces();

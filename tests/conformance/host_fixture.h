@@ -29,7 +29,7 @@ class HostFixture : public validate::TrialHost {
   [[nodiscard]] std::size_t warnings() const {
     return linesFrom(LogLevel::warn).size() - linesFrom(LogLevel::error).size();
   }
-  /// The handle in the line "made WHAT HANDLE" of a test plugin; null when it did not come so far.
+  /// The handle in the line "made WHAT HANDLE" of a test plugin; null when the line is missing.
   [[nodiscard]] Handle madeBy(const std::string &what) const {
     for (const std::string &line : linesWith("made " + what + " ")) {
       const auto number = line.rfind(' ');

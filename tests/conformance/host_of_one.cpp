@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A program that loads the plugins it is given and draws their panels once: for those that end their program.
+// A program that loads the given plugins and draws their panels once: for plugins that end their program.
 #include <cstdio>
 
 #include "c3de/core/main_queue.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A plugin with readers of meshes, most of them bad ones: one per extension.
+// A plugin with mesh readers, most of them faulty: one per extension.
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -51,7 +51,7 @@ class Readers {
       try {
         sink.setUnit(17);
       } catch (const sdk::Error &) {
-        // Goes on as if nothing had been refused.
+        // Continues as if nothing had been refused.
       }
       sink.addVertices(kCorners);
       sink.addTriangles(kFaces);
@@ -83,7 +83,7 @@ class Readers {
   static void expect(bool holds, const char *what) {
     if (!holds) throw sdk::Error(C3DE_E_INTERNAL, what);
   }
-  // The wrappers beside those of files; a failure refuses this plugin.
+  // The wrappers next to those of files; a failure refuses this plugin.
   static void trySettings(const sdk::Settings &settings) {
     expect(!settings.get("colour"), "nothing is set at first");
     sdk::orThrow(settings.set("colour", "blue"));
@@ -116,7 +116,7 @@ class Readers {
     format.id = id;
     format.label = name;
     format.extensions = {name};
-    // Those of the program win this one.
+    // The program's readers have priority over this one.
     if (name == "good") format.extensions.push_back("OBJ");
     if (name == "empty") format.extensions.push_back("good");
     readers_.push_back(sdk::orThrow(files_.addMeshReader(format, read)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every bad plugin ends in the intended verdict, leaves nothing behind, and a good one loads after it.
+// Every bad plugin gets the intended verdict and leaves nothing behind, and a good one loads after it.
 #include <cstring>
 
 #include "c3de/registry/text_panel.h"
@@ -125,7 +125,7 @@ TEST_CASE("a plugin that needs a window is refused in a run without one and load
   {
     HostFixture f(true);
     CHECK_THAT(f.refusalOf(HostFixture::testPlugin("needs_window")),
-               Contains("needs c3de.panels/1, which is not served in this run (it needs a window)"));
+               Contains("needs c3de.panels/1, which is not available in this run (it needs a window)"));
   }
   HostFixture f;
   CHECK(f.refusalOf(HostFixture::testPlugin("needs_window")).empty());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a plugin file shows to the dynamic loader.
+// The symbols that a plugin file exports to the dynamic loader.
 #include <sstream>
 
 #include "c3de/core/platform.h"

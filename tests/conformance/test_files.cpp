@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What readers of plugins give becomes a mesh like any other, or is refused with file, reader and plugin.
+// The output of plugin readers becomes a mesh like any other, or is refused with file, reader and plugin.
 #include <atomic>
 #include <fstream>
 #include <thread>

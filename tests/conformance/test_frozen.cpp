@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What frozen means: plugins of then load in today's host, and today's in a host of then.
+// The meaning of frozen: old plugins load in the current host, and current plugins in an old host.
 #include <cstring>
 #include <filesystem>
 #include <string>
@@ -22,7 +22,7 @@ using Catch::Matchers::Contains;
 #if defined(__linux__) && defined(__x86_64__)
 
 TEST_CASE("plugins that were built of earlier headers load and act in this host") {
-  // Each with its source and the line it was built with: kept/README.md.
+  // Each with its source and its build command: kept/README.md.
   for (const char *name : {"hello_of_draft_0.so", "hello_of_1.so"}) {
     HostFixture f;
     INFO(name);
@@ -38,8 +38,8 @@ TEST_CASE("plugins that were built of earlier headers load and act in this host"
 
 namespace {
 
-/// A host that has what was frozen first and nothing that came later: the host's table without set_error_at, services of
-/// revision 1 in their first sizes.
+/// A host with only the first frozen interfaces: the host's table without set_error_at, services of revision 1 in their
+/// first sizes.
 struct FirstHost {
   std::vector<std::string> lines, classes, asked;
 

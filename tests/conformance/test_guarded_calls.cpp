@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a plugin does wrong while it runs, and the verdict on each: what is refused, named, switched off, and that the
-// host goes on.
+// Errors of running plugins, and the verdict on each: refused, named, disabled, while the host continues.
 #include <chrono>
 #include <thread>
 
 #include "bad_plugins/misbehaves.h"
-#include "c3de/core/foreign_call.h"
-#include "c3de/core/foreign_table.h"
+#include "c3de/core/plugin_call.h"
+#include "c3de/core/plugin_table.h"
 #include "c3de/registry/text_panel.h"
 #include "c3de/scene/simulation.h"
 #include "c3de/sdk/object.hpp"
@@ -19,7 +18,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-/// A host that soon loses patience, with the plugin that does what it is told.
+/// A host with short time limits, with the plugin that misbehaves on demand.
 class Guarded : public HostFixture {
  public:
   Guarded() {
@@ -38,7 +37,7 @@ class Guarded : public HostFixture {
     (void)host->takeError();
     return table_->run(object_, {what.data(), what.size()});
   }
-  /// Lines of the watchdog come a little after.
+  /// Lines of the watchdog arrive with a short delay.
   bool soon(const std::string &line) {
     for (int i = 0; i < 200 && linesWith(line).empty(); ++i) std::this_thread::sleep_for(10ms);
     return !linesWith(line).empty();
@@ -61,7 +60,7 @@ class Guarded : public HostFixture {
   const test_misbehaves_v0 *table_ = nullptr;
 };
 
-/// A simulator with one body of one point, whose steps take longer than anybody waits.
+/// A simulator with one body of one point, whose steps exceed every timeout.
 struct SlowSimulator {
   SlowSimulator() {
     table.size = sizeof table;
@@ -166,7 +165,7 @@ TEST_CASE("exceptions that leave create, query and release of an object are name
   CHECK_THAT(table.error().message, Contains("left query") && Contains("any/0") && Contains("thrown in query"));
   releaseObject(*object);
   CHECK(f.linesWith("an exception left release of an object: thrown in release").size() == 1);
-  // The comfort for plugins is as careful.
+  // The C++ wrappers for plugins are equally careful.
   {
     const auto theirs = sdk::Ref<>::share(*object);
     CHECK(theirs.query<c3de_simulator_v1>() == nullptr);
@@ -180,7 +179,7 @@ TEST_CASE("a class that creates itself ends at a depth, with its name") {
   REQUIRE_FALSE(made);
   CHECK_THAT(made.error().message, Contains("class test.bad.Itself/0 of plugin test.misbehaves") &&
                                        Contains("16 calls of plugins stand within each other"));
-  CHECK(made.error().message.size() < 300);  // not told once for each
+  CHECK(made.error().message.size() < 300);  // not reported once for each
   REQUIRE(f.host->createObject(TEST_MISBEHAVES_CLASS));
 }
 
@@ -219,7 +218,7 @@ TEST_CASE("a call on the main thread that does not return is named while it last
   }
   if (what == "slow frame") f.mainQueue.runFrame();
   const std::string name = "plugin test.misbehaves: " + call;
-  // 100 ms, then three times as long; it took 400 ms. The lines were there before it returned.
+  // 100 ms, then three times as long; the call took 400 ms. The lines were written before it returned.
   CHECK(f.linesWith(name + " has not returned for 0.").size() == 2);
   CHECK(f.linesWith("; the program waits for it").size() == 2);
   CHECK(f.soon(name + " has returned after 0.4 s"));
@@ -271,7 +270,7 @@ TEST_CASE("the message about a job that hangs lets people wait or cancel it") {
 TEST_CASE("work that shows its own progress is named in the log, without a message") {
   Guarded f;
   std::thread([] {
-    (void)callForeign("test.slow", "building a body", CallKind::job, [](const ForeignCall &) {
+    (void)callPluginFunction("test.slow", "building a body", CallKind::job, [](const PluginCall &) {
       std::this_thread::sleep_for(400ms);
       return C3DE_OK;
     });
@@ -391,7 +390,7 @@ TEST_CASE("a tool, a listener and a frame callback that fail in a row are switch
   for (int i = 0; i < 10; ++i) f.mainQueue.runFrame();
   CHECK(f.linesWith("thrown in a frame").size() == 6);
   f.host.reset();
-  act();  // of a plugin that has gone: nothing
+  act();  // from an unloaded plugin: nothing
 }
 
 TEST_CASE("callbacks that call each other without end are stopped, and said in a few lines") {
@@ -404,7 +403,7 @@ TEST_CASE("callbacks that call each other without end are stopped, and said in a
   CHECK(
       f.linesWith("plugin test.misbehaves: cancel of a tool is not called, nor is what follows: 16 calls of").size() ==
       1);
-  CHECK(f.tools.activate(f.tools.tools().front().handle));  // the next call from outside is made again
+  CHECK(f.tools.activate(f.tools.tools().front().handle));  // the next external call is executed again
 }
 
 TEST_CASE("texts of plugins cannot steer a terminal, and what they tried is seen") {
@@ -467,7 +466,7 @@ TEST_CASE("a plugin that ends the program is named, and the program does not ans
 TEST_CASE("the record of a call costs some nanoseconds") {
   const auto begin = std::chrono::steady_clock::now();
   constexpr int kCalls = 1'000'000;
-  for (int i = 0; i < kCalls; ++i) const ForeignCall call("owner", "what", CallKind::prompt);
+  for (int i = 0; i < kCalls; ++i) const PluginCall call("owner", "what", CallKind::prompt);
   const auto each = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begin) / kCalls;
   INFO(each.count() << " ns");
   CHECK(each.count() < 200.0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Good plugins: the order of their life, folders, hello, and one written with the SDK.
+// Good plugins: the order of their life cycle, folders, hello, and one written with the SDK.
 #include <chrono>
 #include <cmath>
 #include <thread>
@@ -39,7 +39,7 @@ TEST_CASE("plugins are created, started, stopped and destroyed in order, the las
   REQUIRE(f.host->load(HostFixture::testPlugin("lifecycle_b")));
   CHECK(f.linesWith("step start").empty());
   f.host->start();
-  f.host->start();  // starts nobody twice
+  f.host->start();  // starts no plugin twice
   f.host.reset();
   std::vector<std::string> steps;
   for (const std::string &line : f.linesWith("step ")) steps.push_back(line.substr(line.find("step ") + 5));
@@ -147,7 +147,7 @@ TEST_CASE("a plugin written with the SDK has its panel, tool, parameters, job an
   }));
   CHECK(panel.value("Volume") == "166.667 mm³");
 
-  // A person changes the declared parameter; the plugin hears of it and refuses nothing, because the host has checked.
+  // The user changes the declared parameter; the plugin is notified and refuses nothing, because the host has checked.
   panel.setNumber("scale", 2.0);
   (void)panel.draw(*f.panels.panels().front());
   (void)panel.draw(*f.panels.panels().front());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the SDK does with a force field, against a host of a few lines.
+// Lifetime of force fields in the SDK, against a host of a few lines.
 #include <memory>
 
 #include "c3de/sdk/sdk.hpp"
@@ -9,7 +9,7 @@ using namespace c3de;
 
 namespace {
 
-/// Hands out one table and notes, when a field is removed, whether its function is still there.
+/// Provides one table and records, when a field is removed, whether its function still exists.
 struct SmallHost {
   SmallHost() {
     forces.size = sizeof forces;
@@ -44,7 +44,7 @@ struct SmallHost {
   c3de_host abi{};
   c3de_forces_v1 forces{};
   std::uint64_t added = 0, removed = 0;
-  std::weak_ptr<int> function;  // of the field that goes
+  std::weak_ptr<int> function;  // of the removed field
   bool removedTooLate = false;
 };
 

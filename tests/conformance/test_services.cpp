@@ -36,7 +36,7 @@ struct DrivenHost : HostFixture {
   }
   ~DrivenHost() { simulations.remove(node); }
 
-  /// Differences between what was answered and what was expected, a line each.
+  /// Differences between actual and expected results, a line each.
   std::string run(std::string_view service) {
     std::string differences;
     const c3de_sink sink{&differences, [](void *self, const void *bytes, std::uint64_t n) -> c3de_status {
@@ -103,7 +103,7 @@ TEST_CASE("plugins of this tree load where everything is served") {
 
 #if defined(__linux__) && defined(__x86_64__)
 TEST_CASE("a kept binary uses every frozen service, and each answers it as then") {
-  // What its texts say may have been written better since; what a call answers has not changed.
+  // Its texts may have been improved since; the results of its calls have not changed.
   DrivenHost f(std::filesystem::path(C3DE_KEPT_PLUGINS) / "linux-x86_64" / "services_of_1.so");
   (void)storeImages(f);
   takeQuit(f);
@@ -156,7 +156,7 @@ TEST_CASE("the history service answers good and bad arguments, and its steps are
   CHECK(f.edits.undoLabel() == "last");
   CHECK(f.edits.redoLabel() == "");
   f.host.reset();
-  CHECK(f.edits.undoLabel() == "");  // a plugin that goes takes its steps along
+  CHECK(f.edits.undoLabel() == "");  // an unloaded plugin removes its undo steps
 }
 TEST_CASE("a handle of one kind is refused where another is asked for, with both kinds") { check("kinds", 8); }
 TEST_CASE("the files service answers good and bad arguments") { check("files", 20); }
@@ -239,12 +239,12 @@ TEST_CASE("functions of the main thread refuse other threads, the others do not"
   CHECK(f.compared > 25);
   CHECK(f.panels.notifications().empty());
   f.mainQueue.runFrame();
-  CHECK(f.panels.notifications().size() == 1);  // the warning came over to the main thread
+  CHECK(f.panels.notifications().size() == 1);  // the warning was transferred to the main thread
 }
 
 TEST_CASE("a plugin that calls after it was taken back gets a status instead of a crash") {
   HostFixture f;
-  // create succeeds, so its class can be used; start fails, and the plugin is taken back with its object still out.
+  // create succeeds, so its class can be used; start fails, and the plugin is unloaded while its object still exists.
   REQUIRE(f.host->load(HostFixture::testPlugin("service_driver_that_goes")));
   const auto object = f.host->createObject(TEST_DRIVER_CLASS);
   REQUIRE(object);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What plugins set outlives the program; a damaged file is told and kept.
+// Plugin settings persist after the program ends; a damaged file is reported and preserved.
 #include <fstream>
 #include <iterator>
 

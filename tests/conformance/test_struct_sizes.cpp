@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A struct that is smaller than its first revision is refused wherever it is handed over, with its size and the least.
+// A struct smaller than its first revision is refused wherever it is passed, with its size and the minimum.
 #include <algorithm>
 #include <array>
 #include <fstream>
@@ -32,23 +32,23 @@ const std::vector<std::string> &allStructs() {
   return names;
 }
 
-/// Calls with a struct of each size that is too small, and gives the size back.
+/// Calls with a struct of each size that is too small, and restores the size.
 class Sizes {
  public:
   explicit Sizes(std::function<std::string()> takeError) : takeError_(std::move(takeError)) {}
 
   template <class T>
   void refuse(T &given, const std::function<c3de_status()> &call) {
-    tried_.insert(FirstSize<T>::name);
+    tried_.insert(MinimumSize<T>::name);
     const std::uint32_t whole = given.size;
-    for (const std::size_t size : {std::size_t{0}, std::size_t{4}, FirstSize<T>::value - 1}) {
-      INFO(FirstSize<T>::name << " of size " << size);
+    for (const std::size_t size : {std::size_t{0}, std::size_t{4}, MinimumSize<T>::value - 1}) {
+      INFO(MinimumSize<T>::name << " of size " << size);
       given.size = static_cast<std::uint32_t>(size);
       (void)takeError_();
       CHECK(call() == C3DE_E_ARG);
       CHECK_THAT(takeError_(), Contains("size is " + std::to_string(size)) &&
-                                   Contains("at least " + std::to_string(FirstSize<T>::value)) &&
-                                   Contains(FirstSize<T>::name));
+                                   Contains("at least " + std::to_string(MinimumSize<T>::value)) &&
+                                   Contains(MinimumSize<T>::name));
     }
     given.size = whole;
   }
@@ -69,10 +69,10 @@ T sized() {
 constexpr std::array<double, 12> kCorners{0, 0, 0, 10, 0, 0, 0, 10, 0, 0, 0, 10};
 constexpr std::array<std::uint32_t, 12> kFaces{0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
 
-/// What the host itself reads of others, or writes for them.
+/// Structs that the host itself reads from or writes for plugins.
 const std::set<std::string> kOfEntry{"c3de_answer",      "c3de_offer",     "c3de_plugin",
                                      "c3de_service_req", "c3de_object_vt", "c3de_error_place"};
-/// What the host, or a simulator, hands to callbacks of others.
+/// Structs that the host, or a simulator, passes to callbacks of plugins.
 const std::set<std::string> kOfCallbacks{
     "c3de_class_info", "c3de_event",           "c3de_force_call",           "c3de_label",
     "c3de_mesh_sink",  "c3de_mesh_source",     "c3de_mesh_contents",        "c3de_sim_field",
@@ -196,7 +196,7 @@ TEST_CASE("the point-based simulator refuses structs below their first size, whe
   auto loaded = f.meshFormats.load(file, geometry::LengthUnit::millimetre, {}, "");
   REQUIRE(loaded);
 
-  // All that a body may have.
+  // All optional data of a body.
   auto region = sized<c3de_sim_region>();
   auto motion = sized<c3de_sim_motion>();
   auto placement = sized<c3de_sim_placement>();
@@ -264,7 +264,7 @@ TEST_CASE("the point-based simulator refuses structs below their first size, whe
   };
   sizes.refuse(fill, addFilled);
   sizes.refuse(grid, addFilled);
-  // Strides of 0 are tight, in the size of who made the array; those below the first size are refused.
+  // Strides of 0 are tight, in the struct size of the array's owner; those below the first size are refused.
   body.fixes_stride = 8;
   CHECK(add() == C3DE_E_ARG);
   CHECK_THAT(plugin_host::takeLastError(), Contains("stride is 8") && Contains("at least 40"));
@@ -354,7 +354,7 @@ TEST_CASE("every struct that is handed over with its size has a first size") {
     const std::string name = line.substr(line.find(' ') + 1, dot - line.find(' ') - 1);
     ++found;
     INFO(name << " is missing in first_sizes.h");
-    // The host sets the sizes of tables of services; those of the point-based plugin are in its own headers.
+    // The host sets the sizes of service tables; those of the point-based plugin are in its own headers.
     const bool isHosts = name == "c3de_host" || (name.ends_with("_v1") && !kTables.contains(name));
     CHECK((isHosts || known.contains(name)));
   }

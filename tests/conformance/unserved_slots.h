@@ -5,7 +5,7 @@
 
 namespace c3de::test {
 
-/// Lets the slots that a stand-in does not need, and that may not be null, answer C3DE_E_UNSUPPORTED.
+/// Makes unused slots of a stand-in that may not be null return C3DE_E_UNSUPPORTED.
 template <class... A>
 void serveNot(c3de_status(C3DE_CALL *&slot)(A...)) {
   if (!slot) slot = [](A...) -> c3de_status { return C3DE_E_UNSUPPORTED; };

@@ -81,7 +81,7 @@ double BoundaryValues::real() {
 }
 
 c3de_str BoundaryValues::text() {
-  if (chance(20)) return {nullptr, below(3)};  // null with a length, too
+  if (chance(20)) return {nullptr, below(3)};  // also null with a length
   const std::string &chosen = texts_[below(texts_.size())];
   return {chosen.data(), chosen.size()};
 }
@@ -114,7 +114,7 @@ void *BoundaryValues::reals(std::size_t size) {
 
 c3de_view BoundaryValues::view() {
   constexpr std::array<std::uint32_t, 3> kKnown{C3DE_F64, C3DE_F32, C3DE_U32};
-  // What most functions take: rows of three that lie tight.
+  // The usual case of most functions: tightly packed rows of three.
   if (chance(2)) {
     if (chance(3)) {
       auto *indices = static_cast<std::uint32_t *>(memory(kMemory));
@@ -125,8 +125,8 @@ c3de_view BoundaryValues::view() {
   }
   const std::uint32_t type = chance(10) ? u32() : kKnown[below(kKnown.size())];
   const std::uint32_t comps = chance(10) ? u32() : static_cast<std::uint32_t>(1 + below(4));
-  const std::uint64_t count = chance(10) ? u64() : below(kMostRows);
-  // What can be read of it: all that small counts and widths reach.
+  const std::uint64_t count = chance(10) ? u64() : below(kMaxRows);
+  // Its readable memory: within reach of all small counts and widths.
   auto *data = static_cast<unsigned char *>(type == C3DE_F32 ? reals(sizeof(float)) : reals(sizeof(double)));
   if (type == C3DE_U32)
     for (std::size_t i = 0; i < 256; ++i) {
@@ -173,7 +173,7 @@ void *BoundaryValues::structs(std::string_view name, std::size_t n, int depth) {
 
 void BoundaryValues::fill(unsigned char *at, const Struct &type, int depth) {
   for (const Member &member : type.members) fill(at, member, depth);
-  // Lengths of arrays: those that there are, or more than anybody can have.
+  // Lengths of arrays: the actual ones, or impossibly large ones.
   const auto set = [&](const Member &member, std::uint64_t value) {
     std::memcpy(at + member.offset, &value, member.size);
   };
@@ -189,7 +189,7 @@ void BoundaryValues::fill(unsigned char *at, const Struct &type, int depth) {
       set(member, chance(10) ? std::uint64_t{1} << 62 : below(kArray + 1));
     const auto stride = name.rfind("_stride");
     if (stride == std::string::npos) continue;
-    // Of the array whose name comes before; 0 and less than a row must be noticed, more than a row cannot be.
+    // Of the array whose name precedes it; 0 and less than a row must be detected, more than a row cannot be.
     std::size_t row = 0;
     for (const Member &array : type.members)
       if (array.name == name.substr(0, stride)) {

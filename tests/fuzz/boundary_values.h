@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values on and beyond the borders of what functions of the boundary accept. Pointers lead to memory that may be read,
-// and written where they are not const, or are null: what no function can notice is not tried.
+// Values on and beyond the limits of functions at the plugin boundary. Pointers refer to memory that is readable, and
+// writable where they are not const, or are null: errors that no function can detect are not tried.
 #pragma once
 
 #include <array>
@@ -45,9 +45,9 @@ class BoundaryValues {
   [[nodiscard]] c3de_handle handle();
   [[nodiscard]] c3de_view view();
   [[nodiscard]] c3de_sink sink();
-  /// Handles that functions have given are asked for again.
+  /// Handles returned by functions are used again.
   void remember(c3de_handle handle);
-  /// Those that are not forgotten for others.
+  /// Handles that are not dropped in favour of others.
   void keep(c3de_handle handle) { keptHandles_.push_back(handle); }
   /// Texts too: ids of classes, keys.
   void remember(std::string text) { texts_.push_back(std::move(text)); }
@@ -56,13 +56,13 @@ class BoundaryValues {
   /// with the right size. Valid until forget().
   [[nodiscard]] void *structs(std::string_view name, std::size_t n, int depth = 0);
   [[nodiscard]] std::size_t sizeOf(std::string_view name) const;
-  /// Zeroed memory to write to.
+  /// Zeroed, writable memory.
   [[nodiscard]] void *memory(std::size_t bytes);
   void forget() { kept_.clear(); }
-  /// An object that answers no interface and never goes.
+  /// An object without interfaces that is never destroyed.
   [[nodiscard]] static c3de_object *object();
 
-  /// An argument of any type that functions of services take.
+  /// An argument of any type that service functions accept.
   template <class T>
   T make() {
     using Plain = std::remove_cv_t<T>;
@@ -118,19 +118,19 @@ class BoundaryValues {
     }
   }
 
-  /// A function that does nothing and answers 0, for any signature.
+  /// A function that does nothing and returns 0, for any signature.
   [[nodiscard]] static void *nothing();
   [[nodiscard]] void *reals(std::size_t size);
   void fill(unsigned char *at, const Struct &type, int depth);
   void fill(unsigned char *at, const Member &member, int depth);
 
-  static constexpr std::size_t kArray = 4, kMostRows = 12, kResults = 16, kMemory = std::size_t{1} << 16;
+  static constexpr std::size_t kArray = 4, kMaxRows = 12, kResults = 16, kMemory = std::size_t{1} << 16;
 
   std::mt19937_64 engine_;
-  std::size_t rows_ = 4;   ///< that the views of a call have in common, as most functions want it
-  bool areDouble_ = true;  ///< likewise
+  std::size_t rows_ = 4;   ///< common to the views of a call, as most functions require
+  bool areDouble_ = true;  ///< common as well
   std::map<std::string, Struct, std::less<>> types_;
-  std::deque<std::vector<std::uint64_t>> kept_;  ///< memory that was handed out
+  std::deque<std::vector<std::uint64_t>> kept_;  ///< allocated memory
   std::vector<c3de_handle> handles_, keptHandles_;
   std::deque<std::string> texts_;
 };

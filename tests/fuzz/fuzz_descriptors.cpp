@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loads plugins whose descriptor has changed bytes, each in a child process: refused with a reason or taken, in time.
-// A child may die or hang only where a pointer was changed, which may lead anywhere, and which no host can notice.
+// Loads plugins whose descriptor has changed bytes, each in a child process: refused with a reason or accepted, in
+// time. A child may crash or hang only where a pointer was changed, which may point anywhere, and which no host can
+// detect.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -26,7 +27,7 @@ c3de_status C3DE_CALL create(const c3de_host *, void **self) {
 c3de_status C3DE_CALL doNothing(void *) { return C3DE_OK; }
 void C3DE_CALL destroy(void *) {}
 
-/// A descriptor with everything in it, where bytes may be changed.
+/// A complete descriptor, whose bytes may be changed.
 struct Descriptor {
   std::array<c3de_service_req, 2> needs{
       c3de_service_req{sizeof(c3de_service_req), C3DE_REQUIRED, {"c3de.log/1", 10}, 1, 0},
@@ -47,7 +48,7 @@ struct Descriptor {
                      destroy};
 };
 
-/// Whether a change of this byte makes a pointer wild, or lets a count or a length that is accepted reach beyond memory.
+/// Whether a change of this byte makes a pointer wild, or lets an accepted count or length reach beyond memory.
 bool isPointer(std::size_t offset, const unsigned char *base, const Descriptor &of) {
   const auto within = [&](const void *member, std::size_t size) {
     const auto at = static_cast<std::size_t>(static_cast<const unsigned char *>(member) - base);
@@ -63,7 +64,7 @@ bool isPointer(std::size_t offset, const unsigned char *base, const Descriptor &
 
 constexpr unsigned kPatience_s = 5;
 
-/// In the child: loads mutants `first` … `last` - 1 of the seed; says before each which it is.
+/// In the child: loads mutants `first` … `last` - 1 of the seed; prints the number of each before loading it.
 [[noreturn]] void loadMutants(std::uint64_t seed, std::uint64_t first, std::uint64_t last, int pipe) {
   std::freopen("/dev/null", "w", stderr);
   const auto folder = std::filesystem::temp_directory_path() / ("c3de-fuzz-" + std::to_string(getpid()));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads texts with changed lines, tokens and bytes: scenes, overrides, material presets, what plugins and the program
-// remember, saved states. Each is read or refused, in time, in text that can be shown; a state that is refused has
-// changed nothing.
+// Reads texts with changed lines, tokens and bytes: scenes, overrides, material presets, settings of plugins and of the
+// program, saved states. Each is read or refused, in time, with a printable message; a refused state has changed
+// nothing.
 #include <CLI/CLI.hpp>
 #include <array>
 #include <chrono>
@@ -37,7 +37,7 @@ class Mutations {
   explicit Mutations(std::uint64_t seed) : engine_(seed) {}
   std::size_t below(std::size_t n) { return static_cast<std::size_t>(engine_() % n); }
 
-  /// Lines and tokens of one text are left out, doubled, moved, or replaced by odd ones; bytes are changed.
+  /// Lines and tokens of one text are omitted, duplicated, moved, or replaced by odd ones; bytes are changed.
   std::string text(const std::string &original, const std::string &other) {
     std::vector<std::string> lines = linesOf(original);
     const std::vector<std::string> foreign = linesOf(other);
@@ -138,7 +138,7 @@ std::string fileText(const fs::path &file) {
 }
 void write(const fs::path &file, const std::string &text) { std::ofstream(file, std::ios::binary) << text; }
 
-/// The input that is being read, for whoever looks at what went wrong.
+/// The current input, for the analysis of failures.
 std::string present;
 
 [[noreturn]] void found(const std::string &what, const std::string &message) {
@@ -147,7 +147,7 @@ std::string present;
   std::exit(1);
 }
 
-/// A refusal is one line of plain text, not endless, and says something.
+/// A refusal is one line of plain text, of limited length, and informative.
 void checkMessage(const std::string &subject, const std::string &message) {
   if (message.empty()) found(subject + ": refused without a word", "");
   if (message.size() > 4000) found(subject + ": a message of many characters", message.substr(0, 300));
@@ -216,7 +216,7 @@ std::vector<Subject> subjects(const fs::path &resources, const fs::path &folder)
                    bool isRead = false;
                    for (const std::string &key : store.keys("org.example.x"))
                      isRead = store.get("org.example.x", key).has_value() || isRead;
-                   // What is damaged can be written again.
+                   // A damaged file can be written again.
                    if (const auto set = store.set("org.example.x", "a", "1"); !set)
                      found("settings", set.error().message);
                    if (c3de::registry::SettingsStore(folder / "settings").get("org.example.x", "a") != "1")
@@ -251,7 +251,7 @@ std::vector<Subject> subjects(const fs::path &resources, const fs::path &folder)
                    const std::string kept = "call\nSIGSEGV, an invalid access to memory\norg.example.x\nstep\n";
                    present = m.below(2) == 0 ? m.text(kept, kept) : m.bytes(kept);
                    write(folder / "journal" / "1.run", present);
-                   const auto records = c3de::CrashJournal::takeLeft(folder / "journal");
+                   const auto records = c3de::CrashJournal::popCrashRecords(folder / "journal");
                    for (const auto &record : records) checkMessage("journal", record.cause());
                    return !records.empty();
                  }});
@@ -278,7 +278,7 @@ std::vector<Subject> subjects(const fs::path &resources, const fs::path &folder)
                      if (session.stateHash() != hash) found("state: refused, and something has changed", "");
                      return false;
                    }
-                   // Numbers may be others now; the next step is made or fails with a reason.
+                   // Numbers may differ now; the next step succeeds or fails with a reason.
                    if (session.table()->step(session.object()) < 0) checkMessage("state", session.takeError());
                    session.reset();  // of a body that has stopped
                    if (session.table()->load_state(session.object(), bytes.data(), bytes.size()) < 0)
@@ -309,7 +309,7 @@ int main(int argc, char **argv) {
   Mutations mutations(seed);
   auto all = subjects(C3DE_RESOURCES, folder);
   std::erase_if(all, [&](const Subject &one) { return !only.empty() && one.name != only; });
-  constexpr double kMostSeconds = 5.0;  // of one input, on a busy machine with sanitizers
+  constexpr double kMaxSeconds = 5.0;  // of one input, on a busy machine with sanitizers
   for (const Subject &one : all) {
     const auto begin = Clock::now();
     const double share = seconds / static_cast<double>(all.size());
@@ -319,7 +319,7 @@ int main(int argc, char **argv) {
       if (one.once(mutations)) ++read;
       const double then = std::chrono::duration<double>(Clock::now() - begin).count();
       slowest = std::max(slowest, then - now);
-      if (then - now > kMostSeconds) found(one.name + " took " + std::to_string(then - now) + " s", "");
+      if (then - now > kMaxSeconds) found(one.name + " took " + std::to_string(then - now) + " s", "");
       now = then;
     }
     std::printf("%-9s %9zu inputs, %9zu read, the slowest in %.3f s\n", one.name.c_str(), count, read, slowest);

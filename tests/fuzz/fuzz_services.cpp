@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls functions of the host's services in random order with values on the borders. Whatever they answer, the process
-// must live, and it is done when it is said to be done; sanitizers see more.
+// Calls functions of the host's services in random order with values on the limits. Whatever they return, the process
+// must survive, and reported success must be real; sanitizers detect more.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
@@ -60,7 +60,7 @@ bool callWith(R(C3DE_CALL *function)(Context *, Arguments...), Context *context,
           (void)function(context, each...);
       },
       arguments);
-  // A handle that was made is asked for later.
+  // A created handle is used again later.
   std::apply(
       [&](Arguments... each) {
         (void)std::initializer_list<int>{[&](auto argument) {
@@ -78,7 +78,7 @@ struct Call {
   bool (*run)(const c3de_host *host, BoundaryValues &values);
 };
 
-/// Whether the host has done what it was asked.
+/// Whether the host has performed the request.
 template <class Table, auto Slot>
 bool callSlot(const c3de_host *host, BoundaryValues &values) {
   constexpr std::string_view id = c3de::sdk::kTableId<Table>;
@@ -102,7 +102,7 @@ const Table &tableOf(const c3de_host *host) {
   return *static_cast<const Table *>(found);
 }
 
-/// One of everything that has a handle or a name, so that calls meet what is there.
+/// One of everything that has a handle or a name, so that calls find existing objects.
 void prepare(c3de::validate::TrialHost &host, BoundaryValues &values) {
   const auto &mesh = tableOf<c3de_mesh_v1>(hostOfSeam);
   const auto &collision = tableOf<c3de_collision_v1>(hostOfSeam);
@@ -169,9 +169,9 @@ void prepare(c3de::validate::TrialHost &host, BoundaryValues &values) {
   values.keep(c3de_handle{host.images.add(std::shared_ptr<const c3de::scene::StoredLabels>(labels)).bits()});
 }
 
-/// Ends the process or makes work without end by contract, with these arguments.
+/// Ends the process or causes endless work by contract, with these arguments.
 bool isLeftOut(std::string_view name) {
-  return name == "c3de_jobs_v1.parallel_for" ||  // of 2^63 parts it calls that many
+  return name == "c3de_jobs_v1.parallel_for" ||  // with 2^63 parts it makes that many calls
          name == "c3de_mesh_v1.load";            // names of devices
 }
 
@@ -179,7 +179,7 @@ std::filesystem::path settingsFolder(std::uint64_t seed) {
   return std::filesystem::temp_directory_path() / ("c3de-fuzz-" + std::to_string(seed));
 }
 
-/// A life of a host, some thousand calls long.
+/// The life cycle of one host, some thousand calls long.
 std::uint64_t live(std::uint64_t seed, bool isVerbose, std::vector<std::uint64_t> &taken) {
   BoundaryValues values(seed);
   for (const char *text : {"test.fuzz.B", "organ", "C3DE", "x,y", "strength"}) values.remember(std::string(text));
@@ -212,7 +212,7 @@ std::uint64_t live(std::uint64_t seed, bool isVerbose, std::vector<std::uint64_t
 }  // namespace
 
 int main(int argc, char **argv) {
-  c3de::tellFatalErrors();
+  c3de::installFatalErrorReport();
   double seconds = 10.0;
   std::uint64_t seed = static_cast<std::uint64_t>(Clock::now().time_since_epoch().count());
   bool isOnce = false;
@@ -228,7 +228,7 @@ int main(int argc, char **argv) {
   std::uint64_t lives = 0, calls = 0;
   std::vector<std::uint64_t> taken(std::size(kCalls));
   do {
-    // Before it: so that the life that ends the process is known.
+    // Before it, so that the seed of a run that ends the process is known.
     std::fprintf(stderr, "\rfuzz_services: seed %llu ", static_cast<unsigned long long>(seed + lives));
     calls += live(seed + lives, isOnce, taken);
     ++lives;

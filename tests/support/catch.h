@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The only place that includes Catch2: version 2 as Debian packages it, version 3 as vcpkg does.
-// Guarded by a macro: part of precompiled headers, which a compiler cache may hand out again after a change of white
-// space; then "#pragma once", which compares contents, does not know the header again.
+// The only file that includes Catch2: version 2 as Debian packages it, version 3 as vcpkg does. Guarded by a macro: it
+// is part of precompiled headers, which a compiler cache may reuse after a change of white space. "#pragma once"
+// compares contents and would then not recognise the header.
 #ifndef C3DE_TESTS_SUPPORT_CATCH_H
 #define C3DE_TESTS_SUPPORT_CATCH_H
 
@@ -26,7 +26,7 @@ using Catch::Matchers::Contains;
 using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
 
-/// A folder of the present test case's own, so that cases may run beside each other.
+/// The present test case's own folder, so that cases may run concurrently.
 inline std::filesystem::path testOutputFolder() {
   std::string name = Catch::getResultCapture().getCurrentTestName();
   for (char &c : name)
@@ -37,18 +37,18 @@ inline std::filesystem::path testOutputFolder() {
 }
 
 namespace c3de::test {
-/// Says why now; that it counts as skipped at the end of the run, where no check has failed.
+/// Reports the reason immediately. The skip itself is reported at the end of the run, unless a check has failed.
 void skip(const std::string &reason);
 }  // namespace c3de::test
 
-/// Ends the test case as skipped, visibly, with the reason. What has failed before has failed.
+/// Ends the test case as skipped, visibly, with the reason. Earlier failures remain failures.
 #define C3DE_SKIP(reason)     \
   do {                        \
     c3de::test::skip(reason); \
     return;                   \
   } while (false)
 
-/// A file of the data made by others; skips the case where the folder is absent.
+/// A file of the third-party data; skips the case where the folder is absent.
 #define C3DE_DATA_OR_SKIP(variable, relativePath)                                                  \
   const std::filesystem::path variable = std::filesystem::path(testDataFolder()) / (relativePath); \
   if (!std::filesystem::exists(variable)) C3DE_SKIP("test data not present: " + variable.string())

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A volume as a CT series: one file per slice, explicit VR little endian, with what a reader needs and no more.
+// A volume as a CT series: one file per slice, explicit VR little endian, with the minimum that a reader needs.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ namespace c3de::test {
 /// The elements of a DICOM data set, to be added in ascending order.
 class DicomElements {
  public:
-  /// Values of odd length are filled up, as the standard asks.
+  /// Values of odd length are padded, as the standard requires.
   void add(std::uint16_t group, std::uint16_t element, const char (&vr)[3], std::string value) {
     if (value.size() % 2 != 0) value += std::string(vr) == "UI" ? '\0' : ' ';
     number(group, 2);
@@ -64,7 +64,7 @@ class DicomElements {
   std::string bytes_;
 };
 
-/// A file: what comes before the data set, and the data set.
+/// A file: the preamble and meta information, then the data set.
 inline std::string dicomFile(const std::string &elements, const std::string &transferSyntax = "1.2.840.10008.1.2.1") {
   DicomElements meta;
   meta.add(0x0002, 0x0001, "OB", std::string("\0\1", 2));
@@ -78,8 +78,8 @@ inline std::string dicomFile(const std::string &elements, const std::string &tra
   return std::string(128, '\0') + "DICM" + length.bytes() + meta.bytes() + elements;
 }
 
-/// Files 0001.dcm, … in a folder that is there; stored numbers are values + 1024. Rows and columns at right angles;
-/// slices may be shifted against each other, as with a tilted gantry, and lie in any order along their normal.
+/// Files 0001.dcm, … in an existing folder; stored numbers are values + 1024. Rows and columns are at right angles.
+/// Slices may be shifted against each other, as with a tilted gantry, and may be in any order along their normal.
 inline void writeDicomSeries(const std::filesystem::path &folder, const std::array<std::size_t, 3> &size,
                              const Mat4 &worldFromIndex, std::span<const std::int16_t> values) {
   const Mat4 &m = worldFromIndex;

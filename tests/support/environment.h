@@ -6,7 +6,7 @@
 
 #include "c3de/core/platform.h"
 
-/// A variable of the environment while it lives, for this process and those that it starts; empty: not set.
+/// Sets an environment variable for its lifetime, for this process and its child processes; empty: unset.
 class ScopedEnvironment {
  public:
   ScopedEnvironment(std::string name, const std::string &value)

@@ -8,7 +8,7 @@
 
 namespace c3de::test {
 
-/// A tetrahedron with edges of 0.1, as a glTF keeps it: 48 bytes of points, 24 of indices.
+/// A tetrahedron with edges of 0.1, as stored in glTF: 48 bytes of points, 24 of indices.
 inline std::string gltfBuffer() {
   const float points[12] = {0, 0, 0, 0.1F, 0, 0, 0, 0.1F, 0, 0, 0, 0.1F};
   const std::uint16_t corners[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};

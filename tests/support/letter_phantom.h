@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An image that shows when it is turned or mirrored: a grey block with letters embossed at the sides L, A and S.
+// An image that reveals rotation and mirroring: a grey block with letters embossed at the sides L, A and S.
 #pragma once
 
 #include <array>
@@ -30,9 +30,9 @@ inline std::array<std::string_view, 7> letterRows(char letter) {
 
 constexpr std::int16_t kAir = -1000, kBlock = 40, kInk = 700;
 
-/// Where a letter is: the middle of its depth, and which way the reader's right and up go. World LPS: +x is L, -y is A,
-/// +z is S. L reads right seen from the left with S up, A seen from the front with S up, S seen from the feet with the
-/// front up, as in an axial view. Seen from the left, the front of the patient is on the left of the screen.
+/// Position of a letter: the middle of its depth, and the directions of the reader's right and up. World LPS: +x is L,
+/// -y is A, +z is S. L reads right seen from the left with S up, A seen from the front with S up, S seen from the feet
+/// with the front up, as in an axial view. Seen from the left, the front of the patient is on the left of the screen.
 struct LetterPlace {
   char letter;
   Vec3 middle, right, up;  ///< middle in mm, directions of length 1
@@ -43,8 +43,8 @@ inline constexpr std::array<LetterPlace, 3> kLetterPlaces{{{'L', {23, 0, 0}, {0,
 constexpr double kLetterPixel = 3.0;                         ///< mm
 constexpr double kHalfBlock = 30.0, kHalfLetterDepth = 3.0;  ///< mm
 
-/// The block has its middle at the origin.
-/// @param worldFromIndex  voxels are found at their world points, so that any grid shows the same thing
+/// The block is centred at the origin.
+/// @param worldFromIndex  voxels are evaluated at their world points, so that any grid shows the same object
 inline LetterPhantom letterPhantom(std::array<std::size_t, 3> size, const Mat4 &worldFromIndex) {
   LetterPhantom p{size, worldFromIndex, {}, {}};
   const auto isInkAt = [](const Vec3 &x) {
@@ -74,7 +74,8 @@ struct LetterGrid {
   std::array<std::size_t, 3> size;
   Mat4 worldFromIndex;
 };
-/// Around all of the block: plain; all axes reversed and exchanged; oblique, uneven spacing; left-handed and sheared.
+/// Each covers the whole block: plain; all axes reversed and exchanged; oblique, uneven spacing; left-handed and
+/// sheared.
 inline std::vector<LetterGrid> letterGrids() {
   const double c = std::cos(0.3), s = std::sin(0.3);
   return {{"plain", {72, 72, 72}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -35.5, -35.5, -35.5, 1}},

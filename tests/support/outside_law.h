@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The neo-Hookean law of the core, written as somebody outside would; for tests and benchmarks.
+// The neo-Hookean law of the core, written as an external law; for tests and benchmarks.
 #pragma once
 
 #include <Eigen/Eigenvalues>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Paths that lead to no regular file; POSIX only.
+// Paths to objects that are not regular files; POSIX only.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace c3de::test {
 
-/// A pipe at this path, which nobody writes into: opening it would block.
+/// A named pipe at this path without a writer: opening it would block.
 inline std::filesystem::path pipeAt(const std::filesystem::path &path) {
   std::filesystem::remove(path);
   const auto made = runProcess({"mkfifo", path.string()}, 10.0);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// ctest takes a line as the sign of a skipped case, whatever the exit code: it must not come where a check has failed.
+// ctest interprets a line as the sign of a skipped case, whatever the exit code: it must not be printed where a check
+// has failed.
 #if __has_include(<catch2/catch_all.hpp>)
 #include <catch2/catch_all.hpp>
 using ListenerBase = Catch::EventListenerBase;

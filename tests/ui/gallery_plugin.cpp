@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A plugin for tests of the window: every widget once, every kind of parameter, a tool that counts what it gets, a job
-// that takes its time and a box to look at. What it has seen stands in value rows of its panel.
+// A plugin for tests of the window: every widget once, every kind of parameter, a tool that counts its events, a slow
+// job and a visible box. What it has observed is in value rows of its panel.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -33,9 +33,9 @@ struct Gallery {
   c3de_handle set{}, node{}, box{}, points{}, job{};
 
   std::uint32_t presses = 0, checked = 0, choice = 1;
-  std::uint32_t restless = 0;  ///< from the next press on rows above it come and go with every frame
+  std::uint32_t restless = 0;  ///< from the next press on, rows above it appear and disappear with every frame
   int phase = -1;              ///< of that; -1: not yet
-  std::uint32_t random = 1;    ///< the state is written every few frames: not in step with that
+  std::uint32_t random = 1;    ///< the state is written every few frames: not synchronous with that
   double slider = 1.5;
   char text[32] = "liver", file[512] = "";
   std::string changed = "none", fileSeen = "none", jobEnd = "none";
@@ -104,7 +104,7 @@ void Gallery::draw(const c3de_ui_v1 *ui) {
   value(ui, "Job", jobEnd);
   ui->progress(c, 0.42, str("42 of 100"));
   ui->separator(c);
-  // Text that is missing, and the same id twice: the window must cope.
+  // Missing text, and the same id twice: the window must handle both.
   ui->text(c, {nullptr, 0});
   ui->button(c, {nullptr, 0}, str("Nameless"), 1);
   ui->button(c, {nullptr, 0}, str("Nameless too"), 1);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Takes the pictures of docs/user/images from the program. Not a test of ctest:
 //   xvfb-run -a -s "-screen 0 1280x800x24" build/release/bin/test_ui "[guide]"
-// leaves guide-NAME.png under test-output/ui; look at them and copy those that show what the page says. pulled.png is
+// writes guide-NAME.png to test-output/ui; check them and copy those that show what the page describes. pulled.png is
 // image_walk-pulled.png of the scenario image_walk.
 #include <chrono>
 #include <filesystem>
@@ -25,7 +25,7 @@ void choose(WorkstationDriver &window, const std::string &parameter, const std::
   window.waitForValue(kPanel + parameter, item);
 }
 
-/// Pulls the neck of the organ upwards, takes the picture, lets go.
+/// Pulls the neck of the organ upwards, takes the picture, releases it.
 void pull(WorkstationDriver &window, const std::string &picture) {
   window.moveTo(window.inView(0.46, 0.43));
   window.press();
@@ -49,7 +49,7 @@ TEST_CASE("Pictures of the user guide", "[.guide]") {
     window.waitUntil("it rests",
                      [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + seconds; });
   };
-  // Each picture begins where the organ has come to rest after its fall.
+  // Each picture begins when the organ is at rest after its fall.
   const auto fallAgain = [&] {
     window.moveTo(window.inView(0.9, 0.1));
     window.key("ctrl+r");
@@ -59,7 +59,7 @@ TEST_CASE("Pictures of the user guide", "[.guide]") {
   window.waitUntil("the organ is shown", [](const Json &s) { return s["values"].contains(kPanel + "Surfels"); });
   window.moveTo(window.inView(0.9, 0.1));
   window.key("f");
-  // Room for the legend.
+  // Space for the legend.
   window.drag(window.inView(0.9, 0.9), window.inView(0.85, 0.91), 3, 2);
   fallAgain();
   window.key("p");
@@ -291,7 +291,7 @@ TEST_CASE("Pictures of instruments and of an implant for the user guide", "[.gui
     window.type("46");
     window.key("Return");
     rest(window);
-    // What lies under it.
+    // The part below it.
     window.click("scene/plate");
     window.drag(window.inView(0.85, 0.55), window.inView(0.85, 0.75), 5);
     window.moveTo(window.inView(0.9, 0.1));
@@ -301,7 +301,7 @@ TEST_CASE("Pictures of instruments and of an implant for the user guide", "[.gui
 
 TEST_CASE("The plugin manager", "[.guide]") {
   if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
-  // In the home of somebody.
+  // In a user's home folder.
   const auto home = std::filesystem::path(testOutputRoot()) / "ui" / "guide_home";
   std::filesystem::remove_all(home);
   const auto plugins = home / "plugins";

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// How soon does the window answer while every core is busy with something else? Speed is neither passed nor failed:
-// this is a command that prints what it has measured.
-//
+// Measures how soon the window responds while every core is busy with other work. Speed is neither passed nor failed:
+// this is a command that prints its measurements.
 //   xvfb-run -a -s "-screen 0 1400x900x24" build/release/bin/test_ui "[latency]"
-//
-// The default scene plays and warps its scan in four views; beside it as many busy loops as there are cores, at the
-// same priority (C3DE_BUSY_LOOPS: another number). Real X events are sent by one process that waits for them on a pipe.
-// An answer begins before its event is handed to that process, and ends when the buffers have been swapped after the
-// first frame that took the event (`answers` of the automation state, steady clock), with software OpenGL after the X
-// server has the picture.
+// The default scene plays and warps its scan in four views, next to as many busy loops as there are cores, at the same
+// priority (C3DE_BUSY_LOOPS: another number). Real X events are sent by one process that waits for them on a pipe. A
+// response begins before its event is passed to that process, and ends when the buffers have been swapped after the
+// first frame that received the event (`answers` of the automation state, steady clock), with software OpenGL after the
+// X server has the picture.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -35,7 +33,8 @@ void pause_s(double seconds) { std::this_thread::sleep_for(std::chrono::duration
 
 fs::path outputFile(const char *name) { return fs::path(testOutputRoot()) / "ui" / name; }
 
-/// One process that makes X events of the lines it is sent; starting one for each would take longer than an answer.
+/// One process that generates X events from the lines it receives; starting one for each would take longer than a
+/// response.
 class EventSource {
  public:
   EventSource() {
@@ -50,7 +49,7 @@ class EventSource {
     process_.emplace(std::move(*started));
     out_.open(pipe);
   }
-  /// @return when, s
+  /// @return time of sending, s
   double send(const std::string &line) {
     const double sent_s = now_s();
     out_ << line << std::endl;
@@ -62,18 +61,18 @@ class EventSource {
   std::ofstream out_;
 };
 
-/// A frame that took input.
+/// A frame that received input.
 struct Answer {
   long x = 0, y = 0;
-  long characters = 0;  ///< taken in all until then
+  long characters = 0;  ///< total received so far
   double shown_s = 0.0;
 };
 
-/// What the program has answered so far, by frame.
+/// The responses of the program so far, by frame.
 class Answers {
  public:
   explicit Answers(const WorkstationDriver &window) : window_(window) {}
-  /// Looks at most twice a second: looking takes processor time as well.
+  /// Reads at most twice a second: reading takes processor time as well.
   void lookNowAndThen() {
     if (now_s() - lookedAt_s_ > 0.5) look();
   }
@@ -101,7 +100,7 @@ struct Box {
 };
 Box boxOf(const Json &rect) { return {rect["x"], rect["y"], rect["w"], rect["h"]}; }
 
-/// Answers to events that came one after the other, s; sorted.
+/// Responses to consecutive events, s; sorted.
 void tell(const std::string &what, std::vector<double> times_s, std::size_t sent, const std::string &more = {}) {
   std::sort(times_s.begin(), times_s.end());
   const auto at_ms = [&](double share) {
@@ -114,7 +113,7 @@ void tell(const std::string &what, std::vector<double> times_s, std::size_t sent
   std::fflush(stdout);
 }
 
-/// The default scene with the brain in motion, something that takes time, and what is measured of it.
+/// The default scene with the brain in motion, a busy load, and the measurements.
 class Trial {
  public:
   Trial() : window_("latency"), answers_(window_) {
@@ -147,7 +146,7 @@ class Trial {
     std::uniform_real_distribution<double> gap_s(least_s, most_s);
     begin();
     const auto placeOf = [&](std::size_t i) {
-      // Row by row; no place twice.
+      // Row by row; no position twice.
       const auto width = static_cast<std::size_t>(box.w), step = 7 * i;
       return std::pair(std::lround(box.x) + static_cast<long>(step % width),
                        std::lround(box.y) + static_cast<long>(3 * (step / width)));
@@ -174,7 +173,7 @@ class Trial {
     if (isDrag) events_->send("mouseup 1");
     answers_.look();
     std::vector<double> times_s;
-    std::size_t next = 0;  // the first move that has no answer yet
+    std::size_t next = 0;  // the first move without a response
     for (const auto &[frame, answer] : answers_.byFrame()) {
       const auto found = places.find({answer.x, answer.y});
       if (found == places.end() || answer.shown_s < sent_s[found->second]) continue;
@@ -183,7 +182,7 @@ class Trial {
     tell(what, times_s, kMoves, rates());
   }
 
-  /// Types into the field that has the keyboard, one character after the other.
+  /// Types into the focused field, one character after the other.
   void type(const std::string &what, std::size_t count, double gap_s) {
     begin();
     const long before = answers_.characters();
@@ -208,7 +207,7 @@ class Trial {
     tell(what, times_s, count, rate + rates());
   }
 
-  /// The brain from its beginning on: at rest there would be less to do.
+  /// The brain from its initial state: at rest there would be less to do.
   void startAnew() {
     events_->send("key ctrl+r");
     pause_s(0.3);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a scan and its labels to one body of all that they show, by mouse.
+// From a scan and its labels to one body of all labelled tissues, by mouse.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -39,7 +39,7 @@ struct Files {
   fs::path image, labels;
 };
 
-/// An ellipsoid that has a label, LPS in mm, with its value in HU.
+/// An ellipsoid with a label, LPS in mm, with its value in HU.
 struct Organ {
   std::string name;
   std::array<double, 3> middle, halfAxes;
@@ -53,7 +53,7 @@ std::vector<Organ> threeOrgans(const std::array<std::string, 3> &names) {
           {names[2], {0, 40, 0}, {18, 18, 1e9}, 500, {0.9f, 0.9f, 0.6f}}};
 }
 
-/// A trunk: fat with organs in it, an ellipse of 220 x 140 mm that is 100 mm high, on a table that lies apart.
+/// A trunk: fat with organs in it, an ellipse of 220 x 140 mm that is 100 mm high, on a separate table.
 Files writeScan(const std::string &name, const std::vector<Organ> &organs, double spacing_mm = 4.0) {
   const auto along = [&](double millimetres) { return static_cast<std::size_t>(std::ceil(millimetres / spacing_mm)); };
   const std::array<std::size_t, 3> n{along(256), along(192), along(120)};
@@ -89,7 +89,7 @@ Files writeScan(const std::string &name, const std::vector<Organ> &organs, doubl
             value = organs[o].value;
             label = static_cast<std::uint16_t>(o + 1);
           }
-        // Noise, so that it is seen how the tissue moves.
+        // Noise, so that the motion of the tissue is visible.
         noise = noise * 1664525u + 1013904223u;
         values.push_back(static_cast<std::int16_t>(value + static_cast<int>(noise >> 26) - 32));
         map.voxels.push_back(label);
@@ -119,7 +119,7 @@ double numberOf(const Json &state, const std::string &key) {
   return end == text.c_str() ? std::nan("") : number;
 }
 
-/// Behind the n-th of these words; NaN: it is not there.
+/// The number after the n-th of these words; NaN: not found.
 double numberAfter(const std::string &text, const std::string &words, int n = 1) {
   std::size_t at = 0;
   for (int i = 0; i < n; ++i) {
@@ -135,7 +135,7 @@ std::array<double, 2> rangeOf(const std::string &legend, const std::string &titl
   return {numberAfter(legend, title + " "), numberAfter(legend, "… ")};
 }
 
-/// A place of a slice, mm from the middle of its view: to the right, and down.
+/// A position in a slice, mm from the middle of its view: to the right, and down.
 Point inSlice(const WorkstationDriver &window, const std::string &pane, double right_mm, double down_mm) {
   const Json state = window.state(), r = state["panes"][pane];
   const double scale = std::strtod(value(state, "image/" + pane + ".scale_mm_per_px").c_str(), nullptr);
@@ -146,7 +146,7 @@ Point inAxial(const WorkstationDriver &window, double right_mm, double down_mm) 
   return inSlice(window, "axial", right_mm, down_mm);
 }
 
-/// Where the 3D view of a patient shows a point of the world.
+/// Position of a world point in the 3D view of a patient.
 Point inSpace(const WorkstationDriver &window, const Vec3 &world) {
   const Json state = window.state(), r = state["panes"]["3D"], c = state["camera"];
   render::Camera camera;
@@ -169,10 +169,10 @@ Vec3 vectorOf(const Json &state, const std::string &row) {
 void openDialog(WorkstationDriver &window, const Files &files) {
   window.start({files.image.string(), files.labels.string()});
   window.waitUntil("image and labels are there", [](const Json &s) {
-    return s["panes"].size() == 4 && s["jobs"].empty() && s["widgets"].contains("segmentation/make_alive");
+    return s["panes"].size() == 4 && s["jobs"].empty() && s["widgets"].contains("segmentation/create_scan_body");
   });
   window.click("menu/file");
-  window.click("menu/file.make_alive");
+  window.click("menu/file.create_scan_body");
   window.waitUntil("the labels are measured", [](const Json &s) {
     return s["widgets"].contains("scan/make") && value(s, "scan/reason").find("measured") == std::string::npos;
   });
@@ -193,7 +193,7 @@ void typeInto(WorkstationDriver &window, const std::string &field, const std::st
     window.type(text);
 }
 
-/// Until the body is there and plays.
+/// Makes the body and waits until it plays.
 Json make(WorkstationDriver &window) {
   window.click("scan/make");
   return window.waitUntil("the body is there and plays", [](const Json &s) {
@@ -208,7 +208,7 @@ void takePinch(WorkstationDriver &window) {
   window.waitUntil("the pinch is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
 }
 
-/// The file that an item of the menu writes.
+/// The file written by an item of the menu.
 fs::path exported(WorkstationDriver &window, const std::string &item, const std::string &name) {
   const fs::path file = fs::path(testOutputRoot()) / "ui" / name;
   fs::remove(file);
@@ -222,7 +222,7 @@ fs::path exported(WorkstationDriver &window, const std::string &item, const std:
   return file;
 }
 
-/// What a table of tissues says of each label: how far it has moved, mm, and its smallest det F.
+/// The table entry of each label: its displacement, mm, and its smallest det F.
 struct Motion {
   double mean_mm, largest_mm, leastRatio;
 };
@@ -239,7 +239,7 @@ std::map<std::string, Motion> exportTissues(WorkstationDriver &window, const std
   return motions;
 }
 
-/// The button stays down.
+/// The button stays pressed.
 void pull(WorkstationDriver &window, const Point &from, const Point &to) {
   window.moveTo(from);
   window.press();
@@ -271,7 +271,7 @@ void waitForDrawn(WorkstationDriver &window, const Box &box, double tolerance) {
                    [&](const Json &s) { return isNear(boxOf(value(s, "region/box")), box, tolerance); });
 }
 
-/// Of the skins as they lie now.
+/// Of the skins at their current positions.
 Box exportedBounds(WorkstationDriver &window, const std::string &name) {
   Box bounds{1e9, 1e9, 1e9, -1e9, -1e9, -1e9};
   std::ifstream in(exported(window, "export_surface", name + ".obj"));
@@ -316,7 +316,7 @@ TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slic
   window.waitForValue("scan/points", "800");
   window.screenshot("chosen");
 
-  // Escape is of the list; the dialog stays. It comes back from the file dialog, with a file and without.
+  // Escape belongs to the list; the dialog stays open. It reopens after the file dialog, with a file and without.
   window.click("scan/use.liver");
   window.waitUntil("the list is open",
                    [](const Json &s) { return s["widgets"].contains("scan/use.liver.option.liver"); });
@@ -344,7 +344,7 @@ TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slic
   for (const Json &n : alive["notifications"]) {
     INFO(n.dump());
     CHECK(n["severity"] == "info");
-    isTold = isTold || n["title"] == "The scan is alive";
+    isTold = isTold || n["title"] == "Scan body created";
   }
   CHECK(isTold);
   window.screenshot("alive");
@@ -369,7 +369,7 @@ TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slic
   takePinch(window);
   const Point from = inAxial(window, -60, -20), to = inAxial(window, -65, -35);
   window.moveTo(from);
-  // It is in balance: nothing has moved by itself.
+  // It is in equilibrium: nothing has moved on its own.
   const Json resting = window.waitUntil("the read-out is there", [](const Json &s) { return isOver(s, "axial", -1); });
   CHECK_FALSE(isOver(resting, "axial", 0.2));
   pull(window, from, to);
@@ -395,7 +395,7 @@ TEST_CASE("What image and labels contradict is shown before the body is made, un
   choose(window, "vertebrae_L2", "liver");
   window.waitUntil("no finding", [&](const Json &s) { return s["jobs"].empty() && findings(s).empty(); });
 
-  // Its labels can be written as they are now; it is in balance with its weight.
+  // Its labels can be exported in their current state; it is in equilibrium with its weight.
   typeInto(window, "points", "300");
   window.key("Tab");
   window.waitForValue("scan/points", "300");
@@ -439,7 +439,7 @@ TEST_CASE("Cells become finer where a hand has pulled, for as many points", "[sc
   CHECK(numberOf(finer, kPanel + "Spacing") > 1.05 * spacing);
   window.waitUntil("it has begun anew", [](const Json &s) { return !isOver(s, "axial", 0.5); });
   window.screenshot("finer");
-  // It is pulled as before.
+  // It can be pulled as before.
   window.moveTo(window.inView(0.5, 0.5));
   if (window.state()["transport"]["mode"] != "playing") window.key("space");
   pull(window, inAxial(window, -60, -20), inAxial(window, -62, -45));
@@ -477,7 +477,7 @@ TEST_CASE("Fields of tissue that is pulled are in the slices, under the mouse an
   takePinch(window);
   const Point from = inAxial(window, -60, -20), to = inAxial(window, -62, -45);
   pull(window, from, to);
-  // The mouse is over tissue, and over none.
+  // With the mouse over tissue, and over none.
   window.waitUntil("tissue under the mouse is told", [](const Json &s) {
     const std::string readout = value(s, "image/axial.readout");
     return isOver(s, "axial", 4.0) && std::abs(numberAfter(readout, "det F ") - 1.0) > 0.001 &&
@@ -495,7 +495,7 @@ TEST_CASE("Fields of tissue that is pulled are in the slices, under the mouse an
   window.key("space");
   window.waitUntil("it stands", [](const Json &s) { return s["transport"]["mode"] == "paused"; });
 
-  // Standing, too: what is asked for comes at once.
+  // Also when paused: the request is answered at once.
   window.screenshotAtRest("plain");
   CHECK(value(window.state(), "image/axial.legend") == "none");
   const auto show = [&](const std::string &overlay, const std::string &unit) {
@@ -526,7 +526,7 @@ TEST_CASE("Fields of tissue that is pulled are in the slices, under the mouse an
   window.type("20");
   window.key("Return");
   window.waitForValue("image/axial.legend", "|u| 0 … 20 mm");
-  // Beside the body there is no field; inside it is.
+  // Outside the body there is no field; inside there is.
   window.moveTo(inAxial(window, -60, -20));
   window.waitUntil("tissue is told while it stands",
                    [](const Json &s) { return value(s, "image/axial.readout").find("det F ") != std::string::npos; });
@@ -554,7 +554,7 @@ TEST_CASE("Fields of tissue that is pulled are in the slices, under the mouse an
         "body,label,name,tissue,material,rigid,voxels,volume [m3],volume at the end [m3],mean displacement [m],largest "
         "displacement [m],min J");
   const double largest_mm = 1e3 * numberAfter(liver, ",", 10);
-  // The table of the window is of a coarser grid, and shows a digit.
+  // The table of the window uses a coarser grid, and shows one digit.
   const double shown_mm = numberOf(window.state(), "tissues/liver.largest");
   CHECK(std::abs(largest_mm - shown_mm) < 0.05 + 0.1 * largest_mm);
 }
@@ -589,15 +589,15 @@ TEST_CASE("where another scan is opened the simulation of the one before is clos
   const Json closed =
       window.waitUntil("the simulation is closed", [](const Json &s) { return s["transport"]["exists"] == false; });
   CHECK(closed["panes"].size() == 4);
-  // No message about its bodies is left.
-  for (const char *title : {"The simulation is still open", "The scan is alive", "Not all of it is there"})
+  // No message about its bodies remains.
+  for (const char *title : {"The simulation is still open", "Scan body created", "Not all of it is there"})
     CHECK(closed["notifications"].dump().find(title) == std::string::npos);
   window.waitUntil("the image is shown as it was read", [](const Json &s) {
     return !s["values"].contains("image/axial.outlines") || value(s, "image/axial.outlines") == "0";
   });
   window.screenshot("closed");
 
-  // The menu has it, too.
+  // The menu offers it, too.
   window.click("menu/file");
   window.waitUntil("there is none to close", [](const Json &s) {
     const Json &disabled = s["disabled"];
@@ -607,7 +607,7 @@ TEST_CASE("where another scan is opened the simulation of the one before is clos
 
 bool isLiverHeld(const Json &s) { return value(s, kPanel + "Held inside") == "scan: liver"; }
 
-/// A CT alive, with the cross-hair in its liver and the pinch in the hand.
+/// A simulated CT, with the cross-hair in its liver and the pinch tool active.
 class LiverOfCt {
  public:
   LiverOfCt(const char *scenario, const Files &files) : window(scenario), scenario_(scenario) {
@@ -631,7 +631,7 @@ class LiverOfCt {
     window.key("4");  // window and level of the abdomen
   }
 
-  /// By three centimetres to the front in the axial slice; the button stays down. Where the hand began, mm.
+  /// By three centimetres to the front in the axial slice; the button stays pressed. @return start of the drag, mm
   Vec3 pullInSlice() {
     const double x = kPlace[0] - kMiddle[0], y = kPlace[1] - kMiddle[1];
     pull(window, inAxial(window, x, y), inAxial(window, x, y - 30.0));
@@ -639,7 +639,7 @@ class LiverOfCt {
     return {kPlace[0], kPlace[1], vectorOf(held, "Hand")[2]};
   }
 
-  /// What must be so once the tissue has come after a hand that began there, and after it has let go.
+  /// The conditions after the tissue has followed a drag that began there, and after its release.
   void follow(const std::string &where, const std::string &pane, const Vec3 &from) {
     const double begin = window.state()["transport"]["time_s"];
     window.waitUntil("the tissue has come after the hand", [&](const Json &s) {
@@ -650,7 +650,7 @@ class LiverOfCt {
     CHECK(std::abs(norm(vectorOf(pulled, "Hand") - from) - 30.0) < 1.5);
     CHECK(norm(vectorOf(pulled, "Held point") - from) > 12.0);
     CHECK(numberOf(pulled, kPanel + "Pinch force") > 5.0);
-    // Arrow, point and newtons are in this slice, and in the 3D view.
+    // Arrow, point and force in N are in this slice, and in the 3D view.
     CHECK_THAT(value(pulled, "image/" + pane + ".marks"), Contains("7 in the plane"));
     CHECK(window.differingPixels(where + "_before", where + "_pulled", "3D") > 100);
     window.key("space");
@@ -680,7 +680,7 @@ class LiverOfCt {
   WorkstationDriver window;
 
  private:
-  // mm: of the image, which is in the middle of the views; and in the liver, with the right kidney beside it.
+  // mm: of the image, which is in the middle of the views; and in the liver, next to the right kidney.
   static constexpr Vec3 kMiddle{-3.5, -161.3, 260.8}, kPlace{-85, -185, 368};
   std::string scenario_;
 };
@@ -695,7 +695,7 @@ TEST_CASE("The liver of a CT is pulled by three centimetres in a slice and in th
   window.screenshot("slice_before");
   liver.follow("slice", "axial", liver.pullInSlice());
 
-  // In the 3D view, from the front: without what is before the coronal slice the liver is on the face of the cut.
+  // In the 3D view, from the front: with the part before the coronal slice hidden, the liver is on the face of the cut.
   const Vec3 onFace{-95, -161.3, 372};
   window.key("shift+c");
   window.waitForValue("image/cut_coronal", "without the front");
@@ -715,7 +715,7 @@ TEST_CASE("The first pull at a CT does not pause the simulation while other prog
   C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
   LiverOfCt liver("scan_liver_busy", {image, labels});
   WorkstationDriver &window = liver.window;
-  // The views are drawn by software beside them.
+  // The views are drawn by software at the same time.
   std::vector<std::jthread> busy;
   for (unsigned k = 0; k < std::max(2u, std::thread::hardware_concurrency()); ++k)
     busy.emplace_back([](const std::stop_token &stop) {
@@ -750,7 +750,7 @@ TEST_CASE("Where the liver of a CT has been pulled its cells get finer, and it i
                    [](const Json &s) { return numberOf(s, "tissues/liver.largest") > 10.0; });
   window.release();
 
-  // As many phyxels; stiff vessels there get a little inertia for it.
+  // As many phyxels; stiff vessels there get a little added mass for it.
   window.click(kPanel + "finer");
   const Json finer = window.waitUntil("the body is sampled anew", [](const Json &s) {
     return s["jobs"].empty() && s["values"].contains(kPanel + "Halved cells");
@@ -764,7 +764,7 @@ TEST_CASE("Where the liver of a CT has been pulled its cells get finer, and it i
   liver.follow("finer", "axial", liver.pullInSlice());
 }
 
-/// Small balls in a trunk of fat: ribs, vertebrae and organs whose names are known, and as many that are not.
+/// Small balls in a trunk of fat: ribs, vertebrae and organs with known names, and as many with unknown ones.
 std::vector<Organ> twoHundredOrgans() {
   std::vector<std::string> names{"liver",       "spleen",       "pancreas", "stomach",
                                  "kidney_left", "kidney_right", "colon",    "aorta"};
@@ -792,7 +792,7 @@ TEST_CASE("A scan of two hundred labels is chosen from, made alive and read as q
   WorkstationDriver window("many_labels");
   openDialog(window, writeScan("many_labels", twoHundredOrgans()));
   CHECK_THAT(window.value("scan/count"), Contains("200 of 200 labels, 156 not known"));
-  // All that a filter lists at once, one of them otherwise, one at the end of the list, and back.
+  // All entries that a filter lists at once, a single one differently, one at the end of the list, and back.
   typeInto(window, "filter", "not known");
   window.waitUntil("they are listed", [](const Json &s) { return value(s, "scan/count").find("156 of 200") == 0; });
   const std::string finding = "finding_of_the_second_reader_";
@@ -817,7 +817,8 @@ TEST_CASE("A scan of two hundred labels is chosen from, made alive and read as q
   window.waitForValue("scan/points", "800");
   (void)make(window);
 
-  // The table, closed and open: what a frame costs while the mouse moves over the 3D view and all stands.
+  // The table, closed and open: the cost of a frame while the mouse moves over the 3D view and the simulation is
+  // paused.
   window.moveTo(window.inView(0.9, 0.9));
   window.key("space");
   window.waitUntil("it stands", [](const Json &s) { return s["transport"]["mode"] == "paused"; });
@@ -839,10 +840,11 @@ TEST_CASE("A scan of two hundred labels is chosen from, made alive and read as q
   CHECK(window.value("tissues/count") == "201 of 201 labels");
   const double open_ms = frame_ms();
   CAPTURE(closed_ms, open_ms);
-  // 11.5 and 13 seen, most of it software OpenGL; the state that is written for this test is in it.
+  // 11.5 and 13 seen, most of it software OpenGL; writing the state for this test is included.
   CHECK(open_ms < closed_ms + 10.0);
 
-  // Pulled, and read: what has moved most comes first, the filter finds, the last row is reached, the file has all.
+  // Pulled, and read: the largest displacement comes first, the filter works, the last row can be reached, the file has
+  // all.
   takePinch(window);
   window.moveTo(window.inView(0.9, 0.9));
   window.key("space");
@@ -898,7 +900,7 @@ TEST_CASE("A scan that cannot become a body says why, and what is there stays", 
   typeInto(window, "points", "300");
   window.key("Tab");
 
-  // A region that holds nothing of it is refused by the loader; the dialog comes back by itself, where nothing moves.
+  // The loader refuses a region without tissue; the dialog reopens automatically, where nothing moves.
   window.click("scan/region");
   window.waitForValue("scan/region", "true");
   typeInto(window, "region.x.from", "110");
@@ -918,8 +920,8 @@ TEST_CASE("A scan that cannot become a body says why, and what is there stays", 
   window.waitForValue("scan/region", "false");
   (void)make(window);
 
-  // And again, while a body is there: that stays, and plays on.
-  window.click("segmentation/make_alive");
+  // And again, while a body exists: that body stays, and continues to play.
+  window.click("segmentation/create_scan_body");
   window.waitUntil("it is asked again", [](const Json &s) { return s["widgets"].contains("scan/make"); });
   CHECK(window.value("scan/use.gizmo") == "liver");
   window.click("scan/region");
@@ -949,7 +951,7 @@ TEST_CASE("A region is drawn as a box in the slices, and the body is what of the
   window.key("Tab");
   window.waitForValue("scan/points", "800");
 
-  // It begins with all of the scan.
+  // It begins with the whole scan.
   const auto draw = [&] {
     window.click("scan/draw_region");
     return window.waitUntil("the slices are to be drawn in", [](const Json &s) {
@@ -961,7 +963,7 @@ TEST_CASE("A region is drawn as a box in the slices, and the body is what of the
   waitForDrawn(window, kWhole, 1e-6);
   window.screenshotAtRest("whole");
 
-  // A rectangle in the axial slice, taken back and made again; top and bottom by their handles in the coronal one.
+  // A rectangle in the axial slice, undone and drawn again; top and bottom by their handles in the coronal one.
   window.drag(inAxial(window, -80, -60), inAxial(window, 60, 50), 5);
   const Box inOne{-80, -60, -60, 60, 50, 60};
   waitForDrawn(window, inOne, kVoxel_mm);
@@ -977,7 +979,7 @@ TEST_CASE("A region is drawn as a box in the slices, and the body is what of the
   CHECK(std::abs(window.number("region/volume") - 924.0) < 100.0);
   window.screenshotAtRest("drawn");
 
-  // The mouse tells what it would do; Escape takes back a drag, and only that.
+  // The cursor indicates the action; Escape cancels a drag, and only that.
   window.moveTo(window.locate("region/axial.top_left"));
   window.waitForValue("region/axial.grip", "side");
   window.screenshot("corner");
@@ -995,7 +997,7 @@ TEST_CASE("A region is drawn as a box in the slices, and the body is what of the
   waitForDrawn(window, before, 1e-6);
   CHECK(window.has("region/done"));
 
-  // Beside the box it is dashed; the wheel goes through the slices as ever.
+  // Outside the box it is dashed; the wheel scrolls the slices as always.
   const int slice = std::atoi(window.value("image/axial.slice").c_str());
   window.moveTo(inAxial(window, 20, 20));
   window.wheel(10);
@@ -1005,7 +1007,7 @@ TEST_CASE("A region is drawn as a box in the slices, and the body is what of the
   window.wheel(-10);
   window.waitForValue("region/axial.is_cut", "true");
 
-  // Enter: the dialog has it.
+  // Enter: applied to the dialog.
   window.key("Return");
   const auto isBack = [](const Json &s) {
     return s["widgets"].contains("scan/make") && !s["widgets"].contains("region/done");
@@ -1015,7 +1017,7 @@ TEST_CASE("A region is drawn as a box in the slices, and the body is what of the
   CHECK(isNear(chosenBox(window), before, 1e-3));
   window.screenshotAtRest("back");
 
-  // Moved, and cancelled by key and by button: what was there is there.
+  // Moved, and cancelled by key and by button: the previous region is restored.
   for (const bool isKey : {true, false}) {
     (void)draw();
     waitForDrawn(window, before, 1e-6);
@@ -1163,7 +1165,7 @@ TEST_CASE("While a region is drawn the scan lies at rest, and menus, keys and to
   window.release();
   window.screenshotAtRest("pulled");
 
-  // Beside the button of the panel there is the menu, for coming and for going back.
+  // Besides the button of the panel there is the menu, for opening and for going back.
   const auto isAsked = [](const Json &s) {
     return s["widgets"].contains("scan/make") && !s["widgets"].contains("region/done");
   };
@@ -1183,7 +1185,7 @@ TEST_CASE("While a region is drawn the scan lies at rest, and menus, keys and to
   Box drawn{-128, -96, -60, 128, 96, 60};
   for (const bool isMenu : {true, false}) {
     if (isMenu)
-      chooseFile("make_alive");
+      chooseFile("create_scan_body");
     else
       window.waitUntil("it is asked", isAsked);
     window.waitUntil("it is asked", isAsked);
@@ -1200,15 +1202,15 @@ TEST_CASE("While a region is drawn the scan lies at rest, and menus, keys and to
     waitForDrawn(window, drawn, kVoxel_mm);
     drawn = drawnBox(window);
     if (isMenu)
-      chooseFile("make_alive");
+      chooseFile("create_scan_body");
     else
-      window.click("segmentation/make_alive");
+      window.click("segmentation/create_scan_body");
     window.waitUntil("the dialog is back", isAsked);
     CHECK(window.value("scan/region") == "true");
     CHECK(isNear(chosenBox(window), drawn, 1e-3));
   }
 
-  // What is opened above it gets its keys; the simulation plays below it; the tool keeps the 3D view.
+  // A dialog opened above it receives its keys; the simulation plays below it; the tool keeps the 3D view.
   window.click("scan/draw_region");
   window.waitUntil("it is drawn", isDrawn);
   window.moveTo(inAxial(window, 0, 0));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a person does with an instrument and an implant in the window.
+// User actions with an instrument and an implant in the window.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -27,7 +27,7 @@ std::string whyNot() {
 #define C3DE_HANDS_OR_SKIP() \
   if (const std::string reason = whyNot(); !reason.empty()) C3DE_SKIP(reason)
 
-/// An organ that its surroundings hold, with a plate above it.
+/// An organ held by its surroundings, with a plate above it.
 fs::path heldOrgan() {
   const fs::path folder = fs::path(testOutputRoot()) / "ui";
   fs::create_directories(folder);
@@ -113,7 +113,7 @@ TEST_CASE("an instrument is pressed into an organ, felt, undone and taken away",
   window.key("x");
   window.waitUntil("it is taken away", [](const Json &s) { return row(s, "Contact force") == "–"; });
 
-  // A reset ends a touch that goes on.
+  // A reset ends a continuing touch.
   window.moveTo(at);
   window.press();
   window.waitUntil("an instrument is there", [](const Json &s) { return row(s, "Contact area").ends_with("mm²"); });
@@ -128,7 +128,7 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
   startOrgan(window);
   window.key("m");
   window.waitUntil("the move tool is active", [](const Json &s) { return s["tool"] == "pointbased.move"; });
-  // Before the first step it is there at once.
+  // Before the first step it is placed immediately.
   window.click(kPanel + "placed");
   window.click(kPanel + "placed.option.plate");
   window.waitForValue(kPanel + "placed_y", "60 mm");
@@ -156,7 +156,7 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
   const double force = number(pressed, "Contact force on plate");
   CHECK(std::abs(number(pressed, "organ = surroundings") - force) < 0.01 * force);
   CHECK(number(pressed, "Contact area on plate") > 50.0);
-  // Some of the organ lay there, and not more than the plate holds.
+  // Some of the organ was there, and no more than the volume of the plate.
   CHECK(number(pressed, "Displaced on plate") > 0.1);
   CHECK(number(pressed, "Displaced on plate") < 25.6);
   window.moveTo(window.inView(0.9, 0.9));
@@ -168,7 +168,7 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
   window.screenshot("undone");
   CHECK(window.differingPixels("pressing", "undone") > 300);
 
-  // Removed where nothing is in its way, it comes back there, and what has been simulated stands.
+  // Removed where nothing obstructs it, it returns there, and the simulated history is unchanged.
   const auto hasPlate = [](const Json &s) {
     return std::any_of(s["nodes"].begin(), s["nodes"].end(), [](const Json &node) { return node["name"] == "plate"; });
   };
@@ -194,7 +194,7 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
   undo("ctrl+y", false);
   undo("ctrl+z", true);
 
-  // Where it pressed the organ has come meanwhile: the simulation begins anew, with the plate where it began.
+  // The organ has meanwhile moved into its position: the simulation restarts, with the plate at its start.
   choose();
   typed("placed_y", "48");
   window.waitUntil("it presses", [](const Json &s) { return number(s, "Contact force on plate") > 0.2; });
@@ -217,7 +217,7 @@ TEST_CASE("an implant is added in the unit that is chosen, at the marked point, 
   C3DE_HANDS_OR_SKIP();
   WorkstationDriver window("hands_add_implant");
   startOrgan(window);
-  // A cube of two inches, far from the organ, in a file that says no unit.
+  // A cube of two inches, far from the organ, in a file without a unit.
   const fs::path file = fs::path(testOutputRoot()) / "ui" / "cube.obj";
   std::ofstream(file) << "v 300 0 0\nv 302 0 0\nv 300 2 0\nv 302 2 0\nv 300 0 2\nv 302 0 2\nv 300 2 2\nv 302 2 2\n"
                          "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\n"
@@ -235,10 +235,10 @@ TEST_CASE("an implant is added in the unit that is chosen, at the marked point, 
   window.click(kPanel + "obstacle_unit.option.inch");
   window.waitForValue(kPanel + "Its size", "50.8 × 50.8 × 50.8 mm");
   window.screenshot("asked");
-  // Beside the organ, where the camera turns about: the middle of the organ, without an image.
+  // Next to the organ, at the pivot of the camera: the centre of the organ, without an image.
   const Json focus = window.state()["camera"]["focus"];
   CHECK(std::abs(std::strtod(row(window.state(), "Its middle").c_str(), nullptr) - focus[0].get<double>()) < 0.06);
-  // In metres the organ is inside of it: a reset is announced, not made.
+  // In metres the organ is inside it: a reset is announced, not performed.
   window.click(kPanel + "obstacle_unit");
   window.click(kPanel + "obstacle_unit.option.m");
   window.waitForValue(kPanel + "Its size", "2000 × 2000 × 2000 mm");
@@ -248,7 +248,7 @@ TEST_CASE("an implant is added in the unit that is chosen, at the marked point, 
   CHECK(window.state()["transport"]["time_s"].get<double>() > before);
   window.screenshot("announced");
 
-  // Elsewhere the state stays: in centimetres the file has it 3 m away.
+  // At another position the state is unchanged: in centimetres the file places it 3 m away.
   window.click(kPanel + "obstacle_unit");
   window.click(kPanel + "obstacle_unit.option.cm");
   window.click(kPanel + "obstacle_place");
@@ -287,7 +287,7 @@ TEST_CASE("jaws grasp an organ, close, pull and turn it, and Undo goes back step
   window.moveTo(at);
   window.press();
   window.waitUntil("jaws hold", [](const Json &s) { return row(s, "Gap").ends_with("mm"); });
-  // The organ is coarse: jaws that nobody has set hold two spacings, open to twice that and close by half.
+  // The organ is coarse: jaws at their default settings hold two spacings, open to twice that and close by half.
   const double opening = number(window.state(), "grasp_opening");
   window.waitUntil("they have closed", [&](const Json &s) { return number(s, "Gap") < 0.6 * opening; });
   rest(window, 1.0);
@@ -303,14 +303,14 @@ TEST_CASE("jaws grasp an organ, close, pull and turn it, and Undo goes back step
   rest(window, 2.0);
   window.screenshot("pulled");
   CHECK(window.state()["camera"] == camera);
-  // At rest the surroundings hold the organ against the jaws, which stay.
+  // At rest the surroundings hold the organ against the jaws, which remain.
   const Json pulled = window.state();
   const double pull = number(pulled, "Pull force");
   CHECK(pull > 0.2);
   CHECK(std::abs(number(pulled, "organ = surroundings") - pull) < 0.02 * pull);
   CHECK(window.differingPixels("closed", "pulled") > 300);
 
-  // Another drag on a jaw goes on, and the wheel turns both; beside the jaws nothing would have turned.
+  // Another drag on a jaw continues, and the wheel rotates both; outside the jaws nothing would have rotated.
   const Json view = window.state()["view"];
   const double perPixel =
       2.0 * camera["distance"].get<double>() * std::tan(0.3) / view["h"].get<double>();  // mm, in the focus
@@ -319,7 +319,7 @@ TEST_CASE("jaws grasp an organ, close, pull and turn it, and Undo goes back step
   window.press();
   window.wheel(4);
   window.waitUntil("they turn", [&](const Json &s) { return row(s, "Pull x, y, z") != row(pulled, "Pull x, y, z"); });
-  CHECK(number(window.state(), "Gap") < 0.6 * opening);  // it is the grasp of before
+  CHECK(number(window.state(), "Gap") < 0.6 * opening);  // it is still the same grasp
   const std::string turned = row(window.state(), "Pull x, y, z");
   for (int k = 1; k <= 3; ++k) window.moveTo({jaw.x + 10 * k, jaw.y});
   window.waitUntil("it pulls elsewhere", [&](const Json &s) { return row(s, "Pull x, y, z") != turned; });
@@ -328,7 +328,7 @@ TEST_CASE("jaws grasp an organ, close, pull and turn it, and Undo goes back step
   window.screenshot("turned");
   CHECK(window.state()["camera"] == camera);
   CHECK(window.differingPixels("pulled", "turned") > 300);
-  // Escape is of drags; the jaws stay.
+  // Escape belongs to drags; the jaws remain.
   window.key("Escape");
   window.waitFrames(2);
   CHECK(row(window.state(), "Pull force") != "–");
@@ -346,7 +346,7 @@ TEST_CASE("jaws grasp an organ, close, pull and turn it, and Undo goes back step
   window.key("x");
   window.waitUntil("they let go", [](const Json &s) { return row(s, "Pull force") == "–"; });
 
-  // What cannot be grasped is told.
+  // A failed grasp is reported.
   window.controlClick(kPanel + "grasp_opening");
   window.key("ctrl+a");
   window.type("120");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a person does with an image in the window: scroll, point, change window and level, maximise, lay labels over it,
-// see an organ cut by the slices and pull it.
+// User actions with an image in the window: scroll, point, change window and level, maximise, overlay labels, see an
+// organ cut by the slices and pull it.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -39,7 +39,7 @@ Phantom phantom() {
   return c3de::render::test::makePhantom({80, 90, 50}, {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 3, 0, -79, -89, -73.5, 1});
 }
 
-/// Each scenario has files of its own, since scenarios run beside each other.
+/// Each scenario has its own files, since scenarios run concurrently.
 fs::path imageFile(const std::string &scenario) {
   const Phantom p = phantom();
   c3de::imaging::Volume volume;
@@ -88,7 +88,7 @@ Vec3 crossHair(const Json &state) {
   return at;
 }
 
-/// Where the pane shows a world point, by the frame of radiological views of an image along the axes.
+/// Position of a world point in the pane, by the frame of radiological views of an image along the axes.
 Point pixelOf(const WorkstationDriver &window, const std::string &pane, const Vec3 &world) {
   const Json state = window.state();
   const double scale = number(state, pane + ".scale_mm_per_px");
@@ -158,7 +158,7 @@ TEST_CASE("modifiers count for the wheel and the mouse as they are held, not one
   window.keyUp("shift");
   window.wheel(-1);
   window.waitUntil("one slice", [&](const Json &s) { return number(s, "axial.slice") == first + 10; });
-  // Shift and a move point, a move without it does not.
+  // Shift and a move set the cross-hair, a move without it does not.
   const Vec3 before = crossHair(window.state());
   window.keyDown("shift");
   window.moveTo(inPane(window, "axial", 0.4, 0.6));
@@ -194,7 +194,7 @@ TEST_CASE("R is the reset of the view under the mouse, and Ctrl+R that of the si
     return s["camera"]["yaw"] == first["camera"]["yaw"] && s["camera"]["pitch"] == first["camera"]["pitch"];
   });
   CHECK(number(window.state(), "axial.slice") == number(first, "axial.slice") + 3);
-  // The hint says what the mouse does where it is.
+  // The hint describes the action of the mouse at its position.
   CHECK_THAT(window.value("status/hint"), Contains("orbit"));
   window.moveTo(inPane(window, "axial", 0.3, 0.4));
   window.waitUntil("the hint is that of slices", [](const Json &s) {
@@ -264,14 +264,14 @@ TEST_CASE("a double click gives a view the whole area, and another one gives it 
   WorkstationDriver window("image_maximise");
   startOn(window, {imageFile("image_maximise").string()});
   const Json four = window.state();
-  // The cross-hair never leaves the image: beside it the nearest point of the image is taken.
+  // The cross-hair never leaves the image: outside, the nearest point of the image is used.
   window.clickAt(inPane(window, "axial", 0.02, 0.5));
   const Json clicked =
       window.waitUntil("the click is taken", [&](const Json &s) { return norm(crossHair(s) - crossHair(four)) > 1.0; });
   CHECK(crossHair(clicked)[0] == Approx(-80.0).margin(1e-3));  // the image ends there
   CHECK_THAT(text(clicked, "coronal.readout"), Contains("["));
   std::this_thread::sleep_for(std::chrono::milliseconds(450));
-  // A double click moves nothing but the views.
+  // A double click changes only the views.
   window.doubleClickAt(inPane(window, "axial", 0.8, 0.03));
   const Json onlyAxial = window.waitUntil("one view", [&](const Json &s) { return s["panes"].size() == 1; });
   CHECK(crossHair(onlyAxial) == crossHair(clicked));
@@ -288,7 +288,7 @@ TEST_CASE("a double click gives a view the whole area, and another one gives it 
         "one view", [&](const Json &s) { return s["panes"].size() == 1 && s["panes"].contains(pane); });
     CHECK(one["panes"][pane]["w"] > 1.9 * four["panes"][pane]["w"].get<double>());
     window.screenshot(std::string("only_") + pane);
-    // Clicks that follow each other faster than a double click takes are one of three or four.
+    // Clicks in quicker succession than a double click count as triple or quadruple clicks.
     std::this_thread::sleep_for(std::chrono::milliseconds(450));
     window.doubleClickAt(inPane(window, pane, 0.4, 0.4));
     const Json back = window.waitUntil("four views", [](const Json &s) { return s["panes"].size() == 4; });
@@ -324,7 +324,7 @@ TEST_CASE("a view shows what has changed in it at once, and no more than that", 
   };
   const std::vector<std::string> all{"axial", "sagittal", "coronal", "3D"};
   shot("first");
-  // The views lie over each other, and come back.
+  // The views overlap, and are restored.
   window.doubleClickAt(inPane(window, "axial", 0.5, 0.5));
   window.waitForValue("image/layout", "axial");
   window.screenshot("alone");
@@ -376,7 +376,7 @@ TEST_CASE("volume rendering, presets and labels are chosen in the panel", "[imag
   window.click("image/label.2");
   window.waitForValue("image/label.2", "false");
   window.screenshot("mip");
-  for (const Json &n : window.state()["notifications"]) CHECK(n["severity"] == "info");  // where the names come from
+  for (const Json &n : window.state()["notifications"]) CHECK(n["severity"] == "info");  // source of the names
 }
 
 TEST_CASE("the 3D view is cut at the slices by panel, menu and keys", "[image_cut]") {
@@ -516,7 +516,7 @@ TEST_CASE("implants, instruments and jaws are cut by the slices, as they move", 
   const auto outlines = [](const std::string &pane, int count) {
     return [key = pane + ".outlines", count](const Json &s) { return number(s, key) == count; };
   };
-  // Of the organ, and of the plate where its plane meets it: it lies behind the coronal one.
+  // Of the organ, and of the plate where its plane intersects it: it is behind the coronal one.
   window.waitUntil("organ and plate are cut", outlines("axial", 2));
   CHECK(number(window.state(), "sagittal.outlines") == 2);
   CHECK(number(window.state(), "coronal.outlines") == 1);
@@ -542,7 +542,7 @@ TEST_CASE("implants, instruments and jaws are cut by the slices, as they move", 
   window.screenshot("moved");
   CHECK(window.differingPixels("behind", "moved", "coronal") > 50);
 
-  // Jaws take hold with the first step.
+  // Jaws grasp at the first step.
   window.key("space");
   window.waitUntil("both jaws are cut", outlines("coronal", 4));
   // The instrument, on the far side of the organ.
@@ -590,7 +590,7 @@ TEST_CASE("an image moves with its body, stands where it stands and goes back wi
   window.key("space");
   window.waitUntil("it flies", [](const Json &s) { return s["transport"]["time_s"] > 0.8; });
   window.key("space");
-  // What is shown in the end is the displacement of the time that is shown; the read-out has two decimals.
+  // At the end the displacement belongs to the displayed time; the read-out has two decimals.
   window.waitUntil("it stands", [&](const Json &s) {
     return s["transport"]["mode"] == "paused" &&
            std::abs(shift_mm(s) - kSpeed_mm_s * s["transport"]["time_s"].get<double>()) < 0.011;
@@ -598,7 +598,7 @@ TEST_CASE("an image moves with its body, stands where it stands and goes back wi
   window.screenshot("flown");
   CHECK(window.differingPixels("rest", "flown") > 500);
 
-  // What is seen can be written, by the menu.
+  // The displayed image can be exported, by the menu.
   const auto save = [&](const std::string &entry, const fs::path &file) {
     fs::remove(file);
     window.click("menu/file");
@@ -624,7 +624,7 @@ TEST_CASE("an image moves with its body, stands where it stands and goes back wi
     for (std::size_t k = 0; k < v.geometry.size[2]; ++k)
       for (std::size_t j = 0; j < v.geometry.size[1]; ++j)
         for (std::size_t i = 0; i < v.geometry.size[0]; ++i) {
-          // By brightness above what is around: faces between voxels count in part.
+          // By brightness above the surroundings: faces between voxels count in part.
           const double bright = std::max(0.0, v.value(i, j, k) - v.value(0, 0, 0));
           sum +=
               bright * v.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)})[0];
@@ -651,8 +651,8 @@ TEST_CASE("an image follows its body far from where it began", "[image_warp_far]
   const fs::path scene = outputFile("image_warp_far.toml");
   const std::string image = imageFile("image_warp_far").generic_string();
   constexpr double kSpeed_mm_s = 45.0;
-  // The block reaches from -30 to 30 mm. A rim of 8 mm, a spacing of about 9 mm and 9 mm of room: the first grid ends
-  // at 56.
+  // The block extends from -30 to 30 mm. A rim of 8 mm, a spacing of about 9 mm and a margin of 9 mm: the first grid
+  // ends at 56.
   const Vec3 place{65, 0, 0};
   std::ofstream(scene) << "format = 1\ntitle = \"Flying far\"\n[image]\nfile = \"" << image << "\"\nrim = 8\n"
                        << "[world]\ngravity = [0, 0, 0]\n[solver]\ndamping = 0\n[[body]]\nname = \"block\"\nvolume = \""
@@ -697,7 +697,7 @@ TEST_CASE("a folder of several series asks for one, and for none", "[image_serie
   const auto isAsked = [](const Json &s) { return s["jobs"].empty() && s["widgets"].contains("series/series.1"); };
   window.waitUntil("a series is asked for", isAsked);
   CHECK(window.state()["panes"].empty());
-  // In the view, where the picture is going to be, and nothing else is asked for there.
+  // In the view, where the picture is going to be, and no other request is shown there.
   const Json asked = window.state();
   CHECK(asked["widgets"]["series/series.1"][0].get<double>() > asked["area"]["x"].get<double>());
   window.screenshot("asked");
@@ -717,7 +717,7 @@ TEST_CASE("a segmentation that is opened as an image is a label map", "[image_se
   C3DE_WINDOW_OR_SKIP();
   C3DE_DATA_OR_SKIP(segments, "dicom/ct_3slice_plus_seg/liver.dcm");
   C3DE_DATA_OR_SKIP(scan, "dicom/ct_3slice_plus_seg/01.dcm");
-  // By itself: over its own numbers.
+  // Alone: over its own numbers.
   for (const fs::path &file : {segments, labelFile("image_segmentation", ".seg.nrrd")}) {
     WorkstationDriver alone("image_segmentation" + file.extension().string());
     alone.start({file.string()});
@@ -729,7 +729,7 @@ TEST_CASE("a segmentation that is opened as an image is a label map", "[image_se
     for (const Json &n : state["notifications"]) all += n["text"].get<std::string>() + "\n";
     CHECK_THAT(all, Contains("Its segments lie over its numbers as labels"));
   }
-  // Over a scan, which stays.
+  // Over a scan, which remains.
   WorkstationDriver window("image_segmentation_scan");
   startOn(window, {scan.string()});
   const std::string shown = text(window.state(), "Image");

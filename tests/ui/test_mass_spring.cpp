@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A simulator of another kind in the window: shown, pulled by the mouse, let go.
+// A simulator of another kind in the window: shown, pulled by the mouse, released.
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -64,7 +64,7 @@ TEST_CASE("an organ of masses and springs is shown, follows the hand and is let 
   CHECK(window.state()["camera"] == camera);
   CHECK(window.state()["notifications"].empty());
 
-  // Its state is kept in a file, gone on from, and taken up again.
+  // Its state is saved to a file, advanced, and restored.
   const fs::path file = fs::path(testOutputRoot()) / "ui" / "springs.c3dstate";
   fs::remove(file);
   const auto choose = [&](const std::string &entry, const fs::path &path, std::size_t answers) {
@@ -88,7 +88,7 @@ TEST_CASE("an organ of masses and springs is shown, follows the hand and is let 
   window.waitUntil("it pauses", [](const Json &s) { return s["transport"]["mode"] == "paused"; });
   CHECK(choose("simulation.load_state", file, 2).back()["title"] == "Loaded");
   CHECK(window.state()["transport"]["steps"] == paused["transport"]["steps"]);
-  // What is no state is refused, and nothing has changed.
+  // An invalid state is refused, and nothing has changed.
   std::ofstream(file) << "no state";
   const Json refused = choose("simulation.load_state", file, 3).back();
   CHECK_THAT(refused["title"].get<std::string>(), Contains("could not be loaded"));

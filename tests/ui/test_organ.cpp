@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a person does with an organ in the window: open it, play, pull, pause, step, reset, look inside.
+// User actions with an organ in the window: open it, play, pull, pause, step, reset, look inside.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -33,7 +33,7 @@ std::string whyNot() {
 
 fs::path organMesh() { return fs::path(testResourcesFolder()) / "meshes" / "organ.obj"; }
 
-/// An organ that floats: what moves it is the person.
+/// A floating organ: only the user moves it.
 fs::path floatingOrgan() {
   const fs::path scene = fs::path(testOutputRoot()) / "ui" / "floating.toml";
   fs::create_directories(scene.parent_path());
@@ -50,7 +50,7 @@ void startOrgan(WorkstationDriver &window) {
   window.start({floatingOrgan().string()});
   window.waitUntil("the organ is there",
                    [](const Json &s) { return s["transport"]["exists"].get<bool>() && s["jobs"].empty(); });
-  // Its node and its rows come with the first snapshot and push what stands below them down.
+  // Its node and its rows appear with the first snapshot and push the rows below them down.
   window.waitUntil("the organ is shown", [](const Json &s) {
     return s["nodes"].size() >= 2 && !s["values"].value(std::string(kPanel) + "Surfels", "").empty();
   });
@@ -200,7 +200,7 @@ TEST_CASE("a pinch while the simulation is stopped says so, and pulls as soon as
   window.screenshot("stopped");
   CHECK(window.state()["transport"]["steps"] == 0);
 
-  // The hold is kept, and acts.
+  // The hold is retained, and acts.
   window.key("space");
   window.waitUntil("the organ follows", [&](const Json &s) {
     return mode(s) == "playing" && row(s, "Nothing moves").empty() &&
@@ -222,7 +222,7 @@ TEST_CASE("play, pause, step and reset do what they say, and reset is exact", "[
   const std::string initial = window.waitUntil("the initial state is shown", [](const Json &s) {
     return !row(s, "State hash").empty();
   })["values"][std::string(kPanel) + "State hash"];
-  // Something must move it: pull once.
+  // It needs a cause of motion: pull once.
   window.key("p");
   window.click("toolbar/play");
   window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 5; });
@@ -247,11 +247,11 @@ TEST_CASE("play, pause, step and reset do what they say, and reset is exact", "[
   window.waitUntil("the initial state is back, bit for bit",
                    [&](const Json &s) { return row(s, "State hash") == initial; });
 
-  // The target rate is the one that is chosen.
+  // The target rate is the selected one.
   window.click("toolbar/rate");
   window.click("toolbar/rate.option.1/4×");
   window.waitUntil("the rate is set", [](const Json &s) { return s["transport"]["target_rate"] == 0.25; });
-  // Stop leads back, too.
+  // Stop returns to the start, too.
   window.key("space");
   window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 2; });
   window.click("toolbar/stop");
@@ -302,7 +302,7 @@ TEST_CASE("a mesh that says its unit is opened in it", "[organ_unit]") {
     WorkstationDriver window("organ_unit");
     window.start({file.string()});
     CHECK(window.waitUntil("it is of the file's unit", isTwoLitres)["notifications"].empty());
-    // The dialog leaves it to the file, too.
+    // The dialog leaves the unit to the file, too.
     window.key("ctrl+m");
     window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
     CHECK(window.value("dialog/unit").empty());
@@ -394,7 +394,7 @@ TEST_CASE("surface and frame of the present state are exported through the menu"
   window.waitUntil("the frame is there", [&](const Json &) { return fs::exists(folder / "now.pvd"); });
   CHECK(fs::exists(folder / "now_frames" / "points_000000.vtu"));
   CHECK(fs::exists(folder / "now_frames" / "skin_000000.vtp"));
-  // A file that is there is replaced only after a second press.
+  // An existing file is replaced only after a second press.
   const auto before = fs::last_write_time(folder / "now.stl");
   save("file.export_surface", folder / "now.stl");
   const Json asked =
@@ -407,7 +407,7 @@ TEST_CASE("surface and frame of the present state are exported through the menu"
   CHECK(window.isRunning());
 }
 
-/// Chooses an item of a list in the panel and looks at the picture once it is drawn.
+/// Chooses an item of a list in the panel and checks the picture once it is drawn.
 void choose(WorkstationDriver &window, const std::string &parameter, const std::string &item) {
   window.click(kPanel + parameter);
   window.click(kPanel + parameter + ".option." + item);
@@ -475,7 +475,7 @@ TEST_CASE("an organ is coloured by its stress and its error with a legend, and p
   window.screenshot("error");
   CHECK(window.differingPixels("von_mises", "error") > 5000);
 
-  // A fixed range: the legend ends where it was told to.
+  // A fixed range: the legend ends at the specified value.
   window.click(std::string(kPanel) + "view.range.auto");
   window.waitUntil("a number stands there", [](const Json &s) { return row(s, "view.range") != "auto"; });
   window.controlClick(std::string(kPanel) + "view.range");
@@ -494,7 +494,7 @@ TEST_CASE("an organ is coloured by its stress and its error with a legend, and p
   window.waitUntil("there is no legend", [](const Json &s) { return row(s, "Colours").empty(); });
   window.screenshot("again");
   CHECK(window.differingPixels("plain", "again") < 500);
-  // Looking changes nothing.
+  // Changing the view changes no state.
   CHECK(row(window.state(), "State hash") == hash);
   CHECK(window.state()["transport"]["steps"] == paused["transport"]["steps"]);
 }
@@ -586,7 +586,7 @@ TEST_CASE("a step that takes long is said while it lasts, and reset and Escape e
   const auto seconds = [](Clock::time_point since) {
     return std::chrono::duration<double>(Clock::now() - since).count();
   };
-  // Reset goes on playing: a new step begins.
+  // Reset continues to play: a new step begins.
   const Clock::time_point reset = Clock::now();
   window.key("ctrl+r");
   window.waitUntil("another step has begun", [&](const Json &s) { return !isLong(s); });
@@ -617,7 +617,7 @@ TEST_CASE("a step beyond its budget is given up, with what would fit, and nothin
   CHECK(paused["transport"]["steps"] == 0);
   window.screenshot("given_up");
 
-  // Coarser, it goes: far below what was proposed, so that a busy machine does it as well.
+  // Coarser, it runs: far below the proposed sampling, so that a busy machine manages it as well.
   window.controlClick(std::string(kPanel) + "sampling.count");
   window.key("ctrl+a");
   window.type("200");
@@ -647,7 +647,7 @@ TEST_CASE("while a hand holds it no step is given up, and the status bar says th
   window.waitUntil("it is held", [](const Json &s) { return !row(s, "Held surfel").empty(); });
   window.key("space");
   for (int i = 1; i <= 8; ++i) window.moveTo({from.x + 6 * i, from.y - 6 * i});
-  // Software drawing and other programs take their time beside it.
+  // Software drawing and other programs use processor time as well.
   const Json slow = window.waitUntil("it plays, slowly", [](const Json &s) {
     return s["transport"]["steps"] >= 3 && s["values"].value("status/rate", "").starts_with("slower than real time: ");
   });
@@ -699,7 +699,7 @@ TEST_CASE("an organ that plays is made stiff and nearly incompressible, and goes
     for (const Json &a : s.value("answers", Json::array())) shownAt_s[a[0].get<int>()] = a[4].get<double>();
   };
   look(edited);
-  // It goes on, or says that it was given up; it does not hang, and nothing fails.
+  // It continues, or reports that it was given up; it does not hang, and nothing fails.
   window.waitUntil("it goes on, or was given up", [&](const Json &s) {
     look(s);
     return s["transport"]["steps"] > steps + 5 || (mode(s) == "paused" && !s["notifications"].empty());
@@ -746,7 +746,7 @@ TEST_CASE("quitting asks nothing while nothing would be lost", "[organ_quit]") {
   CHECK(window.waitForExit() == 0);
 }
 
-/// Plays, pulls the middle of the organ towards the upper right and holds it there.
+/// Plays, pulls the centre of the organ towards the upper right and holds it there.
 void pull(WorkstationDriver &window) {
   window.key("p");
   window.waitUntil("the pinch tool is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
@@ -789,7 +789,7 @@ TEST_CASE("a pull is undone by one step, back to the state before it, and done a
   window.waitUntil("the pull is done again",
                    [&](const Json &s) { return steps(s) == steps(paused) && row(s, "State hash") == pulled; });
 
-  // In the middle of a pull the hand lets go, and that pull is what is undone.
+  // Undo during a pull releases the grab, and undoes that pull.
   window.key("space");
   window.waitUntil("it plays on", [&](const Json &s) { return mode(s) == "playing" && steps(s) > steps(paused) + 5; });
   pull(window);
@@ -800,7 +800,7 @@ TEST_CASE("a pull is undone by one step, back to the state before it, and done a
   window.release();
   window.moveTo(window.inView(0.9, 0.9));
 
-  // A reset begins anew: there is nothing to go back to.
+  // A reset starts a new history: nothing can be undone.
   window.key("space");
   window.key("ctrl+r");
   window.waitUntil("it begins anew", [&](const Json &s) { return steps(s) == 0 && row(s, "Steps") == "0"; });
@@ -815,21 +815,21 @@ TEST_CASE("a reset while something is pinched ends the pinch", "[organ_pinch_res
   startOrgan(window);
   window.key("space");
   window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 5; });
-  const auto letGo = [](const Json &s) { return row(s, "Held surfel").empty() && row(s, "Pinch force") == "–"; };
+  const auto isReleased = [](const Json &s) { return row(s, "Held surfel").empty() && row(s, "Pinch force") == "–"; };
   pull(window);
   window.key("ctrl+r");
-  window.waitUntil("the grip is gone with the state", letGo);
-  // The hand goes on, and holds nothing.
+  window.waitUntil("the grip is gone with the state", isReleased);
+  // The mouse moves on, and holds nothing.
   window.moveTo(window.inView(0.3, 0.3));
   const Json after = window.state();
-  CHECK(letGo(after));
+  CHECK(isReleased(after));
   window.release();
   // The next one holds again.
   pull(window);
   window.key("space");
   window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
   window.key("ctrl+r");
-  window.waitUntil("also while it stands", letGo);
+  window.waitUntil("also while it stands", isReleased);
   window.screenshot("let_go");
   window.release();
 }
@@ -906,7 +906,7 @@ TEST_CASE("a wish for accuracy samples the organ anew and shows what to expect",
   CHECK(std::stod(row(accurate, "Phyxels")) > 2.0 * before);
   window.locate(std::string(kPanel) + "rebuild");  // below the bars
   window.screenshotAtRest("error");
-  // Another wish takes the place of the first one.
+  // Another accuracy target replaces the first one.
   const Json quick = wish(kBudget, "0.5");
   CHECK(std::stod(row(quick, "Phyxels")) < std::stod(row(accurate, "Phyxels")));
   CHECK(row(quick, kPercent) == "auto");
@@ -975,7 +975,7 @@ TEST_CASE("a plugin's clamp and the pinch hold one organ; each lets go by itself
   window.waitUntil("it turns", [&](const Json &s) { return number(s, kTurns) > 0.0; });
   window.screenshot("turned");
 
-  // The pinch takes hold of what the clamp holds already.
+  // The pinch grabs a region that the clamp already holds.
   window.moveTo(window.inView(0.5, 0.5));
   window.key("p");
   const Point at = window.inView(0.5, 0.5);

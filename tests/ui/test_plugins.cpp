@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Somebody with a plugin of his own, and nothing to simulate.
+/// A user with an own plugin, and nothing to simulate.
 struct Person {
   explicit Person(const std::string &name)
       : folder(fs::path(testOutputRoot()) / "ui" / name), home("C3DE_HOME", (folder / "home").string()) {
@@ -39,7 +39,7 @@ void openManager(WorkstationDriver &window) {
   window.waitUntil("the manager is open", [](const Json &s) { return s["widgets"].contains("plugin/test.dying"); });
 }
 
-/// The choice of that number of the message that says who has not returned; the newest stands first.
+/// The choice of that number in the message about a call that has not returned; the newest message is first.
 void clickChoice(WorkstationDriver &window, int number) {
   const Json messages = window.state()["notifications"];
   for (std::size_t i = 0; i < messages.size(); ++i)
@@ -129,7 +129,7 @@ TEST_CASE("a job and a step that do not get on are told, and ended by a click", 
     const ScopedEnvironment place("C3DE_TEST_DIES", "silent job");
     WorkstationDriver window("hangs_job");
     auto arguments = person.arguments();
-    arguments.emplace_back("--trust-plugins");  // else it is refused for it
+    arguments.emplace_back("--trust-plugins");  // otherwise it is refused for it
     window.start(arguments);
     window.waitUntil("the job runs", [](const Json &s) { return !s["jobs"].empty(); });
     window.waitUntil("it is told", isTold);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole way of a person with a CT: window by key, cross-hair by mouse, threshold, organ, simulation, a pull at it,
-// and the scan that follows. Steps by themselves are in test_images.cpp and test_segmentation.cpp.
+// The complete workflow of a user with a CT: window by key, cross-hair by mouse, threshold, organ, simulation, a pull
+// at it, and the scan that follows. The single steps are in test_images.cpp and test_segmentation.cpp.
 #include <cmath>
 #include <filesystem>
 #include <sstream>
@@ -31,7 +31,7 @@ Vec3 crossHair(const Json &state) {
   return at;
 }
 
-/// In the axial or coronal view as it opens: the middle of the image in the middle of the pane, radiological.
+/// In the initial axial or coronal view: the centre of the image in the middle of the pane, radiological.
 Point pixelOf(const WorkstationDriver &window, const std::string &pane, const Vec3 &centre, const Vec3 &world) {
   const Json state = window.state(), r = state["panes"][pane];
   const double scale = number(state, "image/" + pane + ".scale_mm_per_px");
@@ -40,14 +40,14 @@ Point pixelOf(const WorkstationDriver &window, const std::string &pane, const Ve
           r["y"].get<double>() + 0.5 * r["h"].get<double>() + (pane == "axial" ? d[1] : -d[2]) / scale};
 }
 
-/// |u| of the read-out of a view at the cross-hair, mm; NaN while there is none.
+/// |u| of the read-out of a view at the cross-hair, mm; NaN if there is none.
 double shift_mm(const Json &state, const std::string &pane) {
   const std::string readout = text(state, "image/" + pane + ".readout");
   const std::size_t at = readout.find("|u| ");
   return at == std::string::npos ? std::nan("") : std::strtod(readout.c_str() + at + 4, nullptr);
 }
 
-/// The cross-hair by the mouse, from `centre` to `target`. A pixel of these views is about 1 mm.
+/// Moves the cross-hair by the mouse, from `centre` to `target`. A pixel of these views is about 1 mm.
 Json pointAt(WorkstationDriver &window, const Vec3 &centre, const Vec3 &target) {
   window.clickAt(pixelOf(window, "coronal", centre, {target[0], centre[1], target[2]}));
   window.waitUntil("the height is set", [&](const Json &s) { return std::abs(crossHair(s)[2] - target[2]) < 2.0; });
@@ -65,9 +65,9 @@ void nameOrgan(WorkstationDriver &window, const char *name) {
   window.waitForValue("segmentation/material", name);
 }
 
-/// In the 3D view from the front, without the planes of the slices, which would be in the way of the mouse.
+/// In the 3D view from the front, without the planes of the slices, which would obstruct the mouse.
 void takePinchTool(WorkstationDriver &window) {
-  // The message that was closed has moved the panel, maybe under the mouse.
+  // Closing the message has moved the panel, possibly under the mouse.
   for (int tries = 0; tries < 5 && window.value("image/slices_in_space") != "false"; ++tries) {
     window.click("image/slices_in_space");
     window.waitFrames(5);
@@ -79,7 +79,7 @@ void takePinchTool(WorkstationDriver &window) {
   window.waitUntil("the pinch tool is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
 }
 
-/// Presses where the mouse is.
+/// Presses at the position of the mouse.
 Json pinch(WorkstationDriver &window) {
   window.press();
   return window.waitUntil("a surfel is held", [](const Json &s) {
@@ -116,7 +116,7 @@ TEST_CASE("a liver is found in a CT by threshold, becomes a body, and the scan f
   CHECK(readout.find("mm") != std::string::npos);
   window.screenshot("pointed");
 
-  // Threshold, voxels of noise within filled, bridges to bowel and wall removed, the part that is clicked.
+  // Threshold, voxels of noise within filled, bridges to bowel and wall removed, the clicked component.
   const auto enter = [&](const char *field, const char *value) {
     window.controlClick(field);
     window.key("ctrl+a");
@@ -144,12 +144,12 @@ TEST_CASE("a liver is found in a CT by threshold, becomes a body, and the scan f
   window.waitUntil("a click is waited for", [](const Json &s) { return text(s, "image/picking") == "on"; });
   window.clickAt(pixelOf(window, "axial", centre, liver));
   const double organ = picked(settled("a part is picked", [&](double ml) { return ml < 0.95 * opened; }));
-  // The label of the liver in this scan has 1126 ml; threshold and opening keep the most of it.
+  // The label of the liver in this scan has 1126 ml; threshold and opening retain most of it.
   CHECK(organ > 700.0);
   CHECK(organ < 1240.0);
 
   nameOrgan(window, "liver");
-  // Held by nothing it goes far enough to leave its place.
+  // Unsupported, it moves far enough to leave its initial region.
   window.click("segmentation/held");
   window.click("segmentation/held.option.nothing");
   window.waitForValue("segmentation/held", "nothing");
@@ -176,7 +176,7 @@ TEST_CASE("a liver is found in a CT by threshold, becomes a body, and the scan f
     CHECK(window.differingPixels("created", "pulled", pane) > 300);
   }
   CHECK(number(pulled, "pointbased.controller/Pinch force") > 0.0);
-  // Behind the liver, which has come forwards: the scan does not show it twice.
+  // Behind the liver, which has moved forwards: the scan does not show it twice.
   window.moveTo(pixelOf(window, "axial", centre, {-85.0, -116.0, liver[2]}));
   window.waitUntil("its place is empty", [](const Json &s) {
     return text(s, "image/axial.readout").find("left by a body") != std::string::npos;
@@ -203,7 +203,7 @@ TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes
   window.moveTo(pixelOf(window, "coronal", centre, centre));
   window.key("4");
 
-  // The spleen, as it is in the labels; what holds it is what is proposed.
+  // The spleen, as in the labels; its supports are the proposed ones.
   window.click("segmentation/label_filter");
   window.type("spleen");
   window.click("segmentation/label.1");
@@ -255,7 +255,7 @@ TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes
   CHECK(window.differingPixels("before", "pulled", "3D") > 300);
   for (const char *pane : {"axial", "coronal", "sagittal", "3D"}) {
     INFO(pane);
-    // Digits of the read-out, 78 to 98 pixels seen; what is pulled changes thousands.
+    // Digits of the read-out, 78 to 98 pixels seen; pulled tissue changes thousands.
     CHECK(window.differingPixels("before", "returned", pane) < 250);
   }
 }

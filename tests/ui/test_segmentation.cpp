@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From an image to an organ by the panel: threshold, a click on the part, filled holes, material, the button.
+// From an image to an organ by the panel: threshold, a click on the component, filled holes, material, the button.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,7 +25,8 @@ namespace fs = std::filesystem;
 constexpr double kSpacing_mm = 2.0;
 constexpr Vec3 kOrgan{-15, 0, 0}, kRadii{30, 26, 22}, kOther{42, 0, 0};
 
-/// 70 x 50 x 40 voxels around the origin. An ellipsoid of value 100 with a cavity of 8 mm, and a ball of 14 mm apart.
+/// 70 x 50 x 40 voxels around the origin. An ellipsoid of value 100 with a cavity of 8 mm, and a separate ball of 14
+/// mm.
 struct Phantom {
   imaging::Volume volume;
   std::size_t organ = 0, cavity = 0, other = 0;  ///< voxels
@@ -251,13 +252,13 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   // Bodies have the colours of their labels: both are blue ones.
   window.screenshot("kidneys");
   CHECK(window.shareOfColour("kidneys", "b > 1.5*r && b > 0.25") > 0.002);
-  // Outlines have taken the place of labels.
+  // Outlines have replaced the labels.
   CHECK(window.value("image/label.2") == "false");
   CHECK(window.value("image/label.3") == "false");
   CHECK(window.value("image/label.4") == "true");
 
   window.click("segmentation/edge_automatic");
-  // A count of one's own takes the place of that by the thickness.
+  // A custom count replaces that by the thickness.
   CHECK_FALSE(window.has("segmentation/points"));
   window.click("segmentation/count_automatic");
   window.controlClick("segmentation/points");
@@ -274,13 +275,13 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   window.moveTo(axialPixel(window, {0, -45, 0}));
   window.screenshot("created");
 
-  // Keys do not lay what the bodies were made of over them; the panel does, and says so.
+  // Keys do not overlay the bodies' source labels; the panel does, and reports it.
   window.key("ctrl+z");
   window.waitFrames(3);
   CHECK(text(window.state(), "image/preview") == "none");
-  // The same body a second time is refused, and the simulation goes on.
+  // The same body is refused a second time, and the simulation continues.
   window.click("segmentation/undo");
-  // The panel grows row by row until the mask is shown, and what is below moves.
+  // The panel grows row by row until the mask is shown, and the rows below move.
   window.waitUntil("it is picked again", [](const Json &s) {
     return text(s, "segmentation/Picked").ends_with(" 125000 voxels") && s["jobs"].empty() &&
            text(s, "segmentation/overlay") == "true" && text(s, "image/preview") == "shown";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a hand does in the slices of an image: pull and touch there what they show.
+// Interaction in the slices of an image: pulling and touching the tissue that they show.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -28,7 +28,7 @@ constexpr double kRadians = 0.017453292519943295;  // of a degree
   C3DE_SKIP("the point-based plugin is not built")
 
 /// A scan of 64 x 64 x 48 voxels of 2 x 2 x 2.5 mm: an organ of 64 x 52 x 50 mm about the middle of the grid with
-/// stripes in it, and a bone beside it, towards +i. Turned about its middle, the origin of the world.
+/// stripes in it, and a bone next to it, towards +i. Rotated about its centre, the origin of the world.
 struct Scan {
   imaging::VolumeGeometry geometry;
   std::vector<std::int16_t> image;
@@ -49,7 +49,7 @@ Scan scan(double degrees) {
         const bool isHigh = k >= 14 && k < 34;
         const bool isOrgan = isHigh && i >= 16 && i < 48 && j >= 19 && j < 45;
         const bool isBone = isHigh && i >= 52 && i < 60 && j >= 19 && j < 45;
-        // Stripes, so that it is seen how the tissue moves.
+        // Stripes, so that the motion of the tissue is visible.
         const int stripe = isOrgan && ((i / 4 + j / 4) % 2 == 0) ? 60 : 0;
         s.image.push_back(static_cast<std::int16_t>(isOrgan ? 40 + stripe : isBone ? 700 : -1000));
         s.labels.push_back(isOrgan ? 1 : isBone ? 2 : 0);
@@ -63,7 +63,7 @@ fs::path outputFile(const std::string &name) {
   return file;
 }
 
-/// What a scene of it says: the organ is held by its surroundings, the bone stands.
+/// Its scene text: the organ is held by its surroundings, the bone is static.
 struct SceneText {
   double degrees = 0.0;
   std::string organ = {}, bone = "rigid = true\n", damping = "10";
@@ -115,7 +115,7 @@ void start(WorkstationDriver &window, const fs::path &scene) {
   });
 }
 
-/// A place of a pane, mm from its middle: to the right, and down.
+/// A position in a pane, mm from its middle: to the right, and down.
 Point at(const WorkstationDriver &window, const std::string &pane, double right_mm, double down_mm) {
   const Json state = window.state(), r = state["panes"][pane];
   const double scale = std::strtod(text(state, pane + ".scale_mm_per_px").c_str(), nullptr);
@@ -176,7 +176,7 @@ TEST_CASE("tissue is pulled where a slice shows it, within its plane, and one Un
   window.waitUntil("the tissue has come after the hand", [&](const Json &s) {
     return number(s, "Pinch force") > 0.05 && norm(millimetres(s, "Held point") - pressed) > 6.0;
   });
-  // The material under the hand has come from where it was pressed: the slice knows it.
+  // The material under the mouse has come from the pressed position: the slice shows that.
   window.waitUntil("the scan follows", [&](const Json &s) { return shift_mm(s, "axial") > 3.0; });
   window.waitFrames(20);
   window.screenshot("pulled");
@@ -211,7 +211,7 @@ TEST_CASE("tissue is pulled where a slice shows it, within its plane, and one Un
   window.key("ctrl+z");
   window.waitUntil("one step was it", [&](const Json &s) { return steps(s) == steps(undone); });
 
-  // In another view, zoomed and panned: what was under the mouse before the zoom stays there.
+  // In another view, zoomed and panned: the point under the mouse before the zoom stays there.
   window.key("space");
   const Point sagittal = at(window, "sagittal", 8, -10);
   window.moveTo(sagittal);
@@ -232,7 +232,7 @@ TEST_CASE("tissue is pulled where a slice shows it, within its plane, and one Un
   window.screenshot("sagittal");
   CHECK(std::abs(millimetres(window.state(), "Hand")[0] - there[0]) < 0.01);
 
-  // The slice is scrolled during the drag: the hand goes along, 2 mm a slice.
+  // The slice is scrolled during the drag: the target moves along, 2 mm a slice.
   window.wheel(3);
   window.waitUntil("the hand has gone along",
                    [&](const Json &s) { return std::abs(std::abs(millimetres(s, "Hand")[0] - there[0]) - 6) < 0.05; });
@@ -246,7 +246,7 @@ TEST_CASE("tissue is pulled where a slice shows it, within its plane, and one Un
   CHECK(row(window.state(), "Pinch force") == "–");
   CHECK(text(window.state(), "cross_hair") == cross);
 
-  // Without a tool the slice's own gestures are back.
+  // Without a tool the slice's own gestures are active again.
   window.moveTo(window.inView(0.5, 0.5));
   window.key("o");
   window.clickAt(at(window, "axial", 20, 10));
@@ -290,7 +290,7 @@ TEST_CASE("a press beside tissue and on rigid bone holds nothing and says why", 
   window.key("ctrl+z");
   window.waitFrames(3);
   CHECK(steps(window.state()) >= now);
-  // Above it is free; paused it is held, and pulled once it plays.
+  // Above it is free; while paused it is held, and pulled once it plays.
   window.key("space");
   window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
   const Point from = at(window, "coronal", 0, -15);
@@ -309,7 +309,7 @@ TEST_CASE("a press beside tissue and on rigid bone holds nothing and says why", 
 TEST_CASE("in a scan that is turned and a body that has gone far, what is seen is held", "[slice_oblique]") {
   C3DE_SLICES_OR_SKIP();
   WorkstationDriver window("slice_oblique");
-  // It flies 30 mm in a second towards -j of the turned scan, with nothing that holds it.
+  // It flies 30 mm in a second towards -j of the rotated scan, unsupported.
   SceneText says;
   says.degrees = 25.0;
   const double c = std::cos(says.degrees * kRadians), d = std::sin(says.degrees * kRadians);
@@ -325,7 +325,7 @@ TEST_CASE("in a scan that is turned and a body that has gone far, what is seen i
   window.key("space");
   window.waitUntil("it stands", [](const Json &s) { return mode(s) == "paused"; });
   const double gone = 30.0 * window.state()["transport"]["time_s"].get<double>();
-  // The middle of what was the lower half of the organ, in the frame of the scan.
+  // The centre of the former lower half of the organ, in the frame of the scan.
   const Point where = at(window, "axial", 6.0, 15.0 - gone);
   window.moveTo(where);
   window.waitUntil("the scan shows tissue there",
@@ -348,7 +348,7 @@ TEST_CASE("in a scan that is turned and a body that has gone far, what is seen i
   window.waitFrames(20);
   window.screenshot("pulled");
   window.release();
-  // Where it was nothing is left.
+  // Its former region is empty.
   window.moveTo(at(window, "axial", 6, 22));
   window.press();
   window.waitUntil("nothing is there", [](const Json &s) { return row(s, "Not held") == "No body is there"; });
@@ -358,7 +358,7 @@ TEST_CASE("in a scan that is turned and a body that has gone far, what is seen i
 TEST_CASE("where two bodies lie over each other the one is held that the slice shows", "[slice_overlap]") {
   C3DE_SLICES_OR_SKIP();
   WorkstationDriver window("slice_overlap");
-  // What was bone is soft and flies 18 mm into the organ, which ends at x = 32 mm: it reaches from 23 to 39 mm then.
+  // The former bone is soft and flies 18 mm into the organ, which ends at x = 32 mm: it then extends from 23 to 39 mm.
   SceneText says;
   says.bone = "velocity = [-0.006, 0, 0]\n";
   says.damping = "0";
@@ -373,7 +373,7 @@ TEST_CASE("where two bodies lie over each other the one is held that the slice s
   const double gone = 6.0 * window.state()["transport"]["time_s"].get<double>();
   INFO(gone);
   REQUIRE(gone < 20.0);
-  // From where only the one is to where only the other is: what is held follows what is shown. Two presses that are
+  // From the region of only the one to that of only the other: the grabbed body is the displayed one. Two presses
   // nearer than 5 pixels, 2.2 mm, would be a double click.
   int ofOrgan = 0, ofBone = 0;
   for (double x = 12.0; x < 55.0 - gone; x += 2.6) {
@@ -430,7 +430,7 @@ TEST_CASE("an instrument is put into a slice, drawn where it is cut, and pushed 
   CHECK(text(pressed, "coronal.marks").find("0 in the plane") != 0);
   window.release();
   CHECK(window.differingPixels("hovered", "pressed", "coronal") > 200);
-  // A press on it takes hold of it again; the wheel goes to the next slice, and it goes along.
+  // A press on it grabs it again; the wheel scrolls to the next slice, and it moves along.
   const Point again = at(window, "coronal", -26, 4);
   window.moveTo(again);
   window.press();
@@ -446,7 +446,7 @@ TEST_CASE("an instrument is put into a slice, drawn where it is cut, and pushed 
   window.waitUntil("the second push is undone", [&](const Json &s) { return steps(s) < last; });
   window.key("ctrl+z");
   window.waitUntil("it was never there", outlines("coronal", "2"));
-  // Within the tissue: it stands beside the skin, in the plane.
+  // Within the tissue: it is placed next to the skin, in the plane.
   const Point inside = at(window, "coronal", -27, 3);
   window.moveTo(inside);
   window.press();

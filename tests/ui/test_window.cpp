@@ -20,7 +20,7 @@ using c3de::test::WorkstationDriver;
 
 namespace {
 
-/// Starts on the gallery plugin and on a file that is no mesh, so that no simulation comes up whatever other plugins
+/// Starts with the gallery plugin and a file that is not a mesh, so that no simulation starts whatever other plugins
 /// are installed; the message about the file is closed.
 void startGallery(WorkstationDriver &window) {
   const std::filesystem::path noMesh = std::filesystem::path(testOutputRoot()) / "ui" / "no_mesh.obj";
@@ -156,12 +156,12 @@ TEST_CASE("a window is never larger than the screen, also where a unit is two pi
   WorkstationDriver window("screen_size");
   const std::filesystem::path noMesh = std::filesystem::path(testOutputRoot()) / "ui" / "no_mesh.obj";
   std::ofstream(noMesh) << "this is no mesh\n";
-  // The virtual screen forgets what it was told when the last program leaves it.
+  // The virtual screen loses its settings when the last program disconnects.
   auto keeper = c3de::ChildProcess::start({"xprop", "-root", "-spy"},
                                           std::filesystem::path(testOutputRoot()) / "ui" / "xprop.log");
   if (!keeper) C3DE_SKIP("xprop is not there to set the density of the display");
   std::this_thread::sleep_for(std::chrono::seconds(1));
-  // What a desktop says of a display with twice the usual density.
+  // The desktop setting for a display with twice the usual density.
   const auto set = c3de::runProcess(
       {"xprop", "-root", "-f", "RESOURCE_MANAGER", "8s", "-set", "RESOURCE_MANAGER", "Xft.dpi: 192"}, 10.0);
   if (!set || set->exitCode != 0) C3DE_SKIP("xprop is not there to set the density of the display");
@@ -192,13 +192,13 @@ TEST_CASE("no character that is typed into a dialog is lost, however fast they c
     window.key("BackSpace");
     window.waitForValue("dialog/path", "");
   }
-  // Letters, Backspace and Ctrl in one go keep their order.
+  // Letters, Backspace and Ctrl in one sequence keep their order.
   window.keys({"a", "b", "c", "BackSpace", "d", "Left", "e", "ctrl+a", "x", "y", "BackSpace", "z"});
   window.waitForValue("dialog/path", "xz");
   window.key("Escape");
   window.key("Escape");
   window.waitUntil("it is closed", [](const Json &s) { return !s["widgets"].contains("dialog/path"); });
-  // What is typed right after the keys that open the dialog is meant for it.
+  // Characters typed right after the keys that open the dialog belong to it.
   window.keys({"ctrl+o", "s", "c", "e", "n", "e"});
   window.waitForValue("dialog/path", "scene");
 }
@@ -244,12 +244,12 @@ TEST_CASE("a panel that fails again and again is switched off with one message, 
   CHECK(messages == 1);
   window.screenshot("off");
 
-  // The panel fails on: three more times, and it is off again.
+  // The panel continues to fail: three more times, and it is off again.
   window.click("test.panel/c3de.switch_on");
   window.waitUntil("the panel is off again", [&](const Json &s) {
     return failures() == 6 && s["widgets"].contains("test.panel/c3de.switch_on");
   });
-  window.click("notification/choose.0.0");  // the newest stands on top
+  window.click("notification/choose.0.0");  // the newest is on top
   window.waitUntil("the panel is off for the third time", [&](const Json &) { return failures() >= 9; });
 }
 
@@ -319,7 +319,7 @@ TEST_CASE("widgets of a panel do what they say", "[widgets]") {
   window.key("ctrl+a");
   window.type("spleen");
   window.waitForValue("test.gallery/text", "spleen");
-  // What is typed is no shortcut.
+  // Typed text triggers no shortcut.
   CHECK(window.state()["tool"] == "orbit");
   window.key("Escape");
 
@@ -382,7 +382,7 @@ TEST_CASE("the active tool gets the left button, and lets go on Escape", "[tool]
   const Json camera = window.state()["camera"];
   window.drag(window.inView(0.4, 0.5), window.inView(0.6, 0.5), 4);
   CHECK(window.state()["camera"] == camera);
-  // The counts stand far down in the panel, but they are values of every frame.
+  // The counts are far down in the panel, but they are values of every frame.
   CHECK(window.value("test.gallery/Tool presses") == "1");
   CHECK(window.value("test.gallery/Tool releases") == "1");
   CHECK(window.number("test.gallery/Tool moves") >= 4);
@@ -396,7 +396,7 @@ TEST_CASE("the active tool gets the left button, and lets go on Escape", "[tool]
   window.release();
   CHECK(window.value("test.gallery/Tool releases") == "1");
 
-  // Shift and the middle button are the camera's even now.
+  // Shift and the middle button still control the camera.
   window.drag(window.inView(0.4, 0.5), window.inView(0.5, 0.5), 3, 2);
   CHECK(window.state()["camera"]["focus"] != camera["focus"]);
   window.click("toolbar/tool.orbit");
@@ -464,10 +464,10 @@ TEST_CASE("what is under the mouse stays there while rows above it come and go",
     window.clickAt(at);
     window.waitForValue("test.gallery/Presses", std::to_string(press));
   }
-  CHECK(wentDown);  // there is room above
+  CHECK(wentDown);  // there is space above
   CHECK(wentUp);
   window.screenshot("moving");
-  // The room goes with the mouse.
+  // The free space follows the mouse.
   window.click("test.gallery/restless");
   window.moveTo(window.inView(0.5, 0.5));
   window.click("job/cancel.0");
@@ -501,7 +501,7 @@ TEST_CASE("the side panel can be made wider, and the layout reset", "[layout]") 
   window.click("menu/view");
   window.click("menu/view.reset_layout");
   window.waitUntil("the panel is as wide as before", [&](const Json &s) { return s["view"]["x"] == before; });
-  // A node is hidden and shown by its box.
+  // Its check box hides and shows a node.
   window.click("scene/box");
   window.waitUntil("the box is hidden", [](const Json &s) { return s["nodes"][1]["visible"] == false; });
   window.click("scene/box");

@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Twelve times the longest wait on an idle machine: what ends here hangs, and is not slow.
+// Twelve times the longest wait on an idle machine: a wait that ends here hangs, and is not slow.
 constexpr double kPatience_s = 180.0;
 
 void pause(int milliseconds) { std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds)); }
@@ -32,7 +32,7 @@ std::string readText(const std::filesystem::path &file) {
   return text.str();
 }
 
-// What tells most comes first: messages may be cut off.
+// The most informative part comes first: messages may be cut off.
 std::string essentials(const Json &state) {
   nlohmann::ordered_json shown;
   for (const char *key : {"jobs", "notifications", "transport", "tool", "frame", "mouse", "values", "camera", "nodes"})
@@ -65,7 +65,7 @@ void WorkstationDriver::start(const std::vector<std::string> &arguments) {
   std::vector<std::string> all{C3DE_PROGRAM, "--automation-state", stateFile_.string()};
   all.insert(all.end(), arguments.begin(), arguments.end());
   launch(all);
-  // A few frames, so that what opens at the start has opened.
+  // A few frames, so that everything that opens at the start has opened.
   waitUntil("the window is drawn",
             [](const Json &s) { return s["frame"].get<int>() >= 2 && s["focused"].get<bool>(); });
 }
@@ -84,7 +84,7 @@ int WorkstationDriver::startAndWait(const std::vector<std::string> &arguments,
 }
 
 void WorkstationDriver::launch(const std::vector<std::string> &command) {
-  // Not the person who runs the tests.
+  // Not that of the user who runs the tests.
   const std::string home = environmentVariable("C3DE_HOME");
   const ScopedEnvironment user("C3DE_HOME", home.empty() ? (folder_ / "user").string() : home);
   auto started = ChildProcess::start(command, log_);
@@ -102,7 +102,7 @@ int WorkstationDriver::waitForExit() {
 }
 
 Json WorkstationDriver::state() const {
-  // The file is replaced at once, but it may not be there yet.
+  // The file is replaced atomically, but it may not exist yet.
   const Json read = Json::parse(readText(stateFile_), nullptr, false);
   return read.is_discarded() ? Json::object() : read;
 }
@@ -124,7 +124,7 @@ Json WorkstationDriver::waitUntil(const std::string &what, const std::function<b
 }
 
 void WorkstationDriver::waitFrames(int count, double idle_s) {
-  // Where nothing changes none are drawn.
+  // Without changes no frames are drawn.
   const int first = state().value("frame", 0);
   int last = first;
   Clock::time_point drawn = Clock::now();
@@ -164,7 +164,7 @@ Point WorkstationDriver::locate(const std::string &widget) {
       pause(20);
       continue;
     }
-    // Over the scroll bar of the panel, towards the widget: over a list the wheel would be the list's.
+    // Over the scroll bar of the panel, towards the widget: over a list the wheel would scroll the list.
     const double y = middle(now["scrolled_out"][widget]).y, top = now["area"]["y"], height = now["area"]["h"];
     moveTo({now["area"]["x"].get<double>() - 15.0, top + 0.5 * height});
     wheel(y < top + 0.5 * height ? 1 : -1);
@@ -218,8 +218,8 @@ void WorkstationDriver::doubleClickAt(Point at) {
 }
 
 void WorkstationDriver::click(const std::string &widget) {
-  // A panel may grow while the mouse is on its way: what is above the widget tells of the simulation. Under the mouse
-  // it stays.
+  // A panel may grow while the mouse is moving: rows above the widget report the simulation. Under the mouse it is
+  // fixed.
   for (int tries = 0; tries < 5; ++tries) {
     const Point at = locate(widget);
     moveTo(at);
@@ -293,9 +293,9 @@ void WorkstationDriver::screenshot(const std::string &name) {
 }
 
 void WorkstationDriver::screenshotAtRest(const std::string &name) {
-  constexpr int kMostTries = 20;
+  constexpr int kMaxTries = 20;
   screenshot(name);
-  for (int tries = 0; tries < kMostTries; ++tries) {
+  for (int tries = 0; tries < kMaxTries; ++tries) {
     const int frame = state().value("frame", 0);
     pause(300);
     screenshot("again");

@@ -18,7 +18,7 @@ struct Point {
   double x = 0.0, y = 0.0;
 };
 
-/// Runs the real program on the display of this process and works it with mouse and keyboard (xdotool), looking at the
+/// Runs the real program on the display of this process and operates it with mouse and keyboard (xdotool), polling the
 /// automation state instead of sleeping. A wait that is not met for three minutes (with sanitizers, for longer) throws
 /// std::runtime_error with the last state's essentials, which fails the test case. No wait is a measurement of speed:
 /// each is met within 15 s on an idle machine.
@@ -33,24 +33,25 @@ class WorkstationDriver {
 
   /// Starts the program and waits until its window is drawn.
   void start(const std::vector<std::string> &arguments);
-  /// Starts it and waits for its end: for runs that do not get as far as a window. Exit code.
+  /// Starts it and waits for its end: for runs without a window.
+  /// @return exit code
   [[nodiscard]] int startAndWait(const std::vector<std::string> &arguments,
                                  const std::vector<std::string> &environment = {});
   [[nodiscard]] std::string logText() const;
   [[nodiscard]] bool isRunning();
-  /// Exit code, once it has ended by itself.
+  /// @return exit code, after it has ended normally
   [[nodiscard]] int waitForExit();
 
   /// The newest state.
   [[nodiscard]] Json state() const;
   Json waitUntil(const std::string &what, const std::function<bool(const Json &)> &predicate);
-  /// Waits for `count` more frames than there are now. Input makes the window draw, so this needs input just before.
+  /// Waits for `count` more frames. Input makes the window draw, so this needs input just before.
   void waitFrames(int count, double idle_s = 3.0);  // or until none has been drawn for so long
   /// Waits until a value row shows this text.
   void waitForValue(const std::string &key, const std::string &text);
   [[nodiscard]] std::string value(const std::string &key) const;
   [[nodiscard]] double number(const std::string &key) const;
-  /// Scrolls the side panel until the widget is visible; its middle in window pixels.
+  /// Scrolls the side panel until the widget is visible; returns its centre in window pixels.
   Point locate(const std::string &widget);
   [[nodiscard]] bool has(const std::string &widget) const;
 
@@ -61,7 +62,7 @@ class WorkstationDriver {
   void clickAt(Point at);
   void doubleClickAt(Point at);
   void controlClick(const std::string &widget);
-  /// Presses at the first point, moves in steps, releases at the last one; each seen by a frame of its own.
+  /// Presses at the first point, moves in steps, releases at the last one; each is processed in its own frame.
   void drag(Point from, Point to, int steps, int button = 1);
   /// A point of the 3D view; 0 … 1 from its upper left corner.
   [[nodiscard]] Point inView(double u, double v) const;
@@ -74,17 +75,18 @@ class WorkstationDriver {
   void keyUp(const std::string &name);
   /// @param delay_ms  between characters
   void type(const std::string &text, int delay_ms = 40);
-  /// PNG beside the log.
+  /// PNG next to the log.
   void screenshot(const std::string &name);
-  /// Once the picture stands still: the state is written before the frame is on the screen, and on a busy machine that
-  /// takes a while.
+  /// Waits until the picture is static: the state is written before the frame is on the screen, and on a busy machine
+  /// that takes a while.
   void screenshotAtRest(const std::string &name);
-  /// How many pixels differ visibly between two screenshots: of the 3D view, or of one of the four views of an image;
-  /// of the whole screen for "screen".
+  /// The number of pixels that differ visibly between two screenshots: of the 3D view, or of one of the four views of
+  /// an image; of the whole screen for "screen".
   [[nodiscard]] double differingPixels(const std::string &first, const std::string &second,
                                        const std::string &pane = {}) const;
 
-  /// Which part of the 3D view of a screenshot has a colour, 0 … 1. @param condition  of r, g, b of a pixel, 0 … 1
+  /// The fraction of the 3D view of a screenshot with a colour, 0 … 1.
+  /// @param condition  of r, g, b of a pixel, 0 … 1
   [[nodiscard]] double shareOfColour(const std::string &screenshot, const std::string &condition) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Misbehaves in the way that C3DE_TEST_MODE names, and behaves otherwise: what c3de-validate must find.
+// Misbehaves in the mode that C3DE_TEST_MODE names, and is correct otherwise: c3de-validate must detect it.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -65,7 +65,7 @@ std::uint32_t C3DE_CALL oddRelease(c3de_object *self) {
   if (isTorn) {
     const std::uint32_t before = odd->count;
     if (before % 1000 == 999) std::this_thread::yield();
-    return odd->count = std::max(before, 2u) - 1;  // never freed: what is wrong is the count
+    return odd->count = std::max(before, 2u) - 1;  // never freed: only the count is wrong
   }
   if (const std::uint32_t now = --odd->count; now > 0) return now;
   delete odd;

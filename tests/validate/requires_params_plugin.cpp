@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A good plugin that cannot be without parameters, or, built so, without panels.
+// A good plugin that requires parameters or, by a build option, panels.
 #include "c3de/sdk/sdk.hpp"
 
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// c3de-validate says of good plugins that they are good, and of each bad one what is wrong, in the check beside it.
+// c3de-validate accepts good plugins, and reports the fault of each bad one in the listed check.
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -31,7 +31,7 @@ struct Validated {
 };
 
 Validated validate(const std::string &plugin, std::vector<std::string> options = {}) {
-  // Cases run at the same time, each in a process of its own.
+  // Cases run concurrently, each in its own process.
   static const auto process = std::chrono::steady_clock::now().time_since_epoch().count();
   const fs::path report = fs::path(testOutputRoot()) / ("validate-" + std::to_string(process) + ".json");
   fs::create_directories(report.parent_path());
@@ -64,7 +64,7 @@ TEST_CASE("good plugins pass every check") {
     CHECK_THAT(good.output, Contains("good: "));
     for (const Json &one : good.checks) CHECK((one["result"] == "pass" || one["result"] == "skip"));
   }
-  // What it would do to a simulator of somebody else is looked at where that is there.
+  // Its effect on another plugin's simulator is checked where that simulator exists.
   CHECK(validate(C3DE_MATERIAL_LAW, {"--with", C3DE_POINTBASED}).exitCode == 0);
 }
 
@@ -239,7 +239,7 @@ TEST_CASE("each way to misbehave is found by the check beside it") {
 #if defined(__linux__)
 TEST_CASE("what hangs ends with the program that checks it") {
   const ScopedEnvironment mode("C3DE_TEST_MODE", "start_hangs");
-  constexpr const char *kSeed = "60221407600000";  // nobody else's
+  constexpr const char *kSeed = "60221407600000";  // used by no other test
   fs::create_directories(testOutputRoot());
   const fs::path log = fs::path(testOutputRoot()) / "hanging.log";
   auto program =
@@ -249,7 +249,7 @@ TEST_CASE("what hangs ends with the program that checks it") {
     std::ifstream file(path, std::ios::binary);
     return std::string((std::istreambuf_iterator<char>(file)), {});
   };
-  const auto children = [&] {  // those that are as far as the plugin
+  const auto children = [&] {  // child processes that have loaded the plugin
     int n = 0;
     for (const auto &entry : fs::directory_iterator("/proc")) {
       const std::string line = textOf(entry.path() / "cmdline");
@@ -293,7 +293,7 @@ TEST_CASE("files that are no plugins are said to be none, and asking wrongly is 
   CHECK(none->exitCode == 2);
   const auto list = c3de::runProcess({C3DE_VALIDATE, "--list"}, 20.0);
   CHECK_THAT(list->output, Contains("lifecycle.repeated") && Contains("simulators"));
-  // The same seed does the same.
+  // The same seed gives the same run.
   const auto twice = [&](const char *seed) { return validate(C3DE_MAGNET, {"--only", "parameters", "--seed", seed}); };
   CHECK(twice("7").checks[0]["text"] == twice("7").checks[0]["text"]);
 }

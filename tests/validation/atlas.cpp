@@ -27,7 +27,7 @@ struct Kind {
   Colour colour;
   const char *name;
 };
-// Told apart without red and green as well: they differ in brightness.
+// Distinguishable without red and green as well: they differ in brightness.
 constexpr std::array<Kind, 5> kKinds{{{Ending::finite, {44, 123, 182}, "finite to the end"},
                                       {Ending::finiteSoFar, {146, 197, 222}, "finite so far"},
                                       {Ending::stopped, {253, 174, 97}, "stopped with a report"},
@@ -84,7 +84,7 @@ std::string stepText(double seconds) {
   return seconds <= 0.0 ? "" : seconds < 1e-3 ? number(1e6 * seconds) + " us" : number(1e3 * seconds) + " ms";
 }
 
-// Values in the order of their size, or of their first run.
+// Values in ascending order, or in the order of their first run.
 template <class T>
 void collect(std::vector<T> &values, const T &value) {
   if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);

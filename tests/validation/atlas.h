@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How every run of the sweep ended, as a table and as a picture.
+// The outcome of every run of the sweep, as a table and as an image.
 #pragma once
 
 #include <array>
@@ -12,10 +12,11 @@ namespace extremes {
 
 enum class Ending {
   finite,       ///< all steps made, every number finite
-  finiteSoFar,  ///< finite and going on, but the processor time for a run was over before its last step
-  stopped,      ///< the guard stopped the body in its last good state and said why
+  finiteSoFar,  ///< finite, but the processor time for a run was used up before its last step
+  stopped,      ///< the guard stopped the body in its last valid state and reported the reason
   refused,      ///< the settings were refused with a message
-  failed        ///< anything else: numbers that are none, a stop without a report, a step that did not return in time
+  failed        ///< all other outcomes: values that are not numbers, a stop without a report, a step that did not
+                ///< return in time
 };
 
 struct AtlasRun {
@@ -23,7 +24,7 @@ struct AtlasRun {
   std::string scheme;                                             ///< integrator
   double dt = 0.0;                                                ///< s; 0: the integrator has no step
   Ending ending = Ending::failed;
-  int steps = 0;                            ///< that were made
+  int steps = 0;                            ///< completed steps
   double seconds = 0.0, slowestStep = 0.0;  ///< processor time
   std::string reason;                       ///< of a stop or refusal
 };

@@ -125,7 +125,7 @@ bool told(const Simulator &simulator, const std::string &kind) {
 }
 
 std::size_t residentMemory() {
-  // Linux; elsewhere the file is absent.
+  // Linux; the file is absent on other systems.
   std::ifstream in("/proc/self/statm");
   std::size_t all = 0, resident = 0;
   return in >> all >> resident ? 4096 * resident : 0;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the tests of the edges share: small bodies, what must hold of every state, and a line of the table in the
-// theory.
+// Shared by the tests of extreme cases: small bodies, invariants of every state, and a line of the table in the theory.
 #pragma once
 
 #include <memory>
@@ -15,8 +14,8 @@ namespace extremes {
 
 using namespace pointbased;
 
-/// Adds a line to the table: what is extreme, what came out, and the present test's name. Goes to the file that the
-/// environment variable C3DE_EXTREMES_TABLE names, and nowhere without it.
+/// Adds a line to the table: the extreme, the result, and the present test's name. It is appended to the file that the
+/// environment variable C3DE_EXTREMES_TABLE names; without the variable nothing is written.
 void row(const std::string &what, const std::string &result);
 /// Four digits.
 [[nodiscard]] std::string text(double value);
@@ -26,14 +25,14 @@ void row(const std::string &what, const std::string &result);
 /// A cube of 4 cm with a corner at (0, height, 0), on a lattice, with contact points.
 inline constexpr double kEdge = 0.04;  // m
 [[nodiscard]] std::unique_ptr<Body> cube(const Material &material, double spacing = 0.02, double height = 0.0);
-/// A cloud of phyxels as it is, volumes of spacing³.
+/// An unchanged cloud of phyxels, volumes of spacing³.
 [[nodiscard]] std::unique_ptr<Body> cloud(const std::vector<Vec3> &points, double spacing, const Material &material,
                                           const NeighborChoice &choice = {});
 /// A cubic lattice of nx x ny x nz points.
 [[nodiscard]] std::vector<Vec3> gridPoints(int nx, int ny, int nz, double spacing);
 
 [[nodiscard]] bool finite(const Body &body);
-/// Part of the evaluation points, by number, with det F <= 0.
+/// Fraction of the evaluation points, by number, with det F <= 0.
 [[nodiscard]] double invertedPart(Body &body);
 /// Largest |det F - 1|, and of the whole volume.
 struct VolumeError {
@@ -53,7 +52,7 @@ struct Momenta {
 void displace(Body &body, const Mat3 &A, const Vec3 &shift = Vec3::Zero());
 [[nodiscard]] bool told(const Simulator &simulator, const std::string &kind);
 
-/// Bytes of memory in use by this process; 0 where the system does not say.
+/// Bytes of memory in use by this process; 0 where the system does not report it.
 [[nodiscard]] std::size_t residentMemory();
 
 }  // namespace extremes

@@ -5,8 +5,8 @@
 
 namespace validation {
 
-/// Why the limit of a row is missed at present, or null. Limits stay as they are asked for; what is here waits to be
-/// mended. Empty `quantity`: a row that has no value at all.
+/// Why a row currently misses its limit, or null. Limits are unchanged; these rows await a fix. Empty `quantity`: a row
+/// without any value.
 [[nodiscard]] const char *knownMiss(const std::string &body, const std::string &quantity);
 
 }  // namespace validation

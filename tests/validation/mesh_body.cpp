@@ -50,7 +50,7 @@ BodyShape meshShape(const std::filesystem::path &file, c3de::geometry::LengthUni
   const Vec3 low(box.min[0], box.min[1], box.min[2]), high(box.max[0], box.max[1], box.max[2]);
   const double scale = width / (high - low).maxCoeff();
   const Vec3 middle = 0.5 * (low + high), foot(middle[0], low[1], middle[2]);
-  // The core sees metres where the body stands.
+  // The core uses metres in the frame of the body's position.
   pointbased::Surface placed;
   for (const c3de::Vec3 &v : loaded->mesh.vertices)
     placed.positions.push_back(scale * (Vec3(v[0], v[1], v[2]) - foot) + Vec3(0.0, lowest, 0.0));

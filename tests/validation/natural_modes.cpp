@@ -15,7 +15,7 @@ namespace {
 /// M^-1/2 K M^-1/2 + shift: an ordinary symmetric problem, factorised.
 struct Spectrum {
   explicit Spectrum(Body &body);
-  std::vector<int> number;  // [3 phyxels] of the unknown; -1: held
+  std::vector<int> number;  // [3 phyxels] index of the unknown; -1: held
   int unknowns = 0;
   double shift = 0.0;    // rad²/s²
   Eigen::VectorXd root;  // of the masses
@@ -61,7 +61,7 @@ std::vector<Mode> naturalModes(Body &body, int count) {
   const int unknowns = spectrum.unknowns;
   const int block = count + 10;
   Eigen::MatrixXd X(unknowns, block);
-  for (int j = 0; j < block; ++j)  // smooth and rough alike
+  for (int j = 0; j < block; ++j)  // both smooth and rough
     for (int i = 0; i < unknowns; ++i) X(i, j) = std::sin(1.7 + (j + 1) * 0.37 * i + 0.011 * j * j * i);
   Eigen::VectorXd values, before = Eigen::VectorXd::Zero(block);
   for (int iteration = 0; iteration < 100; ++iteration) {

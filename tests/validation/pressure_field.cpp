@@ -59,9 +59,9 @@ class Grid {
   std::vector<double> p_;
 };
 
-// 1 for a field that alternates along the axis, 0 for one that is linear; and the other way round.
+// 1 for a field that alternates along the axis, 0 for a linear one; and vice versa.
 constexpr std::array<double, 3> kAlternates{-0.25, 0.5, -0.25}, kSmooth{0.25, 0.5, 0.25};
-constexpr std::array<double, 3> kMean{1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};  // the linear fit's value in the middle
+constexpr std::array<double, 3> kMean{1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};  // the linear fit's value at the centre
 
 }  // namespace
 

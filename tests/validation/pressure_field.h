@@ -1,30 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pressure of a solved body cell by cell, and how rough it is.
+// The pressure of a solved body cell by cell, and its roughness.
 #pragma once
 
 #include "solved_body.h"
 
 namespace validation {
 
-/// Parts of the pressure that change sign from cell to cell, against the pressure itself. Smooth fields give what their
-/// third and higher derivatives leave: it falls with the square of the spacing or faster; a checkerboard stays.
+/// Components of the pressure that change sign from cell to cell, relative to the pressure itself. For smooth fields
+/// they come from third and higher derivatives and fall with the square of the spacing or faster; a checkerboard
+/// remains.
 struct Roughness {
-  double pressure = 0.0;      ///< Pa, root mean square of p where it was looked at
+  double pressure = 0.0;      ///< Pa, root mean square of p over the evaluated cells
   double checkerboard = 0.0;  ///< (-1)^(i+j+k): root mean square over that of p
-  double planes = 0.0;        ///< the worst of (-1)^(i+j), (-1)^(i+k), (-1)^(j+k), likewise
-  double lines = 0.0;         ///< the worst of (-1)^i, (-1)^j, (-1)^k, likewise
-  double offLinear = 0.0;     ///< p less the linear fit of its 27 cells, likewise
-  double correlation = 0.0;   ///< of p less the fit with the one pattern (-1)^(i+j+k) of the whole body, -1 … 1
+  double planes = 0.0;        ///< the worst of (-1)^(i+j), (-1)^(i+k), (-1)^(j+k), normalised in the same way
+  double lines = 0.0;         ///< the worst of (-1)^i, (-1)^j, (-1)^k, normalised in the same way
+  double offLinear = 0.0;     ///< p minus the linear fit of its 27 cells, normalised in the same way
+  double correlation = 0.0;   ///< of p minus the fit with the one pattern (-1)^(i+j+k) of the whole body, -1 … 1
   std::size_t cells = 0;
 };
 
 enum class PressureAt {
-  points,  ///< one per cell, as the solution has it
-  phyxels  ///< at the corners, means of the cells around, phyxelMeans(): what is handed out
+  points,  ///< one per cell, as in the solution
+  phyxels  ///< at the corners, means of the adjacent cells, phyxelMeans(): the values that are exported
 };
 
 /// p = -tr σ / 3 of a lattice that fits a box.
-/// @param away  cells (or corners) from the faces of the box that are left out, at least 1: their neighbours are read
+/// @param away  excluded cells (or corners) next to the faces of the box, at least 1: their neighbours are read
 [[nodiscard]] Roughness pressureRoughness(SolvedBody &body, PressureAt where, const Vec3 &min, const Vec3 &max,
                                           double spacing, int away);
 

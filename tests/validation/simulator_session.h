@@ -16,8 +16,8 @@
 
 namespace c3de::test {
 
-/// The point-based plugin, loaded from disk into a host without a window, and one simulator of it. Everything goes
-/// through the C tables.
+/// The point-based plugin, loaded from disk into a host without a window, and one simulator of it. All calls use the C
+/// tables.
 class SimulatorSession {
  public:
   explicit SimulatorSession(unsigned threads);
@@ -27,14 +27,14 @@ class SimulatorSession {
     Vec3 position_m{};
     double scale = 1.0;
     Vec3 rotation_deg = Vec3{};
-    std::optional<std::array<double, 16>> matrix = std::nullopt;  ///< column-major, in the place of the others
+    std::optional<std::array<double, 16>> matrix = std::nullopt;  ///< column-major, instead of the others
   };
   /// Throws with the text of the plugin when something is refused.
   void setWorld(const std::vector<c3de_param_value> &values);
   c3de_handle addBody(geometry::LoadedMesh mesh, const Placement &placement,
                       const std::vector<c3de_param_value> &values);
   c3de_handle addObstacle(geometry::LoadedMesh mesh, const Placement &placement, double friction);
-  /// With the forces of addForce(), as hosts do it.
+  /// With the forces of addForce(), as hosts apply them.
   void step();
   /// Acts in every step from now on.
   void addForce(std::function<void(const c3de_force_call &)> apply);

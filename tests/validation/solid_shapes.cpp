@@ -54,9 +54,9 @@ Vec3 onSphere(double azimuth, double polar) {
   return {std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth), std::cos(polar)};
 }
 
-/// Distance to an ellipsoid: Σ (r x / (t + r²))² = 1 has one root above -min r², found by halving.
+/// Distance to an ellipsoid: Σ (r x / (t + r²))² = 1 has one root above -min r², found by bisection.
 double ellipsoidDistance(const Vec3 &x, const Vec3 &r) {
-  // Off the planes of symmetry, where the root would run into its pole.
+  // Off the planes of symmetry, where the root would approach its pole.
   const Vec3 p = x.cwiseAbs().cwiseMax(1e-9 * r);
   const Vec3 squares = r.cwiseProduct(r);
   const auto excess = [&](double t) {

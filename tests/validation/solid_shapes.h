@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies that are known exactly: a signed distance as a formula, the border as a triangulation of its patches.
+// Exact bodies: a signed distance as a formula, the border as a triangulation of its patches.
 #pragma once
 
 #include "pointbased/sampling.h"

@@ -86,14 +86,14 @@ SolvedBody::SolvedBody(const Problem &problem) : shape_(problem.shape) {
 }
 
 SolvedBody::SolvedBody(const Problem &problem, const Verification &verification)
-    : shape_(problem.shape), rest_(verification.shadowRest), reactions_(verification.shadowReactions) {
+    : shape_(problem.shape), rest_(verification.fineReferenceRest), reactions_(verification.fineReferenceReactions) {
   id_ = simulator_.addBody(
       std::make_unique<Body>("shadow", rest_, Constitution{{problem.material}, kLatticeStabilisation}, serialFor()));
-  body().state().displacements = verification.shadowDisplacements;
+  body().state().displacements = verification.fineReferenceDisplacements;
 }
 
 Verification SolvedBody::verify(const Problem &problem) {
-  auto verified = pointbased::verify(standingBody(simulator_, id_), problem.shape, problem.recipe, serialFor());
+  auto verified = pointbased::verify(verificationTarget(simulator_, id_), problem.shape, problem.recipe, serialFor());
   if (!verified) throw std::runtime_error(verified.error());
   return std::move(*verified);
 }
@@ -129,7 +129,7 @@ Vec3 SolvedBody::meanOver(const Region &border) {
 }
 
 Vec3 SolvedBody::meanWithin(const Region &region) {
-  // Points of a regular grid, finer than the cells; its own error is far below those that are measured.
+  // Points of a regular grid, finer than the cells; its own error is far below the measured ones.
   constexpr int n = 32;
   std::vector<Vec3> points;
   const Vec3 extent = shape_.max - shape_.min;

@@ -15,7 +15,7 @@ using pointbased::Vec3;
 
 /// Region between two planes across an axis.
 [[nodiscard]] Region slab(int axis, double low, double high);
-/// A flat face of the border; so thin that it holds no volume.
+/// A flat face of the border; so thin that it contains no volume.
 [[nodiscard]] Region face(int axis, double at);
 
 struct Problem {
@@ -35,15 +35,15 @@ struct Problem {
   Problem &atPhyxels();  ///< Müller's evaluation instead of stress points
 };
 
-/// A world with that body alone. Throws std::runtime_error with what is refused.
+/// A world with that body alone. Throws std::runtime_error with the reason for a refusal.
 class SolvedBody {
  public:
-  /// Builds; quasi-static problems are solved to their end.
+  /// Builds the body; quasi-static problems are solved completely.
   explicit SolvedBody(const Problem &problem);
-  /// The shadow that a verification has solved.
+  /// The fine reference that a verification has solved.
   SolvedBody(const Problem &problem, const pointbased::Verification &verification);
 
-  /// Verifies the present state; throws with what is refused.
+  /// Verifies the current state; throws with the reason for a refusal.
   [[nodiscard]] pointbased::Verification verify(const Problem &problem);
   [[nodiscard]] pointbased::Simulator &simulator() { return simulator_; }
   [[nodiscard]] pointbased::Body &body() { return *simulator_.body(id_); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Edges of the material and of the step.
+// Extremes of the material and of the step.
 #include <cmath>
 #include <functional>
 
@@ -70,7 +70,7 @@ TEST_CASE("k times the modulus is the same motion, sqrt(k) times as fast") {
       reference = body.state().displacements;
       continue;
     }
-    // The step itself is only the same to round-off, which contact and 200 steps carry on.
+    // The step itself is the same only up to round-off, which contact and 200 steps propagate.
     const double error = difference(body.state().displacements, reference);
     worst = std::max(worst, error);
     CHECK(error < 1e-8);
@@ -117,7 +117,7 @@ void drop(std::initializer_list<double> ratios, const std::string &name) {
     }
     CHECK(finite(*simulator.body(id)));
     CHECK(good);
-    // The scale is what gravity has given: m g times about 4 mm; velocity Verlet moves a part of that.
+    // The scale is the work of gravity: m g times about 4 mm; velocity Verlet oscillates by a part of that.
     CHECK(most - before < 0.05 * 0.064 * 9.81 * 0.004);
     all = all && good;
     result += (result.empty() ? "" : "; ") + text(poisson) + ": " + text(1e6 * simulator.stepSize()) + " µs" +
@@ -132,7 +132,7 @@ TEST_CASE("Poisson's ratio from -0.5 to 0.4999: the step adapts and the body sta
   drop({-0.5, 0.0, 0.3, 0.45, 0.49, 0.499, 0.4999}, "ν from -0.5 to 0.4999");
 }
 
-// lambda < 0: lambda/2 (ln J)² would pull together what is compressed by 4 %; the law for nu < 0 has another term.
+// lambda < 0: lambda/2 (ln J)² would attract where the compression exceeds 4 %; the law for nu < 0 has another term.
 TEST_CASE("bodies with Poisson's ratios of -0.9 and -0.99 land as others do") {
   drop({-0.9, -0.99}, "ν = -0.9, -0.99");
 }
@@ -197,7 +197,7 @@ TEST_CASE(
       CHECK(std::isfinite(simulator.time()));
       CHECK(good == !simulator.body(id)->stopped);
       if (integrator == Integrator::explicitVerlet) {
-        // 10 000 substeps are the limit of a step, which then ends early: the clock tells how far it has come.
+        // 10 000 substeps are the limit of a step, which then ends early: the clock reports its progress.
         CHECK(good);
         CHECK(told(simulator, "substep"));
         CHECK(told(simulator, "slowed") == (dt > 1.0));
@@ -221,12 +221,12 @@ TEST_CASE(
 }
 
 TEST_CASE("a step that ends early ends at the same time for all bodies") {
-  // The second one comes less far and takes the first one back; the third one would come farther.
+  // The second step advances less and reverts the first one; the third one would advance farther.
   Simulator simulator;
   WorldSettings world = freeWorld(1e3);
   world.gravity = Vec3(0, -9.81, 0);
   simulator.setWorld(world);
-  simulator.setContact({false, false, 0.0});  // they lie in each other
+  simulator.setContact({false, false, 0.0});  // they overlap
   std::vector<std::size_t> ids;
   for (const double youngs : {1e4, 1e6, 1e3}) ids.push_back(simulator.addBody(cube(rubber(youngs))));
   const double least = kStepSafety * simulator.body(ids[1])->stableStepAtRest();
@@ -235,7 +235,7 @@ TEST_CASE("a step that ends early ends at the same time for all bodies") {
     CHECK(told(simulator, "slowed"));
     const double t = simulator.time();
     CHECK_THAT(t, WithinRel(i * 1e4 * least, 1e-4));  // even parts of the step, a little shorter than the largest
-    // A free fall tells every body's own time.
+    // In free fall, the displacement indicates every body's own time.
     for (const std::size_t id : ids)
       for (const Vec3 &u : simulator.body(id)->state().displacements)
         CHECK_THAT(u[1], WithinRel(-0.5 * 9.81 * t * t, 1e-9));
@@ -258,8 +258,8 @@ TEST_CASE("an infinite step is refused or chosen by the program") {
   row("dt infinite", result);
 }
 
-// Verlet is symplectic at one step size only: with sizes in turn it resonates (the energy grew by 180 % with steps of
-// up to 0.8 of the stable one), so the program takes smaller ones while somebody changes them.
+// Verlet is symplectic at one step size only. With alternating sizes it resonates (the energy grew by 180 % with steps
+// of up to 0.8 of the stable one), so the program uses smaller steps while the caller changes them.
 TEST_CASE("step sizes that change at every step do not pump energy") {
   shapes::Random random(3);
   double most = 1.0, least = 1.0;
@@ -285,15 +285,15 @@ TEST_CASE("step sizes that change at every step do not pump energy") {
   swing(0.01, 1000, [](int i, double a) { return i % 2 ? 0.99 * a : 1e-3 * a; });
   swing(0.01, 1000, [](int i, double a) { return i % 3 ? 0.8 * a : 0.3 * a; });
   swing(0.01, 1000, [&](int, double a) { return a * (0.51 + 0.49 * random()); });
-  // At a fifth of the stable step at most, (omega dt)²/4 is 4 % of the share of the fastest modes, to be added or
-  // taken at each change; a part of it stays away.
+  // At a fifth of the stable step at most, (omega dt)²/4 is 4 % of the share of the fastest modes, which each change
+  // may add or remove; a part of it remains.
   CHECK(most < 1.04);
   CHECK(least > 0.9);
   row("dt variable: 1 ns to 10 ms in turn, pairs of the automatic one, at random",
       "600 … 1000 steps: energy " + text(100.0 * (least - 1.0)) + " … +" + text(100.0 * (most - 1.0)) + " %");
 }
 
-// As the body swings, a step just below the automatic one is now whole, now halved.
+// As the body oscillates, a step just below the automatic one is sometimes whole, sometimes halved.
 TEST_CASE("steps just below the stable one keep the energy") {
   double worst = 1.0, at = 0.0;
   for (const double part : {0.8, 0.85, 0.9, 0.92, 0.94, 0.9465, 0.95, 0.96, 0.98, 1.0}) {
@@ -342,7 +342,7 @@ TEST_CASE("neighbours with a million times the stiffness or mass: momenta are ke
     const std::size_t id = simulator.addBody(
         std::make_unique<Body>("pair", *rest, Constitution{{first, second}, kLatticeStabilisation}, serialFor()));
     Body &body = *simulator.body(id);
-    // Slow against the slower wave, so that nothing is torn apart by its own inertia.
+    // Slow relative to the slower wave, so that inertia tears nothing apart.
     const double wave =
         std::sqrt(std::min(first.youngsModulus / first.restDensity, second.youngsModulus / second.restDensity));
     body.setInitialVelocity(wave * Vec3(0.1, 0.2, 0), wave / 0.08 * Vec3(0.2, 0.1, 0.1));

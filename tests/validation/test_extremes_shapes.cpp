@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Edges of the geometry: few points, flat clouds, gaps, far away, tiny and huge, strange neighbourhoods.
+// Extremes of the geometry: few points, flat clouds, gaps, large offsets, tiny and huge sizes, unusual neighbourhoods.
 #include <cmath>
 
 #include "extreme_cases.h"
@@ -48,11 +48,11 @@ BodyShape plates(double gap, bool asks) {
   return shape;
 }
 
-// Largest force in one plate when the other is moved and squeezed, over that in the other.
+// Largest force in one plate when the other is moved and compressed, over that in the other.
 double coupling(Body &body) {
   double middle = 0.0;
   for (const Vec3 &c : body.rest().pointCentres) middle += c[2] / static_cast<double>(body.rest().pointCount());
-  // A phyxel belongs to the plate of the points around it: those of a lattice lie in the gap as well.
+  // A phyxel belongs to the plate of the surrounding points: phyxels of a lattice are in the gap as well.
   std::vector<bool> above(body.rest().phyxelCount());
   const StencilSet &s = body.rest().stencils;
   for (std::size_t q = 0; q < s.pointCount(); ++q)
@@ -90,7 +90,8 @@ TEST_CASE("coincident points make no nought over nought") {
     Body &body = *simulator.body(id);
     simulator.addObstacle(shapes::halfSpace(Vec3(0, -0.02, 0), Vec3::UnitY(), 0.3));
     for (const Vec3 &g : body.rest().stencils.gradients) REQUIRE(g.allFinite());
-    // Indices of phyxels belong to whoever made the cloud, so that nothing is merged; it is told instead.
+    // Indices of phyxels belong to the creator of the cloud, so that nothing is merged; duplicates are reported
+    // instead.
     const std::size_t expected = points.size() == 30 ? 3 : points.size() == 8 ? 7 : 27;
     CHECK(inspectCloud(body.rest()).coincident == expected);
     REQUIRE(!simulator.events().empty());
@@ -127,7 +128,8 @@ TEST_CASE(
     displace(*body, Vec3(1.05, 1, 1).asDiagonal());
     shapes::evaluate(*body);
     const double pull = largest(body->forces()), energy = body->elasticEnergy().strain;
-    // The completed directions keep their length, so it is the modulus of the wave: lambda + 2 mu, to the order of 5 %.
+    // The completed directions retain their length, so it is the modulus of the wave: lambda + 2 mu, to the order of 5
+    // %.
     const Material &m = body->material();
     const double volume = static_cast<double>(c.points.size()) * kSpacing * kSpacing * kSpacing;
     CHECK_THAT(energy, WithinRel(0.5 * m.waveModulus() * 0.05 * 0.05 * volume, 0.1));
@@ -135,11 +137,11 @@ TEST_CASE(
     shapes::evaluate(*body);
     CHECK(largest(body->forces()) < 1e-9 * pull);
     CHECK(std::abs(body->elasticEnergy().strain) < 1e-12 * energy);  // round-off of C over the square of 5 % of strain
-    // Turned and stretched is stretched: no ghost shear.
+    // Rotated and stretched equals stretched: no spurious shear.
     displace(*body, turn * Vec3(1.05, 1, 1).asDiagonal());
     shapes::evaluate(*body);
     CHECK_THAT(body->elasticEnergy().strain, WithinRel(energy, 1e-9));
-    // One phyxel of the middle a little out of the plane: the elastic force is of second order.
+    // One phyxel in the middle slightly out of the plane: the elastic force is of second order.
     body->setConstitution({{rubber(1e4)}, 0.0}, serialFor());
     displace(*body, Mat3::Identity());
     const std::size_t middle = c.points.size() / 2;
@@ -170,7 +172,7 @@ TEST_CASE("a flat cloud bends freely, its stabilisation included") {
 }
 
 TEST_CASE("a sheet that is rolled up, not stretched, has no energy in its control") {
-  // Rolled on a cylinder, and bent as much within its plane, as measure.
+  // Rolled on a cylinder, and bent by the same amount within its plane, for comparison.
   const double radius = 20.0 * kSpacing;
   auto body = cloud(gridPoints(9, 5, 1, kSpacing), kSpacing, rubber(1e4));
   const auto bent = [&](bool rolled) {
@@ -185,7 +187,7 @@ TEST_CASE("a sheet that is rolled up, not stretched, has no energy in its contro
     return body->elasticEnergy().stabilisation;
   };
   const double within = bent(false), rolled = bent(true);
-  // What is left is the shortening along the plane, of the next order in the spacing over the radius.
+  // What remains is the shortening along the plane, of the next order in the spacing over the radius.
   CHECK(within > 0.0);
   CHECK(rolled < 0.01 * within);
   row("a sheet rolled up",
@@ -210,7 +212,7 @@ TEST_CASE("bodies of none, one and two phyxels fall, lie and are looked at") {
       simulator.addObstacle(shapes::halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.3));
       bool good = true;
       for (int i = 0; i < 1000 && good && !simulator.finished(); ++i) good = simulator.step().has_value();
-      // What has no stiffness at all has no static equilibrium of its own; see the next case.
+      // A body without any stiffness has no static equilibrium of its own; see the next case.
       CHECK((good || (integrator == Integrator::quasiStatic && count == 1)));
       CHECK(good == !simulator.body(id)->stopped);
       CHECK(finite(*simulator.body(id)));
@@ -271,7 +273,7 @@ TEST_CASE("plates half a spacing apart move independently") {
   Body atPhyxels("plates", *rest, Constitution{{rubber(1e4)}, kCloudStabilisation}, serialFor());
   CHECK(atPhyxels.rest().components == 2);
   const double phyxels = coupling(atPhyxels);
-  CHECK(phyxels < 1e-10);  // one layer: its completed F is round-off away from the identity
+  CHECK(phyxels < 1e-10);  // one layer: its completed F is the identity up to round-off
   row("plates half and a twentieth of a spacing apart",
       "force on the other one: " + text(lattice) + " (lattice), " + text(phyxels) + " (evaluated at phyxels)");
 }
@@ -320,7 +322,7 @@ TEST_CASE("a thousand kilometres from the origin the same happens as at the orig
 }
 
 TEST_CASE("in millimetres, where a scanner has its origin, the same happens as at the origin") {
-  // Lengths in mm as they come from LPS coordinates: mass in g, so that E in Pa keeps its number.
+  // Lengths in mm as in LPS coordinates: mass in g, so that E in Pa retains its number.
   std::vector<Vec3> near;
   double error = 0.0;
   for (const Vec3 &at : {Vec3(0, 0, 0), Vec3(-183.7, -221.3, -1250.9)}) {
@@ -351,7 +353,7 @@ TEST_CASE("from a micrometre to a kilometre results scale with the size") {
   std::string result;
   for (const double size : {1.0, 1e-6, 1e-3, 1e3}) {
     CAPTURE(size);
-    // E / (rho g L) kept: g as 1 / L. A step is as long as a wave needs, so it goes with L.
+    // E / (rho g L) constant: g as 1 / L. A step is proportional to the travel time of a wave, so to L.
     Simulator simulator;
     const std::size_t id =
         simulator.addBody(shapes::latticeBox(Vec3::Zero(), Vec3::Constant(size), 0.25 * size, rubber(1e5), 4));
@@ -401,7 +403,7 @@ void watched(std::initializer_list<double> sizes) {
 }  // namespace
 
 TEST_CASE("the guard sees the energy grow in bodies from a metre to a millimetre") { watched({1.0, 1e-2, 1e-3}); }
-// A limit of 1e-12 J would be more than such a body holds.
+// A limit of 1e-12 J would exceed the energy of such a body.
 TEST_CASE("the guard sees the energy grow in a body of a micrometre") { watched({1e-6}); }
 
 TEST_CASE("three to five hundred neighbours, supports of 1.01 to 6 spacings: no crash, and never in silence") {
@@ -439,7 +441,7 @@ TEST_CASE("three to five hundred neighbours, supports of 1.01 to 6 spacings: no 
   };
   for (const int count : {3, 6, 12, 26, 100, 500}) run({count, 1.8}, "N = " + std::to_string(count));
   for (const double support : {1.01, 1.5, 1.8, 3.0, 6.0}) run({0, support}, "r = " + text(support) + " d");
-  // A lattice with its axes only: in the middle of a face two neighbours lie along it for one across.
+  // Only a lattice with its axes: in the middle of a face two neighbours are along it for one across.
   CHECK_THAT(inspectCloud(cloud(gridPoints(3, 3, 3, kSpacing), kSpacing, rubber(1e4), {0, 1.01})->rest()).condition,
              WithinRel(2.0, 1e-9));
   CHECK_THAT(warned, Contains("N = 3") && Contains("N = 6") && Contains("r = 1.01 d") && Contains("N = 500") &&
@@ -478,7 +480,7 @@ TEST_CASE("a surface that encloses another volume than is found inside is told o
       recipe.evaluation = evaluation;
       recipe.sampling.spacing = 0.005;
       BodyShape shape = shapes::box(Vec3::Zero(), Vec3::Constant(kEdge));
-      shape.volume *= part;  // as the divergence theorem says of an open surface, or of parts that overlap
+      shape.volume *= part;  // as by the divergence theorem for an open surface, or for overlapping parts
       const auto rest = buildRestState(shape, recipe, {}, serialFor());
       REQUIRE(rest);
       CHECK_THAT((*rest)->countedVolume, WithinRel(kEdge * kEdge * kEdge, 0.01));
@@ -507,7 +509,7 @@ TEST_CASE("a body whose faces lie in the planes of the lattice and of its bounds
     CHECK_THAT(points, WithinRel(kEdge * kEdge * kEdge, 1e-12));
     CHECK_THAT(phyxels, WithinRel(kEdge * kEdge * kEdge, 1e-12));
     CHECK(body->rest().components == 1);
-    // Not only scaled to the volume: the centre of mass is where it belongs, and no cell is empty.
+    // Not only scaled to the volume: the centre of mass is correct, and no cell is empty.
     Vec3 centre = Vec3::Zero();
     for (std::size_t q = 0; q < body->rest().pointCount(); ++q)
       centre += body->rest().stencils.volumes[q] / points * (body->rest().pointCentres[q] + body->rest().origin);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Edges of the state: crushed and spinning bodies, broken numbers, fast hands, long runs, threads and resets.
+// Extremes of the state: crushed and spinning bodies, invalid numbers, fast grabs, long runs, threads and resets.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -62,9 +62,9 @@ void put(Body &body, Start start) {
 
 namespace {
 
-// neo-Hookean under implicit steps from a point is a case of its own: all of it is at one place, so that which way it
-// opens is a matter of round-off. It may come out folded over itself with every det F > 0, a local minimum of the
-// energy that no law with one evaluation per cell excludes: then it lies still there with a small part of the energy.
+// neo-Hookean under implicit steps from a point is a special case: all of it is at one position, so that round-off
+// determines the side to which it opens. It may end up folded over itself with every det F > 0, a local minimum of the
+// energy that no law with one evaluation per cell excludes. Then it rests there with a small part of the energy.
 void recovers(bool fromPointImplicitly) {
   std::string result;
   for (const MaterialLaw law : {MaterialLaw::neoHookean, MaterialLaw::corotated})
@@ -93,7 +93,7 @@ void recovers(bool fromPointImplicitly) {
         CHECK(std::isfinite(elastic(body)));
         CHECK(good);
         CHECK(invertedPart(body) == 0.0);
-        // A corner that is tucked in is held by the skin: 0.2 %.
+        // The skin holds a corner that is tucked in: 0.2 %.
         const bool tucked =
             law == MaterialLaw::neoHookean && integrator == Integrator::explicitVerlet && start == Start::mirrored;
         CHECK(elastic(body) < (fromPointImplicitly ? 0.1 : tucked ? 5e-3 : 1e-6) * before);
@@ -179,7 +179,8 @@ TEST_CASE("at ten thousand radians a second the angular momentum stays") {
   const double drift = (momenta(body).angular - before.angular).norm() / before.angular.norm();
   CHECK(drift < 1e-11);
   CHECK(most < 0.01);
-  // By itself the program chooses implicit steps of many turns each: that may be wrong, not broken.
+  // With automatic settings the program chooses implicit steps of many turns each: that may be inaccurate, but not
+  // invalid.
   Simulator chosen;
   const std::size_t other = chosen.addBody(cube(rubber(2e11)));
   chosen.body(other)->setInitialVelocity(Vec3::Zero(), Vec3(0, 0, 1e4));
@@ -187,7 +188,7 @@ TEST_CASE("at ten thousand radians a second the angular momentum stays") {
   for (int i = 0; i < 20 && good; ++i) good = chosen.step().has_value();
   CHECK(told(chosen, "switched"));
   CHECK(finite(*chosen.body(other)));
-  // A soft body is torn apart by it: finite, or stopped with a report.
+  // It tears a soft body apart: finite, or stopped with a report.
   Simulator soft;
   const std::size_t third = soft.addBody(cube(rubber(1e4)));
   soft.body(third)->setInitialVelocity(Vec3::Zero(), Vec3(0, 0, 1e4));
@@ -231,7 +232,7 @@ TEST_CASE("numbers too small to be normal do not stay in the state of a damped b
     all += 6 * state.velocities.size();
   }
   CHECK(count == 0);
-  // The caller's own arithmetic is as before.
+  // The caller's own arithmetic is unchanged.
   CHECK(2.0 * tiny > tiny);
   std::size_t kept = 0;
   std::mutex mutex;
@@ -253,7 +254,7 @@ TEST_CASE("a body whose velocities have faded to denormal numbers steps as fast 
     const double moving = medianStep(moves, 101);
     ratio = std::min(ratio, medianStep(rests, 101) / moving);
   }
-  // The best of three, because others use the machine.
+  // The best of three, because other processes use the machine.
   CHECK(ratio < 1.2);
   row("denormals: time of a step at rest", text(ratio) + " of one in motion");
 }
@@ -284,7 +285,8 @@ void grabAtNowhere(Simulator &s, std::size_t id) {
   s.setGrab(id, grab);
 }
 
-// A body that goes bad beside one that does not. `wholly`: what is asked for; else what keeps the others going.
+// A body that becomes invalid next to a valid one. `wholly`: as requested; otherwise the mode in which the others
+// continue.
 void poisoned(const std::vector<Poison> &poisons, std::initializer_list<Integrator> integrators, bool wholly,
               const std::string &name) {
   std::string result;
@@ -299,7 +301,7 @@ void poisoned(const std::vector<Poison> &poisons, std::initializer_list<Integrat
         settings.dt = 1e-3;
         settings.gravity = Vec3(0, -9.81, 0);
         simulator->setWorld(settings);
-        simulator->setContact({false, false, 0.0});  // they lie in each other
+        simulator->setContact({false, false, 0.0});  // they overlap
         return simulator;
       };
       const auto alone = world(), both = world();
@@ -366,7 +368,7 @@ TEST_CASE("numbers that are none in x and v leave the body in its last good stat
            kBoth, true, "NaN and infinity put into x and v between steps: last good state, phyxel named");
 }
 
-// Forces follow from the state, so that the step can be done again: implicit ones compute them anew in any case.
+// Forces follow from the state, so that the step can be repeated: implicit steps recompute them in any case.
 TEST_CASE("a force that is none is caught in one step, which is done again without it") {
   std::string result;
   for (const Integrator integrator : kBoth)
@@ -386,8 +388,7 @@ TEST_CASE("a force that is none is caught in one step, which is done again witho
       CHECK_FALSE(body.stopped);
       CHECK(finite(body));
       CHECK(told(simulator, "smaller_step") == (integrator == Integrator::explicitVerlet));
-      // A free fall as if nothing had been, but for the order of the steps: implicit ones of order 2, explicit ones
-      // exact.
+      // An undisturbed free fall, up to the order of the steps: implicit ones of order 2, explicit ones exact.
       for (const Vec3 &u : body.state().displacements) CHECK((u - Vec3(0, -0.5 * 9.81 * 1e-4, 0)).norm() < 1e-9);
       result += (result.empty() ? "" : ", ") +
                 std::string(integrator == Integrator::explicitVerlet ? "" : "implicit ") + "f = " + text(value);
@@ -451,16 +452,16 @@ namespace {
 
 void pulled(Integrator integrator, const std::string &name) {
   std::string result;
-  struct Hand {
+  struct ActiveGrab {
     const char *name;
     Vec3 target;
     double most;
-    bool must;  // go on
+    bool must;  // must continue
   };
-  for (const Hand &hand :
-       {Hand{"teleports 1e9 m away, 5 N", Vec3(1e9, 0, 0), 5.0, true},
-        Hand{"1e9 N, 10 cm away", Vec3(0.1, 0, 0), 1e9, true}, Hand{"1e9 N, 1e9 m away", Vec3(1e9, 1e9, 0), 1e9, false},
-        Hand{"without limit, 1e30 m away", Vec3(1e30, 0, 0), kInfinity, false}}) {
+  for (const ActiveGrab &hand : {ActiveGrab{"teleports 1e9 m away, 5 N", Vec3(1e9, 0, 0), 5.0, true},
+                                 ActiveGrab{"1e9 N, 10 cm away", Vec3(0.1, 0, 0), 1e9, true},
+                                 ActiveGrab{"1e9 N, 1e9 m away", Vec3(1e9, 1e9, 0), 1e9, false},
+                                 ActiveGrab{"without limit, 1e30 m away", Vec3(1e30, 0, 0), kInfinity, false}}) {
     CAPTURE(hand.name, static_cast<int>(integrator));
     Simulator simulator;
     WorldSettings world;
@@ -515,7 +516,7 @@ void pulled(Integrator integrator, const std::string &name) {
 TEST_CASE("a hand of 1e9 N and one that teleports: capped, finite or stopped, and recovery after release") {
   pulled(Integrator::explicitVerlet, "a hand of 1e9 N, a teleporting one");
 }
-// The implicit stages have no term for the spring of the hand.
+// The implicit stages have no term for the spring of the grab.
 TEST_CASE("a hand of 1e9 N and one that teleports, implicit") { pulled(Integrator::implicitSdirk, "a hand, implicit"); }
 
 namespace {
@@ -525,7 +526,7 @@ void runLong(std::uint64_t steps) {
   WorldSettings world;
   world.gravity = Vec3(0, -9.81, 0);
   simulator.setWorld(world);
-  // One bounces without friction and viscosity, one hangs in the air, vibrating and turning.
+  // One bounces without friction and viscosity, one hangs in the air, vibrating and rotating.
   const std::size_t bounces = simulator.addBody(cube(rubber(1e4), 0.02, 0.01));
   const std::size_t second = simulator.addBody(cube(rubber(1e4), 0.02, 0.3));
   simulator.body(second)->setInitialVelocity(Vec3(0, 0, 0), Vec3(5, 3, 2));
@@ -550,10 +551,10 @@ void runLong(std::uint64_t steps) {
     if (part == 0) memory = residentMemory();
   }
   const std::size_t after = residentMemory();
-  // What gravity can give: both from their height.
+  // The energy available from gravity: both from their height.
   const double scale = simulator.body(bounces)->totalMass() * 9.81 * 0.31;
   CHECK((most - before) / scale < 0.02);
-  CHECK(after <= memory + (1u << 20));  // a leak of ten bytes a step would be that
+  CHECK(after <= memory + (1u << 20));  // a leak of ten bytes a step would exceed that
   CHECK(medians.back() < 2.0 * medians.front() + 5.0);
   CHECK(simulator.stoppedBodies() == 0);
   row(text(static_cast<double>(steps)) + " steps, bouncing",
@@ -618,7 +619,7 @@ TEST_CASE("pausing changes nothing, and reset is the initial state bit for bit, 
       for (int i = 0; i < 120; ++i) {
         REQUIRE(simulator.step());
         if (pauses && i % 10 == 0) {
-          // What a paused program does: it looks.
+          // As in a paused program: it only reads.
           simulator.surfels(id, positions, normals);
           (void)simulator.energy(id);
           (void)simulator.reactions(id);

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A grid of moduli, ratios, spacings, steps and integrators: wherever it ends, it ends finite or with a report.
-//
-// A body falls on a table and is pulled aside by a corner. Nothing hangs: every step returns. That is judged by
-// processor time, because a step that never returned could not be judged at all: one that takes more than kHang has
-// failed. A run whose steps all return but whose time is over before its last step counts as finite "so far", and is
-// told apart.
+// A grid of moduli, ratios, spacings, steps and integrators: every run ends finite or with a report. A body falls on a
+// table and is pulled aside by a corner. Nothing hangs: every step returns. Processor time is the criterion, because a
+// step that never returned could not be judged at all: one that takes more than kHang has failed. A run whose steps all
+// return but whose time is used up before its last step counts as finite "so far", and is listed separately.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -77,7 +75,7 @@ AtlasRun fallAndPull(const std::shared_ptr<const RestState> &rest, double youngs
   Body &body = *simulator.body(id);
   if (scheme.integrator != Integrator::quasiStatic) {
     body.setInitialVelocity(Vec3(0, -0.5, 0), Vec3(1, 0, 2));
-    // By the phyxel that is highest, aside, with three times its weight.
+    // By the highest phyxel, sideways, with three times its weight.
     const auto highest = std::max_element(rest->positions.begin(), rest->positions.end(),
                                           [](const Vec3 &a, const Vec3 &b) { return a[1] < b[1]; });
     Grab grab;
@@ -164,7 +162,7 @@ TEST_CASE("whatever modulus, ratio, step and integrator: finite or stopped with 
   const std::vector<AtlasRun> runs = sweep(grid);
   CHECK(runs.size() == 28);
   tell("sweep: E {1 Pa, 20 GPa} × ν {0, 0.4999} × dt × integrators", runs);
-  // The picture: beside the legend as much of a colour as there are runs that ended so.
+  // The picture: outside the legend, the area of a colour is proportional to the number of runs with that outcome.
   const c3de::render::Image picture = drawAtlas(runs);
   const auto pixelsOf = [&](Ending ending) {
     int count = 0;

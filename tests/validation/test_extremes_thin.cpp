@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies that are thinner than their lattice is wide: they fall, spin, and are pulled. No energy comes from nothing, no
-// skin grows spikes, and what goes wrong with the sampling is said.
+// Bodies thinner than the spacing of their lattice: they fall, spin, and are pulled. No energy is created, no skin
+// grows spikes, and problems of the sampling are reported.
 #include <Eigen/SVD>
 #include <cmath>
 #include <cstdlib>
@@ -46,17 +46,17 @@ struct Course {
 };
 
 struct Outcome {
-  double gained = 0.0;  // energy above what was put in, of that
+  double gained = 0.0;  // energy gain, relative to the energy supplied
   // edge of the skin, of its length or a quarter of the spacing, over the largest stretch of a point
   double longest = 1.0;
-  double through = 0.0;  // m, skin below the floor at a look
-  double error = 0.0;    // estimate, largest at a look
+  double through = 0.0;  // m, skin below the floor at a check
+  double error = 0.0;    // estimate, largest at a check
   double told = 0.0;     // m, of that in the report at the end
   bool finite = true, saysSkin = false, saysTorn = false, stopped = false;
   std::size_t phyxels = 0, components = 0;
 };
 
-// Of the dead loads, as they have gone until now, J.
+// Of the dead loads, along the path so far, J.
 double work(const Body &body) {
   double sum = 0.0;
   const BoundaryConditions &conditions = body.rest().conditions;
@@ -103,7 +103,7 @@ std::shared_ptr<const RestState> laidOut(const Shape &shape, double spacing, Hap
   recipe.sampling.count = 0;
   const BodyShape body = validation::meshShape(shape.surface);
   if (happening == Happening::isPulled) {
-    // On one side, by three times what the body weighs.
+    // On one side, by three times the weight of the body.
     Load load;
     load.region = HalfSpaceRegion{0.5 * (body.min + body.max), Vec3(-1, 0, 0)};
     load.force = 3.0 * 9.81 * 1000.0 * body.volume * Vec3(0.6, 0.8, 0.0);
@@ -170,7 +170,7 @@ std::string line(const Shape &shape, double ratio, const Course &course, const O
          (out.saysSkin ? ", skin" : "") + (out.saysTorn ? ", torn" : "") + (out.stopped ? ", stopped" : "");
 }
 
-// What the plugin refuses as too coarse (advice.h).
+// Samplings that the plugin refuses as too coarse (advice.h).
 bool refused(const Shape &shape, double spacing) {
   return 2.0 * shapes::volumeOf(shape.surface) / shapes::areaOf(shape.surface) < 0.15 * spacing;
 }
@@ -196,7 +196,7 @@ void tryAll(const std::vector<double> &ratios, const std::vector<Course> &course
         if (!out.saysTorn) longest = std::max(longest, out.longest);
         CHECK(out.finite);
         CHECK(out.gained < 0.01);
-        // Cells that hold next to nothing bend far under a load; the estimate says so.
+        // Almost empty cells bend far under a load; the estimate reports it.
         CHECK((out.longest < 5.0 || out.saysTorn || out.error > 0.5));
         CHECK((out.through < 0.6 * spacing || out.saysSkin));
         CHECK(out.through < spacing);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What slices show of the tissue, against states that are known: det F and stress of bodies of the point-based plugin.
+// Tissue fields in slices against known states: det F and stress of bodies of the point-based plugin.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -25,7 +25,7 @@ namespace {
 
 constexpr double kLength_mm = 60.0, kWidth_mm = 40.0, kSpacing_mm = 5.0;
 
-/// A block from 0 to 60, 40 and 40 mm in a scene of its own, solved to its end.
+/// A block from 0 to 60, 40 and 40 mm in its own scene, solved completely.
 class Block {
  public:
   explicit Block(const std::string &more) {
@@ -54,8 +54,8 @@ class Block {
       REQUIRE(table()->step(simulator_->get()) >= 0);
   }
 
-  /// As the window has it: half a spacing, with a rim of 10 mm, on an image of 1 mm.
-  [[nodiscard]] imaging::DisplacementGrid grid(const FieldsWanted &wanted) {
+  /// As in the window: half a spacing, with a rim of 10 mm, on an image of 1 mm.
+  [[nodiscard]] imaging::DisplacementGrid grid(const RequestedFields &wanted) {
     imaging::DisplacementGrid u;
     imaging::FollowingGrid following;
     const PresentBodies present = presentBodies(table(), simulator_->get());
@@ -93,7 +93,7 @@ struct Miss {
   [[nodiscard]] double rms() const { return std::sqrt(squares / static_cast<double>(places)); }
 };
 
-/// Over places of the body now, every 1.7 mm of the reference, from half a millimetre below its faces on.
+/// Over current positions of the body, every 1.7 mm of the reference, from half a millimetre below its faces on.
 template <class Now, class See>
 void forPlaces(const Now &now, const See &see) {
   for (double X = 0.5; X < kLength_mm; X += 1.7)
@@ -101,7 +101,7 @@ void forPlaces(const Now &now, const See &see) {
       for (double Z = 0.5; Z < kWidth_mm; Z += 1.7) see(Vec3{X, Y, Z}, now(Vec3{X, Y, Z}));
 }
 
-/// The same from the gradients that the simulator has at its points.
+/// The same from the gradients at the simulator's points.
 imaging::TissueField ratiosOfPoints(const Block &block, const imaging::VolumeGeometry &grid) {
   c3de_handle body{};
   REQUIRE(block.table()->body_at(block.object(), 0, &body) >= 0);
@@ -122,7 +122,7 @@ imaging::TissueField ratiosOfPoints(const Block &block, const imaging::VolumeGeo
     points.at_mm.push_back({1e3 * x[3 * i], 1e3 * x[3 * i + 1], 1e3 * x[3 * i + 2]});
     points.reach_mm.push_back(1.5 * kSpacing_mm);
   }
-  return {"of points", "1", imaging::spread(grid, points, J)};
+  return {"of points", "1", imaging::scatterToGrid(grid, points, J)};
 }
 
 void print(const char *state, const char *how, const Miss &miss) {
@@ -134,7 +134,7 @@ void print(const char *state, const char *how, const Miss &miss) {
 
 TEST_CASE("A block that is compressed by a tenth has det F 0.9 and the stress of it everywhere", "[fields]") {
   // Without lateral strain and corotated, so that stress is Young's modulus times strain, 1 kPa: uniaxial, and so is
-  // what is named stress_vm.
+  // stress_vm.
   Block block(
       "material = { law = \"corotated\", youngs_modulus = 1e4, poisson_ratio = 0.0 }\n"
       "[[fix]]\nregion = { box = { min = [-1, -1, -1], max = [0.0001, 1, 1] } }\n"
@@ -189,11 +189,11 @@ TEST_CASE("A block that hangs is stretched in proportion to what hangs below", "
   print("hanging, det F", "grid", ratio);
   print("hanging, det F", "points", points);
   print("hanging, stress / Pa", "points", stress);
-  // Half a spacing is a 24th of the length, along which det F falls by 0.2: one-sided differences at the ends are off
-  // by as much as that, and the mean of points about a surface by the half of a spacing that they lie below it.
+  // Half a spacing is a 24th of the length, along which det F falls by 0.2. One-sided differences at the ends have an
+  // error of that size, and the mean of points about a surface that of the half spacing by which they are below it.
   CHECK(ratio.most < 0.2 / 24.0);
   CHECK(stress.most < 2943.0 * 0.2 / 24.0);
-  // Why det F is not taken from the points.
+  // The reason why det F is not computed from the points.
   CHECK(ratio.rms() < points.rms());
 }
 

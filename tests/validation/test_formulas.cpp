@@ -33,7 +33,7 @@ Mat3 homogeneousStress(const Problem &problem, const Mat3 &F) {
   return sum / problem.shape.volume;
 }
 
-/// Turn about x of the cross-section of a bar along x, rad (small).
+/// Rotation about x of the cross-section of a bar along x, rad (small).
 double turnOf(SolvedBody &body, double x, double half) {
   return (body.displacementAt(Vec3(x, half, 0))[2] - body.displacementAt(Vec3(x, -half, 0))[2]) / (2.0 * half);
 }
@@ -69,7 +69,7 @@ TEST_CASE("homogeneous states of a ball: stress of the laws", "[truth]") {
     Problem problem = Problem::rubber(solids::ball(Vec3::Zero(), 0.05), 0.013, state.law);
     problem.material.poissonRatio = state.nu;
     const double ours = homogeneousStress(problem, state.F)(state.row, state.column) / kE;
-    // Five digits of the truth; with nu = 0.49 the fifth of the lateral stretch counts 30-fold.
+    // Five digits of the reference value; with nu = 0.49 the fifth of the lateral stretch counts 30-fold.
     judge({.body = "ball as it is stretched",
            .quantity = state.name,
            .truth = state.truth,
@@ -111,7 +111,7 @@ TEST_CASE("a free bar pulled at its ends: stretch of the laws", "[truth]") {
 TEST_CASE("torsion of a square and a round bar: torque over twist", "[truth]") {
   const double shearModulus = kE / 2.6;
   for (const int n : {3, 5, 8}) {
-    // Between two sections away from the ends, whose warping is held.
+    // Between two sections away from the ends, whose warping is restrained.
     const double a = 0.04, L = 0.2;
     Problem problem = Problem::rubber(solids::box(Vec3(0, -a / 2, -a / 2), Vec3(L, a / 2, a / 2)), a / n);
     problem.hold(face(0, 0.0)).turn(face(0, L), Vec3(2, 0, 0), Vec3(L, 0, 0));
@@ -139,8 +139,8 @@ TEST_CASE("torsion of a square and a round bar: torque over twist", "[truth]") {
 }
 
 TEST_CASE("cantilever: Timoshenko", "[truth]") {
-  // nu = 0: at nu = 0.3 the clamp, which holds the section's width, takes another 0.6 % that the formula leaves out.
-  // What is left of that is the held warping, some 0.1 % of a beam ten times as long as it is high.
+  // nu = 0: at nu = 0.3 the clamp, which holds the section's width, adds another 0.6 % that the formula omits. The rest
+  // is the restrained warping, some 0.1 % of a beam ten times as long as it is high.
   const double a = 0.04, L = 0.4, force = 1e-5;
   const double inertia = std::pow(a, 4) / 12, shearModulus = kE / 2, k = 5.0 / 6.0;
   for (const int n : {3, 5}) {
@@ -159,7 +159,8 @@ TEST_CASE("cantilever: Timoshenko", "[truth]") {
 }
 
 TEST_CASE("elastica: a slender beam bent by a dead load up to PL²/EI = 10", "[truth]") {
-  // Bisshopp and Drucker's problem. The corotated law with nu = 0 is linear in the stretch of a fibre, as the formula.
+  // Bisshopp and Drucker's problem. The corotated law with nu = 0 is linear in the stretch of a fibre, like the
+  // formula.
   const int n = 2;
   const double a = 0.01, L = 0.4, inertia = std::pow(a, 4) / 12;
   struct Load {
@@ -197,7 +198,7 @@ TEST_CASE("elastica: a slender beam bent by a dead load up to PL²/EI = 10", "[t
 
 TEST_CASE("Hertz: a ball pressed into a block", "[truth]") {
   // On a bonded block of finite height h the force is Hertz's times 1 - 2 α0 χ/π + 4 α0² χ²/π² …, χ = sqrt(R d)/h
-  // (Dimitriadis et al., Biophys. J. 82, 2002); the sides, seven contact radii away, are not in it.
+  // (Dimitriadis et al., Biophys. J. 82, 2002); the sides, seven contact radii away, are not included.
   const double R = 0.04, depth = 0.0006, half = 0.035, height = 0.03, nu = 0.3;
   const double stiffness = kE / (1 - nu * nu), chi = std::sqrt(R * depth) / height;
   const double a0 = -(1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1 - nu);

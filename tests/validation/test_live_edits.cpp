@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What others do to a simulation that runs: loads, holds, probes, fields; through the C tables from end to end.
+// External edits of a running simulation: loads, holds, probes, fields; through the C tables from end to end.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -105,7 +105,7 @@ TEST_CASE("a load that comes while an organ moves gives it its impulse, until it
   const Vec3 then = f.momentum();
   for (int i = 0; i < 10; ++i) f.session.step();
   for (std::size_t c = 0; c < 3; ++c) CHECK(std::abs(f.momentum()[c] - then[c]) < 1e-9 * norm(then));
-  // A ramp begins when the load comes; a reset takes the load away.
+  // A ramp begins when the load is added; a reset removes the load.
   (void)f.addLoad(force, 1e6);
   for (int i = 0; i < 5; ++i) f.session.step();
   CHECK(std::abs(f.momentum()[0] - then[0]) < 1e-4 * norm(then));
@@ -133,7 +133,7 @@ TEST_CASE("another's tool takes hold of an organ, pulls it and lets it go") {
   asked.flags = 0;
   REQUIRE(f.table->hold(f.self, f.body, &asked, &hold) == C3DE_OK);
   f.session.step();
-  // Nobody has pulled yet: the target is the point itself.
+  // No pull yet: the target is the point itself.
   CHECK(norm(vectorOf(f.holdState(hold).force_N)) < 1e-12);
   CHECK(norm(between(top, vectorOf(f.holdState(hold).point_m))) < 1e-12);
   REQUIRE(f.table->pull(f.self, hold, target.data(), nullptr) == C3DE_OK);
@@ -147,7 +147,7 @@ TEST_CASE("another's tool takes hold of an organ, pulls it and lets it go") {
   CHECK(f.session.status().time_s > begin_s);
   REQUIRE(f.table->remove(f.self, hold) == C3DE_OK);
   for (int i = 0; i < 10; ++i) f.session.step();
-  CHECK(std::abs(f.momentum()[1] - gained) < 0.2 * gained);  // the step in which it was let go still pulled
+  CHECK(std::abs(f.momentum()[1] - gained) < 0.2 * gained);  // the step in which it was released still pulled
   c3de_sim_hold_state state{};
   state.size = sizeof state;
   CHECK(f.table->hold_state(f.self, hold, &state) == C3DE_E_STALE);
@@ -166,12 +166,12 @@ TEST_CASE("several hold one organ: between two hands that pull apart it stretche
   CHECK(f.holdState(lower).force_N[1] < 0.0);
   CHECK(f.holdState(upper).point_m[1] - up[1] > 0.002);
   CHECK(down[1] - f.holdState(lower).point_m[1] > 0.002);
-  // One lets go: the other has it.
+  // One releases: the other holds it.
   REQUIRE(f.table->remove(f.self, lower) == C3DE_OK);
   const double before = f.momentum()[1];
   for (int i = 0; i < 20; ++i) f.session.step();
   CHECK(f.momentum()[1] > before);
-  // A reset lets go.
+  // A reset releases.
   f.session.reset();
   c3de_sim_hold_state state{};
   state.size = sizeof state;
@@ -192,7 +192,7 @@ TEST_CASE("a clamp keeps the shape of what it holds and turns it") {
   const std::array<double, 4> bent{0.0, 0.0, 0.5, 0.5};
   CHECK(f.table->pull(f.self, hold, up.data(), bent.data()) == C3DE_E_ARG);
   CHECK_THAT(f.session.takeError(), Contains("unit length"));
-  const double half = 0.25;  // rad, of a turn by 0.5 about y
+  const double half = 0.25;  // rad, of a rotation by 0.5 about y
   const std::array<double, 4> turn{0.0, std::sin(half), 0.0, std::cos(half)};
   REQUIRE(f.table->pull(f.self, hold, up.data(), turn.data()) == C3DE_OK);
   f.session.step();
@@ -200,7 +200,7 @@ TEST_CASE("a clamp keeps the shape of what it holds and turns it") {
   CHECK(f.holdState(hold).mass_kg > 0.0);
   const std::vector<Vec3> at = f.session.surfels(f.body, C3DE_SIM_FIELD_REFERENCE_POSITION);
   for (int i = 0; i < 12000; ++i) f.session.step();
-  // What is held has turned about y by half a radian.
+  // The held part has rotated about y by half a radian.
   const std::vector<Vec3> now = f.session.surfels(f.body, C3DE_SIM_FIELD_POSITION);
   double sine = 0.0, cosine = 0.0;
   for (std::size_t i = 0; i < at.size(); ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The default scene for very many steps, through the plugin: memory and time of a step stay, energy does not grow.
+// The default scene for very many steps, through the plugin: memory and step time are constant, energy does not grow.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -21,7 +21,7 @@ c3de_param_value flag(const char *id) {
   return value;
 }
 
-// What resources/scenes/first_light.toml says.
+// The settings of resources/scenes/first_light.toml.
 c3de_handle openFirstLight(SimulatorSession &session) {
   const auto mesh = [](const char *name) {
     auto loaded = c3de::geometry::loadMesh(std::filesystem::path(testResourcesFolder()) / "meshes" / name,
@@ -100,8 +100,8 @@ void run(std::uint64_t steps) {
   const double scale = mass * 9.81 * 0.16;
   CHECK(most <= before + 1e-3 * scale);
   for (std::size_t k = 1; k < parts.size(); ++k) CHECK(parts[k].energy <= parts[k - 1].energy + 1e-3 * scale);
-  // In the first part it falls and meets the block in substeps; from the second on nothing changes. Memory: a page here
-  // and there; a leak of a byte at every step would be ten million.
+  // In the first part it falls and meets the block in substeps; from the second on nothing changes. Memory: a page now
+  // and then; a leak of a byte at every step would be ten million.
   const Part &early = parts[1], &late = parts.back();
   CHECK(late.memory <= early.memory + (1u << 20));
   CHECK(late.median <= 1.5 * early.median + 20.0);

@@ -24,7 +24,7 @@ Problem vibrating(const BodyShape &shape, double spacing) {
   return problem;
 }
 
-/// Frequencies of the continuum's modes, Hz: without the rigid motions of a free body and without those that rattle.
+/// Frequencies of the continuum's modes, Hz: without the rigid motions of a free body and without rattling modes.
 /// `lowest`: of all but the rigid motions.
 std::vector<double> elasticOnes(Body &body, int count, bool isFree, double *lowest = nullptr) {
   const std::vector<Mode> modes = naturalModes(body, count);
@@ -83,7 +83,7 @@ TEST_CASE("Lamé's mode of a free cube", "[truth]") {
 
 TEST_CASE("frequencies of a free ball", "[truth]") {
   const double R = 0.05, slow = std::sqrt(kE / 2.6 / kDensity), fast = slow * std::sqrt(2 * 0.7 / 0.4);
-  // Spherical Bessel functions over powers of r, times the field that goes with them.
+  // Spherical Bessel functions over powers of r, times the corresponding field.
   const auto torsional = [=](const Vec3 &X) -> Vec3 {
     const double k = std::max(2.50113 * X.norm() / R, 1e-3);
     const double j2 = (3 / (k * k * k) - 1 / k) * std::sin(k) - 3 * std::cos(k) / (k * k);
@@ -161,7 +161,7 @@ TEST_CASE("frequencies of a cantilever and a free bar", "[truth]") {
              .milliseconds = watch.milliseconds()});
     }
   }
-  // A free bar 4 : 1 : 1 of side 1: ω a / c_s of literature's Ritz solution, four digits.
+  // A free bar 4 : 1 : 1 of side 1: ω a / c_s of the published Ritz solution, four digits.
   const double speed = std::sqrt(kE / 2.6 / kDensity);
   for (const int n : {3, 5}) {
     SolvedBody body(vibrating(solids::box(Vec3::Zero(), Vec3(4 * a, a, a)), a / n));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Organs that others made fall on an obstacle: loaded, filled, simulated for 2 s through the plugin, and judged by a
-// tree of our own over the obstacle, not by what the plugin says of itself.
+// Third-party organs fall on an obstacle: loaded, filled, simulated for 2 s through the plugin. They are judged by this
+// test's own tree over the obstacle, not by the plugin's reports.
 #include <algorithm>
 #include <cmath>
 
@@ -20,7 +20,7 @@ constexpr double kYoungsModulus = 6000.0, kPoissonRatio = 0.45, kDensity = 1060.
 struct Organ {
   const char *file;
   geometry::LengthUnit unit;
-  double scale;  // the SOFA files carry no unit and are 6.5 and 2.1 units wide: made as wide as a liver
+  double scale;  // the SOFA files have no unit and are 6.5 and 2.1 units wide: scaled to the width of a liver
 };
 
 /// A hill of one unit around the origin, top at y = 0, on a plate: curved where a body lands, closed, smooth.
@@ -93,13 +93,13 @@ void fallAndRest(const Organ &organ) {
   while (session.status().time_s < 2.0) {
     session.step();
     if (session.status().steps % 50 != 0) continue;
-    // The skin is what touches; phyxels at the corners of cut cells lie outside of the body.
+    // The skin is the contact surface; phyxels at the corners of cut cells are outside of the body.
     for (const Vec3 &x : session.surfels(body, C3DE_SIM_FIELD_POSITION)) {
       REQUIRE((std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2])));
       deepest = std::min(deepest, tree->closest(x, 2.0 * info.spacing_m).distance);
     }
   }
-  // By mass: corners of cells that the body only touches carry next to nothing.
+  // By mass: corners of cells that the body only touches have almost no mass.
   double fastest = 0.0, squares = 0.0, total = 0.0;
   const std::vector<double> masses = session.phyxelMasses(body);
   const std::vector<Vec3> velocities = session.phyxels(body, C3DE_SIM_FIELD_VELOCITY);
@@ -113,7 +113,7 @@ void fallAndRest(const Organ &organ) {
                   << 1e3 * deepest << " mm, speed rms " << rms << " m/s, largest " << fastest << " m/s, "
                   << session.status().steps << " steps");
   CHECK(deepest > -0.5 * info.spacing_m);
-  // It landed at about 0.6 m/s; what is left is the slow creep of a soft body that still slides and sags.
+  // It landed at about 0.6 m/s; the rest is the slow creep of a soft body that still slides and sags.
   CHECK(rms < 0.03);
   for (const Vec3 &x : session.surfels(body, C3DE_SIM_FIELD_POSITION))
     REQUIRE((std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2])));

@@ -31,7 +31,7 @@ Vec3 momentumOf(SimulatorSession &session, c3de_handle body) {
   return sum;
 }
 
-/// What the plugin in plugins/magnet does.
+/// The same force as the plugin in plugins/magnet.
 void pull(const c3de_force_call &call) {
   constexpr std::array<double, 3> kPole{0.1, 0.4, 0.0};
   for (std::uint64_t i = 0; i < call.count; ++i) {
@@ -73,12 +73,12 @@ TEST_CASE("the momentum of a free organ under a plugin's forces is their impulse
   CHECK(std::sqrt(off) <= 1e-9 * std::sqrt(size));
 }
 
-// What the way through the tables costs, beyond the field's own arithmetic: a command that prints, not a test.
+// The cost of the calls through the tables, beyond the field's own arithmetic: a command that prints, not a test.
 TEST_CASE("what a field that does nothing adds to a step", "[.cost]") {
   SimulatorSession plain(1), pulled(1);
   pulled.addForce([](const c3de_force_call &call) { call.forces_N[0] = 1e-12; });
   for (SimulatorSession *session : {&plain, &pulled}) {
-    // Awake, so that both compute the same.
+    // Awake, so that both do the same computations.
     const c3de_param_value awake{sizeof(c3de_param_value), C3DE_PARAM_BOOL, {"solver.sleep", 12}, 0.0, {}, {}};
     session->setWorld({SimulatorSession::vector("world.gravity", {0.0, -1.0, 0.0}), awake});
     (void)session->addBody(organ(), {}, {SimulatorSession::number("sampling.count", 3000.0)});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The classes Phyxel and Surfel as another plugin uses them: created by id, asked for their interface, filled with a
+// The classes Phyxel and Surfel as another plugin uses them: created by id, queried for their interface, filled with a
 // cloud.
 #include <array>
 #include <cmath>
@@ -125,7 +125,7 @@ TEST_CASE("a surfel set of one's own follows its phyxels, also after the caller 
   CHECK_THAT(norm(at[0]), WithinRel(1.0, 1e-12));
 
   c3de_view skin{};
-  REQUIRE(surfels->triangles(object, &skin) == C3DE_OK);  // points alone have none
+  REQUIRE(surfels->triangles(object, &skin) == C3DE_OK);  // points without triangles have none
   CHECK(skin.count == 0);
   c3de_view offsets{}, indices{}, weights{};
   REQUIRE(surfels->owners(object, &offsets, &indices, &weights) == C3DE_OK);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pressure near incompressibility: does it alternate from cell to cell?
+// Pressure near incompressibility: tests for alternation from cell to cell.
 #include "pressure_field.h"
 #include "solid_shapes.h"
 #include "support/catch.h"
@@ -38,7 +38,7 @@ Looked look(Kind kind, int layers, double poissonRatio) {
                                       "under a bonded punch"};
   char name[100];
   std::snprintf(name, sizeof name, "cube %s, ν = %g, %d layers", names[static_cast<int>(kind)], poissonRatio, layers);
-  // Two cells from every face: edges of supports are singular, and a singular field is rough whoever computes it.
+  // Two cells from every face: edges of supports are singular, and a singular field is rough in any computation.
   const auto at = [&](PressureAt where) { return pressureRoughness(body, where, kMin, kMax, 0.1 / layers, 2); };
   const Looked out{at(PressureAt::points), at(PressureAt::phyxels)};
   const auto record = [&](const char *what, double value, std::optional<double> limit) {
@@ -49,7 +49,7 @@ Looked look(Kind kind, int layers, double poissonRatio) {
            .milliseconds = body.milliseconds(),
            .scale = 1.0});
   };
-  // In shear the cells of the layers alternate like the squares of a board, see the theory page.
+  // In shear the cells of the layers alternate like a checkerboard, see the theory page.
   record("(-1)^(i+j+k) at points", out.points.checkerboard, 0.02);
   record("in planes, at points", out.points.planes, kind == Kind::sheared ? std::optional<double>() : 0.1);
   record("(-1)^(i+j+k) at phyxels", out.phyxels.checkerboard, 0.01);
@@ -68,7 +68,7 @@ TEST_CASE("pressure to Poisson's ratio 0.4999: no checkerboard in what is handed
     const Looked coarse = look(Kind::sheared, 6, nu), fine = look(Kind::sheared, 10, nu);
     CHECK(fine.points.planes < coarse.points.planes);
     CHECK(fine.phyxels.planes < 0.6 * coarse.phyxels.planes);
-    // What is handed out follows the smooth part: its size stays that of the points' but for the board.
+    // The exported values follow the smooth part: its size is that at the points, without the checkerboard.
     CHECK(fine.phyxels.offLinear < 0.6 * coarse.phyxels.offLinear);
   }
 }

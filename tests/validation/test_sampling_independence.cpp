@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Organs through the program: what they do may not depend on how many phyxels they are made of.
+// Organs through the program: their response must not depend on the number of their phyxels.
 #include <array>
 #include <cmath>
 #include <fstream>
@@ -21,7 +21,7 @@ struct Organ {
   std::filesystem::path mesh;
   double scale;        // of the file's unit, m
   int axis;            // its lowest eighth along it is held
-  std::size_t stride;  // every how manyth vertex is looked at
+  std::size_t stride;  // stride of the checked vertices
 };
 
 /// v lines of an OBJ file, m.
@@ -43,8 +43,8 @@ struct Response {
   std::string failure;
 };
 
-/// A closed surface with two hemispheres, a fissure between them and furrows, seen from its middle as a height over
-/// directions; 0.17 m long. Subdivided from an icosahedron.
+/// A closed surface with two hemispheres, a fissure between them and furrows, as a height over directions from its
+/// centre; 0.17 m long. Subdivided from an icosahedron.
 std::filesystem::path writeBrain() {
   using Triangle = std::array<std::size_t, 3>;
   const double g = 0.5 * (1.0 + std::sqrt(5.0));
@@ -181,7 +181,7 @@ void compareSamplings(const Organ &organ, const std::vector<std::size_t> &counts
 
 TEST_CASE("a liver responds the same with 500, 1 000 and 5 000 phyxels", "[truth]") {
   C3DE_DATA_OR_SKIP(mesh, "mesh/sofa/liver.obj");
-  // The file carries no unit and is 6.5 units wide: made as wide as a liver.
+  // The file has no unit and is 6.5 units wide: scaled to the width of a liver.
   compareSamplings({"liver (SOFA)", mesh, 0.03, 0, 1}, {500, 1000, 5000});
 }
 

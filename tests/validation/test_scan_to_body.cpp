@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Organs of a real scan, from the files to the body that is simulated: closed surfaces and fills with the volume of
-// their voxels, and how long each stage takes.
+// Organs of a real scan, from the files to the simulated body: closed surfaces and fills with the volume of their
+// voxels, and the time of each stage.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -22,7 +22,7 @@ using validation::Stopwatch;
 
 namespace {
 
-constexpr double kMost = 0.01;                       // of a volume, asked of surfaces and fills
+constexpr double kMost = 0.01;                       // of a volume, required of surfaces and fills
 constexpr double kMetre = 1e-3, kCubicMetre = 1e-9;  // of millimetres
 
 pointbased::Vec3 metres(const c3de::Vec3 &mm) { return kMetre * pointbased::Vec3(mm[0], mm[1], mm[2]); }
@@ -41,7 +41,8 @@ const LabelMap::Label &labelNamed(const LabelMap &labels, const std::string &nam
   return *found;
 }
 
-/// One organ, 1 000 phyxels. Returns the milliseconds of all of its stages.
+/// One organ, 1 000 phyxels.
+/// @return milliseconds of all of its stages
 double makeBody(const LabelMap &labels, const std::string &organ, const std::string &from) {
   const std::string body = organ + ", " + from;
   const Mask mask = maskOf(labels, labelNamed(labels, organ).value);
@@ -82,7 +83,7 @@ double makeBody(const LabelMap &labels, const std::string &organ, const std::str
   const double bodyTime = bodyWatch.milliseconds();
   double phyxels = 0.0;
   for (const double v : lattice->volumes) phyxels += v;
-  // What was found inside of the cells, before it is scaled; and what is simulated.
+  // The volume found inside the cells, before scaling; and the simulated one.
   judge({body, "volume in cells, mm3", wanted, 0.0, lattice->countedVolume / kCubicMetre, kMost, bodyTime});
   judge({body, "volume of phyxels, mm3", wanted, 0.0, phyxels / kCubicMetre, kMost, 0.0});
   CHECK(lattice->positions.size() > 700);
@@ -108,7 +109,7 @@ TEST_CASE("Liver, kidneys and spleen of a CT become bodies with the volumes of t
     const double labelTime = labelWatch.milliseconds();
     REQUIRE((scan && labels));
 
-    // The organs lie in the image: their middle is tissue, not air or bone.
+    // The organs are inside the image: their centre is tissue, not air or bone.
     for (const char *organ : kOrgans) {
       CAPTURE(file, organ);
       const auto onImage = resampled(labels->labels, scan->volume.geometry);

@@ -91,8 +91,8 @@ Solved solved(double spacing, bool adaptive = false) {
 
 }  // namespace
 
-// Two materials of a cell are layers with a plane border (docs/theory/lattice.md, several materials); with one strain
-// for both the ball was too large by a part of a cell, and its middle went 15, 10 and 7.4 % too little. The lattice is
+// Two materials of a cell are layers with a plane border (docs/theory/lattice.md, several materials). With one strain
+// for both the ball was too large by a part of a cell, and its centre moved 15, 10 and 7.4 % too little. The lattice is
 // the cylinder's, and the ball cuts its cells anywhere.
 TEST_CASE("a ball 100 times stiffer than what is around it: errors fall with the spacing") {
   const std::map<std::string, double> fine = truth();
@@ -112,7 +112,7 @@ TEST_CASE("a ball 100 times stiffer than what is around it: errors fall with the
   }
 }
 
-// At 4 cells over the radius with cells of one size the side is 6.3 % off, and 4.5 % at 8 (30 000 phyxels).
+// At 4 cells over the radius with cells of uniform size the side is 6.3 % off, and 4.5 % at 8 (30 000 phyxels).
 TEST_CASE("a ball 100 times stiffer than what is around it is within 5 % with finer cells where the error arises") {
   const std::map<std::string, double> fine = truth();
   const Solved even = solved(kRadius / 4.0);

@@ -23,7 +23,7 @@ Problem moving(const BodyShape &shape, double spacing, Integrator integrator,
   return problem;
 }
 
-/// A small free block that spins, and swings in a smooth mode.
+/// A small free block that spins and oscillates in a smooth mode.
 void setGoing(SolvedBody &solved) {
   Body &body = solved.body();
   for (std::size_t i = 0; i < solved.rest().phyxelCount(); ++i) {
@@ -49,7 +49,7 @@ TEST_CASE("order of convergence in dt: Verlet, midpoint, SDIRK 2, backward Euler
     Integrator integrator;
     double dt, order;
   };
-  // The slowest modes of the block have periods of some 0.1 s; dt resolves those that move.
+  // The slowest modes of the block have periods of some 0.1 s; dt resolves the excited ones.
   for (const Scheme &scheme :
        {Scheme{"velocity Verlet", Integrator::explicitVerlet, 1e-3, 2},
         Scheme{"midpoint", Integrator::implicitMidpoint, 1e-3, 2}, Scheme{"SDIRK2", Integrator::implicitSdirk, 1e-3, 2},
@@ -60,7 +60,7 @@ TEST_CASE("order of convergence in dt: Verlet, midpoint, SDIRK 2, backward Euler
       problem.world.dt = dt;
       problem.world.tolerance = 1e-13;
       SolvedBody body(problem);
-      // One smooth motion alone: what is rough would need smaller steps to show its order.
+      // A single smooth motion: rough modes would need smaller steps to show the order.
       for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i)
         body.body().state().velocities[i] =
             Vec3(0.02 * std::cos(kPi * (body.rest().positions[i][0] + 0.04) / 0.08), 0, 0);
@@ -83,7 +83,7 @@ TEST_CASE("order of convergence in dt: Verlet, midpoint, SDIRK 2, backward Euler
 
 TEST_CASE("order of convergence in the spacing: 2 where the solution is smooth", "[truth]") {
   const Stopwatch watch;
-  // Pure shear of the section by torsion between 30 % and 70 % of a bar: no singular edge takes part.
+  // Pure shear of the section by torsion between 30 % and 70 % of a bar: no singular edge is involved.
   const double a = 0.04, L = 0.2;
   const auto error = [&](int n) {
     Problem problem = Problem::rubber(solids::box(Vec3(0, -a / 2, -a / 2), Vec3(L, a / 2, a / 2)), a / n);
@@ -137,7 +137,7 @@ TEST_CASE("1e5 explicit steps of a free spinning body: momenta and energy", "[tr
          .limit = 1e-10,
          .milliseconds = ms,
          .scale = l.norm()});
-  // Symplectic: bounded; the fastest modes carry little of it.
+  // Symplectic: bounded; the fastest modes contribute little.
   judge({.body = "free block, 1e5 Verlet steps",
          .quantity = "drift of mean energy",
          .ours = late - early,
@@ -167,8 +167,8 @@ TEST_CASE("1e6 explicit steps of a free vibration: the energy does not drift", "
     const auto e = body.simulator().energy(body.id());
     return e.kinetic + e.elastic + e.stabilisation;
   };
-  // The energy of Verlet swings about one that it keeps. Two measures of what it drifts by: means of the first and last
-  // thousandth, some 80 swings of the slowest mode each, and the straight line of least squares through all of it.
+  // The energy of Verlet oscillates about a conserved one. Two measures of its drift: means of the first and last
+  // thousandth, some 80 periods of the slowest mode each, and the straight line of least squares through all of it.
   constexpr int kSteps = 1000000, kPart = kSteps / 1000, kEvery = 10;
   const double e0 = energy();
   double first = 0.0, last = 0.0, low = e0, high = e0, n = 0.0, x1 = 0.0, x2 = 0.0, y1 = 0.0, xy = 0.0;
@@ -204,7 +204,7 @@ TEST_CASE("1e6 explicit steps of a free vibration: the energy does not drift", "
          .limit = 1e-4,
          .milliseconds = ms,
          .scale = e0});
-  // What it swings by: (omega dt)²/4 of each mode's share.
+  // Its oscillation: (omega dt)²/4 of each mode's share.
   judge({.body = name,
          .quantity = "swing of the energy",
          .ours = high - low,
@@ -214,7 +214,7 @@ TEST_CASE("1e6 explicit steps of a free vibration: the energy does not drift", "
 }
 
 TEST_CASE("time reversal of explicit steps", "[truth]") {
-  // A given step: the automatic one follows the stiffness of the present state, and so is not the same on the way back.
+  // A fixed step: the automatic one follows the stiffness of the current state, and so differs on the way back.
   Problem problem = moving(block(), 0.02, Integrator::explicitVerlet, MaterialLaw::neoHookean);
   problem.world.dt = 5e-4;
   SolvedBody body(problem);
@@ -248,7 +248,7 @@ TEST_CASE("free fall and a bar against a wall", "[truth]") {
            .limit = 1e-10,
            .milliseconds = body.milliseconds()});
   }
-  // A bar of nu = 0 meets a wall with its whole end: a plane wave goes to the free end and back.
+  // A bar of nu = 0 hits a wall with its whole end: a plane wave travels to the free end and back.
   const double L = 0.2, a = 0.02, speed = std::sqrt(kE / 1000.0), v = 0.01 * speed;
   for (const int n : {20, 80}) {
     Problem problem =
@@ -265,7 +265,7 @@ TEST_CASE("free fall and a bar against a wall", "[truth]") {
     double down = 0.0, up = 0.0;
     while (body.simulator().time() < 1e-4 / v + 3.5 * L / speed) {
       REQUIRE(body.simulator().step());
-      const double p = body.momentum()[0] / start;  // 1 … -1, straight while the wave is on its way
+      const double p = body.momentum()[0] / start;  // 1 … -1, linear while the wave travels
       if (down == 0.0 && p < 0.8) down = body.simulator().time();
       if (up == 0.0 && p < -0.8) up = body.simulator().time();
     }
@@ -286,7 +286,8 @@ TEST_CASE("free fall and a bar against a wall", "[truth]") {
 }
 
 TEST_CASE("Hertz: a ball bounces off a wall", "[truth]") {
-  // Slow against the waves in it: contact lasts long against its vibrations, which get next to nothing of its energy.
+  // Slow relative to the waves in it: contact lasts long against its vibrations, which receive almost none of its
+  // energy.
   const double radius = 0.05, speed = 0.01 * std::sqrt(kE / 1000.0), nu = 0.3;
   for (const int cells : {8, 14}) {  // across the radius
     Problem problem = moving(solids::ball(Vec3(0, 0, 0), radius), radius / cells, Integrator::explicitVerlet,
@@ -337,7 +338,7 @@ TEST_CASE("Hertz: a ball bounces off a wall", "[truth]") {
 }
 
 TEST_CASE("Prony relaxation of a bar that is held twisted", "[truth]") {
-  // Torsion strains nothing but shear, so the torque falls as the shear modulus. Mass damping takes what rings.
+  // Torsion causes only shear strain, so the torque falls like the shear modulus. Mass damping removes the ringing.
   const double a = 0.02, L = 0.04, share = 0.6, tau = 1.0, ramp = 0.2;
   Problem problem =
       moving(solids::box(Vec3(0, -a / 2, -a / 2), Vec3(L, a / 2, a / 2)), a / 3, Integrator::explicitVerlet);
@@ -349,7 +350,7 @@ TEST_CASE("Prony relaxation of a bar that is held twisted", "[truth]") {
   problem.material.prony[0] = {share, tau};
   problem.recipe.fixes[1].ramp = ramp;
   problem.world.damping = 20.0;
-  // Of a strain that grows along the ramp and stays.
+  // Of a strain that grows along the ramp and is then constant.
   const auto truthAt = [&](double t) {
     return 1 - share + share * tau / ramp * (std::exp(ramp / tau) - 1) * std::exp(-t / tau);
   };
@@ -387,8 +388,8 @@ TEST_CASE("Prony relaxation of a bar that is held twisted", "[truth]") {
 }
 
 TEST_CASE("Prony relaxation of a bar that is held bent", "[truth]") {
-  // The shear modulus relaxes and the bulk modulus does not: by the correspondence principle the torque falls from that
-  // of the elastic bar to that of an elastic one of what is left, with the time of 9 K G/(3 K + G).
+  // The shear modulus relaxes and the bulk modulus does not. By the correspondence principle the torque falls from that
+  // of the elastic bar to that of an elastic bar with the long-term modulus, with the time of 9 K G/(3 K + G).
   const double a = 0.02, L = 0.1, share = 0.6, tau = 1.0, ramp = 0.1;
   for (const double nu : {0.3, 0.45}) {
     Problem problem =
@@ -423,7 +424,7 @@ TEST_CASE("Prony relaxation of a bar that is held bent", "[truth]") {
 }
 
 TEST_CASE("plastic loop of a stretched bar", "[truth]") {
-  // Volume-preserving stretch of every phyxel along a path; flow at once beyond the yield strain Y. In Hencky strain
+  // Volume-preserving stretch of every phyxel along a path; immediate flow beyond the yield strain Y. In Hencky strain
   // this is perfect plasticity: the elastic part follows the path and stops at sqrt(2/3) Y.
   Problem problem = moving(block(), 0.02, Integrator::explicitVerlet, MaterialLaw::neoHookean);
   const double yield = 0.05;

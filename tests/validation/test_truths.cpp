@@ -25,7 +25,7 @@ std::string layers(int n) { return ", " + std::to_string(n) + " layers"; }
 
 using Limit = std::optional<double>;
 
-/// One row: the named truth against `ours`; nothing where the file lacks the truth.
+/// One row: the named reference value against `ours`; none where the file lacks the value.
 void compare(const std::string &truthName, const std::string &sampling, double ours, double milliseconds,
              const Limit &limit) {
   const auto known = truth(truthName);
@@ -43,7 +43,7 @@ void compare(const std::string &truthName, const std::string &sampling, double o
 using Measure = std::function<double(SolvedBody &)>;
 using Quantities = std::vector<std::tuple<std::string, Measure, Limit>>;
 
-/// Solves and compares; a problem without a solution is a row of plain words and a failed test.
+/// Solves and compares; a problem without a solution becomes a row of plain words and a failed test.
 void solveAndCompare(const Problem &problem, const std::string &truthCase, const Quantities &quantities,
                      const std::string &sampling) {
   bool asked = false;
@@ -129,7 +129,7 @@ TEST_CASE("bonded cube: 3 % with six layers, 1.5 % with ten", "[truth]") {
 }
 
 TEST_CASE("near incompressible cube: within twice the error at nu = 0.3", "[truth]") {
-  // The larger error of the two loads counts: one of them alone may be small by chance.
+  // The larger error of the two loads counts: a single one may be small by chance.
   struct Loading {
     const char *name, *quantity;
     Vec3 move;
@@ -160,7 +160,7 @@ TEST_CASE("curved bodies: 5 % with 160 phyxels, 1.5 % with 550", "[truth]") {
       solveAndCompare(halfBall(count, law), "half_ball" + of,
                       {{"top_u_x", [](SolvedBody &b) { return b.displacementAt(Vec3(0, 0, 0.05))[0]; }, limit},
                        {"mean_u_x", [](SolvedBody &b) { return b.meanWithin(Region())[0]; }, limit},
-                       // A sum of parts of either sign, a quarter of the sideways motion there.
+                       // A sum of parts of either sign, a quarter of the lateral displacement there.
                        {"side_u_z", [=](SolvedBody &b) { return b.displacementAt(Vec3(s, 0, s))[2]; }, {}}},
                       sampling);
       const auto tip = [](int axis) { return [axis](SolvedBody &b) { return b.meanOver(face(0, 0.0))[axis]; }; };
@@ -230,7 +230,7 @@ TEST_CASE("a turned beam bends as the straight one: 1.5 % with three layers, 0.7
     for (std::size_t k = 0; k < 5; ++k) {
       const Mat3 turn = Eigen::AngleAxisd(angles[k] * std::numbers::pi / 180.0, axes[k]).toRotationMatrix();
       const Vec3 along = turn.col(0);
-      // Half-spaces a hair beyond the end faces hold and load these.
+      // Half-spaces slightly beyond the end faces hold and load these.
       const Region root = HalfSpaceRegion{1e-7 * along, along}, tip = HalfSpaceRegion{(kLength - 1e-7) * along, -along};
       std::ostringstream sampling;
       sampling << layers(n) << ", body turned by " << angles[k] << "° about (" << axes[k].transpose() << ")";

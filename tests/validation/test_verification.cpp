@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What verify() says of the error of a solution, against the error that truths/truths.json tells.
+// The error reported by verify(), against the error by truths/truths.json.
 #include <cmath>
 #include <cstdio>
 
@@ -95,14 +95,14 @@ struct Judged {
   std::size_t rows = 0, within = 0;
 };
 
-/// A line of the table; where the truth is not known well enough to be compared with, for the record.
+/// A line of the table; for the record where the reference value is not accurate enough for a comparison.
 void judge(const Case &one, const std::string &quantity, double coarse, double fine, Judged &certain,
            Judged &uncertain) {
   constexpr double kAsked = 1.5;
   const auto known = truth(one.truth + "." + quantity);
   REQUIRE(known);
   const double error = (known->value - coarse) / std::abs(known->value);
-  const double told = errorOverDifference(kShadowRefinement) * (fine - coarse) / std::abs(known->value);
+  const double told = errorOverDifference(kFineReferenceRefinement) * (fine - coarse) / std::abs(known->value);
   const double ratio = told / error, unsure = known->uncertainty / std::abs(known->value);
   const bool isCertain = std::abs(error) > 3.0 * unsure, isWithin = ratio > 1.0 / kAsked && ratio < kAsked;
   Judged &sum = isCertain ? certain : uncertain;
@@ -130,17 +130,17 @@ TEST_CASE("verify: its error is within a factor of 1.5 of the true one", "[verif
   for (const Case &one : cases) {
     SolvedBody body(one.problem);
     const Verification verified = body.verify(one.problem);
-    SolvedBody shadow(one.problem, verified);
+    SolvedBody fineReference(one.problem, verified);
     for (const std::string &quantity : one.quantities)
-      judge(one, quantity, quantityOf(body, quantity, one.length), quantityOf(shadow, quantity, one.length), certain,
-            uncertain);
+      judge(one, quantity, quantityOf(body, quantity, one.length), quantityOf(fineReference, quantity, one.length),
+            certain, uncertain);
   }
   std::printf(
       "within a factor of 1.5: %zu of %zu; where the error is below three times the truth's uncertainty: %zu of "
       "%zu\n",
       certain.within, certain.rows, uncertain.within, uncertain.rows);
   CHECK(certain.rows >= 60);
-  // Those that are not: the beams' twist, whose errors of two kinds cancel, and ellipsoids of 160 phyxels, thinner than
+  // The exceptions: the beams' twist, whose errors of two kinds cancel, and ellipsoids of 160 phyxels, thinner than
   // their lattice where they are held.
   CHECK(10 * certain.within >= 9 * certain.rows);
 }
@@ -186,6 +186,6 @@ TEST_CASE("the displacement figure before a verification bounds the true error o
   // All of the others are beams.
   CHECK(5 * bounded >= 4 * rows);
   CHECK(worst < 2.0);
-  // A figure that is always far too large would say nothing.
+  // A bound that is always far too large would be useless.
   CHECK(typical < 8.0);
 }

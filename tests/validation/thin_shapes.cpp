@@ -43,7 +43,7 @@ void cap(Surface &surface, const Vec3 &point, Index first, Index m, bool turned)
   }
 }
 
-Surface grounded(Surface surface) {
+Surface textOnBackground(Surface surface) {
   double volume = 0.0, low = surface.positions.front()[1];
   for (const Vec3 &x : surface.positions) low = std::min(low, x[1]);
   for (Vec3 &x : surface.positions) x[1] -= low;
@@ -121,7 +121,7 @@ Surface tubeSurface(double radius, double wall, double length) {
   std::vector<std::vector<Vec3>> rows;
   for (const auto &[r, x] : section)
     rows.push_back(circle(kAround, [r = r, x = x](double c, double s) { return Vec3(x, r * c, r * s); }));
-  return grounded(net(rows, true, true));
+  return textOnBackground(net(rows, true, true));
 }
 
 Surface sheetSurface(double edge, double thickness) {
@@ -129,7 +129,7 @@ Surface sheetSurface(double edge, double thickness) {
   std::set<std::array<int, 3>> filled;
   for (int i = 0; i < kAcross; ++i)
     for (int k = 0; k < kAcross; ++k) filled.insert({i, 0, k});
-  return grounded(boxes(filled, Vec3(edge / kAcross, thickness, edge / kAcross)));
+  return textOnBackground(boxes(filled, Vec3(edge / kAcross, thickness, edge / kAcross)));
 }
 
 Surface ringSurface(double radius, double section) {
@@ -137,7 +137,7 @@ Surface ringSurface(double radius, double section) {
   for (const Vec3 &out : circle(96, [](double c, double s) { return Vec3(c, s, 0.0); }))
     rows.push_back(circle(
         24, [&](double c, double s) { return Vec3((radius + section * c) * out + section * s * Vec3::UnitZ()); }));
-  return grounded(net(rows, true, true));
+  return textOnBackground(net(rows, true, true));
 }
 
 Surface helixSurface(double radius, double section, double pitch, int turns) {
@@ -156,7 +156,7 @@ Surface helixSurface(double radius, double section, double pitch, int turns) {
   Surface out = net(rows, false, true);
   cap(out, middle.front(), 0, kAround, false);
   cap(out, middle.back(), static_cast<Index>(kAround * (points - 1)), kAround, true);
-  return grounded(out);
+  return textOnBackground(out);
 }
 
 Surface combSurface(int fingers, double width, double length) {
@@ -164,7 +164,7 @@ Surface combSurface(int fingers, double width, double length) {
   for (int i = 0; i < 2 * fingers - 1; ++i)
     for (int j = 0; j < 12; ++j)
       if (j >= 10 || i % 2 == 0) filled.insert({i, j, 0});
-  return grounded(boxes(filled, Vec3(width, length / 10, width)));
+  return textOnBackground(boxes(filled, Vec3(width, length / 10, width)));
 }
 
 Surface starSurface(double reach, double radius) {
@@ -190,7 +190,7 @@ Surface starSurface(double reach, double radius) {
   Surface out = net(rows, false, true);
   cap(out, place(Vec3::UnitY()), 0, kAround, false);
   cap(out, place(-Vec3::UnitY()), static_cast<Index>(kAround * (kDown - 1)), kAround, true);
-  return grounded(out);
+  return textOnBackground(out);
 }
 
 }  // namespace validation

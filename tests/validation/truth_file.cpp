@@ -7,14 +7,15 @@
 
 namespace validation {
 
-std::optional<Truth> truth(const std::string &name) {
+std::optional<ReferenceSolution> truth(const std::string &name) {
   std::ifstream in(C3DE_TRUTHS, std::ios::binary);
   const auto cases = nlohmann::json::parse(in, nullptr, false);
   if (!cases.is_array()) throw std::runtime_error("cannot read " C3DE_TRUTHS);
   for (const auto &entry : cases)
     if (entry.value("name", "") == name)
-      return Truth{entry.at("value").get<double>(), entry.at("uncertainty").get<double>(), entry.value("unit", ""),
-                   entry.at("parameters").value("gravity", std::array<double, 3>{})};
+      return ReferenceSolution{entry.at("value").get<double>(), entry.at("uncertainty").get<double>(),
+                               entry.value("unit", ""),
+                               entry.at("parameters").value("gravity", std::array<double, 3>{})};
   return std::nullopt;
 }
 

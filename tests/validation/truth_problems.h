@@ -10,7 +10,7 @@ using pointbased::MaterialLaw;
 
 inline constexpr double kWidth = 0.04, kLength = 0.2;  // of the beams, m
 
-/// As truths.json calls it.
+/// The name in truths.json.
 [[nodiscard]] const char *nameOf(MaterialLaw law);
 
 [[nodiscard]] pointbased::BodyShape beam(double length = kLength);
@@ -25,10 +25,10 @@ inline constexpr double kWidth = 0.04, kLength = 0.2;  // of the beams, m
 [[nodiscard]] Problem hangingEllipsoid(std::size_t count, MaterialLaw law, double gravity);
 /// A block that a bonded patch is pressed into.
 [[nodiscard]] Problem indentation(double spacing, MaterialLaw law, double nu, double depth);
-/// A flat beam under pressure on its face: one that follows it, or as much of a dead force.
+/// A flat beam under pressure on its face: a follower pressure, or an equal dead force.
 [[nodiscard]] Problem pressedBeam(double spacing, bool follows);
 
-/// What a solution gives for a truth, by the last part of its name.
+/// The value of a solution for a reference value, by the last part of its name.
 [[nodiscard]] double quantityOf(SolvedBody &body, const std::string &quantity, double length = kLength);
 
 }  // namespace validation

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lines go to a file per test case, so that ctest, which runs every case in a process of its own, leaves the whole
+// Lines are written to a file per test case, so that ctest, which runs every case in its own process, leaves the whole
 // table behind: sort and print the files in <test output>/validation. A program that runs several cases prints theirs
 // itself.
 #define CATCH_CONFIG_EXTERNAL_INTERFACES
@@ -44,7 +44,7 @@ std::string fixed(double value) {
   return out.str();
 }
 
-/// Bytes beyond the first of a character of UTF-8 take no column.
+/// Continuation bytes of a UTF-8 character occupy no column.
 std::string padded(const std::string &words, std::size_t columns, bool right = false) {
   std::size_t used = 0;
   for (const char c : words)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table that the validation suite prints: what is true, what comes out, and what was asked for.
+// The table that the validation suite prints: the reference value, the computed value, and the limit.
 #pragma once
 
 #include <chrono>
@@ -9,7 +9,7 @@
 namespace validation {
 
 struct Row {
-  std::string body{};      ///< what is computed and how it is sampled
+  std::string body{};      ///< the computed problem and its sampling
   std::string quantity{};  ///< with its unit
   double truth = 0.0, uncertainty = 0.0;
   double ours = 0.0;
@@ -20,11 +20,11 @@ struct Row {
   [[nodiscard]] double error() const;
 };
 
-/// Adds a line to the table and checks the limit. Where known_misses.h has the row, a missed limit is printed as MISSED
-/// with its reason, and the test goes on.
+/// Adds a line to the table and checks the limit. Where known_misses.h contains the row, a missed limit is printed as
+/// MISSED with its reason, and the test continues.
 void judge(const Row &row);
 
-/// A line of plain words: what could not be computed and why.
+/// A line of plain words: why a value could not be computed.
 void remark(const std::string &body, const std::string &words);
 
 /// A row without a value: the engine refused or found no solution. A failure unless it is a known miss.

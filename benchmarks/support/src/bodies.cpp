@@ -56,7 +56,7 @@ PhyxelCloud ballCloud(std::size_t count) {
       points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count), points.end(),
       [&](const Vec3 &a, const Vec3 &b) { return (a - centre).squaredNorm() < (b - centre).squaredNorm(); });
   points.resize(count);
-  // Along Morton's curve, as fill() gives them.
+  // Along Morton's curve, the order of fill().
   const auto code = [half](const Vec3 &p) {
     std::uint64_t bits = 0;
     for (int b = 0; b < 20; ++b)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Operators new and delete that count: each block carries its size in front. Aligned ones too.
+// Counting operators new and delete, aligned ones included: each block stores its size in front.
 #include "bench/heap.h"
 
 #include <atomic>
@@ -15,7 +15,7 @@ std::atomic<std::size_t> &total() {
   return bytes;
 }
 
-// In front of what is given out.
+// Header in front of each allocated block.
 struct Front {
   void *block;
   std::size_t size;

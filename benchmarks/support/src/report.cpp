@@ -11,9 +11,9 @@
 namespace bench {
 namespace {
 
-constexpr int kLeastWidth = 9;
+constexpr int kMinWidth = 9;
 
-// Letters, not bytes: titles have signs such as µ.
+// Characters, not bytes: titles contain signs such as µ.
 int lettersOf(const std::string &text) {
   return static_cast<int>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }));
 }
@@ -61,7 +61,7 @@ void Report::table(std::string name, std::vector<Column> columns) {
   std::string line;
   csv_ += "table";
   for (const Column &column : columns_) {
-    widths_.push_back(std::max(kLeastWidth, lettersOf(column.title)));
+    widths_.push_back(std::max(kMinWidth, lettersOf(column.title)));
     if (!column.title.empty()) line += padded(column.title, widths_.back()) + "  ";
     csv_ += "," + column.key;
   }

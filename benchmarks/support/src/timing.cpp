@@ -10,9 +10,9 @@ namespace bench {
 namespace {
 
 constexpr int kTurns = 10;
-constexpr std::size_t kLeastRuns = 21;
+constexpr std::size_t kMinRuns = 21;
 
-// Runs without a sample until caches and clock rate have settled, but slow functions not often.
+// Runs without a sample until caches and clock rate have settled; a slow function runs only a few times.
 void warmUp(double seconds, const std::function<void()> &f) {
   const double end_ms = wall_ms() + 0.1 * 1e3 * seconds;
   for (int i = 0; i < 10; ++i) {
@@ -45,7 +45,7 @@ Timing summaryOf(std::vector<double> samples) {
 
 Timing measure(double seconds, const std::function<void()> &f) {
   std::vector<double> samples;
-  sampleFor(seconds, kLeastRuns, samples, f);
+  sampleFor(seconds, kMinRuns, samples, f);
   return summaryOf(std::move(samples));
 }
 
@@ -53,7 +53,7 @@ std::vector<Timing> measureInTurns(double seconds, const std::vector<std::functi
   std::vector<std::vector<double>> samples(functions.size());
   for (int turn = 0; turn < kTurns; ++turn)
     for (std::size_t i = 0; i < functions.size(); ++i)
-      sampleFor(seconds / kTurns, kLeastRuns / kTurns + 1, samples[i], functions[i]);
+      sampleFor(seconds / kTurns, kMinRuns / kTurns + 1, samples[i], functions[i]);
   std::vector<Timing> out;
   for (std::vector<double> &s : samples) out.push_back(summaryOf(std::move(s)));
   return out;

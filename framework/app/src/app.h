@@ -3,7 +3,7 @@
 
 namespace c3de::session {}
 
-/// The program: its commands and its window, over what sessions do.
+/// The program: its commands and its window, built on sessions.
 namespace c3de::app {
 using namespace c3de::session;
 }

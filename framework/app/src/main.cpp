@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parses the command line, finds the command and runs it. Commands are listed in commands.cpp, each stands in
+// Parses the command line, finds the command and runs it. Commands are listed in commands.cpp, each is defined in
 // command_NAME.cpp.
 #include <algorithm>
 #include <csignal>
@@ -28,15 +28,15 @@ constexpr auto kOpenWindow = runWorkstation;
 constexpr std::nullptr_t kOpenWindow = nullptr;
 #endif
 
-/// One line. Of an option that is not known the nearest one.
-std::string whatIsWrong(const CLI::ParseError &error, const CLI::App &app, const CLI::App &at) {
+/// One line. For an unknown option, it proposes the nearest one.
+std::string describeParseError(const CLI::ParseError &error, const CLI::App &app, const CLI::App &at) {
   if (dynamic_cast<const CLI::ExtrasError *>(&error) == nullptr) return error.what();
   std::vector<std::string> known;
   for (const CLI::Option *option : at.get_options())
     for (const std::string &name : option->get_lnames()) known.push_back("--" + name);
   std::string text;
   std::vector<std::string> extras = app.remaining(true);
-  // What follows an option that is not known is most often its value.
+  // The text after an unknown option is most often its value.
   const auto isOption = [](const std::string &extra) { return extra.starts_with('-'); };
   if (std::any_of(extras.begin(), extras.end(), isOption))
     std::erase_if(extras, [&](const std::string &extra) { return !isOption(extra); });
@@ -55,7 +55,7 @@ int runCommandLine(int argc, char **argv, StudyRanks *ranks) {
       "Workstation for medical images that hosts simulation plugins.\n"
       "Without a command: open the workstation on FILES, or on a default scene.",
       "c3de");
-  app.set_help_flag("-h,--help", "Say this");
+  app.set_help_flag("-h,--help", "Show this help");
   app.require_subcommand(0, 1);
   std::map<const CLI::App *, Handler> handlers{{&app, declareWorkstation(app, line)}};
   for (const Command *command : commands()) {
@@ -78,15 +78,15 @@ int runCommandLine(int argc, char **argv, StudyRanks *ranks) {
       printOut(at.help(isRoot ? "" : "c3de"));
       return kDone;
     }
-    return reportError({ErrorCode::usage, whatIsWrong(error, app, at) + "; see " +
+    return reportError({ErrorCode::usage, describeParseError(error, app, at) + "; see " +
                                               (isRoot ? "c3de" : "c3de " + at.get_name()) + " --help"});
   }
 
   if (line.verbose) setLogThreshold(LogLevel::debug);
   const auto handler = handlers.find(&chosen());
   if (handler == handlers.end())
-    return reportError({ErrorCode::usage, "'" + chosen().get_name() + "' is not served yet; this version serves " +
-                                              servedCommands(" and ")});
+    return reportError({ErrorCode::usage, "'" + chosen().get_name() + "' is not available yet; this version provides " +
+                                              availableCommands(" and ")});
   if (line.version) {
     printVersion(line.json);
     return kDone;
@@ -98,10 +98,10 @@ int runCommandLine(int argc, char **argv, StudyRanks *ranks) {
 
 int main(int argc, char **argv) {
 #ifdef SIGXFSZ
-  // A file that reaches the limit of its size is an output that cannot be written, not a reason to die.
+  // A file that reaches its size limit is an output that cannot be written; it does not end the process.
   std::signal(SIGXFSZ, SIG_IGN);
 #endif
-  c3de::tellFatalErrors();
+  c3de::installFatalErrorReport();
   StudyRanks *ranks = nullptr;
 #ifdef C3DE_HAS_MPI
   MpiRanks mpi(argc, argv);

@@ -21,24 +21,24 @@ class Session;
 
 namespace c3de::app {
 
-/// What is drawn beside the bodies.
+/// What is drawn in addition to the bodies.
 struct PictureSources {
   PictureView view = PictureView::space;
-  std::shared_ptr<scene::StoredImage> image;    ///< null: none; then only the 3D view can be drawn
-  std::shared_ptr<scene::StoredLabels> labels;  ///< null: none
+  std::shared_ptr<scene::StoredImage> image;    ///< null if there is none; then only the 3D view can be drawn
+  std::shared_ptr<scene::StoredLabels> labels;  ///< null if there are none
   ImageWarp how;
-  bool warp = true;  ///< the image as the bodies have deformed it, with the overlay
+  bool warp = true;  ///< the image as deformed by the bodies, with the overlay
   PictureOverlay overlay;
 };
 
 /// Draws the end of a run without a window. It outlives the session.
 class RunPicture {
  public:
-  /// ErrorCode::graphics: no OpenGL on this machine, or a program without.
+  /// ErrorCode::graphics: no OpenGL on this machine, or a program without it.
   [[nodiscard]] static Expected<std::unique_ptr<RunPicture>> create();
   virtual ~RunPicture() = default;
   [[nodiscard]] virtual render::Renderer &renderer() = 0;
-  /// As writeScreenshot().
+  /// Same as writeScreenshot().
   [[nodiscard]] virtual Expected<void> write(Session &session, const std::filesystem::path &file, int width, int height,
                                              const PictureSources &sources, const Prepared &prepared) = 0;
 };

@@ -21,16 +21,16 @@ namespace {
 using Model = fcl::BVHModel<fcl::AABBd>;
 using Bounds = fcl::AABBd;
 
-/// Distances are compared with this relative slack when a box is skipped, so that rounding in the box test never
-/// decides which of two equally near triangles is found: a refitted tree answers like a rebuilt one.
-constexpr double kPruneSlack = 1.0 + 1e-12;
+/// Relative tolerance of distances when a box is skipped, so that rounding in the box test never determines which of
+/// two equally close triangles is found: a refitted tree returns the same result as a rebuilt one.
+constexpr double kPruneTolerance = 1.0 + 1e-12;
 
 Vec3 toVec3(const fcl::Vector3d &v) { return {v[0], v[1], v[2]}; }
 
 bool isFinite(const Vec3 &v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
 
 Expected<void> checkVertices(std::span<const Vec3> vertices) {
-  // Squares of lengths and products of three of them are formed, and must stay finite.
+  // Squares of lengths and products of three of them must stay finite.
   constexpr double kLimit = 1e60;
   for (std::size_t v = 0; v < vertices.size(); ++v)
     for (std::size_t k = 0; k < 3; ++k)
@@ -92,7 +92,7 @@ double squaredDistance(const Bounds &box, const Vec3 &p) {
   return sum;
 }
 
-/// Slab test, widened by the rounding of the triangle test so that it never hides a hit.
+/// Slab test, widened by the rounding error of the triangle test so that it never hides a hit.
 class SlabTest {
  public:
   SlabTest(const Vec3 &origin, const Vec3 &direction, const Bounds &root) : origin_(origin) {
@@ -183,7 +183,7 @@ Expected<void> AabbTree::refit(std::span<const Vec3> vertices) {
   if (auto ok = checkVertices(vertices); !ok) return ok;
   for (std::size_t v = 0; v < vertices.size(); ++v)
     impl_->positions[v] = fcl::Vector3d(vertices[v][0], vertices[v][1], vertices[v][2]);
-  // Replace, not update: an update keeps the previous positions and makes boxes around both.
+  // Replace, not update: an update keeps the previous positions and computes boxes around both.
   Model &model = *impl_->model;
   int status = model.beginReplaceModel();
   if (status >= 0) status = model.replaceSubModel(impl_->positions);
@@ -221,7 +221,7 @@ RayHit AabbTree::Impl::firstHit(const Vec3 &origin, const Vec3 &direction, doubl
       WatertightRay::Hit hit;
       if (!ray.intersect(corner(triangle, 0), corner(triangle, 1), corner(triangle, 2), hit)) continue;
       if (!(hit.t >= -slack && hit.t <= limit)) continue;
-      // Of triangles hit at the same place, the one with the smallest number: the answer does not depend on the tree.
+      // Of triangles hit at the same position, the one with the smallest index: the result does not depend on the tree.
       if (best.isHit() && hit.t == best.t && triangle > best.triangle) continue;
       best = {hit.t, triangle, hit.bary};
       limit = hit.t;
@@ -231,7 +231,7 @@ RayHit AabbTree::Impl::firstHit(const Vec3 &origin, const Vec3 &direction, doubl
     const bool hitsLeft = slab.hits(model->getBV(left.node).bv, -slack, limit, left.enter);
     const bool hitsRight = slab.hits(model->getBV(right.node).bv, -slack, limit, right.enter);
     if (hitsLeft && hitsRight && left.enter <= right.enter) std::swap(left, right);
-    // The nearer one is now in `right` and comes off the stack first.
+    // The closer one is now in `right` and is popped first.
     if (hitsLeft && hitsRight) {
       stack.push(left);
       stack.push(right);
@@ -250,7 +250,7 @@ RayHit AabbTree::ray(const Vec3 &origin, const Vec3 &direction, double tMax) con
 }
 
 RayHit AabbTree::segment(const Vec3 &from, const Vec3 &to) const {
-  // An end that lies on the surface counts, whichever way it was rounded.
+  // An end on the surface counts, whichever way it was rounded.
   return impl_->firstHit(from, to - from, 1.0, 1e-12);
 }
 
@@ -300,7 +300,7 @@ ClosestPoint AabbTree::closest(const Vec3 &point, double maxDistance) const {
   Entry entry{0, squaredDistance(model.getBV(0).bv, point)};
   stack.push(entry);
   while (stack.pop(entry)) {
-    if (entry.distanceSquared > best.distanceSquared * kPruneSlack) continue;
+    if (entry.distanceSquared > best.distanceSquared * kPruneTolerance) continue;
     const auto &node = model.getBV(entry.node);
     if (node.isLeaf()) {
       const auto triangle = static_cast<std::uint32_t>(node.primitiveId());
@@ -318,7 +318,7 @@ ClosestPoint AabbTree::closest(const Vec3 &point, double maxDistance) const {
     Entry right{node.rightChild(), squaredDistance(model.getBV(node.rightChild()).bv, point)};
     if (left.distanceSquared < right.distanceSquared) std::swap(left, right);
     stack.push(left);
-    stack.push(right);  // the nearer one comes off first
+    stack.push(right);  // the closer one is popped first
   }
   if (!result.isFound()) return result;
 
@@ -327,7 +327,7 @@ ClosestPoint AabbTree::closest(const Vec3 &point, double maxDistance) const {
   result.distance = std::sqrt(best.distanceSquared);
   result.normal = impl_->pseudonormal(result.triangle, best.feature);
   const Vec3 offset = point - best.point;
-  if (dot(result.normal, result.normal) == 0.0)  // a triangle without area, alone
+  if (dot(result.normal, result.normal) == 0.0)  // only for a triangle without area
     result.normal = result.distance > 0.0 ? (1.0 / result.distance) * offset : Vec3{0.0, 0.0, 1.0};
   else if (impl_->topology.isClosed() && dot(offset, result.normal) < 0.0)
     result.distance = -result.distance;
@@ -344,7 +344,7 @@ void AabbTree::sphere(const Vec3 &centre, double radius, std::vector<std::uint32
   stack.push(index);
   while (stack.pop(index)) {
     const auto &node = model.getBV(index);
-    if (squaredDistance(node.bv, centre) > radiusSquared * kPruneSlack) continue;
+    if (squaredDistance(node.bv, centre) > radiusSquared * kPruneTolerance) continue;
     if (!node.isLeaf()) {
       stack.push(node.leftChild());
       stack.push(node.rightChild());
@@ -385,8 +385,8 @@ void AabbTree::pairs(const AabbTree &other, double distance, std::vector<std::ar
   stack.push(at);
   while (stack.pop(at)) {
     const auto &first = a.getBV(at[0]), &second = b.getBV(at[1]);
-    if (squaredGap(first.bv, second.bv) > distance * distance * kPruneSlack) continue;
-    // The larger one is divided.
+    if (squaredGap(first.bv, second.bv) > distance * distance * kPruneTolerance) continue;
+    // The larger one is split.
     const bool divideFirst = !first.isLeaf() && (second.isLeaf() || first.bv.size() >= second.bv.size());
     if (divideFirst) {
       stack.push({first.leftChild(), at[1]});
@@ -404,7 +404,7 @@ void AabbTree::pairs(const AabbTree &other, double distance, std::vector<std::ar
     fcl::Vector3d s[3], t[3], p, q;
     cornersOf(*impl_, i, s);
     cornersOf(*other.impl_, j, t);
-    // Of degenerate triangles it may be not a number; such a pair is told rather than missed.
+    // For degenerate triangles it may be NaN; such a pair is reported rather than missed.
     if (!(fcl::detail::TriangleDistance<double>::triDistance(s, t, p, q) > distance)) out.push_back({i, j});
   }
   std::sort(out.begin(), out.end());

@@ -9,13 +9,13 @@
 
 namespace c3de::collision {
 
-/// Which triangles meet at a vertex, and whether the surface is closed. Follows from the indices alone, so it holds
-/// for every position of the vertices.
+/// Which triangles meet at a vertex, and whether the surface is closed. Depends on the indices alone, so it is valid
+/// for all positions of the vertices.
 class SurfaceTopology {
  public:
   SurfaceTopology(std::size_t vertexCount, std::span<const Triangle> triangles);
 
-  /// Every edge is run through as often one way as the other.
+  /// Every edge is traversed equally often in both directions.
   [[nodiscard]] bool isClosed() const { return closed_; }
   [[nodiscard]] std::span<const std::uint32_t> trianglesAt(unsigned vertex) const {
     return {list_.data() + begin_[vertex], begin_[vertex + 1] - begin_[vertex]};
@@ -23,7 +23,7 @@ class SurfaceTopology {
 
  private:
   std::vector<std::size_t> begin_;   ///< [vertexCount + 1] into list_
-  std::vector<std::uint32_t> list_;  ///< ascending per vertex; a triangle that names a vertex twice stands there twice
+  std::vector<std::uint32_t> list_;  ///< ascending per vertex; a triangle that contains a vertex twice occurs twice
   bool closed_ = false;
 };
 

@@ -19,7 +19,7 @@ WatertightRay::WatertightRay(const Vec3 &origin, const Vec3 &direction) : origin
 
 bool WatertightRay::intersect(const Vec3 &va, const Vec3 &vb, const Vec3 &vc, Hit &hit) const {
   const Vec3 a = va - origin_, b = vb - origin_, c = vc - origin_;
-  // The ray becomes the z axis; what is left is whether the origin lies in a 2-D triangle.
+  // The ray becomes the z axis; the remaining test is whether the origin is in a 2-D triangle.
   const double ax = a[kx_] - shearX_ * a[kz_], ay = a[ky_] - shearY_ * a[kz_];
   const double bx = b[kx_] - shearX_ * b[kz_], by = b[ky_] - shearY_ * b[kz_];
   const double cx = c[kx_] - shearX_ * c[kz_], cy = c[ky_] - shearY_ * c[kz_];
@@ -39,7 +39,7 @@ TrianglePoint finish(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c,
   result.bary = bary;
   result.feature = feature;
   switch (feature) {
-    // A corner is that corner to the last bit, so that its triangles agree on the distance.
+    // A corner is returned exactly, so that its triangles agree on the distance.
     case Feature::cornerA: result.point = a; break;
     case Feature::cornerB: result.point = b; break;
     case Feature::cornerC: result.point = c; break;
@@ -50,7 +50,7 @@ TrianglePoint finish(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c,
   return result;
 }
 
-/// Share of the way from a to b, in [0, 1].
+/// Fraction of the distance from a to b, in [0, 1].
 double closestOnSegment(const Vec3 &p, const Vec3 &a, const Vec3 &b) {
   const Vec3 ab = b - a;
   const double length2 = dot(ab, ab);
@@ -76,13 +76,13 @@ TrianglePoint closestOnSides(const Vec3 &p, const Vec3 &a, const Vec3 &b, const 
 }  // namespace
 
 TrianglePoint closestOnTriangle(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c) {
-  constexpr double kFlat = 1e-13;  // sine of the angle below which the normal is rounding only
+  constexpr double kFlat = 1e-13;  // sine of the angle below which the normal is only rounding error
   const Vec3 ab = b - a, ac = c - a, bc = c - b;
   const Vec3 n = cross(ab, ac);
   const double longest2 = std::max({dot(ab, ab), dot(ac, ac), dot(bc, bc)});
   if (!(dot(n, n) > kFlat * kFlat * longest2 * longest2)) return closestOnSides(p, a, b, c);
 
-  // Which region of the plane, after Ericson, Real-Time Collision Detection (2005), 5.1.5.
+  // Region of the plane, after Ericson, Real-Time Collision Detection (2005), 5.1.5.
   const Vec3 ap = p - a, bp = p - b, cp = p - c;
   const double d1 = dot(ab, ap), d2 = dot(ac, ap);
   if (d1 <= 0.0 && d2 <= 0.0) return finish(p, a, b, c, {1.0, 0.0, 0.0}, Feature::cornerA);

@@ -8,8 +8,8 @@
 
 namespace c3de::collision {
 
-/// A ray prepared so that two triangles with a common edge decide about it with the same numbers: no ray slips through
-/// between them. Both faces are hit.
+/// A ray prepared so that two triangles with a common edge use the same numbers: no ray passes between them. Both faces
+/// are hit.
 /// @source Woop, Benthin, Wald, Watertight Ray/Triangle Intersection, JCGT 2013
 class WatertightRay {
  public:
@@ -38,7 +38,7 @@ struct TrianglePoint {
   double distanceSquared = 0.0;
   Feature feature = Feature::face;
 };
-/// Triangles without area are treated as what they are, segments or points.
+/// Triangles without area are treated as segments or points.
 [[nodiscard]] TrianglePoint closestOnTriangle(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c);
 
 }  // namespace c3de::collision

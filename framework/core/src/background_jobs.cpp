@@ -30,7 +30,7 @@ struct BackgroundJobs::Impl {
 
   MainQueue &mainQueue;
   HandleTable<std::shared_ptr<Job>, HandleKind::job> jobs;  // main thread only
-  // Posted functions may outlive this object; they hold the flag and look before they touch.
+  // Posted functions may outlive this object; they check this flag before they access it.
   std::shared_ptr<bool> alive = std::make_shared<bool>(true);
 
   void finish(Handle handle) {
@@ -56,7 +56,7 @@ BackgroundJobs::~BackgroundJobs() {
 }
 
 Handle BackgroundJobs::submit(std::string owner, std::string title, Run run, Done done) {
-  if (!*impl_->alive) return {};  // asked for by the done() of a job that the destructor ends
+  if (!*impl_->alive) return {};  // submitted by the done() of a job that the destructor ends
   auto job = std::make_shared<Impl::Job>();
   job->owner = std::move(owner);
   job->title = std::move(title);

@@ -19,38 +19,38 @@
 #include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
 #include "fatal_error.h"
-#include "foreign_place.h"
+#include "plugin_call_site.h"
 
 namespace c3de {
 namespace {
 
 constexpr const char *kExtension = ".run";
 
-/// By value of Place.
+/// Indexed by Place.
 constexpr std::array kPlaces{"program", "call", "thread", "before", "hang"};
 
-struct ForeignCode {
+struct PluginCode {
   std::atomic<const char *> owner{nullptr};
   CodeRange range;
 };
 
-// A handler of signals is given no data of ours: static.
-std::array<ForeignCode, 256> foreignCode;
-std::atomic<std::size_t> foreignCodeUsed{0};
+// A signal handler has no user data argument: static.
+std::array<PluginCode, 256> pluginCode;
+std::atomic<std::size_t> pluginCodeUsed{0};
 std::atomic<const detail::HeldFile *> journalOfProcess{nullptr};
 std::mutex hangMutex;
 
 const char *ownerOfCode(const void *address) noexcept {
-  const std::size_t used = std::min(foreignCodeUsed.load(), foreignCode.size());
+  const std::size_t used = std::min(pluginCodeUsed.load(), pluginCode.size());
   for (std::size_t i = 0; i < used; ++i) {
-    const char *owner = foreignCode[i].owner.load(std::memory_order_acquire);
-    const CodeRange &range = foreignCode[i].range;
+    const char *owner = pluginCode[i].owner.load(std::memory_order_acquire);
+    const CodeRange &range = pluginCode[i].range;
     if (owner != nullptr && address >= range.begin && address < range.end) return owner;
   }
   return nullptr;
 }
 
-/// Text without memory from the heap, which may be what is damaged.
+/// Text that needs no heap, which may be damaged.
 class FixedText {
  public:
   FixedText &operator<<(const char *text) noexcept {
@@ -70,15 +70,15 @@ class FixedText {
 
 const char *nameOf(CrashRecord::Place place) { return kPlaces[static_cast<std::size_t>(place)]; }
 
-/// Whose code a stack is in.
-struct Culprit {
+/// The code that a stack belongs to.
+struct PluginAttribution {
   CrashRecord::Place place = CrashRecord::Place::program;
   const char *owner = nullptr, *what = nullptr;
 };
 
-Culprit culpritOf(const void *const *stack, std::size_t depth) noexcept {
+PluginAttribution culpritOf(const void *const *stack, std::size_t depth) noexcept {
   using Place = CrashRecord::Place;
-  const detail::ForeignPlace at = detail::foreignPlaceOfThread();
+  const detail::PluginCallSite at = detail::pluginCallSiteOfThread();
   const char *owner = nullptr;
   for (std::size_t i = 0; i < depth && owner == nullptr; ++i) owner = ownerOfCode(stack[i]);
   if (at.isInside) return {Place::call, owner != nullptr ? owner : at.owner, at.what};
@@ -87,7 +87,7 @@ Culprit culpritOf(const void *const *stack, std::size_t depth) noexcept {
   return {};
 }
 
-void writeToJournal(const Culprit &culprit, const char *how) noexcept {
+void writeToJournal(const PluginAttribution &culprit, const char *how) noexcept {
   const detail::HeldFile *journal = journalOfProcess.load();
   if (journal == nullptr) return;
   FixedText record;
@@ -97,16 +97,16 @@ void writeToJournal(const Culprit &culprit, const char *how) noexcept {
 
 void onFatalError(const char *how, const void *const *stack, std::size_t depth) noexcept {
   using Place = CrashRecord::Place;
-  const Culprit at = culpritOf(stack, depth);
+  const PluginAttribution at = culpritOf(stack, depth);
   FixedText told;
   told << "\nc3de: fatal: " << how;
   if (at.place == Place::program) told << ", in the program itself";
   if (at.place == Place::call) told << ", in plugin " << at.owner << " (" << at.what << ")";
   if (at.place == Place::thread) told << ", in plugin " << at.owner << " (on a thread of its own)";
   if (at.place == Place::before) told << ", in the program itself, after plugin " << at.owner << " (" << at.what << ")";
-  // Damage to the heap is found by whoever asks for memory next.
-  const detail::ForeignPlace earlier = detail::earlierPlaceOfThread(at.owner);
-  // By the name of its file it was called before it had said its id.
+  // Heap damage is detected by the next allocation, possibly in another plugin.
+  const detail::PluginCallSite earlier = detail::previousCallSiteOfThread(at.owner);
+  // Before a plugin has stated its id, it is recorded under its file name.
   if (at.place == Place::call && earlier.owner != nullptr &&
       !std::string_view(earlier.owner).ends_with(pluginExtension()))
     told << "; called before it: plugin " << earlier.owner << " (" << earlier.what << ")";
@@ -115,14 +115,14 @@ void onFatalError(const char *how, const void *const *stack, std::size_t depth) 
   writeToJournal(at, how);
 }
 
-/// Handlers of exit() and what takes the place of _exit() are given no data of ours: static.
+/// Handlers of exit() and the replacement of _exit() have no user data argument: static.
 struct ExitWatch {
   std::atomic<int> code{0};
   std::atomic<long long> process{-1};
   std::atomic<std::thread::id> mainThread{};
 } exitWatch;
 
-/// Empty: it says nothing.
+/// Empty: it contains no record.
 std::optional<CrashRecord> read(const std::filesystem::path &path) {
   std::ifstream file(path);
   std::string place;
@@ -134,9 +134,9 @@ std::optional<CrashRecord> read(const std::filesystem::path &path) {
   const auto *found = std::find(kPlaces.begin(), kPlaces.end(), place);
   if (found == kPlaces.end()) return {};
   record.place = static_cast<CrashRecord::Place>(found - kPlaces.begin());
-  record.how = shownMessage(record.how);
-  record.owner = shownMessage(record.owner);
-  record.what = shownMessage(record.what);
+  record.how = displayMessage(record.how);
+  record.owner = displayMessage(record.owner);
+  record.what = displayMessage(record.what);
   return record;
 }
 
@@ -149,7 +149,7 @@ struct CrashJournal::Impl {
 
 CrashJournal::CrashJournal(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {
   journalOfProcess = &impl_->file;
-  tellFatalErrors();
+  installFatalErrorReport();
 }
 
 CrashJournal::CrashJournal(CrashJournal &&) noexcept = default;
@@ -157,7 +157,7 @@ CrashJournal::CrashJournal(CrashJournal &&) noexcept = default;
 CrashJournal::~CrashJournal() {
   if (!impl_) return;
   journalOfProcess = nullptr;
-  const std::lock_guard lock(hangMutex);  // nobody writes to it any more
+  const std::lock_guard lock(hangMutex);  // no thread writes to it any more
   std::error_code ignored;
   std::filesystem::remove(impl_->path, ignored);
 }
@@ -175,7 +175,7 @@ Expected<CrashJournal> CrashJournal::begin(const std::filesystem::path &folder) 
   return CrashJournal(std::make_unique<Impl>(Impl{path, std::move(*file)}));
 }
 
-std::vector<CrashRecord> CrashJournal::takeLeft(const std::filesystem::path &folder) {
+std::vector<CrashRecord> CrashJournal::popCrashRecords(const std::filesystem::path &folder) {
   std::vector<CrashRecord> records;
   std::vector<std::filesystem::path> gone;
   std::error_code error;
@@ -203,18 +203,18 @@ std::string CrashRecord::cause() const {
   return fmt::format("ended by {}, in the program itself", how);
 }
 
-// No log: code from outside may be within it, or in a handler of a signal.
+// Does not log: plugin code may be inside the logger, or in a signal handler.
 void detail::onExit(const char *how) noexcept {
   using Place = CrashRecord::Place;
-  // A child that somebody has forked ends as it likes.
+  // A forked child may exit as it likes.
   if (processId() != exitWatch.process.load()) return;
   std::array<const void *, 64> stack{};
-  const Culprit at = culpritOf(stack.data(), presentStack(stack.data(), stack.size()));
-  const bool isForeign = at.place == Place::call || at.place == Place::thread;
-  if (!isForeign && std::this_thread::get_id() == exitWatch.mainThread.load()) return;
+  const PluginAttribution at = culpritOf(stack.data(), presentStack(stack.data(), stack.size()));
+  const bool isPluginCall = at.place == Place::call || at.place == Place::thread;
+  if (!isPluginCall && std::this_thread::get_id() == exitWatch.mainThread.load()) return;
   FixedText told;
   told << "c3de: error: ";
-  if (isForeign)
+  if (isPluginCall)
     told << "plugin " << at.owner;
   else
     told << "a thread that is not the program's";
@@ -223,18 +223,18 @@ void detail::onExit(const char *how) noexcept {
   if (at.place == Place::thread) told << " on a thread of its own";
   told << "; results that were not written are lost\n";
   writeToErrorStream(told.data(), told.size());
-  writeToJournal(isForeign ? at : Culprit{}, how);
+  writeToJournal(isPluginCall ? at : PluginAttribution{}, how);
   endProcess(exitWatch.code.load());
 }
 
-void nameWhoExits(int code) {
+void reportPluginExits(int code) {
   exitWatch.code = code;
   exitWatch.process = processId();
   exitWatch.mainThread = std::this_thread::get_id();
   std::array<const void *, 1> loads{};
-  (void)detail::presentStack(loads.data(), loads.size());  // what it needs is loaded by its first call
+  (void)detail::presentStack(loads.data(), loads.size());  // the first call loads required libraries
   static const bool isRegistered = [] {
-#if !defined(__MINGW32__)  // which has no quick_exit
+#if !defined(__MINGW32__)  // it has no quick_exit
     (void)std::at_quick_exit([] { detail::onExit("quick_exit()"); });
 #endif
     return std::atexit([] { detail::onExit("exit()"); }) == 0;
@@ -242,16 +242,16 @@ void nameWhoExits(int code) {
   (void)isRegistered;
 }
 
-void tellFatalErrors() { detail::installFatalHandler(&onFatalError); }
+void installFatalErrorReport() { detail::installFatalHandler(&onFatalError); }
 
-void noteForeignCode(const char *owner, const CodeRange &range) {
+void notePluginCode(const char *owner, const CodeRange &range) {
   if (range.begin == nullptr) return;
-  for (std::size_t i = 0; i < std::min(foreignCodeUsed.load(), foreignCode.size()); ++i)
-    if (foreignCode[i].range.begin == range.begin) return foreignCode[i].owner.store(owner);
-  const std::size_t i = foreignCodeUsed.fetch_add(1);
-  if (i >= foreignCode.size()) return;
-  foreignCode[i].range = range;
-  foreignCode[i].owner.store(owner, std::memory_order_release);
+  for (std::size_t i = 0; i < std::min(pluginCodeUsed.load(), pluginCode.size()); ++i)
+    if (pluginCode[i].range.begin == range.begin) return pluginCode[i].owner.store(owner);
+  const std::size_t i = pluginCodeUsed.fetch_add(1);
+  if (i >= pluginCode.size()) return;
+  pluginCode[i].range = range;
+  pluginCode[i].owner.store(owner, std::memory_order_release);
 }
 
 void noteHang(const LongCall &call) {

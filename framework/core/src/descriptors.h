@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers of open files, in platform_posix.cpp and platform_win32.cpp.
+// File descriptors, in platform_posix.cpp and platform_win32.cpp.
 #pragma once
 
 #include <cstdio>
@@ -7,7 +7,7 @@
 namespace c3de {
 
 [[nodiscard]] int duplicateDescriptor(int descriptor);  ///< < 0: not possible
-/// What is written to a descriptor goes where another one leads.
+/// Redirects output written to a descriptor to another one.
 void redirectDescriptor(int descriptor, int to);
 void closeDescriptor(int descriptor);
 [[nodiscard]] int descriptorOf(std::FILE *file);

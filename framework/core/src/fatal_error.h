@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Errors that end the process: signals, and exceptions of the system on Windows.
+// Errors that terminate the process: signals, and system exceptions on Windows.
 #pragma once
 
 #include <cstddef>
@@ -10,27 +10,27 @@
 
 namespace c3de::detail {
 
-/// Called on the thread that dies: may only read and write memory that is there, and write to open files.
+/// Called on the crashing thread: may only access existing memory, and write to open files.
 /// @param how  "SIGSEGV, an invalid access to memory"
-/// @param stack  code addresses, the innermost first; what can be had of them
+/// @param stack  available code addresses, the innermost first
 using FatalHandler = void (*)(const char *how, const void *const *stack, std::size_t depth) noexcept;
 
-/// From now on; the process dies after it as it would have without. One handler.
+/// Effective from now on; afterwards the process terminates as it would have otherwise. One handler.
 void installFatalHandler(FatalHandler handler);
 
-/// Code addresses of the present stack, the innermost first; how many.
+/// Code addresses of the present stack, the innermost first; returns their number.
 [[nodiscard]] std::size_t presentStack(const void **out, std::size_t most) noexcept;
 
-/// Ends the process at once: no handler of exit() runs, nothing is flushed.
+/// Terminates the process immediately: no handler of exit() runs, nothing is flushed.
 [[noreturn]] void endProcess(int exitCode) noexcept;
 
-/// For the platform, where it can see that somebody asks for the end of the process: returns unless that is code from
-/// outside, which is named then.
+/// Called by the platform where it can intercept a request to terminate the process. Returns unless the request is from
+/// plugin code, which is then reported.
 /// @param how  "_exit()"
 void onExit(const char *how) noexcept;
 
-/// A stack for the handler on the present thread, so that one whose own has overflown can be handled. Made and given
-/// back by the thread that uses it.
+/// A stack for the handler on the present thread, for overflows of the thread's own stack. Created and released by the
+/// thread that uses it.
 class HandlerStack {
  public:
   HandlerStack();
@@ -42,18 +42,19 @@ class HandlerStack {
   std::unique_ptr<unsigned char[]> memory_;
 };
 
-/// A file that one process has to itself while it lives; the system lets go of it however the process ends.
+/// A file that is exclusive to one process during its lifetime; the system releases it when the process ends, for
+/// whatever reason.
 class HeldFile {
  public:
-  /// Empty: it cannot be made, or somebody else has it.
+  /// Empty: it cannot be created, or another process holds it.
   [[nodiscard]] static std::optional<HeldFile> make(const std::filesystem::path &path);
-  /// Of a process that has gone; empty: its process lives, or it cannot be read.
+  /// The file of a process that has ended; empty: its process is running, or it cannot be read.
   [[nodiscard]] static std::optional<HeldFile> takeOver(const std::filesystem::path &path);
   HeldFile(HeldFile &&other) noexcept;
   HeldFile &operator=(HeldFile &&) = delete;
   ~HeldFile();  ///< closes it; it stays on disk
 
-  /// Puts the text into the file in place of what it held. As FatalHandler.
+  /// Replaces the contents of the file by the text. Restrictions as for FatalHandler.
   void replace(const char *text, std::size_t size) const noexcept;
   void append(const char *text, std::size_t size) const noexcept;
 
@@ -62,7 +63,7 @@ class HeldFile {
   std::intptr_t file_;
 };
 
-/// To the error stream of the process, as FatalHandler.
+/// Writes to the error stream of the process. Restrictions as for FatalHandler.
 void writeToErrorStream(const char *text, std::size_t size) noexcept;
 
 }  // namespace c3de::detail

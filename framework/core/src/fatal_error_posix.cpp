@@ -20,25 +20,25 @@ struct Fatal {
   int signal;
   const char *how;
 };
-constexpr std::array kFatal{Fatal{SIGSEGV, "SIGSEGV, an invalid access to memory or a stack that is full"},
+constexpr std::array kFatal{Fatal{SIGSEGV, "SIGSEGV, an invalid memory access or a stack overflow"},
                             Fatal{SIGBUS, "SIGBUS, an invalid access to memory"},
                             Fatal{SIGFPE, "SIGFPE, a division of whole numbers by zero"},
-                            Fatal{SIGILL, "SIGILL, an instruction that this processor does not have"},
+                            Fatal{SIGILL, "SIGILL, an illegal instruction"},
                             Fatal{SIGABRT, "SIGABRT, a call of abort() or an exception that nobody caught"}};
 
-std::array<struct sigaction, kFatal.size()> before;  // signal handlers are given no data of ours: static
+std::array<struct sigaction, kFatal.size()> before;  // signal handlers have no user data argument: static
 std::atomic<FatalHandler> handlerOfProcess{nullptr};
 std::atomic<bool> isDying{false};
 
 constexpr std::size_t kStackSize = 64 * 1024;
-/// Walking a stack that is destroyed may itself not come to an end.
-constexpr unsigned kMostSeconds = 5;
+/// Unwinding a corrupted stack may not terminate.
+constexpr unsigned kMaxSeconds = 5;
 
 void onSignal(int signal, siginfo_t *info, void *) {
   std::size_t i = 0;
   while (i + 1 < kFatal.size() && kFatal[i].signal != signal) ++i;
   if (!isDying.exchange(true)) {
-    alarm(kMostSeconds);
+    alarm(kMaxSeconds);
     std::array<void *, 64> stack{};
     const int depth = backtrace(stack.data(), static_cast<int>(stack.size()));
     if (const FatalHandler handler = handlerOfProcess.load())
@@ -46,7 +46,7 @@ void onSignal(int signal, siginfo_t *info, void *) {
     alarm(0);
   }
   sigaction(signal, &before[i], nullptr);
-  // A fault comes again when this returns; what was sent does not.
+  // A fault recurs when this returns; a sent signal does not.
   if (info == nullptr || info->si_code <= 0 || signal == SIGABRT) raise(signal);
 }
 
@@ -55,7 +55,7 @@ void onSignal(int signal, siginfo_t *info, void *) {
 void installFatalHandler(FatalHandler handler) {
   if (handlerOfProcess.exchange(handler) != nullptr) return;
   void *loads[1];
-  (void)backtrace(loads, 1);  // what it needs is loaded by its first call, which a handler must not do
+  (void)backtrace(loads, 1);  // the first call loads required libraries, which a handler must not do
   struct sigaction action {};
   action.sa_sigaction = &onSignal;
   action.sa_flags = SA_SIGINFO | SA_ONSTACK;
@@ -80,7 +80,7 @@ void endProcess(int exitCode) noexcept {
 
 HandlerStack::HandlerStack() {
   stack_t present{};
-  // Sanitizers bring their own.
+  // Sanitizers install their own.
   if (sigaltstack(nullptr, &present) != 0 || (present.ss_flags & SS_DISABLE) == 0) return;
   memory_ = std::make_unique<unsigned char[]>(kStackSize);
   stack_t stack{};
@@ -103,7 +103,7 @@ std::optional<HeldFile> HeldFile::make(const std::filesystem::path &path) {
     HeldFile held(file);
     struct stat status {};
     if (flock(file, LOCK_EX | LOCK_NB) != 0 || fstat(file, &status) != 0) return {};
-    // Somebody who took it for left behind may have removed it before it was locked.
+    // Another process may have taken it for an abandoned file and removed it before it was locked.
     if (status.st_nlink > 0) return held;
   }
   return {};
@@ -139,8 +139,8 @@ void writeToErrorStream(const char *text, std::size_t size) noexcept {
 }  // namespace c3de::detail
 
 #if defined(__linux__)
-// Plugins find these before those of the C library, because the program comes first where symbols are looked up. exit()
-// of the C library does not call them.
+// Plugins resolve these before those of the C library, because the program comes first in symbol lookup. The C
+// library's exit() does not call them.
 extern "C" {
 __attribute__((visibility("default"))) void _exit(int code) {  // NOLINT(bugprone-reserved-identifier): its name
   c3de::detail::onExit("_exit()");

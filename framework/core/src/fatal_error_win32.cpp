@@ -13,15 +13,15 @@ namespace {
 
 std::atomic<FatalHandler> handlerOfProcess{nullptr};
 std::atomic<bool> isDying{false};
-LPTOP_LEVEL_EXCEPTION_FILTER before = nullptr;  // filters are given no data of ours: static
+LPTOP_LEVEL_EXCEPTION_FILTER before = nullptr;  // filters have no user data argument: static
 
-/// For the handler when the stack of a thread has overflown.
+/// For the handler when the stack of a thread has overflowed.
 constexpr ULONG kStackSize = 64 * 1024;
 
 const char *howOf(DWORD code) {
   switch (code) {
     case EXCEPTION_ACCESS_VIOLATION: return "0xC0000005, an invalid access to memory";
-    case EXCEPTION_STACK_OVERFLOW: return "0xC00000FD, a stack that is full";
+    case EXCEPTION_STACK_OVERFLOW: return "0xC00000FD, a stack overflow";
     case EXCEPTION_INT_DIVIDE_BY_ZERO: return "0xC0000094, a division of whole numbers by zero";
     case EXCEPTION_ILLEGAL_INSTRUCTION: return "0xC000001D, an instruction that this processor does not have";
     case 0xE06D7363: return "0xE06D7363, an exception that nobody caught";
@@ -49,7 +49,7 @@ void onAbort(int) { tell("SIGABRT, a call of abort() or an exception that nobody
 HANDLE handleOf(std::intptr_t file) { return reinterpret_cast<HANDLE>(file); }
 
 std::optional<std::intptr_t> openAlone(const std::filesystem::path &path, DWORD disposition) {
-  // Others may read, so that they see that it is there, but not write: that is what holds it.
+  // Others may read, to see that it exists, but not write: this is what locks it.
   const HANDLE file = CreateFileW(path.c_str(), GENERIC_READ | GENERIC_WRITE, FILE_SHARE_READ | FILE_SHARE_DELETE,
                                   nullptr, disposition, FILE_ATTRIBUTE_NORMAL, nullptr);
   if (file == INVALID_HANDLE_VALUE) return {};

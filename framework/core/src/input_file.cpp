@@ -21,7 +21,7 @@ const char *kindOf(std::filesystem::file_type type) {
 
 }  // namespace
 
-std::string whatInsteadOfFile(const std::filesystem::path &path) {
+std::string describeNonFile(const std::filesystem::path &path) {
   std::error_code code;
   const std::filesystem::file_status status = std::filesystem::status(path, code);
   switch (status.type()) {
@@ -33,7 +33,7 @@ std::string whatInsteadOfFile(const std::filesystem::path &path) {
 }
 
 Expected<void> checkInputFile(const std::filesystem::path &path) {
-  const std::string instead = whatInsteadOfFile(path);
+  const std::string instead = describeNonFile(path);
   if (instead.empty()) return {};
   return fail(ErrorCode::input, pathText(path) + ": " + instead);
 }

@@ -8,13 +8,13 @@ namespace c3de::detail {
 
 enum class OpenMode { replace, createNew, append };
 
-/// Binary; null with errno set when it cannot be opened. createNew fails where there is a file.
+/// Binary; null with errno set if it cannot be opened. createNew fails if the file exists.
 [[nodiscard]] std::FILE *openFile(const std::filesystem::path &path, OpenMode mode);
 
-/// A new file in a folder that has no name yet, for writing: the system takes it back when the program ends, however it
-/// ends. Null where the system or the folder's disk knows no such files.
+/// A new unnamed file in a folder, for writing; the system removes it when the program ends, for whatever reason. Null
+/// if the system or the file system does not support such files.
 [[nodiscard]] std::FILE *openUnnamed(const std::filesystem::path &folder);
-/// Gives such a file a name that no file has. @return errno, 0: done
+/// Gives such a file a name that is not in use. @return errno, 0: success
 [[nodiscard]] int nameFile(std::FILE *file, const std::filesystem::path &path);
 
 }  // namespace c3de::detail

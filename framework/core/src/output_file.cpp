@@ -16,18 +16,18 @@ using detail::FilePointer;
 using detail::openFile;
 using detail::OpenMode;
 
-constexpr int kMostLinks = 40;   // as the system itself follows
-constexpr int kMostNames = 100;  // left behind by runs that were killed
+constexpr int kMaxLinks = 40;   // same limit as the system
+constexpr int kMaxNames = 100;  // left behind by killed runs
 
 std::string textOf(const fs::path &path) {
   const std::u8string text = path.u8string();
   return {text.begin(), text.end()};
 }
 
-/// What is written when `path` is: links followed, also to a file that is not there yet.
+/// The file that writing to `path` changes: links are followed, also to a file that does not exist yet.
 fs::path targetOf(fs::path path) {
   std::error_code code;
-  for (int i = 0; i < kMostLinks && fs::is_symlink(fs::symlink_status(path, code)); ++i) {
+  for (int i = 0; i < kMaxLinks && fs::is_symlink(fs::symlink_status(path, code)); ++i) {
     const fs::path link = fs::read_symlink(path, code);
     if (code) break;
     path = link.is_absolute() ? link : path.parent_path() / link;
@@ -37,7 +37,7 @@ fs::path targetOf(fs::path path) {
 
 fs::path folderOf(const fs::path &path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
 
-/// Beside its place, the i-th name to try.
+/// The i-th candidate name in the target's folder.
 fs::path temporaryName(fs::path target, int i) {
   target += i == 1 ? std::string(".part") : "." + std::to_string(i) + ".part";
   return target;
@@ -53,10 +53,10 @@ tl::unexpected<Error> failed(const fs::path &path, int error) {
     return fail(ErrorCode::output, name + ": cannot be written: there is no folder " + textOf(folder));
   return fail(ErrorCode::output,
               name + ": could not be written: " +
-                  (error != 0 ? std::generic_category().message(error) : "the system says no reason"));
+                  (error != 0 ? std::generic_category().message(error) : "the system gave no reason"));
 }
 
-/// Closes the file; the first error of writing and closing, or 0.
+/// Closes the file; returns the first error of writing and closing, or 0.
 int closed(FilePointer &file, int error) {
   if (error == 0 && std::fflush(file.get()) != 0) error = errno;
   errno = 0;
@@ -80,7 +80,7 @@ Expected<OutputFile> OutputFile::open(const fs::path &path) {
       out.unnamed_ = true;
       return out;
     }
-    for (int i = 1; i <= kMostNames && !out.file_; ++i) {
+    for (int i = 1; i <= kMaxNames && !out.file_; ++i) {
       out.temporary_ = temporaryName(out.target_, i);
       errno = 0;
       out.file_.reset(openFile(out.temporary_, OpenMode::createNew));
@@ -114,7 +114,7 @@ void OutputFile::write(std::string_view bytes) {
 
 int OutputFile::giveName() {
   int error = EEXIST;
-  for (int i = 1; i <= kMostNames && error == EEXIST; ++i) {
+  for (int i = 1; i <= kMaxNames && error == EEXIST; ++i) {
     temporary_ = temporaryName(target_, i);
     error = detail::nameFile(file_.get(), temporary_);
   }
@@ -135,7 +135,7 @@ Expected<void> OutputFile::commit() {
   std::error_code code, ignored;
   if (temporary_.empty()) return error == 0 ? Expected<void>{} : failed(path_, error);
   if (error == 0) {
-    // What takes the place of a file is as open to others as that was.
+    // The replacement gets the permissions of the replaced file.
     if (fs::exists(target_, ignored)) fs::permissions(temporary_, fs::status(target_, ignored).permissions(), ignored);
     fs::rename(temporary_, target_, code);
     if (!code) return {};
@@ -158,7 +158,7 @@ Expected<OutputRows> OutputRows::open(const fs::path &path) {
   errno = 0;
   rows.file_.reset(openFile(rows.target_, OpenMode::replace));
   if (!rows.file_) return failed(path, errno);
-  // Each row goes to the system in one piece.
+  // Each row is passed to the system in one piece.
   std::setvbuf(rows.file_.get(), nullptr, _IONBF, 0);
   return rows;
 }
@@ -194,7 +194,7 @@ bool liesIn(const fs::path &file, const fs::path &folder) {
   return false;
 }
 
-/// Makes files for a look at what their names lead to.
+/// Creates files temporarily to examine what their names denote.
 class TriedFiles {
  public:
   TriedFiles() = default;
@@ -234,7 +234,7 @@ Expected<void> checkOutputs(std::span<const fs::path> outputs, std::span<const f
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     if (outputs[i].empty()) continue;
     if (const auto opened = tried.open(outputs[i]); !opened) return opened;
-    // Devices take what two outputs write.
+    // Devices accept the output of several files.
     if (!fs::is_regular_file(targetOf(outputs[i]), code)) continue;
     for (std::size_t j = 0; j < i; ++j)
       if (!outputs[j].empty() && fs::equivalent(outputs[i], outputs[j], code))

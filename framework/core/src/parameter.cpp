@@ -27,12 +27,12 @@ const char *typeName(std::uint32_t type) {
 std::string unitSuffix(const ParameterDecl &decl) { return decl.unit.empty() ? "" : " " + decl.unit; }
 
 tl::unexpected<Error> refuse(const ParameterDecl &decl, const ParameterValue &value) {
-  // Ids of classes have a generation behind a '/'.
+  // Class ids end with a generation after a '/'.
   const bool isClass = decl.type == C3DE_PARAM_CHOICE && value.text.find('/') != std::string::npos;
   return fail(ErrorCode::usage,
               fmt::format("{} = {}{} is not accepted; accepted: {}{}", decl.id, value.display(),
                           value.type == C3DE_PARAM_F64 ? unitSuffix(decl) : "", decl.accepted(),
-                          isClass ? "; what a plugin brings is there when it is loaded (--plugin)" : ""));
+                          isClass ? "; values from a plugin are available once it is loaded (--plugin)" : ""));
 }
 
 bool inRange(const ParameterDecl &decl, double x) {
@@ -78,10 +78,10 @@ ParameterDecl ParameterDecl::from(const c3de_param_decl &decl) {
   ParameterDecl d;
   d.type = decl.type;
   d.id = fromAbi(decl.id);
-  d.label = shownText(fromAbi(decl.label));
-  d.unit = shownText(fromAbi(decl.unit));
-  d.doc = shownText(fromAbi(decl.doc), Lines::many);
-  d.group = shownText(fromAbi(decl.group));
+  d.label = displayText(fromAbi(decl.label));
+  d.unit = displayText(fromAbi(decl.unit));
+  d.doc = displayText(fromAbi(decl.doc), Lines::many);
+  d.group = displayText(fromAbi(decl.group));
   d.min = decl.min;
   d.max = decl.max;
   d.softMin = decl.soft_min;
@@ -134,7 +134,7 @@ Expected<void> checkParameter(const ParameterDecl &decl, const ParameterValue &v
   const bool isNumber = value.type == C3DE_PARAM_F64 || value.type == C3DE_PARAM_I64;
   switch (decl.type) {
     case C3DE_PARAM_F64:
-      // Infinity where the declared range reaches it; a comparison with NaN is false.
+      // Infinity is allowed where the declared range includes it; a comparison with NaN is false.
       if (!isNumber || !inRange(decl, value.num)) return refuse(decl, value);
       return {};
     case C3DE_PARAM_I64:
@@ -181,7 +181,7 @@ Expected<const ParameterDecl *> findParameter(const std::vector<ParameterDecl> &
 std::vector<ParameterDecl> readDeclarations(const c3de_param_decl *decls, std::uint64_t n, std::uint64_t stride) {
   std::vector<ParameterDecl> out;
   const auto *bytes = reinterpret_cast<const unsigned char *>(decls);
-  // 0: tight, in the size that the other side knows.
+  // 0: contiguous elements, in the size known to the other side.
   const std::uint64_t step = stride != 0 || n == 0 ? stride : decls->size;
   for (std::uint64_t i = 0; i < n; ++i) {
     const unsigned char *row = bytes + i * step;

@@ -28,8 +28,8 @@
 #include "c3de/core/guarded_memory.h"
 #include "c3de/core/platform.h"
 #include "descriptors.h"
-#include "foreign_environment.h"
 #include "open_file.h"
+#include "plugin_call_environment.h"
 #include "process_output.h"
 
 extern char **environ;
@@ -54,7 +54,7 @@ Expected<pid_t> spawn(const std::vector<std::string> &arguments, posix_spawn_fil
   std::vector<char *> argv;
   for (const std::string &argument : arguments) argv.push_back(const_cast<char *>(argument.c_str()));
   argv.push_back(nullptr);
-  // A parent may leave us SIGCHLD ignored; exit codes of our children would then be lost, and waiting would fail.
+  // A parent may leave SIGCHLD ignored; exit codes of child processes would then be lost, and waiting would fail.
   struct sigaction present {};
   if (sigaction(SIGCHLD, nullptr, &present) == 0 && present.sa_handler == SIG_IGN) signal(SIGCHLD, SIG_DFL);
   pid_t pid = 0;
@@ -146,7 +146,7 @@ std::FILE *detail::openFile(const std::filesystem::path &path, OpenMode mode) {
 std::FILE *detail::openUnnamed(const std::filesystem::path &folder) {
   const int descriptor = open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
   if (descriptor < 0) return nullptr;
-  // It is named by way of /proc.
+  // Gets its name through /proc.
   const std::string name = "/proc/self/fd/" + std::to_string(descriptor);
   std::FILE *file = access(name.c_str(), F_OK) == 0 ? fdopen(descriptor, "wb") : nullptr;
   if (file == nullptr) close(descriptor);
@@ -230,12 +230,12 @@ Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, do
   while (open > 0) {
     const double left = std::chrono::duration<double>(end - Clock::now()).count();
     if (left <= 0.0) {
-      if (exited) break;  // a grandchild writes without end
+      if (exited) break;  // a grandchild produces endless output
       result.timedOut = true;
       ::kill(*pid, SIGKILL);
       break;
     }
-    // A grandchild may keep the pipes open after the program has ended, so its end is looked for as well.
+    // A grandchild may keep the pipes open after the program has ended, so its end is checked separately.
     if (!exited && waitpid(*pid, &status, WNOHANG) == *pid) exited = true;
     const int ready = poll(fds, 2, exited ? 0 : 20);
     if (ready == 0 && exited) break;
@@ -276,7 +276,7 @@ Expected<FileLock> FileLock::take(const std::filesystem::path &file, const std::
     if (error == EWOULDBLOCK) return fail(ErrorCode::state, std::string(held, n > 0 ? static_cast<std::size_t>(n) : 0));
     return fail(ErrorCode::output, file.string() + ": cannot be locked: " + std::strerror(error));
   }
-  // The note helps people; the lock holds without it.
+  // The note is informative only; the lock is valid without it.
   if (ftruncate(descriptor, 0) != 0 || write(descriptor, note.data(), note.size()) < 0) errno = 0;
   return FileLock(descriptor);
 }

@@ -15,8 +15,8 @@
 #include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
 #include "descriptors.h"
-#include "foreign_environment.h"
 #include "open_file.h"
+#include "plugin_call_environment.h"
 #include "process_output.h"
 
 namespace c3de {
@@ -246,7 +246,7 @@ Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, do
 }
 
 Expected<FileLock> FileLock::take(const std::filesystem::path &file, const std::string &note) {
-  // Nobody else may write while it is open; the system closes it with the process.
+  // No other process may write while it is open; the system closes it with the process.
   const HANDLE handle = CreateFileW(file.c_str(), GENERIC_READ | GENERIC_WRITE, FILE_SHARE_READ, nullptr, OPEN_ALWAYS,
                                     FILE_ATTRIBUTE_NORMAL, nullptr);
   if (handle == INVALID_HANDLE_VALUE) {
@@ -356,7 +356,7 @@ GuardedMemory &GuardedMemory::operator=(GuardedMemory &&other) noexcept {
 }
 
 bool detail::resetThreadLocale() noexcept {
-  (void)_configthreadlocale(_DISABLE_PER_THREAD_LOCALE);  // answers whether it was on before
+  (void)_configthreadlocale(_DISABLE_PER_THREAD_LOCALE);  // returns whether it was on before
   return false;
 }
 

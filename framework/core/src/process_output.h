@@ -8,7 +8,7 @@
 
 namespace c3de {
 
-/// Appends, and drops the beginning of what has become twice as long as is kept.
+/// Appends, and removes the beginning once the text is twice as long as the part to keep.
 inline void appendOutput(std::string &text, std::string_view more) {
   text += more;
   if (text.size() > 2 * ProcessResult::kKept) text.erase(0, text.size() - ProcessResult::kKept);

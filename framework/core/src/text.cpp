@@ -24,7 +24,7 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-/// Bytes of the character that begins at i, 0: none does.
+/// Bytes of the character that begins at i; 0: there is none.
 std::size_t characterLength(std::string_view text, std::size_t i) noexcept {
   const auto lead = static_cast<unsigned char>(text[i]);
   const std::size_t more = lead < 0x80                   ? 0
@@ -35,7 +35,7 @@ std::size_t characterLength(std::string_view text, std::size_t i) noexcept {
   if (more == 4 || i + more >= text.size()) return 0;
   for (std::size_t k = 1; k <= more; ++k)
     if ((static_cast<unsigned char>(text[i + k]) & 0xc0) != 0x80) return 0;
-  // Over-long forms, surrogates and what lies beyond U+10FFFF are decided by the second byte.
+  // The second byte determines over-long forms, surrogates and code points beyond U+10FFFF.
   const auto second = more > 0 ? static_cast<unsigned char>(text[i + 1]) : 0u;
   if ((lead == 0xe0 && second < 0xa0) || (lead == 0xed && second >= 0xa0) || (lead == 0xf0 && second < 0x90) ||
       (lead == 0xf4 && second >= 0x90))
@@ -43,7 +43,7 @@ std::size_t characterLength(std::string_view text, std::size_t i) noexcept {
   return more + 1;
 }
 
-/// Of a character of at most three bytes; 0 for longer ones, none of which steers anything.
+/// Of a character of at most three bytes; 0 for longer ones, none of which is a control.
 unsigned codePoint(std::string_view character) noexcept {
   const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(character[k]); };
   switch (character.size()) {
@@ -54,7 +54,7 @@ unsigned codePoint(std::string_view character) noexcept {
   }
 }
 
-/// Controls (C0, DEL, C1), line and paragraph separators, embeddings, overrides and isolates of direction.
+/// Controls (C0, DEL, C1), line and paragraph separators, directional embeddings, overrides and isolates.
 bool steers(unsigned code) noexcept {
   return code < 0x20 || (code >= 0x7f && code < 0xa0) || (code >= 0x2028 && code <= 0x202e) ||
          (code >= 0x2066 && code <= 0x2069);
@@ -71,7 +71,7 @@ bool isUtf8(std::string_view text) noexcept {
   return true;
 }
 
-std::string shownText(std::string_view text, Lines lines) {
+std::string displayText(std::string_view text, Lines lines) {
   std::string out;
   out.reserve(text.size());
   for (std::size_t i = 0; i < text.size();) {
@@ -97,15 +97,15 @@ std::string shownText(std::string_view text, Lines lines) {
   return out;
 }
 
-std::string shownMessage(std::string_view text) {
-  constexpr std::size_t kWhole = 2000, kHead = 400, kTail = 600;  // bytes: lists of what is accepted stand at the end
-  if (text.size() <= kWhole) return shownText(text);
+std::string displayMessage(std::string_view text) {
+  constexpr std::size_t kWhole = 2000, kHead = 400, kTail = 600;  // bytes: lists of accepted values are at the end
+  if (text.size() <= kWhole) return displayText(text);
   // Not within a character.
   const auto boundary = [&](std::size_t at) {
     while (at < text.size() && (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80) ++at;
     return at;
   };
-  return shownText(text.substr(0, boundary(kHead))) + " … " + shownText(text.substr(boundary(text.size() - kTail)));
+  return displayText(text.substr(0, boundary(kHead))) + " … " + displayText(text.substr(boundary(text.size() - kTail)));
 }
 
 std::string nearestName(std::string_view name, std::span<const std::string> candidates) {

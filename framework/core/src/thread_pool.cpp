@@ -21,14 +21,15 @@
 namespace c3de {
 namespace {
 
-// An idle worker looks for the next loop this long before it sleeps: longer than what a step does between two loops,
-// much shorter than a frame. Waking it costs the caller a system call, and the worker is there only some 50 µs later.
+// An idle worker polls for the next loop this long before it sleeps: longer than the time between two loops of a step,
+// much shorter than a frame. Waking it costs the caller a system call, and the worker is available only some 50 µs
+// later.
 constexpr auto kPatience = std::chrono::microseconds(100);
-constexpr int kLooksPerTime = 64;  // looks for a loop between two looks at the clock
-// Looks of the caller for workers that still work before it leaves them its processor; some 10 µs.
-constexpr int kCallerLooks = 500;
+constexpr int kPollsPerClockRead = 64;  // polls between two reads of the clock
+// Polls of the caller for workers that are still busy before it yields its processor to them; some 10 µs.
+constexpr int kCallerPolls = 500;
 
-// Each thread takes its range in so many parts; what is left of it is there for others to take.
+// Each thread processes its range in this many parts; other threads may take the remaining ones.
 constexpr std::size_t kParts = 8;
 
 constexpr std::size_t kCacheLine = 64;
@@ -41,10 +42,10 @@ constexpr std::uint64_t kJoined = kOpen - 1;
 
 std::uint64_t loopNumber(std::uint64_t gate) { return gate >> 32; }
 
-// What is left of the part of a loop that belongs to one thread.
+// The remaining part of a loop that belongs to one thread.
 struct alignas(kCacheLine) Range {
   std::atomic<std::size_t> next{0};
-  std::size_t end = 0;  // written while nobody is inside, as the rest of the loop
+  std::size_t end = 0;  // written while no worker is inside, like the rest of the loop
 };
 
 }  // namespace
@@ -55,28 +56,28 @@ struct ThreadPool::Impl {
   std::vector<std::thread> workers;
   std::mutex callerMutex;
 
-  // The present loop; written by the caller while nobody is inside, read by workers after they have joined.
+  // The present loop; written by the caller while no worker is inside, read by workers after they have joined.
   alignas(kCacheLine) const std::function<void(std::size_t, std::size_t)> *body = nullptr;
   std::size_t chunk = 1;
   std::vector<Range> ranges;  // [threads], the caller's first
 
-  // On a line of its own: idle workers look at it all the time.
+  // On a separate cache line: idle workers poll it all the time.
   alignas(kCacheLine) std::atomic<std::uint64_t> gate{0};
 
   alignas(kCacheLine) std::atomic<bool> stopping{false};
-  std::atomic<bool> sleeping{false};  // somebody may be, and has not been called
+  std::atomic<bool> sleeping{false};  // a worker may be sleeping and has not been woken
   std::mutex sleepMutex;
   std::condition_variable wake;
 
-  // First the thread's own range, which is the same part of the data in every loop of that length, then what others
-  // have not got to.
+  // First the thread's own range, which is the same part of the data in every loop of that length, then parts that
+  // other threads have not reached.
   void work(std::size_t self) {
     insideBody = true;
     const std::size_t threads = ranges.size();
     for (std::size_t i = 0; i < threads; ++i) {
       Range &range = ranges[self + i < threads ? self + i : self + i - threads];
       const std::size_t end = range.end;
-      // Looking first keeps the line where it is when there is nothing left.
+      // Reading first avoids a transfer of the cache line when no work remains.
       while (range.next.load(std::memory_order_relaxed) < end) {
         const std::size_t begin = range.next.fetch_add(chunk, std::memory_order_relaxed);
         if (begin >= end) break;
@@ -86,8 +87,8 @@ struct ThreadPool::Impl {
     insideBody = false;
   }
 
-  // A worker that comes late finds the gate closed and is not waited for: on a busy machine the caller does all the
-  // work itself instead of standing still until the other thread is given a processor.
+  // A late worker finds the gate closed and is not awaited: on a busy machine the caller does all the work itself
+  // instead of waiting until the other thread gets a processor.
   bool join(std::uint64_t &seen) {
     std::uint64_t g = gate.load(std::memory_order_acquire);
     while (loopNumber(g) != seen && (g & kOpen) != 0)
@@ -98,31 +99,31 @@ struct ThreadPool::Impl {
     return false;
   }
 
-  // Until there is a loop to join. @return false: the pool ends
+  // Waits until there is a loop to join. @return false: the pool ends
   bool waitForLoop(std::uint64_t &seen) {
     auto begin = std::chrono::steady_clock::now();
     for (int looks = 1;; ++looks) {
       if (join(seen)) return true;
       if (stopping.load(std::memory_order_relaxed)) return false;
-      if (looks % kLooksPerTime != 0 || std::chrono::steady_clock::now() - begin < kPatience) {
+      if (looks % kPollsPerClockRead != 0 || std::chrono::steady_clock::now() - begin < kPatience) {
         C3DE_RELAX();
         continue;
       }
       sleep(seen);
-      // Who was woken too late for that loop is there for the next one of the step.
+      // A worker that was woken too late for that loop is available for the next one of the step.
       begin = std::chrono::steady_clock::now();
     }
   }
 
   void sleep(std::uint64_t seen) {
     std::unique_lock lock(sleepMutex);
-    // Said before the last look, so that whoever opens a loop after that look sees a sleeper.
+    // Set before the last check, so that a caller that opens a loop after that check sees a sleeper.
     sleeping.store(true);
     const std::uint64_t g = gate.load();
     if ((loopNumber(g) == seen || (g & kOpen) == 0) && !stopping.load()) wake.wait(lock);
   }
 
-  // Once per sleep: a worker that has been woken and waits for a processor is not called again by every loop.
+  // Once per sleep: a worker that has been woken and waits for a processor is not woken again by every loop.
   void wakeSleepers() {
     std::lock_guard lock(sleepMutex);
     sleeping.store(false);
@@ -139,7 +140,7 @@ struct ThreadPool::Impl {
 
   void layOut(std::size_t n, std::size_t grain) {
     const std::size_t threads = ranges.size();
-    // No part smaller than the grain, and one that is not needed stays empty.
+    // No part is smaller than the grain, and surplus parts stay empty.
     const std::size_t share = std::max(grain, (n + threads - 1) / threads);
     chunk = std::max(grain, (share + kParts - 1) / kParts);
     for (std::size_t i = 0; i < threads; ++i) {
@@ -154,7 +155,7 @@ ThreadPool::ThreadPool(unsigned threads, bool isBackground) {
   impl_ = std::make_unique<Impl>(threads);
   for (unsigned i = 1; i < threads; ++i)
     impl_->workers.emplace_back([impl = impl_.get(), i, isBackground] {
-      if (isBackground) giveWay();
+      if (isBackground) lowerThreadPriority();
       impl->workerLoop(i);
     });
 }
@@ -188,8 +189,8 @@ void ThreadPool::parallelFor(std::size_t n, std::size_t grain,
   impl.gate.fetch_and(~kOpen, std::memory_order_acq_rel);
   int looks = 0;
   while ((impl.gate.load(std::memory_order_acquire) & kJoined) != 0) {
-    // More threads than processors: give the missing worker room instead of burning its time slice.
-    if (++looks < kCallerLooks) {
+    // More threads than processors: yield to the missing worker instead of using up its time slice.
+    if (++looks < kCallerPolls) {
       C3DE_RELAX();
     } else {
       std::this_thread::yield();

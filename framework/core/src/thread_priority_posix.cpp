@@ -5,9 +5,9 @@
 
 namespace c3de {
 
-void giveWay() {
+void lowerThreadPriority() {
 #ifdef __linux__
-  // Linux keeps a nice value for each thread; 5 is about a third of the usual share.
+  // Linux has a nice value for each thread; 5 is about a third of the usual share.
   constexpr int kNicer = 5;
   (void)setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + kNicer);
 #endif

@@ -19,7 +19,7 @@
 namespace c3de::geometry {
 namespace {
 
-/// "a%20b" to "a b"; what is no escape stays.
+/// "a%20b" to "a b"; text that is not an escape is unchanged.
 std::string withoutEscapes(std::string_view uri) {
   std::string out;
   for (std::size_t i = 0; i < uri.size(); ++i) {
@@ -35,14 +35,14 @@ std::string withoutEscapes(std::string_view uri) {
   return out;
 }
 
-/// What assimp sees of the disk: the mesh, which is in memory already, so that paths of any script work on any system,
+/// The files visible to assimp: the mesh, which is in memory already, so that paths in any script work on any system,
 /// and the files that a glTF names by their URIs.
 class MeshFiles : public Assimp::IOSystem {
  public:
   MeshFiles(const std::filesystem::path &path, const std::string &text)
       : folder_(path.parent_path()), name_(displayPath(path)), text_(text) {}
 
-  /// Why a file that the mesh names could not be read; empty: there was none such.
+  /// Why a file that the mesh names could not be read; empty: no such failure.
   [[nodiscard]] const std::string &problem() const { return problem_; }
 
   bool Exists(const char *file) const override { return file == name_ || checkInputFile(resolved(file)); }
@@ -62,7 +62,7 @@ class MeshFiles : public Assimp::IOSystem {
   static Assimp::IOStream *stream(const std::string &bytes) {
     return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t *>(bytes.data()), bytes.size());
   }
-  /// Of a path as assimp makes it, the folder of the mesh and a URI one behind the other.
+  /// Resolves a path from assimp, which concatenates the folder of the mesh and a URI.
   [[nodiscard]] std::filesystem::path resolved(std::string_view file) const {
     const std::size_t own = name_.find_last_of("/\\") + 1;  // 0: no folder
     if (file.starts_with(std::string_view(name_).substr(0, own))) file.remove_prefix(own);
@@ -80,8 +80,7 @@ class MeshFiles : public Assimp::IOSystem {
   std::string problem_;
 };
 
-/// Appends the meshes of a node and of those below it, placed as the file places them. A mesh may stand at several
-/// nodes.
+/// Appends the meshes of a node and its descendants with their transforms. A mesh may occur at several nodes.
 Expected<void> addNode(const std::string &fileName, const aiScene &scene, const aiNode &node, const aiMatrix4x4 &parent,
                        int depth, RawMesh &raw) {
   if (depth > 256) return fail(ErrorCode::input, fileName + ": nodes nested more than 256 deep");
@@ -128,18 +127,18 @@ Expected<void> addNode(const std::string &fileName, const aiScene &scene, const 
 
 Expected<RawMesh> readWithAssimp(const std::filesystem::path &path) {
   const std::string name = displayPath(path);
-  auto text = readWholeFile(path);  // existence, size and readability with our own words
+  auto text = readWholeFile(path);  // existence, size and readability with the program's own messages
   if (!text) return tl::unexpected(text.error());
   const std::string extension = lowerExtension(path);
   if (extension == ".ply")
     if (auto ok = checkPlyHeader(name, *text); !ok) return tl::unexpected(ok.error());
-  // No post-processing that changes vertices: welding, triangulation and the hunt for bad values are our own clean-up,
-  // which reports what it does (and does not take minutes for a face with 600 000 corners).
+  // No post-processing that changes vertices: welding, triangulation and the search for invalid values are done by the
+  // clean-up, which reports its changes (and does not take minutes for a face with 600 000 corners).
   constexpr unsigned kFlags = aiProcess_ValidateDataStructure;
   try {
     Assimp::Importer importer;
     auto *const files = new MeshFiles(path, *text);
-    importer.SetIOHandler(files);  // which owns it
+    importer.SetIOHandler(files);  // takes ownership
     const aiScene *scene = importer.ReadFile(name, kFlags);
     if (!scene)
       return fail(ErrorCode::input,

@@ -8,8 +8,8 @@
 namespace c3de::geometry {
 
 [[nodiscard]] std::string toBase64(std::string_view bytes);
-/// Text between two paddings counts as a block of its own, as in VTK's files; none for other characters or a cut block.
-/// White space is skipped.
+/// Decodes base64. Text between two paddings is a separate block, as in VTK's files; none for other characters or a
+/// truncated block. White space is skipped.
 [[nodiscard]] std::optional<std::string> fromBase64(std::string_view text);
 
 }  // namespace c3de::geometry

@@ -15,7 +15,7 @@ namespace {
 constexpr int kTriangle = 5, kStrip = 6, kPolygon = 7, kPixel = 8, kQuad = 9, kTetrahedron = 10, kVoxel = 11,
               kHexahedron = 12, kWedge = 13, kPyramid = 14;
 
-/// Corners of a cell with straight edges. @return 0: any number, from three on
+/// Number of corners of a cell with straight edges. @return 0: any number, from three on
 std::size_t cornersOf(int type) {
   switch (type) {
     case kTriangle: return 3;
@@ -30,7 +30,7 @@ std::size_t cornersOf(int type) {
   }
 }
 
-/// The cell with the same corners and straight edges (vtkCellType.h); 0: none that is known.
+/// The cell with the same corners and straight edges (vtkCellType.h); 0: unknown.
 int straightened(long long type) {
   switch (type) {
     case 22:
@@ -59,7 +59,7 @@ int straightened(long long type) {
 
 bool isPointOrLine(long long type) { return (type >= 0 && type <= 4) || type == 21 || type == 35 || type == 68; }
 
-using Corners = std::array<unsigned char, 4>;  // of a face; a triangle names its first corner twice
+using Corners = std::array<unsigned char, 4>;  // of a face; a triangle repeats its first corner
 
 std::span<const Corners> facesOf(int type) {
   static constexpr std::array<Corners, 4> kOfTetrahedron{{{0, 1, 3, 0}, {1, 2, 3, 1}, {2, 0, 3, 2}, {0, 2, 1, 0}}};
@@ -81,7 +81,7 @@ std::span<const Corners> facesOf(int type) {
   }
 }
 
-/// A face of a cell, and its corners in order, by which the same face of another cell is found.
+/// A face of a cell, with its sorted corners, to find the same face of another cell.
 struct Face {
   std::array<unsigned, 4> key;
   std::array<unsigned, 4> corners;
@@ -120,7 +120,7 @@ Expected<void> CellSurface::finish(RawMesh &raw) const {
                 fmt::format("a cell has {} corners; up to {} are accepted, up to 4096 if it is concave", corners.size(),
                             kMaxFaceCorners));
   };
-  // Cells of different regions may have points of their own at one place.
+  // Cells of different regions may have separate points at one position.
   const std::vector<unsigned> first = volumes_.empty() ? std::vector<unsigned>() : firstAtSamePosition(raw.vertices);
   std::vector<Face> all;
   for (const Cell &cell : volumes_) {
@@ -131,7 +131,7 @@ Expected<void> CellSurface::finish(RawMesh &raw) const {
       Face face{};
       face.count = local[3] == local[0] ? 3 : 4;
       for (std::size_t c = 0; c < face.count; ++c) face.corners[c] = corners[local[c]];
-      // Cells may be numbered the other way round; a face looks away from the centre of its cell.
+      // Cells may have the opposite orientation; a face points away from the centre of its cell.
       const Vec3 &a = raw.vertices[face.corners[0]], &b = raw.vertices[face.corners[1]],
                  &c = raw.vertices[face.corners[2]], &d = raw.vertices[face.corners[face.count - 1]];
       if (dot(cross(c - a, d - b), a - centre) < 0.0)
@@ -140,7 +140,7 @@ Expected<void> CellSurface::finish(RawMesh &raw) const {
       for (std::size_t i = 0; i < face.count; ++i) key[i] = first[face.corners[i]];
       std::sort(key.begin(), key.begin() + static_cast<std::ptrdiff_t>(face.count));
       const auto end = std::unique(key.begin(), key.begin() + static_cast<std::ptrdiff_t>(face.count));
-      if (end - key.begin() < 3) continue;  // a cell of which corners coincide
+      if (end - key.begin() < 3) continue;  // a cell with coincident corners
       std::fill(end, key.end(), 0xffffffffu);
       all.push_back(face);
     }

@@ -8,14 +8,14 @@
 
 namespace c3de::geometry {
 
-/// The outer surface of a mesh of cells, as VTK numbers their types and corners: faces that one cell alone has, turned
-/// outwards. Where there are no cells with a volume, the cells that are faces themselves. Of cells with points on their
-/// edges the corners are taken.
+/// The outer surface of a mesh of cells with VTK cell types and corner numbering: faces that belong to one cell only,
+/// oriented outwards. If there are no volume cells, the cells that are faces. For cells with points on their edges only
+/// the corners are used.
 class CellSurface {
  public:
-  /// @param corners  indices of points, in range. Errors (input): a type that is not known, too few corners
+  /// @param corners  indices of points, in range. Errors (input): an unknown type, too few corners
   [[nodiscard]] Expected<void> add(long long type, std::span<const unsigned> corners);
-  /// Adds the surface to a mesh, whose vertices are all there, and notes what was left out.
+  /// Adds the surface to a mesh, which must contain all vertices, and notes omissions.
   [[nodiscard]] Expected<void> finish(RawMesh &raw) const;
 
  private:

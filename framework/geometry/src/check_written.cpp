@@ -22,7 +22,7 @@ Expected<void> checkRows(const std::filesystem::path &path, const std::vector<Ve
   std::set<std::string> names;
   for (const PointArray &array : arrays) {
     if (array.name.empty() || !names.insert(array.name).second)
-      return refuse("the name '" + array.name + "' of an array is empty or there twice");
+      return refuse("the name '" + array.name + "' of an array is empty or duplicated");
     if (array.components == 0 || array.values.size() != points.size() * array.components)
       return refuse(fmt::format("array '{}' has {} numbers for {} points with {} components", array.name,
                                 array.values.size(), points.size(), array.components));

@@ -11,11 +11,11 @@
 
 namespace c3de::geometry {
 
-/// What no file should say: coordinates that are not finite, arrays with other rows than points, without a name or with
-/// one that another has. ErrorCode::state.
+/// Refuses non-finite coordinates, arrays whose number of rows differs from that of points, arrays without a name or
+/// with a duplicate one. ErrorCode::state.
 [[nodiscard]] Expected<void> checkRows(const std::filesystem::path &path, const std::vector<Vec3> &points,
                                        std::span<const PointArray> arrays);
-/// Indices in range.
+/// Checks that indices are in range.
 [[nodiscard]] Expected<void> checkTriangles(const std::filesystem::path &path, const TriangleMesh &mesh);
 
 }  // namespace c3de::geometry

@@ -30,7 +30,7 @@ std::vector<unsigned> firstNearby(std::span<const Vec3> vertices, const Vec3 &or
       return static_cast<std::size_t>(h ^ h >> 32);
     }
   };
-  // Cells of four tolerances: a vertex looks into the neighbour only when it is near that side.
+  // Cells of four tolerances: a vertex checks the neighbour only when it is close to that side.
   const double size = 4.0 * tolerance;
   std::unordered_multimap<Cell, unsigned, CellHash> cells;
   cells.reserve(vertices.size());
@@ -60,7 +60,7 @@ std::vector<unsigned> firstNearby(std::span<const Vec3> vertices, const Vec3 &or
 }  // namespace
 
 void weldVertices(TriangleMesh &mesh, std::vector<std::string> &repairs) {
-  // Equal positions by sorting (almost all of them), then near ones among those that are left.
+  // Equal positions by sorting (almost all of them), then close ones among the remaining vertices.
   std::vector<unsigned> first = firstAtSamePosition(mesh.vertices);
   std::vector<Vec3> distinct;
   std::vector<unsigned> slot(mesh.vertices.size());
@@ -107,10 +107,10 @@ bool isDegenerate(const TriangleMesh &mesh, const Triangle &t, double diagonal_m
 
 namespace {
 
-/// Flips the longest side of every triangle on a line; what cannot be flipped stays for the caller to drop.
+/// Flips the longest side of every triangle on a line; where that is not possible the caller removes the triangle.
 std::size_t flipLongestSides(TriangleMesh &mesh, double diagonal_mm) {
   std::size_t flips = 0;
-  // A flip can move the fault to the neighbour (a whole row of corners on one line), hence a few rounds.
+  // A flip can move the degeneracy to the neighbour (a row of corners on one line), hence several rounds.
   for (int round = 0; round < 16; ++round) {
     std::vector<unsigned> flat;
     for (unsigned t = 0; t < mesh.triangles.size(); ++t) {
@@ -183,21 +183,21 @@ void removeDegenerateTriangles(TriangleMesh &mesh, std::vector<std::string> &rep
         fmt::format("{} without area {} dropped", counted(flat, "triangle", "triangles"), wasOrWere(flat)));
 }
 
-/// A triangle among those with the same corners.
+/// A triangle, for comparison with others that have the same corners.
 struct Copy {
   Triangle sorted;
   unsigned triangle;
-  bool even;  ///< runs as the sorted corners do
+  bool even;  ///< has the orientation of the sorted corners
 };
 
-/// By how many more of them run one way.
+/// Difference between the numbers of triangles of either orientation.
 int netOf(std::span<const Copy> group) {
   int net = 0;
   for (const Copy &copy : group) net += copy.even ? 1 : -1;
   return net;
 }
 
-/// All triangles, those with the same corners beside each other.
+/// All triangles, ordered so that those with the same corners are adjacent.
 std::vector<Copy> sortedCopies(const TriangleMesh &mesh) {
   std::vector<Copy> copies(mesh.triangles.size());
   for (unsigned t = 0; t < mesh.triangles.size(); ++t) {
@@ -214,7 +214,7 @@ std::vector<Copy> sortedCopies(const TriangleMesh &mesh) {
   return copies;
 }
 
-/// Those with the same corners, where there are several.
+/// Groups of several triangles with the same corners.
 std::vector<std::span<const Copy>> groupsOf(std::span<const Copy> copies) {
   std::vector<std::span<const Copy>> groups;
   for (std::size_t begin = 0, end = 0; begin < copies.size(); begin = end) {

@@ -50,7 +50,7 @@ NumberState parseNumber(std::string_view token, double &value) {
   const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
   if (end != token.data() + token.size() || token.empty()) return NumberState::notANumber;
   if (error == std::errc::result_out_of_range) {
-    // Too large or too small for a double: only the exponent's sign tells, and 1e-999 is a fine zero.
+    // Too large or too small for a double: only the sign of the exponent shows which, and 1e-999 is a valid zero.
     const std::size_t exponent = token.find_first_of("eE");
     const bool tiny =
         exponent != std::string_view::npos ? token.substr(exponent + 1).starts_with('-') : token.find('.') <= 2;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole files and numbers in them, without the locale.
+// Whole files and numbers in them, independent of the locale.
 #pragma once
 
 #include <charconv>
@@ -14,10 +14,10 @@ namespace c3de::geometry {
 [[nodiscard]] std::string displayPath(const std::filesystem::path &path);  ///< UTF-8
 [[nodiscard]] std::string lowerExtension(const std::filesystem::path &path);
 
-/// Refused: not there, a folder, unreadable, empty, more than 1 GiB.
+/// Refused: missing, a folder, unreadable, empty, more than 1 GiB.
 [[nodiscard]] Expected<std::string> readWholeFile(const std::filesystem::path &path);
 
-/// Quoted, cut to a length that fits into a message, other than printable characters replaced.
+/// In quotes, truncated to fit into a message, with non-printable characters replaced.
 [[nodiscard]] std::string quotedText(std::string_view text);
 
 enum class NumberState { ok, notANumber, notFinite };

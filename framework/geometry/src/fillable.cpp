@@ -66,7 +66,7 @@ Expected<void> checkSize(const MeshReport &report) {
   return {};
 }
 
-/// Where edges do not match up, only trying tells whether there is an inside.
+/// Where edges do not match, only sampling shows whether there is an inside.
 Expected<void> checkInside(const TriangleMesh &mesh, const Box &box) {
   constexpr double kMaxUndecidedShare = 0.2;
   const Probes probes = probeInside(mesh, box);
@@ -105,8 +105,8 @@ Expected<void> checkFillable(const TriangleMesh &mesh, const MeshReport &report)
   }
   if (!balanced) return checkInside(mesh, report.box);
   if (report.volume_mm3 < 0.0)
-    return refuse(fmt::format(
-        "it is inside out (volume {:.4g} mm³); turn its triangles, as loading it from a file does", report.volume_mm3));
+    return refuse(fmt::format("it is inside out (volume {:.4g} mm³); flip its triangles, as loading from a file does",
+                              report.volume_mm3));
   return {};
 }
 

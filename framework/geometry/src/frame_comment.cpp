@@ -13,7 +13,7 @@
 namespace c3de::geometry {
 namespace {
 
-/// Comments stand at the beginning; a file of a gigabyte is not searched.
+/// Comments are at the beginning; a file of a gigabyte is not searched completely.
 constexpr std::size_t kSearchedBytes = 65536;
 
 std::string lowerCase(std::string_view text) {
@@ -23,7 +23,7 @@ std::string lowerCase(std::string_view text) {
   return out;
 }
 
-/// The comments of the head, each in a line of its own.
+/// The comments of the head, one per line.
 std::string headComments(std::string_view text, std::string_view extension) {
   text = text.substr(0, kSearchedBytes);
   std::string out;
@@ -59,7 +59,7 @@ std::string headComments(std::string_view text, std::string_view extension) {
 
 bool isWord(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_'; }
 
-/// The words after `key` and one of the separators, wherever the key begins a word.
+/// The words after `key` and one of the separators, where the key begins a word.
 std::vector<std::string> wordsAfter(std::string_view text, std::string_view key, std::string_view separators) {
   std::vector<std::string> words;
   for (std::size_t at = text.find(key); at != std::string_view::npos; at = text.find(key, at + 1)) {

@@ -40,7 +40,7 @@ void DisjointSets::join(unsigned i, unsigned j) {
 }
 
 std::size_t DisjointSets::number(std::vector<unsigned> &group) {
-  // The root of a group is its smallest member, so it has its number before the others ask.
+  // The root of a group is its smallest member, so it gets its number before the other members need it.
   group.resize(parent_.size());
   unsigned count = 0;
   for (unsigned i = 0; i < parent_.size(); ++i) group[i] = find(i) == i ? count++ : group[find(i)];

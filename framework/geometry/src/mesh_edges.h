@@ -8,14 +8,14 @@
 
 namespace c3de::geometry {
 
-/// One side of one triangle. Sides of one edge stand next to each other after sortedSides().
+/// One side of one triangle. Sides of one edge are adjacent after sortedSides().
 struct TriangleSide {
   unsigned low = 0, high = 0;  ///< vertices, low < high
   unsigned triangle = 0;
   bool forward = false;  ///< the triangle runs from low to high
 };
 
-/// Three sides per triangle, ordered by edge, then triangle. Sides from a vertex to itself are left out.
+/// Three sides per triangle, ordered by edge, then triangle. Sides from a vertex to itself are omitted.
 [[nodiscard]] std::vector<TriangleSide> sortedSides(std::span<const Triangle> triangles);
 
 /// Calls visit(std::span<const TriangleSide>) once per edge.
@@ -27,16 +27,16 @@ void forEachEdge(std::span<const TriangleSide> sides, Visit &&visit) {
   }
 }
 
-/// As many triangles run one way as the other: nothing ends at this edge.
+/// Equally many triangles in both directions: the surface does not end at this edge.
 [[nodiscard]] bool isBalanced(std::span<const TriangleSide> edge);
 
-/// Groups 0 … count-1 of things that were joined.
+/// Groups 0 … count-1 of joined elements.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t n);
   unsigned find(unsigned i);
   void join(unsigned i, unsigned j);
-  /// Number per thing, in order of first appearance; returns how many groups there are.
+  /// Group number per element, in order of first appearance; returns the number of groups.
   std::size_t number(std::vector<unsigned> &group);
 
  private:
@@ -46,20 +46,20 @@ class DisjointSets {
 /// For every vertex the first one at exactly the same position.
 [[nodiscard]] std::vector<unsigned> firstAtSamePosition(std::span<const Vec3> vertices);
 
-/// A group of neighbouring edges at which the surface ends.
+/// A group of adjacent edges at which the surface ends.
 struct Hole {
   std::size_t edges = 0;
   double perimeter_mm = 0.0;
-  double area_mm2 = 0.0;  ///< of the fan over its edges: about the size of a lid
+  double area_mm2 = 0.0;  ///< of the fan over its edges: about the area of a lid
   Vec3 centre{};
 };
 /// Largest first. An edge belongs to a hole if an odd number of triangles meet there.
 [[nodiscard]] std::vector<Hole> findHoles(const TriangleMesh &mesh, std::span<const TriangleSide> sides);
 
-/// Share of the surface that lids over all holes would add; above kMaxHoleShare a surface counts as open.
+/// Fraction of the surface that lids over all holes would add; above kMaxHoleShare a surface counts as open.
 [[nodiscard]] double holeShare(std::span<const Hole> holes, double area_mm2);
 
-/// The winding number in the middle of an organ with a hole of this share is still well above one half.
+/// At the centre of an organ with a hole of this fraction, the winding number is still well above one half.
 inline constexpr double kMaxHoleShare = 0.05;
 
 }  // namespace c3de::geometry

@@ -28,7 +28,7 @@ bool isReadByProgram(const std::string &extension) { return contains(meshExtensi
 
 }  // namespace
 
-/// A reader, or a writer; one of the two functions is there.
+/// A reader or a writer; one of the two functions is set.
 struct MeshFormats::Entry {
   Info info;
   std::string magic;
@@ -48,7 +48,7 @@ struct MeshFormats::Entry {
   }
 };
 
-/// That a thread is in a function of an entry.
+/// Marks that a thread is in a function of an entry.
 class MeshFormats::Use {
  public:
   explicit Use(Entry &entry) : entry_(entry) {
@@ -212,7 +212,7 @@ Expected<void> MeshFormats::write(const std::filesystem::path &path, const Trian
     for (const auto &one : entries_)
       if (!entry && one->write && contains(one->info.extensions, extension)) entry = one;
   }
-  if (!entry) return fail(ErrorCode::usage, displayPath(path) + ": its writer has gone");
+  if (!entry) return fail(ErrorCode::usage, displayPath(path) + ": its writer was removed");
   const std::string origin = fmt::format("{} ({})", displayPath(path), entry->name());
   const Use use(*entry);
   if (entry->isGone) return fail(ErrorCode::usage, origin + ": its plugin has gone");
@@ -224,7 +224,7 @@ Expected<void> MeshFormats::write(const std::filesystem::path &path, const Trian
   return writeWholeFile(path, *bytes);
 }
 
-/// What a reader of a plugin gave, and who that is, for messages.
+/// The mesh from a reader of a plugin, and the reader, for messages.
 struct MeshFormats::Raw {
   ReadMesh mesh;
   std::string origin;
@@ -293,7 +293,7 @@ std::optional<LengthUnit> MeshFormats::unitInFile(const std::filesystem::path &p
 Expected<LengthUnit> MeshFormats::unitOf(const std::filesystem::path &path, std::optional<LengthUnit> stated) const {
   if (stated) return *stated;
   if (const auto said = unitInFile(path); said || !isMeshFile(path))
-    return said.value_or(LengthUnit::millimetre);  // what cannot be read is said when it is tried
+    return said.value_or(LengthUnit::millimetre);  // read errors are reported when it is loaded
   return fail(ErrorCode::input,
               fmt::format("'mesh_unit' is missing; {} does not say its unit; accepted: \"m\", \"mm\", "
                           "\"cm\"",

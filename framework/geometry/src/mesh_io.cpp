@@ -43,7 +43,7 @@ Expected<void> checkNumbers(const TriangleMesh &mesh, LengthUnit unit) {
   return {};
 }
 
-/// @param origin  begins the error messages: a file name or "mesh"
+/// @param origin  prefix of error messages: a file name or "mesh"
 Expected<LoadedMesh> cleanUp(TriangleMesh mesh, LengthUnit unit, std::vector<std::string> repairs,
                              const std::string &origin, const ProgressFn &progress) {
   const auto report = [&](double fraction, const char *what) { return !progress || progress(fraction, what); };
@@ -52,13 +52,13 @@ Expected<LoadedMesh> cleanUp(TriangleMesh mesh, LengthUnit unit, std::vector<std
   const double scale = millimetresPer(unit);
   for (Vec3 &v : mesh.vertices) v = scale * v;
 
-  // Unused vertices go first: a stray point far away would widen the box, and with it the tolerances.
+  // Removes unused vertices first: a distant stray point would enlarge the box, and with it the tolerances.
   removeUnusedVertices(mesh, repairs);
   if (!report(0.5, "welding vertices")) return cancelled(origin);
   weldVertices(mesh, repairs);
   removeDegenerateTriangles(mesh, repairs);
   removeDuplicateTriangles(mesh, repairs);
-  std::vector<std::string> silent;  // vertices lose their use in the steps above, which said so
+  std::vector<std::string> silent;  // vertices become unused in the steps above, which have reported it
   removeUnusedVertices(mesh, silent);
   if (mesh.triangles.size() < 4)
     return fail(
@@ -111,7 +111,7 @@ Expected<LoadedMesh> loadMesh(const std::filesystem::path &path, std::optional<L
     repairs.push_back(fmt::format("{} {} split into triangles", counted(raw->polygonsSplit, "polygon", "polygons"),
                                   wasOrWere(raw->polygonsSplit)));
   if (said.isRas) {
-    // Half a turn about z: the sense of the triangles stays.
+    // A half turn about z; the orientation of the triangles is unchanged.
     for (Vec3 &v : raw->vertices) v = {-v[0], -v[1], v[2]};
     repairs.push_back("the file says SPACE=RAS: x and y were turned to LPS");
   }

@@ -66,7 +66,7 @@ void warnAboutEdges(const TriangleMesh &mesh, const std::vector<TriangleSide> &s
         report.nonManifoldEdges, report.nonManifoldEdges == 1 ? " has" : "s have", where[0], where[1], where[2]));
   }
   if (report.misorientedEdges > 0)
-    warnings.push_back(fmt::format("{} edge{} neighbours that face opposite ways.", report.misorientedEdges,
+    warnings.push_back(fmt::format("{} edge{} inconsistently oriented neighbours.", report.misorientedEdges,
                                    report.misorientedEdges == 1 ? " has" : "s have"));
 }
 
@@ -117,7 +117,7 @@ MeshReport inspect(const TriangleMesh &original, LengthUnit unit) {
   report.area_mm2 = surfaceArea(original);
   report.volume_mm3 = signedVolume(original);
 
-  // Edges and components over positions, so that a mesh split at texture seams is judged as the surface it is.
+  // Edges and components by position, so that a mesh split at texture seams is treated as one surface.
   TriangleMesh mesh = original;
   const std::vector<unsigned> first = firstAtSamePosition(mesh.vertices);
   for (Triangle &t : mesh.triangles)

@@ -58,7 +58,7 @@ Expected<std::string> stlBytes(const std::filesystem::path &path, const Triangle
   return out;
 }
 
-/// "stress_vm [Pa]" as PLY can say it, in one word: "stress_vm_Pa".
+/// "stress_vm [Pa]" as one word for PLY: "stress_vm_Pa".
 std::string plyName(const std::string &name) {
   std::string out;
   for (const char c : name) {

@@ -21,8 +21,8 @@ std::string_view nextToken(std::string_view &line) {
   return token;
 }
 
-/// Checks what tinyobjloader lets pass: text where a number should be (read as 0), non-finite numbers, indices out of
-/// range, faces with two corners (left out), endless faces. Joins continued lines, which it does not know.
+/// Checks for errors that tinyobjloader accepts: text instead of a number (read as 0), non-finite numbers, indices out
+/// of range, faces with two corners (omitted), endless faces. Joins continued lines, which it does not support.
 class ObjScan {
  public:
   ObjScan(std::string fileName, double millimetresPerUnit)
@@ -30,7 +30,7 @@ class ObjScan {
 
   Expected<void> run(std::string_view text);
   [[nodiscard]] const std::string &statements() const { return statements_; }
-  /// With fewer than three corners, which are left out.
+  /// Faces with fewer than three corners, which are omitted.
   [[nodiscard]] std::size_t shortFaces() const { return shortFaces_; }
 
  private:
@@ -38,7 +38,7 @@ class ObjScan {
     return fail(ErrorCode::input, fmt::format("{}:{}: {}", fileName_, line, what));
   }
   Expected<void> checkVertex(std::string_view rest, std::size_t line);
-  /// Whether the face has three corners at least.
+  /// Whether the face has at least three corners.
   Expected<bool> checkFace(std::string_view rest, std::size_t line);
 
   struct IndexRecord {
@@ -143,7 +143,7 @@ Expected<void> ObjScan::run(std::string_view text) {
   return {};
 }
 
-/// Faces as tinyobjloader reports them, before a vertex that comes later is known.
+/// Faces as tinyobjloader reports them, before vertices that come later are known.
 struct ObjContent {
   std::vector<Vec3> vertices;
   std::vector<unsigned> corners;

@@ -18,11 +18,11 @@ double triangleArea(const TriangleMesh &mesh, const Triangle &t) {
   return 0.5 * norm(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]));
 }
 
-/// Triangles that share an edge with no third one, in CSR; left out where all face the same way.
+/// Triangles that share an edge with no third one, in CSR; empty if all are consistently oriented.
 struct Neighbours {
   struct Other {
     unsigned triangle;
-    bool agrees;  ///< faces the same way
+    bool agrees;  ///< has the same orientation
   };
   std::vector<std::size_t> begin;
   std::vector<Other> others;
@@ -61,7 +61,7 @@ Neighbours neighboursOf(const TriangleMesh &mesh) {
 
 enum Side : signed char { kUnseen = 0, kKeep = 1, kTurn = -1 };
 
-/// What hangs together with a triangle, each with the side that it would have to face.
+/// A connected patch of triangles, each with the orientation that it needs.
 struct Patch {
   std::vector<unsigned> triangles;
   bool isOrientable = true;
@@ -88,7 +88,7 @@ Patch walkPatch(const TriangleMesh &mesh, const Neighbours &neighbours, unsigned
   return patch;
 }
 
-/// Walks over edges with two triangles; where a patch can be made to face one way, turns its smaller part.
+/// Traverses edges with two triangles; where a patch can be oriented consistently, flips its smaller part.
 void makeConsistent(TriangleMesh &mesh, std::vector<std::string> &repairs) {
   const Neighbours neighbours = neighboursOf(mesh);
   if (neighbours.allAgree) return;
@@ -118,7 +118,7 @@ void makeConsistent(TriangleMesh &mesh, std::vector<std::string> &repairs) {
 
 /// A part of the surface connected by edges.
 struct Part {
-  TriangleMesh mesh;  ///< own triangles on own vertices
+  TriangleMesh mesh;  ///< its triangles with its own vertices
   std::vector<unsigned> triangles;
   Box box;
   Vec3 sample{};  ///< a point of the surface
@@ -186,7 +186,7 @@ void turnOutwards(TriangleMesh &mesh, std::vector<std::string> &repairs) {
   std::vector<std::size_t> bounding;
   for (std::size_t j = 0; j < parts.size(); ++j)
     if (parts[j].bounds) bounding.push_back(j);
-  // holders[i]: parts around part i
+  // holders[i]: parts that enclose part i
   std::vector<std::vector<std::size_t>> holders(parts.size());
   for (std::size_t i = 0; i < parts.size(); ++i)
     for (std::size_t j : bounding) {

@@ -31,7 +31,7 @@ class Joiner {
   template <class PointOf>
   std::vector<Polyline> join(const PointOf &pointOf) {
     std::vector<Polyline> curves;
-    // Curves of an open surface begin where nothing leads to.
+    // Curves of an open surface begin at an edge where no other piece ends.
     for (std::size_t i = 0; i < pieces_.size(); ++i)
       if (!isUsed_[i] && !std::binary_search(ends_.begin(), ends_.end(), pieces_[i].from))
         curves.push_back(follow(i, pointOf));

@@ -8,8 +8,8 @@
 
 namespace c3de::geometry {
 
-/// Refuses what assimp's PLY reader does not survive: it never comes back from a header that is cut off or garbled, and
-/// it believes any number of elements.
+/// Refuses headers that break assimp's PLY reader: it does not return for a truncated or malformed header, and it
+/// accepts any stated number of elements.
 [[nodiscard]] Expected<void> checkPlyHeader(const std::string &fileName, std::string_view text);
 
 }  // namespace c3de::geometry

@@ -16,7 +16,7 @@ double doubleArea(const Point2 &a, const Point2 &b, const Point2 &c) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/// Height of a triangle over its longest side, signed: how well it is shaped.
+/// Signed height of a triangle over its longest side, as a measure of its quality.
 double signedHeight(const Point2 &a, const Point2 &b, const Point2 &c) {
   const auto squared = [](const Point2 &p, const Point2 &q) {
     return (p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]);
@@ -43,7 +43,7 @@ std::vector<Point2> project(std::span<const Vec3> vertices, std::span<const unsi
   return points;
 }
 
-/// Along the diagonal that leaves the better triangles.
+/// Along the diagonal that gives the better triangles.
 void splitQuad(std::span<const Point2> p, std::span<const unsigned> corners, std::vector<Triangle> &out) {
   const double along02 = std::min(signedHeight(p[0], p[1], p[2]), signedHeight(p[0], p[2], p[3]));
   const double along13 = std::min(signedHeight(p[1], p[2], p[3]), signedHeight(p[1], p[3], p[0]));
@@ -56,7 +56,7 @@ void splitQuad(std::span<const Point2> p, std::span<const unsigned> corners, std
   }
 }
 
-/// The corners of a polygon that are left while ears are cut off.
+/// The remaining corners of a polygon during ear clipping.
 class EarCutter {
  public:
   explicit EarCutter(std::span<const Point2> points) : p_(points), next_(points.size()), previous_(points.size()) {
@@ -79,14 +79,14 @@ class EarCutter {
       add(ear);
       next_[previous_[ear]] = next_[ear];
       previous_[next_[ear]] = previous_[ear];
-      current = next_[next_[ear]];  // not the neighbour: a fan of slivers would result
-      next_[ear] = p_.size();       // marks it as cut off
+      current = next_[next_[ear]];  // not the neighbour, which would result in a fan of slivers
+      next_[ear] = p_.size();       // marks it as clipped
     }
     add(current);
   }
 
  private:
-  /// The next one from `current` on; without any the best shaped corner.
+  /// The next ear from `current` on; if there is none, the corner with the best triangle.
   [[nodiscard]] std::size_t findEar(std::size_t current, std::size_t left) const {
     std::size_t ear = current, best = current;
     double bestHeight = height(best);
@@ -97,10 +97,10 @@ class EarCutter {
         bestHeight = height(ear);
       }
     }
-    return best;  // crosses itself or has no area: any choice covers it
+    return best;  // self-intersecting or without area: any choice covers it
   }
 
-  /// A convex corner whose triangle holds no reflex corner.
+  /// A convex corner whose triangle contains no reflex corner.
   [[nodiscard]] bool isEar(std::size_t i) const {
     const Point2 &a = p_[previous_[i]], &b = p_[i], &c = p_[next_[i]];
     if (doubleArea(a, b, c) <= 0.0) return false;

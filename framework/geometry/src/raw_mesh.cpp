@@ -11,7 +11,7 @@ bool addFace(RawMesh &raw, std::span<const unsigned> corners) {
   std::vector<unsigned> face(corners.begin(), corners.end());
   face.erase(std::unique(face.begin(), face.end()), face.end());
   while (face.size() > 1 && face.back() == face.front()) face.pop_back();
-  // Four may still be a way there and back.
+  // Four corners may still be a path back and forth.
   std::vector<unsigned> different = face;
   std::sort(different.begin(), different.end());
   if (std::unique(different.begin(), different.end()) - different.begin() < 3) {

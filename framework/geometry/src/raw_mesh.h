@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the readers hand to the clean-up: numbers as they stand in the file.
+// Output of the readers for the clean-up: values as stored in the file.
 #pragma once
 
 #include <filesystem>
@@ -12,9 +12,9 @@
 
 namespace c3de::geometry {
 
-/// More corners than this in one face are refused: no mesh of an organ has them, and triangulation is quadratic.
+/// A face with more corners is refused: no mesh of an organ has them, and triangulation is quadratic.
 inline constexpr std::size_t kMaxFaceCorners = 32767;
-/// |coordinate| in mm (a thousand kilometres); beyond it something else than a length was read.
+/// |coordinate| in mm (a thousand kilometres); a larger value is not a length.
 inline constexpr double kMaxCoordinate_mm = 1e9;
 
 struct RawMesh {
@@ -22,14 +22,14 @@ struct RawMesh {
   std::vector<Triangle> triangles;  ///< indices are in range
   std::size_t polygonsSplit = 0;    ///< faces with more than three corners
   std::size_t facesDropped = 0;     ///< faces with fewer than three different corners
-  std::vector<std::string> notes;   ///< what the reader left out, a sentence each
+  std::vector<std::string> notes;   ///< omissions of the reader, a sentence each
 };
 
-/// Adds a face as triangles: without corners that follow themselves, and counted instead where fewer than three
-/// different ones are left. @returns  false for a concave polygon with more than 4096 corners; nothing is added then
+/// Adds a face as triangles, without repeated consecutive corners. A face with fewer than three different corners is
+/// only counted. @returns  false for a concave polygon with more than 4096 corners; nothing is added then
 [[nodiscard]] bool addFace(RawMesh &raw, std::span<const unsigned> corners);
 
-/// Each refuses with "file:line: what, value, what is accepted". @param millimetresPerUnit  for the range check
+/// Errors of the readers: "file:line: what, value, what is accepted". @param millimetresPerUnit  for the range check
 [[nodiscard]] Expected<RawMesh> readObj(const std::filesystem::path &path, double millimetresPerUnit);
 [[nodiscard]] Expected<RawMesh> readStl(const std::filesystem::path &path);
 [[nodiscard]] Expected<RawMesh> readVtk(const std::filesystem::path &path);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// STL, binary and text. Writers leave the count of a binary file wrong or zero, and write text in capitals.
+// STL, binary and text. Some writers store a wrong or zero count in binary files, or write text in capitals.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ std::uint32_t countIn(std::string_view bytes) {
   return count;
 }
 
-/// A binary file may begin with "solid" too, but no text holds a zero byte.
+/// A binary file may begin with "solid" too, but a text file contains no zero byte.
 bool isText(std::string_view bytes) {
   if (bytes.size() >= kHeaderBytes && bytes.size() - kHeaderBytes == kTriangleBytes * std::size_t{countIn(bytes)})
     return false;
@@ -75,7 +75,7 @@ Expected<RawMesh> readBinary(const std::string &name, std::string_view bytes) {
   raw.vertices.reserve(3 * count);
   raw.triangles.reserve(count);
   for (std::size_t t = 0; t < count; ++t) {
-    const char *corner = bytes.data() + kHeaderBytes + t * kTriangleBytes + 12;  // behind the normal
+    const char *corner = bytes.data() + kHeaderBytes + t * kTriangleBytes + 12;  // after the normal
     for (int c = 0; c < 3; ++c) {
       Vec3 p{};
       for (double &x : p) {

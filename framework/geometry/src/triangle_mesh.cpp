@@ -35,8 +35,8 @@ Box boundingBox(const TriangleMesh &mesh) {
 }
 
 double signedVolume(const TriangleMesh &mesh) {
-  // About the centre of the box: an organ far from the origin of its scan would lose digits otherwise, and a small hole
-  // then changes the result little.
+  // Relative to the centre of the box: an organ far from the origin of its scan would otherwise lose precision, and a
+  // small hole then changes the result little.
   const Box box = boundingBox(mesh);
   const Vec3 centre = 0.5 * (box.min + box.max);
   double sum = 0.0;

@@ -12,13 +12,13 @@
 namespace c3de::geometry {
 namespace {
 
-constexpr std::uint64_t kBestRatio = 1040, kLeastBlock = 1000;  // deflate packs at most 1:1032
+constexpr std::uint64_t kBestRatio = 1040, kMinBlock = 1000;  // the best ratio of deflate is 1:1032
 
 std::size_t digitsOf(std::size_t bytes) { return (bytes + 2) / 3 * 4; }
 
 tl::unexpected<Error> cut() { return fail(ErrorCode::input, "it ends too early"); }
 
-/// So many bytes of the source, decoded, which begin at `at`; moves `at` behind them.
+/// Decodes the given number of bytes of the source from `at`, and advances `at` past them.
 Expected<std::string> take(const PackedArray &array, std::size_t &at, std::uint64_t bytes) {
   if (bytes > array.source.size()) return cut();
   const std::size_t length =
@@ -62,7 +62,7 @@ Expected<std::string> unpacked(const PackedArray &array) {
   std::uint64_t packedBytes = 0;
   for (std::uint64_t b = 0; b < blocks; ++b) {
     const std::uint64_t packed = words[static_cast<std::size_t>(3 + b)], size = b + 1 == blocks ? last : each;
-    if (packed > array.source.size() || size > packed * kBestRatio + kLeastBlock)
+    if (packed > array.source.size() || size > packed * kBestRatio + kMinBlock)
       return fail(
           ErrorCode::input,
           fmt::format("its header says that block {} of {} unpacks from {} to {} bytes, which the file cannot hold", b,

@@ -16,7 +16,7 @@
 namespace c3de::geometry {
 namespace {
 
-/// Bytes of a number type by the name that the file gives it; 0: not a type we know.
+/// Size in bytes of a number type by its name in the file; 0: unknown type.
 std::size_t typeSize(std::string_view type) {
   for (std::string_view t : {"double", "long", "unsigned_long", "vtktypeint64", "vtktypeuint64", "vtkidtype_64"})
     if (type == t) return 8;
@@ -95,7 +95,7 @@ Expected<std::size_t> VtkParser::count(const char *what) {
   long long value = 0;
   if (!parseInteger(t, value) || value < 0)
     return refuse(fmt::format("number of {} expected, found {}", what, quotedText(t)));
-  // A count that the file cannot hold (one byte per number at least) must not become an allocation.
+  // A count that the file cannot contain (at least one byte per number) must not cause an allocation.
   if (static_cast<unsigned long long>(value) > text_.size())
     return refuse(fmt::format("{} {} announced in a file of {} bytes", value, what, text_.size()));
   return static_cast<std::size_t>(value);
@@ -191,7 +191,7 @@ Expected<VtkParser::Cells> VtkParser::cells(const std::string &section) {
   auto second = count("indices");
   if (!second) return tl::unexpected(second.error());
 
-  // Version 5.1 says OFFSETS on the next line; the classic layout goes on with numbers.
+  // Version 5.1 has OFFSETS on the next line; the classic layout continues with numbers.
   const std::size_t here = at_;
   endLine();
   if (text_.substr(at_, 7) == "OFFSETS") {

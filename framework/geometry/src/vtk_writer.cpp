@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTK's XML files, version 1.0: the arrays stand in base64 behind the description, so that the file is well-formed XML.
+// VTK's XML files, version 1.0: the arrays follow the description in base64, so that the file is well-formed XML.
 #include "c3de/geometry/vtk_writer.h"
 
 #include <fmt/format.h>
@@ -35,7 +35,7 @@ std::string xmlText(std::string_view text) {
   return out;
 }
 
-/// Comments may not have two hyphens in a row.
+/// Comments must not contain two consecutive hyphens.
 std::string commentText(std::string_view text) {
   std::string out = xmlText(text);
   for (char &c : out)
@@ -43,7 +43,7 @@ std::string commentText(std::string_view text) {
   return out;
 }
 
-/// A file in the making: elements in front, numbers behind.
+/// A file being built: elements first, then numbers.
 class VtkXml {
  public:
   VtkXml(const char *type, const std::string &title) : type_(type) {
@@ -87,7 +87,7 @@ class VtkXml {
     }
     line("</PointData>");
   }
-  /// Cells of `corners` corners each. @param index  of a corner of a cell
+  /// Cells of `corners` corners each. @param index  returns the point index of a corner of a cell
   template <class Index>
   void cells(const char *element, std::size_t cells, std::size_t corners, Index &&index, bool saysType) {
     std::string connectivity, offsets;

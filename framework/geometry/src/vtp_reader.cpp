@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTK's XML files of surfaces (.vtp) and of cells (.vtu, of which the outer surface is taken): text, base64 and raw
-// arrays, in place or appended, as they are or packed with zlib.
+// VTK's XML files of surfaces (.vtp) and of cells (.vtu, of which the outer surface is used): text, base64 and raw
+// arrays, inline or appended, uncompressed or compressed with zlib.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -53,7 +53,7 @@ class VtpParser {
   Expected<void> scan();
   Expected<std::string> bytes(const Array &array, const std::string &what) const;
   Expected<std::vector<double>> numbers(const Array &array, const std::string &what) const;
-  /// Adds the faces of a section to the mesh, or its cells to a surface of cells.
+  /// Adds the faces of a section to the mesh, or its cells to a cell surface.
   Expected<void> addFaces(const Piece &piece, const std::string &section, std::size_t first, RawMesh &raw,
                           CellSurface &surface) const;
   [[nodiscard]] std::uint64_t word(const unsigned char *p, std::size_t size) const;
@@ -121,7 +121,7 @@ std::uint64_t VtpParser::word(const unsigned char *p, std::size_t size) const {
   return value;
 }
 
-/// The bytes behind the header that says how many they are.
+/// The bytes after the header that states their number.
 Expected<std::string> VtpParser::bytes(const Array &array, const std::string &what) const {
   const auto cut = [&] { return refuse("the file ends before the array " + what + " does"); };
   std::string_view source = array.text;

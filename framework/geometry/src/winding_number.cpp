@@ -14,7 +14,7 @@
 namespace c3de::geometry {
 namespace {
 
-/// A node counts as far when the point is this many radii away. Measured on organs of up to 30 726 triangles: 2.0 gives
+/// A node counts as far if the point is this many radii away. Measured on organs of up to 30 726 triangles: 2.0 gives
 /// errors up to 0.009, 2.5 up to 0.0044 at 2 to 4 us per point, 3.0 up to 0.0018 at half as much time again.
 constexpr double kFarFactor = 2.5;
 constexpr std::size_t kLeafSize = 8;
@@ -29,7 +29,7 @@ struct Node {
   Vec3 linear{};                      ///< of 2 (y . dA) y + (y . y) dA
   std::array<double, 10> cubic{};     ///< of y_i y_j dA_k, as a form: xxx yyy zzz xxy xxz xyy yyz xzz yzz xyz
   std::uint32_t begin = 0, end = 0;   ///< triangles below, in tree order
-  std::uint32_t skip = 0;             ///< the next node when this one is done with; the first child follows at once
+  std::uint32_t skip = 0;             ///< the next node after this subtree; the first child follows immediately
   bool isLeaf = false;
 };
 
@@ -37,9 +37,8 @@ struct Corners {
   Vec3 a, b, c;
 };
 
-/// Solid angle of a triangle as seen from a point, by Van Oosterom and Strackee (1983); in [-2 pi, 2 pi]. A point in
-/// the triangle, up to rounding, sees half of everything from one side and minus half from the other: it gets the mean,
-/// zero.
+/// Solid angle of a triangle as seen from a point, by Van Oosterom and Strackee (1983); in [-2 pi, 2 pi]. For a point
+/// in the plane of the triangle, up to rounding, it is the mean of both sides, zero.
 double solidAngle(const Corners &t, const Vec3 &p) {
   const Vec3 a = t.a - p, b = t.b - p, c = t.c - p;
   const double la = norm(a), lb = norm(b), lc = norm(c);
@@ -98,13 +97,13 @@ double farSolidAngle(const Node &node, const Vec3 &d, double r2) {
 
 }  // namespace
 
-/// Triangles that hang together, with a tree of their own. Outside of its box a closed one adds nothing: long triangles
-/// are never far away for an expansion, and a mesh of many shells would be summed triangle by triangle.
+/// Connected triangles with a separate tree. A closed shell contributes nothing outside its box. This avoids sums over
+/// single triangles for long triangles, which are never far away for an expansion, and for meshes of many shells.
 struct Shell {
   std::uint32_t begin = 0, end = 0;  ///< nodes
   bool isClosed = false;
   Box box;
-  [[nodiscard]] bool isNothingAt(const Vec3 &p) const {
+  [[nodiscard]] bool isOutsideAt(const Vec3 &p) const {
     if (!isClosed) return false;
     for (std::size_t k = 0; k < 3; ++k)
       if (p[k] < box.min[k] || p[k] > box.max[k]) return true;
@@ -114,7 +113,7 @@ struct Shell {
 
 struct WindingNumber::Impl {
   std::vector<Corners> triangles;  ///< in tree order
-  std::vector<Node> nodes;         ///< depth first, one tree behind the other
+  std::vector<Node> nodes;         ///< depth first, the trees one after the other
   std::vector<Shell> shells;
 
   void build(std::vector<Corners> &source, std::vector<std::uint32_t> &order, std::size_t begin, std::size_t end);
@@ -186,7 +185,7 @@ void WindingNumber::Impl::build(std::vector<Corners> &source, std::vector<std::u
 double WindingNumber::Impl::sum(const Vec3 &p) const {
   double total = 0.0;
   for (const Shell &shell : shells) {
-    if (shell.isNothingAt(p)) continue;
+    if (shell.isOutsideAt(p)) continue;
     std::size_t i = shell.begin;
     while (i < shell.end) {
       const Node &node = nodes[i];
@@ -208,10 +207,10 @@ double WindingNumber::Impl::sum(const Vec3 &p) const {
 
 namespace {
 
-/// Triangles by the tree they belong to: each closed shell has its own, all that is open one together, as has a mesh
-/// that is one shell. @param isClosed  out: of each
+/// Triangles grouped by tree: one for each closed shell, one for all open parts together, and one for a mesh that is a
+/// single shell. @param isClosed  out: of each
 std::vector<std::vector<std::uint32_t>> shellsOf(const TriangleMesh &mesh, std::vector<std::uint8_t> &isClosed) {
-  constexpr std::size_t kMostShells = 4096;  // each is looked at for each point
+  constexpr std::size_t kMaxShells = 4096;  // each is visited for each point
   std::vector<std::uint32_t> all(mesh.triangles.size());
   std::iota(all.begin(), all.end(), 0u);
   isClosed.assign(1, 0);
@@ -226,7 +225,7 @@ std::vector<std::vector<std::uint32_t>> shellsOf(const TriangleMesh &mesh, std::
   });
   constexpr unsigned kNone = 0xffffffffu;
   std::vector<unsigned> shellOf(mesh.vertices.size(), kNone);
-  std::vector<std::vector<std::uint32_t>> shells(1);  // the first: what is open
+  std::vector<std::vector<std::uint32_t>> shells(1);  // the first: open parts
   for (const std::uint32_t t : all) {
     const unsigned root = joined.find(mesh.triangles[t][0]);
     if (shellOf[root] == kNone) {
@@ -235,7 +234,7 @@ std::vector<std::vector<std::uint32_t>> shellsOf(const TriangleMesh &mesh, std::
     }
     shells[shellOf[root]].push_back(t);
   }
-  if (shells.size() - (shells.front().empty() ? 1 : 0) < 2 || shells.size() > kMostShells) return {std::move(all)};
+  if (shells.size() - (shells.front().empty() ? 1 : 0) < 2 || shells.size() > kMaxShells) return {std::move(all)};
   isClosed.resize(shells.size(), 1);
   if (shells.front().empty()) {
     shells.erase(shells.begin());

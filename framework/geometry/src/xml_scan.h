@@ -7,8 +7,8 @@
 
 namespace c3de::geometry {
 
-/// Goes through XML tag by tag, as far as VTK's files need it: attributes, text between tags; comments, declarations
-/// and the like are skipped.
+/// Scans XML tag by tag, as far as VTK's files require: attributes, text between tags; comments, declarations and
+/// similar are skipped.
 class XmlScan {
  public:
   explicit XmlScan(std::string_view text) : text_(text) {}
@@ -24,18 +24,18 @@ class XmlScan {
     }
   };
   Tag next();
-  /// Text from here to the next '<'.
+  /// Text from the current position to the next '<'.
   [[nodiscard]] std::string_view textHere() const { return text_.substr(at_, text_.find('<', at_) - at_); }
-  /// Everything from here.
+  /// Everything from the current position.
   [[nodiscard]] std::string_view rest() const { return text_.substr(at_); }
   [[nodiscard]] std::size_t position() const { return at_; }
 
  private:
-  /// To the next '<' of a tag, or the end. False: what is to be skipped does not end.
+  /// Advances to the next '<' of a tag, or the end. False: a skipped construct does not end.
   bool toTag();
   void skipSpace();
   std::string word();
-  bool attribute(Tag &tag);  ///< false: broken
+  bool attribute(Tag &tag);  ///< false: malformed
 
   std::string_view text_;
   std::size_t at_ = 0;

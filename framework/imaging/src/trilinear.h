@@ -9,19 +9,19 @@
 
 namespace c3de::imaging {
 
-/// The cell along one axis that a place in [0, size - 1] lies in. The last point belongs to the cell before it, or is
-/// alone.
+/// The cell along one axis that contains a position in [0, size - 1]. The last point belongs to the cell before it, or
+/// is a cell of its own in a grid of one point.
 [[nodiscard]] inline std::size_t cellOf(double at, std::size_t size) {
   return std::min(static_cast<std::size_t>(at), size > 1 ? size - 2 : 0);
 }
 
-/// Whether values may be no number; the question costs a little.
+/// Whether values may be NaN; checking costs a little time.
 enum class Values { finite, any };
 
-/// The value at a place in a cell.
+/// The value at a position in a cell.
 /// @param corner  its first point
-/// @param next    steps to the neighbour along each axis; 0 where the grid has one layer
-/// @param t       the place in [0, 1]³. Where it is 0, values beside it that are no number do not reach it
+/// @param next    offsets to the neighbour along each axis; 0 where the grid has one layer
+/// @param t       position in [0, 1]³. Where it is 0, NaN values of the neighbour have no effect
 template <Values kValues, class T>
 [[nodiscard]] double trilinear(const T *corner, const std::array<std::size_t, 3> &next, const Vec3 &t) {
   const auto between = [&](double a, double b, std::size_t axis) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kLongestId = 200;
 // Vertex indices are 32 bits wide, and 0xffffffff means none.
-constexpr std::uint64_t kMostRows = 0xfffffffeu;
+constexpr std::uint64_t kMaxRows = 0xfffffffeu;
 
 std::size_t dtypeSize(std::uint32_t dtype) {
   switch (dtype) {
@@ -63,7 +63,7 @@ std::vector<std::array<To, 3>> readPositions(const c3de_view &view, const char *
   return out;
 }
 
-/// Whether a row of one lies over a row of the other. Rows that interleave, as members of one struct, do not.
+/// Whether a row of one overlaps a row of the other. Interleaved rows, such as members of one struct, do not.
 bool shareBytes(const RowLayout &a, std::size_t aBytes, const RowLayout &b, std::size_t bBytes) {
   if (a.count == 0 || b.count == 0) return false;
   const auto aBegin = reinterpret_cast<std::uintptr_t>(a.data), bBegin = reinterpret_cast<std::uintptr_t>(b.data);
@@ -87,7 +87,7 @@ std::string textOf(c3de_str text, const char *name) {
   return std::string(view);
 }
 
-std::string labelOf(c3de_str text, const char *name, Lines lines) { return shownText(textOf(text, name), lines); }
+std::string labelOf(c3de_str text, const char *name, Lines lines) { return displayText(textOf(text, name), lines); }
 
 std::string idOf(c3de_str text, const char *name) {
   const std::string id = textOf(text, name);
@@ -110,8 +110,8 @@ std::string textOf(c3de_handle handle) {
 }
 
 void refuseStride(const char *name, std::uint64_t stride, std::uint64_t least, std::uint64_t alignment) {
-  throw Refusal(C3DE_E_ARG, fmt::format("{}: stride is {}, accepted: 0 (tight) or a multiple of {} from {} to {}", name,
-                                        stride, alignment, least, kLargestStride));
+  throw Refusal(C3DE_E_ARG, fmt::format("{}: stride is {}, accepted: 0 (contiguous) or a multiple of {} from {} to {}",
+                                        name, stride, alignment, least, kLargestStride));
 }
 
 double finiteOf(double value, const char *name) {
@@ -140,7 +140,7 @@ RowLayout layoutOf(const c3de_view &view, const char *name, std::uint32_t comps,
     throw Refusal(C3DE_E_ARG,
                   fmt::format("{}: stride {}, accepted: 0 (tight) or at least {}", name, view.stride, rowBytes));
   const auto stride = view.stride == 0 ? rowBytes : static_cast<std::size_t>(view.stride);
-  if (view.count > kMostRows ||
+  if (view.count > kMaxRows ||
       view.count > static_cast<std::uint64_t>(std::numeric_limits<std::ptrdiff_t>::max()) / stride)
     throw Refusal(C3DE_E_ARG, fmt::format("{}: {} rows are more than memory can hold", name, view.count));
   if (view.count > 0) requireNonNull(view.data, name);

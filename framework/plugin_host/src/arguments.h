@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checked reading of what plugins pass: texts, growable structs, arrays. Each throws Refusal that names the argument,
-// the value and what is accepted.
+// Checked reading of what plugins pass: texts, growable structs, arrays. Each function throws Refusal that names the
+// argument, the value and what is accepted.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 #include "c3de/abi/base.h"
 #include "c3de/core/first_size.h"
-#include "c3de/core/foreign_table.h"
 #include "c3de/core/handle.h"
+#include "c3de/core/plugin_table.h"
 #include "c3de/core/text.h"
 #include "c3de/core/vec.h"
 #include "refusal.h"
@@ -25,7 +25,7 @@ inline constexpr std::size_t kLongestText = std::size_t{1} << 20;
 
 /// A copy; UTF-8 of at most kLongestText bytes.
 [[nodiscard]] std::string textOf(c3de_str text, const char *name);
-/// As textOf(), for what is shown to people and not looked up: nothing in it steers a terminal.
+/// Same as textOf(), for text that is displayed and not looked up: contains no terminal control sequences.
 [[nodiscard]] std::string labelOf(c3de_str text, const char *name, Lines lines = Lines::one);
 /// A copy; 1 to 200 letters, digits and . _ - / characters.
 [[nodiscard]] std::string idOf(c3de_str text, const char *name);
@@ -36,18 +36,18 @@ T *requireNonNull(T *pointer, const char *name) {
   return pointer;
 }
 
-/// Beyond, a stride is rubbish and not that of a newer plugin.
+/// A larger stride is invalid data, not that of a newer plugin.
 inline constexpr std::uint64_t kLargestStride = 65536;
 [[noreturn]] void refuseStride(const char *name, std::uint64_t stride, std::uint64_t least, std::uint64_t alignment);
 
-/// Refuses a struct below its first size.
+/// Refuses a struct smaller than its first revision.
 template <class T>
 void requireSize(const T *in, const char *name) {
   if (const std::string problem = sizeProblem(requireNonNull(in, name)); !problem.empty())
     throw Refusal(C3DE_E_ARG, std::string(name) + ": " + problem);
 }
 
-/// The struct as far as both sides know it; members beyond the caller's size are zero. Refused below the first size.
+/// The members known to both sides; members beyond the caller's size are zero. Refused below the first size.
 template <class T>
 [[nodiscard]] T structOf(const T *in, const char *name) {
   requireSize(in, name);
@@ -58,7 +58,7 @@ template <class T>
   return copy;
 }
 
-/// As structOf(), for structs whose functions will be called: every slot of the revision they say is there.
+/// Same as structOf(), for structs whose functions will be called: every slot of their stated revision must be set.
 template <class T>
 [[nodiscard]] T tableOf(const T *in, const char *name) {
   const T copy = structOf(in, name);
@@ -66,7 +66,7 @@ template <class T>
   return copy;
 }
 
-/// Writes as much as the caller has room for and leaves its size as it is.
+/// Writes as much as fits into the caller's struct and leaves its size unchanged.
 template <class T>
 void writeStruct(T *out, T value, const char *name) {
   requireSize(out, name);
@@ -75,27 +75,26 @@ void writeStruct(T *out, T value, const char *name) {
   std::memcpy(out, &value, std::min<std::size_t>(size, sizeof(T)));
 }
 
-/// From one struct of an array to the next: 0 means tight, in the size that the caller knows.
+/// Distance between the structs of an array: 0 means contiguous, in the size stated by the caller.
 template <class T>
 [[nodiscard]] std::uint64_t strideOf(const T *first, std::uint64_t stride, const char *name) {
   std::uint32_t size = 0;
   std::memcpy(&size, first, sizeof size);
   const std::uint64_t step = stride == 0 ? size : stride;
-  if (step < FirstSize<T>::value || step > kLargestStride || step % alignof(T) != 0)
-    refuseStride(name, stride, FirstSize<T>::value, alignof(T));
+  if (step < MinimumSize<T>::value || step > kLargestStride || step % alignof(T) != 0)
+    refuseStride(name, stride, MinimumSize<T>::value, alignof(T));
   return step;
 }
 
 inline void writeHandle(c3de_handle *out, Handle handle) { out->v = handle.bits(); }
-/// For messages: its number and, where it has one, its kind.
+/// For messages: its number and, if known, its kind.
 [[nodiscard]] std::string textOf(c3de_handle handle);
 [[nodiscard]] inline Handle handleOf(c3de_handle handle) { return Handle::fromBits(handle.v); }
 
 [[nodiscard]] double finiteOf(double value, const char *name);
 [[nodiscard]] Vec3 pointOf(const double *three, const char *name);
 
-/// Rows of a view: dtype among the accepted, comps, data, stride and count are plausible. Returns the bytes of a row
-/// step.
+/// Layout of the rows of a view. Checks that dtype is accepted and that comps, data, stride and count are plausible.
 struct RowLayout {
   const unsigned char *data;
   std::size_t count;
@@ -112,7 +111,7 @@ struct RowLayout {
 /// f32 or f64, comps 1, not NaN.
 [[nodiscard]] std::vector<double> numbersOf(const c3de_view &view, const char *name);
 
-/// f64 rows of 3 without a copy where they lie tight and aligned.
+/// f64 rows of 3, without a copy if they are contiguous and aligned.
 class PointRows {
  public:
   PointRows(const c3de_view &view, const char *name);
@@ -123,7 +122,8 @@ class PointRows {
   std::span<const Vec3> rows_;
 };
 
-/// Where results of one number per row of `input` go: as many rows, and no byte of them is one of the input.
+/// Destination of results with one number per row of `input`: the same number of rows, none of which overlaps the
+/// input.
 [[nodiscard]] RowLayout outputLayoutOf(const c3de_mview &view, const char *name, const c3de_view &input,
                                        std::uint32_t dtype = C3DE_F64);
 

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "c3de/core/foreign_call.h"
-#include "c3de/core/foreign_table.h"
+#include "c3de/core/plugin_call.h"
+#include "c3de/core/plugin_table.h"
 #include "c3de/core/text.h"
 #include "last_error.h"
 #include "refusal.h"
@@ -70,16 +70,16 @@ c3de_object *ClassRegistry::create(const std::string &id) {
     owner = found->second.info.plugin;
     createFn = found->second.create;
   }
-  // Outside the lock: the factory may look up other classes.
-  const char *plugin = keptName(owner), *what = keptName("create of class " + id);
-  if (ForeignCall::isTooDeep(plugin, what))
+  // Outside the lock, because the factory may look up other classes.
+  const char *plugin = internedName(owner), *what = internedName("create of class " + id);
+  if (PluginCall::hasReachedMaxNesting(plugin, what))
     throw Refusal(C3DE_E_STATE, fmt::format("class {} of plugin {}: {} calls of plugins stand within each other, more "
                                             "are not accepted; does a class create itself?",
-                                            id, owner, ForeignCall::kMostNested));
+                                            id, owner, PluginCall::kMaxNested));
   c3de_object *object = nullptr;
   c3de_status status = C3DE_E_EXCEPTION;
   try {
-    const ForeignCall call(plugin, what, CallKind::prompt);
+    const PluginCall call(plugin, what, CallKind::prompt);
     status = createFn(factory, &object);
   } catch (...) {
     throw Refusal(C3DE_E_EXCEPTION,
@@ -87,7 +87,7 @@ c3de_object *ClassRegistry::create(const std::string &id) {
   }
   if (status < 0) {
     const std::string reason = takeLastError();
-    // A class that is made of others hands their reason on, which need not be told once for each.
+    // A class that is composed of others passes on their reason, which need not be repeated for each.
     const bool isTold = reason.find("class " + id + " ") != std::string::npos;
     throw Refusal(status, isTold ? reason : id + ": " + (reason.empty() ? statusName(status) : reason));
   }

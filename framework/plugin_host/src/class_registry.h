@@ -11,7 +11,7 @@
 
 namespace c3de::plugin_host {
 
-/// The classes that plugins offer. Listing: any thread; the rest: main thread.
+/// The classes offered by plugins. Listing: any thread; all else: main thread.
 class ClassRegistry {
  public:
   struct Entry {
@@ -20,17 +20,17 @@ class ClassRegistry {
     c3de_status(C3DE_CALL *create)(void *factory, c3de_object **out) = nullptr;
   };
 
-  /// False, with the owner's id in `takenBy`, when there is a class of this id.
+  /// False, with the owner's id in `takenBy`, if a class of this id exists.
   bool add(Entry entry, std::string &takenBy);
-  /// False when the plugin has no such class.
+  /// False if the plugin has no such class.
   bool remove(const std::string &id, const std::string &plugin);
   void removeOwnedBy(const std::string &plugin);
   /// Sorted by id; empty interface: all.
   [[nodiscard]] std::vector<ClassInfo> list(const std::string &interfaceId) const;
-  /// Throws Refusal: C3DE_E_NOT_FOUND names the classes that exist, otherwise what the factory said.
+  /// Throws Refusal: C3DE_E_NOT_FOUND names the existing classes; otherwise the error of the factory.
   [[nodiscard]] c3de_object *create(const std::string &id);
 
-  /// The plugin of an object that create() has made, for messages; a name that stays. Any thread.
+  /// The plugin of an object created by create(), for messages; the name remains valid. Any thread.
   [[nodiscard]] const char *ownerOf(const c3de_object *object) const;
 
  private:

@@ -11,8 +11,8 @@
 
 namespace c3de::plugin_host {
 
-/// A tree that plugins query. Queries take the lock shared, refit and rebuild exclusively: callers promise as much, the
-/// lock keeps a broken promise from becoming a wild read.
+/// A tree that plugins query. Queries lock it shared; refit and rebuild lock it exclusively. Callers must not run them
+/// concurrently anyway; the lock prevents invalid reads if they do.
 struct SharedTree {
   SharedTree(std::string ownerId, collision::AabbTree builtTree)
       : owner(std::move(ownerId)), tree(std::move(builtTree)) {}

@@ -11,11 +11,11 @@
 
 namespace c3de::plugin_host {
 
-/// What the plugins of one host share.
+/// State shared by the plugins of one host.
 struct HostState {
   explicit HostState(const Services &s)
       : services(s), mainThread(std::this_thread::get_id()), proxies(s.renderer, s.sceneGraph),
-        watchdog(s.callLimits, [this](const LongCall &call) { tellLongCall(services, call); }) {}
+        watchdog(s.callLimits, [this](const LongCall &call) { reportLongCall(services, call); }) {}
 
   Services services;
   std::thread::id mainThread;

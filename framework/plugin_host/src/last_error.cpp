@@ -7,7 +7,8 @@
 namespace c3de::plugin_host {
 namespace {
 
-// Per thread and not per host: a failing call and the question why come from the same thread, one after the other.
+// Per thread and not per host: a failed call and the query for its error come from the same thread, one after the
+// other.
 thread_local PluginError lastError;
 thread_local bool callbackFailed = false;
 

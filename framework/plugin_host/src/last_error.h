@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The text behind the last failing call through the boundary, one per thread.
+// Text of the last failed call across the ABI boundary, one per thread.
 #pragma once
 
 #include <string>
@@ -12,12 +12,12 @@ namespace c3de::plugin_host {
 
 void setLastError(std::string_view text) noexcept;
 void setLastError(PluginError error) noexcept;
-/// Clears it. The text names the place, too.
+/// Returns and clears it. The text includes the location.
 [[nodiscard]] std::string takeLastError() noexcept;
 [[nodiscard]] PluginError takeLastErrorAt() noexcept;
-/// Whether a function that returns nothing has said that it failed, on this thread; gives what was before.
+/// Whether a function without a return value has reported a failure on this thread; returns the previous value.
 bool exchangeCallbackFailed(bool value) noexcept;
-/// "C3DE_E_ARG" of -1; the number of what is unknown.
+/// "C3DE_E_ARG" for -1; the number if it is unknown.
 [[nodiscard]] std::string statusName(c3de_status status);
 
 }  // namespace c3de::plugin_host

@@ -24,7 +24,7 @@ T numberAt(const std::vector<unsigned char> &bytes, std::size_t offset) {
   return value;
 }
 
-/// The first n bytes from offset, fewer where the file ends.
+/// The first n bytes from offset; fewer at the end of the file.
 std::vector<unsigned char> read(std::ifstream &in, std::uint64_t offset, std::size_t n) {
   std::vector<unsigned char> bytes(n);
   in.clear();
@@ -57,7 +57,7 @@ Expected<void> checkElf(std::ifstream &in, std::uint64_t size) {
   if (kElfMachine != 0 && machine != kElfMachine)
     return notAPlugin(fmt::format("built for another processor (ELF machine {}, this is {})", machine, kElfMachine));
 
-  // A segment or the section table beyond the end: the loader would map it and the process would fault.
+  // If a segment or the section table extends beyond the end, the loader would map it and the process would fault.
   std::uint64_t needed = numberAt<std::uint64_t>(header, 40) +
                          std::uint64_t{numberAt<std::uint16_t>(header, 58)} * numberAt<std::uint16_t>(header, 60);
   const auto segments = numberAt<std::uint16_t>(header, 56);

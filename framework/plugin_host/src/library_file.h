@@ -7,9 +7,9 @@
 
 namespace c3de::plugin_host {
 
-/// What can be said about a file before it is given to the dynamic loader, which answers less clearly and, for a
-/// truncated library, may end the process: exists, regular, right ending, a library of this system and processor,
-/// complete.
+/// Checks a file before it is passed to the dynamic loader, whose errors are less clear and which may end the process
+/// for a truncated library. Checks that it exists, is regular, has the right extension, is a library of this system and
+/// processor, and is complete.
 [[nodiscard]] Expected<void> checkLibraryFile(const std::filesystem::path &file);
 
 }  // namespace c3de::plugin_host

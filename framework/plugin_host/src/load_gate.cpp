@@ -22,8 +22,8 @@ std::string switchedOff(const std::string &name) {
   return fmt::format("switched off; `c3de plugins --on {}`, or the plugin manager, switches it on", name);
 }
 
-/// The last line of what it has said in which somebody is named.
-std::string saidAtTheEnd(const std::string &text) {
+/// The last line of its output that states why it ended.
+std::string lastFatalLine(const std::string &text) {
   std::string found;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
@@ -34,43 +34,43 @@ std::string saidAtTheEnd(const std::string &text) {
   }
   for (const char *prefix : {"c3de: fatal: ", "c3de: error: "})
     if (found.starts_with(prefix)) found.erase(0, std::string(prefix).size());
-  return shownText(found);
+  return displayText(found);
 }
 
-/// Why the plugin cannot be used; empty: nothing speaks against it. What makes it refuse or be refused is found when it
-/// is loaded, with all services there.
+/// Why the plugin cannot be used; empty if no reason was found. Refusals by or of the plugin are found when it is
+/// loaded, with all services available.
 std::string tryInProcess(const LoadRules &rules, const std::filesystem::path &file) {
   std::vector<std::string> command{
       pathText(rules.prober), "plugins", "--no-plugins", "--trust-plugins", "--trial", "--plugin", pathText(file)};
   if (rules.hasWindow) command.emplace_back("--as-in-window");
-  const auto ended = runProcess(command, LoadGate::kMostSeconds);
+  const auto ended = runProcess(command, LoadGate::kMaxSeconds);
   if (!ended) return {};
-  if (ended->timedOut) return fmt::format("had not come to an end after {} s", LoadGate::kMostSeconds);
-  std::string said = saidAtTheEnd(ended->errorOutput);
-  if (!said.empty()) return "has ended it: " + said;
-  // Codes of our own are small; what the system ends is told by a large or negative one.
-  constexpr int kMostOwn = 63;
-  if (ended->exitCode < 0 || ended->exitCode > kMostOwn)
+  if (ended->timedOut) return fmt::format("had not come to an end after {} s", LoadGate::kMaxSeconds);
+  std::string said = lastFatalLine(ended->errorOutput);
+  if (!said.empty()) return "has crashed it: " + said;
+  // Exit codes of the program are small; termination by the system has a large or negative one.
+  constexpr int kMaxOwn = 63;
+  if (ended->exitCode < 0 || ended->exitCode > kMaxOwn)
     return fmt::format("has ended it with code {}", ended->exitCode);
   return {};
 }
 
 }  // namespace
 
-std::string LoadGate::offByFile(const std::filesystem::path &file, bool isNamed) {
+std::string LoadGate::reasonFileIsOff(const std::filesystem::path &file, bool isNamed) {
   for (const std::string &name : rules_.without)
     if (name == pathText(file.filename()) || name == pathText(file.stem()) || name == pathText(file)) {
       matched_.insert(name);
       return "left out by --without " + name;
     }
-  // One that ends the program while it is loaded has not said its id.
+  // A plugin that ends the program while it is loaded has not stated its id.
   if (const std::string name = pathText(file.filename()); !isNamed && rules_.records && rules_.records->isOff(name))
     return switchedOff(name);
   if (rules_.isSafeMode && !isBundled(file)) return "left out in safe mode: it did not come with the program";
   return {};
 }
 
-std::string LoadGate::offById(const std::string &id, bool isNamed) {
+std::string LoadGate::reasonIdIsOff(const std::string &id, bool isNamed) {
   if (std::find(rules_.without.begin(), rules_.without.end(), id) != rules_.without.end()) {
     matched_.insert(id);
     return "left out by --without " + id;
@@ -87,7 +87,7 @@ Expected<void> LoadGate::tryFirstUse(const std::filesystem::path &file) {
     if (rules_.records) rules_.records->keepFirstUse(file, rules_.prober, rules_.hasWindow, *use);
   }
   if (use->reason.empty()) return {};
-  return fail(ErrorCode::plugin, fmt::format("its first use, in a process of its own, {}; to load it nevertheless: "
+  return fail(ErrorCode::plugin, fmt::format("its first use, in a separate process, {}; to load it anyway: "
                                              "--trust-plugins",
                                              use->reason));
 }

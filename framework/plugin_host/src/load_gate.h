@@ -14,17 +14,18 @@ class LoadGate {
  public:
   explicit LoadGate(LoadRules rules) : rules_(std::move(rules)) {}
 
-  /// Why a file is not to be opened; empty: it may be.
-  /// @param isNamed  somebody has asked for this file, which counts more than what was chosen earlier
-  [[nodiscard]] std::string offByFile(const std::filesystem::path &file, bool isNamed);
-  /// Why the plugin that a file has turned out to be is not to be created.
-  [[nodiscard]] std::string offById(const std::string &id, bool isNamed);
-  /// ErrorCode::plugin: the first use of the file, or of what it has become, has ended or stopped the process in which
-  /// it was tried. Takes as long as loading it does, and at most kMostSeconds, the first time; then it is known.
+  /// Why a file must not be opened; empty if it may.
+  /// @param isNamed  the file was requested explicitly, which takes precedence over earlier choices
+  [[nodiscard]] std::string reasonFileIsOff(const std::filesystem::path &file, bool isNamed);
+  /// Why the plugin identified in a file must not be created.
+  [[nodiscard]] std::string reasonIdIsOff(const std::string &id, bool isNamed);
+  /// ErrorCode::plugin: the first use of the file, or of its changed version, has ended or blocked the process in which
+  /// it was tried. The first time this takes as long as loading it, at most kMaxSeconds; later the stored result is
+  /// used.
   [[nodiscard]] Expected<void> tryFirstUse(const std::filesystem::path &file);
-  static constexpr double kMostSeconds = 5.0;
+  static constexpr double kMaxSeconds = 5.0;
 
-  /// Names of LoadRules::without that no file and no plugin had.
+  /// Names of LoadRules::without that matched no file and no plugin.
   [[nodiscard]] std::vector<std::string> unmatched() const;
 
  private:

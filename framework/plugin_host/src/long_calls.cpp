@@ -15,7 +15,7 @@
 namespace c3de::plugin_host {
 namespace {
 
-/// What a person can do about a call that does not return.
+/// The user's options for a call that does not return.
 std::vector<registry::Choice> choices(const Services &services, const LongCall &call) {
   std::vector<registry::Choice> out;
   if (call.kind == CallKind::job && call.subject != 0 && services.jobs)
@@ -29,7 +29,7 @@ std::vector<registry::Choice> choices(const Services &services, const LongCall &
   return out;
 }
 
-/// What a person waits for.
+/// What the user is waiting for.
 std::string titleOf(const LongCall &call) {
   if (call.isOnMain) return "The window did not respond";
   switch (call.kind) {
@@ -39,7 +39,7 @@ std::string titleOf(const LongCall &call) {
   }
 }
 
-/// How long, and what helps. The ids are in the log.
+/// The duration, and the remedy. The ids are in the log.
 std::string textOf(const LongCall &call) {
   if (call.isOnMain)
     return fmt::format("It waited {:.1f} s for a plugin and responds again. The log names the plugin.", call.seconds);
@@ -54,8 +54,8 @@ std::string textOf(const LongCall &call) {
   }
 }
 
-/// While the main thread waits nothing can be drawn: then the end is said. Work of the program's own shows its progress
-/// and can be cancelled there; a job's and a step's end is seen.
+/// While the main thread waits, nothing can be drawn, so only the end is reported. The program's own work shows its
+/// progress and can be cancelled there. The end of a job or step is visible.
 bool isShown(const LongCall &call) {
   if (call.isOnMain) return call.isOver;
   return !call.isOver && !(call.kind == CallKind::job && call.subject == 0);
@@ -63,7 +63,7 @@ bool isShown(const LongCall &call) {
 
 }  // namespace
 
-void tellLongCall(const Services &services, const LongCall &call) {
+void reportLongCall(const Services &services, const LongCall &call) {
   noteHang(call);
   const std::string name = fmt::format("plugin {}: {}", call.owner, call.what);
   std::string line;

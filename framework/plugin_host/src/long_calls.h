@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "c3de/core/foreign_call.h"
+#include "c3de/core/plugin_call.h"
 #include "c3de/plugin_host/plugin_host.h"
 
 namespace c3de::plugin_host {
 
-/// Says that a call of a plugin does not return, or has at last: in the log; and in the window where it can be drawn,
-/// with the choice to stop the simulation or cancel the job. The watchdog's thread.
-void tellLongCall(const Services &services, const LongCall &call);
+/// Reports that a call of a plugin does not return, or has finally returned: in the log, and in the window if it can be
+/// drawn. There the user can stop the simulation or cancel the job. Runs on the watchdog's thread.
+void reportLongCall(const Services &services, const LongCall &call);
 
 }  // namespace c3de::plugin_host

@@ -14,9 +14,9 @@
 namespace c3de::plugin_host {
 namespace {
 
-// A descriptor larger than this is not a newer one but rubbish.
+// A larger descriptor is invalid data, not a newer one.
 constexpr std::uint32_t kPlausibleSize = 65536;
-constexpr std::uint64_t kMostNeeds = 256;
+constexpr std::uint64_t kMaxNeeds = 256;
 
 [[noreturn]] void refuseDescriptor(const std::string &why) { throw Refusal(C3DE_E_ARG, "bad descriptor: " + why); }
 
@@ -34,13 +34,13 @@ const c3de_plugin *query(c3de_plugin_query_fn queryFn, const c3de_offer &offer) 
     status = queryFn(&offer, &answer);
   } catch (const std::exception &e) {
     throw Refusal(C3DE_E_EXCEPTION,
-                  fmt::format("an exception left {}: {}", C3DE_PLUGIN_QUERY_SYMBOL, shownText(e.what())));
+                  fmt::format("an exception left {}: {}", C3DE_PLUGIN_QUERY_SYMBOL, displayText(e.what())));
   } catch (...) {
     throw Refusal(C3DE_E_EXCEPTION, fmt::format("an exception left {}", C3DE_PLUGIN_QUERY_SYMBOL));
   }
   answer.why_not[sizeof answer.why_not - 1] = '\0';
   if (status < 0) {
-    const std::string why = shownText(answer.why_not);
+    const std::string why = displayText(answer.why_not);
     throw Refusal(status, fmt::format("the plugin declines: {} (this host serves plugin ABI {})",
                                       why.empty() ? statusName(status) : why, majors(offer)));
   }
@@ -54,8 +54,8 @@ const c3de_plugin *query(c3de_plugin_query_fn queryFn, const c3de_offer &offer) 
 }
 
 void checkNeeds(const c3de_plugin &plugin, const Services &services) {
-  if (plugin.needs_n > kMostNeeds)
-    refuseDescriptor(fmt::format("needs_n is {}, accepted are at most {}", plugin.needs_n, kMostNeeds));
+  if (plugin.needs_n > kMaxNeeds)
+    refuseDescriptor(fmt::format("needs_n is {}, accepted are at most {}", plugin.needs_n, kMaxNeeds));
   if (plugin.needs_n == 0) return;
   if (!plugin.needs) refuseDescriptor(fmt::format("needs is null, needs_n is {}", plugin.needs_n));
   std::uint64_t stride = 0;
@@ -84,8 +84,8 @@ void checkNeeds(const c3de_plugin &plugin, const Services &services) {
 Candidate checkDescriptor(const c3de_plugin *descriptor, const Services &services) {
   std::uint32_t size = 0;
   std::memcpy(&size, descriptor, sizeof size);
-  if (size < FirstSize<c3de_plugin>::value || size > kPlausibleSize)
-    refuseDescriptor(fmt::format("its member size is {}, accepted: from {} on", size, FirstSize<c3de_plugin>::value));
+  if (size < MinimumSize<c3de_plugin>::value || size > kPlausibleSize)
+    refuseDescriptor(fmt::format("its member size is {}, accepted: from {} on", size, MinimumSize<c3de_plugin>::value));
   Candidate out;
   out.plugin = structOf(descriptor, "descriptor");
   try {
@@ -105,7 +105,7 @@ Candidate checkDescriptor(const c3de_plugin *descriptor, const Services &service
 }  // namespace
 
 Expected<Candidate> negotiate(const DynamicLibrary &library, const Services &services) {
-  // void* to a function pointer is what dlsym and GetProcAddress leave us with.
+  // dlsym and GetProcAddress require the conversion from void* to a function pointer.
   const auto queryFn = reinterpret_cast<c3de_plugin_query_fn>(library.symbol(C3DE_PLUGIN_QUERY_SYMBOL));
   if (!queryFn) return fail(ErrorCode::plugin, fmt::format("not a plugin: no symbol {}", C3DE_PLUGIN_QUERY_SYMBOL));
   c3de_offer offer{};

@@ -10,13 +10,13 @@
 
 namespace c3de::plugin_host {
 
-/// What a library said about itself, checked.
+/// What a library states about itself, checked.
 struct Candidate {
-  c3de_plugin plugin{};  ///< as far as both sides know it
+  c3de_plugin plugin{};  ///< members known to both sides
   std::string id, version, displayName, vendor, license;
 };
 
-/// Asks the library (c3de_plugin_query), and checks ABI number, descriptor and required services. The error is one
+/// Queries the library (c3de_plugin_query), and checks ABI number, descriptor and required services. The error is one
 /// line.
 [[nodiscard]] Expected<Candidate> negotiate(const DynamicLibrary &library, const Services &services);
 

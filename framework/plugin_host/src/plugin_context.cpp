@@ -32,20 +32,20 @@ c3de_status C3DE_CALL getService(void *ctx, c3de_str id, std::uint32_t minRev, c
     const std::string name = textOf(id, "id");
     const ServiceEntry &entry = findService(name, minRev, plugin.services());
     *table = entry.table(plugin.tables());
-    plugin.noteService(name);
+    plugin.recordServiceRequest(name);
   });
 }
 
-/// Text of any plugin, also one that is going: what the person will read.
+/// Text of any plugin, also of one being removed, as the user will read it.
 std::string readable(c3de_str message, const std::string &otherwise) {
   const std::string_view text = fromAbi(message);
-  return text.empty() || text.size() > kLongestText ? otherwise : shownText(text, Lines::many);
+  return text.empty() || text.size() > kLongestText ? otherwise : displayText(text, Lines::many);
 }
 
 void C3DE_CALL setErrorAt(void *, c3de_status status, c3de_str message, const c3de_error_place *place) noexcept {
   try {
     PluginError error{readable(message, statusName(status)), {}, 0, {}};
-    if (place != nullptr && place->size >= FirstSize<c3de_error_place>::value) {
+    if (place != nullptr && place->size >= MinimumSize<c3de_error_place>::value) {
       error.table = readable(place->table, {});
       error.index = place->index;
       error.key = readable(place->key, {});
@@ -76,8 +76,8 @@ c3de_status C3DE_CALL takeError(void *, c3de_sink sink) noexcept {
 
 PluginContext::PluginContext(HostState &host, std::string id)
     : host_(host), id_(std::move(id)),
-      callName_(keptName(id_)), abi_{sizeof(c3de_host), 3,          this,        &getService,
-                                     &setError,         &takeError, &setErrorAt, &callbackFailed},
+      callName_(internedName(id_)), abi_{sizeof(c3de_host), 3,          this,        &getService,
+                                         &setError,         &takeError, &setErrorAt, &callbackFailed},
       tables_{makeLogTable(this),      makeRegistryTable(this),  makeMeshTable(this),   makeSceneTable(this),
               makeRenderTable(this),   makeCollisionTable(this), makeParamsTable(this), makePanelsTable(this),
               makeToolsTable(this),    makeJobsTable(this),      makeTimeTable(this),   makeSimulationTable(this),
@@ -96,7 +96,7 @@ void logCallbackFailure(const char *plugin, const char *what) noexcept {
   try {
     const std::string text = takeLastError();
     log(LogLevel::error,
-        fmt::format("plugin {}: {} failed: {}", plugin, what, text.empty() ? "it does not say why" : text));
+        fmt::format("plugin {}: {} failed: {}", plugin, what, text.empty() ? "it gives no reason" : text));
   } catch (...) {  // no memory for the line
   }
 }
@@ -104,17 +104,18 @@ void logCallbackFailure(const char *plugin, const char *what) noexcept {
 bool PluginContext::isMainThread() const { return std::this_thread::get_id() == host_.mainThread; }
 
 void PluginContext::requireMainThread() const {
-  if (!isMainThread()) throw Refusal(C3DE_E_THREAD, "is for the main thread; post_to_main of c3de.time/1 leads there");
+  if (!isMainThread())
+    throw Refusal(C3DE_E_THREAD, "must be called on the main thread; use post_to_main of c3de.time/1");
 }
 
-c3de_str PluginContext::keptText(const std::string &text) {
+c3de_str PluginContext::internedText(const std::string &text) {
   const std::lock_guard lock(textMutex_);
   const std::string &kept = *texts_.insert(text).first;
   return {kept.data(), kept.size()};
 }
 
 void PluginContext::drainPending() {
-  // While the plugin is whole: afterwards its tool could no longer let go of what it holds.
+  // While the plugin is still intact: afterwards its tool could no longer release what it holds.
   if (services().tools && tools.contains(services().tools->active().bits())) services().tools->activate({});
   if (services().edits) services().edits->removeOwnedBy(id_);
   if (services().jobs) services().jobs->finishOwnedBy(id_);
@@ -143,7 +144,7 @@ void PluginContext::revokeAll() {
   if (s.simulations) s.simulations->unwatchOwnedBy(id_);
   if (s.meshFormats) s.meshFormats->removeOwnedBy(id_);
   if (s.commands) s.commands->removeOwnedBy(id_);
-  // Tools first: one of them may be active, and its callbacks are closed already.
+  // Tools first: one of them may be active, and its callbacks are already closed.
   if (s.tools) s.tools->removeOwnedBy(id_);
   if (s.edits) s.edits->removeOwnedBy(id_);
   if (s.panels) s.panels->removeOwnedBy(id_);

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "c3de/abi/c3de.h"
-#include "c3de/core/foreign_call.h"
+#include "c3de/core/plugin_call.h"
 #include "host_state.h"
 #include "last_error.h"
 
@@ -21,7 +21,7 @@ struct ToolCallback;
 struct EditCallback;
 struct ListenerCallback;
 
-/// Every table that one plugin can get; ctx of each is its PluginContext.
+/// All tables available to one plugin; ctx of each is its PluginContext.
 struct ServiceTables {
   c3de_log_v1 log;
   c3de_registry_v1 registry;
@@ -50,8 +50,8 @@ struct PostedFunctions {
   std::deque<std::pair<void *, void(C3DE_CALL *)(void *)>> waiting;
 };
 
-/// The host as one plugin sees it, and everything this plugin has registered, so that it can be taken back.
-/// Stays until the host goes, so that a call that comes too late is answered instead of crashing.
+/// The host as seen by one plugin, and everything this plugin has registered, so that it can be revoked. Exists as long
+/// as the host, so that a late call is refused instead of crashing.
 class PluginContext {
  public:
   PluginContext(HostState &host, std::string id);
@@ -59,39 +59,40 @@ class PluginContext {
   PluginContext &operator=(const PluginContext &) = delete;
   ~PluginContext();
 
-  /// Throws Refusal when there is no plugin behind it or it was taken back.
+  /// Throws Refusal if no plugin belongs to ctx or it has been revoked.
   [[nodiscard]] static PluginContext &of(void *ctx);
-  /// Throws Refusal (C3DE_E_THREAD).
+  /// requireMainThread() throws Refusal (C3DE_E_THREAD) on any other thread.
   [[nodiscard]] bool isMainThread() const;
   void requireMainThread() const;
 
   [[nodiscard]] const c3de_host *abi() const { return &abi_; }
   [[nodiscard]] const ServiceTables &tables() const { return tables_; }
   [[nodiscard]] const std::string &id() const { return id_; }
-  /// The id, for as long as the program runs.
+  /// The id; valid as long as the program runs.
   [[nodiscard]] const char *callName() const { return callName_; }
   [[nodiscard]] HostState &host() const { return host_; }
   [[nodiscard]] const Services &services() const { return host_.services; }
   [[nodiscard]] bool isClosed() const { return closed_.load(); }
 
-  /// Cancels its tool, waits for its jobs, runs what it has posted: before destroy. Main thread.
+  /// Cancels its tool, waits for its jobs and runs its posted functions; called before destroy. Main thread.
   void drainPending();
-  /// From here on the plugin is not called and its calls are refused; takes back all it has registered. Main thread.
+  /// From then on the plugin is not called and its calls are refused; revokes everything it has registered. Main
+  /// thread.
   void revokeAll();
 
-  /// Services that were handed out. Any thread.
-  void noteService(const std::string &id) {
+  /// Records a service that the plugin has requested. Any thread.
+  void recordServiceRequest(const std::string &id) {
     const std::lock_guard lock(textMutex_);
     asked_.insert(id);
   }
-  [[nodiscard]] bool hasAskedFor(const std::string &id) {
+  [[nodiscard]] bool hasRequested(const std::string &id) {
     const std::lock_guard lock(textMutex_);
     return asked_.contains(id);
   }
-  /// A text that stays until the host goes; each is kept once. Any thread.
-  [[nodiscard]] c3de_str keptText(const std::string &text);
+  /// A text that is valid as long as the host; equal texts are stored once. Any thread.
+  [[nodiscard]] c3de_str internedText(const std::string &text);
 
-  // What it has, for the services; main thread except where a mutex stands before it.
+  // Registrations of the plugin, for the services; main thread, except where a mutex precedes them.
   std::mutex meshMutex;
   std::set<std::uint64_t> meshes;
   std::set<std::uint64_t> nodes, frameCallbacks, jobs;
@@ -112,26 +113,26 @@ class PluginContext {
   std::set<std::string> texts_, asked_;
 };
 
-/// With the text that the plugin has set.
+/// Includes the text set by the plugin.
 void logCallbackFailure(const char *plugin, const char *what) noexcept;
 
-/// Calls into a plugin: an exception that leaves it becomes a line in the log, and so does what a function that returns
-/// nothing says of itself (callback_failed of c3de_host). Best effort only, because a plugin with
-/// a C++ runtime of its own cannot be caught.
+/// Calls into a plugin. An exception that leaves it is written to the log. So is a failure reported by a function
+/// without a return value (callback_failed of c3de_host). Best effort only: exceptions of a plugin with a separate C++
+/// runtime cannot be caught.
 /// @param what  a literal, for messages
-/// @param f  may take the ForeignCall that it is
+/// @param f  may accept the present PluginCall
 template <class F>
 bool callPlugin(const PluginContext &plugin, const char *what, F &&f, CallKind kind = CallKind::prompt,
                 std::uint64_t subject = 0) noexcept {
   if (plugin.isClosed()) return false;
-  if (ForeignCall::isTooDeep(plugin.callName(), what)) return false;
+  if (PluginCall::hasReachedMaxNesting(plugin.callName(), what)) return false;
   try {
-    const ForeignCall call(plugin.callName(), what, kind, subject);
-    struct Flag {  // one of a call within a call is not lost
+    const PluginCall call(plugin.callName(), what, kind, subject);
+    struct Flag {  // a failure reported in an outer call is preserved by a nested one
       bool before = exchangeCallbackFailed(false);
       ~Flag() { (void)exchangeCallbackFailed(before); }
     } const flag;
-    if constexpr (std::is_invocable_v<F, const ForeignCall &>)
+    if constexpr (std::is_invocable_v<F, const PluginCall &>)
       f(call);
     else
       f();

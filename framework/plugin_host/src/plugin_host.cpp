@@ -7,9 +7,9 @@
 
 #include "c3de/core/assert.h"
 #include "c3de/core/crash_journal.h"
-#include "c3de/core/foreign_call.h"
 #include "c3de/core/log.h"
 #include "c3de/core/main_queue.h"
+#include "c3de/core/plugin_call.h"
 #include "host_state.h"
 #include "last_error.h"
 #include "library_file.h"
@@ -21,10 +21,10 @@
 namespace c3de::plugin_host {
 namespace {
 
-// No plugin has an id with a space, so nothing of a plugin goes with it.
+// No plugin has an id with a space, so removing a plugin never removes these.
 constexpr const char *kHostOwner = "plugin host";
 
-/// What a program answers whose plugin has ended it: as for a plugin that cannot be used.
+/// Exit code of a program that was ended by its plugin: the same as for a plugin that cannot be used.
 constexpr int kExitCodeOfPlugins = 4;
 
 struct Loaded {
@@ -35,20 +35,20 @@ struct Loaded {
   bool started = false;
 };
 
-/// What the plugin said, or the name of the status; one line.
+/// The plugin's error text, or the name of the status; one line.
 std::string reasonOf(c3de_status status) {
   std::string text = takeLastError();
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text.empty() ? statusName(status) : fmt::format("{} ({})", text, statusName(status));
 }
 
-/// Calls one of the plugin's entry functions and gives the reason when it failed.
+/// Calls one of the plugin's entry functions and returns the reason if it failed.
 template <class F>
 Expected<void> call(const PluginContext &context, const char *what, F &&f) {
   setLastError(std::string_view());
   c3de_status status = C3DE_E_EXCEPTION;
   try {
-    const ForeignCall guarded(context.callName(), what, CallKind::prompt);
+    const PluginCall guarded(context.callName(), what, CallKind::prompt);
     status = f();
   } catch (...) {
     return fail(ErrorCode::plugin, fmt::format("an exception left {}: {}", what, textOfException()));
@@ -61,11 +61,11 @@ Expected<void> call(const PluginContext &context, const char *what, F &&f) {
 
 struct PluginHost::Impl {
   Impl(const Services &services, const LoadRules &rules) : state(services), gate(rules) {
-    nameWhoExits(kExitCodeOfPlugins);
+    reportPluginExits(kExitCodeOfPlugins);
     if (services.mainQueue) frame = services.mainQueue->addFrameCallback(kHostOwner, [this] { state.proxies.sync(); });
   }
 
-  /// Says in `info` what it has come to know.
+  /// Stores in `info` what is learned about the plugin.
   Expected<Loaded> tryLoad(const std::filesystem::path &file, bool isNamed, PluginInfo &info);
   Expected<void> load(const std::filesystem::path &file, bool isNamed);
   void destroy(Loaded &plugin);
@@ -75,7 +75,7 @@ struct PluginHost::Impl {
   Handle frame;
   mutable std::vector<PluginInfo> infos;
   std::vector<Loaded> loaded;
-  std::vector<std::unique_ptr<PluginContext>> closed;  ///< stay, so that late calls are answered
+  std::vector<std::unique_ptr<PluginContext>> closed;  ///< kept, so that late calls are refused
 };
 
 PluginHost::PluginHost(const Services &services, const LoadRules &rules)
@@ -103,18 +103,19 @@ Expected<Loaded> PluginHost::Impl::tryLoad(const std::filesystem::path &file, bo
     info.state = as;
     return fail(ErrorCode::plugin, why);
   };
-  if (const std::string why = gate.offByFile(file, isNamed); !why.empty()) return notLoaded(PluginState::off, why);
+  if (const std::string why = gate.reasonFileIsOff(file, isNamed); !why.empty())
+    return notLoaded(PluginState::off, why);
   if (const auto checked = checkLibraryFile(file); !checked) return tl::unexpected(checked.error());
   if (const auto tried = gate.tryFirstUse(file); !tried) return tl::unexpected(tried.error());
-  const char *name = keptName(file.filename().string());  // it has not said its id yet
+  const char *name = internedName(file.filename().string());  // its id is not known yet
   const auto library = [&] {
-    const ForeignCall loading(name, "loading of its library", CallKind::prompt);
+    const PluginCall loading(name, "loading of its library", CallKind::prompt);
     return DynamicLibrary::open(file);
   }();
   if (!library) return fail(ErrorCode::plugin, "cannot be loaded: " + library.error().message);
-  noteForeignCode(name, library->codeRange());
+  notePluginCode(name, library->codeRange());
   auto candidate = [&] {
-    const ForeignCall asking(name, C3DE_PLUGIN_QUERY_SYMBOL, CallKind::prompt);
+    const PluginCall asking(name, C3DE_PLUGIN_QUERY_SYMBOL, CallKind::prompt);
     return negotiate(*library, state.services);
   }();
   if (!candidate) return tl::unexpected(candidate.error());
@@ -123,8 +124,9 @@ Expected<Loaded> PluginHost::Impl::tryLoad(const std::filesystem::path &file, bo
   info.displayName = candidate->displayName;
   info.vendor = candidate->vendor;
   info.license = candidate->license;
-  noteForeignCode(keptName(info.id), library->codeRange());
-  if (const std::string why = gate.offById(info.id, isNamed); !why.empty()) return notLoaded(PluginState::off, why);
+  notePluginCode(internedName(info.id), library->codeRange());
+  if (const std::string why = gate.reasonIdIsOff(info.id, isNamed); !why.empty())
+    return notLoaded(PluginState::off, why);
   for (const Loaded &other : loaded)
     if (other.candidate.id == candidate->id)
       return notLoaded(PluginState::shadowed,
@@ -178,7 +180,7 @@ void PluginHost::loadFolder(const std::filesystem::path &folder) {
     });
   };
   for (const auto &file : files)
-    if (!isKnown(file)) (void)impl_->load(file, false);  // the log and plugins() say what was refused
+    if (!isKnown(file)) (void)impl_->load(file, false);  // the log and plugins() report refusals
 }
 
 const char *stateName(PluginState state) {
@@ -227,7 +229,7 @@ const std::vector<PluginInfo> &PluginHost::plugins() const {
 
 bool PluginHost::isUsed(const std::string &serviceId) const {
   return std::any_of(impl_->loaded.begin(), impl_->loaded.end(),
-                     [&](const Loaded &plugin) { return plugin.context->hasAskedFor(serviceId); });
+                     [&](const Loaded &plugin) { return plugin.context->hasRequested(serviceId); });
 }
 
 std::vector<ClassInfo> PluginHost::classes() const { return impl_->state.classes.list({}); }

@@ -15,11 +15,11 @@ namespace {
 
 // Names of the files.
 constexpr const char *kChoices = "plugins", *kFirstUses = "first-uses";
-// Beginnings of the keys; the rest is the id.
+// Prefixes of the keys; the rest is the id.
 constexpr std::string_view kOff = "off ", kCrash = "crash ";
 constexpr char kSeparator = '\n';
 
-/// What tells one state of a file from another.
+/// Identifies one state of a file.
 std::string stateOf(const std::filesystem::path &file) {
   std::error_code error;
   const auto size = std::filesystem::file_size(file, error);

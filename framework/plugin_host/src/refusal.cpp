@@ -11,7 +11,7 @@ namespace {
 void leaveText(const char *where, const char *what) noexcept {
   try {
     const std::string place = where ? std::string(where) + ": " : std::string();
-    // Where a service led to itself by way of a plugin, once is enough.
+    // If a service called itself through a plugin, its name is included only once.
     const bool isSaid = std::string_view(what).substr(0, place.size()) == place;
     setLastError(isSaid ? std::string(what) : place + what);
   } catch (...) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a function that plugins call refuses: Refusal inside, a status and a text outside. serve() stands around each.
+// How functions called by plugins report errors: Refusal inside, a status and a text outside. serve() wraps each of
+// them.
 #pragma once
 
 #include <stdexcept>
@@ -25,11 +26,12 @@ class Refusal : public std::runtime_error {
 [[nodiscard]] c3de_status statusOf(ErrorCode code) noexcept;
 [[nodiscard]] ErrorCode errorCodeOf(c3de_status status) noexcept;
 
-/// The exception in flight as a status, "where: what" left as the last error; "what" alone when it speaks of a file,
-/// which is for the person at the program and not for the author of the plugin. The one catch-all of the adapters.
+/// Converts the exception in flight to a status, with "where: what" as the last error. For an error about a file it is
+/// "what" alone, because that text is for the user and not for the author of the plugin. The only catch-all of the
+/// adapters.
 c3de_status refuse(const char *where) noexcept;
 
-/// Runs f(plugin) for the plugin that a table's ctx stands for. f may return nothing or a c3de_status.
+/// Runs f(plugin) for the plugin to which a table's ctx belongs. f may return nothing or a c3de_status.
 template <class F>
 c3de_status serve(void *ctx, const char *where, F &&f) noexcept {
   try {
@@ -45,7 +47,7 @@ c3de_status serve(void *ctx, const char *where, F &&f) noexcept {
   }
 }
 
-/// As serve(), for functions that belong to the main thread.
+/// Same as serve(), for functions restricted to the main thread.
 template <class F>
 c3de_status serveOnMain(void *ctx, const char *where, F &&f) noexcept {
   return serve(ctx, where, [&](PluginContext &plugin) {
@@ -54,7 +56,7 @@ c3de_status serveOnMain(void *ctx, const char *where, F &&f) noexcept {
   });
 }
 
-/// Turns a failed Expected into a Refusal.
+/// Converts a failed Expected to a Refusal.
 template <class T>
 T orRefuse(Expected<T> result) {
   if (!result) throw Refusal(statusOf(result.error().code), result.error().message);

@@ -17,7 +17,7 @@ Handle SceneProxies::add(SceneProxy proxy) {
 SceneProxy *SceneProxies::find(Handle proxy) {
   SceneProxy *found = proxies_.find(proxy);
   if (!found || graph_->find(found->node)) return found;
-  // The node went since the last frame, and the proxy with it.
+  // The node was removed since the last frame, so the proxy is removed too.
   remove(proxy);
   return nullptr;
 }

@@ -19,15 +19,15 @@ enum class ProxyKind { mesh, spheres, lines, label, legend };
 struct SceneProxy {
   std::string owner;
   Handle node;
-  Handle drawn;  ///< of the renderer
+  Handle drawn;  ///< handle in the renderer
   ProxyKind kind = ProxyKind::mesh;
   std::size_t count = 0;  ///< points
   float opacity = 1.0f;   ///< of the material
-  bool visible = true;    ///< its own switch; the node's counts as well
+  bool visible = true;    ///< its own flag; it is shown only if the node is also visible
 };
 
-/// What plugins have put under scene nodes. The renderer knows no nodes, so transforms and visibility are carried over
-/// here, and a proxy goes with its node. Main thread.
+/// Objects that plugins have added to scene nodes. The renderer has no nodes, so transforms and visibility are applied
+/// here, and a proxy is removed with its node. Main thread.
 class SceneProxies {
  public:
   SceneProxies(render::Renderer *renderer, scene::SceneGraph *graph) : renderer_(renderer), graph_(graph) {}
@@ -36,7 +36,7 @@ class SceneProxies {
   [[nodiscard]] SceneProxy *find(Handle proxy);
   bool remove(Handle proxy);
   void removeOwnedBy(const std::string &plugin);
-  /// Carries transforms and visibility over; drops proxies whose node is gone. Once per frame.
+  /// Applies transforms and visibility; removes proxies whose node no longer exists. Called once per frame.
   void sync();
   [[nodiscard]] std::size_t size() const { return proxies_.size(); }
 

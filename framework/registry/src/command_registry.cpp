@@ -62,11 +62,11 @@ Handle CommandRegistry::ofId(const std::string &id) const {
 
 CommandResult CommandRegistry::run(Handle command) {
   const PluginCommand *found = find(command);
-  if (!found) return {C3DE_E_STALE, "the command is gone"};
+  if (!found) return {C3DE_E_STALE, "the command no longer exists"};
   if (!found->isEnabled) return {C3DE_E_STATE, fmt::format("the command '{}' is not enabled now", found->title)};
   if (std::find(running_.begin(), running_.end(), command) != running_.end())
     return {C3DE_E_STATE, fmt::format("the command '{}' is running already", found->title)};
-  const std::function<CommandResult()> run = found->run;  // it may remove itself
+  const std::function<CommandResult()> run = found->run;  // a copy, since the command may remove itself
   running_.push_back(command);
   CommandResult result = run();
   std::erase(running_, command);

@@ -7,7 +7,7 @@
 
 namespace c3de::registry {
 
-// A callback may add or remove steps, its own included, so every call works on a copy of the function and its `self`.
+// A callback may add or remove steps, including its own, so every call uses a copy of the function and its `self`.
 
 EditList::~EditList() {
   while (!order_.empty()) forget(order_.size() - 1);
@@ -45,11 +45,11 @@ void EditList::forget(std::size_t index) {
   if (edit.release) edit.release(edit.self);
 }
 
-bool EditList::carryOut(std::size_t index, bool isUndo) {
+bool EditList::apply(std::size_t index, bool isUndo) {
   const Handle handle = order_[index];
   const Edit edit = *table_.find(handle);
   if ((isUndo ? edit.undo : edit.redo)(edit.self) >= 0) return true;
-  log(LogLevel::warn, std::string(isUndo ? "undoing '" : "redoing '") + edit.label + "' failed; the step is forgotten");
+  log(LogLevel::warn, std::string(isUndo ? "undoing '" : "redoing '") + edit.label + "' failed; the step is removed");
   remove(handle);
   return false;
 }
@@ -57,12 +57,12 @@ bool EditList::carryOut(std::size_t index, bool isUndo) {
 void EditList::undo() {
   if (done_ == 0) return;
   --done_;
-  carryOut(done_, true);
+  apply(done_, true);
 }
 
 void EditList::redo() {
   if (done_ == order_.size()) return;
-  if (carryOut(done_, false)) ++done_;
+  if (apply(done_, false)) ++done_;
 }
 
 }  // namespace c3de::registry

@@ -9,7 +9,7 @@
 namespace c3de::registry {
 namespace {
 
-constexpr std::size_t kMostLogged = 1000;
+constexpr std::size_t kMaxLogged = 1000;
 
 std::string timeOfDay() {
   const std::time_t now = std::time(nullptr);
@@ -56,7 +56,7 @@ void PanelRegistry::notify(std::uint32_t severity, std::string title, std::strin
   std::erase_if(notifications_, [&](const Notification &n) { return n.title == title; });
   notifications_.push_back(
       {severity, std::move(title), std::move(text), ++serial_, timeOfDay(), std::move(choices), about});
-  if (log_.size() == kMostLogged) log_.erase(log_.begin());
+  if (log_.size() == kMaxLogged) log_.erase(log_.begin());
   log_.push_back(notifications_.back());
 }
 

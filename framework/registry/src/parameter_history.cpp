@@ -13,7 +13,7 @@ void ParameterHistory::record(Handle set, const std::string &label, const Parame
     entries_.back().after = after;
     return;
   }
-  if (entries_.size() == kMostEntries) entries_.erase(entries_.begin());
+  if (entries_.size() == kMaxEntries) entries_.erase(entries_.begin());
   entries_.push_back({set, label, before, after});
   done_ = entries_.size();
   isOpen_ = true;

@@ -6,7 +6,7 @@
 namespace c3de::registry {
 
 Handle ParameterRegistry::declare(ParameterSet set) {
-  // One value per declaration, in its order, whatever the caller has filled in.
+  // One value per declaration, in its order, regardless of the values that were passed.
   std::vector<ParameterValue> values;
   values.reserve(set.decls.size());
   for (const ParameterDecl &decl : set.decls) {
@@ -38,7 +38,7 @@ std::vector<Handle> ParameterRegistry::ownedBy(const std::string &plugin) const 
 
 ParameterSet *ParameterRegistry::find(Handle set) { return sets_.find(set); }
 
-Expected<void> ParameterRegistry::set(Handle handle, const ParameterValue &value, bool tellListener) {
+Expected<void> ParameterRegistry::set(Handle handle, const ParameterValue &value, bool notifyListener) {
   ParameterSet *set = sets_.find(handle);
   if (!set) return fail(ErrorCode::state, "the parameter set of '" + value.id + "' does not exist any more");
   const auto decl = findParameter(set->decls, value.id);
@@ -47,9 +47,9 @@ Expected<void> ParameterRegistry::set(Handle handle, const ParameterValue &value
 
   const auto index = static_cast<std::size_t>(*decl - set->decls.data());
   set->values[index] = value;
-  if (!tellListener) history_.forget(handle);
-  if (tellListener && set->listener.changed) {
-    // The listener may remove the set, so it gets a copy that outlives it.
+  if (!notifyListener) history_.forget(handle);
+  if (notifyListener && set->listener.changed) {
+    // The listener may remove the set, so it receives a copy that outlives it.
     const c3de_param_listener listener = set->listener;
     const ParameterValue copy = value;
     const c3de_param_value abi = copy.abi();
@@ -66,7 +66,7 @@ Expected<void> ParameterRegistry::edit(Handle handle, const ParameterValue &valu
   const std::string label = (*decl)->label.empty() ? value.id : (*decl)->label;
   const ParameterValue before = set->values[static_cast<std::size_t>(*decl - set->decls.data())];
   auto done = this->set(handle, value, true);
-  // The listener may have removed the set or shown other values, and then there is nothing to go back to.
+  // If the listener has removed the set or shown other values, there is nothing to return to.
   if (done && sets_.find(handle)) history_.record(handle, label, before, value);
   return done;
 }

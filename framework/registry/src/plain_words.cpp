@@ -11,7 +11,7 @@ bool isLetter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0;
 bool isOfWord(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 bool isOfToken(char c) { return isOfWord(c) || c == '.' || c == '/' || c == '-' || c == '\\'; }
 
-/// "solver.dt": words with dots between, each of them beginning with a letter.
+/// "solver.dt": words separated by dots, each beginning with a letter.
 bool isDotted(std::string_view token) {
   bool hasDot = false;
   for (std::size_t i = 0; i < token.size(); ++i) {
@@ -23,7 +23,7 @@ bool isDotted(std::string_view token) {
   return hasDot && isLetter(token.front());
 }
 
-/// "c3de.iface.simulator/1": a dotted name with a number behind a stroke.
+/// "c3de.iface.simulator/1": a dotted name followed by a slash and a number.
 bool isInterfaceId(std::string_view token) {
   const std::size_t stroke = token.rfind('/');
   if (stroke == std::string_view::npos || stroke + 1 == token.size()) return false;
@@ -36,7 +36,7 @@ bool isInterfaceId(std::string_view token) {
 
 std::string inMarks(std::string_view label) { return "“" + std::string(label) + "”"; }
 
-/// The words for a token; itself where it is no id.
+/// The words for a token; the token itself if it is no id.
 std::string wordsFor(std::string_view token, const ParameterRegistry &parameters) {
   if (isInterfaceId(token)) return "an interface of the program";
   if (!isDotted(token)) return std::string(token);
@@ -68,7 +68,7 @@ std::string plainWords(std::string_view text, const ParameterRegistry &parameter
     }
     std::size_t end = i;
     while (end < text.size() && isOfToken(text[end])) ++end;
-    // The full stop of a sentence is not of the word before it.
+    // The full stop of a sentence is not part of the word before it.
     std::size_t last = end;
     while (last > i && (text[last - 1] == '.' || text[last - 1] == '/')) --last;
     out += wordsFor(text.substr(i, last - i), parameters);

@@ -19,7 +19,7 @@ namespace c3de::registry {
 
 std::filesystem::path SettingsStore::fileOf(const std::string &plugin) const {
   std::string name = plugin;
-  // Ids are of letters, digits and . _ - / characters; a file name has no slash, and may not begin with a dot.
+  // Ids consist of letters, digits and . _ - / characters; a file name has no slash, and may not begin with a dot.
   std::replace(name.begin(), name.end(), '/', '+');
   if (name.starts_with('.')) name.insert(0, 1, '+');
   return folder_ / (name + ".json");
@@ -36,7 +36,7 @@ SettingsStore::Values &SettingsStore::valuesOf(const std::string &plugin) {
   auto in = openInputFile(file);
   const std::string bytes = in ? std::string(std::istreambuf_iterator<char>(*in), {}) : std::string();
   const nlohmann::json json = nlohmann::json::parse(bytes, nullptr, false);
-  const bool isWhole = json.is_object() && json.size() <= kMostKeys &&
+  const bool isWhole = json.is_object() && json.size() <= kMaxKeys &&
                        std::all_of(json.begin(), json.end(), [](const auto &value) { return value.is_string(); });
   if (!isWhole) {
     values.isDamaged = true;
@@ -79,9 +79,9 @@ Expected<void> SettingsStore::set(const std::string &plugin, const std::string &
   if (value.size() > kLongestValue)
     return fail(ErrorCode::usage, fmt::format("the value of '{}' has {} bytes, accepted are at most {}", key,
                                               value.size(), kLongestValue));
-  if (!values.byKey.contains(key) && values.byKey.size() >= kMostKeys)
+  if (!values.byKey.contains(key) && values.byKey.size() >= kMaxKeys)
     return fail(ErrorCode::usage,
-                fmt::format("'{}' would be key {}, accepted are at most {}", key, values.byKey.size() + 1, kMostKeys));
+                fmt::format("'{}' would be key {}, accepted are at most {}", key, values.byKey.size() + 1, kMaxKeys));
   values.byKey[key] = value;
   return write(plugin, values);
 }
@@ -103,7 +103,7 @@ std::vector<std::string> SettingsStore::keys(const std::string &plugin) {
 
 namespace {
 
-// Of the process, as the level of the log: it is a trial or it is none.
+// Per process, like the log level: a process is a trial or it is not.
 std::atomic<bool> isInMemory{false};
 
 }  // namespace

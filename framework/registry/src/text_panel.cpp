@@ -12,7 +12,7 @@
 namespace c3de::registry {
 namespace {
 
-std::string textOf(c3de_str text) { return shownText(fromAbi(text), Lines::many); }
+std::string textOf(c3de_str text) { return displayText(fromAbi(text), Lines::many); }
 
 struct Action {
   enum class Kind { press, check, number, text };
@@ -49,7 +49,7 @@ struct TextPanel::Impl {
     widgets.push_back({std::move(kind), std::move(id), std::move(label), std::move(text), enabled});
   }
 
-  /// The action that waits for this widget, if it is one that the widget understands.
+  /// The pending action of this widget, if it is one that the widget supports.
   std::optional<Action> take(const std::string &id, std::initializer_list<Action::Kind> understood) {
     const auto it = actions.find(id);
     if (it == actions.end()) return std::nullopt;
@@ -177,7 +177,7 @@ void TextPanel::Impl::parameter(Handle handle, const ParameterDecl &decl, const 
 void TextPanel::Impl::params(Handle handle, const std::string &group) {
   const ParameterSet *set = parameters ? parameters->find(handle) : nullptr;
   if (!set) return;
-  // Copies: a listener may change or remove the set.
+  // Copies, because a listener may change or remove the set.
   const std::vector<ParameterDecl> decls = set->decls;
   std::string heading;
   for (std::size_t i = 0; i < decls.size(); ++i) {
@@ -238,7 +238,7 @@ void TextPanel::Impl::fillTable() {
     of(c).line("[" + text + "]");
     of(c).widget("swatch", {}, {}, text);
   };
-  // Text does not scroll: where a list begins and ends is known, nothing is shown of it.
+  // Text does not scroll: lists have no frame in the output.
   table.list_begin = [](void *c, c3de_str id, std::uint32_t rows) {
     of(c).isSameLine = false;
     of(c).widget("list", textOf(id), {}, std::to_string(rows));

@@ -5,7 +5,7 @@
 
 namespace c3de::registry {
 
-// A callback may add or remove tools, its own included, so every call works on a copy of the function and its `self`.
+// A callback may add or remove tools, including its own, so every call uses a copy of the function and its `self`.
 
 Handle ToolRegistry::add(Tool tool) {
   const Handle handle = tools_.add(std::move(tool));

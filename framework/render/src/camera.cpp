@@ -12,12 +12,12 @@ namespace {
 constexpr double kPitchLimit = 89.9 * std::numbers::pi / 180.0;
 constexpr double kZoomPerStep = 0.9;
 constexpr double kFitMargin = 1.05;
-// A single point is looked at as if it were this large.
+// A single point is framed as if it had this radius.
 constexpr double kPointRadius_mm = 1.0;
-// Planes relative to the fitted distance; at that distance a 24-bit depth buffer then tells 3e-5 of it apart.
+// Planes relative to the fitted distance; at that distance a 24-bit depth buffer resolves 3e-5 of it.
 constexpr double kNearPerDistance = 2e-3, kFarPerDistance = 20.0;
 
-/// From axes in which y is up.
+/// Converts from axes in which y is up.
 Vec3 turned(UpAxis up, const Vec3 &v) { return up == UpAxis::y ? v : Vec3{v[0], -v[2], v[1]}; }
 
 bool isFinite(const Vec3 &v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }

@@ -8,8 +8,8 @@
 
 namespace c3de::render {
 
-/// Unit normals of the vertices: the mean of the triangles around each, weighted by area. A vertex without triangles,
-/// or with triangles of no area only, gets the zero vector.
+/// Unit normals of the vertices: the mean over the adjacent triangles, weighted by area. A vertex without triangles, or
+/// only with triangles without area, gets the zero vector.
 /// @pre every index is below positions.size()
 void computeVertexNormals(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
                           std::vector<Vec3f> &normals);

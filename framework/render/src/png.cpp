@@ -7,7 +7,7 @@
 #include "c3de/render/renderer.h"
 
 #ifdef _MSC_VER
-#pragma warning(disable : 4505)  // functions of the library that are not used here
+#pragma warning(disable : 4505)  // unused functions of the library
 #endif
 #define STB_IMAGE_WRITE_STATIC
 #define STBI_WRITE_NO_STDIO

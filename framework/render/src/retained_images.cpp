@@ -11,12 +11,12 @@ namespace {
 
 Vec3 column(const Mat4 &m, std::size_t c) { return {m[4 * c], m[4 * c + 1], m[4 * c + 2]}; }
 
-std::string sizeText(const GridPlace &place) {
+std::string sizeText(const GridGeometry &place) {
   return fmt::format("{} x {} x {}", place.size[0], place.size[1], place.size[2]);
 }
 
-/// Number of grid points, or why this is no grid.
-Expected<std::size_t> checkPlace(const GridPlace &place, const char *what) {
+/// Number of grid points, or why the grid is invalid.
+Expected<std::size_t> checkGeometry(const GridGeometry &place, const char *what) {
   std::size_t count = 1;
   for (const std::size_t n : place.size) {
     if (n == 0 || count > std::numeric_limits<std::size_t>::max() / 64 / n)
@@ -28,13 +28,12 @@ Expected<std::size_t> checkPlace(const GridPlace &place, const char *what) {
   const bool isFinite =
       std::all_of(place.worldFromIndex.begin(), place.worldFromIndex.end(), [](double v) { return std::isfinite(v); });
   if (!isFinite || volume == 0.0)
-    return fail(
-        ErrorCode::usage,
-        fmt::format("{}: its place in the world has the determinant {}; accepted: finite, not 0", what, volume));
+    return fail(ErrorCode::usage,
+                fmt::format("{}: its world transform has the determinant {}; accepted: finite, not 0", what, volume));
   return count;
 }
 
-Expected<void> checkCount(std::size_t given, std::size_t needed, const GridPlace &place, const char *what) {
+Expected<void> checkCount(std::size_t given, std::size_t needed, const GridGeometry &place, const char *what) {
   if (given == needed) return {};
   return fail(ErrorCode::usage,
               fmt::format("{}: {} numbers for {} points, needed: {}", what, given, sizeText(place), needed));
@@ -65,7 +64,7 @@ ImageSlot *RetainedImages::find(Handle handle, ImageSlot::Kind kind) {
 }
 
 Expected<Handle> RetainedImages::addImage(const ImageVoxels &image, std::string *notice) {
-  if (auto count = checkPlace(image.place, "an image"); !count) return tl::unexpected(count.error());
+  if (auto count = checkGeometry(image.place, "an image"); !count) return tl::unexpected(count.error());
   if (!image.voxels) return fail(ErrorCode::usage, "an image without voxels");
   if (!std::isfinite(image.slope) || !std::isfinite(image.intercept) || image.slope == 0.0)
     return fail(ErrorCode::usage, fmt::format("an image of slope {} and intercept {}; accepted: finite, slope not 0",
@@ -79,8 +78,8 @@ Expected<Handle> RetainedImages::addImage(const ImageVoxels &image, std::string 
   return slots_.add(std::move(slot));
 }
 
-Expected<Handle> RetainedImages::addLabels(const GridPlace &place, std::span<const std::uint16_t> voxels) {
-  const auto count = checkPlace(place, "a label map");
+Expected<Handle> RetainedImages::addLabels(const GridGeometry &place, std::span<const std::uint16_t> voxels) {
+  const auto count = checkGeometry(place, "a label map");
   if (!count) return tl::unexpected(count.error());
   if (auto fits = checkCount(voxels.size(), *count, place, "a label map"); !fits) return tl::unexpected(fits.error());
   ImageSlot slot;
@@ -102,9 +101,9 @@ bool RetainedImages::setLabelColours(Handle labels, std::span<const std::pair<st
   return true;
 }
 
-Expected<Handle> RetainedImages::addDisplacement(const GridPlace &place, std::span<const float> xyz_mm,
+Expected<Handle> RetainedImages::addDisplacement(const GridGeometry &place, std::span<const float> xyz_mm,
                                                  std::span<const float> gap_mm) {
-  const auto count = checkPlace(place, "a displacement grid");
+  const auto count = checkGeometry(place, "a displacement grid");
   if (!count) return tl::unexpected(count.error());
   if (auto fits = checkCount(xyz_mm.size(), 3 * *count, place, "a displacement grid"); !fits)
     return tl::unexpected(fits.error());
@@ -138,7 +137,7 @@ bool RetainedImages::setField(Handle displacement, std::span<const float> values
   if (values.empty() && !slot->hasField) return true;
   const std::size_t points = slot->place.size[0] * slot->place.size[1] * slot->place.size[2];
   if (!values.empty() && values.size() != points) return false;
-  // Between points with and without a value, the share of those with one tells what the sum is of.
+  // Between points with and without a value, the interpolated weight normalises the sum.
   std::vector<float> pairs(2 * values.size(), 0.0f);
   for (std::size_t p = 0; p < values.size(); ++p)
     if (std::isfinite(values[p])) pairs[2 * p] = values[p], pairs[2 * p + 1] = 1.0f;
@@ -168,7 +167,7 @@ void RetainedImages::setScene(ImageScene scene) {
   ++sceneChanges_;
 }
 
-std::vector<Vec3> sliceOutline(const GridPlace &place, const Vec3 &point, const Vec3 &normal) {
+std::vector<Vec3> sliceOutline(const GridGeometry &place, const Vec3 &point, const Vec3 &normal) {
   std::array<Vec3, 8> corners;
   std::array<double, 8> distance{};
   for (std::size_t c = 0; c < 8; ++c) {
@@ -185,7 +184,7 @@ std::vector<Vec3> sliceOutline(const GridPlace &place, const Vec3 &point, const 
       points.push_back(corners[a] + (distance[a] / (distance[a] - distance[b])) * (corners[b] - corners[a]));
     }
   if (points.size() < 3) return {};
-  // Around their middle, so that they form a convex polygon.
+  // Around their centre, so that they form a convex polygon.
   Vec3 middle{};
   for (const Vec3 &p : points) middle = middle + (1.0 / static_cast<double>(points.size())) * p;
   const Vec3 u = points[0] - middle, v = cross(normal, u);

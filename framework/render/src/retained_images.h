@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every back end of images shares: it keeps places and looks and accepts or refuses calls.
+// Common part of all image back ends: stores grids and settings, and validates calls.
 #pragma once
 
 #include <cmath>
@@ -10,15 +10,15 @@
 
 namespace c3de::render {
 
-/// Inverse of an affine matrix that checkPlace() has accepted.
+/// Inverse of an affine matrix that checkGeometry() has accepted.
 [[nodiscard]] Mat4 affineInverse(const Mat4 &affine);
-/// Its upper left part: what directions and displacements are multiplied by.
+/// Its upper left part, which applies to directions and displacements.
 [[nodiscard]] Mat3f linearPart(const Mat4 &affine);
 
 struct ImageSlot {
   enum class Kind { image, labels, displacement };
   Kind kind = Kind::image;
-  GridPlace place;  ///< of what is in the graphics memory
+  GridGeometry place;  ///< of the data in graphics memory
   Mat4 indexFromWorld = kIdentity4;
   double scale = 1.0, offset = 0.0;  ///< value = scale * texel + offset
   std::vector<std::pair<std::uint16_t, Colour>> colours;
@@ -31,9 +31,9 @@ struct ImageSlot {
 class RetainedImages : public ImageRenderer {
  public:
   Expected<Handle> addImage(const ImageVoxels &image, std::string *notice) override;
-  Expected<Handle> addLabels(const GridPlace &place, std::span<const std::uint16_t> voxels) override;
+  Expected<Handle> addLabels(const GridGeometry &place, std::span<const std::uint16_t> voxels) override;
   bool setLabelColours(Handle labels, std::span<const std::pair<std::uint16_t, Colour>> colours) override;
-  Expected<Handle> addDisplacement(const GridPlace &place, std::span<const float> xyz_mm,
+  Expected<Handle> addDisplacement(const GridGeometry &place, std::span<const float> xyz_mm,
                                    std::span<const float> gap_mm) override;
   bool setDisplacement(Handle displacement, std::span<const float> xyz_mm, std::span<const float> gap_mm) override;
   bool setField(Handle displacement, std::span<const float> values) override;
@@ -41,16 +41,16 @@ class RetainedImages : public ImageRenderer {
   bool remove(Handle handle) override;
   void setScene(ImageScene scene) override;
   [[nodiscard]] std::uint64_t changes() const override { return changes_; }
-  /// Of what is drawn in space: of the images as well as of the scene.
+  /// For the content in space: includes changes of the images and of the scene.
   [[nodiscard]] std::uint64_t changesInSpace() const { return changes_ + sceneChanges_; }
 
  protected:
-  /// Fill `slot.backEnd`; `slot.place` and its scale may be changed to what was kept.
+  /// Fills `slot.backEnd`; `slot.place` and its scale may be changed to the stored resolution.
   virtual Expected<void> uploadImage(ImageSlot &slot, const ImageVoxels &image, std::string *notice) = 0;
   virtual Expected<void> uploadLabels(ImageSlot &slot, std::span<const std::uint16_t> voxels) = 0;
   virtual Expected<void> uploadDisplacement(ImageSlot &slot, std::span<const float> xyz_mm,
                                             std::span<const float> gap_mm) = 0;
-  /// Values without NaN of `slot` as pairs of value and 1, or 0 and 0; none: the field goes.
+  /// Values of `slot` without NaN as pairs of value and 1, or 0 and 0; empty: removes the field.
   virtual bool uploadField(ImageSlot &slot, std::span<const float> pairs) = 0;
   virtual void labelColoursChanged(ImageSlot &slot) = 0;
   virtual void overlayColoursChanged() = 0;

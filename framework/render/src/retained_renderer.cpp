@@ -88,7 +88,7 @@ bool RetainedRenderer::setPositions(Handle handle, std::span<const Vec3f> positi
   proxy->normalsCurrent = false;
   proxy->stale.positions = true;
   if (!sameCount) {
-    // Colours and radii belong to points that are no longer the same ones.
+    // Colours and radii belong to the previous points.
     proxy->colours.clear();
     proxy->radii.clear();
     proxy->hasTransparentColour = false;
@@ -160,7 +160,7 @@ bool RetainedRenderer::setMaterial(Handle handle, const Material &material) {
 bool RetainedRenderer::setTransform(Handle handle, const Mat4 &worldFromProxy) {
   Proxy *proxy = proxies_.find(handle);
   if (!proxy) return false;
-  // Hosts set it every frame: only a change counts as one.
+  // Hosts set it every frame: only an actual change counts.
   if (proxy->transform != worldFromProxy) ++changes_;
   proxy->transform = worldFromProxy;
   return true;

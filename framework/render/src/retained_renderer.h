@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every back end shares: it keeps the proxies and accepts or refuses calls. A back end only draws what is kept.
+// Common part of all back ends: stores the proxies and validates calls. A back end only draws the stored proxies.
 #pragma once
 
 #include <memory>
@@ -13,12 +13,12 @@ namespace c3de::render {
 
 enum class ProxyKind { mesh, spheres, lines, label, legend };
 
-/// What a back end hangs on a proxy (graphics buffers); destroyed with it.
+/// Data of a back end for a proxy (graphics buffers); destroyed with it.
 struct BackEndData {
   virtual ~BackEndData() = default;
 };
 
-/// Arrays that changed since the back end last took them.
+/// Arrays that changed since the back end last read them.
 struct StaleArrays {
   bool positions = true, normals = true, colours = true, radii = true;
 };
@@ -43,13 +43,13 @@ struct Proxy {
   StaleArrays stale;
   std::unique_ptr<BackEndData> backEnd;
 
-  /// Some part of it blends.
+  /// Some part of it is transparent.
   [[nodiscard]] bool isTransparent() const { return material.colour[3] < 1.0f || hasTransparentColour; }
-  /// Nothing of it can be seen.
+  /// No part of it is visible.
   [[nodiscard]] bool isHidden() const {
     return !visible || !(material.colour[3] > 0.0f) || (positions.empty() && kind != ProxyKind::legend);
   }
-  /// Computes the normals of a mesh if its positions changed and none were given.
+  /// Computes the normals of a mesh if its positions changed and none were set.
   void updateNormals();
 };
 
@@ -78,11 +78,11 @@ class RetainedRenderer : public Renderer {
 
  protected:
   HandleTable<Proxy> proxies_;
-  std::uint64_t changes_ = 0;  ///< grows with every change of a proxy, and of the background
+  std::uint64_t changes_ = 0;  ///< incremented by every change of a proxy, and of the background
   Background background_;
 };
 
-/// The error of drawToImage for a size that no image has; `largest` is the limit of the back end.
+/// The error of drawToImage for an invalid size; `largest` is the limit of the back end.
 [[nodiscard]] Expected<void> checkImageSize(int width, int height, int largest);
 
 }  // namespace c3de::render

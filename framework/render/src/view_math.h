@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small matrix functions between the double transforms of the host and the floats of the graphics card.
+// Small matrix functions for conversion between the double transforms of the host and the floats of the graphics card.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ inline double linearDeterminant(const Mat4 &m) {
   return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) + m[8] * (m[1] * m[6] - m[2] * m[5]);
 }
 
-/// Takes outward normals to outward normals, also under mirroring; the result is not of unit length.
+/// Maps outward normals to outward normals, also under mirroring; the result is not of unit length.
 inline Mat3f normalMatrix(const Mat4 &m) {
   // The inverse transpose is the cofactor matrix up to the determinant, of which only the sign matters here.
   const double s = linearDeterminant(m) < 0.0 ? -1.0 : 1.0;
@@ -33,7 +33,7 @@ inline Mat3f normalMatrix(const Mat4 &m) {
           f(m[1] * m[6] - m[2] * m[5]),  f(m[2] * m[4] - m[0] * m[6]),  f(m[0] * m[5] - m[1] * m[4])};
 }
 
-/// What a length is multiplied by, on average over the directions (exact for rotations with uniform scale).
+/// Mean scale factor of lengths over the directions (exact for rotations with uniform scale).
 inline float lengthScale(const Mat4 &m) { return static_cast<float>(std::cbrt(std::abs(linearDeterminant(m)))); }
 
 inline Vec3f transformPoint(const Mat4f &m, const Vec3f &p) {

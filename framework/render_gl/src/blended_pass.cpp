@@ -9,7 +9,7 @@
 namespace c3de::render {
 namespace {
 
-// An item names its primitive by kind (upper two bits) and index.
+// An item identifies its primitive by kind (upper two bits) and index.
 constexpr std::uint32_t kIndexBits = 30, kIndexMask = (1u << kIndexBits) - 1;
 
 Rgba8 colourOf(const Proxy &proxy, std::size_t point) {
@@ -91,7 +91,7 @@ void BlendedPass::addMesh(Proxy &proxy, const Frame &frame) {
     vertices_.push_back(
         {transformPoint(points, proxy.positions[i]), transformNormal(normals, proxy.normals[i]), colourOf(proxy, i)});
 
-  // A mirrored mesh is turned back, so that all triangles of the frame share one sense of rotation.
+  // A mirrored mesh is flipped back, so that all triangles of the frame have the same orientation.
   const bool mirrored = linearDeterminant(proxy.transform) < 0.0;
   for (const Triangle &t : proxy.triangles) {
     const Triangle shared{base + t[0], base + t[mirrored ? 2 : 1], base + t[mirrored ? 1 : 2]};
@@ -203,7 +203,7 @@ void BlendedPass::drawRuns(const Frame &frame, const Programs &programs, RenderS
   glUseProgram(programs.mesh.name());
   glUniformMatrix3fv(shaders::kNormalMatrix, 1, GL_FALSE, identity3.data());
   glUniform1f(shaders::kCover, 0.0f);
-  glUniform1i(shaders::kTwoSided, 1);  // faces that must not be seen from behind were left out
+  glUniform1i(shaders::kTwoSided, 1);  // back faces that must be hidden were omitted
   glUniform1i(shaders::kBlended, 1);
   glUseProgram(programs.sphere.name());
   glUniform1f(shaders::kRadiusScale, 1.0f);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything that blends, in one order across all proxies: triangles, spheres and line segments are sorted by the depth
-// of their centres on the processor each frame and drawn from the farthest to the nearest, without writing depth.
+// All transparent primitives, in one order across all proxies: triangles, spheres and line segments are sorted by the
+// depth of their centres on the CPU each frame and drawn from the farthest to the nearest, without writing depth.
 //
-// Limit: two primitives that cut through each other, or a large one beside a small one whose centre is nearer although
-// it lies behind, cannot be ordered as wholes and blend in one of the two orders.
+// Limit: two primitives that intersect each other, or a large one next to a small one whose centre is closer although
+// it is behind, cannot be ordered as wholes and blend in one of the two orders.
 #pragma once
 
 #include <array>
@@ -22,13 +22,13 @@ class BlendedPass {
 
   /// Starts an empty frame.
   void begin();
-  /// Takes over what is in front of the near plane, in view space.
+  /// Adds the part in front of the near plane, in view space.
   void add(Proxy &proxy, const Frame &frame);
-  /// After the last add(): orders and uploads, once for all draws of the frame.
+  /// Call after the last add(): sorts and uploads once for all draws of the frame.
   void prepare(RenderStatistics &statistics);
   [[nodiscard]] bool isEmpty() const { return items_.empty(); }
   void draw(const Frame &frame, const Programs &programs, RenderStatistics &statistics);
-  /// Only depth, and that of the nearest.
+  /// Draws depth only, that of the nearest.
   void drawDepth(const Frame &frame, const Programs &programs, RenderStatistics &statistics);
 
  private:
@@ -46,7 +46,7 @@ class BlendedPass {
     Rgba8 startColour, endColour;
     float width_px;
   };
-  /// Neighbours in the order that are of one kind: one draw call.
+  /// Consecutive primitives of one kind in the order: one draw call.
   struct Run {
     ProxyKind kind;
     std::uint32_t first, count;

@@ -7,13 +7,13 @@
 
 namespace c3de::render {
 
-/// A primitive and when to draw it: smaller keys first.
+/// A primitive and its position in the drawing order: smaller keys first.
 struct DepthItem {
   std::uint32_t key = 0;
   std::uint32_t primitive = 0;
 };
 
-/// Key that puts far things first. Depth in front of the eye, any unit; NaN gets some key.
+/// Key that sorts far primitives first. Depth in front of the eye, any unit; NaN gets an arbitrary key.
 [[nodiscard]] inline std::uint32_t farFirstKey(float depth) {
   // The bits of floats order like integers once negative ones are reversed.
   const auto bits = std::bit_cast<std::uint32_t>(depth);
@@ -21,8 +21,8 @@ struct DepthItem {
   return ~ascending;
 }
 
-/// Stable ascending radix sort; linear, about a millisecond for 100 000 items. `scratch` is kept between calls to
-/// save the allocation.
+/// Stable ascending radix sort; linear, about a millisecond for 100 000 items. `scratch` is reused between calls to
+/// avoid the allocation.
 void sortByKey(std::vector<DepthItem> &items, std::vector<DepthItem> &scratch);
 
 }  // namespace c3de::render

@@ -14,10 +14,10 @@ namespace {
 
 constexpr int kAtlasWidth = 512;
 constexpr int kOutline = 2;             // px around the glyph
-constexpr int kPadding = kOutline + 1;  // plus one that stays empty, for linear filtering
+constexpr int kPadding = kOutline + 1;  // plus one empty pixel, for linear filtering
 
-/// Ranges that labels of a medical workstation need: Latin with °, ², ³, µ, ×; Greek; dashes, quotes and ellipsis;
-/// super- and subscripts; arrows; a few signs of mathematics.
+/// Ranges needed for labels of a medical workstation: Latin with °, ², ³, µ, ×; Greek; dashes, quotes and ellipsis;
+/// super- and subscripts; arrows; a few mathematical signs.
 constexpr std::array<std::array<char32_t, 2>, 10> kRanges{{{0x20, 0x7E},
                                                            {0xA0, 0x17F},
                                                            {0x391, 0x3C9},
@@ -56,7 +56,7 @@ std::filesystem::path findFont(std::span<const std::filesystem::path> directorie
   return best;
 }
 
-/// Copies the glyph into the atlas and surrounds it with its outline: every pixel takes the strongest coverage near it,
+/// Copies the glyph into the atlas and surrounds it with its outline: every pixel gets the maximum coverage near it,
 /// fading over the last pixel.
 void stamp(FontAtlas &atlas, const Glyph &glyph, const GlyphBitmap &bitmap) {
   const auto coverage = [&](int x, int y) -> int {

@@ -6,9 +6,9 @@
 #include <cstring>
 
 #ifdef _MSC_VER
-#pragma warning(disable : 4505)  // functions of the libraries that are not used here
+#pragma warning(disable : 4505)  // unused functions of the libraries
 #endif
-// Private copies: the libraries are single headers, and a shared build of them is not on every system.
+// Private copies: the libraries are single headers, and a shared build of them is not available on every system.
 #define STBTT_STATIC
 #define STB_TRUETYPE_IMPLEMENTATION
 #include <stb_truetype.h>
@@ -20,7 +20,7 @@ namespace {
 
 class TrueTypeFont final : public FontRasterizer {
  public:
-  /// Whether the file could be used is asked with isValid().
+  /// isValid() returns whether the file could be used.
   TrueTypeFont(std::vector<char> file, float pixelHeight) : file_(std::move(file)) {
     const auto *bytes = reinterpret_cast<const unsigned char *>(file_.data());
     // The smallest font has a 12-byte header and some tables; the parser itself does not check lengths.
@@ -60,7 +60,7 @@ class TrueTypeFont final : public FontRasterizer {
   bool valid_ = false;
 };
 
-/// Rectangles on a coarse grid, enlarged by a whole factor.
+/// Rectangles on a coarse grid, enlarged by an integer factor.
 class BuiltInFont final : public FontRasterizer {
  public:
   explicit BuiltInFont(float pixelHeight) : zoom_(std::max(1, static_cast<int>(std::lround(pixelHeight / kLine)))) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the passes of one frame share.
+// Data shared by the passes of one frame.
 #pragma once
 
 #include <array>
@@ -10,31 +10,31 @@
 
 namespace c3de::render {
 
-/// Made once; see shaders.h.
+/// Created once; see shaders.h.
 struct Programs {
   Program background, mesh, sphere, line, label;
 };
-/// @param arePeeled  of those that draw what blends only the part between two depths is drawn: see kPeelFunction
-[[nodiscard]] Expected<Programs> buildPrograms(bool arePeeled = false);
+/// @param isDepthPeeled  the programs for transparent primitives draw only the part between two depths: see kPeelFunction
+[[nodiscard]] Expected<Programs> buildPrograms(bool isDepthPeeled = false);
 
-/// In view space: what lies on the negative side is left out.
+/// In view space: the negative side is cut away.
 using Cuts = std::array<std::array<float, 4>, 3>;
 inline constexpr Cuts kNoCuts{{{0, 0, 0, 1}, {0, 0, 0, 1}, {0, 0, 0, 1}}};
 
 struct Frame {
-  Mat4 view{}, projection{};  ///< in double, so that scenes far from the origin stay sharp
+  Mat4 view{}, projection{};  ///< in double, for precision far from the origin
   Mat4f projectionF{};
   int width = 0, height = 0;
   float nearPlane = 1.0f;
   bool multisampled = false;
   Cuts cuts = kNoCuts;       ///< of images
-  bool cutsProxies = false;  ///< and of everything else
+  bool cutsProxies = false;  ///< also cuts everything else
 };
 
-/// For the program in use, which has kCutFunction.
+/// For the program in use, which must contain kCutFunction.
 void setCuts(const Frame &frame);
 
-/// Proxies are cut while it lives, where the frame says so.
+/// Enables the cuts of proxies during its lifetime, if the frame requests them.
 class CutProxies {
  public:
   explicit CutProxies(const Frame &frame) : isOn_(frame.cutsProxies) {

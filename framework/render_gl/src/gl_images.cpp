@@ -7,13 +7,13 @@
 
 namespace c3de::render {
 
-ImageParts GlImages::partsOf(const ImageLook &look) {
+ImageParts GlImages::partsOf(const ImageDisplay &look) {
   return {find(look.image, ImageSlot::Kind::image), find(look.labels, ImageSlot::Kind::labels),
           find(look.displacement, ImageSlot::Kind::displacement), find(look.bodies, ImageSlot::Kind::image),
           find(look.missing, ImageSlot::Kind::image)};
 }
 
-void GlImages::drawSlice(const ImageLook &look, const SlicePlane &plane, const Viewport &v) {
+void GlImages::drawSlice(const ImageDisplay &look, const SlicePlane &plane, const Viewport &v) {
   if (v.width <= 0 || v.height <= 0) return;
   glViewport(v.x, v.y, v.width, v.height);
   glScissor(v.x, v.y, v.width, v.height);
@@ -36,7 +36,7 @@ void GlImages::drawSlice(const ImageLook &look, const SlicePlane &plane, const V
   glBindBuffer(GL_ARRAY_BUFFER, 0);
 }
 
-Expected<Image> GlImages::drawSliceToImage(const ImageLook &look, const SlicePlane &plane, int width, int height) {
+Expected<Image> GlImages::drawSliceToImage(const ImageDisplay &look, const SlicePlane &plane, int width, int height) {
   GLint largest = 0;
   glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
   if (auto size = checkImageSize(width, height, largest); !size) return tl::unexpected(size.error());

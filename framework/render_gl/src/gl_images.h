@@ -5,21 +5,21 @@
 
 namespace c3de::render {
 
-/// Images of the OpenGL back end; the renderer calls it between its passes.
+/// Images of the OpenGL back end; called by the renderer between its passes.
 class GlImages final : public RetainedImages {
  public:
   explicit GlImages(RenderStatistics &statistics) : statistics_(statistics) { overlayColoursChanged(); }
 
-  void drawSlice(const ImageLook &look, const SlicePlane &plane, const Viewport &viewport) override;
-  Expected<Image> drawSliceToImage(const ImageLook &look, const SlicePlane &plane, int width, int height) override;
+  void drawSlice(const ImageDisplay &look, const SlicePlane &plane, const Viewport &viewport) override;
+  Expected<Image> drawSliceToImage(const ImageDisplay &look, const SlicePlane &plane, int width, int height) override;
   [[nodiscard]] bool wantsRefinement() const override { return scene_.showsVolume && wantsRefinement_; }
 
-  /// The slices that stand in space, opaque.
+  /// The slices in space, opaque.
   void drawOpaque(const Frame &frame);
-  /// What is cast by rays. True: what blends was drawn between its parts.
+  /// Draws the ray-cast volume. True: transparent primitives were drawn between its parts.
   bool drawVolume(const Camera &camera, const Frame &frame, const Viewport &viewport, std::uint64_t changesOfProxies,
                   bool isFinal, const RayPass::DrawDepth &drawDepth, LayerPass &layers);
-  /// Those of the scene, for everything the frame draws.
+  /// Sets the cuts of the scene, for everything that the frame draws.
   void setCuts(Frame &frame) const;
 
  private:
@@ -36,7 +36,7 @@ class GlImages final : public RetainedImages {
   bool uploadField(ImageSlot &slot, std::span<const float> pairs) override { return uploadFieldValues(slot, pairs); }
   void labelColoursChanged(ImageSlot &slot) override { uploadLabelTable(slot); }
   void overlayColoursChanged() override { slices_.setOverlayColours(overlayColours_); }
-  [[nodiscard]] ImageParts partsOf(const ImageLook &look);
+  [[nodiscard]] ImageParts partsOf(const ImageDisplay &look);
 
   RenderStatistics &statistics_;
   SlicePass slices_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Owners of OpenGL names. They need the context that made them current when they are destroyed.
+// Owners of OpenGL names. The context that created them must be current when they are destroyed.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -13,7 +13,7 @@
 
 namespace c3de::render {
 
-/// One OpenGL name; `Traits` says how it is made and deleted.
+/// One OpenGL name; `Traits` defines how it is created and deleted.
 template <class Traits>
 class GlObject {
  public:
@@ -97,7 +97,7 @@ using Framebuffer = GlObject<FramebufferTraits>;
 using Shader = GlObject<ShaderTraits>;
 using Program = GlObject<ProgramTraits>;
 
-/// Replaces the contents of a buffer. Re-specifying the storage lets the driver hand out fresh memory while earlier
+/// Replaces the contents of a buffer. Re-specifying the storage lets the driver return fresh memory while earlier
 /// frames still read the old one.
 template <class T>
 void uploadBuffer(GLenum target, const Buffer &buffer, std::span<const T> values) {
@@ -107,10 +107,10 @@ void uploadBuffer(GLenum target, const Buffer &buffer, std::span<const T> values
 
 /// Float attribute `location` of the bound vertex array, read from the buffer bound to GL_ARRAY_BUFFER.
 void setFloatAttribute(GLuint location, GLint components, std::size_t stride, std::size_t offset);
-/// As above, four bytes that stand for 0 … 1.
+/// As above, four bytes that represent 0 … 1.
 void setColourAttribute(GLuint location, std::size_t stride, std::size_t offset);
 
-/// Compiles and links stages given in pieces; the error carries the log of the driver.
+/// Compiles and links stages passed in pieces; the error contains the driver's log.
 [[nodiscard]] Expected<Program> buildProgram(std::string_view name, std::span<const char *const> vertexTexts,
                                              std::span<const char *const> fragmentTexts);
 

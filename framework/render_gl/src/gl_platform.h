@@ -3,7 +3,7 @@
 
 namespace c3de::render {
 
-/// Tells the OpenGL function loader that another context may have become current. Needed on Windows only.
+/// Notifies the OpenGL function loader that another context may have become current. Needed on Windows only.
 void refreshGlFunctions();
 
 }  // namespace c3de::render

@@ -65,7 +65,7 @@ class GlRenderer final : public RetainedRenderer {
   RenderStatistics statistics() const override { return statistics_; }
 
  private:
-  /// @param isFinal  a picture that is not drawn again: nothing is left coarse
+  /// @param isFinal  a picture that is not drawn again: no part stays coarse
   void draw(const Camera &camera, const Viewport &viewport, bool isFinal) {
     if (viewport.width <= 0 || viewport.height <= 0) return;
     Frame frame = makeFrame(camera, viewport);
@@ -88,15 +88,15 @@ class GlRenderer final : public RetainedRenderer {
     drawSolids(frame);
     blended_.prepare(statistics_);
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    drawCovers(frame);
+    drawOcclusionDepth(frame);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     const auto drawDepth = [this](const Frame &small) {
       glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
       drawSolids(small);
-      drawCovers(small);
+      drawOcclusionDepth(small);
       glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     };
-    // Surfaces that blend are drawn between the parts of the volume, where there is one.
+    // Transparent surfaces are drawn between the parts of the volume, if there is one.
     if (!images_.drawVolume(camera, frame, viewport, changes_, isFinal, drawDepth, layers_))
       blended_.draw(frame, programs_, statistics_);
     drawMarks(frame);
@@ -116,8 +116,8 @@ class GlRenderer final : public RetainedRenderer {
     images_.drawOpaque(frame);
   }
 
-  /// What blends is not drawn where they are.
-  void drawCovers(const Frame &frame) {
+  /// Transparent primitives are hidden within the covers.
+  void drawOcclusionDepth(const Frame &frame) {
     if (blended_.isEmpty()) return;
     const CutProxies cut(frame);
     proxies_.forEach([&](Handle, Proxy &proxy) {
@@ -126,13 +126,13 @@ class GlRenderer final : public RetainedRenderer {
     });
   }
 
-  /// What tools show of a hand, which is inside of tissue or on the face of a cut as often as beside it.
+  /// Markers of tools for a grab, which may be inside tissue or on a cut face as well as outside.
   static bool isMark(const Proxy &proxy) {
     return proxy.material.inSlices && !proxy.isTransparent() &&
            (proxy.kind == ProxyKind::spheres || proxy.kind == ProxyKind::lines);
   }
 
-  /// Whole, and before everything else.
+  /// Complete, and in front of everything else.
   void drawMarks(Frame frame) {
     frame.cutsProxies = false;
     glDepthFunc(GL_ALWAYS);
@@ -156,7 +156,7 @@ class GlRenderer final : public RetainedRenderer {
     return frame;
   }
 
-  /// Whoever drew before may have left anything on: everything that matters here is set.
+  /// Previous drawing code may have left any state enabled: everything relevant is set here.
   static void enterState(const Viewport &v) {
     glViewport(v.x, v.y, v.width, v.height);
     glScissor(v.x, v.y, v.width, v.height);
@@ -170,7 +170,7 @@ class GlRenderer final : public RetainedRenderer {
     glCullFace(GL_BACK);
     glFrontFace(GL_CCW);
     glBlendEquation(GL_FUNC_ADD);
-    // Over; the last pair keeps the opacity of the framebuffer right as well.
+    // Over operator; the last pair keeps the opacity of the framebuffer correct as well.
     glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     for (const GLenum off : {GL_CULL_FACE, GL_BLEND, GL_STENCIL_TEST, GL_FRAMEBUFFER_SRGB, GL_SAMPLE_ALPHA_TO_COVERAGE,
                              GL_POLYGON_OFFSET_FILL, GL_PRIMITIVE_RESTART, GL_RASTERIZER_DISCARD, GL_COLOR_LOGIC_OP,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shader texts of images. Positions are in the index spaces of the grids, found in double precision by whoever sets the
-// matrices. Variants are chosen by COLOURED, LABELLED, DISPLACED, VACATED, STILL, MISSING, SHIFT, FIELD, MAXIMUM,
-// SHADED, LAYERED, because a software renderer pays for both sides of a branch.
+// Shader texts for images. Positions are in the index spaces of the grids; the matrices are computed in double
+// precision. Variants are selected by COLOURED, LABELLED, DISPLACED, VACATED, STILL, MISSING, SHIFT, FIELD, MAXIMUM,
+// SHADED, LAYERED, because a software renderer executes both sides of a branch.
 #pragma once
 
 namespace c3de::render::shaders {
@@ -32,7 +32,7 @@ enum SliceUniform : int {
   kLabelOpacity = 7,
   kOverlay = 8,
 };
-enum SharedUniform : int { kLeastGap = 16 };
+enum SharedUniform : int { kMinGap = 16 };
 enum RayUniform : int {
   kImageFromView = 0,
   kNodeFromView = 1,
@@ -51,7 +51,7 @@ bool isWithin(vec3 place, vec3 low, vec3 high) {
 }
 )";
 
-/// What the stages of slices hand on: places in the index spaces of the grids. FLOW is in or out.
+/// Interface between the stages of slices: positions in the index spaces of the grids. FLOW is in or out.
 inline constexpr const char *kSlicePlaces = R"(
 FLOW vec3 vImage;
 #ifdef LABELLED
@@ -62,10 +62,10 @@ FLOW vec3 vNode;
 #endif
 )";
 
-/// Where the material of a point was: u is given at whole nodes, 0 outside; the fourth number is the gap, which is
-/// large outside. A place is vacated where a gap leads to a body of the reference (p: in the texture of the image).
-/// STILL: what stays has u = 0, unless a body has come over it, and leaves a gap where something has moved away from
-/// it; beside rigid tissue there is one only where the fourth number says so.
+/// The reference position of the material at a point: u is stored at integer nodes, 0 outside. The fourth number is the
+/// gap, which is large outside. A location is vacated where a gap leads to a body of the reference (p: in the texture
+/// of the image). STILL: fixed regions have u = 0, unless a body has moved over them, and leave a gap where material
+/// has moved away from them; next to rigid tissue there is one only where the fourth number indicates it.
 inline constexpr const char *kDisplacementFunction = R"(
 layout(binding = 3) uniform sampler3D uDisplacement;
 vec4 shiftAt(vec3 node) {
@@ -204,7 +204,7 @@ void main() {
 }
 )";
 
-// A little towards the eye, so that the border of a slice wins over it.
+// Slightly towards the eye, so that the border of a slice is in front of it.
 inline constexpr const char *kOutlineVertex = R"(
 layout(location = 0) in vec3 aPosition;
 layout(location = 0) uniform mat4 uClipFromLocal;
@@ -226,10 +226,9 @@ void main() {
 }
 )";
 
-// Samples lie at fixed distances from the eye, so that they do not depend on where a ray enters. The inner loop looks
-// for the next sample that is not transparent: what is costly (the gradient) is done for those only, and by neighbours
-// of a vector register together. `precise` keeps the positions the same to the bit whether or not a displacement of
-// zero is taken off.
+// Samples are at fixed distances from the eye, independent of where a ray enters. The inner loop searches for the next
+// non-transparent sample: costly work (the gradient) is done for those only, and by neighbours of a vector register
+// together. `precise` keeps the positions identical to the bit whether or not a zero displacement is subtracted.
 inline constexpr const char *kRayFragment = R"(
 layout(location = 0) uniform mat4 uImageFromView;
 layout(location = 1) uniform mat4 uNodeFromView;

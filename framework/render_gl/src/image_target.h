@@ -6,7 +6,8 @@
 
 namespace c3de::render {
 
-/// A multisampled framebuffer of a given size with depth, bound while it lives; the earlier binding comes back.
+/// A multisampled framebuffer of a given size with depth, bound during its lifetime; then the previous binding is
+/// restored.
 class ImageTarget {
  public:
   [[nodiscard]] static Expected<ImageTarget> create(int width, int height);
@@ -14,7 +15,7 @@ class ImageTarget {
   ImageTarget &operator=(ImageTarget &&) = delete;
   ~ImageTarget();
 
-  /// Merges the samples and reads the pixels.
+  /// Resolves the samples and reads the pixels.
   [[nodiscard]] Expected<Image> read();
 
  private:

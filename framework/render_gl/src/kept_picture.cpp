@@ -18,19 +18,19 @@ struct Buffers {
 
 }  // namespace
 
-struct KeptPicture::Impl {
+struct CachedPicture::Impl {
   std::optional<Buffers> buffers;
   int width = 0, height = 0;
 
   [[nodiscard]] bool make();
 };
 
-bool KeptPicture::Impl::make() {
-  const KeptTarget kept;
+bool CachedPicture::Impl::make() {
+  const FramebufferGuard kept;
   Buffers &b = buffers.emplace();
   while (glGetError() != GL_NO_ERROR) {
   }
-  // The order of bytes of windows, so that a software renderer copies quickly.
+  // The byte order of windows, so that a software renderer copies quickly.
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, b.colour.name());
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV, nullptr);
@@ -50,10 +50,10 @@ bool KeptPicture::Impl::make() {
   return isComplete;
 }
 
-KeptPicture::KeptPicture() : impl_(std::make_unique<Impl>()) {}
-KeptPicture::~KeptPicture() = default;
+CachedPicture::CachedPicture() : impl_(std::make_unique<Impl>()) {}
+CachedPicture::~CachedPicture() = default;
 
-KeptPicture::State KeptPicture::prepare(int width, int height) {
+CachedPicture::State CachedPicture::prepare(int width, int height) {
   GLint samples = 0;
   glGetIntegerv(GL_SAMPLE_BUFFERS, &samples);
   if (samples > 0 || width < 1 || height < 1) {
@@ -67,13 +67,13 @@ KeptPicture::State KeptPicture::prepare(int width, int height) {
   return impl_->make() ? State::empty : State::none;
 }
 
-void KeptPicture::paint(const std::function<void()> &paint) {
-  const KeptTarget kept;
+void CachedPicture::paint(const std::function<void()> &paint) {
+  const FramebufferGuard kept;
   glBindFramebuffer(GL_FRAMEBUFFER, impl_->buffers->target.name());
   paint();
 }
 
-void KeptPicture::show(const Viewport &part) const {
+void CachedPicture::show(const Viewport &part) const {
   GLint read = 0;
   glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read);
   glDisable(GL_SCISSOR_TEST);

@@ -68,7 +68,7 @@ void LabelPass::addLine(std::u32string_view line, float x, float baseLine, Rgba8
   float pen = x;
   for (const char32_t character : line) {
     const Glyph &glyph = atlas_->glyph(character);
-    // Whole pixels keep the strokes sharp.
+    // Integer pixels keep the strokes sharp.
     const float x0 = std::round(pen) + glyph.left, y1 = std::round(baseLine) - glyph.top;
     const float x1 = x0 + static_cast<float>(glyph.width), y0 = y1 - static_cast<float>(glyph.height);
     const auto u0 = static_cast<float>(glyph.x), v0 = static_cast<float>(glyph.y);
@@ -85,7 +85,7 @@ void LabelPass::layOut(const Placed &label) {
   const std::u32string text = decodeUtf8(label.proxy->text);
   const Rgba8 colour = toRgba8(label.proxy->material.colour);
   const auto lines = 1 + std::count(text.begin(), text.end(), U'\n');
-  // y grows upwards here; the last line ends above the point.
+  // y is up here; the last line ends above the point.
   float baseLine = label.y + kGap_px + (static_cast<float>(lines) * atlas_->lineHeight - atlas_->ascent);
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(U'\n', begin), text.size());
@@ -100,7 +100,7 @@ void LabelPass::draw(const Frame &frame, const Programs &programs, RenderStatist
   if (labels_.empty() && legends_.empty()) return;
   glActiveTexture(GL_TEXTURE0);
   if (!atlas_) buildAtlas();
-  // Nearer labels cover farther ones.
+  // Closer labels cover farther ones.
   std::stable_sort(labels_.begin(), labels_.end(), [](const Placed &a, const Placed &b) { return a.depth > b.depth; });
   for (const Placed &label : labels_) layOut(label);
   layOutLegends(frame.width, frame.height);

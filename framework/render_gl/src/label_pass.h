@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text above points of the scene, of constant size, over everything else, and legends, which are text beside a bar. The
-// atlas is drawn at the first of them.
+// Text above points of the scene, of constant size, in front of everything else, and legends, which are text next to a
+// bar. The atlas is drawn on first use.
 #pragma once
 
 #include <optional>
@@ -37,7 +37,7 @@ class LabelPass {
   void layOut(const Placed &label);
   void layOutLegends(int width, int height);
   [[nodiscard]] float widthOf(std::u32string_view line) const;
-  /// From x on, standing on the base line.
+  /// From x on, on the base line.
   void addLine(std::u32string_view line, float x, float baseLine, Rgba8 colour);
   void addRectangle(float x0, float y0, float x1, float y1, Rgba8 bottom, Rgba8 top);
 

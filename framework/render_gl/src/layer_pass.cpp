@@ -50,9 +50,9 @@ bool LayerPass::find(LayerDepths &depths, const Frame &frame, int x, int y, Rend
     ++statistics.programsLinked;
   }
   if (hasFailed_) return false;
-  // The viewport is where it is in the picture, so that depths come out the same to the bit.
+  // The viewport has the same position as in the picture, so that depths are identical to the bit.
   const int width = x + frame.width, height = y + frame.height;
-  const KeptTarget kept;
+  const FramebufferGuard kept;
   glActiveTexture(GL_TEXTURE0);
   for (std::size_t n = 0; n < kLayers; ++n) {
     if (depths.width_ != width || depths.height_ != height)

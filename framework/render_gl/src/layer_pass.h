@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces that blend, taken apart by depth, so that what rays see can be laid between them: the nearest two of each
-// pixel by themselves, everything behind them together.
+// Transparent surfaces, separated by depth, so that ray-cast parts can be drawn between them: the nearest two of each
+// pixel separately, everything behind them together.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace c3de::render {
 
-/// How many surfaces of a pixel stand alone.
+/// Number of surfaces of a pixel that are separated.
 inline constexpr std::size_t kLayers = 2;
 
 /// Depth of the nearest and the next surface at each pixel; 1 where there is none.
@@ -29,10 +29,10 @@ class LayerPass {
  public:
   explicit LayerPass(BlendedPass &blended);
   [[nodiscard]] bool isEmpty() const { return blended_.isEmpty(); }
-  /// Of the surfaces that are ready in the pass that blends them, for a viewport at (x, y); the bound framebuffer and
-  /// its viewport stay. False: there is no memory, or a driver that lacks something.
+  /// For the surfaces prepared in the blended pass, for a viewport at (x, y); the bound framebuffer and its viewport
+  /// are unchanged. False: insufficient memory, or a driver without a required feature.
   [[nodiscard]] bool find(LayerDepths &depths, const Frame &frame, int x, int y, RenderStatistics &statistics);
-  /// Blends one layer into the bound framebuffer; kLayers: all that is farther.
+  /// Blends one layer into the bound framebuffer; kLayers: everything farther.
   void draw(const LayerDepths &depths, std::size_t layer, const Frame &frame, RenderStatistics &statistics);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where bar, numbers and words of a legend stand: at the right edge, in the middle of the height.
+// Layout of bar, numbers and text of a legend: at the right edge, vertically centred.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -12,8 +12,8 @@ namespace {
 
 constexpr float kMargin_px = 12.0f, kPadding_px = 12.0f, kGap_px = 8.0f;
 constexpr float kBarWidth_px = 18.0f, kLongestBar_px = 220.0f, kShortestBar_px = 48.0f;
-constexpr int kMostTicks = 6;
-constexpr float kPartOfWidth = 0.6f;  // a legend that would cover more of the picture is left out
+constexpr int kMaxTicks = 6;
+constexpr float kPartOfWidth = 0.6f;  // a legend that would cover more of the picture is omitted
 constexpr Rgba8 kGround{20, 23, 28, 205}, kText{232, 235, 240, 255}, kDim{168, 176, 188, 255},
     kTick{232, 235, 240, 150};
 
@@ -22,7 +22,7 @@ struct Tick {
   std::string text;
 };
 
-/// Enough digits to tell multiples of the step apart, and no more.
+/// Just enough digits to distinguish multiples of the step.
 std::string tickText(double value, double step) {
   if (std::abs(value) < 1e-9 * step) value = 0.0;
   char text[40];
@@ -40,10 +40,10 @@ std::string tickText(double value, double step) {
 
 /// Multiples of 1, 2, 2.5 or 5 times a power of ten, three to six of them, and the upper end.
 std::vector<Tick> ticksOf(double low, double high) {
-  const double range = high - low, power = std::pow(10.0, std::floor(std::log10(range / kMostTicks)));
+  const double range = high - low, power = std::pow(10.0, std::floor(std::log10(range / kMaxTicks)));
   double step = 10.0 * power;
   for (const double factor : {1.0, 2.0, 2.5, 5.0})
-    if (range / (factor * power) <= kMostTicks - 1 + 1e-9) {
+    if (range / (factor * power) <= kMaxTicks - 1 + 1e-9) {
       step = factor * power;
       break;
     }
@@ -100,7 +100,7 @@ void LabelPass::layOutLegends(int width, int height) {
     wide = std::max(wide, kBarWidth_px + 2.0f * kGap_px + tickWidth);
     if (wide + 2.0f * kPadding_px > kPartOfWidth * static_cast<float>(width)) continue;
 
-    // y grows upwards.
+    // y is up.
     const float boxHeight = words + bar + 2.0f * kPadding_px + 2.0f * kGap_px;
     const float right = static_cast<float>(width) - kMargin_px, left = std::floor(right - wide - 2.0f * kPadding_px);
     const float upper = std::floor(top - 0.5f * (room - boxHeight)), x = left + kPadding_px;

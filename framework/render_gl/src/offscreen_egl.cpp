@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// OffscreenContext through EGL: without any display where the driver can (surfaceless), else on the default display
-// with a tiny pixel buffer.
+// OffscreenContext through EGL: without any display if the driver supports it (surfaceless), otherwise on the default
+// display with a tiny pixel buffer.
 #include <epoxy/gl.h>
 // After gl.h.
 #include <epoxy/egl.h>
@@ -23,7 +23,7 @@ class EglContext final : public OffscreenContext {
  public:
   explicit EglContext(EglNames names) : names_(names) {}
   ~EglContext() override {
-    // The display stays initialised: it is one per process and others may use it.
+    // The display stays initialised: there is one per process and other code may use it.
     if (eglGetCurrentContext() == names_.context)
       eglMakeCurrent(names_.display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     if (names_.surface != EGL_NO_SURFACE) eglDestroySurface(names_.display, names_.surface);
@@ -36,7 +36,7 @@ class EglContext final : public OffscreenContext {
 
 std::string eglProblem(const char *what) { return fmt::format("{} (EGL error 0x{:04x})", what, eglGetError()); }
 
-/// The newest core context there is; below the version that is needed, the caller's check names what was found.
+/// The newest available core context; if it is below the required version, the caller's check states the version found.
 EGLContext createContext(EGLDisplay display, EGLConfig config) {
   constexpr EGLint kVersions[][2] = {{4, 5}, {4, 3}, {3, 3}, {3, 1}};
   for (const auto &[major, minor] : kVersions) {

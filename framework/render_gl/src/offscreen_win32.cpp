@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OffscreenContext on Windows: OpenGL exists only with a window, so a small one is made and never shown.
+// OffscreenContext on Windows: OpenGL requires a window, so a small one is created and never shown.
 #include <epoxy/gl.h>
 // After gl.h; includes windows.h.
 #include <epoxy/wgl.h>
@@ -45,7 +45,7 @@ tl::unexpected<Error> giveUp(WglNames &names, const char *what) {
   return fail(ErrorCode::graphics, fmt::format("no offscreen OpenGL context: {} (Windows error {})", what, code));
 }
 
-/// The newest core context there is, or null; needs a current context to ask.
+/// The newest available core context, or null; the query needs a current context.
 HGLRC createCoreContext(HDC device) {
   if (!epoxy_has_wgl_extension(device, "WGL_ARB_create_context_profile")) return nullptr;
   constexpr int kVersions[][2] = {{4, 5}, {4, 3}};
@@ -91,7 +91,7 @@ Expected<std::unique_ptr<OffscreenContext>> OffscreenContext::create() {
   if (chosen == 0 || SetPixelFormat(names.device, chosen, &format) == FALSE)
     return giveUp(names, "no pixel format for OpenGL");
 
-  // A core context can only be asked for through a function that exists while some other context is current.
+  // A core context can only be requested through a function that exists while some other context is current.
   names.context = wglCreateContext(names.device);
   if (names.context == nullptr || wglMakeCurrent(names.device, names.context) == FALSE)
     return giveUp(names, "the first OpenGL context was refused");
@@ -101,7 +101,7 @@ Expected<std::unique_ptr<OffscreenContext>> OffscreenContext::create() {
     names.context = core;
     if (wglMakeCurrent(names.device, core) == FALSE) return giveUp(names, "the OpenGL context cannot be made current");
   }
-  // Otherwise the plain context stays, and the version check names what it is.
+  // Otherwise the plain context is used, and the version check reports it.
   return std::make_unique<WglContext>(names);
 }
 

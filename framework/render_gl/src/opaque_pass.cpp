@@ -8,7 +8,7 @@
 namespace c3de::render {
 namespace {
 
-/// The buffers of a proxy. The vertex array is described once; updates only replace the contents of the buffers.
+/// The buffers of a proxy. The vertex array is set up once; updates only replace the contents of the buffers.
 struct ProxyBuffers final : BackEndData {
   VertexArray array = VertexArray::create();
   Buffer positions = Buffer::create(), normals = Buffer::create(), colours = Buffer::create(), radii = Buffer::create(),
@@ -66,7 +66,7 @@ ProxyBuffers &buffersOf(Proxy &proxy, RenderStatistics &statistics) {
   return static_cast<ProxyBuffers &>(*proxy.backEnd);
 }
 
-/// An array that is there is read from its buffer, an absent one is replaced by a constant.
+/// An existing array is read from its buffer, a missing one is replaced by a constant.
 void useArray(GLuint location, bool present) {
   if (present)
     glEnableVertexAttribArray(location);
@@ -101,7 +101,7 @@ void upload(Proxy &proxy, ProxyBuffers &buffers, RenderStatistics &statistics) {
 }  // namespace
 
 void drawOpaque(Proxy &proxy, const Frame &frame, const Programs &programs, RenderStatistics &statistics,
-                bool isCover) {
+                bool isDepthOnly) {
   ProxyBuffers &buffers = buffersOf(proxy, statistics);
   glBindVertexArray(buffers.array.name());
   upload(proxy, buffers, statistics);
@@ -125,7 +125,7 @@ void drawOpaque(Proxy &proxy, const Frame &frame, const Programs &programs, Rend
       const Mat3f normals = normalMatrix(viewFromProxy);
       glUniformMatrix3fv(shaders::kNormalMatrix, 1, GL_FALSE, normals.data());
       glUniform1i(shaders::kTwoSided, proxy.material.twoSided ? 1 : 0);
-      glUniform1f(shaders::kCover, isCover ? proxy.material.cover * lengthScale(proxy.transform) : 0.0f);
+      glUniform1f(shaders::kCover, isDepthOnly ? proxy.material.cover * lengthScale(proxy.transform) : 0.0f);
       glUniform1i(shaders::kBlended, 0);
       glFrontFace(linearDeterminant(proxy.transform) < 0.0 ? GL_CW : GL_CCW);
       if (!proxy.material.twoSided) glEnable(GL_CULL_FACE);
@@ -141,7 +141,8 @@ void drawOpaque(Proxy &proxy, const Frame &frame, const Programs &programs, Rend
       glUniform1f(shaders::kRadiusScale, lengthScale(proxy.transform));
       glUniform1i(shaders::kSmoothEdge, frame.multisampled ? 1 : 0);
       glUniform1i(shaders::kBlended, 0);
-      // The edge of an impostor lies inside its square, unseen by multisampling: coverage goes through alpha.
+      // The edge of an impostor is inside its square, where multisampling has no effect: coverage is passed through
+      // alpha.
       if (frame.multisampled) glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
       glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(proxy.positions.size()));
       glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);

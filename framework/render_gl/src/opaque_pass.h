@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Proxies that do not blend: drawn from buffers of their own, any order, with depth.
+// Opaque proxies: drawn from their own buffers, in any order, with depth.
 #pragma once
 
 #include "c3de/render/renderer.h"
@@ -8,10 +8,10 @@
 
 namespace c3de::render {
 
-/// Uploads what changed and draws one mesh, sphere or line proxy.
-/// @param statistics  counts of made vertex arrays and draw calls are added to
-/// @param isCover  of a mesh the depth that Material::cover says alone is drawn
+/// Uploads changes and draws one mesh, sphere or line proxy.
+/// @param statistics  created vertex arrays and draw calls are added
+/// @param isDepthOnly  draws only the depth of a mesh given by Material::cover
 void drawOpaque(Proxy &proxy, const Frame &frame, const Programs &programs, RenderStatistics &statistics,
-                bool isCover = false);
+                bool isDepthOnly = false);
 
 }  // namespace c3de::render

@@ -6,10 +6,10 @@
 
 namespace c3de::render {
 
-Expected<Programs> buildPrograms(bool arePeeled) {
+Expected<Programs> buildPrograms(bool isDepthPeeled) {
   using namespace shaders;
   using Texts = std::vector<const char *>;
-  const char *peeled = arePeeled ? "#define PEELED\n" : "";
+  const char *peeled = isDepthPeeled ? "#define PEELED\n" : "";
   struct Recipe {
     Program Programs::*member;
     const char *name;
@@ -37,7 +37,7 @@ Expected<Programs> buildPrograms(bool arePeeled) {
 }
 
 void setCuts(const Frame &frame) {
-  // Written distances cut on some drivers although they are switched off.
+  // Some drivers apply written clip distances although they are disabled.
   const Cuts &cuts = frame.cutsProxies ? frame.cuts : kNoCuts;
   glUniform4fv(shaders::kCuts, static_cast<GLsizei>(cuts.size()), cuts[0].data());
 }

@@ -13,11 +13,11 @@
 namespace c3de::render {
 namespace {
 
-constexpr unsigned kDisplaced = 1, kMaximum = 2, kShaded = 4, kLayered = 8, kVacated = 16, kStill = 32;
+constexpr unsigned kDisplaced = 1, kMaximum = 2, kShaded = 4, kLayered = 8, kEmptied = 16, kStill = 32;
 constexpr std::size_t kTableSize = 1024;
-constexpr double kBand_ms = 30.0;  // of refinement in one frame: the window stays quick
+constexpr double kBand_ms = 30.0;  // of refinement in one frame, so that the window stays responsive
 
-/// Between the points of a transfer function, linear; the ends go on.
+/// Linear between the points of a transfer function; the end values continue.
 Colour colourAt(const std::vector<TransferPoint> &points, double value) {
   if (points.empty()) return {};
   if (value <= points.front().value) return points.front().colour;
@@ -33,7 +33,7 @@ Colour colourAt(const std::vector<TransferPoint> &points, double value) {
 }
 
 /// Shortest distance between neighbouring voxels, mm.
-double finestSpacing(const GridPlace &place) {
+double finestSpacing(const GridGeometry &place) {
   double finest = 1e30;
   for (std::size_t a = 0; a < 3; ++a) {
     const Mat4 &m = place.worldFromIndex;
@@ -54,7 +54,7 @@ void makeTexture(const Texture &texture, GLenum internal, GLenum format, GLenum 
   glBindTexture(GL_TEXTURE_2D, 0);
 }
 
-/// Uniforms: where eye, image and cuts are.
+/// Uniforms: the positions of eye, image and cuts.
 void setPlaces(const ImageParts &parts, const Frame &frame) {
   using namespace shaders;
   const Mat4 worldFromView = affineInverse(frame.view);
@@ -90,7 +90,7 @@ const Program *RayPass::programFor(unsigned variant, RenderStatistics &statistic
     if (variant & kMaximum) fragment.push_back("#define MAXIMUM\n");
     if (variant & kShaded) fragment.push_back("#define SHADED\n");
     if (variant & kLayered) fragment.push_back("#define LAYERED\n");
-    if (variant & kVacated) fragment.push_back("#define VACATED\n");
+    if (variant & kEmptied) fragment.push_back("#define VACATED\n");
     if (variant & kStill) fragment.push_back("#define STILL\n");
     fragment.push_back(kGridFunction);
     if (variant & kDisplaced) fragment.push_back(kDisplacementFunction);
@@ -103,7 +103,7 @@ const Program *RayPass::programFor(unsigned variant, RenderStatistics &statistic
   return program->name() != 0 ? &*program : nullptr;
 }
 
-void RayPass::buildTable(const VolumeLook &look, double step_mm) {
+void RayPass::buildTable(const VolumeDisplay &look, double step_mm) {
   std::vector<Colour> table(kTableSize);
   const double low = look.points.front().value, high = look.points.back().value;
   for (std::size_t i = 0; i < kTableSize; ++i) {
@@ -125,7 +125,7 @@ std::optional<RayPass::Picture> RayPass::begin(const Frame &frame, int divisor, 
   makeTexture(picture.depth, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, picture.width, picture.height,
               GL_NEAREST);
 
-  const KeptTarget kept;
+  const FramebufferGuard kept;
   glBindFramebuffer(GL_FRAMEBUFFER, picture.depthBuffer.name());
   glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, picture.depth.name(), 0);
   glDrawBuffer(GL_NONE);
@@ -159,7 +159,7 @@ std::optional<RayPass::Picture> RayPass::begin(const Frame &frame, int divisor, 
 }
 
 void RayPass::setTransfer(const Program &program, const ImageParts &parts, const ImageScene &scene, double step_mm) {
-  const VolumeLook &look = scene.volume;
+  const VolumeDisplay &look = scene.volume;
   if (look.isMaximum) {
     const std::array<float, 2> grey = greyRamp(*parts.image, scene.look.window, scene.look.level);
     glUniform2fv(shaders::kTransfer, 1, grey.data());
@@ -177,26 +177,26 @@ void RayPass::setTransfer(const Program &program, const ImageParts &parts, const
 
 void RayPass::castRows(Picture &picture, const ImageParts &parts, const ImageScene &scene, const Frame &frame, int rows,
                        RenderStatistics &statistics) {
-  const VolumeLook &look = scene.volume;
+  const VolumeDisplay &look = scene.volume;
   const unsigned variant = (parts.displacement ? kDisplaced : 0) |
                            (look.isMaximum  ? kMaximum
                             : look.isShaded ? kShaded
                                             : 0) |
                            (picture.layers ? kLayered : 0) |
-                           (parts.knowsVacated() ? kVacated | (scene.look.hasStill ? kStill : 0) : 0);
+                           (parts.hasEmptiedRegion() ? kEmptied | (scene.look.hasFixedRegions ? kStill : 0) : 0);
   const Program *program = programFor(variant, statistics);
   rows = std::min(rows, picture.height - picture.rows);
   const int first = picture.rows;
   picture.rows += rows;
   if (!program) return;
 
-  // A coarse picture takes coarse steps; half a voxel is what thin bone needs.
+  // A coarse picture uses coarse steps; thin bone requires half a voxel.
   const double step_mm = finestSpacing(parts.image->place) * (picture.divisor > 1 ? 1.5 : 0.5);
   using namespace shaders;
   glUseProgram(program->name());
   setPlaces(parts, frame);
   setTransfer(*program, parts, scene, step_mm);
-  if (variant & kVacated) glUniform1f(kLeastGap, static_cast<float>(scene.look.leastGap));
+  if (variant & kEmptied) glUniform1f(kMinGap, static_cast<float>(scene.look.leastGap));
   glUniform1f(kStep, static_cast<float>(step_mm));
   glUniform2f(kPixel, 2.0f / static_cast<float>(picture.width), 2.0f / static_cast<float>(picture.height));
   bindImageTextures(parts, true);
@@ -205,7 +205,7 @@ void RayPass::castRows(Picture &picture, const ImageParts &parts, const ImageSce
   for (GLuint n = 0; n < kLayers && picture.layers; ++n)
     bindTexture(kLayerUnit + n, GL_TEXTURE_2D, picture.layers->texture(n));
 
-  const KeptTarget kept;
+  const FramebufferGuard kept;
   glBindFramebuffer(GL_FRAMEBUFFER, picture.colourBuffer.name());
   glViewport(0, 0, picture.width, picture.height);
   glScissor(0, first, picture.width, rows);
@@ -272,15 +272,15 @@ bool RayPass::draw(const ImageParts &parts, const ImageScene &scene, const RayKe
   if (!key_ || !(*key_ == key) || !shown_) {
     key_ = key;
     next_.reset();
-    isAsFineAsCanBe_ = false;
+    isResolutionLimited_ = false;
     shown_ = begin(frame, scene.movingDivisor, drawDepth, layers, statistics);
     if (shown_) castRows(*shown_, parts, scene, frame, shown_->height, statistics);
   } else if (!isRefined()) {
     if (!next_) {
       next_ = begin(frame, shown_->divisor > 2 ? 2 : 1, drawDepth, layers, statistics);
-      bandRows_ = std::max(4, bandRows_ / 8);  // longer rows of shorter steps than what was measured
+      bandRows_ = std::max(4, bandRows_ / 8);  // longer rows of shorter steps than those measured
     }
-    isAsFineAsCanBe_ = !next_;
+    isResolutionLimited_ = !next_;
     if (next_) {
       const auto start = std::chrono::steady_clock::now();
       const auto spent_ms = [&] {
@@ -291,7 +291,7 @@ bool RayPass::draw(const ImageParts &parts, const ImageScene &scene, const RayKe
         castRows(*next_, parts, scene, frame, bandRows_, statistics);
         glFinish();
         const double band = spent_ms() - before;
-        // Bands of about a third of what a frame may take.
+        // Bands of about a third of the time available per frame.
         bandRows_ = std::clamp(static_cast<int>(bandRows_ * kBand_ms / (3.0 * std::max(band, 0.1))), 4, 4 * bandRows_);
         if (spent_ms() > 0.7 * kBand_ms) break;
       }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shader texts. All positions are in view space: the eye is the origin and looks along -z, so that floats suffice
-// wherever in the world the scene lies. Colours come in as sRGB, are lit in linear light and leave encoded as sRGB, so
-// the result does not depend on the kind of framebuffer; blending therefore takes place in encoded values.
+// wherever the scene is in the world. Input colours are sRGB, lighting is in linear light, and output is encoded as
+// sRGB, so the result does not depend on the kind of framebuffer; blending therefore operates on encoded values.
 #pragma once
 
 namespace c3de::render::shaders {
@@ -33,7 +33,7 @@ enum Uniform : int {
   kBottomColour = 1   // background
 };
 
-/// Pieces: a stage is the head, the functions it uses and its own text.
+/// Building blocks: a stage is the head, the functions it uses and its own text.
 inline constexpr const char *kHead = "#version 430 core\n";
 
 inline constexpr const char *kColourFunctions = R"(
@@ -46,9 +46,9 @@ vec3 toSrgb(vec3 c) {
 }
 )";
 
-// A soft box above the left shoulder of the viewer, a weak fill light from the right, light from all around that is
-// brighter and cooler from above, a broad wet highlight and a faint rim that separates the silhouette from the ground.
-// The weights make a surface that faces the viewer about as bright as its colour.
+// A soft box above the viewer's left shoulder, a weak fill light from the right, ambient light that is brighter and
+// cooler from above, a broad wet highlight and a faint rim that separates the silhouette from the background. With
+// these weights a surface that faces the viewer has about the brightness of its colour.
 inline constexpr const char *kShadeFunctions = R"(
 vec3 shade(vec3 n, vec3 v, vec3 albedo) {
   const vec3 key = vec3(-0.424, 0.636, 0.645);
@@ -67,7 +67,7 @@ vec3 shade(vec3 n, vec3 v, vec3 albedo) {
 }
 )";
 
-/// What lies on the negative side of a plane is not drawn.
+/// The negative side of a plane is not drawn.
 inline constexpr const char *kCutFunction = R"(
 layout(location = 5) uniform vec4 uCuts[3];
 out float gl_ClipDistance[3];
@@ -76,8 +76,8 @@ void cut(vec3 place) {
 }
 )";
 
-/// Surfaces that blend, taken apart by depth where PEELED: only what lies behind the nearer and not behind the farther
-/// depth is drawn. The depths come from the same vertices, so that they agree but for some units of the last place.
+/// Transparent surfaces, separated by depth where PEELED: only the part behind the nearer and not behind the farther
+/// depth is drawn. The depths come from the same vertices, so that they agree up to some units in the last place.
 inline constexpr const char *kPeelFunction = R"(
 #ifdef PEELED
 layout(binding = 0) uniform sampler2D uNearer;
@@ -157,8 +157,8 @@ void main() {
 }
 )";
 
-// A sphere is drawn as a square that just holds its silhouette; the fragment finds the exact point of the sphere. Cuts
-// take or leave it as a whole.
+// A sphere is drawn as a square that just encloses its silhouette; the fragment shader computes the exact point of the
+// sphere. Cuts keep or remove it as a whole.
 inline constexpr const char *kSphereVertex = R"(
 layout(location = 0) in vec3 aCentre;
 layout(location = 2) in vec4 aColour;
@@ -221,7 +221,7 @@ void main() {
 }
 )";
 
-// The core profile has no wide lines: each segment becomes a rectangle of the asked width in pixels.
+// The core profile has no wide lines: each segment becomes a rectangle of the requested width in pixels.
 inline constexpr const char *kLineVertex = R"(
 layout(location = 0) in vec3 aStart;
 layout(location = 1) in vec3 aEnd;

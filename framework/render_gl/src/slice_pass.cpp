@@ -10,7 +10,7 @@
 namespace c3de::render {
 namespace {
 
-constexpr unsigned kLabelled = 1, kDisplaced = 2, kShifted = 4, kVacated = 8, kColoured = 16, kStill = 32,
+constexpr unsigned kLabelled = 1, kDisplaced = 2, kShifted = 4, kEmptied = 8, kColoured = 16, kStill = 32,
                    kMissing = 64, kField = 128;
 
 const GridTexture &texturesOf(const ImageSlot &slot) { return static_cast<const GridTexture &>(*slot.backEnd); }
@@ -76,7 +76,7 @@ const Program *SlicePass::programFor(unsigned variant, RenderStatistics &statist
       if (variant & kLabelled) texts->push_back("#define LABELLED\n");
       if (variant & kDisplaced) texts->push_back("#define DISPLACED\n");
       if (variant & kShifted) texts->push_back("#define SHIFT\n");
-      if (variant & kVacated) texts->push_back("#define VACATED\n");
+      if (variant & kEmptied) texts->push_back("#define VACATED\n");
       if (variant & kColoured) texts->push_back("#define COLOURED\n");
       if (variant & kStill) texts->push_back("#define STILL\n");
       if (variant & kField) texts->push_back("#define FIELD\n");
@@ -98,8 +98,8 @@ const Program *SlicePass::programFor(unsigned variant, RenderStatistics &statist
   return program->name() != 0 ? &*program : nullptr;
 }
 
-void SlicePass::drawFlat(const ImageParts &parts, const ImageLook &look, const SlicePlane &plane, int width, int height,
-                         RenderStatistics &statistics) {
+void SlicePass::drawFlat(const ImageParts &parts, const ImageDisplay &look, const SlicePlane &plane, int width,
+                         int height, RenderStatistics &statistics) {
   // Local coordinates are pixels from the upper left corner.
   const auto w = static_cast<float>(width), h = static_cast<float>(height);
   const std::array<Vec3f, 4> corners{{{0, h, 0}, {w, h, 0}, {w, 0, 0}, {0, 0, 0}}};
@@ -119,7 +119,7 @@ void SlicePass::drawFlat(const ImageParts &parts, const ImageLook &look, const S
   draw(parts, look, corners, clipFromPixel, worldFromPixel, statistics);
 }
 
-void SlicePass::drawInSpace(const ImageParts &parts, const ImageLook &look, std::span<const Vec3> corners,
+void SlicePass::drawInSpace(const ImageParts &parts, const ImageDisplay &look, std::span<const Vec3> corners,
                             const Colour &border, const Frame &frame, RenderStatistics &statistics) {
   if (corners.size() < 3) return;
   // Local coordinates are millimetres from the first corner, so that floats suffice far from the world's origin.
@@ -151,7 +151,7 @@ void SlicePass::drawInSpace(const ImageParts &parts, const ImageLook &look, std:
   ++statistics.drawCalls;
 }
 
-void SlicePass::draw(const ImageParts &parts, const ImageLook &look, std::span<const Vec3f> corners,
+void SlicePass::draw(const ImageParts &parts, const ImageDisplay &look, std::span<const Vec3f> corners,
                      const Mat4 &clipFromLocal, const Mat4 &worldFromLocal, RenderStatistics &statistics) {
   unsigned variant = 0;
   if (parts.labels && look.labelOpacity > 0.0f) variant |= kLabelled;
@@ -160,7 +160,7 @@ void SlicePass::draw(const ImageParts &parts, const ImageLook &look, std::span<c
     if (look.overlay == Overlay::shift) variant |= kShifted;
     if (look.overlay == Overlay::field && parts.displacement->hasField) variant |= kField;
   }
-  if (parts.knowsVacated()) variant |= kVacated | (look.hasStill ? kStill : 0);
+  if (parts.hasEmptiedRegion()) variant |= kEmptied | (look.hasFixedRegions ? kStill : 0);
   if (parts.image->hasColours) variant |= kColoured;
   if (parts.missing) variant |= kMissing;
   const Program *program = programFor(variant, statistics);
@@ -188,7 +188,7 @@ void SlicePass::draw(const ImageParts &parts, const ImageLook &look, std::span<c
     setLinear(kImageFromShift, parts.image->indexFromWorld);
     if (variant & kLabelled) setLinear(kLabelFromShift, parts.labels->indexFromWorld);
   }
-  if (variant & kVacated) glUniform1f(kLeastGap, static_cast<float>(look.leastGap));
+  if (variant & kEmptied) glUniform1f(kMinGap, static_cast<float>(look.leastGap));
   if (variant & (kShifted | kField)) {
     const double range = std::max(look.overlayHigh - look.overlayLow, 1e-30);
     glUniform3f(kOverlay, static_cast<float>(look.overlayLow), static_cast<float>(1.0 / range),

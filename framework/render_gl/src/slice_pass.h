@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Planes of an image, flat in a view of their own or standing in space.
+// Planes of an image, flat in a separate view or in space.
 #pragma once
 
 #include <array>
@@ -12,14 +12,14 @@
 
 namespace c3de::render {
 
-/// What a look refers to, found again for every frame.
+/// The objects that a look refers to, looked up for every frame.
 struct ImageParts {
   const ImageSlot *image = nullptr, *labels = nullptr, *displacement = nullptr, *bodies = nullptr, *missing = nullptr;
 
-  [[nodiscard]] bool knowsVacated() const { return displacement && displacement->hasGaps && bodies; }
+  [[nodiscard]] bool hasEmptiedRegion() const { return displacement && displacement->hasGaps && bodies; }
 };
 
-/// Where a value lies on the grey ramp: grey = gain * texel + bias.
+/// Maps a value to the grey ramp: grey = gain * texel + bias.
 [[nodiscard]] std::array<float, 2> greyRamp(const ImageSlot &image, double window, double level);
 
 class SlicePass {
@@ -27,16 +27,16 @@ class SlicePass {
   SlicePass();
   void setOverlayColours(std::span<const Colour> colours) { uploadColourRow(overlayColours_, colours); }
   /// Fills the bound viewport.
-  void drawFlat(const ImageParts &parts, const ImageLook &look, const SlicePlane &plane, int width, int height,
+  void drawFlat(const ImageParts &parts, const ImageDisplay &look, const SlicePlane &plane, int width, int height,
                 RenderStatistics &statistics);
-  /// A convex polygon of the world, depth-tested.
-  void drawInSpace(const ImageParts &parts, const ImageLook &look, std::span<const Vec3> corners, const Colour &border,
-                   const Frame &frame, RenderStatistics &statistics);
+  /// A convex polygon in world space, depth-tested.
+  void drawInSpace(const ImageParts &parts, const ImageDisplay &look, std::span<const Vec3> corners,
+                   const Colour &border, const Frame &frame, RenderStatistics &statistics);
 
  private:
   /// Corners in local coordinates, as a fan.
-  void draw(const ImageParts &parts, const ImageLook &look, std::span<const Vec3f> corners, const Mat4 &clipFromLocal,
-            const Mat4 &worldFromLocal, RenderStatistics &statistics);
+  void draw(const ImageParts &parts, const ImageDisplay &look, std::span<const Vec3f> corners,
+            const Mat4 &clipFromLocal, const Mat4 &worldFromLocal, RenderStatistics &statistics);
   [[nodiscard]] const Program *programFor(unsigned variant, RenderStatistics &statistics);
 
   std::array<std::optional<Program>, 256> programs_;
@@ -46,7 +46,7 @@ class SlicePass {
   Buffer buffer_ = Buffer::create();
 };
 
-/// Binds the textures of a look; unbindImageTextures() ends it.
+/// Binds the textures of a look; unbindImageTextures() reverts it.
 void bindImageTextures(const ImageParts &parts, bool isSmooth);
 void bindTexture(GLuint unit, GLenum target, GLuint name);
 void unbindImageTextures();

@@ -11,7 +11,7 @@ namespace {
 
 constexpr GLsizei kTableSide = 256;  // 65 536 labels
 
-/// How a voxel type lies in a texture. `scale`: voxel = scale * texel.
+/// How a voxel type is stored in a texture. `scale`: voxel = scale * texel.
 struct TexelFormat {
   GLenum internal, type;
   std::size_t bytes;
@@ -92,10 +92,9 @@ Expected<void> makeStorage(const Texture &texture, const std::array<std::size_t,
                                        : GL_RED,
                internal == GL_R16UI ? GL_UNSIGNED_SHORT : GL_FLOAT, nullptr);
   if (const GLenum error = glGetError(); error != GL_NO_ERROR)
-    return fail(
-        ErrorCode::graphics,
-        fmt::format("the graphics memory does not hold {} of {} x {} x {} points ({} MB): OpenGL error 0x{:04x}", what,
-                    size[0], size[1], size[2], bytes * size[0] * size[1] * size[2] / 1000000, error));
+    return fail(ErrorCode::graphics,
+                fmt::format("insufficient graphics memory for {} of {} x {} x {} points ({} MB): OpenGL error 0x{:04x}",
+                            what, size[0], size[1], size[2], bytes * size[0] * size[1] * size[2] / 1000000, error));
   return {};
 }
 

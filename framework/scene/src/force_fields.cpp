@@ -12,12 +12,12 @@
 
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
-#include "lent_points.h"
+#include "shared_points.h"
 
 namespace c3de::scene {
 namespace {
 
-// The first number that is not finite. Exponents of all bits are found without a branch for each.
+// The first number that is not finite. Exponents with all bits set are detected without a branch per number.
 std::optional<std::size_t> firstNonFinite(const double *values, std::size_t count) {
   constexpr std::uint64_t kExponent = 0x7ff0000000000000u, kUnit = 0x0010000000000000u;
   std::uint64_t overflow = 0;
@@ -36,7 +36,7 @@ bool actsOn(const ForceFields::Field &field, Handle simulation) {
 
 }  // namespace
 
-ForceFields::ForceFields() : lent_(std::make_unique<LentPoints>()) {}
+ForceFields::ForceFields() : lent_(std::make_unique<SharedPoints>()) {}
 ForceFields::~ForceFields() = default;
 
 Handle ForceFields::add(Field field) {
@@ -92,7 +92,7 @@ Expected<void> ForceFields::apply(Handle simulation, c3de_object *simulator, con
     if (table->body_at(simulator, i, &body) < 0) continue;
     const auto applied = applyTo(simulation, simulator, table, body, status.time_s);
     if (applied) continue;
-    // What has been written for others must not act in a later step.
+    // Forces written for other bodies must not act in a later step.
     for (std::uint64_t k = 0; k <= i; ++k) {
       c3de_sim_points points{};
       points.size = sizeof points;
@@ -151,7 +151,7 @@ Expected<void> ForceFields::applyTo(Handle simulation, c3de_object *simulator, c
     count_ = fields_.size();
     return fail(ErrorCode::plugin, message);
   }
-  lent_->giveForces();
+  lent_->returnForces();
   return {};
 }
 

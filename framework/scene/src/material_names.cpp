@@ -26,7 +26,7 @@ constexpr Tissue kLiver{"liver", "liver"}, kLiverTumour{"liver tumour", "liver_h
     kLung{"lung", "lung_inflated"}, kMuscle{"muscle", "muscle_skeletal_rest"}, kSkin{"skin", "skin"},
     kFat{"fat", "fat"}, kCartilage{"cartilage", "cartilage"}, kBone{"bone", "bone_cortical"},
     kGreyMatter{"grey matter", "brain_grey"}, kWhiteMatter{"white matter", "brain_white"};
-// No preset of their own: the nearest one, and why.
+// Tissues without their own preset: the nearest preset, and why.
 constexpr Tissue kTumour{"tumour", "breast_idc_high", "taken for breast cancer: an order of magnitude"},
     kBrainTumour{"brain tumour", "brain_white", "taken for white matter"},
     kKidneyCyst{"kidney cyst", "kidney_cortex", "water under tension, taken for the kidney around it"},
@@ -43,17 +43,17 @@ constexpr Tissue kTumour{"tumour", "breast_idc_high", "taken for breast cancer: 
     kSpinalCord{"spinal cord", "brain_white", "taken for white matter"},
     kChoroidPlexus{"choroid plexus", "brain_grey", "taken for grey matter"},
     kFluid{"cerebrospinal fluid", "brain_grey", "no solid: taken for grey matter, the softest there is"};
-// Labels of airways show what fills them. Their wall, thinner than most voxels, is where the image shows tissue.
+// Airway labels mark the lumen. The wall is thinner than most voxels and is where the image shows tissue.
 constexpr Tissue kAir{"air", "", "no tissue: the wall is what an image shows there"};
 
-/// All words of a row must occur, as wordsOf() has them; the first row that fits and whose preset exists is taken.
+/// All words of a row must occur, in the form of wordsOf(). The first matching row whose preset exists is used.
 struct Row {
   std::array<std::string_view, 2> words;
   const Tissue &tissue;
 };
 
 constexpr Row kRows[] = {
-    // What is in organs or beside them, before the organs.
+    // Structures in or next to organs, before the organs.
     {{"hcc", ""}, kLiverTumour},
     {{"hepatocellular", "tumour"}, kLiverTumour},
     {{"liver", "tumour"}, kLiverTumour},
@@ -101,7 +101,7 @@ constexpr Row kRows[] = {
     {{"airway", ""}, kAir},
     {{"air", ""}, kAir},
     {{"gas", ""}, kAir},
-    // What surrounds organs and is named after them, before these.
+    // Structures that surround organs and are named after them, before the organs.
     {{"fat", ""}, kFat},
     {{"adipose", ""}, kFat},
     {{"marrow", ""}, kMarrow},
@@ -204,7 +204,7 @@ constexpr Row kRows[] = {
     {{"ventricle", ""}, kFluid},
     {{"brain", ""}, kBrain},
     {{"cerebrum", ""}, kBrain},
-    // What there is everywhere.
+    // Tissues that occur everywhere.
     {{"muscle", ""}, kMuscle},
     {{"gluteus", ""}, kMuscle},
     {{"iliopsoas", ""}, kMuscle},
@@ -307,10 +307,10 @@ constexpr Row kRows[] = {
     {{"zygomatic", ""}, kBone},
 };
 
-/// In a name, these say that it is something in the organ or beside it: a row with one of them is meant.
+/// Words that denote something in or next to the organ: only a row with one of them matches.
 constexpr std::string_view kBesides[] = {"tumour", "vessel", "vein", "vena", "artery",
                                          "nerve",  "fluid",  "csf",  "space"};
-/// Likewise, and the row has to have all of them that the name has.
+/// Same, but the row must contain all such words of the name.
 constexpr std::string_view kOthers[] = {
     "lesion",   "nodule",  "cyst",     "duct",     "cavity",        "canal",      "lumen",       "stone",
     "stent",    "implant", "thrombus", "plaque",   "calcification", "haematoma",  "haemorrhage", "bleed",
@@ -318,7 +318,7 @@ constexpr std::string_view kOthers[] = {
     "needle",   "clip",    "coil",     "wire",     "tube",          "prosthesis", "pacemaker",   "marker",
     "ligament", "tendon",  "valve",    "node",     "gtv",           "ctv",        "ptv"};
 
-/// Words for the same, as the rows have them: spellings, and the German and Latin names of organs.
+/// Synonyms, mapped to the words of the rows: spellings, and the German and Latin names of organs.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 103> kSynonyms{{{"tumor", "tumour"},
                                                                                     {"cancer", "tumour"},
                                                                                     {"carcinoma", "tumour"},
@@ -423,7 +423,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 103> kSynony
                                                                                     {"schulterblatt", "scapula"},
                                                                                     {"schluesselbein", "clavicle"}}};
 
-/// Whether a word is another, or its plural as English, German and Latin make it.
+/// Whether a word equals another, or its English, German or Latin plural.
 bool isForm(std::string_view word, std::string_view of) {
   if (word.substr(0, of.size()) == of) {
     const std::string_view ending = word.substr(of.size());
@@ -443,7 +443,7 @@ std::string_view usual(std::string_view word) {
   return word;
 }
 
-/// Umlauts and accents of UTF-8 as ASCII writes them; other letters beyond ASCII separate words.
+/// Replaces umlauts and accents of UTF-8 by ASCII; other letters beyond ASCII separate words.
 std::string withoutAccents(std::string_view text) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kLetters{{{"ä", "ae"},
                                                                                    {"Ä", "Ae"},
@@ -464,9 +464,9 @@ std::string withoutAccents(std::string_view text) {
   return out;
 }
 
-/// "leftkidney" -> "left", "kidney"; other words stay whole.
+/// "leftkidney" -> "left", "kidney"; other words are not split.
 void addWord(std::vector<std::string> &words, std::string_view word) {
-  constexpr std::size_t kShortest = 3;  // of what is left: "cleft", "bright"
+  constexpr std::size_t kShortest = 3;  // of the remainder, which excludes "cleft", "bright"
   for (const std::string_view side : {"left", "right"}) {
     if (word.size() < side.size() + kShortest || !(word.starts_with(side) || word.ends_with(side))) continue;
     const std::string_view rest =
@@ -478,7 +478,8 @@ void addWord(std::vector<std::string> &words, std::string_view word) {
   if (!word.empty()) words.emplace_back(usual(word));
 }
 
-/// The words of a name in lower case, without digits, as the rows have them: "LeftKidney", "kidney_L", "Niere links 1".
+/// The words of a name in lower case, without digits, in the form of the rows: "LeftKidney", "kidney_L", "Niere links
+/// 1".
 std::vector<std::string> wordsOf(std::string_view label) {
   const std::string text = withoutAccents(label);
   const auto isUpper = [&](std::size_t i) { return i < text.size() && text[i] >= 'A' && text[i] <= 'Z'; };
@@ -487,7 +488,7 @@ std::vector<std::string> wordsOf(std::string_view label) {
   std::string word;
   for (std::size_t i = 0; i <= text.size(); ++i) {
     const bool isLetter = isUpper(i) || isLower(i);
-    // A capital begins a word behind a small letter, and before one: "MRLiver".
+    // A capital begins a word after a lower-case letter, and before one: "MRLiver".
     const bool begins = isUpper(i) && i > 0 && (isLower(i - 1) || (isUpper(i - 1) && isLower(i + 1)));
     if (!isLetter || begins) {
       addWord(words, word);
@@ -502,7 +503,7 @@ bool has(const std::vector<std::string> &words, std::string_view wanted) {
   return std::any_of(words.begin(), words.end(), [&](const std::string &word) { return isForm(word, wanted); });
 }
 
-/// Whether a row may be meant by a name with words that say that it is no organ.
+/// Whether a row may match a name with words for something other than an organ.
 class Meant {
  public:
   explicit Meant(const std::vector<std::string> &words) {

@@ -15,7 +15,7 @@ const std::vector<std::string> kKeys{
     "density", "youngs_modulus", "youngs_modulus_range", "poisson_ratio", "poisson_ratio_range", "evidence", "source",
     "note",    "rigid"};
 
-/// What is wrong with the preset, or nothing.
+/// The error in the preset, if any.
 std::optional<std::string> readPreset(const TomlValue &table, MaterialPreset &preset, int &line) {
   const auto number = [&](const char *key, double &out) {
     const TomlValue *value = table.find(key);
@@ -78,7 +78,7 @@ Expected<MaterialLibrary> MaterialLibrary::load(const std::filesystem::path &fil
     if (table.kind == TomlValue::Kind::table) wrong = readPreset(table, preset, line);
     if (wrong)
       return fail(ErrorCode::input,
-                  file.string() + ":" + std::to_string(line) + ": " + shownMessage(name + ": " + *wrong));
+                  file.string() + ":" + std::to_string(line) + ": " + displayMessage(name + ": " + *wrong));
     library.presets_.push_back(std::move(preset));
   }
   return library;

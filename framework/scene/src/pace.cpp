@@ -7,14 +7,14 @@
 namespace c3de::scene {
 namespace {
 
-/// How far behind the wall clock may fall before time is given up. Long enough to even out one slow step, short enough
-/// that nobody sees a burst afterwards.
+/// Maximum lag behind the wall clock before time is dropped. Long enough to even out one slow step, short enough that
+/// no burst is visible afterwards.
 constexpr double kMaxLag_s = 0.05;
 constexpr double kWindow_s = 1.0;
 
 std::chrono::nanoseconds nanoseconds(double s) {
-  // A rate close to zero makes a wait that no clock can hold; an hour is as good, because the wait is interrupted
-  // anyway.
+  // A rate close to zero gives a wait that no clock type can represent. An hour suffices, because the wait is
+  // interrupted anyway.
   return std::chrono::nanoseconds(std::llround(std::clamp(s, -3600.0, 3600.0) * 1e9));
 }
 
@@ -31,7 +31,7 @@ Clock::time_point Pace::dueTime(double end_s, double rate, Clock::time_point now
 double Meter::Rates::realTimeFactor(double running_s) const {
   if (!(wall_s > 0.0)) return 0.0;
   const double overdue_s = std::max(0.0, running_s - meanStep_s);
-  const double part = std::max(0.0, 1.0 - overdue_s / kWindow_s);  // of what was achieved that is not a second old
+  const double part = std::max(0.0, 1.0 - overdue_s / kWindow_s);  // fraction of the samples within the last second
   return part * simulated_s / (part * wall_s + overdue_s);
 }
 
@@ -42,7 +42,7 @@ void Meter::clear() {
 }
 
 void Meter::add(Clock::time_point now, double step_s, double advance_s) {
-  // The first step after a pause counts with its own length: waiting before it was not playing.
+  // The first step after a pause counts with its own duration, because the wait before it was not playing.
   const double wall_s = running_ ? std::chrono::duration<double>(now - last_).count() : step_s;
   running_ = true;
   last_ = now;

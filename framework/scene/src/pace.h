@@ -8,17 +8,17 @@ namespace c3de::scene {
 
 using Clock = std::chrono::steady_clock;
 
-/// When the next step is due, so that simulated time follows the wall clock at a rate.
+/// Due time of the next step, so that simulated time follows the wall clock at a rate.
 class Pace {
  public:
-  /// From here on simulated time `time_s` belongs to now.
+  /// Associates simulated time `time_s` with now.
   void start(Clock::time_point now, double time_s) {
     anchor_ = now;
     anchorTime_s_ = time_s;
   }
 
-  /// When the step that ends at `end_s` should be done. A step that is overdue by more than a little moves the anchor:
-  /// time that was lost is lost, later steps are not hurried to make up for it.
+  /// Due time of the step that ends at `end_s`. A step that is overdue by more than a small tolerance moves the anchor:
+  /// lost time is not made up for by faster steps.
   /// @param rate  simulated seconds per second, > 0
   [[nodiscard]] Clock::time_point dueTime(double end_s, double rate, Clock::time_point now);
 
@@ -27,19 +27,19 @@ class Pace {
   double anchorTime_s_ = 0.0;
 };
 
-/// What was achieved over the last second of playing; time that was spent paused does not count.
+/// Speed achieved over the last second of playing; paused time does not count.
 class Meter {
  public:
   void clear();
   void pause() { running_ = false; }
-  /// A step has ended: it took step_s of wall time and brought simulated time forward by advance_s.
+  /// Records a step that took step_s of wall time and advanced simulated time by advance_s.
   void add(Clock::time_point now, double step_s, double advance_s);
 
   struct Rates {
     double wall_s = 0.0, simulated_s = 0.0, meanStep_s = 0.0;  ///< over the last second
 
-    /// Simulated seconds per second while a step has been computed for running_s without an end: as it was while a step
-    /// takes as long as those before it, then less and less, and nothing when for a second nothing has come of it.
+    /// Simulated seconds per second while a step has been running for running_s. Constant while the step takes no
+    /// longer than the previous ones, then decreasing, and 0 after another second without a result.
     [[nodiscard]] double realTimeFactor(double running_s = 0.0) const;
     /// Wall time of a step, s.
     [[nodiscard]] double step_s(double running_s = 0.0) const {

@@ -13,7 +13,7 @@
 namespace c3de::scene {
 namespace {
 
-/// What stands after `=` on the command line: TOML where it is TOML, else a plain number or text without quotes.
+/// Parses the text after `=` on the command line: TOML if valid, otherwise a plain number or text without quotes.
 TomlValue parseOverrideValue(std::string_view text) {
   const auto toml = parseToml("value = " + std::string(text), "--set");
   if (toml && toml->entries.size() == 1 && toml->entries.front().key == "value") {
@@ -85,9 +85,9 @@ Expected<void> applyOverride(SceneFile &scene, std::string_view assignment, cons
   const std::size_t equals = assignment.find('=');
   const std::string path(trimmed(assignment.substr(0, equals)));
   if (equals == std::string_view::npos || path.empty())
-    return fail(ErrorCode::usage, shownMessage("--set " + std::string(assignment) +
-                                               ": accepted: PATH=VALUE, for example solver.dt=1e-3"));
-  // Read into a copy, so that a refused value leaves the scene as it was.
+    return fail(ErrorCode::usage, displayMessage("--set " + std::string(assignment) +
+                                                 ": accepted: PATH=VALUE, for example solver.dt=1e-3"));
+  // Read into a copy, so that a refused value leaves the scene unchanged.
   SceneFile changed = scene;
   SceneReader reader(changed, materials);
   if (!reader.readOverride(path, parseOverrideValue(trimmed(assignment.substr(equals + 1))), assignment))
@@ -121,10 +121,10 @@ const SceneValue *valueOf(const std::vector<SceneValue> &values, const std::stri
   return found == values.end() ? nullptr : &*found;
 }
 
-/// Of two values that say the same in two ways, the higher one counts.
-int rankOf(const SceneValue &value) { return value.isOfPiece ? 2 : value.overridePath.empty() ? 0 : 1; }
+/// Of two alternative values for the same quantity, the one with the higher rank counts.
+int rankOf(const SceneValue &value) { return value.isPieceOverride ? 2 : value.overridePath.empty() ? 0 : 1; }
 
-/// "material.prony1." of "material.prony1.share".
+/// "material.prony1." for "material.prony1.share".
 std::string tableOf(const std::string &id) { return id.substr(0, id.rfind('.') + 1); }
 
 }  // namespace
@@ -139,7 +139,7 @@ Expected<std::vector<ParameterValue>> fitToDeclarations(const SceneFile &scene, 
     if (other == nullptr) continue;
     if (rankOf(*said) == rankOf(*other))
       return fail(codeOf(*said), scene.where(*said) + ": '" + decl.id + "' and '" + decl.alternativeTo +
-                                     "' say the same; accepted: one of them");
+                                     "' specify the same quantity; accepted: one of them");
     superseded.insert(rankOf(*said) < rankOf(*other) ? decl.id : decl.alternativeTo);
   }
   for (const SceneValue &value : values) {

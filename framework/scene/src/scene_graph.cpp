@@ -20,7 +20,7 @@ Handle SceneGraph::add(Handle parent, std::string name) {
 
 bool SceneGraph::remove(Handle node) {
   if (nodes_.find(node) == nullptr) return false;
-  // A child is always added after its parent, so one pass in order finds everything below.
+  // A child is always added after its parent, so one pass in order finds all descendants.
   std::vector<Handle> gone{node};
   for (const Handle candidate : order_) {
     const Node *found = nodes_.find(candidate);
@@ -54,7 +54,7 @@ bool SceneGraph::isVisible(Handle node) const {
 std::vector<SceneGraph::Row> SceneGraph::rows() const {
   std::vector<Row> rows;
   rows.reserve(order_.size());
-  // Depth-first with an explicit stack: a deep tree made by a plugin must not end the program.
+  // Depth-first with an explicit stack: a deep tree made by a plugin must not overflow the call stack.
   struct Pending {
     Handle node;
     int depth;

@@ -21,7 +21,8 @@ const std::vector<std::string> kProbeKeys{"name", "body", "at"};
 const std::vector<std::string> kRootKeys{"format",    "title",    "image",   "world",      "solver",   "view",
                                          "body",      "fix",      "load",    "attachment", "obstacle", "probe",
                                          "simulator", "accuracy", "contact", "probe_tool", "grasp"};
-const std::vector<std::string> kWishes{C3DE_PARAM_ID_ERROR_PERCENT, C3DE_PARAM_ID_ERROR_MM, C3DE_PARAM_ID_BUDGET_MS};
+const std::vector<std::string> kAccuracyTargets{C3DE_PARAM_ID_ERROR_PERCENT, C3DE_PARAM_ID_ERROR_MM,
+                                                C3DE_PARAM_ID_BUDGET_MS};
 const char *const kMotionRotation = "motion_rotation_deg";
 const char *const kMotionQuaternion = "motion_quaternion";
 
@@ -35,7 +36,9 @@ bool hasControlCharacter(const std::string &text) {
 
 }  // namespace
 
-bool isWish(const std::string &id) { return std::find(kWishes.begin(), kWishes.end(), id) != kWishes.end(); }
+bool isTargetKey(const std::string &id) {
+  return std::find(kAccuracyTargets.begin(), kAccuracyTargets.end(), id) != kAccuracyTargets.end();
+}
 
 std::string joined(const std::vector<std::string> &names) {
   std::string text;
@@ -46,9 +49,9 @@ std::string joined(const std::vector<std::string> &names) {
 bool SceneReader::refuse(int line, const std::string &what) {
   if (!error_.message.empty()) return false;
   if (override_.empty())
-    error_ = {ErrorCode::input, scene_.where(line) + ": " + shownMessage(what)};
+    error_ = {ErrorCode::input, scene_.where(line) + ": " + displayMessage(what)};
   else
-    error_ = {ErrorCode::usage, shownMessage("--set " + override_ + ": " + what)};
+    error_ = {ErrorCode::usage, displayMessage("--set " + override_ + ": " + what)};
   return false;
 }
 
@@ -101,7 +104,8 @@ bool SceneReader::readScene(const TomlValue &root) {
   }
   if (scene_.bodies.empty()) return refuse(1, "the scene has no [[body]]; at least one is needed");
   if (scene_.title.empty()) scene_.title = scene_.source.stem().string();
-  return checkBox() && checkWish() && checkBodyNames() && attachBodies() && checkAttachments() && checkPairs();
+  return checkBox() && checkAccuracyTarget() && checkBodyNames() && attachBodies() && checkAttachments() &&
+         checkPairs();
 }
 
 bool SceneReader::tables(const TomlValue &value, const std::string &key) {
@@ -172,7 +176,7 @@ bool SceneReader::readObstacle(const TomlValue &table) {
   if (obstacle.mesh.empty())
     return refuse(table.line, "the obstacle has no 'mesh'; accepted: a mesh file beside the scene");
   if (!requireUnit(table, obstacle.mesh, obstacle.meshUnit)) return false;
-  // Whoever writes rotation_deg and ramp means a rotation that takes place.
+  // rotation_deg together with ramp would be mistaken for a rotating motion.
   if (!checkPlacement(table, obstacle.placement)) return false;
   if (obstacle.motion && obstacle.motion->quaternion && table.find(kMotionRotation) != nullptr)
     return refuse(table.line, "the obstacle has 'motion_rotation_deg' and 'motion_quaternion'; accepted: one of them");
@@ -202,7 +206,7 @@ bool SceneReader::readProbe(const TomlValue &table) {
 }
 
 bool SceneReader::checkBodyNames() {
-  const std::vector<std::string> names = namesToSpeakOf(scene_);
+  const std::vector<std::string> names = referableNames(scene_);
   for (const SceneBody &body : scene_.bodies) {
     if (body.volume.slides.empty()) continue;
     std::vector<std::string> pieces = namesOfPieces(body);
@@ -224,7 +228,7 @@ bool SceneReader::checkBodyNames() {
 }
 
 bool SceneReader::checkBodyName(const std::string &what, int line, std::string &body) {
-  const std::vector<std::string> names = namesToSpeakOf(scene_);
+  const std::vector<std::string> names = referableNames(scene_);
   if (body.empty() && scene_.bodies.size() == 1) body = names.front();
   if (std::find(names.begin(), names.end(), body) != names.end()) return true;
   if (body.empty())
@@ -265,15 +269,15 @@ bool SceneReader::checkBox() {
   return true;
 }
 
-// One wish: a second one in the file contradicts it, one of the command line replaces it.
-bool SceneReader::checkWish() {
-  const auto isOne = [](const SceneValue &value) { return isWish(value.value.id); };
+// Only one accuracy target is allowed: a second one in the file is an error, one on the command line replaces it.
+bool SceneReader::checkAccuracyTarget() {
+  const auto isOne = [](const SceneValue &value) { return isTargetKey(value.value.id); };
   const auto first = std::find_if(scene_.world.begin(), scene_.world.end(), isOne);
   if (first == scene_.world.end()) return true;
   const auto second = std::find_if(first + 1, scene_.world.end(), isOne);
   if (second == scene_.world.end()) return true;
   return refuse(second->line, "'" + first->value.id + "' and '" + second->value.id +
-                                  "' are two wishes; accepted: one of " + joined(kWishes));
+                                  "' are two wishes; accepted: one of " + joined(kAccuracyTargets));
 }
 
 bool SceneReader::bodyKey(SceneBody &body, const std::string &key, const TomlValue &value) {
@@ -296,7 +300,7 @@ bool SceneReader::bodyKey(SceneBody &body, const std::string &key, const TomlVal
   if (key == "tissues") return readTissues(value, body.volume);
   if (key == "background") return readBackground(value, body);
   if (key == "slides") return readSlides(value, body.volume);
-  if (key == "slide_friction") return readFriction(key, value, body.volume.slideFriction);
+  if (key == "slide_friction") return readFriction(key, value, body.volume.slidingFriction);
   if (key == "volume" || key == "series" || key == "time" || key == "label" || key == "threshold" || key == "mend" ||
       key == "edge_length" || key == "region")
     return volumeKey(body.volume, key, value);

@@ -11,11 +11,12 @@
 
 namespace c3de::scene {
 
-/// Turns TOML into a SceneFile, for files and for `--set`. Functions answer false after the first error, which is kept.
+/// Converts TOML to a SceneFile, for files and for `--set`. Functions return false after the first error, which is
+/// stored.
 ///
-/// scene_reader.cpp reads tables, scene_reader_values.cpp what stands in them, scene_reader_supports.cpp regions and
-/// what acts there, scene_reader_tissues.cpp bodies of many tissues, scene_reader_attachments.cpp elastic layers,
-/// scene_reader_contact.cpp who touches whom, scene_reader_overrides.cpp one value of the command line.
+/// scene_reader.cpp reads tables, scene_reader_values.cpp their values, scene_reader_supports.cpp regions and what acts
+/// there, scene_reader_tissues.cpp bodies of many tissues, scene_reader_attachments.cpp elastic layers,
+/// scene_reader_contact.cpp contact pairs and probe tools, scene_reader_overrides.cpp one value of the command line.
 class SceneReader {
  public:
   SceneReader(SceneFile &scene, const MaterialLibrary *materials) : scene_(scene), materials_(materials) {}
@@ -47,27 +48,27 @@ class SceneReader {
   bool readFriction(const std::string &key, const TomlValue &value, double &out);
   bool readProbeTool(const TomlValue &table);
   bool probeToolKey(SceneProbeTool &tool, const std::string &key, const TomlValue &value);
-  bool readPath(const TomlValue &value, std::vector<SceneToolPlace> &out);
+  bool readPath(const TomlValue &value, std::vector<SceneToolWaypoint> &out);
   bool checkAxes(const SceneProbeTool &tool);
-  /// A path: at least so many places, each with time, at, and what `own(place, key, value)` reads of the other keys.
+  /// A path of at least `least` entries, each with time and at; `own(place, key, value)` reads the other keys.
   template <class Place, class Own>
-  bool readPlaces(const TomlValue &value, const char *accepted, std::size_t least, const std::vector<std::string> &keys,
-                  std::vector<Place> &out, const Own &own);
+  bool readWaypoints(const TomlValue &value, const char *accepted, std::size_t least,
+                     const std::vector<std::string> &keys, std::vector<Place> &out, const Own &own);
   // scene_reader_grasp.cpp
   bool readGrasp(const TomlValue &table);
   bool graspKey(SceneGrasp &grasp, const std::string &key, const TomlValue &value);
   bool checkGrasp(const SceneGrasp &grasp);
-  /// Refuses pairs of names that nobody has, and of two that do not touch.
+  /// Refuses pairs of unknown names, and of two that cannot touch.
   bool checkPairs();
 
   bool checkBox();
-  bool checkWish();
-  /// A wish of the command line takes the place of another one.
-  bool overrideWish(const std::string &path, const TomlValue &value);
-  /// Gives probes, grasps, fixes and loads without a body the only one; refuses names of no body.
+  bool checkAccuracyTarget();
+  /// An accuracy target on the command line replaces any other.
+  bool overrideAccuracyTarget(const std::string &path, const TomlValue &value);
+  /// Assigns the only body to probes, grasps, fixes and loads without one; refuses unknown body names.
   bool checkBodyNames();
   bool checkBodyName(const std::string &what, int line, std::string &body);
-  /// Gives bodies what holds all of them.
+  /// Adds the attachments that hold whole bodies to them.
   bool attachBodies();
 
   bool bodyKey(SceneBody &body, const std::string &key, const TomlValue &value);
@@ -83,21 +84,21 @@ class SceneReader {
   bool requireUnit(const TomlValue &table, const std::filesystem::path &mesh,
                    std::optional<geometry::LengthUnit> &unit);
 
-  /// The whole value of `material`.
+  /// The complete value of `material`.
   bool readMaterial(std::vector<SceneValue> &params, const TomlValue &value);
 
   bool readRegion(const TomlValue &value, SceneRegion &out);
   bool readParts(const TomlValue &value, std::vector<ScenePart> &out);
   bool readRefinements(const TomlValue &value, std::vector<SceneRefinement> &out);
-  /// A motion has one key or more of displacement, rotation, quaternion, centre and ramp.
-  /// @param rotationKey  what the rotation by angles is called here
+  /// A motion has at least one key of displacement, rotation, quaternion, centre and ramp.
+  /// @param rotationKey  key of the rotation by angles in this context
   bool motionKey(SceneMotion &motion, const std::string &key, const std::string &rotationKey, const TomlValue &value);
   /// A unit quaternion [x, y, z, w].
   bool readQuaternion(const std::string &key, const TomlValue &value, std::optional<std::array<double, 4>> &out);
 
   // scene_reader_images.cpp
   bool readImage(const TomlValue &table);
-  bool readStill(const TomlValue &value, SceneStill &out);
+  bool readFixedRegions(const TomlValue &value, SceneFixedRegions &out);
   bool volumeKey(SceneVolume &volume, const std::string &key, const TomlValue &value);
   bool checkSource(const TomlValue &table, SceneBody &body);
   // scene_reader_tissues.cpp
@@ -107,7 +108,7 @@ class SceneReader {
   bool checkRule(const TomlValue &table, SceneTissue &tissue);
   bool readColour(const std::string &key, const TomlValue &value, Vec3 &out);  ///< sRGB, 0 … 1
   bool readThreshold(const TomlValue &value, std::optional<std::array<double, 2>> &out);
-  /// The name of a label, or its number. @param place  how the message begins
+  /// The name of a label, or its number. @param place  prefix of the message
   bool readLabel(const std::string &place, const TomlValue &value, std::string &out);
   bool readBackground(const TomlValue &value, SceneBody &body);
   bool readSlides(const TomlValue &value, SceneVolume &out);
@@ -122,13 +123,13 @@ class SceneReader {
   bool readVec3(const std::string &key, const TomlValue &value, Vec3 &out);
   bool readNumber(const std::string &key, const std::string &accepted, const TomlValue &value, double &out);
   bool readBool(const std::string &key, const TomlValue &value, bool &out);
-  /// A table (or a list of tables) with these keys, each of them once.
+  /// Requires a table (or a list of tables) with exactly these keys.
   bool requireKeys(const std::string &place, const std::string &accepted, const TomlValue &value,
                    const std::vector<std::string> &keys);
   bool requireTables(const std::string &place, const std::string &accepted, const TomlValue &value);
 
-  /// Stores the value, or what is in the table, under ids that begin with id; replaces what has the id. The tables of a
-  /// list are numbered from 1: "id1.key", "id2.key".
+  /// Stores the value, or the entries of the table, under ids that begin with id; replaces existing ones. The tables of
+  /// a list are numbered from 1: "id1.key", "id2.key".
   bool store(std::vector<SceneValue> &values, const std::string &id, const TomlValue &value);
   void put(std::vector<SceneValue> &values, ParameterValue value, int line, bool isOptional = false);
 
@@ -145,7 +146,7 @@ class SceneReader {
   bool overrideProbeTool(const std::string &rest, const TomlValue &value);
   bool overrideGrasp(const std::string &rest, const TomlValue &value);
 
-  /// What holds all of a body where it is in the scan, as parameters of it.
+  /// An attachment that holds a whole body at its position in the scan, as parameters of the body.
   struct Attachment {
     std::string body;
     std::vector<SceneValue> params;
@@ -153,28 +154,29 @@ class SceneReader {
   };
   bool attachmentKey(SceneAttachment &attachment, const std::string &key, const TomlValue &value);
   bool readNotNegative(const std::string &key, const std::string &unit, const TomlValue &value, double &out);
-  /// Refuses names of nobody, and what says too little.
+  /// Refuses unknown names and incomplete attachments.
   bool checkAttachments();
   bool overrideAttachment(const std::string &rest, const TomlValue &value);
 
   SceneFile &scene_;
   std::vector<Attachment> attachments_;
   const MaterialLibrary *materials_;
-  std::string override_;    ///< path of the override that is being read; empty: a file
-  std::string assignment_;  ///< that override as a whole
+  std::string override_;    ///< path of the current override; empty: a file
+  std::string assignment_;  ///< the complete text of that override
   Error error_;
 };
 
-/// One of the ids that say how accurate or how quick bodies are to be.
-[[nodiscard]] bool isWish(const std::string &id);
+/// Whether the id is one of the accuracy and speed targets.
+[[nodiscard]] bool isTargetKey(const std::string &id);
 
 /// "a, b, c"
 [[nodiscard]] std::string joined(const std::vector<std::string> &names);
 
-/// What a preset says of a material, ids "material.…".
+/// The values of a material preset, ids "material.…".
 [[nodiscard]] std::vector<SceneValue> valuesOf(const MaterialPreset &preset);
 
-/// Labels of larger numbers are renumbered when their map is read, and are known by the names of labels without a name.
+/// Labels with larger numbers are renumbered when their map is read, and are identified by the default names of unnamed
+/// labels.
 inline constexpr double kLargestLabel = 65535.0;
 [[nodiscard]] bool isLabelNumber(double number);
 /// "7", "label 70000"

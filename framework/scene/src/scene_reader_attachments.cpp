@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// [[attachment]]: what holds a body elastically.
+// [[attachment]]: elastic supports of a body.
 #include <algorithm>
 
 #include "c3de/core/text.h"
@@ -12,7 +12,7 @@ const std::vector<std::string> kKeys{"name",      "bodies",     "within_mm", "re
                                      "stiffness", "tangential", "tears_at",  "retardation_time"};
 const char *const kBodies =
     "two names, [\"liver\", \"surroundings\"]: a body, and another body, an obstacle, or where it is in the scan";
-const char *const kStiffness = "a number of at least 0, Pa/m (stress per way)";
+const char *const kStiffness = "a number of at least 0, Pa/m (stress per displacement)";
 constexpr double kMetresPerMillimetre = 1e-3;
 
 }  // namespace
@@ -42,9 +42,10 @@ bool SceneReader::attachmentKey(SceneAttachment &attachment, const std::string &
     return true;
   }
   if (key == "region") return readRegion(value, attachment.region.emplace());
-  if (key == "stiffness") return readNotNegative(key, "Pa/m (stress per way)", value, attachment.stiffness_Pa_m);
+  if (key == "stiffness")
+    return readNotNegative(key, "Pa/m (stress per displacement)", value, attachment.stiffness_Pa_m);
   if (key == "tangential")
-    return readNotNegative(key, "Pa/m (stress per way)", value, attachment.saidTangential_Pa_m.emplace());
+    return readNotNegative(key, "Pa/m (stress per displacement)", value, attachment.givenTangential_Pa_m.emplace());
   if (key == "tears_at") return readNotNegative(key, "Pa; 0: never", value, attachment.tearsAt_Pa);
   return refuseKey(value.line, key, "[[attachment]]", kKeys);
 }
@@ -109,7 +110,7 @@ bool SceneReader::attachBodies() {
 }
 
 bool SceneReader::checkAttachments() {
-  const std::vector<std::string> bodies = namesToSpeakOf(scene_);
+  const std::vector<std::string> bodies = referableNames(scene_);
   std::vector<std::string> others = bodies;
   for (const SceneObstacle &obstacle : scene_.obstacles) others.push_back(obstacle.name);
   for (std::size_t i = 0; i < scene_.attachments.size(); ++i) {

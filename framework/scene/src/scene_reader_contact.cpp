@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// [contact] with [[contact.pair]], and [[probe_tool]]: who touches whom, and what touches from outside.
+// [contact] with [[contact.pair]], and [[probe_tool]]: contact pairs, and tools that touch from outside.
 #include <algorithm>
 #include <cmath>
 
@@ -11,13 +11,13 @@ namespace {
 
 const std::vector<std::string> kPairKeys{"bodies", "friction", "enabled"};
 const std::vector<std::string> kToolKeys{"name", "radius_mm", "length_mm", "friction", "path"};
-const std::vector<std::string> kPlaceKeys{"time", "at", "axis"};
+const std::vector<std::string> kWaypointKeys{"time", "at", "axis"};
 const char *const kNames = "two names, [\"liver\", \"kidney\"]; \"box\": the walls of the world";
 const char *const kFriction = "a number from 0 to 10";
 const char *const kPath = "at least two places, [{ time = 0, at = [x, y, z] }, …] in s and m";
 const char *const kRadius = "a number above 0, mm";
 const char *const kLength = "a number of at least 0, mm; 0: a sphere";
-constexpr double kMostFriction = 10.0, kMetresPerMillimetre = 1e-3;
+constexpr double kMaxFriction = 10.0, kMetresPerMillimetre = 1e-3;
 
 }  // namespace
 
@@ -71,7 +71,7 @@ bool SceneReader::contactPairKey(SceneContactPair &pair, const std::string &key,
 
 bool SceneReader::readFriction(const std::string &key, const TomlValue &value, double &out) {
   if (!readNumber(key, kFriction, value, out)) return false;
-  if (!(out >= 0.0 && out <= kMostFriction))
+  if (!(out >= 0.0 && out <= kMaxFriction))
     return refuse(value.line, key + " is " + formatNumber(out) + "; accepted: " + kFriction);
   return true;
 }
@@ -96,7 +96,8 @@ bool SceneReader::readProbeTool(const TomlValue &table) {
 }
 
 bool SceneReader::checkAxes(const SceneProbeTool &tool) {
-  const bool hasAxis = std::any_of(tool.path.begin(), tool.path.end(), [](const SceneToolPlace &p) { return p.axis; });
+  const bool hasAxis =
+      std::any_of(tool.path.begin(), tool.path.end(), [](const SceneToolWaypoint &p) { return p.axis; });
   return !hasAxis || tool.length_m > 0.0 ||
          refuse(tool.line, "the probe tool has an 'axis' and no 'length_mm': a sphere has none; accepted: length_mm, " +
                                std::string("the length of a capsule"));
@@ -119,20 +120,21 @@ bool SceneReader::probeToolKey(SceneProbeTool &tool, const std::string &key, con
   return refuseKey(value.line, key, "[[probe_tool]]", kToolKeys);
 }
 
-bool SceneReader::readPath(const TomlValue &value, std::vector<SceneToolPlace> &out) {
-  return readPlaces(
-      value, kPath, 2, kPlaceKeys, out, [this](SceneToolPlace &place, const std::string &key, const TomlValue &member) {
-        Vec3 axis{};
-        if (!readVec3(key, member, axis)) return false;
-        if (axis == Vec3{})
-          return refuse(member.line, "axis is [0, 0, 0]; accepted: the direction of a capsule, of any length");
-        place.axis = axis;
-        return true;
-      });
+bool SceneReader::readPath(const TomlValue &value, std::vector<SceneToolWaypoint> &out) {
+  return readWaypoints(value, kPath, 2, kWaypointKeys, out,
+                       [this](SceneToolWaypoint &place, const std::string &key, const TomlValue &member) {
+                         Vec3 axis{};
+                         if (!readVec3(key, member, axis)) return false;
+                         if (axis == Vec3{})
+                           return refuse(member.line,
+                                         "axis is [0, 0, 0]; accepted: the direction of a capsule, of any length");
+                         place.axis = axis;
+                         return true;
+                       });
 }
 
 bool SceneReader::checkPairs() {
-  const std::vector<std::string> bodies = namesToSpeakOf(scene_);
+  const std::vector<std::string> bodies = referableNames(scene_);
   std::vector<std::string> others{kWallsName};
   for (const SceneObstacle &obstacle : scene_.obstacles) others.push_back(obstacle.name);
   for (const SceneProbeTool &tool : scene_.probeTools) others.push_back(tool.name);

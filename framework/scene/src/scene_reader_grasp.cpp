@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// [[grasp]]: two jaws that take hold of tissue and lead it.
+// [[grasp]]: two jaws that grasp tissue and move it.
 #include "scene_reader_path.h"
 
 namespace c3de::scene {
@@ -7,7 +7,7 @@ namespace {
 
 const std::vector<std::string> kKeys{"name",       "body",      "at",          "axis", "jaw_mm",
                                      "opening_mm", "closed_mm", "force_limit", "path"};
-const std::vector<std::string> kPlaceKeys{"time", "at", "turn_deg"};
+const std::vector<std::string> kWaypointKeys{"time", "at", "turn_deg"};
 const char *const kAt = "a material point [x, y, z] in m, on the skin";
 const char *const kAxis = "the direction [x, y, z] from the first jaw to the second, of any length but 0";
 const char *const kPath = "places [{ time = 0, at = [x, y, z], turn_deg = [x, y, z] }, …] in s, m and degrees";
@@ -36,7 +36,7 @@ bool SceneReader::checkGrasp(const SceneGrasp &grasp) {
   const auto mm = [](double metres) { return formatNumber(metres / kMetresPerMillimetre); };
   if (grasp.opening_m() < grasp.jaw_m)
     return refuse(grasp.line, "opening_mm is " + mm(grasp.opening_m()) + " and jaw_mm is " + mm(grasp.jaw_m) +
-                                  ": the jaws do not stand side by side; accepted: an opening_mm of at least jaw_mm");
+                                  ": the jaws would overlap; accepted: an opening_mm of at least jaw_mm");
   return grasp.closed_m() <= grasp.opening_m() ||
          refuse(grasp.line,
                 "closed_mm is " + mm(grasp.closed_m()) + "; accepted: 0 to opening_mm, " + mm(grasp.opening_m()));
@@ -55,21 +55,21 @@ bool SceneReader::graspKey(SceneGrasp &grasp, const std::string &key, const Toml
     double size = 0.0;
     if (!readNumber(key, accepted, value, size)) return false;
     if (!(size > 0.0)) return refuse(value.line, key + " is " + formatNumber(size) + "; accepted: " + accepted);
-    (key == "jaw_mm" ? grasp.jaw_m : grasp.saidOpening_m.emplace()) = kMetresPerMillimetre * size;
+    (key == "jaw_mm" ? grasp.jaw_m : grasp.givenOpening_m.emplace()) = kMetresPerMillimetre * size;
     return true;
   }
   if (key == "closed_mm") {
     double gap = 0.0;
     if (!readNotNegative(key, "mm", value, gap)) return false;
-    grasp.saidClosed_m = kMetresPerMillimetre * gap;
+    grasp.givenClosed_m = kMetresPerMillimetre * gap;
     return true;
   }
   if (key == "force_limit") return readNotNegative(key, "N; 0: no limit", value, grasp.forceLimit_N);
   if (key == "path")
-    return readPlaces(value, kPath, 1, kPlaceKeys, grasp.path,
-                      [this](SceneGraspPlace &place, const std::string &turn, const TomlValue &member) {
-                        return readVec3(turn, member, place.turn_deg);
-                      });
+    return readWaypoints(value, kPath, 1, kWaypointKeys, grasp.path,
+                         [this](SceneGraspWaypoint &place, const std::string &turn, const TomlValue &member) {
+                           return readVec3(turn, member, place.turn_deg);
+                         });
   return refuseKey(value.line, key, "[[grasp]]", kKeys);
 }
 

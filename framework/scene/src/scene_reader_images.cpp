@@ -36,8 +36,7 @@ bool SceneReader::readImageFile(const std::string &key, const TomlValue &value, 
   if (text.empty()) return refuse(value.line, key + " is empty; accepted: an image file or DICOM folder");
   if (!std::filesystem::exists(path, code))
     return refuse(value.line, key + " '" + text + "' does not exist; it is looked for at " + path.string());
-  if (const std::string instead = whatInsteadOfFile(path);
-      !instead.empty() && !std::filesystem::is_directory(path, code))
+  if (const std::string instead = describeNonFile(path); !instead.empty() && !std::filesystem::is_directory(path, code))
     return refuse(value.line, key + " '" + text + "' " + instead + "; accepted: an image file or DICOM folder");
   out = path;
   return true;
@@ -93,7 +92,7 @@ bool SceneReader::readImage(const TomlValue &table) {
       if (image.rim_mm < 0.0)
         return refuse(value.line, "rim is " + formatNumber(image.rim_mm) + "; accepted: 0 mm and more");
     } else if (key == "still") {
-      if (!readStill(value, image.still)) return false;
+      if (!readFixedRegions(value, image.still)) return false;
     } else {
       return refuseKey(value.line, key, "[image]", kImageKeys);
     }
@@ -105,8 +104,8 @@ bool SceneReader::readImage(const TomlValue &table) {
   return true;
 }
 
-bool SceneReader::readStill(const TomlValue &value, SceneStill &out) {
-  SceneStill still;
+bool SceneReader::readFixedRegions(const TomlValue &value, SceneFixedRegions &out) {
+  SceneFixedRegions still;
   if (value.kind == TomlValue::Kind::text) {
     still.isAutomatic = value.text == "auto";
     still.outside = value.text == "outside";

@@ -15,13 +15,13 @@ std::string nameOrNumber(const T &element, std::size_t number) {
   return element.name.empty() ? std::to_string(number) : element.name;
 }
 
-/// What follows the prefix, if the key begins with it.
+/// The remainder of the key after the prefix, if it has it.
 std::optional<std::string> keyUnder(std::string_view prefix, const std::string &key) {
   if (key.compare(0, prefix.size(), prefix) != 0) return std::nullopt;
   return key.substr(prefix.size());
 }
 
-/// The element that "name.key" or "number.key" speaks of, and the key; names may contain dots.
+/// The element that "name.key" or "number.key" refers to, and the key; names may contain dots.
 template <class T>
 T *findElement(std::vector<T> &elements, const std::string &rest, std::string &key) {
   T *best = nullptr;
@@ -39,15 +39,15 @@ T *findElement(std::vector<T> &elements, const std::string &rest, std::string &k
   return best;
 }
 
-/// Of what slides, then of the rest; none: the body is not cut.
+/// Names of the sliding pieces, then of the rest; empty: the body is not cut.
 std::vector<std::string> namesOfAllPieces(const SceneBody &body) {
   std::vector<std::string> names = namesOfPieces(body);
   if (!names.empty()) names.push_back(nameOfRest(body));
   return names;
 }
 
-/// What is said of the piece that "piece.key" speaks of, and the key, which may be missing; names may contain dots.
-/// Null: it is none.
+/// The settings of the piece that "piece.key" refers to, and the key, which may be missing; names may contain dots.
+/// Null: there is no such piece.
 ScenePiece *findPiece(SceneBody &body, const std::string &rest, std::string &key) {
   ScenePiece *best = nullptr;
   const std::vector<std::string> names = namesOfAllPieces(body);
@@ -87,7 +87,7 @@ bool SceneReader::readOverride(const std::string &path, const TomlValue &value, 
   if (rest.empty()) return refusePath(path);
   if (path == "simulator.class") return readSimulatorClass(value);
   if (first == "world" || first == "solver" || first == "view") return store(scene_.world, path, value) && checkBox();
-  if (first == "accuracy") return overrideWish(path, value);
+  if (first == "accuracy") return overrideAccuracyTarget(path, value);
   if (first == "body") return overrideBody(rest, value);
   if (first == "fix") return overrideFix(rest, value);
   if (first == "load") return overrideLoad(rest, value);
@@ -100,13 +100,14 @@ bool SceneReader::readOverride(const std::string &path, const TomlValue &value, 
   return refusePath(path);
 }
 
-bool SceneReader::overrideWish(const std::string &path, const TomlValue &value) {
-  if (isWish(path)) std::erase_if(scene_.world, [](const SceneValue &other) { return isWish(other.value.id); });
+bool SceneReader::overrideAccuracyTarget(const std::string &path, const TomlValue &value) {
+  if (isTargetKey(path))
+    std::erase_if(scene_.world, [](const SceneValue &other) { return isTargetKey(other.value.id); });
   return store(scene_.world, path, value);
 }
 
 bool SceneReader::refusePath(const std::string &path) {
-  // What else stands under world, solver, view, material and sampling is for the simulator to say.
+  // The simulator decides which other keys exist under world, solver, view, material and sampling.
   std::vector<std::string> known{"title",
                                  "simulator.class",
                                  C3DE_PARAM_ID_GRAVITY,
@@ -160,7 +161,7 @@ bool SceneReader::refusePath(const std::string &path) {
 bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) {
   std::string key;
   SceneBody *body = findElement(scene_.bodies, rest, key);
-  if (body == nullptr) return refuse(0, noElement(namesToSpeakOf(scene_), "body", rest.substr(0, rest.find('.'))));
+  if (body == nullptr) return refuse(0, noElement(referableNames(scene_), "body", rest.substr(0, rest.find('.'))));
   std::string keyOfPiece;
   if (ScenePiece *piece = findPiece(*body, key, keyOfPiece)) return overridePiece(*body, *piece, keyOfPiece, value);
   if (key == "name") return refuse(0, "the name of a body cannot be changed here");
@@ -173,7 +174,7 @@ bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) 
     body->volume.overridesOfParts.push_back(assignment_);
     return true;
   }
-  // What tissues are follows from the whole table.
+  // The properties of tissues depend on the whole table.
   const bool hasTissues = body->volume.hasTissues();
   const bool isOfPieces = !body->volume.slides.empty() && (key == C3DE_PARAM_ID_RIGID || key == C3DE_PARAM_ID_FREE);
   if (key == "tissues" || key == "background" ||
@@ -196,7 +197,7 @@ bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) 
     return refuse(0, noElement(namesOfAllPieces(*body), "piece", body->name + "." + key.substr(0, dot)) +
                          "; keys of '" + body->name + "': material.…, sampling.…, surroundings.…, parts.…");
   if (!bodyKey(*body, key, value)) return false;
-  // Of two ways to say the same thing, the override is what counts.
+  // Of two alternatives, the override takes precedence.
   if (key == "label") body->volume.threshold.reset();
   if (key == "threshold") {
     body->volume.label.reset();
@@ -221,10 +222,10 @@ bool SceneReader::overridePiece(const SceneBody &body, ScenePiece &piece, const 
 }
 
 bool SceneReader::overrideSlides(SceneBody &body, const TomlValue &value) {
-  const std::vector<SceneSlide> before = body.volume.slides;
+  const std::vector<SceneSlidingPart> before = body.volume.slides;
   const std::vector<std::string> names = namesOfPieces(body);
   if (!readSlides(value, body.volume)) return false;
-  // What has been said of a piece stays with its name.
+  // Settings of a piece stay with its name.
   const std::vector<std::string> now = namesOfPieces(body);
   for (std::size_t i = 0; i < before.size(); ++i) {
     if (before[i].isEmpty()) continue;
@@ -264,7 +265,7 @@ bool SceneReader::overrideLoad(const std::string &rest, const TomlValue &value) 
   SceneLoad *load = findElement(scene_.loads, rest, key);
   if (load == nullptr) return refuse(0, noElement(scene_.loads, "load", rest));
   if (key == "name") return refuse(0, "the name of a load cannot be changed here");
-  // Of force and pressure, the override is what counts.
+  // Of force and pressure, the override takes precedence.
   if (key == "pressure") load->force_N.reset();
   if (key == "force") {
     load->pressure_Pa.reset();

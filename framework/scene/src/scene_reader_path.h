@@ -9,8 +9,8 @@
 namespace c3de::scene {
 
 template <class Place, class Own>
-bool SceneReader::readPlaces(const TomlValue &value, const char *accepted, std::size_t least,
-                             const std::vector<std::string> &keys, std::vector<Place> &out, const Own &own) {
+bool SceneReader::readWaypoints(const TomlValue &value, const char *accepted, std::size_t least,
+                                const std::vector<std::string> &keys, std::vector<Place> &out, const Own &own) {
   if (!requireTables("path", accepted, value)) return false;
   if (value.items.size() < least)
     return refuse(value.line, "path has " + std::to_string(value.items.size()) + " place; accepted: " + accepted);
@@ -28,7 +28,7 @@ bool SceneReader::readPlaces(const TomlValue &value, const char *accepted, std::
       } else if (std::find(keys.begin(), keys.end(), key) != keys.end()) {
         if (!own(place, key, member)) return false;
       } else {
-        return refuseKey(member.line, key, "a place of a path", keys);
+        return refuseKey(member.line, key, "a waypoint of a path", keys);
       }
     }
     for (const char *key : {"time", "at"})

@@ -27,9 +27,9 @@ std::string shown(const Vec3 &v) {
   return "[" + formatNumber(v[0]) + ", " + formatNumber(v[1]) + ", " + formatNumber(v[2]) + "]";
 }
 
-/// True if another of them has the name.
+/// Whether another element has the name.
 template <class T>
-bool isTaken(const std::vector<T> &elements, const std::string &name) {
+bool isUsed(const std::vector<T> &elements, const std::string &name) {
   return !name.empty() &&
          std::any_of(elements.begin(), elements.end(), [&](const T &other) { return other.name == name; });
 }
@@ -101,7 +101,7 @@ bool SceneReader::motionKey(SceneMotion &motion, const std::string &key, const s
 
 bool SceneReader::readQuaternion(const std::string &key, const TomlValue &value,
                                  std::optional<std::array<double, 4>> &out) {
-  // What six printed digits leave of a unit quaternion; the rest is made exact.
+  // The rounding error of a unit quaternion printed with six digits; the value is then normalised.
   constexpr double kTolerance = 1e-5;
   const std::string accepted = "; accepted: a quaternion [x, y, z, w] of length 1";
   if (!value.isNumbers(4)) return refuse(value.line, key + " is " + value.kindName() + accepted);
@@ -124,7 +124,7 @@ bool SceneReader::readFix(const TomlValue &table) {
     return refuse(table.line, "the fix has 'rotation_deg' and 'quaternion'; accepted: one of them");
   if (table.find("region") == nullptr)
     return refuse(table.line, "the fix has no 'region'; accepted: one of " + acceptedRegions());
-  if (isTaken(scene_.fixes, fix.name))
+  if (isUsed(scene_.fixes, fix.name))
     return refuse(table.line, "a second fix is named '" + fix.name + "'; names of fixes have to differ");
   scene_.fixes.push_back(std::move(fix));
   return true;
@@ -153,7 +153,7 @@ bool SceneReader::readLoad(const TomlValue &table) {
   if (const TomlValue *follower = table.find("follower"); follower != nullptr && !load.pressure_Pa)
     return refuse(follower->line,
                   "follower is for a pressure; a force keeps its direction; accepted: no 'follower' here");
-  if (isTaken(scene_.loads, load.name))
+  if (isUsed(scene_.loads, load.name))
     return refuse(table.line, "a second load is named '" + load.name + "'; names of loads have to differ");
   scene_.loads.push_back(std::move(load));
   return true;

@@ -19,9 +19,9 @@ const char *const kTissue = "[ { label = \"liver\", material = \"liver\" }, { la
 const char *const kBackground = "{ material = \"fat\", image = \"ct.nii.gz\", from = -150, to = 250 }";
 const char *const kSlides =
     "[\"liver\", \"lung*\", 5]; labels in brackets are one piece, [[\"liver\", \"gallbladder\"]]";
-constexpr std::size_t kMostSlides = 254;  // numbers of pieces are bytes
+constexpr std::size_t kMaxSlides = 254;  // the index of a piece is a byte
 const char *const kLabel = "the name of a label ('*' for any text), its number, or a list of them";
-constexpr std::size_t kMostNames = 3;
+constexpr std::size_t kMaxNames = 3;
 const char *const kRule =
     "a label, or a name with a threshold of values or a margin around tissues before it, "
     "{ name = \"bone\", image = \"ct.nii.gz\", threshold = [250, 3000], rigid = true }";
@@ -45,9 +45,9 @@ bool SceneReader::readLabelNames(const TomlValue &value, SceneTissue &out) {
     std::string name;
     if (!readLabel("tissues: label is ", one, name)) return false;
     out.wanted.push_back(std::move(name));
-    if (out.wanted.size() <= kMostNames) out.label += (out.label.empty() ? "" : ", ") + out.wanted.back();
+    if (out.wanted.size() <= kMaxNames) out.label += (out.label.empty() ? "" : ", ") + out.wanted.back();
   }
-  if (out.wanted.size() > kMostNames) out.label += " and " + std::to_string(out.wanted.size() - kMostNames) + " more";
+  if (out.wanted.size() > kMaxNames) out.label += " and " + std::to_string(out.wanted.size() - kMaxNames) + " more";
   return true;
 }
 
@@ -118,10 +118,10 @@ bool SceneReader::readTissue(const TomlValue &table, SceneTissue &out) {
   if (tissue.isEmpty && (hasMaterial || tissue.isRigid))
     return refuse(table.line, "the tissue '" + tissue.label + "' is empty and " +
                                   (hasMaterial ? "has a material" : "rigid") + "; accepted: one of them");
-  tissue.isByName = !hasMaterial && !tissue.isRigid && !tissue.isEmpty;
+  tissue.isMaterialByName = !hasMaterial && !tissue.isRigid && !tissue.isEmpty;
   for (const std::string &name : tissue.wanted) {
     const bool isFullName = name.find('*') == std::string::npos && name.find_first_not_of("0123456789") != name.npos;
-    if (tissue.isByName && isFullName && (materials_ == nullptr || !tissueOf(*materials_, name)))
+    if (tissue.isMaterialByName && isFullName && (materials_ == nullptr || !tissueOf(*materials_, name)))
       return refuse(table.line, unknownTissue(name));
   }
   out = std::move(tissue);
@@ -132,7 +132,7 @@ bool SceneReader::readTissues(const TomlValue &value, SceneVolume &out) {
   if (value.kind == TomlValue::Kind::text) {
     if (value.text != "known")
       return refuse(value.line, "tissues is \"" + value.text + "\"; accepted: \"known\", or a list such as " + kTissue);
-    out.takesKnownTissues = true;
+    out.usesKnownTissues = true;
     return true;
   }
   if (!requireTables("tissues", std::string("\"known\", or ") + kTissue, value)) return false;
@@ -181,16 +181,16 @@ bool SceneReader::readSlides(const TomlValue &value, SceneVolume &out) {
     return refuse(value.line, "slides is " +
                                   (value.kind == TomlValue::Kind::array ? "an empty list" : value.kindName()) +
                                   "; accepted: a list, " + kSlides);
-  if (value.items.size() > kMostSlides)
+  if (value.items.size() > kMaxSlides)
     return refuse(value.line, "slides has " + std::to_string(value.items.size()) + " entries; accepted: up to " +
-                                  std::to_string(kMostSlides));
-  std::vector<SceneSlide> slides;
+                                  std::to_string(kMaxSlides));
+  std::vector<SceneSlidingPart> slides;
   std::vector<std::string> seen;
   for (const TomlValue &entry : value.items) {
     const bool isList = entry.kind == TomlValue::Kind::array;
     if (isList && entry.items.empty())
       return refuse(entry.line, std::string("an entry of slides is an empty list; accepted: ") + kSlides);
-    SceneSlide slide;
+    SceneSlidingPart slide;
     for (std::size_t i = 0; i < (isList ? entry.items.size() : 1); ++i) {
       const TomlValue &label = isList ? entry.items[i] : entry;
       std::string name;
@@ -223,7 +223,7 @@ bool SceneReader::checkTissues(const TomlValue &table, SceneBody &body) {
     if (const TomlValue *stray = table.find(key); stray != nullptr)
       return refuse(stray->line, std::string("the body has 'tissues' and '") + key +
                                      "'; accepted: a material, or rigid = true, for each tissue");
-  // What follows from names is made when the labels have been read.
+  // Parts that depend on names are created after the labels have been read.
   if (volume.isOpen()) return true;
   if (const auto made = makeTissueParts(body); !made) return refuse(table.find("tissues")->line, made.error().message);
   return true;

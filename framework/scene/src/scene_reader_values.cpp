@@ -12,7 +12,7 @@
 namespace c3de::scene {
 namespace {
 
-/// Whether an id is under "list1", "list2", …: those of the entries of a list of tables.
+/// Whether an id is under "list1", "list2", …: an entry of a list of tables.
 bool isEntryOf(const std::string &id, const std::string &list) {
   if (id.compare(0, list.size(), list) != 0) return false;
   std::size_t end = list.size();
@@ -31,7 +31,7 @@ bool SceneReader::meshKey(const std::string &key, const TomlValue &value, std::f
   if (!std::filesystem::exists(path, code))
     return refuse(value.line,
                   "mesh '" + text + "' does not exist; it is looked for at " + path.lexically_normal().string());
-  if (const std::string instead = whatInsteadOfFile(path); !instead.empty())
+  if (const std::string instead = describeNonFile(path); !instead.empty())
     return refuse(value.line, "mesh '" + text + "' " + instead + "; accepted: a mesh file");
   out = path.lexically_normal();
   return true;
@@ -86,7 +86,7 @@ bool SceneReader::readMaterial(std::vector<SceneValue> &params, const TomlValue 
   if (value.kind != TomlValue::Kind::text && value.kind != TomlValue::Kind::table)
     return refuse(value.line, "material is " + value.kindName() +
                                   "; accepted: the name of a preset, or a table such as { youngs_modulus = 1e4 }");
-  // The preset first, so that what stands beside it counts.
+  // The preset first, so that values next to it take precedence.
   const TomlValue *preset = value.kind == TomlValue::Kind::text ? &value : value.find("preset");
   if (preset != nullptr) {
     std::string name;
@@ -113,7 +113,7 @@ bool SceneReader::samplingKey(SceneBody &body, const std::string &key, const Tom
 bool SceneReader::requireUnit(const TomlValue &table, const std::filesystem::path &mesh,
                               std::optional<geometry::LengthUnit> &unit) {
   if (table.find("mesh_unit") != nullptr) return true;
-  if (!geometry::isMeshFile(mesh)) {  // of a plugin, which may know it; asked when it is read
+  if (!geometry::isMeshFile(mesh)) {  // perhaps a format of a plugin; checked when the file is read
     unit.reset();
     return true;
   }
@@ -188,7 +188,7 @@ bool SceneReader::store(std::vector<SceneValue> &values, const std::string &id, 
                               std::all_of(value.items.begin(), value.items.end(),
                                           [](const TomlValue &item) { return item.kind == TomlValue::Kind::table; });
   if (isListOfTables) {
-    // The list replaces what was there: a second entry of the file must not stay beside a new first one.
+    // The list replaces the existing one: a second entry of the file must not remain next to a new first one.
     std::erase_if(values, [&](const SceneValue &other) { return isEntryOf(other.value.id, id); });
     for (std::size_t i = 0; i < value.items.size(); ++i)
       if (!store(values, id + std::to_string(i + 1), value.items[i])) return false;

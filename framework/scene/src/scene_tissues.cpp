@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the tissues of a body to the materials of its parts.
+// Converts the tissues of a body to the materials of its parts.
 #include <algorithm>
 #include <utility>
 
@@ -9,18 +9,19 @@
 namespace c3de::scene {
 
 bool SceneVolume::isOpen() const {
-  return !isSettled && (takesKnownTissues || std::any_of(tissues.begin(), tissues.end(),
-                                                         [](const SceneTissue &tissue) { return tissue.isByName; }));
+  return !isSettled && (usesKnownTissues || std::any_of(tissues.begin(), tissues.end(), [](const SceneTissue &tissue) {
+                          return tissue.isMaterialByName;
+                        }));
 }
 
-bool SceneVolume::asksForLabels() const {
-  return takesKnownTissues ||
+bool SceneVolume::usesLabels() const {
+  return usesKnownTissues ||
          std::any_of(tissues.begin(), tissues.end(), [](const SceneTissue &tissue) { return !tissue.rule; });
 }
 
 std::vector<std::string> namesOfPieces(const SceneBody &body) {
   std::vector<std::string> names;
-  for (const SceneSlide &slide : body.volume.slides) {
+  for (const SceneSlidingPart &slide : body.volume.slides) {
     std::string label = slide.names.front();
     std::erase(label, '*');
     const std::size_t first = label.find_first_not_of("_- "), last = label.find_last_not_of("_- ");
@@ -52,10 +53,10 @@ void replace(std::vector<SceneValue> &values, const std::vector<SceneValue> &own
   values.insert(values.end(), own.begin(), own.end());
 }
 
-/// The piece, with what is said of it alone.
+/// The piece with its own settings applied.
 SceneBody bodyWith(SceneBody piece, const ScenePiece &said) {
   std::vector<SceneValue> own = said.params;
-  for (SceneValue &value : own) value.isOfPiece = true;
+  for (SceneValue &value : own) value.isPieceOverride = true;
   piece.volume.slides.clear();
   replace(piece.params, own);
   std::erase_if(own, [](const SceneValue &value) { return !isUnder("material.", value); });
@@ -86,7 +87,7 @@ std::vector<std::string> namesOfBodies(const SceneFile &scene) {
   return names;
 }
 
-std::vector<std::string> namesToSpeakOf(const SceneFile &scene) {
+std::vector<std::string> referableNames(const SceneFile &scene) {
   std::vector<std::string> names = namesOfBodies(scene);
   for (const SceneBody &body : scene.bodies)
     if (!body.volume.slides.empty()) names.push_back(nameOfRest(body));
@@ -104,16 +105,16 @@ std::vector<SceneValue> valuesOf(const MaterialPreset &preset) {
   number(C3DE_PARAM_ID_DENSITY, preset.density, false);
   number(C3DE_PARAM_ID_YOUNGS_MODULUS, preset.youngsModulus, false);
   number(C3DE_PARAM_ID_POISSON_RATIO, preset.poissonRatio, false);
-  // Beside what the tissue is taken for, what is known of it; not every simulator shows that.
+  // The known range of the modulus, in addition to the value used; not every simulator shows it.
   number(C3DE_PARAM_ID_YOUNGS_MODULUS_LOW, preset.youngsModulusMin, true);
   number(C3DE_PARAM_ID_YOUNGS_MODULUS_HIGH, preset.youngsModulusMax, true);
   return values;
 }
 
-bool nameTissue(SceneTissue &tissue, std::string_view label, const MaterialLibrary &materials) {
+bool setMaterialFromName(SceneTissue &tissue, std::string_view label, const MaterialLibrary &materials) {
   const auto named = tissueOf(materials, label);
   if (!named) return false;
-  tissue.isByName = false;
+  tissue.isMaterialByName = false;
   tissue.isRigid = named->isRigid();
   tissue.isEmpty = named->isEmpty();
   tissue.remark = named->remark;
@@ -140,7 +141,8 @@ Expected<void> makeTissueParts(SceneBody &body) {
     return fail(ErrorCode::input,
                 "all tissues are rigid or empty, so nothing of the body can move; accepted: one tissue at least with a "
                 "material, or a 'background'");
-  // Where no part is, the body is of its background; what an override has said counts.
+  // Outside all parts the body consists of its background. Without one it takes the first part's material; overrides
+  // take precedence.
   if (!body.volume.background)
     for (const SceneValue &value : parts.front().params)
       if (std::none_of(body.params.begin(), body.params.end(),

@@ -13,9 +13,9 @@
 #include <utility>
 #include <vector>
 
-#include "c3de/core/foreign_call.h"
-#include "c3de/core/foreign_table.h"
 #include "c3de/core/log.h"
+#include "c3de/core/plugin_call.h"
+#include "c3de/core/plugin_table.h"
 #include "c3de/core/text.h"
 #include "c3de/core/thread_priority.h"
 #include "c3de/scene/simulator_table.h"
@@ -25,9 +25,9 @@
 namespace c3de::scene {
 namespace {
 
-/// A snapshot more often than this is not seen by anybody.
+/// More frequent snapshots would not be visible.
 constexpr auto kPublishInterval = std::chrono::milliseconds(8);
-/// Steps that are due within this are computed together: waking up for every step of a fine time step costs more.
+/// Steps due within this interval are computed together, because waking up for every small time step costs more.
 constexpr auto kShortestSleep = std::chrono::milliseconds(2);
 
 double seconds(Clock::duration d) { return std::chrono::duration<double>(d).count(); }
@@ -44,38 +44,38 @@ struct Simulation::Impl {
   std::condition_variable wake;
   struct Command {
     std::function<void()> run;
-    bool isUrgent = false;  ///< what is being computed is not wanted any more
+    bool isUrgent = false;  ///< the result being computed is no longer wanted
   };
   std::vector<Command> queue;
-  std::size_t urgent = 0;  ///< commands that wait
+  std::size_t urgent = 0;  ///< waiting commands
   bool stopping = false;
 
   mutable std::mutex stateMutex;
   c3de_sim_transport shown{};
   Meter::Rates rates;
-  Clock::time_point stepBegan{};  ///< of the step that is being computed; else none
+  Clock::time_point stepBegan{};  ///< start of the step in progress; otherwise none
   std::string failureText;
-  GivenUp givenUp;
-  const ForeignCall *running = nullptr;  ///< that is being made
+  AbortedSteps abortedSteps;
+  const PluginCall *running = nullptr;  ///< the call in progress
   std::string activityBefore;
 
   std::mutex listenerMutex;
   std::function<void()> listener;
 
-  // What follows belongs to the simulation's thread.
+  // The following members belong to the simulation's thread.
   std::uint32_t mode = C3DE_SIM_STOPPED;
   double targetRate = 1.0;
   c3de_sim_status status{};
   std::string failure;
   Pace pace;
   Meter meter;
-  bool advancing = true;    ///< the last step changed something; an empty world may have nothing to do
+  bool advancing = true;    ///< the last step changed something; an empty world may have nothing to compute
   bool unpublished = true;  ///< the state has changed since the last snapshot
   Clock::time_point publishedAt{};
   std::function<Expected<void>()> beforeStep;
   std::function<void(const c3de_sim_status &)> afterStep;
 
-  bool isDrivenByCaller = false;
+  bool isSteppedByCaller = false;
   std::thread thread;
 
   ~Impl();
@@ -113,11 +113,11 @@ Simulation::Impl::~Impl() {
   releaseObject(object);
 }
 
-/// A call of the table that may take long.
+/// Calls a function of the table that may take long.
 template <class F>
 c3de_status Simulation::Impl::call(const char *what, F &&f) {
-  return callForeign(owner, what, CallKind::step, [&](const ForeignCall &recorded) {
-    const auto note = [this](const ForeignCall *now) {
+  return callPluginFunction(owner, what, CallKind::step, [&](const PluginCall &recorded) {
+    const auto note = [this](const PluginCall *now) {
       const std::lock_guard lock(stateMutex);
       running = now;
     };
@@ -130,7 +130,7 @@ c3de_status Simulation::Impl::call(const char *what, F &&f) {
   });
 }
 
-/// Under the mutex of the queue, so that it is raised as long as anything urgent waits.
+/// Called with the queue mutex held, so that the flag stays raised while anything urgent waits.
 void Simulation::Impl::interrupt(bool raised) {
   if (table->interrupt != nullptr) table->interrupt(object, raised ? 1u : 0u);
 }
@@ -144,7 +144,7 @@ void Simulation::Impl::enqueue(std::function<void()> command, bool isUrgent) {
   wake.notify_one();
 }
 
-/// What was urgent has the floor.
+/// Clears the interrupt when the last urgent command begins.
 void Simulation::Impl::begin(Command &command) {
   if (!command.isUrgent) return;
   const std::lock_guard lock(queueMutex);
@@ -152,7 +152,7 @@ void Simulation::Impl::begin(Command &command) {
 }
 
 void Simulation::Impl::run() {
-  giveWay();
+  lowerThreadPriority();
   readStatus();
   publish();
   show();
@@ -180,7 +180,7 @@ void Simulation::Impl::run() {
     const bool commanded = runCommands(commands);
     if (stop) break;
 
-    // Then the steps that are due, unless a command has come.
+    // Then the steps that are due, unless a command has arrived.
     if (mode == C3DE_SIM_PLAYING) {
       const Clock::time_point now = Clock::now();
       if (targetRate <= 0.0 || pace.dueTime(status.time_s + status.dt_s, targetRate, now) <= now) step();
@@ -191,7 +191,7 @@ void Simulation::Impl::run() {
   }
 }
 
-/// True if there were any.
+/// True if there were any commands.
 bool Simulation::Impl::runCommands(std::vector<Command> &commands) {
   if (commands.empty()) return false;
   const c3de_sim_status before = status;
@@ -207,10 +207,10 @@ bool Simulation::Impl::runCommands(std::vector<Command> &commands) {
   }
   commands.clear();
   readStatus();
-  // A command may have added a body, which begins again at time 0.
+  // A command may have added a body, which restarts at time 0.
   if (status.time_s != before.time_s) pace.start(Clock::now(), status.time_s);
   if (mode == C3DE_SIM_FAILED && before.failed != 0 && status.failed == 0) {
-    mode = C3DE_SIM_PAUSED;  // it has gone to a state of before
+    mode = C3DE_SIM_PAUSED;  // an earlier state was restored
     failure.clear();
   }
   unpublished = true;
@@ -227,7 +227,7 @@ void Simulation::Impl::runWaiting() {
 }
 
 void Simulation::Impl::apply(std::uint32_t action) {
-  if (isDrivenByCaller) return;
+  if (isSteppedByCaller) return;
   switch (action) {
     case C3DE_TRANSPORT_PLAY:
       if (mode == C3DE_SIM_STOPPED || mode == C3DE_SIM_PAUSED) play();
@@ -261,7 +261,7 @@ void Simulation::Impl::goToInitialState(bool goOnPlaying) {
   unpublished = true;
   meter.clear();
   if (code < 0) {
-    failWith("going back to the initial state failed", code);
+    failWith("resetting to the initial state failed", code);
     return;
   }
   failure.clear();
@@ -293,7 +293,7 @@ void Simulation::Impl::step() {
   unpublished = true;
   readStatus();
   if (code == C3DE_E_CANCELLED) {
-    // Somebody wants something else; time that was lost is lost.
+    // Another command is urgent; lost time is not made up for.
     meter.pause();
     pace.start(end, status.time_s);
     return;
@@ -305,8 +305,8 @@ void Simulation::Impl::step() {
     if (reason.empty()) reason = "the step took longer than the simulator allows; the state before it stays";
     log(LogLevel::warn, reason);
     const std::lock_guard lock(stateMutex);
-    ++givenUp.steps;
-    givenUp.why = reason;
+    ++abortedSteps.steps;
+    abortedSteps.why = reason;
     return;
   }
   if (code < 0) {
@@ -314,9 +314,9 @@ void Simulation::Impl::step() {
     failWith("step " + std::to_string(status.steps + 1) + " at " + formatNumber(status.time_s) + " s failed", code);
     return;
   }
-  // A body that another thread has added meanwhile takes time back to 0.
+  // A body added by another thread meanwhile resets time to 0.
   if (status.time_s < timeBefore_s) pace.start(end, status.time_s);
-  // A quasi-static solution has steps and no time; an empty world may count steps that compute nothing.
+  // A quasi-static solution has steps but no time; an empty world may count steps that compute nothing.
   advancing = status.time_s != timeBefore_s || (status.steps != stepsBefore && status.bodies > 0);
   meter.add(end, seconds(end - begin), std::max(0.0, status.time_s - timeBefore_s));
   if (afterStep) afterStep(status);
@@ -374,7 +374,7 @@ Expected<std::unique_ptr<Simulation>> Simulation::createForCaller(c3de_object *s
   impl->table = *table;
   impl->takeError = std::move(takeError);
   impl->owner = owner;
-  impl->isDrivenByCaller = true;
+  impl->isSteppedByCaller = true;
   impl->show();
   return std::unique_ptr<Simulation>(new Simulation(std::move(impl)));
 }
@@ -384,12 +384,12 @@ Expected<std::unique_ptr<Simulation>> Simulation::create(c3de_object *simulator,
   auto made = createForCaller(simulator, std::move(takeError), owner);
   if (!made) return made;
   Impl *impl = (*made)->impl_.get();
-  impl->isDrivenByCaller = false;
+  impl->isSteppedByCaller = false;
   impl->thread = std::thread([impl] { impl->run(); });
   return made;
 }
 
-bool Simulation::isDrivenByCaller() const { return impl_->isDrivenByCaller; }
+bool Simulation::isSteppedByCaller() const { return impl_->isSteppedByCaller; }
 
 Expected<void> Simulation::beginStep() {
   impl_->runWaiting();
@@ -409,7 +409,7 @@ void Simulation::setAfterStep(std::function<void(const c3de_sim_status &)> follo
 void Simulation::transport(std::uint32_t action) {
   bool isUrgent = action == C3DE_TRANSPORT_STOP || action == C3DE_TRANSPORT_RESET;
   if (action == C3DE_TRANSPORT_PAUSE) {
-    // A single step that was asked for just before is made.
+    // A single step requested just before is still made.
     const std::lock_guard lock(impl_->stateMutex);
     isUrgent = impl_->stepBegan != Clock::time_point{};
   }
@@ -435,7 +435,7 @@ void Simulation::post(std::function<void()> command) {
 
 void Simulation::call(const std::function<void()> &command) {
   if (!command) return;
-  if (impl_->isDrivenByCaller || std::this_thread::get_id() == impl_->thread.get_id()) {
+  if (impl_->isSteppedByCaller || std::this_thread::get_id() == impl_->thread.get_id()) {
     command();
     return;
   }
@@ -470,7 +470,7 @@ std::string Simulation::activity() const {
   const std::lock_guard lock(impl_->stateMutex);
   if (impl_->running != nullptr && text != impl_->activityBefore) impl_->running->noteProgress();
   impl_->activityBefore = text;
-  return shownText(text);
+  return displayText(text);
 }
 
 std::string Simulation::failure() const {
@@ -478,9 +478,9 @@ std::string Simulation::failure() const {
   return impl_->failureText;
 }
 
-Simulation::GivenUp Simulation::givenUp() const {
+Simulation::AbortedSteps Simulation::abortedSteps() const {
   const std::lock_guard lock(impl_->stateMutex);
-  return impl_->givenUp;
+  return impl_->abortedSteps;
 }
 
 void Simulation::setPublishedListener(std::function<void()> listener) {

@@ -15,7 +15,7 @@ void SimulationDirectory::add(Handle node, const std::string &title, std::shared
 }
 
 void SimulationDirectory::remove(Handle node) {
-  // The last holder ends the simulation's thread, which may be waiting for this lock.
+  // Destroyed after the lock: the last owner ends the simulation's thread, which may be waiting for this lock.
   std::shared_ptr<Simulation> gone;
   {
     const std::lock_guard lock(mutex_);
@@ -40,7 +40,7 @@ std::vector<SimulationDirectory::Entry> SimulationDirectory::all() const {
   return entries_;
 }
 
-/// Copies: a watcher may come or go from within.
+/// Uses copies: a watcher may be added or removed from within.
 void SimulationDirectory::tell(Handle node, std::function<void(Handle)> Watch::*what) {
   std::vector<std::function<void(Handle)>> told;
   {

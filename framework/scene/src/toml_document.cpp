@@ -13,9 +13,9 @@
 namespace c3de::scene {
 namespace {
 
-/// Far above any scene; what is larger was not meant to be one.
+/// Far above the size of any scene; a larger file is not a scene.
 constexpr std::uintmax_t kMaxFileBytes = 4u << 20;
-/// Keys nest as deep as one line has dots, and tables are taken down recursively.
+/// Limits nesting, which is at most the number of dots in a line: tables are destroyed recursively.
 constexpr std::size_t kMaxLineBytes = 4096;
 
 TomlValue convert(const toml::node &node) {
@@ -51,7 +51,7 @@ TomlValue convert(const toml::node &node) {
       std::vector<Placed> placed;
       for (const auto &[key, value] : *node.as_table()) {
         TomlValue converted = convert(value);
-        // The line of the key is where a person looks; a table made by a dotted key has none of its own.
+        // Messages use the line of the key; a table made by a dotted key has no line of its own.
         if (key.source().begin.line != 0) converted.line = static_cast<int>(key.source().begin.line);
         placed.push_back({key.source().begin, {std::string(key.str()), std::move(converted)}});
       }
@@ -78,7 +78,7 @@ const TomlValue *TomlValue::find(std::string_view key) const {
 }
 
 std::string TomlValue::shown() const {
-  constexpr std::size_t kMostBytes = 60;
+  constexpr std::size_t kMaxBytes = 60;
   switch (kind) {
     case Kind::integer:
     case Kind::number: return formatNumber(num);
@@ -89,7 +89,7 @@ std::string TomlValue::shown() const {
   }
   std::string list;
   for (const TomlValue &item : items) {
-    if (list.size() > kMostBytes) return "[" + list + ", …], a list of " + std::to_string(items.size());
+    if (list.size() > kMaxBytes) return "[" + list + ", …], a list of " + std::to_string(items.size());
     list += (list.empty() ? "" : ", ") + item.shown();
   }
   return "[" + list + "]";
@@ -122,9 +122,9 @@ Expected<TomlValue> parseToml(std::string_view text, const std::string &source) 
     return convert(root);
   } catch (const toml::parse_error &error) {
     return fail(ErrorCode::input, source + ":" + std::to_string(error.source().begin.line) +
-                                      ": not valid TOML: " + shownMessage(error.description()));
+                                      ": not valid TOML: " + displayMessage(error.description()));
   } catch (const std::exception &error) {
-    return fail(ErrorCode::input, source + ": not valid TOML: " + shownMessage(error.what()));
+    return fail(ErrorCode::input, source + ": not valid TOML: " + displayMessage(error.what()));
   }
 }
 

@@ -17,16 +17,16 @@ namespace {
 using imaging::LabelMap;
 using imaging::Volume;
 
-constexpr std::size_t kMostNames = 6;
-constexpr std::size_t kMostLabels = 60000;   // whose values are kept apart
-constexpr double kReach_mm = 10.0;           // of contrast agent beside its vessel: branches without a label
-constexpr double kStep_HU = 20.0;            // of the limits that are proposed
-constexpr std::size_t kDenseNeighbours = 3;  // of six: corners of what is two voxels thick have them
-constexpr double kMostOfHoles_HU = 700.0;    // of contrast agent in arteries and veins; cortical bone shows more
+constexpr std::size_t kMaxNames = 6;
+constexpr std::size_t kMaxLabels = 60000;    // with separate histograms
+constexpr double kReach_mm = 10.0;           // of contrast agent from its vessel: branches without a label
+constexpr double kStep_HU = 20.0;            // of the proposed limits
+constexpr std::size_t kDenseNeighbours = 3;  // of six: corners of structures two voxels thick have them
+constexpr double kMaxOfHoles_HU = 700.0;     // of contrast agent in arteries and veins; cortical bone has more
 constexpr double kMetal_HU = 2000.0;
-constexpr double kMostContrast_HU = 1200.0;  // undiluted, in the vein where it comes in
+constexpr double kMaxContrast_HU = 1200.0;  // undiluted, in the vein of injection
 
-/// Counts of values in steps of 10 HU.
+/// Histogram with bins of 10 HU.
 class Histogram {
  public:
   void add(double hu) {
@@ -34,7 +34,7 @@ class Histogram {
     ++total_;
   }
   [[nodiscard]] std::size_t total() const { return total_; }
-  /// The value below which this share of all is.
+  /// The value below which this fraction of the counts is.
   [[nodiscard]] double quantile(double share) const {
     const double wanted = share * static_cast<double>(total_);
     double sum = 0.0;
@@ -53,7 +53,7 @@ class Histogram {
   std::size_t total_ = 0;
 };
 
-/// What a voxel of the labels' grid is.
+/// Classification of a voxel on the labels' grid.
 enum Mark : std::uint8_t { kOther, kRigidLabel, kSoftLabel, kContrastLabel, kUnlabelled };
 
 /// Values of an image at the voxels of another grid.
@@ -61,7 +61,7 @@ class ValueAt {
  public:
   ValueAt(const Volume &image, const imaging::VolumeGeometry &grid)
       : image_(image), toIndex_(multiply(imaging::affineInverse(image.geometry.indexToWorld), grid.indexToWorld)) {}
-  /// NaN outside of the image.
+  /// NaN outside the image.
   [[nodiscard]] double operator()(std::size_t i, std::size_t j, std::size_t k) const {
     const Vec3 at = transformPoint(toIndex_, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
     std::array<std::size_t, 3> index{};
@@ -78,7 +78,7 @@ class ValueAt {
   Mat4 toIndex_;
 };
 
-/// The share of an image's voxels that a grid covers, by every n-th of them along each axis.
+/// The fraction of an image's voxels that a grid covers, sampled at up to 64 positions along each axis.
 double coverageOf(const imaging::VolumeGeometry &image, const imaging::VolumeGeometry &labels) {
   constexpr std::size_t kSamples = 64;  // along an axis
   const Mat4 toLabels = multiply(imaging::affineInverse(labels.indexToWorld), image.indexToWorld);
@@ -106,29 +106,29 @@ double coverageOf(const imaging::VolumeGeometry &image, const imaging::VolumeGeo
 std::optional<LabelFinding> coverageFinding(const LabelCheck &check) {
   const imaging::VolumeGeometry &image = check.image->geometry, &labels = check.layers.front()->geometry;
   const double coverage = coverageOf(image, labels);
-  if (coverage >= kLeastCoverage) return std::nullopt;
+  if (coverage >= kMinCoverage) return std::nullopt;
   const imaging::WorldBox whole = imaging::boxOf(image), part = imaging::boxOf(labels);
   std::string along;
   for (std::size_t a = 0; a < 3; ++a) {
     const double shared = std::min(whole.high[a], part.high[a]) - std::max(whole.low[a], part.low[a]);
-    if (shared >= kLeastCoverage * (whole.high[a] - whole.low[a])) continue;
+    if (shared >= kMinCoverage * (whole.high[a] - whole.low[a])) continue;
     along += fmt::format("{}along {} from {:.0f} to {:.0f} mm of {:.0f} to {:.0f} mm", along.empty() ? ": " : ", ",
                          "xyz"[a], part.low[a], part.high[a], whole.low[a], whole.high[a]);
   }
   LabelFinding out;
   out.kind = LabelFinding::Kind::coverage;
   out.text = fmt::format("The label map covers {:.0f} % of the image{}; tissue outside of the map is in no body",
-                         std::min(std::round(100.0 * coverage), 100.0 * kLeastCoverage - 1.0), along);
-  out.advice = "take a label map of the whole image, or say with 'region' where the body ends";
+                         std::min(std::round(100.0 * coverage), 100.0 * kMinCoverage - 1.0), along);
+  out.advice = "use a label map of the whole image, or limit the body with 'region'";
   return out;
 }
 
-/// Names of labels, each with a number.
+/// Names of labels, each with a value in HU.
 std::string listOf(const std::vector<std::pair<std::string, double>> &labels) {
   std::string text;
-  for (std::size_t i = 0; i < std::min(labels.size(), kMostNames); ++i)
+  for (std::size_t i = 0; i < std::min(labels.size(), kMaxNames); ++i)
     text += fmt::format("{}{} ({:.0f} HU)", i == 0 ? "" : ", ", labels[i].first, labels[i].second);
-  if (labels.size() > kMostNames) text += fmt::format(" and {} more", labels.size() - kMostNames);
+  if (labels.size() > kMaxNames) text += fmt::format(" and {} more", labels.size() - kMaxNames);
   return text;
 }
 
@@ -201,7 +201,7 @@ class GreyValues {
     return out;
   }
 
-  /// Voxels that nobody labelled and the background does not take, or takes for its material.
+  /// Findings about unlabelled voxels that are outside the background's range, or counted as its material.
   [[nodiscard]] std::vector<LabelFinding> unlabelledFindings() {
     std::vector<LabelFinding> out;
     if (!check_.background) return out;
@@ -222,7 +222,7 @@ class GreyValues {
   void markVoxels() {
     std::vector<Mark> markOf;
     for (const Entry &entry : entries_) {
-      // Without contrast agent no soft tissue reaches that; of a label that is out of place some voxels do.
+      // Without contrast agent no soft tissue reaches these values; of a displaced label only some voxels do.
       const bool isContrast = entry.role == LabelRole::soft && entry.values.total() > 0 &&
                               entry.values.quantile(0.5) > kUnlabelledBone_HU &&
                               entry.values.quantile(0.9) > kCorticalBone_HU;
@@ -235,7 +235,7 @@ class GreyValues {
     owner_ = {};
   }
 
-  /// Calls each with the voxels that share a face with v.
+  /// Calls `each` for the voxels that share a face with v.
   template <class Each>
   void forNeighbours(std::size_t v, const Each &each) const {
     const auto &n = grid_.size;
@@ -250,7 +250,7 @@ class GreyValues {
     return 1e-3 * grid_.voxelVolume() * static_cast<double>(voxels);
   }
 
-  /// From labels with contrast agent on through voxels without a label that show it, or its border.
+  /// Region growing from labels with contrast agent through unlabelled voxels that show it, or its border.
   [[nodiscard]] std::optional<LabelFinding> contrastFinding() {
     if (contrastLabels_.empty()) return std::nullopt;
     const double to = check_.background->to;
@@ -266,9 +266,9 @@ class GreyValues {
       for (const std::size_t v : front)
         forNeighbours(v, [&](std::size_t w) {
           if (marks_[w] != kUnlabelled || isContrast_[w] != 0 || values_[w] < kUnlabelledBone_HU ||
-              values_[w] > kMostContrast_HU)
+              values_[w] > kMaxContrast_HU)
             return;
-          // The border of a bone has values of contrast agent as well.
+          // The border of a bone also has values of contrast agent.
           bool isBorder = false;
           forNeighbours(w, [&](std::size_t x) { isBorder = isBorder || marks_[x] == kRigidLabel; });
           if (isBorder) return;
@@ -278,7 +278,7 @@ class GreyValues {
         });
       front.swap(next);
     }
-    if (millilitres(left.total()) < kLeastContrast_ml) return std::nullopt;
+    if (millilitres(left.total()) < kMinContrast_ml) return std::nullopt;
     LabelFinding out;
     out.kind = LabelFinding::Kind::contrast;
     const double least = left.quantile(0.05), most = left.quantile(0.95);
@@ -293,7 +293,8 @@ class GreyValues {
     return out;
   }
 
-  /// With as much of it around that noise makes it rarely, and not at a labelled bone, whose border is partial volume.
+  /// Requires so many dense neighbours that noise rarely causes it. Excludes the border of labelled bone, which is
+  /// partial volume.
   [[nodiscard]] bool isBone(std::size_t v) const {
     const auto isDense = [&](std::size_t w) {
       return marks_[w] == kUnlabelled && values_[w] >= kUnlabelledBone_HU && values_[w] < kMetal_HU &&
@@ -333,7 +334,7 @@ class GreyValues {
         ++taken;
     }
     const double holes_ml = millilitres(holes.total()), taken_ml = millilitres(taken);
-    if (holes_ml + taken_ml < kLeastBone_ml) return std::nullopt;
+    if (holes_ml + taken_ml < kMinBone_ml) return std::nullopt;
     LabelFinding out;
     out.kind = LabelFinding::Kind::bone;
     out.text = fmt::format("{:.3g} ml without a label look like bone or contrast agent (from {:.0f} HU on)",
@@ -343,9 +344,9 @@ class GreyValues {
     out.advice = fmt::format(
         "label them, or add a tissue {{ name = \"bone\", image = \"…\", threshold = [{:.0f}, {:.0f}], rigid = true }}",
         kUnlabelledBone_HU, kMetal_HU + 1000.0);
-    // Cortical bone reaches more.
+    // Cortical bone has higher values.
     const double most = holes.total() > 0 ? holes.quantile(0.995) : 0.0;
-    if (holes_ml < kLeastContrast_ml || most > kMostOfHoles_HU) return out;
+    if (holes_ml < kMinContrast_ml || most > kMaxOfHoles_HU) return out;
     out.to = kStep_HU * std::ceil(most / kStep_HU);
     out.advice += fmt::format("; where it is contrast agent, let the background reach to {} HU", formatNumber(*out.to));
     return out;
@@ -355,7 +356,7 @@ class GreyValues {
   const imaging::VolumeGeometry &grid_;
   ValueAt valueAt_;
   std::vector<Entry> entries_;
-  std::vector<std::uint16_t> owner_;  ///< 1 and the entry; 0: no label
+  std::vector<std::uint16_t> owner_;  ///< 1 plus the entry; 0: no label
   std::vector<std::int16_t> values_;  ///< HU
   std::vector<std::uint8_t> marks_, isContrast_;
   std::vector<std::pair<std::string, double>> contrastLabels_;  ///< with their medians
@@ -373,7 +374,7 @@ Expected<std::vector<LabelFinding>> checkLabels(const LabelCheck &check, const P
     if (auto coverage = coverageFinding(check)) out.push_back(std::move(*coverage));
   std::size_t labels = 0;
   for (const LabelMap *layer : check.layers) labels += layer->labels.size();
-  if (labels > kMostLabels || !imaging::looksLikeHounsfield(*check.image)) return out;
+  if (labels > kMaxLabels || !imaging::isLikelyHounsfield(*check.image)) return out;
   GreyValues values(check);
   if (auto read = values.read(progress); !read) return tl::unexpected(read.error());
   if (auto rigid = values.rigidFinding()) out.push_back(std::move(*rigid));

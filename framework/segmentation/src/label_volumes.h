@@ -9,7 +9,7 @@
 
 namespace c3de::segmentation {
 
-/// ml of each label of the map, in its order; 0: it does not occur. Any thread. ErrorCode::cancelled.
+/// Volume of each label of the map in ml, in its order; 0: it does not occur. Any thread. ErrorCode::cancelled.
 [[nodiscard]] Expected<std::vector<double>> volumesOf(const imaging::LabelMap &map, const ProgressFn &progress);
 
 }  // namespace c3de::segmentation

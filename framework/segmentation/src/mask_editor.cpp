@@ -9,10 +9,10 @@
 namespace c3de::segmentation {
 namespace {
 
-/// Of a mask of 512 x 512 x 512 voxels each keeps 17 MB.
-constexpr std::size_t kMostSteps = 32;
-/// What is laid over the slices is handed to the graphics on the main thread: 32 MB, some hundredths of a second.
-constexpr std::size_t kMostPreviewVoxels = std::size_t{1} << 24;
+/// For a mask of 512 x 512 x 512 voxels each state needs 17 MB.
+constexpr std::size_t kMaxSteps = 32;
+/// The overlay is uploaded to the graphics card on the main thread: 32 MB, some hundredths of a second.
+constexpr std::size_t kMaxPreviewVoxels = std::size_t{1} << 24;
 
 }  // namespace
 
@@ -55,7 +55,7 @@ std::vector<MaskStep> MaskEditor::plannedSteps() const {
   return all;
 }
 
-void MaskEditor::carryOut(const MaskStep &step) {
+void MaskEditor::applyStep(const MaskStep &step) {
   problem_.clear();
   ++edits_;
   if (step.kind == MaskStep::Kind::labels) {
@@ -65,10 +65,11 @@ void MaskEditor::carryOut(const MaskStep &step) {
     record({step, nullptr});
     return changed_();
   }
-  if (step.startsAnew()) {
+  if (step.ignoresPreviousMask()) {
     waiting_.clear();
-    // A threshold that runs may finish, so that something is seen while a slider is dragged; other work is in vain.
-    if (isBusy() && !running_.startsAnew()) release();
+    // A running threshold may finish, so that a result is visible while a slider is dragged; other work would be
+    // wasted.
+    if (isBusy() && !running_.ignoresPreviousMask()) release();
   }
   waiting_.push_back(step);
   startNext();
@@ -86,7 +87,7 @@ void MaskEditor::submit(const std::string &title, std::function<Expected<imaging
         auto made = make(progress);
         if (!made) return tl::unexpected(made.error());
         const auto mask = std::make_shared<const imaging::Mask>(std::move(*made));
-        result->shown = {mask, std::make_shared<const MaskPreview>(previewOf(*mask, kMostPreviewVoxels)),
+        result->shown = {mask, std::make_shared<const MaskPreview>(previewOf(*mask, kMaxPreviewVoxels)),
                          imaging::voxelCount(*mask)};
         if (!result->packed) result->packed = std::make_shared<const PackedMask>(*mask);
         return {};
@@ -97,7 +98,7 @@ void MaskEditor::submit(const std::string &title, std::function<Expected<imaging
         if (!done) {
           waiting_.clear();
           problem_ =
-              done.error().code == ErrorCode::cancelled ? "cancelled; the mask is as it was" : done.error().message;
+              done.error().code == ErrorCode::cancelled ? "cancelled; the mask is unchanged" : done.error().message;
         } else {
           shown_ = result->shown;
           take(*result);
@@ -129,7 +130,7 @@ void MaskEditor::record(State state) {
   if (state.step.kind == Kind::threshold && !states_.empty() && states_.back().step.kind == Kind::threshold)
     states_.pop_back();
   states_.push_back(std::move(state));
-  if (states_.size() > kMostSteps) {
+  if (states_.size() > kMaxSteps) {
     states_.erase(states_.begin());
     isCut_ = true;
   }

@@ -97,7 +97,7 @@ MaskPreview previewOf(const imaging::Mask &mask, std::size_t mostVoxels) {
   while (count(0) * count(1) * count(2) > std::max<std::size_t>(mostVoxels, 1)) ++preview.stride;
   imaging::VolumeGeometry &grid = preview.geometry;
   grid.size = {count(0), count(1), count(2)};
-  // The first point of the preview is that of a voxel; the steps are longer.
+  // The first point of the preview coincides with a voxel; its steps are longer.
   const Vec3 origin =
       mask.geometry.worldAt({static_cast<double>(low[0]), static_cast<double>(low[1]), static_cast<double>(low[2])});
   for (std::size_t column = 0; column < 3; ++column)

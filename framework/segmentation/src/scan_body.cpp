@@ -15,11 +15,11 @@
 namespace c3de::segmentation {
 namespace {
 
-// What of a CT is soft tissue; bone that has no label is not.
+// Range of soft tissue in CT; excludes unlabelled bone.
 constexpr double kFrom_HU = -150.0, kTo_HU = 250.0;
 constexpr double kGravity_m_s2 = 9.81;
 
-/// LPS: left, posterior and superior grow.
+/// LPS: left, posterior and superior increase.
 const char *directionOf(Posture posture) {
   switch (posture) {
     case Posture::supine: return "[0, {}, 0]";
@@ -99,9 +99,9 @@ void ScanBody::setSources(Sources sources) {
     settings_ = {};
     unit_.clear();
     if (sources_.image) {
-      settings_.hasBackground = imaging::looksLikeHounsfield(sources_.image->volume);
+      settings_.hasBackground = imaging::isLikelyHounsfield(sources_.image->volume);
       unit_ = sources_.image->volume.unit.empty() && settings_.hasBackground ? "HU" : sources_.image->volume.unit;
-      settings_.largestOnly = settings_.hasBackground;  // organs alone lie apart
+      settings_.largestOnly = settings_.hasBackground;  // organs without background are not connected
       settings_.from = settings_.hasBackground ? kFrom_HU : sources_.image->range.low;
       settings_.to = settings_.hasBackground ? kTo_HU : sources_.image->range.high;
     }
@@ -123,7 +123,7 @@ void ScanBody::setSources(Sources sources) {
     for (const imaging::LabelMap::Label &label : layer->map.labels) {
       Row row;
       row.name = label.name.empty() ? "label " + std::to_string(label.value) : label.name;
-      row.colour = render::shownColour(label.colour);
+      row.colour = render::displayColour(label.colour);
       if (const auto tissue = scene::tissueOf(materials_, label.name)) {
         row.known = tissue->name;
         row.remark = tissue->remark;
@@ -274,7 +274,7 @@ std::string ScanBody::blockingReason() const {
 
 std::string ScanBody::sceneReason() const {
   if (!sources_.image) return "no image is open";
-  if (sources_.layers.empty()) return "no label map lies over the image";
+  if (sources_.layers.empty()) return "there is no label map for the image";
   if (!isCounted_) return counting_.isNull() ? "the labels have not been measured" : "the labels are being measured";
   if (std::all_of(rows_.begin(), rows_.end(), [](const Row &row) {
         return row.use.kind == LabelUse::Kind::none || row.volume_ml.value_or(0.0) <= 0.0;
@@ -297,12 +297,12 @@ std::string ScanBody::sceneReason() const {
   return {};
 }
 
-/// By name where that means this label alone, else by number.
+/// By name if it denotes this label alone, otherwise by number.
 std::string ScanBody::labelText(std::size_t row) const {
   const std::string &name = rows_[row].name;
   const bool isOne = std::count_if(rows_.begin(), rows_.end(), [&](const Row &r) { return r.name == name; }) == 1;
   const bool isName = name.find('*') == std::string::npos && name.find_first_not_of("0123456789") != std::string::npos;
-  // A label without a name has one here only.
+  // The default name of an unnamed label exists only here.
   const bool hasName = name != "label " + std::to_string(numbers_[row]);
   return isOne && isName && hasName ? quoted(name) : std::to_string(numbers_[row]);
 }
@@ -311,24 +311,24 @@ std::string ScanBody::sceneText(const std::filesystem::path &folder) const {
   const std::string image = fileText(sources_.imageFile, folder), labels = fileText(sources_.labelFile, folder);
   const std::string series = sources_.series.empty() ? "" : quoted(sources_.series);
   const std::size_t time = sources_.image ? sources_.image->time : 0;
-  std::string text = "format = 1\ntitle = " + quoted(sources_.image ? sources_.image->name + ", alive" : "scan") +
+  std::string text = "format = 1\ntitle = " + quoted(sources_.image ? sources_.image->name + ", simulated" : "scan") +
                      "\n\n[image]\n" + "file = " + image + "\n" + (series.empty() ? "" : "series = " + series + "\n") +
                      (time > 0 ? "time = " + std::to_string(time) + "\n" : "") + "labels = " + labels + "\n\n";
   if (settings_.hasGravity) {
     const std::string gravity = fmt::format(fmt::runtime(directionOf(settings_.posture)), kGravity_m_s2);
     text += "[world]\ngravity = " + gravity + "\nscan_gravity = " + gravity + "\n\n";
   }
-  // What is to be seen in the 3D view are the tissues.
+  // The 3D view should show the tissues.
   text += "[view]\nsurface = \"transparent\"\npoints = \"none\"\n\n";
   text += "[solver]\ndamping = 2.0\n\n[[body]]\nname = \"scan\"\nvolume = " + labels + "\n";
 
-  // One entry for labels that are one tissue by their names, or got the same choice.
-  std::vector<std::pair<std::string, std::string>> entries;  // what they are, and their labels
+  // One entry for labels with the same tissue name, or with the same choice.
+  std::vector<std::pair<std::string, std::string>> entries;  // key, and its labels
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const Row &row = rows_[i];
     if (row.use.kind == LabelUse::Kind::none || row.volume_ml == 0.0) continue;
-    const bool isByName = row.use == byName_[i];
-    const std::string key = isByName                                ? row.known
+    const bool isMaterialByName = row.use == byName_[i];
+    const std::string key = isMaterialByName                        ? row.known
                             : row.use.kind == LabelUse::Kind::rigid ? std::string(", rigid = true")
                                                                     : ", material = " + quoted(row.use.preset);
     auto entry = std::find_if(entries.begin(), entries.end(), [&](const auto &one) { return one.first == key; });

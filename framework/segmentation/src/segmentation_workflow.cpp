@@ -63,7 +63,7 @@ void SegmentationWorkflow::setSources(MaskSources sources) {
     isMaterialChosen_ = false;
     rigid_.reset();
     if (sources.image) {
-      // The upper half of what occurs: something is seen, and the slider shows where to go.
+      // Initially the upper half of the range, so that a result is visible and the slider shows the direction.
       const imaging::ValueRange &range = sources.image->range;
       settings_.low = 0.5 * (range.low + range.high);
       settings_.high = range.max;
@@ -107,7 +107,7 @@ std::vector<SegmentationWorkflow::LabelRow> SegmentationWorkflow::labels() const
   for (std::size_t i = 0; i < labels->map.labels.size(); ++i) {
     const imaging::LabelMap::Label &label = labels->map.labels[i];
     const bool isChosen = std::find(picked.begin(), picked.end(), label.value) != picked.end();
-    LabelRow row{label.value, label.name, render::shownColour(label.colour), {}, isChosen};
+    LabelRow row{label.value, label.name, render::displayColour(label.colour), {}, isChosen};
     if (i < labelVolumes_ml_.size()) row.volume_ml = labelVolumes_ml_[i];
     rows.push_back(std::move(row));
   }
@@ -117,7 +117,7 @@ std::vector<SegmentationWorkflow::LabelRow> SegmentationWorkflow::labels() const
 std::vector<std::uint16_t> SegmentationWorkflow::pickedLabels() const {
   std::vector<std::uint16_t> picked;
   for (const MaskStep &step : mask_.plannedSteps()) {
-    if (!step.startsAnew()) continue;
+    if (!step.ignoresPreviousMask()) continue;
     picked = step.labels;
     if (step.kind == MaskStep::Kind::label) picked = {step.label};
   }
@@ -137,10 +137,10 @@ void SegmentationWorkflow::chooseLabels(const std::vector<std::uint16_t> &values
   MaskStep step;
   step.kind = MaskStep::Kind::labels;
   step.labels = values;
-  mask_.carryOut(step);
+  mask_.applyStep(step);
 }
 
-void SegmentationWorkflow::tickLabel(std::uint16_t value, bool isPicked) {
+void SegmentationWorkflow::setLabelPicked(std::uint16_t value, bool isPicked) {
   std::vector<std::uint16_t> picked = pickedLabels();
   std::erase(picked, value);
   if (isPicked) picked.push_back(value);
@@ -158,13 +158,13 @@ void SegmentationWorkflow::chooseLabel(std::uint16_t value, MaskStep step) {
   preselectMaterial();
   step.kind = MaskStep::Kind::label;
   step.label = value;
-  mask_.carryOut(step);
+  mask_.applyStep(step);
 }
 
-void SegmentationWorkflow::tickLabelAt(const Vec3 &world) {
+void SegmentationWorkflow::toggleLabelAt(const Vec3 &world) {
   const auto &labels = mask_.sources().labels;
   if (!labels) return;
-  if (const std::uint16_t value = labels->at(world); value != 0) return tickLabel(value, true);
+  if (const std::uint16_t value = labels->at(world); value != 0) return setLabelPicked(value, true);
   clickProblem_ = fmt::format(
       "the click at LPS {:.1f}, {:.1f}, {:.1f} mm is on no label; the line below each view names what is under the "
       "mouse",
@@ -189,21 +189,21 @@ void SegmentationWorkflow::showThreshold() {
   step.kind = MaskStep::Kind::threshold;
   step.low = settings_.low;
   step.high = settings_.high;
-  mask_.carryOut(step);
+  mask_.applyStep(step);
 }
 
 void SegmentationWorkflow::keepComponentAt(const Vec3 &world) {
   MaskStep step;
   step.kind = MaskStep::Kind::component;
   step.world = world;
-  mask_.carryOut(step);
+  mask_.applyStep(step);
 }
 
-void SegmentationWorkflow::carryOut(MaskStep::Kind kind) {
+void SegmentationWorkflow::applyStep(MaskStep::Kind kind) {
   MaskStep step;
   step.kind = kind;
   step.radius_mm = settings_.radius_mm;
-  mask_.carryOut(step);
+  mask_.applyStep(step);
 }
 
 void SegmentationWorkflow::undo() {
@@ -216,13 +216,13 @@ void SegmentationWorkflow::redo() {
   mask_.redo();
 }
 
-/// After an undo or redo the controls say what the mask was made with.
+/// After undo or redo, sets the controls to the values that the mask was made with.
 void SegmentationWorkflow::onMaskChanged() {
   clickProblem_.clear();
   if (followsUndo_ && !mask_.isBusy()) {
     followsUndo_ = false;
     for (const MaskStep &step : mask_.steps()) {
-      if (!step.startsAnew()) continue;
+      if (!step.ignoresPreviousMask()) continue;
       settings_.isFromLabel = step.kind != MaskStep::Kind::threshold;
       if (step.kind == MaskStep::Kind::label && settings_.name != nameOf(step.label)) {
         settings_.name = nameOf(step.label);
@@ -295,17 +295,17 @@ bool SegmentationWorkflow::isRigid(std::uint16_t label) const {
   return preset && preset->isRigid;
 }
 
-void SegmentationWorkflow::setMending(const imaging::Mending &mend) { settings_.mend = mend; }
+void SegmentationWorkflow::setMending(const imaging::MaskCleanUp &mend) { settings_.mend = mend; }
 
 std::string SegmentationWorkflow::blockingReason() const {
   const std::vector<std::uint16_t> picked = pickedLabels();
   if (picked.size() > 1) {
-    constexpr std::size_t kMostNames = 6;
+    constexpr std::size_t kMaxNames = 6;
     std::string without;
     std::size_t count = 0;
     for (const std::uint16_t label : picked)
-      if (!materialOf(label) && ++count <= kMostNames) without += (without.empty() ? "" : ", ") + nameOf(label);
-    if (count > kMostNames) without += " and " + std::to_string(count - kMostNames) + " more";
+      if (!materialOf(label) && ++count <= kMaxNames) without += (without.empty() ? "" : ", ") + nameOf(label);
+    if (count > kMaxNames) without += " and " + std::to_string(count - kMaxNames) + " more";
     return without.empty() ? without : "no material is chosen for " + without + " (2)";
   }
   if (!mask_.mask() && !mask_.isBusy()) return "nothing is picked yet (1)";
@@ -342,9 +342,9 @@ void SegmentationWorkflow::createBodies() {
   for (const std::uint16_t label : picked) {
     BodyRequest &request = requests.emplace_back(requestOfSettings());
     const std::string name = nameOf(label);
-    const bool isTaken = std::any_of(picked.begin(), picked.end(),
-                                     [&](std::uint16_t other) { return other != label && nameOf(other) == name; });
-    request.name = isTaken ? name + " (" + std::to_string(label) + ")" : name;
+    const bool isUsed = std::any_of(picked.begin(), picked.end(),
+                                    [&](std::uint16_t other) { return other != label && nameOf(other) == name; });
+    request.name = isUsed ? name + " (" + std::to_string(label) + ")" : name;
     request.labels = mask_.sources().labels;
     request.label = label;
     request.mend = settings_.mend;
@@ -370,7 +370,7 @@ void SegmentationWorkflow::onBodiesCreated(const std::vector<BodyRequest> &creat
   if (picked.size() == 1) return chooseLabel(picked.front(), rest);
   rest.kind = MaskStep::Kind::labels;
   rest.labels = picked;
-  mask_.carryOut(rest);
+  mask_.applyStep(rest);
 }
 
 bool SegmentationWorkflow::hasJustCreated() const {

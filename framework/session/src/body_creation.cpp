@@ -13,7 +13,7 @@
 namespace c3de::session {
 namespace {
 
-// Of the extent along gravity: how much is held of a body that lies.
+// Fraction of the extent along gravity that is held for a body lying on its back.
 constexpr double kHeldPart = 0.12;
 
 scene::SceneValue numberOf(const std::string &id, double value) {
@@ -24,7 +24,7 @@ scene::SceneValue numberOf(const std::string &id, double value) {
   return out;
 }
 
-// Lowest and highest y of the voxels of a mask, with half a voxel, mm.
+// Lowest and highest y of the voxels of a mask, including half a voxel, mm.
 std::pair<double, double> extentToTheBack(const imaging::Mask &mask) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   const auto &size = mask.geometry.size;
@@ -40,7 +40,7 @@ std::pair<double, double> extentToTheBack(const imaging::Mask &mask) {
   return {low, high};
 }
 
-// What the present simulation shows.
+// Names of the bodies in the present simulation.
 std::set<std::string> bodyNames(Session &session) {
   std::set<std::string> names;
   const scene::SceneGraph &graph = session.sceneGraph();
@@ -58,7 +58,7 @@ scene::SceneFile sceneWithoutBodies() {
   scene::SceneValue gravity;
   gravity.value.id = C3DE_PARAM_ID_GRAVITY;
   gravity.value.type = C3DE_PARAM_VEC3;
-  gravity.value.vec = {0.0, 0.0, 0.0};  // the scan shows the organs in balance with it
+  gravity.value.vec = {0.0, 0.0, 0.0};  // the scan shows the organs in equilibrium with it
   scene.world.push_back(gravity);
   scene.world.push_back(numberOf(C3DE_PARAM_ID_DAMPING, 2.0));
   return scene;
@@ -144,7 +144,7 @@ Expected<void> BodyCreation::createAll(c3de_object *simulator, bool isNew, Resul
       if (isNew || result.created.empty()) return made;
       break;
     } else {
-      // Some errors name it already.
+      // Some errors contain the name already.
       Error error = made.error();
       if (!error.message.starts_with(request.name + ": ")) error.message = request.name + ": " + error.message;
       result.failed.emplace_back(request.name, std::move(error));
@@ -164,8 +164,8 @@ void BodyCreation::createBodies(std::vector<segmentation::BodyRequest> requests)
 
   scene::Simulation *present = session_.simulation();
   const auto result = std::make_shared<Result>();
-  result->isNew = !present || !servesFills(present->table());
-  // Two bodies of one name would lie in the same place, and could not be told apart.
+  result->isNew = !present || !supportsFills(present->table());
+  // Two bodies of one name would overlap and be indistinguishable.
   const std::set<std::string> taken = result->isNew ? std::set<std::string>() : bodyNames(session_);
   for (segmentation::BodyRequest &request : requests) {
     if (taken.contains(request.name))

@@ -15,9 +15,9 @@
 namespace c3de::session {
 namespace {
 
-constexpr double kFitReach = 1.5;  // voxels: skins lie within about half a voxel of the border, corners an edge
+constexpr double kFitReach = 1.5;  // voxels: skins are within about half a voxel of the border, corners within an edge
 
-/// As many points as the scene says, or as fit its spacing.
+/// The point count of the scene, or the count for its spacing.
 double pointsOf(const std::vector<ParameterValue> &values, const imaging::Mask &mask) {
   double points = 1000.0;
   for (const ParameterValue &value : values) {
@@ -28,7 +28,7 @@ double pointsOf(const std::vector<ParameterValue> &values, const imaging::Mask &
   return points;
 }
 
-/// Progress of what is made before the first body is built.
+/// Progress of items built before the first body.
 ProgressFn namedAfter(const scene::SceneBody &body, const ProgressFn &progress) {
   return [&](double, const std::string &what) { return !progress || progress(0.0, body.name + ": " + what); };
 }
@@ -59,7 +59,7 @@ Expected<BodyGeometry> BodyGeometries::take(std::size_t body, const ProgressFn &
 Expected<BodyGeometry> BodyGeometries::ofMesh(const scene::SceneBody &body, const ProgressFn &progress) const {
   BodyGeometry loaded;
   {
-    const TimeSpent reading(loaded.took.reading_s);
+    const ScopedTimer reading(loaded.took.reading_s);
     const auto unit = formats_.unitOf(body.mesh, body.meshUnit);
     if (!unit) return tl::unexpected(unit.error());
     auto mesh = formats_.load(body.mesh, *unit, progress);
@@ -84,7 +84,7 @@ Expected<BodyGeometry> BodyGeometries::ofVolume(std::size_t index, const Progres
       return tl::unexpected(added.error());
     auto places = sources_.placesOf(body, *picked);
     if (!places) return tl::unexpected(places.error());
-    made->places = std::make_shared<TissuePlaces>(std::move(*places));
+    made->places = std::make_shared<TissueVoxels>(std::move(*places));
     made->thickness_mm = thicknessOf(*picked->tissues, body.volume.tissues.size());
   }
   made->took += took;

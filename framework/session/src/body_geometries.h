@@ -12,26 +12,26 @@
 
 namespace c3de::session {
 
-/// The geometry of the bodies of a scene, from their meshes and volumes. That of a volume, which takes much time and
-/// memory, is made when it is taken, but for pieces. Errors begin with the place in the scene.
+/// The geometry of the bodies of a scene, from their meshes and volumes. The geometry of a volume, which needs much
+/// time and memory, is built by take(), except for pieces. Errors begin with the location in the scene.
 class BodyGeometries {
  public:
-  /// All of it outlives this.
+  /// All arguments must outlive this object.
   BodyGeometries(const FittedScene &scene, const geometry::MeshFormats &formats, BodySources &sources)
       : scene_(scene), formats_(formats), sources_(sources), ready_(scene.scene.bodies.size()) {}
 
-  /// Makes what has to be there before the first body is built: all meshes, since what is wrong with the last of them
-  /// is not to be heard after minutes of building, and pieces of bodies, since their skins are fitted to each other.
-  /// @param progress  asked with a fraction of 0
+  /// Builds what is needed before the first body: all meshes, so that an error in the last of them is not reported only
+  /// after minutes of building, and pieces of bodies, since their skins are fitted to each other.
+  /// @param progress  called with a fraction of 0
   [[nodiscard]] Expected<void> prepare(const ProgressFn &progress);
 
-  /// Of one body, once, after prepare().
+  /// The geometry of one body, once, after prepare().
   [[nodiscard]] Expected<BodyGeometry> take(std::size_t body, const ProgressFn &progress);
 
  private:
   [[nodiscard]] Expected<BodyGeometry> ofMesh(const scene::SceneBody &body, const ProgressFn &progress) const;
   [[nodiscard]] Expected<BodyGeometry> ofVolume(std::size_t body, const ProgressFn &progress);
-  /// The pieces of a body of which this is the first.
+  /// Builds the pieces of the body whose first piece this is.
   [[nodiscard]] Expected<void> preparePieces(std::size_t first, const ProgressFn &progress);
 
   const FittedScene &scene_;

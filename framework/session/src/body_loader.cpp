@@ -18,7 +18,7 @@
 namespace c3de::session {
 namespace {
 
-// Reading is a small share of what building a body takes.
+// Reading is a small share of the time to build a body.
 constexpr double kReadingShare = 0.1;
 
 /// Keeps a mesh in the store for the duration of a call.
@@ -35,7 +35,7 @@ class MeshLease {
   Handle handle_;
 };
 
-/// What bodies and obstacles have in common; it points into what it is made of.
+/// The common part of bodies and obstacles; it points into its arguments.
 template <class Described>
 Described describedAs(const std::string &name, const MeshLease &mesh, const c3de_sim_placement &placement,
                       const std::vector<c3de_param_value> &params) {
@@ -50,13 +50,13 @@ Described describedAs(const std::string &name, const MeshLease &mesh, const c3de
   return abi;
 }
 
-/// A body that knows the voxels of its tissues, and the values of its parts.
+/// A body with the voxels of its tissues, and the values of its parts.
 struct PlacedBody {
   scene::SceneBody body;
   std::vector<std::vector<ParameterValue>> parts;
 };
 
-/// Parts without a voxel are left out.
+/// Parts without a voxel are omitted.
 PlacedBody placed(const scene::SceneBody &body, const FittedBody &fitted, const BodyGeometry &geometry) {
   PlacedBody out{body, fitted.parts};
   for (std::size_t k = geometry.tissues.size(); k-- > 0;) {
@@ -65,19 +65,19 @@ PlacedBody placed(const scene::SceneBody &body, const FittedBody &fitted, const 
     out.body.parts.erase(out.body.parts.begin() + static_cast<std::ptrdiff_t>(k));
     out.parts.erase(out.parts.begin() + static_cast<std::ptrdiff_t>(k));
   }
-  // Where all of it is rigid, its rigid tissue does what all of it does.
+  // Where the whole body is rigid, its rigid tissue needs no separate entry.
   if (!scene::trueOf(body.params, C3DE_PARAM_ID_RIGID)) out.body.rigidTissue = geometry.rigid;
   return out;
 }
 
-/// Whether its count of points is its share of that of the body that it was cut from.
+/// Whether its point count is a share of that of the body that it was cut from.
 bool sharesCount(const scene::SceneBody &body) {
   return body.volume.piece != 0 && std::none_of(body.params.begin(), body.params.end(), [](const auto &value) {
-           return value.isOfPiece && value.value.id == C3DE_PARAM_ID_COUNT;
+           return value.isPieceOverride && value.value.id == C3DE_PARAM_ID_COUNT;
          });
 }
 
-/// What there is to say about a body that is to be built, kept and told.
+/// Records and logs the notices about a body to be built.
 void note(const scene::SceneBody &body, BodyGeometry &geometry, Prepared &prepared) {
   prepared.took += geometry.took;
   if (body.mesh.empty()) {
@@ -115,7 +115,7 @@ Expected<NamedHandles> BodyLoader::add(Prepared &prepared) {
     if (!geometry) return tl::unexpected(geometry.error());
     sources_.reportNotices(body.volume.file);
     note(body, *geometry, prepared);
-    const TimeSpent building(prepared.took.bodies_s);
+    const ScopedTimer building(prepared.took.bodies_s);
     const c3de_handle rest =
         body.volume.piece != 0 ? handles.at(scene.bodies[i - body.volume.piece].name) : c3de_handle{};
     const auto added = addBody(i, std::move(*geometry), rest, progress);
@@ -161,7 +161,7 @@ Expected<c3de_handle> BodyLoader::addBody(std::size_t index, BodyGeometry geomet
   const c3de_sim_placement placement = toAbi(body.placement);
   auto abi = describedAs<c3de_sim_body>(body.name, lease, placement, params);
   if (body.mesh.empty()) abi.fill = &fill;
-  const render::Colour colour = render::shownColour(geometry.colour.value_or(std::array<float, 3>{}));
+  const render::Colour colour = render::displayColour(geometry.colour.value_or(std::array<float, 3>{}));
   if (geometry.colour) abi.colour = colour.data();
   abi.progress = progress.abi();
   const PlacedBody whole = placed(body, fitted, geometry);
@@ -171,12 +171,13 @@ Expected<c3de_handle> BodyLoader::addBody(std::size_t index, BodyGeometry geomet
   const auto add = [&] { return scene_.table()->add_body(scene_.simulator(), &abi, &added); };
   if (const c3de_status code = progress.call(scene_.owner(), "building a body", add); code < 0)
     return tl::unexpected(scene_.failure(code, "building body '" + body.name + "'", body.line, &whole.body));
-  tellThin(added, body, geometry.thickness_mm);
+  reportThinTissue(added, body, geometry.thickness_mm);
   return added;
 }
 
-/// A piece whose count is a share of that of its body has the spacing of the rest, which pieces share by volume only
-/// where they are large: points at skins are of little tissue. Small pieces have four spacings along a cube of theirs.
+/// Piece whose count is a share of its body's count: uses the spacing of the rest. A share by volume is right only for
+/// large pieces, because points at skins represent little tissue. Small pieces have four spacings along the edge of a
+/// cube of their volume.
 void BodyLoader::sampleAsRest(c3de_handle rest, double volume_mm3, std::vector<ParameterValue> &values) const {
   const auto count = std::find_if(values.begin(), values.end(), [](const ParameterValue &value) {
     return value.id == C3DE_PARAM_ID_COUNT && value.num > 0.0;
@@ -191,9 +192,9 @@ void BodyLoader::sampleAsRest(c3de_handle rest, double volume_mm3, std::vector<P
   count->num = std::min(info.spacing_m, std::cbrt(volume_mm3) / (4.0 * scene::kMillimetresPerMetre));
 }
 
-/// That tissues are finer than the cells of their body.
-void BodyLoader::tellThin(c3de_handle added, const scene::SceneBody &body,
-                          const std::vector<double> &thickness_mm) const {
+/// Logs the tissues that are finer than the cells of their body.
+void BodyLoader::reportThinTissue(c3de_handle added, const scene::SceneBody &body,
+                                  const std::vector<double> &thickness_mm) const {
   c3de_sim_body_info info{};
   info.size = sizeof info;
   if (thickness_mm.empty() || scene_.table()->body_info(scene_.simulator(), added, &info) < 0) return;

@@ -12,30 +12,29 @@
 
 namespace c3de::session {
 
-/// Gives a simulator what of a scene has a skin: its obstacles, then its bodies with all that the scene says of each.
+/// Adds to a simulator everything in a scene that has a skin: its obstacles, then its bodies with their settings.
 class BodyLoader {
  public:
-  /// All of it outlives this.
-  /// @param lent  keeps a mesh for the call that it is handed over by
+  /// All arguments must outlive this object.
+  /// @param lent  stores a mesh during the call that passes it on
   BodyLoader(const LoadingScene &scene, scene::MeshStore &lent, const geometry::MeshFormats &formats,
              BodySources &sources, const ProgressFn &progress)
       : scene_(scene), lent_(lent), formats_(formats), geometries_(scene.fitted(), formats, sources), sources_(sources),
         progress_(progress) {}
 
-  /// Once. The log is told what readers have to say, what bodies leave out, and which tissues are thinner than the
-  /// spacing.
-  /// @param prepared  what the bodies took and stand for is added
-  /// @returns  what the simulator calls them
-  /// Errors begin with the place in the scene.
+  /// Call once. Logs the notices of readers, the parts that bodies leave out, and the tissues thinner than the spacing.
+  /// @param prepared  preparation times and coverage of the bodies are added
+  /// @returns  the simulator's handles
+  /// Errors begin with the location in the scene.
   [[nodiscard]] Expected<NamedHandles> add(Prepared &prepared);
 
  private:
   [[nodiscard]] Expected<c3de_handle> addObstacle(std::size_t index, PartProgress &progress) const;
-  /// @param rest  of a piece: what is left of the body that it was cut from
+  /// @param rest  for a piece: the rest of the body that it was cut from
   [[nodiscard]] Expected<c3de_handle> addBody(std::size_t index, BodyGeometry geometry, c3de_handle rest,
                                               PartProgress &progress) const;
   void sampleAsRest(c3de_handle rest, double volume_mm3, std::vector<ParameterValue> &values) const;
-  void tellThin(c3de_handle added, const scene::SceneBody &body, const std::vector<double> &thickness_mm) const;
+  void reportThinTissue(c3de_handle added, const scene::SceneBody &body, const std::vector<double> &thickness_mm) const;
 
   const LoadingScene &scene_;
   scene::MeshStore &lent_;

@@ -13,7 +13,7 @@
 #include "c3de/imaging/surface.h"
 #include "c3de/scene/simulation.h"
 #include "c3de/session/tissues.h"
-#include "slides.h"
+#include "sliding_interfaces.h"
 #include "tissue_rules.h"
 
 namespace c3de::session {
@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kVoxelsPerSpacing = 16.0;
 
-// mm, of the blocks of voxels that are enough for so many points.
+// Edge of the blocks of voxels that suffice for this number of points, mm.
 double coarsestOf(double volume_mm3, double points) {
   return std::cbrt(volume_mm3 / std::max(points, 1.0)) / kVoxelsPerSpacing;
 }
@@ -36,7 +36,7 @@ std::string listOf(const std::vector<imaging::LabelMap> &layers) {
   return count > kMost ? text + " and " + std::to_string(count - kMost) + " more" : text;
 }
 
-bool isMeant(const scene::SceneVolume &volume, const imaging::LabelMap::Label &label) {
+bool matchesLabel(const scene::SceneVolume &volume, const imaging::LabelMap::Label &label) {
   if (volume.label) return label.value == *volume.label;
   return label.name == volume.labelName ||
          imaging::readableName(label.name) == imaging::readableName(volume.labelName) ||
@@ -56,7 +56,7 @@ Expected<FoundLabel> labelOf(const scene::SceneVolume &volume, const std::vector
     for (const imaging::LabelMap::Label &label : map.labels) {
       names.push_back(label.name);
       if (!volume.label && label.name == volume.labelName) return FoundLabel{&map, &label};
-      if (isMeant(volume, label)) found.push_back({&map, &label});
+      if (matchesLabel(volume, label)) found.push_back({&map, &label});
     }
   if (found.size() == 1) return found.front();
   const std::string wanted = volume.label ? std::to_string(*volume.label) : "'" + volume.labelName + "'";
@@ -140,7 +140,7 @@ Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const
   std::shared_ptr<const Layers> map;
   std::shared_ptr<const imaging::Volume> image, background;
   if (!volume.mask) {
-    const TimeSpent reading(took.reading_s);
+    const ScopedTimer reading(took.reading_s);
     if (volume.background && !volume.cut) {
       imaging::ReadOptions whole;
       whole.progress = progress;
@@ -160,7 +160,7 @@ Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const
       map = *read;
     }
   }
-  const TimeSpent masking(took.masks_s);
+  const ScopedTimer masking(took.masks_s);
   Expected<imaging::Mask> mask = imaging::Mask{};
   std::optional<std::array<float, 3>> colour = volume.colour;
   std::shared_ptr<imaging::LabelMap> tissues;
@@ -195,7 +195,7 @@ Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const
                                       "threshold, " +
                                       (volume.region ? "within the region and " : "") + "mended, that holds voxels");
   if (!mask) return tl::unexpected(mask.error());
-  // What mending has taken away is of no tissue; what it has added is what there is between them.
+  // Voxels removed by mending have no tissue; voxels added by it belong to the background.
   if (tissues)
     for (std::size_t v = 0; v < tissues->voxels.size(); ++v) {
       std::uint16_t &tissue = tissues->voxels[v];
@@ -207,14 +207,14 @@ Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const
   return PickedVoxels{std::move(*mask), colour, std::move(tissues)};
 }
 
-Expected<TissuePlaces> BodySources::placesOf(const scene::SceneBody &body, const PickedVoxels &picked) {
+Expected<TissueVoxels> BodySources::placesOf(const scene::SceneBody &body, const PickedVoxels &picked) {
   const auto layers = layersOf(body.volume, {});
   if (!layers) return tl::unexpected(layers.error());
-  TissuePlaces places = tissuePlaces(body, **layers, *picked.tissues);
+  TissueVoxels places = tissuePlaces(body, **layers, *picked.tissues);
   places.map = picked.tissues;
   if (!body.volume.cut) return places;
-  // A label without a voxel is told of once, with the rest.
-  std::erase_if(places.labels, [&](const LabelPlaces &label) {
+  // A label without a voxel is reported once, with the rest.
+  std::erase_if(places.labels, [&](const LabelVoxels &label) {
     const auto &sliding = body.volume.cut->labels;
     return label.voxels == 0 &&
            (body.volume.piece != 0 || std::any_of(sliding.begin(), sliding.end(), [&](const auto &labels) {
@@ -226,10 +226,10 @@ Expected<TissuePlaces> BodySources::placesOf(const scene::SceneBody &body, const
   return places;
 }
 
-std::vector<std::string> BodySources::takeNotices() { return std::exchange(notices_, {}); }
+std::vector<std::string> BodySources::popNotices() { return std::exchange(notices_, {}); }
 
 void BodySources::reportNotices(const std::filesystem::path &file) {
-  for (const std::string &notice : takeNotices()) {
+  for (const std::string &notice : popNotices()) {
     log(LogLevel::warn, file.string() + ": " + notice);
     std::string line = pathText(file.filename()) + ": " + notice;
     if (std::find(said_.begin(), said_.end(), line) == said_.end()) said_.push_back(std::move(line));
@@ -240,8 +240,8 @@ Expected<BodyGeometry> bodyGeometryOf(const imaging::Mask &asked, double edge_mm
                                       const ProgressFn &progress) {
   BodyGeometry built;
   auto cleaned = [&] {
-    const TimeSpent masking(built.took.masks_s);
-    return imaging::withoutSpecks(asked, progress);
+    const ScopedTimer masking(built.took.masks_s);
+    return imaging::removeSpecks(asked, progress);
   }();
   if (!cleaned) return tl::unexpected(cleaned.error());
   const imaging::Mask &mask = cleaned->mask;
@@ -249,18 +249,18 @@ Expected<BodyGeometry> bodyGeometryOf(const imaging::Mask &asked, double edge_mm
   imaging::SurfaceSettings settings;
   settings.edgeLength = edge_mm;
   {
-    const TimeSpent surfacing(built.took.surfaces_s);
+    const ScopedTimer surfacing(built.took.surfaces_s);
     auto surface = imaging::surfaceOf(mask, settings, progress);
     if (!surface) return tl::unexpected(surface.error());
     auto skin = geometry::buildMesh(std::move(*surface), geometry::LengthUnit::millimetre);
     if (!skin) return tl::unexpected(skin.error());
     built.skin = std::move(*skin);
-    // Tissues are where their voxels are, whatever the skin leaves out.
+    // Tissues occupy their voxels, whatever the skin leaves out.
     built.coverage =
         isOfTissues ? coverageOf(asked, mask, cleaned->specks) : coverageOf(asked, built.skin.mesh, cleaned->specks);
   }
   {
-    const TimeSpent filling(built.took.fills_s);
+    const ScopedTimer filling(built.took.fills_s);
     auto fill = imaging::fillOf(mask, coarsestOf(built.volume_mm3, points));
     if (!fill) return tl::unexpected(fill.error());
     built.fill = std::move(*fill);
@@ -270,7 +270,7 @@ Expected<BodyGeometry> bodyGeometryOf(const imaging::Mask &asked, double edge_mm
 
 Expected<void> addTissues(const scene::SceneVolume &volume, const imaging::LabelMap &tissues, double points,
                           BodyGeometry &geometry) {
-  const TimeSpent filling(geometry.took.fills_s);
+  const ScopedTimer filling(geometry.took.fills_s);
   const double coarsest = coarsestOf(geometry.volume_mm3, points);
   std::vector<std::uint16_t> rigid;
   for (std::size_t i = 0; i < volume.tissues.size(); ++i) {
@@ -281,7 +281,7 @@ Expected<void> addTissues(const scene::SceneVolume &volume, const imaging::Label
       continue;
     }
     auto fill = imaging::fillOf(imaging::maskOf(tissues, number), coarsest);
-    if (!fill && !volume.takesKnownTissues && !volume.cut && !volume.region)
+    if (!fill && !volume.usesKnownTissues && !volume.cut && !volume.region)
       return fail(fill.error().code, "tissue '" + volume.tissues[i].label +
                                          "' has no voxel of its own: labels of other tissues lie over all of it, or "
                                          "'mend' has taken it away (largest: it lies apart from the largest piece)");

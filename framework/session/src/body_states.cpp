@@ -29,7 +29,7 @@ PointArray displacements(const std::vector<double> &now, const std::vector<doubl
   return out;
 }
 
-/// VTK has matrices row by row, the fields are column-major.
+/// VTK stores matrices row by row, the fields are column-major.
 std::vector<double> rowByRow(const std::vector<double> &matrices) {
   std::vector<double> out(matrices.size());
   for (std::size_t m = 0; m + 9 <= matrices.size(); m += 9)
@@ -38,7 +38,7 @@ std::vector<double> rowByRow(const std::vector<double> &matrices) {
   return out;
 }
 
-/// Positions now, and arrays of every other field, displacements first.
+/// Present positions, and arrays of every other field, displacements first.
 Expected<void> readPoints(const FieldReader &reader, const std::string &what, std::vector<Vec3> &points,
                           std::vector<PointArray> &arrays) {
   const auto now = reader.read(C3DE_SIM_FIELD_POSITION, 3),
@@ -71,10 +71,10 @@ Expected<void> readSkin(const FieldReader &reader, const c3de_simulator_v1 *tabl
   if (view.count > 0 && (view.comps != 3 || view.dtype != C3DE_U32 || view.data == nullptr))
     return fail(ErrorCode::plugin, "the triangles of '" + body.name + "' are not three u32 each");
   constexpr auto kTight = static_cast<std::int64_t>(sizeof(Triangle));
-  if (view.count > kMostPoints || (view.stride != 0 && view.stride < kTight))
+  if (view.count > kMaxPoints || (view.stride != 0 && view.stride < kTight))
     return fail(ErrorCode::plugin, "the triangles of '" + body.name + "': " + std::to_string(view.count) +
                                        " rows of stride " + std::to_string(view.stride) + "; accepted: up to " +
-                                       std::to_string(kMostPoints) + " rows, stride 0 (tight) or at least " +
+                                       std::to_string(kMaxPoints) + " rows, stride 0 (tight) or at least " +
                                        std::to_string(kTight));
   const std::size_t stride = view.stride ? static_cast<std::size_t>(view.stride) : sizeof(Triangle);
   body.skin.triangles.resize(static_cast<std::size_t>(view.count));
@@ -112,11 +112,11 @@ Expected<std::vector<BodyState>> readBodyStates(c3de_object *simulator, BodyPart
     if (const c3de_status code = (*table)->body_info(simulator, handle, &info); code < 0)
       return refused("the name of a body", code);
     BodyState body;
-    body.name = shownText(fromAbi(info.name));
+    body.name = displayText(fromAbi(info.name));
     for (const std::uint64_t points : {info.surface_points, info.points})
-      if (points > kMostPoints)
+      if (points > kMaxPoints)
         return fail(ErrorCode::plugin, "the simulator says that body '" + body.name + "' has " +
-                                           std::to_string(points) + " points; at most " + std::to_string(kMostPoints) +
+                                           std::to_string(points) + " points; at most " + std::to_string(kMaxPoints) +
                                            " are possible");
     const FieldReader skin(*table, simulator, handle, C3DE_SIM_ON_SURFACE, info.surface_points);
     if (auto ok = readSkin(skin, *table, simulator, handle, body); !ok) return tl::unexpected(ok.error());

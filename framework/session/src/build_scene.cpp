@@ -22,7 +22,7 @@ Expected<void> readSceneImage(const scene::SceneFile &scene, BodySources &source
     if (const auto read = sources.labels(labels, options); !read) return failInScene(read.error(), scene, image.line);
     sources.reportNotices(labels);
   }
-  // That the labels which are to stay are there; presets add none that are not.
+  // Checks that the labels of fixed regions exist; presets add none that are missing.
   if (!image.still.labels.empty())
     if (auto warp = imageWarpOf(scene, sources, {}); !warp) return tl::unexpected(warp.error());
   return {};

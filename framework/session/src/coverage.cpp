@@ -11,11 +11,11 @@
 namespace c3de::session {
 namespace {
 
-constexpr double kWorthSaying = 1e-3;  // of what was asked for
+constexpr double kReportedFraction = 1e-3;  // of the requested volume
 
 Coverage missingOf(const imaging::Mask &asked, imaging::Mask missing, std::size_t specks) {
   Coverage out;
-  out.asked_mm3 = imaging::volumeOf(asked);
+  out.requested_mm3 = imaging::volumeOf(asked);
   out.missing_mm3 = imaging::volumeOf(missing);
   out.specks = specks;
   if (out.missing_mm3 > 0.0) out.missing = std::make_shared<const imaging::Mask>(std::move(missing));
@@ -36,7 +36,7 @@ Coverage coverageOf(const imaging::Mask &asked, const imaging::Mask &filled, std
 }
 
 std::string sentenceOf(const Coverage &coverage) {
-  if (!(coverage.missing_mm3 > kWorthSaying * coverage.asked_mm3)) return {};
+  if (!(coverage.missing_mm3 > kReportedFraction * coverage.requested_mm3)) return {};
   std::string text = fmt::format("{:.3g} ml ({:.2g} %) of what was asked for as '{}' is in no body",
                                  1e-3 * coverage.missing_mm3, 100.0 * (1.0 - coverage.part()), coverage.body);
   if (coverage.specks > 0)

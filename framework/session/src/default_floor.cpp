@@ -12,7 +12,7 @@
 namespace c3de::session {
 namespace {
 
-constexpr double kGap = 0.05, kMargin = 1.0, kRoomAbove = 2.0, kFramed = 0.3;  // of the largest extent
+constexpr double kGap = 0.05, kMargin = 1.0, kSpaceAbove = 2.0, kFramed = 0.3;  // of the largest extent
 
 double largestExtent(const Bounds_m &bounds) {
   const Vec3 extent = bounds.max - bounds.min;
@@ -21,10 +21,10 @@ double largestExtent(const Bounds_m &bounds) {
 
 }  // namespace
 
-Bounds_m roomAround(const Bounds_m &bodies) {
+Bounds_m wallsAround(const Bounds_m &bodies) {
   const double extent = largestExtent(bodies);
   return {bodies.min - Vec3{kMargin * extent, kGap * extent, kMargin * extent},
-          bodies.max + Vec3{kMargin * extent, kRoomAbove * extent, kMargin * extent}};
+          bodies.max + Vec3{kMargin * extent, kSpaceAbove * extent, kMargin * extent}};
 }
 
 Bounds_m framedWith(const Bounds_m &bodies, const Bounds_m &room) {
@@ -49,12 +49,12 @@ std::optional<Bounds_m> boundsOfBodies(c3de_object *simulator) {
   return bounds;
 }
 
-Expected<std::optional<Bounds_m>> putUpRoom(c3de_object *simulator, const Bounds_m &bodies) {
+Expected<std::optional<Bounds_m>> addSurroundingWalls(c3de_object *simulator, const Bounds_m &bodies) {
   const auto table = simulatorTable(simulator);
   if (!table) return tl::unexpected(table.error());
   const auto decls = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD);
   if (!decls) return tl::unexpected(decls.error());
-  const Bounds_m room = roomAround(bodies);
+  const Bounds_m room = wallsAround(bodies);
   std::vector<ParameterValue> values(3);
   values[0].id = C3DE_PARAM_ID_BOX_MIN;
   values[1].id = C3DE_PARAM_ID_BOX_MAX;
@@ -66,13 +66,13 @@ Expected<std::optional<Bounds_m>> putUpRoom(c3de_object *simulator, const Bounds
   values[2].num = 1.0;
   for (const ParameterValue &value : values) {
     const auto decl = findParameter(*decls, value.id);
-    // A simulator without walls, or a body too large for them, falls as before.
+    // Without walls in the simulator, or with a body too large for them, bodies fall as before.
     if (!decl || !checkParameter(**decl, value)) return std::nullopt;
   }
   const std::vector<c3de_param_value> abi = toAbi(values);
   if (const c3de_status code = (*table)->set_world(simulator, abi.data(), abi.size(), sizeof(c3de_param_value));
       code < 0)
-    return fail(ErrorCode::plugin, "the simulator takes no walls (status " + std::to_string(code) + ")");
+    return fail(ErrorCode::plugin, "the simulator refused the walls (status " + std::to_string(code) + ")");
   return room;
 }
 

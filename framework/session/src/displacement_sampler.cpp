@@ -16,16 +16,16 @@
 namespace c3de::session {
 namespace {
 
-// Between two displacements while it plays.
-constexpr double kLeastMilliseconds = 50.0;
-constexpr double kTimes = 4.0;  // as long as one took, from its beginning to that of the next
+// Minimum time between two displacements during playback.
+constexpr double kMinMilliseconds = 50.0;
+constexpr double kTimes = 4.0;  // times the duration of one, from its start to the start of the next
 
-// The bodies with what stays around them by a rule; null: nothing does, or too little memory is left.
-std::shared_ptr<const imaging::Mask> withStill(const std::shared_ptr<const imaging::Mask> &bodies,
-                                               const StillPlaces &still) try {
+// The bodies with the regions that a rule fixes around them; null: there are none, or memory is insufficient.
+std::shared_ptr<const imaging::Mask> withFixedRegions(const std::shared_ptr<const imaging::Mask> &bodies,
+                                                      const FixedRegions &still) try {
   if (!bodies || !still.image || still.rule.isEmpty()) return nullptr;
   auto places = std::make_shared<imaging::Mask>(*bodies);
-  if (!imaging::markStill(still.rule, still.image->volume, still.labels ? &still.labels->map : nullptr, *places))
+  if (!imaging::markFixedRegions(still.rule, still.image->volume, still.labels ? &still.labels->map : nullptr, *places))
     return nullptr;
   return places;
 } catch (const std::bad_alloc &) {
@@ -50,7 +50,7 @@ PresentBodies presentBodies(const c3de_simulator_v1 *table, c3de_object *simulat
 
 bool readDisplacement(const c3de_simulator_v1 *table, c3de_object *simulator, double rim_mm,
                       imaging::DisplacementGrid &grid) {
-  if (!servesFills(table) || grid.geometry.voxelCount() == 0) return false;
+  if (!supportsFills(table) || grid.geometry.voxelCount() == 0) return false;
   grid.xyz_mm.resize(3 * grid.geometry.voxelCount());
   grid.gap_mm.resize(grid.geometry.voxelCount());
   const c3de_sim_grid asked = toAbi(grid.geometry);
@@ -63,11 +63,11 @@ bool readDisplacement(const c3de_simulator_v1 *table, c3de_object *simulator, do
 }
 
 std::shared_ptr<imaging::Mask> referenceBodies(c3de_object *simulator, const imaging::VolumeGeometry &image,
-                                               const std::vector<TissuePlaces> *tissues) try {
+                                               const std::vector<TissueVoxels> *tissues) try {
   const auto bodies = readBodyStates(simulator, BodyParts::skin, {});
   if (!bodies || image.voxelCount() == 0) return nullptr;
   const auto hasMap = [&](const std::string &name) {
-    return tissues != nullptr && std::any_of(tissues->begin(), tissues->end(), [&](const TissuePlaces &places) {
+    return tissues != nullptr && std::any_of(tissues->begin(), tissues->end(), [&](const TissueVoxels &places) {
              return places.map && places.body == name;
            });
   };
@@ -102,7 +102,7 @@ void DisplacementSampler::begin() {
   offered_.clear();
 }
 
-void DisplacementSampler::wantFields(const FieldsWanted &fields) {
+void DisplacementSampler::requestFields(const RequestedFields &fields) {
   const std::lock_guard lock(mutex_);
   fields_ = fields;
 }
@@ -113,12 +113,12 @@ std::vector<PointField> DisplacementSampler::offered() const {
 }
 
 void DisplacementSampler::want(bool wanted, double rim_mm, const imaging::VolumeGeometry &image,
-                               const StillPlaces &still) {
+                               const FixedRegions &still) {
   const std::lock_guard lock(mutex_);
   if (image.size != image_.size || image.indexToWorld != image_.indexToWorld) ++serial_;
   image_ = image;
   still_ = still;
-  rim_mm_ = rim_mm;
+  falloff_mm_ = rim_mm;
   wanted_ = wanted;
 }
 
@@ -127,14 +127,14 @@ std::shared_ptr<const imaging::DisplacementGrid> DisplacementSampler::onPublishe
   const std::lock_guard asking(askingMutex_);
   const auto from = std::chrono::steady_clock::now();
   const std::chrono::duration<double, std::milli> since = from - last_;
-  behind_ = simulation.state().mode == C3DE_SIM_PLAYING &&
-            since.count() < std::max(kLeastMilliseconds, kTimes * milliseconds_);
+  behind_ =
+      simulation.state().mode == C3DE_SIM_PLAYING && since.count() < std::max(kMinMilliseconds, kTimes * milliseconds_);
   if (behind_) return nullptr;
-  const double rim = rim_mm_;
+  const double falloff = falloff_mm_;
   const std::uint64_t serial = serial_;
   imaging::VolumeGeometry image;
-  StillPlaces still;
-  FieldsWanted fields;
+  FixedRegions still;
+  RequestedFields fields;
   {
     const std::lock_guard lock(mutex_);
     image = image_;
@@ -152,19 +152,19 @@ std::shared_ptr<const imaging::DisplacementGrid> DisplacementSampler::onPublishe
     reference_ = referenceBodies(simulation.object(), image, still.tissues.get());
   if (isNew || !(still == marked_)) {
     marked_ = still;
-    const std::shared_ptr<const imaging::Mask> places = withStill(reference_, still);
+    const std::shared_ptr<const imaging::Mask> places = withFixedRegions(reference_, still);
     bodies_ = places ? places : reference_;
-    hasStill_ = bodies_ && imaging::holdsStill(*bodies_);
+    hasStill_ = bodies_ && imaging::hasFixedVoxels(*bodies_);
   }
   const PresentBodies bodies = presentBodies(simulation.table(), simulation.object());
-  grid_.follow(bodies.box, bodies.spacing_mm, rim);
+  grid_.follow(bodies.box, bodies.spacing_mm, falloff);
   auto grid = std::make_shared<imaging::DisplacementGrid>();
   grid->geometry = grid_.geometry();
   grid->bodies = bodies_;
-  grid->hasStill = hasStill_;
-  if (!readDisplacement(simulation.table(), simulation.object(), rim, *grid)) return nullptr;
+  grid->hasFixedRegions = hasStill_;
+  if (!readDisplacement(simulation.table(), simulation.object(), falloff, *grid)) return nullptr;
   addFields(simulation.table(), simulation.object(), fields, *grid);
-  last_ = from;  // the next one counts from where this one began: a quarter of the time is for them
+  last_ = from;  // intervals count from the start of a query: at most a quarter of the time is used for them
   milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();
   const std::lock_guard lock(mutex_);
   if (serial == serial_) newest_ = grid;

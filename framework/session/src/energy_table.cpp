@@ -29,7 +29,7 @@ Expected<EnergyTable> EnergyTable::create(const std::filesystem::path &file, con
   std::vector<std::string> names;
   for (const auto &[name, value] : *energies) {
     names.push_back(name);
-    head += ',' + csvCell(shownText(name) + " [J]");
+    head += ',' + csvCell(displayText(name) + " [J]");
   }
   if (const auto added = rows->add(head + '\n'); !added) return tl::unexpected(added.error());
   return EnergyTable(std::move(*rows), std::move(names));

@@ -17,14 +17,14 @@
 #include "c3de/imaging/writing.h"
 #include "c3de/session/body_sources.h"
 #include "c3de/session/displacement_sampler.h"
-#include "c3de/session/still_rule.h"
+#include "c3de/session/fixed_region_rule.h"
 
 namespace c3de::session {
 namespace {
 
-/// Around all bodies as they are now, as far as the image reaches: only there something is written.
+/// Around all bodies in their present positions, within the extent of the image: nothing is written elsewhere.
 imaging::VolumeGeometry gridOf(const PresentBodies &bodies, const imaging::VolumeGeometry &image, double rim_mm) {
-  // Nothing waits for a file as for a frame: finer than the live grid, and whatever is in the image is warped.
+  // A file has no frame deadline: the grid is finer than the live one, and everything in the image is warped.
   imaging::FollowingGrid grid({.mostPoints = 144, .coarsestStep = std::numeric_limits<double>::infinity()});
   imaging::WorldBox box = bodies.box;
   box.cutTo(imaging::boxOf(image).grown(rim_mm + bodies.spacing_mm));
@@ -50,7 +50,7 @@ bool isSameFile(const std::filesystem::path &a, const std::filesystem::path &b) 
 bool isOfLabels(const scene::SceneBody &body) {
   const scene::SceneVolume &volume = body.volume;
   return !volume.file.empty() && !volume.threshold &&
-         (volume.hasTissues() ? volume.asksForLabels() : volume.label || !volume.labelName.empty());
+         (volume.hasTissues() ? volume.usesLabels() : volume.label || !volume.labelName.empty());
 }
 
 }  // namespace
@@ -85,15 +85,15 @@ Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFil
     }
   }
   if (!wanted.displacement.empty())
-    for (const std::filesystem::path &file : {wanted.displacement, vacatedFile(wanted.displacement)})
+    for (const std::filesystem::path &file : {wanted.displacement, emptiedFile(wanted.displacement)})
       if (auto good = checkImageFile(file); !good) return good;
   return {};
 }
 
 Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, BodySources &sources,
-                                const scene::MaterialLibrary &materials, const std::vector<TissuePlaces> &tissues) {
+                                const scene::MaterialLibrary &materials, const std::vector<TissueVoxels> &tissues) {
   ImageWarp how;
-  if (!tissues.empty()) how.tissues = std::make_shared<const std::vector<TissuePlaces>>(tissues);
+  if (!tissues.empty()) how.tissues = std::make_shared<const std::vector<TissueVoxels>>(tissues);
   if (!scene.image) return how;
   const scene::SceneImage &asked = *scene.image;
   how.rim_mm = asked.rim_mm;
@@ -105,10 +105,10 @@ Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, BodySources &sour
   if (!asked.labels.empty()) {
     const auto labels = sources.labels(asked.labels.back(), {});
     if (!labels) return failInScene(labels.error(), scene, asked.line);
-    // Of segments in layers the first are asked.
+    // For segments in several layers the first layer is used.
     how.labels = std::shared_ptr<const imaging::LabelMap>(*labels, &(*labels)->front());
   }
-  auto rule = stillRuleOf(asked.still, **image, how.labels.get(), materials);
+  auto rule = fixedRegionRuleOf(asked.still, **image, how.labels.get(), materials);
   if (!rule) return failInScene(rule.error(), scene, asked.line);
   how.still = std::move(*rule);
   return how;
@@ -122,14 +122,14 @@ Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v1 
     return fail(ErrorCode::state, "the simulator does not say how far its bodies have moved");
   const std::shared_ptr<imaging::Mask> bodies = referenceBodies(simulator, image.geometry, how.tissues.get());
   if (bodies && !how.still.isEmpty())
-    if (auto marked = imaging::markStill(how.still, image, how.labels.get(), *bodies); !marked)
+    if (auto marked = imaging::markFixedRegions(how.still, image, how.labels.get(), *bodies); !marked)
       return tl::unexpected(marked.error());
-  u.hasStill = bodies && imaging::holdsStill(*bodies);
+  u.hasFixedRegions = bodies && imaging::hasFixedVoxels(*bodies);
   u.bodies = bodies;
   return u;
 }
 
-std::filesystem::path vacatedFile(const std::filesystem::path &displacement) {
+std::filesystem::path emptiedFile(const std::filesystem::path &displacement) {
   return displacement.empty() ? displacement : withSuffix(displacement, "-vacated");
 }
 
@@ -204,13 +204,13 @@ Expected<std::string> writeImages(const ImageExport &wanted, const imaging::Volu
   if (wanted.displacement.empty()) return told;
   const auto field = imaging::resampled(u, image.geometry, progress, threads);
   if (!field) return tl::unexpected(field.error());
-  auto vacated = imaging::vacatedPlaces(u, image.geometry, progress, threads);
+  auto vacated = imaging::emptiedRegions(u, image.geometry, progress, threads);
   if (!vacated) return tl::unexpected(vacated.error());
   if (auto written = imaging::writeVectorField(wanted.displacement, field->geometry, field->xyz_mm); !written)
     return tl::unexpected(written.error());
   const std::size_t voxels = imaging::voxelCount(*vacated);
   const double millilitres = static_cast<double>(voxels) * image.geometry.voxelVolume() / 1000.0;
-  const std::filesystem::path mask = vacatedFile(wanted.displacement);
+  const std::filesystem::path mask = emptiedFile(wanted.displacement);
   imaging::Volume marks;
   marks.geometry = vacated->geometry;
   marks.voxels = std::move(vacated->voxels);

@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using geometry::PointArray;
 
-/// Unfinished lists are replaced by finished ones this often.
+/// Interval between updates of the unfinished list.
 constexpr std::chrono::seconds kListEvery{1};
 
 std::string utf8(const fs::path &path) {
@@ -23,7 +23,7 @@ std::string utf8(const fs::path &path) {
   return {text.begin(), text.end()};
 }
 
-/// A part of a file name on every system.
+/// A valid file name component on every system.
 std::string fileNameOf(const std::string &name) {
   std::string out;
   for (const char c : name) {
@@ -42,7 +42,7 @@ std::string numbered(const char *stem, std::size_t frame, const char *extension)
   return text;
 }
 
-/// Rows of all bodies one after the other; arrays that not every body has are left out.
+/// Rows of all bodies concatenated; arrays that not every body has are omitted.
 template <class ArraysOf, class CountOf>
 std::vector<PointArray> joined(const std::vector<BodyState> &bodies, ArraysOf &&arraysOf, CountOf &&countOf) {
   std::vector<PointArray> out;
@@ -90,7 +90,7 @@ Expected<void> checkSimulationExport(const fs::path &list) {
   const fs::path folder = framesFolder(list);
   std::error_code code;
   if (!fs::exists(folder, code)) {
-    // Where the list can be written its folder can be made.
+    // Where the list can be written, its folder can be created.
     return {};
   }
   if (!fs::is_directory(folder, code))
@@ -174,7 +174,7 @@ Expected<void> checkSurfaceExport(const geometry::MeshFormats &formats, const fs
 }
 
 void writeSurfaces(const geometry::MeshFormats &formats, const fs::path &file, const std::vector<BodyState> &bodies,
-                   const SurfaceTold &told) {
+                   const SurfaceCallback &told) {
   if (bodies.empty()) return told(file, fail(ErrorCode::state, utf8(file) + ": not written: there is no body"));
   std::vector<std::string> names;
   for (const BodyState &body : bodies) names.push_back(body.name);

@@ -14,7 +14,7 @@
 
 namespace c3de::session {
 
-/// Reads the fields of one body on its points or on its surface.
+/// Reads the fields of one body at its points or on its surface.
 class FieldReader {
  public:
   FieldReader(const c3de_simulator_v1 *table, c3de_object *simulator, c3de_handle body, std::uint32_t on,
@@ -32,7 +32,7 @@ class FieldReader {
       std::vector<Field> found;
     } visit{on_, {}};
     (void)table_->enum_fields(simulator_, body_, &visit, [](void *visitor, const c3de_sim_field *field) -> c3de_status {
-      // Nothing may be thrown through the boundary.
+      // No exception may cross the boundary.
       try {
         auto &to = *static_cast<Visit *>(visitor);
         if (const std::string problem = sizeProblem(field); !problem.empty()) {
@@ -41,7 +41,7 @@ class FieldReader {
         }
         const bool isKnown = field->comps == 1 || field->comps == 3 || field->comps == 9;
         if (field->on == to.on && isKnown)
-          to.found.push_back({std::string(fromAbi(field->name)), shownText(fromAbi(field->unit)), field->comps});
+          to.found.push_back({std::string(fromAbi(field->name)), displayText(fromAbi(field->unit)), field->comps});
         return C3DE_OK;
       } catch (...) {
         return C3DE_E_NOMEM;

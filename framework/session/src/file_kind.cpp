@@ -17,12 +17,12 @@ FileKind kindOf(const std::filesystem::path &path, const geometry::MeshFormats *
   if (std::filesystem::is_directory(path, code)) return FileKind::image;
   if (scene::isScenePath(path)) return FileKind::scene;
   if (formats ? formats->isMeshFile(path) : geometry::isMeshFile(path)) return FileKind::mesh;
-  return imaging::looksLikeImage(path) ? FileKind::image : FileKind::unknown;
+  return imaging::isLikelyImage(path) ? FileKind::image : FileKind::unknown;
 }
 
 Error unknownKind(const std::filesystem::path &path, const geometry::MeshFormats *formats) {
   std::error_code code;
-  if (const std::string instead = whatInsteadOfFile(path); !instead.empty() && std::filesystem::exists(path, code))
+  if (const std::string instead = describeNonFile(path); !instead.empty() && std::filesystem::exists(path, code))
     return {ErrorCode::input, path.string() + ": " + instead};
   const auto own = geometry::meshExtensions();
   std::string meshes;

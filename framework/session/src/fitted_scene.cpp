@@ -11,9 +11,9 @@
 namespace c3de::session {
 namespace {
 
-// Bodies are handed over one after the other; the first one has to leave time for the others.
-void sayHowManyShareBudget(const scene::SceneFile &scene, const std::vector<ParameterDecl> &declared,
-                           std::vector<ParameterValue> &world) {
+// Bodies are passed one by one, and the first one has to leave time budget for the others.
+void setBudgetShare(const scene::SceneFile &scene, const std::vector<ParameterDecl> &declared,
+                    std::vector<ParameterValue> &world) {
   const std::string id = C3DE_PARAM_ID_ACCURACY_BODIES;
   if (std::none_of(declared.begin(), declared.end(), [&](const ParameterDecl &d) { return d.id == id; })) return;
   if (std::any_of(world.begin(), world.end(), [&](const ParameterValue &v) { return v.id == id; })) return;
@@ -28,14 +28,14 @@ void sayHowManyShareBudget(const scene::SceneFile &scene, const std::vector<Para
   world.push_back(std::move(bodies));
 }
 
-/// That the simulator has what the scene asks for beside values.
-Expected<void> checkServed(c3de_object *simulator, const scene::SceneFile &scene) {
+/// Checks that the simulator supports the features that the scene requires besides values.
+Expected<void> checkSupported(c3de_object *simulator, const scene::SceneFile &scene) {
   const auto refuse = [&](int line, const char *what) {
     return fail(ErrorCode::input, scene.where(line) + ": '" + what + "' is not served by this simulator");
   };
   const auto table = simulatorTable(simulator);
   if (!table) return tl::unexpected(table.error());
-  if (!servesFills(*table))
+  if (!supportsFills(*table))
     for (const scene::SceneBody &body : scene.bodies)
       if (body.mesh.empty()) return refuse(body.line, "volume");
   const auto contact = contactTable(simulator);
@@ -74,7 +74,7 @@ Expected<FittedBody> fitBody(const scene::SceneFile &scene, const scene::SceneBo
 }  // namespace
 
 Expected<FittedScene> fitScene(c3de_object *simulator, scene::SceneFile scene) {
-  if (const auto served = checkServed(simulator, scene); !served) return tl::unexpected(served.error());
+  if (const auto served = checkSupported(simulator, scene); !served) return tl::unexpected(served.error());
   const auto world = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD);
   if (!world) return tl::unexpected(world.error());
   const auto body = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_BODY);
@@ -86,7 +86,7 @@ Expected<FittedScene> fitScene(c3de_object *simulator, scene::SceneFile scene) {
   auto values = scene::fitToDeclarations(scene, scene.world, *world);
   if (!values) return tl::unexpected(values.error());
   fitted.world = std::move(*values);
-  sayHowManyShareBudget(scene, *world, fitted.world);
+  setBudgetShare(scene, *world, fitted.world);
   for (const scene::SceneBody &one : scene.bodies) {
     auto good = fitBody(scene, one, *body);
     if (!good) return tl::unexpected(good.error());

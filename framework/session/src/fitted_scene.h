@@ -11,23 +11,23 @@
 
 namespace c3de::session {
 
-/// The values of a body as its simulator declares them.
+/// The values of a body, matched to the declarations of the simulator.
 struct FittedBody {
   std::vector<ParameterValue> values;
   std::vector<std::vector<ParameterValue>> parts;  ///< in the order of SceneBody::parts
 };
 
-/// A scene of which a simulator knows every key and takes every value.
+/// A scene whose keys and values a simulator has all accepted.
 struct FittedScene {
   scene::SceneFile scene;
   std::vector<ParameterValue> world;
   std::vector<FittedBody> bodies;                      ///< in the order of the scene
-  std::vector<std::vector<ParameterValue>> obstacles;  ///< likewise
+  std::vector<std::vector<ParameterValue>> obstacles;  ///< in the order of the scene
 };
 
-/// Checks a scene against what a simulator declares and serves. Reads no file. Errors begin with the place in the
-/// scene: an unknown key (names the nearest), a value outside of what is accepted, volumes, contact pairs, probe tools,
-/// attachments or grasps that the simulator does not serve. Any thread.
+/// Checks a scene against the declarations and features of a simulator. Reads no file. Errors begin with the location
+/// in the scene: an unknown key (names the nearest), a value outside the accepted range, volumes, contact pairs, probe
+/// tools, attachments or grasps that the simulator does not support. Any thread.
 [[nodiscard]] Expected<FittedScene> fitScene(c3de_object *simulator, scene::SceneFile scene);
 
 }  // namespace c3de::session

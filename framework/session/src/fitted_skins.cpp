@@ -10,8 +10,8 @@ namespace c3de::session {
 namespace {
 
 constexpr int kRounds = 2;
-constexpr double kGap = 1.0 / 3.0;  // of the reach: wider gaps are beside rims, and nobody's
-constexpr double kFacing = -0.5;    // cosine of normals: a thin layer's other face is not meant
+constexpr double kGap = 1.0 / 3.0;  // of the reach: wider gaps are next to rims and belong to no pair of skins
+constexpr double kFacing = -0.5;    // cosine of normals: excludes the opposite face of a thin layer
 
 }  // namespace
 

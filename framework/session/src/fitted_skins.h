@@ -9,9 +9,10 @@
 
 namespace c3de::session {
 
-/// Skins of the pieces of one body, each smoothed by itself, meet in the middle: a vertex that another skin is near to
-/// and faces goes half of the way there, twice. What is left are the heights of edges over curved places.
-/// @param reach_mm  > 0, how far inside; outside a third of that
+/// Fits the skins of the pieces of one body, which are smoothed separately, so that they meet halfway. A vertex that is
+/// close to another skin and faces it moves half the distance, twice. Remaining gaps are the sagitta of edges over
+/// curved regions.
+/// @param reach_mm  > 0, search distance inside the other skin; outside a third of it
 /// Errors: a skin with a vertex that is not finite.
 [[nodiscard]] Expected<void> fitSkins(std::span<geometry::TriangleMesh *const> skins, double reach_mm);
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "c3de/core/foreign_call.h"
 #include "c3de/core/platform.h"
+#include "c3de/core/plugin_call.h"
 #include "c3de/core/text.h"
 #include "c3de/scene/force_fields.h"
 #include "c3de/scene/text_sink.h"
@@ -18,9 +18,9 @@
 namespace c3de::session {
 namespace {
 
-constexpr double kEnergyRows = 200.0;  // of a run
+constexpr double kEnergyRows = 200.0;  // per run
 
-/// For people: 0.0984 rather than 0.09838074452694451.
+/// For the user: 0.0984 rather than 0.09838074452694451.
 std::string threeDigits(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.3g", value);
@@ -57,7 +57,7 @@ bool HeadlessRun::isDone() const {
   if (finished_) return true;
   if (options_.steps) return facts_.steps >= *options_.steps;
   if (isQuasistatic()) return false;
-  // Many steps add up to a hair below the end; that hair is no step.
+  // The sum of many steps may be slightly below the end; the remainder is not a step.
   const double until_s = options_.until_s.value_or(kDefaultDuration_s);
   return facts_.time_s >= until_s - 1e-6 * facts_.dt_s;
 }
@@ -83,7 +83,7 @@ Expected<void> HeadlessRun::addFrame() {
 
 void HeadlessRun::exportFrame(bool isEnd) {
   if (!export_ || exportedStep_ == facts_.steps) return;
-  // Many steps add up to a hair below the time of a frame. Load steps have no time: each is a frame.
+  // The sum of many steps may be slightly below the time of a frame. Load steps have no time: each is a frame.
   const bool isDue = isQuasistatic() || facts_.time_s >= nextFrame_s_ - 1e-6 * facts_.dt_s;
   if (!isDue && !isEnd) return;
   if (const auto added = addFrame(); !added) {
@@ -125,7 +125,7 @@ Expected<void> HeadlessRun::sampleProbes() {
 
 void HeadlessRun::sampleEnergies(bool isEnd) {
   if (!wantsEnergies_ || energyStep_ == facts_.steps) return;
-  // A report may take as long as many steps do.
+  // A report may take as long as many steps.
   const double row = energies_ ? std::floor(kEnergyRows * fraction()) : 0.0;
   if (!isEnd && energies_ && row <= energyRow_) return;
   energyRow_ = row;
@@ -159,7 +159,7 @@ Expected<void> HeadlessRun::run() {
   using Clock = std::chrono::steady_clock;
   facts_.threads = session_.pool().threadCount();
   facts_.seed = options_.seed;
-  // Beside this one there is no other; who steps it is this function.
+  // This is the only simulation, and this function steps it.
   if (const auto adopted = session_.adoptForRun(simulator_, options_.scene.stem().string()); !adopted) return adopted;
   scene::Simulation &simulation = *session_.simulation();
   if (const auto read = readStatus(); !read) return read;
@@ -205,8 +205,8 @@ Expected<void> HeadlessRun::run() {
       facts_.failure = ready.error().message;
       break;
     }
-    const c3de_status code =
-        callForeign(owner, "a step of the simulation", CallKind::step, [this] { return table_->step(simulator_); });
+    const c3de_status code = callPluginFunction(owner, "a step of the simulation", CallKind::step,
+                                                [this] { return table_->step(simulator_); });
     const double step_s = std::chrono::duration<double>(Clock::now() - begin).count();
     wall_s += step_s;
     facts_.cpu_s += processorTime_s() - cpuBegin_s;
@@ -217,7 +217,7 @@ Expected<void> HeadlessRun::run() {
     facts_.wall_s = wall_s;
     if (code == C3DE_E_CANCELLED) {
       (void)session_.plugins().takeError();
-      // By the limit or by a signal: the next look at them says which.
+      // By the limit or by a signal: the checks at the top of the loop determine which.
       if (wasInterrupted() || (limits_.deadline && Clock::now() >= *limits_.deadline)) continue;
     }
     if (code < 0) {
@@ -259,7 +259,7 @@ Expected<void> HeadlessRun::run() {
     facts_.failure = std::to_string(stopped_) + (stopped_ == 1 ? " body" : " bodies") +
                      " stopped on the way; \"events\" of the report say which, where and what would help";
   }
-  // The end, whatever brought it about, is the last row.
+  // The end, whatever its cause, is the last row.
   if (wantsProbes_ && sampledStep_ != facts_.steps)
     if (const auto sampled = sampleProbes(); !sampled) return sampled;
   exportFrame(true);

@@ -6,7 +6,7 @@
 namespace c3de::session {
 namespace {
 
-// A signal handler takes no argument, so this one flag has to be static.
+// A signal handler has no argument, so this flag has to be static.
 volatile std::sig_atomic_t interrupted = 0;
 
 extern "C" void noteInterrupt(int signal) {
@@ -17,7 +17,7 @@ extern "C" void noteInterrupt(int signal) {
 #ifdef SIGHUP
 extern "C" void noteHangUp(int signal) {
   interrupted = 1;
-  std::signal(signal, SIG_IGN);  // of a terminal that closes the shell and the kernel send one each
+  std::signal(signal, SIG_IGN);  // on closing a terminal, the shell and the kernel send one each
 }
 #endif
 
@@ -27,7 +27,7 @@ void watchForInterrupt() {
   std::signal(SIGINT, noteInterrupt);
   std::signal(SIGTERM, noteInterrupt);
 #ifdef SIGHUP
-  if (std::signal(SIGHUP, noteHangUp) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // as nohup wants it
+  if (std::signal(SIGHUP, noteHangUp) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // as nohup requires
 #endif
 }
 

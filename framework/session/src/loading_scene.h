@@ -13,14 +13,14 @@
 
 namespace c3de::session {
 
-/// What a simulator calls the bodies and obstacles that it has been given, by their names in the scene.
+/// The simulator's handles of bodies and obstacles, by their names in the scene.
 using NamedHandles = std::map<std::string, c3de_handle>;
 
-/// A scene on its way into a simulator.
+/// A scene that is being loaded into a simulator.
 class LoadingScene {
  public:
   /// @param simulator  an object of one of the host's plugins, which the scene has been fitted to
-  /// Errors: it has no table of a simulator.
+  /// Errors: it has no simulator table.
   [[nodiscard]] static Expected<LoadingScene> into(c3de_object *simulator, plugin_host::PluginHost &host,
                                                    FittedScene scene);
 
@@ -28,15 +28,16 @@ class LoadingScene {
   [[nodiscard]] const scene::SceneFile &scene() const { return scene_.scene; }
   [[nodiscard]] c3de_object *simulator() const { return simulator_; }
   [[nodiscard]] const c3de_simulator_v1 *table() const { return table_; }
-  /// Whose the simulator is, as of ForeignCall.
+  /// The plugin that owns the simulator, as for PluginCall.
   [[nodiscard]] const char *owner() const { return host_->ownerOf(simulator_); }
 
-  /// Why a call of the simulator failed on this thread: what its plugin says, or else that `doing` failed; with the
-  /// place in the scene in front. Takes what the plugin has said.
+  /// Why a call of the simulator failed on this thread: the plugin's error text, or that `doing` failed, prefixed with
+  /// the location in the scene. Consumes the plugin's error text.
   /// @param code   below 0
   /// @param doing  "building body 'liver'"
-  /// @param line   of what was handed over
-  /// @param body   where the plugin may speak of one of its fixes, loads, parts or refinements: their line counts then
+  /// @param line   of the item passed to the simulator
+  /// @param body   set where the plugin may refer to one of its fixes, loads, parts or refinements: their line is used
+  /// then
   [[nodiscard]] Error failure(c3de_status code, const std::string &doing, int line,
                               const scene::SceneBody *body = nullptr) const;
 

@@ -11,7 +11,7 @@
 namespace c3de::session {
 namespace {
 
-constexpr std::uint8_t kInside = 2, kBeside = 1;               // of points of a grid, to a body
+constexpr std::uint8_t kInside = 2, kBeside = 1;               // relation of grid points to a body
 constexpr double kClose = 1e-4, kNear = 0.02, kEnough = 0.05;  // of a step
 
 using Mat3 = std::array<Vec3, 3>;  // columns
@@ -39,7 +39,7 @@ MaterialFollower::MaterialFollower(const imaging::DisplacementGrid &u, const ima
   for (std::size_t k = 0; k < n[2]; ++k)
     for (std::size_t j = 0; j < n[1]; ++j)
       for (std::size_t i = 0; i < n[0]; ++i, ++p) {
-        // A gap: the displacement leads to where this material is no more.
+        // A gap: the displacement points to a location that this material has left.
         if (u.gap_mm[p] > u.leastGap() || (!own_.empty() && own_[p] == 0)) continue;
         const Vec3 d{u.xyz_mm[3 * p], u.xyz_mm[3 * p + 1], u.xyz_mm[3 * p + 2]};
         const Vec3 x = u.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
@@ -52,7 +52,8 @@ MaterialFollower::MaterialFollower(const imaging::DisplacementGrid &u, const ima
 std::optional<MaterialFollower::Found> MaterialFollower::find(const Vec3 &X) const {
   std::optional<Found> best;
   double least = std::numeric_limits<double>::infinity();
-  // Where pieces of a body have parted, what lies beside one is where the other was: near the body it is found.
+  // Where pieces of a body have separated, space next to one piece overlaps the former position of another. The
+  // solution nearest the body is the right one.
   for (const Vec3 &seed : seedsOf(X)) {
     const auto found = findFrom(seed, X);
     if (!found) continue;
@@ -67,10 +68,11 @@ std::optional<MaterialFollower::Found> MaterialFollower::find(const Vec3 &X) con
 }
 
 std::optional<Vec3> MaterialFollower::findNear(const Vec3 &X, const Vec3 &known) const {
-  // u changes by less than the way between two places, where tissue does not lie over itself.
+  // The fixed-point iteration converges: u changes by less than the distance of two positions unless tissue overlaps
+  // itself.
   Vec3 u = known;
   for (int i = 0; i < 8; ++i) {
-    const Vec3 next = u_.toldAt(X + u);
+    const Vec3 next = u_.continuousAt(X + u);
     const double change = norm(next - u);
     u = next;
     if (change < kNear * step_ && isOwnAt(X + u)) return u;
@@ -81,9 +83,9 @@ std::optional<Vec3> MaterialFollower::findNear(const Vec3 &X, const Vec3 &known)
 }
 
 std::optional<MaterialFollower::Found> MaterialFollower::findFrom(Vec3 x, const Vec3 &X) const {
-  const auto miss = [&] { return X - (x - u_.toldAt(x)); };
+  const auto miss = [&] { return X - (x - u_.continuousAt(x)); };
   Vec3 missing = miss();
-  // Newton's method: exact where motion is affine, however far the body has turned.
+  // Newton's method: exact for affine motion, even for large rotations of the body.
   for (int i = 0; i < 16 && norm(missing) > kClose * step_; ++i) {
     const Mat3 slope = inverseGradient(x);
     if (determinant(slope) == 0.0) return std::nullopt;
@@ -135,7 +137,7 @@ MaterialFollower::Mat3 MaterialFollower::inverseGradient(const Vec3 &x) const {
   for (std::size_t a = 0; a < 3; ++a) {
     Vec3 way{};
     way[a] = h;
-    out[a] = (-0.5 / h) * (u_.toldAt(x + way) - u_.toldAt(x - way));
+    out[a] = (-0.5 / h) * (u_.continuousAt(x + way) - u_.continuousAt(x - way));
     out[a][a] += 1.0;
   }
   return out;
@@ -176,9 +178,9 @@ std::vector<std::uint8_t> ownPoints(const std::vector<BodyState> &bodies, const 
   for (const BodyState &body : bodies)
     if (body.name == name && !body.skin.triangles.empty()) own = imaging::maskOf(body.skin, grid).voxels;
   if (own.empty()) return {};
-  // Alone it may be thinner than the grid: what lies beside it is found from wherever it is.
+  // A single body may be thinner than the grid: points next to it are valid at any distance.
   for (std::uint8_t &one : own) one = one != 0 ? kInside : bodies.size() == 1 ? kBeside : 0;
-  // Beside it: along each axis in turn.
+  // Next to it: along each axis in turn.
   constexpr std::ptrdiff_t kFar = 2;
   std::size_t stride = 1;
   for (std::size_t a = 0; a < 3; ++a) {

@@ -11,9 +11,10 @@ PartProgress::PartProgress(const ProgressFn &all, std::string name, std::size_t 
   abi_.size = sizeof abi_;
   abi_.self = this;
   abi_.update = [](void *self, double fraction, c3de_str text) -> c3de_status {
-    // Nothing may be thrown through the boundary.
+    // No exception may cross the boundary.
     try {
-      return static_cast<PartProgress *>(self)->update(fraction, shownText(fromAbi(text))) ? C3DE_OK : C3DE_E_CANCELLED;
+      return static_cast<PartProgress *>(self)->update(fraction, displayText(fromAbi(text))) ? C3DE_OK
+                                                                                             : C3DE_E_CANCELLED;
     } catch (...) {
       return C3DE_E_EXCEPTION;
     }
@@ -21,7 +22,7 @@ PartProgress::PartProgress(const ProgressFn &all, std::string name, std::size_t 
 }
 
 bool PartProgress::update(double fraction, const std::string &text) const {
-  if (const ForeignCall *call = call_) call->noteProgress();
+  if (const PluginCall *call = call_) call->noteProgress();
   if (!all_) return true;
   const double part = fraction < 0.0 ? 0.0 : std::min(fraction, 1.0);
   return all_((index_ + part) / count_, text.empty() ? name_ : name_ + ": " + text);

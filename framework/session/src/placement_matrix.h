@@ -7,7 +7,7 @@
 
 namespace c3de::session {
 
-/// From the scan to where a body is placed at rest, mm.
+/// Maps the scan to the placed position of a body at rest, mm.
 [[nodiscard]] Mat4 matrixOf(const scene::ScenePlacement &placement);
 
 }  // namespace c3de::session

@@ -29,7 +29,7 @@ std::optional<Vec3> vectorOf(std::string_view text) {
   return value;
 }
 
-/// As the declaration wants it; a text that is no such value comes as text, which the check refuses.
+/// Converts to the declared type. A text that is not a valid value is passed on as text, which the check refuses.
 ParameterValue valueOf(const ParameterDecl &decl, const std::string &text) {
   ParameterValue value;
   value.id = decl.id;

@@ -15,9 +15,9 @@
 namespace c3de::session {
 namespace {
 
-// Half the diagonal of a cell of points is 0.87 spacings: tissue that is stretched by two thirds is still covered.
+// Half the diagonal of a cell of points is 0.87 spacings: tissue stretched by two thirds is still covered.
 constexpr double kReach = 1.5;     // spacings
-constexpr double kOutside = 0.01;  // part of the tissue beyond either end of a range
+constexpr double kOutside = 0.01;  // fraction of the tissue beyond either end of a range
 
 std::vector<std::pair<c3de_handle, c3de_sim_body_info>> bodiesOf(const c3de_simulator_v1 *table,
                                                                  c3de_object *simulator) {
@@ -26,12 +26,12 @@ std::vector<std::pair<c3de_handle, c3de_sim_body_info>> bodiesOf(const c3de_simu
   for (std::uint64_t i = 0; table->body_at(simulator, i, &body) >= 0 && body.v != 0; ++i) {
     c3de_sim_body_info info{};
     info.size = sizeof info;
-    if (table->body_info(simulator, body, &info) >= 0 && info.points <= kMostPoints) bodies.emplace_back(body, info);
+    if (table->body_info(simulator, body, &info) >= 0 && info.points <= kMaxPoints) bodies.emplace_back(body, info);
   }
   return bodies;
 }
 
-/// Between which all but a hundredth at either end are; 0, 0 of nothing.
+/// The range of all values except a hundredth at either end; 0, 0 if empty.
 std::pair<double, double> rangeOf(std::vector<double> values) {
   std::erase_if(values, [](double v) { return !std::isfinite(v); });
   if (values.empty()) return {0.0, 0.0};
@@ -58,7 +58,7 @@ std::vector<PointField> pointFields(const c3de_simulator_v1 *table, c3de_object 
   return all;
 }
 
-void addFields(const c3de_simulator_v1 *table, c3de_object *simulator, const FieldsWanted &wanted,
+void addFields(const c3de_simulator_v1 *table, c3de_object *simulator, const RequestedFields &wanted,
                imaging::DisplacementGrid &grid) {
   if (!wanted.any) return;
   const std::vector<PointField> offered = pointFields(table, simulator);
@@ -74,7 +74,7 @@ void addFields(const c3de_simulator_v1 *table, c3de_object *simulator, const Fie
     if (!now) continue;
     auto own = chosen == offered.end() ? std::nullopt : reader.read(chosen->name, 1);
     for (std::size_t i = 0; i < info.points; ++i) {
-      // Where sampling is coarser than elsewhere its points stand for more.
+      // Where sampling is coarser than elsewhere, a point represents more volume.
       const double edge_m = std::max(info.spacing_m, volumes ? std::cbrt(std::max((*volumes)[i], 0.0)) : 0.0);
       points.at_mm.push_back(scene::kMillimetresPerMetre * Vec3{(*now)[3 * i], (*now)[3 * i + 1], (*now)[3 * i + 2]});
       points.reach_mm.push_back(kReach * scene::kMillimetresPerMetre * edge_m);
@@ -86,7 +86,7 @@ void addFields(const c3de_simulator_v1 *table, c3de_object *simulator, const Fie
   std::tie(ratio.low, ratio.high) = rangeOf({ratio.values.begin(), ratio.values.end()});
   grid.fields.push_back(std::move(ratio));
   if (chosen == offered.end()) return;
-  imaging::TissueField field{chosen->name, chosen->unit, imaging::spread(grid.geometry, points, values)};
+  imaging::TissueField field{chosen->name, chosen->unit, imaging::scatterToGrid(grid.geometry, points, values)};
   std::tie(field.low, field.high) = rangeOf(values);
   grid.fields.push_back(std::move(field));
 }

@@ -17,7 +17,7 @@ constexpr int kBarWidth = 30;
 }  // namespace
 
 ProgressLine::ProgressLine(bool silent) : silent_(silent), terminal_(stderrIsTerminal()) {
-  // Short work passes without a word.
+  // Short work prints nothing.
   next_ = Clock::now() + (terminal_ ? std::chrono::milliseconds(300) : std::chrono::milliseconds(2000));
 }
 

@@ -26,7 +26,7 @@ std::string hexadecimal(std::uint64_t value) {
   return text.data();
 }
 
-/// The part that a simulator says it stands for is of what it was given, which is less than what was asked for.
+/// The simulator's coverage refers to the geometry it received, which is less than what was requested.
 void addCoverage(const std::vector<Coverage> &coverage, Json &report) {
   for (const Coverage &one : coverage) {
     for (Json &body : report["bodies"]) {
@@ -42,7 +42,7 @@ void addCoverage(const std::vector<Coverage> &coverage, Json &report) {
   }
 }
 
-/// What is conserved, before the first step: how far it drifts is for those who know what acts on the bodies.
+/// The conserved quantities before the first step. Their drift can be interpreted only with knowledge of the loads.
 Json startOf(const Json &simulator) {
   Json start = Json::array();
   for (const Json &body : simulator.value("bodies", Json::array())) {
@@ -60,7 +60,7 @@ void addSkinVolumes(const std::vector<SkinVolume> &volumes, Json &report) {
       report["bodies"][i]["skin_volume_m3"] = Json{{"reference", volumes[i].reference_m3}, {"end", volumes[i].end_m3}};
 }
 
-/// What each tissue of a body has done.
+/// Displacement and deformation of each tissue of a body.
 void addTissues(const std::vector<TissueMotion> &bodies, Json &report) {
   for (const TissueMotion &one : bodies)
     for (Json &body : report["bodies"]) {
@@ -70,7 +70,7 @@ void addTissues(const std::vector<TissueMotion> &bodies, Json &report) {
         const scene::SceneTissue tissue = one.places.tissueAt(t);
         std::size_t voxels = 0;
         Json labels = Json::array();
-        for (const LabelPlaces &label : one.places.labels) {
+        for (const LabelVoxels &label : one.places.labels) {
           if (label.tissue != t) continue;
           voxels += label.voxels;
           if (label.value != 0) labels.push_back(label.name);
@@ -93,7 +93,7 @@ void addTissues(const std::vector<TissueMotion> &bodies, Json &report) {
     }
 }
 
-/// To each body what was verified of it; time and duration stay outside.
+/// Adds the verification to each body; time and duration are omitted.
 void addVerification(const std::string &text, Json &report) {
   const Json verification = Json::parse(text, nullptr, false);
   if (!verification.is_object()) return;
@@ -141,7 +141,7 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
   report["integrator"] =
       simulator->contains("integrator") ? simulator->at("integrator") : Json(facts.isLoadStepped ? "quasistatic" : "");
   if (facts.seed) report["seed"] = *facts.seed;
-  // What the simulator says stays as it is; what it does not say is empty rather than absent.
+  // The simulator's entries are copied unchanged; missing ones are empty rather than absent.
   for (const char *key : {"bodies", "probes"})
     report[key] = simulator->contains(key) ? simulator->at(key) : Json::array();
   if (const auto start = parseSimulatorReport(facts.startReport.empty() ? "{}" : facts.startReport); start)

@@ -68,10 +68,10 @@ Expected<std::vector<SamplePoint>> readSamplePoints(const std::filesystem::path 
       const std::string &cell = (*cells)[columns[a + 1]];
       const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), point.at_m[a]);
       if (error != std::errc() || end != cell.data() + cell.size() || !(std::abs(point.at_m[a]) <= 1e9))
-        return refuse(file, line, "'" + shownText(cell) + "' is not a number in m");
+        return refuse(file, line, "'" + displayText(cell) + "' is not a number in m");
     }
-    if (points.size() == kMostSamplePoints)
-      return refuse(file, line, "more than " + std::to_string(kMostSamplePoints) + " points");
+    if (points.size() == kMaxSamplePoints)
+      return refuse(file, line, "more than " + std::to_string(kMaxSamplePoints) + " points");
     points.push_back(std::move(point));
   }
   if (points.empty()) return refuse(file, 1, "there is no point after the heading");
@@ -123,7 +123,7 @@ Expected<std::vector<Vec3>> positionsOf(c3de_object *simulator, const std::vecto
       for (const c3de_handle probe : probes) (void)table->remove(simulator, probe);
     }
   } added{*table, simulator, {}};
-  // Probes of the scene come first, those that are added after them.
+  // The scene's probes come first, the added ones after them.
   const auto before = readProbes(*table, simulator);
   if (!before) return tl::unexpected(before.error());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -132,7 +132,7 @@ Expected<std::vector<Vec3>> positionsOf(c3de_object *simulator, const std::vecto
     if (body == bodies.end()) {
       const std::string nearest = nearestName(point.body, names);
       return fail(ErrorCode::input, where + ":" + std::to_string(point.line) + ": there is no body '" +
-                                        shownText(point.body) + "'" +
+                                        displayText(point.body) + "'" +
                                         (nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
     }
     c3de_handle probe{};

@@ -40,10 +40,10 @@ Expected<void> addProbes(const LoadingScene &loading, const NamedHandles &handle
 }  // namespace
 
 Expected<LoadingScene> SceneLoader::begin(const scene::SceneFile &asked) {
-  // Also before a label map is read: what is wrong with a key is not to be heard after that.
+  // Also before a label map is read, so that an invalid key is reported first.
   auto fitted = fitScene(simulator_, asked);
   if (fitted && !isSettled(fitted->scene)) {
-    const auto settled = settleTissues(fitted->scene, services_.materials, sources_, progress_, prepared_.took);
+    const auto settled = resolveTissues(fitted->scene, services_.materials, sources_, progress_, prepared_.took);
     if (!settled) return tl::unexpected(settled.error());
     fitted = fitScene(simulator_, std::move(fitted->scene));
   }

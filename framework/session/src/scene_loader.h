@@ -8,26 +8,26 @@
 
 namespace c3de::session {
 
-/// Fills a simulator from a scene: settles tissues, checks every value, then adds one thing after the other. Errors
-/// begin with the place in the scene. Any thread.
+/// Fills a simulator from a scene: resolves tissues, checks every value, then adds the items one by one. Errors begin
+/// with the location in the scene. Any thread.
 class SceneLoader {
  public:
-  /// What a session lends. All of it outlives this.
+  /// Services of a session. All of them outlive this object.
   struct Services {
     plugin_host::PluginHost &host;
     scene::MeshStore &meshes;
     const geometry::MeshFormats &meshFormats;
     const scene::MaterialLibrary &materials;
   };
-  /// @param sources   reads images, and keeps them
-  /// @param prepared  what the bodies took and stand for is added
+  /// @param sources   reads and stores images
+  /// @param prepared  preparation times and coverage of the bodies are added
   SceneLoader(const Services &services, c3de_object *simulator, BodySources &sources, Prepared &prepared,
               const ProgressFn &progress)
       : services_(services), simulator_(simulator), sources_(sources), prepared_(prepared), progress_(progress) {}
 
-  /// All of the scene, into an empty simulator.
+  /// Loads the whole scene into an empty simulator.
   [[nodiscard]] Expected<void> populate(const scene::SceneFile &scene);
-  /// Its bodies with what the scene says of each; the rest of the simulator stays as it is.
+  /// Adds the bodies of a scene with their settings; the rest of the simulator stays unchanged.
   [[nodiscard]] Expected<void> addBodies(const scene::SceneFile &scene);
 
  private:

@@ -65,9 +65,9 @@ c3de_sim_placement toAbi(const scene::ScenePlacement &placement) {
   return out;
 }
 
-std::vector<c3de_sim_tool_place> toAbi(const std::vector<scene::SceneToolPlace> &path) {
+std::vector<c3de_sim_tool_place> toAbi(const std::vector<scene::SceneToolWaypoint> &path) {
   std::vector<c3de_sim_tool_place> out;
-  for (const scene::SceneToolPlace &place : path) {
+  for (const scene::SceneToolWaypoint &place : path) {
     c3de_sim_tool_place one{};
     one.size = sizeof one;
     one.flags = place.axis ? C3DE_SIM_PLACE_HAS_AXIS : 0u;
@@ -92,9 +92,9 @@ c3de_sim_probe_tool toAbi(const scene::SceneProbeTool &tool, const std::vector<c
   return out;
 }
 
-std::vector<c3de_sim_grasp_place> toAbi(const std::vector<scene::SceneGraspPlace> &path) {
+std::vector<c3de_sim_grasp_place> toAbi(const std::vector<scene::SceneGraspWaypoint> &path) {
   std::vector<c3de_sim_grasp_place> out;
-  for (const scene::SceneGraspPlace &place : path) {
+  for (const scene::SceneGraspWaypoint &place : path) {
     c3de_sim_grasp_place one{};
     one.size = sizeof one;
     one.time_s = place.time_s;

@@ -27,7 +27,7 @@ std::string listOf(const std::vector<std::filesystem::path> &paths) {
 
 }  // namespace
 
-/// What comes with the program simulates where others are installed beside it and nobody chooses.
+/// The program's own simulator is the default where others are installed and none is chosen.
 static constexpr const char *kOwnSimulator = "c3de.pointbased.WorldSimulator/1";
 
 struct Session::Impl {
@@ -42,21 +42,21 @@ struct Session::Impl {
   scene::SimulationDirectory simulations;
   scene::ForceFields forces;
   geometry::MeshFormats meshFormats;
-  registry::ParameterRegistry parameters;  ///< where there is no window
+  registry::ParameterRegistry parameters;  ///< without a window
   registry::SettingsStore settings{registry::defaultSettingsFolder()};
   scene::MaterialLibrary materials;
   std::vector<std::filesystem::path> folders;
   std::function<void(const scene::Simulation &)> publishedHook;
   registry::PanelRegistry *panels = nullptr;      ///< null: there is no window
-  std::string simulatorClass;                     ///< where a scene does not say one
-  std::unique_ptr<plugin_host::PluginHost> host;  ///< after everything that plugins reach
+  std::string simulatorClass;                     ///< where a scene does not specify one
+  std::unique_ptr<plugin_host::PluginHost> host;  ///< destroyed before everything that plugins access
   std::shared_ptr<scene::Simulation> simulation;
   Handle node;
 
   [[nodiscard]] SceneLoader::Services loading() { return {*host, meshes, meshFormats, materials}; }
   void release(std::shared_ptr<scene::Simulation> gone, Handle goneNode);
   [[nodiscard]] Handle addNode(const std::string &title);
-  /// Lets plugins reach it, act before its steps and be told after them.
+  /// Lets plugins access it, act before its steps and be notified after them.
   void connect(Handle at, const std::string &title, const std::shared_ptr<scene::Simulation> &to);
 };
 
@@ -72,7 +72,7 @@ void Session::Impl::release(std::shared_ptr<scene::Simulation> gone, Handle gone
 Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Session::~Session() {
-  // Jobs of ours use simulators; simulators are code of plugins; plugins use everything else.
+  // The program's jobs use simulators, simulators are plugin code, and plugins use everything else.
   impl_->jobs.finishOwnedBy(kJobOwner);
   if (impl_->simulation) impl_->simulation->table()->attach(impl_->simulation->object(), c3de_handle{0});
   impl_->release(std::move(impl_->simulation), impl_->node);
@@ -106,7 +106,7 @@ Expected<std::unique_ptr<Session>> Session::create(const SessionOptions &options
   services.settings = &impl->settings;
   impl->host = std::make_unique<plugin_host::PluginHost>(services, options.loadRules);
   std::unique_ptr<Session> session(new Session(std::move(impl)));
-  // Named plugins first, so that they shadow those of the folders.
+  // Named plugins first, so that they take precedence over those in the folders.
   plugin_host::PluginHost &host = *session->impl_->host;
   for (const auto &file : options.pluginFiles)
     if (const auto loaded = host.load(file); !loaded) return fail(ErrorCode::plugin, loaded.error().message);
@@ -158,7 +158,7 @@ Expected<SimulatorIdentity> Session::chooseSimulator(const std::string &classId)
   const std::vector<std::string> ids = impl_->host->classesWith(C3DE_IFACE_SIMULATOR_ID);
   if (ids.empty())
     return fail(ErrorCode::plugin, "no plugin that simulates is loaded; folders searched: " + listOf(impl_->folders) +
-                                       "; `c3de plugins` says what was found and why it was refused");
+                                       "; `c3de plugins` lists what was found and why it was refused");
   std::string list;
   for (const std::string &id : ids) list += (list.empty() ? "" : ", ") + id;
   std::string wanted = !classId.empty() ? classId : impl_->simulatorClass;
@@ -246,15 +246,15 @@ Expected<void> Session::adoptForRun(c3de_object *simulator, const std::string &t
   return adopt(simulator, title, true);
 }
 
-Expected<void> Session::adopt(c3de_object *simulator, const std::string &title, bool isDrivenByCaller) {
+Expected<void> Session::adopt(c3de_object *simulator, const std::string &title, bool isSteppedByCaller) {
   plugin_host::PluginHost *host = impl_->host.get();
   const auto takeError = [host] { return host->takeError(); };
   const char *owner = host->ownerOf(simulator);
-  auto created = isDrivenByCaller ? scene::Simulation::createForCaller(simulator, takeError, owner)
-                                  : scene::Simulation::create(simulator, takeError, owner);
+  auto created = isSteppedByCaller ? scene::Simulation::createForCaller(simulator, takeError, owner)
+                                   : scene::Simulation::create(simulator, takeError, owner);
   if (!created) return tl::unexpected(created.error());
   std::shared_ptr<scene::Simulation> next = std::move(*created);
-  if (!isDrivenByCaller)
+  if (!isSteppedByCaller)
     next->setPublishedListener([queue = &impl_->mainQueue, hook = impl_->publishedHook, simulation = next.get()] {
       if (hook) hook(*simulation);
       queue->requestRedraw();
@@ -264,7 +264,7 @@ Expected<void> Session::adopt(c3de_object *simulator, const std::string &title, 
   impl_->connect(nextNode, title, next);
 
   const std::uint64_t messages = impl_->panels != nullptr ? impl_->panels->lastSerial() : 0;
-  // The one before lets go of its panels and proxies first, so that there is never a second set of them.
+  // The previous simulation releases its panels and proxies first, so that there are never two sets of them.
   if (impl_->simulation) impl_->simulation->table()->attach(impl_->simulation->object(), c3de_handle{0});
   const c3de_status code = next->table()->attach(simulator, c3de_handle{nextNode.bits()});
   if (code < 0) {

@@ -18,16 +18,16 @@ namespace {
 
 constexpr std::string_view kMagic = "C3DE simulation state\n";
 constexpr std::uint64_t kFormat = 1;
-constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 34;
+constexpr std::uintmax_t kMaxBytes = std::uintmax_t{1} << 34;
 
-/// FNV-1a: told are a cut file and a bit that has turned, not a forgery.
+/// FNV-1a: detects a truncated file or a flipped bit, not a forgery.
 std::uint64_t checksum(std::string_view bytes) {
   std::uint64_t sum = 0xcbf29ce484222325ull;
   for (const char c : bytes) sum = (sum ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
   return sum;
 }
 
-/// Little-endian, whatever the machine.
+/// Little-endian on every machine.
 void putNumber(std::string &out, std::uint64_t number) {
   for (int shift = 0; shift < 64; shift += 8) out += static_cast<char>(number >> shift & 0xffu);
 }
@@ -115,10 +115,10 @@ Expected<void> goToState(Session &session, c3de_object *simulator, const Simulat
   if (file->classId != identity.classId || file->plugin != identity.plugin)
     return fail(ErrorCode::input,
                 fmt::format("{}: a state of simulator {} ({}); this simulation is of {} ({})", name,
-                            shownText(file->classId), shownText(file->plugin), identity.classId, identity.plugin));
+                            displayText(file->classId), displayText(file->plugin), identity.classId, identity.plugin));
   if (file->version != identity.version)
     return fail(ErrorCode::input, fmt::format("{}: a state of version {} of {}; accepted: {}", name,
-                                              shownText(file->version), identity.plugin, identity.version));
+                                              displayText(file->version), identity.plugin, identity.version));
   if (const c3de_status code = (*table)->load_state(simulator, file->state.data(), file->state.size()); code < 0)
     return fail(ErrorCode::input, name + ": " + reasonOf(session, code));
   return {};
@@ -130,9 +130,9 @@ Expected<std::string> readStateFile(const std::filesystem::path &file) {
   if (!in) return tl::unexpected(in.error());
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(file, error);
-  if (error || size > kMostBytes)
+  if (error || size > kMaxBytes)
     return fail(ErrorCode::input,
-                fmt::format("{}: cannot be read as a state; accepted: up to {} bytes", name, kMostBytes));
+                fmt::format("{}: cannot be read as a state; accepted: up to {} bytes", name, kMaxBytes));
   std::string bytes(static_cast<std::size_t>(size), '\0');
   in->read(bytes.data(), static_cast<std::streamsize>(size));
   if (!*in) return fail(ErrorCode::input, name + ": cannot be read (permission, or it changed while it was read)");

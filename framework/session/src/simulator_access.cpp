@@ -22,7 +22,7 @@ Expected<std::vector<ParameterDecl>> simulatorDeclarations(c3de_object *simulato
   return readDeclarations(decls, n, stride);
 }
 
-bool servesFills(const c3de_simulator_v1 *table) { return table->displacement != nullptr; }
+bool supportsFills(const c3de_simulator_v1 *table) { return table->displacement != nullptr; }
 
 bool endsSteps(const c3de_simulator_v1 *table) { return table->interrupt != nullptr; }
 
@@ -30,7 +30,7 @@ std::vector<Vec3> surfacePositions(c3de_object *simulator, c3de_handle body) {
   const auto table = simulatorTable(simulator);
   c3de_sim_body_info info{};
   info.size = sizeof info;
-  if (!table || (*table)->body_info(simulator, body, &info) < 0 || info.surface_points > kMostPoints) return {};
+  if (!table || (*table)->body_info(simulator, body, &info) < 0 || info.surface_points > kMaxPoints) return {};
   std::vector<Vec3> positions(info.surface_points);
   const c3de_mview view{positions.data(), positions.size(), 3, C3DE_F64, sizeof(Vec3)};
   if ((*table)->read_field(simulator, body, C3DE_SIM_ON_SURFACE, toAbi(C3DE_SIM_FIELD_POSITION), view) < 0) return {};
@@ -39,7 +39,7 @@ std::vector<Vec3> surfacePositions(c3de_object *simulator, c3de_handle body) {
 
 namespace {
 
-/// What a simulator has shown of what it has several of, and why it was refused; empty: it was not.
+/// The items that a simulator has passed to a visitor, and why one was refused; empty: none was.
 template <class T>
 struct Seen {
   std::vector<T> all;
@@ -57,7 +57,7 @@ struct Seen {
   }
 };
 
-/// For each(): adds read(*in). Nothing may be thrown through the boundary.
+/// For each(): adds read(*in). No exception may cross the boundary.
 template <class T, class Struct, class Read>
 c3de_status see(void *visitor, const Struct *in, const Read &read) noexcept {
   try {
@@ -80,7 +80,7 @@ Expected<std::vector<ProbeSample>> readProbes(const c3de_simulator_v1 *table, c3
   const c3de_status code =
       table->enum_probes(simulator, &seen, [](void *visitor, const c3de_sim_probe *probe) -> c3de_status {
         return see<ProbeSample>(visitor, probe, [](const c3de_sim_probe &in) -> ProbeSample {
-          return {shownText(fromAbi(in.name)), vec(in.position_m), vec(in.velocity_m_s)};
+          return {displayText(fromAbi(in.name)), vec(in.position_m), vec(in.velocity_m_s)};
         });
       });
   return seen.answer(code, "probes");
@@ -88,7 +88,7 @@ Expected<std::vector<ProbeSample>> readProbes(const c3de_simulator_v1 *table, c3
 
 Expected<const c3de_contact_v1 *> contactTable(c3de_object *simulator) {
   const auto found = queryObject(simulator, C3DE_IFACE_CONTACT_ID, 1);
-  if (!found) return nullptr;  // it is asked about bodies elsewhere: an object that cannot be asked is noticed there
+  if (!found) return nullptr;  // queried about bodies elsewhere: an object that cannot be queried is detected there
   const auto *table = static_cast<const c3de_contact_v1 *>(*found);
   if (std::string problem = tableProblem(table); !problem.empty())
     return fail(ErrorCode::plugin, "the simulator's table of " + std::move(problem));
@@ -130,7 +130,7 @@ Expected<std::vector<ProbeToolSample>> readProbeTools(c3de_object *simulator) {
   const c3de_status code = (*table)->enum_probe_tools(
       simulator, &seen, [](void *visitor, const c3de_sim_probe_tool_state *tool) -> c3de_status {
         return see<ProbeToolSample>(visitor, tool, [](const c3de_sim_probe_tool_state &in) -> ProbeToolSample {
-          return {shownText(fromAbi(in.name)), vec(in.position_m), vec(in.force_N)};
+          return {displayText(fromAbi(in.name)), vec(in.position_m), vec(in.force_N)};
         });
       });
   return seen.answer(code, "probe tools");

@@ -7,7 +7,7 @@
 namespace c3de::session {
 namespace {
 
-constexpr std::chrono::milliseconds kLookEvery{50};  // a signal wakes nobody
+constexpr std::chrono::milliseconds kPollInterval{50};  // a signal wakes no thread
 
 }  // namespace
 
@@ -25,7 +25,7 @@ StepLimit::~StepLimit() {
   }
   changed_.notify_one();
   thread_.join();
-  // Whoever takes the simulator over may go on.
+  // The next user of the simulator may continue.
   (void)table_->interrupt(simulator_, 0);
 }
 
@@ -36,7 +36,7 @@ void StepLimit::watch() {
       (void)table_->interrupt(simulator_, 1);
       return;
     }
-    changed_.wait_for(lock, kLookEvery);
+    changed_.wait_for(lock, kPollInterval);
   }
 }
 

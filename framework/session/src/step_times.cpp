@@ -7,9 +7,9 @@
 namespace c3de::session {
 namespace {
 
-constexpr std::size_t kMostKept = std::size_t{1} << 20;
+constexpr std::size_t kMaxKept = std::size_t{1} << 20;
 
-/// The smallest value that at least this part of them does not exceed.
+/// The smallest value that at least this fraction of the values does not exceed.
 double quantile(std::vector<double> &values, double part) {
   const auto rank = static_cast<std::size_t>(std::ceil(part * static_cast<double>(values.size())));
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(rank, 1) - 1);
@@ -23,7 +23,7 @@ void StepTimes::add(double step_ms) {
   max_ = std::max(max_, step_ms);
   if (count_++ % stride_ != 0) return;
   kept_.push_back(step_ms);
-  if (kept_.size() < kMostKept) return;
+  if (kept_.size() < kMaxKept) return;
   for (std::size_t i = 0; 2 * i < kept_.size(); ++i) kept_[i] = kept_[2 * i];
   kept_.resize((kept_.size() + 1) / 2);
   stride_ *= 2;

@@ -22,10 +22,10 @@
 namespace c3de::session {
 namespace {
 
-constexpr double kMargin = 1.0;           // spacings around the bodies
-constexpr double kRim = 1000.0;           // spacings: within the margin the displacement goes on as it is at the border
-constexpr std::size_t kMostPoints = 144;  // along an axis
-constexpr double kFineness = 0.5;         // of the grid that images go by: steps of a quarter of the spacing
+constexpr double kMargin = 1.0;          // spacings around the bodies
+constexpr double kRim = 1000.0;          // spacings: the displacement stays constant across the margin
+constexpr std::size_t kMaxPoints = 144;  // along an axis
+constexpr double kFineness = 0.5;        // relative to the grid for images: steps of a quarter of the spacing
 
 }  // namespace
 
@@ -41,7 +41,7 @@ void LabelMotion::add(const LabelMotion &other) {
 
 LabelMotion TissueMotion::ofTissue(std::size_t tissue) const {
   LabelMotion all;
-  double mean_m4 = 0.0;  // the volumes behind samples differ
+  double mean_m4 = 0.0;  // weighted by volume, because labels represent different volumes per sample
   for (std::size_t i = 0; i < labels.size(); ++i)
     if (places.labels[i].tissue == tissue) {
       all.add(labels[i]);
@@ -52,7 +52,7 @@ LabelMotion TissueMotion::ofTissue(std::size_t tissue) const {
 }
 
 Expected<std::vector<TissueMotion>> tissueMotions(const c3de_simulator_v1 *table, c3de_object *simulator,
-                                                  const std::vector<TissuePlaces> &bodies) {
+                                                  const std::vector<TissueVoxels> &bodies) {
   if (bodies.empty()) return std::vector<TissueMotion>{};
   const auto snapshot = readTissues(table, simulator);
   if (!snapshot) return tl::unexpected(snapshot.error());
@@ -63,7 +63,7 @@ Expected<TissueSnapshot> readTissues(const c3de_simulator_v1 *table, c3de_object
   const bool isFull = detail == TissueDetail::full;
   const PresentBodies present = presentBodies(table, simulator);
   imaging::FollowingGrid grid(
-      {.mostPoints = isFull ? kMostPoints : kMostPoints / 2, .coarsestStep = std::numeric_limits<double>::infinity()});
+      {.mostPoints = isFull ? kMaxPoints : kMaxPoints / 2, .coarsestStep = std::numeric_limits<double>::infinity()});
   grid.follow(present.box, (isFull ? kFineness : 2.0 * kFineness) * present.spacing_mm, kMargin * present.spacing_mm);
   auto u = std::make_shared<imaging::DisplacementGrid>();
   u->geometry = grid.geometry();
@@ -86,16 +86,16 @@ Expected<TissueSnapshot> readTissues(c3de_object *simulator, std::shared_ptr<con
 }
 
 Expected<std::vector<TissueMotion>> followTissues(const TissueSnapshot &snapshot,
-                                                  const std::vector<TissuePlaces> &bodies,
+                                                  const std::vector<TissueVoxels> &bodies,
                                                   const std::function<bool()> &goesOn) {
   const imaging::DisplacementGrid &u = *snapshot.u;
   std::vector<TissueMotion> all;
-  for (const TissuePlaces &places : bodies) {
+  for (const TissueVoxels &places : bodies) {
     const Mat4 placed = matrixOf(places.placement);
     const double scale3 = dot(Vec3{placed[0], placed[1], placed[2]},
                               cross(Vec3{placed[4], placed[5], placed[6]}, Vec3{placed[8], placed[9], placed[10]}));
     imaging::WorldBox box;
-    for (const LabelPlaces &label : places.labels)
+    for (const LabelVoxels &label : places.labels)
       for (const Vec3 &X : label.sample) box.add(transformPoint(placed, X));
     TissueMotion motion{places, {}};
     motion.labels.resize(places.labels.size());
@@ -106,11 +106,11 @@ Expected<std::vector<TissueMotion>> followTissues(const TissueSnapshot &snapshot
     const MaterialFollower follower(u, box, ownPoints(snapshot.skins, places.body, u.geometry));
     for (std::size_t i = 0; i < places.labels.size(); ++i) {
       if (goesOn && !goesOn()) return fail(ErrorCode::cancelled, "following the labels was ended");
-      const LabelPlaces &label = places.labels[i];
+      const LabelVoxels &label = places.labels[i];
       LabelMotion &out = motion.labels[i];
       out.reference_m3 = 1e-9 * std::abs(scale3) * places.voxel_mm3 * static_cast<double>(label.voxels);
       out.sample = label.sample.size();
-      // What is held is known to stay; the displacement around it is smoothed over it.
+      // Rigid tissue is fixed, whereas the displacement around it is smoothed across it.
       if (places.tissueAt(label.tissue).isRigid) {
         out.end_m3 = out.reference_m3;
         out.minJ = 1.0;
@@ -141,7 +141,7 @@ Expected<void> writeTissueTable(const std::filesystem::path &file, const std::ve
       "[m],largest displacement [m],min J\n";
   for (const TissueMotion &body : bodies)
     for (std::size_t i = 0; i < body.labels.size(); ++i) {
-      const LabelPlaces &label = body.places.labels[i];
+      const LabelVoxels &label = body.places.labels[i];
       const LabelMotion &motion = body.labels[i];
       const scene::SceneTissue tissue = body.places.tissueAt(label.tissue);
       text += csvCell(body.places.body) + ',' + (label.value == 0 ? "" : std::to_string(label.value)) + ',' +

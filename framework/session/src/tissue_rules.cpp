@@ -11,7 +11,7 @@
 namespace c3de::session {
 namespace {
 
-/// Voxels of a grid in whose middle an image has values between two limits.
+/// Voxels of a grid at whose centre the value of an image is between two limits.
 Expected<imaging::Mask> between(const imaging::Volume &image, const std::array<double, 2> &limits,
                                 const imaging::VolumeGeometry &grid, const ProgressFn &progress) {
   auto found = imaging::threshold(image, limits[0], limits[1], progress);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tissues that are told by values of images and by distances. Private to the session.
+// Tissues defined by image values and distances. Private to the session.
 #pragma once
 
 #include <vector>
@@ -13,13 +13,14 @@ namespace c3de::session {
 
 class BodySources;
 
-/// Takes voxels off that lie outside of a region of the scan.
+/// Removes voxels outside a region of the scan.
 void keepWithin(const scene::SceneRegion &region, imaging::Mask &mask);
 
-/// Finds what the rules of a body's tissues take, one after the other, of what labels of tissues and rules before them
-/// leave: gives those tissues a label each, in a layer behind the others, and the volume all layers.
-/// @param layers  of the label map, whose labels the other tissues have; empty: no tissue asks for labels
-/// Errors begin with the place in the scene: files that cannot be read, a rule that takes nothing, cancelled.
+/// Determines the voxels that the rules of a body's tissues select, in order, from those that labels of tissues and
+/// earlier rules leave. Assigns each of these tissues a label in a layer after the others, and stores all layers in the
+/// volume.
+/// @param layers  of the label map, with the labels of the other tissues; empty: no tissue uses labels
+/// Errors begin with the location in the scene: files that cannot be read, a rule that selects nothing, cancelled.
 [[nodiscard]] Expected<void> applyRules(const scene::SceneFile &scene, scene::SceneBody &body,
                                         std::vector<imaging::LabelMap> layers, BodySources &sources,
                                         const ProgressFn &progress);

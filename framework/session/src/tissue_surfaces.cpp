@@ -21,8 +21,8 @@ constexpr double kBlocks = 40.0, kBlocksOfBody = 64.0;  // along a cube of the v
 constexpr double kEdges = 1.5;                          // blocks
 constexpr std::array<float, 3> kIvory{0.89f, 0.84f, 0.74f};
 
-/// Of the voxels of a tissue. Errors: cancelled; nothing is left of it.
-/// @param least_mm  voxels are taken together to blocks of up to this, at least
+/// The surface of the voxels of a tissue. Errors: cancelled; no voxel remains.
+/// @param least_mm  voxels are merged to blocks of at least this edge length
 Expected<geometry::TriangleMesh> surfaceOf(const imaging::Mask &mask, double least_mm, const ProgressFn &progress) {
   const double block = std::max(least_mm, std::cbrt(imaging::volumeOf(mask)) / kBlocks);
   const auto fill = imaging::fillOf(mask, block);
@@ -30,7 +30,7 @@ Expected<geometry::TriangleMesh> surfaceOf(const imaging::Mask &mask, double lea
   imaging::Mask coarse{fill->geometry, std::vector<std::uint8_t>(fill->values.size())};
   std::transform(fill->values.begin(), fill->values.end(), coarse.voxels.begin(),
                  [](float part) { return static_cast<std::uint8_t>(part >= 0.5f ? 1 : 0); });
-  auto cleaned = imaging::withoutSpecks(coarse, progress);
+  auto cleaned = imaging::removeSpecks(coarse, progress);
   if (!cleaned) return tl::unexpected(cleaned.error());
   const auto whole = imaging::fillHoles(cleaned->mask, progress);
   if (!whole) return tl::unexpected(whole.error());
@@ -40,29 +40,29 @@ Expected<geometry::TriangleMesh> surfaceOf(const imaging::Mask &mask, double lea
   return imaging::surfaceOf(*whole, settings, progress);
 }
 
-std::array<float, 3> colourOf(const TissuePlaces &body, std::size_t tissue) {
+std::array<float, 3> colourOf(const TissueVoxels &body, std::size_t tissue) {
   if (const std::optional<Vec3> &said = body.tissues[tissue].colour)
     return {static_cast<float>((*said)[0]), static_cast<float>((*said)[1]), static_cast<float>((*said)[2])};
   if (body.tissues[tissue].isRigid) return kIvory;
-  const LabelPlaces *largest = nullptr;
-  for (const LabelPlaces &label : body.labels)
+  const LabelVoxels *largest = nullptr;
+  for (const LabelVoxels &label : body.labels)
     if (label.tissue == tissue && (largest == nullptr || label.voxels > largest->voxels)) largest = &label;
-  const render::Colour shown = render::shownColour(largest != nullptr ? largest->colour : std::array<float, 3>{});
+  const render::Colour shown = render::displayColour(largest != nullptr ? largest->colour : std::array<float, 3>{});
   return {shown[0], shown[1], shown[2]};
 }
 
 }  // namespace
 
-Expected<std::vector<TissueSurface>> tissueSurfaces(const std::vector<TissuePlaces> &bodies,
+Expected<std::vector<TissueSurface>> tissueSurfaces(const std::vector<TissueVoxels> &bodies,
                                                     const ProgressFn &progress) {
   std::vector<TissueSurface> out;
   double all = 0.0, done = 0.0;
-  for (const TissuePlaces &body : bodies) all += static_cast<double>(body.tissues.size());
-  for (const TissuePlaces &body : bodies) {
+  for (const TissueVoxels &body : bodies) all += static_cast<double>(body.tissues.size());
+  for (const TissueVoxels &body : bodies) {
     if (!body.map) continue;
     const Mat4 placed = matrixOf(body.placement);
     double voxels = 0.0;
-    for (const LabelPlaces &label : body.labels) voxels += static_cast<double>(label.voxels);
+    for (const LabelVoxels &label : body.labels) voxels += static_cast<double>(label.voxels);
     const double least = std::cbrt(voxels * body.voxel_mm3) / kBlocksOfBody;
     for (std::size_t i = 0; i < body.tissues.size(); ++i, ++done) {
       const scene::SceneTissue &tissue = body.tissues[i];
@@ -83,9 +83,9 @@ Expected<std::vector<TissueSurface>> tissueSurfaces(const std::vector<TissuePlac
   return out;
 }
 
-Expected<SurfacePlaces> followSurfaces(const TissueSnapshot &snapshot,
-                                       std::shared_ptr<const std::vector<TissueSurface>> surfaces,
-                                       const SurfacePlaces *before, const std::function<bool()> &goesOn) {
+Expected<SurfacePositions> followSurfaces(const TissueSnapshot &snapshot,
+                                          std::shared_ptr<const std::vector<TissueSurface>> surfaces,
+                                          const SurfacePositions *before, const std::function<bool()> &goesOn) {
   const imaging::DisplacementGrid &u = *snapshot.u;
   std::map<std::string, imaging::WorldBox> boxes;
   for (const TissueSurface &surface : *surfaces)
@@ -95,7 +95,7 @@ Expected<SurfacePlaces> followSurfaces(const TissueSnapshot &snapshot,
     followers.try_emplace(
         body, u, box,
         snapshot.skins.size() > 1 ? ownPoints(snapshot.skins, body, u.geometry) : std::vector<std::uint8_t>{});
-  SurfacePlaces out{surfaces, {}};
+  SurfacePositions out{surfaces, {}};
   for (std::size_t s = 0; s < surfaces->size(); ++s) {
     if (goesOn && !goesOn()) return fail(ErrorCode::cancelled, "following the surfaces was ended");
     const TissueSurface &surface = (*surfaces)[s];

@@ -10,29 +10,29 @@
 
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
+#include "c3de/imaging/fixed_regions.h"
 #include "c3de/imaging/label_names.h"
 #include "c3de/imaging/reading.h"
-#include "c3de/imaging/still.h"
 #include "c3de/scene/material_names.h"
 #include "c3de/segmentation/label_checks.h"
 #include "c3de/session/body_sources.h"
 #include "placement_matrix.h"
-#include "slides.h"
+#include "sliding_interfaces.h"
 #include "tissue_rules.h"
 
 namespace c3de::session {
 namespace {
 
-constexpr std::size_t kMostNames = 12;
-constexpr std::size_t kMostSamples = 2000;  // of a label
+constexpr std::size_t kMaxNames = 12;
+constexpr std::size_t kMaxSamples = 2000;  // per label
 
 std::string listOf(const std::vector<std::string> &names) {
   std::string text;
-  for (std::size_t i = 0; i < std::min(names.size(), kMostNames); ++i) text += (text.empty() ? "" : ", ") + names[i];
-  return names.size() > kMostNames ? text + " and " + std::to_string(names.size() - kMostNames) + " more" : text;
+  for (std::size_t i = 0; i < std::min(names.size(), kMaxNames); ++i) text += (text.empty() ? "" : ", ") + names[i];
+  return names.size() > kMaxNames ? text + " and " + std::to_string(names.size() - kMaxNames) + " more" : text;
 }
 
-/// The value of the voxel of an image that a point lies in; nothing beyond it.
+/// The value of the image voxel that contains a point; none outside the image.
 class ValueAt {
  public:
   explicit ValueAt(const imaging::Volume &image)
@@ -53,7 +53,7 @@ class ValueAt {
   Mat4 toIndex_;
 };
 
-/// Of each value of a layer: 1 and the number of its tissue, or of the background; 0: of none.
+/// For each value of a layer: 1 plus the index of its tissue, or of the background; 0: none.
 std::vector<std::uint16_t> tissueNumbers(const scene::SceneVolume &volume, const imaging::LabelMap &map,
                                          std::size_t layer) {
   std::vector<std::uint16_t> numbers(0x10000, 0);
@@ -67,12 +67,12 @@ std::vector<std::uint16_t> tissueNumbers(const scene::SceneVolume &volume, const
   return numbers;
 }
 
-/// What an image shows where a map has no label, in voxels of the map.
+/// What an image shows at the map's voxels without a label.
 struct BackgroundFound {
   std::size_t asked = 0, beyond = 0, notNumbers = 0, within = 0, labelled = 0;
   double least = std::numeric_limits<double>::infinity(), most = -least;
 
-  /// Whether it is a number.
+  /// Whether the value is a finite number.
   bool add(const std::optional<double> &value) {
     ++asked;
     if (!value) {
@@ -89,8 +89,8 @@ struct BackgroundFound {
   }
 };
 
-Expected<void> tellBackground(const scene::SceneVolume &volume, const BackgroundFound &found,
-                              std::vector<std::string> *notices) {
+Expected<void> reportBackground(const scene::SceneVolume &volume, const BackgroundFound &found,
+                                std::vector<std::string> *notices) {
   const std::string file = volume.background->image.filename().string();
   if (found.asked > 0 && found.beyond == found.asked)
     return fail(ErrorCode::input, "background: " + volume.background->image.string() + " lies beside " +
@@ -115,15 +115,16 @@ Expected<void> tellBackground(const scene::SceneVolume &volume, const Background
   return {};
 }
 
-/// Which tissues lie over which where labels of several layers share voxels.
-Expected<void> tellOverlaps(const scene::SceneVolume &volume, const std::vector<imaging::LabelMap> &layers,
-                            const ProgressFn &progress) {
+/// Logs which tissues overlap where labels of several layers share voxels.
+Expected<void> reportLabelOverlaps(const scene::SceneVolume &volume, const std::vector<imaging::LabelMap> &layers,
+                                   const ProgressFn &progress) {
   if (layers.size() < 2) return {};
   std::vector<std::vector<std::uint16_t>> numbers;
   for (std::size_t layer = 0; layer < layers.size(); ++layer)
     numbers.push_back(tissueNumbers(volume, layers[layer], layer));
   const std::size_t background = volume.tissues.size() + 1;
-  std::map<std::pair<std::size_t, std::size_t>, std::size_t> counts;  // of two tissues: what counts, what does not
+  std::map<std::pair<std::size_t, std::size_t>, std::size_t>
+      counts;  // per pair: the tissue that counts, the one hidden
   const std::size_t voxels = layers.front().voxels.size(), slice = std::max<std::size_t>(voxels / 64, 1);
   for (std::size_t v = 0; v < voxels; ++v) {
     if (v % slice == 0 && progress &&
@@ -149,10 +150,10 @@ Expected<void> tellOverlaps(const scene::SceneVolume &volume, const std::vector<
   return {};
 }
 
-/// A label of the map, and what it has been taken for so far.
+/// A label of the map, and whether it is assigned to a tissue.
 struct Candidate {
   scene::SceneLabel label;
-  bool isTaken = false;
+  bool isAssigned = false;
 };
 
 std::vector<Candidate> candidatesOf(const std::vector<imaging::LabelMap> &layers) {
@@ -177,26 +178,27 @@ std::string noLabel(const std::string &file, const std::string &wanted, const st
          "there are: " + listOf(labels);
 }
 
-/// Gives a tissue of the scene its labels, and what these are where only a name has been said.
-Expected<void> giveLabels(scene::SceneTissue &tissue, std::vector<Candidate> &labels,
-                          const scene::MaterialLibrary &materials, const std::string &file) {
-  const auto isMeant = [](const std::string &wanted, const Candidate &one) {
-    return imaging::isMeant(wanted, {one.label.value, one.label.name, {}});
+/// Assigns a tissue of the scene its labels, and its properties where it is specified only by name.
+Expected<void> assignLabels(scene::SceneTissue &tissue, std::vector<Candidate> &labels,
+                            const scene::MaterialLibrary &materials, const std::string &file) {
+  const auto matchesLabel = [](const std::string &wanted, const Candidate &one) {
+    return imaging::matchesLabel(wanted, {one.label.value, one.label.name, {}});
   };
   for (const std::string &wanted : tissue.wanted) {
-    if (std::any_of(labels.begin(), labels.end(), [&](const Candidate &one) { return isMeant(wanted, one); })) continue;
+    if (std::any_of(labels.begin(), labels.end(), [&](const Candidate &one) { return matchesLabel(wanted, one); }))
+      continue;
     return fail(ErrorCode::input, noLabel(file, wanted, labels));
   }
   for (Candidate &one : labels) {
     const bool isOfIt = std::any_of(tissue.wanted.begin(), tissue.wanted.end(),
-                                    [&](const std::string &wanted) { return isMeant(wanted, one); });
-    if (isOfIt && !std::exchange(one.isTaken, true)) tissue.labels.push_back(one.label);
+                                    [&](const std::string &wanted) { return matchesLabel(wanted, one); });
+    if (isOfIt && !std::exchange(one.isAssigned, true)) tissue.labels.push_back(one.label);
   }
   if (tissue.labels.empty())
     return fail(ErrorCode::input, "the labels of tissue '" + tissue.label +
                                       "' are of tissues before it, of the first that names them; accepted: each label "
                                       "in one tissue, single names before those with '*'");
-  if (!tissue.isByName) return {};
+  if (!tissue.isMaterialByName) return {};
   const auto first = scene::tissueOf(materials, tissue.labels.front().name);
   for (const scene::SceneLabel &label : tissue.labels) {
     const auto named = scene::tissueOf(materials, label.name);
@@ -207,12 +209,12 @@ Expected<void> giveLabels(scene::SceneTissue &tissue, std::vector<Candidate> &la
                                         label.name + " as " + std::string(named->name) +
                                         "; accepted: an entry for each before it, a material, or tissues = \"known\"");
   }
-  (void)scene::nameTissue(tissue, tissue.labels.front().name, materials);
+  (void)scene::setMaterialFromName(tissue, tissue.labels.front().name, materials);
   if (tissue.wanted.size() > 1) tissue.label = first->name;
   return {};
 }
 
-/// A tissue for each that the names of labels are known as, in the order of the map.
+/// One tissue for each known tissue name among the labels, in the order of the map.
 Expected<std::vector<scene::SceneTissue>> knownTissues(std::vector<Candidate> &labels,
                                                        const scene::MaterialLibrary &materials, int line,
                                                        const std::string &file) {
@@ -220,14 +222,14 @@ Expected<std::vector<scene::SceneTissue>> knownTissues(std::vector<Candidate> &l
   for (Candidate &one : labels) {
     const auto named = scene::tissueOf(materials, one.label.name);
     if (!named) continue;
-    one.isTaken = true;
+    one.isAssigned = true;
     auto found = std::find_if(tissues.begin(), tissues.end(),
                               [&](const scene::SceneTissue &tissue) { return tissue.label == named->name; });
     if (found == tissues.end()) {
       scene::SceneTissue tissue;
       tissue.label = named->name;
       tissue.line = line;
-      (void)scene::nameTissue(tissue, one.label.name, materials);
+      (void)scene::setMaterialFromName(tissue, one.label.name, materials);
       found = tissues.insert(tissues.end(), std::move(tissue));
     }
     found->labels.push_back(one.label);
@@ -240,27 +242,27 @@ Expected<std::vector<scene::SceneTissue>> knownTissues(std::vector<Candidate> &l
   return tissues;
 }
 
-/// What becomes of labels that no tissue has.
-void tellOthers(const scene::SceneVolume &volume, const std::vector<Candidate> &labels) {
+/// Warns how labels without a tissue are treated.
+void warnUnassigned(const scene::SceneVolume &volume, const std::vector<Candidate> &labels) {
   std::vector<std::string> names;
   for (const Candidate &one : labels)
-    if (!one.isTaken) names.push_back(one.label.name);
+    if (!one.isAssigned) names.push_back(one.label.name);
   if (names.empty()) return;
   log(LogLevel::warn,
       volume.file.string() + ": " + std::to_string(names.size()) + (names.size() == 1 ? " label is" : " labels are") +
-          " of no " + (volume.takesKnownTissues ? "known tissue" : "tissue") + " and " +
+          " of no " + (volume.usesKnownTissues ? "known tissue" : "tissue") + " and " +
           (volume.background ? "taken for background" : "left out, as there is no background") + ": " + listOf(names));
 }
 
-/// Gives what slides its labels.
-Expected<void> giveSlides(scene::SceneVolume &volume, const std::vector<Candidate> &labels) {
-  std::vector<bool> isTaken(labels.size(), false);
-  for (scene::SceneSlide &slide : volume.slides)
+/// Assigns the sliding entries their labels.
+Expected<void> assignSlidingLabels(scene::SceneVolume &volume, const std::vector<Candidate> &labels) {
+  std::vector<bool> isAssigned(labels.size(), false);
+  for (scene::SceneSlidingPart &slide : volume.slides)
     for (const std::string &wanted : slide.names) {
       std::size_t meant = 0, taken = 0;
       for (std::size_t i = 0; i < labels.size(); ++i) {
         const scene::SceneLabel &label = labels[i].label;
-        if (!imaging::isMeant(wanted, {label.value, label.name, {}})) continue;
+        if (!imaging::matchesLabel(wanted, {label.value, label.name, {}})) continue;
         ++meant;
         const auto has = [&](const scene::SceneTissue &tissue) {
           return std::any_of(tissue.labels.begin(), tissue.labels.end(), [&](const scene::SceneLabel &other) {
@@ -273,11 +275,11 @@ Expected<void> giveSlides(scene::SceneVolume &volume, const std::vector<Candidat
           return fail(ErrorCode::input, "slides: label '" + label.name + "' " +
                                             (isOfNone ? "is not of the body" : "is rigid and does not move") +
                                             "; accepted: labels of a tissue with a material");
-        if (isTaken[i]) {
+        if (isAssigned[i]) {
           ++taken;
           continue;
         }
-        isTaken[i] = true;
+        isAssigned[i] = true;
         slide.labels.push_back(label);
       }
       if (meant == 0) return fail(ErrorCode::input, "slides: " + noLabel(volume.file.string(), wanted, labels));
@@ -288,40 +290,41 @@ Expected<void> giveSlides(scene::SceneVolume &volume, const std::vector<Candidat
   return {};
 }
 
-Expected<void> settle(const scene::SceneFile &scene, scene::SceneBody &body,
-                      const std::vector<imaging::LabelMap> &layers, const scene::MaterialLibrary &materials,
-                      BodySources &sources, const ProgressFn &progress) {
+Expected<void> resolveTissue(const scene::SceneFile &scene, scene::SceneBody &body,
+                             const std::vector<imaging::LabelMap> &layers, const scene::MaterialLibrary &materials,
+                             BodySources &sources, const ProgressFn &progress) {
   scene::SceneVolume &volume = body.volume;
   const std::string file = volume.file.string();
   const bool wasOpen = volume.isOpen();
   std::vector<Candidate> labels = candidatesOf(layers);
-  if (volume.takesKnownTissues) {
+  if (volume.usesKnownTissues) {
     auto tissues = knownTissues(labels, materials, body.line, file);
     if (!tissues) return failInScene(tissues.error(), scene, body.line);
     volume.tissues = std::move(*tissues);
   } else {
     for (scene::SceneTissue &tissue : volume.tissues)
       if (tissue.rule) {
-        if (tissue.isByName) (void)scene::nameTissue(tissue, tissue.label, materials);
-      } else if (auto given = giveLabels(tissue, labels, materials, file); !given) {
+        if (tissue.isMaterialByName) (void)scene::setMaterialFromName(tissue, tissue.label, materials);
+      } else if (auto given = assignLabels(tissue, labels, materials, file); !given) {
         return failInScene(given.error(), scene, tissue.line);
       }
   }
-  tellOthers(volume, labels);
-  if (auto told = tellOverlaps(volume, layers, progress); !told) return told;
+  warnUnassigned(volume, labels);
+  if (auto told = reportLabelOverlaps(volume, layers, progress); !told) return told;
   if (std::any_of(volume.tissues.begin(), volume.tissues.end(), [](const auto &tissue) { return tissue.rule; })) {
     if (auto applied = applyRules(scene, body, layers, sources, progress); !applied) return applied;
     for (const scene::SceneTissue &tissue : volume.tissues)
       if (tissue.rule) labels.push_back({tissue.labels.front(), true});
   }
-  if (auto given = giveSlides(volume, labels); !given) return failInScene(given.error(), scene, body.line);
+  if (auto given = assignSlidingLabels(volume, labels); !given) return failInScene(given.error(), scene, body.line);
   volume.isSettled = true;
   if (!wasOpen) return {};
   if (auto made = makeTissueParts(body); !made) return failInScene(made.error(), scene, body.line);
   return {};
 }
 
-/// Notices of what the grey values of its image contradict: that of the background, else that of the scene.
+/// Adds notices where grey values contradict the labels. The image is that of the background, otherwise that of the
+/// scene.
 Expected<void> checkAgainstImage(const scene::SceneFile &scene, const scene::SceneBody &body,
                                  const std::vector<imaging::LabelMap> &layers, BodySources &sources,
                                  const ProgressFn &progress) {
@@ -352,7 +355,7 @@ Expected<void> checkAgainstImage(const scene::SceneFile &scene, const scene::Sce
                                                      : segmentation::LabelRole::soft);
     }
   }
-  // Rules take of what has no label; what they leave is not known here.
+  // Rules select from unlabelled voxels, and what they leave is not known here.
   const bool hasRules =
       std::any_of(volume.tissues.begin(), volume.tissues.end(), [](const auto &tissue) { return tissue.rule; });
   if (volume.background && !hasRules) check.background = {volume.background->from, volume.background->to, "background"};
@@ -374,8 +377,8 @@ bool areSame(const scene::ScenePlacement &a, const scene::ScenePlacement &b) {
   return x == y;
 }
 
-/// Bodies of the same labels in the same place are pressed apart by contact.
-void tellShared(const scene::SceneFile &scene) {
+/// Warns of bodies that share labels at the same location: contact would press them apart.
+void reportSharedLabels(const scene::SceneFile &scene) {
   for (std::size_t b = 1; b < scene.bodies.size(); ++b)
     for (std::size_t a = 0; a < b; ++a) {
       const scene::SceneBody &one = scene.bodies[a], &other = scene.bodies[b];
@@ -402,8 +405,8 @@ void tellShared(const scene::SceneFile &scene) {
 
 }  // namespace
 
-Expected<void> settleTissues(scene::SceneFile &scene, const scene::MaterialLibrary &materials, BodySources &sources,
-                             const ProgressFn &progress, Preparation &took) {
+Expected<void> resolveTissues(scene::SceneFile &scene, const scene::MaterialLibrary &materials, BodySources &sources,
+                              const ProgressFn &progress, Preparation &took) {
   std::vector<std::string> overrides;
   for (scene::SceneBody &body : scene.bodies) {
     if (!body.volume.hasTissues() || body.volume.isSettled) continue;
@@ -411,24 +414,24 @@ Expected<void> settleTissues(scene::SceneFile &scene, const scene::MaterialLibra
     options.progress = progress;
     options.series = body.volume.series;
     options.time = body.volume.time;
-    const TimeSpent reading(took.reading_s);
+    const ScopedTimer reading(took.reading_s);
     std::shared_ptr<const BodySources::Layers> layers = std::make_shared<BodySources::Layers>();
-    if (body.volume.asksForLabels()) {
+    if (body.volume.usesLabels()) {
       const auto read = sources.labels(body.volume.file, options);
       if (!read) return failInScene(read.error(), scene, body.line);
       layers = *read;
     }
     sources.reportNotices(body.volume.file);
-    if (auto settled = settle(scene, body, *layers, materials, sources, progress); !settled) return settled;
+    if (auto settled = resolveTissue(scene, body, *layers, materials, sources, progress); !settled) return settled;
     if (auto checked = checkAgainstImage(scene, body, *layers, sources, progress); !checked) return checked;
     sources.reportNotices(body.volume.file);
     const std::vector<std::string> said = std::exchange(body.volume.overridesOfParts, {});
     overrides.insert(overrides.end(), said.begin(), said.end());
   }
-  tellShared(scene);
+  reportSharedLabels(scene);
   for (const std::string &assignment : overrides)
     if (auto applied = scene::applyOverride(scene, assignment, &materials); !applied) return applied;
-  return cutSlides(scene, sources, progress, took);
+  return cutSlidingParts(scene, sources, progress, took);
 }
 
 Expected<imaging::LabelMap> pickTissues(const scene::SceneVolume &volume, const std::vector<imaging::LabelMap> &layers,
@@ -470,13 +473,13 @@ Expected<imaging::LabelMap> pickTissues(const scene::SceneVolume &volume, const 
           }
         }
     }
-    if (auto good = tellBackground(volume, found, notices); !good) return tl::unexpected(good.error());
+    if (auto good = reportBackground(volume, found, notices); !good) return tl::unexpected(good.error());
   }
   return out;
 }
 
 std::vector<double> thicknessOf(const imaging::LabelMap &picked, std::size_t tissues) {
-  // Sides of voxels are 4/π times the surface of a tube along them: its diameter is 4 V / A.
+  // The voxel faces of a tube along the voxel axes have 4/π times its surface: its diameter is 4 V / A.
   constexpr double kOfSides = 4.0 * 4.0 / 3.14159265358979;
   const auto &n = picked.geometry.size;
   const Mat4 &m = picked.geometry.indexToWorld;
@@ -511,12 +514,12 @@ std::vector<double> thicknessOf(const imaging::LabelMap &picked, std::size_t tis
   return out;
 }
 
-TissuePlaces tissuePlaces(const scene::SceneBody &body, const std::vector<imaging::LabelMap> &layers,
+TissueVoxels tissuePlaces(const scene::SceneBody &body, const std::vector<imaging::LabelMap> &layers,
                           const imaging::LabelMap &picked) {
   const scene::SceneVolume &volume = body.volume;
   const auto background = static_cast<std::uint16_t>(volume.tissues.size() + 1);
-  TissuePlaces out{body.name, volume.tissues, body.placement, picked.geometry.voxelVolume(), {}, {}};
-  // By layer and value; behind them what has no label.
+  TissueVoxels out{body.name, volume.tissues, body.placement, picked.geometry.voxelVolume(), {}, {}};
+  // Index by layer and value; unlabelled voxels are last.
   std::vector<std::vector<std::size_t>> entryOf(layers.size(), std::vector<std::size_t>(0x10000, 0));
   std::vector<std::vector<std::uint16_t>> numbers;
   for (std::size_t layer = 0; layer < layers.size(); ++layer)
@@ -542,7 +545,7 @@ TissuePlaces tissuePlaces(const scene::SceneBody &body, const std::vector<imagin
   if (out.labels.back().voxels == 0) out.labels.pop_back();
   // An odd step does not stay in one column of the grid.
   std::vector<std::size_t> step, seen(out.labels.size(), 0);
-  for (const LabelPlaces &label : out.labels) step.push_back((label.voxels / kMostSamples) | 1U);
+  for (const LabelVoxels &label : out.labels) step.push_back((label.voxels / kMaxSamples) | 1U);
   const auto &size = picked.geometry.size;
   std::size_t v = 0;
   for (std::size_t k = 0; k < size[2]; ++k)
@@ -557,8 +560,8 @@ TissuePlaces tissuePlaces(const scene::SceneBody &body, const std::vector<imagin
   return out;
 }
 
-void markTissues(const std::vector<TissuePlaces> &bodies, imaging::Mask &places) {
-  for (const TissuePlaces &body : bodies) {
+void markTissues(const std::vector<TissueVoxels> &bodies, imaging::Mask &places) {
+  for (const TissueVoxels &body : bodies) {
     std::vector<std::uint16_t> rigid;
     for (std::size_t i = 0; i < body.tissues.size(); ++i)
       if (body.tissues[i].isRigid) rigid.push_back(static_cast<std::uint16_t>(i + 1));

@@ -48,7 +48,7 @@ Expected<void> addGrasps(const LoadingScene &loading, const NamedHandles &handle
   return {};
 }
 
-/// Probe tools after the bodies that they may stand in, then the pairs that may name them.
+/// Probe tools after the bodies that they may be in, then the pairs that may refer to them.
 Expected<void> addContacts(const LoadingScene &loading, NamedHandles &handles) {
   const scene::SceneFile &scene = loading.scene();
   if (scene.probeTools.empty() && scene.contactPairs.empty()) return {};

@@ -6,8 +6,8 @@
 
 namespace c3de::session {
 
-/// Gives a simulator that has its obstacles and bodies what acts between them: attachments, grasps, probe tools and
-/// contact pairs. Errors begin with the place in the scene.
+/// Adds the interactions to a simulator that has its obstacles and bodies: attachments, grasps, probe tools and contact
+/// pairs. Errors begin with the location in the scene.
 [[nodiscard]] Expected<void> addTouch(const LoadingScene &loading, NamedHandles handles);
 
 }  // namespace c3de::session

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "c3de/core/foreign_call.h"
+#include "c3de/core/plugin_call.h"
 #include "c3de/scene/text_sink.h"
 
 namespace c3de::session {
@@ -32,7 +32,7 @@ Json bodiesOf(const std::string &text) {
   return json.is_object() ? json.value("bodies", Json::array()) : Json::array();
 }
 
-/// What a simulator says of the accuracy of a body itself.
+/// The simulator's own accuracy statement for a body.
 std::vector<std::string> statementOf(const Json &body) {
   std::vector<std::string> lines;
   if (!body.is_object()) return lines;
@@ -43,7 +43,7 @@ std::vector<std::string> statementOf(const Json &body) {
   return lines;
 }
 
-/// @param hasStatement  the figures were said already
+/// @param hasStatement  the figures have been stated already
 void addVerified(const Json &body, bool hasStatement, std::vector<std::string> &lines) {
   const std::string name = body.value("name", "");
   if (body.contains("refused")) {
@@ -81,8 +81,9 @@ Expected<std::string> verification(Session &session, c3de_object *simulator, con
   Asked asked{isWanted};
   const c3de_progress progress{sizeof(c3de_progress), 0, &asked, &Asked::update};
   std::string text;
-  const c3de_status code = callForeign(session.plugins().ownerOf(simulator), "a verification", CallKind::job,
-                                       [&] { return table->verify(simulator, &progress, scene::sinkInto(text)); });
+  const c3de_status code =
+      callPluginFunction(session.plugins().ownerOf(simulator), "a verification", CallKind::job,
+                         [&] { return table->verify(simulator, &progress, scene::sinkInto(text)); });
   if (code >= 0 && Json::parse(text, nullptr, false).is_object()) return text;
   const std::string reason = session.plugins().takeError();
   if (code == C3DE_E_CANCELLED) return fail(ErrorCode::cancelled, "the verification was ended before it was done");

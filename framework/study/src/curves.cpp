@@ -10,33 +10,34 @@
 namespace c3de::study {
 namespace {
 
-bool isText(const Lever &lever) {
-  return std::any_of(lever.values.begin(), lever.values.end(), [](const std::string &value) {
+bool isText(const StudyParameter &parameter) {
+  return std::any_of(parameter.values.begin(), parameter.values.end(), [](const std::string &value) {
     return value.front() == '"' || value == "true" || value == "false";
   });
 }
 
-/// "damping" of "solver.damping".
-std::string shortName(const std::string &lever) {
-  const std::size_t dot = lever.rfind('.');
-  return dot == std::string::npos ? lever : lever.substr(dot + 1);
+/// "damping" for "solver.damping".
+std::string shortName(const std::string &parameter) {
+  const std::size_t dot = parameter.rfind('.');
+  return dot == std::string::npos ? parameter : parameter.substr(dot + 1);
 }
 
-std::string shownWithName(const LeverValue &value) {
-  const bool saysItself = value.lever == "spacing" || value.lever == "evaluation" || value.lever == "law" ||
-                          value.lever == "integrator" || value.lever == "precision" || value.lever == "simulator";
-  return (saysItself ? "" : shortName(value.lever) + " ") + shownValue(value);
+std::string shownWithName(const StudyParameterValue &value) {
+  const bool saysItself = value.parameter == "spacing" || value.parameter == "evaluation" || value.parameter == "law" ||
+                          value.parameter == "integrator" || value.parameter == "precision" ||
+                          value.parameter == "simulator";
+  return (saysItself ? "" : shortName(value.parameter) + " ") + shownValue(value);
 }
 
 const Grid &gridOf(const Study &study, const Point &point) { return study.cases[point.ofCase].grids[point.grid]; }
 
-/// Of the levers with several values, those with texts or those with numbers.
+/// Label from the study parameters with several values: either those with texts or those with numbers.
 std::string labelOf(const Study &study, const Point &point, bool ofTexts, std::size_t leastValues = 2) {
   std::string text;
-  for (const Lever &lever : gridOf(study, point).levers) {
-    if (lever.values.size() < leastValues || isText(lever) != ofTexts) continue;
-    for (const LeverValue &value : point.levers)
-      if (value.lever == lever.name) text += (text.empty() ? "" : ", ") + shownWithName(value);
+  for (const StudyParameter &parameter : gridOf(study, point).parameters) {
+    if (parameter.values.size() < leastValues || isText(parameter) != ofTexts) continue;
+    for (const StudyParameterValue &value : point.parameters)
+      if (value.parameter == parameter.name) text += (text.empty() ? "" : ", ") + shownWithName(value);
   }
   return text;
 }
@@ -60,7 +61,8 @@ std::vector<Curve> curvesOf(const Study &study, const Plan &plan, std::size_t of
     std::string name = label + (label.empty() || key.second.empty() ? "" : ", ") + key.second;
     if (name.empty()) name = labelOf(study, point, true, 1);
     if (name.empty())
-      for (const Lever &lever : gridOf(study, point).levers) name += (name.empty() ? "" : ", ") + shortName(lever.name);
+      for (const StudyParameter &parameter : gridOf(study, point).parameters)
+        name += (name.empty() ? "" : ", ") + shortName(parameter.name);
     curves.push_back({name, {p}});
   }
   return curves;
@@ -70,16 +72,16 @@ std::string pointLabel(const Study &study, const Point &point) {
   const std::string text = labelOf(study, point, false);
   if (!text.empty()) return text;
   const std::string ofTexts = labelOf(study, point, true);
-  return ofTexts.empty() ? shownWithName(point.levers.front()) : ofTexts;
+  return ofTexts.empty() ? shownWithName(point.parameters.front()) : ofTexts;
 }
 
-std::string commonLever(const Study &study, std::size_t ofCase) {
+std::string commonParameter(const Study &study, std::size_t ofCase) {
   std::string common;
   for (const Grid &grid : study.cases[ofCase].grids)
-    for (const Lever &lever : grid.levers) {
-      if (lever.values.size() < 2 || isText(lever)) continue;
-      if (!common.empty() && lever.name != common) return {};
-      common = lever.name;
+    for (const StudyParameter &parameter : grid.parameters) {
+      if (parameter.values.size() < 2 || isText(parameter)) continue;
+      if (!common.empty() && parameter.name != common) return {};
+      common = parameter.name;
     }
   return common == "spacing" ? "" : shortName(common);
 }

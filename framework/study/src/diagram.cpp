@@ -24,8 +24,8 @@ class Diagram {
  public:
   Diagram(const Study &study, const Plan &plan, const Outcome &outcome, std::size_t c, bool hasTitle)
       : study_(study), plan_(plan), outcome_(outcome), case_(study.cases[c]), of_(outcome.cases[c]),
-        curves_(curvesOf(study, plan, c)), looks_(looksOf(study, plan, curves_)), common_(commonLever(study, c)),
-        hasTitle_(hasTitle) {
+        curves_(curvesOf(study, plan, c)), looks_(styleIndices(study, plan, curves_)),
+        common_(commonParameter(study, c)), hasTitle_(hasTitle) {
     percent_ = case_.quantity.kind == Quantity::Kind::surface ? 1.0 : 100.0;
   }
 
@@ -62,13 +62,13 @@ class Diagram {
     return of_.truth && point.cost && point.errors.quantity && point.failure.empty();
   }
   [[nodiscard]] double xOf(std::size_t p) const { return x_.at(outcome_.points[p].cost->median); }
-  /// What agrees with the reference to the last digit lies at the lower edge.
+  /// A point that agrees with the reference to the last digit is at the lower edge.
   [[nodiscard]] double yOf(std::size_t p) const { return y_.at(percent_ * *outcome_.points[p].errors.quantity); }
   [[nodiscard]] std::string labelOf(std::size_t p) const {
     std::string text = pointLabel(study_, plan_.points[p]);
     return !common_.empty() && text.starts_with(common_ + " ") ? text.substr(common_.size() + 1) : text;
   }
-  /// Keeps labels off a line.
+  /// Reserves the space along a line, so that no labels are placed there.
   void take(double fromX, double fromY, double toX, double toY) {
     const double length = std::hypot(toX - fromX, toY - fromY);
     const int steps = std::max(1, static_cast<int>(length / 4.0));
@@ -86,7 +86,7 @@ class Diagram {
   const CaseOutcome &of_;
   std::vector<Curve> curves_;
   std::vector<std::size_t> looks_;  ///< of the curves: colour and shape
-  std::string common_;              ///< what all labels begin with
+  std::string common_;              ///< common beginning of all labels
   bool hasTitle_;
   double percent_ = 100.0;
   Axis x_, y_;
@@ -124,7 +124,7 @@ void Diagram::scale() {
   double least = std::numeric_limits<double>::infinity();
   for (const double error : errors)
     if (error > 0.0) least = std::min(least, error);
-  // A band far below all errors would only push them together.
+  // A band far below all errors would only compress their range.
   isAnyDrawn_ = !errors.empty();
   showsBand_ = bar > 0.0 && !errors.empty() && bar > 0.02 * least;
   if (showsBand_) errors.push_back(bar);
@@ -192,7 +192,7 @@ void Diagram::curve(std::size_t i) {
   bool isDown = false;
   double fromX = 0.0, fromY = 0.0;
   for (const std::size_t p : curves_[i].points) {
-    // What failed lies between its neighbours.
+    // A failed point interrupts the line.
     const bool isBroken = !isDown;
     isDown = isDrawn(p);
     if (!isDown) continue;
@@ -223,7 +223,7 @@ void Diagram::labels(std::size_t i) {
     if (!isDrawn(p)) continue;
     const std::string text = labelOf(p);
     const double w = widthOf(text, kLabelSize), x = xOf(p), y = yOf(p);
-    // Beside, above and below the mark: the place where it covers least.
+    // Next to, above and below the mark: the position that covers least.
     std::vector<std::array<double, 2>> places;
     for (const double far : {0.0, 11.0, 22.0})
       for (const std::array<double, 2> &place :
@@ -237,7 +237,7 @@ void Diagram::labels(std::size_t i) {
     for (std::size_t n = 0; n < places.size(); ++n) {
       const auto &[left, base] = places[n];
       const Rectangle box{left, base - 9, left + w, base + 2};
-      double cost = 12.0 * static_cast<double>(n / 8);  // near is better
+      double cost = 12.0 * static_cast<double>(n / 8);  // near positions are preferred
       for (const Rectangle &other : taken_) cost += box.overlap(other);
       cost += 1e3 * (std::max(0.0, kLeft + 2 - box.left) + std::max(0.0, box.right - kRight - 4) +
                      std::max(0.0, kTop - box.top) + std::max(0.0, box.bottom - kBottom));
@@ -247,7 +247,7 @@ void Diagram::labels(std::size_t i) {
       }
     }
     taken_.push_back(best);
-    // Twice, first as a halo: not every program that shows pictures knows paint-order.
+    // Drawn twice, first as a halo, because not every viewer supports paint-order.
     const std::string look = fmt::format("font-size=\"{}\" ", kLabelSize);
     out_ += textAt(best.left, best.bottom - 2, escaped(text),
                    look + "stroke=\"#fff\" stroke-width=\"2.4\" stroke-linejoin=\"round\" fill=\"#fff\"");
@@ -268,7 +268,7 @@ void Diagram::failures() {
     const auto &[i, p] = failed[n];
     const double x = begin + 8 + static_cast<double>(n) * step;
     out_ += crossAt(x, y, colourOf(i));
-    // Where the words have no room the table has them.
+    // If there is no space for the words, they are in the table.
     const std::string label = labelOf(p), all = label + ": " + outcome_.points[p].failure;
     const auto fits = [&](const std::string &text) { return widthOf(text, 10.0) < step - 16; };
     if (fits(label))

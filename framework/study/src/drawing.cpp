@@ -105,7 +105,7 @@ std::string earlierSample(double x, double y) {
 
 std::string shownName(const EarlierRun &run) { return "before: " + run.version + ", " + run.date; }
 
-std::vector<std::size_t> looksOf(const Study &study, const Plan &plan, const std::vector<Curve> &curves) {
+std::vector<std::size_t> styleIndices(const Study &study, const Plan &plan, const std::vector<Curve> &curves) {
   std::vector<std::string> labels;
   for (std::size_t c = 0; c < study.cases.size(); ++c)
     for (const Curve &curve : curvesOf(study, plan, c))

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the pictures of a study are drawn with.
+// Drawing functions for the pictures of a study.
 #pragma once
 
 #include <fmt/format.h>
@@ -13,15 +13,15 @@
 
 namespace c3de::study {
 
-// Colours that people with and without full colour vision tell apart, and that print; shapes tell curves apart as well.
-// Okabe and Ito, Color Universal Design (2008), without the yellow, which does not show on white.
+// Colours that can be distinguished with and without full colour vision, and in print; curves also differ in shape.
+// Okabe and Ito, Color Universal Design (2008), without the yellow, which is not visible on white.
 inline constexpr std::array kColours{"#0072b2", "#d55e00", "#009e73", "#aa4499", "#b8860b", "#4c9fcf", "#333333"};
 inline constexpr const char *kInk = "#1c2733", *kQuiet = "#5d6b79", *kLine = "#e3e7eb", *kBand = "#d9dee4";
 
-/// Logarithmic.
+/// Logarithmic axis.
 struct Axis {
   double low = 1.0, high = 10.0;  ///< in decades
-  double from = 0.0, to = 1.0;    ///< on the picture
+  double from = 0.0, to = 1.0;    ///< range in the picture
 
   void hold(const std::vector<double> &values) {
     low = std::numeric_limits<double>::infinity();
@@ -38,7 +38,7 @@ struct Axis {
     const double margin = std::max(0.08 * (high - low), 0.12);
     low -= margin;
     high += margin;
-    // At least one round number has to be in it, or nobody can read it.
+    // The range must contain at least one round number; otherwise the axis is unreadable.
     if (high - low < 0.5) {
       const double middle = 0.5 * (low + high);
       low = middle - 0.25;
@@ -73,20 +73,20 @@ struct Rectangle {
   }
 };
 
-/// 0.001 … 9999 as they are, else powers of ten.
+/// 0.001 … 9999 unchanged, otherwise powers of ten.
 [[nodiscard]] std::string tickText(double value);
-/// About how wide a text is, of a common sans serif.
+/// Approximate width of a text in a common sans serif font.
 [[nodiscard]] double widthOf(const std::string &text, double size);
 [[nodiscard]] std::string textAt(double x, double y, const std::string &text, const std::string &style);
-/// A circle, square, triangle, diamond, triangle on its head or pentagon; filled: on the front.
+/// A circle, square, triangle, diamond, inverted triangle or pentagon; filled if on the front.
 [[nodiscard]] std::string markAt(std::size_t shape, double x, double y, const std::string &colour, bool isFilled);
 [[nodiscard]] std::string crossAt(double x, double y, const std::string &colour);
 
-/// Steps through points of the front, from above at the first to the right after the last: what the least error is that
-/// one gets for a cost.
+/// Steps through points of the front, from the top at the first to the right of the last: the smallest error available
+/// for a cost.
 [[nodiscard]] std::string frontPath(std::vector<std::array<double, 2>> points, double top, double right);
 
-/// The points of a curve that an earlier run has: small, joined by dashes.
+/// The points of a curve in an earlier run: small, joined by dashes.
 class EarlierCurve {
  public:
   EarlierCurve(const Outcome &outcome, const Curve &curve, double percent);
@@ -102,8 +102,9 @@ class EarlierCurve {
 /// "before: 0.9.0, 2026-11-24"
 [[nodiscard]] std::string shownName(const EarlierRun &run);
 
-/// Of each curve the number of its label among those of the whole study, so that one class of points looks alike in all
-/// cases.
-[[nodiscard]] std::vector<std::size_t> looksOf(const Study &study, const Plan &plan, const std::vector<Curve> &curves);
+/// For each curve the index of its label among those of the whole study, so that one class of points looks the same in
+/// all cases.
+[[nodiscard]] std::vector<std::size_t> styleIndices(const Study &study, const Plan &plan,
+                                                    const std::vector<Curve> &curves);
 
 }  // namespace c3de::study

@@ -28,12 +28,12 @@ const Json &objectIn(const Json &json, const char *key) {
   return found != json.end() && found->is_object() ? *found : kNone;
 }
 
-/// What tells a point from the others of its case: label of its grid and values of its levers.
+/// Identifies a point among those of its case: label of its grid and values of its study parameters.
 using Key = std::pair<std::string, std::map<std::string, std::string>>;
 
 Key keyOf(const Study &study, const Point &point) {
   Key key{study.cases[point.ofCase].grids[point.grid].label, {}};
-  for (const LeverValue &value : point.levers) key.second[value.lever] = withoutQuotes(value.value);
+  for (const StudyParameterValue &value : point.parameters) key.second[value.parameter] = withoutQuotes(value.value);
   return key;
 }
 
@@ -46,8 +46,8 @@ std::map<Key, EarlierRun::Point> pointsIn(const Json &of) {
     const auto error = row.find("error"), cost = row.find("cost_ms");
     if (error == row.end() || cost == row.end() || !error->is_number() || !cost->is_number()) continue;
     Key key{textIn(row, "label"), {}};
-    for (const auto &[lever, value] : objectIn(row, "levers").items())
-      if (value.is_string()) key.second[lever] = value.get<std::string>();
+    for (const auto &[parameter, value] : objectIn(row, "levers").items())
+      if (value.is_string()) key.second[parameter] = value.get<std::string>();
     points[key] = {error->get<double>(), cost->get<double>()};
   }
   return points;
@@ -89,7 +89,7 @@ Expected<EarlierRun> loadEarlierRun(const std::filesystem::path &folder, const S
   if (!isAny)
     return fail(ErrorCode::usage, pathText(file) +
                                       ": has no point of this study; accepted: a study with cases, labels "
-                                      "and levers of the same names and values");
+                                      "and study parameters of the same names and values");
   return run;
 }
 

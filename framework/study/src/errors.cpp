@@ -61,14 +61,14 @@ double finiteOrNothing(double value, std::optional<double> &out) {
   return value;
 }
 
-/// One number of three runs, where it converges.
+/// The limit of one number in three runs, if it converges.
 std::optional<double> extrapolated(const std::array<double, 3> &h, const std::array<double, 3> &f) {
   const auto found = extrapolate(h, {std::vector{f[0]}, std::vector{f[1]}, std::vector{f[2]}}, {});
   if (!found) return std::nullopt;
   return found->value.front();
 }
 
-/// A part of the samples of three runs; puts what they converge to into `out`.
+/// The limit of a part of the samples of three runs, which is written to `out`.
 Expected<Extrapolation> extrapolatedField(const std::array<double, 3> &h, const std::array<std::vector<Vec3>, 3> &u,
                                           std::size_t begin, std::size_t end, const std::vector<double> &weights,
                                           std::vector<Vec3> &out) {
@@ -82,7 +82,7 @@ Expected<Extrapolation> extrapolatedField(const std::array<double, 3> &h, const 
   return found;
 }
 
-void addFieldErrors(const Truth &truth, const Samples &samples, const Result &result, Errors &errors) {
+void addFieldErrors(const ReferenceSolution &truth, const Samples &samples, const Result &result, Errors &errors) {
   const std::vector<Vec3> u = displacementsOf(samples, result);
   if (u.empty() || u.size() != truth.displacements_m.size()) return;
   if (samples.inside > 0) finiteOrNothing(relativeL2(u, truth.displacements_m, samples), errors.fieldL2);
@@ -99,8 +99,8 @@ void addConserved(const Point &point, const Result &result, Errors &errors) {
   const Bodies &bodies = result.bodies, &start = result.start;
   if (start.empty() || !(result.time_s > 0.0)) return;
   const double kinetic = std::max(energyOf(bodies, "kinetic"), energyOf(start, "kinetic"));
-  if (point.conservesEnergy && result.energyInPlay_J)
-    finiteOrNothing((energyOf(bodies, "") - energyOf(start, "")) / *result.energyInPlay_J / result.time_s,
+  if (point.conservesEnergy && result.peakEnergy_J)
+    finiteOrNothing((energyOf(bodies, "") - energyOf(start, "")) / *result.peakEnergy_J / result.time_s,
                     errors.energyDrift_1_s);
   if (point.conservesMomentum) {
     double mass = 0.0;
@@ -150,9 +150,9 @@ std::vector<Vec3> displacementsOf(const Samples &samples, const Result &result) 
   return out;
 }
 
-Expected<Truth> statedTruth(const Study &study, const Case &one, Samples &samples) {
+Expected<ReferenceSolution> statedReference(const Study &study, const Case &one, Samples &samples) {
   const Reference &reference = one.reference;
-  Truth truth;
+  ReferenceSolution truth;
   truth.kind = reference.kind;
   truth.from = reference.from;
   truth.uncertainty = reference.uncertainty;
@@ -181,12 +181,13 @@ Expected<Truth> statedTruth(const Study &study, const Case &one, Samples &sample
   return truth;
 }
 
-Expected<Truth> extrapolatedTruth(const Case &one, const Samples &samples, const std::array<double, 3> &spacings,
-                                  const std::array<Result, 3> &runs) {
-  Truth truth;
+Expected<ReferenceSolution> extrapolatedReference(const Case &one, const Samples &samples,
+                                                  const std::array<double, 3> &spacings,
+                                                  const std::array<Result, 3> &runs) {
+  ReferenceSolution truth;
   truth.kind = one.reference.kind;
-  truth.from = one.reference.lever.name + " " + one.reference.lever.values[0] + ", " + one.reference.lever.values[1] +
-               ", " + one.reference.lever.values[2];
+  truth.from = one.reference.parameter.name + " " + one.reference.parameter.values[0] + ", " +
+               one.reference.parameter.values[1] + ", " + one.reference.parameter.values[2];
   const auto notConverging = [&](const Error &error) {
     return fail(ErrorCode::state, "the reference does not converge: " + error.message);
   };
@@ -241,7 +242,8 @@ Expected<Truth> extrapolatedTruth(const Case &one, const Samples &samples, const
   return truth;
 }
 
-Errors errorsOf(const Case &one, const Point &point, const Truth &truth, const Samples &samples, const Result &result) {
+Errors errorsOf(const Case &one, const Point &point, const ReferenceSolution &truth, const Samples &samples,
+                const Result &result) {
   Errors errors;
   if (const auto value = valueOf(one.quantity, result)) {
     errors.value = *value;

@@ -12,12 +12,12 @@
 namespace c3de::study {
 namespace {
 
-/// What a line of the spectrum is of a signal that is short enough to be summed up directly.
+/// Number of samples: few enough for direct summation of each spectral line.
 constexpr std::size_t kSamples = 2048;
-constexpr double kLeastPeriods = 3.0, kPeakPart = 0.1;
+constexpr double kMinPeriods = 3.0, kPeakPart = 0.1;
 
-/// At equal distances, each sample the mean of its interval of the signal as straight lines: faster swings are damped
-/// rather than folded back.
+/// Resamples at equal intervals. Each sample is the mean of the piecewise linear signal over its interval, so that
+/// higher frequencies are damped rather than aliased.
 std::vector<double> resampled(std::span<const double> time, std::span<const double> signal, std::size_t count) {
   std::vector<double> integral(time.size(), 0.0);
   for (std::size_t i = 1; i < time.size(); ++i)
@@ -40,7 +40,7 @@ std::vector<double> resampled(std::span<const double> time, std::span<const doub
   return out;
 }
 
-/// Takes off the straight line that fits best.
+/// Subtracts the best-fitting straight line.
 void detrend(std::vector<double> &signal) {
   const auto n = static_cast<double>(signal.size());
   double mean = 0.0, slope = 0.0, squares = 0.0;
@@ -55,7 +55,7 @@ void detrend(std::vector<double> &signal) {
     signal[i] -= mean + slope * (static_cast<double>(i) - 0.5 * (n - 1.0));
 }
 
-/// Amplitude at a number of periods within the signal.
+/// Amplitude at a number of periods per signal length.
 double amplitude(const std::vector<double> &windowed, double periods) {
   const std::complex<double> turn =
       std::polar(1.0, -2.0 * std::numbers::pi * periods / static_cast<double>(windowed.size()));
@@ -79,7 +79,7 @@ Expected<double> firstFrequency(std::span<const double> time_s, std::span<const 
   const auto n = static_cast<double>(windowed.size());
   for (std::size_t i = 0; i < windowed.size(); ++i)
     windowed[i] *= 1.0 - std::cos(2.0 * std::numbers::pi * (static_cast<double>(i) + 0.5) / n);
-  // Four lines per period of the whole: a peak of a Hann window is four periods wide.
+  // Four lines per period of the whole signal: a peak of a Hann window is four periods wide.
   constexpr double kLine = 0.25;
   std::vector<double> lines;
   for (double periods = 0.0; periods <= 0.25 * n; periods += kLine) lines.push_back(amplitude(windowed, periods));
@@ -96,7 +96,7 @@ Expected<double> firstFrequency(std::span<const double> time_s, std::span<const 
       (rises ? low : high) = rises ? a : b;
     }
     const double periods = 0.5 * (low + high);
-    if (periods < kLeastPeriods)
+    if (periods < kMinPeriods)
       return fail(ErrorCode::state, "the run has " + formatNumber(std::round(10.0 * periods) / 10.0) +
                                         " periods of the first frequency; at least 3 are needed, a longer 'until'");
     return periods / duration;

@@ -31,7 +31,7 @@ td.reason { color: #a33f00; white-space: normal; }
 @media print { :root { font-size: 11px; } body { margin: 0; max-width: none; padding: 0; } table { font-size: 7.6px; } th, td { padding-left: .25rem; padding-right: .25rem; } section { break-inside: avoid-page; } figure, tr { break-inside: avoid; } }
 )";
 
-/// A column of the table of a case; only those that have something are shown.
+/// A column of the table of a case; columns without values are not shown.
 struct Column {
   const char *title, *unit;
   double factor;
@@ -51,7 +51,7 @@ std::string cell(const std::optional<double> &value, double factor) {
   return "<td>" + (value ? threeDigits(factor * *value) : std::string("–")) + "</td>";
 }
 
-/// Of a value, which differs from others in its last digits.
+/// For values that differ from others in their last digits.
 std::string sixDigits(double value) { return fmt::format("{:.6g}", value); }
 
 std::string heading(const std::string &title, const std::string &unit) {
@@ -62,7 +62,7 @@ std::string tableHtml(const Study &study, const Plan &plan, const Outcome &outco
   const std::vector<Curve> curves = curvesOf(study, plan, c);
   const bool isMillimetres = study.cases[c].quantity.kind == Quantity::Kind::surface;
   const std::string unit = study.cases[c].quantity.unit();
-  // What is drawn has a column of its own.
+  // The plotted error has a separate column.
   const auto drawn = [&]() -> std::optional<double> Errors::* {
     switch (study.cases[c].quantity.kind) {
       case Quantity::Kind::field: return &Errors::fieldL2;
@@ -96,7 +96,7 @@ std::string tableHtml(const Study &study, const Plan &plan, const Outcome &outco
     for (const std::size_t p : curve.points) {
       const PointOutcome &point = outcome.points[p];
       text += std::string(point.isOnFront ? "<tr class=\"front\">" : "<tr>") + "<td>" +
-              escaped(pointLabel(study, plan.points[p])) + (point.isBelowBar ? " *" : "") + "</td>";
+              escaped(pointLabel(study, plan.points[p])) + (point.isBelowResolution ? " *" : "") + "</td>";
       if (!point.failure.empty()) {
         text += fmt::format("<td class=\"reason\" colspan=\"{}\">× {}: {}</td></tr>\n", width - 1,
                             escaped(point.failure), escaped(point.reason));
@@ -144,7 +144,7 @@ std::string caseHtml(const Study &study, const Plan &plan, const Outcome &outcom
   text += "<figure>\n" + diagramOf(study, plan, outcome, c, false) + "</figure>\n" + tableHtml(study, plan, outcome, c);
   bool isStarred = false;
   for (std::size_t p = 0; p < plan.points.size(); ++p)
-    isStarred = isStarred || (plan.points[p].ofCase == c && outcome.points[p].isBelowBar);
+    isStarred = isStarred || (plan.points[p].ofCase == c && outcome.points[p].isBelowResolution);
   if (isStarred) text += "<p class=\"note\">* nearer to the reference than that is certain.</p>\n";
   return text + "</section>\n";
 }

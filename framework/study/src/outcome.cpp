@@ -38,24 +38,24 @@ Cost costOf(const Result &result) {
           medianOf(of(&Result::Run::toFirstStep_s))};
 }
 
-/// What the runs of a reference converge to.
-Expected<Truth> truthOfRuns(const Plan &plan, std::size_t c, const Case &one, const Samples &samples,
-                            const std::map<std::string, Result> &results) {
+/// The limit of the runs of a reference.
+Expected<ReferenceSolution> referenceOfRuns(const Plan &plan, std::size_t c, const Case &one, const Samples &samples,
+                                            const std::map<std::string, Result> &results) {
   std::array<Result, 3> runs;
   std::array<double, 3> spacings{};
   std::size_t i = 0;
   for (const Point &point : plan.points) {
     if (point.ofCase != c || !point.isReference || i == 3) continue;
     const auto found = results.find(point.id);
-    const std::string which = "the run of the reference with " + shown(point.levers);
+    const std::string which = "the run of the reference with " + shown(point.parameters);
     if (found == results.end()) return fail(ErrorCode::state, which + " is missing");
     if (!found->second.failure.empty())
       return fail(ErrorCode::state, which + " " + found->second.failure + ": " + found->second.reason);
     runs[i] = found->second;
-    spacings[i] = refinementOf(point.levers.front());
-    // What a count comes to is for the simulator to say.
-    const auto &lever = point.levers.front().lever;
-    if (lever == "count" || lever == "spacing")
+    spacings[i] = refinementOf(point.parameters.front());
+    // The actual spacing, also for a count, is reported by the simulator.
+    const auto &parameter = point.parameters.front().parameter;
+    if (parameter == "count" || parameter == "spacing")
       for (const Result::Body &body : runs[i].bodies)
         if (body.name == plan.cases[c].bodies.front() && body.spacing_m > 0.0) spacings[i] = body.spacing_m;
     ++i;
@@ -64,11 +64,11 @@ Expected<Truth> truthOfRuns(const Plan &plan, std::size_t c, const Case &one, co
     return fail(ErrorCode::state, "the runs of the reference do not become finer: their spacings are " +
                                       formatNumber(spacings[0]) + ", " + formatNumber(spacings[1]) + ", " +
                                       formatNumber(spacings[2]) + " m");
-  return extrapolatedTruth(one, samples, spacings, runs);
+  return extrapolatedReference(one, samples, spacings, runs);
 }
 
-/// That the bar of three runs is not what the errors are made of.
-std::string barTooLarge(const Case &one, const Truth &truth, std::vector<double> errors) {
+/// Message if the bar of three runs is a large part of the errors.
+std::string resolutionTooLarge(const Case &one, const ReferenceSolution &truth, std::vector<double> errors) {
   if (one.reference.source != Reference::Source::richardson || errors.empty()) return {};
   const double median = medianOf(std::move(errors));
   if (truth.bar <= one.reference.share * median) return {};
@@ -98,7 +98,7 @@ void markFront(const Plan &plan, std::size_t c, double bar, std::vector<PointOut
     if (plan.points[p].ofCase != c || plan.points[p].isReference || !point.cost || !point.errors.quantity) continue;
     tradeoffs.push_back({point.cost->cheapest, point.cost->dearest, *point.errors.quantity});
     which.push_back(p);
-    point.isBelowBar = *point.errors.quantity < bar;
+    point.isBelowResolution = *point.errors.quantity < bar;
   }
   const std::vector<bool> front = paretoFront(tradeoffs, bar);
   for (std::size_t i = 0; i < which.size(); ++i) points[which[i]].isOnFront = front[i];
@@ -117,8 +117,9 @@ Outcome evaluate(const Study &study, const Plan &plan, std::vector<Samples> samp
   out.points.resize(plan.points.size());
   for (std::size_t c = 0; c < study.cases.size(); ++c) {
     const Case &one = study.cases[c];
-    auto truth = one.reference.source == Reference::Source::richardson ? truthOfRuns(plan, c, one, samples[c], results)
-                                                                       : statedTruth(study, one, samples[c]);
+    auto truth = one.reference.source == Reference::Source::richardson
+                     ? referenceOfRuns(plan, c, one, samples[c], results)
+                     : statedReference(study, one, samples[c]);
     if (!truth) out.cases[c].error = truth.error().message;
     std::vector<double> errors;
     for (std::size_t p = 0; p < plan.points.size(); ++p) {
@@ -141,7 +142,7 @@ Outcome evaluate(const Study &study, const Plan &plan, std::vector<Samples> samp
       point.integrator = result.integrator;
       point.stateHash = result.stateHash;
       if (!plan.points[p].isReference) out.cases[c].hasTime = point.time_s > 0.0;
-      point.errors = errorsOf(one, plan.points[p], truth.value_or(Truth{}), samples[c], result);
+      point.errors = errorsOf(one, plan.points[p], truth.value_or(ReferenceSolution{}), samples[c], result);
       if (const auto value = one.quantity.isField() ? Expected<double>(0.0) : valueOf(one.quantity, result); !value) {
         point.failure = "failed";
         point.reason = value.error().message;
@@ -149,7 +150,7 @@ Outcome evaluate(const Study &study, const Plan &plan, std::vector<Samples> samp
       if (point.errors.quantity && !plan.points[p].isReference) errors.push_back(*point.errors.quantity);
     }
     if (!truth) continue;
-    out.cases[c].error = barTooLarge(one, *truth, std::move(errors));
+    out.cases[c].error = resolutionTooLarge(one, *truth, std::move(errors));
     out.cases[c].truth = std::move(*truth);
     markFront(plan, c, out.cases[c].truth->bar, out.points);
   }

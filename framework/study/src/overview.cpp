@@ -9,14 +9,15 @@ namespace {
 constexpr double kPanel = 264, kPanelHeight = 236, kMargin = 12;
 constexpr double kPlotLeft = 50, kPlotRight = 254, kPlotTop = 48, kPlotBottom = 192;
 constexpr double kHeadline = 34, kRow = 21;
-constexpr std::size_t kMostColumns = 4;
+constexpr std::size_t kMaxColumns = 4;
 
 /// One case, small: marks without their labels.
 class Panel {
  public:
   Panel(const Study &study, const Plan &plan, const Outcome &outcome, std::size_t c, const std::vector<Curve> &curves)
       : case_(study.cases[c]), outcome_(outcome), of_(outcome.cases[c]), curves_(curves),
-        looks_(looksOf(study, plan, curves)), percent_(case_.quantity.kind == Quantity::Kind::surface ? 1.0 : 100.0) {}
+        looks_(styleIndices(study, plan, curves)),
+        percent_(case_.quantity.kind == Quantity::Kind::surface ? 1.0 : 100.0) {}
 
   std::string draw() {
     out_ = textAt(kPlotLeft, 18, escaped(case_.name), "font-size=\"13\" font-weight=\"600\"");
@@ -87,7 +88,7 @@ void Panel::frame() {
     out_ += fmt::format(
         "<rect x=\"{}\" y=\"{:.1f}\" width=\"{}\" height=\"{:.1f}\" fill=\"{}\" fill-opacity=\"0.6\"/>\n", kPlotLeft,
         std::max(bar, kPlotTop), kPlotRight - kPlotLeft, kPlotBottom - std::max(bar, kPlotTop), kBand);
-  // A label every so often: decades may lie close.
+  // Labels at a minimum distance, since decades may be close together.
   double last = -1e9;
   for (const double tick : x_.ticks()) {
     const double x = x_.at(tick);
@@ -149,7 +150,7 @@ void Panel::failures() {
   if (x < kPlotRight - 5) out_ += textAt(x - 2, kPlotTop - 4.5, "failed", quiet("text-anchor=\"end\""));
 }
 
-/// Curves that at least two cases have; of a study with one case all.
+/// Curves that at least two cases have; for a study with one case all.
 std::vector<std::vector<Curve>> sharedCurves(const Study &study, const Plan &plan) {
   std::vector<std::vector<Curve>> all;
   std::map<std::string, int> cases;
@@ -162,7 +163,7 @@ std::vector<std::vector<Curve>> sharedCurves(const Study &study, const Plan &pla
   return all;
 }
 
-/// In rows as wide as the picture. @return where they end
+/// In rows as wide as the picture. @return y at which they end
 double addLegend(const Study &study, const Plan &plan, const Outcome &outcome,
                  const std::vector<std::vector<Curve>> &all, double width, double y, std::string &out) {
   const std::string quiet = fmt::format("fill=\"{}\"", kQuiet);
@@ -179,7 +180,7 @@ double addLegend(const Study &study, const Plan &plan, const Outcome &outcome,
   };
   std::vector<std::string> known;
   for (const auto &curves : all) {
-    const std::vector<std::size_t> looks = looksOf(study, plan, curves);
+    const std::vector<std::size_t> looks = styleIndices(study, plan, curves);
     for (std::size_t i = 0; i < curves.size(); ++i) {
       if (std::find(known.begin(), known.end(), curves[i].label) != known.end()) continue;
       known.push_back(curves[i].label);
@@ -210,8 +211,8 @@ double addLegend(const Study &study, const Plan &plan, const Outcome &outcome,
 
 std::string overviewOf(const Study &study, const Plan &plan, const Outcome &outcome) {
   const auto all = sharedCurves(study, plan);
-  // As few rows as can be, filled alike: nine cases are three by three.
-  const std::size_t rows = (all.size() + kMostColumns - 1) / kMostColumns, columns = (all.size() + rows - 1) / rows;
+  // As few rows as possible, with equal numbers: nine cases are three by three.
+  const std::size_t rows = (all.size() + kMaxColumns - 1) / kMaxColumns, columns = (all.size() + rows - 1) / rows;
   const double width = 2 * kMargin + kPanel * static_cast<double>(std::max<std::size_t>(columns, 2));
   std::string panels;
   for (std::size_t c = 0; c < all.size(); ++c)

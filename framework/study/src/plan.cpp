@@ -20,7 +20,7 @@ class Hash {
     for (const char c : bytes) value_ = (value_ ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
     return *this;
   }
-  /// With its length, so that what follows one another cannot be divided differently.
+  /// Includes its length, so that different divisions into parts differ.
   Hash &addPart(std::string_view bytes) { return add(std::to_string(bytes.size()) + ':').add(bytes); }
   [[nodiscard]] std::string text() const {
     std::string out(16, '0');
@@ -32,7 +32,7 @@ class Hash {
   std::uint64_t value_ = 0xcbf29ce484222325ULL;
 };
 
-/// A folder of images by the names and sizes of its files: they may be gigabytes.
+/// Hash of a folder of images from the names and sizes of its files, since they may be gigabytes.
 std::string hashOfFolder(const std::filesystem::path &folder) {
   std::set<std::string> lines;
   std::error_code code;
@@ -44,7 +44,7 @@ std::string hashOfFolder(const std::filesystem::path &folder) {
   return hash.text();
 }
 
-/// Whether the scene sets something under one of these names to other than 0.
+/// Whether the scene sets a value under one of these prefixes to other than 0.
 bool sets(const std::vector<scene::SceneValue> &values, std::initializer_list<const char *> prefixes) {
   return std::any_of(values.begin(), values.end(), [&](const scene::SceneValue &value) {
     const ParameterValue &is = value.value;
@@ -106,7 +106,7 @@ class Planner {
   const Program &program_;
   unsigned threads_;
   Plan plan_;
-  /// By the class that a scene names: who is asked, and its identity with the bytes of its library
+  /// By the class that a scene names: the queried simulator, and its identity including the bytes of its library
   struct Asked {
     session::ObjectRef simulator;
     std::string identity;
@@ -193,19 +193,19 @@ Expected<void> Planner::planCase(std::size_t c) {
   plan_.cases.push_back(std::move(planned));
 
   if (one.reference.source == Reference::Source::richardson)
-    for (const auto &levers : combinations({one.reference.lever})) {
+    for (const auto &parameters : combinations({one.reference.parameter})) {
       Point point;
       point.ofCase = c;
       point.isReference = true;
-      point.levers = levers;
+      point.parameters = parameters;
       if (auto added = addPoint(c, std::move(point), one.reference.set); !added) return added;
     }
   for (std::size_t g = 0; g < one.grids.size(); ++g)
-    for (const auto &levers : combinations(one.grids[g].levers)) {
+    for (const auto &parameters : combinations(one.grids[g].parameters)) {
       Point point;
       point.ofCase = c;
       point.grid = g;
-      point.levers = levers;
+      point.parameters = parameters;
       if (auto added = addPoint(c, std::move(point), {}); !added) return added;
     }
   return {};
@@ -254,8 +254,8 @@ Expected<void> Planner::addPoint(std::size_t c, Point point, const std::vector<S
   const PlannedCase &planned = plan_.cases[c];
   std::vector<Setting> own = more;
   point.threads = threads_;
-  for (const LeverValue &value : point.levers) {
-    if (value.lever == "threads") point.threads = static_cast<unsigned>(std::stoul(value.value));
+  for (const StudyParameterValue &value : point.parameters) {
+    if (value.parameter == "threads") point.threads = static_cast<unsigned>(std::stoul(value.value));
     const std::vector<Setting> settings = settingsOf(value, planned.bodies);
     own.insert(own.end(), settings.begin(), settings.end());
   }
@@ -278,7 +278,7 @@ Expected<void> Planner::addPoint(std::size_t c, Point point, const std::vector<S
   point.id = hash.text();
   plan_.identity.emplace_back("case " + one.name + ": " +
                                   (point.isReference ? "reference " : one.grids[point.grid].label + " ") +
-                                  shown(point.levers),
+                                  shown(point.parameters),
                               point.id);
   plan_.points.push_back(std::move(point));
   return {};
@@ -312,7 +312,7 @@ std::string difference(const std::vector<std::pair<std::string, std::string>> &p
     return nullptr;
   };
   std::vector<std::string> lines;
-  // Ids differ wherever anything else does, so they are told last.
+  // Ids differ whenever anything else does, so they are reported last.
   std::vector<std::string> ids;
   for (const auto &[name, value] : present) {
     const std::string *was = find(before, name);

@@ -20,10 +20,10 @@ namespace {
 using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-/// The child ends within seconds of its own limit; a step that hangs for good does not.
+/// A child ends within seconds of its own limit, unless a step hangs permanently.
 constexpr double kGrace_s = 30.0;
 
-// As the contract of the command line says them.
+// As defined by the contract of the command line.
 constexpr int kOutputCode = 7, kDivergedCode = 5, kTimeLimitCode = 124, kInterruptedCode = 130;
 
 std::string textIn(const std::filesystem::path &file) {
@@ -33,7 +33,7 @@ std::string textIn(const std::filesystem::path &file) {
   return std::move(text).str();
 }
 
-/// 128 and a signal on POSIX; on Windows a number that no command answers with.
+/// 128 plus a signal on POSIX; on Windows a number that no command returns.
 std::optional<std::string> crashOf(int exitCode) {
   if (exitCode == 128 + 9) return "it was killed (signal 9); perhaps there was too little memory";
   if (exitCode > 128 && exitCode != kInterruptedCode && exitCode < 128 + 65)
@@ -71,7 +71,7 @@ Table readTable(const std::filesystem::path &file) {
   return out;
 }
 
-/// Of a component of a probe over time, as --probes writes it.
+/// First frequency of a component of a probe over time, as --probes writes it.
 Expected<double> frequencyOf(const Table &table, const std::string &probe, std::size_t component) {
   const auto found = std::find(table.head.begin(), table.head.end(), probe + "." + "xyz"[component] + " [m]");
   if (found == table.head.end()) return fail(ErrorCode::state, "the run has no probe '" + probe + "'");
@@ -85,7 +85,7 @@ Expected<double> frequencyOf(const Table &table, const std::string &probe, std::
   return firstFrequency(time, signal);
 }
 
-/// The most that was stored or moving at a time, or that gravity had given or taken.
+/// The maximum over time of stored plus kinetic energy, or of the energy exchanged with gravity.
 double energyInPlay(const Table &table) {
   double most = 0.0;
   for (const std::vector<double> &row : table.rows) {
@@ -112,7 +112,7 @@ std::string Task::text() const {
               {"samples", pathText(samples)},
               {"frequency_of", frequencyOf},
               {"component", component},
-              {"wants_energies", wantsEnergies}}
+              {"wants_energies", needsEnergies}}
       .dump();
 }
 
@@ -130,7 +130,7 @@ Expected<Task> Task::fromText(const std::string &text) {
                 json.at("component"),
                 json.at("wants_energies")};
   } catch (const Json::exception &error) {
-    return fail(ErrorCode::internal, std::string("a task that is none: ") + error.what());
+    return fail(ErrorCode::internal, std::string("not a task: ") + error.what());
   }
 }
 
@@ -155,7 +155,7 @@ Expected<void> PointRun::start() {
     add("--sampled", pathText(task_.folder / "sampled.csv"));
   }
   if (done_ == 0 && !task_.frequencyOf.empty()) add("--probes", pathText(task_.folder / "probes.csv"));
-  if (done_ == 0 && task_.wantsEnergies) add("--energies", pathText(task_.folder / "energies.csv"));
+  if (done_ == 0 && task_.needsEnergies) add("--energies", pathText(task_.folder / "energies.csv"));
   arguments.insert(arguments.end(), {"-q", "--end-with-parent"});
   auto child = ChildProcess::start(arguments, task_.folder / "log.txt");
   if (!child) return tl::unexpected(child.error());
@@ -196,7 +196,7 @@ std::string PointRun::lastError() const {
   const std::string_view error = "c3de: error: ";
   while (std::getline(in, line))
     if (line.starts_with(error)) last = line.substr(error.size());
-  return last.empty() ? "it says no reason" : shownMessage(last);
+  return last.empty() ? "no reason reported" : displayMessage(last);
 }
 
 Expected<void> PointRun::readFirst() {
@@ -211,7 +211,7 @@ Expected<void> PointRun::readFirst() {
     if (!frequency) return tl::unexpected(frequency.error());
     result_.frequency_Hz = *frequency;
   }
-  if (task_.wantsEnergies) result_.energyInPlay_J = energyInPlay(readTable(task_.folder / "energies.csv"));
+  if (task_.needsEnergies) result_.peakEnergy_J = energyInPlay(readTable(task_.folder / "energies.csv"));
   return {};
 }
 
@@ -221,13 +221,13 @@ std::optional<Expected<Result>> PointRun::finish(int exitCode) {
   if (const auto crash = crashOf(exitCode)) return failed("crashed", *crash);
   auto run = Result::fromReport(task_.id, textIn(task_.folder / "report.json"));
   if (exitCode != 0) {
-    const std::string reason = run && !run->reason.empty() ? shownMessage(run->reason) : lastError();
+    const std::string reason = run && !run->reason.empty() ? displayMessage(run->reason) : lastError();
     return failed(exitCode == kDivergedCode    ? "diverged"
                   : exitCode == kTimeLimitCode ? "time limit"
                                                : "failed",
                   reason);
   }
-  if (!run) return failed("failed", "it ended well, but " + run.error().message);
+  if (!run) return failed("failed", "it succeeded, but " + run.error().message);
   if (done_ == 0) {
     result_ = std::move(*run);
     if (const auto read = readFirst(); !read) return failed("failed", read.error().message);

@@ -51,7 +51,7 @@ std::vector<Result::Body> bodiesIn(const Json &json, const char *key) {
   return out;
 }
 
-/// What stands alike in reports and in texts of results.
+/// Reads the part that reports and texts of results have in common.
 void readReport(const Json &json, Result &out) {
   out.steps = json.value("steps", std::uint64_t{0});
   out.time_s = numberAt(json, "time_s");
@@ -111,7 +111,7 @@ std::string Result::text() const {
   for (const Run &run : runs) json["runs"].push_back(jsonOf(run));
   json["positions"] = positions_m;
   if (frequency_Hz) json["frequency_Hz"] = *frequency_Hz;
-  if (energyInPlay_J) json["energy_in_play_J"] = *energyInPlay_J;
+  if (peakEnergy_J) json["energy_in_play_J"] = *peakEnergy_J;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -128,7 +128,7 @@ Expected<Result> Result::fromText(const std::string &text) {
     for (const Json &run : json.at("runs")) out.runs.push_back(runIn(run));
     if (out.runs.empty()) return fail(ErrorCode::input, "a result without runs");
     out.positions_m = json.at("positions").get<std::vector<Vec3>>();
-    if (json.contains("energy_in_play_J")) out.energyInPlay_J = json["energy_in_play_J"].get<double>();
+    if (json.contains("energy_in_play_J")) out.peakEnergy_J = json["energy_in_play_J"].get<double>();
     if (json.contains("frequency_Hz")) out.frequency_Hz = json["frequency_Hz"].get<double>();
     return out;
   } catch (const Json::exception &error) {
@@ -145,7 +145,7 @@ Expected<Result> Result::fromReport(const std::string &id, const std::string &re
     readReport(json, out);
     out.runs.push_back(runIn(json));
     out.runs.back().toFirstStep_s = numberAt(json.value("preparation", Json::object()), "to_first_step_s");
-    // What of it failed, for who asks.
+    // The cause of the failure, for display.
     out.reason = json.value("failure", "");
     return out;
   } catch (const Json::exception &error) {

@@ -11,12 +11,12 @@
 namespace c3de::study {
 namespace {
 
-constexpr double kLeastOrder = 0.1, kMostOrder = 4.0, kSafety = 1.25;
+constexpr double kMinOrder = 0.1, kMaxOrder = 4.0, kSafety = 1.25;
 
 double normOf(const std::vector<double> &f, const std::vector<double> &weights) {
   double sum = 0.0, largest = 0.0;
   for (std::size_t i = 0; i < f.size(); ++i) {
-    if (!std::isfinite(f[i])) return std::numeric_limits<double>::quiet_NaN();  // which std::max() would pass over
+    if (!std::isfinite(f[i])) return std::numeric_limits<double>::quiet_NaN();  // std::max() would skip it
     largest = std::max(largest, std::abs(f[i]));
     if (!weights.empty()) sum += weights[i] * f[i] * f[i];
   }
@@ -29,7 +29,7 @@ std::vector<double> difference(const std::vector<double> &a, const std::vector<d
   return out;
 }
 
-/// (h1^p - h2^p) / (h2^p - h3^p), which grows with p.
+/// (h1^p - h2^p) / (h2^p - h3^p), which increases with p.
 double ratioAt(const std::array<double, 3> &h, double p) {
   const double a = std::pow(h[0] / h[1], p), c = std::pow(h[2] / h[1], p);
   return (a - 1.0) / (1.0 - c);
@@ -55,15 +55,15 @@ Expected<Extrapolation> extrapolate(const std::array<double, 3> &h, const std::a
   if (f[0].size() == 1 && coarse[0] * fine[0] < 0.0)
     return fail(ErrorCode::state, "the value swings from run to run" + differences);
   const double ratio = fineSize > 0.0 ? coarseSize / fineSize : std::numeric_limits<double>::infinity();
-  if (!(ratio > ratioAt(h, kLeastOrder)))
+  if (!(ratio > ratioAt(h, kMinOrder)))
     return fail(ErrorCode::state, "the observed order is not positive" + differences);
-  double low = kLeastOrder, high = 50.0;
+  double low = kMinOrder, high = 50.0;
   for (int i = 0; i < 200; ++i) {
     const double middle = 0.5 * (low + high);
     (ratioAt(h, middle) < ratio ? low : high) = middle;
   }
   out.order = fineSize > 0.0 ? low : std::numeric_limits<double>::infinity();
-  const double used = std::min(out.order, kMostOrder);
+  const double used = std::min(out.order, kMaxOrder);
   const double factor = 1.0 / (std::pow(h[1] / h[2], used) - 1.0);
   std::vector<double> correction = fine;
   for (double &value : correction) value *= -factor;

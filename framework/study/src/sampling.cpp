@@ -13,7 +13,7 @@ namespace {
 constexpr double kMetres = 1e-3;  // per mm
 constexpr std::size_t kLeast = 8;
 
-/// 0 … 1. The distributions of the standard library differ between libraries, its generator does not.
+/// 0 … 1. The distributions of the standard library differ between implementations, its generator does not.
 double uniform(std::mt19937_64 &random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
 
 std::size_t shareOf(double part, double whole, std::size_t count) {
@@ -24,7 +24,7 @@ Vec3 corner(const geometry::TriangleMesh &mesh, std::size_t triangle, std::size_
   return mesh.vertices[mesh.triangles[triangle][c]];
 }
 
-/// Points drawn in the box until enough are inside. Empty: nearly nothing of the box is.
+/// Points drawn in the box until enough are inside. Empty if almost none of the box is inside.
 std::vector<Vec3> drawInside(const geometry::TriangleMesh &mesh, std::size_t count, std::mt19937_64 &random) {
   const geometry::WindingNumber winding(mesh);
   const geometry::Box box = geometry::boundingBox(mesh);
@@ -40,7 +40,7 @@ std::vector<Vec3> drawInside(const geometry::TriangleMesh &mesh, std::size_t cou
 }
 
 std::vector<Vec3> drawOnSkin(const geometry::TriangleMesh &mesh, std::size_t count, std::mt19937_64 &random) {
-  std::vector<double> areas;  // up to and with each triangle
+  std::vector<double> areas;  // up to and including each triangle
   double sum = 0.0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Vec3 a = corner(mesh, t, 0);

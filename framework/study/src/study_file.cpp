@@ -25,7 +25,7 @@ std::string listOf(const std::vector<std::string> &names) {
   return text;
 }
 
-/// Turns TOML into a Study. Functions answer false after the first error, which is kept.
+/// Converts TOML to a Study. Functions return false after the first error, which is stored.
 class Reader {
  public:
   explicit Reader(Study &study) : study_(study) {}
@@ -39,7 +39,7 @@ class Reader {
   }
   bool refuseKey(const TomlValue::Entry &entry, const std::string &place, const std::vector<std::string> &known) {
     const std::string nearest = nearestName(entry.key, known);
-    return refuse(entry.value.line, "unknown key '" + shownText(entry.key) + "' in " + place + "; " +
+    return refuse(entry.value.line, "unknown key '" + displayText(entry.key) + "' in " + place + "; " +
                                         (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
                                         "accepted: " + listOf(known));
   }
@@ -51,7 +51,7 @@ class Reader {
     return true;
   }
   bool text(const std::string &key, const TomlValue &value, std::string &out) {
-    if (value.kind != TomlValue::Kind::text || value.text.empty() || shownText(value.text) != value.text)
+    if (value.kind != TomlValue::Kind::text || value.text.empty() || displayText(value.text) != value.text)
       return refuse(value.line, key + " is " + value.shown() + "; accepted: text on one line");
     out = value.text;
     return true;
@@ -100,12 +100,12 @@ class Reader {
   bool richardson(const TomlValue &table, Reference &out);
   bool grids(const TomlValue &value, std::vector<Grid> &out);
   bool grid(const TomlValue &table, Grid &out);
-  bool levers(const std::string &prefix, const TomlValue::Entry &entry, std::vector<Lever> &out);
+  bool parameters(const std::string &prefix, const TomlValue::Entry &entry, std::vector<StudyParameter> &out);
   bool settings(const std::string &prefix, const TomlValue &table, std::vector<Setting> &out);
   bool valueOf(const std::string &name, const TomlValue &value, std::string &out);
-  bool valuesOf(const TomlValue &value, Lever &out);
-  bool checkLever(const Lever &lever);
-  bool contradiction(const std::vector<Lever> &levers);
+  bool valuesOf(const TomlValue &value, StudyParameter &out);
+  bool checkLever(const StudyParameter &parameter);
+  bool contradiction(const std::vector<StudyParameter> &parameters);
 
   Study &study_;
   Error error_;
@@ -149,7 +149,7 @@ bool Reader::run(const TomlValue &table) {
   return true;
 }
 
-/// A name is of those that come with the program for studies, what has a folder is relative to the study.
+/// A name refers to the plugins that come with the program for studies; a path with a folder is relative to the study.
 bool Reader::plugins(const TomlValue &value) {
   const char *accepted = "accepted: a list of names, as [\"baselines\"], or of files";
   if (value.kind != TomlValue::Kind::array) return refuse(value.line, "plugins = " + value.shown() + "; " + accepted);
@@ -181,7 +181,7 @@ bool Reader::oneCase(const TomlValue &table) {
   for (const Case &other : study_.cases)
     if (other.name == one.name)
       return refuse(table.line, "a second case is named '" + one.name + "'; names of cases have to differ");
-  // It is part of file names.
+  // The name is part of file names.
   if (one.name.find_first_of("/\\:*?\"<>|") != std::string::npos || one.name.front() == '.')
     return refuse(table.find("name")->line, "name = \"" + one.name + "\"; accepted: a name that a file can have");
   if (one.name == "overview")
@@ -288,26 +288,26 @@ bool Reader::reference(const TomlValue &table, const Quantity &quantity, Referen
 
 bool Reader::richardson(const TomlValue &table, Reference &out) {
   if (!keysAre(table, "richardson", {"lever", "values", "set", "share"})) return false;
-  const TomlValue *lever = table.find("lever"), *values = table.find("values");
-  if (lever == nullptr || values == nullptr)
-    return refuse(table.line, std::string("richardson has no '") + (lever ? "values" : "lever") +
+  const TomlValue *parameter = table.find("lever"), *values = table.find("values");
+  if (parameter == nullptr || values == nullptr)
+    return refuse(table.line, std::string("richardson has no '") + (parameter ? "values" : "lever") +
                                   "'; accepted: { lever = \"spacing\", values = [a, b, c] }");
-  if (!text("lever", *lever, out.lever.name)) return false;
-  out.lever.line = lever->line;
+  if (!text("lever", *parameter, out.parameter.name)) return false;
+  out.parameter.line = parameter->line;
   const std::vector<std::string> refinable{"spacing", "count", "dt", "substeps"};
-  if (!out.lever.isPath() && std::find(refinable.begin(), refinable.end(), out.lever.name) == refinable.end())
-    return refuse(lever->line, "lever = " + lever->shown() + " cannot be extrapolated; accepted: " + listOf(refinable) +
-                                   ", or a scene path with a number that goes to 0");
+  if (!out.parameter.isPath() && std::find(refinable.begin(), refinable.end(), out.parameter.name) == refinable.end())
+    return refuse(parameter->line, "lever = " + parameter->shown() + " cannot be extrapolated; accepted: " +
+                                       listOf(refinable) + ", or a scene path with a number that goes to 0");
   if (!values->isNumbers(3) ||
       std::any_of(values->items.begin(), values->items.end(), [](const TomlValue &v) { return !(v.num > 0.0); }))
     return refuse(values->line,
                   "values = " + values->shown() + "; accepted: three numbers above 0, from coarse to fine");
-  if (!valuesOf(*values, out.lever)) return false;
-  const bool grows = out.lever.name == "count" || out.lever.name == "substeps";
+  if (!valuesOf(*values, out.parameter)) return false;
+  const bool grows = out.parameter.name == "count" || out.parameter.name == "substeps";
   for (std::size_t i = 1; i < 3; ++i)
     if (grows ? values->items[i].num <= values->items[i - 1].num : values->items[i].num >= values->items[i - 1].num)
       return refuse(values->line, "values = " + values->shown() + " do not go from coarse to fine; accepted for '" +
-                                      out.lever.name + "': numbers that " + (grows ? "grow" : "fall"));
+                                      out.parameter.name + "': numbers that " + (grows ? "grow" : "fall"));
   if (const TomlValue *share = table.find("share"); share && !number("share", *share, 0.0, out.share, true))
     return false;
   if (const TomlValue *set = table.find("set")) {
@@ -328,62 +328,63 @@ bool Reader::grids(const TomlValue &value, std::vector<Grid> &out) {
 
 bool Reader::grid(const TomlValue &table, Grid &out) {
   if (table.kind != TomlValue::Kind::table)
-    return refuse(table.line, "grid is " + table.kindName() + "; accepted: a table of levers");
+    return refuse(table.line, "grid is " + table.kindName() + "; accepted: a table of study parameters");
   out.line = table.line;
   for (const TomlValue::Entry &entry : table.entries) {
     if (entry.key == "label") {
       if (!text("label", entry.value, out.label)) return false;
-    } else if (!levers("", entry, out.levers)) {
+    } else if (!parameters("", entry, out.parameters)) {
       return false;
     }
   }
-  if (out.levers.empty())
-    return refuse(table.line, "the grid has no lever; accepted: " + listOf(leverNames()) + ", or a scene path");
-  return contradiction(out.levers);
+  if (out.parameters.empty())
+    return refuse(table.line, "the grid has no lever; accepted: " + listOf(parameterNames()) + ", or a scene path");
+  return contradiction(out.parameters);
 }
 
 /// A dotted key without quotes is a table of tables.
-bool Reader::levers(const std::string &prefix, const TomlValue::Entry &entry, std::vector<Lever> &out) {
+bool Reader::parameters(const std::string &prefix, const TomlValue::Entry &entry, std::vector<StudyParameter> &out) {
   const std::string name = prefix + entry.key;
   if (entry.value.kind == TomlValue::Kind::table) {
     for (const TomlValue::Entry &inner : entry.value.entries)
-      if (!levers(name + ".", inner, out)) return false;
+      if (!parameters(name + ".", inner, out)) return false;
     return true;
   }
-  Lever lever{name, {}, entry.value.line};
-  if (!checkLever(lever) || !valuesOf(entry.value, lever)) return false;
-  out.push_back(std::move(lever));
+  StudyParameter parameter{name, {}, entry.value.line};
+  if (!checkLever(parameter) || !valuesOf(entry.value, parameter)) return false;
+  out.push_back(std::move(parameter));
   return true;
 }
 
-bool Reader::checkLever(const Lever &lever) {
-  const auto &known = leverNames();
-  if (lever.isPath() || std::find(known.begin(), known.end(), lever.name) != known.end()) return true;
+bool Reader::checkLever(const StudyParameter &parameter) {
+  const auto &known = parameterNames();
+  if (parameter.isPath() || std::find(known.begin(), known.end(), parameter.name) != known.end()) return true;
   std::vector<std::string> all = known;
   all.emplace_back("label");
-  const std::string nearest = nearestName(lever.name, all);
-  return refuse(lever.line, "unknown lever '" + shownText(lever.name) + "'; " +
-                                (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") + "accepted: label, " +
-                                listOf(known) + ", or a scene path in quotes such as \"solver.damping\"");
+  const std::string nearest = nearestName(parameter.name, all);
+  return refuse(parameter.line, "unknown lever '" + displayText(parameter.name) + "'; " +
+                                    (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") + "accepted: label, " +
+                                    listOf(known) + ", or a scene path in quotes such as \"solver.damping\"");
 }
 
-bool Reader::contradiction(const std::vector<Lever> &levers) {
+bool Reader::contradiction(const std::vector<StudyParameter> &parameters) {
   const std::array<std::array<const char *, 2>, 5> same{{{"spacing", "count"},
                                                          {"neighbours", "support"},
                                                          {"dt", "substeps"},
                                                          {"dt", "solver.dt"},
                                                          {"substeps", "solver.dt"}}};
   const auto find = [&](const std::string &name) {
-    return std::find_if(levers.begin(), levers.end(), [&](const Lever &lever) { return lever.name == name; });
+    return std::find_if(parameters.begin(), parameters.end(),
+                        [&](const StudyParameter &parameter) { return parameter.name == name; });
   };
   for (const auto &[a, b] : same)
-    if (find(a) != levers.end() && find(b) != levers.end())
-      return refuse(std::max(find(a)->line, find(b)->line),
-                    std::string("the grid has '") + a + "' and '" + b + "', which say the same; accepted: one of them");
+    if (find(a) != parameters.end() && find(b) != parameters.end())
+      return refuse(std::max(find(a)->line, find(b)->line), std::string("the grid has '") + a + "' and '" + b +
+                                                                "', which are equivalent; accepted: one of them");
   return true;
 }
 
-bool Reader::valuesOf(const TomlValue &value, Lever &out) {
+bool Reader::valuesOf(const TomlValue &value, StudyParameter &out) {
   if (value.kind != TomlValue::Kind::array) return valueOf(out.name, value, out.values.emplace_back());
   if (value.items.empty())
     return refuse(value.line, out.name + " is an empty list; accepted: a value, or a list of at least one");
@@ -412,7 +413,7 @@ bool Reader::valueOf(const std::string &name, const TomlValue &value, std::strin
     case TomlValue::Kind::integer:
     case TomlValue::Kind::number: out = value.shown(); return true;
     case TomlValue::Kind::text:
-      if (shownText(value.text) != value.text || value.text.find_first_of("\"\\") != std::string::npos)
+      if (displayText(value.text) != value.text || value.text.find_first_of("\"\\") != std::string::npos)
         return accepted("text on one line without quotes");
       out = value.shown();
       return true;
@@ -475,7 +476,7 @@ std::string Study::where(int line) const {
   return line > 0 ? source.string() + ":" + std::to_string(line) : source.string();
 }
 
-const std::vector<std::string> &leverNames() {
+const std::vector<std::string> &parameterNames() {
   static const std::vector<std::string> names{"spacing",   "count",         "neighbours", "support", "evaluation",
                                               "law",       "poisson_ratio", "integrator", "dt",      "substeps",
                                               "precision", "threads",       "simulator"};

@@ -22,8 +22,8 @@ namespace {
 using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-/// Lost so often, a point is to blame rather than those who ran it.
-constexpr int kMostLosses = 3;
+/// A point lost this often is itself the cause, rather than the processes that ran it.
+constexpr int kMaxLosses = 3;
 
 std::vector<std::string> commandOf(const Case &one, const Program &program, const StudyOptions &options) {
   std::vector<std::string> out{pathText(program.file), "run", pathText(one.scene)};
@@ -36,7 +36,7 @@ void addSettings(std::vector<std::string> &arguments, const std::vector<Setting>
     arguments.insert(arguments.end(), {"--set", setting.path + "=" + setting.value});
 }
 
-/// How the bodies of a case lie before anything moves, as the simulator has built them.
+/// Initial skins of the bodies of a case, before anything moves, as built by the simulator.
 Expected<std::vector<Skin>> skinsOf(const Study &study, const Case &one, const PlannedCase &planned,
                                     const Program &program, const StudyFolder &folder, const StudyOptions &options) {
   const std::filesystem::path work = folder.workOf("skins of " + one.name);
@@ -50,7 +50,7 @@ Expected<std::vector<Skin>> skinsOf(const Study &study, const Case &one, const P
   if (!ran) return tl::unexpected(ran.error());
   if (ran->exitCode != 0) {
     if (session::wasInterrupted()) return fail(ErrorCode::cancelled, "interrupted before the first point");
-    std::string reason = shownMessage(ran->errorOutput);
+    std::string reason = displayMessage(ran->errorOutput);
     const std::string_view error = "c3de: error: ";
     if (const std::size_t at = reason.rfind(error); at != std::string::npos) reason.erase(0, at + error.size());
     return fail(ErrorCode::input, study.where(one.line) + ": the bodies of case '" + one.name +
@@ -90,17 +90,17 @@ std::optional<Samples> samplesIn(const std::filesystem::path &file) {
   return samples;
 }
 
-/// The points at which the fields of a case are compared; none where nothing is known of its field.
+/// The points at which the fields of a case are compared; none if nothing is known of its field.
 Expected<Samples> samplesOf(const Study &study, const Plan &plan, std::size_t c, const Program &program,
                             const StudyFolder &folder, const StudyOptions &options) {
   const Case &one = study.cases[c];
   Samples samples;
   if (one.reference.source == Reference::Source::value) return samples;
   if (one.reference.source == Reference::Source::file) {
-    if (const auto truth = statedTruth(study, one, samples); !truth) return tl::unexpected(truth.error());
+    if (const auto truth = statedReference(study, one, samples); !truth) return tl::unexpected(truth.error());
     return samples;
   }
-  // Drawn once, so that a study that goes on compares at the very same points.
+  // Drawn once, so that a resumed study compares at the same points.
   const std::filesystem::path kept = folder.path() / "points" / ("samples of " + one.name + ".json");
   if (auto before = samplesIn(kept)) return std::move(*before);
   const auto skins = skinsOf(study, one, plan.cases[c], program, folder, options);
@@ -125,7 +125,7 @@ Task taskOf(const Study &study, const Point &point, const Samples &samples, cons
                         {"--threads", std::to_string(point.threads), "--seed", std::to_string(study.seed)});
   task.repeat = point.isReference ? 1 : study.repeat;
   task.timeLimit_s = study.timeLimit_s;
-  task.wantsEnergies = point.conservesEnergy;
+  task.needsEnergies = point.conservesEnergy;
   task.folder = folder.workOf(point.id);
   if (!samples.points.empty()) task.samples = folder.workOf("samples of " + one.name + ".csv");
   if (one.quantity.kind == Quantity::Kind::frequency) {
@@ -135,7 +135,7 @@ Task taskOf(const Study &study, const Point &point, const Samples &samples, cons
   return task;
 }
 
-/// One line: how many are done, what runs, how long it may take.
+/// One line: how many points are completed, what is running, how long it may take.
 std::string lineOf(std::size_t done, std::size_t all, std::size_t before, const std::vector<std::string> &running,
                    Clock::time_point begin) {
   std::string text = std::to_string(done) + " of " + std::to_string(all) + " points";
@@ -187,12 +187,12 @@ class Run {
   }
 
  private:
-  /// Tasks for what is not done: references first, because without them nothing is known.
+  /// Queues points that are not completed: references first, because the others depend on them.
   Expected<void> queue();
   Expected<void> take(Workers::Done &done);
   [[nodiscard]] std::string shownOf(const std::string &id) const {
     for (const Point &point : plan_.points)
-      if (point.id == id) return study_.cases[point.ofCase].name + ": " + shown(point.levers);
+      if (point.id == id) return study_.cases[point.ofCase].name + ": " + shown(point.parameters);
     return id;
   }
 
@@ -205,7 +205,7 @@ class Run {
   std::vector<Samples> samples_;
   std::map<std::string, Result> results_;
   std::deque<Task> queue_;
-  std::map<std::string, std::string> running_;  ///< by id, for people
+  std::map<std::string, std::string> running_;  ///< display names by id
   std::map<std::string, int> losses_;
 };
 
@@ -232,19 +232,19 @@ Expected<void> Run::queue() {
 Expected<void> Run::take(Workers::Done &done) {
   const std::string id = done.task.id;
   running_.erase(id);
-  if (done.isLost && ++losses_[id] < kMostLosses) {
+  if (done.isLost && ++losses_[id] < kMaxLosses) {
     queue_.push_front(std::move(done.task));
     return {};
   }
   if (done.isLost) {
-    results_[id] = Result::failed(id, "crashed", "whoever ran it was lost, three times");
+    results_[id] = Result::failed(id, "crashed", "the process that ran it was lost three times");
     return {};
   }
   if (done.result) {
     results_[id] = *done.result;
     return folder_.keep(*done.result);
   }
-  // From outside, and not us: it is run again by --resume.
+  // Interrupted externally, not by this process: --resume runs it again.
   if (done.result.error().code == ErrorCode::cancelled) {
     if (!session::wasInterrupted()) results_[id] = Result::failed(id, "interrupted", done.result.error().message);
     return {};

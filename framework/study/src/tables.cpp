@@ -15,8 +15,8 @@ using Json = nlohmann::ordered_json;
 std::vector<std::string> leversOf(const Plan &plan) {
   std::vector<std::string> names;
   for (const Point &point : plan.points)
-    for (const LeverValue &value : point.levers)
-      if (std::find(names.begin(), names.end(), value.lever) == names.end()) names.push_back(value.lever);
+    for (const StudyParameterValue &value : point.parameters)
+      if (std::find(names.begin(), names.end(), value.parameter) == names.end()) names.push_back(value.parameter);
   return names;
 }
 
@@ -52,7 +52,7 @@ std::string labelOf(const Study &study, const Point &point) {
 
 Json numberOrNull(const std::optional<double> &value) { return value ? Json(*value) : Json(nullptr); }
 
-Json truthJson(const Truth &truth) {
+Json truthJson(const ReferenceSolution &truth) {
   Json json{{"kind", truth.kind}, {"source", truth.from}};
   if (truth.value) json["value"] = *truth.value;
   json["uncertainty"] = truth.uncertainty;
@@ -64,9 +64,9 @@ Json truthJson(const Truth &truth) {
 }  // namespace
 
 std::string tableOf(const Study &study, const Plan &plan, const Outcome &outcome) {
-  const std::vector<std::string> levers = leversOf(plan);
+  const std::vector<std::string> parameters = leversOf(plan);
   std::string text = "case,label";
-  for (const std::string &lever : levers) text += ',' + csvCell(lever);
+  for (const std::string &parameter : parameters) text += ',' + csvCell(parameter);
   text += ",id,outcome,reason";
   for (const Column &column : kErrors) text += std::string(",") + column.name;
   text += ",below_bar,steps,time_s,dt_s,integrated_by,state_hash";
@@ -76,16 +76,16 @@ std::string tableOf(const Study &study, const Plan &plan, const Outcome &outcome
     const Point &point = plan.points[p];
     const PointOutcome &is = outcome.points[p];
     text += csvCell(study.cases[point.ofCase].name) + ',' + csvCell(labelOf(study, point));
-    for (const std::string &lever : levers) {
-      const auto found = std::find_if(point.levers.begin(), point.levers.end(),
-                                      [&](const LeverValue &value) { return value.lever == lever; });
-      text += ',' + (found == point.levers.end() ? "" : csvCell(withoutQuotes(found->value)));
+    for (const std::string &parameter : parameters) {
+      const auto found = std::find_if(point.parameters.begin(), point.parameters.end(),
+                                      [&](const StudyParameterValue &value) { return value.parameter == parameter; });
+      text += ',' + (found == point.parameters.end() ? "" : csvCell(withoutQuotes(found->value)));
     }
     text += ',' + point.id + ',' + (is.failure.empty() ? "done" : csvCell(is.failure)) + ',' + csvCell(is.reason);
     for (const Column &column : kErrors)
       text += ',' + ((is.errors.*column.of) ? formatNumber(*(is.errors.*column.of)) : "");
     if (is.cost) {
-      text += std::string(is.isBelowBar ? ",1" : ",0") + ',' + std::to_string(is.steps) + ',' +
+      text += std::string(is.isBelowResolution ? ",1" : ",0") + ',' + std::to_string(is.steps) + ',' +
               formatNumber(is.time_s) + ',' + formatNumber(is.dt_s) + ',' + csvCell(is.integrator) + ',' + is.stateHash;
       for (const CostColumn &column : kCosts) text += ',' + formatNumber((*is.cost).*column.of);
       text += is.isOnFront ? ",1" : ",0";
@@ -131,14 +131,15 @@ std::string jsonOf(const Study &study, const Plan &plan, const Program &program,
       const PointOutcome &is = outcome.points[p];
       if (point.ofCase != c) continue;
       Json row{{"id", point.id}, {"label", labelOf(study, point)}, {"levers", Json::object()}};
-      for (const LeverValue &value : point.levers) row["levers"][value.lever] = withoutQuotes(value.value);
+      for (const StudyParameterValue &value : point.parameters)
+        row["levers"][value.parameter] = withoutQuotes(value.value);
       row["set"] = Json::object();
       for (const Setting &setting : point.settings) row["set"][setting.path] = setting.value;
       row["threads"] = point.threads;
       if (!is.failure.empty()) row["failure"] = Json{{"kind", is.failure}, {"reason", is.reason}};
       if (is.cost) {
         for (const Column &column : kErrors) row[column.name] = numberOrNull(is.errors.*column.of);
-        row["below_bar"] = is.isBelowBar;
+        row["below_bar"] = is.isBelowResolution;
         row["steps"] = is.steps;
         row["time_s"] = is.time_s;
         row["dt_s"] = is.dt_s;

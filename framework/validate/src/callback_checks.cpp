@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a plugin registers, worked at random as people work it.
+// Random use of what a plugin registers, as users would operate it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace {
 
 constexpr int kEvents = 300, kSurfaces = 30;
 
-Verdict ofEvents(const LoadedTrial &loaded, int events) {
+Verdict ofEvents(const LoadedPlugin &loaded, int events) {
   const Verdict said = loaded.complaints();
   return said.result == Result::pass ? pass(fmt::format("{} events", events)) : said;
 }
@@ -51,7 +51,7 @@ ParameterValue randomValue(const ParameterDecl &decl, Random &random) {
 }
 
 Verdict parameters(const Trial &trial) {
-  const LoadedTrial loaded(trial, TrialHost::Serves::all);
+  const LoadedPlugin loaded(trial, TrialHost::Serves::all);
   if (!loaded.refusal.empty()) return fail(loaded.refusal);
   registry::ParameterRegistry &registry = loaded.host->parameters;
   const std::vector<Handle> sets = registry.ownedBy(loaded.id());
@@ -68,7 +68,8 @@ Verdict parameters(const Trial &trial) {
     }
     for (int i = 0; i < kEvents && !decls.empty(); ++i) {
       const ParameterDecl &decl = random.of(decls);
-      taken += registry.edit(set, randomValue(decl, random)) ? 1 : 0;  // what is not accepted never reaches it
+      taken += registry.edit(set, randomValue(decl, random)) ? 1 : 0;  // values that are not accepted never reach the
+                                                                       // plugin
       if (i % 10 == 0) loaded.host->mainQueue.runFrame();
       if (registry.find(set) == nullptr) return warn("took its parameters back when one was changed");
     }
@@ -91,7 +92,7 @@ void workWidget(registry::TextPanel &panel, const registry::TextPanel::Widget &w
 }
 
 Verdict panels(const Trial &trial) {
-  const LoadedTrial loaded(trial, TrialHost::Serves::all);
+  const LoadedPlugin loaded(trial, TrialHost::Serves::all);
   if (!loaded.refusal.empty()) return fail(loaded.refusal);
   if (loaded.host->panels.handles().empty()) return skip("it has no panels");
   Random random(trial.seed);
@@ -100,7 +101,7 @@ Verdict panels(const Trial &trial) {
   for (const Handle handle : loaded.host->panels.handles()) {
     for (int i = 0; i < kEvents; ++i, ++events) {
       const registry::Panel *panel = loaded.host->panels.find(handle);
-      if (panel == nullptr) break;  // it may take its panel back
+      if (panel == nullptr) break;  // the plugin may remove its panel
       (void)text.draw(*panel);
       const auto &widgets = text.widgets();
       int open = 0;
@@ -133,12 +134,12 @@ c3de_event randomEvent(Random &random, std::uint32_t &buttons, double time_s) {
   event.view_direction[2] = -1.0;
   for (double &origin : event.ray_origin_mm) origin = random.unit() * 2000.0 - 1000.0;
   event.time_s = time_s;
-  event.where = static_cast<std::uint32_t>(random.below(4));  // those of slices reach only a tool that asks for them
+  event.where = static_cast<std::uint32_t>(random.below(4));  // events of slices reach only tools that request them
   return event;
 }
 
 Verdict tools(const Trial &trial) {
-  const LoadedTrial loaded(trial, TrialHost::Serves::all);
+  const LoadedPlugin loaded(trial, TrialHost::Serves::all);
   if (!loaded.refusal.empty()) return fail(loaded.refusal);
   registry::ToolRegistry &registry = loaded.host->tools;
   if (registry.tools().empty()) return skip("it has no tools");
@@ -155,7 +156,7 @@ Verdict tools(const Trial &trial) {
     }
     loaded.host->mainQueue.runFrame();
   }
-  // In the middle of something, the window closes.
+  // The window closes during an action.
   if (const auto entries = registry.tools(); !entries.empty()) (void)registry.activate(entries.front().handle);
   c3de_event press = randomEvent(random, buttons, 10.0);
   press.type = C3DE_EVENT_PRESS;
@@ -165,7 +166,7 @@ Verdict tools(const Trial &trial) {
 }
 
 Verdict commands(const Trial &trial) {
-  const LoadedTrial loaded(trial, TrialHost::Serves::all);
+  const LoadedPlugin loaded(trial, TrialHost::Serves::all);
   if (!loaded.refusal.empty()) return fail(loaded.refusal);
   const auto entries = loaded.host->commands.commands();
   if (entries.empty()) return skip("it has no commands");
@@ -174,7 +175,7 @@ Verdict commands(const Trial &trial) {
     for (const auto &entry : entries) {
       const registry::PluginCommand *command = loaded.host->commands.find(entry.handle);
       if (command == nullptr) continue;
-      (void)loaded.host->commands.run(entry.handle);  // it may refuse
+      (void)loaded.host->commands.run(entry.handle);  // the command may refuse
       ++runs;
       for (int frame = 0; frame < 5; ++frame) loaded.host->mainQueue.runFrame();
     }
@@ -182,7 +183,7 @@ Verdict commands(const Trial &trial) {
 }
 
 Verdict readers(const Trial &trial) {
-  const LoadedTrial loaded(trial, TrialHost::Serves::all);
+  const LoadedPlugin loaded(trial, TrialHost::Serves::all);
   if (!loaded.refusal.empty()) return fail(loaded.refusal);
   const auto infos = loaded.host->meshFormats.readers();
   if (infos.empty()) return skip("it reads no files");
@@ -194,7 +195,7 @@ Verdict readers(const Trial &trial) {
     for (int i = 0; i < kEvents; ++i) {
       const auto file = trial.folder / ("random" + (info.extensions.empty() ? "" : info.extensions.front()));
       std::string bytes(i == 0 ? 0 : random.below(2000), '\0');
-      // Text more often than bytes: readers of text give up on bytes at once.
+      // Text more often than bytes, because readers of text reject bytes at once.
       const bool isText = i % 3 != 0;
       for (char &byte : bytes)
         byte = isText ? "0123456789 -.eE\nvf"[random.below(18)] : static_cast<char>(random.below(256));
@@ -211,7 +212,7 @@ Verdict readers(const Trial &trial) {
 }
 
 Verdict writers(const Trial &trial) {
-  const LoadedTrial loaded(trial, TrialHost::Serves::all);
+  const LoadedPlugin loaded(trial, TrialHost::Serves::all);
   if (!loaded.refusal.empty()) return fail(loaded.refusal);
   const auto infos = loaded.host->meshFormats.writers();
   if (infos.empty()) return skip("it writes no files");
@@ -224,7 +225,7 @@ Verdict writers(const Trial &trial) {
     for (int i = 0; i < kSurfaces; ++i) {
       geometry::TriangleMesh mesh;
       const std::size_t vertices = 3 + (i == 0 ? 0 : random.below(i == 1 ? 100'000 : 500));
-      // Also numbers that text has a hard time with.
+      // Includes numbers that are difficult to represent as text.
       const double size = std::array{1.0, 1e-9, 1e9, 1e300}[random.below(4)];
       const auto number = [&] { return size * (static_cast<double>(random.below(2001)) / 1000.0 - 1.0); };
       for (std::size_t v = 0; v < vertices; ++v) mesh.vertices.push_back({number(), -0.0, number()});
@@ -245,12 +246,12 @@ Verdict writers(const Trial &trial) {
   return pass(fmt::format("{} of {} surfaces written", written, asked));
 }
 
-/// A simulation of one body that is nothing but points: some in one place, some held, none at all. Whoever asks for more
-/// is answered that it is not served.
+/// A simulation of one body that consists only of points: some in one position, some held, or none at all. Requests for
+/// any other interface are refused as unsupported.
 class Points {
  public:
   Points() {
-    // The tables of this process: each object finds its own through self.
+    // Static tables of this process: each object is found through self.
     static const c3de_object_vt vt{sizeof(c3de_object_vt), 1, [](c3de_object *) -> std::uint32_t { return 2; },
                                    [](c3de_object *) -> std::uint32_t { return 1; }, &query};
     self_.object.vt = &vt;
@@ -268,8 +269,8 @@ class Points {
       for (double &x : *numbers) x = random.below(10) == 0 ? 0.0 : number();
     }
     for (std::size_t i = 0; i < n; ++i) {
-      if (random.below(4) != 0) masses_[i] = 1e-3;  // else it is held
-      if (random.below(8) == 0)                     // on the first one, or at the origin
+      if (random.below(4) != 0) masses_[i] = 1e-3;  // otherwise it is held
+      if (random.below(8) == 0)                     // at the first one, or at the origin
         for (std::size_t c = 0; c < 3; ++c) positions_[3 * i + c] = i % 2 == 0 ? positions_[c] : 0.0;
     }
     ++steps_;
@@ -385,11 +386,11 @@ class Points {
 };
 
 Verdict steps(const Trial &trial) {
-  Points points;  // longer than a plugin that may keep it
-  const LoadedTrial loaded(trial, TrialHost::Serves::all);
+  Points points;  // outlives a plugin that may keep it
+  const LoadedPlugin loaded(trial, TrialHost::Serves::all);
   if (!loaded.refusal.empty()) return fail(loaded.refusal);
   Random random(trial.seed);
-  // Where a plugin finds it and may do with it what it likes, too.
+  // In the scene, where a plugin finds it and may modify it.
   const Handle node = loaded.host->sceneGraph.add({}, "Points");
   auto simulation = scene::Simulation::createForCaller(points.object());
   if (!simulation) return fail(simulation.error().message);

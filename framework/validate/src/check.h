@@ -14,52 +14,53 @@ namespace c3de::validate {
 
 enum class Result {
   pass,
-  skip,  ///< there is nothing to check, or no way to
-  warn,  ///< works, but is worth a look
+  skip,  ///< there is nothing to check, or no means to check it
+  warn,  ///< works, but should be examined
   fail
 };
 [[nodiscard]] const char *resultName(Result result);
 
 struct Verdict {
   Result result = Result::pass;
-  std::string text;  ///< what was expected and what happened; of a pass what was done, if worth saying
+  std::string text;  ///< expected and actual behaviour; for a pass what was done, if worth stating
 };
 [[nodiscard]] inline Verdict pass(std::string text = {}) { return {Result::pass, std::move(text)}; }
 [[nodiscard]] inline Verdict skip(std::string text) { return {Result::skip, std::move(text)}; }
 [[nodiscard]] inline Verdict warn(std::string text) { return {Result::warn, std::move(text)}; }
 [[nodiscard]] inline Verdict fail(std::string text) { return {Result::fail, std::move(text)}; }
 
-/// What a check is given.
+/// Input of a check.
 struct Trial {
   std::filesystem::path plugin;                   ///< absolute
-  std::vector<std::filesystem::path> companions;  ///< plugins that it needs, loaded before it
+  std::vector<std::filesystem::path> companions;  ///< plugins that it requires, loaded before it
   std::uint64_t seed = 0;
-  std::filesystem::path folder;  ///< to write in; removed afterwards
+  std::filesystem::path folder;  ///< for writing; removed afterwards
 };
 
-/// Before what a child tells its parent; what a plugin prints does not count.
-inline constexpr std::string_view kVerdictMark = "c3de-validate verdict: ", kDoingMark = "c3de-validate doing: ";
+/// Prefixes of messages from a child to its parent; other output of a plugin is ignored.
+inline constexpr std::string_view kVerdictMark = "c3de-validate verdict: ", kActionMark = "c3de-validate doing: ";
 
-/// Something that a good plugin does, or a bad one does not survive; runs in a process of its own, once.
+/// A requirement on a plugin, which a faulty plugin may not survive; runs once in a separate process.
 struct Check {
   const char *name;     ///< "lifecycle.repeated"
   const char *summary;  ///< one line, for --list
   Verdict (*run)(const Trial &trial);
 };
 
-/// All, the first ones first: what they say makes what follows clear.
+/// All checks. The first ones come first, because their results explain later ones.
 [[nodiscard]] std::vector<Check> allChecks();
 
-// By what they look at; each file of checks has one.
+// By subject; each file of checks has one.
 [[nodiscard]] std::span<const Check> entryChecks();
 [[nodiscard]] std::span<const Check> lifecycleChecks();
 [[nodiscard]] std::span<const Check> callbackChecks();
 [[nodiscard]] std::span<const Check> classChecks();
 
-/// Notes what a check is about to do, for when it does not come back from that: the verdict then says it.
-void nowDoing(const std::string &what);
+/// Records what a check is about to do; if the check does not return, the verdict states it.
+void recordAction(const std::string &what);
 
-/// Random choices that a seed makes the same on every machine (the distributions of the standard library are not).
+/// Random choices that are the same on every machine for a given seed (the distributions of the standard library are
+/// not).
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Objects of its classes; of those that simulate, a small body.
+// Objects of the plugin's classes; for simulators, with a small body.
 #include <fmt/format.h>
 
 #include <array>
@@ -11,7 +11,7 @@
 
 #include "c3de/abi/iface/simulator.h"
 #include "c3de/core/first_size.h"
-#include "c3de/core/foreign_table.h"
+#include "c3de/core/plugin_table.h"
 #include "c3de/scene/text_sink.h"
 #include "c3de/session/body_sources.h"
 #include "c3de/session/build_scene.h"
@@ -28,7 +28,7 @@ using Clock = std::chrono::steady_clock;
 
 c3de_str text(const std::string &s) { return {s.data(), s.size()}; }
 
-/// What is wrong with one object; empty: nothing.
+/// The problem with one object; empty if there is none.
 std::string problemOf(c3de_object *object, const plugin_host::ClassInfo &cls) {
   const c3de_object_vt &vt = *object->vt;
   const std::uint32_t two = vt.retain(object), one = vt.release(object);
@@ -59,7 +59,7 @@ std::string problemOf(c3de_object *object, const plugin_host::ClassInfo &cls) {
 
 Verdict classes(const Trial &trial) {
   constexpr int kTimes = 200;
-  const LoadedTrial loaded(trial, TrialHost::Serves::all);
+  const LoadedPlugin loaded(trial, TrialHost::Serves::all);
   if (!loaded.refusal.empty()) return fail(loaded.refusal);
   int made = 0;
   for (const plugin_host::ClassInfo &cls : loaded.host->host->classes()) {
@@ -86,14 +86,14 @@ void inThreads(const std::function<void()> &work) {
   for (std::thread &thread : threads) thread.join();
 }
 
-/// What is wrong with one object that several threads hold; empty: nothing.
+/// The problem with one object shared by several threads; empty if there is none.
 std::string sharedProblemOf(c3de_object *object, const plugin_host::ClassInfo &cls) {
   const c3de_object_vt &vt = *object->vt;
   const auto count = [&] {
     vt.retain(object);
     return vt.release(object);
   };
-  // All retain before any releases: a count that is wrong then frees nothing too early.
+  // All retain before any releases: a wrong count then frees nothing too early.
   inThreads([&] {
     for (std::uint32_t i = 0; i < kRetains; ++i) vt.retain(object);
   });
@@ -119,12 +119,12 @@ std::string sharedProblemOf(c3de_object *object, const plugin_host::ClassInfo &c
 }
 
 Verdict sharedObjects(const Trial &trial) {
-  const LoadedTrial loaded(trial, TrialHost::Serves::all);
+  const LoadedPlugin loaded(trial, TrialHost::Serves::all);
   if (!loaded.refusal.empty()) return fail(loaded.refusal);
   int made = 0;
   for (const plugin_host::ClassInfo &cls : loaded.host->host->classes()) {
     if (cls.plugin != loaded.id()) continue;
-    nowDoing("shares an object of " + cls.id);
+    recordAction("shares an object of " + cls.id);
     const auto object = loaded.host->host->createObject(cls.id);
     if (!object) return fail(cls.id + ": " + object.error().message);
     ++made;
@@ -136,7 +136,7 @@ Verdict sharedObjects(const Trial &trial) {
   return loaded.complaints();
 }
 
-/// A cube of 10 cm that falls; every simulator must be able to. The gravity of a simulator that has none is left out.
+/// A falling cube of 10 cm; every simulator must support it. Gravity is omitted for a simulator without it.
 constexpr const char *kScene = R"(format = 1
 title = "Cube"
 
@@ -150,26 +150,26 @@ constexpr const char *kCube =
     "50 50\n"
     "f 1 4 3\nf 1 3 2\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n";
 
-constexpr std::uint64_t kMostBodies = 16;
+constexpr std::uint64_t kMaxBodies = 16;
 
-/// A simulator of a class with the scene in it.
+/// A simulator of a class with the scene loaded.
 class Simulated {
  public:
   Simulated(const Trial &trial, const std::string &classId) : refusal(build(trial, classId)) {}
 
   [[nodiscard]] c3de_object *object() const { return object_.get(); }
   [[nodiscard]] std::string errorText() const { return session_->plugins().takeError(); }
-  /// Of everything that can be seen: positions of the surfaces.
+  /// The visible state: positions of the surfaces.
   [[nodiscard]] std::vector<Vec3> surface() const {
     std::vector<Vec3> all;
     c3de_handle body{};
-    for (std::uint64_t i = 0; i < kMostBodies && table->body_at(object(), i, &body) >= 0; ++i) {
+    for (std::uint64_t i = 0; i < kMaxBodies && table->body_at(object(), i, &body) >= 0; ++i) {
       const auto part = session::surfacePositions(object(), body);
       all.insert(all.end(), part.begin(), part.end());
     }
     return all;
   }
-  /// Of what the next steps follow from.
+  /// Hash of everything that determines the next steps.
   [[nodiscard]] std::uint64_t hash() const {
     std::uint64_t value = 0;
     return table->state_hash(object(), &value) < 0 ? 0 : value;
@@ -182,7 +182,7 @@ class Simulated {
   }
 
  private:
-  /// Why it cannot be; empty: it is there.
+  /// Why it cannot be built; empty if it was.
   [[nodiscard]] std::string build(const Trial &trial, const std::string &classId) {
     std::error_code ignored;
     std::filesystem::create_directories(trial.folder, ignored);
@@ -214,16 +214,16 @@ class Simulated {
   }
 
   std::unique_ptr<session::Session> session_;
-  session::ObjectRef object_;  // goes first
+  session::ObjectRef object_;  // destroyed first
 
  public:
   const c3de_simulator_v1 *table = nullptr;
   bool hasGravity = false;
-  const std::string refusal;  ///< empty: it is there
+  const std::string refusal;  ///< empty: it was built
 };
 
 std::vector<std::string> simulatorClasses(const Trial &trial) {
-  const LoadedTrial loaded(trial, TrialHost::Serves::headless);
+  const LoadedPlugin loaded(trial, TrialHost::Serves::headless);
   std::vector<std::string> own;
   for (const plugin_host::ClassInfo &cls : loaded.host->host->classes())
     if (cls.plugin == loaded.id() &&
@@ -270,7 +270,7 @@ Verdict simulators(const Trial &trial) {
   return pass(fmt::format("{} class{}", ids.size(), ids.size() == 1 ? "" : "es"));
 }
 
-/// What is wrong when a step is interrupted; empty: nothing.
+/// The problem when a step is interrupted; empty if there is none.
 std::string interruptProblemOf(const Simulated &one) {
   constexpr double kMost_s = 3.0;  // "within a second or so"
   const c3de_simulator_v1 *table = one.table;
@@ -320,7 +320,7 @@ Verdict interrupts(const Trial &trial) {
     if (!one.refusal.empty()) return fail(id + ": " + one.refusal);
     if (!session::endsSteps(one.table)) continue;
     ++served;
-    nowDoing("interrupts " + id);
+    recordAction("interrupts " + id);
     if (const std::string problem = interruptProblemOf(one); !problem.empty()) return fail(id + ": " + problem);
   }
   return served > 0 ? pass() : skip("its steps run to their end (no interrupt)");
@@ -351,7 +351,7 @@ Verdict states(const Trial &trial) {
       if (const std::string bad = into->step(kSteps); !bad.empty()) return fail(id + ", from a state: " + bad);
       if (into->hash() != hash) return fail(id + ": the steps after a loaded state are not those after the saved one");
     }
-    // The host has checked its sum; a plugin meets such bytes all the same, from another version of itself.
+    // The host has checked the checksum; a plugin may still receive such bytes, from another version of itself.
     Random random(trial.seed);
     for (int i = 0; i < 200; ++i) {
       std::string cut = state.substr(0, random.below(state.size()));
@@ -359,7 +359,7 @@ Verdict states(const Trial &trial) {
         return fail(fmt::format("{}: {} of {} bytes of a state are accepted", id, cut.size(), state.size()));
       if (one.hash() != hash) return fail(id + ": a state that was refused has changed something");
     }
-    // Numbers at random may be a state; they must not end anything, and a reset leads back.
+    // Random numbers may be a valid state; they must not end the process, and a reset must restore the start.
     std::string rubbish(state.size(), '\0');
     for (int i = 0; i < 50; ++i) {
       for (char &byte : rubbish) byte = static_cast<char>(random.below(256));
@@ -398,7 +398,7 @@ Verdict verifies(const Trial &trial) {
   return serving == 0 ? skip("no simulator of it verifies its states") : pass();
 }
 
-/// Pairs and probe tools that cannot be. @param refuse(what, status)
+/// Invalid pairs and probe tools. @param refuse(what, status)
 template <class Refuse>
 void refuseContact(const c3de_contact_v1 &contact, c3de_object *self, c3de_handle nobody, const Refuse &refuse) {
   refuse("set_pair(null)", contact.set_pair(self, nullptr));
@@ -437,7 +437,7 @@ void refuseContact(const c3de_contact_v1 &contact, c3de_object *self, c3de_handl
   refuse("enum_probe_tools(null)", contact.enum_probe_tools(self, nullptr, nullptr));
 }
 
-/// Attachments that cannot be, likewise.
+/// Invalid attachments. @param refuse(what, status)
 template <class Refuse>
 void refuseAttachments(const c3de_attachment_v1 &attachments, c3de_object *self, c3de_handle nobody,
                        const Refuse &refuse) {
@@ -457,7 +457,7 @@ void refuseAttachments(const c3de_attachment_v1 &attachments, c3de_object *self,
   refuse("enumerate attachments(null)", attachments.enumerate(self, nullptr, nullptr));
 }
 
-/// Grasps that cannot be, likewise.
+/// Invalid grasps. @param refuse(what, status)
 template <class Refuse>
 void refuseGrasps(const c3de_grasp_v1 &grasps, c3de_object *self, c3de_handle nobody, const Refuse &refuse) {
   c3de_handle handle{};
@@ -480,12 +480,12 @@ void refuseGrasps(const c3de_grasp_v1 &grasps, c3de_object *self, c3de_handle no
   refuse("a grasp without its path", grasps.add(self, &grasp, &handle));
 }
 
-/// Structs that are smaller than their first revision. @param refuse(what, status)
+/// Structs smaller than their first revision. @param refuse(what, status)
 template <class T, class Call, class Refuse>
 void refuseSmall(const char *what, T given, const Refuse &refuse, const Call &call) {
-  for (const std::size_t size : {std::size_t{0}, std::size_t{4}, FirstSize<T>::value - 1}) {
+  for (const std::size_t size : {std::size_t{0}, std::size_t{4}, MinimumSize<T>::value - 1}) {
     given.size = static_cast<std::uint32_t>(size);
-    refuse(fmt::format("{} with a {} of size {}", what, FirstSize<T>::name, size).c_str(), call(&given));
+    refuse(fmt::format("{} with a {} of size {}", what, MinimumSize<T>::name, size).c_str(), call(&given));
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The file, its entry function, and what it says about itself.
+// The file, its entry function, and what it states about itself.
 #include <fmt/format.h>
 
 #include <array>
@@ -89,15 +89,15 @@ Verdict query(const Trial &trial) {
   const Entry entry(trial);
   if (entry.query == nullptr) return fail(entry.problem);
   const c3de_plugin *first = nullptr;
-  constexpr int kMostTimes = 200;
+  constexpr int kMaxTimes = 200;
   const auto begin = Clock::now();
   int times = 0;
-  for (; times < kMostTimes && Clock::now() - begin < std::chrono::seconds(1); ++times) {
+  for (; times < kMaxTimes && Clock::now() - begin < std::chrono::seconds(1); ++times) {
     const c3de_offer offer = offerOf(C3DE_ABI_MAJOR, C3DE_ABI_MAJOR, times % 2 ? C3DE_OFFER_PROBE : 0u);
     c3de_answer answer{};
     answer.size = sizeof answer;
     const c3de_status status = entry.query(&offer, &answer);
-    if (status < 0) return fail(fmt::format("answers {}: {}", status, shownText(answer.why_not)));
+    if (status < 0) return fail(fmt::format("answers {}: {}", status, displayText(answer.why_not)));
     if (answer.plugin == nullptr) return fail("answers that all is well, and gives no descriptor");
     if (times == 0) first = answer.plugin;
     if (answer.plugin != first) return fail("gives another descriptor each time; it must be the same static one");
@@ -129,7 +129,7 @@ Verdict otherVersions(const Trial &trial) {
 Verdict olderHost(const Trial &trial) {
   const Entry entry(trial);
   if (entry.query == nullptr) return fail(entry.problem);
-  // An answer of the first revision, with something behind it that is not the plugin's.
+  // An answer of the first revision, followed by bytes that do not belong to the plugin.
   constexpr std::size_t kShort = offsetof(c3de_answer, why_not) + sizeof c3de_answer::why_not;
   constexpr unsigned char kUntouched = 0xa5;
   alignas(c3de_answer) std::array<unsigned char, kShort + 4096> memory{};

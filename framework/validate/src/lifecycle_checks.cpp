@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From create to destroy, in hosts that serve more and less.
+// From create to destroy, in hosts that provide more and fewer services.
 #include <fmt/format.h>
 
 #include <array>
@@ -17,7 +17,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Of this process; 0: not known.
+/// Of this process; 0 if unknown.
 std::uint64_t residentBytes() {
   std::ifstream file("/proc/self/statm");
   std::uint64_t all = 0, resident = 0;
@@ -33,14 +33,14 @@ std::size_t threadsNow() {
   return n;
 }
 
-/// Threads that end take a moment to be gone.
-std::size_t threadsAtRest(std::size_t wanted) {
+/// Threads that end take a moment to disappear.
+std::size_t settledThreadCount(std::size_t wanted) {
   for (int i = 0; i < 100 && threadsNow() > wanted; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   return threadsNow();
 }
 
 Verdict live(const Trial &trial, TrialHost::Serves serves, const TrialHost::Change &change = {}) {
-  const LoadedTrial loaded(trial, serves, change);
+  const LoadedPlugin loaded(trial, serves, change);
   if (!loaded.refusal.empty()) return fail(loaded.refusal);
   for (int i = 0; i < 20; ++i) loaded.host->mainQueue.runFrame();
   loaded.host->host.reset();
@@ -50,7 +50,7 @@ Verdict live(const Trial &trial, TrialHost::Serves serves, const TrialHost::Chan
 
 Verdict once(const Trial &trial) { return live(trial, TrialHost::Serves::all); }
 
-/// Of a plugin whose descriptor requires what a host does not serve, which host says so; empty: it does not.
+/// The host's message if the plugin's descriptor requires a service the host does not provide; empty if it does not.
 std::string requirementBeyond(const Trial &trial, TrialHost::Serves serves) {
   const auto library = DynamicLibrary::open(trial.plugin);
   if (!library) return {};
@@ -60,7 +60,7 @@ std::string requirementBeyond(const Trial &trial, TrialHost::Serves serves) {
 }
 
 Verdict headless(const Trial &trial) {
-  // A descriptor may say that there has to be a window.
+  // A descriptor may state that a window is required.
   if (const std::string why = requirementBeyond(trial, TrialHost::Serves::headless);
       !why.empty() && requirementBeyond(trial, TrialHost::Serves::all).empty())
     return pass("refuses itself: " + why);
@@ -68,8 +68,8 @@ Verdict headless(const Trial &trial) {
 }
 
 Verdict least(const Trial &trial) {
-  const LoadedTrial loaded(trial, TrialHost::Serves::least);
-  // A plugin may say that it needs more; what it says must name it.
+  const LoadedPlugin loaded(trial, TrialHost::Serves::least);
+  // A plugin may report that it needs more services; its message must name them.
   if (!loaded.refusal.empty()) return pass("refuses itself: " + loaded.refusal);
   loaded.host->host.reset();
   return loaded.complaints();
@@ -106,7 +106,7 @@ Verdict without(const Trial &trial) {
         continue;
       }
     }
-    nowDoing(std::string("lives without ") + one.what);
+    recordAction(std::string("lives without ") + one.what);
     Verdict verdict = live(trial, TrialHost::Serves::all, one.change);
     if (verdict.result == Result::fail)
       return fail(fmt::format("without {}, which it does not require: {}", one.what, verdict.text));
@@ -118,13 +118,13 @@ Verdict without(const Trial &trial) {
 
 Verdict repeated(const Trial &trial) {
   constexpr int kMost = 1000, kWarmUp = 50;
-  constexpr std::uint64_t kMostGrowth = 2048;  // bytes per cycle: several times what the host itself leaves
+  constexpr std::uint64_t kMaxGrowth = 2048;  // bytes per cycle: several times what the host itself leaves
   const auto begin = Clock::now();
   std::uint64_t before = 0;
   int cycles = 0;
   for (; cycles < kMost && Clock::now() - begin < std::chrono::seconds(6); ++cycles) {
     if (cycles == kWarmUp) before = residentBytes();
-    const LoadedTrial loaded(trial, TrialHost::Serves::all);
+    const LoadedPlugin loaded(trial, TrialHost::Serves::all);
     if (!loaded.refusal.empty()) return fail(fmt::format("is refused in cycle {}: {}", cycles + 1, loaded.refusal));
   }
   const int counted = cycles - kWarmUp;
@@ -132,11 +132,11 @@ Verdict repeated(const Trial &trial) {
   if (before == 0) return pass(fmt::format("{} cycles; memory is not known on this system", cycles));
   const std::uint64_t after = residentBytes();
   const std::uint64_t each = after > before ? (after - before) / static_cast<std::uint64_t>(counted) : 0;
-  if (each > kMostGrowth)
+  if (each > kMaxGrowth)
     return fail(
         fmt::format("{} bytes are not given back in each of {} cycles of create, start, stop and destroy; at "
                     "most {} are taken for noise",
-                    each, counted, kMostGrowth));
+                    each, counted, kMaxGrowth));
   return pass(fmt::format("{} cycles, {} bytes each", cycles, each));
 }
 
@@ -144,11 +144,11 @@ Verdict threads(const Trial &trial) {
   if (threadsNow() == 0) return skip("threads cannot be counted on this system");
   const std::size_t before = threadsNow();
   {
-    const LoadedTrial loaded(trial, TrialHost::Serves::all);
+    const LoadedPlugin loaded(trial, TrialHost::Serves::all);
     if (!loaded.refusal.empty()) return fail(loaded.refusal);
     for (int i = 0; i < 5; ++i) loaded.host->mainQueue.runFrame();
   }
-  const std::size_t after = threadsAtRest(before);
+  const std::size_t after = settledThreadCount(before);
   if (after > before) return fail(fmt::format("{} of its threads still run after stop and destroy", after - before));
   return pass();
 }

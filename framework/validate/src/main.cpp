@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// c3de-validate: checks a plugin as its author, or somebody who is careful, would; each check in a process of its own.
+// c3de-validate: checks a plugin as its author, or a careful user, would; each check in a separate process.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -14,10 +14,10 @@
 
 #include "c3de/core/crash_journal.h"
 #include "c3de/core/environment_faults.h"
-#include "c3de/core/foreign_call.h"
 #include "c3de/core/output_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
+#include "c3de/core/plugin_call.h"
 #include "c3de/core/text.h"
 #include "c3de/registry/settings_store.h"
 #include "check.h"
@@ -62,8 +62,8 @@ Verdict runHere(const Check &check, const Trial &trial) {
   }
 }
 
-/// The last line that a fatal error or an exit() has left.
-std::string lastWords(const std::string &text) {
+/// The last line left by a fatal error or an exit().
+std::string lastErrorLine(const std::string &text) {
   std::string found;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
@@ -72,15 +72,15 @@ std::string lastWords(const std::string &text) {
       if (line.find(sign) != std::string::npos) found = line;
     begin = end + 1;
   }
-  return shownText(found.starts_with("c3de: ") ? found.substr(6) : found);
+  return displayText(found.starts_with("c3de: ") ? found.substr(6) : found);
 }
 
-/// What the child was doing when it ended, " while it lives without tools"; empty where it has not said.
+/// What the child was doing when it ended, " while it lives without tools"; empty if it has not reported it.
 std::string whileDoing(const std::string &output) {
-  const auto at = output.rfind(kDoingMark);
+  const auto at = output.rfind(kActionMark);
   if (at == std::string::npos) return {};
-  const auto begin = at + kDoingMark.size();
-  return " while it " + shownText(output.substr(begin, output.find('\n', begin) - begin));
+  const auto begin = at + kActionMark.size();
+  return " while it " + displayText(output.substr(begin, output.find('\n', begin) - begin));
 }
 
 Verdict runInChild(const Check &check, const std::string &file, const Options &options,
@@ -104,15 +104,15 @@ Verdict runInChild(const Check &check, const std::string &file, const Options &o
     if (json.is_object() && ended->exitCode == 0)
       return {static_cast<Result>(json.value("result", static_cast<int>(Result::fail))), json.value("text", "")};
   }
-  const std::string words = lastWords(ended->errorOutput);
+  const std::string words = lastErrorLine(ended->errorOutput);
   return fail(words.empty() ? fmt::format("ended the process{}, with code {}", when, ended->exitCode)
                             : fmt::format("ended the process{}: {}", when, words));
 }
 
-/// A good check of a plugin that leaves the process other than it was is none.
+/// A passed check of a plugin that changes the process environment becomes a failure.
 Verdict withEnvironment(Verdict verdict) {
-  // What was changed outside of a recorded call is found by the next one.
-  { const ForeignCall last("c3de-validate", "the end of a check", CallKind::prompt); }
+  // Changes made outside of a recorded call are detected by the next one.
+  { const PluginCall last("c3de-validate", "the end of a check", CallKind::prompt); }
   const std::vector<std::string> faults = environmentFaults();
   return verdict.result == Result::fail || faults.empty() ? verdict : fail(faults.front());
 }
@@ -120,8 +120,8 @@ Verdict withEnvironment(Verdict verdict) {
 int child(const Options &options) {
   if (options.files.size() != 1) return kUsage;
   registry::keepSettingsInMemory();
-  { const ForeignCall first("c3de-validate", "the beginning of a check", CallKind::prompt); }
-  endWithParent();  // a plugin may never come back
+  { const PluginCall first("c3de-validate", "the beginning of a check", CallKind::prompt); }
+  endWithParent();  // a plugin may never return
   for (const Check &check : allChecks()) {
     if (options.child != check.name) continue;
     const Verdict verdict =
@@ -152,7 +152,7 @@ std::vector<Done> checkPlugin(const std::string &file, const std::vector<Check> 
       verdict =
           options.inProcess ? runHere(check, trialOf(options, file, folder)) : runInChild(check, file, options, folder);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    // Without a library, or without a descriptor, nothing else can be said.
+    // Without a library, or without a descriptor, no further check is possible.
     const std::string name = check.name;
     if (verdict.result == Result::fail && (name == "file" || name == "file.load" || name == "entry")) isLibrary = false;
     if (!options.quiet || verdict.result == Result::fail || verdict.result == Result::warn)
@@ -170,7 +170,7 @@ std::size_t countOf(const std::vector<Done> &all, Result result) {
       std::count_if(all.begin(), all.end(), [&](const Done &one) { return one.verdict.result == result; }));
 }
 
-/// Empty where the pattern is not one.
+/// Empty if a pattern is invalid.
 std::optional<std::vector<Check>> chosenChecks(const Options &options) {
   try {
     const std::regex only(options.only.empty() ? ".*" : options.only), except(options.except);
@@ -229,18 +229,18 @@ int run(const Options &options) {
 }  // namespace
 
 int main(int argc, char **argv) {
-  tellFatalErrors();
+  installFatalErrorReport();
   Options options;
   CLI::App app(
       "Checks plugins of C3DE: the file, what it says about itself, its life, and what it registers, each check in a "
       "process of its own.\nEnds with 0 where none has failed, 1 where one has, 2 where it was asked wrongly.",
       "c3de-validate");
-  app.set_help_flag("-h,--help", "Say this");
+  app.set_help_flag("-h,--help", "Show this help");
   app.add_option("PLUGINS", options.files, "Files of plugins");
   app.add_option("--with", options.companions, "A plugin that they need, loaded before them (repeatable)")
       ->type_name("PLUGIN")
       ->allow_extra_args(false);
-  app.add_flag("--list", options.list, "Say what is checked");
+  app.add_flag("--list", options.list, "List the checks");
   app.add_option("--only", options.only, "Checks whose names match this regular expression")->type_name("REGEX");
   app.add_option("--except", options.except, "But not those")->type_name("REGEX");
   app.add_option("--seed", options.seed, "Of random values and events (1); the same one does the same again");
@@ -249,7 +249,7 @@ int main(int argc, char **argv) {
   app.add_option_function<std::string>(
          "--json", [&](const std::string &name) { options.json = pathFromText(name); }, "Report as JSON")
       ->type_name("FILE");
-  app.add_flag("-q,--quiet", options.quiet, "Only what fails or is worth a look");
+  app.add_flag("-q,--quiet", options.quiet, "Only failures and warnings");
   app.add_option("--child", options.child)->group("");
   app.add_option("--folder", options.folder)->group("");
   try {

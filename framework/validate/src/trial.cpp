@@ -24,12 +24,12 @@ std::vector<Check> allChecks() {
   return all;
 }
 
-void nowDoing(const std::string &what) {
-  std::printf("\n%.*s%s\n", static_cast<int>(kDoingMark.size()), kDoingMark.data(), what.c_str());
+void recordAction(const std::string &what) {
+  std::printf("\n%.*s%s\n", static_cast<int>(kActionMark.size()), kActionMark.data(), what.c_str());
   std::fflush(stdout);
 }
 
-LoadedTrial::LoadedTrial(const Trial &trial, TrialHost::Serves serves, const TrialHost::Change &change)
+LoadedPlugin::LoadedPlugin(const Trial &trial, TrialHost::Serves serves, const TrialHost::Change &change)
     : host(std::make_unique<TrialHost>(trial.folder / "settings", serves, change)) {
   for (const auto &companion : trial.companions)
     if (const std::string why = host->refusalOf(companion); !why.empty()) {
@@ -40,7 +40,7 @@ LoadedTrial::LoadedTrial(const Trial &trial, TrialHost::Serves serves, const Tri
   id_ = host->host->plugins().back().id;
 }
 
-Verdict LoadedTrial::complaints() const {
+Verdict LoadedPlugin::complaints() const {
   const auto errors = host->linesFrom(LogLevel::error);
   if (!errors.empty())
     return fail(fmt::format("{} error{}, the first: {}", errors.size(), errors.size() == 1 ? "" : "s", errors[0]));

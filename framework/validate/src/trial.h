@@ -9,16 +9,16 @@
 
 namespace c3de::validate {
 
-/// The plugin, created and started in a host of its own, with those that it needs.
-struct LoadedTrial {
-  LoadedTrial(const Trial &trial, TrialHost::Serves serves, const TrialHost::Change &change = {});
+/// The plugin, created and started in a separate host, with the plugins it requires.
+struct LoadedPlugin {
+  LoadedPlugin(const Trial &trial, TrialHost::Serves serves, const TrialHost::Change &change = {});
 
-  /// Lines of warnings and errors that were logged; a pass without any.
+  /// Logged warnings and errors; a pass if there are none.
   [[nodiscard]] Verdict complaints() const;
   [[nodiscard]] const std::string &id() const { return id_; }
 
   std::unique_ptr<TrialHost> host;
-  std::string refusal;  ///< empty: it is there
+  std::string refusal;  ///< empty: it is loaded
 
  private:
   std::string id_;

@@ -70,7 +70,7 @@ std::string TrialHost::leftOver() const {
   const auto add = [&](const char *what, bool isThere) {
     if (isThere) text += (text.empty() ? "" : ", ") + std::string(what);
   };
-  auto &self = const_cast<TrialHost &>(*this);  // lists of what there is are not const
+  auto &self = const_cast<TrialHost &>(*this);  // the lists have no const overloads
   add("classes", host && !host->classes().empty());
   add("panels", !self.panels.panels().empty());
   add("tools", !tools.tools().empty());

@@ -30,18 +30,18 @@
 
 namespace c3de::validate {
 
-/// A host of plugins with everything that a run with a window has, drawn by the null renderer; and the lines that were
-/// logged. One at a time.
+/// A plugin host with all services of a run with a window, using the null renderer, and the logged lines. Only one at a
+/// time.
 class TrialHost {
  public:
   enum class Serves {
     all,
     headless,  ///< as in `c3de run`
-    least      ///< only what every host must have
+    least      ///< only the services every host must have
   };
   using Change = std::function<void(plugin_host::Services &services)>;
-  /// @param settingsFolder  what is there is removed at the end
-  /// @param change  may take away of what is served
+  /// @param settingsFolder  its contents are removed at the end
+  /// @param change  may remove services
   explicit TrialHost(std::filesystem::path settingsFolder, Serves serves = Serves::all, const Change &change = {});
   ~TrialHost();
   TrialHost(const TrialHost &) = delete;
@@ -52,9 +52,9 @@ class TrialHost {
   /// Lines of this level and above.
   [[nodiscard]] std::vector<std::string> linesFrom(LogLevel least) const;
 
-  /// Loads and starts; why the plugin is not loaded, empty when it is.
+  /// Loads and starts a plugin. Returns why it is not loaded, empty if it is.
   [[nodiscard]] std::string refusalOf(const std::filesystem::path &file);
-  /// What is left of plugins that have gone; empty: nothing.
+  /// What remains of removed plugins; empty if nothing.
   [[nodiscard]] std::string leftOver() const;
 
   ThreadPool pool{2};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loads well, and then does on demand what no plugin should. The verdict stands beside each in test_guarded_calls.cpp.
+// Loads correctly, and then violates the plugin rules on demand. The expected verdict is next to each call in
+// test_guarded_calls.cpp.
 #include "misbehaves.h"
 
 #include <chrono>
@@ -40,7 +41,7 @@ void C3DE_CALL done(void *, c3de_status, c3de_str) {}
 
 c3de_handle ignored;
 
-// ---- registered as told -------------------------------------------------------------------------------------------
+// ---- registered on request ----------------------------------------------------------------------------------------
 
 using OnUi = void(C3DE_CALL *)(void *, const c3de_ui_v1 *);
 c3de_status addPanel(OnUi f, std::uint32_t size = sizeof(c3de_panel)) {
@@ -157,17 +158,17 @@ c3de_status C3DE_CALL slowCreate(void *, c3de_object **out) {
   return make<&kNoStep>(nullptr, out);
 }
 
-// ---- callbacks that answer each other -----------------------------------------------------------------------------
+// ---- recursive callbacks ------------------------------------------------------------------------------------------
 
 c3de_handle itsTool;
 
 void C3DE_CALL takeUpAgain(void *) {
-  // Each makes two more: without a limit of the depth the stack ends, without one of the lines the log does.
+  // Each creates two more: without a depth limit the stack overflows, without a line limit the log does.
   const auto *tools = service<c3de_tools_v1>(C3DE_TOOLS_ID);
   for (int i = 0; i < 2; ++i) (void)tools->activate(tools->ctx, itsTool);
 }
 
-// ---- what is done on demand ---------------------------------------------------------------------------------------
+// ---- actions on demand --------------------------------------------------------------------------------------------
 
 c3de_status create1000() {
   for (int i = 0; i < 1000; ++i) {
@@ -184,7 +185,7 @@ c3de_status create1000() {
 }
 
 c3de_status sampleOverItself() {
-  // Five points, and the results over the middle of them.
+  // Five points, and the results over the centre of them.
   const auto *mesh = service<c3de_mesh_v1>(C3DE_MESH_ID);
   const double corners[] = {0, 0, 0, 10, 0, 0, 0, 10, 0, 0, 0, 10};
   const std::uint32_t faces[] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
@@ -217,7 +218,7 @@ void C3DE_CALL badTexts(void *, const c3de_ui_v1 *ui) {
 }
 
 using Do = c3de_status (*)();
-const std::map<std::string_view, Do> &deeds() {
+const std::map<std::string_view, Do> &misbehaviours() {
   static const std::map<std::string_view, Do> all{
       {"class without create", [] { return addClass("test.bad.NoCreate/0", nullptr); }},
       {"panel without on_ui", [] { return addPanel(nullptr); }},
@@ -304,7 +305,7 @@ const std::map<std::string_view, Do> &deeds() {
        [] {
          return submit(
              [](void *, const c3de_progress *progress) -> c3de_status {
-               // Silent for long, and then it hears at last that nobody wants it.
+               // Silent for a long time; then it finally receives the request to stop.
                for (;;) {
                  hang();
                  if (progress->update(progress->self, -1.0, text("")) < 0) return C3DE_E_CANCELLED;
@@ -388,8 +389,8 @@ const std::map<std::string_view, Do> &deeds() {
 }
 
 c3de_status C3DE_CALL run(c3de_object *, c3de_str what) {
-  const auto found = deeds().find(std::string_view(what.ptr, what.len));
-  return found != deeds().end() ? found->second() : C3DE_E_NOT_FOUND;
+  const auto found = misbehaviours().find(std::string_view(what.ptr, what.len));
+  return found != misbehaviours().end() ? found->second() : C3DE_E_NOT_FOUND;
 }
 
 const test_misbehaves_v0 kTable{sizeof(test_misbehaves_v0), 1, &run};

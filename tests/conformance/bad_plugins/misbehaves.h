@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What test_guarded_calls.cpp asks of the plugin misbehaves. */
+/* The interface of the plugin misbehaves for test_guarded_calls.cpp. */
 #ifndef C3DE_TEST_MISBEHAVES_H
 #define C3DE_TEST_MISBEHAVES_H
 
@@ -11,7 +11,7 @@
 typedef struct test_misbehaves_v0 {
   uint32_t size;
   uint32_t rev;
-  /* Does what the name says; the status of the host's function. */
+  /* Performs the named action; returns the status of the host's function. */
   c3de_status(C3DE_CALL *run)(c3de_object *self, c3de_str what);
 } test_misbehaves_v0;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written with the SDK: what it does again and again throws, in functions that return nothing.
+// Written with the SDK: its periodic callbacks throw, in functions that return nothing.
 #include <stdexcept>
 
 #include "c3de/sdk/sdk.hpp"

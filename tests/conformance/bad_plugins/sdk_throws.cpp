@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written with the SDK: its constructor throws, and a thunk makes a status of that.
+// Written with the SDK: its constructor throws, and a thunk converts that into a status.
 #include "c3de/sdk/sdk.hpp"
 
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Registers a class and lets an exception out of create.
+// Registers a class and lets an exception escape from create.
 #include <stdexcept>
 
 #include "minimal.h"

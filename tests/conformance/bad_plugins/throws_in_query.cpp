@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lets an exception out of the entry function.
+// Lets an exception escape from the entry function.
 #include <stdexcept>
 
 #include "c3de/abi/entry.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loads well and then lets exceptions out of every callback it has given.
+// Loads correctly and then lets exceptions escape from every callback it has registered.
 #include <stdexcept>
 
 #include "minimal.h"

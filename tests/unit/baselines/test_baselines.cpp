@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The methods that studies compare with, each against what is known of it.
+// The methods of comparison of studies, each against its known properties.
 #include <memory>
 #include <random>
 
@@ -69,7 +69,7 @@ std::vector<std::unique_ptr<PointBody>> allBodies() {
   return all;
 }
 
-/// Turned a little, and every point moved by up to `most` in every direction.
+/// Rotated slightly, and every point moved by up to `most` in every direction.
 void disturb(PointBody &body, double most, bool turned = true) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> way(-most, most);
@@ -139,7 +139,7 @@ TEST_CASE("Forces are what the elastic energy falls by") {
         const double at = body->state().positions[i][a];
         const auto energyAt = [&](double x) {
           body->state().positions[i][a] = x;
-          // The thesis's body takes displacements over when it computes forces.
+          // The thesis's body adopts displacements when it computes forces.
           body->computeForces(0.0, {});
           return body->elasticEnergy_J();
         };
@@ -189,7 +189,8 @@ TEST_CASE("A bar that is pulled grows longer by F L / (E A)") {
     relax(*body, loading, world());
     const Bound end = body->bind({kSize[0], 0.5 * kSize[1], 0.5 * kSize[2]}, nullptr);
     INFO(body->elements().name << " " << body->elements().count);
-    // Large clusters are fewer at the ends; of tetrahedra the face bends where its corners are met by more or fewer.
+    // At the ends there are fewer large clusters; with tetrahedra the face bends where more or fewer of them meet at a
+    // corner.
     const double allowed = body == bodies.back() ? 0.1 : body == bodies.front() ? 0.02 : 1e-6;
     CHECK_THAT(end.of(body->state().positions)[0] - kSize[0], WithinRel(longer, allowed));
     CHECK_THAT(body->reaction(body->supports()[0], {}).force_N[0], WithinRel(-force, 1e-6));
@@ -200,7 +201,7 @@ TEST_CASE("A bar of tetrahedra between its ends has the stress of its law") {
   const double s = 1.2, area = kSize[1] * kSize[2];
   const struct {
     TetraBody::Law law;
-    double stress;  // over E, of a bar that does not thin
+    double stress;  // over E, of a bar without lateral contraction
   } cases[] = {{TetraBody::Law::linear, s - 1.0},
                {TetraBody::Law::corotated, s - 1.0},
                {TetraBody::Law::stVenantKirchhoff, 0.5 * (s * s - 1.0) * s},
@@ -315,7 +316,7 @@ TEST_CASE("The thesis's supports hold the phyxels whose cells the region meets")
 
 TEST_CASE("What cannot come to rest says so") {
   const auto body = tetrahedra(TetraBody::Law::neoHookean, 0.3, 0.04);
-  body->loads.push_back(pull(*body, 1.0));  // nothing holds against it
+  body->loads.push_back(pull(*body, 1.0));  // no support balances it
   Loading loading;
   loading.moment.factor = 1.0;
   CHECK_THROWS_AS(relax(*body, loading, world()), sdk::Error);

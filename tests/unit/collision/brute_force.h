@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Answers by looking at every triangle with other formulas than the tree's.
+// Brute-force results from every triangle, by formulas other than the tree's.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ inline double segmentDistance(const Vec3 &p, const Vec3 &a, const Vec3 &b) {
   return norm(p - (a + s * ab));
 }
 
-/// Distance to the plane where the foot lies inside all three sides, else to the nearest side.
+/// Distance to the plane where the foot is inside all three sides, otherwise to the nearest side.
 inline double triangleDistance(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c) {
   const double sides = std::min({segmentDistance(p, a, b), segmentDistance(p, b, c), segmentDistance(p, c, a)});
   Vec3 n = cross(b - a, c - a);

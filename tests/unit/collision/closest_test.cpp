@@ -34,7 +34,7 @@ TEST_CASE("Signed distances to a box are exact, at its edges and corners too") {
   shapes::RandomPoints random(31);
   for (int i = 0; i < 5000; ++i) {
     Vec3 p = random.in({-4, -5, -6}, {7, 8, 9});
-    if (i % 5 == 0) p = {std::round(p[0]), std::round(p[1]), std::round(p[2])};  // many of these lie in face planes
+    if (i % 5 == 0) p = {std::round(p[0]), std::round(p[1]), std::round(p[2])};  // many of these are in face planes
     const collision::ClosestPoint c = tree->closest(p);
     REQUIRE_THAT(c.distance, WithinAbs(boxDistance(p, min, max), 1e-12));
     REQUIRE_THAT(norm(c.normal), WithinAbs(1.0, 1e-12));
@@ -47,7 +47,7 @@ TEST_CASE("Signed distances to a fine sphere agree with the formula up to the fa
   const auto mesh = shapes::sphere({0, 0, 0}, radius, 4);
   const auto tree = AabbTree::build(mesh.vertices, mesh.triangles);
   REQUIRE(tree);
-  // Depth of the largest facet below the sphere: half an edge squared over the diameter, times 4/3 for its middle.
+  // Depth of the largest facet below the sphere: half an edge squared over the diameter, times 4/3 for its centre.
   double longest = 0.0;
   for (const Triangle &t : mesh.triangles) longest = std::max(longest, norm(mesh.vertices[t[1]] - mesh.vertices[t[0]]));
   const double sagitta = longest * longest / (3.0 * 2.0 * radius) * 1.1;
@@ -115,7 +115,7 @@ TEST_CASE("Distances to an open surface have no sign") {
 }
 
 TEST_CASE("The sign is right at a sharp edge, where the nearest faces alone would mislead") {
-  // A thin wedge: points just beyond the sharp edge lie behind the plane of one of its two faces.
+  // A thin wedge: points just beyond the sharp edge are behind the plane of one of its two faces.
   const geometry::TriangleMesh wedge{
       {{0, 0, 0}, {0, 10, 0}, {10, 0, 0.2}, {10, 10, 0.2}, {10, 0, -0.2}, {10, 10, -0.2}},
       {{0, 2, 1}, {1, 2, 3}, {0, 1, 4}, {1, 5, 4}, {2, 4, 3}, {3, 4, 5}, {0, 4, 2}, {1, 3, 5}}};

@@ -18,7 +18,7 @@ struct Answers {
   bool operator==(const Answers &) const = default;
 };
 
-/// A mixture of all queries around a box.
+/// Results of a mixture of all queries around a box.
 Answers ask(const AabbTree &tree, const geometry::Box &box, unsigned seed, int count) {
   Answers answers;
   shapes::RandomPoints random(seed);
@@ -127,7 +127,7 @@ TEST_CASE("Triangles without area break nothing") {
     const auto hit = tree->ray(p, Vec3{5, 5, 5} - p);
     REQUIRE((!hit.isHit() || std::isfinite(hit.t)));
   }
-  // All in one point: a tree of boxes without extent.
+  // All at one point: a tree of boxes without extent.
   for (Vec3 &v : mesh.vertices) v = {1, 1, 1};
   REQUIRE(tree->refit(mesh.vertices));
   tree->rebuild();
@@ -161,7 +161,7 @@ TEST_CASE("Bad input is refused by name") {
   const auto wrongCount = tree->refit(vertices);
   REQUIRE_FALSE(wrongCount);
   CHECK_THAT(wrongCount.error().message, Contains("7 positions") && Contains("8 vertices"));
-  // What was refused left the tree as it was.
+  // A refused update left the tree unchanged.
   CHECK_THAT(tree->closest({0.5, 0.5, 3.0}).distance, WithinAbs(2.0, 1e-12));
   CHECK(tree->triangleCount() == 12);
   CHECK(tree->vertexCount() == 8);
@@ -178,7 +178,7 @@ bool segmentMeets(const Vec3 &p, const Vec3 &q, const Vec3 &a, const Vec3 &b, co
 }
 
 double segmentsApart(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &d) {
-  // By halving: the distance of a point of one to the other is convex along it.
+  // By bisection: the distance of a point of one to the other is convex along it.
   double low = 0.0, high = 1.0;
   const auto at = [&](double s) { return brute_force::segmentDistance(a + s * (b - a), c, d); };
   for (int i = 0; i < 100; ++i) {
@@ -222,7 +222,7 @@ TEST_CASE("Pairs of two surfaces are those of brute force, whether they meet or 
       for (std::uint32_t j = 0; j < right.triangles.size(); ++j) {
         const double d = apart(left, i, right, j);
         const bool isFound = std::binary_search(found.begin(), found.end(), std::array<std::uint32_t, 2>{i, j});
-        // What is at the distance to round-off may be either.
+        // A pair whose distance equals the limit up to round-off may be found or not.
         if (isFound != (d <= distance) && std::abs(d - distance) > 1e-6) ++wrong;
         if (d <= distance) ++expected;
       }
@@ -243,7 +243,7 @@ TEST_CASE("A surface meets itself where it goes through itself, each pair once, 
   std::vector<std::array<std::uint32_t, 2>> found;
   tree->pairs(*tree, 0.0, found);
   CHECK(found.empty());
-  // A second sphere in the same mesh goes through the first.
+  // A second sphere in the same mesh passes through the first.
   const auto other = shapes::sphere({12, 0, 0}, 6.0, 2);
   const auto offset = static_cast<std::uint32_t>(mesh.vertices.size());
   const auto first = static_cast<std::uint32_t>(mesh.triangles.size());

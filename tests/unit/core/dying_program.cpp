@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Dies in the way that is asked for. Arguments: folder of the journal, way, plugin to load (for "thread").
+// Crashes in the requested way. Arguments: folder of the journal, way, plugin to load (for "thread").
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -13,7 +13,7 @@ namespace {
 
 using namespace c3de;
 
-// Each level writes to its part of the stack, so that none can be left out.
+// Each level writes to its part of the stack, so that the compiler cannot remove any.
 int overflow(volatile char *above) {
   if (above != nullptr && *above != '\0') return 0;  // never
   volatile char level[4096];
@@ -25,10 +25,10 @@ int die(const std::string &way) {
   if (way == "well") return 0;
   if (way == "program") std::abort();
   if (way == "before") {
-    { const ForeignCall call("org.test", "step", CallKind::step); }
+    { const PluginCall call("org.test", "step", CallKind::step); }
     std::abort();
   }
-  const ForeignCall call("org.test", "create", CallKind::prompt);
+  const PluginCall call("org.test", "create", CallKind::prompt);
   if (way == "abort") std::abort();
   if (way == "fault") {
     volatile int *nowhere = nullptr;
@@ -37,7 +37,7 @@ int die(const std::string &way) {
   if (way == "overflow") return overflow(nullptr);
   if (way == "worker") {
     std::thread([] {
-      const ForeignCall step("org.worker", "step", CallKind::step);
+      const PluginCall step("org.worker", "step", CallKind::step);
       (void)overflow(nullptr);
     }).join();
   }
@@ -62,7 +62,7 @@ int main(int argc, char **argv) {
   if (way == "thread") {
     const auto library = DynamicLibrary::open(std::filesystem::absolute(argv[3]));
     if (!library) return 2;
-    noteForeignCode("org.library", library->codeRange());
+    notePluginCode("org.library", library->codeRange());
     reinterpret_cast<void (*)()>(library->symbol("begin_thread"))();
     std::this_thread::sleep_for(std::chrono::seconds(60));
   }

@@ -13,7 +13,7 @@ class FileSizeLimit {
 #include <signal.h>
 #include <sys/resource.h>
 
-/// While it lives no file of this process can grow beyond a size: a full disk that needs no rights.
+/// Limits the file size of this process during its lifetime: simulates a full disk without privileges.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(std::uint64_t bytes) {

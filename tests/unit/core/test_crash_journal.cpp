@@ -41,14 +41,14 @@ TEST_CASE("a run that dies leaves behind who was called", "[crash_journal]") {
         Case{"thread", Place::thread, "org.library", ""}}) {
     INFO(one.way);
 #ifdef C3DE_HAS_SANITIZERS
-    if (std::string(one.way) == "overflow" || std::string(one.way) == "worker") continue;  // theirs ends it first
+    if (std::string(one.way) == "overflow" || std::string(one.way) == "worker") continue;  // the sanitizer ends it
 #endif
     const auto folder = emptyFolder(one.way);
     const auto ended = runProcess({C3DE_DYING_PROGRAM, folder.string(), one.way, C3DE_DYING_LIBRARY}, 30.0);
     REQUIRE(ended);
-    CHECK(ended->exitCode >= 128);  // it has died as it would have without a journal
+    CHECK(ended->exitCode >= 128);  // it has ended as without a journal
     CHECK_FALSE(ended->timedOut);
-    const auto records = CrashJournal::takeLeft(folder);
+    const auto records = CrashJournal::popCrashRecords(folder);
     REQUIRE(records.size() == 1);
     CHECK(records[0].place == one.place);
     CHECK(records[0].owner == one.owner);
@@ -56,11 +56,11 @@ TEST_CASE("a run that dies leaves behind who was called", "[crash_journal]") {
     CHECK(records[0].how.find("SIG") == 0);
     INFO(records[0].cause());
     INFO(ended->errorOutput);
-    // On the error stream, too, for those who see it die.
+    // Also on the error stream, for users who see the crash.
     CHECK(ended->errorOutput.find("c3de: fatal: " + records[0].how) != std::string::npos);
     CHECK(ended->errorOutput.find(one.owner) != std::string::npos);
     CHECK(records[0].cause().find(one.owner) != std::string::npos);
-    CHECK(CrashJournal::takeLeft(folder).empty());  // told once
+    CHECK(CrashJournal::popCrashRecords(folder).empty());  // reported once
     CHECK(filesIn(folder) == 0);
   }
 }
@@ -73,7 +73,7 @@ TEST_CASE("a run that ends well, or is ended while all is well, leaves nothing",
   const auto slow = runProcess({C3DE_DYING_PROGRAM, folder.string(), "slow"}, 30.0);
   REQUIRE(slow);
   CHECK(slow->exitCode != 0);
-  CHECK(CrashJournal::takeLeft(folder).empty());
+  CHECK(CrashJournal::popCrashRecords(folder).empty());
 }
 
 TEST_CASE("a run that is ended while a call does not return names it, and a living run is let be", "[crash_journal]") {
@@ -90,10 +90,10 @@ TEST_CASE("a run that is ended while a call does not return names it, and a livi
     };
     for (int i = 0; i < 1000 && !hasWritten(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     REQUIRE(hasWritten());
-    CHECK(CrashJournal::takeLeft(folder).empty());
+    CHECK(CrashJournal::popCrashRecords(folder).empty());
     child->kill();
   }
-  const auto records = CrashJournal::takeLeft(folder);
+  const auto records = CrashJournal::popCrashRecords(folder);
   REQUIRE(records.size() == 1);
   CHECK(records[0].place == Place::hang);
   CHECK(records[0].cause() == "was ended from outside while plugin org.test (create) did not return for 3 s");
@@ -105,7 +105,7 @@ TEST_CASE("a journal that is damaged says nothing", "[crash_journal]") {
   std::ofstream(folder / "a.run") << "who\nknows\n";
   std::ofstream(folder / "b.run") << std::string(100000, '\0');
   std::ofstream(folder / "c.txt") << "call\nx\ny\nz\n";
-  CHECK(CrashJournal::takeLeft(folder).empty());
+  CHECK(CrashJournal::popCrashRecords(folder).empty());
   CHECK(filesIn(folder) == 1);
   CHECK_FALSE(CrashJournal::begin(folder / "c.txt" / "below a file"));
 }

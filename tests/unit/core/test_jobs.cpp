@@ -79,7 +79,7 @@ TEST_CASE("the end of the program ends its jobs") {
           [&](const Expected<void> &) { ++done; });
   }
   CHECK(done == 3);
-  queue.runFrame();  // what they posted finds nobody and does no harm
+  queue.runFrame();  // their posted functions have no receiver and do no harm
 }
 
 TEST_CASE("frame callbacks run once per frame until they are removed, by handle or by owner") {

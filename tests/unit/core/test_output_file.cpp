@@ -59,7 +59,7 @@ TEST_CASE("A file takes its place when it is whole, and leaves nothing else behi
   }
   CHECK(textIn(file) == "before");
   CHECK(filesIn(folder) == 1);
-  // A file of that name is somebody's.
+  // A file of that name may belong to the user.
   write(folder / "a.json.part", "mine");
   REQUIRE(writeWholeFile(file, "after").has_value());
   CHECK(textIn(file) == "after");
@@ -160,7 +160,7 @@ TEST_CASE("Two names of one file are refused however they are spelt") {
   write(folder / "one", "");
   fs::create_hard_link(folder / "one", folder / "two", code);
   if (!code) same.push_back({folder / "one", folder / "two"});
-  // Where capitals do not count, the system says so.
+  // On file systems that ignore case, the system reports the conflict.
   write(folder / "capital", "");
   if (fs::exists(folder / "CAPITAL")) same.push_back({folder / "new", folder / "NEW"});
   for (const auto &pair : same) {

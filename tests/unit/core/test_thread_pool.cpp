@@ -20,7 +20,7 @@ using c3de::ThreadPool;
 
 namespace {
 
-// Long enough for a thread to be given a processor on a busy machine.
+// Long enough for a thread to be scheduled on a busy machine.
 bool comesTrue(const std::function<bool()> &condition) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   while (!condition()) {

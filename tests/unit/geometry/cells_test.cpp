@@ -32,7 +32,7 @@ const std::vector<std::vector<int>> kFive{{0, 1, 2, 4}, {3, 2, 1, 7}, {5, 4, 7, 
 
 Cells tetrahedra() { return {box(), kFive, {10, 10, 10, 10, 10}}; }
 
-/// With a point in the middle of each edge, of which none is on the surface of the box where it should be.
+/// With a point at the centre of each edge; none of them is at its proper position on the surface of the box.
 Cells secondOrder() {
   Cells all = tetrahedra();
   all.types.assign(5, 24);
@@ -46,7 +46,7 @@ Cells secondOrder() {
   return all;
 }
 
-/// Each cell has points of its own.
+/// Each cell has its own points.
 Cells apart() {
   Cells all;
   const auto points = box();
@@ -167,7 +167,7 @@ TEST_CASE("Of cells with a volume the outer surface is read") {
   }
   checkBox("pyramids.vtk", vtk(pyramids, false, false));
 
-  Cells mixed = tetrahedra();  // as mesh generators write: the boundary as triangles and edges beside the cells
+  Cells mixed = tetrahedra();  // as from mesh generators: the boundary as triangles and edges next to the cells
   mixed.cells.insert(mixed.cells.begin(), {{0}, {0, 1}, {0, 2, 1}, {4, 5, 7}});
   mixed.types.insert(mixed.types.begin(), {1, 3, 5, 5});
   checkBox("mixed.vtk", vtk(mixed, true, false), "2 polygons beside the cells with a volume were left out");

@@ -90,7 +90,7 @@ TEST_CASE("A triangle with three corners on a line is removed without tearing th
 
 TEST_CASE("Copies of triangles are dropped, one of each stays") {
   auto mesh = shapes::box({0, 0, 0}, {1, 1, 1});
-  mesh.triangles.push_back({2, 1, 0});  // the first one, begun at another corner
+  mesh.triangles.push_back({2, 1, 0});  // the first one, starting at another corner
   mesh.triangles.push_back(mesh.triangles[5]);
   const auto loaded = built(mesh);
   CHECK(loaded.report.triangles == 12);
@@ -227,7 +227,7 @@ TEST_CASE("A flat closed surface is kept but cannot be filled") {
   auto mesh = shapes::sphere({0, 0, 0}, 10.0, 3);
   for (Vec3 &v : mesh.vertices) v[2] *= 1e-10;
   const auto loaded = buildMesh(mesh, LengthUnit::millimetre);
-  if (!loaded) return;  // welding may leave nothing, which is a refusal as well
+  if (!loaded) return;  // welding may leave an empty mesh, which is also a refusal
   const auto fill = checkFillable(loaded->mesh, loaded->report);
   REQUIRE_FALSE(fill);
   CHECK_THAT(fill.error().message, Contains("flat") || Contains("open"));

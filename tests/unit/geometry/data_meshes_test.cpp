@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes made by others, with the counts and defects that are known of them.
+// Third-party meshes, with their known counts and defects.
 #include "c3de/geometry/mesh_io.h"
 #include "support/catch.h"
 #include "test_files.h"

@@ -16,7 +16,7 @@ using namespace c3de::geometry;
 
 namespace {
 
-/// No symmetry: a mirror or a swapped axis would show.
+/// No symmetry: mirroring or a swapped axis would be visible.
 TriangleMesh lopsided() {
   TriangleMesh mesh = shapes::sphere({120.5, -33.25, 700.125}, 40.0, 3);
   for (Vec3 &v : mesh.vertices) v = {v[0] + 0.1 * v[1], 1.5 * v[1], v[2] + 0.3 * v[0]};
@@ -65,8 +65,8 @@ TEST_CASE("A written surface is read again as it was, in millimetres without bei
     CHECK(loaded->report.vertices == mesh.vertices.size());
     CHECK(loaded->report.closed);
     CHECK(loaded->report.oriented);
-    // 32-bit coordinates up to 1000 mm (STL writes them, the reader of PLY keeps them) are exact to 2^-15 mm an axis.
-    // The parser of OBJ is off by some roundings of a double.
+    // 32-bit coordinates up to 1000 mm (STL writes them, the reader of PLY retains them) are exact to 2^-15 mm an axis.
+    // The error of the OBJ parser is some roundings of a double.
     const double exactness = extension == ".vtp" ? 0.0 : extension == ".obj" ? 1e-11 : 6e-5;
     CHECK(largestDifference(loaded->mesh, mesh) <= exactness);
     CHECK_THAT(signedVolume(loaded->mesh), WithinRel(signedVolume(mesh), 1e-5));
@@ -151,7 +151,7 @@ TEST_CASE("What should not be written is refused by name and leaves nothing behi
   REQUIRE_FALSE(absent);
   CHECK(absent.error().code == ErrorCode::output);
   CHECK_THAT(absent.error().message, Contains("absent"));
-  // A folder in its place: what was there stays.
+  // A folder at its path: it remains.
   std::filesystem::create_directories(folder / "folder.obj");
   const auto onFolder = writeMesh(folder / "folder.obj", mesh);
   REQUIRE_FALSE(onFolder);
@@ -184,7 +184,7 @@ TEST_CASE("VTP of other programs is read: text and inline base64, strips, severa
       "MAAAAAAAAAACAAAAAQAAAAAAAAABAAAAAwAAAAAAAAADAAAAAgAAAAEAAAACAAAAAwAAAA==\n</DataArray>"
       "<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">3 6 9 12</DataArray></Polys>";
   CHECK_THAT(volume("inline.vtp", head + piece + points + inlined + tail), WithinRel(expected, 1e-6));
-  // The same with the header as a block of its own.
+  // The same with the header as a separate block.
   std::string two = inlined;
   two.replace(two.find("MAAAAAAA"), 72, "MAAAAA==AAAAAAIAAAABAAAAAAAAAAEAAAADAAAAAAAAAAMAAAACAAAAAQAAAAIAAAADAAAA");
   CHECK_THAT(volume("two.vtp", head + piece + points + two + tail), WithinRel(expected, 1e-6));

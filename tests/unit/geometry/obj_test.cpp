@@ -42,7 +42,7 @@ TEST_CASE("An OBJ keeps the order and the full precision of its vertices") {
       accepted("v 0.12345678901234 0 0\nv 10 .2 0\nv -.5 1e1 0\nv 0 0 +10.\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   REQUIRE(loaded.mesh.vertices.size() == 4);
   CHECK_THAT(loaded.mesh.vertices[0][0], WithinAbs(0.12345678901234, 1e-14));
-  CHECK(loaded.mesh.vertices[1] == Vec3{10.0, 0.2, 0.0});  // a number that begins with its point
+  CHECK(loaded.mesh.vertices[1] == Vec3{10.0, 0.2, 0.0});  // a number that begins with the decimal point
   CHECK(loaded.mesh.vertices[2] == Vec3{-0.5, 10.0, 0.0});
   CHECK(loaded.mesh.vertices[3] == Vec3{0.0, 0.0, 10.0});
   CHECK(loaded.report.repairs.empty());

@@ -186,7 +186,7 @@ TEST_CASE("Faces with fewer than three different corners are dropped and counted
     INFO(loaded->report.text());
     CHECK(test_files::contains(loaded->report.repairs, one.told));
   }
-  // Corners that follow themselves make no other face.
+  // Repeated consecutive corners do not change the face.
   const auto quad =
       loadMesh(test_files::write("quad.obj",
                                  "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 3 2\nf 1 2 4 4\nf 1 4 3\nf 2 3 4 2\n"),
@@ -194,7 +194,7 @@ TEST_CASE("Faces with fewer than three different corners are dropped and counted
   REQUIRE(quad);
   CHECK(quad->mesh.triangles.size() == 4);
   CHECK(quad->report.repairs.empty());
-  // Nothing is left.
+  // Nothing remains.
   const auto empty =
       loadMesh(test_files::write("empty.obj", "v 0 0 0\nv 10 0 0\nv 0 10 0\nf 1 2\n"), LengthUnit::millimetre);
   REQUIRE_FALSE(empty);
@@ -229,7 +229,7 @@ TEST_CASE("Broken STL and PLY files are refused") {
   CHECK_THAT(refusal(head + "end_header\n0 0 0\n1 0 0\n0 1 0\n", "bad.ply"), !Contains("was accepted"));
   CHECK_THAT(refusal(head + "end_header\n0 0 0\n1 0 0\n0 1 0\n", "bad.ply"),
              Contains("bad.ply:7") && Contains("no faces"));
-  // Headers that assimp would read for ever.
+  // Headers on which assimp would not terminate.
   CHECK_THAT(refusal("ply\n", "bad.ply"), Contains("end_header"));
   CHECK_THAT(refusal(head + "element face 1\nproperty list uchar int", "bad.ply"), Contains("bad.ply:8"));
   CHECK_THAT(refusal(head + "element face 1\nproperty list uchar int vertex_indices\nproperty float nd_header\n0 0 0\n",

@@ -30,7 +30,7 @@ TEST_CASE("A plane cuts a ball in one closed circle of the right area, wherever 
   REQUIRE(curves.size() == 1);
   CHECK(curves[0].isClosed);
   for (const Vec3 &p : curves[0].points) CHECK_THAT(dot(p - Vec3{10, -4, 7}, normal), WithinAbs(height, 1e-9));
-  // The facets of this ball lie at most 1 % of its radius inside it.
+  // The facets of this ball are at most 1 % of its radius inside it.
   const double area = std::numbers::pi * (900.0 - height * height);
   CHECK(sectionArea(curves, normal) < area);
   CHECK(sectionArea(curves, normal) > 0.99 * area);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes in other units, in several files, and paths that lead to no file.
+// Meshes in other units, in several files, and paths without a regular file.
 #include "c3de/geometry/mesh_formats.h"
 #include "c3de/geometry/mesh_io.h"
 #include "support/catch.h"

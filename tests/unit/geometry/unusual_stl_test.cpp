@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// STL files whose count of triangles is wrong, or whose text is not as most programs write it.
+// STL files with a wrong triangle count, or with unusual text.
 #include <algorithm>
 #include <cctype>
 #include <cstdint>
@@ -14,7 +14,8 @@ using namespace c3de::geometry;
 
 namespace {
 
-/// A tetrahedron of 10 mm. @param count  that the header says
+/// A tetrahedron of 10 mm.
+/// @param count  stated in the header
 std::string binary(std::uint32_t count, const std::string &title = "made") {
   static constexpr float kCorners[4][3] = {{0, 0, 0}, {10, 0, 0}, {0, 10, 0}, {0, 0, 10}};
   static constexpr int kFaces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
@@ -58,7 +59,7 @@ TEST_CASE("An STL is read whatever its count says, and however its text is writt
   const struct {
     const char *name;
     std::string bytes;
-    const char *note;  ///< nullptr: none is due
+    const char *note;  ///< nullptr: none expected
   } cases[] = {
       {"plain.stl", binary(4), nullptr},
       {"zero.stl", binary(0), "the header says 0 triangles, the size of the file 4: all 4 were read"},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A reader of our own for the written files, which shares no code with the writer.
+// An independent reader for the written files, which shares no code with the writer.
 #include "c3de/geometry/vtk_writer.h"
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTP with arrays packed by vtkZLibDataCompressor. The files are made here after VTK's description of the format.
+// VTP with arrays packed by vtkZLibDataCompressor. The files are generated here by VTK's description of the format.
 #include <zlib.h>
 
 #include <cstdint>

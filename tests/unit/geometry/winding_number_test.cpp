@@ -14,8 +14,8 @@ using namespace c3de::geometry;
 
 namespace {
 
-/// Sum of the solid angles of all triangles, by the spherical excess formula of L'Huilier: other than the one under
-/// test.
+/// Sum of the solid angles of all triangles, by the spherical excess formula of L'Huilier, which differs from the one
+/// under test.
 double bruteForce(const TriangleMesh &mesh, const Vec3 &p) {
   const auto angle = [](const Vec3 &a, const Vec3 &b) { return std::atan2(norm(cross(a, b)), dot(a, b)); };
   double sum = 0.0;
@@ -103,7 +103,7 @@ TEST_CASE("Grids whose planes lie in faces of the bounding box fill the right vo
           volume += w * size[0] * size[1] * size[2] / (n * n * n);
         }
     INFO(file);
-    // The tissue's sides lie 0.05 mm within its box, so a layer of the grid on either side counts nothing: four
+    // The tissue's sides are 0.05 mm within its box, so a layer of the grid on either side counts nothing: four
     // sixtieths.
     CHECK_THAT(volume, WithinRel(loaded->report.volume_mm3, 4.0 / 60.0 + 0.01));
   }
@@ -138,7 +138,7 @@ TEST_CASE("Batches, single points and threads give the same bits") {
 }
 
 TEST_CASE("Of many shells those count whose box holds the point, and the sum stays the same") {
-  // Plates that long thin tubes go through: no triangle is ever far away.
+  // Plates pierced by long thin tubes: no triangle is ever far away.
   TriangleMesh all;
   std::vector<TriangleMesh> shells;
   for (int n = 0; n < 40; ++n) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Damaged files give an error or say what is missing; under the preset `asan` also: no leak, no stray access.
+// Damaged files return an error or report the missing part; under the preset `asan` also: no leak, no stray access.
 #include <random>
 
 #include "dicom_made.h"
@@ -13,8 +13,8 @@ extern "C" const char *__lsan_default_suppressions() { return "leak:libopenjp2\n
 
 namespace {
 
-/// Reads a damaged copy: an error with a reason, or all of the undamaged voxels, or a notice that the whole file did
-/// not get.
+/// Reads a damaged copy: an error with a reason, or all undamaged voxels, or a notice that the intact file does not
+/// produce.
 void readDamaged(const std::filesystem::path &copy, const LoadedVolume &whole) {
   INFO(copy.string() << ", " << std::filesystem::file_size(copy) << " bytes");
   const auto loaded = readVolume(copy);
@@ -30,7 +30,7 @@ void readDamaged(const std::filesystem::path &copy, const LoadedVolume &whole) {
   CHECK((same || said));
 }
 
-/// Small files of the kinds that are put together from private headers, sequences and tables.
+/// Small files of kinds that are assembled from private headers, sequences and tables.
 std::vector<std::string> hurtable() {
   using made::item;
   using made::packed;
@@ -193,7 +193,7 @@ TEST_CASE("Headers with bytes changed give an error or an image that is whole in
         std::filesystem::copy_file(path.parent_path() / voxels, folder / voxels);
     REQUIRE(readVolume(write(folder / as, bytes)));
     ReadOptions options;
-    options.memoryLimit = 64u << 20;  // what a header claims is not taken
+    options.memoryLimit = 64u << 20;  // the size claimed by a header is not allocated
     for (int n = 0; n < 100; ++n) {
       std::string hurt = bytes;
       const std::size_t reach = std::min<std::size_t>(hurt.size(), 600);

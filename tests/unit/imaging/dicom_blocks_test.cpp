@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Series of several blocks of slices, and the names by which a series or a part of it is asked for.
+// Series of several blocks of slices, and the names that select a series or a part of it.
 #include "dicom_made.h"
 
 using namespace made;
 
 namespace {
 
-/// A series whose stored values are 100 z, so that interpolation between slices can be told exactly.
+/// A series whose stored values are 100 z, so that interpolation between slices has an exact result.
 void writeRamp(const std::filesystem::path &folder, const std::vector<double> &z,
                const std::string &uid = "2.25.3104.1.1", int number = 4,
                const std::string &description = "head, two blocks") {

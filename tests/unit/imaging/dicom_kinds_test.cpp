@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pixels that are no grey integers: parametric maps in floating point, colours, films.
+// Pixels other than grey integers: parametric maps in floating point, colours, films.
 #include "dicom_made.h"
 
 using namespace made;
@@ -169,7 +169,7 @@ TEST_CASE("JPEG pictures in luma and colour differences are read", "[imaging]") 
   const auto loaded =
       readVolume(write(emptyFolder("jpeg") / "one.dcm", test::dicomFile(elements, "1.2.840.10008.1.2.4.50")));
   REQUIRE(loaded);
-  // What another decoder makes of it; colour differences are stored coarsely and may be smoothed.
+  // The result of another decoder; colour differences are stored coarsely and may be smoothed.
   for (const auto &[x, y, colour] : {std::tuple{957u, 598u, Rgba{253, 248, 245, 255}},
                                      {1700u, 200u, Rgba{16, 16, 16, 255}},
                                      {100u, 100u, Rgba{0, 0, 0, 255}}})

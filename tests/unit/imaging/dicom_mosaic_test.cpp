@@ -137,8 +137,8 @@ TEST_CASE("A mosaic of a scanner is its 35 slices", "[imaging]") {
   REQUIRE(g.size == std::array<std::size_t, 3>{64, 64, 35});
   CHECK(says(loaded->notices, "mosaic of 35 slices"));
   checkAt({g.spacing()[0], g.spacing()[1], g.spacing()[2]}, {3.25, 3.25, 3.6});
-  // Image Position plus 160 pixels of 3.25 mm along row (1, 0, 0) and column (0, 0.99415, -0.108): half of what a
-  // picture of 384 pixels is wider than one of 64.
+  // Image Position plus 160 pixels of 3.25 mm along row (1, 0, 0) and column (0, 0.99415, -0.108): half of the
+  // difference in width between a picture of 384 pixels and one of 64.
   checkAt(g.worldAt({0, 0, 0}), {-624.0 + 520.0, -661.82658862 + 520.0 * 0.99415096, -6.52550177 - 520.0 * 0.10799935});
   // Upwards along the stated normal (0, 0.108, 0.99415).
   checkAt(g.worldAt({0, 0, 34}) - g.worldAt({0, 0, 0}), {0.0, 34 * 3.6 * 0.10799944, 34 * 3.6 * 0.99415095});

@@ -17,7 +17,7 @@ std::string segment(std::uint16_t number, const std::string &name, const std::ve
   });
 }
 
-/// One frame at a height, of a segment.
+/// One frame of a segment, at a height.
 std::string frame(double z, std::uint16_t number) {
   return item([&](DicomElements &e) {
     e.add(0x0020, 0x9113, std::vector<std::string>{item([&](DicomElements &p) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Character sets of DICOM texts: examples of PS3.5 annexes H to K, and bytes that mean nothing.
+// Character sets of DICOM texts: examples of PS3.5 annexes H to K, and invalid bytes.
 #include "dicom_made.h"
 
 using namespace made;
@@ -10,7 +10,7 @@ struct Texts {
   std::string description, patient;
 };
 
-/// A description and a patient's name as a reader hands them out.
+/// A description and a patient's name as returned by a reader.
 Texts textsOf(const std::string &characterSet, const std::string &bytes) {
   Picture picture(2, 2);
   picture.text(0x0008103e, "LO", bytes).text(0x00100010, "PN", bytes).pixels(std::vector<std::uint16_t>{1, 2, 3, 4});
@@ -58,7 +58,7 @@ TEST_CASE("Texts of DICOM come as UTF-8, whatever their character set", "[imagin
                 "Hong^Gildong=洪^吉洞=홍^길동"},
            Case{"ISO 2022 IR 100\\ISO 2022 IR 144", "J\xe9r\xf4me \x1b-L\xbb\xee\xda", "Jérôme Люк"},
            Case{"", "plain ASCII", "plain ASCII"},
-           Case{"", "J\xc3\xa9r\xc3\xb4me", "Jérôme"},  // UTF-8 that nobody announced
+           Case{"", "J\xc3\xa9r\xc3\xb4me", "Jérôme"},  // UTF-8 that is not declared
        }) {
     CAPTURE(one.set);
     const Texts texts = textsOf(one.set, one.bytes);

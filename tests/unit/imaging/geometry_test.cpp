@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Images made by others lie where a second reading of their headers, or gdcmdump, puts them.
+// Voxel positions of third-party images equal those from a second reading of their headers, or from gdcmdump.
 #include <map>
 
 #include "header_truth.h"
@@ -9,7 +9,7 @@ using namespace images;
 
 namespace {
 
-void compare(const std::filesystem::path &file, const header_truth::Truth &truth) {
+void compare(const std::filesystem::path &file, const header_truth::ReferenceSolution &truth) {
   INFO(file.string());
   const auto loaded = readVolume(file);
   if (!loaded) INFO(loaded.error().message);
@@ -22,7 +22,8 @@ void compare(const std::filesystem::path &file, const header_truth::Truth &truth
   checkAt(g.worldAt(middle), truth.at(middle[0], middle[1], middle[2]));
 }
 
-/// What gdcmdump prints: Image Position of the first and last slice along the normal, Image Orientation, Pixel Spacing.
+/// The output of gdcmdump: Image Position of the first and last slice along the normal, Image Orientation, Pixel
+/// Spacing.
 struct Dumped {
   const char *path;
   std::array<std::size_t, 3> size;
@@ -139,8 +140,8 @@ TEST_CASE("One volume in five encodings has one place, and the voxels that gdcmc
   C3DE_DATA_OR_SKIP(folder, "dicom/mr_same_volume_5_encodings");
   const auto plain = readVolume(folder / "anatomical");
   REQUIRE(plain);
-  // CRC-32 of what `gdcmconv --raw` and `gdcmraw` give for the four files, the last file first. The files that are not
-  // compressed hold other voxels than the four others, which are equal.
+  // CRC-32 of the output of `gdcmconv --raw` and `gdcmraw` for the four files, the last file first. The files that are
+  // not compressed contain other voxels than the four others, which are equal.
   CHECK(checkSum(plain->volume) == 0xcb2edf96ul);
   for (const char *encoding : {"compressed_j2k", "compressed_jpeg", "compressed_jpegls", "compressed_rle"}) {
     INFO(encoding);
@@ -206,7 +207,7 @@ TEST_CASE("Labels stored left to right flipped lie over their organs", "[imaging
   const auto image = readVolume(scan);
   const auto labels = readLabelMap(segmented);
   REQUIRE((image && labels));
-  CHECK(image->volume.geometry.handedness() * labels->labels.geometry.handedness() < 0.0);  // it is flipped indeed
+  CHECK(image->volume.geometry.handedness() * labels->labels.geometry.handedness() < 0.0);  // it is indeed flipped
   CHECK(labels->labels.labels.size() == 31);
   const Mat4 toIndex = affineInverse(image->volume.geometry.indexToWorld);
   std::map<int, std::pair<double, double>> sums;
@@ -223,7 +224,7 @@ TEST_CASE("Labels stored left to right flipped lie over their organs", "[imaging
                             static_cast<std::size_t>(std::lround(at[2])));
   }
   const auto mean = [&](int label) { return sums.at(label).second / sums.at(label).first; };
-  // Hounsfield units with contrast agent. Read index by index, or with both axes turned, no vertebra is bone.
+  // Hounsfield units with contrast agent. Read index by index, or with both axes reversed, no vertebra is bone.
   CHECK_THAT(mean(5), WithinAbs(90.0, 20.0));  // liver
   CHECK_THAT(mean(1), WithinAbs(90.0, 20.0));  // spleen
   CHECK(mean(32) > 200.0);                     // vertebra

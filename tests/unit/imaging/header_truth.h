@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A second reading of image headers, which shares no code with the readers under test: where the voxels must be.
+// A second reading of image headers, which shares no code with the readers under test: the expected voxel positions.
 #pragma once
 
 #include <zlib.h>
@@ -19,7 +19,7 @@
 
 namespace header_truth {
 
-struct Truth {
+struct ReferenceSolution {
   std::array<std::size_t, 3> size{1, 1, 1};
   // Rows of x, y, z in LPS: three factors of the index and the origin.
   double m[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
@@ -49,10 +49,10 @@ double number(const std::vector<unsigned char> &bytes, std::size_t at, bool turn
   return static_cast<double>(value);
 }
 
-/// Eq. numbers of nifti1.h, "METHOD 3" (sform) before "METHOD 2" (qform); RAS to LPS by turning two signs.
-inline Truth nifti(const std::filesystem::path &file) {
+/// Eq. numbers of nifti1.h, "METHOD 3" (sform) before "METHOD 2" (qform); RAS to LPS by changing two signs.
+inline ReferenceSolution nifti(const std::filesystem::path &file) {
   const auto b = head(file, 540);
-  Truth t;
+  ReferenceSolution t;
   const double plain = number<std::int32_t>(b, 0, false);
   const bool turned = plain != 348 && plain != 540;
   const bool two = number<std::int32_t>(b, 0, turned) == 540;
@@ -86,7 +86,7 @@ inline Truth nifti(const std::filesystem::path &file) {
   return t;
 }
 
-/// Every number of a text, whatever stands between.
+/// Every number of a text, whatever the separators.
 inline std::vector<double> numbers(std::string text) {
   for (char &c : text)
     if (c == '(' || c == ')' || c == ',') c = ' ';
@@ -110,10 +110,10 @@ inline std::map<std::string, std::string> lines(const std::filesystem::path &fil
   return all;
 }
 
-/// Space directions are the columns of the matrix; all files of the data are LPS or say nothing.
-inline Truth nrrd(const std::filesystem::path &file) {
+/// Space directions are the columns of the matrix; all files of the data are LPS or do not specify it.
+inline ReferenceSolution nrrd(const std::filesystem::path &file) {
   auto fields = lines(file, ':');
-  Truth t;
+  ReferenceSolution t;
   const auto sizes = numbers(fields["sizes"]), directions = numbers(fields["space directions"]),
              origin = numbers(fields["space origin"]);
   const std::size_t n = sizes.size();
@@ -125,9 +125,9 @@ inline Truth nrrd(const std::filesystem::path &file) {
   return t;
 }
 
-inline Truth meta(const std::filesystem::path &file) {
+inline ReferenceSolution meta(const std::filesystem::path &file) {
   auto keys = lines(file, '=');
-  Truth t;
+  ReferenceSolution t;
   const auto sizes = numbers(keys["DimSize"]), spacing = numbers(keys["ElementSpacing"]);
   auto matrix = numbers(keys["TransformMatrix"]), origin = numbers(keys["Offset"]);
   const std::size_t n = sizes.size();

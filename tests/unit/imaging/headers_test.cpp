@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fields of headers that a format does not know, and colours.
+// Header fields that a format does not define, and colours.
 #include <cstring>
 
 #include "images.h"
@@ -91,7 +91,7 @@ TEST_CASE("Colours are read as colours and their luma", "[imaging][colour]") {
   put(70, std::int16_t{128});
   put(72, std::int16_t{24});
   put(108, 352.0f);
-  put(112, 7.0f);  // the format says that colours have no scaling
+  put(112, 7.0f);  // by the format, colours have no scaling
   put(254, std::int16_t{1});
   for (std::size_t a = 0; a < 3; ++a) put(280 + 20 * a, 1.0f);
   const std::string nrrdFields =

@@ -23,11 +23,11 @@ inline std::string bytesOf(const std::filesystem::path &file) {
 }
 inline std::filesystem::path write(const std::filesystem::path &file, const std::string &bytes) {
   std::filesystem::create_directories(file.parent_path());
-  std::filesystem::remove(file);  // ext4 waits for the disk when a file is emptied and written again
+  std::filesystem::remove(file);  // ext4 waits for the disk when a file is truncated and rewritten
   std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   return file;
 }
-/// A folder of the present case, empty.
+/// The present case's folder, emptied.
 inline std::filesystem::path emptyFolder(const std::string &name) {
   const auto folder = testOutputFolder() / name;
   std::filesystem::remove_all(folder);
@@ -58,7 +58,7 @@ inline bool says(const std::vector<std::string> &notices, const std::string &tex
 inline Vec3 last(const VolumeGeometry &g) {
   return {static_cast<double>(g.size[0] - 1), static_cast<double>(g.size[1] - 1), static_cast<double>(g.size[2] - 1)};
 }
-/// Within 1e-3 mm, which is what the project asks of every reader.
+/// Within 1e-3 mm, the project's requirement for every reader.
 inline void checkAt(const Vec3 &found, const Vec3 &expected) {
   CAPTURE(found[0], found[1], found[2], expected[0], expected[1], expected[2]);
   CHECK(norm(found - expected) < 1e-3);

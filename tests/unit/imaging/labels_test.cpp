@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Label maps: which voxels are labels, where names and colours come from. Also text encodings and unusual headers.
+// Label maps: which voxels are labels, the sources of names and colours. Also text encodings and unusual headers.
 #include <cmath>
 
 #include "c3de/imaging/writing.h"
@@ -9,7 +9,7 @@ using namespace images;
 
 namespace {
 
-/// A NRRD whose voxels stand in it as text.
+/// A NRRD whose voxels are stored as text.
 std::filesystem::path textNrrd(const std::string &name, const std::string &type, const std::string &sizes,
                                const std::string &voxels, const std::string &more = "") {
   const auto dimension = std::count(sizes.begin(), sizes.end(), ' ') + 1;
@@ -78,7 +78,7 @@ TEST_CASE("Labels above 65535 are renumbered and keep their names", "[imaging]")
   CHECK(plain->labels.labels[3].name == "label 614454277");
   CHECK(says(plain->notices, "2 labels above 65535 are renumbered: 70000 is 2, 614454277 is 4"));
 
-  // A number that the table names stays free for it.
+  // A number in the table remains reserved for its label.
   const auto beside = write(testOutputFolder() / "atlas.txt", "2 cortex\n614454277 supraoculomotor\n");
   const auto named = readLabelMap(file);
   std::filesystem::remove(beside);
@@ -170,7 +170,7 @@ TEST_CASE("Names and colours of Slicer's segments are read", "[imaging]") {
 }
 
 TEST_CASE("Segments that overlap are read as layers, each with its names and colours", "[imaging]") {
-  // Voxel 1 is liver and tumour; each layer has a label 1 of its own.
+  // Voxel 1 is liver and tumour; each layer has its own label 1.
   const std::string head =
       "space: LPS\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,7)\nkinds: list domain domain "
       "domain\n";
@@ -375,7 +375,7 @@ TEST_CASE("Labels have the names and colours of the table inside of a NIfTI", "[
   CHECK(named->labels.labels[1].colour[0] == 0.0f);
   CHECK(named->labels.labels[1].colour[1] == 1.0f);
   CHECK_THAT(named->labels.labels[1].colour[2], WithinAbs(0.2140, 1e-3));  // half of sRGB, linear
-  const auto damaged = withExtensions(16);                                 // goes on into the voxels
+  const auto damaged = withExtensions(16);                                 // extends into the voxels
   REQUIRE(damaged);
   CHECK(damaged->labels.voxels == labels.voxels);
   CHECK(damaged->labels.labels[1].name == "label 5");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lengths that files write in unusual ways: decimal commas, units, axes that are none of space, sizes that do not fit.
+// Unusual lengths in files: decimal commas, units, non-spatial axes, sizes that do not fit.
 #include <zlib.h>
 
 #include <cmath>
@@ -319,7 +319,7 @@ TEST_CASE("Voxels left over behind those of the header are said", "[imaging][len
   const struct {
     const char *name;
     std::string bytes;
-    const char *notice;  ///< nullptr: nothing is left over
+    const char *notice;  ///< nullptr: no rest
   } cases[] = {
       {"raw.nrrd", raw, nullptr},
       {"more.nrrd", raw + std::string(40, 'x'), "holds 40 bytes behind the 120"},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a file to a surface and back: what is left, front or head in the scan is that in the mesh, however voxels lie.
+// From a file to a surface and back: left, front and head of the scan are those of the mesh, for any voxel orientation.
 #include <cmath>
 #include <stdexcept>
 
@@ -26,7 +26,8 @@ Volume volumeOf(const LetterGrid &grid) {
   return volume;
 }
 
-/// Whether what a reader at the letter's side sees of the mesh is the letter. @param right  of the reader
+/// Whether a reader at the letter's side sees the letter in the mesh.
+/// @param right  of the reader
 bool reads(const geometry::WindingNumber &mesh, const LetterPlace &place, const Vec3 &right) {
   for (int row = 0; row < 7; ++row)
     for (int column = 0; column < 5; ++column) {
@@ -53,7 +54,7 @@ void checkLetters(const geometry::TriangleMesh &mesh) {
   }
 }
 
-/// The surface of what is brighter than halfway between two values of the phantom.
+/// The surface of the region brighter than halfway between two values of the phantom.
 geometry::TriangleMesh surfaceAbove(const Volume &volume, int low, int high) {
   const auto mask = threshold(volume, 0.5 * (low + high), 1e9);
   if (!mask) throw std::runtime_error(mask.error().message);
@@ -62,7 +63,7 @@ geometry::TriangleMesh surfaceAbove(const Volume &volume, int low, int high) {
   return std::move(*surface);
 }
 
-/// The scan as a person gets it, to the surface, to a mesh file and back.
+/// The scan as a user receives it, to the surface, to a mesh file and back.
 void checkScan(const Volume &volume) {
   const geometry::TriangleMesh letters = surfaceAbove(volume, kBlock, kInk);
   checkLetters(letters);
@@ -103,7 +104,7 @@ TEST_CASE("Letters of a phantom are on their sides after a DICOM series", "[imag
     if (!loaded) FAIL(loaded.error().message);
     const Volume &volume = loaded->volume;
     CHECK(volume.unit == "HU");
-    // The reader may turn the order of the slices: the same values at the same places of the world.
+    // The reader may reverse the order of the slices: the same values at the same world positions.
     const Mat4 indexOf = affineInverse(phantom.geometry.indexToWorld);
     REQUIRE(volume.geometry.size == phantom.geometry.size);
     std::size_t different = 0;

@@ -21,7 +21,7 @@ T value(Expected<T> expected) {
   return std::move(*expected);
 }
 
-// The definition, voxel by voxel: within the radius of one that is set.
+// The definition, voxel by voxel: within the radius of a set voxel.
 Mask grownByDefinition(const Mask &mask, double radius) {
   Mask out = mask;
   const auto &n = mask.geometry.size;
@@ -48,7 +48,7 @@ VolumeGeometry sheared() {
   return g;
 }
 
-// Something with gaps, spurs and bays, away from the border by `margin`.
+// A shape with gaps, spurs and bays, away from the border by `margin`.
 Mask ragged(const VolumeGeometry &g, std::size_t margin) {
   Mask mask{g, std::vector<std::uint8_t>(g.voxelCount(), 0)};
   Dice dice(7);
@@ -114,7 +114,7 @@ TEST_CASE("blocks of voxels are filled in part and keep volume and centre", "[im
     }
     // Single precision.
     CHECK_THAT(sum * fill.geometry.voxelVolume(), WithinRel(volumeOf(mask), 1e-6));
-    // A block stands for its contents at its own middle: off by parts of its edge at the border, to all sides alike.
+    // A block represents its contents at its own centre: off by parts of its edge at the border, to all sides alike.
     CHECK(norm((1.0 / sum) * middle - centre) < 0.005 * edge + 1e-4);
     for (std::size_t a = 0; a < 3; ++a)
       CHECK(fill.geometry.spacing()[a] <= std::max(edge, mask.geometry.spacing()[a]) + 1e-9);
@@ -128,7 +128,7 @@ TEST_CASE("components hang together through faces", "[imaging][masks]") {
   phantoms::set(mask, {5, 5, 5});  // a corner
   phantoms::set(mask, {5, 5, 6});
   phantoms::set(mask, {0, 4, 4});  // a face
-  // A winding way: up, over and down again, so that runs are joined late.
+  // A winding path: up, over and down again, so that runs are joined late.
   for (std::size_t k = 1; k < 11; ++k) phantoms::set(mask, {8, 8, k}), phantoms::set(mask, {10, 8, k});
   phantoms::set(mask, {9, 8, 10});
   CHECK(value(componentSizes(mask)) == std::vector<std::size_t>{65, 21, 2});
@@ -147,7 +147,7 @@ TEST_CASE("components hang together through faces", "[imaging][masks]") {
 TEST_CASE("holes are filled, bays and tunnels are not", "[imaging][masks]") {
   Mask mask = phantoms::box(phantoms::grid({12, 12, 12}), {1, 1, 1}, {11, 11, 11});
   phantoms::set(mask, {5, 5, 5}, false);
-  phantoms::set(mask, {5, 6, 6}, false);                                       // touches it in an edge
+  phantoms::set(mask, {5, 6, 6}, false);                                       // touches it along an edge
   for (std::size_t i = 1; i < 11; ++i) phantoms::set(mask, {i, 3, 3}, false);  // tunnel
   for (std::size_t k = 8; k < 11; ++k) phantoms::set(mask, {8, 8, k}, false);  // bay
   const Mask filled = value(fillHoles(mask));
@@ -168,7 +168,7 @@ TEST_CASE("mending opens, closes, keeps the largest part and fills holes, in thi
   phantoms::set(mask, {5, 5, 5}, false);
   const Mask other = phantoms::box(grid, {12, 2, 2}, {17, 7, 7});
   for (std::size_t v = 0; v < mask.voxels.size(); ++v) mask.voxels[v] |= other.voxels[v];
-  for (std::size_t i = 9; i < 12; ++i) phantoms::set(mask, {i, 4, 4}, true);  // a bridge, which opening takes away
+  for (std::size_t i = 9; i < 12; ++i) phantoms::set(mask, {i, 4, 4}, true);  // a bridge, which opening removes
   CHECK(value(mended(mask, {})).voxels == mask.voxels);
   const Mask all = value(mended(mask, {1.0, 1.0, true, true}));
   CHECK(all.voxels == value(fillHoles(value(largestComponent(value(closed(value(opened(mask, 1.0)), 1.0)))))).voxels);
@@ -183,13 +183,13 @@ TEST_CASE("closing and opening are what their definition says, on any grid", "[i
        {phantoms::grid({17, 16, 15}), phantoms::oblique({17, 16, 15}, {0.7, 1.3, 2.1}, true), sheared()})
     for (const double radius : {1.0, 2.1, 3.4}) {
       INFO("radius " << radius << ", shear " << g.shear());
-      // Far enough from the border for the definition not to need what lies beyond.
+      // Far enough from the border that the definition does not need the region beyond.
       const Mask mask = ragged(g, 5);
       const Mask shut = inverted(grownByDefinition(inverted(grownByDefinition(mask, radius)), radius));
       CHECK(value(closed(mask, radius)).voxels == shut.voxels);
       const Mask thick = grownByDefinition(mask, 1.5 * radius);
       const Mask open = grownByDefinition(inverted(grownByDefinition(inverted(thick), radius)), radius);
-      // What erosion leaves may grow over nothing that was not there.
+      // Dilation of the eroded mask adds no voxel that was not there before.
       CHECK(value(opened(thick, radius)).voxels == open.voxels);
     }
 }
@@ -230,7 +230,7 @@ TEST_CASE("labels keep their place on another grid", "[imaging][masks]") {
   const LabelMap out = value(resampled(map, fine));
   REQUIRE(out.labels.size() == 1);
   CHECK(out.labels[0].name == "liver");
-  // Nearest neighbours keep a volume to what half a voxel at the surface averages to.
+  // Nearest neighbours preserve a volume up to half a voxel at the surface, averaged.
   CHECK_THAT(volumeOf(maskOf(out, 3)), WithinRel(volumeOf(maskOf(map, 3)), 0.01));
   CHECK(sameGrid(out.geometry, fine));
   const LabelMap same = value(resampled(map, map.geometry));
@@ -239,7 +239,8 @@ TEST_CASE("labels keep their place on another grid", "[imaging][masks]") {
 }
 
 TEST_CASE("voxels within a closed surface are those whose centre is inside", "[imaging][masks]") {
-  // A surface of a mask comes back as the mask, on oblique and sheared grids, and on a finer one with its volume.
+  // A surface of a mask is converted back to the mask, on oblique and sheared grids, and on a finer one with its
+  // volume.
   const VolumeGeometry g = phantoms::oblique({40, 36, 30}, {1.2, 1.5, 2.0});
   Mask ball{g, std::vector<std::uint8_t>(g.voxelCount(), 0)};
   const Vec3 centre = phantoms::centreOf(g);
@@ -280,15 +281,15 @@ TEST_CASE("specks are components of few voxels beside a large one", "[imaging][m
   phantoms::set(mask, {1, 1, 1});
   phantoms::set(mask, {56, 56, 55});
   phantoms::set(mask, {56, 56, 56});
-  const auto found = withoutSpecks(mask);
+  const auto found = removeSpecks(mask);
   REQUIRE(found);
   CHECK(found->specks == 2);
   CHECK(found->voxels == 3);
   CHECK(voxelCount(found->mask) == whole);
-  // Islands that are as large as everything else are no specks.
+  // Islands as large as everything else are not specks.
   Mask few = phantoms::box(phantoms::grid({20, 20, 20}), {2, 2, 2}, {4, 4, 4});
   phantoms::set(few, {10, 10, 10});
-  CHECK(withoutSpecks(few)->specks == 0);
+  CHECK(removeSpecks(few)->specks == 0);
 }
 
 TEST_CASE("what a surface leaves outside is told by voxels", "[imaging][masks]") {

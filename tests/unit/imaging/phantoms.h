@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies in voxels, with the geometry that makes each of them awkward.
+// Voxel bodies, with the geometry that makes each of them difficult.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ inline VolumeGeometry grid(std::array<std::size_t, 3> size, Vec3 spacing = {1.0,
   return g;
 }
 
-/// Turned about two axes and moved; left-handed if wanted.
+/// Rotated about two axes and moved; left-handed if requested.
 inline VolumeGeometry oblique(std::array<std::size_t, 3> size, Vec3 spacing, bool leftHanded = false) {
   const double a = 0.4, b = 0.9;
   const Vec3 x{std::cos(a), std::sin(a), 0.0};
@@ -46,7 +46,7 @@ inline Vec3 centreOf(const VolumeGeometry &g) {
                     0.5 * static_cast<double>(g.size[2] - 1)});
 }
 
-/// Voxels whose centre (relative to the middle of the grid, mm) is inside.
+/// Voxels whose centre (relative to the centre of the grid, mm) is inside.
 inline Mask where(const VolumeGeometry &g, const std::function<bool(const Vec3 &)> &inside) {
   Mask mask{g, std::vector<std::uint8_t>(g.voxelCount())};
   const Vec3 centre = centreOf(g);
@@ -64,8 +64,8 @@ inline Mask ball(const VolumeGeometry &g, double radius) {
   return where(g, [radius](const Vec3 &x) { return dot(x, x) <= radius * radius; });
 }
 
-/// Tubes from `root` on that divide three times, turning in space; the widest 8 mm thick, the thinnest 2, each 24 mm
-/// long.
+/// Tubes that start at `root` and divide three times, turning in space; the widest 8 mm thick, the thinnest 2, each 24
+/// mm long.
 inline std::function<bool(const Vec3 &)> vesselTree(const Vec3 &root, const Vec3 &along) {
   struct Tube {
     Vec3 from, to;
@@ -97,8 +97,8 @@ inline std::function<bool(const Vec3 &)> vesselTree(const Vec3 &root, const Vec3
   };
 }
 
-/// The same with random directions, lengths and numbers of branches: from `root` on, the widest tubes of radius
-/// `widest`, the thinnest of `thinnest`, dividing four times at most, about 18 mm each.
+/// The same with random directions, lengths and numbers of branches. Tubes start at `root`, the widest with radius
+/// `widest`, the thinnest with `thinnest`; they divide four times at most, about 18 mm each.
 inline std::function<bool(const Vec3 &)> randomTree(std::uint64_t seed, double widest, double thinnest);
 
 /// Voxels [min, max) of the index.

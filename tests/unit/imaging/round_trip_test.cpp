@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is written is read back: geometry, type, values, labels with their names, vectors.
+// Written data are read back: geometry, type, values, labels with their names, vectors.
 #include <cstring>
 #include <numeric>
 
@@ -41,7 +41,7 @@ TEST_CASE("Volumes of every type and an awkward place come back as they were", "
         const auto loaded = readVolume(file);
         REQUIRE(loaded);
         CHECK(loaded->volume.voxels == volume.voxels);
-        // Single precision of NIfTI-1: 1e-7 of the metre that lies between origin and image.
+        // Single precision of NIfTI-1: 1e-7 of the metre between origin and image.
         CHECK(sameGrid(loaded->volume.geometry, volume.geometry, 2e-4));
         CHECK(loaded->notices.empty());
       }
@@ -69,7 +69,7 @@ TEST_CASE("The two placements of a NIfTI file that is written agree", "[imaging]
   }
   Volume sheared = counted<std::int16_t>(true);
   REQUIRE(writeVolume(file, sheared));
-  CHECK(bytesOf(file)[252] == 0);  // a qform cannot say it
+  CHECK(bytesOf(file)[252] == 0);  // a qform cannot represent it
 }
 
 TEST_CASE("Slope and intercept are kept by NIfTI and applied for the others", "[imaging]") {
@@ -84,7 +84,7 @@ TEST_CASE("Slope and intercept are kept by NIfTI and applied for the others", "[
       REQUIRE(writeVolume(file, volume));
       const auto loaded = readVolume(file);
       REQUIRE(loaded);
-      // 0.1 is no number of single precision
+      // 0.1 has no exact single-precision value
       const bool kept = std::string(ending).starts_with(".nii") && slope != 0.1;
       CHECK(loaded->volume.slope == (kept ? slope : 1.0));
       if (kept) CHECK(loaded->volume.voxels == volume.voxels);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which slices make a volume, what is resampled, what is refused.
+// Which slices form a volume, when they are resampled, when they are refused.
 #include "images.h"
 
 using namespace images;
@@ -8,7 +8,7 @@ namespace {
 
 constexpr const char *kSeries = "dicom/ct_head_phantom_philips_5mm";  // I10, I20, … at z = 696.21, 701.21, … mm
 
-/// Copies of some slices, in a folder of their own.
+/// Copies of some slices, in their own folder.
 std::filesystem::path copies(const std::filesystem::path &data, std::initializer_list<const char *> names) {
   const auto folder = emptyFolder("series");
   for (const char *name : names) std::filesystem::copy_file(data / name, folder / name);
@@ -43,7 +43,7 @@ TEST_CASE("A missing slice is interpolated between its neighbours, with a notice
 TEST_CASE("Slices at uneven distances are resampled where they really lie", "[imaging]") {
   C3DE_DATA_OR_SKIP(data, kSeries);
   const auto folder = copies(data, {"I10", "I20", "I30", "I40"});
-  write(folder / "I20", patched(bytesOf(data / "I20"), "\\701.21", "\\699.71"));  // 1.5 mm lower than it was
+  write(folder / "I20", patched(bytesOf(data / "I20"), "\\701.21", "\\699.71"));  // 1.5 mm lower than before
   const auto loaded = readVolume(folder);
   REQUIRE(loaded);
   CHECK(says(loaded->notices, "The slices lie unevenly, 3.5 to 6.5 mm apart"));
@@ -87,7 +87,7 @@ TEST_CASE("Two slices at every place are two volumes, of which the first is read
   write(folder / "I40", patched(bytesOf(data / "I40"), "\\711.21", "\\701.21"));
   const auto loaded = readVolume(folder), first = readVolume(data);
   REQUIRE((loaded && first));
-  CHECK(says(loaded->notices, "2 pictures at every place"));
+  CHECK(says(loaded->notices, "2 pictures at every position"));
   CHECK(slice(loaded->volume, 0) == slice(first->volume, 0));
   CHECK(slice(loaded->volume, 1) == slice(first->volume, 1));
 }
@@ -196,10 +196,10 @@ TEST_CASE("The patient's name is in its own field and nowhere else", "[imaging]"
 
 TEST_CASE("What looks like an image is known without reading it", "[imaging]") {
   C3DE_DATA_OR_SKIP(data, "dicom/ct_head_phantom_philips_5mm");
-  CHECK(looksLikeImage(data));
-  CHECK(looksLikeImage(data / "I10"));
+  CHECK(isLikelyImage(data));
+  CHECK(isLikelyImage(data / "I10"));
   C3DE_DATA_OR_SKIP(mesh, "mesh");
-  CHECK_FALSE(looksLikeImage(mesh));
-  CHECK_FALSE(looksLikeImage(mesh / "absent.nii"));
-  CHECK_FALSE(looksLikeImage(mesh / "sofa/liver.obj"));
+  CHECK_FALSE(isLikelyImage(mesh));
+  CHECK_FALSE(isLikelyImage(mesh / "absent.nii"));
+  CHECK_FALSE(isLikelyImage(mesh / "sofa/liver.obj"));
 }

@@ -57,7 +57,7 @@ TEST_CASE("numbers that are not finite do not count, and a single value has a ra
 
 namespace {
 
-/// Shares of voxels around a value, with some noise, in HU.
+/// Fractions of voxels around a value, with some noise, in HU.
 struct Share {
   double value, share, spread;
 };
@@ -78,7 +78,7 @@ TEST_CASE("What is seen of a tomography is soft tissue and bone, whatever of air
   const std::vector<Share> chest{{-1000, 0.4, 20}, {-800, 0.15, 80}, {-100, 0.1, 30},
                                  {45, 0.25, 40},   {250, 0.04, 60},  {600, 0.06, 300}};
   const auto plain = imaging::robustRange(scanOf(chest));
-  CHECK(imaging::looksLikeHounsfield(scanOf(chest)));
+  CHECK(imaging::isLikelyHounsfield(scanOf(chest)));
   for (const auto &more : {std::vector<Share>{{-3024, 0.3, 0}},
                            {{3071, 0.02, 0}},
                            {{-3024, 0.3, 0}, {20000, 0.01, 5000}},
@@ -92,12 +92,12 @@ TEST_CASE("What is seen of a tomography is soft tissue and bone, whatever of air
   }
   CHECK((plain.low >= -200.0 && plain.low <= -100.0));
   CHECK((plain.high >= 400.0 && plain.high <= 1000.0));
-  // A file that says HU needs no air.
+  // A file with the unit HU needs no air.
   Volume cut = scanOf({{45, 0.9, 40}, {600, 0.1, 300}});
-  CHECK_FALSE(imaging::looksLikeHounsfield(cut));
+  CHECK_FALSE(imaging::isLikelyHounsfield(cut));
   cut.unit = "HU";
   CHECK(imaging::robustRange(cut).high <= 1000.0);
-  CHECK(imaging::looksLikeHounsfield(cut));
+  CHECK(imaging::isLikelyHounsfield(cut));
 }
 
 TEST_CASE("Magnetic resonance, phases and other values keep the range of their voxels", "[imaging]") {
@@ -106,7 +106,7 @@ TEST_CASE("Magnetic resonance, phases and other values keep the range of their v
   const std::vector<Share> negative{{-1000, 0.3, 20}, {900, 0.7, 300}};
   for (const auto &shares : {head, phase, negative}) {
     const Volume volume = scanOf(shares);
-    CHECK_FALSE(imaging::looksLikeHounsfield(volume));
+    CHECK_FALSE(imaging::isLikelyHounsfield(volume));
     const auto range = imaging::robustRange(volume);
     CHECK(range.high - range.low > 0.9 * (range.max - range.min));
   }
@@ -119,7 +119,7 @@ TEST_CASE("Tomographies made by others show tissue, magnetic resonance all of it
     CAPTURE(file);
     const auto loaded = imaging::readVolume(path);
     REQUIRE(loaded);
-    CHECK(imaging::looksLikeHounsfield(loaded->volume));
+    CHECK(imaging::isLikelyHounsfield(loaded->volume));
     const auto range = imaging::robustRange(loaded->volume);
     CAPTURE(range.min, range.max, range.low, range.high);
     CHECK((range.low >= -200.0 && range.low < 60.0));
@@ -132,7 +132,7 @@ TEST_CASE("Tomographies made by others show tissue, magnetic resonance all of it
     CAPTURE(file);
     const auto loaded = imaging::readVolume(path);
     REQUIRE(loaded);
-    CHECK_FALSE(imaging::looksLikeHounsfield(loaded->volume));
+    CHECK_FALSE(imaging::isLikelyHounsfield(loaded->volume));
   }
 }
 

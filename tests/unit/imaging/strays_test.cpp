@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that lie beside images, images that are not where or not as one expects, paths written on other systems.
+// Files next to images, images at unexpected locations or of unexpected kinds, paths written on other systems.
 #include "dicom_made.h"
 #include "support/pipes.h"
 
@@ -26,7 +26,7 @@ std::string directory() {
   return test::dicomFile(all.bytes());
 }
 
-/// What a Mac leaves beside a file on a foreign disk: AppleDouble, with bytes of the file's kind in it.
+/// The file that a Mac adds next to a file on a foreign disk: AppleDouble, with bytes of the file's kind in it.
 std::string appleDouble(const std::string &of) {
   return std::string("\x00\x05\x16\x07\x00\x02\x00\x00Mac OS X        ", 24) + of.substr(0, 200);
 }
@@ -89,7 +89,7 @@ TEST_CASE("A DICOMDIR is read as the folder in which it lies", "[imaging][strays
   const auto list = listSeries(folder / "DICOMDIR");
   REQUIRE(list);
   CHECK(list->size() == 1);
-  CHECK(looksLikeImage(folder / "DICOMDIR"));
+  CHECK(isLikelyImage(folder / "DICOMDIR"));
   const auto alone = emptyFolder("alone");
   const auto none = readVolume(write(alone / "DICOMDIR", directory()));
   REQUIRE_FALSE(none);
@@ -117,7 +117,7 @@ TEST_CASE("Files of a series without a preamble belong to it", "[imaging][strays
   const auto all = series("all-bare");
   for (int k = 0; k < 4; ++k) write(all / ("I" + std::to_string(k)), slice(k).substr(132));
   checkWhole(all);
-  CHECK(looksLikeImage(all));
+  CHECK(isLikelyImage(all));
 }
 
 TEST_CASE("What systems leave in a folder of masks is no mask", "[imaging][strays]") {
@@ -185,7 +185,7 @@ TEST_CASE("A pipe or a device in place of an image is refused at once, by name",
     REQUIRE_FALSE(loaded);
     CHECK_THAT(loaded.error().message, Contains(name) && Contains("is a pipe (FIFO), not a file"));
     CHECK_FALSE(readLabelMap(pipe));
-    CHECK_FALSE(looksLikeImage(pipe));
+    CHECK_FALSE(isLikelyImage(pipe));
   }
   const auto folder = emptyFolder("parts");
   test::pipeAt(folder / "v.raw");
@@ -195,9 +195,9 @@ TEST_CASE("A pipe or a device in place of an image is refused at once, by name",
   REQUIRE_FALSE(named);
   CHECK_THAT(named.error().message, Contains("v.raw: is a pipe") && Contains("named by a.mhd"));
   write(folder / "b.nrrd", mask(std::string("\1\0\0\0\0\0\0\0", 8)));
-  test::pipeAt(folder / "b.txt");  // where names of labels are looked for
+  test::pipeAt(folder / "b.txt");  // where names of labels are searched
   CHECK(readLabelMap(folder / "b.nrrd"));
-  // Beside slices and masks it is left out.
+  // Next to slices and masks it is ignored.
   const auto slices = series("slices");
   test::pipeAt(slices / "I9");
   checkWhole(slices);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where surfaces of masks lie: near the border of the voxels, and not through themselves.
+// Position of mask surfaces: near the border of the voxels, and without self-intersections.
 #include <algorithm>
 #include <stdexcept>
 
@@ -56,7 +56,7 @@ TriangleMesh borderOf(const Mask &mask) {
   return border;
 }
 
-/// The farthest of the surface's vertices, in the longest edges of voxels.
+/// The largest distance of the surface's vertices from the border, in the longest edges of voxels.
 double farthestFromBorder(const TriangleMesh &mesh, const Mask &mask) {
   const TriangleMesh border = borderOf(mask);
   const AabbTree tree = treeOf(border);
@@ -68,7 +68,7 @@ double farthestFromBorder(const TriangleMesh &mesh, const Mask &mask) {
 
 double side(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &x) { return dot(cross(b - a, c - a), x - a); }
 
-/// Pairs of triangles without a common edge that an edge of one of them goes through the other of.
+/// Pairs of triangles without a common edge such that an edge of one passes through the other.
 std::size_t crossings(const TriangleMesh &mesh) {
   const AabbTree tree = treeOf(mesh);
   std::size_t count = 0;
@@ -96,7 +96,7 @@ std::size_t crossings(const TriangleMesh &mesh) {
 }
 
 /// @param farthest  voxels
-void checkPlace(const Mask &mask, double edge, double farthest) {
+void checkGeometry(const Mask &mask, double edge, double farthest) {
   const auto mesh = surfaceOf(mask, {edge, 0.0});
   if (!mesh) FAIL(mesh.error().message);
   CHECK(farthestFromBorder(*mesh, mask) < farthest);
@@ -114,7 +114,7 @@ TEST_CASE("surfaces of letters three voxels thick stay at their border", "[imagi
     const Mask mask = maskOf(LabelMap{{grid.size, grid.worldFromIndex}, phantom.labels, {}}, 2);
     for (const double edge : {0.0, 0.7, 1.0}) {
       CAPTURE(grid.name, edge);
-      checkPlace(mask, edge, kHalfVoxel);
+      checkGeometry(mask, edge, kHalfVoxel);
     }
   }
 }
@@ -123,10 +123,10 @@ TEST_CASE("surfaces of plates, bars and single voxels stay at their border", "[i
   for (const VolumeGeometry &g : {phantoms::grid({24, 24, 24}), phantoms::oblique({24, 24, 24}, {1.0, 1.5, 2.0}, true)})
     for (const double edge : {0.0, 0.5, 1.5}) {
       CAPTURE(g.handedness(), edge);
-      checkPlace(phantoms::box(g, {4, 4, 10}, {20, 20, 11}), edge, kHalfVoxel);
-      checkPlace(phantoms::box(g, {4, 10, 10}, {20, 11, 11}), edge, kHalfVoxel);
-      checkPlace(phantoms::box(g, {10, 10, 10}, {11, 11, 11}), edge, kHalfVoxel);
-      checkPlace(phantoms::ball(g, 8.0), edge, kHalfVoxel);
+      checkGeometry(phantoms::box(g, {4, 4, 10}, {20, 20, 11}), edge, kHalfVoxel);
+      checkGeometry(phantoms::box(g, {4, 10, 10}, {20, 11, 11}), edge, kHalfVoxel);
+      checkGeometry(phantoms::box(g, {10, 10, 10}, {11, 11, 11}), edge, kHalfVoxel);
+      checkGeometry(phantoms::ball(g, 8.0), edge, kHalfVoxel);
     }
 }
 
@@ -134,15 +134,15 @@ TEST_CASE("surfaces of scattered voxels do not go through each other", "[imaging
   Mask mask{phantoms::oblique({14, 15, 16}, {1.0, 0.8, 1.2}), {}};
   phantoms::Dice dice(10);
   for (std::size_t v = 0; v < mask.geometry.voxelCount(); ++v) mask.voxels.push_back(dice(100) < 10 ? 1 : 0);
-  checkPlace(mask, 0.6, kHalfVoxel);
-  checkPlace(mask, 0.0, kHalfVoxel);
+  checkGeometry(mask, 0.6, kHalfVoxel);
+  checkGeometry(mask, 0.0, kHalfVoxel);
 }
 
 TEST_CASE("surfaces of branching vessels stay at their border and do not go through themselves", "[imaging][surface]") {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     CAPTURE(seed);
-    checkPlace(phantoms::where(phantoms::grid({100, 100, 100}), phantoms::randomTree(seed, 3.0, 0.6)), 0.0, 0.7);
-    checkPlace(
+    checkGeometry(phantoms::where(phantoms::grid({100, 100, 100}), phantoms::randomTree(seed, 3.0, 0.6)), 0.0, 0.7);
+    checkGeometry(
         phantoms::where(phantoms::oblique({140, 140, 70}, {0.7, 0.7, 1.5}), phantoms::randomTree(seed, 3.0, 1.0)), 0.0,
         0.7);
   }
@@ -157,8 +157,9 @@ TEST_CASE("surfaces of organs stay at their border and do not go through themsel
         const Mask mask = maskOf(map, label);
         if (voxelCount(mask) == 0) continue;
         CAPTURE(file, label, edge);
-        // Vessels and ribs of few voxels, whose volume the rounding of their rims moves farther.
-        checkPlace(mask, edge, 0.7);
+        // Vessels and ribs of few voxels, whose volume is corrected for the rounding of their rims by a larger
+        // displacement.
+        checkGeometry(mask, edge, 0.7);
       }
   }
 }
@@ -183,6 +184,6 @@ TEST_CASE("edges far shorter than voxels are as many as the surface needs, and s
     const Vec3 normal = cross(b - a, c - a), out = a + b + c;
     turned += std::acos(std::clamp(dot(normal, out) / (norm(normal) * norm(out)), -1.0, 1.0)) * 57.3;
   }
-  // Mean angle to the normals of the ball: 3.3 degrees; 17 where edges do not come by halves.
+  // Mean angle to the normals of the ball: 3.3 degrees; 17 where edges are not halved.
   CHECK(turned / static_cast<double>(surface->triangles.size()) < 8.0);
 }

@@ -48,7 +48,7 @@ std::size_t pinchedVertices(const TriangleMesh &mesh) {
 
 struct Edges {
   double mean = 0.0, shortest = 1e300, longest = 0.0;
-  double near = 0.0;  // share of those within a factor of 1.5 of `wanted`
+  double near = 0.0;  // fraction of those within a factor of 1.5 of `wanted`
 };
 Edges edgesOf(const TriangleMesh &mesh, double wanted) {
   Edges out;
@@ -75,7 +75,7 @@ void checkSound(const TriangleMesh &mesh, const Mask &mask) {
   CHECK_FALSE(report.insideOut);
   CHECK(report.degenerateTriangles == 0);
   CHECK(pinchedVertices(mesh) == 0);
-  // The promise; the last step stops at 1e-6 unless a part is thinner than it can follow.
+  // The guaranteed tolerance; the last step stops at 1e-6 unless a part is thinner than it can follow.
   CHECK_THAT(report.volume_mm3, WithinRel(volumeOf(mask), 1e-4));
 }
 
@@ -106,7 +106,7 @@ TEST_CASE("surfaces of balls are round, whatever the grid", "[imaging][surface]"
       worst = std::max(worst, std::abs(norm(x) - radius));
       turned = std::max(turned, std::acos(std::min(1.0, dot(x, normals[v]) / norm(x))));
     }
-    // Half a voxel is what is known of the border; caps over the longest edges, 1.6 e, are e²/(3 R) high.
+    // The border is known to half a voxel; caps over the longest edges, 1.6 e, are e²/(3 R) high.
     CHECK(worst < 0.5 * c.grid.spacing()[2] + c.edge * c.edge / (3.0 * radius));
     // A staircase has normals up to 55 degrees off.
     CHECK(turned * 180.0 / std::numbers::pi < 15.0);
@@ -129,7 +129,7 @@ TEST_CASE("the edge length is chosen, not that of the voxels", "[imaging][surfac
 }
 
 TEST_CASE("slanted faces have no steps", "[imaging][surface]") {
-  // One voxel up on eight along: the hardest slope to tell from steps.
+  // A slope of one voxel in eight: the hardest one to distinguish from steps.
   const Vec3 n = (1.0 / norm({0.12, 0.05, 1.0})) * Vec3{0.12, 0.05, 1.0};
   const Mask mask = phantoms::where(phantoms::grid({80, 80, 40}), [&](const Vec3 &x) {
     return std::abs(dot(x, n)) < 10.3 && std::abs(x[0]) < 35.0 && std::abs(x[1]) < 35.0;
@@ -148,7 +148,7 @@ TEST_CASE("slanted faces have no steps", "[imaging][surface]") {
     count += 1.0;
     off = std::max(off, std::abs(std::abs(dot(middle, n)) - 10.3));
   }
-  // Steps would turn every eighth triangle by 45 degrees or more; half a voxel is what is known of the place.
+  // Steps would turn every eighth triangle by 45 degrees or more; the position is known to half a voxel.
   CHECK(count > 500.0);
   CHECK(std::sqrt(squares / count) * 180.0 / std::numbers::pi < 3.0);
   CHECK(worst * 180.0 / std::numbers::pi < 10.0);
@@ -177,7 +177,7 @@ TEST_CASE("voxels that touch in an edge or a corner make no common edge", "[imag
     const TriangleMesh mesh = surface(mask, {0.5, 0.0});
     checkSound(mesh, mask);
     CHECK(geometry::inspect(mesh, geometry::LengthUnit::millimetre).components == 2);
-    // And holes that touch likewise.
+    // The same for holes that touch.
     Mask holes = phantoms::box(phantoms::grid({12, 12, 12}), {2, 2, 2}, {10, 10, 10});
     phantoms::set(holes, one, false);
     phantoms::set(holes, other, false);
@@ -261,7 +261,7 @@ Vec3 centroidOf(const TriangleMesh &mesh) {
   return (1.0 / volume) * sum;
 }
 
-// Share of the volume that is in another cube of eight voxels than in the mask; the surface by 27 points per voxel.
+// Fraction of the volume that is in another cube of eight voxels than in the mask; the surface by 27 points per voxel.
 double misplacedPart(const TriangleMesh &mesh, const Mask &mask) {
   constexpr std::size_t kFiner = 3, kCube = 8;
   const auto &n = mask.geometry.size;
@@ -288,7 +288,7 @@ double misplacedPart(const TriangleMesh &mesh, const Mask &mask) {
   return 0.5 * sum / static_cast<double>(voxelCount(mask));
 }
 
-// Of what lies below a plane x = at, mm from the middle of the grid, which lies between voxels.
+// The volume below a plane x = at, mm from the centre of the grid, which is between voxels.
 double volumeBelow(const Mask &mask, double at) {
   Mask part = mask;
   const auto &n = mask.geometry.size;
@@ -299,8 +299,8 @@ double volumeBelow(const Mask &mask, double at) {
 }
 double volumeBelow(const TriangleMesh &mesh, const VolumeGeometry &grid, double at) {
   const double plane = phantoms::centreOf(grid)[0] + at;
-  // ∫∫ (plane - x) over the surface's projection along x: triangles that reach beyond count up to the plane, cut by
-  // halving.
+  // ∫∫ (plane - x) over the surface's projection along x: triangles that extend beyond the plane count up to it, cut by
+  // bisection.
   double sum = 0.0;
   const std::function<void(const Vec3 &, const Vec3 &, const Vec3 &, int)> add = [&](const Vec3 &a, const Vec3 &b,
                                                                                      const Vec3 &c, int depth) {
@@ -342,10 +342,10 @@ TEST_CASE("branching vessels of two to eight millimetres are in their skin", "[i
                                                  << " %, centroid off by " << shift << " mm");
     CHECK(report.closed);
     CHECK(report.components == 1);
-    // Tubes of two voxels are as thick as the skin is exact: 9 % of them were missing with edges of 1.5 voxels.
+    // Tubes of two voxels are as thick as the skin is accurate: 9 % of them were missing with edges of 1.5 voxels.
     CHECK(missing < 2e-3);
-    // A tenth of a voxel; 0.02 mm measured. Tips lose what tubes get, over two voxels. 3 mm where thick branches take
-    // over what thin ones lose.
+    // A tenth of a voxel; 0.02 mm measured. Tips lose what tubes gain, over two voxels. 3 mm where thick branches gain
+    // the volume that thin ones lose.
     CHECK(shift < 0.1);
     CHECK_THAT(report.volume_mm3, WithinRel(volumeOf(mask), 1e-3));
     CHECK(mesh.triangles.size() < 250000);
@@ -364,9 +364,9 @@ TEST_CASE("branching vessels of one to six voxels keep their volume where it is"
       const double shift = norm(centroidOf(mesh) - centroidOf(mask)), misplaced = misplacedPart(mesh, mask);
       CAPTURE(seed, thinnest, grid.spacing()[2], missing, shift, misplaced);
       CHECK(missing < 1e-3);
-      // 0.05 mm measured; 2 … 8 mm where thick branches pay for thin ones.
+      // 0.05 mm measured; 2 … 8 mm where thick branches compensate for thin ones.
       CHECK(shift < 0.1);
-      // Cubes cut surfaces that are half a voxel off in places; 2 % measured, 5 … 18 where thick branches pay.
+      // Cubes cut surfaces that are half a voxel off in places; 2 % measured, 5 … 18 where thick branches compensate.
       CHECK(misplaced < 0.03);
     }
 }
@@ -381,10 +381,11 @@ TEST_CASE("what long edges lose is not made up by the rest, and can be told", "[
   // Branches of 2 mm among blocks of 2 voxels.
   CHECK(missing > 100.0);
   CHECK(missing < 0.05 * all);
-  // Pieces of branches that stay blocks take the volume of those beside them along, so a half of what is told.
+  // Parts of branches that remain blocks absorb the volume of their neighbours, so the volume lacks about half of the
+  // reported loss.
   CHECK(volume < all - 0.4 * missing);
   CHECK(volume > all - missing);
-  // What far branches lose is nothing to the organ: 1.4e-5 measured, 1.8e-3 where the rest pays.
+  // The loss of far branches does not affect the organ: 1.4e-5 measured, 1.8e-3 where the rest compensates.
   const double organ = -6.0;  // of the branches' root
   CHECK(std::abs(volumeBelow(mesh, mask.geometry, organ) / volumeBelow(mask, organ) - 1.0) < 5e-5);
   for (std::size_t v = 0; v < lost.voxels.size(); ++v)
@@ -392,7 +393,7 @@ TEST_CASE("what long edges lose is not made up by the rest, and can be told", "[
 }
 
 TEST_CASE("skins have no specks of a block or two", "[imaging][surface]") {
-  // A ball with a fringe that hangs together in voxels but not in blocks of them.
+  // A ball with a fringe that is connected in voxels but not in blocks of them.
   const Mask mask = phantoms::where(phantoms::grid({130, 110, 110}), [](const Vec3 &x) {
     if (norm(x) < 48.0) return true;
     const bool isThread = std::abs(x[1]) < 0.6 && std::abs(x[2]) < 0.6 && x[0] > 0.0 && x[0] < 60.0;

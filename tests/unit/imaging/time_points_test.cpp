@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of several time points: which one is read, and what is said of files that end within them.
+// Files of several time points: which one is read, and the messages about files that end within them.
 #include <zlib.h>
 
 #include <cstring>
@@ -156,7 +156,7 @@ TEST_CASE("A file that is cut within its time points says how many are whole", "
           continue;
         }
         CHECK_FALSE((form.isInterleaved && !isPacked));
-        // Behind the last voxel there is only the check sum of what is packed.
+        // After the last voxel there is only the checksum of the compressed data.
         const bool lacksCheckSum = says(loaded->notices, "check sum");
         const bool isCut = says(loaded->notices, "is cut or damaged: of 4 time points");
         CHECK((isCut || (isPacked && lacksCheckSum) || (isPacked && length + 12 > form.bytes.size())));
@@ -166,7 +166,7 @@ TEST_CASE("A file that is cut within its time points says how many are whole", "
     }
     CHECK(wasSaid == !form.isInterleaved);
   }
-  // To the byte: one less than two volumes leaves one.
+  // Exact to the byte: one less than two volumes leaves one.
   const std::string whole = niftiHead() + shorts(false);
   const auto file = write(folder / "exact.nii", whole.substr(0, 352 + 2 * each - 1));
   CHECK(says(readVolume(file)->notices, "only the first is whole"));

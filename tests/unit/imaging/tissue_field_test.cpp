@@ -10,7 +10,7 @@ using namespace images;
 
 namespace {
 
-/// A block from 10 to 50, 40 and 30 mm that has been deformed: x = F X + b.
+/// A deformed block from 10 to 50, 40 and 30 mm: x = F X + b.
 struct Deformed {
   std::array<Vec3, 3> rows;  ///< of F
   Vec3 b;
@@ -29,7 +29,7 @@ struct Deformed {
     return X[0] > 10 && X[0] < 50 && X[1] > 10 && X[1] < 40 && X[2] > 10 && X[2] < 30;
   }
 
-  /// Points of 2.5 mm around it; beside it a displacement that says nothing of it.
+  /// Points of 2.5 mm around it; outside it a displacement that is unrelated to it.
   [[nodiscard]] DisplacementGrid grid() const {
     auto bodies = std::make_shared<Mask>();
     bodies->geometry = phantoms::grid({64, 64, 48});
@@ -69,13 +69,13 @@ TEST_CASE("An affine deformation has its det F everywhere in tissue, also at its
     REQUIRE(field);
     std::size_t asked = 0;
     double worst = 0.0;
-    // 1.5 mm below the surface: the mask knows it to a voxel, the grid within its points.
+    // 1.5 mm below the surface: the mask resolves it to a voxel, the grid within its points.
     for (double X = 12; X < 49; X += 3.7)
       for (double Y = 12; Y < 39; Y += 2.9)
         for (double Z = 12; Z < 29; Z += 2.3) {
           const Vec3 x = how.now({X, Y, Z});
           const auto value = u.valueOf(*field, x);
-          if (!u.hasTissue(x)) continue;  // beside the last point of the grid in tissue, u does not lead there
+          if (!u.hasTissue(x)) continue;  // next to the last point of the grid in tissue, u does not lead there
           REQUIRE(value);
           worst = std::max(worst, std::abs(*value - how.det()));
           ++asked;
@@ -112,21 +112,21 @@ TEST_CASE("What points have is spread as far as they reach, a uniform state exac
         places.push_back(x);
       }
   VolumeGeometry grid = phantoms::grid({20, 20, 20}, {2, 2, 2});
-  const std::vector<float> uniform = spread(grid, points, values), sloping = spread(grid, points, places);
+  const std::vector<float> uniform = scatterToGrid(grid, points, values), sloping = scatterToGrid(grid, points, places);
   const auto at = [&](std::size_t i) { return i + 20 * (5 + 20 * 5); };
   for (std::size_t i = 0; i <= 13; ++i) CHECK(std::abs(uniform[at(i)] - 1234.5f) < 1e-3f);
   CHECK(std::isnan(uniform[at(14)]));  // 28 mm, 8 from the last points
   CHECK(std::isnan(uniform.back()));
-  // Between points a mean of near ones.
+  // Between points a mean of nearby ones.
   CHECK(std::abs(sloping[at(5)] - 10.0f) < 1e-4f);
   CHECK(std::abs(sloping[at(6)] - 12.0f) < 0.5f);
-  // What is no number is of no point.
+  // NaN belongs to no point.
   values.assign(values.size(), std::nan(""));
   values.front() = 3.0;
-  const std::vector<float> one = spread(grid, points, values);
+  const std::vector<float> one = scatterToGrid(grid, points, values);
   CHECK(one[0] == 3.0f);
   CHECK(std::isnan(one[at(5)]));
-  // A point in tissue without a value beside it is not mixed in.
+  // A point in tissue without a value, next to one, is not mixed in.
   DisplacementGrid u = kCompressed.grid();
   std::vector<float> half(u.geometry.voxelCount(), std::nanf(""));
   for (std::size_t p = 0; p < half.size(); p += 2) half[p] = 7.0f;

@@ -35,7 +35,7 @@ TEST_CASE("a grid stays while the bodies are in it and is laid anew when they or
   const VolumeGeometry first = grid.geometry();
   CHECK(reachOf(first).holds(kOrgan.grown(kRim + kSpacing)));
   CHECK(first.spacing()[0] == Approx(0.5 * kSpacing));
-  // Room is 15 % of the size: 15 mm along x.
+  // The margin is 15 % of the size: 15 mm along x.
   CHECK_FALSE(grid.follow(moved(kOrgan, {14.9, 0, 0}), kSpacing, kRim));
   CHECK_FALSE(grid.follow(moved(kOrgan, {-14.9, 0, 0}), kSpacing, kRim));
   CHECK(sameGrid(grid.geometry(), first, 0.0));
@@ -54,7 +54,7 @@ TEST_CASE("a grid that follows a long way is laid rarely and always holds the bo
     REQUIRE(reachOf(grid.geometry()).holds(now.grown(kRim + kSpacing)));
     REQUIRE(grid.geometry().spacing()[2] == Approx(0.5 * kSpacing));
   }
-  // 600 mm along the shortest side, whose room is 9 mm.
+  // 600 mm along the shortest side, whose margin is 9 mm.
   CHECK(laid > 10);
   CHECK(laid < 80);
 }
@@ -71,7 +71,7 @@ TEST_CASE("a grid around bodies far apart keeps its number of points and becomes
     CAPTURE(apart);
     for (std::size_t a = 0; a < 3; ++a) CHECK(grid.geometry().size[a] <= limits.mostPoints);
     CHECK(grid.geometry().spacing()[0] <= limits.coarsestStep * kSpacing * (1.0 + 1e-12));
-    // What lies beyond the limit is left out, never the place where the bodies were first.
+    // The region beyond the limit is excluded, never the initial position of the bodies.
     CHECK(reachOf(grid.geometry()).holds(kOrgan));
     if (apart <= 600.0) CHECK(reachOf(grid.geometry()).holds(both.grown(kRim + kSpacing)));
     CHECK_FALSE(grid.follow(both, kSpacing, kRim));

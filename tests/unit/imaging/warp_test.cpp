@@ -34,7 +34,7 @@ Volume noise(const VolumeGeometry &g, std::uint64_t seed = 5) {
   return volume;
 }
 
-/// u = A (x - c) + b about the middle of the grid.
+/// u = A (x - c) + b about the centre of the grid.
 DisplacementGrid affine(const VolumeGeometry &g, const Vec3 &about, const std::array<Vec3, 3> &rows, const Vec3 &b) {
   DisplacementGrid u{g, {}, {}, {}};
   for (std::size_t k = 0; k < g.size[2]; ++k)
@@ -47,7 +47,7 @@ DisplacementGrid affine(const VolumeGeometry &g, const Vec3 &about, const std::a
 }
 DisplacementGrid constant(const VolumeGeometry &g, const Vec3 &b) { return affine(g, {}, {}, b); }
 
-/// Oblique, and around all of what is displaced.
+/// Oblique, and around the whole displaced region.
 VolumeGeometry gridAround(const VolumeGeometry &image, std::array<std::size_t, 3> size, double spacing) {
   VolumeGeometry g = phantoms::oblique(size, {spacing, spacing, spacing});
   const Vec3 shift = phantoms::centreOf(image) - phantoms::centreOf(g);
@@ -57,7 +57,7 @@ VolumeGeometry gridAround(const VolumeGeometry &image, std::array<std::size_t, 3
 
 constexpr std::array<Vec3, 3> kGentle{{{0.04, -0.03, 0.02}, {0.02, 0.05, -0.04}, {-0.03, 0.01, -0.02}}};
 
-/// Linear sampling written down plainly, eight weights; halves away from zero where the type has no fractions.
+/// Plain linear sampling by eight weights; halves are rounded away from zero for integer types.
 double expectedAt(const Volume &reference, const Vec3 &world) {
   Vec3 at = transformPoint(affineInverse(reference.geometry.indexToWorld), world);
   double sum = 0.0;
@@ -200,7 +200,7 @@ TEST_CASE("Warped labels are the nearest ones, and the list keeps those that are
 }
 
 TEST_CASE("An image of label numbers is warped without numbers between them", "[imaging][warp]") {
-  // Labels 1 and 200: halfway between them lies 100, another organ.
+  // Labels 1 and 200: their mean is 100, another organ.
   Volume labels;
   labels.geometry = phantoms::grid({12, 4, 4}, {2.0, 2.0, 2.0});
   std::vector<std::uint8_t> voxels(12 * 4 * 4, 0);
@@ -347,7 +347,7 @@ TEST_CASE("Warping says what is wrong with a field, and stops when it is told to
   CHECK(reached < 0.4);
 }
 
-// Not a test: what a large image costs. 512 x 512 x 200 of int16, grid of 40 x 40 x 30 around all of it.
+// Not a test: the cost of a large image. 512 x 512 x 200 of int16, grid of 40 x 40 x 30 around all of it.
 TEST_CASE("Time of a large warp", "[.][warp-time]") {
   const VolumeGeometry g = phantoms::grid({512, 512, 200}, {0.7, 0.7, 1.5});
   const Volume reference = noise<std::int16_t>(g);
@@ -366,7 +366,7 @@ TEST_CASE("Time of a large warp", "[.][warp-time]") {
 }
 
 TEST_CASE("what a body has left is empty, wherever the rim leads, and what it has reached is full", "[imaging][warp]") {
-  // A bright ball that has gone 30 mm along x; around it nothing is displaced (no rim).
+  // A bright ball that has moved 30 mm along x; around it nothing is displaced (no rim).
   const VolumeGeometry g{{60, 30, 30}, {1.5, 0, 0, 0, 0, 1.5, 0, 0, 0, 0, 1.5, 0, -30, -22, -22, 1}};
   const double radius = 9.0, way = 30.0;
   Volume reference;
@@ -396,7 +396,7 @@ TEST_CASE("what a body has left is empty, wherever the rim leads, and what it ha
     u.xyz_mm.insert(u.xyz_mm.end(), {isThere ? float(way) : 0.0f, 0.0f, 0.0f});
     u.gap_mm.push_back(!isThere && norm(x) < radius + 2.0 ? float(way) : 0.0f);
   });
-  // A grid around the ball as it is now gives the same: outside of it everything in `bodies` has gone.
+  // A grid around the ball's current position gives the same: outside of it everything in `bodies` has moved away.
   const std::size_t cut = GENERATE(0, 32);
   DisplacementGrid part = u;
   part.geometry.size[0] -= cut;
@@ -417,10 +417,10 @@ TEST_CASE("what a body has left is empty, wherever the rim leads, and what it ha
     if (norm(x) < radius) {
       REQUIRE(now[v] == -50);
       REQUIRE(moved->voxels[v] == 0);
-      REQUIRE(part.isVacated(x));
+      REQUIRE(part.isEmptied(x));
       ++empty;
     } else {
-      REQUIRE_FALSE(part.isVacated(x));
+      REQUIRE_FALSE(part.isEmptied(x));
     }
     if (norm(x - Vec3{way, 0, 0}) < radius - 2.0) {
       REQUIRE(now[v] == 900);
@@ -430,7 +430,7 @@ TEST_CASE("what a body has left is empty, wherever the rim leads, and what it ha
   });
   CHECK(empty > 500);
   CHECK(full > 300);
-  // Without knowledge of bodies the reference stays where nothing is displaced.
+  // Without information about bodies the reference remains where nothing is displaced.
   part.bodies = nullptr;
   const auto kept = warped(reference, part);
   REQUIRE(kept);

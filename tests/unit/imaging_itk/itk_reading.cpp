@@ -50,7 +50,7 @@ Expected<Image> read(const std::filesystem::path &file, std::size_t time) try {
   io->SetFileName(file.string());
   io->ReadImageInformation();
   if (io->GetNumberOfDimensions() > 3) {
-    // Into three dimensions it would take a part of the matrix of four.
+    // Reading into three dimensions would use a part of the 4 x 4 matrix.
     const auto all = itk::ImageFileReader<itk::Image<double, 4>>::New();
     all->SetImageIO(io);
     all->SetFileName(file.string());

@@ -8,7 +8,7 @@
 #include "c3de/core/expected.h"
 #include "c3de/imaging/volume.h"
 
-/// Files as ITK reads them, without a type of ITK.
+/// Files as ITK reads them; no ITK types in the interface.
 namespace itk_truth {
 
 struct Image {
@@ -16,10 +16,10 @@ struct Image {
   std::vector<double> values;  ///< rescaled, i fastest
 };
 
-/// NIfTI, NRRD or MetaImage by the name. Errors: what ITK says.
+/// NIfTI, NRRD or MetaImage by the name. Errors: ITK's message.
 /// @param time  of several volumes. Colours become their luminance.
 [[nodiscard]] c3de::Expected<Image> read(const std::filesystem::path &file, std::size_t time = 0);
-/// Files of a DICOM series in the order of their places, as ITK finds them in a folder that holds one.
+/// Files of a DICOM series in the order of their positions, as ITK finds them in a folder with one series.
 [[nodiscard]] c3de::Expected<Image> readSeries(const std::filesystem::path &folder);
 
 }  // namespace itk_truth

@@ -9,10 +9,9 @@ namespace itk_truth {
 
 enum class Sampling { linear, nearest };
 
-/// What ITK's ResampleImageFilter makes of an image whose voxel at x comes from sourceOf * x (LPS mm), on the same
-/// grid. The stored voxels go in as float, which is exact below 2^24. Before, the outermost voxels are repeated
-/// `border` times around the image; what lies behind that too is NaN.
-/// @throws std::exception  ITK's
+/// The result of ITK's ResampleImageFilter for an image whose voxel at x comes from sourceOf * x (LPS mm), on the same
+/// grid. The stored voxels are passed as float, which is exact below 2^24. Before, the outermost voxels are repeated
+/// `border` times around the image; the region beyond that is NaN. @throws std::exception  ITK's
 std::vector<float> resampled(const c3de::imaging::Volume &image, const c3de::Mat4 &sourceOf, Sampling sampling,
                              unsigned border);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the readers make of files, against what ITK makes of them: places of voxels and their values.
+// Results of the readers against those of ITK: positions of voxels and their values.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -121,7 +121,7 @@ TEST_CASE("The brightness of colours is the luminance that ITK finds", "[imaging
     const Difference d = differenceOf(ours->volume, *theirs);
     REQUIRE(d.sameSize);
     CHECK(d.place_mm < 1e-3);
-    CHECK(d.value < 0.6);  // ours is rounded to 8 bits
+    CHECK(d.value < 0.6);  // our value is rounded to 8 bits
     CHECK(d.range > 100.0);
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Warping by a displacement that is affine, against ITK's resampling with that affine map. Voxels whose material comes
-// from outside of the image count too: both take the nearest point of the border there.
+// Warping by an affine displacement, against ITK's resampling with that affine map. Voxels whose material comes from
+// outside of the image count too: both use the nearest point of the border there.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -18,7 +18,7 @@ using itk_truth::Sampling;
 
 namespace {
 
-/// u = gradient (x - centre) + shift, mm. Turns by 6 degrees, stretches, shears.
+/// u = gradient (x - centre) + shift, mm. Rotates by 6 degrees, stretches, shears.
 struct Map {
   Vec3 centre, shift{4.3, -6.1, 2.7};
   std::array<Vec3, 3> gradient{{{0.05, -0.10, 0.02}, {0.11, -0.06, 0.03}, {-0.02, 0.04, 0.08}}};
@@ -57,7 +57,7 @@ DisplacementGrid displacementOf(const Map &map, const VolumeGeometry &image) {
   return u;
 }
 
-/// Balls, shells and noise in 8 bits: flat parts, sharp edges, everything between.
+/// Balls, shells and noise in 8 bits: flat parts, sharp edges, and everything in between.
 Volume pattern(const VolumeGeometry &g) {
   Volume volume;
   volume.geometry = g;
@@ -185,5 +185,5 @@ TEST_CASE("Without displacement both leave an image as it is, to the bit", "[ima
   const auto truth = itk_truth::resampled(reference, kIdentity4, Sampling::linear, 1);
   double most = 0.0;
   for (std::size_t v = 0; v < truth.size(); ++v) most = std::max(most, std::abs(double(truth[v]) - before[v]));
-  CHECK(most < 1e-3);  // the truth is one: ITK comes back to its voxels through matrices
+  CHECK(most < 1e-3);  // the reference value is one: ITK returns to its voxels through matrices
 }

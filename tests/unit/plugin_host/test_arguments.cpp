@@ -12,7 +12,7 @@ namespace {
 
 c3de_str str(std::string_view s) { return {s.data(), s.size()}; }
 
-/// A struct as it was in its first revision, and as it is now.
+/// A struct in its first revision, and in its current one.
 struct First {
   std::uint32_t size;
   std::uint32_t a;
@@ -35,9 +35,9 @@ std::pair<c3de_status, std::string> refusalOf(F &&f) {
 
 }  // namespace
 
-/// Now has a member that First had not: what every struct of the boundary looks like once it has grown.
+/// Now has a member that First lacks: as in every struct of the boundary that has grown.
 template <>
-struct c3de::FirstSize<Now> {
+struct c3de::MinimumSize<Now> {
   static constexpr const char *name = "Now";
   static constexpr std::size_t value = sizeof(First);
 };
@@ -85,8 +85,8 @@ TEST_CASE("a struct of a newer caller is read as far as we know it") {
 TEST_CASE("a struct below its first revision is refused") {
   const Now tooSmall{4, 7, 8};
   CHECK(refusalOf([&] { (void)structOf(&tooSmall, "thing"); }).second ==
-        "thing: its member size is 4, needed are at least 8 (Now)");
-  const Now *volatile nothing = nullptr;  // volatile: the compiler must not see it coming
+        "thing: its member size is 4; at least 8 is required (Now)");
+  const Now *volatile nothing = nullptr;  // volatile: hides the null pointer from the compiler
   CHECK(refusalOf([&] { (void)structOf(static_cast<const Now *>(nothing), "thing"); }).second == "thing is null");
 }
 

@@ -14,7 +14,7 @@ using namespace c3de::plugin_host;
 
 namespace {
 
-/// Keeps what it is told about placement.
+/// Records placement calls.
 class RecordingRenderer : public render::Renderer {
  public:
   struct Placement {

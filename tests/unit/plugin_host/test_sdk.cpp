@@ -98,7 +98,7 @@ TEST_CASE("a thunk turns results and exceptions into a status") {
   CHECK(kClockTable.fail(object, 2) == C3DE_E_NOMEM);
   CHECK(kClockTable.fail(object, 3) == C3DE_E_EXCEPTION);
   CHECK(kClockTable.fail(object, 4) == C3DE_E_EXCEPTION);
-  // A failure must not look like success.
+  // A failure must not appear as success.
   CHECK(guard([] { throw Error(C3DE_OK, "odd"); }) == C3DE_E_INTERNAL);
 }
 

@@ -84,7 +84,7 @@ Obstacle solidBox(const Vec3 &min, const Vec3 &max, double friction, Asked *aske
   };
   o.crossing = [=](const Vec3 &from, const Vec3 &to, Vec3 &hit) {
     if (asked) ++asked->crossing;
-    // The first of all faces that the way goes through, from either side.
+    // The first face that the path crosses, from either side.
     double best = -1.0;
     for (int axis = 0; axis < 3; ++axis)
       for (int side = 0; side < 2; ++side) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Obstacles given by formulas, and bodies to throw at them.
+// Obstacles given by formulas, and bodies that collide with them.
 #pragma once
 
 #include "pointbased/simulator.h"
 
 namespace shapes {
 
-/// How often an obstacle was asked.
+/// Counts the queries of an obstacle.
 struct Asked {
   std::size_t closest = 0, crossing = 0;
 };
@@ -14,7 +14,7 @@ struct Asked {
 /// All points with (x - point) · normal < 0.
 [[nodiscard]] pointbased::Obstacle halfSpace(const pointbased::Vec3 &point, const pointbased::Vec3 &normal,
                                              double friction, Asked *asked = nullptr);
-/// A sheet without inside in the plane y = height, |x|, |z| < half: distances are never negative.
+/// An open sheet in the plane y = height, |x|, |z| < half: distances are never negative.
 [[nodiscard]] pointbased::Obstacle sheet(double height, double half, double friction);
 /// A solid box with sharp edges.
 [[nodiscard]] pointbased::Obstacle solidBox(const pointbased::Vec3 &min, const pointbased::Vec3 &max, double friction,

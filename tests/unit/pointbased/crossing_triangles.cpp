@@ -41,7 +41,7 @@ Skin skinOf(pointbased::Simulator &simulator, std::size_t id) {
   return {std::move(positions), simulator.body(id)->rest().skin};
 }
 
-// Along one axis, so that only those that lie beside each other are looked at.
+// Sorted along one axis, so that only neighbouring triangles are tested.
 template <class Count>
 void forNear(const Skin &a, const Skin &b, const Count &count) {
   struct Span {

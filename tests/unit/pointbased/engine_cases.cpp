@@ -31,7 +31,7 @@ void addModes(EngineCase &c, std::size_t first, double h) {
   for (std::size_t j = 0; j < 8; ++j) s.modes.push_back(signs[j] - mean - moment * s.gradients[first + j]);
 }
 
-// g + what restores Σ g = 0 and Σ X g^T = I after a disturbance.
+// g + the correction that restores Σ g = 0 and Σ X g^T = I after a disturbance.
 void disturbGradients(EngineCase &c, std::size_t first, double amplitude, shapes::Random &random) {
   StencilSet &s = c.stencils;
   Vec3 centre = Vec3::Zero(), sum = Vec3::Zero();

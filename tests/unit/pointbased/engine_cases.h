@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stencils of all kinds made by hand, for tests of the engine without bodies.
+// Hand-made stencils of all kinds, for tests of the engine without bodies.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace engine_cases {
 
 using namespace pointbased;
 
-/// Stencils with everything the engine needs beside them.
+/// Stencils with all other data that the engine needs.
 struct EngineCase {
   std::string name;
   StencilSet stencils;
@@ -24,8 +24,8 @@ struct EngineCase {
   [[nodiscard]] bool full() const;  ///< no flat stencil
 };
 
-/// nx x ny x nz cells in turned axes; cells of the border hold a random box of the body, whose mean trilinear gradients
-/// and mode rows are exact.
+/// nx x ny x nz cells in rotated axes; cells of the border contain a random box of the body, whose mean trilinear
+/// gradients and mode rows are exact.
 [[nodiscard]] EngineCase lattice(int nx, int ny, int nz, bool cut = true);
 /// The same with corners moved at random and gradients disturbed within Σ g = 0, Σ X g^T = I.
 [[nodiscard]] EngineCase jitteredLattice();

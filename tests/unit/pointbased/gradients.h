@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Deformation gradients to try material laws with.
+// Deformation gradients for tests of material laws.
 #pragma once
 
 #include <cmath>
@@ -34,7 +34,7 @@ inline Mat3 withStretches(shapes::Random &random, const Vec3 &stretches) {
   return rotation(random) * stretches.asDiagonal() * rotation(random);
 }
 
-/// Stretches from 1/largest to largest, evenly in logarithm; mirrored: det F < 0.
+/// Stretches from 1/largest to largest, uniform in logarithm; mirrored: det F < 0.
 inline Mat3 stretched(shapes::Random &random, double largest, bool mirrored = false) {
   Vec3 s;
   for (int i = 0; i < 3; ++i) s[i] = std::pow(largest, random());

@@ -71,7 +71,7 @@ BodyShape together(const BodyShape &a, const BodyShape &b) {
 BodyShape shifted(const BodyShape &shape, double spacing, const Vec3 &shift) {
   BodyShape result = shape;
   for (int a = 0; a < 3; ++a) {
-    // The lattice lies about the middle of the bounds: one cell more moves it by half a cell, wider bounds by the rest.
+    // The lattice is centred on the bounds: one cell more shifts it by half a cell, wider bounds by the rest.
     const double off = (shift[a] - 0.5) * spacing;
     (off < 0.0 ? result.min : result.max)[a] += 2.0 * off;
   }
@@ -173,7 +173,7 @@ LinearSolution solveLinear(const LatticeBody &body, const BodyShape &shape, cons
     const Index first = s.phyxels.offsets[q];
     const auto count = static_cast<Eigen::Index>(s.phyxels.offsets[q + 1] - first);
     Eigen::MatrixXd K = Eigen::MatrixXd::Zero(3 * count, 3 * count);
-    // In lattice axes, turned at the end.
+    // In lattice axes, rotated at the end.
     Eigen::MatrixXd g(3, count), modes(4, count);
     for (Eigen::Index k = 0; k < count; ++k) {
       g.col(k) = s.axes.transpose() * s.gradients[first + static_cast<Index>(k)];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies on lattices and what must hold for every one of them.
+// Bodies on lattices and the conditions that every one of them must fulfil.
 #pragma once
 
 #include "pointbased/lattice.h"
@@ -13,12 +13,12 @@ using namespace pointbased;
                                  const ParallelFor &parallelFor = serialFor());
 [[nodiscard]] LatticeSampling withSpacing(double spacing);
 
-/// A box with its surface, a ball likewise.
+/// A box with its surface, and a ball with its surface.
 [[nodiscard]] BodyShape box(const Vec3 &min, const Vec3 &max);
 [[nodiscard]] BodyShape ball(const Vec3 &centre, double radius);
-/// The union of convex bodies that do not touch; the way from one to the other crosses.
+/// The union of convex bodies that do not touch; a segment from one to the other counts as crossing.
 [[nodiscard]] BodyShape together(const BodyShape &a, const BodyShape &b);
-/// Wider bounds, so that the lattice lies off the body by `shift` spacings (each 0 … 1) along its axes.
+/// Wider bounds, so that the lattice is offset from the body by `shift` spacings (each 0 … 1) along its axes.
 [[nodiscard]] BodyShape shifted(const BodyShape &shape, double spacing, const Vec3 &shift);
 [[nodiscard]] Mat3 rotation(int axis, double degrees);
 [[nodiscard]] double sum(std::span<const double> values);
@@ -36,7 +36,7 @@ struct Consistency {
 /// The second sum runs over points of the surface: the loads of a constant stress.
 [[nodiscard]] double patchError(const LatticeBody &body, const BodyShape &shape);
 
-/// How far Σ φ = 1, Σ φ X = X_p, Σ ∇φ = 0, Σ X ∇φ^T = I are missed, in units of a spacing.
+/// The largest errors of Σ φ = 1, Σ φ X = X_p, Σ ∇φ = 0, Σ X ∇φ^T = I, in units of a spacing.
 [[nodiscard]] double bindingError(const LatticeBody &body, std::span<const Vec3> points, std::span<const Vec3> normals);
 
 /// Linear elasticity on the stencils of a lattice: E = 10 kPa, the hourglass energy with its factors 0.92 and `twist`

@@ -11,7 +11,7 @@ namespace {
 
 using Closest = std::function<SurfacePoint(const Vec3 &)>;
 
-// A step is much shorter than what is sampled here is thin, so a change of sign is not missed.
+// A step is much shorter than the thickness of the sampled shapes, so a change of sign is not missed.
 constexpr int kSamples = 16;
 
 Obstacle obstacleBy(const char *name, double friction, const Closest &closest) {

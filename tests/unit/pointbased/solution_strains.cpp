@@ -42,7 +42,7 @@ std::vector<Mat3> strainsAt(const Body &body, std::vector<Vec3> points, std::vec
       if (cells) cells->push_back(q);
       continue;
     }
-    // The cell that has all the phyxels that move the point; of several the one with the nearest centre.
+    // The cell that contains all phyxels that move the point; of several the one with the nearest centre.
     std::size_t most = 0;
     double nearest = 0.0;
     for (Index k = s.entriesOfPhyxel.offsets[*first]; k < s.entriesOfPhyxel.offsets[*first + 1]; ++k) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Strains of a solution as its energy has them, to compare two solutions in the energy norm.
+// Strains of a solution as used in its energy, to compare two solutions in the energy norm.
 #pragma once
 
 #include <vector>
@@ -20,9 +20,9 @@ struct Samples {
 };
 [[nodiscard]] Samples samplesOf(const RestState &lattice);
 
-/// Green strains at material points (world, m): linear within each cell of a lattice, by its modes; constant around each
-/// phyxel of a cloud.
-/// @param cells  out, where given: the evaluation point that each was taken from
+/// Green strains at material points (world, m): linear within each cell of a lattice, by its modes; constant around
+/// each phyxel of a cloud.
+/// @param cells  optional output: the evaluation point of each strain
 [[nodiscard]] std::vector<Mat3> strainsAt(const Body &body, std::vector<Vec3> points,
                                           std::vector<std::size_t> *cells = nullptr);
 

@@ -60,7 +60,7 @@ Surface ballSurface(const Vec3 &centre, double radius, int n) {
 
 namespace {
 
-// Closed surfaces, asked by rays along x, which meet few of the triangles.
+// Closed surfaces, queried by rays along x, which meet few of the triangles.
 class InsideOf {
  public:
   explicit InsideOf(const Surface &surface) : surface_(surface) {
@@ -81,10 +81,10 @@ class InsideOf {
     }
   }
 
-  // How often the surface winds around a point.
+  // Winding number of the surface around a point.
   [[nodiscard]] double operator()(const Vec3 &point) const {
     if ((point.array() < low_.array()).any() || (point.array() > high_.array()).any()) return 0.0;
-    // Beside edges and corners that lie on planes of a lattice.
+    // Offset from edges and corners that are on planes of a lattice.
     const Vec3 p = point + 1e-8 * (high_ - low_).cwiseProduct(Vec3(0.0, 0.7310585, 0.4142135));
     double winds = 0.0;
     for (const Index t : columns_[columnOf(p, 1) * kColumns + columnOf(p, 2)]) {

@@ -8,10 +8,10 @@ namespace shapes {
 
 /// Twelve triangles, or each face divided into n x n squares.
 [[nodiscard]] pointbased::Surface boxSurface(const pointbased::Vec3 &min, const pointbased::Vec3 &max, int n = 1);
-/// A latitude and longitude net with 2 n² triangles or so.
+/// A latitude and longitude net with about 2 n² triangles.
 [[nodiscard]] pointbased::Surface ballSurface(const pointbased::Vec3 &centre, double radius, int n);
 
-/// The body inside a closed surface, by its solid angle and the distance of its triangles: slow, for small ones.
+/// The body inside a closed surface, by its solid angle and the distance of its triangles: slow, for small surfaces.
 [[nodiscard]] pointbased::BodyShape inside(const pointbased::Surface &surface);
 
 [[nodiscard]] double volumeOf(const pointbased::Surface &surface);

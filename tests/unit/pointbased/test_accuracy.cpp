@@ -79,7 +79,7 @@ TEST_CASE("samples of the skin lie evenly, and leave out what is prescribed") {
   CHECK(static_cast<double>(all.count()) == Approx(500.0).epsilon(0.1));
   CHECK(open.count() < all.count());
   CHECK(std::all_of(open.positions.begin(), open.positions.end(), [](const Vec3 &x) { return x[0] > 0.0; }));
-  // A face has its share of the area, whether its triangles are large or small.
+  // A face gets its share of the area, whether its triangles are large or small.
   const auto onTop = [](const SurfacePoints &points) {
     return static_cast<double>(
         std::count_if(points.normals.begin(), points.normals.end(), [](const Vec3 &n) { return n[2] > 0.9; }));
@@ -139,21 +139,21 @@ TEST_CASE("the cheapest sampling that does what is wished is chosen") {
   const Cantilever cantilever;
   const AccuracySurvey survey = cantilever.survey();
   const CostSetting setting = explicitSetting();
-  const auto chosen = [&](AccuracyWish::Kind kind, double value) {
+  const auto chosen = [&](AccuracyTarget::Kind kind, double value) {
     return chooseSampling(survey, cantilever.constitution, setting, {kind, value});
   };
-  // Coarser than the coarse trial nobody gets.
+  // No sampling is coarser than the coarse trial.
   const double most = predictError(survey, survey.coarse.spacing).likely;
-  CHECK(chosen(AccuracyWish::Kind::share, 2.0 * most).spacing == Approx(survey.coarse.spacing));
+  CHECK(chosen(AccuracyTarget::Kind::share, 2.0 * most).spacing == Approx(survey.coarse.spacing));
   for (const double share : {0.5 * most, 0.1 * most}) {
-    const SamplingChoice choice = chosen(AccuracyWish::Kind::share, share);
+    const SamplingChoice choice = chosen(AccuracyTarget::Kind::share, share);
     CHECK(choice.unmet.empty());
     CHECK(choice.error.likely <= share * 1.001);
     CHECK(predictError(survey, 1.05 * choice.spacing).likely > share);
-    const SamplingChoice inMetres = chosen(AccuracyWish::Kind::length, share * survey.largest);
+    const SamplingChoice inMetres = chosen(AccuracyTarget::Kind::length, share * survey.largest);
     CHECK(inMetres.spacing == Approx(choice.spacing));
   }
-  const SamplingChoice cheap = chosen(AccuracyWish::Kind::budget, 2e-3);
+  const SamplingChoice cheap = chosen(AccuracyTarget::Kind::budget, 2e-3);
   CHECK(cheap.unmet.empty());
   CHECK(cheap.frame_ms <= 2.0 * kBudgetToUse * 1.001);
   CHECK(predictCost(survey, cantilever.constitution, setting, 0.95 * cheap.spacing) > 2.0 * kBudgetToUse);
@@ -166,11 +166,11 @@ TEST_CASE("a budget is kept by bodies that touch others, which are coarser for i
   alone.surfels = 50000;
   CostSetting touching = alone;
   touching.touches = true;
-  const auto chosen = [&](const CostSetting &setting, AccuracyWish::Kind kind, double value) {
+  const auto chosen = [&](const CostSetting &setting, AccuracyTarget::Kind kind, double value) {
     return chooseSampling(survey, cantilever.constitution, setting, {kind, value});
   };
-  const SamplingChoice free = chosen(alone, AccuracyWish::Kind::budget, 0.2),
-                       among = chosen(touching, AccuracyWish::Kind::budget, 0.2);
+  const SamplingChoice free = chosen(alone, AccuracyTarget::Kind::budget, 0.2),
+                       among = chosen(touching, AccuracyTarget::Kind::budget, 0.2);
   CHECK(free.touching_ms == 0.0);
   CHECK(among.touching_ms > 0.0);
   CHECK(among.count < free.count);
@@ -179,11 +179,11 @@ TEST_CASE("a budget is kept by bodies that touch others, which are coarser for i
   // 50 000 vertices, a fifth of which touch, in each substep.
   const double substeps = kFrame * survey.fine.spacing / (kStepSafety * survey.fine.stableStep * among.spacing);
   CHECK(among.touching_ms == Approx(1e-6 * kTouched * 50000.0 * touching.speed.touch_ns * substeps).epsilon(1e-6));
-  // An error that is wished, and what nobody wishes, do not depend on it; a quasi-static solution has no frames.
-  CHECK(chosen(touching, AccuracyWish::Kind::share, 0.05).spacing ==
-        chosen(alone, AccuracyWish::Kind::share, 0.05).spacing);
-  CHECK(chosen(touching, AccuracyWish::Kind::standard, 1.0).spacing ==
-        chosen(alone, AccuracyWish::Kind::standard, 1.0).spacing);
+  // An accuracy target and the default do not depend on it; a quasi-static solution has no frames.
+  CHECK(chosen(touching, AccuracyTarget::Kind::share, 0.05).spacing ==
+        chosen(alone, AccuracyTarget::Kind::share, 0.05).spacing);
+  CHECK(chosen(touching, AccuracyTarget::Kind::standard, 1.0).spacing ==
+        chosen(alone, AccuracyTarget::Kind::standard, 1.0).spacing);
   touching.world.integrator = Integrator::quasiStatic;
   CHECK(predictTouching(survey, cantilever.constitution, touching, among.spacing) == 0.0);
 }
@@ -191,13 +191,13 @@ TEST_CASE("a budget is kept by bodies that touch others, which are coarser for i
 TEST_CASE("a wish that cannot be met is told with what can be had") {
   const Cantilever cantilever;
   const AccuracySurvey survey = cantilever.survey();
-  const auto chosen = [&](AccuracyWish::Kind kind, double value) {
+  const auto chosen = [&](AccuracyTarget::Kind kind, double value) {
     return chooseSampling(survey, cantilever.constitution, explicitSetting(), {kind, value});
   };
-  const SamplingChoice exact = chosen(AccuracyWish::Kind::share, 1e-9);
+  const SamplingChoice exact = chosen(AccuracyTarget::Kind::share, 1e-9);
   CHECK_THAT(exact.unmet, Contains("not sure to be had") && Contains("100000 phyxels") && Contains("expected are"));
   CHECK(exact.count > 90000);
-  const SamplingChoice instant = chosen(AccuracyWish::Kind::budget, 1e-9);
+  const SamplingChoice instant = chosen(AccuracyTarget::Kind::budget, 1e-9);
   CHECK_THAT(instant.unmet, Contains("ms a frame cannot be had") && Contains("phyxels"));
 }
 
@@ -206,7 +206,7 @@ TEST_CASE("without a wish a body is never coarser than before, and finer where i
   AccuracySurvey survey = cantilever.survey();
   const auto least = static_cast<double>(automaticCount(survey.volume, survey.area));
   const auto standard = [&] {
-    return chooseSampling(survey, cantilever.constitution, explicitSetting(), {AccuracyWish::Kind::standard, 1.0});
+    return chooseSampling(survey, cantilever.constitution, explicitSetting(), {AccuracyTarget::Kind::standard, 1.0});
   };
   survey.difference = 1e-4;
   CHECK(static_cast<double>(standard().count) == Approx(least).margin(1.0));
@@ -214,7 +214,7 @@ TEST_CASE("without a wish a body is never coarser than before, and finer where i
   const SamplingChoice finer = standard();
   CHECK(static_cast<double>(finer.count) > 1.5 * least);
   CHECK(finer.error.share <= kStandardError * 1.001);
-  // Beyond the budget of a frame it does not go, and says so.
+  // The sampling does not exceed the budget of a frame, and reports so.
   survey.difference = 50.0;
   const SamplingChoice limited = standard();
   CHECK(limited.frame_ms <= 1e3 * kStandardBudget);
@@ -230,7 +230,7 @@ TEST_CASE("bodies that nothing holds or loads are tried as if something did") {
   CHECK(free.supposed);
   CHECK(free.largest > 0.0);
   CHECK(free.difference > 0.0);
-  // An elastic foundation holds.
+  // An elastic foundation counts as a support.
   AccuracyProblem bedded = cantilever.problem();
   bedded.foundation.stiffness = bedded.foundation.tangential = 1e4;
   bedded.gravity = Vec3(0, 0, -9.81);
@@ -282,7 +282,7 @@ TEST_CASE("the speed of a machine is kept as text, and what is none is refused")
   for (const char *text : {"", "2", "1 1 AVX2 1 2 3 4 1 2 3 4 5 6 7", "2 1 AVX2 1 2 3 4 1 2 3 4 5 6",
                            "2 1 AVX2 1 2 3 -4 1 2 3 4 5 6 7", "2 1 AVX2 1 2 3 nan 1 2 3 4 5 6 7", "x y z"})
     CHECK_FALSE(speedFrom(text).has_value());
-  // Between the sizes that were measured, and as the nearest beyond them.
+  // Interpolated between the measured sizes, and equal to the nearest one beyond them.
   speed.double_ns = {100.0, 50.0, 60.0, 80.0};
   CHECK(speed.perPoint(1.0, Precision::doublePrecision) == 100.0);
   CHECK(speed.perPoint(1000.0, Precision::doublePrecision) == Approx(75.0));
@@ -296,8 +296,8 @@ TEST_CASE("a machine is known again by its time, and another one is not") {
   CHECK(here.touch_ns > 0.0);
   MachineSpeed other = here;
   other.threads = 2;
-  CHECK_FALSE(isOfThisMachine(other, serialFor(), 1));
+  CHECK_FALSE(matchesThisMachine(other, serialFor(), 1));
   other = here;
   for (double &ns : other.double_ns) ns *= 100.0;
-  CHECK_FALSE(isOfThisMachine(other, serialFor(), 1));
+  CHECK_FALSE(matchesThisMachine(other, serialFor(), 1));
 }

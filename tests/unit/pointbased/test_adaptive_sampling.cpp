@@ -19,7 +19,7 @@ namespace {
 constexpr double kEdge = 0.1;  // m, of the block
 const Vec3 kMiddle(0.05, 0.05, 0.07);
 
-/// A block that stands on its lower face; a small ball inside is led sideways.
+/// A block fixed at its lower face; a small ball inside it is displaced sideways.
 struct LedBlock {
   BodyShape shape = lattice_cases::box(Vec3::Zero(), Vec3::Constant(kEdge));
   BodyRecipe recipe;
@@ -72,14 +72,14 @@ TEST_CASE("a cell of the list is halved, alone") {
   const LatticeBody even = lattice_cases::filled(block, sampling);
   sampling.finer = {even.origin + even.corner, Mat3::Identity(), even.spacing, {{2, 2, 2}}, 0.5 * even.spacing};
   const LatticeBody finer = lattice_cases::filled(block, sampling);
-  // Its middle is a phyxel; corners on its edges and faces hang on the larger cells beside it.
+  // Its centre is a phyxel; corners on its edges and faces hang on the larger adjacent cells.
   CHECK(finer.positions.size() == even.positions.size() + 1);
   CHECK(finer.stencils.pointCount() == even.stencils.pointCount() + 7);
   CHECK(lattice_cases::consistencyOf(finer).worst() < 1e-11);
   CHECK(sampling.finer.holds(Vec3(0.041, 0.059, 0.05)));
   CHECK_FALSE(sampling.finer.holds(Vec3(0.039, 0.05, 0.05)));
   CHECK_FALSE(sampling.finer.holds(Vec3(1e300, 0.05, 0.05)));
-  // Twice finer as a whole: the cells in its place are as much finer as before.
+  // Twice as fine as a whole: the cells in its region are finer by the same factor as before.
   sampling.spacing *= 0.5;
   sampling.finer.spacing *= 0.5;
   LatticeSampling twice = sampling;
@@ -95,8 +95,8 @@ TEST_CASE("cells are halved where a body is led, for as many phyxels and a small
   CHECK(adapted.halved < adapted.cells / 5);
   CHECK(adapted.share > 0.72);
   CHECK(adapted.uniform.empty());
-  // Many lie around the ball, in a tenth of the volume; the others at the edges of the lower face, where the strain has
-  // no bound either.
+  // Many are around the ball, in a tenth of the volume; the others at the edges of the lower face, where the strain is
+  // also unbounded.
   std::size_t near = 0;
   for (std::size_t i = 0; i < adapted.halved; ++i)
     near += (middleOf(adapted.sampling.finer, i) - kMiddle).norm() < 0.03 ? 1 : 0;
@@ -117,7 +117,7 @@ TEST_CASE("where the error is even, cells of one size stay") {
   LedBlock block(1000);
   block.recipe.fixes.resize(1);
   block.recipe.fixes.front().region = HalfSpaceRegion{Vec3(0, 0, kEdge), -Vec3::UnitZ()};
-  block.constitution.materials.front().poissonRatio = 0.0;  // no edges where it is held from contracting
+  block.constitution.materials.front().poissonRatio = 0.0;  // no edges that prevent lateral contraction
   const auto adapted =
       adaptSampling({block.shape, block.recipe, block.constitution, {}, Vec3(0, 0, -9.81)}, serialFor());
   REQUIRE(adapted.has_value());
@@ -150,7 +150,7 @@ TEST_CASE("finer cells are the same for any number of threads, and are not sough
 }
 
 TEST_CASE("small stiff cells get a little more inertia and their body its long explicit steps") {
-  // A stiff shell around the ball, thinner than the cells: halved, these hold more of it and ask for shorter steps.
+  // A stiff shell around the ball, thinner than the cells: halved cells contain more of it and need shorter steps.
   LedBlock block(1500);
   Material stiff = block.constitution.materials.front();
   stiff.youngsModulus = 1000.0 * stiff.youngsModulus;
@@ -163,7 +163,7 @@ TEST_CASE("small stiff cells get a little more inertia and their body its long e
     recipe.sampling = sampling;
     return Body("b", *buildRestState(block.shape, recipe, {}, serialFor()), block.constitution, serialFor());
   };
-  // What was expected of cells of one size is about what these have.
+  // The predicted step of uniform cells is about that of these cells.
   CHECK(adapted.evenStep == Approx(bodyOf(block.recipe.sampling).stableStepAtRest()).epsilon(0.5));
   Body body = bodyOf(adapted.sampling);
   const double shortStep = body.stableStepAtRest();
@@ -196,8 +196,8 @@ TEST_CASE("small stiff cells get a little more inertia and their body its long e
   CHECK(body.stableStepAtRest() == shortStep);
   CHECK(sum(body.masses()) == Approx(mass));
 
-  // Never more than a twentieth, however long a step is wished; and of what is of one stiffness nothing: many cells ask
-  // for the same step.
+  // Never more than a twentieth, however long the requested step. A uniformly stiff body gets no added mass: many cells
+  // need the same step.
   body.scaleMasses(1e3 * shortStep, serialFor());
   CHECK(body.addedMass().first <= 0.0501 * movable);
   Body even("e", *buildRestState(block.shape, LedBlock(1500).recipe, {}, serialFor()), LedBlock(1500).constitution,
@@ -213,7 +213,7 @@ TEST_CASE("mass scaling changes no weight, and slows a swing by half of the adde
   block.constitution.materials.push_back(stiff);
   block.recipe.sampling.materials = {{SphereRegion{Vec3(0.05, 0.05, 0.05), 0.01}, 1}};
   block.recipe.fixes.resize(1);
-  // To the first turning point of a block that stands and begins to lean: when, s, and how far, m.
+  // To the first turning point of a standing block that begins to lean: time, s, and distance, m.
   const auto swing = [&](double factor) {
     Simulator simulator;
     WorldSettings world;
@@ -226,7 +226,7 @@ TEST_CASE("mass scaling changes no weight, and slows a swing by half of the adde
     CHECK((body->addedMass().first > 0.0) == (factor > 0.0));
     const std::size_t id = simulator.addBody(std::move(body));
     const State &state = simulator.body(id)->state();
-    // Of the centre of mass, without what single phyxels do.
+    // Of the centre of mass, without the motion of single phyxels.
     const auto meanOf = [&](std::span<const Vec3> field) {
       double sum = 0.0;
       for (const Vec3 &v : field) sum += v.y();
@@ -240,5 +240,5 @@ TEST_CASE("mass scaling changes no weight, and slows a swing by half of the adde
   const auto [laterTime, laterWay] = swing(2.0);
   CHECK(laterTime > time);
   CHECK(laterTime == Approx(time).epsilon(0.025));
-  CHECK(laterWay == Approx(way).epsilon(0.01));  // twice the way to rest, which weights alone decide
+  CHECK(laterWay == Approx(way).epsilon(0.01));  // twice the distance to rest, which the weights alone determine
 }

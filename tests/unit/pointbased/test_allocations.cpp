@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A program of its own, because it replaces operator new: a step of a body that has come into its rhythm takes no
-// memory.
+// A separate program, because it replaces operator new: in steady state, the step of a body allocates no memory.
 #include <atomic>
 #include <cstdlib>
 #include <new>
@@ -16,7 +15,7 @@ std::atomic<std::size_t> taken{0};
 
 void *counted(std::size_t size, std::size_t alignment) {
   ++taken;
-  // aligned_alloc wants a whole number of alignments.
+  // aligned_alloc requires a multiple of the alignment.
   void *p = alignment > alignof(std::max_align_t)
                 ? std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment)
                 : std::malloc(size);
@@ -39,7 +38,7 @@ using namespace shapes;
 
 namespace {
 
-// A box that falls, meets the ground and has been in contact for a while; then whether its steps take memory.
+// A box that falls, hits the ground and has been in contact for a while; then checks that its steps allocate no memory.
 void checkStepsOf(std::unique_ptr<Body> body, Precision precision) {
   Simulator simulator;
   WorldSettings world;

@@ -85,7 +85,7 @@ void damped(Simulator &simulator, double damping = 60.0) {
 
 }  // namespace
 
-// Along the normal the layer is stretched evenly: F = k A d, U = F d/2. Across it bends as well.
+// Along the normal the layer is stretched evenly: F = k A d, U = F d/2. Transversely it also bends.
 TEST_CASE("an attachment stretches by the force over its stiffness and area") {
   const Integrator integrator = GENERATE(Integrator::explicitVerlet, Integrator::implicitSdirk,
                                          Integrator::backwardEuler, Integrator::quasiStatic);
@@ -97,7 +97,7 @@ TEST_CASE("an attachment stretches by the force over its stiffness and area") {
   world.damping = 30.0;
   simulator.setWorld(world);
   Vec3 force = Vec3::Zero();
-  force[axis] = axis == 1 ? 0.1 : 0.02;  // so little that the blocks do not touch beside the layer
+  force[axis] = axis == 1 ? 0.1 : 0.02;  // so little that the blocks do not touch next to the layer
   const double across = 0.5 * kPerArea;
   const Joined blocks =
       addBlocks(simulator, {foot()}, {pullAtTop(force, 1.0)}, [&](Attachment &layer) { layer.tangential = across; });
@@ -108,7 +108,7 @@ TEST_CASE("an attachment stretches by the force over its stiffness and area") {
   CHECK(layer.id == blocks.layer);
   CHECK_THAT(layer.area, WithinRel(kSide * kSide, 1e-9));
   CHECK(layer.tornPart == 0.0);
-  // The blocks still swing a little from side to side after four seconds.
+  // The blocks still oscillate a little from side to side after four seconds.
   CHECK_THAT(layer.force[axis], WithinRel(force[axis], axis == 1 || simulator.quasiStatic() ? 1e-3 : 0.03));
   if (axis == 1) {
     CHECK_THAT(layer.energy, WithinRel(0.5 * 0.1 * 0.1 / (kPerArea * kSide * kSide), 1e-3));
@@ -148,13 +148,13 @@ TEST_CASE("a body that is thrown takes the attached one along with their momenta
     REQUIRE((now.momentum - before.momentum).norm() < 1e-12 * before.momentum.norm());
     REQUIRE((now.angular - before.angular).norm() < 1e-10 * before.angular.norm());
   }
-  // Verlet's energy swings with the steps; contact, which the gap leaves room for, takes some where they meet.
+  // Verlet's energy oscillates with the steps; contact, which the gap permits, dissipates some where they meet.
   CHECK(most < 1.02 * before.energy);
   CHECK(least > 0.9 * before.energy);
   CHECK(shapes::meanVelocity(*simulator.body(blocks.lower)).norm() > 0.01);
 }
 
-// The stiffness turns with the surface, and the surface resists that: no energy comes of it, and no torque is left.
+// The stiffness rotates with the surface, and the surface resists that: no energy is created, and no torque remains.
 TEST_CASE("an attachment that is stiffer across than along its normal, or softer, keeps energy and momenta") {
   const double ratio = GENERATE(1e-3, 0.1, 10.0, 1e3);
   CAPTURE(ratio);
@@ -177,7 +177,7 @@ TEST_CASE("an attachment that is stiffer across than along its normal, or softer
     REQUIRE((now.angular - before.angular).norm() < 2e-8 * before.angular.norm());
   }
   CHECK(simulator.stoppedBodies() == 0);
-  // The energy of Verlet steps oscillates with dt^2: by 2.6 % in steps of its own, 0.5 % in 0.1 ms, 0.02 % in 0.02 ms.
+  // The energy of Verlet steps oscillates with dt^2: by 2.6 % in automatic steps, 0.5 % in 0.1 ms, 0.02 % in 0.02 ms.
   CHECK(most < 1.04 * before.energy);
 }
 
@@ -215,8 +215,18 @@ TEST_CASE("an attachment tears where it pulls with more than it bears, until the
   REQUIRE(state);
   simulator.reset();
   CHECK(simulator.attachments().front().tornPart == 0.0);
-  REQUIRE(simulator.goToSavedState(*state));
+  REQUIRE(simulator.restoreSavedState(*state));
   CHECK(simulator.attachments().front().tornPart == 1.0);
+}
+
+TEST_CASE("an attachment tears under tension and shear, not under compression") {
+  const Vec3 force = GENERATE(Vec3(0, -0.1, 0), Vec3(0, 0.1, 0), Vec3(0.1, 0, 0));
+  CAPTURE(force[0], force[1]);
+  Simulator simulator;
+  damped(simulator);
+  addBlocks(simulator, {foot()}, {pullAtTop(force, 0.5)}, [](Attachment &layer) { layer.tearsAt = 30.0; });
+  while (simulator.time() < 1.0) REQUIRE(simulator.step());
+  CHECK((simulator.attachments().front().tornPart > 0.5) == (force[1] >= 0.0));
 }
 
 TEST_CASE("a body that is attached to an obstacle follows it, and one in its surroundings is held") {
@@ -235,7 +245,7 @@ TEST_CASE("a body that is attached to an obstacle follows it, and one in its sur
   while (simulator.time() < 2.5) REQUIRE(simulator.step());
   CHECK_THAT(shapes::meanDisplacement(*simulator.body(id))[0], WithinRel(0.01, 0.01));
 
-  // The lowest face alone, by a region, against its weight.
+  // Only the lowest face, by a region, against its weight.
   Simulator held;
   WorldSettings world;
   world.damping = 60.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies that touch each other, and themselves.
+// Contact of bodies with each other, and self-contact.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -31,7 +31,7 @@ std::pair<std::size_t, std::size_t> addCollidingBalls(Simulator &simulator) {
   return {a, b};
 }
 
-// One above the other, a little aside, over a floor; of a body with itself as well.
+// One above the other, slightly offset, over a floor; with self-contact.
 void addFallingBalls(Simulator &simulator, int count) {
   WorldSettings world;
   world.gravity = Vec3(0, -9.81, 0);
@@ -67,11 +67,11 @@ TEST_CASE("two balls that collide keep their momenta, gain no energy and part") 
   CHECK(touched);
   const double turnedOf = turned / before.angular.norm(), left = totalOf(simulator).energy / before.energy;
   CAPTURE(turnedOf, left, most / before.energy);
-  // As velocity Verlet tells it, (omega dt)²/8 of what swings.
+  // As for velocity Verlet: (omega dt)²/8 of the oscillating modes.
   CHECK(most < 1.001 * before.energy);
-  // Forces of a step are those between the places at its beginning.
+  // Forces of a step act between the positions at its beginning.
   CHECK(turnedOf < 1e-3);
-  // They leave each other; what is lost is that of an impact (docs/theory/contact.md).
+  // They separate; the loss is that of an impact (docs/theory/contact.md).
   CHECK(shapes::meanVelocity(*simulator.body(a))[0] < -0.15);
   CHECK(shapes::meanVelocity(*simulator.body(b))[0] > 0.15);
 }
@@ -110,7 +110,7 @@ TEST_CASE("a ball that meets its mirror image bounces as off a wall without fric
   const auto [offWall, lastOfWall] = speedAfter(true);
   const auto [offBall, lastOfBall] = speedAfter(false);
   CAPTURE(offWall, offBall, lastOfWall, lastOfBall);
-  // Points of the skin meet faces of the other here, a plane there.
+  // Points of the skin meet faces of the other skin here, a plane there.
   CHECK_THAT(offBall, WithinRel(offWall, 0.02));
   CHECK_THAT(lastOfBall, WithinRel(lastOfWall, 0.05));
 }
@@ -129,7 +129,7 @@ TEST_CASE("a block on an inclined block sticks below the angle of friction and s
     simulator.setContact({true, false, friction});
     Fix floor;
     floor.region = HalfSpaceRegion{Vec3(0, -0.039, 0), Vec3(0, 1, 0)};
-    // Viscous, so that neither goes on ringing.
+    // Viscous, so that the oscillations of both decay.
     const Material material = soft(1e6, 0.3, 300.0);
     simulator.addBody(block(Vec3(-0.1, -0.04, -0.04), Vec3(0.2, 0, 0.04), 0.01, material, 12, {floor}));
     const std::size_t id =
@@ -220,7 +220,7 @@ TEST_CASE("what overlaps at the start is led apart without a jolt") {
     for (const std::size_t id : {a, b})
       for (const Vec3 &v : simulator.body(id)->state().velocities) fastest = std::max(fastest, v.norm());
   }
-  CHECK(fastest < 0.1);  // a corner that weighs next to nothing; the blocks go at 3 mm/s
+  CHECK(fastest < 0.1);  // a corner of negligible mass; the blocks move at 3 mm/s
   CHECK(shapes::crossings(simulator, a, b) == 0);
   CHECK(std::any_of(simulator.events().begin(), simulator.events().end(),
                     [](const SimulationEvent &event) { return event.kind == "overlap"; }));
@@ -241,10 +241,10 @@ TEST_CASE("bodies that fit each other stay as they lie although their skins over
     double farthest = 0.0;
     for (const std::size_t id : {a, b})
       for (const Vec3 &u : simulator.body(id)->state().displacements) farthest = std::max(farthest, u.norm());
-    // Led apart at 5 mm a second at most, else nothing acts.
+    // Separated at 5 mm a second at most, else nothing acts.
     CHECK((fits ? farthest < 1e-12 : farthest > 1e-4));
     if (!fits) continue;
-    // Each at 3 cm/s towards the other one: they part again, and have not gone farther in than the layer gives.
+    // Each at 3 cm/s towards the other one: they separate again, and have not penetrated deeper than the layer yields.
     for (Vec3 &v : simulator.body(a)->state().velocities) v = Vec3(0.03, 0, 0);
     for (Vec3 &v : simulator.body(b)->state().velocities) v = Vec3(-0.03, 0, 0);
     double deepest = 0.0;
@@ -297,7 +297,7 @@ TEST_CASE("a pair that is switched off passes, and a body that stands still is t
 
 namespace {
 
-// Surface of cubes of `size` where `inside` says so, of an nx x ny x nz grid.
+// Surface of the cubes of `size` for which `inside` holds, in an nx x ny x nz grid.
 template <class Inside>
 Surface surfaceOfCubes(const std::array<int, 3> &n, double size, const Inside &inside) {
   Surface surface;
@@ -365,7 +365,7 @@ TEST_CASE("the arms of a body that are pressed together touch and do not cross")
     }
     CAPTURE(self, simulator.contacts().size());
     if (!self) {
-      CHECK(crossed > 0);  // what is tested happens
+      CHECK(crossed > 0);  // the tested situation occurs
       continue;
     }
     CHECK(crossed == 0);
@@ -437,7 +437,7 @@ void checkThatTheyMeet(const Extreme &extreme) {
   const double half = 0.025, otherHalf = extreme.otherSpacing > 0.01 ? 0.1 : half;
   const Surface small = shapes::boxSurface(Vec3::Constant(-half), Vec3::Constant(half), 10);
   const Surface large = shapes::boxSurface(Vec3::Constant(-otherHalf), Vec3::Constant(otherHalf), 10);
-  // Turned by 45 degrees about axes across each other, so that an edge meets an edge.
+  // Rotated by 45 degrees about perpendicular axes, so that an edge meets an edge.
   const double angle = extreme.edgeOnEdge ? std::numbers::pi / 4 : 0.0,
                reach = extreme.edgeOnEdge ? std::sqrt(2.0) : 1.0;
   const std::size_t a = simulator.addBody(bodyOf(
@@ -478,7 +478,7 @@ TEST_CASE("whatever two blocks that meet are made of, they do not cross, gain no
                Extreme{.name = "5 m/s", .modulus = 1e5, .otherModulus = 1e5, .speed = 2.5}));
 }
 
-// Missed, with figures in docs/theory/cannot.md: tests tagged [.missed] say what is to hold.
+// Not met, with figures in docs/theory/cannot.md: tests tagged [.missed] state the requirement.
 TEST_CASE("blocks that meet edge on edge do not cross", "[.missed]") {
   checkThatTheyMeet(Extreme{.name = "edge on edge", .edgeOnEdge = true});
 }
@@ -560,7 +560,7 @@ TEST_CASE("what touches does not depend on when it was looked for before") {
   detail::SkinPair pair(sheets.lower, sheets.upper, sheets.settings);
   std::size_t touching = 0;
   for (int k = 0; k < 400; ++k) {
-    // Up and down and to the side by less than what is gathered serves for, so that some of it is looked at late.
+    // Up, down and sideways by less than the validity margin of the gathered pairs, so that some are checked late.
     for (std::size_t v = 0; v < sheets.ways.size(); ++v) {
       const double phase = 0.11 * k + 0.3 * static_cast<double>(v % 13);
       sheets.ways[v] = Vec3(0.3 + 0.02 * std::sin(0.05 * k), 0.2, 0.1 + 0.03 * std::sin(phase));
@@ -581,8 +581,8 @@ TEST_CASE("what touches does not depend on when it was looked for before") {
 }
 
 TEST_CASE("where a skin touches itself does not depend on when it was looked at before") {
-  // A sheet that is folded along its middle; its arms beat against each other, without a strain: which edges are sharp
-  // is told when they are gathered.
+  // A sheet folded along its middle; its arms flap against each other, without a strain: sharp edges are detected when
+  // the pairs are gathered.
   detail::MovingSkin skin(sheetSkin(24, 1.0, true), Vec3::Zero(), 2.0);
   skin.setModuli(std::vector<double>(skin.skin().count(), 1e4));
   detail::SkinPairSettings settings;
@@ -612,8 +612,8 @@ TEST_CASE("where a skin touches itself does not depend on when it was looked at 
       speeds[v] = place(v, k + 0.5) - place(v, k - 0.5);
     }
     skin.move(ways, speeds, {}, 1.0);
-    served += pair.foretold().has_value() ? 1 : 0;
-    if (k == 0) find(pair);  // what overlaps at the first look is another matter
+    served += pair.predictedContact().has_value() ? 1 : 0;
+    if (k == 0) find(pair);  // overlaps at the first check are a separate case
     find(pair);
     detail::SkinPair fresh(skin, skin, settings);
     find(fresh);
@@ -647,8 +647,8 @@ TEST_CASE("where a skin touches itself does not depend on when it was looked at 
 }
 
 TEST_CASE("the forecast of a skin asks its vertices where light phyxels swing about") {
-  // A folded sheet whose arms beat against each other. Each vertex is carried by a phyxel of its own, and by ten light
-  // ones that many share and that swing about without reason, as phyxels do that a sliver of a body alone reaches.
+  // A folded sheet whose arms flap against each other. Each vertex is carried by its own phyxel, and by ten light ones
+  // that many vertices share and that move erratically, like phyxels that only a sliver of a body reaches.
   constexpr std::size_t kLight = 40, kEach = 10;
   constexpr double kWeight = 0.03;
   const auto plain = sheetSkin(24, 1.0, true);
@@ -691,12 +691,12 @@ TEST_CASE("the forecast of a skin asks its vertices where light phyxels swing ab
       speeds[i] = wayOf(i, k + 0.5) - wayOf(i, k - 0.5);
     }
     skin.move(ways, speeds, influence, 1.0);
-    if (!forecast.serves()) {
+    if (!forecast.isStillValid()) {
       forecast.look();
       ++looks;
     }
     if (k % 5 != 0) continue;
-    // All that is near is listed, whenever it was looked at.
+    // All near pairs are listed, whenever they were checked.
     const std::vector<detail::PatchTree::Patch> &patches = skin.tree().patches();
     const auto isListed = [&](Index v, Index t) {
       const auto has = [](const std::vector<Index> &all, Index one) {
@@ -767,12 +767,12 @@ TEST_CASE("a coarse contact skin is closed, lies on the drawn one, and its verti
   std::size_t shared = 0;
   double farthest = 0.0;
   for (std::size_t v = 0; v < skin->count(); ++v) {
-    REQUIRE(skin->areas[v] > 0.0);  // nothing is left that no triangle has
+    REQUIRE(skin->areas[v] > 0.0);  // every remaining vertex has a triangle
     const Vec3 x = skin->vertices.positions[v];
     const auto same = std::find(drawn.positions.begin(), drawn.positions.end(), x);
     if (same == drawn.positions.end()) continue;
     ++shared;
-    // Carried as before.
+    // Bound as before.
     const auto p = static_cast<std::size_t>(same - drawn.positions.begin());
     Vec3 before = Vec3::Zero(), now = Vec3::Zero();
     for (Index e = drawn.phyxels.offsets[p]; e < drawn.phyxels.offsets[p + 1]; ++e)
@@ -788,12 +788,12 @@ TEST_CASE("a coarse contact skin is closed, lies on the drawn one, and its verti
       REQUIRE((x[p] - x[q]).norm() < 0.75 * rest.spacing * (1.0 + 1e-6));
     farthest = std::max(farthest, radius - ((x[a] + x[b] + x[c]) / 3.0).norm());
   }
-  // What is allowed is a root mean square of all that was given up around a vertex.
+  // The limit is a root mean square of all deviations given up around a vertex.
   CHECK(farthest < 3.0 * coarse.deviation);
-  // However far it may be off, something is left to touch.
+  // However large the permitted deviation, some contact surface remains.
   const auto least = detail::makeContactSkin(drawn, rest.skin, {1.0, 1.0, 1.0}, rest.bind, rest.maxInfluence);
   CHECK(least->triangles.size() >= 2);
-  // A surface that is as coarse stays as it is.
+  // A surface that is already as coarse is unchanged.
   const auto again = detail::makeContactSkin(drawn, rest.skin, {1.0, 1e-6, 1.0}, rest.bind, rest.maxInfluence);
   CHECK(again->triangles.size() == fine->triangles.size());
 }

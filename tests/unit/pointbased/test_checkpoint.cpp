@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The state of a simulation is kept and taken up again.
+// The state of a simulation is saved and restored.
 #include <algorithm>
 #include <functional>
 #include <limits>
@@ -101,7 +101,7 @@ TEST_CASE("a state is taken up with the material of now", "[checkpoint]") {
   CHECK(simulator.body(id)->material().youngsModulus == other.youngsModulus);
   CHECK(simulator.body(id)->state().history.plasticInverse.size() == simulator.body(id)->rest().pointCount());
   step(simulator, 20);
-  // And back again, where nothing flows any more.
+  // And back again, where no plastic flow remains.
   simulator.setConstitution(id, Constitution{{Material{}}, kCloudStabilisation});
   REQUIRE(simulator.restore(kept));
   CHECK(simulator.stateHash() == hash);

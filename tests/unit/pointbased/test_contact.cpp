@@ -143,7 +143,7 @@ TEST_CASE("a point that has come through a sheet is led back to the side it came
   };
   find();
   CHECK(memory.active.empty());
-  // Pushed through by what happened elsewhere in the body: a distance alone would tell the wrong side.
+  // Pushed through by motion elsewhere in the body: a distance alone would give the wrong side.
   x = Vec3(0.11, -0.004, 0.2);
   for (int k = 0; k < 3; ++k) {
     find();
@@ -175,7 +175,7 @@ TEST_CASE("a point that slides on the floor of an obstacle meets its wall") {
     return best;
   };
   ContactState memory;
-  // Slightly below the floor, as a body that lies on it is.
+  // Slightly below the floor, as for a body that rests on it.
   Vec3 x(0.0105, -1e-6, 0), v(-1, 0, 0);
   bool met = false;
   for (int k = 0; k < 20 && x[0] > 0.0; ++k) {

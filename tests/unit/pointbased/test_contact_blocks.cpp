@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points of contact that are not looked at, and corners that hardly anything of the body reaches.
+// Points of contact that are not checked, and corners that reach almost none of the body.
 #include <algorithm>
 
 #include "contact_cases.h"
@@ -49,7 +49,7 @@ TEST_CASE("blocks of points that wait miss no contact, however phyxels and obsta
   ContactState waiting, all;
   std::size_t found = 0, looked = 0;
   for (int step = 0; step < 400; ++step) {
-    // The body swings, its corners each for themselves, and those that move little of it far.
+    // The body oscillates; its corners move independently, and those that move little of it move far.
     const double time = step * dt;
     for (std::size_t i = 0; i < u.size(); ++i) {
       v[i] = Vec3(0.2 * std::cos(15.0 * time), 0.4 * std::cos(9.0 * time) - 0.1, 0.1) +

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Forces of contact as they are reported, and settings of pairs.
+// Reported contact forces, and settings of pairs.
 #include <cmath>
 #include <numbers>
 
@@ -48,7 +48,7 @@ TEST_CASE("the weight of a block is the force that its ground is reported with")
     while (!simulator.finished()) REQUIRE(simulator.step());
   } else {
     while (simulator.time() < 0.5) REQUIRE(simulator.step());
-    world.damping = 0.0;  // it would carry a part of the weight
+    world.damping = 0.0;  // it would support a part of the weight
     simulator.setWorld(world);
     while (simulator.time() < 0.7) REQUIRE(simulator.step());
   }
@@ -62,7 +62,7 @@ TEST_CASE("the weight of a block is the force that its ground is reported with")
   CHECK(std::hypot(c.force[0], c.force[2]) < 0.01 * weight);
   CHECK_THAT(c.pressing, WithinRel(weight, 0.01));
   CHECK(c.points >= 16);
-  // Explicit: what rattles within the margin. Else the penalty gives by p d / (30 E), some four times that at the
+  // Explicit: the rattling within the margin. Else the penalty yields by p d / (30 E), about four times that at the
   // edges.
   const double even = weight / (0.08 * 0.08) * 0.02 / (30.0 * 5e4);
   CHECK(c.depth <= (integrator == Integrator::explicitVerlet ? 0.02 * 0.02 : 4.0 * even));
@@ -96,8 +96,9 @@ TEST_CASE("the forces of contact over an impact are the change of the momentum")
     }
   }
   const Vec3 gained = mass * (meanVelocity(body) - Vec3(0.3, -1.0, 0));
-  CHECK(gained[1] > mass);  // it has turned back
-  // Implicit steps: friction is told with the normal forces of the solution, found with those of the one before (1 %).
+  CHECK(gained[1] > mass);  // it has rebounded
+  // Implicit steps: friction is reported with the normal forces of the solution but computed with those of the previous
+  // one (1 %).
   CHECK((impulse - gained).norm() < (integrator == Integrator::explicitVerlet ? 1e-9 : 0.01) * gained.norm());
 }
 
@@ -110,7 +111,7 @@ TEST_CASE("friction of a pair is that of this body alone: it slides where anothe
   WorldSettings world = worldOf(integrator, kGravity * Vec3(std::sin(angle), -std::cos(angle), 0));
   world.box = {onWall, Vec3(-5, 0, -5), Vec3(5, 2, 5), 0.3, 0.0};
   simulator.setWorld(world);
-  simulator.setContact({false, false, 0.3});  // they lie in each other
+  simulator.setContact({false, false, 0.3});  // they overlap
   const std::size_t held = simulator.addBody(blockAt(0.0)), sliding = simulator.addBody(blockAt(0.0));
   std::size_t ground = kWorldBox;
   if (!onWall) ground = simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.3));
@@ -118,7 +119,7 @@ TEST_CASE("friction of a pair is that of this body alone: it slides where anothe
   simulator.setContactPair(ground, sliding, {mu, true});
   CHECK(simulator.contactPair(sliding, ground).friction == mu);
   CHECK(simulator.contactPair(held, ground).friction == 0.3);
-  // Between bodies nothing is said here, and this is a setting: it stays.
+  // Between bodies nothing is set here, and this is a setting: it persists.
   simulator.reset();
   while (simulator.time() < 0.2) REQUIRE(simulator.step());
   const double from = simulator.time(), speed = meanVelocity(*simulator.body(sliding))[0];
@@ -130,7 +131,7 @@ TEST_CASE("friction of a pair is that of this body alone: it slides where anothe
   for (const ContactSummary &c : simulator.contacts()) {
     if (c.second != ground) continue;
     ++told;
-    // What slides is held back by mu N, what holds by its weight along the slope.
+    // Sliding is resisted by mu N, sticking by the weight along the slope.
     const double expected =
         c.first == sliding ? mu * c.pressing : kGravity * std::sin(angle) * simulator.body(held)->totalMass();
     CHECK_THAT(-c.force[0], WithinRel(expected, 0.02));
@@ -148,12 +149,12 @@ TEST_CASE("a body falls through what its pair switches off, another stays, and i
   WorldSettings world = worldOf(integrator, Vec3(0, -kGravity, 0));
   world.box = {kind == 2, Vec3(-1, 0, -1), Vec3(1, 2, 1), 0.3, 0.0};
   simulator.setWorld(world);
-  simulator.setContact({false, false, 0.3});  // they lie in each other
+  simulator.setContact({false, false, 0.3});  // they overlap
   const std::size_t stays = simulator.addBody(blockAt(0.001)), falls = simulator.addBody(blockAt(0.001));
   std::size_t ground = kWorldBox;
   if (kind == 0) ground = simulator.addObstacle(solidBox(Vec3(-0.5, -0.2, -0.5), Vec3(0.5, 0, 0.5), 0.3));
   if (kind == 1) ground = simulator.addObstacle(sheet(0.0, 0.5, 0.3));
-  // It lies first, so that everything is known of what it is going to fall through.
+  // It rests first, so that contact has complete data of the obstacle that it then falls through.
   while (simulator.time() < 0.1) REQUIRE(simulator.step());
   CHECK(extent(*simulator.body(falls), Vec3::UnitY()).low > -1e-4);
   const Checkpoint lying = simulator.checkpoint();
@@ -167,13 +168,13 @@ TEST_CASE("a body falls through what its pair switches off, another stays, and i
   CHECK(extent(*simulator.body(stays), Vec3::UnitY()).low > -1e-4);
   for (const ContactSummary &c : simulator.contacts()) CHECK((c.first == stays || c.second != ground));
   if (kind != 2) {
-    // On again: it is far below, and goes on falling.
+    // On again: it is far below, and continues to fall.
     simulator.setContactPair(falls, ground, {0.3, true});
     const double speed = meanVelocity(*simulator.body(falls))[1], then = simulator.time();
     while (simulator.time() < then + 0.02) REQUIRE(simulator.step());
     CHECK_THAT(meanVelocity(*simulator.body(falls))[1] - speed, WithinRel(-kGravity * (simulator.time() - then), 0.05));
   }
-  // A state of before, with the settings of now.
+  // An earlier state, with the current settings.
   simulator.setContactPair(falls, ground, {0.3, true});
   REQUIRE(simulator.restore(lying));
   const double then = simulator.time();
@@ -192,7 +193,7 @@ TEST_CASE("settings of pairs go with who they are about, and those of nobody are
   CHECK(simulator.contactPair(a, b) == ContactPairSettings{0.1, true});
   simulator.setContact({false, false, 0.4});
   CHECK_FALSE(simulator.contactPair(a, b).enabled);
-  CHECK(simulator.contactPair(a, ground).enabled);  // obstacles are felt all the same
+  CHECK(simulator.contactPair(a, ground).enabled);  // obstacles still act
   simulator.setContactPair(a, ground, {0.7, true});
   simulator.setContactPair(a, plate, {0.0, false});
   CHECK(simulator.obstaclesOf(a)[0].friction == 0.7);
@@ -204,7 +205,7 @@ TEST_CASE("settings of pairs go with who they are about, and those of nobody are
   REQUIRE(simulator.removeObstacle(plate));
   CHECK(simulator.obstaclesOf(a).empty());
   CHECK_FALSE(simulator.contactPair(a, plate).enabled);
-  // Two obstacles, one with itself, somebody who is not there.
+  // Two obstacles, one with itself, a body that does not exist.
   const std::size_t other = simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.3));
   for (const auto &[first, second] : {std::pair{other, kWorldBox}, {a, a}, {a, std::size_t{999}}}) {
     simulator.setContactPair(first, second, {0.1, true});

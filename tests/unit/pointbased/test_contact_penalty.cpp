@@ -10,8 +10,8 @@ using namespace shapes;
 
 namespace {
 
-// A body pressed into a plane that moves, with normal forces and stored tangential displacements: every branch of the
-// energy is met.
+// A body pressed into a moving plane, with normal forces and stored tangential displacements: every branch of the
+// energy is exercised.
 struct Pressed {
   std::unique_ptr<Body> body = latticeBox(Vec3(-0.03, 0, -0.03), Vec3(0.03, 0.06, 0.03), 0.02, rubber(2e4));
   ContactPenalty penalty{30.0, {}, 0.02, 0.01};
@@ -124,7 +124,7 @@ TEST_CASE("products, diagonal blocks and triplets are of the same contact Hessia
 TEST_CASE("friction of a stage that is over holds no more than Coulomb allows") {
   Pressed scene;
   updateNormalForces(scene.points(), scene.penalty, scene.start, scene.now, scene.body->contact);
-  finishContactStage(scene.points(), scene.penalty, scene.start, scene.now, scene.body->contact);
+  endContactStage(scene.points(), scene.penalty, scene.start, scene.now, scene.body->contact);
   std::size_t holding = 0;
   for (const Contact &c : scene.body->contact.active) {
     const double k =

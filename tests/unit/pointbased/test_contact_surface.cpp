@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies with a skin against obstacles: what a user sees.
+// Bodies with a skin against obstacles, as the user sees them.
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -25,8 +25,8 @@ WorldSettings worldOf(Integrator integrator, const Vec3 &gravity) {
 }
 
 const Vec3 kDown(0, -9.81, 0);
-// What 60 mm of E = 20 kPa press themselves in by the penalty: rho g H d / (30 E) = 21 um where the pressure is even,
-// less than four times that at the edges.
+// Indentation by the penalty under 60 mm of E = 20 kPa: rho g H d / (30 E) = 21 um where the pressure is uniform, less
+// than four times that at the edges.
 constexpr double kSunk = 84e-6;  // m
 
 }  // namespace
@@ -59,11 +59,11 @@ TEST_CASE("a body does not pass a block, a thin sheet or a wall at 1, 10 and 100
     most = std::max(most, totalEnergy(simulator, id));
     lowest = std::min(lowest, extent(body, Vec3::UnitY()).low);
   }
-  // Explicit: velocity Verlet moves the energy by up to (omega dt)²/4 of what its fastest modes hold.
+  // Explicit: velocity Verlet moves the energy by up to (omega dt)²/4 of the energy of its fastest modes.
   CHECK(most <= before * (1.0 + (integrator == Integrator::explicitVerlet ? 0.01 : 1e-6)));
-  // Explicit: what the sweeps leave, a quarter of the margin of contact. Implicit: the penalty gives by rho H (v / dt)
-  // d / (30 E) where the pressure is even; twice that at the edges, and twice that again in each step that had to be
-  // halved: twice at 100 m/s, where what becomes of it hangs on nanometres (150 beginnings: 18 mm at most).
+  // Explicit: the residual of the sweeps, a quarter of the margin of contact. Implicit: the penalty yields by rho H (v
+  // / dt) d / (30 E) where the pressure is uniform; twice that at the edges, and twice that again in each step that had
+  // to be halved: twice at 100 m/s, where the outcome depends on nanometres (150 starts: 18 mm at most).
   const double give = integrator == Integrator::explicitVerlet
                           ? 0.25 * 0.02 * 0.02
                           : (speed < 100.0 ? 4.0 : 8.0) * 1060.0 * 0.06 * speed / kFrame * 0.02 / (30.0 * 1e5);
@@ -78,7 +78,7 @@ TEST_CASE("a body comes to rest on the ground without jitter and then asks nobod
   Simulator simulator;
   WorldSettings world = worldOf(integrator, kDown);
   world.damping = 10.0;
-  world.tolerance = 1e-9;  // m: at the usual 1e-5 spacings the noise of the solution is 1e-9 J
+  world.tolerance = 1e-9;  // m: with the usual 1e-5 spacings the noise of the solution is 1e-9 J
   simulator.setWorld(world);
   Asked asked;
   const std::size_t id =
@@ -104,7 +104,7 @@ TEST_CASE("the impulses of the ground are the weight of what lies on it, and the
       simulator.addBody(latticeBox(Vec3(-0.04, 0.0001, -0.04), Vec3(0.04, 0.0601, 0.04), 0.02, rubber(2e4, 60.0)));
   simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.3));
   while (simulator.time() < 1.5) REQUIRE(simulator.step());
-  world.damping = 0.0;  // it would carry a part of the weight
+  world.damping = 0.0;  // it would support a part of the weight
   simulator.setWorld(world);
   while (simulator.time() < 1.6) REQUIRE(simulator.step());
   const Body &body = *simulator.body(id);
@@ -144,7 +144,7 @@ TEST_CASE("a block on a slope holds below the friction angle and slides above it
   while (simulator.time() < 0.6) REQUIRE(simulator.step());
   if (angle_deg < 16.7) {
     CHECK(std::abs(meanDisplacement(body)[0] - place) < 1e-6);  // it creeps no further
-    CHECK(place < 1e-3);                                        // than shear lets it sag
+    CHECK(place < 1e-3);                                        // than the sag by shear
     return;
   }
   const double acceleration = (meanVelocity(body)[0] - speed) / (simulator.time() - t);
@@ -165,8 +165,8 @@ TEST_CASE("a body that begins inside is led out without being thrown") {
     REQUIRE(simulator.step());
     highest = std::max(highest, extent(*simulator.body(id), Vec3::UnitY()).low);
   }
-  // It leaves at 0.1 m/s; elastic rebound of that is 0.14 m/s at most, which lifts it by 1 mm; second order schemes
-  // carry the push of a stage on, 2 mm.
+  // It separates at 0.1 m/s; its elastic rebound is 0.14 m/s at most, which lifts it by 1 mm; second order schemes
+  // propagate the push of a stage, 2 mm.
   CHECK(highest < 2e-3);
   CHECK_THAT(extent(*simulator.body(id), Vec3::UnitY()).low, WithinAbs(0.0, kSunk));
 }
@@ -189,7 +189,7 @@ TEST_CASE("a moving obstacle pushes a body before it") {
   Body &body = *simulator.body(id);
   while (simulator.time() < 1.0) {
     REQUIRE(simulator.step());
-    // Nothing passes the face; implicit steps press themselves in by the penalty.
+    // Nothing passes the face; implicit steps penetrate by the penalty.
     REQUIRE(extent(body, Vec3::UnitX()).low >
             -0.05 + 0.2 * simulator.time() - (simulator.world().dt > 0.0 ? 1e-3 : 1e-5));
   }
@@ -268,7 +268,7 @@ TEST_CASE("a body that touches nothing asks hardly anybody") {
   body.reset();
   while (simulator.time() < 0.9) REQUIRE(simulator.step());
   CHECK(simulator.steps() > 100);
-  // Once at the beginning, when its distance is learnt, and when that is used up.
+  // Once at the beginning, to initialise its distance, and when that distance is used up.
   CHECK(asked.closest <= 3 * body.rest().contact.count());
   CHECK(asked.crossing <= 3 * body.rest().contact.count());
 }
@@ -306,10 +306,11 @@ TEST_CASE("a free body that is put down quasi-statically lies on the floor, soft
   simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.3));
   while (!simulator.finished()) REQUIRE(simulator.step());
   CHECK_FALSE(simulator.body(id)->stopped);
-  // Down to what the penalty lets in, ρ g H d/(30 E), four times that at the edges, and the tolerance of the solution.
+  // Down to the penetration of the penalty, ρ g H d/(30 E), four times that at the edges, and the tolerance of the
+  // solution.
   const Extent lies = extent(*simulator.body(id), Vec3::UnitY());
   CHECK_THAT(lies.low, WithinAbs(0.0, 4.0 * 590.0 * 0.02 / (30.0 * youngs) + 1e-5));
-  // ρ g H²/(2 E) shorter, within a fifth for the sides that swell.
+  // ρ g H²/(2 E) shorter, within a fifth for the bulging sides.
   CHECK_THAT(lies.high - lies.low, WithinAbs(0.06 - 590.0 * 0.06 / (2.0 * youngs), 0.2 * 590.0 * 0.06 / youngs + 2e-5));
 }
 
@@ -332,7 +333,7 @@ TEST_CASE("contact is as stiff as the material that touches, not as the stiffest
     if (places[p][1] < 0.02) CHECK(body->contactModuli()[p] == 1e4);
     if (places[p][1] > 0.06) CHECK(body->contactModuli()[p] == 1e8);
   }
-  // It lies as deep as one that is soft throughout, whose sides swell as much: ρ g H d/(30 E) of 785 Pa in the mean.
+  // It sinks as deep as a uniformly soft body, whose sides bulge as much: ρ g H d/(30 E) of 785 Pa in the mean.
   Simulator simulator;
   WorldSettings world = worldOf(Integrator::quasiStatic, kDown);
   world.loadSteps = 2;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies that touch each other: against a finite element reference, and at extremes.
+// Contact between bodies: against a finite element reference, and at extremes.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -65,7 +65,7 @@ std::size_t crossingsOfAll(Simulator &simulator) {
   return found;
 }
 
-// How far the energy of all bodies has ever risen above what it had been before, J.
+// Largest rise of the energy of all bodies above an earlier value, J.
 struct EnergyWatch {
   double least = std::numeric_limits<double>::infinity(), rise = 0.0;
   void look(double energy) {
@@ -74,14 +74,14 @@ struct EnergyWatch {
   }
 };
 
-// A ball as its formula says, with a skin of n faces around the equator.
+// A ball by its formula, with a skin of n faces around the equator.
 BodyShape ballShape(const Vec3 &centre, double radius, int n) {
   BodyShape shape = shapes::ball(centre, radius);
   shape.surface = ballSurface(centre, radius, n);
   return shape;
 }
 
-// Of a ball about the y axis; triangles grow from the pole, where they are `finest` across.
+// Of a ball about the y axis; triangles grow from the pole, where their size is `finest`.
 Surface gradedBall(const Vec3 &centre, double radius, double finest, int around, bool fromTop) {
   std::vector<double> angles{0.0};
   while (angles.back() < std::numbers::pi)
@@ -107,13 +107,13 @@ Surface gradedBall(const Vec3 &centre, double radius, double finest, int around,
 }
 
 constexpr double kRadius = 0.05;  // m
-// F/(E R²) at a depth of 0.02 R and nu = 0.3, neo-Hookean: tests/validation/truths/pressed_balls.py. Hertz's formula,
-// that of half-spaces, is 9 % lower.
+// F/(E R²) at a depth of 0.02 R and nu = 0.3, neo-Hookean: tests/validation/truths/pressed_balls.py. Hertz's formula
+// for half-spaces is 9 % lower.
 constexpr double kReference = 4.549e-3;
-constexpr double kOffset = 0.02;  // spacings of the cells there: so far apart skins touch (docs/theory/contact.md)
+constexpr double kOffset = 0.02;  // spacings of the cells there: skins touch at it (docs/theory/contact.md)
 
-// Two balls whose halves away from each other are held and go towards each other, each by 0.02 R from where they touch.
-// Cells are a quarter of the spacing where they press. Skins that do not match, so that vertices meet faces.
+// Two balls whose outer halves are held and move towards each other, each by 0.02 R from the point of contact. Cells
+// are a quarter of the spacing where they press. The skins do not match, so that vertices meet faces.
 // @return N
 double forceOfPressedBalls(double spacing) {
   Simulator simulator;
@@ -168,16 +168,16 @@ TEST_CASE("two balls pressed together push back as finite elements say, the bett
   CHECK(std::abs(coarse) < 0.08);
   CHECK(std::abs(middle) < std::abs(coarse));
   CHECK(std::abs(fine) < std::abs(middle));
-  CHECK(std::abs(fine) < 0.03);  // the goal
+  CHECK(std::abs(fine) < 0.03);  // the target
 }
 
 namespace {
 
 struct Squeezed {
   std::size_t crossed = 0;
-  double deepest = 0.0, deepestPoint = 0.0;  // m, of the skin as it is drawn and of the points of contact, in the ring
-  double pressing = 0.0;                     // N, most
-  double way = 0.0, width = 0.0;             // m, downwards, and across in the end
+  double deepest = 0.0, deepestPoint = 0.0;  // m, of the drawn skin and of the points of contact, in the ring
+  double pressing = 0.0;                     // N, largest
+  double way = 0.0, width = 0.0;             // m, downwards, and across at the end
 };
 
 // A ball of 40 mm that is pulled by its lower cap through a ring.
@@ -219,7 +219,7 @@ TEST_CASE("a ball that is pulled through a ring 30 % narrower than itself does n
   const Squeezed seen = pullThrough(0.028);
   CAPTURE(seen.deepest, seen.deepestPoint, seen.pressing, seen.way, seen.width);
   CHECK(seen.crossed == 0);
-  // Points of contact hold at the surface; what lies between them, half a spacing apart, may cut in.
+  // Points of contact stop at the surface; the skin between them, half a spacing apart, may cut in.
   CHECK(seen.deepestPoint < 0.01 * 0.008);
   CHECK(seen.deepest < 0.1 * 0.008);
   CHECK(seen.pressing > 10.0);  // its weight is 2.6 N
@@ -242,7 +242,7 @@ TEST_CASE("six soft bodies that fall into a bowl come to rest there and do not c
   for (int k = 0; k < 6; ++k) {
     const double angle = 2.0 * std::numbers::pi * (k % 3) / 3.0 + (k < 3 ? 0.0 : 0.5), out = 0.055;
     const Vec3 centre(out * std::cos(angle), k < 3 ? -0.02 : 0.07, out * std::sin(angle)), half = Vec3::Constant(0.028);
-    // Edges below 0.75 spacings: triangles of contact are those that are drawn.
+    // Edges below 0.75 spacings: the triangles of contact are the drawn ones.
     simulator.addBody(k % 2 == 0 ? bodyOf(ballShape(centre, 0.035, 12), spacing, material)
                                  : block(centre - half, centre + half, spacing, material, 6));
   }
@@ -264,16 +264,16 @@ TEST_CASE("six soft bodies that fall into a bowl come to rest there and do not c
   // A corner may cut in between points of contact, half a spacing apart, when it arrives.
   CHECK(beyond < 0.5 * spacing);
   CHECK(energy.least < -0.5);                 // J: they have fallen
-  CHECK(energy.rise < -1e-4 * energy.least);  // as velocity Verlet tells it
-  CHECK(fastestOf(simulator) < 0.02);         // m/s; they came with more than 1
+  CHECK(energy.rise < -1e-4 * energy.least);  // the oscillation of velocity Verlet
+  CHECK(fastestOf(simulator) < 0.02);         // m/s; they arrived with more than 1
 }
 
 namespace {
 
 struct Fallen {
-  std::size_t crossed = 0, touching = 0;   // pairs of triangles, at all looks; pairs of bodies, most
+  std::size_t crossed = 0, touching = 0;   // pairs of triangles, in all checks; pairs of bodies, largest
   double start = 0.0, rise = 0.0;          // J, of energy
-  double imbalance = 0.0, momentum = 0.0;  // N s, of a step and most
+  double imbalance = 0.0, momentum = 0.0;  // N s, of a step and largest
 };
 
 // Fifty bodies of 30 mm that fall on the floor and on each other for half a second.
@@ -331,7 +331,7 @@ TEST_CASE("fifty blocks and balls that fall in a loose pile keep their momentum,
   CHECK(seen.touching > 50);
   CHECK(seen.crossed == 0);
   CHECK(seen.rise < 1e-4 * seen.start);
-  CHECK(seen.imbalance < 1e-12 * seen.momentum);  // weight and floor; what bodies exchange is none in total
+  CHECK(seen.imbalance < 1e-12 * seen.momentum);  // weight and floor; the impulses between bodies cancel
 }
 
 // Edges meet edges.
@@ -353,9 +353,9 @@ namespace {
 
 struct Overlapping {
   double fastest = 0.0;     // m/s, of all phyxels
-  double leaves = 0.0;      // m/s, most, of a body as a whole
-  double energy = 0.0;      // J, most
-  std::size_t crossed = 0;  // in the end
+  double leaves = 0.0;      // m/s, largest, of a body as a whole
+  double energy = 0.0;      // J, largest
+  std::size_t crossed = 0;  // at the end
   std::string told;
 };
 
@@ -390,10 +390,10 @@ TEST_CASE("blocks of which one is half inside the other from the start are told 
   CAPTURE(wider, seen.told, seen.fastest, seen.leaves, seen.energy);
   CHECK_THAT(seen.told, Contains("mm deep where they meet; it is led out at 5 mm a second at most"));
   CHECK_THAT(seen.told, Contains("begin with bodies that are apart"));
-  CHECK(seen.fastest < 0.3);  // a corner that weighs next to nothing and comes free
+  CHECK(seen.fastest < 0.3);  // a corner of negligible mass that comes free
   CHECK(seen.leaves < 0.03);
   CHECK(seen.energy < 1e-3 * kModulus * 0.05 * 0.05 * 0.05);
-  // Where sides are nearly flush, what is to be led out to opposite sides holds them together.
+  // Where sides are nearly flush, opposite corrections hold the blocks together.
   if (wider > 0.0) CHECK(seen.crossed == 0);
 }
 
@@ -417,7 +417,7 @@ TEST_CASE("blocks that lie on each other on a slippery floor come to rest") {
     fastest = std::max(fastest, fastestOf(simulator));
   }
   CAPTURE(fastest);
-  CHECK(fastest < 3e-3);  // m/s; what the sweeps of the impulses leave over drives it
+  CHECK(fastest < 3e-3);  // m/s; driven by the residual of the impulse sweeps
 }
 
 // The stack of test_body_contact, for longer.

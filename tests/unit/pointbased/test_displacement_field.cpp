@@ -65,13 +65,13 @@ TEST_CASE("the field of an affine motion leads every point back to where its mat
       REQUIRE((x - found - X).norm() < 1e-8);
       within += inside ? 1 : 0;
     }
-    // Nobody farther away than a spacing and a half is led anywhere.
+    // No point farther away than a spacing and a half is displaced.
     if ((X - X.cwiseMax(kMin).cwiseMin(kMax)).norm() > 0.015) REQUIRE(found.norm() == 0.0);
   }
   CHECK(within > 3000);
 }
 
-// A brain that was pulled seemed to go through its skull in spikes 70 mm long: nothing of it was there.
+// A pulled brain appeared to pass through its skull in spikes 70 mm long; none of its tissue was there.
 TEST_CASE("a corner that only a sliver of the body reaches does not lead the field away with it") {
   constexpr double kRadius = 0.05, kFar = 0.2;
   BodyRecipe recipe;
@@ -105,7 +105,7 @@ TEST_CASE("a corner that only a sliver of the body reaches does not lead the fie
     farthest = std::max(farthest, static_cast<double>(Eigen::Vector3f(u[3 * p], u[3 * p + 1], u[3 * p + 2]).norm()));
   CAPTURE(tissue, farthest);
   CHECK(farthest > 0.0);
-  CHECK(farthest < 2.0 * tissue);  // points beside the body go on from it
+  CHECK(farthest < 2.0 * tissue);  // points outside the body continue its displacement
 }
 
 TEST_CASE("what lies beside a body goes with it as far as its cells there are wide") {
@@ -179,7 +179,7 @@ TEST_CASE("the rim of a displacement field falls to nothing within its width, an
 TEST_CASE("where a body lies over itself the field leads to one of the places, not to their mean") {
   const Evaluation evaluation = GENERATE(Evaluation::stressPoints, Evaluation::phyxels);
   const auto made = body(evaluation);
-  // The upper half along y is put down over the lower one, turned by half a turn about z.
+  // The upper half along y is folded onto the lower one, rotated by half a turn about z.
   const double fold = 0.5 * (kMin[1] + kMax[1]), middle = 0.5 * (kMin[0] + kMax[0]);
   const auto present = [&](const Vec3 &X) {
     return X[1] > fold ? Vec3(2.0 * middle - X[0], 2.0 * fold - X[1], X[2]) : X;
@@ -228,7 +228,7 @@ TEST_CASE("where a body has gone away from, the gap tells how far, and at rest t
   atRest.writeGaps(u, gaps);
   CHECK(*std::max_element(gaps.begin(), gaps.end()) < 1e-9F);
 
-  // By more than its own length: nothing of it is where it was.
+  // By more than its own length: its old region is empty.
   constexpr double kWay = 0.09;
   for (Vec3 &displacement : made->state().displacements) displacement = Vec3(kWay, 0, 0);
   DisplacementField field(grid, true);
@@ -243,7 +243,7 @@ TEST_CASE("where a body has gone away from, the gap tells how far, and at rest t
       const Vec3 shift(way, 0, 0);
       return (x - x.cwiseMax(kMin + shift).cwiseMin(kMax + shift)).norm();
     };
-    // A spacing around the body belongs to it.
+    // A margin of one spacing around the body belongs to it.
     if (distance(kWay) == 0.0) REQUIRE(gaps[p] == 0.0F);
     if (distance(0.0) == 0.0 && distance(kWay) > 0.016) {
       REQUIRE(gaps[p] == Approx(kWay));
@@ -256,7 +256,7 @@ TEST_CASE("where a body has gone away from, the gap tells how far, and at rest t
 
 namespace {
 
-// A block that stands on what is held below, and a patch of its top that is led away and turned.
+// A block fixed at its bottom, and a patch of its top that is displaced and rotated.
 struct LedPatch {
   static constexpr double kSide = 0.1, kRamp = 0.05;  // m, s
   const Vec3 centre{0.5 * kSide, 0.5 * kSide, kSide}, way{0.01, 0.0, 0.005};
@@ -316,7 +316,7 @@ TEST_CASE("what a support holds goes with it, wherever the phyxels beside its bo
   const Simulator::ProbeState before = block.simulator.probeState(probe);
   const double time = block.simulator.time();
   REQUIRE(block.simulator.step());
-  // The way turns by less than 0.1 rad in a step.
+  // The path rotates by less than 0.1 rad in a step.
   const Vec3 mean = (block.simulator.probeState(probe).position - before.position) / (block.simulator.time() - time);
   CHECK((before.velocity - mean).norm() < 0.05 * mean.norm());
   block.goTo(2.0 * LedPatch::kRamp);
@@ -344,7 +344,7 @@ TEST_CASE("what a support holds goes with it, wherever the phyxels beside its bo
   CHECK(held > 20);
   CHECK(elsewhere > 1e-3);
 
-  // What is there now has come from where the patch was.
+  // Material now at these points came from the patch.
   FieldGrid grid;
   grid.size = {30, 30, 30};
   grid.steps = 0.002 * Mat3::Identity();
@@ -367,7 +367,7 @@ TEST_CASE("what a support holds goes with it, wherever the phyxels beside its bo
   }
   CHECK(within > 1000);
 
-  // In the air around it the material that is told of stands off by as far as the patch has led it away.
+  // In the air around it, the reported material is at the distance by which the patch has been displaced.
   DisplacementField withGaps(grid, true);
   withGaps.add(*block.simulator.body(block.id), bindPoints(rest));
   withGaps.write(0.02, written);

@@ -156,7 +156,7 @@ TEST_CASE("A foundation holds a rigid translation with its stiffness times the a
     body->state().displacements = u;
     const Reaction reaction = body->foundationReaction();
     CHECK((reaction.force + k * kArea * way).norm() < 1e-9 * k * kArea * way.norm());
-    // Evenly around the centre: no torque.
+    // Uniform around the centre: no torque.
     CHECK(reaction.torque.norm() < 1e-9 * reaction.force.norm() * kEdge);
   }
 }
@@ -175,7 +175,7 @@ TEST_CASE("A stiff block on a foundation swings at the root of k A / m", "[found
     const Vec3 expected = std::sin(omega * simulator.time()) / omega * speed;
     worst = std::max(worst, (meanDisplacement(*simulator.body(id)) - expected).norm());
   }
-  // The block itself gives way by some k L / E, 6e-5 of it, which shifts the phase.
+  // The block itself yields by about k L / E, 6e-5 of it, which shifts the phase.
   CHECK(worst < 0.01 * amplitude);
   const Simulator::Energy energy = simulator.energy(id);
   CHECK(energy.kinetic + energy.elastic + energy.stabilisation + energy.foundation ==
@@ -205,7 +205,7 @@ TEST_CASE("Implicit steps swing a block on its foundation, and damp it, as expli
     return worst * omega / 0.05;
   };
   CHECK(run(Integrator::explicitVerlet, 0.0) < 0.01);
-  // (omega dt)²/12 of the amplitude per radian, about.
+  // About (omega dt)²/12 of the amplitude per radian.
   CHECK(run(Integrator::implicitSdirk, 4e-3) < 0.02);
   CHECK(run(Integrator::implicitMidpoint, 4e-3) < 0.02);
 }
@@ -241,7 +241,8 @@ TEST_CASE("The stable step bounds what a foundation asks for", "[foundation]") {
     const double step = body->stableStepAtRest();
     CHECK(step < last);
     last = step;
-    // Not far below what is needed: the lightest phyxels on the surface swing at no less than a third of the bound.
+    // Not far below the necessary step: the lightest phyxels on the surface oscillate at no less than a third of the
+    // bound.
     std::vector<Mat3> blocks(body->rest().phyxelCount(), Mat3::Zero());
     body->foundation().addBlocks(1.0, blocks);
     double fastest = 0.0;
@@ -359,7 +360,7 @@ TEST_CASE("A rigid body stands in its reference, costs nothing, and its stable s
   CHECK(meanDisplacement(*simulator.body(vessel))[1] < before);
   CHECK(simulator.predictedCost(bone).first == 0.0);
 
-  // Alone it goes on standing, and soft again it falls from there.
+  // Without the vessel it remains static; made deformable again, it falls from there.
   REQUIRE(simulator.removeBody(vessel));
   for (int i = 0; i < 5; ++i) REQUIRE(simulator.step());
   CHECK_FALSE(simulator.failed());

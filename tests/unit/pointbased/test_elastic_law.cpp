@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Laws from outside of the core: what is asked of them, and that a body of one moves as a body of the core's own law.
+// External material laws: their preconditions, and that a body with one moves as with the built-in law of the core.
 #include <algorithm>
 
 #include "pointbased/engine.h"
@@ -33,7 +33,7 @@ Constitution constitutionOf(const Material &material, const RestState &rest) {
   return {{material}, rest.stencils.isLattice() ? kLatticeStabilisation : kCloudStabilisation};
 }
 
-/// A law with one mistake; the rest is right.
+/// A law with one mistake; everything else is correct.
 class Wrong : public OutsideNeoHookean {
  public:
   enum class In {
@@ -163,7 +163,7 @@ TEST_CASE("forces, energies and their changes by a law from outside are those of
           for (Vec3 &v : body->state().velocities) v = Vec3(1, 2, 3) + random.vector();
           shapes::evaluate(*body);
         }
-        // Two ways of writing one formula: the round-off of sums of terms ten times larger than their difference.
+        // Two forms of one formula: the round-off of sums of terms ten times larger than their difference.
         CHECK(relativeDifference(a.forces(), b.forces()) < 1e-12);
         const ElasticEnergy of = a.elasticEnergy(), other2 = b.elasticEnergy();
         CHECK(other2.strain == Approx(of.strain).epsilon(1e-11));

@@ -69,7 +69,7 @@ TEST_CASE("an affine motion is reproduced exactly, energy included") {
     shapes::evaluate(body);
     for (const Mat3 &F : body.gradients()) CHECK((F - A).norm() < 1e-11);
     const ElasticEnergy energy = body.elasticEnergy();
-    // The energy of the Young's modulus that was asked for, on the body's own volume.
+    // The energy of the requested Young's modulus, on the body's own volume.
     CHECK_THAT(energy.strain, WithinRel(body.rest().shapeVolume * energyDensity(body.material(), A), 1e-10));
     CHECK(energy.stabilisation < 1e-20);
   }

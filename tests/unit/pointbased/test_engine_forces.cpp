@@ -10,7 +10,7 @@ namespace {
 
 const double kHalfTurn = std::acos(-1.0);
 
-// A turned, stretched and shaken state; the pair stays away from its own collapse.
+// A rotated, stretched and perturbed state; the pair stays away from its own collapse.
 std::vector<Vec3> generalState(const EngineCase &c, std::uint64_t seed = 5) {
   const Mat3 R = Eigen::AngleAxisd(0.8, Vec3(1, 1, 0).normalized()).toRotationMatrix();
   Mat3 A;
@@ -148,7 +148,7 @@ TEST_CASE("engine: the linear law answers linearly on every stencil") {
   for (const EngineCase &c : all()) {
     INFO(c.name);
     Constitution constitution = engine_cases::constitution(c, MaterialLaw::linear);
-    if (!c.full()) constitution.stabilisation = 0.0;  // the control of flat stencils turns with them
+    if (!c.full()) constitution.stabilisation = 0.0;  // the control of flat stencils rotates with them
     const std::vector<Vec3> u = noise(c, 0.2 * c.spacing, 8);
     const Evaluated once = evaluate(c, constitution, u), twice = evaluate(c, constitution, plus(u, 1.0, u));
     CHECK(largest(plus(twice.forces, -2.0, once.forces)) < 1e-12 * largest(once.forces));

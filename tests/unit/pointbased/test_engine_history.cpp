@@ -88,7 +88,7 @@ TEST_CASE("history: without a place for its end a step of Prony terms is only lo
   const std::vector<Vec3> u = sheared(c, 0.2);
   const Evaluated looked = evaluate(c, constitution, u, history, 0.02);
   CHECK(history.prony[0].previous == Mat3::Zero());
-  // In place: the memory at the beginning is that at the end.
+  // In place: the history at the beginning is that at the end.
   std::vector<Mat3> stresses(c.stencils.pointCount());
   std::vector<double> ratios(c.stencils.pointCount());
   pointStresses(constitution, c.stencils, looked.gradients, {}, history, 0.02, &history, stresses, ratios, serialFor());
@@ -97,7 +97,7 @@ TEST_CASE("history: without a place for its end a step of Prony terms is only lo
 }
 
 TEST_CASE("history: forces of a flowed state are the negative gradient of its energy") {
-  // Prony terms at dt = 0 keep what they have relaxed, but that part is not in the energy: plastic flow alone.
+  // Prony terms at dt = 0 retain what they have relaxed, but that part is not in the energy: plastic flow alone.
   const EngineCase c = lattice(2, 2, 2);
   Constitution constitution = engine_cases::constitution(c, MaterialLaw::corotated);
   constitution.materials[0].plastic.yield = 0.01;

@@ -21,7 +21,7 @@ Constitution relaxing(const EngineCase &c, MaterialLaw law, double nu, PronyTerm
   return out;
 }
 
-/// The elastic material with the shear modulus that is left in the end and the same bulk modulus.
+/// The elastic material with the long-term shear modulus and the same bulk modulus.
 Constitution relaxed(Constitution constitution) {
   Material &m = constitution.materials[0];
   const double K = m.lambda() + 2.0 / 3.0 * m.mu(), G = m.mu() * (1.0 - m.prony[0].share - m.prony[1].share);
@@ -31,7 +31,7 @@ Constitution relaxed(Constitution constitution) {
   return constitution;
 }
 
-/// A body that is led from state to state and remembers.
+/// A body that is moved from state to state and has a history.
 struct Led {
   const EngineCase &c;
   Constitution constitution;
@@ -54,7 +54,7 @@ struct Led {
   }
 };
 
-/// u = Q field(Q^T X), X from the middle, in spacings.
+/// u = Q field(Q^T X), X from the centre, in spacings.
 template <class Field>
 std::vector<Vec3> along(const EngineCase &c, Field field) {
   const Mat3 &Q = c.stencils.axes;
@@ -112,7 +112,7 @@ TEST_CASE("relaxing modes: a bent cell follows the plane stress of a bulk modulu
     const std::vector<Vec3> first = start.to(u, 0.0), last = evaluate(c, relaxed(of), u).forces;
     // Correspondence: 4 mu (K + mu/3) / (K + 4/3 mu) with mu(s) falls with the time of mu, where mu and λ* fall by g mu
     // and -g mu, and with that of K + 4/3 mu(s) = 0. Forces are linear in mu and λ*, so those of the first are a sum of
-    // the elastic ones at once and in the end.
+    // the elastic ones initially and in the long term.
     const double K = m.lambda() + 2.0 / 3.0 * m.mu(), t = 0.3, g = kFast.share;
     const double time = kFast.time * (K + 4.0 / 3.0 * m.mu()) / (K + 4.0 / 3.0 * m.mu() * (1.0 - g));
     const auto planeStress = [&](double mu) { return 2.0 * mu * (K - 2.0 / 3.0 * mu) / (K + 4.0 / 3.0 * mu); };
@@ -131,7 +131,7 @@ TEST_CASE("relaxing modes: a bent cell follows the plane stress of a bulk modulu
       for (int i = 0; i < steps; ++i) forces = led.to(u, t / steps);
       errors[k] = apart(forces, expected) / largest(expected);
     }
-    CHECK(errors[1] < 1e-5);  // of second order in steps of 0.019 of the time
+    CHECK(errors[1] < 1e-5);  // second order in steps of 0.019 of the time
     CHECK(errors[0] / errors[1] == Approx(4.0).margin(0.1));
   }
 }
@@ -152,7 +152,7 @@ TEST_CASE("relaxing modes: what is left in the end is elastic, with less shear m
       (void)led.to(general(c, 3), 0.1);
       for (int k = 0; k < 3; ++k) (void)led.to(u, 1e9);
       const std::vector<Vec3> expected = evaluate(c, relaxed(of), u).forces;
-      CHECK(apart(led.to(u, 1e9), expected) < 1e-8 * largest(expected));  // shares are left of tau/dt
+      CHECK(apart(led.to(u, 1e9), expected) < 1e-8 * largest(expected));  // fractions of tau/dt remain
     }
 }
 
@@ -204,7 +204,7 @@ TEST_CASE("relaxing modes: no closed loop of displacements gives work back") {
         f = force;
       }
       INFO(nameOf(law) << ", " << duration << " s: " << work / turnover);
-      CHECK(work > 1e-3 * turnover);  // the trapezoidal sum of 300 steps is good to less than that
+      CHECK(work > 1e-3 * turnover);  // the trapezoidal sum of 300 steps is more accurate than that
     }
 }
 
@@ -222,7 +222,7 @@ TEST_CASE("relaxing modes: the differential is the derivative of the forces, and
       const std::vector<Vec3> slope = scaled(
           plus(scaled(plus(at(h), -1.0, at(-h)), 8.0), -1.0, plus(at(2.0 * h), -1.0, at(-2.0 * h))), 1.0 / (12.0 * h));
       CHECK(apart(df, slope) < 1e-7 * largest(df));
-      // That of neo-Hookean points is so only where a step is short against the times, see pronyStressDifferential().
+      // For neo-Hookean points this holds only where a step is short against the times, see pronyStressDifferential().
       if (law == MaterialLaw::neoHookean && dt > 0.0) continue;
       const double one = dot(dw, df), other = dot(du, differential(c, led.constitution, u, dw, led.history, dt));
       CHECK(std::abs(one - other) < 1e-9 * std::abs(one));
@@ -233,7 +233,7 @@ TEST_CASE("relaxing modes: blocks and assembled stiffness are those of the diffe
   const EngineCase c = lattice(2, 1, 1);
   const double dt = 0.3;
   Led led(c, relaxing(c, MaterialLaw::linear, 0.4, kFast, kSlow));
-  // So little that no block has to be made positive.
+  // So small that no block has to be made positive.
   (void)led.to(general(c, 5, 0.02), 0.3);
   const std::vector<Vec3> u = general(c, 6, 0.02);
   std::vector<Mat3> gradients(c.stencils.pointCount()), blocks(c.phyxels());
@@ -254,7 +254,7 @@ TEST_CASE("relaxing modes: blocks and assembled stiffness are those of the diffe
       const auto at = static_cast<Eigen::Index>(3 * i);
       CHECK((blocks[i] - K.block<3, 3>(at, at)).norm() < 1e-9 * K.norm());
     }
-    if (law != MaterialLaw::linear) continue;  // second derivatives of the strain are in the blocks alone
+    if (law != MaterialLaw::linear) continue;  // second derivatives of the strain are only in the blocks
     std::vector<Eigen::Triplet<double>> triplets;
     stiffnessTriplets(led.constitution, c.stencils, c.positions, u, gradients, led.history, dt, 0.0, triplets);
     for (const auto &t : triplets) assembled(t.row(), t.col()) += t.value();

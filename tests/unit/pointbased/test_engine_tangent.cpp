@@ -109,7 +109,7 @@ TEST_CASE("engine: the differential is exact at fixed history of plastic and rel
     constitution.materials[0].prony[0] = {0.4, 0.2};
     PointHistory history;
     history.reset(constitution, c.stencils.pointCount(), !c.stencils.modes.empty());
-    // A past: flowed and relaxed in another state.
+    // A history: flowed and relaxed in another state.
     const std::vector<Vec3> past =
         plus(displaced(c, Vec3(1.25, 1.25, 0.7).asDiagonal(), Vec3::Zero()), 0.05 * c.spacing, noise(c, 1.0, 77));
     const Evaluated then = evaluate(c, constitution, past);
@@ -129,7 +129,7 @@ TEST_CASE("engine: the differential is exact at fixed history of plastic and rel
 TEST_CASE("engine: the blocks are those of the stiffness") {
   for (const EngineCase &c : all())
     for (const MaterialLaw law : kLaws) {
-      if (!c.full()) continue;  // flat stencils leave the turning of the completion out
+      if (!c.full()) continue;  // flat stencils omit the rotation of the completion
       INFO(c.name << ", " << nameOf(law));
       Constitution constitution = engine_cases::constitution(c, law);
       constitution.materials[0].viscosity = 3.0;
@@ -142,7 +142,7 @@ TEST_CASE("engine: the blocks are those of the stiffness") {
       const Dense K = stiffness(c, constitution, u, {}, 0.0, 40.0);
       for (std::size_t i = 0; i < blocks.size(); ++i) {
         const Mat3 exact = K.block<3, 3>(3 * static_cast<int>(i), 3 * static_cast<int>(i));
-        REQUIRE(exact.eigenvalues().real().minCoeff() > 0.0);  // else it would not be a comparison
+        REQUIRE(exact.eigenvalues().real().minCoeff() > 0.0);  // otherwise the comparison would be meaningless
         CHECK((blocks[i] - exact).norm() < 1e-10 * exact.norm());
       }
     }
@@ -166,10 +166,10 @@ TEST_CASE("engine: the assembled stiffness is the stiffness at rest") {
     for (const MaterialLaw law : kLaws) {
       INFO(c.name << ", " << nameOf(law));
       Constitution constitution = engine_cases::constitution(c, law);
-      if (!c.full()) constitution.stabilisation = 0.0;  // flat: the control's turning is left out
+      if (!c.full()) constitution.stabilisation = 0.0;  // flat: the control's rotation is omitted
       const std::vector<Vec3> rest(c.phyxels(), Vec3::Zero());
       const Dense K = stiffness(c, constitution, rest), A = assembled(c, constitution, rest);
-      // What is cut off at -1e-10 of the trace of a point's tangent.
+      // Clamping at -1e-10 of the trace of a point's tangent.
       CHECK((A - K).norm() < 1e-9 * K.norm());
     }
 }
@@ -206,7 +206,7 @@ TEST_CASE("engine: the largest frequency is that of the dense eigenvalue problem
                                                        Eigen::EigenvaluesOnly);
       const double exact = std::sqrt(eigen.eigenvalues().maxCoeff());
       const double found = largestFrequency(constitution, c.stencils, c.positions, c.masses, *held, serialFor());
-      // From below, and within what the margin of the step covers by far.
+      // From below, and well within the margin of the step.
       CHECK(found <= exact * (1.0 + 1e-9));
       CHECK(found >= (1.0 - 1e-3) * exact);
     }

@@ -57,7 +57,7 @@ std::vector<Case> bodies() {
           {"cloud", shapes::restState(beam, 0.01)}};
 }
 
-/// The volume-weighted mean square of what colours show.
+/// The volume-weighted mean square of the colour-mapped quantity.
 double rootMeanSquare(const Body &body, const std::vector<double> &perPhyxel) {
   const StencilSet &s = body.rest().stencils;
   double sum = 0.0, volume = 0.0;
@@ -127,11 +127,11 @@ TEST_CASE("affine states have no error, however the surface cuts the cells") {
 }
 
 TEST_CASE("a strain that grows along its own direction is what a cell misses, to the last digit") {
-  // u_x = a x²/2, nu = 0: eps_xx = a x. The points have its value at their centres and miss ½ E a² d²/12 per volume.
+  // u_x = a x²/2, nu = 0: eps_xx = a x. The points have its value at their centres and lack ½ E a² d²/12 per volume.
   const double d = 0.01, a = 0.3, length = 0.2;
   const BodyShape beam = lattice_cases::box(Vec3::Zero(), Vec3(length, 0.04, 0.04));
   const auto expected = [&](double factor) {
-    // U of the points: mean of (a x)² less what they miss.
+    // U of the points: mean of (a x)² minus the missing part.
     const double missed = factor * factor * d * d / 12.0, energy = length * length / 3.0 - d * d / 12.0;
     return std::sqrt(missed / (energy + missed));
   };
@@ -140,7 +140,7 @@ TEST_CASE("a strain that grows along its own direction is what a cell misses, to
   displace(*body, grows);
   CHECK_THAT(estimateError(*body).relative, WithinRel(expected(kLatticeErrorFactor), 1e-9));
 
-  // The modes of a cell know bending: u_x = a x z, u_z = -a x²/2 strains eps_xx = a z alone.
+  // The modes of a cell represent bending: u_x = a x z, u_z = -a x²/2 strains eps_xx = a z alone.
   displace(*body, [&](const Vec3 &x) { return Vec3(a * x[0] * x[2], 0.0, -0.5 * a * x[0] * x[0]); });
   const ErrorEstimate bending = estimateError(*body);
   CHECK(bending.relative < 1e-9);
@@ -148,7 +148,7 @@ TEST_CASE("a strain that grows along its own direction is what a cell misses, to
 }
 
 TEST_CASE("a cloud misses every slope of the strain") {
-  // The same bending; the phyxels, half a spacing inside, have eps_xx = a z and miss ½ E a² d²/12.
+  // The same bending; the phyxels, half a spacing inside, have eps_xx = a z and lack ½ E a² d²/12.
   const double d = 0.01, a = 0.3, height = 0.04;
   const auto body =
       bodyOf(shapes::restState(shapes::box(Vec3::Zero(), Vec3(0.2, 0.04, 0.04)), d), {solid(0.0, MaterialLaw::linear)});
@@ -157,7 +157,7 @@ TEST_CASE("a cloud misses every slope of the strain") {
     return Vec3(a * x[0] * z, 0.0, -0.5 * a * x[0] * x[0]);
   });
   const double missed = kCloudErrorFactor * kCloudErrorFactor * d * d, energy = height * height - d * d;
-  // One-sided fits at the surface change strains there by what is of second order: a fifth of the whole at four layers.
+  // One-sided fits at the surface change strains there by second order: a fifth of the whole at four layers.
   CHECK_THAT(estimateError(*body).relative, WithinRel(std::sqrt(missed / (energy + missed)), 0.2));
 }
 
@@ -211,7 +211,7 @@ TEST_CASE("the errors of the phyxels add up to that of the body") {
     const double relative = estimateError(*body, &perPhyxel).relative;
     CHECK_THAT(rootMeanSquare(*body, perPhyxel), WithinRel(relative, 1e-12));
     if (c.name == "cell") {
-      CHECK(relative < 1e-9);  // one cell tells nothing about itself
+      CHECK(relative < 1e-9);  // a single cell has no estimate of its error
     } else {
       CHECK(relative > 0.05);
     }

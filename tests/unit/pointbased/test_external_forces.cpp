@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Forces from outside of the model: another plugin's field, a hand of one's own.
+// External forces: another plugin's field, a caller's own grab.
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -35,7 +35,7 @@ std::unique_ptr<Body> heldBeam() {
   return std::make_unique<Body>("beam", *rest, Constitution{{Material{}}, kLatticeStabilisation}, serialFor());
 }
 
-/// Other ones in every step and on every phyxel, up to 5 mN.
+/// Different in every step and on every phyxel, up to 5 mN.
 std::vector<Vec3> forcesOf(const Body &body, int step) {
   std::vector<Vec3> forces(body.rest().phyxelCount());
   for (std::size_t i = 0; i < forces.size(); ++i)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies that arrive at thin obstacles faster than sound in them.
+// Bodies that hit thin obstacles faster than their own speed of sound.
 #include <algorithm>
 #include <cmath>
 

@@ -55,7 +55,7 @@ std::vector<Mat3> secondPiola(const Body &body) {
   return out;
 }
 
-/// Stretch along x and a sideways contraction, turned by 40 degrees.
+/// Stretch along x and a lateral contraction, rotated by 40 degrees.
 Mat3 stretch(double along, double across) {
   return lattice_cases::rotation(2, 40) * Vec3(along, across, across).asDiagonal();
 }
@@ -97,7 +97,7 @@ TEST_CASE("Each point of a body of several materials has the stress of its own")
   }
   CHECK(counts[0] > 10);
   CHECK(counts[1] > 10);
-  // Phyxels away from the border take that of their side.
+  // Phyxels away from the border have the value of their side.
   std::vector<Mat3> means(rest->phyxelCount());
   phyxelMeans(*rest, stresses, means);
   for (std::size_t i = 0; i < means.size(); ++i) {

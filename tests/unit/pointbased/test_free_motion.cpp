@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a body that nothing touches keeps, and what its steps cost.
+// Conserved quantities of a free body, and the cost of its steps.
 #include "contact_cases.h"
 #include "shapes.h"
 #include "support/catch.h"
@@ -27,10 +27,10 @@ Vec3 angularMomentum(const Body &body) {
 }
 
 struct Lost {
-  double linear = 0.0, angular = 0.0;  ///< of what there was
+  double linear = 0.0, angular = 0.0;  ///< relative to the initial values
 };
 
-/// In a second of a block that spins at 8 rad/s and swings.
+/// In a second of a block that spins at 8 rad/s and oscillates.
 Lost lostBySpinning(Integrator integrator, double dt) {
   Simulator simulator;
   WorldSettings world;
@@ -46,7 +46,7 @@ Lost lostBySpinning(Integrator integrator, double dt) {
   return {(momentum(body) - linear).norm() / linear.norm(), (angularMomentum(body) - angular).norm() / angular.norm()};
 }
 
-/// m, displacements of a block that spins, swings and is stretched by it, after 0.2 s.
+/// m, displacements of a block that spins, oscillates and is stretched by its rotation, after 0.2 s.
 std::vector<Vec3> ofSpinningBlock(Integrator integrator, double tolerance, bool hasGround = false) {
   Simulator simulator;
   WorldSettings world;
@@ -71,13 +71,13 @@ TEST_CASE("momenta of a free body: linear ones stay at any step, angular ones in
     const Lost verlet = lostBySpinning(Integrator::explicitVerlet, dt);
     CHECK(verlet.linear < 1e-13);
     CHECK(verlet.angular < 1e-12);
-    // As far as the solver goes: 1e-5 of the spacing per step.
+    // Up to the accuracy of the solver: 1e-5 of the spacing per step.
     const Lost midpoint = lostBySpinning(Integrator::implicitMidpoint, dt);
     CHECK(midpoint.linear < 1e-10);
     CHECK(midpoint.angular < 1e-7);
   }
-  // The others damp rotation as they damp vibrations: 4.7 % and 42 % of it at 1/60 s, and with their order less at
-  // less.
+  // The others damp rotation as they damp vibrations: 4.7 % and 42 % of it at 1/60 s, and less at smaller steps
+  // according to their order.
   const Lost sdirk = lostBySpinning(Integrator::implicitSdirk, 1.0 / 60.0),
              finer = lostBySpinning(Integrator::implicitSdirk, 0.002);
   CHECK(sdirk.linear < 1e-10);
@@ -103,7 +103,7 @@ TEST_CASE("an implicit step of a body that falls without a strain costs no linea
       Environment env;
       env.gravity = Vec3(0.0, -9.81, 0.0);
       env.damping = damping;
-      env.box.enabled = true;  // far away, but looked for
+      env.box.enabled = true;  // far away, but included in the search
       env.box.min = Vec3::Constant(-50.0);
       env.box.max = Vec3::Constant(50.0);
       env.parallelFor = &parallelFor;
@@ -135,15 +135,15 @@ TEST_CASE("a body that is held and one that spins are solved as before: no step 
   block->setInitialVelocity(Vec3::Zero(), Vec3(0.0, 5.0, 0.0));
   const std::size_t id = simulator.addBody(std::move(block));
   for (int k = 0; k < 6; ++k) REQUIRE(simulator.step());
-  // What spins is stretched: by ρ ω² L² / 8 E = 1.6e-3 at its ends or so.
+  // Spin stretches the block: by about ρ ω² L² / 8 E = 1.6e-3 at its ends.
   CHECK(simulator.energy(id).elastic > 0.0);
   const Extent length = extent(*simulator.body(id), Vec3(std::cos(5.0 * 0.1), 0.0, -std::sin(5.0 * 0.1)));
   CHECK(length.high - length.low > 0.1 * (1.0 + 1e-4));
 }
 
 TEST_CASE("steps that are solved to what their scheme errs by end where those to the last digit do") {
-  // Of the way gone; 2e-4, 1.2e-6 and 2e-10 were measured. A thousandth is what the step of backward Euler is meant to
-  // keep of the fine solution.
+  // Relative to the distance travelled; 2e-4, 1.2e-6 and 2e-10 were measured. A thousandth is the accuracy that the
+  // step of backward Euler is designed for, relative to the fine solution.
   for (const auto &[integrator, allowed] :
        {std::pair(Integrator::backwardEuler, 1e-3), std::pair(Integrator::implicitSdirk, 2e-6),
         std::pair(Integrator::implicitMidpoint, 1e-8)}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rigid bodies that move with their mass, alone and against others.
+// Rigid bodies that move by their mass, alone and against others.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -39,7 +39,7 @@ void weigh(Simulator &simulator, const Vec3 &gravity = Vec3(0, -9.81, 0), double
   simulator.setWorld(world);
 }
 
-// m, by which a distance between phyxels has changed, at most.
+// m, largest change of a distance between phyxels.
 double changeOfShape(const Body &body) {
   const std::vector<Vec3> &X = body.rest().positions, &u = body.state().displacements;
   double most = 0.0;
@@ -49,7 +49,7 @@ double changeOfShape(const Body &body) {
   return most;
 }
 
-// rad/s, about the axis of the body that is `axis` at rest.
+// rad/s, about the body axis that is `axis` at rest.
 double spinAbout(const Body &body, const Vec3 &axis) {
   const std::vector<Vec3> &X = body.rest().positions;
   const State &state = body.state();
@@ -70,7 +70,7 @@ double spinAbout(const Body &body, const Vec3 &axis) {
   return sum / moment;
 }
 
-// Whether the change of momentum of all in every step is that of weight and floor, relative to the weight's.
+// Checks that the total change of momentum in every step is that of weight and floor, relative to the weight's.
 class Balance {
  public:
   explicit Balance(Simulator &simulator, std::size_t floor) : simulator_(simulator), floor_(floor) {}
@@ -103,7 +103,7 @@ TEST_CASE("a free rigid body falls as a stone and keeps its shape") {
   auto body = block(Vec3(0, 0, 0), Vec3(0.05, 0.03, 0.02), 0.01, metal(), 4);
   body->setInitialVelocity(Vec3(0.3, 2.0, 0), Vec3(3, 2, 1));
   const std::size_t id = addFree(simulator, std::move(body));
-  REQUIRE(simulator.body(id)->free());
+  REQUIRE(simulator.body(id)->isFreeRigid());
   const Total before = totalOf(simulator);
   while (simulator.time() < 2.0) REQUIRE(simulator.step());
   const double t = simulator.time();
@@ -183,7 +183,7 @@ TEST_CASE("a free rigid bar that hits an edge with one end turns as its inertia 
   const std::size_t id = addFree(simulator, block(Vec3(-0.1, 0.005, -0.01), Vec3(0.1, 0.025, 0.01), 0.01, metal(), 2));
   setVelocity(simulator, id, Vec3(0, -0.5, 0));
   const Body &bar = *simulator.body(id);
-  // It turns about the row of its contact points that is the first over the obstacle, and stops there.
+  // It rotates about the first row of its contact points that is over the obstacle, and stops there.
   double arm = 1.0, moment = 0.0;
   const RestState &rest = bar.rest();
   for (const Vec3 &X : rest.contact.binding.positions)
@@ -195,7 +195,7 @@ TEST_CASE("a free rigid bar that hits an edge with one end turns as its inertia 
   const double m = bar.totalMass(), impulse = m * 0.5 / (1.0 + m * arm * arm / moment);
   while (simulator.time() < 0.015) REQUIRE(simulator.step());
   CAPTURE(arm, moment, m);
-  // What the sweeps leave, and what it has turned since: 2e-3 rad.
+  // The residual of the sweeps, and the rotation since: 2e-3 rad.
   CHECK_THAT(meanVelocity(bar)[1], WithinRel(-0.5 + impulse / m, 0.01));
   CHECK_THAT(spinAbout(bar, Vec3::UnitZ()), WithinRel(impulse * arm / moment, 0.01));
 }
@@ -209,7 +209,7 @@ TEST_CASE("a free rigid block that falls flat on a wall bounces with its restitu
   const std::size_t id = addFree(simulator, block(Vec3(0, 0.01, 0), Vec3(0.04, 0.03, 0.03), 0.01, metal(), 4));
   setVelocity(simulator, id, Vec3(0.2, -1.0, 0));
   while (simulator.time() < 0.05) REQUIRE(simulator.step());
-  // All points of a face arrive at once; sweeps leave 1e-4 of the speed to some of them.
+  // All points of a face arrive at once; sweeps leave 1e-4 of the speed at some of them.
   CHECK_THAT(meanVelocity(*simulator.body(id))[1], WithinRel(0.6, 1e-3));
   CHECK_THAT(meanVelocity(*simulator.body(id))[0], WithinRel(0.2, 1e-3));
 }
@@ -321,10 +321,10 @@ TEST_CASE("a free rigid ball and a soft one that collide keep their momenta and 
   }
   CAPTURE(most / before.energy, turned, missed);
   CHECK(missed < 1e-12);
-  CHECK(turned < 1e-3);  // as of two soft ones: forces of a step are those between the places at its beginning
+  CHECK(turned < 1e-3);  // as for two soft ones: forces of a step act between the positions at its beginning
   CHECK(most < 1.001 * before.energy);
   CHECK(crossed == 0);
-  CHECK(meanVelocity(*simulator.body(b))[0] > 0.2);  // thrown back by what is 4.5 times as heavy
+  CHECK(meanVelocity(*simulator.body(b))[0] > 0.2);  // thrown back by a body 4.5 times as heavy
 }
 
 namespace {
@@ -373,7 +373,7 @@ TEST_CASE("free rigid bodies go on from a checkpoint and from a saved state as t
   const auto saved = simulator.savedState();
   REQUIRE(saved);
   const std::uint64_t second = after();
-  REQUIRE(simulator.goToSavedState(*saved));
+  REQUIRE(simulator.restoreSavedState(*saved));
   CHECK(after() == second);
 }
 
@@ -394,7 +394,7 @@ TEST_CASE("a free rigid body hangs on an elastic layer by its weight, and a hand
   REQUIRE(added);
   while (simulator.time() < 2.0) REQUIRE(simulator.step());
   const double weight = 9.81 * simulator.body(id)->totalMass();
-  // Damped to 1e-8 of where it began.
+  // Damped to 1e-8 of the initial value.
   CHECK_THAT(meanDisplacement(*simulator.body(id))[1], WithinRel(-weight / (1e6 * 0.04 * 0.04), 1e-3));
   REQUIRE(simulator.removeAttachment(*added));
 
@@ -438,15 +438,15 @@ TEST_CASE("a free rigid body stands where something is fixed of it and in a stat
   weigh(simulator);
   const std::size_t held = addFree(simulator, block(Vec3(0, 0, 0), Vec3(0.03, 0.03, 0.03), 0.01, metal(), 3, {foot}));
   const std::size_t loose = addFree(simulator, block(Vec3(0.1, 0, 0), Vec3(0.13, 0.03, 0.03), 0.01, metal(), 3));
-  CHECK(simulator.body(held)->stands());
-  CHECK(simulator.body(loose)->free());
+  CHECK(simulator.body(held)->isStatic());
+  CHECK(simulator.body(loose)->isFreeRigid());
   for (int k = 0; k < 10; ++k) REQUIRE(simulator.step());
   CHECK(meanDisplacement(*simulator.body(held)).norm() == 0.0);
   CHECK(meanDisplacement(*simulator.body(loose))[1] < -0.01);
   WorldSettings world = simulator.world();
   world.integrator = Integrator::quasiStatic;
   simulator.setWorld(world);
-  CHECK(simulator.body(loose)->stands());
+  CHECK(simulator.body(loose)->isStatic());
 }
 
 TEST_CASE("a free rigid body sleeps where it rests and wakes when something falls on it") {
@@ -462,7 +462,7 @@ TEST_CASE("a free rigid body sleeps where it rests and wakes when something fall
   REQUIRE(simulator.asleep(a));
   const std::size_t b = addFree(simulator, block(Vec3(0.01, 0.04, 0.01), Vec3(0.03, 0.06, 0.03), 0.01, metal(), 2));
   for (int k = 0; k < 20; ++k) REQUIRE(simulator.step());
-  CHECK(meanDisplacement(*simulator.body(b))[1] > -0.0101);  // it lies on it
+  CHECK(meanDisplacement(*simulator.body(b))[1] > -0.0101);  // it rests on it
   CHECK(between(simulator.contacts(), a, b) != nullptr);
 }
 
@@ -477,7 +477,7 @@ TEST_CASE("a rigid body whose phyxels lie in a plane or on a line has an inertia
     const std::vector<double> masses(places.size(), 1e-3);
     const detail::RigidFrame frame(places, masses, 0.01);
     detail::RigidPose pose = frame.poseOf(places, ways, masses);
-    // About a line there is no spin to see.
+    // About a line no spin is defined.
     const Vec3 spin(width == 1 ? 0.0 : 3.0, 2.0, 1.0);
     detail::RigidVelocity motion{Vec3(1, 2, 3), spin};
     frame.move(pose, motion, places, velocities);

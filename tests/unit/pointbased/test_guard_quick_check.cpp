@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the guard asks at every step, against the plain loops it stands for.
+// The quick check of the guard at every step, against the plain loops it replaces.
 #include <cmath>
 #include <limits>
 
@@ -22,7 +22,7 @@ Body bodyOf(std::size_t phyxels) {
 
 TEST_CASE("the guard's glance finds a number that is none at every place, whatever the count") {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
-  // All remainders of the vectors it takes the numbers in.
+  // All remainders of the vector lengths in which it reads the numbers.
   for (std::size_t phyxels = 1; phyxels <= 9; ++phyxels) {
     Body body = bodyOf(phyxels);
     State &state = body.state();
@@ -54,7 +54,7 @@ TEST_CASE("what the guard's glance refuses is found at its phyxel, also where th
     CHECK(firstNonFinite(body).quantity == "the velocity is not finite");
     state.velocities[5].setZero();
   }
-  // Their sum is no number.
+  // Their sum is not a number.
   for (const std::size_t i : {3, 4, 5}) state.displacements[i] = Vec3(1.3e154, 0, 0);
   REQUIRE_FALSE(quickCheck(body).finite);
   CHECK(firstNonFinite(body).phyxel == 3);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Obstacles that a hand leads, instruments that come and go, and the pressure of contact.
+// Obstacles that a user guides, instruments that are added and removed, and the pressure of contact.
 #include <numbers>
 #include <numeric>
 
@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kE = 1e4;  // Pa
 
-// A block of 40 × 20 × 40 mm that is held at its ground.
+// A block of 40 × 20 × 40 mm that is fixed at its base.
 std::unique_ptr<Body> heldBlock() {
   Fix ground;
   ground.region = HalfSpaceRegion{Vec3::Zero(), Vec3::UnitY()};
@@ -90,7 +90,7 @@ TEST_CASE("what is placed before the first step begins there, also after a reset
   Simulator simulator;
   simulator.addBody(heldBlock());
   const std::size_t id = simulator.addObstacle(ballAt(Vec3(0, 1, 0)));
-  // The path of a probe tool is a motion of its own; a plate has none.
+  // The path of a probe tool is its own motion; a plate has none.
   const std::size_t plate = simulator.addObstacle(wall("plate", -1.0));
   simulator.guideObstacle(plate, shifted(Vec3(0, -0.5, 0)), 1.0);
   simulator.guideObstacle(plate, shifted(Vec3(0, -0.25, 0)), 1.0);
@@ -104,7 +104,7 @@ TEST_CASE("what is placed before the first step begins there, also after a reset
   simulator.reset();
   CHECK(simulator.obstacleMotion(plate).displacement == Vec3(0, -0.25, 0));
   CHECK(simulator.obstacleMotion(id).displacementOf(Vec3::Zero()).norm() == 0.0);
-  simulator.guideObstacle(77, RigidMotion{}, 0.0);  // nobody
+  simulator.guideObstacle(77, RigidMotion{}, 0.0);  // no such obstacle
   CHECK_FALSE(simulator.motionAtReset(77));
 }
 
@@ -113,7 +113,7 @@ TEST_CASE("an instrument presses, is undone and done again, and goes with a rese
   const std::size_t id = simulator.addBody(heldBlock());
   simulator.addObstacle(wall("table", 0.0));
   run(simulator, 0.05);
-  const std::uint64_t course = simulator.course();
+  const std::uint64_t course = simulator.historyEpoch();
   const Checkpoint before = simulator.checkpoint();
   const std::uint64_t hashBefore = simulator.stateHash();
 
@@ -139,9 +139,9 @@ TEST_CASE("an instrument presses, is undone and done again, and goes with a rese
   CHECK_THAT(forceOn(simulator, finger)[1], WithinRel(pressed[1], 0.01));
   CHECK_FALSE(simulator.savedState());
 
-  // Taken away: the tissue comes back, and what has been simulated stands.
+  // Removed: the tissue recovers, and the simulated history is unchanged.
   REQUIRE(simulator.removeObstacle(finger));
-  CHECK(simulator.course() == course);
+  CHECK(simulator.historyEpoch() == course);
   run(simulator, simulator.time() + 1.0);
   double farthest = 0.0;
   for (const Vec3 &u : simulator.body(id)->state().displacements) farthest = std::max(farthest, u.norm());
@@ -224,7 +224,7 @@ TEST_CASE("contact pressure over the skin is the force that presses, on an obsta
   REQUIRE(on);
   REQUIRE(joint);
   CHECK_THAT(on->pressing, WithinRel(2.0 * weight, 0.02));
-  // Vertices of the edges have faces at the sides as well.
+  // Vertices at the edges also have faces on the sides.
   CHECK_THAT(on->area, WithinRel(base, 0.3));
   CHECK_THAT(joint->area, WithinRel(base, 0.3));
 
@@ -238,7 +238,7 @@ TEST_CASE("contact pressure over the skin is the force that presses, on an obsta
     const bool isInner = isLow && std::max(std::abs(X[0] + rest.origin[0]), std::abs(X[2] + rest.origin[2])) < 0.011;
     CAPTURE(X.transpose());
     if (isInner)
-      CHECK_THAT(pressures[i], WithinRel(weight / base, 0.15));  // contacts are few: one of a vertex more or less
+      CHECK_THAT(pressures[i], WithinRel(weight / base, 0.15));  // few contacts: one vertex more or less
     else if (!isLow)
       CHECK(pressures[i] < 1e-9 * weight / base);  // round-off of the weights
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Impacts in explicit steps: what they take, and what restitution leaves.
+// Impacts in explicit steps: their duration, and the effect of restitution.
 #include <algorithm>
 #include <cmath>
 
@@ -19,10 +19,10 @@ Obstacle ground(double restitution, double friction = 0.0) {
 }
 
 struct Impact {
-  double contactTime = 0.0;  ///< of 2 L/c
-  double rebound = 0.0;      ///< speed of the centre of mass, of that of the impact
-  double kept = 0.0;         ///< energy after it, of that before
-  double highest = 0.0;      ///< energy on the way, likewise
+  double contactTime = 0.0;  ///< in units of 2 L/c
+  double rebound = 0.0;      ///< speed of the centre of mass, relative to the impact speed
+  double kept = 0.0;         ///< energy after the impact, relative to that before
+  double highest = 0.0;      ///< largest energy in between, relative to that before
 };
 
 /// A free elastic cube, edge L, hits the ground flat.
@@ -94,7 +94,8 @@ TEST_CASE("a point leaves with its restitution times the speed with which it cam
 
 TEST_CASE(
     "an elastic bar leaves the ground after 2 L/c with the speed with which it came, the better the finer it is") {
-  // ν = 0: a cube is a bar. A point that arrives is stopped (restitution 0): the part of the first cells is lost.
+  // ν = 0: a cube is a bar. A point that arrives is stopped (restitution 0): the kinetic energy of the first cells is
+  // lost.
   double before = 1.0;
   for (const int cells : {6, 12}) {
     const Impact bar = impactOfCube(cells, 0.0, 0.0, 0.2);
@@ -130,7 +131,7 @@ TEST_CASE("at restitution 1 contact takes no energy and adds none, however much 
     for (const double speed : {0.2, 2.0}) {
       const Impact impact = impactOfCube(6, 1.0, poissonRatio, speed);
       INFO("ν " << poissonRatio << ", " << speed << " m/s: kept " << impact.kept << ", highest " << impact.highest);
-      // What Verlet keeps is a neighbour of the energy, with the square of the step between them.
+      // Verlet conserves a perturbed energy, whose difference is of the square of the step.
       CHECK(impact.kept > 0.94);
       CHECK(impact.highest < 1.03);
       CHECK(impact.kept > impactOfCube(6, 0.0, poissonRatio, speed).kept);

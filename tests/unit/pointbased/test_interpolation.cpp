@@ -20,7 +20,7 @@ std::vector<Vec3> randomCloud(std::size_t n, std::uint64_t seed) {
   return points;
 }
 
-// Random points of a plane, a line, or one place through (0.3, -0.2, 0.1); `rank` directions of a turned frame.
+// Random points of a plane, a line, or one point through (0.3, -0.2, 0.1); `rank` directions of a rotated frame.
 std::vector<Vec3> flatCloud(std::size_t n, int rank, std::uint64_t seed) {
   const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   std::vector<Vec3> points = randomCloud(n, seed);
@@ -128,7 +128,7 @@ TEST_CASE("A point is bound to its sixteen nearest phyxels, and to more where th
   CHECK(binding.phyxels.offsets[1] == kPhyxelsPerPoint);
   CHECK(binding.phyxels.offsets[2] == 2 * kPhyxelsPerPoint);
   CHECK(binding.phyxels.offsets[3] - binding.phyxels.offsets[2] > kPhyxelsPerPoint);
-  CHECK(binding.rank.empty());  // the far point knows the stretch along z as well
+  CHECK(binding.rank.empty());  // the distant point provides the stretch along z
 }
 
 TEST_CASE("A rigid motion is followed exactly by points of clouds that span less than space", "[interpolation]") {
@@ -160,7 +160,7 @@ TEST_CASE("A rigid motion is followed exactly by points of clouds that span less
             CHECK((now - (R * points[p] + shift)).norm() < tolerance);
             CHECK((G - R).norm() < 1e-10);
           } else {
-            // A line may spin about itself and a point about everything, but distances to what is there are kept.
+            // A line may spin about itself and a point about every axis, but distances to the points are preserved.
             for (const Vec3 &x : X) {
               const Vec3 there = R * x + shift;
               if (spanned == found) CHECK((now - there).norm() == Approx((points[p] - x).norm()).margin(tolerance));
@@ -239,7 +239,7 @@ TEST_CASE("Spread forces do the same work, and have the same sum and torque", "[
     for (std::size_t p = 0; p < points.size(); ++p) {
       pointPower += force[p].dot(pointVelocity[p]);
       pointSum += force[p];
-      // Beside a plane or a line a force acts at its foot.
+      // Outside a plane or a line a force acts at its foot point.
       const bool turns = !binding.rank.empty() && binding.rank[p] < 3;
       const Vec3 at = turns ? Vec3(points[p] - binding.offsets[binding.frameOf[p]]) : points[p];
       pointTorque += at.cross(force[p]);

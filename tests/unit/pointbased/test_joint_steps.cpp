@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies that touch each other, whatever integrates them.
+// Bodies in contact with each other, for every integrator.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -70,7 +70,7 @@ TEST_CASE(
     REQUIRE(!strains.empty());
     const auto [least, most] = std::minmax_element(strains.begin(), strains.end());
     CAPTURE(id, *least, *most);
-    // Where a layer is given back in a few long steps under load, friction keeps some of the strain of it.
+    // Where a layer is recovered in a few long steps under load, friction retains some of its strain.
     const double tolerance = apart == 0.0 && integrator == Integrator::backwardEuler ? 0.08 : 0.02;
     CHECK_THAT(*least, WithinRel(100.0 / modulus, tolerance));
     CHECK_THAT(*most, WithinRel(100.0 / modulus, tolerance));
@@ -164,7 +164,7 @@ TEST_CASE("a block on an inclined block sticks below the angle of friction and s
   CHECK_THAT(acceleration, WithinRel(9.81 * (std::sin(angle) - friction * std::cos(angle)), 0.02));
 }
 
-// A block on a block that stands on the floor: light and soft on heavy and stiff, and the other way round.
+// A block on a block that stands on the floor: light and soft on heavy and stiff, and vice versa.
 TEST_CASE("whatever two blocks are made of, one lies on the other in equilibrium") {
   struct Case {
     double lowerModulus, upperModulus, lowerSpacing, upperSpacing, lowerDensity, upperDensity, poisson, friction;
@@ -212,7 +212,7 @@ TEST_CASE("bodies that touch are integrated together by what costs less for all 
   const auto [explicitly, implicitly] = simulator.predictedCost(lower);
   REQUIRE(explicitly > implicitly);
   REQUIRE((explicitly < 2.0 * implicitly) == !stiff);
-  // By itself, as long as it falls.
+  // Alone, as long as it falls.
   REQUIRE(simulator.step());
   CHECK(simulator.integratorOf(upper) == Integrator::implicitSdirk);
   // Their sides lie in one plane: a contact with the side of the other body lets one into the other, or distorts a cell.

@@ -68,7 +68,7 @@ TEST_CASE("volumes of phyxels and of points sum to the volume of the body") {
 
 TEST_CASE("the mass of a body on a lattice lies where the body does") {
   CHECK((centreOfMass(filled(beam(), withSpacing(0.01))) - Vec3(0.1, 0, 0)).norm() < 1e-12);
-  // Slivers share evenly, which pulls outwards by some thousandths of the spacing.
+  // Slivers distribute evenly, which pulls outwards by some thousandths of the spacing.
   const BodyShape beside = shifted(beam(), 0.01, Vec3(0.37, 0.21, 0.43));
   CHECK((centreOfMass(filled(beside, withSpacing(0.01))) - Vec3(0.1, 0, 0)).norm() < 1e-4);
   CHECK((centreOfMass(filled(ball(Vec3(0.1, 0.2, 0.3), 0.05), withSpacing(0.0125))) - Vec3(0.1, 0.2, 0.3)).norm() <
@@ -104,7 +104,7 @@ TEST_CASE("bars of few cells have their inertia, by the weights of end-corrected
     }
     const double truth = 0.4 * a * a * (a * a + a * a) / 12.0;
     CHECK_THAT(uncorrected / truth, WithinRel(1.0 + 2.0 / (n * n), 1e-9));
-    // The edges of the bar give away no more than 0.45 of their mass, which leaves a quarter of the surplus at two
+    // The edges of the bar transfer no more than 0.45 of their mass, which leaves a quarter of the surplus at two
     // cells.
     CHECK(ours / truth > 1.0 - 1e-9);
     CHECK(ours / truth < 1.0 + 0.5 / (n * n));
@@ -112,8 +112,8 @@ TEST_CASE("bars of few cells have their inertia, by the weights of end-corrected
 }
 
 TEST_CASE("corners of thin bodies are no lighter than their stiffness allows") {
-  // Needles and plates that lie obliquely, one to three cells thick, with corners that only slivers reach. Where
-  // every corner gives up to 0.45 of its share, Σ v |g|² d² over the volume comes to 2.9 … 5.4 in every one of them.
+  // Oblique needles and plates, one to three cells thick, with corners that only slivers reach. Where every corner
+  // gives up to 0.45 of its share, Σ v |g|² d² over the volume is 2.9 … 5.4 in every one of them.
   const double d = 0.01;
   for (const double width : {0.0, 0.05})
     for (const double half : {0.004, 0.008, 0.012})
@@ -138,7 +138,7 @@ TEST_CASE("corners of thin bodies are no lighter than their stiffness allows") {
 }
 
 TEST_CASE("a constant stress is in balance with its tractions on the surface") {
-  // Aligned boxes are exact; what is left is the quadrature of the tractions. Slanted and round cuts are measured by 4³
+  // Aligned boxes are exact; the rest is the quadrature of the tractions. Slanted and round cuts are measured by 4³
   // points, which leaves about a hundredth of spacing² at a corner; slivers of two hundredths of a cell are left out.
   for (const Case &c : cases()) {
     if (c.shape.surface.triangles.empty()) continue;
@@ -182,12 +182,12 @@ TEST_CASE("a box whose edges are multiples of the spacing has phyxels on its fac
 }
 
 TEST_CASE("a cut cell stands for what is inside it") {
-  // Faces of the box lie at 0.3 of a cell on either side.
+  // Faces of the box are at 0.3 of a cell on either side.
   const LatticeBody body = filled(box(Vec3::Zero(), Vec3::Constant(0.016)), withSpacing(0.01));
   REQUIRE(body.stencils.pointCount() == 8);
   for (std::size_t q = 0; q < 8; ++q) {
     CHECK_THAT(body.stencils.volumes[q], WithinRel(0.008 * 0.008 * 0.008, 1e-6));
-    // Distances at the edges see one face at a time, not both.
+    // Distances at the edges use one face at a time, not both.
     CHECK((body.pointCentres[q].cwiseAbs() - Vec3::Constant(0.004)).norm() < 1e-4);
     CHECK((body.stencils.variances[q] - Vec3::Constant(0.008 * 0.008 / 12.0)).norm() < 0.05 * 1e-4 / 12.0);
   }
@@ -242,7 +242,8 @@ TEST_CASE("bodies on two sides of a gap share no phyxel") {
       if (turned) sampling.axes = rotation(0, 33) * rotation(1, 20);
       const LatticeBody body = filled(both, sampling);
       CHECK(body.components == 2);
-      // Every stencil and every bound point stays on its side: move the phyxels of one body and see who follows.
+      // Every stencil and every bound point stays on its side: move the phyxels of one body and check which points
+      // follow.
       std::vector<int> side(body.positions.size(), 0);
       const double middle = 0.023 + 0.5 * gap.width * 0.01 - body.origin[2];
       bool mixed = false;
@@ -255,7 +256,7 @@ TEST_CASE("bodies on two sides of a gap share no phyxel") {
         for (Index e = s.phyxels.offsets[q]; e < s.phyxels.offsets[q + 1]; ++e)
           take(s.phyxels.indices[e], body.pointCentres[q][2] < middle ? -1 : 1);
       CHECK_FALSE(mixed);
-      // Points of the two faces, by their normals. (Beside a gap thinner than the samples are apart, points without
+      // Points of the two faces, by their normals. (Next to a gap thinner than the samples are apart, points without
       // such a normal belong to either side.)
       const SurfacePoints all = sampleSurface(both.surface, 0.002, EverywhereRegion{});
       SurfacePoints points;

@@ -66,7 +66,7 @@ TEST_CASE("every phyxel is held, follows a row or belongs to something that defo
   std::vector<std::uint8_t> known(body.positions.size(), 0);
   for (const Index i : body.held[0].phyxels) known[i] = 1;
   for (const Index i : body.stencils.phyxels.indices) {
-    CHECK((known[i] & 1) == 0);  // what is held itself touches nothing that deforms
+    CHECK((known[i] & 1) == 0);  // the held part itself does not touch deformable material
     known[i] |= 2;
   }
   for (const std::uint8_t k : known) CHECK(k != 0);
@@ -95,7 +95,7 @@ TEST_CASE("borders of held regions lie in the middle of cells, held faces on cor
 
 TEST_CASE("a lobe that one cell spans is held against turning wherever its border runs through the cells") {
   // Cells on edge, as long across as the beam is thick: borders through their edges have one patch over the thickness,
-  // whose mean alone would be a hinge. A section held all over has a twelfth of the square of its thickness.
+  // whose mean alone would be a hinge. A fully held section has a twelfth of the square of its thickness.
   const double thickness = 0.04, spacing = thickness / std::sqrt(2.0);
   for (int k = 0; k < 16; ++k) {
     const double x = 0.1 + 0.5 * thickness * k / 16.0;
@@ -117,7 +117,7 @@ TEST_CASE("a face that is held has its phyxels held, where there are some on it"
     CHECK_THAT(sum(body.stencils.volumes), WithinRel(0.04 * 0.04 * 0.2, 1e-12));
     CHECK_THAT((body.origin + body.held[0].centroid)[0], WithinAbs(0.0, 1e-4));
   }
-  // Beside the lattice: patches on the face.
+  // Off the lattice: patches on the face.
   const BodyShape shape = shifted(beam(), 0.01, Vec3(0.37, 0.21, 0.43));
   const LatticeBody body = filled(shape, holding(0.01, leftOf(0.0)));
   CHECK(body.held[0].phyxels.empty());
@@ -169,9 +169,9 @@ TEST_CASE("a held region that meets nothing is refused by its number") {
 }
 
 TEST_CASE("the largest stable step of a body is about its spacing over the speed of sound, wherever it is held") {
-  // Nothing relates these borders to the cells: some leave slivers of a hundredth of a cell to deform, which made steps
-  // of 0.03 to 0.6 of the spacing over the speed of sound as long as only free material had a mass there. Free boxes
-  // and balls have 0.73 to 0.82.
+  // The position of these borders is arbitrary relative to the cells: some leave slivers of a hundredth of a cell to
+  // deform. Those made steps of 0.03 to 0.6 of the spacing over the speed of sound as long as only free material had a
+  // mass there. Free boxes and balls have 0.73 to 0.82.
   Material material;
   material.youngsModulus = 6e3;
   material.poissonRatio = 0.45;
@@ -195,7 +195,7 @@ TEST_CASE("the largest stable step of a body is about its spacing over the speed
           REQUIRE(rest);
           const Body body("held", *rest, constitution, serialFor());
           CHECK(body.stableStepAtRest() * speed / 0.01 > 0.6);
-          // All of the mass moves or is carried, and little more moves than what is free to.
+          // All of the mass moves or is carried, and little more moves than the free part.
           double moving = 0.0, carried = 0.0, loose = 0.0;
           for (std::size_t i = 0; i < (*rest)->phyxelCount(); ++i) {
             carried += body.supportMasses()[i];

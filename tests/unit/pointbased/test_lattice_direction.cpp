@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Along which axes a lattice lies in its body.
+// The orientation of a lattice in its body.
 #include "discretisation/lattice/lattice_direction.h"
 
 #include <numbers>
@@ -19,13 +19,13 @@ Mat3 anyRotation(std::uint64_t seed) {
   return Eigen::Quaterniond(w, x, y, z).normalized().toRotationMatrix();
 }
 
-/// How far the axes of one lattice are from those of another, names and signs apart.
+/// Angle between the axes of two lattices, apart from names and signs.
 double between(const Mat3 &a, const Mat3 &b) {
   const Mat3 cosines = (a.transpose() * b).cwiseAbs();
   return (Vec3::Ones() - cosines.rowwise().maxCoeff()).cwiseMax(0.0).cwiseSqrt().maxCoeff();
 }
 
-/// The side of a prism over a polygon, without its ends: normals are all that is asked for.
+/// The lateral surface of a prism over a polygon, without its ends: only the normals are used.
 BodyShape prism(int sides, double length) {
   BodyShape shape;
   shape.volume = 1.0;
@@ -58,7 +58,7 @@ TEST_CASE("a lattice lies along the faces of its body however that is turned") {
     CHECK(axes.determinant() > 0.0);
     CHECK(between(axes, turn) < 1e-6);
     if (seed > 5) continue;
-    // Every cell is whole again, as where it fits.
+    // Every cell is whole again, as for the aligned box.
     const LatticeBody oblique = filled(body, withSpacing(0.01));
     CHECK(oblique.positions.size() == straight.positions.size());
     CHECK(oblique.stencils.pointCount() == straight.stencils.pointCount());

@@ -86,7 +86,7 @@ TEST_CASE("cells at the surface are refined on their own") {
   const LatticeBody body = filled(shape, sampling);
   double largest = 0.0;
   for (std::size_t q = 0; q < body.pointCentres.size(); ++q) {
-    // A cell of 5 mm cannot hold more, nor one that is cut be larger.
+    // A cell of 5 mm cannot contain more, nor can a cut cell be larger.
     if (std::abs(body.pointCentres[q].norm() - 0.05) < 0.003)
       CHECK(body.stencils.volumes[q] < 1.02 * 0.005 * 0.005 * 0.005);
     largest = std::max(largest, body.stencils.volumes[q]);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// Of the sum of the two smallest singular values, the smaller one with the sign of det F: zero where R is not unique.
+// The sum of the two smallest singular values, the smaller one with the sign of det F: zero where R is not unique.
 double distanceFromKink(const Mat3 &F) {
   const Vec3 s = Eigen::JacobiSVD<Mat3>(F).singularValues();
   return s[1] + std::copysign(s[2], F.determinant());
@@ -27,7 +27,7 @@ bool differentiable(MaterialLaw law, const Mat3 &F) {
   return !turns || distanceFromKink(F) > 0.1;
 }
 
-// Stretched, squeezed, mirrored; stretches 0.4 to 2.5.
+// Stretched, compressed, mirrored; stretches 0.4 to 2.5.
 std::vector<Mat3> variousGradients(int each) {
   shapes::Random random(11);
   std::vector<Mat3> all;
@@ -59,7 +59,8 @@ Eigen::Matrix<double, 9, 9> tangentMatrix(const Material &material, const Mat3 &
   return A;
 }
 
-// Largest a⊗n : A : a⊗n by turns of a and n, from several starts: climbs to local maxima, so never above the truth.
+// Largest a⊗n : A : a⊗n by alternating over a and n, from several starts: climbs to local maxima, so never above the
+// true maximum.
 double largestWaveModulus(const Eigen::Matrix<double, 9, 9> &A, shapes::Random &random) {
   double largest = 0.0;
   for (int start = 0; start < 6; ++start) {
@@ -196,7 +197,7 @@ TEST_CASE("rotations of every angle have no stress, half turns too") {
         // lambda = 9 mu times a few units of round-off in R itself.
         CHECK(firstPiolaStress(material, R).norm() < 1e-11 * material.youngsModulus);
         CHECK(std::abs(energyDensity(material, R)) < 1e-11 * material.youngsModulus);
-        // A turning body is not strained further: dF = [w]x R changes nothing but the direction of P = 0.
+        // A rotating body is not strained further: dF = [w]x R changes only the direction of P = 0.
         Mat3 spin;
         spin << 0, -0.3, 0.2, 0.3, 0, -0.7, -0.2, 0.7, 0;
         CHECK(stressDifferential(material, R, spin * R).norm() < 1e-11 * material.youngsModulus);
@@ -311,7 +312,7 @@ TEST_CASE("squashed, mirrored and scrambled states flow back to rest, downhill a
       const Vec3 starts[] = {{1, 1, 0.05},       {1, 1, 0},    {1, 1, -1},    {1, 0, 0},
                              {0.01, 0.01, 0.01}, {-1, -1, -1}, {2, 0.5, -0.7}};
       for (const Vec3 &s : starts) {
-        // A little off, because states of perfect symmetry are saddles.
+        // Slightly perturbed, because states of perfect symmetry are saddles.
         const Mat3 F = Mat3(s.asDiagonal()) + 1e-3 * any(random);
         const Flow flow = gradientFlow(material, F, 6000);
         CHECK(flow.downhill);
@@ -335,7 +336,7 @@ TEST_CASE("St. Venant-Kirchhoff rests mirrored, only volume stiffness pushes it 
   const Mat3 mirror = Vec3(1, 1, -1).asDiagonal();
   CHECK(firstPiolaStress(material, mirror).norm() == 0.0);
   CHECK(energyDensity(material, mirror) == 0.0);
-  // It flows back from flat states, on the side it happens to be on.
+  // It recovers from flat states, to the side it happens to be on.
   const Mat3 squashedInside = Vec3(1, 1, -0.2).asDiagonal();
   CHECK(gradientFlow(material, squashedInside, 4000).F.determinant() < -0.99);
   material.volumeStiffness = 4.0 * material.youngsModulus;
@@ -349,7 +350,7 @@ TEST_CASE("volume stiffness adds to the bulk modulus, alone") {
     const double e = 1e-6;
     const Mat3 swollen = (1.0 + e) * Mat3::Identity();
     CHECK_THAT(firstPiolaStress(material, swollen)(1, 1), WithinRel(3.0 * e * material.bulkModulus(), 1e-5));
-    // Simple shear keeps the volume: to the bit, but for the round-off of J.
+    // Simple shear preserves the volume: to the bit, but for the round-off of J.
     const Material plain = lawOf(law, 5000.0, 0.3);
     CHECK((firstPiolaStress(material, shear(0.5)) - firstPiolaStress(plain, shear(0.5))).norm() < 1e-12 * 5000.0);
   }
@@ -393,7 +394,7 @@ TEST_CASE("the tangent ratio is never below the stiffness it stands for, and one
           const double truth = std::max(largestWaveModulus(A, random) / restWave, all / restAll);
           const double ratio = tangentRatio(material, F);
           CHECK(ratio >= truth * (1.0 - 1e-9));  // round-off of the eigenvalues
-          // Nor far above it: the stable step suffers with the root.
+          // Nor far above it: the stable step decreases with the square root.
           if (!(F.determinant() < 0.0)) CHECK(ratio <= 2.2 * std::max(1.0, truth));
         }
       }

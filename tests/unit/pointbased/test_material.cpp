@@ -20,7 +20,7 @@ TEST_CASE("the first Piola stress is the derivative of the energy density") {
   shapes::Random random(1);
   for (const MaterialLaw law : {MaterialLaw::stVenantKirchhoff, MaterialLaw::neoHookean}) {
     const Material material{law, 5000.0, 0.4, 1000.0, 0.0};
-    // Sizes up to 1.5 include inverted gradients, where the continuation below kNeoHookeanSwitch is at work.
+    // Sizes up to 1.5 include inverted gradients, where the continuation below kNeoHookeanSwitch is active.
     for (const double size : {0.05, 0.4, 1.5}) {
       for (int sample = 0; sample < 20; ++sample) {
         const Mat3 F = randomGradient(random, size);
@@ -52,7 +52,7 @@ TEST_CASE("a rotation has neither stress nor energy") {
 }
 
 TEST_CASE("a small uniaxial stretch with free sides answers with Young's modulus") {
-  // Not with four times it, as the formulas of the 2004 paper and the thesis do.
+  // Not with four times the modulus, as in the formulas of the 2004 paper and the thesis.
   for (const MaterialLaw law : {MaterialLaw::stVenantKirchhoff, MaterialLaw::neoHookean}) {
     const Material material{law, 5000.0, 0.3, 1000.0, 0.0};
     const double e = 1e-6;
@@ -94,7 +94,7 @@ TEST_CASE("the neo-Hookean law of a negative Poisson's ratio has the moduli it s
       CHECK_THAT(P.cwiseProduct(dF).sum(), WithinAbs(slope, 1e-5 * (P.norm() + material.youngsModulus)));
     }
   }
-  // It is the other one at nu = 0.
+  // Identical to the other law at nu = 0.
   const Mat3 F = Vec3(0.7, 1.2, 0.9).asDiagonal();
   const Material zero{MaterialLaw::neoHookean, 5000.0, 0.0, 1000.0, 0.0},
       below{MaterialLaw::neoHookean, 5000.0, -1e-9, 1000.0, 0.0};

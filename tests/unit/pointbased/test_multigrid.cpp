@@ -28,7 +28,7 @@ Constitution tissue(double poissonRatio) {
   return {{{MaterialLaw::neoHookean, 1e4, poissonRatio, 1000.0}}, kLatticeStabilisation};
 }
 
-/// The tangent stiffness of a body that is deformed evenly with its V-cycle; phyxels with x < 0 at rest held.
+/// The tangent stiffness of an evenly deformed body with its V-cycle; phyxels with x < 0 at rest are held.
 struct Problem {
   LatticeBody body;
   Constitution constitution;
@@ -95,25 +95,25 @@ struct Problem {
 
 Problem beam(double spacing, double poissonRatio, const ParallelFor &parallelFor = serialFor(),
              const Mat3 &F = Mat3::Identity()) {
-  // Off the lattice by a part of a cell, so that the skin cuts it.
+  // Offset from the lattice by a fraction of a cell, so that the skin cuts it.
   const BodyShape shape =
       lattice_cases::shifted(lattice_cases::box(Vec3(0, 0, 0), Vec3(0.2, 0.05, 0.04)), spacing, Vec3(0.0, 0.3, 0.6));
   return {lattice_cases::filled(shape, lattice_cases::withSpacing(spacing)), poissonRatio, parallelFor, 0.0, F};
 }
 
-/// Held where x < 0, as a beam is.
+/// Held where x < 0, as the beam is.
 LatticeBody ball(double spacing) {
   return lattice_cases::filled(lattice_cases::ball(Vec3(0.03, 0, 0), 0.04), lattice_cases::withSpacing(spacing));
 }
 
-/// Of an evenly deformed ball that nothing holds.
+/// Of an evenly deformed free ball.
 Problem freeBall(const Mat3 &F) {
   LatticeBody body = ball(0.01);
   body.origin[0] += 1.0;
   return {std::move(body), 0.3, serialFor(), 0.0, F};
 }
 
-/// Raised when it is asked for the `last` time.
+/// Raised at the `last` check.
 class RaisedAt final : public StopRequest {
  public:
   explicit RaisedAt(int last) : last_(last) {}
@@ -140,7 +140,7 @@ TEST_CASE("coarser lattices carry every affine motion to the phyxels", "[multigr
   for (std::size_t l = 0; l + 1 < hierarchy->levels.size(); ++l) {
     const GridLevel &fine = hierarchy->levels[l], &coarse = hierarchy->levels[l + 1];
     CHECK(coarse.nodes() < fine.nodes());
-    // Where the parents are follows from the children, by least squares: then every child lies where they say.
+    // Positions of the parents from the children, by least squares: then every child is where they predict.
     Eigen::MatrixXd P =
         Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(fine.nodes()), static_cast<Eigen::Index>(coarse.nodes()));
     for (std::size_t i = 0; i < fine.nodes(); ++i) {
@@ -187,7 +187,7 @@ TEST_CASE("no coarser lattice couples across a gap", "[multigrid]") {
   const LatticeBody body = lattice_cases::filled(shape, lattice_cases::withSpacing(h));
   REQUIRE(body.components == 2);
   const auto hierarchy = hierarchyOf(body);
-  // Which bar a node belongs to, from the phyxels on.
+  // Bar of each node, from the phyxels on.
   std::vector<int> bar(body.positions.size());
   for (std::size_t q = 0; q < body.stencils.pointCount(); ++q)
     for (const Index i : body.stencils.phyxels.row(q))
@@ -221,7 +221,7 @@ TEST_CASE("a V-cycle is symmetric and positive", "[multigrid]") {
     CHECK(std::abs(product(Ma, b) - product(a, Mb)) < 1e-4 * std::sqrt(product(Ma, a) * product(Mb, b)));
     CHECK(product(Ma, a) > 0.0);
     CHECK(product(Mb, b) > 0.0);
-    // The matrix is, to the last bit: else rounding to sixteen bits makes 1e-8 of it, which counts near
+    // The matrix is symmetric, to the last bit: otherwise rounding to sixteen bits makes 1e-8 of it, which counts near
     // incompressibility.
     problem.grid.multiply(a, Ma);
     problem.grid.multiply(b, Mb);
@@ -268,7 +268,7 @@ TEST_CASE("what rounding takes from the blocks of a row is no force of a transla
   std::vector<Vec3> ofNoise(noise.size()), ofMoved(noise.size());
   problem.grid.multiply(noise, ofNoise);
   problem.grid.multiply(moved, ofMoved);
-  // 1.3e-7 were measured, what is lost to float; 1e-5 where it is not given back.
+  // 1.3e-7 were measured, the loss by float; 1e-5 where it is not compensated.
   CHECK(std::abs(product(moved, ofMoved)) < 1e-6 * product(noise, ofNoise));
 }
 
@@ -279,7 +279,7 @@ TEST_CASE("the making of coarser lattices ends when somebody asks for it", "[mul
   };
   const RaisedAt never(1 << 30);
   CHECK(made(never) != nullptr);
-  // Some microseconds of every phyxel, so a look in milliseconds.
+  // Some microseconds per phyxel, so one check every few milliseconds.
   const int looks = never.asked();
   CHECK(looks > static_cast<int>(body.positions.size() / 500));
   for (const int k : {1, looks / 2, looks}) {
@@ -313,8 +313,8 @@ TEST_CASE("factors of the stiffness make the stiffness at rest", "[multigrid]") 
 TEST_CASE("factors of a stretched body make its tangent stiffness", "[multigrid]") {
   const Mat3 turn = Eigen::AngleAxisd(1.1, Vec3(1, 2, -1).normalized()).toRotationMatrix();
   Problem problem = freeBall(turn * Vec3(1.9, 0.92, 0.9).asDiagonal());
-  // Of even strains, which have no modes; the stiffness of small strains about the rotation is 2.3 times that along the
-  // stretch.
+  // Of uniform strains, which have no modes; the stiffness of small strains about the rotation is 2.3 times that along
+  // the stretch.
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k) {
       std::vector<Vec3> u(problem.held.size(), Vec3::Zero()), near(u.size()), exact(u.size());
@@ -328,7 +328,7 @@ TEST_CASE("factors of a stretched body make its tangent stiffness", "[multigrid]
 
 TEST_CASE("factors are positive where the tangent stiffness is not", "[multigrid]") {
   Problem problem = freeBall(Vec3(0.45, 1.0, 1.0).asDiagonal());
-  // Pressed along x, it gains by turning about y.
+  // Compressed along x, it lowers its energy by rotating about y.
   std::vector<Vec3> u, near(problem.held.size()), exact(problem.held.size());
   for (std::size_t j = 0; j < problem.held.size(); ++j)
     u.push_back(Vec3::UnitY().cross(problem.body.positions[j] + problem.displacements[j]));

@@ -27,7 +27,7 @@ void addBlock(Triplets &out, std::size_t i, std::size_t j, const Mat3 &m) {
 
 Mat3 outer(const Vec3 &v) { return v * v.transpose(); }
 
-// What the problems below have in common: a Hessian that is assembled anyway, and counters.
+// Common base of the problems below: an assembled Hessian, and counters.
 class Assembled : public IncrementalPotential {
  public:
   [[nodiscard]] std::size_t phyxels() const override { return u_.size(); }
@@ -74,7 +74,7 @@ class Assembled : public IncrementalPotential {
   std::vector<Vec3> u_;
 
  private:
-  Matrix exact_;  // of the present state, if `current_`
+  Matrix exact_;  // of the current state, if `current_`
   bool current_ = false;
 };
 
@@ -117,7 +117,7 @@ class GridProblem : public Assembled {
 };
 
 // A column of springs along x whose ends are pushed together, with bending stiffness and a guide that is softer in y
-// than in z: the straight state is a saddle, the column gives way in y.
+// than in z: the straight state is a saddle, the column buckles in y.
 class Column : public Assembled {
  public:
   explicit Column(std::size_t n) : Assembled(n) {
@@ -197,12 +197,12 @@ class Column : public Assembled {
   }
 };
 
-// Σ 1/2 |u - a|² - log(1 - |u|²) per phyxel with a far outside of the unit ball; outside it does not exist.
+// Σ 1/2 |u - a|² - log(1 - |u|²) per phyxel with a far outside of the unit ball; undefined outside it.
 class Walled : public Assembled {
  public:
   explicit Walled(std::size_t n) : Assembled(n) {}
   Vec3 target = Vec3(30, 40, 0);
-  bool silent = false;  // answers with an energy that is not finite instead of refusing
+  bool silent = false;  // returns an energy that is not finite instead of an error
   double largest = 1.0;
 
   [[nodiscard]] double energy() override {
@@ -276,7 +276,7 @@ TEST_CASE("a complete factorisation of a quadratic solves it in one or two linea
   NewtonSolver solver;
   const NewtonResult result = solver.solve(problem, u, with(Preconditioner::factorised));
   CHECK(result.good());
-  CHECK(result.iterations <= 3);  // the factor has seven digits: 1, 1e-6, 1e-12 of the way left
+  CHECK(result.iterations <= 3);  // the factor has seven digits: 1, 1e-6, 1e-12 of the distance remain
   CHECK(result.linearIterations <= 2 * result.iterations);
   CHECK(result.factorisations == 1);
 }
@@ -296,7 +296,7 @@ TEST_CASE("prescribed phyxels stay where they are, bit for bit, and the rest fol
     const NewtonResult result = solver.solve(problem, u, with(p));
     CHECK(result.good());
     std::vector<Vec3> g(u.size());
-    problem.gradient(g);  // the problem has been left at u
+    problem.gradient(g);  // the problem is left at u
     double heldForce = 0.0;
     for (std::size_t i = 0; i < u.size(); ++i) {
       if (problem.held[i] != 0) {
@@ -332,9 +332,9 @@ TEST_CASE("a pressed column gives way although its Hessian is not positive there
       sag = std::max(sag, std::abs(u[i][1]));
       aside = std::max(aside, std::abs(u[i][2]));
     }
-    CHECK(sag > Column::kLength);  // the arc of a chord 5 % shorter stands out by about 0.2 of its length
+    CHECK(sag > Column::kLength);  // the arc of a chord 5 % shorter has a sag of about 0.2 of its length
     CHECK(aside < 1e-6);
-    if (u[10][1] < 0.0)  // either side is as good
+    if (u[10][1] < 0.0)  // both sides are equivalent
       for (Vec3 &v : u) v[1] = -v[1];
     found.push_back(u);
   }
@@ -460,7 +460,7 @@ TEST_CASE("no step is longer than the problem allows") {
   CHECK(result.outcome == NewtonOutcome::iterationLimit);
   CHECK(result.lastStep > 0.0);
   CHECK(result.lastStep == Approx(0.25 * problem.asked));
-  // All steps are cut, so none of them may count as the last; the residual must do.
+  // All steps are cut, so none of them may count as the last; only the residual may.
   settings.maxIterations = 200;
   settings.toleranceForce = 1e-9;
   CHECK(solver.solve(problem, u, settings).good());
@@ -491,7 +491,7 @@ TEST_CASE("out of iterations, the worst phyxel and its residual are named") {
 }
 
 namespace {
-// An energy that does not belong to its gradient: nothing can be gained along it.
+// An energy that is inconsistent with its gradient: it cannot decrease along it.
 class Deceitful : public GridProblem {
  public:
   Deceitful() : GridProblem(3) {}
@@ -506,7 +506,7 @@ TEST_CASE("where no step helps, the solver says so and goes nowhere") {
   NewtonSolver solver;
   const NewtonResult result = solver.solve(problem, u, {});
   CHECK(result.outcome == NewtonOutcome::noDescent);
-  CHECK(difference(u, before) < 1e-7);  // the tolerance: no step that matters
+  CHECK(difference(u, before) < 1e-7);  // the tolerance: no significant step
   std::vector<Vec3> g(u.size());
   problem.gradient(g);
   CHECK(g[result.worst].norm() == Approx(result.residual));
@@ -531,7 +531,7 @@ TEST_CASE("a minimum is recognised without moving anything") {
   std::vector<Vec3> u(problem.phyxels());
   for (std::size_t i = 0; i < u.size(); ++i) u[i] = truth.segment<3>(static_cast<Eigen::Index>(3 * i));
   NewtonSolver solver;
-  // The residual is round-off, so it cannot fall by much; the step is far below the tolerance all the same.
+  // The residual is round-off, so it cannot fall by much; the step is still far below the tolerance.
   const NewtonResult near = solver.solve(problem, u, with(Preconditioner::blockJacobi));
   CHECK(near.good());
   CHECK(near.iterations <= 2);
@@ -565,7 +565,7 @@ TEST_CASE("a factorisation is kept as long as it serves and renewed when it does
   CHECK(solver.solve(problem, u, with(Preconditioner::factorised)).factorisations == 1);
   CHECK(problem.assemblies == 1);
 
-  // The same matrix, other loads: kept.
+  // The same matrix, other loads: the preconditioner is kept.
   for (int i = 0; i < 5; ++i) {
     problem.load *= -1.5;
     const NewtonResult result = solver.solve(problem, u, with(Preconditioner::factorised));
@@ -574,7 +574,7 @@ TEST_CASE("a factorisation is kept as long as it serves and renewed when it does
   }
   CHECK(problem.assemblies == 1);
 
-  // A very different matrix: worth a new one, soon; after it the solves are as short as they were.
+  // A very different matrix: a new preconditioner pays off soon; afterwards the solves are as short as before.
   GridProblem other(8, 1e-3);
   int factorisations = 0;
   NewtonResult last;
@@ -587,7 +587,7 @@ TEST_CASE("a factorisation is kept as long as it serves and renewed when it does
   CHECK(factorisations == 1);
   CHECK(last.linearIterations <= 2 * last.iterations);
 
-  // Other phyxels are held, another size, or it is told to forget: a new one at once.
+  // Other held phyxels, another size, or a reset: a new one at once.
   problem.held.assign(problem.phyxels(), 0);
   problem.held[7] = 1;
   CHECK(solver.solve(problem, u, with(Preconditioner::factorised)).factorisations == 1);
@@ -646,7 +646,7 @@ TEST_CASE("a repeated solve has the same bits and the same counts") {
       NewtonSettings settings = with(p);
       settings.maxIterations = 100;
       counts[run] = solver.solve(column, u, settings);
-      // Another start with what the solver kept.
+      // Another start with the retained data of the solver.
       u[15][1] += 0.05;
       const NewtonResult again = solver.solve(column, u, settings);
       counts[run].linearIterations += again.linearIterations;

@@ -34,7 +34,7 @@ struct Voxels {
     for (std::size_t v = 0; v < fill.size(); ++v) total += static_cast<double>(fill[v]) * middle(v);
     return total * voxelVolume() / volume();
   }
-  /// ∫ (x - c)(x - c)^T dV of voxels that are filled evenly.
+  /// ∫ (x - c)(x - c)^T dV of evenly filled voxels.
   [[nodiscard]] Mat3 secondMoments() const {
     Mat3 total = volume() / 12.0 * steps * steps.transpose();
     const Vec3 c = centroid();
@@ -50,7 +50,7 @@ struct Voxels {
   }
 };
 
-// A grid about a point, filled where a function of the place says so.
+// A grid about a point, filled by a function of the position.
 template <class Inside>
 Voxels voxels(std::array<std::size_t, 3> size, const Vec3 &centre, const Mat3 &steps, const Inside &inside) {
   Voxels v;
@@ -82,7 +82,7 @@ Mat3 secondMoments(const LatticeBody &body) {
   return total;
 }
 
-// Tr ∫ (x - c)(x - c)^T dV as the evaluation points see it.
+// Tr ∫ (x - c)(x - c)^T dV by the evaluation points.
 double spreadOf(const LatticeBody &body, const Vec3 &c) {
   double total = 0.0;
   for (std::size_t q = 0; q < body.pointCentres.size(); ++q)
@@ -123,7 +123,7 @@ TEST_CASE("a ball of voxels keeps volume, centre and second moments at any spaci
       const LatticeBody body = filled(grid.voxels.shape(), withSpacing(spacing));
       checkSound(body, grid.voxels);
       CHECK(body.components == 1);
-      // Masses have the inertia of a true ball's on this lattice.
+      // Masses have the inertia of a true ball on this lattice.
       const Mat3 wanted = secondMoments(filled(ball(centre, 0.05), withSpacing(spacing)));
       CHECK((secondMoments(body) - wanted).norm() < 0.02 * wanted.norm());
     }
@@ -158,7 +158,7 @@ TEST_CASE("parts of voxels count as parts") {
   for (const double spacing : {0.007, 0.004}) {
     const LatticeBody body = filled(sheet.shape(), withSpacing(spacing));
     INFO("sheet, spacing " << spacing);
-    // Parts of less than a fiftieth of a cell are dropped, and this is the stuff they are made of.
+    // Parts of less than a fiftieth of a cell are dropped, and this sheet consists of such parts.
     CHECK_THAT(body.countedVolume, WithinRel(sheet.volume(), 0.1));
     CHECK_THAT(sum(body.volumes), WithinRel(sheet.volume(), 1e-12));
     CHECK(body.components == 1);
@@ -175,7 +175,7 @@ TEST_CASE("plates and bars of one voxel stay in one piece with their volume") {
       const Vec3 y = turn.transpose() * x;
       return std::abs(y[1]) < 0.001 && std::abs(y[2]) < 0.001 ? 1.0 : 0.0;
     });
-    // A plate that runs obliquely through its voxels, one to two thick.
+    // An oblique plate through its voxels, one to two thick.
     const Vec3 n = Vec3(0.3, 0.5, 1.0).normalized();
     const auto slanted = voxels({50, 50, 40}, Vec3::Zero(), steps,
                                 [&](const Vec3 &x) { return std::abs(n.dot(x)) < 0.0025 ? 1.0 : 0.0; });
@@ -183,7 +183,7 @@ TEST_CASE("plates and bars of one voxel stay in one piece with their volume") {
       for (const double spacing : {0.01, 0.006, 0.0035}) {
         INFO("volume " << v->volume() << ", spacing " << spacing);
         const LatticeBody body = filled(v->shape(), withSpacing(spacing));
-        // Of what is so thin, parts of less than a fiftieth of a cell are dropped before the rest is scaled.
+        // Of such a thin body, parts of less than a fiftieth of a cell are dropped before the rest is scaled.
         CHECK_THAT(body.countedVolume, WithinRel(v->volume(), v == &bar ? 0.2 : 0.02));
         CHECK_THAT(sum(body.volumes), WithinRel(v->volume(), 1e-12));
         CHECK(body.components == 1);
@@ -243,7 +243,7 @@ TEST_CASE("distances never reach beyond the border, and end on it") {
     }
     if (true_ > 1e299) continue;
     CHECK(distance <= true_ * (1.0 + 1e-6) + 1e-12);
-    // Between the middles of two voxels nothing is lost but their half diagonals.
+    // Between the centres of two voxels the error is at most their half diagonals.
     if (inside > 0.5) CHECK(distance >= true_ - 0.003);
     if (true_ < 0.0005) {
       CHECK_THAT(distance, WithinAbs(true_, 1e-9));
@@ -269,7 +269,7 @@ TEST_CASE("a cantilever of voxels bends, and sags by its weight, as the one in a
     CHECK(meshed.held[0].phyxels.size() == voxelised.held[0].phyxels.size());
     const double tip = solveLinear(meshed, mesh, end, Vec3(0, 0, -0.1)).tip;
     const double voxelTip = solveLinear(voxelised, v.shape(skin), end, Vec3(0, 0, -0.1)).tip;
-    // Small cells of a mesh know the nearer face alone, at the beam's edges too: they count 0.3 % too much there.
+    // Small cells of a mesh use only the nearer face, at the beam's edges too: they count 0.3 % too much there.
     CHECK_THAT(voxelTip, WithinRel(tip, 0.006));
   }
 

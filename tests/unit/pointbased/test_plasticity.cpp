@@ -99,7 +99,7 @@ TEST_CASE("loading, unloading and reloading follow perfect plasticity in tension
       }
       e = target;
     }
-    // What is left when let go: the state without stress is the plastic one.
+    // The remaining deformation after release: the stress-free state is the plastic one.
     CHECK_THAT(expectedPlastic, WithinRel(0.3 - yieldStrain, 1e-12));
     CHECK(elastoplasticStress(neoHookean(), mode.at(expectedPlastic), inverse).norm() < 1e-9 * 6000.0);
     const double there = 0.5 - yieldStrain, back = 0.5 - 0.1 - 2.0 * yieldStrain, again = 0.3 - 0.1 - 2.0 * yieldStrain;
@@ -165,7 +165,7 @@ TEST_CASE("flow keeps the volume over 100 000 random steps") {
 TEST_CASE("how much flows does not depend on the step") {
   for (const double creep : {0.05, 0.5, 0.95}) {
     const Plasticity plastic{0.03, creep, 1.0 / 60.0, Plasticity::kNever};
-    // Held: exact.
+    // Constant: exact.
     const auto held = [&](int steps) {
       Mat3 inverse = Mat3::Identity();
       for (int k = 0; k < steps; ++k) plasticFlow(plastic, shear(0.4), 0.05 / steps, inverse);
@@ -189,7 +189,7 @@ TEST_CASE("how much flows does not depend on the step") {
 
 TEST_CASE("flow never gives energy") {
   shapes::Random random(44);
-  // The corotated law loses its force on the way to collapse, where stretch and stress no longer have the same order.
+  // The corotated law loses its force on the path to collapse, where stretch and stress no longer have the same order.
   struct Range {
     MaterialLaw law;
     double stretch;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a caller gets wrong is said with the function and what it expects, before anything is read or written.
+// Errors of the caller are reported with the function and its precondition, before anything is read or written.
 #include <stdexcept>
 
 #include "contact_cases.h"
@@ -10,7 +10,7 @@ using namespace pointbased;
 
 namespace {
 
-/// Broken preconditions are exceptions as long as it lives.
+/// Broken preconditions throw exceptions during its lifetime.
 class Thrown {
  public:
   Thrown()
@@ -148,8 +148,8 @@ TEST_CASE("A hand holds phyxels that there are") {
   grab.phyxels = {0, count - 1};
   grab.weights = {1.0};
   CHECK_THAT(brokenBy([&] { simulator.setGrab(id, grab); }), Contains("one weight per grabbed phyxel"));
-  CHECK(simulator.body(id)->hands.empty());
+  CHECK(simulator.body(id)->grabs.empty());
   grab.weights = {0.5, 0.5};
   simulator.setGrab(id, grab);
-  CHECK(simulator.body(id)->hands.size() == 1);
+  CHECK(simulator.body(id)->grabs.size() == 1);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spheres and capsules on a path: their surfaces, their ways, and what tissue does to them.
+// Spheres and capsules on a path: their surfaces, their motion, and the reaction of tissue.
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -33,7 +33,7 @@ SurfacePoint closestOf(const Obstacle &obstacle, const Vec3 &x) {
   return out;
 }
 
-// A block on the ground that it is fixed to.
+// A block that is fixed to the ground.
 std::unique_ptr<Body> fixedBlock(const Vec3 &half, double height, LatticeSampling sampling, double viscosity = 0.0,
                                  int squares = 8) {
   BodyShape shape = box(Vec3(-half[0], 0, -half[2]), Vec3(half[0], height, half[2]));
@@ -97,7 +97,7 @@ TEST_CASE("the surface of a sphere and of a capsule is where its formula says, f
     CHECK(std::abs(near.normal.norm() - 1.0) < 1e-12);
     CHECK(std::abs(distance(x - near.distance * near.normal)) < 1e-7);
     inside += near.distance < 0.0 ? 1 : 0;
-    // The first change of sign along the way.
+    // The first change of sign along the path.
     double first = -1.0;
     for (int k = 0; k < 1000 && first < 0.0; ++k)
       if ((closestOf(tool, x + k / 1000.0 * (y - x)).distance < 0.0) !=
@@ -106,7 +106,7 @@ TEST_CASE("the surface of a sphere and of a capsule is where its formula says, f
     Vec3 normal = Vec3::Zero();
     const double t = tool.crossing(x, y, normal);
     if (first < 0.0) {
-      // What grazes it within a thousandth of the way is not seen by the loop.
+      // The loop misses grazing contact within a thousandth of the path.
       if (t >= 0.0) CHECK(distance(x + t * (y - x)) > -1e-6);
       continue;
     }
@@ -116,7 +116,7 @@ TEST_CASE("the surface of a sphere and of a capsule is where its formula says, f
   }
   CHECK(inside > 2);
   CHECK(met > 30);
-  // Along its axis, and where nobody can say which way is out.
+  // Along its axis, and where the outward direction is undefined.
   Vec3 normal;
   const double t = tool.crossing(middle - 0.1 * axis, middle + 0.1 * axis, normal);
   CHECK_THAT(t, WithinRel((0.1 - radius - 0.5 * length) / 0.2, 1e-9));
@@ -192,7 +192,7 @@ TEST_CASE("Hertz: the force on a sphere that is pressed into a block") {
   CHECK_THAT(touch.force[1], WithinRel(hertz, 0.05));
   CHECK(std::hypot(touch.force[0], touch.force[2]) < 1e-3 * hertz);
   CHECK(touch.depth < 0.05 * depth);
-  // What is pressed in comes out at the ground.
+  // The pressing force is balanced at the base.
   const std::vector<Reaction> reactions = simulator.reactions(id);
   REQUIRE(reactions.size() == 1);
   CHECK((reactions[0].force - touch.force).norm() < 0.01 * hertz);
@@ -200,7 +200,7 @@ TEST_CASE("Hertz: the force on a sphere that is pressed into a block") {
 
 TEST_CASE(
     "a tool is pushed back with the same force in explicit, implicit and static solutions, and as by the ground") {
-  // 0.4 mm/s, and then it waits for what still swings.
+  // 0.4 mm/s, and then a pause until the oscillation decays.
   const Vec3 from(0, 0.051, 0), to(0.002, 0.048, 0);
   const double friction = GENERATE(0.0, 0.3);
   CAPTURE(friction);
@@ -233,10 +233,10 @@ TEST_CASE(
     const std::vector<Reaction> reactions = simulator.reactions(id);
     REQUIRE(reactions.size() == 1);
     CHECK((reactions[0].force - touch.force).norm() < 0.02 * touch.force.norm());
-    // It also goes to the side, where the block holds it back, the more with friction.
+    // It also moves sideways, where the block resists, more strongly with friction.
     CHECK(touch.force[0] < 0.0);
   }
-  // Impulses hold a point at the surface, the penalty lets it in: force goes with depth^1.5.
+  // Impulses hold a point at the surface, the penalty lets it in: force is proportional to depth^1.5.
   const double given = 1.0 + 1.5 * staticDepth / 0.002;
   CHECK(staticDepth < 0.0002);
   CHECK((forces.front() / given - forces.back()).norm() < 0.04 * forces.back().norm());
@@ -254,7 +254,7 @@ TEST_CASE("a capsule that turns sweeps a body aside, and what it gives the body 
   simulator.setWorld(world);
   const std::size_t id =
       simulator.addBody(latticeBox(Vec3(0.03, 0.005, -0.02), Vec3(0.07, 0.045, 0.02), 0.01, rubber(kE, 10.0)));
-  // From 9 degrees below the block to 45 degrees, about its middle.
+  // From 9 degrees below the block to 45 degrees, about its centre.
   const ProbeTool tool{
       "rod", 0.004, 0.16, 0.0, {{0.0, Vec3::Zero(), Vec3(1, -0.15, 0)}, {0.2, Vec3::Zero(), Vec3(1, 1, 0)}}};
   const std::size_t rod = simulator.addObstacle(*obstacleOf(tool));

@@ -36,7 +36,7 @@ TEST_CASE("The signed distance of a box is that of its nearest border point, ins
   const BoxRegion box{Vec3(-0.1, 0.0, 0.2), Vec3(0.3, 0.1, 0.5)};
   shapes::Random random(3);
   constexpr int n = 100;
-  // Faces are sampled every 4 mm or finer, so the nearest sample is at most 2.9 mm beside the nearest point.
+  // Faces are sampled every 4 mm or finer, so the nearest sample is at most 2.9 mm from the nearest point.
   constexpr double side = 0.0029;
   for (int k = 0; k < 60; ++k) {
     const Vec3 x = Vec3(0.1, 0.05, 0.35) + 0.4 * random.vector();

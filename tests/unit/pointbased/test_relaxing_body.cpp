@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A body that relaxes, held and stepped.
+// A relaxing body, held and stepped.
 #include <cmath>
 
 #include "pointbased/simulator.h"
@@ -14,7 +14,7 @@ namespace {
 constexpr double kLength = 0.04, kWidth = 0.02, kRamp = 0.1;  // m, m, s
 constexpr PronyTerm kTerm{0.6, 0.5};
 
-// A bar of two cells across, one end turned against the other.
+// A bar of two cells across, one end rotated against the other.
 std::unique_ptr<Body> twistedBar(const Material &material) {
   const Vec3 low(0, -kWidth / 2, -kWidth / 2), high(kLength, kWidth / 2, kWidth / 2);
   BodyShape shape = shapes::box(low, high);
@@ -60,7 +60,8 @@ WorldSettings stepping(Integrator integrator, double dt) {
 }  // namespace
 
 TEST_CASE("relaxing body: the torque of a held twist falls as G(t) with every integrator, and no step is divided") {
-  // As the elastic bar after the same time, times G(t) of a strain that grows along the ramp and stays.
+  // Equal to the elastic bar after the same time, times G(t) of a strain that grows along the ramp and then stays
+  // constant.
   Simulator elastic;
   elastic.setWorld(stepping(Integrator::implicitSdirk, 0.02));
   const std::size_t id = elastic.addBody(twistedBar(rubber()));
@@ -75,7 +76,8 @@ TEST_CASE("relaxing body: the torque of a held twist falls as G(t) with every in
     Simulator simulator;
     simulator.setWorld(stepping(integrator, integrator == Integrator::explicitVerlet ? 0.0005 : 0.02));
     const std::size_t bar = simulator.addBody(twistedBar(material));
-    // The ends hold warping, which needs some change of volume: that does not relax. Steps of 0.04 of the time: h²/12.
+    // The ends restrain warping, which needs some change of volume: that does not relax. Steps of 0.04 of the time:
+    // h²/12.
     CHECK(torqueAt(simulator, bar, t) == Approx(G * atOnce).epsilon(0.003));
     for (const SimulationEvent &event : simulator.events()) CHECK(event.kind != "smaller_step");
   }
@@ -93,7 +95,7 @@ TEST_CASE("relaxing body: what modes remember is part of the state, is kept, res
   REQUIRE(body.state().history.modes.size() == body.rest().pointCount());
   CHECK(body.state().history.modes[0].relaxed[0].norm() > 0.0);
 
-  // Looking at a step moves nothing on; making it does.
+  // Evaluating a step does not advance the history; making the step does.
   body.keepState();
   const std::uint64_t before = simulator.stateHash();
   body.computeTrialStresses(0.1, serialFor());
@@ -106,7 +108,7 @@ TEST_CASE("relaxing body: what modes remember is part of the state, is kept, res
   body.restoreState();
   CHECK(simulator.stateHash() == before);
 
-  // The trial's forces are those of the step, not of the memory at its beginning.
+  // The trial's forces are those of the step, not of the history at its beginning.
   body.computeTrialStresses(0.1, serialFor());
   body.computeInternalForces(serialFor());
   const std::vector<Vec3> trial(body.forces().begin(), body.forces().end());
@@ -121,7 +123,7 @@ TEST_CASE("relaxing body: what modes remember is part of the state, is kept, res
   CHECK(simulator.stateHash() == fresh);
   CHECK(body.state().history.modes[0].relaxed[0].isZero(0.0));
 
-  // A material that relaxes no longer forgets.
+  // A material that no longer relaxes clears its history.
   simulator.setConstitution(id, {{rubber()}, kLatticeStabilisation});
   CHECK(body.state().history.modes.empty());
 }

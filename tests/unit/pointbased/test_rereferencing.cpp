@@ -43,7 +43,7 @@ std::unique_ptr<Body> block(const Material &material, double spacing = 0.012, co
   return filledBody(shapes::box(min, max), shapes::boxSurface(min, max, 6), material, spacing, fixes, loads);
 }
 
-/// Flattened, bent, turned, and part of that flowed.
+/// Flattened, bent, rotated, and partly flowed.
 void knead(Body &body, const Mat3 &rotation = Eigen::AngleAxisd(0.7, Vec3(1, 2, -1).normalized()).toRotationMatrix()) {
   shapes::Random random(5);
   for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i) {
@@ -117,7 +117,7 @@ TEST_CASE("a renewed reference keeps stress, strain energy, mass and both moment
   CHECK(body->elasticEnergy().strain == Approx(energy).epsilon(1e-11));
   body->computeStresses(0.0, serialFor());
   for (std::size_t q = 0; q < stresses.size(); ++q) CHECK((cauchy(*body, q) - stresses[q]).norm() < 1e-10 * largest);
-  // What the control had stored is given up, never more.
+  // The energy stored in the control is released, never increased.
   CHECK(body->elasticEnergy().stabilisation < 1e-20);
 }
 
@@ -213,7 +213,7 @@ TEST_CASE("a reference is worn when flow has gone far, not when strain has") {
 
 namespace {
 
-/// A block pressed to half its height between the floor and a plate, which then goes up again.
+/// A block compressed to half its height between the floor and a plate, which then retracts.
 struct Press {
   Simulator simulator;
   std::size_t id = 0;
@@ -255,8 +255,8 @@ TEST_CASE("a clay block pressed to half its height keeps its volume and its shap
   CHECK(height.high - height.low <
         0.55 * kEdge);  // springs back by the elastic strain, 1 %, and a little at the corners
   CHECK(height.high - height.low > 0.45 * kEdge);
-  CHECK(linear(body)[0] == Approx(0.0).margin(1e-5));  // kg m/s: nothing has pushed it aside but friction,
-                                                       // whose solutions end at 5e-3 of the velocities that change
+  CHECK(linear(body)[0] == Approx(0.0).margin(1e-5));  // kg m/s: only friction has pushed it aside, whose solutions end
+                                                       // at 5e-3 of the velocities that change
 }
 
 TEST_CASE("a state that was kept before the reference was renewed is taken up with its own reference", "[checkpoint]") {
@@ -276,7 +276,7 @@ TEST_CASE("a state that was kept before the reference was renewed is taken up wi
   CHECK(body.rereferenceCount() == rereferenceCount);
   CHECK(press.simulator.stateHash() == hash);
   press.run(0.4);
-  // Forces are found anew at the start, and what flows does so once more: some nanometres of a step's 10 µm.
+  // Forces are recomputed at the start, and plastic material does so once more: some nanometres of a step's 10 µm.
   CHECK((press.simulator.probeState(press.simulator.probes()[0]).position - corner).norm() < 1e-5);
 }
 
@@ -336,10 +336,10 @@ TEST_CASE("probes, supports and gravity go on through a renewal without a jump")
     lastGravity = gravity;
   }
   CHECK(body.rereferenceCount() >= 1);
-  CHECK(jump < 1e-3);         // what it moves in a step at 0.1 m/s
-  CHECK(gravityJump < 1e-4);  // likewise, of 0.2 kg
+  CHECK(jump < 1e-3);         // its travel in a step at 0.1 m/s
+  CHECK(gravityJump < 1e-4);  // the same, of 0.2 kg
   const Vec3 lidNow = simulator.probeState(simulator.probes()[0]).position;
-  CHECK((lidNow - Vec3(0.5 * kEdge + 0.08, kEdge, 0.5 * kEdge)).norm() < 2e-3);  // patches hold softly
+  CHECK((lidNow - Vec3(0.5 * kEdge + 0.08, kEdge, 0.5 * kEdge)).norm() < 2e-3);  // patches hold compliantly
 }
 
 TEST_CASE("a follower pressure goes on with the surface it has after a renewal, a dead one with its own") {
@@ -402,8 +402,8 @@ TEST_CASE("a drop that may flow without end spreads over the floor, its volume k
     CHECK((body.rereferenceCount() > 0) == renewing);
     CHECK(height < 0.5 * 2.0 * radius);
   }
-  // What the first reference does to it: the control, which does not flow, holds nine tenths of the energy, and the
-  // step falls.
+  // The effect of the first reference: the control, which does not flow, holds nine tenths of the energy, and the step
+  // falls.
   CHECK(share[0] > 0.85);
   CHECK(share[1] < 0.8);
   CHECK(step[0] < 0.3);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lattices that are filled anew inside their present skin.
+// Lattices that are refilled inside their current skin.
 #include <cmath>
 
 #include "c3de/core/thread_pool.h"
@@ -64,7 +64,7 @@ Moments momentsOf(const Body &body) {
   return out;
 }
 
-/// Drawn out, bent and turned, half of which has flowed; spinning and stretching.
+/// Stretched out, bent and rotated, half of it flowed; spinning and stretching.
 void knead(Body &body) {
   const Mat3 R = Eigen::AngleAxisd(0.7, Vec3(1, 2, -1).normalized()).toRotationMatrix();
   for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i) {
@@ -109,7 +109,7 @@ TEST_CASE("a lattice that is filled anew keeps mass, both momenta and its skin, 
       volume += body->rest().stencils.volumes[q] * body->gradients()[q].determinant();
       rest += body->rest().stencils.volumes[q];
     }
-    CHECK(rest == Approx(0.06 * 0.06 * 0.06).epsilon(1e-3));  // without strain: what it was filled with
+    CHECK(rest == Approx(0.06 * 0.06 * 0.06).epsilon(1e-3));  // without strain: its initial volume
     INFO("spacing " << spacing << ": strain energy " << body->elasticEnergy().strain / strain << ", kinetic "
                     << body->kineticEnergy() / kinetic << ", centre of mass "
                     << (after.centre - before.centre).norm() / spacing << " spacings, volume "
@@ -181,7 +181,7 @@ TEST_CASE("a lattice drop that may flow without end spreads on, its volume and i
     CHECK(std::abs(lost[renewing]) < 0.02);  // 0.3 % of it under its weight; the rest are coarse facets that flatten
     CHECK((body.rereferenceCount() >= 2) == renewing);
   }
-  // In its first cells it is held up by the control, which does not flow, and its step falls to less than half.
+  // In its first cells it is supported by the control, which does not flow, and its step falls to less than half.
   CHECK(share[0] > 0.85);
   CHECK(step[0] < 0.5);
   CHECK(step[1] > 0.6);

@@ -39,7 +39,7 @@ TEST_CASE("phyxels lie inside and carry the part of the body around them") {
     CHECK(cloud.positions[i].norm() < 0.05);
     centre += cloud.volumes[i] * cloud.positions[i];
   }
-  // Symmetric but for points halfway between two phyxels, which go to the first of them.
+  // Symmetric except for points halfway between two phyxels, which belong to the first of them.
   CHECK(centre.norm() / shape.volume < 1e-3 * 0.05);
 }
 
@@ -55,9 +55,9 @@ TEST_CASE("The automatic count follows the thickness, from 1000 to 4000") {
   const double pi = 3.14159265358979;
   CHECK(automaticCount(4.0 / 3.0 * pi * 1e-3, 4.0 * pi * 1e-2) == 1000);  // a ball, of any size
   CHECK(automaticCount(1e-9, 6e-6) == 1000);
-  CHECK(automaticCount(0.1 * 0.1 * 0.001, 2 * 0.1 * 0.1) == 4000);  // a sheet too thin for any
+  CHECK(automaticCount(0.1 * 0.1 * 0.001, 2 * 0.1 * 0.1) == 4000);  // a sheet too thin for any sampling
   CHECK(automaticCount(1e-3, std::numeric_limits<double>::infinity()) == 1000);
-  // Sheets between the bounds: the spacing is half of the thickness, within what the rounding to whole cells leaves.
+  // Sheets between the bounds: the spacing is half of the thickness, up to the rounding to whole cells.
   for (const double thickness : {0.010, 0.012, 0.014}) {
     const auto sheet = shapes::box(Vec3(0, 0, 0), Vec3(0.1, 0.1, thickness));
     const double area = 2 * 0.1 * 0.1 + 4 * 0.1 * thickness, mean = 2.0 * sheet.volume / area;

@@ -127,7 +127,7 @@ TEST_CASE("a step that leaves the finite numbers is refused, the state before it
   Simulator simulator;
   simulator.setWorld(falling());
   const std::size_t id = simulator.addBody(organ(0.03));
-  // An obstacle that answers nonsense from some moment on: what goes wrong goes wrong inside the step.
+  // An obstacle that returns invalid values from some moment on: the failure occurs inside the step.
   bool broken = false;
   Obstacle obstacle;
   obstacle.name = "broken";
@@ -138,7 +138,7 @@ TEST_CASE("a step that leaves the finite numbers is refused, the state before it
   for (int i = 0; i < 5; ++i) REQUIRE(simulator.step());
   const std::uint64_t before = simulator.stateHash();
   const double time = simulator.time();
-  // A new obstacle is asked about every point; one that is known would only be asked about those that have moved.
+  // A new obstacle is queried for every point; a known one would only be queried for points that have moved.
   simulator.addObstacle(obstacle);
   broken = true;
   const auto failed = simulator.step();
@@ -176,7 +176,7 @@ TEST_CASE("a grabbed region follows the hand and the force vanishes on release")
   CHECK(simulator.grabStatus(id)->force[0] > 0.0);
   while (simulator.time() < 4.0) REQUIRE(simulator.step());
   CHECK((simulator.grabStatus(id)->point - grab.target).norm() < 0.005);
-  simulator.moveGrab(id, Vec3(1e6, 0, 0));  // a tool that is torn away pulls no harder
+  simulator.moveGrab(id, Vec3(1e6, 0, 0));  // a tool that is pulled far away pulls no harder
   REQUIRE(simulator.step());
   CHECK_THAT(simulator.grabStatus(id)->force.norm(), WithinRel(10.0, 1e-9));
   for (int i = 0; i < 200; ++i) REQUIRE(simulator.step());
@@ -265,7 +265,7 @@ TEST_CASE("another integrator goes on from the same positions, velocities and pl
     simulator.setWorld(world);
     CHECK(simulator.stateHash() == before);
     if (next == Integrator::quasiStatic) {
-      // A solution of its own, however long the motion before it has been.
+      // A separate solution, however long the motion before it has been.
       CHECK(simulator.loadFactor() == 0.0);
       CHECK_FALSE(simulator.finished());
       continue;
@@ -293,7 +293,7 @@ TEST_CASE("the cheaper integrator is chosen by the stiffness of the body, and an
     CHECK(implicitCost > 0.0);
     if (asked == Integrator::automatic)
       CHECK((simulator.integratorOf(id) == Integrator::implicitSdirk) == (implicitCost < explicitCost));
-    // The step that goes with it.
+    // The step that belongs to it.
     CHECK((simulator.stepSize() == kImplicitStep) == (simulator.integratorOf(id) == Integrator::implicitSdirk));
     return simulator.integratorOf(id);
   };
@@ -314,7 +314,7 @@ TEST_CASE("an automatic step is not divided by a strain of two per cent, and is 
     Body &body = *simulator.body(id);
     for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i)
       body.state().displacements[i] = stretch * body.rest().positions[i];
-    // The bound of the step is that of the forces, which are first known in the first step.
+    // The bound of the step is that of the forces, which are first computed in the first step.
     REQUIRE(simulator.step());
     CHECK(body.stableStep() < body.stableStepAtRest());
     REQUIRE(simulator.step());
@@ -327,7 +327,7 @@ TEST_CASE("an automatic step is not divided by a strain of two per cent, and is 
 
 namespace {
 
-// Swinging cubes beside one another; with the usual step on a floor.
+// Oscillating cubes next to one another; with the usual step on a floor.
 std::unique_ptr<Simulator> cubes(const std::vector<double> &moduli, Integrator integrator,
                                  const ParallelFor &parallelFor = serialFor(), double dt = 0.0) {
   auto simulator = std::make_unique<Simulator>(parallelFor);
@@ -369,7 +369,7 @@ TEST_CASE("a stiff body does not set the step of a soft one: each moves as it wo
   CHECK(same(*together->body(ids[0]), *soft->body(soft->bodyIds()[0])));
   CHECK(same(*together->body(ids[1]), *stiff->body(stiff->bodyIds()[0])));
 
-  // That it takes substeps is told where somebody has chosen the step, not where it is the soft body's.
+  // Substeps are reported where the caller has chosen the step, not where the soft body determines it.
   const auto tellsOfSubsteps = [](Simulator &simulator) {
     REQUIRE(simulator.step());
     const std::vector<SimulationEvent> &events = simulator.events();

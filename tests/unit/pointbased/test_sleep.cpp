@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies that have come to rest, and contact points that wait.
+// Bodies at rest, and contact points that are skipped.
 #include <cmath>
 
 #include "contact_cases.h"
@@ -89,7 +89,7 @@ TEST_CASE("A body that has come to rest in contact costs no evaluation of forces
     CHECK(world.simulator.changes(world.id) == changes);
     CHECK(world.evaluations() == evaluations);
     CHECK(world.simulator.steps() > steps);
-    // Of one that never sleeps it is as far as the tolerance allows: 1e-4 of the spacing within the time it is watched.
+    // A body that never sleeps moves within the tolerance: 1e-4 of the spacing during the observed time.
     World awake(restful(false, integrator));
     awake.runTo(since + 2.0);
     CHECK_FALSE(awake.simulator.asleep(awake.id));
@@ -169,7 +169,7 @@ TEST_CASE("An obstacle that begins to move wakes a body, and carries it") {
 }
 
 TEST_CASE("What moves, however little at the moment, does not sleep") {
-  // Thrown upwards it stands still for a moment; without gravity it drifts by a tenth of a millimetre in a second.
+  // Thrown upwards it is static for a moment; without gravity it drifts by a tenth of a millimetre in a second.
   WorldSettings settings = restful(true);
   settings.damping = 0.0;
   Simulator thrown;
@@ -192,7 +192,7 @@ TEST_CASE("What moves, however little at the moment, does not sleep") {
 }
 
 TEST_CASE("Points that wait have no contacts, and the others the same as if all were looked at") {
-  // A tumbling body between a floor, walls and a block that turns.
+  // A tumbling body between a floor, walls and a rotating block.
   Simulator simulator;
   WorldSettings settings;
   settings.gravity = kDown;

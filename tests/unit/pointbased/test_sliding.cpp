@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Soft blocks that slide on flat skins of other bodies: Coulomb's acceleration, whatever the triangles are.
+// Soft blocks that slide on flat skins of other bodies: Coulomb's acceleration, for any triangulation.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,7 +17,7 @@ using namespace shapes;
 
 namespace {
 
-// A closed box with its own number of rectangles along each axis; the diagonals all run alike, or alternate.
+// A closed box with its own number of rectangles along each axis; the diagonals are all parallel, or alternate.
 Surface gridBox(const Vec3 &low, const Vec3 &high, const std::array<int, 3> &n, bool alternates) {
   Surface s;
   std::map<std::array<int, 3>, Index> known;
@@ -60,7 +60,7 @@ struct Slide {
   int squaresOfBlock = 8;
   bool alternates = false, softBelow = false;
   double seconds = 1.0, modulus = 5e4;
-  double from = 0.0;    // s, from where on the speed counts
+  double from = 0.0;    // s, start of the speed measurement
   double thrown = 0.0;  // m/s, along the slope
 };
 
@@ -68,7 +68,7 @@ Mat3 about(double degrees) {
   return Eigen::AngleAxisd(degrees * std::numbers::pi / 180.0, Vec3::UnitY()).toRotationMatrix();
 }
 
-// Error of the speed gained along the slope, of the speed without friction or of that at the start.
+// Error of the speed gained along the slope, relative to the speed without friction or to the initial speed.
 double errorOfSpeed(const Slide &of) {
   const double angle = of.degrees * std::numbers::pi / 180.0;
   Simulator simulator;
@@ -83,7 +83,7 @@ double errorOfSpeed(const Slide &of) {
   BodyShape cube = inside(gridBox(Vec3(-0.03, -0.03, -0.03), Vec3(0.03, 0.03, 0.03),
                                   {of.squaresOfBlock, of.squaresOfBlock, of.squaresOfBlock}, of.alternates));
   cube = turned(cube, about(of.turn));
-  // The same block on its place above the slab.
+  // The same block at its position above the slab.
   const Vec3 lift(0, 0.0301, 0);
   BodyShape placed = cube;
   for (Vec3 &x : placed.surface.positions) x += lift;
@@ -167,7 +167,7 @@ TEST_CASE("a soft block slides on the flat skin of a soft body as on a rigid one
   of.integrator = GENERATE(Integrator::implicitSdirk, Integrator::explicitVerlet);
   of.softBelow = true;
   of.seconds = 0.5;
-  of.from = 0.1;  // the body below is set down as well
+  of.from = 0.1;  // the body below is also placed on its support
   const double error = errorOfSpeed(of);
   CAPTURE(static_cast<int>(of.integrator), error);
   CHECK(std::abs(error) < 0.02);

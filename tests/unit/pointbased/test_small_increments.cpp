@@ -41,8 +41,8 @@ WorldSettings settings(Integrator integrator, double dt, double gravity) {
   return world;
 }
 
-// Of the momentum, over the weight in units of g, of the phyxels in the upper quarter: g t in free fall, also of a held
-// body, whose phyxels have other weights than masses.
+// Mean of the momentum over the weight, in units of g, of the phyxels in the upper quarter: g t in free fall. This also
+// holds for a supported body, whose phyxels have weights other than their masses.
 Vec3 upperMean(const Body &body, std::span<const Vec3> field) {
   Vec3 sum = Vec3::Zero();
   double weight = 0.0;
@@ -56,7 +56,7 @@ Vec3 upperMean(const Body &body, std::span<const Vec3> field) {
 
 }  // namespace
 
-// c = 11 m/s: in the time of these steps no wave comes from the support, so both halves fall freely.
+// c = 11 m/s: during these steps no wave arrives from the support, so both halves fall freely.
 TEST_CASE("an increment far below the tolerance of a solution is taken, in free fall and of a held body") {
   const Integrator integrator =
       GENERATE(Integrator::implicitSdirk, Integrator::implicitMidpoint, Integrator::backwardEuler);
@@ -71,7 +71,7 @@ TEST_CASE("an increment far below the tolerance of a solution is taken, in free 
   for (int k = 0; k < kSteps; ++k) REQUIRE(simulator.step());
   const double t = kSteps * dt;
   const Body &body = *simulator.body(id);
-  // In 2 ms stresses bring 1 % of the momentum across the lower border of the quarter.
+  // In 2 ms stresses transport 1 % of the momentum across the lower border of the quarter.
   const double bound = isHeld && dt > 5e-5 ? 0.015 : 2e-3;
   const double way = integrator == Integrator::backwardEuler ? 0.5 * gravity * t * (t + dt) : 0.5 * gravity * t * t;
   CHECK_THAT(-upperMean(body, body.state().velocities).y(), WithinRel(gravity * t, bound));
@@ -100,7 +100,7 @@ TEST_CASE("a held body under a small force moves in small implicit steps as in e
   CHECK_THAT(wayWith(Integrator::implicitSdirk), WithinRel(explicitly, 5e-3));
 }
 
-// What is at rest stays so, and costs no solution.
+// A body at rest stays at rest, and costs no solution.
 TEST_CASE("a body without loads rests in implicit steps of any size, exactly") {
   const double dt = GENERATE(1e-2, 1e-5);
   Simulator simulator;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What overlaps before the first step: reported with its depth, and led out or refused.
+// Overlaps before the first step: reported with their depth, and resolved or refused.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -20,7 +20,7 @@ Obstacle tool(const Vec3 &at, double radius, double length = 0.0) {
   of.name = "tool";
   of.radius = radius;
   of.length = length;
-  ToolPlace place;
+  ToolPose place;
   place.at = at;
   place.axis = Vec3::UnitX();
   of.path = {place, place};
@@ -96,7 +96,7 @@ TEST_CASE("an obstacle that is half inside a body is led out on the side from wh
   }
   CHECK_THAT(textOf(simulator, "overlap"), Contains("'tool' overlap 19.9 mm"));
   CHECK(deepest() < 2e-4);
-  // All of it lies on the side of the body: nothing has closed around the tool.
+  // All of it is on the side of the body: nothing has closed around the tool.
   double farthest = -1.0;
   for (const Vec3 &x : simulator.body(id)->contactPositions(serialFor()))
     if (Vec3(0, x[1], x[2]).norm() < 0.012) farthest = std::max(farthest, x[0]);

@@ -60,7 +60,7 @@ TEST_CASE("shapes of cells stand for their rows, and rows come back from them") 
     for (std::size_t q = 0; q < compact.pointCount(); ++q) shaped += compact.shapeOf(q) != nullptr ? 1 : 0;
     CHECK((shaped == compact.pointCount()) == c.everyPoint);
     CHECK(shaped > compact.pointCount() / 4);
-    // Whole cells share one, but for those of moved phyxels.
+    // Whole cells share one shape, except those of moved phyxels.
     CHECK((compact.shapes.size() < shaped || c.sampling.jitter > 0.0));
 
     expandRows(compact);

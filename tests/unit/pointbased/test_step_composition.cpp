@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a step consists of: the object that says so, and the stages that really ran.
+// The composition of a step: the object that describes it, and the stages that actually ran.
 #include <algorithm>
 #include <set>
 
@@ -11,7 +11,7 @@ using namespace pointbased;
 
 namespace {
 
-/// A box in a simulator, with what is added to it.
+/// A box in a simulator, with additions.
 struct Scene {
   BodyRecipe recipe;
   Material material;
@@ -24,7 +24,7 @@ struct Scene {
 
 struct Stepped {
   std::set<std::string> said;   ///< stages of the composition that run
-  std::set<std::string> clock;  ///< stages that the clock has seen in steps
+  std::set<std::string> clock;  ///< stages that the clock has recorded in steps
   StepComposition composition;
 };
 
@@ -91,7 +91,7 @@ TEST_CASE("composition: what a scene adds, adds its stage and nothing else", "[c
   struct Addition {
     const char *stage, *why;
     std::function<void(Scene &)> add;
-    Names clock;  ///< stages of the clock that come with it
+    Names clock;  ///< stages of the clock that belong to it
   };
   const Addition additions[] = {
       {"contact", "obstacle 'block'", [](Scene &s) { s.obstacles.push_back(farPlane()); }, {"contact"}},

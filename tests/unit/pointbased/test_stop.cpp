@@ -13,7 +13,7 @@ using namespace shapes;
 
 namespace {
 
-/// Raised at a look.
+/// Raised at the given check.
 class AtLook final : public StopRequest {
  public:
   explicit AtLook(int look) : left_(look) {}
@@ -24,7 +24,7 @@ class AtLook final : public StopRequest {
   mutable std::atomic<int> left_;
 };
 
-/// Never raised; measures how long nobody has looked, in processor time: the machine may be busy with others.
+/// Never raised; measures the longest time without a check, in processor time: the machine may be busy with other work.
 class Listening final : public StopRequest {
  public:
   [[nodiscard]] bool isRaised() const noexcept override {
@@ -42,7 +42,7 @@ class Listening final : public StopRequest {
   mutable std::clock_t last_ = std::clock(), longest_ = 0;
 };
 
-/// A box that falls on the ground beside another that is pulled along by its velocity.
+/// A box that falls on the ground next to another that moves by its velocity.
 std::unique_ptr<Simulator> twoBoxes(Integrator integrator, const Material &material = rubber(2e4, 20.0)) {
   auto simulator = std::make_unique<Simulator>();
   WorldSettings world;
@@ -131,7 +131,7 @@ TEST_CASE("a step that is ended half way leaves what the material remembers") {
 }
 
 TEST_CASE("explicit steps go on with the same bits after one was ended half way") {
-  // Viscous forces at the beginning of a step are told with other velocities: there the bits are others.
+  // Viscous forces at the beginning of a step use other velocities: there the bits differ.
   const auto elastic = [] {
     auto simulator = std::make_unique<Simulator>();
     WorldSettings world;
@@ -240,7 +240,7 @@ TEST_CASE("a body in the making ends wherever it is asked to, and looks often on
     build(stop);
     CHECK(stop.longest_s() < 0.1);
 
-    // The search for the frequency is ended as well.
+    // The frequency search is also ended.
     const auto rest = buildRestState(box(Vec3::Zero(), Vec3::Constant(0.1)), recipe, {}, serialFor());
     REQUIRE(rest);
     const AtLook late(8);
@@ -298,19 +298,19 @@ TEST_CASE("of a step that was ended is said how far it came, and what fits by th
     REQUIRE(!ended);
     REQUIRE(ended.error().ended);
     CHECK(ended.error().body == 2);
-    const std::string text = simulator->whatWouldFit(ended.error(), 1e-4);
+    const std::string text = simulator->suggestAffordableStep(ended.error(), 1e-4);
     INFO(text);
     CHECK_THAT(text, Contains("125 phyxels") && Contains("measured: "));
     if (integrator == Integrator::explicitVerlet) {
       CHECK_THAT(text, Contains("solver.dt = "));
-      // Where forces take next to nothing of it, something else does.
-      CHECK_THAT(simulator->whatWouldFit(ended.error(), 100.0),
+      // Where forces take almost none of the time, something else does.
+      CHECK_THAT(simulator->suggestAffordableStep(ended.error(), 100.0),
                  Contains("its forces take only") && Contains("contact") && !Contains("solver.dt"));
     } else {
       CHECK_THAT(text, Contains(" Newton step") && Contains("sampling.count = 50 or less"));
       CHECK_THAT(text, Contains(integrator == Integrator::quasiStatic ? "solver.load_steps" : "solver.dt = 0.0021"));
-      // With time enough for explicit steps they are what is proposed first.
-      CHECK((simulator->whatWouldFit(ended.error(), 100.0).find("explicit") != std::string::npos) ==
+      // With enough time for explicit steps they are proposed first.
+      CHECK((simulator->suggestAffordableStep(ended.error(), 100.0).find("explicit") != std::string::npos) ==
             (integrator == Integrator::backwardEuler));
     }
     // Measuring changes nothing.

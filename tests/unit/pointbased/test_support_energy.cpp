@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What supports store, and the sum of all energies.
+// The energy stored in supports, and the sum of all energies.
 #include <cmath>
 
 #include "pointbased/simulator.h"
@@ -53,7 +53,7 @@ std::unique_ptr<Body> bodyOf(const Setup &setup, double spacing, MaterialLaw law
   return std::make_unique<Body>("body", *rest, Constitution{{material}, kLatticeStabilisation}, serialFor());
 }
 
-// J, of the dead loads at the present displacements.
+// J, of the dead loads at the current displacements.
 double workOfLoads(const Body &body) {
   const BoundaryConditions &conditions = body.rest().conditions;
   double work = 0.0;
@@ -97,7 +97,7 @@ TEST_CASE("strain, stabilisation and supports store half of the work of the load
         const Simulator::Energy energy = simulator.energy(id);
         const double work = workOfLoads(body) - energy.gravity, supports = supportEnergy(body);
         CHECK_THAT(energy.elastic + energy.stabilisation + supports, WithinRel(0.5 * work, 1e-3));
-        // Without them it would not be, unless phyxels on the face are held themselves.
+        // Without them it would not hold, unless phyxels on the face are held themselves.
         if (body.patches().rows() > 0)
           CHECK(supports > 1e-3 * work);
         else

@@ -98,7 +98,7 @@ TEST_CASE("A face that holds no phyxel is held in patches that cover it", "[supp
         if (e > part->rows.offsets[r]) CHECK(part->rows.indices[e] > part->rows.indices[e - 1]);
       }
       CHECK(sum == Approx(1.0).epsilon(1e-12));
-      // Affine functions: the mean of the phyxels is the centre of the patch, which lies on the surface.
+      // Affine functions: the mean of the phyxels is the centre of the patch, which is on the surface.
       CHECK(at[0] < 0.00051);
       CHECK(at[0] > -1e-12);
       mean += part->areas[r] * at;
@@ -179,17 +179,17 @@ TEST_CASE("A fix turns about x, then y, then z, through its centre, and then mov
   part.centroid = Vec3(0.1, 0, 0);
   Fix fix;
   fix.rotation_deg = Vec3(90, 0, 90);
-  // About x: y -> z; then about z: x -> y, z stays.
+  // About x: y -> z; then about z: x -> y, z unchanged.
   CHECK((motionAt(fix, part, Vec3::Zero(), 1.0).rotation * Vec3::UnitY() - Vec3::UnitZ()).norm() < 1e-15);
   CHECK((motionAt(fix, part, Vec3::Zero(), 1.0).rotation * Vec3::UnitX() - Vec3::UnitY()).norm() < 1e-15);
   fix.rotation_deg = Vec3(0, 90, 90);
   // About y: z -> x; then about z: x -> y.
   CHECK((motionAt(fix, part, Vec3::Zero(), 1.0).rotation * Vec3::UnitZ() - Vec3::UnitY()).norm() < 1e-15);
 
-  // Without a centre about the part's own, which stays but for the displacement.
+  // Without a centre, about the part's own centre, which moves only by the displacement.
   fix.displacement = Vec3(0, 0, 0.4);
   CHECK((motionAt(fix, part, Vec3(7, 7, 7), 0.5).displacementOf(part.centroid) - Vec3(0, 0, 0.2)).norm() < 1e-15);
-  // A centre is given in the world.
+  // A centre is in world coordinates.
   fix.centre = Vec3(1, 2, 3);
   const Vec3 origin(0.5, 0.5, 0.5);
   CHECK((motionAt(fix, part, origin, 0.5).displacementOf(*fix.centre - origin) - Vec3(0, 0, 0.2)).norm() < 1e-15);
@@ -264,7 +264,7 @@ TEST_CASE("A force in a region without surface acts on the volume, a pressure is
   const auto refused = beam.load(load);
   REQUIRE_FALSE(refused);
   CHECK_THAT(refused.error(), Contains("surface"));
-  // Shares follow the volumes.
+  // Shares are proportional to the volumes.
   Beam uneven;
   uneven.surface = {};
   uneven.volumes[0] *= 3.0;
@@ -339,7 +339,7 @@ TEST_CASE("A following pressure on a closed surface has no net force and torque 
 }
 
 TEST_CASE("A pressure on a ball squeezes it evenly", "[supports]") {
-  // Any part of it feels -p times the area vector of that part: a hemisphere p π r².
+  // Any part of it carries -p times the area vector of that part: a hemisphere p π r².
   const std::vector<Vec3> X = [] {
     std::vector<Vec3> points;
     for (int x = -5; x <= 5; ++x)
@@ -365,7 +365,7 @@ TEST_CASE("A pressure on a ball squeezes it evenly", "[supports]") {
 }
 
 TEST_CASE("A body that is held in part begins to spin about its centre of mass", "[supports]") {
-  // The held region ends within cells, so that phyxels there are carried in part.
+  // The held region ends within cells, so that phyxels there are partly carried.
   const Vec3 low(0, 0, 0), high(0.1, 0.04, 0.04), spin(0, 0, 3);
   BodyShape shape = shapes::box(low, high);
   shape.surface = shapes::boxSurface(low, high, 4);
@@ -386,7 +386,7 @@ TEST_CASE("A body that is held in part begins to spin about its centre of mass",
     const Vec3 X = body.rest().origin + body.rest().positions[i], v = body.state().velocities[i];
     if (v.isZero()) continue;
     ++free;
-    // Lumped masses have the centroid of the box to a hundredth of a spacing; without what is carried it is 5 mm off.
+    // Lumped masses have the centroid of the box to a hundredth of a spacing; without the carried mass it is 5 mm off.
     CHECK((v - spin.cross(X - centre)).norm() < 0.01 * recipe.sampling.spacing * spin.norm());
   }
   CHECK(free > 10);
@@ -394,8 +394,8 @@ TEST_CASE("A body that is held in part begins to spin about its centre of mass",
 
 namespace {
 
-// Springs between patches and their places at rest, in steps as explicit ones are: half a kick, drift, correction, half
-// a kick.
+// Springs between patches and their rest positions, in steps like explicit ones: half a kick, drift, correction, half a
+// kick.
 struct SpringSystem {
   static constexpr double kStep = 1e-3;  // s
   PatchSolver springs;
@@ -431,7 +431,7 @@ TEST_CASE("a support that is soft for a step is a force in it", "[supports]") {
     SpringSystem system(2, {{0}, {1}}, {0.2, 100.0});
     for (Vec3 &v : system.v) v = Vec3(1, 0, 0);
     const double omega2 = 0.2 / (SpringSystem::kStep * SpringSystem::kStep);
-    // What Verlet's method keeps exactly: ½ v² + ½ ω² (1 - ω² dt²/4) u².
+    // The exact invariant of Verlet's method: ½ v² + ½ ω² (1 - ω² dt²/4) u².
     const auto energy = [&] {
       return 0.5 * system.v[0].squaredNorm() + 0.5 * omega2 * (1.0 - 0.05) * system.u[0].squaredNorm();
     };
@@ -485,8 +485,7 @@ TEST_CASE("a support that is soft for a step is a force in it", "[supports]") {
       if (!isStatic) CHECK(patches.solvedRows() == 0);
     }
     CHECK(ends[1].norm() > 1e-3);
-    // Of the static one a thousandth of a per cent of what acts is left (solver.tolerance), and e^-15 of what swings at
-    // first.
+    // Of the static force a thousandth of a per cent remains (solver.tolerance), and e^-15 of the initial oscillation.
     CHECK((ends[0] - ends[1]).norm() < 1e-4 * ends[1].norm());
   }
 }

@@ -40,7 +40,7 @@ TEST_CASE("The whole surface is sampled with its area, and closed", "[surface]")
       for (std::size_t i = 0; i < points.count(); ++i)
         volume += points.areas[i] * points.normals[i].dot(points.positions[i]) / 3.0;
       const double expected = surface == &box ? 0.3 * 0.1 * 0.2 : 4.0 / 3.0 * std::numbers::pi * std::pow(0.05, 3);
-      CHECK(volume == Approx(expected).epsilon(surface == &box ? 1e-12 : 0.01));  // the ball's net lies inside of it
+      CHECK(volume == Approx(expected).epsilon(surface == &box ? 1e-12 : 0.01));  // the ball's net is inscribed
     }
 }
 
@@ -57,7 +57,7 @@ TEST_CASE("The parts of a sampled surface are no larger than the spacing asks", 
     for (const Vec3 &p : points.positions) nearest = std::min(nearest, (p - x).norm());
     CHECK(nearest < spacing);
   }
-  // And they are no finer than they must be: the smallest of halved pieces is a quarter of the largest allowed.
+  // Nor are they finer than necessary: the smallest of halved pieces is a quarter of the largest allowed.
   CHECK(static_cast<double>(points.count()) < 12.0 * shapes::areaOf(box) / (spacing * spacing));
 }
 
@@ -125,7 +125,7 @@ TEST_CASE("A sphere cuts a plane face in a circle and a ball in a cap", "[surfac
   CHECK(sum(sampleSurface(face, 0.05, SphereRegion{Vec3(0, 0, 0), 0.3}).areas) ==
         Approx(0.75 * std::numbers::pi * 0.09).epsilon(1e-3));
 
-  // Cap within distance d of the pole: area π d². The net of 100 rings misses 1e-3 of the ball.
+  // Cap within distance d of the pole: area π d². The net of 100 rings lacks 1e-3 of the ball.
   const Surface ball = shapes::ballSurface(Vec3(0, 0, 0), 0.1, 100);
   for (const double d : {0.03, 0.08, 0.15}) {
     const double cap = sum(sampleSurface(ball, 0.01, SphereRegion{Vec3(0, 0, 0.1), d}).areas);

@@ -23,7 +23,7 @@ std::vector<Vec3> bent(const std::vector<Vec3> &phyxels, const Vec3 &shift) {
   return u;
 }
 
-// A ball in a turned lattice, refined at one side so that corners hang.
+// A ball in a rotated lattice, refined at one side so that corners hang.
 Skin ballSkin(bool refined) {
   Skin skin;
   LatticeSampling sampling = withSpacing(0.02);
@@ -67,7 +67,7 @@ struct Errors {
   double position = 0.0, normal = 0.0;  // m, rad
 };
 
-// Single precision at `origin` against the binding as it was.
+// Single precision at `origin` against the original binding.
 Errors errorsOnScreen(const Skin &skin, const Vec3 &origin, const Vec3 &far) {
   std::vector<Vec3> u = skin.displacements;
   for (Vec3 &x : u) x += far;
@@ -92,7 +92,7 @@ TEST_CASE("A skin in cells takes 64 bytes a point and gives its functions back t
   const Skin skin = ballSkin(false);
   const Surfels surfels(skin.binding);
   CHECK(surfels.inCells() == skin.points.size());
-  // With a normal in double precision it has to stay below 96.
+  // With a normal in double precision the size must stay below 96.
   CHECK(surfels.bytes() + 24 * skin.points.size() < 96 * skin.points.size());
   CHECK(surfels.frames().size() == 1);
   const Interpolation back = surfels.expanded(skin.phyxels);
@@ -146,7 +146,7 @@ TEST_CASE("Packed skins move in double precision as their bindings do") {
 
 TEST_CASE("On a screen skins are right to single precision of the body's own size") {
   // Coordinates relative to a phyxel are up to 0.2 m: 1e-8 m each; the normal is off by that over the spacing, 5 mm and
-  // more in the clouds, whose functions add up to some times 1 outside of them.
+  // more in the clouds, the absolute sum of whose functions is some times 1 outside of them.
   for (const Skin &skin : {ballSkin(false), ballSkin(true)}) {
     const Errors errors = errorsOnScreen(skin, Vec3::Zero(), Vec3::Zero());
     CHECK(errors.position < 6e-8);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies that are thinner than their lattice: skins, points of contact, energy; and what bodies do to each other.
+// Bodies thinner than their lattice: skins, points of contact, energy; and interactions of bodies.
 #include <cmath>
 #include <map>
 
@@ -65,7 +65,7 @@ TEST_CASE("a piece much smaller than its cell touches with as many points as hol
     area += rest->contact.areas[p];
     if (rest->origin[0] + rest->contact.binding.positions[p][0] > 0.12) ++small;
   }
-  CHECK(small >= kLeastOfPiece);
+  CHECK(small >= kMinOfPiece);
   CHECK_THAT(area, WithinRel(areaOf(pieces), 1e-9));
 }
 
@@ -86,7 +86,7 @@ TEST_CASE("the skin of a bridge that the lattice cannot see spans the gap as a b
       body.state().displacements[i] = displacement(rest.positions[i]);
     updateSurfels(rest.surfels, {}, rest.positions, body.state().displacements, skin, none, serialFor());
   };
-  // Affine motions are followed as everywhere.
+  // Affine motions are reproduced as everywhere.
   Mat3 A;
   A << 0.1, 0.2, 0.0, -0.1, 0.3, 0.1, 0.0, 0.1, -0.2;
   move([&](const Vec3 &X) { return Vec3(A * X + Vec3(1, 2, 3)); });
@@ -97,8 +97,8 @@ TEST_CASE("the skin of a bridge that the lattice cannot see spans the gap as a b
   }
   CHECK(error < 1e-12);
 
-  // One piece goes away by two spacings: no edge is longer than what a band of half a spacing on either side makes of
-  // it.
+  // One piece moves away by two spacings: no edge is longer than a transition band of half a spacing on either side
+  // makes it.
   const double way = 2.0 * spacing;
   move([&](const Vec3 &X) { return Vec3(rest.origin[0] + X[0] > 0.08 ? way : 0.0, 0.0, 0.0); });
   double most = 0.0;
@@ -109,7 +109,7 @@ TEST_CASE("the skin of a bridge that the lattice cannot see spans the gap as a b
     }
   INFO("longest edge " << most << " times its length");
   CHECK(most > 1.5);
-  CHECK(most < 10.0);  // 41 where one edge takes all of it
+  CHECK(most < 10.0);  // 41 where one edge spans all of it
 }
 
 TEST_CASE("a body that the sampling has torn is told of, one of as many pieces is not") {
@@ -160,7 +160,7 @@ TEST_CASE("energy that comes from nothing is taken back with the steps that brou
     Simulator simulator;
     WorldSettings world;
     world.gravity = Vec3::Zero();
-    if (isNear) world.dt = 2e-5;  // they stay beside each other
+    if (isNear) world.dt = 2e-5;  // they stay next to each other
     simulator.setWorld(world);
     auto body = latticeBox(Vec3::Zero(), Vec3(0.08, 0.04, 0.04), 0.01, rubber(1e4), 4);
     for (std::size_t i = 0; i < body->rest().phyxelCount(); ++i)
@@ -169,7 +169,7 @@ TEST_CASE("energy that comes from nothing is taken back with the steps that brou
     // So near that they are stepped together, but do not touch.
     if (isNear) simulator.addBody(latticeBox(Vec3(0, 0.044, 0), Vec3(0.08, 0.084, 0.04), 0.01, rubber(1e4), 4));
     for (int k = 0; k < 384; ++k) {
-      // After the look at step 256, before the one at 384.
+      // After the check at step 256, before the one at 384.
       if (poked && k == 300)
         for (Vec3 &v : simulator.body(id)->state().velocities) v *= 4.0;
       REQUIRE(simulator.step());
@@ -196,7 +196,7 @@ TEST_CASE("two skins that overlap are found, with their depth and volume") {
   CHECK(overlapOf(*fixed, *boxAt(0.2)).depth == 0.0);
   CHECK(overlapOf(*fixed, *boxAt(0.0605)).depth == 0.0);
   for (const double depth : {0.003, 0.008}) {
-    // A little beside each other, so that edges do not lie on edges.
+    // Slightly offset, so that edges do not coincide with edges.
     const Overlap found = overlapOf(*fixed, *boxAt(0.06 - depth));
     CHECK_THAT(found.depth, WithinRel(depth, 0.1));
     CHECK_THAT(found.volume, WithinRel(depth * 0.06 * 0.06, 0.4));
@@ -230,7 +230,7 @@ TEST_CASE("pairs of many bodies are looked at in turn, and each that overlaps is
   WorldSettings world;
   world.gravity = Vec3::Zero();
   simulator.setWorld(world);
-  // They come together in the middle.
+  // They meet in the middle.
   constexpr int kBodies = 6;
   for (int k = 0; k < kBodies; ++k) {
     const double x = 0.05 * (k - 0.5 * (kBodies - 1));

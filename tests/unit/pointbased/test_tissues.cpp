@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cells that hold two materials, against formulas of layered bars and beams.
+// Cells of two materials, against formulas of layered bars and beams.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kLength = 0.1, kHeight = 0.01, kSoft = 1e4;
 
-// Without lateral contraction bars and beams are what theory says.
+// Without lateral contraction bars and beams match the theory.
 Material lawOf(double modulus) {
   Material material;
   material.law = MaterialLaw::linear;
@@ -32,11 +32,11 @@ struct Layered {
   int cells = 6;        // across the height
   int axis = 1;         // along which the material changes
   double border = 0.0;  // m, below it is stiff
-  double ratio = 10.0;  // of the moduli
+  double ratio = 10.0;  // ratio of the moduli
   Vec3 force = Vec3::Zero();
 };
 
-// Mean displacement of the loaded end of a bar that is held at the other one, m.
+// Mean displacement of the loaded end of a bar that is fixed at the other one, m.
 Vec3 endOf(const Layered &of) {
   const double h = kHeight / of.cells, width = 2.0 * h;
   const Surface surface = shapes::boxSurface(Vec3(0, 0, 0), Vec3(kLength, kHeight, width));
@@ -81,8 +81,8 @@ Vec3 endOf(const Layered &of) {
   return mean;
 }
 
-// Tip of a cantilever of two layers under a force across them: bending about the axis where E y has no first moment and
-// shear by the flow that equilibrium asks for (Zhuravskii).
+// Tip of a cantilever of two layers under a transverse force: bending about the axis where E y has no first moment and
+// shear by the flow that equilibrium requires (Zhuravskii).
 double bendingOf(const Layered &of) {
   constexpr int kSlices = 4000;
   const double width = 2.0 * kHeight / of.cells, dy = kHeight / kSlices;
@@ -124,8 +124,8 @@ TEST_CASE("a beam of two layers bends as beam theory says, wherever their border
     }
 }
 
-// What is left is how the load is carried into the end: the same wherever the border lies, and whatever the ratio. One
-// strain for both materials of a cell lost up to 0.65 of a cell.
+// The remaining error is the load transfer into the end: the same wherever the border is, and for any ratio. One strain
+// for both materials of a cell lost up to 0.65 of a cell.
 TEST_CASE("two materials in a row give as much as their springs, wherever their border lies in the cells") {
   for (const double ratio : {10.0, 100.0, 1e4})
     for (const double offset : {0.0, 0.25, 0.5, 0.75}) {
@@ -160,7 +160,8 @@ TEST_CASE("a material that fills less than a quarter of a cell is there with its
   CHECK_THAT(volume, WithinRel(0.04 * 0.04 * 0.002, 1e-6));
 }
 
-// Planes through small cells made 0.87 to 1.32 of it, nothing at 19 mm, and left up to 2 % of the block to no tissue.
+// Planes through small cells gave 0.87 to 1.32 of the volume, nothing at 19 mm, and left up to 2 % of the block without
+// tissue.
 TEST_CASE("A vessel of voxels is there with its volume in cells of any size, and nothing is of no tissue") {
   constexpr std::size_t nx = 40, n = 20;
   constexpr double voxel = 0.002;
@@ -195,7 +196,7 @@ TEST_CASE("A vessel of voxels is there with its volume in cells of any size, and
     std::array<double, 3> volumes{};
     const StencilSet &s = (*rest)->stencils;
     for (std::size_t q = 0; q < s.pointCount(); ++q) volumes[s.materials[q]] += s.volumes[q];
-    // The last share of a cell whose small cells the surface cuts by planes.
+    // The remaining share of a cell: the surface cuts its small cells by planes.
     CHECK_THAT(volumes[2], WithinRel(152 * voxel * voxel * voxel, 1e-3));
     CHECK_THAT(volumes[1], WithinRel((38 * 18 * 18 - 152) * voxel * voxel * voxel, 1e-3));
     CHECK(volumes[0] < 1e-9);
@@ -249,7 +250,7 @@ std::shared_ptr<const RestState> heldAtFoot(const std::vector<float> &body, cons
 
 }  // namespace
 
-// All of the skin was held: what lay apart from bone in its cell clung to the place of its own surface.
+// All of the skin was held: tissue separate from bone in its cell stuck to the position of its own surface.
 TEST_CASE("A pillar that stands on voxels that are held sags by its weight, its skin is free") {
   constexpr std::size_t foot = 5, top = kHigh - 1;
   const Material law = lawOf(kSoft);
@@ -278,9 +279,9 @@ TEST_CASE("A pillar that stands on voxels that are held sags by its weight, its 
   }
 }
 
-// It fell out of the scan, and whoever asked where the body is was told of a place far away.
+// It fell out of the scan, and queries of the body's position returned a distant point.
 TEST_CASE("a bit of tissue that hangs on nothing is held beside rigid tissue, and a piece of it falls") {
-  for (const std::size_t wide : {2, 6}) {  // voxels; 0.6 and 9 % of what is free
+  for (const std::size_t wide : {2, 6}) {  // voxels; 0.6 and 9 % of the free part
     CAPTURE(wide);
     constexpr std::size_t foot = 5, top = 24, above = 27;
     const std::size_t high = wide + 1;
@@ -327,7 +328,7 @@ TEST_CASE("a bit of tissue that hangs on nothing is held beside rigid tissue, an
 
 namespace {
 
-/// Of a ball in a shell of voxels that is held, with a gap between them. Voxels:
+/// A ball in a shell of held voxels, with a gap between them. Voxels:
 constexpr double kBall = 20.0, kShell = 22.5, kOuter = 28.0;
 struct BallInShell {
   std::shared_ptr<const RestState> rest;
@@ -407,7 +408,7 @@ TEST_CASE("A ball in a shell that is held falls, and all that moves is the ball"
     std::vector<Vec3> ways(1);
     interpolateDisplacements(moved.rest().bind(points, normals), moved.rest().positions, moved.state().displacements,
                              ways, serialFor());
-    // Small cells that hold some of both are of one of them: a part of the fall where the gap is a quarter of the
+    // Small cells that contain both are assigned to one of them: a part of the fall where the gap is a quarter of the
     // spacing.
     const double fall = 0.5 * simulator.time() * simulator.time();
     if (spacing < 0.016)
@@ -417,8 +418,8 @@ TEST_CASE("A ball in a shell that is held falls, and all that moves is the ball"
   }
 }
 
-// Both are one body, and nearer than what is one piece of tissue to contact of skins: a brain was pulled through its
-// skull.
+// Both are one body, and nearer than the distance within which contact of skins assumes one piece of tissue: a brain
+// was pulled through its skull.
 TEST_CASE("Soft tissue comes to lie on rigid tissue of its own body, and does not enter it", "[contact]") {
   const auto integrator = GENERATE(Integrator::explicitVerlet, Integrator::implicitSdirk);
   CAPTURE(static_cast<int>(integrator));
@@ -456,12 +457,12 @@ TEST_CASE("Soft tissue comes to lie on rigid tissue of its own body, and does no
       if (!meets && deepest > 2.0 * kVoxel) break;
     }
     if (!meets) {
-      CHECK(deepest > 2.0 * kVoxel);  // of 2.75 to the middle of the shell
+      CHECK(deepest > 2.0 * kVoxel);  // of 2.75 to the centre of the shell
       continue;
     }
-    // What is between points of contact is half a spacing wide, and voxels are steps.
+    // The gap between points of contact is half a spacing wide, and voxels are steps.
     CHECK(deepest < 0.25 * kVoxel);
-    // What cannot move is not looked at, though the skin of bone goes beside its voxels.
+    // Static parts are not checked, though the skin of bone passes next to its voxels.
     const Body &body = *simulator.body(id);
     std::size_t stay = 0;
     const auto stays = [&](Index p) {
@@ -472,14 +473,14 @@ TEST_CASE("Soft tissue comes to lie on rigid tissue of its own body, and does no
       if (stays(p) && !contains(ball.shell, body.rest().origin + body.rest().contact.binding.positions[p])) ++stay;
     CHECK(stay > 100);
     for (const Contact &touching : body.contact.active) CHECK_FALSE(stays(touching.point));
-    // It lies there with its weight, and nothing else of the body presses.
+    // It rests there with its weight, and no other part of the body presses.
     const auto contacts = simulator.contacts();
     REQUIRE(contacts.size() == 1);
     CHECK(contacts[0].first == id);
     CHECK(contacts[0].second == id);
     const double weight = ball.ballVolume * lawOf(kSoft).restDensity * 10.0;
     CHECK_THAT(contacts[0].force[2], WithinRel(-weight, 0.05));
-    // Other obstacles may come and go beside it.
+    // Other obstacles may be added and removed.
     Obstacle plate;
     plate.name = "plate";
     plate.closest = [](std::span<const Vec3> at, std::span<const double>, std::span<SurfacePoint> out) {
@@ -512,7 +513,7 @@ TEST_CASE("Soft tissue that comes far into rigid tissue between points of contac
     simulator.setContact(contact);
     const std::size_t id = simulator.addBody(softBody(ball.rest));
     while (simulator.time() < 0.5) REQUIRE(simulator.step());
-    // The skin as it is drawn, of what is soft.
+    // The drawn skin of the soft part.
     std::vector<Vec3> x, n;
     simulator.surfels(id, x, n);
     const RestState &rest = *ball.rest;
@@ -524,7 +525,7 @@ TEST_CASE("Soft tissue that comes far into rigid tissue between points of contac
                                     [](const SimulationEvent &event) { return event.kind == "skin"; });
     CAPTURE(depth, simulator.skinDepth(id));
     CHECK(simulator.skinDepth(id) >= depth);
-    // Half of the way between points of contact.
+    // Half of the distance between points of contact.
     CHECK((depth > 0.25 * rest.spacing) == (weight > 100.0));
     CHECK(told == (weight > 100.0 ? 1 : 0));
   }
@@ -543,7 +544,7 @@ TEST_CASE("a cell whose corners have been moved is of the material of which it h
   std::size_t inner = 0;
   for (std::size_t q = 0; q < (*rest)->pointCount(); ++q) {
     const Vec3 x = (*rest)->origin + (*rest)->pointCentres[q];
-    // Corners go by up to 2 mm, the middles of cells by less than 1.
+    // Corners move by up to 2 mm, the centres of cells by less than 1.
     if ((x - Vec3(0.03, 0.025, 0.03)).cwiseAbs().maxCoeff() > 0.0075 || std::abs(x[1] - 0.025) > 0.002) continue;
     ++inner;
     CHECK((*rest)->stencils.materials[q] == 1);

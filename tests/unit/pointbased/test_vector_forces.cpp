@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The vector kernels against the scalar engine, which stays as the slower, plainer way to the same forces.
+// The vector kernels against the scalar engine, which remains the slower, plainer implementation of the same forces.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,7 +12,7 @@ using namespace vector_cases;
 
 namespace {
 
-// Largest difference of the two ways, over the largest force; and how much longer the stable step is.
+// Largest difference of the two implementations, over the largest force; and the relative gain of the stable step.
 struct Difference {
   double forces, step;
 };
@@ -43,8 +43,7 @@ TEST_CASE("vector kernels give the forces of the scalar engine in double precisi
               const Difference d = difference(body);
               // Round-off of displacements of centimetres over strains of 1e-6 (the smallest case), and of sums.
               CHECK(d.forces < (size < 1e-3 ? 1e-8 : 1e-11));
-              // Of the largest ratio of all points clouds take the root; lattices weigh what it does to a phyxel's
-              // mass.
+              // Clouds use the root of the largest ratio of all points; lattices weigh its effect on a phyxel's mass.
               CHECK(d.step > -0.01);
               if (!lattice) CHECK(d.step < 0.01);
             }
@@ -65,7 +64,7 @@ TEST_CASE("cells beside larger ones are taken by the kernels", "[kernels]") {
     CAPTURE(longest);
     CHECK(kernels::planCells(rest->stencils, 8, {&suits, 1}).others.empty());
     for (const HangingCells::Point &point : hanging.points) {
-      // What hangs follows phyxels to its place: the corners are those of a cube.
+      // Hanging corners move with their phyxels: the corners are those of a cube.
       std::array<Vec3, 8> corners;
       for (std::size_t j = 0; j < 8; ++j) {
         corners[j] = Vec3::Zero();
@@ -105,8 +104,8 @@ TEST_CASE("single precision errs by a millionth of the stress that its strain's 
         deform(body, 0.05, 0.02, 11);
         body.setPrecision(Precision::singlePrecision);
         INFO(c.name << ", law " << static_cast<int>(law));
-        // 6e-8 of displacements of 0.05 m over a spacing of 0.01 m, a strain of 3e-7, beside strains of 0.1; stiffer in
-        // volume by K/mu = 10, some such errors in each sum.
+        // 6e-8 of displacements of 0.05 m over a spacing of 0.01 m, a strain of 3e-7, compared with strains of 0.1;
+        // stiffer in volume by K/mu = 10, some such errors in each sum.
         CHECK(difference(body).forces < 2e-5);
       }
 }
@@ -125,7 +124,7 @@ TEST_CASE("collapsed and mirrored cells are answered as by the scalar engine", "
       }
       INFO("law " << static_cast<int>(law) << (lattice ? ", lattice" : ", cloud"));
       const Difference d = difference(body);
-      CHECK(d.forces < 1e-9);  // near a singular F the rotation of the corotated law is found to fewer digits
+      CHECK(d.forces < 1e-9);  // near a singular F the rotation of the corotated law is accurate to fewer digits
       CHECK(d.step > -0.05);
       if (!lattice) CHECK(d.step < 0.05);
     }
@@ -133,7 +132,7 @@ TEST_CASE("collapsed and mirrored cells are answered as by the scalar engine", "
 
 namespace {
 
-// At the present displacements, by power iteration.
+// At the current displacements, by power iteration.
 double largestSquaredFrequency(Body &body, const Constitution &constitution, support::Random &random) {
   const RestState &rest = body.rest();
   body.computeGradients(serialFor());
@@ -166,7 +165,7 @@ TEST_CASE("cells that are bent far out of shape take the steps that their modes 
     const Constitution constitution{{materialOf(MaterialLaw::neoHookean)}, kLatticeStabilisation};
     Body body("cell", latticeBody(shapes::box(Vec3::Zero(), Vec3(0.02, 0.02, 0.02)), one), constitution, serialFor());
     REQUIRE(body.vectorised());
-    // A mode of the cell alone: F stays as it is.
+    // A mode of the cell alone: F is unchanged.
     for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i) {
       const Vec3 &X = body.rest().positions[i];
       body.state().displacements[i] = Vec3(amplitude * X[1] * X[2] / 0.01, 0.0, 0.0);
@@ -185,7 +184,7 @@ TEST_CASE("the stable step of strained lattices is stable, and little shorter th
       for (const double crushed : {0.0, 0.3, 0.6}) {
         const Constitution constitution{{materialOf(law)}, kLatticeStabilisation};
         Body body("b", c.rest, constitution, serialFor());
-        // Pressed together towards one end, more and more; bulging or not across.
+        // Compressed towards one end, increasingly; bulging laterally or not.
         const Vec3 low = c.rest->positions.front();
         support::Random random(21);
         for (std::size_t i = 0; i < c.rest->phyxelCount(); ++i) {
@@ -199,7 +198,7 @@ TEST_CASE("the stable step of strained lattices is stable, and little shorter th
         const double squared = largestSquaredFrequency(body, constitution, random);
         INFO(c.name << ", law " << static_cast<int>(law) << ", crushed " << crushed << ": "
                     << step * std::sqrt(squared) / 2.0);
-        // Steps take up to 0.92 of it: 8 % are left for what the weighing does not see.
+        // Steps use up to 0.92 of it: 8 % are left for the error of the weighting.
         CHECK(step * std::sqrt(squared) / 2.0 < 1.07);
         CHECK(step * std::sqrt(squared) / 2.0 > 0.5);
       }
@@ -241,7 +240,7 @@ TEST_CASE("products with the tangent are those of the scalar engine", "[kernels]
             forceDifferential(constitution, c.rest->stencils, c.rest->positions, body.state().displacements,
                               body.gradients(), PointHistory(), 0.0, viscousScale, du, scratch, plain, serialFor());
             INFO(c.name << ", law " << static_cast<int>(law) << ", strain " << size << ", k_v " << volumeStiffness);
-            CHECK(relativeDifference(plain, fast) < 1e-10);  // round-off, and that of the turn of the corotated law
+            CHECK(relativeDifference(plain, fast) < 1e-10);  // round-off, and that of the rotation of the corotated law
           }
 }
 
@@ -264,7 +263,7 @@ TEST_CASE("energies by kernels are those of the scalar engine", "[kernels]") {
 
 namespace {
 
-// A ball of which a plane cuts off a part that is of another material.
+// A ball with a part of another material cut off by a plane.
 std::shared_ptr<const RestState> ballOfTwo(LatticeSampling sampling) {
   HalfSpaceRegion part;
   part.point = Vec3(0.112, 0.2, -0.1);
@@ -279,7 +278,7 @@ std::shared_ptr<const RestState> ballOfTwo(std::size_t count) {
   return ballOfTwo(std::move(sampling));
 }
 
-// Cells beside larger ones, that hold both.
+// Cells next to larger ones, that contain both.
 std::shared_ptr<const RestState> refinedBallOfTwo() {
   LatticeSampling sampling;
   sampling.spacing = 0.02;
@@ -301,7 +300,8 @@ TEST_CASE("several materials of a body are each answered by their own law", "[ke
   LatticeSampling sampling;
   sampling.count = 400;
   sampling.materials.emplace_back(BoxRegion{Vec3(0.115, 0.1, -0.2), Vec3(0.2, 0.3, 0.0)}, std::uint16_t{1});
-  // Auxetic: no kernel knows its neo-Hookean energy, the scalar engine answers, and cells of both have one strain.
+  // Auxetic: no kernel implements its neo-Hookean energy, the scalar engine computes it, and cells of both materials
+  // have one strain.
   Material soft = materialOf(MaterialLaw::neoHookean), auxetic = soft;
   auxetic.poissonRatio = -0.3;
   Body body("b", latticeBody(ball, sampling), Constitution{{soft, auxetic}, kLatticeStabilisation}, serialFor());
@@ -336,7 +336,7 @@ TEST_CASE("forces of cells of two materials are the gradient of their energy, an
           for (Vec3 &d : du) d = random.vector();
           const auto moved = [&](double by) {
             for (std::size_t i = 0; i < at.size(); ++i) body.state().displacements[i] = at[i] + by * du[i];
-            body.forgetPoints();
+            body.invalidatePointValues();
           };
           const auto energyAt = [&](double by) {
             moved(by);
@@ -347,7 +347,7 @@ TEST_CASE("forces of cells of two materials are the gradient of their energy, an
             body.evaluateInternal(false, serialFor());
             return std::vector<Vec3>(body.forces().begin(), body.forces().end());
           };
-          // Central differences of fourth order: what is left is their round-off.
+          // Central differences of fourth order: the remaining error is their round-off.
           const double h = 1e-3 * size * rest->spacing;
           const double slope =
               (8.0 * (energyAt(h) - energyAt(-h)) - energyAt(2.0 * h) + energyAt(-2.0 * h)) / (12.0 * h);
@@ -397,7 +397,7 @@ TEST_CASE("a turn strains no cell of two materials, and turns the forces of a st
 }
 
 TEST_CASE("a laminate shares a strain across its border as both press alike, and none along it", "[kernels]") {
-  // A cube of one cell in two layers, pressed by a thousandth.
+  // A cube of one cell in two layers, compressed by a thousandth.
   LatticeSampling sampling;
   sampling.spacing = 0.02;
   sampling.axes = Mat3(Mat3::Identity());
@@ -412,7 +412,7 @@ TEST_CASE("a laminate shares a strain across its border as both press alike, and
   for (const Vec3 &strain : {Vec3(-1e-6, 0, 0), Vec3(0, 1e-6, 0), Vec3(1e-6, 2e-6, 0)}) {
     for (std::size_t i = 0; i < rest->phyxelCount(); ++i)
       body.state().displacements[i] = strain.cwiseProduct(rest->positions[i]);
-    body.forgetPoints();
+    body.invalidatePointValues();
     const Mat3 F0 = body.gradients()[0], F1 = body.gradients()[1];
     const double v0 = rest->stencils.volumes[0], v1 = rest->stencils.volumes[1];
     CHECK(((v0 * F0 + v1 * F1) / (v0 + v1) - Mat3(Vec3(strain + Vec3::Ones()).asDiagonal())).norm() < 1e-11);
@@ -445,7 +445,7 @@ TEST_CASE("layers of a bent cell have its mean strain, and press on each other a
   std::vector<Mat3> ofCells(2);
   deformationGradients(rest->stencils, body.state().displacements, ofCells, serialFor());
   REQUIRE((ofCells[0] - ofCells[1]).norm() > 1e-7);
-  body.forgetPoints();
+  body.invalidatePointValues();
   const std::vector<Mat3> F(body.gradients().begin(), body.gradients().end());
   const double v0 = rest->stencils.volumes[0], v1 = rest->stencils.volumes[1];
   CHECK((v0 * (F[0] - ofCells[0]) + v1 * (F[1] - ofCells[1])).norm() < 1e-6 * v0 * (F[0] - ofCells[0]).norm());
@@ -453,9 +453,9 @@ TEST_CASE("layers of a bent cell have its mean strain, and press on each other a
     return Vec3(firstPiolaStress(constitution.materials[rest->stencils.materials[q]], F[q]) * n);
   };
   CHECK((traction(0) - traction(1)).norm() < 1e-4 * traction(0).norm());
-  // The kernels see the same strains; larger ones, whose energy is more than round-off.
+  // The kernels use the same strains; larger ones, whose energy is more than round-off.
   for (Vec3 &u : body.state().displacements) u *= 1e4;
-  body.forgetPoints();
+  body.invalidatePointValues();
   double energy = 0.0;
   for (std::size_t q = 0; q < 2; ++q)
     energy += rest->stencils.volumes[q] *
@@ -483,7 +483,7 @@ TEST_CASE("layers of a cell that are flat along an axis give finite forces", "[k
       const Vec3 x = rest->positions[i];
       body.state().displacements[i] = x[0] * x[1] * Vec3(0.4, 0.2, 0.1) + x[1] * x[2] * Vec3(0.1, 0.0, 0.3);
     }
-    body.forgetPoints();
+    body.invalidatePointValues();
     body.evaluateInternal(false, serialFor());
     for (const Vec3 &f : body.forces()) REQUIRE(f.allFinite());
     CHECK(std::isfinite(body.elasticEnergy(serialFor()).strain));
@@ -512,7 +512,7 @@ TEST_CASE("bending of a cell of two materials is in a row across their border, a
       const double a = 0.1;
       for (std::size_t i = 0; i < rest->phyxelCount(); ++i)
         body.state().displacements[i] = a * rest->positions[i][0] * rest->positions[i][2] * Vec3::UnitX();
-      body.forgetPoints();
+      body.invalidatePointValues();
       double inRow = 0.0, sideBySide = 0.0, volume = 0.0;
       for (std::size_t q = 0; q < 2; ++q) {
         const double modulus = constitution.materials[rest->stencils.materials[q]].youngsModulus;
@@ -546,7 +546,7 @@ TEST_CASE("three materials of a cell are two layers", "[kernels]") {
   Body body("b", rest, constitution, serialFor());
   for (std::size_t i = 0; i < rest->phyxelCount(); ++i)
     body.state().displacements[i] = Vec3(1e-6, 0, 0).cwiseProduct(rest->positions[i]);
-  body.forgetPoints();
+  body.invalidatePointValues();
   Mat3 mean = Mat3::Zero();
   double volume = 0.0;
   std::array<Mat3, 3> F;
@@ -557,7 +557,7 @@ TEST_CASE("three materials of a cell are two layers", "[kernels]") {
   }
   CHECK((mean / volume - Mat3(Vec3(1.0 + 1e-6, 1.0, 1.0).asDiagonal())).norm() < 1e-11);
   CHECK((F[1] - F[2]).norm() < 1e-12);
-  // Those in a row carry the same: the soft one is strained some fifty times as much.
+  // Layers in series carry the same traction: the soft one is strained some fifty times as much.
   const auto traction = [&](std::size_t m) { return firstPiolaStress(constitution.materials[m], F[m])(0, 0); };
   CHECK(traction(1) == Approx(traction(0)).epsilon(0.02));
   CHECK(traction(2) == Approx(traction(0)).epsilon(0.02));

@@ -38,7 +38,7 @@ void evaluateByStages(Body &body, double dt) {
   body.computeForces(0.0, serialFor());
 }
 
-// Largest difference of all numbers of two memories over the largest number.
+// Largest difference of all numbers of two histories over the largest number.
 template <class Records>
 double differenceOf(const Records &a, const Records &b) {
   REQUIRE(a.size() == b.size());
@@ -94,7 +94,7 @@ TEST_CASE("cells flow and relax over many steps as by the scalar engine", "[kern
           const ElasticEnergy byKernels = fast.elasticEnergy(serialFor()), byPoints = plain.elasticEnergy();
           CHECK(byKernels.strain == Approx(byPoints.strain).epsilon(1e-10));
           CHECK(byKernels.stabilisation == Approx(byPoints.stabilisation).epsilon(1e-10));
-          // What a report asks for later is of the end of the step.
+          // Later reports refer to the end of the step.
           std::vector<Vec3> stresses, others;
           for (std::size_t q = 0; q < c.rest->pointCount(); ++q)
             for (int k = 0; k < 3; ++k) {
@@ -122,7 +122,7 @@ TEST_CASE("collapsed and mirrored cells flow and relax as by the scalar engine",
         }
         fast.evaluate(0.0, kStep, serialFor());
         evaluateByStages(plain, kStep);
-        // Near a singular F the rotation of the corotated law is found to fewer digits.
+        // Near a singular F the rotation of the corotated law is accurate to fewer digits.
         CHECK(relativeDifference(plain.forces(), fast.forces()) < 1e-8);
         CHECK(differenceOf(fast.state().history, plain.state().history) < 1e-8);
       }
@@ -135,7 +135,7 @@ TEST_CASE("only the material that flows or relaxes does so", "[kernels]") {
   sampling.materials.emplace_back(BoxRegion{Vec3(0.115, 0.1, -0.2), Vec3(0.2, 0.3, 0.0)}, std::uint16_t{1});
   const auto rest = latticeBody(shapes::ball(Vec3(0.1, 0.2, -0.1), 0.05), sampling);
   const Material elastic = vector_cases::materialOf(MaterialLaw::corotated);
-  // Auxetic: no kernel knows its neo-Hookean energy, the scalar engine answers.
+  // Auxetic: no kernel implements its neo-Hookean energy, the scalar engine computes it.
   Material auxetic = materialOf(MaterialLaw::neoHookean, kMemories[3]);
   auxetic.poissonRatio = -0.3;
   for (const Material &other : {elastic, auxetic}) {

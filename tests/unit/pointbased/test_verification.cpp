@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kWidth = 0.04, kLength = 0.2;
 
-/// A body in a simulator of its own, with what it is filled from.
+/// A body in its own simulator, with its recipe.
 struct Bench {
   BodyShape shape =
       lattice_cases::box(Vec3(0, -0.5 * kWidth, -0.5 * kWidth), Vec3(kLength, 0.5 * kWidth, 0.5 * kWidth));
@@ -63,7 +63,7 @@ struct Bench {
   [[nodiscard]] Body &body() { return *simulator.body(id); }
   [[nodiscard]] Result<Verification> verified(const VerifyProgress &progress = {}, const StopRequest *stop = nullptr,
                                               const VerifySettings &settings = {}) {
-    return verify(standingBody(simulator, id), shape, recipe, serialFor(), progress, stop, settings);
+    return verify(verificationTarget(simulator, id), shape, recipe, serialFor(), progress, stop, settings);
   }
 };
 
@@ -87,14 +87,14 @@ TEST_CASE("verify: a bar that is stretched evenly has no error but the give of i
   bench.hold().pull(Vec3(1.0, 0, 0)).solve();
   const Verification verified = good(bench.verified());
   CHECK(verified.largestDisplacement > 0.01);
-  // A patch gives by σ d/(60 E), 1/900 of the way, more at its rim, where a phyxel carries less of it.
+  // A patch yields by σ d/(60 E), 1/900 of the displacement, more at its rim, where a phyxel carries less of it.
   CHECK(verified.percent(verified.errorMax) < 0.5);
   CHECK(verified.percent(verified.errorRms) < 0.15);
-  CHECK(verified.shadowPhyxels > 5 * verified.phyxels);
-  CHECK_THAT(verified.shadowSpacing, WithinRel(0.5 * verified.spacing, 1e-12));
+  CHECK(verified.fineReferencePhyxels > 5 * verified.phyxels);
+  CHECK_THAT(verified.fineReferenceSpacing, WithinRel(0.5 * verified.spacing, 1e-12));
   REQUIRE(verified.reactions.size() == 1);
   CHECK_THAT(verified.reactions[0].force[0], WithinRel(-1.0, 1e-4));
-  CHECK_THAT(verified.shadowReactions[0].force[0], WithinRel(-1.0, 1e-4));
+  CHECK_THAT(verified.fineReferenceReactions[0].force[0], WithinRel(-1.0, 1e-4));
   CHECK(verified.limits.empty());
 }
 
@@ -107,13 +107,13 @@ TEST_CASE("verify: the error of a bent bar is that against a lattice of a quarte
   finer.refinement = 4.0;
   const Verification truth = good(bench.verified({}, nullptr, finer));
   // Its factor is for halves: of quarters the difference is 15/16 of the error.
-  const double error = truth.errorRms * (16.0 / 15.0) / errorOverDifference(kShadowRefinement);
+  const double error = truth.errorRms * (16.0 / 15.0) / errorOverDifference(kFineReferenceRefinement);
   CHECK(verified.errorRms < 1.5 * error);
   CHECK(verified.errorRms > error / 1.5);
   CHECK(verified.errorMax >= verified.error95);
   CHECK(verified.error95 > 0.0);
   CHECK(verified.skinErrors.size() == bench.shape.surface.positions.size());
-  CHECK(std::abs(verified.shadowElasticEnergy / coarse - 1.0) < 0.05);
+  CHECK(std::abs(verified.fineReferenceElasticEnergy / coarse - 1.0) < 0.05);
 }
 
 TEST_CASE("verify: a body that is only moved has no error", "[verify]") {
@@ -138,24 +138,25 @@ TEST_CASE("verify: a free body that swings keeps its place, and its error falls 
     bench.world.integrator = Integrator::explicitVerlet;
     bench.build();
     for (std::size_t i = 0; i < bench.body().rest().phyxelCount(); ++i) {
-      // About its first bending mode.
+      // Approximately its first bending mode.
       const double x = bench.body().rest().positions[i][0] / kLength;
       bench.body().state().velocities[i] = Vec3(0, 0, 0.2 * (std::cos(2.0 * EIGEN_PI * x) - 0.1));
     }
     bench.run(0.1);
     const Verification verified = good(bench.verified());
     CHECK(verified.limits.size() == 1);
-    // Where the middle of the masses is nothing moves.
+    // The centre of mass does not move.
     Vec3 coarse = Vec3::Zero(), fine = Vec3::Zero();
     double mass = 0.0, fineMass = 0.0;
-    const RestState &rest = bench.body().rest(), &shadow = *verified.shadowRest;
+    const RestState &rest = bench.body().rest(), &fineReference = *verified.fineReferenceRest;
     for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
       coarse += rest.volumes[i] * (rest.origin + rest.positions[i] + bench.body().state().displacements[i]);
       mass += rest.volumes[i];
     }
-    for (std::size_t j = 0; j < shadow.phyxelCount(); ++j) {
-      fine += shadow.volumes[j] * (shadow.origin + shadow.positions[j] + verified.shadowDisplacements[j]);
-      fineMass += shadow.volumes[j];
+    for (std::size_t j = 0; j < fineReference.phyxelCount(); ++j) {
+      fine += fineReference.volumes[j] *
+              (fineReference.origin + fineReference.positions[j] + verified.fineReferenceDisplacements[j]);
+      fineMass += fineReference.volumes[j];
     }
     CHECK((coarse / mass - fine / fineMass).norm() < 0.02 * verified.largestDisplacement);
     return verified.percent(verified.errorRms);
@@ -182,7 +183,7 @@ TEST_CASE("verify: what lies on a floor leaves its load there", "[verify]") {
       bench.build().run(1.0);
     const Verification verified = good(bench.verified());
     INFO((integrator == Integrator::quasiStatic ? "static" : "explicit"));
-    // ρ g H²/2E = 0.5 mm, less its mean.
+    // ρ g H²/2E = 0.5 mm, minus its mean.
     CHECK(verified.largestDisplacement > 0.2e-3);
     CHECK(verified.largestDisplacement < 0.5e-3);
     CHECK(verified.percent(verified.errorRms) < 10.0);
@@ -196,7 +197,7 @@ TEST_CASE("verify: what lies on an edge neither slides nor tips over", "[verify]
   bench.world.integrator = Integrator::explicitVerlet;
   bench.world.gravity = Vec3(0, 0, -5.0);
   bench.world.damping = 20.0;
-  // A table below 3/5 of the bar; the rest hangs over its edge.
+  // A table below 3/5 of the bar; the rest overhangs.
   Obstacle table;
   table.name = "table";
   table.friction = 0.8;
@@ -215,7 +216,7 @@ TEST_CASE("verify: what lies on an edge neither slides nor tips over", "[verify]
   bench.run(1.5);
   const Verification verified = good(bench.verified());
   CHECK(said(verified).find("only contact holds it") != std::string::npos);
-  // Two layers: the end that hangs over the edge sinks, by a little too little.
+  // Two layers: the overhanging end sinks, by slightly too little.
   CHECK(verified.largestDisplacement > 2e-3);
   CHECK(verified.percent(verified.error95) < 25.0);
   CHECK(verified.percent(verified.error95) > 0.5);
@@ -238,8 +239,8 @@ TEST_CASE("verify: the shadow of a cloud is a lattice", "[verify]") {
   bench.recipe.neighbors = NeighborChoice{};
   bench.hold().pull(Vec3(0, 0, -1.6e-3)).solve();
   const Verification verified = good(bench.verified());
-  CHECK(verified.shadowRest->evaluation == Evaluation::stressPoints);
-  // The truth sinks by 2.035 mm (truths.json, beam_shear): what the cloud is off by is what is said.
+  CHECK(verified.fineReferenceRest->evaluation == Evaluation::stressPoints);
+  // The reference value is 2.035 mm (truths.json, beam_shear): the reported error is that of the cloud.
   const double tip = 2.035e-3;
   CHECK_THAT(verified.largestDisplacement, WithinRel(tip, 0.03));
 }
@@ -250,10 +251,10 @@ TEST_CASE("verify: where half the spacing is too much, two thirds tell about the
   VerifySettings few;
   few.mostPhyxels = 1000;
   const Verification half = good(bench.verified()), twoThirds = good(bench.verified({}, nullptr, few));
-  CHECK_THAT(twoThirds.shadowSpacing, WithinRel(bench.recipe.sampling.spacing / 1.5, 1e-12));
+  CHECK_THAT(twoThirds.fineReferenceSpacing, WithinRel(bench.recipe.sampling.spacing / 1.5, 1e-12));
   CHECK(said(twoThirds).find("1.5 times finer") != std::string::npos);
   CHECK(said(half).find("times finer") == std::string::npos);
-  // Errors of displacements are told within a factor of 1.5, here as well.
+  // Errors of displacements are reported within a factor of 1.5, here as well.
   CHECK_THAT(twoThirds.error95 / half.error95, WithinRel(1.0, 0.5));
 }
 
@@ -263,7 +264,7 @@ TEST_CASE("verify: what cannot be verified is refused, and nothing has changed",
   const std::uint64_t before = bench.simulator.stateHash();
   const auto refusal = [](const Result<Verification> &result) { return result ? std::string() : result.error(); };
   CHECK(refusal(bench.verified([](double, const std::string &) { return false; })) == "cancelled");
-  // While it solves, too.
+  // Also during its solution.
   CHECK(refusal(bench.verified([](double fraction, const std::string &) { return fraction < 0.3; })) == "cancelled");
   struct Raised final : StopRequest {
     [[nodiscard]] bool isRaised() const noexcept override { return true; }
@@ -285,11 +286,11 @@ TEST_CASE("verify: what cannot be verified is refused, and nothing has changed",
 TEST_CASE("verify: the same for any division of the loops", "[verify]") {
   Bench bench;
   bench.hold().pull(Vec3(0, 0, -1.6e-3)).solve();
-  const StandingBody standing = standingBody(bench.simulator, bench.id);
+  const VerificationTarget standing = verificationTarget(bench.simulator, bench.id);
   const auto one = verify(standing, bench.shape, bench.recipe, serialFor());
   const auto other = verify(standing, bench.shape, bench.recipe, lattice_cases::threadedFor(3));
   REQUIRE(one);
   REQUIRE(other);
-  CHECK(one->shadowDisplacements == other->shadowDisplacements);
+  CHECK(one->fineReferenceDisplacements == other->fineReferenceDisplacements);
   CHECK(one->errorMax == other->errorMax);
 }

@@ -31,7 +31,7 @@ double relaxation(const std::array<PronyTerm, 2> &prony, double t) {
   return g;
 }
 
-// The part of the instantaneous stress that relaxes, from its closed form.
+// The relaxing part of the instantaneous stress, from its closed form.
 Mat3 relaxingPart(const Material &material, const Mat3 &F) {
   const double mu = material.mu();
   const auto deviator = [](const Mat3 &e) { return Mat3(e - e.trace() / 3.0 * Mat3::Identity()); };
@@ -105,7 +105,7 @@ TEST_CASE("a strain that swings costs what the loss modulus says") {
         loss += term.share * wt / (1.0 + wt * wt);
         storage -= term.share / (1.0 + wt * wt);
       }
-      // After the transient is gone, one period of 400 steps.
+      // After the transient has decayed, one period of 400 steps.
       const double period = 2.0 * kPi / omega, dt = period / 400.0;
       const int before = 400 * static_cast<int>(std::ceil(duration / period));
       PronyPoint point;
@@ -152,7 +152,7 @@ TEST_CASE("time that stands still relaxes nothing, and without terms the elastic
   CHECK(P == pronyStress(material, shear(0.4), 0.0, next, next));
   const Material elastic = relaxing(MaterialLaw::neoHookean, {});
   CHECK(pronyStress(elastic, shear(0.4), 0.3, PronyPoint(), next) == firstPiolaStress(elastic, shear(0.4)));
-  // And the instantaneous answer to a jump is the elastic one.
+  // And the instantaneous response to a jump is the elastic one.
   CHECK(pronyStress(material, shear(0.4), 0.0, PronyPoint(), next) == firstPiolaStress(material, shear(0.4)));
 }
 
@@ -178,7 +178,7 @@ TEST_CASE("a change of volume does not relax") {
     const Mat3 P = stressAfter(
         material, [&](double) { return F; }, 100.0, 10);
     CHECK((P - firstPiolaStress(material, F)).norm() < 1e-12 * P.norm());
-    // Nor does a past of shear leave a pressure: tr(P F^T) of the neo-Hookean law is the elastic one.
+    // Nor does a history of shear leave a pressure: tr(P F^T) of the neo-Hookean law is the elastic one.
     if (law != MaterialLaw::neoHookean) continue;
     PronyPoint point;
     (void)pronyStress(material, shear(0.8), 3.0, point, point);
@@ -201,7 +201,7 @@ TEST_CASE("relaxation follows a rotation of space and makes no torque") {
       const Mat3 kirchhoff = P * F.transpose();
       CHECK((kirchhoff - kirchhoff.transpose()).norm() < 1e-11 * (P.norm() + 6000.0));
     }
-    // A rotation from rest stays free of stress.
+    // A rotation from rest stays stress-free.
     PronyPoint point;
     for (int k = 0; k < 20; ++k)
       CHECK(pronyStress(material, rotation(random), 0.1, point, point).norm() < 1e-11 * 6000.0);
@@ -247,7 +247,7 @@ TEST_CASE("the algorithmic differential is the derivative of the relaxing stress
         material.volumeStiffness = 500.0;
         PronyPoint past;
         (void)pronyStress(material, stretched(random, 1.5), 0.4, past, past);
-        // The last third in the range where the neo-Hookean drive fades, one of them inverted.
+        // The last third is in the range where the neo-Hookean drive fades, one of them inverted.
         const Mat3 F = k < 8 ? stretched(random, 1.6) : Mat3(withStretches(random, {0.9, 1.1, k == 11 ? -0.3 : 0.12}));
         const Mat3 dF = any(random);
         const PronyStep step = pronyStep(material, dt);
@@ -259,7 +259,8 @@ TEST_CASE("the algorithmic differential is the derivative of the relaxing stress
                             pronyStress(material, step, F - h * dF, past, unused)) /
                            (2.0 * h);
         CHECK((dP - slope).norm() < 2e-6 * (dP.norm() + material.youngsModulus));  // h² of third derivatives
-        // Symmetric, as conjugate gradients want it; the neo-Hookean law's only for steps short against the times.
+        // Symmetric, as conjugate gradients require; the neo-Hookean law's only for steps that are short against the
+        // times.
         if (dt > 0.0 && law == MaterialLaw::neoHookean) continue;
         const Mat3 B = any(random);
         const Mat3 dB = pronyStressDifferential(material, step, F, at, B);

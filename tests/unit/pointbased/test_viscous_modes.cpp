@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Viscosity of what one evaluation per cell cannot see.
+// Viscosity of the modes that one evaluation per cell does not capture.
 #include <cmath>
 
 #include "engine_cases.h"
@@ -87,7 +87,7 @@ TEST_CASE("the viscosity of modes takes power, and none from a rigid motion") {
       std::vector<Vec3> rigid(c.phyxels());
       const Vec3 spin(3.0, -2.0, 5.0), speed(1.0, 2.0, 3.0);
       for (std::size_t i = 0; i < u.size(); ++i) {
-        // The linear law knows no turn of a strained body.
+        // The linear law does not account for the rotation of a strained body.
         rigid[i] = law == MaterialLaw::linear ? speed : Vec3(speed + spin.cross(c.positions[i] + u[i]));
       }
       const auto viscousPart = [&](std::span<const Vec3> velocities) {
@@ -99,7 +99,7 @@ TEST_CASE("the viscosity of modes takes power, and none from a rigid motion") {
     }
 }
 
-// Along a mode alone the mean gradient of a cell does not change: what is left is the viscosity of the modes.
+// In a pure mode the mean gradient of a cell does not change: only the viscosity of the modes acts.
 TEST_CASE("a cell that is bent and twisted is damped") {
   using namespace engine_cases;
   const EngineCase c = lattice(1, 1, 1, false);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blocks and balls that meet, and what is asked of several bodies together.
+// Blocks and balls in contact, and quantities of several bodies together.
 #pragma once
 
 #include "pointbased/simulator.h"
@@ -17,10 +17,11 @@ namespace shapes {
                                                       double spacing, const pointbased::Material &material, int n,
                                                       std::vector<pointbased::Fix> fixes = {},
                                                       std::vector<pointbased::Load> loads = {});
-/// @param n  faces of its skin around the equator. Built once for all balls of the same place and size
+/// Built once for all balls of the same position and size.
+/// @param n  faces of its skin around the equator
 [[nodiscard]] std::unique_ptr<pointbased::Body> ball(const pointbased::Vec3 &centre, double radius, double spacing,
                                                      const pointbased::Material &material, int n);
-/// Five blocks of 50 mm on each other and on the ground, under their weight; the lowest first.
+/// Five blocks of 50 mm stacked on the ground, under their weight; the lowest first.
 [[nodiscard]] std::vector<std::size_t> stackOfFive(pointbased::Simulator &simulator);
 void setVelocity(pointbased::Simulator &simulator, std::size_t id, const pointbased::Vec3 &velocity);
 

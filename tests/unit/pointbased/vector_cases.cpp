@@ -35,7 +35,7 @@ std::vector<Case> bodies() {
 
 std::vector<Case> clouds() {
   const BodyShape ball = shapes::ball(Vec3(0.1, 0.2, -0.1), 0.05);
-  // A tail of single file: stencils that span a line or a plane only.
+  // A tail one phyxel thick: stencils that span only a line or a plane.
   std::vector<Vec3> tailed;
   for (const Vec3 &x : shapes::filled(ball, 0.012).positions) tailed.push_back(x);
   for (int i = 0; i < 9; ++i) tailed.emplace_back(0.155 + 0.012 * i, 0.2, -0.1);

@@ -15,7 +15,7 @@ struct Case {
 };
 
 [[nodiscard]] std::shared_ptr<const RestState> latticeBody(const BodyShape &shape, LatticeSampling sampling);
-/// Lattices: cut cells, turned axes, two sizes of cells, two lobes, three sizes of cells.
+/// Lattices: cut cells, rotated axes, two sizes of cells, two lobes, three sizes of cells.
 [[nodiscard]] std::vector<Case> bodies();
 /// Clouds: few and many neighbours, flat stencils.
 [[nodiscard]] std::vector<Case> clouds();
@@ -25,18 +25,18 @@ struct Case {
 inline constexpr MaterialLaw kLaws[] = {MaterialLaw::linear, MaterialLaw::stVenantKirchhoff, MaterialLaw::corotated,
                                         MaterialLaw::neoHookean};
 
-/// A stretch, a turn and some noise.
+/// A stretch, a rotation and some noise.
 /// @param noise  spacings
 void deform(Body &body, double size, double noise, std::uint64_t seed);
 
 [[nodiscard]] double largest(std::span<const Vec3> field);
-/// Largest difference over the largest of `of`.
+/// Largest difference over the largest entry of `of`.
 [[nodiscard]] double relativeDifference(std::span<const Vec3> of, std::span<const Vec3> other);
 
 /// Runs loops backwards in pieces of seven.
 [[nodiscard]] ParallelFor inPieces();
 
-/// Lets kernels run with other instruction sets, until it goes.
+/// Runs kernels with other instruction sets during its lifetime.
 class InstructionSets {
  public:
   InstructionSets();

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colours of values: the map, the range, and when they are found anew.
+// Colours of values: the map, the range, and when they are recomputed.
 #include <cmath>
 #include <limits>
 
-#include "colouring.h"
+#include "fields/colouring.h"
 #include "lattice_cases.h"
 #include "support/catch.h"
 
@@ -16,7 +16,7 @@ double linearOf(std::uint8_t byte) {
   return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
 }
 
-/// CIE lightness and chromaticities, D65: another scale than the map is made with.
+/// CIE lightness and chromaticities, D65: another colour space than the one in which the map is made.
 Vec3 cieLab(const Rgba8 &c) {
   const double r = linearOf(c[0]), g = linearOf(c[1]), b = linearOf(c[2]);
   const auto f = [](double t) { return t > 0.008856 ? std::cbrt(t) : 7.787 * t + 16.0 / 116.0; };
@@ -72,7 +72,7 @@ TEST_CASE("Along the colour map the lightness grows and equal steps look alike")
     CHECK(b[0] > a[0] + 1.0);
     steps.push_back((b - a).norm());
   }
-  // The two scales agree within a third on what a step is; a rainbow differs by a factor of five.
+  // The two spaces agree within a third on the size of a step; a rainbow differs by a factor of five.
   const auto [least, most] = std::minmax_element(steps.begin(), steps.end());
   CHECK(*most / *least < 2.0);
   CHECK(cieLab(map.front())[0] < 25.0);
@@ -132,7 +132,7 @@ TEST_CASE("The range of contact pressures is that of the places where something 
   colouring.setPressures([&](std::uint64_t id, std::vector<double> &out) {
     REQUIRE(id == 7);
     out.assign(body->rest().phyxelCount(), 0.0);
-    out.front() = 1900.0;  // Pa, at one corner alone
+    out.front() = 1900.0;  // Pa, at one corner only
   });
   REQUIRE(colouring.update({{7, body.get()}}, coloured(ColourBy::contactPressure), serialFor()));
   REQUIRE(colouring.scale());
@@ -152,7 +152,7 @@ TEST_CASE("Ranges are round numbers that nearly all values stay below") {
   values.back() = 500.0;  // one point at a clamp
   AutoRange range;
   CHECK(range.update(values, 1e-3) == Approx(2.0));
-  // It stands still while values move within it, grows at once, and shrinks when they are far below.
+  // It is constant while values move within it, grows at once, and shrinks when they are far below.
   CHECK(range.update(std::vector<double>(10, 1.2), 1e-3) == Approx(2.0));
   CHECK(range.update(std::vector<double>(10, 2.1), 1e-3) == Approx(2.5));
   CHECK(range.update(std::vector<double>(10, 0.5), 1e-3) == Approx(0.5));
@@ -197,7 +197,7 @@ TEST_CASE("Colours are found at most thirty times a second, at once when somethi
   CHECK(colouring.scale()->high > before);
   CHECK(colouring.update(bodies, coloured(ColourBy::error), serialFor(), begin + kLater));
   CHECK(colouring.scale()->title.find("error") != std::string::npos);
-  // Another body of the same number, built again: its colours are not those of the one before.
+  // Another body of the same id, rebuilt: its colours are not those of the previous one.
   const auto other = bar();
   CHECK(colouring.update({{1, other.get()}}, coloured(ColourBy::error), serialFor(), begin + kLater));
   CHECK(colouring.of(1)->rest == &other->rest());

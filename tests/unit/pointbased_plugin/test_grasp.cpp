@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two jaws: where they find skin, how they close, what they squeeze with.
+// Two jaws: where they contact skin, how they close, and their squeezing force.
 #include <functional>
 #include <set>
 
-#include "force_curve.h"
-#include "grab_patch.h"
-#include "grasp.h"
+#include "instruments/grab_patch.h"
+#include "instruments/grasp.h"
 #include "lattice_cases.h"
 #include "support/catch.h"
+#include "tools/force_curve.h"
 
 using namespace pointbased;
 
@@ -41,7 +41,7 @@ std::unique_ptr<Body> softSlab(double spacing) {
 
 TEST_CASE("Jaws stand on the skin, half the opening to either side of the place", "[grasp]") {
   const Surface skin = slab().surface;
-  // What of the axis leads out of the skin does not count.
+  // The part of the axis that points out of the skin is ignored.
   const auto places = findJaws(skin, kOnTop, Vec3::UnitZ(), Vec3(1, 0, 0.5).normalized(), {});
   REQUIRE(places);
   CHECK((places->axis - Vec3::UnitX()).norm() < 1e-12);
@@ -76,7 +76,7 @@ TEST_CASE("Jaws that hold most of a body, or the same of it, do not grasp", "[gr
   CHECK(problem({}).empty());
   CHECK_THAT(problem({.jaw = 0.09, .opening = 0.09}),
              Contains("a jaw of 90 mm would hold") && Contains("% of the body"));
-  // As small as the jaws are, they hold two spacings.
+  // However small the jaws are, they hold two spacings.
   CHECK_THAT(problem({.jaw = 0.001, .opening = 0.001, .closed = 0.0}),
              Contains("the same phyxels") && Contains("10 mm"));
 }
@@ -85,25 +85,25 @@ TEST_CASE("Jaws are led to their gap within three tenths of a second, and beyond
   Grasp grasp;
   grasp.settings = {.jaw = 0.01, .opening = 0.02, .closed = 0.008, .forceLimit = 0.5};
   grasp.firstGap = grasp.wantedGap = grasp.pulledGap = 0.02;
-  // Tissue that gives way by a fifth of what the jaws are led.
+  // Tissue that yields by a fifth of the closing of the jaws.
   const auto follow = [&](double seconds, double squeeze) {
     for (int k = 0; k < std::lround(seconds / 0.001); ++k)
-      closeFurther(grasp, {.squeeze = squeeze, .gap = 0.02 - 0.2 * (0.02 - grasp.pulledGap)}, 0.001);
+      advanceClosing(grasp, {.squeeze = squeeze, .gap = 0.02 - 0.2 * (0.02 - grasp.pulledGap)}, 0.001);
     return 0.02 - 0.2 * (0.02 - grasp.pulledGap);
   };
   const double half = follow(0.15, 0.1);
   CHECK(half > 0.014);
   CHECK(half < 0.0165);
-  // At the limit of the force they go no farther.
+  // At the force limit they close no farther.
   CHECK(follow(0.5, 0.5) == half);
   CHECK(std::abs(follow(0.6, 0.1) - 0.008) < 1e-4);
-  // Above it they open by what is too much, here by half of what the springs yield.
+  // Above the limit they open by the excess, here by half of the springs' extension.
   CHECK(follow(1.0, 1.0) > half);
   CHECK(std::abs(follow(1.0, 0.1) - 0.008) < 1e-4);
-  // Where tissue has given way at once, they open again.
-  closeFurther(grasp, {.squeeze = 0.1, .gap = 0.004}, 0.001);
+  // Where tissue has suddenly yielded, they open again.
+  advanceClosing(grasp, {.squeeze = 0.1, .gap = 0.004}, 0.001);
   const double before = grasp.pulledGap;
-  closeFurther(grasp, {.squeeze = 0.1, .gap = 0.004}, 0.001);
+  advanceClosing(grasp, {.squeeze = 0.1, .gap = 0.004}, 0.001);
   CHECK(grasp.pulledGap > before);
 }
 
@@ -111,11 +111,11 @@ TEST_CASE("What jaws pull and squeeze with is told apart, also when they are tur
   Grasp grasp;
   grasp.places.axis = Vec3::UnitX();
   grasp.rotation << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // a quarter turn about z: the axis is y
-  std::array<GrabStatus, 2> hands;
-  hands[0].force = Vec3(0.1, 0.7, 0.2);
-  hands[1].force = Vec3(0.1, -0.5, 0.2);
-  hands[1].point = Vec3(0.3, 0.01, 0);
-  const GraspForces forces = forcesOf(grasp, hands);
+  std::array<GrabStatus, 2> grabs;
+  grabs[0].force = Vec3(0.1, 0.7, 0.2);
+  grabs[1].force = Vec3(0.1, -0.5, 0.2);
+  grabs[1].point = Vec3(0.3, 0.01, 0);
+  const GraspForces forces = forcesOf(grasp, grabs);
   CHECK((forces.pull - Vec3(0.2, 0.2, 0.4)).norm() < 1e-15);
   CHECK(std::abs(forces.squeeze - 0.6) < 1e-15);
   CHECK(std::abs(forces.gap - 0.01) < 1e-15);
@@ -137,8 +137,8 @@ TEST_CASE("Jaws squeeze a fold of a slab together and lift it", "[grasp]") {
   const std::size_t id = simulator.addBody(softSlab(0.005));
   const GraspSettings settings{.jaw = 0.01, .opening = 0.02, .closed = 0.015};
   const auto places = findJaws(slab().surface, kOnTop, Vec3::UnitZ(), Vec3::UnitX(), settings);
-  Grasp grasp = takeHold(id, *simulator.body(id), *places, settings);
-  const auto setHands = [&] {
+  Grasp grasp = beginGrasp(id, *simulator.body(id), *places, settings);
+  const auto setGrabs = [&] {
     for (std::uint64_t jaw = 0; jaw < 2; ++jaw) {
       simulator.moveGrab(id, grasp.grabs[jaw].target, jaw);
       simulator.turnGrab(id, grasp.rotation, jaw);
@@ -149,12 +149,12 @@ TEST_CASE("Jaws squeeze a fold of a slab together and lift it", "[grasp]") {
   const auto go = [&](double seconds) {
     for (const double end = simulator.time() + seconds; simulator.time() < end;) {
       REQUIRE(simulator.step());
-      closeFurther(grasp, forces(), simulator.stepSize());
+      advanceClosing(grasp, forces(), simulator.stepSize());
       grasp.aim();
-      setHands();
+      setGrabs();
     }
   };
-  // Nothing moves by taking hold.
+  // Grasping moves nothing.
   REQUIRE(simulator.step());
   CHECK(forces().pull.norm() < 1e-9);
   CHECK(std::abs(forces().squeeze) < 1e-9);
@@ -166,7 +166,7 @@ TEST_CASE("Jaws squeeze a fold of a slab together and lift it", "[grasp]") {
   const double squeeze = forces().squeeze;
   grasp.middle += Vec3(0, 0, 0.03);
   go(1.0);
-  // What lifts comes out at the support; damping carries a little of it.
+  // The lifting force appears at the support; damping carries a little of it.
   const Vec3 reaction = simulator.reactions(id).front().force;
   CHECK(forces().pull[2] > 0.02);
   CHECK(std::abs(reaction[2] + forces().pull[2]) < 0.05 * forces().pull[2]);
@@ -223,7 +223,7 @@ TEST_CASE("A hand pulls with what the tissue bears that it holds", "[grasp]") {
 }
 
 TEST_CASE("What is horizontal on the screen follows from two places of the mouse", "[grasp]") {
-  // Looks along -z, turned by 30° about the view: right is (cos, sin), down is (sin, -cos).
+  // View along -z, rotated by 30° about the view: right is (cos, sin), down is (sin, -cos).
   const double c = std::sqrt(0.75), s = 0.5;
   const Vec3 right(c, s, 0), down(s, -c, 0), view = -Vec3::UnitZ();
   for (const auto &[x, y] : {std::pair{10.0, 0.0}, std::pair{-3.0, 7.0}, std::pair{0.0, 5.0}})
@@ -253,7 +253,7 @@ TEST_CASE("A jaw is drawn as a closed disc on its outer side", "[grasp]") {
   double volume = 0.0;
   for (const auto &[a, b, c] : disc.triangles)
     volume += (disc.positions[a] - at).dot((disc.positions[b] - at).cross(disc.positions[c] - at)) / 6.0;
-  // A prism of 24 sides, 2 mm thick, of 10 mm; outwards, else the sign differs.
+  // A prism of 24 sides, 2 mm thick, of 10 mm; outwards, otherwise the sign differs.
   const double area = 0.5 * 24 * 25e-6 * std::sin(2.0 * EIGEN_PI / 24);
   CHECK(std::abs(volume - 0.002 * area) < 1e-12);
   for (const Vec3 &x : disc.positions) CHECK(x[0] <= at[0] + 1e-15);

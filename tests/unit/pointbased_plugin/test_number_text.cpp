@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "number_text.h"
+#include "base/number_text.h"
 #include "support/catch.h"
 
 TEST_CASE("a number has two significant digits, or all before the point") {

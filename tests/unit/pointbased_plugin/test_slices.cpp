@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tools in slices: what of a body is at a place now, what is held of it, where a ball stands clear of skins.
+// Tools in slices: the part of a body currently at a position, its held part, and where a ball is clear of skins.
 #include <Eigen/Geometry>
 #include <numeric>
 
-#include "clear_place.h"
-#include "grab_patch.h"
+#include "instruments/clear_position.h"
+#include "instruments/grab_patch.h"
 #include "lattice_cases.h"
 #include "support/catch.h"
 
@@ -12,7 +12,7 @@ using namespace pointbased;
 
 namespace {
 
-/// 60 x 60 x 60 mm; held in its lowest 6 mm, or there.
+/// 60 x 60 x 60 mm; held in its lowest 6 mm, or in the given region.
 std::shared_ptr<const RestState> heldBlock(const Region &held = HalfSpaceRegion{Vec3(0, 0, 0.306), Vec3::UnitZ()}) {
   BodyRecipe recipe;
   recipe.sampling = lattice_cases::withSpacing(0.006);
@@ -45,7 +45,7 @@ TEST_CASE("The material at a place is found however far a body has gone, turned 
   for (const Vec3 &X : {Vec3(0.13, 0.23, 0.33), Vec3(0.1413, 0.2127, 0.3499), Vec3(0.159, 0.259, 0.359)}) {
     const auto found = materialAt(*rest, now, way(X));
     REQUIRE(found);
-    CHECK((rest->origin + found->at - X).norm() < 1e-5);  // the ridge of the least squares: 1e-6 of the spacing squared
+    CHECK((rest->origin + found->at - X).norm() < 1e-5);  // least-squares regularisation: 1e-6 of the spacing squared
   }
   CHECK_FALSE(materialAt(*rest, {}, Vec3::Zero()));
 }
@@ -53,7 +53,7 @@ TEST_CASE("The material at a place is found however far a body has gone, turned 
 TEST_CASE("Of a body that lies folded over itself one layer is taken, not a mean of both", "[slices]") {
   const auto rest = heldBlock();
   const double middle = 0.13;
-  // The half beyond the middle has come to lie upon the other one, 2 mm higher.
+  // The half beyond the middle has been folded onto the other one, 2 mm higher.
   const auto way = [&](const Vec3 &X) { return X[0] <= middle ? X : Vec3(2.0 * middle - X[0], X[1], X[2] + 0.002); };
   const std::vector<Vec3> now = moved(*rest, way);
   const Vec3 X(0.109, 0.23, 0.33);
@@ -93,9 +93,9 @@ TEST_CASE("A point inside is held by the patch around it, and what a fix holds i
   CHECK(below->isHeld);
 }
 
-// The phyxel nearest to it is held for the most part: tissue beside bone could not be held.
+// The phyxel nearest to it is mostly held: tissue next to bone could not be grabbed.
 TEST_CASE("What is held at a place is what the support holds, not the phyxel nearest to it", "[slices]") {
-  // Flat borders of what is held would go through the middles of cells.
+  // Flat borders of the held region would pass through the centres of cells.
   const auto upTo = [](double z) { return SphereRegion{Vec3(0.13, 0.23, 0.28), z - 0.28}; };
   double layer = 1.0;  // of phyxels
   const auto whole = heldBlock(upTo(0.306));
@@ -115,7 +115,7 @@ TEST_CASE("What is held at a place is what the support holds, not the phyxel nea
   const auto free = materialAt(*rest, now, place);
   REQUIRE(free);
   CHECK_FALSE(free->isHeld);
-  // By what moves: all that is held is accelerated alike.
+  // By the moving mass: all grabbed material has the same acceleration.
   const Grab grab = grabAt(*rest, free->at, {.radius_mm = 12.0}, 6e3);
   REQUIRE(!grab.phyxels.empty());
   const double radius = 0.012;
@@ -139,20 +139,20 @@ TEST_CASE("The tissue at a place is the last one whose region holds it, or whose
 }
 
 TEST_CASE("A ball stands where it is put, or beside the skin within its plane", "[slices]") {
-  // A ball of skin of 30 mm about the origin.
+  // A spherical skin of 30 mm about the origin.
   const auto skin = [](const Vec3 &at) {
     return SkinDistance{at.norm() - 0.03, at.norm() > 0.0 ? Vec3(at.normalized()) : Vec3::UnitX()};
   };
   const Vec3 z = Vec3::UnitZ();
   const Vec3 free(0.05, 0.0, 0.0);
-  CHECK(clearPlace(free, z, 0.006, skin) == free);
+  CHECK(clearPosition(free, z, 0.006, skin) == free);
   for (const Vec3 &place : {Vec3(0.031, 0, 0), Vec3(0.02, 0.02, 0.0), Vec3(0.001, 0.0, 0.0), Vec3(0.0, 0.01, 0.02)}) {
-    const auto at = clearPlace(place, z, 0.006, skin);
+    const auto at = clearPosition(place, z, 0.006, skin);
     REQUIRE(at);
     CHECK_THAT((*at)[2], WithinAbs(place[2], 1e-12));
     CHECK_THAT(at->norm(), WithinAbs(0.036, 2e-5));
-    CHECK(std::abs((*at)[0] * place[1] - (*at)[1] * place[0]) < 1e-9);  // straight out
+    CHECK(std::abs((*at)[0] * place[1] - (*at)[1] * place[0]) < 1e-9);  // straight outwards
   }
-  // The plane touches the skin from above: no way within it is short.
-  CHECK_FALSE(clearPlace(Vec3(0, 0, 0.029), z, 0.006, skin));
+  // The plane touches the skin from above: no short displacement within it clears the skin.
+  CHECK_FALSE(clearPosition(Vec3(0, 0, 0.029), z, 0.006, skin));
 }

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "step_request.h"
+#include "base/step_request.h"
 #include "support/catch.h"
 
 using namespace pointbased;
@@ -27,11 +27,11 @@ void compute(std::int64_t time_ns) {
 }  // namespace
 
 TEST_CASE("a step that waits while other threads compute is not given up, one that computes is") {
-  StepRequest request;
+  StepInterrupt request;
   request.beginStep(kBudget);
   CHECK(request.budget() == kBudget);
   CHECK_FALSE(request.isRaised());
-  // Software drawing: what it computes is no work of the step.
+  // Software drawing: its computation does not count as work of the step.
   std::vector<std::thread> drawing;
   for (int k = 0; k < 3; ++k) drawing.emplace_back([] { compute(2 * kBeyond_ns); });
   for (std::thread &one : drawing) one.join();
@@ -39,7 +39,7 @@ TEST_CASE("a step that waits while other threads compute is not given up, one th
   CHECK_FALSE(request.isRaised());
   compute(kBeyond_ns);
   CHECK(request.isOverBudget());
-  // Whoever of its threads asks.
+  // From any of its threads.
   bool isRaised = false;
   std::thread([&] { isRaised = request.isRaised(); }).join();
   CHECK(isRaised);
@@ -54,7 +54,7 @@ TEST_CASE("beside busy loops a step has the processor time of its budget") {
       while (!stop.stop_requested()) {
       }
     });
-  StepRequest request;
+  StepInterrupt request;
   const ThreadClock clock = ThreadClock::ofThisThread();
   const std::int64_t from = clock.now();
   request.beginStep(kBudget);
@@ -67,17 +67,17 @@ TEST_CASE("beside busy loops a step has the processor time of its budget") {
 }
 
 TEST_CASE("a step without a budget, and one that is spared because a hand has come, is not given up") {
-  StepRequest request;
+  StepInterrupt request;
   request.beginStep(std::numeric_limits<double>::infinity());
   compute(kBeyond_ns);
   CHECK_FALSE(request.isRaised());
   request.endStep();
   request.beginStep(kBudget);
-  request.spareStep();
+  request.liftStepBudget();
   compute(kBeyond_ns);
   CHECK_FALSE(request.isRaised());
   CHECK(request.budget() == std::numeric_limits<double>::infinity());
-  // A person ends it all the same.
+  // The user can still interrupt it.
   request.interrupt(true);
   CHECK(request.isRaised());
   request.interrupt(false);

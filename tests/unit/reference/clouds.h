@@ -15,7 +15,7 @@ using reference::Mat3;
 using reference::Vec3;
 using support::Random;
 
-/// A block of nx x ny x nz cell centres, x outermost; jitter is a part of the spacing.
+/// A block of nx x ny x nz cell centres, x outermost; jitter is a fraction of the spacing.
 [[nodiscard]] std::vector<Vec3> block(int nx, int ny, int nz, double spacing, double jitter = 0.0);
 
 /// A body of these points, with equal cells of spacing³.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the published formulas get wrong, one at a time: the corrected method with a single switch as printed.
+// The errors in the published formulas, one at a time: the corrected method with a single switch as printed.
 #include <algorithm>
 #include <cmath>
 
@@ -20,7 +20,7 @@ Errata with(bool Errata::*printed) {
   return errata;
 }
 
-// A cube whose sides are free to contract: J = diag(1 + e, 1 - nu e, 1 - nu e).
+// A cube with free lateral contraction: J = diag(1 + e, 1 - nu e, 1 - nu e).
 double energyOfStretch(const Errata &errata, double e, double poissonRatio = 0.3) {
   const Material material{6000.0, poissonRatio, 1000.0, 0.0, {}};
   Body cube = body(block(4, 4, 4, kSpacing), kSpacing, 26, errata, material);
@@ -33,7 +33,7 @@ struct Vibration {
   double first, last, least, most;  // J, kinetic and elastic energy
 };
 
-// A cube is stretched by 1 % and let go.
+// A cube is stretched by 1 % and released.
 Vibration vibrate(const Errata &errata, double dt, int steps) {
   Body cube = body(block(4, 4, 4, kSpacing), kSpacing, 26, errata);
   deform(cube, [](const Vec3 &X) { return Vec3(1.01 * X[0], X[1], X[2]); });
@@ -47,15 +47,15 @@ Vibration vibrate(const Errata &errata, double dt, int steps) {
   return out;
 }
 
-// A bar 5 x 1 x 1 with so many layers over its thickness, as the thesis takes its volumes.
+// A bar 5 x 1 x 1 with this number of layers over its thickness, with the thesis's volumes.
 Body barOfLayers(int layers, const Errata &errata) {
   const double spacing = 0.04 / layers;
   return body(block(5 * layers, layers, layers, spacing), spacing, 25, errata);
 }
 constexpr double kBarVolume = 0.2 * 0.04 * 0.04;
 
-// A sheet of one layer whose points lie up to `roughness` spacings off the plane, bent; lengths in units of `unit`
-// metres, forces in newton whatever the unit.
+// A bent sheet of one layer whose points are up to `roughness` spacings off the plane; lengths in units of `unit`
+// metres, forces in newton for any unit.
 std::vector<Vec3> forcesOfSheet(const Errata &errata, double unit, double roughness, std::vector<int> &ranks) {
   const double spacing = 0.005 / unit;
   std::vector<Vec3> points = block(7, 7, 1, spacing);
@@ -88,7 +88,7 @@ Mat3 shear(double gamma) {
 
 TEST_CASE("twice the Green strain makes a body four times as stiff as its Young's modulus") {
   const Errata printed = with(&Errata::factorFour);
-  // Small: 1/2 E e² V; what is left is of the order of e.
+  // Small: 1/2 E e² V; the remainder is of the order of e.
   const double e = 1e-5, hooke = 0.5 * 6000.0 * e * e * std::pow(4 * kSpacing, 3);
   CHECK_THAT(energyOfStretch(Errata::corrected(), e) / hooke, WithinRel(1.0, 1e-4));
   CHECK_THAT(energyOfStretch(printed, e) / hooke, WithinRel(4.0, 1e-4));
@@ -133,10 +133,10 @@ TEST_CASE("forward Euler as printed gains energy at any step, velocity Verlet do
     const Vibration euler = vibrate(with(&Errata::forwardEuler), part * limit, steps);
     INFO("step " << part << " of the limit: Verlet " << verlet.most / verlet.first << ", Euler "
                  << euler.last / euler.first);
-    // Verlet's energy swings by about (omega dt)²/4, that is by part².
+    // Verlet's energy oscillates by about (omega dt)²/4, that is by part².
     CHECK(verlet.most < (1.0 + part * part) * verlet.first);
     CHECK(verlet.least > (1.0 - part * part) * verlet.first);
-    // A mode gains (omega dt)² per step: even the slow ones of this motion, with omega dt about 0.5 part, show it.
+    // A mode gains (omega dt)² per step: even the slow modes of this motion, with omega dt about 0.5 part, show it.
     CHECK(euler.last > (1.0 + 2.0 * part) * euler.first);
   }
 }
@@ -151,7 +151,7 @@ TEST_CASE("a support that ends at the N-th neighbour drops a whole shell of a la
   for (std::size_t count = 7; count <= 18; ++count) CHECK(effective(count, printed) == 6);
   CHECK(effective(6, printed) == 0);
   CHECK(effective(26, printed) == 18);
-  // Beyond the farthest, and with ties taken whole.
+  // Beyond the farthest, and with whole groups of ties.
   CHECK(effective(6, {}) == 6);
   CHECK(effective(7, {}) == 18);
   CHECK(effective(19, {}) == 26);
@@ -167,7 +167,7 @@ TEST_CASE("singular values of the moment matrix depend on the unit of length") {
       const double value = metres.singularValues[i][2];
       least = std::min(least, value);
       most = std::max(most, value);
-      // Ties at the N-th neighbour have no weight, so that both clouds choose alike but for rounding.
+      // Ties at the N-th neighbour have no weight, so that both clouds make the same choice but for rounding.
       CHECK_THAT(millimetres.singularValues[i][2], WithinRel(1e-3 * value, 1e-9));
     }
     INFO(count << " neighbours: smallest singular values " << least << " to " << most << " 1/m");
@@ -189,7 +189,7 @@ TEST_CASE("an absolute cut-off gives other forces in millimetres than in metres"
   const std::vector<Vec3> c = forcesOfSheet({}, 1.0, 0.05, inMetres);
   const std::vector<Vec3> d = forcesOfSheet({}, 1e-3, 0.05, inMillimetres);
   CHECK(inMetres == inMillimetres);
-  // Rounding only, magnified by the turned completion of a thin stencil.
+  // Rounding only, amplified by the rotated completion of a thin stencil.
   CHECK(difference(d, c) < 1e-9);
 }
 
@@ -214,8 +214,9 @@ TEST_CASE("a flat patch turned out of its plane by theta shows a shear of sin th
 
 TEST_CASE("volumes from the kernel's density sum to more than the body, the more the coarser it is") {
   // Published: 1.71, 1.35 and 1.21 at 3, 5 and 8 layers. Found with 25 neighbours (26 with the phyxel itself): 1.706,
-  // 1.362, 1.221; the per cent between may be ties at the N-th neighbour, which the text does not settle. 20 neighbours
-  // give 1.64, 1.32, 1.19 and 32 give 1.96, 1.43, 1.23: the figures depend on N, the fault does not.
+  // 1.362, 1.221; the difference of a per cent may come from ties at the N-th neighbour, which the text does not
+  // define. 20 neighbours give 1.64, 1.32, 1.19 and 32 give 1.96, 1.43, 1.23: the figures depend on N, the error does
+  // not.
   const std::pair<int, double> published[] = {{3, 1.71}, {5, 1.35}, {8, 1.21}};
   Errata errata = with(&Errata::densityVolumes);
   errata.vanishingShell = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The corrected reference and the engine, each written for itself, on the same neighbours, weights and volumes.
+// The corrected reference and the engine, written independently, on the same neighbours, weights and volumes.
 #include <algorithm>
 
 #include "clouds.h"
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kSpacing = 0.01;  // m
 
-// The engine's neighbours, with poly6 over the larger support of a pair, without its norm, as the engine weighs them.
+// The engine's neighbours, with poly6 over the larger support of a pair, without its norm, as the engine weights them.
 reference::Neighborhoods asReference(const pointbased::Neighborhoods &engine, const std::vector<Vec3> &points) {
   reference::Neighborhoods out;
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference itself, by properties that no formula of it states.
+// The reference itself, by properties that are not among its formulas.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kSpacing = 0.01;  // m
 
-// The thesis but for the strain of (6.4), whose force is the gradient of no energy.
+// The thesis except for the strain of (6.4), whose force is not the gradient of an energy.
 Errata literalOf63() {
   Errata errata = Errata::literal();
   errata.printedStrain = false;

@@ -42,7 +42,7 @@ registry::ParameterRegistry few() {
 
 std::filesystem::path sources() { return C3DE_TEST_SOURCES; }
 
-/// All that the point-based plugin declares, from its source.
+/// All declarations of the point-based plugin, from its source.
 registry::ParameterRegistry ofThePlugin() {
   registry::ParameterRegistry parameters;
   const auto addFrom = [&](const std::filesystem::path &file, const std::regex &pattern) {
@@ -50,14 +50,14 @@ registry::ParameterRegistry ofThePlugin() {
     for (std::sregex_iterator it(text.begin(), text.end(), pattern), end; it != end; ++it)
       declare(parameters, (*it)[1], (*it)[2]);
   };
-  addFrom(sources() / "plugins/pointbased/plugin/src/parameters.cpp",
+  addFrom(sources() / "plugins/pointbased/plugin/src/base/parameters.cpp",
           std::regex(R"rx(\{\s*"([a-z0-9_]+\.[a-z0-9_.]+)",\s*"([^"]+)")rx"));
   addFrom(sources() / "framework/abi/include/c3de/abi/iface/parameter_ids.h",
           std::regex(R"rx("([a-z0-9_]+\.[a-z0-9_.]+)"()())rx"));
   return parameters;
 }
 
-/// The text of every statement's string literals, those beside each other joined.
+/// The text of every statement's string literals, adjacent ones joined.
 std::vector<std::string> literals(const std::string &source) {
   std::vector<std::string> out;
   static const std::regex kLiteral(R"rx("((?:[^"\\\n]|\\.)*)")rx");
@@ -125,7 +125,7 @@ TEST_CASE("no sentence of the program shows an id of a parameter or an interface
     for (const auto &entry : fs::recursive_directory_iterator(sources() / folder)) {
       if (entry.path().extension() != ".cpp" && entry.path().extension() != ".h") continue;
       std::string source = contents(entry.path());
-      // Quotation marks within a literal are marks for its reader.
+      // Quotation marks within a literal are shown to the user.
       for (std::size_t at; (at = source.find("\\\"")) != std::string::npos;) source.replace(at, 2, "''");
       for (const std::string &text : literals(source)) {
         if (text.find(' ') == std::string::npos) continue;

@@ -9,7 +9,7 @@ using namespace c3de::registry;
 
 namespace {
 
-/// A tool that counts, and does to the registry what the test asks for.
+/// A tool that counts, and modifies the registry as the test requests.
 struct CountingTool {
   int activated = 0, cancelled = 0, events = 0;
   bool refuses = false, consumes = true;

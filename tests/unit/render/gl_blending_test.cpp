@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Transparent things are drawn from far to near, whoever made them when.
+// Transparent objects are drawn from far to near, independent of their order of creation.
 #include "gl_fixture.h"
 
 using namespace c3de;
@@ -17,7 +17,7 @@ Rgb over(const Rgb &front, double opacity, const Rgb &back) {
   return mixed;
 }
 
-/// The colour of a thing that does not blend, alone, in the middle of the picture.
+/// The colour of an opaque object, alone, in the middle of the picture.
 template <class Make>
 Rgb aloneAndOpaque(Renderer &renderer, Make make) {
   const Handle h = make(1.0f);
@@ -45,7 +45,7 @@ TEST_CASE("Two transparent squares mix by the over-operator whatever the order o
   if (!nearFirst) red(0.4f);
   CHECK(difference(pixel(drawn(r, frontCamera()), kX, kY), expected) <= 2);
 
-  // From behind the order turns round; the light moves with the viewer, so the colours alone are the same.
+  // From behind the order is reversed; the light moves with the viewer, so the single colours are the same.
   Camera behind = frontCamera();
   behind.yaw = 3.14159265358979;
   const Rgb turned = over(blueAlone, 0.7, over(redAlone, 0.4, background));
@@ -53,7 +53,7 @@ TEST_CASE("Two transparent squares mix by the over-operator whatever the order o
   CHECK(difference(pixel(drawn(r, behind), kX, kY), turned) <= 2);
 }
 
-// Where a scan ends, skin and organs are the same face: stripes of both.
+// Where a scan ends, skin and organs share a face: stripes of both.
 TEST_CASE("A transparent surface that crosses an opaque one within its cover is not seen, one before it is") {
   C3DE_GL_OR_SKIP(gl);
   Renderer &r = *gl.renderer;
@@ -81,7 +81,7 @@ TEST_CASE("A transparent surface that crosses an opaque one within its cover is 
     r.destroy(skin);
     return different;
   };
-  // At its rim the film stands out beyond the wall by some pixels.
+  // At its rim the film extends beyond the wall by some pixels.
   CHECK(film(0.0f) < 40);
   const int before = film(4.0f);
   CHECK(before > 500);

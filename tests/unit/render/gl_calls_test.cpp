@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which calls are accepted: the same for every back end.
+// The accepted calls: the same for every back end.
 #include "c3de/render_gl/gl_renderer.h"
 #include "gl_fixture.h"
 
@@ -9,7 +9,7 @@ using namespace c3de::render::test;
 
 namespace {
 
-/// One bit per call: what was accepted.
+/// One bit per call: whether it was accepted.
 std::vector<bool> callEverything(Renderer &r) {
   std::vector<bool> accepted;
   const auto note = [&](bool yes) { accepted.push_back(yes); };
@@ -58,7 +58,7 @@ std::vector<bool> callEverything(Renderer &r) {
     note(r.setVisible(h, true));
     note(r.setPositions(h, four));
   }
-  // The slot is used again, the old handle stays stale.
+  // The slot is reused, the old handle stays stale.
   const Handle next = r.createMesh(four, quad.triangles, {});
   note(next == mesh);
   note(r.setVisible(mesh, true));
@@ -74,7 +74,7 @@ TEST_CASE("The null and the OpenGL renderer accept and refuse the same calls") {
   const auto null = createNullRenderer();
   const auto byNull = callEverything(*null), byGl = callEverything(*gl.renderer);
   CHECK(byNull == byGl);
-  // Both kinds of answer occur.
+  // Both results occur.
   CHECK(std::count(byGl.begin(), byGl.end(), true) > 40);
   CHECK(std::count(byGl.begin(), byGl.end(), false) > 40);
 }

@@ -41,7 +41,7 @@ inline int difference(const Rgb &a, const Rgb &b) {
   return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
 }
 
-/// Looks along -z at the origin from 200 mm.
+/// Looking along -z at the origin from 200 mm.
 inline Camera frontCamera() {
   Camera camera;
   camera.distance = 200.0;
@@ -55,7 +55,7 @@ inline Image drawn(Renderer &renderer, const Camera &camera, int width = 160, in
   return std::move(*image);
 }
 
-/// Black everywhere, so that what was drawn is what is not black.
+/// Black everywhere, so that drawn pixels are those that are not black.
 inline void setBlackBackground(Renderer &renderer) { renderer.setBackground({{0, 0, 0, 1}, {0, 0, 0, 1}}); }
 
 struct Shape {
@@ -68,7 +68,7 @@ inline Shape square(float half, float z) {
   return {{{-half, -half, z}, {half, -half, z}, {half, half, z}, {-half, half, z}}, {{0, 1, 2}, {0, 2, 3}}};
 }
 
-/// Sphere of longitude and latitude, bent into something like an organ by `bump` (0: a sphere).
+/// Sphere of longitude and latitude, deformed into an organ-like shape by `bump` (0: a sphere).
 inline Shape blob(unsigned rings, unsigned segments, float radius, float bump) {
   constexpr float kPi = 3.14159265f;
   Shape shape;

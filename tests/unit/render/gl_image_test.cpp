@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What single shapes look like.
+// The appearance of single shapes.
 #include "c3de/render/image_renderer.h"
 #include "gl_fixture.h"
 
@@ -48,7 +48,7 @@ TEST_CASE("A red sphere is red and its silhouette is as large as the projection 
 
   const double expected = silhouetteRadius_px(camera, radius, 240);
   CHECK_THAT(std::sqrt(countLit(image) / kPi), WithinAbs(expected, 0.6));
-  // Along the row and the column through the middle the edge is where it should be.
+  // Along the row and the column through the middle the edge is at its expected position.
   const int edge = static_cast<int>(expected);
   for (const auto &[dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
     CHECK(difference(pixel(image, 160 + dx * (edge - 2), 120 + dy * (edge - 2)), {0, 0, 0}) > 40);
@@ -127,7 +127,7 @@ TEST_CASE("A mesh seen from behind is drawn only when it is two-sided, also mirr
   const Rgb facing = middle(front);
   CHECK(facing[0] > 60);
   CHECK(middle(back) == Rgb{0, 0, 0});
-  // Mirrored in z, the outside looks the other way.
+  // Mirrored in z, the outside faces the other direction.
   REQUIRE(gl.renderer->setTransform(h, Mat4{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1}));
   CHECK(middle(front) == Rgb{0, 0, 0});
   CHECK(difference(middle(back), facing) <= 2);
@@ -146,7 +146,7 @@ TEST_CASE("Light falls from above and does not depend on where the scene is") {
   CHECK(pixel(near, 80, 45)[0] > pixel(near, 80, 75)[0] + 20);
   CHECK(pixel(near, 80, 60)[0] > 120);
 
-  // A hundred metres away the picture is the same: positions go to the card relative to the eye.
+  // A hundred metres away the picture is the same: positions are sent to the card relative to the eye.
   REQUIRE(gl.renderer->setTransform(h, Mat4{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1e5, -1e5, 1e5, 1}));
   Camera far = frontCamera();
   far.focus = {1e5, -1e5, 1e5};
@@ -164,7 +164,7 @@ TEST_CASE("Normals follow the positions unless they are given") {
   const Handle h = gl.renderer->createMesh(quad.positions, quad.triangles, {{0.5f, 0.5f, 0.5f, 1}, true});
   const auto brightness = [&] { return pixel(drawn(*gl.renderer, frontCamera()), 80, 62)[0]; };
   const int upright = brightness();
-  // Lean the upper edge towards the viewer: the face looks down, away from the light.
+  // Lean the upper edge towards the viewer: the face points down, away from the light.
   std::vector<Vec3f> leaning = quad.positions;
   leaning[2][2] = leaning[3][2] = 60.0f;
   REQUIRE(gl.renderer->setPositions(h, leaning));
@@ -231,7 +231,7 @@ TEST_CASE("A line is as wide as asked, in its own colour, and hidden by what is 
   image = drawn(*gl.renderer, camera);
   CHECK(pixel(image, 80, 60)[0] > 100);
   CHECK(pixel(image, 80 + 25, 60)[0] < 60);
-  // A line in a surface wins over it.
+  // A line within a surface is drawn over it.
   REQUIRE(gl.renderer->setTransform(front, Mat4{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -5, 1}));
   image = drawn(*gl.renderer, camera);
   CHECK(pixel(image, 80, 60)[2] > pixel(image, 80, 60)[0]);
@@ -340,11 +340,11 @@ TEST_CASE("A legend stands at the right edge, its first colour below, its last a
   REQUIRE((!red.empty() && !blue.empty() && !between.empty()));
   CHECK(blue.back() < between.front());
   CHECK(between.back() < red.front());
-  CHECK(red.back() - blue.front() > 120);  // a bar to read numbers off
+  CHECK(red.back() - blue.front() > 120);  // a wide bar
   CHECK(columnsDrawn(image, empty) < 160);
   CHECK(columnsDrawn(image, empty) > 40);
 
-  // Hidden, or gone, nothing is left of it.
+  // Hidden or destroyed, it leaves no pixels.
   gl.renderer->setVisible(legend, false);
   CHECK(drawn(*gl.renderer, frontCamera(), 400, 320).rgb == empty.rgb);
   gl.renderer->setVisible(legend, true);
@@ -405,7 +405,7 @@ TEST_CASE("What tools show of a hand is seen through what hides it and beyond cu
   cut.cuts = {{{0, 0, -40}, {0, 0, 1}}};
   cut.cutsProxies = true;
   gl.renderer->images()->setScene(cut);
-  CHECK(seen() == std::pair{false, false});  // all lies beyond it, the wall as well
+  CHECK(seen() == std::pair{false, false});  // everything is beyond it, the wall as well
   mark.inSlices = true;
   gl.renderer->setMaterial(sphere, mark);
   gl.renderer->setMaterial(line, mark);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A picture beside the framebuffer that stays from frame to frame.
+// An offscreen picture that is retained from frame to frame.
 #include "c3de/render_gl/kept_picture.h"
 #include "gl_fixture.h"
 #include "gl_target.h"
@@ -30,31 +30,31 @@ TEST_CASE("What was painted into a kept picture is shown as if it were drawn in 
   gl.renderer->draw(frontCamera(), part);
   const auto drawn = pixelsOf(200, 120);
 
-  KeptPicture picture;
-  REQUIRE(picture.prepare(200, 120) == KeptPicture::State::empty);
+  CachedPicture picture;
+  REQUIRE(picture.prepare(200, 120) == CachedPicture::State::empty);
   picture.paint([&] { gl.renderer->draw(frontCamera(), part); });
   for (int frame = 0; frame < 2; ++frame) {
-    CHECK(picture.prepare(200, 120) == KeptPicture::State::kept);
+    CHECK(picture.prepare(200, 120) == CachedPicture::State::kept);
     glClear(GL_COLOR_BUFFER_BIT);
     picture.show(part);
     CHECK(pixelsOf(200, 120) == drawn);
   }
-  // The framebuffer that was bound is so again.
+  // The previously bound framebuffer is bound again.
   GLint bound = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
   CHECK(static_cast<GLuint>(bound) == target.framebuffer);
-  CHECK(picture.prepare(100, 120) == KeptPicture::State::empty);
+  CHECK(picture.prepare(100, 120) == CachedPicture::State::empty);
   CHECK(glGetError() == static_cast<GLenum>(GL_NO_ERROR));
 }
 
 TEST_CASE("No picture is kept for a framebuffer that smooths edges, or without pixels") {
   C3DE_GL_OR_SKIP(gl);
-  KeptPicture picture;
+  CachedPicture picture;
   {
     const Target target(64, 64);
-    REQUIRE(picture.prepare(64, 64) == KeptPicture::State::empty);
-    CHECK(picture.prepare(0, 64) == KeptPicture::State::none);
-    CHECK(picture.prepare(64, 64) == KeptPicture::State::empty);
+    REQUIRE(picture.prepare(64, 64) == CachedPicture::State::empty);
+    CHECK(picture.prepare(0, 64) == CachedPicture::State::none);
+    CHECK(picture.prepare(64, 64) == CachedPicture::State::empty);
   }
   GLuint framebuffer = 0, colour = 0;
   glGenFramebuffers(1, &framebuffer);
@@ -65,7 +65,7 @@ TEST_CASE("No picture is kept for a framebuffer that smooths edges, or without p
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour);
   GLint samples = 0;
   glGetIntegerv(GL_SAMPLE_BUFFERS, &samples);
-  if (samples > 0) CHECK(picture.prepare(64, 64) == KeptPicture::State::none);
+  if (samples > 0) CHECK(picture.prepare(64, 64) == CachedPicture::State::none);
   glDeleteFramebuffers(1, &framebuffer);
   glDeleteRenderbuffers(1, &colour);
 }

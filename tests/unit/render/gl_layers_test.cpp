@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces that blend inside of a volume, and what cuts leave of both.
+// Blended surfaces inside a volume, and cuts through both.
 #include <cmath>
 
 #include "c3de/render/image_renderer.h"
@@ -35,10 +35,10 @@ Camera patientCamera() {
   return camera;
 }
 
-/// A block of 60 mm around the origin, everywhere the same, seen as white fog.
+/// A uniform block of 60 mm around the origin, seen as white fog.
 ImageScene fogScene(ImageRenderer &images) {
   static const std::vector<std::int16_t> voxels(20 * 20 * 20, 100);
-  const GridPlace place{{20, 20, 20}, {3, 0, 0, 0, 0, 3, 0, 0, 0, 0, 3, 0, -28.5, -28.5, -28.5, 1}};
+  const GridGeometry place{{20, 20, 20}, {3, 0, 0, 0, 0, 3, 0, 0, 0, 0, 3, 0, -28.5, -28.5, -28.5, 1}};
   ImageScene scene;
   scene.look.image = added(images.addImage({place, VoxelType::int16, voxels.data(), 1.0, 0.0}));
   scene.look.window = 200.0;
@@ -50,7 +50,7 @@ ImageScene fogScene(ImageRenderer &images) {
   return scene;
 }
 
-/// A square across the view at y, that blends or not.
+/// A square across the view at y, transparent or opaque.
 Handle addPane(Renderer &renderer, double y, const Colour &colour) {
   const Shape shape = square(100.0f, 0.0f);
   const Handle mesh = renderer.createMesh(shape.positions, shape.triangles, {colour, true});
@@ -66,7 +66,7 @@ int mostDifferent(const Image &a, const Image &b) {
   return most;
 }
 
-/// What mm of fog let through.
+/// Transmittance of a number of millimetres of fog.
 double through(double mm) { return std::pow(1.0 - kPerMillimetre, std::max(mm, 0.0)); }
 
 }  // namespace
@@ -120,7 +120,7 @@ TEST_CASE("Two transparent surfaces stand each in its place in a volume, what is
     CHECK(found[1] < fog[1] + 40);
     return;
   }
-  // Black panes with a little shine halve what is behind them.
+  // Black panes with a little specular light halve the background.
   const double a = 1.0 - through(20.0), b = 1.0 - through(20.0), c = 1.0 - through(20.0);
   const double expected = 255.0 * (a + through(20.0) * 0.5 * (b + through(20.0) * 0.5 * c));
   CHECK(found[1] > expected - 5.0);
@@ -136,7 +136,7 @@ TEST_CASE("Surfaces that cannot be seen change nothing of a volume", "[layers]")
   images.setScene(scene);
   const Image before = drawn(*gl.renderer, patientCamera(), kWidth, kHeight);
   addPane(*gl.renderer, 0.0, {1, 1, 1, 0.001f});
-  // Parts are kept in 8 bits each.
+  // Parts are stored in 8 bits each.
   CHECK(mostDifferent(before, drawn(*gl.renderer, patientCamera(), kWidth, kHeight)) <= 3);
 }
 
@@ -177,7 +177,7 @@ TEST_CASE("A cut leaves of a volume what lies before its plane", "[cuts]") {
     images.setScene(scene);
     return static_cast<double>(centreOf(drawn(*gl.renderer, patientCamera(), kWidth, kHeight))[1]);
   };
-  // The normal points to what is left out: the front 20 mm, the back 20 mm, both.
+  // The normal points to the removed side: the front 20 mm, the back 20 mm, both.
   CHECK_THAT(fog({{{5, -10, 3}, {0, -1, 0}}}), WithinAbs(255.0 * (1.0 - through(40.0)), 5.0));
   CHECK_THAT(fog({{{0, 10, 0}, {0, 2, 0}}}), WithinAbs(255.0 * (1.0 - through(40.0)), 5.0));
   CHECK_THAT(fog({{{0, -10, 0}, {0, -1, 0}}, {{0, 10, 0}, {0, 1, 0}}}), WithinAbs(255.0 * (1.0 - through(20.0)), 5.0));
@@ -220,7 +220,7 @@ TEST_CASE("A cut takes meshes along where that is asked for, and never the slice
     CHECK(grey[1] == grey[2]);
     CHECK_THAT(grey[0], WithinAbs(127.5, 2.0));
   }
-  // Beyond the image there is nothing left of the pane.
+  // Beyond the image nothing of the pane remains.
   CHECK(at(cut, {40, -20, 30})[0] < 10);
   CHECK(at(whole, {40, -20, 30})[0] > 60);
 }
@@ -233,7 +233,7 @@ TEST_CASE("Cuts leave of a polygon what lies before them", "[cuts]") {
     return 0.5 * norm(sum);
   };
   CHECK_THAT(area(cutPolygon(square, {})), WithinAbs(16.0, 1e-12));
-  // What lies within a micrometre of a plane counts as in it.
+  // Points within a micrometre of a plane count as in it.
   CHECK_THAT(area(cutPolygon(square, std::vector<CutPlane>{{{1, 0, 0}, {3, 0, 0}}})), WithinAbs(4.0, 5e-3));
   CHECK_THAT(area(cutPolygon(square, std::vector<CutPlane>{{{1, 1, 5}, {1, 1, 0}}})), WithinAbs(2.0, 1e-2));
   CHECK(cutPolygon(square, std::vector<CutPlane>{{{-1, 0, 0}, {1, 0, 0}}}).empty());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures for people to look at; the checks only ask that the main things are there.
+// Pictures for visual inspection; the checks only require that the main objects are visible.
 #include <filesystem>
 
 #include "gl_fixture.h"
@@ -25,7 +25,7 @@ Camera organCamera() {
   return camera;
 }
 
-/// Points on a grid that lie well inside the blob.
+/// Points on a grid well inside the blob.
 std::vector<Vec3f> pointsInside(float radius) {
   std::vector<Vec3f> points;
   for (float x = -50; x <= 50; x += 8)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Slices of images: which voxel lands on which pixel, and what lies over it.
+// Slices of images: the mapping from voxels to pixels, and overlays.
 #include <cmath>
 #include <filesystem>
 
@@ -14,21 +14,21 @@ namespace {
 
 constexpr int kSide = 144;  // half a millimetre per pixel
 
-/// A view of 72 mm around the middle.
+/// A view of 72 mm around the centre.
 SlicePlane planeAt(const Vec3 &centre, const Vec3 &right, const Vec3 &down) {
   const double scale = 0.5, half = 0.5 * kSide * scale;
   return {centre - half * right - half * down, scale * right, scale * down};
 }
 
-ImageLook lookAt(Handle image) {
-  ImageLook look;
+ImageDisplay lookAt(Handle image) {
+  ImageDisplay look;
   look.image = image;
   look.window = 1000.0;
   look.level = 200.0;
   return look;
 }
 
-Image slice(Renderer &renderer, const ImageLook &look, const SlicePlane &plane) {
+Image slice(Renderer &renderer, const ImageDisplay &look, const SlicePlane &plane) {
   auto image = renderer.images()->drawSliceToImage(look, plane, kSide, kSide);
   if (!image) FAIL(image.error().message);
   return std::move(*image);
@@ -70,7 +70,7 @@ TEST_CASE("The letters of the phantom read right, however its voxels lie in memo
   int number = 0;
   for (const auto &[name, size, place] : c3de::test::letterGrids()) {
     const Phantom phantom = makePhantom(size, place);
-    const ImageLook look = lookAt(added(gl.renderer->images()->addImage(phantom.image())));
+    const ImageDisplay look = lookAt(added(gl.renderer->images()->addImage(phantom.image())));
     const Image left = slice(*gl.renderer, look, planeAt({23, 0, 0}, kBack, kDown));
     const Image front = slice(*gl.renderer, look, planeAt({0, -23, 0}, kLeft, kDown));
     const Image top = slice(*gl.renderer, look, planeAt({0, 0, 23}, kLeft, kBack));
@@ -93,7 +93,7 @@ TEST_CASE("A pixel is as grey as the value that lies at its world point, in ever
   const std::array<std::size_t, 3> size{8, 9, 3};
   const Mat4 place{2, 0, 0, 0, 0, 3, 0, 0, 0, 0, 4, 0, -7, -12, -4, 1};
   const auto check = [&](VoxelType type, const void *voxels, double slope, double intercept) {
-    ImageLook look = lookAt(added(gl.renderer->images()->addImage({{size, place}, type, voxels, slope, intercept})));
+    ImageDisplay look = lookAt(added(gl.renderer->images()->addImage({{size, place}, type, voxels, slope, intercept})));
     look.window = 100.0;
     look.level = 40.0;
     const Image image = slice(*gl.renderer, look, planeAt({0, 0, 0}, kLeft, kBack));
@@ -102,7 +102,7 @@ TEST_CASE("A pixel is as grey as the value that lies at its world point, in ever
       const double value = 10.0 * (world[0] + 7.0) / 2.0 + 0.25 * (world[1] + 12.0) / 3.0;
       const double grey = 255.0 * std::clamp((value + 10.0) / 100.0, 0.0, 1.0);
       CAPTURE(static_cast<int>(type), x, y);
-      // 8-bit textures may be filtered in 8 bits: one step of theirs is 4 greys here; else rounding.
+      // 8-bit textures may be filtered in 8 bits: one of their steps is 4 greys here; otherwise rounding.
       const bool isCoarse = type == VoxelType::uint8 || type == VoxelType::int8;
       CHECK_THAT(pixel(image, x, y)[0], WithinAbs(grey, isCoarse ? 4.0 : 1.0));
     }
@@ -129,7 +129,7 @@ TEST_CASE("A pixel is as grey as the value that lies at its world point, in ever
 TEST_CASE("The nearest voxel is shown as a whole when interpolation is off", "[slices]") {
   C3DE_GL_OR_SKIP(gl);
   const std::vector<std::uint8_t> voxels{0, 255};
-  ImageLook look = lookAt(added(gl.renderer->images()->addImage(
+  ImageDisplay look = lookAt(added(gl.renderer->images()->addImage(
       {{{2, 1, 1}, {20, 0, 0, 0, 0, 40, 0, 0, 0, 0, 40, 0, -10, 0, 0, 1}}, VoxelType::uint8, voxels.data()})));
   look.window = 255;
   look.level = 127.5;
@@ -144,9 +144,9 @@ TEST_CASE("The nearest voxel is shown as a whole when interpolation is off", "[s
 TEST_CASE("Labels lie over the image on their own grid, in their colours, and can be hidden", "[slices]") {
   C3DE_GL_OR_SKIP(gl);
   const Phantom phantom = plainPhantom();
-  // Coarser, and stored from left to right the other way round.
+  // Coarser, and stored from left to right in reverse.
   const Phantom coarse = makePhantom({24, 24, 24}, {-3, 0, 0, 0, 0, 3, 0, 0, 0, 0, 3, 0, 34.5, -34.5, -34.5, 1});
-  ImageLook look = lookAt(added(gl.renderer->images()->addImage(phantom.image())));
+  ImageDisplay look = lookAt(added(gl.renderer->images()->addImage(phantom.image())));
   look.labels = added(gl.renderer->images()->addLabels(coarse.place(), coarse.labels));
   look.labelOpacity = 0.5f;
   const std::vector<std::pair<std::uint16_t, Colour>> red{{1, {0, 1, 0, 0}}, {2, {1, 0, 0, 1}}};
@@ -165,9 +165,9 @@ TEST_CASE("Labels lie over the image on their own grid, in their colours, and ca
 
 TEST_CASE("A label fills its voxel, from half a voxel before its centre to half a voxel behind", "[slices]") {
   C3DE_GL_OR_SKIP(gl);
-  const GridPlace place{{2, 1, 1}, {20, 0, 0, 0, 0, 40, 0, 0, 0, 0, 40, 0, -10, 0, 0, 1}};
+  const GridGeometry place{{2, 1, 1}, {20, 0, 0, 0, 0, 40, 0, 0, 0, 0, 40, 0, -10, 0, 0, 1}};
   const std::vector<std::uint8_t> black{0, 0};
-  ImageLook look = lookAt(added(gl.renderer->images()->addImage({place, VoxelType::uint8, black.data()})));
+  ImageDisplay look = lookAt(added(gl.renderer->images()->addImage({place, VoxelType::uint8, black.data()})));
   look.window = 255;
   look.level = 127.5;
   look.labelOpacity = 1.0f;
@@ -188,15 +188,15 @@ TEST_CASE("A displacement shows the material that is now there, image and labels
   C3DE_GL_OR_SKIP(gl);
   const Phantom phantom = plainPhantom();
   ImageRenderer &images = *gl.renderer->images();
-  ImageLook look = lookAt(added(images.addImage(phantom.image())));
+  ImageDisplay look = lookAt(added(images.addImage(phantom.image())));
   look.labels = added(images.addLabels(phantom.place(), phantom.labels));
   images.setLabelColours(look.labels, std::vector<std::pair<std::uint16_t, Colour>>{{2, {1, 0, 0, 1}}});
   const SlicePlane plane = planeAt({23, 0, 0}, kBack, kDown);
   const Image still = slice(*gl.renderer, look, plane);
 
-  // Everything has moved 5 mm to the back: a grid of its own, 10 mm apart, beyond the image.
+  // Everything has moved 5 mm to the back: a separate grid, 10 mm apart, beyond the image.
   const std::array<std::size_t, 3> nodes{13, 13, 13};
-  const GridPlace grid{nodes, {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, -60, -60, -60, 1}};
+  const GridGeometry grid{nodes, {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, -60, -60, -60, 1}};
   std::vector<float> u;
   for (std::size_t i = 0; i < 13 * 13 * 13; ++i) u.insert(u.end(), {0.0f, 5.0f, 0.0f});
   look.displacement = added(images.addDisplacement(grid, u));
@@ -214,7 +214,7 @@ TEST_CASE("A displacement shows the material that is now there, image and labels
   images.setOverlayColours(std::vector<Colour>{{0, 0, 1, 1}, {1, 1, 0, 1}});
   const Rgb map = pixel(slice(*gl.renderer, look, plane), 72, 72);
   CHECK(difference(map, {128, 128, 128}) <= 2);
-  look.overlayLow = 6.0;  // below the range nothing is laid over
+  look.overlayLow = 6.0;  // below the range there is no overlay
   CHECK(mostDifferent(slice(*gl.renderer, look, plane), moved) == 0);
 }
 
@@ -222,10 +222,10 @@ TEST_CASE("A field is laid over where it has a value and a body is, in the colou
   C3DE_GL_OR_SKIP(gl);
   const Phantom phantom = plainPhantom();
   ImageRenderer &images = *gl.renderer->images();
-  ImageLook look = lookAt(added(images.addImage(phantom.image())));
+  ImageDisplay look = lookAt(added(images.addImage(phantom.image())));
   const SlicePlane plane = planeAt({23, 0, 0}, kBack, kDown);
   const std::array<std::size_t, 3> nodes{13, 13, 13};
-  const GridPlace grid{nodes, {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, -60, -60, -60, 1}};
+  const GridGeometry grid{nodes, {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, -60, -60, -60, 1}};
   look.displacement = added(images.addDisplacement(grid, std::vector<float>(3 * 2197), std::vector<float>(2197)));
   look.leastGap = 5.0;
   const Image plain = slice(*gl.renderer, look, plane);
@@ -239,11 +239,11 @@ TEST_CASE("A field is laid over where it has a value and a body is, in the colou
   look.overlayHigh = 4.0;
   look.overlayOpacity = 1.0f;
   images.setOverlayColours(std::vector<Colour>{{0, 0, 1, 1}, {1, 1, 0, 1}});
-  CHECK(mostDifferent(slice(*gl.renderer, look, plane), plain) == 0);  // there is none yet
+  CHECK(mostDifferent(slice(*gl.renderer, look, plane), plain) == 0);  // none yet
   REQUIRE(images.setField(look.displacement, values));
   Image shown = slice(*gl.renderer, look, plane);
   CHECK(difference(pixel(shown, 40, 72), {128, 128, 128}) <= 2);
-  // Between the last points with a value and the first without, the value is that of those which have one.
+  // Between the last points with a value and the first without, the value is that of the points with one.
   CHECK(difference(pixel(shown, 80, 72), {128, 128, 128}) <= 2);
   CHECK(pixel(shown, 110, 72) == pixel(plain, 110, 72));
   // Only where a body is: of the upper half.
@@ -272,13 +272,13 @@ TEST_CASE("No displacement and one of zeros give the same pixels to the bit, out
   ImageRenderer &images = *gl.renderer->images();
   const Phantom phantom =
       makePhantom({130, 130, 70}, {0.6, 0.5, 0.1, 0, -0.5, 0.6, 0, 0, 0.05, 0, 1.1, 0, -8, -70, -43, 1});
-  ImageLook look = lookAt(added(images.addImage(phantom.image())));
+  ImageDisplay look = lookAt(added(images.addImage(phantom.image())));
   look.labels = added(images.addLabels(phantom.place(), phantom.labels));
   images.setLabelColours(look.labels, std::vector<std::pair<std::uint16_t, Colour>>{{2, {1, 0, 0, 1}}});
   const Vec3 right{0.8, 0.6, 0}, down{0.36, -0.48, -0.8};
   const SlicePlane plane = planeAt({3, -2, 5}, right, down);
   const Image still = slice(*gl.renderer, look, plane);
-  const GridPlace grid{{5, 6, 7}, {4, 1, 0, 0, 0, 5, 0, 0, 0, 0, 3, 0, 10, -15, -15, 1}};
+  const GridGeometry grid{{5, 6, 7}, {4, 1, 0, 0, 0, 5, 0, 0, 0, 0, 3, 0, 10, -15, -15, 1}};
   std::vector<float> u(3 * 5 * 6 * 7, 0.0f);
   look.displacement = added(images.addDisplacement(grid, u));
   CHECK(mostDifferent(slice(*gl.renderer, look, plane), still) == 0);
@@ -329,7 +329,7 @@ TEST_CASE("What cannot be an image is refused by name, and a removed one shows b
   bad.slope = 0.0;
   CHECK_FALSE(images.addImage(bad).has_value());
   CHECK_FALSE(images.addLabels(phantom.place(), std::span(phantom.labels).first(10)).has_value());
-  const ImageLook look = lookAt(added(images.addImage(phantom.image())));
+  const ImageDisplay look = lookAt(added(images.addImage(phantom.image())));
   CHECK(images.remove(look.image));
   CHECK_FALSE(images.remove(look.image));
   const Image image = slice(*gl.renderer, look, planeAt({}, kLeft, kBack));
@@ -340,20 +340,21 @@ TEST_CASE("Places that a body has left are hatched where a gap leads to it, and 
   C3DE_GL_OR_SKIP(gl);
   ImageRenderer &images = *gl.renderer->images();
   const Phantom phantom = plainPhantom();
-  ImageLook look = lookAt(added(images.addImage(phantom.image())));
-  // Bodies on the image's left half; the gap is known in the middle of its height, beyond the grid everything has gone.
-  const GridPlace place = phantom.place();
+  ImageDisplay look = lookAt(added(images.addImage(phantom.image())));
+  // Bodies on the image's left half; the gap is defined at half of its height, beyond the grid everything has moved
+  // away.
+  const GridGeometry place = phantom.place();
   const std::array<std::size_t, 3> &n = place.size;
   std::vector<std::uint8_t> bodies(n[0] * n[1] * n[2], 0);
   for (std::size_t v = 0; v < bodies.size(); ++v) bodies[v] = v % n[0] >= n[0] / 2 ? 255 : 0;
-  const GridPlace grid{{13, 13, 5}, {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 5, 0, -60, -60, -10, 1}};
+  const GridGeometry grid{{13, 13, 5}, {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 5, 0, -60, -60, -10, 1}};
   std::vector<float> u(3 * 13 * 13 * 5, 0.0f), gaps(13 * 13 * 5, 0.0f);
   const SlicePlane plane = planeAt({0, 0, 0}, kLeft, kDown);
   const Image still = slice(*gl.renderer, look, plane);
   look.bodies = added(images.addImage({place, VoxelType::uint8, bodies.data()}));
   look.leastGap = 2.0;
 
-  look.displacement = added(images.addDisplacement(grid, u));  // without gaps nothing is known
+  look.displacement = added(images.addDisplacement(grid, u));  // without gaps nothing is marked
   CHECK(mostDifferent(slice(*gl.renderer, look, plane), still) == 0);
   images.remove(look.displacement);
   look.displacement = added(images.addDisplacement(grid, u, gaps));
@@ -362,7 +363,7 @@ TEST_CASE("Places that a body has left are hatched where a gap leads to it, and 
     const Image image = slice(*gl.renderer, look, plane);
     save(image, name);
     int found = 0, others = 0;
-    // Two pixels are a millimetre; the middle of the picture is the origin. The border of the grid is left out.
+    // Two pixels are a millimetre; the middle of the picture is the origin. The border of the grid is excluded.
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x) {
         const double z = -0.5 * (y + 0.5 - 72), across = 0.5 * (x + 0.5 - 72);
@@ -400,7 +401,7 @@ TEST_CASE("A colour image shows its colours, through window and level, moved lik
   image.type = VoxelType::uint8;
   image.voxels = grey.data();
   image.colours = colours.data();
-  ImageLook look;
+  ImageDisplay look;
   look.image = added(gl.renderer->images()->addImage(image));
   look.window = 255.0;
   look.level = 127.5;
@@ -431,11 +432,12 @@ TEST_CASE("What stays is not displaced, and what has moved away from it leaves a
   C3DE_GL_OR_SKIP(gl);
   ImageRenderer &images = *gl.renderer->images();
   const Phantom phantom = plainPhantom();
-  ImageLook look = lookAt(added(images.addImage(phantom.image())));
+  ImageDisplay look = lookAt(added(images.addImage(phantom.image())));
   const SlicePlane plane = planeAt({0, 0, 0}, kLeft, kDown);
   const Image still = slice(*gl.renderer, look, plane);
-  // Everything moves 6 mm to the left; the right half of the image stays. No bodies, no gaps between them.
-  const GridPlace place = phantom.place(), grid{{13, 13, 5}, {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 20, 0, -60, -60, -40, 1}};
+  // Everything moves 6 mm to the left; the right half of the image is static. No bodies, no gaps between them.
+  const GridGeometry place = phantom.place(),
+                     grid{{13, 13, 5}, {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 20, 0, -60, -60, -40, 1}};
   const std::array<std::size_t, 3> &n = place.size;
   std::vector<std::uint8_t> stays(n[0] * n[1] * n[2], 0);
   for (std::size_t v = 0; v < stays.size(); ++v) stays[v] = v % n[0] < n[0] / 2 ? 64 : 0;
@@ -445,8 +447,8 @@ TEST_CASE("What stays is not displaced, and what has moved away from it leaves a
   look.displacement = added(images.addDisplacement(grid, u, gaps));
   const Image bent = slice(*gl.renderer, look, plane);
   look.bodies = added(images.addImage({place, VoxelType::uint8, stays.data()}));
-  CHECK(mostDifferent(slice(*gl.renderer, look, plane), bent) == 0);  // nobody has said that anything stays
-  look.hasStill = true;
+  CHECK(mostDifferent(slice(*gl.renderer, look, plane), bent) == 0);  // no static region is set
+  look.hasFixedRegions = true;
   const Image shown = slice(*gl.renderer, look, plane);
   save(shown, "slice_still.png");
   const auto isHatch = [](const Rgb &p) { return difference(p, {5, 5, 5}) <= 1 || difference(p, {51, 77, 82}) <= 1; };
@@ -468,7 +470,8 @@ TEST_CASE("What stays is not displaced, and what has moved away from it leaves a
   CHECK((kept > 1000 && moved > 1000));
   CHECK(hatched == 2 * (kSide - 32));
 
-  // Of rigid tissue: what moves away from it leaves no gap that the displacement has not, and shows its own place.
+  // Of rigid tissue: tissue moving away from it leaves no gap beyond that of the displacement, and rigid tissue shows
+  // its own position.
   for (std::uint8_t &v : stays) v = v == 64 ? 96 : 0;
   look.bodies = added(images.addImage({place, VoxelType::uint8, stays.data()}));
   const Image attached = slice(*gl.renderer, look, plane);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the renderer treats the context it shares with the user interface.
+// The renderer's handling of the context that it shares with the user interface.
 #include "gl_fixture.h"
 #include "gl_target.h"
 

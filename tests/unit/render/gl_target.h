@@ -7,7 +7,7 @@
 
 namespace c3de::render::test {
 
-/// A framebuffer such as a window's, without multisampling.
+/// A framebuffer like a window's, without multisampling.
 struct Target {
   GLuint framebuffer = 0, colour = 0, depth = 0;
   int width, height;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Images in space: slices that stand among meshes, and what rays see.
+// Images in space: slices among meshes, and ray-cast volumes.
 #include "gl_fixture.h"
 #include "phantom.h"
 
@@ -48,7 +48,7 @@ int mostDifferent(const Image &a, const Image &b) {
   return most;
 }
 
-/// Of the pixels where the letter A stands, seen by patientCamera(), those that show it.
+/// The fraction of the pixels of the letter A, seen by patientCamera(), that show it.
 double legibility(const Image &image, double depth_mm) {
   int right = 0;
   const Camera camera = patientCamera();
@@ -79,7 +79,7 @@ TEST_CASE("A slice stands in space among meshes, the nearer one hides the other"
   save(alone, "slice_in_space.png");
   CHECK(legibility(alone, -23.0) == 1.0);
 
-  // A red ball cut in halves by the slice.
+  // A red ball cut in half by the slice.
   gl.renderer->createSpheres(std::vector<Vec3f>{{25, -23, 0}}, 8.0f, {{1, 0.1f, 0.1f, 1}});
   gl.renderer->createSpheres(std::vector<Vec3f>{{-25, -10, 0}}, 8.0f, {{0.1f, 1, 0.1f, 1}});
   const Image both = drawn(*gl.renderer, patientCamera(), kWidth, kHeight);
@@ -95,7 +95,7 @@ TEST_CASE("A slice stands in space among meshes, the nearer one hides the other"
 }
 
 TEST_CASE("A plane cuts the box of an image in a polygon around their common middle", "[volume]") {
-  const GridPlace place{{10, 20, 30}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+  const GridGeometry place{{10, 20, 30}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
   CHECK(sliceOutline(place, {4.5, 9.5, 14.5}, {0, 0, 1}).size() == 4);
   CHECK(sliceOutline(place, {4.5, 9.5, 14.5}, {3, 1.5, 1}).size() == 6);
   CHECK(sliceOutline(place, {4.5, 9.5, 31.0}, {0, 0, 1}).empty());
@@ -142,17 +142,18 @@ TEST_CASE("Rays end at opaque meshes", "[volume]") {
   ImageScene scene = sceneOf(added(gl.renderer->images()->addImage(phantom.image())));
   scene.showsVolume = true;
   scene.volume.isShaded = false;
-  // White fog: brightness measures the way through it.
+  // White fog: brightness measures the path length through it.
   scene.volume.points = {{-900.0, {1, 1, 1, 0}}, {-899.0, {1, 1, 1, 0.01f}}, {1000.0, {1, 1, 1, 0.01f}}};
   gl.renderer->images()->setScene(scene);
   const Shape wall = square(100.0f, 0.0f);
   const Handle mesh = gl.renderer->createMesh(wall.positions, wall.triangles, {{0, 0, 0, 1}, true});
   const auto fogTo = [&](double y) {
-    // The square stands across the view at y.
+    // The square is across the view at y.
     gl.renderer->setTransform(mesh, {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, y, 0, 1});
     return drawn(*gl.renderer, patientCamera(), kWidth, kHeight);
   };
-  // Through the middle: the block begins at y = -30.5 and takes 1 % per millimetre. The black wall shines a little.
+  // Through the centre: the block begins at y = -30.5 and absorbs 1 % per millimetre. The black wall has a little
+  // specular light.
   const int wallAlone = pixel(fogTo(-50.0), kWidth / 2, kHeight / 2)[1];
   CHECK(wallAlone < 30);
   for (const double y : {-20.0, 0.0, 20.0}) {
@@ -175,7 +176,7 @@ TEST_CASE("Rays see displaced tissue where it is, and zeros change no bit", "[vo
   scene.volume.isMaximum = GENERATE(false, true);
   images.setScene(scene);
   const Image still = drawn(*gl.renderer, patientCamera(), kWidth, kHeight);
-  const GridPlace grid{{13, 13, 13}, {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, -60, -60, -60, 1}};
+  const GridGeometry grid{{13, 13, 13}, {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, -60, -60, -60, 1}};
   std::vector<float> u(3 * 13 * 13 * 13, 0.0f);
   scene.look.displacement = added(images.addDisplacement(grid, u));
   images.setScene(scene);
@@ -197,7 +198,7 @@ TEST_CASE("Rays see displaced tissue where it is, and zeros change no bit", "[vo
   int wrong = 0;
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) wrong += difference(pixel(warped, x, y), pixel(expected, x, y)) > 24;
-  // Gradients and weights differ in their last bits; edges of voxels may go either way.
+  // Gradients and weights differ in their last bits; edges of voxels may be rounded to either side.
   CHECK(wrong < kWidth * kHeight / 100);
   CHECK(mostDifferent(warped, still) > 100);
 }
@@ -248,10 +249,10 @@ TEST_CASE("Rays pass through what a body has left", "[volume]") {
   scene.volume.isMaximum = GENERATE(false, true);
   images.setScene(scene);
   const Image still = drawn(*gl.renderer, patientCamera(), kWidth, kHeight);
-  const GridPlace grid{{13, 13, 13}, {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, -60, -60, -60, 1}};
+  const GridGeometry grid{{13, 13, 13}, {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, -60, -60, -60, 1}};
   const std::vector<float> u(3 * 13 * 13 * 13, 0.0f);
   std::vector<float> gaps(13 * 13 * 13, 0.0f);
-  const GridPlace place = phantom.place();
+  const GridGeometry place = phantom.place();
   const std::vector<std::uint8_t> bodies(place.size[0] * place.size[1] * place.size[2], 255);
   scene.look.bodies = added(images.addImage({place, VoxelType::uint8, bodies.data()}));
   scene.look.leastGap = 2.0;

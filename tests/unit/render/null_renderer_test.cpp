@@ -31,7 +31,7 @@ TEST_CASE("Without graphics images are kept and refused as with them") {
   ImageRenderer *images = renderer->images();
   REQUIRE(images);
   const std::vector<std::uint8_t> voxels(8, 1);
-  const GridPlace place{{2, 2, 2}, kIdentity4};
+  const GridGeometry place{{2, 2, 2}, kIdentity4};
   const auto image = images->addImage({place, VoxelType::uint8, voxels.data()});
   REQUIRE(image);
   const auto labels = images->addLabels(place, std::vector<std::uint16_t>(8, 1));
@@ -104,7 +104,7 @@ TEST_CASE("Whatever changes the picture counts as a change, and what is set agai
   const std::vector<Vec3f> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const std::vector<Triangle> triangle{{0, 1, 2}};
   const std::vector<std::uint8_t> voxels(8, 1);
-  const GridPlace place{{2, 2, 2}, kIdentity4};
+  const GridGeometry place{{2, 2, 2}, kIdentity4};
   std::uint64_t all = renderer->changes(), ofImages = images->changes();
   const auto counts = [&](const char *what, bool isOfImages, auto &&change) {
     INFO(what);
@@ -148,7 +148,7 @@ TEST_CASE("Whatever changes the picture counts as a change, and what is set agai
   counts("setOverlayColours", true, [&] { images->setOverlayColours(std::vector<Colour>(2)); });
   ImageScene scene;
   scene.look.image = image;
-  counts("setScene", false, [&] { images->setScene(scene); });  // slices are drawn by looks of their own
+  counts("setScene", false, [&] { images->setScene(scene); });  // slices are drawn by their own looks
   counts("remove", true, [&] { images->remove(labels); });
 
   images->setScene(scene);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The phantom with the letters L, A and S, as the renderer takes it.
+// The phantom with the letters L, A and S, in the renderer's format.
 #pragma once
 
 #include "c3de/render/image_renderer.h"
@@ -11,7 +11,7 @@ using c3de::test::kAir, c3de::test::kBlock, c3de::test::kInk, c3de::test::letter
 
 struct Phantom : c3de::test::LetterPhantom {
   [[nodiscard]] ImageVoxels image() const { return {place(), VoxelType::int16, voxels.data(), 1.0, 0.0}; }
-  [[nodiscard]] GridPlace place() const { return {size, worldFromIndex}; }
+  [[nodiscard]] GridGeometry place() const { return {size, worldFromIndex}; }
 };
 
 inline Phantom makePhantom(std::array<std::size_t, 3> size, const Mat4 &worldFromIndex) {

@@ -6,7 +6,7 @@ using namespace c3de;
 using namespace c3de::render;
 
 TEST_CASE("Without a context the OpenGL renderer is refused with the version it needs") {
-  // No context is current on this thread: this program makes none.
+  // No context is current on this thread: this program creates none.
   const auto renderer = createGlRenderer();
   REQUIRE(!renderer.has_value());
   CHECK(renderer.error().code == ErrorCode::graphics);

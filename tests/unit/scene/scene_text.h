@@ -8,7 +8,7 @@
 #include "c3de/scene/scene_file.h"
 #include "support/catch.h"
 
-/// A folder with meshes that scenes of the tests can name; the parser only looks whether they exist.
+/// A folder with meshes that scenes of the tests can name; the parser only checks whether they exist.
 inline std::filesystem::path sceneFolder() {
   const std::filesystem::path folder = testOutputFolder();
   for (const char *name : {"beam.obj", "block.obj", "model.glb"}) {

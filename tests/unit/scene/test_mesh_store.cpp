@@ -44,7 +44,7 @@ TEST_CASE("The winding numbers of a stored mesh can be asked for from several th
 TEST_CASE("The directory finds a simulation by its node and forgets it") {
   scene::SimulationDirectory directory;
   const std::shared_ptr<scene::Simulation> simulation(reinterpret_cast<scene::Simulation *>(0x10),
-                                                      [](scene::Simulation *) {});  // only kept, never looked into
+                                                      [](scene::Simulation *) {});  // only stored, never dereferenced
   const Handle node{3, 7};
   CHECK(directory.find(node) == nullptr);
   directory.add(node, "test", simulation);

@@ -125,7 +125,7 @@ TEST_CASE("Nested values of a material are overridden by their path") {
   CHECK(number("material.prony2.share") == 0.2);
   CHECK(findValue(scene.world, "solver.integrator")->value.text == "quasistatic");
   CHECK(scene.bodies[0].refinements.size() == 1);
-  // Fewer terms than before leave none of the old ones.
+  // Fewer terms than before remove all old ones.
   REQUIRE(scene::applyOverride(scene, "body.liver.material.prony=[ { share = 0.5, time = 1 } ]", nullptr).has_value());
   CHECK(findValue(scene.bodies[0].params, "material.prony2.share") == nullptr);
 }

@@ -23,7 +23,7 @@ TEST_CASE("A little lag is made up for, more than that is given up") {
   // 30 ms late: the next step is still due by the old clock.
   CHECK(pace.dueTime(0.010, 1.0, begin + 40ms) == begin + 10ms);
   CHECK(pace.dueTime(0.020, 1.0, begin + 40ms) == begin + 20ms);
-  // Ten seconds late: at most 50 ms are hurried after.
+  // Ten seconds late: at most 50 ms are caught up.
   const Clock::time_point late = begin + 10s;
   CHECK(pace.dueTime(0.030, 1.0, late) == late - 50ms);
   CHECK(pace.dueTime(0.130, 1.0, late) == late + 50ms);
@@ -33,7 +33,7 @@ TEST_CASE("The meter measures simulated time against the wall over the last seco
   Meter meter;
   CHECK(meter.rates().realTimeFactor() == 0.0);
   Clock::time_point now{1000s};
-  // Half real time for 2 s, then twice real time for 1.5 s: the window has forgotten the beginning.
+  // Half real time for 2 s, then twice real time for 1.5 s: the window no longer contains the beginning.
   for (int i = 0; i < 200; ++i) meter.add(now += 10ms, 0.008, 0.005);
   CHECK_THAT(meter.rates().realTimeFactor(), WithinRel(0.5, 0.02));
   CHECK_THAT(meter.rates().meanStep_s, WithinRel(0.008, 1e-9));
@@ -60,7 +60,7 @@ TEST_CASE("While a step is overdue the rate falls, and after a second without an
   Clock::time_point now{1000s};
   for (int i = 0; i < 100; ++i) meter.add(now += 20ms, 0.020, 0.040);
   const Meter::Rates rates = meter.rates();
-  CHECK(rates.realTimeFactor(0.015) == rates.realTimeFactor());  // a step as long as those before it is no news
+  CHECK(rates.realTimeFactor(0.015) == rates.realTimeFactor());  // a step as long as those before it changes nothing
   double before = rates.realTimeFactor();
   for (const double running_s : {0.1, 0.3, 0.6, 0.9}) {
     const double later = rates.realTimeFactor(running_s);

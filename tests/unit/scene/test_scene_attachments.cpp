@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What holds bodies where they are in the scan, what is rigid, and what of an image stays.
+// Attachments that hold bodies at their position in the scan, rigid tissue, and static parts of an image.
 #include "scene_text.h"
 
 using namespace c3de;
@@ -15,7 +15,7 @@ std::string imaged(const std::string &lines) { return kMinimal + "[image]\nfile 
 }  // namespace
 
 TEST_CASE("An attachment to the surroundings is parameters of its body", "[scene][attachment]") {
-  // Before the body that it holds, too.
+  // Also before the body that it holds.
   const auto scene = parse(
       "format = 1\nattachment = [ { bodies = [\"liver\", \"surroundings\"], stiffness = 1e5, tangential = "
       "2e4, retardation_time = 0.02, tears_at = 0 } ]\n" +
@@ -125,13 +125,13 @@ TEST_CASE("What stays in an image is automatic, nothing, all outside of bodies, 
     REQUIRE(scene.has_value());
     return scene->image->still;
   };
-  CHECK(still("") == scene::SceneStill{});
+  CHECK(still("") == scene::SceneFixedRegions{});
   CHECK(still("").isAutomatic);
   CHECK(still("still = \"auto\"\n").isAutomatic);
-  CHECK(still("still = \"nothing\"\n") == scene::SceneStill{false, {}, {}, {}, false});
-  CHECK(still("still = \"outside\"\n") == scene::SceneStill{false, {}, {}, {}, true});
+  CHECK(still("still = \"nothing\"\n") == scene::SceneFixedRegions{false, {}, {}, {}, false});
+  CHECK(still("still = \"outside\"\n") == scene::SceneFixedRegions{false, {}, {}, {}, true});
   CHECK(still("labels = \"block.obj\"\nstill = { labels = [\"rib*\", 5], above = 200, below = -400.5 }\n") ==
-        scene::SceneStill{false, 200.0, -400.5, {"rib*", "5"}, false});
+        scene::SceneFixedRegions{false, 200.0, -400.5, {"rib*", "5"}, false});
   CHECK(still("still = { outside = true }\n").outside);
 }
 

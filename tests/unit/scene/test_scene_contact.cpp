@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who touches whom, and what touches from outside.
+// Contact between bodies, and with external objects.
 #include "scene_text.h"
 
 using namespace c3de;
@@ -46,7 +46,7 @@ enabled = true
   CHECK_FALSE(scene->contactPairs[1].friction);
   CHECK_FALSE(scene->contactPairs[1].enabled);
   CHECK(scene->contactPairs[2].names[1] == scene::kWallsName);
-  // The pairs may stand before the bodies.
+  // The pairs may precede the bodies.
   CHECK(parse("format = 1\ncontact = { pair = [ { bodies = [\"liver\", \"table\"], friction = 1 } ] }\n" +
               kTwo.substr(kTwo.find('\n') + 1))
             ->contactPairs.size() == 1);

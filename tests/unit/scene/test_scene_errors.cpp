@@ -11,8 +11,8 @@ struct Refused {
   const char *what;  ///< name of the case
   std::string text;
   const char *line;      ///< ":LINE: "
-  const char *contains;  ///< the value or name that is wrong
-  const char *accepted;  ///< what would be right
+  const char *contains;  ///< the wrong value or name
+  const char *accepted;  ///< the accepted alternatives
 };
 
 const std::string kFix = kMinimal + "[[fix]]\nregion = { everywhere = true }\n";

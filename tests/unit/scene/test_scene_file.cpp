@@ -89,7 +89,7 @@ TEST_CASE("A material can be a preset, and what stands beside the preset counts"
   REQUIRE(changed.has_value());
   CHECK(findValue(changed->bodies[0].params, "material.youngs_modulus")->value.num == 8000.0);
   CHECK(findValue(changed->bodies[0].params, "material.density")->value.num == 1060.0);
-  // Where the stiffness of the tissue lies is known as well; a simulator that does not show it goes without.
+  // The range of tissue stiffness is also known; a simulator without such a display does not use it.
   const auto *low = findValue(changed->bodies[0].params, "material.youngs_modulus_low");
   const auto *high = findValue(changed->bodies[0].params, "material.youngs_modulus_high");
   REQUIRE((low && high));

@@ -106,7 +106,7 @@ TEST_CASE("World bounds enclose the visible nodes that have bounds") {
   graph.find(hidden)->visible = false;
   const auto bounds = graph.bounds();
   REQUIRE(bounds.has_value());
-  // Mirrored by the negative scale, so the corners change places.
+  // Mirrored by the negative scale, so the corners are swapped.
   CHECK(bounds->min == Vec3{-4.0, -2.0, -6.0});
   CHECK(bounds->max == Vec3{-2.0, 0.0, 0.0});
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Jaws that take hold of tissue without a hand.
+// Jaws that grasp tissue without user input.
 #include "scene_text.h"
 
 using namespace c3de;
@@ -30,7 +30,7 @@ TEST_CASE("A grasp has jaws, and a path if it is led", "[scene][grasp]") {
   REQUIRE(tongs.path.size() == 2);
   CHECK(tongs.path[0].turn_deg == Vec3{});
   CHECK(tongs.path[1].turn_deg == Vec3{0, 0, 30});
-  // What is not said goes with the jaws.
+  // Unspecified values follow from the jaws.
   CHECK(scene->grasps[1].name == "grasp-2");
   CHECK(scene->grasps[1].opening_m() == 0.024);
   CHECK(scene->grasps[1].closed_m() == 0.012);

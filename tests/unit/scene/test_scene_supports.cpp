@@ -183,7 +183,7 @@ TEST_CASE("Keys of the solver are handed on as they are") {
   CHECK(findValue(scene->world, "solver.tolerance_mm")->value.num == 1e-3);
   CHECK(findValue(scene->world, "solver.load_steps")->value.type == C3DE_PARAM_I64);
   CHECK(findValue(scene->world, "solver.preconditioner")->value.text == "jacobi");
-  // Whether they are served is for the simulator to say.
+  // The simulator decides whether they are supported.
   ParameterDecl damping;
   damping.id = "solver.damping";
   const auto fitted = scene::fitToDeclarations(*scene, {*findValue(scene->world, "solver.load_steps")}, {damping});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies of many tissues as scenes say them; what follows from the map is tested where it is read.
+// Bodies of many tissues as specified by scenes; the consequences of the map are tested where it is read.
 #include "scene_text.h"
 
 using namespace c3de;
@@ -22,7 +22,7 @@ TEST_CASE("Tissues that say their materials have parts at once", "[tissues]") {
   REQUIRE(body.parts.size() == 1);
   CHECK(body.volume.tissues[0].preset == "spleen");
   CHECK(findValue(body.parts[0].params, "material.youngs_modulus")->value.num == 3000.0);
-  // Without a background the body is of the first.
+  // Without a background the body has the material of the first tissue.
   CHECK(findValue(body.params, "material.youngs_modulus")->value.num == 3000.0);
 }
 
@@ -79,7 +79,7 @@ TEST_CASE("Parts of tissues leave what an override has said of the body", "[tiss
   for (const char *label : {"trachea", "vertebrae_L1", "liver", "csf"}) {
     body.volume.tissues.emplace_back();
     body.volume.tissues.back().label = label;
-    REQUIRE(scene::nameTissue(body.volume.tissues.back(), label, presets()));
+    REQUIRE(scene::setMaterialFromName(body.volume.tissues.back(), label, presets()));
   }
   REQUIRE(scene::makeTissueParts(body));
   REQUIRE(body.parts.size() == 2);
@@ -106,7 +106,7 @@ TEST_CASE("What slides is read as names, numbers and lists, and its pieces have 
   REQUIRE(volume.slides.size() == 5);
   CHECK(volume.slides[2].names == std::vector<std::string>{"5"});
   CHECK(volume.slides[3].names == std::vector<std::string>{"spleen", "colon"});
-  CHECK(volume.slideFriction == scene::kSlideFriction);
+  CHECK(volume.slidingFriction == scene::kSlideFriction);
   CHECK(scene::namesOfBodies(*scene) ==
         std::vector<std::string>{"scan", "scan.liver", "scan.lung", "scan.5", "scan.spleen", "scan.lung-2"});
   // Of the piece, not of the body.
@@ -147,7 +147,7 @@ TEST_CASE("What slides can be set for a body with tissues, and names of pieces f
   REQUIRE(scene::applyOverride(*scene, "body.scan.slides=[\"spleen\", \"liver\"]", &presets()));
   CHECK(scene->bodies.front().volume.slides.size() == 2);
   REQUIRE(scene::applyOverride(*scene, "body.scan.slide_friction=0.5", &presets()));
-  CHECK(scene->bodies.front().volume.slideFriction == 0.5);
+  CHECK(scene->bodies.front().volume.slidingFriction == 0.5);
   const auto gone = scene::applyOverride(*scene, "body.scan.slides=[\"spleen\"]", &presets());
   REQUIRE_FALSE(gone);
   CHECK_THAT(gone.error().message, Contains("there is no body 'scan.liver'"));
@@ -183,7 +183,7 @@ TEST_CASE("A piece is set by its name, and what is said of it counts more than w
   CHECK(findValue(lung.params, "material.youngs_modulus")->value.num == 8e3);
   CHECK(findValue(lung.params, "surroundings.stiffness")->value.num == 5.0);
   CHECK(findValue(liver.params, "surroundings.stiffness") == nullptr);
-  // Of three ways to say how many points there are that of the piece counts.
+  // Of three settings for the number of points, that of the piece counts.
   ParameterDecl spacing, count;
   spacing.id = "sampling.spacing";
   count.id = "sampling.count";
@@ -214,8 +214,8 @@ TEST_CASE("The rest of what slides has a name of its own, and what is said of it
                               "[[attachment]]\nbodies = [\"scan.rest-2\", \"surroundings\"]\nstiffness = 1e4\n"
                               "[[contact.pair]]\nbodies = [\"scan.rest-2\", \"scan.liver\"]\nfriction = 0.1\n"));
   REQUIRE(scene);
-  // A label that is called rest keeps its name.
-  CHECK(scene::namesToSpeakOf(*scene) == std::vector<std::string>{"scan", "scan.liver", "scan.rest", "scan.rest-2"});
+  // A label with the name rest keeps its name.
+  CHECK(scene::referableNames(*scene) == std::vector<std::string>{"scan", "scan.liver", "scan.rest", "scan.rest-2"});
   for (const char *assignment :
        {"body.scan.rest-2.material.density=800", "body.scan.rest-2.rigid=true", "body.scan.rest-2.free=true",
         "body.scan.liver.velocity=[0,0,2]", "body.scan.rest.material.density=700"}) {
@@ -239,7 +239,7 @@ TEST_CASE("The rest of what slides has a name of its own, and what is said of it
   // Without slides there is no rest.
   auto whole = parse(bodyWith("\"known\"", ""));
   REQUIRE(whole);
-  CHECK(scene::namesToSpeakOf(*whole) == std::vector<std::string>{"scan"});
+  CHECK(scene::referableNames(*whole) == std::vector<std::string>{"scan"});
   CHECK_FALSE(scene::applyOverride(*whole, "body.scan.rest.rigid=true", &presets()));
 }
 
@@ -279,7 +279,7 @@ TEST_CASE("What has been said of a piece stays with its name when others slide",
   REQUIRE(scene);
   REQUIRE(scene::applyOverride(*scene, "body.scan.lung.material.density=300", &presets()));
   REQUIRE(scene::applyOverride(*scene, "body.scan.slides=[\"lung*\", \"spleen\"]", &presets()));
-  const std::vector<scene::SceneSlide> &slides = scene->bodies.front().volume.slides;
+  const std::vector<scene::SceneSlidingPart> &slides = scene->bodies.front().volume.slides;
   REQUIRE(slides.size() == 2);
   CHECK(findValue(slides[0].params, "material.density")->value.num == 300.0);
   CHECK(findValue(slides[0].params, "surroundings.stiffness")->value.num == 1e4);
@@ -294,7 +294,7 @@ TEST_CASE("A tissue of several labels lists them", "[tissues]") {
       "[ { label = [\"kidney_left\", \"kidney_right\"] }, { label = [7, \"a*\", \"b\", \"c\"], rigid = true } ]"));
   REQUIRE(scene);
   const std::vector<scene::SceneTissue> &tissues = scene->bodies.front().volume.tissues;
-  CHECK(tissues[0].isByName);
+  CHECK(tissues[0].isMaterialByName);
   CHECK(tissues[0].wanted == std::vector<std::string>{"kidney_left", "kidney_right"});
   CHECK(tissues[1].wanted == std::vector<std::string>{"7", "a*", "b", "c"});
   CHECK(tissues[1].label == "7, a*, b and 1 more");

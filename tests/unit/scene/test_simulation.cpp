@@ -18,7 +18,7 @@ using scene::Simulation;
 
 namespace {
 
-/// Waits until it is so, or for long enough to be sure that it will not be.
+/// Waits until the condition holds, or long enough to be sure that it will not.
 bool eventually(const std::function<bool()> &isSo, std::chrono::milliseconds patience = 5000ms) {
   const auto end = Clock::now() + patience;
   while (Clock::now() < end) {
@@ -30,7 +30,7 @@ bool eventually(const std::function<bool()> &isSo, std::chrono::milliseconds pat
 
 std::unique_ptr<Simulation> start(FakeSimulator &fake) { return Simulation::create(fake.object()).value(); }
 
-/// The state after everything that was asked for so far.
+/// The state after all requests so far.
 c3de_sim_transport settled(Simulation &simulation) {
   simulation.call([] {});
   return simulation.state();
@@ -195,7 +195,7 @@ TEST_CASE("Posted commands run on the simulation's thread between steps, in orde
   CHECK(order == std::vector<int>{1, 2, 3});
   CHECK(first == second);
   CHECK(first != std::this_thread::get_id());
-  // What a command changes is shown without a step.
+  // The effect of a command is shown without a step.
   const std::uint64_t before = fake.publishes;
   simulation->post([] {});
   CHECK(eventually([&] { return fake.publishes > before; }));
@@ -219,7 +219,7 @@ TEST_CASE("Playing in real time keeps to the wall clock") {
   simulation->transport(C3DE_TRANSPORT_PAUSE);
   const c3de_sim_transport state = settled(*simulation);
   const double wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
-  // Never ahead of the clock; behind it by no more than a busy machine explains.
+  // Never ahead of the clock; behind it by no more than the load of the machine explains.
   CHECK(state.time_s <= wall_s);
   CHECK(state.time_s > 0.25 * wall_s);
   CHECK(state.real_time_factor < 1.2);
@@ -262,7 +262,7 @@ TEST_CASE("A simulator that cannot keep up makes every step and says how slow it
   CHECK(state.real_time_factor < 0.25);
   CHECK(state.step_ms >= 5.0);
   CHECK_THAT(state.time_s, WithinAbs(static_cast<double>(fake.totalSteps) * 1e-3, 1e-9));
-  // No burst afterwards: what was lost is not made up for.
+  // No burst afterwards: lost time is not made up for.
   fake.stepCost_us = 0;
   const std::uint64_t before = fake.steps;
   simulation->transport(C3DE_TRANSPORT_PLAY);
@@ -319,7 +319,7 @@ TEST_CASE("A quasi-static solution goes through its load steps as fast as it can
   CHECK(Clock::now() - begin < 1500ms);
   CHECK(fake.steps == 300);
   CHECK(fake.publishedStep == 300);
-  // Play has nothing left to do and does not go on for ever; reset begins again.
+  // Play has nothing left to do and terminates; reset starts again.
   simulation->transport(C3DE_TRANSPORT_PLAY);
   REQUIRE(eventually([&] { return settled(*simulation).mode == C3DE_SIM_PAUSED; }));
   CHECK(fake.totalSteps <= 302);
@@ -393,7 +393,7 @@ TEST_CASE("Reset, stop, pause and the end come through within a step that takes 
     simulation->transport(C3DE_TRANSPORT_RESET);
     REQUIRE(eventually([&] { return fake.resets == 1; }));
     CHECK(fake.endedSteps == 1);
-    // It goes on playing, and nothing is left of the request.
+    // It continues to play, and the request is cleared.
     REQUIRE(eventually([&] { return simulation->state().step_running_s > 0.0; }));
     CHECK(fake.interrupted == false);
 
@@ -402,7 +402,7 @@ TEST_CASE("Reset, stop, pause and the end come through within a step that takes 
     CHECK(simulation->failure().empty());
     CHECK(simulation->state().steps == 0);
 
-    // A step that waits before a stop is not computed first.
+    // A pending step before a stop is not computed first.
     simulation->post([] { std::this_thread::sleep_for(50ms); });
     simulation->transport(C3DE_TRANSPORT_STEP);
     simulation->transport(C3DE_TRANSPORT_STEP);
@@ -416,7 +416,7 @@ TEST_CASE("Reset, stop, pause and the end come through within a step that takes 
   CHECK(fake.interrupted == false);
   CHECK(Clock::now() - begin < 10s);  // a single step takes 20
 
-  // After it steps are computed as ever.
+  // Afterwards steps are computed as before.
   fake.stepCost_us = 0;
   const auto again = start(fake);
   again->transport(C3DE_TRANSPORT_STEP);
@@ -453,7 +453,7 @@ TEST_CASE("A step that takes long is told while it lasts, and the rates are thos
   REQUIRE(eventually([&] { return simulation->state().step_running_s > 1.2; }));
   const c3de_sim_transport late = simulation->state();
   CHECK(late.real_time_factor < soon.real_time_factor);
-  CHECK(late.real_time_factor == 0.0);  // nothing has come of it for more than a second
+  CHECK(late.real_time_factor == 0.0);  // no result for more than a second
   CHECK(late.step_ms >= 1200.0);
 }
 
@@ -466,11 +466,11 @@ TEST_CASE("A step that is given up pauses, is told once, and is tried again when
   REQUIRE(eventually([&] { return simulation->state().mode == C3DE_SIM_PAUSED; }));
   CHECK(simulation->state().steps == 3);
   CHECK(simulation->failure().empty());
-  CHECK(simulation->givenUp().steps == 1);
+  CHECK(simulation->abortedSteps().steps == 1);
   simulation->transport(C3DE_TRANSPORT_PLAY);
-  REQUIRE(eventually([&] { return simulation->givenUp().steps == 2; }));
+  REQUIRE(eventually([&] { return simulation->abortedSteps().steps == 2; }));
   fake.givesUpStep = 0;
   simulation->transport(C3DE_TRANSPORT_PLAY);
   REQUIRE(eventually([&] { return simulation->state().steps > 10; }));
-  CHECK(simulation->givenUp().steps == 2);
+  CHECK(simulation->abortedSteps().steps == 2);
 }

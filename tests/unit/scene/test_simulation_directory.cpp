@@ -88,7 +88,7 @@ TEST_CASE("A simulation that its caller steps runs what was posted before a step
   auto created = Simulation::createForCaller(fake.object());
   REQUIRE(created);
   Simulation &simulation = **created;
-  CHECK(simulation.isDrivenByCaller());
+  CHECK(simulation.isSteppedByCaller());
   std::vector<std::string> order;
   simulation.setBeforeStep([&]() -> Expected<void> {
     order.push_back("before");
@@ -112,7 +112,7 @@ TEST_CASE("A simulation that its caller steps runs what was posted before a step
   const auto refused = simulation.beginStep();
   REQUIRE_FALSE(refused);
   CHECK(refused.error().message == "no more");
-  // What still waits is run before it goes.
+  // Pending functions run before it is destroyed.
   simulation.post([&] { order.push_back("last"); });
   created->reset();
   CHECK(order.back() == "last");

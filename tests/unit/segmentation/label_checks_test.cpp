@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What image and labels contradict of a body, before it is made: each check on both sides of its threshold.
+// Contradictions between image and labels of a body, before it is created: each check on both sides of its threshold.
 #include "c3de/segmentation/label_checks.h"
 
 #include <functional>
@@ -24,7 +24,7 @@ bool isWithin(std::size_t i, std::size_t j, std::size_t k, std::size_t middle, s
   return std::max({apart(i), apart(j), apart(k)}) <= radius;
 }
 
-/// A trunk of fat in air with a liver, a bone and a vessel; what tests change they change in it.
+/// A trunk of fat in air with a liver, a bone and a vessel; the tests modify it.
 struct Scan {
   imaging::Volume image;
   imaging::LabelMap labels;
@@ -94,10 +94,10 @@ TEST_CASE("A label map that ends within the image is reported with its share and
   REQUIRE(coverage != nullptr);
   CHECK_THAT(coverage->text, Contains("covers 28 % of the image: along z from -2 to 32 mm of -2 to 118 mm"));
   CHECK_THAT(coverage->advice, Contains("whole image") && Contains("region"));
-  // A border of a voxel or two is left out by many programs: 37 of 40 slices are 92 %, 35 are 88 %.
+  // Many programs omit a border of a voxel or two: 37 of 40 slices are 92 %, 35 are 88 %.
   CHECK(findOf(Scan(220, 45, 37).findings(), Kind::coverage) == nullptr);
   CHECK(findOf(Scan(220, 45, 35).findings(), Kind::coverage) != nullptr);
-  // Who says where the body ends knows it.
+  // An explicit region makes the coverage check unnecessary.
   imaging::Mask region{part.labels.geometry, std::vector<std::uint8_t>(part.labels.voxels.size(), 1)};
   LabelCheck check = part.check();
   check.region = &region;
@@ -160,13 +160,13 @@ TEST_CASE("Contrast agent beside a labelled vessel that the background leaves ou
   CHECK(*contrast->to >= 540.0);
   CHECK(*contrast->to <= 580.0);
   CHECK(findOf(findings, Kind::bone) == nullptr);
-  // With that limit nothing is left out.
+  // With that limit nothing is omitted.
   LabelCheck check = scan.check();
   check.background->to = *contrast->to;
   const auto raised = checkLabels(check);
   REQUIRE(raised);
   CHECK(raised->empty());
-  // A vessel whose label is whole leaves nothing.
+  // A vessel with a complete label leaves nothing.
   CHECK(findOf(Scan(220, 500).findings(), Kind::contrast) == nullptr);
   // Without contrast agent in a label there is none to follow.
   CHECK(findOf(Scan(220, 150).findings(), Kind::contrast) == nullptr);
@@ -193,7 +193,7 @@ TEST_CASE("Bone without a label is reported as holes and as background", "[label
   REQUIRE(bone != nullptr);
   CHECK_THAT(bone->text, Contains("13.8 ml would be fat, 3.3") && Contains(" ml would be holes"));
   CHECK_FALSE(bone->to);
-  // A vessel full of contrast agent, none of which has a label.
+  // A vessel full of contrast agent without a label.
   add(480, 29, 5);
   findings = scan.findings();
   bone = findOf(findings, Kind::bone);
@@ -220,7 +220,7 @@ TEST_CASE("Grey values that are not in HU are not compared", "[label_checks]") {
     scan.value(v) = static_cast<std::int16_t>(std::max(0, scan.value(v) + 100));
   });
   CHECK(scan.findings().empty());
-  // The place of the grids does not need them.
+  // The position of the grids does not need them.
   Scan part(40, 500, 11);
   part.image = scan.image;
   const auto findings = part.findings();

@@ -13,7 +13,7 @@ namespace {
 
 using Kind = MaskStep::Kind;
 
-/// 12 x 10 x 8 voxels of 2 x 3 x 4 mm; value 1000 in a box, 500 in another one that does not touch it.
+/// 12 x 10 x 8 voxels of 2 x 3 x 4 mm; value 1000 in a box, 500 in a separate one.
 MaskSources twoBoxes() {
   auto image = std::make_shared<scene::StoredImage>();
   image->volume.geometry = {{12, 10, 8}, {2, 0, 0, 0, 0, 3, 0, 0, 0, 0, 4, 0, -10, 20, 30, 1}};

@@ -16,7 +16,7 @@ namespace {
 
 using LabelKind = LabelUse::Kind;
 
-/// The scan of the fixture with labels of these names, a voxel each; a last one that does not occur.
+/// The scan of the fixture with labels of these names, a voxel each; the last one does not occur.
 struct Scan : Fixture {
   std::shared_ptr<scene::StoredLabels> labels = std::make_shared<scene::StoredLabels>();
   std::filesystem::path folder = testOutputFolder() / "scan-body";
@@ -93,7 +93,7 @@ TEST_CASE("The scene of a scan says all that was chosen, and the reader takes it
   CHECK(volume.file == f.folder / "labels.nii.gz");
   REQUIRE(volume.tissues.size() == 4);
   CHECK(volume.tissues[0].wanted == std::vector<std::string>{"kidney_left", "kidney_right"});
-  CHECK(volume.tissues[0].isByName);
+  CHECK(volume.tissues[0].isMaterialByName);
   CHECK(volume.tissues[1].wanted == std::vector<std::string>{"liver", "gizmo"});
   CHECK(volume.tissues[1].preset == "spleen");
   CHECK(volume.tissues[2].wanted == std::vector<std::string>{"rib_left_1"});
@@ -135,7 +135,7 @@ TEST_CASE("What the image contradicts is found before the body is made, and foll
   f.scan.undo();
   f.scan.undo();
   CHECK_THAT(found(), Contains("2 of 2 rigid labels"));
-  // Outside of the region nothing is of the body.
+  // Nothing outside of the region belongs to the body.
   f.settings([](ScanBodySettings &s) { s.region = {{{40.0, 40.0, 40.0}, {90.0, 90.0, 90.0}}}; });
   CHECK(found().empty());
   CHECK(f.scan.blockingReason().empty());
@@ -172,7 +172,7 @@ TEST_CASE("What labels are of is chosen for many at once and taken back step by 
   CHECK(f.scan.rows()[0].material == f.materials.find("liver"));
   CHECK_FALSE(f.scan.canUndo());
   f.scan.undo();
-  // The region as well; numbers that are typed one after the other are one step.
+  // The region as well; numbers typed in sequence are one step.
   const auto setRegion = [&](double low, double high) {
     f.settings([&](ScanBodySettings &s) { s.region = {{{low, 0.0, 0.0}, {high, 50.0, 50.0}}}; });
   };
@@ -190,7 +190,7 @@ TEST_CASE("What labels are of is chosen for many at once and taken back step by 
   f.scan.undo();
   CHECK_FALSE(f.scan.settings().region);
   CHECK_FALSE(f.scan.canUndo());
-  // Other labels begin anew.
+  // Other labels start a new history.
   f.use("gizmo", LabelKind::rigid);
   f.scan.setSources({});
   CHECK_FALSE(f.scan.canUndo());
@@ -209,7 +209,7 @@ TEST_CASE("Of a CT what has no label is fat by its values, of another image it i
   CHECK_FALSE(f.scan.settings().hasBackground);
   CHECK_FALSE(f.scan.settings().largestOnly);
   CHECK(f.scan.unit().empty());
-  // A file that does not say it, with the values of a CT.
+  // A file without this information, with the values of a CT.
   std::vector<std::int16_t> voxels(8000, -1000);
   std::fill(voxels.begin(), voxels.begin() + 4000, std::int16_t{40});
   auto unsaid = std::make_shared<scene::StoredImage>(*other);

@@ -12,7 +12,7 @@ TEST_CASE("An organ is picked by threshold, part and filled holes, and each step
   Fixture f;
   f.guide.setLow(60.0);
   f.guide.keepComponentAt({25, 25, 30});  // waits for the threshold
-  f.guide.carryOut(Kind::fillHoles);
+  f.guide.applyStep(Kind::fillHoles);
   f.settle();
   CHECK(f.voxels() == Fixture::kLarge + 1);
   CHECK(f.guide.mask().volume_ml() == Approx(216 * 0.125));
@@ -49,7 +49,7 @@ TEST_CASE("Undo gives the limits of the threshold back that the mask was made wi
   f.guide.setSources(f.sources);
   f.guide.setLow(60.0);
   f.settle();
-  f.guide.carryOut(Kind::largest);
+  f.guide.applyStep(Kind::largest);
   f.settle();
   f.guide.setLow(90.0);
   f.settle();
@@ -72,7 +72,7 @@ TEST_CASE("Problems with the mask are said and leave it as it was", "[organ]") {
   f.guide.setLow(60.0);
   f.settle();
   f.guide.keepComponentAt({0, 0, 0});
-  f.guide.carryOut(Kind::fillHoles);  // not carried out after a step that failed
+  f.guide.applyStep(Kind::fillHoles);  // not carried out after a failed step
   f.settle();
   CHECK_THAT(f.guide.maskProblem(), Contains("outside of the mask"));
   CHECK(f.voxels() == Fixture::kLarge + Fixture::kSmall);
@@ -116,10 +116,10 @@ TEST_CASE("A label is chosen by a click on it", "[organ]") {
   Fixture f;
   f.guide.setSources(f.sources);
   f.settle();
-  f.guide.tickLabelAt({50, 50, 50});
+  f.guide.toggleLabelAt({50, 50, 50});
   CHECK_THAT(f.guide.maskProblem(), Contains("50.0, 50.0, 50.0 mm is on no label"));
   CHECK_FALSE(f.guide.mask().mask());
-  f.guide.tickLabelAt({70, 65, 61});
+  f.guide.toggleLabelAt({70, 65, 61});
   f.settle();
   CHECK(f.voxels() == Fixture::kSmall);
   CHECK(f.guide.settings().name == "thing");
@@ -182,7 +182,7 @@ TEST_CASE("An organ is held by its surroundings unless a person says otherwise, 
   f.guide.setRigid(false);
   f.guide.createBodies();
   CHECK_FALSE(f.made[2].isRigid);
-  // Another label: as its material says, again.
+  // Another label: from its material again.
   f.guide.setSources(f.sources);
   f.settle();
   f.guide.chooseLabels({3, 8});
@@ -200,8 +200,8 @@ TEST_CASE("Several ticked labels become a request each, with the material of the
   Fixture f;
   f.guide.setSources(f.sources);
   f.settle();
-  f.guide.tickLabel(8, true);
-  f.guide.tickLabel(3, true);  // the mask of the first is still being made
+  f.guide.setLabelPicked(8, true);
+  f.guide.setLabelPicked(3, true);  // the mask of the first is still being computed
   CHECK(f.guide.isSeveral());
   CHECK(f.guide.pickedLabels() == std::vector<std::uint16_t>{8, 3});
   f.settle();
@@ -268,7 +268,7 @@ TEST_CASE("Steps that were undone are redone, until another one is made", "[orga
   f.guide.setSources(f.sources);
   f.guide.setLow(60.0);
   f.settle();
-  f.guide.carryOut(Kind::largest);
+  f.guide.applyStep(Kind::largest);
   f.settle();
   f.guide.chooseLabels({3, 8});
   CHECK_FALSE(f.guide.mask().canRedo());
@@ -289,7 +289,7 @@ TEST_CASE("Steps that were undone are redone, until another one is made", "[orga
   CHECK_FALSE(f.guide.mask().canRedo());
   f.guide.undo();
   f.settle();
-  f.guide.carryOut(Kind::fillHoles);
+  f.guide.applyStep(Kind::fillHoles);
   f.settle();
   CHECK(f.voxels() == Fixture::kLarge + 1);
   CHECK_FALSE(f.guide.mask().canRedo());
@@ -298,7 +298,7 @@ TEST_CASE("Steps that were undone are redone, until another one is made", "[orga
 TEST_CASE("Another image starts anew, also while a step runs", "[organ]") {
   Fixture f;
   f.guide.setLow(60.0);
-  f.guide.carryOut(Kind::close);
+  f.guide.applyStep(Kind::close);
   f.guide.setSources({});
   f.settle();
   CHECK_FALSE(f.guide.mask().mask());
@@ -319,7 +319,7 @@ TEST_CASE("The guide may go while its jobs run, and the jobs may go first", "[or
   SegmentationWorkflow second(*jobs, "test", none, {});
   second.setSources(f.sources);
   second.setLow(60.0);
-  second.carryOut(Kind::largest);
+  second.applyStep(Kind::largest);
   jobs.reset();
   queue.runFrame();
   CHECK_FALSE(second.mask().isBusy());

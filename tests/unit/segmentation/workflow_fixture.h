@@ -18,8 +18,8 @@ namespace c3de::segmentation::test {
 
 using Kind = MaskStep::Kind;
 
-/// 20 x 20 x 20 voxels of 5 mm (an eighth of a millilitre). A box of value 100 with a hole of one voxel, and another
-/// one apart; a label map with both.
+/// 20 x 20 x 20 voxels of 5 mm (an eighth of a millilitre). A box of value 100 with a hole of one voxel, and a separate
+/// one; a label map with both.
 struct Fixture {
   MainQueue queue;
   BackgroundJobs jobs{queue};
@@ -35,7 +35,7 @@ struct Fixture {
       "test",
       materials,
       {[this] { ++changes; }, [this](std::vector<BodyRequest> r) { made.insert(made.end(), r.begin(), r.end()); }}};
-  std::string scene;  ///< that `scan` has asked for
+  std::string scene;  ///< requested by `scan`
   ScanBody scan{jobs, "test", materials, [this](const std::string &text) { scene = text; }};
   MaskSources sources;
 

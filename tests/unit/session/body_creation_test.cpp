@@ -39,7 +39,7 @@ const scene::SceneValue *valueOf(const scene::SceneFile &scene, const std::strin
   return found == params.end() ? nullptr : &*found;
 }
 
-/// A session with or without a simulation, and what becomes of requests.
+/// A session with or without a simulation, and the results of requests.
 struct Fixture {
   StandInSimulator simulator;
   std::unique_ptr<Session> session;
@@ -56,7 +56,7 @@ struct Fixture {
     session = std::move(*Session::create(options));
     if (hasSimulation) {
       REQUIRE(session->adopt(simulator.object(), "present"));
-      session->simulation()->call([] {});  // it stands: tests may change what the simulator says
+      session->simulation()->call([] {});  // it is paused: tests may change the simulator's results
     }
     creation.emplace(*session,
                      BodyCreation::Events{
@@ -65,7 +65,7 @@ struct Fixture {
   }
   ~Fixture() {
     session->jobs().finishOwnedBy(kJobOwner);
-    session.reset();  // before the simulator
+    session.reset();  // destroyed before the simulator
   }
   void settle() {
     const auto start = std::chrono::steady_clock::now();
@@ -137,7 +137,7 @@ TEST_CASE("A request becomes a scene of one body with its material, count and co
   CHECK(body.volume.mask->voxels == cubeMask().voxels);
   REQUIRE(body.volume.colour);
   CHECK((*body.volume.colour)[1] == 0.5f);
-  // Without a preset and a count the simulator's own values hold.
+  // Without a preset and a count the simulator's own values are used.
   one.points = 0;
   scene = sceneOf(one, cubeMask(), nullptr);
   CHECK_FALSE(valueOf(scene, "sampling.count"));

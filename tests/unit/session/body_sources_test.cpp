@@ -19,7 +19,7 @@ constexpr std::size_t kSize = 24;
 
 std::size_t at(std::size_t i, std::size_t j, std::size_t k) { return i + kSize * (j + kSize * k); }
 
-/// Voxels of 2 mm: a ball of label 3, hollow by one voxel, with two voxels apart, and a single voxel of label 5.
+/// Voxels of 2 mm: a ball of label 3, hollow by one voxel, with two separate voxels, and a single voxel of label 5.
 imaging::LabelMap labelMap() {
   imaging::LabelMap map;
   map.geometry = {{kSize, kSize, kSize}, {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 100, 0, 0, 1}};
@@ -115,9 +115,9 @@ TEST_CASE("A file is read once for all bodies, and what its reader noticed is to
   const auto layers = sources.labels(file, {});
   REQUIRE(layers);
   CHECK((*layers)->size() == 1);
-  (void)sources.takeNotices();
-  CHECK(sources.takeNotices().empty());
-  CHECK_FALSE(sources.volume(file, {}));  // as an image it was not read
+  (void)sources.popNotices();
+  CHECK(sources.popNotices().empty());
+  CHECK_FALSE(sources.volume(file, {}));  // it was not read as an image
 }
 
 TEST_CASE("A mask is mended in the order of the scene") {
@@ -184,10 +184,10 @@ TEST_CASE("The geometry of a body has the volume of its mask, as skin and as fil
   const double filled =
       std::accumulate(body->fill.values.begin(), body->fill.values.end(), 0.0) * body->fill.geometry.voxelVolume();
   CHECK_THAT(filled / volume_mm3, WithinAbs(1.0, 1e-5));
-  // The surface keeps the volume of its part to a thousandth or so.
+  // The surface preserves the volume of its part to about a thousandth.
   CHECK_THAT(geometry::signedVolume(body->skin.mesh) / volume_mm3, WithinAbs(1.0, 0.01));
   CHECK(body->coverage.specks == 1);
-  CHECK_THAT(body->coverage.asked_mm3, WithinAbs(volume_mm3 + 8.0, 1e-9));
+  CHECK_THAT(body->coverage.requested_mm3, WithinAbs(volume_mm3 + 8.0, 1e-9));
   CHECK_THAT(body->coverage.missing_mm3, WithinAbs(8.0, 1e-9));
   CHECK(body->took.surfaces_s > 0.0);
   CHECK(body->took.fills_s > 0.0);

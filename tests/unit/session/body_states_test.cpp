@@ -85,7 +85,7 @@ TEST_CASE("Fields are those of the simulator, with its names and units, and one 
   StandInSimulator simulator;
   simulator.bodies = {bodyWithPoints()};
   simulator.bodies[0].inside.push_back({"temperature", "K", {310, 311}});
-  simulator.bodies[0].inside.push_back({"pair", "1", {1, 2, 3, 4}});  // two components: no array of VTK's
+  simulator.bodies[0].inside.push_back({"pair", "1", {1, 2, 3, 4}});  // two components: not an array type of VTK
   auto states = read(simulator);
   REQUIRE(states);
   const auto *temperature = named(states->front().inside.arrays, "temperature [K]");

@@ -19,10 +19,10 @@ imaging::Mask wholeMask() {
   return mask;
 }
 
-Coverage coverage(double asked_mm3, double missing_mm3, std::size_t specks) {
+Coverage coverage(double requested_mm3, double missing_mm3, std::size_t specks) {
   Coverage out;
   out.body = "aorta";
-  out.asked_mm3 = asked_mm3;
+  out.requested_mm3 = requested_mm3;
   out.missing_mm3 = missing_mm3;
   out.specks = specks;
   return out;
@@ -31,9 +31,9 @@ Coverage coverage(double asked_mm3, double missing_mm3, std::size_t specks) {
 }  // namespace
 
 TEST_CASE("What a skin leaves of a mask outside is told by volume and place") {
-  // Centres 0 … 4 are inside, 5 is the neighbour of one: 6 … 9 are missing.
+  // Centres 0 … 4 are inside, 5 is adjacent to one: 6 … 9 are missing.
   const Coverage half = coverageOf(wholeMask(), boxMesh({-0.4, -0.4, -0.4}, {4.4, 9.4, 9.4}), 3);
-  CHECK(half.asked_mm3 == 1000.0);
+  CHECK(half.requested_mm3 == 1000.0);
   CHECK(half.missing_mm3 == 400.0);
   CHECK(half.specks == 3);
   CHECK_THAT(half.part(), WithinAbs(0.6, 1e-12));
@@ -72,7 +72,7 @@ TEST_CASE("What is missing of several bodies lies on one grid, wherever their ma
     out.missing = mask;
     return out;
   };
-  // Voxels of 2 mm: the first covers two of 1 mm along each axis, but for those before the grid begins.
+  // Voxels of 2 mm: the first covers two of 1 mm along each axis, except for those before the start of the grid.
   const imaging::VolumeGeometry coarse{{5, 5, 5}, {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0.5, 0.5, 0.5, 1}};
   const imaging::Mask all = missingOn(grid, {missing(grid, 999), Coverage{}, missing(coarse, 0)});
   REQUIRE(all.voxels.size() == 1000);

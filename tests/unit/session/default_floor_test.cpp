@@ -17,13 +17,13 @@ const Bounds_m kBodies{{0.0, 1.0, 0.0}, {0.2, 1.4, 0.1}};
 }  // namespace
 
 TEST_CASE("The room has its floor a twentieth of the largest extent below, and space to fall and to bounce") {
-  const Bounds_m room = roomAround(kBodies);
+  const Bounds_m room = wallsAround(kBodies);
   CHECK(norm(room.min - Vec3{-0.4, 0.98, -0.4}) < 1e-12);
   CHECK(norm(room.max - Vec3{0.6, 2.2, 0.5}) < 1e-12);
 }
 
 TEST_CASE("A camera is shown the bodies and the floor around where they come to lie") {
-  const Bounds_m framed = framedWith(kBodies, roomAround(kBodies));
+  const Bounds_m framed = framedWith(kBodies, wallsAround(kBodies));
   CHECK(norm(framed.min - Vec3{-0.12, 0.98, -0.12}) < 1e-12);
   CHECK(norm(framed.max - Vec3{0.32, 1.4, 0.22}) < 1e-12);
 }
@@ -43,33 +43,33 @@ TEST_CASE("Bounds are those of all skins as they are now, and without a skin the
 
 TEST_CASE("Walls are put up where the simulator declares them and they fit") {
   StandInSimulator simulator;
-  auto room = putUpRoom(simulator.object(), kBodies);
+  auto room = addSurroundingWalls(simulator.object(), kBodies);
   REQUIRE(room);
   CHECK_FALSE(*room);
   CHECK(simulator.world.empty());
 
   simulator.worldIds = {"world.box.min", "world.box.max", "world.box.enabled"};
-  room = putUpRoom(simulator.object(), kBodies);
+  room = addSurroundingWalls(simulator.object(), kBodies);
   REQUIRE(room);
   REQUIRE(*room);
-  CHECK((*room)->min == roomAround(kBodies).min);
+  CHECK((*room)->min == wallsAround(kBodies).min);
   REQUIRE(simulator.world.size() == 3);
   CHECK(simulator.world[0].id == "world.box.min");
-  CHECK(simulator.world[0].vec == roomAround(kBodies).min);
-  CHECK(simulator.world[1].vec == roomAround(kBodies).max);
+  CHECK(simulator.world[0].vec == wallsAround(kBodies).min);
+  CHECK(simulator.world[1].vec == wallsAround(kBodies).max);
   CHECK(simulator.world[2].id == "world.box.enabled");
   CHECK(simulator.world[2].num == 1.0);
 
-  // Larger than what is accepted, 10 m: it falls as before.
+  // Larger than the accepted maximum of 10 m: it falls as before.
   simulator.world.clear();
-  room = putUpRoom(simulator.object(), {{0, 0, 0}, {6, 6, 6}});
+  room = addSurroundingWalls(simulator.object(), {{0, 0, 0}, {6, 6, 6}});
   REQUIRE(room);
   CHECK_FALSE(*room);
   CHECK(simulator.world.empty());
 
   simulator.fail("set_world", C3DE_E_STATE);
-  room = putUpRoom(simulator.object(), kBodies);
+  room = addSurroundingWalls(simulator.object(), kBodies);
   REQUIRE_FALSE(room);
   CHECK(room.error().code == ErrorCode::plugin);
-  CHECK_THAT(room.error().message, Contains("takes no walls (status -7)"));
+  CHECK_THAT(room.error().message, Contains("refused the walls (status -7)"));
 }

@@ -20,12 +20,12 @@ imaging::VolumeGeometry imageGrid() {
   return {{40, 40, 40}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -9.5, -9.5, -9.5, 1}};
 }
 
-std::size_t stillVoxels(const imaging::DisplacementGrid &grid) {
+std::size_t fixedVoxels(const imaging::DisplacementGrid &grid) {
   return static_cast<std::size_t>(
-      std::count(grid.bodies->voxels.begin(), grid.bodies->voxels.end(), imaging::kStillVoxel));
+      std::count(grid.bodies->voxels.begin(), grid.bodies->voxels.end(), imaging::kFixedVoxel));
 }
 
-/// A cube of 20 mm that has moved by 2 mm along x, and a simulation that stands.
+/// A cube of 20 mm that has moved by 2 mm along x, and a paused simulation.
 struct Fixture {
   StandInSimulator simulator;
   std::unique_ptr<scene::Simulation> simulation;
@@ -36,7 +36,7 @@ struct Fixture {
     simulator.displacement_m = {0.002, 0, 0};
     simulator.gap_m = 0.003;
     simulation = std::move(*scene::Simulation::create(simulator.object()));
-    simulation->call([] {});  // it stands: tests may change what the simulator says
+    simulation->call([] {});  // it is paused: tests may change the simulator's results
   }
 };
 
@@ -62,7 +62,7 @@ TEST_CASE("Bodies in the reference are where they were, all of them on the grid 
   CHECK(mask->voxels[10 + 40 * (10 + 40 * 10)] == imaging::kBodyVoxel);
   CHECK(mask->voxels[9 + 40 * (10 + 40 * 10)] == 0);
   CHECK_FALSE(referenceBodies(simulator.object(), {{0, 0, 0}, kIdentity4}));
-  // One without triangles has no inside.
+  // A body without triangles has no inside.
   simulator.bodies[0].triangles.clear();
   mask = referenceBodies(simulator.object(), imageGrid());
   REQUIRE(mask);
@@ -116,10 +116,10 @@ TEST_CASE("The simulator is asked while somebody wants it, and each displacement
   REQUIRE(grid);
   CHECK_THAT(grid->xyz_mm.front(), WithinAbs(2.0f, 1e-5));
   CHECK_THAT(grid->gap_mm.front(), WithinAbs(3.0f, 1e-5));
-  CHECK_FALSE(grid->hasStill);
+  CHECK_FALSE(grid->hasFixedRegions);
   REQUIRE(grid->bodies);
   CHECK(imaging::voxelCount(*grid->bodies) == 20 * 20 * 20);
-  // It holds the body with its rim.
+  // It contains the body with its rim.
   CHECK(imaging::boxOf(grid->geometry).holds(presentBodies(f.simulator.table(), f.simulator.object()).box.grown(5.0)));
   CHECK_FALSE(f.sampler.take());
   f.sampler.want(false, 5.0, imageGrid());
@@ -138,7 +138,7 @@ TEST_CASE("A simulation that begins anew drops what was not taken, and lays the 
   const auto grid = f.sampler.take();
   REQUIRE(grid);
   CHECK(imaging::voxelCount(*grid->bodies) == 10 * 10 * 10);
-  // Another image likewise.
+  // The same for another image.
   imaging::VolumeGeometry other = imageGrid();
   other.size = {40, 40, 15};
   f.sampler.want(true, 5.0, other);
@@ -153,19 +153,19 @@ TEST_CASE("What stays is marked around the bodies, and a change of it counts at 
   auto image = std::make_shared<scene::StoredImage>();
   image->volume.geometry = imageGrid();
   std::vector<std::int16_t> voxels(40 * 40 * 40, 0);
-  voxels[0] = 1000;                         // bone beside the body
+  voxels[0] = 1000;                         // bone next to the body
   voxels[15 + 40 * (15 + 40 * 15)] = 1000;  // and within it
   image->volume.voxels = voxels;
-  StillPlaces still;
+  FixedRegions still;
   still.image = image;
   still.rule.above = 200.0;
   f.sampler.want(true, 5.0, imageGrid(), still);
   f.sampler.onPublished(*f.simulation);
   auto grid = f.sampler.take();
   REQUIRE(grid);
-  CHECK(grid->hasStill);
-  CHECK(stillVoxels(*grid) == 1);
-  CHECK(grid->bodies->voxels[0] == imaging::kStillVoxel);
+  CHECK(grid->hasFixedRegions);
+  CHECK(fixedVoxels(*grid) == 1);
+  CHECK(grid->bodies->voxels[0] == imaging::kFixedVoxel);
   CHECK(grid->bodies->voxels[15 + 40 * (15 + 40 * 15)] == imaging::kBodyVoxel);
   still.rule.above = 2000.0;
   still.rule.outside = true;
@@ -173,27 +173,27 @@ TEST_CASE("What stays is marked around the bodies, and a change of it counts at 
   f.sampler.onPublished(*f.simulation);
   grid = f.sampler.take();
   REQUIRE(grid);
-  CHECK(stillVoxels(*grid) == 40 * 40 * 40 - 20 * 20 * 20);
+  CHECK(fixedVoxels(*grid) == 40 * 40 * 40 - 20 * 20 * 20);
   f.sampler.want(true, 5.0, imageGrid());
   f.sampler.onPublished(*f.simulation);
   grid = f.sampler.take();
   REQUIRE(grid);
-  CHECK_FALSE(grid->hasStill);
-  CHECK(stillVoxels(*grid) == 0);
+  CHECK_FALSE(grid->hasFixedRegions);
+  CHECK(fixedVoxels(*grid) == 0);
   // Rigid tissue of the bodies.
-  TissuePlaces places;
+  TissueVoxels places;
   places.tissues.resize(2);
   places.tissues[1].isRigid = true;
   imaging::LabelMap map{imageGrid(), std::vector<std::uint16_t>(imageGrid().voxelCount(), 1), {}};
   map.voxels[15 + 40 * (15 + 40 * 15)] = 2;
   places.map = std::make_shared<const imaging::LabelMap>(std::move(map));
-  StillPlaces rigid;
-  rigid.tissues = std::make_shared<const std::vector<TissuePlaces>>(std::vector{places});
+  FixedRegions rigid;
+  rigid.tissues = std::make_shared<const std::vector<TissueVoxels>>(std::vector{places});
   f.sampler.want(true, 5.0, imageGrid(), rigid);
   f.sampler.onPublished(*f.simulation);
   grid = f.sampler.take();
   REQUIRE(grid);
-  CHECK(grid->hasStill);
+  CHECK(grid->hasFixedRegions);
   CHECK(grid->bodies->voxels[15 + 40 * (15 + 40 * 15)] == imaging::kRigidVoxel);
   CHECK(grid->bodies->voxels[16 + 40 * (15 + 40 * 15)] == imaging::kBodyVoxel);
 }
@@ -257,7 +257,7 @@ TEST_CASE("Fields of the tissue are read while somebody looks at them, and told 
   f.sampler.onPublished(*f.simulation);
   CHECK(f.sampler.offered() == std::vector<PointField>{{"stress_of_it", "Pa"}, {"heat", "K"}});
   CHECK(f.sampler.take()->fields.empty());
-  f.sampler.wantFields({true, ""});
+  f.sampler.requestFields({true, ""});
   f.sampler.onPublished(*f.simulation);
   auto grid = f.sampler.take();
   REQUIRE(grid->fields.size() == 2);
@@ -274,19 +274,19 @@ TEST_CASE("Fields of the tissue are read while somebody looks at them, and told 
   CHECK_THAT(*ratio, WithinAbs(1.0, 1e-6));
   CHECK_THAT(*stress, WithinAbs(500.0, 1e-3));
   CHECK_FALSE(grid->valueOf(grid->fields[1], {26, 10, 10}));
-  f.sampler.wantFields({true, "heat"});
+  f.sampler.requestFields({true, "heat"});
   f.sampler.onPublished(*f.simulation);
   grid = f.sampler.take();
   REQUIRE(grid->field("heat"));
   CHECK_FALSE(grid->field("stress_of_it"));
-  f.sampler.wantFields({true, "unknown"});
+  f.sampler.requestFields({true, "unknown"});
   f.sampler.onPublished(*f.simulation);
   CHECK(f.sampler.take()->fields.size() == 1);
-  // A body that does not have it has no value, the others keep theirs.
+  // A body without the field has no value, the others keep theirs.
   f.simulator.bodies.push_back(cubeBody(0.01, {0, 0.06, 0}, {0, 0, 0}));
   f.sampler.begin();
   CHECK(f.sampler.offered().empty());
-  f.sampler.wantFields({true, "heat"});
+  f.sampler.requestFields({true, "heat"});
   f.sampler.onPublished(*f.simulation);
   CHECK(f.sampler.take()->field("heat")->high == 310.0);
 }

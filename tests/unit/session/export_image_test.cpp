@@ -38,11 +38,11 @@ scene::SceneFile sceneWith(const fs::path &image) {
 }  // namespace
 
 TEST_CASE("The mask of vacated places is named after the displacement, with its whole ending") {
-  CHECK(vacatedFile("out/u.nrrd") == fs::path("out/u-vacated.nrrd"));
-  CHECK(vacatedFile("u.nii.gz") == fs::path("u-vacated.nii.gz"));
-  CHECK(vacatedFile("a.b/u.v.mha") == fs::path("a.b/u.v-vacated.mha"));
-  CHECK(vacatedFile("u") == fs::path("u-vacated"));
-  CHECK(vacatedFile("").empty());
+  CHECK(emptiedFile("out/u.nrrd") == fs::path("out/u-vacated.nrrd"));
+  CHECK(emptiedFile("u.nii.gz") == fs::path("u-vacated.nii.gz"));
+  CHECK(emptiedFile("a.b/u.v.mha") == fs::path("a.b/u.v-vacated.mha"));
+  CHECK(emptiedFile("u") == fs::path("u-vacated"));
+  CHECK(emptiedFile("").empty());
 }
 
 TEST_CASE("An image is written to names with an ending that can be written, in folders that are there") {
@@ -80,12 +80,12 @@ TEST_CASE("An export of the image needs an image in the scene, and every file of
   CHECK_THAT(checked.error().message, Contains("need a scene with an [image]") && Contains("lung.toml:1 has none"));
   scene.image.emplace();
   CHECK(checkImageExport(wanted, scene));
-  // A folder in the place of the mask beside the displacement.
-  fs::create_directories(vacatedFile(wanted.displacement));
+  // A folder at the path of the mask next to the displacement.
+  fs::create_directories(emptiedFile(wanted.displacement));
   checked = checkImageExport(wanted, scene);
   REQUIRE_FALSE(checked);
   CHECK_THAT(checked.error().message, Contains("u-vacated.nrrd"));
-  fs::remove(vacatedFile(wanted.displacement));
+  fs::remove(emptiedFile(wanted.displacement));
   wanted.image = folder / "warped.png";
   checked = checkImageExport(wanted, scene);
   REQUIRE_FALSE(checked);
@@ -146,12 +146,12 @@ TEST_CASE("The present displacement covers the bodies within the image, with wha
   CHECK_THAT(simulator.rims_m.at(0), WithinAbs(0.004, 1e-15));
   CHECK_THAT(u->xyz_mm[0], WithinAbs(2.0f, 1e-5));
   REQUIRE(u->bodies);
-  CHECK(u->hasStill);
-  CHECK(u->bodies->voxels[0] == imaging::kStillVoxel);
+  CHECK(u->hasFixedRegions);
+  CHECK(u->bodies->voxels[0] == imaging::kFixedVoxel);
   how.still = {};
   u = presentDisplacement(simulator.table(), simulator.object(), scan(), how);
   REQUIRE(u);
-  CHECK_FALSE(u->hasStill);
+  CHECK_FALSE(u->hasFixedRegions);
   simulator.fail("displacement", C3DE_E_INTERNAL);
   u = presentDisplacement(simulator.table(), simulator.object(), scan(), how);
   REQUIRE_FALSE(u);
@@ -183,7 +183,7 @@ TEST_CASE("The warped scan, its displacement and the vacated places are written 
   REQUIRE(marks);
   CHECK(marks->volume.value(1, 0, 0) == 0.0);
 
-  // A body of two voxels has left its place, far away.
+  // A body of two voxels has moved far away.
   auto gone = std::make_shared<imaging::Mask>(*bodies);
   gone->voxels[10 + 40 * (10 + 40 * 10)] = gone->voxels[11 + 40 * (10 + 40 * 10)] = imaging::kBodyVoxel;
   u.bodies = gone;

@@ -21,7 +21,7 @@ std::string textOf(const fs::path &file) {
   return text.str();
 }
 
-/// @param onlyHere  the name of an array that other bodies do not have; empty: none
+/// @param onlyHere  the name of an array that other bodies lack; empty: none
 BodyState state(const std::string &name, const std::string &onlyHere = {}) {
   BodyState body;
   body.name = name;

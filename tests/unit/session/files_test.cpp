@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What files and words of the command line are taken for.
+// Interpretation of files and of words of the command line.
 #include <fstream>
 
 #include "c3de/session/file_kind.h"

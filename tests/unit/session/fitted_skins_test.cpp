@@ -70,7 +70,7 @@ TEST_CASE("Skins that overlap and gape by turns meet in the middle, and nothing 
   CHECK(apart(below, above) > 0.55);
   geometry::TriangleMesh *const skins[] = {&below, &above};
   REQUIRE(fitSkins(skins, 3.0));
-  // What is left are heights of edges over curved places.
+  // The remaining distances are heights of edges over curved regions.
   CHECK(apart(below, above) < 0.06);
   double offMiddle = 0.0;
   std::size_t others = 0;
@@ -91,7 +91,7 @@ TEST_CASE("Skins beyond reach, and faces that look the same way, stay as they ar
   REQUIRE(fitSkins(gaping, 3.0));  // a gap of 1.2 mm is wider than a third of the reach
   CHECK(below.vertices == below0.vertices);
   CHECK(above.vertices == above0.vertices);
-  // Feet at the height of 0 and of -0.5 mm both look down.
+  // Feet at the height of 0 and of -0.5 mm both face down.
   geometry::TriangleMesh foot = block(0.0, kHeight, &flat);
   const geometry::TriangleMesh foot0 = foot;
   geometry::TriangleMesh *const alike[] = {&foot, &inside};

@@ -105,7 +105,7 @@ TEST_CASE("A step that fails ends the run, and the place and the reason are told
   REQUIRE(load.run());
   CHECK(load.facts().outcome == "failed");
   CHECK(load.facts().failure == "load step 1 failed: status -7");
-  // Ended by nobody: neither a time limit nor a signal.
+  // Cancelled, although neither a time limit nor a signal has ended it.
   Fixture cancelled;
   cancelled.simulator.fail("step", C3DE_E_CANCELLED);
   REQUIRE(cancelled.run());
@@ -151,7 +151,7 @@ TEST_CASE("Probes are sampled as often as was asked, and at the end whatever bro
   f.options.probesEvery = 2;
   REQUIRE(f.run());
   const auto lines = linesOf(f.options.probes);
-  REQUIRE(lines.size() == 5);  // the head, steps 0, 2, 4 and 5
+  REQUIRE(lines.size() == 5);  // the header, steps 0, 2, 4 and 5
   CHECK_THAT(lines[0], Contains("tip.x [m]"));
   CHECK(lines[1] == "0,1,2,3,0,0,0");
   CHECK(lines[4] == "0.5,1,2,3,0,0,0");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a person at a terminal notices of a run: its progress, and that it ends when it should.
+// The run as seen at a terminal: its progress, and its end at the right time.
 #include <cmath>
 #include <thread>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a run says of itself: report, probes, written files, time spent.
+// The outputs of a run: report, probes, written files, time spent.
 #include "c3de/session/report.h"
 
 #include <fstream>
@@ -65,7 +65,7 @@ TEST_CASE("A report has the run's facts, and what the simulator says stays as it
   CHECK(report["notices"] == Json::array({"look"}));
   CHECK(report["load_factor"] == 0.5);
 
-  // What nobody says is empty rather than absent.
+  // Missing data are empty rather than absent.
   report = reportOf({}, R"({"integrator": "implicit"})");
   CHECK(report["integrator"] == "implicit");
   CHECK(report["probes"] == Json::array());
@@ -79,7 +79,7 @@ TEST_CASE("What of a mask is in no body lessens the part that its body stands fo
   RunFacts facts;
   Coverage liver;
   liver.body = "liver";
-  liver.asked_mm3 = 1000.0;
+  liver.requested_mm3 = 1000.0;
   liver.missing_mm3 = 250.0;
   facts.prepared.coverage = {liver};
   const Json report = reportOf(
@@ -92,7 +92,7 @@ TEST_CASE("What of a mask is in no body lessens the part that its body stands fo
   REQUIRE(report["events"].size() == 2);
   CHECK(report["events"][1]["kind"] == "not_represented");
   CHECK(report["events"][1]["text"] == sentenceOf(liver));
-  // A body that says no part of its own stands for all it was given.
+  // A body without a reported part represents all of its input.
   CHECK(reportOf(facts, R"({"bodies": [{"name": "liver"}]})")["bodies"][0]["represented_part"] == 0.75);
 }
 
@@ -181,7 +181,7 @@ TEST_CASE("Of what was not written the first reason counts, and both lists are t
 TEST_CASE("Time spent is added, stage by stage") {
   double seconds = 1.0;
   {
-    const TimeSpent spent(seconds);
+    const ScopedTimer spent(seconds);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   CHECK(seconds >= 1.005);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points as files; what simulators answer to them is tested through the program (test_sampled.cpp).
+// Points as files; the simulators' results for them are tested through the program (test_sampled.cpp).
 #include "c3de/session/sample_points.h"
 
 #include <fstream>

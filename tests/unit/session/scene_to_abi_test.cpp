@@ -117,7 +117,7 @@ TEST_CASE("A body gets its own fixes and loads with their numbers in the scene, 
   CHECK(vec(out.velocity_m_s) == Vec3{1, 0, 0});
   CHECK(vec(out.angular_velocity_rad_s) == Vec3{0, 2, 0});
 
-  // One without any gets none, and no pointer to nothing.
+  // A body without any gets none, and no dangling pointer.
   scene::SceneBody bare;
   bare.name = "bare";
   const std::vector<std::vector<ParameterValue>> none;

@@ -90,10 +90,10 @@ TEST_CASE("A scene's values, obstacles, bodies and probes are handed to the simu
   CHECK(f.simulator.added[1].hasFill);
   CHECK(f.simulator.added[1].hasColour);
   CHECK(f.simulator.added[1].fixes == 1);
-  // Their meshes were lent for the call alone.
+  // Their meshes were lent for the call only.
   CHECK(f.simulator.added[0].mesh != 0);
   CHECK_FALSE(f.session->meshes().find(Handle::fromBits(f.simulator.added[0].mesh)));
-  // What bodies from images stand for.
+  // The coverage of the bodies from images.
   REQUIRE(prepared.coverage.size() == 1);
   CHECK(prepared.coverage[0].body == "spleen");
   CHECK(prepared.took.reading_s > 0.0);
@@ -288,7 +288,7 @@ TEST_CASE("Messages about a simulation end with it, whether it is closed or repl
     CHECK(second.attached == 0);
     CHECK(second.references() == 1);
     REQUIRE(panels.notifications().size() == 1);
-    // The list of all messages keeps them without their choices.
+    // The list of all messages stores them without their choices.
     REQUIRE(panels.log().size() == 3);
     CHECK(panels.log()[0].choices.empty());
   }

@@ -21,7 +21,7 @@ TEST_CASE("An object without the table, or with one that is too short or lacks a
   const auto small = simulatorTable(simulator.object());
   REQUIRE_FALSE(small);
   CHECK(small.error().code == ErrorCode::plugin);
-  CHECK_THAT(small.error().message, Contains("member size is 256, needed are at least 264"));
+  CHECK_THAT(small.error().message, Contains("member size is 256; at least 264 is required"));
   simulator.tableSize = sizeof(c3de_simulator_v1);
   simulator.lacksStateHash = true;
   const auto lacking = simulatorTable(simulator.object());
@@ -38,9 +38,9 @@ TEST_CASE("An object without the table, or with one that is too short or lacks a
 TEST_CASE("What a simulator can do follows from the slots that are not null") {
   StandInSimulator all, none;
   none.hasDisplacement = none.hasInterrupt = false;
-  CHECK(servesFills(all.table()));
+  CHECK(supportsFills(all.table()));
   CHECK(endsSteps(all.table()));
-  CHECK_FALSE(servesFills(none.table()));
+  CHECK_FALSE(supportsFills(none.table()));
   CHECK_FALSE(endsSteps(none.table()));
 }
 

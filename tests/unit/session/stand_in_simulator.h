@@ -16,7 +16,7 @@
 
 namespace c3de::session::test {
 
-/// Numbers of points, one row after the other. A field that is missing is refused.
+/// Numbers of points, one row after the other. A missing field is refused.
 struct StandInField {
   std::string name, unit;
   std::vector<double> numbers;
@@ -25,7 +25,7 @@ using Fields = std::vector<StandInField>;
 std::vector<double> &numbersOf(Fields &fields, const std::string &name);
 void eraseField(Fields &fields, const std::string &name);
 
-/// A body that the stand-in says it has, in metres.
+/// A body reported by the stand-in, in metres.
 struct StandInBody {
   std::string name = "body";
   double spacing_m = 0.01;
@@ -36,7 +36,7 @@ struct StandInBody {
 /// A closed cube of eight surface points that has moved. @param edge_m, low_m  in the reference
 StandInBody cubeBody(double edge_m, const Vec3 &low_m, const Vec3 &moved_m);
 
-/// What add_body() was handed.
+/// The arguments of add_body().
 struct AddedBody {
   std::string name;
   std::map<std::string, double> params;
@@ -45,7 +45,7 @@ struct AddedBody {
   std::uint64_t mesh = 0;
 };
 
-/// A simulator without physics: says what it is told to say, keeps what it is handed, fails where it is asked to.
+/// A simulator without physics: returns the values set by the test, records its arguments, fails on request.
 class StandInSimulator {
  public:
   StandInSimulator();
@@ -55,16 +55,16 @@ class StandInSimulator {
   [[nodiscard]] c3de_object *object() { return &shared_.object; }
   [[nodiscard]] const c3de_simulator_v1 *table();
   [[nodiscard]] int references() const { return references_; }
-  /// From now on that function answers with an error. Any thread, also while a simulation calls it.
+  /// From now on that function returns an error. Any thread, also while a simulation calls it.
   void fail(const std::string &function, c3de_status with);
   void failNowhere();
 
-  // What it says:
+  // Returned values:
   std::vector<StandInBody> bodies;
   std::uint32_t tableSize = sizeof(c3de_simulator_v1);
   bool answersInterface = true;
   bool lacksStateHash = false;
-  const c3de_contact_v1 *contact = nullptr;          ///< null: it does not answer iface.contact
+  const c3de_contact_v1 *contact = nullptr;          ///< null: iface.contact is not available
   bool hasDisplacement = true, hasInterrupt = true;  ///< those slots are not null
   /// Numbers from -1 to 1e9; gravity, min and max: vectors from -10 to 10; enabled, rigid: switches.
   std::vector<std::string> worldIds, bodyIds;
@@ -79,7 +79,7 @@ class StandInSimulator {
   std::uint32_t stopped = 0;         ///< bodies
   std::uint32_t triangleComponents = 3;
   std::size_t cancelsFrom = 0;  ///< add_body() is cancelled from this body on; 0: never
-  // What it was handed:
+  // Recorded arguments:
   std::vector<ParameterValue> world;
   std::vector<AddedBody> added;
   std::vector<std::string> obstacles;

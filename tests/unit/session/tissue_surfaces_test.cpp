@@ -12,8 +12,8 @@ using session::test::cubeBody;
 
 namespace {
 
-// A cube of 40 mm in voxels of 1 mm: a hollow ball of 15 mm in a background, over a rigid plate; a speck beside it.
-TissuePlaces cube() {
+// A cube of 40 mm in voxels of 1 mm: a hollow ball of 15 mm in a background, over a rigid plate; a speck next to it.
+TissueVoxels cube() {
   auto map = std::make_shared<imaging::LabelMap>();
   map->geometry.size = {40, 40, 40};
   map->geometry.indexToWorld[12] = map->geometry.indexToWorld[13] = map->geometry.indexToWorld[14] = 0.5;
@@ -23,7 +23,7 @@ TissuePlaces cube() {
     map->voxels.push_back(x[2] < 5.0 ? 2 : r < 15.0 && r > 4.0 ? 1 : 3);
   }
   map->voxels[0] = 1;
-  TissuePlaces places;
+  TissueVoxels places;
   places.body = "body";
   places.voxel_mm3 = 1.0;
   places.tissues.resize(2);
@@ -54,7 +54,7 @@ TissueSnapshot turned(double angle) {
 
 TEST_CASE("Tissues have surfaces around their voxels, without cavities and specks, coloured as their largest label",
           "[tissue_surfaces]") {
-  TissuePlaces places = cube();
+  TissueVoxels places = cube();
   places.placement.position_m = {0.1, 0.0, 0.0};
   auto made = tissueSurfaces({places}, {});
   REQUIRE(made);
@@ -70,7 +70,7 @@ TEST_CASE("Tissues have surfaces around their voxels, without cavities and speck
   CHECK(liver.colour[0] == 0.0f);
   CHECK(bone.colour[2] > 0.5f);
   CHECK(bone.colour[0] > bone.colour[2]);
-  // The scene may say otherwise.
+  // The scene may override it.
   places.tissues[0].colour = Vec3{0.5, 0.25, 0.75};
   places.tissues[1].isShown = false;
   made = tissueSurfaces({places}, {});
@@ -86,8 +86,8 @@ TEST_CASE("Surfaces go where their tissue has gone, from where they were", "[tis
   auto made = tissueSurfaces({cube()}, {});
   REQUIRE(made);
   const auto surfaces = std::make_shared<const std::vector<TissueSurface>>(std::move(*made));
-  SurfacePlaces before;
-  // A turn of 90 degrees in two steps; at once from the place at rest as well.
+  SurfacePositions before;
+  // A rotation of 90 degrees in two steps; also at once from the rest position.
   for (const double angle : {0.7, 1.5707963}) {
     for (const bool isKnown : {true, false}) {
       const bool hasBefore = isKnown && before.of != nullptr;

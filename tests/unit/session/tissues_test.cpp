@@ -67,7 +67,7 @@ TEST_CASE("Known tissues are settled once, with their labels and parts", "[tissu
   BodySources sources;
   Preparation took;
   REQUIRE(scene::applyOverride(scene, "body.scan.parts.0.material.youngs_modulus=1e4", &presets()));
-  REQUIRE(settleTissues(scene, presets(), sources, {}, took));
+  REQUIRE(resolveTissues(scene, presets(), sources, {}, took));
   const scene::SceneBody &body = scene.bodies.front();
   REQUIRE(body.volume.tissues.size() == 3);
   CHECK(body.volume.tissues[1].isEmpty);
@@ -78,7 +78,7 @@ TEST_CASE("Known tissues are settled once, with their labels and parts", "[tissu
                                       [](const auto &value) { return value.value.id == "material.youngs_modulus"; });
   CHECK(stiffness->value.num == 1e4);
   CHECK(took.reading_s > 0.0);
-  REQUIRE(settleTissues(scene, presets(), sources, {}, took));
+  REQUIRE(resolveTissues(scene, presets(), sources, {}, took));
   CHECK(body.parts.size() == 1);
   CHECK(body.volume.tissues.size() == 3);
 }
@@ -92,10 +92,10 @@ TEST_CASE("Airways are of the background where the image shows tissue, and label
   BodySources sources;
   Preparation took;
   CHECK_FALSE(sources.pick(scene.bodies[0].volume, {}, took));  // not settled
-  REQUIRE(settleTissues(scene, presets(), sources, {}, took));
+  REQUIRE(resolveTissues(scene, presets(), sources, {}, took));
   const auto picked = sources.pick(scene.bodies[0].volume, {}, took);
   REQUIRE(picked);
-  // Slices of 16 voxels: 5 of liver, 2 of 5 of the trachea, 5 of bone, 5 of what nobody knows.
+  // Slices of 16 voxels: 5 of liver, 2 of 5 of the trachea, 5 of bone, 5 of an unknown tissue.
   CHECK(countOf(*picked->tissues, 1) == 80);
   CHECK(countOf(*picked->tissues, 2) == 0);
   CHECK(countOf(*picked->tissues, 3) == 80);
@@ -119,7 +119,7 @@ TEST_CASE("What mending takes away is of no tissue, and a known tissue without a
       sceneOf("tissues = [ { label = 1 }, { label = 4, material = \"fat\" } ]\nmend = { largest = true }\n");
   BodySources sources;
   Preparation took;
-  REQUIRE(settleTissues(scene, presets(), sources, {}, took));
+  REQUIRE(resolveTissues(scene, presets(), sources, {}, took));
   auto picked = sources.pick(scene.bodies[0].volume, {}, took);
   REQUIRE(picked);
   CHECK(countOf(*picked->tissues, 1) == 80);
@@ -130,7 +130,7 @@ TEST_CASE("What mending takes away is of no tissue, and a known tissue without a
   REQUIRE_FALSE(added);
   CHECK_THAT(added.error().message, Contains("tissue '4' has no voxel of its own"));
   geometry.tissues.clear();
-  scene.bodies[0].volume.takesKnownTissues = true;
+  scene.bodies[0].volume.usesKnownTissues = true;
   REQUIRE(addTissues(scene.bodies[0].volume, *picked->tissues, 100.0, geometry));
   REQUIRE(geometry.tissues.size() == 2);
   CHECK(geometry.tissues[0]);
@@ -141,7 +141,7 @@ TEST_CASE("Labels are followed by what the simulator says, and it may not say", 
   scene::SceneFile scene = sceneOf("tissues = \"known\"\n");
   BodySources sources;
   Preparation took;
-  REQUIRE(settleTissues(scene, presets(), sources, {}, took));
+  REQUIRE(resolveTissues(scene, presets(), sources, {}, took));
   const auto picked = sources.pick(scene.bodies[0].volume, {}, took);
   REQUIRE(picked);
   const auto places = sources.placesOf(scene.bodies[0], *picked);
@@ -202,7 +202,7 @@ TEST_CASE("A label that slides becomes a body of its own, and what acts on the b
       "[[contact.pair]]\nbodies = [\"other\", \"scan\"]\nfriction = 0.7\n");
   BodySources sources;
   Preparation took;
-  REQUIRE(settleTissues(scene, presets(), sources, {}, took));
+  REQUIRE(resolveTissues(scene, presets(), sources, {}, took));
   REQUIRE(scene.bodies.size() == 3);
   const scene::SceneBody &rest = scene.bodies[0], &gizmo = scene.bodies[1];
   CHECK(rest.name == "scan");
@@ -230,7 +230,7 @@ TEST_CASE("A label that slides becomes a body of its own, and what acts on the b
   REQUIRE(geometry.tissues.size() == 2);
   CHECK_FALSE(geometry.tissues[0]);
   CHECK(geometry.tissues[1]);
-  // Centroids of 15 and 35 mm turn about that of all, 21.7 mm, at 2 rad/s.
+  // Centroids of 15 and 35 mm rotate about that of all, 21.7 mm, at 2 rad/s.
   CHECK(rest.velocity_m_s[1] == Approx(-2.0 * 0.020 / 3.0));
   CHECK(gizmo.velocity_m_s[1] == Approx(2.0 * 0.040 / 3.0));
   REQUIRE(scene.fixes.size() == 3);
@@ -252,7 +252,7 @@ TEST_CASE("A label that slides becomes a body of its own, and what acts on the b
   CHECK(scene.contactPairs[2].friction == scene::kSlideFriction);
   CHECK(scene.contactPairs[2].fits);
   // Cut once.
-  REQUIRE(settleTissues(scene, presets(), sources, {}, took));
+  REQUIRE(resolveTissues(scene, presets(), sources, {}, took));
   CHECK(scene.bodies.size() == 3);
 }
 
@@ -263,7 +263,7 @@ TEST_CASE("What is said of a piece alone is that of its body, and of no other", 
     REQUIRE(scene::applyOverride(scene, assignment, &presets()));
   BodySources sources;
   Preparation took;
-  REQUIRE(settleTissues(scene, presets(), sources, {}, took));
+  REQUIRE(resolveTissues(scene, presets(), sources, {}, took));
   REQUIRE(scene.bodies.size() == 2);
   const auto said = [](const std::vector<scene::SceneValue> &values, const std::string &id) {
     const auto found = std::find_if(values.begin(), values.end(), [&](const auto &one) { return one.value.id == id; });
@@ -284,7 +284,7 @@ TEST_CASE("What cannot slide is an error that says why and what is accepted", "[
     scene::SceneFile scene = sceneOf(tissues + "slides = " + slides + "\n");
     BodySources sources;
     Preparation took;
-    const auto settled = settleTissues(scene, presets(), sources, {}, took);
+    const auto settled = resolveTissues(scene, presets(), sources, {}, took);
     REQUIRE_FALSE(settled);
     CHECK_THAT(settled.error().message, Contains("tissues.toml:2: slides: "));
     return settled.error().message;
@@ -306,14 +306,14 @@ TEST_CASE("Listed labels are one tissue, called what their names are known as", 
       sceneOf("tissues = [ { label = [\"gizmo\", 1], material = \"fat\" }, { label = [\"rib left 3\", 3] } ]\n");
   BodySources sources;
   Preparation took;
-  REQUIRE(settleTissues(scene, presets(), sources, {}, took));
+  REQUIRE(resolveTissues(scene, presets(), sources, {}, took));
   const std::vector<scene::SceneTissue> &tissues = scene.bodies.front().volume.tissues;
   CHECK(tissues[0].labels.size() == 2);
   CHECK(tissues[0].label == "gizmo, 1");
   CHECK(tissues[1].label == "bone");
   CHECK(tissues[1].isRigid);
   scene::SceneFile wrong = sceneOf("tissues = [ { label = [\"gizmo\", \"glzmo\"], material = \"fat\" } ]\n");
-  const auto settled = settleTissues(wrong, presets(), sources, {}, took);
+  const auto settled = resolveTissues(wrong, presets(), sources, {}, took);
   REQUIRE_FALSE(settled);
   CHECK_THAT(settled.error().message, Contains("has no label 'glzmo'; did you mean 'gizmo'?"));
 }
@@ -325,7 +325,7 @@ TEST_CASE("What lies outside of the region is not of the body", "[tissues]") {
       sceneOf("tissues = [ { label = [\"liver\", 2], material = \"fat\" }, { label = 4, rigid = true } ]\n" + box);
   BodySources sources;
   Preparation took;
-  REQUIRE(settleTissues(scene, presets(), sources, {}, took));
+  REQUIRE(resolveTissues(scene, presets(), sources, {}, took));
   const auto picked = sources.pick(scene.bodies.front().volume, {}, took);
   REQUIRE(picked);
   CHECK(countOf(*picked->tissues, 1) == 6 * 4 * 3);

@@ -15,12 +15,12 @@ using namespace c3de::study;
 TEST_CASE("A point is off the front only where another is as accurate and cheaper by more than the noise") {
   const std::vector<Tradeoff> points{{1.0, 1.2, 0.10},   // cheap
                                      {2.0, 2.2, 0.05},   // better
-                                     {2.1, 2.4, 0.06},   // worse, and dearer, but within the noise of the one before
-                                     {2.3, 2.5, 0.06},   // dearer than that noise
-                                     {9.0, 9.1, 0.05},   // no better and much dearer
+                                     {2.1, 2.4, 0.06},   // worse, more expensive, but within the noise of the first
+                                     {2.3, 2.5, 0.06},   // more expensive by more than that noise
+                                     {9.0, 9.1, 0.05},   // no better and much more expensive
                                      {9.0, 9.1, 0.01}};  // best
   CHECK(paretoFront(points, 0.0) == std::vector<bool>{true, true, true, false, false, true});
-  // Below the floor nobody is better than the others.
+  // Below the floor no result is better than the others.
   CHECK(paretoFront(points, 0.2) == std::vector<bool>{true, false, false, false, false, false});
   CHECK(paretoFront({}, 0.0).empty());
 }
@@ -39,7 +39,7 @@ TEST_CASE("The first frequency is the lowest one that a signal swings with, of e
       }
       const auto found = firstFrequency(time, signal);
       REQUIRE(found);
-      CHECK_THAT(*found, WithinRel(frequency, 2e-3));  // the line between two samples of a swing is a little lower
+      CHECK_THAT(*found, WithinRel(frequency, 2e-3));  // linear interpolation between samples is slightly lower
     }
 }
 
@@ -57,7 +57,7 @@ TEST_CASE("Too few periods, no swing and too few samples have no frequency") {
 
 namespace {
 
-/// A box in mm whose faces look outwards.
+/// A box in mm with outward faces.
 geometry::TriangleMesh box(const Vec3 &min, const Vec3 &max) {
   geometry::TriangleMesh mesh;
   for (unsigned i = 0; i < 8; ++i)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From results to errors, tables and pictures.
+// From results to errors, tables and diagrams.
 #include "c3de/study/outcome.h"
 
 #include <cmath>
@@ -17,7 +17,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-/// A study of one case, and what its runs gave.
+/// A study of one case, and the results of its runs.
 struct Fixture {
   Study study;
   Plan plan;
@@ -32,19 +32,19 @@ struct Fixture {
     plan.cases[0].bodies = {"b"};
     const Case &one = study.cases[0];
     if (one.reference.source == Reference::Source::richardson)
-      for (const auto &levers : combinations({one.reference.lever})) add(levers, true, 0);
+      for (const auto &parameters : combinations({one.reference.parameter})) add(parameters, true, 0);
     for (std::size_t g = 0; g < one.grids.size(); ++g)
-      for (const auto &levers : combinations(one.grids[g].levers)) add(levers, false, g);
+      for (const auto &parameters : combinations(one.grids[g].parameters)) add(parameters, false, g);
   }
-  void add(const std::vector<LeverValue> &levers, bool isReference, std::size_t grid) {
+  void add(const std::vector<StudyParameterValue> &parameters, bool isReference, std::size_t grid) {
     Point point;
     point.isReference = isReference;
     point.grid = grid;
-    point.levers = levers;
+    point.parameters = parameters;
     point.id = "id" + std::to_string(plan.points.size());
     plan.points.push_back(point);
   }
-  /// Of a run that took these times for two simulated seconds.
+  /// Of a run with these times for two simulated seconds.
   Result &result(std::size_t p, const std::vector<double> &wall_s, double tip) {
     Result result;
     result.id = plan.points[p].id;
@@ -85,10 +85,10 @@ TEST_CASE("Errors are shares of the reference, costs ms per simulated second, an
   CHECK_THAT(outcome.points[0].cost->cheapest, WithinRel(100.0, 1e-12));
   CHECK_THAT(outcome.points[0].cost->dearest, WithinRel(150.0, 1e-12));
   CHECK(outcome.points[0].isOnFront);
-  CHECK(outcome.points[1].isBelowBar);  // 0.002 of 0.02
+  CHECK(outcome.points[1].isBelowResolution);  // 0.002 of 0.02
   CHECK_THAT(*outcome.points[0].errors.volumeChange, WithinRel(0.01, 1e-9));
   CHECK_FALSE(outcome.points[0].errors.fieldL2);
-  CHECK_FALSE(outcome.points[0].errors.energyDrift_1_s);  // the point does not say that nothing feeds it
+  CHECK_FALSE(outcome.points[0].errors.energyDrift_1_s);  // the point does not specify that no energy is supplied
   CHECK(outcome.points[2].failure == "diverged");
   CHECK(outcome.points[3].failure == "missing");
 
@@ -139,7 +139,7 @@ TEST_CASE("Without noise a cheaper point that is as accurate takes the place on 
 TEST_CASE("What nothing feeds or acts on has its drift and round-off") {
   Fixture f(studyText());
   f.plan.points[0].conservesEnergy = f.plan.points[0].conservesMomentum = true;
-  f.result(0, {0.1}, -0.1).energyInPlay_J = 4.0;
+  f.result(0, {0.1}, -0.1).peakEnergy_J = 4.0;
   const Errors errors = f.outcome().points[0].errors;
   // 0.01 J more within 2 s
   CHECK_THAT(errors.energyDrift_1_s.value(), WithinRel(0.01 / 4.0 / 2.0, 1e-9));
@@ -188,7 +188,7 @@ TEST_CASE("A table of displacements is the reference of a field at its own point
       place);
   REQUIRE(study);
   Samples samples;
-  const auto truth = statedTruth(*study, study->cases[0], samples);
+  const auto truth = statedReference(*study, study->cases[0], samples);
   REQUIRE(truth);
   CHECK(truth->bar == 2.0);  // mm
   REQUIRE(samples.points.size() == 2);
@@ -244,7 +244,7 @@ TEST_CASE("A result comes back from its text as it was, and a damaged one is tol
   Result result = f.result(0, {0.1, 1.0 / 3.0}, -0.1);
   result.positions_m = {{0.1, 0.2, 1.0 / 3.0}};
   result.frequency_Hz = 4.9973;
-  result.energyInPlay_J = 0.25;
+  result.peakEnergy_J = 0.25;
   const auto back = Result::fromText(result.text());
   REQUIRE(back);
   CHECK(back->text() == result.text());
@@ -267,7 +267,7 @@ TEST_CASE("A task comes back from its text as it was") {
   REQUIRE(back);
   CHECK(back->text() == task.text());
   CHECK(back->component == 2);
-  CHECK(back->wantsEnergies);
+  CHECK(back->needsEnergies);
   CHECK_FALSE(Task::fromText("{\"id\": 3}"));
   CHECK_FALSE(Task::fromText("half"));
 }
@@ -304,7 +304,7 @@ TEST_CASE("A study that was run before is told beside, point by point") {
   CHECK_THAT(std::stod(rows[1].back()), WithinRel(200.0, 1e-12));
   CHECK(Json::parse(jsonOf(f.study, f.plan, {"c3de", "1", "b"}, outcome))["compared_with"]["version"] == "0.8");
   CHECK_THAT(reportOf(f.study, f.plan, {"c3de", "1", "b"}, outcome), Contains("Compared with") && Contains("30.0"));
-  // Dashes between two places within the frame, in every picture.
+  // Dashes between two positions within the frame, in every diagram.
   CHECK(alone.find("stroke-dasharray=\"3 3\"") == std::string::npos);
   for (const std::string &picture : {diagramOf(f.study, f.plan, outcome, 0), overviewOf(f.study, f.plan, outcome)}) {
     CHECK_THAT(picture, Contains("before: 0.8, "));
@@ -312,7 +312,7 @@ TEST_CASE("A study that was run before is told beside, point by point") {
     CHECK(picture.find("nan") == std::string::npos);
   }
 
-  // What failed before has no place, and what is no study, or another one, is said.
+  // A failed result has no position; an invalid or different study is reported.
   before.results["id0"] = Result::failed("id0", "diverged", "far");
   write(jsonOf(before.study, before.plan, {"c3de", "0.8", "b"}, before.outcome()));
   CHECK_FALSE(loadEarlierRun(folder, f.study, f.plan).value().points[1]);

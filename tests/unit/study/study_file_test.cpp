@@ -21,10 +21,10 @@ TEST_CASE("A study is read with its defaults, and every grid of it belongs to ev
   CHECK(one.quantity.component == 2);
   CHECK(one.reference.value == -0.5);
   REQUIRE(one.grids.size() == 2);
-  CHECK(one.grids[0].levers[0].values == std::vector<std::string>{"0.1", "0.05"});
+  CHECK(one.grids[0].parameters[0].values == std::vector<std::string>{"0.1", "0.05"});
   CHECK(one.grids[1].label == "damped");
-  CHECK(one.grids[1].levers[0].name == "solver.damping");
-  CHECK(one.grids[1].levers[1].name == "solver.dt");
+  CHECK(one.grids[1].parameters[0].name == "solver.damping");
+  CHECK(one.grids[1].parameters[1].name == "solver.dt");
 }
 
 TEST_CASE("Values of levers and settings are as the command line takes them, vectors and texts too") {
@@ -35,8 +35,8 @@ TEST_CASE("Values of levers and settings are as the command line takes them, vec
       studyPlace());
   if (!study) FAIL(study.error().message);
   const Grid &grid = study->cases[0].grids.at(0);
-  CHECK(grid.levers[0].values == std::vector<std::string>{"\"phyxels\"", "\"stress_points\""});
-  CHECK(grid.levers[1].values == std::vector<std::string>{"[0,0,-1]", "[0,0.5,0]"});
+  CHECK(grid.parameters[0].values == std::vector<std::string>{"\"phyxels\"", "\"stress_points\""});
+  CHECK(grid.parameters[1].values == std::vector<std::string>{"[0,0,-1]", "[0,0.5,0]"});
   CHECK(study->cases[0].reference.source == Reference::Source::file);
 }
 
@@ -65,8 +65,8 @@ TEST_CASE("What is wrong with a study is said with file, line and what is accept
       {withGrid("[[grid]]\nspacing = []\n"), "study.toml:12: spacing is an empty list; accepted: a value, or a list"},
       {withGrid("[[grid]]\nspacing = [0.1, 0.1]\n"), "spacing has the value 0.1 twice"},
       {withGrid("[[grid]]\nspacing = 0.1\ncount = 10\n"),
-       "study.toml:13: the grid has 'spacing' and 'count', which say the same"},
-      {withGrid("[[grid]]\nsubsteps = 2\ndt = 0.1\n"), "'dt' and 'substeps', which say the same"},
+       "study.toml:13: the grid has 'spacing' and 'count', which are equivalent"},
+      {withGrid("[[grid]]\nsubsteps = 2\ndt = 0.1\n"), "'dt' and 'substeps', which are equivalent"},
       {withGrid("[[grid]]\nsubsteps = 0\n"), "substeps = 0; accepted: whole numbers from 1"},
       {withGrid("[[grid]]\nthreads = [1, 0]\n"), "accepted: whole numbers from 1 to 1024"},
       {withGrid("[[grid]]\nspacing = 2020-01-01\n"), "accepted: numbers, texts"},

@@ -7,7 +7,7 @@
 
 #include "support/catch.h"
 
-/// A study of one case of a scene that is there; `reference` and `grid` are the tables that follow it.
+/// A study of one case of an existing scene; `reference` and `grid` are the tables that follow it.
 inline std::string studyText(
     const std::string &quantity = "{ probe = \"tip\", component = \"z\" }",
     const std::string &reference = "value = -0.5\nuncertainty = 0.01\nkind = \"formula\"\nsource = \"a book\"",
@@ -16,7 +16,7 @@ inline std::string studyText(
          "\n[case.reference]\n" + reference + "\n" + grid;
 }
 
-/// The file of a study beside whose place there are a scene and a table of displacements.
+/// The path of a study file, next to which a scene and a table of displacements exist.
 inline std::filesystem::path studyPlace() {
   const std::filesystem::path folder = testOutputFolder();
   std::ofstream(folder / "beam.toml") << "format = 1\n";

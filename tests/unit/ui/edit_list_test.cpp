@@ -9,7 +9,7 @@ using namespace c3de::ui;
 
 namespace {
 
-/// A number that grows by one when it is done, and what was called.
+/// A number that is incremented by the step, and the recorded calls.
 struct Counter {
   int value = 1, released = 0;
   bool fails = false;
@@ -57,7 +57,7 @@ TEST_CASE("steps of plugins are undone and redone in order") {
   list.redo();
   CHECK(a.value == 1);
   CHECK(b.value == 0);
-  // What was undone ends with the next step.
+  // The next step clears the redo history.
   Counter c;
   list.add(c.edit("cut"));
   CHECK(b.released == 1);

@@ -97,7 +97,7 @@ TEST_CASE("A click sets the cross-hair, a drag and Shift+move carry it, and the 
   f.views.handle(Pane::coronal, f.at(ViewInput::Kind::move, 92, 42, C3DE_MOD_SHIFT));
   CHECK(norm(f.views.crossHair() - f.views.view(Pane::coronal).worldAt(92, 42)) < 1e-9);
   CHECK(f.axial().isOnSlice(f.views.crossHair()));
-  // Scrolling away leaves it where it is.
+  // Scrolling away leaves it in place.
   f.wheel(Pane::axial, 3);
   CHECK_FALSE(f.axial().isOnSlice(f.views.crossHair()));
 }
@@ -108,7 +108,7 @@ TEST_CASE("Middle and Shift+left shift the view, right and Ctrl+left zoom it, an
   const Vec3 cross = f.views.crossHair();
   for (const auto &[button, modifiers] : {std::pair{C3DE_BUTTON_MIDDLE, 0u}, {C3DE_BUTTON_LEFT, C3DE_MOD_SHIFT}}) {
     const Vec3 under = f.axial().worldAt(150, 150);
-    // Shift+move would carry the cross-hair: the press comes without one.
+    // Shift+move would move the cross-hair: the press comes without one.
     f.views.handle(Pane::axial, f.at(ViewInput::Kind::move, 150, 150));
     f.views.handle(Pane::axial, f.at(ViewInput::Kind::press, 150, 150, modifiers, button));
     f.views.handle(Pane::axial, f.at(ViewInput::Kind::move, 170, 140, modifiers));
@@ -210,7 +210,7 @@ TEST_CASE("The read-out tells position, voxel, value with unit, label and displa
 
 namespace {
 
-/// All of the image has moved by 5 mm and been compressed; a stress of 1500 Pa where z < 0.
+/// The whole image has moved by 5 mm and been compressed; a stress of 1500 Pa where z < 0.
 std::shared_ptr<const imaging::DisplacementGrid> compressed(double ratio, double stress_Pa) {
   auto u = std::make_shared<imaging::DisplacementGrid>();
   u->geometry = {{2, 2, 3}, {400, 0, 0, 0, 0, 400, 0, 0, 0, 0, 200, 0, -200, -200, -200, 1}};
@@ -277,7 +277,7 @@ TEST_CASE("An overlay is told to the renderer in the numbers of the field, its r
   f.views.setDisplacement(compressed(0.953, 9000.0));
   CHECK(f.views.overlayRange() == OverlayRange{1.0, 3.0});
   CHECK(f.views.look().overlayLow == 1000.0);
-  // One that has not come yet is not shown.
+  // A field that has not arrived yet is not shown.
   choose(Overlay::field, "other");
   CHECK_FALSE(f.views.shownField());
   CHECK(f.views.look().overlay == render::Overlay::none);
@@ -341,12 +341,12 @@ TEST_CASE("Cuts of the 3D view lie in the slices, and leave out the near side fi
   options.convention = GENERATE(Convention::radiological, Convention::neurological);
   f.views.setOptions(options);
   f.views.setCrossHair({10, -5, 3});
-  // Above, left, in front: towards who looks at a patient first.
+  // Above, left, in front: towards the initial viewer of a patient.
   const std::array<Vec3, 3> sides{{{0, 0, 1}, {1, 0, 0}, {0, -1, 0}}};
   for (const Pane pane : kSlicePanes) {
     const Vec3 side = sides[static_cast<std::size_t>(pane)];
     for (const double sign : {1.0, -1.0}) {
-      f.views.turnCut(pane);
+      f.views.cycleCut(pane);
       const render::ImageScene scene = f.views.scene();
       REQUIRE(scene.cuts.size() == 1);
       CHECK(norm(scene.cuts[0].normal - sign * side) < 1e-12);
@@ -354,10 +354,10 @@ TEST_CASE("Cuts of the 3D view lie in the slices, and leave out the near side fi
       const render::SliceInSpace &slice = scene.slices[static_cast<std::size_t>(pane)];
       CHECK(dot(scene.cuts[0].point - slice.point, slice.normal) == 0.0);
     }
-    f.views.turnCut(pane);
+    f.views.cycleCut(pane);
     CHECK(f.views.scene().cuts.empty());
   }
-  for (const Pane pane : kSlicePanes) f.views.turnCut(pane);
+  for (const Pane pane : kSlicePanes) f.views.cycleCut(pane);
   CHECK(f.views.scene().cuts.size() == 3);
   CHECK(f.views.scene().cutsProxies);
   f.views.setImage(testImage());
@@ -376,7 +376,7 @@ TEST_CASE("Two quick presses at one place are a double click, others are not", "
   };
   CHECK_FALSE(press(Pane::axial, 1.0));
   CHECK(press(Pane::axial, 1.2));
-  CHECK_FALSE(press(Pane::axial, 1.3));  // the third is a first one
+  CHECK_FALSE(press(Pane::axial, 1.3));  // the third counts as a first one
   CHECK_FALSE(press(Pane::axial, 2.0));
   CHECK_FALSE(press(Pane::coronal, 2.1));
   input.x = 60;
@@ -409,9 +409,9 @@ TEST_CASE("A click that began a double click is taken back", "[image_views]") {
   const int coronal = f.views.view(Pane::coronal).slice();
   f.drag(Pane::axial, 100, 80, 100, 80, C3DE_BUTTON_LEFT);
   REQUIRE(f.views.crossHair() != before);
-  f.views.takeBackClick();
+  f.views.undoClick();
   CHECK(f.views.crossHair() == before);
   CHECK(f.views.view(Pane::coronal).slice() == coronal);
-  f.views.takeBackClick();
+  f.views.undoClick();
   CHECK(f.views.crossHair() == before);
 }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kSide = 400.0f;
 
-/// Four views of 400 x 400 pixels around a scan, a tool that takes presses in the 3D view, a command of a plugin.
+/// Four views of 400 x 400 pixels around a scan, a tool that receives presses in the 3D view, a command of a plugin.
 struct Window : Fixture {
   registry::ToolRegistry tools;
   registry::CommandRegistry commands;
@@ -73,7 +73,7 @@ struct Window : Fixture {
     event.x = kSide * static_cast<double>(p % 2) + x;
     event.y = kSide * static_cast<double>(p / 2) + y;
     event.time_s = time_s;
-    modes.takeMouse(event, above);
+    modes.handleMouse(event, above);
   }
   Modes::Answer key(std::uint32_t key, Pane pane = Pane::space, std::uint32_t modifiers = 0) {
     const auto p = static_cast<std::size_t>(pane);
@@ -83,9 +83,9 @@ struct Window : Fixture {
     event.modifiers = modifiers;
     event.x = kSide * static_cast<double>(p % 2) + 10.0;
     event.y = kSide * static_cast<double>(p / 2) + 10.0;
-    return modes.takeKey(event, above);
+    return modes.handleKey(event, above);
   }
-  /// Is asked for, then drawn.
+  /// Requested, then drawn.
   void draw() {
     scan.show(true);
     settle();
@@ -140,7 +140,7 @@ TEST_CASE("What is open above the views has mouse and keys, but for Ctrl+Q", "[m
   w.mouse(Event::press, Pane::space, 200, 100);
   REQUIRE(w.events.size() == 1);
   CHECK(w.events.front().x_px == 200.0);
-  // While a view is dragged in, its keys are not those of a widget that has been used before.
+  // During a drag in a view, its keys are not those of a widget that has been used before.
   w.above.takesKeys = true;
   CHECK(w.key('J').pluginCommand == w.command);
 }
@@ -240,7 +240,7 @@ TEST_CASE("Escape ends the uppermost thing that is in progress, one at a time", 
   CHECK_FALSE(w.modes.region());
   CHECK(w.modes.isEscapeTaken());
   CHECK(w.scan.isShown());
-  CHECK_FALSE(w.scan.isAside());
+  CHECK_FALSE(w.scan.isHiddenTemporarily());
   CHECK_FALSE(w.scan.settings().region);
   w.frame();
   CHECK_FALSE(w.modes.isEscapeTaken());
@@ -269,7 +269,7 @@ TEST_CASE("Undo in the dialog of the scan's body is of its choices, unless somet
   CHECK(isNothing(w.key('Z', Pane::space, C3DE_MOD_CTRL)));
   w.tools.activate(w.tool);
   w.modes.undo({});
-  CHECK(w.cancels == 1);  // what the tool holds is let go first
+  CHECK(w.cancels == 1);  // the tool releases its grab first
 }
 
 TEST_CASE("The drawing of a region ends with its image, and by being asked back to the dialog", "[modes]") {

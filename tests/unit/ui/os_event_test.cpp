@@ -52,7 +52,7 @@ TEST_CASE("two presses are a double click by the times they came at, however slo
   ClickPairs clicks;
   CHECK_FALSE(clicks.isSecond(press(10.0)));
   CHECK(clicks.isSecond(press(10.3)));
-  CHECK_FALSE(clicks.isSecond(press(10.4)));  // a third begins anew
+  CHECK_FALSE(clicks.isSecond(press(10.4)));  // a third starts again
   CHECK(clicks.isSecond(press(10.5)));
   CHECK_FALSE(clicks.isSecond(press(11.0)));
   CHECK_FALSE(clicks.isSecond(press(11.6)));            // too late
@@ -66,7 +66,7 @@ TEST_CASE("what is typed shares a frame, however fast it comes") {
   for (const int key : {1, 2, 2, 3})  // the same letter twice as well
     for (const OsEvent &e : {event(Kind::keyDown, key), c, event(Kind::keyUp, key)}) typed.push_back(e);
   CHECK(sizesOfFrames(typed) == std::vector<std::size_t>{12});
-  // A capital letter: Shift takes no frame.
+  // A capital letter: Shift needs no separate frame.
   OsEvent shift = event(Kind::keyDown, 9);
   shift.role = OsEvent::Role::shift;
   CHECK(sizesOfFrames({shift, event(Kind::keyDown, 1), c, event(Kind::keyUp, 1), event(Kind::keyUp, 9),
@@ -81,7 +81,7 @@ TEST_CASE("Backspace between letters deletes the one before it, and Ctrl drops n
   control.role = OsEvent::Role::modifier;
   CHECK(sizesOfFrames({event(Kind::keyDown, 1), c, control, event(Kind::keyDown, 3)}) ==
         std::vector<std::size_t>{2, 2});
-  // Held, it repeats by itself.
+  // While it is held, it repeats automatically.
   OsEvent again = event(Kind::keyDown, 8);
   again.isRepeat = true;
   CHECK(sizesOfFrames({event(Kind::keyDown, 8), again, again}) == std::vector<std::size_t>{3});

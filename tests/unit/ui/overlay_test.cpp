@@ -35,7 +35,7 @@ TEST_CASE("A range ends at round numbers, grows at once and shrinks late", "[ove
                                        {23.0, 25.0},
                                        {0.012, 0.015}})
     CHECK_THAT(roundedUp(value), WithinAbs(rounded, 1e-9));
-  SteadyRange range;
+  StableRange range;
   range.follow(0.0, 3.3, false, 0.1);
   CHECK(range.range() == OverlayRange{0.0, 4.0});
   for (const double high : {3.9, 2.0, 1.7}) range.follow(0.0, high, false, 0.1);
@@ -46,7 +46,7 @@ TEST_CASE("A range ends at round numbers, grows at once and shrinks late", "[ove
   CHECK(range.range() == OverlayRange{0.0, 2.0});
   range.follow(0.0, 1e-9, false, 0.1);
   CHECK_THAT(range.range().high, WithinAbs(0.1, 1e-12));
-  // What is negative has its zero in the middle; round-off is not.
+  // A range with negative values has its zero in the middle; round-off does not count.
   range.follow(-1e-9, 2.0, false, 0.1);
   CHECK(range.range() == OverlayRange{0.0, 2.0});
   range.follow(-7.2, 1.0, false, 0.1);

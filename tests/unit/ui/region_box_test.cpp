@@ -35,7 +35,7 @@ void drag(RegionBox &box, const BoxGrip &grip, const Vec3 &from, const Vec3 &to)
   box.finish();
 }
 
-/// As a person does it: from a pixel to one that is so far away in the world.
+/// As a user does it: from a pixel to one at this distance in the world.
 void dragIn(const SliceView &view, RegionBox &box, double x, double y, const Vec3 &by) {
   const Vec3 from = view.worldAt(x, y);
   drag(box, gripAt(view, box, kSize_px, x, y), from, from + by);
@@ -66,7 +66,7 @@ void checkBox(const RegionBox &box, const Vec3 &low, const Vec3 &high) {
 TEST_CASE("A region is put in order and within its limits, and is a voxel wide at least", "[region_box]") {
   checkBox(RegionBox(kLimits, kVoxel), {0, 0, 0}, {100, 80, 120});
   checkBox(RegionBox(kLimits, kVoxel, Box{{{90, -30, 7}, {20, 40, 7.5}}}), {20, 0, 7}, {90, 40, 9});
-  // Beyond an end, a voxel is left there.
+  // Beyond an end, one voxel remains.
   checkBox(RegionBox(kLimits, kVoxel, Box{{{200, 0, -9}, {300, 80, -5}}}), {99, 0, 0}, {100, 80, 2});
   CHECK(RegionBox(kLimits, kVoxel, Box{{{10, 20, 30}, {30, 50, 70}}}).volume_ml() == Approx(24.0));
 }
@@ -170,7 +170,7 @@ TEST_CASE("Inside and on its outline a box is moved, outside another one is draw
   CHECK(grip(at.left - 5, at.top + quarter).kind == Kind::drawn);
   CHECK(grip(at.left - 5, at.top + quarter).sides == std::array<int, 3>{1, 1, 0});
   CHECK(grip(at.left - 7, at.top + 7).kind == Kind::sides);
-  // With no room to move in this slice, another one is drawn inside, and there is nothing to move it by.
+  // With no free space in this slice, another region is drawn inside, and there is no handle.
   const RegionBox whole(kLimits, kVoxel), slab(kLimits, kVoxel, Box{{{0, 0, 40}, {100, 80, 80}}});
   CHECK(gripAt(axial, whole, kSize_px, 150, 150).kind == Kind::drawn);
   CHECK(gripAt(axial, slab, kSize_px, 150, 150).kind == Kind::drawn);

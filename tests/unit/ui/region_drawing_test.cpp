@@ -12,7 +12,7 @@ using Input = ViewInput::Kind;
 
 namespace {
 
-/// The scan of the fixture, its grid turned about z by so much, in slices that are as large as it.
+/// The scan of the fixture, its grid rotated about z by this angle, in slices of its size.
 struct Slices : Fixture {
   ImageViews views;
 
@@ -85,7 +85,7 @@ TEST_CASE("A click while a region is drawn sets the cross-hair, and other button
   RegionDrawing drawing(f.views, f.scan, 10.0);
   f.at(drawing, Pane::axial, Input::press, {20, 30, 0});
   CHECK(f.isTaken);
-  f.at(drawing, Pane::axial, Input::move, {20.3, 30, 0});  // the hand is never quite still
+  f.at(drawing, Pane::axial, Input::move, {20.3, 30, 0});  // the mouse is never completely still
   f.at(drawing, Pane::axial, Input::release, {20.3, 30, 0});
   CHECK(f.views.crossHair()[0] == Approx(20.0));
   CHECK_FALSE(drawing.region().canUndo());
@@ -101,7 +101,7 @@ TEST_CASE("A click while a region is drawn sets the cross-hair, and other button
     f.at(drawing, Pane::axial, Input::release, {50, 60, 0}, static_cast<std::uint32_t>(button));
     CHECK_FALSE(f.isTaken);
   }
-  // And what picks, or changes window and level.
+  // The same for picks and for changes of window and level.
   Vec3 picked{};
   f.views.pickNext([&](const Vec3 &at) { picked = at; });
   f.at(drawing, Pane::axial, Input::press, {20, 30, 0});
@@ -128,7 +128,7 @@ TEST_CASE("A drag of a region is taken back while the button is down, and what f
   f.at(drawing, Pane::axial, Input::release, {80, 70, 0});
   checkBox(drawing.region().box(), {-2.5, -2.5, -2.5}, {97.5, 97.5, 97.5});
   CHECK_FALSE(drawing.region().canUndo());
-  // Where the window has lost the mouse, the button does not come up.
+  // Where the window has lost the mouse, no button release arrives.
   f.at(drawing, Pane::axial, Input::press, {20, 30, 0});
   CHECK(drawing.cancelDrag());
   f.drag(drawing, Pane::axial, {20, 30, 0}, {60, 80, 0});
@@ -152,7 +152,7 @@ TEST_CASE("While a region is drawn slices are along the axes of the patient, and
     f.drag(drawing, Pane::sagittal, {0, 20, 30}, {0, 50, 70});
     CHECK(drawing.region().box()[0][1] == 20.0);
     CHECK(drawing.region().box()[1][2] == 70.0);
-    // Somebody turns them back.
+    // The user rotates them back.
     options = f.views.options();
     options.isAlignedWithImage = true;
     f.views.setOptions(options);
@@ -193,7 +193,7 @@ TEST_CASE("Whoever asks for the dialog while a region is drawn has it there, as 
   Slices f;
   RegionDrawing drawing(f.views, f.scan, 10.0);
   CHECK(f.scan.isShown());
-  CHECK(f.scan.isAside());
+  CHECK(f.scan.isHiddenTemporarily());
   f.drag(drawing, Pane::axial, {20, 30, 0}, {60, 80, 0});
   CHECK(drawing.follow());
   CHECK_FALSE(f.scan.settings().region);
@@ -201,7 +201,7 @@ TEST_CASE("Whoever asks for the dialog while a region is drawn has it there, as 
   CHECK_FALSE(drawing.follow());
   drawing.end();
   CHECK(f.scan.isShown());
-  CHECK_FALSE(f.scan.isAside());
+  CHECK_FALSE(f.scan.isHiddenTemporarily());
   REQUIRE(f.scan.settings().region);
   checkBox(*f.scan.settings().region, {20, 30, -2.5}, {60, 80, 97.5});
 }
@@ -217,7 +217,7 @@ TEST_CASE("A body that could not be made does not end the drawing of a region, a
   CHECK(drawing.follow());
   drawing.end();
   CHECK(f.scan.isShown());
-  CHECK_FALSE(f.scan.isAside());
+  CHECK_FALSE(f.scan.isHiddenTemporarily());
   CHECK(f.scan.problem() == "nothing is left");
 }
 
@@ -256,7 +256,7 @@ TEST_CASE("While a region is drawn the scan is shown as it was read, and then as
   const SliceView::Pixel pixel = f.views.view(Pane::axial).pixelOf({20, 30, 0});
   (void)f.views.handle(Pane::axial, {Input::press, C3DE_BUTTON_LEFT, 0, 0, pixel.x, pixel.y});
   CHECK_THAT(picked[0], WithinAbs(20.0, 1e-6));
-  // Bodies move on meanwhile.
+  // Bodies move in the meantime.
   f.views.setDisplacement(moved);
   CHECK(f.views.isAtRest());
   drawing.end();

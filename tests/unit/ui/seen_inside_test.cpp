@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Slices that are shown as planes in the 3D view: which of them is seen under the mouse.
+// Slices shown as planes in the 3D view: which of them is visible under the mouse.
 #include "logic/seen_inside.h"
 
 #include "support/catch.h"
@@ -9,10 +9,10 @@ using Catch::Matchers::WithinAbs;
 
 namespace {
 
-/// An image of 100 mm about the origin, with a slice across its middle that is looked at from above.
+/// An image of 100 mm about the origin, with a slice across its centre, viewed from above.
 struct Room {
   std::unique_ptr<render::Renderer> renderer = render::createNullRenderer();
-  render::GridPlace place{{100, 100, 100}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -49.5, -49.5, -49.5, 1}};
+  render::GridGeometry place{{100, 100, 100}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -49.5, -49.5, -49.5, 1}};
   render::ImageScene scene;
   Room() { scene.slices.push_back({{0, 0, 0}, {0, 0, 1}}); }
   [[nodiscard]] std::optional<double> seen(const Vec3 &from, const Vec3 &direction = {0, 0, -1}) const {
@@ -37,7 +37,7 @@ TEST_CASE("A slice is seen within the image, from both sides, and the nearest of
   CHECK_THAT(room.seen({10, 20, 70}).value_or(-1), WithinAbs(70, 1e-9));
   CHECK_THAT(room.seen({10, 20, -30}, {0, 0, 1}).value_or(-1), WithinAbs(30, 1e-9));
   CHECK_FALSE(room.seen({10, 20, -30}));            // behind
-  CHECK_FALSE(room.seen({51, 20, 70}));             // beside the image
+  CHECK_FALSE(room.seen({51, 20, 70}));             // outside the image
   CHECK_FALSE(room.seen({10, 20, 70}, {1, 0, 0}));  // along it
   room.scene.slices.push_back({{30, 0, 0}, {1, 0, 0}});
   const Vec3 oblique{0.6, 0, -0.8};

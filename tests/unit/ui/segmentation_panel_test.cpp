@@ -42,12 +42,12 @@ TEST_CASE("Undo takes back what was edited last, of the parameters or of the org
   setX(2.0);
   follow();
   CHECK(history.undoLabel() == "X");
-  f.guide.carryOut(Kind::largest);
+  f.guide.applyStep(Kind::largest);
   f.settle();
   follow();
   CHECK(history.undoLabel() == "the largest part");
   history.undo();
-  CHECK(history.undoLabel().empty());  // not the parameter, while the organ goes back
+  CHECK(history.undoLabel().empty());  // not the parameter, while the organ is being removed
   f.settle();
   CHECK(f.voxels() == Fixture::kLarge + Fixture::kSmall);
   CHECK(x() == 2.0);
@@ -58,7 +58,7 @@ TEST_CASE("Undo takes back what was edited last, of the parameters or of the org
   CHECK(x() == 2.0);
   history.undo();
   CHECK(x() == 0.0);
-  CHECK(history.undoLabel() == "threshold 60 … 100");  // the parameters have nothing more
+  CHECK(history.undoLabel() == "threshold 60 … 100");  // the parameters have nothing left to undo
   history.undo();
   CHECK_FALSE(f.guide.mask().mask());
   follow();
@@ -96,14 +96,14 @@ TEST_CASE("Undo does not lay what a body was created of over it, whatever else i
   history.undo();
   f.settle();
   CHECK(f.guide.pickedLabels() == std::vector<std::uint16_t>{8});
-  // What is picked after that can be undone, so far and no farther.
-  f.guide.carryOut(Kind::fillHoles);
+  // A component picked after that can be undone, up to that point.
+  f.guide.applyStep(Kind::fillHoles);
   f.settle();
   CHECK(undoLabel() == "holes filled");
   history.undo();
   f.settle();
   CHECK(undoLabel() == "");
-  // A threshold likewise.
+  // The same for a threshold.
   f.guide.setFromLabel(false);
   f.guide.setLow(60.0);
   f.settle();
@@ -231,7 +231,7 @@ TEST_CASE("A click in a slice that picks does not move the cross-hair, and Escap
   CHECK(picked.size() == 1);
   CHECK(norm(views.crossHair() - cross) > 1.0);
 
-  // The image is shown 10 mm further left: what is picked is the tissue that is shown there.
+  // The image is shown 10 mm further left: the picked tissue is the one shown there.
   auto shift = std::make_shared<imaging::DisplacementGrid>();
   shift->geometry = f.sources.image->volume.geometry;
   for (std::size_t v = 0; v < 8000; ++v) shift->xyz_mm.insert(shift->xyz_mm.end(), {10.0f, 0.0f, 0.0f});
@@ -255,12 +255,12 @@ TEST_CASE("The panel asks for the body of the whole scan where labels lie over a
     f.settle();
   };
   draw();
-  CHECK(text.find("make_alive") == nullptr);
+  CHECK(text.find("create_scan_body") == nullptr);
   f.scan.setSources({f.sources.image, "ct.nii.gz", "", "labels.nii.gz", {f.sources.labels}});
   draw();
-  REQUIRE(text.find("make_alive"));
+  REQUIRE(text.find("create_scan_body"));
   CHECK_FALSE(f.scan.isShown());
-  text.press("make_alive");
+  text.press("create_scan_body");
   draw();
   CHECK(f.scan.isShown());
 }

@@ -13,7 +13,7 @@ using Kind = ViewInput::Kind;
 
 namespace {
 
-/// 40 x 40 x 40 voxels of 2 mm, turned about z by 30 degrees.
+/// 40 x 40 x 40 voxels of 2 mm, rotated about z by 30 degrees.
 std::shared_ptr<scene::StoredImage> turnedImage() {
   auto image = std::make_shared<scene::StoredImage>();
   const double c = 2.0 * std::cos(0.5236), s = 2.0 * std::sin(0.5236);
@@ -137,7 +137,7 @@ TEST_CASE("What a tool does not take, modifiers, other buttons and picks are the
   CHECK(picks == 1);
   CHECK(f.events.empty());
   CHECK(f.views.crossHair() == crossHair);
-  f.at(Pane::axial, Kind::press, 150, 100, C3DE_BUTTON_RIGHT);  // of a zoom a second button is no pull
+  f.at(Pane::axial, Kind::press, 150, 100, C3DE_BUTTON_RIGHT);  // during a zoom a second button is not a pull
   f.at(Pane::axial, Kind::press, 150, 100, C3DE_BUTTON_LEFT);
   f.at(Pane::axial, Kind::release, 150, 100, C3DE_BUTTON_LEFT);
   f.at(Pane::axial, Kind::release, 150, 100, C3DE_BUTTON_RIGHT);

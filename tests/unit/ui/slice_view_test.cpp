@@ -11,7 +11,7 @@ namespace {
 
 VolumeGeometry plain() { return {{100, 120, 50}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 3, 0, -50, -60, -70, 1}}; }
 
-/// Turned by 20° about z and 15° about x, 0.5 x 0.7 x 2 mm.
+/// Rotated by 20° about z and 15° about x, 0.5 x 0.7 x 2 mm.
 VolumeGeometry oblique() {
   const double c = std::cos(0.349), s = std::sin(0.349), d = std::cos(0.262), e = std::sin(0.262);
   const Vec3 x{c, s, 0}, y{-s * d, c * d, e}, z{s * e, -c * e, d};
@@ -70,7 +70,7 @@ TEST_CASE("Views follow the axes of the image that are nearest to the patient's,
   checkNear(axial.forward, {std::sin(0.349) * std::sin(0.262), -std::cos(0.349) * std::sin(0.262), std::cos(0.262)});
   CHECK(sides(axial) == "RA|LP|AL|PR");
   CHECK_THAT(dot(axial.right, axial.down), WithinAbs(0.0, 1e-12));
-  // Sheared as by a tilted gantry: orthogonal all the same.
+  // Sheared as by a tilted gantry: still orthogonal.
   VolumeGeometry tilted = plain();
   tilted.indexToWorld[9] = 0.7;
   for (const SliceAxis axis : {SliceAxis::axial, SliceAxis::sagittal, SliceAxis::coronal}) {
@@ -143,7 +143,7 @@ TEST_CASE("Slices go from voxel to voxel along the view, and end with the image"
   const Vec3 index = transformPoint(imaging::affineInverse(grid.indexToWorld), own.worldAt(100, 20));
   CHECK_THAT(index[2], WithinAbs(11.0, 1e-9));
 
-  // Across the image: no voxel is jumped over, and all of it can be reached.
+  // Across the image: no voxel is skipped, and all of it can be reached.
   SliceView across;
   across.setGrid(grid);
   across.setFrame(sliceFrame(SliceAxis::axial, Convention::radiological, nullptr));

@@ -136,7 +136,7 @@ TEST_CASE("the ray of a press begins where it enters what cuts have left, that o
   CHECK(norm(originOfPress({{focus, -2.0 * towards}}) - focus) < 1e-6);
   CHECK(norm(originOfPress({{focus, -1.0 * towards}, {focus + 30.0 * towards, -1.0 * towards}}) -
              (focus + 30.0 * towards)) < 1e-6);
-  CHECK(norm(originOfPress({{focus, towards}}) - view.camera.eye()) < 1e-9);  // the far side is left out
+  CHECK(norm(originOfPress({{focus, towards}}) - view.camera.eye()) < 1e-9);  // the far side is excluded
   // The eye is beyond a plane that the ray runs along: nothing can be reached.
   CHECK(norm(originOfPress({{focus - 1.0 * view.camera.up(), view.camera.up()}}) - focus) > 1e6);
 }
@@ -162,7 +162,7 @@ TEST_CASE("after cancel neither tool nor camera hears of the drag that is still 
   view.at(Kind::release, 500, 300, C3DE_BUTTON_LEFT);
   CHECK(view.recorder.events.size() == 1);
   CHECK(view.camera.yaw == before.yaw);
-  // The next press begins anew.
+  // The next press starts a new one.
   view.at(Kind::press, 400, 300, C3DE_BUTTON_LEFT);
   CHECK(view.recorder.events.size() == 2);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies of a wanted size without files, and what is done to them.
+// Bodies of a requested size without files, and operations on them.
 #pragma once
 
 #include <memory>
@@ -25,19 +25,20 @@ inline constexpr pointbased::NeighborChoice kNeighbours{26, 1.8};
 /// Evaluated at the phyxels; `surfels` on the sphere around the ball.
 [[nodiscard]] std::shared_ptr<const pointbased::RestState> cloudBall(std::size_t phyxels, std::size_t surfels,
                                                                      const pointbased::ParallelFor &parallelFor);
-/// A ball filled with lattice cells so that it has about that many phyxels; surfels likewise.
+/// A ball filled with lattice cells so that it has about that many phyxels, with surfels as above.
 [[nodiscard]] std::shared_ptr<const pointbased::RestState> latticeBall(std::size_t phyxels, std::size_t surfels,
                                                                        const pointbased::ParallelFor &parallelFor);
 
 /// Neo-Hookean liver (E = 6 kPa, nu = 0.45) with the stabilisation that fits the evaluation.
 [[nodiscard]] pointbased::Constitution constitutionFor(
     const pointbased::RestState &rest, pointbased::MaterialLaw law = pointbased::MaterialLaw::neoHookean);
-/// "stress points", "phyxels", with ", float" where the kernels compute so.
+/// "stress points" or "phyxels", with ", float" for kernels in single precision.
 [[nodiscard]] std::string evaluationName(const pointbased::Body &body);
-/// Stretched, squeezed and bent by a few percent, differently everywhere.
+/// Stretched, compressed and bent by a few percent, differently everywhere.
 void deform(pointbased::Body &body);
 
-/// One evaluation of the internal forces at the present displacements: the only place where a benchmark asks for it.
+/// One evaluation of the internal forces at the current displacements: the only function in which a benchmark requests
+/// it.
 void evaluateForces(pointbased::Body &body, const pointbased::ParallelFor &parallelFor);
 
 }  // namespace bench

@@ -8,14 +8,14 @@
 
 namespace bench {
 
-/// What every benchmark understands.
+/// The options of every benchmark.
 struct Options {
   unsigned threads = 1;
   double seconds = 0.5;   ///< per measurement
   std::string json, csv;  ///< files to write; empty: none
 };
 
-/// Options of the form --name VALUE: those of Options, and what a benchmark adds.
+/// Options of the form --name VALUE: those of Options, and those that a benchmark adds.
 ///
 ///     CommandLine line("bench_error");
 ///     line.add("--only", "TEXT", [&](const std::string &value) { only = value; });
@@ -25,7 +25,7 @@ class CommandLine {
   explicit CommandLine(std::string name);
 
   void add(std::string option, std::string value, std::function<void(const std::string &)> take);
-  /// Exit code where the benchmark is not to run: 0 for --help, 2 with the usage on stderr for what is not understood.
+  /// Exit code where the benchmark is not to run: 0 for --help, 2 with the usage on stderr for unknown arguments.
   [[nodiscard]] std::optional<int> parse(int argc, char **argv);
 
   [[nodiscard]] const std::string &name() const { return name_; }

@@ -5,8 +5,8 @@
 
 namespace bench {
 
-/// Bytes that operator new has given out and not got back, with the library c3de_benchmark_heap; without what the
-/// allocator adds, and without what calls malloc itself (matrices of Eigen with a size found at run time).
+/// Bytes allocated by operator new and not yet freed, with the library c3de_benchmark_heap. Without the overhead of the
+/// allocator, and without direct calls of malloc (matrices of Eigen whose size is set at run time).
 [[nodiscard]] std::size_t heapBytes();
 
 }  // namespace bench

@@ -5,10 +5,10 @@
 
 namespace bench {
 
-/// What figures were measured on.
+/// The machine of a measurement.
 struct Machine {
   std::string cpu;
-  unsigned cores = 0;  ///< that this process may use at once, as the system tells
+  unsigned cores = 0;  ///< processors that this process may use at once, as reported by the system
 };
 [[nodiscard]] Machine machine();
 

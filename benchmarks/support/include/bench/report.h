@@ -12,10 +12,10 @@ namespace bench {
 struct Column {
   std::string key;    ///< in JSON and CSV, with its unit: "forces_ms"
   std::string title;  ///< in the printed table; empty: not printed
-  int digits = 3;     ///< behind the point, of numbers that are not integers
+  int digits = 3;     ///< decimals, of numbers that are not integers
 };
 
-/// What a benchmark has found: tables on the screen as they grow, and one JSON for all benchmarks:
+/// The results of a benchmark: tables on the screen as they grow, and one JSON format for all benchmarks:
 ///
 ///     { "benchmark": …, "machine": {cpu, cores}, "build": {version, compiler, type, sanitizers, assertions},
 ///       "threads": …, "seconds": …, "facts": { … }, "rows": [ {"table": …, column: value, …}, … ] }
@@ -32,10 +32,11 @@ class Report {
   void row(std::vector<Cell> cells);
   /// A line below the tables.
   void note(const std::string &text);
-  /// A figure that is not of a row, in the JSON's "facts".
+  /// A figure outside of the rows, in the JSON's "facts".
   void fact(const std::string &key, Cell value);
 
-  /// Writes the files that were asked for. @return exit code: 0, or 7 with a line on stderr
+  /// Writes the requested files.
+  /// @return exit code: 0, or 7 with a line on stderr
   [[nodiscard]] int write() const;
 
  private:

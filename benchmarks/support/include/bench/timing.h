@@ -17,16 +17,16 @@ struct Timing {
 /// Warms up, then runs f for about `seconds`, at least 21 times.
 [[nodiscard]] Timing measure(double seconds, const std::function<void()> &f);
 
-/// Several functions in turns, ten each, so that what else the machine does meets all of them: for ratios.
+/// Several functions in turns, ten runs each, so that other load on the machine affects all of them: for ratios.
 /// @param seconds  each
 [[nodiscard]] std::vector<Timing> measureInTurns(double seconds, const std::vector<std::function<void()>> &functions);
 
-/// ms, of the process (all threads): what else the machine does counts little.
+/// ms, of the process (all threads): other load on the machine has little effect.
 [[nodiscard]] double processor_ms();
-/// ms, of a clock that never goes back.
+/// ms, of a monotonic clock.
 [[nodiscard]] double wall_ms();
 
-/// Keeps the compiler from leaving out what computes `value`.
+/// Prevents the compiler from removing the computation of `value`.
 void keep(double value);
 
 }  // namespace bench

@@ -24,7 +24,7 @@ struct InfoArguments {
   std::size_t time = 0;       ///< of images of several time points
   bool patientNames = false;  ///< whether the names of patients are shown
   std::string reader;         ///< of meshes: the reader of a plugin; empty: by the extension
-  bool isQuick = false;       ///< bodies of scenes are not built: what only that can tell is not checked
+  bool isQuick = false;       ///< bodies of scenes are not built: checks that require this are omitted
 };
 
 /// @param formats  null: no plugin is needed
@@ -53,7 +53,7 @@ Expected<Described> describeMesh(const std::filesystem::path &file, const std::s
   return out;
 }
 
-/// Scenes need plugins, and so does what only a plugin may be able to read.
+/// Scenes need plugins, and so do files that only a plugin may be able to read.
 bool needsPlugins(const std::filesystem::path &file, const InfoArguments &arguments) {
   std::error_code code;
   if (!std::filesystem::exists(file, code)) return false;
@@ -61,7 +61,7 @@ bool needsPlugins(const std::filesystem::path &file, const InfoArguments &argume
   return kind == FileKind::scene || kind == FileKind::unknown || !arguments.reader.empty();
 }
 
-/// @param session  null where the file needs none
+/// @param session  null if the file needs none
 Expected<Described> describe(const std::filesystem::path &file, const InfoArguments &arguments, const CommandLine &line,
                              Session *session) {
   std::error_code code;
@@ -79,14 +79,14 @@ Expected<Described> describe(const std::filesystem::path &file, const InfoArgume
   return tl::unexpected(unknownKind(file, formats));
 }
 
-/// What each file contains and what is wrong with it; goes on after a file that is refused.
+/// Describes the contents and problems of each file; continues after a file that is refused.
 int showInfo(const InfoArguments &arguments, const CommandLine &line) {
   std::optional<CrashJournal> journal;
   std::unique_ptr<Session> session;
   ExitCode exitCode = kDone;
   Json list = Json::array();
   for (const std::string &file : line.files) {
-    // Plugins are loaded where they are needed only.
+    // Plugins are loaded only if they are needed.
     if (!session && needsPlugins(file, arguments)) {
       if (auto begun = beginJournal(line.sessionOptions())) journal.emplace(std::move(*begun));
       auto made = Session::create(line.sessionOptions());

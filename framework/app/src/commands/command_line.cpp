@@ -40,7 +40,7 @@ CLI::Option *addSize(CLI::App &app, CommandLine &line, const std::string &help) 
 }
 
 CLI::Option *addUnit(CLI::App &app, CommandLine &line) {
-  return app.add_option("--unit", line.unit, "Unit of meshes: m, mm or cm; default: what the file says, else mm")
+  return app.add_option("--unit", line.unit, "Unit of meshes: m, mm or cm; default: as stated in the file, else mm")
       ->check(CLI::IsMember({"m", "mm", "cm"}))
       ->type_name("UNIT");
 }
@@ -63,7 +63,7 @@ void addSessionOptions(CLI::App &app, CommandLine &line) {
   app.add_flag("--trust-plugins", line.trustPlugins,
                "Do not try the first use of a plugin in a process of its own before it is loaded");
   addCount(app, "--threads", line.threads, 1, 1024, "Threads that compute; default: as many as the machine has");
-  app.add_flag("-v,--verbose", line.verbose, "Say more");
+  app.add_flag("-v,--verbose", line.verbose, "Verbose output");
 }
 
 }  // namespace c3de::app

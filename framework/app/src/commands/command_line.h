@@ -17,13 +17,13 @@ namespace c3de::app {
 
 class StudyRanks;
 
-/// The command line as it was given, and the options that several commands take: they may stand before the command,
-/// too.
+/// The command line as passed, and the options shared by several commands. These may also precede the command.
 struct CommandLine {
   int argc;
   char **argv;
-  int (*openWindow)(const WorkstationOptions &options);  ///< null: the window program goes on where one is wanted
-  StudyRanks *ranks = nullptr;  ///< null: the MPI program goes on where mpirun has started several
+  int (*openWindow)(const WorkstationOptions &options);  ///< null: continues in the window program if a window is
+                                                         ///< requested
+  StudyRanks *ranks = nullptr;  ///< null: continues in the MPI program if mpirun has started several processes
 
   std::vector<std::string> files{}, plugins{}, pluginPaths{};
   std::vector<std::string> pluginParameters{};  ///< "PLUGIN:ID=VALUE" each
@@ -37,7 +37,7 @@ struct CommandLine {
   [[nodiscard]] SessionOptions sessionOptions() const;
 };
 
-/// An option whose text is turned into a value by a function of ours.
+/// An option whose text is converted to a value by a function.
 template <class Value, class Parse>
 CLI::Option *addParsed(CLI::App &app, const std::string &name, Value &value, const std::string &help, Parse parse) {
   return app.add_option_function<std::string>(
@@ -58,7 +58,7 @@ CLI::Option *addSeconds(CLI::App &app, const std::string &name, Value &value, do
       ->type_name("SECONDS");
 }
 
-/// @param value  an unsigned number that holds `most`, or an optional one
+/// @param value  an unsigned number that can hold `most`, or an optional one
 template <class Value>
 CLI::Option *addCount(CLI::App &app, const std::string &name, Value &value, long long least, long long most,
                       const std::string &help) {

@@ -31,13 +31,13 @@ struct NewPlugin {
 struct Template {
   const char *language, *kind;
 };
-// A file resources/templates/LANGUAGE/KIND.c or .cpp each.
+// Each has a file resources/templates/LANGUAGE/KIND.c or .cpp.
 constexpr std::array kTemplates{Template{"c++", "panel"},        Template{"c++", "tool"},
                                 Template{"c++", "force-field"},  Template{"c++", "simulator"},
                                 Template{"c++", "material-law"}, Template{"c++", "mesh-format"},
                                 Template{"c", "panel"},          Template{"c", "force-field"}};
 
-/// What the templates are called, and what stands for it in the new plugin. The longest first, where one is in another.
+/// Names in the templates and their replacements in the new plugin. A name that contains another one comes first.
 using Names = std::array<std::pair<std::string, std::string>, 4>;
 
 std::string joined(const std::vector<std::string> &words, bool isClass) {
@@ -64,7 +64,7 @@ Names namesOf(const std::string &name) {
            {"MySimulator", cls + "Simulator"}}};
 }
 
-/// What is wrong with a name, or nothing.
+/// The problem with a name, or empty.
 std::string faultOf(const std::string &name) {
   const auto isGood = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
   const bool isName = name.size() >= 2 && name.size() <= 64 && name.front() >= 'a' && name.front() <= 'z' &&
@@ -74,7 +74,7 @@ std::string faultOf(const std::string &name) {
         "the name '{}' is refused; accepted: 2 to 64 lower-case letters, digits and _, a letter first, no _ "
         "last, for example heart_beat",
         name);
-  // Targets that CMake or its generators have already, and the names that this program and its plugins use.
+  // Targets already defined by CMake or its generators, and the names used by this program and its plugins.
   for (const char *taken : {"all", "clean", "help", "install", "test", "package", "edit_cache", "rebuild_cache", "c3de",
                             "pointbased", "hello", "magnet"})
     if (name == taken) return fmt::format("the name '{}' is refused: it is taken by CMake or by C3DE", name);
@@ -118,7 +118,7 @@ Expected<std::filesystem::path> write(const NewPlugin &wanted) {
       {{wanted.language + "/" + wanted.kind + ending, wanted.name + ending},
        {wanted.language + "/CMakeLists.txt", "CMakeLists.txt"},
        {"README.md", "README.md"}}};
-  // All of them before the folder is made, so that a failure leaves nothing behind.
+  // All texts are generated before the folder is created, so that a failure leaves nothing behind.
   std::array<std::string, 3> texts;
   for (std::size_t i = 0; i < files.size(); ++i) {
     auto text = textOf(files[i].first, names);

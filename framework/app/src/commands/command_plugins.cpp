@@ -28,7 +28,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What a plugin has declared and brought.
+/// What a plugin has declared and registered.
 struct Offers {
   registry::ParameterRegistry parameters;
   const geometry::MeshFormats *formats = nullptr;
@@ -72,7 +72,7 @@ Json describe(const plugin_host::PluginInfo &plugin, Offers &offers) {
   return json;
 }
 
-/// Switches plugins on and off for the runs that follow.
+/// Switches plugins on and off for subsequent runs.
 int switchPlugins(plugin_host::PluginRecords &records, const std::vector<std::string> &ids, bool isOff) {
   for (const std::string &id : ids) {
     if (!isOff && !records.isOff(id)) {
@@ -87,7 +87,7 @@ int switchPlugins(plugin_host::PluginRecords &records, const std::vector<std::st
   return kDone;
 }
 
-/// What plugins find where there is a window, without one: registries that nobody looks at.
+/// The services that plugins find in a window, without a window: registries without a display.
 struct WindowServices {
   std::unique_ptr<render::Renderer> renderer = render::createNullRenderer();
   registry::PanelRegistry panels;
@@ -96,10 +96,10 @@ struct WindowServices {
   registry::CommandRegistry commands;
 };
 
-/// What was found, loaded, refused and why. A plugin that was named with --plugin and refused counts as an error, one
-/// that lies in a folder does not.
+/// Lists what was found, loaded or refused, and why. A refused plugin that was named with --plugin counts as an error;
+/// a refused one in a folder does not.
 int listPlugins(const SessionOptions &options, bool json, bool isAsInWindow) {
-  // The named ones are loaded here, one by one: a refusal is what this command is to show, not what ends it.
+  // Named plugins are loaded here, one by one, because this command shows a refusal instead of ending with it.
   SessionOptions withoutNamed = options;
   withoutNamed.searchPlugins = false;
   withoutNamed.pluginFiles.clear();
@@ -155,7 +155,7 @@ int listPlugins(const SessionOptions &options, bool json, bool isAsInWindow) {
   }
   std::string text;
   if (!options.searchPlugins) text += "--no-plugins: no folder was looked in\n";
-  for (const auto &folder : folders) text += "looked in " + folder.string() + "\n";
+  for (const auto &folder : folders) text += "searched " + folder.string() + "\n";
   for (const auto &plugin : host.plugins()) {
     std::string state = plugin_host::stateName(plugin.state);
     state.resize(9, ' ');
@@ -186,7 +186,7 @@ int listPlugins(const SessionOptions &options, bool json, bool isAsInWindow) {
 Handler declare(CLI::App &app, CommandLine &line) {
   app.add_flag("--json", line.json, "As JSON");
   const auto isAsInWindow = std::make_shared<bool>(false);
-  app.add_flag("--as-in-window", *isAsInWindow, "Serve what a window has, as where a first use is tried for one");
+  app.add_flag("--as-in-window", *isAsInWindow, "Provide the services of a window, as in the trial of a first use");
   const auto on = std::make_shared<std::vector<std::string>>(), off = std::make_shared<std::vector<std::string>>();
   app.add_option("--off", *off, "Switch this plugin off for the runs that follow (repeatable)")
       ->type_name("ID")

@@ -98,7 +98,7 @@ Handler declare(CLI::App &app, CommandLine &line) {
   addFile(app, "--export-labels", options.exportImage.labels, "FILE",
           "Write the deformed label map of the end: the nearest label at each voxel of the image");
   addFile(app, "--export-displacement", options.exportImage.displacement, "FILE",
-          "Write how far the tissue has come, mm at the voxels of the image");
+          "Write the displacement of the tissue at the voxels of the image, mm");
   addFile(app, "--export-surface", options.exportSurface, "FILE",
           "Write the skin of the end state (obj, stl, ply, vtp); of several bodies FILE-NAME each");
   addFile(app, "--from-state", options.fromState, "FILE",
@@ -110,9 +110,9 @@ Handler declare(CLI::App &app, CommandLine &line) {
   addFile(app, "--save-state", options.saveState, "FILE", "Write the state of the end, for --from-state");
   addCount(app, "--seed", options.seed, 0, 9223372036854775807LL,
            "Kept in the report; nothing in this version is random");
-  // For commands that start runs: on a signal that cannot be caught no run stays behind.
+  // For commands that start runs: no run stays behind after a signal that cannot be caught.
   app.add_flag_function("--end-with-parent", [](std::int64_t) { endWithParent(); })->group("");
-  app.add_flag("-q,--quiet", options.quiet, "Say nothing but errors");
+  app.add_flag("-q,--quiet", options.quiet, "Print errors only");
   addUnit(app, line);
   addSessionOptions(app, line);
   return [arguments, &line] { return run(*arguments, line); };

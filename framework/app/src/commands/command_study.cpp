@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `c3de study`: its options, and what of them goes on to the runs.
+// `c3de study`: its options, and those passed on to the runs.
 #include <fmt/format.h>
 
 #include <memory>
@@ -27,7 +27,7 @@ struct StudyArguments {
   bool resume = false, quiet = false;
 };
 
-/// The runs load what this command was told to load.
+/// The runs load the plugins specified for this command.
 std::vector<std::string> pluginOptions(const CommandLine &line, const study::Study &study) {
   std::vector<std::string> out;
   const auto add = [&](const char *option, const std::vector<std::string> &values) {
@@ -87,7 +87,7 @@ int run(const StudyArguments &arguments, const CommandLine &line) {
   if (!session) return reportError(session.error());
   const auto plan = study::planStudy(*study, **session, *program, line.threads.value_or(1));
   if (!plan) return reportError(plan.error());
-  session->reset();  // from here on runs are others' processes
+  session->reset();  // from here on, runs are separate processes
   std::optional<study::EarlierRun> earlier;
   if (!arguments.earlier.empty()) {
     auto loaded = study::loadEarlierRun(arguments.earlier, *study, *plan);
@@ -97,7 +97,7 @@ int run(const StudyArguments &arguments, const CommandLine &line) {
   const auto folder = study::StudyFolder::open(arguments.folder, *study, *plan, arguments.resume);
   if (!folder) return reportError(folder.error());
 
-  // Ranks are placed by who has started them, one point each.
+  // The program that started the ranks has placed them, with one point each.
   const std::unique_ptr<study::Workers> workers =
       line.ranks != nullptr ? line.ranks->workers(study->jobs.value_or(line.ranks->count()))
                             : std::make_unique<study::LocalWorkers>(study::jobsFor(*study, *plan));
@@ -121,11 +121,11 @@ Handler declare(CLI::App &app, CommandLine &line) {
   app.add_option_function<std::string>(
          "STUDY", [arguments](const std::string &text) { arguments->study = text; }, "What to run (.toml)")
       ->required();
-  addFile(app, "--out", arguments->folder, "FOLDER", "Where results and report go: a new or empty folder")->required();
+  addFile(app, "--out", arguments->folder, "FOLDER", "Output folder for results and report: new or empty")->required();
   addFile(app, "--compare", arguments->earlier, "FOLDER",
           "Draw and tell what this study gave before, in another folder: by an earlier build, on another machine");
-  app.add_flag("--resume", arguments->resume, "Go on with the study in the folder; what is done is not run again");
-  app.add_flag("-q,--quiet", arguments->quiet, "Say nothing but errors");
+  app.add_flag("--resume", arguments->resume, "Resume the study in the folder; completed points are not run again");
+  app.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
   addSessionOptions(app, line);
   return [arguments, &line] { return run(*arguments, line); };
 }

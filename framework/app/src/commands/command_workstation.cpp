@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program without a sub-command: what the window is to open.
+// The program without a sub-command: the files to open in the window.
 #include <memory>
 
 #include "c3de/core/platform.h"
@@ -30,10 +30,10 @@ tl::unexpected<Error> notThere(const std::string &file) {
   const std::string nearest = nearestName(file, names);
   return fail(ErrorCode::usage, "'" + file + "' is neither a command nor a file; " +
                                     (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
-                                    "commands: " + servedCommands(", "));
+                                    "commands: " + availableCommands(", "));
 }
 
-/// Refused before there is a window.
+/// Files are refused before there is a window.
 Expected<void> chooseFiles(const CommandLine &line, WorkstationOptions &options) {
   for (const std::string &file : line.files) {
     std::error_code code;

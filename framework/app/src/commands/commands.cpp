@@ -10,7 +10,7 @@ constexpr const Command *kCommands[]{&kRunCommand, &kInfoCommand, &kPluginsComma
 
 std::span<const Command *const> commands() { return kCommands; }
 
-std::string servedCommands(std::string_view last) {
+std::string availableCommands(std::string_view last) {
   std::string text, pending;
   for (const Command *command : commands()) {
     if (!command->declare) continue;

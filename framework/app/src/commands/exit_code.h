@@ -6,7 +6,7 @@
 
 namespace c3de::app {
 
-/// What the program answers to its caller; part of the command line's contract.
+/// Exit codes of the program; part of the command line's contract.
 enum ExitCode : int {
   kDone = 0,
   kFailed = 1,
@@ -22,7 +22,7 @@ enum ExitCode : int {
 
 [[nodiscard]] ExitCode exitCodeOf(ErrorCode code);
 
-/// Prints `c3de: error: MESSAGE` to stderr and gives the exit code that belongs to it.
+/// Prints `c3de: error: MESSAGE` to stderr and returns the corresponding exit code.
 ExitCode reportError(const Error &error);
 
 }  // namespace c3de::app

@@ -23,7 +23,7 @@ using imaging::VolumeGeometry;
 /// @param parts  1000: to three decimals
 double rounded(double x, double parts) { return std::round(x * parts) / parts + 0.0; }
 
-/// Seven digits are what a float holds; more are noise of slope and intercept.
+/// A float holds seven digits; further digits are noise of slope and intercept.
 std::string shortNumber(double x) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.7g", x);
@@ -34,7 +34,7 @@ std::string sizeText(const std::array<std::size_t, 3> &size) {
   return std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]);
 }
 
-/// Where an index axis grows to, the nearest direction first: "L", or "LA" when oblique.
+/// Direction in which an index axis increases, the nearest one first: "L", or "LA" if oblique.
 std::string directionLetters(Vec3 axis) {
   axis = (1.0 / norm(axis)) * axis;
   std::array<std::size_t, 3> order{0, 1, 2};
@@ -53,7 +53,7 @@ Json orientationOf(const VolumeGeometry &g) {
   return all;
 }
 
-/// Least and largest value; none where no voxel is a finite number.
+/// Smallest and largest value; none if no voxel is a finite number.
 std::optional<std::pair<double, double>> rangeOf(const Volume &volume) {
   double lo = std::numeric_limits<double>::infinity(), hi = -lo;
   std::visit(
@@ -67,7 +67,7 @@ std::optional<std::pair<double, double>> rangeOf(const Volume &volume) {
   return std::pair{std::min(a, b), std::max(a, b)};
 }
 
-/// What a scene says to name a series: its number where no other has it, else its identifier.
+/// How a scene specifies a series: by its number if that is unique, otherwise by its identifier.
 std::string inScene(const SeriesInfo &info, const std::vector<SeriesInfo> &list) {
   if (info.isSegmentation) return "labels = \"its file\"";
   const auto alike = std::count_if(
@@ -159,7 +159,7 @@ void describeVolume(const Volume &volume, Described &out) {
   out.text += text.str();
 }
 
-/// Which of several time points it is.
+/// The time point, if there are several.
 void describeTimes(const imaging::LoadedVolume &loaded, const imaging::ReadOptions &options, Described &out) {
   out.json["time"] = options.time;
   out.json["times"] = loaded.times;
@@ -216,7 +216,7 @@ Expected<Described> describeImage(const std::filesystem::path &path, const imagi
   Described out;
   out.json = Json{{"file", path.string()}, {"kind", "image"}};
   std::error_code code;
-  // a DICOMDIR means a folder too
+  // a DICOMDIR also stands for its folder
   const bool folder =
       std::filesystem::is_directory(path, code) ||
       std::none_of(list->begin(), list->end(), [](const SeriesInfo &info) { return info.holdsNamedFile; });
@@ -237,7 +237,7 @@ Expected<Described> describeImage(const std::filesystem::path &path, const imagi
   describeTimes(*loaded, options, out);
   describeNotices(loaded->notices, out);
   const bool whole = loaded->volume.voxels.index() < 6;  // integers
-  *loaded = {};                                          // the labels are read into memory of their own
+  *loaded = {};                                          // the labels are read into separate memory
   if (!folder && whole) describeLabels(path, out);
   return out;
 }

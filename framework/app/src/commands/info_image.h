@@ -11,20 +11,20 @@
 
 namespace c3de::app {
 
-/// What is said about one file, for people and for programs.
+/// Description of one file, as display text and as JSON.
 struct Described {
   std::string text;
   nlohmann::ordered_json json;
 };
 
-/// Says what an image file or a folder of images holds. A folder with several series is a list of them until one is
-/// chosen.
+/// Describes the contents of an image file or a folder of images. For a folder with several series it lists them until
+/// one is chosen.
 /// @param options       series and time point
 /// @param patientNames  whether the names of patients are shown
 [[nodiscard]] Expected<Described> describeImage(const std::filesystem::path &path, const imaging::ReadOptions &options,
                                                 bool patientNames);
 
-/// The one volume that a scene names: its grid, its values, and what was assumed.
+/// The single volume that a scene names: its grid, its values, and the assumptions made.
 [[nodiscard]] Expected<Described> describeVolume(const std::filesystem::path &path,
                                                  const imaging::ReadOptions &options);
 

@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Infinity has no number in JSON.
+/// JSON has no representation of infinity.
 Json jsonNumber(double x) { return std::isfinite(x) ? Json(x) : Json(formatNumber(x)); }
 
 void describeValues(const std::vector<scene::SceneValue> &values, std::ostringstream &text, Json &json) {
@@ -81,7 +81,7 @@ void describeRegions(const scene::SceneBody &body, std::ostringstream &text, Jso
   }
 }
 
-/// What holds and loads the bodies.
+/// Supports and loads of the bodies.
 void describeSupports(const scene::SceneFile &scene, std::ostringstream &text, Json &json) {
   const auto title = [&](const char *what, std::size_t number, const std::string &name, const std::string &body) {
     text << what << " " << number << (name.empty() ? "" : " \"" + name + "\"") << " of body \"" << body << "\"\n";
@@ -112,7 +112,7 @@ void describeSupports(const scene::SceneFile &scene, std::ostringstream &text, J
   }
 }
 
-/// Says what the mesh of a body or obstacle is; the error names the line of the scene.
+/// Describes the mesh of a body or obstacle; the error names the line of the scene.
 Expected<Json> describePart(const geometry::MeshFormats &formats, const scene::SceneFile &scene, int line,
                             const std::filesystem::path &mesh, std::optional<geometry::LengthUnit> stated,
                             bool mustBeFillable, std::ostringstream &text) {
@@ -134,7 +134,7 @@ Expected<Json> describePart(const geometry::MeshFormats &formats, const scene::S
   return json;
 }
 
-/// Of a number among the values of a part or body; nothing: it is not said.
+/// A number among the values of a part or body; nothing if it is not specified.
 std::optional<double> numberOf(const std::vector<scene::SceneValue> &values, const std::string &id) {
   for (const scene::SceneValue &value : values)
     if (value.value.id == id) return value.value.num;
@@ -143,8 +143,8 @@ std::optional<double> numberOf(const std::vector<scene::SceneValue> &values, con
 
 std::string kiloPascal(double pascal) { return fmt::format("{:.6g}", 1e-3 * pascal); }
 
-/// What each label of a body is taken for, how stiff that is, where that comes from, and how much of it there is.
-void describeTissues(const scene::SceneBody &body, const scene::MaterialLibrary &materials, const TissuePlaces &places,
+/// For each label of a body: its tissue, stiffness, the source of that, and its volume.
+void describeTissues(const scene::SceneBody &body, const scene::MaterialLibrary &materials, const TissueVoxels &places,
                      std::ostringstream &text, Json &json) {
   std::size_t part = 0;
   json = Json::array();
@@ -156,7 +156,7 @@ void describeTissues(const scene::SceneBody &body, const scene::MaterialLibrary 
     Json one{{"label", tissue.label}, {"labels", Json::array()}};
     std::size_t voxels = 0;
     std::string labels;
-    for (const LabelPlaces &label : places.labels) {
+    for (const LabelVoxels &label : places.labels) {
       if (label.tissue != t) continue;
       voxels += label.voxels;
       if (label.value == 0) continue;
@@ -225,7 +225,7 @@ Expected<Json> describeMask(const scene::SceneFile &scene, const scene::SceneBod
   return json;
 }
 
-/// What the simulator has made of a body; nothing where it does not say.
+/// Properties of the built body as reported by the simulator; nothing if it reports none.
 void describeBuilt(c3de_object *simulator, std::size_t index, std::ostringstream &text, Json &json) {
   const auto table = simulatorTable(simulator);
   c3de_handle body{};
@@ -239,7 +239,7 @@ void describeBuilt(c3de_object *simulator, std::size_t index, std::ostringstream
   text << "  " << info.points << " points, spacing " << info.spacing_m << " m, " << info.mass_kg << " kg\n";
 }
 
-/// Which stages a step will have, and why; nothing where the simulator does not say.
+/// Stages of a step and the reasons for them; nothing if the simulator reports none.
 void describeComposition(c3de_object *simulator, std::ostringstream &text, Json &json) {
   const auto table = simulatorTable(simulator);
   std::string report;
@@ -257,10 +257,10 @@ void describeComposition(c3de_object *simulator, std::ostringstream &text, Json 
   }
 }
 
-/// The check that `run` makes, as far as it can be made; how far, for people and as "checked_by_simulator", "built".
-/// @returns  the simulator with its bodies, empty where they were not built
-Expected<ObjectRef> checkLikeRun(Session &session, const scene::SceneFile &scene, bool isQuick, BodySources &sources,
-                                 std::string &howFar, Json &json) {
+/// The checks of `run`, as far as possible. Their extent is reported as text and as "checked_by_simulator", "built".
+/// @returns  the simulator with its bodies, empty if they were not built
+Expected<ObjectRef> checkAsRun(Session &session, const scene::SceneFile &scene, bool isQuick, BodySources &sources,
+                               std::string &howFar, Json &json) {
   auto created = session.createSimulator(scene.simulatorClass);
   ObjectRef simulator(created ? *created : nullptr);
   json["checked_by_simulator"] = created.has_value();
@@ -290,7 +290,7 @@ Expected<ObjectRef> checkLikeRun(Session &session, const scene::SceneFile &scene
   return ObjectRef();
 }
 
-/// Says what the image beside the simulation is, and whether its labels can be read.
+/// Describes the image of the simulation, and whether its labels can be read.
 Expected<Json> describeSceneImage(const scene::SceneFile &scene, std::ostringstream &text) {
   const scene::SceneImage &image = *scene.image;
   const auto named = [&](const Error &error) { return failInScene(error, scene, image.line); };
@@ -351,7 +351,8 @@ Expected<void> describeObstacles(const geometry::MeshFormats &formats, const sce
   return {};
 }
 
-/// A value of the world as the scene says it, else as the simulator declares it; nothing: it does not know it.
+/// A value of the world as specified in the scene, otherwise as declared by the simulator; nothing if it is not
+/// declared.
 std::optional<double> worldValue(const scene::SceneFile &scene, const std::vector<ParameterDecl> &declared,
                                  const std::string &id) {
   for (const scene::SceneValue &value : scene.world)
@@ -361,8 +362,8 @@ std::optional<double> worldValue(const scene::SceneFile &scene, const std::vecto
   return std::nullopt;
 }
 
-/// Which contacts are switched on or off, and with what friction.
-/// @param simulator  null: nothing is known of its defaults
+/// Contacts that are switched on or off, and their friction.
+/// @param simulator  null: its defaults are unknown
 void describeContact(const scene::SceneFile &scene, c3de_object *simulator, std::ostringstream &text, Json &json) {
   const auto declared = simulator != nullptr ? simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD)
                                              : Expected<std::vector<ParameterDecl>>(std::vector<ParameterDecl>());
@@ -430,7 +431,7 @@ void describeProbeTools(const scene::SceneFile &scene, std::ostringstream &text,
     text << ", " << tool.path.size() << " places from " << formatNumber(tool.path.front().time_s) << " to "
          << formatNumber(tool.path.back().time_s) << " s\n";
     Json path = Json::array();
-    for (const scene::SceneToolPlace &place : tool.path) {
+    for (const scene::SceneToolWaypoint &place : tool.path) {
       Json one{{"time", place.time_s}, {"at", place.at_m}};
       if (place.axis) one["axis"] = *place.axis;
       path.push_back(std::move(one));
@@ -453,7 +454,7 @@ void describeGrasps(const scene::SceneFile &scene, std::ostringstream &text, Jso
     if (grasp.forceLimit_N > 0.0) text << " or " << formatNumber(grasp.forceLimit_N) << " N";
     text << ", " << grasp.path.size() << (grasp.path.size() == 1 ? " place\n" : " places\n");
     Json path = Json::array();
-    for (const scene::SceneGraspPlace &place : grasp.path)
+    for (const scene::SceneGraspWaypoint &place : grasp.path)
       path.push_back(Json{{"time", place.time_s}, {"at", place.at_m}, {"turn_deg", place.turn_deg}});
     json["grasps"].push_back(Json{{"name", grasp.name},
                                   {"body", grasp.body},
@@ -475,10 +476,10 @@ Expected<Described> describeScene(Session &session, const std::filesystem::path 
   Described out;
   BodySources sources;
   Preparation took;
-  if (auto settled = settleTissues(*scene, session.materials(), sources, {}, took); !settled)
+  if (auto settled = resolveTissues(*scene, session.materials(), sources, {}, took); !settled)
     return tl::unexpected(settled.error());
   std::string howFar;
-  const auto built = checkLikeRun(session, *scene, isQuick, sources, howFar, out.json);
+  const auto built = checkAsRun(session, *scene, isQuick, sources, howFar, out.json);
   if (!built) return tl::unexpected(built.error());
   std::ostringstream text;
   text << "scene \"" << scene->title << "\"\n";

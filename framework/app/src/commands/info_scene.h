@@ -10,7 +10,7 @@
 
 namespace c3de::app {
 
-/// Says what a scene holds, checked as for a run. @param isQuick  without building its bodies
+/// Describes the contents of a scene, checked as for a run. @param isQuick  without building its bodies
 [[nodiscard]] Expected<Described> describeScene(Session &session, const std::filesystem::path &file, bool isQuick);
 
 }  // namespace c3de::app

@@ -10,7 +10,7 @@ namespace c3de::app {
 
 std::optional<CrashJournal> beginJournal(const SessionOptions &options) {
   const std::filesystem::path folder = plugin_host::crashJournalFolder();
-  for (const CrashRecord &record : CrashJournal::takeLeft(folder)) {
+  for (const CrashRecord &record : CrashJournal::popCrashRecords(folder)) {
     std::string line = "the last run " + record.cause();
     if (!record.owner.empty())
       line += fmt::format("; to go on without it: --without {}; with the program's own plugins alone: --safe-mode",

@@ -9,8 +9,8 @@
 
 namespace c3de::app {
 
-/// Says what earlier runs died of, keeps it in the records of plugins, and begins the journal of this run: before the
-/// first plugin is loaded. Empty: there can be none, which the log says.
+/// Reports how earlier runs crashed, stores this in the records of plugins, and begins the journal of this run. Called
+/// before the first plugin is loaded. Empty if no journal is possible, which is logged.
 [[nodiscard]] std::optional<CrashJournal> beginJournal(const SessionOptions &options);
 
 }  // namespace c3de::app

@@ -9,7 +9,7 @@
 namespace c3de::app {
 
 bool isUnderMpi() {
-  // Open MPI, MPICH and its kin, Microsoft MPI; each sets its own for every process that it starts.
+  // Open MPI, MPICH and its derivatives, Microsoft MPI: each sets its own variable for every process it starts.
   for (const char *name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK"})
     if (!environmentVariable(name).empty()) return true;
   return false;

@@ -10,7 +10,7 @@
 namespace c3de::app {
 namespace {
 
-/// The whole of the text, which may begin with one '+'.
+/// The whole text must be a number, which may begin with one '+'.
 template <class T>
 std::optional<T> parsed(std::string_view text) {
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);

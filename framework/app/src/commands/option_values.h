@@ -10,10 +10,10 @@
 
 namespace c3de::app {
 
-/// Numbers of the command line as people write them: decimal, with a point whatever the locale, finite, and nothing
-/// behind. The error says the range that is accepted. @param unit  "s", or empty
+/// Numbers of the command line: decimal, with a point regardless of the locale, finite, and without trailing text. The
+/// error states the accepted range. @param unit  "s", or empty
 [[nodiscard]] Expected<double> parseDecimal(std::string_view text, double least, double most, std::string_view unit);
-/// The same without a point or an exponent.
+/// Same, without a point or an exponent.
 [[nodiscard]] Expected<long long> parseWhole(std::string_view text, long long least, long long most);
 
 struct PictureSize {

@@ -106,7 +106,7 @@ std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const sc
                                          options.exportImage.image,
                                          options.exportImage.displacement,
                                          options.exportImage.labels,
-                                         vacatedFile(options.exportImage.displacement)};
+                                         emptiedFile(options.exportImage.displacement)};
   if (!options.exportSurface.empty())
     for (std::filesystem::path &file : surfaceFiles(options.exportSurface, scene::namesOfBodies(scene)))
       all.push_back(std::move(file));
@@ -130,7 +130,7 @@ std::vector<std::filesystem::path> inputsOf(const RunOptions &options, const sce
   return all;
 }
 
-/// Frames are many files, which take the place of what the folder holds under their names.
+/// Frames are many files, which replace files of the same names in the folder.
 Expected<void> checkFramesFolder(const RunOptions &options, std::span<const std::filesystem::path> others) {
   if (options.exportList.empty()) return {};
   const std::filesystem::path folder = framesFolder(options.exportList);
@@ -143,7 +143,7 @@ Expected<void> checkFramesFolder(const RunOptions &options, std::span<const std:
   return {};
 }
 
-/// That nothing is lost, neither an input nor one output to another. Without a scene of outputs alone.
+/// Checks that no output overwrites an input or another output. Without a scene only the outputs are checked.
 Expected<void> checkFiles(const RunOptions &options, const scene::SceneFile *scene) {
   const std::vector<std::filesystem::path> outputs = outputsOf(options, scene != nullptr ? *scene : scene::SceneFile{});
   std::vector<std::filesystem::path> inputs;
@@ -162,7 +162,7 @@ Expected<void> writeReport(const RunOptions &options, const RunFacts &facts, con
   return writeWholeFile(options.report, *json);
 }
 
-/// Of the scene's image, which has been read before.
+/// Exports of the scene's image, which has already been read.
 Expected<void> writeImageExports(const RunOptions &options, Session &session, const scene::SceneFile &scene,
                                  BodySources &sources, const Prepared &prepared, const c3de_simulator_v1 *table,
                                  c3de_object *simulator, WrittenOutputs &outputs) {
@@ -183,7 +183,7 @@ Expected<void> writeImageExports(const RunOptions &options, Session &session, co
     if (told) log(LogLevel::info, *told);
     const Expected<void> written = told ? Expected<void>() : Expected<void>(tl::unexpected(told.error()));
     outputs.note(file, written);
-    if (file == wanted.displacement && told) outputs.note(vacatedFile(file), written);
+    if (file == wanted.displacement && told) outputs.note(emptiedFile(file), written);
   }
   if (wanted.labels.empty()) return {};
   const auto layers = labelsToExport(scene, sources);
@@ -205,7 +205,7 @@ void writeSurfaceExport(const RunOptions &options, Session &session, c3de_object
                 [&](const auto &file, const auto &result) { outputs.note(file, result); });
 }
 
-/// Before the run, so that a view that cannot be drawn costs none.
+/// Checked before the run, so that a view that cannot be drawn wastes no run.
 Expected<PictureView> viewAsked(const RunOptions &options, const scene::SceneFile &scene) {
   const PictureView view = options.view.value_or(scene.image ? PictureView::four : PictureView::space);
   if (options.overlay && (view == PictureView::space || !scene.image))
@@ -215,7 +215,7 @@ Expected<PictureView> viewAsked(const RunOptions &options, const scene::SceneFil
                                     scene.where(1) + " has no [image]; accepted: --view 3d");
 }
 
-/// The scene's image has been read before, and is there.
+/// The scene's image has already been read and exists.
 Expected<PictureSources> pictureSources(PictureView view, const scene::SceneFile &scene, BodySources &sources,
                                         const scene::MaterialLibrary &materials, const Prepared &prepared) {
   PictureSources out;
@@ -253,7 +253,7 @@ Expected<void> drawPicture(Session &session, c3de_object *simulator, const scene
   return picture.write(session, options.screenshot, options.width, options.height, *shown, prepared);
 }
 
-/// What can be refused before anything is built. Returns what the screenshot shows.
+/// Checks that are possible before anything is built. Returns the view of the screenshot.
 Expected<PictureView> checkBeforeBuilding(const RunOptions &options, const scene::SceneFile &scene,
                                           const geometry::MeshFormats &formats) {
   if (!options.exportSurface.empty())
@@ -268,7 +268,7 @@ Expected<PictureView> checkBeforeBuilding(const RunOptions &options, const scene
   return viewAsked(options, scene);
 }
 
-/// Returns what is to be said where the time limit came first; empty: the bodies are there.
+/// Returns the message if the time limit was reached first; empty if the bodies have been built.
 Expected<std::string> buildBodies(const RunOptions &options, const RunLimits &limits, Session &session,
                                   c3de_object *simulator, const scene::SceneFile &scene, BodySources &sources,
                                   Prepared &prepared) {
@@ -294,7 +294,8 @@ Expected<std::string> buildBodies(const RunOptions &options, const RunLimits &li
   return fail(ErrorCode::cancelled, "interrupted at " + where);
 }
 
-/// Where the points are; also before the first step, so that what cannot be followed is heard before hours of work.
+/// Positions of the points. Also called before the first step, so that a point that cannot be followed is reported
+/// before hours of work.
 Expected<std::vector<Vec3>> followPoints(const RunOptions &options, const std::vector<SamplePoint> &points,
                                          Session &session, c3de_object *simulator) {
   if (points.empty()) return std::vector<Vec3>{};
@@ -302,7 +303,7 @@ Expected<std::vector<Vec3>> followPoints(const RunOptions &options, const std::v
                      [&session] { return session.plugins().takeError(); });
 }
 
-/// A body whose present shape has become its reference knows its former material points no longer.
+/// If a body's present shape has become its reference, its former material points are no longer available.
 Expected<void> checkNotRenewed(const HeadlessRun &run) {
   const auto report = run.simulatorReport();
   if (!report) return tl::unexpected(report.error());
@@ -336,7 +337,7 @@ std::vector<SkinVolume> skinVolumes(Session &session, c3de_object *simulator) {
   return volumes;
 }
 
-/// What labels have done, for report and table.
+/// Motion of the labels, for report and table.
 void followTissues(const RunOptions &options, c3de_object *simulator, const c3de_simulator_v1 *table, RunFacts &facts,
                    WrittenOutputs &outputs) {
   if (options.report.empty() && options.tissues.empty()) return;
@@ -350,7 +351,7 @@ void followTissues(const RunOptions &options, c3de_object *simulator, const c3de
                                           : Expected<void>(tl::unexpected(motions.error())));
 }
 
-/// How far the end state is off. Of a run that did not come to its end nothing is verified.
+/// Error of the end state. A run that did not reach its end is not verified.
 Expected<void> verifyEnd(const RunOptions &options, const RunLimits &limits, Session &session, c3de_object *simulator,
                          const c3de_simulator_v1 *table, RunFacts &facts) {
   if (!options.verify || facts.outcome != "done") return {};
@@ -371,7 +372,7 @@ Expected<void> verifyEnd(const RunOptions &options, const RunLimits &limits, Ses
   return {};
 }
 
-/// Before the first step, so that a name that is wrong costs none.
+/// Checked before the first step, so that a wrong name wastes no run.
 Expected<void> checkOverlay(const RunOptions &options, const c3de_simulator_v1 *table, c3de_object *simulator) {
   if (!options.overlay || options.overlay->kind != PictureOverlay::Kind::field) return {};
   std::string known = "none, displacement, volume_change";
@@ -384,12 +385,12 @@ Expected<void> checkOverlay(const RunOptions &options, const c3de_simulator_v1 *
 
 struct Simulated {
   RunFacts facts;
-  std::string overBefore;  ///< the time limit, before the first step; empty: there are facts
+  std::string overBefore;  ///< the time limit, if reached before the first step; empty: there are facts
 };
 
 Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPicture *picture,
                              std::chrono::steady_clock::time_point begin, WrittenOutputs &outputs) {
-  // As early as plugins have said which formats they bring.
+  // As soon as plugins have registered their formats.
   if (!options.exportSurface.empty())
     if (const auto writable = checkSurfaceExport(session.meshFormats(), options.exportSurface, {}); !writable)
       return tl::unexpected(writable.error());
@@ -517,7 +518,7 @@ int runScene(const RunOptions &options) {
   } else if (facts->outcome != "done") {
     exitCode = reportError({ErrorCode::internal, facts->failure});
   }
-  // What was to be kept and is not counts most.
+  // A missing output takes precedence over other failures.
   return outputs.areComplete() ? exitCode : reportError(outputs.error());
 }
 

@@ -6,7 +6,7 @@
 
 namespace c3de::app {
 
-/// Simulates a scene without a window and writes what is wanted of it. Returns the exit code.
+/// Simulates a scene without a window and writes the requested outputs. Returns the exit code.
 [[nodiscard]] int runScene(const RunOptions &options);
 
 }  // namespace c3de::app

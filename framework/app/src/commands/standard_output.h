@@ -7,11 +7,11 @@
 
 namespace c3de::app {
 
-/// Writes to standard output, at once, so that a failure is seen and its reason known.
+/// Writes to standard output immediately, so that a failure is detected with its cause.
 void printOut(std::string_view text);
 
-/// The exit code of the program: that of its command, or kOutput with a message where a command that went well could
-/// not say what it had to say.
+/// The exit code of the program: that of its command. It is kOutput, with a message, if a successful command could not
+/// write its output.
 [[nodiscard]] int exitCodeAfterOutput(int ofCommand);
 
 }  // namespace c3de::app

@@ -7,14 +7,14 @@
 
 namespace c3de::app {
 
-/// `c3de` itself, without a window, also where this is the other program; empty: it is not there.
+/// Path of `c3de`, the program without a window, also when called from the other program; empty if it does not exist.
 [[nodiscard]] std::filesystem::path consoleProgram();
-/// Whether there is one with a window.
+/// Whether a program with a window exists.
 [[nodiscard]] bool hasWindowProgram();
 
-/// The program that has a window and draws pictures, beside this one, with the same arguments in its place: `c3de run`
-/// stays free of OpenGL and windows until one is asked for. Returns an exit code: that of the other program where it
-/// cannot take the place of this one (Windows), or of an error.
+/// Continues as the program that has a window and draws pictures, in the same folder, with the same arguments. Before
+/// that, `c3de run` needs neither OpenGL nor windows. Returns an exit code: that of the other program where it cannot
+/// replace this process (Windows), or of an error.
 [[nodiscard]] int continueInWindowProgram(int argc, char **argv);
 
 }  // namespace c3de::app

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mpi/mpi_ranks.h"
 
-// The C interface; the C++ one is gone from the standard.
+// The C interface; the C++ one has been removed from the standard.
 #define OMPI_SKIP_MPICXX 1
 #define MPICH_SKIP_MPICXX 1
 #include <mpi.h>
@@ -22,10 +22,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kBeat = std::chrono::seconds(1), kSilence = std::chrono::seconds(30);
-constexpr const char *kSomeAreLost = "some are lost";  // to end MPI would wait for them
+constexpr const char *kSomeAreLost = "some are lost";  // finalising MPI would wait for them
 enum Tag : int { kTask = 1, kResult = 2, kAlive = 3, kStop = 4 };
 
-/// Messages that are on their way; nobody waits for one, since who should take it may be gone.
+/// Messages in transit. Sending does not block, since the receiver may no longer exist.
 class Outbox {
  public:
   void send(int rank, Tag tag, std::string text) {
@@ -34,7 +34,7 @@ class Outbox {
                   &message.request) != MPI_SUCCESS)
       messages_.pop_back();
   }
-  /// Forgets those that have arrived. @return whether none is left
+  /// Removes those that have arrived. @return whether none remains
   bool tidy() {
     for (auto message = messages_.begin(); message != messages_.end();) {
       int done = 0;
@@ -104,7 +104,7 @@ class RankWorkers : public study::Workers {
     return room > 0 && running < jobs_;
   }
   void start(study::Task task) override {
-    // Others first: this one has the handing out to do.
+    // Other ranks first: this one also distributes the points.
     for (auto &[rank, other] : others_) {
       if (other.task) continue;
       outbox_.send(rank, kTask, task.text());
@@ -123,7 +123,7 @@ class RankWorkers : public study::Workers {
   MpiRanks &ranks_;
   std::size_t jobs_;
   study::LocalWorkers own_{1};
-  std::map<int, Other> others_;  ///< that are there
+  std::map<int, Other> others_;  ///< the ranks that are present
   Outbox outbox_;
   Clock::time_point nextBeat_{};
 };
@@ -132,7 +132,7 @@ std::vector<study::Workers::Done> RankWorkers::poll() {
   std::vector<Done> out = own_.poll();
   while (auto message = receive()) {
     const auto other = others_.find(message->rank);
-    if (other == others_.end()) continue;  // given up, and back too late
+    if (other == others_.end()) continue;  // given up; it has responded too late
     other->second.heard = Clock::now();
     if (message->tag != kResult || !other->second.task) continue;
     out.push_back({std::move(*other->second.task), resultOf(message->text)});
@@ -159,7 +159,7 @@ std::vector<study::Workers::Done> RankWorkers::poll() {
 
 MpiRanks::MpiRanks(int &argc, char **&argv) {
   MPI_Init(&argc, &argv);
-  // A rank that is gone is told by its silence, not by the end of all.
+  // A rank that has ended is detected by its silence; it must not end all others.
   MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
   MPI_Comm_size(MPI_COMM_WORLD, &size_);
@@ -175,7 +175,7 @@ int MpiRanks::work() {
   Outbox outbox;
   Clock::time_point nextBeat{}, heard = Clock::now();
   bool isToldToEnd = false, areAllThere = false;
-  // Planning a large study and drawing its samples may take the first rank minutes, before it says anything.
+  // Planning a large study and drawing its samples may take the first rank minutes before it sends anything.
   auto patience = std::chrono::duration_cast<Clock::duration>(std::chrono::hours(1));
   while (!isToldToEnd && !session::wasInterrupted() && Clock::now() - heard < patience) {
     while (const auto message = receive()) {
@@ -217,7 +217,7 @@ void MpiRanks::end(int exitCode) {
     if (!lost_.contains(rank)) outbox.send(rank, kStop, lost_.empty() ? "" : kSomeAreLost);
   outbox.empty(std::chrono::seconds(2));
   if (lost_.empty()) {
-    // What the others have still sent is taken, or their end would wait for it.
+    // Messages still in transit from the others are received; otherwise their finalisation would wait.
     for (const auto until = Clock::now() + std::chrono::milliseconds(200); Clock::now() < until;)
       if (!receive()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
     MPI_Finalize();

@@ -11,16 +11,17 @@
 
 namespace c3de::app {
 
-/// MPI of this process. Points go to other ranks one by one; each runs its own in a child process, as the first one
-/// does beside handing out. All tell each other every second that they are there; who is silent for half a minute is lost,
-/// and what it ran is run again by others.
+/// MPI of this process. Points are sent to other ranks one by one. Each rank runs its point in a child process; the
+/// first rank also does so, besides distributing points. All ranks report to each other every second. A rank that is
+/// silent for half a minute is lost, and its point is run again by others.
 class MpiRanks : public StudyRanks {
  public:
   MpiRanks(int &argc, char **&argv);
   [[nodiscard]] bool isFirst() const { return rank_ == 0; }
-  /// Of the other ranks: runs what it is handed until it is told to end. Returns the exit code.
+  /// For the other ranks: runs the points it receives until the first rank stops it. Returns the exit code.
   [[nodiscard]] int work();
-  /// Of the first: tells the others to end, and ends MPI. Does not return where a rank is lost, which MPI would wait for.
+  /// For the first rank: stops the others and finalises MPI. Does not return if a rank is lost, because MPI would wait
+  /// for it.
   void end(int exitCode);
 
   [[nodiscard]] std::unique_ptr<study::Workers> workers(std::size_t jobs) override;

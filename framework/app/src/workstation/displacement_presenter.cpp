@@ -10,7 +10,7 @@
 
 namespace c3de::app {
 
-render::GridPlace placeOf(const imaging::VolumeGeometry &geometry) { return {geometry.size, geometry.indexToWorld}; }
+render::GridGeometry placeOf(const imaging::VolumeGeometry &geometry) { return {geometry.size, geometry.indexToWorld}; }
 
 render::ImageVoxels voxelsOf(const imaging::Volume &volume) {
   static constexpr render::VoxelType kTypes[] = {
@@ -37,7 +37,7 @@ Expected<void> showMissing(render::ImageRenderer &images, ui::ImageViews &views,
   for (const Coverage &body : bodies) {
     if (sentenceOf(body).empty()) continue;
     told.push_back(body);
-    asked += body.asked_mm3;
+    asked += body.requested_mm3;
     missing += body.missing_mm3;
   }
   imaging::Mask mask = missingOn(views.image()->volume.geometry, told);
@@ -66,12 +66,12 @@ void DisplacementPresenter::showBodies(std::shared_ptr<const imaging::Mask> bodi
   if (bodies_) {
     std::vector<std::uint8_t> white(bodies_->voxels);
     for (std::uint8_t &v : white)
-      v = v == imaging::kBodyVoxel ? 255 : v == imaging::kStillVoxel ? 64 : v == imaging::kRigidVoxel ? 96 : 0;
-    // Without it the image stays where bodies have gone away; that is no reason to show nothing.
+      v = v == imaging::kBodyVoxel ? 255 : v == imaging::kFixedVoxel ? 64 : v == imaging::kRigidVoxel ? 96 : 0;
+    // Without it the image is not moved where bodies have left; that is no reason to show nothing.
     if (auto handle = images_->addImage({placeOf(bodies_->geometry), render::VoxelType::uint8, white.data()}))
       handles.bodies = *handle;
     else
-      log(LogLevel::warn, "places that bodies have left are not marked: " + handle.error().message);
+      log(LogLevel::warn, "regions vacated by bodies are not marked: " + handle.error().message);
   }
   views_.setHandles(handles);
 }

@@ -13,15 +13,15 @@
 
 namespace c3de::app {
 
-[[nodiscard]] render::GridPlace placeOf(const imaging::VolumeGeometry &geometry);
-[[nodiscard]] render::ImageVoxels voxelsOf(const imaging::Volume &volume);  ///< points into it
+[[nodiscard]] render::GridGeometry placeOf(const imaging::VolumeGeometry &geometry);
+[[nodiscard]] render::ImageVoxels voxelsOf(const imaging::Volume &volume);  ///< points into the volume
 
-/// Marks in the slices what of masks is in no body, with an entry in their legend; nothing where nothing is missing
-/// that is worth saying. Takes the place of what was marked. Without an image nothing is done.
+/// Marks in the slices the parts of masks that are in no body, with an entry in their legend. Negligible parts are not
+/// marked. Replaces the previous marks. No effect without an image.
 [[nodiscard]] Expected<void> showMissing(render::ImageRenderer &images, ui::ImageViews &views,
                                          const std::vector<Coverage> &bodies);
 
-/// The displacement that the views show, in the memory of the graphics: u and gaps, and where the bodies were. Main
+/// The displacement shown by the views, in graphics memory: u and gaps, and the reference region of the bodies. Main
 /// thread.
 class DisplacementPresenter {
  public:
@@ -30,12 +30,12 @@ class DisplacementPresenter {
   DisplacementPresenter(const DisplacementPresenter &) = delete;
   DisplacementPresenter &operator=(const DisplacementPresenter &) = delete;
 
-  /// Shows how the tissue has moved; the grid must not change while it is shown. Null: as it was. Every frame: a grid
-  /// in the place of the one before only takes its values. Without an image nothing is done.
+  /// Shows the displacement of the tissue; the grid must not change while it is shown. Null: no displacement. Called
+  /// every frame: a grid that replaces a previous one only transfers its values. No effect without an image.
   [[nodiscard]] Expected<void> show(std::shared_ptr<const imaging::DisplacementGrid> displacement);
-  /// Shows the field that the views ask for now, of the displacement that is shown.
+  /// Shows the field currently requested by the views, for the displayed displacement.
   void followOverlay() { showField(); }
-  /// Gives back what it has in the memory of the graphics; before the image goes.
+  /// Releases its graphics memory; called before the image is removed.
   void forget();
 
  private:
@@ -47,7 +47,7 @@ class DisplacementPresenter {
   ui::ImageViews &views_;
   std::shared_ptr<const imaging::Mask> bodies_;
   std::shared_ptr<const imaging::DisplacementGrid> shown_;
-  Handle fieldOn_{};  ///< the displacement that has it in the memory of the graphics
+  Handle fieldOn_{};  ///< the displacement whose graphics memory holds the field
   std::shared_ptr<const imaging::DisplacementGrid> fieldOf_;
   std::string fieldName_;
 };

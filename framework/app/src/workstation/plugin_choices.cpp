@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char *kWithout = "without", *kSafeMode = "safe_mode", *kLoad = "load";
 
-/// Short where everybody knows the folder.
+/// Shortened for well-known folders.
 std::string shownPath(const std::filesystem::path &file) {
   if (file.parent_path() == plugin_host::ownPluginFolder()) return pathText(file.filename()) + ", with the program";
   const std::filesystem::path home = homeDirectory();

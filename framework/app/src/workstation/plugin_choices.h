@@ -9,11 +9,11 @@
 
 namespace c3de::app {
 
-/// Asks about each plugin that has ended a run since somebody was last asked, and puts the answers into the rules and
-/// the records: before the plugins are loaded.
+/// Asks about each plugin that has crashed a run since the user was last asked. Adds the answers to the rules and the
+/// records, before the plugins are loaded.
 void askAboutCrashes(ui::WorkstationWindow &window, render::Renderer &renderer, plugin_host::LoadRules &rules);
 
-/// For the plugin manager.
+/// Entries for the plugin manager.
 /// @param offAtStart  ids, as of PluginRecords::allOff()
 [[nodiscard]] std::vector<ui::PluginEntry> pluginEntries(const plugin_host::PluginHost &host,
                                                          const plugin_host::PluginRecords &records,

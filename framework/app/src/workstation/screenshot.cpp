@@ -19,7 +19,7 @@
 namespace c3de::app {
 namespace {
 
-constexpr double kLeastShift_mm = 0.1;  // below it colours would show noise
+constexpr double kMinShift_mm = 0.1;  // below it colours would show noise
 
 double longestShift(const imaging::DisplacementGrid &u) {
   double most = 0.0;
@@ -51,14 +51,14 @@ Expected<void> showWarp(Session &session, const PictureSources &sources, ui::Ima
     for (const PointField &field : pointFields(simulation->table(), simulation->object()))
       offered.emplace_back(field.name, field.unit);
   });
-  if (!u) return {};  // not every simulator can say it; its bodies are drawn at any rate
-  if (options.overlay == ui::Overlay::shift && longestShift(*u) <= kLeastShift_mm) options.overlay = ui::Overlay::none;
+  if (!u) return {};  // not every simulator provides it; its bodies are drawn anyway
+  if (options.overlay == ui::Overlay::shift && longestShift(*u) <= kMinShift_mm) options.overlay = ui::Overlay::none;
   views.setOfferedFields(std::move(offered));
   views.setOptions(options);
   return shown.show(std::make_shared<const imaging::DisplacementGrid>(std::move(*u)));
 }
 
-/// Where they are now.
+/// Present positions of the tissues.
 void showTissues(Session &session, const Prepared &prepared, TissuePresenter &shown) {
   scene::Simulation *simulation = session.simulation();
   if (!simulation || prepared.tissues.empty()) return;
@@ -68,9 +68,9 @@ void showTissues(Session &session, const Prepared &prepared, TissuePresenter &sh
   shown.show(surfaces, session.simulationNode());
   Expected<TissueSnapshot> now;
   simulation->call([&] { now = readTissues(simulation->table(), simulation->object()); });
-  if (!now) return;  // not every simulator can say it
+  if (!now) return;  // not every simulator provides it
   if (auto places = followSurfaces(*now, surfaces, nullptr))
-    shown.place(std::make_shared<const SurfacePlaces>(std::move(*places)));
+    shown.place(std::make_shared<const SurfacePositions>(std::move(*places)));
 }
 
 }  // namespace
@@ -83,7 +83,7 @@ Expected<void> writeScreenshot(Session &session, render::Renderer &renderer, con
     simulation->call([simulation] { simulation->table()->publish(simulation->object()); });
     if (const scene::Node *node = session.sceneGraph().find(session.simulationNode())) title = node->name;
   }
-  // Plugins hand the snapshot to the renderer at the start of a frame.
+  // Plugins pass the snapshot to the renderer at the start of a frame.
   session.mainQueue().runFrame();
   session.plugins().syncScene();
 

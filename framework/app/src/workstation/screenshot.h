@@ -23,8 +23,9 @@ class Session;
 
 namespace c3de::app {
 
-/// Draws what the session's scene shows, as the window would, and writes it as PNG. The slices go through the middle of
-/// the bodies; what of masks is in no body is marked in them, and tissues have their surfaces in space. Main thread.
+/// Draws the session's scene as the window would, and writes it as PNG. The slices pass through the middle of the
+/// bodies. Parts of masks that are in no body are marked in them, and tissues have their surfaces in space. Main
+/// thread.
 [[nodiscard]] Expected<void> writeScreenshot(Session &session, render::Renderer &renderer,
                                              const std::filesystem::path &file, int width, int height,
                                              const PictureSources &sources, const Prepared &prepared);

@@ -12,10 +12,10 @@
 
 namespace c3de::app {
 
-/// Asks in the view which of several series to open; it goes with the object. Main thread.
+/// Asks in the view which of several series to open; removed with this object. Main thread.
 class SeriesChoice {
  public:
-  /// Called with the identifier, or with an empty one when none is wanted; the object may end in it.
+  /// Called with the identifier, which is empty if none is wanted; the object may be destroyed in the call.
   using Chosen = std::function<void(const std::string &id)>;
   SeriesChoice(registry::PanelRegistry &panels, const std::filesystem::path &path,
                std::vector<imaging::SeriesInfo> series, Chosen chosen);

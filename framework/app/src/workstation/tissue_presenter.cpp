@@ -8,8 +8,9 @@
 namespace c3de::app {
 namespace {
 
-constexpr std::size_t kMostListed = 6;  // more are folded at first
-// Edges: where a scan ends the surface of a tissue and the skin of the body are the same, each off by parts of one.
+constexpr std::size_t kMaxListed = 6;  // longer lists are folded initially
+// In edges: where a scan ends, the surface of a tissue and the skin of the body coincide, each off by a fraction of
+// one.
 constexpr float kCover = 0.5f;
 
 float meanEdge(const geometry::TriangleMesh &mesh) {
@@ -25,7 +26,7 @@ void TissuePresenter::show(std::shared_ptr<const std::vector<TissueSurface>> sur
   if (!surfaces || surfaces->empty()) return;
   surfaces_ = std::move(surfaces);
   group_ = scene_.add(parent, "tissues");
-  if (scene::Node *group = scene_.find(group_)) group->isFolded = surfaces_->size() > kMostListed;
+  if (scene::Node *group = scene_.find(group_)) group->isFolded = surfaces_->size() > kMaxListed;
   const bool isOneBody = std::all_of(surfaces_->begin(), surfaces_->end(), [&](const TissueSurface &surface) {
     return surface.body == surfaces_->front().body;
   });
@@ -54,7 +55,7 @@ void TissuePresenter::forget() {
   places_.reset();
 }
 
-void TissuePresenter::place(const std::shared_ptr<const SurfacePlaces> &places) {
+void TissuePresenter::place(const std::shared_ptr<const SurfacePositions> &places) {
   if (!places || places == places_ || places->of != surfaces_) return;
   places_ = places;
   for (std::size_t i = 0; i < drawn_.size(); ++i)

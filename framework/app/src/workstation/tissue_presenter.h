@@ -20,15 +20,15 @@ class TissuePresenter {
   TissuePresenter(const TissuePresenter &) = delete;
   TissuePresenter &operator=(const TissuePresenter &) = delete;
 
-  /// In the place of what was shown.
-  /// @param parent  the node of the simulation; with it the nodes of the tissues go
+  /// Replaces what was shown.
+  /// @param parent  the node of the simulation; the nodes of the tissues are removed with it
   void show(std::shared_ptr<const std::vector<TissueSurface>> surfaces, Handle parent);
   void forget();
-  /// Of the surfaces that are shown; of others nothing is done.
-  void place(const std::shared_ptr<const SurfacePlaces> &places);
-  /// Before a frame: shows what the tree shows.
+  /// Moves the displayed surfaces; no effect for others.
+  void place(const std::shared_ptr<const SurfacePositions> &places);
+  /// Called before a frame: shows the surfaces that are visible in the tree.
   void followTree();
-  /// Null: none, or the tree shows none of those that move.
+  /// Null if there are none, or if the tree shows none that moves.
   [[nodiscard]] std::shared_ptr<const std::vector<TissueSurface>> seen() const;
 
  private:
@@ -39,7 +39,7 @@ class TissuePresenter {
   render::Renderer &renderer_;
   scene::SceneGraph &scene_;
   std::shared_ptr<const std::vector<TissueSurface>> surfaces_;
-  std::shared_ptr<const SurfacePlaces> places_;
+  std::shared_ptr<const SurfacePositions> places_;
   Handle group_;
   std::vector<Drawn> drawn_;
 };

@@ -30,10 +30,10 @@
 #include "c3de/session/body_creation.h"
 #include "c3de/session/displacement_sampler.h"
 #include "c3de/session/file_kind.h"
+#include "c3de/session/fixed_region_rule.h"
 #include "c3de/session/interrupt.h"
-#include "c3de/session/live_tissues.h"
 #include "c3de/session/simulator_access.h"
-#include "c3de/session/still_rule.h"
+#include "c3de/session/tissue_tracker.h"
 #include "c3de/ui/commands.h"
 #include "c3de/ui/file_browser.h"
 #include "c3de/ui/tissue_table.h"
@@ -58,8 +58,8 @@ std::string keyOf(ui::Command command) {
 
 constexpr double kSmallOrgan_mm = 20.0, kLargeOrgan_mm = 5000.0;
 
-/// One run of the window. Members are destroyed from the last to the first: the session lets go of its plugins while
-/// registries, renderer and graphics context are still there.
+/// One run of the window. Members are destroyed from the last to the first: the session releases its plugins while
+/// registries, renderer and graphics context still exist.
 class Workstation {
  public:
   [[nodiscard]] Expected<void> start(const WorkstationOptions &options);
@@ -78,23 +78,23 @@ class Workstation {
   void watchForFailure();
   void watchForStepsGivenUp();
   void onImageShown();
-  void askForWarp();
-  [[nodiscard]] StillPlaces stillPlaces();
-  void askForFields();
+  void requestWarp();
+  [[nodiscard]] FixedRegions fixedRegions();
+  void requestFields();
   void fillTissueTable();
   void showTissues();
   void makeTissueSurfaces();
-  void takeWarp();
+  void applyLatestWarp();
   void closeSimulation();
   void onBodiesReady(const BodyCreation::Result &result);
-  void makeScanAlive(const std::string &scene);
+  void createScanBody(const std::string &scene);
   void onLoaded(const WorkstationLoader::Loaded &loaded);
   void checkSize(const std::string &unit, double size_mm);
   void onFailed(const std::string &title, const Error &error);
 
   std::optional<CrashJournal> journal_;
   std::shared_ptr<plugin_host::PluginRecords> records_;
-  std::vector<std::string> offAtStart_;  ///< plugins
+  std::vector<std::string> offAtStart_;  ///< ids of plugins
   registry::PanelRegistry panels_;
   registry::ParameterRegistry parameters_;
   registry::ToolRegistry tools_;
@@ -102,23 +102,23 @@ class Workstation {
   registry::CommandRegistry commands_;
   std::unique_ptr<ui::WorkstationWindow> window_;
   std::unique_ptr<render::Renderer> renderer_;
-  std::unique_ptr<WorkstationLoader> loader_;         ///< used by the session's jobs until they end
-  std::unique_ptr<BodyCreation> bodyCreation_;        ///< likewise
-  std::unique_ptr<WorkstationImages> images_;         ///< likewise
-  DisplacementSampler warp_;                          ///< used by the simulation's thread
-  LiveTissues tissues_{[this] { window_->wake(); }};  ///< likewise
+  std::unique_ptr<WorkstationLoader> loader_;           ///< used by the session's jobs until they end
+  std::unique_ptr<BodyCreation> bodyCreation_;          ///< used by the session's jobs until they end
+  std::unique_ptr<WorkstationImages> images_;           ///< used by the session's jobs until they end
+  DisplacementSampler warp_;                            ///< used by the simulation's thread
+  TissueTracker tissues_{[this] { window_->wake(); }};  ///< used by the simulation's thread
   Handle surfacesJob_;
   std::uint64_t surfacesSerial_ = 0;
   ui::TissueTable tissueTable_;
   std::shared_ptr<const std::vector<TissueMotion>> tissuesShown_;
-  std::shared_ptr<const std::vector<TissuePlaces>> tissuesOf_;
+  std::shared_ptr<const std::vector<TissueVoxels>> tissuesOf_;
   std::unique_ptr<Session> session_;
   std::unique_ptr<TissuePresenter> tissueSurfaces_;  ///< uses the session's tree
-  scene::SceneImage image_;                          ///< how images deform beside the simulation
-  using StillAsked = std::tuple<scene::SceneStill, std::shared_ptr<const scene::StoredImage>,
-                                std::shared_ptr<const scene::StoredLabels>>;
-  FieldsWanted fieldsAsked_;
-  StillAsked stillAsked_;  ///< what was wanted to stay when the warp was asked for
+  scene::SceneImage image_;                          ///< how images deform with the simulation
+  using FixedRegionRequest = std::tuple<scene::SceneFixedRegions, std::shared_ptr<const scene::StoredImage>,
+                                        std::shared_ptr<const scene::StoredLabels>>;
+  RequestedFields fieldsAsked_;
+  FixedRegionRequest fixedRegionRequest_;  ///< the fixed regions when the warp was requested
   bool playsWhenLoaded_ = false;
   bool hasReportedFailure_ = false;
   std::uint64_t stepsGivenUp_ = 0;
@@ -175,7 +175,7 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
           [this] { onImageShown(); }, [this] { warp_.want(false, image_.rim_mm); },
           [this](const std::string &title, const Error &error) { onFailed(title, error); },
           [this](std::vector<segmentation::BodyRequest> requests) { bodyCreation_->createBodies(std::move(requests)); },
-          [this](const std::string &scene) { makeScanAlive(scene); }, [this] { closeSimulation(); }});
+          [this](const std::string &scene) { createScanBody(scene); }, [this] { closeSimulation(); }});
   tissueSurfaces_ = std::make_unique<TissuePresenter>(*renderer_, session_->sceneGraph());
   window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
                     &images_->workflow(), &images_->scanBody(), &tissueTable_, &edits_, &commands_,
@@ -201,29 +201,30 @@ void Workstation::run() {
   watchForInterrupt();
   window_->closeWhen(wasInterrupted);
   while (!window_->closeRequested()) {
-    const bool takesNews = window_->waitForFrame();
-    if (takesNews) {
+    const bool showsNewData = window_->waitForFrame();
+    if (showsNewData) {
       session_->mainQueue().runFrame();
       watchForFailure();
       watchForStepsGivenUp();
     }
-    // The state first: one that stands is the last that draws a frame, and its displacement is asked for after it.
+    // The state first: if the simulation is not moving, this frame is the last one, and its displacement is requested
+    // after it.
     const ui::SimulationView simulation = simulationView();
-    if (takesNews) takeWarp();
+    if (showsNewData) applyLatestWarp();
     window_->drawFrame(*renderer_, simulation);
   }
   window_->writeAutomationState();
   session_->mainQueue().setWaker({});
 }
 
-/// Images go to the views, everything else becomes a simulation. Of several images the first is shown and the others
-/// are laid over it as label maps.
+/// Images are opened in the views, everything else becomes a simulation. Of several images the first is shown and the
+/// others are overlaid on it as label maps.
 void Workstation::open(const ui::OpenRequest &request) {
   std::vector<std::filesystem::path> images, others;
   for (const std::filesystem::path &file : request.files) {
     std::error_code ignored;
     const FileKind kind = request.areLabels ? FileKind::image : kindOf(file, &session_->meshFormats());
-    // One that is nothing does not keep the others from being opened.
+    // A file of unknown kind does not prevent the others from being opened.
     if (kind == FileKind::unknown && std::filesystem::is_regular_file(file, ignored))
       onFailed("Could not open " + pathText(file.filename()), unknownKind(file, &session_->meshFormats()));
     else
@@ -307,8 +308,8 @@ ui::WindowActions Workstation::actions() {
     });
   };
   const auto exportImage = [this, tell](const ImageExport &wanted) {
-    const StillPlaces still = images_->views().image() ? stillPlaces() : StillPlaces{};
-    // The map of labels is lent by what holds it.
+    const FixedRegions still = images_->views().image() ? fixedRegions() : FixedRegions{};
+    // Shares ownership of the object that contains the label map.
     const std::shared_ptr<const imaging::LabelMap> labels =
         still.labels ? std::shared_ptr<const imaging::LabelMap>(still.labels, &still.labels->map) : nullptr;
     const segmentation::ScanBody::Sources &open = images_->scanBody().sources();
@@ -339,7 +340,7 @@ ui::WindowActions Workstation::actions() {
   return actions;
 }
 
-/// After the image or the simulation, what is written of it, and its time.
+/// Named after the image or the simulation, what is written of it, and its time.
 std::string Workstation::proposedName(ui::Command exported) const {
   const scene::StoredImage *image = images_->views().image();
   const scene::Node *node = session_->sceneGraph().find(session_->simulationNode());
@@ -389,7 +390,7 @@ ui::SimulationView Workstation::simulationView() {
   view.exists = true;
   view.transport = simulation->state();
   if (view.isLongStep()) {
-    // Between two steps the reason stays that of the last one.
+    // Between two steps the reason of the last one is kept.
     if (std::string now = simulation->activity(); !now.empty()) activity_ = std::move(now);
     view.activity = activity_;
   }
@@ -411,7 +412,7 @@ void Workstation::saveScreenshot() {
     onFailed("The screenshot could not be saved", file.error());
 }
 
-/// A failed simulation says so once, with the way out.
+/// A failed simulation is reported once, with the remedy.
 void Workstation::watchForFailure() {
   scene::Simulation *simulation = session_->simulation();
   const bool hasFailed = simulation && simulation->state().mode == C3DE_SIM_FAILED;
@@ -426,10 +427,11 @@ void Workstation::watchForFailure() {
   hasReportedFailure_ = hasFailed;
 }
 
-/// A step that was given up has paused the simulation: why, and what would help.
+/// An abandoned step has paused the simulation: reports why, and what would help.
 void Workstation::watchForStepsGivenUp() {
   const scene::Simulation *simulation = session_->simulation();
-  const scene::Simulation::GivenUp now = simulation ? simulation->givenUp() : scene::Simulation::GivenUp();
+  const scene::Simulation::AbortedSteps now =
+      simulation ? simulation->abortedSteps() : scene::Simulation::AbortedSteps();
   if (now.steps > stepsGivenUp_)
     panels_.notify(C3DE_LOG_WARN, "Paused: a step took too long",
                    now.why + "\n" + keyOf(ui::Command::playPause) + " tries it again, " + keyOf(ui::Command::reset) +
@@ -438,12 +440,12 @@ void Workstation::watchForStepsGivenUp() {
   stepsGivenUp_ = now.steps;
 }
 
-/// A wrong unit makes an organ of the size of a house or of a grain, and everything after that is wrong.
+/// With a wrong unit an organ has the size of a house or of a grain, and all subsequent results are wrong.
 void Workstation::checkSize(const std::string &unit, double size_mm) {
   if (unit.empty() || !(size_mm > 0.0)) return;
   if (size_mm < kSmallOrgan_mm || size_mm > kLargeOrgan_mm)
     panels_.notify(C3DE_LOG_WARN, "Is the unit right?",
-                   "The numbers of the file were taken as " + unit + ". That makes what is shown " +
+                   "The numbers in the file were read as " + unit + ". That makes what is shown " +
                        formatNumber(std::round(size_mm * 10.0) / 10.0) +
                        " mm across. File > Open mesh… asks for another unit; on the command line it is --unit.",
                    {}, registry::About::simulation);
@@ -453,10 +455,10 @@ void Workstation::onImageShown() {
   render::Camera &camera = window_->camera();
   if (camera.upAxis != render::UpAxis::z) ui::viewOfImages(camera);
   window_->requestFit();
-  askForWarp();
+  requestWarp();
 }
 
-/// Image and labels stay.
+/// Image and labels are kept.
 void Workstation::closeSimulation() {
   tools_.cancelActive();
   session_->closeSimulation();
@@ -466,7 +468,7 @@ void Workstation::closeSimulation() {
   warp_.begin();
   tissues_.begin({});
   makeTissueSurfaces();
-  askForWarp();
+  requestWarp();
 }
 
 void Workstation::onBodiesReady(const BodyCreation::Result &result) {
@@ -477,13 +479,13 @@ void Workstation::onBodiesReady(const BodyCreation::Result &result) {
   }
   images_->onBodiesReady(result.created);
   images_->showMissing(result.coverage, result.isNew);
-  tools_.cancelActive();  // the simulation begins anew, and what a tool held is gone
+  tools_.cancelActive();  // the simulation restarts, and what a tool held is lost
   warp_.begin();
-  // Those that were there before begin anew.
-  const std::shared_ptr<const std::vector<TissuePlaces>> stay = result.isNew ? nullptr : tissues_.bodies();
-  tissues_.begin(stay ? *stay : std::vector<TissuePlaces>());
+  // Bodies that existed before restart.
+  const std::shared_ptr<const std::vector<TissueVoxels>> stay = result.isNew ? nullptr : tissues_.bodies();
+  tissues_.begin(stay ? *stay : std::vector<TissueVoxels>());
   makeTissueSurfaces();
-  askForWarp();
+  requestWarp();
   simulation->transport(C3DE_TRANSPORT_PLAY);
   const bool isOne = result.created.size() == 1;
   const std::string it = isOne ? "it" : "them";
@@ -492,7 +494,7 @@ void Workstation::onBodiesReady(const BodyCreation::Result &result) {
                      ? "Pinch " + it +
                            " in the 3D view or in a slice (P). Gravity is off, because the scan shows the organ" +
                            (isOne ? "" : "s") + " in balance with it; it is in the panel of the simulation."
-                     : std::string(isOne ? "It" : "They") + " joined the simulation that was there, which begins anew.",
+                     : std::string(isOne ? "It" : "They") + " was added to the present simulation, which restarts.",
                  {}, registry::About::simulation);
   if (!result.notTried.empty())
     panels_.notify(C3DE_LOG_INFO, "Cancelled",
@@ -508,11 +510,11 @@ void Workstation::onBodiesReady(const BodyCreation::Result &result) {
       reasons + (result.failed.size() == 1 ? "It stays" : "They stay") + " picked; the others were created.");
 }
 
-void Workstation::makeScanAlive(const std::string &scene) {
+void Workstation::createScanBody(const std::string &scene) {
   loader_->openText(scene, [this](const Expected<void> &made) {
     const bool isShown = images_->scanBody().finished(made);
-    const std::string title = made ? "The scan is alive" : "Could not make the body of the scan";
-    // The dialog says it.
+    const std::string title = made ? "Scan body created" : "Could not create the body of the scan";
+    // The dialog shows it.
     if (isShown) return log(LogLevel::error, title + ": " + made.error().message);
     if (!made) return onFailed(title, made.error());
     tools_.cancelActive();
@@ -525,24 +527,24 @@ void Workstation::makeScanAlive(const std::string &scene) {
   });
 }
 
-/// The image deforms with the bodies while both are there.
-void Workstation::askForWarp() {
+/// The image deforms with the bodies while both exist.
+void Workstation::requestWarp() {
   scene::Simulation *simulation = session_->simulation();
-  const bool wanted = image_.warp && simulation && images_->views().image() && servesFills(simulation->table());
+  const bool wanted = image_.warp && simulation && images_->views().image() && supportsFills(simulation->table());
   const ui::ImageViews &views = images_->views();
-  stillAsked_ = {views.options().still, views.sharedImage(), views.sharedLabels()};
+  fixedRegionRequest_ = {views.options().still, views.sharedImage(), views.sharedLabels()};
   warp_.want(wanted, image_.rim_mm, wanted ? views.image()->volume.geometry : imaging::VolumeGeometry{},
-             wanted ? stillPlaces() : StillPlaces{});
+             wanted ? fixedRegions() : FixedRegions{});
   if (!wanted) return images_->showDisplacement(nullptr);
   simulation->post([] {});  // publishes once more
 }
 
-/// What of the image stays, as the panel says it.
-StillPlaces Workstation::stillPlaces() {
+/// Fixed regions of the image, as set in the panel.
+FixedRegions Workstation::fixedRegions() {
   const ui::ImageViews &views = images_->views();
-  StillPlaces places{views.sharedImage(), views.sharedLabels(), {}, tissues_.bodies()};
-  auto rule = stillRuleOf(views.options().still, places.image->volume, places.labels ? &places.labels->map : nullptr,
-                          session_->materials());
+  FixedRegions places{views.sharedImage(), views.sharedLabels(), {}, tissues_.bodies()};
+  auto rule = fixedRegionRuleOf(views.options().still, places.image->volume,
+                                places.labels ? &places.labels->map : nullptr, session_->materials());
   if (rule)
     places.rule = std::move(*rule);
   else
@@ -550,19 +552,19 @@ StillPlaces Workstation::stillPlaces() {
   return places;
 }
 
-/// Fields of the tissue, while a person looks at them.
-void Workstation::askForFields() {
+/// Fields of the tissue, while they are visible.
+void Workstation::requestFields() {
   ui::ImageViews &views = images_->views();
   std::vector<std::pair<std::string, std::string>> offered;
   for (const PointField &field : warp_.offered()) offered.emplace_back(field.name, field.unit);
   views.setOfferedFields(std::move(offered));
   images_->followOverlay();
   const ui::ImageOptions &options = views.options();
-  const FieldsWanted wanted{views.wantsFields(),
-                            options.overlay == ui::Overlay::field ? options.overlayField : std::string()};
+  const RequestedFields wanted{views.wantsFields(),
+                               options.overlay == ui::Overlay::field ? options.overlayField : std::string()};
   if (wanted == fieldsAsked_) return;
   fieldsAsked_ = wanted;
-  warp_.wantFields(wanted);
+  warp_.requestFields(wanted);
   scene::Simulation *simulation = session_->simulation();
   const imaging::DisplacementGrid *shown = views.displacement();
   const bool isThere =
@@ -570,7 +572,7 @@ void Workstation::askForFields() {
   if (wanted.any && simulation && !isThere) simulation->post([] {});  // publishes once more
 }
 
-/// What labels have done, while a person looks at the table.
+/// Motion of the labels, while the table is visible.
 void Workstation::fillTissueTable() {
   tissues_.want(tissueTable_.isShown);
   const auto bodies = tissues_.bodies();
@@ -583,9 +585,9 @@ void Workstation::fillTissueTable() {
   constexpr double kMillilitres = 1e6, kMillimetres = 1e3;
   const scene::StoredLabels *shown = images_->views().labels();
   for (std::size_t b = 0; b < bodies->size(); ++b) {
-    const TissuePlaces &places = (*bodies)[b];
+    const TissueVoxels &places = (*bodies)[b];
     for (std::size_t i = 0; i < places.labels.size(); ++i) {
-      const LabelPlaces &label = places.labels[i];
+      const LabelVoxels &label = places.labels[i];
       if (label.voxels == 0) continue;
       ui::TissueRow row;
       const scene::SceneTissue tissue = places.tissueAt(label.tissue);
@@ -594,7 +596,7 @@ void Workstation::fillTissueTable() {
       row.isRigid = tissue.isRigid;
       for (std::size_t k = 0; shown && k < shown->map.labels.size(); ++k)
         if (const auto &one = shown->map.labels[k]; one.value == label.value && one.name == label.name) {
-          const render::Colour colour = render::shownColour(one.colour);
+          const render::Colour colour = render::displayColour(one.colour);
           row.colour = {colour[0], colour[1], colour[2]};
         }
       row.reference_ml = 1e-3 * places.voxel_mm3 * static_cast<double>(label.voxels);
@@ -609,12 +611,12 @@ void Workstation::fillTissueTable() {
   }
 }
 
-/// Of bodies of many tissues, beside the window: the simulation has begun.
+/// Surfaces of bodies of many tissues, built in a background job: the simulation has begun.
 void Workstation::makeTissueSurfaces() {
   tissueSurfaces_->forget();
   const std::uint64_t serial = ++surfacesSerial_;
   if (!surfacesJob_.isNull()) session_->jobs().cancel(std::exchange(surfacesJob_, {}));
-  const std::shared_ptr<const std::vector<TissuePlaces>> bodies = tissues_.bodies();
+  const std::shared_ptr<const std::vector<TissueVoxels>> bodies = tissues_.bodies();
   if (!bodies) return;
   const auto made = std::make_shared<std::vector<TissueSurface>>();
   surfacesJob_ = session_->jobs().submit(
@@ -628,25 +630,26 @@ void Workstation::makeTissueSurfaces() {
       [this, serial, made](const Expected<void> &result) {
         if (serial != surfacesSerial_) return;
         surfacesJob_ = {};
-        if (!result) return;  // cancelled: the body is there without them
+        if (!result) return;  // cancelled: the body is shown without them
         tissueSurfaces_->show(made, session_->simulationNode());
       });
 }
 
-/// Where the surfaces of tissues are, while the tree shows one that moves.
+/// Positions of the tissue surfaces, while the tree shows one that moves.
 void Workstation::showTissues() {
   tissueSurfaces_->followTree();
   tissues_.follow(tissueSurfaces_->seen());
   tissueSurfaces_->place(tissues_.places());
 }
 
-/// Before a frame, whose texts say it as its slices show it.
-void Workstation::takeWarp() {
+/// Called before a frame, so that its texts agree with its slices.
+void Workstation::applyLatestWarp() {
   const ui::ImageViews &views = images_->views();
-  if (warp_.wanted() && stillAsked_ != StillAsked{views.options().still, views.sharedImage(), views.sharedLabels()})
-    askForWarp();
+  if (warp_.wanted() &&
+      fixedRegionRequest_ != FixedRegionRequest{views.options().still, views.sharedImage(), views.sharedLabels()})
+    requestWarp();
   if (auto newest = warp_.take()) images_->showDisplacement(std::move(newest));
-  askForFields();
+  requestFields();
   fillTissueTable();
   showTissues();
   scene::Simulation *simulation = session_->simulation();
@@ -671,7 +674,7 @@ void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
     images_->open(loaded.image->file, loaded.image->labels, loaded.image->series, loaded.image->time,
                   WorkstationImages::Segmentation::image, true);
   else
-    askForWarp();
+    requestWarp();
   scene::Simulation *simulation = session_->simulation();
   simulation->setTargetRate(targetRate_);
   if (std::exchange(playsWhenLoaded_, false)) simulation->transport(C3DE_TRANSPORT_PLAY);

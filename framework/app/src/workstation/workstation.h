@@ -11,10 +11,11 @@
 namespace c3de::app {
 
 struct WorkstationOptions {
-  SessionOptions session;                    ///< renderer and registries are filled in here
+  SessionOptions session;                    ///< renderer and registries are set by runWorkstation()
   std::vector<std::filesystem::path> files;  ///< meshes and scenes to open
-  std::string meshUnit;                      ///< of meshes given as files; empty: what each says, else mm
-  std::string notice;                        ///< told in the window at the start; may be empty
+  std::string meshUnit;                      ///< of meshes passed as files; empty: the unit stated in each file, else
+                                             ///< mm
+  std::string notice;                        ///< shown in the window at the start; may be empty
   bool play = false;                         ///< start playing when the first scene is loaded
   int width = 1280, height = 800;
   std::filesystem::path automationState;  ///< file that mirrors the program's state as JSON; empty: none

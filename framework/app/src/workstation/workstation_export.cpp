@@ -11,8 +11,9 @@
 namespace c3de::app {
 namespace {
 
-/// Runs `write` on the simulation's thread and carries its answer to the main thread.
-void whileStanding(Session &session, std::function<Expected<std::string>(scene::Simulation &)> write, ExportTold told) {
+/// Runs `write` on the simulation's thread and passes its result to the main thread.
+void runBetweenSteps(Session &session, std::function<Expected<std::string>(scene::Simulation &)> write,
+                     ExportCallback told) {
   scene::Simulation *simulation = session.simulation();
   if (simulation == nullptr) return;
   simulation->post([simulation, queue = &session.mainQueue(), write = std::move(write), told = std::move(told)] {
@@ -20,7 +21,7 @@ void whileStanding(Session &session, std::function<Expected<std::string>(scene::
   });
 }
 
-/// Who simulates: the class of the plugin that the simulator belongs to.
+/// The present simulator: the class of the plugin that owns it.
 Expected<SimulatorIdentity> presentSimulator(Session &session) {
   const scene::Simulation *simulation = session.simulation();
   if (simulation == nullptr) return fail(ErrorCode::state, "no simulation is open");
@@ -33,10 +34,10 @@ Expected<SimulatorIdentity> presentSimulator(Session &session) {
 
 }  // namespace
 
-void savePresentState(Session &session, const std::filesystem::path &file, ExportTold told) {
+void savePresentState(Session &session, const std::filesystem::path &file, ExportCallback told) {
   const auto identity = presentSimulator(session);
   if (!identity) return told(tl::unexpected(identity.error()));
-  whileStanding(
+  runBetweenSteps(
       session,
       [&session, file, identity = *identity](scene::Simulation &simulation) -> Expected<std::string> {
         const auto bytes = stateBytes(session, simulation.object(), identity);
@@ -47,10 +48,10 @@ void savePresentState(Session &session, const std::filesystem::path &file, Expor
       std::move(told));
 }
 
-void goToStateOf(Session &session, const std::filesystem::path &file, ExportTold told) {
+void goToStateOf(Session &session, const std::filesystem::path &file, ExportCallback told) {
   const auto identity = presentSimulator(session);
   if (!identity) return told(tl::unexpected(identity.error()));
-  whileStanding(
+  runBetweenSteps(
       session,
       [&session, file, identity = *identity](scene::Simulation &simulation) -> Expected<std::string> {
         const auto bytes = readStateFile(file);
@@ -63,7 +64,7 @@ void goToStateOf(Session &session, const std::filesystem::path &file, ExportTold
       std::move(told));
 }
 
-void exportPresentSurface(Session &session, const std::filesystem::path &file, ExportTold told) {
+void exportPresentSurface(Session &session, const std::filesystem::path &file, ExportCallback told) {
   plugin_host::PluginHost *host = &session.plugins();
   const auto write = [host, file,
                       formats = &session.meshFormats()](scene::Simulation &simulation) -> Expected<std::string> {
@@ -79,10 +80,10 @@ void exportPresentSurface(Session &session, const std::filesystem::path &file, E
     if (failed.empty()) return written;
     return fail(code, failed + (written.empty() ? "" : "\nWritten:\n" + written));
   };
-  whileStanding(session, write, std::move(told));
+  runBetweenSteps(session, write, std::move(told));
 }
 
-void exportPresentFrame(Session &session, const std::filesystem::path &file, ExportTold told) {
+void exportPresentFrame(Session &session, const std::filesystem::path &file, ExportCallback told) {
   plugin_host::PluginHost *host = &session.plugins();
   const auto write = [host, file](scene::Simulation &simulation) -> Expected<std::string> {
     const auto states =
@@ -91,17 +92,17 @@ void exportPresentFrame(Session &session, const std::filesystem::path &file, Exp
     c3de_sim_status status{};
     status.size = sizeof status;
     if (simulation.table()->status(simulation.object(), &status) < 0)
-      return fail(ErrorCode::plugin, "the simulator does not say its time");
+      return fail(ErrorCode::plugin, "the simulator does not report its time");
     SimulationExport frame(file);
     if (auto added = frame.addFrame(status.time_s, *states); !added) return tl::unexpected(added.error());
     if (auto finished = frame.finish(); !finished) return tl::unexpected(finished.error());
     return pathText(file) + "\n" + pathText(framesFolder(file));
   };
-  whileStanding(session, write, std::move(told));
+  runBetweenSteps(session, write, std::move(told));
 }
 
 void exportPresentImage(Session &session, const PresentImages &images, const ImageWarp &how, const ImageExport &wanted,
-                        ExportTold told) {
+                        ExportCallback told) {
   scene::Simulation *simulation = session.simulation();
   const std::shared_ptr<const scene::StoredImage> image = images.image;
   if (simulation == nullptr || !image) return;
@@ -135,8 +136,8 @@ void exportPresentImage(Session &session, const PresentImages &images, const Ima
   });
 }
 
-void exportPresentTissues(Session &session, std::shared_ptr<const std::vector<TissuePlaces>> bodies,
-                          const std::filesystem::path &file, ExportTold told) {
+void exportPresentTissues(Session &session, std::shared_ptr<const std::vector<TissueVoxels>> bodies,
+                          const std::filesystem::path &file, ExportCallback told) {
   scene::Simulation *simulation = session.simulation();
   if (simulation == nullptr || !bodies) return;
   const auto write = [&session, bodies, file, told](std::shared_ptr<const TissueSnapshot> snapshot) {

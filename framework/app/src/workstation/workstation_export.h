@@ -15,33 +15,33 @@
 
 namespace c3de::app {
 
-/// Told on the main thread: the files that were written, one a line, or why not.
-using ExportTold = std::function<void(const Expected<std::string> &)>;
+/// Called on the main thread with the files that were written, one per line, or the error.
+using ExportCallback = std::function<void(const Expected<std::string> &)>;
 
-/// Writes the state of the simulation; goes to one that was saved, or leaves everything as it is. `told` hears the
-/// file or why not.
-void savePresentState(Session &session, const std::filesystem::path &file, ExportTold told);
-void goToStateOf(Session &session, const std::filesystem::path &file, ExportTold told);
+/// Writes the state of the simulation, or restores a saved one; on error everything remains unchanged. `told` receives
+/// the file or the error.
+void savePresentState(Session &session, const std::filesystem::path &file, ExportCallback told);
+void goToStateOf(Session &session, const std::filesystem::path &file, ExportCallback told);
 
-/// Writes the skins of the present state (surfaceFiles() says under which names), between two steps on the simulation's
-/// thread, so that all of it is one moment. Nothing without a simulation. Main thread.
-void exportPresentSurface(Session &session, const std::filesystem::path &file, ExportTold told);
-/// The same as a sequence of one frame: FILE.pvd and its folder.
-void exportPresentFrame(Session &session, const std::filesystem::path &file, ExportTold told);
+/// Writes the skins of the present state (surfaceFiles() determines the names). Runs between two steps on the
+/// simulation's thread, so that all of it is of one moment. No effect without a simulation. Main thread.
+void exportPresentSurface(Session &session, const std::filesystem::path &file, ExportCallback told);
+/// Same, as a sequence of one frame: FILE.pvd and its folder.
+void exportPresentFrame(Session &session, const std::filesystem::path &file, ExportCallback told);
 
 /// What is open in the views.
 struct PresentImages {
   std::shared_ptr<const scene::StoredImage> image;
-  std::vector<std::shared_ptr<const scene::StoredLabels>> layers;  ///< of the label map over it
-  bool areLabels = false;                                          ///< that map is the image
+  std::vector<std::shared_ptr<const scene::StoredLabels>> layers;  ///< of the label map over the image
+  bool areLabels = false;                                          ///< that map is itself the image
 };
-/// One file of `wanted`: the deformed image or labels, or how far the tissue has moved at the image's voxels.
-/// The displacement is of one moment; warping and writing are a job beside the window.
+/// One file of `wanted`: the deformed image or labels, or the displacement at the image's voxels. The displacement is
+/// of one moment; warping and writing run in a background job.
 void exportPresentImage(Session &session, const PresentImages &images, const ImageWarp &how, const ImageExport &wanted,
-                        ExportTold told);
+                        ExportCallback told);
 
-/// Writes what the labels of bodies of many tissues have done.
-void exportPresentTissues(Session &session, std::shared_ptr<const std::vector<TissuePlaces>> bodies,
-                          const std::filesystem::path &file, ExportTold told);
+/// Writes the motion of the labels of bodies of many tissues.
+void exportPresentTissues(Session &session, std::shared_ptr<const std::vector<TissueVoxels>> bodies,
+                          const std::filesystem::path &file, ExportCallback told);
 
 }  // namespace c3de::app

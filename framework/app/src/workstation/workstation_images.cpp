@@ -15,11 +15,11 @@
 namespace c3de::app {
 namespace {
 
-/// What a job reads, handed over to the main thread when it is complete.
+/// Result of a reading job, passed to the main thread when it is complete.
 struct ReadImage {
   std::shared_ptr<scene::StoredImage> image;
   std::vector<std::string> notices;
-  std::vector<imaging::SeriesInfo> series;  ///< to choose from; nothing was read then
+  std::vector<imaging::SeriesInfo> series;  ///< to choose from; if not empty, nothing was read
   bool isSegmentation = false;              ///< to be opened as labels
 };
 
@@ -28,10 +28,10 @@ struct ImageToRead {
   std::filesystem::path path;
   std::string series;
   std::size_t time = 0;
-  std::string name;  ///< for people
+  std::string name;  ///< display name
 };
 
-/// For a job.
+/// Runs in a job.
 Expected<void> readStored(const ImageToRead &wanted, const ProgressFn &progress, ReadImage &read) {
   imaging::ReadOptions options;
   options.series = wanted.series;
@@ -39,7 +39,7 @@ Expected<void> readStored(const ImageToRead &wanted, const ProgressFn &progress,
   options.progress = progress;
   auto loaded = imaging::readVolume(wanted.path, options);
   if (!loaded) return tl::unexpected(loaded.error());
-  if (progress && !progress(-1.0, "looking at the values"))
+  if (progress && !progress(-1.0, "analysing the values"))
     return fail(ErrorCode::cancelled, "opening " + wanted.name + " was cancelled");
   auto image = std::make_shared<scene::StoredImage>();
   image->name = wanted.name;
@@ -52,7 +52,7 @@ Expected<void> readStored(const ImageToRead &wanted, const ProgressFn &progress,
   return {};
 }
 
-/// Whether a segmentation was meant: by the file that was named, or because there is nothing else.
+/// Whether a segmentation was meant: the named file is one, or there is nothing else.
 bool isSegmentation(const std::vector<imaging::SeriesInfo> &readable) {
   const auto segments = [](const imaging::SeriesInfo &s) { return s.isSegmentation; };
   return (!readable.empty() && std::all_of(readable.begin(), readable.end(), segments)) ||
@@ -67,7 +67,7 @@ WorkstationImages::WorkstationImages(Session &session, render::Renderer &rendere
     : session_(session), renderer_(renderer), panels_(panels), events_(std::move(events)),
       displacement_(renderer.images(), views_),
       workflow_(session.jobs(), kJobOwner, session.materials(), {[this] { showPreview(); }, events_.createBodies}),
-      scanBody_(session.jobs(), kJobOwner, session.materials(), events_.makeScanAlive) {
+      scanBody_(session.jobs(), kJobOwner, session.materials(), events_.createScanBody) {
   if (render::ImageRenderer *images = renderer_.images()) images->setOverlayColours(ui::overlayColours());
   views_.setTimeChooser([this](std::size_t time) { readTime(time); });
 }
@@ -108,7 +108,7 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
         return readStored(wanted, progress, *read);
       },
       [this, wanted, labels = std::move(labels), read, serial, isOfSimulation](const Expected<void> &result) {
-        if (serial != serial_) return;  // a later request has taken over
+        if (serial != serial_) return;  // a later request has replaced this one
         job_ = {};
         if (!result) return events_.failed("Could not open " + wanted.name, result.error());
         if (!read->image && !read->isSegmentation) return askForSeries(wanted.path, labels, read->series);
@@ -156,7 +156,7 @@ void WorkstationImages::showTime(std::shared_ptr<scene::StoredImage> image) {
   if (!images || !shown) return;
   if (!imaging::sameGrid(shown->volume.geometry, image->volume.geometry))
     return events_.failed("Could not show another time point of " + image->name,
-                          {ErrorCode::input, "it does not lie where the one that is open lies"});
+                          {ErrorCode::input, "its position differs from that of the open one"});
   auto handle = images->addImage(voxelsOf(image->volume));
   if (!handle) return events_.failed("Could not show " + image->name, handle.error());
   images->remove(views_.handles().image);
@@ -164,7 +164,7 @@ void WorkstationImages::showTime(std::shared_ptr<scene::StoredImage> image) {
   storedImage_ = session_.images().add(std::shared_ptr<const scene::StoredImage>(image));
   views_.replaceImage(image, *handle);
   workflow_.replaceImage(image);
-  tellScanBody();
+  updateScanBodySources();
 }
 
 void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image, bool isOfSimulation) {
@@ -195,7 +195,7 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image, bool isO
   }
   session_.sceneGraph().touch();
   workflow_.setSources({image, nullptr});
-  tellScanBody();
+  updateScanBodySources();
   segmentationPanel_.emplace(panels_, views_, workflow_, scanBody_);
   panel_.emplace(panels_, views_,
                  ui::ImagePanel::LabelMaps{[this] {
@@ -212,7 +212,7 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image, bool isO
 }
 
 void WorkstationImages::offerToCloseSimulation(const std::string &image) {
-  // Not while messages are drawn, and not another simulation that has been opened since.
+  // Posted, since messages are being drawn; skipped if another simulation has been opened since.
   const auto close = [this, node = session_.simulationNode()] {
     session_.mainQueue().post([this, node] {
       if (session_.simulationNode() == node) events_.closeSimulation();
@@ -298,7 +298,7 @@ void WorkstationImages::showLabels(const OpenLabels &open) {
   storedLabels_ = session_.images().add(open.labels);
   workflow_.setSources({workflow_.mask().sources().image, open.labels});
   views_.setLabels(open.labels);
-  tellScanBody();
+  updateScanBodySources();
   for (const std::uint16_t label : open.hidden) views_.setLabelOpacity(label, 0.0f);
   ui::ImageHandles handles = views_.handles();
   handles.labels = *handle;
@@ -330,7 +330,7 @@ void WorkstationImages::removeLabels() {
   session_.images().removeLabels(std::exchange(storedLabels_, {}));
 }
 
-void WorkstationImages::tellScanBody() {
+void WorkstationImages::updateScanBodySources() {
   segmentation::ScanBody::Sources sources;
   sources.image = views_.sharedImage();
   sources.imageFile = path_;
@@ -343,7 +343,7 @@ void WorkstationImages::tellScanBody() {
   scanBody_.setSources(std::move(sources));
 }
 
-/// Of what is being picked, over the slices.
+/// Preview of the selection, over the slices.
 void WorkstationImages::showPreview() {
   render::ImageRenderer *images = renderer_.images();
   views_.setPickedLabels(workflow_.isSeveral() ? workflow_.pickedLabels() : std::vector<std::uint16_t>());
@@ -407,7 +407,7 @@ void WorkstationImages::close() {
 
 void WorkstationImages::followNode() {
   if (views_.image()) views_.setVisibleInSpace(session_.sceneGraph().isVisible(node_));
-  // "Fit view" brings in what is drawn; an image that is only in the slices is not.
+  // "Fit view" includes what is drawn in space; an image shown only in the slices is excluded.
   if (scene::Node *node = session_.sceneGraph().find(node_))
     node->hasBounds = views_.options().showsSlicesInSpace || views_.options().showsVolume;
 }

@@ -26,16 +26,16 @@ class Renderer;
 
 namespace c3de::app {
 
-/// Opens images and label maps beside the window: reading runs in a background job, and only what is complete takes the
-/// place of what was there. Main thread. Must outlive the session's jobs, and the renderer must outlive it.
+/// Opens images and label maps without blocking the window. Reading runs in a background job, and only complete data
+/// replaces what was open. Main thread. Must outlive the session's jobs, and the renderer must outlive it.
 class WorkstationImages {
  public:
   struct Events {
     std::function<void()> shown;   ///< another image is in the views
-    std::function<void()> closed;  ///< there is none any more
+    std::function<void()> closed;  ///< no image is open any more
     std::function<void(const std::string &title, const Error &error)> failed;
     std::function<void(std::vector<segmentation::BodyRequest>)> createBodies;
-    std::function<void(const std::string &scene)> makeScanAlive;  ///< ends with scanBody().finished()
+    std::function<void(const std::string &scene)> createScanBody;  ///< ends with scanBody().finished()
     std::function<void()> closeSimulation;
   };
   WorkstationImages(Session &session, render::Renderer &renderer, registry::PanelRegistry &panels, Events events);
@@ -46,52 +46,52 @@ class WorkstationImages {
   [[nodiscard]] ui::ImageViews &views() { return views_; }
   [[nodiscard]] segmentation::SegmentationWorkflow &workflow() { return workflow_; }
   [[nodiscard]] segmentation::ScanBody &scanBody() { return scanBody_; }
-  /// What is to be done with a segmentation that is opened as an image.
+  /// How to open a segmentation that is opened as an image.
   enum class Segmentation {
-    labels,  ///< it is laid over the image that is open; where none is, over its own numbers
-    image    ///< likewise over its own numbers, in the place of the image that is open
+    labels,  ///< overlaid on the open image; if there is none, on its own label numbers
+    image    ///< overlaid on its own label numbers, replacing the open image
   };
-  /// A file, a DICOM folder or any file of its series; ends a load that is running. Of several series a panel asks for
-  /// one.
+  /// Opens a file, a DICOM folder or any file of its series, and ends a running load. If there are several series, a
+  /// panel asks for one.
   /// @param isOfSimulation  the present simulation, or one that is being opened, belongs to it
   void open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels = {},
             const std::string &series = {}, std::size_t time = 0, Segmentation segmentation = Segmentation::labels,
             bool isOfSimulation = false);
-  /// Over the image that is open, one after the other; the last one is shown, the panel leads back to the others.
+  /// Overlays label maps on the open image one after the other. The last one is shown; the panel offers the others.
   void openLabels(const std::filesystem::path &path);
-  /// The outlines of the bodies take the place of their labels, and nothing of them is picked any more.
+  /// The outlines of the bodies replace their labels, and none of them is selected any more.
   void onBodiesReady(const std::vector<segmentation::BodyRequest> &requests);
-  /// The bodies are gone: their labels are shown again.
+  /// The bodies have been removed: their labels are shown again.
   void onBodiesRemoved();
   void close();
-  /// Shows how the tissue has moved. Null: as it was.
+  /// Shows the displacement of the tissue; null: none.
   void showDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement);
-  /// After a person has chosen what is laid over the slices.
+  /// Called after the user has chosen the overlay of the slices.
   void followOverlay() { displacement_.followOverlay(); }
-  /// Marks what of the masks of bodies is in none of them, also in an image that is opened later, and says so.
-  /// @param isNew  in the place of what was marked; else beside it
+  /// Marks the parts of bodies' masks that are in no body, also in an image opened later, and reports them.
+  /// @param isNew  replaces the previous marks; otherwise they are added
   void showMissing(const std::vector<Coverage> &bodies, bool isNew);
-  /// Takes over whether the image's node is visible.
+  /// Applies the visibility of the image's node.
   void followNode();
 
  private:
-  /// A label map that has been opened.
+  /// An open label map.
   struct OpenLabels {
     std::filesystem::path path;
     std::shared_ptr<const scene::StoredLabels> labels;
-    std::vector<std::uint16_t> hidden;  ///< because their bodies are there
+    std::vector<std::uint16_t> hidden;  ///< because their bodies exist
   };
   void show(std::shared_ptr<scene::StoredImage> image, bool isOfSimulation);
   void offerToCloseSimulation(const std::string &image);
-  /// Reads another time point of the image that is open and puts it in its place.
+  /// Reads another time point of the open image and replaces it.
   void readTime(std::size_t time);
   void showTime(std::shared_ptr<scene::StoredImage> image);
   void readNextLabels();
   void showLabels(const OpenLabels &open);
   [[nodiscard]] std::size_t shownLabels() const;
   void removeLabels();
-  /// What lies open, for scanBody_.
-  void tellScanBody();
+  /// Updates scanBody_ with what is open.
+  void updateScanBodySources();
   void showPreview();
   void markMissing();
   void askForSeries(const std::filesystem::path &path, std::vector<std::filesystem::path> labels,
@@ -110,12 +110,12 @@ class WorkstationImages {
   segmentation::ScanBody scanBody_;
   std::optional<ui::SegmentationPanel> segmentationPanel_;
   std::unique_ptr<SeriesChoice> choice_;
-  std::filesystem::path path_;  ///< of the image that is open
+  std::filesystem::path path_;  ///< of the open image
   std::string series_;
   std::vector<OpenLabels> labelMaps_;
   std::deque<std::filesystem::path> waitingLabels_;
   Handle job_, timeJob_, labelJob_, node_, storedImage_, storedLabels_;
-  std::shared_ptr<const segmentation::MaskPreview> preview_;  ///< that is shown
+  std::shared_ptr<const segmentation::MaskPreview> preview_;  ///< the displayed preview
   std::vector<Coverage> coverage_;
   std::uint64_t serial_ = 0, timeSerial_ = 0, labelSerial_ = 0;
 };

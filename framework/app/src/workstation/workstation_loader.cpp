@@ -19,14 +19,14 @@ std::string namesOf(const std::vector<std::filesystem::path> &files) {
   return text;
 }
 
-/// Bodies are addressed by name, so two meshes of one name need two.
+/// Bodies are addressed by name, so two meshes of the same name need different ones.
 std::string uniqueName(const scene::SceneFile &scene, const std::string &wanted) {
-  const auto isTaken = [&](const std::string &name) {
+  const auto isUsed = [&](const std::string &name) {
     return std::any_of(scene.bodies.begin(), scene.bodies.end(),
                        [&](const scene::SceneBody &body) { return body.name == name; });
   };
   std::string name = wanted;
-  for (int i = 2; isTaken(name); ++i) name = wanted + " " + std::to_string(i);
+  for (int i = 2; isUsed(name); ++i) name = wanted + " " + std::to_string(i);
   return name;
 }
 
@@ -37,8 +37,8 @@ std::string unitText(const geometry::MeshFormats &formats, const std::vector<std
     if (scene::isScenePath(file)) continue;
     const auto said = formats.unitInFile(file);
     const std::string unit = !stated.empty() ? stated + ", as was asked"
-                             : said          ? std::string(geometry::unitName(*said)) + ", as the file says"
-                                             : "mm, because it says none";
+                             : said          ? std::string(geometry::unitName(*said)) + ", as the file states"
+                                             : "mm, because the file states no unit";
     if (text.find(unit) == std::string::npos) text += (text.empty() ? "" : "; ") + unit;
   }
   return text;
@@ -107,7 +107,7 @@ void WorkstationLoader::load(Source source, bool isReload) {
     std::optional<Bounds_m> bodies, room;
   };
   const auto placed = std::make_shared<Placed>();
-  // The job and its end share the simulator; it goes with the last of them.
+  // The job and its completion share the simulator; the last of them releases it.
   const auto simulator = std::make_shared<ObjectRef>(*created);
   const auto shared = std::make_shared<const scene::SceneFile>(std::move(*scene));
   const auto prepared = std::make_shared<Prepared>();
@@ -119,14 +119,14 @@ void WorkstationLoader::load(Source source, bool isReload) {
           return populated;
         placed->bodies = boundsOfBodies(simulator->get());
         if (!needsFloor || !placed->bodies) return {};
-        const auto room = putUpRoom(simulator->get(), *placed->bodies);
+        const auto room = addSurroundingWalls(simulator->get(), *placed->bodies);
         if (!room) return tl::unexpected(room.error());
         placed->room = *room;
         return {};
       },
       [this, simulator, shared, prepared, placed, sceneTitle, source, failed, isReload, isText,
        serial](const Expected<void> &result) {
-        // A later request has taken over.
+        // A later request has replaced this one.
         if (serial != serial_) {
           if (source.done) source.done(fail(ErrorCode::cancelled, "something else was opened"));
           return;

@@ -12,39 +12,40 @@
 
 namespace c3de::app {
 
-/// Opens meshes and scenes beside the window: reading and building run in a background job, and only what is complete
-/// takes the place of what was there. Main thread. Must outlive the session's jobs.
+/// Opens meshes and scenes without blocking the window. Reading and building run in a background job, and only a
+/// complete result replaces the present simulation. Main thread. Must outlive the session's jobs.
 class WorkstationLoader {
  public:
   struct Loaded {
     bool isReload = false;  ///< the same files as before
-    double size_mm = 0.0;   ///< diagonal of all bodies; 0: not known
-    std::string unit;       ///< that meshes were read in, and why, for a person; empty when only a scene was opened
-    std::optional<scene::SceneImage> image;  ///< that the scene shows beside its bodies
-    bool isImageOpen = false;                ///< it is in the window already
+    double size_mm = 0.0;   ///< diagonal of all bodies; 0: unknown
+    std::string unit;       ///< unit in which meshes were read, and why, as display text; empty if only a scene was
+                            ///< opened
+    std::optional<scene::SceneImage> image;  ///< the image shown by the scene next to its bodies
+    bool isImageOpen = false;                ///< it is already open in the window
     std::vector<Coverage> coverage;          ///< of bodies from images
-    std::vector<TissuePlaces> tissues;       ///< of bodies of many tissues
+    std::vector<TissueVoxels> tissues;       ///< of bodies of many tissues
   };
   struct Events {
-    /// The new simulation is the present one.
+    /// The new simulation has become the present one.
     std::function<void(const Loaded &)> loaded;
-    /// What was there stays.
+    /// The previous simulation remains.
     std::function<void(const std::string &title, const Error &error)> failed;
   };
   WorkstationLoader(Session &session, Events events) : session_(session), events_(std::move(events)) {}
 
-  /// Meshes become bodies of one scene, with a floor below them; beside a scene they are added to it. Ends a load that
-  /// is running.
-  /// @param meshUnit  mm, cm, m; empty: what each file says, else mm
+  /// Meshes become bodies of one scene, with a floor below them; if there is also a scene, they are added to it. Ends a
+  /// running load.
+  /// @param meshUnit  mm, cm, m; empty: the unit stated in each file, else mm
   void open(const std::vector<std::filesystem::path> &files, const std::string &meshUnit) {
     load({files, meshUnit, {}, {}}, false);
   }
-  /// A scene that was written in the window, of the image that is open there. Ends a load that is running.
-  /// @param done  how it ended, in the place of Events::failed; also of one that another load has ended
+  /// Opens a scene written in the window for the image that is open there. Ends a running load.
+  /// @param done  receives the result, instead of Events::failed; also if another load has ended this one
   void openText(const std::string &scene, std::function<void(const Expected<void> &)> done) {
     load({{}, {}, scene, std::move(done)}, false);
   }
-  /// The same files once more, as they are now.
+  /// Loads the same files again, in their present state.
   void reload() {
     Source again = source_;
     again.done = {};
@@ -52,7 +53,7 @@ class WorkstationLoader {
   }
 
  private:
-  /// What a simulation is made of: files, or the text of a scene.
+  /// Source of a simulation: files, or the text of a scene.
   struct Source {
     std::vector<std::filesystem::path> files;
     std::string meshUnit;
@@ -66,8 +67,8 @@ class WorkstationLoader {
   Session &session_;
   Events events_;
   Handle job_;
-  std::uint64_t serial_ = 0;  ///< of the load that was asked for last
-  Source source_;             ///< of the present simulation, or the last try when there is none
+  std::uint64_t serial_ = 0;  ///< of the last requested load
+  Source source_;             ///< of the present simulation, or of the last attempt if there is none
 };
 
 }  // namespace c3de::app

@@ -13,8 +13,8 @@ class Renderer;
 
 namespace c3de::app {
 
-/// Writes the 3D view as PNG: `out/c3de-DATE-TIME.png` in the current folder, or the user's data folder where that
-/// cannot be written. Returns the file.
+/// Writes the 3D view as PNG: `out/c3de-DATE-TIME.png` in the current folder, or in the user's data folder if that is
+/// not writable. Returns the file.
 [[nodiscard]] Expected<std::filesystem::path> saveViewScreenshot(render::Renderer &renderer,
                                                                  const render::Camera &camera, int width, int height);
 

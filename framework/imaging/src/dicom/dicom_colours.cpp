@@ -15,7 +15,7 @@ std::uint8_t byteOf(double x) { return static_cast<std::uint8_t>(std::clamp(std:
 /// One of the three tables of a palette.
 struct PaletteTable {
   std::vector<std::uint8_t> entries;
-  double first = 0.0;  ///< number that the first entry is for
+  double first = 0.0;  ///< number mapped to the first entry
   [[nodiscard]] std::uint8_t at(double number) const {
     const double last = static_cast<double>(entries.size() - 1);
     return entries[static_cast<std::size_t>(std::clamp(number - first, 0.0, last))];
@@ -45,7 +45,7 @@ std::string refusalOfColours(const DicomSet &set) {
   const std::size_t samples = set.number(0x00280002), bits = set.number(0x00280100);
   const std::string found = "holds colours (" + colours + ", " + std::to_string(samples) + " numbers of " +
                             std::to_string(bits) + " bits per pixel)";
-  if (bits != 8 && bits != 16) return found + "; those of 8 and 16 bits are read";
+  if (bits != 8 && bits != 16) return found + "; supported: 8 and 16 bits";
   if (colours == kPalette)
     return samples == 1 && !set.has(0x00281221) ? ""
                                                 : found + "; palettes are read where their tables are not in segments";

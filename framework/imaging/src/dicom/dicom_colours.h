@@ -10,27 +10,27 @@ namespace c3de::imaging {
 /// Why the colours of a file are not read; empty: they are.
 [[nodiscard]] std::string refusalOfColours(const DicomSet &set);
 
-/// Numbers of a pixel as they are stored uncompressed: two where pairs share their colour differences.
+/// Stored values per pixel in uncompressed form: two where pixel pairs share their chroma.
 [[nodiscard]] std::size_t samplesStored(const DicomSet &set);
 
-/// What decoders leave: three numbers per pixel beside each other, of 8 or 16 bits in the order of this machine.
+/// Output of decoders: three interleaved values per pixel, of 8 or 16 bits in native byte order.
 struct ColourSamples {
   std::vector<char> bytes;
   unsigned allocated = 8, stored = 8;
-  bool isDifference = false;  ///< luma and two colour differences (YCbCr, full range) instead of red, green, blue
+  bool isDifference = false;  ///< luma and two chroma components (YCbCr, full range) instead of red, green, blue
 };
 [[nodiscard]] std::vector<Rgba> coloursOf(const ColourSamples &samples);
 
-/// Y Y Cb Cr for two pixels to Y Cb Cr for each. 8 bits.
+/// Expands Y Y Cb Cr for two pixels to Y Cb Cr for each. 8 bits.
 [[nodiscard]] std::vector<char> unpaired(const std::vector<char> &bytes);
-/// Frame by frame all first, all second, all third numbers: to three for each pixel.
+/// Converts planar frames (all first, all second, all third values) to three values for each pixel.
 [[nodiscard]] std::vector<char> interleaved(const std::vector<char> &planes, std::size_t pixelsOfFrame,
                                             std::size_t bytesEach);
 
-/// Numbers to the colours of the file's palette; empty: its tables are damaged.
+/// Maps numbers to the colours of the file's palette; empty: its tables are damaged.
 [[nodiscard]] std::vector<Rgba> paletteColours(const DicomSet &set, const Voxels &numbers);
 
-/// Brightness of colours as they are encoded (Rec. 709), 8 bits.
+/// Luma of encoded colours (Rec. 709), 8 bits.
 [[nodiscard]] std::vector<std::uint8_t> lumaOf(const std::vector<Rgba> &colours);
 
 }  // namespace c3de::imaging

@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char *kParametricMap = "1.2.840.10008.5.1.4.1.1.30";
 
-/// Where the attributes of a frame stand: its own functional groups, the shared ones, or the file.
+/// Sources of a frame's attributes: its own functional groups, the shared ones, or the file.
 struct Places {
   const DicomSet *own, *shared;
   const DicomSet &file;
@@ -33,7 +33,7 @@ struct Places {
     }
     return file.decimals(tag);
   }
-  /// Notes a value that is there and is left out because it is not what it should be.
+  /// Adds a notice about an invalid value that is ignored.
   void noteBad(std::uint32_t group, std::uint32_t tag, const char *name, const char *accepted,
                std::vector<std::string> &notices) const {
     std::string written = file.text(tag);
@@ -64,7 +64,7 @@ bool finite(const std::vector<double> &all, std::size_t count) {
                                             [](double x) { return std::abs(x) < 1e6; });
 }
 
-/// Parametric maps say what their numbers mean by Real World Value Mapping, PS3.3 C.7.6.16.2.11.
+/// Parametric maps define their values by Real World Value Mapping, PS3.3 C.7.6.16.2.11.
 void scaleParameter(const Places &from, DicomFrame &frame, DicomFile &out) {
   const auto mapping = from.item(0x00409096);
   if (!mapping) return;
@@ -92,7 +92,7 @@ DicomFrame readFrame(const Places &from, const DicomSet &file, const std::string
   if (finite(orientation, 6)) {
     const Vec3 row{orientation[0], orientation[1], orientation[2]},
         column{orientation[3], orientation[4], orientation[5]};
-    // Standard: unit vectors at a right angle; writers round them.
+    // Standard: perpendicular unit vectors; writers round them.
     if (std::abs(norm(row) - 1.0) < 0.01 && std::abs(norm(column) - 1.0) < 0.01 && std::abs(dot(row, column)) < 0.01) {
       frame.alongRow = (1.0 / norm(row)) * row;
       frame.alongColumn = (1.0 / norm(column)) * column;
@@ -141,16 +141,15 @@ std::string unitOf(const DicomSet &set, const std::string &modality) {
   return modality == "CT" ? "HU" : "";
 }
 
-/// Frames of these modalities that have no place of their own follow each other in time; of the others they may be
-/// slices.
-bool isFilmed(const std::string &modality) {
+/// Frames of these modalities without positions are a time series; those of other modalities may be slices.
+bool framesAreTimeSeries(const std::string &modality) {
   for (const char *sliced : {"CT", "MR", "PT", "NM", "RTDOSE", "SEG"})
     if (modality == sliced) return false;
   return true;
 }
 
-/// Frames that the file places by one position and steps: dose grids and nuclear medicine.
-void placeByOffsets(const DicomSet &set, DicomFile &out) {
+/// Sets the positions of frames that are given by one position and steps: dose grids and nuclear medicine.
+void positionByOffsets(const DicomSet &set, DicomFile &out) {
   const DicomFrame &first = out.frames.front();
   if (out.frames.size() < 2 || !first.position || !first.oriented) return;
   for (std::size_t f = 1; f < out.frames.size(); ++f)
@@ -159,8 +158,8 @@ void placeByOffsets(const DicomSet &set, DicomFile &out) {
   const double step = numberOr(set.decimals(0x00180088), 0.0);
   if (offsets.empty() && step != 0.0)
     for (std::size_t f = 0; f < out.frames.size(); ++f) offsets.push_back(step * static_cast<double>(f));
-  if (offsets.size() < out.frames.size() && isFilmed(out.modality)) {
-    out.isFilm = true;
+  if (offsets.size() < out.frames.size() && framesAreTimeSeries(out.modality)) {
+    out.isTimeSeries = true;
     return;
   }
   if (offsets.size() < out.frames.size()) {
@@ -173,7 +172,8 @@ void placeByOffsets(const DicomSet &set, DicomFile &out) {
     out.frames[f].position = origin + (offsets[f] - offsets[0]) * normal;
 }
 
-/// The frames and where they lie; the refusal says why they are no volume. False: there is no number of frames.
+/// Reads the frames and their positions; the refusal states why they do not form a volume. False: invalid number of
+/// frames.
 bool readFrames(const DicomSet &set, DicomFile &out) {
   const std::string stated = set.text(0x00280008);
   const double count = stated.empty() ? 1.0 : numberOr(numbersIn(stated), 0.0);
@@ -188,10 +188,10 @@ bool readFrames(const DicomSet &set, DicomFile &out) {
         {f < own.size() ? &own[f] : nullptr, shared.empty() ? nullptr : &shared.front(), set}, set, out.modality, out));
     out.frames.back().time = static_cast<double>(f);
   }
-  if (!out.segmentation) placeByOffsets(set, out);
+  if (!out.segmentation) positionByOffsets(set, out);
   if (out.refusal.empty() && out.frames.size() > 1 && !out.frames.front().position) {
-    if (isFilmed(out.modality))
-      out.isFilm = true;
+    if (framesAreTimeSeries(out.modality))
+      out.isTimeSeries = true;
     else
       out.refusal =
           "its " + std::to_string(out.frames.size()) + " frames have no place in the patient (a film, not a volume)";
@@ -226,7 +226,7 @@ std::optional<DicomFile> describe(const std::filesystem::path &path, const Dicom
   }
   if (out.modality == "SEG" || set.has(0x00620002)) {
     out.segmentation = segmentationOf(set);
-    out.isColoured = false;  // a segmentation's palette colours numbers of segments
+    out.isColoured = false;  // a segmentation's palette contains the colours of segment numbers
     out.refusal = out.segmentation ? ""
                                    : "is a DICOM segmentation of type '" + set.text(0x00620001) +
                                          "'; BINARY, FRACTIONAL and LABELMAP are read";
@@ -248,8 +248,9 @@ std::uint64_t bytesOfPixels(const DicomFile &file, const DicomContent &content) 
   return (numbers * file.bits + 7) / 8;
 }
 
-/// Says where pixels that are stored as they are go on behind those of the header; they are padded to even length.
-std::string pixelsLeftOver(const DicomFile &file, const DicomContent &content) {
+/// Notice where uncompressed pixel data continue after the pixels stated in the header; padding to even length is
+/// normal.
+std::string surplusPixels(const DicomFile &file, const DicomContent &content) {
   const DicomSet::Element *pixels = content.pixels();
   if (!pixels || pixels->undefined) return {};
   const std::uint64_t need = bytesOfPixels(file, content);
@@ -258,7 +259,7 @@ std::string pixelsLeftOver(const DicomFile &file, const DicomContent &content) {
          " of the pixels that its header says; they are left out. Are rows, columns and frames right?";
 }
 
-/// What keeps the pixels from being read: a file that ends within them, or has none.
+/// Why the pixels cannot be read: the file ends within them, or has none.
 std::string missingPixels(const DicomFile &file, const DicomContent &content) {
   const DicomSet::Element *pixels = content.pixels();
   if (!pixels) return content.damage.empty() ? "has no pixels" : "is truncated or damaged: " + content.damage;
@@ -277,12 +278,12 @@ bool isDicom(const std::filesystem::path &path) {
   char head[132] = {};
   if (!file || !file->read(head, sizeof head)) return false;
   if (std::memcmp(head + 128, "DICM", 4) == 0) return true;
-  // Without the preamble it begins with the signature, the meta header, or what images begin with.
+  // Without the preamble it begins with the signature, the meta header, or the first group of images.
   const bool mayBe = std::memcmp(head, "DICM", 4) == 0 || ((head[0] == 2 || head[0] == 8) && head[1] == 0);
   return mayBe && readDicomHeader(path);
 }
 
-std::filesystem::path placeOfImages(const std::filesystem::path &path) {
+std::filesystem::path imageFolderOf(const std::filesystem::path &path) {
   constexpr std::uint32_t kDirectoryRecords = 0x00041220;
   if (!isDicom(path)) return path;
   const auto content = parseDicom(path);
@@ -296,9 +297,9 @@ std::optional<DicomFile> readDicomHeader(const std::filesystem::path &path) {
   auto out = describe(path, content->set);
   if (!out || !out->refusal.empty()) return out;
   out->refusal = missingPixels(*out, *content);
-  if (const std::string more = pixelsLeftOver(*out, *content); !more.empty()) out->notices.push_back(more);
+  if (const std::string more = surplusPixels(*out, *content); !more.empty()) out->notices.push_back(more);
   if (isMosaic(content->set)) splitMosaic(content->set, *out);
-  // as they are decoded
+  // type after decoding
   if (out->isColoured || (out->segmentation && out->bits < 8)) out->bits = 8, out->isSigned = false;
   if (content->bytes->hasDecimalComma) out->notices.emplace_back(kDecimalCommaNotice);
   return out;

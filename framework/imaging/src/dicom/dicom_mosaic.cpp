@@ -12,14 +12,14 @@
 namespace c3de::imaging {
 namespace {
 
-/// (gggg,xxee) of the block that a private creator has reserved; 0: it has none.
+/// (gggg,xxee) of the block reserved by a private creator; 0: none.
 std::uint32_t privateTag(const DicomSet &set, std::uint32_t group, const std::string &creator, std::uint32_t element) {
   for (std::uint32_t block = 0x10; block <= 0xff; ++block)
     if (set.text(group << 16 | block) == creator) return group << 16 | block << 8 | element;
   return 0;
 }
 
-/// Fields of a CSA header by name. Versions 1 and 2 ("SV10") differ in how they begin and in how they count lengths.
+/// Fields of a CSA header by name. Versions 1 and 2 ("SV10") differ in their beginning and in how they count lengths.
 std::map<std::string, std::vector<double>> csaFields(const std::vector<char> &csa) {
   std::map<std::string, std::vector<double>> fields;
   std::size_t at = 0;
@@ -118,11 +118,11 @@ void splitMosaic(const DicomSet &set, DicomFile &file) {
             : "whose SliceNormalVector is missing: in which direction its slices follow each other is not known");
 
   file.tiles = tiles;
-  const double columnsBeside = static_cast<double>(file.columns - file.columns / tiles),
+  const double adjacentColumns = static_cast<double>(file.columns - file.columns / tiles),
                rowsBelow = static_cast<double>(file.rows - file.rows / tiles);
   file.columns /= tiles;
   file.rows /= tiles;
-  const Vec3 corner = *whole.position + (0.5 * columnsBeside * whole.columnStep) * whole.alongRow +
+  const Vec3 corner = *whole.position + (0.5 * adjacentColumns * whole.columnStep) * whole.alongRow +
                       (0.5 * rowsBelow * whole.rowStep) * whole.alongColumn;
   file.frames.assign(static_cast<std::size_t>(count), whole);
   for (std::size_t f = 0; f < file.frames.size(); ++f) {
@@ -134,7 +134,7 @@ void splitMosaic(const DicomSet &set, DicomFile &file) {
                          " slices (Siemens): it is taken apart into its volume.");
 }
 
-bool takeTilesApart(const DicomFile &file, DicomPixels &pixels) {
+bool splitTiles(const DicomFile &file, DicomPixels &pixels) {
   if (pixels.frames != 1 || pixels.columns != file.columns * file.tiles || pixels.rows != file.rows * file.tiles ||
       file.frames.size() > file.tiles * file.tiles)
     return false;

@@ -40,7 +40,7 @@ struct Head {
   std::string representation;
 };
 
-/// Finds its way through a file; a position of 0 means that the structure breaks off.
+/// Traverses the structure of a file; a position of 0 means that the structure breaks off.
 class Walker {
  public:
   Walker(DicomBytes &bytes) : bytes_(bytes) {}
@@ -67,7 +67,7 @@ class Walker {
     return out;
   }
 
-  /// Behind an element; sequences of undefined length are walked through.
+  /// Position after an element; sequences of undefined length are traversed.
   [[nodiscard]] std::uint64_t behind(const Head &head, DicomSyntax syntax, int depth) {
     if (head.length != kUndefined) {
       const std::uint64_t end = head.value + head.length;
@@ -76,7 +76,7 @@ class Walker {
     return behindSequence(head.value, inside(head, syntax), depth);
   }
 
-  /// Unknown elements of undefined length are sequences written implicitly (PS3.5 6.2.2).
+  /// Unknown elements of undefined length are sequences in implicit encoding (PS3.5 6.2.2).
   [[nodiscard]] static DicomSyntax inside(const Head &head, DicomSyntax syntax) {
     return head.representation == "UN" && head.length == kUndefined ? DicomSyntax{false, false} : syntax;
   }
@@ -139,7 +139,7 @@ bool DicomBytes::read(std::uint64_t at, void *to, std::size_t bytes) {
   return true;
 }
 
-/// Fills sets; the only one who may.
+/// Fills sets; their only friend.
 class DicomParser {
  public:
   /// Elements from a position up to the end, the pixels, or a delimiter. @param damage  set where the structure breaks
@@ -158,14 +158,14 @@ class DicomParser {
       if (head->tag == kItemEnd) break;
       DicomSet::Element element{head->value, head->length, head->length == kUndefined, head->representation == "UN",
                                 head->representation};
-      // whether all are there is for missingPixels() to say
+      // missingPixels() checks whether they are complete
       if (head->tag == kPixelData || head->tag == kFloatPixels || head->tag == kDoublePixels) {
         set.elements_[head->tag] = element;
         break;
       }
       at = walker.behind(*head, syntax, 0);
       if (at == 0) {
-        damage = "it ends or breaks off within element " + hex(head->tag);
+        damage = "it ends or is damaged within element " + hex(head->tag);
         break;
       }
       element.length = at - head->value;
@@ -288,7 +288,7 @@ const DicomSet::Element *DicomContent::pixels() const {
 
 namespace {
 
-/// The rest of a file, inflated; what ends too early is given as far as it goes.
+/// The remainder of a file, inflated; a truncated one as far as possible.
 std::vector<char> inflated(DicomBytes &bytes, std::uint64_t from, std::string &damage) {
   std::vector<char> in(static_cast<std::size_t>(bytes.length() - from)), out;
   if (!bytes.read(from, in.data(), in.size())) return out;
@@ -335,12 +335,12 @@ std::optional<DicomContent> parseDicom(const std::filesystem::path &path) {
     at = 0;
   }
   out.syntax.bigEndian = out.transferSyntax == "1.2.840.10008.1.2.2";
-  // Writers get this wrong; the first element shows how it is.
+  // Writers often state this incorrectly; the first element shows the actual encoding.
   unsigned char b[8];
   if (!out.bytes->read(at, b, sizeof b)) return signedAsDicom ? std::optional(out) : std::nullopt;
   out.syntax.isExplicit = isRepresentation(b + 4);
   const std::uint32_t group = unsignedOf(b, 2, out.syntax.bigEndian);
-  if (!signedAsDicom && group != 8) return std::nullopt;  // without a signature it must begin as images do
+  if (!signedAsDicom && group != 8) return std::nullopt;  // must begin with the group of images
   std::string damage;
   out.set = DicomParser::parse(out.bytes, at, out.bytes->length(), out.syntax, damage);
   if (out.damage.empty()) out.damage = damage;

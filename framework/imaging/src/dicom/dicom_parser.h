@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The structure of DICOM files (PS3.5 chapters 7 and 10), of our own because Debian's GDCM has its assertions on and
-// ends the program at damaged files. Values are found, not copied: nothing large is read.
+// Parser for the structure of DICOM files (PS3.5 chapters 7 and 10). A separate implementation, because Debian's GDCM
+// is built with assertions and terminates the program on damaged files. Values are located, not copied: nothing large
+// is read.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +23,9 @@ class DicomBytes {
   explicit DicomBytes(const std::filesystem::path &path);
   explicit DicomBytes(std::vector<char> memory);
   [[nodiscard]] std::uint64_t length() const { return length_; }
-  /// False: there are not so many.
+  /// False: there are fewer bytes.
   [[nodiscard]] bool read(std::uint64_t at, void *to, std::size_t bytes);
-  /// That a number of the file has a decimal comma, which the standard does not know.
+  /// A number in the file has a decimal comma, which the standard does not allow.
   bool hasDecimalComma = false;
 
  private:
@@ -33,7 +34,7 @@ class DicomBytes {
   std::uint64_t length_ = 0, windowAt_ = 0;
 };
 
-/// How elements are written.
+/// Encoding of elements.
 struct DicomSyntax {
   bool isExplicit = true, bigEndian = false;
 };
@@ -42,7 +43,7 @@ struct DicomSyntax {
 class DicomSet {
  public:
   struct Element {
-    std::uint64_t at = 0, length = 0;  ///< of the value; with undefined length up to and with its delimiter
+    std::uint64_t at = 0, length = 0;  ///< of the value; for undefined length including its delimiter
     bool undefined = false, asUnknown = false;
     std::string representation;  ///< "DS", "SQ", …; empty in implicit files
   };
@@ -50,13 +51,13 @@ class DicomSet {
   [[nodiscard]] bool has(std::uint32_t tag) const { return elements_.contains(tag); }
   [[nodiscard]] const Element *find(std::uint32_t tag) const;
   [[nodiscard]] std::string text(std::uint32_t tag) const;                  ///< without padding; "" if absent
-  [[nodiscard]] std::string name(std::uint32_t tag) const;                  ///< text for a person, UTF-8
-  [[nodiscard]] std::vector<double> decimals(std::uint32_t tag) const;      ///< of text such as 1\2\3; NaN for none
+  [[nodiscard]] std::string name(std::uint32_t tag) const;                  ///< display text, UTF-8
+  [[nodiscard]] std::vector<double> decimals(std::uint32_t tag) const;      ///< of text such as 1\2\3; else NaN
   [[nodiscard]] std::size_t number(std::uint32_t tag) const;                ///< of 16 bits; 0 if absent
   [[nodiscard]] std::vector<std::uint16_t> words(std::uint32_t tag) const;  ///< of 16 bits, US or OW
   [[nodiscard]] std::vector<double> doubles(std::uint32_t tag) const;       ///< of 64 bits (FD)
   [[nodiscard]] std::vector<char> bytes(std::uint32_t tag) const;           ///< as stored, up to a megabyte
-  /// Items of a sequence; empty where there is none or it is damaged.
+  /// Items of a sequence; empty where it is absent or damaged.
   [[nodiscard]] std::vector<DicomSet> items(std::uint32_t tag) const;
 
  private:
@@ -74,15 +75,15 @@ struct DicomContent {
   std::shared_ptr<DicomBytes> bytes;
   DicomSyntax syntax;
   std::string transferSyntax;  ///< its UID
-  std::string damage;          ///< where its structure breaks off; empty: it is whole, or ends with its pixels
+  std::string damage;          ///< where its structure breaks off; empty: complete, or it ends with its pixels
   [[nodiscard]] bool isCompressed() const;
-  [[nodiscard]] const DicomSet::Element *pixels() const;  ///< of whichever kind; null: none
+  [[nodiscard]] const DicomSet::Element *pixels() const;  ///< of any kind; null: none
 };
 
-/// Nothing for what is no DICOM file.
+/// None for a file that is not DICOM.
 [[nodiscard]] std::optional<DicomContent> parseDicom(const std::filesystem::path &path);
 
-/// The pieces of compressed pixels, the table of offsets first; nothing if they do not end as they should.
+/// The fragments of compressed pixels, the offset table first; none if they do not end correctly.
 [[nodiscard]] std::optional<std::vector<DicomSet::Element>> fragmentsOf(const DicomContent &content);
 
 }  // namespace c3de::imaging

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From bytes to pixels. Uncompressed pixels and RLE are taken apart here; JPEG, JPEG-LS and JPEG 2000 by GDCM's codecs,
-// which get nothing but the compressed bytes. The only source that includes GDCM.
+// Converts bytes to pixels. Uncompressed pixels and RLE are decoded here; JPEG, JPEG-LS and JPEG 2000 by GDCM's codecs,
+// which receive only the compressed bytes. The only source file that includes GDCM.
 #include <gdcmDataElement.h>
 #include <gdcmImage.h>
 #include <gdcmJPEGLSCodec.h>
@@ -27,11 +27,11 @@ namespace {
 
 constexpr const char *kRle = "1.2.840.10008.1.2.5";
 
-/// What describes pixels, PS3.3 C.7.6.3.
+/// Attributes that describe pixels, PS3.3 C.7.6.3.
 struct Layout {
   std::size_t rows = 0, columns = 0, frames = 1;
   unsigned allocated = 0, stored = 0, high = 0;
-  std::size_t samples = 1;  ///< numbers per pixel
+  std::size_t samples = 1;  ///< values per pixel
   bool isSigned = false, isReal = false;
   std::string colours;  ///< Photometric Interpretation where there are three samples
   [[nodiscard]] std::size_t pixels() const { return rows * columns * frames; }
@@ -40,7 +40,7 @@ struct Layout {
   }
 };
 
-/// What decoders print goes to the log, where nobody sees it unless he asks for debugging.
+/// Redirects the output of decoders to the log, where it is visible only at debug level.
 class PrintedText {
  public:
   PrintedText() {
@@ -52,7 +52,7 @@ class PrintedText {
     std::istringstream lines(capture_.text());
     for (std::string line; std::getline(lines, line);) {
       if (line.starts_with("c3de: "))
-        std::fprintf(stderr, "%s\n", line.c_str());  // another thread's, meanwhile
+        std::fprintf(stderr, "%s\n", line.c_str());  // from another thread in the meantime
       else
         log(LogLevel::debug, "DICOM decoder: " + line);
     }
@@ -64,7 +64,7 @@ class PrintedText {
   ErrorStreamCapture capture_;
 };
 
-/// Bytes in the order of this machine to voxels; bits that belong to overlays are cleared, signs extended.
+/// Converts bytes in native order to voxels; clears overlay bits, extends signs.
 template <class T>
 Voxels voxelsOf(const std::vector<char> &bytes, const Layout &layout) {
   std::vector<T> all(bytes.size() / sizeof(T));
@@ -84,7 +84,7 @@ Voxels realsOf(const std::vector<char> &bytes) {
   return all;
 }
 
-/// One byte for each bit; the lowest bit of a byte comes first, and frames follow without a gap (PS3.5 8.1.1).
+/// One byte per bit; the lowest bit of a byte comes first, and frames follow without a gap (PS3.5 8.1.1).
 Voxels bitsOf(const std::vector<char> &bytes, const Layout &layout) {
   std::vector<std::uint8_t> all(layout.pixels());
   for (std::size_t p = 0; p < all.size(); ++p) all[p] = static_cast<unsigned char>(bytes[p / 8]) >> (p % 8) & 1u;
@@ -109,7 +109,7 @@ Expected<std::vector<char>> native(const std::filesystem::path &path, DicomConte
   std::vector<char> bytes(isPaired ? layout.pixels() * 2 : layout.bytes());
   if (bytes.size() > pixels.length || !content.bytes->read(pixels.at, bytes.data(), bytes.size()))
     return refuse(path, "is truncated within its pixels");
-  // Words are turned; bytes too, where they were written as words.
+  // Swaps the bytes of words; also of 8-bit values that were written as words.
   const std::size_t word = layout.allocated > 8 ? layout.allocated / 8 : pixels.representation == "OW" ? 2 : 1;
   if (content.syntax.bigEndian == (std::endian::native == std::endian::little))
     for (std::size_t at = 0; at + word <= bytes.size(); at += word)
@@ -121,8 +121,8 @@ Expected<std::vector<char>> native(const std::filesystem::path &path, DicomConte
   return bytes;
 }
 
-/// PS3.5 annex G: for each byte of the pixels, the most significant of each number first, a segment of packed bits.
-/// @param each  bytes of a pixel; @param bytes  of one of its numbers
+/// PS3.5 annex G: a PackBits segment for each byte of a pixel, the most significant byte of each value first.
+/// @param each  bytes of a pixel; @param bytes  of one of its values
 bool unpackRle(const std::vector<char> &packed, char *to, std::size_t pixels, std::size_t each, std::size_t bytes) {
   const auto number = [&](std::size_t at) {
     std::uint32_t value = 0;
@@ -172,9 +172,9 @@ std::size_t bigEndianAt(const std::vector<char> &bytes, std::size_t at, std::siz
   return value;
 }
 
-/// What a JPEG 2000 stream says of itself: the marker SIZ (T.800 A.5.1).
+/// The size stated in a JPEG 2000 stream: the marker SIZ (T.800 A.5.1).
 std::optional<StatedSize> sizeInJpeg2000(const std::vector<char> &s) {
-  std::size_t at = 0;  // the stream may stand in a file of its own, behind some boxes
+  std::size_t at = 0;  // the stream may be in a file format with some boxes before it
   while (at + 46 < s.size() && at < 4096 && bigEndianAt(s, at, 4) != 0xff4fff51u) ++at;
   if (at + 46 >= s.size() || bigEndianAt(s, at, 4) != 0xff4fff51u) return std::nullopt;
   // Xsiz Ysiz XOsiz YOsiz XTsiz YTsiz XTOsiz YTOsiz
@@ -183,17 +183,17 @@ std::optional<StatedSize> sizeInJpeg2000(const std::vector<char> &s) {
   if (field(4) == 0 || field(5) == 0) return std::nullopt;
   const double tiles = (static_cast<double>(field(0)) / static_cast<double>(field(4)) + 1.0) *
                        (static_cast<double>(field(1)) / static_cast<double>(field(5)) + 1.0);
-  return tiles < 10000.0 ? std::optional(size) : std::nullopt;  // each takes kilobytes
+  return tiles < 10000.0 ? std::optional(size) : std::nullopt;  // each tile needs kilobytes
 }
 
-/// What a JPEG or JPEG-LS stream says of itself in its start of frame (T.81 B.2.2). None where its segments do not
-/// follow each other without a gap up to the scan: GDCM ends the program where libjpeg only warns of a header.
+/// The size stated in the start of frame of a JPEG or JPEG-LS stream (T.81 B.2.2). None where its segments do not
+/// follow each other without a gap up to the scan: GDCM terminates the program where libjpeg only warns of a header.
 std::optional<StatedSize> sizeInJpeg(const std::vector<char> &s) {
   if (s.size() < 4 || bigEndianAt(s, 0, 2) != 0xffd8u) return std::nullopt;
   std::optional<StatedSize> size;
   for (std::size_t at = 2; at + 10 <= s.size();) {
     const std::size_t marker = bigEndianAt(s, at, 2);
-    if (marker == 0xffff) {  // filling
+    if (marker == 0xffff) {  // fill byte
       ++at;
       continue;
     }
@@ -204,17 +204,17 @@ std::optional<StatedSize> sizeInJpeg(const std::vector<char> &s) {
         (marker <= 0xffcf && marker != 0xffc4 && marker != 0xffc8 && marker != 0xffcc) || marker == 0xfff7;
     if (frame) {
       const std::size_t bits = bigEndianAt(s, at + 4, 1);
-      if (bits < 2 || bits > 16) return std::nullopt;  // GDCM has no codec, and calls it all the same
+      if (bits < 2 || bits > 16) return std::nullopt;  // GDCM has no codec for it, but calls one
       size = StatedSize{bigEndianAt(s, at + 7, 2), bigEndianAt(s, at + 5, 2), bigEndianAt(s, at + 9, 1)};
     }
     const bool isJfif = marker == 0xffe0 && length >= 16 && bigEndianAt(s, at + 4, 4) == 0x4a464946u;
-    if (isJfif && s[at + 9] != 1) return std::nullopt;  // versions that libjpeg warns of
+    if (isJfif && s[at + 9] != 1) return std::nullopt;  // versions that libjpeg warns about
     at += 2 + length;
   }
   return std::nullopt;
 }
 
-/// A damaged stream may say any size, and its decoder would take memory for it.
+/// A damaged stream may state any size, and its decoder would allocate memory for it.
 bool isOfSize(const std::vector<std::vector<char>> &pieces, const std::string &syntax, const Layout &layout) {
   const bool waves = syntax.starts_with("1.2.840.10008.1.2.4.9");
   return std::all_of(pieces.begin(), pieces.end(), [&](const std::vector<char> &piece) {
@@ -223,8 +223,8 @@ bool isOfSize(const std::vector<std::vector<char>> &pieces, const std::string &s
   });
 }
 
-/// GDCM's codec for JPEG-LS through its door for parts of an image: the other one leaks, or ends the program, where a
-/// stream is damaged.
+/// GDCM's JPEG-LS codec through its interface for image regions: the other interface leaks, or terminates the program,
+/// on damaged streams.
 class JpegLs : public gdcm::JPEGLSCodec {
  public:
   bool decode(const std::vector<char> &frame, const Layout &layout, char *to) {
@@ -232,7 +232,7 @@ class JpegLs : public gdcm::JPEGLSCodec {
     SetNumberOfDimensions(2);
     SetDimensions(size);
     SetPixelFormat(formatOf(layout));
-    std::string items("\xfe\xff\x00\xe0\0\0\0\0\xfe\xff\x00\xe0", 12);  // an empty table of offsets, then the frame
+    std::string items("\xfe\xff\x00\xe0\0\0\0\0\xfe\xff\x00\xe0", 12);  // an empty offset table, then the frame
     for (unsigned b = 0; b < 4; ++b) items += static_cast<char>(frame.size() >> 8 * b & 255);
     items.append(frame.begin(), frame.end());
     items.append("\xfe\xff\xdd\xe0\0\0\0\0", 8);
@@ -246,8 +246,7 @@ class JpegLs : public gdcm::JPEGLSCodec {
   }
 };
 
-/// GDCM gives the components of JPEG as they are in the stream, and turns those of JPEG 2000 back to red, green and
-/// blue.
+/// GDCM returns the components of JPEG as stored in the stream, but converts those of JPEG 2000 to red, green and blue.
 gdcm::PhotometricInterpretation::PIType photometricOf(const Layout &layout) {
   if (layout.samples == 1) return gdcm::PhotometricInterpretation::MONOCHROME2;
   if (layout.colours == "YBR_RCT") return gdcm::PhotometricInterpretation::YBR_RCT;
@@ -263,7 +262,7 @@ bool decodeFrame(const std::vector<char> &frame, gdcm::TransferSyntax::TSType ty
   fragments->AddFragment(fragment);
   gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x10));
   pixels.SetVR(gdcm::VR::OB);
-  pixels.SetValue(*fragments);  // its length becomes undefined by that
+  pixels.SetValue(*fragments);  // this makes its length undefined
   gdcm::Image image;
   image.SetNumberOfDimensions(2);
   image.SetDimension(0, static_cast<unsigned>(layout.columns));
@@ -275,7 +274,7 @@ bool decodeFrame(const std::vector<char> &frame, gdcm::TransferSyntax::TSType ty
   image.SetDataElement(pixels);
   const std::size_t bytes = layout.rows * layout.columns * layout.samples * (layout.allocated / 8);
   if (image.GetBufferLength() != bytes) return false;
-  std::vector<char> buffer(bytes);  // GDCM changes its mind about the depth at times, and its buffer with it
+  std::vector<char> buffer(bytes);  // GDCM sometimes changes the bit depth, and with it the buffer size
   if (!image.GetBuffer(buffer.data()) || image.GetBufferLength() != bytes ||
       image.GetPixelFormat().GetPixelSize() * 8 != layout.allocated * layout.samples)
     return false;
@@ -292,7 +291,7 @@ Expected<std::vector<char>> byCodec(const std::filesystem::path &path, std::vect
   if (layout.samples == 1 && !layout.colours.empty() &&
       (syntax == "1.2.840.10008.1.2.4.50" || syntax == "1.2.840.10008.1.2.4.51"))
     return refuse(path, "its palette colours are packed by lossy JPEG, which changes them to others");
-  if (layout.frames == 1)  // one frame may be cut into pieces
+  if (layout.frames == 1)  // one frame may be split into fragments
     for (; pieces.size() > 1; pieces.erase(pieces.begin() + 1))
       pieces[0].insert(pieces[0].end(), pieces[1].begin(), pieces[1].end());
   if (pieces.size() != layout.frames)
@@ -359,7 +358,7 @@ Expected<DicomPixels> decode(const std::filesystem::path &path) {
     const auto fragments = fragmentsOf(*content);
     if (!fragments || fragments->size() < 2) return refuse(path, "is truncated within its compressed pixels");
     std::vector<std::vector<char>> pieces;
-    for (std::size_t f = 1; f < fragments->size(); ++f) {  // the first is a table of offsets
+    for (std::size_t f = 1; f < fragments->size(); ++f) {  // the first is the offset table
       pieces.emplace_back(static_cast<std::size_t>((*fragments)[f].length));
       if (!content->bytes->read((*fragments)[f].at, pieces.back().data(), pieces.back().size()))
         return refuse(path, "cannot be read");
@@ -393,7 +392,7 @@ Expected<DicomPixels> decodeDicom(const std::filesystem::path &path) {
     return decode(path);
   } catch (const std::bad_alloc &) {
     return refuse(path, "its pixels need more memory than the machine gives");
-  } catch (...) {  // GDCM throws several unrelated types at damaged pixels
+  } catch (...) {  // GDCM throws several unrelated types on damaged pixels
     return refuse(path, "its pixels cannot be decoded: they are damaged");
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The order and place of slices: what is even, what can be resampled, what makes no volume.
+// The order and position of slices: which are evenly spaced, can be resampled, or do not form a volume.
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +10,7 @@
 namespace c3de::imaging {
 namespace {
 
-/// Positions in files are rounded to some micrometres; what lies nearer is the same place.
+/// Positions in files are rounded to some micrometres; closer ones are the same position.
 constexpr double kSamePlace_mm = 0.01;
 
 struct Placed {
@@ -26,7 +26,7 @@ class Planner {
   Planner(const DicomFolder &folder, const DicomStack &stack, const std::filesystem::path &preferred, std::size_t time)
       : folder_(folder), stack_(stack), preferred_(time == 0 ? preferred : std::filesystem::path()), time_(time) {}
 
-  /// Where there are slices, mm along the normal; empty where they make no row.
+  /// Positions of the slices, mm along the normal; empty where they do not form a row.
   std::vector<double> places() {
     std::vector<double> along;
     if (!sortSlices() || !dropCopies()) return along;
@@ -57,7 +57,7 @@ class Planner {
     return refuse(file(stack_.slices.front()).path, what);
   }
 
-  /// Which of two pictures at one place comes first: the file that was asked for, then time, echo, acquisition, number.
+  /// Order of pictures at one position: the requested file first, then by time, echo, acquisition, number.
   [[nodiscard]] bool earlier(const SliceRef &a, const SliceRef &b) const {
     const bool pa = file(a).path == preferred_, pb = file(b).path == preferred_;
     if (pa != pb) return pa;
@@ -69,24 +69,25 @@ class Planner {
   Expected<void> sortSlices() {
     const DicomFrame &first = frame(stack_.slices.front());
     normal_ = cross(first.alongRow, first.alongColumn);
-    const bool isFilm = file(stack_.slices.front()).isFilm, known = first.position.has_value() && !isFilm;
+    const bool isTimeSeries = file(stack_.slices.front()).isTimeSeries,
+               known = first.position.has_value() && !isTimeSeries;
     std::vector<SliceRef> order = stack_.slices;
     std::stable_sort(order.begin(), order.end(), [&](const SliceRef &a, const SliceRef &b) { return earlier(a, b); });
     double step = first.sliceStep;
-    if (isFilm) {
-      step = 0.0;  // one place
+    if (isTimeSeries) {
+      step = 0.0;  // one position
       note("The " + std::to_string(order.size()) +
            " frames have no places of their own (a film): each is a time point.");
     } else if (!known && order.size() > 1) {
       if (step == 0.0) step = 1.0;
-      note("The slices have no positions: they are laid in the order of their numbers, " + rounded(step) +
+      note("The slices have no positions: they are stacked in the order of their numbers, " + rounded(step) +
            " mm apart.");
-      // The file that was asked for comes first among equals only.
+      // The requested file comes first among equals only.
       std::stable_sort(order.begin(), order.end(),
                        [&](const SliceRef &a, const SliceRef &b) { return file(a).order < file(b).order; });
     }
     for (std::size_t n = 0; n < order.size(); ++n) {
-      const Vec3 from = isFilm ? first.position.value_or(Vec3{}) : Vec3{};
+      const Vec3 from = isTimeSeries ? first.position.value_or(Vec3{}) : Vec3{};
       const Vec3 position = known ? *frame(order[n]).position : from + (static_cast<double>(n) * step) * normal_;
       placed_.push_back({order[n], position, dot(position, normal_)});
     }
@@ -95,8 +96,8 @@ class Planner {
     return {};
   }
 
-  /// One picture for each place. Several at every place are volumes in time (or echoes, or weightings): the first is
-  /// taken.
+  /// Keeps one picture for each position. Several at every position are volumes in time (or echoes, or weightings); the
+  /// one for time_ is used.
   Expected<void> dropCopies() {
     std::vector<std::vector<Placed>> places;
     for (const Placed &slice : placed_) {
@@ -139,11 +140,11 @@ class Planner {
     out_.times = most;
     if (most > 1 && time_ == 0 && preferred_.empty())
       note("There are " + std::to_string(most) +
-           " pictures at every place (several volumes): the first of each is read.");
+           " pictures at every position (several volumes): the first of each is read.");
     else if (most > 1)
-      note("There are " + std::to_string(most) + " pictures at every place (several volumes): " +
+      note("There are " + std::to_string(most) + " pictures at every position (several volumes): " +
            (time_ > 0 ? "time " + std::to_string(time_) + " of 0 … " + std::to_string(most - 1) + " is read."
-                      : "that of the file that was named, else the first, is read."));
+                      : "that of the named file, otherwise the first, is read."));
     return {};
   }
 
@@ -184,13 +185,13 @@ class Planner {
     return {};
   }
 
-  /// The even slices of the volume, mm along the row of those that there are.
+  /// The evenly spaced slices of the volume, mm along the row of the existing ones.
   struct Steps {
     std::size_t count = 0;
     double step = 0.0, from = 0.0;
   };
 
-  /// As many as there are, or more where some are missing or uneven.
+  /// As many slices as exist, or more where some are missing or unevenly spaced.
   Expected<Steps> evenSteps() {
     const std::size_t n = placed_.size();
     const Vec3 origin = placed_.front().position, whole = placed_.back().position - origin;
@@ -214,7 +215,7 @@ class Planner {
     const auto report = [&](double step) {
       for (const double a : along) out_.at.push_back(a / step);
     };
-    // A hundredth of the step is what rounded positions and table feed amount to.
+    // Rounded positions and table feed amount to a hundredth of the step.
     if (uneven <= std::max(0.01 * mean, kSamePlace_mm)) {
       report(mean);
       for (std::size_t s = 0; s < n; ++s) out_.at[s] = static_cast<double>(s);
@@ -247,8 +248,8 @@ class Planner {
     return Steps{slices, length / (count - 1.0), 0.0};
   }
 
-  /// One grid for blocks of different spacing: that of the finest block, whose slices stay as they are, from end to
-  /// end.
+  /// One grid for blocks of different spacing: that of the finest block, whose slices are unchanged, over the whole
+  /// length.
   Expected<Steps> stepsOfBlocks(const std::vector<SliceBlock> &blocks, const std::vector<double> &along) {
     std::string said;
     const SliceBlock *finest = &blocks.front();
@@ -304,7 +305,7 @@ std::vector<SliceBlock> blocksIn(const std::vector<double> &along) {
     at = end;
   }
   if (blocks.size() < 2) return {};
-  // Equal blocks a few spacings apart are one row with slices missing.
+  // Equal blocks a few spacings apart are one row with missing slices.
   const double spacing = blocks.front().spacing_mm;
   const bool isRow = std::all_of(blocks.begin(), blocks.end(), [&](const SliceBlock &block) {
     const double steps = (along[block.first] - along.front()) / spacing;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which stack of a DICOM folder is meant, and how it is read.
+// Chooses the stack of a DICOM folder and reads it.
 #include <algorithm>
 #include <cmath>
 
@@ -28,9 +28,9 @@ std::pair<std::string, std::string> partedName(const std::string &text) {
   return {text.substr(0, hash), text.substr(hash + 1)};
 }
 
-/// Whether a series is meant by its identifier, its number or its description, with the part behind a # where it is
-/// one.
-bool isMeant(const SeriesInfo &info, const std::string &wanted) {
+/// Whether a text denotes a series, by its identifier, its number or its description, with the part after a # for a
+/// part of a series.
+bool matchesSeries(const SeriesInfo &info, const std::string &wanted) {
   if (info.id == wanted) return true;
   const auto own = partedName(info.id), asked = partedName(wanted);
   const auto named = [&](const std::string &name) {
@@ -45,7 +45,7 @@ Expected<const DicomStack *> chooseByName(const std::filesystem::path &path, con
   std::vector<const DicomStack *> meant;
   for (const DicomStack &stack : folder.stacks) {
     if (stack.info.id == wanted) return &stack;
-    if (isMeant(stack.info, wanted)) meant.push_back(&stack);
+    if (matchesSeries(stack.info, wanted)) meant.push_back(&stack);
   }
   const auto readable =
       std::count_if(meant.begin(), meant.end(), [](const DicomStack *stack) { return stack->info.refusal.empty(); });
@@ -57,10 +57,10 @@ Expected<const DicomStack *> chooseByName(const std::filesystem::path &path, con
                           "'; name one by its identifier, or a part by #1, #2, … behind it:" + list);
 }
 
-/// What a choice without a name is among.
+/// The candidates of a choice without a name.
 enum class Kind { images, segmentations };
 
-/// The stack that was asked for by name or by one of its files, or the only one that can be read.
+/// The stack requested by name or by one of its files, or the only readable one.
 Expected<const DicomStack *> choose(const std::filesystem::path &path, const DicomFolder &folder,
                                     const ReadOptions &options, Kind kind, std::vector<std::string> &notices) {
   std::string list;
@@ -110,14 +110,14 @@ Expected<const DicomStack *> choose(const std::filesystem::path &path, const Dic
 struct Chosen {
   DicomFolder folder;
   std::size_t stack = 0;
-  std::filesystem::path file;  ///< of the stack, that was named; empty: a folder was
+  std::filesystem::path file;  ///< named file of the stack; empty: a folder was named
   std::vector<std::string> notices;
   [[nodiscard]] const DicomStack &it() const { return folder.stacks[stack]; }
 };
 
 Expected<Chosen> find(const std::filesystem::path &named, const ReadOptions &options, Kind kind) {
   Chosen out;
-  const std::filesystem::path path = placeOfImages(named);
+  const std::filesystem::path path = imageFolderOf(named);
   if (path != named)
     out.notices.push_back(named.filename().string() +
                           " is a list of files (DICOMDIR): the folder in which it lies is read.");
@@ -186,7 +186,7 @@ Expected<std::optional<LoadedLabels>> readDicomSegments(const std::filesystem::p
 }
 
 Expected<std::vector<SeriesInfo>> listDicom(const std::filesystem::path &path, const ProgressFn &progress) {
-  const auto folder = scanDicom(placeOfImages(path), progress);
+  const auto folder = scanDicom(imageFolderOf(path), progress);
   if (!folder) return tl::unexpected(folder.error());
   std::vector<SeriesInfo> all;
   for (const DicomStack &stack : folder->stacks) {

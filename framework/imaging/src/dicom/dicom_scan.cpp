@@ -11,13 +11,13 @@
 namespace c3de::imaging {
 namespace {
 
-/// Equal up to rounding in files; 1e-4 rad moves the rim of a 500 mm picture by 0.05 mm.
+/// Equal up to rounding in files; 1e-4 rad moves the edge of a 500 mm picture by 0.05 mm.
 bool isSameStack(const DicomFile &a, const DicomFrame &x, const DicomFile &b, const DicomFrame &y) {
-  // Pictures without a place are a stack only where sections are usual and their distance is stated.
+  // Pictures without positions form a stack only for modalities with slices and a stated slice distance.
   if (!x.position && &a != &b &&
       !((a.modality == "CT" || a.modality == "MR" || a.modality == "PT") && x.sliceStep > 0.0))
     return false;
-  if (&a != &b && (a.isFilm || b.isFilm || a.segmentation || b.segmentation)) return false;
+  if (&a != &b && (a.isTimeSeries || b.isTimeSeries || a.segmentation || b.segmentation)) return false;
   return a.series == b.series && a.rows == b.rows && a.columns == b.columns && a.refusal == b.refusal &&
          a.modality == b.modality && x.oriented == y.oriented && x.position.has_value() == y.position.has_value() &&
          norm(x.alongRow - y.alongRow) < 1e-4 && norm(x.alongColumn - y.alongColumn) < 1e-4 &&
@@ -39,7 +39,7 @@ std::vector<std::filesystem::path> filesBelow(const std::filesystem::path &path)
   std::error_code code;
   const auto take = [&](const std::filesystem::directory_entry &entry) {
     std::error_code ignored;
-    if (entry.is_regular_file(ignored) && !isStray(entry.path()) && files.size() < 200000)
+    if (entry.is_regular_file(ignored) && !isSystemArtefact(entry.path()) && files.size() < 200000)
       files.push_back(entry.path());
   };
   if (std::filesystem::is_directory(path, code)) {
@@ -47,19 +47,20 @@ std::vector<std::filesystem::path> filesBelow(const std::filesystem::path &path)
                                                      code),
         end;
     for (; !code && at != end; at.increment(code)) {
-      if (at.depth() >= 8 || isStray(at->path())) at.disable_recursion_pending();
+      if (at.depth() >= 8 || isSystemArtefact(at->path())) at.disable_recursion_pending();
       take(*at);
     }
   } else {
     const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
     for (const auto &entry : std::filesystem::directory_iterator(folder, code)) take(entry);
-    if (isStray(path)) files.push_back(path);  // asked for by name
+    if (isSystemArtefact(path)) files.push_back(path);  // requested by name
   }
   std::sort(files.begin(), files.end());
   return files;
 }
 
-/// Behind each stack of several blocks the blocks: `ID#1`, `ID#2`, or `ID#2.1`, … where the stack is itself a part.
+/// Inserts the blocks after each stack that has several: `ID#1`, `ID#2`, or `ID#2.1`, … where the stack is itself a
+/// part.
 void addBlocks(DicomFolder &folder) {
   std::vector<DicomStack> all;
   for (DicomStack &stack : folder.stacks) {
@@ -87,7 +88,7 @@ Expected<DicomFolder> scanDicom(const std::filesystem::path &path, const Progres
   DicomFolder out;
   const auto files = filesBelow(path);
   for (std::size_t i = 0; i < files.size(); ++i) {
-    if (!shouldContinue(progress, static_cast<double>(i) / static_cast<double>(files.size()), "Looking at files"))
+    if (!shouldContinue(progress, static_cast<double>(i) / static_cast<double>(files.size()), "Scanning files"))
       return cancelled(path);
     if (auto file = readDicomHeader(files[i]))
       out.files.push_back(std::move(*file));
@@ -118,7 +119,8 @@ Expected<DicomFolder> scanDicom(const std::filesystem::path &path, const Progres
       info.orientation = file.frames[k].oriented ? planeOf(file.frames[k]) : "";
     }
   }
-  // One series may give several stacks (mixed orientations, the same series in two folders): their names are counted.
+  // One series may contain several stacks (mixed orientations, the same series in two folders); their names are
+  // numbered.
   std::map<std::string, std::size_t> uses, counted;
   for (const DicomStack &stack : out.stacks) ++uses[stack.info.id];
   for (DicomStack &stack : out.stacks)

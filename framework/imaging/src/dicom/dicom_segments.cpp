@@ -17,14 +17,14 @@ namespace {
 
 std::string rounded(double x) { return formatNumber(std::round(x * 1000.0) / 1000.0); }
 
-/// Label maps of which each voxel holds one segment, as many as their overlaps need.
+/// Label maps in which each voxel holds one segment, as many as the overlaps require.
 class Layers {
  public:
   Layers(const std::filesystem::path &path, const SegmentGrid &grid, const DicomPixels &pixels,
          const ReadOptions &options)
       : path_(path), grid_(grid), pixels_(pixels), options_(options), each_(pixels.rows * pixels.columns) {}
 
-  /// @param slices  of the stack that the segment lies in, with the frame of each
+  /// @param slices  of the stack that contain the segment, with the frame of each
   Expected<void> add(std::uint16_t segment, const std::vector<std::pair<std::size_t, std::size_t>> &slices,
                      double least) {
     return std::visit(
@@ -40,7 +40,7 @@ class Layers {
           };
           std::size_t layer = 0;
           while (layer < layers_.size() && !isFree(layers_[layer])) ++layer;
-          if (auto room = makeRoom(layer); !room) return room;
+          if (auto room = allocateLayer(layer); !room) return room;
           for (const auto &[slice, frame] : slices)
             for (std::size_t p = 0; p < each_; ++p)
               if (isIn(frame, p)) layers_[layer][grid_.k[slice] * each_ + p] = segment;
@@ -48,9 +48,9 @@ class Layers {
         },
         pixels_.voxels);
   }
-  /// Frames that hold the numbers of segments themselves.
+  /// For frames that hold the segment numbers themselves.
   Expected<void> addNumbers(std::size_t slice, std::size_t frame) {
-    if (auto room = makeRoom(0); !room) return room;
+    if (auto room = allocateLayer(0); !room) return room;
     return std::visit(
         [&](const auto &all) -> Expected<void> {
           for (std::size_t p = 0; p < each_; ++p) {
@@ -74,7 +74,7 @@ class Layers {
   }
 
  private:
-  Expected<void> makeRoom(std::size_t layer) {
+  Expected<void> allocateLayer(std::size_t layer) {
     if (layer < layers_.size()) return {};
     const auto one = static_cast<double>(grid_.geometry.voxelCount());
     const double bytes = 2.0 * one + (options_.memoryLimit > 0 ? 2.0 * one * static_cast<double>(layers_.size()) : 0.0);
@@ -91,7 +91,7 @@ class Layers {
   std::vector<std::vector<std::uint16_t>> layers_;
 };
 
-/// The labels that occur, named and coloured as the file says.
+/// The labels that occur, with names and colours from the file.
 std::vector<LabelMap::Label> labelsIn(const std::vector<std::uint16_t> &voxels, const DicomSegmentation &said) {
   std::vector<bool> occurs(65536, false);
   for (const std::uint16_t label : voxels) occurs[label] = true;
@@ -187,7 +187,7 @@ Expected<SegmentGrid> gridOfSegments(const DicomFolder &folder, const DicomStack
   const auto fits = [&](double step) {
     return step > kSamePlace_mm && std::all_of(along.begin(), along.end(), [&](double at) {
              const double index = (at - places.front()) / step;
-             return std::abs(index - std::round(index)) < 0.1;  // positions are rounded, and steps too
+             return std::abs(index - std::round(index)) < 0.1;  // positions and steps are rounded
            });
   };
   double step = least > 0.0 && !fits(first.sliceStep) ? least : first.sliceStep;
@@ -195,7 +195,7 @@ Expected<SegmentGrid> gridOfSegments(const DicomFolder &folder, const DicomStack
   if (!fits(step))
     return refuse(file.path, "its frames lie unevenly, at least " + rounded(least) +
                                  " mm apart and not at multiples of it: they make no grid");
-  // The stated step may be rounded: over many slices the positions know better.
+  // The stated step may be rounded; over many slices the positions are more accurate.
   const double steps = std::round((places.back() - places.front()) / step);
   if (steps >= 1.0) step = (places.back() - places.front()) / steps;
   ImageHeader header;

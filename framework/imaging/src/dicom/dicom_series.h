@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From files to stacks of parallel slices, and from a stack to a plan of a volume.
+// Groups files into stacks of parallel slices, and plans a volume from a stack.
 #pragma once
 
 #include "c3de/imaging/reading.h"
@@ -15,51 +15,52 @@ struct SliceRef {
 /// Frames of one series in one folder with equal size, spacing and orientation.
 struct DicomStack {
   SeriesInfo info;
-  std::vector<SliceRef> slices;  ///< in no order
+  std::vector<SliceRef> slices;  ///< unordered
 };
 
 struct DicomFolder {
   std::vector<DicomFile> files;
   std::vector<DicomStack> stacks;
-  std::size_t others = 0;  ///< files that are no DICOM image
+  std::size_t others = 0;  ///< files that are not DICOM images
 };
 
-/// Slices that follow each other at one distance, among others at another one.
+/// Consecutive slices at one distance, among others at another distance.
 struct SliceBlock {
-  std::size_t first = 0, count = 0;  ///< of the places along k
+  std::size_t first = 0, count = 0;  ///< in the sorted positions along k
   double spacing_mm = 0.0;
 };
-/// Cuts a row of places into blocks of at least three slices; empty where it is not made of two or more.
+/// Splits a row of positions into blocks of at least three slices; empty where it does not consist of two or more.
 /// @param along  mm, ascending
 [[nodiscard]] std::vector<SliceBlock> blocksIn(const std::vector<double> &along);
-/// The blocks of a stack as stacks of their own; empty where it is one block.
+/// The blocks of a stack as separate stacks; empty where it is one block.
 [[nodiscard]] std::vector<DicomStack> blocksOf(const DicomFolder &folder, const DicomStack &stack);
 
-/// Reads the headers of all files below a folder (nine levels deep), or of those beside a file.
+/// Reads the headers of all files below a folder (nine levels deep), or of those in the folder of a file.
 [[nodiscard]] Expected<DicomFolder> scanDicom(const std::filesystem::path &path, const ProgressFn &progress);
 
-/// Slices in their order along k, one for each place, and where the volume lies.
+/// Slices in their order along k, one for each position, and the grid of the volume.
 struct StackPlan {
   std::vector<SliceRef> slices;
   std::vector<double> at;  ///< of each slice, in voxels of the volume along k
-  bool resampled = false;  ///< the volume has other slices than these
-  std::size_t times = 1;   ///< pictures at every place
+  bool resampled = false;  ///< the slices of the volume differ from these
+  std::size_t times = 1;   ///< pictures at every position
   VolumeGeometry geometry;
   std::vector<std::string> notices;
 };
 
-/// @param preferred  of several pictures at one place take that of this file, if it is one of them and the time is 0
-/// @param time  which of several pictures at one place, from 0
+/// @param preferred  among several pictures at one position, choose that of this file, if it is one of them and the
+/// time is 0
+/// @param time  which of several pictures at one position, from 0
 [[nodiscard]] Expected<StackPlan> planStack(const DicomFolder &folder, const DicomStack &stack,
                                             const std::filesystem::path &preferred, std::size_t time);
 
-/// Decodes what a plan names.
+/// Decodes the slices of a plan.
 [[nodiscard]] Expected<LoadedVolume> readStack(const DicomFolder &folder, const DicomStack &stack,
                                                const StackPlan &plan, const ReadOptions &options);
 
-/// What reading.h promises, for DICOM.
+/// Implements the contract of reading.h for DICOM.
 [[nodiscard]] Expected<LoadedVolume> readDicom(const std::filesystem::path &path, const ReadOptions &options);
-/// Labels of a segmentation; nothing where the path leads to an image of numbers, which readDicom() reads.
+/// Labels of a segmentation; none where the path denotes an image of values, which readDicom() reads.
 [[nodiscard]] Expected<std::optional<LoadedLabels>> readDicomSegments(const std::filesystem::path &path,
                                                                       const ReadOptions &options);
 [[nodiscard]] Expected<std::vector<SeriesInfo>> listDicom(const std::filesystem::path &path,

@@ -14,17 +14,17 @@ namespace {
 constexpr const char *kReplacement = "\xef\xbf\xbd";
 constexpr CharacterSet kUtf8{"UTF-8", 65001}, kEucJp{"EUC-JP", 20932};
 
-/// How the bytes of a designated set become those of a set that platforms know.
+/// How to convert the bytes of a designated set to a character set that platforms support.
 enum class Packing {
-  ascii,     ///< 0x20 … 0x7e as they are; JIS X 0201 differs from it in two signs that Japanese texts show either way
-  plain,     ///< bytes above 127 as they are
+  ascii,     ///< 0x20 … 0x7e unchanged; JIS X 0201 differs in two characters that Japanese texts use either way
+  plain,     ///< bytes above 127 unchanged
   doubled,   ///< two bytes below 128: with their highest bits set
-  prefixed,  ///< the same behind 0x8f (EUC-JP, JIS X 0212)
+  prefixed,  ///< the same after 0x8f (EUC-JP, JIS X 0212)
 };
 
 struct Designation {
-  const char *term;    ///< of (0008,0005) behind "IR "
-  const char *escape;  ///< behind ESC
+  const char *term;    ///< of (0008,0005) after "IR "
+  const char *escape;  ///< after ESC
   Packing packing;
   CharacterSet set;
 };
@@ -75,7 +75,7 @@ bool isUtf8(std::string_view bytes) {
   return true;
 }
 
-/// Of ISO 2022: which set the lower and the upper half of the bytes mean at present.
+/// State of ISO 2022: the sets designated to the lower and the upper half of the bytes.
 class Escapes {
  public:
   explicit Escapes(const Designation *upper) : firstUpper_(upper), upper_(upper) {}
@@ -98,8 +98,7 @@ class Escapes {
   }
 
  private:
-  /// Delimiters of values, names and lines bring back the first sets (PS3.5 6.1.2.5.3), except where they are halves of
-  /// a character.
+  /// Delimiters of values, names and lines restore the initial sets (PS3.5 6.1.2.5.3), except within a character.
   [[nodiscard]] bool isDelimiter(char c) const {
     return lower_ == nullptr && (c == '\\' || c == '^' || c == '=' || c == '\n' || c == '\r' || c == '\f' || c == '\t');
   }
@@ -148,7 +147,7 @@ std::string withoutControls(std::string text) {
   return text;
 }
 
-/// The first set of (0008,0005); "ISO_IR 100", "ISO 2022 IR 100" and careless spellings mean the same.
+/// The first set of (0008,0005); "ISO_IR 100", "ISO 2022 IR 100" and sloppy spellings are equivalent.
 std::string termOf(const std::string &characterSet) {
   std::string first = trimmed(characterSet.substr(0, characterSet.find('\\')));
   const std::size_t ir = first.find("IR");

@@ -12,7 +12,7 @@
 namespace c3de::imaging {
 namespace {
 
-/// Puts slices where they belong, from whatever type a file decodes to.
+/// Copies slices to their position in the volume, from whatever type a file decodes to.
 template <class T>
 class Builder {
  public:
@@ -23,7 +23,7 @@ class Builder {
   }
 
   Expected<Voxels> build(const ReadOptions &options) {
-    // File by file, so that one with many frames is decoded once.
+    // File by file, so that a file with many frames is decoded once.
     std::vector<std::size_t> order(plan_.slices.size());
     for (std::size_t s = 0; s < order.size(); ++s) order[s] = s;
     std::stable_sort(order.begin(), order.end(),
@@ -41,7 +41,7 @@ class Builder {
         if (!read) return tl::unexpected(read.error());
         pixels = std::move(*read);
         decoded = ref.file;
-        if (file.tiles > 0 && !takeTilesApart(file, pixels))
+        if (file.tiles > 0 && !splitTiles(file, pixels))
           return refuse(file.path, "its mosaic does not have the tiles that its header says");
         if (pixels.columns != file.columns || pixels.rows != file.rows || pixels.frames < file.frames.size())
           return refuse(file.path, "its pixels are not as many as its header says");
@@ -124,7 +124,7 @@ Expected<void> buildAs(const DicomFolder &folder, const StackPlan &plan, bool va
   return {};
 }
 
-/// In the type that the slices are stored in; as floats where each has a scale of its own.
+/// In the stored type of the slices; as floats where each has its own scale.
 Expected<void> buildVolume(const DicomFolder &folder, const StackPlan &plan, bool same, const ReadOptions &options,
                            Volume &volume) {
   const DicomFile &head = folder.files[plan.slices.front().file];

@@ -30,7 +30,7 @@ class FileBytes : public ByteStream {
 class InflatedBytes : public ByteStream {
  public:
   explicit InflatedBytes(std::ifstream file) : file_(std::move(file)), input_(1u << 16) {
-    ready_ = inflateInit2(&z_, 15 + 32) == Z_OK;  // 32: gzip or zlib, whichever is there
+    ready_ = inflateInit2(&z_, 15 + 32) == Z_OK;  // 32: detects gzip or zlib
     if (!ready_) fault_ = "the decompressor does not start";
   }
   ~InflatedBytes() override {
@@ -66,7 +66,7 @@ class InflatedBytes : public ByteStream {
   std::size_t finish() override {
     std::array<char, 4096> rest;
     std::size_t behind = 0;
-    // A body of data that goes on for long behind the voxels is another volume: not worth the time.
+    // Long data after the voxels are another volume: not worth the time.
     for (int i = 0; i < 64 && !ended_ && fault_.empty(); ++i)
       if (const std::size_t got = read(rest.data(), rest.size()); got == 0)
         break;
@@ -81,7 +81,7 @@ class InflatedBytes : public ByteStream {
     z_.next_in = input_.data();
     z_.avail_in = static_cast<uInt>(file_.gcount());
   }
-  /// gzip files may be chained; anything else behind the end is not looked at.
+  /// gzip files may be concatenated; any other trailing data are ignored.
   void nextMember() {
     if (z_.avail_in == 0) refill();
     if (z_.avail_in >= 1 && z_.next_in[0] == 0x1f && inflateReset(&z_) == Z_OK) return;

@@ -12,7 +12,7 @@
 namespace c3de::imaging {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "the writers put voxels out as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "the writers write voxels in memory order");
 
 Vec3 column(const VolumeGeometry &geometry, std::size_t c) {
   const Mat4 &m = geometry.indexToWorld;
@@ -43,12 +43,12 @@ std::int16_t niftiType(Scalar scalar) {
   return kCodes[static_cast<std::size_t>(scalar)];
 }
 
-/// Rotation as a quaternion b, c, d with the sign of the third axis; columns are unit vectors at right angles.
+/// Rotation as a quaternion b, c, d with the sign of the third axis; columns are perpendicular unit vectors.
 std::array<double, 4> quaternionOf(Vec3 i, Vec3 j, Vec3 k) {
   const double turn = dot(i, cross(j, k)) < 0.0 ? -1.0 : 1.0;
   k = turn * k;
   const double r[3][3] = {{i[0], j[0], k[0]}, {i[1], j[1], k[1]}, {i[2], j[2], k[2]}};
-  // Largest component first, so that nothing is divided by a small number.
+  // Largest component first, to avoid division by a small number.
   const double squares[4] = {1 + r[0][0] + r[1][1] + r[2][2], 1 + r[0][0] - r[1][1] - r[2][2],
                              1 - r[0][0] + r[1][1] - r[2][2], 1 - r[0][0] - r[1][1] + r[2][2]};
   std::size_t most = 0;
@@ -70,13 +70,13 @@ void put(std::string &bytes, std::size_t at, double value) {
   std::memcpy(bytes.data() + at, &number, sizeof number);
 }
 
-/// The header of NIfTI-1, or of NIfTI-2 for more than 32767 voxels along an axis: the same fields at other places, some
-/// of them larger.
+/// The header of NIfTI-1, or of NIfTI-2 for more than 32767 voxels along an axis: the same fields at other offsets,
+/// some of them larger.
 class NiftiHeader {
  public:
   explicit NiftiHeader(const ImageToWrite &image)
       : second_(std::max({image.geometry.size[0], image.geometry.size[1], image.geometry.size[2]}) > 32767),
-        bytes_(second_ ? 544 : 352, '\0') {  // the last four bytes say that no extension follows
+        bytes_(second_ ? 544 : 352, '\0') {  // the last four bytes state that no extension follows
     put<std::int32_t>(bytes_, 0, second_ ? 540 : 348);
     std::memcpy(bytes_.data() + (second_ ? 4 : 344), second_ ? "n+2\0\r\n\032\n" : "n+1\0", second_ ? 8 : 4);
     writeVoxelType(image);
@@ -119,7 +119,7 @@ class NiftiHeader {
     for (std::size_t row = 0; row < 3; ++row)
       for (std::size_t a = 0; a < 4; ++a) real(280 + 16 * row + 4 * a, 400 + 32 * row + 8 * a, c[a][row]);
     code(254, 348, 1.0);
-    if (!(g.shear() < 1e-5)) return;  // a qform can only turn
+    if (!(g.shear() < 1e-5)) return;  // a qform can only store rotations
     const auto q = quaternionOf((1.0 / spacing[0]) * c[0], (1.0 / spacing[1]) * c[1], (1.0 / spacing[2]) * c[2]);
     real(76, 104, q[3]);
     for (std::size_t a = 0; a < 3; ++a) real(256 + 4 * a, 352 + 8 * a, q[a]);
@@ -127,7 +127,7 @@ class NiftiHeader {
     code(252, 344, 1.0);
   }
 
-  /// At the offsets in NIfTI-1 and in NIfTI-2.
+  /// Writes a field at its offset in NIfTI-1 or in NIfTI-2.
   template <class First, class Second>
   void field(std::size_t first, std::size_t second, double value) {
     if (second_)
@@ -187,7 +187,7 @@ Expected<std::string> metaFile(const ImageToWrite &image) {
 Expected<std::string> niftiFile(const ImageToWrite &image) {
   std::string bytes = NiftiHeader(image).bytes();
   if (image.components < 2) return bytes + std::string(image.voxels);
-  // The components of a NIfTI vector lie one volume behind the other.
+  // The components of a NIfTI vector are stored as consecutive volumes.
   const std::size_t header = bytes.size(), each = bytesOf(image.scalar), n = image.geometry.voxelCount();
   bytes.resize(header + image.voxels.size());
   for (std::size_t a = 0; a < image.components; ++a)

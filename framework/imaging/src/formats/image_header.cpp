@@ -65,7 +65,7 @@ Expected<void> setAffine(ImageHeader &header, const Vec3 &i, const Vec3 &j, cons
                                    formatNumber(norm(j)) + ", " + formatNumber(norm(k)) + " mm)");
   header.geometry.indexToWorld = {i[0], i[1], i[2], 0, j[0],      j[1],      j[2],      0,
                                   k[0], k[1], k[2], 0, origin[0], origin[1], origin[2], 1};
-  for (double &x : header.geometry.indexToWorld) x += 0.0;  // no negative zeros: they would be printed
+  for (double &x : header.geometry.indexToWorld) x += 0.0;  // removes negative zeros, which would be printed
   return {};
 }
 
@@ -80,7 +80,7 @@ double plainNumber(const char *from, const char *to) {
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 
-/// Where the only comma of a word is, between two digits and without a point beside it.
+/// Position of the only comma of a word, between two digits and with no point in the word.
 std::size_t decimalComma(const std::string &word) {
   const std::size_t comma = word.find(',');
   if (comma == std::string::npos || comma == 0 || comma + 1 == word.size() || word.rfind(',') != comma ||
@@ -89,7 +89,7 @@ std::size_t decimalComma(const std::string &word) {
   return comma;
 }
 
-/// Calls visit(word, isBracketed) for what stands between blanks and brackets, within brackets between commas too.
+/// Calls visit(word, isBracketed) for words between blanks and brackets, within brackets also between commas.
 template <class Visit>
 void forEachWord(const std::string &text, Visit &&visit) {
   bool isBracketed = false;
@@ -162,7 +162,7 @@ std::vector<std::string> numberedNames(const std::string &pattern, const std::ve
   std::vector<std::string> names;
   const std::size_t percent = pattern.find('%'), d = pattern.find('d', percent);
   if (percent == std::string::npos || d == std::string::npos || range.size() < 2) return names;
-  // Only %d and %03d: a format out of a file is not handed to printf.
+  // Only %d and %03d: a format string from a file is not passed to printf.
   const std::string width = pattern.substr(percent + 1, d - percent - 1);
   if (width.size() > 3 || width.find_first_not_of("0123456789") != std::string::npos) return names;
   const auto digits = static_cast<std::size_t>(std::atoi(width.c_str()));
@@ -193,7 +193,7 @@ std::string lowerCase(std::string text) {
   return text;
 }
 
-bool isStray(const std::filesystem::path &path) {
+bool isSystemArtefact(const std::filesystem::path &path) {
   const std::string name = lowerCase(path.filename().string());
   return name.starts_with('.') || name == "thumbs.db" || name == "desktop.ini" || name == "__macosx";
 }

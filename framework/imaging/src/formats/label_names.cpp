@@ -75,7 +75,7 @@ std::string nameFromFile(const std::filesystem::path &file) {
   return readableName(joined(words));
 }
 
-bool isMeant(std::string_view wanted, const LabelMap::Label &label) {
+bool matchesLabel(std::string_view wanted, const LabelMap::Label &label) {
   return wanted == std::to_string(label.value) || matches(wanted, label.name);
 }
 

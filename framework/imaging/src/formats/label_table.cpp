@@ -12,11 +12,11 @@
 namespace c3de::imaging {
 namespace {
 
-/// Doubles hold all whole numbers up to 2^53.
+/// Doubles represent all integers up to 2^53.
 bool isLabel(double x) { return x >= 0.0 && x <= 9007199254740992.0 && x == std::floor(x); }
 
 /// ITK-SNAP: number r g b alpha visible mesh "name".
-bool takeItkSnap(const std::string &line, LabelTable &table) {
+bool parseItkSnapLine(const std::string &line, LabelTable &table) {
   const std::size_t from = line.find('"'), to = line.rfind('"');
   if (from == std::string::npos || to <= from) return false;
   const auto n = numbersIn(line.substr(0, from));
@@ -45,13 +45,13 @@ LabelTable readLabelTable(const std::filesystem::path &path) {
   std::string line;
   for (int lines = 0; file && lines < 100000 && std::getline(*file, line); ++lines) {
     line = trimmed(line);
-    if (line.empty() || line.front() == '#' || line.size() > 1000 || takeItkSnap(line, table)) continue;
+    if (line.empty() || line.front() == '#' || line.size() > 1000 || parseItkSnapLine(line, table)) continue;
     std::istringstream words(line);
     double number = -1.0;
     std::string name;
     if (!(words >> number >> name) || !isLabel(number)) continue;
     LabelName entry{name, false, {}};
-    // A name may have several words; numbers after it are a colour, or something else that is no name.
+    // A name may have several words; numbers after it are a colour, or something else that is not part of the name.
     std::string rest;
     for (std::string word; words >> word;) {
       if (const auto n = numbersIn(word); !rest.empty() || (n.size() == 1 && std::isfinite(n[0])))
@@ -70,7 +70,7 @@ LabelTable readLabelTable(const std::filesystem::path &path) {
   return table;
 }
 
-std::pair<LabelTable, std::filesystem::path> tableBeside(const std::filesystem::path &image) {
+std::pair<LabelTable, std::filesystem::path> sidecarTable(const std::filesystem::path &image) {
   std::filesystem::path whole = image;
   if (lowerCase(whole.extension().string()) == ".gz") whole.replace_extension();
   std::filesystem::path stem = whole;
@@ -152,8 +152,8 @@ LabelTable caretLabelsOf(const std::string &xml) {
 }
 
 std::array<float, 3> distinctColour(std::size_t n) {
-  // Hues by the golden ratio never repeat; three levels of brightness and two of saturation tell neighbours in hue
-  // apart.
+  // Hues by the golden ratio never repeat; three levels of brightness and two of saturation distinguish neighbouring
+  // hues.
   const double hue = std::fmod(0.02 + 0.61803398875 * static_cast<double>(n), 1.0) * 6.0;
   const double value = n % 3 == 0 ? 0.95 : n % 3 == 1 ? 0.75 : 0.55, saturation = n % 2 == 0 ? 0.8 : 0.5;
   std::array<float, 3> out{};

@@ -15,15 +15,15 @@
 namespace c3de::imaging {
 namespace {
 
-// A scale factor in single precision displaces numbers up to 65535 by up to 0.004; what interpolation leaves between
-// two labels is farther off nearly everywhere.
+// A scale factor in single precision displaces numbers up to 65535 by up to 0.004; interpolated values between two
+// labels are farther off nearly everywhere.
 constexpr double kTolerance = 0.01;
-constexpr double kLargest = 9007199254740992.0;  // doubles hold all whole numbers up to it
-constexpr double kSingleExact = 16777216.0;      // likewise float
-constexpr std::uint64_t kMostLabels = 65535;
-constexpr std::size_t kMostNames = 6;
+constexpr double kLargest = 9007199254740992.0;  // doubles represent all integers up to it
+constexpr double kSingleExact = 16777216.0;      // same for float
+constexpr std::uint64_t kMaxLabels = 65535;
+constexpr std::size_t kMaxNames = 6;
 
-/// What a voxel's value means.
+/// The interpretation of a voxel's value.
 struct Meaning {
   enum class Kind { label, notFinite, negative, fraction } kind = Kind::label;
   double number = 0.0;  ///< rounded
@@ -36,14 +36,14 @@ Meaning meaningOf(double value) {
   return {whole < 0.0 ? Meaning::Kind::negative : Meaning::Kind::label, whole};
 }
 
-/// What a first look at all voxels finds.
+/// Result of a first pass over all voxels.
 struct Survey {
   std::size_t notFinite = 0, rounded = 0, negatives = 0;
-  double farthest = 0.0;  ///< from a whole number
+  double farthest = 0.0;  ///< from an integer
   std::optional<std::size_t> firstRounded;
   std::optional<double> negative;
-  std::vector<bool> small = std::vector<bool>(kMostLabels + 1, false);
-  std::set<std::uint64_t> large;  ///< above kMostLabels
+  std::vector<bool> small = std::vector<bool>(kMaxLabels + 1, false);
+  std::set<std::uint64_t> large;  ///< above kMaxLabels
 };
 
 std::string placeOf(const VolumeGeometry &grid, std::size_t v) {
@@ -75,9 +75,9 @@ Expected<Survey> surveyOf(const std::filesystem::path &path, const VolumeGeometr
         break;
       case Meaning::Kind::label: {
         const auto number = static_cast<std::uint64_t>(meaning.number);
-        if (number <= kMostLabels)
+        if (number <= kMaxLabels)
           found.small[static_cast<std::size_t>(number)] = true;
-        else if (found.large.size() <= kMostLabels)
+        else if (found.large.size() <= kMaxLabels)
           found.large.insert(number);
         break;
       }
@@ -101,8 +101,8 @@ Expected<LabelValues> valuesOf(const std::filesystem::path &path, const VolumeGe
   std::map<std::uint64_t, std::uint16_t> renumbered;
   std::uint64_t next = 1;
   for (const std::uint64_t number : found->large) {
-    while (next <= kMostLabels && (found->small[static_cast<std::size_t>(next)] || named.contains(next))) ++next;
-    if (next > kMostLabels)
+    while (next <= kMaxLabels && (found->small[static_cast<std::size_t>(next)] || named.contains(next))) ++next;
+    if (next > kMaxLabels)
       return refuse(path, "is no label map: it holds more than 65535 different numbers" + std::string(kAccepted));
     renumbered[number] = static_cast<std::uint16_t>(next);
     out.original[static_cast<std::uint16_t>(next++)] = number;
@@ -112,7 +112,7 @@ Expected<LabelValues> valuesOf(const std::filesystem::path &path, const VolumeGe
     const Meaning meaning = meaningOf(valueAt(v));
     if (meaning.kind != Meaning::Kind::label) continue;
     const auto number = static_cast<std::uint64_t>(meaning.number);
-    out.voxels[v] = number <= kMostLabels ? static_cast<std::uint16_t>(number) : renumbered.at(number);
+    out.voxels[v] = number <= kMaxLabels ? static_cast<std::uint16_t>(number) : renumbered.at(number);
   }
   if (found->notFinite > 0)
     out.notices.push_back(
@@ -131,9 +131,9 @@ Expected<LabelValues> valuesOf(const std::filesystem::path &path, const VolumeGe
     std::string list;
     std::size_t count = 0;
     for (const auto &[before, now] : renumbered)
-      if (count++ < kMostNames)
+      if (count++ < kMaxNames)
         list += (list.empty() ? "" : ", ") + std::to_string(before) + " is " + std::to_string(now);
-    if (count > kMostNames) list += " and " + std::to_string(count - kMostNames) + " more";
+    if (count > kMaxNames) list += " and " + std::to_string(count - kMaxNames) + " more";
     out.notices.push_back(std::to_string(count) + (count == 1 ? " label above 65535 is" : " labels above 65535 are") +
                           " renumbered: " + list + ".");
     if (isSingle && static_cast<double>(renumbered.rbegin()->first) > kSingleExact)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// MetaImage (itk.org/Wiki/MetaIO): lines `Key = Value`, the last of which says where the voxels are; world is LPS.
+// MetaImage (itk.org/Wiki/MetaIO): lines `Key = Value`, the last of which states where the voxels are; world is LPS.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -36,7 +36,7 @@ Expected<Scalar> scalarOf(const std::filesystem::path &path, const std::string &
 struct Parsed {
   Keys keys;
   std::vector<std::string> list;  ///< file names after ElementDataFile = LIST
-  std::uint64_t dataOffset = 0;   ///< behind the last line of the header
+  std::uint64_t dataOffset = 0;   ///< after the last line of the header
 };
 
 Expected<Parsed> parse(const std::filesystem::path &path) {
@@ -69,7 +69,7 @@ Expected<Parsed> parse(const std::filesystem::path &path) {
   return refuse(path, "no MetaImage header: there is no line ElementDataFile = …");
 }
 
-/// What MetaIO writes into images. Programs may add keys of their own.
+/// Keys that MetaIO writes into images. Programs may add their own.
 // clang-format off
 const std::vector<std::string> kKeys{
     "ObjectType", "ObjectSubType", "TransformType", "NDims", "Name", "ID", "ParentID", "Comment", "AcquisitionDate",
@@ -81,7 +81,7 @@ const std::vector<std::string> kKeys{
     "ElementNBits", "ElementToIntensityFunctionSlope", "ElementToIntensityFunctionOffset", "ElementDataFile"};
 // clang-format on
 
-/// Keys that the format does not know are left out by its rules; one that looks like a slip of the pen is worth a word.
+/// The format requires readers to ignore unknown keys; a key that looks like a typing error gets a notice.
 std::string unknownKeys(const Keys &keys) {
   std::string slips, others;
   for (const auto &[key, value] : keys) {
@@ -110,7 +110,7 @@ Expected<std::vector<std::string>> dataFiles(const std::filesystem::path &path, 
   return names;
 }
 
-/// The first of the numbers of a key; nothing where it is not there.
+/// The first number of a key; none if the key is missing.
 std::optional<double> numberOf(const Keys &keys, const char *name) {
   const auto all = numbersIn(valueOf(keys, {name}));
   return all.empty() ? std::nullopt : std::optional(all.front());
@@ -154,8 +154,8 @@ Expected<void> readVoxelType(ImageHeader &header, const Keys &keys) {
   return {};
 }
 
-/// The numbers of the first of these keys that is there, at least `n`; empty: none is. A decimal comma gets a notice;
-/// where commas make more numbers than there are axes, which of them are meant is not known.
+/// The numbers of the first of these keys that exists, at least `n`; empty: none exists. A decimal comma gets a notice;
+/// where commas give more numbers than there are axes, the intended ones are unknown.
 Expected<std::vector<double>> lengthsOf(ImageHeader &header, const Keys &keys,
                                         std::initializer_list<const char *> names, std::size_t n) {
   const std::string text = valueOf(keys, names);
@@ -171,7 +171,7 @@ Expected<std::vector<double>> lengthsOf(ImageHeader &header, const Keys &keys,
                                  std::to_string(n) + " finite numbers, one for each axis, that are accepted");
 }
 
-/// Where the voxels lie in the world, with a notice for what the header does not say.
+/// Sets the position of the voxels in the world, with a notice for missing information.
 Expected<void> place(ImageHeader &header, const Keys &keys, std::size_t n) {
   auto stated = lengthsOf(header, keys, {"ElementSpacing", "ElementSize"}, n);
   if (!stated) return tl::unexpected(stated.error());
@@ -221,7 +221,7 @@ void readIntensities(ImageHeader &header, const Keys &keys) {
   if (valueOf(keys, {"Modality"}) == "MET_MOD_CT") header.unit = "HU", header.modality = "CT";
 }
 
-/// Which files hold the voxels, from which byte on, and how.
+/// Determines which files hold the voxels, from which byte on, and how.
 Expected<void> findData(ImageHeader &header, const Parsed &parsed) {
   const bool binary = !parsed.keys.contains("BinaryData") || isTrue(parsed.keys.at("BinaryData"));
   header.encoding = !binary                                            ? ImageHeader::Encoding::text
@@ -238,7 +238,7 @@ Expected<void> findData(ImageHeader &header, const Parsed &parsed) {
       std::error_code code;
       const auto length = static_cast<double>(std::filesystem::file_size(part.path, code));
       const double bytes = bytesOfAll(header) / static_cast<double>(files->size());
-      const double at = headerSize < 0.0 ? length - bytes : headerSize;  // -1: the voxels end the file
+      const double at = headerSize < 0.0 ? length - bytes : headerSize;  // -1: the voxels are at the end of the file
       if (code || !(at >= 0.0 && at <= length))
         return refuse(part.path, "does not hold the voxels that " + header.path.filename().string() + " says");
       part.offset = static_cast<std::uint64_t>(at);

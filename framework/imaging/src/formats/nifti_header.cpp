@@ -13,7 +13,7 @@
 namespace c3de::imaging {
 namespace {
 
-/// Numbers of either byte order at offsets of the header.
+/// Reads numbers of either byte order at offsets of the header.
 class Fields {
  public:
   Fields(std::vector<unsigned char> bytes, bool swapped) : bytes_(std::move(bytes)), swapped_(swapped) {}
@@ -30,7 +30,7 @@ class Fields {
   bool swapped_;
 };
 
-/// The fields of both versions that matter here.
+/// The fields of both versions that are used here.
 struct Nifti {
   bool second = false, swapped = false, pair = false;
   std::array<double, 8> dim{}, pixdim{};
@@ -113,7 +113,7 @@ Columns fromSform(const Nifti &n) {
 Columns fromQform(const Nifti &n, const Vec3 &spacing) {
   double b = n.quaternion[0], c = n.quaternion[1], d = n.quaternion[2];
   double a = 1.0 - (b * b + c * c + d * d);
-  if (a < 1e-7) {  // a half turn, as the reference implementation treats it
+  if (a < 1e-7) {  // a half turn, as in the reference implementation
     const double length = std::sqrt(b * b + c * c + d * d);
     b /= length, c /= length, d /= length;
     a = 0.0;
@@ -135,8 +135,8 @@ bool spans(const Columns &c) {
   return lengths > 0.0 && std::abs(dot(c[0], cross(c[1], c[2]))) > 1e-6 * lengths;
 }
 
-/// Whether voxels are as long as those of scanners, from micro-CT to overviews: files without a unit are in mm by
-/// custom, and their lengths contradict it only outside of this range.
+/// Whether the voxel size is typical of scanners, from micro-CT to overviews. Files without a unit are in mm by
+/// convention, and only sizes outside this range contradict it.
 bool isUsualInMillimetres(const Columns &c) {
   constexpr double kShortest = 0.02, kLongest = 20.0;  // mm
   return std::all_of(c.begin(), c.begin() + 3, [](const Vec3 &axis) {
@@ -193,7 +193,7 @@ std::filesystem::path partner(const std::filesystem::path &path, const char *kin
 
 constexpr double kLongestExtensions = 1 << 20;
 
-/// What is between header and voxels, as far as it is a label table. Damaged extensions count as none.
+/// The label table between header and voxels, if any. Damaged extensions are ignored.
 std::string labelXmlOf(const std::filesystem::path &path, const Nifti &n) {
   const std::size_t header = n.second ? 540 : 348;
   if (n.pair || n.offset > kLongestExtensions || n.offset < static_cast<double>(header) + 12.0) return {};
@@ -206,7 +206,7 @@ std::string labelXmlOf(const std::filesystem::path &path, const Nifti &n) {
     const double size = fields.at<std::int32_t>(at);
     if (!(size >= 8.0 && size <= static_cast<double>(end - at))) return {};
     const auto whole = static_cast<std::size_t>(size);
-    // Its code is 30 by Connectome Workbench, 0 (not known) by TotalSegmentator.
+    // Its code is 30 from Connectome Workbench, 0 (unknown) from TotalSegmentator.
     if (std::string xml = text.substr(at + 8, whole - 8); xml.find("<LabelTable") != std::string::npos) return xml;
     at += whole;
   }

@@ -17,16 +17,16 @@ struct Parsed {
   std::vector<std::pair<std::string, std::string>> keys;
   std::vector<std::string> list;  ///< file names after `data file: LIST`
   std::vector<std::string> notices;
-  std::uint64_t dataOffset = 0;  ///< behind the empty line that ends the header; 0: none
+  std::uint64_t dataOffset = 0;  ///< after the empty line that ends the header; 0: none
 
-  /// Empty where it is not there.
+  /// Empty if it is missing.
   [[nodiscard]] std::string field(const std::string &name) const {
     const auto found = fields.find(name);
     return found == fields.end() ? std::string() : found->second;
   }
 };
 
-/// The fields of the format, version 5, as they are written here; and what else its readers take for them.
+/// The fields of the format, version 5, as spelled here, and the alternative spellings that other readers accept.
 const std::vector<std::string> kFields{
     "content",   "number",          "type",        "block size",   "dimension",        "sizes",
     "spacings",  "thicknesses",     "axis mins",   "axis maxs",    "centerings",       "labels",
@@ -138,7 +138,7 @@ std::vector<std::string> words(const std::string &text) {
   return all;
 }
 
-/// "(1,0,0) none (0,1,0)": empty vectors for none.
+/// "(1,0,0) none (0,1,0)": an empty vector for none.
 std::vector<std::vector<double>> vectorsIn(const std::string &text) {
   std::vector<std::vector<double>> all;
   for (std::size_t at = 0; at < text.size();) {
@@ -156,7 +156,7 @@ std::vector<std::vector<double>> vectorsIn(const std::string &text) {
   return all;
 }
 
-/// Factors that turn coordinates of the named space into LPS.
+/// Factors that convert coordinates of the named space to LPS.
 Vec3 toLps(const std::string &space, std::vector<std::string> &notices) {
   const std::string s = lowerCase(space);
   if (s.starts_with("left-posterior-superior") || s == "lps" || s == "lpst") return {1, 1, 1};
@@ -181,7 +181,7 @@ std::vector<std::string> quotedWords(const std::string &text) {
   return all;
 }
 
-/// Millimetres of each of some units; of one that is not known 1, with a notice.
+/// Millimetres per unit; 1 for an unknown unit, with a notice.
 std::vector<double> millimetresOfAll(const std::vector<std::string> &units, std::vector<std::string> &notices) {
   std::vector<double> all;
   for (const std::string &unit : units) {
@@ -198,7 +198,7 @@ bool isOneOf(const std::string &kind, std::initializer_list<const char *> kinds)
   return std::any_of(kinds.begin(), kinds.end(), [&](const char *one) { return kind == one; });
 }
 
-/// Whether so many numbers together are a colour: by their kind, or as 8 bits each, which no other vector has.
+/// Whether this many adjacent values are a colour: by their kind, or as 8 bits each, which no other vector has.
 bool isColour(Scalar scalar, double size, const std::string &kind) {
   if (size != 3.0 && size != 4.0) return false;
   if (isOneOf(kind, {"rgb-color", "rgba-color", "3-color", "4-color"}))
@@ -208,8 +208,8 @@ bool isColour(Scalar scalar, double size, const std::string &kind) {
 
 bool isOfSpace(const std::string &kind) { return isOneOf(kind, {"", "domain", "space", "???", "none"}); }
 
-/// Which of the file's axes lie in space; the others count channels of a colour, or volumes. An axis of another kind
-/// than space is none of them, nor one whose spacing is NaN beside spacings that are numbers.
+/// The file's axes in space; the others count channels of a colour, or volumes. Axes of a kind other than space are
+/// excluded, and so are axes with NaN spacing where other spacings are numbers.
 Expected<std::vector<std::size_t>> spatialAxes(ImageHeader &header, const std::vector<double> &sizes,
                                                const std::vector<std::vector<double>> &directions,
                                                const std::vector<std::string> &kinds,
@@ -271,8 +271,8 @@ bool isTimed(const std::string &space) {
   return s.ends_with("-time") || s == "last" || s == "rast" || s == "lpst";
 }
 
-/// Millimetres per unit: along the axes of space where there are directions, else along the axes of the image that lie
-/// in space.
+/// Millimetres per unit: along the axes of space where there are directions, otherwise along the spatial axes of the
+/// image.
 Expected<Vec3> unitsOf(ImageHeader &header, const Parsed &parsed, const std::vector<std::size_t> &axes,
                        bool hasDirections) {
   const auto ofSpace = quotedWords(parsed.field("space units")), ofAxes = quotedWords(parsed.field("units"));
@@ -355,7 +355,7 @@ Expected<void> place(ImageHeader &header, const Parsed &parsed, const std::vecto
   return setAffine(header, column[0], column[1], column[2], origin);
 }
 
-/// Where the voxels of a file begin after so many lines.
+/// Where the voxels of a file begin after this many lines.
 Expected<std::uint64_t> afterLines(const std::filesystem::path &path, std::uint64_t offset, double lines) {
   auto opened = openInputFile(path);
   if (!opened) return tl::unexpected(opened.error());
@@ -390,7 +390,7 @@ Expected<void> readEncoding(ImageHeader &header, const Parsed &parsed) {
   return {};
 }
 
-/// The file itself, or what "data file" names: one, a list, or a numbered pattern `name%03d.raw first last step`.
+/// The file itself, or the files in "data file": one, a list, or a numbered pattern `name%03d.raw first last step`.
 Expected<void> findParts(ImageHeader &header, const Parsed &parsed) {
   const std::string named = parsed.field("data file");
   std::vector<std::string> names;
@@ -429,9 +429,9 @@ Expected<void> skip(ImageHeader &header, const Parsed &parsed) {
       part.offset = *at;
     }
     if (header.encoding == ImageHeader::Encoding::deflated) {
-      if (bytes < 0.0) return refuse(header.path, "its byte skip of -1 does not go with compressed voxels");
+      if (bytes < 0.0) return refuse(header.path, "a byte skip of -1 cannot be combined with compressed voxels");
       header.skip = static_cast<std::uint64_t>(bytes);
-    } else if (bytes < 0.0) {  // -1: the voxels end the file
+    } else if (bytes < 0.0) {  // -1: the voxels are at the end of the file
       std::error_code code;
       const auto length = static_cast<double>(std::filesystem::file_size(part.path, code));
       const double need = bytesOfAll(header) / static_cast<double>(header.parts.size());

@@ -11,7 +11,7 @@ std::string packed(std::string_view bytes, Packing packing) {
   std::string out;
   if (packing == Packing::none) return std::string(bytes);
   z_stream z{};
-  // Level 1: voxels gain little from more, and it is several times as fast.
+  // Level 1: higher levels compress voxels hardly better and take several times as long.
   if (deflateInit2(&z, 1, Z_DEFLATED, packing == Packing::gzip ? 15 + 16 : 15, 8, Z_DEFAULT_STRATEGY) != Z_OK)
     return out;
   const char *next = bytes.data();

@@ -7,7 +7,7 @@
 namespace c3de::imaging {
 
 enum class Packing { none, gzip, zlib };
-/// The bytes as a stream of that packing; empty if there is no memory for it.
+/// The bytes compressed in that format; empty if memory is insufficient.
 [[nodiscard]] std::string packed(std::string_view bytes, Packing packing);
 
 }  // namespace c3de::imaging

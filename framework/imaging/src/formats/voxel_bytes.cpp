@@ -13,8 +13,7 @@ namespace {
 
 std::string whole(double x) { return std::to_string(static_cast<long long>(x)); }
 
-/// Whether the trailer of a gzip file says that it inflates to so many bytes (modulo 2³²); a file that is cut ends
-/// elsewhere.
+/// Whether the trailer of a gzip file states this inflated size (modulo 2³²); a truncated file has a different end.
 bool endsAsGzipOf(const ImageHeader::Part &part, double bytes) {
   auto opened = openInputFile(part.path);
   if (!opened) return false;
@@ -100,7 +99,7 @@ Expected<void> checkFileSize(const ImageHeader &header, double bytes) {
     there += static_cast<double>(size) - static_cast<double>(part.offset);
   }
   const double least = header.encoding == ImageHeader::Encoding::raw ? bytes
-                       // deflate's best is 1:1032
+                       // the best ratio of deflate is 1:1032
                        : header.encoding == ImageHeader::Encoding::deflated ? bytes / 1040.0 - 1000.0
                                                                             : bytes / 8.0;
   if (there >= least) return {};

@@ -9,20 +9,21 @@
 
 namespace c3de::imaging {
 
-/// The voxels of all volumes of a header as one row of bytes, inflated. Each file holds an equal share of them, so a
-/// short one leaves no shift.
+/// The voxels of all volumes of a header as one sequence of bytes, inflated. Each file holds an equal share of them, so
+/// a truncated file does not shift the others.
 class VoxelBytes {
  public:
   explicit VoxelBytes(const ImageHeader &header);
 
-  /// Goes on so many bytes further; of compressed files they are read away with the next read().
+  /// Advances by this many bytes; in compressed files they are read and discarded by the next read().
   void skip(double bytes);
   [[nodiscard]] Expected<void> read(void *to, std::size_t bytes);
-  /// Bytes that were delivered or left out since the beginning.
+  /// Bytes read or skipped since the beginning.
   [[nodiscard]] double at() const { return at_; }
-  /// Looks at the check sum behind the last voxel; what is wrong, empty: nothing.
+  /// Verifies the checksum after the last voxel; returns the fault, empty: none.
   [[nodiscard]] std::string faultAtEnd();
-  /// Bytes of the files behind the voxels; of compressed ones only after faultAtEnd(), and no more than are looked at.
+  /// Bytes of the files after the voxels; for compressed files only after faultAtEnd(), and limited to the bytes
+  /// examined.
   [[nodiscard]] double leftOver() const;
 
  private:
@@ -31,15 +32,15 @@ class VoxelBytes {
 
   const ImageHeader &header_;
   double share_, at_ = 0.0, behind_ = 0.0;
-  std::size_t part_ = 0;  ///< that stream_ reads
+  std::size_t part_ = 0;  ///< the file that stream_ reads
   std::unique_ptr<ByteStream> stream_;
 };
 
-/// A header can say anything; what cannot be in files of this size is refused before memory is taken for it.
-/// @param bytes  from the first voxel on that are needed
+/// Refuses headers that state more data than files of this size can hold, before memory is allocated.
+/// @param bytes  required bytes from the first voxel on
 [[nodiscard]] Expected<void> checkFileSize(const ImageHeader &header, double bytes);
 
-/// How many volumes are whole as far as the sizes of the files say; nothing where only reading to the end can tell.
+/// Number of complete volumes according to the file sizes; none where only reading to the end can determine it.
 [[nodiscard]] std::optional<std::size_t> wholeVolumesBySize(const ImageHeader &header);
 
 }  // namespace c3de::imaging

@@ -29,7 +29,7 @@ void swapBytes(std::vector<T> &all) {
     }
 }
 
-/// Reads on, without keeping anything, until all volumes have come or the data end. @return how many are whole
+/// Reads and discards until the end of all volumes or of the data. @return number of complete volumes
 Expected<std::size_t> countVolumes(const ImageHeader &header, const ReadOptions &options, VoxelBytes &bytes) {
   std::vector<char> away(1u << 20);
   const double all = bytesOfAll(header);
@@ -43,7 +43,7 @@ Expected<std::size_t> countVolumes(const ImageHeader &header, const ReadOptions 
   return static_cast<std::size_t>(bytes.at() / bytesOfVolume(header));
 }
 
-/// The numbers of one volume. @param whole  how many volumes of the file are; set where it was not known
+/// The values of one volume. @param whole  complete volumes of the file; set if it was unknown
 template <class T>
 Expected<void> readBinary(const ImageHeader &header, const ReadOptions &options, std::vector<T> &all,
                           std::optional<std::size_t> &whole, std::vector<std::string> &notices) {
@@ -52,7 +52,7 @@ Expected<void> readBinary(const ImageHeader &header, const ReadOptions &options,
     return refuse(header.path,
                   "its voxels do not divide evenly into " + std::to_string(header.parts.size()) + " files");
   VoxelBytes bytes(header);
-  // of which `channels` are kept
+  // values per voxel, of which `kept` are used
   const std::size_t together = header.interleaved ? header.volumes * header.channels : 1;
   const std::size_t kept = header.interleaved ? header.channels : 1;
   if (!header.interleaved) bytes.skip(static_cast<double>(options.time) * bytesOfVolume(header));
@@ -95,7 +95,7 @@ int hexDigit(int c) {
   return -1;
 }
 
-/// Where the n-th number of a text belongs in a volume; nothing: to another volume.
+/// Index of the n-th number of a text in a volume; none: it belongs to another volume.
 std::optional<std::size_t> placeIn(const ImageHeader &header, std::size_t time, std::size_t n) {
   const std::size_t each = header.channels, all = header.geometry.voxelCount() * each;
   if (!header.interleaved) return n / all == time ? std::optional(n % all) : std::nullopt;
@@ -103,7 +103,7 @@ std::optional<std::size_t> placeIn(const ImageHeader &header, std::size_t time, 
                                            : std::nullopt;
 }
 
-/// Numbers as text (or bytes as pairs of hexadecimal digits), of which one file holds all.
+/// Numbers as text (or bytes as pairs of hexadecimal digits), all in one file.
 template <class T>
 Expected<void> readText(const ImageHeader &header, const ReadOptions &options, std::vector<T> &all,
                         std::optional<std::size_t> &whole, std::vector<std::string> &notices) {
@@ -121,7 +121,7 @@ Expected<void> readText(const ImageHeader &header, const ReadOptions &options, s
     if (const auto at = placeIn(header, options.time, count)) all[*at] = value;
     ++count;
   };
-  const auto take = [&](int c) -> bool {  // false: no number
+  const auto take = [&](int c) -> bool {  // false: not a number
     const bool blank = c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == ',' || c == EOF;
     if (hex) {
       if (blank) return true;

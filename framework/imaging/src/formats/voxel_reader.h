@@ -6,14 +6,15 @@
 
 namespace c3de::imaging {
 
-/// The voxels of the first volume that a header describes. @param notices  gets what was assumed
+/// The voxels of the volume that a header and options.time select. @param notices  assumptions are added
 [[nodiscard]] Expected<Voxels> readVoxels(const ImageHeader &header, const ReadOptions &options,
                                           std::vector<std::string> &notices);
 
-/// Refuses what needs more than the limit (0: than the machine has free); the message names both.
+/// Refuses to read if more memory than the limit is needed (0: the free memory of the machine); the message states
+/// both.
 [[nodiscard]] Expected<void> checkMemory(const std::filesystem::path &path, double bytes, std::size_t limit);
 
-/// Whether to go on; a missing function says yes.
+/// Whether to continue; true without a function.
 [[nodiscard]] bool shouldContinue(const ProgressFn &progress, double fraction, const std::string &what);
 [[nodiscard]] tl::unexpected<Error> cancelled(const std::filesystem::path &path);
 

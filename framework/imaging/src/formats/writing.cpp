@@ -82,7 +82,7 @@ std::vector<To> valuesOf(const std::vector<From> &voxels, double slope, double i
   return out;
 }
 
-/// Rescaled values in the smallest type that holds them exactly, or as floating point.
+/// Rescaled values in the smallest type that represents them exactly, or as floating point.
 Voxels rescaled(const Volume &volume) {
   return std::visit(
       [&](const auto &all) -> Voxels {
@@ -134,7 +134,7 @@ Expected<void> saveTable(const std::filesystem::path &image, const LabelMap &lab
   return writer->commit();
 }
 
-/// Slicer's segments; it wants to know where each one lies.
+/// Slicer's segments, including the extent of each one, which Slicer requires.
 std::vector<std::pair<std::string, std::string>> segmentKeys(const LabelMap &labels) {
   std::vector<std::pair<std::string, std::string>> keys;
   const auto &size = labels.geometry.size;
@@ -161,7 +161,8 @@ Expected<void> writeVolume(const std::filesystem::path &path, const Volume &volu
   if (!format) return tl::unexpected(format.error());
   const bool nifti = *format == Format::nifti || *format == Format::niftiZipped;
   const bool plain = volume.slope == 1.0 && volume.intercept == 0.0;
-  // NIfTI-1 has slope and intercept in single precision only; values that would be changed by that are written instead.
+  // NIfTI-1 stores slope and intercept in single precision only; if that would change them, rescaled values are
+  // written.
   const bool kept = nifti && static_cast<double>(static_cast<float>(volume.slope)) == volume.slope &&
                     static_cast<double>(static_cast<float>(volume.intercept)) == volume.intercept;
   ImageToWrite image;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Masks as how much of every voxel, or block of voxels, is inside.
+// Masks as the inside fraction of every voxel, or block of voxels.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -34,7 +34,7 @@ Fill fillInBlocks(const Mask &mask, const VoxelBox &box, const std::array<std::s
       for (std::size_t i = 0; i < column.size(); ++i)
         if (row[i] != 0) line[column[i]] += 1.0f;
     }
-  // Counts first: a full block is exactly 1.
+  // Integer counts first, so that a full block is exactly 1.
   const auto whole = static_cast<float>(block[0] * block[1] * block[2]);
   for (float &value : out.values) value /= whole;
   Vec3 first{};

@@ -19,7 +19,7 @@ struct Run {
 
 class Components {
  public:
-  /// Of the voxels that are (value != 0) == inside.
+  /// Components of the voxels with (value != 0) == inside.
   static Expected<Components> of(const Mask &mask, bool inside, const ProgressFn &progress) {
     Components all;
     all.size_ = mask.geometry.size;
@@ -95,7 +95,7 @@ class Components {
 
   std::array<std::size_t, 3> size_{};
   std::vector<Run> runs_;
-  std::vector<std::size_t> firstOfRow_;  // of rows so far, then the end
+  std::vector<std::size_t> firstOfRow_;  // number of runs before each row, then the total
 };
 
 Mask onlyRoot(const Mask &mask, Components &components, std::uint32_t root) {
@@ -157,16 +157,16 @@ Expected<Mask> largestComponent(const Mask &mask, const ProgressFn &progress) {
   return onlyRoot(mask, *components, static_cast<std::uint32_t>(largest - sizes.begin()));
 }
 
-Expected<Unspecked> withoutSpecks(const Mask &mask, const ProgressFn &progress) {
-  constexpr std::size_t kMostVoxels = 64, kLeastShare = 1000;
+Expected<WithoutSpecks> removeSpecks(const Mask &mask, const ProgressFn &progress) {
+  constexpr std::size_t kMaxVoxels = 64, kMinShare = 1000;
   if (const auto good = checkMask(mask); !good) return tl::unexpected(good.error());
   auto components = Components::of(mask, true, stage(progress, 0.0, 0.9));
   if (!components) return tl::unexpected(components.error());
   const std::vector<std::size_t> sizes = components->sizes();
-  Unspecked out{mask, 0, 0};
+  WithoutSpecks out{mask, 0, 0};
   if (sizes.empty()) return out;
   const std::size_t largest = *std::max_element(sizes.begin(), sizes.end());
-  const auto isSpeck = [&](std::size_t size) { return size <= kMostVoxels && size * kLeastShare < largest; };
+  const auto isSpeck = [&](std::size_t size) { return size <= kMaxVoxels && size * kMinShare < largest; };
   for (const std::size_t size : sizes)
     if (size > 0 && isSpeck(size)) {
       ++out.specks;

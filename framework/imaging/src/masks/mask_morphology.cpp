@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closing and opening: what lies within a radius of a set, by squared distances between voxel centres.
+// Closing and opening: voxels within a radius of a set, by squared distances between voxel centres.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace c3de::imaging {
 namespace {
 
-constexpr double kMostVoxels = 128.0;     // of a radius
+constexpr double kMaxVoxels = 128.0;      // of a radius
 constexpr double kOrthogonal = 1e-6;      // cosine between axes
 constexpr double kRounding = 1.0 + 1e-6;  // of squared distances in single precision
 
@@ -33,16 +33,16 @@ Expected<Ball> ballOf(const VolumeGeometry &geometry, double radius) {
   const Mat4 inverse = affineInverse(geometry.indexToWorld);
   for (std::size_t a = 0; a < 3; ++a) {
     const double voxels = radius * kRounding * norm({inverse[a], inverse[4 + a], inverse[8 + a]});
-    if (voxels > kMostVoxels)
+    if (voxels > kMaxVoxels)
       return fail(ErrorCode::usage,
                   fmt::format("a radius of {:.4g} mm is {:.0f} voxels of {:.3g} mm; at most {:.0f} are accepted",
-                              radius, voxels, ball.spacing[a], kMostVoxels));
+                              radius, voxels, ball.spacing[a], kMaxVoxels));
     ball.reach[a] = static_cast<std::size_t>(voxels);
   }
   return ball;
 }
 
-// Whether every voxel is within the radius of one that is set; on a grid of its own.
+// Determines whether every voxel is within the radius of one that is set; on its own grid.
 class Growth {
  public:
   Growth(const Ball &ball, const Size3 &n) : ball_(ball), n_(n) {}
@@ -54,7 +54,7 @@ class Growth {
  private:
   static constexpr float kFar = 1e30f;
 
-  // out[i] = min over offsets o along an axis of in[row + o][i] + (o s)², rows as long as a line of voxels.
+  // out[i] = min over offsets o along an axis of in[row + o][i] + (o s)²; a row is a line of voxels along i.
   void lowest(std::span<const float> in, std::span<const std::uint8_t> any, std::size_t rows, std::size_t reach,
               double s, std::size_t row, float *out) const {
     const std::size_t nx = n_[0];
@@ -124,7 +124,7 @@ class Growth {
     return any ? 1 : 0;
   }
 
-  // On a sheared grid squared distances are no sum over the axes: every voxel at the border of the set covers its ball.
+  // On a sheared grid squared distances are not a sum over the axes: every border voxel of the set covers its ball.
   bool byStamps(std::vector<std::uint8_t> &bits, const ProgressFn &progress) {
     struct Line {
       std::ptrdiff_t j, k, from, to;
@@ -178,7 +178,7 @@ void invert(std::vector<std::uint8_t> &bits) {
   for (std::uint8_t &b : bits) b = b != 0 ? 0 : 1;
 }
 
-// Rows of a box of voxels that may reach beyond the grid; visit(offset in the box, offset in the grid, length).
+// Rows of a box of voxels that may extend beyond the grid; visit(offset in the box, offset in the grid, length).
 struct Window {
   std::array<std::ptrdiff_t, 3> low{};
   Size3 n{};
@@ -206,7 +206,7 @@ Expected<Mask> growAndShrink(const Mask &mask, double radius, Order order, const
   if (!ball) return tl::unexpected(ball.error());
   const VoxelBox box = boxAround(mask);
   if (box.empty()) return mask;
-  // A closing may use room beyond the grid, which it gives back; an opening sees the grid alone.
+  // A closing may temporarily extend beyond the grid; an opening uses the grid alone.
   Window window;
   for (std::size_t a = 0; a < 3; ++a) {
     const auto margin = static_cast<std::ptrdiff_t>(ball->reach[a] + 1);

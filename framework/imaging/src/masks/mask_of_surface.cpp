@@ -9,8 +9,8 @@
 namespace c3de::imaging {
 namespace {
 
-// Whole numbers n with low < n <= high within 0 … count - 1, as a half-open range. The same rule everywhere, so that a
-// row that goes through an edge or a vertex meets each surface once.
+// Integers n with low < n <= high within 0 … count - 1, as a half-open range. The same rule is used everywhere, so that
+// a row through an edge or a vertex crosses each surface once.
 struct Range {
   std::size_t begin = 0, end = 0;
 };
@@ -31,9 +31,9 @@ Mask maskOf(const geometry::TriangleMesh &closed, const VolumeGeometry &grid) {
   std::transform(closed.vertices.begin(), closed.vertices.end(), at.begin(),
                  [&](const Vec3 &x) { return transformPoint(indexFromWorld, x); });
   const std::array<std::size_t, 3> &n = grid.size;
-  // Every face toggles the first voxel behind it in each row that it meets; what is behind an odd count is inside.
+  // Every face toggles the first voxel after it in each row that it crosses; voxels after an odd count are inside.
   for (const Triangle &triangle : closed.triangles) {
-    // Ends of an edge in the order of their numbers: both faces at it find the same points.
+    // Ends of an edge in index order, so that both adjacent faces compute the same points.
     const auto cut = [&](std::size_t side, double k) {
       std::size_t a = triangle[side], b = triangle[(side + 1) % 3];
       if (a > b) std::swap(a, b);
@@ -52,7 +52,7 @@ Mask maskOf(const geometry::TriangleMesh &closed, const VolumeGeometry &grid) {
         if (fromBelow != toBelow) ends[count++] = cut(side, height);
       }
       if (count < 2) continue;
-      // Also here the order of the ends must not depend on the face.
+      // Here too the order of the ends must not depend on the face.
       if (ends[1][1] < ends[0][1]) std::swap(ends[0], ends[1]);
       const Range js = wholeBetween(ends[0][1], ends[1][1], n[1]);
       for (std::size_t j = js.begin; j < js.end; ++j) {

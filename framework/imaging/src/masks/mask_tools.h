@@ -12,7 +12,7 @@ namespace c3de::imaging {
 }
 [[nodiscard]] inline tl::unexpected<Error> cancelled() { return fail(ErrorCode::cancelled, "cancelled"); }
 
-/// Progress of a stage that goes from one fraction of the whole to another.
+/// Progress of a stage between two fractions of the whole.
 [[nodiscard]] inline ProgressFn stage(const ProgressFn &progress, double from, double to) {
   if (!progress) return {};
   return [progress, from, to](double f, const std::string &what) { return progress(from + (to - from) * f, what); };
@@ -29,12 +29,12 @@ struct VoxelBox {
   [[nodiscard]] bool empty() const { return max[0] <= min[0]; }
   [[nodiscard]] std::size_t edge(std::size_t axis) const { return max[axis] - min[axis]; }
 };
-/// Around everything inside; empty if there is nothing.
+/// Bounding box of all inside voxels; empty if there are none.
 [[nodiscard]] VoxelBox boxAround(const Mask &mask);
 
-/// Voxels per block along each axis, so that its edges are at most as long as given; at least one.
+/// Voxels per block along each axis, so that the block's edges do not exceed the given length; at least one.
 [[nodiscard]] std::array<std::size_t, 3> blocksUpTo(const VolumeGeometry &geometry, double edge_mm);
-/// The mask within a box in blocks of voxels, with an empty layer around.
+/// The mask within a box in blocks of voxels, with an empty layer around it.
 [[nodiscard]] Fill fillInBlocks(const Mask &mask, const VoxelBox &box, const std::array<std::size_t, 3> &block);
 
 }  // namespace c3de::imaging

@@ -56,7 +56,7 @@ std::size_t voxelCount(const Mask &mask) {
 
 double volumeOf(const Mask &mask) { return static_cast<double>(voxelCount(mask)) * mask.geometry.voxelVolume(); }
 
-Expected<Mask> mended(Mask mask, const Mending &how, const ProgressFn &progress) {
+Expected<Mask> mended(Mask mask, const MaskCleanUp &how, const ProgressFn &progress) {
   Expected<Mask> out = std::move(mask);
   if (how.opening_mm > 0.0) out = opened(*out, how.opening_mm, progress);
   if (out && how.closing_mm > 0.0) out = closed(*out, how.closing_mm, progress);

@@ -14,7 +14,7 @@ struct StoredRange {
   double min = 0.0, max = 0.0, low = 0.0, high = 0.0;
 };
 
-/// The bins, from the lowest on, below which `count` voxels lie.
+/// The first bin at which the cumulative count exceeds `count`.
 std::size_t binAt(const std::vector<std::size_t> &bins, double count) {
   double sum = 0.0;
   for (std::size_t i = 0; i < bins.size(); ++i) {
@@ -52,12 +52,12 @@ StoredRange rangeOf(const std::vector<T> &voxels, double clipped) {
   return {min, max, low, std::min(high, max)};
 }
 
-/// Voxels by their value, 10 HU each from -1100 to 3100; what is below and above is in the first and last bin.
+/// Histogram of voxel values, 10 HU per bin from -1100 to 3100; values below and above are in the first and last bin.
 struct HounsfieldBins {
   static constexpr double kFirst = -1100.0, kWidth = 10.0;
   std::array<double, 422> counts{};
-  double below = 0.0, total = 0.0;  ///< voxels under kFirst; all that are finite
-  double padding = 0.0;             ///< of `below`, those with the lowest value of all
+  double below = 0.0, total = 0.0;  ///< voxels below kFirst; all finite ones
+  double padding = 0.0;             ///< part of `below` with the lowest value of all
   [[nodiscard]] static std::size_t binOf(double hu) {
     return static_cast<std::size_t>(std::clamp((hu - kFirst) / kWidth + 1.0, 0.0, 421.0));
   }
@@ -66,7 +66,7 @@ struct HounsfieldBins {
     for (std::size_t b = binOf(from); b < binOf(to); ++b) sum += counts[b];
     return sum;
   }
-  /// The value below which such a share of what lies between two values is.
+  /// The value below which this share of the voxels between two values is.
   [[nodiscard]] double quantile(double from, double to, double share) const {
     const double wanted = share * between(from, to);
     double sum = 0.0;
@@ -98,10 +98,10 @@ HounsfieldBins hounsfieldBins(const Volume &volume) {
   return bins;
 }
 
-// Without lung and air, without metal, HU.
+// Limits that exclude lung and air, and metal, HU.
 constexpr double kTissue = -300.0, kMetal = 2000.0;
 
-bool looksLikeHounsfield(const Volume &volume, const HounsfieldBins &bins) {
+bool isLikelyHounsfield(const Volume &volume, const HounsfieldBins &bins) {
   if (volume.unit == "HU") return true;
   if (!volume.unit.empty() || !volume.colours.empty() || bins.below - bins.padding > 1e-3 * bins.total) return false;
   const double air = bins.between(-1100.0, -850.0) + bins.padding, tissue = bins.between(kTissue, kMetal);
@@ -112,7 +112,7 @@ bool looksLikeHounsfield(const Volume &volume, const HounsfieldBins &bins) {
 
 }  // namespace
 
-bool looksLikeHounsfield(const Volume &volume) { return looksLikeHounsfield(volume, hounsfieldBins(volume)); }
+bool isLikelyHounsfield(const Volume &volume) { return isLikelyHounsfield(volume, hounsfieldBins(volume)); }
 
 ValueRange robustRange(const Volume &volume, double clipped) {
   const StoredRange stored = std::visit([&](const auto &all) { return rangeOf(all, clipped); }, volume.voxels);
@@ -127,12 +127,12 @@ ValueRange robustRange(const Volume &volume, double clipped) {
     return range;
   }
   const HounsfieldBins bins = hounsfieldBins(volume);
-  if (looksLikeHounsfield(volume, bins) && bins.between(kTissue, kMetal) > 1e-3 * bins.total) {
+  if (isLikelyHounsfield(volume, bins) && bins.between(kTissue, kMetal) > 1e-3 * bins.total) {
     range.low = std::max(bins.quantile(kTissue, kMetal, 0.01), -200.0);
     range.high = std::clamp(bins.quantile(kTissue, kMetal, 0.98), 250.0, 1000.0);
   }
   if (!(range.low < range.high)) {
-    // One value fills nearly all of it: take what there is, else anything around it.
+    // One value fills nearly the whole image: use the full range, otherwise any range around it.
     range.low = range.min;
     range.high = range.max > range.min ? range.max : range.min + 1.0;
   }

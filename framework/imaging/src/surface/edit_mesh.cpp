@@ -6,7 +6,7 @@
 namespace c3de::imaging {
 namespace {
 
-// Of the tetrahedron between o and the triangle (a, b, c), six times.
+// Six times the volume of the tetrahedron between o and the triangle (a, b, c).
 double volume6(const Vec3 &o, const Vec3 &a, const Vec3 &b, const Vec3 &c) { return dot(a - o, cross(b - o, c - o)); }
 
 }  // namespace
@@ -53,7 +53,7 @@ void EditMesh::splitDoubleEdges() {
   std::sort(edges.begin(), edges.end());
   for (std::size_t e = 1; e < edges.size(); ++e) {
     if (edges[e] != edges[e - 1]) continue;
-    // Its number may have changed with an edge beside it.
+    // Its number may have changed with an adjacent edge.
     unsigned found = kNone;
     around(edges[e][0], [&](unsigned h) {
       if (to(h) == edges[e][1]) found = h;
@@ -110,7 +110,7 @@ bool EditMesh::flip(unsigned h0) {
   const unsigned a = corners_[h0], b = corners_[g0], c = corners_[h2], d = corners_[g2];
   if (c == d || valence(a) <= 3 || valence(b) <= 3 || areNeighbours(c, d)) return false;
   const unsigned outerH = twins_[h1], outerG = twins_[g1];
-  // Less the tetrahedron between what was and what will be.
+  // The tetrahedron between the old and the new diagonal.
   const double gained = volume6(points[a], points[d], points[b], points[c]) / 6.0;
   owed[c] -= 0.5 * gained;
   owed[d] -= 0.5 * gained;
@@ -152,7 +152,7 @@ bool EditMesh::collapse(unsigned h0, const Vec3 &at) {
       tooMany = true;
   });
   if (tooMany) return false;
-  // Triangles with a corner at `at` have no volume about it: all that was there is booked.
+  // Triangles with a corner at `at` have no volume relative to it: the complete previous volume is recorded.
   double lost = 0.0;
   const auto volumeAt = [&](unsigned h) {
     return volume6(at, points[from(h)], points[to(h)], points[from(previous(h))]) / 6.0;

@@ -8,20 +8,20 @@
 
 namespace c3de::imaging {
 
-/// A closed, oriented 2-manifold of triangles that can be changed: half-edges 3 f + c run from corner c of triangle f
-/// to the next one, each with its twin in the neighbouring triangle.
+/// A closed, oriented 2-manifold of triangles for editing: half-edge 3 f + c runs from corner c of triangle f to the
+/// next one, and has a twin in the neighbouring triangle.
 class EditMesh {
  public:
   static constexpr unsigned kNone = 0xffffffffu;
 
-  /// @param twins  [3 triangles] the half-edge that runs the other way along the same edge. Vertices around which
-  ///               triangles form several fans become one vertex per fan; edges that two neighbouring pairs of
-  ///               triangles share end to end are divided, so that no edge has more than two triangles.
+  /// @param twins  [3 triangles] the opposite half-edge along the same edge. Vertices around which triangles form
+  ///               several fans become one vertex per fan. Edges with the same end points in two pairs of triangles are
+  ///               split, so that no edge has more than two triangles.
   EditMesh(std::vector<Vec3> points, std::span<const Triangle> triangles, std::vector<unsigned> twins);
 
-  std::vector<Vec3> points;    ///< dead ones included
-  std::vector<unsigned> tags;  ///< [points] for the caller; a vertex made by split() has that of an end of the edge
-  /// [points] Volume that is enclosed too little there: volume_ledger.h. What flip() and collapse() change is booked.
+  std::vector<Vec3> points;    ///< including removed ones
+  std::vector<unsigned> tags;  ///< [points] for the caller; split() copies that of one end of the edge
+  /// [points] Volume that the mesh is missing there: volume_ledger.h. Includes the changes by flip() and collapse().
   std::vector<double> owed;
 
   [[nodiscard]] unsigned halfEdges() const { return static_cast<unsigned>(corners_.size()); }
@@ -33,7 +33,7 @@ class EditMesh {
   [[nodiscard]] unsigned from(unsigned h) const { return corners_[h]; }
   [[nodiscard]] unsigned to(unsigned h) const { return corners_[next(h)]; }
 
-  /// Calls visit(half-edge) for those that leave a vertex, in a circle.
+  /// Calls visit(half-edge) for all half-edges that leave a vertex, in circular order.
   template <class Visit>
   void around(unsigned v, const Visit &visit) const {
     const unsigned first = leaving_[v];
@@ -48,11 +48,11 @@ class EditMesh {
   /// Twice the area times the normal of the triangle of a half-edge.
   [[nodiscard]] Vec3 areaNormal(unsigned h) const;
 
-  /// A new vertex in the middle of an edge.
+  /// Inserts a vertex at the midpoint of an edge.
   unsigned split(unsigned h);
-  /// Turns an edge within its two triangles; false: not possible.
+  /// Replaces an edge by the other diagonal of its two triangles; false: not possible.
   bool flip(unsigned h);
-  /// Moves the start of an edge to `at` and takes its end away; false: it would no longer be a manifold.
+  /// Moves the start of an edge to `at` and removes its end; false: the result would not be a manifold.
   bool collapse(unsigned h, const Vec3 &at);
   [[nodiscard]] bool canCollapse(unsigned h) const;
 

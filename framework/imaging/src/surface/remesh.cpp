@@ -4,15 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formats/volume_ledger.h"
+#include "surface/volume_ledger.h"
 
 namespace c3de::imaging {
 namespace {
 
 constexpr double kLong = 4.0 / 3.0, kShort = 4.0 / 5.0;
-constexpr int kRounds = 7, kMostRounds = 16;
-// Cosines: a triangle may turn by so much when an edge goes; across a sharper edge none is flipped.
-constexpr double kMostTurn = 0.5, kSharp = 0.5;
+constexpr int kRounds = 7, kMaxRounds = 16;
+// Cosines: the maximum rotation of a triangle when an edge is collapsed; edges at sharper angles are not flipped.
+constexpr double kMaxTurn = 0.5, kSharp = 0.5;
 
 double squared(const EditMesh &mesh, unsigned h) {
   const Vec3 way = mesh.points[mesh.to(h)] - mesh.points[mesh.from(h)];
@@ -21,7 +21,7 @@ double squared(const EditMesh &mesh, unsigned h) {
 
 bool isFirst(const EditMesh &mesh, unsigned h) { return mesh.alive(h) && h < mesh.twin(h); }
 
-// Squared length of an edge in wanted lengths.
+// Squared length of an edge in target lengths.
 class Measure {
  public:
   explicit Measure(std::span<const double> edges) {
@@ -36,7 +36,7 @@ class Measure {
   std::vector<double> scale_;
 };
 
-// Once over the edges there are: what a part of no width makes of itself waits for the next round.
+// One pass over the existing edges: edges created in a degenerate part wait for the next round.
 std::size_t splitLong(EditMesh &mesh, const Measure &measure) {
   std::size_t count = 0;
   const unsigned end = mesh.halfEdges();
@@ -48,7 +48,8 @@ std::size_t splitLong(EditMesh &mesh, const Measure &measure) {
   return count;
 }
 
-// Whether the triangles around the end of an edge keep their direction, and no edge becomes long, when that end moves.
+// Whether the triangles around the end of an edge keep their orientation, and no edge becomes too long, when that end
+// moves.
 bool keepsShape(const EditMesh &mesh, unsigned vertex, unsigned other, const Vec3 &at, double longest) {
   bool good = true;
   mesh.around(vertex, [&](unsigned h) {
@@ -58,7 +59,7 @@ bool keepsShape(const EditMesh &mesh, unsigned vertex, unsigned other, const Vec
     if (!good || b == other || c == other) return;
     const Vec3 before = mesh.areaNormal(h), after = cross(way, mesh.points[c] - at);
     const double sizes = norm(before) * norm(after);
-    if (!(dot(before, after) > kMostTurn * sizes) && norm(before) > 0.0) good = false;
+    if (!(dot(before, after) > kMaxTurn * sizes) && norm(before) > 0.0) good = false;
   });
   return good;
 }
@@ -130,7 +131,7 @@ void spreadInSurface(EditMesh &mesh) {
     moved[v] = mesh.points[v] + kStep * (way - dot(way, n) * n);
   }
   mesh.points.swap(moved);
-  bookMoves(mesh, moved);
+  recordMoves(mesh, moved);
 }
 
 }  // namespace
@@ -141,8 +142,8 @@ bool remesh(EditMesh &mesh, std::span<const double> edges, const std::function<b
   for (int r = 0; r < rounds; ++r) {
     while (collapseShort(mesh, measure) > mesh.halfEdges() / 100) {
     }
-    // Voxels far longer than the edges take halving after halving.
-    if (splitLong(mesh, measure) > mesh.halfEdges() / 20) rounds = std::min(kMostRounds, r + kRounds);
+    // Voxels much larger than the edges require repeated halving.
+    if (splitLong(mesh, measure) > mesh.halfEdges() / 20) rounds = std::min(kMaxRounds, r + kRounds);
     evenValences(mesh);
     spreadInSurface(mesh);
     if (!round(static_cast<double>(r + 1) / rounds)) return false;
@@ -160,7 +161,7 @@ void fair(EditMesh &mesh, std::size_t times) {
         if (mesh.isUsed(v)) moved[v] = mesh.points[v] + step * (lookAround(mesh, v).mean - mesh.points[v]);
       mesh.points.swap(moved);
     }
-  bookMoves(mesh, before);
+  recordMoves(mesh, before);
 }
 
 }  // namespace c3de::imaging

@@ -47,9 +47,9 @@ class Crossings {
       edge_ = std::max(edge_, (all_.max[a] - all_.min[a]) / 2e6);
   }
 
-  /// @param moved  by vertex; empty: everywhere
+  /// @param moved  by vertex; empty: check everywhere
   std::vector<unsigned> find(std::span<const std::uint8_t> moved) {
-    // Cells to look at, by a hash of their keys: one too many costs a little time.
+    // Cells to check, by a hash of their keys: a collision only costs a little time.
     std::vector<std::uint8_t> wanted(moved.empty() ? 0 : std::size_t{1} << kHashBits, 0);
     for (unsigned t = 0; t < boxes_.size() && !moved.empty(); ++t)
       if (mesh_.alive(3 * t) &&
@@ -107,7 +107,7 @@ class Crossings {
       for (std::uint64_t j = low[1]; j <= high[1]; ++j)
         for (std::uint64_t i = low[0]; i <= high[0]; ++i) visit(i | j << 21 | k << 42);
   }
-  // Edges of t without a corner of o.
+  // Tests the edges of t that share no corner with o.
   [[nodiscard]] bool edgesGoThrough(unsigned t, unsigned o) const {
     std::array<bool, 3> shared{};
     for (unsigned c = 0; c < 3; ++c)

@@ -9,11 +9,11 @@
 
 namespace c3de::imaging {
 
-/// Half-edges 3 f of the triangles that another one goes through, ascending. Triangles that share an edge, and those
-/// that only touch, count as apart.
+/// Half-edges 3 f of the triangles that intersect another one, ascending. Triangles that share an edge, or only touch,
+/// do not count as intersecting.
 [[nodiscard]] std::vector<unsigned> crossedTriangles(const EditMesh &mesh);
-/// Only near triangles with a corner that has moved.
-/// @param moved  [points] not 0: it has
+/// Only close to triangles with a moved corner.
+/// @param moved  [points] not 0: moved
 [[nodiscard]] std::vector<unsigned> crossedTriangles(const EditMesh &mesh, std::span<const std::uint8_t> moved);
 
 }  // namespace c3de::imaging

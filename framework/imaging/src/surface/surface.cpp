@@ -10,38 +10,39 @@
 
 #include "c3de/imaging/mask_coverage.h"
 #include "c3de/imaging/masks.h"
-#include "formats/volume_ledger.h"
 #include "masks/mask_tools.h"
 #include "surface/remesh.h"
 #include "surface/self_crossings.h"
 #include "surface/surface_net.h"
+#include "surface/volume_ledger.h"
 
 namespace c3de::imaging {
 namespace {
 
-constexpr double kMostTriangles = 5e6;
+constexpr double kMaxTriangles = 5e6;
 // Automatic edges, see SurfaceSettings: triangles of a detailed skin, and of one that has to be finer because it is
 // thin.
 constexpr double kDetail = 4e4, kThinDetail = 2.4e5;
 constexpr double kLongestOfVoxel = 1.5, kEdgesAcross = 3.0;
-// Of masks less than so many voxels thick in the mean: parts that an opening of this radius takes away want such edges.
+// For masks with a mean thickness below kSlender voxels: parts that an opening with radius kThin removes need such
+// edges.
 constexpr double kSlender = 8.0, kThin = 1.5, kManyThin = 0.01, kShortestOfVoxel = 0.7;
-constexpr double kAreaOfSteps = 1.5;  // steps make an area up to so many times that of what they stand for
+constexpr double kAreaOfSteps = 1.5;  // voxel steps increase an area up to this factor
 constexpr float kHalf = 0.5f;
-constexpr double kVoxelsPerEdge = 2.5;                          // of the grid the mask is seen through
-constexpr double kRelaxations = 2.0, kMostRelaxations = 200.0;  // per squared length in voxels
-constexpr double kDefaultLength = 2.0;                          // longest voxel edges
+constexpr double kVoxelsPerEdge = 2.5;                         // of the grid to which the mask is resampled
+constexpr double kRelaxations = 2.0, kMaxRelaxations = 200.0;  // per squared length in voxels
+constexpr double kDefaultLength = 2.0;                         // longest voxel edges
 constexpr std::size_t kFairings = 10;
 constexpr double kFirstLevel = 1.0;  // of the longest voxel edge
-constexpr double kMostOfPart = 0.5;  // of the cube root of a part's volume: the longest edges it gets
+constexpr double kMaxOfPart = 0.5;   // of the cube root of a part's volume: its maximum edge length
 constexpr int kUntanglings = 12;
-constexpr double kEven = 0.3, kInwards = 0.05;  // of the way to the mean of the neighbours, of an edge
-constexpr double kNoise = 0.05;                 // share of triangles that go through others and are let be
-constexpr int kHolds = 4;                       // turns of volume and border at the end
+constexpr double kEven = 0.3, kInwards = 0.05;  // of the distance to the mean of the neighbours, of an edge
+constexpr double kNoise = 0.05;                 // maximum share of intersecting triangles that are corrected
+constexpr int kHolds = 4;                       // final iterations of volume and border constraints
 constexpr int kCoarsely = 2, kFinely = 20;      // steps that restore volumes
-constexpr double kReach = 2.0;                  // within which volume is kept, in smoothing lengths
+constexpr double kReach = 2.0;                  // distance within which volume is restored, in smoothing lengths
 
-// Of what is inside, without the steps of its voxels, mm².
+// Surface area of the mask, without the steps of its voxels, mm².
 double borderArea(const Mask &mask, const VoxelBox &box) {
   const auto &n = mask.geometry.size;
   const std::array<std::size_t, 3> step{1, n[0], n[0] * n[1]};
@@ -64,20 +65,19 @@ double borderArea(const Mask &mask, const VoxelBox &box) {
   return area / kAreaOfSteps;
 }
 
-// Takes away what hangs together only in single blocks beside a large rest.
+// Removes parts that are connected only in single blocks next to a large remainder.
 void dropSpecks(Fill &grid) {
   Mask half{grid.geometry, std::vector<std::uint8_t>(grid.values.size())};
   for (std::size_t v = 0; v < grid.values.size(); ++v) half.voxels[v] = grid.values[v] >= kHalf ? 1 : 0;
-  const auto kept = withoutSpecks(half);
+  const auto kept = removeSpecks(half);
   if (!kept || kept->specks == 0) return;
   for (std::size_t v = 0; v < grid.values.size(); ++v)
     if (half.voxels[v] != kept->mask.voxels[v]) grid.values[v] = 0.0f;
 }
 
-// Books to the vertices around it what a block at the border holds more, or less, than the whole or the nothing that it
-// is drawn as. Returns the volume of all blocks that the surface goes around, and of those beside them, whose fill it
-// takes along.
-double bookBlocks(const Fill &grid, SurfaceNet &net) {
+// Records at the surrounding vertices the difference between the actual fill of a border block and the full or empty
+// block that is meshed. Returns the volume of all blocks inside the surface, and of adjacent ones, whose fill is added.
+double recordBlocks(const Fill &grid, SurfaceNet &net) {
   const auto &n = grid.geometry.size;
   const std::array<std::size_t, 3> step{1, n[0], n[0] * n[1]};
   const auto nodeOf = [&](std::size_t i, std::size_t j, std::size_t k) { return i + step[1] * j + step[2] * k; };
@@ -117,14 +117,14 @@ bool hasThinParts(const Mask &mask, double thickness, double voxel, double volum
   return thick && 1.0 - volumeOf(*thick) / volume > kManyThin;
 }
 
-// As long as the detail of the image and the count of triangles want, but short enough for what is thin.
+// As long as the detail of the image and the triangle count allow, but short enough for thin parts.
 double automaticEdge(double area, double thickness, double voxel, bool isThin) {
   const double thin = isThin ? kShortestOfVoxel * voxel : std::max(voxel, thickness / kEdgesAcross);
   const double wanted = std::max(std::min(kLongestOfVoxel * voxel, thin), std::sqrt(trianglesOf(area, 1.0) / kDetail));
   return std::max(std::min(wanted, thin), std::sqrt(trianglesOf(area, 1.0) / kThinDetail));
 }
 
-// Numbers the connected parts into the tags.
+// Numbers the connected parts in the tags.
 std::size_t tagParts(EditMesh &mesh) {
   constexpr unsigned kOpen = EditMesh::kNone;
   std::fill(mesh.tags.begin(), mesh.tags.end(), kOpen);
@@ -164,7 +164,7 @@ PartMeasures measure(const EditMesh &mesh, std::span<const Vec3> points, std::si
   return m;
 }
 
-// Every part along its normals until its volume is what it should be.
+// Moves every part along its normals until it has its target volume.
 void restoreVolumes(EditMesh &mesh, std::span<const double> wanted, std::span<const double> edges, int times) {
   const Vec3 about = mesh.points.front();
   for (int time = 0; time < times; ++time) {
@@ -186,12 +186,12 @@ void restoreVolumes(EditMesh &mesh, std::span<const double> wanted, std::span<co
       if (length > 0.0) moved[v] = moved[v] + (way[mesh.tags[v]] / length) * normal;
     }
     mesh.points.swap(moved);
-    bookMoves(mesh, moved);
+    recordMoves(mesh, moved);
   }
 }
 
-// Smooths where triangles go through others, and draws it inwards: what comes too near to itself is mostly a gap.
-// Returns what has moved.
+// Smooths around intersecting triangles, and moves them inwards, because regions too close to themselves are mostly
+// gaps. Returns the moved vertices.
 std::vector<std::uint8_t> untangle(EditMesh &mesh, std::span<const unsigned> crossed, std::span<const double> edges) {
   std::vector<std::uint8_t> moves(mesh.points.size(), 0);
   for (const unsigned h : crossed)
@@ -214,11 +214,11 @@ std::vector<std::uint8_t> untangle(EditMesh &mesh, std::span<const unsigned> cro
     if (length > 0.0) moved[v] = moved[v] - (kInwards * edges[mesh.tags[v]] / length) * normal;
   }
   mesh.points.swap(moved);
-  bookMoves(mesh, moved);
+  recordMoves(mesh, moved);
   return moves;
 }
 
-using Continue = std::function<bool(double)>;  // of the fraction that is done; false: stop
+using Continue = std::function<bool(double)>;  // argument: completed fraction; false: stop
 
 Expected<void> checkSettings(const SurfaceSettings &settings) {
   for (const auto &[name, value] :
@@ -234,7 +234,7 @@ struct BlockGrid {
   bool isCoarse;  // blocks of more than one voxel
 };
 
-// The mask as it is seen under such edges; by single voxels where nothing is left of it in blocks.
+// The mask resampled for this edge length; in single voxels where no block would remain.
 BlockGrid blockGridOf(const Mask &mask, const VoxelBox &box, double edge) {
   constexpr std::array<std::size_t, 3> kVoxel{1, 1, 1};
   const std::array<std::size_t, 3> block = blocksUpTo(mask.geometry, edge / kVoxelsPerEdge);
@@ -245,7 +245,7 @@ BlockGrid blockGridOf(const Mask &mask, const VoxelBox &box, double edge) {
   return grid;
 }
 
-// Areas of the parts as they are, and the volumes that they should have: of all together `seen`.
+// Present areas of the parts, and their target volumes, which sum up to `seen`.
 PartMeasures targetsOf(const EditMesh &surface, std::span<const Vec3> points, std::size_t parts, double seen) {
   PartMeasures wanted = measure(surface, points, parts, points.front());
   for (unsigned v = 0; v < points.size(); ++v) wanted.volumes[surface.tags[v]] += surface.owed[v];
@@ -257,15 +257,15 @@ PartMeasures targetsOf(const EditMesh &surface, std::span<const Vec3> points, st
 
 Expected<void> checkTriangles(double area, double edge) {
   const double triangles = trianglesOf(area / kAreaOfSteps, edge);
-  if (triangles <= kMostTriangles) return {};
+  if (triangles <= kMaxTriangles) return {};
   return fail(ErrorCode::usage,
-              fmt::format("an edge length of {:.3g} mm makes about {:.2g} triangles; at most {:.2g} are "
+              fmt::format("an edge length of {:.3g} mm gives about {:.2g} triangles; at most {:.2g} are "
                           "accepted: choose longer edges",
-                          edge, triangles, kMostTriangles));
+                          edge, triangles, kMaxTriangles));
 }
 
-// A smoothed surface on its way to even triangles: it stays at the border of the blocks and keeps the volumes of its
-// parts.
+// Remeshes a smoothed surface to even triangles, keeping it at the border of the blocks and preserving the volumes of
+// its parts.
 class SkinShaper {
  public:
   // @param edge, length  of the edges, of smoothing, mm
@@ -276,14 +276,14 @@ class SkinShaper {
         edge_(edge), reach_(kReach * length), edges_(noLongerThan(edge)),
         cells_(grid, *std::min_element(edges_.begin(), edges_.end()) / longest) {}
 
-  // Fairing reaches over some edges only. Edges far shorter than voxels come by halves, each evened out, or the steps
-  // of the voxels would stay as knobs.
+  // Fairing acts over some edges only. Edges much shorter than voxels are therefore reached by halving, with fairing at
+  // each level; otherwise the voxel steps would remain as bumps.
   bool remeshByHalves(double firstEdge, const Continue &shouldContinue) {
-    settleOver(std::cbrt(grid_.geometry.voxelVolume()));
+    compensateOver(std::cbrt(grid_.geometry.voxelVolume()));
     for (double level = firstEdge; level > 1.5 * edge_; level *= 0.5) {
       std::vector<double> coarser(edges_);
       for (std::size_t p = 0; p < coarser.size(); ++p)
-        coarser[p] = std::max(edges_[p], std::min(level, 0.5 * kMostOfPart * std::cbrt(std::abs(volumes_[p]))));
+        coarser[p] = std::max(edges_[p], std::min(level, 0.5 * kMaxOfPart * std::cbrt(std::abs(volumes_[p]))));
       if (!remeshTo(coarser, level, shouldContinue)) return false;
     }
     return remeshTo(edges_, edge_, shouldContinue);
@@ -291,14 +291,14 @@ class SkinShaper {
 
   void restoreBorderAndVolumes() {
     for (int t = 0; t < kHolds; ++t) {
-      settleOver(edge_);
-      holdAtBorder();
+      compensateOver(edge_);
+      constrainToBorder();
     }
-    settleOver(edge_);
+    compensateOver(edge_);
     restoreVolumes(surface_, volumes_, edges_, kFinely);
   }
 
-  // Where triangles go through others: as few as can be had in some turns.
+  // Reduces intersections of triangles as far as possible in some iterations.
   void untangleAll() {
     std::vector<unsigned> crossed = crossedTriangles(surface_);
     std::vector<Vec3> best = surface_.points;
@@ -306,10 +306,10 @@ class SkinShaper {
     const double noise = kNoise / 3.0 * surface_.halfEdges();
     for (int t = 0; t < kUntanglings && !crossed.empty() && static_cast<double>(crossed.size()) < noise; ++t) {
       const std::vector<std::uint8_t> moved = untangle(surface_, crossed, edges_);
-      holdAtBorder();
+      constrainToBorder();
       restoreVolumes(surface_, volumes_, edges_, kFinely);
       crossed = crossedTriangles(surface_, moved);
-      // All over once more: volumes have been restored everywhere.
+      // Checks everywhere again, because volumes have been restored everywhere.
       if (crossed.empty()) crossed = crossedTriangles(surface_);
       if (crossed.size() >= fewest) continue;
       fewest = crossed.size();
@@ -319,17 +319,17 @@ class SkinShaper {
   }
 
  private:
-  // By part: small ones need shorter edges to have a shape.
+  // By part: small ones need shorter edges to keep their shape.
   [[nodiscard]] std::vector<double> noLongerThan(double edge) const {
     std::vector<double> edges;
-    for (const double volume : volumes_) edges.push_back(std::min(edge, kMostOfPart * std::cbrt(std::abs(volume))));
+    for (const double volume : volumes_) edges.push_back(std::min(edge, kMaxOfPart * std::cbrt(std::abs(volume))));
     return edges;
   }
 
   bool remeshTo(std::span<const double> edges, double present, const Continue &shouldContinue) {
     const auto round = [&](double fraction) {
-      settleOver(present);
-      holdAtBorder();
+      compensateOver(present);
+      constrainToBorder();
       return shouldContinue(fraction);
     };
     if (!remesh(surface_, edges, round)) return false;
@@ -337,23 +337,23 @@ class SkinShaper {
     return true;
   }
 
-  // @param present  length of the edges there are
-  void settleOver(double present) { settle(surface_, edges_, reach_ / present, kCoarsely); }
+  // @param present  present edge length
+  void compensateOver(double present) { compensateVolume(surface_, edges_, reach_ / present, kCoarsely); }
 
-  void holdAtBorder() {
+  void constrainToBorder() {
     const std::vector<Vec3> before = surface_.points;
     for (unsigned v = 0; v < surface_.points.size(); ++v) {
       if (!surface_.isUsed(v)) continue;
       const Vec3 held = cells_.nearest(transformPoint(indexOf_, surface_.points[v]));
       surface_.points[v] = transformPoint(grid_.geometry.indexToWorld, held);
     }
-    bookMoves(surface_, before);
+    recordMoves(surface_, before);
   }
 
   EditMesh &surface_;
   const Fill &grid_;
   Mat4 indexOf_;
-  std::span<const double> volumes_;  // by part, as edges_
+  std::span<const double> volumes_;  // by part, like edges_
   double edge_, reach_;
   std::vector<double> edges_;
   BorderCells cells_;
@@ -369,8 +369,8 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
   if (box.empty()) return fail(ErrorCode::usage, "the mask is empty: there is no surface around nothing");
   const double volume = volumeOf(mask);
   const double voxel = std::cbrt(mask.geometry.voxelVolume()), visible = borderArea(mask, box);
-  const double thickness = 4.0 * volume / visible;  // the diameter of a tube, about that of branching ones
-  // Tubes of two voxels collapse under edges of one.
+  const double thickness = 4.0 * volume / visible;  // the diameter of a tube, approximately that of branching ones
+  // Tubes of two voxels collapse with edges of one voxel.
   const bool isThin = hasThinParts(mask, thickness, voxel, volume);
   const double edge =
       settings.edgeLength > 0.0 ? settings.edgeLength : automaticEdge(visible, thickness, voxel, isThin);
@@ -383,8 +383,8 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
   SurfaceNet net = surfaceNetOf(grid, mask.geometry.handedness() < 0.0);
   EditMesh &surface = net.mesh;
   const std::size_t parts = tagParts(surface);
-  // What has been lost among blocks stays lost: the rest would grow by it.
-  const double seen = blocks.isCoarse ? bookBlocks(grid, net) : volume;
+  // Volume lost by the blocks is not restored: the remainder would grow by it.
+  const double seen = blocks.isCoarse ? recordBlocks(grid, net) : volume;
   std::vector<Vec3> homes(net.homes.size());
   std::transform(net.homes.begin(), net.homes.end(), homes.begin(), toWorld);
   const PartMeasures wanted = targetsOf(surface, homes, parts, seen);
@@ -397,9 +397,9 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
   const double longest = *std::max_element(spacing.begin(), spacing.end());
   const double length = settings.smoothingLength > 0.0 ? settings.smoothingLength : kDefaultLength * longest;
   const double relaxations = std::ceil(kRelaxations * length * length / (shortest * shortest));
-  relax(net, static_cast<std::size_t>(std::min(kMostRelaxations, relaxations)));
+  relax(net, static_cast<std::size_t>(std::min(kMaxRelaxations, relaxations)));
   for (Vec3 &point : surface.points) point = toWorld(point);
-  bookMoves(surface, homes);
+  recordMoves(surface, homes);
   if (!shouldContinue(0.5)) return cancelled();
 
   SkinShaper shaper(surface, grid, wanted.volumes, edge, length, longest);

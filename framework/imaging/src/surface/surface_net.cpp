@@ -9,13 +9,13 @@ namespace c3de::imaging {
 namespace {
 
 constexpr float kHalf = 0.5f;
-constexpr double kLeash = 0.45;    // below a half: two sides of a thin part do not meet
-constexpr double kLeastGap = 0.1;  // of an edge, half of what lies between two cells
+constexpr double kLeash = 0.45;  // less than a half, so that two sides of a thin part do not meet
+constexpr double kMinGap = 0.1;  // of an edge, half of the gap between two cells
 
-// A side of a quadrilateral, to be matched with the one that runs the other way.
+// A side of a quadrilateral, to be paired with its opposite.
 struct Side {
   unsigned low, high;    // vertices
-  std::uint32_t inside;  // node behind the quadrilateral
+  std::uint32_t inside;  // node on the inner side of the quadrilateral
   unsigned half;
 };
 
@@ -45,14 +45,15 @@ class NetBuilder {
     std::sort(sides_.begin(), sides_.end(), [](const Side &a, const Side &b) {
       return std::tie(a.low, a.high, a.inside, a.half) < std::tie(b.low, b.high, b.inside, b.half);
     });
-    // Where four quadrilaterals meet, two belong to the voxel on either side: voxels that touch in an edge stay apart.
+    // Where four quadrilaterals meet, two belong to the voxel on either side: voxels that share only an edge stay
+    // separate.
     for (std::size_t s = 0; s + 1 < sides_.size(); s += 2) {
       twins_[sides_[s].half] = sides_[s + 1].half;
       twins_[sides_[s + 1].half] = sides_[s].half;
     }
     EditMesh mesh(homes_, triangles_, std::move(twins_));
     std::vector<Vec3> homes = mesh.points;
-    // Vertices that were added for a second fan lie where the first one does.
+    // Vertices added for a second fan are at the position of the first one.
     for (unsigned v = 0; v < sums_.size(); ++v) mesh.points[v] = (1.0 / crossings_[v]) * sums_[v];
     return {std::move(mesh), std::move(homes)};
   }
@@ -140,7 +141,8 @@ void relax(SurfaceNet &net, std::size_t times) {
     for (std::size_t a = 0; a < 3; ++a) x[a] = std::clamp(x[a], net.homes[v][a] - kLeash, net.homes[v][a] + kLeash);
     return x;
   };
-  // What the smoothing took off is smoothed in turn and given back: steps stay gone, roundings do not shrink (twicing).
+  // The residual of the smoothing is itself smoothed and added: steps are removed, curved shapes do not shrink
+  // (twicing).
   std::vector<Vec3> lost = mesh.points;
   smooth(mesh.points, leashed);
   for (std::size_t v = 0; v < lost.size(); ++v) lost[v] = lost[v] - mesh.points[v];
@@ -148,7 +150,7 @@ void relax(SurfaceNet &net, std::size_t times) {
   for (std::size_t v = 0; v < lost.size(); ++v) mesh.points[v] = leashed(v, mesh.points[v] + lost[v]);
 }
 
-BorderCells::BorderCells(const Fill &fill, double edge) : leash_(0.5 - std::min(0.5 - kLeash, kLeastGap * edge)) {
+BorderCells::BorderCells(const Fill &fill, double edge) : leash_(0.5 - std::min(0.5 - kLeash, kMinGap * edge)) {
   const auto &n = fill.geometry.size;
   for (std::size_t a = 0; a < 3; ++a) size_[a] = n[a] - 1;
   border_.resize(size_[0] * size_[1] * size_[2]);

@@ -6,28 +6,29 @@
 
 namespace c3de::imaging {
 
-/// The border between voxels filled to a half and others, in index coordinates, and where its vertices belong.
+/// The border between voxels filled to at least a half and others, in index coordinates, with the cell centres of its
+/// vertices.
 struct SurfaceNet {
-  EditMesh mesh;            ///< vertices at the mean of where the border crosses the edges around
-  std::vector<Vec3> homes;  ///< [points] the corner of the voxels that each stands for
+  EditMesh mesh;            ///< vertices at the mean of the border crossings of the surrounding edges
+  std::vector<Vec3> homes;  ///< [points] centre of each vertex's cell: the corner shared by eight voxels
 };
 
 /// @param fill        with an empty outermost layer
-/// @param leftHanded  of the index in the world: which side of a triangle is its front
+/// @param leftHanded  handedness of the index in the world: determines the front of triangles
 [[nodiscard]] SurfaceNet surfaceNetOf(const Fill &fill, bool leftHanded);
 
-/// Moves every vertex towards the mean of its neighbours again and again, at most 0.45 voxels from its home.
+/// Iteratively moves every vertex towards the mean of its neighbours, at most 0.45 voxels from its cell centre.
 /// @source Tukey's twicing (Exploratory Data Analysis, 1977)
 void relax(SurfaceNet &net, std::size_t times);
 
-/// The cells between eight voxels that the border goes through: where vertices may be.
+/// The cells between eight voxels that the border crosses: where vertices may be.
 class BorderCells {
  public:
-  /// @param edge  of the shortest edges, in voxels: what lies between the reaches of two cells is shorter, or the edges
-  /// across it would be divided without end
+  /// @param edge  the shortest edge length, in voxels. The gap between the ranges of two cells is shorter than this;
+  /// otherwise edges across it would be split indefinitely
   BorderCells(const Fill &fill, double edge);
-  /// The nearest point that is at most 0.45 voxels (up to 0.5 for edges below half a voxel) from the middle of such a
-  /// cell, along every axis of the index; the point itself where there is no such cell beside its own.
+  /// The nearest point that is at most 0.45 voxels (up to 0.5 for edges below half a voxel) from the centre of such a
+  /// cell, along every axis of the index; the point itself where neither its cell nor a neighbour is such a cell.
   [[nodiscard]] Vec3 nearest(const Vec3 &index) const;
 
  private:

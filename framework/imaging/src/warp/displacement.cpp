@@ -8,7 +8,7 @@
 
 namespace c3de::imaging {
 
-Vec3 DisplacementGrid::toldAt(const Vec3 &world) const {
+Vec3 DisplacementGrid::continuousAt(const Vec3 &world) const {
   if (xyz_mm.empty()) return {};
   DisplacementRow row(*this, affineInverse(geometry.indexToWorld));
   row.startAt(world);
@@ -20,24 +20,24 @@ Vec3 DisplacementGrid::at(const Vec3 &world) const {
   DisplacementRow row(*this, affineInverse(geometry.indexToWorld));
   row.startAt(world);
   Vec3 u = row.at(0);
-  if (knowsVacated()) (void)Vacated(*this, kIdentity4).settles(row, 0, world, u);
+  if (hasEmptiedRegion()) (void)EmptiedRegion(*this, kIdentity4).settles(row, 0, world, u);
   return u;
 }
 
-bool DisplacementGrid::isVacated(const Vec3 &world) const {
-  if (!knowsVacated() || xyz_mm.empty()) return false;
+bool DisplacementGrid::isEmptied(const Vec3 &world) const {
+  if (!hasEmptiedRegion() || xyz_mm.empty()) return false;
   DisplacementRow row(*this, affineInverse(geometry.indexToWorld));
   row.startAt(world);
   Vec3 u = row.at(0);
-  return Vacated(*this, kIdentity4).settles(row, 0, world, u);
+  return EmptiedRegion(*this, kIdentity4).settles(row, 0, world, u);
 }
 
 bool DisplacementGrid::hasTissue(const Vec3 &world) const {
   if (xyz_mm.empty()) return false;
   DisplacementRow row(*this, affineInverse(geometry.indexToWorld));
   row.startAt(world);
-  if (!knowsVacated()) return row.isInside(0);
-  return Vacated(*this, kIdentity4).isBody(row, 0, world, row.at(0));
+  if (!hasEmptiedRegion()) return row.isInside(0);
+  return EmptiedRegion(*this, kIdentity4).isBody(row, 0, world, row.at(0));
 }
 
 const TissueField *DisplacementGrid::field(const std::string &name) const {
@@ -48,7 +48,7 @@ const TissueField *DisplacementGrid::field(const std::string &name) const {
 std::optional<double> DisplacementGrid::valueOf(const TissueField &field, const Vec3 &world) const {
   if (!hasTissue(world) || field.values.size() != geometry.voxelCount()) return std::nullopt;
   const Vec3 at = transformPoint(affineInverse(geometry.indexToWorld), world);
-  // Of the corners of the cell those that are near tissue.
+  // Uses only the corners of the cell that are near tissue.
   std::array<std::size_t, 3> base{};
   Vec3 within{};
   for (std::size_t a = 0; a < 3; ++a) {

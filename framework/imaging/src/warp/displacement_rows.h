@@ -10,13 +10,14 @@
 
 namespace c3de::imaging {
 
-/// Indices this far outside of a grid are on its border: a way through two matrices leaves some 1e-13.
+/// Indices this far outside a grid count as on its border: a conversion through two matrices is accurate to about
+/// 1e-13.
 constexpr double kOnBorder = 1e-6;
 
 /// Displacements along one row of voxels.
 class DisplacementRow {
  public:
-  /// @param nodeFromVoxel  from indices of the voxels to those of the grid; u has a point at least
+  /// @param nodeFromVoxel  from voxel indices to those of the grid; u has at least one point
   DisplacementRow(const DisplacementGrid &u, const Mat4 &nodeFromVoxel)
       : xyz_(u.xyz_mm.data()), gap_(u.gap_mm.data()), leastGap_(u.leastGap()), size_(u.geometry.size),
         nodeFromVoxel_(nodeFromVoxel) {
@@ -31,13 +32,13 @@ class DisplacementRow {
   }
 
   struct Part {
-    std::size_t begin = 0, end = 0;  ///< indices along the row, the last one not included
+    std::size_t begin = 0, end = 0;  ///< indices along the row, end exclusive
   };
 
-  /// To a row that begins at a point in the coordinates of voxels.
+  /// Selects the row that begins at a point in voxel coordinates.
   void startAt(const Vec3 &voxel) { start_ = transformPoint(nodeFromVoxel_, voxel); }
 
-  /// To the row of voxels j, k of that length. Outside of the part nothing is displaced.
+  /// Selects the row of voxels j, k of that length. Outside the returned part the displacement is zero.
   Part moveTo(std::size_t j, std::size_t k, std::size_t length) {
     startAt({0.0, static_cast<double>(j), static_cast<double>(k)});
     double low = 0.0, high = static_cast<double>(length);
@@ -47,7 +48,7 @@ class DisplacementRow {
         if (lower > 0.0 || upper < 0.0) high = 0.0;
         continue;
       }
-      low = std::max(low, std::min(lower / step_[a], upper / step_[a]) - 1.0);  // at() looks closely
+      low = std::max(low, std::min(lower / step_[a], upper / step_[a]) - 1.0);  // at() checks exactly
       high = std::min(high, std::max(lower / step_[a], upper / step_[a]) + 2.0);
     }
     if (!(low < high)) return {};
@@ -64,7 +65,7 @@ class DisplacementRow {
     return u;
   }
   [[nodiscard]] bool isInside(std::size_t i) const { return placeOf(i).has_value(); }
-  /// Whether the gap at voxel i is more than leastGap(); outside of the grid it is.
+  /// Whether the gap at voxel i exceeds leastGap(); true outside the grid.
   [[nodiscard]] bool hasGap(std::size_t i) const {
     const std::optional<Place> place = placeOf(i);
     return !place || trilinear<Values::finite>(gap_ + place->node, gapStride_, place->within) > leastGap_;
@@ -72,7 +73,7 @@ class DisplacementRow {
 
  private:
   struct Place {
-    std::size_t node = 0;  ///< of the corner of its cell
+    std::size_t node = 0;  ///< index of the corner of its cell
     Vec3 within{};         ///< 0 … 1
   };
   [[nodiscard]] std::optional<Place> placeOf(std::size_t i) const {
@@ -95,16 +96,16 @@ class DisplacementRow {
   Mat4 nodeFromVoxel_;
 };
 
-/// Which voxels of a grid are vacated, and which stay.
-class Vacated {
+/// Determines which voxels of a grid are vacated, and which are fixed.
+class EmptiedRegion {
  public:
-  /// @param worldFromVoxel  of the grid that is asked about; u.knowsVacated()
-  Vacated(const DisplacementGrid &u, const Mat4 &worldFromVoxel)
+  /// @param worldFromVoxel  of the queried grid; requires u.hasEmptiedRegion()
+  EmptiedRegion(const DisplacementGrid &u, const Mat4 &worldFromVoxel)
       : bodies_(*u.bodies), leastWay_(0.25 * u.leastGap()), fromWorld_(affineInverse(bodies_.geometry.indexToWorld)),
         fromVoxel_(multiply(fromWorld_, worldFromVoxel)) {}
 
-  /// @param row  that voxel i belongs to, which is `voxel`
-  /// @param d    in: its displacement; out: 0 where it stays
+  /// @param row  the row of voxel i, whose index is `voxel`
+  /// @param d    in: its displacement; out: 0 where it is fixed
   /// @return whether it is vacated
   [[nodiscard]] bool settles(const DisplacementRow &row, std::size_t i, const Vec3 &voxel, Vec3 &d) const {
     const std::uint8_t was = shownBefore(voxel, d);
@@ -118,20 +119,20 @@ class Vacated {
     return false;
   }
 
-  /// Whether a body is at voxel i now. @param d  its displacement
+  /// Whether a body is at voxel i now. @param d  displacement of the voxel
   [[nodiscard]] bool isBody(const DisplacementRow &row, std::size_t i, const Vec3 &voxel, const Vec3 &d) const {
     return shownBefore(voxel, d) == kBodyVoxel && !row.hasGap(i);
   }
 
  private:
-  static bool stays(std::uint8_t shown) { return shown == kStillVoxel || shown == kRigidVoxel; }
+  static bool stays(std::uint8_t shown) { return shown == kFixedVoxel || shown == kRigidVoxel; }
   [[nodiscard]] std::uint8_t shownBefore(const Vec3 &voxel, const Vec3 &d) const {
     const Vec3 now = transformPoint(fromVoxel_, voxel);
     return shownAt({now[0] - (fromWorld_[0] * d[0] + fromWorld_[4] * d[1] + fromWorld_[8] * d[2]),
                     now[1] - (fromWorld_[1] * d[0] + fromWorld_[5] * d[1] + fromWorld_[9] * d[2]),
                     now[2] - (fromWorld_[2] * d[0] + fromWorld_[6] * d[1] + fromWorld_[10] * d[2])});
   }
-  /// 0 outside of the grid.
+  /// 0 outside the grid.
   [[nodiscard]] std::uint8_t shownAt(const Vec3 &index) const {
     std::size_t at = 0, stride = 1;
     for (std::size_t a = 0; a < 3; ++a) {

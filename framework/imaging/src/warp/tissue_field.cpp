@@ -15,7 +15,7 @@ std::vector<std::uint8_t> pointsInTissue(const DisplacementGrid &u) {
   const auto &n = u.geometry.size;
   std::vector<std::uint8_t> inside(u.geometry.voxelCount(), 0);
   DisplacementRow row(u, kIdentity4);
-  const Vacated bodies(u, u.geometry.indexToWorld);
+  const EmptiedRegion bodies(u, u.geometry.indexToWorld);
   std::size_t p = 0;
   for (std::size_t k = 0; k < n[2]; ++k)
     for (std::size_t j = 0; j < n[1]; ++j) {
@@ -29,7 +29,7 @@ std::vector<std::uint8_t> pointsInTissue(const DisplacementGrid &u) {
   return inside;
 }
 
-/// Points beside known ones take the mean of theirs.
+/// Unknown points adjacent to known ones get the mean of their values.
 void growByOne(const std::array<std::size_t, 3> &n, std::vector<float> &values) {
   const std::vector<float> before = values;
   const auto low = [](std::size_t at) { return at > 0 ? at - 1 : 0; };
@@ -52,7 +52,7 @@ void growByOne(const std::array<std::size_t, 3> &n, std::vector<float> &values) 
 
 std::vector<float> volumeRatios(const DisplacementGrid &u) {
   std::vector<float> out(u.geometry.voxelCount(), kNothing);
-  if (!u.knowsVacated() || u.xyz_mm.size() != 3 * out.size()) return out;
+  if (!u.hasEmptiedRegion() || u.xyz_mm.size() != 3 * out.size()) return out;
   const auto &n = u.geometry.size;
   const std::vector<std::uint8_t> inside = pointsInTissue(u);
   const Mat4 &m = u.geometry.indexToWorld;
@@ -64,7 +64,7 @@ std::vector<float> volumeRatios(const DisplacementGrid &u) {
       for (std::size_t i = 0; i < n[0]; ++i, ++p) {
         if (inside[p] == 0) continue;
         const std::array<std::size_t, 3> at{i, j, k};
-        // d(x - u) by the index of each direction, against dx
+        // derivative of x - u with respect to each index, compared with that of x
         std::array<Vec3, 3> d{};
         bool isKnown = true;
         for (std::size_t a = 0; a < 3 && isKnown; ++a) {
@@ -77,14 +77,15 @@ std::vector<float> volumeRatios(const DisplacementGrid &u) {
                       (static_cast<double>(u.xyz_mm[3 * to + c]) - static_cast<double>(u.xyz_mm[3 * from + c])) / steps;
         }
         const double ratio = isKnown ? volume / dot(d[0], cross(d[1], d[2])) : 0.0;
-        // Where tissue lies over itself u has a jump, and no gradient.
+        // Where tissue overlaps itself, u is discontinuous and has no gradient.
         if (std::isfinite(ratio) && ratio > 0.0) out[p] = static_cast<float>(ratio);
       }
   growByOne(n, out);
   return out;
 }
 
-std::vector<float> spread(const VolumeGeometry &grid, const MaterialPoints &points, std::span<const double> values) {
+std::vector<float> scatterToGrid(const VolumeGeometry &grid, const MaterialPoints &points,
+                                 std::span<const double> values) {
   const auto &n = grid.size;
   std::vector<float> sums(grid.voxelCount(), 0.0F), weights(sums.size(), 0.0F);
   const Mat4 toIndex = affineInverse(grid.indexToWorld);
@@ -95,7 +96,7 @@ std::vector<float> spread(const VolumeGeometry &grid, const MaterialPoints &poin
     std::array<std::size_t, 3> low{}, high{};
     bool isOutside = false;
     for (std::size_t a = 0; a < 3; ++a) {
-      // The length of a row of the inverse is the most that an index changes by 1 mm.
+      // The norm of a row of the inverse is the maximum change of an index per mm.
       const double way = reach * norm(Vec3{toIndex[a], toIndex[4 + a], toIndex[8 + a]});
       const double first = std::max(0.0, std::ceil(middle[a] - way)),
                    last = std::min(static_cast<double>(n[a]) - 1.0, std::floor(middle[a] + way));

@@ -19,7 +19,7 @@ namespace {
 using Part = DisplacementRow::Part;
 
 constexpr std::size_t kRowsAtATime = 16;
-constexpr double kShares = 50.0;  // of the work between two words of progress
+constexpr double kShares = 50.0;  // number of progress reports
 
 Expected<void> checkGrid(const VolumeGeometry &grid, const char *what) {
   if (grid.voxelCount() == 0)
@@ -52,8 +52,8 @@ Expected<void> checkDisplacement(const DisplacementGrid &u) {
   return {};
 }
 
-/// Rows of voxels on several threads. @param row  called with the displacements and j, k of each, and the part of it
-/// that may be displaced
+/// Processes rows of voxels on several threads. @param row  called with the displacements and j, k of each, and the
+/// part of it that may be displaced
 template <class DoRow>
 Expected<void> forRows(const DisplacementGrid &u, const VolumeGeometry &grid, const char *what,
                        const ProgressFn &progress, ThreadPool *threads, const DoRow &row) {
@@ -78,7 +78,7 @@ Expected<void> forRows(const DisplacementGrid &u, const VolumeGeometry &grid, co
   return {};
 }
 
-/// From where in the reference a displaced voxel comes: the cell of voxels and the place in it.
+/// The reference position of a displaced voxel, as an index.
 class Source {
  public:
   explicit Source(const VolumeGeometry &g) : indexFromWorld_(affineInverse(g.indexToWorld)) {
@@ -94,7 +94,7 @@ class Source {
     }
     return false;
   }
-  /// The index where the material of voxel i j k was, brought back to the border where it lies outside.
+  /// The reference index of the material of voxel i j k, clamped to the border.
   [[nodiscard]] Vec3 of(std::size_t i, std::size_t j, std::size_t k, const Vec3 &u) const {
     const Mat4 &m = indexFromWorld_;
     const Vec3 index{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
@@ -111,23 +111,23 @@ class Source {
 
 using Sizes = std::array<std::size_t, 3>;
 
-/// Of an index that is not negative.
+/// Offset of the voxel nearest to a non-negative index.
 std::size_t nearestOffset(const Vec3 &at, const Sizes &n) {
   Sizes nearest{};
   for (std::size_t a = 0; a < 3; ++a) nearest[a] = static_cast<std::size_t>(at[a] + 0.5);
   return nearest[0] + n[0] * (nearest[1] + n[1] * nearest[2]);
 }
 
-std::optional<Vacated> vacatedBy(const DisplacementGrid &u, const VolumeGeometry &g) {
-  if (!u.knowsVacated()) return std::nullopt;
-  return Vacated(u, g.indexToWorld);
+std::optional<EmptiedRegion> emptiedBy(const DisplacementGrid &u, const VolumeGeometry &g) {
+  if (!u.hasEmptiedRegion()) return std::nullopt;
+  return EmptiedRegion(u, g.indexToWorld);
 }
 
 Vec3 indexOf(std::size_t i, std::size_t j, std::size_t k) {
   return {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
 }
 
-/// Of what is a number; 0 where nothing is.
+/// The lowest value that is not NaN; 0 if there is none.
 template <class T>
 T lowestOf(const std::vector<T> &voxels) {
   std::optional<T> lowest;
@@ -181,7 +181,7 @@ Expected<Volume> warped(const Volume &reference, const DisplacementGrid &u, cons
   try {
     Volume out = reference;
     const Source source(g);
-    const std::optional<Vacated> vacated = vacatedBy(u, g);
+    const std::optional<EmptiedRegion> vacated = emptiedBy(u, g);
     const Sizes &n = g.size;
     const Sizes stride{n[0] > 1 ? std::size_t{1} : 0, n[1] > 1 ? n[0] : 0, n[2] > 1 ? n[0] * n[1] : 0};
     const auto done = std::visit(
@@ -192,7 +192,7 @@ Expected<Volume> warped(const Volume &reference, const DisplacementGrid &u, cons
           const T empty = lowestOf(all);
           const auto row = [&](const DisplacementRow &displacement, std::size_t j, std::size_t k, Part part) {
             T *voxel = to + n[0] * (j + n[1] * k);
-            // What has gone may have been anywhere.
+            // Vacated voxels may be anywhere.
             if (vacated) part = {0, n[0]};
             for (std::size_t i = part.begin; i < part.end; ++i) {
               Vec3 d = displacement.at(i);
@@ -226,7 +226,7 @@ Expected<LabelMap> warped(const LabelMap &reference, const DisplacementGrid &u, 
   try {
     LabelMap out = reference;
     const Source source(g);
-    const std::optional<Vacated> vacated = vacatedBy(u, g);
+    const std::optional<EmptiedRegion> vacated = emptiedBy(u, g);
     const auto done = forRows(u, g, "warping labels", progress, threads,
                               [&](const DisplacementRow &row, std::size_t j, std::size_t k, Part part) {
                                 std::uint16_t *voxel = out.voxels.data() + g.size[0] * (j + g.size[1] * k);
@@ -260,7 +260,7 @@ Expected<LabelMap> warped(const LabelMap &reference, const DisplacementGrid &u, 
   try {
     LabelMap out{grid, std::vector<std::uint16_t>(grid.voxelCount(), 0), reference.labels};
     const Mat4 indexFromWorld = affineInverse(g.indexToWorld);
-    const std::optional<Vacated> vacated = vacatedBy(u, grid);
+    const std::optional<EmptiedRegion> vacated = emptiedBy(u, grid);
     const auto done = forRows(u, grid, "warping labels", progress, threads,
                               [&](const DisplacementRow &row, std::size_t j, std::size_t k, Part) {
                                 std::uint16_t *voxel = out.voxels.data() + grid.size[0] * (j + grid.size[1] * k);
@@ -294,7 +294,7 @@ Expected<Volume> magnitudeOf(const DisplacementGrid &u, const VolumeGeometry &gr
     out.geometry = grid;
     out.unit = "mm";
     auto &values = out.voxels.emplace<std::vector<float>>(grid.voxelCount(), 0.0f);
-    const std::optional<Vacated> vacated = vacatedBy(u, grid);
+    const std::optional<EmptiedRegion> vacated = emptiedBy(u, grid);
     const auto done = forRows(u, grid, "amount of displacement", progress, threads,
                               [&](const DisplacementRow &row, std::size_t j, std::size_t k, Part part) {
                                 float *value = values.data() + grid.size[0] * (j + grid.size[1] * k);
@@ -311,13 +311,13 @@ Expected<Volume> magnitudeOf(const DisplacementGrid &u, const VolumeGeometry &gr
   }
 }
 
-Expected<Mask> vacatedPlaces(const DisplacementGrid &u, const VolumeGeometry &grid, const ProgressFn &progress,
-                             ThreadPool *threads) {
+Expected<Mask> emptiedRegions(const DisplacementGrid &u, const VolumeGeometry &grid, const ProgressFn &progress,
+                              ThreadPool *threads) {
   if (const auto good = checkGrid(grid, "grid"); !good) return tl::unexpected(good.error());
   if (const auto good = checkDisplacement(u); !good) return tl::unexpected(good.error());
   try {
     Mask out{grid, std::vector<std::uint8_t>(grid.voxelCount(), 0)};
-    const std::optional<Vacated> vacated = vacatedBy(u, grid);
+    const std::optional<EmptiedRegion> vacated = emptiedBy(u, grid);
     if (!vacated) return out;
     const auto done = forRows(u, grid, "places left by bodies", progress, threads,
                               [&](const DisplacementRow &row, std::size_t j, std::size_t k, Part) {
@@ -340,7 +340,7 @@ Expected<DisplacementGrid> resampled(const DisplacementGrid &u, const VolumeGeom
   if (const auto good = checkDisplacement(u); !good) return tl::unexpected(good.error());
   try {
     DisplacementGrid out{grid, std::vector<float>(3 * grid.voxelCount(), 0.0f)};
-    const std::optional<Vacated> vacated = vacatedBy(u, grid);
+    const std::optional<EmptiedRegion> vacated = emptiedBy(u, grid);
     const auto done = forRows(u, grid, "displacement field", progress, threads,
                               [&](const DisplacementRow &row, std::size_t j, std::size_t k, Part part) {
                                 float *value = out.xyz_mm.data() + 3 * grid.size[0] * (j + grid.size[1] * k);

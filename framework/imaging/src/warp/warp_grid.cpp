@@ -8,8 +8,8 @@ namespace c3de::imaging {
 namespace {
 
 constexpr double kFinestStep = 0.5;  // spacings
-constexpr double kRoom = 0.15;       // for the bodies to move on each side, of their size
-// A grid that could be so much finer is laid anew: further apart than what room alone changes.
+constexpr double kRoom = 0.15;       // margin for motion on each side, relative to the size of the bodies
+// Rebuild when the grid could be finer by this factor: beyond what the margin alone changes.
 constexpr double kMuchFiner = 0.6;
 
 }  // namespace

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the registries of the ui call instead of the plugin: a plugin that throws or is gone does no harm there.
+// Adapters that the registries of the UI call instead of the plugin. A plugin that throws or has been removed thus
+// causes no harm there.
 #pragma once
 
 #include <memory>
 
 #include "c3de/core/text.h"
-#include "fuse.h"
+#include "circuit_breaker.h"
 #include "last_error.h"
 #include "plugin_context.h"
 
 namespace c3de::plugin_host {
 
-/// Each keeps itself while it runs, because the plugin may remove the registration from inside the call.
+/// Each holds a reference to itself while it runs, because the plugin may remove the registration from inside the call.
 struct PanelCallback : std::enable_shared_from_this<PanelCallback> {
   PanelCallback(PluginContext &p, const c3de_panel &r, const std::string &title)
-      : plugin(p), real(r), fuse(std::make_shared<Fuse>(p, "panel '" + title + "'")) {}
+      : plugin(p), real(r), fuse(std::make_shared<CircuitBreaker>(p, "panel '" + title + "'")) {}
   static void C3DE_CALL onUi(void *self, const c3de_ui_v1 *ui) noexcept {
     const auto keep = static_cast<PanelCallback *>(self)->shared_from_this();
     if (keep->fuse->isOff()) {
@@ -30,12 +31,12 @@ struct PanelCallback : std::enable_shared_from_this<PanelCallback> {
   }
   PluginContext &plugin;
   c3de_panel real;
-  std::shared_ptr<Fuse> fuse;
+  std::shared_ptr<CircuitBreaker> fuse;
 };
 
 struct ToolCallback : std::enable_shared_from_this<ToolCallback> {
   ToolCallback(PluginContext &p, const c3de_tool &r, const std::string &label)
-      : plugin(p), real(r), fuse(std::make_shared<Fuse>(p, "tool '" + label + "'")) {}
+      : plugin(p), real(r), fuse(std::make_shared<CircuitBreaker>(p, "tool '" + label + "'")) {}
   static c3de_status C3DE_CALL activate(void *self) noexcept {
     const auto keep = static_cast<ToolCallback *>(self)->shared_from_this();
     if (keep->fuse->isOff()) {
@@ -60,13 +61,13 @@ struct ToolCallback : std::enable_shared_from_this<ToolCallback> {
   }
   PluginContext &plugin;
   c3de_tool real;
-  std::shared_ptr<Fuse> fuse;
+  std::shared_ptr<CircuitBreaker> fuse;
 };
 
-/// What a plugin does in every frame.
+/// Callback of a plugin for every frame.
 struct FrameCallback {
   FrameCallback(PluginContext &p, void *s, void(C3DE_CALL *f)(void *self))
-      : self(s), fn(f), fuse(std::make_shared<Fuse>(p, "frame callback")) {}
+      : self(s), fn(f), fuse(std::make_shared<CircuitBreaker>(p, "frame callback")) {}
   void operator()() const {
     fuse->call("a frame callback", [this] {
       fn(self);
@@ -75,21 +76,20 @@ struct FrameCallback {
   }
   void *self;
   void(C3DE_CALL *fn)(void *self);
-  std::shared_ptr<Fuse> fuse;
+  std::shared_ptr<CircuitBreaker> fuse;
 };
 
-/// One step of the history. Ends when the list forgets it.
+/// One step of the history. Destroyed when the list removes it.
 struct EditCallback : std::enable_shared_from_this<EditCallback> {
   EditCallback(PluginContext &p, const c3de_edit &r) : plugin(p), real(r) {}
-  static c3de_status C3DE_CALL undo(void *self) noexcept { return carryOut(self, &c3de_edit::undo, "undo of a step"); }
-  static c3de_status C3DE_CALL redo(void *self) noexcept { return carryOut(self, &c3de_edit::redo, "redo of a step"); }
+  static c3de_status C3DE_CALL undo(void *self) noexcept { return invoke(self, &c3de_edit::undo, "undo of a step"); }
+  static c3de_status C3DE_CALL redo(void *self) noexcept { return invoke(self, &c3de_edit::redo, "redo of a step"); }
   static void C3DE_CALL release(void *self) noexcept {
     const auto keep = static_cast<EditCallback *>(self)->shared_from_this();
     if (keep->real.release) callPlugin(keep->plugin, "release of a step", [&] { keep->real.release(keep->real.self); });
     keep->plugin.edits.erase(keep.get());
   }
-  static c3de_status carryOut(void *self, c3de_status (C3DE_CALL *c3de_edit::*slot)(void *),
-                              const char *what) noexcept {
+  static c3de_status invoke(void *self, c3de_status (C3DE_CALL *c3de_edit::*slot)(void *), const char *what) noexcept {
     const auto keep = static_cast<EditCallback *>(self)->shared_from_this();
     c3de_status status = C3DE_E_EXCEPTION;
     callPlugin(keep->plugin, what, [&] { status = (keep->real.*slot)(keep->real.self); });
@@ -102,7 +102,7 @@ struct EditCallback : std::enable_shared_from_this<EditCallback> {
 
 struct ListenerCallback : std::enable_shared_from_this<ListenerCallback> {
   ListenerCallback(PluginContext &p, const c3de_param_listener &r, const std::string &title)
-      : plugin(p), real(r), fuse(std::make_shared<Fuse>(p, "listener of the parameters '" + title + "'")) {}
+      : plugin(p), real(r), fuse(std::make_shared<CircuitBreaker>(p, "listener of the parameters '" + title + "'")) {}
   [[nodiscard]] c3de_param_listener trampoline() { return {sizeof(c3de_param_listener), 0, this, &changed}; }
   static void C3DE_CALL changed(void *self, const c3de_param_value *value) noexcept {
     const auto keep = static_cast<ListenerCallback *>(self)->shared_from_this();
@@ -113,7 +113,7 @@ struct ListenerCallback : std::enable_shared_from_this<ListenerCallback> {
   }
   PluginContext &plugin;
   c3de_param_listener real;
-  std::shared_ptr<Fuse> fuse;
+  std::shared_ptr<CircuitBreaker> fuse;
 };
 
 }  // namespace c3de::plugin_host

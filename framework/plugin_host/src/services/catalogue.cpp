@@ -51,7 +51,7 @@ constexpr std::array kCatalogue{
 };
 
 /// Services that were published as "draft/c3de.NAME/0" before they were frozen as "c3de.NAME/1", with the same layout:
-/// whoever asks for the draft gets the frozen one.
+/// a request for the draft returns the frozen service.
 constexpr std::array<std::string_view, 18> kFormerDrafts{
     "log",   "registry", "mesh",    "jobs",       "params", "panels",  "scene", "render",   "collision",
     "tools", "time",     "history", "simulation", "forces", "imaging", "files", "settings", "commands"};
@@ -74,7 +74,7 @@ const ServiceEntry &findService(const std::string &id, std::uint32_t minRev, con
       throw Refusal(C3DE_E_VERSION, fmt::format("{} rev >= {}, host has {}", id, minRev, entry.revision));
     if (!entry.isServed(services))
       throw Refusal(C3DE_E_UNSUPPORTED,
-                    fmt::format("{}, which is not served in this run (it needs {})", id, entry.needs));
+                    fmt::format("{}, which is not available in this run (it needs {})", id, entry.needs));
     return entry;
   }
   std::vector<std::string> known;

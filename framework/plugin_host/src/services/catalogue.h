@@ -9,19 +9,19 @@
 
 namespace c3de::plugin_host {
 
-/// Revision of the services of this host that have not grown.
+/// Revision of services of this host that have not been extended.
 inline constexpr std::uint32_t kServiceRevision = 1;
-/// Those that have: legends; pairs of triangles; watching simulations; writers; the point that is marked.
+/// Revisions of extended services: legends; pairs of triangles; watching simulations; writers; the marked point.
 inline constexpr std::uint32_t kRenderRevision = 2, kCollisionRevision = 2, kSimulationRevision = 2, kFilesRevision = 2,
                                kToolsRevision = 2;
 
 struct ServiceTables;
 
-/// A service that this host knows.
+/// A service of this host.
 struct ServiceEntry {
   const char *id;
   bool (*isServed)(const Services &);
-  const char *needs;  ///< what a run must have for it
+  const char *needs;  ///< what a run needs to provide it
   const void *(*table)(const ServiceTables &);
   std::uint32_t revision = kServiceRevision;
 };

@@ -15,7 +15,7 @@ std::shared_ptr<SharedTree> find(PluginContext &plugin, c3de_handle tree) {
   return found;
 }
 
-/// For what changes a tree: only its owner.
+/// For functions that change a tree: only its owner may.
 std::shared_ptr<SharedTree> findOwn(PluginContext &plugin, c3de_handle tree) {
   auto found = find(plugin, tree);
   if (found->owner != plugin.id())
@@ -126,7 +126,7 @@ c3de_status C3DE_CALL sphere(void *ctx, c3de_handle tree, const double *centre3,
       throw Refusal(C3DE_E_ARG, fmt::format("radius is {}, accepted: 0 or above", radius));
     requireNonNull(needed, "needed");
     if (capacity > 0) requireNonNull(out, "out");
-    // Reused between queries: this is called once per contact candidate and step.
+    // Reused between queries, because this is called once per contact candidate and step.
     thread_local std::vector<std::uint32_t> found;
     {
       const std::shared_lock lock(shared->mutex);
@@ -149,7 +149,7 @@ c3de_status C3DE_CALL pairs(void *ctx, c3de_handle first, c3de_handle second, do
     if (capacity > 0) requireNonNull(out2, "out2");
     thread_local std::vector<std::array<std::uint32_t, 2>> found;
     {
-      // Shared locks in one order: a refit that waits between the two would hold up both.
+      // Shared locks in a fixed order: a refit waiting between the two would block both.
       const std::shared_lock lower((a.get() < b.get() ? a : b)->mutex);
       const std::shared_lock upper =
           a == b ? std::shared_lock<std::shared_mutex>() : std::shared_lock((a.get() < b.get() ? b : a)->mutex);

@@ -26,7 +26,7 @@ void checkShortcut(const c3de_command &in) {
                                           static_cast<char>(in.key)));
 }
 
-/// A command that is the plugin's own. Throws Refusal.
+/// A command owned by the plugin. Throws Refusal.
 Handle own(PluginContext &plugin, c3de_handle command) {
   const registry::PluginCommand *found = plugin.services().commands->find(handleOf(command));
   if (!found) throw Refusal(C3DE_E_STALE, fmt::format("there is no command of handle {}", textOf(command)));

@@ -21,16 +21,16 @@
 namespace c3de::plugin_host {
 namespace {
 
-constexpr std::uint64_t kMostExtensions = 64, kLongestMagic = 4096;
+constexpr std::uint64_t kMaxExtensions = 64, kLongestMagic = 4096;
 constexpr std::uint64_t kLargestFile = std::uint64_t{1} << 32;
 
-/// What a reader puts, checked as it comes. Nothing may be thrown through the boundary.
+/// Receives and checks the output of a reader. Nothing may be thrown across the boundary.
 class MeshCollector {
  public:
   explicit MeshCollector(geometry::ReadMesh &mesh)
       : mesh_(mesh), abi_{sizeof(c3de_mesh_sink), 0, this, &addVertices, &addTriangles, &setUnit, &note} {}
   [[nodiscard]] const c3de_mesh_sink *abi() const { return &abi_; }
-  /// Why something was refused, whatever the reader made of it; C3DE_OK: nothing was.
+  /// Why data was refused, regardless of the reader's reaction; C3DE_OK: nothing was.
   [[nodiscard]] const std::string &refusal() const { return refusal_; }
   [[nodiscard]] c3de_status status() const { return status_; }
 
@@ -45,7 +45,7 @@ class MeshCollector {
       const c3de_status status = refuse(where);
       if (collector.status_ == C3DE_OK) {
         collector.status_ = status;
-        // Kept for the person, and left as the last error, which the reader may hand on.
+        // Stored for the user, and set as the last error, which the reader may pass on.
         collector.refusal_ = takeLastError();
         setLastError(collector.refusal_);
       }
@@ -62,7 +62,7 @@ class MeshCollector {
   static c3de_status C3DE_CALL addTriangles(void *self, c3de_view triangles) noexcept {
     return take(self, "add_triangles", [&](geometry::ReadMesh &mesh) {
       if (triangles.count == 0) return;
-      // Vertices may come later, so whether an index is in range is seen at the end.
+      // Vertices may follow later, so the range of indices is checked at the end.
       const std::vector<Triangle> rows = trianglesOf(triangles, "triangles", std::size_t{1} << 32);
       mesh.mesh.triangles.insert(mesh.mesh.triangles.end(), rows.begin(), rows.end());
     });
@@ -82,7 +82,7 @@ class MeshCollector {
   c3de_status status_ = C3DE_OK;
 };
 
-/// Progress of the host for a reader or writer; remembers that it said stop.
+/// Progress of the host for a reader or writer; remembers a request to stop.
 struct FormatProgress {
   explicit FormatProgress(const ProgressFn &fn) : progress(fn), abi{sizeof(c3de_progress), 0, this, &update} {}
   static c3de_status C3DE_CALL update(void *self, double fraction, c3de_str what) noexcept {
@@ -96,16 +96,16 @@ struct FormatProgress {
     }
   }
   const ProgressFn &progress;
-  const ForeignCall *call = nullptr;
+  const PluginCall *call = nullptr;
   c3de_progress abi;
   std::atomic<bool> isCancelled{false};
 };
 
-/// That a plugin which is lent bytes for reading writes to them is seen by their sum.
+/// Detects by checksum that a plugin writes to bytes it may only read.
 class ReadOnlyBytes {
  public:
   ReadOnlyBytes(std::initializer_list<std::string_view> lent) : lent_(lent), before_(sum()) {}
-  /// Logged, once a call.
+  /// Logged once per call.
   void report(const PluginContext &plugin, const char *what) const {
     if (sum() != before_)
       log(LogLevel::error, fmt::format("plugin {}: {} has written to what it is lent for reading", plugin.id(), what));
@@ -136,7 +136,7 @@ Expected<geometry::ReadMesh> readWith(PluginContext &plugin, const c3de_mesh_rea
   const c3de_mesh_source source{sizeof(c3de_mesh_source), 0, toAbi(name), bytes.data(), bytes.size()};
   setLastError(std::string_view());
   c3de_status status = C3DE_E_EXCEPTION;
-  const auto read = [&](const ForeignCall &recorded) {
+  const auto read = [&](const PluginCall &recorded) {
     reading.call = &recorded;
     status = reader.read(reader.self, &source, &reading.abi, collector.abi());
   };
@@ -146,7 +146,7 @@ Expected<geometry::ReadMesh> readWith(PluginContext &plugin, const c3de_mesh_rea
   std::string text = takeLastError();
   if (reading.isCancelled) return fail(ErrorCode::cancelled, "cancelled");
   if (!returned) return fail(ErrorCode::plugin, "an exception left it; the log says which");
-  // A reader that goes on after something of it was refused has not given a whole mesh.
+  // A reader that continues after some of its data was refused has not provided a whole mesh.
   if (collector.status() < 0) return fail(ErrorCode::input, collector.refusal());
   if (status == C3DE_E_CANCELLED)
     return fail(ErrorCode::plugin, "it says that it was cancelled, which nobody asked for");
@@ -154,7 +154,7 @@ Expected<geometry::ReadMesh> readWith(PluginContext &plugin, const c3de_mesh_rea
   return mesh;
 }
 
-/// The pieces that a writer puts.
+/// Receives the output of a writer in pieces.
 struct ByteCollector {
   static c3de_status C3DE_CALL put(void *self, const void *bytes, std::uint64_t n) noexcept {
     auto &own = *static_cast<ByteCollector *>(self);
@@ -172,7 +172,7 @@ struct ByteCollector {
     }
   }
   std::string bytes;
-  std::string refusal;  // whatever the writer made of it
+  std::string refusal;  // set regardless of the writer's reaction
 };
 
 Expected<std::string> writeWith(PluginContext &plugin, const c3de_mesh_writer &writer,
@@ -185,7 +185,7 @@ Expected<std::string> writeWith(PluginContext &plugin, const c3de_mesh_writer &w
   contents.triangles = {mesh.triangles.data(), mesh.triangles.size(), 3, C3DE_U32, sizeof(Triangle)};
   setLastError(std::string_view());
   c3de_status status = C3DE_E_EXCEPTION;
-  const auto write = [&](const ForeignCall &recorded) {
+  const auto write = [&](const PluginCall &recorded) {
     writing.call = &recorded;
     status = writer.write(writer.self, &contents, &writing.abi, {&collector, &ByteCollector::put});
   };
@@ -214,7 +214,7 @@ std::string extensionOf(c3de_str text) {
   return "." + extension;
 }
 
-/// What a reader and a writer say alike.
+/// Members that a reader and a writer have in common.
 template <class Format, class In>
 Format formatOf(const PluginContext &plugin, const In &in, const std::string &what) {
   Format made;
@@ -222,8 +222,8 @@ Format formatOf(const PluginContext &plugin, const In &in, const std::string &wh
   made.id = idOf(in.id, (what + " id").c_str());
   made.label = textOf(in.label, (what + " label").c_str());
   if (made.label.empty()) throw Refusal(C3DE_E_ARG, what + " label is empty");
-  if (in.extensions_n == 0 || in.extensions_n > kMostExtensions)
-    throw Refusal(C3DE_E_ARG, fmt::format("extensions_n is {}, accepted: 1 to {}", in.extensions_n, kMostExtensions));
+  if (in.extensions_n == 0 || in.extensions_n > kMaxExtensions)
+    throw Refusal(C3DE_E_ARG, fmt::format("extensions_n is {}, accepted: 1 to {}", in.extensions_n, kMaxExtensions));
   requireNonNull(in.extensions, "extensions");
   for (std::uint64_t i = 0; i < in.extensions_n; ++i) made.extensions.push_back(extensionOf(in.extensions[i]));
   return made;

@@ -47,8 +47,8 @@ c3de_status C3DE_CALL imageInfo(void *ctx, c3de_handle image, c3de_image_info *o
   return serve(ctx, "imaging.image_info", [&](PluginContext &plugin) {
     const auto stored = findImage(plugin, image);
     c3de_image_info info{};
-    info.name = plugin.keptText(stored->name);
-    info.unit = plugin.keptText(stored->volume.unit);
+    info.name = plugin.internedText(stored->name);
+    info.unit = plugin.internedText(stored->volume.unit);
     describe(stored->volume.geometry, info);
     info.min = stored->range.min;
     info.max = stored->range.max;
@@ -65,7 +65,7 @@ c3de_status C3DE_CALL sample(void *ctx, c3de_handle image, c3de_view points, dou
     const std::span<const Vec3> all = in.rows();
     const RowLayout rows = outputLayoutOf(out, "out", points);
     auto *bytes = static_cast<unsigned char *>(out.data);
-    // By way of a buffer, because rows of the plugin need be neither tight nor aligned.
+    // Through a buffer, because rows of the plugin need be neither contiguous nor aligned.
     std::array<double, 512> values;
     for (std::size_t first = 0; first < all.size(); first += values.size()) {
       const std::size_t n = std::min(values.size(), all.size() - first);
@@ -85,7 +85,7 @@ c3de_status C3DE_CALL labelMapInfo(void *ctx, c3de_handle map, c3de_label_map_in
   return serve(ctx, "imaging.label_map_info", [&](PluginContext &plugin) {
     const auto stored = findLabels(plugin, map);
     c3de_label_map_info info{};
-    info.name = plugin.keptText(stored->name);
+    info.name = plugin.internedText(stored->name);
     describe(stored->map.geometry, info);
     info.labels = stored->map.labels.size();
     writeStruct(out, info, "out");

@@ -39,25 +39,25 @@ std::uint32_t C3DE_CALL threadCount(void *ctx) noexcept {
   return count;
 }
 
-/// A job on its way; run and done are both called through it.
+/// A job in progress; both run and done are called through it.
 struct Job {
   PluginContext *plugin = nullptr;
   c3de_job real{};
   c3de_status status = C3DE_E_CANCELLED;     ///< until run has returned
   Handle handle;                             ///< main thread
-  std::atomic<std::uint64_t> handleBits{0};  ///< for those who are told of it; 0 until submit has it
+  std::atomic<std::uint64_t> handleBits{0};  ///< for reports about the job; 0 until submit has set it
 
   Expected<void> run(const ProgressFn &report) {
     struct Progress {
       const ProgressFn &report;
-      const ForeignCall *call;
+      const PluginCall *call;
     } now{report, nullptr};
     const auto update = [](void *self, double fraction, c3de_str what) noexcept -> c3de_status {
       try {
         const auto *progress = static_cast<const Progress *>(self);
         progress->call->noteProgress();
         const std::string_view text = fromAbi(what);
-        return progress->report(fraction, shownText(text.substr(0, kLongestText))) ? C3DE_OK : C3DE_E_CANCELLED;
+        return progress->report(fraction, displayText(text.substr(0, kLongestText))) ? C3DE_OK : C3DE_E_CANCELLED;
       } catch (...) {
         return refuse("progress");
       }
@@ -66,7 +66,7 @@ struct Job {
     setLastError(std::string_view());
     status = C3DE_E_EXCEPTION;
     handleBits.wait(0);
-    const auto call = [&](const ForeignCall &recorded) {
+    const auto call = [&](const PluginCall &recorded) {
       now.call = &recorded;
       status = real.run(real.self, &progress);
     };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Units of length as they cross the boundary.
+// Units of length at the ABI boundary.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,7 +12,7 @@
 
 namespace c3de::plugin_host {
 
-/// None: nobody says. Throws Refusal for a number that is no unit.
+/// None: not specified. Throws Refusal for a number that is no unit.
 [[nodiscard]] inline std::optional<geometry::LengthUnit> unitOf(std::uint32_t unit) {
   switch (unit) {
     case C3DE_UNIT_UNKNOWN: return std::nullopt;
@@ -20,7 +20,8 @@ namespace c3de::plugin_host {
     case C3DE_UNIT_MM: return geometry::LengthUnit::millimetre;
     case C3DE_UNIT_CM: return geometry::LengthUnit::centimetre;
     default:
-      throw Refusal(C3DE_E_ARG, fmt::format("unit is {}, accepted: 0 (as the file says), 1 (m), 2 (mm), 3 (cm)", unit));
+      throw Refusal(C3DE_E_ARG,
+                    fmt::format("unit is {}, accepted: 0 (as the file states), 1 (m), 2 (mm), 3 (cm)", unit));
   }
 }
 

@@ -25,7 +25,7 @@ void showToPerson(PluginContext &plugin, std::uint32_t severity, const std::stri
 void C3DE_CALL write(void *ctx, std::uint32_t severity, c3de_str message) noexcept {
   (void)serve(ctx, "log.write", [&](PluginContext &plugin) {
     const std::uint32_t known = std::min(severity, C3DE_LOG_ERROR);
-    const std::string line = shownText(fromAbi(message).substr(0, kLongestText));
+    const std::string line = displayText(fromAbi(message).substr(0, kLongestText));
     static constexpr LogLevel kLevels[] = {LogLevel::debug, LogLevel::info, LogLevel::warn, LogLevel::error};
     log(kLevels[known], "[" + plugin.id() + "] " + line);
     if (known >= C3DE_LOG_WARN) showToPerson(plugin, known, line);

@@ -12,11 +12,11 @@
 namespace c3de::plugin_host {
 namespace {
 
-constexpr std::uint64_t kMostDeclarations = 4096, kMostChoices = 1024;
+constexpr std::uint64_t kMaxDeclarations = 4096, kMaxChoices = 1024;
 constexpr std::uint32_t kKnownFlags = C3DE_PARAM_LOG_SCALE | C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_ADVANCED |
                                       C3DE_PARAM_MIN_OPEN | C3DE_PARAM_MAX_OPEN | C3DE_PARAM_AUTO | C3DE_PARAM_TOGETHER;
 
-/// Everything that a later reader of the declaration relies on.
+/// Checks everything on which later readers of the declaration rely.
 ParameterDecl declarationOf(const c3de_param_decl *decl) {
   const c3de_param_decl in = structOf(decl, "declaration");
   const std::string id = idOf(in.id, "parameter id");
@@ -26,9 +26,9 @@ ParameterDecl declarationOf(const c3de_param_decl *decl) {
     throw Refusal(C3DE_E_UNSUPPORTED,
                   fmt::format("{}: flags {:#x} are not known to this host", id, in.flags & ~kKnownFlags));
   for (const c3de_str text : {in.label, in.unit, in.doc, in.group, in.fallback_text}) (void)textOf(text, id.c_str());
-  if (in.choices_n > kMostChoices)
+  if (in.choices_n > kMaxChoices)
     throw Refusal(C3DE_E_ARG,
-                  fmt::format("{}: choices_n is {}, accepted are at most {}", id, in.choices_n, kMostChoices));
+                  fmt::format("{}: choices_n is {}, accepted are at most {}", id, in.choices_n, kMaxChoices));
   if (in.choices_n > 0) requireNonNull(in.choices, "choices");
   for (std::uint64_t i = 0; i < in.choices_n; ++i)
     if (textOf(in.choices[i], "choice").empty()) throw Refusal(C3DE_E_ARG, id + ": a choice is empty");
@@ -63,8 +63,8 @@ c3de_status C3DE_CALL declare(void *ctx, c3de_str title, const c3de_param_decl *
     registry::ParameterSet set;
     set.owner = plugin.id();
     set.title = labelOf(title, "title");
-    if (n == 0 || n > kMostDeclarations)
-      throw Refusal(C3DE_E_ARG, fmt::format("n is {}, accepted: 1 to {}", n, kMostDeclarations));
+    if (n == 0 || n > kMaxDeclarations)
+      throw Refusal(C3DE_E_ARG, fmt::format("n is {}, accepted: 1 to {}", n, kMaxDeclarations));
     requireNonNull(decls, "decls");
     const std::uint64_t step = strideOf(decls, stride, "decls");
     std::set<std::string> ids;
@@ -113,9 +113,9 @@ c3de_status C3DE_CALL setValue(void *ctx, c3de_handle set, const c3de_param_valu
     const ParameterDecl &decl = declarationIn(found, textOf(in.id, "id"));
     const ParameterValue owned = ParameterValue::from(in);
     if (const auto checked = checkParameter(decl, owned); !checked) throw Refusal(C3DE_E_ARG, checked.error().message);
-    // The owner shows what is; somebody else changes it, and the owner hears of that.
-    const bool tellListener = found.owner != plugin.id();
-    orRefuse(plugin.services().parameters->set(handleOf(set), owned, tellListener));
+    // The owner displays values without notification; changes by others notify the owner.
+    const bool notifyListener = found.owner != plugin.id();
+    orRefuse(plugin.services().parameters->set(handleOf(set), owned, notifyListener));
   });
 }
 

@@ -8,7 +8,7 @@
 
 namespace c3de::plugin_host {
 
-/// What a plugin passed for progress as the host's function; empty for null.
+/// Wraps a plugin's progress struct in the host's function type; empty for null.
 [[nodiscard]] inline ProgressFn progressOf(const c3de_progress *progress) {
   if (!progress) return {};
   const c3de_progress in = structOf(progress, "progress");

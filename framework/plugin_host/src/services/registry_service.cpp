@@ -8,7 +8,7 @@
 namespace c3de::plugin_host {
 namespace {
 
-constexpr std::uint64_t kMostInterfaces = 64;
+constexpr std::uint64_t kMaxInterfaces = 64;
 
 c3de_status C3DE_CALL addClass(void *ctx, const c3de_class *cls) noexcept {
   return serveOnMain(ctx, "registry.add_class", [&](PluginContext &plugin) {
@@ -18,9 +18,9 @@ c3de_status C3DE_CALL addClass(void *ctx, const c3de_class *cls) noexcept {
     entry.info.label = labelOf(in.label, "class label");
     entry.info.doc = labelOf(in.doc, "class doc", Lines::many);
     entry.info.plugin = plugin.id();
-    if (in.ifaces_n > kMostInterfaces)
+    if (in.ifaces_n > kMaxInterfaces)
       throw Refusal(C3DE_E_ARG, fmt::format("{}: ifaces_n is {}, accepted are at most {}", entry.info.id, in.ifaces_n,
-                                            kMostInterfaces));
+                                            kMaxInterfaces));
     if (in.ifaces_n > 0) requireNonNull(in.ifaces, "ifaces");
     for (std::uint64_t i = 0; i < in.ifaces_n; ++i) entry.info.interfaces.push_back(idOf(in.ifaces[i], "interface id"));
     entry.factory = in.factory;

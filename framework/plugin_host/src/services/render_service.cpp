@@ -132,7 +132,7 @@ std::vector<render::Colour> coloursOf(const c3de_view &view, float opacity) {
   return out;
 }
 
-constexpr std::size_t kMostLegendColours = 1024;
+constexpr std::size_t kMaxLegendColours = 1024;
 
 render::Legend legendOf(const c3de_legend *legend) {
   const c3de_legend in = structOf(legend, "legend");
@@ -144,8 +144,8 @@ render::Legend legendOf(const c3de_legend *legend) {
   out.high = finiteOf(in.high, "high");
   if (!(out.low < out.high))
     throw Refusal(C3DE_E_ARG, fmt::format("low is {}, high is {}, accepted: low below high", out.low, out.high));
-  if (in.colours.count < 2 || in.colours.count > kMostLegendColours)
-    throw Refusal(C3DE_E_ARG, fmt::format("colours: {} rows, accepted: 2 to {}", in.colours.count, kMostLegendColours));
+  if (in.colours.count < 2 || in.colours.count > kMaxLegendColours)
+    throw Refusal(C3DE_E_ARG, fmt::format("colours: {} rows, accepted: 2 to {}", in.colours.count, kMaxLegendColours));
   out.colours = coloursOf(in.colours, 1.0f);
   return out;
 }

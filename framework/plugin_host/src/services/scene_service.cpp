@@ -60,7 +60,7 @@ c3de_status C3DE_CALL isVisible(void *ctx, c3de_handle node, std::uint32_t *visi
   return serveOnMain(ctx, "scene.is_visible", [&](PluginContext &plugin) {
     requireNonNull(visible, "visible");
     (void)find(plugin, node);
-    // What is below something hidden is not visible, whatever its own switch says.
+    // Anything below a hidden node is not visible, whatever its own flag.
     *visible = plugin.services().sceneGraph->isVisible(handleOf(node)) ? 1u : 0u;
   });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One table per service and plugin; each is made in the file of its service. ctx is the PluginContext.
+// One table per service and plugin; each is created in the file of its service. ctx is the PluginContext.
 #pragma once
 
 #include "c3de/abi/c3de.h"

@@ -9,7 +9,7 @@
 #include "arguments.h"
 #include "c3de/core/log.h"
 #include "c3de/scene/simulation_directory.h"
-#include "fuse.h"
+#include "circuit_breaker.h"
 #include "services/services.h"
 
 namespace c3de::plugin_host {
@@ -23,7 +23,7 @@ std::shared_ptr<scene::Simulation> find(PluginContext &plugin, c3de_handle node)
 }
 
 void requireOwnThread(const scene::Simulation &simulation) {
-  if (simulation.isDrivenByCaller())
+  if (simulation.isSteppedByCaller())
     throw Refusal(C3DE_E_UNSUPPORTED, "a run without a window steps by itself to its end");
 }
 
@@ -42,7 +42,7 @@ c3de_status C3DE_CALL setTargetRate(void *ctx, c3de_handle node, double rate) no
   return serve(ctx, "simulation.set_target_rate", [&](PluginContext &plugin) {
     const auto simulation = find(plugin, node);
     if (finiteOf(rate, "rate") < 0.0)
-      throw Refusal(C3DE_E_ARG, fmt::format("rate is {}, accepted: 0 (as fast as it goes) or above", rate));
+      throw Refusal(C3DE_E_ARG, fmt::format("rate is {}, accepted: 0 (as fast as possible) or above", rate));
     requireOwnThread(*simulation);
     simulation->setTargetRate(rate);
   });
@@ -79,7 +79,7 @@ c3de_status C3DE_CALL enumSimulations(void *ctx, void *visitor,
   return served < 0 ? served : answer;
 }
 
-/// In what a watcher has changed the simulation that it was only told of; empty: in nothing.
+/// How a watcher has changed the simulation it may only observe; empty if it has not.
 std::string changeOf(PluginContext &plugin, Handle node, const c3de_sim_status &before) {
   const auto simulation = plugin.services().simulations->find(node);
   c3de_sim_status now{};
@@ -88,7 +88,7 @@ std::string changeOf(PluginContext &plugin, Handle node, const c3de_sim_status &
   if (now.bodies < before.bodies)
     return fmt::format("has removed bodies: there were {}, there {} {}", before.bodies, now.bodies == 1 ? "is" : "are",
                        now.bodies);
-  // A body that another thread has added takes it back to its beginning.
+  // A body added by another thread resets the simulation.
   if (now.bodies == before.bodies && now.steps != before.steps)
     return fmt::format("has changed the state: {} steps were made, now there are {}", before.steps, now.steps);
   return {};
@@ -109,7 +109,8 @@ c3de_status C3DE_CALL watch(void *ctx, const c3de_simulation_watch *given, c3de_
         callPlugin(*owner, "removed of a watch of simulations", [&] { taken.removed(taken.self, {node.bits()}); });
       };
     if (taken.stepped)
-      watch.stepped = [fuse = std::make_shared<Fuse>(plugin, "a watch of simulations"), taken, owner = &plugin,
+      watch.stepped = [fuse = std::make_shared<CircuitBreaker>(plugin, "a watch of simulations"), taken,
+                       owner = &plugin,
                        isReported = std::make_shared<bool>(false)](Handle node, const c3de_sim_status &status) {
         (void)fuse->call(
             "stepped of a watch of simulations",

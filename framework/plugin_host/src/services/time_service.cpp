@@ -32,12 +32,12 @@ c3de_status C3DE_CALL postToMain(void *ctx, void *self, void(C3DE_CALL *fn)(void
     requireNonNull(fn, "fn");
     {
       const std::lock_guard lock(plugin.posted->mutex);
-      // Again, under the lock that revokeAll() clears the list with.
+      // Checked again, under the lock with which revokeAll() clears the list.
       if (plugin.isClosed()) throw Refusal(C3DE_E_STATE, "the plugin is being taken back");
       plugin.posted->waiting.emplace_back(self, fn);
     }
-    // The queue holds the waiting list and not the plugin: what was run or dropped before is no longer in it. The
-    // context is there as long as its list is not empty.
+    // The queue holds the waiting list, not the plugin: functions that were already run or dropped are no longer in it.
+    // The context exists as long as its list is not empty.
     plugin.services().mainQueue->post([posted = plugin.posted, owner = &plugin] {
       std::pair<void *, void(C3DE_CALL *)(void *)> next;
       {

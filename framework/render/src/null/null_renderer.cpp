@@ -10,8 +10,8 @@ constexpr int kLargestImage_px = 16384;
 
 class NullImages final : public RetainedImages {
  public:
-  void drawSlice(const ImageLook &, const SlicePlane &, const Viewport &) override {}
-  Expected<Image> drawSliceToImage(const ImageLook &, const SlicePlane &, int width, int height) override {
+  void drawSlice(const ImageDisplay &, const SlicePlane &, const Viewport &) override {}
+  Expected<Image> drawSliceToImage(const ImageDisplay &, const SlicePlane &, int width, int height) override {
     if (auto size = checkImageSize(width, height, kLargestImage_px); !size) return tl::unexpected(size.error());
     return Image{
         width, height,

@@ -14,8 +14,9 @@ struct CurveRun {
   bool isClosed = false;
 };
 
-/// A curve in pixels as pieces that a thick line can follow: without steps below half a pixel, and ended at corners of
-/// more than 60 degrees, where the mitre of a line would be a spike. A curve that shrinks to a point is a run of two.
+/// A curve in pixels as pieces that a thick line can follow. Steps below half a pixel are dropped. Pieces end at
+/// corners of more than 60 degrees, where the mitre of a line would be a spike. A curve that shrinks to a point is a
+/// run of two.
 [[nodiscard]] std::vector<CurveRun> curveRuns(const std::vector<CurvePoint> &curve, bool isClosed);
 
 }  // namespace c3de::ui

@@ -52,7 +52,7 @@ std::string EditHistory::label(Source source, bool isUndo) const {
 
 EditHistory::Source EditHistory::source(bool isUndo) const {
   for (const Source source : latestFirst_) {
-    // A person who undoes it twice quickly means its steps both times.
+    // Undoing twice in quick succession applies to its steps both times.
     const bool isBusy =
         source == Source::segmentation && source == latestFirst_.front() && workflow_ && workflow_->mask().isBusy();
     if (isBusy || !label(source, isUndo).empty()) return source;
@@ -60,7 +60,7 @@ EditHistory::Source EditHistory::source(bool isUndo) const {
   return latestFirst_.front();
 }
 
-void EditHistory::carryOut(bool isUndo) {
+void EditHistory::apply(bool isUndo) {
   const Source source = this->source(isUndo);
   bringForward(source);
   switch (source) {

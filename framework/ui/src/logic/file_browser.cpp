@@ -49,7 +49,7 @@ Expected<void> FileBrowser::open(const fs::path &folder) {
   const fs::path shown = fs::weakly_canonical(folder, error);
   if (error || !fs::is_directory(shown, error)) return fail(ErrorCode::input, pathText(folder) + ": not a folder");
   fs::directory_iterator it(shown, error);
-  if (error) return fail(ErrorCode::input, pathText(shown) + ": cannot be listed: " + error.message());
+  if (error) return fail(ErrorCode::input, pathText(shown) + ": cannot be read: " + error.message());
 
   std::vector<Entry> entries;
   for (const fs::directory_iterator end; it != end; it.increment(error)) {

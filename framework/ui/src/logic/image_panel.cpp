@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "logic/label_list.h"
-#include "panels/panel_widgets.h"
+#include "logic/panel_widgets.h"
 
 namespace c3de::ui {
 namespace {
@@ -134,7 +134,7 @@ void ImagePanel::drawLabels(const c3de_ui_v1 &ui, ImageOptions &options) {
     for (const imaging::LabelMap::Label &label : all) {
       if (!isShownInList(label)) continue;
       bool isShown = views_.labelOpacity(label.value) > 0.0f;
-      const render::Colour colour = render::shownColour(label.colour);
+      const render::Colour colour = render::displayColour(label.colour);
       ui.swatch(ui.ctx, colour[0], colour[1], colour[2]);
       sameLine(ui);
       if (checkbox(ui, "label." + std::to_string(label.value), fmt::format("{}  {}", label.value, label.name), isShown,
@@ -177,14 +177,14 @@ void ImagePanel::drawVolume(const c3de_ui_v1 &ui, ImageOptions &options) {
   checkbox(ui, "cuts_bodies", "Cut bodies too", options.cutsBodies, "Their surfaces, not how they move");
 }
 
-void ImagePanel::drawStill(const c3de_ui_v1 &ui, scene::SceneStill &still) {
+void ImagePanel::drawFixedRegions(const c3de_ui_v1 &ui, scene::SceneFixedRegions &still) {
   enum : std::uint32_t { kNothing, kBoneAndAir, kOutside, kValues };
   const bool byValues = still.above || still.below || !still.labels.empty();
   std::uint32_t index = still.outside ? kOutside : still.isAutomatic ? kBoneAndAir : byValues ? kValues : kNothing;
   const bool isChanged =
       choice(ui, "still", "Stays", index, {"nothing", "bone and air", "all outside of the bodies", "by values"});
   tooltip(ui,
-          "What does not go with the bodies: where they move away from it a gap opens. Bone and air: of a CT above 200 "
+          "Regions that do not move with the bodies; a gap opens where bodies move away. Bone and air: CT above 200 "
           "and below -400 HU, and labels of bone");
   const imaging::ValueRange &range = views_.image()->range;
   if (isChanged) {
@@ -200,17 +200,17 @@ void ImagePanel::drawStill(const c3de_ui_v1 &ui, scene::SceneStill &still) {
   }
   std::string names;
   for (const std::string &name : still.labels) names += (names.empty() ? "" : ", ") + name;
-  if (!names.empty()) row(ui, "Labels that stay", names);
+  if (!names.empty()) row(ui, "Fixed labels", names);
   const std::string &unit = views_.image()->volume.unit;
-  if (still.below) slider(ui, "still_below", "Below", unit, *still.below, range.min, range.max, "Values that stay");
-  if (still.above) slider(ui, "still_above", "Above", unit, *still.above, range.min, range.max, "Values that stay");
+  if (still.below) slider(ui, "still_below", "Below", unit, *still.below, range.min, range.max, "Fixed values");
+  if (still.above) slider(ui, "still_above", "Above", unit, *still.above, range.min, range.max, "Fixed values");
   if (still.above && still.below) still.above = std::max(*still.above, *still.below);
 }
 
 void ImagePanel::drawShift(const c3de_ui_v1 &ui, ImageOptions &options) {
   if (!views_.hasDisplacement()) return;
   heading(ui, "Displacement");
-  drawStill(ui, options.still);
+  drawFixedRegions(ui, options.still);
   drawOverlay(ui, options);
 }
 
@@ -243,7 +243,7 @@ void ImagePanel::drawOverlay(const c3de_ui_v1 &ui, ImageOptions &options) {
   const double most = 10.0 * roundedUp(std::max({std::abs(range.low), std::abs(range.high), 1e-6}));
   slider(ui, "overlay_high", "Up to", unit, range.high, -most, most, "");
   slider(ui, "overlay_low", "From", unit, range.low, -most, most,
-         options.overlay == Overlay::shift ? "Below it nothing is laid over" : "");
+         options.overlay == Overlay::shift ? "No overlay below this value" : "");
   if (!(range.low < range.high)) range.low = range.high - 1e-3 * std::max(std::abs(range.high), 1e-6);
 }
 

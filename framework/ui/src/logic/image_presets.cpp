@@ -22,10 +22,10 @@ constexpr std::array kVolumes{
     VolumePresetInfo{VolumePreset::maximum, "MIP"},
 };
 
-// Over the robust range, a drag of so many pixels goes from end to end.
+// Length of a drag, in pixels, that covers the robust range from end to end.
 constexpr double kPixelsPerRange = 400.0;
 
-/// Viridis-like ramp: lightness rises linearly while the hue turns from blue over green to yellow (OKLab).
+/// Viridis-like ramp: lightness increases linearly while the hue changes from blue through green to yellow (OKLab).
 render::Colour rampColour(double t) {
   const double lightness = 0.28 + 0.62 * t, hue = (280.0 - 175.0 * t) * 3.14159265358979323846 / 180.0;
   const double chroma = 0.11 + 0.05 * t;
@@ -64,8 +64,8 @@ WindowLevel dragged(const WindowLevel &from, double dx_px, double dy_px, const i
 
 std::span<const VolumePresetInfo> volumePresets() { return kVolumes; }
 
-render::VolumeLook volumeLook(VolumePreset preset, const imaging::ValueRange &range, double shift) {
-  render::VolumeLook look;
+render::VolumeDisplay volumeLook(VolumePreset preset, const imaging::ValueRange &range, double shift) {
+  render::VolumeDisplay look;
   const double width = range.high - range.low;
   switch (preset) {
     case VolumePreset::ctBone:

@@ -15,12 +15,12 @@ namespace {
 
 constexpr double kPixelsPerZoomStep = 20.0, kDoubleClick_s = 0.4, kDoubleClick_px = 5.0;
 constexpr float kFaint = 0.25f;
-constexpr float kLabelsBelowField = 0.3f;  // else its colours would not be those of the legend
+constexpr float kLabelsBelowField = 0.3f;  // otherwise the colours of the field would differ from the legend
 constexpr int kFastScroll = 10;
 constexpr int kMovingDivisor = 4;
 constexpr double kAir_HU = -900.0;
-// Ranges of colours below these show nothing but round-off.
-constexpr double kLeastShift_mm = 0.1, kLeastChange_percent = 0.1, kLeastField = 1e-3;
+// Colour ranges smaller than these show only round-off.
+constexpr double kMinShift_mm = 0.1, kMinChange_percent = 0.1, kMinField = 1e-3;
 constexpr std::array<render::Colour, 3> kPaneColours{
     {{0.86f, 0.36f, 0.36f, 1}, {0.88f, 0.76f, 0.30f, 1}, {0.40f, 0.74f, 0.42f, 1}}};
 
@@ -28,7 +28,7 @@ SliceAxis axisOf(Pane pane) {
   return pane == Pane::axial ? SliceAxis::axial : pane == Pane::sagittal ? SliceAxis::sagittal : SliceAxis::coronal;
 }
 
-/// Which side of a slice is its near one.
+/// The side of a slice that faces the viewer.
 Vec3 nearSide(Pane pane) {
   return pane == Pane::axial ? Vec3{0, 0, 1} : pane == Pane::sagittal ? Vec3{1, 0, 0} : Vec3{0, -1, 0};
 }
@@ -43,7 +43,7 @@ const char *paneName(Pane pane) {
 std::string Readout::placeText() const {
   const auto mm = [](double v) { return fmt::format("{:.1f}", std::abs(v) < 0.05 ? 0.0 : v); };
   std::string text = "LPS " + mm(world[0]) + ", " + mm(world[1]) + ", " + mm(world[2]) + " mm";
-  if (isVacated) return text + "   left by a body";
+  if (isEmptied) return text + "   left by a body";
   if (!index) return text;
   text += fmt::format("   [{}, {}, {}]   ", (*index)[0], (*index)[1], (*index)[2]) + fmt::format("{:.6g}", value);
   if (!unit.empty()) text += " " + unit;
@@ -52,7 +52,7 @@ std::string Readout::placeText() const {
 }
 
 std::string Readout::tissueText() const {
-  if (isVacated || !index || !shift) return {};
+  if (isEmptied || !index || !shift) return {};
   std::string text = fmt::format("|u| {:.2f} mm", *shift);
   if (volumeRatio) text += fmt::format("   det F {:.3f}", *volumeRatio);
   if (field)
@@ -68,7 +68,7 @@ std::string Readout::text() const {
 
 void viewOfImages(render::Camera &camera) {
   camera.upAxis = render::UpAxis::z;
-  lookFromStart(camera);
+  resetCamera(camera);
 }
 
 void ImageViews::setImage(std::shared_ptr<const scene::StoredImage> image) {
@@ -84,7 +84,7 @@ void ImageViews::setImage(std::shared_ptr<const scene::StoredImage> image) {
   picked_ = nullptr;
   if (!image_) return;
   options_.windowLevel = automaticWindowLevel(image_->range);
-  // Files that do not say so are recognised by the value of air.
+  // Files without a unit are recognised by the value of air.
   const bool isTomography = image_->volume.unit == "HU" || image_->range.min <= kAir_HU;
   options_.volumePreset = isTomography ? VolumePreset::ctBone : VolumePreset::magneticResonance;
   options_.volumeShift = 0.0;
@@ -157,12 +157,12 @@ void ImageViews::followRange() {
       const float *u = &displacement_->xyz_mm[i];
       squared = std::max(squared, static_cast<double>(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]));
     }
-    steadyRange_.follow(0.0, std::sqrt(squared), false, kLeastShift_mm);
+    steadyRange_.follow(0.0, std::sqrt(squared), false, kMinShift_mm);
   } else if (const imaging::TissueField *field = shownField()) {
     const Quantity quantity = overlayQuantity();
     const bool isChange = options_.overlay == Overlay::volumeChange;
     steadyRange_.follow(quantity.shown(field->low), quantity.shown(field->high), isChange,
-                        isChange ? kLeastChange_percent : kLeastField);
+                        isChange ? kMinChange_percent : kMinField);
   }
 }
 
@@ -196,7 +196,7 @@ std::vector<std::pair<std::uint16_t, render::Colour>> ImageViews::labelColours()
     const bool isFaint = !pickedLabels_.empty() &&
                          std::find(pickedLabels_.begin(), pickedLabels_.end(), label.value) == pickedLabels_.end();
     colours.push_back(
-        {label.value, render::shownColour(label.colour, (isFaint ? kFaint : 1.0f) * labelOpacity(label.value))});
+        {label.value, render::displayColour(label.colour, (isFaint ? kFaint : 1.0f) * labelOpacity(label.value))});
   }
   return colours;
 }
@@ -209,7 +209,7 @@ void ImageViews::setCrossHair(const Vec3 &world) {
 
 Vec3 ImageViews::nearestInImage(const Vec3 &world) const {
   if (!image_) return world;
-  // Of the voxels, whose middles are at whole numbers.
+  // Of the voxels, whose centres are at integer indices.
   constexpr double kInside = 1e-6;
   const imaging::VolumeGeometry &grid = image_->volume.geometry;
   const Vec3 index = transformPoint(imaging::affineInverse(grid.indexToWorld), world);
@@ -219,7 +219,7 @@ Vec3 ImageViews::nearestInImage(const Vec3 &world) const {
   return inside == index ? world : grid.worldAt(inside);
 }
 
-void ImageViews::takeBackClick() {
+void ImageViews::undoClick() {
   if (!beforeClick_) return;
   crossHair_ = beforeClick_->crossHair;
   views_ = beforeClick_->views;
@@ -228,7 +228,7 @@ void ImageViews::takeBackClick() {
 
 void ImageViews::resetViews() {
   for (SliceView &view : views_) view.reset();
-  // Where the middle slices meet.
+  // Intersection of the middle slices.
   const SliceView &axial = view(Pane::axial), &sagittal = view(Pane::sagittal), &coronal = view(Pane::coronal);
   const Vec3 middle = axial.worldAt(0.5 * axial.width(), 0.5 * axial.height());
   crossHair_ = middle;
@@ -361,8 +361,8 @@ Readout ImageViews::readout(const Vec3 &world) const {
     const Vec3 u = warp->at(world);
     material = world - u;
     readout.shift = norm(u);
-    readout.isVacated = warp->isVacated(world);
-    if (readout.isVacated) return readout;
+    readout.isEmptied = warp->isEmptied(world);
+    if (readout.isEmptied) return readout;
     for (const imaging::TissueField &field : warp->fields) {
       const std::optional<double> value = warp->valueOf(field, world);
       if (field.name == imaging::kVolumeRatio) {
@@ -392,13 +392,13 @@ Readout ImageViews::readout(const Vec3 &world) const {
   return readout;
 }
 
-render::ImageLook ImageViews::look() const {
-  render::ImageLook look;
+render::ImageDisplay ImageViews::look() const {
+  render::ImageDisplay look;
   look.image = handles_.image;
   look.labels = handles_.preview.isNull() || !options_.showsPreview ? handles_.labels : handles_.preview;
   look.displacement = isAtRest_ ? Handle{} : handles_.displacement;
   look.bodies = handles_.bodies;
-  look.hasStill = warp() && warp()->hasStill;
+  look.hasFixedRegions = warp() && warp()->hasFixedRegions;
   look.missing = handles_.missing;
   look.leastGap = warp() ? warp()->leastGap() : 0.0;
   look.window = options_.windowLevel.window;
@@ -442,7 +442,7 @@ render::ImageScene ImageViews::scene() const {
   return scene;
 }
 
-void ImageViews::turnCut(Pane slice) {
+void ImageViews::cycleCut(Pane slice) {
   SliceCut &cut = options_.cuts[static_cast<std::size_t>(slice)];
   cut = cut == SliceCut::none ? SliceCut::nearPart : cut == SliceCut::nearPart ? SliceCut::farPart : SliceCut::none;
 }

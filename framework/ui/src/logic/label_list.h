@@ -4,18 +4,18 @@
 
 #include <string>
 
-#include "panels/panel_widgets.h"
+#include "logic/panel_widgets.h"
 
 namespace c3de::ui {
 
-/// From here on a list has a filter and scrolls.
+/// From this count on, a list has a filter and scrolls.
 inline constexpr std::size_t kManyLabels = 12;
 
-/// Every word of the filter occurs in the name; capitals do not matter, and "_" is a space.
+/// Every word of the filter occurs in the name. Case is ignored, and "_" counts as a space.
 [[nodiscard]] bool isListed(const std::string &name, const std::string &filter);
 
-/// Draws filter and frame of a list of `count` labels of which `listed` are listed, when there are many; `rows` draws
-/// them.
+/// Draws filter and frame of a list of `count` labels, of which `listed` match, if there are many; `rows` draws the
+/// rows.
 template <typename Rows>
 void labelList(const c3de_ui_v1 &ui, std::size_t count, std::size_t listed, std::string &filter, const Rows &rows) {
   if (count <= kManyLabels) return rows();

@@ -43,16 +43,16 @@ bool Modes::handle(Pane pane, ViewInput input) {
 }
 
 void Modes::press(const ViewInput &input, const Above &above) {
-  // Events are told by where they happened, not by where the mouse is when the frame begins.
+  // Events are assigned by the position at which they happened, not by the mouse position when the frame begins.
   const bool isFirst = buttons_ == 0;
   if (isFirst) pressedPane_ = paneAt(input.x, input.y, above);
   buttons_ |= input.button;
   if (!pressedPane_) return;
   if (ImageViews *images = this->images(); images && isFirst) {
     if (doubleClick_.press(*pressedPane_, input)) {
-      images->takeBackClick();
+      images->undoClick();
       images->setMaximised(images->maximised() ? std::nullopt : pressedPane_);
-      pressedPane_.reset();  // the views have moved: the release belongs to none of them
+      pressedPane_.reset();  // the views have moved: the release is sent to none of them
       return;
     }
     images->forgetClick();
@@ -60,7 +60,7 @@ void Modes::press(const ViewInput &input, const Above &above) {
   handle(*pressedPane_, input);
 }
 
-void Modes::takeMouse(const OsEvent &event, const Above &above) {
+void Modes::handleMouse(const OsEvent &event, const Above &above) {
   using Kind = OsEvent::Kind;
   ViewInput input;
   input.button = event.button;
@@ -82,7 +82,7 @@ void Modes::takeMouse(const OsEvent &event, const Above &above) {
   }
 }
 
-/// A drag of the box, else all of it, unless something else is in progress.
+/// Cancels a drag of the box, otherwise the drawing, unless another drag or pick is in progress.
 bool Modes::isEscapeForRegion() {
   if (!region_) return false;
   if (region_->cancelDrag()) return true;
@@ -91,14 +91,14 @@ bool Modes::isEscapeForRegion() {
   return true;
 }
 
-Modes::Answer Modes::takeKey(const OsEvent &event, const Above &above) {
+Modes::Answer Modes::handleKey(const OsEvent &event, const Above &above) {
   if (event.key == 0) return {};
   const Command command = commandOfKey(event.key, event.modifiers);
   const bool isEscape = event.key == keyEscape && !event.isRepeat;
   if (command == Command::quit && !event.isRepeat) return {command};
-  // A button of the mouse that is held over a slider counts as well, but one that drags in the view does not.
+  // A mouse button held over a slider also counts, but not one that drags in the view.
   if (isEscape && above.isPopup && !above.isTyping && !above.isFile) return {Command::none, {}, true};
-  // The dialog of the scan's body has steps of its own.
+  // The dialog of the scan's body has separate undo steps.
   if (command == Command::undo && above.isPopup && !above.isTyping && isScanAsked(above)) return {command};
   if (above.isTyping || above.isPopup || (above.takesKeys && !pressedPane_)) return {};
   ViewInput input;
@@ -109,7 +109,8 @@ Modes::Answer Modes::takeKey(const OsEvent &event, const Above &above) {
   input.x = event.x;
   input.y = event.y;
   const std::optional<Pane> under = paneAt(event.x, event.y, above);
-  // Over a slice, its keys are the slice's: they are the same everywhere, but 1 is another thing for an image.
+  // Over a slice, slice keys are sent to the slice. They are the same in all slices, but the digit 1 has another
+  // meaning for an image.
   if (under && *under != Pane::space && images() && ImageViews::isSliceKey(event.key, event.modifiers)) {
     handle(*under, input);
     return {};
@@ -117,7 +118,7 @@ Modes::Answer Modes::takeKey(const OsEvent &event, const Above &above) {
   if (event.isRepeat) return {};
   if (isEscape) {
     isEscapeTaken_ = isEscapeForRegion();
-    if (isEscapeTaken_) return {};  // the dialog comes back in this frame
+    if (isEscapeTaken_) return {};  // the dialog reappears in this frame
     if (services_.images) {
       services_.images->cancel();
       services_.images->cancelPick();
@@ -136,7 +137,7 @@ Modes::Answer Modes::takeKey(const OsEvent &event, const Above &above) {
   return {};
 }
 
-/// Of a tool.
+/// Shortcut of a tool.
 bool Modes::takeShortcut(const OsEvent &event) {
   if (event.modifiers != 0 || !services_.tools || !isFreeForTools(event.key)) return false;
   for (const registry::ToolRegistry::Entry &entry : services_.tools->tools())
@@ -161,13 +162,13 @@ void Modes::loseFocus() {
 
 bool Modes::isScanAsked(const Above &above) const {
   const segmentation::ScanBody *scan = services_.scanBody;
-  return scan && scan->isShown() && !scan->isAside() && !above.isQuestion && !above.isFile;
+  return scan && scan->isShown() && !scan->isHiddenTemporarily() && !above.isQuestion && !above.isFile;
 }
 
 void Modes::undo(const Above &above) {
   if (region_) return region_->undo();
   if (isScanAsked(above)) return services_.scanBody->undo();
-  // What a tool holds is let go, and is the first to be undone.
+  // The tool's current action ends, and is the first to be undone.
   if (services_.tools) services_.tools->cancelActive();
   history_.follow(services_.parameters, services_.workflow, services_.edits);
   history_.undo();

@@ -19,33 +19,34 @@
 
 namespace c3de::ui {
 
-/// Who gets the mouse and the keys, and what Escape and Undo mean: decided here and nowhere else. What a person is
-/// doing lies in layers; an event goes to the uppermost one that is there and wants it.
+/// Dispatches mouse and keys, and decides what Escape and Undo do; no other code does. Interaction is organised in
+/// layers: an event goes to the uppermost layer that is present and uses it.
 ///
-///  layer   there while                  mouse                   keys                      Escape
-///  above   a menu, a list, a dialog or  all of it               all but Ctrl+Q, and       closes menus and lists; what
-///          a question is open                                   Undo for the scan's body  a dialog does is its own
-///  drag    a button is held in a view   stays with that view    as below                  lets go; so does a click
-///                                                                                         that is awaited in a slice
+///  layer   present while                mouse                   keys                      Escape
+///  above   a menu, a list, a dialog or  all of it               all but Ctrl+Q, and       closes menus and lists;
+///          a question is open                                   Undo for the scan's body  a dialog handles it itself
+///  drag    a button is held in a view   stays with that view    as below                  ends it, also a click
+///                                                                                         awaited in a slice
 ///  region  the region of the scan's     plain left drags in     Enter (of its bar), Undo  takes back the drag, else
-///          body is drawn                slices                  and Redo                  ends it without keeping it
-///  tool    one is active                in the 3D view, and in  its own                   lets go
-///                                       slices if it wants
-///  views   always                       camera, cross-hair      slice keys over a slice,  a step that takes long is
-///                                                               commands, shortcuts       paused
+///          body is drawn                slices                  and Redo                  discards the region
+///  tool    one is active                in the 3D view, and in  its own                   releases what it holds
+///                                       slices if it works
+///                                       there
+///  views   always                       camera, cross-hair      slice keys over a slice,  pauses a step that takes
+///                                                               commands, shortcuts       long
 ///
-/// Nothing is drawn here, and what Dear ImGui has open is told by Above. Main thread.
+/// Nothing is drawn here; Above reports what Dear ImGui has open. Main thread.
 class Modes {
  public:
-  /// What lies above the views.
+  /// What is open above the views.
   struct Above {
     bool isPopup = false;     ///< a menu, a list, a dialog or a question
-    bool isFile = false;      ///< of these, the one that asks for a file
-    bool isQuestion = false;  ///< of these, one that has to be answered
-    bool isTyping = false;    ///< in a field
+    bool isFile = false;      ///< in particular, the file dialog
+    bool isQuestion = false;  ///< in particular, a question that must be answered
+    bool isTyping = false;    ///< in a text field
     bool takesKeys = false;   ///< a widget is being used
   };
-  /// What is left to do about a key.
+  /// What the caller must still do about a key.
   struct Answer {
     Command command = Command::none;
     Handle pluginCommand{};
@@ -60,46 +61,47 @@ class Modes {
   /// The services must outlive this.
   void connect(const WindowServices &services);
 
-  /// Once per frame, before its events. Of the last one: where the views are, by Pane, and what lies over them.
+  /// Called once per frame, before its events. Arguments of the last frame: the rectangles of the views, by Pane, and
+  /// of the overlays above them.
   void beginFrame(const std::array<PixelRect, 4> &panes, const std::vector<PixelRect> &overlays);
-  [[nodiscard]] Answer takeKey(const OsEvent &event, const Above &above);
+  [[nodiscard]] Answer handleKey(const OsEvent &event, const Above &above);
   /// Press, release, move and wheel, in window pixels.
-  void takeMouse(const OsEvent &event, const Above &above);
-  /// The window has lost mouse and keys: everything that is held is let go.
+  void handleMouse(const OsEvent &event, const Above &above);
+  /// The window has lost mouse and keyboard: all drags and holds end.
   void loseFocus();
-  /// What the tool holds is let go; it stays active.
+  /// The tool releases what it holds; it stays active.
   void cancelTool();
-  /// The view that the mouse belongs to there. None: the side panel, an overlay, or what lies above.
+  /// The view that receives the mouse at a position. None: the side panel, an overlay, or what is open above.
   [[nodiscard]] std::optional<Pane> paneAt(double x, double y, const Above &above) const;
   [[nodiscard]] std::uint32_t buttons() const { return buttons_; }
   [[nodiscard]] ViewController &space() { return *space_; }
 
   void undo(const Above &above);
   void redo();
-  /// Of what they would do; empty: nothing.
+  /// What they would undo or redo; empty if nothing.
   [[nodiscard]] std::string undoLabel() const;
   [[nodiscard]] std::string redoLabel() const;
-  /// Escape has been taken in this frame: it is not meant for a dialog that is drawn in it.
+  /// Escape has been used in this frame: it does not apply to a dialog drawn in it.
   [[nodiscard]] bool isEscapeTaken() const { return isEscapeTaken_; }
-  void takeEscape() { isEscapeTaken_ = true; }
+  void consumeEscape() { isEscapeTaken_ = true; }
 
-  /// The region of the scan's body is drawn; the dialog that asks about it stands aside. Null: it is not.
+  /// The region of the scan's body is being drawn, and the scan dialog is hidden. Null if it is not.
   [[nodiscard]] RegionDrawing *region() { return region_ ? &*region_ : nullptr; }
-  /// Nothing happens without an image. @param handle_px  size of a handle
+  /// No effect without an image. @param handle_px  size of a handle
   void beginRegion(double handle_px);
-  /// Each frame: it ends where nothing is left to be drawn for.
+  /// Called each frame: ends the drawing if there is nothing left to draw for.
   void followRegion();
-  /// @param isKept  the scan gets the region, else it stays as it was
+  /// @param isKept  the scan gets the region; otherwise its region remains unchanged
   void endRegion(bool isKept);
 
  private:
   [[nodiscard]] ImageViews *images() const {
     return services_.images && services_.images->image() ? services_.images : nullptr;
   }
-  /// The dialog of the scan's body is what is answered.
+  /// The dialog of the scan's body receives the input.
   [[nodiscard]] bool isScanAsked(const Above &above) const;
   [[nodiscard]] bool isEscapeForRegion();
-  /// With the position in the window.
+  /// Position relative to the window.
   bool handle(Pane pane, ViewInput input);
   [[nodiscard]] bool takeShortcut(const OsEvent &event);
   void press(const ViewInput &input, const Above &above);

@@ -11,25 +11,25 @@ namespace {
 using Kind = OsEvent::Kind;
 using Role = OsEvent::Role;
 
-/// What a frame has taken so far.
+/// The events that a frame has used so far.
 class Frame {
  public:
-  /// @param types  the event is of a key that makes a character
+  /// @param types  the event is from a key that produces a character
   [[nodiscard]] bool wouldLose(const OsEvent &event, bool types) const {
     switch (event.kind) {
       case Kind::move: return hasButton_ || hasWheel_ || !keys_.empty();
       case Kind::press:
       case Kind::release: return hasButton_ || hasWheel_ || hasCharacter_ || !keys_.empty();
       case Kind::wheel: return hasButton_;
-      // Dear ImGui puts in the characters of a frame first and looks at Backspace, Enter and the like then; with Ctrl
-      // down it drops them.
+      // Dear ImGui first inserts the characters of a frame and then evaluates Backspace, Enter and similar keys; with
+      // Ctrl down it drops the characters.
       case Kind::character: return hasButton_ || hasKeyDown_;
       case Kind::keyDown:
-        if (event.isRepeat && !types) return hasButton_;  // it repeats by itself
+        if (event.isRepeat && !types) return hasButton_;  // it will be repeated anyway
         if (types || event.role == Role::shift) return hasButton_ || hasKeyDown_;
         if (event.role == Role::modifier) return hasButton_ || hasCharacter_ || hasKeyDown_;
         return hasButton_ || hasCharacter_ || keys_.contains(event.rawKey);
-      // Also of another key: A of Ctrl+A must be seen while Ctrl is still down.
+      // Also for another key: the A of Ctrl+A must be evaluated while Ctrl is still down.
       case Kind::keyUp: return hasButton_ || hasKeyDown_;
       default: return false;
     }
@@ -46,7 +46,7 @@ class Frame {
 
  private:
   bool hasButton_ = false, hasWheel_ = false, hasCharacter_ = false;
-  bool hasKeyDown_ = false;  ///< of a key that is neither a modifier nor makes a character
+  bool hasKeyDown_ = false;  ///< of a key that is neither a modifier nor produces a character
   std::set<int> keys_;
 };
 
@@ -67,7 +67,7 @@ std::vector<OsEvent> takeFrameEvents(std::vector<OsEvent> &queue, bool holdsTypi
   Frame frame;
   auto end = queue.begin();
   for (; end != queue.end(); ++end) {
-    // The two come together.
+    // The key and its character belong together.
     const auto next = std::next(end);
     const bool types = end->kind == Kind::keyDown && next != queue.end() && next->kind == Kind::character;
     if (holdsTyping && (end->kind == Kind::keyDown || end->kind == Kind::character)) break;

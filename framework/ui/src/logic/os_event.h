@@ -7,7 +7,7 @@
 
 namespace c3de::ui {
 
-/// What came from the operating system. Positions in window pixels.
+/// An event from the operating system. Positions in window pixels.
 struct OsEvent {
   enum class Kind {
     press,
@@ -36,11 +36,11 @@ struct OsEvent {
   std::vector<std::filesystem::path> files;
 };
 
-/// Finds double clicks by when their events came; frames may be slow, and each press has one of its own.
+/// Detects double clicks from event times. Frames may be slow; each press has its own time.
 class ClickPairs {
  public:
-  /// Whether this press is the second of a pair: same button, within 0.4 s, at about the same place. A third begins
-  /// anew.
+  /// Whether this press is the second of a pair: same button, within 0.4 s, at about the same position. A third press
+  /// starts a new pair.
   bool isSecond(const OsEvent &press);
 
  private:
@@ -48,11 +48,11 @@ class ClickPairs {
   double x_ = 0.0, y_ = 0.0, time_s_ = 0.0;
 };
 
-/// Takes from the front what one frame can show without losing any of it: Dear ImGui 1.86 looks at the state of mouse
-/// and keys once per frame, so a key that goes down and up, or a press and the move after it, need a frame each.
-/// Characters it queues: any number of them shares a frame, and of the keys that make them nobody has to see that they
-/// were down.
-/// @param holdsTyping  a text field is about to take the keyboard: what is typed waits for it
+/// Takes events from the front of the queue, as many as one frame can show without losing any. Dear ImGui 1.86 samples
+/// mouse and keys once per frame. A key that goes down and up, or a press and the move after it, therefore need a frame
+/// each. Characters are queued by Dear ImGui: any number of them shares a frame, and the key-down events that produce
+/// them may be lost.
+/// @param holdsTyping  a text field is about to get the keyboard focus: typed input waits for it
 [[nodiscard]] std::vector<OsEvent> takeFrameEvents(std::vector<OsEvent> &queue, bool holdsTyping = false);
 
 }  // namespace c3de::ui

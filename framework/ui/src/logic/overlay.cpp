@@ -12,7 +12,7 @@
 namespace c3de::ui {
 namespace {
 
-constexpr double kShrinkBelow = 0.4;  // part of the range
+constexpr double kShrinkBelow = 0.4;  // fraction of the range
 
 struct ShownUnit {
   const char *si, *shown;
@@ -47,7 +47,7 @@ double roundedUp(double value) {
   return 10.0 * power;
 }
 
-void SteadyRange::follow(double low, double high, bool isSigned, double least) {
+void StableRange::follow(double low, double high, bool isSigned, double least) {
   const bool isBelow = isSigned || low < -least;
   const double most = std::max({isBelow ? std::abs(low) : 0.0, high, least});
   if (!std::isfinite(most)) return;

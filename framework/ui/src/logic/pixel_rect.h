@@ -3,7 +3,7 @@
 
 namespace c3de::ui {
 
-/// Of the window, from its upper left corner.
+/// In window pixels, from the upper left corner.
 struct PixelRect {
   float x = 0, y = 0, w = 0, h = 0;
   [[nodiscard]] bool isEmpty() const { return w < 1.0f || h < 1.0f; }

@@ -8,7 +8,7 @@
 namespace c3de::ui {
 namespace {
 
-constexpr double kReach = 0.75;      // of a handle, from its middle
+constexpr double kReach = 0.75;      // of a handle, from its centre, in sizes of a handle
 constexpr double kLineReach = 0.35;  // of the outline, in sizes of a handle
 constexpr double kRoomForHandles = 3.0;
 constexpr double kSame_mm = 1e-6;

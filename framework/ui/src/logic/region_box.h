@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A region of a scan as a box that is dragged by its sides, and where slices show it. No drawing.
+// A region of a scan as a box that is dragged by its sides, and its position in slices. No drawing.
 #pragma once
 
 #include <array>
@@ -13,24 +13,24 @@ namespace c3de::ui {
 /// Corners of a box along the axes of the patient, the low one first; LPS, mm.
 using Box = std::array<Vec3, 2>;
 
-/// What a drag changes of a box.
+/// What a drag changes about a box.
 struct BoxGrip {
   enum class Kind {
-    sides,  ///< -1: the low one of an axis, 1: the high one
+    sides,  ///< -1: the low side of an axis, 1: the high side
     whole,  ///< the box moves along the axes that are not 0
-    drawn   ///< a new one along the axes that are not 0, from where the drag begins
+    drawn   ///< a new box along the axes that are not 0, from where the drag begins
   };
   Kind kind = Kind::drawn;
   std::array<int, 3> sides{};
   friend bool operator==(const BoxGrip &, const BoxGrip &) = default;
 };
 
-/// A box that stays within limits and at least as wide as is said; drags are steps of undo and redo. Sides that are
-/// dragged are at round numbers, finer than a fifth of the least width. Value type.
+/// A box that stays within limits and has a minimum width. Drags are undo and redo steps. Dragged sides snap to round
+/// numbers, finer than a fifth of the least width. Value type.
 class RegionBox {
  public:
   /// @param least_mm  along each axis, > 0
-  /// @param box       put in order and within the limits; none: all of them
+  /// @param box       sorted and clamped to the limits; none: the limits themselves
   RegionBox(const Box &limits, const Vec3 &least_mm, const std::optional<Box> &box = {});
 
   [[nodiscard]] const Box &box() const { return box_; }
@@ -45,11 +45,11 @@ class RegionBox {
   void dragTo(const Vec3 &at);
   void finish();
   void takeBack();
-  /// What is being dragged; null: nothing is.
+  /// The current drag; null if there is none.
   [[nodiscard]] const BoxGrip *grip() const { return drag_ ? &drag_->grip : nullptr; }
 
   // Not during a drag.
-  void takeAll();  ///< of the limits, as a step
+  void takeAll();  ///< expands to the limits, as a step
   void undo();
   void redo();
   [[nodiscard]] bool canUndo() const { return !undo_.empty(); }
@@ -71,29 +71,29 @@ class RegionBox {
   std::vector<Box> undo_, redo_;
 };
 
-/// Where a view along the axes of the patient shows a box: pixels from its upper left corner.
+/// Position of a box in a view along the axes of the patient: pixels from the view's upper left corner.
 struct BoxInSlice {
   double left = 0.0, top = 0.0, right = 0.0, bottom = 0.0;
-  bool isCut = false;  ///< the slice goes through it, else it lies before or behind it
+  bool isCut = false;  ///< the slice intersects it; otherwise it is in front of or behind the slice
 };
 [[nodiscard]] BoxInSlice boxInSlice(const SliceView &view, const Box &box);
 
-/// Something to grab in a slice.
+/// A handle to drag in a slice.
 struct BoxHandle {
   const char *name;  ///< "top_left", …, "middle"
   BoxGrip grip;
   double x = 0.0, y = 0.0;
 };
-/// Corners, the middles of what is seen of the edges, and the middle where the box could move. Where there is no room
-/// for three beside each other there are only corners.
+/// Corners, the middles of the visible parts of the edges, and the middle if the box can move. If there is not enough
+/// space for three in a row, only the corners.
 /// @param size_px  of a handle
 [[nodiscard]] std::vector<BoxHandle> boxHandles(const SliceView &view, const RegionBox &box, double size_px);
 
-/// What a drag that begins at a pixel would do: a handle that is near, the box inside of it and on its outline, else a
-/// new one. Where it has no room to move in the slice, a new one is drawn inside as well.
+/// What a drag that begins at a pixel would do: move a near handle, move the box (inside and on its outline), otherwise
+/// draw a new one. If the box cannot move in the slice, a new one is also drawn inside it.
 [[nodiscard]] BoxGrip gripAt(const SliceView &view, const RegionBox &box, double size_px, double x, double y);
 
-/// Which way a grip goes on the screen, -1, 0, 1 to the right and down.
+/// Direction in which a grip moves on the screen, -1, 0, 1 to the right and down.
 [[nodiscard]] std::array<int, 2> directionOf(const SliceView &view, const BoxGrip &grip);
 
 }  // namespace c3de::ui

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kDrag_px = 3.0, kSameDirection = 1e-6;
 
-/// All of the scan, and a voxel of it.
+/// All of the scan, with a voxel as the least width.
 RegionBox regionOf(const segmentation::ScanBody &scan) {
   Vec3 voxel_mm{1, 1, 1};
   for (std::size_t a = 0; a < 3 && !scan.sources().layers.empty(); ++a) {
@@ -26,7 +26,7 @@ RegionBox regionOf(const segmentation::ScanBody &scan) {
 
 RegionDrawing::RegionDrawing(ImageViews &images, segmentation::ScanBody &scan, double handle_px)
     : images_(images), scan_(scan), region_(regionOf(scan)), handle_px_(handle_px) {
-  scan.stepAside();
+  scan.hideTemporarily();
   images.showAtRest(true);
   const Vec3 right = images.view(Pane::axial).frame().right, down = images.view(Pane::coronal).frame().down;
   ImageOptions options = images.options();
@@ -51,8 +51,8 @@ bool RegionDrawing::follow() {
     images_.setOptions(options);
   }
   if (!scan_.isShown() || scan_.extent_mm() != region_.limits()) return false;
-  if (!scan_.isAside()) keep();
-  return scan_.isAside();
+  if (!scan_.isHiddenTemporarily()) keep();
+  return scan_.isHiddenTemporarily();
 }
 
 bool RegionDrawing::handle(Pane slice, const ViewInput &input) {
@@ -72,7 +72,7 @@ bool RegionDrawing::handle(Pane slice, const ViewInput &input) {
       return true;
     }
     case ViewInput::Kind::move:
-      // Tools do not show there what they would take hold of.
+      // Hides hover markers of tools here.
       if (!press_) return buttons_ == 0 && (input.modifiers & C3DE_MOD_SHIFT) == 0;
       press_->isDrag = press_->isDrag || std::hypot(input.x - press_->input.x, input.y - press_->input.y) >= kDrag_px;
       if (press_->isDrag) region_.dragTo(view.worldAt(input.x, input.y));
@@ -95,7 +95,7 @@ void RegionDrawing::release(const ViewInput &input) {
 }
 
 bool RegionDrawing::cancelDrag() {
-  buttons_ = 0;  // what is still down is ignored until it is released
+  buttons_ = 0;  // buttons that are still down are ignored until released
   region_.takeBack();
   return std::exchange(press_, {}).has_value();
 }

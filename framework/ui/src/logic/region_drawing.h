@@ -7,37 +7,39 @@
 
 namespace c3de::ui {
 
-/// While a person draws the region of a scan's body in the slices: their plain left drags are its own, a click without
-/// a drag is the cross-hair's. The box is along the axes of the patient and of the scan as it was read; the slices show
-/// both so until it ends. The dialog of the scan is aside. No drawing. Main thread; both parameters must outlive it.
+/// Interaction while the user draws the region of a scan's body in the slices. Plain left drags change the region; a
+/// click without a drag moves the cross-hair. The box is aligned with the axes of the patient and with the scan as it
+/// was read. The slices use the same alignment until drawing ends. The scan dialog is hidden. No drawing. Main thread;
+/// both parameters must outlive this.
 class RegionDrawing {
  public:
-  /// Begins with the region of the scan, or with all of it. Where only the 3D view is shown, slices come beside it.
+  /// Begins with the region of the scan, or with all of it. If only the 3D view is shown, slices are added next to it.
   /// @param handle_px  size of a handle
   RegionDrawing(ImageViews &images, segmentation::ScanBody &scan, double handle_px);
 
   [[nodiscard]] const RegionBox &region() const { return region_; }
   [[nodiscard]] double handle_px() const { return handle_px_; }
-  /// The slices of the image are oblique, and have been turned for this.
+  /// The slices of the image are oblique, and have been rotated for this.
   [[nodiscard]] bool isTurned() const { return isTurned_; }
-  /// What a drag does that begins at a pixel of a slice, or the one that is in progress there. None: nothing.
+  /// What a drag that begins at a pixel of a slice does, or the drag in progress there. None if nothing.
   [[nodiscard]] std::optional<BoxGrip> grip(Pane slice, double x, double y) const;
 
-  /// Each frame: the slices stay along the axes of the patient. False: end() is all that is left. Either the scan is not
-  /// asked about any more, or another one is; or a person has gone back to its dialog, and the region is kept.
+  /// Called each frame: keeps the slices along the axes of the patient. Returns false when only end() remains to be
+  /// called. Either the scan dialog is closed or shows another scan, or the user has returned to it and the region is
+  /// kept.
   [[nodiscard]] bool follow();
-  /// Input in a slice. True: it was taken.
+  /// Input in a slice. True if it was used.
   bool handle(Pane slice, const ViewInput &input);
-  /// True: there was a drag, and it is taken back.
+  /// True if there was a drag; it is taken back.
   bool cancelDrag();
-  /// A drag in progress, or the last step.
+  /// Undoes a drag in progress, or the last step.
   void undo();
   void redo();
-  /// All of the scan, as a step.
+  /// Expands to all of the scan, as a step.
   void takeAll();
-  /// The scan gets the region.
+  /// Assigns the region to the scan.
   void keep() { scan_.setRegion(region_.box()); }
-  /// The slices are again as they were. Once, as the last call.
+  /// Restores the slices. Called once, as the last call.
   void end();
 
  private:

@@ -12,9 +12,9 @@ namespace c3de::ui {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kTouching_mm = 1e-3;  // a slice in the plane of a cut, where the ray begins
+constexpr double kTouching_mm = 1e-3;  // a slice in the plane of a cut, where the ray starts
 
-/// Of a convex polygon.
+/// Distance to a convex polygon.
 double distanceTo(const std::vector<Vec3> &corners, const Vec3 &normal, const render::Ray &ray) {
   const double along = dot(ray.direction, normal);
   if (corners.size() < 3 || along == 0.0) return kNever;
@@ -32,9 +32,9 @@ double distanceTo(const std::vector<Vec3> &corners, const Vec3 &normal, const re
 }
 
 /// @source  Möller and Trumbore, Fast, minimum storage ray-triangle intersection, 1997
-/// That of a mesh; never.
+/// Distance to a mesh; kNever if the ray does not hit it.
 double distanceTo(const render::MeshView &mesh, const render::Ray &ray) {
-  // Into the space of the mesh, which leaves distances along the ray as they are in numbers.
+  // Transform into the space of the mesh, in which ray parameters remain the same.
   const Mat4 back = imaging::affineInverse(mesh.worldFromProxy);
   const Vec3 origin = transformPoint(back, ray.origin);
   const Vec3 way = transformPoint(back, ray.origin + ray.direction) - origin;
@@ -57,7 +57,7 @@ double distanceTo(const render::MeshView &mesh, const render::Ray &ray) {
 }  // namespace
 
 std::optional<double> seenInside(const render::Renderer &renderer, const render::ImageScene &scene,
-                                 const render::GridPlace *place, const render::Ray &ray) {
+                                 const render::GridGeometry *place, const render::Ray &ray) {
   double inside = kNever, before = kNever;
   for (std::size_t i = 0; place != nullptr && i < scene.slices.size(); ++i) {
     const render::SliceInSpace &slice = scene.slices[i];

@@ -8,12 +8,12 @@
 
 namespace c3de::ui {
 
-/// How far along a ray, mm, the inside of bodies is seen: the first slice that is shown as a plane in space, or opaque
-/// mesh that lies inside of one. Nothing: it meets none, or another opaque mesh before. Looks at every triangle that is
-/// shown: for a press, not for every move of the mouse.
-/// @param place  of the image; null: there is none
-/// @param ray    world, unit direction; begins within what cuts have left
+/// How far along a ray, mm, the inside of bodies is visible: the first slice shown as a plane in space, or opaque mesh
+/// inside a body. Nothing if the ray meets neither, or meets another opaque mesh before. Tests every displayed
+/// triangle: for a press, not for every mouse move.
+/// @param place  of the image; null if there is none
+/// @param ray    world, unit direction; starts inside the part that the cuts leave
 [[nodiscard]] std::optional<double> seenInside(const render::Renderer &renderer, const render::ImageScene &scene,
-                                               const render::GridPlace *place, const render::Ray &ray);
+                                               const render::GridGeometry *place, const render::Ray &ray);
 
 }  // namespace c3de::ui

@@ -7,12 +7,12 @@
 
 #include "c3de/ui/commands.h"
 #include "logic/label_list.h"
-#include "panels/panel_widgets.h"
+#include "logic/panel_widgets.h"
 
 namespace c3de::ui {
 namespace {
 
-constexpr double kFewestPoints = 50.0, kMostPoints = 20000.0, kShortestEdge_mm = 0.5, kLongestEdge_mm = 30.0;
+constexpr double kFewestPoints = 50.0, kMaxPoints = 20000.0, kShortestEdge_mm = 0.5, kLongestEdge_mm = 30.0;
 constexpr double kStiffestSurroundings = 3e5;  // Pa/m
 constexpr const char *kRigid =
     "It stands where it is in the scan and costs nothing: for bone, whose small step would be everybody's";
@@ -45,8 +45,8 @@ SegmentationPanel::~SegmentationPanel() {
 void SegmentationPanel::draw(const c3de_ui_v1 &ui) {
   if (!workflow_.mask().sources().image) return;
   if (scanBody_.isPossible()) {
-    if (button(ui, "make_alive", commandInfo(Command::makeScanAlive).label)) scanBody_.show(true);
-    tooltip(ui, commandInfo(Command::makeScanAlive).doc);
+    if (button(ui, "create_scan_body", commandInfo(Command::createScanBody).label)) scanBody_.show(true);
+    tooltip(ui, commandInfo(Command::createScanBody).doc);
     text(ui, "Or one organ of it:");
   }
   heading(ui, "1  Pick it in the image");
@@ -57,7 +57,7 @@ void SegmentationPanel::draw(const c3de_ui_v1 &ui) {
   else
     drawSteps(ui);
   drawUndo(ui);
-  // One thing after the other: the rest would only fill the panel.
+  // One step at a time: the others would only fill the panel.
   if (several == 0 && !workflow_.mask().mask())
     return text(ui, "Then: its material, how finely it is sampled, and the simulation.");
   heading(ui, several > 0 ? "2  Materials" : "2  Material");
@@ -106,15 +106,15 @@ void SegmentationPanel::drawLabels(const c3de_ui_v1 &ui) {
   for (const segmentation::SegmentationWorkflow::LabelRow &row : rows)
     if (rows.size() <= kManyLabels || isListed(row.name, filter_)) listed.push_back(&row);
   clickButton(ui, "label_click", "Tick the label I click",
-              "The next click in a slice: the label that is there. Esc: no click",
-              &segmentation::SegmentationWorkflow::tickLabelAt);
+              "The next click in a slice selects the label there. Esc: cancel",
+              &segmentation::SegmentationWorkflow::toggleLabelAt);
   labelList(ui, rows.size(), listed.size(), filter_, [&] {
     for (const segmentation::SegmentationWorkflow::LabelRow *row : listed) {
       swatch(ui, row->colour);
       bool isPicked = row->isChosen;
       const std::string volume = row->volume_ml ? fmt::format("{:.1f} ml", *row->volume_ml) : std::string("… ml");
       if (checkbox(ui, "label." + std::to_string(row->value), row->name + "   " + volume, isPicked, ""))
-        workflow_.tickLabel(row->value, isPicked);
+        workflow_.setLabelPicked(row->value, isPicked);
     }
   });
   if (rows.size() < 2) return;
@@ -139,7 +139,7 @@ void SegmentationPanel::drawThreshold(const c3de_ui_v1 &ui) {
     workflow_.setHigh(high);
   bool isShown = false;
   for (const segmentation::MaskStep &step : workflow_.mask().steps())
-    if (step.startsAnew()) isShown = step.kind == segmentation::MaskStep::Kind::threshold;
+    if (step.ignoresPreviousMask()) isShown = step.kind == segmentation::MaskStep::Kind::threshold;
   if (!isShown && button(ui, "threshold", "Show what lies between")) workflow_.showThreshold();
 }
 
@@ -161,22 +161,23 @@ void SegmentationPanel::drawSteps(const c3de_ui_v1 &ui) {
     row(ui, "Overlay", fmt::format("every {}. voxel", mask.preview()->stride));
   const std::vector<segmentation::MaskStep> steps = mask.steps();
   std::string done;
-  for (const segmentation::MaskStep &step : steps) done = step.startsAnew() ? step.text() : done + ", " + step.text();
+  for (const segmentation::MaskStep &step : steps)
+    done = step.ignoresPreviousMask() ? step.text() : done + ", " + step.text();
   if (!done.empty()) row(ui, "Steps", done);
 
   clickButton(ui, "component", "Keep only the part I click",
-              "The next click in a slice: what hangs together with that voxel stays. Esc: no click",
+              "The next click in a slice keeps the part connected to that voxel. Esc: cancel",
               &segmentation::SegmentationWorkflow::keepComponentAt);
-  if (button(ui, "largest", "Keep the largest part")) workflow_.carryOut(Kind::largest);
+  if (button(ui, "largest", "Keep the largest part")) workflow_.applyStep(Kind::largest);
   sameLine(ui);
-  if (button(ui, "fill_holes", "Fill holes")) workflow_.carryOut(Kind::fillHoles);
+  if (button(ui, "fill_holes", "Fill holes")) workflow_.applyStep(Kind::fillHoles);
   double radius = workflow_.settings().radius_mm;
   if (slider(ui, "radius", "Radius", "mm", radius, kSmallestRadius_mm, kLargestRadius_mm, "Of closing and opening"))
     workflow_.setRadius(radius);
-  if (button(ui, "close", "Close gaps")) workflow_.carryOut(Kind::close);
+  if (button(ui, "close", "Close gaps")) workflow_.applyStep(Kind::close);
   tooltip(ui, "Closing: gaps and bays narrower than twice the radius are filled");
   sameLine(ui);
-  if (button(ui, "open", "Remove bridges")) workflow_.carryOut(Kind::open);
+  if (button(ui, "open", "Remove bridges")) workflow_.applyStep(Kind::open);
   tooltip(ui, "Opening: bridges and spurs narrower than twice the radius are removed");
 }
 
@@ -208,7 +209,7 @@ void SegmentationPanel::drawSeveral(const c3de_ui_v1 &ui) {
                 : fmt::format("{} labels", workflow_.pickedLabels().size()));
   row(ui, "Ticked", names);
   if (const std::string problem = workflow_.maskProblem(); !problem.empty()) row(ui, "Problem", problem);
-  imaging::Mending mend = workflow_.settings().mend;
+  imaging::MaskCleanUp mend = workflow_.settings().mend;
   checkbox(ui, "each_largest", "Keep the largest part of each", mend.largest, "Voxels that lie apart are left out");
   checkbox(ui, "each_filled", "Fill the holes of each", mend.fillHoles, "What is enclosed on all sides");
   workflow_.setMending(mend);
@@ -269,8 +270,8 @@ void SegmentationPanel::drawSampling(const c3de_ui_v1 &ui) {
   checkbox(ui, "count_automatic", "Points by the thickness", s.isCountAutomatic,
            "1000, of what is thin up to 4000, so that their distance is at most half of the thickness");
   if (!s.isCountAutomatic)
-    slider(ui, "points", "Points", "", s.points, kFewestPoints, kMostPoints,
-           "About so many; more are more exact and slower");
+    slider(ui, "points", "Points", "", s.points, kFewestPoints, kMaxPoints,
+           "Approximate number; more points are more accurate and slower");
   checkbox(ui, "edge_automatic", "Edges of the surface by themselves", s.isEdgeAutomatic,
            "One and a half voxels, longer where that makes too many triangles, shorter for what is thin");
   if (!s.isEdgeAutomatic) slider(ui, "edge", "Edge length", "mm", s.edge_mm, kShortestEdge_mm, kLongestEdge_mm, "");

@@ -12,7 +12,7 @@ std::uint32_t whereOf(Pane slice) {
 
 }  // namespace
 
-bool SliceController::tellTool(const ImageViews &images, Pane slice, const ViewInput &input, std::uint32_t type) {
+bool SliceController::sendToTool(const ImageViews &images, Pane slice, const ViewInput &input, std::uint32_t type) {
   const SliceView &view = images.view(slice);
   const Vec3 normal = view.frame().normal();
   c3de_event event = toolEvent(input, type, buttons_, {view.worldAt(input.x, input.y), normal}, normal);
@@ -21,7 +21,7 @@ bool SliceController::tellTool(const ImageViews &images, Pane slice, const ViewI
 }
 
 bool SliceController::isToolsOwn(const ImageViews &images, Pane slice, const ViewInput &input) {
-  const auto tell = [&](std::uint32_t type) { return tellTool(images, slice, input, type); };
+  const auto tell = [&](std::uint32_t type) { return sendToTool(images, slice, input, type); };
   switch (input.kind) {
     case ViewInput::Kind::press: {
       const bool isFirst = buttons_ == 0;
@@ -53,12 +53,12 @@ bool SliceController::isToolsOwn(const ImageViews &images, Pane slice, const Vie
 }
 
 bool SliceController::handle(ImageViews &images, Pane slice, const ViewInput &input) {
-  // A tool that is no longer the active one was cancelled by the registry.
+  // If the tool is no longer active, the registry has cancelled it.
   if (dragTool_ && *dragTool_ != tools_.active()) dragTool_.reset();
   if (isToolsOwn(images, slice, input)) return true;
   if (!images.handle(slice, input)) return false;
-  // Another place has come under the hand.
-  if (dragTool_) (void)tellTool(images, slice, input, C3DE_EVENT_MOVE);
+  // The position under the mouse has changed.
+  if (dragTool_) (void)sendToTool(images, slice, input, C3DE_EVENT_MOVE);
   return true;
 }
 

@@ -16,7 +16,7 @@ constexpr double kFinest_mm = 1e-4, kCoarsest_mm = 1e4;  // per pixel
 Vec3 unit(const Vec3 &v) { return (1.0 / norm(v)) * v; }
 Vec3 column(const Mat4 &m, std::size_t c) { return {m[4 * c], m[4 * c + 1], m[4 * c + 2]}; }
 
-/// Right-handed directions along the index axes of a grid that come nearest to x, y, z.
+/// Right-handed directions along the index axes of a grid that are nearest to x, y, z.
 std::array<Vec3, 3> axesOf(const imaging::VolumeGeometry &grid) {
   std::array<Vec3, 3> index{};
   index[0] = unit(column(grid.indexToWorld, 0));
@@ -35,7 +35,7 @@ std::array<Vec3, 3> axesOf(const imaging::VolumeGeometry &grid) {
   } while (std::next_permutation(order.begin(), order.end()));
   std::array<Vec3, 3> axes{};
   for (std::size_t a = 0; a < 3; ++a) axes[a] = (index[best[a]][a] < 0.0 ? -1.0 : 1.0) * index[best[a]];
-  // One axis follows from the others, so that the frame is never mirrored.
+  // The third axis follows from the other two, so that the frame is never mirrored.
   if (dot(cross(axes[0], axes[1]), axes[2]) < 0.0) axes[2] = -1.0 * axes[2];
   return axes;
 }

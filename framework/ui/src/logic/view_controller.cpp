@@ -13,7 +13,7 @@ constexpr double kPixelsPerZoomStep = 20.0;
 constexpr double kNeverWithin_mm = 1e9;
 constexpr double kNowhere_mm = -1.0;
 
-/// How far along the ray the last of the cuts it begins behind is passed.
+/// Distance along the ray to the last of the cuts behind which it starts.
 double entryOf(const render::Ray &ray, const std::vector<render::CutPlane> &cuts) {
   double entry = 0.0;
   for (const render::CutPlane &cut : cuts) {
@@ -52,7 +52,7 @@ c3de_event toolEvent(const ViewInput &input, std::uint32_t type, std::uint32_t b
   return event;
 }
 
-bool ViewController::tellTool(const ViewInput &input, std::uint32_t type) {
+bool ViewController::sendToTool(const ViewInput &input, std::uint32_t type) {
   render::Ray ray = camera_.pickRay(input.x, input.y, width_, height_);
   if (type == C3DE_EVENT_PRESS) ray.origin = ray.origin + entryOf(ray, cuts_) * ray.direction;
   c3de_event event = toolEvent(input, type, buttons_, ray, camera_.forward());
@@ -65,21 +65,21 @@ ViewController::Drag ViewController::dragOf(const ViewInput &input) {
   if (input.button == C3DE_BUTTON_RIGHT) return Drag::zoom;
   if (input.modifiers & C3DE_MOD_SHIFT) return Drag::pan;
   if (input.modifiers & C3DE_MOD_CTRL) return Drag::zoom;
-  return tellTool(input, C3DE_EVENT_PRESS) ? Drag::tool : Drag::orbit;
+  return sendToTool(input, C3DE_EVENT_PRESS) ? Drag::tool : Drag::orbit;
 }
 
 bool ViewController::handle(const ViewInput &input) {
   const double dx = input.x - lastX_, dy = input.y - lastY_;
   lastX_ = input.x;
   lastY_ = input.y;
-  // A tool that is no longer the active one was cancelled by the registry.
+  // If the tool is no longer active, the registry has cancelled it.
   if (drag_ == Drag::tool && tools_.active() != dragTool_) drag_ = Drag::none;
 
   switch (input.kind) {
     case ViewInput::Kind::press: {
       const bool isFirst = buttons_ == 0;
       buttons_ |= input.button;
-      if (!isFirst) return drag_ == Drag::tool && tellTool(input, C3DE_EVENT_PRESS);
+      if (!isFirst) return drag_ == Drag::tool && sendToTool(input, C3DE_EVENT_PRESS);
       dragButton_ = input.button;
       dragTool_ = tools_.active();
       drag_ = dragOf(input);
@@ -89,21 +89,21 @@ bool ViewController::handle(const ViewInput &input) {
       buttons_ &= ~input.button;
       const bool isToolsOwn = drag_ == Drag::tool;
       if (input.button == dragButton_) drag_ = Drag::none;
-      return isToolsOwn && tellTool(input, C3DE_EVENT_RELEASE);
+      return isToolsOwn && sendToTool(input, C3DE_EVENT_RELEASE);
     }
     case ViewInput::Kind::move:
       switch (drag_) {
-        case Drag::tool: return tellTool(input, C3DE_EVENT_MOVE);
+        case Drag::tool: return sendToTool(input, C3DE_EVENT_MOVE);
         case Drag::orbit: camera_.orbit(dx, dy, height_); return true;
         case Drag::pan: camera_.pan(dx, dy, height_); return true;
         case Drag::zoom: camera_.zoom(-dy / kPixelsPerZoomStep); return true;
-        case Drag::none: return buttons_ == 0 && tellTool(input, C3DE_EVENT_MOVE);
+        case Drag::none: return buttons_ == 0 && sendToTool(input, C3DE_EVENT_MOVE);
       }
       return false;
     case ViewInput::Kind::wheel:
-      if (!tellTool(input, C3DE_EVENT_WHEEL)) camera_.zoom(input.wheel);
+      if (!sendToTool(input, C3DE_EVENT_WHEEL)) camera_.zoom(input.wheel);
       return true;
-    case ViewInput::Kind::key: return tellTool(input, C3DE_EVENT_KEY);
+    case ViewInput::Kind::key: return sendToTool(input, C3DE_EVENT_KEY);
   }
   return false;
 }
@@ -113,7 +113,7 @@ void ViewController::cancel() {
   drag_ = Drag::none;
 }
 
-void lookFromStart(render::Camera &camera) {
+void resetCamera(render::Camera &camera) {
   const bool isPatient = camera.upAxis == render::UpAxis::z;
   camera.yaw = isPatient ? 0.6 : render::Camera().yaw;
   camera.pitch = isPatient ? 0.3 : render::Camera().pitch;
@@ -121,7 +121,7 @@ void lookFromStart(render::Camera &camera) {
 
 void lookAlong(render::Camera &camera, const Vec3 &direction) {
   constexpr double kQuarter = std::numbers::pi / 2.0;
-  // The six standard directions are quarter turns; which sign belongs to which is the camera's business.
+  // The six standard directions are quarter turns; the camera defines which sign belongs to which.
   const double limit = 89.9 / 180.0 * std::numbers::pi;
   double best = -2.0, bestYaw = camera.yaw, bestPitch = camera.pitch;
   for (const double pitch : {0.0, limit, -limit})

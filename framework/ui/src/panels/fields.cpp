@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kTypedCapacity = 128;
 
-/// The slider works on 0 … 1, so that its scale and rounding are ours and do not depend on the text that is shown.
+/// The slider works on 0 … 1, so that its scale and rounding are defined here and do not depend on the displayed text.
 double fractionOf(const NumberSpec &spec, double value) {
   if (!std::isfinite(value)) return 0.0;
   if (spec.isLogarithmic && value <= spec.low) return 0.0;
@@ -26,7 +26,7 @@ double fractionOf(const NumberSpec &spec, double value) {
   return std::clamp(t, 0.0, 1.0);
 }
 
-/// Rounded to what a hand can mean: three digits of the value, or a thousandth of the range.
+/// Rounded to a resolution that a user can set: three digits of the value, or a thousandth of the range.
 double valueOf(const NumberSpec &spec, double t) {
   if (t <= 0.0) return spec.low;
   if (t >= 1.0) return spec.high;
@@ -36,7 +36,7 @@ double valueOf(const NumberSpec &spec, double t) {
   const double digit = spec.isLogarithmic ? std::pow(10.0, std::floor(std::log10(std::abs(raw))) - 2.0)
                                           : std::pow(10.0, std::floor(std::log10(spec.high - spec.low)) - 3.0);
   const double rounded = std::round(raw / digit) * digit;
-  // Through text, so that 0.30000000000000004 becomes 0.3.
+  // Rounded via text, so that 0.30000000000000004 becomes 0.3.
   char text[32];
   std::snprintf(text, sizeof text, "%.12g", rounded);
   return std::clamp(registry::parseNumber(text, {}).value_or(rounded), spec.low, spec.high);
@@ -92,7 +92,7 @@ std::uint32_t typedField(FieldState &state, const NumberSpec &spec, double &valu
   if (isActive && !isEntered) return C3DE_UI_ACTIVE;
   if (!isEntered && !isLeft && state.typingFrames < 4) return 0;
 
-  // Escape has put the first text back, which changes nothing.
+  // Escape has restored the initial text, which changes nothing.
   state.isTyping = false;
   const std::string typed(registry::bufferText(state.buffer.data(), state.buffer.size()));
   const auto number = registry::parseNumber(typed, spec.unit);
@@ -185,7 +185,7 @@ std::uint32_t numberField(const FrameContext &frame, const std::string &area, co
 }
 
 namespace {
-// Choices are shown as words; files and scripts go on with the name.
+// Choices are displayed as words; files and scripts still use the name.
 std::string readable(const std::string &name) { return imaging::readableName(name); }
 }  // namespace
 

@@ -10,12 +10,12 @@
 #include "c3de/registry/number_text.h"
 #include "c3de/registry/parameter_registry.h"
 #include "c3de/registry/plain_words.h"
-#include "window/file_dialog.h"
+#include "frame/file_dialog.h"
 
 namespace c3de::ui {
 namespace {
 
-constexpr std::uint32_t kListRows = 12, kMostListRows = 100;
+constexpr std::uint32_t kListRows = 12, kMaxListRows = 100;
 constexpr float kCurveRows = 3.0f;
 
 std::string significant(double value) {
@@ -24,7 +24,7 @@ std::string significant(double value) {
   return text;
 }
 
-std::string text(c3de_str s) { return shownText(fromAbi(s), Lines::many); }
+std::string text(c3de_str s) { return displayText(fromAbi(s), Lines::many); }
 
 void wrappedText(const std::string &shown) {
   ImGui::PushTextWrapPos(0.0f);
@@ -36,7 +36,7 @@ void wrappedText(const std::string &shown) {
 
 ImGuiPanels::ImGuiPanels() { fillTable(); }
 
-std::string ImGuiPanels::worded(c3de_str shown) const {
+std::string ImGuiPanels::plainText(c3de_str shown) const {
   const registry::ParameterRegistry *parameters = frame_->services.parameters;
   return parameters ? registry::plainWords(text(shown), *parameters) : text(shown);
 }
@@ -169,7 +169,7 @@ std::uint32_t ImGuiPanels::fileButton(c3de_str id, c3de_str label, c3de_str exte
     FileDialog::Request request;
     request.title = text(label);
     request.extensions = text(extensions);
-    // The result waits here until the panel is drawn again; the panel or the plugin may be gone by then.
+    // The result is stored here until the panel is drawn again; the panel or the plugin may no longer exist by then.
     request.chosen = [this, key = area_ + "/" + unique](const std::filesystem::path &file, const std::string &) {
       fields_[key].chosenFile = pathText(file);
     };
@@ -193,7 +193,7 @@ void ImGuiPanels::listBegin(c3de_str id, std::uint32_t rows) {
   listEnd();
   isSameLine_ = false;
   const float height =
-      static_cast<float>(rows == 0 ? kListRows : std::min(rows, kMostListRows)) * ImGui::GetFrameHeightWithSpacing();
+      static_cast<float>(rows == 0 ? kListRows : std::min(rows, kMaxListRows)) * ImGui::GetFrameHeightWithSpacing();
   const std::string unique = uniqueId(id);
   takeSameLine(unique);
   ImGui::BeginChild(("###list" + unique).c_str(), ImVec2(0.0f, height + 2.0f * ImGui::GetStyle().WindowPadding.y),
@@ -252,7 +252,7 @@ void ImGuiPanels::heading(c3de_str shown) {
 }
 
 void ImGuiPanels::value(c3de_str name, c3de_str shown) {
-  const std::string nameText = text(name), valueText = worded(shown);
+  const std::string nameText = text(name), valueText = plainText(shown);
   takeSameLine("=" + nameText);
   ImGui::BeginGroup();
   const float labelWidth = std::floor(0.42f * ImGui::GetContentRegionAvail().x);
@@ -286,7 +286,7 @@ void ImGuiPanels::parameterRows(Handle handle, const std::string &group, bool is
   if (!ImGui::IsAnyItemActive()) registry.history().endGesture();
   const registry::ParameterSet *set = registry.find(handle);
   if (!set) return;
-  // A copy: a listener may change or remove the set.
+  // A copy, because a listener may change or remove the set.
   const std::vector<ParameterDecl> decls = set->decls;
   std::string heading;
   for (std::size_t i = 0; i < decls.size(); ++i) {
@@ -357,7 +357,7 @@ void ImGuiPanels::fillTable() {
   t.text = [](void *c, c3de_str s) noexcept {
     if (!of(c).isUsable() || fromAbi(s).empty()) return;
     if (of(c).takeSameLine()) ImGui::AlignTextToFramePadding();
-    wrappedText(of(c).worded(s));
+    wrappedText(of(c).plainText(s));
   };
   t.separator = [](void *c) noexcept {
     if (!of(c).isUsable()) return;
@@ -388,7 +388,7 @@ void ImGuiPanels::fillTable() {
     if (of(c).isUsable()) of(c).value(name, v);
   };
   t.tooltip = [](void *c, c3de_str s) noexcept {
-    if (of(c).isUsable()) itemTooltip(*of(c).frame_, of(c).worded(s));
+    if (of(c).isUsable()) itemTooltip(*of(c).frame_, of(c).plainText(s));
   };
   t.params = [](void *c, c3de_handle set, c3de_str group) noexcept {
     if (of(c).isUsable()) of(c).params(set, group);

@@ -9,31 +9,31 @@
 
 #include "c3de/abi/panels.h"
 #include "c3de/registry/panel_registry.h"
+#include "frame/frame_context.h"
 #include "panels/fields.h"
-#include "window/frame_context.h"
 
 namespace c3de::ui {
 
-/// Draws plugins' panels with Dear ImGui: the c3de_ui_v1 table. It lives as long as the window, so a table that a
-/// plugin keeps stays valid memory; outside on_ui and on other threads its functions do nothing.
+/// Draws plugins' panels with Dear ImGui: the c3de_ui_v1 table. This object exists as long as the window, so a table
+/// stored by a plugin remains valid memory. Outside on_ui and on other threads its functions do nothing.
 class ImGuiPanels {
  public:
   ImGuiPanels();
   ImGuiPanels(const ImGuiPanels &) = delete;
   ImGuiPanels &operator=(const ImGuiPanels &) = delete;
 
-  /// Into the present ImGui window.
+  /// Draws into the present ImGui window.
   void draw(FrameContext &frame, const registry::Panel &panel);
 
  private:
   static ImGuiPanels &of(void *ctx) { return *static_cast<ImGuiPanels *>(ctx); }
   void fillTable();
   [[nodiscard]] bool isUsable() const { return frame_ && std::this_thread::get_id() == thread_; }
-  /// Makes ids unique where a panel uses one twice.
+  /// Makes ids unique if a panel uses one twice.
   [[nodiscard]] std::string uniqueId(c3de_str id);
   [[nodiscard]] FieldState &field(const std::string &id) { return fields_[area_ + "/" + id]; }
-  /// Whether same_line was asked for the widget that comes now; else it begins a row.
-  /// @param key  of the row in all frames; empty: it has none
+  /// Whether same_line was requested for the next widget; otherwise the widget begins a row.
+  /// @param key  identifies the row in all frames; empty: not anchored
   bool takeSameLine(const std::string &key = {});
 
   std::uint32_t button(c3de_str id, c3de_str label, bool isEnabled);
@@ -48,8 +48,8 @@ class ImGuiPanels {
   void heading(c3de_str text);
   void value(c3de_str name, c3de_str value);
   void progress(double fraction, c3de_str text);
-  /// plainWords() of what a panel says.
-  [[nodiscard]] std::string worded(c3de_str text) const;
+  /// plainWords() of a panel's text.
+  [[nodiscard]] std::string plainText(c3de_str text) const;
   void params(c3de_handle set, c3de_str group);
   void parameterRows(Handle handle, const std::string &group, bool isAdvanced);
 

@@ -29,7 +29,7 @@ std::string documentation(const ParameterDecl &decl) {
   return text + "\n" + decl.id;
 }
 
-/// A number to go on with when "auto" is switched off.
+/// The number to use when "auto" is switched off.
 double numberAfterAuto(const FieldState &state, const ParameterDecl &decl) {
   const auto accepted = [&](double x) {
     ParameterValue v;

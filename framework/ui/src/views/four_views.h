@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the views of an image lie, and its slices in them: the same for the window and for pictures without one.
+// Layout of the views of an image, and its slices in them: shared by the window and by pictures without one.
 #pragma once
 
-#include "window/frame_context.h"
+#include "frame/frame_context.h"
 
 namespace c3de::render {
 class Renderer;
@@ -12,17 +12,17 @@ struct Viewport;
 
 namespace c3de::ui {
 
-/// Without an image the 3D view fills the area; with one, a quarter, or a single view of it all. By Pane; the slices of
-/// the image take the sizes over.
-/// @param images  null: there is no image
+/// Without an image the 3D view fills the area. With an image each view fills a quarter, or a single view fills all of
+/// it. Returned by Pane; the slices of the image get their sizes.
+/// @param images  null if there is no image
 [[nodiscard]] std::array<PixelRect, 4> layOutViews(const PixelRect &area, ImageViews *images);
 
-/// Tells the renderer what it is to show of the image in space, and the colours of its labels everywhere.
-/// @param images  null: there is no image
+/// Sets what the renderer shows of the image in space, and the colours of its labels in all views.
+/// @param images  null if there is no image
 void showInSpace(render::Renderer &renderer, const ImageViews *images);
 /// @param port  pixels of the framebuffer
 [[nodiscard]] render::SlicePlane planeOf(const ImageViews &images, Pane pane, const render::Viewport &port);
-/// Of a renderer that has images.
+/// For a renderer that has images.
 void drawSlice(render::Renderer &renderer, const ImageViews &images, Pane pane, const render::Viewport &port);
 
 }  // namespace c3de::ui

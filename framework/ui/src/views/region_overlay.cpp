@@ -18,7 +18,7 @@ constexpr ImU32 kHandle = IM_COL32(24, 26, 30, 200), kHandleLine = IM_COL32(255,
 void line(const SliceCanvas &canvas, ImVec2 from, ImVec2 to, bool isCut) {
   const float width = canvas.px(1.6f);
   if (isCut) {
-    canvas.list->AddLine(from, to, kShadow, canvas.px(3.2f));
+    canvas.list->AddLine(from, to, kTextShadow, canvas.px(3.2f));
     return canvas.list->AddLine(from, to, kLine, width);
   }
   const float length = std::hypot(to.x - from.x, to.y - from.y), dash = canvas.px(6.0f);
@@ -55,12 +55,12 @@ void drawHandle(const SliceCanvas &canvas, const BoxHandle &handle, bool isHot, 
   const ImVec2 min(at.x - half, at.y - half), max(at.x + half, at.y + half);
   const ImU32 tint = isHot ? kLine : isCut ? kHandleLine : kBeside;
   if (handle.grip.kind == BoxGrip::Kind::whole) {
-    for (const auto &[colour, width] : {std::pair{kShadow, 4.0f}, {tint, 2.0f}}) {
+    for (const auto &[colour, width] : {std::pair{kTextShadow, 4.0f}, {tint, 2.0f}}) {
       canvas.list->AddLine(ImVec2(min.x, at.y), ImVec2(max.x, at.y), colour, canvas.px(width));
       canvas.list->AddLine(ImVec2(at.x, min.y), ImVec2(at.x, max.y), colour, canvas.px(width));
     }
   } else {
-    // Letters of the view stay legible over it.
+    // Letters of the view remain legible over it.
     canvas.list->AddRectFilled(min, max, isHot ? kLine : kHandle, canvas.px(1.5f));
     canvas.list->AddRect(min, max, isHot ? kHandleLine : tint, canvas.px(1.5f), 0, canvas.px(1.5f));
   }
@@ -69,7 +69,7 @@ void drawHandle(const SliceCanvas &canvas, const BoxHandle &handle, bool isHot, 
                                  {min.x, min.y, max.x, max.y}, {r.x, r.y, r.x + r.w, r.y + r.h}, true);
 }
 
-/// Dear ImGui draws those that the system may not have.
+/// Cursors that the system may lack are drawn by Dear ImGui.
 void setCursor(const SliceCanvas &canvas, const BoxGrip &grip) {
   const std::array<int, 2> direction = directionOf(canvas.view, grip);
   ImGuiMouseCursor cursor = ImGuiMouseCursor_Arrow;

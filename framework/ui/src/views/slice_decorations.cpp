@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands over the slices. Everything is drawn onto the picture of the renderer; positions come from the views.
+// Decorations over the slices. All are drawn onto the picture of the renderer; positions come from the views.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include "c3de/render/renderer.h"
 #include "logic/curve_runs.h"
 #include "views/slice_canvas.h"
-#include "window/chrome.h"
+#include "views/view_decorations.h"
 
 namespace c3de::ui {
 namespace {
@@ -21,12 +21,12 @@ constexpr std::array<ImU32, 4> kBorders{IM_COL32(219, 92, 92, 255), IM_COL32(224
                                         IM_COL32(102, 189, 107, 255), IM_COL32(70, 80, 96, 255)};
 
 void shadowed(ImDrawList *list, ImVec2 at, ImU32 tint, const std::string &text) {
-  list->AddText(ImVec2(at.x + 1, at.y + 1), kShadow, text.c_str());
+  list->AddText(ImVec2(at.x + 1, at.y + 1), kTextShadow, text.c_str());
   list->AddText(at, tint, text.c_str());
 }
 
-/// On a dark ground: read over bright tissue and colours of labels too.
-void grounded(ImDrawList *list, ImVec2 at, ImU32 tint, const std::string &text) {
+/// Text on a dark background: legible over bright tissue and over label colours.
+void textOnBackground(ImDrawList *list, ImVec2 at, ImU32 tint, const std::string &text) {
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
   list->AddRectFilled(ImVec2(at.x - 3, at.y - 1), ImVec2(at.x + size.x + 3, at.y + size.y + 1), IM_COL32(0, 0, 0, 140),
                       3.0f);
@@ -49,12 +49,13 @@ void drawRuns(ImDrawList *list, const std::vector<CurveRun> &runs, ImU32 tint, f
 }
 
 void drawOutlines(const SliceCanvas &canvas, const render::Renderer &renderer) {
-  if (!canvas.images.options().showsOutlines || canvas.images.isAtRest()) return;  // they lie where bodies are now
+  if (!canvas.images.options().showsOutlines || canvas.images.isAtRest()) return;  // they show present positions
   const Vec3 point = canvas.view.worldAt(0, 0), normal = canvas.view.frame().forward;
   std::size_t curves = 0;
   renderer.forEachMesh([&](const render::MeshView &mesh) {
     if (mesh.material.isInside) return;
-    // Into the mesh's space goes the plane, not every vertex into the world's; (v - p) n = 0 with v = M x.
+    // The plane is transformed into the mesh's space instead of every vertex into world space; (v - p) n = 0 with v = M
+    // x.
     const Mat4 &m = mesh.worldFromProxy;
     const Vec3 local{m[0] * normal[0] + m[1] * normal[1] + m[2] * normal[2],
                      m[4] * normal[0] + m[5] * normal[1] + m[6] * normal[2],
@@ -73,14 +74,14 @@ void drawOutlines(const SliceCanvas &canvas, const render::Renderer &renderer) {
         pixels.push_back({pixel.x, pixel.y});
       }
       const std::vector<CurveRun> runs = curveRuns(pixels, curve.isClosed);
-      drawRuns(canvas.list, runs, kShadow, canvas.px(3.0f));
+      drawRuns(canvas.list, runs, kTextShadow, canvas.px(3.0f));
       drawRuns(canvas.list, runs, tintOf(colour), canvas.px(1.6f));
     }
   });
   canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".outlines", std::to_string(curves));
 }
 
-/// What tools show of a hand, as the slice sees it: off its plane fainter, and spheres where it cuts them.
+/// Markers of tools as seen in the slice: fainter off its plane, spheres as their intersection with it.
 void drawMarks(const SliceCanvas &canvas, const render::Renderer &renderer) {
   const Vec3 point = canvas.view.worldAt(0, 0), normal = canvas.view.frame().forward;
   const double slab = 0.5 * canvas.view.step() + 1e-6;
@@ -115,8 +116,8 @@ void drawMarks(const SliceCanvas &canvas, const render::Renderer &renderer) {
       case render::MarkView::Kind::label: {
         const Vec3 at = world(mark.positions.front());
         const ImVec2 pixel = canvas.pixelOf(at), size = ImGui::CalcTextSize(mark.text.c_str());
-        grounded(canvas.list, ImVec2(pixel.x - 0.5f * size.x, pixel.y - size.y - canvas.px(6.0f)),
-                 tint(std::abs(away(at)) <= slab), mark.text);
+        textOnBackground(canvas.list, ImVec2(pixel.x - 0.5f * size.x, pixel.y - size.y - canvas.px(6.0f)),
+                         tint(std::abs(away(at)) <= slab), mark.text);
         break;
       }
     }
@@ -171,7 +172,7 @@ void drawScaleBar(const SliceCanvas &canvas) {
   const auto length = static_cast<float>(bar.length_px);
   const float x1 = r.x + r.w - canvas.px(14.0f), x0 = x1 - length,
               y = r.y + r.h - canvas.px(14.0f) - canvas.readoutHeight(), tick = canvas.px(4.0f);
-  for (const auto &[tint, offset] : {std::pair{kShadow, 1.0f}, {kInk, 0.0f}}) {
+  for (const auto &[tint, offset] : {std::pair{kTextShadow, 1.0f}, {kInk, 0.0f}}) {
     canvas.list->AddLine(ImVec2(x0 + offset, y + offset), ImVec2(x1 + offset, y + offset), tint, canvas.px(1.5f));
     for (const float x : {x0, x1})
       canvas.list->AddLine(ImVec2(x + offset, y - tick + offset), ImVec2(x + offset, y + tick + offset), tint,
@@ -182,7 +183,7 @@ void drawScaleBar(const SliceCanvas &canvas) {
   canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".scale", bar.text);
 }
 
-/// The bar of the overlay.
+/// The colour bar of the overlay.
 void drawOverlayLegend(const SliceCanvas &canvas) {
   const ImageOptions &options = canvas.images.options();
   const std::string key = std::string(paneName(canvas.pane)) + ".legend";
@@ -217,7 +218,7 @@ void drawOverlayLegend(const SliceCanvas &canvas) {
   shadowed(canvas.list, ImVec2(x, y0 - 1.7f * line), kInk, quantity.title);
 }
 
-/// What the hatching of missing tissue means.
+/// Legend of the hatching of missing tissue.
 void drawMissingLegend(const SliceCanvas &canvas) {
   const std::string &text = canvas.images.missingText();
   canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".missing", text.empty() ? "none" : text);
@@ -231,8 +232,8 @@ void drawMissingLegend(const SliceCanvas &canvas) {
     canvas.list->AddLine(ImVec2(at.x + part * size, at.y), ImVec2(at.x + size, at.y + (1.0f - part) * size), tint,
                          canvas.px(1.5f));
   canvas.list->AddRect(at, ImVec2(at.x + size, at.y + size), tint);
-  grounded(canvas.list, ImVec2(at.x + size + canvas.px(6.0f), at.y - 0.1f * line), kInk,
-           elided(text, r.w - 2 * edge - size - canvas.px(6.0f)));
+  textOnBackground(canvas.list, ImVec2(at.x + size + canvas.px(6.0f), at.y - 0.1f * line), kInk,
+                   elided(text, r.w - 2 * edge - size - canvas.px(6.0f)));
 }
 
 void drawTexts(const SliceCanvas &canvas) {
@@ -241,22 +242,22 @@ void drawTexts(const SliceCanvas &canvas) {
   const float edge = canvas.px(8.0f), line = ImGui::GetTextLineHeight() + canvas.px(2.0f);
   const std::string name = paneName(canvas.pane);
   const std::string slice = fmt::format("{}  {} / {}", name, canvas.view.slice() + 1, canvas.view.sliceCount());
-  grounded(canvas.list, ImVec2(r.x + edge, r.y + edge), kBorders[static_cast<std::size_t>(canvas.pane)], slice);
+  textOnBackground(canvas.list, ImVec2(r.x + edge, r.y + edge), kBorders[static_cast<std::size_t>(canvas.pane)], slice);
   const std::string windowLevel =
       fmt::format("W {:.5g}  L {:.5g}", options.windowLevel.window, options.windowLevel.level);
-  grounded(canvas.list, ImVec2(r.x + edge, r.y + edge + line), kInk, windowLevel);
+  textOnBackground(canvas.list, ImVec2(r.x + edge, r.y + edge + line), kInk, windowLevel);
   if (options.isWindowLevelMode)
     shadowed(canvas.list, ImVec2(r.x + edge, r.y + edge + 2 * line), kLetter, "drag: window/level");
   if (canvas.images.isPicking())
     shadowed(canvas.list, ImVec2(r.x + edge, r.y + edge + (options.isWindowLevelMode ? 3 : 2) * line), kLetter,
              "click: this part (Esc: none)");
-  // Which side is which is a matter of safety: said in every view that it turns.
+  // Left and right are a matter of safety: the convention is stated in every view whose orientation it changes.
   const std::string convention = options.convention == Convention::radiological ? "radiological" : "neurological";
   const std::string badge = canvas.pane == Pane::sagittal ? std::string() : convention;
   if (!badge.empty())
     shadowed(canvas.list, ImVec2(r.x + r.w - edge - ImGui::CalcTextSize(badge.c_str()).x, r.y + edge), kLetter, badge);
 
-  // Under the mouse, else at the cross-hair.
+  // Position under the mouse, otherwise the cross-hair.
   const bool isHere = r.contains(canvas.frame.mouseX, canvas.frame.mouseY);
   const Vec3 world =
       isHere ? canvas.view.worldAt(canvas.frame.mouseX - r.x, canvas.frame.mouseY - r.y) : canvas.images.crossHair();
@@ -264,8 +265,8 @@ void drawTexts(const SliceCanvas &canvas) {
   float y = r.y + r.h - edge - canvas.readoutHeight();
   for (const std::string &text : {readout.placeText(), readout.tissueText()}) {
     if (!text.empty())
-      grounded(canvas.list, ImVec2(r.x + edge, y), isHere ? kInk : ImGui::GetColorU32(colour::kDim),
-               elided(text, r.w - 2 * edge));
+      textOnBackground(canvas.list, ImVec2(r.x + edge, y), isHere ? kInk : ImGui::GetColorU32(colour::kDim),
+                       elided(text, r.w - 2 * edge));
     y += line;
   }
 

@@ -9,9 +9,9 @@
 
 #include "c3de/render_gl/picture.h"
 #include "c3de/scene/scene_graph.h"
+#include "frame/file_dialog.h"
 #include "views/four_views.h"
-#include "window/chrome.h"
-#include "window/file_dialog.h"
+#include "views/view_decorations.h"
 
 namespace c3de::ui {
 namespace {

@@ -37,7 +37,7 @@ GLFWwindow *tryCreate(int major, int minor, int samples, const std::string &titl
   return glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
 }
 
-/// What a context without any wishes offers: for the message when ours is refused.
+/// OpenGL version of a context without requirements: for the message when the required one is refused.
 std::string versionFound() {
   glfwDefaultWindowHints();
   glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
@@ -54,7 +54,7 @@ std::string versionFound() {
   return found;
 }
 
-/// Anti-aliasing costs a software renderer more than it is worth.
+/// For a software renderer, anti-aliasing is too expensive for its benefit.
 bool isSoftwareRenderer() {
   const auto *name = reinterpret_cast<const char *>(glGetString(GL_RENDERER));
   const std::string_view renderer(name ? name : "");
@@ -63,7 +63,7 @@ bool isSoftwareRenderer() {
   return false;
 }
 
-/// Of the first screen, without bars and docks, in what window sizes are counted in.
+/// Work area of the first screen, without bars and docks, in window units.
 std::array<int, 2> workArea() {
   std::array<int, 2> size{};
   int x = 0, y = 0;
@@ -71,7 +71,7 @@ std::array<int, 2> workArea() {
   return size;
 }
 
-/// What GLFW_SCALE_TO_MONITOR makes of a size: nothing where window units are not pixels.
+/// Factor by which GLFW_SCALE_TO_MONITOR enlarges a size: 1 where window units differ from pixels.
 std::array<float, 2> enlargement() {
   std::array<float, 2> scale{1.0f, 1.0f};
 #if !defined(__APPLE__)
@@ -80,7 +80,7 @@ std::array<float, 2> enlargement() {
   return scale;
 }
 
-/// Takes off what title bar and borders add.
+/// Reduces the size by title bar and borders.
 void fitIntoScreen(GLFWwindow *window) {
   std::array<int, 2> size{}, room = workArea();
   int left = 0, top = 0, right = 0, bottom = 0;
@@ -106,8 +106,7 @@ std::uint32_t modifiersOf(int mods) {
          ((mods & GLFW_MOD_ALT) ? C3DE_MOD_ALT : 0u);
 }
 
-/// Modifiers after an event of a key. X11 tells those of before it, so whether a modifier's own key is down is looked
-/// up.
+/// Modifiers after a key event. X11 reports those before it, so the state of a modifier's own key is queried.
 std::uint32_t modifiersAfter(GLFWwindow *window, int key, int mods) {
   struct Keys {
     int left, right;
@@ -131,7 +130,7 @@ OsEvent::Role roleOf(int key) {
   return isModifier ? OsEvent::Role::modifier : OsEvent::Role::other;
 }
 
-/// By what is printed on the key, so that Ctrl+Q is Q on every keyboard.
+/// Key by its printed character, so that Ctrl+Q is Q on every keyboard.
 std::uint32_t keyOf(int key, int scancode) {
   switch (key) {
     case GLFW_KEY_ESCAPE: return keyEscape;
@@ -149,7 +148,7 @@ std::uint32_t keyOf(int key, int scancode) {
   const char *name = glfwGetKeyName(key, scancode);
   if (name && name[0] >= 'a' && name[0] <= 'z' && name[1] == '\0')
     return static_cast<std::uint32_t>(name[0] - 'a' + 'A');
-  // Digits by place: on some layouts the printed sign of their keys is another one.
+  // Digits by position: on some layouts the printed character of their keys is different.
   if ((key >= 'A' && key <= 'Z' && !name) || (key >= '0' && key <= '9')) return static_cast<std::uint32_t>(key);
   return 0;
 }
@@ -183,10 +182,10 @@ Expected<std::unique_ptr<GlfwWindow>> GlfwWindow::create(const std::string &titl
     return fail(ErrorCode::graphics, std::string(kNeeded) + ", " + versionFound() + ": " + reason + kHelp);
   }
   fitIntoScreen(window->window_);
-  // The loop keeps its own pace; waiting for the display as well would halve the rate of a slow renderer.
+  // The loop limits its rate itself; waiting for the display as well would halve the rate of a slow renderer.
   glfwSwapInterval(isSoftwareRenderer() ? 0 : 1);
   window->installCallbacks();
-  window->add(OsEvent::Kind::move);  // where the mouse is at the start
+  window->add(OsEvent::Kind::move);  // initial mouse position
   return window;
 }
 
@@ -249,7 +248,7 @@ void GlfwWindow::installCallbacks() {
   });
   glfwSetFramebufferSizeCallback(window_, [](GLFWwindow *w, int, int) { of(w).add(Kind::other); });
   glfwSetWindowRefreshCallback(window_, [](GLFWwindow *w) { of(w).add(Kind::other); });
-  // The window decides: it may ask first.
+  // The window decides, because it may ask first.
   glfwSetWindowCloseCallback(window_, [](GLFWwindow *w) {
     glfwSetWindowShouldClose(w, GLFW_FALSE);
     of(w).add(Kind::close);
@@ -266,7 +265,7 @@ void GlfwWindow::wait(double timeout_s) {
 }
 
 void GlfwWindow::wake() {
-  // One empty event per frame is enough, however often a simulation publishes.
+  // One empty event per frame is sufficient, however often a simulation publishes.
   if (!isWoken_.exchange(true)) glfwPostEmptyEvent();
 }
 

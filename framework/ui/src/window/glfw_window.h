@@ -26,7 +26,7 @@ class GlfwWindow {
   [[nodiscard]] GLFWwindow *handle() const { return window_; }
   /// Waits for an event or wake() for at most timeout_s (0: does not wait).
   void wait(double timeout_s);
-  /// What this frame can show of what has come; the rest stays for the next.
+  /// The pending events that this frame can show; the rest remains for the next.
   [[nodiscard]] std::vector<OsEvent> takeEvents(bool holdsTyping) { return takeFrameEvents(events_, holdsTyping); }
   [[nodiscard]] const std::vector<OsEvent> &events() const { return events_; }
   [[nodiscard]] bool hasEvents() const { return !events_.empty(); }

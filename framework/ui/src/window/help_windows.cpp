@@ -33,7 +33,7 @@ bool beginRows(const FrameContext &frame, const char *id) {
 }  // namespace
 
 bool beginDialog(FrameContext &frame, const char *title, const char *id, bool &isShown, ImVec2 size) {
-  if (frame.state.question) return false;  // above all; the dialog comes back after it
+  if (frame.state.question) return false;  // above all others; the dialog reappears after it
   if (isShown) ImGui::OpenPopup((std::string(title) + "###" + id).c_str());
   ImGui::SetNextWindowSize(ImVec2(std::min(frame.theme.px(size.x), 0.9f * static_cast<float>(frame.windowSize[0])),
                                   std::min(frame.theme.px(size.y), 0.9f * static_cast<float>(frame.windowSize[1]))),
@@ -47,7 +47,7 @@ bool beginDialog(FrameContext &frame, const char *title, const char *id, bool &i
 void endDialog(FrameContext &frame, bool &isShown) {
   const bool isClosed = ImGui::Button("Close", ImVec2(frame.theme.px(96.0f), 0));
   markItem(frame, "dialog", "close");
-  // In a field it takes back what was typed.
+  // In a text field, Escape reverts the typed text.
   const bool isEscaped = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape)) && !frame.modes.isEscapeTaken() &&
                          !ImGui::GetIO().WantTextInput;
   if (isClosed || isEscaped) {
@@ -67,7 +67,7 @@ void drawShortcuts(FrameContext &frame) {
     shortcutRow("Middle, Shift+left drag", "pan");
     shortcutRow("Right, Ctrl+left drag", "zoom");
     shortcutRow("Wheel", "zoom");
-    shortcutRow("Esc", "let go of what the tool holds");
+    shortcutRow("Esc", "release what the tool holds");
     ImGui::EndTable();
   }
   heading(frame, "In the slices of an image");

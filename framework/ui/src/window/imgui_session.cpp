@@ -17,7 +17,7 @@ ImGuiSession::ImGuiSession(const GlfwWindow &window) {
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;
   theme_ = applyTheme(window.contentScale());
-  // Without its callbacks: events are handed on one frame's worth at a time.
+  // Without its callbacks: events are passed on one frame's worth at a time.
   ImGui_ImplGlfw_InitForOpenGL(window.handle(), false);
   ImGui_ImplOpenGL3_Init("#version 430 core");
 }
@@ -61,14 +61,14 @@ void ImGuiSession::take(const GlfwWindow &window, const OsEvent &event) {
 void ImGuiSession::beginFrame() {
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
-  // The back end looks at where the mouse is now; this frame shows where it was when its events came.
+  // The back end uses the present mouse position; this frame shows the position at its events.
   ImGuiIO &io = ImGui::GetIO();
-  io.MouseDrawCursor = false;  // whoever needs it says so, each frame
+  io.MouseDrawCursor = false;  // set in each frame by widgets that need it
   io.MousePos = mouse_;
   io.MouseDown[0] = (buttons_ & C3DE_BUTTON_LEFT) != 0;
   io.MouseDown[1] = (buttons_ & C3DE_BUTTON_RIGHT) != 0;
   io.MouseDown[2] = (buttons_ & C3DE_BUTTON_MIDDLE) != 0;
-  // Dear ImGui would count the time by frames, and a frame may take longer than a double click.
+  // Dear ImGui would measure the time in frames, and a frame may take longer than a double click.
   io.MouseDoubleClickTime = isSecondPress_ ? FLT_MAX : 0.0f;
   isSecondPress_ = false;
   ImGui::NewFrame();

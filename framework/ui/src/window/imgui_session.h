@@ -6,12 +6,12 @@
 #include <cfloat>
 #include <cstdint>
 
+#include "frame/theme.h"
 #include "window/glfw_window.h"
-#include "window/theme.h"
 
 namespace c3de::ui {
 
-/// Dear ImGui with its two back ends, for as long as the window lives.
+/// Dear ImGui with its two back ends, for as long as the window exists.
 class ImGuiSession {
  public:
   explicit ImGuiSession(const GlfwWindow &window);
@@ -19,7 +19,7 @@ class ImGuiSession {
   ImGuiSession(const ImGuiSession &) = delete;
   ImGuiSession &operator=(const ImGuiSession &) = delete;
 
-  /// Hands on an event of the frame that begins next.
+  /// Passes on an event of the frame that begins next.
   void take(const GlfwWindow &window, const OsEvent &event);
   void beginFrame();
   void endFrame();

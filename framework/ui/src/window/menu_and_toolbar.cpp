@@ -22,7 +22,7 @@ struct MenuEntry {
   bool needsTissues = false;
 };
 
-/// What a view is called where the patient's z is up.
+/// Label of a view in a scene where the patient's z points up.
 const char *patientLabel(Command command) {
   switch (command) {
     case Command::viewFront: return "Anterior (along +y)";
@@ -54,7 +54,7 @@ void menuItem(FrameContext &frame, const MenuEntry &entry, bool isChecked = fals
                                                                         : " (nothing is loaded)"));
 }
 
-/// "Undo Young's modulus": says what it would change.
+/// "Undo Young's modulus": states what it would change.
 void editItem(FrameContext &frame, Command command) {
   const CommandInfo &info = commandInfo(command);
   const std::string what = command == Command::undo ? frame.modes.undoLabel() : frame.modes.redoLabel();
@@ -62,7 +62,7 @@ void editItem(FrameContext &frame, Command command) {
   const std::string key = keyText(info.key, info.modifiers);
   if (ImGui::MenuItem(label.c_str(), key.c_str(), false, !what.empty())) frame.request(command);
   markItem(frame, "menu", info.id, !what.empty());
-  itemTooltip(frame, what.empty() ? std::string(info.doc) + " (there is none)" : info.doc);
+  itemTooltip(frame, what.empty() ? std::string(info.doc) + " (not available)" : info.doc);
 }
 
 bool beginMenu(FrameContext &frame, const char *label, const char *id) {
@@ -76,7 +76,7 @@ void fileMenu(FrameContext &frame) {
   menuItem(frame, {Command::openScene});
   menuItem(frame, {Command::openImage});
   menuItem(frame, {Command::openLabels, false, true});
-  menuItem(frame, {Command::makeScanAlive, false, false, true});
+  menuItem(frame, {Command::createScanBody, false, false, true});
   menuItem(frame, {Command::closeImage, false, true});
   menuItem(frame, {Command::closeSimulation, true});
   menuItem(frame, {Command::reload, true});
@@ -132,7 +132,7 @@ void simulationMenu(FrameContext &frame) {
   const std::vector<SimulatorChoice> choices = frame.actions.simulators();
   if (choices.size() < 2) return;
   ImGui::Separator();
-  ImGui::TextDisabled("What is opened next is simulated by");
+  ImGui::TextDisabled("Simulator for the next scene");
   for (const SimulatorChoice &choice : choices) {
     const std::string label = choice.label + "###" + choice.id;
     const bool isPicked = ImGui::MenuItem(label.c_str(), nullptr, choice.isChosen);
@@ -211,7 +211,7 @@ void rateChoice(FrameContext &frame) {
     ImGui::EndCombo();
   }
   ImGui::EndDisabled();
-  itemTooltip(frame, "Target rate: simulated seconds per second. 1× is real time, max is as fast as it goes.");
+  itemTooltip(frame, "Target rate: simulated seconds per second. 1× is real time, max is as fast as possible.");
 }
 
 void separator(const FrameContext &frame) {
@@ -263,7 +263,7 @@ void beginFixed(const char *name, const PixelRect &area, const ImVec4 &backgroun
   ImGui::PushStyleColor(ImGuiCol_WindowBg, background);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, padding);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, ImVec2(1, 1));
-  // An area that appears by itself must not end a drag or the typing in another: it takes no focus.
+  // An area that appears automatically must not end a drag or typing in another one: it takes no focus.
   ImGui::Begin(name, nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
                    ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoFocusOnAppearing | extraFlags);
@@ -322,7 +322,7 @@ void drawToolbar(FrameContext &frame, const PixelRect &area) {
   transportButton(frame, "reset", Command::reset, Icon::reset, colour::kText, exists, commandInfo(Command::reset).doc);
   transportButton(frame, "stop", Command::stop, Icon::stop, colour::kText, exists, commandInfo(Command::stop).doc);
   ImGui::SameLine(0.0f, frame.theme.px(10.0f));
-  // As tall as the buttons beside it.
+  // As tall as the buttons next to it.
   ImGui::PushStyleVar(
       ImGuiStyleVar_FramePadding,
       ImVec2(ImGui::GetStyle().FramePadding.x, 0.5f * (1.15f * ImGui::GetFrameHeight() - ImGui::GetFontSize())));

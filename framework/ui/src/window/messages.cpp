@@ -9,15 +9,15 @@
 #include "c3de/core/background_jobs.h"
 #include "c3de/registry/panel_registry.h"
 #include "c3de/registry/plain_words.h"
+#include "frame/dock.h"
 #include "window/chrome.h"
-#include "window/dock.h"
 
 namespace c3de::ui {
 namespace {
 
 constexpr std::size_t kShown = 4;
 constexpr double kInfoStays_s = 20.0, kWarningStays_s = 90.0;
-/// What ends sooner would only flicker.
+/// Jobs that end sooner would only flicker.
 constexpr double kQuietJob_s = 0.25;
 
 ImVec4 severityTint(std::uint32_t severity) {
@@ -33,7 +33,7 @@ void copyButton(const FrameContext &frame, const registry::Notification &n, cons
   markItem(frame, "notification", "copy." + id);
 }
 
-/// The choices of a message; what was chosen.
+/// The choices of a message; returns the chosen one.
 const registry::Choice *choice(const FrameContext &frame, const registry::Notification &n, const std::string &id) {
   const registry::Choice *chosen = nullptr;
   for (std::size_t i = 0; i < n.choices.size(); ++i) {
@@ -46,7 +46,7 @@ const registry::Choice *choice(const FrameContext &frame, const registry::Notifi
   return chosen;
 }
 
-/// True: it was closed.
+/// True if it was closed.
 bool message(const FrameContext &frame, const registry::Notification &n, const std::string &index) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::BeginGroup();
@@ -86,10 +86,10 @@ void messages(FrameContext &frame) {
   const bool isLookedAt =
       ImGui::IsWindowHovered(ImGuiHoveredFlags_ChildWindows | ImGuiHoveredFlags_AllowWhenBlockedByActiveItem);
   std::size_t shown = 0;
-  // The newest stands on top.
+  // The newest is on top.
   for (auto it = all.rbegin(); it != all.rend(); ++it) {
     const registry::Notification &n = *it;
-    // They go by themselves, the list keeps them; not from under the mouse.
+    // Messages disappear automatically, but not from under the mouse; the list keeps them.
     double &since_s = dock.since_s.try_emplace(n.serial, now_s).first->second;
     if (isLookedAt) since_s = now_s;
     const double left_s = since_s + (n.severity <= C3DE_LOG_INFO ? kInfoStays_s : kWarningStays_s) - now_s;
@@ -141,7 +141,7 @@ void jobs(FrameContext &frame) {
   }
 }
 
-/// A step that takes long is said while it lasts.
+/// Displays a step that takes long while it lasts.
 void longStep(FrameContext &frame) {
   if (!frame.simulation.isLongStep()) return;
   const c3de_sim_transport &transport = frame.simulation.transport;
@@ -196,8 +196,8 @@ void drawMessages(FrameContext &frame) {
   if (!beginDialog(frame, "Messages", "messages", frame.state.showMessages, ImVec2(720, 560))) return;
   ImGui::BeginChild("rows", ImVec2(0, -ImGui::GetFrameHeightWithSpacing() - frame.theme.px(4.0f)));
   const std::vector<registry::Notification> &log = frame.services.panels->log();
-  if (log.empty()) ImGui::TextColored(colour::kDim, "There has been none since the start");
-  std::function<void()> act;  // afterwards: it may bring a message
+  if (log.empty()) ImGui::TextColored(colour::kDim, "No messages since the start");
+  std::function<void()> act;  // executed afterwards: it may add a message
   for (auto n = log.rbegin(); n != log.rend(); ++n) {
     ImGui::PushID(static_cast<int>(n->serial));
     ImGui::TextColored(colour::kDim, "%s", n->time.c_str());

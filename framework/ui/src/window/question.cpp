@@ -30,7 +30,7 @@ void drawQuestion(FrameContext &frame) {
     if (isFirst) ImGui::PopStyleColor();
     markItem(frame, question.id, question.answers[i].id);
   }
-  // The one that opened it is no answer.
+  // The key press that opened the question does not answer it.
   if (!isNew && (isPressed(ImGuiKey_Enter) || isPressed(ImGuiKey_KeyPadEnter))) answer = 0;
   if (isPressed(ImGuiKey_Escape)) answer = question.answers.size() - 1;
   if (answer) ImGui::CloseCurrentPopup();

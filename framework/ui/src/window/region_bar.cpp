@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kSmall_mm = 10.0;
 
-/// What is not as it seems to be; empty: nothing.
+/// A note on what is not as it appears; empty if nothing.
 std::string noteOf(const FrameContext &frame) {
   std::string note;
   if (frame.modes.region()->isTurned())
@@ -60,7 +60,7 @@ void drawRegionBar(FrameContext &frame, const PixelRect &area) {
   const float done = frame.theme.px(110.0f), whole = frame.theme.px(100.0f), cancel = frame.theme.px(100.0f);
   const float right = ImGui::GetWindowContentRegionMax().x - done - whole - cancel - 2.0f * gap;
   ImGui::SameLine(right);
-  // Enter in a field of the side panel, or of a dialog above, is that one's.
+  // Enter in a field of the side panel, or of a dialog above, belongs to that field.
   const Modes::Above above = frame.above();
   const bool isFree = !above.isTyping && !above.isPopup;
   const auto isPressed = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One body of a whole scan: what each of its labels is of, and what else there is to say.
+// One body of a whole scan: the material of each of its labels, and further settings.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,10 +8,10 @@
 
 #include "c3de/segmentation/scan_body.h"
 #include "c3de/segmentation/segmentation_workflow.h"
+#include "frame/file_dialog.h"
 #include "logic/label_list.h"
 #include "panels/fields.h"
 #include "window/chrome.h"
-#include "window/file_dialog.h"
 
 namespace c3de::ui {
 namespace {
@@ -22,7 +22,7 @@ using segmentation::ScanBodySettings;
 constexpr const char *kArea = "scan";
 constexpr float kHandleSize = 12.0f;  // logical pixels
 constexpr float kFindingLines = 6.0f;
-constexpr double kFewestPoints = 50.0, kMostPoints = 200000.0;
+constexpr double kFewestPoints = 50.0, kMaxPoints = 200000.0;
 
 void checkbox(FrameContext &frame, const char *id, const char *label, bool &value, const char *doc) {
   ImGui::Checkbox((std::string(label) + "###" + id).c_str(), &value);
@@ -31,7 +31,7 @@ void checkbox(FrameContext &frame, const char *id, const char *label, bool &valu
   itemTooltip(frame, doc);
 }
 
-/// A number with its unit behind it.
+/// A number followed by its unit.
 void number(FrameContext &frame, const std::string &id, const char *label, const std::string &unit, double &value) {
   ImGui::SameLine();
   ImGui::TextUnformatted(label);
@@ -52,7 +52,7 @@ void choice(FrameContext &frame, const std::string &id, float width, const std::
   (void)choiceField(frame, kArea, id, names, index);
 }
 
-/// What a label may be of; the rest of the list are presets.
+/// Possible uses of a label; the rest of the list are presets.
 std::vector<LabelUse> usesOf(const ScanBody &scan, bool isAir) {
   std::vector<LabelUse> uses{{LabelUse::Kind::none, {}}, {LabelUse::Kind::rigid, {}}};
   if (isAir) uses.push_back({LabelUse::Kind::air, {}});
@@ -118,7 +118,7 @@ void drawRow(FrameContext &frame, ScanBody &scan, std::size_t at) {
   if (index != before) scan.setUse({at}, uses[index]);
 }
 
-/// One material for all that are listed, and the way back.
+/// One material for all listed labels, and the button that reverts it.
 void drawListed(FrameContext &frame, ScanBody &scan, const std::vector<std::size_t> &listed) {
   const std::vector<LabelUse> uses = usesOf(scan, false);
   std::vector<std::string> names;
@@ -163,7 +163,7 @@ void drawLabels(FrameContext &frame, ScanBody &scan, float below) {
     return;
   ImGui::TableSetupScrollFreeze(0, 1);
   ImGui::TableSetupColumn("Label", ImGuiTableColumnFlags_WidthStretch, 0.26f);
-  ImGui::TableSetupColumn("Taken for", ImGuiTableColumnFlags_WidthStretch, 0.16f);
+  ImGui::TableSetupColumn("Assigned tissue", ImGuiTableColumnFlags_WidthStretch, 0.16f);
   ImGui::TableSetupColumn("Material", ImGuiTableColumnFlags_WidthStretch, 0.24f);
   ImGui::TableSetupColumn("Young's modulus (range)", ImGuiTableColumnFlags_WidthStretch, 0.24f);
   ImGui::TableSetupColumn("Volume", ImGuiTableColumnFlags_WidthStretch, 0.1f);
@@ -175,7 +175,7 @@ void drawLabels(FrameContext &frame, ScanBody &scan, float below) {
 void drawBackground(FrameContext &frame, const ScanBody &scan, ScanBodySettings &settings) {
   checkbox(frame, "background", "Background", settings.hasBackground,
            "What has no label, where the image has values between the two. Without it that is left out");
-  // Without it, organs lie apart.
+  // Without a background, organs are separate.
   if (settings.hasBackground != scan.settings().hasBackground) settings.largestOnly = settings.hasBackground;
   if (!settings.hasBackground) return;
   const std::vector<std::string> names = scan.materials().names();
@@ -188,7 +188,7 @@ void drawBackground(FrameContext &frame, const ScanBody &scan, ScanBodySettings 
   frame.automation.value(kArea, "unit", scan.unit());
 }
 
-/// True: it is to be drawn.
+/// True if the region is to be drawn.
 bool drawRegion(FrameContext &frame, const ScanBody &scan, ScanBodySettings &settings) {
   bool hasRegion = settings.region.has_value();
   checkbox(frame, "region", "Only a region", hasRegion,
@@ -210,13 +210,13 @@ bool drawRegion(FrameContext &frame, const ScanBody &scan, ScanBodySettings &set
   return isDrawn;
 }
 
-/// True: the region is to be drawn.
+/// True if the region is to be drawn.
 bool drawSettings(FrameContext &frame, ScanBody &scan) {
   ScanBodySettings settings = scan.settings();
   drawBackground(frame, scan, settings);
-  checkbox(frame, "largest", "Largest piece only", settings.largestOnly, "Without what lies apart, such as the table");
+  checkbox(frame, "largest", "Largest piece only", settings.largestOnly, "Exclude disconnected parts (e.g. the table)");
   number(frame, "points", "    Points", "", settings.points);
-  settings.points = std::clamp(settings.points, kFewestPoints, kMostPoints);
+  settings.points = std::clamp(settings.points, kFewestPoints, kMaxPoints);
   checkbox(frame, "gravity", "Gravity, in balance with the scan", settings.hasGravity,
            "The scan shows the body as it lies in this gravity: it rests, and sinks when gravity becomes another one");
   if (settings.hasGravity) {
@@ -231,7 +231,7 @@ bool drawSettings(FrameContext &frame, ScanBody &scan) {
   return isDrawn;
 }
 
-/// What image and labels contradict, with a button where a limit of the background helps.
+/// Contradictions between image and labels, with a button if a limit of the background helps.
 void drawFindings(FrameContext &frame, ScanBody &scan) {
   const std::vector<segmentation::LabelFinding> &findings = scan.findings();
   std::string all;
@@ -265,10 +265,10 @@ void drawFindings(FrameContext &frame, ScanBody &scan) {
 
 void drawScanBody(FrameContext &frame) {
   ScanBody *scan = frame.services.scanBody;
-  // It comes back when the file has been chosen, or has not, and when the region is drawn.
-  if (scan == nullptr || !scan->isShown() || scan->isAside() || frame.fileDialog.isOpen()) return;
+  // The dialog reappears when the file dialog closes, and when drawing of the region ends.
+  if (scan == nullptr || !scan->isShown() || scan->isHiddenTemporarily() || frame.fileDialog.isOpen()) return;
   bool isShown = true;
-  if (!beginDialog(frame, "Make the scan alive", "make_alive", isShown, ImVec2(980, 700))) {
+  if (!beginDialog(frame, "Create body from scan", "create_scan_body", isShown, ImVec2(980, 700))) {
     if (!isShown) scan->show(false);
     return;
   }

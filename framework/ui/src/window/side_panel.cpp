@@ -28,7 +28,7 @@ void sceneTree(FrameContext &frame) {
   if (!scene) return;
   const auto rows = scene->rows();
   if (rows.empty()) ImGui::TextColored(colour::kDim, "Nothing is loaded");
-  int foldedAt = std::numeric_limits<int>::max();  // depth of the folded node that rows are below
+  int foldedAt = std::numeric_limits<int>::max();  // depth of the folded node that contains the next rows
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const scene::SceneGraph::Row &row = rows[i];
     scene::Node *node = scene->find(row.node);
@@ -69,7 +69,7 @@ void sceneTree(FrameContext &frame) {
 
 void drawSidePanel(FrameContext &frame, ImGuiPanels &panels, const PixelRect &area) {
   beginFixed("##side", area, colour::kPanel, ImVec2(frame.theme.px(10.0f), frame.theme.px(8.0f)));
-  // The scroll bar stands in the padding.
+  // The scroll bar is in the padding.
   ImGui::BeginChild("scroll", ImVec2(ImGui::GetContentRegionAvail().x + frame.theme.px(7.0f), 0.0f));
   frame.state.sideRows.begin();
   if (section(frame, "scene", "Scene", true)) sceneTree(frame);

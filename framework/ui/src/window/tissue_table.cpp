@@ -14,7 +14,7 @@ namespace c3de::ui {
 namespace {
 
 constexpr const char *kArea = "tissues";
-constexpr std::size_t kMostRows = 14;
+constexpr std::size_t kMaxRows = 14;
 
 struct Column {
   const char *title, *id, *tooltip;
@@ -45,7 +45,7 @@ void headings(FrameContext &frame) {
   ImGui::TableNextColumn();
   TissueOrder &order = frame.state.tissueOrder;
   const auto heading = [&](const char *title, const char *id, TissueOrder its, const std::string &tooltip) {
-    // In front of its number; the whole cell is pressed.
+    // Drawn in front of its number; the whole cell is clickable.
     const ImVec2 at = ImGui::GetCursorPos();
     if (ImGui::Selectable((std::string("###") + id).c_str(), false)) order = order == its ? TissueOrder::labels : its;
     markItem(frame, kArea, std::string("order.") + id);
@@ -58,7 +58,7 @@ void headings(FrameContext &frame) {
       numberCell(title);
     ImGui::PopStyleColor();
   };
-  heading("Label", "label", TissueOrder::labels, "As the body has them");
+  heading("Label", "label", TissueOrder::labels, "In the order of the body");
   for (const Column &column : kColumns) {
     ImGui::TableNextColumn();
     heading(
@@ -69,7 +69,7 @@ void headings(FrameContext &frame) {
   }
 }
 
-/// With its last word, which often says which of two it is: "lung_lower…_left".
+/// Shortened but with its last word, which often distinguishes two labels: "lung_lower…_left".
 std::string shortened(const std::string &label, float width) {
   constexpr std::size_t kLongestEnd = 8;
   const std::size_t last = label.find_last_of("_ ");
@@ -115,7 +115,7 @@ void drawTissueTable(FrameContext &frame, const TissueTable &table) {
     for (const Column &column : kColumns)
       frame.automation.value(kArea, table.rows[at].label + "." + column.id, (table.rows[at].*column.text)());
   ImGui::PushFont(frame.theme.small);
-  const auto rows = static_cast<float>(std::clamp<std::size_t>(listed.size(), 1, kMostRows) + 1);
+  const auto rows = static_cast<float>(std::clamp<std::size_t>(listed.size(), 1, kMaxRows) + 1);
   const float height = rows * (ImGui::GetTextLineHeight() + 2.0f * ImGui::GetStyle().CellPadding.y) + 2.0f;
   if (ImGui::BeginTable("tissues", 1 + static_cast<int>(kColumns.size()),
                         ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersInnerH,

@@ -14,14 +14,15 @@
 #include "c3de/render/image_renderer.h"
 #include "c3de/render_gl/gl_renderer.h"
 #include "c3de/scene/scene_graph.h"
+#include "frame/dock.h"
+#include "frame/file_dialog.h"
 #include "logic/seen_inside.h"
 #include "panels/imgui_panel.h"
 #include "views/four_views.h"
-#include "views/kept_views.h"
-#include "window/carry_out.h"
+#include "views/view_cache.h"
+#include "views/view_decorations.h"
 #include "window/chrome.h"
-#include "window/dock.h"
-#include "window/file_dialog.h"
+#include "window/execute_command.h"
 #include "window/glfw_window.h"
 #include "window/imgui_session.h"
 
@@ -30,10 +31,10 @@ namespace {
 
 constexpr double kFrameTime_s = 1.0 / 60.0;
 constexpr double kIdleWait_s = 1.0, kCursorBlink_s = 0.25;
-/// Frames after an event until everything that follows from it stands: popups and layout take one more frame each.
+/// Frames after an event until all its effects are visible: popups and layout take one more frame each.
 constexpr int kFramesToSettle = 3;
 
-/// Those above a dialog; ImGui does it only with its own keyboard navigation. True: there were any.
+/// Closes the menus above a dialog; ImGui does this only with its own keyboard navigation. True if there were any.
 bool closeMenus() {
   const ImVector<ImGuiPopupData> &open = ImGui::GetCurrentContext()->OpenPopupStack;
   int level = open.Size;
@@ -58,27 +59,27 @@ struct WorkstationWindow::Impl {
   ImGuiPanels panels;
   render::Camera camera;
   Modes modes{camera};
-  std::optional<KeptViews> views;
+  std::optional<ViewCache> views;
 
   PixelRect area, view;  ///< as in FrameContext
   std::array<PixelRect, 4> panes{};
-  bool isRefining = false;  ///< the 3D view gets better by being drawn again
+  bool isRefining = false;  ///< the 3D view improves when it is drawn again
   std::function<bool()> isAskedToEnd;
   std::uint64_t frame = 0;
   double lastFrame_s = 0.0, framesPerSecond = 0.0;
   int framesToSettle = kFramesToSettle;
-  bool isMoving = false;  ///< something changes by itself: playing, jobs
-  bool takesNews = true;  ///< the frame shows what is new, else what is there and what the input has made of it
+  bool isMoving = false;     ///< something changes without input: playing, jobs
+  bool showsNewData = true;  ///< the frame shows new data; otherwise the existing data and the effect of the input
   double frameBegan_s = 0.0;
-  double newsFrame_s = 0.0;  ///< that the last frame took that showed what was new
+  double newDataFrame_s = 0.0;  ///< time of the last frame that showed new data
 
   std::vector<OsEvent> takeEvents();
   void layOutAndCarryOut(FrameContext &context, const render::Renderer &renderer);
   void paint(render::Renderer &renderer);
   void takeInput(FrameContext &context, const std::vector<OsEvent> &events, const render::Renderer &renderer);
-  void takeKey(FrameContext &context, const OsEvent &event);
+  void handleKey(FrameContext &context, const OsEvent &event);
   void layOut(FrameContext &frame, const render::Renderer &renderer);
-  void carryOut(FrameContext &frame);
+  void executeCommands(FrameContext &frame);
   void fitIfWanted();
   void measureRate(double now_s);
   void layOutPanes();
@@ -88,11 +89,11 @@ struct WorkstationWindow::Impl {
   [[nodiscard]] render::Viewport viewportOf(const PixelRect &rect) const;
 };
 
-void WorkstationWindow::Impl::takeKey(FrameContext &context, const OsEvent &event) {
-  const Modes::Answer answer = modes.takeKey(event, context.above());
+void WorkstationWindow::Impl::handleKey(FrameContext &context, const OsEvent &event) {
+  const Modes::Answer answer = modes.handleKey(event, context.above());
   if (answer.command != Command::none) context.request(answer.command);
   if (!answer.pluginCommand.isNull()) runPluginCommand(services, answer.pluginCommand);
-  if (answer.closesMenus && closeMenus()) modes.takeEscape();
+  if (answer.closesMenus && closeMenus()) modes.consumeEscape();
   if (answer.endsLongStep && context.simulation.isLongStep() && actions.transport)
     actions.transport(C3DE_TRANSPORT_PAUSE);
 }
@@ -106,7 +107,7 @@ void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector
   const render::ImageScene scene = images ? images->scene() : render::ImageScene();
   space.setCuts(scene.cutsProxies ? scene.cuts : std::vector<render::CutPlane>());
   space.setInsideFinder([&](const render::Ray &ray) -> std::optional<double> {
-    std::optional<render::GridPlace> place;
+    std::optional<render::GridGeometry> place;
     if (images && images->image()) {
       const imaging::VolumeGeometry &grid = images->image()->volume.geometry;
       place = {grid.size, grid.indexToWorld};
@@ -119,9 +120,9 @@ void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector
       case OsEvent::Kind::drop:
         if (actions.open && !event.files.empty()) actions.open({event.files, "mm", false});
         break;
-      case OsEvent::Kind::keyDown: takeKey(context, event); break;
+      case OsEvent::Kind::keyDown: handleKey(context, event); break;
       case OsEvent::Kind::close: context.request(Command::quit); break;
-      default: modes.takeMouse(event, context.above());
+      default: modes.handleMouse(event, context.above());
     }
   }
   space.setInsideFinder(nullptr);
@@ -150,7 +151,7 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   context.panes = panes;
 
   drawToolbar(context, {0, menuHeight, width, toolbarHeight});
-  // Its first frame measures it: a window without height would not lay out what is in it.
+  // Its first frame measures it: a window without height would not lay out its contents.
   const float dockNeeds = isDockNeeded(context) ? std::max(state.dock.height, theme.px(60.0f)) : 0.0f;
   const float dockHeight = std::min(std::ceil(dockNeeds), std::floor(0.5f * middle));
   drawSidePanel(context, panels, {0, top, sideWidth, middle - dockHeight});
@@ -171,8 +172,8 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   drawQuestion(context);
 }
 
-void WorkstationWindow::Impl::carryOut(FrameContext &context) {
-  for (const Command command : std::exchange(context.commands, {})) ui::carryOut(context, command);
+void WorkstationWindow::Impl::executeCommands(FrameContext &context) {
+  for (const Command command : std::exchange(context.commands, {})) ui::executeCommand(context, command);
 }
 
 void WorkstationWindow::Impl::fitIfWanted() {
@@ -199,7 +200,7 @@ render::Viewport WorkstationWindow::Impl::viewportOf(const PixelRect &rect) cons
 void WorkstationWindow::Impl::measureRate(double now_s) {
   const double dt = now_s - lastFrame_s;
   lastFrame_s = now_s;
-  // After a pause the rate starts anew.
+  // After a pause the rate is measured again from the start.
   const bool isContinuous = isMoving && dt > 0.0 && dt < 1.0;
   if (!isContinuous)
     framesPerSecond = 0.0;
@@ -259,11 +260,11 @@ bool WorkstationWindow::waitForFrame() {
       break;
     }
     double wait_s = isDue ? kFrameTime_s - sinceFrame_s : kIdleWait_s;
-    // The text cursor blinks, and a tooltip comes late.
+    // The text cursor blinks, and a tooltip appears with a delay.
     const bool isTimed = !isDue && (ImGui::GetIO().WantTextInput || impl.state.tooltip.isWaiting);
     if (isTimed) wait_s = std::min(wait_s, impl.state.tooltip.isWaiting ? kTooltipDelay_s : kCursorBlink_s);
     const double timedEnd_s = now_s + wait_s;
-    // A message goes by itself.
+    // A message disappears automatically.
     const double end_s = impl.lastFrame_s + impl.state.dock.ends_s;
     const bool isEnding = !isDue && impl.state.dock.ends_s > 0.0;
     if (isEnding) wait_s = std::min(wait_s, std::max(end_s - now_s, 0.0));
@@ -274,39 +275,39 @@ bool WorkstationWindow::waitForFrame() {
     if (isEnding && GlfwWindow::now_s() >= end_s - 1e-3) impl.framesToSettle = std::max(impl.framesToSettle, 1);
     if (isTimed && GlfwWindow::now_s() >= timedEnd_s - 1e-3) impl.framesToSettle = std::max(impl.framesToSettle, 1);
   }
-  // Before anybody looks for what is new: what comes from here on asks for a frame of its own.
+  // Before new data is read: data that arrives later requests a separate frame.
   (void)impl.window->takeWake();
-  // Where frames are slow, input that came during one is answered by a quick one.
-  const bool isSlow = impl.newsFrame_s > kFrameTime_s;
-  impl.takesNews = !(impl.isMoving && isSlow && impl.takesNews && impl.window->hasEvents());
+  // If frames are slow, input that arrived during one is answered by a fast one.
+  const bool isSlow = impl.newDataFrame_s > kFrameTime_s;
+  impl.showsNewData = !(impl.isMoving && isSlow && impl.showsNewData && impl.window->hasEvents());
   impl.frameBegan_s = GlfwWindow::now_s();
-  return impl.takesNews;
+  return impl.showsNewData;
 }
 
 std::vector<OsEvent> WorkstationWindow::Impl::takeEvents() {
-  window->wait(0.0);  // what has come since the frame was due
+  window->wait(0.0);  // events since the frame was due
   std::vector<OsEvent> events = window->takeEvents(fileDialog.awaitsTyping());
   for (const OsEvent &event : events) imgui->take(*window, event);
   if (!events.empty())
     framesToSettle = kFramesToSettle;
   else if (framesToSettle > 0)
     --framesToSettle;
-  if (!takesNews) framesToSettle = std::max(framesToSettle, 1);  // what is new waits
+  if (!showsNewData) framesToSettle = std::max(framesToSettle, 1);  // new data is waiting
   return events;
 }
 
 void WorkstationWindow::Impl::layOutAndCarryOut(FrameContext &context, const render::Renderer &renderer) {
-  carryOut(context);
+  executeCommands(context);
   state.tooltip.isSeen = false;
   const float dockHeight = state.dock.height;
   const ImVector<ImGuiPopupData> &popups = ImGui::GetCurrentContext()->OpenPopupStack;
   const int popupCount = popups.Size;
   layOut(context, renderer);
   if (state.dock.height != dockHeight || state.sideRows.isSettling()) framesToSettle = std::max(framesToSettle, 2);
-  // A dialog that comes by itself, with the end of a job: its first frame does not show it.
+  // A dialog that opens automatically when a job ends: its first frame does not show it.
   if (popups.Size != popupCount) framesToSettle = kFramesToSettle;
   if (!state.tooltip.isSeen) state.tooltip = {};
-  carryOut(context);
+  executeCommands(context);
   if (state.answer == kQuit) window->requestClose();
   fitIfWanted();
 }
@@ -362,7 +363,7 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
 
   impl.paint(renderer);
   impl.window->swap();
-  if (impl.takesNews) impl.newsFrame_s = GlfwWindow::now_s() - impl.frameBegan_s;
+  if (impl.showsNewData) impl.newDataFrame_s = GlfwWindow::now_s() - impl.frameBegan_s;
   if (!events.empty())
     impl.automation.shown(
         context, static_cast<std::size_t>(std::count_if(events.begin(), events.end(), [](const OsEvent &event) {
@@ -383,7 +384,7 @@ int WorkstationWindow::viewHeight() const {
 }
 
 void WorkstationWindow::requestFit() {
-  // The first bounds may be those of a part of what is loaded.
+  // The first bounds may be those of only a part of the loaded scene.
   impl_->state.framesToFit = 3;
   impl_->window->wake();
 }

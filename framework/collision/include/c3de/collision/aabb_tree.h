@@ -33,11 +33,11 @@ struct ClosestPoint {
   [[nodiscard]] bool isFound() const { return triangle != kNoTriangle; }
 };
 
-/// A tree of axis-aligned boxes over a triangle mesh, on FCL's BVHModel with our own traversal: FCL has no ray query,
-/// and its collide() copies the whole model per query for this kind of box.
+/// A tree of axis-aligned boxes over a triangle mesh, based on FCL's BVHModel with a custom traversal: FCL has no ray
+/// query, and its collide() copies the whole model per query for this kind of box.
 ///
-/// Lengths are in whatever unit the vertices have. Const members may run on several threads at once; refit() and
-/// rebuild() need the tree to themselves.
+/// Lengths are in the unit of the vertices. Const members may run on several threads at once; refit() and rebuild()
+/// need exclusive access to the tree.
 class AabbTree {
  public:
   /// The error names the triangle or vertex that is out of range or not finite.
@@ -46,14 +46,14 @@ class AabbTree {
   AabbTree &operator=(AabbTree &&) noexcept;
   ~AabbTree();
 
-  /// New positions for the same triangles: boxes follow, the tree's shape stays. O(n).
-  /// Positions that are refused leave the tree as it was.
+  /// New positions for the same triangles: the boxes are updated, the structure of the tree is unchanged. O(n).
+  /// Refused positions leave the tree unchanged.
   [[nodiscard]] Expected<void> refit(std::span<const Vec3> vertices);
-  /// A new tree over the present positions, for when refitted boxes have grown. O(n log n).
+  /// Builds a new tree for the present positions, for when refitted boxes have grown. O(n log n).
   void rebuild();
 
-  /// First triangle, seen from either side, with t in [0, tMax]; on a tie the one with the smallest index. Rays through
-  /// edges and corners hit one of the triangles there. None for a zero or non-finite direction.
+  /// First intersected triangle, from either side, with t in [0, tMax]; on a tie the one with the smallest index. Rays
+  /// through edges and corners hit one of the triangles there. None for a zero or non-finite direction.
   [[nodiscard]] RayHit ray(const Vec3 &origin, const Vec3 &direction,
                            double tMax = std::numeric_limits<double>::infinity()) const;
   [[nodiscard]] RayHit segment(const Vec3 &from, const Vec3 &to) const;  ///< t in [0, 1]
@@ -61,16 +61,16 @@ class AabbTree {
   /// index.
   [[nodiscard]] ClosestPoint closest(const Vec3 &point,
                                      double maxDistance = std::numeric_limits<double>::infinity()) const;
-  /// Triangles that meet the ball, in ascending order; `out` is replaced.
+  /// Triangles that intersect the ball, in ascending order; `out` is replaced.
   void sphere(const Vec3 &centre, double radius, std::vector<std::uint32_t> &out) const;
 
-  /// Pairs of a triangle of this tree and one of another, or of this one itself, that are no farther apart than a distance
-  /// >= 0 (0: they meet), in ascending order; `out` is replaced. Within one tree each pair once, the smaller index first,
-  /// without those that share a vertex.
+  /// Pairs of a triangle of this tree and one of another, or of the same tree, whose distance is at most `distance` >=
+  /// 0 (0: they intersect), in ascending order; `out` is replaced. Within one tree each pair occurs once, the smaller
+  /// index first, without pairs that share a vertex.
   void pairs(const AabbTree &other, double distance, std::vector<std::array<std::uint32_t, 2>> &out) const;
 
-  /// Every edge is run through as often one way as the other (two triangles that face the same side, as a rule):
-  /// distances are signed. Vertices count as different even at equal positions.
+  /// Every edge is traversed equally often in both directions (usually by two consistently oriented triangles):
+  /// distances are signed. Vertices at equal positions count as different.
   [[nodiscard]] bool isClosed() const;
   [[nodiscard]] std::size_t triangleCount() const;
   [[nodiscard]] std::size_t vertexCount() const;

@@ -3,7 +3,7 @@
 
 namespace c3de {
 
-/// Called when a precondition is broken; the default prints and aborts. Tests replace it to count.
+/// Called when a precondition is violated; the default prints and aborts. Tests replace it to count calls.
 using AssertHandler = void (*)(const char *condition, const char *text, const char *file, int line);
 AssertHandler setAssertHandler(AssertHandler handler);
 void reportAssertion(const char *condition, const char *text, const char *file, int line);

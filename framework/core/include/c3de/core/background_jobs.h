@@ -14,8 +14,8 @@ namespace c3de {
 
 class MainQueue;
 
-/// Long work beside the window: one thread per running job, progress for a bar, cancellation, and the result handed
-/// back on the main thread.
+/// Long work while the window stays responsive: one thread per running job, progress for a bar, cancellation, and the
+/// result delivered on the main thread.
 class BackgroundJobs {
  public:
   explicit BackgroundJobs(MainQueue &mainQueue);
@@ -23,11 +23,11 @@ class BackgroundJobs {
 
   using Run = std::function<Expected<void>(const ProgressFn &)>;
   using Done = std::function<void(const Expected<void> &)>;
-  /// Main thread. done() is called once, on the main thread. While the destructor runs nothing is started: a null
-  /// handle.
+  /// Main thread. done() is called once, on the main thread. While the destructor runs, no job is started and the
+  /// handle is null.
   Handle submit(std::string owner, std::string title, Run run, Done done);
   bool cancel(Handle job);
-  /// Cancels, waits for and finishes the jobs of a plugin (it is about to go). Main thread.
+  /// Cancels, awaits and finishes the jobs of a plugin before it is removed. Main thread.
   void finishOwnedBy(const std::string &owner);
 
   struct Status {

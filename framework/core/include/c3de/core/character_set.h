@@ -6,13 +6,13 @@
 
 namespace c3de {
 
-/// An encoding of text by the names that platforms give it.
+/// A text encoding by its names on the platforms.
 struct CharacterSet {
   const char *iconvName = "";  ///< POSIX
   unsigned codePage = 0;       ///< Win32
 };
 
-/// Text as UTF-8. Bytes that are not of the set become U+FFFD, as do all above 127 where the platform does not know the
+/// Text as UTF-8. Bytes outside the set become U+FFFD, and so do all above 127 if the platform does not support the
 /// set. Any thread.
 [[nodiscard]] std::string utf8From(std::string_view bytes, const CharacterSet &set);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a run that dies leaves behind, so that the next one can say why, and which code from outside it was in.
+// A record left by a run that crashes, so that the next run can report the cause and the plugin code that was running.
 #pragma once
 
 #include <filesystem>
@@ -8,42 +8,42 @@
 #include <vector>
 
 #include "c3de/core/expected.h"
-#include "c3de/core/foreign_call.h"
 #include "c3de/core/platform.h"
+#include "c3de/core/plugin_call.h"
 
 namespace c3de {
 
-/// How a run has died.
+/// How a run crashed.
 struct CrashRecord {
   enum class Place {
-    program,  ///< no code from outside was in it
+    program,  ///< no plugin code was running
     call,     ///< in a call of `owner`
-    thread,   ///< on a thread that `owner` runs itself
+    thread,   ///< on a thread created by `owner`
     before,   ///< not in a call, but `owner` was the last one called on that thread
-    hang      ///< ended from outside while a call of `owner` did not return
+    hang      ///< terminated from outside while a call of `owner` did not return
   };
   Place place = Place::program;
-  std::string how;          ///< "SIGSEGV, an invalid access to memory"; of a hang: for how long
-  std::string owner, what;  ///< as of ForeignCall; `what` may be empty
+  std::string how;          ///< "SIGSEGV, an invalid access to memory"; for a hang: its duration
+  std::string owner, what;  ///< as for PluginCall; `what` may be empty
 
-  /// For a person, to follow "the last run": "ended by SIGSEGV, …, in plugin org.x (step)".
+  /// Continues the sentence "the last run": "ended by SIGSEGV, …, in plugin org.x (step)".
   [[nodiscard]] std::string cause() const;
 };
 
-/// The journal of the present run: a file that is empty while all goes well, and names the culprit when the process
-/// dies or hangs. From its making on, fatal signals are written to it and to the error stream, then the process dies
-/// as it would have. A process has one at a time.
+/// The journal of the present run: a file that stays empty without a fault, and records the responsible code when the
+/// process crashes or hangs. While it exists, fatal signals are written to it and to the error stream; the process then
+/// terminates as it would have otherwise. One per process.
 class CrashJournal {
  public:
-  /// @param folder  made if it is not there; the same one for all runs that are to know of each other
-  /// ErrorCode::output: there can be no journal; crashes are then only told on the error stream
+  /// @param folder  created if missing; must be the same for all runs that report each other's crashes
+  /// ErrorCode::output: a journal cannot be created; crashes are then only reported on the error stream
   [[nodiscard]] static Expected<CrashJournal> begin(const std::filesystem::path &folder);
   CrashJournal(CrashJournal &&) noexcept;
   CrashJournal &operator=(CrashJournal &&) = delete;
-  ~CrashJournal();  ///< the run has ended well: nothing is left
+  ~CrashJournal();  ///< the run has ended normally: removes the file
 
-  /// Runs that have died since this was last asked; each is told once.
-  [[nodiscard]] static std::vector<CrashRecord> takeLeft(const std::filesystem::path &folder);
+  /// Runs that crashed since the last call; each is returned once.
+  [[nodiscard]] static std::vector<CrashRecord> popCrashRecords(const std::filesystem::path &folder);
 
  private:
   struct Impl;
@@ -51,16 +51,16 @@ class CrashJournal {
   std::unique_ptr<Impl> impl_;
 };
 
-/// From now on fatal signals are told on the error stream, with the code from outside they are in. Also what the making
-/// of a journal does.
-void tellFatalErrors();
+/// From now on fatal signals are reported on the error stream, with the plugin code that was running. Also done by
+/// creating a journal.
+void installFatalErrorReport();
 
-/// Tells whose code a crash on a thread of its own is in; the last owner of a range counts. One thread; ranges beyond
-/// the first 256 are not known.
-/// @param owner  lives as long as the program
-void noteForeignCode(const char *owner, const CodeRange &range);
+/// Registers code of a plugin, so that a crash on one of its threads can be attributed; the last owner of a range
+/// counts. One thread; ranges beyond the first 256 are ignored.
+/// @param owner  must outlive the program's run
+void notePluginCode(const char *owner, const CodeRange &range);
 
-/// For the journal of this run, where there is one: a call that does not return is in it until it does. Any thread.
+/// Records in the journal of this run, if any, a call that does not return, until it does. Any thread.
 void noteHang(const LongCall &call);
 
 }  // namespace c3de

@@ -6,9 +6,9 @@
 
 namespace c3de {
 
-/// What calls of code from outside (ForeignCall) have left changed of how a thread rounds and traps, and of the locale: one
-/// line for each owner, logged as an error as well. It is restored after the call; a call within no other begins with
-/// the rounding and the locale of the program. Any thread.
+/// Changes to the rounding mode, traps and locale of a thread that plugin calls (PluginCall) have left: one line for
+/// each owner, also logged as an error. They are reverted after the call. An outermost call begins with the rounding
+/// mode and the locale of the program. Any thread.
 [[nodiscard]] std::vector<std::string> environmentFaults();
 
 }  // namespace c3de

@@ -7,20 +7,20 @@
 
 namespace c3de {
 
-/// What kind of thing went wrong; decides exit codes and ABI status codes.
+/// The category of an error; determines exit codes and ABI status codes.
 enum class ErrorCode {
-  usage,      ///< the caller asked for something that does not exist or is out of range
+  usage,      ///< the caller requested something that does not exist or is out of range
   input,      ///< a file is unreadable, malformed or refused
   plugin,     ///< a plugin is missing or refused
-  diverged,   ///< the simulation left the finite numbers
+  diverged,   ///< the simulation produced non-finite values
   graphics,   ///< no usable OpenGL
   output,     ///< a file cannot be written
-  cancelled,  ///< a person or the time limit stopped it
+  cancelled,  ///< a user or the time limit stopped it
   state,      ///< not possible now
-  internal    ///< a mistake of ours
+  internal    ///< a bug in the program
 };
 
-/// Names the object, the value and what is accepted; written for the person who can mend it.
+/// States the object, the value and what is accepted; addressed to the person who can correct it.
 struct Error {
   ErrorCode code = ErrorCode::internal;
   std::string message;

@@ -8,7 +8,8 @@
 
 namespace c3de {
 
-/// What a handle leads to. In the uppermost eight bits of its generation, so that no two kinds have a handle in common.
+/// The type of object that a handle refers to. Stored in the upper eight bits of its generation, so that handles of
+/// different kinds are never equal.
 enum class HandleKind : std::uint8_t {
   other,
   node,
@@ -28,10 +29,10 @@ enum class HandleKind : std::uint8_t {
   meshReader,
   command,
 };
-/// For messages: "scene node"; empty for `other` and for what is no kind.
+/// For messages: "scene node"; empty for `other` and invalid kinds.
 [[nodiscard]] const char *nameOf(HandleKind kind);
 
-/// Index and generation; zero is null. What the ABI carries as c3de_handle.
+/// Index and generation; zero is null. Represented as c3de_handle in the ABI.
 struct Handle {
   std::uint32_t index = 0;
   std::uint32_t generation = 0;
@@ -75,7 +76,7 @@ class HandleTable {
     if (!isLive(h)) return false;
     Slot &slot = slots_[h.index];
     slot.value.reset();
-    // Of its kind for ever, and never null.
+    // Always retains its kind, and is never null.
     constexpr std::uint32_t kCounter = 0x00ffffffu;
     slot.generation = (slot.generation & kCounter) == kCounter ? Handle::firstOf(kKind) : slot.generation + 1;
     free_.push_back(h.index);

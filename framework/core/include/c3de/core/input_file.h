@@ -9,11 +9,11 @@
 
 namespace c3de {
 
-/// What a path leads to instead of a regular file: "is a pipe (FIFO), not a file"; empty for a file. Symbolic links are
-/// followed.
-[[nodiscard]] std::string whatInsteadOfFile(const std::filesystem::path &path);
+/// Description of a path that is not a regular file: "is a pipe (FIFO), not a file"; empty for a file. Symbolic links
+/// are followed.
+[[nodiscard]] std::string describeNonFile(const std::filesystem::path &path);
 
-/// Refuses what is no regular file, with "PATH: what it is instead". Pipes, sockets and devices are never opened:
+/// Refuses anything but a regular file, with "PATH: " and its type. Pipes, sockets and devices are never opened:
 /// reading them can block or never end.
 [[nodiscard]] Expected<void> checkInputFile(const std::filesystem::path &path);
 
@@ -21,8 +21,8 @@ namespace c3de {
 /// permission.
 [[nodiscard]] Expected<std::ifstream> openInputFile(const std::filesystem::path &path);
 
-/// `name` as a header in `folder` names a file. Of a name with backslashes that is no file here the same with slashes
-/// is taken where that is one: headers written on Windows.
+/// The file named `name` in a header in `folder`. If that does not exist and the name has backslashes, the same name
+/// with slashes is used if it exists: for headers written on Windows.
 [[nodiscard]] std::filesystem::path namedFile(const std::filesystem::path &folder, const std::string &name);
 
 }  // namespace c3de

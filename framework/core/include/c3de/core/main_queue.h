@@ -11,7 +11,7 @@
 
 namespace c3de {
 
-/// What the main thread does once per frame before it draws: functions posted from any thread, and callbacks that stay.
+/// Work of the main thread once per frame before it draws: functions posted from any thread, and permanent callbacks.
 class MainQueue {
  public:
   /// Runs `fn` before the next frame and wakes the window. Any thread.
@@ -21,11 +21,11 @@ class MainQueue {
   bool removeFrameCallback(Handle callback);
   void removeOwnedBy(const std::string &owner);
 
-  /// Runs what was posted, then the frame callbacks in the order they were added. Main thread.
+  /// Runs the posted functions, then the frame callbacks in the order they were added. Main thread.
   void runFrame();
   [[nodiscard]] std::uint64_t frameIndex() const;
 
-  /// Called when something was posted or a redraw was asked for; any thread.
+  /// Called when a function was posted or a redraw was requested; any thread.
   void setWaker(std::function<void()> waker);
   void requestRedraw();
 

@@ -19,44 +19,44 @@ struct FileCloser {
 using FilePointer = std::unique_ptr<std::FILE, FileCloser>;
 }  // namespace detail
 
-/// A file that appears complete or not at all: it is written beside its place without a name, which the system takes
-/// back when the program is killed, or (where it knows no such files) under a name of its own (FILE.part), and takes
-/// its place when commit() succeeds. What was there stays until then. A link is followed; a device or pipe, which
-/// nothing can take the place of, and a file in a folder that may not be written to, are written directly. All errors
-/// are ErrorCode::output and say the reason of the system ("No space left on device").
+/// A file that appears complete or not at all. It is written in the target folder as an unnamed file, which the system
+/// removes if the program is killed, or (if not supported) under a temporary name (FILE.part). It replaces the target
+/// when commit() succeeds; an existing file stays until then. Links are followed. Devices and pipes, which cannot be
+/// replaced, and files in a folder without write permission are written directly. All errors are ErrorCode::output and
+/// state the reason from the system ("No space left on device").
 class OutputFile {
  public:
   [[nodiscard]] static Expected<OutputFile> open(const std::filesystem::path &path);
   OutputFile(OutputFile &&) noexcept = default;
   OutputFile &operator=(OutputFile &&) = delete;
-  ~OutputFile();  ///< removes what was not committed
+  ~OutputFile();  ///< removes the file unless committed
 
-  /// After a failure nothing more is written; commit() tells it.
+  /// After a failure nothing more is written; commit() returns the error.
   void write(std::string_view bytes);
   [[nodiscard]] Expected<void> commit();
 
  private:
   OutputFile() = default;
   void discard();
-  int giveName();                    ///< errno, 0: done
-  std::filesystem::path path_;       ///< as it was named, for messages
-  std::filesystem::path target_;     ///< what is replaced
+  int giveName();                    ///< errno, 0: success
+  std::filesystem::path path_;       ///< as named by the caller, for messages
+  std::filesystem::path target_;     ///< the file that is replaced
   std::filesystem::path temporary_;  ///< empty: written directly, or unnamed
   bool unnamed_ = false;             ///< has no name before it is committed
   detail::FilePointer file_;
   int error_ = 0;
 };
 
-/// OutputFile for text or bytes that are there already.
+/// OutputFile for complete text or bytes.
 [[nodiscard]] Expected<void> writeWholeFile(const std::filesystem::path &path, std::string_view bytes);
 
-/// A table that grows while others may read it, and ends with a whole row whenever the program ends or the disk is
-/// full.
+/// A table that grows while others may read it. It always ends with a complete row, even if the program terminates or
+/// the disk is full.
 class OutputRows {
  public:
-  /// Replaces what is there.
+  /// Replaces an existing file.
   [[nodiscard]] static Expected<OutputRows> open(const std::filesystem::path &path);
-  /// @param row  one row or several, each with its end of line
+  /// @param row  one or more rows, each with its end of line
   [[nodiscard]] Expected<void> add(std::string_view row);
   [[nodiscard]] Expected<void> close();
 
@@ -64,14 +64,13 @@ class OutputRows {
   OutputRows() = default;
   std::filesystem::path path_, target_;
   detail::FilePointer file_;
-  std::uintmax_t bytes_ = 0;  ///< of whole rows
+  std::uintmax_t bytes_ = 0;  ///< of complete rows
 };
 
-/// Whether all of these files can be written, asked before hours of work go into what is to be written: that no two
-/// names lead to one file (however they are spelt, through links, or because the system tells no capitals), and none to
-/// a file that is read, or that lies in a folder that is read. Leaves existing files as they are and no new ones
-/// behind. Empty paths are left out. Errors: ErrorCode::usage names the two, ErrorCode::output says why a file cannot
-/// be written.
+/// Checks that all of these files can be written, before hours of work. Two names must not denote one file (by
+/// different spelling, through links, or on a case-insensitive system), and none may denote an input file or be in an
+/// input folder. Existing files are unchanged and no new ones remain. Empty paths are ignored. Errors: ErrorCode::usage
+/// names the two, ErrorCode::output states why a file cannot be written.
 [[nodiscard]] Expected<void> checkOutputs(std::span<const std::filesystem::path> outputs,
                                           std::span<const std::filesystem::path> inputs);
 

@@ -34,7 +34,7 @@ struct ParameterDecl {
   Vec3 fallbackVec{};
   std::vector<std::string> choices;
   std::uint32_t flags = 0;
-  std::string alternativeTo;  ///< id of the parameter that it says in another way; empty: none
+  std::string alternativeTo;  ///< id of a parameter for the same quantity; empty: none
 
   [[nodiscard]] static ParameterDecl from(const c3de_param_decl &decl);
   [[nodiscard]] ParameterValue fallbackValue() const;
@@ -48,7 +48,7 @@ struct ParameterDecl {
 [[nodiscard]] Expected<const ParameterDecl *> findParameter(const std::vector<ParameterDecl> &decls,
                                                             std::string_view id);
 
-/// Reads declarations as they come through the ABI (array with stride).
+/// Reads declarations passed through the ABI (array with stride).
 [[nodiscard]] std::vector<ParameterDecl> readDeclarations(const c3de_param_decl *decls, std::uint64_t n,
                                                           std::uint64_t stride);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The only place of this module that calls POSIX or Win32 (src/platform_posix.cpp, src/platform_win32.cpp).
+// The only part of this module that calls POSIX or Win32 (src/platform_posix.cpp, src/platform_win32.cpp).
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace c3de {
 
-/// Where the code of a library lies in this process; empty: not known.
+/// Address range of a library's code in this process; empty: unknown.
 struct CodeRange {
   const void *begin = nullptr, *end = nullptr;
 };
@@ -21,7 +21,7 @@ struct CodeRange {
 /// symbols).
 class DynamicLibrary {
  public:
-  /// @param path  absolute; dependencies are searched beside it
+  /// @param path  absolute; dependencies are searched in its folder
   [[nodiscard]] static Expected<DynamicLibrary> open(const std::filesystem::path &path);
   /// Null if there is no such symbol.
   [[nodiscard]] void *symbol(const char *name) const;
@@ -33,8 +33,8 @@ class DynamicLibrary {
 
 [[nodiscard]] std::filesystem::path executablePath();
 [[nodiscard]] std::filesystem::path homeDirectory();  ///< empty: there is none
-/// Per-user folders, created by whoever writes: below C3DE_HOME where that is set, else XDG on Linux, AppData on
-/// Windows.
+/// Per-user folders, created by the code that writes to them: below C3DE_HOME if that is set, otherwise XDG on Linux,
+/// AppData on Windows.
 [[nodiscard]] std::filesystem::path userDataDirectory();
 [[nodiscard]] std::filesystem::path userConfigDirectory();
 [[nodiscard]] std::filesystem::path userCacheDirectory();
@@ -43,7 +43,7 @@ class DynamicLibrary {
 [[nodiscard]] char pathListSeparator();                           ///< ':' or ';'
 [[nodiscard]] const char *pluginExtension();                      ///< ".so" or ".dll"
 [[nodiscard]] std::string cpuName();
-/// Bytes that can be taken now without swapping; 0: unknown
+/// Bytes of memory available without swapping; 0: unknown
 [[nodiscard]] std::uint64_t availableMemory();
 /// Processor time of this process, all threads together, s
 [[nodiscard]] double processorTime_s();
@@ -51,15 +51,15 @@ class DynamicLibrary {
 [[nodiscard]] std::string hostName();  ///< empty: unknown
 [[nodiscard]] bool stderrIsTerminal();
 
-/// Takes what is written to the error stream of the process, by any thread, until it ends; for libraries that print.
-/// Without effect where the stream cannot be replaced. One at a time; a second one waits for the first.
+/// Captures the output to the error stream of the process, from any thread, during its lifetime; for libraries that
+/// print. No effect if the stream cannot be replaced. One at a time; a second one waits for the first.
 class ErrorStreamCapture {
  public:
   ErrorStreamCapture();
-  ~ErrorStreamCapture();  ///< gives the stream back; text() is lost unless it was asked for
+  ~ErrorStreamCapture();  ///< restores the stream; the text is lost unless text() was called
   ErrorStreamCapture(const ErrorStreamCapture &) = delete;
   ErrorStreamCapture &operator=(const ErrorStreamCapture &) = delete;
-  /// Ends the capture and gives what was written.
+  /// Ends the capture and returns the captured text.
   [[nodiscard]] std::string text();
 
  private:
@@ -68,29 +68,30 @@ class ErrorStreamCapture {
 };
 
 struct ProcessResult {
-  int exitCode = -1;  ///< 128 + signal for a process that was killed
-  /// Of each at least the last kKept bytes: a program that writes without end must not fill the memory of this one.
+  int exitCode = -1;  ///< 128 + signal for a killed process
+  /// For each stream at least the last kKept bytes: endless output must not fill the memory of this process.
   std::string output, errorOutput;
   bool timedOut = false;
 
   static constexpr std::size_t kKept = std::size_t{8} << 20;
 };
-/// Runs a program to its end, or ends it after timeout_s.
+/// Runs a program to its end, or terminates it after timeout_s.
 [[nodiscard]] Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, double timeout_s);
 
-/// From now on this process is killed when the one that started it ends, however it ends. Linux; nothing elsewhere.
+/// From now on this process is killed when its parent ends, for whatever reason. Linux; no effect elsewhere.
 void endWithParent();
 
-/// Goes on as another program, with the same console, folder and environment; arguments.front() is the program. Returns
-/// only the reason why it cannot be started; on Windows, which cannot replace a process, also its exit code at its end.
+/// Continues as another program, with the same console, folder and environment; arguments.front() is the program.
+/// Returns only the error if it cannot be started; on Windows, which cannot replace a process, also its exit code at
+/// its end.
 [[nodiscard]] Expected<int> continueAs(const std::vector<std::string> &arguments);
 
-/// A file that one process at a time holds; the system takes it back from one that ends, however it ends.
+/// A file lock for one process at a time; the system releases it when the process ends, for whatever reason.
 class FileLock {
  public:
-  /// ErrorCode::state: another process holds it, and what that one has written into it is the message; ErrorCode::output:
-  /// the file cannot be made.
-  /// @param note  for whoever finds it held: one line
+  /// ErrorCode::state: another process holds it; the message is that process's note. ErrorCode::output: the file cannot
+  /// be created.
+  /// @param note  one line for processes that find it locked
   [[nodiscard]] static Expected<FileLock> take(const std::filesystem::path &file, const std::string &note);
   FileLock(FileLock &&other) noexcept;
   FileLock &operator=(FileLock &&) = delete;
@@ -101,17 +102,17 @@ class FileLock {
   std::intptr_t handle_;
 };
 
-/// A program that runs beside this one; ended by the destructor.
+/// A child process; terminated by the destructor.
 class ChildProcess {
  public:
-  /// Output goes to the file `log` (both streams).
+  /// Output is written to the file `log` (both streams).
   [[nodiscard]] static Expected<ChildProcess> start(const std::vector<std::string> &arguments,
                                                     const std::filesystem::path &log);
   ChildProcess(ChildProcess &&other) noexcept;
   ChildProcess &operator=(ChildProcess &&other) noexcept;
   ~ChildProcess();
   [[nodiscard]] bool isRunning();
-  /// Exit code when it ended within timeout_s.
+  /// The exit code if it ended within timeout_s.
   [[nodiscard]] Expected<int> wait(double timeout_s);
   void kill();
 

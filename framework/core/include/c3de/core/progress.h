@@ -6,7 +6,7 @@
 
 namespace c3de {
 
-/// fraction in 0 … 1 (negative: unknown) and what is being done; false means: stop soon, the person cancelled.
+/// fraction in 0 … 1 (negative: unknown) and the current activity; false means: stop soon, the user cancelled.
 using ProgressFn = std::function<bool(double fraction, const std::string &what)>;
 
 }  // namespace c3de

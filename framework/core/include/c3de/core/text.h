@@ -9,19 +9,19 @@
 
 namespace c3de {
 
-/// The candidate with the smallest edit distance; empty when none is near (distance above a third of the length).
+/// The candidate with the smallest edit distance; empty if none is close (distance above a third of the length).
 [[nodiscard]] std::string nearestName(std::string_view name, std::span<const std::string> candidates);
 
 [[nodiscard]] bool isUtf8(std::string_view text) noexcept;
 
 enum class Lines { one, many };
-/// Text from outside as it can be shown anywhere: what would steer a terminal or turn the direction of writing is
-/// spelt out ("\x1b", "\u202e"), and so are bytes that are not UTF-8 ("\xff"). Line ends: one space, or kept.
-[[nodiscard]] std::string shownText(std::string_view text, Lines lines = Lines::one);
-/// A message that quotes texts from outside: as shownText(), in one line; the middle of one that is very long is left out.
-[[nodiscard]] std::string shownMessage(std::string_view text);
+/// Untrusted text for display. Terminal control characters and bidirectional controls are spelt out ("\x1b", "\u202e"),
+/// and so are bytes that are not UTF-8 ("\xff"). Line ends: one space, or unchanged.
+[[nodiscard]] std::string displayText(std::string_view text, Lines lines = Lines::one);
+/// A message that quotes untrusted text: as displayText(), in one line; the middle of a very long one is omitted.
+[[nodiscard]] std::string displayMessage(std::string_view text);
 
-/// Locale-independent shortest text that reads back to the same number.
+/// Locale-independent shortest text that reads back as the same number.
 [[nodiscard]] std::string formatNumber(double value);
 
 [[nodiscard]] inline c3de_str toAbi(std::string_view s) { return {s.data(), s.size()}; }

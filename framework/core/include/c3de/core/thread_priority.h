@@ -3,9 +3,9 @@
 
 namespace c3de {
 
-/// From here on the calling thread gives way to those of its program that answer a person, where there are fewer
-/// processors than threads that want one; where there are enough it loses nothing. There is no way back. Without effect
-/// where the system knows no priorities of threads.
-void giveWay();
+/// From now on the calling thread yields to the interactive threads of the program, if more threads are runnable than
+/// there are processors; otherwise it loses nothing. Cannot be reverted. No effect on systems without thread
+/// priorities.
+void lowerThreadPriority();
 
 }  // namespace c3de

@@ -7,7 +7,7 @@
 
 namespace c3de::geometry {
 
-/// Numbers at points, one row after the other, with the unit in the name: "displacement [mm]".
+/// Values at points, row by row, with the unit in the name: "displacement [mm]".
 struct PointArray {
   enum class Type { real, whole };  ///< written as 32-bit float or as 32-bit integer
   std::string name;

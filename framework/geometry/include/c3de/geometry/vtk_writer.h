@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that ParaView opens: point clouds (VTU), surfaces (VTP, also with several bodies), and the list of a sequence
-// (PVD).
+// Files for ParaView: point clouds (VTU), surfaces (VTP, also with several bodies), and the list of a sequence (PVD).
 #pragma once
 
 #include <filesystem>
@@ -14,7 +13,7 @@
 
 namespace c3de::geometry {
 
-/// Points in LPS millimetres with what is known at each.
+/// Points in LPS millimetres with their arrays.
 struct PointCloud {
   std::vector<Vec3> points;  ///< mm
   std::vector<PointArray> arrays;
@@ -23,7 +22,7 @@ struct PointCloud {
 /// Each point becomes a cell (VTK_VERTEX) of an unstructured grid. @param title  one line, as a comment
 [[nodiscard]] Expected<void> writeVtu(const std::filesystem::path &path, const PointCloud &cloud,
                                       const std::string &title = {});
-/// A surface; without triangles each vertex becomes a point of its own.
+/// A surface; without triangles each vertex becomes a separate point.
 [[nodiscard]] Expected<void> writeVtp(const std::filesystem::path &path, const TriangleMesh &mesh,
                                       std::span<const PointArray> arrays, const std::string &title = {});
 

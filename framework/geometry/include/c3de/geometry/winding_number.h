@@ -16,14 +16,14 @@ namespace c3de::geometry {
 ///         2018
 class WindingNumber {
  public:
-  /// Copies what it needs; O(n log n).
+  /// Copies the required data; O(n log n).
   explicit WindingNumber(const TriangleMesh &mesh);
   ~WindingNumber();
   WindingNumber(WindingNumber &&) noexcept;
   WindingNumber &operator=(WindingNumber &&) noexcept;
 
   /// Within 0.01 of the exact sum over all triangles, also next to the surface. On the surface itself it is finite and
-  /// somewhere between the values of the two sides.
+  /// between the values of the two sides.
   /// @threads any, concurrently
   [[nodiscard]] double at(const Vec3 &point_mm) const;
   void at(std::span<const Vec3> points_mm, std::span<double> out) const;

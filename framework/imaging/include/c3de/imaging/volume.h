@@ -12,8 +12,8 @@
 
 namespace c3de::imaging {
 
-/// Where the voxels of a volume lie. Indices count from 0, i fastest; a whole index is the centre of its voxel.
-/// World is LPS (left, posterior, superior grow), right-handed, millimetres.
+/// The voxel grid of a volume in space. Indices count from 0, i fastest; an integer index is the centre of its voxel.
+/// World is LPS (left, posterior, superior increase), right-handed, millimetres.
 struct VolumeGeometry {
   std::array<std::size_t, 3> size{};  ///< voxels along i, j, k; each at least 1
   Mat4 indexToWorld = kIdentity4;     ///< affine, invertible; any direction, shear allowed (gantry tilt)
@@ -35,40 +35,40 @@ struct VolumeGeometry {
 /// Whether two volumes have the same voxels in the world: equal sizes, and corners within the tolerance (mm).
 [[nodiscard]] bool sameGrid(const VolumeGeometry &a, const VolumeGeometry &b, double tolerance = 1e-3);
 
-/// Voxels in the type in which the file keeps them.
+/// Voxels in the type stored in the file.
 using Voxels = std::variant<std::vector<std::int8_t>, std::vector<std::uint8_t>, std::vector<std::int16_t>,
                             std::vector<std::uint16_t>, std::vector<std::int32_t>, std::vector<std::uint32_t>,
                             std::vector<float>, std::vector<double>>;
 
-/// Red, green, blue and opacity as files hold them (sRGB).
+/// Red, green, blue and opacity as stored in files (sRGB).
 using Rgba = std::array<std::uint8_t, 4>;
 
-/// An image of scalars. Never changes once it is built; any number of threads may read it.
+/// A scalar image. Immutable once it is built; any number of threads may read it.
 struct Volume {
   VolumeGeometry geometry;
-  Voxels voxels;       ///< geometry.voxelCount() of them, i fastest; of a colour image its luma (Rec. 709)
+  Voxels voxels;       ///< geometry.voxelCount() of them, i fastest; for a colour image its luma (Rec. 709)
   double slope = 1.0;  ///< value = slope * voxel + intercept
   double intercept = 0.0;
-  std::string unit{};           ///< of values: "HU", or empty when the file does not say
-  std::vector<Rgba> colours{};  ///< of a colour image, geometry.voxelCount(); empty: it has none
+  std::string unit{};           ///< of values: "HU", or empty when the file does not state it
+  std::vector<Rgba> colours{};  ///< of a colour image, geometry.voxelCount(); empty: not a colour image
 
   [[nodiscard]] std::size_t offset(std::size_t i, std::size_t j, std::size_t k) const {
     return i + geometry.size[0] * (j + geometry.size[1] * k);
   }
-  /// Rescaled value of a voxel; the index must lie inside.
+  /// Rescaled value of a voxel; the index must be inside.
   [[nodiscard]] double value(std::size_t i, std::size_t j, std::size_t k) const;
   [[nodiscard]] std::size_t bytes() const;           ///< of all voxels and colours
   [[nodiscard]] const char *scalarTypeName() const;  ///< "int16", "uint8", "float32", …
 };
 
-/// 0 is background. Labels have names where the file, or a table beside it, gives them.
+/// 0 is background. Names of labels come from the file, or a table next to it.
 struct LabelMap {
   struct Label {
     std::uint16_t value = 0;
-    std::string name;               ///< "label 7" when nobody named it
+    std::string name;               ///< "label 7" for an unnamed label
     std::array<float, 3> colour{};  ///< linear RGB, 0 … 1
   };
-  VolumeGeometry geometry;            ///< its own grid: need not be that of any image
+  VolumeGeometry geometry;            ///< its own grid, which may differ from that of any image
   std::vector<std::uint16_t> voxels;  ///< geometry.voxelCount(), i fastest
   std::vector<Label> labels;          ///< those that occur, by value, without the background
 };

@@ -10,45 +10,45 @@ namespace c3de {
 class ThreadPool;
 }
 
-/// Images as the tissue now lies: what is at x was at x - u(x) in the reference image, all in LPS mm. The grid of u
-/// need not be that of the image; outside of it nothing moves.
+/// Images deformed to the present configuration: the value at x is that at x - u(x) in the reference image, all in LPS
+/// mm. The grid of u may differ from that of the image; outside it the displacement is zero.
 ///
-/// Results lie on the grid of the image and are the same for any number of threads. `threads`: null for threads of its
-/// own, as many as the machine has. Progress is told on the calling thread. Errors: usage (a grid of displacements
-/// without points, with another count of values, with values that are not finite, geometry without an inverse, too
-/// little memory), internal (voxels that do not fit their geometry), cancelled. Any thread.
+/// Results are on the grid of the image and do not depend on the number of threads. `threads`: null creates a separate
+/// pool with as many threads as the machine has. Progress is reported on the calling thread. Errors: usage (a
+/// displacement grid without points, with the wrong number of values, with non-finite values, non-invertible geometry,
+/// insufficient memory), internal (voxels that do not match their geometry), cancelled. Any thread.
 namespace c3de::imaging {
 
-/// linear: between voxel centres, rounded to the stored type (halves away from zero). nearest: the voxel whose centre is
-/// nearest, for images whose values are numbers of labels; beyond the border of the reference its lowest value.
+/// linear: between voxel centres, rounded to the stored type (halves away from zero). nearest: the voxel with the
+/// nearest centre, for images whose values are label numbers; outside the reference its lowest value.
 enum class WarpSampling { linear, nearest };
 
-/// Stored voxels. Linear: behind the border of the reference its outermost voxels go on. Where u is exactly zero voxels are
-/// copied, to the bit.
+/// Stored voxels. Linear: outside the reference the values of its outermost voxels continue. Where u is exactly zero,
+/// voxels are copied bit by bit.
 [[nodiscard]] Expected<Volume> warped(const Volume &reference, const DisplacementGrid &u,
                                       const ProgressFn &progress = {}, ThreadPool *threads = nullptr,
                                       WarpSampling sampling = WarpSampling::linear);
 
-/// The nearest label, 0 where vacated; the border goes on as in images. Labels that no longer occur are left out of the
-/// list.
+/// The nearest label, 0 where vacated; outside the reference the border continues as for images. Labels that no longer
+/// occur are removed from the list.
 [[nodiscard]] Expected<LabelMap> warped(const LabelMap &reference, const DisplacementGrid &u,
                                         const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
 
-/// The same on another grid: a voxel there takes the label nearest to where its centre was, 0 where the map ends.
+/// Same on another grid: a voxel gets the label nearest to the reference position of its centre, 0 outside the map.
 [[nodiscard]] Expected<LabelMap> warped(const LabelMap &reference, const DisplacementGrid &u,
                                         const VolumeGeometry &grid, const ProgressFn &progress = {},
                                         ThreadPool *threads = nullptr);
 
-/// |u| at every voxel centre as float, unit "mm"; 0 in what stays.
+/// |u| at every voxel centre as float, unit "mm"; 0 in fixed regions.
 [[nodiscard]] Expected<Volume> magnitudeOf(const DisplacementGrid &u, const VolumeGeometry &grid,
                                            const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
 
-/// 1 where a body has gone away and nothing is known of what is there now (DisplacementGrid), else 0; all 0 where u
-/// does not know of bodies.
-[[nodiscard]] Expected<Mask> vacatedPlaces(const DisplacementGrid &u, const VolumeGeometry &grid,
-                                           const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
+/// 1 where a body has moved away and the present content is unknown (DisplacementGrid), otherwise 0; all 0 where u has
+/// no information about bodies.
+[[nodiscard]] Expected<Mask> emptiedRegions(const DisplacementGrid &u, const VolumeGeometry &grid,
+                                            const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
 
-/// u at the points of another grid, 0 in what stays, for writeVectorField().
+/// u at the points of another grid, 0 in fixed regions, for writeVectorField().
 [[nodiscard]] Expected<DisplacementGrid> resampled(const DisplacementGrid &u, const VolumeGeometry &grid,
                                                    const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
 

@@ -8,12 +8,12 @@
 
 namespace c3de::imaging {
 
-/// An upright box of the world, mm; empty as it is made.
+/// An axis-aligned box in world space, mm; initially empty.
 struct WorldBox {
   Vec3 low = filled(std::numeric_limits<double>::infinity());
   Vec3 high = filled(-std::numeric_limits<double>::infinity());
 
-  void add(const Vec3 &point);  ///< a point that is not finite is ignored
+  void add(const Vec3 &point);  ///< a non-finite point is ignored
   void cutTo(const WorldBox &other);
   [[nodiscard]] WorldBox grown(double by_mm) const;
   [[nodiscard]] bool isEmpty() const { return !(low[0] <= high[0] && low[1] <= high[1] && low[2] <= high[2]); }
@@ -22,27 +22,27 @@ struct WorldBox {
  private:
   static Vec3 filled(double value) { return {value, value, value}; }
 };
-/// Around all voxels, half a voxel around the outermost centres.
+/// Encloses all voxels, half a voxel beyond the outermost centres.
 [[nodiscard]] WorldBox boxOf(const VolumeGeometry &geometry);
 
-/// How many points a grid of displacements may have, and how coarse it may become for that.
+/// Maximum number of points of a displacement grid, and how coarse it may become to meet it.
 struct WarpGridLimits {
   std::size_t mostPoints = 96;  ///< along an axis
-  double coarsestStep = 2.0;    ///< spacings of the finest body; a longer box is cut around where the bodies were first
+  double coarsestStep = 2.0;    ///< spacings of the finest body; a longer box is cropped
 };
 
-/// The grid on which the displacement of moving bodies is asked for. It stays where it is while it holds the bodies
-/// with their rim; once they leave it, or shrink so far that a new one would be much finer, it is laid anew with room
-/// to move. Its step is half the spacing, longer where the limits ask for it.
+/// The grid on which the displacement of moving bodies is sampled. It stays fixed while it contains the bodies with
+/// their falloff distance. Once they leave it, or shrink so far that a new one would be much finer, it is rebuilt with
+/// a margin for motion. Its step is half the spacing, longer where the limits require it.
 class FollowingGrid {
  public:
   explicit FollowingGrid(WarpGridLimits limits = {}) : limits_(limits) {}
 
-  /// The next bodies are others.
+  /// Call before other bodies are followed.
   void forget();
-  /// @param bodies  surfaces as they are now
-  /// @param spacing_mm  the finest of a body
-  /// @return whether the grid was laid anew
+  /// @param bodies  present surfaces
+  /// @param spacing_mm  the finest of all bodies
+  /// @return whether the grid was rebuilt
   bool follow(const WorldBox &bodies, double spacing_mm, double rim_mm);
   /// Without points (size 0): there are no bodies.
   [[nodiscard]] const VolumeGeometry &geometry() const { return geometry_; }
@@ -58,7 +58,7 @@ class FollowingGrid {
   VolumeGeometry geometry_{{0, 0, 0}, kIdentity4};
   WorldBox laid_;
   double rim_mm_ = -1.0, step_mm_ = 0.0;
-  std::optional<Vec3> home_;  // middle of the bodies when they were first seen
+  std::optional<Vec3> home_;  // centre of the bodies at the first call
 };
 
 }  // namespace c3de::imaging

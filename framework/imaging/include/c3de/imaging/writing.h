@@ -9,22 +9,22 @@
 
 namespace c3de::imaging {
 
-/// Writers choose the format by the extension: .nrrd, .nii, .nii.gz, .mha. A file that is there is replaced once the
-/// new one is complete. Nothing but geometry, voxels and labels is written. Errors: output; geometry that is not finite
-/// or not invertible, voxels that do not match it.
+/// Writers choose the format by the extension: .nrrd, .nii, .nii.gz, .mha. An existing file is replaced once the new
+/// one is complete. Only geometry, voxels and labels are written. Errors: output; geometry that is not finite or not
+/// invertible, voxels that do not match it.
 ///
-/// All three formats hold sheared grids here (NIfTI as sform without qform); many programs read the directions of a
-/// MetaImage as if they were orthogonal. NIfTI-1 keeps its affine in single precision (6e-5 mm at 1 m).
+/// All three formats store sheared grids here (NIfTI as sform without qform); many programs read the directions of a
+/// MetaImage as if they were orthogonal. NIfTI-1 stores its affine in single precision (6e-5 mm at 1 m).
 
-/// NIfTI keeps the stored type with slope and intercept. The others have no place for them: values are written instead,
-/// as 32-bit or smaller integers where slope and intercept are whole, else as floating point.
+/// NIfTI stores the original type with slope and intercept. The other formats cannot: rescaled values are written, as
+/// 32-bit or smaller integers where slope and intercept are integers, otherwise as floating point.
 [[nodiscard]] Expected<void> writeVolume(const std::filesystem::path &path, const Volume &volume);
 
-/// NRRD carries names and colours as segments; for the others a table in ITK-SNAP's form is written beside: a.label.
+/// NRRD stores names and colours as segments; for the others a table in ITK-SNAP's format is written next to it:
+/// a.label.
 [[nodiscard]] Expected<void> writeLabelMap(const std::filesystem::path &path, const LabelMap &labels);
 
-/// Three floats per voxel, x y z together, in LPS millimetres (also in NIfTI, as ANTs and ITK have it: intent
-/// "vector").
+/// Three floats per voxel, x y z together, in LPS millimetres (also in NIfTI, as in ANTs and ITK: intent "vector").
 [[nodiscard]] Expected<void> writeVectorField(const std::filesystem::path &path, const VolumeGeometry &geometry,
                                               std::span<const float> xyz);
 

@@ -8,7 +8,7 @@
 
 #include "c3de/abi/object.h"
 #include "c3de/core/expected.h"
-#include "c3de/core/foreign_call.h"
+#include "c3de/core/plugin_call.h"
 #include "c3de/plugin_host/load_rules.h"
 #include "c3de/plugin_host/plugin_error.h"
 
@@ -41,8 +41,8 @@ class ToolRegistry;
 
 namespace c3de::plugin_host {
 
-/// What plugins may reach. Null members are not served in this run, for example `renderer`, `panels` and `tools`
-/// without a window; get_service then answers C3DE_E_UNSUPPORTED. Must outlive the host.
+/// Services accessible to plugins. Null members are not provided in this run, for example `renderer`, `panels` and
+/// `tools` without a window; get_service then returns C3DE_E_UNSUPPORTED. Must outlive the host.
 struct Services {
   ThreadPool *pool = nullptr;
   MainQueue *mainQueue = nullptr;
@@ -60,66 +60,66 @@ struct Services {
   registry::EditList *edits = nullptr;
   registry::CommandRegistry *commands = nullptr;
   registry::SettingsStore *settings = nullptr;
-  /// How long a call of a plugin may take until people are told.
+  /// How long a call of a plugin may take before the user is informed.
   CallWatchdog::Limits callLimits;
 };
 
 enum class PluginState {
   loaded,
-  refused,   ///< it, or we, found that it cannot be used
-  shadowed,  ///< another file with the same id is loaded already
-  off        ///< somebody does not want it
+  refused,   ///< the plugin or the host found that it cannot be used
+  shadowed,  ///< another file with the same id is already loaded
+  off        ///< switched off by the user
 };
 
-/// "loaded", as the program writes it.
+/// "loaded", in the spelling of the program's output.
 [[nodiscard]] const char *stateName(PluginState state);
 
 struct PluginInfo {
   std::filesystem::path path;
   PluginState state = PluginState::refused;
-  std::string reason;  ///< why not loaded, one line: what, both numbers or names, what to do
+  std::string reason;  ///< why it was not loaded, one line: the cause, both numbers or names, the remedy
   std::string id, version, displayName, vendor, license;
-  std::vector<std::string> classes;  ///< ids it has registered
+  std::vector<std::string> classes;  ///< ids of the registered classes
 };
 
 struct ClassInfo {
-  std::string id, label, doc, plugin;  ///< the plugin's id
+  std::string id, label, doc, plugin;  ///< plugin: its id
   std::vector<std::string> interfaces;
 };
 
-/// Finds, loads, negotiates with and calls plugins. A plugin that fails on the way leaves nothing registered. Main
-/// thread, except where plugins call services that say otherwise.
+/// Finds, loads, negotiates with and calls plugins. A plugin that fails during loading leaves nothing registered. Main
+/// thread, except where plugins call services that specify otherwise.
 class PluginHost {
  public:
   explicit PluginHost(const Services &services, const LoadRules &rules = {});
   ~PluginHost();  ///< stops and destroys the plugins, last loaded first
 
-  /// Loads one plugin: query, create. The error is one line, also kept in plugins().
+  /// Loads one plugin: query, create. The error is one line, also stored in plugins().
   Expected<void> load(const std::filesystem::path &file);
-  /// Every plugin of a folder in the order of their names; an id that is loaded already is reported as shadowed,
-  /// what is switched off stays out, and a file that load() was given is not looked at again.
+  /// Loads every plugin of a folder in the order of their names. An id that is already loaded is reported as shadowed.
+  /// Plugins that are switched off are not loaded, and files already passed to load() are skipped.
   void loadFolder(const std::filesystem::path &folder);
-  /// Calls start() of what was loaded since the last call; a plugin that fails here is rolled back, too. Says in the
-  /// log which names of LoadRules::without nothing had.
+  /// Calls start() of the plugins loaded since the last call; a plugin that fails here is also rolled back. Logs the
+  /// names of LoadRules::without that matched nothing.
   void start();
 
-  /// Carries transforms and visibility of scene nodes over to what plugins draw under them, and drops what hangs on
-  /// removed nodes. The main queue does so at the start of every frame; for a picture without a frame.
+  /// Applies transforms and visibility of scene nodes to what plugins draw under them, and removes what belongs to
+  /// removed nodes. The main queue does this at the start of every frame; call it for a picture without a frame.
   void syncScene();
 
   [[nodiscard]] const std::vector<PluginInfo> &plugins() const;
   [[nodiscard]] std::vector<ClassInfo> classes() const;
-  /// Whether a plugin that is loaded has asked for a service, "c3de.imaging/1".
+  /// Whether a loaded plugin has requested a service, "c3de.imaging/1".
   [[nodiscard]] bool isUsed(const std::string &serviceId) const;
   /// Ids of the classes that list an interface.
   [[nodiscard]] std::vector<std::string> classesWith(const std::string &interfaceId) const;
-  /// A new object with a count of one.
+  /// A new object with a reference count of one.
   [[nodiscard]] Expected<c3de_object *> createObject(const std::string &classId);
-  /// The id of the plugin that made an object, for messages; stays as long as the program.
+  /// The id of the plugin that created an object, for messages; valid as long as the program runs.
   [[nodiscard]] const char *ownerOf(const c3de_object *object) const;
-  /// The text that the last failing call on this thread left; empty when none.
+  /// The text of the last failed call on this thread; empty if there is none.
   [[nodiscard]] std::string takeError();
-  /// The same, with what it is about apart from the text.
+  /// Same, with the location separate from the text.
   [[nodiscard]] PluginError takeErrorAt();
 
  private:
@@ -127,7 +127,7 @@ class PluginHost {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Where plugins are looked for, in order: C3DE_PLUGIN_PATH, the user's folder, beside the program
+/// Folders that are searched for plugins, in order: C3DE_PLUGIN_PATH, the user's folder, the folder of the program
 /// (../lib/c3de/plugins).
 [[nodiscard]] std::vector<std::filesystem::path> defaultPluginFolders();
 

@@ -12,26 +12,26 @@
 
 namespace c3de::plugin_host {
 
-/// What earlier runs have left about plugins: which are switched off, which have ended a run, and how the first use of
-/// each file went. Two small files; of two programs that write at the same time the later one wins. Any thread.
+/// Records of earlier runs about plugins: which are switched off, which have crashed a run, and the result of the first
+/// use of each file. Two small files; if two programs write at the same time, the later one wins. Any thread.
 class PluginRecords {
  public:
-  /// @param choices  folder of what people have chosen; @param cache  of what can be found out again
+  /// @param choices  folder of the user's choices; @param cache  folder of what can be determined again
   PluginRecords(const std::filesystem::path &choices, const std::filesystem::path &cache);
   ~PluginRecords();
 
   [[nodiscard]] bool isOff(const std::string &id) const;
   [[nodiscard]] std::vector<std::string> allOff() const;
-  /// ErrorCode::output: it holds for this run only.
+  /// ErrorCode::output: the setting applies to this run only.
   [[nodiscard]] Expected<void> setOff(const std::string &id, bool isOff);
 
   struct Crash {
     std::string id;
-    unsigned count = 0;      ///< runs that it has ended
-    std::string cause;       ///< of the last one, as of CrashRecord
-    bool isAnswered = true;  ///< somebody has chosen what to do about the last one
+    unsigned count = 0;      ///< number of runs it has crashed
+    std::string cause;       ///< of the last crash, as of CrashRecord
+    bool isAnswered = true;  ///< the user has decided about the last crash
   };
-  /// A record that names nobody is not kept.
+  /// A record without a plugin is not stored.
   void noteCrash(const CrashRecord &record);
   void answerCrash(const std::string &id);
   [[nodiscard]] std::vector<Crash> crashes() const;
@@ -39,7 +39,7 @@ class PluginRecords {
   struct FirstUse {
     std::string reason;  ///< why it cannot be used; empty: it can
   };
-  /// How the first use of a file went, in a process of `program`; empty: not known, or one of them has changed since.
+  /// Result of the first use of a file, in a process of `program`; empty: unknown, or one of them has changed since.
   [[nodiscard]] std::optional<FirstUse> firstUseOf(const std::filesystem::path &file,
                                                    const std::filesystem::path &program, bool hasWindow) const;
   void keepFirstUse(const std::filesystem::path &file, const std::filesystem::path &program, bool hasWindow,
@@ -50,9 +50,9 @@ class PluginRecords {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Where the program keeps them for the present user.
+/// The records of the present user.
 [[nodiscard]] std::shared_ptr<PluginRecords> recordsOfUser();
-/// Of the user's runs that have died.
+/// Journal folder of the user's crashed runs.
 [[nodiscard]] std::filesystem::path crashJournalFolder();
 
 }  // namespace c3de::plugin_host

@@ -12,7 +12,7 @@
 
 namespace c3de::registry {
 
-/// What a command of a plugin gave, with the text where it failed.
+/// Result of a plugin's command, with the text of a failure.
 struct CommandResult {
   c3de_status status = C3DE_OK;
   std::string text;
@@ -30,16 +30,17 @@ struct PluginCommand {
 /// The commands that plugins have registered. Main thread only.
 class CommandRegistry {
  public:
-  /// Which command of the program has these keys, for people; empty: none. Before plugins are loaded.
+  /// Sets the function that returns the display name of the program's command with these keys; empty if there is none.
+  /// Called before plugins are loaded.
   void setProgramKeys(std::function<std::string(std::uint32_t key, std::uint32_t modifiers)> nameOf) {
     programKeys_ = std::move(nameOf);
   }
 
   struct Added {
     Handle handle;
-    std::string takenBy;  ///< who has its keys; it was added without them then
+    std::string takenBy;  ///< owner of the requested keys; the command was then added without keys
   };
-  /// Refused (ErrorCode::usage) where the id is taken; the error names by whom.
+  /// Refused (ErrorCode::usage) if the id is in use; the error names the owner.
   [[nodiscard]] Expected<Added> add(PluginCommand command);
   bool remove(Handle command);
   void removeOwnedBy(const std::string &plugin);
@@ -50,12 +51,12 @@ class CommandRegistry {
     const PluginCommand *command;
   };
   [[nodiscard]] const PluginCommand *find(Handle command) const { return table_.find(command); }
-  [[nodiscard]] std::vector<Entry> commands() const;  ///< in the order they were added
-  /// Null: none, or none that is enabled.
+  [[nodiscard]] std::vector<Entry> commands() const;  ///< in the order in which they were added
+  /// Null if there is none, or none that is enabled.
   [[nodiscard]] Handle ofKey(std::uint32_t key, std::uint32_t modifiers) const;
-  /// Null: none.
+  /// Null if there is none.
   [[nodiscard]] Handle ofId(const std::string &id) const;
-  /// C3DE_E_STALE, C3DE_E_STATE (not enabled, or running already), or what it gave.
+  /// C3DE_E_STALE, C3DE_E_STATE (not enabled, or already running), or the result of the command.
   [[nodiscard]] CommandResult run(Handle command);
 
  private:

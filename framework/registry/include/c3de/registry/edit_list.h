@@ -19,27 +19,27 @@ struct Edit {
   void(C3DE_CALL *release)(void *self) = nullptr;
 };
 
-/// The steps of plugins that can be undone and redone, in order. Main thread only.
+/// The undo and redo steps of plugins, in order. Main thread only.
 class EditList {
  public:
   EditList() = default;
   EditList(const EditList &) = delete;
   EditList &operator=(const EditList &) = delete;
   ~EditList();
-  /// One that has been done; what was undone is forgotten, and the oldest when there are too many.
+  /// Adds a step that has been done. Undone steps are removed, and the oldest one if there are too many.
   Handle add(Edit edit);
   bool remove(Handle edit);
   void removeOwnedBy(const std::string &plugin);
-  /// Grows with every add().
+  /// Incremented by every add().
   [[nodiscard]] std::uint64_t edits() const { return edits_; }
-  /// Of what would be undone or redone; empty: nothing.
+  /// Label of what would be undone or redone; empty if nothing.
   [[nodiscard]] std::string undoLabel() const {
     return done_ > 0 ? table_.find(order_[done_ - 1])->label : std::string();
   }
   [[nodiscard]] std::string redoLabel() const {
     return done_ < order_.size() ? table_.find(order_[done_])->label : std::string();
   }
-  /// What fails is forgotten; the log has said why.
+  /// A step that fails is removed; the cause is logged.
   void undo();
   void redo();
 
@@ -47,11 +47,11 @@ class EditList {
 
  private:
   void forget(std::size_t index);
-  bool carryOut(std::size_t index, bool isUndo);
+  bool apply(std::size_t index, bool isUndo);
 
   HandleTable<Edit, HandleKind::edit> table_;
   std::vector<Handle> order_;
-  std::size_t done_ = 0;  ///< of the order: those before it can be undone, the others redone
+  std::size_t done_ = 0;  ///< index in the order: earlier steps can be undone, the others redone
   std::uint64_t edits_ = 0;
 };
 

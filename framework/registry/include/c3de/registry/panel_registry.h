@@ -17,51 +17,52 @@ struct Panel {
   void *self = nullptr;
   void(C3DE_CALL *onUi)(void *self, const c3de_ui_v1 *ui) = nullptr;
   bool open = true;
-  bool isInView = false;  ///< it asks what to show: over the view instead of among the panels
+  bool isInView = false;  ///< it requests input about what to show: drawn over the view instead of among the panels
 };
 
-/// A choice that stands below a message.
+/// A button shown below a message.
 struct Choice {
   std::string label;
   std::function<void()> act;
 };
 
-/// What a message is about: what belongs to a simulation ends with it.
+/// Subject of a message: messages about a simulation are dismissed with it.
 enum class About { program, simulation };
 
 struct Notification {
   std::uint32_t severity = 1;  ///< as in log.h
   std::string title, text;
   std::uint64_t serial = 0;
-  std::string time;  ///< of the day, "16:05:09"
+  std::string time;  ///< time of day, "16:05:09"
   std::vector<Choice> choices;
   About about = About::program;
 };
 
-/// The panels that plugins have registered, and messages to the person. Main thread only.
+/// The panels registered by plugins, and messages to the user. Main thread only.
 class PanelRegistry {
  public:
   Handle add(Panel panel);
   bool remove(Handle panel);
   void removeOwnedBy(const std::string &plugin);
-  /// In the order they were added.
+  /// In the order in which they were added.
   [[nodiscard]] std::vector<Panel *> panels();
-  /// The same as handles: they survive a panel that adds or removes panels while it is drawn.
+  /// Same, as handles: they remain valid if a panel adds or removes panels while it is drawn.
   [[nodiscard]] std::vector<Handle> handles() const { return order_; }
   [[nodiscard]] Panel *find(Handle panel) { return panels_.find(panel); }
 
-  /// How messages are worded for a person: plainWords(). What it changes is logged as it was.
+  /// Sets the function that rewords messages for the user: plainWords(). The original text of a reworded message is
+  /// logged.
   void setWording(std::function<std::string(const std::string &)> wording) { wording_ = std::move(wording); }
-  /// Replaces an earlier message of the same title. The choices stand in the list of all messages, too.
+  /// Replaces an earlier message of the same title. The choices are also shown in the list of all messages.
   void notify(std::uint32_t severity, std::string title, std::string text, std::vector<Choice> choices = {},
               About about = About::program);
   [[nodiscard]] std::vector<Notification> &notifications() { return notifications_; }
   void dismiss(std::uint64_t serial);
-  /// Of the latest message; 0: there was none.
+  /// Serial of the latest message; 0 if there was none.
   [[nodiscard]] std::uint64_t lastSerial() const { return serial_; }
-  /// Messages about a simulation that ends, up to this serial. They stay in the log, without their choices.
+  /// Dismisses messages about a simulation that ends, up to this serial. They stay in the log, without their choices.
   void dismissAboutSimulation(std::uint64_t upTo);
-  /// All messages since the start, dismissed or not, the oldest first; of very many the latest.
+  /// All messages since the start, dismissed or not, the oldest first. If there are very many, only the latest.
   [[nodiscard]] const std::vector<Notification> &log() const { return log_; }
   [[nodiscard]] bool hasViewPanel();
 

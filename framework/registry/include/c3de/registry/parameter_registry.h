@@ -10,7 +10,7 @@
 
 namespace c3de::registry {
 
-/// A declared set of parameters with its present values, and who wants to know when a person changes one.
+/// A declared set of parameters with its present values, and the listener for the user's changes.
 struct ParameterSet {
   std::string owner;  ///< plugin id
   std::string title;
@@ -28,15 +28,15 @@ class ParameterRegistry {
   [[nodiscard]] ParameterSet *find(Handle set);
   /// The sets of a plugin.
   [[nodiscard]] std::vector<Handle> ownedBy(const std::string &plugin) const;
-  /// visit(const ParameterSet &) for all of them.
+  /// Calls visit(const ParameterSet &) for all sets.
   template <class Visit>
   void forEach(Visit &&visit) const {
     sets_.forEach([&](Handle, const ParameterSet &set) { visit(set); });
   }
-  /// Checks, stores and, if `tellListener`, calls the listener.
-  /// Without telling it is the owner who shows what is: the set's history of edits ends there.
-  [[nodiscard]] Expected<void> set(Handle set, const ParameterValue &value, bool tellListener);
-  /// As set() with the listener told, remembered for undo.
+  /// Checks, stores and, if `notifyListener`, calls the listener.
+  /// Without notification the owner shows other values: the set's edit history ends there.
+  [[nodiscard]] Expected<void> set(Handle set, const ParameterValue &value, bool notifyListener);
+  /// Same as set() with notification, recorded for undo.
   [[nodiscard]] Expected<void> edit(Handle set, const ParameterValue &value);
   [[nodiscard]] ParameterHistory &history() { return history_; }
   [[nodiscard]] const ParameterHistory &history() const { return history_; }

@@ -8,9 +8,9 @@
 
 namespace c3de::registry {
 
-/// A text for the window: ids of parameters become the labels that the panels show, "solver.dt" is “Step”. Other keys of
-/// the same tables lose their table ("contact.pair" is “pair”), and ids of interfaces and classes ("c3de.iface.…/1")
-/// are taken out. Addresses, file names and numbers stay.
+/// Rewords a text for the window. Ids of parameters become the labels that the panels show: "solver.dt" is “Step”.
+/// Other keys of the same tables lose their table ("contact.pair" is “pair”), and ids of interfaces and classes
+/// ("c3de.iface.…/1") are removed. Addresses, file names and numbers are unchanged.
 [[nodiscard]] std::string plainWords(std::string_view text, const ParameterRegistry &parameters);
 
 }  // namespace c3de::registry

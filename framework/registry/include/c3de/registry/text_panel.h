@@ -27,13 +27,13 @@ class TextPanel {
   TextPanel(const TextPanel &) = delete;
   TextPanel &operator=(const TextPanel &) = delete;
 
-  /// Calls the panel once and returns what stands in it.
+  /// Calls the panel once and returns its text.
   std::string draw(const Panel &panel);
 
   void press(const std::string &id);
   void check(const std::string &id, bool value);
   void setNumber(const std::string &id, double value);
-  /// Text fields, choices (by name), files, parameters ("auto" too).
+  /// Text fields, choices (by name), files, parameters (also "auto").
   void setText(const std::string &id, const std::string &text);
 
   struct Widget {
@@ -43,9 +43,9 @@ class TextPanel {
   /// Of the last draw(), in order.
   [[nodiscard]] const std::vector<Widget> &widgets() const;
   [[nodiscard]] const Widget *find(const std::string &id) const;
-  /// The value that stands beside a name in the last draw().
+  /// The value shown next to a name in the last draw().
   [[nodiscard]] std::optional<std::string> value(const std::string &name) const;
-  /// What was asked for and did not happen: no such widget, disabled, refused value.
+  /// Requests that were not executed: no such widget, disabled, refused value.
   [[nodiscard]] const std::vector<std::string> &problems() const;
 
  private:

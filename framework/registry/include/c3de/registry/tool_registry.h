@@ -18,31 +18,31 @@ struct Tool {
   std::string owner;  ///< plugin id
   std::string id, label, hint;
   std::uint32_t shortcut = 0;
-  bool inSlices = false;  ///< wants events of slices, too
+  bool inSlices = false;  ///< also receives events of slices
   void *self = nullptr;
   c3de_status(C3DE_CALL *activate)(void *self) = nullptr;
   void(C3DE_CALL *cancel)(void *self) = nullptr;
   c3de_status(C3DE_CALL *onEvent)(void *self, const c3de_event *event, std::uint32_t *consumed) = nullptr;
 };
 
-/// The tools that plugins have registered; at most one is active. Main thread only.
+/// The tools registered by plugins; at most one is active. Main thread only.
 class ToolRegistry {
  public:
   Handle add(Tool tool);
   bool remove(Handle tool);
   void removeOwnedBy(const std::string &plugin);
-  /// Cancels the tool before. Null handle: none. False: stale handle, or the tool refused.
+  /// Cancels the previous tool. Null handle: none. False: stale handle, or the tool refused.
   bool activate(Handle tool);
   [[nodiscard]] Handle active() const { return active_; }
-  /// Cancels what the active tool is doing; it stays active.
+  /// Cancels the present action of the active tool; it stays active.
   void cancelActive();
   [[nodiscard]] const Tool *find(Handle tool) const { return tools_.find(tool); }
-  /// The active tool gets events of slices.
+  /// Whether the active tool receives events of slices.
   [[nodiscard]] bool worksInSlices() const;
-  /// True: the tool took the event. One of a slice reaches only a tool that asks for it.
+  /// True if the tool used the event. An event of a slice is sent only to a tool with inSlices.
   bool dispatch(const c3de_event &event);
 
-  /// Who knows the point that a person has marked, mm; none: there are no views.
+  /// Sets the function that returns the point marked by the user, mm; none if there are no views.
   void setMarkedPoint(std::function<Vec3()> point) { markedPoint_ = std::move(point); }
   [[nodiscard]] std::optional<Vec3> markedPoint() const {
     return markedPoint_ ? std::optional(markedPoint_()) : std::nullopt;

@@ -9,7 +9,7 @@ struct Ray {
   Vec3 origin{}, direction{};  ///< world, mm; unit direction
 };
 
-/// Which axis of the world points upwards on the screen: y as in meshes, z as in patients (LPS).
+/// The world axis that points upwards on the screen: y for meshes, z for patients (LPS).
 enum class UpAxis { y, z };
 
 /// Orbit camera around a focal point. Angles in radians, lengths in mm. Value type; any thread.
@@ -21,13 +21,13 @@ struct Camera {
   double fieldOfView = 0.6;        ///< vertical, rad
   double nearPlane = 1.0, farPlane = 10000.0;
 
-  /// Mouse drags in pixels, y down: the scene follows the hand. A drag over the height of the view is half a turn.
+  /// Mouse drags in pixels, y down: the scene follows the mouse. A drag over the height of the view is half a turn.
   void orbit(double dx_px, double dy_px, int viewHeight_px);
   void pan(double dx_px, double dy_px, int viewHeight_px);
-  /// > 0: nearer, by a tenth per step. The distance stays within what the near and far planes can show.
+  /// > 0: closer, by a tenth per step. The distance is limited to what the near and far planes can show.
   void zoom(double steps);
-  /// Looks at the box so that it fills the view; keeps the direction and sets the planes to the size of the box.
-  /// An empty or non-finite box is ignored.
+  /// Fits the box into the view; keeps the direction and sets the planes to the size of the box. An empty or non-finite
+  /// box is ignored.
   /// @param aspect  width / height of the view; the default is safe for every view that is at least as wide as high
   void fit(const Vec3 &min, const Vec3 &max, double aspect = 1.0);
 

@@ -18,29 +18,28 @@ namespace c3de::render {
 
 using Vec3f = std::array<float, 3>;
 using Colour = std::array<float, 4>;  ///< sRGB and opacity, 0 … 1
-/// As sRGB, from the linear colour of a label.
-[[nodiscard]] Colour shownColour(const std::array<float, 3> &linear, float opacity = 1.0f);
+/// Converts the linear colour of a label to sRGB.
+[[nodiscard]] Colour displayColour(const std::array<float, 3> &linear, float opacity = 1.0f);
 
 struct Material {
   Colour colour{0.8f, 0.8f, 0.8f, 1.0f};  ///< opacity below 1 blends
   bool twoSided = false;                  ///< meshes: false hides triangles seen from behind (clockwise corners)
-  /// Whoever draws slices of images draws it over them (forEachMark); opaque lines and spheres are drawn whole, in
-  /// front of everything.
+  /// Slice views draw it over the slices (forEachMark); opaque lines and spheres are drawn completely, in front of
+  /// everything.
   bool inSlices = false;
-  /// Meshes: it lies inside of a body. Whoever draws slices of images does not outline it; a tool takes hold of the
-  /// tissue behind it.
+  /// Meshes: it is inside a body. Slice views do not outline it; tools grab the tissue behind it.
   bool isInside = false;
-  /// Meshes that do not blend: nothing that blends is seen in front of it within this, in its own space. Two surfaces
-  /// of the same thing, each off by some of that, would alternate from pixel to pixel.
+  /// Opaque meshes: transparent primitives within this distance in front of it, in its own space, are hidden. Two
+  /// surfaces of the same object, each with an error of this size, would otherwise alternate from pixel to pixel.
   float cover = 0.0f;
 };
 
-/// What colours mean. Drawn as a bar with numbers at the right edge of the picture, several below each other.
+/// The meaning of colours. Drawn as a bar with numbers at the right edge of the picture, several below each other.
 struct Legend {
   std::string title, unit;       ///< UTF-8
-  std::string note;              ///< below the bar, lines parted by '\n'
+  std::string note;              ///< below the bar, lines separated by '\n'
   double low = 0.0, high = 1.0;  ///< values of the first and the last colour
-  std::vector<Colour> colours;   ///< at even distances, the one of `low` first; 2 at least
+  std::vector<Colour> colours;   ///< equidistant, beginning with that of `low`; at least 2
 };
 
 struct Image {
@@ -50,26 +49,26 @@ struct Image {
 /// @param path  UTF-8; its folder must exist
 [[nodiscard]] Expected<void> writePng(const std::string &path, const Image &image);
 
-/// Where a frame goes: pixels from the lower left corner of the framebuffer.
+/// The target of a frame: pixels from the lower left corner of the framebuffer.
 struct Viewport {
   int x = 0, y = 0, width = 0, height = 0;
   friend bool operator==(const Viewport &, const Viewport &) = default;
 };
 
-/// Work of the last frame, and what was made since the renderer was.
+/// Work of the last frame, and objects created since the renderer was.
 struct RenderStatistics {
   std::size_t drawCalls = 0;         ///< last frame
-  std::size_t sortedPrimitives = 0;  ///< last frame: triangles, spheres and segments that blend
-  double sort_ms = 0.0;              ///< last frame: their ordering
-  std::size_t uploadedBytes = 0;     ///< last frame: array contents handed to the graphics memory
-  double upload_ms = 0.0;            ///< last frame: that, and the normals that had to be found for it
-  std::size_t vertexArraysMade = 0;  ///< in all; updating a proxy adds none
-  std::size_t programsLinked = 0;    ///< in all; does not grow after the start
+  std::size_t sortedPrimitives = 0;  ///< last frame: transparent triangles, spheres and segments
+  double sort_ms = 0.0;              ///< last frame: their sorting
+  std::size_t uploadedBytes = 0;     ///< last frame: array contents uploaded to graphics memory
+  double upload_ms = 0.0;            ///< last frame: the upload, including the computation of normals
+  std::size_t vertexArraysMade = 0;  ///< total; updating a proxy adds none
+  std::size_t programsLinked = 0;    ///< total; does not grow after the start
 };
 
 class ImageRenderer;
 
-/// A mesh as it is drawn, for whoever wants to cut or measure it. Borrowed for the call.
+/// A mesh as drawn, for code that cuts or measures it. Borrowed for the call.
 struct MeshView {
   std::span<const Vec3f> positions;  ///< in the proxy's own space
   std::span<const Triangle> triangles;
@@ -77,7 +76,7 @@ struct MeshView {
   const Material &material;
 };
 
-/// Spheres, lines or a label that are drawn over slices, too. Borrowed for the call.
+/// Spheres, lines or a label that are also drawn over slices. Borrowed for the call.
 struct MarkView {
   enum class Kind { spheres, lines, label };
   Kind kind;
@@ -92,10 +91,10 @@ struct MarkView {
 /// Retained drawing. A proxy is created once and updated when its arrays change; updating never compiles or relinks.
 /// Positions are in the proxy's own space; `transform` (world from proxy, mm) places it.
 ///
-/// What blends (opacity below 1) is ordered by the depth of each triangle, sphere and segment over all proxies, so
-/// opaque things inside show through and the order of creation does not matter; only primitives that cut through each
-/// other, or that are much larger than what they overlap, may blend in the wrong order. Blending is done on the sRGB
-/// values.
+/// Transparent primitives (opacity below 1) are sorted by the depth of each triangle, sphere and segment over all
+/// proxies, so opaque objects inside show through and the order of creation does not matter. Only primitives that
+/// intersect each other, or that are much larger than what they overlap, may blend in the wrong order. Blending is done
+/// on the sRGB values.
 ///
 /// One thread, the one that owns the graphics context, which must still be current when the renderer is destroyed.
 class Renderer {
@@ -107,17 +106,17 @@ class Renderer {
                             const Material &) = 0;
   virtual Handle createSpheres(std::span<const Vec3f> centres, float radius, const Material &) = 0;
   virtual Handle createLines(std::span<const Vec3f> pairs, float width_px, const Material &) = 0;
-  /// UTF-8, lines parted by '\n', of constant size on the screen, above the point and on top of everything.
+  /// UTF-8, lines separated by '\n', of constant size on the screen, above the point and in front of everything.
   virtual Handle createLabel(const Vec3f &at, std::string_view text, const Material &) = 0;
 
-  /// Of constant size, on top of everything; left out of pictures too small for it. A null handle: fewer than 2
+  /// Of constant size, in front of everything; omitted in pictures too small for it. A null handle: fewer than 2
   /// colours, or a range that is not finite or not increasing.
   virtual Handle createLegend(const Legend &) = 0;
 
   /// The count may change for spheres and lines, which then lose their colours and radii. Without setNormals, a mesh
-  /// computes normals from its triangles. An empty span given to setNormals, setColours or setRadii returns to the
+  /// computes normals from its triangles. An empty span passed to setNormals, setColours or setRadii restores the
   /// default.
-  /// False: stale handle, a kind of proxy that has no such array, or a count that does not fit.
+  /// False: stale handle, a kind of proxy that has no such array, or a wrong count.
   virtual bool setPositions(Handle, std::span<const Vec3f> positions) = 0;
   virtual bool setNormals(Handle, std::span<const Vec3f> normals) = 0;
   /// Per point; replaces the material's colour. The opacities multiply.
@@ -138,24 +137,24 @@ class Renderer {
   /// Draws everything visible into the bound framebuffer, which needs a depth buffer; clears that region's depth.
   /// Leaves depth test, culling, blending and scissor off and nothing bound.
   virtual void draw(const Camera &camera, const Viewport &viewport) = 0;
-  /// Grows with everything that changes what draw() shows for the same camera, images included: as long as it stays, so
-  /// does the picture. Refinement (ImageRenderer::wantsRefinement) does not count.
+  /// Incremented by every change that affects draw() for the same camera, including images: while it is unchanged, so
+  /// is the picture. Refinement (ImageRenderer::wantsRefinement) does not count.
   [[nodiscard]] virtual std::uint64_t changes() const = 0;
-  /// Draws into an image of its own, independent of the window's size, with smoothed edges.
+  /// Draws into a separate image, independent of the window's size, with antialiasing.
   [[nodiscard]] virtual Expected<Image> drawToImage(const Camera &camera, int width, int height) = 0;
 
-  /// Every mesh that is visible, in the order of creation.
+  /// All visible meshes, in the order of creation.
   virtual void forEachMesh(const std::function<void(const MeshView &)> &) const {}
-  /// Everything visible but meshes whose material says `inSlices`, in the order of creation.
+  /// All visible proxies except meshes whose material has `inSlices`, in the order of creation.
   virtual void forEachMark(const std::function<void(const MarkView &)> &) const {}
-  /// Images beside the proxies; null: this back end draws none.
+  /// Images in addition to the proxies; null: this back end does not support them.
   [[nodiscard]] virtual ImageRenderer *images() { return nullptr; }
 
   [[nodiscard]] virtual std::string description() const = 0;  ///< back end, version, device
   [[nodiscard]] virtual RenderStatistics statistics() const { return {}; }
 };
 
-/// Keeps what it is told and draws a flat background: logic can be tested without graphics.
+/// Stores its input and draws a flat background, so that logic can be tested without graphics.
 [[nodiscard]] std::unique_ptr<Renderer> createNullRenderer();
 
 }  // namespace c3de::render

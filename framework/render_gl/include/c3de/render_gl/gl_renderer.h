@@ -7,10 +7,10 @@
 
 namespace c3de::render {
 
-/// Needs a current OpenGL 4.3 core context (4.5 is asked for by the window); the error names what was found.
+/// Needs a current OpenGL 4.3 core context (the window requests 4.5); the error states the version found.
 [[nodiscard]] Expected<std::unique_ptr<Renderer>> createGlRenderer();
 
-/// An OpenGL context without a window, current on the thread that made it (EGL surfaceless; a hidden window on
+/// An OpenGL context without a window, current on the thread that created it (EGL surfaceless; a hidden window on
 /// Windows). The context of a window must not be current on that thread at the same time.
 class OffscreenContext {
  public:
@@ -18,7 +18,7 @@ class OffscreenContext {
   virtual ~OffscreenContext() = default;
 };
 
-/// Error when the current context is below 4.3: "OpenGL 4.3 is needed, found …".
+/// Error if the current context is below 4.3: "OpenGL 4.3 is needed, found …".
 [[nodiscard]] Expected<void> checkGlVersion();
 
 }  // namespace c3de::render

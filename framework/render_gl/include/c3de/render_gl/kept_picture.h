@@ -8,26 +8,26 @@
 
 namespace c3de::render {
 
-/// A picture beside a window's framebuffer that stays from frame to frame, for what is not drawn anew in each. Needs a
+/// A cached picture, in addition to a window's framebuffer, for content that is not redrawn in every frame. Needs a
 /// current OpenGL context, also when it is destroyed. Main thread.
-class KeptPicture {
+class CachedPicture {
  public:
   enum class State {
-    none,   ///< there is no picture: no graphics memory, or the framebuffer that is bound smooths edges
-    empty,  ///< it was made just now
+    none,   ///< no picture: insufficient graphics memory, or the bound framebuffer is multisampled
+    empty,  ///< it was just created
     kept
   };
 
-  KeptPicture();
-  ~KeptPicture();
-  KeptPicture(const KeptPicture &) = delete;
-  KeptPicture &operator=(const KeptPicture &) = delete;
+  CachedPicture();
+  ~CachedPicture();
+  CachedPicture(const CachedPicture &) = delete;
+  CachedPicture &operator=(const CachedPicture &) = delete;
 
-  /// Makes it that large, in pixels, unless it is.
+  /// Creates it at this size, in pixels, unless it has it already.
   [[nodiscard]] State prepare(int width, int height);
-  /// What `paint` draws goes into the picture, which has depth.
+  /// Draws into the picture, which has a depth buffer.
   void paint(const std::function<void()> &paint);
-  /// Copies a part of the picture to the same place of the framebuffer that is bound.
+  /// Copies a part of the picture to the same position in the bound framebuffer.
   void show(const Viewport &part) const;
 
  private:

@@ -8,9 +8,9 @@
 
 namespace c3de::render {
 
-/// What `paint` draws into the framebuffer that is bound while it runs, which has depth, smooths edges and begins
-/// black. Needs a current OpenGL context. Errors: a side below 1 pixel or above what the device draws, no graphics
-/// memory.
+/// The image that `paint` draws into the framebuffer bound while it runs, which has a depth buffer, is multisampled and
+/// initially black. Needs a current OpenGL context. Errors: a side below 1 pixel or above the device's limit,
+/// insufficient graphics memory.
 [[nodiscard]] Expected<Image> paintPicture(int width, int height, const std::function<void()> &paint);
 
 }  // namespace c3de::render

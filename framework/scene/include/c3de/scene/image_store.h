@@ -12,24 +12,24 @@
 
 namespace c3de::scene {
 
-/// An image with its name for people and what values it has.
+/// An image with its display name and the type of its values.
 struct StoredImage {
   std::string name;
   imaging::Volume volume;
   imaging::ValueRange range;
-  std::size_t time = 0, times = 1;  ///< which time point of how many
+  std::size_t time = 0, times = 1;  ///< index and number of time points
 };
 
 struct StoredLabels {
   std::string name;
   imaging::LabelMap map;
-  /// The label at a point of the world (nearest voxel); 0 outside. Any thread.
+  /// The label at a point in world space (nearest voxel); 0 outside. Any thread.
   [[nodiscard]] std::uint16_t at(const Vec3 &world) const;
   /// Empty for a label that does not occur.
   [[nodiscard]] std::string nameOf(std::uint16_t value) const;
 };
 
-/// Images and label maps by handle, shared by the scene and plugins. Any thread; nothing changes once it is stored.
+/// Images and label maps by handle, shared by the scene and plugins. Any thread; stored items are immutable.
 class ImageStore {
  public:
   Handle add(std::shared_ptr<const StoredImage> image);
@@ -38,7 +38,7 @@ class ImageStore {
   bool removeLabels(Handle labels);
   [[nodiscard]] std::shared_ptr<const StoredImage> image(Handle image) const;
   [[nodiscard]] std::shared_ptr<const StoredLabels> labels(Handle labels) const;
-  /// Handles of all that is stored, always in the same order.
+  /// Handles of all stored items, always in the same order.
   [[nodiscard]] std::vector<Handle> allImages() const;
   [[nodiscard]] std::vector<Handle> allLabels() const;
 

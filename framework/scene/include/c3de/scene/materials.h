@@ -10,7 +10,7 @@
 
 namespace c3de::scene {
 
-/// A named tissue: values to start from, the range that is found in the literature, and where they come from.
+/// A named tissue: default values, the range found in the literature, and their sources.
 struct MaterialPreset {
   std::string name;
   double density = 0.0;                                   ///< kg/m³
@@ -18,13 +18,13 @@ struct MaterialPreset {
   double youngsModulusMin = 0.0, youngsModulusMax = 0.0;  ///< Pa
   double poissonRatio = 0.0;
   double poissonRatioMin = 0.0, poissonRatioMax = 0.0;
-  bool isRigid = false;  ///< an organ of it is proposed as rigid: it does not deform beside soft tissue
-  std::string evidence;  ///< what was measured
+  bool isRigid = false;  ///< organs of it are proposed as rigid: they do not deform compared with soft tissue
+  std::string evidence;  ///< the measurement that the values are based on
   std::string source;
   std::string note;
 };
 
-/// The presets that a scene may name, in the order of the file (resources/materials.toml).
+/// The presets that a scene may refer to, in the order of the file (resources/materials.toml).
 class MaterialLibrary {
  public:
   /// Errors (ErrorCode::input) name file and line: malformed TOML, a missing or unknown key, a value outside its range.

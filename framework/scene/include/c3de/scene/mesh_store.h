@@ -10,7 +10,7 @@
 
 namespace c3de::scene {
 
-/// A mesh with its report; the winding-number tree is built when first asked for.
+/// A mesh with its report; the winding-number tree is built on first use.
 struct StoredMesh {
   geometry::LoadedMesh loaded;
   [[nodiscard]] const geometry::WindingNumber &windingNumber() const;  ///< any thread
@@ -20,7 +20,7 @@ struct StoredMesh {
   mutable std::unique_ptr<geometry::WindingNumber> winding_;
 };
 
-/// Meshes by handle, shared by the scene and plugins. Any thread; a mesh never changes once it is stored.
+/// Meshes by handle, shared by the scene and plugins. Any thread; a stored mesh is immutable.
 class MeshStore {
  public:
   Handle add(geometry::LoadedMesh mesh);

@@ -13,68 +13,67 @@
 
 namespace c3de::scene {
 
-/// Metres of the simulation to millimetres of the world: the transform of the simulation node, and the only place where
-/// the two units meet.
+/// Metres of the simulation to millimetres of the world: the transform of the simulation node. The only conversion
+/// between the two units.
 inline constexpr double kMillimetresPerMetre = 1000.0;
 
-/// Drives a simulator object on a thread of its own: takes commands between steps, keeps pace with the wall clock, lets
-/// the simulator publish a snapshot when somebody looks. The window never waits for it. Or leaves the stepping to who
-/// made it, for runs without a window.
+/// Drives a simulator object on its own thread: runs commands between steps, keeps pace with the wall clock, lets the
+/// simulator publish a snapshot when needed for display. The window never waits for it. Alternatively the caller steps
+/// it, for runs without a window.
 class Simulation {
  public:
-  /// @param simulator  a count is taken; must answer iface.simulator
-  /// @param takeError  the text that the last failing call on the calling thread left, for messages; may be empty
-  /// @param owner  the plugin's id, for messages; stays as long as the program
+  /// @param simulator  a reference is taken; must implement iface.simulator
+  /// @param takeError  returns the text of the last failed call on the calling thread, for messages; may be empty
+  /// @param owner  the plugin's id, for messages; must outlive the program's run
   [[nodiscard]] static Expected<std::unique_ptr<Simulation>> create(c3de_object *simulator,
                                                                     std::function<std::string()> takeError = {},
                                                                     const char *owner = "(unknown)");
-  /// The same without a thread and a pace: the caller steps, between beginStep() and endStep(). transport() and
-  /// setTargetRate() do nothing; what is posted waits for the next step.
+  /// Same without a thread and without pacing: the caller steps, between beginStep() and endStep(). transport() and
+  /// setTargetRate() have no effect; posted commands wait for the next step.
   [[nodiscard]] static Expected<std::unique_ptr<Simulation>> createForCaller(
       c3de_object *simulator, std::function<std::string()> takeError = {}, const char *owner = "(unknown)");
-  [[nodiscard]] bool isDrivenByCaller() const;
-  /// Of a simulation that its caller steps: what was posted, then what comes before a step; on an error it must not be
-  /// made.
+  [[nodiscard]] bool isSteppedByCaller() const;
+  /// For a simulation stepped by its caller: runs posted commands, then the before-step function. After an error the
+  /// step must be skipped.
   [[nodiscard]] Expected<void> beginStep();
-  /// And what comes after one that was made.
+  /// Call after a step that was made.
   void endStep();
 
-  /// Ends the step that is being computed, runs what was posted, joins the thread, lets go of the simulator. Waits for
-  /// the step of a simulator that cannot end one (below revision 4).
+  /// Ends the step in progress, runs posted commands, joins the thread, releases the simulator. If the simulator cannot
+  /// interrupt a step (below revision 4), waits for the step to complete.
   ~Simulation();
 
-  /// C3DE_TRANSPORT_*; takes effect between two steps. Pause, stop and reset end the step that is being computed: the
-  /// state before it stays. Ignored: unknown actions, and play, pause and step while it has failed. Reset goes on
-  /// playing if it was, and stands at the initial state (C3DE_SIM_STOPPED) otherwise. Any thread.
+  /// C3DE_TRANSPORT_*; takes effect between two steps. Pause, stop and reset end the step in progress; the state before
+  /// it is retained. Ignored: unknown actions, and play, pause and step after a failure. Reset continues to play if it
+  /// was playing, otherwise it stops at the initial state (C3DE_SIM_STOPPED). Any thread.
   void transport(std::uint32_t action);
-  /// Simulated seconds per second; 0: as fast as it goes; what is negative or not finite counts as 0. When the
-  /// simulator cannot keep up, simulated time falls behind (real_time_factor says by how much); no step is left out or
-  /// lengthened.
+  /// Simulated seconds per second; 0: as fast as possible; negative and non-finite values count as 0. When the
+  /// simulator cannot keep up, simulated time falls behind (see real_time_factor); no step is skipped or lengthened.
   void setTargetRate(double rate);
-  /// Runs the command on the simulation's thread between two steps, soon, also while paused; then a snapshot is
-  /// published. Any thread.
+  /// Runs the command on the simulation's thread between two steps, soon, also while paused; then publishes a snapshot.
+  /// Any thread.
   void post(std::function<void()> command);
-  /// Runs the command on the simulation's thread and waits for it: for loading and saving, never from a frame.
+  /// Runs the command on the simulation's thread and waits for it. For loading and saving; never call it from a frame.
   void call(const std::function<void()> &command);
   [[nodiscard]] c3de_sim_transport state() const;  ///< any thread
-  /// What takes long in the step that is being computed and what would help, in one line; empty where nobody says. Any
-  /// thread, at once.
+  /// What takes long in the step in progress and what would help, in one line; empty where the simulator does not
+  /// report it. Any thread; returns immediately.
   [[nodiscard]] std::string activity() const;
-  /// Why it failed; empty while it has not.
+  /// The reason for the failure; empty without one.
   [[nodiscard]] std::string failure() const;
-  /// Steps that the simulator has given up because they took too long, each of which has paused the simulation.
-  struct GivenUp {
+  /// Steps that the simulator has aborted because they took too long. Each of them has paused the simulation.
+  struct AbortedSteps {
     std::uint64_t steps = 0;
     std::string why;  ///< of the last one
   };
-  [[nodiscard]] GivenUp givenUp() const;
-  /// Called on the simulation's thread before each step from the next one on; an error is logged, the step is not made,
-  /// and the simulation pauses. Any thread.
+  [[nodiscard]] AbortedSteps abortedSteps() const;
+  /// Called on the simulation's thread before each step, starting with the next. An error is logged, the step is
+  /// skipped, and the simulation pauses. Any thread.
   void setBeforeStep(std::function<Expected<void>()> prepare);
-  /// Called on the simulation's thread after each step that was made. Any thread.
+  /// Called on the simulation's thread after each completed step. Any thread.
   void setAfterStep(std::function<void(const c3de_sim_status &)> follow);
   /// Called on the simulation's thread after each published snapshot, for example to wake the window. When this
-  /// returns, the listener before is not running and will not be called again.
+  /// returns, the previous listener is not running and will not be called again.
   void setPublishedListener(std::function<void()> listener);
 
   [[nodiscard]] c3de_object *object() const;

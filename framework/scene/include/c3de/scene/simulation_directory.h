@@ -16,8 +16,8 @@
 
 namespace c3de::scene {
 
-/// Which simulation stands behind a scene node; how plugins reach them and are told what becomes of them. Any thread,
-/// where nothing else is said: whoever has found a simulation keeps it alive while calling it.
+/// Maps scene nodes to simulations; lets plugins access them and notifies plugins of their changes. Any thread, unless
+/// stated otherwise: a caller of find() keeps the simulation alive while using it.
 class SimulationDirectory {
  public:
   struct Entry {
@@ -31,19 +31,19 @@ class SimulationDirectory {
     std::function<void(Handle node, const c3de_sim_status &status)> stepped;  ///< on the simulation's thread
   };
 
-  /// Tells the watchers. Main thread.
+  /// Notifies the watchers. Main thread.
   void add(Handle node, const std::string &title, std::shared_ptr<Simulation> simulation);
   void remove(Handle node);
   [[nodiscard]] std::shared_ptr<Simulation> find(Handle node) const;  ///< null: none
   [[nodiscard]] std::vector<Entry> all() const;                       ///< in the order they were added
 
-  /// Its added() is called for those that there are before this returns. Main thread.
+  /// Calls added() for all existing simulations before it returns. Main thread.
   Handle watch(Watch watch);
   enum class Removal { done, stale, fromStepped };
   /// When this returns, none of its functions runs or will be called. Main thread.
   Removal unwatch(Handle watch, const std::string &owner);
   void unwatchOwnedBy(const std::string &owner);
-  /// A step has been made. On the simulation's thread.
+  /// Notifies the watchers of a completed step. On the simulation's thread.
   void stepped(Handle node, const c3de_sim_status &status);
 
  private:
@@ -51,8 +51,8 @@ class SimulationDirectory {
 
   mutable std::mutex mutex_;
   std::vector<Entry> entries_;
-  std::mutex watchMutex_;                 ///< held while steps are told
-  std::atomic<std::size_t> watchers_{0};  ///< so that a step that nobody watches takes no lock
+  std::mutex watchMutex_;                 ///< held while watchers are notified of steps
+  std::atomic<std::size_t> watchers_{0};  ///< so that a step without watchers needs no lock
   std::atomic<std::thread::id> telling_{};
   std::map<std::uint64_t, Watch> watches_;  ///< in the order they were added
   std::uint32_t next_ = 1;

@@ -6,8 +6,8 @@
 
 namespace c3de::scene {
 
-/// The simulator's table, with every slot of revision 1 within its size and none of those null that may not be. The error
-/// (ErrorCode::plugin) says what the object lacks. Any thread.
+/// The simulator's table. Its size is checked to cover every entry of revision 1, and required entries are not null.
+/// The error (ErrorCode::plugin) states what is missing. Any thread.
 [[nodiscard]] Expected<const c3de_simulator_v1 *> simulatorTable(c3de_object *simulator);
 
 }  // namespace c3de::scene

@@ -7,7 +7,7 @@
 
 namespace c3de::scene {
 
-/// What a simulator writes, at the end of a text, which outlives the sink. Running out of memory is answered as such.
+/// A sink that appends a simulator's output to a text, which must outlive it. Reports running out of memory.
 [[nodiscard]] inline c3de_sink sinkInto(std::string &text) {
   c3de_sink sink{};
   sink.self = &text;

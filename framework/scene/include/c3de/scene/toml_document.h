@@ -12,7 +12,7 @@
 
 namespace c3de::scene {
 
-/// A TOML value with its line; own type, so that the parser's header is read in one source file only.
+/// A TOML value with its line; a separate type, so that only one source file includes the parser's header.
 struct TomlValue {
   enum class Kind { boolean, integer, number, text, array, table, date };
   struct Entry;
@@ -29,7 +29,7 @@ struct TomlValue {
   [[nodiscard]] const TomlValue *find(std::string_view key) const;
   /// For messages: "a number", "the text \"abc\"", "[0, \"abc\", 0]", …
   [[nodiscard]] std::string kindName() const;
-  [[nodiscard]] std::string shown() const;  ///< as it would be written, long lists cut
+  [[nodiscard]] std::string shown() const;  ///< in TOML syntax, long lists truncated
 };
 
 struct TomlValue::Entry {
@@ -40,10 +40,10 @@ struct TomlValue::Entry {
 /// The root table. The error reads "SOURCE:LINE: what is wrong".
 [[nodiscard]] Expected<TomlValue> parseToml(std::string_view text, const std::string &source);
 
-/// The whole file, if it is of a reasonable size.
+/// The whole file, unless it is unreasonably large.
 [[nodiscard]] Expected<std::string> readTextFile(const std::filesystem::path &path);
 
-/// Number, text, boolean or [x, y, z] as a parameter; nothing else has one. False: it has none.
+/// Converts a number, text, boolean or [x, y, z] to a parameter. False: any other value.
 [[nodiscard]] bool toParameter(const TomlValue &toml, const std::string &id, ParameterValue &out);
 
 }  // namespace c3de::scene

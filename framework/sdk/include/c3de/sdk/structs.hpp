@@ -23,11 +23,11 @@ template <class T>
 namespace detail {
 
 template <class T>
-struct FirstSize;
+struct MinimumSize;
 
 #define C3DE_SDK_FIRST_SIZE(T, bytes)                             \
   template <>                                                     \
-  struct FirstSize<T> {                                           \
+  struct MinimumSize<T> {                                         \
     static constexpr std::uint64_t value = bytes;                 \
     static constexpr const char *name = #T;                       \
     static_assert(sizeof(void *) != 8 || sizeof(T) >= bytes, #T); \
@@ -42,9 +42,9 @@ template <class T>
 [[nodiscard]] std::uint32_t sizeOrThrow(const T *in, const std::string &name) {
   std::uint32_t size = 0;
   std::memcpy(&size, &notNull(in, name.c_str()), sizeof size);
-  if (size < FirstSize<T>::value)
+  if (size < MinimumSize<T>::value)
     throw Error(C3DE_E_ARG, name + ": its member size is " + std::to_string(size) + ", needed are at least " +
-                                std::to_string(FirstSize<T>::value) + " (" + FirstSize<T>::name + ")");
+                                std::to_string(MinimumSize<T>::value) + " (" + MinimumSize<T>::name + ")");
   return size;
 }
 
@@ -65,9 +65,10 @@ template <class T>
 template <class T>
 [[nodiscard]] T readElement(const T *first, std::uint64_t i, std::uint64_t stride, const std::string &name) {
   const std::uint64_t step = stride != 0 ? stride : detail::sizeOrThrow(first, name + " 0");
-  if (step < detail::FirstSize<T>::value)
+  if (step < detail::MinimumSize<T>::value)
     throw Error(C3DE_E_ARG, name + ": the stride is " + std::to_string(step) + ", needed are at least " +
-                                std::to_string(detail::FirstSize<T>::value) + " (" + detail::FirstSize<T>::name + ")");
+                                std::to_string(detail::MinimumSize<T>::value) + " (" + detail::MinimumSize<T>::name +
+                                ")");
   const auto *at = reinterpret_cast<const unsigned char *>(&notNull(first, name.c_str())) + i * step;
   return readStruct(reinterpret_cast<const T *>(at), name + " " + std::to_string(i));
 }

@@ -12,29 +12,29 @@
 
 namespace c3de::segmentation {
 
-/// What holds a body.
+/// How a body is held.
 enum class Held {
-  surroundings,  ///< elastically, where it is in the scan: the tissue around
-  lowestPart,    ///< what lies lowest, along gravity, stands still
+  surroundings,  ///< elastically at its position in the scan, by the surrounding tissue
+  lowestPart,    ///< its lowest part along gravity is fixed
   nothing
 };
-/// Of the tissue around an organ, Pa/m: by so much that it moves some millimetres when its owner turns over, as scans
-/// show.
+/// Stiffness of the tissue around an organ, Pa/m. With it an organ moves some millimetres when the patient turns over,
+/// as scans show.
 inline constexpr double kSurroundingsStiffness = 3e4;
 
-/// What is to become a body: a mask, or a label of a label map.
+/// A mask, or a label of a label map, from which a body is to be created.
 struct BodyRequest {
   std::string name;
   std::shared_ptr<const imaging::Mask> mask;          ///< null: the label as it is in `labels`
-  std::shared_ptr<const scene::StoredLabels> labels;  ///< that it comes from; null: no label
+  std::shared_ptr<const scene::StoredLabels> labels;  ///< source of the label; null: no label
   std::uint16_t label = 0;
-  imaging::Mending mend;   ///< of the label
-  std::string material;    ///< name of a preset
-  std::size_t points = 0;  ///< wanted; 0: by the thickness
-  double edge_mm = 0.0;    ///< of the surface; 0: automatic
+  imaging::MaskCleanUp mend;  ///< of the label
+  std::string material;       ///< name of a preset
+  std::size_t points = 0;     ///< target count; 0: by the thickness
+  double edge_mm = 0.0;       ///< of the surface; 0: automatic
   Held held = Held::surroundings;
-  double surroundings_Pa_m = kSurroundingsStiffness;  ///< stress per way, where the surroundings hold it
-  bool isRigid = false;                               ///< it stands where it is in the scan and costs nothing
+  double surroundings_Pa_m = kSurroundingsStiffness;  ///< stress per displacement, where the surroundings hold it
+  bool isRigid = false;                               ///< fixed at its position in the scan; costs nothing
 };
 
 /// The voxels of the body. Any thread. ErrorCode::usage: there are none; cancelled.

@@ -16,49 +16,48 @@ class BackgroundJobs;
 
 namespace c3de::segmentation {
 
-/// The mask a person is picking: steps are carried out in background jobs, one after the other, and can be undone and
-/// redone. A threshold that waits gives way to a later one, so that a slider shows what it says by the latest settings.
-/// Main thread.
+/// The mask that the user is editing. Steps run in background jobs, one after the other, and can be undone and redone.
+/// A newer threshold replaces a waiting one, so that a slider shows the result of its latest setting. Main thread.
 ///
-/// The jobs may end first: the destructor does not touch them. To let go of a job that runs, setSources({}).
+/// The jobs may end first: the destructor does not touch them. To release a running job, call setSources({}).
 class MaskEditor {
  public:
-  /// @param changed  another mask, another problem, or a job has begun or ended
+  /// @param changed  called when the mask or the problem changes, or a job starts or ends
   MaskEditor(BackgroundJobs &jobs, std::string jobOwner, std::function<void()> changed);
   ~MaskEditor();
   MaskEditor(const MaskEditor &) = delete;
   MaskEditor &operator=(const MaskEditor &) = delete;
 
-  /// Nothing is picked then, and there is nothing to undo.
+  /// Clears the mask and the undo history.
   void setSources(MaskSources sources);
-  /// Another time point of the same image: what is picked stays, later steps look at this one.
+  /// Another time point of the same image: the mask is retained, later steps use the new image.
   void replaceImage(std::shared_ptr<const scene::StoredImage> image) { sources_.image = std::move(image); }
   [[nodiscard]] const MaskSources &sources() const { return sources_; }
 
-  void carryOut(const MaskStep &step);
-  /// Goes back by a step; thresholds that follow each other are one. Not while a job runs.
+  void applyStep(const MaskStep &step);
+  /// Reverts one step; consecutive thresholds count as one. Not while a job runs.
   void undo();
-  /// Until another step is carried out.
+  /// Possible until another step is carried out.
   void redo();
   [[nodiscard]] bool canUndo() const { return done_ > (isCut_ ? 1u : 0u) && !isBusy(); }
   [[nodiscard]] bool canRedo() const { return done_ < states_.size() && !isBusy(); }
-  /// What would be undone or redone, for a person; empty: nothing.
+  /// Name of the step to be undone or redone, for the user; empty: none.
   [[nodiscard]] std::string undoLabel() const { return canUndo() ? states_[done_ - 1].step.text() : std::string(); }
   [[nodiscard]] std::string redoLabel() const { return canRedo() ? states_[done_].step.text() : std::string(); }
   [[nodiscard]] bool isBusy() const { return !job_.isNull(); }
-  /// Grows with every step that is asked for.
+  /// Incremented by every requested step.
   [[nodiscard]] std::uint64_t edits() const { return edits_; }
 
-  /// Null: nothing is picked.
+  /// Null: no mask.
   [[nodiscard]] const std::shared_ptr<const imaging::Mask> &mask() const { return shown_.mask; }
   [[nodiscard]] const std::shared_ptr<const MaskPreview> &preview() const { return shown_.preview; }
   [[nodiscard]] std::size_t voxels() const { return shown_.voxels; }
   [[nodiscard]] double volume_ml() const;
-  /// What led to the mask, in order.
+  /// The steps that led to the mask, in order.
   [[nodiscard]] std::vector<MaskStep> steps() const;
-  /// The same with what runs and waits, as if it had succeeded.
+  /// Same, including running and waiting steps, as if they had succeeded.
   [[nodiscard]] std::vector<MaskStep> plannedSteps() const;
-  /// What went wrong with the last step, for a person; empty: nothing.
+  /// The error of the last step, for the user; empty: none.
   [[nodiscard]] const std::string &problem() const { return problem_; }
 
  private:
@@ -88,11 +87,11 @@ class MaskEditor {
   MaskSources sources_;
   Shown shown_;
   std::vector<State> states_;
-  std::size_t done_ = 0;  ///< states before it are what led to the mask, the others can be redone
-  bool isCut_ = false;    ///< the oldest states have been forgotten
+  std::size_t done_ = 0;  ///< the states before it led to the mask, the others can be redone
+  bool isCut_ = false;    ///< the oldest states have been discarded
   std::deque<MaskStep> waiting_;
   MaskStep running_;
-  bool isStepRunning_ = false;  ///< else the job goes back or forth
+  bool isStepRunning_ = false;  ///< otherwise the job is an undo or redo
   std::uint64_t edits_ = 0;
   Handle job_;
   std::uint64_t serial_ = 0;  ///< of the job whose result counts

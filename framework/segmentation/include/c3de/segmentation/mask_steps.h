@@ -12,39 +12,39 @@
 
 namespace c3de::segmentation {
 
-/// What masks are made from. Null members: there is none.
+/// Inputs for masks. Null members are not available.
 struct MaskSources {
   std::shared_ptr<const scene::StoredImage> image;
   std::shared_ptr<const scene::StoredLabels> labels;
 };
 
-/// One thing a person does to pick an organ.
+/// One user action while picking an organ.
 struct MaskStep {
   enum class Kind { label, labels, threshold, component, largest, fillHoles, close, open };
   Kind kind = Kind::threshold;
   std::uint16_t label = 0;              ///< label: its value
   std::vector<std::uint16_t> labels{};  ///< labels: several, or none; no mask is made of them
   double low = 0.0, high = 0.0;         ///< threshold: values of the image
-  Vec3 world{};                         ///< component: a point of it, LPS mm
+  Vec3 world{};                         ///< component: a point in it, LPS mm
   double radius_mm = 0.0;               ///< close, open
-  bool isRest = false;                  ///< what is still picked after organs have been made of the others
+  bool isRest = false;                  ///< what remains selected after bodies were created
 
-  /// What was picked before does not matter to it.
-  [[nodiscard]] bool startsAnew() const {
+  /// Whether the step ignores the previous mask.
+  [[nodiscard]] bool ignoresPreviousMask() const {
     return kind == Kind::label || kind == Kind::labels || kind == Kind::threshold;
   }
-  /// For a person: "threshold 150 … 900".
+  /// Display text: "threshold 150 … 900".
   [[nodiscard]] std::string text() const;
 };
 
 /// The mask after a step, on the grid of the label map or the image. Any thread.
-/// @param before  null: nothing was picked yet
-/// Errors (ErrorCode::usage) are sentences for the panel: nothing picked yet, a point outside of the mask, what the
-/// mask functions refuse; cancelled.
+/// @param before  null: no mask yet
+/// Errors (ErrorCode::usage) are sentences for the panel: no mask yet, a point outside the mask, those of the mask
+/// functions; cancelled.
 [[nodiscard]] Expected<imaging::Mask> carriedOut(const MaskStep &step, const MaskSources &sources,
                                                  const imaging::Mask *before, const ProgressFn &progress = {});
 
-/// A mask as a label map to be laid over slices: 1 inside, cut to the box of what is inside.
+/// A mask as a label map for display over slices: 1 inside, cropped to the bounding box of the mask.
 struct MaskPreview {
   imaging::VolumeGeometry geometry;
   std::vector<std::uint16_t> voxels;
@@ -53,7 +53,7 @@ struct MaskPreview {
 /// Without voxels for an empty mask.
 [[nodiscard]] MaskPreview previewOf(const imaging::Mask &mask, std::size_t mostVoxels);
 
-/// One bit per voxel: what a history keeps.
+/// One bit per voxel, for storage in the history.
 class PackedMask {
  public:
   explicit PackedMask(const imaging::Mask &mask);

@@ -18,12 +18,12 @@
 
 namespace c3de::segmentation {
 
-/// What a label is of in the body of a whole scan.
+/// The use of a label in the body of a whole scan.
 struct LabelUse {
   enum class Kind {
-    none,      ///< background, or left out where there is none
-    air,       ///< likewise, but only where the image shows tissue
-    rigid,     ///< it does not move
+    none,      ///< background, or left out if there is none
+    air,       ///< same, but only where the image shows tissue
+    rigid,     ///< it is fixed
     material,  ///< of a preset
   };
   Kind kind = Kind::none;
@@ -31,106 +31,107 @@ struct LabelUse {
   friend bool operator==(const LabelUse &, const LabelUse &) = default;
 };
 
-/// How the patient lay, which is where gravity pulled.
+/// Posture of the patient, which determines the direction of gravity.
 enum class Posture { supine, prone, leftSide, rightSide, upright };
 
-/// What a person chooses beside the labels.
+/// The user's choices besides the labels.
 struct ScanBodySettings {
   bool hasBackground = true;
   std::string background = "fat";  ///< name of a preset
-  double from = 0.0, to = 0.0;     ///< values of the image that are background
-  bool largestOnly = true;         ///< without what lies apart: the table, a blanket; off where organs lie alone
+  double from = 0.0, to = 0.0;     ///< image values of the background
+  bool largestOnly = true;         ///< removes separate parts: the table, a blanket; off where organs are not connected
   double points = 3000.0;
-  bool hasGravity = true;  ///< which the scan is in balance with
+  bool hasGravity = true;  ///< the scan is in equilibrium with it
   Posture posture = Posture::supine;
-  /// Corners of a box, LPS in mm: what lies outside is not of the body. None: all is.
+  /// Corners of a box, LPS in mm; the body is limited to it. None: no limit.
   std::optional<std::array<Vec3, 2>> region;
 };
 
-/// The way from an image and its labels to one body of all tissues: what each label is of, and the scene that says so.
-/// No drawing. Main thread; must outlive no job: jobs may end after it.
+/// Creates one body of all tissues from an image and its labels: manages the use of each label, and writes the scene.
+/// No drawing. Main thread; jobs may end after this object.
 class ScanBody {
  public:
   struct Sources {
     std::shared_ptr<const scene::StoredImage> image;
     std::filesystem::path imageFile;
     std::string series;                                              ///< of imageFile
-    std::filesystem::path labelFile;                                 ///< that `layers` come from
+    std::filesystem::path labelFile;                                 ///< source of `layers`
     std::vector<std::shared_ptr<const scene::StoredLabels>> layers;  ///< all of that file, in its order
   };
   /// @param materials  must outlive this
-  /// @param make  begins to make the body of a scene's text; finished() is to be called when that has ended
+  /// @param make  starts building the body from a scene text; finished() has to be called at its end
   ScanBody(BackgroundJobs &jobs, std::string jobOwner, const scene::MaterialLibrary &materials,
            std::function<void(const std::string &sceneText)> make);
   ~ScanBody();
   ScanBody(const ScanBody &) = delete;
   ScanBody &operator=(const ScanBody &) = delete;
 
-  /// Another image or other labels: choices begin anew. Another time point of the image: they stay.
+  /// Another image or other labels reset the choices; another time point of the image retains them.
   void setSources(Sources sources);
   [[nodiscard]] const Sources &sources() const { return sources_; }
-  /// Whether there are an image and labels over it.
+  /// Whether there are an image and labels for it.
   [[nodiscard]] bool isPossible() const { return sources_.image != nullptr && !sources_.layers.empty(); }
 
-  /// Whether a person is being asked. Nothing is shown where it is not possible.
+  /// Opens or closes the dialog. Has no effect while no body is possible.
   void show(bool isShown);
   [[nodiscard]] bool isShown() const { return isShown_; }
-  /// While it is shown the dialog can stand aside, for its region to be drawn, until show() is called.
-  void stepAside() { isAside_ = isShown_; }
-  [[nodiscard]] bool isAside() const { return isAside_; }
+  /// Hides the open dialog temporarily, to draw its region, until show() is called.
+  void hideTemporarily() { isAside_ = isShown_; }
+  [[nodiscard]] bool isHiddenTemporarily() const { return isAside_; }
 
   struct Row {
     std::string name;
     render::Colour colour{};
-    std::string known;   ///< "kidney", "bone"; empty: the name is not known
-    std::string remark;  ///< what is assumed where that has no preset of its own
-    bool isAir = false;  ///< by its name
+    std::string known;   ///< "kidney", "bone"; empty: unknown name
+    std::string remark;  ///< the assumption where that tissue has no own preset
+    bool isAir = false;  ///< according to its name
     LabelUse use;
     const scene::MaterialPreset *material = nullptr;  ///< of Kind::material
-    std::optional<double> volume_ml;                  ///< none: still being counted
+    std::optional<double> volume_ml;                  ///< none: still being computed
   };
   /// All labels, layer by layer.
   [[nodiscard]] const std::vector<Row> &rows() const { return rows_; }
-  /// One step of undo(), also of many rows.
+  /// One step of undo(), also for several rows.
   void setUse(const std::vector<std::size_t> &rows, const LabelUse &use);
-  /// A step as well.
+  /// Also one step.
   void setRegion(const std::optional<std::array<Vec3, 2>> &region);
-  /// What rows and region were before the last step; where there was none, nothing happens.
+  /// Restores rows and region before the last step; no effect without one.
   void undo();
   [[nodiscard]] bool canUndo() const { return !undo_.empty(); }
   [[nodiscard]] const ScanBodySettings &settings() const { return settings_; }
-  /// A region that is another one is a step of undo(); numbers of it that are set one after the other are one together.
+  /// A changed region is a step of undo(); consecutive numeric edits of it form one step.
   void setSettings(const ScanBodySettings &settings);
-  /// Of the image's values: as its file says, or "HU" where they look like it; empty: not known.
+  /// Unit of the image's values: as stated in the file, or "HU" if they look like it; empty: unknown.
   [[nodiscard]] const std::string &unit() const { return unit_; }
   /// The box around the labels' grid, LPS in mm.
   [[nodiscard]] std::array<Vec3, 2> extent_mm() const;
   [[nodiscard]] const scene::MaterialLibrary &materials() const { return materials_; }
 
-  /// What image and labels contradict of the present choices, while it is shown; those before the last choice while
-  /// isChecking().
+  /// Contradictions between the present choices, image and labels, while the dialog is shown; those of the previous
+  /// choices while isChecking().
   [[nodiscard]] const std::vector<LabelFinding> &findings() const { return findings_; }
   [[nodiscard]] bool isChecking() const { return !checking_.isNull(); }
 
-  /// Why there is no scene yet, for a person; empty: there is.
+  /// Why there is no scene yet, for the user; empty: there is one.
   [[nodiscard]] std::string sceneReason() const;
-  /// Why no body can be made now: that, or one is being made.
+  /// Why no body can be created now: sceneReason(), or one is being created.
   [[nodiscard]] std::string blockingReason() const;
-  /// A scene that makes the body. Labels of one tissue or one preset are one tissue of it, labels without voxels none.
-  /// @param folder  where it will be: files in it are named from there; empty: in full
+  /// A scene that creates the body. Labels of one tissue or one preset form one tissue; labels without voxels are
+  /// omitted.
+  /// @param folder  its future location: files in it get relative paths; empty: absolute paths
   [[nodiscard]] std::string sceneText(const std::filesystem::path &folder = {}) const;
 
-  /// Nothing while blockingReason() has a reason.
+  /// No effect while blockingReason() has a reason.
   void make();
-  /// What was begun by make() has ended. An error is shown where the person chose, unless another scan has been opened
-  /// since; choices stay. True: it is shown, or will be when it stands aside no more.
+  /// To be called at the end of the work started by make(). An error is shown in the dialog, unless another scan has
+  /// been opened since; choices are retained. True: it is shown, or will be after the dialog returns.
   bool finished(const Expected<void> &result);
-  /// Why the last try has made no body; empty: it has, or there was none.
+  /// Why the last attempt created no body; empty: it did, or there was none.
   [[nodiscard]] const std::string &problem() const { return problem_; }
 
  private:
   void count();
-  /// Begins findings() anew where a choice has changed that they depend on.
+  /// Recomputes findings() if a choice that they depend on has changed.
   void check();
   void take(Row &row, const LabelUse &use) const;
   void keepStep();
@@ -147,17 +148,17 @@ class ScanBody {
     std::vector<LabelUse> uses;
     std::optional<std::array<Vec3, 2>> region;
   };
-  std::vector<Step> undo_;              ///< what was before each step
-  std::vector<LabelUse> byName_;        ///< what each row is without a person's choice
-  std::vector<std::uint16_t> numbers_;  ///< of each row
+  std::vector<Step> undo_;              ///< the state before each step
+  std::vector<LabelUse> byName_;        ///< the use of each row by its name, without the user's choice
+  std::vector<std::uint16_t> numbers_;  ///< label value of each row
   std::string problem_, unit_;
   Handle counting_, checking_;
   std::vector<LabelFinding> findings_;
-  std::string checked_;  ///< the choices that findings_ are of, or are going to be; empty: none
+  std::string checked_;  ///< the choices that findings_ are, or will be, based on; empty: none
   std::uint64_t serial_ = 0, checkSerial_ = 0;
   bool isShown_ = false, isAside_ = false, isMaking_ = false, isCounted_ = false;
-  bool isOfEarlierScan_ = false;  ///< what is being made
-  bool isTyped_ = false;          ///< the last step is of numbers of the region
+  bool isOfEarlierScan_ = false;  ///< refers to the body being created
+  bool isTyped_ = false;          ///< the last step is a numeric edit of the region
   std::shared_ptr<bool> alive_;
 };
 

@@ -15,33 +15,34 @@
 
 namespace c3de::segmentation {
 
-/// How finely a body and its surface are divided.
+/// Resolution of a body and its surface.
 struct SamplingChoice {
   bool isCountAutomatic = true;  ///< by the thickness
-  double points = 1000.0;        ///< when it is not automatic
+  double points = 1000.0;        ///< if not automatic
   bool isEdgeAutomatic = true;
-  double edge_mm = 4.0;  ///< of the surface, when it is not automatic
+  double edge_mm = 4.0;  ///< of the surface, if not automatic
 };
 
-/// What a person chooses beside the mask.
+/// The user's choices besides the mask.
 struct SegmentationSettings {
-  bool isFromLabel = false;      ///< labels are picked, else voxels by a threshold
-  double low = 0.0, high = 0.0;  ///< threshold, values of the image
+  bool isFromLabel = false;      ///< labels are picked, otherwise voxels by a threshold
+  double low = 0.0, high = 0.0;  ///< threshold, image values
   double radius_mm = 3.0;        ///< of closing and opening
   std::string name = "organ";
-  std::string material;  ///< name of a preset; empty: none fits, to be chosen
+  std::string material;  ///< name of a preset; empty: none matches, to be chosen
   SamplingChoice sampling;
   Held held = Held::surroundings;
   double surroundings_Pa_m = kSurroundingsStiffness;
-  imaging::Mending mend;  ///< of each of several labels
+  imaging::MaskCleanUp mend;  ///< of each of several labels
 };
 
-/// The path from an image to bodies of a simulation: pick, material, sampling, go. One label or threshold gives a mask
-/// that can be mended; of several labels each is taken as it is. No drawing. Main thread; lifetime as MaskEditor.
+/// The workflow from an image to bodies of a simulation: pick, material, sampling, go. A single label or threshold
+/// gives a mask that can be edited; several labels are used unchanged. No drawing. Main thread; lifetime as for
+/// MaskEditor.
 class SegmentationWorkflow {
  public:
   struct Events {
-    std::function<void()> maskChanged;                   ///< or what is known of it
+    std::function<void()> maskChanged;                   ///< or its properties
     std::function<void(std::vector<BodyRequest>)> make;  ///< not empty
   };
   /// @param materials  must outlive the workflow
@@ -51,9 +52,9 @@ class SegmentationWorkflow {
   SegmentationWorkflow(const SegmentationWorkflow &) = delete;
   SegmentationWorkflow &operator=(const SegmentationWorkflow &) = delete;
 
-  /// Another image: everything starts anew. Another label map over the same image: the choice of labels does.
+  /// Another image resets everything; another label map over the same image resets the choice of labels.
   void setSources(MaskSources sources);
-  /// Another time point of the same image: what is picked stays, later steps look at this one.
+  /// Another time point of the same image: the mask is retained, later steps use the new image.
   void replaceImage(std::shared_ptr<const scene::StoredImage> image) { mask_.replaceImage(std::move(image)); }
 
   [[nodiscard]] const SegmentationSettings &settings() const { return settings_; }
@@ -63,63 +64,63 @@ class SegmentationWorkflow {
     std::uint16_t value = 0;
     std::string name;
     render::Colour colour{};
-    std::optional<double> volume_ml;  ///< none: still being counted
+    std::optional<double> volume_ml;  ///< none: still being computed
     bool isChosen = false;
   };
   [[nodiscard]] std::vector<LabelRow> labels() const;
-  /// In the order they were picked; none: nothing is, or a threshold.
+  /// In the order they were picked; empty: none, or a threshold.
   [[nodiscard]] std::vector<std::uint16_t> pickedLabels() const;
   /// More than one label is picked; there is no mask then.
   [[nodiscard]] bool isSeveral() const { return pickedLabels().size() > 1; }
   void setFromLabel(bool isFromLabel) { settings_.isFromLabel = isFromLabel; }
-  /// This one alone. Takes over its name, and the material that fits.
+  /// Picks this label alone. Uses its name, and the matching material.
   void chooseLabel(std::uint16_t value);
-  /// These alone.
+  /// Picks these labels alone.
   void chooseLabels(const std::vector<std::uint16_t> &values);
-  /// Beside the others.
-  void tickLabel(std::uint16_t value, bool isPicked);
-  void tickLabelAt(const Vec3 &world);
-  /// The limit that was moved takes the other one along.
+  /// Adds or removes a label.
+  void setLabelPicked(std::uint16_t value, bool isPicked);
+  void toggleLabelAt(const Vec3 &world);
+  /// Moves the other limit as well if they would cross.
   void setLow(double low);
   void setHigh(double high);
   void showThreshold();
   void keepComponentAt(const Vec3 &world);
-  void carryOut(MaskStep::Kind kind);  ///< largest, fillHoles, close, open
+  void applyStep(MaskStep::Kind kind);  ///< largest, fillHoles, close, open
   void setRadius(double radius_mm) { settings_.radius_mm = radius_mm; }
   void undo();
   void redo();
-  /// Of what is laid over the slices.
+  /// Colour of the overlay on slices.
   [[nodiscard]] render::Colour colour() const;
-  /// What is wrong with the mask, for a person; empty: nothing.
+  /// The error of the mask, for the user; empty: none.
   [[nodiscard]] std::string maskProblem() const;
 
   [[nodiscard]] const scene::MaterialLibrary &materials() const { return materials_; }
   /// Null: to be chosen.
   [[nodiscard]] const scene::MaterialPreset *material() const { return materials_.find(settings_.material); }
-  /// By a person: the name does not change it any more, until another label or image is chosen.
+  /// The user's choice: the name no longer changes it, until another label or image is chosen.
   void chooseMaterial(const std::string &preset);
   void setName(const std::string &name);
-  /// One of several labels; null: to be chosen.
+  /// For one of several labels; null: to be chosen.
   [[nodiscard]] const scene::MaterialPreset *materialOf(std::uint16_t label) const;
   void chooseMaterialOf(std::uint16_t label, const std::string &preset);
   void setSampling(const SamplingChoice &sampling) { settings_.sampling = sampling; }
   void setHolding(Held held, double surroundings_Pa_m);
-  /// Bone is rigid until a person says otherwise: its step would be everybody's.
+  /// Bone is rigid unless the user decides otherwise, because its small time step would apply to all bodies.
   [[nodiscard]] bool isRigid() const;
   void setRigid(bool isRigid) { rigid_ = isRigid; }
-  /// Of one of several labels.
+  /// For one of several labels.
   [[nodiscard]] bool isRigid(std::uint16_t label) const;
   void setRigid(std::uint16_t label, bool isRigid) { labelRigid_[label] = isRigid; }
-  void setMending(const imaging::Mending &mend);
+  void setMending(const imaging::MaskCleanUp &mend);
 
-  /// Why no body can be created of it yet, for a person; empty: it can.
+  /// Why no body can be created yet, for the user; empty: it can.
   [[nodiscard]] std::string blockingReason() const;
-  /// Does nothing while blockingReason() has a reason.
+  /// No effect while blockingReason() has a reason.
   void createBodies();
-  /// What has become a body is picked no more; what could not stays.
+  /// Deselects what has become a body; failed labels stay selected.
   void onBodiesCreated(const std::vector<BodyRequest> &created);
-  /// The last step is what was left when bodies were created: a step farther back, and what a body comes from would be
-  /// laid over it.
+  /// Whether the last step is the remaining selection after bodies were created. One more undo would show the source of
+  /// a body over it.
   [[nodiscard]] bool hasJustCreated() const;
 
  private:
@@ -136,19 +137,19 @@ class SegmentationWorkflow {
   Events events_;
   MaskEditor mask_;
   SegmentationSettings settings_;
-  std::vector<double> labelVolumes_ml_;  ///< by position in the map's labels; empty: not counted yet
+  std::vector<double> labelVolumes_ml_;  ///< in the order of the map's labels; empty: not computed yet
   Handle counting_;
   std::uint64_t serial_ = 0;
-  std::string clickProblem_;                             ///< of tickLabelAt()
-  std::map<std::uint16_t, std::string> labelMaterials_;  ///< chosen by a person for one of several
-  std::optional<bool> rigid_;                            ///< by a person; none: as the material says
+  std::string clickProblem_;                             ///< of toggleLabelAt()
+  std::map<std::uint16_t, std::string> labelMaterials_;  ///< the user's choice for one of several
+  std::optional<bool> rigid_;                            ///< the user's choice; none: as the material specifies
   std::map<std::uint16_t, bool> labelRigid_;
   bool isMaterialChosen_ = false;
   bool followsUndo_ = false;
   std::shared_ptr<bool> alive_;
 };
 
-/// "6 kPa (1 kPa … 15 kPa)", of Pa.
+/// "6 kPa (1 kPa … 15 kPa)", from values in Pa.
 [[nodiscard]] std::string stiffnessText(double value, double low, double high);
 
 }  // namespace c3de::segmentation

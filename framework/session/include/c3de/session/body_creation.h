@@ -12,26 +12,26 @@
 
 namespace c3de::session {
 
-/// Makes bodies of what a person has picked in an image. Main thread. Must outlive the session's jobs.
+/// Creates bodies from structures picked in an image. Main thread. Must outlive the session's jobs.
 class BodyCreation {
  public:
-  /// What has become of a request for several bodies. The failed ones are missing, all others are there.
+  /// Outcome of a request for several bodies. A body that fails is missing; all others are present.
   struct Result {
-    std::vector<segmentation::BodyRequest> created, notTried;  ///< notTried: because it was cancelled before
-    std::vector<std::pair<std::string, Error>> failed;         ///< by name
-    std::vector<Coverage> coverage;                            ///< of those that were created
-    bool isNew = false;  ///< in a simulation of their own, which is the present one now; else beside what was there
+    std::vector<segmentation::BodyRequest> created, notTried;  ///< notTried: cancelled before they were started
+    std::vector<std::pair<std::string, Error>> failed;         ///< by body name
+    std::vector<Coverage> coverage;                            ///< of the created bodies
+    bool isNew = false;                                        ///< in a new simulation, which is now the present one
   };
   struct Events {
-    std::function<void(const Result &)> created;                               ///< at least one body
-    std::function<void(const std::string &title, const Error &error)> failed;  ///< no body
+    std::function<void(const Result &)> created;                               ///< at least one body was created
+    std::function<void(const std::string &title, const Error &error)> failed;  ///< no body was created
   };
   BodyCreation(Session &session, Events events) : session_(session), events_(std::move(events)) {}
 
-  /// In one background job, with progress, one after the other; a later request ends one that runs. The bodies join the
-  /// present simulation; where there is none, one begins without gravity: the scan shows organs in balance with it. One
-  /// that fails does not keep the others from being created. When it is cancelled, those that have joined the present
-  /// simulation stay, and a new one is given up.
+  /// Creates the bodies one after the other in one background job, with progress. A later request ends a running one.
+  /// The bodies join the present simulation. Without one, a simulation starts without gravity, because the scan shows
+  /// the organs in equilibrium with it. The failure of one body does not prevent the creation of the others. On
+  /// cancellation, bodies that have joined the present simulation stay, and a new simulation is discarded.
   void createBodies(std::vector<segmentation::BodyRequest> requests);
 
  private:
@@ -44,11 +44,11 @@ class BodyCreation {
   std::uint64_t serial_ = 0;
 };
 
-/// "liver, spleen and stomach"; of more than four the first three: "liver, spleen, stomach and 2 more".
+/// "liver, spleen and stomach"; of more than four names the first three: "liver, spleen, stomach and 2 more".
 [[nodiscard]] std::string namesOf(const std::vector<segmentation::BodyRequest> &requests);
-/// The world that bodies from a scan begin in: without gravity, damped, no body yet.
+/// The initial world for bodies from a scan: no gravity, damped, no body yet.
 [[nodiscard]] scene::SceneFile sceneWithoutBodies();
-/// The request as a scene of one body. @param preset  null: the values of the simulator
+/// The request as a scene of one body. @param preset  null: the simulator's default values
 [[nodiscard]] scene::SceneFile sceneOf(const segmentation::BodyRequest &request, imaging::Mask mask,
                                        const scene::MaterialPreset *preset);
 

@@ -11,19 +11,19 @@
 
 namespace c3de::session {
 
-/// What can be said of a body to other programs: LPS millimetres, arrays named with their units.
+/// The state of a body for exchange with other programs: LPS millimetres, arrays named with their units.
 struct BodyState {
   std::string name;
-  /// "displacement [mm]", then the fields of the simulator, "name [unit]": what carries the mass.
+  /// The points that carry the mass: "displacement [mm]", then the fields of the simulator, "name [unit]".
   geometry::PointCloud inside;
-  geometry::TriangleMesh skin;                   ///< as it lies now; without triangles where the simulator lends none
+  geometry::TriangleMesh skin;                   ///< at present; no triangles where the simulator lends none
   std::vector<geometry::PointArray> skinArrays;  ///< "displacement [mm]"
 };
 
 enum class BodyParts { skin, skinAndInside };
 
-/// The present state of every body, in the order of the simulator. On the thread that steps it, between two steps.
-/// @param takeError  the text that the last failing call left; may be empty. Errors: ErrorCode::plugin.
+/// The present state of every body, in the order of the simulator. Call on the thread that steps it, between two steps.
+/// @param takeError  returns the text of the last failed call; may be empty. Errors: ErrorCode::plugin.
 [[nodiscard]] Expected<std::vector<BodyState>> readBodyStates(c3de_object *simulator, BodyParts parts,
                                                               const std::function<std::string()> &takeError);
 

@@ -6,18 +6,18 @@
 
 namespace c3de::session {
 
-/// What `run` and `info` ask about a scene, so that both give the same answer: reads the image beside the simulation
-/// with its label maps, then fills the simulator (Session::populate). Errors begin with the place in the scene.
-/// @param sources  keeps the images that were read
+/// Builds a scene for both `run` and `info`, so that they agree. Reads the image of the simulation with its label maps,
+/// then fills the simulator (Session::populate). Errors begin with the location in the scene.
+/// @param sources  stores the images that were read
 [[nodiscard]] Expected<void> buildScene(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
                                         BodySources &sources, const ProgressFn &progress, Prepared *prepared = nullptr);
 
-/// The part of it that needs no simulator. Any thread.
+/// The part of buildScene() that needs no simulator. Any thread.
 [[nodiscard]] Expected<void> readSceneImage(const scene::SceneFile &scene, BodySources &sources,
                                             const ProgressFn &progress);
 
-/// In a run without a window: hands the image of the scene, with its label maps, to plugins (c3de.imaging/1) where
-/// one of them asks for images; after buildScene(). They are copies, for as long as the session.
+/// For a run without a window: passes the image of the scene, with its label maps, to plugins (c3de.imaging/1) if one
+/// of them requests images. Call after buildScene(). The plugins get copies that last as long as the session.
 void lendImage(Session &session, const scene::SceneFile &scene, BodySources &sources);
 
 }  // namespace c3de::session

@@ -10,26 +10,26 @@
 
 namespace c3de::session {
 
-/// What of the part of an image that was asked for a body stands for.
+/// How much of the requested part of an image a body represents.
 struct Coverage {
   std::string body;
-  double asked_mm3 = 0.0, missing_mm3 = 0.0;     ///< of voxels
-  std::size_t specks = 0;                        ///< of what is missing: islands too small to be simulated
-  std::shared_ptr<const imaging::Mask> missing;  ///< on the grid of the mask; null: nothing
-  [[nodiscard]] double part() const { return asked_mm3 > 0.0 ? 1.0 - missing_mm3 / asked_mm3 : 1.0; }
+  double requested_mm3 = 0.0, missing_mm3 = 0.0;  ///< volume of voxels
+  std::size_t specks = 0;                         ///< islands too small to be simulated; part of the missing volume
+  std::shared_ptr<const imaging::Mask> missing;   ///< on the grid of the mask; null: nothing is missing
+  [[nodiscard]] double part() const { return requested_mm3 > 0.0 ? 1.0 - missing_mm3 / requested_mm3 : 1.0; }
 };
 
-/// What a closed skin leaves of a mask outside.
-/// @param specks  of `asked` that were left out before
+/// The part of a mask that a closed skin does not enclose.
+/// @param specks  specks of `asked` that were removed before
 [[nodiscard]] Coverage coverageOf(const imaging::Mask &asked, const geometry::TriangleMesh &skin, std::size_t specks);
-/// What voxels that fill a body leave of it. @param filled  on the grid of `asked`
+/// The part of a mask that the voxels of a body do not fill. @param filled  on the grid of `asked`
 [[nodiscard]] Coverage coverageOf(const imaging::Mask &asked, const imaging::Mask &filled, std::size_t specks);
 
-/// "12.3 ml (4.5 %) of what was asked for as 'aorta' is in no body; …", with what would help; empty where nothing is
-/// missing that a person would want to know: less than a thousandth.
+/// "12.3 ml (4.5 %) of what was asked for as 'aorta' is in no body; …", with advice. Empty where the missing part is
+/// negligible: less than a thousandth.
 [[nodiscard]] std::string sentenceOf(const Coverage &coverage);
 
-/// All that is missing, on one grid; an empty mask where nothing is, or nothing that lies in it.
+/// All missing voxels on one grid. The mask is empty where nothing is missing, or nothing within the grid.
 [[nodiscard]] imaging::Mask missingOn(const imaging::VolumeGeometry &grid, const std::vector<Coverage> &bodies);
 
 }  // namespace c3de::session

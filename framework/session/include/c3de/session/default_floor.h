@@ -13,16 +13,16 @@ struct Bounds_m {
   Vec3 min{}, max{};
 };
 
-/// Walls for bodies without a world of their own, so that what falls along -y stays in sight: a floor a little below
-/// them, as wide as three of them, and room above. m
-[[nodiscard]] Bounds_m roomAround(const Bounds_m &bodies);
-/// What a camera should show of them: the bodies, and the floor around where they come to lie. m
+/// Walls for bodies whose scene defines no world, so that a body falling along -y stays in view: a floor slightly below
+/// them, three times their extent wide, and free space above. m
+[[nodiscard]] Bounds_m wallsAround(const Bounds_m &bodies);
+/// The region that a camera should frame: the bodies, and the floor around the position where they come to rest. m
 [[nodiscard]] Bounds_m framedWith(const Bounds_m &bodies, const Bounds_m &room);
 
-/// Of the skins of all bodies as they are now; none without one. [sim]
+/// Of the present skins of all bodies; none without a body. [sim]
 [[nodiscard]] std::optional<Bounds_m> boundsOfBodies(c3de_object *simulator);
 
-/// Puts the walls up where the simulator declares world.box; what was put up, or none. Before it is attached. [sim]
-[[nodiscard]] Expected<std::optional<Bounds_m>> putUpRoom(c3de_object *simulator, const Bounds_m &bodies);
+/// Adds the walls where the simulator declares world.box. Returns the walls added, or none. Call before attach(). [sim]
+[[nodiscard]] Expected<std::optional<Bounds_m>> addSurroundingWalls(c3de_object *simulator, const Bounds_m &bodies);
 
 }  // namespace c3de::session

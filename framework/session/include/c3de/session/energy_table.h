@@ -11,8 +11,8 @@
 
 namespace c3de::session {
 
-/// Energies over all bodies over time as CSV: `time [s],elastic [J],gravity [J],…`, one row per sample, with the energies
-/// that the first one has. The file grows row by row and ends with a whole one whatever happens. Errors:
+/// Energies summed over all bodies over time as CSV: `time [s],elastic [J],gravity [J],…`, one row per sample, with the
+/// energies of the first sample. The file grows row by row and always ends with a complete row. Errors:
 /// ErrorCode::output; ErrorCode::plugin, where a simulator reports no energies.
 class EnergyTable {
  public:
@@ -28,7 +28,7 @@ class EnergyTable {
   std::vector<std::string> names_;
 };
 
-/// Sums over the bodies of a simulator's report, by name.
+/// Energies of a simulator's report, by name, summed over the bodies.
 [[nodiscard]] Expected<std::map<std::string, double>> energiesOf(const std::string &simulatorJson);
 
 }  // namespace c3de::session

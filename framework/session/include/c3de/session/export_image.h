@@ -8,11 +8,11 @@
 #include "c3de/abi/iface/simulator.h"
 #include "c3de/core/expected.h"
 #include "c3de/imaging/displacement.h"
+#include "c3de/imaging/fixed_regions.h"
 #include "c3de/imaging/reading.h"
-#include "c3de/imaging/still.h"
 #include "c3de/scene/materials.h"
 #include "c3de/scene/scene_file.h"
-#include "c3de/session/tissue_places.h"
+#include "c3de/session/tissue_voxels.h"
 
 namespace c3de {
 class ThreadPool;
@@ -22,66 +22,67 @@ namespace c3de::session {
 
 class BodySources;
 
-/// What of the deformed scan is written; empty paths: not wanted. NRRD, NIfTI or MetaImage, by extension.
+/// The outputs of the deformed scan; an empty path means not requested. NRRD, NIfTI or MetaImage, by extension.
 struct ImageExport {
-  /// The scene's image as the tissue now lies, on its own grid and in its own type
+  /// The scene's image deformed with the tissue, on its own grid and in its own type
   std::filesystem::path image;
-  /// u(x) in mm at its voxels (x, y, z in LPS): the material at x was at x - u. Beside it vacatedFile() is written.
+  /// u(x) in mm at the image's voxels (x, y, z in LPS): the material at x was at x - u. emptiedFile() is written as
+  /// well.
   std::filesystem::path displacement;
-  /// The deformed label map, on the grid of the image; labelFiles() lists what is written
+  /// The deformed label map, on the grid of the image; labelFiles() lists the files written
   std::filesystem::path labels;
   [[nodiscard]] bool isWanted() const { return !image.empty() || !displacement.empty() || !labels.empty(); }
 };
 
-/// How an image goes with the bodies.
+/// How an image is deformed with the bodies.
 struct ImageWarp {
-  double rim_mm = 10.0;                             ///< within it their displacement falls to nothing around them
-  imaging::StillRule still;                         ///< what stays
-  std::shared_ptr<const imaging::LabelMap> labels;  ///< that `still` speaks of; may be null
-  std::shared_ptr<const std::vector<TissuePlaces>> tissues{};  ///< of bodies; null: there are none of many
+  double rim_mm = 10.0;                                        ///< around the bodies, until their displacement is zero
+  imaging::FixedRegionRule still;                              ///< regions that stay fixed
+  std::shared_ptr<const imaging::LabelMap> labels;             ///< the labels that `still` refers to; may be null
+  std::shared_ptr<const std::vector<TissueVoxels>> tissues{};  ///< of the bodies of many tissues; null: there are none
 };
-/// That of a scene, whose image and labels are read if they are not yet. Errors: those of reading and of stillRuleOf(),
-/// with the line of [image].
-/// @param tissues  of its bodies; empty: they are not made yet
+/// The warp of a scene. Reads its image and labels unless they were read before. Errors: those of reading and of
+/// fixedRegionRuleOf(), with the line of [image].
+/// @param tissues  of its bodies; empty: not created yet
 [[nodiscard]] Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, BodySources &sources,
                                               const scene::MaterialLibrary &materials,
-                                              const std::vector<TissuePlaces> &tissues = {});
+                                              const std::vector<TissueVoxels> &tissues = {});
 
-/// Before the simulation begins: that there is an image whose grid they take, and that the files can be written.
+/// Checks before the simulation begins that there is an image to provide the grid, and that the files can be written.
 /// Errors: usage, output.
 [[nodiscard]] Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFile &scene);
-/// How far the tissue has moved, finer than what is shown live, wherever bodies are in the image. [sim]
+/// The displacement of the tissue wherever bodies are in the image, on a finer grid than the live display. [sim]
 [[nodiscard]] Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v1 *table,
                                                                       c3de_object *simulator,
                                                                       const imaging::Volume &image,
                                                                       const ImageWarp &how);
-/// u.nrrd -> u-vacated.nrrd: 1 where a body has gone away and nothing is known of what is there now. The field itself
-/// has no mark: it stays finite, as programs that resample with it need it.
-[[nodiscard]] std::filesystem::path vacatedFile(const std::filesystem::path &displacement);
-/// Whether the values of the scene's image are numbers of labels: it is one of its label maps, or a body is made from
-/// its labels.
+/// u.nrrd -> u-vacated.nrrd: 1 where a body has moved away and the present content is unknown. The field itself has no
+/// mark: it stays finite, as programs that resample with it require.
+[[nodiscard]] std::filesystem::path emptiedFile(const std::filesystem::path &displacement);
+/// Whether the voxel values of the scene's image are label numbers: it is one of the scene's label maps, or a body is
+/// made from its labels.
 [[nodiscard]] bool isImageOfLabels(const scene::SceneFile &scene);
-/// The layers of the label map that is exported: the last of [image], else that of the first body with labels. Errors:
+/// The layers of the exported label map: the last one of [image], otherwise that of the first body with labels. Errors:
 /// those of reading, and that there is none.
 [[nodiscard]] Expected<std::shared_ptr<const std::vector<imaging::LabelMap>>> labelsToExport(
     const scene::SceneFile &scene, BodySources &sources);
-/// a.nrrd, a-2.nrrd, …: one for each layer.
+/// a.nrrd, a-2.nrrd, …: one file per layer.
 [[nodiscard]] std::vector<std::filesystem::path> labelFiles(const std::filesystem::path &labels, std::size_t layers);
-/// Warps and writes image and displacement. Any thread. The answer is for a person: the files, and how much of the image
-/// is vacated.
-/// @param areLabels  the values of the image are numbers of labels: the nearest is taken, nothing is interpolated
-/// @param threads    null: the calling one alone
+/// Warps and writes image and displacement. Any thread. Returns a text for the user: the files, and how much of the
+/// image is vacated.
+/// @param areLabels  the voxel values are label numbers: nearest-neighbour sampling, no interpolation
+/// @param threads    null: the calling thread only
 [[nodiscard]] Expected<std::string> writeImages(const ImageExport &wanted, const imaging::Volume &image, bool areLabels,
                                                 const imaging::DisplacementGrid &u, const ProgressFn &progress,
                                                 ThreadPool *threads);
-/// Likewise of the label map: the nearest label at each voxel of the image.
-/// @param layers  of labelsToExport()
+/// Same for the label map: the nearest label at each voxel of the image.
+/// @param layers  from labelsToExport()
 /// @param grid    of the image
 [[nodiscard]] Expected<std::string> writeLabels(const std::filesystem::path &file,
                                                 const std::vector<const imaging::LabelMap *> &layers,
                                                 const imaging::VolumeGeometry &grid, const imaging::DisplacementGrid &u,
                                                 const ProgressFn &progress, ThreadPool *threads);
-/// That the name has an ending that can be written, and can be written to. Errors: usage, output.
+/// Checks that the file has a supported extension and can be written. Errors: usage, output.
 [[nodiscard]] Expected<void> checkImageFile(const std::filesystem::path &file);
 
 }  // namespace c3de::session

@@ -12,18 +12,18 @@ class MeshFormats;
 
 namespace c3de::session {
 
-/// What a file or folder is taken for, by name and first bytes.
+/// The type of a file or folder, detected by name and first bytes.
 enum class FileKind { scene, image, mesh, unknown };
 
-/// @param formats  null, or what plugins read as well
+/// @param formats  mesh formats that plugins add; may be null
 [[nodiscard]] FileKind kindOf(const std::filesystem::path &path, const geometry::MeshFormats *formats = nullptr);
-/// Why a file of unknown kind is not opened, and what is accepted (ErrorCode::input).
+/// Why a file of unknown type is not opened, and which types are accepted (ErrorCode::input).
 [[nodiscard]] Error unknownKind(const std::filesystem::path &path, const geometry::MeshFormats *formats = nullptr);
 
-/// What is wrong with a name that is none of a folder of plugins.
+/// Why a path is not a plugin folder.
 [[nodiscard]] std::string notAFolder(const std::filesystem::path &path);
 
-/// What an image is called: its file or folder, never what is in it.
+/// The display name of an image: that of its file or folder, never taken from its content.
 [[nodiscard]] std::string imageName(const std::filesystem::path &path);
 
 }  // namespace c3de::session

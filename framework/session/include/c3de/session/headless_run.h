@@ -17,15 +17,14 @@
 
 namespace c3de::session {
 
-/// What the scene and the command say about a run's end.
+/// Limits of a run set by the scene and the command.
 struct RunLimits {
   std::optional<std::chrono::steady_clock::time_point> deadline;
-  std::chrono::steady_clock::time_point begin{};  ///< of the command
+  std::chrono::steady_clock::time_point begin{};  ///< start of the command
 };
 
-/// Steps a simulator in the calling thread to the end that the options name, samples probes on the way. A quasi-static
-/// solution, which has no time, goes on until the simulator says that it is finished, or for as many steps as were
-/// asked.
+/// Steps a simulator in the calling thread to the end set by the options, and samples probes on the way. A quasi-static
+/// solution, which has no time, continues until the simulator reports that it is finished, or for the requested steps.
 class HeadlessRun {
  public:
   HeadlessRun(Session &session, c3de_object *simulator, const c3de_simulator_v1 *table, const RunOptions &options,
@@ -33,8 +32,8 @@ class HeadlessRun {
       : session_(session), simulator_(simulator), table_(table), options_(options), limits_(std::move(limits)),
         outputs_(outputs) {}
 
-  /// Runs; what ended it stands in facts().outcome. Probes or an export that cannot be written on the way are told, and
-  /// the run goes on without them. The error is about the simulator's report.
+  /// Runs the simulation; facts().outcome states how it ended. Probes or an export that cannot be written are reported,
+  /// and the run continues without them. The error refers to the simulator's report.
   [[nodiscard]] Expected<void> run();
   [[nodiscard]] const RunFacts &facts() const { return facts_; }
   /// The simulator's own report as JSON.
@@ -42,18 +41,18 @@ class HeadlessRun {
 
  private:
   [[nodiscard]] Expected<void> readStatus();
-  /// A row of the probes; the error is about the simulator's report.
+  /// Writes a row of the probes; the error refers to the simulator's report.
   [[nodiscard]] Expected<void> sampleProbes();
-  /// A row of the energies when its time has come, or at any rate.
+  /// Writes a row of the energies when due, or unconditionally at the end.
   void sampleEnergies(bool isEnd);
-  /// Adds the present state to the export when its time has come, or at any rate.
+  /// Adds the present state to the export when due, or unconditionally at the end.
   void exportFrame(bool isEnd);
   [[nodiscard]] Expected<void> addFrame();
   void finishOutputs();
   [[nodiscard]] bool isDone() const;
   [[nodiscard]] bool isQuasistatic() const { return facts_.isLoadStepped; }
   [[nodiscard]] double fraction() const;
-  [[nodiscard]] std::string position() const;  ///< for messages: how far it has come
+  [[nodiscard]] std::string position() const;  ///< for messages: the time or load step reached
 
   Session &session_;
   c3de_object *simulator_;
@@ -62,19 +61,19 @@ class HeadlessRun {
   RunLimits limits_;
   RunFacts facts_;
   WrittenOutputs &outputs_;
-  bool wantsProbes_ = false;  ///< and they could be written so far
+  bool wantsProbes_ = false;  ///< and no write has failed so far
   std::optional<ProbeTable> probes_;
   std::uint64_t sampledStep_ = 0;
-  bool wantsEnergies_ = false;  ///< likewise
+  bool wantsEnergies_ = false;  ///< same
   std::optional<EnergyTable> energies_;
   std::optional<std::uint64_t> energyStep_;
   double energyRow_ = -1.0;
-  std::unique_ptr<SimulationExport> export_;  ///< likewise
+  std::unique_ptr<SimulationExport> export_;  ///< same
   std::optional<std::uint64_t> exportedStep_;
   double nextFrame_s_ = 0.0;
   bool finished_ = false;
   std::uint32_t stopped_ = 0;
-  std::uint32_t plannedSteps_ = 0;  ///< 0: not known
+  std::uint32_t plannedSteps_ = 0;  ///< 0: unknown
 };
 
 }  // namespace c3de::session

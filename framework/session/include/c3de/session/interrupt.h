@@ -3,8 +3,8 @@
 
 namespace c3de::session {
 
-/// From now on the first Ctrl-C or SIGTERM is only noted, so that a run can finish with its report; a second one ends
-/// the program at once. Every SIGHUP is noted, unless it was ignored before (nohup).
+/// From now on the first Ctrl-C or SIGTERM is only recorded, so that a run can finish with its report. A second one
+/// terminates the program immediately. Every SIGHUP is recorded, unless it was ignored before (nohup).
 void watchForInterrupt();
 [[nodiscard]] bool wasInterrupted();
 

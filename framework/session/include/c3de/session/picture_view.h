@@ -6,19 +6,19 @@
 
 namespace c3de::session {
 
-/// What `--view` chooses.
+/// The choices of `--view`.
 enum class PictureView { space, axial, sagittal, coronal, four };
 [[nodiscard]] const char *nameOf(PictureView view);  ///< as on the command line: "3d", "axial", …, "four-up"
 [[nodiscard]] std::optional<PictureView> pictureViewOf(const std::string &name);
 
-/// What `--overlay` lays over the slices in colours.
+/// The colour overlay on slices that `--overlay` selects.
 struct PictureOverlay {
   enum class Kind { none, displacement, volumeChange, field };
   Kind kind = Kind::displacement;
   std::string field;  ///< name of a PointField
   friend bool operator==(const PictureOverlay &, const PictureOverlay &) = default;
 };
-/// "none", "displacement", "volume_change", else a field of the simulator.
+/// "none", "displacement", "volume_change", otherwise a field of the simulator.
 [[nodiscard]] PictureOverlay pictureOverlayOf(const std::string &name);
 
 }  // namespace c3de::session

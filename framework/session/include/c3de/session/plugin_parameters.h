@@ -10,7 +10,7 @@
 
 namespace c3de::session {
 
-/// Sets a parameter that a plugin has declared; its listener hears of it.
+/// Sets a parameter that a plugin has declared and notifies its listener.
 /// @param assignment  "PLUGIN:ID=VALUE", for example "org.c3de.magnet:strength=20"; a vector as "0,0.3,0". Errors
 ///                    (ErrorCode::usage) name the nearest plugin or parameter and what is accepted.
 [[nodiscard]] Expected<void> setPluginParameter(registry::ParameterRegistry &parameters,

@@ -9,24 +9,24 @@
 
 namespace c3de::session {
 
-/// A quantity of one number that a simulator has at each of its points.
+/// A scalar quantity that a simulator provides at each of its points.
 struct PointField {
   std::string name, unit;
   friend bool operator==(const PointField &, const PointField &) = default;
 };
 
-/// What of the tissue is wanted in an image.
-struct FieldsWanted {
-  bool any = false;  ///< det F, and the field; else nothing
+/// The tissue fields requested for an image.
+struct RequestedFields {
+  bool any = false;  ///< det F and the field; otherwise nothing
   std::string name;  ///< of a PointField; empty: the first
-  friend bool operator==(const FieldsWanted &, const FieldsWanted &) = default;
+  friend bool operator==(const RequestedFields &, const RequestedFields &) = default;
 };
 
-/// Those of all bodies, in the order of the simulator; without mass and volume, which tell of points and not of tissue.
-/// [sim]
+/// The fields of all bodies, in the order of the simulator; without mass and volume, which describe points and not
+/// tissue. [sim]
 [[nodiscard]] std::vector<PointField> pointFields(const c3de_simulator_v1 *table, c3de_object *simulator);
-/// Lays them over the grid of a displacement that was read. What the simulator does not tell is left out. [sim]
-void addFields(const c3de_simulator_v1 *table, c3de_object *simulator, const FieldsWanted &wanted,
+/// Resamples the fields to the grid of a displacement. Fields that the simulator does not provide are omitted. [sim]
+void addFields(const c3de_simulator_v1 *table, c3de_object *simulator, const RequestedFields &wanted,
                imaging::DisplacementGrid &grid);
 
 }  // namespace c3de::session

@@ -6,17 +6,17 @@
 #include <vector>
 
 #include "c3de/session/coverage.h"
-#include "c3de/session/tissue_places.h"
+#include "c3de/session/tissue_voxels.h"
 
 namespace c3de::session {
 
-/// Where the wall time goes between the files of a scene and its bodies, s; sums over bodies.
+/// Wall time spent between reading the files of a scene and its finished bodies, s; sums over bodies.
 struct Preparation {
   double reading_s = 0.0;   ///< meshes, images and label maps
-  double masks_s = 0.0;     ///< labels and thresholds, mended
+  double masks_s = 0.0;     ///< labels and thresholds, including mending
   double surfaces_s = 0.0;  ///< of masks
-  double fills_s = 0.0;     ///< how much of every voxel is inside
-  double bodies_s = 0.0;    ///< sampling and all that the simulator builds
+  double fills_s = 0.0;     ///< fraction of every voxel that is inside
+  double bodies_s = 0.0;    ///< sampling and all structures that the simulator builds
 
   Preparation &operator+=(const Preparation &other) {
     reading_s += other.reading_s;
@@ -28,21 +28,21 @@ struct Preparation {
   }
 };
 
-/// What there is to say about the bodies of a scene when they are made.
+/// Results to report about the bodies of a scene after they are built.
 struct Prepared {
   Preparation took;
-  std::vector<Coverage> coverage;     ///< of the bodies that were made from images, in their order
-  std::vector<TissuePlaces> tissues;  ///< of the bodies of many tissues, in their order
-  std::vector<std::string> notices;   ///< BodySources::said(): of files, and what images contradict
+  std::vector<Coverage> coverage;     ///< of the bodies built from images, in their order
+  std::vector<TissueVoxels> tissues;  ///< of the bodies of many tissues, in their order
+  std::vector<std::string> notices;   ///< BodySources::said(): about files and label maps
 };
 
-/// Adds the wall time of its life to a number.
-class TimeSpent {
+/// Adds the wall time of its lifetime to a sum.
+class ScopedTimer {
  public:
-  explicit TimeSpent(double &seconds) : seconds_(seconds) {}
-  TimeSpent(const TimeSpent &) = delete;
-  TimeSpent &operator=(const TimeSpent &) = delete;
-  ~TimeSpent() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count(); }
+  explicit ScopedTimer(double &seconds) : seconds_(seconds) {}
+  ScopedTimer(const ScopedTimer &) = delete;
+  ScopedTimer &operator=(const ScopedTimer &) = delete;
+  ~ScopedTimer() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count(); }
 
  private:
   double &seconds_;

@@ -11,8 +11,8 @@
 
 namespace c3de::session {
 
-/// Probes over time as CSV: `time [s],tip.x [m],…,tip.vx [m/s],…`, one row per sample. The file grows row by row
-/// and ends with a whole one whatever happens. Errors: ErrorCode::output.
+/// Probes over time as CSV: `time [s],tip.x [m],…,tip.vx [m/s],…`, one row per sample. The file grows row by row and
+/// always ends with a complete row. Errors: ErrorCode::output.
 class ProbeTable {
  public:
   [[nodiscard]] static Expected<ProbeTable> create(const std::filesystem::path &file,

@@ -6,7 +6,7 @@
 
 namespace c3de::session {
 
-/// Progress of long work on stderr: a bar that is redrawn on a terminal, a plain line now and then elsewhere.
+/// Progress of long work on stderr: a bar that is redrawn on a terminal, otherwise an occasional plain line.
 class ProgressLine {
  public:
   /// @param silent  shows nothing
@@ -15,11 +15,11 @@ class ProgressLine {
   ProgressLine(const ProgressLine &) = delete;
   ProgressLine &operator=(const ProgressLine &) = delete;
 
-  /// Cheap when nothing is due; call it as often as you like. fraction in 0 … 1.
+  /// Cheap when no update is due; may be called at any rate. fraction in 0 … 1.
   void update(double fraction, const std::string &text);
-  /// Whether update() would show something: for who would have to compose the text.
+  /// Whether update() would print something, for callers that have to compose the text.
   [[nodiscard]] bool isDue() const;
-  /// Ends the line of the bar.
+  /// Terminates the line of the bar.
   void finish();
 
  private:

@@ -9,17 +9,18 @@
 
 namespace c3de::session {
 
-/// The file of that name among the resources, for example "scenes/first_light.toml": beside the installed program
-/// (../share/c3de), else in the source tree that the program was built from. The error says where it was looked for.
+/// The resource file of that name, for example "scenes/first_light.toml": next to the installed program
+/// (../share/c3de), otherwise in the source tree that the program was built from. The error lists the searched
+/// locations.
 [[nodiscard]] Expected<std::filesystem::path> findResource(const std::filesystem::path &name);
 
-/// The presets of resources/materials.toml. The error says where that file was looked for, or which line is wrong.
+/// The presets of resources/materials.toml. The error lists the searched locations, or the invalid line.
 [[nodiscard]] Expected<scene::MaterialLibrary> loadMaterialPresets();
 
-/// What opens when no file is named: a brain in its head, or, where that scene cannot be opened, an organ.
+/// The scene opened when no file is named: a brain in its head, or an organ where that scene cannot be opened.
 struct DefaultScene {
   std::filesystem::path file;
-  std::string notice;  ///< why it is the organ, and how to get the scan if that is missing; empty: it is the head
+  std::string notice;  ///< why it is the organ, and how to get a missing scan; empty: it is the head
 };
 [[nodiscard]] Expected<DefaultScene> findDefaultScene();
 

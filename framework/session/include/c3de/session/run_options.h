@@ -13,30 +13,30 @@
 
 namespace c3de::session {
 
-/// Simulated time between two frames of an export: 25 a second, as players of films take it.
+/// Simulated time between two frames of an export: 25 per second, the frame rate of video.
 inline constexpr double kDefaultExportEvery_s = 0.04;
 
 struct RunOptions {
   SessionOptions session;
   std::filesystem::path scene;  ///< a scene, or a mesh as one body
-  std::string meshUnit;         ///< of a mesh; empty: what the file says, else mm
+  std::string meshUnit;         ///< of a mesh; empty: the unit stated in the file, otherwise mm
   std::optional<double> until_s;
   std::optional<std::uint64_t> steps;  ///< neither: kDefaultDuration_s, or until a quasi-static solution is finished
-  std::optional<double> timeLimit_s;   ///< wall clock, since the command began
+  std::optional<double> timeLimit_s;   ///< wall clock, since the start of the command
   std::vector<std::string> overrides;  ///< PATH=VALUE
-  std::filesystem::path report, probes, screenshot;  ///< empty: not wanted
+  std::filesystem::path report, probes, screenshot;  ///< empty: not requested
   std::uint64_t probesEvery = 1;                     ///< steps
-  std::filesystem::path energies, tissues;           ///< empty: not wanted
-  std::filesystem::path exportList, exportSurface;   ///< empty: not wanted
-  std::filesystem::path fromState, saveState;        ///< empty: not wanted
-  std::filesystem::path samplePoints, sampled;       ///< points to follow, and where they are at the end; or empty
+  std::filesystem::path energies, tissues;           ///< empty: not requested
+  std::filesystem::path exportList, exportSurface;   ///< empty: not requested
+  std::filesystem::path fromState, saveState;        ///< empty: not requested
+  std::filesystem::path samplePoints, sampled;       ///< points to track, and their positions at the end; or empty
   double exportEvery_s = kDefaultExportEvery_s;
   ImageExport exportImage;
   int width = 1280, height = 720;
-  std::optional<PictureView> view;        ///< none: four-up where the scene has an image, else 3d
-  std::optional<PictureOverlay> overlay;  ///< none: that of PictureOverlay
+  std::optional<PictureView> view;        ///< none: four-up where the scene has an image, otherwise 3d
+  std::optional<PictureOverlay> overlay;  ///< none: default of PictureOverlay
   std::optional<std::uint64_t> seed;
-  bool verify = false;  ///< how far the end state is off, by a much finer solution of it
+  bool verify = false;  ///< estimate the error of the end state with a much finer solution
   bool quiet = false;
 };
 

@@ -14,39 +14,39 @@
 
 namespace c3de::session {
 
-/// The values as C structs; they borrow from the values.
+/// The values as C structs, which borrow from `values`.
 [[nodiscard]] std::vector<c3de_param_value> toAbi(const std::vector<ParameterValue> &values);
 [[nodiscard]] c3de_sim_region toAbi(const scene::SceneRegion &region);
 [[nodiscard]] c3de_sim_motion toAbi(const scene::SceneMotion &motion);
 
-[[nodiscard]] std::vector<c3de_sim_tool_place> toAbi(const std::vector<scene::SceneToolPlace> &path);
-/// @param path  of the tool; borrowed, as its name is
+[[nodiscard]] std::vector<c3de_sim_tool_place> toAbi(const std::vector<scene::SceneToolWaypoint> &path);
+/// @param path  of the tool; borrowed, as is its name
 [[nodiscard]] c3de_sim_probe_tool toAbi(const scene::SceneProbeTool &tool,
                                         const std::vector<c3de_sim_tool_place> &path);
 
-[[nodiscard]] std::vector<c3de_sim_grasp_place> toAbi(const std::vector<scene::SceneGraspPlace> &path);
-/// @param path  of the grasp; borrowed, as its name is. The body is for the caller to fill in
+[[nodiscard]] std::vector<c3de_sim_grasp_place> toAbi(const std::vector<scene::SceneGraspWaypoint> &path);
+/// @param path  of the grasp; borrowed, as is its name. The caller sets the body
 [[nodiscard]] c3de_sim_grasp toAbi(const scene::SceneGrasp &grasp, const std::vector<c3de_sim_grasp_place> &path);
 
 [[nodiscard]] c3de_sim_placement toAbi(const scene::ScenePlacement &placement);
 
-/// What a scene says of one body in tables of their own, as arrays for c3de_sim_body. Borrows from scene and values.
+/// The tables that a scene holds for one body, as arrays for c3de_sim_body. Borrows from scene and values.
 class BodyTables {
  public:
-  /// @param partValues  per part of the body: its parameters, checked
+  /// @param partValues  the checked parameters of each part of the body
   BodyTables(const scene::SceneFile &scene, const scene::SceneBody &body,
              const std::vector<std::vector<ParameterValue>> &partValues);
   BodyTables(const BodyTables &) = delete;
   BodyTables &operator=(const BodyTables &) = delete;
 
-  /// Fixes, loads, parts, refinements and the velocities at the start; `out` borrows from this.
+  /// Fixes, loads, parts, refinements and the initial velocities; `out` borrows from this object.
   void fill(c3de_sim_body &out) const;
 
  private:
   const c3de_sim_region *keep(const scene::SceneRegion &region);
 
   const scene::SceneBody &body_;
-  std::deque<c3de_sim_region> regions_;  // that do not move while others come
+  std::deque<c3de_sim_region> regions_;  // a deque: addresses stay valid while elements are added
   std::deque<c3de_sim_grid> grids_;
   std::deque<c3de_sim_fill> fills_;
   std::deque<c3de_sim_motion> motions_;
@@ -57,8 +57,8 @@ class BodyTables {
   std::vector<std::vector<c3de_param_value>> partValues_;
 };
 
-/// The line of what an error of the simulator is about: a fix or load by its number in the scene, a part or refinement
-/// by that in the body.
+/// The scene line that a simulator error refers to: a fix or load by its number in the scene, a part or refinement by
+/// its number in the body.
 [[nodiscard]] std::optional<int> sceneLineOf(const scene::SceneFile &scene, const scene::SceneBody &body,
                                              const plugin_host::PluginError &error);
 

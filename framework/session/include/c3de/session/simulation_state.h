@@ -13,16 +13,16 @@ namespace c3de::session {
 
 class Session;
 
-/// The state of a simulation as the bytes of a file: a header of the host's (what it is, of which class and version of
-/// its plugin, how long, a checksum over all), then what the simulator gives. On the simulation's thread, or before it
-/// runs. Errors: the simulator keeps no states, or not this one (its text).
+/// The state of a simulation as the bytes of a file: a header written by the host (magic, class and version of its
+/// plugin, length, a checksum over all), then the state from the simulator. Call on the simulation's thread, or before
+/// it runs. Errors: the simulator does not store states, or not this one (its text).
 [[nodiscard]] Expected<std::string> stateBytes(Session &session, c3de_object *simulator,
                                                const SimulatorIdentity &identity);
-/// Goes to the state of such bytes. On an error, which begins with `name`, nothing has changed: not such a file, cut or
-/// damaged, of another class, version or scene.
+/// Restores the state from such bytes. On an error, which begins with `name`, nothing has changed. Errors: not a state
+/// file, truncated or damaged, of another class, version or scene.
 [[nodiscard]] Expected<void> goToState(Session &session, c3de_object *simulator, const SimulatorIdentity &identity,
                                        std::string_view bytes, const std::string &name);
-/// The bytes of a file, up to 16 GiB. Errors name it. Any thread.
+/// The bytes of a file of up to 16 GiB. Errors name the file. Any thread.
 [[nodiscard]] Expected<std::string> readStateFile(const std::filesystem::path &file);
 
 }  // namespace c3de::session

@@ -11,8 +11,8 @@
 #include "c3de/abi/iface/grasp.h"
 #include "c3de/abi/iface/simulator.h"
 #include "c3de/core/expected.h"
-#include "c3de/core/foreign_table.h"
 #include "c3de/core/parameter.h"
+#include "c3de/core/plugin_table.h"
 #include "c3de/core/vec.h"
 #include "c3de/scene/simulator_table.h"
 
@@ -20,49 +20,49 @@ namespace c3de::session {
 
 using scene::simulatorTable;
 
-/// What the simulator declares for a scope (C3DE_SIM_SCOPE_*).
+/// The simulator's declarations for a scope (C3DE_SIM_SCOPE_*).
 [[nodiscard]] Expected<std::vector<ParameterDecl>> simulatorDeclarations(c3de_object *simulator, std::uint32_t scope);
 
-/// Whether it reads fills and answers displacement().
-[[nodiscard]] bool servesFills(const c3de_simulator_v1 *table);
+/// Whether it reads fills and implements displacement().
+[[nodiscard]] bool supportsFills(const c3de_simulator_v1 *table);
 
-/// Whether it can end a step half way.
+/// Whether it can interrupt a step.
 [[nodiscard]] bool endsSteps(const c3de_simulator_v1 *table);
 
-/// Of the skin of a body as it is now, m; empty where nobody says. [sim]
+/// The present skin of a body, m; empty where the simulator does not provide it. [sim]
 [[nodiscard]] std::vector<Vec3> surfacePositions(c3de_object *simulator, c3de_handle body);
 
 struct ProbeSample {
   std::string name;
   Vec3 position_m{}, velocity_m_s{};
 };
-/// Every probe, as it is now. [sim]
+/// The present state of every probe. [sim]
 [[nodiscard]] Expected<std::vector<ProbeSample>> readProbes(const c3de_simulator_v1 *table, c3de_object *simulator);
 
-/// The table for pairs and probe tools; null: the simulator serves neither. The error (ErrorCode::plugin) says what is
-/// wrong with it. Any thread.
+/// The table for pairs and probe tools; null: the simulator supports neither. The error (ErrorCode::plugin) states what
+/// is wrong with it. Any thread.
 [[nodiscard]] Expected<const c3de_contact_v1 *> contactTable(c3de_object *simulator);
 
-/// The same for attachments.
+/// Same for attachments.
 [[nodiscard]] Expected<const c3de_attachment_v1 *> attachmentTable(c3de_object *simulator);
-/// And for grasps.
+/// Same for grasps.
 [[nodiscard]] Expected<const c3de_grasp_v1 *> graspTable(c3de_object *simulator);
 
 struct ProbeToolSample {
   std::string name;
   Vec3 position_m{}, force_N{};
 };
-/// Every probe tool, as it is now; none where the simulator has none. [sim]
+/// The present state of every probe tool; empty where the simulator has none. [sim]
 [[nodiscard]] Expected<std::vector<ProbeToolSample>> readProbeTools(c3de_object *simulator);
 
-/// A set of more points than this is rubbish: its indices are 32 bits wide.
-inline constexpr std::uint64_t kMostPoints = 0xfffffffeu;
+/// A larger point count is invalid: indices are 32 bits wide.
+inline constexpr std::uint64_t kMaxPoints = 0xfffffffeu;
 
 /// A counted reference to an object of a plugin.
 class ObjectRef {
  public:
   ObjectRef() = default;
-  /// Takes over the count of the caller.
+  /// Takes over the caller's reference.
   explicit ObjectRef(c3de_object *object) : object_(object) {}
   ObjectRef(ObjectRef &&other) noexcept : object_(other.object_) { other.object_ = nullptr; }
   ObjectRef &operator=(ObjectRef &&other) noexcept {

@@ -5,9 +5,9 @@
 
 namespace c3de::session {
 
-/// Who simulates.
+/// The class and plugin of a simulator.
 struct SimulatorIdentity {
-  std::string classId, label, plugin, version;  ///< id and version of the plugin
+  std::string classId, label, plugin, version;  ///< plugin: id and version
 };
 
 }  // namespace c3de::session

@@ -11,8 +11,8 @@
 
 namespace c3de::session {
 
-/// While it lives, the steps of a simulator end half way once the program is interrupted or the deadline is over; those
-/// of a simulator that cannot (below revision 4) go on to their end.
+/// During its lifetime, steps of a simulator end early once the program is interrupted or the deadline has passed.
+/// Steps of a simulator that does not support this (below revision 4) run to completion.
 class StepLimit {
  public:
   StepLimit(c3de_object *simulator, const c3de_simulator_v1 *table,

@@ -6,8 +6,8 @@
 
 namespace c3de::session {
 
-/// Wall time of the steps of a run in bounded memory: of very many steps every second, fourth, … is kept; the largest
-/// always is.
+/// Wall time of the steps of a run in bounded memory: for very many steps only every second, fourth, … is stored. The
+/// largest is always stored.
 class StepTimes {
  public:
   void add(double step_ms);

@@ -15,29 +15,30 @@
 
 namespace c3de::session {
 
-/// The border of a tissue of a body, for the eye.
+/// The surface of a tissue of a body, for display.
 struct TissueSurface {
-  std::string body, name;         ///< of the tissue
-  std::array<float, 3> colour{};  ///< sRGB: as the scene says, of its largest label, of rigid ones ivory
+  std::string body, name;         ///< name: of the tissue
+  std::array<float, 3> colour{};  ///< sRGB: of the scene, else of its largest label; rigid: ivory
   bool isRigid = false;
-  geometry::TriangleMesh reference;  ///< as the body is placed at rest, mm
+  geometry::TriangleMesh reference;  ///< with the body placed at rest, mm
 };
-/// Those of all tissues that are to be shown and have voxels, without the background. Voxels are taken together, and
-/// cavities left out, so that a tissue has some ten thousand triangles; one that is too thin for that has no surface.
-/// Errors: cancelled. Any thread.
-[[nodiscard]] Expected<std::vector<TissueSurface>> tissueSurfaces(const std::vector<TissuePlaces> &bodies,
+/// The surfaces of all visible tissues that have voxels, without the background. Voxels are merged and cavities
+/// omitted, so that a tissue has some ten thousand triangles. A tissue too thin for that has no surface. Errors:
+/// cancelled. Any thread.
+[[nodiscard]] Expected<std::vector<TissueSurface>> tissueSurfaces(const std::vector<TissueVoxels> &bodies,
                                                                   const ProgressFn &progress);
 
-/// Where the vertices of surfaces are now, mm.
-struct SurfacePlaces {
+/// Present positions of the vertices of surfaces, mm.
+struct SurfacePositions {
   std::shared_ptr<const std::vector<TissueSurface>> of;
-  std::vector<std::vector<std::array<float, 3>>> vertices;  ///< of each surface; of a rigid one none: it stays
+  std::vector<std::vector<std::array<float, 3>>> vertices;  ///< of each surface; empty for a rigid one, which is fixed
 };
-/// Any thread. @param before  of the same surfaces; makes it quick; null: they were at rest. Vertices to which the
-///                            displacement does not lead go on from there. @param goesOn  false ends it
-[[nodiscard]] Expected<SurfacePlaces> followSurfaces(const TissueSnapshot &snapshot,
-                                                     std::shared_ptr<const std::vector<TissueSurface>> surfaces,
-                                                     const SurfacePlaces *before,
-                                                     const std::function<bool()> &goesOn = {});
+/// Any thread. @param before  positions of the same surfaces, which speeds up the search; null: they were at rest.
+///                              Vertices that the displacement does not reach keep their last displacement.
+///                              @param goesOn  false ends it
+[[nodiscard]] Expected<SurfacePositions> followSurfaces(const TissueSnapshot &snapshot,
+                                                        std::shared_ptr<const std::vector<TissueSurface>> surfaces,
+                                                        const SurfacePositions *before,
+                                                        const std::function<bool()> &goesOn = {});
 
 }  // namespace c3de::session

@@ -11,20 +11,21 @@
 
 namespace c3de::session {
 
-/// Whether a simulator tells how far its states are off.
+/// Whether a simulator can estimate the error of its states.
 [[nodiscard]] bool verifiesStates(const c3de_simulator_v1 *table);
-/// The same; the error names it. Asked before hours of work.
+/// Same as an error that names the simulator. Checked before hours of work.
 [[nodiscard]] Expected<void> checkVerifies(const c3de_simulator_v1 *table, const SimulatorIdentity &identity);
 
-/// What it says of the present state: JSON, as iface.simulator describes it.
-/// @param isWanted  asked several times a second; false: ErrorCode::cancelled
+/// The simulator's verification of the present state: JSON, as iface.simulator describes it.
+/// @param isWanted  called several times a second; false: ErrorCode::cancelled
 [[nodiscard]] Expected<std::string> verification(Session &session, c3de_object *simulator,
                                                  const c3de_simulator_v1 *table,
                                                  const std::function<bool(double, const std::string &)> &isWanted);
 
-/// The same for people, a line per body.
+/// The same as text for the user, a line per body.
 [[nodiscard]] std::vector<std::string> verificationLines(const std::string &verificationJson);
-/// How accurate the end state is: the statement of each body in the simulator's report, with what a verification adds.
+/// The accuracy of the end state: the statement of each body in the simulator's report, with the results of a
+/// verification.
 /// @param verificationJson  may be empty
 [[nodiscard]] std::vector<std::string> accuracyLines(const std::string &simulatorJson,
                                                      const std::string &verificationJson);

@@ -9,7 +9,7 @@
 
 namespace c3de::session {
 
-/// What of a run was written and what was not: a file that fails does not keep the others from being written.
+/// Which outputs of a run were written and which failed. The failure of one file does not prevent the others.
 class WrittenOutputs {
  public:
   void add(const std::filesystem::path &file) { written_.push_back(file); }
@@ -24,7 +24,7 @@ class WrittenOutputs {
   [[nodiscard]] bool areComplete() const { return failed_.empty(); }
   /// "a, b"; empty: none.
   [[nodiscard]] std::string written() const;
-  /// Of what was not written first, and a sentence about all. @pre  not areComplete()
+  /// The first failure, and a sentence about all. @pre  not areComplete()
   [[nodiscard]] Error error() const;
 
  private:

@@ -12,51 +12,52 @@
 
 namespace c3de::study {
 
-/// What a point costs: ms per simulated second, of a solution without time ms.
+/// Cost of a point: ms per simulated second; for a solution without time, ms.
 struct Cost {
   double cheapest = 0.0, median = 0.0, dearest = 0.0;             ///< of the repeats
   double stepMedian_ms = 0.0, step99_ms = 0.0, stepMax_ms = 0.0;  ///< median of the repeats
-  double cpu_s = 0.0, toFirstStep_s = 0.0;                        ///< likewise
+  double cpu_s = 0.0, toFirstStep_s = 0.0;                        ///< median of the repeats
 };
 
 struct PointOutcome {
-  std::string failure, reason;  ///< kind; empty: it went well
-  Errors errors;                ///< where it went well and the case has a truth, or what needs none
+  std::string failure, reason;  ///< failure: its kind; empty: the point succeeded
+  Errors errors;                ///< if the point succeeded and the case has a truth; errors that need no truth in any
+                                ///< case
   std::optional<Cost> cost;
   bool isOnFront = false;
-  bool isBelowBar = false;  ///< nearer to the reference than that is certain
+  bool isBelowResolution = false;  ///< nearer to the reference than the uncertainty of the reference
   std::uint64_t steps = 0;
   double time_s = 0.0, dt_s = 0.0;
   std::string integrator, stateHash;
 };
 
 struct CaseOutcome {
-  std::optional<Truth> truth;
-  std::string error;    ///< why there is none
+  std::optional<ReferenceSolution> truth;
+  std::string error;    ///< why there is no truth
   bool hasTime = true;  ///< false: solutions without time
 };
 
-/// All that a study has found out.
+/// All results of a study.
 struct Outcome {
   std::vector<CaseOutcome> cases;    ///< as in the study
   std::vector<PointOutcome> points;  ///< as in the plan
-  std::string cpu, host, date;       ///< where and when
+  std::string cpu, host, date;       ///< where and when it was run
   unsigned processors = 0;
-  std::optional<EarlierRun> earlier;  ///< drawn and told beside
+  std::optional<EarlierRun> earlier;  ///< plotted and reported for comparison
 };
 
-/// What the points of a case cost by what they cost in the earlier run: the median; empty: none is in both.
+/// Median ratio of the points' costs to those of the earlier run; empty if no point is in both.
 [[nodiscard]] std::optional<double> costRatio(const Plan &plan, const Outcome &outcome, std::size_t ofCase);
 
-/// @param samples  of each case; empty where fields are not compared
+/// @param samples  of each case; empty if fields are not compared
 /// @param results  by the id of a point
 [[nodiscard]] Outcome evaluate(const Study &study, const Plan &plan, std::vector<Samples> samples,
                                const std::map<std::string, Result> &results);
 
-/// A row per point, those of references too. What depends on the clock stands at the end, from `cost_ms` on: what is
-/// before is the same, to the last digit, in every run of the study.
+/// One row per point, including those of references. Columns that depend on the clock come last, from `cost_ms` on. The
+/// columns before are identical, to the last digit, in every run of the study.
 [[nodiscard]] std::string tableOf(const Study &study, const Plan &plan, const Outcome &outcome);
-/// The same with more words, as JSON.
+/// Same in more detail, as JSON.
 [[nodiscard]] std::string jsonOf(const Study &study, const Plan &plan, const Program &program, const Outcome &outcome);
 
 }  // namespace c3de::study

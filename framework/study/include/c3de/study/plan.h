@@ -8,8 +8,8 @@
 
 #include "c3de/scene/scene_file.h"
 #include "c3de/session/session.h"
-#include "c3de/study/levers.h"
 #include "c3de/study/study_file.h"
+#include "c3de/study/study_parameters.h"
 
 namespace c3de::study {
 
@@ -17,40 +17,40 @@ namespace c3de::study {
 struct Program {
   std::filesystem::path file;
   std::string version;
-  std::string build;  ///< hash of its bytes: what was measured is no other build's
+  std::string build;  ///< hash of its bytes: identifies the build that was measured
 };
 
 /// One run of a scene: a combination of a grid, or a refined run of a reference.
 struct Point {
   std::size_t ofCase = 0;
   bool isReference = false;
-  std::size_t grid = 0;  ///< of the case's; of a reference 0
-  std::vector<LeverValue> levers;
-  std::vector<Setting> settings;  ///< all that is set: of the case, then of the levers
+  std::size_t grid = 0;  ///< of the case's grids; 0 for a reference
+  std::vector<StudyParameterValue> parameters;
+  std::vector<Setting> settings;  ///< all settings: of the case, then of the study parameters
   unsigned threads = 1;
-  /// What nothing feeds and nothing damps in its scene, and what nothing acts on
+  /// Whether no body in its scene has energy supply or damping, and whether no body has external action
   bool conservesEnergy = false, conservesMomentum = false;
-  /// Hash over all that its result follows from: files of the scene, settings, program, simulator.
+  /// Hash of everything that determines its result: files of the scene, settings, program, simulator.
   std::string id;
 };
 
 struct PlannedCase {
   scene::SceneFile scene;           ///< with the settings of the case
   std::vector<std::string> bodies;  ///< that deform
-  std::string contents;             ///< hash of the scene and of the files that it names
+  std::string contents;             ///< hash of the scene and of the files it names
 };
 
-/// What a study will run.
+/// Everything that a study runs.
 struct Plan {
   std::vector<PlannedCase> cases;
   std::vector<Point> points;  ///< references of a case, then its grids
-  /// What two studies of one folder have to agree in, one line each: "case beam: scene" and its value
+  /// Lines in which two studies of one folder must agree: "case beam: scene" and its value
   std::vector<std::pair<std::string, std::string>> identity;
 };
 
-/// Opens the scenes and works out the points; sets every value in them and holds it against the declarations of the
-/// simulator, so that what is refused is heard, with the line of the study, before anything runs.
-/// @param threads  of points that name none
+/// Opens the scenes and generates the points. Sets every value in the scenes and checks it against the declarations of
+/// the simulator. Refused values are thus reported, with the line of the study, before anything runs.
+/// @param threads  of points that specify none
 [[nodiscard]] Expected<Plan> planStudy(const Study &study, session::Session &session, const Program &program,
                                        unsigned threads);
 
@@ -58,7 +58,7 @@ struct Plan {
 [[nodiscard]] std::string hashOf(std::string_view bytes);
 [[nodiscard]] Expected<std::string> hashOfFile(const std::filesystem::path &file);
 
-/// For people: what differs between the identities of two studies, at most three lines; empty: nothing.
+/// Differences between the identities of two studies as display text, at most three lines; empty if there are none.
 [[nodiscard]] std::string difference(const std::vector<std::pair<std::string, std::string>> &present,
                                      const std::vector<std::pair<std::string, std::string>> &before);
 

@@ -12,12 +12,12 @@
 
 namespace c3de::study {
 
-/// What the runs of a point gave: of their reports what studies compare, and their times. As text it is JSON, in which it
-/// is kept and sent.
+/// Result of the runs of a point: the values of their reports that studies compare, and their times. Its text form,
+/// which is stored and sent, is JSON.
 struct Result {
   std::string id;  ///< of the point
   std::string failure,
-      reason;  ///< "crashed", "diverged", "time limit", "failed", "not repeatable"; empty: it went well
+      reason;  ///< "crashed", "diverged", "time limit", "failed", "not repeatable"; empty: it succeeded
   std::uint64_t steps = 0;
   double time_s = 0.0, dt_s = 0.0;
   std::string integrator, stateHash;
@@ -39,13 +39,15 @@ struct Result {
   std::vector<Run> runs;
   std::vector<Vec3> positions_m;  ///< of the sample points at the end; empty: none were followed
   std::optional<double> frequency_Hz;
-  std::optional<double> energyInPlay_J;  ///< the most that was stored or moving at a time, or that gravity had given
+  std::optional<double> peakEnergy_J;  ///< the maximum over time of stored plus kinetic energy, or of the energy
+                                       ///< supplied by gravity
 
   [[nodiscard]] static Result failed(const std::string &id, const std::string &kind, const std::string &reason);
   [[nodiscard]] std::string text() const;
-  /// The error (ErrorCode::input) says that it is no result, or a damaged one.
+  /// The error (ErrorCode::input) states that it is not a result, or is damaged.
   [[nodiscard]] static Expected<Result> fromText(const std::string &text);
-  /// Of a report as `c3de run` writes it: one run. `reason` is what the report says of a failure; the kind is not in it.
+  /// From a report as `c3de run` writes it: one run. `reason` is the failure text of the report, which does not contain
+  /// its kind.
   [[nodiscard]] static Expected<Result> fromReport(const std::string &id, const std::string &report);
 };
 

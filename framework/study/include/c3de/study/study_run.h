@@ -14,7 +14,7 @@
 
 namespace c3de::study {
 
-/// Who runs points: processes of this machine, or of others.
+/// Runs points: in processes of this machine, or of others.
 class Workers {
  public:
   virtual ~Workers() = default;
@@ -22,14 +22,14 @@ class Workers {
   virtual void start(Task task) = 0;  ///< @pre hasRoom()
   struct Done {
     Task task;
-    Expected<Result> result;  ///< as PointRun::poll()
-    bool isLost = false;      ///< nobody knows the result: it has to be run again
+    Expected<Result> result;  ///< same as PointRun::poll()
+    bool isLost = false;      ///< the result is unknown: the point must be run again
   };
-  /// What has ended since the last call.
+  /// Tasks that have ended since the last call.
   [[nodiscard]] virtual std::vector<Done> poll() = 0;
 };
 
-/// Child processes of this one.
+/// Child processes of this process.
 class LocalWorkers : public Workers {
  public:
   explicit LocalWorkers(std::size_t most) : most_(most) {}
@@ -42,16 +42,16 @@ class LocalWorkers : public Workers {
   std::list<PointRun> runs_;
 };
 
-/// The folder of a study: a lock, what it will run (`plan.json`), a file per point that is done (`points/ID.json`).
+/// The folder of a study: a lock, the plan (`plan.json`), and a file per completed point (`points/ID.json`).
 class StudyFolder {
  public:
-  /// Makes the folder, takes the lock and writes or compares the plan. Errors: ErrorCode::output, it cannot be written;
-  /// ErrorCode::usage: another process works in it, it holds this study and resume is false, it holds another one (what
-  /// differs is said), or it holds other things.
+  /// Creates the folder, locks it and writes or compares the plan. ErrorCode::output: it cannot be written.
+  /// ErrorCode::usage: another process uses it; it contains this study and resume is false; it contains another study
+  /// (the differences are reported); or it contains other files.
   [[nodiscard]] static Expected<StudyFolder> open(const std::filesystem::path &folder, const Study &study,
                                                   const Plan &plan, bool resume);
   [[nodiscard]] const std::filesystem::path &path() const { return path_; }
-  /// Of points that are done; what cannot be read is not done.
+  /// Results of completed points; a point whose file cannot be read is not completed.
   [[nodiscard]] std::map<std::string, Result> results(const Plan &plan) const;
   [[nodiscard]] Expected<void> keep(const Result &result) const;
   [[nodiscard]] std::filesystem::path workOf(const std::string &id) const { return path_ / "work" / id; }
@@ -63,20 +63,21 @@ class StudyFolder {
 };
 
 struct StudyOptions {
-  /// What every run is started with beside its scene and settings: plugins
+  /// Options of every run in addition to its scene and settings: plugins
   std::vector<std::string> runOptions;
   bool quiet = false;
 };
 
-/// Points at a time where the study does not say: so many that they have a processor per thread.
+/// Number of concurrent points if the study does not specify it: as many as have a processor per thread.
 [[nodiscard]] std::size_t jobsFor(const Study &study, const Plan &plan);
 
-/// Runs what is not done yet, each point once, and evaluates all. Ctrl-C (ErrorCode::cancelled) ends it soon; what was
-/// done by then is kept, as it is when the process is killed. ErrorCode::output: a file of the folder cannot be written.
+/// Runs points that are not completed, each once, and evaluates all. Ctrl-C (ErrorCode::cancelled) ends it soon. Points
+/// completed by then are stored; this also holds if the process is killed. ErrorCode::output: a file of the folder
+/// cannot be written.
 [[nodiscard]] Expected<Outcome> runStudy(const Study &study, const Plan &plan, const Program &program,
                                          const StudyFolder &folder, const StudyOptions &options, Workers &workers);
 
-/// study.csv, study.json, report.html and a CASE.svg per case; of several cases overview.svg.
+/// Writes study.csv, study.json, report.html and a CASE.svg per case; for several cases also overview.svg.
 [[nodiscard]] Expected<void> writeOutputs(const Study &study, const Plan &plan, const Program &program,
                                           const Outcome &outcome, const std::filesystem::path &folder);
 

@@ -13,7 +13,7 @@ enum class Command {
   openScene,
   openImage,
   openLabels,
-  makeScanAlive,
+  createScanBody,
   closeImage,
   closeSimulation,
   reload,
@@ -57,7 +57,7 @@ enum class Command {
   showAbout
 };
 
-/// Keys without a character; the others are their ASCII upper-case character.
+/// Keys without a character; other keys are identified by their ASCII upper-case character.
 enum Key : std::uint32_t {
   keyEscape = 27,
   keyRight = 0x100,
@@ -69,7 +69,7 @@ enum Key : std::uint32_t {
   keyDown = 0x112
 };
 
-/// One row of the table that menus, keyboard and the list of shortcuts share.
+/// One row of the table shared by menus, keyboard and the list of shortcuts.
 struct CommandInfo {
   Command command;
   const char *id;  ///< dotted: menu, then entry
@@ -83,13 +83,13 @@ struct CommandInfo {
 
 [[nodiscard]] std::span<const CommandInfo> commands();
 [[nodiscard]] const CommandInfo &commandInfo(Command command);
-/// Command::none when nothing is bound to the key.
+/// Command::none if nothing is bound to the key.
 [[nodiscard]] Command commandOfKey(std::uint32_t key, std::uint32_t modifiers);
 /// For example "Ctrl+Q"; empty for key 0.
 [[nodiscard]] std::string keyText(std::uint32_t key, std::uint32_t modifiers);
-/// "'Quit' of the program" where the program has these keys, else empty: CommandRegistry::setProgramKeys.
+/// "'Quit' of the program" if the program uses these keys, otherwise empty: CommandRegistry::setProgramKeys.
 [[nodiscard]] std::string programCommandOf(std::uint32_t key, std::uint32_t modifiers);
-/// A tool's shortcut is honoured when no command has it.
+/// A tool's shortcut is honoured if no command uses it.
 [[nodiscard]] bool isFreeForTools(std::uint32_t key);
 
 }  // namespace c3de::ui

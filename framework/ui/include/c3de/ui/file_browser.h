@@ -10,13 +10,13 @@
 
 namespace c3de::ui {
 
-/// What a file dialog shows: one folder, its folders first, then its files that match. No drawing. Main thread.
+/// Contents of a file dialog: one folder, its folders first, then its matching files. No drawing. Main thread.
 class FileBrowser {
  public:
   /// @param extensions  for example "obj;stl"; empty: every file
   void setExtensions(const std::string &extensions);
   [[nodiscard]] const std::vector<std::string> &extensions() const { return extensions_; }
-  /// Shows a folder; the error says why not, and what is shown stays.
+  /// Shows a folder. On error, which states the reason, the contents remain unchanged.
   [[nodiscard]] Expected<void> open(const std::filesystem::path &folder);
   [[nodiscard]] Expected<void> refresh() { return open(std::filesystem::path(folder_)); }
   [[nodiscard]] Expected<void> openParent() { return open(folder_.parent_path()); }
@@ -33,11 +33,11 @@ class FileBrowser {
     bool isFolder = false;
     std::filesystem::path path;
   };
-  /// What a typed text means: absolute or relative to the folder, "~" is the home folder. Errors: nothing there, or a
-  /// file whose extension is not accepted.
+  /// Resolves a typed text: absolute, or relative to the folder; "~" is the home folder. Errors: it does not exist, or
+  /// it is a file whose extension is not accepted.
   [[nodiscard]] Expected<Choice> resolve(const std::string &typed) const;
-  /// The same for a file to be written, which need not be there; without an extension it gets the first that is
-  /// accepted. Errors: no such folder, an extension that is not accepted.
+  /// Same for a file to be written, which need not exist. Without an extension, the first accepted one is added.
+  /// Errors: no such folder, or an extension that is not accepted.
   [[nodiscard]] Expected<Choice> resolveNew(const std::string &typed) const;
   [[nodiscard]] bool accepts(const std::filesystem::path &file) const;
 
@@ -50,9 +50,10 @@ class FileBrowser {
   std::vector<Entry> entries_;
 };
 
-/// The name, or with a number before its ending ("heart-2.nii.gz") where the folder has a file of that name.
+/// The name or, if the folder contains a file of that name, the name with a number before its extension
+/// ("heart-2.nii.gz").
 [[nodiscard]] std::string freeName(const std::filesystem::path &folder, const std::string &name);
-/// Text as a part of a file name: letters, digits, '.' and '_' of it, with '-' for what is between.
+/// Converts a text to a part of a file name: keeps its letters, digits, '.' and '_', with '-' for anything in between.
 [[nodiscard]] std::string fileNamePart(const std::string &text);
 
 /// For example "1.4 MB".

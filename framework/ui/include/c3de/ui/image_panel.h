@@ -10,14 +10,14 @@
 
 namespace c3de::ui {
 
-/// The panel of the open image: window and level, labels, slices and volume in space, displacement. It stands in the
-/// registry while it lives. Main thread.
+/// The panel of the open image: window and level, labels, slices and volume in space, displacement. It is registered
+/// for as long as this object exists. Main thread.
 class ImagePanel {
  public:
-  /// The label maps that are open, of which one is shown. Without functions: there is none to choose from.
+  /// The open label maps, one of which is shown. Without functions there is no choice.
   struct LabelMaps {
     std::function<std::vector<std::string>()> names;
-    std::function<std::size_t()> shown;  ///< position among the names
+    std::function<std::size_t()> shown;  ///< index into the names
     std::function<void(std::size_t)> show;
   };
   ImagePanel(registry::PanelRegistry &panels, ImageViews &views, LabelMaps labelMaps = {});
@@ -32,7 +32,7 @@ class ImagePanel {
   void drawViews(const c3de_ui_v1 &ui, ImageOptions &options);
   void drawLabels(const c3de_ui_v1 &ui, ImageOptions &options);
   void drawVolume(const c3de_ui_v1 &ui, ImageOptions &options);
-  void drawStill(const c3de_ui_v1 &ui, scene::SceneStill &still);
+  void drawFixedRegions(const c3de_ui_v1 &ui, scene::SceneFixedRegions &still);
   void drawShift(const c3de_ui_v1 &ui, ImageOptions &options);
   void drawOverlay(const c3de_ui_v1 &ui, ImageOptions &options);
 

@@ -18,15 +18,15 @@ struct WindowLevel {
 struct WindowLevelPreset {
   std::uint32_t key;  ///< digit
   const char *id, *name;
-  WindowLevel values;  ///< HU; window 0: found from the image
+  WindowLevel values;  ///< HU; window 0: determined from the image
 };
-/// Those of computed tomography, and 0 for automatic, 9 for all values.
+/// Presets of computed tomography, 0 for automatic, 9 for all values.
 [[nodiscard]] std::span<const WindowLevelPreset> windowLevelPresets();
-/// Without the lowest and highest 0.1 % of the voxels.
+/// Excludes the lowest and highest 0.1 % of the voxels.
 [[nodiscard]] WindowLevel automaticWindowLevel(const imaging::ValueRange &range);
 [[nodiscard]] WindowLevel windowLevelOf(const WindowLevelPreset &preset, const imaging::ValueRange &range);
-/// By a drag of the mouse: to the right the window widens, upwards the image becomes brighter. Steps are those of the
-/// image's values; the window stays positive.
+/// By a mouse drag: to the right the window widens, upwards the image becomes brighter. Steps are scaled to the image's
+/// values; the window stays positive.
 [[nodiscard]] WindowLevel dragged(const WindowLevel &from, double dx_px, double dy_px,
                                   const imaging::ValueRange &range);
 
@@ -36,11 +36,12 @@ struct VolumePresetInfo {
   const char *name;
 };
 [[nodiscard]] std::span<const VolumePresetInfo> volumePresets();
-/// CT presets are in HU, the others follow the image's values.
+/// CT presets are in HU; the others are scaled to the image's values.
 /// @param shift  -1 … 1: moves the transfer function over the range of the image's values
-[[nodiscard]] render::VolumeLook volumeLook(VolumePreset preset, const imaging::ValueRange &range, double shift);
+[[nodiscard]] render::VolumeDisplay volumeLook(VolumePreset preset, const imaging::ValueRange &range, double shift);
 
-/// From dark blue to yellow, of steadily rising lightness, so that it reads with every colour vision.
+/// From dark blue to yellow with steadily increasing lightness, so that it is readable with every type of colour
+/// vision.
 [[nodiscard]] std::span<const render::Colour> overlayColours();
 
 }  // namespace c3de::ui

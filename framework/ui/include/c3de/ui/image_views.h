@@ -24,14 +24,14 @@ enum class Pane { axial, sagittal, coronal, space };
 inline constexpr std::array kSlicePanes{Pane::axial, Pane::sagittal, Pane::coronal};
 [[nodiscard]] const char *paneName(Pane pane);  ///< "axial", …, "3D"
 
-/// What the 3D view leaves out beside a slice.
+/// The part that the 3D view cuts away at a slice.
 enum class SliceCut {
   none,
-  nearPart,  ///< above, left or in front of it: what the first view of an image has towards the viewer
+  nearPart,  ///< above, left or in front of it: the side that faces the viewer in an image's first view
   farPart
 };
 
-/// What a person chooses about images.
+/// Display options of images that the user sets.
 struct ImageOptions {
   WindowLevel windowLevel;
   bool isSmooth = true;
@@ -39,42 +39,43 @@ struct ImageOptions {
   bool showsSlicesInSpace = true, showsVolume = false;
   VolumePreset volumePreset = VolumePreset::ctBone;
   double volumeShift = 0.0;         ///< -1 … 1
-  std::array<SliceCut, 3> cuts{};   ///< of the 3D view, by slice pane
-  bool cutsBodies = true;           ///< and of what is beside the image there
-  Overlay overlay = Overlay::none;  ///< in colours over the slices
-  std::string overlayField;         ///< name of the field that it shows
-  bool hasFixedRange = false;       ///< of the overlay; else it follows what is seen
+  std::array<SliceCut, 3> cuts{};   ///< in the 3D view, by slice pane
+  bool cutsBodies = true;           ///< also cuts what is next to the image there
+  Overlay overlay = Overlay::none;  ///< colours over the slices
+  std::string overlayField;         ///< name of the field it shows
+  bool hasFixedRange = false;       ///< of the overlay; otherwise the range follows the visible values
   OverlayRange fixedRange;
-  scene::SceneStill still;  ///< what does not go with the bodies
+  scene::SceneFixedRegions still;  ///< what does not move with the bodies
   Convention convention = Convention::radiological;
-  bool isAlignedWithImage = true;  ///< views along the image's axes; else along the patient's
+  bool isAlignedWithImage = true;  ///< views along the image's axes; otherwise along the patient's
   bool showsCrossHair = true;
-  bool isWindowLevelMode = false;  ///< a left drag in a slice changes window and level, else the cross-hair
-  bool showsOutlines = true;       ///< surfaces of the 3D view, cut by the slices
-  bool showsPreview = true;        ///< what is being picked, instead of the labels
+  bool isWindowLevelMode = false;  ///< a left drag in a slice changes window and level; otherwise it moves the
+                                   ///< cross-hair
+  bool showsOutlines = true;       ///< surfaces of the 3D view, intersected with the slices
+  bool showsPreview = true;        ///< the present selection, instead of the labels
 };
 
-/// Handles of the renderer for what is shown; the owner of the renderer fills them.
+/// Renderer handles of what is shown; set by the owner of the renderer.
 struct ImageHandles {
   Handle image, labels, displacement;
   Handle preview{};  ///< labels that are shown instead of `labels`
-  Handle bodies{};   ///< where bodies are in the reference, ImageLook::bodies
-  Handle missing{};  ///< what of masks no body stands for, ImageLook::missing
+  Handle bodies{};   ///< body regions in the reference, ImageDisplay::bodies
+  Handle missing{};  ///< mask parts not represented by any body, ImageDisplay::missing
 };
 
-/// What is known about a point of the world.
+/// The data available at a point of the world.
 struct Readout {
   Vec3 world{};
-  std::optional<std::array<std::size_t, 3>> index;  ///< voxel of the material that is there; none: outside the image
+  std::optional<std::array<std::size_t, 3>> index;  ///< voxel of the material at the point; none: outside the image
   double value = 0.0;
   std::string unit, label;      ///< label: name; empty where there is none
   std::optional<double> shift;  ///< |u|, mm, where there is a displacement
-  /// Where tissue of a body is, and fields of it are known
+  /// Set where there is tissue of a body and fields of it are available
   std::optional<double> volumeRatio, field;
   Quantity fieldQuantity;                        ///< of `field`
-  bool isVacated = false;                        ///< a body has gone away from there: nothing is known
-  [[nodiscard]] std::string placeText() const;   ///< where, voxel, value, label
-  [[nodiscard]] std::string tissueText() const;  ///< what has become of the tissue; empty: nothing is known
+  bool isEmptied = false;                        ///< a body has moved away from here: nothing is known
+  [[nodiscard]] std::string placeText() const;   ///< position, voxel, value, label
+  [[nodiscard]] std::string tissueText() const;  ///< deformation of the tissue; empty if unknown
   [[nodiscard]] std::string text() const;        ///< both
 };
 
@@ -85,30 +86,30 @@ struct Readout {
 /// time points; digits: window/level presets.
 class ImageViews {
  public:
-  /// A null image: nothing is shown. Views, window and level start anew with another image.
+  /// A null image: nothing is shown. A different image resets views, window and level.
   void setImage(std::shared_ptr<const scene::StoredImage> image);
-  /// Another time point of the image that is shown, on the same grid: everything else stays as it is.
+  /// Another time point of the displayed image, on the same grid; everything else remains.
   void replaceImage(std::shared_ptr<const scene::StoredImage> image, Handle handle);
-  /// Who reads another time point when a person asks for it.
+  /// Function that reads another time point at the user's request.
   void setTimeChooser(std::function<void(std::size_t time)> choose) { chooseTime_ = std::move(choose); }
-  /// Asks for a time point of the image; nothing happens for the one that is shown or beyond the last.
+  /// Requests a time point of the image; no effect for the displayed one or beyond the last.
   void chooseTime(std::size_t time);
   void setLabels(std::shared_ptr<const scene::StoredLabels> labels);
   void setDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement);
-  /// Fields that may be chosen as an overlay, with their units.
+  /// Fields that can be chosen as an overlay, with their units.
   void setOfferedFields(std::vector<std::pair<std::string, std::string>> fields) { offered_ = std::move(fields); }
   [[nodiscard]] const std::vector<std::pair<std::string, std::string>> &offeredFields() const { return offered_; }
-  /// The mouse is over a slice: its read-out asks for the fields there.
+  /// Whether the mouse is over a slice, whose read-out then needs the fields there.
   void setPointedAt(bool isPointedAt) { isPointedAt_ = isPointedAt; }
   [[nodiscard]] bool wantsFields() const;
-  /// The field that the overlay shows; null: none, or it has not come yet.
+  /// The field that the overlay shows; null if none, or if it is not available yet.
   [[nodiscard]] const imaging::TissueField *shownField() const;
   [[nodiscard]] Quantity overlayQuantity() const;
-  /// In the unit of its quantity: the fixed one, or that of what is seen.
+  /// In the unit of its quantity: the fixed range, or that of the visible values.
   [[nodiscard]] OverlayRange overlayRange() const;
   void setHandles(const ImageHandles &handles) { handles_ = handles; }
   [[nodiscard]] const ImageHandles &handles() const { return handles_; }
-  /// What is marked as missing, for the legend of the slices; empty: nothing is.
+  /// Description of what is marked as missing, for the legend of the slices; empty if nothing is.
   void setMissingText(std::string text) { missingText_ = std::move(text); }
   [[nodiscard]] const std::string &missingText() const { return missingText_; }
   [[nodiscard]] const scene::StoredImage *image() const { return image_.get(); }
@@ -117,60 +118,61 @@ class ImageViews {
   [[nodiscard]] const std::shared_ptr<const scene::StoredLabels> &sharedLabels() const { return labels_; }
   [[nodiscard]] const imaging::DisplacementGrid *displacement() const { return displacement_.get(); }
   [[nodiscard]] bool hasDisplacement() const { return displacement_ != nullptr; }
-  /// Shows the image as it was read, in all views and read-outs, although bodies have moved it; the displacement stays.
+  /// Shows the image as it was read, in all views and read-outs, although bodies have moved it. The displacement is
+  /// kept.
   void showAtRest(bool isAtRest);
   [[nodiscard]] bool showsDisplacement() const { return warp() != nullptr; }
-  /// There is a displacement that is not shown.
+  /// There is a displacement, but it is not shown.
   [[nodiscard]] bool isAtRest() const { return hasDisplacement() && !showsDisplacement(); }
 
   [[nodiscard]] const ImageOptions &options() const { return options_; }
-  /// Turns the views where convention or alignment change.
+  /// Reorients the views if convention or alignment changes.
   void setOptions(const ImageOptions &options);
-  /// Opacity of one label, 0 … 1, beside that of all.
+  /// Opacity of one label, 0 … 1, in addition to the common one.
   [[nodiscard]] float labelOpacity(std::uint16_t value) const;
   void setLabelOpacity(std::uint16_t value, float opacity);
-  /// The others are faint while it is not empty.
+  /// While not empty, all other labels are faint.
   void setPickedLabels(std::vector<std::uint16_t> values) { pickedLabels_ = std::move(values); }
   [[nodiscard]] std::vector<std::pair<std::uint16_t, render::Colour>> labelColours() const;
 
   [[nodiscard]] const Vec3 &crossHair() const { return crossHair_; }
-  /// The nearest point of the image; slices that do not show it move to it.
+  /// Set to the nearest point of the image; slices that do not contain it move to it.
   void setCrossHair(const Vec3 &world);
-  /// Cross-hair and slices are again where they were before the last press: it began a double click.
-  void takeBackClick();
-  /// Another press than that one began: it is not to be taken back any more.
+  /// Restores cross-hair and slices to their state before the last press, which began a double click.
+  void undoClick();
+  /// Called when another press begins: the last one can no longer be taken back.
   void forgetClick() { beforeClick_.reset(); }
   [[nodiscard]] SliceView &view(Pane slice) { return views_[static_cast<std::size_t>(slice)]; }
   [[nodiscard]] const SliceView &view(Pane slice) const { return views_[static_cast<std::size_t>(slice)]; }
   void resetViews();
 
-  /// Null: four views.
+  /// Null if all four views are shown.
   [[nodiscard]] std::optional<Pane> maximised() const { return maximised_; }
   void setMaximised(std::optional<Pane> pane) { maximised_ = pane; }
 
-  /// Input in a slice; positions from its upper left corner. True: something changed.
+  /// Input in a slice; positions relative to its upper left corner. True if something changed.
   bool handle(Pane slice, const ViewInput &input);
   void cancel() { drag_ = Drag::none; }
-  /// The next left press in a slice is told to `picked` instead of moving the cross-hair: the point of the reference
-  /// image that is shown there.
+  /// The next left press in a slice calls `picked` instead of moving the cross-hair. The argument is the point of the
+  /// reference image displayed there.
   void pickNext(std::function<void(const Vec3 &reference)> picked) { picked_ = std::move(picked); }
   [[nodiscard]] bool isPicking() const { return static_cast<bool>(picked_); }
   void cancelPick() { picked_ = nullptr; }
-  /// Whether a key means something in a slice: it then belongs to the slice under the mouse.
+  /// Whether a key has a function in a slice: it is then sent to the slice under the mouse.
   [[nodiscard]] static bool isSliceKey(std::uint32_t key, std::uint32_t modifiers);
 
   [[nodiscard]] Readout readout(const Vec3 &world) const;
-  [[nodiscard]] render::ImageLook look() const;
-  /// Empty while the image is hidden in space.
+  [[nodiscard]] render::ImageDisplay look() const;
+  /// Empty if the image is hidden in space.
   [[nodiscard]] render::ImageScene scene() const;
-  /// From whole to without the near part, without the far part, and back.
-  void turnCut(Pane slice);
+  /// Cycles from uncut to without the near part, to without the far part, and back.
+  void cycleCut(Pane slice);
   void setVisibleInSpace(bool isVisible) { isVisibleInSpace_ = isVisible; }
 
  private:
   enum class Drag { none, crossHair, windowLevel, pan, zoom };
   void applyFrames();
-  /// That the views show; null: the image is as it was read.
+  /// The displacement shown by the views; null: the image is shown as it was read.
   [[nodiscard]] const imaging::DisplacementGrid *warp() const { return isAtRest_ ? nullptr : displacement_.get(); }
   [[nodiscard]] Vec3 referenceAt(const Vec3 &world) const;
   [[nodiscard]] Vec3 nearestInImage(const Vec3 &world) const;
@@ -183,7 +185,7 @@ class ImageViews {
   std::shared_ptr<const scene::StoredLabels> labels_;
   std::shared_ptr<const imaging::DisplacementGrid> displacement_;
   std::vector<std::pair<std::string, std::string>> offered_;
-  SteadyRange steadyRange_;
+  StableRange steadyRange_;
   bool isPointedAt_ = false, isAtRest_ = false;
   ImageOptions options_;
   std::vector<std::pair<std::uint16_t, float>> labelOpacities_;
@@ -195,7 +197,7 @@ class ImageViews {
     Vec3 crossHair;
     std::array<SliceView, 3> views;
   };
-  std::optional<Click> beforeClick_;  ///< that has set the cross-hair
+  std::optional<Click> beforeClick_;  ///< state before the click that set the cross-hair
   bool isVisibleInSpace_ = true;
   std::function<void(const Vec3 &)> picked_;
   std::function<void(std::size_t)> chooseTime_;
@@ -206,13 +208,13 @@ class ImageViews {
   std::string missingText_;
 };
 
-/// How a first image is looked at in space: the patient upright, from the front, a little from the left and above.
+/// Initial camera for images in space: the patient upright, from the front, slightly from the left and above.
 void viewOfImages(render::Camera &camera);
 
 /// Recognises the second press of a double click in the same pane.
 class DoubleClick {
  public:
-  /// True for a left press that follows another one at the same place within 0.4 s.
+  /// True for a left press that follows another one at the same position within 0.4 s.
   bool press(Pane pane, const ViewInput &input);
 
  private:

@@ -8,11 +8,11 @@
 
 namespace c3de::ui {
 
-/// The panel of the path from an image to a body of the simulation, in numbered steps. It stands in the registry while
-/// it lives. Main thread.
+/// The panel that leads from an image to a body of the simulation, in numbered steps. It is registered for as long as
+/// this object exists. Main thread.
 class SegmentationPanel {
  public:
-  /// @param scanBody  that a button shows
+  /// @param scanBody  shown by a button
   SegmentationPanel(registry::PanelRegistry &panels, ImageViews &views, segmentation::SegmentationWorkflow &workflow,
                     segmentation::ScanBody &scanBody);
   ~SegmentationPanel();
@@ -40,8 +40,8 @@ class SegmentationPanel {
   segmentation::SegmentationWorkflow &workflow_;
   segmentation::ScanBody &scanBody_;
   Handle panel_;
-  std::string filter_;             ///< of the labels that are listed
-  const char *awaited_ = nullptr;  ///< id of the button that was pressed last
+  std::string filter_;             ///< of the listed labels
+  const char *awaited_ = nullptr;  ///< id of the last pressed button
 };
 
 }  // namespace c3de::ui

@@ -21,15 +21,15 @@ struct SliceFrame {
   [[nodiscard]] Vec3 normal() const { return cross(right, down); }
 };
 
-/// The frame of a view along the axes of the patient or, where a grid is given, of the image that are nearest to them
-/// (made orthogonal, the slices of the image as they are).
+/// The frame of a view along the axes of the patient. If a grid is passed, along the nearest axes of the image instead
+/// (made orthogonal, with the slices of the image unchanged).
 [[nodiscard]] SliceFrame sliceFrame(SliceAxis axis, Convention convention, const imaging::VolumeGeometry *alignedWith);
 
-/// How far it is along a unit direction from one voxel to the next, mm: that of the index which changes fastest.
+/// Distance along a unit direction from one voxel to the next, mm, for the index that changes fastest.
 [[nodiscard]] double voxelStep(const imaging::VolumeGeometry &grid, const Vec3 &direction);
 
-/// Where a direction of the world points: L or R, A or P, S or I, the largest part first; a second letter when that
-/// part is above a tenth. For example "L", "PS".
+/// The direction of a world vector: L or R, A or P, S or I, the largest component first. A second letter follows if
+/// that component is above a tenth. For example "L", "PS".
 [[nodiscard]] std::string orientationLetters(const Vec3 &direction);
 
 /// A round length (1, 2 or 5 times a power of ten, mm) of at most `longest_px` pixels, and its text ("5 cm").
@@ -39,19 +39,19 @@ struct ScaleBar {
 };
 [[nodiscard]] ScaleBar scaleBar(double millimetresPerPixel, double longest_px);
 
-/// One flat view of an image: which plane it shows and where its points lie on the screen. Pixels from the view's upper
-/// left corner. Value type; any thread.
+/// One flat view of an image: the plane it shows and the mapping of its points to the screen. Pixels are relative to
+/// the view's upper left corner. Value type; any thread.
 class SliceView {
  public:
-  /// The image whose slices are counted; the view keeps its place in the world.
+  /// The image whose slices are counted; the view keeps its position in the world.
   void setGrid(const imaging::VolumeGeometry &grid);
-  /// Turns the view about its middle.
+  /// Rotates the view about its middle.
   void setFrame(const SliceFrame &frame);
-  /// A view that shows the whole image goes on doing so.
+  /// A view that shows the whole image continues to show it.
   void setSize(int width, int height);
-  /// Brings the image into the view as a whole; the slice stays.
+  /// Fits the whole image into the view; the slice does not change.
   void fit();
-  /// To the middle slice, the whole image in view.
+  /// Shows the middle slice with the whole image in view.
   void reset();
 
   [[nodiscard]] const SliceFrame &frame() const { return frame_; }
@@ -65,19 +65,19 @@ class SliceView {
   [[nodiscard]] render::SlicePlane plane() const;
   [[nodiscard]] double millimetresPerPixel() const { return millimetresPerPixel_; }
 
-  /// Distance between slices: the way along `forward` from one voxel to the next, mm.
+  /// Distance between slices: the distance along `forward` from one voxel to the next, mm.
   [[nodiscard]] double step() const { return step_; }
   [[nodiscard]] int sliceCount() const { return count_; }
   [[nodiscard]] int slice() const;  ///< from 0
-  /// Stays within the image.
+  /// Limited to the image.
   void scroll(int slices);
   void showSlice(int slice);
-  /// To the slice nearest to a point; nothing else moves.
+  /// Shows the slice nearest to a point; nothing else moves.
   void showPoint(const Vec3 &world);
-  /// Within half a step of the shown plane.
+  /// Whether a point is within half a step of the displayed plane.
   [[nodiscard]] bool isOnSlice(const Vec3 &world) const;
 
-  /// The point under the pixel stays there. > 0: larger, by a tenth per step.
+  /// The point under the pixel does not move. > 0: larger, by a tenth per step.
   void zoom(double steps, double x, double y);
   void pan(double dx_px, double dy_px);
 

@@ -14,13 +14,13 @@ namespace c3de::ui {
 
 class ImageViews;
 
-/// The views of the workstation as a picture, drawn without a window by what draws them in one: slices with outlines,
-/// letters, scale bars and legends beside the 3D view, or the one that ImageViews::maximised() names; without an image
-/// the 3D view alone. The 3D view has all of the scene in it.
+/// The views of the workstation as a picture, drawn without a window by the code that draws them in a window. Slices
+/// with outlines, letters, scale bars and legends next to the 3D view, or the single view of ImageViews::maximised().
+/// Without an image only the 3D view. The 3D view shows the whole scene.
 ///
 /// @param renderer  its context must be current; no window may be open
 /// @param title     in the 3D view
-/// Errors: a size that cannot be drawn, no graphics memory, no fonts' texture. Main thread.
+/// Errors: a size that cannot be drawn, no graphics memory, no font texture. Main thread.
 [[nodiscard]] Expected<render::Image> pictureOfViews(render::Renderer &renderer, ImageViews &images,
                                                      scene::SceneGraph &scene, const std::string &title, int width,
                                                      int height);

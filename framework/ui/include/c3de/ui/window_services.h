@@ -37,12 +37,13 @@ struct WindowServices {
   registry::ParameterRegistry *parameters = nullptr;
   scene::SceneGraph *scene = nullptr;
   BackgroundJobs *jobs = nullptr;
-  ImageViews *images = nullptr;                            ///< while it has an image, slices stand beside the 3D view
-  segmentation::SegmentationWorkflow *workflow = nullptr;  ///< its steps are undone while they are what was edited last
-  segmentation::ScanBody *scanBody = nullptr;              ///< asked for while it is shown
+  ImageViews *images = nullptr;                            ///< while it has an image, slices are shown next to the 3D
+                                                           ///< view
+  segmentation::SegmentationWorkflow *workflow = nullptr;  ///< its steps are undone while they are the last edits
+  segmentation::ScanBody *scanBody = nullptr;              ///< its dialog is drawn while it is shown
   TissueTable *tissues = nullptr;                          ///< a section of the side panel while it has rows
-  registry::EditList *edits = nullptr;                     ///< of plugins, likewise
-  registry::CommandRegistry *commands = nullptr;           ///< of plugins; a menu where there are any
+  registry::EditList *edits = nullptr;                     ///< of plugins; undone while they are the last edits
+  registry::CommandRegistry *commands = nullptr;           ///< of plugins; a menu if there are any
   std::function<std::string()> meshExtensions;             ///< for the dialog: "obj;stl"
 };
 

@@ -24,43 +24,43 @@ namespace c3de::ui {
 struct WindowOptions {
   std::string title = "C3DE";
   int width = 1280, height = 800;
-  /// File that mirrors the window as JSON for scripts and tests (automation_state.h says what is in it); empty: none.
+  /// File that mirrors the window as JSON for scripts and tests (contents: see automation_state.h); empty: none.
   std::filesystem::path automationState;
 };
 
-/// Files a person wants to see, through the menu, the dialog or by dropping them on the window.
+/// Files to open, from the menu, the dialog or a drop on the window.
 struct OpenRequest {
   std::vector<std::filesystem::path> files;
-  std::string meshUnit;    ///< mm, cm, m; empty: what each file says, else mm
-  bool areLabels = false;  ///< images: label maps, to be laid over the image that is open
+  std::string meshUnit;    ///< mm, cm, m; empty: the unit stated in each file, else mm
+  bool areLabels = false;  ///< the images are label maps to be overlaid on the open image
 };
 
-/// A class that may simulate what is opened next.
+/// A class that can simulate what is opened next.
 struct SimulatorChoice {
   std::string id, label, plugin;
   bool isChosen = false;
 };
 
-/// A file that holds a plugin, or should.
+/// A file that contains a plugin, or should.
 struct PluginEntry {
   enum class State { loaded, refused, shadowed, off };
-  std::string id;    ///< empty: not known
-  std::string name;  ///< for people
+  std::string id;    ///< empty: unknown
+  std::string name;  ///< display name
   std::string version, vendor, license, file;
   State state = State::loaded;
   std::string reason;       ///< why it is not loaded
   bool isOn = true;         ///< from the next start on
-  bool hasChanged = false;  ///< somebody has switched it since this start
-  unsigned crashes = 0;     ///< runs that it has ended
-  std::string lastCrash{};  ///< "ended by SIGSEGV, …": of the last of them
+  bool hasChanged = false;  ///< the user has switched it since this start
+  unsigned crashes = 0;     ///< number of runs that it has crashed
+  std::string lastCrash{};  ///< "ended by SIGSEGV, …": of the last crash
 };
 
-/// What the window asks the program to do. Called on the main thread, in drawFrame().
+/// Requests of the window to the program. Called on the main thread, in drawFrame().
 struct WindowActions {
   std::function<void(const OpenRequest &)> open;
   std::function<void()> reload;
   std::function<void(std::uint32_t action)> transport;  ///< C3DE_TRANSPORT_*
-  std::function<void(double rate)> setTargetRate;       ///< 0: as fast as it goes
+  std::function<void(double rate)> setTargetRate;       ///< 0: as fast as possible
   std::function<std::vector<SimulatorChoice>()> simulators;
   std::function<void(const std::string &id)> chooseSimulator;
   std::function<std::vector<PluginEntry>()> plugins;
@@ -69,14 +69,14 @@ struct WindowActions {
   std::function<void(const std::filesystem::path &)> exportSurface, exportFrame;  ///< the present state
   std::function<std::string()> surfaceExtensions;                                 ///< "obj;stl", the proposed one first
   std::function<void(const std::filesystem::path &)> saveState, loadState;        ///< of the simulation
-  /// Image and labels as the tissue lies now; how far it has moved
+  /// Image and labels in the present state of the tissue; its displacement
   std::function<void(const std::filesystem::path &)> exportImage, exportLabels, exportDisplacement;
-  std::function<void(const std::filesystem::path &)> exportTissues;  ///< what labels have done
-  std::function<void(const std::filesystem::path &)> saveScanScene;  ///< of what is chosen in the dialog of the scan
-  /// What a file of that export could be called, without folder and ending; empty: nothing is proposed.
+  std::function<void(const std::filesystem::path &)> exportTissues;  ///< motion of the labels
+  std::function<void(const std::filesystem::path &)> saveScanScene;  ///< of the settings in the scan dialog
+  /// Proposed name for a file of that export, without folder and extension; empty: no proposal.
   std::function<std::string(Command exported)> proposeName;
   std::function<void()> closeImage, closeSimulation;
-  std::function<std::string()> unsaved;  ///< what quitting now would lose, for a person; empty: nothing
+  std::function<std::string()> unsaved;  ///< what quitting now would lose, as display text; empty if nothing
   std::function<void()> beforeDraw;      ///< panels have been handled, the 3D view is about to be drawn
 };
 
@@ -85,13 +85,13 @@ struct AboutText {
   std::string version, graphics;
 };
 
-/// Something a person has to choose before the program goes on.
+/// A choice the user must make before the program continues.
 struct Question {
   struct Answer {
     std::string id, label;
   };
   std::string id, title, text;
-  std::vector<Answer> answers;  ///< Enter chooses the first, Escape the last
+  std::vector<Answer> answers;  ///< Enter selects the first, Escape the last
 };
 
 /// The state of the present simulation for toolbar and status bar.
@@ -99,10 +99,10 @@ struct SimulationView {
   bool exists = false;
   std::string title;
   c3de_sim_transport transport{};
-  std::string activity;  ///< what takes long in the step that is being computed, and what would help; may be empty
+  std::string activity;  ///< what takes long in the step being computed, and what would help; may be empty
 
   static constexpr double kLongStep_s = 0.15;
-  /// Said while it lasts: a step takes long, or one after the other does.
+  /// Whether a step takes long, or each of a sequence does; displayed as long as this lasts.
   [[nodiscard]] bool isLongStep() const {
     return exists && (transport.step_running_s > kLongStep_s ||
                       (transport.mode == C3DE_SIM_PLAYING && transport.step_ms > 1e3 * kLongStep_s));
@@ -112,36 +112,38 @@ struct SimulationView {
 /// The program's window: an OpenGL context, menus, panels, the 3D view and its input. Main thread, except wake().
 class WorkstationWindow {
  public:
-  /// OpenGL 4.5 core, or 4.3 where there is no more. ErrorCode::graphics names what was found and what is needed.
+  /// OpenGL 4.5 core, or 4.3 if nothing newer is available. ErrorCode::graphics names what was found and what is
+  /// required.
   [[nodiscard]] static Expected<std::unique_ptr<WorkstationWindow>> create(const WindowOptions &options);
   ~WorkstationWindow();
 
   void connect(const WindowServices &services, WindowActions actions);
   void setAbout(AboutText about);
 
-  /// Draws frames until the question is answered; before connect(), too. Returns the id of the answer: the last one if
-  /// the window is closed instead.
+  /// Draws frames until the question is answered; may be called before connect(). Returns the id of the answer: the
+  /// last one if the window is closed instead.
   [[nodiscard]] std::string ask(const Question &question, render::Renderer &renderer);
 
-  /// Waits until a frame is due: at once after input, at most 60 times a second while something moves, else never.
-  /// @return whether the frame is to show what is new. Where frames take long and input waits, it only answers that,
-  ///   with everything else as the last frame has shown it; the next one takes what is new.
+  /// Waits until a frame is due: at once after input, at most 60 times a second while something moves, otherwise
+  /// indefinitely.
+  /// @return whether the frame shows new data. Where frames are slow and input is waiting, the frame only responds to
+  /// the input and shows everything else as in the last frame. The next frame then shows the new data.
   [[nodiscard]] bool waitForFrame();
-  /// Takes input, draws the scene through the renderer and everything around it, shows the frame.
+  /// Processes input, draws the scene with the renderer and everything around it, and presents the frame.
   void drawFrame(render::Renderer &renderer, const SimulationView &simulation);
   /// Ends a waitForFrame(). Any thread.
   void wake();
 
   [[nodiscard]] bool closeRequested() const;
-  /// Closes the window, without a question, once the function answers true; it is asked once a second at least.
+  /// Closes the window, without a question, once the function returns true. It is called at least once a second.
   void closeWhen(std::function<bool()> isAskedToEnd);
   void requestClose();
 
   [[nodiscard]] render::Camera &camera();
-  /// Pixels of the 3D view in the framebuffer; of all views while it is hidden.
+  /// Size of the 3D view in framebuffer pixels; size of all views while it is hidden.
   [[nodiscard]] int viewWidth() const;
   [[nodiscard]] int viewHeight() const;
-  /// Brings everything visible into the view as soon as the scene has bounds.
+  /// Fits everything visible into the view as soon as the scene has bounds.
   void requestFit();
   /// Writes the automation state now (also before the program ends).
   void writeAutomationState();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far off a body will be at a sampling that it does not have yet, what that will cost, and the cheapest sampling
-// that does what is wished.
+// Predicts the error and cost of a body for other samplings, and chooses the cheapest sampling that meets a target.
 #pragma once
 
 #include <optional>
@@ -15,7 +14,7 @@
 
 namespace pointbased {
 
-/// A body as it is to be simulated, but for its sampling.
+/// A body to be simulated, without its sampling.
 struct AccuracyProblem {
   const BodyShape &shape;
   const BodyRecipe &recipe;
@@ -24,125 +23,127 @@ struct AccuracyProblem {
   Vec3 gravity = Vec3::Zero();  ///< m/s²
 };
 
-/// The body at rest under its loads, on few phyxels, by the linear law: what it is at small loads, scaled up.
+/// Static solution of the body under its loads with few phyxels and the linear law: the solution for small loads,
+/// scaled up.
 struct TrialSolution {
   double spacing = 0.0;  ///< m
   std::size_t phyxels = 0, points = 0, contacts = 0;
-  double stableStep = 0.0;  ///< s, at rest
+  double stableStep = 0.0;  ///< m, [samples] displacements of skin points
   std::vector<Vec3> ways;   ///< [samples] displacements of points of the skin, m
   double largest = 0.0;     ///< m, of `ways`
 };
 
-/// Points of the skin at which solutions are compared: about `count` of them, evenly over its area; those left out
-/// whose motion is prescribed. World, m.
+/// Skin points at which solutions are compared: about `count`, distributed evenly over the area. Points with prescribed
+/// motion are left out. World, m.
 [[nodiscard]] SurfacePoints skinSamples(const Surface &surface, std::span<const Fix> fixes, std::size_t count);
-/// Displacements of such points of a body, m.
+/// Displacements of these points on a body, m.
 [[nodiscard]] std::vector<Vec3> displacementsAt(const RestState &rest, std::span<const Vec3> displacements,
                                                 const SurfacePoints &samples, const ParallelFor &parallelFor);
 
-/// With the sampling of its recipe. Errors: those of buildRestState(); no equilibrium.
+/// Solves with the sampling of the recipe.
+/// Errors: those of buildRestState(); no equilibrium.
 [[nodiscard]] Result<TrialSolution> solveTrial(const AccuracyProblem &problem, const SurfacePoints &samples,
                                                const ParallelFor &parallelFor, const StopRequest *stop = nullptr);
-/// With cells of one size. Errors likewise.
-/// @param count  wanted phyxels
+/// Solves with cells of uniform size. Same errors.
+/// @param count  target number of phyxels
 [[nodiscard]] Result<TrialSolution> solveTrial(const AccuracyProblem &problem, std::size_t count,
                                                const SurfacePoints &samples, const ParallelFor &parallelFor,
                                                const StopRequest *stop = nullptr);
 
-/// Difference of two solutions on the skin that 95 % of its samples stay below, m.
+/// Difference of two solutions on the skin, m: the 95th percentile over the samples.
 [[nodiscard]] double skinDifference(const TrialSolution &a, const TrialSolution &b);
 
-/// What two trials tell of a body.
+/// Result of two trial solutions of a body.
 struct AccuracySurvey {
   TrialSolution coarse, fine;
   double volume = 0.0, area = 0.0;  ///< m³, m²
   double largest = 0.0;             ///< m, displacement under the loads
-  double difference = 0.0;          ///< skinDifference() of both, part of `largest`
-  Vec3 worst = Vec3::Zero();        ///< world, m, at rest: the sample of the skin at which they differ most
-  /// Nothing holds the body, or nothing loads it, or both: its lowest tenth was held, its weight was its load
+  double difference = 0.0;          ///< skinDifference() of the two, as a fraction of `largest`
+  Vec3 worst = Vec3::Zero();        ///< world, m, at rest: skin sample with the largest difference
+  /// Supports, loads or both are missing: the lowest tenth of the body was held, and its weight was the load
   bool supposed = false;
 
-  [[nodiscard]] double phyxelsAt(double spacing) const;   ///< V/d³ inside, and as many per area as in the fine trial
-  [[nodiscard]] double spacingFor(double phyxels) const;  ///< m, the inverse
+  [[nodiscard]] double phyxelsAt(double spacing) const;   ///< V/d³ inside, plus the number per area of the fine trial
+  [[nodiscard]] double spacingFor(double phyxels) const;  ///< m, inverse of phyxelsAt()
 };
 
-/// Two trials, some tenths of a second: of a seventh and of two fifths of automaticCount().
+/// Computes two trial solutions, in some tenths of a second: with a seventh and with two fifths of automaticCount().
 /// Errors: those of solveTrial(); trials that have nothing in common.
 [[nodiscard]] Result<AccuracySurvey> surveyAccuracy(const AccuracyProblem &problem, const ParallelFor &parallelFor,
                                                     const StopRequest *stop = nullptr);
 
-/// The error of displacements on the skin at rest, of 95 % of it, as part of the largest displacement.
+/// Error of the displacements of the skin at rest, 95th percentile, as a fraction of the largest displacement.
 struct ErrorPrediction {
-  double share = 0.0;            ///< expected: half of all bodies are better
-  double low = 0.0, high = 0.0;  ///< nine of ten are between
-  double likely = 0.0;           ///< five of six are better
+  double share = 0.0;            ///< expected: half of all bodies are below
+  double low = 0.0, high = 0.0;  ///< nine of ten are between these
+  double likely = 0.0;           ///< five of six are below
 };
 
-/// By a model that was fitted to random bodies (bench_dial --fit): from the difference of the trials and the way from
-/// their spacing to the one asked for, log e = a + b log difference + p log(spacing / spacing of the fine trial).
+/// Uses a model fitted to random bodies (bench_dial --fit). From the difference of the trials and the ratio of the
+/// requested spacing to theirs: log e = a + b log difference + p log(spacing / spacing of the fine trial).
 [[nodiscard]] ErrorPrediction predictError(const AccuracySurvey &survey, double spacing);
 
-/// What costs are reckoned with beside the body.
+/// Conditions of a cost prediction other than the body.
 struct CostSetting {
   WorldSettings world;
   bool contact = false;     ///< walls or obstacles
   bool touches = false;     ///< there are other bodies that it may touch
-  std::size_t surfels = 0;  ///< vertices of the skin that is drawn
+  std::size_t surfels = 0;  ///< vertices of the displayed skin
   MachineSpeed speed;
 };
 
-/// ms that a frame of 1/60 s of simulated time takes; of a quasi-static solution the whole.
+/// ms per frame of 1/60 s of simulated time; for a quasi-static solution, of the whole solution.
 [[nodiscard]] double predictCost(const AccuracySurvey &survey, const Constitution &constitution,
                                  const CostSetting &setting, double spacing);
 
-/// Part of a body's skin that is reckoned to touch other bodies, where they do.
+/// Fraction of a body's skin that is assumed to touch other bodies during contact.
 inline constexpr double kTouched = 0.2;
-/// ms that such a frame takes longer while kTouched of the skin touches; 0: nothing can be touched, or it is a
-/// quasi-static solution.
+/// Additional ms per frame while kTouched of the skin is in contact; 0: contact is impossible, or the solution is
+/// quasi-static.
 [[nodiscard]] double predictTouching(const AccuracySurvey &survey, const Constitution &constitution,
                                      const CostSetting &setting, double spacing);
 
-/// Wall-clock time that 95 % of the frames of a body stay below, ms: from rest in its world, by itself, for half a
-/// simulated second or half a second of computing, because a body that bends takes shorter steps. 0: it cannot be
-/// stepped, is quasi-static, or was ended by the request.
+/// Measured wall-clock time per frame of a body, ms, 95th percentile. The body starts at rest in its world, without
+/// other bodies, and runs for half a simulated second or half a second of computing, because a bending body takes
+/// shorter steps. 0: it cannot be stepped, is quasi-static, or was cancelled.
 [[nodiscard]] double measureFrame(const Body &body, const WorldSettings &world, std::span<const Obstacle> obstacles,
                                   const ParallelFor &parallelFor, const StopRequest *stop);
 
-/// What somebody wants of the accuracy of a body; one of them.
-struct AccuracyWish {
+/// Accuracy target of a body; one of these kinds.
+struct AccuracyTarget {
   enum class Kind {
-    /// error at most 5 % within 16 ms a frame, but at least automaticCount() phyxels, which serve hands as well; value:
-    /// how many bodies share that time
+    /// error at most 5 % within 16 ms a frame, but at least automaticCount() phyxels, which suffice for grabbing as
+    /// well. value: number of bodies that share this time
     standard,
-    share,   ///< value: of the largest displacement
+    share,   ///< value: fraction of the largest displacement
     length,  ///< value: m
-    budget   ///< value: s that a frame of 1/60 s may take
+    budget   ///< value: s per frame of 1/60 s
   };
   Kind kind = Kind::standard;
   double value = 0.0;
 };
 
-/// The cheapest sampling for a wish.
+/// The cheapest sampling for a target.
 struct SamplingChoice {
   double spacing = 0.0;  ///< m
   std::size_t count = 0;
   ErrorPrediction error;
-  double largest = 0.0;   ///< m, what error.share is of
+  double largest = 0.0;   ///< m, to which error.share refers
   double frame_ms = 0.0;  ///< predictCost() or measureFrame()
-  /// predictTouching(); a budget is for such frames too
+  /// predictTouching(); a budget includes it
   double touching_ms = 0.0;
-  std::string unmet;  ///< empty: the wish is met; else why not, and what could be had
+  std::string unmet;  ///< empty: the target is met; else the reason, and what is possible
 };
 
 [[nodiscard]] SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &constitution,
-                                            const CostSetting &setting, const AccuracyWish &wish);
+                                            const CostSetting &setting, const AccuracyTarget &wish);
 
 inline constexpr double kFrame = 1.0 / 60.0;      ///< s
-inline constexpr double kStandardError = 0.05;    ///< of AccuracyWish::Kind::standard
+inline constexpr double kStandardError = 0.05;    ///< of AccuracyTarget::Kind::standard
 inline constexpr double kStandardBudget = 0.016;  ///< s
-/// Part of a budget that is used: strained bodies take shorter steps, and frames scatter.
+/// Fraction of a budget that is used: strained bodies take shorter steps, and frame times vary.
 inline constexpr double kBudgetToUse = 0.7;
-/// Between these it chooses.
-inline constexpr double kFewestPhyxelsOfDial = 50.0, kMostPhyxelsOfDial = 100'000.0;
+/// Range of the chosen phyxel counts.
+inline constexpr double kMinChosenPhyxels = 50.0, kMaxChosenPhyxels = 100'000.0;
 
 }  // namespace pointbased

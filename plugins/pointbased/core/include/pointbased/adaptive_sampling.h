@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finer cells where the error of a body arises.
+// Refines cells where the error of a body originates.
 #pragma once
 
 #include <string>
@@ -8,28 +8,32 @@
 
 namespace pointbased {
 
-/// Where the cells of a lattice are halved, and what that promises.
+/// A locally refined sampling and its expected benefit.
 struct AdaptiveSampling {
-  LatticeSampling sampling;  ///< what was asked for, with about as many phyxels
-  std::size_t halved = 0;    ///< cells; 0: those of one size serve as well
-  std::size_t cells = 0;     ///< before they are halved
-  /// Part of the squared error, in energy, that arises in those that are halved, or would have been
+  LatticeSampling sampling;  ///< as requested, with about as many phyxels
+  std::size_t halved = 0;    ///< number of cells; 0: uniform cells are as good
+  std::size_t cells = 0;     ///< before refinement
+  /// Fraction of the squared error, in energy, that originates in the halved cells, or in those that would have been
+  /// halved
   double share = 0.0;
-  /// About the largest stable explicit step at rest with cells of one size, as many phyxels, s; 0: not known
+  /// Approximate largest stable explicit step at rest with as many phyxels in uniform cells, s; 0: unknown
   double evenStep = 0.0;
   std::string uniform;  ///< why no cells are halved; else empty
 };
 
-/// Solves the body under its supports and loads by the linear law on a lattice of three fifths of the wanted phyxels,
-/// asks each of its cells for its part of the error (estimateError()) and halves those that have most of it until the
-/// count is met. A wanted spacing is that of the lattice, which gets two thirds more phyxels then.
+/// Solves the body under its supports and loads by the linear law on a lattice with three fifths of the target number
+/// of phyxels. Evaluates the error of each cell (estimateError()) and halves those with the largest contributions until
+/// the count is reached. A target spacing is that of the lattice, which gets two thirds more phyxels then.
 ///
-/// Where a tenth of the cells has most of the squared error, halving them takes more of it away than cells that are 1.2
-/// times finer everywhere: borders of what is held, led or loaded, thin necks, edges of stiff parts. Where the error is
-/// even, the sampling stays what it is; the bound of `share` is from bench_dial --adaptive.
+/// Where a tenth of the cells has most of the squared error, halving them removes more of it than uniform cells that
+/// are 1.2 times finer. Such cells are found at borders of held, moved or loaded parts, in thin necks, and at edges of
+/// stiff parts. Where the error is even, the sampling is not changed; the bound of `share` is from bench_dial
+/// --adaptive.
 ///
-/// Errors: those of buildRestState(); no equilibrium. Costs a body of that size and a linear solution of it.
-/// @threads  the same bits for any number of threads behind parallelFor
+/// Errors: those of buildRestState(); no equilibrium.
+///
+/// Costs building a body of that size and one linear solution of it.
+/// @threads  bitwise identical for any number of threads behind parallelFor
 /// @source  Zienkiewicz and Zhu, A simple error estimator and adaptive procedure for practical engineering analysis,
 ///          IJNME 24, 1987; the choice between both samplings: own
 [[nodiscard]] Result<AdaptiveSampling> adaptSampling(const AccuracyProblem &problem, const ParallelFor &parallelFor,

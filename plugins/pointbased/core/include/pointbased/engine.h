@@ -11,15 +11,15 @@
 namespace pointbased {
 
 /// Factor of the hourglass energies of lattices (see hourglassEnergy in the theory page): 1 would be the energy of an
-/// assumed linear strain in plane stress within each cell; 0.92 makes a cantilever of 3 and 5 layers right to 0.2 %.
+/// assumed linear strain in plane stress within each cell; with 0.92 a cantilever of 3 and 5 layers is exact to 0.2 %.
 inline constexpr double kLatticeStabilisation = 0.92;
 /// Isotropic control for clouds: U_q = 1/2 alpha E v_q Σ_k w_qk |r_qk|².
 inline constexpr double kCloudStabilisation = 0.1;
 
 /// Deformation gradient of every evaluation point.
 ///
-/// F_q = I + Σ_k (u_k - u_anchor) g_qk^T; where the stencil is flat, completed so that a rotation stays a rotation:
-/// coplanar F n = F t1 x F t2 normalised, collinear by the shortest rotation, alone F = I.
+/// F_q = I + Σ_k (u_k - u_anchor) g_qk^T. Where the stencil is flat, F is completed such that a rotation stays a
+/// rotation: coplanar F n = F t1 x F t2 normalised, collinear by the shortest rotation, isolated F = I.
 ///
 /// @param displacements  [phyxels] u, m
 /// @param gradients      [points] out: F; row = component of x, column = component of X
@@ -28,47 +28,48 @@ inline constexpr double kCloudStabilisation = 0.1;
 void deformationGradients(const StencilSet &stencils, std::span<const Vec3> displacements, std::span<Mat3> gradients,
                           const ParallelFor &parallelFor);
 
-/// dF/dt of every evaluation point from the velocities (not completed: the flat directions are zero).
+/// dF/dt of every evaluation point from the velocities (not completed: zero in the flat directions).
 void gradientRates(const StencilSet &stencils, std::span<const Vec3> velocities, std::span<Mat3> rates,
                    const ParallelFor &parallelFor);
 
-/// vP of every point, with what the history says: elastic law on F F_p^-1, Prony terms advanced by dt, viscous part.
+/// vP of every point, including history: elastic law on F F_p^-1, Prony terms advanced by dt, viscous part.
 ///
 /// @param rates    [points] dF/dt, or empty: no viscous part (S_v = 2 eta dE/dt)
 /// @param before   history at the beginning of the step; empty vectors: elastic
-/// @param after    [points] null, or where the Prony terms at the end of the step go (may be `before` itself)
+/// @param after    [points] null, or receives the Prony terms at the end of the step (may be `before` itself)
 /// @param out      [points] v P, Pa m³
 /// @param ratios   [points] tangentRatio()
-/// @return the largest ratio; NaN if any is
+/// @return  the largest ratio; NaN if any is
 double pointStresses(const Constitution &constitution, const StencilSet &stencils, std::span<const Mat3> gradients,
                      std::span<const Mat3> rates, const PointHistory &before, double dt, PointHistory *after,
                      std::span<Mat3> out, std::span<double> ratios, const ParallelFor &parallelFor);
 
-/// Plastic flow of every point over dt; the number of points that flowed.
+/// Plastic flow of every point over dt.
+/// @return  number of points that flowed
 std::size_t plasticFlow(const Constitution &constitution, const StencilSet &stencils, std::span<const Mat3> gradients,
                         double dt, PointHistory &history, const ParallelFor &parallelFor);
 
-/// What the modes of lattice cells have relaxed by the end of a step, as pointStresses() does for the stress of the
-/// points. Strain dev e of a mode by linear viscoelasticity of the shear modulus in plane stress, with the recursion of
-/// pronyStress(): dβ_k/dt = (g_k dev e - β_k)/τ_k. Change of volume does not relax.
+/// Relaxation of the modes of lattice cells at the end of a step, corresponding to pointStresses() for the stress of
+/// the points. The strain dev e of a mode follows linear viscoelasticity of the shear modulus in plane stress, with the
+/// recursion of pronyStress(): dβ_k/dt = (g_k dev e - β_k)/τ_k. Volume changes do not relax.
 ///
 /// @param gradients  [points] F at `displacements`
 /// @param before     with `modes` of all points
-/// @param after      null, or where the memory at the end of the step goes (may be `before` itself)
+/// @param after      null, or receives the memory at the end of the step (may be `before` itself)
 /// @param relaxed    [points] out: Σ_k β_k at the end of the step, for internalForces()
 void relaxModes(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> displacements,
                 std::span<const Mat3> gradients, const PointHistory &before, double dt, PointHistory *after,
                 std::span<HourglassStrain> relaxed, const ParallelFor &parallelFor);
 
 /// f_j = -Σ_q (v_q P_q g_qj + dU_q/dx_j), N: the negative gradient of elastic and stabilisation energy.
-/// @param relaxed  [points] of relaxModes(): that part of the hourglass strain pulls no longer; empty: nothing has
-/// relaxed
+/// @param relaxed  [points] from relaxModes(): relaxed part of the hourglass strain, which exerts no force; empty:
+///                 nothing has relaxed
 void internalForces(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
                     std::span<const Vec3> displacements, std::span<const Mat3> gradients,
                     std::span<const Mat3> stresses, std::span<Vec3> entryForces, std::span<Vec3> forces,
                     const ParallelFor &parallelFor, std::span<const HourglassStrain> relaxed = {});
 
-/// Scratch of forceDifferential(), so that it allocates nothing when called again.
+/// Scratch storage of forceDifferential(), so that repeated calls do not allocate.
 struct TangentScratch {
   std::vector<Vec3> entries;
 };
@@ -76,20 +77,20 @@ struct TangentScratch {
 /// df = -K du at the present displacements: the exact directional derivative of internalForces (of its elastic, plastic
 /// and Prony part at fixed history), for du of any size.
 /// @param viscousScale  1/s: adds the viscous forces of velocities viscousScale · du (backward Euler 1/dt, midpoint
-/// 2/dt); 0: none
-/// @param dt            s, of the Prony terms; 0 with none
+///                      2/dt); 0: none
+/// @param dt            s, of the Prony terms; 0 if there are none
 void forceDifferential(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
                        std::span<const Vec3> displacements, std::span<const Mat3> gradients,
                        const PointHistory &history, double dt, double viscousScale, std::span<const Vec3> du,
                        TangentScratch &scratch, std::span<Vec3> df, const ParallelFor &parallelFor);
 
-/// The 3x3 diagonal blocks of K (of the same forces), made positive definite where they are not.
+/// The 3x3 diagonal blocks of K (of the same forces), made positive definite where necessary.
 void stiffnessBlocks(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
                      std::span<const Vec3> displacements, std::span<const Mat3> gradients, const PointHistory &history,
                      double dt, double viscousScale, std::span<Mat3> blocks, const ParallelFor &parallelFor);
 
-/// All of K as triplets (row, column in 0 … 3n-1); per point the tangent is made positive semi-definite first, so a
-/// factorisation of the sum is a usable preconditioner at any deformation.
+/// All of K as triplets (row, column in 0 … 3n-1). The tangent of each point is made positive semi-definite first, so
+/// that a factorisation of the sum is a usable preconditioner at any deformation.
 void stiffnessTriplets(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
                        std::span<const Vec3> displacements, std::span<const Mat3> gradients,
                        const PointHistory &history, double dt, double viscousScale,
@@ -105,14 +106,14 @@ struct ElasticEnergy {
                                           std::span<const Mat3> gradients, const PointHistory &history,
                                           std::span<Eigen::Vector2d> perPoint = {});
 
-/// Largest angular frequency at rest, rad/s, by Lanczos's method on the exact tangent over the masses; `extra` adds a
-/// diagonal stiffness (held patches), N/m, or is empty. An estimate from below, by less than 1e-3; the stable step
-/// takes a margin.
+/// Largest angular frequency at rest, rad/s, by Lanczos's method on the exact tangent over the masses. `extra` adds a
+/// diagonal stiffness (held patches), N/m, or is empty. The estimate is from below, by less than 1e-3; the margin of
+/// the stable step covers this.
 [[nodiscard]] double largestFrequency(const Constitution &constitution, const StencilSet &stencils,
                                       std::span<const Vec3> positions, std::span<const double> masses,
                                       std::span<const double> extra, const ParallelFor &parallelFor);
 
-/// Of the vector kernels now in use: "AVX3" (AVX-512), "AVX2", "SSE4", "NEON", …
+/// Instruction set of the active vector kernels: "AVX3" (AVX-512), "AVX2", "SSE2", "NEON", …
 [[nodiscard]] std::string kernelTarget();
 
 }  // namespace pointbased

@@ -12,40 +12,41 @@ namespace pointbased {
 class CheckedLaw;
 
 enum class MaterialLaw {
-  linear,  ///< small strain: not objective, a rotation by w pretends a strain of w²/2; recovers, but to F = I
-  stVenantKirchhoff,  ///< linear in Green strain; softens in compression, rests mirrored too: stays inverted
-  corotated,          ///< linear in the stretch; finite everywhere, recovers; kinks where the rotation is not unique
-  neoHookean,         ///< compressible, log form; continued below kNeoHookeanSwitch so that it recovers from inversion
-  custom              ///< Material::custom, of elastic_law.h; not with Prony terms or plasticity
+  linear,  ///< small strain: not objective, a rotation by w causes a strain of w²/2; recovers, but to F = I
+  /// linear in Green strain; softens in compression, also has a mirrored rest state: stays inverted
+  stVenantKirchhoff,
+  corotated,   ///< linear in the stretch; finite everywhere, recovers; kinks where the rotation is not unique
+  neoHookean,  ///< compressible, log form; continued below kNeoHookeanSwitch so that it recovers from inversion
+  custom       ///< Material::custom, of elastic_law.h; not with Prony terms or plasticity
 };
 
 /// One term of the relaxation of the shear modulus.
 struct PronyTerm {
   double share = 0.0;  ///< 0 ... < 1: part of the instantaneous shear modulus that relaxes; 0 = no term
-  double time = 0.0;   ///< s, > 0 where share > 0: after it 63 % of the share is gone
+  double time = 0.0;   ///< s, > 0 where share > 0: after it 63 % of the share has relaxed
 };
 
-/// Flow without change of volume; see plasticity.h.
+/// Volume-preserving plastic flow; see plasticity.h.
 struct Plasticity {
   static constexpr double kNever = std::numeric_limits<double>::infinity();
 
   double yield = kNever;  ///< norm of the elastic deviatoric Hencky strain, >= 0; flow begins above; inf = elastic
-  double creep = 0.0;     ///< 0 ... 1: share of the excess that flows within creepTime; 1 = at once, 0 = elastic
+  double creep = 0.0;     ///< 0 ... 1: share of the excess that flows within creepTime; 1 = instantly, 0 = elastic
   double creepTime = 1.0 / 60.0;  ///< s, > 0; what flows in dt is 1 - (1 - creep)^(dt / creepTime) of the excess
   double max = kNever;            ///< cap of the norm of the plastic Hencky strain, >= 0; 0 = elastic, inf = melts
 
-  /// False where nothing can ever flow: the stage is then skipped and the body is elastic bit for bit.
+  /// False if nothing can ever flow: the stage is then skipped and the body is elastic bit for bit.
   [[nodiscard]] bool enabled() const { return yield < kNever && creep > 0.0 && max > 0.0; }
 };
 
-/// An isotropic solid: elastic law, viscous damping, and if wanted volume conservation, relaxation and flow.
+/// An isotropic solid: elastic law, viscous damping, and optionally volume conservation, relaxation and flow.
 struct Material {
   MaterialLaw law = MaterialLaw::neoHookean;
   double youngsModulus = 6000.0;  ///< Pa, > 0; with Prony terms the instantaneous one
   double poissonRatio = 0.45;     ///< -1 < nu < 0.5; near 0.5 the stable step shrinks
   double restDensity = 1060.0;    ///< kg/m³, > 0
   double viscosity = 0.0;         ///< Pa s, >= 0: S_v = 2 eta dE/dt; damps deformation, not rigid motion
-  double volumeStiffness = 0.0;  ///< Pa, >= 0: W += k_v/2 (J - 1)^2; comes on top of Poisson's ratio, see bulkModulus()
+  double volumeStiffness = 0.0;   ///< Pa, >= 0: W += k_v/2 (J - 1)^2; in addition to Poisson's ratio, see bulkModulus()
   std::array<PronyTerm, 2> prony{};  ///< G(t) = G0 (1 - sum share (1 - exp(-t / time))), deviatoric part only
   Plasticity plastic{};
   std::shared_ptr<const CheckedLaw>
@@ -62,19 +63,20 @@ struct Material {
   [[nodiscard]] bool relaxes() const { return prony[0].share > 0.0 || prony[1].share > 0.0; }
 };
 
-/// Takes a law from outside, with its Young's modulus and Poisson's ratio at rest.
+/// Sets an external law, with its Young's modulus and Poisson's ratio at rest.
 void setLaw(Material &material, std::shared_ptr<const CheckedLaw> law);
 
-/// All that is wrong with it, or nothing.
+/// Errors: text lists everything that is invalid.
 [[nodiscard]] Result<void> validate(const Material &material);
 
-/// Below this volume ratio the volumetric part of the neo-Hookean energy goes on as its second-order Taylor polynomial:
-/// twice continuously differentiable, finite and pushing outwards at J = 0 and below. There mu/4 |F - R|^2 fades in too
-/// (R as of the corotated law), because without it a point, F = 0, would be a rest that draws mirrored states in.
+/// Below this volume ratio the volumetric part of the neo-Hookean energy continues as its second-order Taylor
+/// polynomial: twice continuously differentiable, finite and pushing outwards at J = 0 and below. There mu/4 |F - R|^2
+/// is blended in (R as of the corotated law), because without it a point, F = 0, would be a rest state that attracts
+/// mirrored states.
 inline constexpr double kNeoHookeanSwitch = 0.25;
 
-/// Sums of two singular values (the smaller one with the sign of J) below this count as this in the differential of the
-/// corotated law, where the rotation turns without bound.
+/// Lower limit of sums of two singular values (the smaller one with the sign of J) in the differential of the corotated
+/// law, where the rotation rate is unbounded.
 inline constexpr double kCorotatedFloor = 1e-4;
 
 /// E = (F^T F - I) / 2
@@ -84,8 +86,8 @@ inline constexpr double kCorotatedFloor = 1e-4;
 ///
 /// linear: eps = sym(F) - I, W = lambda/2 tr(eps)^2 + mu eps:eps.  StVK: the same with E instead of eps.
 /// corotated: W = mu |F - R|^2 + lambda/2 (tr(R^T F) - 3)^2, R the proper rotation next to F (also for det F <= 0).
-/// neo-Hookean: W = mu/2 (tr(F^T F) - 3) + g(J), g = -mu ln J + lambda/2 (ln J)^2; nu < 0: mu/b (J^-b - 1), b =
-/// lambda/mu.  custom: as the law says.
+/// neo-Hookean: W = mu/2 (tr(F^T F) - 3) + g(J), g = -mu ln J + lambda/2 (ln J)^2; nu < 0: mu/b (J^-b - 1),
+/// b = lambda/mu.  custom: defined by the law.
 /// @source  Bonet and Wood, Nonlinear Continuum Mechanics for Finite Element Analysis, 2nd ed., ch. 6.4; k_v: Müller et
 ///          al., Point Based Animation of Elastic, Plastic and Melting Objects, SCA 2004, with J for |J|
 [[nodiscard]] double energyDensity(const Material &material, const Mat3 &F);
@@ -93,32 +95,33 @@ inline constexpr double kCorotatedFloor = 1e-4;
 /// P = dW/dF, Pa: force per rest area; f_j = -v P g_j.
 [[nodiscard]] Mat3 firstPiolaStress(const Material &material, const Mat3 &F);
 
-/// S = F^-1 P, Pa; for a singular F the StVK value; for the linear law P, which small strains do not tell from S.
+/// S = F^-1 P, Pa; for a singular F the StVK value; for the linear law P, which small strains do not distinguish from
+/// S.
 [[nodiscard]] Mat3 secondPiolaStress(const Material &material, const Mat3 &F);
 
-/// sigma = P F^T / J, Pa; where |J| < 1e-12 it is taken with |J| = 1e-12; for the linear law P.
+/// sigma = P F^T / J, Pa; where |J| < 1e-12 it is evaluated with |J| = 1e-12; for the linear law P.
 [[nodiscard]] Mat3 cauchyStress(const Material &material, const Mat3 &F);
 
-/// d/ds P(F + s dF) at s = 0, Pa: exact; a symmetric bilinear form, not always a positive one.
+/// d/ds P(F + s dF) at s = 0, Pa: exact; a symmetric bilinear form, not always positive definite.
 [[nodiscard]] Mat3 stressDifferential(const Material &material, const Mat3 &F, const Mat3 &dF);
 
-/// What stressDifferential needs of one F, for many dF: no logarithm and no rotation per dF.
+/// Terms of stressDifferential that depend on F only, for many dF: no logarithm and no rotation per dF.
 struct StressTangent {
   Mat3 F;
   Mat3 frame;                  ///< StVK: S; corotated, and neo-Hookean below the switch: R
-  Mat3 turn;                   ///< where frame is R: (tr(R^T F) I - R^T F)^-1, held by kCorotatedFloor
+  Mat3 turn;                   ///< where frame is R: (tr(R^T F) I - R^T F)^-1, limited by kCorotatedFloor
   double first = 0.0;          ///< neo-Hookean: dW/dJ; corotated: 2 mu - lambda (tr(R^T F) - 3)
   double second = 0.0;         ///< d²W/dJ²
   double volumeFirst = 0.0;    ///< k_v (J - 1), laws other than neo-Hookean
   double collapse = 0.0;       ///< neo-Hookean below the switch: factor of |F - R|²
-  double collapseSlope = 0.0;  ///< and its derivative with J
+  double collapseSlope = 0.0;  ///< its derivative with respect to J
 };
 [[nodiscard]] StressTangent stressTangent(const Material &material, const Mat3 &F);
 [[nodiscard]] Mat3 stressDifferential(const Material &material, const StressTangent &tangent, const Mat3 &dF);
 
-/// How much stiffer the tangent at F is than at rest, >= 1: never below the larger of two ratios to rest, of the
-/// fastest wave (largest a⊗n : dP/dF : a⊗n) and of the largest eigenvalue of dP/dF. The stable step shrinks with its
-/// square root.
+/// Stiffness of the tangent at F relative to rest, >= 1: never below the larger of two ratios to rest, of the fastest
+/// wave (largest a⊗n : dP/dF : a⊗n) and of the largest eigenvalue of dP/dF. The stable step decreases with its square
+/// root.
 ///
 /// @threads any
 /// @source  own: along a⊗n J is linear, so that the wave modulus of the neo-Hookean law is mu + W''(J) |cof F|²; that

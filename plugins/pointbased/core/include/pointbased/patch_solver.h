@@ -14,9 +14,9 @@ namespace pointbased {
 ///
 ///     U = ½ Σ_p k_p |Σ_j φ_pj u_j - t_p|²
 ///
-/// For implicit and static solutions as this energy. In explicit steps springs that are soft enough for the step are
-/// forces; the others correct positions and velocities so that they are integrated implicitly (compliant constraints),
-/// and do not shrink the stable step.
+/// In implicit and static solutions it is this energy. In explicit steps, springs that are soft enough for the step act
+/// as forces. The others correct positions and velocities such that they are integrated implicitly (compliant
+/// constraints) and do not reduce the stable step.
 class PatchSolver {
  public:
   PatchSolver();
@@ -34,17 +34,17 @@ class PatchSolver {
   [[nodiscard]] std::span<const double> weights() const;
   [[nodiscard]] std::span<const double> stiffness() const;
 
-  /// After the drift of a step. Of springs that are too stiff for it, solves (C M^-1 C^T + 1/(k dt²)) Δλ =
-  /// -(C u - t + λ/k)/dt² directly (the factorisation is kept while dt stays) and applies u += dt² M^-1 C^T Δλ,
-  /// v += dt M^-1 C^T Δλ, λ += Δλ. Then λ = -k (C u - t) of the others, which add 0.3 at most to the squared
+  /// Call after the drift of a step. For springs that are too stiff for the step, solves (C M^-1 C^T + 1/(k dt²)) Δλ =
+  /// -(C u - t + λ/k)/dt² directly (the factorisation is retained while dt is constant) and applies u += dt² M^-1 C^T
+  /// Δλ, v += dt M^-1 C^T Δλ, λ += Δλ. Then λ = -k (C u - t) for the others, which add at most 0.3 to the squared
   /// frequencies of the body times dt².
-  /// @source  Macklin et al., XPBD (MIG 2016), solved at once instead of iteratively
+  /// @source  Macklin et al., XPBD (MIG 2016), solved directly instead of iteratively
   void correct(double dt, std::span<const Vec3> targets, std::span<Vec3> displacements, std::span<Vec3> velocities);
 
-  /// How many springs the last correct() has solved for.
+  /// Number of springs that the last correct() has solved for.
   [[nodiscard]] std::size_t solvedRows() const;
 
-  /// Present spring forces λ_p on the body per patch, N; those of the last correct() or setForces().
+  /// Present spring forces λ_p on the body per patch, N; those of the last correct() or updateForces().
   [[nodiscard]] std::span<const Vec3> forces() const;
   [[nodiscard]] std::vector<Vec3> &forces();
   void clearForces();
@@ -53,9 +53,9 @@ class PatchSolver {
   /// Adds C^T λ to the phyxels.
   void addForces(std::span<Vec3> forces) const;
 
-  // The energy and its derivatives at displacements u.
+  // The energy and its derivatives at displacements u
   [[nodiscard]] double energy(std::span<const Vec3> targets, std::span<const Vec3> u) const;
-  /// λ = -k (C u - t), kept as forces().
+  /// λ = -k (C u - t), stored as forces().
   void updateForces(std::span<const Vec3> targets, std::span<const Vec3> u);
   void addProduct(std::span<const Vec3> du, std::span<Vec3> out) const;
   void addDiagonal(std::span<Mat3> blocks) const;

@@ -18,7 +18,7 @@ class StageClock {
 
   explicit StageClock(std::vector<std::string> names);
 
-  /// Adds the time that f() takes to a stage.
+  /// Adds the duration of f() to a stage.
   template <class F>
   void measure(std::size_t stage, F &&f) {
     const auto begin = std::chrono::steady_clock::now();
@@ -27,9 +27,9 @@ class StageClock {
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     stages_[stage].used = true;
   }
-  /// Takes over what a clock of the same stages has measured and not committed.
+  /// Moves the uncommitted measurements of a clock with the same stages to this one.
   void take(StageClock &other);
-  /// Ends a call: what was measured since the last time counts as one sample per stage.
+  /// Ends a call: measurements since the last commit count as one sample per stage.
   void commit();
   void clear();
   /// Stages that ran, in order.
@@ -41,7 +41,7 @@ class StageClock {
     double pending_ms = 0.0;
     bool used = false;
     std::size_t calls = 0;
-    std::vector<float> recent_ms;  // ring of kRecent
+    std::vector<float> recent_ms;  // ring buffer of kRecent
   };
   static constexpr std::size_t kRecent = 2048;
   std::vector<Stage> stages_;

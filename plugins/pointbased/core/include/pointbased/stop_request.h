@@ -7,34 +7,34 @@
 
 namespace pointbased {
 
-/// Whether somebody has asked for the end of what is being computed. Asked often, from every thread that computes.
+/// Request to cancel a computation. Queried often, from every computing thread.
 class StopRequest {
  public:
   virtual ~StopRequest() = default;
   [[nodiscard]] virtual bool isRaised() const noexcept = 0;
 };
 
-/// Thrown on the thread that has called a computation when it is ended half way. What the computation was writing is of
-/// no use then. Simulator::step() and buildRestState() take it as what it is; it never leaves a loop's worker.
+/// Thrown on the calling thread of a computation that is cancelled. Partial results are invalid then. Simulator::step()
+/// and buildRestState() catch it; it never leaves a worker of a loop.
 struct Stopped {};
 
-/// For serial work that takes long: to be asked several times a second.
-inline void endIfRaised(const StopRequest *stop) {
+/// For long serial work: call several times a second.
+inline void throwIfStopRequested(const StopRequest *stop) {
   if (stop != nullptr && stop->isRaised()) throw Stopped{};
 }
 
-/// Loops that end early, with Stopped, while somebody watches for a request; else the loops that they are made of. What
-/// is built from such loops carries the request through every stage of a computation.
+/// Loops that end early, with Stopped, while a Watch exists whose request is raised; otherwise the loops they wrap.
+/// Everything built on such loops passes the request to every stage of a computation.
 class StoppableLoops {
  public:
   explicit StoppableLoops(ParallelFor inner);
 
   [[nodiscard]] const ParallelFor &parallelFor() const { return loops_; }
 
-  /// Loops of other threads must not be running when it begins and ends.
+  /// No loops of other threads may run when a watch begins and ends.
   class Watch {
    public:
-    /// @param stop  null: nobody; must outlive the watch
+    /// @param stop  null: no request; must outlive the watch
     Watch(StoppableLoops &loops, const StopRequest *stop) : stop_(loops.stop_) { *stop_ = stop; }
     ~Watch() { *stop_ = nullptr; }
     Watch(const Watch &) = delete;

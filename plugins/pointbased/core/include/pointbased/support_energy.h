@@ -5,8 +5,8 @@
 
 namespace pointbased {
 
-/// J, stored in the springs by which fixes hold a body: Σ |λ|²/(2 k) of their present forces λ. With the strain energy
-/// and that of the stabilisation it is half of the work of the loads of a linear static solution (Clapeyron).
+/// J, stored in the springs by which fixes hold a body: Σ |λ|²/(2 k) of their present forces λ. Together with strain
+/// and stabilisation energy it is half of the work of the loads of a linear static solution (Clapeyron).
 [[nodiscard]] double supportEnergy(const Body &body);
 
 }  // namespace pointbased

@@ -14,12 +14,12 @@ namespace pointbased {
 struct Fix {
   Region region;                     ///< material coordinates, world, m
   Vec3 displacement = Vec3::Zero();  ///< m, reached at the end of the ramp
-  Vec3 rotation_deg = Vec3::Zero();  ///< about x, then y, then z through the centre, likewise
+  Vec3 rotation_deg = Vec3::Zero();  ///< about x, then y, then z through the centre; reached at the end of the ramp
   std::optional<Vec3> centre;        ///< world, m; default: centroid of the held part
-  double ramp = 0.0;                 ///< s, >= 0; with a quasi-static solution the load factor takes its place
-  std::optional<Vec3> rotationVector = std::nullopt;  ///< rad, about this one axis, in the place of rotation_deg
+  double ramp = 0.0;                 ///< s, >= 0; in a quasi-static solution the load factor replaces it
+  std::optional<Vec3> rotationVector = std::nullopt;  ///< rad, about this one axis, in place of rotation_deg
 
-  /// Whether it leads what it holds somewhere; else that stays where it is.
+  /// Whether it prescribes a motion; otherwise the held part is static.
   [[nodiscard]] bool leads() const {
     return !displacement.isZero(0.0) || !rotation_deg.isZero(0.0) || rotationVector.has_value();
   }
@@ -28,22 +28,23 @@ struct Fix {
 /// A force or a pressure on a part of a body.
 struct Load {
   Region region;  ///< material coordinates, world, m
-  /// N, total over the surface in the region (over its volume where no surface is inside)
+  /// N, total over the surface in the region (over its volume if the region contains no surface)
   Vec3 force = Vec3::Zero();
-  double pressure = 0.0;  ///< Pa, pushes into the body
-  bool follower = true;   ///< a pressure turns with the surface and grows with it: -p cof(F) N; else -p N
+  double pressure = 0.0;  ///< Pa, positive into the body
+  bool follower = true;   ///< a pressure rotates with the surface and scales with its area: -p cof(F) N; else -p N
   double ramp = 0.0;      ///< s, >= 0
 };
 
-/// The continuum of a fix, on the phyxels. A phyxel is held itself where all that it moves is held or where it lies on
-/// a held surface; elsewhere the mean displacement of each patch of the held border is: one row per patch,
+/// The continuum of a fix, on the phyxels. A phyxel is held directly if everything it moves is held, or if it is on a
+/// held surface. Elsewhere the mean displacement of each patch of the held border is prescribed, with one row per
+/// patch,
 ///
 ///     Σ_j φ_pj x_j = prescribed position of the patch,   enforced with k_p = kPatchStiffness E A_p / d
 ///
-/// Means per patch, not every point, because a trilinear cell that is held at every point of a plane through it cannot
-/// deform at all.
+/// Means per patch are used instead of every point, because a trilinear cell that is held at every point of a plane
+/// through it cannot deform at all.
 struct ConstrainedRegion {
-  std::vector<Index> phyxels;    ///< held themselves, ascending
+  std::vector<Index> phyxels;    ///< held directly, ascending
   Csr rows;                      ///< per patch: phyxels
   std::vector<double> weights;   ///< per entry: φ, sum 1 per patch
   std::vector<double> areas;     ///< per patch, m²
@@ -53,15 +54,15 @@ struct ConstrainedRegion {
   [[nodiscard]] bool empty() const { return phyxels.empty() && areas.empty(); }
 };
 
-/// The stiffness of a held patch in units of E A / d: what hangs on it with the stress σ goes with it by σ d/(60 E).
-/// Stiffer ones make bodies that are held across their cells too stiff (beams and ellipsoids; measured over 10 … 1000).
+/// Stiffness of a held patch in units of E A / d: under the stress σ the patch yields by σ d/(60 E). Stiffer patches
+/// make bodies that are held across their cells too stiff (beams and ellipsoids; measured over 10 … 1000).
 inline constexpr double kPatchStiffness = 60.0;
 
 /// The continuum of a load, on the phyxels.
 struct LoadedPart {
-  Interpolation points;           ///< sample points of the surface (or of the volume where no surface is inside)
+  Interpolation points;           ///< sample points of the surface (or of the volume if the region contains no surface)
   std::vector<Vec3> areaVectors;  ///< per point: N dA, m²; zero for points of the volume
-  std::vector<double> shares;     ///< per point: part of the total, sum 1
+  std::vector<double> shares;     ///< per point: fraction of the total, sum 1
   double area = 0.0;              ///< m²
 };
 
@@ -72,32 +73,33 @@ struct RigidMotion {
   [[nodiscard]] Vec3 displacementOf(const Vec3 &X) const { return rotation * (X - centre) + centre + displacement - X; }
 };
 [[nodiscard]] RigidMotion motionAt(const Fix &fix, const ConstrainedRegion &part, const Vec3 &origin, double s);
-/// The velocity field of the same motion: dx/ds at X.
+/// Velocity field of the same motion: dx/ds at X.
 [[nodiscard]] Vec3 motionRate(const Fix &fix, const ConstrainedRegion &part, const Vec3 &origin, double s,
                               const Vec3 &X);
 
-/// Holds the phyxels of a cloud inside the region, and patches of its surface there by moving least squares: a patch is
-/// what is nearest to one phyxel, and has no row where all that moves it is held. A cloud without surface holds only by
-/// its phyxels. Region, positions and surface are in the frame of the phyxels.
+/// Holds the phyxels of a cloud inside the region, and patches of its surface there by moving least squares. A patch
+/// consists of what is nearest to one phyxel, and has no row if everything that moves it is held. A cloud without a
+/// surface is held by its phyxels only. Region, positions and surface are in the frame of the phyxels.
 /// Errors: a region that validate() refuses, or that meets no part of the body.
 [[nodiscard]] Result<ConstrainedRegion> holdCloud(const Region &region, std::span<const Vec3> positions,
                                                   std::span<const double> volumes, double spacing,
                                                   const Surface &surface, const ParallelFor &parallelFor);
 
-/// Where a load acts. `bind` gives the interpolation of points with outward normals. Region, surface and points are in
-/// the frame of the phyxels. Errors: a region that validate() refuses or that meets no part of the body; a pressure
-/// without surface inside; force or pressure not finite.
+/// Points and shares of a load. `bind` returns the interpolation of points with outward normals. Region, surface and
+/// points are in the frame of the phyxels.
+/// Errors: a region that validate() refuses or that meets no part of the body; a pressure without a surface inside;
+/// force or pressure not finite.
 /// @param spacing       of the sample points, m
-/// @param volumePoints, volumes  points of the volume with their shares, for regions that hold no surface
+/// @param volumePoints, volumes  points of the volume with their shares, for regions without a surface
 using Binder = std::function<Interpolation(std::span<const Vec3> points, std::span<const Vec3> normals)>;
 [[nodiscard]] Result<LoadedPart> loadedPart(const Load &load, const Surface &surface, double spacing,
                                             const Binder &bind, std::span<const Vec3> volumePoints,
                                             std::span<const double> volumes);
 
 /// Adds the forces of a load at load factor s, N: s force in total, however the surface is sampled, and s p on every
-/// point's area. A closed surface under pressure feels no force in total, and -p dV of work in affine motions.
+/// point's area. On a closed surface the resultant of a pressure is zero, and its work in affine motions is -p dV.
 /// @param displacements  [phyxels] u, for followers
-/// @threads serial, no allocation: the same bits always
+/// @threads serial, no allocation, bitwise reproducible
 void addLoadForces(const Load &load, const LoadedPart &part, double s, std::span<const Vec3> displacements,
                    std::span<Vec3> forces);
 

@@ -9,16 +9,16 @@ namespace pointbased {
 
 using Vec3f = std::array<float, 3>;
 
-/// One point in a cell of a lattice: a cache line.
+/// A point in a cell of a lattice; occupies one cache line.
 struct alignas(64) CellPlace {
   std::array<Index, 8> phyxels{};  ///< corner j at (j & 1, j >> 1 & 1, j >> 2)
-  std::array<double, 3> at{};      ///< ξ, 0 … 1 between the corners, beyond where the functions are continued
-  std::uint32_t frame = 0;         ///< of the cell; Surfels::kRow: phyxels[0] is the number of a row
+  std::array<double, 3> at{};  ///< ξ, 0 … 1 between the corners, outside of that where the functions are extrapolated
+  std::uint32_t frame = 0;     ///< of the cell; Surfels::kRow: phyxels[0] is the number of a row
 };
 
-/// The points of a skin as phyxels carry them, in few bytes: an Interpolation whose rows are trilinear functions of one
-/// undistorted cell is kept as eight phyxels and a place, 64 bytes, from which φ and ∇φ follow to rounding. Other rows
-/// (those of clouds, with hanging corners, in jittered cells) are kept as they are. Const once bound.
+/// Compact binding of the points of a skin to phyxels. A row of an Interpolation with the trilinear functions of one
+/// undistorted cell is stored as eight phyxels and local coordinates, 64 bytes, from which φ and ∇φ follow up to
+/// rounding. Other rows (of clouds, with hanging corners, in jittered cells) are stored unchanged. Const once bound.
 class Surfels {
  public:
   Surfels() = default;
@@ -27,15 +27,15 @@ class Surfels {
   [[nodiscard]] std::size_t count() const { return places_.size(); }
   /// X, m, in the frame of the phyxels.
   [[nodiscard]] Vec3 position(std::size_t p, std::span<const Vec3> phyxelPositions) const;
-  /// As it was bound: all points, and one.
+  /// The original binding: all points, and one.
   [[nodiscard]] Interpolation expanded(std::span<const Vec3> phyxelPositions) const;
   [[nodiscard]] Interpolation expanded(std::size_t p, std::span<const Vec3> phyxelPositions) const;
-  /// Points that are kept as a place in a cell.
+  /// Number of points stored by local coordinates in a cell.
   [[nodiscard]] std::size_t inCells() const { return places_.size() - rowOwners_.size(); }
   [[nodiscard]] std::size_t bytes() const;
 
   static constexpr std::uint32_t kRow = 0xffffffffu;
-  // For the loops over all points.
+  // For loops over all points
   [[nodiscard]] std::span<const CellPlace> places() const { return places_; }
   [[nodiscard]] std::span<const Mat3> frames() const { return frames_; }  ///< columns ∇ξ_a, 1/m
   /// Cof(∂ξ/∂X), columns
@@ -63,21 +63,21 @@ void interpolateScalars(const Surfels &surfels, std::span<const double> field, s
 /// Points and normals of the skin in double precision: x_p, and n_p = cof(F_p) N_p normalised. For exports and new
 /// shapes.
 /// @param restNormals  [points] N, unit; empty with normals empty
-/// @source Müller et al. 2004, animation of the surface; normals by Nanson's formula
+/// @source  Müller et al. 2004, animation of the surface; normals by Nanson's formula
 void updateSurfels(const Surfels &surfels, std::span<const Vec3> restNormals, std::span<const Vec3> phyxelPositions,
                    std::span<const Vec3> displacements, std::span<Vec3> positions, std::span<Vec3> normals,
                    const ParallelFor &parallelFor);
 
-/// Present positions of the phyxels as single precision takes them, relative to one of them, so that neither the place
-/// of a body in the world nor how far it has gone costs digits. Memory that is used again.
+/// Present positions of the phyxels in single precision, relative to one of them, so that neither the position of a
+/// body in the world nor its travel costs precision. Scratch storage.
 struct ScreenPhyxels {
   std::vector<std::array<float, 4>> positions;  ///< [phyxels], the last 0
   Vec3 reference = Vec3::Zero();                ///< frame of the phyxels, m
 };
 
-/// The same for a screen, in single precision: positions to 1e-6 of the body's size, normals to 1e-5 rad times size
-/// over spacing / 100, besides the rounding of world coordinates. The same bits for any division of the loop and for
-/// all instruction sets that have fused multiplication and addition.
+/// Same for display, in single precision: positions to 1e-6 of the body's size, normals to 1e-5 rad times size over
+/// spacing / 100, in addition to the rounding of world coordinates. Bitwise identical for any division of the loop and
+/// for all instruction sets with fused multiply-add.
 /// @param origin     world, m, of the frame of the phyxels
 /// @param positions  [points] world, m
 /// @param normals    [points] unit, or empty

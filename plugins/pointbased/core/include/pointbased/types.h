@@ -18,11 +18,12 @@ using Mat3 = Eigen::Matrix3d;
 using Index = std::uint32_t;
 
 /// Runs body(begin, end) over disjoint ranges that cover [0, n), possibly on several threads. Every loop of this
-/// library writes only what belongs to its range and sums in a fixed order, so results do not depend on who runs what.
+/// library writes only data of its range and sums in a fixed order, so results do not depend on the assignment of
+/// ranges to threads.
 using ParallelFor =
     std::function<void(std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &body)>;
 
-/// Of what the force kernels compute with. The state, masses, supports and contact are double always.
+/// Precision of the force kernels. State, masses, supports and contact are always double.
 enum class Precision {
   doublePrecision,
   singlePrecision  ///< about half the time; forces to about 1e-6 of E times the area of a cell
@@ -34,7 +35,7 @@ enum class Precision {
   };
 }
 
-/// Text names the quantity, its value and what is accepted.
+/// Error text: the quantity, its value and the accepted range.
 template <class T>
 using Result = tl::expected<T, std::string>;
 

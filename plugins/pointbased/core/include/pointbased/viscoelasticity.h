@@ -5,20 +5,20 @@
 
 namespace pointbased {
 
-/// What a point remembers of its past. All zero: never strained.
+/// Memory of a point. All zero: never strained.
 struct PronyPoint {
   Mat3 previous = Mat3::Zero();                              ///< D at the end of the last step, Pa
-  std::array<Mat3, 2> internal{Mat3::Zero(), Mat3::Zero()};  ///< Q: stress each term has relaxed so far, Pa
+  std::array<Mat3, 2> internal{Mat3::Zero(), Mat3::Zero()};  ///< Q: stress that each term has relaxed so far, Pa
 };
 
 /// Strain of the modes of a lattice cell (see the theory page of the lattice) in the frame of X, 1/m: Q^T F^T (a_xy,
 /// a_xz, a_yz), and Q^T F^T a_xyz, 1/m².
 using HourglassStrain = Eigen::Matrix<double, 3, 4>;
 
-/// What the modes of a cell remember. All zero: never strained.
+/// Memory of the modes of a cell. All zero: never strained.
 struct HourglassHistory {
   HourglassStrain previous = HourglassStrain::Zero();  ///< deviatoric hourglass strain at the end of the last step
-  /// Β: strain each term has relaxed so far
+  /// Β: strain that each term has relaxed so far
   std::array<HourglassStrain, 2> relaxed{HourglassStrain::Zero(), HourglassStrain::Zero()};
 };
 
@@ -33,8 +33,8 @@ struct PronyStep {
 
 /// First Piola-Kirchhoff stress with relaxation, Pa, and the point's memory at the end of the step.
 ///
-/// The elastic law is the instantaneous response; each term takes away a stress Q_k that grows towards its share of the
-/// stress D of the shear modulus. Both live in the law's own measure of strain e, as its work conjugates:
+/// The elastic law is the instantaneous response. Each term subtracts a stress Q_k that grows towards its share of the
+/// stress D of the shear modulus. Both are expressed in the law's own measure of strain e, as its work conjugates:
 ///
 ///   dQ_k/dt = (g_k D - Q_k) / tau_k,   P = dW/dF - d/dF (Q : e(F)) at fixed Q,   Q = Q_1 + Q_2
 ///
@@ -47,27 +47,29 @@ struct PronyStep {
 ///
 ///   Q <- exp(-h) Q + g [(1 - f) D_new + (f - exp(-h)) D_old]
 ///
-/// the same as the recursion H <- exp(-h) H + g f (D_new - D_old) of the stress that is left, H = g D - Q, written so
-/// that nothing changes at dt = 0. All factors are >= 0 and sum to g (1 - exp(-h)): stable for every dt; second order
-/// in dt. At once the instantaneous modulus answers, in the end the share 1 - sum g of D. A change of volume alone does
-/// not relax. Objective and without torque (but for the linear law). The first three are linear viscoelasticity in e,
-/// so no closed loop gives work back; for the neo-Hookean law that is tested, not proved. Its drive fades out from J =
-/// kNeoHookeanSwitch to 0 and J^(-2/3) stays finite: an inverted point forgets, and recovers as its elastic law does.
+/// equivalent to the recursion H <- exp(-h) H + g f (D_new - D_old) of the remaining stress, H = g D - Q, in a form
+/// that changes nothing at dt = 0. All factors are >= 0 and sum to g (1 - exp(-h)): stable for every dt; second order
+/// in dt. The instantaneous response has the instantaneous modulus; the long-term response is the share 1 - sum g of D.
+/// A pure change of volume does not relax. Objective and without torque (except for the linear law). The first three
+/// are linear viscoelasticity in e, so no closed cycle returns net work; for the neo-Hookean law this is tested, not
+/// proved. Its driving stress fades out from J = kNeoHookeanSwitch to 0 and J^(-2/3) stays finite: an inverted point
+/// forgets, and recovers as its elastic law does.
 ///
 /// @param before  memory at the start of the step
-/// @param after   out: memory at its end; may be the same object. With dt = 0 Q stays and `previous` becomes D(F), as
-///                after a jump. For a body that flows give F Fp^-1 and multiply P by Fp^-T, see plasticity.h
+/// @param after   out: memory at its end; may be the same object. With dt = 0 Q is unchanged and `previous` becomes
+///                D(F), as after a jump. For a body with plastic flow pass F Fp^-1 and multiply P by Fp^-T, see
+///                plasticity.h
 /// @threads any
-/// @source  Taylor, Pister and Goudreau, IJNME 2, 1970 (recursion); Simo, CMAME 60, 1987 (neo-Hookean);
-///          the other measures and the fading: own
+/// @source  Taylor, Pister and Goudreau, IJNME 2, 1970 (recursion); Simo, CMAME 60, 1987 (neo-Hookean); the other
+///          measures and the fading: own
 [[nodiscard]] Mat3 pronyStress(const Material &material, const PronyStep &step, const Mat3 &F, const PronyPoint &before,
                                PronyPoint &after);
 [[nodiscard]] Mat3 pronyStress(const Material &material, const Mat3 &F, double dt, const PronyPoint &before,
                                PronyPoint &after);
 
 /// d/ds P(F + s dF) of pronyStress() at s = 0 for a fixed `before`, Pa: exact. Symmetric; for the neo-Hookean law only
-/// as far as dt / tau is small or the change of volume is, because its D depends on the volume.
-/// @param at  what pronyStress() gave as `after` at the same F
+/// as far as dt / tau or the change of volume is small, because its D depends on the volume.
+/// @param at  `after` as returned by pronyStress() at the same F
 [[nodiscard]] Mat3 pronyStressDifferential(const Material &material, const PronyStep &step, const Mat3 &F,
                                            const PronyPoint &at, const Mat3 &dF);
 

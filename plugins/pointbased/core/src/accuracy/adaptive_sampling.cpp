@@ -12,19 +12,20 @@
 namespace pointbased {
 namespace {
 
-constexpr double kBasePart = 0.6;  // of the wanted phyxels, before cells are halved
-// bench_dial --adaptive, 24 random bodies: from here on the error is smaller than that of as many cells of one size.
-constexpr double kLeastShare = 0.72;
+constexpr double kBasePart = 0.6;  // of the requested phyxels, before cells are halved
+// Least share of the error in halved cells. bench_dial --adaptive, 24 random bodies: from here on the error is smaller
+// than that of the same number of cells of one size.
+constexpr double kMinShare = 0.72;
 
 using Place = FinerCells::Place;
 
 struct CellError {
   Place at{};
   double error = 0.0;   // J
-  double volume = 0.0;  // m³, of the body in it
+  double volume = 0.0;  // m³, of the body in the cell
 };
 
-/// The coarsest cells of a lattice that hold evaluation points, with what these err, worst first.
+/// The coarsest cells of a lattice that contain evaluation points, with their errors, worst first.
 std::vector<CellError> cellErrors(const Body &body, const FinerCells &lattice, std::span<const double> errors) {
   const RestState &rest = body.rest();
   std::map<Place, std::size_t> numbers;
@@ -43,13 +44,12 @@ std::vector<CellError> cellErrors(const Body &body, const FinerCells &lattice, s
   return cells;
 }
 
-/// How many of the cells, from the first on, make about so many phyxels more when they are halved. Corners in the
-/// middle of edges and faces are phyxels where all cells around are halved; of cut cells only some of the eight hold
-/// anything.
+/// Number of cells, from the first on, whose halving adds about `more` phyxels. Midpoints of edges and faces become
+/// phyxels if all cells around are halved. Of the eight parts of a cut cell only some contain material.
 std::size_t halvedFor(std::span<const CellError> cells, double edge, double more) {
   std::map<Place, std::size_t> order;
   for (std::size_t i = 0; i < cells.size(); ++i) order.emplace(cells[i].at, i);
-  // A corner belongs to the last of the cells around it.
+  // A corner is counted for the last of the cells around it.
   std::vector<double> added(cells.size(), 0.0);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const double filled = std::min(1.0, 2.0 * cells[i].volume / (edge * edge * edge));
@@ -79,7 +79,7 @@ std::size_t halvedFor(std::span<const CellError> cells, double edge, double more
   return cells.size();
 }
 
-/// The coarsest cells of a lattice, to be halved; none of them yet.
+/// The coarsest cells of a lattice, none of them halved yet.
 FinerCells cellsOf(const RestState &rest) {
   return {rest.origin + rest.latticeCorner, rest.stencils.axes, rest.spacing, {}, 0.5 * rest.spacing};
 }
@@ -119,11 +119,11 @@ Result<AdaptiveSampling> adaptSampling(const AccuracyProblem &problem, const Par
   const std::size_t halved = halvedFor(cells, rest.spacing, wanted - phyxels);
   const std::span<const CellError> worst = std::span(cells).first(halved);
   out.share = all > 0.0 ? errorOf(worst) / all : 0.0;
-  if (halved == 0 || !(out.share >= kLeastShare)) {
+  if (halved == 0 || !(out.share >= kMinShare)) {
     const auto percent = [](double share) { return detail::number(100.0 * share, 2) + " %"; };
     out.uniform = "its error arises too evenly for that: " + percent(out.share) + " of it in " +
                   percent(static_cast<double>(halved) / static_cast<double>(out.cells)) + " of the cells; " +
-                  percent(kLeastShare) + " are needed";
+                  percent(kMinShare) + " are needed";
     return out;
   }
   out.halved = halved;

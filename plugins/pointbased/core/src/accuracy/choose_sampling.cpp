@@ -16,17 +16,17 @@ namespace {
 // log error = kConstant + kDifference log(difference) + kOrder log(spacing / spacing of the fine trial)
 constexpr double kConstant = -0.07, kDifference = 1.10, kOrder = 1.23;
 constexpr double kSpread = 0.42;        // standard deviation of log error near the fine trial
-constexpr double kSpreadPerWay = 0.25;  // more of it per log of the way to finer spacings
-constexpr double kSpreadBeyond = 0.6;   // likewise on the way to spacings coarser than any that was tried
-constexpr double kNineOfTen = 1.645;    // standard deviations on both sides
-constexpr double kLeastDifference = 1e-5;
-// Times an implicit step apart: bench_contact --pressed, 13 … 31.
+constexpr double kSpreadPerWay = 0.25;  // additional, per log of the extrapolation to finer spacings
+constexpr double kSpreadBeyond = 0.6;   // additional, per log of the extrapolation to spacings coarser than any trial
+constexpr double kNineOfTen = 1.645;    // standard deviations, both sides
+constexpr double kMinDifference = 1e-5;
+// Time of an implicit step in contact, relative to one without contact: bench_contact --pressed, 13 … 31.
 constexpr double kTouchingImplicitly = 20.0;
 // Evaluations of a quasi-static solution: 650 to 1000 in one increment (bench_newton), 1200 to 2300 of a cantilever of
 // 500 to 10 000 phyxels in ten.
 constexpr double kEvaluationsToRest = 600.0, kEvaluationsPerIncrement = 120.0;
 
-/// How much longer a substep takes where the material remembers, or is not one of the kernels' (bench_scaling,
+/// Relative time of a substep for materials with history, or with a law that is not one of the kernels' (bench_scaling,
 /// bench_law).
 double materialFactor(const Constitution &constitution) {
   double factor = 1.0;
@@ -45,19 +45,19 @@ struct Limits {
   double budget = std::numeric_limits<double>::infinity();  // s
 };
 
-Limits limitsOf(const AccuracyWish &wish, const AccuracySurvey &survey) {
+Limits limitsOf(const AccuracyTarget &wish, const AccuracySurvey &survey) {
   Limits out;
   switch (wish.kind) {
-    case AccuracyWish::Kind::standard: out.budget = kStandardBudget / std::max(1.0, wish.value); break;
-    case AccuracyWish::Kind::share: out.share = wish.value; break;
-    case AccuracyWish::Kind::length: out.share = survey.largest > 0.0 ? wish.value / survey.largest : 1.0; break;
-    case AccuracyWish::Kind::budget: out = {0.0, wish.value}; break;
+    case AccuracyTarget::Kind::standard: out.budget = kStandardBudget / std::max(1.0, wish.value); break;
+    case AccuracyTarget::Kind::share: out.share = wish.value; break;
+    case AccuracyTarget::Kind::length: out.share = survey.largest > 0.0 ? wish.value / survey.largest : 1.0; break;
+    case AccuracyTarget::Kind::budget: out = {0.0, wish.value}; break;
   }
   return out;
 }
 
-/// The spacing nearest to `from` at which a condition holds that holds from somewhere on towards `to`; `to` where it
-/// holds nowhere.
+/// The spacing nearest to `from` at which a condition holds. The condition must hold from some spacing on towards `to`.
+/// Returns `to` if it holds nowhere.
 double firstGood(double from, double to, const std::function<bool(double)> &isGood) {
   if (isGood(from)) return from;
   for (int i = 0; i < 60; ++i) {
@@ -72,7 +72,7 @@ std::string percent(double share) { return detail::number(100.0 * share, 2) + " 
 std::string errorUnmet(const SamplingChoice &choice, const Limits &limits, bool isLimitedByTime) {
   return "an error of at most " + percent(limits.share) + " is not sure to be had " +
          (isLimitedByTime ? "within " + detail::number(1e3 * limits.budget, 3) + " ms a frame"
-                          : "with up to " + detail::number(kMostPhyxelsOfDial, 6) + " phyxels") +
+                          : "with up to " + detail::number(kMaxChosenPhyxels, 6) + " phyxels") +
          "; expected are " + percent(choice.error.share) + " with " + std::to_string(choice.count);
 }
 
@@ -80,7 +80,7 @@ std::string errorUnmet(const SamplingChoice &choice, const Limits &limits, bool 
 
 ErrorPrediction predictError(const AccuracySurvey &survey, double spacing) {
   const double way = std::log(spacing / survey.fine.spacing);
-  const double log = kConstant + kDifference * std::log(std::max(survey.difference, kLeastDifference)) + kOrder * way;
+  const double log = kConstant + kDifference * std::log(std::max(survey.difference, kMinDifference)) + kOrder * way;
   const double beyond = std::max(0.0, std::log(spacing / survey.coarse.spacing));
   const double spread = kSpread + kSpreadPerWay * std::max(0.0, -way) + kSpreadBeyond * beyond;
   ErrorPrediction out;
@@ -93,7 +93,7 @@ ErrorPrediction predictError(const AccuracySurvey &survey, double spacing) {
 
 namespace {
 
-// A frame of a body that moves, in parts.
+// Cost of a frame of a moving body, itemised.
 struct Frame {
   double contacts = 0.0;
   double evaluation_ms = 0.0;
@@ -139,35 +139,35 @@ double predictTouching(const AccuracySurvey &survey, const Constitution &constit
                        double spacing) {
   if (!setting.touches || setting.world.integrator == Integrator::quasiStatic) return 0.0;
   const Frame frame = frameAt(survey, constitution, setting, spacing);
-  // Skins touch with all vertices that are drawn, and with more where their triangles are larger than cells.
+  // Skins collide with all vertices that are drawn, and with more where triangles are larger than cells.
   const double vertices = kTouched * std::max(frame.contacts, static_cast<double>(setting.surfels));
   const double explicit_ms = frame.substeps * 1e-6 * vertices * setting.speed.touch_ns;
   if (frame.isExplicit) return explicit_ms;
   const double implicit_ms = (kTouchingImplicitly - 1.0) * frame.stepped_ms;
-  // Bodies that touch are integrated by what costs less for all.
+  // Touching bodies are integrated by the method that costs less for all.
   if (setting.world.integrator != Integrator::automatic) return implicit_ms;
   return std::max(0.0, std::min(implicit_ms, explicit_ms + frame.substeps * frame.evaluation_ms - frame.stepped_ms));
 }
 
 SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &constitution,
-                              const CostSetting &setting, const AccuracyWish &wish) {
+                              const CostSetting &setting, const AccuracyTarget &wish) {
   const Limits limits = limitsOf(wish, survey);
   const bool isStatic = setting.world.integrator == Integrator::quasiStatic;
-  // Who wishes wants to be sure of it; what nobody has wished for is to be so at even odds.
-  const bool isSure = wish.kind != AccuracyWish::Kind::standard;
+  // An explicit accuracy target has to be met with confidence; the default is met at even odds.
+  const bool isSure = wish.kind != AccuracyTarget::Kind::standard;
   const auto errorAt = [&](double d) {
     const ErrorPrediction error = predictError(survey, d);
     return isSure ? error.likely : error.share;
   };
   const auto costAt = [&](double d) { return predictCost(survey, constitution, setting, d); };
-  // What nobody has wished for is chosen as if nothing touched.
+  // The default is chosen as if nothing touched.
   const auto touchingAt = [&](double d) { return isSure ? predictTouching(survey, constitution, setting, d) : 0.0; };
-  const double finest = survey.spacingFor(kMostPhyxelsOfDial);
+  const double finest = survey.spacingFor(kMaxChosenPhyxels);
   double forBudget = finest;
   if (!isStatic && std::isfinite(limits.budget))
-    forBudget = firstGood(finest, survey.spacingFor(kFewestPhyxelsOfDial),
+    forBudget = firstGood(finest, survey.spacingFor(kMinChosenPhyxels),
                           [&](double d) { return 1e-3 * (costAt(d) + touchingAt(d)) <= kBudgetToUse * limits.budget; });
-  // No coarser than what was tried: that costs next to nothing.
+  // No coarser than the trial: that costs almost nothing.
   const double forError =
       firstGood(survey.coarse.spacing, finest, [&](double d) { return errorAt(d) <= limits.share; });
   SamplingChoice out;
@@ -183,7 +183,7 @@ SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &
   out.touching_ms = predictTouching(survey, constitution, setting, out.spacing);
   const double whole_ms = out.frame_ms + touchingAt(out.spacing);
   const bool isWithin = isStatic || 1e-3 * whole_ms <= limits.budget;
-  if (wish.kind != AccuracyWish::Kind::budget && errorAt(out.spacing) > 1.001 * limits.share)
+  if (wish.kind != AccuracyTarget::Kind::budget && errorAt(out.spacing) > 1.001 * limits.share)
     out.unmet = errorUnmet(out, limits, forBudget > finest);
   if (!isWithin)
     out.unmet = detail::number(1e3 * limits.budget, 3) + " ms a frame cannot be had; expected are " +

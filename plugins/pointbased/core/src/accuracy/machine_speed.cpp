@@ -12,14 +12,14 @@
 namespace pointbased {
 namespace {
 
-constexpr double kEdge = 0.1;        // m, of the boxes
-constexpr double kPush = 0.1;        // m/s
-constexpr double kLeastTime = 0.03;  // s that a time is taken over
-constexpr int kLeastSteps = 3, kWindows = 5;
-constexpr double kSameMachine = 1.35;  // ratio of times up to which it is one
+constexpr double kEdge = 0.1;      // m, of the boxes
+constexpr double kPush = 0.1;      // m/s
+constexpr double kMinTime = 0.03;  // s, over which a time is measured
+constexpr int kMinSteps = 3, kWindows = 5;
+constexpr double kSameMachine = 1.35;  // ratio of times up to which two measurements are of the same machine
 constexpr int kFormat = 2;
 
-// A box that fits its lattice, with a net of triangles for contact.
+// A box that fits its lattice, with a triangle mesh for contact.
 BodyShape boxShape(const Vec3 &corner = Vec3::Zero()) {
   BodyShape shape;
   shape.min = corner;
@@ -43,15 +43,15 @@ BodyShape boxShape(const Vec3 &corner = Vec3::Zero()) {
   return shape;
 }
 
-// The median of windows, of which each has the shortest of its times: what else the machine does must not count, nor a
-// single time at which a clock was early.
+// Median over windows of the shortest time in each. It is insensitive to other load on the machine and to a single
+// wrong clock reading.
 double secondsOf(const std::function<void()> &work) {
   work();
   std::array<double, kWindows> shortest{};
   for (double &window : shortest) {
     window = std::numeric_limits<double>::infinity();
     double sum = 0.0;
-    for (int k = 0; k < kLeastSteps || sum < kLeastTime / kWindows; ++k) {
+    for (int k = 0; k < kMinSteps || sum < kMinTime / kWindows; ++k) {
       const detail::WorkTimer timer;
       work();
       const double seconds = timer.seconds();
@@ -86,7 +86,7 @@ struct TimedBody {
   double count = 0.0, contacts = 0.0;
 };
 
-// ns that a substep takes longer per vertex that presses, of two boxes that are pushed against each other.
+// Additional time of a substep per vertex in contact, ns, for two boxes pushed against each other.
 double touchTime(const ParallelFor &parallelFor, double apart_ns) {
   TimedBody pushed(MachineSpeed::kPoints[1], Precision::doublePrecision, false, parallelFor);
   Simulator &simulator = pushed.simulator;
@@ -169,7 +169,7 @@ MachineSpeed measureSpeed(const ParallelFor &parallelFor, unsigned threads) {
   return speed;
 }
 
-bool isOfThisMachine(const MachineSpeed &kept, const ParallelFor &parallelFor, unsigned threads) {
+bool matchesThisMachine(const MachineSpeed &kept, const ParallelFor &parallelFor, unsigned threads) {
   if (kept.threads != threads || kept.kernels != kernelTarget()) return false;
   TimedBody body(MachineSpeed::kPoints[0], Precision::doublePrecision, false, parallelFor);
   const double ratio = 1e9 * body.step() / body.count / kept.double_ns[0];

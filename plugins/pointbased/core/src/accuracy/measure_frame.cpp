@@ -9,14 +9,14 @@
 namespace pointbased {
 namespace {
 
-constexpr double kSimulated = 0.5, kLongest = 0.3;  // s, simulated and of computing, of one run
-constexpr double kLongestOfAll = 2.0;               // s of computing, of all runs
+constexpr double kSimulated = 0.5, kLongest = 0.3;  // s, simulated time and computing time of one run
+constexpr double kLongestOfAll = 2.0;               // s, computing time of all runs
 constexpr std::size_t kFewest = 5;                  // frames
-constexpr int kFewestRuns = 3, kMostRuns = 12;
-constexpr double kSettled = 0.02;  // change of the result by a run, of the result
-constexpr double kPart = 0.95;     // of the frames
+constexpr int kFewestRuns = 3, kMaxRuns = 12;
+constexpr double kSettled = 0.02;  // relative change of the result by a run
+constexpr double kPart = 0.95;     // quantile of the frames
 
-// A run is repeated, with the same bits: of every step and of every drawing the shortest time counts.
+// Runs are repeated with identical results: for every step and every drawing the shortest time is used.
 struct Timed {
   struct Step {
     double seconds = 0.0, simulated = 0.0;
@@ -55,12 +55,12 @@ double measureFrame(const Body &body, const WorldSettings &world, std::span<cons
   if (!copy->setFoundation(body.foundation().settings())) return 0.0;
   const std::size_t id = alone.addBody(std::move(copy));
   std::vector<Vec3f> surfels, normals;
-  if (!alone.step(stop)) return 0.0;  // it finds what the others keep
+  if (!alone.step(stop)) return 0.0;  // caches that later steps reuse are filled here
 
   Timed timed;
   double spent = 0.0, frame = 0.0;
   int settled = 0;
-  for (int run = 0; run < kMostRuns; ++run) {
+  for (int run = 0; run < kMaxRuns; ++run) {
     alone.reset();
     double computed = 0.0, frameBegan = 0.0;
     std::size_t frames = 0;

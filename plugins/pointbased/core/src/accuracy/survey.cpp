@@ -12,12 +12,12 @@ namespace {
 
 constexpr std::size_t kSamples = 500;
 constexpr std::pair<double, double> kParts[] = {{1.0 / 7.0, 0.4}, {0.4, 1.0}};  // of automaticCount()
-constexpr double kLowest = 0.1;           // part of a body's height that is held where nothing holds it
-constexpr double kAstray = 100.0;         // displacement in sizes of the body: it is no deformation
-constexpr double kNothingInCommon = 1.0;  // difference of the trials, part of the largest displacement
+constexpr double kLowest = 0.1;           // part of the height of a body that is held if it has no support
+constexpr double kAstray = 100.0;         // displacement in sizes of the body beyond which it is no deformation
+constexpr double kNothingInCommon = 1.0;  // difference of the trials, relative to the largest displacement
 constexpr double kEarth = 9.81;           // m/s²
 
-/// The direction in which a body is thinnest: across it it bends.
+/// The direction in which a body is thinnest: it bends across it.
 Vec3 thinDirection(const Surface &surface) {
   Vec3 mean = Vec3::Zero();
   for (const Vec3 &x : surface.positions) mean += x;
@@ -34,7 +34,7 @@ bool isLoaded(const AccuracyProblem &problem) {
   }) || std::any_of(recipe.fixes.begin(), recipe.fixes.end(), [](const Fix &fix) { return fix.leads(); });
 }
 
-/// What of a body lies lowest against `up`.
+/// Lowest part of a body along `up`.
 Region lowestOf(const Surface &surface, const Vec3 &up) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const Vec3 &x : surface.positions) {
@@ -46,7 +46,7 @@ Region lowestOf(const Surface &surface, const Vec3 &up) {
 
 using Trials = std::pair<TrialSolution, TrialSolution>;
 
-/// Two trials; where what holds the body is too small for their cells to see, two finer ones.
+/// Two trials; two finer ones if the cells cannot resolve the supports.
 Result<Trials> tryTwice(const AccuracyProblem &problem, double area, const SurfacePoints &samples,
                         const ParallelFor &parallelFor, const StopRequest *stop) {
   const auto count = static_cast<double>(automaticCount(problem.shape.volume, area));

@@ -11,7 +11,7 @@
 namespace pointbased {
 namespace {
 
-constexpr double kSmall = 1e-3;  // part of loads and motions that is applied: turns stay small
+constexpr double kSmall = 1e-3;  // part of loads and motions that is applied, so that rotations remain small
 constexpr double kSkinPart = 0.95;
 
 Constitution linearOf(const Constitution &constitution) {
@@ -49,7 +49,7 @@ Result<void> solveLinear(Body &body, const Vec3 &gravity, const ParallelFor &par
   environment.parallelFor = &parallelFor;
   environment.clock = &clock;
   environment.stop = stop;
-  // How far it moves is not known before: the first correction tells.
+  // The displacement is unknown in advance: the first correction provides its scale.
   environment.tolerance = kAnything;
   if (const auto first = quasiStaticStep(body, solver, environment, 0.0, 1.0); !first.failure.empty())
     return tl::unexpected(first.failure);
@@ -67,7 +67,7 @@ SurfacePoints skinSamples(const Surface &surface, std::span<const Fix> fixes, st
   const double area = detail::areaOf(surface);
   const SurfacePoints all =
       sampleSurface(surface, std::sqrt(2.0 * area / static_cast<double>(count)), EverywhereRegion{});
-  // Small triangles give more points than are wanted: every so much of the area there is one.
+  // Small triangles produce more points than requested: one per `share` of the area is used.
   const double share = area / static_cast<double>(count);
   SurfacePoints out;
   double since = 0.5 * share;

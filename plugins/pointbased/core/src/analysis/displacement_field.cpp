@@ -13,14 +13,14 @@ namespace pointbased {
 namespace {
 
 constexpr double kReach = 1.1;  // spacings
-constexpr double kLeastWeight = 1e-6;
-constexpr double kBeyondGrid = 1000.0;  // m; finite, so that what lies between points is, too
-constexpr double kHeldWeight = 1e6;     // of what supports hold, beside what carries it on the other side of a border
-constexpr double kSliver = 0.25, kWhole = 0.5;  // of what its phyxels carry
-constexpr double kLeastVolume = 0.02;           // det F: below it a point does not say where anything has come from
+constexpr double kMinWeight = 1e-6;
+constexpr double kBeyondGrid = 1000.0;          // m; finite, so that interpolated values are finite as well
+constexpr double kHeldWeight = 1e6;             // of points held by supports, relative to those across a border
+constexpr double kSliver = 0.25, kWhole = 0.5;  // of the volume of its phyxels: F of its surroundings, its own F
+constexpr double kMinVolume = 0.02;             // det F: points below are too compressed to map positions back
 
-// Where an evaluation point stands now. Not by the mean of its phyxels: those that a sliver alone reaches are light,
-// and may be a decimetre from what they hardly carry.
+// Current position of an evaluation point. The mean of its phyxels would be wrong: phyxels connected only to a sliver
+// are light and may be a decimetre away from what they hardly carry.
 Vec3 presentPlace(const Body &body, std::size_t q, const Interpolation &points) {
   const RestState &rest = body.rest();
   const std::span<const Vec3> u = body.state().displacements;
@@ -28,8 +28,8 @@ Vec3 presentPlace(const Body &body, std::size_t q, const Interpolation &points) 
          (rest.evaluation == Evaluation::phyxels ? u[q] : detail::fieldAt(points, q, u));
 }
 
-// F of the surroundings of points. That of a sliver of the body in its cell says nothing of what lies beside it: the
-// means of its phyxels do. Of clouds there are no slivers.
+// F around each point. F of a sliver in its cell does not represent its surroundings; the means at its phyxels do.
+// Clouds have no slivers.
 std::vector<Mat3> gradientsAround(const Body &body, const Interpolation &points) {
   const RestState &rest = body.rest();
   const std::span<const Mat3> own = body.gradients();
@@ -52,7 +52,7 @@ std::vector<Mat3> gradientsAround(const Body &body, const Interpolation &points)
   return out;
 }
 
-// Way of a point from the first reference to this one.
+// Displacement of a point from the first reference to the current one.
 Vec3 carriedBy(const RestState &rest, std::size_t q) {
   Vec3 sum = Vec3::Zero();
   const std::span<const Index> row = rest.stencils.phyxels.row(q);
@@ -66,7 +66,7 @@ DisplacementField::DisplacementField(FieldGrid grid, bool withGaps)
     : grid_(grid), toIndex_(grid.steps.inverse()), now_(grid.count(), Eigen::Vector4d::Zero()),
       material_(withGaps ? grid.count() : 0, Eigen::Vector4d::Zero()) {}
 
-/// Visits the points of the grid within `half` (in indices) around a place: their number and where they are.
+/// Visits the grid points within `half` (in indices) of a position: visit(number, position).
 template <class Visit>
 void DisplacementField::visitPoints(const Vec3 &centre, const Vec3 &half, const Visit &visit) const {
   const Vec3 middle = toIndex_ * (centre - grid_.origin);
@@ -92,23 +92,24 @@ void DisplacementField::visitPoints(const Vec3 &centre, const Vec3 &half, const 
 void DisplacementField::add(const Body &body, const Interpolation &points) {
   if (!body.rigid()) addHeld(body);
   const RestState &rest = body.rest();
-  // Smaller cells stand closer, and their F goes for less.
+  // Smaller cells are closer together, and their F applies over a shorter distance.
   const std::vector<double> spacings = rest.evaluation == Evaluation::phyxels
                                            ? std::vector<double>(rest.pointCount(), rest.spacing)
                                            : detail::spacingsAt(points, rest.positions, rest.spacing);
   const bool renewed = !rest.referenceShift.empty();
   const std::vector<Mat3> gradients = renewed ? std::vector<Mat3>() : gradientsAround(body, points);
-  // Rows of the inverse steps: how far an index goes with a way in space.
+  // Row norms of the inverse steps: change of an index per metre.
   const Vec3 indexPerMetre(toIndex_.row(0).norm(), toIndex_.row(1).norm(), toIndex_.row(2).norm());
   for (std::size_t q = 0; q < rest.pointCount(); ++q) {
-    // Of a reference that has been renewed F counts from a state nobody keeps: what flows is shifted, not turned.
+    // After rereferencing F counts from an intermediate state that is not stored. Flowing material is shifted, not
+    // rotated.
     const Mat3 F = renewed ? Mat3(Mat3::Identity()) : gradients[q];
-    if (!(F.determinant() > kLeastVolume) || !F.allFinite()) continue;
+    if (!(F.determinant() > kMinVolume) || !F.allFinite()) continue;
     const Mat3 back = F.inverse();
     const Vec3 x = presentPlace(body, q, points);
     const Vec3 X = rest.origin + rest.pointCentres[q] - (renewed ? carriedBy(rest, q) : Vec3(Vec3::Zero()));
     const double reach = kReach * spacings[q], inverseSquare = 1.0 / (reach * reach);
-    // The box around what F makes of the ball, with room for rounding: nothing beyond it counts.
+    // Bounding box of the ball deformed by F, with a tolerance for rounding. Points outside have no weight.
     const Vec3 half = (1.0 + 1e-9) * reach * (toIndex_ * F).rowwise().norm();
     visitPoints(x, half, [&](std::size_t p, const Vec3 &place) {
       const Vec3 away = back * (place - x);
@@ -126,13 +127,13 @@ void DisplacementField::add(const Body &body, const Interpolation &points) {
   }
 }
 
-// What lies in the region of a fix, within a spacing of a phyxel.
+// Adds grid points in the region of a fix and within a spacing of a phyxel.
 void DisplacementField::addHeld(const Body &body) {
   const RestState &rest = body.rest();
   const Vec3 half = rest.spacing * Vec3(toIndex_.row(0).norm(), toIndex_.row(1).norm(), toIndex_.row(2).norm());
   Index present = StencilSet::kNoFrame;
   RigidMotion motion;
-  // Most points are near many phyxels of a fix; whether they lie in its region is asked once.
+  // Most grid points are near several phyxels of a fix; the region is tested once per point.
   std::vector<Index> seen(grid_.count(), present), seenInReference(material_.size(), present);
   const auto isNew = [&present](Index &one) { return std::exchange(one, present) != present; };
   for (const auto &[phyxel, fix] : body.phyxelsNearSupports()) {
@@ -180,19 +181,19 @@ Eigen::Vector4d DisplacementField::heaviest(std::size_t p) const {
   return most;
 }
 
-void DisplacementField::write(double rim, std::span<float> out) const {
+void DisplacementField::write(double falloff, std::span<float> out) const {
   const std::size_t n = grid_.count();
   std::vector<Vec3> u(n, Vec3::Zero());
   std::vector<std::int32_t> layer(n, -1);  // steps from the border; -1: not reached
   std::vector<std::size_t> front;
   for (std::size_t p = 0; p < n; ++p) {
     const Eigen::Vector4d sum = heaviest(p);
-    if (!(sum[3] > kLeastWeight)) continue;
+    if (!(sum[3] > kMinWeight)) continue;
     u[p] = sum.head<3>() / sum[3];
     layer[p] = 0;
   }
   const double step = std::min({grid_.steps.col(0).norm(), grid_.steps.col(1).norm(), grid_.steps.col(2).norm()});
-  const auto layers = static_cast<std::int32_t>(std::clamp(std::round(rim / step), 0.0, 4096.0));
+  const auto layers = static_cast<std::int32_t>(std::clamp(std::round(falloff / step), 0.0, 4096.0));
   const std::array<std::size_t, 3> stride{1, grid_.size[0], grid_.size[0] * grid_.size[1]};
   const auto forNeighbours = [&](std::size_t p, const auto &visit) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -201,7 +202,7 @@ void DisplacementField::write(double rim, std::span<float> out) const {
       if (at + 1 < grid_.size[a]) visit(p + stride[a]);
     }
   };
-  // Layer by layer outwards, each the mean of what lies nearer.
+  // Extrapolates outwards layer by layer; each value is the mean of its neighbours in inner layers.
   std::vector<std::size_t> next;
   for (std::int32_t l = 1; l < layers; ++l) {
     next.clear();
@@ -242,7 +243,7 @@ void DisplacementField::write(double rim, std::span<float> out) const {
 
 void DisplacementField::writeGaps(std::span<const float> u, std::span<float> out) const {
   const std::array<std::size_t, 3> stride{1, grid_.size[0], grid_.size[0] * grid_.size[1]};
-  // How far from x the material of X is now, if X lies in a body.
+  // Distance between x and the current position of the material at X, if X is in a body.
   const auto gapAt = [&](const Vec3 &x, const Vec3 &X) {
     const Vec3 index = toIndex_ * (X - grid_.origin);
     std::array<std::size_t, 3> base{};
@@ -266,11 +267,11 @@ void DisplacementField::writeGaps(std::span<const float> u, std::span<float> out
       }
       if (part > 0.0) sum += part * material_[p];
     }
-    return sum[3] > kLeastWeight ? (X + sum.head<3>() / sum[3] - x).norm() : 0.0;
+    return sum[3] > kMinWeight ? (X + sum.head<3>() / sum[3] - x).norm() : 0.0;
   };
   for (std::size_t p = 0; p < grid_.count(); ++p) {
     out[p] = 0.0F;
-    if (now_[p][3] > kLeastWeight) continue;
+    if (now_[p][3] > kMinWeight) continue;
     const Vec3 x = grid_.origin + grid_.steps * Vec3(static_cast<double>(p % grid_.size[0]),
                                                      static_cast<double>(p / stride[1] % grid_.size[1]),
                                                      static_cast<double>(p / stride[2]));

@@ -7,7 +7,7 @@
 
 #include "forces/hourglass_energy.h"
 #include "forces/point_loops.h"
-#include "pointbased/singular_places.h"
+#include "pointbased/singular_regions.h"
 
 namespace pointbased {
 
@@ -25,7 +25,7 @@ Strain packed(const Mat3 &E) {
   return out;
 }
 
-/// ½ e : C : e with the moduli at rest, J/m³, or of a slope J/m⁵.
+/// ½ e : C : e with the moduli at rest, J/m³; for a slope, J/m⁵.
 double energyOf(const Material &material, const Strain &e) {
   const double trace = e[0] + e[1] + e[2];
   return material.mu() * (e.head<3>().squaredNorm() + 2.0 * e.tail<3>().squaredNorm()) +
@@ -41,7 +41,7 @@ void add(Moments &m, double volume, const Vec3 &x, const Strain &e) {
   m.strainFirst += ve * x.transpose();
 }
 
-/// Adds moments about another position; d: from here to there.
+/// Adds moments about another position; d points from here to there.
 void add(Moments &m, const Moments &other, const Vec3 &d) {
   m.volume += other.volume;
   m.first += other.first + other.volume * d;
@@ -51,7 +51,7 @@ void add(Moments &m, const Moments &other, const Vec3 &d) {
   m.strainFirst += other.strainFirst + other.strain * d.transpose();
 }
 
-/// What the modes of a cell say about the strain within it: linear in plane stress, as in HourglassEnergy.
+/// Strain slopes within a cell from its hourglass modes: linear in plane stress, as in HourglassEnergy.
 Slopes hourglassSlopes(const Material &material, const StencilSet &s, std::size_t q, const Mat3 &F,
                        std::span<const Vec3> displacements) {
   const Amplitudes all = amplitudes(s, q, displacements);
@@ -66,8 +66,9 @@ Slopes hourglassSlopes(const Material &material, const StencilSet &s, std::size_
   return out;
 }
 
-/// Directions in which the points around are spread by less than this part of the widest, or of the point's own size
-/// (in variance), tell no slope. Two layers are spread by 0.22 d², the inside of a lattice by 0.5 d².
+/// Variance of the points around, relative to that of the widest direction or to the squared size of the point.
+/// Directions with less determine no slope. Two layers have a variance of 0.22 d², the interior of a lattice 0.5 d².
+/// Larger: more directions are ignored.
 constexpr double kUnseen = 0.05;
 
 struct Fit {
@@ -75,9 +76,9 @@ struct Fit {
   Slopes slopes;
 };
 
-/// The affine field next to the strains around a point, about which the moments are. Where they tell no slope, `own`
-/// stays.
-/// @param size  of what the point stands for, m
+/// Affine fit to the strains around a point, about which the moments are taken. In undetermined directions the slope is
+/// `own`.
+/// @param size  size of the region that the point represents, m
 Fit fit(const Moments &m, const Slopes &own, double size) {
   const Vec3 mean = m.first / m.volume;
   const Strain meanStrain = m.strain / m.volume;
@@ -102,7 +103,7 @@ Fit fit(const Moments &m, const Slopes &own, double size) {
   return out;
 }
 
-/// Volume of a phyxel's moments where the points around it are of several materials: they are summed anew for each.
+/// Marks a phyxel whose surrounding points have several materials: moments are summed again for each material.
 constexpr double kMixed = -1.0;
 
 class Recovery {
@@ -194,7 +195,8 @@ class Recovery {
   bool lattice_;
 };
 
-/// body(q, share) for the points that phyxel j has a share in: evenly among the phyxels of a cell; in a cloud its own.
+/// Calls body(q, share) for the points in which phyxel j has a share. Cells are shared evenly by their phyxels; in a
+/// cloud each phyxel has its own point.
 template <class Body>
 void forShares(const StencilSet &s, std::size_t j, Body &&body) {
   if (!s.isLattice()) return body(j, 1.0);
@@ -204,7 +206,7 @@ void forShares(const StencilSet &s, std::size_t j, Body &&body) {
   }
 }
 
-/// Energy of strains that are round-off, J.
+/// Energy of strains at the level of round-off, J.
 double floorOf(const Body &body, std::size_t q) {
   const StencilSet &s = body.rest().stencils;
   const double modulus = materialOfPoint(body.constitution(), s, q).youngsModulus;
@@ -242,7 +244,7 @@ ErrorEstimate estimateError(const Body &body, std::vector<double> *perPhyxel, Er
     floor += floorOf(body, q);
     volume += s.volumes[q];
   }
-  // A law's energy of next to no strain may come out below 0 by round-off.
+  // Round-off may make the energy of an almost unstrained body negative.
   const double energy = std::max(elastic.strain, 0.0) + elastic.stabilisation;
   const double whole = energy + error + floor;
   if (!std::isfinite(whole)) return {1.0, 1.0};
@@ -279,7 +281,7 @@ void stabilisationShares(const Body &body, const ErrorScratch &scratch, std::vec
   }
 }
 
-double relativeErrorOutside(const Body &body, const ErrorScratch &scratch, const SingularPlaces &places) {
+double relativeErrorOutside(const Body &body, const ErrorScratch &scratch, const SingularRegions &places) {
   double error = 0.0, whole = 0.0;
   for (std::size_t q = 0; q < scratch.errors.size(); ++q) {
     if (places.points[q] != 0) continue;

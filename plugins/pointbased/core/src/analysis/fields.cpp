@@ -13,7 +13,8 @@ using namespace detail;
 
 namespace {
 
-/// v P of every point into the scratch: no rates, so no viscous part, and no time, so the memory of relaxation stays.
+/// Computes v P of every point. Without rates there is no viscous part; without time the relaxation history is
+/// unchanged.
 void firstPiolaStresses(const Body &body, StressScratch &scratch, const ParallelFor &parallelFor) {
   const std::size_t points = body.rest().pointCount();
   scratch.firstPiola.resize(points);
@@ -28,7 +29,7 @@ void firstPiolaStresses(const Body &body, StressScratch &scratch, const Parallel
 
 Mat3 symmetric(const Mat3 &m) { return 0.5 * (m + m.transpose()); }
 
-/// out[q] = stressOf(F, P) for every point, with the exceptions that both stresses share.
+/// out[q] = stressOf(F, P) for every point, with the special cases common to both stresses.
 template <class StressOf>
 void stressesInto(const Body &body, std::span<Mat3> out, StressScratch &scratch, const ParallelFor &parallelFor,
                   const StressOf &stressOf) {
@@ -70,7 +71,8 @@ double vonMises(const Mat3 &stress) {
 Interpolation bindPoints(const RestState &rest) {
   Interpolation points = rest.bind(rest.pointCentres, {});
   if (!rest.stencils.isLattice()) return points;
-  // Where two parts of the body share a cell, the middle of one may lie in the other: then by its own affine motion.
+  // If two parts of the body share a cell, the centre of one may be in the other. It then follows its own affine
+  // motion.
   const Csr &own = rest.stencils.phyxels;
   const auto isOwn = [&](std::size_t q) {
     const std::span<const Index> stencil = own.row(q), bound = points.phyxels.row(q);

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "analysis/shadow_forces.h"
-#include "analysis/shadow_solution.h"
+#include "analysis/fine_reference_forces.h"
+#include "analysis/fine_reference_solution.h"
 #include "base/number_text.h"
 #include "pointbased/error_estimate.h"
 
@@ -20,7 +20,7 @@ namespace {
 constexpr double kSkinSampling = 0.5;       // spacings of the body
 constexpr double kQuantile = 0.95;          // of the area of the skin
 constexpr double kBuildShare = 0.25;        // of the progress
-constexpr double kSupportRefinement = 2.0;  // of the shadow
+constexpr double kSupportRefinement = 2.0;  // of the fine reference
 constexpr double kRounding = 1e-12;         // of the distance from the world's origin
 
 tl::unexpected<std::string> refused(const std::string &text) { return tl::unexpected<std::string>(text); }
@@ -30,8 +30,8 @@ bool inverted(const Body &body) {
                      [](const Mat3 &F) { return !(F.determinant() > 0.0); });
 }
 
-Result<void> verifiable(const StandingBody &standing) {
-  const BodyCheckpoint &state = standing.state;
+Result<void> verifiable(const VerificationTarget &target) {
+  const BodyCheckpoint &state = target.state;
   if (state.rigid) return refused("it is rigid: it has no error of its own");
   if (state.stopped) return refused("it has stopped, so its state is no solution; reset leads out");
   if (state.rereferenceCount > 0)
@@ -39,9 +39,9 @@ Result<void> verifiable(const StandingBody &standing) {
   return {};
 }
 
-// A lattice whatever the body is, finer everywhere; where supports end, finer still: what their edges concentrate
-// converges more slowly than the rest.
-BodyRecipe shadowRecipe(const BodyRecipe &recipe, double spacing, double refinement, bool fineSupports) {
+// Always a lattice, finer everywhere, and finer still at the ends of supports: stress concentrations at their edges
+// converge more slowly than the rest.
+BodyRecipe fineReferenceRecipe(const BodyRecipe &recipe, double spacing, double refinement, bool fineSupports) {
   BodyRecipe out = recipe;
   out.evaluation = Evaluation::stressPoints;
   out.sampling.spacing = spacing / refinement;
@@ -56,7 +56,7 @@ BodyRecipe shadowRecipe(const BodyRecipe &recipe, double spacing, double refinem
   return out;
 }
 
-/// Material points of the skin or the volume, and where they are now by body and shadow, world, m.
+/// Material points of the skin or the volume, and their current positions by body and fine reference, world, m.
 struct Compared {
   std::vector<double> weights;  // m² or m³
   std::vector<Vec3> reference, coarse, fine;
@@ -88,7 +88,7 @@ double weightedRms(std::span<const double> values, std::span<const double> weigh
   return weight > 0.0 ? std::sqrt(sum / weight) : 0.0;
 }
 
-// What a part `share` of all weight is below.
+// Value below which a part `share` of the total weight is.
 double weightedQuantile(std::span<const double> values, std::span<const double> weights, double share) {
   std::vector<std::size_t> order(values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -102,29 +102,29 @@ double weightedQuantile(std::span<const double> values, std::span<const double> 
 
 class Verifying {
  public:
-  Verifying(const StandingBody &standing, const BodyShape &shape, const ParallelFor &parallelFor,
+  Verifying(const VerificationTarget &target, const BodyShape &shape, const ParallelFor &parallelFor,
             const VerifyProgress &progress, const StopRequest *stop, const VerifySettings &settings)
-      : standing_(standing), shape_(shape), parallelFor_(parallelFor), progress_(progress), stop_(stop),
+      : target_(target), shape_(shape), parallelFor_(parallelFor), progress_(progress), stop_(stop),
         settings_(settings), refinement_(settings.refinement),
-        body_(standing.name, standing.state.rest, standing.constitution, parallelFor) {
-    (void)body_.setFoundation(standing.foundation);
-    body_.quasiStatic = standing.world.integrator == Integrator::quasiStatic;
-    (void)body_.restore(standing.state, parallelFor);
+        body_(target.name, target.state.rest, target.constitution, parallelFor) {
+    (void)body_.setFoundation(target.foundation);
+    body_.quasiStatic = target.world.integrator == Integrator::quasiStatic;
+    (void)body_.restore(target.state, parallelFor);
   }
 
   [[nodiscard]] Result<Verification> run(const BodyRecipe &recipe) {
     const auto begin = std::chrono::steady_clock::now();
     if (inverted(body_)) return refused("parts of it are inverted, so its state is no solution of the material");
-    if (!checkCount(countAt(body_.rest().spacing / refinement_))) refinement_ = kSmallShadowRefinement;
+    if (!checkCount(countAt(body_.rest().spacing / refinement_))) refinement_ = kSmallFineReferenceRefinement;
     const double cell = body_.rest().spacing / refinement_;
     if (auto affordable = checkCount(countAt(cell)); !affordable) return refused(affordable.error());
     std::shared_ptr<const RestState> rest;
-    auto solved = shadowOf(recipe, affordsFineSupports(cell), rest);
+    auto solved = fineReferenceOf(recipe, affordsFineSupports(cell), rest);
     if (!solved) return refused(solved.error());
     if (!tell(0.95, "comparing")) return refused("cancelled");
     Verification out = compare(*rest, *solved);
-    out.shadowRest = rest;
-    out.shadowDisplacements = std::move(solved->displacements);
+    out.fineReferenceRest = rest;
+    out.fineReferenceDisplacements = std::move(solved->displacements);
     out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return out;
   }
@@ -143,7 +143,7 @@ class Verifying {
                    number(1e3 * body_.rest().spacing / refinement_) + " mm; accepted: at most " +
                    std::to_string(settings_.mostPhyxels));
   }
-  // What lies within supports becomes finer with their edges.
+  // Cells within supports are refined together with the edges of the supports.
   [[nodiscard]] bool affordsFineSupports(double cell) const {
     const double fine = cell / kSupportRefinement;
     double count = static_cast<double>(countAt(cell));
@@ -152,51 +152,53 @@ class Verifying {
     return !body_.rest().conditions.held.empty() && count <= static_cast<double>(settings_.mostPhyxels);
   }
 
-  // The finer one of the two that has a solution.
-  [[nodiscard]] Result<ShadowState> shadowOf(const BodyRecipe &recipe, bool fineSupports,
-                                             std::shared_ptr<const RestState> &rest) {
-    const auto filled =
-        buildRestState(shape_, shadowRecipe(recipe, body_.rest().spacing, refinement_, fineSupports), {}, parallelFor_,
-                       [this](double fraction) { return tell(kBuildShare * fraction, "filling the shadow"); });
+  // Uses the finer of the two fine references that has a solution.
+  [[nodiscard]] Result<FineReferenceState> fineReferenceOf(const BodyRecipe &recipe, bool fineSupports,
+                                                           std::shared_ptr<const RestState> &rest) {
+    const auto filled = buildRestState(
+        shape_, fineReferenceRecipe(recipe, body_.rest().spacing, refinement_, fineSupports), {}, parallelFor_,
+        [this](double fraction) { return tell(kBuildShare * fraction, "filling the shadow"); });
     if (!filled) return refused(filled.error() == "cancelled" ? filled.error() : "its shadow: " + filled.error());
     rest = *filled;
     hasFineSupports_ = fineSupports;
-    auto solved = rest->phyxelCount() > settings_.mostPhyxels ? Result<ShadowState>(refused("too large")) : solve(rest);
+    auto solved =
+        rest->phyxelCount() > settings_.mostPhyxels ? Result<FineReferenceState>(refused("too large")) : solve(rest);
     if (solved || solved.error() == "cancelled") return solved;
-    if (fineSupports) return shadowOf(recipe, false, rest);
+    if (fineSupports) return fineReferenceOf(recipe, false, rest);
     if (auto good = checkCount(rest->phyxelCount()); !good) return refused(good.error());
     return solved;
   }
 
-  [[nodiscard]] Result<ShadowState> solve(const std::shared_ptr<const RestState> &rest) {
-    Constitution constitution = standing_.constitution;
+  [[nodiscard]] Result<FineReferenceState> solve(const std::shared_ptr<const RestState> &rest) {
+    Constitution constitution = target_.constitution;
     if (body_.rest().evaluation == Evaluation::phyxels) constitution.stabilisation = kLatticeStabilisation;
-    auto shadow = std::make_unique<Body>(standing_.name, rest, std::move(constitution), parallelFor_);
-    if (const auto held = shadow->setFoundation(standing_.foundation); !held) return refused(held.error());
-    std::vector<Vec3> leftOver = knownForces(body_, standing_.world.gravity, standing_.clock, parallelFor_);
+    auto fineReference = std::make_unique<Body>(target_.name, rest, std::move(constitution), parallelFor_);
+    if (const auto held = fineReference->setFoundation(target_.foundation); !held) return refused(held.error());
+    std::vector<Vec3> leftOver = knownForces(body_, target_.world.gravity, target_.clock, parallelFor_);
     for (std::size_t i = 0; i < leftOver.size(); ++i) leftOver[i] *= body_.heldMask()[i] ? 0.0 : -1.0;
-    const ShadowProblem problem{standing_, body_, parallelFor_, stop_, !hasFineSupports_, [this](double fraction) {
-                                  return tell(kBuildShare + (0.95 - kBuildShare) * fraction, "solving the shadow");
-                                }};
-    return dependsOnItsWay() ? solveAlongTheWay(problem, std::move(shadow))
-                             : solveFromHere(problem, leftOver, std::move(shadow));
+    const FineReferenceProblem problem{target_, body_, parallelFor_, stop_, !hasFineSupports_, [this](double fraction) {
+                                         return tell(kBuildShare + (0.95 - kBuildShare) * fraction,
+                                                     "solving the shadow");
+                                       }};
+    return dependsOnItsWay() ? solveAlongLoadPath(problem, std::move(fineReference))
+                             : solveDirectly(problem, leftOver, std::move(fineReference));
   }
 
-  // Friction and plastic flow remember.
+  // Friction and plastic flow are path-dependent.
   [[nodiscard]] bool dependsOnItsWay() const {
     return body_.quasiStatic &&
-           (standing_.constitution.plastic() || standing_.world.box.enabled || !standing_.obstacles.empty());
+           (target_.constitution.plastic() || target_.world.box.enabled || !target_.obstacles.empty());
   }
 
   [[nodiscard]] Compared compareAt(std::span<const Vec3> points, std::span<const Vec3> normals,
                                    std::vector<double> weights, const RestState &rest,
-                                   const ShadowState &solved) const {
+                                   const FineReferenceState &solved) const {
     Compared out{std::move(weights),
                  {points.begin(), points.end()},
                  placesOf(body_.rest(), body_.state().displacements, points, normals, parallelFor_),
                  placesOf(rest, solved.displacements, points, normals, parallelFor_),
                  errorOverDifference(refinement_)};
-    // What a support leads is where it is told to be; skin and lattice within it are only for the eye.
+    // Points moved by a support are at their prescribed positions; skin and lattice inside it are only drawn.
     for (std::size_t i = 0; i < points.size(); ++i) {
       const auto leads = [&](const Fix &fix) { return contains(fix.region, points[i]); };
       const std::vector<Fix> &fixes = body_.rest().conditions.fixes;
@@ -207,7 +209,7 @@ class Verifying {
     return out;
   }
 
-  [[nodiscard]] Verification compare(const RestState &rest, ShadowState &solved) {
+  [[nodiscard]] Verification compare(const RestState &rest, FineReferenceState &solved) {
     const RestState &own = body_.rest();
     std::vector<Vec3> inside(own.pointCentres);
     for (Vec3 &x : inside) x += own.origin;
@@ -222,9 +224,9 @@ class Verifying {
                   hasNormals ? std::span<const Vec3>(own.surfelNormals) : std::span<const Vec3>(), none, rest, solved);
     Verification out;
     out.spacing = own.spacing;
-    out.shadowSpacing = rest.spacing;
+    out.fineReferenceSpacing = rest.spacing;
     out.phyxels = own.phyxelCount();
-    out.shadowPhyxels = rest.phyxelCount();
+    out.fineReferencePhyxels = rest.phyxelCount();
     out.errorRms = weightedRms(volume.errors(), volume.weights);
     const std::vector<double> errors = skin.errors();
     out.error95 = weightedQuantile(errors, skin.weights, kQuantile);
@@ -237,9 +239,9 @@ class Verifying {
     out.skinErrors = surfels.errors();
     const ElasticEnergy energy = body_.elasticEnergy(parallelFor_);
     out.elasticEnergy = energy.strain + energy.stabilisation;
-    out.shadowElasticEnergy = solved.elasticEnergy;
-    out.reactions = body_.reactions(standing_.world.gravity);
-    out.shadowReactions = std::move(solved.reactions);
+    out.fineReferenceElasticEnergy = solved.elasticEnergy;
+    out.reactions = body_.reactions(target_.world.gravity);
+    out.fineReferenceReactions = std::move(solved.reactions);
     out.limits = limits(solved);
     return out;
   }
@@ -255,7 +257,7 @@ class Verifying {
     return largest > std::max(kStrainFloor * (shape_.max - shape_.min).norm(), kRounding * reach) ? largest : 0.0;
   }
 
-  [[nodiscard]] std::vector<std::string> limits(const ShadowState &solved) const {
+  [[nodiscard]] std::vector<std::string> limits(const FineReferenceState &solved) const {
     std::vector<std::string> out;
     if (refinement_ < settings_.refinement)
       out.emplace_back("its shadow is only " + number(refinement_) + " times finer, to stay below " +
@@ -268,9 +270,9 @@ class Verifying {
       out.emplace_back(
           "of the present balance of forces: what motion has gathered on the way here (time, phase) is "
           "not in it");
-    if (!body_.quasiStatic && standing_.constitution.plastic()) out.emplace_back("plastic strain is taken as it is");
-    if (standing_.constitution.relaxing()) out.emplace_back("relaxing stress is taken as it is");
-    if (solved.leansOnContact)
+    if (!body_.quasiStatic && target_.constitution.plastic()) out.emplace_back("plastic strain is taken as it is");
+    if (target_.constitution.relaxing()) out.emplace_back("relaxing stress is taken as it is");
+    if (solved.isHeldByContact)
       out.emplace_back("only contact holds it: where it touches something it is taken to stay where it is");
     else if (!dependsOnItsWay() &&
              std::any_of(body_.contact.active.begin(), body_.contact.active.end(),
@@ -279,7 +281,7 @@ class Verifying {
     return out;
   }
 
-  const StandingBody &standing_;
+  const VerificationTarget &target_;
   const BodyShape &shape_;
   const ParallelFor &parallelFor_;
   const VerifyProgress &progress_;
@@ -292,7 +294,7 @@ class Verifying {
 
 }  // namespace
 
-StandingBody standingBody(const Simulator &simulator, std::size_t id) {
+VerificationTarget verificationTarget(const Simulator &simulator, std::size_t id) {
   const Body &body = *simulator.body(id);
   const std::span<const Obstacle> obstacles = simulator.obstaclesOf(id);
   WorldSettings world = simulator.world();
@@ -307,14 +309,14 @@ StandingBody standingBody(const Simulator &simulator, std::size_t id) {
           simulator.quasiStatic() ? simulator.loadFactor() : simulator.time()};
 }
 
-Result<Verification> verify(const StandingBody &standing, const BodyShape &shape, const BodyRecipe &recipe,
+Result<Verification> verify(const VerificationTarget &target, const BodyShape &shape, const BodyRecipe &recipe,
                             const ParallelFor &parallelFor, const VerifyProgress &progress, const StopRequest *stop,
                             const VerifySettings &settings) {
-  if (auto good = verifiable(standing); !good) return refused(good.error());
+  if (auto good = verifiable(target); !good) return refused(good.error());
   StoppableLoops loops(parallelFor);
   try {
     const StoppableLoops::Watch watch(loops, stop);
-    return Verifying(standing, shape, loops.parallelFor(), progress, stop, settings).run(recipe);
+    return Verifying(target, shape, loops.parallelFor(), progress, stop, settings).run(recipe);
   } catch (const Stopped &) {
     return refused("cancelled");
   }

@@ -7,7 +7,7 @@
 
 namespace pointbased {
 
-/// Sets that grow by joining; the smallest member stands for its set.
+/// Union-find; the smallest member represents its set.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t n) : parents_(n) { std::iota(parents_.begin(), parents_.end(), Index{0}); }
@@ -15,7 +15,7 @@ class DisjointSets {
     while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
     return i;
   }
-  /// True: they were apart.
+  /// @return whether the two sets were distinct
   bool join(Index a, Index b) {
     a = find(a);
     b = find(b);

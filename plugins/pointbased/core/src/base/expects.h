@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Preconditions of public functions, looked at in every build: a few comparisons per call, never per point. Private to
+// Preconditions of public functions, checked in every build: a few comparisons per call, never per point. Private to
 // the core.
 #pragma once
 

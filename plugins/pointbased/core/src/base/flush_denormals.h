@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers too small to be normal count as zero while a guard lives. Private to the core.
+// Treats denormal numbers as zero while a guard exists. Private to the core.
 #pragma once
 
 #include <cstdint>
@@ -13,25 +13,25 @@
 
 namespace pointbased::detail {
 
-/// Sets the calling thread's floating point unit to flush denormal results and read denormal operands as zero; gives
-/// the caller's mode back at the end. Not copied; nested ones cost a read. Where the processor is another: does
-/// nothing.
+/// Sets the floating-point unit of the calling thread to flush denormal results and to read denormal operands as zero.
+/// The destructor restores the previous mode. Not copyable; nested guards only cost a read. No effect on other
+/// processors.
 ///
-/// A denormal number times 0.95 rounds to itself: what fades would never end, and costs a hundred cycles an operation.
-/// Normal results have the same bits in both modes.
+/// A denormal number times 0.95 rounds to itself: decay would never end, and each operation would cost a hundred
+/// cycles. Normal results have the same bits in both modes.
 class FlushDenormals {
  public:
   FlushDenormals() : before_(read()) {
     if ((before_ & kMode) != kMode) write(before_ | kMode);
   }
   ~FlushDenormals() {
-    // Only the mode: what the flags have collected meanwhile stays.
+    // Restores the mode only; accumulated exception flags are preserved.
     if ((before_ & kMode) != kMode) write((read() & ~kMode) | (before_ & kMode));
   }
   FlushDenormals(const FlushDenormals &) = delete;
   FlushDenormals &operator=(const FlushDenormals &) = delete;
 
-  /// False where nothing is known of the processor.
+  /// False on processors that are not supported.
   [[nodiscard]] static constexpr bool works() { return kMode != 0; }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers in messages. Private to the core.
+// Formats numbers in messages. Private to the core.
 #pragma once
 
 #include <cstdio>

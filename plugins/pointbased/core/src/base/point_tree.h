@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A k-d tree over borrowed points; nanoflann stands here and nowhere else.
+// k-d tree over points owned by the caller; the only file that uses nanoflann.
 #pragma once
 
 #include <nanoflann.hpp>
@@ -8,16 +8,16 @@
 
 namespace pointbased {
 
-/// The points must outlive the tree. Queries may run on several threads at once.
+/// The points must outlive the tree. Queries may run on several threads concurrently.
 class PointTree {
  public:
   explicit PointTree(std::span<const Vec3> points) : cloud_{points}, tree_(3, cloud_, {kLeafSize}) {}
 
-  /// Indices and squared distances of the nearest points, nearest first; returns how many there are.
+  /// Indices and squared distances of the nearest points, nearest first. Returns their number.
   std::size_t nearest(const Vec3 &at, std::size_t count, Index *indices, double *squared) const {
     return tree_.knnSearch(at.data(), count, indices, squared);
   }
-  /// Everything within the radius, unordered.
+  /// All points within the radius, unordered.
   void within(const Vec3 &at, double radius, std::vector<std::pair<Index, double>> &found) const {
     found.clear();
     tree_.radiusSearch(at.data(), radius * radius, found, nanoflann::SearchParams(32, 0.0f, false));

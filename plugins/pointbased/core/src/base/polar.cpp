@@ -10,9 +10,9 @@ Polar polarBySvd(const Mat3 &F) {
   const Eigen::JacobiSVD<Mat3> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Mat3 R = svd.matrixU() * svd.matrixV().transpose();
   if (R.determinant() < 0.0) {
-    // A mirrored state turns the smallest stretch negative instead of the rotation improper. Where several are the
-    // smallest round-off must not choose among them, else every point of a mirrored body turns its own way and it rests
-    // folded.
+    // For a mirrored state the smallest stretch becomes negative instead of the rotation improper. Among several equal
+    // smallest stretches round-off must not decide. Otherwise every point of a mirrored body would rotate differently
+    // and the body would come to rest folded.
     const Vec3 preferred(0.36, 0.48, 0.8);
     const Vec3 &stretch = svd.singularValues();
     Vec3 turned = Vec3::Zero();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The proper rotation next to a matrix, and bounds of eigenvalues without decomposition. Private to the core.
+// Polar decomposition, and bounds of eigenvalues without decomposition. Private to the core.
 #pragma once
 
 #include <algorithm>
@@ -31,17 +31,16 @@ struct Polar {
   double trace;  ///< tr(R^T F): sum of the singular values, the smallest with the sign of det F
 };
 
-/// By singular value decomposition: any finite F, also where R is not unique. Some hundred ns.
+/// Singular value decomposition: for any finite F, including those with ambiguous R. Takes some hundred ns.
 Polar polarBySvd(const Mat3 &F);
 
 /// R of F = R U, robust for det F <= 0.
 ///
 /// t = tr(R^T F) is the largest root of t⁴ - 2 |F|² t² - 8 det F t + |F|⁴ - 4 |cof F|², the characteristic polynomial
-/// of Horn's quaternion matrix. All roots are real, so Laguerre's method comes down to it monotonically from sqrt(3)
-/// |F|, which is exact for a scaled rotation. Since dt = R : dF, R is the derivative of that root. Where two roots
-/// meet, the decomposition takes over. What has shrunk to less than a billionth is round-off and points nowhere: it
-/// gets R = 1, everywhere the same, so that a body that has become a point opens as one piece and not folded over
-/// itself.
+/// of Horn's quaternion matrix. All roots are real, so Laguerre's method converges to it monotonically from sqrt(3)
+/// |F|, which is exact for a scaled rotation. Since dt = R : dF, R is the derivative of that root. If two roots
+/// coincide, the singular value decomposition is used. An F of less than a billionth is round-off without direction and
+/// returns R = 1 everywhere. A body that has collapsed to a point then opens as a whole, without folds.
 /// @source  Horn, Closed-form solution of absolute orientation using unit quaternions, JOSA A 4, 1987; derivative: own
 inline Polar polar(const Mat3 &F) {
   const Mat3 c = cofactor(F);
@@ -60,17 +59,17 @@ inline Polar polar(const Mat3 &F) {
     found = std::abs(change) < 1e-6 * t;  // the next change is of the order of its cube
   }
   const double slope = (t * t - a) * t - 2.0 * b;  // 2 (s1 + s2)(s2 + s3)(s3 + s1)
-  // NaN goes to the decomposition too, which answers with NaN.
+  // NaN is passed to the decomposition, which returns NaN.
   if (!found || !(slope > 0.01 * t * t * t)) return polarBySvd(F);
   Mat3 R = ((t * t + a) * F + 2.0 * t * c - 2.0 * (F * (F.transpose() * F))) / slope;
-  // One step of Newton and Schulz takes what round-off left of stretch.
+  // One Newton-Schulz step removes residual stretch from round-off.
   R = 1.5 * R - 0.5 * (R * (R.transpose() * R));
   return {R, t};
 }
 
-/// Upper bound of the largest eigenvalue of a symmetric matrix: Laguerre's method from infinity, where it comes down to
-/// the largest root without passing it. The first step is the bound by mean and variance; where that may be more than
-/// 5 % too large, a second one follows.
+/// Upper bound of the largest eigenvalue of a symmetric matrix, by Laguerre's method from infinity, which decreases
+/// towards the largest root without passing it. The first step is the bound by mean and variance. A second step follows
+/// where the first may be more than 5 % too large.
 inline double largestEigenvalueBound(const Mat3 &m) {
   const double mean = m.trace() / 3.0;
   const double scatter = std::max(0.0, m.squaredNorm() - 3.0 * mean * mean);  // sum of (eigenvalue - mean)²

@@ -7,7 +7,7 @@
 namespace pointbased {
 namespace {
 
-// A loop within a loop runs on a worker, from which nothing may be thrown.
+// Nested loops run on workers, from which no exception may be thrown.
 thread_local bool insideLoop = false;
 
 constexpr std::size_t kGrainsBetweenLooks = 16;
@@ -22,14 +22,14 @@ StoppableLoops::StoppableLoops(ParallelFor inner)
         const auto part = [&loop, grain, stop](std::size_t begin, std::size_t end) {
           const bool outer = insideLoop;
           insideLoop = true;
-          // A single thread is given all at once.
+          // A single thread gets the whole range at once.
           const std::size_t piece = kGrainsBetweenLooks * std::max<std::size_t>(1, grain);
           for (; begin < end && !stop->isRaised(); begin += std::min(piece, end - begin))  // the caller throws
             loop(begin, std::min(end, begin + piece));
           insideLoop = outer;
         };
         if (n > 0) inner(n, grain, std::cref(part));
-        if (!insideLoop) endIfRaised(stop);
+        if (!insideLoop) throwIfStopRequested(stop);
       }) {}
 
 }  // namespace pointbased

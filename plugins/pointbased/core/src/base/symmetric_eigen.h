@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Eigenvalues of symmetric matrices, compiled once: Eigen's decompositions take seconds in every source that has them.
+// Eigenvalues of symmetric matrices, compiled once: Eigen's decompositions take seconds in every translation unit.
 // Private to the core.
 #pragma once
 
@@ -10,7 +10,7 @@ namespace pointbased::detail {
 /// A = V diag(values) Vᵀ
 struct SymmetricEigen {
   Vec3 values;   ///< ascending
-  Mat3 vectors;  ///< in columns, of length 1
+  Mat3 vectors;  ///< in columns, unit length
 
   /// V diag(d) Vᵀ
   [[nodiscard]] Mat3 with(const Vec3 &d) const { return vectors * d.asDiagonal() * vectors.transpose(); }
@@ -19,7 +19,7 @@ struct SymmetricEigen {
 /// @param A  symmetric; its lower triangle is read
 SymmetricEigen symmetricEigen(const Mat3 &A);
 
-/// Ascending. Faster than with vectors, and equal to theirs up to rounding.
+/// Ascending. Faster than symmetricEigen(), and equal up to rounding.
 Vec3 symmetricEigenvalues(const Mat3 &A);
 
 }  // namespace pointbased::detail

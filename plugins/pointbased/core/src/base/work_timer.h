@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long work takes on a machine that does other things as well. Private to the core.
+// Measures work on a machine with other load. Private to the core.
 #pragma once
 
 #include <algorithm>
@@ -8,8 +8,8 @@
 
 namespace pointbased::detail {
 
-/// The smaller of wall-clock time and of processor time of the process: of what loops do in parallel the first counts,
-/// and of what was interrupted the second.
+/// The smaller of wall-clock time and processor time of the process: the former counts for parallel loops, the latter
+/// for interrupted work.
 class WorkTimer {
  public:
   [[nodiscard]] double seconds() const {

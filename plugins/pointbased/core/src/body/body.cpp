@@ -14,7 +14,7 @@
 namespace pointbased {
 namespace {
 
-// The mean of a number of the materials around every phyxel, by volume.
+// Mean of a property of the materials around every phyxel, weighted by volume.
 std::vector<double> meansAround(const Constitution &constitution, const RestState &rest, double Material::*number) {
   const StencilSet &s = rest.stencils;
   std::vector<double> means(rest.phyxelCount(), constitution.materials.front().*number);
@@ -40,7 +40,7 @@ std::vector<double> meansAround(const Constitution &constitution, const RestStat
   return means;
 }
 
-// Scaled so that the whole has the mass of the points.
+// Scaled such that the body has the mass of its evaluation points.
 std::vector<double> phyxelDensities(const Constitution &constitution, const RestState &rest) {
   const StencilSet &s = rest.stencils;
   std::vector<double> densities = meansAround(constitution, rest, &Material::restDensity);
@@ -56,8 +56,8 @@ std::vector<double> phyxelDensities(const Constitution &constitution, const Rest
   return densities;
 }
 
-// Young's modulus where something acts on a body: the mean of those around the phyxels of a row. As a difference to the
-// first, so that a body of one material has its modulus to the bit.
+// Young's modulus where something acts on a body: the mean around the phyxels of a row. It is computed as a difference
+// to the first one, so that a body of one material has its modulus to the bit.
 double modulusAt(std::span<const double> moduli, const Csr &rows, std::span<const double> weights, std::size_t row) {
   const double first = moduli[rows.indices[rows.offsets[row]]];
   double sum = 0.0, all = 0.0;
@@ -68,7 +68,7 @@ double modulusAt(std::span<const double> moduli, const Csr &rows, std::span<cons
   return first + sum / all;
 }
 
-// How many materials the points of a body name.
+// Number of materials that the points of a body refer to.
 std::size_t materialsNamed(const StencilSet &s) {
   return s.materials.empty() ? 1 : std::size_t{1} + *std::max_element(s.materials.begin(), s.materials.end());
 }
@@ -79,7 +79,7 @@ Body::Body(std::string name, std::shared_ptr<const RestState> rest, Constitution
            const ParallelFor &parallelFor)
     : name_(std::move(name)), rest_(std::move(rest)), first_(rest_) {
   POINTBASED_EXPECTS(rest_ != nullptr, "a rest state");
-  layOut();
+  resizeForRestState();
   setConstitution(std::move(constitution), parallelFor);
   reset();
 }
@@ -93,8 +93,8 @@ Vec3 Body::firstReference(Index phyxel) const {
   return rest_->referenceShift.empty() ? X : Vec3(X - rest_->referenceShift[phyxel]);
 }
 
-// Everything whose size or meaning follows from the rest state.
-void Body::layOut() {
+// Resizes and resets everything that depends on the rest state.
+void Body::resizeForRestState() {
   const std::size_t n = rest_->phyxelCount();
   masses_.resize(n);
   inverseMasses_.resize(n);
@@ -102,9 +102,9 @@ void Body::layOut() {
   externalForces_.clear();
   std::vector<Mat3>().swap(gradients_);
   std::vector<Mat3>().swap(stresses_);
-  gradientsOld_ = stressesOld_ = false;
+  gradientsStale_ = stressesStale_ = false;
   heldPhyxels_.clear();
-  findWhatSupportsHold();
+  findHeldSurfels();
   patchPoints_.clear();
   patchShifts_.clear();
   fixOfPatch_.clear();
@@ -170,21 +170,21 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
     masses_[i] = density * rest_->volumes[i];
     if (!weights_.empty()) weights_[i] = density * rest_->weightVolumes[i];
     if (!rest_->heldVolumes.empty() && !heldMask_[i]) {
-      // Not all of it: what deforms nothing still has to have an inertia.
-      constexpr double kMostCarried = 1.0 - 1e-6;
-      supportMasses_[i] = std::clamp(rest_->supportVolumes[i] / rest_->volumes[i], 0.0, kMostCarried) * masses_[i];
+      // Less than all: a phyxel that deforms nothing still needs inertia.
+      constexpr double kMaxCarried = 1.0 - 1e-6;
+      supportMasses_[i] = std::clamp(rest_->supportVolumes[i] / rest_->volumes[i], 0.0, kMaxCarried) * masses_[i];
       masses_[i] -= supportMasses_[i];
-      supportWeights_[i] = std::clamp(rest_->heldVolumes[i] / rest_->weightVolumes[i], 0.0, kMostCarried) * weights_[i];
+      supportWeights_[i] = std::clamp(rest_->heldVolumes[i] / rest_->weightVolumes[i], 0.0, kMaxCarried) * weights_[i];
       weights_[i] -= supportWeights_[i];
     }
   }
   addMasses(parallelFor);
   contactModuli_ = moduliAt(rest_->contact.binding);
-  followMasses();
+  updateMassDependents();
 }
 
-// What depends on the masses besides the kernels.
-void Body::followMasses() {
+// Updates everything except the kernels that depends on the masses.
+void Body::updateMassDependents() {
   const std::vector<double> moduli = meansAround(constitution_, *rest_, &Material::youngsModulus);
   Csr rows;
   std::vector<double> weights, stiffness;
@@ -225,24 +225,24 @@ std::vector<double> Body::moduliAt(const Interpolation &points) const {
 double Body::frequencyAtRest(const ParallelFor &parallelFor) const {
   if (!vectorForces_)
     return largestFrequency(constitution_, rest_->stencils, rest_->positions, masses_, {}, parallelFor);
-  detail::VectorForces &forces = exactForces();
+  detail::VectorForces &forces = doublePrecisionForces();
   forces.linearise(std::vector<Vec3>(rest_->phyxelCount(), Vec3::Zero()), parallelFor);
   const double frequency = detail::largestFrequencyOf(
       [&](std::span<const Vec3> du, std::span<Vec3> df) { forces.differential(du, 0.0, df, parallelFor); }, masses_, {},
       parallelFor);
   forces.dropTangent();
-  if (precision_ != Precision::doublePrecision) exactForces_.reset();
+  if (precision_ != Precision::doublePrecision) doublePrecisionForces_.reset();
   return frequency;
 }
 
 double Body::stableStepFor(double tangentRatio) const {
-  // No eigenvalue of a sum is above the sum of the largest ones.
-  const double own = free() ? 0.0 : restFrequency_;
+  // The largest eigenvalue of a sum is at most the sum of the largest eigenvalues.
+  const double own = isFreeRigid() ? 0.0 : restFrequency_;
   const double elastic = own * own, damped = foundationFrequency_ * foundationFrequency_;
   const double around = damped + attachedFrequency_;
   const double frequency = around > 0.0 ? std::sqrt(elastic * tangentRatio + around) : own * std::sqrt(tangentRatio);
   if (frequency == 0.0) return std::numeric_limits<double>::infinity();
-  // Viscous forces are taken at the velocity half a step before: the bound of central differences with lagged damping.
+  // Viscous forces use the velocity half a step earlier: stability bound of central differences with lagged damping.
   double relaxation = 0.0;
   for (const Material &m : constitution_.materials)
     relaxation = std::max(relaxation, 2.0 * m.viscosity / m.waveModulus());
@@ -262,43 +262,46 @@ void Body::setPrecision(Precision precision) {
 void Body::vectorise(const ParallelFor &parallelFor) {
   vectorForces_ =
       detail::vectorForces(rest_->stencils, rest_->positions, masses_, constitution_, precision_, parallelFor);
-  exactForces_.reset();
+  doublePrecisionForces_.reset();
   if (!vectorForces_) makePoints();
 }
 
-// At rest as long as nothing has been evaluated.
+// Initialised to the state at rest until the first evaluation.
 void Body::makePoints() const {
   const std::size_t points = rest_->pointCount();
   if (gradients_.size() != points) gradients_.assign(points, Mat3::Identity());
   if (stresses_.size() != points) stresses_.assign(points, Mat3::Zero());
 }
 
-detail::VectorForces &Body::exactForces() const {
+detail::VectorForces &Body::doublePrecisionForces() const {
   if (precision_ == Precision::doublePrecision) return *vectorForces_;
-  if (!exactForces_)
-    exactForces_ = detail::vectorForces(rest_->stencils, rest_->positions, masses_, constitution_,
-                                        Precision::doublePrecision, serialFor());
-  return *exactForces_;
+  if (!doublePrecisionForces_)
+    doublePrecisionForces_ = detail::vectorForces(rest_->stencils, rest_->positions, masses_, constitution_,
+                                                  Precision::doublePrecision, serialFor());
+  return *doublePrecisionForces_;
 }
 
 void Body::evaluateInternal(bool viscous, const ParallelFor &parallelFor) {
   const std::span<const Vec3> velocities =
       viscous && constitution_.viscous() ? state_.velocities : std::span<const Vec3>();
-  tangentRatio_ = exactForces().evaluate(state_.displacements, velocities, {state_.history, 0.0}, forces_, parallelFor);
-  gradientsOld_ = stressesOld_ = true;
+  tangentRatio_ =
+      doublePrecisionForces().evaluate(state_.displacements, velocities, {state_.history, 0.0}, forces_, parallelFor);
+  gradientsStale_ = stressesStale_ = true;
 }
 
-void Body::linearise(const ParallelFor &parallelFor) { exactForces().linearise(state_.displacements, parallelFor); }
+void Body::linearise(const ParallelFor &parallelFor) {
+  doublePrecisionForces().linearise(state_.displacements, parallelFor);
+}
 
 void Body::forceDifferential(std::span<const Vec3> du, double viscousScale, std::span<Vec3> df,
                              const ParallelFor &parallelFor) {
-  exactForces().differential(du, viscousScale, df, parallelFor);
+  doublePrecisionForces().differential(du, viscousScale, df, parallelFor);
 }
 
 void Body::evaluate(double t, double dt, const ParallelFor &parallelFor) {
-  if (free()) {
+  if (isFreeRigid()) {
     std::fill(forces_.begin(), forces_.end(), Vec3(Vec3::Zero()));
-    gradientsOld_ = stressesOld_ = true;
+    gradientsStale_ = stressesStale_ = true;
     addLoads(t, parallelFor);
     return;
   }
@@ -311,16 +314,16 @@ void Body::evaluate(double t, double dt, const ParallelFor &parallelFor) {
   }
   const std::span<const Vec3> velocities = constitution_.viscous() ? state_.velocities : std::span<const Vec3>();
   tangentRatio_ = vectorForces_->evaluate(state_.displacements, velocities, {state_.history, dt}, forces_, parallelFor);
-  gradientsOld_ = stressesOld_ = true;
+  gradientsStale_ = stressesStale_ = true;
   addLoads(t, parallelFor);
 }
 
 std::span<const Mat3> Body::gradients() const {
   makePoints();
-  if (gradientsOld_) {
+  if (gradientsStale_) {
     deformationGradients(rest_->stencils, state_.displacements, gradients_, serialFor());
     if (vectorForces_) vectorForces_->toMaterials(gradients_);
-    gradientsOld_ = false;
+    gradientsStale_ = false;
   }
   return gradients_;
 }
@@ -329,10 +332,10 @@ std::span<const Mat3> Body::stresses() const {
   makePoints();
   if (rigid_) {
     std::fill(stresses_.begin(), stresses_.end(), Mat3(Mat3::Zero()));
-    stressesOld_ = false;
+    stressesStale_ = false;
   }
-  if (stressesOld_) {
-    // With the memory of the end of the step: over no time nothing more relaxes.
+  if (stressesStale_) {
+    // With the history at the end of the step: over a time of 0 nothing relaxes further.
     tangentRatios_.resize(rest_->pointCount());
     std::vector<Mat3> rates;
     if (constitution_.viscous()) {
@@ -341,14 +344,14 @@ std::span<const Mat3> Body::stresses() const {
     }
     (void)pointStresses(constitution_, rest_->stencils, gradients(), rates, state_.history, 0.0, nullptr, stresses_,
                         tangentRatios_, serialFor());
-    stressesOld_ = false;
+    stressesStale_ = false;
   }
   return stresses_;
 }
 
 void Body::computeGradients(const ParallelFor &parallelFor) {
   makePoints();
-  gradientsOld_ = false;
+  gradientsStale_ = false;
   deformationGradients(rest_->stencils, state_.displacements, gradients_, parallelFor);
   if (vectorForces_) vectorForces_->toMaterials(gradients_);
 }
@@ -368,7 +371,7 @@ void Body::stressesInto(double dt, const PointHistory &before, PointHistory *aft
   }
   tangentRatios_.resize(rest_->pointCount());
   makePoints();
-  stressesOld_ = rigid_;  // which has none
+  stressesStale_ = rigid_;  // rigid bodies have none
   tangentRatio_ = pointStresses(constitution_, rest_->stencils, gradients_, rates, before, dt, after, stresses_,
                                 tangentRatios_, parallelFor);
   relaxedModes_.resize(before.modes.size());
@@ -390,7 +393,7 @@ void Body::computeTrialStresses(double dt, const ParallelFor &parallelFor) {
 
 void Body::computeElasticStresses(const ParallelFor &parallelFor) {
   if (state_.history.prony.empty()) return stressesInto(0.0, state_.history, nullptr, false, parallelFor);
-  // Only bodies that relax pay for this copy.
+  // Only bodies with relaxation need this copy.
   PointHistory elastic;
   elastic.plasticInverse = state_.history.plasticInverse;
   stressesInto(0.0, elastic, nullptr, false, parallelFor);
@@ -398,7 +401,7 @@ void Body::computeElasticStresses(const ParallelFor &parallelFor) {
 
 void Body::computeInternalForces(const ParallelFor &parallelFor) {
   entryForces_.resize(rest_->stencils.phyxels.indices.size());
-  // With the rates of the stresses.
+  // Same rates as for the stresses.
   const std::span<const Vec3> velocities = rates_.empty() ? std::span<const Vec3>() : state_.velocities;
   detail::internalForcesOf(constitution_, rest_->stencils, rest_->positions, state_.displacements, gradients_,
                            stresses_, relaxedModes_, velocities, entryForces_, forces_, parallelFor);
@@ -426,7 +429,7 @@ void Body::swapExternalForces(std::vector<Vec3> &forces) {
   POINTBASED_EXPECTS(forces.empty() || forces.size() == rest_->phyxelCount(), "one external force per phyxel, or none");
   if (forces.empty() && externalForces_.empty()) return;
   const bool patchable = forcesCurrent && !quasiStatic && forces.size() == externalForces_.size();
-  // Steps that follow each other need no evaluation between them.
+  // Consecutive steps need no evaluation between them.
   if (patchable) {
     double *sum = forces_.front().data();
     const double *now = forces.front().data(), *before = externalForces_.front().data();
@@ -444,7 +447,8 @@ double Body::factor(double ramp, double t) const {
 
 ElasticEnergy Body::elasticEnergy(const ParallelFor &parallelFor) const {
   if (rigid_) return {};
-  return vectorised() ? exactForces().energy(state_.displacements, state_.history, parallelFor) : elasticEnergy();
+  return vectorised() ? doublePrecisionForces().energy(state_.displacements, state_.history, parallelFor)
+                      : elasticEnergy();
 }
 
 ElasticEnergy Body::elasticEnergy(std::span<Eigen::Vector2d> perPoint) const {

@@ -9,9 +9,9 @@
 namespace pointbased {
 namespace {
 
-constexpr double kMostAdded = 0.05;    // of the mass that can move: a usual bound where inertia is to matter
-constexpr double kLeastLonger = 1.5;   // of the step; else no mass is added
-constexpr double kCloseEnough = 0.99;  // of the wanted step
+constexpr double kMaxAdded = 0.05;     // of the mass that can move: a usual bound where inertia matters
+constexpr double kMinLonger = 1.5;     // of the step; otherwise no mass is added
+constexpr double kCloseEnough = 0.99;  // of the requested step
 constexpr int kRounds = 4;
 constexpr int kHalvings = 50;
 
@@ -32,17 +32,17 @@ void Body::scaleMasses(double step, const ParallelFor &parallelFor) {
   if (!restMasses_.empty()) masses_ = restMasses_;
   scaledStep_ = step;
   addMasses(parallelFor);
-  followMasses();
+  updateMassDependents();
 }
 
-/// Beginning from masses_ as they are at rest: these, what follows from them, and the kernels.
+/// Starts from masses_ at rest; updates them, everything that depends on them, and the kernels.
 void Body::addMasses(const ParallelFor &parallelFor) {
   restMasses_.clear();
   shareGravity();
   vectorise(parallelFor);
   restFrequency_ = frequencyAtRest(parallelFor);
   const double before = restFrequency_, wanted = scaledStep_ > 0.0 ? 2.0 / scaledStep_ : before;
-  if (weights_.empty() || !(before > kLeastLonger * wanted)) return;
+  if (weights_.empty() || !(before > kMinLonger * wanted)) return;
 
   const std::vector<double> own = masses_;
   const std::vector<double> stiffness = detail::waveStiffnesses(constitution_, rest_->stencils, own.size(), parallelFor,
@@ -59,10 +59,10 @@ void Body::addMasses(const ParallelFor &parallelFor) {
     double above = 0.0;
     for (std::size_t i = 0; i < own.size(); ++i) above = std::max(above, stiffness[i] / masses_[i]);
     double bound = above * (wanted / restFrequency_) * (wanted / restFrequency_);
-    const bool isTooMuch = addedAt(bound) > kMostAdded * movable;
+    const bool isTooMuch = addedAt(bound) > kMaxAdded * movable;
     for (int k = 0; isTooMuch && k < kHalvings; ++k) {
       const double middle = 0.5 * (bound + above);
-      (addedAt(middle) > kMostAdded * movable ? bound : above) = middle;
+      (addedAt(middle) > kMaxAdded * movable ? bound : above) = middle;
     }
     if (isTooMuch) bound = above;
     for (std::size_t i = 0; i < own.size(); ++i) masses_[i] = massAt(i, bound);
@@ -70,7 +70,7 @@ void Body::addMasses(const ParallelFor &parallelFor) {
     restFrequency_ = frequencyAtRest(parallelFor);
     if (isTooMuch) break;
   }
-  if (before >= kLeastLonger * restFrequency_) {
+  if (before >= kMinLonger * restFrequency_) {
     restMasses_ = own;
   } else {
     masses_ = own;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a body comes from: its initial state, the state before a step, a renewed reference.
+// Initial state, stored states and rereferencing of a body.
 #include <algorithm>
 
 #include "body/rigid_frame.h"
@@ -14,7 +14,7 @@ void Body::setInitialVelocity(const Vec3 &velocity, const Vec3 &angularVelocity)
 }
 
 void Body::keepState() {
-  // As plain numbers: vectors of Eigen's types are copied one by one, which every step would pay for.
+  // As plain numbers: vectors of Eigen types would be copied one by one in every step.
   const auto copy = [](const std::vector<Vec3> &from, std::vector<Vec3> &to) {
     to.resize(from.size());
     if (!from.empty()) std::copy_n(from.front().data(), 3 * from.size(), to.front().data());
@@ -37,15 +37,15 @@ void Body::rereference(std::shared_ptr<const RestState> rest, State state, const
   const double deepest = contact.deepest;
   rest_ = std::move(rest);
   state_ = std::move(state);
-  layOut();
+  resizeForRestState();
   setConstitution(constitution_, parallelFor);
-  // What gravity has done goes on; a centre of mass that the new phyxels miss would show.
+  // The work of gravity continues; the new phyxels have a slightly different centre of mass, which would show.
   referenceShiftMoment_ = way + moment(state_.displacements) - before;
   ++rereferenceCount_;
   contact = ContactState();
   contact.deepest = deepest;
   forces_.assign(rest_->phyxelCount(), Vec3::Zero());
-  if (rest_->evaluation == Evaluation::stressPoints) hands.clear();  // phyxels are others
+  if (rest_->evaluation == Evaluation::stressPoints) grabs.clear();  // the phyxels have changed
   computeGradients(parallelFor);
   computeElasticStresses(parallelFor);
   keepState();
@@ -53,7 +53,7 @@ void Body::rereference(std::shared_ptr<const RestState> rest, State state, const
 
 void Body::restoreState() {
   state_ = kept_;
-  contact.clearance.clear();  // what was known of distances may be of the failed step
+  contact.clearance.clear();  // stored distances may belong to the failed step
   contact.active.clear();
   contact.sums = {};
   patches_.clearForces();
@@ -75,13 +75,13 @@ bool Body::restore(const BodyCheckpoint &checkpoint, const ParallelFor &parallel
   const bool sameReference = rest_ == checkpoint.rest;
   rest_ = checkpoint.rest;
   state_ = checkpoint.state;
-  if (!sameReference) layOut();
-  setConstitution(constitution_, parallelFor);  // fits the history to the material of now
+  if (!sameReference) resizeForRestState();
+  setConstitution(constitution_, parallelFor);  // fits the history to the current material
   rereferenceCount_ = checkpoint.rereferenceCount;
   referenceShiftMoment_ = checkpoint.referenceShiftMoment;
   contact = checkpoint.contact;
   stopped = checkpoint.stopped;
-  hands.clear();
+  grabs.clear();
   externalForces_.clear();
   patches_.clearForces();
   forces_.assign(rest_->phyxelCount(), Vec3::Zero());
@@ -103,7 +103,7 @@ void Body::reset() {
   if (rest_ != first_) {
     rest_ = first_;
     state_.history = PointHistory();
-    layOut();
+    resizeForRestState();
     setConstitution(constitution_, serialFor());
   }
   rereferenceCount_ = 0;
@@ -124,16 +124,16 @@ void Body::reset() {
       state_.velocities[i] += initialAngularVelocity_.cross(rest_->positions[i] - centre);
   }
   for (const HeldPhyxel &held : heldPhyxels_) state_.velocities[held.phyxel].setZero();
-  if (stands()) state_.velocities.assign(n, Vec3::Zero());
+  if (isStatic()) state_.velocities.assign(n, Vec3::Zero());
   forces_.assign(n, Vec3::Zero());
   std::fill(gradients_.begin(), gradients_.end(), Mat3::Identity());
   std::fill(stresses_.begin(), stresses_.end(), Mat3::Zero());
-  gradientsOld_ = stressesOld_ = false;
+  gradientsStale_ = stressesStale_ = false;
   tangentRatio_ = 1.0;
   patches_.clearForces();
   contact = ContactState();
   stopped.reset();
-  hands.clear();
+  grabs.clear();
   externalForces_.clear();
   forcesCurrent = false;
   keepState();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What holds a body: where its supports lead, and what they exert.
+// Supports of a body: their prescribed motion, and their reactions.
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kFoundationSampling = 0.5;  // spacings, of the surface
 
-// m/s, of a material point that a fix leads: none once its ramp is over, nor in a static solution.
+// Velocity of a material point moved by a fix, m/s: 0 after the end of its ramp, and in static solutions.
 Vec3 velocityAt(const Body &body, std::size_t f, double t, const Vec3 &X) {
   const RestState &rest = body.rest();
   const Fix &fix = rest.conditions.fixes[f];
@@ -51,8 +51,8 @@ std::optional<SupportedMotion> Body::supportAt(const Vec3 &X) const {
   return out;
 }
 
-// By fixes. A renewed reference is not the one in which regions are told.
-void Body::findWhatSupportsHold() {
+// Sorted by fix. Regions refer to the first reference, so nothing is found after rereferencing.
+void Body::findHeldSurfels() {
   heldSurfels_.clear();
   nearSupports_.clear();
   if (!rest_->referenceShift.empty()) return;
@@ -72,7 +72,7 @@ void Body::findWhatSupportsHold() {
 
 namespace {
 
-// place(surfel, where it is at rest in the frame of the phyxels, motion) for each that is held.
+// Calls place(surfel, rest position in the frame of the phyxels, motion) for each surfel that is held.
 template <class HeldSurfels, class Place>
 void forHeld(const Body &body, const HeldSurfels &held, const Place &place) {
   Index present = StencilSet::kNoFrame;
@@ -148,13 +148,13 @@ std::vector<Reaction> Body::reactions(const Vec3 &gravity) const {
       add(carrier_[i], rest_->positions[i] + state_.displacements[i], -supportWeights_[i] * gravity);
   const Csr &rows = patches_.phyxels();
   for (std::size_t p = 0; p < patches_.rows(); ++p) {
-    // A patch's force acts where its phyxels are, which keeps the torque that the body feels.
+    // The force of a patch acts at the positions of its phyxels, which preserves the torque on the body.
     for (Index e = rows.offsets[p]; e < rows.offsets[p + 1]; ++e) {
       const Index j = rows.indices[e];
       add(fixOfPatch_[p], rest_->positions[j] + state_.displacements[j], patches_.weights()[e] * patches_.forces()[p]);
     }
   }
-  // What patches pull at a phyxel that another fix holds is carried by that fix.
+  // Patch forces on a phyxel held by another fix are reactions of that fix.
   for (std::size_t p = 0; p < patches_.rows(); ++p)
     for (Index e = rows.offsets[p]; e < rows.offsets[p + 1]; ++e) {
       const Index j = rows.indices[e];
@@ -174,7 +174,7 @@ double supportEnergy(const Body &body) {
   return sum;
 }
 
-// Points of its own: those of contact miss the first moments of the surface by a per cent.
+// Separate sample points: contact points have an error of a per cent in the first moments of the surface.
 void Body::bindFoundation() {
   foundation_.unbind();
   if (!foundation_.settings().acts()) return;

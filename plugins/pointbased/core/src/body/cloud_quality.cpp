@@ -48,7 +48,7 @@ CloudQuality inspectCloud(const RestState &rest) {
     const int rank = s.rank[q];
     out.flat += rank < 3 ? 1 : 0;
     if (rank == 0) continue;
-    // The weights of the control are those of the fit but for a factor, which a condition number does not see.
+    // The weights of the control are those of the fit up to a factor, which does not affect a condition number.
     const Vec3 anchor = rest.positions[s.phyxels.indices[s.phyxels.offsets[q]]];
     Mat3 A = Mat3::Zero();
     for (Index e = s.phyxels.offsets[q] + 1; e < s.phyxels.offsets[q + 1]; ++e) {
@@ -96,7 +96,7 @@ std::string tornWarning(const RestState &rest) {
 
 namespace {
 
-// Triangles that share no vertices are pieces by their numbers alone.
+// Triangles without common vertices are separate pieces even where their vertices coincide.
 template <class Triangles>
 bool isClosed(const Triangles &skin) {
   std::vector<std::pair<Index, Index>> edges, back;
@@ -119,7 +119,7 @@ std::string gluedWarning(const RestState &rest) {
     joined.join(a, b);
     joined.join(a, c);
   }
-  std::map<Index, double> volumes;  // below 0: a hollow
+  std::map<Index, double> volumes;  // negative: a cavity
   for (const auto &[a, b, c] : rest.skin) {
     const auto at = [&](Index i) { return rest.surfels.position(i, rest.positions); };
     volumes[joined.find(a)] += at(a).dot(at(b).cross(at(c))) / 6.0;

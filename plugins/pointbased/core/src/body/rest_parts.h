@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pieces of a rest state that are made for the first one and for renewed ones. Private to the core.
+// Parts of rest states shared by building and by rereferencing. Private to the core.
 #pragma once
 
 #include "pointbased/rest_state.h"
 
 namespace pointbased::detail {
 
-/// Connected parts of a graph.
+/// Number of connected components of a graph.
 [[nodiscard]] std::size_t countComponents(const Csr &neighbors);
 
-/// Surfels, skin, binder, and where the surface has triangles the contact points of a cloud; `rest` has positions and
-/// spacing already.
-/// @param local    frame of the phyxels, m
+/// Binds surfels and skin, and sets the binder. For surfaces with triangles it also sets the contact points of a cloud.
+/// `rest` must already contain positions and spacing.
+/// @param local  surface in the frame of the phyxels, m
 /// @param normals  of its vertices, or empty
 void bindSkinToCloud(RestState &rest, const Surface &local, std::span<const Vec3> normals,
                      const ParallelFor &parallelFor);

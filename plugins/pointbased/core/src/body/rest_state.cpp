@@ -5,20 +5,20 @@
 #include <cmath>
 #include <limits>
 
+#include "base/cancellation_poll.h"
 #include "base/disjoint_sets.h"
-#include "base/look_for_end.h"
 #include "body/rest_parts.h"
 #include "skin/skin_tears.h"
 
 namespace pointbased {
 namespace {
 
-// Calls visit(row) for every phyxel with those that stand in a common stencil, ascending.
+// Calls visit(row) for every phyxel with those that share a stencil with it, ascending.
 template <class Visit>
 void forNeighbours(const StencilSet &stencils, std::size_t phyxels, const Visit &visit,
                    const ParallelFor &parallelFor = serialFor()) {
   std::vector<Index> row;
-  detail::Looks look(parallelFor);
+  detail::CancellationPoll look(parallelFor);
   for (std::size_t i = 0; i < phyxels; ++i) {
     look();
     row.clear();
@@ -80,9 +80,9 @@ std::size_t detail::countComponents(const Csr &neighbors) {
 
 namespace {
 
-// Pairs whose straight way leaves the body do not act on each other: two lobes with a gap between them stay two.
-void dropPairsThatCannotSee(const BodyShape &shape, std::span<const Vec3> world, Csr &neighbors,
-                            const ParallelFor &parallelFor) {
+// Removes pairs whose connecting segment leaves the body: two lobes with a gap between them remain separate.
+void dropInvisiblePairs(const BodyShape &shape, std::span<const Vec3> world, Csr &neighbors,
+                        const ParallelFor &parallelFor) {
   if (!shape.crosses) return;
   std::vector<Vec3> from, to;
   std::vector<std::uint8_t> crosses;
@@ -99,11 +99,11 @@ void dropPairsThatCannotSee(const BodyShape &shape, std::span<const Vec3> world,
                   std::span<std::uint8_t>(crosses).subspan(begin, end - begin));
   });
   std::vector<std::vector<Index>> kept(neighbors.rows());
-  detail::Looks look(parallelFor);
+  detail::CancellationPoll look(parallelFor);
   std::size_t pair = 0;
   for (Index i = 0; i < neighbors.rows(); ++i) {
     look();
-    // Those below i have come already, ascending.
+    // Smaller indices have been added already, ascending.
     for (const Index j : neighbors.row(i))
       if (j > i && !crosses[pair++]) {
         kept[i].push_back(j);
@@ -142,12 +142,12 @@ void detail::bindSkinToCloud(RestState &rest, const Surface &local, std::span<co
 
 namespace {
 
-// Skin, contact and the binder of a cloud; `rest` has positions already.
+// Skin, contact and binder of a cloud; `rest` must already contain positions.
 void bindCloud(RestState &rest, const PhyxelCloud &cloud, const Surface &local, std::span<const Vec3> normals,
                const ParallelFor &parallelFor) {
   detail::bindSkinToCloud(rest, local, normals, parallelFor);
   if (!local.triangles.empty()) return;
-  // Without a surface a phyxel touches as a ball.
+  // Without a surface, phyxels collide as balls.
   const std::size_t n = rest.positions.size();
   rest.contact.binding.positions = rest.positions;
   for (std::size_t i = 0; i < n; ++i) {
@@ -180,7 +180,7 @@ std::shared_ptr<RestState> restOfCloud(const PhyxelCloud &cloud, const NeighborC
   rest->positions.reserve(cloud.positions.size());
   for (const Vec3 &x : cloud.positions) rest->positions.push_back(x - rest->origin);
   Neighborhoods found = findNeighborhoods(rest->positions, choice, cloud.spacing, parallelFor);
-  if (shape) dropPairsThatCannotSee(*shape, cloud.positions, found.neighbors, parallelFor);
+  if (shape) dropInvisiblePairs(*shape, cloud.positions, found.neighbors, parallelFor);
   rest->stencils =
       buildPhyxelStencils(rest->positions, found.neighbors, found.supportRadii, rest->volumes, parallelFor);
   rest->neighbors = std::move(found.neighbors);
@@ -190,7 +190,7 @@ std::shared_ptr<RestState> restOfCloud(const PhyxelCloud &cloud, const NeighborC
   return rest;
 }
 
-// The connected piece that carries a vertex of the skin, by its first phyxel.
+// Connected piece of each vertex of the skin, identified by its first phyxel.
 std::vector<Index> piecesOf(const RestState &rest) {
   const Csr &rows = rest.stencils.phyxels;
   DisjointSets sets(rest.phyxelCount());
@@ -212,7 +212,7 @@ std::string numbered(const char *what, std::size_t number, const std::string &te
   return std::string(what) + " " + std::to_string(number) + ": " + text;
 }
 
-// What is far off in any case (a wrong unit) is not to be heard after minutes of building.
+// Reports regions that are far off (a wrong unit) before minutes of building.
 Result<void> checkRegions(const BodyShape &shape, const BodyRecipe &recipe) {
   const double reach = 1.5 * (shape.max - shape.min).norm();
   const auto check = [&](const char *what, std::size_t number, const Region &region) -> Result<void> {
@@ -227,7 +227,7 @@ Result<void> checkRegions(const BodyShape &shape, const BodyRecipe &recipe) {
   return {};
 }
 
-// Surfels and contact points, carried by the cells.
+// Binds surfels and contact points to the cells.
 void bindSkin(const BodyShape &shape, const LatticeSampling &sampling, std::span<const Vec3> surfelNormals,
               RestState &rest) {
   const Surface local = shiftedSurface(shape.surface, rest.origin);
@@ -237,7 +237,8 @@ void bindSkin(const BodyShape &shape, const LatticeSampling &sampling, std::span
   rest.surfelNormals.assign(surfelNormals.begin(), surfelNormals.end());
   rest.skin = local.triangles;
   if (local.triangles.empty()) return;
-  // As fine as the finest cells: a refined place is refined to be touched, one that is finer for its error is not.
+  // As fine as the finest cells that were requested: these are meant for contact, cells refined for their error are
+  // not.
   LatticeSampling touched = sampling;
   touched.finer = {};
   const double finest = finestSpacing(touched, rest.spacing);
@@ -247,7 +248,7 @@ void bindSkin(const BodyShape &shape, const LatticeSampling &sampling, std::span
   rest.contact = carriedContact(std::move(chosen), std::move(binding), rest.positions, rest.spacing);
 }
 
-// @param held  out: what the fixes hold
+// @param held  out: regions held by the fixes
 Result<std::shared_ptr<RestState>> restOfLattice(const BodyShape &shape, const BodyRecipe &recipe,
                                                  std::span<const Vec3> surfelNormals, const ParallelFor &parallelFor,
                                                  const SamplingProgress &progress,
@@ -281,7 +282,7 @@ Result<std::shared_ptr<RestState>> restOfLattice(const BodyShape &shape, const B
       parallelFor);
   rest->latticeNeighbours = counter.counted();
   compactRows(rest->stencils);
-  detail::lookForEnd(parallelFor);
+  detail::checkCancelled(parallelFor);
   held = std::move(body.held);
   rest->bind = [cells = body.cells, parallelFor](std::span<const Vec3> points, std::span<const Vec3> normals) {
     return cells->bind(points, normals, parallelFor);
@@ -291,7 +292,7 @@ Result<std::shared_ptr<RestState>> restOfLattice(const BodyShape &shape, const B
   return rest;
 }
 
-// @param held  out: what the fixes hold
+// @param held  out: regions held by the fixes
 Result<std::shared_ptr<RestState>> restOfFilledCloud(const BodyShape &shape, const BodyRecipe &recipe,
                                                      std::span<const Vec3> surfelNormals,
                                                      const ParallelFor &parallelFor, const SamplingProgress &progress,
@@ -361,7 +362,7 @@ Result<LoadedPart> loadOn(const Load &load, const RestState &rest, const Surface
 }
 
 std::vector<float> maxInfluencesOf(const RestState &rest) {
-  // |g| of a corner of a whole cell of edge d is √3/(4 d).
+  // The magnitude |g| at a corner of a whole cell with edge d is √3/(4 d).
   const double whole = std::sqrt(3.0) / (4.0 * rest.spacing);
   std::vector<double> most(rest.phyxelCount(), 0.0);
   const StencilSet &s = rest.stencils;
@@ -380,7 +381,7 @@ std::vector<float> maxInfluencesOf(const RestState &rest) {
     }
   std::vector<float> out(most.size());
   std::transform(most.begin(), most.end(), out.begin(), [](double x) {
-    // not less than |φ| by rounding
+    // never less than |φ| by rounding
     return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
   });
   return out;

@@ -6,7 +6,7 @@
 
 namespace pointbased::detail {
 
-/// As the phyxels carry it, in their frame.
+/// Bound to the phyxels, in their frame.
 [[nodiscard]] Surface restSurface(const RestState &rest);
 
 }  // namespace pointbased::detail

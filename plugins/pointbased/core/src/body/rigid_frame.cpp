@@ -11,8 +11,8 @@ namespace {
 
 // Corners of a tetrahedron: mean 0, and the mean of t tᵀ is 1.
 Vec3 cornerOf(std::size_t k) { return {k < 2 ? 1.0 : -1.0, k % 2 == 0 ? 1.0 : -1.0, k == 0 || k == 3 ? 1.0 : -1.0}; }
-constexpr double kNoExtent = 1e-6;  // of the largest: across it phyxels lie in a plane
-constexpr int kMostIterations = 60;
+constexpr double kNoExtent = 1e-6;  // of the largest extent: phyxels with less are in a plane
+constexpr int kMaxIterations = 60;
 
 Mat3 rotationBy(const Vec3 &angle) {
   const double size = angle.norm();
@@ -65,7 +65,7 @@ RigidPose RigidFrame::poseOf(std::span<const Vec3> positions, std::span<const Ve
                              std::span<const double> masses) const {
   RigidPose pose;
   Vec3 way = Vec3::Zero();
-  // Beside those of the first, here and below: what all have in common is not rounded.
+  // Relative to the first one, here and below: common offsets cause no rounding error.
   for (std::size_t i = 0; i < positions.size(); ++i) way += masses[i] * (displacements[i] - displacements[0]);
   way = displacements[0] + way / mass_;
   pose.centre = centre_ + way;
@@ -84,14 +84,15 @@ RigidVelocity RigidFrame::velocityOf(const RigidPose &pose, std::span<const Vec3
   for (std::size_t i = 0; i < positions.size(); ++i) motion.velocity += masses[i] * (velocities[i] - velocities[0]);
   motion.velocity = velocities[0] + motion.velocity / mass_;
   const Mat3 axes = pose.rotation * axes_;
-  // The second time of what the first one has left: a spin that is found in every step would else grow by its rounding.
+  // The second pass corrects the residual of the first. Otherwise a spin recomputed in every step would grow by
+  // rounding.
   for (int pass = 0; pass < 2; ++pass) {
     Vec3 moment = Vec3::Zero();
     for (std::size_t i = 0; i < positions.size(); ++i) {
       const Vec3 arm = pose.rotation * (positions[i] - centre_);
       moment += masses[i] * arm.cross(velocities[i] - motion.velocity - motion.spin.cross(arm));
     }
-    // By the moments of the phyxels alone: what spins goes on spinning, also where they lie in a plane.
+    // Uses the moments of the phyxels alone: rotation is conserved even if they are in a plane.
     Vec3 along = axes.transpose() * moment;
     for (int a = 0; a < 3; ++a) along[a] = seen_[a] > 0.0 ? along[a] / seen_[a] : 0.0;
     motion.spin += axes * along;
@@ -119,7 +120,7 @@ void RigidFrame::advance(double dt, RigidPose &pose, RigidVelocity &motion) cons
   const Vec3 momentum = moments_.cwiseProduct(before);  // kg m²/s
   Vec3 mean = before;                                   // rad/s, of the step
   Mat3 turn = rotationBy(dt * mean);
-  for (int k = 0; k < kMostIterations; ++k) {
+  for (int k = 0; k < kMaxIterations; ++k) {
     const Vec3 next = 0.5 * (before + (turn.transpose() * momentum).cwiseQuotient(moments_));
     const double change = (next - mean).norm();
     mean = next;

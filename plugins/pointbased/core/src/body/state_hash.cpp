@@ -9,7 +9,7 @@ void hashBytes(std::uint64_t &hash, const void *data, std::size_t size) {
   for (std::size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * 1099511628211ull;
 }
 
-// Numbers of vectors and matrices, without what pads them.
+// Numbers of vectors and matrices, without padding.
 template <class Matrices>
 void hashAll(std::uint64_t &hash, const Matrices &matrices) {
   for (const auto &m : matrices) hashBytes(hash, m.data(), static_cast<std::size_t>(m.size()) * sizeof(double));

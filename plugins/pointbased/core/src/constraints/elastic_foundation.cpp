@@ -42,7 +42,7 @@ std::size_t ElasticFoundation::entryOf(Index row, Index column) const {
   return static_cast<std::size_t>(std::lower_bound(first, last, column) - rows_.indices.begin());
 }
 
-// visit(place of i, place of j, A_p φ_pi φ_pj, p) in the order of the points.
+// visit(slot of i, slot of j, A_p φ_pi φ_pj, p) in the order of the points.
 template <class Visit>
 void ElasticFoundation::forPairs(const Visit &visit) const {
   const Csr &of = binding_.phyxels;
@@ -114,14 +114,14 @@ double ElasticFoundation::energy(std::span<const Vec3> u) const {
   return energy;
 }
 
-// Adds scale K ways_.
+// out += scale · K · ways_
 void ElasticFoundation::apply(double scale, std::span<Vec3> out, const ParallelFor &parallelFor) const {
   const bool isotropic = normals_.empty();
   const auto range = [&](std::size_t begin, std::size_t end) {
     for (auto k = static_cast<Index>(begin); k < end; ++k) {
       Vec3 sum = Vec3::Zero();
       if (isotropic) {
-        // One number per entry is all there is.
+        // Isotropic: one number per entry.
         for (Index e = rows_.offsets[k]; e < rows_.offsets[k + 1]; ++e) sum += couplings_[e] * ways_[rows_.indices[e]];
         sum *= settings_.tangential;
       } else {

@@ -10,12 +10,13 @@ namespace pointbased {
 
 namespace {
 
-// A spring adds as much to squared frequencies times dt² at most where it is a force; cells take (0.8 · 2)² of the four
-// that are stable (kStepSafety).
+// Of squared frequency × dt²: springs up to this are applied as explicit forces, stiffer ones are solved for. Cells use
+// (0.8 · 2)² of the stability limit of 4 (kStepSafety), so larger values can become unstable; smaller: more rows to
+// solve.
 constexpr double kMild = 0.3;
 
-/// A = Pᵀ L D Lᵀ P. A solution takes as long as the reading of L: it is read once for three right sides, in float,
-/// since the next step corrects what rounding leaves.
+/// A = Pᵀ L D Lᵀ P. The time of a solution is that of reading L. It is read once for three right-hand sides, in float,
+/// because the next step corrects rounding errors.
 class Factor {
  public:
   void compute(const Eigen::SparseMatrix<double> &A) {
@@ -34,7 +35,7 @@ class Factor {
     x_.resize(n);
     inverseD_ = solver_.vectorD().cwiseInverse();
   }
-  /// Turns right sides into solutions.
+  /// Replaces right-hand sides by solutions.
   void solve(std::span<Vec3> x) {
     const auto &place = solver_.permutationP().indices();
     const std::size_t n = x_.size();
@@ -75,12 +76,12 @@ struct PatchSolver::Impl {
   Csr rows;
   std::vector<double> weights, stiffness, inverseMasses;
   std::vector<Vec3> forces;
-  Eigen::SparseMatrix<double> coupling;  // C M^-1 C^T
+  Eigen::SparseMatrix<double> coupling;  // C M⁻¹ Cᵀ
   Factor factor;
   double factorisedDt = -1.0;
-  std::vector<Index> mild, stiff;  // rows that are forces in a step of factorisedDt, and those that are solved for
+  std::vector<Index> mild, stiff;  // rows applied as forces in a step of factorisedDt, and rows that are solved for
   std::vector<Vec3> change;        // [stiff]
-  // M⁻¹ Cᵀ λ at the phyxels that patches pull at: both halves of a kick take it.
+  // M⁻¹ Cᵀ λ at the phyxels loaded by patches; used by both halves of a kick.
   std::vector<Index> pulled;
   std::vector<Vec3> acceleration;  // [phyxels]
   bool isAccelerationOld = true;
@@ -103,7 +104,7 @@ void PatchSolver::Impl::accelerate() {
   isAccelerationOld = false;
 }
 
-// Gershgorin: K^½ C M⁻¹ Cᵀ K^½ dt² of the mild rows has no eigenvalue above kMild.
+// Gershgorin bound: K^½ C M⁻¹ Cᵀ K^½ dt² of the mild rows has no eigenvalue above kMild.
 void PatchSolver::Impl::divide(double dt) {
   mild.clear();
   stiff.clear();
@@ -195,7 +196,7 @@ void PatchSolver::correct(double dt, std::span<const Vec3> targets, std::span<Ve
   POINTBASED_EXPECTS(targets.size() == n, "one target per patch");
   POINTBASED_EXPECTS(displacements.size() == m.inverseMasses.size() && velocities.size() == m.inverseMasses.size(),
                      "one displacement and one velocity per phyxel");
-  // Parts of a step differ in their last digits.
+  // Parts of a step may differ in their last digits.
   if (!(std::abs(dt - m.factorisedDt) <= 1e-9 * dt)) m.divide(dt);
   for (std::size_t i = 0; i < m.stiff.size(); ++i) {
     const Index p = m.stiff[i];

@@ -15,15 +15,17 @@ namespace {
 using ClearanceCache = ContactState::ClearanceCache;
 using Side = ContactState::Side;
 
-// Obstacles are asked for surfaces within this many margins, or this many times the way of a step or since they were
-// asked.
+// Search distance of obstacles, in margins and in multiples of the travel of a step, at least twice the travel since
+// the last query. Larger: queries cost more and are less frequent.
 constexpr double kReachMargins = 40.0;
 constexpr double kReachWays = 3.0;
-// A plane is used again while the point stays within this many margins of where it was found.
+// Margins: a plane is reused while the point stays that close to its query. Larger: fewer queries, larger error.
 constexpr double kSamePlane = 0.25;
-// Ways shorter than this many margins are those of a point at rest: nothing new is met on them.
+// Margins: a point that travels less in a step is at rest, no crossing is searched. Larger: more points count as at
+// rest.
 constexpr double kRest = 1e-3;
-// Points up to this many margins inside are followed sidewards, deeper ones are only led back to where they came in.
+// Margins: points up to this depth may slide along an obstacle, deeper ones return to where they entered. Larger: more
+// slide.
 constexpr double kFollow = 50.0;
 
 // One obstacle during one step.
@@ -33,7 +35,7 @@ struct Step {
   RigidMotion now, then;
   double dt, margin;
 
-  // World to the frame at rest at the beginning of the step, and the way relative to the obstacle there.
+  // World to the rest frame of the obstacle at the beginning of the step, and the relative displacement in that frame.
   [[nodiscard]] Vec3 local(const Vec3 &x) const { return moves ? toRest(now, x) : x; }
   [[nodiscard]] Vec3 way(const Vec3 &x, const Vec3 &at, const Vec3 &velocity) const {
     return moves ? Vec3(toRest(then, x + dt * velocity) - at) : Vec3(dt * velocity);
@@ -41,7 +43,7 @@ struct Step {
   [[nodiscard]] Vec3 surfaceVelocity(const Vec3 &at) const {
     return moves && dt > 0.0 ? Vec3((then.displacementOf(at) - now.displacementOf(at)) / dt) : Vec3(Vec3::Zero());
   }
-  // First side met on the way, turned against it.
+  // First side of the obstacle on a segment; its normal is turned against the direction of travel.
   [[nodiscard]] bool meets(const Vec3 &from, const Vec3 &to, Vec3 &normal, double &offset) const {
     if (!obstacle.crossing || from == to) return false;
     const double t = obstacle.crossing(from, to, normal);
@@ -52,18 +54,18 @@ struct Step {
   }
 };
 
-// Whether nothing new can be met: `free`, or what was found holds still.
+// Whether no contact is possible, the stored result is still valid, or a new query is necessary.
 enum class Need { nothing, known, ask };
 
 Need needOf(const ClearanceCache &known, const Vec3 &at, double way, double radius, double margin) {
   if (known.reach < 0.0) return Need::ask;
   const double moved = (at - known.at).norm();
-  // NaN asks as well; the guard finds it later.
+  // NaN causes a query as well; the guard detects it later.
   if (std::min(known.distance, known.reach) - radius - margin - moved > way) return Need::nothing;
   return moved <= kSamePlane * margin && moved + way <= known.swept ? Need::known : Need::ask;
 }
 
-// Takes what the obstacle has answered for a point: its plane, on which side it is, and what it meets on its way.
+// Stores the answer of a query for a point: its plane, the side on which it is, and the surface it will cross.
 void learn(const Step &step, const Vec3 &at, const Vec3 &way, double radius, const SurfacePoint &answer, double reach,
            ClearanceCache &known, Side &side) {
   const double margin = step.margin;
@@ -89,7 +91,7 @@ void learn(const Step &step, const Vec3 &at, const Vec3 &way, double radius, con
   const double length = way.norm();
   known.swept = length + 0.5 * margin;
   if (!(length > kRest * margin) || (!side.known && known.distance < -margin)) return;
-  // What slides on a surface is followed above it, so that the surface does not hide what stands on it.
+  // A point in contact is followed at a margin above the surface, so that the surface does not hide what stands on it.
   const bool touching = known.distance - radius <= margin;
   Vec3 from = at, along = way;
   if (touching) {
@@ -109,8 +111,8 @@ bool before(const Contact &a, const Contact &b) {
   return a.point != b.point ? a.point < b.point : a.obstacle < b.obstacle;
 }
 
-// What contacts that go on remember.
-void keepMemories(ContactState &memory) {
+// Carries the impulses of persisting contacts over.
+void carryImpulsesOver(ContactState &memory) {
   std::size_t from = 0;
   for (Contact &contact : memory.active) {
     while (from < memory.previous.size() && before(memory.previous[from], contact)) ++from;
@@ -158,7 +160,7 @@ Step stepOf(const Obstacle &obstacle, double time, double dt, double margin) {
           margin};
 }
 
-/// What is found of one obstacle.
+/// Search for contacts with one obstacle.
 class ObstacleSearch {
  public:
   ObstacleSearch(const Obstacle &obstacle, std::size_t number, const Step &step, const Looked &looked,
@@ -184,7 +186,7 @@ class ObstacleSearch {
     ask_.ways.clear();
     ask_.ranges.clear();
     for (std::size_t k = 0; k < looked_.count(); ++k) {
-      if (!obstacle_.isFeltBy(looked_.point(k))) continue;
+      if (!obstacle_.actsOn(looked_.point(k))) continue;
       const ClearanceCache &known = clearance_[looked_.point(k)];
       const Vec3 at = step_.local(looked_.positions[k]);
       const Vec3 way = step_.way(looked_.positions[k], at, looked_.velocities[k]);
@@ -196,8 +198,8 @@ class ObstacleSearch {
       ask_.points.push_back(static_cast<Index>(k));
       ask_.positions.push_back(at);
       ask_.ways.push_back(way);
-      // Without limit at first and from inside, so that a point that is deep inside is known to be there; twice as far
-      // when it has gone far without meeting anything.
+      // Unlimited for the first query and from inside, so that deep penetration is detected. The distance grows to
+      // twice the travel if a point has moved far without contact.
       const bool unlimited = known.reach < 0.0 || known.distance < 0.0;
       ask_.ranges.push_back(unlimited ? std::numeric_limits<double>::infinity()
                                       : looked_.radius(k) + std::max({kReachMargins * step_.margin, kReachWays * length,
@@ -224,10 +226,10 @@ class ObstacleSearch {
     const ClearanceCache &known = clearance_[looked_.point(k)];
     const Vec3 at = step_.local(looked_.positions[k]);
     const double length = step_.way(looked_.positions[k], at, looked_.velocities[k]).norm();
-    // What is not a number goes on, so that the guard finds it.
+    // NaN passes through for the guard to detect.
     if (!(known.distance == std::numeric_limits<double>::infinity())) {
       const double gap = known.distance + known.normal.dot(at - known.at) - looked_.radius(k);
-      // Without a way to follow the plane has to do for all that is in reach.
+      // Without crossing queries the plane has to cover all that is in reach.
       if (!(gap > (obstacle_.crossing ? margin : length + margin))) add(k, at, known.normal, gap);
     }
     if (known.ahead) {
@@ -280,11 +282,11 @@ void detail::searchContacts(std::span<const Obstacle> obstacles, const WorldBox 
   }
   if (box.enabled) addWalls(box, dt, margin, looked, memory.active);
 
-  // A stable sort takes memory, and with one obstacle there is nothing to sort.
+  // std::stable_sort allocates memory; with one obstacle the contacts are sorted already.
   if (!std::is_sorted(memory.active.begin(), memory.active.end(), before))
     std::stable_sort(memory.active.begin(), memory.active.end(), before);
   for (const Contact &contact : memory.active) memory.deepest = std::max(memory.deepest, -contact.gap);
-  keepMemories(memory);
+  carryImpulsesOver(memory);
 }
 
 void ContactState::forget(Index obstacle) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contacts of points that a body carries: those that cannot meet anything are not looked at.
+// Contacts of points carried by a body. Blocks of points that cannot reach anything are skipped.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -20,25 +20,26 @@ namespace {
 
 using Blocks = ContactState::Blocks;
 
-// Points that wait together, phyxels whose largest way counts for all of them, and the part of the room of a block that
-// is used: rounding must not bring a point nearer.
+// kBlock: points that are skipped together. More: fewer tests, but more points per block that comes near.
+// kChunk: phyxels that share one bound of their travel. More: fewer bounds, but coarser ones.
+// kRoomSafety: of the free distance of a block, part that is used, so that rounding cannot bring a point nearer.
 constexpr std::size_t kBlock = 16, kChunk = 16;
 constexpr double kRoomSafety = 1.0 - 1e-9;
 
 std::size_t blocksOf(std::size_t count, std::size_t size) { return (count + size - 1) / size; }
 
-// Points along a space-filling curve.
-// @param width  m, of what counts as one place
+// Orders points along a space-filling curve.
+// @param width  size of a cell of the curve, m
 std::vector<Index> inSpace(std::span<const Vec3> points, double width) {
   Vec3 low = points.front();
   for (const Vec3 &x : points) low = low.cwiseMin(x);
-  constexpr double kMostPlaces = (1 << 20) - 1;
+  constexpr double kMaxPlaces = (1 << 20) - 1;
   std::vector<std::uint64_t> codes(points.size());
   for (std::size_t p = 0; p < points.size(); ++p) {
     lattice::Cell3 at;
     for (int a = 0; a < 3; ++a)
       at[static_cast<std::size_t>(a)] =
-          static_cast<std::int32_t>(std::min(kMostPlaces, std::floor((points[p][a] - low[a]) / width)));
+          static_cast<std::int32_t>(std::min(kMaxPlaces, std::floor((points[p][a] - low[a]) / width)));
     codes[p] = lattice::mortonCode(at);
   }
   std::vector<Index> order(points.size());
@@ -47,8 +48,8 @@ std::vector<Index> inSpace(std::span<const Vec3> points, double width) {
   return order;
 }
 
-// Which points wait together, which chunks of phyxels carry them, and the farthest that a point of it goes where none
-// of these goes farther than one over its largest influence: the largest Σ |φ|/maxInfluence.
+// Groups points into blocks and stores which chunks of phyxels carry each. The gain of a block bounds the travel of its
+// points if no phyxel moves by more than 1 / its largest influence: the largest Σ |φ|/maxInfluence.
 void learnBlocks(const Interpolation &binding, std::span<const float> maxInfluence, Blocks &blocks) {
   blocks.chunks = Csr{};
   blocks.gains.clear();
@@ -59,7 +60,7 @@ void learnBlocks(const Interpolation &binding, std::span<const float> maxInfluen
     low = low.cwiseMin(x);
     high = high.cwiseMax(x);
   }
-  // Points cover a surface: about as many places along its length as their root.
+  // Points cover a surface: about as many cells along its length as the root of their number.
   const double width =
       std::max((high - low).maxCoeff() / (1.0 + std::sqrt(static_cast<double>(binding.count()))), 1e-300);
   const std::vector<Index> order = inSpace(binding.positions, width);
@@ -68,7 +69,7 @@ void learnBlocks(const Interpolation &binding, std::span<const float> maxInfluen
   std::vector<Index> row;
   for (std::size_t begin = 0; begin < binding.count(); begin += kBlock) {
     row.clear();
-    // Some turn with F besides.
+    // Points of lower rank also rotate with F.
     double gain = binding.rank.empty() ? 1.0 : std::numeric_limits<double>::infinity();
     for (std::size_t k = begin; k < std::min(binding.count(), begin + kBlock); ++k) {
       const Index p = order[k];
@@ -90,9 +91,9 @@ void learnBlocks(const Interpolation &binding, std::span<const float> maxInfluen
   }
 }
 
-// Largest component of a way times the largest influence over whole chunks, so that registers are compared: √3 of it
+// Largest component of displacement × largest influence over each chunk, compared in whole registers. √3 times it
 // bounds every length.
-// @param ways(i, n)  x y z x y z of the n phyxels from i on
+// @param ways  ways(i, n): x y z x y z of the n phyxels from i on
 template <class Ways>
 void largestOfChunks(std::size_t count, std::span<const float> maxInfluence, const Ways &ways,
                      std::vector<double> &out) {
@@ -117,7 +118,7 @@ void largestOfChunks(std::size_t count, std::span<const float> maxInfluence, con
   }
 }
 
-// How far phyxels have gone since the last search, and go in this step, by chunks.
+// Travel of phyxels since the last search and in this step, by chunks.
 void largestWays(const CarriedPoints &body, double dt, Blocks &blocks) {
   const auto at = [](auto n, std::span<const Vec3> field, std::size_t i) {
     return Eigen::Map<const Eigen::Array<double, 3 * decltype(n)::value, 1>>(field[i].data());
@@ -136,14 +137,14 @@ double largestOf(std::span<const Index> chunks, std::span<const double> ways) {
   return largest;
 }
 
-// The farthest that a point within `reach` of `centre` can go, seen from an obstacle, while that moves so.
+// Largest travel of a point within `reach` of `centre` relative to a moving obstacle.
 double wayOfObstacle(const RigidMotion &from, const RigidMotion &to, const Vec3 &centre, double reach) {
   const double arm = (centre - to.centre - to.displacement).norm() + reach;
   return (to.rotation - from.rotation).norm() * arm + (to.displacement - from.displacement).norm() +
          2.0 * (to.centre - from.centre).norm();
 }
 
-// How far obstacles have gone since the last search, and go in this step, seen from any point of the body.
+// Largest travel of obstacles since the last search and in this step, relative to any point of the body.
 struct ObstacleWays {
   double went = 0.0, goes = 0.0;
 };
@@ -152,7 +153,7 @@ ObstacleWays waysOfObstacles(std::span<const Obstacle> obstacles, double time, d
   ObstacleWays ways;
   if (std::none_of(obstacles.begin(), obstacles.end(), [](const Obstacle &o) { return static_cast<bool>(o.motion); }))
     return ways;
-  // All points, around the first phyxel.
+  // Bounding sphere of all points, centred at the first.
   const Vec3 &first = body.displacements.front();
   double spread = 0.0;
   for (const Vec3 &u : body.displacements) spread = std::max(spread, (u - first).squaredNorm());
@@ -169,13 +170,13 @@ ObstacleWays waysOfObstacles(std::span<const Obstacle> obstacles, double time, d
   return ways;
 }
 
-// How much farther a point may go before it has to be looked at.
+// Distance that a point may travel before it has to be tested again.
 double roomOf(const ContactState &memory, std::span<const Obstacle> obstacles, const WorldBox &box,
               const Looked &looked, std::size_t k) {
   double room = std::numeric_limits<double>::infinity();
   const Vec3 &x = looked.positions[k];
   for (std::size_t o = 0; o < obstacles.size(); ++o) {
-    if (!obstacles[o].closest || !obstacles[o].isFeltBy(looked.point(k))) continue;
+    if (!obstacles[o].closest || !obstacles[o].actsOn(looked.point(k))) continue;
     const ContactState::ClearanceCache &known = memory.clearance[o][looked.point(k)];
     const Vec3 at = obstacles[o].motion ? toRest(memory.blocks.motions[o], x) : x;
     room = std::min(room, std::min(known.distance, known.reach) - (at - known.at).norm());
@@ -184,7 +185,7 @@ double roomOf(const ContactState &memory, std::span<const Obstacle> obstacles, c
   return room - looked.radius(k) - memory.margin;
 }
 
-// Everything is looked at once after a change of what there is.
+// After a change of the scene every point is tested once.
 void beginBlocks(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double margin,
                  const CarriedPoints &body, ContactState &memory) {
   const Interpolation &binding = body.points.binding;
@@ -197,11 +198,11 @@ void beginBlocks(std::span<const Obstacle> obstacles, const WorldBox &box, doubl
   if (finite && blocks.limits.size() == binding.count() && blocks.before.size() == body.displacements.size() &&
       sameBox && blocks.margin == margin && memory.clearance.size() == obstacles.size())
     return;
-  // What is switched off is looked at as well: what is known of it has to be forgotten on the way.
+  // Points that feel only disabled obstacles are tested as well, so that stored results of these obstacles are cleared.
   blocks.limits.assign(binding.count(), -1.0);
   for (std::size_t p = 0; p < binding.count(); ++p)
     if (!box.enabled &&
-        std::none_of(obstacles.begin(), obstacles.end(), [p](const Obstacle &o) { return o.isFeltBy(p); }))
+        std::none_of(obstacles.begin(), obstacles.end(), [p](const Obstacle &o) { return o.actsOn(p); }))
       blocks.limits[p] = std::numeric_limits<double>::infinity();
   blocks.ways.assign(count, 0.0);
   blocks.blockLimits.assign(count, -1.0);
@@ -232,13 +233,13 @@ void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, doub
     const std::span<const Index> chunks = blocks.chunks.row(b);
     blocks.ways[b] += blocks.gains[b] * largestOf(chunks, blocks.went) + moved.went;
     const double way = blocks.ways[b] + blocks.gains[b] * largestOf(chunks, blocks.goes) + moved.goes;
-    // What is not a number is looked at, so that the guard finds it.
+    // NaN is tested, so that the guard detects it.
     if (way < blocks.blockLimits[b]) continue;
     blocks.nearBlocks.push_back(static_cast<Index>(b));
     for (const Index p : blocks.points.row(b))
       if (!(way < blocks.limits[p])) blocks.near[p / 64] |= std::uint64_t{1} << p % 64;
   }
-  // In their own order, which is that of the contacts.
+  // In ascending order, which is the order of the contacts.
   blocks.looked.clear();
   for (std::size_t word = 0; word < blocks.near.size(); ++word)
     for (std::uint64_t bits = blocks.near[word]; bits != 0; bits &= bits - 1)
@@ -269,7 +270,7 @@ void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, doub
   for (const Index b : blocks.nearBlocks) {
     double least = std::numeric_limits<double>::infinity();
     for (const Index p : blocks.points.row(b)) {
-      // Those that were looked at count from here.
+      // Limits of the points just tested count from their current travel.
       if ((blocks.near[p / 64] >> p % 64 & 1) != 0) blocks.limits[p] += blocks.ways[b];
       least = std::min(least, blocks.limits[p]);
     }

@@ -1,29 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points that bounce off what they hit, in explicit steps. Private to the core.
+// Restitution of contact points in explicit steps. Private to the core.
 #pragma once
 
 #include "pointbased/contact.h"
 
 namespace pointbased {
 
-/// Whether points arrive within dt at surfaces with restitution, faster than quietSpeed; they did not press before.
-/// They are remembered for bounceArrivals().
-/// @param velocities  [phyxels] m/s, with which the step would go on
+/// Whether points without contact pressure reach surfaces with restitution within dt, faster than quietSpeed. These
+/// points are stored for applyRestitution().
+/// @param velocities  [phyxels] velocities of the step without restitution, m/s
 [[nodiscard]] bool findArrivals(const Interpolation &binding, std::span<const Vec3> velocities, double dt,
                                 double quietSpeed, ContactState &memory);
 
-/// Lets them bounce: 1 + e times the impulses that stop them all, so that each leaves with e times its speed where
-/// nothing else pushes. Of the kinetic energy that the impulses take at e = 0 they take 1 - e², nothing at e = 1, and
-/// never add any, however many points arrive at once and whatever restitution each has (seen from the obstacles; one
-/// that moves may).
+/// Applies restitution to the stored points: 1 + e times the impulses that stop all of them. Each leaves with e times
+/// its speed of arrival where nothing else pushes it. The impulses remove 1 - e² of the kinetic energy that they remove
+/// at e = 0, none at e = 1. They never add energy relative to the obstacles, for any number of simultaneous contacts
+/// and any combination of coefficients; a moving obstacle may add some.
 ///
-/// @param velocities  [phyxels] m/s, at the same time as the positions: the energy of velocity Verlet counts with
-///                    these; half a kick later, they hold what a compressed body pushes against the surface, and
-///                    bouncing with it would be energy from nothing
+/// @param velocities  [phyxels] m/s, at the same time as the positions, because the energy of velocity Verlet uses
+///                    these. Half a kick later they include the push of a compressed body against the surface;
+///                    restitution of that would create energy.
 /// @return total impulse on the body, N s
 /// @source  Moreau, Unilateral contact and dry friction in finite freedom dynamics, 1988 (restitution at several
 /// contacts)
-Vec3 bounceArrivals(const Interpolation &binding, std::span<const double> inverseMasses, double quietSpeed,
-                    ContactState &memory, std::span<Vec3> velocities);
+Vec3 applyRestitution(const Interpolation &binding, std::span<const double> inverseMasses, double quietSpeed,
+                      ContactState &memory, std::span<Vec3> velocities);
 
 }  // namespace pointbased

@@ -12,28 +12,28 @@
 namespace pointbased {
 namespace {
 
-// Penetrations less than this many margins are left to the next steps: they are what an unfinished solution leaves.
+// Margins: shallower penetrations are residuals of the solver, left to the next steps. Larger: bodies rest deeper.
 constexpr double kSlop = 0.02;
-// What these leave of a velocity the next step takes up.
+// Sweeps of settling; the next step corrects the remaining velocity. More: less drift, more time.
 constexpr int kSettlingSweeps = 8;
-// Contacts of a rigid body all move each other, and take longer to agree. What a face that lands flat is left with of a
-// spin stays.
+// Sweeps, and tolerance relative to the largest normal speed, of restitution with rigid bodies: all contacts of a rigid
+// body are coupled and converge slowly. Fewer sweeps, larger tolerance: more residual spin after a flat landing.
 constexpr int kRigidBounceSweeps = 200;
 constexpr double kRigidBounceTolerance = 1e-4;
-// Sweeps in a row over the contacts that press.
+// Consecutive sweeps over pressing contacts between two sweeps over all. More: cheaper, late detection of new ones.
 constexpr int kSome = 4;
-// Contacts that open faster than this part of the largest speed do not press. Those between have to be swept: of points
-// that lie on one face some press by rounding alone, and what rounds otherwise must come to the same.
+// Of the largest speed: contacts that open faster do not press. Larger: more are swept. Those in between are swept
+// because among points on one flat face rounding alone decides which press, and the result must not depend on it.
 constexpr double kOpen = 0.1;
 
-// The points of a body as a hand holds them: velocities of phyxels, moved by impulses on points.
-struct Hand {
+// Velocities of phyxels and rigid bodies, changed by impulses on contact points.
+struct ContactSystem {
   const Interpolation &binding;
   std::span<const double> inverseMasses;
   std::span<const detail::RigidParticles> rigid;
   std::span<Vec3> velocities;
 
-  // Whose particle it is; null: a phyxel.
+  // Rigid body that the particle belongs to; null: it is a phyxel.
   [[nodiscard]] const detail::RigidParticles *rigidOf(Index j) const {
     const auto next = std::upper_bound(rigid.begin(), rigid.end(), j,
                                        [](Index k, const detail::RigidParticles &one) { return k < one.first; });
@@ -48,7 +48,7 @@ struct Hand {
   }
 };
 
-// What an impulse on contact c changes of the velocities of slots: visit(slot, change).
+// Velocity changes of the slots by an impulse on contact c: visit(slot, change).
 template <class Visit>
 void forChanges(const ContactState::Solution &solution, std::size_t c, const Vec3 &impulse, const Visit &visit) {
   for (Index e = solution.rows[c]; e < solution.rows[c + 1]; ++e)
@@ -65,15 +65,15 @@ void forChanges(const ContactState::Solution &solution, std::size_t c, const Vec
   }
 }
 
-// m/s, above which the impulse of a contact keeps its normal velocity.
+// Normal velocity that the impulse of a contact enforces as a minimum, m/s.
 double leastOf(const ContactState::Solution &solution, std::size_t c) {
   return std::max(solution.least[c] - solution.compliances[c] * solution.impulses[c], solution.floors[c]);
 }
 
-// Pushes by a part of the impulses in the solution, as large as lowers  T + Σ λ (-least)  most: the energy that the
-// projected Gauss-Seidel steps lower too, so however few of them follow, nothing is added.
-void warmStart(const Hand &body, std::span<const Contact> active, ContactState::Solution &solution) {
-  std::vector<Vec3> &change = solution.change;  // of those that are touched
+// Warm start with a fraction of the stored impulses. The fraction minimises T + Σ λ (-least), the energy that the steps
+// of projected Gauss-Seidel decrease as well. No energy is added, however few sweeps follow.
+void warmStart(const ContactSystem &body, std::span<const Contact> active, ContactState::Solution &solution) {
+  std::vector<Vec3> &change = solution.change;  // of the touched phyxels
   change.assign(solution.touched.size(), Vec3::Zero());
   double slope = 0.0, curvature = 0.0;
   for (std::size_t c = 0; c < active.size(); ++c) {
@@ -94,9 +94,10 @@ void warmStart(const Hand &body, std::span<const Contact> active, ContactState::
     for (std::size_t s = 0; s < change.size(); ++s) body.velocities[solution.touched[s]] += part * change[s];
 }
 
-// How contact c moves the rigid bodies that it touches, and what resists it: K = ∂v/∂P, which is the larger the farther
-// from the centre of mass it is, except towards the centre.
-void layOutRigid(const Hand &body, const Contact &contact, std::size_t c, ContactState::Solution &solution) {
+// Response of the rigid bodies to contact c, and its effective inverse mass K = ∂v/∂P. K grows with the distance from
+// the centre of mass, except along the direction towards it.
+void buildRigidContactRows(const ContactSystem &body, const Contact &contact, std::size_t c,
+                           ContactState::Solution &solution) {
   const Index begin = solution.rigidRows.back();
   Mat3 K = Mat3::Zero();
   std::array<const detail::RigidParticles *, 2> of{};
@@ -117,7 +118,7 @@ void layOutRigid(const Hand &body, const Contact &contact, std::size_t c, Contac
     solution.pushes[e] = 0.0;
   }
   for (std::size_t k = 0; k < 2 && of[k]; ++k) {
-    Mat3 across;  // arm x
+    Mat3 across;  // cross-product matrix of the arm
     across << 0.0, -arms[k][2], arms[k][1], arms[k][2], 0.0, -arms[k][0], -arms[k][1], arms[k][0], 0.0;
     const Mat3 turn = of[k]->inverseInertia * across;
     K += shares[k] * shares[k] / of[k]->mass * Mat3::Identity() - across * turn;
@@ -136,8 +137,8 @@ void layOutRigid(const Hand &body, const Contact &contact, std::size_t c, Contac
       1.0 / detail::largestEigenvalueBound(tangential * K * tangential);
 }
 
-// The contacts and the velocities of the phyxels that they touch, side by side. Sweeps go to and fro over these.
-void layOut(const Hand &body, std::span<const Contact> active, ContactState::Solution &solution) {
+// Packs the contacts and the velocities of the phyxels they touch contiguously for the sweeps.
+void buildContactRows(const ContactSystem &body, std::span<const Contact> active, ContactState::Solution &solution) {
   constexpr Index kNowhere = 0xffffffffu;
   const Csr &phyxels = body.binding.phyxels;
   if (solution.slotOf.size() != body.inverseMasses.size()) solution.slotOf.assign(body.inverseMasses.size(), kNowhere);
@@ -159,7 +160,7 @@ void layOut(const Hand &body, std::span<const Contact> active, ContactState::Sol
       const Index j = phyxels.indices[e];
       Index &slot = solution.slotOf[j];
       if (slot == kNowhere) {
-        // The particles of a rigid body side by side, whether the contact has a share in each of them or not.
+        // The four particles of a rigid body are contiguous, even if the contact has no share in some of them.
         const detail::RigidParticles *one = body.rigid.empty() ? nullptr : body.rigidOf(j);
         for (Index i = one ? one->first : j; i < (one ? one->first + 4 : j + 1); ++i) {
           solution.slotOf[i] = static_cast<Index>(solution.touched.size());
@@ -172,7 +173,7 @@ void layOut(const Hand &body, std::span<const Contact> active, ContactState::Sol
       solution.inverseMasses[c] += body.binding.weights[e] * body.binding.weights[e] * body.inverseMasses[j];
     }
     solution.rows.push_back(static_cast<Index>(solution.slots.size()));
-    if (!body.rigid.empty()) layOutRigid(body, active[c], c, solution);
+    if (!body.rigid.empty()) buildRigidContactRows(body, active[c], c, solution);
     for (std::size_t a = 0; a < 3; ++a)
       solution.sides[kernels::kContactNumbers * c + kernels::kNormalOfContact + a] =
           active[c].normal[static_cast<Eigen::Index>(a)];
@@ -180,10 +181,10 @@ void layOut(const Hand &body, std::span<const Contact> active, ContactState::Sol
   solution.velocities.resize(4 * solution.touched.size());
 }
 
-// Sweeps until nothing changes by more than the tolerance; impulses start as they are and have been applied. After
-// layOut() of the same contacts.
-// @param still  the obstacles count as if they did not move, and nothing is held by friction
-void sweep(const Hand &body, std::span<const Contact> active, const ImpulseSettings &settings, bool still,
+// Sweeps until no velocity changes by more than the tolerance. Impulses start at their current values, which have
+// already been applied. Requires buildContactRows() of the same contacts.
+// @param still  treats obstacles as static, without friction and compliance
+void sweep(const ContactSystem &body, std::span<const Contact> active, const ImpulseSettings &settings, bool still,
            ContactState::Solution &solution) {
   using kernels::kContactNumbers;
   const std::size_t count = active.size();
@@ -221,9 +222,9 @@ void sweep(const Hand &body, std::span<const Contact> active, const ImpulseSetti
     job.rigidSlots = solution.rigidSlots.data();
     job.rigidParts = solution.rigidParts.data();
   }
-  // Most contacts of a step do not press in the end. After two sweeps over all only those that do, or nearly, are
-  // swept, to and fro, so that the last is not always the same; the others have their say before it is good, and every
-  // kSome sweeps.
+  // Most contacts of a step do not press in the end. After two sweeps over all contacts, only those that press or
+  // nearly do are swept, in alternating direction so that the last one varies. All contacts are swept again before the
+  // result is accepted, and after every kSome sweeps.
   double speed = 0.0;
   bool all = true;
   for (int k = 0, some = 0; k < settings.sweeps; ++k) {
@@ -251,13 +252,13 @@ void sweep(const Hand &body, std::span<const Contact> active, const ImpulseSetti
         Eigen::Map<const Vec3>(solution.sides.data() + kContactNumbers * c + kernels::kTangentialImpulse);
 }
 
-void prepare(const Hand &body, std::span<const Contact> active, ContactState::Solution &solution) {
+void prepare(const ContactSystem &body, std::span<const Contact> active, ContactState::Solution &solution) {
   solution.impulses.assign(active.size(), 0.0);
   solution.tangential.assign(active.size(), Vec3::Zero());
   solution.least.assign(active.size(), 0.0);
   solution.compliances.assign(active.size(), 0.0);
   solution.floors.assign(active.size(), -std::numeric_limits<double>::infinity());
-  layOut(body, active, solution);
+  buildContactRows(body, active, solution);
 }
 
 }  // namespace
@@ -272,7 +273,7 @@ double closingSpeed(const ContactState &memory, const Interpolation &binding, st
 
 bool findArrivals(const Interpolation &binding, std::span<const Vec3> velocities, double dt, double quietSpeed,
                   ContactState &memory) {
-  std::vector<Contact> &arriving = memory.previous;  // which the next search overwrites
+  std::vector<Contact> &arriving = memory.previous;  // overwritten by the next search
   arriving.clear();
   for (const Contact &contact : memory.active) {
     if (!(contact.restitution > 0.0) || contact.normalImpulse > 0.0) continue;
@@ -283,15 +284,15 @@ bool findArrivals(const Interpolation &binding, std::span<const Vec3> velocities
   return !arriving.empty();
 }
 
-Vec3 bounceArrivals(const Interpolation &binding, std::span<const double> inverseMasses, double quietSpeed,
-                    ContactState &memory, std::span<Vec3> velocities) {
-  return detail::bounceArrivals(binding, inverseMasses, {}, quietSpeed, memory, velocities);
+Vec3 applyRestitution(const Interpolation &binding, std::span<const double> inverseMasses, double quietSpeed,
+                      ContactState &memory, std::span<Vec3> velocities) {
+  return detail::applyRestitution(binding, inverseMasses, {}, quietSpeed, memory, velocities);
 }
 
-Vec3 detail::bounceArrivals(const Interpolation &binding, std::span<const double> inverseMasses,
-                            std::span<const RigidParticles> rigid, double quietSpeed, ContactState &memory,
-                            std::span<Vec3> velocities) {
-  const Hand body{binding, inverseMasses, rigid, velocities};
+Vec3 detail::applyRestitution(const Interpolation &binding, std::span<const double> inverseMasses,
+                              std::span<const RigidParticles> rigid, double quietSpeed, ContactState &memory,
+                              std::span<Vec3> velocities) {
+  const ContactSystem body{binding, inverseMasses, rigid, velocities};
   std::vector<Contact> &arriving = memory.previous;
   const auto relative = [&](const Contact &c) { return Vec3(body.velocity(c.point) - c.surfaceVelocity); };
   std::erase_if(arriving, [&](const Contact &c) { return !(relative(c).dot(c.normal) < -quietSpeed); });
@@ -302,7 +303,7 @@ Vec3 detail::bounceArrivals(const Interpolation &binding, std::span<const double
   std::vector<Vec3> &before = solution.arrivals;
   before.resize(count);
   for (std::size_t c = 0; c < count; ++c) before[c] = relative(arriving[c]);
-  prepare(body, arriving, solution);  // none may go on
+  prepare(body, arriving, solution);  // cold start: none of these contacts persists
   ImpulseSettings settings;
   if (!rigid.empty()) {
     settings.sweeps = kRigidBounceSweeps;
@@ -310,8 +311,8 @@ Vec3 detail::bounceArrivals(const Interpolation &binding, std::span<const double
   }
   sweep(body, arriving, settings, false, solution);
 
-  // e times the impulses on top. All together, with those of friction, they do no work as the obstacles see it,
-  // Σ P · (v before + v after)/2 <= 0: at most as much of them as that allows.
+  // Adds e times the impulses. Together with friction they must do no work relative to the obstacles, Σ P · (v before +
+  // v after)/2 <= 0; only the admissible fraction is added.
   const auto push = [&](double part) {
     for (std::size_t c = 0; c < count; ++c) {
       const Vec3 impulse = part * arriving[c].restitution * solution.impulses[c] * arriving[c].normal;
@@ -332,7 +333,7 @@ Vec3 detail::bounceArrivals(const Interpolation &binding, std::span<const double
       sum.pressing += normal;
     }
   };
-  double none = 0.0, slope = 0.0, curvature = 0.0;  // twice the work, in powers of the part
+  double none = 0.0, slope = 0.0, curvature = 0.0;  // twice the work, as a polynomial in the fraction
   Vec3 total = Vec3::Zero();
   for (std::size_t c = 0; c < count; ++c) {
     const Vec3 both = before[c] + stopped[c], gained = relative(arriving[c]) - stopped[c];
@@ -369,14 +370,14 @@ Vec3 detail::solveContactImpulses(const Interpolation &binding, std::span<const 
   ContactState::Solution &solution = memory.solution;
   solution.splitImpulse.clear();
   if (active.empty()) return Vec3::Zero();
-  const Hand body{binding, inverseMasses, rigid, velocities};
+  const ContactSystem body{binding, inverseMasses, rigid, velocities};
   prepare(body, active, solution);
   double deepest = 0.0;
   for (std::size_t c = 0; c < active.size(); ++c) {
     solution.impulses[c] = active[c].normalImpulse;
     solution.tangential[c] = active[c].frictionImpulse;
     if (active[c].stiffness > 0.0) {
-      // The other half of the force is that of settling.
+      // Settling contributes the other half of the force.
       solution.least[c] = std::min(-active[c].gap, active[c].thickness) / dt;
       solution.compliances[c] = 2.0 / (active[c].stiffness * dt * dt);
       solution.floors[c] = -std::max(0.0, active[c].gap + active[c].thickness) / dt;
@@ -397,10 +398,10 @@ Vec3 detail::solveContactImpulses(const Interpolation &binding, std::span<const 
   const double slop = kSlop * memory.margin;
   if (!(deepest > slop)) return total;
   solution.splitImpulse.assign(velocities.size(), Vec3::Zero());
-  const Hand lead{binding, inverseMasses, rigid, solution.splitImpulse};
+  const ContactSystem lead{binding, inverseMasses, rigid, solution.splitImpulse};
   for (std::size_t c = 0; c < active.size(); ++c) {
     const double gap = active[c].gap + active[c].thickness, depth = -gap - slop;
-    // Velocities of the split impulses come on top of those of the body, which keep the others within their gaps.
+    // Velocities of the split impulses add to those of the body, which keep the other contacts within their gaps.
     solution.least[c] = depth > 0.0 && !(active[c].stiffness > 0.0)
                             ? std::min(settings.splitImpulse * depth / dt, settings.recoverySpeed)
                             : -std::max(0.0, gap) / dt;
@@ -410,7 +411,7 @@ Vec3 detail::solveContactImpulses(const Interpolation &binding, std::span<const 
   sweep(lead, active, settings, true, solution);
   for (const Index j : solution.touched) {
     velocities[j] += solution.splitImpulse[j];
-    if (inverseMasses[j] > 0.0) memory.ledOut += dt / inverseMasses[j] * solution.splitImpulse[j];
+    if (inverseMasses[j] > 0.0) memory.depenetrationMoment += dt / inverseMasses[j] * solution.splitImpulse[j];
   }
   return total;
 }
@@ -428,17 +429,17 @@ void detail::settleContactVelocities(const Interpolation &binding, std::span<con
   if (!solution.splitImpulse.empty()) {
     for (const Index j : solution.touched)
       if (inverseMasses[j] > 0.0) velocities[j] -= solution.splitImpulse[j];
-    // Which has turned since.
+    // The rigid bodies have rotated since.
     for (const RigidParticles &one : rigid) one.project(velocities.subspan(one.first, 4));
   }
   solution.splitImpulse.clear();
-  // Contacts that the step has closed; in `previous`, which the next search overwrites.
+  // Contacts closed by the step, stored in `previous`, which the next search overwrites.
   std::vector<Contact> &closed = memory.previous;
   closed.clear();
   for (const Contact &contact : memory.active)
     if (contact.normalImpulse > 0.0) closed.push_back(contact);
   if (closed.empty()) return;
-  const Hand body{binding, inverseMasses, rigid, velocities};
+  const ContactSystem body{binding, inverseMasses, rigid, velocities};
   prepare(body, closed, solution);
   for (std::size_t c = 0; c < closed.size(); ++c) {
     solution.impulses[c] = closed[c].settleImpulse;

@@ -6,7 +6,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "contact/contact_kernel.cpp"
-#include "base/kernels/instruction_sets.h"  // first: says for which the rest is compiled
+#include "base/kernels/instruction_sets.h"  // first: selects the instruction sets for the code below
 
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
@@ -15,7 +15,7 @@ HWY_BEFORE_NAMESPACE();
 namespace pointbased::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Four doubles in as many registers as it takes.
+// Four doubles in as many registers as necessary.
 #if HWY_TARGET == HWY_SCALAR
 constexpr std::size_t kWide = 1;
 #elif HWY_MAX_BYTES >= 32
@@ -81,7 +81,7 @@ HWY_INLINE Four velocityOf(const SweepJob &job, std::size_t c) {
   return sub(v, load(job.sides + kContactNumbers * c + kSurfaceVelocity));
 }
 
-// To phyxels by their shares, to the particles of a rigid body as it moves under the impulse.
+// Applies an impulse to phyxels by their shares, and to the particles of a rigid body by its rigid motion.
 void push(const SweepJob &job, std::size_t c, const Four &impulse) {
   for (Index e = job.rows[c]; e < job.rows[c + 1]; ++e) {
     double *velocity = job.velocities + 4 * std::size_t{job.slots[e]};
@@ -101,7 +101,7 @@ void push(const SweepJob &job, std::size_t c, const Four &impulse) {
   }
 }
 
-// A contact that moves a rigid body: an impulse along the normal turns it, too, so that friction comes after that.
+// Contact with a rigid body. A normal impulse also rotates the body, so friction is solved after it.
 // @return square of the largest change of a velocity, m²/s²
 double sweepRigid(const SweepJob &job, std::size_t c, SweepResult &result) {
   double *side = job.sides + kContactNumbers * c;
@@ -146,7 +146,7 @@ SweepResult sweep(const SweepJob &job, bool backwards) {
       continue;
     }
     const Index first = job.rows[c], last = job.rows[c + 1];
-    // Two sums, so that one addition need not wait for the other.
+    // Two accumulators: consecutive additions do not depend on each other.
     Four even = zero(), odd = zero();
     Index e = first;
     for (; e + 1 < last; e += 2) {
@@ -162,7 +162,7 @@ SweepResult sweep(const SweepJob &job, bool backwards) {
     double wanted = held + (job.least[c] - normal) * mass;
     double least = job.least[c];
     if (job.compliances != nullptr && job.compliances[c] > 0.0) {
-      // A layer that yields, down to where nothing yields any more: the larger of both impulses.
+      // Compliant layer, down to the limit of its compression: the larger of both impulses.
       const double compliance = job.compliances[c];
       least = std::max(least - compliance * held, job.floors[c]);
       wanted = std::max(held + (job.least[c] - normal - compliance * held) / (w + compliance),
@@ -170,14 +170,14 @@ SweepResult sweep(const SweepJob &job, bool backwards) {
     }
     result.speed = std::max(result.speed, w * held + std::abs(std::min(0.0, normal - least)));
     side[kRoomOfContact] = normal - least;
-    const double next = wanted < 0.0 ? 0.0 : wanted;  // what is not a number goes on, so that the guard finds it
+    const double next = wanted < 0.0 ? 0.0 : wanted;  // NaN passes through for the guard to detect
     if (next == 0.0 && held == 0.0) continue;
     job.impulses[c] = next;
     Four impulse = mulAdd(next - held, n, zero());
     if (job.friction != nullptr && job.friction[c] > 0.0) {
       const Four before = load(side + kTangentialImpulse);
       Four t = sub(before, mulAdd(mass, mulAdd(-normal, n, v), zero()));
-      // The root only where it slides: the next contact waits for it.
+      // The root is computed only where the contact slides: the next contact waits for it.
       const double grip = job.friction[c] * next, squared = dot(t, t);
       if (squared > grip * grip) t = mulAdd(grip / std::sqrt(squared), t, zero());
       impulse = add(impulse, sub(t, before));

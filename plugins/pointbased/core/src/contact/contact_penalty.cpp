@@ -10,9 +10,10 @@
 namespace pointbased {
 namespace {
 
-// What a body begins inside is led out at this speed.
+// Speed at which initial penetration is pushed out. Larger: bodies are ejected. Smaller: they stay inside longer.
 constexpr double kRecoverySpeed = 0.1;  // m/s
-constexpr double kTrace = 1e-6;         // spacings
+// Of the spacing: last remainder of an initial penetration, kept for one more step. Larger: a larger jump at the end.
+constexpr double kTrace = 1e-6;
 
 void expectSizes(const ContactPoints &points, const ContactState &memory, const ContactPenalty &penalty,
                  std::span<const Vec3> start, std::span<const Vec3> now) {
@@ -30,7 +31,7 @@ struct Penalised {
   Vec3 tangentialDisplacement = Vec3::Zero();  // m
   double k = 0.0;                              // N/m
   double grip = 0.0;                           // N, mu N
-  double elastic = 0.0;                        // m, tangentialDisplacement that friction holds
+  double elastic = 0.0;                        // m, largest tangentialDisplacement at which friction sticks
 };
 
 Penalised penalised(const ContactPoints &points, const ContactPenalty &penalty, const Contact &contact,
@@ -81,7 +82,7 @@ Mat3 hessianOf(const Penalised &s, const Vec3 &normal) {
   return H;
 }
 
-// visit(contact, penalised) for every contact that presses or grips.
+// visit(contact, penalised) for every contact with a normal force or friction.
 template <class Visit>
 void forActing(const ContactPoints &points, const ContactState &memory, const ContactPenalty &penalty,
                std::span<const Vec3> start, std::span<const Vec3> now, const Visit &visit) {
@@ -94,8 +95,8 @@ void forActing(const ContactPoints &points, const ContactState &memory, const Co
 
 }  // namespace
 
-ContactPull contactPull(const ContactPoints &points, const Contact &contact, const ContactPenalty &penalty,
-                        std::span<const Vec3> start, std::span<const Vec3> now) {
+ContactForce contactForceAt(const ContactPoints &points, const Contact &contact, const ContactPenalty &penalty,
+                            std::span<const Vec3> start, std::span<const Vec3> now) {
   const Penalised s = penalised(points, penalty, contact, start, now);
   const double normal = s.k * std::max(0.0, -s.gap);
   return {normal, forceOf(s, contact.normal) - normal * contact.normal};
@@ -167,7 +168,7 @@ void addContactTriplets(const ContactPoints &points, const ContactState &memory,
 
 namespace {
 
-// Force on every point; returns the sum of what presses.
+// Force on every point; returns the sum of the normal forces.
 double forcesOnPoints(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
                       std::span<const Vec3> now, const ContactState &memory, std::vector<Vec3> &out) {
   out.assign(points.count(), Vec3::Zero());
@@ -226,14 +227,14 @@ void addStageForces(double span, ContactState &memory) {
   }
 }
 
-void finishContactStage(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
-                        std::span<const Vec3> now, ContactState &memory) {
+void endContactStage(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
+                     std::span<const Vec3> now, ContactState &memory) {
   for (Contact &contact : memory.active) {
     const Penalised s = penalised(points, penalty, contact, start, now);
     const double size = s.tangentialDisplacement.norm();
     contact.tangentialDisplacement =
         size > s.elastic ? Vec3(s.elastic / size * s.tangentialDisplacement) : s.tangentialDisplacement;
-    // A trace is left, so that the step which leads it out of the last of it knows that it does.
+    // A trace remains, so that the step that removes the last penetration can detect it.
     const double left = contact.initialPenetration - kRecoverySpeed * penalty.h, trace = kTrace * penalty.spacing;
     contact.initialPenetration = left > trace ? left : contact.initialPenetration > trace ? trace : 0.0;
   }

@@ -37,7 +37,7 @@ SurfacePoints chooseContactPoints(const Surface &surface, double spacing) {
     out.areas[found->second] += area;
     out.normals[found->second] += area * normal;
   };
-  // Vertices first, so that they are what is kept of a voxel: corners and edges are where contact begins.
+  // Vertices first, so that they represent their voxel: contact begins at corners and edges.
   for (const int pass : {0, 1})
     for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
       const auto &corners = surface.triangles[t];
@@ -77,10 +77,10 @@ SurfacePoints chooseContactPoints(const Surface &surface, double spacing, std::s
   std::map<Index, std::size_t> counts;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) counts.try_emplace(pieceOfTriangle(t), 0);
   for (const Index t : all.triangles) ++counts.at(pieceOfTriangle(t));
-  std::erase_if(counts, [](const auto &piece) { return piece.second >= kLeastOfPiece; });
+  std::erase_if(counts, [](const auto &piece) { return piece.second >= kMinOfPiece; });
   if (counts.empty()) return all;
 
-  // Every small piece as a surface of its own, and what is left as one.
+  // Each small piece is sampled as a separate surface, the remaining pieces as one.
   const auto ofSome = [&](double distance, const auto &isWanted) {
     Surface some{surface.positions, {}};
     std::vector<Index> numbers;
@@ -97,7 +97,7 @@ SurfacePoints chooseContactPoints(const Surface &surface, double spacing, std::s
   for (const auto &[piece, count] : counts) {
     constexpr double kClosest = 1.0 / 16;
     SurfacePoints own;
-    for (double part = 0.5; part >= kClosest && own.count() < kLeastOfPiece; part *= 0.5)
+    for (double part = 0.5; part >= kClosest && own.count() < kMinOfPiece; part *= 0.5)
       own = ofSome(part * spacing, [&, wanted = piece](Index p) { return p == wanted; });
     all.positions.insert(all.positions.end(), own.positions.begin(), own.positions.end());
     all.normals.insert(all.normals.end(), own.normals.begin(), own.normals.end());

@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the two ways of looking for contacts share. Private to the core.
+// Shared by both searches for contacts (all points, blocks of points). Private to the core.
 #pragma once
 
 #include "pointbased/contact.h"
 
 namespace pointbased::detail {
 
-/// World to the frame of a moving obstacle at rest, m.
+/// Maps a world position to the rest frame of a moving obstacle, m.
 [[nodiscard]] inline Vec3 toRest(const RigidMotion &motion, const Vec3 &x) {
   return motion.rotation.transpose() * (x - motion.centre - motion.displacement) + motion.centre;
 }
 
-/// Planes whose normals are closer than this cosine are the same side.
+/// Cosine: contact planes whose normals agree better are the same side. Larger: persisting contacts lose their
+/// impulses.
 inline constexpr double kSameSide = 0.9;
 
 [[nodiscard]] inline Vec3 tangential(const Vec3 &v, const Vec3 &normal) { return v - normal.dot(v) * normal; }
 
-/// What a contact that goes on takes over from the step before.
-/// @return false: it is another side, and begins anew
+/// Carries the impulses of a persisting contact over from the previous step.
+/// @return false: it is another side, a new contact
 inline bool remember(const Contact &was, Contact &contact) {
   if (was.normal.dot(contact.normal) < kSameSide) return false;
   contact.normalImpulse = was.normalImpulse;
@@ -29,7 +30,7 @@ inline bool remember(const Contact &was, Contact &contact) {
   return true;
 }
 
-/// The points that are looked at: all, or some.
+/// Points to be tested: all of the body, or a subset.
 struct Looked {
   std::span<const Index> which;  ///< empty: all
   std::span<const Vec3> positions, velocities;
@@ -40,8 +41,8 @@ struct Looked {
   [[nodiscard]] double radius(std::size_t k) const { return radii.empty() ? 0.0 : radii[point(k)]; }
 };
 
-/// Fills memory.active from those that are looked at; see findContacts().
-/// @param count  of all points of the body
+/// Fills memory.active from the given points; see findContacts().
+/// @param count  number of all points of the body
 void searchContacts(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt, double margin,
                     std::size_t count, const Looked &looked, ContactState &memory, const ParallelFor &parallelFor);
 

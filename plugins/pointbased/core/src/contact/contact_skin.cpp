@@ -15,8 +15,10 @@ namespace {
 
 using Triangle = std::array<Index, 3>;
 
-constexpr Index kPatch = 6;        // triangles in one
-constexpr double kCrushed = 0.02;  // of a volume
+// Triangles in one patch (leaf), at most. More: fewer boxes to test, more triangles per pair of patches.
+constexpr Index kPatch = 6;
+// Of the rest volume (det F): material compressed to less counts as inverted. Larger: more of it does.
+constexpr double kCrushed = 0.02;
 
 std::vector<Vec3> normalsOf(std::span<const Vec3> points, std::span<const Triangle> triangles) {
   std::vector<Vec3> normals(points.size(), Vec3::Zero());
@@ -31,7 +33,7 @@ std::vector<Vec3> normalsOf(std::span<const Vec3> points, std::span<const Triang
 void findEdges(ContactSkin &skin) {
   struct Side {
     std::array<Index, 2> ends;
-    Index number;  // three of each triangle
+    Index number;  // 3 × triangle + corner
   };
   std::vector<Side> sides;
   for (std::size_t t = 0; t < skin.triangles.size(); ++t)
@@ -41,7 +43,7 @@ void findEdges(ContactSkin &skin) {
     }
   std::sort(sides.begin(), sides.end(),
             [](const Side &a, const Side &b) { return a.ends != b.ends ? a.ends < b.ends : a.number < b.number; });
-  // Edges are numbered as they come up, triangle by triangle.
+  // Edges are numbered in the order of their first triangle.
   std::vector<Index> firstOf(sides.size());
   for (std::size_t k = 0; k < sides.size(); ++k)
     firstOf[sides[k].number] =
@@ -190,31 +192,31 @@ void MovingSkin::move(std::span<const Vec3> displacements, std::span<const Vec3>
   velocities_ = velocities;
   maxInfluence_ = maxInfluence;
   dt_ = dt;
-  goesExactly_ = -1.0;
+  stepTravelExact_ = -1.0;
   ++now_;
   Vec3 mean = Vec3::Zero();
   const std::vector<Index> &carriers = skin_->carriers;
   for (const Index j : carriers) mean += velocities[j];
   mean /= static_cast<double>(std::max<std::size_t>(1, carriers.size()));
-  FarthestWay way(maxInfluence_);
+  TravelBound way(maxInfluence_);
   for (const Index j : carriers) way.add(j, velocities[j] - mean);
-  goes_ = dt * way.ofVertices(*skin_);
+  stepTravel_ = dt * way.ofVertices(*skin_);
   meanGoes_ = dt * mean;
 }
 
-double MovingSkin::goesExactly() {
-  if (goesExactly_ >= 0.0) return goesExactly_;
+double MovingSkin::stepTravelExact() {
+  if (stepTravelExact_ >= 0.0) return stepTravelExact_;
   double squared = 0.0;
   for (Index v = 0; v < skin_->count(); ++v) squared = std::max(squared, (dt_ * velocity(v) - meanGoes_).squaredNorm());
-  return goesExactly_ = std::sqrt(squared);
+  return stepTravelExact_ = std::sqrt(squared);
 }
 
-double MovingSkin::wentSince(std::span<const Vec3> then, Vec3 &mean) const {
+double MovingSkin::travelSince(std::span<const Vec3> then, Vec3 &mean) const {
   mean.setZero();
   const std::vector<Index> &carriers = skin_->carriers;
   for (const Index j : carriers) mean += displacements_[j] - then[j];
   mean /= static_cast<double>(std::max<std::size_t>(1, carriers.size()));
-  FarthestWay way(maxInfluence_);
+  TravelBound way(maxInfluence_);
   for (const Index j : carriers) way.add(j, displacements_[j] - then[j] - mean);
   return way.ofVertices(*skin_);
 }
@@ -226,7 +228,7 @@ void MovingSkin::place(Index v) {
   seen_[v] = now_;
 }
 
-void MovingSkin::takeVelocity(Index v) {
+void MovingSkin::updateVelocity(Index v) {
   vertexVelocities_[v] = fieldAt(skin_->vertices, v, velocities_);
   velocitiesSeen_[v] = now_;
 }
@@ -282,7 +284,7 @@ Vec3 MovingSkin::facing(Index vertex) {
   return sum.normalized();
 }
 
-// Weighted by angles: the side on which a point lies whose nearest point is the vertex.
+// Angle-weighted pseudonormal: its sign is right for all points whose nearest point on the surface is the vertex.
 // @source  Baerentzen and Aanaes, Signed distance computation using the angle weighted pseudonormal, 2005
 Vec3 MovingSkin::vertexNormal(Index vertex) {
   Vec3 sum = Vec3::Zero();
@@ -360,7 +362,7 @@ NearestOnTriangle MovingSkin::nearestOn(Index triangle, const Vec3 &x) {
   return nearestOnTriangle(x, position(a), position(b), position(c));
 }
 
-Vec3 MovingSkin::placeOn(Index triangle, const Vec3 &weights) {
+Vec3 MovingSkin::pointOn(Index triangle, const Vec3 &weights) {
   const auto &[a, b, c] = skin_->triangles[triangle];
   return weights[0] * position(a) + weights[1] * position(b) + weights[2] * position(c);
 }
@@ -385,15 +387,15 @@ Index MovingSkin::nearestTriangle(const Vec3 &x) {
   return at;
 }
 
-Vec3 MovingSkin::nearestPlace(const Vec3 &x) {
+Vec3 MovingSkin::nearestPoint(const Vec3 &x) {
   const Index t = nearestTriangle(x);
-  return placeOn(t, nearestOn(t, x).weights);
+  return pointOn(t, nearestOn(t, x).weights);
 }
 
 double MovingSkin::signedDistance(const Vec3 &x) {
   const Index t = nearestTriangle(x);
   const NearestOnTriangle found = nearestOn(t, x);
-  const bool isInside = (x - placeOn(t, found.weights)).dot(outwardAt(t, found.feature)) < 0.0;
+  const bool isInside = (x - pointOn(t, found.weights)).dot(outwardAt(t, found.feature)) < 0.0;
   return (isInside ? -1.0 : 1.0) * std::sqrt(found.squared);
 }
 
@@ -430,7 +432,7 @@ NearestOnTriangle nearestOnTriangle(const Vec3 &p, const Vec3 &a, const Vec3 &b,
     return end(0.0, 1.0 - w, w, 2);
   }
   const double sum = va + vb + vc;
-  if (!(sum > 0.0)) return end(1.0, 0.0, 0.0, 4);  // no area
+  if (!(sum > 0.0)) return end(1.0, 0.0, 0.0, 4);  // degenerate: no area
   return end(va / sum, vb / sum, vc / sum, 0);
 }
 

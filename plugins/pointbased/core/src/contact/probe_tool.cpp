@@ -13,9 +13,9 @@ namespace {
 
 using detail::number;
 
-constexpr double kHalfTurn = std::numbers::pi - 1e-6;  // rad: from here on no way is the shorter one
+constexpr double kHalfTurn = std::numbers::pi - 1e-6;  // rad: from here on no rotation is the shorter one
 
-// All within `radius` of the line from middle - half to middle + half.
+// All points within `radius` of the segment from middle - half to middle + half.
 struct Capsule {
   Vec3 middle, half;
   double radius;
@@ -33,12 +33,12 @@ struct Capsule {
   }
 };
 
-// Part of a line, from + t way.
+// Interval of a line from + t way.
 struct Stretch {
   double begin, end;
 };
 
-// Where |a + t b| <= radius.
+// Interval of t with |a + t b| <= radius.
 std::optional<Stretch> within(const Vec3 &a, const Vec3 &b, double radius) {
   const double bb = b.squaredNorm(), ab = a.dot(b), aa = a.squaredNorm() - radius * radius;
   if (!(bb > 0.0)) {
@@ -50,7 +50,8 @@ std::optional<Stretch> within(const Vec3 &a, const Vec3 &b, double radius) {
   return Stretch{(-ab - std::sqrt(root)) / bb, (-ab + std::sqrt(root)) / bb};
 }
 
-// The hull of what a line passes of the two balls and the cylinder between them: they are convex together.
+// Interval of a line inside the capsule: the hull of its intervals in both balls and in the cylinder, as the union is
+// convex.
 std::optional<Stretch> insideOf(const Capsule &capsule, const Vec3 &from, const Vec3 &way) {
   std::optional<Stretch> out;
   const auto add = [&](const std::optional<Stretch> &part) {
@@ -77,10 +78,10 @@ std::optional<Stretch> insideOf(const Capsule &capsule, const Vec3 &from, const 
   return out;
 }
 
-// The path, with what turns the axis from one place to the next.
+// Tool path, with the rotations of the axis from each pose to the next.
 class Path {
  public:
-  explicit Path(const std::vector<ToolPlace> &places) : places_(places) {
+  explicit Path(const std::vector<ToolPose> &places) : places_(places) {
     turned_.push_back(Mat3::Identity());
     for (std::size_t k = 0; k + 1 < places.size(); ++k) {
       const Vec3 a = places[k].axis.normalized(), b = places[k + 1].axis.normalized();
@@ -100,7 +101,7 @@ class Path {
     RigidMotion out;
     out.centre = places_.front().at;
     const auto next = std::upper_bound(places_.begin(), places_.end(), t,
-                                       [](double time, const ToolPlace &place) { return time < place.time; });
+                                       [](double time, const ToolPose &place) { return time < place.time; });
     if (next == places_.begin()) return out;
     const auto k = static_cast<std::size_t>(next - places_.begin()) - 1;
     if (next == places_.end()) {
@@ -116,12 +117,12 @@ class Path {
   }
 
  private:
-  std::vector<ToolPlace> places_;
+  std::vector<ToolPose> places_;
   std::vector<Eigen::AngleAxisd> turns_;  // [places - 1]
   std::vector<Mat3> turned_;              // [places] since the first
 };
 
-// Empty: it is as it has to be.
+// Empty: the tool is valid.
 std::string problemOf(const ProbeTool &tool) {
   if (!(tool.radius > 0.0) || !std::isfinite(tool.radius))
     return "its radius is " + number(1e3 * tool.radius) + " mm; accepted: more than 0";
@@ -132,7 +133,7 @@ std::string problemOf(const ProbeTool &tool) {
   if (tool.path.size() < 2)
     return "its path has " + std::to_string(tool.path.size()) + " places; accepted: at least two";
   for (std::size_t k = 0; k < tool.path.size(); ++k) {
-    const ToolPlace &place = tool.path[k];
+    const ToolPose &place = tool.path[k];
     const std::string which = "place " + std::to_string(k) + " of its path ";
     if (!std::isfinite(place.time) || !place.at.allFinite()) return which + "is not finite";
     if (!place.axis.allFinite() || place.axis.isZero(0.0)) return which + "has no axis; accepted: a direction";

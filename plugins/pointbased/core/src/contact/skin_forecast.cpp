@@ -11,13 +11,20 @@
 namespace pointbased::detail {
 namespace {
 
-constexpr float kListed = 0.65f;  // spacings: pairs that come that near are listed
-constexpr double kFaster = 2.0;   // times the way of a step: bodies may gain speed within it
-constexpr float kAlike = 0.2f;    // cosine of normals of parts that do not come to face each other
-constexpr float kSame = 0.995f;   // cosine of normals that are taken for one
-constexpr double kBeside = 0.25;  // of the squared distance of one piece: patches that near at rest never touch
-constexpr double kFirst = 8.0, kFewest = 3.0, kMost = 1024.0;  // steps to look ahead
-constexpr double kLonger = 2.0, kAsLong = 1.5;  // where the last look served to its end; else of the steps it served
+// Spacings: pairs that come nearer within the horizon are listed. Larger: longer lists that stay valid longer.
+constexpr float kListed = 0.65f;
+// Times the travel of a step, as bodies may gain speed within it. Larger: safer, lists expire earlier.
+constexpr double kFaster = 2.0;
+// Cosine: parts whose normals all agree better cannot face each other. Smaller: more pairs are skipped.
+constexpr float kAlike = 0.2f;
+// Cosine: normals of a patch that agree better are stored as one. Larger: more directions, at most 6.
+constexpr float kSame = 0.995f;
+// Of the squared distance `apart`: patches with nearer rest boxes never touch. Larger: more pairs are skipped.
+constexpr double kBeside = 0.25;
+// Steps to look ahead: for the first list, at least, at most. More: longer lists, built less often.
+constexpr double kFirst = 8.0, kFewest = 3.0, kMost = 1024.0;
+// New horizon, times the last one if the list stayed valid, else times its valid steps. Larger: longer lists.
+constexpr double kLonger = 2.0, kAsLong = 1.5;
 
 Eigen::Array4f corner(const Eigen::Vector3f &x) { return {x[0], x[1], x[2], 0.0f}; }
 
@@ -77,7 +84,7 @@ double SkinForecast::Deviation::measure(const ContactSkin &skin) {
   return mostThen = std::sqrt(squared);
 }
 
-bool SkinForecast::serves() {
+bool SkinForecast::isStillValid() {
   const std::span<const Vec3> u = skin_.displacements(), v = skin_.velocities();
   const std::vector<Index> &carriers = skin_.skin().carriers;
   if (placeThen_.size() != u.size()) return false;
@@ -88,10 +95,11 @@ bool SkinForecast::serves() {
     along += (u[i] - place - placeThen_[i]).dot(velocityThen_[i]);
     squared += velocityThen_[i].squaredNorm();
   }
-  // The time since the look that fits the displacements best: steps that are undone or repeated need no clock.
+  // Time since the list was built, as the best fit to the displacements. No clock is needed if steps are undone or
+  // repeated.
   const double begin = squared > 0.0 ? std::clamp(along / squared, 0.0, horizon_) : 0.0, dt = skin_.dt();
-  FarthestWay last(skin_.maxInfluence());
-  std::array<FarthestWay, 2> since{last, last};
+  TravelBound last(skin_.maxInfluence());
+  std::array<TravelBound, 2> since{last, last};
   for (const Index i : carriers) {
     deviations_[0].ways[i] = u[i] - place - placeThen_[i] - begin * velocityThen_[i];
     deviations_[1].ways[i] = deviations_[0].ways[i] + kFaster * dt * (v[i] - velocity - velocityThen_[i]);
@@ -157,7 +165,7 @@ void SkinForecast::look() {
       continue;
     }
     const bool areLeaves = tree[a].patch != PatchTree::kNone && tree[b].patch != PatchTree::kNone;
-    // Patches that touch each other at rest never count, whatever of them is farther apart.
+    // Patches that are adjacent at rest never collide, even where parts of them are farther apart.
     if (areLeaves && tree[a].rest.squaredDistance(tree[b].rest) <= kBeside * apart) continue;
     if (!mayComeNear(a, b) || !mayFace(a, b) || tree[a].rest.squaredFarthest(tree[b].rest) <= apart) continue;
     if (areLeaves) {
@@ -208,7 +216,7 @@ void SkinForecast::addPatch(Index patch, float horizon, Motion &node) const {
     for (const std::vector<Corner> &normals : normals_) node.normals.add(normals[t]);
 }
 
-// Vertices and edges of a patch face where the triangles around them do, also those of others.
+// A patch faces the directions of all triangles around its corners, including those of other patches.
 void SkinForecast::findRings() {
   const ContactSkin &skin = skin_.skin();
   rings_.offsets.assign(1, 0);
@@ -223,7 +231,7 @@ void SkinForecast::findRings() {
   }
 }
 
-// Now and at the horizon; zero of a triangle without an area.
+// Now and at the horizon; zero for a triangle without area.
 void SkinForecast::updateNormals(float horizon) {
   const std::vector<std::array<Index, 3>> &triangles = skin_.skin().triangles;
   for (std::size_t t = 0; t < triangles.size(); ++t)
@@ -238,7 +246,7 @@ void SkinForecast::updateNormals(float horizon) {
     }
 }
 
-// Parts of a solid meet face to face: of two whose normals are about the same no part touches the other.
+// Parts of a solid meet face to face. Two parts whose normals nearly agree cannot touch each other.
 // @source  after Volino and Magnenat-Thalmann, Computer Graphics Forum 13(3), 1994
 bool SkinForecast::mayFace(Index a, Index b) const {
   const Box &mine = nodes_[a].normals, &theirs = nodes_[b].normals;
@@ -247,8 +255,8 @@ bool SkinForecast::mayFace(Index a, Index b) const {
   return !(least.sum() > kAlike);
 }
 
-// Whether no plane across an axis separates two nodes until the horizon by more than what is listed. The distance along
-// an axis is concave in time: the least of linear functions.
+// False if a plane perpendicular to a coordinate axis separates two nodes by more than listed_ until the horizon. The
+// lower bound of the distance along an axis is concave in time: it is the minimum of linear functions.
 bool SkinForecast::mayComeNear(Index a, Index b) const {
   const Motion &mine = nodes_[a], &theirs = nodes_[b];
   const Corner above = (mine.now.low - theirs.now.high).min(mine.then.low - theirs.then.high),
@@ -256,7 +264,8 @@ bool SkinForecast::mayComeNear(Index a, Index b) const {
   return above.max(below).maxCoeff() <= listed_;
 }
 
-// Where planes between the patches do not tell, by their triangles: those that are one piece of tissue do not count.
+// Compares patches first by separating planes, then triangle by triangle. Pairs of triangles that are one piece of
+// tissue are skipped.
 void SkinForecast::compare(Index a, Index b, float horizon) {
   if (!(faces(a, b, horizon) || faces(b, a, horizon))) return;
   if (!(separationOf(a, b, horizon).leastUntil(horizon) <= listed_)) return;
@@ -281,7 +290,7 @@ void SkinForecast::compare(Index a, Index b, float horizon) {
       then = std::min(then, found.at(horizon));
     }
   }
-  // The least of several linear functions is concave: nowhere below the line between its ends.
+  // The minimum of several linear functions is concave: it is nowhere below the chord between its ends.
   if (std::min(now, then) <= listed_) pairs_.push_back({a, b, {now, horizon > 0.0f ? (then - now) / horizon : 0.0f}});
 }
 
@@ -322,7 +331,7 @@ bool SkinForecast::isNear(const Pair &pair) const {
   return false;
 }
 
-// Of two parallel planes across a direction, which leads from the first to the second.
+// Separation of two planes perpendicular to a direction that points from the first set of vertices to the second.
 template <class Corners>
 SkinForecast::Separation SkinForecast::along(const Eigen::Vector3f &direction, const Corners &first,
                                              const Corners &second) const {
@@ -344,7 +353,7 @@ Eigen::Vector3f SkinForecast::middleOf(Index patch) const {
   return (0.5f * (box.low + box.high)).head<3>().matrix();
 }
 
-// Whether anything of the second is in front of the first, now or at the horizon: else they do not touch.
+// Whether a corner of b is in front of a, now or at the horizon. Otherwise the two cannot touch.
 bool SkinForecast::faces(Index a, Index b, float horizon) {
   const auto &mine = skin_.tree().patches()[a].corners, &theirs = skin_.tree().patches()[b].corners;
   const Facings &facings = facingsOf(a);
@@ -362,7 +371,7 @@ bool SkinForecast::faces(Index a, Index b, float horizon) {
   });
 }
 
-// Across the line between the middles, or across one of the two.
+// Best separation along the line between the centres, or along one of the two normals.
 SkinForecast::Separation SkinForecast::separationOf(Index a, Index b, float horizon) {
   const Eigen::Vector3f way = middleOf(b) - middleOf(a);
   Separation best{-std::numeric_limits<float>::infinity(), 0.0f};
@@ -376,7 +385,7 @@ SkinForecast::Separation SkinForecast::separationOf(Index a, Index b, float hori
   return best;
 }
 
-// The directions in which it and what is around it faces; alike ones once.
+// Distinct directions in which a patch and the triangles around it face.
 const SkinForecast::Facings &SkinForecast::facingsOf(Index patch) {
   Facings &facings = facings_[patch];
   if (std::exchange(facings.seen, now_) == now_) return facings;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which parts of a skin may touch each other in the next steps. Private to the core.
+// Predicts which parts of a skin may touch each other in the next steps. Private to the core.
 #pragma once
 
 #include <array>
@@ -10,16 +10,17 @@
 
 namespace pointbased::detail {
 
-/// Spacings: what of one skin is farther apart does not touch in a step.
+/// Spacings: parts of one skin that are farther apart cannot touch within a step. Larger: more candidates.
 inline constexpr double kNearOfSelf = 0.13;
 
-/// Candidate pairs for contact of a skin with itself, for several steps at once: those patches that come near each
-/// other within a horizon if every vertex keeps its velocity. The list serves until vertices have deviated from that so
+/// Candidate pairs for self-contact of a skin, for several steps at once: patches that come near each other within a
+/// horizon if every vertex keeps its velocity. The list is valid until vertices have deviated from this prediction so
 /// far that other patches may meet.
-/// @threads one
+/// @threads  one
 class SkinForecast {
  public:
-  /// Lower bound of the distance of two parts at the look, m, and of its rate from then on, m/s.
+  /// Linear lower bound of the distance of two parts: distance when the list was built, m, and its rate from then on,
+  /// m/s.
   struct Separation {
     float distance = 0.0f, rate = 0.0f;
     [[nodiscard]] float at(float time) const { return distance + time * rate; }
@@ -30,26 +31,27 @@ class SkinForecast {
     Separation separation;
   };
 
-  /// @param apart  m: triangles that lie within that at rest are one piece of tissue
-  /// @param near   m: nothing that is farther apart is asked for
+  /// @param apart  triangles within this distance at rest are one piece of tissue and never collide, m
+  /// @param near  search distance: pairs farther apart are of no interest, m
   SkinForecast(MovingSkin &skin, double apart, double near);
 
-  /// Whether the list serves for the step that the skin is about to go (MovingSkin::move()).
-  [[nodiscard]] bool serves();
-  /// Lists anew for that step, and for some that follow.
+  /// Whether the list is valid for the coming step, as set by MovingSkin::move().
+  [[nodiscard]] bool isStillValid();
+  /// Builds the list for the coming step and for some steps after it.
   void look();
   void forget() { placeThen_.clear(); }
   [[nodiscard]] const std::vector<Pair> &pairs() const { return pairs_; }
-  /// Whether a pair may come nearer than near in that step, or in twice as long; after serves() or look().
+  /// Whether a pair may come nearer than `near` within two steps. After isStillValid() or look().
   [[nodiscard]] bool mayMeet(const Pair &pair) const {
     return std::min(pair.separation.at(begin_), pair.separation.at(end_)) - deviation_ <= near_;
   }
-  /// Whether any does, with the velocities of now. It follows from the state alone, whatever was looked at before.
+  /// Whether any pair does with the current velocities. The result depends on the state alone, not on when the list was
+  /// built.
   [[nodiscard]] bool meets() const {
     return std::any_of(pairs_.begin(), pairs_.end(),
                        [this](const Pair &pair) { return mayMeet(pair) && isNear(pair); });
   }
-  /// Of the list: another one, another number.
+  /// Changes with every new list.
   [[nodiscard]] std::uint64_t number() const { return now_; }
 
  private:
@@ -68,24 +70,24 @@ class SkinForecast {
   struct Motion {
     Box now, then, normals;  // then: at the horizon
   };
-  // Around a triangle.
+  // Bounding sphere of a triangle.
   struct Ball {
     Eigen::Vector3f middle = Eigen::Vector3f::Zero();
     float radius = 0.0f;  // m
     std::uint64_t seen = 0;
   };
-  // How far vertices deviate from what was expected. Phyxels alone say several times as much as is so where light ones
-  // swing about: now and then the vertices are asked, and phyxels say what has changed since.
+  // Deviation of the vertices from the prediction. The bound from phyxels alone is several times too large where light
+  // phyxels oscillate. Occasionally the vertices themselves are measured; from then on, phyxels bound the change.
   struct Deviation {
-    std::vector<Vec3> ways, waysThen;  // [phyxels] m
-    double mostThen = 0.0;             // m, of a vertex
+    std::vector<Vec3> ways, waysThen;  // m, [phyxels]; waysThen: at the last measurement
+    double mostThen = 0.0;             // m, largest of a vertex at the last measurement
     double measure(const ContactSkin &skin);
   };
-  // Where a patch faces: unit.
+  // Directions in which a patch faces, unit.
   struct Facings {
     std::array<Eigen::Vector3f, 6> normals{};
     std::size_t count = 0;
-    bool isComplete = true;  // otherwise there are more
+    bool isComplete = true;  // false: the patch has more directions than fit
     std::uint64_t seen = 0;
     [[nodiscard]] std::span<const Eigen::Vector3f> known() const { return std::span(normals).first(count); }
   };
@@ -112,21 +114,22 @@ class SkinForecast {
   float near_, listed_;                               // m: pairs that come nearer than listed_ are listed
   std::vector<Motion> nodes_;                         // of the tree
   std::vector<Index> nodeOf_;                         // [patches]
-  std::vector<std::pair<Index, Index>> open_;         // room for look()
-  std::vector<Eigen::Vector3f> places_, velocities_;  // [vertices] m, m/s, seen from their mean
-  Csr rings_;                                         // [patches] triangles at its corners
+  std::vector<std::pair<Index, Index>> open_;         // scratch storage of look()
+  std::vector<Eigen::Vector3f> places_, velocities_;  // [vertices] m, m/s, relative to their mean
+  Csr rings_;                                         // [patches] triangles adjacent to its corners
   std::array<std::vector<Corner>, 2> normals_;        // [triangles] unit
   std::vector<Facings> facings_;                      // [patches]
   std::vector<Ball> balls_, restBalls_;               // [triangles]
   std::uint64_t now_ = 0;
   std::vector<Pair> pairs_;
-  // [phyxels] at the look, relative to the mean: m, m/s; and at the step before: m/s.
+  // [phyxels] when the list was built, relative to the mean of the carriers, m and m/s; velocities one step before,
+  // m/s.
   std::vector<Vec3> placeThen_, velocityThen_, velocityBefore_;
   Vec3 meanBefore_ = Vec3::Zero();                       // m/s, of the carriers
   std::array<Deviation, 2> deviations_;                  // now, and at the end of the step
   double horizon_ = 0.0, steps_, velocityChange_ = 0.0;  // s; steps to look ahead; m/s, in the last step
-  std::size_t served_ = 0;                               // steps since the look
-  float begin_ = 0.0f, end_ = 0.0f, deviation_ = 0.0f;   // of this step: s since the look; m, of two vertices
+  std::size_t served_ = 0;                               // steps since the list was built
+  float begin_ = 0.0f, end_ = 0.0f, deviation_ = 0.0f;   // of this step, s since the list was built; m, two vertices
 };
 
 }  // namespace pointbased::detail

@@ -11,34 +11,38 @@
 namespace pointbased::detail {
 namespace {
 
-// Where steps go far, places are listed as far as so many of their ways, up to a spacing, and at least two.
-constexpr double kWays = 12.0, kFarthest = 1.0, kFewestWays = 2.0;
-// In spacings: deeper inside is only what was seen inside before.
+// kLookaheadSteps: steps of travel covered by a list of patches. More: longer lists, built less often.
+// kMaxReach: spacings, upper limit of that distance. Larger: longer lists, built less often.
+// kMinLookahead: steps of travel covered at least, beyond kMaxReach if necessary. More: longer lists of fast bodies.
+constexpr double kLookaheadSteps = 12.0, kMaxReach = 1.0, kMinLookahead = 2.0;
+// Spacings: deeper overlap counts only for vertices that were inside before. Smaller: overlap of fast bodies is missed.
 constexpr double kDeep = 0.1;
-// Edges whose faces meet at a smaller angle (its sine) are smooth: the vertices beside them tell all.
-// An edge that is so long rises, times the offset, beyond its neighbours however smooth it is.
+// kSharp: sine of the angle between two faces. Flatter edges are smooth and left to the vertices; larger: fewer edges.
+// kRise: of the offset: an edge that rises farther along its length is tested, however smooth; larger: fewer edges.
 constexpr double kSharp = 0.05, kRise = 0.05;
-// Of the way of a step: what moves fast against each other keeps so much more apart, so that what the solution leaves
-// of its speed, and planes that are those of the beginning of the step, do not take it through.
-constexpr double kCushion = 0.1;
-// Of the cone of directions that lead out of an edge, and of its ends: rounding.
+// Of the relative travel of a step: extra distance between fast skins. Residual velocity of the solver and contact
+// planes frozen at the beginning of the step then cause no tunnelling. Larger: safer, fast skins stay farther apart.
+constexpr double kSpeedMargin = 0.1;
+// kCone: sine, tolerance of the cone of directions that leave an edge. Larger: edges past their cone count as contacts.
+// kEnds: of an edge, length at both ends that does not belong to its interior. It absorbs rounding.
 constexpr double kCone = 0.05, kEnds = 1e-6;
-// Sides of which the normals are closer than this cosine are one.
+// Cosine: contacts of a vertex with normals closer than that are one side. Larger: more contacts per vertex.
 constexpr double kOneSide = 0.7;
-// Sine of the angle between a face and the edge to a neighbour of a vertex. A neighbour beyond it is so much nearer to
-// the face that it reaches the plane of the face first.
+// Sine of the angle between a face and the edge to a neighbour of a vertex: a steeper neighbour reaches the plane of the
+// face first. Larger: fewer vertices are skipped.
 constexpr double kBehind = 0.65;
-// Skins of one body meet face to face.
+// Cosine between facing and contact normal, for a skin with itself: sides must face each other. Larger: more contacts.
 constexpr double kFacing = -0.2;
-// What is gathered serves until both have moved by that, in spacings, where a step goes by less than a part of it.
-constexpr double kSlack = 0.03, kCalm = 0.3;
-// Of the margin: contacts that do not press yet come no nearer while those that do are kept as they are.
-constexpr double kServes = 0.5;
-// Of the offset: what slides that far in a step may be over another face then.
+// kReuseDistance: spacings, travel for which gathered candidates stay valid. More: longer lists, gathered less often.
+// kQuasiStaticTravel: of that distance: candidates are reused if a step moves by less. Larger: reuse at higher speeds.
+constexpr double kReuseDistance = 0.03, kQuasiStaticTravel = 0.3;
+// Of the margin: approach of open contacts while active ones are reused. Larger: longer reuse, longer search distance.
+constexpr double kReuseMarginFraction = 0.5;
+// Of the offset: a contact that slides farther in a step may be above another face at its end. Smaller: more searches.
 constexpr double kFarSlide = 0.1;
-// Of the offset: a way that comes through the plane of a face so far beside it meets it.
+// Of the offset: a path that passes the plane of a face so far beside it still crosses it. Larger: more crossings.
 constexpr double kBesideFace = 0.5;
-constexpr double kTiny = 1e-6;  // spacings: below it a connection has no direction
+constexpr double kTiny = 1e-6;  // spacings: shorter connections have no direction
 
 std::uint64_t keyOf(int kind, Index a, Index b) {
   return (static_cast<std::uint64_t>(kind) << 62) | (static_cast<std::uint64_t>(a) << 31) | b;
@@ -48,7 +52,7 @@ bool share(const std::array<Index, 2> &a, const std::array<Index, 2> &b) {
   return a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1];
 }
 
-// m, at rest; 0: there are none.
+// m, at rest; 0: the skin has no edges
 double meanEdge(const ContactSkin &skin) {
   double sum = 0.0;
   for (const SkinEdge &edge : skin.edges)
@@ -56,7 +60,7 @@ double meanEdge(const ContactSkin &skin) {
   return skin.edges.empty() ? 0.0 : sum / static_cast<double>(skin.edges.size());
 }
 
-// Whether a direction leads out of an edge between all that is around it.
+// Whether a direction points out of the wedge of faces around an edge.
 bool leadsOut(MovingSkin &skin, Index edge, const Vec3 &direction, double tolerance) {
   const SkinEdge &e = skin.skin().edges[edge];
   const Vec3 a = skin.position(e.ends[0]), along = (skin.position(e.ends[1]) - a).normalized();
@@ -71,7 +75,8 @@ bool leadsOut(MovingSkin &skin, Index edge, const Vec3 &direction, double tolera
   return true;
 }
 
-// Whether the own skin of a vertex rises steeply beside it towards a face with this normal.
+// Whether a neighbour of a vertex on its own skin is so much closer to a face with this normal that it hides the
+// vertex.
 bool isBehind(MovingSkin &skin, Index vertex, const Vec3 &normal) {
   const Vec3 x = skin.position(vertex);
   for (const Index t : skin.skin().trianglesOf.row(vertex))
@@ -91,8 +96,8 @@ SkinPair::SkinPair(MovingSkin &first, MovingSkin &second, const SkinPairSettings
   if (isSelf()) forecast_.emplace(first, settings.apart, kNearOfSelf * spacing_);
 }
 
-std::optional<bool> SkinPair::foretold() {
-  return forecast_->serves() ? std::optional<bool>(forecast_->meets()) : std::nullopt;
+std::optional<bool> SkinPair::predictedContact() {
+  return forecast_->isStillValid() ? std::optional<bool>(forecast_->meets()) : std::nullopt;
 }
 
 bool SkinPair::mayTouch() {
@@ -111,61 +116,63 @@ void SkinPair::Travel::begin(const SkinPair &pair) {
 double SkinPair::Travel::since(const SkinPair &pair) const {
   const MovingSkin &first = *pair.sides_[0].skin, &second = *pair.sides_[1].skin;
   Vec3 ofFirst, ofSecond;
-  const double went = first.wentSince(from[0], ofFirst);
-  return went + (pair.isSelf() ? went : second.wentSince(from[1], ofSecond) + (ofFirst - ofSecond).norm());
+  const double went = first.travelSince(from[0], ofFirst);
+  return went + (pair.isSelf() ? went : second.travelSince(from[1], ofSecond) + (ofFirst - ofSecond).norm());
 }
 
-// From the vertices themselves, where the bounds by phyxels do not tell.
+// Measures travel from the vertices themselves, where the bounds from phyxels are too coarse.
 void SkinPair::measureExactly() {
   MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
-  goes_ = first.goesExactly() + second.goesExactly() + (first.meanGoes() - second.meanGoes()).norm();
+  stepTravel_ =
+      first.stepTravelExact() + second.stepTravelExact() + (first.meanStepTravel() - second.meanStepTravel()).norm();
   if (sinceList_.from[0].empty()) return;
   std::array<Vec3, 2> means;
-  went_ = 0.0;
+  travelSinceList_ = 0.0;
   for (std::size_t s = 0; s < 2; ++s) {
     MovingSkin &skin = *sides_[s].skin;
-    (void)skin.wentSince(sinceList_.from[s], means[s]);
+    (void)skin.travelSince(sinceList_.from[s], means[s]);
     skin.placeVertices();
     double squared = 0.0;
     for (std::size_t v = 0; v < listedAt_[s].size(); ++v)
       squared = std::max(squared, (skin.positions()[v] - listedAt_[s][v] - means[s]).squaredNorm());
-    went_ += std::sqrt(squared);
+    travelSinceList_ += std::sqrt(squared);
   }
-  went_ += (means[0] - means[1]).norm();
+  travelSinceList_ += (means[0] - means[1]).norm();
 }
 
-// The same for what is gathered, since then.
+// Same for the vertices of the candidates, since they were gathered.
 void SkinPair::measureGathered(bool hasGathered) {
   std::array<Vec3, 2> means{Vec3::Zero(), Vec3::Zero()};
-  double goes = 0.0, moved = 0.0;
+  double stepTravel = 0.0, moved = 0.0;
   for (std::size_t s = 0; s < 2; ++s) {
     MovingSkin &skin = *sides_[s].skin;
-    if (hasGathered) (void)skin.wentSince(sinceGathered_.from[s], means[s]);
+    if (hasGathered) (void)skin.travelSince(sinceGathered_.from[s], means[s]);
     double farthest = 0.0, fastest = 0.0;
     for (std::size_t k = 0; k < gatheredOf_[s].size(); ++k) {
       const Index v = gatheredOf_[s][k];
-      fastest = std::max(fastest, (dt_ * skin.velocity(v) - skin.meanGoes()).squaredNorm());
+      fastest = std::max(fastest, (dt_ * skin.velocity(v) - skin.meanStepTravel()).squaredNorm());
       if (hasGathered) farthest = std::max(farthest, (skin.position(v) - gatheredAt_[s][k] - means[s]).squaredNorm());
     }
-    goes += std::sqrt(fastest);
+    stepTravel += std::sqrt(fastest);
     moved += std::sqrt(farthest);
   }
-  goes_ = goes + (sides_[0].skin->meanGoes() - sides_[1].skin->meanGoes()).norm();
-  if (hasGathered) moved_ = moved + (means[0] - means[1]).norm();
+  stepTravel_ = stepTravel + (sides_[0].skin->meanStepTravel() - sides_[1].skin->meanStepTravel()).norm();
+  if (hasGathered) travelSinceGather_ = moved + (means[0] - means[1]).norm();
 }
 
-bool SkinPair::serves() const {
-  if (!(servesFor_ > 0.0)) return false;
+bool SkinPair::isStillValid() const {
+  if (!(validTravel_ > 0.0)) return false;
   const MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
-  const double goes = first.goes() + second.goes() + (first.meanGoes() - second.meanGoes()).norm();
-  return sinceFound_.since(*this) + goes <= servesFor_;
+  const double stepTravel =
+      first.stepTravel() + second.stepTravel() + (first.meanStepTravel() - second.meanStepTravel()).norm();
+  return sinceFound_.since(*this) + stepTravel <= validTravel_;
 }
 
-// From here on, with what is left of its reach.
+// Restarts the measurement of travel; the list keeps its remaining reach.
 void SkinPair::keepList() {
-  listReach_ -= went_;
-  for (NearPatches &pair : listed_) pair.apart -= went_;
-  went_ = 0.0;
+  listReach_ -= travelSinceList_;
+  for (NearPatches &pair : listed_) pair.apart -= travelSinceList_;
+  travelSinceList_ = 0.0;
   sinceList_.begin(*this);
   for (std::size_t s = 0; s < 2; ++s) {
     const std::span<const Vec3> x = sides_[s].skin->positions();
@@ -173,20 +180,21 @@ void SkinPair::keepList() {
   }
 }
 
-// @return whether what has been gathered is of the same list
+// @return whether the gathered candidates belong to the same list
 bool SkinPair::renewList() {
   const bool isNew = sinceList_.from[0].empty();
-  if (!isNew) went_ = sinceList_.since(*this);
+  if (!isNew) travelSinceList_ = sinceList_.since(*this);
   const double room = settings_.offset + settings_.margin;
-  const double serves = kServes * settings_.margin;
-  const auto isOld = [&] { return isNew || !(went_ + goes_ + serves <= listReach_ - room); };
+  const double reuseMargin = kReuseMarginFraction * settings_.margin;
+  const auto isOld = [&] { return isNew || !(travelSinceList_ + stepTravel_ + reuseMargin <= listReach_ - room); };
   if (!isOld()) return true;
   measureExactly();
   const bool lists = isOld();
   if (lists) {
-    listReach_ = room + serves +
-                 std::max({settings_.leastReach, std::min(kWays * goes_, kFarthest * spacing_), kFewestWays * goes_});
-    went_ = 0.0;
+    listReach_ = room + reuseMargin +
+                 std::max({settings_.leastReach, std::min(kLookaheadSteps * stepTravel_, kMaxReach * spacing_),
+                           kMinLookahead * stepTravel_});
+    travelSinceList_ = 0.0;
     list(listReach_);
   }
   keepList();
@@ -194,7 +202,7 @@ bool SkinPair::renewList() {
 }
 
 bool SkinPair::renewForecast() {
-  if (!forecast_->serves()) forecast_->look();
+  if (!forecast_->isStillValid()) forecast_->look();
   if (std::exchange(forecastOf_, forecast_->number()) == forecast_->number()) return true;
   listed_.clear();
   for (const SkinForecast::Pair &pair : forecast_->pairs()) listed_.push_back({pair.first, pair.second, 0.0});
@@ -206,21 +214,21 @@ void SkinPair::find(double dt, bool again) {
   eases_ = !again;
   if (eases_) before_ = allowed_;
   const MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
-  goes_ = first.goes() + second.goes() + (first.meanGoes() - second.meanGoes()).norm();
+  stepTravel_ = first.stepTravel() + second.stepTravel() + (first.meanStepTravel() - second.meanStepTravel()).norm();
   const bool hasGathered = isSelf() ? renewForecast() : renewList();
-  const double serves = kServes * settings_.margin;
+  const double reuseMargin = kReuseMarginFraction * settings_.margin;
   std::swap(previous_, active_);
   active_.clear();
   depth_ = 0.0;
-  moved_ = hasGathered && slack_ > 0.0 && !listed_.empty() ? sinceGathered_.since(*this) : 0.0;
-  const auto isCalm = [this] { return goes_ <= kCalm * kSlack * spacing_; };
-  if (!isSelf() && !listed_.empty() && (!isCalm() || moved_ + goes_ > slack_))
-    measureGathered(hasGathered && slack_ > 0.0);
-  if (!hasGathered || !(slack_ > 0.0 && moved_ + goes_ <= slack_)) {
-    moved_ = 0.0;
-    slack_ = isCalm() ? kSlack * spacing_ : 0.0;
-    gatherNear();
-    if (slack_ > 0.0) {
+  travelSinceGather_ = hasGathered && reuseDistance_ > 0.0 && !listed_.empty() ? sinceGathered_.since(*this) : 0.0;
+  const auto isCalm = [this] { return stepTravel_ <= kQuasiStaticTravel * kReuseDistance * spacing_; };
+  if (!isSelf() && !listed_.empty() && (!isCalm() || travelSinceGather_ + stepTravel_ > reuseDistance_))
+    measureGathered(hasGathered && reuseDistance_ > 0.0);
+  if (!hasGathered || !(reuseDistance_ > 0.0 && travelSinceGather_ + stepTravel_ <= reuseDistance_)) {
+    travelSinceGather_ = 0.0;
+    reuseDistance_ = isCalm() ? kReuseDistance * spacing_ : 0.0;
+    gatherCandidates();
+    if (reuseDistance_ > 0.0) {
       sinceGathered_.begin(*this);
       for (std::size_t s = 0; s < 2; ++s) {
         gatheredAt_[s].clear();
@@ -228,25 +236,25 @@ void SkinPair::find(double dt, bool again) {
       }
     }
   }
-  easeAllowances();
-  for (NearVertex &group : vertices_)
-    if (!(group.wake > moved_ + goes_)) lookAt(group);
-  for (NearEdges &pair : edges_)
-    if (!(pair.wake > moved_ + goes_)) lookAt(pair);
-  servesFor_ = isFirst_ || (allowed_ > 0.0 && leadsApart()) || steps_ != Steps::small ? 0.0 : serves;
-  if (servesFor_ > 0.0) sinceFound_.begin(*this);
-  if (isFirst_) learnAllowances();
-  if (isFirst_ && !leadsApart()) depth_ = 0.0;
+  relaxInitialPenetration();
+  for (VertexCandidates &group : vertices_)
+    if (!(group.wake > travelSinceGather_ + stepTravel_)) updateVertexContact(group);
+  for (EdgeCandidates &pair : edges_)
+    if (!(pair.wake > travelSinceGather_ + stepTravel_)) updateEdgeContact(pair);
+  validTravel_ = isFirst_ || (allowed_ > 0.0 && resolvesInitialOverlap()) || steps_ != Steps::small ? 0.0 : reuseMargin;
+  if (validTravel_ > 0.0) sinceFound_.begin(*this);
+  if (isFirst_) recordInitialPenetration();
+  if (isFirst_ && !resolvesInitialOverlap()) depth_ = 0.0;
   isFirst_ = false;
-  // Where nothing is near and nothing inside, nothing overlaps any more.
+  // Without listed patches and without vertices inside, no overlap remains.
   const auto hasInside = [](const Side &side) {
     return std::find(side.isInside.begin(), side.isInside.end(), 1) != side.isInside.end();
   };
   if (allowed_ > 0.0 && listed_.empty() && std::none_of(sides_.begin(), sides_.end(), hasInside)) {
-    for (Side &side : sides_) side.allowance.clear();
+    for (Side &side : sides_) side.initialPenetration.clear();
     allowed_ = 0.0;
   }
-  keepMemories();
+  carryImpulsesOver();
 }
 
 void SkinPair::list(double reach) {
@@ -271,42 +279,45 @@ void SkinPair::list(double reach) {
     for (const std::size_t side : {0, 1}) findInside(side);
 }
 
-// What lies inside the other when both are looked at for the first time; later it is known how it came there.
+// Marks vertices inside the other skin at the first find(). Later this follows from the history of each vertex.
 void SkinPair::findInside(std::size_t side) {
   MovingSkin &own = *sides_[side].skin, &other = *sides_[1 - side].skin;
-  // Skins of what fits cross by less than their edges are long; what seems deeper lies beside a rim.
-  const double deepest = leadsApart() ? std::numeric_limits<double>::infinity()
-                                      : std::max({kDeep * spacing_, meanEdge(own.skin()), meanEdge(other.skin())});
+  // Skins that fit together cross by less than an edge length. Vertices that seem deeper are next to a rim.
+  const double deepest = resolvesInitialOverlap()
+                             ? std::numeric_limits<double>::infinity()
+                             : std::max({kDeep * spacing_, meanEdge(own.skin()), meanEdge(other.skin())});
   for (Index v = 0; v < own.skin().count(); ++v) {
     const Vec3 &x = own.positions()[v];
     if (!(own.skin().areas[v] > 0.0) || other.tree().bounds().squaredDistance(x) > 0.0) continue;
     const Index t = other.nearestTriangle(x);
     const NearestOnTriangle found = other.nearestOn(t, x);
     if (found.squared > deepest * deepest) continue;
-    if ((x - other.placeOn(t, found.weights)).dot(other.outwardAt(t, found.feature)) < 0.0)
+    if ((x - other.pointOn(t, found.weights)).dot(other.outwardAt(t, found.feature)) < 0.0)
       sides_[side].isInside[v] = 1;
   }
 }
 
-// Vertices and triangles, edges and edges that may touch within the step.
-void SkinPair::gatherNear() {
+// Gathers the pairs of vertices and triangles, and of edges, that may touch within the step.
+void SkinPair::gatherCandidates() {
   near_.clear();
   edges_.clear();
   MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
   const double room = settings_.offset + settings_.margin;
   for (std::size_t k = 0; k < listed_.size(); ++k) {
     auto &[a, b, apart] = listed_[k];
-    if (isSelf() ? !forecast_->mayMeet(forecast_->pairs()[k]) : apart - went_ > room + slack_ + goes_) continue;
+    if (isSelf() ? !forecast_->mayMeet(forecast_->pairs()[k])
+                 : apart - travelSinceList_ > room + reuseDistance_ + stepTravel_)
+      continue;
     const MovingSkin::PatchMotion &mine = first.motionOf(a), &theirs = second.motionOf(b);
-    // The fastest that a point of one can go, seen from one of the other.
+    // Largest relative velocity of a point of one patch and a point of the other.
     const Vec3 fastest = (mine.velocities.high - theirs.velocities.low)
                              .cwiseAbs()
                              .cwiseMax((theirs.velocities.high - mine.velocities.low).cwiseAbs());
-    const double reach = room + slack_ + (1.0 + kCushion) * dt_ * fastest.norm();
+    const double reach = room + reuseDistance_ + (1.0 + kSpeedMargin) * dt_ * fastest.norm();
     double distance = std::sqrt(mine.places.squaredDistance(theirs.places));
     if (distance <= reach)
       distance = std::max({distance, first.distance(a, second.slabOf(b)), second.distance(b, first.slabOf(a))});
-    apart = distance - went_;
+    apart = distance - travelSinceList_;
     if (!(distance <= reach)) continue;
     gatherVertices(false, a, b, reach);
     gatherVertices(!isSelf(), b, a, reach);
@@ -319,7 +330,7 @@ void SkinPair::gatherNear() {
   if (!isSelf()) {
     const std::size_t had = near_.size();
     for (const std::size_t s : {0, 1}) gatheredOf_[s].resize(listedCount_[s]);
-    for (const bool ofSecond : {false, true}) addDeep(ofSecond);
+    for (const bool ofSecond : {false, true}) addDeepVertices(ofSecond);
     if (near_.size() > had) std::sort(near_.begin(), near_.end(), before);
   }
   constexpr double kNow = -std::numeric_limits<double>::infinity();
@@ -328,13 +339,13 @@ void SkinPair::gatherNear() {
     while (end < near_.size() && near_[end].isOf(near_[begin])) ++end;
     vertices_.push_back({begin, end, kNow});
   }
-  std::sort(edges_.begin(), edges_.end(), [](const NearEdges &a, const NearEdges &b) {
+  std::sort(edges_.begin(), edges_.end(), [](const EdgeCandidates &a, const EdgeCandidates &b) {
     return std::tuple(a.first, a.second) < std::tuple(b.first, b.second);
   });
 }
 
-// Vertices deep inside have nothing within reach.
-void SkinPair::addDeep(bool ofSecond) {
+// Vertices deep inside have no candidates within reach: they get the nearest triangle.
+void SkinPair::addDeepVertices(bool ofSecond) {
   MovingSkin &own = *sides_[ofSecond ? 1 : 0].skin, &other = *sides_[ofSecond ? 0 : 1].skin;
   const std::vector<std::uint8_t> &isInside = sides_[ofSecond ? 1 : 0].isInside;
   const std::size_t had = near_.size();
@@ -413,7 +424,7 @@ bool SkinPair::areOnePiece(const std::array<Index, 2> &edge, const std::array<In
   return true;
 }
 
-void SkinPair::lookAt(NearVertex &group) {
+void SkinPair::updateVertexContact(VertexCandidates &group) {
   const std::span<const Near> near = std::span<const Near>(near_).subspan(group.begin, group.end - group.begin);
   const Index vertex = near.front().vertex;
   const std::size_t s = near.front().ofSecond ? 1 : 0;
@@ -433,20 +444,20 @@ void SkinPair::lookAt(NearVertex &group) {
   for (std::size_t k = 0; k < 3; ++k)
     velocity -= best.weights[static_cast<Eigen::Index>(k)] * other.velocity(surface.triangles[triangle][k]);
   const double within = room + dt_ * velocity.norm();
-  group.wake = isInside == 0 ? size - room - moved_ : -std::numeric_limits<double>::infinity();
+  group.wake = isInside == 0 ? size - room - travelSinceGather_ : -std::numeric_limits<double>::infinity();
   if (isInside == 0 && size > within) return;
-  const Vec3 way = p - other.placeOn(triangle, best.weights);
+  const Vec3 way = p - other.pointOn(triangle, best.weights);
   const Vec3 outward = other.outwardAt(triangle, best.feature);
   const double sign = way.dot(outward) >= 0.0 ? 1.0 : -1.0;
   double distance = sign * size;
-  // What has not come in near the surface is not inside: of one skin the nearest places are left out, and where a skin
-  // has been crushed it may be turned over.
+  // A vertex that has not entered near the surface is not inside. For a skin with itself the nearest triangles are
+  // excluded, and a crushed skin may be inverted.
   if (sign < 0.0 && size > kDeep * spacing_ && (isSelf() || isInside == 0)) return;
   isInside = sign < 0.0 ? 1 : 0;
   Vec3 normal = size > kTiny * spacing_ ? Vec3(sign / size * way) : Vec3(outward.normalized());
   const bool slidesFar = distance > 0.0 && dt_ * velocity.norm() > kFarSlide * settings_.offset;
   if (steps_ != Steps::small && (distance > room || slidesFar)) {
-    const Met met = distance > room ? followWay(near) : overAtEnd(near);
+    const Crossing met = distance > room ? firstCrossing(near) : faceAtEnd(near);
     if (met.triangle == kNoTriangle && distance > room) return;
     if (met.triangle != kNoTriangle) {
       triangle = met.triangle;
@@ -457,26 +468,26 @@ void SkinPair::lookAt(NearVertex &group) {
   }
   if (isSelf() && !(own.facing(vertex).dot(normal) < kFacing)) return;
 
-  // A layer that is given back at once, without time, is not to be strained by friction.
+  // If the layer is restored at once, without time, friction must not strain it.
   const auto offsetAt = [&](Index t) {
     const auto &[a, b, c] = surface.triangles[t];
     return settings_.offset * std::min(refinedAt(s, vertex), refinedAt(1 - s, a, b, c));
   };
   const double offset = offsetAt(triangle);
   const bool frees =
-      steps_ == Steps::withoutTime && distance >= 0.0 && before_ > 0.0 && leadsApart() && offset > distance;
-  // What only touches, without an overlap, gets all of its layer back whatever presses on it.
-  if (Side &side = sides_[s]; isInside != 0 && !side.allowance.empty())
-    holdBack(side.allowance[vertex], offset - distance);
+      steps_ == Steps::withoutTime && distance >= 0.0 && before_ > 0.0 && resolvesInitialOverlap() && offset > distance;
+  // Vertices that only touch, without overlap, get their full layer back whatever the pressure.
+  if (Side &side = sides_[s]; isInside != 0 && !side.initialPenetration.empty())
+    restoreInitialPenetration(side.initialPenetration[vertex], offset - distance);
   const auto addAt = [&](Index t, const Vec3 &weights, const Vec3 &n, double away, Index number) {
     SkinContact contact;
     const double ownOffset = offsetAt(t), thickness = ownOffset / settings_.offset * settings_.thickness;
-    contact.gap = away - ownOffset + allowance(s, vertex);
+    contact.gap = away - ownOffset + initialPenetration(s, vertex);
     if (number == 0 && own.skin().areas[vertex] > 0.0) {
       double modulus = 0.0;
       for (std::size_t k = 0; k < 3; ++k)
         modulus += weights[static_cast<Eigen::Index>(k)] * other.modulus(surface.triangles[t][k]);
-      // Either skin carries half.
+      // Each skin contributes half of the layer.
       const double ofOwn = own.modulus(vertex) / own.spacingAt(vertex),
                    ofOther = modulus / other.spacingAt(surface.triangles[t][0]);
       contact.stiffness = 0.5 * settings_.stiffness * std::min(ofOwn, ofOther) * own.skin().areas[vertex];
@@ -487,25 +498,25 @@ void SkinPair::lookAt(NearVertex &group) {
     contact.key = keyOf(s, vertex, number);
     contact.friction = frees ? 0.0 : settings_.friction;
     const double side = s == 1 ? -1.0 : 1.0;
-    // The way of the first seen from the second, along a normal that leads from the second to the first.
+    // Displacement of the first skin relative to the second, along a normal that points from the second to the first.
     contact.normal = side * n;
     contact.parts[0] = {vertex, s == 1, side};
     for (std::size_t k = 0; k < 3; ++k)
       contact.parts[k + 1] = {surface.triangles[t][k], s == 0, -side * weights[static_cast<Eigen::Index>(k)]};
-    add(std::move(contact), isInside != 0 ? away : std::max(away, 0.0), allowance(s, vertex));
+    add(std::move(contact), isInside != 0 ? away : std::max(away, 0.0), initialPenetration(s, vertex));
   };
   addAt(triangle, best.weights, normal, distance, 0);
   if (!(distance > 0.0) || (steps_ != Steps::small && size > room)) return;
-  // What stands beside it at an angle.
+  // Further contacts: faces next to it at an angle.
   std::array<Vec3, 4> normals{normal};
   std::size_t count = 1;
   for (const Near &one : near) {
     if (count == normals.size()) break;
-    // Over its inside; beyond its edges it is nearest to what is beside it.
+    // Only where the vertex is above the interior; outside of it the nearest feature belongs to a neighbour.
     if (one.triangle == triangle) continue;
     const NearestOnTriangle found = other.nearestOn(one.triangle, p);
     if (found.feature != 0 || !(found.squared > 0.0) || !(found.squared <= within * within)) continue;
-    const Vec3 from = p - other.placeOn(one.triangle, found.weights), n = from.normalized();
+    const Vec3 from = p - other.pointOn(one.triangle, found.weights), n = from.normalized();
     if (!(from.dot(other.faceNormal(one.triangle)) > 0.0)) continue;
     if (std::any_of(normals.begin(), normals.begin() + static_cast<std::ptrdiff_t>(count),
                     [&](const Vec3 &known) { return known.dot(n) > kOneSide; }))
@@ -516,11 +527,11 @@ void SkinPair::lookAt(NearVertex &group) {
   }
 }
 
-SkinPair::Met SkinPair::followWay(std::span<const Near> near) const {
+SkinPair::Crossing SkinPair::firstCrossing(std::span<const Near> near) const {
   const std::size_t s = near.front().ofSecond ? 1 : 0;
   MovingSkin &own = *sides_[s].skin, &other = *sides_[1 - s].skin;
-  const Vec3 p = own.position(near.front().vertex), goes = dt_ * own.velocity(near.front().vertex);
-  Met first;
+  const Vec3 p = own.position(near.front().vertex), stepTravel = dt_ * own.velocity(near.front().vertex);
+  Crossing first;
   double soonest = std::numeric_limits<double>::infinity();
   for (const Near &one : near) {
     const auto &[a, b, c] = other.skin().triangles[one.triangle];
@@ -528,34 +539,34 @@ SkinPair::Met SkinPair::followWay(std::span<const Near> near) const {
     const NearestOnTriangle atStart = other.nearestOn(one.triangle, p);
     const std::array<Vec3, 3> ways{dt_ * other.velocity(a), dt_ * other.velocity(b), dt_ * other.velocity(c)};
     const double away = n.dot(p - other.position(a));
-    Vec3 seen = goes;
+    Vec3 seen = stepTravel;
     for (std::size_t k = 0; k < 3; ++k) seen -= atStart.weights[static_cast<Eigen::Index>(k)] * ways[k];
     const double left = away + n.dot(seen);
     if (!(away > 0.0) || !(left < settings_.offset)) continue;
-    // Where it comes through the plane of the face, or ends before it.
+    // Time at which the vertex passes the plane of the face, as part of the step; 1: it ends before the plane.
     const double part = left < 0.0 ? away / (away - left) : 1.0;
     const NearestOnTriangle there =
-        nearestOnTriangle(p + part * goes, other.position(a) + part * ways[0], other.position(b) + part * ways[1],
+        nearestOnTriangle(p + part * stepTravel, other.position(a) + part * ways[0], other.position(b) + part * ways[1],
                           other.position(c) + part * ways[2]);
     const double tolerance = std::max(kBesideFace * settings_.offset, left);
     if (!(there.squared <= tolerance * tolerance) || !(part < soonest)) continue;
     soonest = part;
     first = {one.triangle, there.weights, n, away};
   }
-  // A vertex of a floor ahead of a block that sinks in, before its contacts are known, meets the front of the block.
-  // What holds the two apart is the face that it is over at the end.
+  // A floor vertex ahead of a block that sinks in before its contacts are found crosses the front of the block. The
+  // face above which it ends is the one that separates the two.
   if (first.triangle != kNoTriangle && isBehind(own, near.front().vertex, first.normal))
-    if (const Met over = overAtEnd(near); over.triangle != kNoTriangle) return over;
+    if (const Crossing over = faceAtEnd(near); over.triangle != kNoTriangle) return over;
   return first;
 }
 
-// What is beside an edge at the beginning may be over a face at the end.
-SkinPair::Met SkinPair::overAtEnd(std::span<const Near> near) const {
+// A vertex outside of an edge at the beginning of a step may be above a face at its end.
+SkinPair::Crossing SkinPair::faceAtEnd(std::span<const Near> near) const {
   const std::size_t s = near.front().ofSecond ? 1 : 0;
   MovingSkin &own = *sides_[s].skin, &other = *sides_[1 - s].skin;
   const auto endOf = [&](MovingSkin &skin, Index v) { return Vec3(skin.position(v) + dt_ * skin.velocity(v)); };
   const Vec3 p = own.position(near.front().vertex), end = endOf(own, near.front().vertex);
-  Met over;
+  Crossing over;
   double nearest = std::numeric_limits<double>::infinity();
   for (const Near &one : near) {
     const auto &[a, b, c] = other.skin().triangles[one.triangle];
@@ -563,9 +574,9 @@ SkinPair::Met SkinPair::overAtEnd(std::span<const Near> near) const {
     const NearestOnTriangle found = nearestOnTriangle(end, ends[0], ends[1], ends[2]);
     const Vec3 n = other.faceNormal(one.triangle).normalized();
     const double away = n.dot(p - other.position(a));
-    // Ahead of a body the plane of a face that is slightly turned may lie behind the vertex.
+    // Ahead of a body, the plane of a slightly rotated face may be behind the vertex.
     if (!(found.squared < nearest) || !(away > -kCone * (p - other.position(a)).norm())) continue;
-    // Over the border of two faces it is over both of them.
+    // On the border of two faces the vertex is above both of them.
     const Vec3 off = end - found.weights[0] * ends[0] - found.weights[1] * ends[1] - found.weights[2] * ends[2];
     if (found.feature != 0 && !(tangential(off, n).norm() <= kCone * off.norm() + kTiny * spacing_)) continue;
     // Its own skin faces that face. Along a side that both bodies have in one plane it does not.
@@ -576,7 +587,7 @@ SkinPair::Met SkinPair::overAtEnd(std::span<const Near> near) const {
   return over;
 }
 
-void SkinPair::lookAt(NearEdges &pair) {
+void SkinPair::updateEdgeContact(EdgeCandidates &pair) {
   MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
   const auto &a = first.skin().edges[pair.first].ends, &b = second.skin().edges[pair.second].ends;
   const NearestOfSegments at =
@@ -586,11 +597,11 @@ void SkinPair::lookAt(NearEdges &pair) {
   const Vec3 way = p - q;
   const double size = way.norm();
   const double room = settings_.offset + settings_.margin;
-  pair.wake = size - room - moved_;
-  if (size - room > goes_) return;
+  pair.wake = size - room - travelSinceGather_;
+  if (size - room > stepTravel_) return;
   const Vec3 outward = second.edgeNormal(pair.second);
   const double sign = way.dot(outward) >= 0.0 ? 1.0 : -1.0;
-  // What overlaps far is a matter of vertices: two edges may pass each other behind the faces.
+  // Deep overlap is left to the vertices: two edges may pass each other behind the faces.
   if (sign < 0.0 && size > kDeep * spacing_) return;
   if (isSelf()) {
     const std::vector<Vec3> &rest = first.skin().vertices.positions;
@@ -604,7 +615,7 @@ void SkinPair::lookAt(NearEdges &pair) {
   const Vec3 normal = size > kTiny * spacing_ ? Vec3(sign / size * way) : Vec3(outward.normalized());
   const double refined = std::min(refinedAt(0, a[0], a[1]), refinedAt(1, b[0], b[1]));
   if (steps_ != Steps::small && sign * size > room) {
-    // Whether they pass each other on their way.
+    // Do the edges pass each other within the step?
     const auto endOf = [&](MovingSkin &skin, Index v) { return Vec3(skin.position(v) + dt_ * skin.velocity(v)); };
     const Vec3 a0 = endOf(first, a[0]), a1 = endOf(first, a[1]), b0 = endOf(second, b[0]), b1 = endOf(second, b[1]);
     const NearestOfSegments then = nearestOfSegments(a0, a1, b0, b1);
@@ -617,7 +628,8 @@ void SkinPair::lookAt(NearEdges &pair) {
   contact.normal = normal;
   const double distance = sign * size;
   double allowed = 0.0;
-  for (std::size_t k = 0; k < 2; ++k) allowed = std::max({allowed, allowance(0, a[k]), allowance(1, b[k])});
+  for (std::size_t k = 0; k < 2; ++k)
+    allowed = std::max({allowed, initialPenetration(0, a[k]), initialPenetration(1, b[k])});
   contact.gap = distance - refined * (settings_.offset - settings_.thickness) + allowed;
   contact.key = keyOf(2, pair.first, pair.second);
   contact.friction = settings_.friction;
@@ -629,61 +641,62 @@ void SkinPair::lookAt(NearEdges &pair) {
 }
 
 void SkinPair::add(SkinContact contact, double distance, double allowed) {
-  // Where a body is turned inside out its skin has no outside.
+  // Where a body is inverted its skin has no outside.
   if (isSelf() && std::any_of(contact.parts.begin(), contact.parts.end(), [&](const SkinContact::Part &part) {
         return part.weight != 0.0 && sides_[0].skin->isInverted(part.vertex);
       }))
     return;
-  depth_ = std::max(depth_, -distance - (leadsApart() ? 0.0 : allowed));
+  depth_ = std::max(depth_, -distance - (resolvesInitialOverlap() ? 0.0 : allowed));
   const double left = contact.gap - settings_.margin;
   Vec3 velocity = Vec3::Zero();
   for (const SkinContact::Part &part : contact.parts)
     velocity += part.weight * sides_[part.ofSecond ? 1 : 0].skin->velocity(part.vertex);
   const double closes = std::max(0.0, -dt_ * velocity.dot(contact.normal));
-  if (left > closes + kCushion * dt_ * velocity.norm() && !isFirst_) return;
+  if (left > closes + kSpeedMargin * dt_ * velocity.norm() && !isFirst_) return;
   if (!(contact.stiffness > 0.0))
-    contact.gap = std::min(contact.gap, std::max(0.0, contact.gap - kCushion * dt_ * velocity.norm()));
+    contact.gap = std::min(contact.gap, std::max(0.0, contact.gap - kSpeedMargin * dt_ * velocity.norm()));
   active_.push_back(std::move(contact));
 }
 
-// What overlaps when the two are looked at for the first time stays so, and is led apart slowly.
-void SkinPair::learnAllowances() {
+// Overlap found by the first find() is tolerated, and pushed apart slowly.
+void SkinPair::recordInitialPenetration() {
   for (SkinContact &contact : active_) {
     if (!(contact.gap < 0.0)) continue;
     for (const SkinContact::Part &part : contact.parts) {
       Side &side = sides_[part.ofSecond ? 1 : 0];
-      if (side.allowance.empty()) side.allowance.assign(side.skin->skin().count(), 0.0);
-      side.allowance[part.vertex] = std::max(side.allowance[part.vertex], -contact.gap);
-      if (!contact.isOfEdges()) break;  // of a vertex and a face the vertex knows it
+      if (side.initialPenetration.empty()) side.initialPenetration.assign(side.skin->skin().count(), 0.0);
+      side.initialPenetration[part.vertex] = std::max(side.initialPenetration[part.vertex], -contact.gap);
+      if (!contact.isOfEdges()) break;  // for vertex against face, the vertex stores it
     }
     allowed_ = std::max(allowed_, -contact.gap);
     contact.gap = 0.0;
   }
 }
 
-// All of them; what presses more than gently takes it back (holdBack()).
-void SkinPair::easeAllowances() {
-  if (!eases_ || !leadsApart() || !(allowed_ > 0.0)) return;
+// Reduces all tolerated overlap; restoreInitialPenetration() restores it where a contact would press too much.
+void SkinPair::relaxInitialPenetration() {
+  if (!eases_ || !resolvesInitialOverlap() || !(allowed_ > 0.0)) return;
   wasEased_ = true;
   allowed_ = 0.0;
   for (Side &side : sides_)
-    for (double &allowance : side.allowance) {
-      allowance = std::max(0.0, allowance - settings_.ease * dt_);
-      allowed_ = std::max(allowed_, allowance);
+    for (double &initialPenetration : side.initialPenetration) {
+      initialPenetration = std::max(0.0, initialPenetration - settings_.ease * dt_);
+      allowed_ = std::max(allowed_, initialPenetration);
     }
   if (!(allowed_ > 0.0))
-    for (Side &side : sides_) side.allowance.clear();
+    for (Side &side : sides_) side.initialPenetration.clear();
 }
 
-void SkinPair::holdBack(double &allowance, double overlap) const {
-  if (eases_ && allowance > 0.0)
-    allowance = std::clamp(overlap - settings_.gentle, allowance, allowance + settings_.ease * dt_);
+void SkinPair::restoreInitialPenetration(double &initialPenetration, double overlap) const {
+  if (eases_ && initialPenetration > 0.0)
+    initialPenetration =
+        std::clamp(overlap - settings_.gentle, initialPenetration, initialPenetration + settings_.ease * dt_);
 }
 
 void SkinPair::setMemory(const Memory &memory) {
   active_ = memory.active;
   for (std::size_t s = 0; s < 2; ++s) {
-    sides_[s].allowance = memory.allowances[s];
+    sides_[s].initialPenetration = memory.initialPenetrations[s];
     sides_[s].isInside = memory.isInside[s];
   }
   allowed_ = memory.allowed;
@@ -692,7 +705,7 @@ void SkinPair::setMemory(const Memory &memory) {
   if (forecast_) forecast_->forget();
   sum_ = Sum();
   sinceFound_.from = memory.foundAt;
-  servesFor_ = memory.servesFor;
+  validTravel_ = memory.validTravel;
 }
 
 void SkinPair::addToSum(double dt) {
@@ -705,8 +718,8 @@ void SkinPair::addToSum(double dt) {
   }
 }
 
-void SkinPair::renewPressing() {
-  findAnew();  // gaps stay those of the beginning of the step
+void SkinPair::updateActive() {
+  invalidateSearch();  // gaps remain those of the beginning of the step
   for (SkinContact &contact : active_) {
     if (!(contact.normalImpulse > 0.0)) continue;
     const auto at = [&](std::size_t k) {
@@ -727,7 +740,7 @@ void SkinPair::renewPressing() {
     const double size = way.norm();
     if (!(size > kTiny * spacing_)) continue;
     const Vec3 normal = (way.dot(contact.normal) >= 0.0 ? 1.0 : -1.0) / size * way;
-    // Another side by now: the next step finds it.
+    // The normal has turned to another side: left to the next step.
     if (normal.dot(contact.normal) < kSameSide) continue;
     for (std::size_t k = 0; k < 4; ++k) contact.parts[k].weight = weights[k];
     contact.normal = normal;
@@ -736,7 +749,7 @@ void SkinPair::renewPressing() {
   }
 }
 
-void SkinPair::keepMemories() {
+void SkinPair::carryImpulsesOver() {
   std::size_t from = 0;
   for (SkinContact &contact : active_) {
     while (from < previous_.size() && previous_[from].key < contact.key) ++from;

@@ -17,12 +17,14 @@ using Triangle = std::array<Index, 3>;
 using Edge = std::pair<Index, Index>;  // ascending
 
 constexpr Index kNone = 0xffffffffu;
-constexpr int kMostRounds = 8;  // halvings of an edge
-constexpr double kSame = 1e-6;  // of the longest edge, and of a weight
+// Rounds of halving, at most. Fewer: edges longer than longestEdge × 2^rounds remain too long.
+constexpr int kMaxRounds = 8;
+// Rounding, relative to the longest edge and to a weight of 1. Larger: vertices farther apart are welded.
+constexpr double kSame = 1e-6;
 
 Edge edgeOf(Index a, Index b) { return a < b ? Edge(a, b) : Edge(b, a); }
 
-// What tells a point from another at the same place: phyxels and weights, rounded.
+// Identifies how a point moves: its phyxels and rounded weights. Points at the same position may differ in it.
 using Row = std::vector<std::pair<Index, long long>>;
 Row rowOf(const Interpolation &vertices, Index v) {
   Row row;
@@ -33,8 +35,8 @@ Row rowOf(const Interpolation &vertices, Index v) {
   return row;
 }
 
-// Where a surface has an edge it has a vertex for each normal; those that move alike become one, or the faces beside an
-// edge would not know each other.
+// At a crease, a drawn surface has one vertex per normal. Vertices that move alike are merged; otherwise the faces on
+// both sides of an edge would not be adjacent.
 void weld(const Interpolation &vertices, double size, std::vector<Triangle> &triangles) {
   std::vector<std::array<long long, 3>> places;
   for (const Vec3 &x : vertices.positions)
@@ -62,7 +64,7 @@ void weld(const Interpolation &vertices, double size, std::vector<Triangle> &tri
   std::erase_if(triangles, [](const Triangle &t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
 }
 
-// Fewer triangles between some of the same points.
+// Reduces the number of triangles; their vertices are a subset of the same points.
 void coarsen(std::span<const Vec3> points, const SkinResolution &resolution, std::vector<Triangle> &triangles) {
   double area = 0.0;
   for (const auto &[a, b, c] : triangles) area += 0.5 * (points[b] - points[a]).cross(points[c] - points[a]).norm();
@@ -79,10 +81,10 @@ void coarsen(std::span<const Vec3> points, const SkinResolution &resolution, std
                                 kStride, 3 * static_cast<std::size_t>(wanted),
                                 static_cast<float>(resolution.deviation) / scale, 0, nullptr) /
                3);
-  if (!fewer.empty()) triangles.swap(fewer);  // nothing could touch what has none
+  if (!fewer.empty()) triangles.swap(fewer);  // a skin without triangles could touch nothing
 }
 
-// Of the points those that a triangle has, in their order; triangles take their new numbers.
+// Keeps the points that a triangle uses, in their order, and renumbers the corners of the triangles.
 Interpolation used(Interpolation points, std::vector<Triangle> &triangles) {
   std::vector<Index> number(points.count(), kNone);
   for (const Triangle &t : triangles)
@@ -114,9 +116,9 @@ Interpolation used(Interpolation points, std::vector<Triangle> &triangles) {
   return out;
 }
 
-// Halves the edges that are too long, in both triangles that share one, so that no gap opens.
+// Halves edges that are too long in both adjacent triangles, so that no gap opens.
 void divideLongEdges(std::vector<Vec3> &points, std::vector<Triangle> &triangles, double longest) {
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     std::vector<Edge> halves;
     const auto isLong = [&](Index a, Index b) { return (points[a] - points[b]).norm() > longest * (1.0 + 1e-9); };
     for (const Triangle &t : triangles)
@@ -134,7 +136,7 @@ void divideLongEdges(std::vector<Vec3> &points, std::vector<Triangle> &triangles
     };
     std::vector<Triangle> divided;
     for (const Triangle &t : triangles) {
-      std::array<Index, 3> m{};  // in the middle of the edge from corner k on
+      std::array<Index, 3> m{};  // midpoint of the edge from corner k to the next
       int halved = 0;
       for (std::size_t k = 0; k < 3; ++k) {
         m[k] = middleOf(t[k], t[(k + 1) % 3]);
@@ -149,7 +151,7 @@ void divideLongEdges(std::vector<Vec3> &points, std::vector<Triangle> &triangles
         divided.push_back(t);
         continue;
       }
-      // Turned so that the first edge is halved, and the last one is not.
+      // Rotated so that the first edge is halved and the last one is not.
       std::size_t k = 0;
       while (m[k] == kNone || m[(k + 2) % 3] != kNone) ++k;
       const Index a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3], ab = m[k], bc = m[(k + 1) % 3];
@@ -159,7 +161,7 @@ void divideLongEdges(std::vector<Vec3> &points, std::vector<Triangle> &triangles
         continue;
       }
       divided.push_back({ab, b, bc});
-      // The quadrangle that is left, along its shorter diagonal.
+      // The remaining quadrilateral is split along its shorter diagonal.
       if ((points[a] - points[bc]).squaredNorm() <= (points[ab] - points[c]).squaredNorm()) {
         divided.push_back({a, ab, bc});
         divided.push_back({a, bc, c});

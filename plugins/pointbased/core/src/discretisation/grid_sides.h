@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which points of a regular grid lie on the same side of a surface. Private to the core.
+// Determines which points of a regular grid are on the same side of a surface. Private to the core.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace pointbased::detail {
 
-/// Two neighbours whose distances from the surface sum to more than the way between them lie on the same side, so one
-/// question per group of them decides: its deepest point is asked.
+/// Two neighbours whose distances from the surface sum to more than the distance between them are on the same side. One
+/// query per group of such points decides, at its deepest point.
 class GridSides {
  public:
   /// @param n          points along each axis, x fastest
@@ -55,7 +55,7 @@ class GridSides {
   }
 
   [[nodiscard]] std::span<const Index> groups() const { return groups_; }  ///< [points]
-  /// [groups] points to ask
+  /// [groups] points to query
   [[nodiscard]] std::span<const std::size_t> deepest() const { return deepest_; }
 
  private:

@@ -20,11 +20,12 @@ namespace {
 
 constexpr std::size_t kGrain = 128;
 
-// A point farther off its fit than the fit is wide looks for more phyxels, until they span space or are so many: from
-// far outside the nearest phyxels of a body are the skin of one side, which knows nothing of the stretch across it.
-constexpr std::size_t kMostPhyxelsPerPoint = 128;
+// A point whose distance from its fit exceeds the width of the fit gets more phyxels, until they span space or reach
+// this number. From far outside, the nearest phyxels of a body are the skin of one side, which does not determine the
+// stretch across it.
+constexpr std::size_t kMaxPhyxelsPerPoint = 128;
 
-// A reference, since a std::function of a lambda that captures much allocates.
+// By reference, because a std::function of a lambda with large captures allocates.
 template <class Point>
 void loop(const ParallelFor &parallelFor, std::size_t n, const Point &point) {
   const auto range = [&](std::size_t begin, std::size_t end) {
@@ -49,7 +50,7 @@ void fit(const Vec3 &point, std::span<const Vec3> X, std::span<const double> squ
   out.weights.resize(k);
   out.gradients.resize(k);
 
-  // The weight of the nearest must not vanish: where all are as far the support is wider than that by the margin.
+  // The weight of the nearest must not vanish: if all are equally far, the support is wider than that by the margin.
   const double support = kSupportMargin * std::sqrt(squared[k - 1]);
   double sum = 0.0;
   for (std::size_t e = 0; e < k; ++e) {
@@ -57,7 +58,7 @@ void fit(const Vec3 &point, std::span<const Vec3> X, std::span<const double> squ
     sum += out.weights[e];
   }
 
-  // Relative to the nearest phyxel, so that coincident ones span exactly nothing.
+  // Relative to the nearest phyxel, so that coincident phyxels span exactly nothing.
   const Vec3 anchor = X[out.phyxels[0]];
   Vec3 mean = Vec3::Zero();
   for (std::size_t e = 0; e < k; ++e) {
@@ -98,7 +99,7 @@ Interpolation bindToCloud(std::span<const Vec3> points, std::span<const Vec3> ph
     std::vector<double> squared;
     for (std::size_t p = begin; p < end; ++p) {
       Fit &f = fits[p];
-      const std::size_t most = std::min(kMostPhyxelsPerPoint, phyxelCount);
+      const std::size_t most = std::min(kMaxPhyxelsPerPoint, phyxelCount);
       std::size_t count = std::min(kPhyxelsPerPoint, phyxelCount);
       while (true) {
         f.phyxels.resize(count);
@@ -111,7 +112,7 @@ Interpolation bindToCloud(std::span<const Vec3> points, std::span<const Vec3> ph
     }
   });
 
-  // Side by side in one array each.
+  // Stored contiguously, in one array each.
   bool deficient = false;
   for (std::size_t p = 0; p < n; ++p) {
     binding.phyxels.offsets[p + 1] = binding.phyxels.offsets[p] + static_cast<Index>(fits[p].phyxels.size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One point of an interpolation: what the loops over all points are made of. Private to the core.
+// Evaluation of an interpolation at one point, for the loops over all points. Private to the core.
 #pragma once
 
 #include "discretisation/rank_deficient_gradient.h"
@@ -19,7 +19,7 @@ inline Vec3 fieldAt(const Interpolation &binding, std::size_t p, std::span<const
   return anchor + sum;
 }
 
-/// F, completed where the phyxels span less than space.
+/// F, completed where the phyxels do not span space.
 inline Mat3 gradientAt(const Interpolation &binding, std::size_t p, std::span<const Vec3> displacements) {
   const Index first = binding.phyxels.offsets[p], last = binding.phyxels.offsets[p + 1];
   Mat3 F = Mat3::Identity();
@@ -36,7 +36,7 @@ inline Mat3 gradientAt(const Interpolation &binding, std::size_t p, std::span<co
   return rank < 3 ? completed(F, rank, binding.frames[binding.frameOf[p]]) : F;
 }
 
-/// x_p - X_p; F as gradientAt() gives it, looked at for rank < 3 only.
+/// x_p - X_p; F from gradientAt(), used for rank < 3 only.
 inline Vec3 displacementAt(const Interpolation &binding, std::size_t p, std::span<const Vec3> displacements,
                            const Mat3 &F) {
   Vec3 u = fieldAt(binding, p, displacements);

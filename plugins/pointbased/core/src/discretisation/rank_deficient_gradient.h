@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The deformation gradient where the phyxels of a point span less than space. Private to the core.
+// Deformation gradient for points whose phyxels do not span space. Private to the core.
 #pragma once
 
 #include <cmath>
@@ -14,7 +14,7 @@ inline const Mat3 &frameOfPoint(const StencilSet &s, std::size_t q) {
   return s.frameOf[q] == StencilSet::kNoFrame ? identity : s.frames[s.frameOf[q]];
 }
 
-/// Unit normal of the plane of a and b; the one at rest with length 0 where they span none.
+/// Unit normal of the plane of a and b; the one at rest, with length 0, if they span no plane.
 struct PlaneNormal {
   Vec3 m;
   double length;  ///< |a x b|
@@ -33,18 +33,18 @@ struct PlaneNormal {
   }
 };
 
-/// The shortest rotation that turns one direction into another; neither is 0.
+/// Shortest rotation of one direction into another; neither is 0.
 Mat3 shortestRotation(const Vec3 &from, const Vec3 &to);
 
-/// Phyxels of a coplanar (rank 2), collinear (1) or single (0) stencil move the first `rank` directions of the frame
-/// only; fills in the others so that a rotation stays a rotation: the normal of the deformed plane, the shortest
-/// rotation of the line, nothing at all.
+/// Phyxels of a coplanar (rank 2), collinear (1) or single (0) stencil determine only the first `rank` directions of
+/// the frame. The others are completed such that a rotation remains a rotation: by the normal of the deformed plane, by
+/// the shortest rotation of the line, or by the identity.
 inline Mat3 completed(const Mat3 &F, int rank, const Mat3 &frame) {
   if (rank == 0) return Mat3::Identity();
   const Vec3 t1 = frame.col(0), t2 = frame.col(1), n = frame.col(2);
   const Vec3 a = F * t1;
   if (rank == 1) {
-    // A line squashed to nothing has no direction to turn to.
+    // A line compressed to a point has no direction.
     const Mat3 R = a.squaredNorm() > 0.0 ? shortestRotation(t1, a) : Mat3(Mat3::Identity());
     return a * t1.transpose() + R * (Mat3::Identity() - t1 * t1.transpose());
   }
@@ -52,7 +52,7 @@ inline Mat3 completed(const Mat3 &F, int rank, const Mat3 &frame) {
   return a * t1.transpose() + b * t2.transpose() + PlaneNormal(a, b, n).m * n.transpose();
 }
 
-/// d/ds completed(F + s dF) at s = 0; for a line turned by 180° the part across it is left out, which has no
+/// d/ds completed(F + s dF) at s = 0. For a line rotated by 180° the part across it is omitted, because it has no
 /// derivative.
 inline Mat3 completedDifferential(const Mat3 &F, const Mat3 &dF, int rank, const Mat3 &frame) {
   if (rank == 0) return Mat3::Zero();

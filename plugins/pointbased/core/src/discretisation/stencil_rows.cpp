@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows of stencils over the corners of a cell from few numbers.
+// Expands rows of stencils over the corners of a cell from a few numbers.
 #include <cmath>
 #include <unordered_map>
 
@@ -24,7 +24,7 @@ double mean(const Value &value) {
   return sum / static_cast<double>(kCorners);
 }
 
-// Of the bits: shapes are the same where they were made from the same numbers.
+// Hash of the bits: shapes are equal if they were computed from the same numbers.
 struct ShapeHash {
   std::size_t operator()(const CellShape &shape) const {
     std::size_t hash = 0;

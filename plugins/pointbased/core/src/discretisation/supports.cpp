@@ -17,11 +17,11 @@ using namespace detail;
 
 namespace {
 
-// Phyxels within this of a region, in spacings, are inside: coordinates may be rounded.
+// Spacings: phyxels this close to a region are inside, as coordinates may be rounded.
 constexpr double kTolerance = 1e-9;
 
-// Samples of a held or loaded surface, in spacings: means over patches and shares of phyxels then hardly depend on where
-// they lie.
+// Spacings: samples of a held or loaded surface. Means over patches and shares of phyxels then hardly depend on their
+// positions.
 constexpr double kSurfaceSampling = 0.5;
 
 const char *const kMeetsNothing =
@@ -49,7 +49,7 @@ Vec3 centreOf(const Fix &fix, const ConstrainedRegion &part, const Vec3 &origin)
   return fix.centre ? Vec3(*fix.centre - origin) : part.centroid;
 }
 
-// The mean φ of the samples around each nearest phyxel; one row per such phyxel that has something free to hold.
+// Mean φ of the samples around each nearest phyxel; one row per such phyxel that has free neighbours to hold.
 void addPatches(const SurfacePoints &samples, std::span<const Vec3> positions, std::span<const std::uint8_t> isHeld,
                 const ParallelFor &parallelFor, ConstrainedRegion &part) {
   const Interpolation binding = bindToCloud(samples.positions, positions, parallelFor);
@@ -121,7 +121,7 @@ Result<ConstrainedRegion> holdCloud(const Region &region, std::span<const Vec3> 
   if (const auto valid = validate(region); !valid) return tl::make_unexpected(valid.error());
   ConstrainedRegion part;
 
-  // Phyxels stand for the volume inside.
+  // Phyxels represent the volume inside.
   std::vector<std::uint8_t> isHeld(positions.size(), 0);
   Vec3 volumeMoment = Vec3::Zero();
   for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -132,7 +132,7 @@ Result<ConstrainedRegion> holdCloud(const Region &region, std::span<const Vec3> 
     volumeMoment += volumes[i] * positions[i];
   }
 
-  // The surface inside is held in the mean, patch by patch.
+  // The surface inside is held on average, patch by patch.
   Vec3 areaMoment = Vec3::Zero();
   if (!positions.empty()) {
     const SurfacePoints samples = sampleSurface(surface, kSurfaceSampling * spacing, region);
@@ -172,7 +172,7 @@ Result<LoadedPart> loadedPart(const Load &load, const Surface &surface, double s
     return part;
   }
 
-  // No surface inside: a force acts on the volume there, evenly.
+  // No surface inside: a force acts evenly on the volume there.
   std::vector<Vec3> inside;
   double volume = 0.0;
   for (std::size_t i = 0; i < volumePoints.size(); ++i) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vector forces of lattices.
+// Vectorised forces of lattices.
 #include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cmath>
 
-#include "base/look_for_end.h"
+#include "base/cancellation_poll.h"
 #include "forces/kernels/cell_history_kernel.h"
 #include "forces/kernels/cell_kernel.h"
 #include "forces/kernels/cell_tangent_kernel.h"
@@ -24,7 +24,7 @@ PhyxelField fieldOf(std::span<const Vec3> field) {
   return {field.empty() ? nullptr : field.front().data(), field.size()};
 }
 
-// Plastic flow of one point, for the kernel.
+// Plastic flow of one point, called by the kernel.
 struct PointFlow {
   const Constitution &constitution;
   const Mat3 &axes;
@@ -38,10 +38,10 @@ struct PointFlow {
   }
 };
 
-// What cells remember, as the kernel wants it; of bodies that remember nothing, nothing.
-class CellMemories {
+// History of the cells in the format of the kernel; empty for bodies without history.
+class CellHistories {
  public:
-  CellMemories(const Constitution &constitution, const CellPlan &plan)
+  CellHistories(const Constitution &constitution, const CellPlan &plan)
       : materials_(constitution.remembers() ? constitution.materials.size() : 0) {
     if (materials_.empty()) return;
     points_ = plan.points;
@@ -49,7 +49,7 @@ class CellMemories {
   }
   [[nodiscard]] bool any() const { return !materials_.empty(); }
 
-  /// @param flow  has to live as long as the job
+  /// @param flow  must outlive the job
   [[nodiscard]] HistoryJob job(const Constitution &constitution, const HistoryStep &step, const PointFlow &flow) {
     HistoryJob job = energyJob(constitution, step.history);
     for (std::size_t m = 0; m < materials_.size(); ++m) {
@@ -57,7 +57,7 @@ class CellMemories {
       if (materials_[m].flows) materials_[m].flowShare = flowShare(material.plastic, step.dt);
       if (!materials_[m].relaxes) continue;
       const PronyStep prony = pronyStep(material, step.dt);
-      const RelaxingModes modes(material, constitution.stabilisation, prony.freshSum);
+      const RelaxingHourglass modes(material, constitution.stabilisation, prony.freshSum);
       materials_[m].keep = prony.keep;
       materials_[m].fresh = prony.fresh;
       materials_[m].old = prony.old;
@@ -79,7 +79,7 @@ class CellMemories {
       const Material &material = constitution.materials[m];
       materials_[m].flows = !history.plasticInverse.empty() && material.plastic.enabled();
       materials_[m].relaxes = !history.prony.empty() && material.relaxes();
-      // As plasticFlow() decides, a little sooner than that.
+      // Same criterion as plasticFlow(), with a margin for rounding.
       const double limit = (1.0 - 1e-9) * material.plastic.yield / (1.0 + 2.0 * material.plastic.yield);
       materials_[m].elasticLimit2 = limit * limit;
       materials_[m].yield = material.plastic.yield;
@@ -89,7 +89,7 @@ class CellMemories {
     job.points = points_;
     job.used = used_;
     job.materials = materials_;
-    // Where nothing flows it is read only.
+    // Without plastic flow it is only read.
     if (!history.plasticInverse.empty())
       job.plasticInverse = const_cast<double *>(history.plasticInverse.front().data());
     return job;
@@ -113,7 +113,7 @@ class CellForces final : public VectorForces {
         turned_(stencils.axes != Mat3::Identity()) {
     laminates_.modes = {};
     layRows(positions.size());
-    detail::lookForEnd(parallelFor);
+    detail::checkCancelled(parallelFor);
     stiffnessAtRest_ = largestStiffnessAtRest(plan.others, parallelFor);
   }
 
@@ -135,7 +135,7 @@ class CellForces final : public VectorForces {
       takeOthers(true);
     }
     const double stiffness = collect(masses_, forces, parallelFor);
-    // Round-off makes no body softer than at rest.
+    // Round-off never makes a body softer than at rest.
     return stiffness <= stiffnessAtRest_ ? 1.0 : stiffness / stiffnessAtRest_;
   }
 
@@ -217,7 +217,7 @@ class CellForces final : public VectorForces {
     runLoop(parallelFor, cells_.chunks(), 1, body);
   }
 
-  // Which partials every phyxel sums, ascending: those of chunks, then entries of other points.
+  // Partials that every phyxel sums, ascending: first those of chunks, then entries of other points.
   void layRows(std::size_t phyxels) {
     const std::size_t own = cells_.phyxels.size(), all = own + fallback_.entries().size();
     const auto phyxelOf = [&](std::size_t place) {
@@ -233,7 +233,7 @@ class CellForces final : public VectorForces {
     partials_.assign(4 * all, T(0));
   }
 
-  // v (λ + 2 μ), what |g|² multiplies to a stiffness at rest, N m.
+  // v (λ + 2 μ), the factor of |g|² in a stiffness at rest, N m.
   [[nodiscard]] double waveStiffness(std::size_t q) const {
     return stencils_.volumes[q] * materialOfPoint(constitution_, stencils_, q).waveModulus();
   }
@@ -247,7 +247,7 @@ class CellForces final : public VectorForces {
     return largest;
   }
 
-  // Forces of the other points into their places, and their stiffness.
+  // Copies the forces of the other points to their slots, and their stiffness.
   void takeOthers(bool stiffness) {
     T *out = partials_.data() + 4 * cells_.phyxels.size();
     for (std::size_t k = 0; k < fallback_.entries().size(); ++k) {
@@ -270,8 +270,8 @@ class CellForces final : public VectorForces {
     setAxes(job);
     job.forces = forces.front().data();
     job.masses = masses.empty() ? nullptr : masses.data();
-    // The bits of numbers that are not negative are in their order, and those of NaN come last: a maximum without a
-    // lock.
+    // Non-negative floating-point numbers and their bit patterns have the same order, with NaN last: a maximum without
+    // a lock.
     std::atomic<std::uint64_t> largest{0};
     runLoop(parallelFor, forces.size(), kPhyxelGrain, [&](std::size_t begin, std::size_t end) {
       const auto here = std::bit_cast<std::uint64_t>(std::abs(collectForces(job, begin, end)));
@@ -285,16 +285,16 @@ class CellForces final : public VectorForces {
   const StencilSet &stencils_;
   std::span<const double> masses_;
   const Constitution constitution_;
-  Laminates laminates_;  // without modes: the slices have them
+  Laminates laminates_;  // without modes, which are part of the slices
   CellSlices<T> cells_;
   std::vector<LawNumbers<T>> laws_;
-  CellMemories memories_;
+  CellHistories memories_;
   ScalarFallback fallback_;
   bool turned_;
-  Csr rows_;                      // [phyxels] places in partials_
-  AlignedVector<T> partials_;     // [places][4]
+  Csr rows_;                      // [phyxels] indices into partials_
+  AlignedVector<T> partials_;     // [partials][4]
   double stiffnessAtRest_ = 0.0;  // largest of all phyxels over their mass, 1/s²
-  AlignedVector<T> tangents_;     // of differential(); empty before
+  AlignedVector<T> tangents_;     // for differential(); empty before
   AlignedVector<T> laminateTangents_;
   std::vector<double> energies_;  // [slices][2]; empty before
 };
@@ -306,7 +306,7 @@ std::unique_ptr<VectorForces> cellForcesOf(const StencilSet &stencils, std::span
                                            Precision precision, const ParallelFor &parallelFor) {
   std::vector<std::uint8_t> suits;
   for (const Material &m : constitution.materials) suits.push_back(kernelKnows(m) ? 1 : 0);
-  const bool single = precision == Precision::singlePrecision && !constitution.remembers();  // why: see HistoryJob
+  const bool single = precision == Precision::singlePrecision && !constitution.remembers();  // reason: see HistoryJob
   Laminates laminates = findLaminates(stencils, constitution);
   const CellPlan plan = planCells(stencils, single ? kLanes<float> : kLanes<double>, suits, parallelFor, laminates);
   if (2 * plan.others.size() > stencils.pointCount()) return nullptr;

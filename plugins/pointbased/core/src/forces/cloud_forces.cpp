@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vector forces of clouds.
-#include "base/look_for_end.h"
+// Vectorised forces of clouds.
+#include "base/cancellation_poll.h"
 #include "forces/cloud_stabilisation.h"
 #include "forces/kernels/cloud_kernel.h"
 #include "forces/vector_forces_parts.h"
@@ -10,7 +10,7 @@ namespace {
 
 using namespace kernels;
 
-// Phyxels with a full stencil, by material; the others still need their part of pairs with those.
+// Phyxels with a full stencil, by material; the others still need their share of pairs with those.
 struct CloudPlan {
   std::vector<Index> points;             // [slices][lanes]
   std::vector<std::uint16_t> materials;  // [slices]
@@ -119,7 +119,7 @@ class CloudForces final : public VectorForces {
     return job;
   }
 
-  // Relative to the first phyxel, so that a body far from where it was made loses no digits.
+  // Relative to the first phyxel, so that no digits are lost far from the initial position.
   void pack(std::span<const Vec3> u, AlignedVector<T> &packed, const ParallelFor &parallelFor) const {
     packed.resize(4 * u.size());
     const Vec3 base = u.front();
@@ -139,7 +139,8 @@ class CloudForces final : public VectorForces {
     for (std::size_t k = 0; k < phyxelOfOther_.size(); ++k) forces[phyxelOfOther_[k]] += fallback_.force(k);
   }
 
-  // The stiffness of the control of a point over the factor of its weights; of other points the kernel does nothing.
+  // Stiffness of the control of a point divided by the factor of its weights; 0 for points that the kernel does not
+  // handle.
   double controlOfPoint(const StencilSet &s, std::size_t q, bool full) const {
     if (!full || detail::stabilisationOf(constitution_, s) != Stabilisation::isotropic) return 0.0;
     return s.weightFactors[q] *
@@ -148,7 +149,7 @@ class CloudForces final : public VectorForces {
 
   void layPairs(const StencilSet &s, std::span<const Vec3> X, std::span<const std::uint8_t> full,
                 const ParallelFor &parallelFor) {
-    Looks look(parallelFor);
+    CancellationPoll look(parallelFor);
     const std::size_t n = X.size();
     offsets_.assign(1, 0);
     places_.resize(4 * n);
@@ -212,7 +213,7 @@ class CloudForces final : public VectorForces {
   ScalarFallback fallback_;
   std::vector<Index> phyxelOfOther_;  // [entries of other points]
   AlignedVector<T> displacements_, velocities_, tensors_, own_, ratios_, tangents_;
-  std::vector<Mat3> gradients_;  // of energy(); empty before
+  std::vector<Mat3> gradients_;  // for energy(); empty before
 };
 
 }  // namespace

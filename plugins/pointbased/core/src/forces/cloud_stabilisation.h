@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Isotropic control for clouds: what the affine fit of a point misses at its phyxels, in the directions that its
-// stencil spans: across a plane and a line phyxels are free. Private to the core.
+// Isotropic control for clouds: penalises the deviation of the phyxels of a stencil from the affine fit, in the
+// directions that the stencil spans. Across a plane and a line phyxels are free. Private to the core.
 #pragma once
 
 #include "discretisation/rank_deficient_gradient.h"
@@ -8,7 +8,7 @@
 
 namespace pointbased::detail {
 
-/// The stiffness that scales the energy of a point, N/m.
+/// Stiffness that scales the energy of a point, N/m.
 inline double residualScale(const Material &material, double stabilisation, double volume) {
   return stabilisation * material.youngsModulus * volume;
 }
@@ -23,11 +23,11 @@ struct Offset {
   }
 };
 
-/// r_k and its change, U_q = scale/2 Σ w_k |r_k|². Of a plane r is projected onto the deformed plane, of a line onto
-/// the deformed line: a sheet bends freely and does not shear when it is bent.
-class ResidualPoint {
+/// r_k and its change, U_q = scale/2 Σ w_k |r_k|². For a plane r is projected onto the deformed plane, for a line onto
+/// the deformed line: a sheet bends freely, and bending does not shear it.
+class StabilisationPoint {
  public:
-  ResidualPoint(const StencilSet &s, std::size_t q, const Mat3 &F)
+  StabilisationPoint(const StencilSet &s, std::size_t q, const Mat3 &F)
       : s_(s), q_(q), rank_(s.rank[q]), frame_(frameOfPoint(s, q)), F_(F), first_(s.phyxels.offsets[q]),
         last_(s.phyxels.offsets[q + 1]), anchor_(s.phyxels.indices[first_]), a_(F * frame_.col(0)), length_(a_.norm()),
         axis_(length_ > 0.0 ? Vec3(a_ / length_) : Vec3(Vec3::Zero())) {
@@ -54,15 +54,15 @@ class ResidualPoint {
     return dnow - dF * o.rest;
   }
 
-  /// Projector on what of a displacement changes r.
+  /// Projector onto the displacements that change r.
   [[nodiscard]] Mat3 visibleDirections() const {
     if (rank_ == 1) return axis_ * axis_.transpose();
     if (rank_ == 2) return Mat3::Identity() - axis_ * axis_.transpose();
     return Mat3::Identity();
   }
 
-  /// dU_q/dF over scale: zero for a full stencil, whose fit is orthogonal to what it misses, and along the seen
-  /// directions of a flat one; its normal or axis turns with F.
+  /// dU_q/dF over scale. Zero for a full stencil, whose residual is orthogonal to the fit, and along the spanned
+  /// directions of a flat one, whose normal or axis rotates with F.
   [[nodiscard]] Mat3 stress(std::span<const Vec3> X, std::span<const Vec3> u) const {
     if (rank_ == 1) return length_ > 0.0 ? Mat3(lineSum(X, u) * frame_.col(0).transpose()) : Mat3(Mat3::Zero());
     if (rank_ != 2) return Mat3::Zero();
@@ -72,7 +72,7 @@ class ResidualPoint {
     return planeStress(b, inPlane(normalPull(X, u)), normal.length);
   }
 
-  /// @param du  change of the displacements, which dF is the change of F for
+  /// @param du  change of the displacements that corresponds to dF
   [[nodiscard]] Mat3 stressDifferential(std::span<const Vec3> X, std::span<const Vec3> u, std::span<const Vec3> du,
                                         const Mat3 &dF) const {
     if (rank_ == 1) return length_ > 0.0 ? lineStressDifferential(X, u, du, dF) : Mat3(Mat3::Zero());
@@ -143,7 +143,7 @@ class ResidualPoint {
     return sum * frame_.col(0).transpose();
   }
   [[nodiscard]] Vec3 inPlane(const Vec3 &v) const { return v - axis_ * axis_.dot(v); }
-  /// Of a plane: what its two directions miss; the completed third one is across it and counts for nothing.
+  /// Residual of a plane in its two directions; the completed third one is perpendicular to it and does not contribute.
   [[nodiscard]] Vec3 missed(const Offset &o) const {
     return o.now - F_ * (o.rest - frame_.col(2) * frame_.col(2).dot(o.rest));
   }
@@ -175,7 +175,7 @@ class ResidualPoint {
   Index first_, last_, anchor_;
   Vec3 a_;
   double length_;
-  Vec3 axis_;  // of a line along it, of a plane its normal
+  Vec3 axis_;  // direction of a line, normal of a plane
 };
 
 }  // namespace pointbased::detail

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Laws from outside over runs of points: many points per call, because a call costs as much as a point. Private to the
-// core.
+// Custom laws over runs of points: many points per call, because a call costs as much as a point. Private to the core.
 #pragma once
 
 #include <algorithm>
@@ -10,16 +9,16 @@
 
 namespace pointbased::detail {
 
-/// Few enough to stay in the first cache with what goes in and comes out.
+/// Points per call. Few enough that input and output stay in the first-level cache.
 inline constexpr std::size_t kLawBatch = 64;
 
-/// body(first, count) for pieces of [from, to).
+/// Calls body(first, count) for pieces of [from, to).
 template <class Body>
 void forBatches(std::size_t from, std::size_t to, Body &&body) {
   for (; from < to; from += kLawBatch) body(from, std::min(kLawBatch, to - from));
 }
 
-/// Energy densities of points that are asked for one after the other.
+/// Energy densities of points that are requested one after the other.
 class CustomEnergies {
  public:
   /// @param sameUntil  () -> points [q, sameUntil) are of this material

@@ -13,7 +13,7 @@ using namespace detail;
 
 namespace {
 
-// The viscous part of what the modes of a point pull with; without velocities none.
+// Adds the viscous part of the conjugates of the modes of a point; nothing without velocities.
 void addViscous(const Material &material, double stabilisation, const StencilSet &s, std::size_t q, const Mat3 &F,
                 const Amplitudes &modes, std::span<const Vec3> velocities, Mat3 &stress, Mat3 &pull, Vec3 &twisted) {
   if (velocities.empty() || !(material.viscosity > 0.0)) return;
@@ -24,7 +24,7 @@ void addViscous(const Material &material, double stabilisation, const StencilSet
                   rateOfF, rateOfModes, stress, pull, twisted);
 }
 
-// What every point of a run does to the phyxels of its stencil; the anchor takes the opposite of the sum.
+// Forces of every point of a run on the phyxels of its stencil; the anchor gets the negative sum.
 template <Stabilisation control>
 void pointForces(const Material &material, double stabilisation, const StencilSet &s, std::span<const Vec3> X,
                  std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
@@ -35,7 +35,7 @@ void pointForces(const Material &material, double stabilisation, const StencilSe
     if constexpr (control == Stabilisation::hourglass) {
       const Mat3 F = linear ? Mat3(Mat3::Identity()) : gradients[q];
       const Amplitudes modes = amplitudes(s, q, u);
-      const ModalPoint point(hourglass, s, q, F, modes);
+      const HourglassPoint point(hourglass, s, q, F, modes);
       Mat3 stress = stresses[q], pull = point.FQ * point.D;
       Vec3 twisted = point.twistStiffness * point.twist;
       if (!linear) stress += point.A * point.QD.transpose();
@@ -44,7 +44,7 @@ void pointForces(const Material &material, double stabilisation, const StencilSe
     } else if constexpr (control == Stabilisation::isotropic) {
       Mat3 stress = stresses[q];
       const double scale = s.rank[q] > 0 ? residualScale(material, stabilisation, s.volumes[q]) : 0.0;
-      const ResidualPoint residual(s, q, gradients[q]);
+      const StabilisationPoint residual(s, q, gradients[q]);
       if (s.rank[q] < 3) stress += scale * residual.stress(X, u);
       const Index anchor = s.phyxels.indices[s.phyxels.offsets[q]];
       spread(s, q, entryForces, [&](Index e) -> Vec3 {
@@ -58,18 +58,18 @@ void pointForces(const Material &material, double stabilisation, const StencilSe
   }
 }
 
-// The same of lattice cells whose modes relax.
+// Same for lattice cells whose modes relax.
 void relaxingForces(const Material &material, double stabilisation, const StencilSet &s, std::span<const Vec3> u,
                     std::span<const Mat3> gradients, std::span<const Mat3> stresses,
                     std::span<const HourglassStrain> relaxed, std::span<const Vec3> velocities,
                     std::span<Vec3> entryForces, std::size_t from, std::size_t to) {
-  const RelaxingModes modes(material, stabilisation, 0.0);
+  const RelaxingHourglass modes(material, stabilisation, 0.0);
   const bool linear = material.law == MaterialLaw::linear;
   for (std::size_t q = from; q < to; ++q) {
     const Mat3 F = linear ? Mat3(Mat3::Identity()) : gradients[q];
     const Amplitudes amplitude = amplitudes(s, q, u);
-    const RelaxingModalPoint point(modes, s, q, F, amplitude,
-                                   relaxed.empty() ? HourglassStrain(HourglassStrain::Zero()) : relaxed[q]);
+    const RelaxingHourglassPoint point(modes, s, q, F, amplitude,
+                                       relaxed.empty() ? HourglassStrain(HourglassStrain::Zero()) : relaxed[q]);
     Mat3 stress = stresses[q];
     if (!linear) stress += point.A * point.QD.transpose();
     Mat3 pull = point.FQ * point.D.leftCols<3>();

@@ -22,7 +22,7 @@ std::vector<Vec3> pseudoRandomField(std::size_t n) {
   return field;
 }
 
-// Σ over phyxels of what term(i) gives, in an order that no division of the loop changes.
+// Σ over phyxels of term(i), in an order that does not depend on how the loop is divided.
 class BlockSum {
  public:
   BlockSum(std::size_t n, const ParallelFor &parallelFor)
@@ -49,17 +49,17 @@ class BlockSum {
   std::vector<double> blocks_;
 };
 
-// T of Lanczos's recurrence, whose largest eigenvalue grows towards that of K q = λ M q.
+// T of the Lanczos recurrence, whose largest eigenvalue grows towards that of K q = λ M q.
 struct Tridiagonal {
-  std::vector<double> diagonal, below;  // below.back(): what the next vector is coupled with
+  std::vector<double> diagonal, below;  // below.back(): coupling with the next vector
 
   struct Top {
     double value = 0.0;
-    double missing = 0.0;  // about
+    double missing = 0.0;  // estimate
   };
   [[nodiscard]] Top top() const {
     const double value = eigenvalue(0), gap = diagonal.size() > 1 ? value - eigenvalue(1) : value;
-    // Of the eigenvector, from its end: there it is least where the value has converged.
+    // Eigenvector, computed from its end, where it is smallest if the value has converged.
     double here = 1.0, behind = 0.0, squares = 1.0;
     for (std::size_t i = diagonal.size(); i-- > 1;) {
       const double coupled = i + 1 < diagonal.size() ? below[i] * behind : 0.0;
@@ -72,7 +72,7 @@ struct Tridiagonal {
   }
 
  private:
-  // By bisection: Sturm's sequence tells how many lie above a value.
+  // Bisection: a Sturm sequence counts the eigenvalues above a value.
   [[nodiscard]] double eigenvalue(std::size_t fromTop) const {
     double high = 0.0;
     for (std::size_t i = 0; i < diagonal.size(); ++i)
@@ -95,7 +95,7 @@ struct Tridiagonal {
 
 }  // namespace
 
-// Lanczos's recurrence without orthogonalisation: what is lost of it only finds the same eigenvalues again.
+// Lanczos recurrence without reorthogonalisation: loss of orthogonality only produces copies of the same eigenvalues.
 double detail::largestFrequencyOf(const StiffnessProduct &product, std::span<const double> masses,
                                   std::span<const double> extra, const ParallelFor &parallelFor) {
   constexpr std::size_t kFewest = 12, kMost = 200, kBetweenChecks = 4;

@@ -11,7 +11,7 @@ using namespace detail;
 
 namespace {
 
-// A symmetric block with its eigenvalues turned positive, none below a small part of the largest.
+// Replaces the eigenvalues of a symmetric block by their magnitudes, none below a small fraction of the largest.
 Mat3 positiveDefinite(const Mat3 &block) {
   constexpr double kSmallest = 1e-6;
   const SymmetricEigen eigen = symmetricEigen(symmetric(block));

@@ -20,12 +20,12 @@ void relaxModes(const Constitution &constitution, const StencilSet &s, std::span
     forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
       const bool relaxes = hourglass && material.relaxes();
       const PronyStep step = relaxes ? pronyStep(material, dt) : PronyStep();
-      const RelaxingModes modes(material, constitution.stabilisation, step.freshSum);
+      const RelaxingHourglass modes(material, constitution.stabilisation, step.freshSum);
       const bool linear = material.law == MaterialLaw::linear;
       for (std::size_t q = from; q < to; ++q) {
         HourglassHistory fresh = before.modes[q];
         if (relaxes) {
-          const RelaxingModalPoint point(s, linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u));
+          const RelaxingHourglassPoint point(s, linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u));
           advance(modes, step, point.strain, before.modes[q], fresh);
         }
         relaxed[q] =

@@ -16,7 +16,8 @@ using namespace detail;
 
 namespace {
 
-// The present stiffness of a point against rest: of its law, and of its modes, which stiffen with the stretch.
+// Stiffness of a point relative to rest: the larger of that of its law and that of its modes, which grows with the
+// stretch.
 double ratioAt(const Material &material, const Mat3 &F, bool hourglass) {
   const double ratio = tangentRatio(material, F);
   return hourglass ? std::max(ratio, largestEigenvalueBound(F.transpose() * F)) : ratio;
@@ -90,7 +91,7 @@ double pointStresses(const Constitution &constitution, const StencilSet &s, std:
   });
   double largest = 1.0;
   for (const double ratio : ratios) {
-    // A NaN must not be lost in the comparison.
+    // NaN must not be lost in the comparison.
     if (!(ratio <= largest)) largest = ratio;
     if (std::isnan(largest)) break;
   }
@@ -153,16 +154,16 @@ ElasticEnergy detail::elasticEnergyOf(const Constitution &constitution, const St
     const double strain = s.volumes[q] * density;
     double stabilisation = 0.0;
     if (control == Stabilisation::hourglass && material.relaxes()) {
-      const RelaxingModalPoint point(RelaxingModes(material, constitution.stabilisation, 0.0), s, q,
-                                     linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u),
-                                     HourglassStrain(HourglassStrain::Zero()));
+      const RelaxingHourglassPoint point(RelaxingHourglass(material, constitution.stabilisation, 0.0), s, q,
+                                         linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u),
+                                         HourglassStrain(HourglassStrain::Zero()));
       stabilisation = 0.5 * point.strain.cwiseProduct(point.D).sum();
     } else if (control == Stabilisation::hourglass) {
-      stabilisation = ModalPoint(HourglassEnergy(material, constitution.stabilisation), s, q,
-                                 linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u))
+      stabilisation = HourglassPoint(HourglassEnergy(material, constitution.stabilisation), s, q,
+                                     linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u))
                           .energy;
     } else if (control == Stabilisation::isotropic && s.rank[q] > 0) {
-      const ResidualPoint residual(s, q, gradients[q]);
+      const StabilisationPoint residual(s, q, gradients[q]);
       const Index first = s.phyxels.offsets[q], anchor = s.phyxels.indices[first];
       double sum = 0.0;
       for (Index e = first + 1; e < s.phyxels.offsets[q + 1]; ++e)

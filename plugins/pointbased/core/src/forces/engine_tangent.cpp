@@ -20,7 +20,7 @@ struct Field {
   std::span<const Vec3> change;
 };
 
-// Change of what a point pulls its phyxels with; dP is v dP of its stress.
+// Change of the forces of a point on its phyxels; dP is v dP of its stress.
 template <Stabilisation control>
 void spreadChange(const Material &material, double stabilisation, const HourglassEnergy &hourglass, const StencilSet &s,
                   std::size_t q, const Field &field, double viscousScale, const Mat3 &dFit, Mat3 dP,
@@ -30,7 +30,7 @@ void spreadChange(const Material &material, double stabilisation, const Hourglas
     const bool linear = material.law == MaterialLaw::linear;
     const Mat3 turning = linear ? Mat3(Mat3::Identity()) : F;
     const Amplitudes modes = amplitudes(s, q, field.displacements);
-    const ModalPoint point(hourglass, s, q, turning, modes);
+    const HourglassPoint point(hourglass, s, q, turning, modes);
     const Mat3 dModes = dA.topLeftCorner<3, 3>();
     Mat3 dB = point.FQ.transpose() * dModes;
     if (!linear) dB += (dFit * s.axes).transpose() * point.A;
@@ -47,7 +47,7 @@ void spreadChange(const Material &material, double stabilisation, const Hourglas
     spread(ModalConjugates(dP, dC, dTwisted), s, q, entries);
   } else if constexpr (control == Stabilisation::isotropic) {
     const double scale = s.rank[q] > 0 ? residualScale(material, stabilisation, s.volumes[q]) : 0.0;
-    const ResidualPoint residual(s, q, F);
+    const StabilisationPoint residual(s, q, F);
     Mat3 dF = dFit;
     if (s.rank[q] < 3) {
       dF = completedWithoutTwist(F, dFit, s.rank[q], frameOfPoint(s, q));
@@ -140,13 +140,13 @@ void runChange(const Material &material, double stabilisation, const StencilSet 
   }
 }
 
-// The same of lattice cells whose modes relax.
+// Same for lattice cells whose modes relax.
 void runRelaxingChange(const Material &material, double stabilisation, const StencilSet &s, const Field &field,
                        const PointHistory &history, double dt, double viscousScale, std::span<Vec3> entries,
                        std::size_t from, std::size_t to) {
   const PointResponse response(material, s, history, dt, viscousScale > 0.0);
   const PronyStep step = response.hourglassStep();
-  const RelaxingModes modes(material, stabilisation, step.freshSum);
+  const RelaxingHourglass modes(material, stabilisation, step.freshSum);
   const bool linear = material.law == MaterialLaw::linear;
   for (std::size_t q = from; q < to; ++q) {
     Mat3 dFit;
@@ -155,7 +155,7 @@ void runRelaxingChange(const Material &material, double stabilisation, const Ste
     const Mat3 &F = field.gradients[q];
     const Mat3 turning = linear ? Mat3(Mat3::Identity()) : F;
     const Amplitudes amplitude = amplitudes(s, q, field.displacements);
-    const RelaxingModalPoint point(modes, s, q, turning, amplitude, response.hourglassPast(q));
+    const RelaxingHourglassPoint point(modes, s, q, turning, amplitude, response.hourglassPast(q));
     const HourglassStrain dModes = dA.topRows<3>();
     HourglassStrain dStrain = point.FQ.transpose() * dModes;
     if (!linear) dStrain += (dFit * s.axes).transpose() * point.A;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a point's stress and hourglass forces reach the phyxels of its stencil. Private to the core.
+// Distributes stress and hourglass forces of a point to the phyxels of its stencil. Private to the core.
 #pragma once
 
 #include "forces/hourglass_energy.h"
@@ -7,21 +7,21 @@
 
 namespace pointbased::detail {
 
-/// The part of internalForces() up to the entries, for the points that parallelFor runs over.
-/// @param velocities  of the viscous modes; empty: none
+/// First part of internalForces(), up to the forces of the entries, for the points of parallelFor.
+/// @param velocities  for the viscosity of the modes; empty: none
 void entryForcesOf(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
                    std::span<const Vec3> displacements, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
                    std::span<const HourglassStrain> relaxed, std::span<const Vec3> velocities,
                    std::span<Vec3> entryForces, const ParallelFor &parallelFor);
 
-/// internalForces() with what the viscosity of the modes does.
+/// internalForces() including the viscosity of the modes.
 void internalForcesOf(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
                       std::span<const Vec3> displacements, std::span<const Mat3> gradients,
                       std::span<const Mat3> stresses, std::span<const HourglassStrain> relaxed,
                       std::span<const Vec3> velocities, std::span<Vec3> entryForces, std::span<Vec3> forces,
                       const ParallelFor &parallelFor);
 
-/// The part of forceDifferential() up to the entries, likewise.
+/// First part of forceDifferential(), up to the entries.
 void entryDifferentialsOf(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
                           std::span<const Vec3> displacements, std::span<const Mat3> gradients,
                           const PointHistory &history, double dt, double viscousScale, std::span<const Vec3> du,
@@ -33,7 +33,7 @@ void entryDifferentialsOf(const Constitution &constitution, const StencilSet &st
                                             std::span<const Mat3> gradients, const PointHistory &history,
                                             std::span<Eigen::Vector2d> perPoint, std::size_t begin, std::size_t end);
 
-/// Entry e gets -pull(e), the anchor the opposite of the sum.
+/// Entry e gets -pull(e), the anchor the negative sum.
 template <class Pull>
 void spread(const StencilSet &s, std::size_t q, std::span<Vec3> entries, Pull &&pull) {
   const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];
@@ -46,7 +46,7 @@ void spread(const StencilSet &s, std::size_t q, std::span<Vec3> entries, Pull &&
   entries[first] = sum;
 }
 
-/// What multiplies g and γ of an entry, in columns padded for vector registers.
+/// Factors of g and γ of an entry, in columns padded for vector registers.
 struct ModalConjugates {
   Eigen::Matrix<double, 4, 7> columns;
 

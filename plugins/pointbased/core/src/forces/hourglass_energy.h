@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The energy of the four modes of a lattice cell that one evaluation per cell cannot see. Private to the core.
+// Hourglass energy: stabilises the four modes of a lattice cell that a single evaluation point cannot detect. Private
+// to the core.
 #pragma once
 
 #include "pointbased/material.h"
@@ -7,12 +8,12 @@
 
 namespace pointbased::detail {
 
-/// Share of E in the energy of the mode xyz: from 0.3 on the lowest modes of a free cube of six layers are those of the
-/// continuum; with 0.1 cells rattled below them. Bonded cubes and indentations feel none of it.
+/// Fraction of E in the energy of the mode xyz. From 0.3 on the lowest modes of a free cube of six layers are those of
+/// the continuum; with 0.1, cells oscillate at lower frequencies. Bonded cubes and indentations are not affected.
 inline constexpr double kTwistStiffness = 0.3;
 
-/// Part of the shear of a twisted cell that warping leaves: with 0.42 the torque of a square bar of 3, 5 and 8 cells
-/// across is right to some tenths of a per cent.
+/// Fraction of the shear of a twisted cell that remains after warping. With 0.42 the torque of a square bar of 3, 5 and
+/// 8 cells across is correct to some tenths of a per cent.
 inline constexpr double kWarping = 0.42;
 
 /// Energy of the strain that varies linearly within a cell, in plane stress:
@@ -23,11 +24,11 @@ inline constexpr double kWarping = 0.42;
 ///     U += κ v μ/2 (θ Σ t² + (1 - θ)/3 (Σ t)²),   t_z = √s_z 2 E_xy and so on,   θ = kWarping
 ///     U += κ v s² kTwistStiffness E/2 |a_xyz|²
 ///
-/// The shears t of a torsion about any axis sum to zero, and a twisted cell relieves about half of them by a warping
-/// that its corners cannot show; the sum of the t is bending of a turned cell, which keeps its stiffness.
+/// The shears t of a torsion about any axis sum to zero. A twisted cell relieves about half of them by warping, which
+/// its corners cannot represent. The sum of the t is bending of a rotated cell, which keeps its full stiffness.
 ///
-/// Plane stress, because across the plane a cell with free neighbours contracts: no locking as ν goes to one half. F^T
-/// makes it invariant to rotation. For the linear law F = I, so that it stays linear.
+/// Plane stress, because a cell with free neighbours contracts perpendicular to the plane: no locking as ν approaches
+/// one half. F^T makes it invariant to rotation. For the linear law F = I, so that it remains linear.
 class HourglassEnergy {
  public:
   HourglassEnergy(const Material &material, double stabilisation) : mu_(stabilisation * material.mu()) {
@@ -35,7 +36,7 @@ class HourglassEnergy {
     lambda_ = stabilisation * 2.0 * lambda * material.mu() / (lambda + 2.0 * material.mu());
     twist_ = stabilisation * kTwistStiffness * material.youngsModulus;
   }
-  /// Of given moduli, Pa: μ, λ*, and what multiplies |a_xyz|².
+  /// From moduli, Pa: μ, λ*, and the factor of |a_xyz|².
   HourglassEnergy(double mu, double lambda, double twist) : mu_(mu), lambda_(lambda), twist_(twist) {}
 
   [[nodiscard]] double mu() const { return mu_; }
@@ -90,20 +91,21 @@ inline Amplitudes amplitudes(const StencilSet &s, std::size_t q, std::span<const
   return A;
 }
 
-/// The hourglass energy of one point at its present amplitudes and F.
-struct ModalPoint {
+/// Hourglass energy of one point at its current amplitudes and F.
+struct HourglassPoint {
   Mat3 A;      ///< (a_xy, a_xz, a_yz), 1/m
   Vec3 twist;  ///< a_xyz, 1/m²
   Mat3 FQ;     ///< F Q; Q for the linear law
   Vec3 vs;
   double twistStiffness;
-  Mat3 D, QD;  ///< dU/dB, and turned into the frame of X
+  Mat3 D, QD;  ///< dU/dB, and rotated into the frame of X
   double energy;
 
-  ModalPoint(const HourglassEnergy &hourglass, const StencilSet &s, std::size_t q, const Mat3 &F, const Amplitudes &all)
-      : ModalPoint(hourglass, s, q, F, all, s.variances[q]) {}
-  ModalPoint(const HourglassEnergy &hourglass, const StencilSet &s, std::size_t q, const Mat3 &F, const Amplitudes &all,
-             const Vec3 &variances)
+  HourglassPoint(const HourglassEnergy &hourglass, const StencilSet &s, std::size_t q, const Mat3 &F,
+                 const Amplitudes &all)
+      : HourglassPoint(hourglass, s, q, F, all, s.variances[q]) {}
+  HourglassPoint(const HourglassEnergy &hourglass, const StencilSet &s, std::size_t q, const Mat3 &F,
+                 const Amplitudes &all, const Vec3 &variances)
       : A(all.topLeftCorner<3, 3>()), twist(all.topRightCorner<3, 1>()), FQ(F * s.axes), vs(s.volumes[q] * variances),
         twistStiffness(hourglass.twist(s.volumes[q], variances)) {
     const Mat3 B = FQ.transpose() * A;

@@ -12,16 +12,16 @@
 namespace pointbased::detail {
 namespace {
 
-constexpr double kMostJump = 0.7;
-constexpr double kLeastWay = 1e-6;  // of a cell, between the middles of two materials
-constexpr double kAlike = 1e-6;     // of a modulus
-// Of the square of a cell's edge: what is flatter still shares strains as if it were not.
-constexpr double kLeastSpread = 1e-6;
+constexpr double kMaxJump = 0.7;
+constexpr double kMinWay = 1e-6;  // of a cell, between the centres of two materials
+constexpr double kAlike = 1e-6;   // relative difference of moduli
+// Of the squared edge of a cell: flatter layers share strains as if they had this extent.
+constexpr double kMinSpread = 1e-6;
 
-// Some of the points of a cell, taken as one material: sums weighted by volume until they are divided.
+// Some of the points of a cell, combined to one material: sums weighted by volume until they are divided.
 struct Layer {
   double volume = 0.0, mu = 0.0, lambda = 0.0;
-  Vec3 middle = Vec3::Zero(), squares = Vec3::Zero();  // m, m²: means of place and of its squares
+  Vec3 middle = Vec3::Zero(), squares = Vec3::Zero();  // m, m²: means of the position and of its squares
   Vec3 first = Vec3::Zero(), mixed = Vec3::Zero();     // as in CellShape
   Vec3 extent = Vec3::Zero();                          // m⁵: Σ v s, above 0
 
@@ -36,7 +36,7 @@ struct Layer {
     squares += v * (s.variances[q] + place.cwiseAbs2());
     first += v * shape.first;
     mixed += v * shape.mixed;
-    extent += v * (s.variances[q] + Vec3::Constant(kLeastSpread * edge * edge));
+    extent += v * (s.variances[q] + Vec3::Constant(kMinSpread * edge * edge));
   }
   void divide() {
     mu /= volume;
@@ -45,16 +45,17 @@ struct Layer {
   }
 };
 
-// Across the border: from the middle of one layer to that of the other, by the extents of both, which a skin may cut.
+// Normal of the border: from the centre of one layer to that of the other, scaled by the extents of both, which a skin
+// may cut.
 Vec3 normalOf(const Layer &one, const Layer &two, double edge) {
   const double all = one.volume + two.volume;
   const Vec3 way = one.middle - two.middle, middle = (one.volume * one.middle + two.volume * two.middle) / all,
              extent = (one.volume * one.squares + two.volume * two.squares) / all - middle.cwiseAbs2();
-  if (!(way.norm() > kLeastWay * edge) || !(extent.minCoeff() > 0.0)) return Vec3::Zero();
+  if (!(way.norm() > kMinWay * edge) || !(extent.minCoeff() > 0.0)) return Vec3::Zero();
   return way.cwiseQuotient(extent).normalized();
 }
 
-// Of points of a cell, softest first: how many are the softer layer, up to the widest gap between their moduli.
+// Number of points of a cell, softest first, that form the softer layer: up to the widest gap between their moduli.
 std::size_t softerOf(const Constitution &constitution, const StencilSet &s, std::span<const Index> points) {
   std::size_t count = 1;
   double widest = 0.0;
@@ -71,7 +72,7 @@ std::size_t softerOf(const Constitution &constitution, const StencilSet &s, std:
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-// Of strains xx, yy, zz, yz, xz, xy, shears twice.
+// For strains xx, yy, zz, yz, xz, xy, shears twice.
 Matrix6 stiffnessOf(double mu, double lambda) {
   Matrix6 C = Matrix6::Zero();
   C.topLeftCorner<3, 3>().setConstant(lambda);
@@ -79,7 +80,7 @@ Matrix6 stiffnessOf(double mu, double lambda) {
   return C;
 }
 
-// The strain of y nᵀ for every y.
+// Strain of y nᵀ for every y.
 Eigen::Matrix<double, 6, 3> strainOfJump(const Vec3 &n) {
   Eigen::Matrix<double, 6, 3> Y = Eigen::Matrix<double, 6, 3>::Zero();
   for (int c = 0; c < 3; ++c) {
@@ -91,8 +92,8 @@ Eigen::Matrix<double, 6, 3> strainOfJump(const Vec3 &n) {
   return Y;
 }
 
-// Strains within the layers for those of the modes that vary along an axis: plane stress across it for both together,
-// shared across the border.
+// Strains within the layers for those of the modes that vary along an axis: plane stress perpendicular to it for both
+// layers together, shared across the border.
 // @return per layer: from xx, yy, 2 xy to all six
 std::array<Eigen::Matrix<double, 6, 3>, 2> sharedStrains(const std::array<Layer, 2> &layers, const Vec3 &normal,
                                                          int axis) {
@@ -116,7 +117,7 @@ std::array<Eigen::Matrix<double, 6, 3>, 2> sharedStrains(const std::array<Layer,
   return out;
 }
 
-// Energies of the modes of a cell by its layers.
+// Mode energies of a cell from its layers.
 class SharedModes {
  public:
   SharedModes(const std::array<Layer, 2> &layers, const Vec3 &normal, double stabilisation) {
@@ -130,7 +131,7 @@ class SharedModes {
       }
       root[axis] = std::sqrt(shear);
     }
-    // Its square is HourglassEnergy's θ 1 + (1 - θ)/3 of the shears.
+    // Its square is θ 1 + (1 - θ)/3 for the shears in HourglassEnergy.
     const double warping = std::sqrt(kWarping);
     relieved_ = std::sqrt(stabilisation) * Matrix9::Identity();
     for (int i = 0; i < 3; ++i)
@@ -149,7 +150,7 @@ class SharedModes {
     return packed(relieved_.transpose() * K * relieved_);
   }
 
-  // @param K  of xx, yy, 2 xy of the axes across x, then y, then z
+  // @param K  for xx, yy, 2 xy of the planes perpendicular to x, then y, then z
   static ModeForm packed(const Matrix9 &K) {
     ModeForm out;
     std::size_t at = 0;
@@ -223,7 +224,7 @@ Laminates findLaminates(const StencilSet &s, const Constitution &constitution) {
       const double sign = k == 0 ? 1.0 : -1.0;
       moduli[k] = {sign * 2.0 * layers[k].mu / mu, sign * layers[k].lambda / wave, sign * 2.0 * layers[k].mu / wave};
     }
-    laminate.limit = std::max(ofOne, ofTwo) / kMostJump;
+    laminate.limit = std::max(ofOne, ofTwo) / kMaxJump;
     laminate.cell = cell;
     std::optional<SharedModes> shared;
     if (withModes) shared.emplace(layers, laminate.normal, constitution.stabilisation);

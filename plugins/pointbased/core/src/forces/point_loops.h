@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loops over evaluation points that decide on material and law outside of the loop. Private to the core.
+// Loops over evaluation points that select material and law outside of the loop. Private to the core.
 #pragma once
 
 #include "material/laws.h"
@@ -10,13 +10,13 @@ namespace pointbased::detail {
 
 inline constexpr std::size_t kPointGrain = 64;
 
-/// parallelFor without the allocation of a std::function that captures much.
+/// parallelFor without the allocation of a std::function with large captures.
 template <class Body>
 void runLoop(const ParallelFor &parallelFor, std::size_t n, std::size_t grain, const Body &body) {
   parallelFor(n, grain, std::cref(body));
 }
 
-/// body(material, begin, end) for every run of points of one material in [begin, end).
+/// Calls body(material, begin, end) for every run of points of one material in [begin, end).
 template <class Body>
 void forMaterialRuns(const Constitution &constitution, const StencilSet &s, std::size_t begin, std::size_t end,
                      Body &&body) {
@@ -36,7 +36,7 @@ inline const Material &materialOfPoint(const Constitution &constitution, const S
   return constitution.materials[s.materials.empty() ? 0 : s.materials[q]];
 }
 
-/// Sums what every entry does to its phyxel, in the order of the entries.
+/// Sums the entries of every phyxel, in the order of the entries.
 template <class T>
 void gather(const StencilSet &s, std::span<const T> entries, std::span<T> out, const ParallelFor &parallelFor) {
   runLoop(parallelFor, out.size(), 4 * kPointGrain, [&](std::size_t begin, std::size_t end) {
@@ -49,7 +49,7 @@ void gather(const StencilSet &s, std::span<const T> entries, std::span<T> out, c
   });
 }
 
-/// Which energy controls the modes that one evaluation per point cannot see.
+/// Energy that controls the modes which one evaluation per point cannot detect.
 enum class Stabilisation { none, hourglass, isotropic };
 
 inline Stabilisation stabilisationOf(const Constitution &constitution, const StencilSet &s) {

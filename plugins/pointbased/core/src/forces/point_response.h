@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stress of one point and its change, with what the material remembers. Private to the core.
+// Stress of one point and its change, including material history. Private to the core.
 #pragma once
 
 #include "discretisation/rank_deficient_gradient.h"
@@ -11,21 +11,21 @@
 
 namespace pointbased::detail {
 
-/// Projector on the directions a flat stencil sees.
+/// Projector onto the directions spanned by a flat stencil.
 inline Mat3 seenDirections(int rank, const Mat3 &frame) {
   return frame.leftCols(rank) * frame.leftCols(rank).transpose();
 }
 
-/// The completion of small strain, linear in the displacements: no strain leaves the seen directions.
-/// @param H  displacement gradient (or its change); only its seen part counts
+/// Completion of small strain, linear in the displacements: no strain outside of the spanned directions.
+/// @param H  displacement gradient (or its change); only its spanned part is used
 inline Mat3 completedLinearly(const Mat3 &H, int rank, const Mat3 &frame) {
   const Mat3 T = seenDirections(rank, frame);
   const Mat3 seen = H * T;
   return seen - seen.transpose() * (Mat3::Identity() - T);
 }
 
-/// completedDifferential() for an isotropic stress. A line is turned without the twist about itself, which such a
-/// stress does not see and which grows without bound near half a turn.
+/// completedDifferential() for an isotropic stress. A line is rotated without the twist about itself: such a stress
+/// does not depend on it, and it grows without bound near a rotation by 180 degrees.
 inline Mat3 completedWithoutTwist(const Mat3 &F, const Mat3 &dFit, int rank, const Mat3 &frame) {
   if (rank != 1) return completedDifferential(F, dFit, rank, frame);
   const Vec3 t = frame.col(0), a = F * t, da = dFit * t;
@@ -38,7 +38,7 @@ inline Mat3 completedWithoutTwist(const Mat3 &F, const Mat3 &dFit, int rank, con
   return dF;
 }
 
-/// The F a law is to see: flat stencils are completed linearly for the linear law, so that it stays linear.
+/// F passed to a law: for the linear law flat stencils are completed linearly, so that it remains linear.
 template <class Law>
 Mat3 lawGradient(Law, const StencilSet &s, std::size_t q, const Mat3 &F) {
   if constexpr (std::is_same_v<Law, detail::Law<MaterialLaw::linear>>) {
@@ -48,7 +48,7 @@ Mat3 lawGradient(Law, const StencilSet &s, std::size_t q, const Mat3 &F) {
 }
 
 /// Change of lawGradient().
-/// @param F     completed
+/// @param F  completed
 /// @param dFit  change of the fitted gradient
 template <class Law>
 Mat3 lawGradientDifferential(Law, const StencilSet &s, std::size_t q, const Mat3 &F, const Mat3 &dFit) {
@@ -58,7 +58,7 @@ Mat3 lawGradientDifferential(Law, const StencilSet &s, std::size_t q, const Mat3
   return completedWithoutTwist(F, dFit, s.rank[q], frameOfPoint(s, q));
 }
 
-/// Points of one material over one step: which parts of the response there are is decided here, not per point.
+/// Points of one material over one step: the parts of the response are selected here, not per point.
 struct PointResponse {
   const Material &material;
   const StencilSet &stencils;
@@ -74,7 +74,7 @@ struct PointResponse {
 
   [[nodiscard]] bool elastic() const { return !plastic && !relaxing && !viscous; }
 
-  /// Of the modes, which relax where there is a memory of them.
+  /// For the modes, which relax if they have a history.
   [[nodiscard]] PronyStep hourglassStep() const { return before.modes.empty() ? PronyStep() : step; }
   [[nodiscard]] HourglassStrain hourglassPast(std::size_t q) const {
     return before.modes.empty() ? HourglassStrain(HourglassStrain::Zero()) : pastOf(step, before.modes[q]);
@@ -110,7 +110,7 @@ struct PointResponse {
     return dP;
   }
 
-  // F S_v, S_v = 2 eta dE/dt. A turning patch does not strain: only the directions of the stencil count.
+  // F S_v, S_v = 2 eta dE/dt. A rotating patch is not strained: only the directions of the stencil contribute.
   [[nodiscard]] Mat3 viscousStress(std::size_t q, const Mat3 &F, const Mat3 &rate) const {
     Mat3 strainRate = symmetric(F.transpose() * rate);
     if (stencils.rank[q] < 3) {

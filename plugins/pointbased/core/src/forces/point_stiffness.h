@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stiffness matrix of one point as V^T H V. Private to the core.
+// Stiffness matrix of one point as V^T H V. Private to the core.
 #pragma once
 
 #include <optional>
@@ -11,23 +11,23 @@ namespace pointbased::detail {
 
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 
-/// A symmetric matrix without its negative eigenvalues.
+/// A symmetric matrix with its negative eigenvalues removed.
 Matrix9 positivePart(const Matrix9 &C);
 
 /// K_jl = Σ g_jc g_ld C_cd + B_j^T H B_l + twist γ_j γ_l: C the 9x9 tangent of v P, B_j the change of B
 /// (HourglassEnergy) by the displacement of entry j.
 ///
-/// The isotropic control adds scale Σ_k w_k c_kj c_kl, c_kj = δ_kj - δ_aj - g_j (X_k - X_a): what r_k changes by. At
-/// flat stencils the turning of the completed column is left out.
+/// The isotropic control adds scale Σ_k w_k c_kj c_kl, c_kj = δ_kj - δ_aj - g_j (X_k - X_a): the change of r_k. For
+/// flat stencils the rotation of the completed column is neglected.
 class PointStiffness {
  public:
   using Columns = Eigen::Matrix<double, 9, 3>;
-  /// What the blocks of one entry are made of.
+  /// Factors of the blocks of one entry.
   struct Entry {
     Columns stress;             ///< d(v P) by displacements of the entry
     Columns modes;              ///< dB by displacements of the entry
     Columns conjugate;          ///< dD = H dB
-    Mat3 twist = Mat3::Zero();  ///< only where modes relax or are viscous: change of Q^T F^T a_xyz
+    Mat3 twist = Mat3::Zero();  ///< only if modes relax or are viscous: change of Q^T F^T a_xyz
   };
 
   PointStiffness(const Constitution &constitution, const StencilSet &s, std::size_t q, std::span<const Vec3> X,
@@ -43,8 +43,8 @@ class PointStiffness {
                control_ == Stabilisation::hourglass ? s.variances[q] : Vec3(Vec3::Zero())) {
     if (control_ == Stabilisation::hourglass && response.material.relaxes()) {
       relaxing_.emplace(response.material, constitution.stabilisation, response.hourglassStep().freshSum);
-      const RelaxingModalPoint point(*relaxing_, s, q, linear_ ? Mat3(Mat3::Identity()) : gradients[q],
-                                     amplitudes(s, q, u), response.hourglassPast(q));
+      const RelaxingHourglassPoint point(*relaxing_, s, q, linear_ ? Mat3(Mat3::Identity()) : gradients[q],
+                                         amplitudes(s, q, u), response.hourglassPast(q));
       point_.QD = point.QD.leftCols<3>();
       twistQD_ = point.QD.col(3);
       point_.twistStiffness = relaxing_->present().twist(s.volumes[q], s.variances[q]);
@@ -64,7 +64,7 @@ class PointStiffness {
     elastic_ = Matrix9(0.5 * (elastic_ + elastic_.transpose()));
     if (control_ == Stabilisation::isotropic && s.rank[q] > 0) {
       scale_ = residualScale(response.material, constitution.stabilisation, s.volumes[q]);
-      const ResidualPoint residual(s, q, gradients[q]);
+      const StabilisationPoint residual(s, q, gradients[q]);
       visible_ = residual.visibleDirections();
       const Index anchor = s.phyxels.indices[first()];
       for (Index e = first() + 1; e < last(); ++e) {
@@ -99,13 +99,13 @@ class PointStiffness {
     return out;
   }
 
-  /// Block of two entries without second derivatives of B: the blocks of a point together are positive semi-definite if
-  /// its tangent is.
+  /// Block of two entries without second derivatives of B: together, the blocks of a point are positive semi-definite
+  /// if its tangent is.
   [[nodiscard]] Mat3 block(Index j, const Entry &ofJ, Index l, const Entry &ofL) const {
     const Vec3 &g = gradientRows_[j];
     Mat3 K = g[0] * ofL.stress.topRows<3>() + g[1] * ofL.stress.middleRows<3>(3) + g[2] * ofL.stress.bottomRows<3>();
     if (control_ == Stabilisation::hourglass) {
-      // Eigen takes its product of large matrices from this size on, which costs ten times as much here.
+      // From this size on Eigen uses its product for large matrices, which costs ten times as much here.
       K += ofJ.modes.transpose().lazyProduct(ofL.conjugate);
       if (relaxing_)
         K += (point_.twistStiffness + viscousTwist_) * ofJ.twist.transpose().lazyProduct(ofL.twist);
@@ -118,7 +118,7 @@ class PointStiffness {
     return K;
   }
 
-  /// What the second derivative of B adds to the diagonal block of an entry.
+  /// Contribution of the second derivative of B to the diagonal block of an entry.
   [[nodiscard]] double curvature(Index e) const {
     if (control_ != Stabilisation::hourglass || linear_) return 0.0;
     double sum = 2.0 * gradientRows_[e].dot(point_.QD * modeRows_[e].head<3>());
@@ -154,8 +154,8 @@ class PointStiffness {
   HourglassEnergy modal_, viscous_;
   double viscousScale_, viscousTwist_ = 0.0;
   bool linear_;
-  ModalPoint point_;
-  std::optional<RelaxingModes> relaxing_;
+  HourglassPoint point_;
+  std::optional<RelaxingHourglass> relaxing_;
   Vec3 twistQD_ = Vec3::Zero();
   Matrix9 elastic_;
   double scale_ = 0.0, weight_ = 0.0;

@@ -10,7 +10,7 @@
 namespace pointbased::detail {
 namespace {
 
-// Roots of the stiffness of the modes xy, xz, yz and xyz, means over the directions they may move in.
+// Square roots of the stiffness of the modes xy, xz, yz and xyz, averaged over their directions of displacement.
 Eigen::Vector4d modeRoots(const HourglassEnergy &modal, const Vec3 &vs, double volume, const Vec3 &variances) {
   const double stretch = 2.0 * modal.mu() + modal.lambda();
   const double shear = modal.mu() * (kWarping + (1.0 - kWarping) / 3.0);
@@ -18,7 +18,7 @@ Eigen::Vector4d modeRoots(const HourglassEnergy &modal, const Vec3 &vs, double v
   return Eigen::Vector4d(mean(0, 1), mean(0, 2), mean(1, 2), modal.twist(volume, variances)).cwiseSqrt();
 }
 
-// The same of a laminate.
+// Same for a laminate.
 Eigen::Vector4d modeRoots(const ModeForm &form, double twist) {
   const double shearX = form[27], shearY = form[29], shearZ = form[32];
   return Eigen::Vector4d((form[0] + form[3] + shearX + shearY) / 3.0, (form[2] + form[6] + shearX + shearZ) / 3.0,
@@ -26,7 +26,7 @@ Eigen::Vector4d modeRoots(const ModeForm &form, double twist) {
       .cwiseSqrt();
 }
 
-// The tangent of a point: λ (turn^T : dF) turn + μ turn dF^T turn + root² dF.
+// Tangent of a point: λ (turn^T : dF) turn + μ turn dF^T turn + root² dF.
 struct Elastic {
   double lambda, mu;
   Mat3 turn;
@@ -42,8 +42,8 @@ Elastic elasticOf(const Material &material, double viscosity, const Mat3 &F) {
     const double J = F.col(0).dot(c.col(0));
     if (J >= kNeoHookeanSwitch) {
       const Volumetric volume = volumetric(Moduli(material), J);
-      // With stretches s it is positive if λ is and μ is between -root² min s² and root² s_i s_j, the two smallest
-      // of which are J over the largest.
+      // With stretches s it is positive if λ is positive and μ is between -root² min s² and root² s_i s_j; the product
+      // of the two smallest is J over the largest.
       const double most = mu * J / std::sqrt(largestEigenvalueBound(F.transpose() * F));
       const double least = -mu * J * J / largestEigenvalueBound(c.transpose() * c);
       return {std::max(0.0, J * (J * volume.g2 + volume.g1)), std::clamp(viscosity - J * volume.g1, least, most), c / J,

@@ -121,7 +121,7 @@ std::unique_ptr<VectorForces> vectorForces(const StencilSet &stencils, std::span
                                            Precision precision, const ParallelFor &parallelFor) {
   if (positions.empty() || !stencils.reference.empty()) return nullptr;
   if (stencils.isLattice()) return cellForcesOf(stencils, positions, masses, constitution, precision, parallelFor);
-  // The kernels of clouds know no history.
+  // The kernels of clouds do not support history.
   return constitution.remembers() ? nullptr : cloudForcesOf(stencils, positions, constitution, precision, parallelFor);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the vector forces of lattices and clouds share. Private to the core.
+// Shared by the vector forces of lattices and clouds. Private to the core.
 #pragma once
 
 #include <cmath>
@@ -22,12 +22,12 @@ inline constexpr std::size_t kPhyxelGrain = 256;
                                                           const Constitution &constitution, Precision precision,
                                                           const ParallelFor &parallelFor);
 
-/// Whether the kernels have its law; their neo-Hookean one is that with the square of the logarithm.
+/// Whether the kernels support the law; their neo-Hookean law is the one with the squared logarithm.
 [[nodiscard]] inline bool kernelKnows(const Material &m) {
   return m.law != MaterialLaw::custom && (m.law != MaterialLaw::neoHookean || m.lambda() >= 0.0);
 }
 
-/// The laws of a constitution, which has to outlive it.
+/// The laws of a constitution, which has to outlive the result.
 [[nodiscard]] kernels::ScalarLaw scalarLaw(const Constitution &constitution);
 
 template <class T>
@@ -38,7 +38,7 @@ template <class T>
   return laws;
 }
 
-/// The largest of all and of `atLeast`; a NaN is not lost.
+/// The largest of all ratios and of `atLeast`; NaN if any is NaN.
 template <class T>
 [[nodiscard]] double largestRatio(std::span<const T> ratios, double atLeast) {
   for (const T r : ratios) {
@@ -48,23 +48,23 @@ template <class T>
   return atLeast;
 }
 
-/// Points that no kernel takes, answered by the scalar engine.
+/// Points that no kernel handles, computed by the scalar engine.
 class ScalarFallback {
  public:
   ScalarFallback(const StencilSet &stencils, std::span<const Vec3> positions, const Constitution &constitution,
                  std::span<const Index> points);
   [[nodiscard]] bool empty() const { return runs_.empty(); }
-  /// Their entries, in the order of forces().
+  /// Entries of these points, in the order of force().
   [[nodiscard]] std::span<const Index> entries() const { return entries_; }
   /// @return largest ratio
   double evaluate(std::span<const Vec3> displacements, std::span<const Vec3> velocities, const HistoryStep &step,
                   const ParallelFor &parallelFor);
   void linearise(std::span<const Vec3> displacements, const ParallelFor &parallelFor);
-  /// Changes of their forces, in force().
+  /// Changes of their forces, returned by force().
   void differential(std::span<const Vec3> du, double viscousScale, const ParallelFor &parallelFor);
   [[nodiscard]] ElasticEnergy energy(std::span<const Vec3> displacements, const PointHistory &history) const;
   [[nodiscard]] const Vec3 &force(std::size_t entry) const { return entryForces_[entries_[entry]]; }
-  /// Of a point, at the last evaluate().
+  /// Ratio of a point at the last evaluate().
   [[nodiscard]] double ratio(std::size_t point) const { return ratios_[point]; }
 
  private:
@@ -73,7 +73,7 @@ class ScalarFallback {
   const StencilSet &stencils_;
   std::span<const Vec3> positions_;
   const Constitution &constitution_;
-  std::vector<std::pair<Index, Index>> runs_;  // short ones, for the loops of the scalar engine
+  std::vector<std::pair<Index, Index>> runs_;  // short ranges, for the loops of the scalar engine
   std::vector<Index> entries_;
   std::vector<Vec3> entryForces_;
   std::vector<Mat3> gradients_, rates_, stresses_;

@@ -8,7 +8,7 @@ namespace pointbased::detail {
 
 /// Moduli of the dissipation of the modes, Pa s: those of HourglassEnergy times 2 η/(λ + 2 μ), the retardation time of
 /// a pressure wave. Half of the dissipated power is HourglassEnergy of the rates dB/dt and d(Q^T F^T a_xyz)/dt with
-/// these. Rates of B are strain rates: a rigid motion has none.
+/// these moduli. Rates of B are strain rates: a rigid motion has none.
 ///
 /// With this time the step bound of Body::stableStepFor() holds for the modes as well. The retardation time of a shear,
 /// η/μ, is 5.5 times as long at ν = 0.45 and made the explicit steps of a crushed tube unstable.
@@ -18,8 +18,8 @@ namespace pointbased::detail {
   return {retardation * elastic.mu(), retardation * elastic.lambda(), retardation * elastic.twistModulus()};
 }
 
-/// Adds to v P, to what pulls the modes and to what pulls xyz (ModalConjugates) the viscous part.
-/// @param F       identity for the linear law
+/// Adds the viscous part to v P and to the conjugates of the modes and of xyz (ModalConjugates).
+/// @param F  identity for the linear law
 /// @param rateOfF, rateOfModes  dF/dt and the amplitudes of the velocities
 inline void addViscousModes(const HourglassEnergy &viscous, bool linear, const StencilSet &s, std::size_t q,
                             const Mat3 &F, const Amplitudes &modes, const Mat3 &rateOfF, const Amplitudes &rateOfModes,
@@ -37,7 +37,7 @@ inline void addViscousModes(const HourglassEnergy &viscous, bool linear, const S
   if (!linear) stress += A * (s.axes * D).transpose();
 }
 
-/// Mean gradient and amplitudes of a field of vectors over the corners of a cell.
+/// Mean gradient and amplitudes of a vector field over the corners of a cell.
 inline void fittedModes(const StencilSet &s, std::size_t q, std::span<const Vec3> field, Mat3 &gradient,
                         Amplitudes &modes) {
   const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];

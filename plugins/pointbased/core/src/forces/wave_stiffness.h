@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// How stiff the cells around phyxels are against the fastest wave. Private to the core.
+// Stiffness around phyxels against the fastest wave. Private to the core.
 #pragma once
 
 #include <vector>
 
-#include "base/look_for_end.h"
+#include "base/cancellation_poll.h"
 #include "forces/point_loops.h"
 
 namespace pointbased::detail {
 
-/// Σ_q v (λ + 2 μ) |g_qi|² of the phyxels at rest, N/m: over the masses about the square of the frequencies there.
-/// @param isByCorners  of a point whose cell has corners that hang: |g|² of the corners, handed on by their weights, as
-///                     the kernels have it; else of the rows of its stencil
+/// Σ_q v (λ + 2 μ) |g_qi|² of the phyxels at rest, N/m; divided by the masses, approximately the square of the local
+/// frequencies.
+/// @param isByCorners  for a point whose cell has hanging corners: |g|² of the corners, distributed by their weights,
+///                     as in the kernels; otherwise from the rows of its stencil
 template <class IsByCorners>
 [[nodiscard]] std::vector<double> waveStiffnesses(const Constitution &constitution, const StencilSet &s,
                                                   std::size_t phyxels, const ParallelFor &parallelFor,
                                                   const IsByCorners &isByCorners) {
   std::vector<double> sums(phyxels, 0.0);
-  Looks look(parallelFor);
+  CancellationPoll look(parallelFor);
   for (std::size_t q = 0; q < s.pointCount(); ++q) {
     look();
     const double stiffness = s.volumes[q] * materialOfPoint(constitution, s, q).waveModulus();

@@ -27,11 +27,11 @@ bool Constitution::plastic() const {
   return anyOf(*this, [](const Material &m) { return m.plastic.enabled(); });
 }
 
-std::string Constitution::takeComplaint() const {
+std::string Constitution::consumeError() const {
   std::string all;
   for (const Material &m : materials) {
     if (m.law != MaterialLaw::custom) continue;
-    if (const std::string one = m.custom->takeComplaint(); !one.empty()) all += (all.empty() ? "" : "; ") + one;
+    if (const std::string one = m.custom->consumeError(); !one.empty()) all += (all.empty() ? "" : "; ") + one;
   }
   return all;
 }

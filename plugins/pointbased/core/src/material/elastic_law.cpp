@@ -25,7 +25,7 @@ std::string shown(const Mat3 &F) {
   return text + "]";
 }
 
-// dP/dF, column c its answer to the unit matrix with a one at component c (column-major).
+// dP/dF; column c is the response to the unit matrix with a one at component c (column-major).
 Result<void> tangentAt(const ElasticLaw &law, const Mat3 &F, Matrix9 &C) {
   std::array<Mat3, 9> at, units, answers;
   at.fill(F);
@@ -39,8 +39,8 @@ Result<void> tangentAt(const ElasticLaw &law, const Mat3 &F, Matrix9 &C) {
   return {};
 }
 
-// Largest a⊗n : C : a⊗n, once in a and once in n from the principal directions of F, along which the fastest waves of an
-// isotropic law run: a lower bound, and hardly ever missed.
+// Largest a⊗n : C : a⊗n by one iteration in a and one in n, started from the principal directions of F, along which the
+// fastest waves of an isotropic law propagate. A lower bound that is almost always exact.
 double waveModulus(const Matrix9 &C, const Mat3 &F) {
   double largest = -std::numeric_limits<double>::infinity();
   const Mat3 directions = detail::symmetricEigen(F.transpose() * F).vectors;
@@ -58,7 +58,7 @@ double waveModulus(const Matrix9 &C, const Mat3 &F) {
   return largest;
 }
 
-// Both norms bound every eigenvalue; that of the rows is exact for an isotropic law at rest.
+// Both norms bound every eigenvalue; the row norm is exact for an isotropic law at rest.
 TangentBound boundOf(const Matrix9 &C, const Mat3 &F) {
   if (!C.allFinite()) return {kNone, kNone};
   return {waveModulus(C, F), std::min(C.cwiseAbs().rowwise().sum().maxCoeff(), C.norm())};
@@ -87,7 +87,7 @@ void CheckedLaw::complain(std::string text) const {
   complaint_ = law_->name() + ": " + std::move(text);
 }
 
-std::string CheckedLaw::takeComplaint() const {
+std::string CheckedLaw::consumeError() const {
   const std::lock_guard lock(mutex_);
   return std::exchange(complaint_, {});
 }
@@ -120,7 +120,7 @@ void CheckedLaw::bounds(std::span<const Mat3> F, std::span<TangentBound> out) co
 
 namespace {
 
-// The deformations at which a law is asked: fixed, so that a law passes or fails always in the same way.
+// Fixed deformations at which a law is tested, so that a law always passes or fails in the same way.
 class Trials {
  public:
   Trials() {
@@ -148,7 +148,7 @@ class Trials {
   std::vector<Mat3> F, turns, changes;
 };
 
-// Asks a law and stops at the first thing that does not hold.
+// Tests a law and stops at the first violation.
 class Examination {
  public:
   explicit Examination(const ElasticLaw &law) : law_(law) {}
@@ -166,7 +166,7 @@ class Examination {
     lambda = volume - 2.0 / 3.0 * mu;
     const Eigen::SelfAdjointEigenSolver<Matrix9> eigen(0.5 * (C + C.transpose()), Eigen::EigenvaluesOnly);
     rest = {waveModulus(C, I), eigen.eigenvalues()[8]};
-    // Three of the nine are rotations, which cost nothing.
+    // Three of the nine modes are rotations, without energy.
     const double softest = eigen.eigenvalues()[3];
     if (!(volume > 0.0) || !(mu > 0.0) || !(softest > 1e-9 * rest.all))
       return failed("it is not stiff at rest: bulk modulus " + number(volume) + " Pa, shear modulus " + number(mu) +
@@ -243,7 +243,7 @@ class Examination {
  private:
   static constexpr double kExact = 1e-9, kByDifferences = 1e-5, kStep = 1e-5;
 
-  // Batches are cut as threads come by.
+  // Batches depend on how threads are scheduled, so a point evaluated alone must have the same result.
   [[nodiscard]] Result<void> sameAlone(const Mat3 &F, const Mat3 &D, double W, const Mat3 &P, const Mat3 &dP) const {
     double w = kNone;
     Mat3 p = Mat3::Constant(kNone), dp = p;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The elastic laws, one type each, so that a loop over points decides on the law once: withLaw(). Private to the core.
+// Elastic laws, one type each, so that a loop over points selects the law once: withLaw(). Private to the core.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace pointbased::detail {
 
-/// The constants of a law, computed once per loop.
+/// Constants of a law, computed once per loop.
 struct Moduli {
   double lambda, mu, volume;
   const CheckedLaw *custom;
@@ -29,7 +29,7 @@ inline Mat3 hooke(const Moduli &m, const Mat3 &e) {
   return s;
 }
 
-/// k_v/2 (J - 1)^2 and its derivatives, for the laws that do not know J.
+/// k_v/2 (J - 1)^2 and its derivatives, for laws that do not depend on J.
 struct VolumeTerm {
   static double energy(const Moduli &m, const Mat3 &F) {
     if (!(m.volume > 0.0)) return 0.0;
@@ -52,11 +52,11 @@ struct VolumeTerm {
 };
 
 /// The volumetric part g(J) = -mu ln J + lambda/2 (ln J)^2 + k_v/2 (J - 1)^2 of the neo-Hookean energy, and
-/// derivatives. Where lambda < 0 the square of the logarithm pulls together what is compressed: at nu = -0.9 a pressure
-/// of 0.3 % of E ends in a point. There it is mu/beta (J^-beta - 1) with beta = lambda/mu > -2/3, which has the same
-/// moduli at rest, is the same at lambda = 0, and is convex.
+/// derivatives. If lambda < 0 the squared logarithm is attractive in compression: at nu = -0.9 a pressure of 0.3 % of E
+/// collapses the material to a point. In this case it is mu/beta (J^-beta - 1) with beta = lambda/mu > -2/3, which has
+/// the same moduli at rest, is the same at lambda = 0, and is convex.
 /// @source  Storakers 1986, On material representation and constitutive branching in finite compressible elasticity,
-///          with one term of exponent 2
+/// with one term of exponent 2
 struct Volumetric {
   double g, g1, g2;
 };
@@ -83,7 +83,7 @@ inline Volumetric volumetric(const Moduli &m, double J) {
   return {v.g + 0.5 * m.volume * d * d, v.g1 + m.volume * d, v.g2 + m.volume};
 }
 
-/// (tr(U) I - U)^-1 with U = R^T F, its eigenvalues, sums of two stretches, held at kCorotatedFloor.
+/// (tr(U) I - U)^-1 with U = R^T F. Its eigenvalues, sums of two stretches, are bounded from below by kCorotatedFloor.
 inline Mat3 turnMatrix(const Polar &p, const Mat3 &U) {
   const Mat3 sums = p.trace * Mat3::Identity() - U;
   if (p.trace - largestEigenvalueBound(U) > 2.0 * kCorotatedFloor) {
@@ -95,7 +95,7 @@ inline Mat3 turnMatrix(const Polar &p, const Mat3 &U) {
   return eigen.with(eigen.values.cwiseMax(kCorotatedFloor).cwiseInverse());
 }
 
-/// w with [w]x the skew part of A, doubled: A - A^T.
+/// w with [w]x = twice the skew part of A: A - A^T.
 inline Vec3 axial(const Mat3 &A) { return {A(2, 1) - A(1, 2), A(0, 2) - A(2, 0), A(1, 0) - A(0, 1)}; }
 
 /// M [w]x
@@ -107,14 +107,14 @@ inline Mat3 timesCross(const Mat3 &M, const Vec3 &w) {
   return product;
 }
 
-/// dR of the polar decomposition: R^T dR = [w]x turns with (tr(U) I - U) w = axial(R^T dF).
+/// dR of the polar decomposition: R^T dR = [w]x with (tr(U) I - U) w = axial(R^T dF).
 inline Mat3 rotationDifferential(const Mat3 &R, const Mat3 &turn, const Mat3 &dF) {
   return timesCross(R, turn * axial(R.transpose() * dF));
 }
 
-/// What the neo-Hookean law has below the switch in addition: stretch(J) |F - R|^2 with stretch going smoothly from
-/// zero at the switch to mu/4 at J = 0 and below. Without it W ~ mu/2 |F|^2 would make a point of F = 0, and mirrored
-/// states would shrink to it and stay.
+/// Additional energy of the neo-Hookean law below the switch: stretch(J) |F - R|^2, where stretch increases smoothly
+/// from zero at the switch to mu/4 at J = 0 and below. Without it W ~ mu/2 |F|^2 would contract F to a point at F = 0,
+/// and mirrored states would collapse to it and remain there.
 struct Collapse {
   double value, slope, curvature;
 };
@@ -224,8 +224,8 @@ struct Law<MaterialLaw::neoHookean> {
   static Mat3 stress(const Moduli &m, const Mat3 &F) {
     const Mat3 c = cofactor(F);
     const double J = F.col(0).dot(c.col(0));
-    // At J near 1, mu F and g'(J) cof F nearly cancel; written with their difference so that a rotation gives no
-    // stress.
+    // Near J = 1, mu F and g'(J) cof F nearly cancel. They are written with their difference, so that a rotation causes
+    // no stress.
     const Mat3 P = m.mu * (F - c) + (m.mu + volumetric(m, J).g1) * c;
     if (J >= kNeoHookeanSwitch) return P;
     const Collapse k = collapse(m, J);
@@ -262,10 +262,10 @@ struct Law<MaterialLaw::neoHookean> {
   }
 };
 
-/// tangentRatio() where the law from outside has already said how stiff it is.
+/// tangentRatio() if the custom law has already returned its stiffness.
 [[nodiscard]] double tangentRatio(const Moduli &m, const Mat3 &F, const TangentBound &ofLaw);
 
-/// One point at a time; loops over many ask in batches (custom_batches.h).
+/// One point at a time; loops over many points use batches (custom_batches.h).
 template <>
 struct Law<MaterialLaw::custom> {
   static double energy(const Moduli &m, const Mat3 &F) {
@@ -293,7 +293,7 @@ struct Law<MaterialLaw::custom> {
   }
 };
 
-/// body(Law<law>{}) for the law of the material: the switch stands outside of the body's loop.
+/// Calls body(Law<law>{}) for the law of the material, so that the switch is outside of the loop in body.
 template <class Body>
 decltype(auto) withLaw(MaterialLaw law, Body &&body) {
   switch (law) {

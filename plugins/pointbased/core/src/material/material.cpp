@@ -14,7 +14,7 @@ using detail::Moduli;
 
 namespace {
 
-// What bounds the tangent of a function of J with derivatives g1, g2 at F.
+// Bounds of the tangent of a function of J with derivatives g1, g2 at F.
 struct VolumeBounds {
   double J, areas2, area2, size;  // |cof F|², its largest singular value squared, |F|
 
@@ -26,12 +26,12 @@ struct VolumeBounds {
     size = F.norm();
   }
 
-  // Of a⊗n : d²g : a⊗n: along a⊗n J is linear, so that only g2 counts.
+  // For a⊗n : d²g : a⊗n: J is linear along a⊗n, so only g2 contributes.
   double wave(double g2) const { return std::max(0.0, g2) * area2; }
 
-  // Of dF on the diagonal of the principal frame: g2 c cᵀ + g1 D with D_ij = s_k, whose eigenvalues, the roots of
-  // x³ - |F|² x - 2 J, lie between ± 2/sqrt(3) |F|, for J > 0 above -|F|. And D_ij = c_i c_j / J, so that for J > 0 it
-  // is (g2 + g1/J) c cᵀ - g1/J diag(c_i²), which is exact at rest.
+  // For dF on the diagonal of the principal frame: g2 c cᵀ + g1 D with D_ij = s_k. The eigenvalues of D, the roots of
+  // x³ - |F|² x - 2 J, are between ± 2/sqrt(3) |F|, and above -|F| for J > 0. Since D_ij = c_i c_j / J, for J > 0 it is
+  // also (g2 + g1/J) c cᵀ - g1/J diag(c_i²), which is exact at rest.
   double along(double g1, double g2) const {
     const double bound = std::max(0.0, g2) * areas2 + std::abs(g1) * size * (J > 0.0 && g1 < 0.0 ? 1.0 : 1.1548);
     if (!(J > 1e-9)) return bound;
@@ -39,7 +39,8 @@ struct VolumeBounds {
     return std::min(bound, std::max(0.0, g2 + r) * areas2 + std::max(0.0, -r) * area2);
   }
 
-  // Of dF off it: ± g1 times a stretch. The largest stretch is looked for only where |F| in its place would count.
+  // For dF off the diagonal: ± g1 times a stretch. The largest stretch is computed only if |F| in its place would
+  // matter.
   double across(double g1, const Mat3 &F, double enough) const {
     const double bound = std::abs(g1) * size;
     return bound <= enough ? bound : std::abs(g1) * std::sqrt(detail::largestEigenvalueBound(F.transpose() * F));
@@ -64,7 +65,8 @@ Stiffness stVenantKirchhoffStiffness(const Moduli &m, const Mat3 &F) {
 Stiffness corotatedStiffness(const Moduli &m, const Mat3 &F) {
   const double wave = m.lambda + 2.0 * m.mu;
   const double all = std::max(3.0 * m.lambda, 0.0) + 2.0 * m.mu;
-  // tr U <= sqrt(3) |F|: only tension beyond 2 mu makes k negative, by the stress that turns with the frame.
+  // tr U <= sqrt(3) |F|: k becomes negative only under tension beyond 2 mu, due to the stress that rotates with the
+  // frame.
   const double size = F.norm();
   if (m.lambda >= 0.0 && m.lambda * (std::sqrt(3.0) * size - 3.0) <= 2.0 * m.mu) return {wave, all};
   const detail::Polar p = detail::polar(F);
@@ -94,7 +96,7 @@ Stiffness stiffness(const Moduli &m, MaterialLaw law, const Mat3 &F) {
       const double atRest = std::max(3.0 * (m.lambda + m.volume), 0.0) + m.mu;
       return {m.mu + bounds.wave(v.g2), m.mu + std::max(along, bounds.across(v.g1, F, std::max(along, atRest)))};
     }
-    // What fades in below the switch: |F - R|² has no more than 2 (tr U is convex), and the products of first
+    // Terms that appear below the switch: |F - R|² contributes at most 2 (tr U is convex), plus products of first
     // derivatives.
     const detail::Collapse k = detail::collapse(m, bounds.J);
     const double off2 = (F - detail::polar(F).R).squaredNorm();
@@ -117,8 +119,8 @@ double ratioOf(const Stiffness &now, const Stiffness &atRest) {
   return ratio <= 1.0 ? 1.0 : ratio;  // NaN stays NaN
 }
 
-// Collects what is wrong as "name = value is not accepted: what is".
-struct Complaints {
+// Collects errors as "name = value is not accepted: what is".
+struct ValidationErrors {
   std::string text;
 
   void need(bool ok, const char *name, double value, const char *accepted) {
@@ -132,7 +134,7 @@ struct Complaints {
 }  // namespace
 
 Result<void> validate(const Material &m) {
-  Complaints c;
+  ValidationErrors c;
   c.need(std::isfinite(m.youngsModulus) && m.youngsModulus > 0.0, "Young's modulus", m.youngsModulus,
          "finite and > 0 Pa");
   c.need(std::isfinite(m.poissonRatio) && m.poissonRatio > -1.0 && m.poissonRatio < 0.5, "Poisson's ratio",

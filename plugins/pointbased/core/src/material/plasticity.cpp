@@ -15,7 +15,7 @@ namespace {
 Vec3 halfLog(const Vec3 &squaredStretches) { return 0.5 * squaredStretches.array().log().matrix(); }
 Vec3 deviator(const Vec3 &h) { return h.array() - h.mean(); }
 
-// Fp^-1 with the logarithm of its stretch scaled by `factor`; its rotation, which no stress sees, stays.
+// Fp^-1 with the logarithm of its stretch scaled by `factor`; its rotation does not affect the stress and is preserved.
 Mat3 scaledInLogarithm(const SymmetricEigen &eigen, const Vec3 &hencky, double factor, const Mat3 &plasticInverse) {
   const Vec3 change = ((factor - 1.0) * hencky).array().exp();
   return eigen.with(change) * plasticInverse;

@@ -23,7 +23,7 @@ struct Value {
   double value, slope;
 };
 
-// J^(2/3), led to zero between the switch and J = 0, twice continuously differentiable.
+// J^(2/3), reduced smoothly to zero between the switch and J = 0, twice continuously differentiable.
 Value driveFactor(double J) {
   if (J <= 0.0) return {0.0, 0.0};
   const double root = std::cbrt(J);
@@ -34,7 +34,7 @@ Value driveFactor(double J) {
   return {root * root * fade, 2.0 * kThird / root * fade + root * root * fadeSlope};
 }
 
-// m(J) = J^(-2/3), below the switch with a slope that falls linearly to zero at J = 0, constant further down.
+// m(J) = J^(-2/3); below the switch its slope decreases linearly to zero at J = 0, constant below that.
 struct PushFactor {
   double value, slope, curvature;
 };
@@ -84,7 +84,7 @@ struct Relaxation<MaterialLaw::stVenantKirchhoff> {
   Mat3 pushedDifferential(const Mat3 &Q, const Mat3 &dF, const Mat3 &dQ) const { return dF * Q + F * dQ; }
 };
 
-// e = U - I, U = R^T F. Q need not share the axes of U: R (Q + [a]x) with the a that leaves no torque, that is
+// e = U - I, U = R^T F. Q need not have the axes of U: R (Q + [a]x) with the a that causes no torque, that is
 // (tr(U) I - U) a = axial of U Q - Q U.
 template <>
 struct Relaxation<MaterialLaw::corotated> {
@@ -157,7 +157,7 @@ struct Relaxation<MaterialLaw::neoHookean> {
   }
 };
 
-// Never asked: validate() refuses relaxation of laws whose parts nobody knows.
+// Never used: validate() rejects relaxation of custom laws, whose parts are unknown.
 template <>
 struct Relaxation<MaterialLaw::custom> : Relaxation<MaterialLaw::neoHookean> {
   using Relaxation<MaterialLaw::neoHookean>::Relaxation;

@@ -20,7 +20,7 @@ using namespace detail;
 
 namespace {
 
-// Neighbours that a phyxel has at least, however far it has been drawn out: about the shell of a dense packing.
+// Least number of neighbours of a phyxel, however far it has been drawn out: about the shell of a dense packing.
 constexpr std::size_t kFewest = 12;
 constexpr int kRings = 3;
 
@@ -32,7 +32,7 @@ double flowStrain(const Mat3 &plasticInverse) {
   return Vec3(h.array() - h.mean()).norm();
 }
 
-// Phyxels within some steps between neighbours, ascending.
+// Phyxels within kRings steps between neighbours, ascending.
 void around(const Csr &neighbors, Index i, std::vector<Index> &mark, std::vector<Index> &found) {
   found.assign(1, i);
   mark[i] = i;
@@ -48,7 +48,7 @@ void around(const Csr &neighbors, Index i, std::vector<Index> &mark, std::vector
   }
 }
 
-/// Within the support, at least the nearest kFewest, among those around in the old reference.
+/// Phyxels within the support, and at least the kFewest nearest, among those around in the old reference.
 Neighborhoods presentNeighborhoods(const RestState &old, std::span<const Vec3> positions,
                                    const ParallelFor &parallelFor) {
   const std::size_t n = positions.size();
@@ -86,7 +86,7 @@ Neighborhoods presentNeighborhoods(const RestState &old, std::span<const Vec3> p
   return out;
 }
 
-/// The elastic strain of every point as the strain of the new reference.
+/// Transfers the elastic strain of every point into the strain of the new reference.
 std::size_t carryStrain(const Body &body, StencilSet &s, PointHistory &history) {
   const std::size_t points = s.pointCount();
   s.reference.resize(points);
@@ -107,7 +107,7 @@ std::size_t carryStrain(const Body &body, StencilSet &s, PointHistory &history) 
   return relieved;
 }
 
-/// Where a load acts now; a dead pressure keeps its first area and direction.
+/// Current points of a load; a dead pressure keeps its first area and direction.
 LoadedPart presentLoad(const Load &load, const LoadedPart &part, std::span<const Vec3> displacements,
                        const Binder &bind) {
   LoadedPart out = part;

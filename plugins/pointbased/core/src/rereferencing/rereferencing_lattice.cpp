@@ -29,11 +29,11 @@ double volumeOf(const Surface &surface) {
   return volume;
 }
 
-/// What the points of a body have, where they are now.
+/// State of the evaluation points of a body, at their current positions.
 struct OldPoints {
   std::vector<Vec3> centres;
   std::vector<Mat3> hencky;  ///< ln V
-  std::vector<Mat3> flow;    ///< F_p^-1 of all flow, in the frame of V
+  std::vector<Mat3> flow;    ///< F_p^-1 of the total flow, in the frame of V
   std::vector<PronyPoint> prony;
   std::size_t relieved = 0;
 };
@@ -57,7 +57,7 @@ OldPoints pointsOf(const Body &body, const ParallelFor &parallelFor) {
   return out;
 }
 
-/// Strain of the new points: a linear fit to the old ones around each.
+/// Strain of the new points: a linear fit to the old points around each.
 void carryStrain(const OldPoints &old, std::span<const Vec3> centres, StencilSet &s, PointHistory &history,
                  const ParallelFor &parallelFor) {
   const Interpolation fit = bindToCloud(centres, old.centres, parallelFor);
@@ -86,7 +86,7 @@ void carryStrain(const OldPoints &old, std::span<const Vec3> centres, StencilSet
     history.plasticBefore[q] = old.flow[nearest];
     for (Index e = s.phyxels.offsets[q]; e < s.phyxels.offsets[q + 1]; ++e)
       s.gradients[e] = s.reference[q] * s.gradients[e];
-    s.volumes[q] /= s.reference[q].determinant();  // what it would be without strain
+    s.volumes[q] /= s.reference[q].determinant();  // volume without strain
   }
 }
 
@@ -102,10 +102,11 @@ Motion motionOf(std::span<const double> masses, std::span<const Vec3> positions,
   return out;
 }
 
-/// Adds the rigid motion that brings both momenta to what is wanted. Masses may be in any unit that both share.
+/// Adds the rigid motion that changes both momenta to the given values. The unit of the masses is arbitrary, but has to
+/// be the same for both.
 void correctMomenta(const Motion &wanted, std::span<const double> masses, std::span<const Vec3> positions,
                     std::span<Vec3> velocities) {
-  // Twice: the second takes what the first has rounded.
+  // Twice: the second pass corrects the rounding of the first.
   for (int pass = 0; pass < 2; ++pass) {
     double mass = 0.0;
     Vec3 centre = Vec3::Zero();
@@ -162,7 +163,7 @@ Result<Rereferencing> detail::renewedLattice(const Body &body, const ParallelFor
   BodyRecipe recipe;
   recipe.sampling = old.sampling;
   recipe.sampling.spacing = old.spacing;
-  recipe.sampling.axes = old.stencils.axes;  // what modes remember is in these
+  recipe.sampling.axes = old.stencils.axes;  // the mode history refers to these axes
   recipe.reshape = old.reshape;
   auto filled = buildRestState(*shape, recipe, skin.normals, parallelFor);
   if (!filled) return refuse(filled.error());
@@ -171,7 +172,7 @@ Result<Rereferencing> detail::renewedLattice(const Body &body, const ParallelFor
   rest->shapeVolume = old.shapeVolume;
   rest->sampling = old.sampling;
 
-  // The frame of the old phyxels; the new ones may have another origin.
+  // Origin of the old phyxels; the new ones may have another origin.
   const Vec3 shift = rest->origin - old.origin;
   const auto shifted = [&](std::vector<Vec3> points) {
     for (Vec3 &x : points) x += shift;

@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// What rereferenceCount of clouds and of lattices share. Private to the core.
+// Shared by rereferencing of clouds and of lattices. Private to the core.
 #pragma once
 
 #include "rereferencing/rereferencing.h"
 
 namespace pointbased::detail {
 
-/// Fe = V R of a point; flat: det Fe is next to nothing or negative, and both are the identity.
+/// Fe = V R of a point; flat: det Fe is almost 0 or negative, and both factors are the identity.
 struct ElasticPolar {
   Mat3 R = Mat3::Identity(), V = Mat3::Identity();
   bool flat = true;
 };
 [[nodiscard]] ElasticPolar elasticPolar(const Body &body, std::size_t q);
 
-/// Into the frame in which Fe = V.
+/// Rotates the history into the frame in which Fe = V.
 inline void turn(const Mat3 &R, PronyPoint &point) {
   point.previous = R * point.previous * R.transpose();
   for (Mat3 &Q : point.internal) Q = R * Q * R.transpose();
 }
 
-/// The surface where it is now, in the frame of the phyxels.
+/// Current surface, in the frame of the phyxels.
 struct PresentSkin {
   Surface surface;
   std::vector<Vec3> normals;

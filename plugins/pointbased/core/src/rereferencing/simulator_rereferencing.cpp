@@ -6,7 +6,7 @@ namespace pointbased {
 namespace {
 
 constexpr std::uint64_t kLookInterval = 8;  // steps
-constexpr std::size_t kFirstTold = 3;       // rereferenceCount that are told one by one; later ones by powers of two
+constexpr std::size_t kFirstTold = 3;       // rereferencings that are reported one by one; later ones at powers of two
 
 bool isReported(std::size_t count) { return count <= kFirstTold || (count & (count - 1)) == 0; }
 

@@ -11,14 +11,14 @@
 namespace pointbased::detail {
 namespace {
 
-// Fills this near to 0 and 1 are meant to be: single precision.
+// Fills this close to 0 or 1 are regarded as 0 or 1: single precision.
 constexpr double kTiny = 1e-6;
-constexpr std::size_t kMostAcross = 64;  // voxels along an edge of a cube that are integrated one by one
+constexpr std::size_t kMaxAcross = 64;  // voxels along the edge of a cube that are integrated individually, at most
 
 bool isFull(float fill) { return static_cast<double>(fill) >= 1.0 - kTiny; }
 bool isEmpty(float fill) { return static_cast<double>(fill) <= kTiny; }
 
-// Squared distances along a line of n values `stride` apart: the lower envelope of their parabolas.
+// Distance transform along a line of n squared distances with a stride: the lower envelope of their parabolas.
 class LineTransform {
  public:
   explicit LineTransform(std::size_t most) : values_(most), tops_(most), borders_(most + 1) {}
@@ -68,7 +68,7 @@ OccupancyField::OccupancyField(const Occupancy &occupancy, const ParallelFor &pa
       spacing_(occupancy.steps.colwise().norm().transpose()) {
   const Mat3 unit = steps_ * spacing_.cwiseInverse().asDiagonal();
   const Mat3 gram = unit.transpose() * unit;
-  // On sheared grids the shortest way that index differences can stand for.
+  // Sheared grids: the shortest length that index differences can represent.
   if (!gram.isIdentity(1e-9)) scale_ = std::sqrt(std::max(0.0, symmetricEigen(gram).values[0]));
   crop(occupancy);
   measure(parallelFor);
@@ -194,7 +194,7 @@ double OccupancyField::distance(const Vec3 &x) const {
   const Vec3 index = indexOf(x);
   const Size3 &n = levels_[0].size;
   std::array<std::ptrdiff_t, 3> v{};
-  Vec3 beyond = Vec3::Zero();  // the box that holds everything, without the empty layer
+  Vec3 beyond = Vec3::Zero();  // distance outside of the box of all non-empty voxels, without the empty layer
   bool within = true;
   for (int a = 0; a < 3; ++a) {
     const auto size = static_cast<double>(n[static_cast<std::size_t>(a)]);
@@ -217,7 +217,7 @@ double OccupancyField::distance(const Vec3 &x) const {
   const double halfDiagonal = scale_ * 0.5 * spacing_.norm();
   const double least = std::max({0.0, middles - length(off) - halfDiagonal, length(beyond)});
   if (middles > 2.0 * spacing_.maxCoeff() + halfDiagonal) return least;
-  // Among the voxels around exactly; farther ones are at least a voxel away.
+  // Exact among the adjacent voxels; others are at least a voxel away.
   double nearest = std::numeric_limits<double>::infinity();
   for (std::ptrdiff_t k = -1; k <= 1; ++k)
     for (std::ptrdiff_t j = -1; j <= 1; ++j)
@@ -262,9 +262,9 @@ double OccupancyField::about(const Vec3 &x) const {
   return sum;
 }
 
-// A cube with edges along the voxels': what it has in common with each, axis by axis.
+// For a cube with edges parallel to those of the voxels: exact overlap with each voxel, axis by axis.
 double OccupancyField::alongVoxels(const Level &level, const Vec3 &centre, const Mat3 &cube) const {
-  std::array<std::array<double, kMostAcross>, 3> overlaps{};
+  std::array<std::array<double, kMaxAcross>, 3> overlaps{};
   std::array<std::size_t, 3> first{}, count{};
   const Vec3 half = 0.5 * cube.cwiseAbs().rowwise().sum();
   for (int a = 0; a < 3; ++a) {
@@ -276,7 +276,7 @@ double OccupancyField::alongVoxels(const Level &level, const Vec3 &centre, const
                  end = std::min(static_cast<double>(level.size[axis]), std::ceil(to));
     if (!(begin < end)) return 0.0;
     first[axis] = static_cast<std::size_t>(begin);
-    count[axis] = std::min(kMostAcross, static_cast<std::size_t>(end - begin));
+    count[axis] = std::min(kMaxAcross, static_cast<std::size_t>(end - begin));
     for (std::size_t i = 0; i < count[axis]; ++i) {
       const double left = begin + static_cast<double>(i);
       overlaps[axis][i] = std::max(0.0, std::min(to, left + 1.0) - std::max(from, left)) / (to - from);
@@ -333,9 +333,9 @@ void OccupancyField::shares(std::span<const Vec3> centres, const Mat3 &axes, dou
   while (l + 1 < levels_.size() && edgesOf(levels_[l + 1]).maxCoeff() * across <= edge) ++l;
   const Level &level = levels_[l];
   const int perAxis = std::clamp(static_cast<int>(std::ceil(2.0 * edge / edgesOf(level).minCoeff())), 4, 8);
-  // Along very thin voxels there are more than alongVoxels() holds.
+  // Very thin voxels may be more than alongVoxels() can store.
   const Vec3 count = cube.cwiseAbs().rowwise().sum().cwiseQuotient(blocksOf(level));
-  const bool exact = along && count.maxCoeff() < static_cast<double>(kMostAcross - 2);
+  const bool exact = along && count.maxCoeff() < static_cast<double>(kMaxAcross - 2);
   const double uniform = 0.5 * edge * std::sqrt(3.0) * (1.0 + 1e-9);
   for (std::size_t i = 0; i < centres.size(); ++i) {
     if (distance(centres[i]) > uniform) {
@@ -348,10 +348,10 @@ void OccupancyField::shares(std::span<const Vec3> centres, const Mat3 &axes, dou
   }
 }
 
-/// The voxels near the way from one point to another.
+/// The voxels near the segment between two points.
 class OccupancyField::Surroundings {
  public:
-  using Voxel = std::array<std::ptrdiff_t, 3>;  // from the lowest of them
+  using Voxel = std::array<std::ptrdiff_t, 3>;  // relative to the lowest voxel
 
   Surroundings(const OccupancyField &field, const Vec3 &from, const Vec3 &to)
       : field_(field), from_(from), way_(to - from), fromIndex_(field.indexOf(from)), toIndex_(field.indexOf(to)),
@@ -386,7 +386,7 @@ class OccupancyField::Surroundings {
       if (!(field_.fillAt(from_ + way_ * (static_cast<double>(s) / steps)) >= enough)) return false;
     return true;
   }
-  /// From voxel to voxel, near the way.
+  /// Connectivity from voxel to voxel near the segment.
   [[nodiscard]] bool connected(const Voxel &start, const Voxel &end, double enough) const {
     std::vector<std::uint8_t> seen(static_cast<std::size_t>(count()), 0);
     std::vector<Voxel> stack{start};
@@ -418,7 +418,7 @@ class OccupancyField::Surroundings {
     const double t = std::clamp(way_.dot(x - from_) / std::max(way_.squaredNorm(), 1e-300), 0.0, 1.0);
     return !((x - from_ - t * way_).norm() > reach_);
   }
-  // The voxel around a place, or the fullest one beside it.
+  // The voxel around a position, or the fullest adjacent one.
   [[nodiscard]] Voxel fullestAt(const Vec3 &index) const {
     Voxel v{};
     for (int c = 0; c < 3; ++c) {
@@ -446,9 +446,9 @@ bool OccupancyField::crosses(const Vec3 &from, const Vec3 &to) const {
   const Surroundings::Voxel start = around.start(), end = around.end();
   const double enough = 0.5 * std::min(around.fill(start), around.fill(end));
   if (!(enough > 0.5 * kTiny)) return true;
-  if (around.straight(enough)) return false;  // as it mostly goes
-  constexpr double kMostVoxels = 1e6;
-  return around.count() > kMostVoxels || !around.connected(start, end, enough);
+  if (around.straight(enough)) return false;  // the usual case
+  constexpr double kMaxVoxels = 1e6;
+  return around.count() > kMaxVoxels || !around.connected(start, end, enough);
 }
 
 }  // namespace pointbased::detail

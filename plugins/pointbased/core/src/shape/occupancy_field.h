@@ -5,23 +5,23 @@
 
 namespace pointbased::detail {
 
-/// Answers about an occupancy; const once it is built, any thread.
+/// Queries on an occupancy. Const once built; thread-safe.
 class OccupancyField {
  public:
-  /// The occupancy must be valid and hold something.
+  /// The occupancy must be valid and not empty.
   OccupancyField(const Occupancy &occupancy, const ParallelFor &parallelFor);
 
   [[nodiscard]] double volume() const { return volume_; }  ///< m³
-  /// Bounds of all voxels that hold something, world, m.
+  /// Bounds of all non-empty voxels, world, m.
   [[nodiscard]] const Vec3 &min() const { return min_; }
   [[nodiscard]] const Vec3 &max() const { return max_; }
 
   /// Fill of the voxel around a point.
   [[nodiscard]] double fillAt(const Vec3 &x) const;
   [[nodiscard]] double distance(const Vec3 &x) const;
-  /// About the signed distance to the border, negative inside, without the promise of distance().
+  /// Approximate signed distance to the border, negative inside, without the guarantee of distance().
   [[nodiscard]] double about(const Vec3 &x) const;
-  [[nodiscard]] double voxel() const { return spacing_.minCoeff(); }  ///< m, along its shortest edge
+  [[nodiscard]] double voxel() const { return spacing_.minCoeff(); }  ///< m, shortest edge
   void shares(std::span<const Vec3> centres, const Mat3 &axes, double edge, std::span<double> out) const;
   [[nodiscard]] bool crosses(const Vec3 &from, const Vec3 &to) const;
 
@@ -45,14 +45,14 @@ class OccupancyField {
   [[nodiscard]] double alongVoxels(const Level &level, const Vec3 &centre, const Mat3 &cube) const;
   [[nodiscard]] double byPoints(const Level &level, const Vec3 &centre, const Mat3 &cube, int perAxis) const;
 
-  Vec3 origin_ = Vec3::Zero();  // middle of the first voxel kept, which is empty
+  Vec3 origin_ = Vec3::Zero();  // centre of the first stored voxel, which is empty
   Mat3 steps_ = Mat3::Identity(), toIndex_ = Mat3::Identity();
   Vec3 spacing_ = Vec3::Zero();
-  double scale_ = 1.0;  // of lengths from index differences; < 1 on sheared grids
+  double scale_ = 1.0;  // factor of lengths from index differences; < 1 on sheared grids
   double volume_ = 0.0;
   Vec3 min_ = Vec3::Zero(), max_ = Vec3::Zero();
-  std::vector<Level> levels_;     // the finest first; with an empty layer around
-  std::vector<float> distances_;  // between middles of voxels, negative in full ones, 0 in those filled in part
+  std::vector<Level> levels_;     // the finest first; with an empty layer around it
+  std::vector<float> distances_;  // between centres of voxels; negative in full ones, 0 in partly filled ones
 };
 
 }  // namespace pointbased::detail

@@ -18,10 +18,10 @@ struct Overloaded : Cases... {
 template <class... Cases>
 Overloaded(Cases...) -> Overloaded<Cases...>;
 
-// Per axis how far outside of its slab the point is; the signs are exact, so the border belongs to the box.
+// Distance outside of the slab of each axis. Signs are exact, so the border belongs to the box.
 Vec3 excess(const BoxRegion &box, const Vec3 &x) { return (box.min - x).cwiseMax(x - box.max); }
 
-// The axis of the nearest face of a box for a point inside.
+// Axis of the nearest face of a box for a point inside.
 Eigen::Index nearestAxis(const Vec3 &outside) {
   Eigen::Index axis = 0;
   outside.maxCoeff(&axis);
@@ -52,7 +52,7 @@ double signedDistance(const Region &region, const Vec3 &x) {
           [&](const VoxelRegion &filled) {
             const Vec3 there = x + filled.offset;
             const double about = filled.voxels->about(there);
-            // Beyond the grid it is only known how far that is away.
+            // Beyond the grid only a lower bound, the distance to the grid, is available from about().
             return about > 0.0 ? std::max(about, filled.voxels->distance(there)) : about;
           },
       },
@@ -60,7 +60,7 @@ double signedDistance(const Region &region, const Vec3 &x) {
 }
 
 bool contains(const Region &region, const Vec3 &x) {
-  // Of voxels the sign is enough: how far the border is costs several times as much.
+  // For voxels the sign of about() is enough: the exact distance costs several times as much.
   if (const auto *filled = std::get_if<VoxelRegion>(&region)) return filled->voxels->about(x + filled->offset) <= 0.0;
   return signedDistance(region, x) <= 0.0;
 }

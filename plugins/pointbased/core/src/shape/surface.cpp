@@ -12,7 +12,7 @@
 namespace pointbased {
 namespace {
 
-// Convex, plane, in order.
+// Convex, planar, in order.
 using Polygon = std::vector<Vec3>;
 
 // A half-space n·x <= offset.
@@ -21,7 +21,7 @@ struct Plane {
   double offset;
 };
 
-// The part of a convex polygon in a half-space (Sutherland and Hodgman 1974).
+// Clips a convex polygon by a half-space (Sutherland and Hodgman 1974).
 void clip(const Polygon &polygon, const Plane &plane, Polygon &out) {
   out.clear();
   const std::size_t n = polygon.size();
@@ -52,7 +52,7 @@ Measure measure(const Polygon &polygon, const Vec3 &normal) {
   return m;
 }
 
-// The two corners that lie farthest apart.
+// The two corners with the largest distance.
 std::pair<std::size_t, std::size_t> farthestCorners(const Polygon &polygon) {
   std::pair<std::size_t, std::size_t> corners{0, 0};
   double largest = 0.0;
@@ -65,12 +65,12 @@ std::pair<std::size_t, std::size_t> farthestCorners(const Polygon &polygon) {
   return corners;
 }
 
-// Sides of the polygon that stands for the circle a sphere cuts out of a plane. Its area is that of the circle; what it
-// misses locally is below 1e-3 of the radius.
+// Sides of the polygon that replaces the circle cut out of a plane by a sphere. It has the area of the circle; its
+// local error is below 1e-3 of the radius.
 constexpr int kCircleSides = 64;
 
-// A part of the surface within this of the region, in sizes of the surface, belongs to it: faces that coincide with the
-// border are meant, and their coordinates may be rounded.
+// Of the size of the surface: parts of the surface within this distance of the region belong to it. Faces on the border
+// are meant to belong, and their coordinates may be rounded.
 constexpr double kTolerance = 1e-9;
 
 double toleranceOf(const Surface &surface) {
@@ -94,7 +94,7 @@ class Sampler {
     if (outside(a, b, c)) return;
     const Vec3 twice = (b - a).cross(c - a);
     const double length = twice.norm();
-    if (!(length > 0.0) || !std::isfinite(length)) return;  // no area, no side
+    if (!(length > 0.0) || !std::isfinite(length)) return;  // no area, no normal
     normal_ = twice / length;
     triangle_ = triangle;
     polygon_.assign({a, b, c});
@@ -113,7 +113,7 @@ class Sampler {
  private:
   [[nodiscard]] bool inside(const Vec3 &x) const { return signedDistance(within_, x) <= tolerance_; }
 
-  // Certainly outside, by bounds.
+  // Conservative test by bounds.
   [[nodiscard]] bool outside(const Vec3 &a, const Vec3 &b, const Vec3 &c) const {
     const Vec3 low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
     if (const auto *box = std::get_if<BoxRegion>(&within_))
@@ -150,7 +150,7 @@ class Sampler {
       polygon_.clear();
       return;
     }
-    // Distance of the sides from the centre that gives the polygon the area of the circle.
+    // Apothem that makes the area of the polygon that of the circle.
     const double half = std::numbers::pi / kCircleSides;
     const double apothem = std::sqrt(squared * half / std::tan(half));
     const Vec3 centre = sphere.centre - height * normal_;
@@ -179,7 +179,7 @@ class Sampler {
     }
     const Measure m = measure(polygon, normal_);
     if (!(m.area > 0.0)) return;
-    // Voxels have no faces to cut by: a piece belongs to those that lie behind it.
+    // Voxels have no faces to clip by: a piece belongs to the voxels behind it.
     if (const auto *filled = std::get_if<VoxelRegion>(&within_);
         filled != nullptr && !inside(m.centroid - 0.5 * filled->voxels->voxel() * normal_))
       return;
@@ -191,7 +191,7 @@ class Sampler {
 
   const Region &within_;
   double tolerance_;
-  double spacing_;  // 0: no division
+  double spacing_;  // 0: no subdivision
   Vec3 normal_ = Vec3::Zero();
   Index triangle_ = 0;
   Polygon polygon_, scratch_;

@@ -6,7 +6,7 @@
 
 namespace pointbased::detail {
 
-/// Of all triangles, m².
+/// Area of all triangles, m².
 [[nodiscard]] inline double areaOf(const Surface &surface) {
   double area = 0.0;
   for (const auto &t : surface.triangles) {

@@ -9,11 +9,11 @@
 namespace pointbased::detail {
 namespace {
 
-// Σ |φ_a - φ_b| of two points that a continuous field carries is less than this and so much per spacing between them:
-// eight corners change by one edge at most. Two points of different pieces have 2.
+// An edge is torn if Σ |φ_a - φ_b| of its ends exceeds kTorn + kSlope · length / spacing. Two points in a continuous
+// field stay below: at most one edge of the eight corners changes. Two points of different pieces have 2.
 constexpr double kTorn = 0.75, kSlope = 8.0;
-constexpr double kBand = 0.5;             // spacings on either side
-constexpr std::size_t kMostAround = 256;  // points that a mean is made of; of finer skins the band is narrower
+constexpr double kBand = 0.5;            // spacings, on either side
+constexpr std::size_t kMaxAround = 256;  // points in a mean, at most; on finer skins the band becomes narrower
 
 struct Way {
   double length;  // m
@@ -24,7 +24,7 @@ struct Way {
 };
 using Queue = std::priority_queue<Way, std::vector<Way>, std::greater<>>;
 
-// Edges of the surface from both ends.
+// Edges of the surface, stored from both ends.
 Csr edgesOf(const Surface &surface) {
   std::vector<std::array<Index, 2>> pairs;
   for (const auto &t : surface.triangles)
@@ -61,7 +61,7 @@ double differenceOf(const Interpolation &rows, Index a, Index b) {
   return sum;
 }
 
-// Vertices on the skin by their way from some of them, the nearest first.
+// Visits vertices of the skin in the order of their distance along the skin from given starts, the nearest first.
 class Walk {
  public:
   Walk(const Surface &surface, const Csr &edges)
@@ -107,8 +107,8 @@ struct Entry {
 };
 using Row = std::map<Index, Entry>;
 
-// Rows of others continued to the point along their gradients: each is exact for affine fields there, and so is their
-// mean.
+// Mean of the rows around a point, extrapolated to it along their gradients. Each extrapolated row is exact for affine
+// fields, and so is the mean.
 Row meanRow(const Interpolation &rows, Index point, std::span<const Way> around) {
   const double reach = around.back().length;
   Row mean;
@@ -154,7 +154,7 @@ std::size_t closeTears(const Surface &surface, double spacing, Interpolation &bi
   const double band = kBand * spacing;
   std::map<Index, Row> changed;
   for (const Way &way : walk.from(ends, band, surface.positions.size())) {
-    const std::vector<Way> around = walk.from(std::span(&way.vertex, 1), band - way.length, kMostAround);
+    const std::vector<Way> around = walk.from(std::span(&way.vertex, 1), band - way.length, kMaxAround);
     if (around.size() > 1) changed.emplace(way.vertex, meanRow(binding, way.vertex, around));
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the lattice lets go of a skin that goes on. Private to the core.
+// Closes tears of a continuous skin where the cells of the lattice separate. Private to the core.
 #pragma once
 
 #include "pointbased/interpolation.h"
@@ -7,14 +7,13 @@
 
 namespace pointbased::detail {
 
-/// Where a bridge of the body is thinner than the lattice can see, its cells come apart and so would neighbouring
-/// points of the skin, by any distance. Around such edges the rows of the points become means of the rows of those
-/// around them on the skin, over half a spacing on either side, so that the skin spans the gap as a band of that width.
-/// Affine motions are followed exactly as before; points that are farther from every torn edge keep their rows, bit for
-/// bit.
-/// @param surface  as `binding` binds its vertices
+/// Where a bridge of the body is thinner than the lattice can resolve, its cells separate, and neighbouring points of
+/// the skin would move apart without limit. Around such torn edges the row of a point becomes the mean of the rows
+/// around it on the skin, over half a spacing on either side. The skin then spans the gap as a band of that width.
+/// Affine motions are followed exactly as before. Points farther from all torn edges keep their rows bit for bit.
+/// @param surface  its vertices are bound by `binding`
 /// @param spacing  of the phyxels, m
-/// @return torn edges
+/// @return number of torn edges
 std::size_t closeTears(const Surface &surface, double spacing, Interpolation &binding);
 
 }  // namespace pointbased::detail

@@ -5,7 +5,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "skin/surfel_kernel.cpp"
-#include "base/kernels/instruction_sets.h"  // first: says for which the rest is compiled
+#include "base/kernels/instruction_sets.h"  // first: selects the instruction sets for the code below
 
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
@@ -14,7 +14,7 @@ HWY_BEFORE_NAMESPACE();
 namespace pointbased::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Four components of one point; the last is a guest.
+// Four components of one point; the fourth is padding.
 #if HWY_TARGET == HWY_SCALAR
 struct Four {
   float x[4];
@@ -69,7 +69,7 @@ HWY_INLINE void write(const Four &a, Vec3f &out) {
   out = {numbers[0], numbers[1], numbers[2]};
 }
 
-// Unit, or the one at rest where there is none.
+// Writes the unit normal, or the normal at rest if the length is 0.
 HWY_INLINE void writeNormal(float x, float y, float z, const Vec3 &rest, Vec3f &out) {
   const float squared = x * x + y * y + z * z;
   if (squared > 0.0f) {
@@ -88,7 +88,7 @@ void moveCells(const SkinJob &job, std::size_t first, std::size_t last) {
     const auto corner = [&](std::size_t j) { return load(job.phyxels[place.phyxels[j]].data()); };
     const Four a = all(static_cast<float>(place.at[0])), b = all(static_cast<float>(place.at[1])),
                c = all(static_cast<float>(place.at[2]));
-    // Along x, then y, then z: the point, and its derivatives by the three places.
+    // Interpolates along x, then y, then z: the point and its derivatives by the three cell coordinates.
     const Four x0 = corner(0), x2 = corner(2), x4 = corner(4), x6 = corner(6);
     const Four d0 = sub(corner(1), x0), d2 = sub(corner(3), x2), d4 = sub(corner(5), x4), d6 = sub(corner(7), x6);
     const Four y0 = mulAdd(a, d0, x0), y2 = mulAdd(a, d2, x2), y4 = mulAdd(a, d4, x4), y6 = mulAdd(a, d6, x6);
@@ -116,7 +116,7 @@ void moveCells(const SkinJob &job, std::size_t first, std::size_t last) {
 void moveRows(const SkinJob &job, std::size_t first, std::size_t last) {
   for (std::size_t row = first; row < last; ++row) {
     const Index p = job.rowOwners[row];
-    // Per component of the point: ∂/∂X, ∂/∂Y, ∂/∂Z and the component itself.
+    // Per component of the point: ∂/∂X, ∂/∂Y, ∂/∂Z and the component.
     Four x = all(0.0f), y = x, z = x;
     for (Index e = job.rowOffsets[row]; e < job.rowOffsets[row + 1]; ++e) {
       const float *at = job.phyxels[job.rowPhyxels[e]].data();

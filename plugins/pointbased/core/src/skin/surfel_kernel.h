@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Skins in single precision, one point at a time: its components fill a register of four. Private to the core.
+// Moves skins in single precision, one point at a time: its components share one register of four. Private to the core.
 #pragma once
 
 #include <span>
@@ -8,11 +8,11 @@
 
 namespace pointbased::kernels {
 
-/// What a range of points reads and writes.
+/// Input and output for a range of points.
 struct SkinJob {
   const CellPlace *places = nullptr;               ///< [points]
   std::span<const std::array<float, 12>> frames;   ///< cof(∂ξ/∂X), columns of four
-  const std::array<float, 4> *phyxels = nullptr;   ///< [phyxels] present positions
+  const std::array<float, 4> *phyxels = nullptr;   ///< [phyxels] current positions
   const Vec3 *restNormals = nullptr;               ///< [points]; null: positions only
   Vec3f shift{};                                   ///< m, added to every position
   Vec3f *positions = nullptr, *normals = nullptr;  ///< [points]
@@ -21,9 +21,9 @@ struct SkinJob {
   const std::array<float, 4> *rowCoefficients = nullptr;
 };
 
-/// Points first … last - 1 that lie in cells; the others are left out.
+/// Moves points first … last - 1 that are in cells; others are skipped.
 void moveCellPoints(const SkinJob &job, std::size_t first, std::size_t last);
-/// Rows first … last - 1, into the places of their points.
+/// Moves the points of rows first … last - 1.
 void moveRowPoints(const SkinJob &job, std::size_t first, std::size_t last);
 
 }  // namespace pointbased::kernels

@@ -21,10 +21,11 @@ namespace {
 
 constexpr std::size_t kGrain = 256;
 constexpr std::size_t kCorners = 8;
-// A row is that of a cell if it is met to this, of 1 and of the largest gradient: rounding, and nothing that was moved.
+// A row is that of a cell if its weights (relative to 1) and gradients (relative to the largest) agree to this. Larger:
+// rows that were changed on purpose would be taken for cells; smaller: rounding prevents compression.
 constexpr double kSameRow = 1e-11;
 
-/// φ of one point, as they follow from a place.
+/// φ of a point at given cell coordinates.
 std::array<double, kCorners> cellWeights(const std::array<double, 3> &at) {
   std::array<double, kCorners> weights{};
   for (std::size_t j = 0; j < kCorners; ++j)
@@ -56,7 +57,7 @@ struct Found {
   Mat3 frame;
 };
 
-/// Row p as a place in a cell; none: it is something else.
+/// Cell coordinates of row p; empty if the row is not that of a cell.
 std::optional<Found> placeOf(const Interpolation &binding, std::size_t p) {
   const Index first = binding.phyxels.offsets[p];
   if (binding.phyxels.offsets[p + 1] - first != kCorners || rankOf(binding, p) < 3) return std::nullopt;
@@ -193,7 +194,7 @@ Interpolation Surfels::expanded(std::span<const Vec3> phyxelPositions) const {
 
 namespace {
 
-// A point that lies in a cell: where it is, and F, relative to the first corner.
+// Displacement and F of a point in a cell, relative to the first corner.
 struct Moved {
   Vec3 displacement;
   Mat3 F = Mat3::Identity();
@@ -311,7 +312,7 @@ void updateSurfels(const Surfels &surfels, std::span<const Vec3> restNormals, co
   runLoop(parallelFor, count, kGrain,
           [&](std::size_t begin, std::size_t end) { kernels::moveRowPoints(job, begin, end); });
   if (rows.rank.empty()) return;
-  // Flat ones turn with a completed F, which single precision has no digits for.
+  // Points of lower rank follow a completed F, for which single precision is not sufficient.
   runLoop(parallelFor, count, kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) {
       if (rows.rank[row] == 3) continue;

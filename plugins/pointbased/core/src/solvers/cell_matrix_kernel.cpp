@@ -3,7 +3,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "solvers/cell_matrix_kernel.cpp"
-#include "base/kernels/instruction_sets.h"  // first: says for which the rest is compiled
+#include "base/kernels/instruction_sets.h"  // first: selects the instruction sets for the code below
 
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
@@ -16,8 +16,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<float, 8>;
 using V = hn::Vec<D>;
 
-// Products of equal factors in the same order for a pair and its mirror, so that the matrix is symmetric to the last
-// bit.
+// The factors are multiplied in the same order for a pair and its mirror image, so that the matrix is symmetric to the
+// last bit.
 void AddCellRow(const float *factors, std::size_t width, std::size_t entry, float lambda, float mu, float *out) {
   const D d;
   const float *own = factors + entry;

@@ -9,7 +9,7 @@ namespace pointbased::detail {
 
 namespace {
 
-// Curvature below this part of what M says counts as none: the step along it would be without bound.
+// Curvature below this part of that of M counts as zero: the step along it would be unbounded.
 constexpr double kFlat = 1e-12;
 
 const double *flat(std::span<const Vec3> v) { return v.front().data(); }
@@ -53,7 +53,7 @@ Largest largest(std::span<const Vec3> v) {
     if (!std::isfinite(squared) && !v[i].allFinite())
       return {std::numeric_limits<double>::quiet_NaN(), static_cast<Index>(i)};
   }
-  // Vectors so small or large that their squares leave the range are measured without squares.
+  // Vectors whose squares leave the range of doubles are measured without squares.
   out.value = v.empty() ? 0.0 : v[out.at].stableNorm();
   return out;
 }
@@ -84,10 +84,10 @@ void ConjugateGradients::goDown() {
   reference_ = std::sqrt(std::max(0.0, dot(b_, steepest_)));
   p_.assign(z_.begin(), z_.end());
   rz_ = pMp_ = dot(r_, z_);
-  // What x already gained: 1/2 b·x = 1/2 x·A x once x is exact; of use as a measure only.
+  // Gain of the initial x: 1/2 b·x = 1/2 x·A x if x is exact; used only as a measure.
   gains_.clear();
   total_ = std::max(0.0, dot(b_, x_));
-  xMx_ = total_;  // of an x that another M has led to: of A, which M stands for
+  xMx_ = total_;  // for an x found with another M: norm by A, which M approximates
   xMp_ = dot(x_, r_);
   gainOnRadius_ = 0.0;
 }
@@ -139,7 +139,7 @@ LinearEnd ConjugateGradients::run(const Apply &product, const Apply &preconditio
     const double beta = next / rz_;
     for (std::size_t i = 0; i < p_.size(); ++i) p_[i] = z_[i] + beta * p_[i];
     rz_ = next;
-    pMp_ = next + beta * beta * pMp_;  // z is M-orthogonal to the p before, and to x
+    pMp_ = next + beta * beta * pMp_;  // z is M-orthogonal to the previous p, and to x
     xMp_ *= beta;
   }
 }

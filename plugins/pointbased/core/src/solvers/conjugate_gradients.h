@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Preconditioned conjugate gradients over phyxels, truncated for Newton's method, and the sums they need. Private.
+// Preconditioned conjugate gradients over phyxels, truncated for Newton's method, and their sums. Private.
 #pragma once
 
 #include <cmath>
@@ -9,12 +9,12 @@
 
 namespace pointbased::detail {
 
-/// Σ a_i · b_i in a fixed order (blocks of 512, four running sums each): the same bits whatever runs the rest, and less
-/// round-off than one running sum.
+/// Σ a_i · b_i in a fixed order (blocks of 512, four running sums each): the same bits for any number of threads, and
+/// less round-off than one running sum.
 [[nodiscard]] double dot(std::span<const Vec3> a, std::span<const Vec3> b);
 /// y += s x
 void addScaled(double s, std::span<const Vec3> x, std::span<Vec3> y);
-/// Largest |v_i|, and where; NaN with the first phyxel that is not finite.
+/// Largest |v_i| and its index; NaN with the first phyxel that is not finite.
 struct Largest {
   double value = 0.0;
   Index at = 0;
@@ -25,38 +25,39 @@ struct Largest {
 using Apply = std::function<void(std::span<const Vec3> in, std::span<Vec3> out)>;
 
 enum class LinearEnd {
-  tolerance,          ///< as exact as asked for
+  tolerance,          ///< the requested tolerance is reached
   iterations,         ///< out of iterations
-  radius,             ///< x has come as far as it may
-  negativeCurvature,  ///< A is not positive along the next search direction; x is what came before it
-  notFinite           ///< A or M gave no usable number
+  radius,             ///< x has reached the trust-region radius
+  negativeCurvature,  ///< A is not positive along the next search direction; x is the iterate before it
+  notFinite           ///< A or M returned no finite number
 };
 
-/// A x = b by conjugate gradients with preconditioner M, in pieces: run() may be called again with a smaller tolerance,
-/// and restart() goes on from the present x with another M.
+/// Solves A x = b by conjugate gradients with preconditioner M, in stages: run() may be called again with a smaller
+/// tolerance, and restart() continues from the current x with another M.
 ///
-/// Stops when |r| in the norm of M^-1 is below tolerance times |b|, and the energy that the last eighth of the
-/// iterations gained is below tolerance² of all of it: with a weak preconditioner the residual of a slender body is
-/// small long before its bending is found, and the second test sees that.
+/// Stops if |r| in the norm of M^-1 is below tolerance times |b|, and if the energy gained by the last eighth of the
+/// iterations is below tolerance² of the total. With a weak preconditioner the residual of a slender body is small long
+/// before its bending is found; the second test detects that.
 /// @source  Hestenes and Stiefel, J. Res. NBS 49, 1952; truncation: Steihaug, SIAM J. Numer. Anal. 20, 1983; the gain
-///          as an estimate of the error: Strakos and Tichy, ETNA 13, 2002
+/// as an estimate of the error: Strakos and Tichy, ETNA 13, 2002
 class ConjugateGradients {
  public:
-  /// From x = 0. `b` must outlive the solve.
+  /// Starts from x = 0. `b` must outlive the solve.
   void begin(std::span<const Vec3> b, const Apply &precondition);
-  /// From the present x with another M.
+  /// Continues from the current x with another M.
   void restart(const Apply &product, const Apply &precondition);
-  /// At most `iterations` more, and no farther than `radius` from zero in the norm of M: where the path of iterates
-  /// crosses it x stays on it, along a direction of negative curvature as well, unless it is infinite.
+  /// Runs at most `iterations` more, within `radius` from zero in the norm of M. If the path of iterates crosses the
+  /// radius, x is the intersection. The same applies to a direction of negative curvature, unless the radius is
+  /// infinite.
   [[nodiscard]] LinearEnd run(const Apply &product, const Apply &precondition, double tolerance, int iterations,
                               double radius);
 
   [[nodiscard]] std::span<const Vec3> x() const { return x_; }
-  /// |x| in the norm of M. It grows with every iteration.
+  /// The length |x| in the norm of M. It increases with every iteration.
   [[nodiscard]] double length() const { return std::sqrt(xMx_); }
   /// b·x - 1/2 x·A x
   [[nodiscard]] double gain() const { return 0.5 * total_ + gainOnRadius_; }
-  /// The point of the path of iterates from zero to x at that |x|, between recorded ones on a straight line.
+  /// The point with that |x| on the path of iterates from zero to x, linear between recorded iterates.
   void pointOnPath(double length, std::vector<Vec3> &out) const;
   /// M^-1 b of the last begin() or restart(): the preconditioned steepest descent.
   [[nodiscard]] std::span<const Vec3> preconditioned() const { return steepest_; }
@@ -73,7 +74,7 @@ class ConjugateGradients {
     double length = 0.0;
     std::vector<Vec3> x;
   };
-  std::vector<Recorded> recorded_;  // iterates, each half as long again as the one before
+  std::vector<Recorded> recorded_;  // iterates, each 1.5 times as long as the one before
   std::size_t recordedCount_ = 0;
   double xMx_ = 0.0, xMp_ = 0.0, gainOnRadius_ = 0.0;
   std::vector<double> gains_;  // α r·z of every iteration since begin() or restart()

@@ -13,9 +13,9 @@ namespace pointbased::detail {
 namespace {
 
 constexpr std::size_t kCoarsest = 120;  // nodes: few enough for a dense factorisation
-constexpr double kWorthwhile = 0.95;    // a coarser level has at most this part of the nodes, or it is the last
-constexpr int kMostLevels = 12;
-constexpr Index kLeastOfSlab = 200;  // nodes: ten microseconds
+constexpr double kWorthwhile = 0.95;    // a coarser level has at most this part of the nodes, otherwise it is the last
+constexpr int kMaxLevels = 12;
+constexpr Index kMinOfSlab = 200;  // nodes: ten microseconds
 
 using Place = std::array<int, 3>;  // on the grid of the finest cells
 
@@ -27,13 +27,13 @@ struct Cells {
   [[nodiscard]] std::size_t count() const { return nodes.rows(); }
 };
 
-// Asks now and then.
+// Checks for cancellation at intervals.
 class Watch {
  public:
   explicit Watch(const StopRequest *stop) : stop_(stop) {}
   void look() {
     constexpr std::size_t kEvery = 1024;
-    if (++seen_ % kEvery == 0) endIfRaised(stop_);
+    if (++seen_ % kEvery == 0) throwIfStopRequested(stop_);
   }
 
  private:
@@ -43,7 +43,7 @@ class Watch {
 
 Csr transposed(const Csr &rows, std::size_t columns, std::vector<Index> &places);
 
-// Whom a node shares a cell with, and itself: amid a support a phyxel may have no cell.
+// Nodes that share a cell with a node, and the node itself: inside a support a phyxel may have no cell.
 Csr neighboursIn(const Csr &cells, std::size_t nodes, Watch &watch) {
   std::vector<Index> entries;
   const Csr cellsOf = transposed(cells, nodes, entries);
@@ -67,7 +67,7 @@ Csr neighboursIn(const Csr &cells, std::size_t nodes, Watch &watch) {
   return out;
 }
 
-// Of every node the distance in edges from an end of its connected part.
+// Distance of every node, in edges, from an end of its connected component.
 std::vector<Index> layersOf(const Csr &rows) {
   constexpr Index kUnseen = ~Index{0};
   std::vector<Index> layer(rows.rows(), kUnseen), queue;
@@ -84,7 +84,7 @@ std::vector<Index> layersOf(const Csr &rows) {
   for (Index i = 0; i < rows.rows(); ++i) {
     if (layer[i] != kUnseen) continue;
     spread(i);
-    // Once more from what is farthest: more and thinner layers.
+    // Again from the farthest node: more and thinner layers.
     const Index end = queue.back();
     for (const Index j : queue) layer[j] = kUnseen;
     spread(end);
@@ -92,16 +92,16 @@ std::vector<Index> layersOf(const Csr &rows) {
   return layer;
 }
 
-// New number of every node; slabs as GridLevel's.
+// New number of every node; slabs as in GridLevel.
 std::vector<Index> numberBySlabs(const Csr &rows, GridLevel &level) {
   const std::size_t n = rows.rows();
   const std::vector<Index> layer = layersOf(rows);
   std::vector<Index> size(*std::max_element(layer.begin(), layer.end()) + 1, 0);
   for (const Index k : layer) ++size[k];
-  // Layers together until they are worth a thread's while.
+  // Combines layers until they are worth a thread.
   std::vector<Index> slabOf(size.size(), 0), sizes(1, 0);
   for (std::size_t k = 0; k < size.size(); ++k) {
-    if (sizes.back() >= kLeastOfSlab) sizes.push_back(0);
+    if (sizes.back() >= kMinOfSlab) sizes.push_back(0);
     slabOf[k] = static_cast<Index>(sizes.size() - 1);
     sizes.back() += size[k];
   }
@@ -113,7 +113,8 @@ std::vector<Index> numberBySlabs(const Csr &rows, GridLevel &level) {
   level.slabs.assign(1, 0);
   for (const Index k : begin) level.slabs.push_back(level.slabs.back() + k);
   const auto slab = [&](std::size_t i) { return place[slabOf[layer[i]]]; };
-  // Nodes that wait for equally many in a row follow one another: a sweep gives the same, but need not wait for each.
+  // Nodes that depend on equally many nodes in a row are consecutive: a sweep has the same result, without a dependency
+  // between consecutive nodes.
   std::vector<Index> wait(n, 0), number(n), order(n);
   for (std::size_t i = 0; i < n; ++i)
     for (const Index j : rows.row(i))
@@ -125,7 +126,7 @@ std::vector<Index> numberBySlabs(const Csr &rows, GridLevel &level) {
   return number;
 }
 
-// `rows` by columns; where their entries have gone to.
+// Transposes `rows`; `places`: new positions of the entries.
 Csr transposed(const Csr &rows, std::size_t columns, std::vector<Index> &places) {
   Csr t;
   t.offsets.assign(columns + 1, 0);
@@ -163,7 +164,7 @@ int widthOf(const Cells &cells, std::size_t q) {
   return high - low;
 }
 
-// Cells of twice the width, and what of them the nodes follow.
+// Cells of twice the width, and the coarse nodes that the fine nodes follow.
 class Coarsening {
  public:
   Coarsening(const Cells &fine, int width, Watch &watch)
@@ -179,7 +180,7 @@ class Coarsening {
     return std::any_of(boxes_.begin(), boxes_.end(), [](const Box &box) { return box.width == 0; });
   }
 
-  // Trilinear functions of a cell that a node lies in.
+  // Weights of the trilinear functions of a coarse cell that contains a node.
   void parents(Csr &out, std::vector<float> &weights) const {
     const std::size_t n = fine_.places.size();
     std::vector<Index> partOfNode(n, 0);
@@ -191,7 +192,7 @@ class Coarsening {
         partOfNode[i] = part;
         isFound[i] = 1;
       }
-    for (std::size_t q = 0; q < fine_.count(); ++q)  // none: jittered ones; any that has it
+    for (std::size_t q = 0; q < fine_.count(); ++q)  // none: jittered nodes; any coarse cell that has the node
       for (const Index i : fine_.nodes.row(q)) {
         if (isFound[i] != 0) continue;
         partOfNode[i] = partOf_[q];
@@ -223,7 +224,7 @@ class Coarsening {
   }
 
   void findParts() {
-    // Cells of one coarse cell that share a node belong together; those too wide for it stay alone.
+    // Cells inside one coarse cell that share a node are merged; cells too wide for it remain separate.
     std::vector<std::uint8_t> isWide(fine_.count());
     std::vector<Place> cell(fine_.count());
     for (std::size_t q = 0; q < fine_.count(); ++q) {
@@ -266,7 +267,7 @@ class Coarsening {
     boxes_.push_back(box);
   }
 
-  // Corners at one place are one node where their parts share a finer node.
+  // Corners at the same position are one node if their parts share a finer node.
   void findCorners() {
     std::vector<std::pair<Index, Index>> neighbours;
     std::vector<Index> around;
@@ -346,7 +347,7 @@ class Coarsening {
   Cells coarse_;
 };
 
-// Cells of the stencils on the grid of the finest ones.
+// Cells of the stencils on the grid of the finest cells.
 Cells finestCells(const StencilSet &s, std::span<const Vec3> positions, std::span<const Vec3> centres, double spacing) {
   std::vector<Vec3> local(positions.size());
   Vec3 base = Vec3::Constant(1e300);
@@ -374,8 +375,8 @@ Cells finestCells(const StencilSet &s, std::span<const Vec3> positions, std::spa
   return out;
 }
 
-// Cells of the next coarser level, with springs: the nodes that those of their parts follow. Where these are among them
-// is for the finer level to know.
+// Cells of the next coarser level, with springs: the nodes followed by those of their parts. Their positions are stored
+// in the finer level.
 Csr coarserCells(GridLevel &fine, const Csr &finer, Watch &watch) {
   Csr out;
   fine.firstPlace.resize(fine.cells.indices.size());
@@ -416,7 +417,7 @@ Csr renumbered(const Csr &rows, std::span<const Index> number) {
   return out;
 }
 
-// Rows by eights, and where in them the pairs of every cell are.
+// Arranges rows in groups of eight, and finds the positions of the pairs of every cell in them.
 void findSlots(GridLevel &level, Watch &watch) {
   const std::size_t n = level.nodes();
   std::vector<Index> entries;
@@ -473,10 +474,10 @@ std::shared_ptr<const GridHierarchy> buildGridHierarchy(const StencilSet &stenci
   std::size_t nodes = positions.size();
   for (int width = 2;; width *= 2) {
     GridLevel &level = out->levels.emplace_back();
-    endIfRaised(stop);
+    throwIfStopRequested(stop);
     const Csr pattern = neighboursIn(all, nodes, watch);
     const std::vector<Index> number = numberBySlabs(pattern, level);
-    endIfRaised(stop);
+    throwIfStopRequested(stop);
     level.rows = renumbered(pattern, number);
     level.cells = std::move(all);
     for (Index &i : level.cells.indices) i = number[i];
@@ -495,7 +496,7 @@ std::shared_ptr<const GridHierarchy> buildGridHierarchy(const StencilSet &stenci
       level.childWeights.resize(places.size());
       for (std::size_t e = 0; e < places.size(); ++e) level.childWeights[places[e]] = before.parentWeights[e];
     }
-    if (level.nodes() <= kCoarsest || static_cast<int>(out->levels.size()) == kMostLevels) break;
+    if (level.nodes() <= kCoarsest || static_cast<int>(out->levels.size()) == kMaxLevels) break;
     const Coarsening coarsening(cells, width, watch);
     nodes = coarsening.cells().places.size();
     if (!coarsening.keepsWide() && static_cast<double>(nodes) > kWorthwhile * static_cast<double>(level.nodes())) break;

@@ -13,11 +13,12 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-// Zeros that a merged front may carry, as part of it; small fronts may carry more, their cost is overhead anyway.
+// Zeros that a merged front may contain, as a fraction; small fronts may contain more, as their cost is overhead
+// anyway.
 constexpr double kZeros = 0.05, kZerosSmall = 0.25;
 constexpr int kSmallColumns = 6;
 
-// Blocks that share an entry, without the diagonal.
+// Blocks with a common entry, without the diagonal.
 std::vector<std::vector<int>> blockGraph(const Sparse &m) {
   std::vector<std::vector<int>> graph(static_cast<std::size_t>(m.cols() / 3));
   for (std::size_t j = 0; j < graph.size(); ++j) {
@@ -57,7 +58,7 @@ std::vector<std::vector<int>> childrenOf(const std::vector<int> &parent) {
   return children;
 }
 
-// Children before their parents, whole subtrees together.
+// Children before their parents, whole subtrees contiguous.
 std::vector<int> postorder(const std::vector<int> &parent) {
   const std::vector<std::vector<int>> children = childrenOf(parent);
   std::vector<int> out, stack;
@@ -142,7 +143,8 @@ void MultifrontalCholesky::findFronts(const std::vector<std::vector<int>> &graph
   mergeFronts(fronts, parent);
 }
 
-// A front joins its parent's where they are neighbours in the order and few zeros come of it, from the root downwards.
+// A front is merged with that of its parent if they are adjacent in the order and few zeros result, from the root
+// downwards.
 void MultifrontalCholesky::mergeFronts(std::vector<Front> &fronts, const std::vector<int> &parent) {
   std::vector<int> frontOf(order_.size());
   std::vector<double> zeros(fronts.size(), 0.0);
@@ -199,16 +201,16 @@ void MultifrontalCholesky::analyse(const Sparse &matrix) {
 
 namespace {
 
-constexpr double kUnaskedWork = 1e9;  // multiply-adds between two looks at the request: a fraction of a second
+constexpr double kUnaskedWork = 1e9;  // multiply-adds between two checks of the stop request: a fraction of a second
 
-// The first `inner` columns of a dense front: L11 L11^T = F11, L21 = F21 L11^-T, update F22 - L21 L21^T. Large ones in
-// panels. False: not positive definite.
+// Eliminates the first `inner` columns of a dense front: L11 L11^T = F11, L21 = F21 L11^-T, update F22 - L21 L21^T.
+// Large fronts are processed in panels. Returns false if the front is not positive definite.
 bool eliminate(Eigen::MatrixXd &dense, Eigen::Index inner, const StopRequest *stop) {
   const double square = static_cast<double>(dense.rows()) * static_cast<double>(dense.rows());
   const double most = std::max(32.0, kUnaskedWork / square);
   const Eigen::Index width = static_cast<double>(inner) <= 2.0 * most ? inner : static_cast<Eigen::Index>(most);
   for (Eigen::Index first = 0; first < inner; first += width) {
-    endIfRaised(stop);
+    throwIfStopRequested(stop);
     const Eigen::Index columns = std::min(width, inner - first), below = dense.rows() - first - columns;
     Eigen::Ref<Eigen::MatrixXd> F11 = dense.block(first, first, columns, columns);
     const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(F11);
@@ -225,8 +227,8 @@ bool eliminate(Eigen::MatrixXd &dense, Eigen::Index inner, const StopRequest *st
 
 bool MultifrontalCholesky::factorise(const Sparse &matrix, double diagonalShift, const StopRequest *stop) {
   const double added = diagonalShift * matrix.diagonal().cwiseAbs().mean();
-  std::vector<int> local(order_.size(), 0);              // row of a block in the present front
-  std::vector<Eigen::MatrixXd> updates(fronts_.size());  // what fronts have yet to add to their parents
+  std::vector<int> local(order_.size(), 0);              // row of a block in the current front
+  std::vector<Eigen::MatrixXd> updates(fronts_.size());  // contributions of fronts not yet added to their parents
   std::vector<std::vector<std::size_t>> children(fronts_.size());
   for (std::size_t s = 0; s < fronts_.size(); ++s)
     if (fronts_[s].parent >= 0) children[static_cast<std::size_t>(fronts_[s].parent)].push_back(s);
@@ -250,7 +252,7 @@ bool MultifrontalCholesky::factorise(const Sparse &matrix, double diagonalShift,
         }
         dense(column, column) += diagonalShift * dense(column, column) + added;
       }
-    // What the children leave.
+    // Contributions of the children.
     for (const std::size_t child : children[s]) {
       const std::vector<int> &rows = fronts_[child].rows;
       Eigen::MatrixXd &update = updates[child];
@@ -272,7 +274,7 @@ bool MultifrontalCholesky::factorise(const Sparse &matrix, double diagonalShift,
 }
 
 void MultifrontalCholesky::solve(std::span<const Vec3> b, std::span<Vec3> x) {
-  // Scaled, so that forces of any size fit into floats.
+  // Scaled so that forces of any magnitude fit into floats.
   double largest = 0.0;
   for (const Vec3 &v : b) largest = std::max(largest, v.cwiseAbs().maxCoeff());
   const double scale = largest > 0.0 && std::isfinite(largest) ? largest : 1.0;

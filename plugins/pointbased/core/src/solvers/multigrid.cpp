@@ -44,7 +44,7 @@ double Multigrid::entries() const {
   return sum;
 }
 
-// Of the finest level.
+// Block of the finest matrix.
 Mat3 Multigrid::block(std::size_t i, std::size_t j) const {
   const GridLevel &grid = hierarchy_->levels.front();
   const Level &level = levels_.front();
@@ -67,7 +67,7 @@ void Multigrid::invertSprings(const Csr &springs, const StopRequest *stop) {
   springs_ = Csr();
   springInverses_.clear();
   for (std::size_t p = 0; p < springs.rows(); ++p) {
-    endIfRaised(stop);
+    throwIfStopRequested(stop);
     const std::size_t begin = springs_.indices.size();
     for (const Index j : springs.row(p))
       if (held_[hierarchy_->number[j]] == 0) springs_.indices.push_back(hierarchy_->number[j]);
@@ -101,7 +101,7 @@ void Multigrid::solveSprings() {
   }
 }
 
-// visit(first, last) for the nodes of every slab of a half.
+// Calls visit(first, last) for the nodes of every slab of a half.
 template <class Visit>
 void Multigrid::forSlabs(const GridLevel &grid, bool isFirstHalf, const Visit &visit) const {
   const std::size_t start = isFirstHalf ? 0 : grid.firstHalf;
@@ -119,7 +119,7 @@ kernels::SweepRows Multigrid::rowsOf(std::size_t l) {
           level.inverses.data(), level.b.data(),      level.x.data()};
 }
 
-// From x = 0: what comes later in the order has not moved yet.
+// From x = 0: later nodes have not moved yet.
 void Multigrid::smoothForwards(std::size_t l) {
   const kernels::SweepRows rows = rowsOf(l);
   for (const bool isFirstHalf : {true, false})
@@ -134,7 +134,8 @@ void Multigrid::smoothBackwards(std::size_t l) {
              [&](Index first, Index last) { kernels::sweepBackwards(rows, first, last); });
 }
 
-// Right side of the coarser level: P^T of the residual, which after a forward sweep is what later ones have added.
+// Right-hand side of the coarser level: P^T of the residual, which after a forward sweep is the contribution of later
+// nodes.
 void Multigrid::restrictResidual(std::size_t l) {
   const GridLevel &fine = hierarchy_->levels[l], &coarse = hierarchy_->levels[l + 1];
   const Level &from = levels_[l];
@@ -216,7 +217,7 @@ void Multigrid::multiply(std::span<const Vec3> in, std::span<Vec3> out) const {
 void Multigrid::apply(std::span<const Vec3> in, std::span<Vec3> out) {
   const std::vector<Index> &order = hierarchy_->order;
   Level &finest = levels_.front();
-  // Floats reach from 1e-38: a residual of any size is brought near one.
+  // The range of floats starts at 1e-38: a residual of any magnitude is scaled to about one.
   double largest = 0.0;
   for (const Vec3 &v : in) largest = std::max(largest, v.cwiseAbs().maxCoeff());
   if (!(largest > 0.0) || !std::isfinite(largest)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A V-cycle over the lattices of a body, as a preconditioner. Private to the core.
+// V-cycle over the lattices of a body, as a preconditioner. Private to the core.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -19,34 +19,35 @@ struct SpringRows {
 };
 
 /// M^-1 r by one V-cycle: Gauss-Seidel by 3x3 blocks forwards before the coarser level, backwards after it, a dense
-/// factorisation on the coarsest; coarser matrices are P^T A P. Springs tie corners that carry next to nothing of the
-/// body, which single blocks settle slowly: all nodes of a spring are solved for together, beside the coarser level.
-/// Coarser matrices are summed cell by cell, in float. Kept are blocks of D^-1/2 A D^-1/2 in sixteen bits: their
-/// rounding, 1.5e-5 of the diagonal, goes to the diagonal as well, so that translations keep their forces.
-/// Symmetric and positive, so a preconditioner of conjugate gradients; the same bits for any number of threads.
+/// factorisation on the coarsest. Coarser matrices are P^T A P. Springs connect corners with almost no material, for
+/// which single blocks converge slowly: all nodes of a spring are solved for together, in addition to the coarser
+/// level. Coarser matrices are summed cell by cell, in float. Stored are blocks of D^-1/2 A D^-1/2 in sixteen bits.
+/// Their rounding errors, 1.5e-5 of the diagonal, are added to the diagonal as well, so that the forces of translations
+/// are preserved. Symmetric and positive, hence a preconditioner of conjugate gradients; the same bits for any number
+/// of threads.
 /// @source  Trottenberg, Oosterlee, Schüller, Multigrid, 2001, ch. 2 and 7.7 (Galerkin coarsening, preconditioners)
 class Multigrid {
  public:
-  /// The lattices of a body.
-  /// @param source  what they were made of: that it is still the same is asked before they are made anew
+  /// Sets the lattices of a body.
+  /// @param source  object they were built from; its identity decides whether they have to be rebuilt
   void reset(std::shared_ptr<const GridHierarchy> hierarchy, std::shared_ptr<const void> source);
   [[nodiscard]] bool isOf(const std::shared_ptr<const void> &source, const Csr &springs) const {
     return source_ == source && (!hierarchy_ || (hierarchy_->springs.offsets == springs.offsets &&
                                                  hierarchy_->springs.indices == springs.indices));
   }
   [[nodiscard]] bool exists() const { return hierarchy_ != nullptr; }
-  /// @param held    [phyxels] 1: does not move; or empty
-  /// @param blocks  [phyxels] added to the diagonal: inertia, contact, surroundings, N/m
+  /// @param held  [phyxels] 1: does not move; or empty
+  /// @param blocks  [phyxels] added to the diagonal: inertia, contact, foundation, N/m
   void assemble(const StencilSet &stencils, const StiffnessFactors &factors, std::span<const Mat3> blocks,
                 const SpringRows &springs, std::span<const std::uint8_t> held, const ParallelFor &parallelFor,
                 const StopRequest *stop);
   /// out = M^-1 in
   void apply(std::span<const Vec3> in, std::span<Vec3> out);
 
-  /// out = A in, of the finest matrix, which it is the approximate inverse of.
+  /// out = A in, with the finest matrix, of which this is the approximate inverse.
   void multiply(std::span<const Vec3> in, std::span<Vec3> out) const;
 
-  /// Blocks of the matrices of all levels: what an application reads, twice.
+  /// Number of blocks in the matrices of all levels; an application reads them twice.
   [[nodiscard]] double entries() const;
 
  private:
@@ -54,12 +55,12 @@ class Multigrid {
   struct Level {
     kernels::AlignedVector<std::int16_t> blocks;  // SweepRows
     Floats inverses;                              // [nodes][12]
-    std::vector<float> roots, scales;             // [nodes] of the diagonal, and one over them
+    std::vector<float> roots, scales;             // [nodes] square roots of the diagonal, and their inverses
     Floats x, b;                                  // [nodes][4] of the scaled system
     Floats cells;                                 // matrices of the cells of coarser levels: [nodes][9][width]
-    std::vector<std::size_t> firstNumber;         // [cells] of its matrix, and the number of all
+    std::vector<std::size_t> firstNumber;         // [cells] offset of its matrix, and the total
   };
-  struct Sources;  // what a matrix is assembled from
+  struct Sources;  // data that a matrix is assembled from
 
   void sumRow(const Sources &from, std::size_t l, std::size_t i, Floats &row, Floats &scratch) const;
   void assembleRows(const Sources &from, std::size_t l);

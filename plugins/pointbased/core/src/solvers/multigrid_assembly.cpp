@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the matrices of a V-cycle are made.
+// Assembly of the matrices of a V-cycle.
 #include <algorithm>
 #include <cmath>
 
@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::size_t kEight = 8, kBlock = 9;
 constexpr std::size_t kRowGrain = 128, kCellGrain = 16;
-constexpr std::size_t kMostDense = 400;  // nodes of a dense factorisation
-constexpr double kShift = 1e-6;          // of the diagonal: rigid motions of what nothing holds
+constexpr std::size_t kMaxDense = 400;  // nodes of a dense factorisation
+constexpr double kShift = 1e-6;         // of the diagonal: for rigid motions of unsupported bodies
 
 std::size_t widthOf(std::size_t nodes) { return StiffnessFactors::width(nodes); }
 
@@ -22,7 +22,7 @@ void addScaled(float s, const float *x, float *y, std::size_t n) {
     for (std::size_t j = 0; j < kEight; ++j) y[k + j] += s * x[k + j];
 }
 
-// Symmetric to the last bit: rounding would make more of it.
+// Makes the matrix symmetric to the last bit: rounding would grow otherwise.
 void mirror(float *matrix, std::size_t nodes) {
   const std::size_t width = widthOf(nodes);
   for (std::size_t J = 0; J < nodes; ++J)
@@ -118,18 +118,18 @@ void Multigrid::assemble(const StencilSet &s, const StiffnessFactors &factors, s
   const Sources from{s, factors, blocks, springs};
   own_.resize(kBlock * finest.nodes());
   for (std::size_t l = 0; l < levels_.size(); ++l) {
-    endIfRaised(stop);
+    throwIfStopRequested(stop);
     if (l > 0) sumCells(from, l);
     if (l > 1) levels_[l - 1].cells = {};
     assembleRows(from, l);
   }
-  endIfRaised(stop);
+  throwIfStopRequested(stop);
   factoriseCoarsest(from);
   levels_.back().cells = {};
   invertSprings(springs.rows, stop);
 }
 
-// The rows of a level, scaled by their diagonals, and the inverses of these.
+// Rows of a level, scaled by their diagonals, and the inverses of the diagonal blocks.
 void Multigrid::assembleRows(const Sources &from, std::size_t l) {
   const GridLevel &grid = hierarchy_->levels[l];
   Level &level = levels_[l];
@@ -187,7 +187,7 @@ void Multigrid::keepRow(std::size_t l, std::size_t i, const Floats &row, Floats 
   float lost[kBlock] = {};
   kernels::roundRow(row.data() + kEight * kBlock, to, back, eights,
                     level.blocks.data() + kEight * kBlock * grid.eights[2 * i], lost);
-  // What rounding takes from a neighbour goes to the node itself, so that translations keep their forces.
+  // Rounding errors of the neighbours are added to the node itself, so that the forces of translations are preserved.
   Mat3 own;
   for (std::size_t n = 0; n < kBlock; ++n)
     own.data()[n] = static_cast<double>(scale * scale * row[kEight * n] + lost[n]);
@@ -199,7 +199,7 @@ void Multigrid::keepRow(std::size_t l, std::size_t i, const Floats &row, Floats 
   }
 }
 
-// P^T A P of the cells of the level before, each coarser cell by itself.
+// P^T A P of the cells of the previous level, each coarser cell separately.
 void Multigrid::sumCells(const Sources &from, std::size_t l) {
   const GridLevel &coarse = hierarchy_->levels[l];
   Level &to = levels_[l];
@@ -228,7 +228,7 @@ void Multigrid::sumCells(const Sources &from, std::size_t l) {
   parallelFor_(coarse.finer.rows(), kCellGrain, std::cref(cells));
 }
 
-// The factors of a cell follow its coarser nodes as displacements do.
+// Factors of a cell are transferred to its coarser nodes like displacements.
 void Multigrid::addFinestCell(const Sources &from, std::size_t q, std::size_t coarse, Floats &scratch) {
   constexpr std::size_t kNumbers = StiffnessFactors::kNumbers, kPadded = (kNumbers + kEight - 1) / kEight * kEight;
   const GridLevel &fine = hierarchy_->levels[0], &grid = hierarchy_->levels[1];
@@ -247,7 +247,7 @@ void Multigrid::addFinestCell(const Sources &from, std::size_t q, std::size_t co
     for (std::size_t n = 0; n < kNumbers; ++n) numbers[n] = factors[n * fineWidth];
     for (std::size_t p = 0; p < parents; ++p)
       addScaled(weights[p], numbers, scratch.data() + kPadded * place[p], kPadded);
-    // What is the node's own, once.
+    // Blocks of the node itself, once.
     if (fine.cellsOf.row(i).front() != e) continue;
     const Mat3 &own = from.blocks[hierarchy_->order[i]];
     for (std::size_t p = 0; p < parents; ++p)
@@ -314,7 +314,7 @@ void Multigrid::factoriseCoarsest(const Sources &from) {
   const std::size_t l = levels_.size() - 1;
   const GridLevel &grid = hierarchy_->levels[l];
   const Level &level = levels_[l];
-  isDense_ = grid.nodes() <= kMostDense;
+  isDense_ = grid.nodes() <= kMaxDense;
   if (!isDense_) return;
   const auto n = static_cast<Eigen::Index>(3 * grid.nodes());
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(n, n);

@@ -16,16 +16,17 @@ using detail::LinearEnd;
 
 namespace {
 
-constexpr double kArmijo = 1e-4;        // part of the predicted decrease that a step must bring
-constexpr double kTightest = 1e-6;      // of the forcing terms
+constexpr double kArmijo = 1e-4;        // part of the predicted decrease that a step must achieve
+constexpr double kTightest = 1e-6;      // lower limit of the forcing terms
 constexpr double kConfirming = 1e-3;    // linear tolerance of a step that ends the solve
 constexpr double kResidualFall = 1e-6;  // of the first residual; see NewtonSettings::toleranceForce
 constexpr double kRounding = 1e-10;     // relative change of the energy that may be round-off of a cancelled sum
-constexpr double kOfReach = 2e-3;  // of a small increment, as inertia alone allows it: the tolerance is at most that
-constexpr double kSmall = 10.0;    // tolerances, of such an increment
-constexpr double kAsPromised = 0.75, kPoor = 0.25;  // parts of the promised decrease
+constexpr double kOfReach = 2e-3;       // of a small increment, estimated from inertia alone: largest tolerance
+constexpr double kSmall = 10.0;         // tolerances: size of such an increment
+constexpr double kAsPromised = 0.75, kPoor = 0.25;  // parts of the predicted decrease
 constexpr double kWiden = 2.0, kNarrow = 0.5;       // of the radius
-// times what the preconditioned gradient says is left; with three, a spinning block erred by 0.16 % instead of 0.05 %
+// Times the estimate of the remaining error by the preconditioned gradient. With three, a spinning block had an error
+// of 0.16 % instead of 0.05 %.
 constexpr double kSafety = 12.0;
 constexpr int kTrials = 48;
 constexpr int kDoublings = 16;
@@ -37,10 +38,10 @@ struct NewtonSolver::Impl {
   detail::PreconditionerOfParts keeper;
   detail::ConjugateGradients linear;
   std::vector<Vec3> start, gradient, right, direction, trial, trialGradient;
-  const StopRequest *stop = nullptr;  // of the present solve
-  double tolerance = 0.0;             // m, likewise
-  double expected = 0.0;              // a solution over the preconditioned gradient; 0: not known
-  double radius = 0.0;                // in the norm of the preconditioner, within which the quadratic model is believed
+  const StopRequest *stop = nullptr;  // of the current solve
+  double tolerance = 0.0;             // m, of the current solve
+  double expected = 0.0;              // ratio of a solution to the preconditioned gradient; 0: unknown
+  double radius = 0.0;                // trust-region radius, in the norm of the preconditioner
   NewtonResult result;
 
   NewtonResult solve(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings,
@@ -49,14 +50,14 @@ struct NewtonSolver::Impl {
  private:
   struct Direction {
     bool newton = false;       // solved to `tolerance`, without negative curvature
-    bool negative = false;     // cut short by negative curvature
-    bool confirms = false;     // exact enough to end the solve with
-    bool bounded = false;      // cut short by the radius
-    bool isConverged = false;  // what is left is within the tolerance, as it seems
-    bool hasPath = false;      // it ends the path of the linear solve
+    bool negative = false;     // truncated by negative curvature
+    bool confirms = false;     // accurate enough to end the solve
+    bool bounded = false;      // truncated by the radius
+    bool isConverged = false;  // the estimated remaining error is within the tolerance
+    bool hasPath = false;      // it is the end of the path of the linear solve
     double tolerance = 1.0;
     double length = 0.0;  // in the norm of the preconditioner
-    double gain = 0.0;    // J, that the quadratic model promises
+    double gain = 0.0;    // J, predicted by the quadratic model
   };
   struct Evaluation {
     double energy = 0.0;
@@ -85,14 +86,14 @@ NewtonResult NewtonSolver::solve(IncrementalPotential &problem, std::span<Vec3> 
   try {
     return impl_->solve(problem, u, settings, shouldContinue);
   } catch (const Stopped &) {
-    forget();  // a factorisation may be half done
+    forget();  // a factorisation may be incomplete
     throw;
   }
 }
 
 namespace {
 
-// Change of the energy that may be nothing but round-off.
+// Change of the energy that may be round-off only.
 double noise(const IncrementalPotential &problem, double a, double b) {
   return kRounding * (std::abs(a) + std::abs(b)) + problem.roundOff();
 }
@@ -110,7 +111,7 @@ double longestWay(std::span<const Vec3> from, std::span<const Vec3> to) {
 
 }  // namespace
 
-// Gradient of free phyxels where the problem stands.
+// Gradient of free phyxels at the current state of the problem.
 bool NewtonSolver::Impl::gradientHere(IncrementalPotential &problem, std::vector<Vec3> &out, Evaluation &at) {
   problem.gradient(out);
   clearPrescribed(problem.prescribed(), out);
@@ -121,7 +122,7 @@ bool NewtonSolver::Impl::gradientHere(IncrementalPotential &problem, std::vector
 
 // Moves to u + scale direction.
 bool NewtonSolver::Impl::tryAt(IncrementalPotential &problem, std::span<const Vec3> u, double scale, double &energy) {
-  endIfRaised(stop);
+  throwIfStopRequested(stop);
   trial.assign(u.begin(), u.end());
   addScaled(scale, direction, trial);
   if (!problem.setState(trial)) return false;
@@ -136,7 +137,7 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPoten
   const int solvedBefore = result.linearIterations;
   const std::span<const std::uint8_t> prescribed = problem.prescribed();
   const detail::Apply product = [&](std::span<const Vec3> in, std::span<Vec3> out) {
-    endIfRaised(settings.stop);
+    throwIfStopRequested(settings.stop);
     result.linearIterations = solvedBefore + linear.iterations();
     problem.product(in, out);
     clearPrescribed(prescribed, out);
@@ -158,14 +159,14 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPoten
   out.tolerance = keeper.isStrong() ? strongForcing : forcing;
   const double confirming =
       keeper.isStrong() ? settings.confirmingTolerance : std::min(settings.confirmingTolerance, kConfirming);
-  int before = 0;  // iterations with preconditioners that have been given up
+  int before = 0;  // iterations with discarded preconditioners
   LinearEnd end;
   for (;;) {
     const int most = settings.maxLinearIterations - linear.iterations();
     const int spent = linear.iterations() - before;
     const int iterationBudget = keeper.iterationBudget(out.tolerance, settings.maxLinearIterations) - spent;
     end = linear.run(product, precondition, out.tolerance, std::max(0, std::min(most, iterationBudget)), radius);
-    // what there is serves badly: something new is cheaper
+    // the current preconditioner performs poorly: a new one is cheaper
     if (end == LinearEnd::iterations && iterationBudget < most) {
       keeper.book(linear.iterations() - before, out.tolerance, false);
       keeper.renew(problem, settings.stop);
@@ -173,7 +174,7 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPoten
       linear.restart(product, precondition);
       continue;
     }
-    // A step so small that it would end the solve must be one that can be trusted.
+    // A step so small that it would end the solve has to be accurate.
     if (end == LinearEnd::tolerance && out.tolerance > confirming && detail::largest(linear.x()).value <= tolerance) {
       out.tolerance = confirming;
       continue;
@@ -192,8 +193,8 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPoten
   out.negative = end == LinearEnd::negativeCurvature;
   const std::span<const Vec3> found = linear.iterations() > 0 ? linear.x() : linear.preconditioned();
   direction.assign(found.begin(), found.end());
-  // Not downhill (round-off, or an operator that is not symmetric): the preconditioned gradient, at worst the plain
-  // one.
+  // Not a descent direction (round-off, or an operator that is not symmetric): the preconditioned gradient, at worst
+  // the plain gradient.
   const auto downhill = [this] {
     return dot(gradient, direction) < 0.0 && std::isfinite(detail::largest(direction).value);
   };
@@ -205,21 +206,22 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPoten
   return out;
 }
 
-// Finds how far along the direction to go, moves u there, and leaves the problem, the gradient and `at` there. Returns
-// the scale, or 0: nothing found, all is as it was. `grow`: the direction has no natural length, try longer ones.
-// `pathLength`: of the path of the linear solve, along which a step that fails is shortened, and which then sets
-// the radius; 0: straight.
+// Line search: moves u along the direction, and leaves the problem, the gradient and `at` at the new state. Returns the
+// scale, or 0 if no decrease was found and nothing has changed.
+// @param grow  the direction has no natural length: longer steps are tried
+// @param pathLength  length of the path of the linear solve, along which a failed step is shortened, and which then
+//                    sets the radius; 0: straight
 double NewtonSolver::Impl::search(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings,
                                   Evaluation &at, bool grow, double pathLength) {
   double slope = dot(gradient, direction);
   const double length = detail::largest(direction).value;
   const double limit = std::min(1.0, problem.largestStep(direction));
   if (!(limit > 0.0) || !(slope < 0.0)) return 0.0;
-  // Shorter steps than this matter to nobody, or change no digit of u.
+  // Shorter steps are irrelevant, or change no digit of u.
   const double smallest = std::max(1e-3 * settings.toleranceDisplacement, 1e-17 * detail::largest(u).value);
 
   Evaluation next;
-  double scale = limit, along = limit;  // of the direction; of the present one, which is a point of the path
+  double scale = limit, along = limit;  // of the direction; of the current direction, a point of the path
   bool found = false;
   for (int k = 0; k < kTrials && !found; ++k) {
     if (k > 0 && scale * length < smallest) break;
@@ -244,12 +246,12 @@ double NewtonSolver::Impl::search(IncrementalPotential &problem, std::span<Vec3>
       if (!found) scale *= 0.5;
       continue;
     }
-    // Below round-off of the energy the gradients decide: the slope along the step says that the energy fell, and the
-    // gradient falls as well, except on the way off a saddle.
+    // If the change of the energy is below round-off, the gradients decide. The slope along the step must indicate a
+    // decrease, and the gradient must decrease as well, except when leaving a saddle point.
     found = std::abs(change) <= noise(problem, at.energy, next.energy) && gradientHere(problem, trialGradient, next) &&
             (grow || next.norm < at.norm) && dot(trialGradient, direction) <= (2.0 * kArmijo - 1.0) * slope;
     if (found) continue;
-    // The lowest point of the parabola through what is known.
+    // Minimum of the parabola through the known values.
     const double lowest = -0.5 * slope * along * scale / (change - slope * along);
     scale = std::isfinite(lowest) ? std::clamp(lowest, 0.1 * scale, 0.5 * scale) : 0.5 * scale;
   }
@@ -312,7 +314,7 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
   trialGradient.resize(n);
 
   Evaluation at;
-  bool isWithinAsked = false;  // what was left is below the tolerance that was asked for: round-off may end the solve
+  bool isWithinAsked = false;  // the initial error is below the requested tolerance: round-off may end the solve
   const auto end = [&](NewtonOutcome outcome) {
     const bool isGivenUp = outcome == NewtonOutcome::noDescent || outcome == NewtonOutcome::iterationLimit;
     result.outcome = isWithinAsked && isGivenUp ? NewtonOutcome::converged : outcome;
@@ -338,7 +340,7 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
 
   const double reach = problem.reach(gradient);
   if (reach <= 0.0) return end(NewtonOutcome::converged);
-  // An increment below the tolerance counts: step after step it adds up to all of the motion.
+  // An increment below the tolerance matters: over many steps it adds up to the whole motion.
   const bool isSmall = reach <= kSmall * asked.toleranceDisplacement;
   isWithinAsked = reach <= asked.toleranceDisplacement;
   if (isSmall) {
@@ -369,7 +371,7 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
     double scale =
         search(problem, u, settings, at, found.negative, settings.trustRegion && found.hasPath ? found.length : 0.0);
     if (scale == 0.0) {
-      // At the end of what the digits of u can express there is nothing left to find.
+      // At the resolution of the digits of u no further improvement is possible.
       if (newton && length <= std::max(settings.toleranceDisplacement,
                                        8.0 * std::numeric_limits<double>::epsilon() * detail::largest(u).value)) {
         result.lastStep = length;
@@ -394,30 +396,30 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
     }
     result.lastStep = scale * length;
     isWithinAsked = isWithinAsked || (isSmall && newton && scale == 1.0 && length <= asked.toleranceDisplacement);
-    expected = settings.toleranceOfWay > 0.0 && !settings.firstTellsWay && newton && scale == 1.0
+    expected = settings.relativeStepTolerance > 0.0 && !settings.calibrateFromFirstStep && newton && scale == 1.0
                    ? kSafety * std::max(1.0, length / detail::largest(linear.preconditioned()).value)
                    : 0.0;
-    const bool tellsWay = !settings.firstTellsWay || (result.iterations == 1 && newton && scale == 1.0);
-    if (settings.toleranceOfWay > 0.0 && tellsWay)
+    const bool isCalibrated = !settings.calibrateFromFirstStep || (result.iterations == 1 && newton && scale == 1.0);
+    if (settings.relativeStepTolerance > 0.0 && isCalibrated)
       tolerance = std::max(settings.toleranceDisplacement,
-                           std::min(settings.largestTolerance, settings.toleranceOfWay * longestWay(start, u)));
+                           std::min(settings.largestTolerance, settings.relativeStepTolerance * longestWay(start, u)));
     report();
 
-    // Converged: a whole, trustworthy Newton step that moved nothing by more than the tolerance, after which the
-    // residual is smaller; twice in a row where it cannot become smaller.
+    // Converged: a full, accurate Newton step that moved nothing by more than the tolerance, after which the residual
+    // is smaller; or two such steps in a row if it cannot decrease.
     if (newton && scale == 1.0 && result.lastStep <= tolerance && (found.confirms || fallen())) {
       if (at.residual.value <= before.residual.value || ++small >= 2) return end(NewtonOutcome::converged);
     } else {
       small = 0;
     }
 
-    // Nothing gained, in energy or in balance, several times: it will not come.
+    // No gain in energy or residual for several iterations: give up.
     const bool lower = before.energy - at.energy > noise(problem, before.energy, at.energy);
     idle = lower || at.residual.value < 0.9 * bestResidual ? 0 : idle + 1;
     bestResidual = std::min(bestResidual, at.residual.value);
     if (idle >= kPatience) return end(fallen() ? NewtonOutcome::converged : NewtonOutcome::noDescent);
 
-    // Eisenstat and Walker's second choice, with their safeguard against tightening too soon.
+    // Second choice of Eisenstat and Walker, with their safeguard against premature tightening.
     const double ratio = at.norm / before.norm;
     double wanted = 0.9 * ratio * ratio;
     strongForcing = std::max(settings.strongTolerance, std::min(wanted, settings.loosestTolerance));

@@ -15,33 +15,33 @@ namespace pointbased::detail {
 namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
-// Phyxels come sorted in space; keeping their order takes a third fewer iterations than minimum degree (measured).
+// Phyxels are sorted in space; their order needs a third fewer iterations than minimum degree (measured).
 using Incomplete = Eigen::IncompleteCholesky<double, Eigen::Lower, Eigen::NaturalOrdering<int>>;
 
-constexpr std::size_t kMostOfWhole = 1500;  // phyxels of several parts that are factorised together
+constexpr std::size_t kMaxOfWhole = 1500;  // phyxels of several parts that are factorised together
 
-// Costs in about nanoseconds, as bench_newton showed them; only their ratios matter.
+// Costs in approximate nanoseconds, measured by bench_newton; only their ratios matter.
 constexpr double kProductCost = 1.15;         // per entry of the Hessian, matrix-free
 constexpr double kAssemblyCost = 50.0;        // per entry of the Hessian
 constexpr double kIncompleteCost = 80.0;      // per entry of the factor
-constexpr double kIncompleteSolveCost = 0.8;  // per entry of the factor, both ways
+constexpr double kIncompleteSolveCost = 0.8;  // per entry of the factor, forward and backward
 constexpr double kCompleteCost = 0.12;        // per multiply-add
-constexpr double kCompleteSolveCost = 0.5;    // per entry of the factor, both ways
+constexpr double kCompleteSolveCost = 0.5;    // per entry of the factor, forward and backward
 
 constexpr double kGridAssemblyCost = 50.0;  // per block of the matrices of all lattices
-constexpr double kGridCost = 5.0;           // per such block: a V-cycle and what else an iteration takes
-// Of a complete factorisation that nobody has analysed yet, by the number of phyxels: n² and n^(4/3), bodies as thick
-// as long.
+constexpr double kGridCost = 5.0;           // per such block: a V-cycle and the other work of an iteration
+// Of a complete factorisation that has not been analysed, from the number of phyxels: n² and n^(4/3), for bodies of
+// equal extent in all directions.
 constexpr double kGuessedCompleteCost = 10.0, kGuessedSolveCost = 40.0;
 
 constexpr double kCheap = 200.0;  // iterations; see the header
-// Iterations of a V-cycle beyond this times those of a fresh one, and beyond kSlack, are those of an old one: numbers
-// differ from step to step as well.
+// More iterations of a V-cycle than this times those of a fresh one, plus kSlack, are attributed to its age: iterations
+// also vary from step to step.
 constexpr double kScatter = 1.2, kSlack = 1.0;
-constexpr int kFresh = 2;  // solves that show what a fresh V-cycle takes: those of a step differ, and strain ages it
-constexpr double kUsual = 8.0;                // iterations of a solve with a complete one that is not quite fresh
-constexpr std::size_t kMostAnalysed = 30000;  // phyxels; beyond, `automatic` does not think of a complete one
-constexpr double kMostEntries = 2.5e8;        // of a complete factor: 1 GB
+constexpr int kFresh = 2;       // solves that measure a fresh V-cycle: those of a step differ, and strain ages it
+constexpr double kUsual = 8.0;  // iterations of a solve with a complete one that is almost fresh
+constexpr std::size_t kMaxAnalysed = 30000;  // phyxels; beyond, `automatic` does not consider a complete one
+constexpr double kMaxEntries = 2.5e8;        // of a complete factor: 1 GB
 
 double decimals(double tolerance) { return std::max(1.0, -std::log10(tolerance)); }
 
@@ -49,7 +49,7 @@ double decimals(double tolerance) { return std::max(1.0, -std::log10(tolerance))
 
 struct AdaptivePreconditioner::Impl {
   Preconditioner choice = Preconditioner::blockJacobi;
-  Preconditioner kind = Preconditioner::blockJacobi;  // what `automatic` has come to
+  Preconditioner kind = Preconditioner::blockJacobi;  // current choice of `automatic`
   std::vector<std::uint8_t> mask;
   std::size_t phyxels = 0;
   bool valid = false;
@@ -58,24 +58,24 @@ struct AdaptivePreconditioner::Impl {
 
   std::vector<Mat3> blocks;
   Sparse matrix;
-  std::vector<int> outer, inner;  // pattern that `complete` has been analysed for
+  std::vector<int> outer, inner;  // pattern analysed for `complete`
   MultifrontalCholesky complete;
   Incomplete incomplete;
   Multigrid grid;
 
-  // The books, in the unit of the costs. A fresh factorisation takes `rate` iterations per decimal of tolerance; -1:
-  // not known yet.
+  // Cost accounting, in the unit of the costs. A fresh factorisation needs `rate` iterations per decimal of tolerance;
+  // -1: unknown.
   double price = 0.0, iteration = 1.0, rate = -1.0, excess = 0.0;
-  int solves = 0;  // since it was made, at most kFresh
-  // Of a complete factorisation while another one is in use; infinite price: not to be had.
+  int solves = 0;  // since it was built, at most kFresh
+  // For a complete factorisation while another one is in use; infinite price: not available.
   double completePrice = 0.0, completeIteration = 0.0, lost = 0.0;
-  bool isTooLarge = false;  // a complete one, as its analysis has shown
+  bool isTooLarge = false;  // a complete one, according to its analysis
 
   [[nodiscard]] bool mayImprove() const {
     return choice == Preconditioner::automatic && std::isfinite(completePrice) &&
            (kind == Preconditioner::incomplete || kind == Preconditioner::multigrid);
   }
-  // Iterations of a solve that are not the fault of age.
+  // Iterations of a solve that are not due to age.
   [[nodiscard]] double usual(double tolerance) const {
     return kind == Preconditioner::multigrid ? kScatter * rate * decimals(tolerance) + kSlack
                                              : rate * decimals(tolerance);
@@ -145,7 +145,7 @@ bool AdaptivePreconditioner::Impl::assemble(IncrementalPotential &problem) {
   return true;
 }
 
-// Order and fronts of the complete factorisation, unless they are known for this pattern.
+// Order and fronts of the complete factorisation, unless the pattern has been analysed already.
 void AdaptivePreconditioner::Impl::analyse() {
   const int *outerBegin = matrix.outerIndexPtr(), *outerEnd = outerBegin + matrix.outerSize() + 1;
   const int *innerBegin = matrix.innerIndexPtr(), *innerEnd = innerBegin + matrix.nonZeros();
@@ -159,8 +159,8 @@ void AdaptivePreconditioner::Impl::analyse() {
 
 bool AdaptivePreconditioner::Impl::factoriseComplete(const StopRequest *stop) {
   analyse();
-  if (complete.entries() > kMostEntries) return false;
-  // A matrix that is positive definite but for round-off, or singular (a free body), is lifted a little.
+  if (complete.entries() > kMaxEntries) return false;
+  // The diagonal of a matrix that is indefinite by round-off only, or singular (a free body), is shifted slightly.
   for (const double diagonalShift : {0.0, 1e-9, 1e-6, 1e-3, 1e-1})
     if (complete.factorise(matrix, diagonalShift, stop)) return true;
   return false;
@@ -189,7 +189,7 @@ void AdaptivePreconditioner::prepare(IncrementalPotential &problem, Precondition
 
 void AdaptivePreconditioner::renew(IncrementalPotential &problem, const StopRequest *stop) {
   Impl &m = *impl_;
-  endIfRaised(stop);
+  throwIfStopRequested(stop);
   m.invalidate();
   m.valid = true;
   if (m.kind == Preconditioner::multigrid) {
@@ -198,7 +198,7 @@ void AdaptivePreconditioner::renew(IncrementalPotential &problem, const StopRequ
       m.price = kGridAssemblyCost * m.grid.entries();
       m.iteration = kGridCost * m.grid.entries();
       const auto n = static_cast<double>(m.phyxels);
-      if (m.choice == Preconditioner::automatic && m.phyxels <= kMostAnalysed && !m.isTooLarge) {
+      if (m.choice == Preconditioner::automatic && m.phyxels <= kMaxAnalysed && !m.isTooLarge) {
         m.completePrice = kGuessedCompleteCost * n * n;
         m.completeIteration = kGuessedSolveCost * std::pow(n, 4.0 / 3.0);
       }
@@ -217,17 +217,17 @@ void AdaptivePreconditioner::renew(IncrementalPotential &problem, const StopRequ
     return;
   }
 
-  endIfRaised(stop);
+  throwIfStopRequested(stop);
   const double entries = static_cast<double>(m.matrix.nonZeros()), half = 0.5 * entries;
   m.price = kAssemblyCost * entries + kIncompleteCost * half;
   m.iteration = kProductCost * entries + kIncompleteSolveCost * half;
-  if (m.kind == Preconditioner::factorised || (m.choice == Preconditioner::automatic && m.phyxels <= kMostAnalysed)) {
+  if (m.kind == Preconditioner::factorised || (m.choice == Preconditioner::automatic && m.phyxels <= kMaxAnalysed)) {
     m.analyse();
-    m.completePrice = m.complete.entries() > kMostEntries ? std::numeric_limits<double>::infinity()
-                                                          : kAssemblyCost * entries + kCompleteCost * m.complete.work();
+    m.completePrice = m.complete.entries() > kMaxEntries ? std::numeric_limits<double>::infinity()
+                                                         : kAssemblyCost * entries + kCompleteCost * m.complete.work();
     m.completeIteration = kProductCost * entries + kCompleteSolveCost * m.complete.entries();
     m.isTooLarge = !std::isfinite(m.completePrice);
-    // A V-cycle has been given up for it, before anybody knew.
+    // A V-cycle had been replaced by it before its size was known.
     if (m.isTooLarge && m.choice == Preconditioner::automatic && m.kind == Preconditioner::factorised &&
         m.grid.exists()) {
       m.kind = Preconditioner::multigrid;
@@ -298,7 +298,7 @@ void AdaptivePreconditioner::book(int iterations, double tolerance, bool complet
 void PreconditionerOfParts::prepare(IncrementalPotential &problem, Preconditioner choice, const StopRequest *stop) {
   const std::span<IncrementalPotential *const> parts = problem.parts();
   isWhole_ = parts.empty() || choice == Preconditioner::incomplete || choice == Preconditioner::factorised ||
-             (choice == Preconditioner::automatic && parts.size() > 1 && problem.phyxels() <= kMostOfWhole);
+             (choice == Preconditioner::automatic && parts.size() > 1 && problem.phyxels() <= kMaxOfWhole);
   sizes_.clear();
   if (isWhole_)
     sizes_.push_back(problem.phyxels());
@@ -306,7 +306,7 @@ void PreconditionerOfParts::prepare(IncrementalPotential &problem, Preconditione
     for (IncrementalPotential *part : parts) sizes_.push_back(part->phyxels());
   keepers_.resize(sizes_.size());
   if (isWhole_) return keepers_.front().prepare(problem, choice, stop);
-  // What couples the parts costs iterations that no factorisation of one of them saves.
+  // The coupling of the parts costs iterations that no factorisation of a single part saves.
   const Preconditioner ofPart = choice == Preconditioner::automatic ? Preconditioner::multigrid : choice;
   for (std::size_t k = 0; k < parts.size(); ++k) keepers_[k].prepare(*parts[k], ofPart, stop);
 }

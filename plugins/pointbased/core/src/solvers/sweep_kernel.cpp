@@ -3,7 +3,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "solvers/sweep_kernel.cpp"
-#include "base/kernels/instruction_sets.h"  // first: says for which the rest is compiled
+#include "base/kernels/instruction_sets.h"  // first: selects the instruction sets for the code below
 
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
@@ -42,7 +42,7 @@ struct RowSum {
 using Eight = hn::CappedTag<float, SweepRows::kEight>;  // or four
 using Four = hn::CappedTag<float, 4>;
 
-/// Numbers of node `a`, and of `b` in the upper half if there is one.
+/// Numbers of node `a`, and of `b` in the upper half of registers of eight.
 template <class D>
 HWY_INLINE hn::Vec<D> pairOf(D d, const float *x, std::uint32_t a, [[maybe_unused]] std::uint32_t b) {
   if constexpr (hn::MaxLanes(D()) == 8) {
@@ -73,7 +73,7 @@ HWY_INLINE V upperPairs(D d, V a, V b) {
   return hn::BitCast(d, hn::InterleaveUpper(pairs, hn::BitCast(pairs, a), hn::BitCast(pairs, b)));
 }
 
-/// Sums of blocks times x over some of a row.
+/// Sums of blocks times x over part of a row.
 struct RowSum {
   using V = hn::Vec<Eight>;
   V x, y, z;
@@ -107,7 +107,7 @@ struct RowSum {
         addColumn(lowerPairs(d, z01, z23));
       }
   }
-  /// (x, y, z, 0), each over its lanes.
+  /// (x, y, z, 0), each summed over its lanes.
   HWY_INLINE hn::Vec<Four> total() const {
     const Eight d;
     const V none = hn::Zero(d);

@@ -7,9 +7,9 @@
 
 namespace pointbased::kernels {
 
-/// Blocks of a row are kept by eights, so that a vector holds one number of eight neighbours: those before the
-/// diagonal, then those after it, each part filled up with zeros. Blocks are of D^-1/2 A D^-1/2, with the diagonal all
-/// of it is between -1 and 1, in units of kUnit.
+/// Blocks of a row are stored in groups of eight, so that a vector contains one number of eight neighbours: those
+/// before the diagonal, then those after it, each part padded with zeros. Blocks are of D^-1/2 A D^-1/2, D the
+/// diagonal, between -1 and 1, in units of kUnit.
 struct SweepRows {
   static constexpr std::size_t kEight = 8;
   static constexpr float kUnit = 1.0F / 32767.0F;
@@ -23,12 +23,13 @@ struct SweepRows {
   float *x = nullptr;               ///< [nodes][4]
 };
 
-/// x of the nodes [begin, end), first to last, with what those before it pull: later ones have not moved yet.
-/// @threads any whose nodes are no neighbours; no allocation; the same bits on one machine however it is divided
+/// Updates x of the nodes [begin, end), first to last, with the contributions of nodes before each: later ones have not
+/// moved yet.
+/// @threads  any whose nodes are not neighbours; no allocation; the same bits on one machine for any division
 void sweepForwards(const SweepRows &rows, std::size_t begin, std::size_t end);
-/// x of the nodes [begin, end), last to first, with what all others pull.
+/// Updates x of the nodes [begin, end), last to first, with the contributions of all others.
 void sweepBackwards(const SweepRows &rows, std::size_t begin, std::size_t end);
-/// out = what is left of the right side after a sweep forwards: -Σ of those after it. [nodes][4]
+/// out = remaining right-hand side after a forward sweep: -Σ over the nodes after each. [nodes][4]
 void residualsAfter(const SweepRows &rows, float *out, std::size_t begin, std::size_t end);
 
 }  // namespace pointbased::kernels

@@ -15,11 +15,11 @@ namespace pointbased::detail {
 namespace {
 
 constexpr double kSampling = 0.5;  // spacings, of the surface
-constexpr double kFacing = -0.1;   // cosine: surfaces that a layer joins face each other
+constexpr double kFacing = -0.1;   // cosine: surfaces joined by a layer face each other
 constexpr double kTouches = 1e-6;  // spacings
-constexpr double kCrushed = 0.05;  // det F, below which the normal has no direction that could be followed
+constexpr double kCrushed = 0.05;  // det F, below which the direction of the normal is not reliable
 
-// Of every point the nearest of the second body's surface at rest.
+// Nearest point on the second body's surface at rest, for any point.
 struct NearestOfBody {
   explicit NearestOfBody(const Body &body)
       : rest_(body.rest()), still_(rest_.phyxelCount(), Vec3::Zero()),
@@ -44,7 +44,7 @@ struct NearestOfBody {
       }
       return found.squared;
     });
-    return {skin_.placeOn(triangle, best.weights), skin_.faceNormal(triangle).normalized()};
+    return {skin_.pointOn(triangle, best.weights), skin_.faceNormal(triangle).normalized()};
   }
 
  private:
@@ -103,7 +103,7 @@ Result<AttachmentLayer> AttachmentLayer::make(const Attachment &settings, const 
       const NearestOfBody::Place found = search.of(x);
       const double away = (x - found.x).norm();
       nearest = std::min(nearest, away);
-      // Where only nearness tells what is joined, the far sides of thin bodies are not.
+      // Where nearness is the only criterion, the far sides of thin bodies are excluded.
       const bool faces = !std::isfinite(settings.within) || out.points_.normals[p].dot(found.normal) < kFacing;
       near[p] = away <= settings.within && faces ? 1 : 0;
       if (!near[p]) continue;
@@ -122,7 +122,7 @@ Result<AttachmentLayer> AttachmentLayer::make(const Attachment &settings, const 
       const double away = std::abs(found[p].distance);
       nearest = std::min(nearest, away);
       const double facing = out.points_.normals[p].dot(motion.rotation * found[p].normal);
-      // Of a sheet that is touched the normal is of either side.
+      // The normal of a touching sheet may point to either side.
       const bool faces = away > kTouches * rest.spacing ? facing < kFacing : std::abs(facing) > -kFacing;
       near[p] = away <= settings.within && faces ? 1 : 0;
     }
@@ -137,7 +137,7 @@ Result<AttachmentLayer> AttachmentLayer::make(const Attachment &settings, const 
   out.first_ = rest.bind(out.points_.positions, out.points_.normals);
   if (second) {
     out.second_ = second->rest().bind(anchors, anchorNormals);
-    // Continued linearly to where the points of the first body are.
+    // Extrapolated linearly to the points of the first body.
     for (std::size_t p = 0; p < out.points_.count(); ++p) {
       const Vec3 beyond = rest.origin + out.points_.positions[p] - second->rest().origin - out.second_.positions[p];
       for (Index e = out.second_.phyxels.offsets[p]; e < out.second_.phyxels.offsets[p + 1]; ++e)
@@ -174,7 +174,7 @@ Vec3 AttachmentLayer::timesStiffness(std::size_t p, const Vec3 &d) const {
   return points_.areas[p] * (settings_.tangential * d + (settings_.stiffness - settings_.tangential) * n.dot(d) * n);
 }
 
-// visit(of the second, phyxel, weight in the way of p)
+// visit(isSecond, phyxel, weight of its displacement in d of p)
 template <class Visit>
 void AttachmentLayer::forEntries(std::size_t p, const Visit &visit) const {
   for (Index e = first_.phyxels.offsets[p]; e < first_.phyxels.offsets[p + 1]; ++e)
@@ -185,7 +185,7 @@ void AttachmentLayer::forEntries(std::size_t p, const Visit &visit) const {
 }
 
 // With n = cof(F) N / |cof(F) N|: δn = -P F^-T δFᵀ n, P = 1 - n nᵀ. The energy A (k_n - k_t) (n·d)²/2 therefore pulls
-// phyxel j with n (g_j·w), w = F^-1 P A (k_n - k_t) (n·d) d. Without it a turning layer takes or gives energy.
+// phyxel j with n (g_j·w), w = F^-1 P A (k_n - k_t) (n·d) d. Without it a rotating layer would gain or lose energy.
 double AttachmentLayer::turn(const Sides &at) {
   if (settings_.stiffness == settings_.tangential || at.first.empty()) return 0.0;
   const std::optional<RigidMotion> motion = motionAt(at);
@@ -311,8 +311,9 @@ bool AttachmentLayer::tear(const Sides &at) {
   bool any = false;
   for (std::size_t p = 0; p < points_.count(); ++p) {
     if (isTorn(p)) continue;
-    const double traction = timesStiffness(p, wayOf(p, at, motion ? &*motion : nullptr)).norm() / points_.areas[p];
-    if (!(traction > settings_.tearsAt)) continue;
+    Vec3 traction = timesStiffness(p, wayOf(p, at, motion ? &*motion : nullptr)) / points_.areas[p];
+    traction -= std::max(0.0, traction.dot(normals_[p])) * normals_[p];  // compression does not tear
+    if (!(traction.norm() > settings_.tearsAt)) continue;
     if (torn_.empty()) torn_.assign(points_.count(), 0);
     torn_[p] = 1;
     any = true;

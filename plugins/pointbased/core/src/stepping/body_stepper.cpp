@@ -12,27 +12,27 @@
 namespace pointbased::detail {
 namespace {
 
-constexpr std::uint64_t kMostSubsteps = 10'000, kLeastSubsteps = 1'000;  // of a step, before it ends early
-constexpr double kMostWork = 2e7;  // evaluations of points in a step: some seconds, so that a run can be interrupted
-constexpr double kSmallestScale = 1.0 / 64;  // of the steps that are tried before a body stops
-constexpr double kCrushedScale = 1.0 / 4;    // likewise where it is crushed, which smaller steps seldom change
+constexpr std::uint64_t kMaxSubsteps = 10'000, kMinSubsteps = 1'000;  // of a step, before it ends early
+constexpr double kMaxWork = 2e7;  // evaluations of points in a step: some seconds, so that a run can be interrupted
+constexpr double kSmallestScale = 1.0 / 64;  // smallest fraction of the step size before a body stops
+constexpr double kCrushedScale = 1.0 / 4;    // same for a crushed body, for which smaller steps rarely help
 
 }  // namespace
 
 std::uint64_t BodyStepper::mostSubsteps() const {
   const double points = static_cast<double>(std::max<std::size_t>(1, body_->rest().pointCount()));
   return static_cast<std::uint64_t>(
-      std::clamp(kMostWork / points, static_cast<double>(kLeastSubsteps), static_cast<double>(kMostSubsteps)));
+      std::clamp(kMaxWork / points, static_cast<double>(kMinSubsteps), static_cast<double>(kMaxSubsteps)));
 }
 
 Integrator BodyStepper::integratorIn(const WorldSettings &world) const {
-  if (body_->free()) return Integrator::explicitVerlet;
+  if (body_->isFreeRigid()) return Integrator::explicitVerlet;
   if (world.integrator == Integrator::automatic)
     return predictCost(*body_, world.dt).implicitIsCheaper() ? Integrator::implicitSdirk : Integrator::explicitVerlet;
   if (world.integrator == Integrator::explicitVerlet && world.dt <= 0.0 &&
       kStepSafety * body_->stableStepAtRest() < kSmallestExplicitStep)
     return Integrator::implicitSdirk;
-  // Without damping of its own the midpoint rule does not settle what relaxes.
+  // Without numerical damping the midpoint rule does not settle relaxing materials.
   if (world.integrator == Integrator::implicitMidpoint && body_->constitution().relaxing())
     return Integrator::implicitSdirk;
   return world.integrator;
@@ -45,31 +45,31 @@ void BodyStepper::wake() {
   forgetEnergy();
 }
 
-bool BodyStepper::sleepsOn(const StepContext &order, double span) {
+bool BodyStepper::remainsAsleep(const StepContext &context, double span) {
   if (!asleep_) return false;
   const Body &body = *body_;
-  // Whoever has pushed it from outside has given it a velocity.
+  // A push from outside shows as a velocity.
   const bool pushed = std::any_of(body.state().velocities.begin(), body.state().velocities.end(),
                                   [](const Vec3 &v) { return !v.isZero(0.0); });
-  if (!pushed && order.world.sleep && !isDriven(body, order.environment.obstacles, order.time, span)) return true;
+  if (!pushed && context.world.sleep && !isDriven(body, context.environment.obstacles, context.time, span)) return true;
   wake();
   return false;
 }
 
-bool BodyStepper::isStill(const StepContext &order, double span) {
-  if (!order.world.sleep || stopped() || isDriven(*body_, order.environment.obstacles, order.time, span)) {
+bool BodyStepper::isStill(const StepContext &context, double span) {
+  if (!context.world.sleep || stopped() || isDriven(*body_, context.environment.obstacles, context.time, span)) {
     watch_.forget();
     return false;
   }
   const double tolerance =
-      order.world.tolerance > 0.0 ? order.world.tolerance : SleepDetector::kTolerance * body_->rest().spacing;
+      context.world.tolerance > 0.0 ? context.world.tolerance : SleepDetector::kTolerance * body_->rest().spacing;
   return watch_.look(*body_, tolerance, span);
 }
 
 void BodyStepper::fallAsleep() {
   asleep_ = true;
   std::fill(body_->state().velocities.begin(), body_->state().velocities.end(), Vec3(Vec3::Zero()));
-  if (underWay_) underWay_->state = body_->keptState();
+  if (activeStep_) activeStep_->state = body_->savedStateCopy();
   body_->keepState();
 }
 
@@ -101,13 +101,13 @@ bool BodyStepper::restore(const Checkpoint &checkpoint, const ParallelFor &paral
 }
 
 void BodyStepper::undoStep(const ParallelFor &parallelFor) {
-  if (!underWay_) return;
-  substeps_ = underWay_->substeps;
-  if (underWay_->state) {
-    body_->state() = *underWay_->state;
+  if (!activeStep_) return;
+  substeps_ = activeStep_->substeps;
+  if (activeStep_->state) {
+    body_->state() = *activeStep_->state;
     body_->keepState();
   }
-  underWay_.reset();
+  activeStep_.reset();
   body_->restoreState();
   body_->contact.blocks = ContactState::Blocks();
   body_->computeGradients(parallelFor);
@@ -117,10 +117,11 @@ void BodyStepper::undoStep(const ParallelFor &parallelFor) {
   ++changes_;
 }
 
-std::string BodyStepper::whatWouldFit(const StepContext &order, double budget) {
+std::string BodyStepper::suggestAffordableStep(const StepContext &context, double budget) {
   Body &body = *body_;
-  const ParallelFor &parallelFor = *order.environment.parallelFor;
-  // The second one finds in the caches what it needs. Where kernels have no evaluation without memory, stages do it.
+  const ParallelFor &parallelFor = *context.environment.parallelFor;
+  // The second run finds its data in the caches. Where kernels have no evaluation without history, the separate stages
+  // are used.
   double seconds = 0.0;
   for (int k = 0; k < 2; ++k) {
     const auto begin = std::chrono::steady_clock::now();
@@ -134,53 +135,53 @@ std::string BodyStepper::whatWouldFit(const StepContext &order, double budget) {
     seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
   const NewtonResult &solved = solver_.progress();
-  return detail::whatWouldFit(body, integratorIn(order.world),
-                              {order.dt, budget, seconds, solved.iterations, solved.linearIterations});
+  return detail::suggestAffordableStep(body, integratorIn(context.world),
+                                       {context.dt, budget, seconds, solved.iterations, solved.linearIterations});
 }
 
-void BodyStepper::beginAdvance(const StepContext &order) {
+void BodyStepper::beginAdvance(const StepContext &context) {
   ++changes_;
-  if (order.environment.stop != nullptr) underWay_ = Start{substeps_, {}};
-  substeps_.begin(order.dt);
+  if (context.environment.stop != nullptr) activeStep_ = Start{substeps_, {}};
+  substeps_.begin(context.dt);
 }
 
-double BodyStepper::advance(const StepContext &order, double span) {
-  if (body_->stands()) return span;
-  if (sleepsOn(order, span)) {
-    substeps_.begin(order.dt);
+double BodyStepper::advance(const StepContext &context, double span) {
+  if (body_->isStatic()) return span;
+  if (remainsAsleep(context, span)) {
+    substeps_.begin(context.dt);
     return span;
   }
-  beginAdvance(order);
-  reportIntegrator(order);
-  const double gone = tryToAdvance(order, span, mostSubsteps());
-  if (isStill(order, gone)) fallAsleep();
-  return gone;
+  beginAdvance(context);
+  reportIntegrator(context);
+  const double advanced = tryToAdvance(context, span, mostSubsteps());
+  if (isStill(context, advanced)) fallAsleep();
+  return advanced;
 }
 
-void BodyStepper::advanceAgain(const StepContext &order, double span) {
-  if (asleep_) return;  // the state is the same at every time
+void BodyStepper::advanceAgain(const StepContext &context, double span) {
+  if (asleep_) return;  // the state does not depend on the time
   body_->restoreState();
-  (void)tryToAdvance(order, span, std::numeric_limits<std::uint64_t>::max());
+  (void)tryToAdvance(context, span, std::numeric_limits<std::uint64_t>::max());
 }
 
-std::optional<QuickCheckResult> BodyStepper::keepIfSound(const StepContext &order) {
+std::optional<QuickCheckResult> BodyStepper::checkpointIfValid(const StepContext &context) {
   Body &body = *body_;
-  // What somebody has put in from outside is caught before it becomes the state to go back to.
+  // Invalid external changes are detected before the state is stored for undoing.
   QuickCheckResult glance;
-  order.environment.clock->measure(kGuard, [&] { glance = quickCheck(body); });
+  context.environment.clock->measure(kGuard, [&] { glance = quickCheck(body); });
   if (!glance.finite) {
     const GuardFinding poisoned = firstNonFinite(body);
     body.restoreState();
-    stop(order, poisoned);
+    stop(context, poisoned);
     return std::nullopt;
   }
-  for (const Hand &hand : body.hands)
+  for (const ActiveGrab &hand : body.grabs)
     if (!hand.grab.target.allFinite() || !hand.grab.rotation.allFinite()) {
-      stop(order, {hand.grab.phyxels.front(), "the hand that holds it is at no finite place", "to let go and reset"});
+      stop(context, {hand.grab.phyxels.front(), "the hand that holds it is at no finite place", "to let go and reset"});
       return std::nullopt;
     }
   body.keepState();
-  (void)body.constitution().takeComplaint();  // of an earlier step
+  (void)body.constitution().consumeError();  // of an earlier step
   return glance;
 }
 
@@ -192,19 +193,19 @@ void BodyStepper::goBack(const ParallelFor &parallelFor) {
   goodSteps_ = 0;
 }
 
-bool BodyStepper::tryAgain(const StepContext &order, const Refusal &refusal, const std::string &from) {
+bool BodyStepper::retryWithSmallerStep(const StepContext &context, const Refusal &refusal, const std::string &from) {
   Body &body = *body_;
-  goBack(*order.environment.parallelFor);
+  goBack(*context.environment.parallelFor);
   GuardFinding finding = refusal.finding;
-  if (const std::string law = body.constitution().takeComplaint(); !law.empty()) finding.quantity += "; " + law;
+  if (const std::string law = body.constitution().consumeError(); !law.empty()) finding.quantity += "; " + law;
   if (!(scale_ > (refusal.crushed ? kCrushedScale : kSmallestScale))) {
-    stop(order, finding);
+    stop(context, finding);
     return false;
   }
   scale_ *= 0.5;
-  order.reportEvent("smaller_step", "body '" + body.name() + "', phyxel " + std::to_string(finding.phyxel) + ": " +
-                                        finding.quantity + "; back to the state " + from + ", with steps " +
-                                        number(1.0 / scale_) + " times smaller");
+  context.reportEvent("smaller_step", "body '" + body.name() + "', phyxel " + std::to_string(finding.phyxel) + ": " +
+                                          finding.quantity + "; back to the state " + from + ", with steps " +
+                                          number(1.0 / scale_) + " times smaller");
   return true;
 }
 
@@ -214,47 +215,49 @@ void BodyStepper::endAdvance() {
   goodSteps_ = 0;
 }
 
-double BodyStepper::tryToAdvance(const StepContext &order, double span, std::uint64_t mostSubsteps) {
+double BodyStepper::tryToAdvance(const StepContext &context, double span, std::uint64_t mostSubsteps) {
   Body &body = *body_;
-  const Integrator integrator = integratorIn(order.world);
-  const std::optional<QuickCheckResult> glance = keepIfSound(order);
+  const Integrator integrator = integratorIn(context.world);
+  const std::optional<QuickCheckResult> glance = checkpointIfValid(context);
   if (!glance) return span;
-  bool again = false;  // from the mark
+  bool again = false;  // starting at the mark
   while (true) {
-    Gone gone = again                                      ? againFromMark(order, span)
-                : integrator == Integrator::explicitVerlet ? advanceExplicit(order, span, mostSubsteps, *glance)
-                                                           : advanceImplicit(order, span);
-    if (gone && order.number % kEnergyInterval == 0)
-      order.environment.clock->measure(kGuard, [&] {
-        const EnergyLevel now = energyLevel(body, order.world.gravity);
-        const bool comparable = mark_.has_value() && !mayGainEnergy(order);
+    Advance advanced = again ? repeatFromCheckpoint(context, span)
+                       : integrator == Integrator::explicitVerlet
+                           ? advanceExplicit(context, span, mostSubsteps, *glance)
+                           : advanceImplicit(context, span);
+    if (advanced && context.number % kEnergyInterval == 0)
+      context.environment.clock->measure(kGuard, [&] {
+        const EnergyLevel now = energyLevel(body, context.world.gravity);
+        const bool comparable = mark_.has_value() && !mayGainEnergy(context);
         if (std::string grown = comparable ? energyGrowth(mark_->energy, now) : std::string(); !grown.empty()) {
-          gone = refused({fullCheck(body).fastestPhyxel, std::move(grown), kLessEnergy});
-          backToMark();
+          advanced = refused({fullCheck(body).fastestPhyxel, std::move(grown), kLessEnergy});
+          restoreEnergyCheckpoint();
           again = true;
         } else {
-          setMark(order.time + *gone, now);
+          setMark(context.time + *advanced, now);
         }
-        body.contact.ledOut.setZero();
+        body.contact.depenetrationMoment.setZero();
       });
-    if (gone) {
+    if (advanced) {
       endAdvance();
-      return *gone;
+      return *advanced;
     }
-    if (!tryAgain(order, gone.error(), again ? "at " + number(mark_->time) + " s" : "before")) return span;
+    if (!retryWithSmallerStep(context, advanced.error(), again ? "at " + number(mark_->time) + " s" : "before"))
+      return span;
   }
 }
 
-// Wider than isDriven(): after a ramp what swings still exchanges energy with its support.
-bool BodyStepper::mayGainEnergy(const StepContext &order) const {
-  if (!body_->hands.empty() || !body_->externalForces().empty()) return true;
-  for (const Obstacle &obstacle : order.environment.obstacles)
+// Wider than isDriven(): after a ramp, oscillations still exchange energy with the support.
+bool BodyStepper::mayGainEnergy(const StepContext &context) const {
+  if (!body_->grabs.empty() || !body_->externalForces().empty()) return true;
+  for (const Obstacle &obstacle : context.environment.obstacles)
     if (obstacle.motion) return true;
   const BoundaryConditions &conditions = body_->rest().conditions;
   for (const Fix &fix : conditions.fixes)
-    if (fix.ramp > 0.0 && order.time <= 1.5 * fix.ramp) return true;
+    if (fix.ramp > 0.0 && context.time <= 1.5 * fix.ramp) return true;
   for (const Load &load : conditions.loads)
-    if ((load.ramp > 0.0 && order.time <= 1.5 * load.ramp) || (load.pressure != 0.0 && load.follower)) return true;
+    if ((load.ramp > 0.0 && context.time <= 1.5 * load.ramp) || (load.pressure != 0.0 && load.follower)) return true;
   return !body_->rigid() && body_->constitution().relaxing();
 }
 
@@ -265,92 +268,94 @@ void BodyStepper::setMark(double time, const EnergyLevel &energy) {
   mark_->energy = energy;
 }
 
-void BodyStepper::backToMark() {
-  if (underWay_ && !underWay_->state) underWay_->state = body_->keptState();
+void BodyStepper::restoreEnergyCheckpoint() {
+  if (activeStep_ && !activeStep_->state) activeStep_->state = body_->savedStateCopy();
   body_->state() = mark_->state;
   body_->keepState();
 }
 
-BodyStepper::Gone BodyStepper::againFromMark(const StepContext &order, double span) {
-  const double end = order.time + span;
-  const Integrator integrator = integratorIn(order.world);
-  StepContext piece = order;
+BodyStepper::Advance BodyStepper::repeatFromCheckpoint(const StepContext &context, double span) {
+  const double end = context.time + span;
+  const Integrator integrator = integratorIn(context.world);
+  StepContext piece = context;
   piece.time = mark_->time;
   while (end - piece.time > 1e-9 * span) {
-    const double left = std::min(order.dt, end - piece.time);
-    const Gone gone = integrator == Integrator::explicitVerlet
-                          ? advanceExplicit(piece, left, std::numeric_limits<std::uint64_t>::max(), quickCheck(*body_))
-                          : advanceImplicit(piece, left);
-    if (!gone) return gone;
+    const double left = std::min(context.dt, end - piece.time);
+    const Advance advanced =
+        integrator == Integrator::explicitVerlet
+            ? advanceExplicit(piece, left, std::numeric_limits<std::uint64_t>::max(), quickCheck(*body_))
+            : advanceImplicit(piece, left);
+    if (!advanced) return advanced;
     piece.time += left;
   }
   return span;
 }
 
-BodyStepper::Gone BodyStepper::advanceImplicit(const StepContext &order, double span) {
-  const Integrator scheme = integratorIn(order.world);
+BodyStepper::Advance BodyStepper::advanceImplicit(const StepContext &context, double span) {
+  const Integrator scheme = integratorIn(context.world);
   const auto pieces = static_cast<int>(std::llround(std::ceil(1.0 / scale_)));
   const double piece = span / pieces;
-  body_->contact.sums.begin(order.environment.obstacles.size());
+  body_->contact.sums.begin(context.environment.obstacles.size());
   for (int k = 0; k < pieces; ++k) {
     const ImplicitResult result =
-        implicitStep(*body_, solver_, order.environment, order.time + k * piece, piece, scheme);
+        implicitStep(*body_, solver_, context.environment, context.time + k * piece, piece, scheme);
     if (!result.failure.empty())
       return refused(
           {result.newton.worst, result.failure,
            "a smaller solver.dt, solver.integrator = \"backward_euler\", or material.law = \"neo_hookean\""});
     bool finite = true;
-    order.environment.clock->measure(kGuard, [&] { finite = quickCheck(*body_).finite; });
+    context.environment.clock->measure(kGuard, [&] { finite = quickCheck(*body_).finite; });
     if (!finite) return refused(firstNonFinite(*body_));
   }
   return span;
 }
 
-void BodyStepper::reportIntegrator(const StepContext &order) {
-  if (integratorReported_ || integratorIn(order.world) == order.world.integrator) return;
+void BodyStepper::reportIntegrator(const StepContext &context) {
+  if (integratorReported_ || integratorIn(context.world) == context.world.integrator) return;
   integratorReported_ = true;
   const std::string body = "body '" + body_->name() + "' ";
-  if (body_->free()) {
-    if (order.world.integrator != Integrator::automatic)
-      order.reportEvent("chosen", body + "is rigid and moves freely, in explicit steps: nothing of it is stiff");
+  if (body_->isFreeRigid()) {
+    if (context.world.integrator != Integrator::automatic)
+      context.reportEvent("chosen", body + "is rigid and moves freely, in explicit steps: nothing of it is stiff");
     return;
   }
-  if (order.world.integrator == Integrator::automatic) {
-    if (integratorIn(order.world) != Integrator::implicitSdirk) return;
-    const StepCost cost = predictCost(*body_, order.world.dt);
-    order.reportEvent("chosen",
-                      body + "is integrated implicitly: predicted to cost " + number(cost.implicitEvaluations) +
-                          " force evaluations per simulated second instead of " + number(cost.explicitEvaluations) +
-                          "; solver.integrator = \"explicit\" resolves its vibrations");
-  } else if (order.world.integrator == Integrator::implicitMidpoint)
-    order.reportEvent("switched", body + "relaxes, which the midpoint rule does not settle; it is given \"implicit\"");
+  if (context.world.integrator == Integrator::automatic) {
+    if (integratorIn(context.world) != Integrator::implicitSdirk) return;
+    const StepCost cost = predictCost(*body_, context.world.dt);
+    context.reportEvent("chosen",
+                        body + "is integrated implicitly: predicted to cost " + number(cost.implicitEvaluations) +
+                            " force evaluations per simulated second instead of " + number(cost.explicitEvaluations) +
+                            "; solver.integrator = \"explicit\" resolves its vibrations");
+  } else if (context.world.integrator == Integrator::implicitMidpoint)
+    context.reportEvent("switched",
+                        body + "relaxes, which the midpoint rule does not settle; it is given \"implicit\"");
   else
-    order.reportEvent("switched",
-                      body + "is so stiff that explicit steps would be " +
-                          number(kStepSafety * body_->stableStepAtRest()) +
-                          " s long; it is integrated implicitly. If it hardly deforms, make it an obstacle (rigid)");
+    context.reportEvent("switched",
+                        body + "is so stiff that explicit steps would be " +
+                            number(kStepSafety * body_->stableStepAtRest()) +
+                            " s long; it is integrated implicitly. If it hardly deforms, make it an obstacle (rigid)");
 }
 
-void BodyStepper::reportShared(const StepContext &order, const std::string &names, const std::string &free) {
+void BodyStepper::reportShared(const StepContext &context, const std::string &names, const std::string &free) {
   if (sharedReported_) return;
   sharedReported_ = true;
   if (!free.empty()) {
-    order.reportEvent("chosen", "bodies " + names + " touch each other or are attached and take explicit steps " +
-                                    "together: body '" + free +
-                                    "' is rigid and moves freely, which implicit steps do not know");
+    context.reportEvent("chosen", "bodies " + names + " touch each other or are attached and take explicit steps " +
+                                      "together: body '" + free +
+                                      "' is rigid and moves freely, which implicit steps do not know");
     return;
   }
-  order.reportEvent("chosen",
-                    "bodies " + names +
-                        " touch each other and take explicit steps together: an implicit one of all of them is "
-                        "predicted to cost more; solver.integrator = \"implicit\" takes it nevertheless");
+  context.reportEvent("chosen",
+                      "bodies " + names +
+                          " touch each other and take explicit steps together: an implicit one of all of them is "
+                          "predicted to cost more; solver.integrator = \"implicit\" takes it nevertheless");
 }
 
-void BodyStepper::stop(const StepContext &order, const GuardFinding &finding) {
+void BodyStepper::stop(const StepContext &context, const GuardFinding &finding) {
   Body &body = *body_;
-  const ParallelFor &parallelFor = *order.environment.parallelFor;
-  // Forces and strains of the state that stays, not of the step that failed.
-  const double t = body.quasiStatic ? order.loadFactor : order.time;
+  const ParallelFor &parallelFor = *context.environment.parallelFor;
+  // Forces and strains of the state that is retained, not of the failed step.
+  const double t = body.quasiStatic ? context.loadFactor : context.time;
   if (body.vectorisedTangent()) {
     body.evaluate(t, 0.0, parallelFor);
   } else {
@@ -359,7 +364,7 @@ void BodyStepper::stop(const StepContext &order, const GuardFinding &finding) {
     body.computeForces(t, parallelFor);
   }
   body.stopped = finding;
-  order.reportEvent("stopped", body.stopMessage());
+  context.reportEvent("stopped", body.stopMessage());
 }
 
 }  // namespace pointbased::detail

@@ -11,7 +11,7 @@ double pressOf(const Contact &contact) {
   return contact.normalImpulse > 0.0 ? contact.normalImpulse + contact.settleImpulse : 0.0;
 }
 
-// φ: amount to the phyxels that carry a point.
+// Distributes an amount to the phyxels that carry a point, by φ.
 void spread(const Interpolation &binding, Index point, double amount, std::vector<double> &out) {
   for (Index e = binding.phyxels.offsets[point]; e < binding.phyxels.offsets[point + 1]; ++e)
     out[binding.phyxels.indices[e]] += binding.weights[e] * amount;
@@ -22,7 +22,7 @@ void spreadAreas(const Interpolation &binding, std::span<const double> areas, st
   for (std::size_t p = 0; p < binding.count(); ++p) spread(binding, static_cast<Index>(p), areas[p], out);
 }
 
-// Weights of moving least squares may be negative: what carries next to no skin has no pressure of its own.
+// Weights of moving least squares may be negative: phyxels that carry hardly any skin have no pressure.
 void addQuotients(std::span<const double> forces, std::span<const double> areas, std::vector<double> &out) {
   const double least = 1e-6 * *std::max_element(areas.begin(), areas.end());
   for (std::size_t i = 0; i < out.size(); ++i)
@@ -49,7 +49,7 @@ double pressedArea(const SkinPair &pair) {
 PressureOnSkin::PressureOnSkin(const Body &body)
     : body_(body), pressures_(body.rest().phyxelCount(), 0.0), forces_(pressures_.size()), areas_(pressures_.size()) {}
 
-// Contacts know their impulses of the last substep, sums those of the whole step: these are shared out as those were.
+// Contacts store the impulses of their last substep, sums those of the whole step: sums are distributed like impulses.
 void PressureOnSkin::addObstacles() {
   const ContactState &contact = body_.contact;
   const ContactPoints &points = body_.rest().contact;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kPhyxelGrain = 256;
 
-// Whether a phyxel may be faster; asks each only where the bounds of all do not tell.
+// Whether any phyxel is faster; checks them one by one only if the bounds of all are not sufficient.
 bool isFaster(std::span<const Vec3> velocities, double speed) {
   if (velocities.empty()) return false;
   const kernels::FieldBounds bounds = kernels::boundsOf(velocities.front().data(), velocities.size());
@@ -26,13 +26,13 @@ bool isFaster(std::span<const Vec3> velocities, double speed) {
                      [&](const Vec3 &v) { return v.squaredNorm() > speed * speed; });
 }
 
-// Room in front of a surface within which a contact counts even when nothing moves, in spacings.
+// Distance from a surface within which a contact is active even without motion, in spacings.
 constexpr double kContactMargin = 0.02;
 
-// What falls for two steps bounces no more.
+// Speeds reached in two steps of free fall do not bounce.
 constexpr double kQuietKicks = 2.0;
 
-// Contacts of a rigid body all move each other, and take longer to agree than those of a soft one.
+// Contacts of a rigid body all affect each other, and converge more slowly than those of a soft body.
 constexpr int kRigidSweeps = 60;
 constexpr double kRigidTolerance = 1e-3, kRigidLeft = 5e-4;
 
@@ -53,8 +53,8 @@ std::vector<std::string> stageNames() {
 
 namespace {
 
-// One spring on the mean of what is held.
-void pullMean(Body &body, Hand &hand, double omega, const Vec3 &velocity) {
+// One spring on the weighted mean of the grabbed phyxels.
+void pullMean(Body &body, ActiveGrab &hand, double omega, const Vec3 &velocity) {
   const Grab &grab = hand.grab;
   GrabStatus &status = hand.status;
   status.force =
@@ -65,14 +65,14 @@ void pullMean(Body &body, Hand &hand, double omega, const Vec3 &velocity) {
     body.forces()[grab.phyxels[k]] += grab.weights[k] * status.force;
 }
 
-// A spring on every phyxel, to its place in the shape that is held.
-void pullShape(Body &body, Hand &hand, double omega) {
+// A spring on every phyxel, to its position in the grabbed shape.
+void pullShape(Body &body, ActiveGrab &hand, double omega) {
   const Grab &grab = hand.grab;
   GrabStatus &status = hand.status;
   const double largest = *std::max_element(grab.weights.begin(), grab.weights.end());
-  // kg: of a rigid body they pull all that there is to move.
+  // kg: for a rigid body the springs move its whole effective mass.
   double share = 1.0;
-  if (body.free()) {
+  if (body.isFreeRigid()) {
     share = 0.0;
     for (std::size_t k = 0; k < grab.phyxels.size(); ++k)
       share += grab.weights[k] / largest * body.masses()[grab.phyxels[k]];
@@ -104,9 +104,9 @@ void pullShape(Body &body, Hand &hand, double omega) {
 }  // namespace
 
 void applyGrabs(Body &body, double stiffnessLimit) {
-  // Hands that hold the same phyxels add up.
-  const double limit = stiffnessLimit / static_cast<double>(std::max<std::size_t>(1, body.hands.size()));
-  for (Hand &hand : body.hands) {
+  // The stiffness of grabs of the same phyxels adds up.
+  const double limit = stiffnessLimit / static_cast<double>(std::max<std::size_t>(1, body.grabs.size()));
+  for (ActiveGrab &hand : body.grabs) {
     const Grab &grab = hand.grab;
     hand.status = GrabStatus();
     Vec3 velocity = Vec3::Zero();
@@ -118,7 +118,7 @@ void applyGrabs(Body &body, double stiffnessLimit) {
       velocity += w * body.state().velocities[i];
       inverseMass += w * w / body.masses()[i];
     }
-    if (body.free()) {
+    if (body.isFreeRigid()) {
       const detail::RigidState rigid(body);
       const Vec3 arm = hand.status.point - body.rest().origin - rigid.pose.centre;
       inverseMass = rigid.frame().largestInverseMassAt(rigid.pose, arm);
@@ -152,8 +152,8 @@ namespace detail {
 
 ExplicitSubstep::ExplicitSubstep(Body &body, const Environment &env, double time, double dt, bool touchesBodies)
     : body_(body), env_(env), time_(time), dt_(dt), stages_(stagesOf(body, env)),
-      together_(!touchesBodies && !stages_.contact && !stages_.patches && !body.free()) {
-  if (body.free()) rigid_.emplace(body);
+      together_(!touchesBodies && !stages_.contact && !stages_.patches && !body.isFreeRigid()) {
+  if (body.isFreeRigid()) rigid_.emplace(body);
 }
 
 void ExplicitSubstep::evaluate(double time, double dt) {
@@ -167,7 +167,7 @@ void ExplicitSubstep::evaluate(double time, double dt) {
     clock.measure(kStresses, [&] { body_.computeStresses(dt, parallelFor); });
     clock.measure(kForces, [&] { body_.computeForces(time, parallelFor); });
   }
-  if (stages_.hands) applyGrabs(body_, 0.3 / dt_);
+  if (stages_.grabs) applyGrabs(body_, 0.3 / dt_);
 }
 
 void ExplicitSubstep::drift(std::size_t begin, std::size_t end) {
@@ -206,7 +206,7 @@ void ExplicitSubstep::kickFirst() {
   env_.clock->measure(kIntegrate, [&] { kick(0.5 * dt_, together_); });
 }
 
-// `move` changes velocities of the four particles, to which contact points are bound.
+// `move` changes the velocities of the four particles to which contact points are bound.
 template <class Move>
 void ExplicitSubstep::moveByContact(const Move &move) {
   const RigidFrame &frame = rigid_->frame();
@@ -251,10 +251,10 @@ void ExplicitSubstep::findContacts() {
     kick(-0.5 * dt_, false);
     if (rigid_)
       moveByContact([&](const RigidContact &of) {
-        detail::bounceArrivals(of.binding, of.inverseMasses, of.rigid, quiet, body_.contact, of.velocities);
+        detail::applyRestitution(of.binding, of.inverseMasses, of.rigid, quiet, body_.contact, of.velocities);
       });
     else
-      pointbased::bounceArrivals(rest.contact.binding, body_.inverseMasses(), quiet, body_.contact, state.velocities);
+      pointbased::applyRestitution(rest.contact.binding, body_.inverseMasses(), quiet, body_.contact, state.velocities);
     kick(0.5 * dt_, false);
   });
 }
@@ -277,7 +277,7 @@ void ExplicitSubstep::solveContacts() {
   });
 }
 
-void ExplicitSubstep::driftOn() {
+void ExplicitSubstep::drift() {
   const std::size_t n = body_.rest().phyxelCount();
   const ParallelFor &parallelFor = *env_.parallelFor;
   StageClock &clock = *env_.clock;
@@ -288,7 +288,7 @@ void ExplicitSubstep::driftOn() {
       rigid_->advance(dt_);
       rigid_->give();
     });
-  // All of them: those that are held are put in their places below.
+  // All of them: held phyxels are moved to their prescribed positions below.
   else if (!together_)
     clock.measure(kIntegrate, [&] { parallelFor(n, kPhyxelGrain, std::cref(range)); });
   if (stages_.supports)
@@ -305,7 +305,7 @@ void ExplicitSubstep::kickLast() {
   body_.forcesCurrent = true;
 }
 
-// Last, so that what rests on others is pressed by all of its weight.
+// Last, so that bodies resting on others press with their full weight.
 void ExplicitSubstep::damp() {
   if (!stages_.damping) return;
   env_.clock->measure(kIntegrate, [&] {
@@ -316,7 +316,7 @@ void ExplicitSubstep::damp() {
   });
 }
 
-void ExplicitSubstep::settleContacts() {
+void ExplicitSubstep::projectContactVelocities() {
   if (!stages_.contact) return;
   env_.clock->measure(kContact, [&] {
     if (rigid_)
@@ -338,9 +338,9 @@ void explicitSubstep(Body &body, const Environment &env, double time, double dt)
   substep.kickFirst();
   substep.findContacts();
   substep.solveContacts();
-  substep.driftOn();
+  substep.drift();
   substep.kickLast();
-  substep.settleContacts();
+  substep.projectContactVelocities();
   substep.damp();
 }
 

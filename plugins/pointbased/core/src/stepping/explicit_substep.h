@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parts of a substep of velocity Verlet, between which bodies that touch each other meet. Private to the core.
+// Parts of a substep of velocity Verlet, interleaved for bodies in contact with each other. Private to the core.
 #pragma once
 
 #include "pointbased/integrators.h"
@@ -8,35 +8,36 @@
 
 namespace pointbased::detail {
 
-/// One substep of one body; explicitSubstep() has the order of its parts.
+/// One substep of one body; explicitSubstep() shows the order of its parts.
 class ExplicitSubstep {
  public:
   /// @param touchesBodies  contacts are solved together with those of other bodies: neither solveContacts() nor
-  ///                       settleContacts() is called
+  ///                       projectContactVelocities() is called
   ExplicitSubstep(Body &body, const Environment &environment, double time, double dt, bool touchesBodies);
 
-  /// Forces, where they are not those of the state. @return whether they were not
+  /// Evaluates the forces unless they belong to the present state.
+  /// @return  whether it has evaluated them
   bool evaluateFirst();
-  /// The first half of the kick.
+  /// First half of the kick.
   void kickFirst();
-  /// With obstacles and walls; what arrives at them bounces.
+  /// Contacts with obstacles and walls; arriving points rebound.
   void findContacts();
   void solveContacts();
   /// Drift, supports and forces.
-  void driftOn();
-  /// The second half of the kick.
+  void drift();
+  /// Second half of the kick.
   void kickLast();
-  void settleContacts();
-  /// What the world's damping takes. The last part.
+  void projectContactVelocities();
+  /// Mass-proportional damping of the world. The last part.
   void damp();
-  /// Of a free rigid body, where the parts so far have brought it; null: of others.
+  /// State of a free rigid body after the parts so far; null: the body is not a free rigid one.
   [[nodiscard]] RigidState *rigid() { return rigid_ ? &*rigid_ : nullptr; }
 
  private:
   void kick(double h, bool drifts);
   void drift(std::size_t begin, std::size_t end);
   void evaluate(double time, double dt);
-  /// A free rigid body as contact with obstacles and walls takes it.
+  /// A free rigid body in the form used by contact with obstacles and walls.
   struct RigidContact {
     const Interpolation &binding;
     std::span<const double> inverseMasses;
@@ -51,7 +52,7 @@ class ExplicitSubstep {
   double time_, dt_;
   StepStages stages_;
   std::optional<RigidState> rigid_;
-  bool together_;  // with nothing in between, half a kick and the drift are one loop
+  bool together_;  // nothing in between: the first half kick and the drift are one loop
 };
 
 }  // namespace pointbased::detail

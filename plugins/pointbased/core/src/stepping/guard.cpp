@@ -13,7 +13,7 @@ namespace {
 
 using detail::number;
 
-// Beyond this squares, and energies made of them, are no numbers any more.
+// Above this, squares and energies overflow.
 constexpr double kHuge = 1e150;
 // Units in the last place of what strain energies are differences of. A body that has come to rest keeps that much.
 constexpr double kRoundOffs = 8.0;
@@ -49,7 +49,7 @@ QuickCheckResult quickCheck(const Body &body) {
   const std::span<const Vec3> v = body.state().velocities;
   if (v.empty()) return {};
   const kernels::FieldBounds bounds = kernels::boundsOf(v.front().data(), v.size());
-  // The mean lies within the bounds of all.
+  // The mean is within the bounds of all.
   const Vec3 low(bounds.low), high(bounds.high);
   const bool finite = std::isfinite(bounds.sum) && high.maxCoeff() < kHuge && low.minCoeff() > -kHuge;
   return {finite && std::isfinite(sumOfSquares(body.state().displacements)), (high - low).norm()};
@@ -80,7 +80,7 @@ GuardView fullCheck(const Body &body) {
 
 GuardFinding firstNonFinite(const Body &body) {
   const State &state = body.state();
-  // The bound of the glance. Where only a sum of squares has run over, one of them is beyond it, too.
+  // Same bound as in quickCheck(). If only a sum of squares has overflowed, one of its values exceeds it as well.
   const auto finite = [](const Vec3 &x) { return (x.array().abs() < kHuge).all(); };
   GuardFinding finding;
   finding.quantity = "the state is not finite";
@@ -111,7 +111,7 @@ EnergyLevel energyLevel(const Body &body, const Vec3 &gravity) {
   level.total = level.kinetic + level.stored + potential(body, gravity) +
                 body.patches().energy(body.lastPatchTargets(), body.state().displacements) +
                 body.foundation().energy(body.state().displacements);
-  level.lifted = std::max(0.0, -gravity.dot(body.contact.ledOut));
+  level.lifted = std::max(0.0, -gravity.dot(body.contact.depenetrationMoment));
   // The energy density of neo-Hooke is a difference of terms of the size of its moduli.
   double squaredSpeed = 0.0;  // of pressure waves
   for (const Material &m : body.constitution().materials)

@@ -4,18 +4,18 @@
 
 #include "pointbased/integrators.h"
 #include "pointbased/step_composition.h"
-#include "stepping/group_step.h"
+#include "stepping/island_step.h"
 #include "stepping/stage_solution.h"
 
 namespace pointbased {
 namespace detail {
 namespace {
 
-// Of the accelerations: a beam of 1 MPa in steps of 1/60 s came to 1e-3 of the way at its tip (and to 2e-5) of where
-// solutions to 1e-5 of the spacing brought it, at half and two thirds of the cost.
+// Relative to the accelerations, for each scheme. For a beam of 1 MPa in steps of 1/60 s the displacement of the tip
+// differed from that of solutions to 1e-5 of the spacing by 1e-3 and 2e-5, at half and two thirds of the cost.
 constexpr double kErrorOfEuler = 0.05, kErrorOfSdirk = 2e-3;
 
-// One step by one of the schemes, without what the state at its end needs.
+// One step by one of the schemes, without evaluating the state at its end.
 class ImplicitStep {
  public:
   ImplicitStep(std::span<const StepPart> parts, StageCoupling *coupling, NewtonSolver &solver, double time, double dt)
@@ -51,7 +51,7 @@ class ImplicitStep {
     std::vector<Vec3> u0, v0;
     std::vector<Contact> contactsBefore;
     std::vector<Index> pressedBefore;
-    ContactSums sums;  // of the pieces of the step before this one
+    ContactSums sums;  // of the earlier pieces of the step
     ImplicitStage stage;
   };
 
@@ -59,7 +59,7 @@ class ImplicitStep {
     for (Part &part : parts_) part.stage = {dt_, time_ + dt_, dt_, part.u0, part.v0, 0.0, dt_, kErrorOfEuler};
   }
 
-  // @param weight  s, for which the forces of contact of this stage count
+  // @param weight  s, duration for which the contact forces of this stage count
   void solveStage(double from, double weight, const std::function<bool()> &goesOn = {},
                   std::span<const Vec3> offer = {}) {
     const int iterations = result_.newton.iterations, linearIterations = result_.newton.linearIterations;
@@ -71,8 +71,8 @@ class ImplicitStep {
     for (Part &part : parts_) addStageForces(weight, part.body->contact);
   }
 
-  // Both second-order schemes continue the forces of a first stage beyond it. Those of an impact do not go on, and
-  // would throw the body back with more than its energy: such steps are backward Euler, an inelastic impact.
+  // Both second-order schemes extrapolate the forces of a first stage. The forces of an impact do not persist, and
+  // would throw the body back with more than its energy: such steps use backward Euler, an inelastic impact.
   void backwardEulerInstead() {
     std::vector<Vec3> reached;
     for (Part &part : parts_) {
@@ -104,7 +104,7 @@ class ImplicitStep {
         state.displacements[i] = 2.0 * middle - part.u0[i];
         state.velocities[i] = 2.0 * (state.displacements[i] - part.u0[i]) / dt_ - part.v0[i];
       }
-      // What the second half meets, the middle has not seen.
+      // Contacts of the second half were not found at the midpoint.
       meets = meets || (result_.newton.good() && stagesOf(*part.body, *part.env).contact &&
                         findContactsAlong(*part.body, *part.env, part.u0, time_, dt_));
     }
@@ -116,7 +116,7 @@ class ImplicitStep {
     bool impact = false;
     for (Part &part : parts_)
       part.stage = {gamma * dt_, time_ + gamma * dt_, gamma * dt_, part.u0, part.v0, 0.0, gamma * dt_, kErrorOfSdirk};
-    solveStage(time_, (1.0 - gamma) * dt_, [&] { return !(impact = meetsAnew()); });
+    solveStage(time_, (1.0 - gamma) * dt_, [&] { return !(impact = hasNewContact()); });
     if (!result_.newton.good()) return;
     if (impact) return backwardEulerInstead();
     for (Part &part : parts_) {
@@ -139,8 +139,8 @@ class ImplicitStep {
                        [](const Part &part) { return !pressingPoints(part.body->contact).empty(); });
   }
 
-  // A point presses that did not before, or one is led out of an obstacle.
-  [[nodiscard]] bool meetsAnew() const {
+  // A point is in contact that was not before, or is being moved out of an obstacle.
+  [[nodiscard]] bool hasNewContact() const {
     for (const Part &part : parts_) {
       const std::vector<Index> pressed = pressingPoints(part.body->contact);
       const bool leadsOut = std::any_of(part.body->contact.active.begin(), part.body->contact.active.end(),

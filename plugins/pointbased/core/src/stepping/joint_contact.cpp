@@ -8,20 +8,20 @@ namespace pointbased::detail {
 namespace {
 
 constexpr Index kNone = 0xffffffffu;
-// Contacts of two skins are many for what moves them, and take longer to agree than those with an obstacle.
+// Contacts of two skins outnumber their degrees of freedom, and converge more slowly than those with an obstacle.
 constexpr int kSweeps = 60;
-// Of the margin, that speeds left by the sweeps may close in a step, and of the fastest of them. What is left over
-// drives what rests: at 0.02 and 5e-3 phyxels of blocks that lay on each other kept up to 38 mm/s.
+// Fraction of the margin that residual speeds may close in a step, and of the largest of these speeds. Residuals drive
+// bodies at rest: at 0.02 and 5e-3 the phyxels of stacked blocks kept moving with up to 38 mm/s.
 constexpr double kLeft = 5e-4, kTolerance = 2e-3;
-// Of the layer between two skins: contacts that have slid by less keep their normals and what they touch.
+// Fraction of the layer between two skins: contacts that have slid by less keep their normals and features.
 constexpr double kSlip = 0.06;
-// Sine: places of a skin that lie nearer to the other one, seen from a contact, are lower by so much of their distance.
+// Sine: a point of a skin counts as nearer to the other one if it is lower by this fraction of its distance.
 constexpr double kCone = 5e-3;
 
-// Whether a vertex, or one of two edges, is not the nearest place of its own skin to the edge or corner that it is held
-// off from: a place of the flat skin around it is nearer, which has contacts of its own. The plane of such a contact
-// leans against the direction in which the bodies slide, as if the vertex stood out of its skin.
-bool passesBy(SkinPair &pair, const SkinContact &contact) {
+// Whether a vertex, or one of two edges, is not the nearest feature of its own skin to the edge or corner that it is in
+// contact with: a point of the flat skin around it is nearer, which has separate contacts. The plane of such a contact
+// is inclined against the sliding direction, as if the vertex protruded from its skin.
+bool hasNearerFeature(SkinPair &pair, const SkinContact &contact) {
   const auto liesNearer = [&](MovingSkin &skin, Index from, Index other, const Vec3 &towards, const Vec3 &along) {
     Vec3 way = skin.position(other) - skin.position(from);
     way -= along.dot(way) * along;
@@ -53,8 +53,8 @@ bool passesBy(SkinPair &pair, const SkinContact &contact) {
   return false;
 }
 
-// A contact whose row is empty exerts no force, and none that it exerted before is reported.
-void leaveOut(Contact &contact) {
+// A contact with an empty row exerts no force; its earlier forces are cleared.
+void clearContactRow(Contact &contact) {
   contact.gap = std::numeric_limits<double>::infinity();
   contact.normalImpulse = contact.settleImpulse = contact.normalForce = 0.0;
   contact.frictionImpulse.setZero();
@@ -87,7 +87,7 @@ void JointContact::add(Body &body, bool moves, bool counts, RigidState *rigid) {
     inverseMasses_.resize(count_, 0.0);
 }
 
-// Entries of a phyxel that a row meets twice become one.
+// Merges the entries of a phyxel that occurs twice in a row.
 void JointContact::addEntry(Index of, double weight) {
   if (weight == 0.0) return;
   if (entryOf_[of] != kNone) {
@@ -136,16 +136,16 @@ void JointContact::gather(std::span<const JoinedPair> pairs, double margin, bool
   if (entryOf_.size() != count_) entryOf_.assign(count_, kNone);
   for (const JoinedPair &joined : pairs) {
     const std::array<std::size_t, 2> of{joined.first, joined.second};
-    // Between two skins that yield, leaning planes are what keeps corners and edges apart.
+    // Between two deformable skins, inclined planes keep corners and edges apart.
     const auto isHard = [&](const Joined &body) { return body.rigid || !body.moves; };
     const bool leansCount = !isHard(bodies_[of[0]]) && !isHard(bodies_[of[1]]);
     for (const SkinContact &contact : joined.pair->active()) {
-      // What overlaps always counts. The cushion of a long step may have closed a gap, and a plane that is met on the way
-      // may be nearer than the face itself.
+      // Overlap always counts. The margin of a long step may have closed a gap, and a plane found on the path may be
+      // nearer than the face itself.
       const SkinPairSettings &settings = joined.pair->settings();
       const double layer = contact.thickness > 0.0 ? contact.thickness * settings.offset / settings.thickness
                                                    : settings.offset - settings.thickness;
-      const bool counts = leansCount || contact.gap + layer < 0.0 || !passesBy(*joined.pair, contact);
+      const bool counts = leansCount || contact.gap + layer < 0.0 || !hasNearerFeature(*joined.pair, contact);
       for (const SkinContact::Part &part : contact.parts) {
         if (part.weight == 0.0 || !counts) continue;
         const std::size_t side = part.ofSecond ? 1 : 0;
@@ -156,17 +156,17 @@ void JointContact::gather(std::span<const JoinedPair> pairs, double margin, bool
                std::span<const double>(skin.weights).subspan(begin, end - begin), bodies_[of[side]], part.weight);
       }
       addContact(contact);
-      if (!counts) leaveOut(state_.active.back());
+      if (!counts) clearContactRow(state_.active.back());
     }
   }
-  began_.clear();
+  gatherSnapshots_.clear();
   if (obstacles) {
     takeDisplacements();
     for (const JoinedPair &joined : pairs)
       for (SkinContact &contact : joined.pair->active()) {
-        const std::size_t row = began_.size();
+        const std::size_t row = gatherSnapshots_.size();
         if (!contact.found) contact.found = {contact.gap, way(row)};
-        began_.push_back({contact.found->way, contact.found->gap, 0.0});
+        gatherSnapshots_.push_back({contact.found->way, contact.found->gap, 0.0});
       }
   }
   gathersObstacles_ = obstacles;
@@ -187,27 +187,27 @@ void JointContact::addObstacles() {
   }
 }
 
-bool JointContact::serves() {
+bool JointContact::isStillValid() {
   takeDisplacements();
-  for (std::size_t c = 0; c < began_.size(); ++c) {
+  for (std::size_t c = 0; c < gatherSnapshots_.size(); ++c) {
     const Contact &contact = state_.active[c];
-    const Vec3 moved = way(c) - began_[c].way;
+    const Vec3 moved = way(c) - gatherSnapshots_[c].way;
     const double slip = kSlip * (contact.thickness > 0.0 ? contact.thickness : margin_);
-    began_[c].rise = moved.dot(contact.normal);
-    if (!((moved - began_[c].rise * contact.normal).squaredNorm() <= slip * slip)) return false;
+    gatherSnapshots_[c].rise = moved.dot(contact.normal);
+    if (!((moved - gatherSnapshots_[c].rise * contact.normal).squaredNorm() <= slip * slip)) return false;
   }
   return true;
 }
 
 void JointContact::gatherAgain() {
-  const std::size_t count = began_.size();
+  const std::size_t count = gatherSnapshots_.size();
   rows_.binding.phyxels.offsets.resize(count + 1);
   const Index entries = rows_.binding.phyxels.offsets.back();
   rows_.binding.phyxels.indices.resize(entries);
   rows_.binding.weights.resize(entries);
   rows_.binding.positions.resize(count);
   state_.active.resize(count);
-  for (std::size_t c = 0; c < count; ++c) state_.active[c].gap = began_[c].gap + began_[c].rise;
+  for (std::size_t c = 0; c < count; ++c) state_.active[c].gap = gatherSnapshots_[c].gap + gatherSnapshots_[c].rise;
   state_.margin = 0.0;
   addObstacles();
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The contacts of bodies that touch each other as one system. Private to the core.
+// Contacts of several bodies as one system. Private to the core.
 #pragma once
 
 #include "contact/skin_pair.h"
@@ -10,37 +10,37 @@ namespace pointbased::detail {
 /// A pair of skins among the bodies of a JointContact.
 struct JoinedPair {
   SkinPair *pair = nullptr;
-  std::size_t first = 0, second = 0;  ///< numbers of their bodies there
+  std::size_t first = 0, second = 0;  ///< indices of their bodies there
 };
 
-/// Phyxels of several bodies as one row of unknowns, with the contacts between their skins and those of each with
-/// obstacles and walls. What moves nothing (rigid or stopped bodies) has no inverse mass. A free rigid body that moves
-/// enters with four particles in place of its phyxels (RigidParticles).
+/// Phyxels of several bodies as one vector of unknowns, with the contacts between their skins and those of each with
+/// obstacles and walls. Rigid static or stopped bodies have zero inverse mass. A moving free rigid body is represented
+/// by four particles in place of its phyxels (RigidParticles).
 /// @threads one
 class JointContact {
  public:
   void clear();
-  /// @param moves  false: it stands still
-  /// @param counts  false: it stands still, and its phyxels are not among the unknowns
-  /// @param rigid  of a free rigid body that moves, and stays until clear(); null: of others
+  /// @param moves  false: it is static
+  /// @param counts  false: it is static, and its phyxels are not among the unknowns
+  /// @param rigid  state of a moving free rigid body, valid until clear(); null: for others
   void add(Body &body, bool moves, bool counts = true, RigidState *rigid = nullptr);
 
-  /// Takes the contacts that have been found: of the pairs, and of each body those in Body::contact, if `obstacles`.
+  /// Collects the contacts that have been found: of the pairs and, if `obstacles`, those in Body::contact of each body.
   void gather(std::span<const JoinedPair> pairs, double margin, bool obstacles = true);
-  /// Whether the contacts of pairs that have been gathered last are still those: none of them has slid farther since
-  /// than a small part of the layer between the skins.
-  [[nodiscard]] bool serves();
-  /// Takes these again, with gaps as they are now, and the contacts with obstacles and walls that have been found
-  /// since. After serves().
+  /// Whether the contacts of pairs that were gathered last are still valid: none of them has slid since by more than a
+  /// small fraction of the layer between the skins.
+  [[nodiscard]] bool isStillValid();
+  /// Reuses these, with their present gaps, together with the contacts with obstacles and walls that have been found
+  /// since. Call after isStillValid().
   void gatherAgain();
-  /// The contacts over all phyxels, as rows of signed weights; Contact::point is the row.
+  /// The contacts over all phyxels, as rows of signed weights; Contact::point is the index of the row.
   [[nodiscard]] const ContactPoints &rows() const { return rows_; }
   [[nodiscard]] ContactState &state() { return state_; }
   [[nodiscard]] const ContactState &state() const { return state_; }
-  /// What has been found for the contacts of pairs goes back to them.
+  /// Writes the results for the contacts of pairs back to the pairs.
   void giveBack(std::span<const JoinedPair> pairs);
-  /// What the velocities will be, as far as the impulses of the last step tell: what rests on something is not taken
-  /// for arriving there. After gather() of the contacts of that step.
+  /// Predicts velocities from the impulses of the last step, so that resting bodies are not treated as arriving ones.
+  /// Call after gather() of the contacts of that step.
   void predict();
   [[nodiscard]] std::span<const Vec3> predicted(std::size_t body) const {
     const Joined &joined = bodies_[body];
@@ -49,18 +49,18 @@ class JointContact {
   }
   [[nodiscard]] bool empty() const { return state_.active.empty(); }
 
-  /// Explicit steps: solveContactImpulses() and settleContactVelocities() of all of them together. What they find goes
-  /// back to where the contacts came from.
+  /// Explicit steps: solveContactImpulses() and settleContactVelocities() for all bodies together. The results are
+  /// written back to the sources of the contacts.
   void solve(double dt, std::span<const JoinedPair> pairs);
   void settle(std::span<const JoinedPair> pairs);
 
  private:
   struct Joined {
     Body *body = nullptr;
-    std::size_t first = 0;  // of its phyxels among all
+    std::size_t first = 0;  // index of its first phyxel among all
     bool moves = true, counts = true;
     RigidState *rigid = nullptr;  // null: its phyxels are the unknowns
-    std::size_t number = 0;       // among rigid_
+    std::size_t number = 0;       // index in rigid_
     std::vector<Vec3> predicted;  // [phyxels] m/s, of a rigid one
   };
   void addEntry(Index of, double weight);
@@ -77,19 +77,19 @@ class JointContact {
   std::size_t count_ = 0;
   ContactPoints rows_;
   ContactState state_;
-  double margin_ = 0.0;  // m, the least of the pairs
+  double margin_ = 0.0;  // m, the smallest of the pairs
   bool gathersObstacles_ = true;
   std::vector<double> inverseMasses_;
   std::vector<RigidParticles> rigid_;
   std::vector<Vec3> velocities_;
-  std::vector<Index> entryOf_;  // [phyxels] of the row that is being made; kNone
+  std::vector<Index> entryOf_;  // [phyxels] in the row that is being built; kNone
   /// A contact of a pair when it was gathered.
-  struct Began {
+  struct GatherSnapshot {
     Vec3 way = Vec3::Zero();  // m, of the displacements
     double gap = 0.0;         // m
-    double rise = 0.0;        // m, along its normal, since
+    double rise = 0.0;        // m, along its normal, since then
   };
-  std::vector<Began> began_;  // [contacts of pairs]
+  std::vector<GatherSnapshot> gatherSnapshots_;  // [contacts of pairs]
   std::vector<Vec3> displacements_;
 };
 

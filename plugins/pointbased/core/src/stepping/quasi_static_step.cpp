@@ -6,7 +6,7 @@
 #include "base/number_text.h"
 #include "pointbased/integrators.h"
 #include "pointbased/step_composition.h"
-#include "stepping/group_step.h"
+#include "stepping/island_step.h"
 #include "stepping/stage_solution.h"
 
 namespace pointbased {
@@ -14,16 +14,17 @@ namespace detail {
 namespace {
 
 constexpr int kFlowRounds = 30;      // of a static equilibrium with plastic flow
-constexpr int kHoldingRounds = 200;  // of a static equilibrium of what only contact holds
-constexpr double kStride = 0.5;      // spacings that it may move in one of them
-constexpr int kMostFailures = 6;     // of its rounds, for a held body
-constexpr int kEasy = 15;            // Newton steps of a round after which the next one may be larger
-constexpr double kHoldLess = 0.25;   // times after one that could have gone farther, of held bodies
-constexpr double kNear = 0.1;        // spacings: a held body that moves no farther is solved as it is
-constexpr double kHoldMore = 8.0;    // times the inertia after one that went too far or was not solved
-constexpr double kLeaning = 1e-3;    // part of the loads that may still lean on inertia
+constexpr int kHoldingRounds = 200;  // of a static equilibrium that is held by contact only
+constexpr double kStride = 0.5;      // spacings that a body may move in one of them
+constexpr int kMaxFailures = 6;      // of its rounds, for a held body
+constexpr int kEasy = 15;            // Newton steps of a round up to which the next one may be larger
+// factor of the inertia after a round that could have moved farther, for held bodies
+constexpr double kHoldLess = 0.25;
+constexpr double kNear = 0.1;      // spacings: a held body that moves less is solved without inertia
+constexpr double kHoldMore = 8.0;  // factor of the inertia after a round that moved too far or failed
+constexpr double kLeaning = 1e-3;  // fraction of the loads that inertia may still support
 
-// Σ of what pulls at phyxels at load factor `at`, N.
+// Σ of the magnitudes of the loads on phyxels at load factor `at`, N.
 double loadsOf(Body &body, const Environment &env, double at) {
   std::vector<Vec3> forces(body.rest().phyxelCount());
   for (std::size_t i = 0; i < forces.size(); ++i) forces[i] = body.weights()[i] * env.gravity;
@@ -39,7 +40,7 @@ double loadsOf(Body &body, const Environment &env, double at) {
 // One body of the step.
 struct Part {
   Part(const StepPart &part, bool isHeld) : body(part.body), env(part.environment), held(isHeld) {
-    // What has no stiffness at all (a phyxel alone) is let down by a spacing at a time.
+    // A body without stiffness (a single phyxel) moves by one spacing at a time.
     const double frequency = body->restFrequency();
     leanFirst = frequency > 0.0 ? 1e-4 * frequency * frequency : env->gravity.norm() / body->rest().spacing;
   }
@@ -79,10 +80,11 @@ ImplicitResult quasiStaticStep(std::span<const StepPart> given, StageCoupling *c
     touches = touches || part.env->contact();
   }
   ImplicitResult out;
-  // Held bodies are solved as they are, unless they buckle: then the next equilibrium may be far away, across states
-  // that are none. They and the others lean on their own inertia, less and less, until they lie still.
+  // Held bodies are solved without inertia unless they buckle: then the next equilibrium may be far away, beyond states
+  // that are no equilibria. They, and bodies that are not held, are supported by their own inertia, which is reduced
+  // until they are at rest.
   double holding = held ? 0.0 : leanFirst;
-  // Contacts are known along a way of a spacing or so; what meets nothing may go as far as it likes.
+  // Contacts are known along a path of about a spacing; without contact the displacement is not limited.
   const double stride = held && !touches ? std::numeric_limits<double>::infinity() : kStride * spacing;
   int flows = 0, failures = 0;
   for (int round = 0;; ++round) {
@@ -111,7 +113,7 @@ ImplicitResult quasiStaticStep(std::span<const StepPart> given, StageCoupling *c
     const bool buckles = held && !touches && holding == 0.0 && !out.newton.good() &&
                          out.newton.outcome != NewtonOutcome::cancelled &&
                          out.newton.outcome != NewtonOutcome::notFinite;
-    if (held && !out.newton.good() && ++failures > kMostFailures) last = true;
+    if (held && !out.newton.good() && ++failures > kMaxFailures) last = true;
     if (buckles && !last) {
       goBack();
       holding = leanFirst;
@@ -132,7 +134,7 @@ ImplicitResult quasiStaticStep(std::span<const StepPart> given, StageCoupling *c
                       "; the load is more than the body carries";
         return out;
       }
-      // Without time all flow that is due takes place.
+      // In a static solution all pending flow takes place.
       flowed = part.body->computeFlow(1e6, *part.env->parallelFor) > 0 || flowed;
     }
     if (!flowed && (holding == 0.0 || (moved < tolerance && leaning <= kLeaning * loads))) break;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The state of a free rigid body, from that of its phyxels and back. Private to the core.
+// State of a free rigid body, converted from that of its phyxels and back. Private to the core.
 #pragma once
 
 #include "body/rigid_frame.h"
@@ -10,13 +10,13 @@ namespace pointbased::detail {
 /// @threads one
 class RigidState {
  public:
-  /// @param body  free()
+  /// @param body  isFreeRigid()
   explicit RigidState(Body &body) : body_(body), frame_(body.rigidFrame()) {
     pose = frame_.poseOf(rest(), body.state().displacements, body.masses());
     motion = frame_.velocityOf(pose, rest(), body.state().velocities, body.masses());
   }
   [[nodiscard]] const RigidFrame &frame() const { return frame_; }
-  /// By forces on the phyxels, N, and gravity, over h.
+  /// Applies forces on the phyxels, N, and gravity, over h (s).
   void kick(double h, std::span<const Vec3> forces, const Vec3 &gravity) {
     Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
     const std::span<const Vec3> u = body_.state().displacements;

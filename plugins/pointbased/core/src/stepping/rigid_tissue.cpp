@@ -8,14 +8,14 @@
 namespace pointbased {
 namespace {
 
-// Of the range that is asked for: planes farther away are not used, since a third of it is the way of a point at most
+// Fraction of the query range: planes farther away are not used. At most a third of the range is the travel of a point,
 // and a fortieth the margin (findContacts).
 constexpr double kPlane = 0.375;
 
-// Whether soft tissue meets the voxels of a fix.
+// Whether soft tissue collides with the voxels of a fix.
 bool isRigidTissue(const Fix &fix) { return std::holds_alternative<VoxelRegion>(fix.region) && !fix.leads(); }
 
-// What moves with the fixes alone.
+// Points that move with the fixes only.
 class HeldPoints {
  public:
   explicit HeldPoints(const RestState &rest) : isHeld_(rest.phyxelCount(), 0) {
@@ -70,7 +70,7 @@ double detail::depthInRigidTissue(const Body &body, std::vector<Vec3> &skin, con
     const Vec3 shift = rest.origin + voxels.offset;
     for (std::size_t p = 0; p < skin.size(); ++p) {
       const Vec3 x = skin[p] + shift;
-      // Most of a skin is far from a rib.
+      // Quick rejection: most of a skin is far from the voxels.
       if ((x.array() < voxels.voxels->min().array()).any() || (x.array() > voxels.voxels->max().array()).any())
         continue;
       const double depth = -voxels.voxels->about(x);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rigid tissue of a body, as its own soft tissue meets it. Private to the core.
+// Contact of a body's soft tissue with its own rigid tissue. Private to the core.
 #pragma once
 
 #include <vector>
@@ -8,11 +8,12 @@
 
 namespace pointbased::detail {
 
-/// The voxels of each fix that stands still, which soft tissue of the body does not enter; points of contact that lie
-/// in them at rest, or that held phyxels alone carry, are part of them. Of lattices: points of contact of clouds are chosen anew with a reference.
+/// The voxels of each static fix as an obstacle for the soft tissue of the body. Contact points that are in them at
+/// rest, or that only held phyxels carry, are part of them. Only for lattices: contact points of clouds are chosen
+/// again with every renewed reference.
 [[nodiscard]] std::vector<Obstacle> rigidTissuesOf(const Body &body);
 
-/// How deep the skin, as it is drawn, is in voxels of these fixes, m; skin that is part of them counts for nothing.
+/// Depth of the displayed skin in voxels of these fixes, m; skin that is part of them is not counted.
 /// @param skin  scratch
 [[nodiscard]] double depthInRigidTissue(const Body &body, std::vector<Vec3> &skin, const ParallelFor &parallelFor);
 

@@ -11,7 +11,7 @@
 #include "body/state_hash.h"
 #include "pointbased/cloud_quality.h"
 #include "stepping/attachment_layer.h"
-#include "stepping/body_crew.h"
+#include "stepping/island_scheduler.h"
 #include "stepping/rigid_tissue.h"
 #include "stepping/step_activity.h"
 #include "stepping/step_cost.h"
@@ -21,9 +21,9 @@ namespace {
 
 constexpr double kStepWithoutBodies = 1.0 / 60.0;  // s
 constexpr int kUsualLoadSteps = 10;
-constexpr std::size_t kMostEvents = 200;
+constexpr std::size_t kMaxEvents = 200;
 
-// The same loop with denormals flushed on every thread that takes a part of it.
+// Same loop, with denormals flushed on every thread that runs a part of it.
 ParallelFor flushing(ParallelFor parallelFor) {
   return [inner = std::move(parallelFor)](std::size_t n, std::size_t grain,
                                           const std::function<void(std::size_t, std::size_t)> &loop) {
@@ -39,7 +39,7 @@ ParallelFor flushing(ParallelFor parallelFor) {
 
 Simulator::Simulator(ParallelFor parallelFor)
     : plainLoops_(flushing(std::move(parallelFor))), loops_(plainLoops_),
-      activity_(std::make_unique<detail::StepActivity>()), crew_(std::make_unique<detail::BodyCrew>()),
+      activity_(std::make_unique<detail::StepActivity>()), scheduler_(std::make_unique<detail::IslandScheduler>()),
       skins_(std::make_unique<detail::SkinContacts>()), clock_(stageNames()) {}
 Simulator::~Simulator() = default;
 
@@ -51,18 +51,18 @@ void Simulator::setWorld(const WorldSettings &world) {
   world_ = world;
   if (!wasStatic && quasiStatic()) loadFactor_ = 0.0;
   if (wasStatic && !quasiStatic())
-    for (const auto &[id, runner] : bodies_) {
-      const BoundaryConditions &conditions = runner->body().rest().conditions;
+    for (const auto &[id, stepper] : bodies_) {
+      const BoundaryConditions &conditions = stepper->body().rest().conditions;
       for (const Fix &fix : conditions.fixes) time_ = std::max(time_, loadFactor_ * fix.ramp);
       for (const Load &load : conditions.loads) time_ = std::max(time_, loadFactor_ * load.ramp);
     }
-  for (auto &[id, runner] : bodies_) runner->body().quasiStatic = quasiStatic();
+  for (auto &[id, stepper] : bodies_) stepper->body().quasiStatic = quasiStatic();
   if (wasStatic != quasiStatic()) updateAttachments();
-  for (auto &[id, runner] : bodies_) {
-    runner->body().setPrecision(world.precision);
-    runner->body().forcesCurrent = false;
-    runner->wake();
-    if (otherEnergy) runner->forgetEnergy();
+  for (auto &[id, stepper] : bodies_) {
+    stepper->body().setPrecision(world.precision);
+    stepper->body().forcesCurrent = false;
+    stepper->wake();
+    if (otherEnergy) stepper->forgetEnergy();
     describe(id);
   }
 }
@@ -81,45 +81,46 @@ std::size_t Simulator::addBody(std::unique_ptr<Body> body) {
   if (auto tissues = detail::rigidTissuesOf(*body); !tissues.empty()) rigidTissues_[nextId_] = std::move(tissues);
   bodies_.emplace(nextId_, std::make_unique<detail::BodyStepper>(std::move(body)));
   updateSurroundings(nextId_);
-  ++course_;
+  ++historyEpoch_;
   describe(nextId_);
   return nextId_++;
 }
 
 void Simulator::describe(std::size_t id) {
-  const detail::BodyStepper &runner = *bodies_.at(id);
-  activity_->describe(id, detail::whatWouldHelp(runner.body(), world_, runner.integratorIn(world_)));
+  const detail::BodyStepper &stepper = *bodies_.at(id);
+  activity_->describe(id, detail::suggestRemedy(stepper.body(), world_, stepper.integratorIn(world_)));
 }
 
 std::string Simulator::activity() const { return activity_->line(); }
 
-std::string Simulator::whatWouldFit(const StepFailure &ended, double budget) {
+std::string Simulator::suggestAffordableStep(const StepFailure &ended, double budget) {
   const auto found = bodies_.find(ended.body);
   if (found == bodies_.end()) return {};
-  for (std::size_t g = 0; g < groupCount_; ++g) {
-    const auto members = groups_[g]->members();
+  for (std::size_t g = 0; g < islandCount_; ++g) {
+    const auto members = islands_[g]->members();
     const bool isIn =
         std::any_of(members.begin(), members.end(), [&](const auto &one) { return one.id == ended.body; });
-    if (std::string text = isIn ? groups_[g]->whatWouldFit(world_) : std::string(); !text.empty()) return text;
+    if (std::string text = isIn ? islands_[g]->suggestAffordableStep(world_) : std::string(); !text.empty())
+      return text;
   }
-  return found->second->whatWouldFit(inSurroundings(ended.body, order(nullptr)), budget);
+  return found->second->suggestAffordableStep(contextFor(ended.body, context(nullptr)), budget);
 }
 
 std::size_t Simulator::addObstacle(Obstacle obstacle) {
-  ++course_;
+  ++historyEpoch_;
   obstacles_.push_back(std::move(obstacle));
   obstacleIds_.push_back(nextId_);
   updateSurroundings();
-  for (auto &[id, runner] : bodies_) {
-    runner->body().contact = ContactState();
-    runner->wake();
+  for (auto &[id, stepper] : bodies_) {
+    stepper->body().contact = ContactState();
+    stepper->wake();
   }
   return nextId_++;
 }
 
 bool Simulator::removeBody(std::size_t id) {
   std::erase_if(probes_, [id](const Probe &p) { return p.body == id; });
-  ++course_;
+  ++historyEpoch_;
   warnings_.erase(id);
   surroundings_.erase(id);
   rigidTissues_.erase(id);
@@ -134,7 +135,7 @@ bool Simulator::removeObstacle(std::size_t id) {
   const auto found = std::find(obstacleIds_.begin(), obstacleIds_.end(), id);
   if (found == obstacleIds_.end()) return false;
   const auto number = found - obstacleIds_.begin();
-  if (instruments_.erase(id) == 0) ++course_;
+  if (instruments_.erase(id) == 0) ++historyEpoch_;
   obstacles_.erase(obstacles_.begin() + number);
   obstacleIds_.erase(found);
   ownMotions_.erase(id);
@@ -143,9 +144,9 @@ bool Simulator::removeObstacle(std::size_t id) {
   removeAttachmentsOf(id);
   std::erase_if(contactPairs_, [id](const auto &pair) { return pair.first.first == id || pair.first.second == id; });
   updateSurroundings();
-  for (auto &[other, runner] : bodies_) {
-    runner->body().contact.forget(static_cast<Index>(ownOf(other) + number));
-    runner->wake();
+  for (auto &[other, stepper] : bodies_) {
+    stepper->body().contact.forget(static_cast<Index>(ownObstacleCount(other) + number));
+    stepper->wake();
   }
   return true;
 }
@@ -188,7 +189,7 @@ const Body *Simulator::body(std::size_t id) const {
 
 std::vector<std::size_t> Simulator::bodyIds() const {
   std::vector<std::size_t> ids;
-  for (const auto &[id, runner] : bodies_) ids.push_back(id);
+  for (const auto &[id, stepper] : bodies_) ids.push_back(id);
   return ids;
 }
 
@@ -199,7 +200,7 @@ Integrator Simulator::integratorOf(std::size_t id) const {
 
 std::pair<double, double> Simulator::predictedCost(std::size_t id) const {
   const Body *target = body(id);
-  if (!target || target->stands()) return {0.0, 0.0};
+  if (!target || target->isStatic()) return {0.0, 0.0};
   const detail::StepCost cost = detail::predictCost(*target, world_.dt);
   return {cost.explicitEvaluations, cost.implicitEvaluations};
 }
@@ -212,7 +213,7 @@ RigidMotion Simulator::obstacleMotion(std::size_t id) const {
 std::size_t Simulator::addProbe(std::string name, std::size_t id, const Vec3 &reference) {
   const Body *target = body(id);
   if (!target) return 0;
-  ++course_;
+  ++historyEpoch_;
   const Vec3 local = reference - target->rest().origin;
   probes_.push_back({nextId_++, std::move(name), id, reference,
                      target->rest().bind(std::span<const Vec3>(&local, 1), {}), Vec3::Zero()});
@@ -221,7 +222,7 @@ std::size_t Simulator::addProbe(std::string name, std::size_t id, const Vec3 &re
 
 bool Simulator::removeProbe(std::size_t id) {
   const bool found = std::erase_if(probes_, [id](const Probe &probe) { return probe.id == id; }) > 0;
-  if (found) ++course_;
+  if (found) ++historyEpoch_;
   return found;
 }
 
@@ -251,7 +252,7 @@ void Simulator::setRigid(std::size_t id, bool rigid, bool free) {
   const auto found = bodies_.find(id);
   if (found == bodies_.end()) return;
   const Body &present = found->second->body();
-  if (present.rigid() == rigid && present.freeWhereRigid() == free) return;
+  if (present.rigid() == rigid && present.rigidIsFree() == free) return;
   const bool renewed = found->second->body().rereferenceCount() > 0;
   found->second->body().setRigid(rigid, free);
   found->second->forget();
@@ -270,12 +271,12 @@ Result<void> Simulator::setFoundation(std::size_t id, const Foundation &foundati
 double Simulator::stepSize() const {
   if (quasiStatic()) return 0.0;
   if (world_.dt > 0.0 && std::isfinite(world_.dt)) return world_.dt;
-  // That of the body with the longest; the others take it in substeps of their own.
+  // Step of the body with the longest one; the others divide it into substeps.
   double dt = 0.0;
-  for (const auto &[id, runner] : bodies_) {
-    if (runner->body().stands()) continue;
-    const double own = runner->integratorIn(world_) == Integrator::explicitVerlet
-                           ? kStepSafety * runner->body().stableStepAtRest()
+  for (const auto &[id, stepper] : bodies_) {
+    if (stepper->body().isStatic()) continue;
+    const double own = stepper->integratorIn(world_) == Integrator::explicitVerlet
+                           ? kStepSafety * stepper->body().stableStepAtRest()
                            : kImplicitStep;
     if (std::isfinite(own)) dt = std::max(dt, own);
   }
@@ -285,11 +286,11 @@ double Simulator::stepSize() const {
 double Simulator::stepSizeOf(std::size_t id) const {
   const Body *target = body(id);
   const double step = stepSize();
-  if (!target || target->stands() || integratorOf(id) != Integrator::explicitVerlet)
-    return target && !target->stands() ? step : 0.0;
+  if (!target || target->isStatic() || integratorOf(id) != Integrator::explicitVerlet)
+    return target && !target->isStatic() ? step : 0.0;
   const double stable = kStepSafety * target->stableStepAtRest();
-  return step /
-         detail::SubstepController::piecesOf(step, target->free() ? std::min(stable, detail::kFreeStep) : stable);
+  return step / detail::SubstepController::piecesOf(
+                    step, target->isFreeRigid() ? std::min(stable, detail::kFreeStep) : stable);
 }
 
 Environment Simulator::environment() const {
@@ -307,13 +308,13 @@ Environment Simulator::environment() const {
 StepComposition Simulator::compositionOf(std::size_t id) const {
   const auto found = bodies_.find(id);
   if (found == bodies_.end()) return {};
-  const detail::BodyStepper &runner = *found->second;
-  CompositionNotes notes{{}, runner.integratorNow(world_), world_.sleep, {}};
-  if (runner.body().stands())
+  const detail::BodyStepper &stepper = *found->second;
+  CompositionNotes notes{{}, stepper.integratorNow(world_), world_.sleep, {}};
+  if (stepper.body().isStatic())
     notes.idle = "rigid: it stands as it is";
-  else if (runner.stopped())
+  else if (stepper.stopped())
     notes.idle = "it has stopped";
-  else if (runner.asleep())
+  else if (stepper.asleep())
     notes.idle = "asleep until something changes";
   for (const Probe &probe : probes_)
     if (probe.body == id) notes.probes.push_back(probe.name);
@@ -323,10 +324,10 @@ StepComposition Simulator::compositionOf(std::size_t id) const {
   Environment env = environment();
   env.obstacles = surroundingsOf(id);
   env.box = boxOf(id);
-  return compose(runner.body(), env, notes);
+  return compose(stepper.body(), env, notes);
 }
 
-detail::StepContext Simulator::order(const StopRequest *stop) {
+detail::StepContext Simulator::context(const StopRequest *stop) {
   Environment env = environment();
   env.clock = &clock_;
   env.stop = stop;
@@ -358,137 +359,139 @@ std::uint64_t Simulator::changes(std::size_t id) const {
 
 bool Simulator::failed() const {
   const auto standing = static_cast<std::size_t>(
-      std::count_if(bodies_.begin(), bodies_.end(), [](const auto &entry) { return entry.second->body().stands(); }));
+      std::count_if(bodies_.begin(), bodies_.end(), [](const auto &entry) { return entry.second->body().isStatic(); }));
   return bodies_.size() > standing && stoppedBodies() + standing == bodies_.size();
 }
 
 tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
   const auto refusal = [this] {
     std::string text;
-    for (const auto &[id, runner] : bodies_) text += (text.empty() ? "" : "; ") + runner->body().stopMessage();
+    for (const auto &[id, stepper] : bodies_) text += (text.empty() ? "" : "; ") + stepper->body().stopMessage();
     return tl::unexpected<StepFailure>({text});
   };
   if (failed()) return refusal();
   if (finished()) return {};
   const detail::FlushDenormals flush;
-  const detail::StepContext order = this->order(stop);
+  const detail::StepContext context = this->context(stop);
   if (steps_ == 0) {
-    tellAtStart(order);
+    reportInitialWarnings(context);
     if (failed()) return refusal();
     checkSkins();
   }
-  for (auto &[id, runner] : bodies_) runner->beginStep();
+  for (auto &[id, stepper] : bodies_) stepper->beginStep();
   for (auto &[id, layer] : attachments_) layer->keep();
-  double gone = 0.0;
+  double advanced = 0.0;
   try {
     const StoppableLoops::Watch watch(loops_, stop);
-    endIfRaised(stop);
+    throwIfStopRequested(stop);
     if (quasiStatic())
-      increaseLoad(order);
+      increaseLoad(context);
     else
-      gone = advanceBodies(order);
+      advanced = advanceBodies(context);
   } catch (const Stopped &) {
     const std::size_t body = activity_->present();
     activity_->leaveAll();
-    for (auto &[id, runner] : bodies_) runner->undoStep(parallelFor_);
+    for (auto &[id, stepper] : bodies_) stepper->undoStep(parallelFor_);
     for (auto &[id, layer] : attachments_) layer->goBack();
     skins_->forget();
     return tl::unexpected<StepFailure>(
         {"the step was ended before it was done; the state before it stays", true, body});
   }
   if (!quasiStatic())
-    for (auto &[id, runner] : bodies_)
-      if (!runner->asleep() && !runner->body().rigid() && rereferenceIfNeeded(id, stop)) runner->forget();
+    for (auto &[id, stepper] : bodies_)
+      if (!stepper->asleep() && !stepper->body().rigid() && rereferenceIfNeeded(id, stop)) stepper->forget();
   if (failed()) return refusal();
-  time_ += gone;
-  advanced_ += gone;
+  time_ += advanced;
+  advanced_ += advanced;
   ++steps_;
-  tellWhatTears();
+  reportTornAttachments();
   if (isSkinCheckDue()) clock_.measure(kGuard, [this] { checkSkins(); });
   clock_.commit();
   return {};
 }
 
-detail::BodyCrew &Simulator::gatherCrew(double dt) {
-  formGroups(dt);
-  crew_->clear();
-  std::size_t group = 0;
-  for (auto &[id, runner] : bodies_) {
-    if (group < groupCount_ && groups_[group]->members().front().id == id) {
-      groups_[group]->tellMembers();
-      crew_->add(*groups_[group++]);
+detail::IslandScheduler &Simulator::scheduleIslands(double dt) {
+  buildIslands(dt);
+  scheduler_->clear();
+  std::size_t island = 0;
+  for (auto &[id, stepper] : bodies_) {
+    if (island < islandCount_ && islands_[island]->members().front().id == id) {
+      islands_[island]->markEnergyExchange();
+      scheduler_->add(*islands_[island++]);
     }
-    if (grouped_.contains(id)) continue;
-    runner->setGroup(0);
-    if (!runner->stopped() && !runner->body().stands()) crew_->add(id, *runner);
+    if (islandMembers_.contains(id)) continue;
+    stepper->setIsland(0);
+    if (!stepper->stopped() && !stepper->body().isStatic()) scheduler_->add(id, *stepper);
   }
-  return *crew_;
+  return *scheduler_;
 }
 
-std::vector<detail::StepContext> Simulator::ordersOf(const detail::BodyGroup &group,
-                                                     const detail::StepContext &own) const {
-  std::vector<detail::StepContext> orders;
-  for (const detail::BodyGroup::Member &one : group.members()) orders.push_back(inSurroundings(one.id, own));
-  return orders;
+std::vector<detail::StepContext> Simulator::contextsOf(const detail::Island &island,
+                                                       const detail::StepContext &own) const {
+  std::vector<detail::StepContext> contexts;
+  for (const detail::Island::Member &one : island.members()) contexts.push_back(contextFor(one.id, own));
+  return contexts;
 }
 
-void Simulator::increaseLoad(const detail::StepContext &order) {
+void Simulator::increaseLoad(const detail::StepContext &context) {
   const int increments = world_.loadSteps > 0 ? world_.loadSteps : kUsualLoadSteps;
   double next = std::min(1.0, loadFactor_ + 1.0 / increments);
   if (next > 1.0 - 1e-9) next = 1.0;
-  gatherCrew(0.0).run(order, plainLoops_, *activity_,
-                      [this, next](detail::BodyCrew::Member &member, const detail::StepContext &own) {
-                        if (member.group)
-                          member.group->loadUpTo(ordersOf(*member.group, own), next);
-                        else
-                          member.runner->loadUpTo(inSurroundings(member.id, own), next);
-                      });
+  scheduleIslands(0.0).run(context, plainLoops_, *activity_,
+                           [this, next](detail::IslandScheduler::Member &member, const detail::StepContext &own) {
+                             if (member.island)
+                               member.island->loadUpTo(contextsOf(*member.island, own), next);
+                             else
+                               member.stepper->loadUpTo(contextFor(member.id, own), next);
+                           });
   if (!failed()) loadFactor_ = next;
 }
 
-double Simulator::advanceBodies(const detail::StepContext &order) {
-  detail::BodyCrew &crew = gatherCrew(order.dt);
-  crew.run(order, plainLoops_, *activity_, [&](detail::BodyCrew::Member &member, const detail::StepContext &own) {
-    member.gone = member.runner ? member.runner->advance(inSurroundings(member.id, own), own.dt)
-                                : member.group->advance(ordersOf(*member.group, own), own.dt);
-  });
-  double span = order.dt;
-  for (const detail::BodyCrew::Member &member : crew.members()) {
-    span = std::min(span, member.gone);
-    if (member.runner) {
+double Simulator::advanceBodies(const detail::StepContext &context) {
+  detail::IslandScheduler &scheduler = scheduleIslands(context.dt);
+  scheduler.run(context, plainLoops_, *activity_,
+                [&](detail::IslandScheduler::Member &member, const detail::StepContext &own) {
+                  member.advanced = member.stepper ? member.stepper->advance(contextFor(member.id, own), own.dt)
+                                                   : member.island->advance(contextsOf(*member.island, own), own.dt);
+                });
+  double span = context.dt;
+  for (const detail::IslandScheduler::Member &member : scheduler.members()) {
+    span = std::min(span, member.advanced);
+    if (member.stepper) {
       spent_[member.id] += member.seconds;
       continue;
     }
     double points = 0.0;
-    for (const detail::BodyGroup::Member &one : member.group->members())
-      points += static_cast<double>(one.runner->body().rest().pointCount());
-    for (const detail::BodyGroup::Member &one : member.group->members())
-      spent_[one.id] += member.seconds * static_cast<double>(one.runner->body().rest().pointCount()) / points;
+    for (const detail::Island::Member &one : member.island->members())
+      points += static_cast<double>(one.stepper->body().rest().pointCount());
+    for (const detail::Island::Member &one : member.island->members())
+      spent_[one.id] += member.seconds * static_cast<double>(one.stepper->body().rest().pointCount()) / points;
   }
-  if (!(span < order.dt)) return span;
-  // Where the substeps of one were not enough, the others have gone too far.
-  crew.run(order, plainLoops_, *activity_, [&](detail::BodyCrew::Member &member, const detail::StepContext &own) {
-    if (!(member.gone > span)) return;
-    if (member.group)
-      member.group->advanceAgain(ordersOf(*member.group, own), span);
-    else if (!member.runner->stopped())
-      member.runner->advanceAgain(inSurroundings(member.id, own), span);
-  });
+  if (!(span < context.dt)) return span;
+  // If the substeps of a body were not enough, the others have advanced too far.
+  scheduler.run(context, plainLoops_, *activity_,
+                [&](detail::IslandScheduler::Member &member, const detail::StepContext &own) {
+                  if (!(member.advanced > span)) return;
+                  if (member.island)
+                    member.island->advanceAgain(contextsOf(*member.island, own), span);
+                  else if (!member.stepper->stopped())
+                    member.stepper->advanceAgain(contextFor(member.id, own), span);
+                });
   return span;
 }
 
 void Simulator::reset() {
   endGuidance();
-  for (auto &[id, runner] : bodies_) {
-    const bool renewed = runner->body().rereferenceCount() > 0;
-    runner->reset();
+  for (auto &[id, stepper] : bodies_) {
+    const bool renewed = stepper->body().rereferenceCount() > 0;
+    stepper->reset();
     if (renewed) bindProbes(id, std::vector<Vec3>(probes_.size(), Vec3::Zero()));
   }
   skins_->forget();
-  for (const auto &group : groups_) group->startSolverAnew();
+  for (const auto &island : islands_) island->resetSolver();
   for (auto &[id, layer] : attachments_) layer->mend();
   tornReported_.clear();
-  ++course_;
+  ++historyEpoch_;
   time_ = 0.0;
   loadFactor_ = 0.0;
   steps_ = 0;
@@ -500,7 +503,7 @@ void Simulator::reset() {
   rigidDeepest_.clear();
   overlaps_.clear();
   lastPair_ = {0, 0};
-  toldAtStart_ = false;
+  initialWarningsReported_ = false;
   spent_.clear();
   advanced_ = 0.0;
 }
@@ -512,10 +515,10 @@ void Simulator::setExternalForces(std::size_t id, std::span<const Vec3> forces) 
 
 void Simulator::swapExternalForces(std::size_t id, std::vector<Vec3> &forces) {
   Body *target = body(id);
-  if (!target || target->stands()) return;
+  if (!target || target->isStatic()) return;
   const bool none = std::all_of(forces.begin(), forces.end(), [](const Vec3 &f) { return f.isZero(0.0); });
   if (none && target->externalForces().empty()) return;
-  if (none) bodies_.at(id)->forgetEnergy();  // what they have put in has not come from nothing
+  if (none) bodies_.at(id)->forgetEnergy();  // energy that they have added is not spurious
   if (!none && bodies_.at(id)->asleep()) bodies_.at(id)->wake();
   if (none) forces.clear();
   target->swapExternalForces(forces);
@@ -524,9 +527,9 @@ void Simulator::swapExternalForces(std::size_t id, std::vector<Vec3> &forces) {
 namespace {
 
 template <class B>
-auto handOf(B *body, std::uint64_t id) -> decltype(body->hands.data()) {
+auto findGrab(B *body, std::uint64_t id) -> decltype(body->grabs.data()) {
   if (!body) return nullptr;
-  for (auto &hand : body->hands)
+  for (auto &hand : body->grabs)
     if (hand.id == id) return &hand;
   return nullptr;
 }
@@ -535,38 +538,38 @@ auto handOf(B *body, std::uint64_t id) -> decltype(body->hands.data()) {
 
 void Simulator::setGrab(std::size_t id, Grab grab, std::uint64_t hand) {
   Body *target = body(id);
-  if (!target || grab.phyxels.empty() || target->stands()) return;
+  if (!target || grab.phyxels.empty() || target->isStatic()) return;
   POINTBASED_EXPECTS(grab.weights.size() == grab.phyxels.size(), "one weight per grabbed phyxel");
   POINTBASED_EXPECTS(grab.arms.empty() || grab.arms.size() == grab.phyxels.size(),
                      "one arm per grabbed phyxel, or none");
   POINTBASED_EXPECTS(
       std::all_of(grab.phyxels.begin(), grab.phyxels.end(), [&](Index i) { return i < target->rest().phyxelCount(); }),
       "grabs phyxels that there are");
-  if (Hand *present = handOf(target, hand))
+  if (ActiveGrab *present = findGrab(target, hand))
     *present = {hand, std::move(grab), {}};
   else
-    target->hands.push_back({hand, std::move(grab), {}});
+    target->grabs.push_back({hand, std::move(grab), {}});
   target->forcesCurrent = false;
   bodies_.at(id)->forgetEnergy();
 }
 
 void Simulator::moveGrab(std::size_t id, const Vec3 &position, std::uint64_t hand) {
-  if (Hand *present = handOf(body(id), hand)) present->grab.target = position;
+  if (ActiveGrab *present = findGrab(body(id), hand)) present->grab.target = position;
 }
 
 void Simulator::turnGrab(std::size_t id, const Mat3 &rotation, std::uint64_t hand) {
-  if (Hand *present = handOf(body(id), hand)) present->grab.rotation = rotation;
+  if (ActiveGrab *present = findGrab(body(id), hand)) present->grab.rotation = rotation;
 }
 
 void Simulator::releaseGrab(std::size_t id, std::uint64_t hand) {
   Body *target = body(id);
-  if (!target || std::erase_if(target->hands, [hand](const Hand &h) { return h.id == hand; }) == 0) return;
+  if (!target || std::erase_if(target->grabs, [hand](const ActiveGrab &h) { return h.id == hand; }) == 0) return;
   target->forcesCurrent = false;
-  bodies_.at(id)->forgetEnergy();  // what the hand has put in has not come from nothing
+  bodies_.at(id)->forgetEnergy();  // energy that the grab has added is not spurious
 }
 
 std::optional<GrabStatus> Simulator::grabStatus(std::size_t id, std::uint64_t hand) const {
-  const Hand *present = handOf(body(id), hand);
+  const ActiveGrab *present = findGrab(body(id), hand);
   return present ? std::optional(present->status) : std::nullopt;
 }
 
@@ -619,12 +622,12 @@ std::vector<Reaction> Simulator::reactions(std::size_t id) const {
 
 std::uint64_t Simulator::stateHash() const {
   std::uint64_t hash = detail::kHashStart;
-  for (const auto &[id, runner] : bodies_) hash = detail::hashOf(runner->body(), hash);
+  for (const auto &[id, stepper] : bodies_) hash = detail::hashOf(stepper->body(), hash);
   return hash;
 }
 
 void Simulator::reportEvent(const std::string &kind, const std::string &text) {
-  if (events_.size() < kMostEvents) events_.push_back({time(), kind, text});
+  if (events_.size() < kMaxEvents) events_.push_back({time(), kind, text});
 }
 
 }  // namespace pointbased

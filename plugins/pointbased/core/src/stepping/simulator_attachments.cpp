@@ -13,7 +13,7 @@ using namespace detail;
 
 namespace {
 
-// Gaps wider than this are spanned by what is continued far from where it is known.
+// Wider gaps are spanned by extrapolation far from the body.
 constexpr double kWideGap = 2.0;  // spacings of the second body
 
 AttachmentLayer::Sides sidesOf(const Simulator &simulator, const AttachmentLayer &layer) {
@@ -45,25 +45,25 @@ Result<std::size_t> Simulator::addAttachment(const Attachment &attachment) {
                        "within_mm helps");
   attachments_.emplace(id, std::make_unique<AttachmentLayer>(std::move(*layer)));
   updateAttachments();
-  for (auto &[number, runner] : bodies_) runner->wake();
+  for (auto &[number, stepper] : bodies_) stepper->wake();
   return id;
 }
 
 bool Simulator::removeAttachment(std::size_t id) {
   if (attachments_.erase(id) == 0) return false;
-  ++course_;
+  ++historyEpoch_;
   warnings_.erase(id);
   tornReported_.erase(id);
   updateAttachments();
-  for (auto &[number, runner] : bodies_) runner->wake();
+  for (auto &[number, stepper] : bodies_) stepper->wake();
   return true;
 }
 
 void Simulator::removeAttachmentsOf(std::size_t id) {
-  std::vector<std::size_t> gone;
+  std::vector<std::size_t> advanced;
   for (const auto &[number, layer] : attachments_)
-    if (layer->settings().first == id || layer->settings().second == id) gone.push_back(number);
-  for (const std::size_t number : gone) (void)removeAttachment(number);
+    if (layer->settings().first == id || layer->settings().second == id) advanced.push_back(number);
+  for (const std::size_t number : advanced) (void)removeAttachment(number);
 }
 
 void Simulator::updateAttachments() {
@@ -71,16 +71,16 @@ void Simulator::updateAttachments() {
   for (const auto &[number, layer] : attachments_) {
     const Body *first = body(layer->settings().first), *second = body(layer->settings().second);
     const auto massesOf = [](const Body *one) {
-      return one && !one->stands() ? one->inverseMasses() : std::span<const double>();
+      return one && !one->isStatic() ? one->inverseMasses() : std::span<const double>();
     };
     const double bound = layer->squaredFrequencyBound(massesOf(first), massesOf(second));
     for (const Body *one : {first, second})
-      if (one && !one->stands()) squared[one == first ? layer->settings().first : layer->settings().second] += bound;
+      if (one && !one->isStatic()) squared[one == first ? layer->settings().first : layer->settings().second] += bound;
   }
-  for (auto &[id, runner] : bodies_) {
+  for (auto &[id, stepper] : bodies_) {
     const auto found = squared.find(id);
-    runner->body().setAttachedFrequency(found == squared.end() ? 0.0 : found->second);
-    if (found != squared.end()) runner->body().forcesCurrent = false;
+    stepper->body().setAttachedFrequency(found == squared.end() ? 0.0 : found->second);
+    if (found != squared.end()) stepper->body().forcesCurrent = false;
   }
 }
 
@@ -103,7 +103,7 @@ std::vector<AttachmentSummary> Simulator::attachments() const {
   return out;
 }
 
-void Simulator::tellWhatTears() {
+void Simulator::reportTornAttachments() {
   for (const auto &[id, layer] : attachments_) {
     if (layer->torn().empty() || tornReported_.contains(id)) continue;
     tornReported_.insert(id);

@@ -8,9 +8,9 @@ namespace pointbased {
 
 Checkpoint Simulator::checkpoint() const {
   auto kept = std::make_shared<detail::SimulatorCheckpoint>();
-  kept->course = course_;
+  kept->historyEpoch = historyEpoch_;
   kept->contactSwitches = contactSwitches_;
-  for (const auto &[id, runner] : bodies_) kept->bodies.emplace(id, runner->checkpoint());
+  for (const auto &[id, stepper] : bodies_) kept->bodies.emplace(id, stepper->checkpoint());
   kept->probes = probes_;
   kept->time = time_;
   kept->loadFactor = loadFactor_;
@@ -32,14 +32,14 @@ Checkpoint Simulator::checkpoint() const {
 }
 
 bool Simulator::restore(const Checkpoint &checkpoint) {
-  if (!checkpoint || checkpoint->course != course_) return false;
-  takeObstacles(*checkpoint);
-  for (auto &[id, runner] : bodies_) {
+  if (!checkpoint || checkpoint->historyEpoch != historyEpoch_) return false;
+  restoreObstacles(*checkpoint);
+  for (auto &[id, stepper] : bodies_) {
     const auto found = checkpoint->bodies.find(id);
     if (found == checkpoint->bodies.end()) continue;
-    runner->restore(found->second, parallelFor_);
-    // Points may have waited for other obstacles.
-    if (checkpoint->contactSwitches != contactSwitches_) runner->body().contact.blocks = ContactState::Blocks();
+    stepper->restore(found->second, parallelFor_);
+    // Waiting points may have waited for other obstacles.
+    if (checkpoint->contactSwitches != contactSwitches_) stepper->body().contact.blocks = ContactState::Blocks();
   }
   probes_ = checkpoint->probes;
   const double from = time();

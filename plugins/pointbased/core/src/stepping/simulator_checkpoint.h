@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What Simulator::restore() goes back to. Private to the core.
+// State that Simulator::restore() restores. Private to the core.
 #pragma once
 
 #include "pointbased/simulator.h"
@@ -9,7 +9,7 @@
 namespace pointbased {
 
 struct detail::SimulatorCheckpoint {
-  std::uint64_t course = 0, contactSwitches = 0;
+  std::uint64_t historyEpoch = 0, contactSwitches = 0;
   std::map<std::size_t, BodyStepper::Checkpoint> bodies;
   std::vector<Probe> probes;
   double time = 0.0, loadFactor = 0.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Obstacles that a hand leads while the simulation goes on.
+// Obstacles that are guided during the simulation.
 #include <Eigen/Geometry>
 #include <algorithm>
 
@@ -13,12 +13,12 @@ namespace {
 
 using Motion = std::function<RigidMotion(double t)>;
 
-// The same motion, told by another centre.
+// The same motion, about another centre.
 RigidMotion about(const Vec3 &centre, const RigidMotion &motion) {
   return {motion.rotation, centre, motion.displacementOf(centre)};
 }
 
-// Evenly from one place to another, by the shorter turn.
+// Motion at constant rates from one pose to another, by the smaller rotation.
 Motion between(const RigidMotion &from, const RigidMotion &to, double begin, double duration) {
   const RigidMotion start = about(to.centre, from);
   const Eigen::AngleAxisd turn(to.rotation * start.rotation.transpose());
@@ -39,10 +39,10 @@ std::size_t Simulator::addInstrument(Obstacle obstacle) {
   obstacleIds_.push_back(nextId_);
   instruments_.insert(nextId_);
   updateSurroundings();
-  for (auto &[id, runner] : bodies_) {
-    runner->body().contact.sums = ContactSums();
-    runner->body().contact.blocks = ContactState::Blocks();
-    runner->wake();
+  for (auto &[id, stepper] : bodies_) {
+    stepper->body().contact.sums = ContactSums();
+    stepper->body().contact.blocks = ContactState::Blocks();
+    stepper->wake();
   }
   return nextId_++;
 }
@@ -80,8 +80,8 @@ void Simulator::guideObstacle(std::size_t id, const RigidMotion &target, double 
   setMotion(id, std::move(motion));
 }
 
-// Of the same course: only instruments differ, and where all of them are.
-void Simulator::takeObstacles(const detail::SimulatorCheckpoint &kept) {
+// Within a history epoch: only instruments, and the motions of all obstacles, may differ.
+void Simulator::restoreObstacles(const detail::SimulatorCheckpoint &kept) {
   for (const std::size_t id : std::set<std::size_t>(instruments_))
     if (!kept.instruments.contains(id)) removeObstacle(id);
   obstacles_ = kept.obstacles;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who touches whom: settings of pairs, and what passes between those that touch.
+// Contact pairs: their settings, and the forces between touching bodies.
 #include <algorithm>
 #include <cmath>
 
@@ -15,7 +15,7 @@ namespace {
 
 std::pair<std::size_t, std::size_t> ordered(std::size_t a, std::size_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-// m, of the point of a contact above the plane that it was found with, now.
+// m, present distance of a contact point from the plane with which the contact was found.
 double gapNow(const Body &body, const Contact &contact, double elapsed) {
   const Interpolation &binding = body.rest().contact.binding;
   const std::span<const Vec3> u = body.state().displacements;
@@ -35,11 +35,11 @@ void Simulator::setContact(const ContactSettings &contact) {
   const bool switches = contact.enabled != contact_.enabled;
   if (switches || contact.self != contact_.self) ++contactSwitches_;
   contact_ = contact;
-  for (auto &[id, runner] : bodies_) {
-    runner->wake();
+  for (auto &[id, stepper] : bodies_) {
+    stepper->wake();
     if (!rigidTissues_.contains(id)) continue;
     updateSurroundings(id);
-    if (switches) runner->body().contact = ContactState();
+    if (switches) stepper->body().contact = ContactState();
   }
 }
 
@@ -57,7 +57,7 @@ void Simulator::setContactPair(std::size_t a, std::size_t b, const ContactPairSe
     const auto found = bodies_.find(id);
     if (found == bodies_.end()) continue;
     updateSurroundings(id);
-    // Points may wait for other obstacles.
+    // Waiting points may have waited for other obstacles.
     if (before.enabled != settings.enabled) found->second->body().contact.blocks = ContactState::Blocks();
     found->second->wake();
   }
@@ -107,7 +107,7 @@ void Simulator::updateSurroundings(std::size_t id) {
 }
 
 void Simulator::updateSurroundings() {
-  for (const auto &[id, runner] : bodies_) updateSurroundings(id);
+  for (const auto &[id, stepper] : bodies_) updateSurroundings(id);
 }
 
 std::span<const Obstacle> Simulator::surroundingsOf(std::size_t id) const {
@@ -115,9 +115,11 @@ std::span<const Obstacle> Simulator::surroundingsOf(std::size_t id) const {
   return std::span<const Obstacle>(found == surroundings_.end() ? obstacles_ : found->second);
 }
 
-std::size_t Simulator::ownOf(std::size_t id) const { return surroundingsOf(id).size() - obstacles_.size(); }
+std::size_t Simulator::ownObstacleCount(std::size_t id) const { return surroundingsOf(id).size() - obstacles_.size(); }
 
-std::span<const Obstacle> Simulator::obstaclesOf(std::size_t id) const { return surroundingsOf(id).subspan(ownOf(id)); }
+std::span<const Obstacle> Simulator::obstaclesOf(std::size_t id) const {
+  return surroundingsOf(id).subspan(ownObstacleCount(id));
+}
 
 WorldBox Simulator::boxOf(std::size_t id) const {
   WorldBox box = world_.box;
@@ -128,8 +130,8 @@ WorldBox Simulator::boxOf(std::size_t id) const {
   return box;
 }
 
-detail::StepContext Simulator::inSurroundings(std::size_t id, const detail::StepContext &order) const {
-  detail::StepContext own = order;
+detail::StepContext Simulator::contextFor(std::size_t id, const detail::StepContext &context) const {
+  detail::StepContext own = context;
   if (!surroundings_.contains(id)) return own;
   own.environment.obstacles = surroundingsOf(id);
   own.environment.box = boxOf(id);
@@ -149,10 +151,10 @@ std::vector<ContactSummary> Simulator::contacts() const {
     known->points += more.points;
     known->area += more.area;
   };
-  for (const auto &[id, runner] : bodies_) {
-    const Body &body = runner->body();
+  for (const auto &[id, stepper] : bodies_) {
+    const Body &body = stepper->body();
     const ContactSums &sums = body.contact.sums;
-    const std::size_t own = ownOf(id), walls = own + obstacles_.size();
+    const std::size_t own = ownObstacleCount(id), walls = own + obstacles_.size();
     if (!(sums.span > 0.0) || sums.of.size() != walls + 1) continue;
     std::vector<ContactSummary> found(sums.of.size());
     for (std::size_t o = 0; o < found.size(); ++o) {
@@ -161,7 +163,7 @@ std::vector<ContactSummary> Simulator::contacts() const {
       found[o].force = sums.of[o].impulse / sums.span;
       found[o].pressing = sums.of[o].pressing / sums.span;
     }
-    // By point: one that presses on two faces of an obstacle counts once.
+    // By point: one in contact with two faces of an obstacle counts once.
     std::vector<Index> last(found.size(), Contact::kWall);
     const double elapsed = clockOfRamps() - body.contact.lookedAt;
     for (const Contact &contact : body.contact.active) {

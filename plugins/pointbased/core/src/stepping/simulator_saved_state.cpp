@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The state of a simulation as bytes.
+// Serialises the state of a simulation.
 #include <cstring>
 #include <stdexcept>
 
 #include "stepping/attachment_layer.h"
-#include "stepping/body_group.h"
+#include "stepping/island.h"
 #include "stepping/simulator_checkpoint.h"
 
 namespace pointbased {
@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t kFormat = 3;
 
-/// Appends what it is given; the reader below takes the same in the same order.
+/// Appends its arguments; the reader below reads the same in the same order.
 class StateWriter {
  public:
   static constexpr bool kReads = false;
@@ -44,11 +44,11 @@ class StateReader {
   std::size_t size(std::size_t) {
     std::uint64_t size = 0;
     numbers(&size, 1);
-    // Every element has a byte at least: what a damaged number asks for is not allocated.
+    // Every element has at least one byte: a damaged size is not allocated.
     if (size > left_.size()) throw std::runtime_error("the state ends too early");
     return static_cast<std::size_t>(size);
   }
-  void mustBeOver() const {
+  void expectEnd() const {
     if (!left_.empty()) throw std::runtime_error("bytes stand behind the end of the state");
   }
 
@@ -56,7 +56,7 @@ class StateReader {
   std::string_view left_;
 };
 
-/// Takes apart what consists of numbers, member by member: padding is no state.
+/// Serialises numbers member by member: padding is not part of the state.
 template <class Coder>
 class Archive {
  public:
@@ -133,11 +133,12 @@ class Archive {
 struct SavedBody {
   detail::BodyStepper::Checkpoint checkpoint;
   detail::BodyStepper::Stillness stillness;
-  Body::Carried carried;
+  Body::IntegratorState integratorCarry;
   std::vector<Vec3> patchForces;  // N, of supports
 };
 
-/// What is known of distances counts: asked again at another place, the plane of a contact has other last digits.
+/// Cached clearances are included: queried again at another position, the plane of a contact would differ in its last
+/// digits.
 template <class Coder>
 void walk(Archive<Coder> &archive, SavedBody &saved) {
   State &state = saved.checkpoint.body.state;
@@ -153,27 +154,27 @@ void walk(Archive<Coder> &archive, SavedBody &saved) {
   archive(contact.clearance);
   archive(contact.deepest);
   archive(contact.margin);
-  archive(contact.ledOut);
+  archive(contact.depenetrationMoment);
   archive(contact.solution.splitImpulse);
   archive(saved.checkpoint.body.referenceShiftMoment);
   archive(saved.checkpoint.substeps);
   archive(saved.checkpoint.scale);
   archive(saved.checkpoint.goodSteps);
   archive(saved.patchForces);
-  archive(saved.carried.forces);
-  archive(saved.carried.tangentRatio);
-  archive(saved.carried.forcesCurrent);
+  archive(saved.integratorCarry.forces);
+  archive(saved.integratorCarry.tangentRatio);
+  archive(saved.integratorCarry.forcesCurrent);
   archive(saved.stillness.watch);
   archive(saved.stillness.asleep);
 }
 
-/// Empty: it can be kept.
-std::string whyNotKept(const Body &body) {
+/// Why the state of a body cannot be saved; empty: it can.
+std::string saveError(const Body &body) {
   const std::string which = "body '" + body.name() + "' ";
-  if (body.stands()) return {};
+  if (body.isStatic()) return {};
   if (body.rereferenceCount() > 0)
     return which + "has flowed so far that its reference is a later shape; states are kept of the first one";
-  if (!body.hands.empty()) return which + "is held by a hand; let go of it first";
+  if (!body.grabs.empty()) return which + "is held by a hand; let go of it first";
   if (body.stopped) return which + "has stopped; reset first";
   return {};
 }
@@ -190,8 +191,8 @@ bool fits(const SavedBody &saved, const Body &body) {
   const std::size_t points = body.rest().contact.count();
   return state.displacements.size() == n && state.velocities.size() == n &&
          saved.patchForces.size() == body.patches().forces().size() && allFinite(saved.patchForces) &&
-         saved.carried.forces.size() == n && allFinite(saved.carried.forces) && allFinite(state.displacements) &&
-         allFinite(state.velocities) && allFinite(state.history.plasticInverse) &&
+         saved.integratorCarry.forces.size() == n && allFinite(saved.integratorCarry.forces) &&
+         allFinite(state.displacements) && allFinite(state.velocities) && allFinite(state.history.plasticInverse) &&
          state.history.plasticInverse.size() == initial.plasticInverse.size() && state.history.plasticBefore.empty() &&
          state.history.prony.size() == initial.prony.size() && state.history.modes.size() == initial.modes.size() &&
          std::all_of(contact.active.begin(), contact.active.end(),
@@ -214,18 +215,20 @@ Result<std::string> Simulator::savedState() {
   archive(steps);
   archive(time);
   archive(loadFactor);
-  for (const auto &[id, runner] : bodies_)
-    if (const std::string why = whyNotKept(runner->body()); !why.empty()) return tl::unexpected(why);
+  for (const auto &[id, stepper] : bodies_)
+    if (const std::string why = saveError(stepper->body()); !why.empty()) return tl::unexpected(why);
   for (std::size_t o = 0; o < obstacles_.size(); ++o)
     if (isGuided(obstacleIds_[o]) || isInstrument(obstacleIds_[o]))
       return tl::unexpected("'" + obstacles_[o].name + "' is led by a hand; take it away, or reset first");
   skins_->forget();
-  for (const auto &group : groups_) group->startSolverAnew();
-  for (const auto &[id, runner] : bodies_) {
-    runner->startSolversAnew();
-    const std::span<const Vec3> patchForces = std::as_const(runner->body()).patches().forces();
-    SavedBody saved{
-        runner->checkpoint(), runner->stillness(), runner->body().carried(), {patchForces.begin(), patchForces.end()}};
+  for (const auto &island : islands_) island->resetSolver();
+  for (const auto &[id, stepper] : bodies_) {
+    stepper->resetSolvers();
+    const std::span<const Vec3> patchForces = std::as_const(stepper->body()).patches().forces();
+    SavedBody saved{stepper->checkpoint(),
+                    stepper->stillness(),
+                    stepper->body().integratorCarry(),
+                    {patchForces.begin(), patchForces.end()}};
     walk(archive, saved);
   }
   for (const auto &[id, layer] : attachments_) {
@@ -235,7 +238,7 @@ Result<std::string> Simulator::savedState() {
   return writer.take();
 }
 
-Result<void> Simulator::goToSavedState(std::string_view bytes) {
+Result<void> Simulator::restoreSavedState(std::string_view bytes) {
   detail::SimulatorCheckpoint checkpoint;
   std::map<std::size_t, SavedBody> saved;
   try {
@@ -251,11 +254,11 @@ Result<void> Simulator::goToSavedState(std::string_view bytes) {
     if (bodies != bodies_.size() || !std::isfinite(checkpoint.time) || checkpoint.time < 0.0 ||
         !(checkpoint.loadFactor >= 0.0 && checkpoint.loadFactor <= 1.0))
       throw std::runtime_error("the state's time or number of bodies is not possible");
-    for (const auto &[id, runner] : bodies_) {
+    for (const auto &[id, stepper] : bodies_) {
       SavedBody &one = saved[id];
       walk(archive, one);
-      if (!fits(one, runner->body()))
-        throw std::runtime_error("the state of body '" + runner->body().name() + "' is not one that it can have");
+      if (!fits(one, stepper->body()))
+        throw std::runtime_error("the state of body '" + stepper->body().name() + "' is not one that it can have");
     }
     for (const auto &[id, layer] : attachments_) {
       std::vector<std::uint8_t> &torn = checkpoint.torn[id];
@@ -266,23 +269,23 @@ Result<void> Simulator::goToSavedState(std::string_view bytes) {
                                  "' is not one that it can have");
       (void)layer->setTorn(before);
     }
-    reader.mustBeOver();
+    reader.expectEnd();
   } catch (const std::runtime_error &error) {
     return tl::unexpected(std::string(error.what()));
   }
   reset();
-  for (auto &[id, runner] : bodies_) {
+  for (auto &[id, stepper] : bodies_) {
     SavedBody &one = saved.at(id);
-    const BodyCheckpoint fresh = runner->body().checkpoint();
+    const BodyCheckpoint fresh = stepper->body().checkpoint();
     one.checkpoint.body.rest = fresh.rest;
     one.checkpoint.body.rigid = fresh.rigid;
     one.checkpoint.body.free = fresh.free;
     if (checkpoint.steps > 0)
       one.checkpoint.body.state.supportTime = quasiStatic() ? checkpoint.loadFactor : checkpoint.time;
-    (void)runner->restore(one.checkpoint, parallelFor_);
-    runner->setStillness(std::move(one.stillness));
-    std::copy(one.patchForces.begin(), one.patchForces.end(), runner->body().patches().forces().begin());
-    runner->body().carryOn(std::move(one.carried));
+    (void)stepper->restore(one.checkpoint, parallelFor_);
+    stepper->setStillness(std::move(one.stillness));
+    std::copy(one.patchForces.begin(), one.patchForces.end(), stepper->body().patches().forces().begin());
+    stepper->body().restoreIntegratorState(std::move(one.integratorCarry));
   }
   for (auto &[id, torn] : checkpoint.torn) (void)attachments_.at(id)->setTorn(std::move(torn));
   time_ = checkpoint.time;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What nobody prevents, and what costs most: looked at now and then, and told as events.
+// Periodic checks for defects that are not prevented and for high costs, reported as events.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,25 +17,24 @@ namespace {
 
 using detail::number;
 
-// Steps between two looks. One costs about as much as a few explicit steps, and less than one implicit step. Where
-// explicit steps are long, at least a look in a sixtieth of a second, if that is not too often.
+// Steps between two checks. A check costs about as much as a few explicit steps, and less than one implicit step. Where
+// explicit steps are long, at least one check in a sixtieth of a second, if that is not too often.
 constexpr std::uint64_t kExplicitSteps = 128, kFewestExplicitSteps = 32, kOtherSteps = 4;
 constexpr double kTimeOfLook = 1.0 / 60.0;  // s
-// Of the spacing: what overlaps less is what label maps and the planes of nearest points leave.
-constexpr double kLeastOverlap = 0.1;
-// Likewise: cubes with flush sides part from one spacing of overlap, and hold each other at one and a half.
+// Fraction of the spacing: smaller overlaps result from label maps and the planes of nearest points.
+constexpr double kMinOverlap = 0.1;
+// Fraction of the spacing: cubes with flush sides separate from one spacing of overlap, and lock each other at one and
+// a half.
 constexpr double kDeepOverlap = 1.0;
-// Of the mass of a body in another one at the start: contact leads less apart.
-constexpr double kMostOfBody = 0.6;
-// Points of contact per phyxel and step that are looked at for overlaps: one costs about as much as three phyxels of a
-// step.
+// Fraction of the mass of a body inside another one at the start: contact separates less.
+constexpr double kMaxOfBody = 0.6;
+// Contact points per phyxel and step that are checked for overlap: one costs about as much as three phyxels of a step.
 constexpr double kPointsOfLook = 1.0 / 64.0;
-// Of the spacing: edges between points of contact cut in by less.
+// Fraction of the spacing: edges between contact points penetrate less.
 constexpr double kSkinThrough = 0.5;
-// Of the spacing, of soft tissue in rigid tissue: half of the way between points of contact. What lies between them may
-// come so far where cells bend; more is not the contact that there is.
+// Fraction of the spacing, of soft tissue in rigid tissue: half of the distance between contact points. The skin
+// between them may penetrate this far where cells bend; deeper penetration is not due to the spacing of contact points.
 constexpr double kInRigidTissue = 0.25;
-// One body's stable step in the other's: from here on it is told who sets the step of all.
 
 std::string millimetres(double metres) { return number(1e3 * metres, 3) + " mm"; }
 
@@ -49,7 +48,7 @@ double Simulator::skinDepth(std::size_t id) const {
     const auto found = depths.find(id);
     return found == depths.end() ? 0.0 : found->second;
   };
-  const double inRigid = ownOf(id) > 0 ? detail::depthInRigidTissue(*target, skin, parallelFor_) : 0.0;
+  const double inRigid = ownObstacleCount(id) > 0 ? detail::depthInRigidTissue(*target, skin, parallelFor_) : 0.0;
   return std::max({target->contact.deepest, told(skinDeepest_), told(rigidDeepest_), inRigid,
                    depthOfPassage(*target, surroundingsOf(id), clockOfRamps(), parallelFor_),
                    pointbased::skinDepth(*target, obstaclesOf(id), boxOf(id), clockOfRamps(), skin, parallelFor_)});
@@ -60,7 +59,7 @@ double Simulator::costOf(std::size_t id) const {
   return found == spent_.end() || !(advanced_ > 0.0) ? 0.0 : found->second / advanced_;
 }
 
-std::uint64_t Simulator::lookEvery() const {
+std::uint64_t Simulator::skinCheckInterval() const {
   const bool isExplicit = std::any_of(bodies_.begin(), bodies_.end(), [this](const auto &entry) {
     return entry.second->integratorIn(world_) == Integrator::explicitVerlet;
   });
@@ -70,36 +69,36 @@ std::uint64_t Simulator::lookEvery() const {
                                                static_cast<double>(kExplicitSteps)));
 }
 
-bool Simulator::isSkinCheckDue() const { return steps_ == 0 || steps_ % lookEvery() == 0 || finished(); }
+bool Simulator::isSkinCheckDue() const { return steps_ == 0 || steps_ % skinCheckInterval() == 0 || finished(); }
 
 void Simulator::checkSkins() {
   if (world_.box.enabled)
-    for (const auto &[id, runner] : bodies_) {
-      const Body &body = runner->body();
-      // A skin of many points is looked at less often, and not at all where the body touches nothing.
+    for (const auto &[id, stepper] : bodies_) {
+      const Body &body = stepper->body();
+      // A skin with many points is checked less often, and not at all if the body has no contacts.
       const std::uint64_t every =
           kExplicitSteps * (1 + body.rest().surfels.count() / (16 * (1 + body.rest().pointCount())));
-      if (runner->asleep() || body.contact.active.empty() || (steps_ % every != 0 && steps_ % kExplicitSteps == 0))
+      if (stepper->asleep() || body.contact.active.empty() || (steps_ % every != 0 && steps_ % kExplicitSteps == 0))
         continue;
       const double depth = pointbased::skinDepth(body, {}, boxOf(id), clockOfRamps(), skin_, parallelFor_);
-      tellDepth(body, depth, kSkinThrough, skinDeepest_[id], "its skin reaches ", " through the world's box");
+      reportPenetration(body, depth, kSkinThrough, skinDeepest_[id], "its skin reaches ", " through the world's box");
     }
-  for (const auto &[id, tissues] : rigidTissues_) lookAtRigidTissue(id);
-  lookAtPairs();
-  lookAtContacts();
+  for (const auto &[id, tissues] : rigidTissues_) checkRigidTissue(id);
+  checkPairOverlap();
+  checkContacts();
 }
 
-void Simulator::lookAtRigidTissue(std::size_t id) {
-  const detail::BodyStepper &runner = *bodies_.at(id);
-  const Body &body = runner.body();
-  if (ownOf(id) == 0 || runner.asleep() || body.contact.active.empty()) return;
+void Simulator::checkRigidTissue(std::size_t id) {
+  const detail::BodyStepper &stepper = *bodies_.at(id);
+  const Body &body = stepper.body();
+  if (ownObstacleCount(id) == 0 || stepper.asleep() || body.contact.active.empty()) return;
   const double depth = detail::depthInRigidTissue(body, skin_, parallelFor_);
-  tellDepth(body, depth, kInRigidTissue, rigidDeepest_[id], "soft tissue comes ", " into its rigid tissue,");
+  reportPenetration(body, depth, kInRigidTissue, rigidDeepest_[id], "soft tissue comes ", " into its rigid tissue,");
 }
 
-// Once, from so many spacings on.
-void Simulator::tellDepth(const Body &body, double depth, double spacings, double &deepest, const char *what,
-                          const char *where) {
+// Reports once, when the depth exceeds this number of spacings.
+void Simulator::reportPenetration(const Body &body, double depth, double spacings, double &deepest, const char *what,
+                                  const char *where) {
   const double spacing = body.rest().spacing, most = spacings * spacing;
   if (depth > most && deepest <= most)
     reportEvent("skin", "body '" + body.name() + "': " + what + millimetres(depth) + where +
@@ -108,9 +107,9 @@ void Simulator::tellDepth(const Body &body, double depth, double spacings, doubl
   deepest = std::max(deepest, depth);
 }
 
-// At the start all of them, and in implicit steps, which cost more; else in turn, as many at a time as cost a few per
-// cent of the steps in between.
-void Simulator::lookAtPairs() {
+// All pairs at the start, and in implicit steps, which cost more; otherwise in turn, as many at a time as cost a few
+// per cent of the steps in between.
+void Simulator::checkPairOverlap() {
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
   double phyxels = 0.0;
   for (auto a = bodies_.begin(); a != bodies_.end(); ++a) {
@@ -120,17 +119,18 @@ void Simulator::lookAtPairs() {
           !(a->second->asleep() && b->second->asleep()))
         pairs.emplace_back(a->first, b->first);
   }
-  // From the pair after the one that was looked at last.
+  // Starts at the pair after the one that was checked last.
   std::rotate(pairs.begin(), std::upper_bound(pairs.begin(), pairs.end(), lastPair_), pairs.end());
-  double left = steps_ == 0 || lookEvery() == kOtherSteps ? std::numeric_limits<double>::infinity()
-                                                          : kPointsOfLook * phyxels * static_cast<double>(lookEvery());
+  double left = steps_ == 0 || skinCheckInterval() == kOtherSteps
+                    ? std::numeric_limits<double>::infinity()
+                    : kPointsOfLook * phyxels * static_cast<double>(skinCheckInterval());
   for (const auto &pair : pairs) {
     if (!(left > 0.0)) break;
     lastPair_ = pair;
     const Body &first = bodies_.at(pair.first)->body(), &second = bodies_.at(pair.second)->body();
     const Overlap found = overlapOf(first, second);
     left -= static_cast<double>(found.looked);
-    if (!(found.depth > kLeastOverlap * std::min(first.rest().spacing, second.rest().spacing))) continue;
+    if (!(found.depth > kMinOverlap * std::min(first.rest().spacing, second.rest().spacing))) continue;
     overlaps_.insert(pair);
     reportEvent("overlap",
                 "bodies '" + first.name() + "' and '" + second.name() + "' overlap " +
@@ -141,10 +141,10 @@ void Simulator::lookAtPairs() {
   }
 }
 
-// What contact has found when it began, and what it could not hold.
-void Simulator::lookAtContacts() {
+// Reports overlaps at the beginning of contact, and those that contact has not prevented.
+void Simulator::checkContacts() {
   for (const auto &[id, pair] : skins_->pairs()) {
-    const double least = kLeastOverlap * pair->spacing();
+    const double least = kMinOverlap * pair->spacing();
     if (!(std::max(pair->depth(), pair->allowed()) > least) || overlaps_.contains(id)) continue;
     overlaps_.insert(id);
     const std::string who =
@@ -167,25 +167,25 @@ void Simulator::lookAtContacts() {
   }
 }
 
-void Simulator::tellUnresolved(std::size_t id, double thickness) {
+void Simulator::reportUnresolvedThickness(std::size_t id, double thickness) {
   if (!overlaps_.insert({id, id}).second) return;
   reportEvent("warning",
               "body '" + body(id)->name() + "' does not touch itself: it is " + millimetres(thickness) +
                   " thick in the mean (twice its volume over its area; of a tube the radius), and cells of " +
                   millimetres(body(id)->rest().spacing) +
                   " do not tell its folds apart; with a sampling.spacing up to " +
-                  millimetres(thickness / detail::SkinContacts::RoomOfSelf::kThinnest) + " they would");
+                  millimetres(thickness / detail::SkinContacts::SelfContactBound::kThinnest) + " they would");
 }
 
-void Simulator::tellAtStart(const detail::StepContext &order) {
-  if (toldAtStart_) return;
-  toldAtStart_ = true;
-  tellWhereRestitutionIsLost();
-  lookAtStart(order);
+void Simulator::reportInitialWarnings(const detail::StepContext &context) {
+  if (initialWarningsReported_) return;
+  initialWarningsReported_ = true;
+  reportLostRestitution();
+  checkInitialState(context);
 }
 
-// Reports what overlaps, and stops bodies that contact cannot separate from what they overlap.
-void Simulator::lookAtStart(const detail::StepContext &order) {
+// Reports overlaps, and stops bodies that contact cannot separate from what they overlap.
+void Simulator::checkInitialState(const detail::StepContext &context) {
   detail::SkinContacts skins;
   const auto skinOf = [&](std::size_t id) -> detail::MovingSkin * {
     const Body &body = bodies_.at(id)->body();
@@ -195,29 +195,29 @@ void Simulator::lookAtStart(const detail::StepContext &order) {
     skin.placeAll();
     return &skin;
   };
-  for (auto &[id, runner] : bodies_) {
+  for (auto &[id, stepper] : bodies_) {
     const std::span<const Obstacle> obstacles = obstaclesOf(id);
-    Body &body = runner->body();
-    if (body.stands()) continue;
-    for (std::size_t o = 0; o < obstacles.size() && !runner->stopped(); ++o) {
+    Body &body = stepper->body();
+    if (body.isStatic()) continue;
+    for (std::size_t o = 0; o < obstacles.size() && !stepper->stopped(); ++o) {
       if (instruments_.contains(obstacleIds_[o])) continue;
       const detail::ObstacleOverlap found = detail::overlapWith(
           obstacles[o], obstacleMotion(obstacleIds_[o]), body, [&, of = id] { return skinOf(of); }, parallelFor_);
-      if (!(found.depth > kLeastOverlap * body.rest().spacing)) continue;
+      if (!(found.depth > kMinOverlap * body.rest().spacing)) continue;
       const std::string &name = obstacles[o].name;
       if (found.isEnclosed) {
         const double way = found.way.norm();
         const Vec3 along = way > 0.0 ? Vec3(found.way / way) : Vec3(Vec3::Zero());
-        runner->stop(order, {found.phyxel,
-                             "obstacle '" + name + "' begins " + millimetres(found.depth) +
-                                 " deep in it, where contact cannot separate them",
-                             "to begin with '" + name + "' outside of the body, at least " + millimetres(way) +
-                                 " along (" + number(along[0], 2) + ", " + number(along[1], 2) + ", " +
-                                 number(along[2], 2) + "), or to switch contact of the pair off"});
+        stepper->stop(context, {found.phyxel,
+                                "obstacle '" + name + "' begins " + millimetres(found.depth) +
+                                    " deep in it, where contact cannot separate them",
+                                "to begin with '" + name + "' outside of the body, at least " + millimetres(way) +
+                                    " along (" + number(along[0], 2) + ", " + number(along[1], 2) + ", " +
+                                    number(along[2], 2) + "), or to switch contact of the pair off"});
         continue;
       }
       std::vector<std::vector<ContactState::Side>> &sides = body.contact.sides;
-      const std::size_t own = ownOf(id) + o;
+      const std::size_t own = ownObstacleCount(id) + o;
       if (!found.led.empty()) {
         sides.resize(std::max(sides.size(), surroundingsOf(id).size()));
         sides[own].assign(body.rest().contact.count(), ContactState::Side());
@@ -232,29 +232,30 @@ void Simulator::lookAtStart(const detail::StepContext &order) {
   for (auto a = bodies_.begin(); a != bodies_.end(); ++a)
     for (auto b = std::next(a); b != bodies_.end(); ++b) {
       Body &first = a->second->body(), &second = b->second->body();
-      if ((first.stands() && second.stands()) || !canTouch(a->first, b->first) || contactPair(a->first, b->first).fits)
+      if ((first.isStatic() && second.isStatic()) || !canTouch(a->first, b->first) ||
+          contactPair(a->first, b->first).fits)
         continue;
       if (!detail::boundsOf(first).meets(detail::boundsOf(second))) continue;
       const detail::BodyOverlap found = detail::overlapBetween(first, *skinOf(a->first), second, *skinOf(b->first));
-      if (!(found.part > kMostOfBody)) continue;
-      for (const auto &[runner, other] : {std::pair(a->second.get(), &second), std::pair(b->second.get(), &first)})
-        if (!runner->body().stands() && !runner->stopped())
-          runner->stop(order, {0,
-                               "body '" + other->name() + "' begins in the same place: " +
-                                   number(100.0 * found.part, 2) + " % of one lie in the other, up to " +
-                                   millimetres(found.depth) + " deep, where contact cannot separate them",
-                               "to begin with bodies that are apart, or to switch contact of the pair off"});
+      if (!(found.part > kMaxOfBody)) continue;
+      for (const auto &[stepper, other] : {std::pair(a->second.get(), &second), std::pair(b->second.get(), &first)})
+        if (!stepper->body().isStatic() && !stepper->stopped())
+          stepper->stop(context, {0,
+                                  "body '" + other->name() + "' begins in the same place: " +
+                                      number(100.0 * found.part, 2) + " % of one lie in the other, up to " +
+                                      millimetres(found.depth) + " deep, where contact cannot separate them",
+                                  "to begin with bodies that are apart, or to switch contact of the pair off"});
     }
 }
 
-void Simulator::tellWhereRestitutionIsLost() {
+void Simulator::reportLostRestitution() {
   const bool bounces =
       (world_.box.enabled && world_.box.restitution > 0.0) ||
       std::any_of(obstacles_.begin(), obstacles_.end(), [](const Obstacle &o) { return o.restitution > 0.0; });
   if (!bounces) return;
-  for (const auto &[id, runner] : bodies_)
-    if (!runner->body().stands() && runner->integratorIn(world_) != Integrator::explicitVerlet)
-      reportEvent("warning", "body '" + runner->body().name() +
+  for (const auto &[id, stepper] : bodies_)
+    if (!stepper->body().isStatic() && stepper->integratorIn(world_) != Integrator::explicitVerlet)
+      reportEvent("warning", "body '" + stepper->body().name() +
                                  "' does not bounce: restitution counts in explicit steps alone, and it is " +
                                  (quasiStatic() ? "solved quasi-statically"
                                                 : "integrated implicitly; solver.integrator = \"explicit\" has it"));

@@ -13,24 +13,24 @@ namespace pointbased::detail {
 namespace {
 
 // In spacings, of the finer body.
-constexpr double kOffset = 0.02;     // from where on skins resist
-constexpr double kThickness = 0.75;  // of the offset, that can be compressed
-constexpr double kStiffness = 50.0;  // of that layer: under p it yields by p h/(50 E)
-constexpr double kActive = 0.5;      // of the offset: contacts that near count
-// 1/s: spacings a second at which what overlaps at the start is led apart at most, and the pressure that does it, in
+constexpr double kOffset = 0.02;     // distance at which skins begin to resist
+constexpr double kThickness = 0.75;  // compressible fraction of the offset
+constexpr double kStiffness = 50.0;  // of that layer, relative to E: under the pressure p it yields by p h/(50 E)
+constexpr double kActive = 0.5;      // of the offset: distance within which contacts are active
+// 1/s: largest speed, in spacings per second, at which initial overlap is separated, and the pressure that does it, in
 // moduli.
 constexpr double kEase = 0.5, kGentle = 1e-2;
-constexpr double kOnePiece = 1.5;      // of one skin: what lies nearer at rest does not touch itself
-constexpr double kReach = 0.15;        // within which places are listed
+constexpr double kOnePiece = 1.5;      // of one skin: parts that are nearer at rest do not touch
+constexpr double kReach = 0.15;        // distance within which features are listed
 constexpr double kLongestEdge = 0.75;  // of a skin's triangles
-// Of skins that are off by themselves: edges, and how far they may be off besides.
+// For inaccurate skins: length of edges, and additional tolerance.
 constexpr double kCoarseEdge = 0.5, kCoarse = 0.05;
 
-// m, that parts of a skin that may touch each other are apart at rest beyond where they are looked at.
+// m, distance at rest of parts of a skin that may touch each other, beyond the distance at which they are checked.
 double roomAtRest(double spacing) { return (kOnePiece - kNearOfSelf) * spacing; }
 
-// Points of lattices have weights that are not negative; others are fitted to phyxels around them, and so are those
-// that contact adds between them, for which twice as much is allowed.
+// Points of lattices have non-negative weights. Others are fitted to the phyxels around them, as are the points that
+// contact adds between them, for which twice as much is allowed.
 double mostWeight(const RestState &rest) {
   if (rest.stencils.isLattice()) return 1.0;
   const Interpolation &rows = rest.surfels.rows();
@@ -43,7 +43,8 @@ double mostWeight(const RestState &rest) {
   return 2.0 * most;
 }
 
-// m, by which a skin is off by itself: pieces that fit by parts of a spacing, what is made of voxels by half of one.
+// m, tolerance of a skin: none is needed for fitting pieces, which are inaccurate by fractions of a spacing (infinite);
+// half a voxel for voxel shapes.
 double toleranceOf(const RestState &rest, bool isPiece) {
   if (isPiece) return std::numeric_limits<double>::infinity();
   double voxel = 0.0;
@@ -112,9 +113,9 @@ SkinPair &SkinContacts::pairOf(const Owner &first, const Owner &second, double f
   return *pair;
 }
 
-SkinContacts::RoomOfSelf &SkinContacts::roomOfSelf(std::size_t id, const Body &body) {
-  if (RoomOfSelf &known = roomsOfSelf_[id]; known.of == body.sharedRest()) return known;
-  RoomOfSelf &room = roomsOfSelf_[id] = {};
+SkinContacts::SelfContactBound &SkinContacts::selfContactBound(std::size_t id, const Body &body) {
+  if (SelfContactBound &known = selfContactBounds_[id]; known.of == body.sharedRest()) return known;
+  SelfContactBound &room = selfContactBounds_[id] = {};
   const double area = areaOf(body.rest());
   room.of = body.sharedRest();
   room.gain = mostWeight(body.rest());
@@ -123,15 +124,15 @@ SkinContacts::RoomOfSelf &SkinContacts::roomOfSelf(std::size_t id, const Body &b
   return room;
 }
 
-SkinContacts::RoomOfSelf &SkinContacts::roomOfSkin(const Owner &owner) {
-  const ContactSkin &skin = skinOf(owner).skin();  // which forgets the room where it is made
-  RoomOfSelf &room = roomOfSelf(owner.id, owner.body);
+SkinContacts::SelfContactBound &SkinContacts::measuredSelfContactBound(const Owner &owner) {
+  const ContactSkin &skin = skinOf(owner).skin();  // which resets the bound if it is created
+  SelfContactBound &room = selfContactBound(owner.id, owner.body);
   room.skin = &skin;
   room.gain = skin.sum;
   return room;
 }
 
-void SkinContacts::RoomOfSelf::measure(std::span<const Vec3> displacements) {
+void SkinContacts::SelfContactBound::measure(std::span<const Vec3> displacements) {
   const std::vector<Vec3> &rest = of->positions;
   const double count = static_cast<double>(std::max<std::size_t>(1, rest.size()));
   Vec3 meanThen = Vec3::Zero(), mean = Vec3::Zero();
@@ -145,7 +146,7 @@ void SkinContacts::RoomOfSelf::measure(std::span<const Vec3> displacements) {
   for (std::size_t i = 0; i < rest.size(); ++i)
     covariance += (rest[i] + displacements[i] - mean) * (rest[i] - meanThen).transpose();
   const Mat3 R = polarBySvd(covariance).R;
-  FarthestWay way(of->maxInfluence);
+  TravelBound way(of->maxInfluence);
   for (std::size_t i = 0; i < rest.size(); ++i)
     way.add(i, rest[i] + displacements[i] - mean - R * (rest[i] - meanThen));
   left = roomAtRest(of->spacing) - 2.0 * farthest(way);
@@ -154,13 +155,13 @@ void SkinContacts::RoomOfSelf::measure(std::span<const Vec3> displacements) {
 void SkinContacts::forget() {
   pairs_.clear();
   skins_.clear();
-  roomsOfSelf_.clear();
+  selfContactBounds_.clear();
 }
 
 void SkinContacts::forget(std::size_t id) {
   std::erase_if(pairs_, [id](const auto &pair) { return pair.first.first == id || pair.first.second == id; });
   skins_.erase(id);
-  roomsOfSelf_.erase(id);
+  selfContactBounds_.erase(id);
 }
 
 }  // namespace pointbased::detail

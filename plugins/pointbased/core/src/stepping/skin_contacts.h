@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What contact between bodies knows of their skins from step to step. Private to the core.
+// Data of the skins of bodies that contact between bodies keeps from step to step. Private to the core.
 #pragma once
 
 #include <map>
@@ -16,7 +16,7 @@ namespace pointbased::detail {
 /// @threads one; different pairs of different skins may be used at once
 class SkinContacts {
  public:
-  /// Two bodies, or one and itself, by ids, the smaller one first.
+  /// Ids of two bodies, or of one body twice; the smaller one first.
   using PairId = std::pair<std::size_t, std::size_t>;
 
   /// Whether a body has a skin that others can touch.
@@ -24,60 +24,61 @@ class SkinContacts {
   struct Owner {
     std::size_t id = 0;
     const Body &body;
-    /// Fits another body (ContactPairSettings::fits): skins of such are off by parts of a spacing, so a coarse one
-    /// serves as well as what is drawn.
+    /// True if it fits another body (ContactPairSettings::fits). The skins of such bodies are inaccurate by fractions
+    /// of a spacing, so a coarse skin is as good as the displayed one.
     bool isPiece = false;
   };
   [[nodiscard]] static Owner ownerOf(std::size_t id, const Body &body, const Simulator::ContactPairs &pairs);
-  /// Of the body's present reference.
+  /// Skin of the body's present reference.
   [[nodiscard]] MovingSkin &skinOf(const Owner &owner);
   /// @param first, second  the smaller id first
   /// @param fits           ContactPairSettings::fits
   [[nodiscard]] SkinPair &pairOf(const Owner &first, const Owner &second, double friction, bool fits = false);
   [[nodiscard]] const std::map<PairId, std::unique_ptr<SkinPair>> &pairs() const { return pairs_; }
 
-  /// When a body may touch itself.
-  struct RoomOfSelf {
+  /// Bound that decides when a body may touch itself.
+  struct SelfContactBound {
     std::shared_ptr<const RestState> of;
-    /// Null as long as a bound by phyxels alone has told: a skin that meets nothing is not made.
+    /// Null as long as a bound from phyxels alone is sufficient: a skin that touches nothing is not created.
     const ContactSkin *skin = nullptr;
-    double gain = 1.0;  ///< no vertex goes farther than this times the farthest phyxel
-    double left = 0.0;  ///< m, at least, that vertices of its skin may still move against each other from rest
-    /// m, in the mean: twice the volume over the area, which is the radius of a tube. 0: not known.
+    double gain = 1.0;  ///< upper bound of a vertex's travel over that of the farthest phyxel
+    double left = 0.0;  ///< m, lower bound of the relative travel from rest that skin vertices still have
+    /// m, mean: twice the volume over the area, which is the radius of a tube. 0: unknown.
     double thickness = 0.0;
-    /// Whether the spacing tells its folds apart: a tube is wider than what is one piece of tissue.
+    /// Whether the spacing resolves the folds of the body: a tube is wider than one piece of tissue.
     [[nodiscard]] bool isResolved() const { return !(thickness > 0.0) || thickness >= kThinnest * of->spacing; }
     static constexpr double kThinnest = 0.75;  ///< spacings
 
-    /// Looks how far they have gone from rest, apart from a motion of all together.
+    /// Updates `left` from the displacements since rest, without their common rigid motion.
     void measure(std::span<const Vec3> displacements);
-    [[nodiscard]] double farthest(const FarthestWay &way) const {
+    [[nodiscard]] double farthest(const TravelBound &way) const {
       return skin != nullptr ? way.ofVertices(*skin) : gain * way.ofPhyxels();
     }
   };
-  /// At rest at first: places of the skin that lie nearer to each other there do not touch.
-  [[nodiscard]] RoomOfSelf &roomOfSelf(std::size_t id, const Body &body);
-  /// The same, with the bounds of its skin from here on.
-  [[nodiscard]] RoomOfSelf &roomOfSkin(const Owner &owner);
-  /// That of a body and itself; null: it has not been looked at yet.
+  /// Initially at rest: parts of the skin that are nearer to each other there do not touch.
+  [[nodiscard]] SelfContactBound &selfContactBound(std::size_t id, const Body &body);
+  /// Same, using the bounds of its skin from now on.
+  [[nodiscard]] SelfContactBound &measuredSelfContactBound(const Owner &owner);
+  /// Pair of a body with itself; null: it has not been checked yet.
   [[nodiscard]] SkinPair *ownPair(std::size_t id) const {
     const auto found = pairs_.find({id, id});
     return found == pairs_.end() ? nullptr : found->second.get();
   }
 
-  /// A step begins: nothing has passed in it yet between those that do not rest. @param rests(id of a body)
+  /// Call at the beginning of a step: clears the sums of pairs that are not at rest.
+  /// @param rests  rests(id of a body)
   template <class Rests>
   void beginSums(const Rests &rests) {
     for (auto &[id, pair] : pairs_)
       if (!rests(id.first) || !rests(id.second)) pair->beginSum();
   }
-  /// A body has other materials.
+  /// Call when a body has other materials.
   void forgetModuli(std::size_t id) {
     if (const auto found = skins_.find(id); found != skins_.end()) found->second.moving->setModuli({});
     for (auto &[both, pair] : pairs_)
-      if (both.first == id || both.second == id) pair->findAnew();
+      if (both.first == id || both.second == id) pair->invalidateSearch();
   }
-  /// Begins anew: of all, and of one body.
+  /// Resets everything, or the data of one body.
   void forget();
   void forget(std::size_t id);
 
@@ -89,7 +90,7 @@ class SkinContacts {
   };
   std::map<std::size_t, Skin> skins_;
   std::map<PairId, std::unique_ptr<SkinPair>> pairs_;
-  std::map<std::size_t, RoomOfSelf> roomsOfSelf_;
+  std::map<std::size_t, SelfContactBound> selfContactBounds_;
 };
 
 }  // namespace pointbased::detail

@@ -25,7 +25,7 @@ struct Bounds {
   }
 };
 
-// The skin lies within the box of the phyxels that carry it, but for what is continued beyond their cells.
+// The skin is within the box of the phyxels that carry it, except where it is extrapolated beyond their cells.
 Bounds boundsOf(const Body &body) {
   Bounds bounds;
   const RestState &rest = body.rest();
@@ -34,7 +34,7 @@ Bounds boundsOf(const Body &body) {
   return bounds;
 }
 
-// The points of contact that lie in the box of another body.
+// The contact points in the box of another body.
 struct Side {
   std::vector<Vec3> positions, normals;
   std::vector<double> areas;
@@ -56,7 +56,7 @@ Side sideOf(const Body &body, const Bounds &where, double margin) {
   return side;
 }
 
-// Points of one that lie behind the nearest of the other: the deepest, and area times depth.
+// Points of one side behind the nearest points of the other: largest depth, and sum of area times depth.
 Overlap behind(const Side &points, const Side &of, double reach) {
   Overlap out;
   if (points.positions.empty() || of.positions.empty()) return out;
@@ -66,7 +66,7 @@ Overlap behind(const Side &points, const Side &of, double reach) {
     double squared = 0.0;
     if (tree.nearest(points.positions[p], 1, &nearest, &squared) == 0) continue;
     const double depth = (of.positions[nearest] - points.positions[p]).dot(of.normals[nearest]);
-    // Beside the rim of what was looked at, the nearest says nothing of inside and outside.
+    // Near the rim of the checked points, the nearest one does not determine inside and outside.
     if (!(depth > 0.0) || squared > 2.0 * (depth * depth + reach * reach)) continue;
     out.depth = std::max(out.depth, depth);
     out.volume += points.areas[p] * depth;

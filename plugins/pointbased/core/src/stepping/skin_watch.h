@@ -1,31 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the skins of bodies do that nothing prevents: they reach through walls between points of contact, and into each
-// other.
+// Checks of the skins of bodies for what contact does not prevent: penetration of walls between contact points, and of
+// each other.
 #pragma once
 
 #include "pointbased/body.h"
 
 namespace pointbased {
 
-/// How deep the skin as it is drawn (RestState::surfels) reaches beyond the walls of the box and into closed obstacles,
-/// m; 0: nowhere. The points where contact is felt may be well away from it.
-/// @param time  s, or load factor: where obstacles that move are
-/// @param skin  room for the skin, used again by the next call; without obstacles nothing else is allocated
+/// Depth of the displayed skin (RestState::surfels) beyond the walls of the box and in closed obstacles, m; 0: none.
+/// Contact points may be well away from it.
+/// @param time  s, or load factor: determines the pose of moving obstacles
+/// @param skin  scratch, reusable; without obstacles nothing else is allocated
 [[nodiscard]] double skinDepth(const Body &body, std::span<const Obstacle> obstacles, const WorldBox &box, double time,
                                std::vector<Vec3> &skin, const ParallelFor &parallelFor);
 
-/// m, of the point of contact that lies deepest behind the surface through which it came, even where it has come out on
-/// the other side; 0: none.
-/// @param obstacles  those that ContactState::sides of the body is about
+/// m, largest depth of a contact point behind the surface through which it has passed, even if it has come out on the
+/// other side; 0: none.
+/// @param obstacles  those to which ContactState::sides of the body refers
 [[nodiscard]] double depthOfPassage(const Body &body, std::span<const Obstacle> obstacles, double time,
                                     const ParallelFor &parallelFor);
 
-/// Where the skins of two bodies overlap, by their points of contact: a point is inside of the other body if it lies
-/// behind the plane of that one's nearest point.
+/// Overlap of the skins of two bodies, from their contact points: a point is inside of the other body if it is behind
+/// the plane of that body's nearest point.
 struct Overlap {
-  double depth = 0.0;      ///< m, deepest point; 0: they do not
-  double volume = 0.0;     ///< m³, roughly: area times depth, the mean of both sides
-  std::size_t looked = 0;  ///< points of contact that this has cost; 0: their boxes do not meet
+  double depth = 0.0;      ///< m, deepest point; 0: no overlap
+  double volume = 0.0;     ///< m³, approximate: area times depth, the mean of both sides
+  std::size_t looked = 0;  ///< contact points that were checked; 0: the bounding boxes do not meet
 };
 [[nodiscard]] Overlap overlapOf(const Body &a, const Body &b);
 

@@ -7,14 +7,14 @@
 namespace pointbased::detail {
 bool SleepDetector::look(const Body &body, double tolerance, double dt) {
   unseen_ += dt;
-  if (unseen_ < kLookEvery) return false;
+  if (unseen_ < kPollInterval) return false;
   const double passed = unseen_;
   unseen_ = 0.0;
   const State &state = body.state();
   if (state.displacements.empty()) return false;
   const double farthest = tolerance * tolerance;
   bool still = from_.size() == state.displacements.size();
-  // What is not a number is not still.
+  // NaN counts as motion.
   for (std::size_t i = 0; still && i < from_.size(); ++i)
     still = (state.displacements[i] - from_[i]).squaredNorm() <= farthest;
   if (still) {
@@ -33,7 +33,7 @@ bool goesOn(const std::function<RigidMotion(double t)> &motion, double time, dou
 }
 
 bool isDriven(const Body &body, std::span<const Obstacle> obstacles, double time, double dt) {
-  if (!body.hands.empty() || !body.externalForces().empty() || (!body.rigid() && body.constitution().relaxing()))
+  if (!body.grabs.empty() || !body.externalForces().empty() || (!body.rigid() && body.constitution().relaxing()))
     return true;
   for (const Obstacle &obstacle : obstacles)
     if (goesOn(obstacle.motion, time, dt)) return true;

@@ -8,7 +8,7 @@
 namespace pointbased::detail {
 namespace {
 
-// Spacings: what is that near to a way that has been looked at meets nothing else.
+// Spacings: no further contacts are expected this close to a path that has been searched.
 constexpr double kKnown = 0.05;
 
 }  // namespace
@@ -102,14 +102,14 @@ void StageCoupling::find(std::span<const Vec3> now) {
 }
 
 void StageCoupling::findAlong(std::span<const Vec3> now) {
-  // Without a length in time the way itself is the velocity.
+  // Without a time span the displacement itself is the velocity.
   const double dt = span_ > 0.0 ? span_ : 1.0;
   for (std::size_t k = 0; k < members_.size(); ++k)
     for (std::size_t i = 0; i < members_[k].count; ++i)
       wayOf_[k][i] = (now[members_[k].first + i] - start_[members_[k].first + i]) / dt;
   base_ = start_;
   findFromBase(dt);
-  // What was met on an earlier way stays known, or two could take turns in pressing.
+  // Contacts of earlier paths are retained; otherwise two could alternate.
   for (std::size_t p = 0; p < met_.size(); ++p) {
     std::vector<SkinContact> &active = pairs_[p].pair->active();
     const auto byKey = [](const SkinContact &a, const SkinContact &b) { return a.key < b.key; };
@@ -142,7 +142,7 @@ void StageCoupling::gather() {
     double modulus = std::numeric_limits<double>::infinity();
     for (const std::size_t k : {joined.first, joined.second})
       modulus = std::min(modulus, members_[k].body->material().youngsModulus);
-    // What has no stiffness of its own (edges, other sides of a corner) is as stiff as the layer of a cell.
+    // Contacts without a stiffness of their own (edges, other sides of a corner) are as stiff as the layer of a cell.
     const double ofCell = joined.pair->settings().stiffness * modulus * joined.pair->spacing();
     for (std::size_t n = 0; n < joined.pair->active().size(); ++n, ++c) {
       double &k = joint_.state().active[c].stiffness;
@@ -150,7 +150,7 @@ void StageCoupling::gather() {
     }
   }
   if (base_.size() != start_.size()) return;
-  // As if they had been measured at the start.
+  // Refers the gaps to the start.
   const Interpolation &rows = joint_.rows().binding;
   for (std::size_t r = 0; r < rows.count(); ++r) {
     Contact &contact = joint_.state().active[r];
@@ -228,14 +228,14 @@ void StageCoupling::finish(std::span<const Vec3> now, double weight) {
   if (touches()) {
     const ContactPoints &rows = joint_.rows();
     for (Contact &contact : joint_.state().active) {
-      const ContactPull pull = contactPull(rows, contact, penalty(), start_, now);
+      const ContactForce pull = contactForceAt(rows, contact, penalty(), start_, now);
       contact.normalForce = pull.normal;
       contact.normalImpulse = weight * pull.normal;
       contact.frictionImpulse = weight * pull.friction;
       contact.settleImpulse = 0.0;
       contact.settleFriction = Vec3::Zero();
     }
-    finishContactStage(rows, penalty(), start_, now, joint_.state());
+    endContactStage(rows, penalty(), start_, now, joint_.state());
     joint_.giveBack(pairs_);
   }
   for (const JoinedPair &joined : pairs_) joined.pair->addToSum(weight);
@@ -269,7 +269,7 @@ bool StageCoupling::meetsAlong(double known, double to) const {
   for (std::size_t k = 0; k < members_.size(); ++k)
     for (std::size_t i = 0; i < members_[k].count; ++i) on[members_[k].first + i] += to / known * span_ * wayOf_[k][i];
   const auto presses = [&](const Contact &contact) {
-    return contactPull(joint_.rows(), contact, penalty(), start_, on).normal > 0.0;
+    return contactForceAt(joint_.rows(), contact, penalty(), start_, on).normal > 0.0;
   };
   return std::any_of(joint_.state().active.begin(), joint_.state().active.end(), presses);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What joins several bodies within a stage of an implicit or static step. Private to the core.
+// Coupling of several bodies within a stage of an implicit or static step. Private to the core.
 #pragma once
 
 #include "stepping/attachment_layer.h"
@@ -7,26 +7,26 @@
 
 namespace pointbased::detail {
 
-/// Contact between skins, as the penalty of contact.h with signed rows over the phyxels of all bodies that move, and
+/// Contact between skins, as the penalty of contact.h with signed rows over the phyxels of all moving bodies, and
 /// attachments. Displacements and forces are those of all these phyxels, body by body.
 /// @threads one
 class StageCoupling {
  public:
   void clear();
-  /// Those that do not move have no phyxels here.
+  /// Bodies that do not move have no phyxels here.
   void add(Body &body, bool moves);
   void join(std::span<const JoinedPair> pairs, std::span<const JoinedLayer> layers);
   [[nodiscard]] std::size_t phyxels() const { return count_; }
 
-  /// Whether attachments hold it against every rigid motion, by what is held itself or stands still.
+  /// Whether attachments to held or static parts hold the body against every rigid motion.
   [[nodiscard]] bool holds(const Body &body) const;
-  /// A stage from `start` on, with attachments as they are at time `end`. Contacts move on for `span` (s, or load
-  /// factor).
+  /// Begins a stage at `start`, with attachments in their state at time `end`. Contact planes move for `span` (s, or
+  /// load factor).
   void begin(std::span<const Vec3> start, double end, double span, bool isStatic);
-  /// Contacts on the way from the start of the stage to `now`, as planes at the start; where that way is about known,
-  /// those of `now` itself, which follow what is curved.
+  /// Finds contacts on the path from the start of the stage to `now`, with planes at the start. Where that path is
+  /// nearly known, uses the contacts at `now` itself, which follow curved surfaces.
   void find(std::span<const Vec3> now);
-  /// Whether find() has looked at `now` itself.
+  /// Whether find() has searched at `now` itself.
   [[nodiscard]] bool isFoundThere() const { return foundThere_; }
   [[nodiscard]] bool touches() const { return !joint_.empty(); }
   [[nodiscard]] bool hasPairs() const { return !pairs_.empty(); }
@@ -39,37 +39,37 @@ class StageCoupling {
   void addBlocks(std::span<const Vec3> now, std::span<Mat3> blocks) const;
   void addTriplets(std::span<const Vec3> now, std::vector<Eigen::Triplet<double>> &out) const;
 
-  /// The normal forces at `now`: what friction of the next solution uses.
+  /// Stores the normal forces at `now`; friction of the next solution uses them.
   void updateNormalForces(std::span<const Vec3> now);
-  /// Remembers the forces of contact on the phyxels, to be compared (ContactForces).
+  /// Stores the contact forces on the phyxels, for comparison (ContactForces).
   void record(std::span<const Vec3> now);
   [[nodiscard]] double changeTo(std::span<const Vec3> now);
-  /// The stage is solved: what friction has stored goes to the next one. Adds what has passed in `weight` (s, or load
-  /// factor) to SkinPair::sum().
+  /// Ends a solved stage: stored friction displacements are transferred to the next one. Adds the impulses over
+  /// `weight` (s, or load factor) to SkinPair::sum().
   void finish(std::span<const Vec3> now, double weight);
 
-  /// The contacts that are known, and where they were found.
+  /// The known contacts, and where they were found.
   struct Contacts {
     std::vector<std::vector<SkinContact>> ofPairs;
     std::vector<Vec3> base;
   };
   [[nodiscard]] Contacts contacts() const;
   void setContacts(const Contacts &contacts);
-  /// Pairs and keys of those that press, ascending.
+  /// Pairs and keys of contacts with a contact force, ascending.
   using Pressing = std::vector<std::pair<std::size_t, std::uint64_t>>;
   [[nodiscard]] Pressing pressing() const;
-  /// What has passed so far in this step, of every pair.
+  /// Sums over this step so far, of every pair.
   [[nodiscard]] std::vector<SkinPair::Sum> sums() const;
   void setSums(const std::vector<SkinPair::Sum> &sums);
   void beginSums() {
     for (const JoinedPair &joined : pairs_) joined.pair->beginSum();
   }
-  /// Whether something that the last stage knows is passed where it goes on evenly.
-  /// @param known, to  s, from the beginning of the stage: its end, and as far as it goes on
+  /// Whether a contact of the last stage has a normal force if the motion continues uniformly.
+  /// @param known, to  s, from the beginning of the stage: its end, and the end of the continuation
   [[nodiscard]] bool meetsAlong(double known, double to) const;
 
  private:
-  /// With those that stand still where they are.
+  /// Static bodies are included in their present state.
   [[nodiscard]] AttachmentLayer::Sides sidesOf(const JoinedLayer &layer, std::span<const Vec3> now) const;
   template <class T>
   [[nodiscard]] std::span<T> partOf(std::size_t body, std::span<T> of) const;
@@ -81,7 +81,7 @@ class StageCoupling {
 
   struct Member {
     Body *body = nullptr;
-    std::size_t first = 0, count = 0;  // of its phyxels; 0: it does not move
+    std::size_t first = 0, count = 0;  // of its phyxels; count 0: it does not move
   };
   std::vector<Member> members_;
   std::size_t count_ = 0;
@@ -90,10 +90,10 @@ class StageCoupling {
   JointContact joint_;
   double end_ = 0.0, span_ = 0.0;
   bool again_ = false, isStatic_ = false, foundThere_ = true;
-  std::vector<Vec3> start_, base_;                  // m; base_: where gaps were measured
-  std::vector<Vec3> looked_;                        // m: the end of the way that was looked at last
-  std::vector<std::vector<SkinContact>> met_;       // [pairs] on the ways of this stage
-  std::vector<std::vector<Vec3>> placeOf_, wayOf_;  // [members] m, m/s: what their skins refer to
+  std::vector<Vec3> start_, base_;                  // m; base_: displacements for which gaps were measured
+  std::vector<Vec3> looked_;                        // m: end of the path that was searched last
+  std::vector<std::vector<SkinContact>> met_;       // [pairs] found on the paths of this stage
+  std::vector<std::vector<Vec3>> placeOf_, wayOf_;  // [members] m, m/s: referenced by their skins
   std::vector<Vec3> then_, now_;                    // [phyxels] N
 };
 

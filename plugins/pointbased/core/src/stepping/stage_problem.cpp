@@ -11,23 +11,23 @@
 namespace pointbased::detail {
 namespace {
 
-// Stiffness of contact in units of E A / d: a body of height H presses itself in by rho g H / (kContactStiffness E /
-// d).
+// Contact stiffness in units of E A / d: a body of height H penetrates by rho g H / (kContactStiffness E / d) under its
+// weight.
 constexpr double kContactStiffness = 30.0;
 constexpr double kRoundOffs = 64.0;  // units in the last place, in the sums of a gradient
 
-// Over triplets, of which a large body has millions; looks whether they are still wanted.
-class AskedTriplets {
+// Iterator over triplets, of which a large body has millions; checks for cancellation.
+class CancellableTriplets {
  public:
-  AskedTriplets(const Eigen::Triplet<double> *at, const StopRequest *stop) : at_(at), stop_(stop) {}
-  AskedTriplets &operator++() {
-    constexpr std::size_t kLookEvery = 1 << 22;
-    if (++seen_ % kLookEvery == 0) endIfRaised(stop_);
+  CancellableTriplets(const Eigen::Triplet<double> *at, const StopRequest *stop) : at_(at), stop_(stop) {}
+  CancellableTriplets &operator++() {
+    constexpr std::size_t kPollInterval = 1 << 22;
+    if (++seen_ % kPollInterval == 0) throwIfStopRequested(stop_);
     ++at_;
     return *this;
   }
   const Eigen::Triplet<double> *operator->() const { return at_; }
-  bool operator!=(const AskedTriplets &other) const { return at_ != other.at_; }
+  bool operator!=(const CancellableTriplets &other) const { return at_ != other.at_; }
 
  private:
   const Eigen::Triplet<double> *at_;
@@ -54,8 +54,8 @@ StageProblem::StageProblem(Body &body, const Environment &env, const ImplicitSta
   for (std::size_t i = 0; i < n_; ++i) dead_[i] += body.weights()[i] * env.gravity;
   const double share = body.factor(0.0, stage.end);
   for (std::size_t i = 0; i < body.externalForces().size(); ++i) dead_[i] += share * body.externalForces()[i];
-  if (stages.hands && stage.h > 0.0) {
-    // Springs of hands are taken at the beginning of the stage, soft enough not to be thrown by their own delay.
+  if (stages.grabs && stage.h > 0.0) {
+    // Grab springs are evaluated at the beginning of the stage, soft enough to be stable despite this delay.
     std::fill(body.forces().begin(), body.forces().end(), Vec3::Zero());
     applyGrabs(body, 0.3 / stage.h);
     for (std::size_t i = 0; i < n_; ++i) dead_[i] += body.forces()[i];
@@ -85,7 +85,7 @@ bool StageProblem::setState(std::span<const Vec3> u) {
   }
   if (!std::isfinite(sum)) return false;
   if (vectorised_) {
-    body_.forgetPoints();
+    body_.invalidatePointValues();
   } else {
     body_.computeGradients(*env_.parallelFor);
   }
@@ -111,7 +111,7 @@ double StageProblem::energy() {
   if (body_.patches().rows() > 0) sum += body_.patches().energy(targets(), state.displacements);
   if (contact_) sum += contactEnergy(body_.rest().contact, body_.contact, penalty_, start_, state.displacements);
   if (foundationActs()) {
-    // Damping, with the velocity of the end of the stage, has a potential of the way within it.
+    // Damping, with the velocity at the end of the stage, has a potential of the displacement within it.
     sum += foundation().energy(state.displacements);
     if (relativeRetardation() > 0.0) sum += relativeRetardation() * foundation().energy(displacementOfStage());
   }
@@ -178,7 +178,7 @@ double StageProblem::reach(std::span<const Vec3> gradient) const {
   double farthest = 0.0;
   for (std::size_t i = 0; i < n_; ++i) farthest = std::max(farthest, gradient[i].norm() / body_.masses()[i]);
   farthest /= a_ + damping_;
-  // Displacements are rounded in the inertia, and in the strains, which the stiffest motion turns into forces.
+  // Displacements are rounded in the inertia and in the strains; the stiffest mode converts the latter into forces.
   double size = 0.0;
   for (const Vec3 &u : body_.state().displacements) size = std::max(size, u.squaredNorm());
   const double stiff = stage_.h * body_.restFrequency();
@@ -234,9 +234,9 @@ bool StageProblem::assemble(Eigen::SparseMatrix<double> &out) {
     addContactTriplets(rest.contact, body_.contact, penalty_, start_, body_.state().displacements, triplets_);
   foundation().addTriplets(1.0 + relativeRetardation(), triplets_);
   out.resize(static_cast<Eigen::Index>(3 * n_), static_cast<Eigen::Index>(3 * n_));
-  endIfRaised(env_.stop);
-  out.setFromTriplets(AskedTriplets(triplets_.data(), env_.stop),
-                      AskedTriplets(triplets_.data() + triplets_.size(), env_.stop));
+  throwIfStopRequested(env_.stop);
+  out.setFromTriplets(CancellableTriplets(triplets_.data(), env_.stop),
+                      CancellableTriplets(triplets_.data() + triplets_.size(), env_.stop));
   return true;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a stage of an implicit or static step minimises. Private to the core.
+// Objective function of a stage of an implicit or static step. Private to the core.
 #pragma once
 
 #include "forces/stiffness_factors.h"
@@ -7,30 +7,30 @@
 
 namespace pointbased::detail {
 
-/// One stage: base position p (m) and velocity q (m/s) of the phyxels, the length h, and the end time at which loads
-/// and supports count.
+/// One stage: base position p (m) and velocity q (m/s) of the phyxels, the length h, and the end time for loads and
+/// supports.
 struct ImplicitStage {
   double h = 0.0;            ///< s; 0: static
   double end = 0.0;          ///< s, or load factor
   double contactSpan = 0.0;  ///< s (or load factor) over which contact planes move
   std::vector<Vec3> p, q;
-  double holding = 0.0;  ///< 1/s²: static, of the inertia that holds what nothing else does
-  double elapsed = 0.0;  ///< s since the beginning of the step: what relaxes has relaxed for so long
-  /// What the scheme errs by anyway, as part of the way that inertia alone would not take it; 0: it keeps energy, and
-  /// is solved to more digits than its displacements need.
+  double holding = 0.0;  ///< 1/s²: static only, of the inertia that holds bodies without supports
+  double elapsed = 0.0;  ///< s since the beginning of the step: duration of relaxation
+  /// Error of the scheme itself, relative to the displacement that inertia alone does not predict. 0: the scheme
+  /// conserves energy and is solved to more digits than its displacements require.
   double tolerance = 0.0;
 };
 
 /// The incremental potential of a stage at the displacements of the body: inertia, elastic energy, supports, contact,
-/// surroundings and loads; forces without a potential (followers, viscous and relaxing ones) by the work they do since
-/// the last gradient. Leaves the body where it was last evaluated.
+/// surroundings and loads. Forces without a potential (followers, viscous and relaxing ones) enter by the work they do
+/// since the last gradient. Leaves the body in the state that was evaluated last.
 /// @source  integrators.h, implicitStep()
 class StageProblem final : public IncrementalPotential {
  public:
   StageProblem(Body &body, const Environment &env, const ImplicitStage &stage);
 
   [[nodiscard]] ContactPenalty &penalty() { return penalty_; }
-  /// Diagonal blocks of what couples it to other bodies, for its own preconditioner. The span stays as it is.
+  /// Diagonal blocks of the coupling to other bodies, for the preconditioner of this part. The span must stay valid.
   void setCoupling(std::span<const Mat3> blocks) { coupling_ = blocks; }
   [[nodiscard]] std::span<const Vec3> start() const { return start_; }
 
@@ -38,14 +38,14 @@ class StageProblem final : public IncrementalPotential {
   [[nodiscard]] std::span<const std::uint8_t> prescribed() const override { return body_.heldMask(); }
   [[nodiscard]] bool setState(std::span<const Vec3> u) override;
   [[nodiscard]] double energy() override;
-  // Laws tell the energy by terms of the size of their moduli, however small the strain.
+  // Laws compute the energy from terms of the size of their moduli, however small the strain.
   [[nodiscard]] double roundOff() const override { return roundOff_; }
   void gradient(std::span<Vec3> out) override;
-  /// A stage in time of a body on which nothing acts that depends on where it is.
+  /// True for a time stage of a body without forces that depend on its position.
   [[nodiscard]] bool movesFreely() const;
-  /// m: the translation after which the body has the momentum that its loads give it, to round-off; if movesFreely().
+  /// m: translation after which the momentum of the body is that of its loads, up to round-off; only if movesFreely().
   [[nodiscard]] Vec3 wayToMomentum();
-  // The Hessian is at least that of inertia where nothing is crushed.
+  // The Hessian is at least that of inertia unless the body is crushed.
   [[nodiscard]] double reach(std::span<const Vec3> gradient) const override;
   void product(std::span<const Vec3> du, std::span<Vec3> out) override;
   void diagonalBlocks(std::span<Mat3> out) override;
@@ -63,17 +63,17 @@ class StageProblem final : public IncrementalPotential {
   [[nodiscard]] std::span<const Vec3> displacementOfStage();
   [[nodiscard]] double dt() const { return dissipative_ ? stage_.elapsed : 0.0; }
   [[nodiscard]] double viscousScale() const { return dissipative_ ? 1.0 / stage_.h : 0.0; }
-  // At the beginning of the step: what relaxes is advanced from there by dt().
+  // History at the beginning of the step, from which relaxation advances by dt().
   [[nodiscard]] const PointHistory &history() const { return body_.state().history; }
 
   void addContactAndSurroundings(std::span<Mat3> out);
 
-  // Forces that have no potential, at the present displacements: followers; viscous and relaxing stresses as the
-  // difference to the elastic ones.
+  // Forces without a potential at the present displacements: followers; viscous and relaxing stresses as the difference
+  // to the elastic ones.
   void computeWork();
 
-  // All energies of a solution are told from its first state on: another origin for one of them alone would be a step
-  // in the merit as large as the work itself.
+  // All energies of a solution are relative to its first state. A different origin for one of them alone would be a
+  // jump in the merit function as large as the work itself.
   void setReference();
   [[nodiscard]] double workSinceReference() const;
 

@@ -8,25 +8,25 @@
 
 #include "base/number_text.h"
 #include "pointbased/step_composition.h"
-#include "stepping/group_problem.h"
+#include "stepping/island_problem.h"
 
 namespace pointbased::detail {
 namespace {
 
-constexpr int kContactRounds = 4;   // solutions of a stage until no point meets a surface that was not known
-constexpr int kRoundsOfBodies = 8;  // likewise, where the surfaces move as well
-constexpr double kConfirmingOfDisplacements = 0.1;  // where nothing but displacements is asked of a step
+constexpr int kContactRounds = 4;                   // solutions of a stage until no new contacts are found
+constexpr int kRoundsOfBodies = 8;                  // same, if the surfaces move as well
+constexpr double kConfirmingOfDisplacements = 0.1;  // for steps in which only displacements have to be accurate
 constexpr double kLoosestOfDisplacements = 0.3;
-constexpr double kLargestTolerance = 0.1;  // spacings: an impact takes ways of metres
-constexpr double kRough = 100.0;           // tolerances within which a solution already tells what the contacts are
-// change of the contact forces that is left to the next stage, of all that presses
+constexpr double kLargestTolerance = 0.1;  // spacings: displacements in an impact may be metres
+constexpr double kRough = 100.0;           // tolerances within which a solution is sufficient to determine the contacts
+// change of the contact forces that is left to the next stage, relative to all contact forces
 constexpr double kSettled = 1e-2;
-// Spacings: largest depth of a point of contact of a fast body behind an obstacle at the end of a stage in time. Beyond
-// it the stage is solved again with a contact that is stiffer by the factor, at most so many times. A decelerated body
-// of height H presses itself in by rho H |dv/dt| d/(30 E): 9 mm at 300 m/s in steps of 1/60 s, for 60 mm of 50 kPa.
+// Spacings: largest depth of a contact point of a fast body behind an obstacle at the end of a time stage. Beyond it the
+// stage is solved again with a contact that is stiffer by kStiffer, at most kTimesStiffer times. A decelerated body of
+// height H penetrates by rho H |dv/dt| d/(30 E): 9 mm at 300 m/s in steps of 1/60 s, for 60 mm of 50 kPa.
 constexpr double kDeepest = 0.1, kStiffer = 30.0;
 constexpr int kTimesStiffer = 2;
-// Speeds of pressure waves, of a fast body: an impact rho c v at this speed presses a point in by about 0.06 spacings.
+// Speed of a fast body, in speeds of pressure waves: an impact rho c v at this speed penetrates about 0.06 spacings.
 constexpr double kFast = 0.5;
 
 void addWork(const NewtonResult &solved, NewtonResult &sum) {
@@ -37,8 +37,8 @@ void addWork(const NewtonResult &solved, NewtonResult &sum) {
   sum.factorisations += factorisations;
 }
 
-// Where a solution of the stage begins: of the free way and of what else is offered the state of lowest energy. A free
-// way that goes deep into an obstacle is a bad beginning.
+// Start of the solution of a stage: of the free motion and the other candidates the state of lowest energy. Free motion
+// deep into an obstacle is a poor start.
 std::vector<Vec3> beginningOf(IncrementalPotential &problem, const std::vector<std::vector<Vec3>> &offers) {
   std::size_t best = 0;
   double lowest = std::numeric_limits<double>::infinity();
@@ -51,7 +51,7 @@ std::vector<Vec3> beginningOf(IncrementalPotential &problem, const std::vector<s
   return offers[best];
 }
 
-// Where a stage would end if nothing but inertia, gravity and damping were there: of a body that falls the solution.
+// End of a stage with inertia, gravity and damping only: for a falling body the solution.
 void fallFreely(const Body &body, const Environment &env, const ImplicitStage &stage, bool isAlone, std::span<Vec3> u) {
   const bool falls = isAlone && !body.held() && pressingPoints(body.contact).empty();
   const Vec3 gained = falls ? Vec3(stage.h * stage.h * env.gravity) : Vec3(Vec3::Zero());
@@ -80,7 +80,7 @@ class StageSolution {
     const bool isAlone = !coupling_ || !coupling_->acts();
     for (Part &part : parts_) {
       if (!isStatic()) fallFreely(*part.body, *part.env, *part.stage, isAlone, of(part, u_));
-      // Held phyxels and whatever they carry start where they have to be.
+      // Held phyxels and the phyxels that they carry start at their prescribed positions.
       part.body->placeHeld(part.stage->end, false);
       const std::vector<Vec3> &placed = part.body->state().displacements;
       placed_.insert(placed_.end(), placed.begin(), placed.end());
@@ -88,7 +88,7 @@ class StageSolution {
     hold(u_);
     std::vector<StageProblem *> problems;
     for (Part &part : parts_) problems.push_back(&part.problem);
-    if (coupling_) group_.emplace(std::move(problems), *coupling_);
+    if (coupling_) island_.emplace(std::move(problems), *coupling_);
   }
 
   StageResult solve() {
@@ -102,7 +102,7 @@ class StageSolution {
         for (Part &part : parts_) part.problem.penalty().stiffness *= kStiffer;
         solution_.clear();
         complete = solveContacts();
-        // What has no solution with a stiffer contact still passes through.
+        // If there is no solution with a stiffer contact, it still passes through.
         if (complete && result_.good()) passes = passage();
       }
       // A solve that was cancelled or left the finite numbers has its own reason.
@@ -112,7 +112,7 @@ class StageSolution {
     } else {
       (void)newton([&](const NewtonResult &) { return wanted(); });
     }
-    // Of a stage that was given up, too: whoever solves it in another way may begin where this one has got to.
+    // Also for an abandoned stage: another scheme may start where this one ended.
     (void)problem().setState(u_);
     if (StageProblem &first = parts_.front().problem; result_.good() && !coupling_ && first.movesFreely()) {
       const Vec3 left = first.wayToMomentum();
@@ -125,15 +125,15 @@ class StageSolution {
       if (!part.touches) continue;
       sumContactForces(pointsOf(part), part.problem.penalty(), of(part, start_), of(part, u_), memory);
       if (complete && result_.good())
-        finishContactStage(pointsOf(part), part.problem.penalty(), of(part, start_), of(part, u_), memory);
+        endContactStage(pointsOf(part), part.problem.penalty(), of(part, start_), of(part, u_), memory);
     }
     if (coupling_ && complete && result_.good()) coupling_->finish(u_, request_.weight);
     return {result_, std::move(passes)};
   }
 
  private:
-  // What a round of contact has come to.
-  enum class Round { again, restart, done, givenUp };
+  // Result of a round of contact.
+  enum class Round { again, restart, done, abortedSteps };
 
   // One body of the stage.
   struct Part {
@@ -146,20 +146,20 @@ class StageSolution {
     const ImplicitStage *stage;
     std::size_t first;  // of its phyxels
     StageProblem problem;
-    bool touches;  // obstacles or walls
+    bool touches;  // with obstacles or walls
     ContactForces forces;
   };
 
   [[nodiscard]] const ImplicitStage &stage() const { return *parts_.front().stage; }
   [[nodiscard]] bool isStatic() const { return !(stage().h > 0.0); }
   [[nodiscard]] IncrementalPotential &problem() {
-    return group_ ? static_cast<IncrementalPotential &>(*group_) : parts_.front().problem;
+    return island_ ? static_cast<IncrementalPotential &>(*island_) : parts_.front().problem;
   }
   [[nodiscard]] static std::span<Vec3> of(const Part &part, std::vector<Vec3> &all) {
     return std::span<Vec3>(all).subspan(part.first, part.body->rest().phyxelCount());
   }
   [[nodiscard]] static const ContactPoints &pointsOf(const Part &part) { return part.body->rest().contact; }
-  // Pairs may come near each other on the way.
+  // Pairs may approach each other during the stage.
   [[nodiscard]] bool touches() const {
     return (coupling_ && coupling_->hasPairs()) ||
            std::any_of(parts_.begin(), parts_.end(), [](const Part &part) { return part.touches; });
@@ -167,7 +167,7 @@ class StageSolution {
   [[nodiscard]] bool wanted() const { return !request_.shouldContinue || request_.shouldContinue(); }
   [[nodiscard]] bool goesOn() const { return !request_.goesOn || request_.goesOn(); }
 
-  // The settings are those that suit all.
+  // Settings suitable for all members.
   void tighten(const StageMember &member) {
     const Environment &env = *member.environment;
     const NewtonSettings own = newtonSettings(*member.body, env, isStatic());
@@ -178,13 +178,13 @@ class StageSolution {
     settings_.confirmingTolerance = kConfirmingOfDisplacements;
     settings_.trustRegion = true;
     settings_.loosestTolerance = kLoosestOfDisplacements;
-    if (!(env.tolerance > 0.0)) settings_.toleranceOfWay = of.tolerance;
+    if (!(env.tolerance > 0.0)) settings_.relativeStepTolerance = of.tolerance;
     settings_.largestTolerance = std::min(settings_.largestTolerance, kLargestTolerance * member.body->rest().spacing);
   }
 
-  // From the first contact on: obstacles and skins cut steps short.
+  // Call from the first contact on: obstacles and skins shorten steps.
   void expectContact() {
-    settings_.firstTellsWay = true;
+    settings_.calibrateFromFirstStep = true;
     settings_.trustRegion = false;
     settings_.loosestTolerance = 0.0;
   }
@@ -219,7 +219,7 @@ class StageSolution {
     parts_.front().env->clock->measure(kSolve,
                                        [&] { addWork(solver_.solve(problem(), u_, settings_, watch), result_); });
     settings_.toleranceDisplacement = std::max(settings_.toleranceDisplacement, result_.tolerance);
-    settings_.toleranceOfWay = 0.0;
+    settings_.relativeStepTolerance = 0.0;
     return result_.good();
   }
 
@@ -274,7 +274,7 @@ class StageSolution {
     u_ = beginningOf(problem(), offers);
   }
 
-  // Whether the body and an obstacle that it touches approach each other faster than its slowest waves allow.
+  // Whether the approach speed of the body and an obstacle that it touches exceeds a fraction of its slowest waves.
   [[nodiscard]] bool isFast(Part &part) {
     const double span = part.stage->contactSpan;
     if (!(span > 0.0)) return false;
@@ -287,8 +287,8 @@ class StageSolution {
     return travel / span + surface > kFast * slowest;
   }
 
-  // What the solution of a fast body passes through: points of contact lie behind the surface of an obstacle that they
-  // were in front of. Empty: nothing.
+  // Description of the obstacle that the solution of a fast body passes through: contact points are behind its surface
+  // that were in front of it. Empty: none.
   [[nodiscard]] std::string passage() {
     if (isStatic() || !result_.good()) return {};
     for (Part &part : parts_) {
@@ -298,7 +298,7 @@ class StageSolution {
       for (Contact contact : part.body->contact.active) {
         contact.stiffness = 1.0;  // N/m: the force in N is the depth in m
         const double depth =
-            contactPull(pointsOf(part), contact, part.problem.penalty(), of(part, start_), of(part, u_)).normal;
+            contactForceAt(pointsOf(part), contact, part.problem.penalty(), of(part, start_), of(part, u_)).normal;
         if (!(depth > deepest)) continue;
         deepest = depth;
         passed = contact.obstacle;
@@ -312,14 +312,14 @@ class StageSolution {
     return {};
   }
 
-  // @return false: given up, because it is not to go on
+  // @return  false: abandoned, because request_.goesOn() has returned false
   bool solveContacts() {
     for (int round = 0; round < (coupling_ ? kRoundsOfBodies : kContactRounds); ++round) {
       const Round outcome = solveRound(round);
       if (outcome == Round::done) return true;
-      if (outcome == Round::givenUp) return false;
+      if (outcome == Round::abortedSteps) return false;
       if (outcome != Round::restart) continue;
-      // Once more from the free motion, to the end.
+      // Once more from the free motion, without abandoning.
       restarted_ = true;
       u_ = freeMotion_;
       round = -1;
@@ -328,8 +328,8 @@ class StageSolution {
   }
 
   Round solveRound(int round) {
-    // Before the iterations have converged it is checked whether friction has changed with what presses now, or whether
-    // the stage is to be given up: then the rest of them would be wasted.
+    // Before the iterations have converged, checks whether friction has changed with the present contact forces, or
+    // whether the stage is to be abandoned: further iterations would be wasted.
     bool asked = restarted_ || round > 0, enough = false;
     const auto look = [&](const NewtonResult &r) {
       if (!wanted()) return false;
@@ -346,13 +346,13 @@ class StageSolution {
     if (!newton(look) && !enough) return afterFailure();
     if (!enough) solution_ = u_;
     result_.outcome = NewtonOutcome::converged;
-    // With the planes that the solution meets, and friction of its normal forces, the contact forces have to be those
-    // it was found with; else it is solved again with what they are now.
+    // With the contact planes that the solution meets, and friction from its normal forces, the contact forces must
+    // agree with those of the solution; otherwise it is solved again with the new ones.
     if (!enough) recordForces();
     updateFriction();
     findContactsOfWay();
     updateFriction();
-    if (!goesOn()) return Round::givenUp;
+    if (!goesOn()) return Round::abortedSteps;
     if (enough) return Round::again;
     double change = changeOfForces();
     if (coupling_ && change <= kSettled && !coupling_->isFoundThere()) {
@@ -367,7 +367,7 @@ class StageSolution {
   Round afterFailure() {
     if (result_.outcome == NewtonOutcome::cancelled || result_.outcome == NewtonOutcome::notFinite) return Round::done;
     if (!solution_.empty()) {
-      // Friction stays that of the solution before.
+      // Friction remains that of the previous solution.
       u_ = solution_;
       result_.outcome = NewtonOutcome::converged;
       return Round::done;
@@ -377,12 +377,12 @@ class StageSolution {
 
   std::vector<Part> parts_;
   StageCoupling *coupling_;
-  std::optional<GroupProblem> group_;
+  std::optional<IslandProblem> island_;
   NewtonSolver &solver_;
   const StageRequest &request_;
   NewtonSettings settings_;
   std::vector<Vec3> start_, u_, placed_, freeMotion_;
-  std::vector<Vec3> solution_;  // the last one
+  std::vector<Vec3> solution_;  // the most recent one
   NewtonResult result_;
   bool restarted_ = false;
 };
@@ -395,7 +395,7 @@ NewtonSettings newtonSettings(const Body &body, const Environment &env, bool isS
   settings.preconditioner = env.preconditioner;
   settings.stop = env.stop;
   settings.maxIterations = isStatic ? 60 : 30;
-  // Under an obstacle inexact static steps stray: a cube under a plate took ten times as long with a tenth.
+  // Under an obstacle inexact static steps are erratic: a cube under a plate took ten times as long with a tenth.
   settings.strongTolerance = isStatic && env.contact() ? 0.01 : 0.1;
   return settings;
 }

@@ -10,15 +10,17 @@
 namespace pointbased::detail {
 namespace {
 
-// Spacings: an obstacle that reaches into a body by so much more than the body's skin into the obstacle is wrapped.
+// Spacings: an obstacle counts as wrapped if it reaches into a body by this much more than the body's skin into the
+// obstacle.
 constexpr double kWrapped = 0.1;
-// Spacings: what is wrapped less deep is left to contact.
-constexpr double kLeastEnclosed = 0.25;
-// Directions in which points are led out are one if their mean is at least so long.
+// Spacings: obstacles that are wrapped less deeply are left to contact.
+constexpr double kMinEnclosed = 0.25;
+// Directions of depenetration count as coherent if their mean is at least this long.
 constexpr double kCoherent = 0.3;
-// Of the least extent of the body: deeper than that nothing is led out.
+// Fraction of the smallest extent of the body: deeper points are not moved out.
 constexpr double kDeepestOfBody = 1.0 / 3.0;
-// Cosine of the angle between the way to the nearest surface and the inward normal: below it the way is another one.
+// Cosine of the angle between the direction to the nearest surface and the inward normal: below it the directions
+// disagree.
 constexpr double kInwards = 0.5;
 constexpr double kTiny = 1e-6;  // spacings
 
@@ -68,7 +70,7 @@ ObstacleOverlap overlapWith(const Obstacle &obstacle, const RigidMotion &motion,
   MovingSkin *skin = skinOf();
   if (!skin) return out;
 
-  // Places of the obstacle's surface, as seen from all over the body.
+  // Points of the obstacle's surface nearest to the phyxels of the body.
   const std::vector<Vec3> phyxels = placesOf(body);
   const std::vector<SurfacePoint> seen = ask(obstacle, motion, phyxels, parallelFor);
   Vec3 deepest = Vec3::Zero();
@@ -85,7 +87,7 @@ ObstacleOverlap overlapWith(const Obstacle &obstacle, const RigidMotion &motion,
   out.depth = std::max(ofPoints, ofObstacle);
   const bool isWrapped = ofObstacle > ofPoints + kWrapped * h;
 
-  // Where the nearest surface is the one at the back, tissue would close around the obstacle.
+  // If the nearest surface is the one at the back, tissue would close around the obstacle.
   const double farthest = (box.high - box.low).norm();
   Vec3 sum = Vec3::Zero();
   double area = 0.0;
@@ -104,9 +106,9 @@ ObstacleOverlap overlapWith(const Obstacle &obstacle, const RigidMotion &motion,
     sum += rest.contact.areas[p] * direction;
     area += rest.contact.areas[p];
   }
-  if (!isWrapped || !(ofObstacle > kLeastEnclosed * h)) return out;
+  if (!isWrapped || !(ofObstacle > kMinEnclosed * h)) return out;
   out.isEnclosed = !(sum.norm() > kCoherent * area) || ofObstacle > kDeepestOfBody * (box.high - box.low).minCoeff();
-  if (out.isEnclosed) out.way = skin->nearestPlace(deepest) - deepest;
+  if (out.isEnclosed) out.way = skin->nearestPoint(deepest) - deepest;
   return out;
 }
 

@@ -11,14 +11,14 @@ namespace pointbased::detail {
 namespace {
 
 constexpr double kNearlyIncompressible = 0.49;
-constexpr std::size_t kManyPhyxels = 2000;  // of an implicit step
+constexpr std::size_t kManyPhyxels = 2000;  // phyxels of an implicit step
 constexpr double kMuchCheaper = 0.5;
-constexpr double kLittle = 0.1;       // of a budget: forces that take less are not what it went into
-constexpr double kPartAimedAt = 0.5;  // of a budget: a step is as long as the deformation makes it
+constexpr double kLittle = 0.1;       // fraction of a budget: if forces take less, they are not the cause
+constexpr double kPartAimedAt = 0.5;  // fraction of a budget: the duration of a step depends on the deformation
 
 }  // namespace
 
-std::string whatWouldHelp(const Body &body, const WorldSettings &world, Integrator integrator) {
+std::string suggestRemedy(const Body &body, const WorldSettings &world, Integrator integrator) {
   double poisson = 0.0, modulus = 0.0;
   for (const Material &m : body.constitution().materials) {
     poisson = std::max(poisson, m.poissonRatio);
@@ -30,7 +30,7 @@ std::string whatWouldHelp(const Body &body, const WorldSettings &world, Integrat
   if (poisson >= kNearlyIncompressible)
     return name + "nearly incompressible (ν " + number(poisson) + "): a lower ν" +
            (isExplicit || isStatic ? "" : ", or explicit steps,") + " would help";
-  if (body.free()) return name + "rigid; what it touches or is attached to sets its steps";
+  if (body.isFreeRigid()) return name + "rigid; what it touches or is attached to sets its steps";
   if (isExplicit) {
     const double stable = kStepSafety * body.stableStepAtRest();
     return name + "steps of no more than " + number(stable) + " s are stable (E " + number(modulus) + " Pa, spacing " +
@@ -45,10 +45,10 @@ std::string whatWouldHelp(const Body &body, const WorldSettings &world, Integrat
                           : "it deforms much in one step: a smaller time step would help");
 }
 
-std::string whatWouldFit(const Body &body, Integrator integrator, const Effort &effort) {
+std::string suggestAffordableStep(const Body &body, Integrator integrator, const Effort &effort) {
   const std::size_t phyxels = body.rest().phyxelCount();
   const bool isExplicit = integrator == Integrator::explicitVerlet, isStatic = integrator == Integrator::quasiStatic;
-  const double dt = isStatic ? kImplicitStep : effort.dt;  // a load step costs about as much as one in time
+  const double dt = isStatic ? kImplicitStep : effort.dt;  // a load step costs about as much as a time step
   const double stable = kStepSafety * std::min(body.stableStepAtRest(), body.stableStep());
   const double explicitTime = predictCost(stable, dt, body.constitution()).explicitEvaluations * dt * effort.evaluation;
   const double goal = kPartAimedAt * effort.budget;
@@ -71,7 +71,7 @@ std::string whatWouldFit(const Body &body, Integrator integrator, const Effort &
   const auto offer = [&offers](const std::string &what) { offers += (offers.empty() ? "" : "; or ") + what; };
   if (!isStatic && explicitTime <= goal)
     offer("solver.integrator = \"explicit\", " + number(explicitTime, 2) + " s for a step of " + number(dt) + " s");
-  // It has taken the whole budget and was not done.
+  // It has used the whole budget and was not done.
   const double implicitTime =
       std::max(effort.budget, predictCost(body, dt).implicitEvaluations * dt * effort.evaluation);
   const double count = std::max(50.0, static_cast<double>(phyxels) * goal / implicitTime);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a step is busy with, for who waits for it. Private to the core.
+// Reports the activity of a running step. Private to the core.
 #pragma once
 
 #include <map>
@@ -13,19 +13,19 @@
 namespace pointbased::detail {
 
 /// Why steps of a body may take long and what would help, in one line.
-[[nodiscard]] std::string whatWouldHelp(const Body &body, const WorldSettings &world, Integrator integrator);
+[[nodiscard]] std::string suggestRemedy(const Body &body, const WorldSettings &world, Integrator integrator);
 
-/// How far a step had come when it was given up, and how fast the body is.
+/// How far a step had advanced when it was cancelled, and how fast the body is.
 struct Effort {
   double dt = 0.0;          ///< s, the step; 0: a load step
-  double budget = 0.0;      ///< s, that it may take
-  double evaluation = 0.0;  ///< s, of its forces, measured
+  double budget = 0.0;      ///< s of wall-clock time for a step
+  double evaluation = 0.0;  ///< s, measured for an evaluation of its forces
   int newtonSteps = 0, iterations = 0;
 };
-/// The body, how far it had come, and what fits into the budget by what was measured, in sentences.
-[[nodiscard]] std::string whatWouldFit(const Body &body, Integrator integrator, const Effort &effort);
+/// Sentences on the body, how far it had advanced, and what fits into the budget according to the measurement.
+[[nodiscard]] std::string suggestAffordableStep(const Body &body, Integrator integrator, const Effort &effort);
 
-/// The bodies that are being computed, to be asked by any thread.
+/// The bodies that are being computed; may be queried by any thread.
 class StepActivity {
  public:
   void describe(std::size_t body, std::string line) {
@@ -48,13 +48,13 @@ class StepActivity {
     const std::lock_guard lock(mutex_);
     present_.clear();
   }
-  /// The one that has been computed for longest; 0: none.
+  /// The body that has been computed for longest; 0: none.
   [[nodiscard]] std::size_t present() const {
     const std::lock_guard lock(mutex_);
     return present_.empty() ? 0 : present_.front();
   }
 
-  /// Of that one; empty between steps.
+  /// Line of that body; empty between steps.
   [[nodiscard]] std::string line() const {
     const std::lock_guard lock(mutex_);
     const auto found = present_.empty() ? lines_.end() : lines_.find(present_.front());

@@ -14,7 +14,7 @@ std::string plural(std::size_t count, const char *one, const char *many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
-// "material 0: yield 0.05", of the first material that has it and how many do.
+// "material 0: yield 0.05", for the first material that has the property, and how many have it.
 template <class Has, class Say>
 std::string ofMaterials(const Constitution &constitution, const Has &has, const Say &say) {
   std::string text;
@@ -101,9 +101,9 @@ class Composer {
         kForces);
     add("outside_forces", stages_.outside,
         stages_.outside ? "another plugin, or a load of the run" : "nobody adds forces", kForces);
-    add("hands", stages_.hands,
-        body_.hands.empty() ? "nobody holds it"
-        : stages_.hands     ? plural(body_.hands.size(), "hand", "hands")
+    add("hands", stages_.grabs,
+        body_.grabs.empty() ? "nobody holds it"
+        : stages_.grabs     ? plural(body_.grabs.size(), "hand", "hands")
                             : "hands do not act on a static solution",
         kStages);
   }
@@ -150,14 +150,14 @@ StepStages stagesOf(const Body &body, const Environment &env) {
   const Constitution &constitution = body.constitution();
   const bool hasRates = !body.quasiStatic;
   StepStages out;
-  out.fused = hasRates && (body.vectorised() || body.free());
+  out.fused = hasRates && (body.vectorised() || body.isFreeRigid());
   out.flow = !body.rigid() && !body.state().history.plasticInverse.empty();
   out.viscous = hasRates && !body.rigid() && constitution.viscous();
   out.relaxing = hasRates && !body.rigid() && constitution.relaxing();
   out.loads = !body.rest().conditions.loads.empty();
   out.surroundings = body.foundation().acts();
   out.outside = !body.externalForces().empty();
-  out.hands = hasRates && !body.hands.empty();
+  out.grabs = hasRates && !body.grabs.empty();
   out.supports = body.held();
   out.patches = body.patches().rows() > 0;
   out.contact = env.contact() && body.rest().contact.count() > 0;

@@ -9,11 +9,11 @@
 namespace pointbased::detail {
 namespace {
 
-constexpr double kExplicitOverhead = 0.3;       // of an evaluation: integration, supports, the guard
-constexpr double kImplicitOfLattice = 150.0;    // evaluations of a step, times
-constexpr double kByCompressibility = -0.3;     // (1 - 2ν) to this
-constexpr double kImplicitOfCloud = 700.0;      // of 500 phyxels
-constexpr double kLeastCompressibility = 1e-4;  // of 1 - 2ν
+constexpr double kExplicitOverhead = 0.3;     // of an evaluation: integration, supports, the guard
+constexpr double kImplicitOfLattice = 150.0;  // evaluations per step, times
+constexpr double kByCompressibility = -0.3;   // (1 - 2ν) to this power
+constexpr double kImplicitOfCloud = 700.0;    // of 500 phyxels
+constexpr double kMinCompressibility = 1e-4;  // smallest 1 - 2ν
 
 }  // namespace
 
@@ -30,7 +30,7 @@ StepCost predictCost(double stable, double dt, const Constitution &constitution,
   const double ofStep =
       phyxelsOfCloud > 0.0
           ? kImplicitOfCloud * std::sqrt(std::max(1.0, phyxelsOfCloud / 500.0))
-          : kImplicitOfLattice * std::pow(std::max(kLeastCompressibility, compressibility), kByCompressibility);
+          : kImplicitOfLattice * std::pow(std::max(kMinCompressibility, compressibility), kByCompressibility);
   StepCost cost;
   cost.explicitEvaluations = (1.0 + kExplicitOverhead) / (dt > 0.0 ? std::min(dt, stable) : stable);
   cost.implicitEvaluations = ofStep / (dt > 0.0 ? dt : kImplicitStep);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sizes of a body's steps, one after the other. Private to the core.
+// Step-size control of a body. Private to the core.
 #pragma once
 
 #include <algorithm>
@@ -8,21 +8,22 @@
 
 namespace pointbased::detail {
 
-/// Good steps after which a larger one is tried again, and during which a change counts as recent.
+/// Successful steps after which a larger one is tried again, and during which a change counts as recent.
 inline constexpr std::uint64_t kPatience = 256;
 
-/// s: a free rigid body has no stable step, but what it meets is looked for once per substep.
+/// s: a free rigid body has no stable step, but its contacts are searched once per substep.
 inline constexpr double kFreeStep = 1e-3;
 
-/// Remembers how the steps of a body were cut, so that their size does not go to and fro.
+/// Stores how the steps of a body were divided, so that their size does not oscillate.
 ///
-/// Each size of step keeps an energy of its own, (ω dt)²/4 of the exact one off in the fastest modes. One change moves
-/// the energy once, changes in turn can pump it into what swings. A step is therefore divided no coarser than those
-/// before it until fewer pieces would have done for kPatience steps (half as many: an eighth of that); and where
-/// somebody changes the steps themselves, care() makes them so small that these energies are the same to 4 %.
+/// Each step size conserves a different energy, which differs from the exact one by (ω dt)²/4 in the fastest modes. A
+/// single change shifts the energy once; alternating changes can pump energy into oscillations. A step is therefore
+/// divided no more coarsely than the previous ones until fewer pieces would have sufficed for kPatience steps (half as
+/// many: an eighth of that). If the caller keeps changing the step size, stepSafety() reduces the substeps such that
+/// these energies agree to 4 %.
 class SubstepController {
  public:
-  /// @param dt  s, size of the step that begins
+  /// @param dt  s, size of the new step
   void begin(double dt) {
     if (last_ > 0.0 && std::abs(dt - last_) > 1e-9 * last_) {
       if (sinceChange_ < kPatience) restless_ = kPatience;
@@ -34,11 +35,12 @@ class SubstepController {
     last_ = dt;
   }
 
-  /// Part of the usual step to take: 1, less while somebody changes the size of the steps to and fro.
-  [[nodiscard]] double care() const { return restless_ > 0 ? kRestless : 1.0; }
+  /// Factor of the usual substep: 1, less while the caller changes the step size back and forth.
+  [[nodiscard]] double stepSafety() const { return restless_ > 0 ? kRestless : 1.0; }
 
-  /// Next substep, s, where `left` of a step of dt is left: an even piece of it, so that the last one is not a sliver.
-  /// @param stable  s, no more than this
+  /// Next substep, s, with `left` remaining of a step of dt: an even division of it, so that the last one is not a
+  /// sliver.
+  /// @param stable  s, upper limit
   [[nodiscard]] double piece(double left, double dt, double stable) const {
     const double present = std::ceil(left * pieces_ / dt * kRound);
     const double pieces =
@@ -47,24 +49,24 @@ class SubstepController {
     return pieces < 1e15 ? left / pieces : stable;
   }
 
-  /// Pieces of a step of dt that `stable` asks for: as many as before while they do.
+  /// Number of pieces of a step of dt that `stable` requires: the previous number as long as it is sufficient.
   [[nodiscard]] double needed(double dt, double stable) const {
     const double usual = piecesOf(dt, stable);
     return usual > pieces_ && piecesOf(dt, kRoom * stable) <= pieces_ ? pieces_ : usual;
   }
 
-  /// Even pieces of no more than `stable` that a step makes.
+  /// Number of even pieces of a step, each at most `stable`.
   [[nodiscard]] static double piecesOf(double step, double stable) { return std::ceil(step / stable * kRound); }
 
-  /// @param pieces  of dt that would have done for the step that ends
+  /// @param pieces  of dt that would have sufficed for the completed step
   void end(double pieces) {
-    // Twice as long steps are worth a change sooner.
+    // Half as many pieces justify an earlier change.
     if (pieces < pieces_ && ++fewerWouldDo_ < (2.0 * pieces <= pieces_ ? kPatience / 8 : kPatience)) return;
     pieces_ = pieces;
     fewerWouldDo_ = 0;
   }
 
-  /// Every number of it, for files.
+  /// Visits every number, for saved states.
   template <class Archive>
   void walk(Archive &archive) {
     archive(pieces_);
@@ -76,15 +78,17 @@ class SubstepController {
 
  private:
   static constexpr double kRestless = 0.25;
-  // Pieces may be that much longer than usual before there are more of them: 0.92 of what is stable instead of 0.8. A
-  // step that is right at rest would be halved by every strain that stiffens the body by a per cent.
+  // Pieces may be longer than usual by this factor before there are more of them: 0.92 of the stable step instead of
+  // 0.8. Otherwise a step that is suitable at rest would be halved by every strain that stiffens the body by a per
+  // cent.
   static constexpr double kRoom = 1.15;
-  static constexpr double kRound = 1.0 - 1e-9;  // what rounding adds is no further piece
+  static constexpr double kRound = 1.0 - 1e-9;  // rounding does not add a piece
 
-  double pieces_ = 1.0;                                   // of a step at present
-  std::uint64_t fewerWouldDo_ = 0;                        // steps in a row
-  double last_ = 0.0;                                     // s
-  std::uint64_t sinceChange_ = kPatience, restless_ = 0;  // steps since their size has changed, and left to be careful
+  double pieces_ = 1.0;             // of a step at present
+  std::uint64_t fewerWouldDo_ = 0;  // steps in a row
+  double last_ = 0.0;               // s
+  // steps since the last change of their size, and remaining steps with smaller substeps
+  std::uint64_t sinceChange_ = kPatience, restless_ = 0;
 };
 
 }  // namespace pointbased::detail

@@ -5,7 +5,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "base/kernels/field_kernel.cpp"
-#include "base/kernels/instruction_sets.h"  // first: says for which the rest is compiled
+#include "base/kernels/instruction_sets.h"  // first: selects the instruction sets for the code below
 
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
@@ -61,7 +61,7 @@ FieldBounds BoundsOf(const double *field, std::size_t count) {
   FieldBounds out;
   for (std::size_t c = 0; c < 3; ++c) out.low[c] = out.high[c] = field[c];
   std::size_t i = 0;
-  // Three registers hold whole phyxels: lane l of register r is component (r lanes + l) % 3.
+  // Three registers hold a whole number of phyxels: lane l of register r is component (r lanes + l) % 3.
   if (count >= lanes) {
     V low[3], high[3];
     V sum = hn::Zero(d);

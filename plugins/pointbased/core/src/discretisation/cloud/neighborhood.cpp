@@ -5,7 +5,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "base/look_for_end.h"
+#include "base/cancellation_poll.h"
 #include "base/point_tree.h"
 
 namespace pointbased {
@@ -43,8 +43,8 @@ Neighborhoods findNeighborhoods(std::span<const Vec3> positions, const NeighborC
     });
   }
 
-  // Everybody within the support; a tie at the edge of "the nearest N" is taken whole, so the choice is symmetric on
-  // lattices and does not depend on the order of the points.
+  // All phyxels within the support. Ties at the limit of "the nearest N" are all included, so the choice is symmetric
+  // on lattices and does not depend on the order of the points.
   std::vector<std::vector<Index>> chosen(n);
   parallelFor(n, 64, [&](std::size_t begin, std::size_t end) {
     std::vector<std::pair<Index, double>> found;
@@ -57,8 +57,8 @@ Neighborhoods findNeighborhoods(std::span<const Vec3> positions, const NeighborC
       std::sort(chosen[i].begin(), chosen[i].end());
     }
   });
-  // Whoever has chosen me, ascending.
-  detail::Looks look(parallelFor);
+  // The phyxels that have chosen each phyxel, ascending.
+  detail::CancellationPoll look(parallelFor);
   Csr chosenBy;
   chosenBy.offsets.assign(n + 1, 0);
   for (const std::vector<Index> &row : chosen)

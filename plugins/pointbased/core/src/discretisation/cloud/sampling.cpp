@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "base/look_for_end.h"
+#include "base/cancellation_poll.h"
 #include "base/number_text.h"
 #include "discretisation/grid_sides.h"
 #include "discretisation/lattice/lattice_grid.h"
@@ -15,8 +15,8 @@ namespace {
 
 using detail::number;
 
-// Points per axis of the finer lattice inside a cell that the surface cuts: 5³ = 125 give each part's volume to about
-// one per cent; the sum is exact in any case.
+// Points per axis of the finer lattice inside a cell that the surface cuts. 5³ = 125 determine the volume of each part
+// to about one per cent; the sum is exact in any case.
 constexpr int kSubdivisions = 5, kPerCell = kSubdivisions * kSubdivisions * kSubdivisions;
 constexpr int kOutside = -1;
 
@@ -41,8 +41,8 @@ struct Lattice {
   }
 };
 
-// Cells are placed symmetrically about the middle of the bounds, with the outermost layer half a cell inside them, so a
-// box whose edges are multiples of the spacing is divided without a remainder.
+// Cells are placed symmetrically about the centre of the bounds, with the outermost layer half a cell inside them. A
+// box whose edges are multiples of the spacing is then divided without a remainder.
 Lattice latticeOver(const BodyShape &shape, double spacing) {
   Lattice lattice;
   lattice.spacing = spacing;
@@ -67,13 +67,13 @@ std::vector<std::uint8_t> insideFlags(const BodyShape &shape, std::span<const Ve
   return flags;
 }
 
-// Of voxels the distance is about right only.
+// The distance of voxels is only approximate.
 bool measures(const BodyShape &shape) { return shape.surfaceDistance && !shape.shares; }
 
-// What is asked of the middles of all cells.
+// Queries at the centres of all cells.
 struct Middles {
   std::vector<Vec3> centres;
-  std::vector<double> distances;     // empty: the shape does not tell
+  std::vector<double> distances;     // empty: the shape provides no distances
   std::vector<std::uint8_t> inside;  // 0, 1
 };
 
@@ -95,7 +95,7 @@ Middles middlesOf(const BodyShape &shape, const Lattice &lattice, const Parallel
     return out;
   }
   detail::GridSides sides;
-  sides.find(lattice.counts(), lattice.spacing, out.distances, detail::Looks(parallelFor));
+  sides.find(lattice.counts(), lattice.spacing, out.distances, detail::CancellationPoll(parallelFor));
   std::vector<Vec3> asked;
   for (const std::size_t c : sides.deepest()) asked.push_back(out.centres[c]);
   const std::vector<std::uint8_t> answers = insideFlags(shape, asked, parallelFor);
@@ -104,7 +104,7 @@ Middles middlesOf(const BodyShape &shape, const Lattice &lattice, const Parallel
   return out;
 }
 
-// What of the cubes of the finer lattice is inside, cut cell by cut cell.
+// Share of each cube of the finer lattice that is inside, cut cell by cut cell.
 std::vector<double> partsInside(const BodyShape &shape, std::span<const Vec3> points, double edge,
                                 const ParallelFor &parallelFor) {
   std::vector<double> parts(points.size());
@@ -141,7 +141,7 @@ std::size_t countInside(const BodyShape &shape, double spacing, const ParallelFo
   return static_cast<std::size_t>(std::count(flags.begin(), flags.end(), std::uint8_t{1}));
 }
 
-// The count falls in jumps as the spacing grows; a few corrections by the cube root come within some per cent.
+// The count decreases in steps as the spacing grows; a few corrections by the cube root come within some per cent.
 double spacingForCount(const BodyShape &shape, std::size_t count, const ParallelFor &parallelFor) {
   double spacing = std::cbrt(shape.volume / static_cast<double>(count));
   double best = spacing;
@@ -180,8 +180,8 @@ Result<double> spacingOf(const BodyShape &shape, const Sampling &sampling, const
   return spacing;
 }
 
-// Divides cut cells among the phyxels: points of a finer lattice that lie in the body go to the nearest phyxel around;
-// those that find none start a phyxel of their own per cell.
+// Divides cut cells among the phyxels. Points of a finer lattice inside the body belong to the nearest phyxel around;
+// those without one form a separate phyxel per cell.
 class CutCellDivision {
  public:
   CutCellDivision(const BodyShape &shape, const Lattice &lattice, std::span<const int> phyxelOfCell, PhyxelCloud &cloud,
@@ -189,7 +189,7 @@ class CutCellDivision {
       : shape_(shape), lattice_(lattice), phyxelOfCell_(phyxelOfCell), cloud_(cloud), parallelFor_(parallelFor) {}
 
   [[nodiscard]] double pointVolume() const { return lattice_.spacing * lattice_.spacing * lattice_.spacing / kPerCell; }
-  // @return  many wait: divide() them
+  // @return  many points are pending: call divide()
   bool add(std::size_t cell) {
     for (int z = 0; z < kSubdivisions; ++z)
       for (int y = 0; y < kSubdivisions; ++y)
@@ -216,8 +216,8 @@ class CutCellDivision {
     points_.clear();
     cellOfPoint_.clear();
   }
-  // Slivers of less than a fiftieth of a cell join their neighbours' scale instead of becoming points of almost no
-  // mass.
+  // Slivers of less than a fiftieth of a cell are added to the scale of their neighbours; otherwise they would be
+  // points of almost no mass.
   void addOrphans() {
     for (const Orphan &orphan : orphans_)
       if (orphan.count >= kPerCell / 50 + 1 || cloud_.positions.empty()) {
@@ -263,7 +263,7 @@ class CutCellDivision {
   std::vector<Orphan> orphans_;
 };
 
-// Along a space-filling curve, so that neighbours are near in memory.
+// Sorts along a space-filling curve, so that neighbours are close in memory.
 void sortInSpace(PhyxelCloud &cloud, const Lattice &lattice) {
   std::vector<std::pair<std::uint64_t, std::size_t>> curve;
   for (std::size_t i = 0; i < cloud.positions.size(); ++i) {
@@ -316,7 +316,7 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
   const std::size_t cells = lattice.cells();
   const Middles middles = middlesOf(shape, lattice, parallelFor);
   if (!shouldContinue(0.35)) return refuse("cancelled");
-  // Those the surface comes near; all, where the shape does not tell the distance.
+  // Cells that the surface may cut; all, if the shape provides no distances.
   const double halfDiagonal = 0.5 * std::sqrt(3.0) * *spacing;
   const auto mayBeCut = [&](std::size_t c) {
     return middles.distances.empty() || middles.distances[c] <= halfDiagonal * (1.0 + 1e-9);
@@ -348,7 +348,7 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
     return refuse("no point of the body was found at a spacing of " + number(*spacing, 4) +
                   " m: the body is thinner than a fifth of it, or not closed; use a smaller spacing");
 
-  // A phyxel that sits right under the surface can end up without any point of the finer lattice.
+  // A phyxel just below the surface may get no point of the finer lattice.
   for (double &v : cloud.volumes) v = std::max(v, pointVolume);
   for (const double v : cloud.volumes) cloud.countedVolume += v;
   for (double &v : cloud.volumes) v *= shape.volume / cloud.countedVolume;

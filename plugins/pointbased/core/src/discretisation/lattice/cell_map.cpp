@@ -9,19 +9,20 @@ namespace pointbased::lattice {
 namespace {
 
 constexpr int kMaximumRings = 6;
-// A point of a surface looks for its part an eighth of an edge inside. A point of a part lies within half a diagonal of
-// a small cell of one of its samples, 0.2165 edges; one that was moved out of its cell an eighth farther.
+// A point of a surface searches for its part an eighth of an edge inside. A point of a part is within half a diagonal
+// of a small cell of one of its samples, 0.2165 edges; a point moved out of its cell is up to an eighth farther.
 constexpr double kInwards = 0.125;
 constexpr double kReachOfSample = 0.23 + kInwards;
-// Samples of its part lie behind the point, but for those of a sliver: they lie up to half a small cell in front of it.
+// Samples of its part are behind the point, except those of a sliver, which may be up to half a small cell in front of
+// it.
 constexpr double kBehind = 0.0;
 constexpr double kInFront = 0.13;
-// Up to so many edges outside of its cell a point is carried by the trilinear functions themselves.
+// Up to this distance outside of its cell, in edges, a point is interpolated by the trilinear functions themselves.
 constexpr double kFarthestContinued = 0.5;
 
 struct Inverse {
   Vec3 place = Vec3::Zero();  // edges from the centre
-  double outside = 0.0;       // how far beyond the cell, edges
+  double outside = 0.0;       // distance outside of the cell, edges
 };
 
 struct Trilinear {
@@ -40,7 +41,7 @@ Trilinear mapAt(const std::array<Vec3, 8> &hexahedron, const Vec3 &place) {
   return t;
 }
 
-// Newton's method, kept near the cell, where the map is one to one.
+// Newton's method, limited to the surroundings of the cell, where the map is one-to-one.
 Inverse invert(const std::array<Vec3, 8> &hexahedron, const Vec3 &x) {
   constexpr double kFarthest = 0.75;
   Inverse result;
@@ -106,7 +107,7 @@ std::array<Vec3, 8> LatticeCellMap::hexahedron(Index part) const {
   return result;
 }
 
-// From `within` to the nearest sample that does not lie in front of the surface.
+// Squared distance from `within` to the nearest sample that is not in front of the surface.
 double LatticeCellMap::squaredDistance(const CutCellFragment &part, const Target &target) const {
   const Cell &cell = set_.cells[part.cell];
   const double edge = set_.edge(cell);
@@ -172,7 +173,7 @@ Index LatticeCellMap::nearestPart(const Target &target) const {
   };
   const int rings = std::min(most, kMaximumRings);
   for (int ring = 0; ring <= rings; ++ring) {
-    // What lies in this ring is at least so far away.
+    // Parts in this ring are at least this far away.
     const double reach = frame.spacing * std::max(0, ring - 1);
     if (part != kNone && reach * reach > best) return part;
     for (int z = -ring; z <= ring; ++z)
@@ -182,12 +183,12 @@ Index LatticeCellMap::nearestPart(const Target &target) const {
       }
   }
   if (part != kNone && (rings == most || best <= std::pow(frame.spacing * rings, 2))) return part;
-  // Far from everything: whatever is nearest, on either side.
+  // Far from all parts: the nearest one, on either side.
   const Target anywhere{target.at, Vec3::Zero(), target.at, 0.0};
   best = 1e300;
   nearestIn(0, set_.cells.size(), anywhere, best, part);
   if (part != kNone) return part;
-  // Farther than distances can be squared.
+  // So far that squared distances overflow.
   for (part = 0; !parts_.parts[part].kept;) ++part;
   return part;
 }
@@ -200,7 +201,7 @@ Index LatticeCellMap::partOf(const Vec3 &local, const Vec3 &outward) const {
     return set_.index.holding({static_cast<std::int32_t>(units[0]), static_cast<std::int32_t>(units[1]),
                                static_cast<std::int32_t>(units[2])});
   };
-  // Of two cells that share the point the one that lies behind it.
+  // Of two cells that share the point, the one behind it.
   const Index cell = cellAt(local - 1e-6 * frame.unit() * outward);
   const double edge = cell == kNone ? frame.unit() : set_.edge(set_.cells[cell]);
   Target target{local, outward, local - kInwards * edge * outward, kBehind};
@@ -214,7 +215,7 @@ Index LatticeCellMap::partOf(const Vec3 &local, const Vec3 &outward) const {
     if (const Index part = inCell(); part != kNone) return part;
   const Index behind = nearestPart(target);
   if (cell == kNone) return behind;
-  // A sliver in the cell of the point is meant, unless it belongs to the other side of a gap.
+  // A sliver in the cell of the point is preferred, unless it belongs to the other side of a gap.
   target.inFront = kInFront;
   const Index sliver = inCell();
   return sliver != kNone && shareCorner(sliver, behind) ? sliver : behind;
@@ -238,7 +239,8 @@ void LatticeCellMap::functionsAt(Index part, const Vec3 &local, std::array<doubl
     const double edge = set_.edge(cell);
     const Vec3 place = (local - set_.centre(cell)) / edge;
     const bool far = place.cwiseAbs().maxCoeff() > 0.5 + kFarthestContinued;
-    // Products of three coordinates grow with the cube of the way; far from the cell the functions go on linearly.
+    // Products of three coordinates grow with the cube of the distance; far from the cell the functions are
+    // extrapolated linearly.
     const Vec3 within = far ? Vec3(place.cwiseMax(-0.5).cwiseMin(0.5)) : place;
     functions = trilinear(within);
     gradients = trilinearGradients(within);
@@ -250,14 +252,14 @@ void LatticeCellMap::functionsAt(Index part, const Vec3 &local, std::array<doubl
   const std::array<Vec3, 8> corners = hexahedron(part);
   const Trilinear t = mapAt(corners, invert(corners, local).place);
   const Mat3 inverse = t.jacobian.inverse();
-  // Far from the cell the functions go on linearly.
+  // Far from the cell the functions are extrapolated linearly.
   for (std::size_t j = 0; j < 8; ++j) {
     gradients[j] = inverse.transpose() * t.gradients[j];
     functions[j] = t.functions[j] + gradients[j].dot(local - t.x);
   }
 }
 
-// Faces of distorted cells have moved: the neighbour may hold the point instead.
+// Faces of distorted cells have moved: the neighbour may contain the point instead.
 Index LatticeCellMap::neighbourHolding(Index part, const Vec3 &local) const {
   const Cell &cell = set_.cells[parts_.parts[part].cell];
   double least = invert(hexahedron(part), local).outside;
@@ -296,7 +298,8 @@ Interpolation LatticeCellMap::bind(std::span<const Vec3> points, std::span<const
       const Vec3 local = axes.transpose() * points[p];
       parts[p] = partOf(local, normals.empty() ? Vec3(Vec3::Zero()) : Vec3(axes.transpose() * normals[p]));
       if (const double outside = outsideOf(parts[p], local); outside > kFarthestContinued) {
-        // What it lay on has been dropped as a speck: the nearest of all, rather than one far behind it.
+        // The part below the point has been dropped as a speck: the nearest of all parts, rather than one far behind
+        // it.
         const Index near = nearestPart({local, Vec3::Zero(), local, 0.0});
         if (outsideOf(near, local) < outside) parts[p] = near;
       }

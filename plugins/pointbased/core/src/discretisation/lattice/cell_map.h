@@ -5,7 +5,8 @@
 
 namespace pointbased::lattice {
 
-/// Entries of one point over the phyxels, of corners that hang spread over those they hang on; scratch.
+/// Entries of one point over the phyxels, with hanging corners distributed to the corners they hang on; scratch
+/// storage.
 struct Row {
   std::vector<Index> phyxels;
   std::vector<double> weights;
@@ -18,7 +19,7 @@ struct Row {
            const Eigen::Vector4d &modes = Eigen::Vector4d::Zero());
 };
 
-/// The cells with their parts and corners; finds the part that a point belongs to.
+/// The cells with their parts and corners; assigns points to parts.
 class LatticeCellMap : public CellMap {
  public:
   LatticeCellMap(CellSet &&set, PartSet &&parts, NodeTable &&corners);
@@ -28,37 +29,37 @@ class LatticeCellMap : public CellMap {
 
   [[nodiscard]] const CellSet &set() const { return set_; }
   [[nodiscard]] std::span<const CutCellFragment> parts() const { return parts_.parts; }
-  /// Until release().
+  /// Available until release().
   [[nodiscard]] std::span<const FragmentLink> links() const { return parts_.links; }
   [[nodiscard]] std::size_t components() const { return parts_.components; }
   [[nodiscard]] const NodeTable &corners() const { return corners_; }
 
-  /// The part a point belongs to.
-  /// @param local    lattice axes, m
+  /// The part that a point belongs to.
+  /// @param local  lattice axes, m
   /// @param outward  unit, lattice axes, or zero
   [[nodiscard]] Index partOf(const Vec3 &local, const Vec3 &outward) const;
-  /// N_j and ∇N_j (1/m, lattice axes) of the cell of a part, continued where the point lies outside of it.
+  /// N_j and ∇N_j (1/m, lattice axes) of the cell of a part, extrapolated outside of it.
   void functionsAt(Index part, const Vec3 &local, std::array<double, 8> &functions,
                    std::array<Vec3, 8> &gradients) const;
 
-  /// Moves phyxels; `distorted`: cells (by index) that are no cubes any more.
+  /// Moves phyxels; `distorted`: cells (by index) that are no longer cubes.
   void move(std::vector<Vec3> positions, std::vector<std::uint8_t> distorted);
   [[nodiscard]] bool distorted(Index cell) const { return !distorted_.empty() && distorted_[cell] != 0; }
-  /// Nodes of a cell that does not hang on anything.
+  /// Nodes of a cell without hanging corners.
   [[nodiscard]] std::array<Vec3, 8> hexahedron(Index part) const;
-  /// Frees what only building needs.
+  /// Frees data needed for building only.
   void release();
 
  private:
-  // A point of the surface, lattice axes, m: the point, its normal or zero, and a place a little inside.
+  // A point of the surface, lattice axes, m: the point, its normal or zero, and a position slightly inside.
   struct Target {
     Vec3 at, outward, within;
-    double inFront = 0.0;  // how far in front of the point samples may lie, edges
+    double inFront = 0.0;  // how far in front of the point samples may be, edges
   };
   [[nodiscard]] double squaredDistance(const CutCellFragment &part, const Target &target) const;
   void nearestIn(std::size_t firstCell, std::size_t lastCell, const Target &target, double &best, Index &part) const;
   [[nodiscard]] Index nearestPart(const Target &target) const;
-  /// How far a point lies outside of the cell of a part, in its edges; negative inside.
+  /// Distance of a point outside of the cell of a part, in edges; negative inside.
   [[nodiscard]] double outsideOf(Index part, const Vec3 &local) const;
   [[nodiscard]] bool shareCorner(Index a, Index b) const;
   [[nodiscard]] Index neighbourHolding(Index part, const Vec3 &local) const;

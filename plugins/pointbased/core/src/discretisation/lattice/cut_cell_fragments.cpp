@@ -4,16 +4,16 @@
 #include <bit>
 #include <tuple>
 
+#include "base/cancellation_poll.h"
 #include "base/disjoint_sets.h"
-#include "base/look_for_end.h"
 #include "discretisation/lattice/lattice_samples.h"
 
 namespace pointbased::lattice {
 namespace {
 
-// Groups of samples in one cell.
+// Connected groups of samples in one cell.
 struct Groups {
-  std::array<std::int8_t, kSamples> of{};  // root sample; kNoSample: nothing there
+  std::array<std::int8_t, kSamples> of{};  // root sample; kNoSample: none
   [[nodiscard]] int find(int s) const {
     while (of[static_cast<std::size_t>(s)] != s) s = of[static_cast<std::size_t>(s)];
     return s;
@@ -27,11 +27,11 @@ struct Groups {
 
 struct OpenPair {
   Index cell;
-  std::int8_t a, b;  // to be joined if nothing crosses between from and to
+  std::int8_t a, b;  // joined if nothing crosses between from and to
   Place from, to;
 };
 
-// Pairs of neighbouring samples in different groups, none or both of which are outside.
+// Pairs of neighbouring samples in different groups, with none or both of them outside.
 template <class Decide>
 void forOpenPairs(const View &view, const Groups &groups, bool bothInside, const Decide &decide) {
   for (int s = 0; s < kSamples; ++s) {
@@ -60,7 +60,7 @@ void groupSamples(const CellSet &set, const BodyShape &shape, std::vector<Groups
       if (crosses[i] == 0) groups[set.cells[open[i].cell].samples].join(open[i].a, open[i].b);
   };
 
-  // Samples inside: first the pairs that are certain, then those that are still apart.
+  // Samples inside: first the certain pairs, then those that are still separate.
   std::vector<OpenPair> open;
   for (const Index c : cut) {
     const View view = viewOf(set, c);
@@ -77,7 +77,7 @@ void groupSamples(const CellSet &set, const BodyShape &shape, std::vector<Groups
   }
   if (asks) decideOpen(open);
 
-  // Samples outside join what they lead down to, then what nothing separates from it.
+  // Samples outside join the sample below them, then those that nothing separates from it.
   open.clear();
   for (const Index c : cut) {
     const View view = viewOf(set, c);
@@ -100,7 +100,7 @@ void groupSamples(const CellSet &set, const BodyShape &shape, std::vector<Groups
   if (asks) decideOpen(open);
 }
 
-// Parts of one cell from its groups; samples too faint to connect go to the nearest part.
+// Parts of one cell from its groups; samples with too small a share to connect belong to the nearest part.
 void addParts(const CellSet &set, std::size_t cell, const Groups *groups, std::vector<CutCellFragment> &parts) {
   if (groups == nullptr) {
     CutCellFragment part;
@@ -186,7 +186,7 @@ Index behind(const CellSet &set, const Cell &cell, int face) {
 
 void linkParts(const CellSet &set, const BodyShape &shape, PartSet &result, const ParallelFor &parallelFor) {
   const bool asks = static_cast<bool>(shape.crosses);
-  // CutCellFragment of every sample of the cut cells.
+  // Fragment of every sample of the cut cells.
   std::vector<std::array<Index, kSamples>> partOf(set.samples.size());
   for (std::size_t p = 0; p < result.parts.size(); ++p) {
     const Index samples = set.cells[result.parts[p].cell].samples;
@@ -200,7 +200,7 @@ void linkParts(const CellSet &set, const BodyShape &shape, PartSet &result, cons
   };
   CrossingQuestions questions(shape, set);
   std::vector<FragmentLink> open, found;
-  detail::Looks look(parallelFor);
+  detail::CancellationPoll look(parallelFor);
   for (std::size_t c = 0; c < set.cells.size(); ++c)
     for (int face = 0; face < 6; ++face) {
       look();
@@ -254,8 +254,8 @@ void linkParts(const CellSet &set, const BodyShape &shape, PartSet &result, cons
   result.links.insert(result.links.end(), clear.begin(), clear.end());
 }
 
-// Slivers are dropped: parts of less than a fiftieth of their cell next to larger ones, and specks of up to two samples
-// that hang together with nothing, unless there is nothing else.
+// Drops slivers: parts of less than a fiftieth of their cell next to larger ones, and specks of up to two samples that
+// are connected to nothing, unless there is nothing else.
 void dropSlivers(const CellSet &set, PartSet &result) {
   constexpr double kSliver = 0.02, kSpeck = 2.0 / kSamples;
   DisjointSets sets(result.parts.size());
@@ -290,7 +290,7 @@ PartSet findParts(const CellSet &set, const BodyShape &shape, const ParallelFor 
   groupSamples(set, shape, groups, parallelFor);
   PartSet result;
   result.first.reserve(set.cells.size() + 1);
-  detail::Looks look(parallelFor);
+  detail::CancellationPoll look(parallelFor);
   for (std::size_t c = 0; c < set.cells.size(); ++c) {
     look();
     result.first.push_back(static_cast<Index>(result.parts.size()));

@@ -8,7 +8,7 @@
 #include <optional>
 #include <unordered_map>
 
-#include "base/look_for_end.h"
+#include "base/cancellation_poll.h"
 #include "base/number_text.h"
 #include "discretisation/lattice/cell_map.h"
 #include "discretisation/lattice/lattice_constraints.h"
@@ -80,7 +80,7 @@ Result<Cut> cutCells(const BodyShape &shape, const LatticeSampling &sampling, do
   Cut cut;
   cut.set = std::move(*set);
   cut.parts = findParts(cut.set, shape, parallelFor);
-  detail::lookForEnd(parallelFor);
+  detail::checkCancelled(parallelFor);
   cut.corners = joinCorners(cut.set, cut.parts, parallelFor);
   if (static_cast<double>(cut.corners.positions.size()) > kExpectationSlack * static_cast<double>(kMaximumPhyxels))
     return refuse("a spacing of " + number(spacing, 4) + " m makes " + std::to_string(cut.corners.positions.size()) +
@@ -88,8 +88,8 @@ Result<Cut> cutCells(const BodyShape &shape, const LatticeSampling &sampling, do
   return cut;
 }
 
-// The number of corners falls in jumps as the spacing grows; a few corrections come within some per cent. Those of a
-// cheap estimate first, then of the real thing.
+// The number of corners decreases in steps as the spacing grows; a few corrections come within some per cent. A cheap
+// estimate is corrected first, then the real number.
 Result<Cut> cutForCount(const BodyShape &shape, const LatticeSampling &sampling, const ParallelFor &parallelFor,
                         const SamplingProgress &progress) {
   constexpr int kEstimates = 16, kAttempts = 4;
@@ -114,7 +114,7 @@ Result<Cut> cutForCount(const BodyShape &shape, const LatticeSampling &sampling,
       if (miss <= 0.01 * target) break;
       (found > target ? tooFine : tooCoarse) = spacing;
       spacing *= std::cbrt(std::max(found, 1.0) / target);
-      // Between two jumps the corrections would go to and fro.
+      // Between two steps the corrections would alternate.
       if (spacing <= tooFine || spacing >= tooCoarse) spacing = 0.5 * (tooFine + tooCoarse);
       if (spacing > 1e299 || tooCoarse - tooFine < 1e-4 * tooFine) break;
     }
@@ -152,7 +152,7 @@ Eigen::Vector4d modeSigns(std::size_t corner) {
 struct PointGeometry {
   double volume = 0.0;            // m³
   Vec3 centre = Vec3::Zero();     // lattice axes, m
-  Vec3 spread = Vec3::Zero();     // m²
+  Vec3 variance = Vec3::Zero();   // m²
   std::array<Vec3, 8> gradients;  // lattice axes, 1/m
   std::array<Eigen::Vector4d, 8> modes;
 };
@@ -167,53 +167,53 @@ PointGeometry pointOf(const LatticeCellMap &map, Index p, const Moments &content
     const HexahedronMeans means = meansOf(corners = map.hexahedron(p));
     point.volume = means.volume;
     point.centre = means.centroid;
-    point.spread = means.variance;
+    point.variance = means.variance;
     point.gradients = means.gradients;
     for (Vec3 &corner : corners) corner -= map.set().centre(cell);
   } else {
     point.volume = content.share * edge * edge * edge;
     point.centre = map.set().centre(cell) + edge * content.centroid();
-    point.spread = edge * edge * content.variance();
+    point.variance = edge * edge * content.variance();
     point.gradients = content.gradients();
     for (Vec3 &g : point.gradients) g /= edge;
     for (int j = 0; j < 8; ++j)
       corners[static_cast<std::size_t>(j)] = 0.5 * edge * Vec3(cornerSign(j, 0), cornerSign(j, 1), cornerSign(j, 2));
   }
-  // Flanagan and Belytschko's projection: s - mean(s) - g · Σ s X sees no affine field.
+  // Projection of Flanagan and Belytschko: s - mean(s) - g · Σ s X vanishes for affine fields.
   Eigen::Matrix<double, 4, 3> moments = Eigen::Matrix<double, 4, 3>::Zero();
   for (std::size_t j = 0; j < 8; ++j) moments += modeSigns(j) * corners[j].transpose();
   const double plane = 0.5 / (edge * edge), space = 1.0 / (edge * edge * edge);
   Eigen::Vector4d scale = Eigen::Vector4d(plane, plane, plane, space).cwiseProduct(modeFactors(map.set(), part));
-  // The mode xyz of a cut part is held as that of a whole cell: its spread would let corners outside of the body
-  // rattle.
-  scale[3] *= edge * edge / 12.0 / std::max(point.spread.mean(), 1e-3 * edge * edge);
+  // The mode xyz of a cut part is stabilised as that of a whole cell: by its own variance, corners outside of the body
+  // would oscillate.
+  scale[3] *= edge * edge / 12.0 / std::max(point.variance.mean(), 1e-3 * edge * edge);
   for (std::size_t j = 0; j < 8; ++j) point.modes[j] = scale.cwiseProduct(modeSigns(j) - moments * point.gradients[j]);
   return point;
 }
 
-// What of a part of a cell is of one material.
+// Part of a cell fragment that consists of one material.
 struct MaterialContent {
   std::uint16_t material = 0;
   Moments moments;
 };
-// Of the free part of a cell: less goes to the material of which there is most.
-constexpr double kLeastContent = 0.02;
-// Of what voxels tell exactly: a stiff vessel of this part of a cell is felt.
-constexpr double kLeastByVoxels = 0.005;
+// Of the free part of a cell: smaller amounts are assigned to the dominant material.
+constexpr double kMinContent = 0.02;
+// The same if voxels provide exact amounts: a stiff vessel of this part of a cell is noticeable.
+constexpr double kMinByVoxels = 0.005;
 
-// What lies where in a cell, of the materials and of what is held.
+// Divides cells among the materials and the held regions.
 class MaterialFinder {
  public:
   MaterialFinder(const BodyShape &shape, const LatticeSampling &sampling, const CellSet &set)
       : shape_(shape), sampling_(sampling), set_(set) {}
 
-  // One material: `free` as it is.
+  // Single material: `free` unchanged.
   [[nodiscard]] std::vector<MaterialContent> contentsIn(const CutCellFragment &part, const Moments &free) const {
     const Cell &cell = set_.cells[part.cell];
     const Vec3 middle = set_.frame.world(set_.centre(cell));
     const double reach = 0.5 * std::sqrt(3.0) * set_.edge(cell);
     const auto cuts = [&](const Region &region) { return std::abs(signedDistance(region, middle)) <= reach; };
-    // The last region that all of it lies in hides the ones before.
+    // The last region that contains the whole cell hides those before it.
     std::vector<std::size_t> near;
     std::uint16_t under = 0;
     for (std::size_t i = sampling_.materials.size(); i-- > 0;) {
@@ -263,7 +263,7 @@ class MaterialFinder {
     const bool byVoxels = std::any_of(near.begin(), near.end(), [&](std::size_t i) {
       return std::holds_alternative<VoxelRegion>(sampling_.materials[i].first);
     });
-    return withoutSlivers(found, under, free, byVoxels ? kLeastByVoxels : kLeastContent);
+    return withoutSlivers(found, under, free, byVoxels ? kMinByVoxels : kMinContent);
   }
 
  private:
@@ -283,7 +283,7 @@ class MaterialFinder {
   const CellSet &set_;
 };
 
-// Notes points whose cells have corners that hang.
+// Collects points whose cells have hanging corners.
 class HangingCellFinder {
  public:
   HangingCellFinder(const NodeTable &corners, HangingCells &out) : corners_(corners), out_(out) {}
@@ -337,10 +337,11 @@ void buildPoints(const BodyShape &shape, const LatticeSampling &sampling, const 
   HangingCellFinder hanging(map.corners(), stencils.hanging);
   Row row;
   for (std::size_t p = 0; p < contents.size(); ++p) {
-    if (p % detail::kLookEvery == 0) detail::lookForEnd(parallelFor);
+    if (p % detail::kPollInterval == 0) detail::checkCancelled(parallelFor);
     const CutCellFragment &part = map.parts()[p];
     if (!part.kept || !contents[p].isFree()) continue;
-    // A cell whose corners have been moved is known by these alone: it is of what it holds most of.
+    // A cell whose corners have been moved has a single material, the dominant one: its shape is known from the corners
+    // only.
     std::vector<MaterialContent> materials{{0, contents[p].free}};
     if (!sampling.materials.empty()) materials = finder.contentsIn(part, contents[p].free);
     if (map.distorted(part.cell))
@@ -356,7 +357,7 @@ void buildPoints(const BodyShape &shape, const LatticeSampling &sampling, const 
       stencils.gradients.insert(stencils.gradients.end(), row.gradients.begin(), row.gradients.end());
       stencils.modes.insert(stencils.modes.end(), row.modes.begin(), row.modes.end());
       stencils.phyxels.offsets.push_back(static_cast<Index>(stencils.phyxels.indices.size()));
-      stencils.variances.push_back(point.spread);
+      stencils.variances.push_back(point.variance);
       stencils.volumes.push_back(point.volume);
       if (!sampling.materials.empty()) stencils.materials.push_back(material);
       body.pointCentres.push_back(axes * point.centre);
@@ -374,7 +375,7 @@ void buildPoints(const BodyShape &shape, const LatticeSampling &sampling, const 
   buildGather(stencils, body.positions.size());
 }
 
-// Regions that refine nothing are a mistake in a place or a unit.
+// Regions that refine nothing indicate a wrong position or unit.
 Result<void> checkRefinements(const BodyShape &shape, const LatticeSampling &sampling, const LatticeCellMap &map) {
   const CellSet &set = map.set();
   for (std::size_t i = 0; i < sampling.refinements.size(); ++i) {
@@ -394,7 +395,7 @@ Result<void> checkRefinements(const BodyShape &shape, const LatticeSampling &sam
   return {};
 }
 
-// Regions that give nothing a material are a mistake in a place or a unit; what voxels hold is there, however little.
+// Regions that assign no material indicate a wrong position or unit; voxels are present, however little they contain.
 Result<void> checkMaterials(const LatticeSampling &sampling, const StencilSet &stencils) {
   for (std::size_t i = 0; i < sampling.materials.size(); ++i) {
     const auto &[region, material] = sampling.materials[i];
@@ -444,7 +445,7 @@ Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &w
   body.supportVolumes = std::move(shared.carried);
   buildPoints(shape, sampling, *map, contents, body, parallelFor);
 
-  // What was counted comes to the volume of the body.
+  // The counted volume is scaled to the volume of the body.
   double counted = 0.0;
   for (const double v : body.volumes) counted += v;
   body.countedVolume = counted;

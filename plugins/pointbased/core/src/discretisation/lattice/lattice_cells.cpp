@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which cells of the lattice hold something of the body, and how they are refined.
+// Finds the cells of the lattice that contain part of the body, and refines them.
 #include <numbers>
 
 #include "base/number_text.h"
@@ -8,7 +8,7 @@
 namespace pointbased {
 namespace {
 
-// Edge of the largest cells that are at most this large, by halving.
+// Edge of the largest cells with at most this size, by halving.
 double halvedTo(double spacing, double wanted) {
   return spacing / std::exp2(std::max(0.0, std::ceil(std::log2(spacing / wanted) - 1e-6)));
 }
@@ -43,8 +43,8 @@ enum class State : std::uint8_t { kEmpty, kFull, kCut, kSplit, kUnknown };
 
 using detail::number;
 
-// Nodes of cells along a refined surface, and of the coarser ones that grading puts inside of them, for each that the
-// surface adds to a lattice that is as fine everywhere.
+// Nodes of a refined surface, per node that the surface adds to a lattice of this spacing everywhere. It includes the
+// coarser cells that grading adds inside.
 constexpr double kLayersOfSurface = 2.2;
 
 const double kHalfDiagonal = 0.5 * std::numbers::sqrt3 * (1.0 + 1e-9);  // of a cell of edge 1
@@ -61,7 +61,7 @@ std::vector<std::uint8_t> farFromSurface(const Questions &ask, std::span<const V
   return far;
 }
 
-// Coarsest cells have a number: x runs fastest.
+// Coarsest cells are numbered with x fastest.
 Cell3 baseCell(const Frame &frame, std::size_t i) {
   const auto nx = static_cast<std::size_t>(frame.n[0]), ny = static_cast<std::size_t>(frame.n[1]);
   return Cell3{static_cast<std::int32_t>(i % nx), static_cast<std::int32_t>(i / nx % ny),
@@ -74,8 +74,8 @@ Vec3 baseCentre(const Frame &frame, std::size_t i) {
   return Vec3(k[0], k[1], k[2]) + Vec3::Constant(0.5);
 }
 
-// States of the coarsest cells, by number. Two neighbours that are both farther from the surface than half a
-// diagonal lie on the same side of it, so one question per connected group decides them all.
+// States of the coarsest cells, by number. Two neighbours that are both farther from the surface than half a diagonal
+// are on the same side of it, so one query per connected group is sufficient.
 Result<std::vector<State>> scan(const Questions &ask, const Frame &frame, const ParallelFor &parallelFor,
                                 const SamplingProgress &progress) {
   const auto nx = static_cast<std::size_t>(frame.n[0]), ny = static_cast<std::size_t>(frame.n[1]),
@@ -125,7 +125,7 @@ Result<std::vector<State>> scan(const Questions &ask, const Frame &frame, const 
   return states;
 }
 
-// The octree as one map per level; absent nodes are empty.
+// Octree as one map per level; absent nodes are empty.
 class Tree {
  public:
   Tree(const Questions &ask, const Frame &frame, const ParallelFor &parallelFor)
@@ -182,7 +182,7 @@ class Tree {
         level(l + 1).emplace(CellIndex::key(l + 1, open[i]), State::kFull);
   }
 
-  // Splits cells next to cells of less than half their edge. True: something was split.
+  // Splits cells next to cells of less than half their edge. Returns whether any cell was split.
   bool grade() {
     bool any = false;
     for (int l = frame_.levels; l >= 2; --l) {
@@ -218,7 +218,7 @@ class Tree {
   std::vector<Nodes> nodes_;
 };
 
-// Whether a cell and a region have a point in common: its ball decides most, points of the cell the rest.
+// Whether a cell and a region have a common point: decided by spheres in most cases, otherwise by points of the cell.
 bool meets(const Region &region, const Frame &frame, const Vec3 &centre, double edge) {
   const double distance = signedDistance(region, frame.world(centre));
   if (distance <= 0.5 * edge * (1.0 - 1e-6)) return true;
@@ -240,7 +240,7 @@ std::string tooMany() {
          " phyxels: use a larger spacing in refinements or surfaceSpacing";
 }
 
-// CutCellFragment of a cell that lies in a region.
+// Share of a cell that is inside a region.
 double partIn(const Region &region, const Frame &frame, const Vec3 &centre, double edge) {
   const double distance = signedDistance(region, frame.world(centre));
   if (std::abs(distance) > kHalfDiagonal * edge) return distance < 0.0 ? 1.0 : 0.0;
@@ -250,8 +250,8 @@ double partIn(const Region &region, const Frame &frame, const Vec3 &centre, doub
   return static_cast<double>(in) / kSamples;
 }
 
-// What the refined lattice will about be, before its octree takes time and memory: finer cells in the parts of coarse
-// ones that a refinement covers, and along the surface.
+// Estimates the size of the refined lattice before its octree takes time and memory: finer cells in the parts of coarse
+// cells covered by a refinement, and along the surface.
 Result<void> checkRefined(const BodyShape &shape, const LatticeSampling &sampling, const Frame &frame,
                           std::span<const State> states, const ParallelFor &parallelFor) {
   std::vector<double> expected(states.size(), 0.0);
@@ -269,7 +269,7 @@ Result<void> checkRefined(const BodyShape &shape, const LatticeSampling &samplin
   double total = 0.0, finest = frame.spacing;
   for (const double cells : expected) total += cells;
   for (const Refinement &r : sampling.refinements) finest = std::min(finest, halvedTo(frame.spacing, r.spacing));
-  // Coarse cells that hold little of the body count too much: no more than if all of it were that fine.
+  // Coarse cells that contain little of the body are overestimated: the limit is a body that is as fine everywhere.
   total = std::min(total, expectedCorners(shape, finest));
   if (sampling.surfaceSpacing > 0.0 && sampling.surfaceSpacing < frame.spacing)
     total = std::max(
@@ -280,7 +280,7 @@ Result<void> checkRefined(const BodyShape &shape, const LatticeSampling &samplin
                                      " are accepted: use a larger spacing there");
 }
 
-/// A cell that holds something of the body, not yet sampled.
+/// A cell that contains part of the body, not yet sampled.
 struct Leaf {
   Cell cell;
   State state = State::kEmpty;
@@ -293,7 +293,7 @@ std::vector<Leaf> coarsestLeaves(const Frame &frame, std::span<const State> stat
   return leaves;
 }
 
-// Cells of a level that are coarser than the surface, a refinement or the list of finer cells wants them.
+// Cells of a level that are coarser than required by the surface, a refinement or the list of finer cells.
 std::vector<Cell3> cellsToSplit(Tree &tree, int level, const LatticeSampling &sampling, const Frame &frame) {
   std::vector<Cell3> split;
   for (const auto &[key, state] : tree.level(level)) {
@@ -311,7 +311,7 @@ std::vector<Cell3> cellsToSplit(Tree &tree, int level, const LatticeSampling &sa
   return split;
 }
 
-// Of an octree over the coarsest cells.
+// Leaves of an octree over the coarsest cells.
 Result<std::vector<Leaf>> octreeLeaves(const Questions &ask, const Frame &frame, const LatticeSampling &sampling,
                                        std::span<const State> states, const ParallelFor &parallelFor) {
   Tree tree(ask, frame, parallelFor);
@@ -335,7 +335,7 @@ Result<std::vector<Leaf>> octreeLeaves(const Questions &ask, const Frame &frame,
   return leaves;
 }
 
-// Samples of the leaves that the surface may cut, in their order; nothing: cancelled.
+// Samples of the leaves that the surface may cut, in their order. Error: cancelled.
 Result<std::vector<Samples>> sampleCut(const Questions &ask, const CellSet &set, std::span<const Leaf> leaves,
                                        const ParallelFor &parallelFor, const SamplingProgress &progress) {
   std::vector<Cell> cut;
@@ -353,7 +353,7 @@ Result<std::vector<Samples>> sampleCut(const Questions &ask, const CellSet &set,
   return samples;
 }
 
-// Keeps what holds something of the body, with its samples where that is not all of it.
+// Keeps leaves that contain part of the body, with their samples if they are cut.
 void keepFilled(std::span<const Leaf> leaves, std::span<const Samples> samples, CellSet &set) {
   std::size_t next = 0;
   for (const Leaf &leaf : leaves) {
@@ -418,7 +418,7 @@ std::size_t estimateCorners(const BodyShape &shape, const LatticeSampling &sampl
   const Frame frame = frameOver(shape, sampling, spacing);
   const Questions ask(shape, frame);
   const auto states = scan(ask, frame, parallelFor, {});
-  // Of a cut cell, eight points tell whether it holds a hundredth of the body.
+  // For a cut cell, eight points decide whether it contains a hundredth of the body.
   const auto nx = static_cast<std::size_t>(frame.n[0]), ny = static_cast<std::size_t>(frame.n[1]);
   std::vector<std::size_t> cut;
   std::vector<std::uint8_t> holds(states->size(), 0);

@@ -13,18 +13,19 @@ namespace pointbased::lattice {
 namespace {
 
 constexpr double kSmall = 1.0 / kSamplesPerAxis;
-// Rows with less weight than this on phyxels that are not held themselves say nothing new.
+// Rows with less weight than this on phyxels that are not held themselves are redundant.
 constexpr double kLoose = 0.05;
-// Largest variance, edges², of a border that is held by one mean: a little more than 1/12, that of one along the
-// lattice.
+// Largest variance, edges², of a border that is held by a single mean: a little more than 1/12, that of a border along
+// the lattice.
 constexpr double kLongBorder = 0.09;
-// What is filled by voxels to this part, less some hundredths of a small cell, is filled: shares are known no better. A
-// part of a cell whose sum is filled to the second holds nothing that is free: slivers of it would hang on nothing.
+// kAll: a small cell filled by voxels to this part, minus kNearlyNone of it, counts as full: shares are not more
+// accurate. kAllOfPart: a part of a cell whose sum is filled to this contains nothing free: slivers of it would be
+// connected to nothing.
 constexpr double kAll = 0.97, kNearlyNone = 0.03, kAllOfPart = 0.95;
-// Of all that is free: less than this that hangs on nothing is a bit.
+// Of all free material: an unconnected piece smaller than this is a loose bit.
 constexpr double kLooseBit = 0.01;
 
-// How a region cuts one small cell, as if its border were a plane there.
+// Cut of one small cell by a region, with a planar border.
 struct RegionCut {
   double distance = 0.0;       // of the centre of the small cell, m
   Vec3 normal = Vec3::Zero();  // lattice axes
@@ -41,8 +42,8 @@ RegionCut cutOf(const CellSet &set, const Region &region, const Cell &cell, int 
   return cut;
 }
 
-// The content of a small cell on both sides of a region's border. Where border and surface run along each other they
-// are ends of intervals on one line; elsewhere each cuts the same part off what the other leaves.
+// Content of a small cell on both sides of the border of a region. If border and surface are parallel, they are ends of
+// intervals on one line. Otherwise each removes the same share of the remainder of the other.
 DividedSample divide(const SampleContent &content, const Vec3 &middle, const RegionCut &cut) {
   DividedSample result{content, content};
   const double along = content.normal.dot(cut.normal);
@@ -72,20 +73,20 @@ DividedSample divide(const SampleContent &content, const Vec3 &middle, const Reg
   return result;
 }
 
-// A box thinner than what acts as a surface holds no volume, wherever in a cell it lies.
+// A box thinner than a layer that acts as a surface contains no volume, wherever it is in a cell.
 bool isSheet(const Region &region, double edge) {
   const auto *box = std::get_if<BoxRegion>(&region);
   return box != nullptr && (box->max - box->min).minCoeff() < kThinLayer * edge;
 }
 
-// Whether a region can hold a part of a cell (> 0), all of it (< 0), or must be looked at (0).
+// Whether a region contains no part of a cell (> 0), all of it (< 0), or has to be measured (0).
 int sideOf(const CellSet &set, const Region &region, const Cell &cell) {
   const double distance = signedDistance(region, set.frame.world(set.centre(cell)));
   const double reach = 1.4 * set.edge(cell);  // half a diagonal, and one of a small cell
   return distance > reach ? 1 : distance < -reach ? -1 : 0;
 }
 
-// Whether a small cell outside of held voxels is parted from them by a gap.
+// Whether a gap separates a small cell outside of held voxels from them.
 bool isBeyondGap(const BodyShape &shape, const CellSet &set, const VoxelRegion &held, const Cell &cell,
                  const SampleContent &content, const Vec3 &middle, const RegionCut &cut) {
   if (!(cut.distance > 0.0) || !shape.crosses) return false;
@@ -97,8 +98,8 @@ bool isBeyondGap(const BodyShape &shape, const CellSet &set, const VoxelRegion &
   return crosses != 0;
 }
 
-// As divide(), but voxels tell how much they fill, and end at gaps: planes leave slivers free beside the surface of
-// what is held, and hold across gaps thinner than a small cell.
+// As divide(), but voxels determine their filling and end at gaps. Planes would leave free slivers next to the surface
+// of held voxels, and would hold across gaps thinner than a small cell.
 DividedSample divideByRegion(const BodyShape &shape, const CellSet &set, const Region &region, const Cell &cell,
                              int sample, const SampleContent &content, const RegionCut &cut) {
   const Vec3 middle = sampleOffset(sample);
@@ -119,7 +120,7 @@ DividedSample divideByRegion(const BodyShape &shape, const CellSet &set, const R
   return result;
 }
 
-// Σ over the samples of the part.
+// Sums over the samples of the part.
 HeldPatch measureVolume(const BodyShape &shape, const CellSet &set, const CutCellFragment &part, const Moments &all,
                         const Region &region) {
   HeldPatch patch;
@@ -130,7 +131,7 @@ HeldPatch measureVolume(const BodyShape &shape, const CellSet &set, const CutCel
     patch.held = all;
     return patch;
   }
-  // What is too faint to connect is of the nearest part, be it beyond a gap.
+  // Samples with too small a share to connect belong to the nearest part, even beyond a gap.
   const View view = viewOf(set, part.cell);
   const bool connects = std::holds_alternative<VoxelRegion>(region);
   const double edge = set.edge(cell), width = kSmall * edge;
@@ -142,8 +143,8 @@ HeldPatch measureVolume(const BodyShape &shape, const CellSet &set, const CutCel
     const DividedSample divided = divideByRegion(shape, set, region, cell, s, content, cut);
     if (divided.inside.share > 0.0)
       patch.held.add(divided.inside.share / kSamples, divided.inside.centre, divided.inside.variance);
-    // The border as a smeared delta, one small cell wide along its normal. Between two cells it belongs to the outer
-    // one, which is the one that can deform.
+    // The border as a smeared delta function, one small cell wide along its normal. A border between two cells belongs
+    // to the outer one, which can deform.
     const double reach = 0.5 * cut.normal.lpNorm<1>();
     const double layers = cut.distance / width - 1e-3;
     if (!(layers > -reach && layers <= reach) || divided.border <= 0.0 || (connects && !view.connects(s))) continue;
@@ -155,7 +156,7 @@ HeldPatch measureVolume(const BodyShape &shape, const CellSet &set, const CutCel
   return patch;
 }
 
-// A layer between the border and a surface that runs along it, or a surface without any border inside the part.
+// A layer between the border and a surface parallel to it, or a surface without a border inside the part.
 bool isThin(const HeldPatch &patch, const Moments &all, double edge) {
   if (!(patch.borderArea > 0.0)) return patch.surfaceArea > 0.0 && patch.held.share < 1e-3 * all.share;
   return patch.facingArea > 0.5 * patch.borderArea &&
@@ -219,7 +220,7 @@ void forPhyxels(const LatticeCellMap &map, Index part, const Visit &visit) {
     for (std::uint32_t e = corners.offsets[node]; e < corners.offsets[node + 1]; ++e) visit(corners.phyxels[e]);
 }
 
-// One region's rows and phyxels.
+// Rows and phyxels of one region.
 class Holder {
  public:
   Holder(const BodyShape &shape, const Region &region, const LatticeCellMap &map, const std::vector<HeldPatch> &patches,
@@ -244,7 +245,7 @@ class Holder {
   [[nodiscard]] double edgeOf(const HeldPatch &patch) const {
     return map_.set().edge(map_.set().cells[map_.parts()[patch.part].cell]);
   }
-  // Where all of a part is held, its corners are.
+  // If all of a part is held, its corners are held.
   [[nodiscard]] bool hasBorder(const HeldPatch &patch) const {
     return !patch.thin && contents_[patch.part].isFree() && patch.borderArea > 0.0;
   }
@@ -263,7 +264,7 @@ class Holder {
       sum += cube * (patch.held.share * centre + edge * patch.held.first);
     }
     const Mat3 &axes = map_.set().frame.axes;
-    // Slivers of volume beside a held face say nothing of where it is.
+    // Slivers of volume next to a held face do not determine its position.
     const double cell = map_.set().frame.spacing * map_.set().frame.spacing * map_.set().frame.spacing;
     const bool hasVolume =
         thick > 1e-3 * cell && (result_.area <= 0.0 || thick > 1e-3 * result_.area * map_.set().frame.spacing);
@@ -284,7 +285,7 @@ class Holder {
         forPhyxels(map_, patch.part, [&](Index i) { candidate[i] = 1; });
     }
     for (std::size_t i = 0; i < n; ++i) held_[i] = candidate[i] != 0 && movable_[i] == 0 ? 1 : 0;
-    // On a held surface, or in a held layer so thin that it acts as its surface; not where the border cuts the cell.
+    // On a held surface, or in a held layer so thin that it acts as a surface; not where the border cuts the cell.
     for (const HeldPatch &patch : patches_)
       if (hasBorder(patch)) forPhyxels(map_, patch.part, [&](Index i) { onThin[i] = 0; });
     const Frame &frame = map_.set().frame;
@@ -309,8 +310,9 @@ class Holder {
       if (held_[i] != 0) result_.phyxels.push_back(static_cast<Index>(i));
   }
 
-  // One row for the border in a cell, or one for each half of it across its longest way: a border that runs through
-  // the edges of a cell is longer than the cell, and where a lobe is no wider than that its mean alone is a hinge.
+  // One row for the border in a cell, or one for each half of it, divided along its longest direction. A border through
+  // the edges of a cell is longer than the cell. Where a lobe is no wider than that, a single mean would act as a
+  // hinge.
   void addBorder(const HeldPatch &patch) {
     Vec3 middle = Vec3::Zero();
     Mat3 spread = Mat3::Zero();
@@ -356,7 +358,7 @@ class Holder {
   const LatticeCellMap &map_;
   const std::vector<HeldPatch> &patches_;
   std::span<const PartContent> contents_;
-  std::span<const std::uint8_t> movable_;  // phyxels that free material touches
+  std::span<const std::uint8_t> movable_;  // phyxels adjacent to free material
   std::vector<std::uint8_t> held_;
   ConstrainedRegion result_;
   Row row_;
@@ -366,9 +368,9 @@ class Holder {
 
 namespace {
 
-// Bits of tissue that nothing joins to what voxels hold would fall out of the scan: they are held.
-void holdLooseBits(const LatticeSampling &sampling, const LatticeCellMap &map, std::vector<PartContent> &contents,
-                   HeldPatches &patches) {
+// Pieces of tissue that nothing connects to held voxels would be unconstrained: they are held.
+void constrainIslands(const LatticeSampling &sampling, const LatticeCellMap &map, std::vector<PartContent> &contents,
+                      HeldPatches &patches) {
   const auto region = std::find_if(sampling.held.begin(), sampling.held.end(),
                                    [](const Region &held) { return std::holds_alternative<VoxelRegion>(held); });
   if (region == sampling.held.end()) return;
@@ -409,7 +411,7 @@ HeldPatches findHeld(const BodyShape &shape, const LatticeSampling &sampling, co
   if (result.empty()) return result;
   const CellSet &set = map.set();
   std::vector<std::vector<const Region *>> holding(map.parts().size());
-  std::vector<std::uint8_t> whole(map.parts().size(), 0);  // held, whatever is free of it
+  std::vector<std::uint8_t> whole(map.parts().size(), 0);  // held, even if part of it is free
   for (std::size_t r = 0; r < sampling.held.size(); ++r) {
     const Region &region = sampling.held[r];
     std::vector<HeldPatch> measured(map.parts().size());
@@ -430,7 +432,7 @@ HeldPatches findHeld(const BodyShape &shape, const LatticeSampling &sampling, co
       contents[patch.part].touched = true;
       patch.thin = isThin(patch, contents[patch.part].all, set.edge(set.cells[map.parts()[patch.part].cell]));
       if (!patch.thin && patch.held.share > 0.0) holding[patch.part].push_back(&region);
-      // What is left of it would hang on nothing.
+      // The remainder would be connected to nothing.
       if (std::holds_alternative<VoxelRegion>(region) && patch.border.empty() &&
           patch.held.share > 0.5 * contents[patch.part].all.share)
         whole[patch.part] = 1;
@@ -443,7 +445,7 @@ HeldPatches findHeld(const BodyShape &shape, const LatticeSampling &sampling, co
       else if (!holding[p].empty())
         contents[p].free = freeMoments(shape, set, map.parts()[p], holding[p]);
   });
-  holdLooseBits(sampling, map, contents, result);
+  constrainIslands(sampling, map, contents, result);
   return result;
 }
 
@@ -480,7 +482,7 @@ Result<std::vector<ConstrainedRegion>> holdLattice(const BodyShape &shape, const
   std::vector<std::uint8_t> taken(movable.size(), 0);
   for (std::size_t r = 0; r < patches.size(); ++r) {
     ConstrainedRegion part = Holder(shape, sampling.held[r], map, patches[r], contents, movable).hold(scale);
-    // A phyxel that two regions hold follows the first.
+    // A phyxel held by two regions follows the first.
     std::erase_if(part.phyxels, [&](Index i) { return taken[i] != 0; });
     for (const Index i : part.phyxels) taken[i] = 1;
     if (part.empty())

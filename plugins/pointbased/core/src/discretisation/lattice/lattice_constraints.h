@@ -8,35 +8,35 @@
 
 namespace pointbased::lattice {
 
-/// What a part holds: all of it, and what is free to deform.
+/// Content of a part: all of it, and what is free to deform.
 struct PartContent {
   Moments all, free;
   bool touched = false;  ///< by a held region
   [[nodiscard]] bool isFree() const { return free.share > 1e-3 * all.share; }
 };
 
-/// The content of a small cell on both sides of a region's border.
+/// Content of a small cell on both sides of the border of a region.
 struct DividedSample {
   SampleContent inside, outside;
-  double border = 0.0;  ///< part of the border within the small cell that lies inside the body
+  double border = 0.0;  ///< part of the border within the small cell that is inside the body
 };
-/// As if the border were a plane in the small cell around a sample.
+/// Divides the small cell around a sample by a planar border.
 [[nodiscard]] DividedSample divideSample(const CellSet &set, const Region &region, const Cell &cell, int sample,
                                          const SampleContent &content);
-/// The same of a held region: voxels hold what they fill, and nothing beyond a gap.
+/// Same for a held region: voxels hold the volume they fill, and nothing beyond a gap.
 [[nodiscard]] DividedSample divideHeld(const BodyShape &shape, const CellSet &set, const Region &region,
                                        const Cell &cell, int sample, const SampleContent &content);
-/// What voxels fill of the small cell around a sample, however thin they lie in it: no plane is asked. Nothing for
+/// Share of the small cell around a sample that voxels fill, however thin they are in it; no plane is fitted. Empty for
 /// other regions.
 [[nodiscard]] std::optional<double> voxelShare(const CellSet &set, const Region &region, const Cell &cell, int sample);
 
-/// A piece of a region's border inside the body.
+/// A piece of the border of a region inside the body.
 struct BorderPiece {
   Vec3 place = Vec3::Zero();  ///< in edges of the cell from its centre
   double area = 0.0;          ///< m²
 };
 
-/// What a held region has in common with one part; means are area-weighted.
+/// Intersection of a held region with one part; means are area-weighted.
 struct HeldPatch {
   Index part = 0;
   Moments held;                     ///< material inside the region
@@ -44,17 +44,17 @@ struct HeldPatch {
   std::vector<BorderPiece> border;  ///< the pieces of it
   double surfaceArea = 0.0;         ///< of the body's surface inside the region, m²
   std::array<double, 8> surface{};  ///< Σ area N_j there, m²
-  /// Of that, what faces away from the border: the other side of a held layer, m²
+  /// Part of that which faces away from the border: the other side of a held layer, m²
   double facingArea = 0.0;
   std::array<double, 8> facing{};     ///< Σ area N_j there, m²
   Vec3 surfaceCentre = Vec3::Zero();  ///< Σ area X, lattice axes, m³
-  bool thin = false;                  ///< acts as its surface: its material stays free
+  bool thin = false;                  ///< acts as a surface: its material remains free
 };
 
 /// By region, then by part.
 using HeldPatches = std::vector<std::vector<HeldPatch>>;
 
-/// Measures what the regions hold, and takes it off `contents`.
+/// Measures the material held by the regions, and removes it from the free part of `contents`.
 [[nodiscard]] HeldPatches findHeld(const BodyShape &shape, const LatticeSampling &sampling, const LatticeCellMap &map,
                                    std::vector<PartContent> &contents, const ParallelFor &parallelFor);
 

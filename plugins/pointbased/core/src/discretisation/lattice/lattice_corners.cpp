@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which corners are one phyxel, and which hang on a larger cell.
+// Merges corners to phyxels, and finds the corners that hang on a larger cell.
 #include <map>
 
+#include "base/cancellation_poll.h"
 #include "base/disjoint_sets.h"
-#include "base/look_for_end.h"
 #include "discretisation/lattice/cut_cell_fragments.h"
 
 namespace pointbased::lattice {
@@ -16,13 +16,13 @@ Cell3 placeOf(const Cell &cell, int corner) {
           cell.at[2] + cell.size * (corner >> 2)};
 }
 
-// The corners of a larger cell's edge or face that a place in its middle follows.
+// Corners of the edge or face of a larger cell that a hanging node at its centre follows.
 struct HangingNodeMasters {
   int count = 0;
   std::array<Index, 4> corners{};
 };
 
-// Nodes of part a's face against those of part b, of a cell of the same size or twice as large.
+// Matches nodes of the face of part a with those of part b, whose cell is of the same size or twice as large.
 template <class Join, class Hang>
 void matchFaces(const CellSet &set, const PartSet &parts, const FragmentLink &link, const Join &join,
                 const Hang &hang) {
@@ -31,7 +31,7 @@ void matchFaces(const CellSet &set, const PartSet &parts, const FragmentLink &li
   for (int corner = 0; corner < 8; ++corner) {
     if ((corner >> axis & 1) != up) continue;
     const Cell3 at = placeOf(a, corner);
-    // Along each axis of the face the place is an end of the larger edge or its middle.
+    // Along each axis of the face the position is an end of the larger edge or its midpoint.
     int fixed = (1 - up) << axis;
     std::array<int, 2> middle{};
     int middles = 0;
@@ -58,7 +58,7 @@ void matchFaces(const CellSet &set, const PartSet &parts, const FragmentLink &li
   }
 }
 
-/// The corners of all fragments, joined where the body goes on.
+/// The corners of all fragments, joined where the body continues.
 class CornerJoiner {
  public:
   CornerJoiner(const CellSet &set, const PartSet &parts, const ParallelFor &parallelFor)
@@ -73,7 +73,7 @@ class CornerJoiner {
           set_, parts_, link, [&](Index a, Index b) { sets_.join(a, b); },
           [&](Index corner, const HangingNodeMasters &masters) { hanging.emplace_back(corner, masters); });
     }
-    // A corner that hangs on two larger cells joins their corners: the body goes on around their common edge.
+    // A corner that hangs on two larger cells joins their corners: the body continues around their common edge.
     for (bool joined = true; joined;) {
       joined = false;
       mastersOf_.clear();
@@ -84,7 +84,7 @@ class CornerJoiner {
     }
   }
 
-  // Nodes of what is kept, and those they hang on, in the order of their places.
+  // Numbers the nodes of kept fragments, and those they hang on, in the order of their positions.
   void number() {
     for (std::size_t p = 0; p < parts_.parts.size(); ++p) {
       look_();
@@ -103,7 +103,7 @@ class CornerJoiner {
 
   [[nodiscard]] Index node(Index corner) { return nodeOf_[sets_.find(corner)]; }
 
-  // Phyxels are the nodes that hang on none.
+  // Phyxels are the nodes that do not hang.
   NodeTable table() {
     NodeTable out;
     std::vector<Index> phyxelOf(nodes_.size(), kNone);
@@ -164,11 +164,11 @@ class CornerJoiner {
 
   const CellSet &set_;
   const PartSet &parts_;
-  detail::Looks look_;
+  detail::CancellationPoll look_;
   DisjointSets sets_;
   std::unordered_map<Index, HangingNodeMasters> mastersOf_;  // by root
   std::vector<Index> nodeOf_;                                // by root
-  std::vector<Index> nodes_;                                 // their roots
+  std::vector<Index> nodes_;                                 // root of each node
 };
 
 }  // namespace

@@ -10,12 +10,12 @@
 namespace pointbased::lattice {
 namespace {
 
-// What m of a ball is, of which every direction is as good as another, and how much less a body with faces must have.
+// m of a ball, for which all directions are equivalent, and the factor by which m of a body with faces must be smaller.
 constexpr double kOfBall = 0.4, kWorthTurning = 0.75;
-// From which gain in m on a lattice is turned, or from a quarter of what there is: a body that lies nearly straight stays.
+// Least gain in m, or a quarter of m, for which a lattice is rotated: a nearly aligned body keeps the world axes.
 constexpr double kGain = 0.002;
 constexpr int kSweeps = 40;
-constexpr double kTurned = 1e-13;  // rad: no longer a turn
+constexpr double kTurned = 1e-13;  // rad: smaller rotations are 0
 
 // Mean of n ⊗ n ⊗ n ⊗ n over the area of a surface.
 class NormalMoments {
@@ -60,8 +60,8 @@ class NormalMoments {
   bool known_ = false;
 };
 
-// The angle by which two axes turn in their plane to be aligned best: what depends on it is a multiple of the cosine of
-// four times its difference from that.
+// Angle of the rotation of two axes in their plane that aligns them best: m depends on the cosine of four times the
+// difference from it.
 double bestTurn(const NormalMoments &m, const Vec3 &a, const Vec3 &b) {
   const double sine = m.of(a, a, a, b) - m.of(a, b, b, b);
   const double cosine = 0.25 * (m.of(a, a, a, a) + m.of(b, b, b, b)) - 1.5 * m.of(a, a, b, b);
@@ -81,7 +81,7 @@ Mat3 ascend(const NormalMoments &moments, Mat3 axes) {
     }
     if (most < kTurned) break;
   }
-  // Rounding of many turns.
+  // Removes rounding of many rotations.
   axes.col(0).normalize();
   axes.col(1) = (axes.col(1) - axes.col(0).dot(axes.col(1)) * axes.col(0)).normalized();
   axes.col(2) = axes.col(0).cross(axes.col(1));
@@ -102,7 +102,7 @@ std::array<Mat3, 6> starts(const NormalMoments &moments) {
           turned(35.0, Vec3(1, -2, 3))};
 }
 
-// Names and signs of the axes as near to the world's as they can be; a rotation.
+// Permutes and flips the axes to be as close to those of the world as possible, as a rotation.
 Mat3 named(const Mat3 &axes) {
   Mat3 best = axes;
   for (int first = 0; first < 3; ++first)
@@ -119,7 +119,7 @@ Mat3 named(const Mat3 &axes) {
   return best;
 }
 
-// Along the faces of the body, or nothing where it has no direction of its own.
+// Axes along the faces of the body; empty if it has no preferred direction.
 std::optional<Mat3> alongFaces(const Surface &surface) {
   const Mat3 world = Mat3::Identity();
   const NormalMoments moments(surface);
@@ -139,7 +139,7 @@ std::optional<Mat3> alongFaces(const Surface &surface) {
   return least < enough ? named(best) : world;
 }
 
-// The smallest turn that brings an axis of the world onto the normal of the first half-space.
+// Smallest rotation of an axis of the world onto the normal of the first half-space.
 Mat3 alongBorder(std::span<const Region> held) {
   for (const Region &region : held) {
     const auto *half = std::get_if<HalfSpaceRegion>(&region);

@@ -43,7 +43,7 @@ Index CellIndex::find(int level, const Cell3 &k) const {
 Index CellIndex::holding(const Cell3 &at) const {
   for (std::size_t a = 0; a < 3; ++a)
     if (at[a] < 0 || at[a] >= end_[a]) return kNone;
-  // What a cell covers is a range of codes, and no other cell starts in it.
+  // A cell covers a range of codes, in which no other cell starts.
   const std::uint64_t code = mortonCode(at);
   const auto next = std::upper_bound(codes_.begin(), codes_.end(), code);
   if (next == codes_.begin()) return kNone;
@@ -102,13 +102,13 @@ void Questions::inside(std::span<const Vec3> local, std::span<std::uint8_t> out)
 
 namespace {
 
-// A place along a lattice axis where corners should be, lattice axes, m.
+// A preferred position of corners along a lattice axis, lattice axes, m.
 struct Wish {
   double at = 0.0;
   bool sheet = false;
 };
 
-// Where a region ends across a lattice axis; of a sheet its middle across, and nothing along it.
+// Ends of a region perpendicular to a lattice axis; the centre plane of a sheet across it, and nothing along it.
 std::vector<Wish> endsOf(const Region &region, const Frame &frame, int axis) {
   const Vec3 direction = frame.axes.col(axis);
   const auto along = [&](double length) { return std::abs(length) > 1.0 - 1e-9; };
@@ -129,8 +129,8 @@ std::vector<Wish> endsOf(const Region &region, const Frame &frame, int axis) {
   return {};
 }
 
-// The first border of a held region that crosses the body along this axis: corners on what is held as a surface, and a
-// border through the body in the middle of cells.
+// Position of corners for the first border of a held region that crosses the body along this axis: on regions held as a
+// surface; a border through the body is in the middle of cells.
 std::optional<double> wantedCorner(const LatticeSampling &sampling, const Frame &frame, int axis, double min,
                                    double max) {
   const double slack = 0.1 * frame.spacing;
@@ -155,7 +155,7 @@ void alignTo(double corner, double min, double max, int axis, Frame &frame) {
     ++n;
   }
   if (frame.low[axis] + n * frame.spacing < max - slack) ++n;
-  // What had a cell to spare at one end has it no more.
+  // Removes a cell that is no longer necessary at one end.
   if (n > 1 && frame.low[axis] + frame.spacing < min + slack) {
     frame.low[axis] += frame.spacing;
     --n;
@@ -171,8 +171,8 @@ Frame frameOver(const BodyShape &shape, const LatticeSampling &sampling, double 
   frame.origin = 0.5 * (shape.min + shape.max);
   frame.axes = axes;
   frame.spacing = spacing;
-  // Bounds along the lattice: of the vertices where they are known and are the body's border, else of the box around
-  // it.
+  // Bounds along the lattice: of the vertices if these are known and form the border of the body, otherwise of its
+  // bounding box.
   const Vec3 half = axes.transpose().cwiseAbs() * (0.5 * (shape.max - shape.min));
   Vec3 min = -half, max = half;
   if (!axes.isIdentity(0.0) && !shape.surface.positions.empty() && !shape.shares) {
@@ -195,8 +195,8 @@ Frame frameOver(const BodyShape &shape, const LatticeSampling &sampling, double 
 
 namespace {
 
-/// Lattice points whose cells a surface of one spacing² cuts, beside those that the volume counts: a surface of any
-/// direction cuts 1.5 cells, and half of them lie outside. Measured on an organ of 1 L: 1.36 at 3 mm, 1.33 at 2 mm.
+/// Lattice points whose cells a surface of one spacing² cuts, in addition to those counted by the volume. A surface of
+/// any direction cuts 1.5 cells, half of which are outside. Measured on an organ of 1 L: 1.36 at 3 mm, 1.33 at 2 mm.
 constexpr double kCornersPerCut = 1.35;
 
 }  // namespace
@@ -212,7 +212,7 @@ double expectedCorners(const BodyShape &shape, double spacing) {
 Result<void> checkSize(const BodyShape &shape, const LatticeSampling &sampling, double spacing) {
   const Frame frame = frameOver(shape, sampling, spacing);
   const double cells = static_cast<double>(frame.n[0]) * frame.n[1] * frame.n[2];
-  // Of a wanted count the spacing that comes to it is still sought.
+  // For a requested count the final spacing is still unknown.
   const double phyxels =
       sampling.spacing > 0.0 ? expectedCorners(shape, spacing) : shape.volume / (spacing * spacing * spacing);
   const std::int32_t most = std::max({frame.n[0], frame.n[1], frame.n[2]});

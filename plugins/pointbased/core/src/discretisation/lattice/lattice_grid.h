@@ -7,23 +7,23 @@
 
 #include "pointbased/lattice.h"
 
-/// Cells, parts and corners behind fillLattice; see lattice.h for the method.
+/// Cells, parts and corners for fillLattice; see lattice.h for the method.
 ///
-/// "Lattice axes" are coordinates along LatticeSampling::axes relative to LatticeBody::origin, m. Corner c of a cell
-/// lies at (c & 1, c >> 1 & 1, c >> 2), sample s at ((s & 3) + ½, (s >> 2 & 3) + ½, (s >> 4) + ½) / 4 of its edges.
+/// "Lattice axes" are coordinates along LatticeSampling::axes relative to LatticeBody::origin, m. Corner c of a cell is
+/// at (c & 1, c >> 1 & 1, c >> 2), sample s at ((s & 3) + ½, (s >> 2 & 3) + ½, (s >> 4) + ½) / 4 of its edges.
 namespace pointbased::lattice {
 
 inline constexpr int kSamplesPerAxis = 4;
 inline constexpr int kSamples = 64;
 inline constexpr Index kNone = 0xffffffffu;
-/// Samples with less than this share of their small cell do not carry a connection.
+/// Samples with less than this share of their small cell do not connect parts.
 inline constexpr double kConnectingShare = 0.05;
-/// A layer held with less than this part of the edge acts as its surface.
+/// A held layer thinner than this part of the edge acts as a surface.
 inline constexpr double kThinLayer = 0.25;
 
 [[nodiscard]] inline double cornerSign(int corner, int axis) { return (corner >> axis & 1) != 0 ? 1.0 : -1.0; }
 [[nodiscard]] inline int sampleCoordinate(int sample, int axis) { return sample >> (2 * axis) & 3; }
-/// Place of a sample in its cell, in edges from the centre.
+/// Position of a sample in its cell, in edges from the centre.
 [[nodiscard]] inline Vec3 sampleOffset(int sample) {
   return (Vec3(sample & 3, sample >> 2 & 3, sample >> 4) + Vec3::Constant(0.5 - 0.5 * kSamplesPerAxis)) /
          kSamplesPerAxis;
@@ -31,7 +31,7 @@ inline constexpr double kThinLayer = 0.25;
 
 using Cell3 = std::array<std::int32_t, 3>;
 
-/// Where the lattice lies.
+/// Position and axes of the lattice.
 struct Frame {
   Vec3 origin = Vec3::Zero();  ///< world, m
   Mat3 axes = Mat3::Identity();
@@ -43,7 +43,7 @@ struct Frame {
   [[nodiscard]] std::int32_t finest() const { return std::int32_t{1} << levels; }
   [[nodiscard]] double unit() const { return spacing / finest(); }
   [[nodiscard]] Vec3 world(const Vec3 &local) const { return origin + axes * local; }
-  /// Of a corner, in units of the finest cells.
+  /// Position of a corner, from units of the finest cells.
   [[nodiscard]] Vec3 place(const Cell3 &at) const { return low + unit() * Vec3(at[0], at[1], at[2]); }
 };
 
@@ -52,18 +52,18 @@ using Samples = std::array<double, kSamples>;
 
 struct Cell {
   Cell3 at{};             ///< first corner, units of the finest cells
-  std::int32_t size = 1;  ///< edge, likewise
+  std::int32_t size = 1;  ///< edge, same unit
   Index samples = kNone;  ///< into CellSet::samples; kNone: wholly inside
 };
 
-/// Finds cells by their place: a search among the codes of their first corners.
+/// Finds cells by position: a binary search among the codes of their first corners.
 class CellIndex {
  public:
   /// @param cells  in Morton order
   void build(std::span<const Cell> cells, const Frame &frame);
   /// Cell `k` of level `level`, or kNone.
   [[nodiscard]] Index find(int level, const Cell3 &k) const;
-  /// The cell that holds a place in units of the finest cells, or kNone.
+  /// The cell that contains a position in units of the finest cells, or kNone.
   [[nodiscard]] Index holding(const Cell3 &at) const;
   /// mortonCode() of the first corner of every cell, ascending.
   [[nodiscard]] std::span<const std::uint64_t> codes() const { return codes_; }
@@ -80,29 +80,29 @@ class CellIndex {
   int levels_ = 0;
 };
 
-/// All cells that hold something of the body, in Morton order.
+/// All cells that contain part of the body, in Morton order.
 struct CellSet {
   Frame frame;
   std::vector<Cell> cells;
   std::vector<Samples> samples;
-  bool measured = true;  ///< false: the shape tells no distances, samples are ± the edge
+  bool measured = true;  ///< false: the shape provides no distances, samples are ± the edge
   CellIndex index;
 
   [[nodiscard]] double edge(const Cell &cell) const { return frame.unit() * cell.size; }
   [[nodiscard]] Vec3 centre(const Cell &cell) const { return frame.place(cell.at) + Vec3::Constant(0.5 * edge(cell)); }
 };
 
-/// CutCellFragment of a small cell of edge `width` that is inside, from the signed distance of its centre.
+/// Share of a small cell of edge `width` that is inside, from the signed distance of its centre.
 [[nodiscard]] inline double shareOf(double distance, double width) {
   const double share = 0.5 - distance / width;
-  // Rounding of far coordinates must not turn a full cell into a cut one.
+  // Rounding of large coordinates must not turn a full cell into a cut one.
   return share < 1e-7 ? 0.0 : share > 1.0 - 1e-7 ? 1.0 : share;
 }
 
 /// Order along a Z curve; 20 bits per axis.
 [[nodiscard]] std::uint64_t mortonCode(const Cell3 &at);
 
-/// Questions about the shape at points in lattice axes, in batches.
+/// Batched queries of the shape at points in lattice axes.
 class Questions {
  public:
   Questions(const BodyShape &shape, const Frame &frame) : shape_(shape), frame_(frame) {}
@@ -118,11 +118,11 @@ class Questions {
   const Frame &frame_;
 };
 
-/// Along an axis on which a held region ends across the lattice (the first such region counts): with corners on a held
-/// face or sheet, and a border through the body in the middle of cells. There the means of its patches hold it about as
-/// stiffly as the continuum; corners in that plane held one by one made organs of 1 000 phyxels 4 to 10 % too stiff,
-/// borders anywhere in their cells scattered by 2 %. Else symmetric about the middle of the bounds, so that a box whose
-/// edges are multiples of the spacing has corners on its faces.
+/// The lattice is aligned along each axis on which a held region ends across it; the first such region counts. Corners
+/// are on a held face or sheet, and a border through the body is in the middle of cells. There the means of its patches
+/// are about as stiff as the continuum. Individually held corners in that plane made organs of 1 000 phyxels 4 to 10 %
+/// too stiff; arbitrary positions of the border within the cells scattered by 2 %. Otherwise the lattice is symmetric
+/// about the centre of the bounds, so that a box whose edges are multiples of the spacing has corners on its faces.
 [[nodiscard]] Frame frameOver(const BodyShape &shape, const LatticeSampling &sampling, double spacing);
 
 /// Finds the cells, refined and graded. Errors: cancelled, too many.
@@ -130,20 +130,20 @@ class Questions {
 [[nodiscard]] Result<CellSet> findCells(const BodyShape &shape, const LatticeSampling &sampling, double spacing,
                                         const ParallelFor &parallelFor, const SamplingProgress &progress);
 
-/// About how many corners the unrefined cells at this spacing have; asks far fewer questions than findCells.
+/// Approximate number of corners of the unrefined cells at this spacing; needs far fewer queries than findCells.
 [[nodiscard]] std::size_t estimateCorners(const BodyShape &shape, const LatticeSampling &sampling, double spacing,
                                           const ParallelFor &parallelFor);
 
-/// About how many corners all cells of this edge have, from volume and area alone; for a smooth body within some per
-/// cent.
+/// Approximate number of corners of all cells of this edge, from volume and area alone; within some per cent for a
+/// smooth body.
 [[nodiscard]] double expectedCorners(const BodyShape &shape, double spacing);
-/// The part of it that comes from the surface.
+/// The contribution of the surface to it.
 [[nodiscard]] double expectedSurfaceCorners(const BodyShape &shape, double spacing);
 
-/// What is expected may be this much too little before a body that has been built is refused after all.
+/// Factor by which the expected size may be too small before a finished body is rejected after all.
 inline constexpr double kExpectationSlack = 1.1;
 
-/// Why a spacing cannot be used, or nothing; before anything is allocated.
+/// Returns an error if a spacing cannot be used; before anything is allocated.
 [[nodiscard]] Result<void> checkSize(const BodyShape &shape, const LatticeSampling &sampling, double spacing);
 
 }  // namespace pointbased::lattice

@@ -1,26 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "discretisation/lattice/lattice_masses.h"
 
-#include "base/look_for_end.h"
+#include "base/cancellation_poll.h"
 #include "discretisation/lattice/lattice_jitter.h"
 
 namespace pointbased::lattice {
 namespace {
 
-// Of what a phyxel has before the correction: the lighter it were, the shorter the explicit step.
-constexpr double kLeastMass = 0.55;
-// Of a part that fills hardly anything of its cell half goes to the corners evenly, of one that fills 5/6 of it
-// nothing: else corners that only a sliver reaches have hardly a mass, and their stiffness sets the explicit step.
+// Of the mass of a phyxel before the correction: smaller masses shorten the explicit step.
+constexpr double kMinMass = 0.55;
+// kEvenInSlivers: part of a nearly empty cell fragment that is shared evenly by the corners; it decreases to 0 at a
+// filling of kWellFilled. Otherwise corners reached only by a sliver would have almost no mass, and their stiffness
+// would limit the explicit step.
 constexpr double kEvenInSlivers = 0.5, kWellFilled = 5.0 / 6.0;
 
-// The most that Σ v |g|² d² over the mass of a phyxel may be, d the finest edge: what corners of whole cells have after
-// the correction (2.73 at the corner of a box). Phyxels of cut cells that had up to 6 set the explicit step of their
-// body. Beside held material more mass costs nothing: it hardly moves.
-constexpr double kMostStiffness = 2.8, kMostBesideHeld = 2.0;
+// Largest Σ v |g|² d² per mass of a phyxel, d the finest edge: the value at corners of whole cells after the correction
+// (2.73 at the corner of a box). Phyxels of cut cells with up to 6 limited the explicit step of their body. Next to
+// held material, additional mass costs nothing: it hardly moves.
+constexpr double kMaxStiffness = 2.8, kMaxBesideHeld = 2.0;
 
 double evenPart(double share) { return kEvenInSlivers * std::max(0.0, 1.0 - share / kWellFilled); }
 
-// Three corners in a row along an axis, and what of a second difference goes over them, m³.
+// Three corners in a row along an axis, and the amount of a second difference over them, m³.
 struct Row3 {
   std::array<Index, 3> nodes;
   double amount;
@@ -40,7 +41,7 @@ void forPhyxels(const NodeTable &corners, Index node, const Add &add) {
     add(corners.phyxels[e], corners.weights[e]);
 }
 
-// Parts that the body goes on into through each face, of cells of the same size.
+// Parts adjacent through each face, in cells of the same size.
 std::vector<std::array<std::vector<Index>, 6>> neighboursOf(const LatticeCellMap &map) {
   std::vector<std::array<std::vector<Index>, 6>> out(map.parts().size());
   const CellSet &set = map.set();
@@ -53,17 +54,17 @@ std::vector<std::array<std::vector<Index>, 6>> neighboursOf(const LatticeCellMap
   return out;
 }
 
-// The excess of every part over rows of three corners: its own two along an axis and the next one of a neighbour, each
-// neighbour by what it has at the far end.
+// Distributes the excess of every part over rows of three corners: its own two along an axis and the next one of a
+// neighbour, each neighbour weighted by its content at the far end.
 std::vector<Row3> secondDifferences(const Sharing &sharing, const ParallelFor &parallelFor) {
   const auto neighbours = neighboursOf(sharing.map);
-  detail::lookForEnd(parallelFor);
+  detail::checkCancelled(parallelFor);
   std::vector<std::array<double, 8>> shares(sharing.contents.size());
   for (std::size_t p = 0; p < shares.size(); ++p)
     if (sharing.map.parts()[p].kept) shares[p] = sharing.contents[p].all.functions();
   std::vector<Row3> rows;
   for (std::size_t p = 0; p < shares.size(); ++p) {
-    if (p % detail::kLookEvery == 0) detail::lookForEnd(parallelFor);
+    if (p % detail::kPollInterval == 0) detail::checkCancelled(parallelFor);
     const CutCellFragment &part = sharing.map.parts()[p];
     if (!part.kept) continue;
     const Moments &all = sharing.contents[p].all;
@@ -87,7 +88,7 @@ std::vector<Row3> secondDifferences(const Sharing &sharing, const ParallelFor &p
   return rows;
 }
 
-// What the stiffness of its cells asks of the mass of every phyxel: Σ v |g|² d²/most, m³.
+// Mass of every phyxel required by the stiffness of its cells: Σ v |g|² d²/most, m³.
 class Least {
  public:
   Least(const LatticeCellMap &map, double most) : map_(map), volumes_(map.corners().positions.size(), 0.0) {
@@ -118,13 +119,13 @@ std::array<Vec3, 8> gradientsOf(const Moments &moments, double edge) {
   return gradients;
 }
 
-// Takes the rows off, each as far as its ends can bear it.
+// Subtracts the rows, each as far as its ends permit.
 void correctSecondMoments(const NodeTable &corners, std::span<const Row3> rows, const Least &least,
                           std::vector<double> &volumes, const ParallelFor &parallelFor) {
   std::vector<double> changed, allowed(volumes.size(), 1.0);
-  detail::Looks look(parallelFor);
+  detail::CancellationPoll look(parallelFor);
   for (bool settled = false; !settled;) {
-    detail::lookForEnd(parallelFor);
+    detail::checkCancelled(parallelFor);
     changed = volumes;
     for (const Row3 &row : rows) {
       look();
@@ -137,7 +138,7 @@ void correctSecondMoments(const NodeTable &corners, std::span<const Row3> rows, 
     }
     settled = true;
     for (std::size_t i = 0; i < changed.size(); ++i)
-      if (changed[i] < std::min(volumes[i], std::max(kLeastMass * volumes[i], least[i])) * (1.0 - 1e-9)) {
+      if (changed[i] < std::min(volumes[i], std::max(kMinMass * volumes[i], least[i])) * (1.0 - 1e-9)) {
         settled = false;
         allowed[i] = allowed[i] < 0.05 ? 0.0 : 0.8 * allowed[i];
       }
@@ -145,15 +146,15 @@ void correctSecondMoments(const NodeTable &corners, std::span<const Row3> rows, 
   volumes = std::move(changed);
 }
 
-// Gives phyxels that are still too light what they lack, from the middles of rows that they end: the same second
-// differences the other way round, so that volume and centre stay.
-void giveToLight(const NodeTable &corners, std::span<const Row3> rows, const Least &least, std::vector<double> &volumes,
-                 const ParallelFor &parallelFor) {
+// Gives phyxels that are still too light the missing mass from the middles of rows at whose ends they are. These are
+// second differences of opposite sign, so volume and centre are preserved.
+void redistributeToLightNodes(const NodeTable &corners, std::span<const Row3> rows, const Least &least,
+                              std::vector<double> &volumes, const ParallelFor &parallelFor) {
   const auto phyxelOf = [&](Index node) {
     return corners.offsets[node + 1] - corners.offsets[node] == 1 ? corners.phyxels[corners.offsets[node]] : kNone;
   };
   std::vector<std::vector<std::array<Index, 2>>> others(volumes.size());  // middle and far end
-  detail::Looks look(parallelFor);
+  detail::CancellationPoll look(parallelFor);
   for (const Row3 &row : rows) {
     look();
     const std::array<Index, 3> at{phyxelOf(row.nodes[0]), phyxelOf(row.nodes[1]), phyxelOf(row.nodes[2])};
@@ -169,7 +170,7 @@ void giveToLight(const NodeTable &corners, std::span<const Row3> rows, const Lea
     while (volumes[i] < least[i] && !candidates.empty()) {
       const auto best = std::max_element(candidates.begin(), candidates.end(),
                                          [&](const auto &a, const auto &b) { return spare(a[0]) < spare(b[0]); });
-      // Half of what the middle can spare.
+      // Half of what the middle has to spare.
       const double given = std::min(least[i] - volumes[i], 0.25 * spare((*best)[0]));
       if (!(given > 0.0)) break;
       volumes[i] += given;
@@ -189,9 +190,9 @@ PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartConten
   out.weights.assign(corners.positions.size(), 0.0);
   out.inertial.assign(corners.positions.size(), 0.0);
   const Sharing sharing{map, contents};
-  Least least(map, kMostStiffness), leastFree(map, kMostBesideHeld);
+  Least least(map, kMaxStiffness), leastFree(map, kMaxBesideHeld);
   std::vector<double> evenFree;  // m³, by phyxel
-  detail::Looks look(parallelFor);
+  detail::CancellationPoll look(parallelFor);
   for (std::size_t p = 0; p < contents.size(); ++p) {
     look();
     const CutCellFragment &part = map.parts()[p];
@@ -231,8 +232,8 @@ PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartConten
   }
   const std::vector<Row3> rows = secondDifferences(sharing, parallelFor);
   correctSecondMoments(corners, rows, least, out.inertial, parallelFor);
-  detail::lookForEnd(parallelFor);
-  giveToLight(corners, rows, least, out.inertial, parallelFor);
+  detail::checkCancelled(parallelFor);
+  redistributeToLightNodes(corners, rows, least, out.inertial, parallelFor);
   if (out.held.empty()) return out;
   out.carried.resize(out.held.size());
   for (std::size_t i = 0; i < out.held.size(); ++i) {

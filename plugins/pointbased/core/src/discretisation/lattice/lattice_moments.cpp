@@ -96,7 +96,7 @@ Eigen::Vector4d modeFactors(const CellSet &set, const CutCellFragment &part) {
   Eigen::Vector4d factors = Eigen::Vector4d::Ones();
   const Cell &cell = set.cells[part.cell];
   if (cell.samples == kNone || part.share > 0.999) return factors;
-  // What the outer layers of samples hold on either side.
+  // Content of the outer layers of samples on either side.
   Vec3 normal = Vec3::Zero();
   const Samples &d = set.samples[cell.samples];
   for (int s = 0; s < kSamples; ++s) {

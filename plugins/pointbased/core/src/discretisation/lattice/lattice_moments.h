@@ -5,8 +5,8 @@
 
 namespace pointbased::lattice {
 
-/// Moments of some material about the centre of its cell, in edges of the cell. All that the mean of a trilinear
-/// function and of its gradient needs.
+/// Moments of material about the centre of its cell, in edges of the cell: all data for the means of trilinear
+/// functions and of their gradients.
 struct Moments {
   double share = 0.0;  ///< of the cell
   Vec3 first = Vec3::Zero();
@@ -25,26 +25,25 @@ struct Moments {
 };
 [[nodiscard]] Moments fullCell();
 
-/// N_j and ∇N_j (1/edge) at a place in edges from the centre of the cell.
+/// N_j and ∇N_j (1/edge) at a position in edges from the centre of the cell.
 [[nodiscard]] std::array<double, 8> trilinear(const Vec3 &place);
 [[nodiscard]] std::array<Vec3, 8> trilinearGradients(const Vec3 &place);
 
-/// What of a small cell around a sample is inside.
+/// Part of the small cell around a sample that is inside.
 struct SampleContent {
   double share = 0.0;            ///< of the small cell
-  Vec3 centre = Vec3::Zero();    ///< of that, in edges of the cell from its centre
+  Vec3 centre = Vec3::Zero();    ///< of that part, in edges of the cell from its centre
   Vec3 variance = Vec3::Zero();  ///< edges²
   Vec3 normal = Vec3::Zero();    ///< of the surface that cuts the small cell, outwards, or zero
 };
-/// As if the surface were a plane across the small cell: its distance is known, its direction follows from the samples
-/// around.
+/// For a planar surface across the small cell: its distance is known, its direction follows from the adjacent samples.
 [[nodiscard]] SampleContent contentOf(const CellSet &set, const Cell &cell, int sample);
 
-/// Factors on the modes xy, xz, yz of a part of a cut cell: sqrt(max(0.02, 1 - 5 n_i² n_j²)), n the mean normal of the
-/// surface in it. A mode across a slanted surface is not the one that a free surface would take.
+/// Factors of the modes xy, xz, yz of a part of a cut cell: sqrt(max(0.02, 1 - 5 n_i² n_j²)), n the mean normal of the
+/// surface in it. A mode across a slanted surface is not the one that a free surface would have.
 [[nodiscard]] Eigen::Vector4d modeFactors(const CellSet &set, const CutCellFragment &part);
 
-/// Of the whole part.
+/// Moments of the whole part.
 [[nodiscard]] Moments momentsOf(const CellSet &set, const CutCellFragment &part);
 
 }  // namespace pointbased::lattice

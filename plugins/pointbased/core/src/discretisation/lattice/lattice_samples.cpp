@@ -6,12 +6,12 @@
 namespace pointbased::lattice {
 namespace {
 
-// The sample next to one, in its own cell or in the one behind the face.
+// The neighbour of a sample, in its own cell or in the one behind the face.
 Place neighbourOf(const CellSet &set, const Place &place, int axis, int sign) {
   const int to = sampleCoordinate(place.sample, axis) + sign;
   if (to >= 0 && to < kSamplesPerAxis) return {place.cell, place.sample + sign * (1 << (2 * axis))};
   const Cell &cell = set.cells[place.cell];
-  // In eighths of the finest cells, the middle of the small cell behind the face.
+  // Centre of the small cell behind the face, in eighths of the finest cells.
   Cell3 at{};
   for (int a = 0; a < 3; ++a)
     at[static_cast<std::size_t>(a)] =
@@ -54,7 +54,7 @@ Place rootOf(const CellSet &set, Place place) {
 
 namespace {
 
-// Two full neighbours lie deeper than the way between them, a full one and one that is cut do not.
+// Two full neighbours are deeper than the distance between them; a full one and one that is cut are not.
 constexpr double kBeyond = 0.55;
 
 void sampleShares(const Questions &ask, const CellSet &set, std::span<const Cell> cells, std::span<Samples> out) {

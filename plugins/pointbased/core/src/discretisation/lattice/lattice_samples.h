@@ -3,13 +3,14 @@
 
 #include "discretisation/lattice/lattice_grid.h"
 
-/// What is known of the body inside its cut cells: 64 samples each.
+/// Samples of the body inside its cut cells: 64 in each.
 namespace pointbased::lattice {
 
 inline constexpr int kNoSample = -1;
 
-/// Signed distances of the samples of some cells, m. Where the shape tells no distances: ± the edge. Where it tells
-/// shares: what shareOf() makes into them, of small cells that are full or empty beyond any doubt of View::depth().
+/// Signed distances of the samples of some cells, m. If the shape provides no distances: ± the edge. If it provides
+/// shares: values that shareOf() maps to these shares, and for small cells that are definitely full or empty, values
+/// that are certain for View::depth().
 /// @param out  [cells]
 void sampleCells(const Questions &ask, const CellSet &set, std::span<const Cell> cells, std::span<Samples> out,
                  const ParallelFor &parallelFor);
@@ -21,7 +22,7 @@ struct Place {
   [[nodiscard]] bool found() const { return sample != kNoSample; }
 };
 
-/// What the samples of one cell know.
+/// The samples of one cell.
 struct View {
   const Samples *distances = nullptr;  ///< none: full
   double edge = 0.0;
@@ -34,7 +35,7 @@ struct View {
   [[nodiscard]] bool inside(int s) const {
     return distances == nullptr || (*distances)[static_cast<std::size_t>(s)] < 0.0;
   }
-  /// How far the surface is at least from a sample inside.
+  /// Lower bound of the distance of a sample inside from the surface.
   [[nodiscard]] double depth(int s) const {
     if (distances == nullptr) return std::max(0.0, edge * (0.5 * std::sqrt(3.0) - sampleOffset(s).norm()));
     return measured ? std::max(0.0, -(*distances)[static_cast<std::size_t>(s)]) : 0.0;
@@ -46,10 +47,10 @@ struct View {
   return {c.samples == kNone ? nullptr : &set.samples[c.samples], set.edge(c), set.measured};
 }
 
-/// The sample inside that a sample outside leads down to; not found: it ends outside.
+/// The sample inside reached from a sample outside by descending the distance; not found: the descent ends outside.
 [[nodiscard]] Place rootOf(const CellSet &set, Place place);
 
-/// Ways through the body that only the shape can decide, asked together.
+/// Segments through the body that only the shape can decide, queried together.
 class CrossingQuestions {
  public:
   CrossingQuestions(const BodyShape &shape, const CellSet &set) : shape_(shape), set_(set) {}

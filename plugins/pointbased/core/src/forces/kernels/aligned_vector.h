@@ -7,7 +7,7 @@
 
 namespace pointbased::kernels {
 
-/// Memory that begins on a cache line, so that no vector register's load crosses one.
+/// Memory aligned to cache lines, so that no load of a vector register crosses one.
 template <class T>
 struct CacheLineAllocator {
   using value_type = T;

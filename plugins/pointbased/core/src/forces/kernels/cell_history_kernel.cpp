@@ -3,8 +3,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forces/kernels/cell_history_kernel.cpp"
-#define C3DE_KERNEL_WITHOUT_SSE4
-#include "base/kernels/instruction_sets.h"  // first: says for which the rest is compiled
+#include "base/kernels/instruction_sets.h"  // first: selects the instruction sets for the code below
 
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
@@ -18,9 +17,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointbased::kernels::HWY_NAMESPACE {
 
-/// Of some lanes of a slice.
+/// History of some lanes of a slice.
 template <class D>
-struct CellMemory {
+struct CellHistory {
   using V = hn::Vec<D>;
   const CellRun<D> &run;
   const HistoryJob &job;
@@ -30,7 +29,7 @@ struct CellMemory {
   double *spare;  // [36]
   LatticeAxes<D> axes;
 
-  HWY_INLINE CellMemory(const CellRun<D> &of, const HistoryJob &history, double *record)
+  HWY_INLINE CellHistory(const CellRun<D> &of, const HistoryJob &history, double *record)
       : run(of), job(history), material(history.materials[of.material()]),
         points(history.points.data() + of.slice * CellRun<D>::kSlice + of.lane),
         used(history.used[of.slice] > of.lane ? HWY_MIN(history.used[of.slice] - of.lane, hn::Lanes(of.d)) : 0),
@@ -47,9 +46,9 @@ struct CellMemory {
     return plusDiagonal(HWY_UNLIKELY(axes.turned) ? axes.toLattice(world) : world, hn::Set(run.d, -1.0));
   }
 
-  /// plasticFlow() of the lanes.
+  /// plasticFlow() for the lanes.
   /// @param plastic  F_p^-1 - 1, in and out
-  /// @return whether any has flowed
+  /// @return whether any lane has flowed
   HWY_INLINE bool flow(const Strain<D> &elastic, const Mat3Lanes<V> &G, Mat3Lanes<V> &plastic) const {
     const D d = run.d;
     const auto beyond = hn::Gt(squaredNorm(elastic.E), hn::Set(d, material.elasticLimit2));
@@ -60,7 +59,7 @@ struct CellMemory {
     const Mat3Lanes<V> next = plusDiagonal(flow.plastic, hn::Set(d, 1.0));
     if (HWY_LIKELY(hn::AllTrue(d, known)) && !axes.turned) {
       records<9>(job.plasticInverse).storeMatrix(0, next);
-      plastic = plusDiagonal(next, hn::Set(d, -1.0));  // as it is read again
+      plastic = plusDiagonal(next, hn::Set(d, -1.0));  // same value as after reloading
     } else {
       flowOfSome(known, HWY_UNLIKELY(axes.turned) ? axes.toWorld(next) : next, flow.stray, G);
       plastic = plasticInverse();
@@ -133,7 +132,7 @@ HWY_INLINE ModalStrain<V> scaled(V s, const ModalStrain<V> &a) {
   return {scaled(s, a.B), scaled(s, a.xyz)};
 }
 
-/// What of that has relaxed by the end of the step, as advance() in relaxing_hourglass.h; the memory goes on.
+/// Relaxed part at the end of the step, as advance() in relaxing_hourglass.h; updates the history.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE ModalStrain<V> relaxModes(D d, const MaterialHistory &m, const PointRecords<D, 36> &records,
                                      ModalStrain<V> deviator) {
@@ -143,7 +142,7 @@ HWY_INLINE ModalStrain<V> relaxModes(D d, const MaterialHistory &m, const PointR
   const V oldThird = hn::Set(d, m.acrossOfPast / 3.0), sumThird = hn::Set(d, (1.0 - m.acrossOfSum) / 3.0);
   const Mat3Lanes<V> past =
       mulAdd(keep0, first.B, mulAdd(keep1, second.B, scaled(hn::Set(d, m.old[0] + m.old[1]), previous.B)));
-  // E_xx and E_yy in the plane across an axis.
+  // E_xx and E_yy in the plane perpendicular to an axis.
   const auto normal = [&](V &x, V &y, V pastX, V pastY) HWY_ATTR {
     const V mean = hn::NegMulAdd(oldThird, hn::Add(pastX, pastY), hn::Mul(sumThird, hn::Add(x, y)));
     x = hn::Sub(x, mean);
@@ -160,14 +159,14 @@ HWY_INLINE ModalStrain<V> relaxModes(D d, const MaterialHistory &m, const PointR
   return {first.B + second.B, first.xyz + second.xyz};
 }
 
-/// F_e of some lanes after their flow.
+/// F_e of some lanes after plastic flow.
 template <bool kFlows, class D, class V = hn::Vec<D>>
 struct ElasticState {
   Mat3Lanes<V> plastic;  // F_p^-1 - 1
   Strain<D> strain;
   V stretch2;
 
-  HWY_INLINE ElasticState(const CellMemory<D> &memory, const Mat3Lanes<V> &G, V)
+  HWY_INLINE ElasticState(const CellHistory<D> &memory, const Mat3Lanes<V> &G, V)
       : plastic(memory.plasticInverse()), strain(memory.run.d, elasticPart(G, plastic)) {
     const D d = memory.run.d;
     if (memory.flow(strain, G, plastic)) strain = Strain<D>(d, elasticPart(G, plastic));
@@ -184,7 +183,7 @@ struct ElasticState<false, D, V> {
   Strain<D> strain;
   V stretch2;
 
-  HWY_INLINE ElasticState(const CellMemory<D> &memory, const Mat3Lanes<V> &G, V totalStretch2)
+  HWY_INLINE ElasticState(const CellHistory<D> &memory, const Mat3Lanes<V> &G, V totalStretch2)
       : strain(memory.run.d, G), stretch2(totalStretch2) {}
   HWY_INLINE void pullBack(D, Mat3Lanes<V> &, V &) const {}
 };
@@ -194,7 +193,7 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const HistoryJob &history, 
   using V = hn::Vec<D>;
   const D d = run.d;
   HWY_ALIGN double spare[36];
-  const CellMemory<D> memory(run, history, spare);
+  const CellHistory<D> memory(run, history, spare);
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
   const Mat3Lanes<V> G = run.gradient(x, y, z);
@@ -245,7 +244,7 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const HistoryJob &history, 
     if constexpr (!kLinear) {
       S = S + Mat3Lanes<V>{scaled(pull.x, a), scaled(pull.y, a), scaled(pull.z, a)};
       pull = pull + times(G, pull);
-      // Other than in the elastic energy F turns this mode, too.
+      // Unlike in the elastic energy, F rotates this mode as well.
       modes = hn::MulAdd(run.twist(), dot(C, C), modes);
     }
     twisted = scaled(kxyz, pull);
@@ -259,18 +258,18 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const HistoryJob &history, 
   if (isViscous)
     addViscousModes<kLinear>(d, run.law, 1.0, run.roots(), run.number(kTwist), {G, A, C},
                              {rate, run.amplitudes(vx, vy, vz), {vx.xyz, vy.xyz, vz.xyz}}, S, pull, twisted);
-  // Of NaN and a number the maximum may be the number.
+  // The maximum of NaN and a number may be the number.
   run.stiffnesses(hn::IfThenElse(hn::Eq(ratio, ratio), hn::Max(ratio, stretch2), ratio), modes, k);
   run.scatterStress(S, pull, twisted, k);
 }
 
-// Strain and modes of some lanes, J.
+// Strain and mode energies of some lanes, J.
 template <MaterialLaw kLaw, class D, class V = hn::Vec<D>>
 HWY_INLINE void energiesOfLanes(const CellRun<D> &run, const HistoryJob &history, const ScalarLaw &scalar,
                                 V &strainEnergy, V &hourglassEnergy) {
   const D d = run.d;
   HWY_ALIGN double spare[36];
-  const CellMemory<D> memory(run, history, spare);
+  const CellHistory<D> memory(run, history, spare);
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
   const Mat3Lanes<V> G = run.gradient(x, y, z);
@@ -309,7 +308,7 @@ void HistoryForces(const CellJob<double> &job, const HistoryJob &history, const 
       job, begin, end, [&](auto law, std::size_t slice, const ChunkFields<double> &fields) HWY_ATTR {
         constexpr MaterialLaw kLaw = decltype(law)::value;
         const MaterialHistory &material = history.materials[job.cells->materials[slice]];
-        // Registers are few: each kind of material has a function of its own.
+        // Registers are scarce: each kind of material has a separate function.
         const auto run = material.flows
                              ? material.relaxes ? forcesOfSlice<kLaw, true, true> : forcesOfSlice<kLaw, true, false>
                          : material.relaxes ? forcesOfSlice<kLaw, false, true>

@@ -6,7 +6,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forces/kernels/cell_kernel.cpp"
-#include "base/kernels/instruction_sets.h"  // first: says for which the rest is compiled
+#include "base/kernels/instruction_sets.h"  // first: selects the instruction sets for the code below
 
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
@@ -60,7 +60,7 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
       addViscousModes<kLaw == MaterialLaw::linear>(d, run.law, Real<D>(1), run.roots(), run.number(kTwist), {G, A, xyz},
                                                    {rate, run.amplitudes(vx, vy, vz), {vx.xyz, vy.xyz, vz.xyz}}, S,
                                                    pull, twisted);
-    // Of NaN and a number the maximum may be the number.
+    // The maximum of NaN and a number may be the number.
     run.stiffnesses(hn::IfThenElse(hn::Eq(ratio, ratio), hn::Max(ratio, stretch2), ratio),
                     kLaw == MaterialLaw::linear ? hn::Zero(d) : run.hourglassStiffness(A), k);
     laminate.scatter(S, k, pull, twisted);
@@ -94,7 +94,7 @@ void forcesOf(const CellJob<T> &job, const ScalarLaw &scalar, std::size_t begin,
     });
 }
 
-// Sums of the partials of the phyxels.
+// Sums the partials of each phyxel.
 template <class T>
 double collectOf(const CollectJob<T> &job, std::size_t begin, std::size_t end) {
   HWY_ALIGN T sum[4];

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "base/look_for_end.h"
+#include "base/cancellation_poll.h"
 #include "forces/viscous_hourglass.h"
 
 namespace pointbased::kernels {
@@ -15,11 +15,11 @@ bool isWhole(const std::array<double, kCellNumbers> &n) {
   const double edge = 0.25 / n[kGradient];
   for (const CellNumber k : {kFirstX, kFirstY, kFirstZ, kMixedX, kMixedY, kMixedZ})
     if (std::abs(n[k]) > 1e-9 * n[kGradient]) return false;
-  // Body volumes are scaled to what the surface encloses.
+  // Body volumes are scaled to the volume enclosed by the surface.
   return n[kVolume] > 0.5 * edge * edge * edge;
 }
 
-// Numbers of slices; equal ones, up to round-off, are kept once.
+// Numbers of slices; equal ones, up to round-off, are stored once.
 template <class T>
 class Blocks {
  public:
@@ -119,7 +119,7 @@ std::optional<std::array<double, kCellNumbers>> cellNumbers(const StencilSet &s,
   const HangingCells::Point *hanging = s.hanging.find(q);
   const auto shape = hanging != nullptr ? hanging->shape : findShape(s, q);
   if (!shape) return {};
-  if (hanging != nullptr && s.phyxels.row(q).size() > kMostOfCell) return {};
+  if (hanging != nullptr && s.phyxels.row(q).size() > kMaxOfCell) return {};
   std::array<double, kCellNumbers> n{};
   n[kGradient] = shape->gradient;
   for (int c = 0; c < 3; ++c) {
@@ -142,7 +142,7 @@ std::optional<std::array<double, kCellNumbers>> cellNumbers(const StencilSet &s,
 CellPlan planCells(const StencilSet &s, std::size_t lanes, std::span<const std::uint8_t> suits,
                    const ParallelFor &parallelFor, const detail::Laminates &laminates) {
   CellPlan plan;
-  detail::Looks look(parallelFor);
+  detail::CancellationPoll look(parallelFor);
   std::vector<std::vector<Index>> byMaterial(suits.size());
   std::vector<std::uint8_t> whole(s.pointCount(), 0);
   for (std::size_t q = 0; q < s.pointCount(); ++q) {
@@ -176,7 +176,7 @@ CellPlan planCells(const StencilSet &s, std::size_t lanes, std::span<const std::
 
 namespace {
 
-/// Corners of the points of a chunk, numbered: phyxels, and behind them corners that hang.
+/// Corners of the points of a chunk, numbered: phyxels first, then hanging corners.
 class ChunkCorners {
  public:
   explicit ChunkCorners(const StencilSet &s) : s_(s) {}
@@ -196,7 +196,7 @@ class ChunkCorners {
       some->erase(std::unique(some->begin(), some->end()), some->end());
     }
   }
-  /// Local numbers of the corners of one of these points.
+  /// Local indices of the corners of a point of the chunk.
   [[nodiscard]] std::array<std::uint16_t, kCorners> of(Index q) const {
     const HangingCells::Point *point = s_.hanging.find(q);
     std::array<std::uint16_t, kCorners> out;
@@ -244,7 +244,7 @@ CellSlices<T> sliceCells(const StencilSet &s, const CellPlan &plan, const Parall
   ChunkCorners chunk(s);
   for (std::size_t begin = 0; begin < out.count(); begin += kChunkSlices<T>) {
     const std::size_t end = std::min(out.count(), begin + kChunkSlices<T>);
-    if (begin / kChunkSlices<T> % 64 == 0) detail::lookForEnd(parallelFor);
+    if (begin / kChunkSlices<T> % 64 == 0) detail::checkCancelled(parallelFor);
     chunk.begin(std::span(plan.points).subspan(begin * kSlice, (end - begin) * kSlice));
     for (std::size_t slice = begin; slice < end; ++slice) {
       const std::span<const Index> points = std::span(plan.points).subspan(slice * kSlice, kSlice);

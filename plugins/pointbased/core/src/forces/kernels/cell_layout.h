@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which points of a lattice are cells that the kernels take, and their slices. Private to the core.
+// Selects the points of a lattice that the kernels handle as cells, and arranges them in slices. Private to the core.
 #pragma once
 
 #include <optional>
@@ -11,23 +11,23 @@
 
 namespace pointbased::kernels {
 
-/// The numbers of one point, in the order of CellNumber, where its stencil is that of eight corners of a cell:
-/// gradients are means of those of the trilinear functions, mode rows are multiples of the products of signs. Nothing
-/// where findShape() finds none and no corner hangs.
+/// Numbers of one point, in the order of CellNumber, if its stencil consists of the eight corners of a cell: gradients
+/// are means of those of the trilinear functions, mode rows are multiples of the products of signs. Empty if
+/// findShape() finds no shape and no corner hangs.
 [[nodiscard]] std::optional<std::array<double, kCellNumbers>> cellNumbers(const StencilSet &stencils, std::size_t q);
 
-/// Points by slices.
+/// Points arranged in slices.
 struct CellPlan {
   std::vector<Index> points;             ///< [slices][lanes] point of each lane; the last one of a slice is repeated
-  std::vector<std::size_t> used;         ///< [slices] lanes that stand for a point
+  std::vector<std::size_t> used;         ///< [slices] lanes that represent a point
   std::vector<std::uint16_t> materials;  ///< [slices]
-  std::vector<Index> others;             ///< points that are no cells, ascending
+  std::vector<Index> others;             ///< points that are not cells, ascending
 };
 
-/// Cells in the order of the points, which follows a space-filling curve, by material; within a chunk whole cells
-/// first, which are all alike.
-/// @param suits      per material: whether the kernels know its response
-/// @param laminates  points that have one are taken together
+/// Cells by material, in the order of the points, which follows a space-filling curve. Within a chunk, whole cells come
+/// first, because they are all alike.
+/// @param suits  per material: whether the kernels support it
+/// @param laminates  points that have one are grouped
 [[nodiscard]] CellPlan planCells(const StencilSet &stencils, std::size_t lanes, std::span<const std::uint8_t> suits,
                                  const ParallelFor &parallelFor = serialFor(), const detail::Laminates &laminates = {});
 

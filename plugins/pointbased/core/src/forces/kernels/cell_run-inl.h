@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Some lanes of a slice of cells: from the corners to G and back. Private to the kernels.
+// Some lanes of a slice of cells: transforms from the corners to G and back. Private to the kernels.
 #if defined(POINTBASED_KERNELS_CELL_RUN_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTBASED_KERNELS_CELL_RUN_INL_H_
 #undef POINTBASED_KERNELS_CELL_RUN_INL_H_
@@ -16,20 +16,20 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointbased::kernels::HWY_NAMESPACE {
 
-/// What belongs to the phyxels of the chunk at hand, and the forces of the slice at hand.
+/// Fields of the phyxels of the current chunk, and forces of the current slice.
 template <class T>
 struct ChunkFields {
   const T *displacements = nullptr, *velocities = nullptr;  ///< [locals][4]
   T *entries = nullptr;                                     ///< [kCorners][lanes][4] out
 };
 
-/// Of a mean gradient over the corners: kGradient to kMixedZ.
+/// Coefficients of the mean gradient over the corners: kGradient to kMixedZ.
 template <class V>
 struct FitRows {
   V g, px, py, pz, mx, my, mz;
 };
 
-/// A stress, v P, that goes back by rows of its own.
+/// A stress, v P, that is distributed by separate rows.
 template <class V>
 struct FitStress {
   FitRows<V> rows;
@@ -55,7 +55,7 @@ struct CellRun {
 
   HWY_INLINE V number(CellNumber which) const { return hn::Load(d, numbers + which * kSlice); }
 
-  /// Numbers of LaminateNumber; null: all lanes are of one material each.
+  /// Numbers of LaminateNumber; null: every lane has a single material.
   [[nodiscard]] HWY_INLINE const T *laminate() const {
     const Index which = job.cells->laminates[slice];
     return which == kNoLaminate ? nullptr
@@ -90,7 +90,7 @@ struct CellRun {
     gz = hn::MulAdd(r.g, c.z, hn::MulAdd(r.px, c.xz, hn::MulAdd(r.py, c.yz, hn::Mul(r.mz, c.xyz))));
   }
 
-  // What one component of the stress and of the pulls of the modes does to the signs.
+  // Sign sums from one component of the stress and of the conjugates of the modes.
   static HWY_INLINE SignSums<V> unfit(const FitRows<V> &r, V sx, V sy, V sz, V mxy, V mxz, V myz, V mxyz) {
     SignSums<V> t;
     t.x = hn::Mul(r.g, sx);
@@ -103,8 +103,8 @@ struct CellRun {
     return t;
   }
 
-  /// What modes of these amplitudes add to τ v (λ + 2 μ), in the same unit: the second derivative of their energy by F
-  /// is that of v s μ |Fᵀa|², which grows with the square of the amplitudes and is nothing at rest.
+  /// Contribution of modes with these amplitudes to τ v (λ + 2 μ), in the same unit. The second derivative of their
+  /// energy by F is that of v s μ |Fᵀa|², which grows with the square of the amplitudes and vanishes at rest.
   HWY_INLINE V hourglassStiffness(const Mat3Lanes<V> &A) const {
     const Vec3Lanes<V> root = roots();
     const V vx = hn::Mul(root.x, root.x), vy = hn::Mul(root.y, root.y), vz = hn::Mul(root.z, root.z);
@@ -113,11 +113,11 @@ struct CellRun {
     return hn::Mul(hn::Set(d, 2 * law.hourglassMu + law.hourglassLambda), sum);
   }
 
-  /// τ v (λ + 2 μ) |g_j|² of the corners, or `atLeast` |g_j|².
+  /// τ v (λ + 2 μ) |g_j|² of the corners, or `atLeast` |g_j|² if that is larger.
   HWY_INLINE void stiffnesses(V ratio, V atLeast, V (&k)[kCorners]) const {
     const V g = number(kGradient);
     V scale = hn::Mul(hn::Mul(ratio, number(kVolume)), hn::Set(d, law.waveAtRest));
-    // Of NaN and a number the maximum may be the number.
+    // The maximum of NaN and a number may be the number.
     scale = hn::IfThenElse(hn::Eq(scale, scale), hn::Max(scale, atLeast), scale);
     if (job.cells->whole[job.cells->blocks[slice]] != 0) {
       const V all = hn::Mul(scale, hn::Mul(hn::Set(d, T(3)), hn::Mul(g, g)));
@@ -125,7 +125,7 @@ struct CellRun {
       return;
     }
     const V px = number(kFirstX), py = number(kFirstY), pz = number(kFirstZ), zero = hn::Zero(d);
-    V gx[kCorners], gy[kCorners], gz[kCorners];  // less than nothing: only squares count
+    V gx[kCorners], gy[kCorners], gz[kCorners];  // negated: only squares are used
     spreadSigns(SignSums<V>{g, zero, zero, py, pz, zero, number(kMixedX)}, gx);
     spreadSigns(SignSums<V>{zero, g, zero, px, zero, pz, number(kMixedY)}, gy);
     spreadSigns(SignSums<V>{zero, zero, g, zero, px, py, number(kMixedZ)}, gz);
@@ -164,8 +164,8 @@ struct CellRun {
   HWY_INLINE Vec3Lanes<V> roots() const { return {number(kRootX), number(kRootY), number(kRootZ)}; }
   HWY_INLINE V twist() const { return hn::Mul(hn::Set(d, law.hourglassTwist), number(kTwist)); }
 
-  /// v P, what pulls the modes and what pulls xyz, back to the corners.
-  /// @param k     goes with the forces
+  /// Distributes v P, the conjugates of the modes and those of xyz to the corners.
+  /// @param k  stored with the forces
   /// @param more  FitStress
   template <class... More>
   HWY_INLINE void scatterStress(const Mat3Lanes<V> &S, const V (&k)[kCorners], const More &...more) const {
@@ -203,7 +203,8 @@ struct CellRun {
   }
 };
 
-/// Corners of a chunk that hang: they follow the phyxels before them in its fields, and hand on what acts on them.
+/// Hanging corners of a chunk: they interpolate the fields of the phyxels stored before them, and distribute forces to
+/// them.
 template <class T>
 class HangingLocals {
  public:
@@ -241,16 +242,16 @@ class HangingLocals {
 
 enum class Sums : bool { none, perPhyxel };
 
-/// ofSlice(slice, fields) for the slices of a chunk; with Sums::perPhyxel what it leaves in fields.entries is summed
-/// for every phyxel of the chunk, slice by slice, corner by corner, lane by lane.
+/// Calls ofSlice(slice, fields) for the slices of a chunk. With Sums::perPhyxel, fields.entries are then summed for
+/// every phyxel of the chunk, slice by slice, corner by corner, lane by lane.
 template <Sums kSums, class T, class OfSlice>
 HWY_INLINE void forChunk(const CellJob<T> &job, std::size_t chunk, const OfSlice &ofSlice) {
   const CellSlices<T> &cells = *job.cells;
-  HWY_ALIGN_MAX T displacements[4 * kMostLocals];
-  HWY_ALIGN_MAX T velocities[4 * kMostLocals];
-  // Not a whole number of pages from the displacements: loads would wait for stores to addresses that differ by pages
-  // alone, and everything takes twice the time.
-  HWY_ALIGN_MAX T padded[4 * kMostLocals + 2304 / sizeof(T)];
+  HWY_ALIGN_MAX T displacements[4 * kMaxLocals];
+  HWY_ALIGN_MAX T velocities[4 * kMaxLocals];
+  // Padded so that the distance to the displacements is not a multiple of the page size. Otherwise loads wait for
+  // stores to addresses that differ by whole pages, which doubles the run time.
+  HWY_ALIGN_MAX T padded[4 * kMaxLocals + 2304 / sizeof(T)];
   T *const withHanging = padded + 2304 / sizeof(T);
   HWY_ALIGN_MAX T entries[4 * kCorners * kLanes<T>];
   const std::size_t first = cells.firstLocals[chunk], count = cells.firstLocals[chunk + 1] - first;
@@ -284,7 +285,7 @@ HWY_INLINE void forChunk(const CellJob<T> &job, std::size_t chunk, const OfSlice
   }
 }
 
-/// step(run) for all lanes of a slice.
+/// Calls step(run) for all lanes of a slice.
 template <class T, class Step>
 HWY_INLINE void forLanes(const CellJob<T> &job, const ChunkFields<T> &fields, std::size_t slice, const Step &step) {
   using D = hn::CappedTag<T, kLanes<T>>;
@@ -292,7 +293,7 @@ HWY_INLINE void forLanes(const CellJob<T> &job, const ChunkFields<T> &fields, st
   for (std::size_t lane = 0; lane < kLanes<T>; lane += hn::Lanes(d)) step(CellRun<D>(d, job, fields, slice, lane));
 }
 
-/// job.energies of a slice: energies(run, strain, modes) of its lanes, J.
+/// Sets job.energies of a slice: energies(run, strain, modes) of its lanes, J.
 template <class T, class Energies>
 HWY_INLINE void storeEnergies(const CellJob<T> &job, const ChunkFields<T> &fields, std::size_t slice,
                               const Energies &energies) {
@@ -304,7 +305,7 @@ HWY_INLINE void storeEnergies(const CellJob<T> &job, const ChunkFields<T> &field
     hn::Store(strainEnergy, run.d, strain + run.lane);
     hn::Store(hourglassEnergy, run.d, modes + run.lane);
   });
-  // One after the other: the same sum whatever the width.
+  // Summed sequentially: the same result for any register width.
   double strainSum = 0.0, hourglassSum = 0.0;
   for (std::size_t lane = 0; lane < kLanes<T>; ++lane) {
     strainSum += static_cast<double>(strain[lane]);
@@ -314,7 +315,7 @@ HWY_INLINE void storeEnergies(const CellJob<T> &job, const ChunkFields<T> &field
   job.energies[2 * slice + 1] = hourglassSum;
 }
 
-/// of(law, slice, fields) for the slices of some chunks.
+/// Calls of(law, slice, fields) for the slices of some chunks.
 template <Sums kSums, class T, class Of>
 HWY_INLINE void forSlices(const CellJob<T> &job, std::size_t begin, std::size_t end, const Of &of) {
   for (std::size_t chunk = begin; chunk < end; ++chunk)

@@ -5,8 +5,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forces/kernels/cell_tangent_kernel.cpp"
-#define C3DE_KERNEL_WITHOUT_SSE4
-#include "base/kernels/instruction_sets.h"  // first: says for which the rest is compiled
+#include "base/kernels/instruction_sets.h"  // first: selects the instruction sets for the code below
 
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
@@ -93,7 +92,7 @@ HWY_INLINE void productOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   laminate.scatterChange(change, dS, nothing, dPull, dTwisted);
 }
 
-// Strain and modes of some lanes, J.
+// Strain and mode energies of some lanes, J.
 template <MaterialLaw kLaw, bool kMixed, class D, class V = hn::Vec<D>>
 HWY_INLINE void energiesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar, V &strainEnergy, V &hourglassEnergy) {
   const D d = run.d;
@@ -129,7 +128,7 @@ HWY_NOINLINE void energiesOfSlice(const CellJob<T> &job, const ScalarLaw &scalar
   });
 }
 
-/// of(law, whether a slice has laminates, slice, fields), the first two as integral constants.
+/// Calls of(law, whether a slice has laminates, slice, fields), the first two as integral constants.
 template <Sums kSums, class T, class Of>
 HWY_INLINE void forKinds(const CellJob<T> &job, std::size_t begin, std::size_t end, const Of &of) {
   forSlices<kSums>(job, begin, end, [&](auto law, std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {

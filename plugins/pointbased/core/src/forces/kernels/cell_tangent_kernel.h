@@ -6,8 +6,8 @@
 
 namespace pointbased::kernels {
 
-/// job.tangents and job.laminateTangents at job.displacements, for cellProducts().
-/// @threads any, disjoint ranges of chunks; no allocation; bits as cellForces()
+/// Computes job.tangents and job.laminateTangents at job.displacements, for cellProducts().
+/// @threads  any, disjoint ranges of chunks; no allocation; bits as cellForces()
 void cellTangents(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
 void cellTangents(const CellJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
 
@@ -16,7 +16,7 @@ void cellTangents(const CellJob<double> &job, const ScalarLaw &scalar, std::size
 void cellProducts(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
 void cellProducts(const CellJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
 
-/// job.energies, each summed lane by lane.
+/// Computes job.energies, each summed lane by lane.
 void cellEnergies(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
 void cellEnergies(const CellJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
 

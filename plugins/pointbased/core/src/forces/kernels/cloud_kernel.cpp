@@ -3,8 +3,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forces/kernels/cloud_kernel.cpp"
-#define C3DE_KERNEL_WITHOUT_SSE4
-#include "base/kernels/instruction_sets.h"  // first: says for which the rest is compiled
+#include "base/kernels/instruction_sets.h"  // first: selects the instruction sets for the code below
 
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
@@ -56,14 +55,14 @@ requires(kMost >= 4) class Blocks<T, kMost> {
     return hn::Load(D4(), four);
   }
 
-  /// Every block of the sum grows by its coefficient times `four`.
+  /// Adds to every block of the sum its coefficient times `four`.
   HWY_INLINE void addOuter(std::size_t chain, V4 coefficients, V4 four) {
     const V repeated = hn::TableLookupLanes(widened(four), repeat_);
     const V wide = widened(coefficients);
     for (std::size_t r = 0; r < kRow; ++r)
       sum_[chain][r] = hn::MulAdd(hn::TableLookupLanes(wide, spread_[r]), repeated, sum_[chain][r]);
   }
-  /// Every block of the sum grows by its coefficient times the block of a record.
+  /// Adds to every block of the sum its coefficient times the block of a record.
   HWY_INLINE void addBlocks(std::size_t chain, V4 coefficients, const T *record) {
     const V wide = widened(coefficients);
     for (std::size_t r = 0; r < kRow; ++r)
@@ -92,7 +91,7 @@ requires(kMost >= 4) class Blocks<T, kMost> {
 
 #endif
 
-// Narrower ones: number by number, in the same order and rounding.
+// Narrower registers: number by number, with the same order and rounding.
 template <class T, std::size_t kMost>
 requires(kMost < 4) class Blocks<T, kMost> {
  public:
@@ -135,7 +134,7 @@ requires(kMost < 4) class Blocks<T, kMost> {
   T sum_[4][16];
 };
 
-// Sums over the pairs of one phyxel in four chains, whose order does not depend on the machine.
+// Sums over the pairs of one phyxel in four chains, in an order that does not depend on the machine.
 template <class Pair>
 HWY_INLINE void forPairs(std::size_t begin, std::size_t end, const Pair &pair) {
   std::size_t p = begin;
@@ -145,16 +144,16 @@ HWY_INLINE void forPairs(std::size_t begin, std::size_t end, const Pair &pair) {
     pair(p + 2, 2);
     pair(p + 3, 3);
   }
-  // Written out: a chain whose number is known stays in its registers.
+  // Unrolled: a chain with a constant index stays in its registers.
   if (p < end) pair(p++, 0);
   if (p < end) pair(p++, 1);
   if (p < end) pair(p, 2);
 }
 
-// What is asked of a slice.
+// Quantity to compute for a slice.
 enum class Task {
   kForces,    // M and ratios at the displacements
-  kTangents,  // what products need, at the displacements
+  kTangents,  // data for products, at the displacements
   kProducts   // dM for changes of the displacements
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Corners of a cell in and out, and the sums of their signs. Private to the kernels.
+// Loads and stores corners of cells, and transforms them to sign sums. Private to the kernels.
 #if defined(POINTBASED_KERNELS_CORNERS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTBASED_KERNELS_CORNERS_INL_H_
 #undef POINTBASED_KERNELS_CORNERS_INL_H_
@@ -38,8 +38,8 @@ HWY_INLINE hn::Vec<D> fromBlocks(D d, const Block &block) {
   }
 }
 
-/// Vectors of phyxels, four numbers each, into one lane per index. By loads of 128 bits and a transposition: gather
-/// instructions take two to three times as long on some processors.
+/// Loads vectors of phyxels, four numbers each, into one lane per index. Uses 128-bit loads and a transposition,
+/// because gather instructions take two to three times as long on some processors.
 template <class D>
 requires(sizeof(hn::TFromD<D>) == 4) HWY_INLINE Vec3Lanes<hn::Vec<D>> loadVectors(D d, const float *base,
                                                                                   const std::uint16_t *indices) {
@@ -72,7 +72,7 @@ requires(sizeof(hn::TFromD<D>) == 8) HWY_INLINE Vec3Lanes<hn::Vec<D>> loadVector
 
 #endif
 
-/// Records of four numbers, one after the other: what belongs to the phyxels of a chunk.
+/// Consecutive records of four numbers: fields of the phyxels of a chunk.
 template <class T>
 class Records {
 #if HWY_TARGET != HWY_SCALAR
@@ -93,7 +93,7 @@ class Records {
     }
   }
 
-  /// to += weight from; the product rounded on every machine.
+  /// to += weight from; the product is rounded separately on every machine.
   static HWY_INLINE void addScaled(T weight, const T *from, T *to) {
     if constexpr (kWhole) {
       const hn::CappedTag<T, 4> d;
@@ -106,7 +106,8 @@ class Records {
     }
   }
 
-  /// Vectors of phyxels less the first of all, in lattice axes; products and sums rounded one by one on every machine.
+  /// Vectors of phyxels relative to the first of all, in lattice axes; products and sums are rounded separately on
+  /// every machine.
   static HWY_INLINE void load(const PhyxelField &field, const double (&axes)[3][3], bool turned, const Index *phyxels,
                               std::size_t count, T *out) {
     if constexpr (kWholeDouble) {
@@ -122,7 +123,7 @@ class Records {
       HWY_ALIGN double last[4] = {};
       for (int c = 0; c < 3; ++c) last[c] = field.at[3 * (field.count - 1) + static_cast<std::size_t>(c)];
       for (std::size_t l = 0; l < count; ++l, out += 4) {
-        // Four are read where three are meant: behind the last vector there may be nothing.
+        // Four numbers are loaded for each vector of three; the memory may end after the last vector.
         const double *from = phyxels[l] + std::size_t{1} == field.count ? last : field.at + 3 * std::size_t{phyxels[l]};
         auto x = hn::Sub(hn::LoadU(d, from), base);
         if (turned) {
@@ -151,13 +152,13 @@ class Records {
   }
 };
 
-/// C_s = Σ_j s_j u_j of the products of signs s; the mean itself is not needed.
+/// C_s = Σ_j s_j u_j for the products of signs s; the mean is not needed.
 template <class V>
 struct SignSums {
   V x, y, z, xy, xz, yz, xyz;
 };
 
-/// Hadamard's transform in three times four sums and differences.
+/// Hadamard transform in three times four sums and differences.
 template <class V>
 HWY_INLINE SignSums<V> signSums(const V (&u)[8]) {
   const V p01 = hn::Add(u[0], u[1]), p23 = hn::Add(u[2], u[3]), p45 = hn::Add(u[4], u[5]), p67 = hn::Add(u[6], u[7]);

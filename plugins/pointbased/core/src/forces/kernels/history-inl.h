@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What points remember, in lanes and back, and the Prony terms of viscoelasticity.cpp. Private to the kernels.
+// History of points in lanes, and the Prony terms of viscoelasticity.cpp. Private to the kernels.
 #if defined(POINTBASED_KERNELS_HISTORY_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTBASED_KERNELS_HISTORY_INL_H_
 #undef POINTBASED_KERNELS_HISTORY_INL_H_
@@ -22,8 +22,8 @@ class PointRecords {
   static constexpr std::size_t kMost = hn::MaxLanes(D());
 
  public:
-  /// @param used   lanes that stand for a point; the others repeat one, which must not go further twice
-  /// @param spare  [kSize] a record for those
+  /// @param used  lanes that represent a point; the others repeat one, which must not be advanced twice
+  /// @param spare  [kSize] a scratch record for those
   HWY_INLINE PointRecords(D d, double *base, const Index *points, std::size_t used, double *spare) : d_(d) {
     for (std::size_t i = 0; i < kMost; ++i) at_[i] = base + kSize * points[i];
     if (HWY_LIKELY(used == kMost)) return;
@@ -54,7 +54,7 @@ class PointRecords {
 #endif
   }
 
-  /// Nine numbers from k on, column after column.
+  /// Nine numbers from k on, column-major.
   HWY_INLINE Mat3Lanes<V> loadMatrix(std::size_t k) const {
     Mat3Lanes<V> m;
     V again;
@@ -75,7 +75,7 @@ class PointRecords {
 
  private:
 #if HWY_TARGET != HWY_SCALAR
-  // Blocks of 128 bits, which are of the lanes first, first + 2, …
+  // 128-bit blocks, which belong to the lanes first, first + 2, …
   template <class D2>
   HWY_INLINE void storeBlocks(D2 d, hn::Vec<D2> v, std::size_t first, std::size_t k) const {
     if constexpr (hn::MaxLanes(D2()) == 2) {
@@ -92,7 +92,7 @@ class PointRecords {
   double *at_[kMost];
 };
 
-/// Tensors of the world's axes in those of the lattice, and back.
+/// Transforms tensors from world axes to lattice axes, and back.
 template <class D>
 struct LatticeAxes {
   using V = hn::Vec<D>;
@@ -129,8 +129,7 @@ HWY_INLINE Sym3Lanes<V> deviator(D d, Sym3Lanes<V> s) {
   return s;
 }
 
-/// D(F) and d/dF (Q : e(F)) of each law, as Relaxation in viscoelasticity.cpp; stray(): where the scalar law has to
-/// answer.
+/// D(F) and d/dF (Q : e(F)) of each law, as Relaxation in viscoelasticity.cpp; stray(): lanes that need the scalar law.
 template <MaterialLaw kLaw, class D>
 struct RelaxationLanes;
 
@@ -222,7 +221,7 @@ struct RelaxationLanes<MaterialLaw::neoHookean, D> {
   }
 };
 
-/// answer(F, Q, out) of single lanes in place of theirs.
+/// Replaces single lanes by answer(F, Q, out).
 template <class D, class Answer, class V = hn::Vec<D>>
 HWY_NOINLINE void answerRelaxation(D d, hn::Mask<D> stray, const Strain<D> &s, const Sym3Lanes<V> &Q, Mat3Lanes<V> &out,
                                    const Answer &answer) {
@@ -249,8 +248,8 @@ HWY_NOINLINE void answerRelaxation(D d, hn::Mask<D> stray, const Strain<D> &s, c
   out = loadNine(d, answers);
 }
 
-/// The memory of the Prony terms by a step further.
-/// @return d/dF (Q : e) at its end: what has relaxed of P
+/// Advances the history of the Prony terms by one step.
+/// @return d/dF (Q : e) at its end: the relaxed part of P
 template <MaterialLaw kLaw, class D, class V = hn::Vec<D>>
 HWY_INLINE Mat3Lanes<V> relaxedStress(D d, const LawNumbers<double> &m, const MaterialHistory &history,
                                       const Strain<D> &s, const FrameOf<kLaw, D> &frame,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The energy of hourglass_energy.h with one cell per lane, in lattice axes. Private to the kernels.
+// Energy of hourglass_energy.h with one cell per lane, in lattice axes. Private to the kernels.
 #if defined(POINTBASED_KERNELS_MODES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTBASED_KERNELS_MODES_INL_H_
 #undef POINTBASED_KERNELS_MODES_INL_H_
@@ -44,14 +44,14 @@ HWY_INLINE Mat3Lanes<V> hourglassConjugate(D d, const LawNumbers<Real<D>> &m, co
   return hourglassConjugate(d, m.hourglassMu, m.hourglassLambda, B, root);
 }
 
-/// Of some lanes, G = F - 1: amplitudes of the modes xy, xz, yz and Σ s u of xyz.
+/// State of some lanes, G = F - 1: amplitudes of the modes xy, xz, yz and Σ s u of xyz.
 template <class V>
 struct ModalState {
   Mat3Lanes<V> G, A;
   Vec3Lanes<V> xyz;
 };
 
-/// Adds what the viscosity of the modes does (addViscousModes() in viscous_hourglass.h), times `scale`.
+/// Adds the viscous forces of the modes (addViscousModes() in viscous_hourglass.h), times `scale`.
 /// @param twist  kTwist of the lanes
 template <bool kLinear, class D, class V = hn::Vec<D>>
 HWY_INLINE void addViscousModes(D d, const LawNumbers<Real<D>> &m, Real<D> scale, const Vec3Lanes<V> &root, V twist,

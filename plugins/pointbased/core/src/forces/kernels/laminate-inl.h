@@ -25,8 +25,8 @@ HWY_INLINE Vec3Lanes<V> times(const Sym3Lanes<V> &a, const Vec3Lanes<V> &b) {
           hn::MulAdd(a.xz, b.x, hn::MulAdd(a.yz, b.y, hn::Mul(a.zz, b.z)))};
 }
 
-/// The strain of one material from the corners of its cell (G = F - 1), what a stress of it does to them, and the
-/// energy of its modes. Where no lane has two materials: what CellRun says.
+/// Strain of one material from the corners of its cell (G = F - 1), the forces of its stress on them, and the energy of
+/// its modes. Without lanes of two materials these are the results of CellRun.
 template <MaterialLaw kLaw, bool kMixed, class D>
 struct LaminateLanes {
   using V = hn::Vec<D>;
@@ -83,7 +83,7 @@ struct LaminateLanes<kLaw, true, D> {
     share(G, run.gradient(otherRows(), ux, uy, uz));
     return G + outer(scaled(c, kLinear ? y : times(mean, y)), n);
   }
-  /// For scatterChange(), with the stress that scatter() gets.
+  /// Stores the data of scatterChange(), with the stress passed to scatter().
   HWY_INLINE void keep(const SignSums<V> &ux, const SignSums<V> &uy, const SignSums<V> &uz, const M &stress) const {
     kept().setMatrix(kLayerG, run.gradient(ux, uy, uz));
     kept().setMatrix(kLayerG + 9, run.gradient(otherRows(), ux, uy, uz));
@@ -201,7 +201,7 @@ struct LaminateLanes<kLaw, true, D> {
       y = scaled(inverse, b);
     }
   }
-  // b of the strains of the layers, or its change.
+  // b from the strains of the layers, or its change.
   HWY_INLINE Vec3Lanes<V> jump(const Sym3Lanes<V> &ofOwn, const Sym3Lanes<V> &ofOthers) const {
     return jumpOf(kOwnModuli, ofOwn) + jumpOf(kOtherModuli, ofOthers);
   }
@@ -218,7 +218,7 @@ struct LaminateLanes<kLaw, true, D> {
     const M S = outer(half, n) + outer(n, half) + scaled(hn::Neg(hn::Mul(vn, number(moduli + 2))), outer(n, n));
     return plusDiagonal(S, hn::Neg(hn::Mul(vn, number(moduli + 1))));
   }
-  // What dy does, seen from db.
+  // Transposed derivative of y with respect to b.
   HWY_INLINE Vec3Lanes<V> fromJump(const Vec3Lanes<V> &w) const {
     return scaled(inverse, mulAdd(hn::Neg(hn::Mul(limit2, dot(w, y))), y, w));
   }

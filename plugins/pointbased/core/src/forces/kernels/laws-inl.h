@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The elastic laws of laws.h with one point per lane, written in G = F - 1, so that small strains keep their digits in
-// single precision too. Private to the kernels; compiled once per instruction set.
+// Elastic laws of laws.h with one point per lane, written in G = F - 1, so that small strains keep their digits in
+// single precision as well. Private to the kernels; compiled once per instruction set.
 #if defined(POINTBASED_KERNELS_LAWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTBASED_KERNELS_LAWS_INL_H_
 #undef POINTBASED_KERNELS_LAWS_INL_H_
@@ -39,7 +39,7 @@ HWY_INLINE V growthOf(const Mat3Lanes<V> &G, const Mat3Lanes<V> &cofG) {
   return hn::Add(trace(G), hn::Add(trace(cofG), dot(G.c0, cofG.c0)));
 }
 
-/// What several laws and the bounds of the tangent need of one G.
+/// Quantities of one G that several laws and the bounds of the tangent need.
 template <class D, class V = hn::Vec<D>>
 struct Strain {
   Mat3Lanes<V> G;
@@ -58,11 +58,11 @@ struct Strain {
   HWY_INLINE Mat3Lanes<V> cofactorOfF(D d) const {
     return plusDiagonal(minors, hn::Add(traceG, hn::Set(d, Real<D>(1))));
   }
-  /// F - cof F, without the difference of what is nearly the same
+  /// F - cof F, without cancellation
   HWY_INLINE Mat3Lanes<V> lessCofactor() const { return plusDiagonal(G - minors, hn::Neg(traceG)); }
 };
 
-/// Mean of the eigenvalues of FᵀF less 1, and a bound of how far the largest and the smallest lie from the mean.
+/// Mean of the eigenvalues of FᵀF minus 1, and a bound of the distance of the largest and the smallest from the mean.
 template <class V>
 struct Spread {
   V mean, width;
@@ -78,8 +78,8 @@ HWY_INLINE Spread<V> spreadOf(D d, const Sym3Lanes<V> &E) {
   return {mean, hn::Sqrt(hn::Mul(hn::Set(d, Real<D>(2.0 / 3.0)), scatter))};
 }
 
-/// Upper bound of the largest eigenvalue of C = 1 + 2 E, as largestEigenvalueBound(): by mean and variance, and one
-/// step of Laguerre's method down from there where that may be more than 5 % too large.
+/// Upper bound of the largest eigenvalue of C = 1 + 2 E, as largestEigenvalueBound(): by mean and variance, followed by
+/// one step of Laguerre's method where this may be more than 5 % too large.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V largestStretchSquared(D d, const Sym3Lanes<V> &E, const Spread<V> &s) {
   const V one = hn::Set(d, Real<D>(1)), mean = hn::Add(one, s.mean);
@@ -106,12 +106,12 @@ HWY_INLINE V largestStretchSquared(D d, const Sym3Lanes<V> &E, const Spread<V> &
   return hn::Sub(first, hn::IfThenElseZero(use, down));
 }
 
-/// Largest eigenvalue of cof(F)ᵀcof(F) = J² C^-1 from above.
+/// Upper bound of the largest eigenvalue of cof(F)ᵀcof(F) = J² C^-1.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V largestAreaSquared(D d, const Mat3Lanes<V> &cof) {
   const Sym3Lanes<V> gramOfCof = gram(cof);
   const V half = hn::Set(d, Real<D>(0.5)), one = hn::Set(d, Real<D>(1));
-  Sym3Lanes<V> e;  // (cofᵀcof - 1)/2, so that the bound above serves
+  Sym3Lanes<V> e;  // (cofᵀcof - 1)/2, so that the bound above applies
   e.xx = hn::Mul(half, hn::Sub(gramOfCof.xx, one));
   e.yy = hn::Mul(half, hn::Sub(gramOfCof.yy, one));
   e.zz = hn::Mul(half, hn::Sub(gramOfCof.zz, one));
@@ -121,7 +121,7 @@ HWY_INLINE V largestAreaSquared(D d, const Mat3Lanes<V> &cof) {
   return largestStretchSquared(d, e, spreadOf(d, e));
 }
 
-/// What a law answers: P and bounds of its tangent.
+/// Output of a law: P and bounds of its tangent.
 template <class V>
 struct Answer {
   Mat3Lanes<V> stress;  ///< first Piola-Kirchhoff, Pa
@@ -245,7 +245,7 @@ HWY_INLINE Mat3Lanes<V> viscousStress(D d, V twoEta, const Mat3Lanes<V> &G, cons
   return S + times(G, S);
 }
 
-/// tr(RᵀF) and R of F = R U, as polar(); `found` is false where two roots meet, which is left to the decomposition.
+/// tr(RᵀF) and R of F = R U, as polar(); `found` is false where two roots coincide, which needs the decomposition.
 template <class D, class V = hn::Vec<D>>
 struct PolarLanes {
   Mat3Lanes<V> R;
@@ -281,7 +281,7 @@ struct PolarLanes {
     const Mat3Lanes<V> CF = transposeTimes(F, F);
     Mat3Lanes<V> r = mulAdd(hn::MulAdd(t, t, a), F, scaled(hn::Add(t, t), cof));
     r = scaled(inverse, r - scaled(two, times(F, CF)));
-    // One step of Newton and Schulz takes what round-off left of stretch.
+    // One Newton-Schulz step removes residual stretch from round-off.
     R = scaled(hn::Set(d, T(1.5)), r) - scaled(hn::Set(d, T(0.5)), times(r, transposeTimes(r, r)));
     trace = t;
   }
@@ -291,11 +291,11 @@ template <class D>
 struct NoFrame {
   HWY_INLINE NoFrame(D, const Strain<D> &) {}
 };
-/// What a law needs of the rotation.
+/// Data of the rotation that a law needs.
 template <MaterialLaw kLaw, class D>
 using FrameOf = std::conditional_t<kLaw == MaterialLaw::corotated, PolarLanes<D>, NoFrame<D>>;
 
-/// @param stray  out: where the scalar law has to answer
+/// @param stray  out: lanes that need the scalar law
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE Answer<V> corotated(D d, const LawNumbers<Real<D>> &m, const Strain<D> &s, const PolarLanes<D> &p,
                                V stretch2, hn::Mask<D> &stray) {
@@ -306,7 +306,7 @@ HWY_INLINE Answer<V> corotated(D d, const LawNumbers<Real<D>> &m, const Strain<D
   a.stress = mulAdd(hn::Mul(lambda, hn::Sub(p.trace, three)), p.R, scaled(twoMu, off));
   a.wave = hn::Set(d, m.lambda + 2 * m.mu);
   a.all = hn::Set(d, HWY_MAX(3 * m.lambda, T(0)) + 2 * m.mu);
-  // Tension beyond 2 mu turns with the frame: there the bound is another one.
+  // Tension beyond 2 mu rotates with the frame: the bound is different there.
   const V bound =
       hn::Mul(lambda, hn::Sub(hn::Sqrt(hn::Mul(three, hn::MulAdd(hn::Set(d, T(2)), trace(s.E), three))), three));
   stray = hn::Or(hn::Not(p.found), hn::Gt(bound, twoMu));

@@ -13,11 +13,11 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointbased::kernels::HWY_NAMESPACE {
 
-/// Principal values of a symmetric E = m 1 + p S, tr S = 0, |S|² = 6: those of S are y_1, which lies apart, and
-/// y_2, y_3 = -y_1/2 ± w. Its sign is such that √3 <= y_1 <= 2.
+/// Principal values of a symmetric E = m 1 + p S, tr S = 0, |S|² = 6. Those of S are y_1, the separate one, and y_2,
+/// y_3 = -y_1/2 ± w. The sign of p is such that √3 <= y_1 <= 2.
 ///
-/// y³ - 3 y - det S = 0 is solved by two steps of Halley's method; it is well conditioned for every E. Where y_2 and
-/// y_3 meet, w is told to half the digits only, which functions of S that are even in w do not notice.
+/// y³ - 3 y - det S = 0 is solved by two steps of Halley's method; it is well conditioned for every E. If y_2 and y_3
+/// coincide, w has only half of the digits, which does not affect functions of S that are even in w.
 template <class D, class V = hn::Vec<D>>
 struct PrincipalStrains {
   Sym3Lanes<V> S;
@@ -31,7 +31,7 @@ struct PrincipalStrains {
     S.xx = hn::Sub(S.xx, mean);
     S.yy = hn::Sub(S.yy, mean);
     S.zz = hn::Sub(S.zz, mean);
-    // Of nothing but a change of volume the directions do not matter.
+    // For a pure change of volume the directions are arbitrary.
     const V size = hn::Max(hn::Sqrt(hn::Mul(hn::Set(d, 1.0 / 6.0), squaredNorm(S))), hn::Set(d, 1e-150));
     S = scaled(hn::Div(one, size), S);
     const V minorX = hn::MulSub(S.yy, S.zz, hn::Mul(S.yz, S.yz));
@@ -42,7 +42,7 @@ struct PrincipalStrains {
     S = scaled(sign, S);
     p = hn::Mul(sign, size);
     const V det = hn::Min(hn::Abs(determinant), hn::Set(d, 2.0));
-    // The chord of the curve between det = 0 and 2, which is almost straight.
+    // Start: the chord of the curve between det = 0 and 2, which is almost straight.
     y1 = hn::MulAdd(det, hn::Set(d, 0.5 * (2.0 - 1.7320508075688772)), hn::Set(d, 1.7320508075688772));
     for (int k = 0; k < 2; ++k) {
       const V y2 = hn::Mul(y1, y1);
@@ -57,7 +57,7 @@ struct PrincipalStrains {
     values[2] = hn::MulAdd(p, hn::Sub(half, w), mean);
   }
 
-  /// f(E) of its three principal values and, for where two of them meet, slope() = f' there.
+  /// f(E) from its three principal values; slope() = f' where two of them coincide.
   template <class Slope>
   HWY_INLINE Sym3Lanes<V> function(D d, const V (&f)[3], const Slope &slope) const {
     const V half = hn::Set(d, 0.5), w2 = hn::Mul(w, w), far = hn::Mul(hn::Set(d, 1.5), y1);
@@ -87,7 +87,7 @@ struct HenckyStrains {
   V h[3], mean, norm;
   HWY_INLINE HenckyStrains(D d, const PrincipalStrains<D> &E) {
     const V half = hn::Set(d, 0.5);
-    // To 1e-16, which is enough: it is compared with yield, not with nothing.
+    // Accurate to 1e-16, which is enough: it is compared with yield, not with zero.
     for (int i = 0; i < 3; ++i)
       h[i] = hn::Mul(half, hn::Log(d, hn::MulAdd(hn::Set(d, 2.0), E.values[i], hn::Set(d, 1.0))));
     mean = hn::Mul(hn::Set(d, 1.0 / 3.0), hn::Add(h[0], hn::Add(h[1], h[2])));
@@ -96,10 +96,10 @@ struct HenckyStrains {
   }
 };
 
-/// What of some lanes flows, and how.
+/// Plastic flow of some lanes.
 template <class D, class V = hn::Vec<D>>
 struct FlowLanes {
-  hn::Mask<D> flowing, stray;  ///< stray: those of them that the scalar law has to answer
+  hn::Mask<D> flowing, stray;  ///< stray: those of them that need the scalar law
   Mat3Lanes<V> plastic;        ///< F_p^-1 - 1 of the others
 
   /// @param beyond   lanes that may be above yield
@@ -113,7 +113,7 @@ struct FlowLanes {
     flowing = hn::And(beyond, hn::Gt(hencky.norm, hn::Set(d, m.yield)));
     flowing = hn::And(flowing, hn::Gt(hn::MulAdd(two, least, one), zero));
     flowing = hn::And(flowing, hn::Gt(hn::Add(elastic.growth, one), hn::Set(d, kSmallestFlowRatio)));
-    // exp(-α h), α h the flow along h
+    // exp(-α h), α h is the flow along h
     const V alpha = hn::Mul(hn::Set(d, m.flowShare),
                             hn::Sub(one, hn::Div(hn::Set(d, m.yield), hn::Max(hencky.norm, hn::Set(d, 1e-150)))));
     V change[3];
@@ -122,7 +122,7 @@ struct FlowLanes {
       return hn::Neg(hn::Div(hn::Mul(alpha, hn::Add(one, change[1])), hn::MulAdd(two, principal.values[1], one)));
     }));
     const Mat3Lanes<V> next = before + M + times(before, M);
-    // The third root of a determinant that differs from one by round-off.
+    // Cube root of a determinant that differs from one by round-off.
     const V growth = growthOf(next, cofactor(next)), third = hn::Mul(hn::Set(d, 1.0 / 3.0), growth);
     const V scale = hn::Sub(hn::Mul(hn::Mul(two, third), third), third);
     plastic = mulAdd(scale, next, plusDiagonal(next, scale));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which law answers, and where the scalar one has to. Private to the kernels.
+// Selects the law, and the lanes that need the scalar law. Private to the kernels.
 #if defined(POINTBASED_KERNELS_STRESS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTBASED_KERNELS_STRESS_INL_H_
 #undef POINTBASED_KERNELS_STRESS_INL_H_
@@ -15,7 +15,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointbased::kernels::HWY_NAMESPACE {
 
-/// Nine rows, column after column of the matrix.
+/// Stores nine rows, column-major.
 template <class D, std::size_t kRow, class V = hn::Vec<D>>
 HWY_INLINE void storeNine(D d, const Mat3Lanes<V> &m, Real<D> (&to)[9][kRow]) {
   hn::Store(m.c0.x, d, to[0]);
@@ -36,8 +36,8 @@ HWY_INLINE Mat3Lanes<hn::Vec<D>> loadNine(D d, const Real<D> (&from)[9][kRow]) {
 }
 
 template <class D, class V = hn::Vec<D>>
-HWY_NOINLINE void answerStrays(D d, hn::Mask<D> stray, const Strain<D> &s, const ScalarLaw &scalar,
-                               std::size_t material, Mat3Lanes<V> &stress, V &ratio) {
+HWY_NOINLINE void evaluateScalarLanes(D d, hn::Mask<D> stray, const Strain<D> &s, const ScalarLaw &scalar,
+                                      std::size_t material, Mat3Lanes<V> &stress, V &ratio) {
   using T = Real<D>;
   constexpr std::size_t kMost = hn::MaxLanes(D());
   HWY_ALIGN T G[9][kMost];
@@ -59,7 +59,7 @@ HWY_NOINLINE void answerStrays(D d, hn::Mask<D> stray, const Strain<D> &s, const
   ratio = hn::Load(d, ratios);
 }
 
-// P and how much stiffer the point is than at rest, as tangentRatio(): at least 1, NaN where something is none.
+// P, and the stiffness of the point relative to rest, as tangentRatio(): at least 1, NaN if anything is NaN.
 template <MaterialLaw kLaw, class D, class V = hn::Vec<D>>
 HWY_INLINE Mat3Lanes<V> stressOf(D d, const LawNumbers<Real<D>> &m, const Strain<D> &s, const FrameOf<kLaw, D> &frame,
                                  V stretch2, const ScalarLaw &scalar, std::size_t material, V &ratio) {
@@ -76,14 +76,14 @@ HWY_INLINE Mat3Lanes<V> stressOf(D d, const LawNumbers<Real<D>> &m, const Strain
     a = neoHookean(d, m, s, stretch2);
   }
   const V J = hn::Add(s.growth, hn::Set(d, T(1)));
-  // The bounds of what depends on J are written for J > 0.
+  // The bounds of terms in J are valid for J > 0.
   if (kLaw == MaterialLaw::neoHookean || m.volume > 0)
     stray = hn::Or(stray, hn::Lt(J, hn::Set(d, kLaw == MaterialLaw::neoHookean ? T(kNeoHookeanSwitch) : T(1e-9))));
   const V one = hn::Set(d, T(1));
   const V larger = hn::Max(hn::Mul(a.wave, hn::Set(d, 1 / m.waveAtRest)), hn::Mul(a.all, hn::Set(d, 1 / m.allAtRest)));
   ratio = hn::Max(larger, one);
-  if (HWY_UNLIKELY(!hn::AllFalse(d, stray))) answerStrays(d, stray, s, scalar, material, a.stress, ratio);
-  // What is no number must not get lost in a maximum.
+  if (HWY_UNLIKELY(!hn::AllFalse(d, stray))) evaluateScalarLanes(d, stray, s, scalar, material, a.stress, ratio);
+  // NaN must not get lost in a maximum.
   ratio = hn::Add(ratio, hn::Mul(hn::Zero(d), s.growth));
   return a.stress;
 }
@@ -94,7 +94,7 @@ HWY_INLINE Mat3Lanes<V> stressOf(D d, const LawNumbers<Real<D>> &m, const Strain
   return stressOf<kLaw>(d, m, s, FrameOf<kLaw, D>(d, s), stretch2, scalar, material, ratio);
 }
 
-/// body(std::integral_constant of the law)
+/// Calls body(std::integral_constant of the law).
 template <class Body>
 HWY_INLINE void withLaw(int law, const Body &body) {
   switch (static_cast<MaterialLaw>(law)) {
@@ -102,19 +102,19 @@ HWY_INLINE void withLaw(int law, const Body &body) {
     case MaterialLaw::stVenantKirchhoff:
       return body(std::integral_constant<MaterialLaw, MaterialLaw::stVenantKirchhoff>());
     case MaterialLaw::corotated: return body(std::integral_constant<MaterialLaw, MaterialLaw::corotated>());
-    case MaterialLaw::custom:  // the scalar engine answers for it
+    case MaterialLaw::custom:  // handled by the scalar engine
     case MaterialLaw::neoHookean: break;
   }
   body(std::integral_constant<MaterialLaw, MaterialLaw::neoHookean>());
 }
 
-/// The largest of all lanes, at least 1; NaN where any is.
+/// Largest ratio of all lanes, at least 1; NaN if any is NaN.
 template <class D>
 class LargestRatio {
  public:
   HWY_INLINE explicit LargestRatio(D d) : largest_(hn::Set(d, Real<D>(1))) {}
   HWY_INLINE void add(hn::Vec<D> ratio) {
-    // Of NaN and a number the sum is NaN, whatever the maximum of an instruction set makes of it.
+    // The sum of NaN and a number is NaN, whatever the maximum of an instruction set returns.
     largest_ = hn::IfThenElse(hn::Eq(ratio, ratio), hn::Max(largest_, ratio), hn::Add(largest_, ratio));
   }
   HWY_INLINE Real<D> value(D d) const {

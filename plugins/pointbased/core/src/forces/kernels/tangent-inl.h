@@ -46,7 +46,7 @@ HWY_INLINE Sym3Lanes<V> cofactor(const Sym3Lanes<V> &a) {
           hn::MulSub(a.xy, a.yz, hn::Mul(a.xz, a.yy)), hn::MulSub(a.xy, a.xz, hn::Mul(a.yz, a.xx))};
 }
 
-/// Everything but the amplitudes.
+/// Sets everything except the amplitudes.
 template <MaterialLaw kLaw, class D, class V = hn::Vec<D>>
 HWY_INLINE void prepareTangent(D d, const LawNumbers<Real<D>> &m, const Strain<D> &s, const TangentRows<D> &out) {
   using T = Real<D>;
@@ -79,7 +79,7 @@ HWY_INLINE void prepareTangent(D d, const LawNumbers<Real<D>> &m, const Strain<D
     out.set(kTangentFirst,
             hn::NegMulAdd(hn::Set(d, m.lambda), hn::Sub(p.trace, hn::Set(d, T(3))), hn::Set(d, 2 * m.mu)));
     out.set(kTangentSecond, volumeFirst);
-    // As long as the two smaller stretches do not meet at zero; then the scalar law holds the turn.
+    // Valid as long as the two smaller stretches do not both vanish; there the scalar law bounds the rotation matrix.
     const V largest = hn::Sqrt(largestStretchSquared(d, s.E, spreadOf(d, s.E)));
     stray = hn::Or(hn::Not(p.found), hn::Not(hn::Gt(hn::Sub(p.trace, largest), hn::Set(d, T(2.0 * kCorotatedFloor)))));
   } else {

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "frame/file_dialog.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "c3de/core/platform.h"
+#include "c3de/registry/number_text.h"
+#include "frame/frame_context.h"
+
+namespace c3de::ui {
+namespace {
+
+constexpr const char *kArea = "dialog";
+constexpr int kMaxFramesToFocus = 10;
+constexpr const char *kUnits[] = {"", "mm", "cm", "m"};
+constexpr const char *kUnitLabels[] = {"as the file says, else mm", "millimetres (mm)", "centimetres (cm)",
+                                       "metres (m)"};
+
+}  // namespace
+
+void FileDialog::open(Request request) {
+  request_ = std::move(request);
+  browser_.setExtensions(request_.extensions);
+  error_.clear();
+  toReplace_.clear();
+  typed_[0] = '\0';
+  isOpen_ = isNew_ = true;
+  isDone_ = false;
+  framesToFocus_ = kMaxFramesToFocus;
+  openFolder();
+  if (request_.isSaving && !request_.proposed.empty())
+    registry::copyText(typed_, sizeof typed_, freeName(browser_.folder(), request_.proposed));
+}
+
+void FileDialog::openFolder() {
+  std::error_code ignored;
+  const auto recent = recentFolders_.find(request_.extensions);
+  if (recent != recentFolders_.end() && browser_.open(recent->second)) return;
+  if (!browser_.folder().empty() && browser_.refresh()) return;
+  if (!browser_.open(std::filesystem::current_path(ignored))) (void)browser_.open(std::filesystem::path("/"));
+}
+
+void FileDialog::choose(const std::string &typed) {
+  const auto choice = request_.isSaving ? browser_.resolveNew(typed) : browser_.resolve(typed);
+  if (!choice) {
+    error_ = choice.error().message;
+    return;
+  }
+  error_.clear();
+  if (choice->isFolder) {
+    if (auto opened = browser_.open(choice->path); !opened) error_ = opened.error().message;
+    typed_[0] = '\0';
+    return;
+  }
+  std::error_code ignored;
+  if (request_.isSaving && std::filesystem::exists(choice->path, ignored) && toReplace_ != choice->path) {
+    toReplace_ = choice->path;
+    error_ = pathText(choice->path.filename()) + " is there already. Press Save again to replace it.";
+    return;
+  }
+  recentFolders_[request_.extensions] = choice->path.parent_path();
+  isDone_ = true;
+  if (request_.chosen) request_.chosen(choice->path, kUnits[unit_]);
+}
+
+void FileDialog::drawFolders(FrameContext &frame) {
+  if (ImGui::Button("Up")) (void)browser_.openParent();
+  markItem(frame, kArea, "up");
+  ImGui::SameLine();
+  if (ImGui::Button("Home")) {
+    const FileBrowser::Choice fallback{true, browser_.folder()};
+    if (auto opened = browser_.open(browser_.resolve("~").value_or(fallback).path); !opened)
+      error_ = opened.error().message;
+  }
+  markItem(frame, kArea, "home");
+  ImGui::SameLine();
+  ImGui::AlignTextToFramePadding();
+  const std::string folder = pathText(browser_.folder());
+  ImGui::TextColored(colour::kDim, "%s", elided(folder, ImGui::GetContentRegionAvail().x).c_str());
+  itemTooltip(frame, folder);
+  frame.automation.value(kArea, "folder", folder);
+}
+
+void FileDialog::drawList(FrameContext &frame) {
+  std::string picked;
+  bool isPickedFinal = false;
+  const float bottom = ImGui::GetFrameHeightWithSpacing() * (request_.asksMeshUnit ? 3.0f : 2.0f) +
+                       (error_.empty() ? 0.0f : 2.0f * ImGui::GetTextLineHeightWithSpacing()) + frame.theme.px(10.0f);
+  ImGui::PushStyleColor(ImGuiCol_ChildBg, ImVec4(0.105f, 0.118f, 0.141f, 1.0f));
+  ImGui::BeginChild("list", ImVec2(0, -bottom), true);
+  for (const FileBrowser::Entry &entry : browser_.entries()) {
+    ImGui::PushID(entry.name.c_str());
+    const std::string shown = entry.isFolder ? entry.name + "/" : entry.name;
+    if (entry.isFolder) ImGui::PushStyleColor(ImGuiCol_Text, colour::kAccent);
+    const bool isClicked =
+        ImGui::Selectable(shown.c_str(), entry.name == typed_,
+                          ImGuiSelectableFlags_AllowDoubleClick | ImGuiSelectableFlags_DontClosePopups);
+    if (entry.isFolder) ImGui::PopStyleColor();
+    markItem(frame, kArea, "entry." + entry.name);
+    if (!entry.isFolder) {
+      const std::string size = sizeText(entry.bytes);
+      ImGui::SameLine(std::max(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(size.c_str()).x, 0.0f));
+      ImGui::TextColored(colour::kDim, "%s", size.c_str());
+    }
+    if (isClicked) {
+      picked = entry.name;
+      isPickedFinal = ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
+    }
+    ImGui::PopID();
+  }
+  if (browser_.entries().empty())
+    ImGui::TextDisabled(request_.isSaving ? "Nothing of this kind here yet" : "Nothing here that can be opened");
+  ImGui::EndChild();
+  ImGui::PopStyleColor();
+  if (picked.empty()) return;
+  registry::copyText(typed_, sizeof typed_, picked);
+  if (isPickedFinal) choose(picked);
+}
+
+void FileDialog::drawError(FrameContext &frame) {
+  if (error_.empty()) return;
+  ImGui::PushStyleColor(ImGuiCol_Text, colour::kError);
+  ImGui::TextWrapped("%s", error_.c_str());
+  ImGui::PopStyleColor();
+  frame.automation.value(kArea, "error", error_);
+}
+
+void FileDialog::drawUnit(FrameContext &frame) {
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted("Unit of the numbers in the file");
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(frame.theme.px(220.0f));
+  const bool isComboOpen = ImGui::BeginCombo("##unit", kUnitLabels[unit_]);
+  markOpener(frame, kArea, "unit", isComboOpen);
+  if (isComboOpen) {
+    for (int i = 0; i < static_cast<int>(std::size(kUnits)); ++i) {
+      if (ImGui::Selectable(kUnitLabels[i], i == unit_)) unit_ = i;
+      markItem(frame, kArea, std::string("unit.option.") + kUnits[i]);
+    }
+    ImGui::EndCombo();
+  }
+  frame.automation.value(kArea, "unit", kUnits[unit_]);
+}
+
+bool FileDialog::drawName(FrameContext &frame) {
+  ImGui::SetNextItemWidth(-1.0f);
+  if (isNew_) ImGui::SetKeyboardFocusHere();
+  isNew_ = false;
+  const bool isEntered = ImGui::InputTextWithHint(
+      "##typed", request_.isSaving ? "Name of the file; a path may be typed" : "File or folder; a path may be typed",
+      typed_, sizeof typed_,
+      ImGuiInputTextFlags_EnterReturnsTrue | (request_.isSaving ? ImGuiInputTextFlags_AutoSelectAll : 0));
+  framesToFocus_ = ImGui::IsItemActive() ? 0 : std::max(framesToFocus_ - 1, 0);
+  markItem(frame, kArea, "path");
+  frame.automation.value(kArea, "path", typed_);
+  return isEntered;
+}
+
+bool FileDialog::drawConfirm(FrameContext &frame) {
+  const bool hasText = typed_[0] != '\0';
+  ImGui::BeginDisabled(!hasText);
+  ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.20f, 0.42f, 0.48f, 1.0f));
+  const bool isPressed = ImGui::Button(request_.isSaving ? "Save" : "Open", ImVec2(frame.theme.px(96.0f), 0));
+  ImGui::PopStyleColor();
+  markItem(frame, kArea, "open", hasText);
+  ImGui::EndDisabled();
+  return isPressed;
+}
+
+bool FileDialog::drawCancel(FrameContext &frame) {
+  ImGui::SameLine();
+  const bool isCancelled = ImGui::Button("Cancel", ImVec2(frame.theme.px(96.0f), 0));
+  markItem(frame, kArea, "cancel");
+  std::string filter;
+  for (const std::string &extension : browser_.extensions()) filter += " ." + extension;
+  ImGui::SameLine();
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextColored(colour::kDim, "%s",
+                     elided(filter.empty() ? " all files" : filter, ImGui::GetContentRegionAvail().x).c_str());
+  const bool isEscaped = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape)) && !ImGui::IsAnyItemActive();
+  return isCancelled || isEscaped;
+}
+
+void FileDialog::draw(FrameContext &frame) {
+  if (!isOpen_) return;
+  const std::string popup = request_.title + "###file-dialog";
+  if (isNew_) ImGui::OpenPopup(popup.c_str());
+  const ImVec2 window(static_cast<float>(frame.windowSize[0]), static_cast<float>(frame.windowSize[1]));
+  const ImVec2 size(std::min(frame.theme.px(640.0f), 0.9f * window.x),
+                    std::min(frame.theme.px(480.0f), 0.9f * window.y));
+  ImGui::SetNextWindowSize(size, ImGuiCond_Appearing);
+  ImGui::SetNextWindowPos(ImVec2(0.5f * window.x, 0.5f * window.y), ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
+  bool keepsOpen = true;
+  if (!ImGui::BeginPopupModal(popup.c_str(), &keepsOpen, ImGuiWindowFlags_NoSavedSettings)) {
+    isOpen_ = false;
+    return;
+  }
+  drawFolders(frame);
+  drawList(frame);
+  drawError(frame);
+  if (request_.asksMeshUnit) drawUnit(frame);
+  const bool isEntered = drawName(frame);
+  const bool isPressed = drawConfirm(frame);
+  // Enter also opens the selected entry of the list.
+  const auto isDown = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
+  const bool isConfirmed =
+      !isEntered && !ImGui::IsAnyItemActive() && (isDown(ImGuiKey_Enter) || isDown(ImGuiKey_KeyPadEnter));
+  if ((isEntered || isPressed || isConfirmed) && typed_[0] != '\0') choose(typed_);
+  const bool isCancelled = drawCancel(frame);
+  if (isDone_ || isCancelled || !keepsOpen) {
+    ImGui::CloseCurrentPopup();
+    isOpen_ = false;
+  }
+  ImGui::EndPopup();
+}
+
+}  // namespace c3de::ui

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// Data shared by the parts of the window while one frame is drawn.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "c3de/ui/commands.h"
+#include "c3de/ui/image_views.h"
+#include "c3de/ui/tissue_table.h"
+#include "c3de/ui/workstation_window.h"
+#include "frame/anchored_panel.h"
+#include "frame/automation_state.h"
+#include "frame/theme.h"
+#include "logic/modes.h"
+
+namespace c3de::ui {
+
+class FileDialog;
+
+/// Layout that the user can change; restored by "Reset layout".
+struct Layout {
+  float sideWidth = 360.0f;  ///< logical pixels
+  bool resetSections = false;
+};
+
+/// A tooltip appears when the mouse has rested on its item for a while.
+struct TooltipTimer {
+  std::array<float, 2> item{};  ///< upper left corner of the item under the mouse
+  double since_s = 0.0;
+  bool isSeen = false;  ///< in this frame
+  bool isWaiting = false;
+};
+
+/// Messages and running jobs below the panels, where they do not cover an image.
+struct Dock {
+  float height = 0.0f;                      ///< required by the last frame
+  std::map<std::uint64_t, double> since_s;  ///< when each message was first drawn, or last under the mouse
+  double ends_s = 0.0;  ///< time from the last frame until the next message disappears automatically; 0: none does
+};
+
+/// Exists as long as the window.
+struct WindowState {
+  TooltipTimer tooltip;
+  Layout layout;
+  bool showShortcuts = false, showAbout = false, showMessages = false, showPlugins = false;
+  std::array<char, 128> labelFilter{};  ///< in the dialog of the scan's body
+  std::array<char, 128> tissueFilter{};
+  TissueOrder tissueOrder = TissueOrder::labels;
+  std::optional<Question> question;  ///< while the user is being asked
+  /// For the last question: the ids of question and answer.
+  std::pair<std::string, std::string> answer;
+  AboutText about;
+  std::map<std::string, std::array<AutomationState::Rect, 2>> openers;  ///< of closed menus and lists, and their clip
+                                                                        ///< rectangles
+  Dock dock;
+  AnchoredPanel sideRows;           ///< of the side panel
+  std::vector<PixelRect> overlays;  ///< over the view, of the last frame: they receive the mouse
+  int framesToFit = 0;              ///< frames in which everything visible is fitted into the view
+};
+
+struct FrameContext {
+  const WindowServices &services;
+  const WindowActions &actions;
+  const SimulationView &simulation;
+  const Theme &theme;
+  AutomationState &automation;
+  WindowState &state;
+  Modes &modes;
+  FileDialog &fileDialog;
+  render::Camera &camera;
+  std::vector<Command> commands{};   ///< executed after the frame is described
+  PixelRect area{};                  ///< of all views
+  PixelRect view{};                  ///< of the 3D view; empty while it is hidden
+  std::array<PixelRect, 4> panes{};  ///< by Pane; the last is `view`
+  std::array<int, 2> windowSize{};
+  std::uint64_t frame = 0;
+  double framesPerSecond = 0.0;
+  double mouseX = 0.0, mouseY = 0.0;
+  std::uint32_t mouseButtons = 0;
+  bool isFocused = true;
+
+  void request(Command command) { commands.push_back(command); }
+  /// The images if there is one to show, otherwise null.
+  [[nodiscard]] ImageViews *shownImages() const {
+    return services.images && services.images->image() ? services.images : nullptr;
+  }
+  [[nodiscard]] std::string activeToolId() const;
+  /// State at this moment.
+  [[nodiscard]] Modes::Above above() const;
+};
+
+/// Registers the last ImGui item in the automation state.
+void markItem(const FrameContext &frame, const std::string &area, const std::string &id, bool enabled = true);
+
+/// Same for an item that has opened a menu or list. The last item is then one inside the menu, so the item's rectangle
+/// of the last frame in which it was closed is used.
+void markOpener(const FrameContext &frame, const std::string &area, const std::string &id, bool isOpen,
+                bool enabled = true);
+
+inline constexpr double kTooltipDelay_s = 0.45;
+/// A tooltip of the last item, wrapped; also shown if the item is disabled.
+void itemTooltip(const FrameContext &frame, const std::string &text);
+
+/// Text truncated with "…" so that it is no wider than `width`.
+[[nodiscard]] std::string elided(const std::string &text, float width);
+
+}  // namespace c3de::ui

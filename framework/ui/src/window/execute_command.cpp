@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "window/execute_command.h"
+
+#include "c3de/registry/tool_registry.h"
+#include "c3de/segmentation/scan_body.h"
+#include "frame/file_dialog.h"
+
+namespace c3de::ui {
+namespace {
+
+constexpr const char *kFrameExtensions = "pvd", *kStateExtensions = "c3dstate";
+constexpr const char *kImageExtensions = "nrrd;nii;gz;mha";
+
+void openDialog(FrameContext &frame, bool isMesh) {
+  const WindowServices &services = frame.services;
+  FileDialog::Request request;
+  request.title = isMesh ? "Open mesh" : "Open scene";
+  request.extensions = !isMesh ? "toml" : services.meshExtensions ? services.meshExtensions() : std::string();
+  request.asksMeshUnit = isMesh;
+  request.chosen = [open = frame.actions.open](const std::filesystem::path &file, const std::string &unit) {
+    if (open) open({{file}, unit, false});
+  };
+  frame.fileDialog.open(std::move(request));
+}
+
+void openImageDialog(FrameContext &frame, bool areLabels) {
+  FileDialog::Request request;
+  request.title = areLabels ? "Open label map" : "Open image: a file, or any file of a DICOM series";
+  request.chosen = [open = frame.actions.open, areLabels](const std::filesystem::path &file, const std::string &) {
+    if (open) open({{file}, "mm", areLabels});
+  };
+  frame.fileDialog.open(std::move(request));
+}
+
+void openStateDialog(FrameContext &frame) {
+  FileDialog::Request request;
+  request.title = "Load state";
+  request.extensions = kStateExtensions;
+  request.chosen = [load = frame.actions.loadState](const std::filesystem::path &file, const std::string &) {
+    if (load) load(file);
+  };
+  frame.fileDialog.open(std::move(request));
+}
+
+void openExportDialog(FrameContext &frame, Command command) {
+  const WindowActions &actions = frame.actions;
+  FileDialog::Request request;
+  request.isSaving = true;
+  std::function<void(const std::filesystem::path &)> action;
+  const auto set = [&](const char *title, const std::string &extensions, const auto &wanted) {
+    request.title = title;
+    request.extensions = extensions;
+    const std::string name = actions.proposeName ? actions.proposeName(command) : std::string();
+    if (!name.empty()) request.proposed = name + "." + extensions.substr(0, extensions.find(';'));
+    action = wanted;
+  };
+  switch (command) {
+    case Command::exportFrame: set("Export simulation frame", kFrameExtensions, actions.exportFrame); break;
+    case Command::exportImage: set("Export deformed image", kImageExtensions, actions.exportImage); break;
+    case Command::exportLabels: set("Export deformed labels", kImageExtensions, actions.exportLabels); break;
+    case Command::exportDisplacement: set("Export displacement", kImageExtensions, actions.exportDisplacement); break;
+    case Command::exportTissues: set("Export tissue table", "csv", actions.exportTissues); break;
+    case Command::saveState: set("Save state", kStateExtensions, actions.saveState); break;
+    default:
+      set("Export surface", actions.surfaceExtensions ? actions.surfaceExtensions() : "obj", actions.exportSurface);
+      break;
+  }
+  request.chosen = [action](const std::filesystem::path &file, const std::string &) {
+    if (action) action(file);
+  };
+  frame.fileDialog.open(std::move(request));
+}
+
+void lookFrom(FrameContext &frame, const Vec3 &meshDirection, const Vec3 &patientDirection) {
+  lookAlong(frame.camera, frame.camera.upAxis == render::UpAxis::z ? patientDirection : meshDirection);
+}
+
+/// None: resets all views.
+void resetView(FrameContext &frame, std::optional<Pane> pane) {
+  ImageViews *images = frame.shownImages();
+  for (const Pane slice : kSlicePanes)
+    if (images && pane.value_or(slice) == slice) images->view(slice).reset();
+  if (pane.value_or(Pane::space) != Pane::space) return;
+  resetCamera(frame.camera);
+  frame.state.framesToFit = 1;
+}
+
+void quitOrAsk(FrameContext &frame) {
+  const std::string toLose = frame.actions.unsaved ? frame.actions.unsaved() : std::string();
+  if (toLose.empty())
+    frame.state.answer = kQuit;
+  else
+    frame.state.question = {kQuit.first, "Quit C3DE?", toLose, {{kQuit.second, "Quit"}, {"stay", "Stay"}}};
+}
+
+void resetLayout(FrameContext &frame) {
+  frame.state.layout = {};
+  frame.state.layout.resetSections = true;
+  if (ImageViews *images = frame.shownImages()) images->setMaximised({});
+}
+
+void transport(FrameContext &frame, std::uint32_t action) {
+  // What a tool holds is lost with the state.
+  if (action == C3DE_TRANSPORT_RESET || action == C3DE_TRANSPORT_STOP) frame.modes.cancelTool();
+  if (frame.actions.transport && frame.simulation.exists) frame.actions.transport(action);
+}
+
+}  // namespace
+
+void executeCommand(FrameContext &frame, Command command) {
+  const SimulationView &simulation = frame.simulation;
+  const auto call = [](const std::function<void()> &action) {
+    if (action) action();
+  };
+  const auto onImage = [&](const auto &act) {
+    if (ImageViews *images = frame.shownImages()) act(*images);
+  };
+  const auto toggle = [&](bool ImageOptions::*flag) {
+    onImage([flag](ImageViews &images) {
+      ImageOptions options = images.options();
+      options.*flag = !(options.*flag);
+      images.setOptions(options);
+    });
+  };
+  switch (command) {
+    case Command::none: break;
+    case Command::openMesh: openDialog(frame, true); break;
+    case Command::openScene: openDialog(frame, false); break;
+    case Command::openImage: openImageDialog(frame, false); break;
+    case Command::openLabels: onImage([&](ImageViews &) { openImageDialog(frame, true); }); break;
+    case Command::createScanBody:
+      if (frame.services.scanBody) frame.services.scanBody->show(true);
+      break;
+    case Command::closeImage: onImage([&](ImageViews &) { call(frame.actions.closeImage); }); break;
+    case Command::closeSimulation:
+      if (simulation.exists) call(frame.actions.closeSimulation);
+      break;
+    case Command::reload: call(frame.actions.reload); break;
+    case Command::exportSurface:
+    case Command::exportFrame:
+    case Command::saveState:
+      if (simulation.exists) openExportDialog(frame, command);
+      break;
+    case Command::exportImage:
+    case Command::exportDisplacement:
+      if (simulation.exists && frame.shownImages()) openExportDialog(frame, command);
+      break;
+    case Command::exportLabels:
+      if (simulation.exists && frame.shownImages() && frame.shownImages()->labels() != nullptr)
+        openExportDialog(frame, command);
+      break;
+    case Command::exportTissues:
+      if (simulation.exists && frame.services.tissues && !frame.services.tissues->rows.empty())
+        openExportDialog(frame, command);
+      break;
+    case Command::screenshot: call(frame.actions.screenshot); break;
+    case Command::quit: quitOrAsk(frame); break;
+    case Command::undo: frame.modes.undo(frame.above()); break;
+    case Command::redo: frame.modes.redo(); break;
+    case Command::fitView: frame.state.framesToFit = 1; break;
+    case Command::resetView: resetView(frame, frame.modes.paneAt(frame.mouseX, frame.mouseY, frame.above())); break;
+    case Command::viewFront: lookFrom(frame, {0, 0, -1}, {0, 1, 0}); break;
+    case Command::viewBack: lookFrom(frame, {0, 0, 1}, {0, -1, 0}); break;
+    case Command::viewLeft: lookFrom(frame, {1, 0, 0}, {-1, 0, 0}); break;
+    case Command::viewRight: lookFrom(frame, {-1, 0, 0}, {1, 0, 0}); break;
+    case Command::viewTop: lookFrom(frame, {0, -1, 0}, {0, 0, -1}); break;
+    case Command::viewBottom: lookFrom(frame, {0, 1, 0}, {0, 0, 1}); break;
+    case Command::fourViews: onImage([](ImageViews &images) { images.setMaximised({}); }); break;
+    case Command::onlySpace: onImage([](ImageViews &images) { images.setMaximised(Pane::space); }); break;
+    case Command::resetSlices: onImage([](ImageViews &images) { images.resetViews(); }); break;
+    case Command::crossHair: toggle(&ImageOptions::showsCrossHair); break;
+    case Command::windowLevelMode: toggle(&ImageOptions::isWindowLevelMode); break;
+    case Command::cutAxial: onImage([](ImageViews &images) { images.cycleCut(Pane::axial); }); break;
+    case Command::cutSagittal: onImage([](ImageViews &images) { images.cycleCut(Pane::sagittal); }); break;
+    case Command::cutCoronal: onImage([](ImageViews &images) { images.cycleCut(Pane::coronal); }); break;
+    case Command::resetLayout: resetLayout(frame); break;
+    case Command::playPause:
+      transport(frame, simulation.transport.mode == C3DE_SIM_PLAYING ? C3DE_TRANSPORT_PAUSE : C3DE_TRANSPORT_PLAY);
+      break;
+    case Command::step: transport(frame, C3DE_TRANSPORT_STEP); break;
+    case Command::reset: transport(frame, C3DE_TRANSPORT_RESET); break;
+    case Command::stop: transport(frame, C3DE_TRANSPORT_STOP); break;
+    case Command::loadState:
+      if (simulation.exists) openStateDialog(frame);
+      break;
+    case Command::orbitTool:
+      if (frame.services.tools) frame.services.tools->activate({});
+      break;
+    case Command::showShortcuts: frame.state.showShortcuts = true; break;
+    case Command::showMessages: frame.state.showMessages = true; break;
+    case Command::managePlugins: frame.state.showPlugins = true; break;
+    case Command::showAbout: frame.state.showAbout = true; break;
+  }
+}
+
+}  // namespace c3de::ui

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "c3de/sdk/panel.hpp"
+#include "panels/obstacle_panel.h"
+#include "panels/verification_panel.h"
+#include "simulator/world_simulator.h"
+#include "tools/grasp_tool.h"
+#include "tools/move_tool.h"
+#include "tools/pinch_tool.h"
+#include "tools/touch_tool.h"
+#include "view/simulator_view.h"
+
+namespace pointbased {
+
+/// The plugin's panel: load, sampling, material, world, run, view, pinch. Contains no physics. Edits are sent to the
+/// solver as commands between two steps; numbers are read from the latest snapshot. Main thread.
+class Controller : public sdk::Panel {
+ public:
+  /// In the order of the window.
+  struct Tools {
+    PinchTool &pinch;
+    TouchTool &touch;
+    GraspTool &grasp;
+    MoveTool &move;
+  };
+  Controller(const Services &services, const MaterialLaws &laws, const Tools &tools);
+
+  void draw(sdk::Ui &ui) override;
+
+  /// The simulator and view that the panel shows; null if none.
+  void setSimulator(WorldSimulator *simulator, SimulatorView *view);
+  /// Verifies the paused state. If that is not possible yet, the failure states what has to be done first.
+  [[nodiscard]] sdk::Result<void> verify();
+
+ private:
+  [[nodiscard]] bool isMoving() const;
+  void declareBody();
+  void drawBody(sdk::Ui &ui, const Snapshot *snapshot);
+  void drawAccuracy(sdk::Ui &ui, const Snapshot *snapshot);
+  void drawMaterial(sdk::Ui &ui);
+  void drawRun(sdk::Ui &ui, const Snapshot *snapshot);
+  void drawStages(sdk::Ui &ui, const Snapshot &snapshot);
+  void drawView(sdk::Ui &ui, const Snapshot *snapshot);
+  void drawPinch(sdk::Ui &ui);
+  void drawWorld(sdk::Ui &ui);
+
+  void load();
+  void rebuild();
+  void makeFiner(const BodySnapshot &body);
+  void startTrials(const Snapshot &snapshot);
+  /// Rebuilds every deformable body with its sampling chosen by the accuracy setting.
+  void applyAccuracyTarget(const Snapshot &snapshot);
+  void startRebuilding(const std::string &title, std::vector<std::pair<std::uint64_t, ParameterValues>> bodies);
+  void finish(const char *what, const sdk::Result<void> &result);
+  void transport(std::uint32_t action);
+  void followBody(const Snapshot *snapshot);
+  void showBody(const BodySnapshot &body);
+  void chooseBody(sdk::Ui &ui, const Snapshot &snapshot);
+  void suggestRigid(sdk::Ui &ui, const Snapshot &snapshot);
+  void makeRigid(std::uint64_t body);
+  void bodyParameterChanged(const c3de_param_value &value);
+  void worldParameterChanged(const c3de_param_value &value);
+  void report(const std::string &title, const std::string &text);
+
+  const Services &services_;
+  Tools tools_;
+  WorldSimulator *simulator_ = nullptr;
+  SimulatorView *view_ = nullptr;
+  sdk::ParameterSet bodyParameters_, worldParameters_;
+  const MaterialLaws &laws_;
+  std::span<const c3de_param_decl> declared_;       // of bodyParameters_
+  ParameterValues nextValues_{bodyDeclarations()};  // values for the next load or rebuild
+  std::optional<c3de_handle> trials_;               // the job that computes the displacement trials
+  std::uint64_t body_ = 0;                          // the body to which the parameters belong
+  std::string path_;
+  std::uint32_t unit_ = 0;  // index into the unit names
+  bool replace_ = true;
+  std::optional<c3de_handle> job_;
+  PinchSettings pinchSettings_;
+  VerificationPanel verification_;
+  ObstaclePanel obstacles_;
+};
+
+}  // namespace pointbased

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "panels/obstacle_panel.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "base/number_text.h"
+#include "panels/contact_panel.h"
+
+namespace pointbased {
+namespace {
+
+const std::array<std::string, 4> kUnitNames{"mm", "cm", "m", "inch"};
+constexpr std::array<double, 4> kUnits_mm{1.0, 10.0, 1000.0, 25.4};
+const std::array<std::string, 2> kPlaceNames{"at the cross-hair", "where its file has it"};
+constexpr double kMillimetres = 1e3;
+constexpr double kInside = 0.5;  // winding number
+
+std::uint32_t unitIndexOf(std::uint32_t unit) { return unit == C3DE_UNIT_M ? 2u : unit == C3DE_UNIT_CM ? 1u : 0u; }
+
+std::string lengthText(double mm) { return fixed(mm, mm < 10.0 ? 2 : mm < 100.0 ? 1 : 0); }
+
+std::string sizeText(const Vec3 &extent_mm) {
+  return lengthText(extent_mm[0]) + " × " + lengthText(extent_mm[1]) + " × " + lengthText(extent_mm[2]) + " mm";
+}
+
+std::string placeText(const Vec3 &at_mm) {
+  return fixed(at_mm[0], 1) + "  " + fixed(at_mm[1], 1) + "  " + fixed(at_mm[2], 1) + " mm";
+}
+
+}  // namespace
+
+void ObstaclePanel::setSimulator(WorldSimulator *simulator) {
+  if (simulator_.get() == simulator) return;
+  for (const c3de_handle step : std::exchange(steps_, {})) services_.history.remove(step);
+  simulator_ = simulator ? sdk::Ref<WorldSimulator>::share(simulator) : sdk::Ref<WorldSimulator>();
+  ++serial_;
+  candidate_.reset();
+  resets_.clear();
+}
+
+void ObstaclePanel::draw(sdk::Ui &ui, const Snapshot *snapshot) {
+  ui.heading("Obstacles and implants");
+  std::erase_if(resets_, [this](const Reset &one) {
+    if (!*one.hasMade) return false;
+    (void)services_.notifier.notify(
+        C3DE_LOG_WARN, "The simulation has restarted",
+        "Tissue overlapped the position of " + one.name + " was put. The state before is lost.");
+    return true;
+  });
+  if (ui.fileButton("obstacle_browse", "Add from a file…", "obj;stl;ply;vtk", path_)) read();
+  ui.tooltip("A closed surface that bodies do not enter: an implant, a plate, a bone. Its unit is asked for next");
+  if (job_)
+    if (const auto state = services_.jobs.progress(*job_)) {
+      ui.progress(state->fraction, state->what);
+      if (ui.button("obstacle_cancel_job", "Cancel")) (void)services_.jobs.cancel(*job_);
+    }
+  if (candidate_) drawCandidate(ui, snapshot);
+  drawPlacement(ui, move_, snapshot);
+  if (move_.chosen() != 0 && ui.button("obstacle_remove", "Remove") && snapshot) remove(*snapshot);
+}
+
+void ObstaclePanel::drawCandidate(sdk::Ui &ui, const Snapshot *snapshot) {
+  Candidate &one = *candidate_;
+  const Vec3 extent = one.max_mm - one.min_mm;
+  ui.value("New obstacle", one.name);
+  if (ui.choice("obstacle_unit", "Unit of the file", one.unit, kUnitNames)) one.overlapped.clear();
+  ui.tooltip("What a length of 1 in the file means");
+  ui.value("Its size", sizeText(kUnits_mm[one.unit] / one.read_mm * extent));
+  if (snapshot && !snapshot->bodies.empty()) {
+    Vec3 low = snapshot->bodies.front().surface->min, high = snapshot->bodies.front().surface->max;
+    for (const BodySnapshot &body : snapshot->bodies) {
+      low = low.cwiseMin(body.surface->min);
+      high = high.cwiseMax(body.surface->max);
+    }
+    ui.value("The bodies", sizeText(kMillimetres * (high - low)));
+    ui.tooltip("To compare the size with");
+  }
+  if (ui.choice("obstacle_place", "Place", one.place, kPlaceNames)) one.overlapped.clear();
+  ui.tooltip("The cross-hair of the slices; without an image the point that the camera turns about");
+  const Placement placement = placementOf(one);
+  const Vec3 middle = PlacementTransform(placement).metres(0.5 * (one.min_mm + one.max_mm));
+  const std::string at = placeText(kMillimetres * middle);
+  ui.value("Its middle", at);
+  if (at != one.middle) one.overlapped.clear();
+  one.middle = at;
+  const bool isConfirmed = !one.overlapped.empty();
+  if (isConfirmed) {
+    ui.value("Tissue in the way", one.overlapped);
+    ui.text("Added there, it restarts the simulation. Elsewhere the state of the simulation stays.");
+  }
+  if (ui.button("obstacle_add", isConfirmed ? "Add, and restart" : "Add", snapshot && !job_)) {
+    if (!isConfirmed && snapshot->steps > 0) one.overlapped = bodiesIn(one, *snapshot);
+    if (isConfirmed || one.overlapped.empty()) add(*snapshot);
+  }
+  ui.tooltip(isConfirmed ? "A step of Undo" : "A step of Undo. The state of the simulation stays");
+  ui.sameLine();
+  if (ui.button("obstacle_cancel", "Cancel")) candidate_.reset();
+}
+
+void ObstaclePanel::read() {
+  if (!simulator_ || path_.empty()) return;
+  const auto mesh = std::make_shared<sdk::MeshHandle>();
+  const std::filesystem::path file(path_);
+  submit(
+      "Reading " + file.filename().string(),
+      [this, mesh, path = path_](sdk::Progress progress) -> sdk::Result<void> {
+        auto read = services_.meshes.load(path, C3DE_UNIT_UNKNOWN, progress.abi());
+        if (!read) return read.failure();
+        *mesh = std::move(*read);
+        return {};
+      },
+      [this, mesh, name = file.stem().string()] { take(name, std::move(*mesh)); });
+}
+
+void ObstaclePanel::take(const std::string &name, sdk::MeshHandle mesh) {
+  const auto info = services_.meshes.info(mesh.handle());
+  if (!info) return fail(info.failure().message);
+  Candidate one;
+  one.name = name;
+  one.mesh = std::make_shared<const sdk::MeshHandle>(std::move(mesh));
+  one.min_mm = Vec3(info->min_mm);
+  one.max_mm = Vec3(info->max_mm);
+  one.unit = unitIndexOf(info->unit);
+  one.read_mm = kUnits_mm[one.unit];
+  candidate_ = std::move(one);
+}
+
+Placement ObstaclePanel::placementOf(const Candidate &candidate) const {
+  Placement placement;
+  placement.scale = kUnits_mm[candidate.unit] / candidate.read_mm;
+  if (candidate.place != 0) return placement;
+  const auto marked = sdk::markedPoint(services_.host);
+  const auto matrix = services_.scene.worldFromNode(simulator_->node());
+  if (!marked || !matrix) return placement;
+  const Eigen::Matrix4d world = Eigen::Map<const Eigen::Matrix4d>(matrix->data());
+  const Vec3 at = (world.inverse() * Vec3(marked->data()).homogeneous()).head<3>();
+  placement.position = at - PlacementTransform(placement).metres(0.5 * (candidate.min_mm + candidate.max_mm));
+  return placement;
+}
+
+std::string ObstaclePanel::bodiesIn(const Candidate &candidate, const Snapshot &snapshot) const {
+  const PlacementTransform transform(placementOf(candidate));
+  std::string names;
+  for (const BodySnapshot &body : snapshot.bodies) {
+    std::vector<Vec3> points;
+    for (const Vec3f &surfel : body.surfels) {
+      const Vec3 at = transform.millimetres(vectorOf(surfel));
+      if ((at.array() > candidate.min_mm.array()).all() && (at.array() < candidate.max_mm.array()).all())
+        points.push_back(at);
+    }
+    std::vector<double> windings(points.size());
+    if (points.empty() || !services_.meshes.windingNumbers(candidate.mesh->handle(), viewOf(points), windings))
+      continue;
+    if (std::any_of(windings.begin(), windings.end(), [](double w) { return std::abs(w) > kInside; }))
+      names += (names.empty() ? "" : ", ") + body.name;
+  }
+  return names;
+}
+
+void ObstaclePanel::add(const Snapshot &snapshot) {
+  const Placement placement = placementOf(*candidate_);
+  std::string name = candidate_->name;
+  const auto isTaken = [&](const std::string &wanted) {
+    return std::any_of(snapshot.obstacles.begin(), snapshot.obstacles.end(),
+                       [&](const ObstacleSnapshot &o) { return o.name == wanted; });
+  };
+  for (int k = 2; isTaken(name); ++k) name = candidate_->name + " " + std::to_string(k);
+  const auto taken = std::make_shared<WorldSimulator::RemovedObstacle>();
+  submit(
+      "Adding " + name,
+      [taken, simulator = simulator_, name, mesh = candidate_->mesh, placement](sdk::Progress) -> sdk::Result<void> {
+        *taken = simulator->prepareObstacle(name, mesh->handle(), placement);
+        return {};
+      },
+      [this, taken, name] {
+        if (const auto posted = putBack(name, taken); !posted) return fail(posted.failure().message);
+        keepStep("add ", name, taken, true);
+        candidate_.reset();
+      });
+}
+
+void ObstaclePanel::remove(const Snapshot &snapshot) {
+  const auto taken = std::make_shared<WorldSimulator::RemovedObstacle>();
+  taken->id = move_.chosen();
+  const ObstacleSnapshot *obstacle = snapshot.obstacle(taken->id);
+  move_.choose(0);
+  if (takeOut(taken) && obstacle) keepStep("remove ", obstacle->name, taken, false);
+}
+
+/// @param isIn  whether the obstacle is present after the step; if not, the step owns it
+void ObstaclePanel::keepStep(const std::string &what, const std::string &name, const Taken &taken, bool isIn) {
+  if (!services_.history) return;
+  const auto in = [this, name, taken] { return putBack(name, taken); };
+  const auto out = [this, taken] { return takeOut(taken); };
+  const auto step = isIn ? services_.history.add(what + name, out, in) : services_.history.add(what + name, in, out);
+  if (step) steps_.push_back(*step);
+}
+
+sdk::Result<void> ObstaclePanel::putBack(const std::string &name, const Taken &taken) {
+  const Reset reset{name};
+  simulator_->abandonLongStep();
+  auto posted = services_.simulation.post(simulator_->node(), [simulator = simulator_, taken, hasMade = reset.hasMade] {
+    *hasMade = simulator->putBack(*taken);
+  });
+  if (posted) resets_.push_back(reset);
+  return posted;
+}
+
+sdk::Result<void> ObstaclePanel::takeOut(const Taken &taken) const {
+  simulator_->abandonLongStep();
+  return services_.simulation.post(simulator_->node(), [simulator = simulator_, taken] { simulator->takeOut(*taken); });
+}
+
+void ObstaclePanel::submit(const std::string &title, std::function<sdk::Result<void>(sdk::Progress)> work,
+                           std::function<void()> whenDone) {
+  const auto job =
+      services_.jobs.submit(title, std::move(work),
+                            [this, whenDone = std::move(whenDone), serial = serial_](const sdk::Result<void> &result) {
+                              job_.reset();
+                              if (serial != serial_) return;
+                              if (result)
+                                whenDone();
+                              else if (result.failure().status != C3DE_E_CANCELLED)
+                                fail(result.failure().message);
+                            });
+  if (job)
+    job_ = *job;
+  else
+    fail(job.failure().message);
+}
+
+void ObstaclePanel::fail(const std::string &text) {
+  services_.log.info("an obstacle was not added: " + text);
+  (void)services_.notifier.notify(C3DE_LOG_ERROR, "The obstacle was not added", text);
+}
+
+}  // namespace pointbased

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pairs of jaws: the interactive ones, and iface.grasp.
+#include <algorithm>
+#include <cmath>
+
+#include "base/number_text.h"
+#include "c3de/sdk/structs.hpp"
+#include "simulator/world_simulator.h"
+
+namespace pointbased {
+namespace {
+
+using sdk::Error;
+
+// Grab id in the simulator; the pinch has 0. The jaws of a scene have the id of their grasp and the next one.
+constexpr std::uint64_t kFirstGrab = 1;
+
+std::string millimetres(double metres) { return shortNumber(1e3 * metres) + " mm"; }
+
+}  // namespace
+
+void WorldSimulator::grasp(std::uint64_t body, const JawPositions &places, const GraspSettings &settings) {
+  const std::lock_guard lock(mutex_);
+  if (!table_.hasBody(body)) return;
+  releaseGrasp(kInteractiveGrasp);
+  GraspRecord record;
+  record.now = beginGrasp(body, *simulator_.body(body), places, settings);
+  setGrabs(kInteractiveGrasp, *record.now);
+  grasps_.emplace(kInteractiveGrasp, std::move(record));
+}
+
+void WorldSimulator::moveInteractiveGrasp(const Vec3 &middle, const Mat3 &rotation) {
+  const std::lock_guard lock(mutex_);
+  const auto found = grasps_.find(kInteractiveGrasp);
+  if (found == grasps_.end()) return;
+  found->second.now->middle = middle;
+  found->second.now->rotation = rotation;
+}
+
+void WorldSimulator::releaseInteractiveGrasp() {
+  const std::lock_guard lock(mutex_);
+  releaseGrasp(kInteractiveGrasp);
+}
+
+// Removes the jaws themselves; those of a scene are restored by a reset.
+void WorldSimulator::releaseGrasp(std::uint64_t id) {
+  const auto found = grasps_.find(id);
+  if (found == grasps_.end()) return;
+  if (found->second.now)
+    for (std::uint64_t jaw = 0; jaw < 2; ++jaw) simulator_.releaseGrab(found->second.now->body, findGrab(id) + jaw);
+  grasps_.erase(found);
+}
+
+std::uint64_t WorldSimulator::findGrab(std::uint64_t grasp) { return grasp == kInteractiveGrasp ? kFirstGrab : grasp; }
+
+void WorldSimulator::setGrabs(std::uint64_t id, const Grasp &grasp) {
+  for (std::size_t jaw = 0; jaw < 2; ++jaw) {
+    recordGrab(grasp.body, grasp.grabs[jaw]);
+    simulator_.setGrab(grasp.body, grasp.grabs[jaw], findGrab(id) + jaw);
+  }
+}
+
+std::optional<GraspForces> WorldSimulator::forcesOn(std::uint64_t id, const Grasp &grasp) const {
+  std::array<GrabStatus, 2> grabs;
+  for (std::size_t jaw = 0; jaw < 2; ++jaw) {
+    const std::optional<GrabStatus> status = simulator_.grabStatus(grasp.body, findGrab(id) + jaw);
+    if (!status) return std::nullopt;
+    grabs[jaw] = *status;
+  }
+  // Before the first step their state has not been evaluated.
+  if (grabs[0].mass == 0.0) {
+    GraspForces none;
+    none.gap = grasp.firstGap;
+    return none;
+  }
+  return forcesOf(grasp, grabs);
+}
+
+// Before a step: jaws of the scene take hold at their time, all close and move to their prescribed pose.
+void WorldSimulator::updateGrasps() {
+  if (grasps_.empty()) return;
+  const double dt = simulator_.stepSize(), end = simulator_.time() + dt;
+  for (auto entry = grasps_.begin(); entry != grasps_.end();) {
+    const std::uint64_t id = entry->first;
+    GraspRecord &record = entry->second;
+    if (!record.now && !record.isOver && record.scene && end > record.scene->begins()) {
+      record.now = beginGrasp(record.scene->body, *simulator_.body(record.scene->body), record.scene->places,
+                              record.scene->settings);
+      setGrabs(id, *record.now);
+    }
+    if (record.now) {
+      const std::optional<GraspForces> forces = forcesOn(id, *record.now);
+      if (!forces) {  // the phyxels that it held have been replaced, or the body is static
+        record.now.reset();
+        record.isOver = true;
+      } else {
+        advanceClosing(*record.now, *forces, dt);
+        if (record.scene) record.scene->lead(*record.now, end);
+        record.now->aim();
+        for (std::size_t jaw = 0; jaw < 2; ++jaw) {
+          recordPull(record.now->body, findGrab(id) + jaw);
+          simulator_.moveGrab(record.now->body, record.now->grabs[jaw].target, findGrab(id) + jaw);
+          simulator_.turnGrab(record.now->body, record.now->rotation, findGrab(id) + jaw);
+        }
+      }
+    }
+    entry = record.now || record.scene ? std::next(entry) : grasps_.erase(entry);
+  }
+}
+
+void WorldSimulator::resetGrasps() {
+  grasps_.erase(kInteractiveGrasp);
+  for (auto &[id, record] : grasps_) {
+    record.now.reset();
+    record.isOver = false;
+  }
+}
+
+InteractionState WorldSimulator::checkpoint() const {
+  const std::lock_guard lock(mutex_);
+  return {simulator_.checkpoint(), grasps_};
+}
+
+void WorldSimulator::exchange(InteractionState &kept) {
+  const std::lock_guard lock(mutex_);
+  InteractionState left{simulator_.checkpoint(), grasps_};
+  if (simulator_.restore(kept.state)) {
+    grasps_ = kept.grasps;
+    for (const auto &[id, record] : grasps_)
+      if (record.now) setGrabs(id, *record.now);
+    kept = std::move(left);
+  }
+  table_.followInstruments(simulator_);
+}
+
+std::vector<GraspSnapshot> WorldSimulator::graspsNow() const {
+  std::vector<GraspSnapshot> out;
+  for (const auto &[id, record] : grasps_) {
+    if (!record.now) continue;
+    const std::optional<GraspForces> forces = forcesOn(id, *record.now);
+    if (!forces) continue;
+    const Grasp &grasp = *record.now;
+    out.push_back({id, record.name, grasp.body, grasp.places.points, grasp.settings, grasp.middle, grasp.rotation,
+                   grasp.axis(), Vec3(grasp.rotation * grasp.places.normal), *forces});
+  }
+  return out;
+}
+
+std::vector<ReportedGrasp> WorldSimulator::reportedGrasps() const {
+  std::vector<ReportedGrasp> out;
+  for (const auto &[id, record] : grasps_) {
+    ReportedGrasp one;
+    one.name = record.name;
+    if (record.now)
+      if (const std::optional<GraspForces> forces = forcesOn(id, *record.now)) {
+        one.forces = *forces;
+        one.holds = true;
+      }
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
+double SceneGrasp::begins() const { return path.empty() ? 0.0 : path.front().time; }
+
+void SceneGrasp::lead(Grasp &grasp, double time) const {
+  if (path.empty()) return;
+  const auto after =
+      std::find_if(path.begin(), path.end(), [time](const GraspPose &place) { return place.time > time; });
+  if (after == path.begin()) return;
+  const GraspPose &from = *std::prev(after), &to = after == path.end() ? from : *after;
+  const double s = after == path.end() ? 0.0 : (time - from.time) / (to.time - from.time);
+  grasp.middle = from.at + s * (to.at - from.at);
+  grasp.rotation = from.rotation.slerp(s, to.rotation).toRotationMatrix();
+}
+
+void WorldSimulator::addGrasp(const c3de_sim_grasp *given, c3de_handle *out) {
+  const c3de_sim_grasp in = sdk::readStruct(given, "grasp");
+  const std::string which = "grasp '" + std::string(sdk::text(in.name)) + "': ";
+  const auto refuse = [&which](const std::string &text) { throw Error(C3DE_E_ARG, which + text); };
+  GraspRecord record;
+  record.name = std::string(sdk::text(in.name));
+  SceneGrasp &scene = record.scene.emplace();
+  scene.body = in.body.v;
+  scene.settings = {in.jaw_m, in.opening_m, in.closed_m, in.force_limit_N};
+  if (const std::string problem = problemOf(scene.settings); !problem.empty()) refuse(problem);
+  const Vec3 at(in.at_m), axis(in.axis);
+  if (!at.allFinite() || !axis.allFinite() || axis.norm() <= 0.0)
+    refuse("the point or the axis is not finite; accepted: finite numbers, and an axis that is not [0, 0, 0]");
+  if (in.path_n > 0 && in.path == nullptr) refuse("its path is null");
+  for (std::uint64_t k = 0; k < in.path_n; ++k) {
+    const auto place = sdk::readElement(in.path, k, in.path_stride, which + "place");
+    const Vec3 to(place.at_m);
+    if (!std::isfinite(place.time_s) || !to.allFinite() ||
+        !(scene.path.empty() || place.time_s > scene.path.back().time))
+      refuse("place " + std::to_string(k) + " of its path: accepted: finite numbers and times that ascend");
+    scene.path.push_back({place.time_s, to, Eigen::Quaterniond(readRotation(place.quaternion, "path"))});
+  }
+  const std::lock_guard lock(mutex_);
+  const BodyRecord &of = table_.bodyOrThrow(in.body.v);
+  for (const auto &[id, other] : grasps_)
+    if (other.name == record.name) throw Error(C3DE_E_EXISTS, which + "there is one of this name already");
+  if (simulator_.quasiStatic())
+    throw Error(C3DE_E_UNSUPPORTED, which +
+                                        "a quasi-static solution has no hands; accepted: solver.integrator = "
+                                        "auto, explicit or implicit");
+  if (simulator_.body(in.body.v)->isStatic())
+    refuse("body '" + of.name + "' is rigid and stands; nobody pulls it; accepted: rigid = false, or free = true");
+  const PlacedMesh &mesh = *of.surface;
+  const double off = distanceOff(context_.services, mesh, at);
+  const RestState &rest = simulator_.body(in.body.v)->rest();
+  if (off > 0.5 * scene.settings.opening + rest.spacing)
+    refuse("(" + shortNumber(at[0]) + ", " + shortNumber(at[1]) + ", " + shortNumber(at[2]) + ") m lies " +
+           millimetres(off) + " off body '" + of.name + "'; accepted: on its skin, or up to half the opening and a " +
+           "spacing (" + millimetres(0.5 * scene.settings.opening + rest.spacing) + ") off it");
+  const c3de_closest nearest = closestOn(context_.services, mesh, at);
+  auto places = findJaws({mesh.positions, mesh.triangles}, Vec3(nearest.point), Vec3(nearest.normal), axis.normalized(),
+                         scene.settings);
+  if (!places) refuse("body '" + of.name + "': " + places.error());
+  scene.places = *places;
+  if (const std::string problem = problemOf(rest, scene.places, scene.settings); !problem.empty())
+    refuse("body '" + of.name + "': " + problem);
+  resetSimulator();
+  const std::uint64_t id = nextRuntimeId_;
+  nextRuntimeId_ += 2;  // one grab id for each jaw
+  grasps_.emplace(id, std::move(record));
+  if (out) *out = {id};
+}
+
+}  // namespace pointbased

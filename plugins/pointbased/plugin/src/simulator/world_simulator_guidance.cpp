@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// Interactively moved objects: the instrument, and obstacles that are placed.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "instruments/probe_tool_mesh.h"
+#include "simulator/obstacle_overlap.h"
+#include "simulator/world_simulator.h"
+
+namespace pointbased {
+namespace {
+
+using sdk::Error;
+
+// m/s and rad/s of simulated time: slower than what a step of contact can follow, faster than a careful hand.
+constexpr double kMaxSpeed = 0.5, kMaxTurn = 5.0;
+// s: mouse positions arrive about thirty times a second; the motion between them is uniform.
+constexpr double kMinTime = 1.0 / 30.0;
+
+}  // namespace
+
+void WorldSimulator::placeInstrument(ProbeTool tool) {
+  const std::lock_guard lock(mutex_);
+  tool.name = table_.freeInstrumentName();
+  tool.path.resize(1, tool.path.empty() ? ToolPose() : tool.path.front());
+  tool.path.push_back(tool.path.front());
+  tool.path.back().time = tool.path.front().time + 1.0;
+  auto built = obstacleOf(tool);
+  if (!built) throw Error(C3DE_E_ARG, built.error());
+  const ObstacleRecord record{tool.name, meshOf(context_.services, tool), tool.friction, 0.0, {}, tool};
+  takeInstrumentAway();
+  const std::uint64_t id = simulator_.addInstrument(std::move(*built));
+  table_.addInstrument(id, record);
+}
+
+void WorldSimulator::moveInstrument(const Vec3 &middle) {
+  const std::lock_guard lock(mutex_);
+  for (const auto &[id, record] : table_.obstacles()) {
+    if (!simulator_.isInstrument(id)) continue;
+    const Vec3 &at = record.tool->path.front().at;
+    lead(id, {Mat3::Identity(), at, middle - at});
+  }
+}
+
+void WorldSimulator::removeInstrument() {
+  const std::lock_guard lock(mutex_);
+  takeInstrumentAway();
+}
+
+void WorldSimulator::takeInstrumentAway() {
+  for (const std::uint64_t id : table_.removeInstruments()) simulator_.removeObstacle(id);
+}
+
+void WorldSimulator::guide(std::uint64_t obstacle, const RigidMotion &target) {
+  const std::lock_guard lock(mutex_);
+  lead(obstacle, target);
+}
+
+void WorldSimulator::lead(std::uint64_t obstacle, const RigidMotion &target) {
+  const ObstacleRecord *record = table_.obstacle(obstacle);
+  if (!record) return;
+  const RigidMotion now = simulator_.obstacleMotion(obstacle);
+  // The corners of its box have the largest displacement.
+  double way = 0.0;
+  const Vec3 &low = record->mesh->min, &high = record->mesh->max;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 x((corner & 1) ? high[0] : low[0], (corner & 2) ? high[1] : low[1], (corner & 4) ? high[2] : low[2]);
+    way = std::max(way, (target.displacementOf(x) - now.displacementOf(x)).norm());
+  }
+  const double turn = Eigen::AngleAxisd(target.rotation * now.rotation.transpose()).angle();
+  simulator_.guideObstacle(obstacle, target, std::max({kMinTime, way / kMaxSpeed, turn / kMaxTurn}));
+}
+
+void WorldSimulator::takeOut(RemovedObstacle &taken) {
+  const std::lock_guard lock(mutex_);
+  const ObstacleRecord *record = table_.obstacle(taken.id);
+  const Obstacle *obstacle = simulator_.obstacle(taken.id);
+  if (!record || !obstacle) return;
+  taken.record = *record;
+  taken.obstacle = *obstacle;
+  taken.obstacle.motion = simulator_.motionAtReset(taken.id);
+  taken.place = simulator_.obstacleMotion(taken.id);
+  taken.pairs.clear();
+  for (const auto &[pair, settings] : simulator_.contactPairs())
+    if (pair.first == taken.id || pair.second == taken.id) taken.pairs.emplace(pair, settings);
+  taken.attachments = table_.attachmentsOf(taken.id);
+  table_.removeObstacle(taken.id);
+  simulator_.removeObstacle(taken.id);
+}
+
+bool WorldSimulator::putBack(RemovedObstacle &taken) {
+  const std::lock_guard lock(mutex_);
+  if (!taken.record) return false;
+  // Before the first step it is placed again below; afterwards a reset moves it to its initial position.
+  if (!taken.record->motion && simulator_.steps() == 0) taken.obstacle.motion = nullptr;
+  const std::uint64_t before = std::exchange(taken.id, simulator_.addObstacle(taken.obstacle));
+  const std::uint64_t id = taken.id;
+  table_.addObstacle(id, *std::exchange(taken.record, std::nullopt));
+  // An obstacle moved by the scene follows its motion; one that has not been moved is where it was built.
+  const bool isElsewhere =
+      taken.obstacle.motion || !taken.place.rotation.isIdentity(0.0) || !taken.place.displacement.isZero(0.0);
+  if (!table_.obstacle(id)->motion && isElsewhere) simulator_.guideObstacle(id, taken.place, 0.0);
+  for (const auto &[pair, settings] : taken.pairs)
+    simulator_.setContactPair(id, pair.first == before ? pair.second : pair.first, settings);
+  const bool isReset = simulator_.steps() > 0 && (!taken.attachments.empty() || holdsSkin(simulator_, table_, id));
+  if (isReset || !taken.attachments.empty()) resetSimulator();
+  for (const Attachment &attachment : taken.attachments) reattach(attachment, before, id);
+  return isReset;
+}
+
+WorldSimulator::RemovedObstacle WorldSimulator::prepareObstacle(const std::string &name, c3de_handle mesh,
+                                                                const Placement &placement) {
+  const ParameterValues values(obstacleDeclarations());
+  auto placed = placeMesh(context_.services, mesh, placement);
+  RemovedObstacle taken;
+  taken.obstacle = buildObstacle(context_.services, name, placed,
+                                 {values.number("friction"), values.number("restitution")}, std::nullopt);
+  taken.record = ObstacleRecord{name, std::move(placed), taken.obstacle.friction, taken.obstacle.restitution, {}};
+  return taken;
+}
+
+void WorldSimulator::resetSimulator() {
+  simulator_.reset();
+  resetGrasps();
+  table_.followInstruments(simulator_);
+  table_.forgetInstruments();
+}
+
+}  // namespace pointbased

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/grasp_tool.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "base/number_text.h"
+
+namespace pointbased {
+namespace {
+
+constexpr sdk::Material kHand{{0.9f, 0.9f, 0.9f, 1.0f}, false};
+constexpr double kPerNotch = 5.0;   // degrees, per notch of the wheel
+constexpr double kSpacings = 2.0;   // default size of jaws in spacings
+constexpr double kRoom = 2.0;       // default opening in jaw sizes
+constexpr double kFewPixels = 2.0;  // between two mouse positions
+constexpr double kSame = 1e-9;      // m, and for directions
+constexpr double kAway = 1e-3;      // m: the target differs from the present position
+
+void warn(const Services &services, std::string text) {
+  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  (void)services.notifier.notify(C3DE_LOG_WARN, "Grasp", text);
+}
+
+}  // namespace
+
+void GraspTool::setSettings(const GraspSettings &settings) {
+  if (settings == settings_) return;
+  settings_ = settings;
+  isChosen_ = true;
+}
+
+bool GraspTool::onEvent(const c3de_event &event) {
+  if (!simulator_) return false;
+  const std::optional<PickRay> ray = rayOf(services_, simulator_->node(), event);
+  switch (event.type) {
+    case C3DE_EVENT_PRESS: return event.button == C3DE_BUTTON_LEFT && press(event);
+    case C3DE_EVENT_MOVE:
+      if (drag_ && ray) drag(*ray);
+      if (ray) see(event, *ray);
+      return drag_.has_value();
+    case C3DE_EVENT_WHEEL:
+      if (!drag_ || !ray) return false;
+      turn(*ray, kPerNotch * event.wheel);
+      return true;
+    case C3DE_EVENT_RELEASE:
+      if (!drag_ || event.button != C3DE_BUTTON_LEFT) return false;
+      release();
+      return true;
+    case C3DE_EVENT_KEY:
+      if (!pose_ || event.key != 'X') return false;
+      releaseGrasp();
+      return true;
+    default: return false;
+  }
+}
+
+bool GraspTool::press(const c3de_event &event) {
+  if (drag_) return false;
+  const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
+  const std::optional<PickRay> ray = rayOf(services_, simulator_->node(), event);
+  if (!snapshot || !ray) return false;
+  if (pose_ && isOnJaw(*snapshot, *ray)) {
+    const std::optional<Vec3> at = ray->onScreenPlane(pose_->middle);
+    if (!at) return false;
+    history_.begin(simulator_);
+    drag_ = Drag{*at, pose_->middle - *at};
+    return true;
+  }
+  const std::optional<PickedSurface> picked = pick(services_, *snapshot, *ray);
+  return picked && picked->body && take(*snapshot, *picked, *ray);
+}
+
+bool GraspTool::take(const Snapshot &snapshot, const PickedSurface &picked, const PickRay &ray) {
+  const BodySnapshot &body = *picked.body;
+  if (warnIfQuasiStatic(snapshot, "Grasp", "jaws could pull")) return true;
+  if (body.isStatic) {
+    warn(services_, body.name + " is rigid: nothing pulls it. Surroundings, Free lets it move");
+    return true;
+  }
+  const GraspSettings settings = settingsOn(body);
+  std::string problem = problemOf(settings);
+  Result<JawPositions> places = JawPositions();
+  if (problem.empty()) {
+    Surface skin;
+    skin.triangles = body.surface->triangles;
+    skin.positions.reserve(body.surfels.size());
+    for (const Vec3f &x : body.surfels) skin.positions.push_back(vectorOf(x));
+    places = findJaws(skin, picked.at, picked.normal, rightOf(picked.at, ray.view), settings);
+    problem = places ? problemOf(*body.rest, *places, settings) : places.error();
+  }
+  if (!problem.empty()) {
+    warn(services_, problem);
+    return true;
+  }
+  settings_ = settings;
+  history_.begin(simulator_);
+  forces_.clear();
+  pose_.reset();
+  isAwaited_ = true;
+  drag_ = Drag{picked.at, Vec3::Zero()};
+  simulator_->abandonLongStep();
+  post([id = body.id, at = *places, settings](WorldSimulator &s) { s.grasp(id, at, settings); });
+  return true;
+}
+
+// Not set by the user: smaller jaws would hold only a point or two.
+GraspSettings GraspTool::settingsOn(const BodySnapshot &body) const {
+  GraspSettings settings = settings_;
+  if (isChosen_) return settings;
+  settings.jaw = std::max(settings.jaw, 1e-3 * std::ceil(1e3 * kSpacings * body.rest->spacing));
+  settings.opening = std::max(settings.opening, kRoom * settings.jaw);
+  settings.closed = std::max(settings.closed, 0.5 * settings.opening);
+  return settings;
+}
+
+bool GraspTool::isOnJaw(const Snapshot &snapshot, const PickRay &ray) const {
+  const GraspSnapshot *grasp = snapshot.interactiveGrasp();
+  const BodySnapshot *body = grasp ? snapshot.body(grasp->body) : nullptr;
+  return body && std::any_of(grasp->points.begin(), grasp->points.end(), [&](const SkinPoint &point) {
+           const Vec3 off = point.at(body->surfels) - ray.origin;
+           return off.cross(ray.direction).norm() < 0.6 * grasp->settings.jaw;
+         });
+}
+
+void GraspTool::see(const c3de_event &event, const PickRay &ray) {
+  if (seen_ && std::hypot(event.x_px - seen_->event.x_px, event.y_px - seen_->event.y_px) < kFewPixels) return;
+  before_ = std::exchange(seen_, Seen{event, ray});
+}
+
+// From two mouse positions, which are known on the screen and in space. Without them, from the direction in which y is
+// up.
+Vec3 GraspTool::rightOf(const Vec3 &point, const Vec3 &view) const {
+  if (before_ && seen_) {
+    const PickRay &a = before_->ray, &b = seen_->ray;
+    const std::optional<Vec3> from = a.onScreenPlane(point), to = b.onScreenPlane(point);
+    const bool isOfThisView =
+        (a.view - view).norm() < kSame && (b.view - view).norm() < kSame && (a.origin - b.origin).norm() < kSame;
+    if (isOfThisView && from && to)
+      return screenRight(*to - *from, seen_->event.x_px - before_->event.x_px, seen_->event.y_px - before_->event.y_px,
+                         view);
+  }
+  const Vec3 right = view.cross(Vec3::UnitY());
+  return right.norm() > kSame ? Vec3(right.normalized()) : Vec3(Vec3::UnitX());
+}
+
+void GraspTool::drag(const PickRay &ray) {
+  if (!pose_) return;
+  const std::optional<Vec3> at = ray.onScreenPlane(drag_->point);
+  if (!at) return;
+  pose_->middle = *at + drag_->offset;
+  lead();
+}
+
+void GraspTool::turn(const PickRay &ray, double degrees) {
+  if (!pose_) return;
+  pose_->rotation =
+      Eigen::AngleAxisd(degrees * std::numbers::pi / 180.0, ray.view).toRotationMatrix() * pose_->rotation;
+  lead();
+}
+
+void GraspTool::lead() {
+  post([pose = *pose_](WorldSimulator &s) { s.moveInteractiveGrasp(pose.middle, pose.rotation); });
+}
+
+void GraspTool::release() {
+  if (!drag_) return;
+  drag_.reset();
+  history_.end("grasp");
+}
+
+void GraspTool::cancel() { release(); }
+
+void GraspTool::releaseGrasp() {
+  if (simulator_) simulator_->abandonLongStep();
+  post([](WorldSimulator &s) { s.releaseInteractiveGrasp(); });
+  forget();
+}
+
+void GraspTool::forget() {
+  release();
+  pose_.reset();
+  isAwaited_ = false;
+  for (sdk::Proxy *proxy : {&arrow_, &hand_, &label_}) proxy->reset();
+}
+
+void GraspTool::update() {
+  history_.update();
+  if (!simulator_) return;
+  const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
+  const GraspSnapshot *grasp = snapshot ? snapshot->interactiveGrasp() : nullptr;
+  const BodySnapshot *body = grasp ? snapshot->body(grasp->body) : nullptr;
+  if (!body) {
+    // Released by a reset or by undo.
+    if (pose_ && !isAwaited_) forget();
+    return;
+  }
+  if (!pose_ && drag_) {
+    // The middle of the patches differs from the position under the mouse.
+    drag_->offset = grasp->middle - drag_->point;
+  }
+  isAwaited_ = false;
+  if (!pose_ || !drag_) pose_ = Pose{grasp->middle, grasp->rotation};
+  forces_.take(grasp->forces.pull.norm(), snapshot->time);
+  if (!services_.render) return;
+  const Vec3 middle = 0.5 * (grasp->points[0].at(body->surfels) + grasp->points[1].at(body->surfels));
+  const Vec3 tip = showArrow(arrow_, grasp->hinge(*body), grasp->forces.pull, forces_.largest());
+  if ((pose_->middle - middle).norm() > kAway)
+    showLines(hand_, std::array<Vec3, 2>{middle, pose_->middle}, kHand);
+  else
+    hand_.reset();
+  const std::string still = drag_ ? idleReason() : std::string();
+  showLabel(label_, tip,
+            significant(grasp->forces.pull.norm()) + " N, squeezing " + significant(grasp->forces.squeeze) + " N" +
+                (still.empty() ? "" : "    " + still),
+            kForce);
+}
+
+}  // namespace pointbased

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <string>
+
+#include "simulator/world_simulator.h"
+
+namespace pointbased {
+
+/// Pulls, touches and moves as undo steps of the window: back to the state before the interaction, and forward again. A
+/// restart of the simulation (a reset, another body) removes them. Main thread.
+class InteractionHistory {
+ public:
+  explicit InteractionHistory(const Services &services) : services_(services) {}
+
+  /// Called before the interaction begins.
+  void begin(const sdk::Ref<WorldSimulator> &simulator);
+  enum class Of {
+    time,   ///< no step if nothing has been simulated in between
+    place,  ///< for a placed object: a step in any case
+  };
+  /// Called when the interaction has ended.
+  void end(const std::string &title, Of of = Of::time);
+  /// Removes the steps of a simulation that has been restarted. Called once per frame.
+  void update();
+  void forget();
+
+ private:
+  static constexpr std::size_t kMost = 20;  // each stores a state of every body
+  struct Kept {
+    sdk::Ref<WorldSimulator> simulator;
+    std::shared_ptr<InteractionState> state;  // written on the simulation's thread
+    std::uint64_t historyEpoch = 0, steps = 0;
+    c3de_handle step{};
+  };
+  [[nodiscard]] sdk::Result<void> exchange(const Kept &kept) const;
+  [[nodiscard]] static bool isOld(const Kept &kept);
+
+  const Services &services_;
+  std::optional<Kept> present_;
+  std::deque<Kept> done_;
+};
+
+}  // namespace pointbased
