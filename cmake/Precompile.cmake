@@ -12,6 +12,7 @@
 function(c3de_precompile target)
   set(headers <algorithm> <array> <cmath> <cstddef> <cstdint> <functional> <memory> <optional> <span> <string> <string_view>
     <utility> <vector> ${ARGN})
+  list(TRANSFORM headers PREPEND "${CMAKE_CURRENT_SOURCE_DIR}/" REGEX "^[^</]")
   list(TRANSFORM headers REPLACE ">$" "$<ANGLE-R>")
   list(TRANSFORM headers PREPEND "$<$<COMPILE_LANGUAGE:CXX>:")
   list(TRANSFORM headers APPEND ">")

@@ -2,6 +2,7 @@
 #include "scene_input.h"
 
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 #include "c3de/sdk/structs.hpp"
@@ -14,6 +15,12 @@ using sdk::Error;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 }  // namespace
+
+std::string shown(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
 
 Placement readPlacement(const c3de_sim_placement *in) {
   Placement out;

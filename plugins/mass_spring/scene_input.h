@@ -3,11 +3,15 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "c3de/sdk/simulator.hpp"
 #include "point_body.h"
 
 namespace mass_spring {
+
+/// A number in a message: four digits.
+[[nodiscard]] std::string shown(double value);
 
 /// From the frame of a mesh to the world, m.
 struct Placement {

@@ -54,6 +54,18 @@ struct Snapshot {
   std::vector<Body> bodies;
 };
 
+/// A region of a body with parameters of its own.
+struct Part {
+  c3de_sim_region region{};
+  ParameterValues values;
+  std::vector<std::string> own;  ///< ids of the parameters that differ from those of the body
+};
+
+/// A message about what the method does not support: its name and `text`.
+[[nodiscard]] inline std::string methodText(const Context &context, const std::string &text) {
+  return std::string(context.method.name) + " " + text;
+}
+
 /// The registered class: iface.simulator over bodies of points. A mutex stands between the step and what
 /// others add or read; the window reads snapshots.
 class Simulator : public sdk::Object<Simulator> {
@@ -102,11 +114,6 @@ class Simulator : public sdk::Object<Simulator> {
   static std::array<sdk::Interface, 1> interfaces();
 
  private:
-  struct Part {
-    c3de_sim_region region{};
-    ParameterValues values;
-    std::vector<std::string> own;  // ids that it says itself
-  };
   struct Body {
     std::string name;
     ParameterValues values;

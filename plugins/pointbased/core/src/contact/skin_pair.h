@@ -93,7 +93,7 @@ class SkinPair {
   [[nodiscard]] std::vector<SkinContact> &active() { return active_; }
   [[nodiscard]] const std::vector<SkinContact> &active() const { return active_; }
   /// State that the next step takes over from the last one.
-  struct Memory {
+  struct State {
     std::vector<SkinContact> active;
     std::array<std::vector<double>, 2> initialPenetrations;  // [sides][vertices] m, or empty
     std::array<std::vector<std::uint8_t>, 2> isInside;       // [sides][vertices]
@@ -101,7 +101,7 @@ class SkinPair {
     std::array<std::vector<Vec3>, 2> foundAt;  // [sides][phyxels] m, displacements
     double validTravel = 0.0;                  // m, remaining travel for which the contacts are valid
   };
-  [[nodiscard]] Memory memory() const {
+  [[nodiscard]] State state() const {
     return {active_,
             {sides_[0].initialPenetration, sides_[1].initialPenetration},
             {sides_[0].isInside, sides_[1].isInside},
@@ -109,7 +109,7 @@ class SkinPair {
             sinceFound_.from,
             validTravel_};
   }
-  void setMemory(const Memory &memory);
+  void restore(const State &state);
 
   /// Impulse that the second skin exerts on the first, summed over some time.
   struct Sum {
@@ -185,15 +185,21 @@ class SkinPair {
   [[nodiscard]] bool areOnePiece(const std::array<Index, 2> &edge, const std::array<Index, 2> &other) const;
   void updateVertexContact(VertexCandidates &group);
   void updateEdgeContact(EdgeCandidates &pair);
-  /// First triangle that a vertex crosses on its path from outside.
-  struct Crossing {
+  /// Point of a face of the other skin that a vertex touches, or may touch within the step.
+  struct FacePoint {
     Index triangle = kNoTriangle;
     Vec3 weights = Vec3::Zero(), normal = Vec3::Zero();
-    double away = 0.0;  // m, distance at the beginning of the step
+    double distance = 0.0;  // m, of the vertex at the beginning of the step; negative: it is inside
   };
-  [[nodiscard]] Crossing firstCrossing(std::span<const Near> near) const;
-  /// Triangle above which the vertex is at the end of its path, if there is one.
-  [[nodiscard]] Crossing faceAtEnd(std::span<const Near> near) const;
+  /// First face that a vertex crosses on its path from outside.
+  [[nodiscard]] FacePoint firstCrossing(std::span<const Near> near) const;
+  /// Face above which the vertex is at the end of its path, if there is one.
+  [[nodiscard]] FacePoint faceAtEnd(std::span<const Near> near) const;
+  /// Offset of a vertex from a triangle of the other skin, m: smaller where cells are refined.
+  [[nodiscard]] double layerOffset(const Near &of, Index triangle) const;
+  /// @param number  of the contact of this vertex; 0: the nearest, the only one with the stiffness of the layer
+  void addVertexContact(const Near &of, const FacePoint &at, Index number, double friction);
+  void addNeighbouringFaces(std::span<const Near> near, const FacePoint &first, double within, double friction);
   /// Factor of offset and thickness of the layer, 0 … 1: less than 1 where cells at one of these vertices are refined.
   template <class... Vertices>
   [[nodiscard]] double refinedAt(std::size_t side, Vertices... vertices) const {

@@ -27,7 +27,7 @@ Checkpoint Simulator::checkpoint() const {
   kept->obstacleIds = obstacleIds_;
   kept->instruments = instruments_;
   kept->ownMotions = ownMotions_;
-  for (const auto &[id, pair] : skins_->pairs()) kept->contacts.emplace(id, pair->memory());
+  for (const auto &[id, pair] : skins_->pairs()) kept->contacts.emplace(id, pair->state());
   return kept;
 }
 
@@ -56,13 +56,13 @@ bool Simulator::restore(const Checkpoint &checkpoint) {
     if (const auto found = attachments_.find(id); found != attachments_.end()) (void)found->second->setTorn(torn);
   tornReported_ = checkpoint->tornReported;
   skins_->forget();
-  for (const auto &[id, memory] : checkpoint->contacts) {
+  for (const auto &[id, state] : checkpoint->contacts) {
     const Body *first = body(id.first), *second = body(id.second);
     if (first && second)
       skins_
           ->pairOf(detail::SkinContacts::ownerOf(id.first, *first, contactPairs_),
                    detail::SkinContacts::ownerOf(id.second, *second, contactPairs_), contact_.friction)
-          .setMemory(memory);
+          .restore(state);
   }
   reportEvent("restored",
               "at " + detail::number(from) + " s the state of " + detail::number(time()) + " s was taken up again");

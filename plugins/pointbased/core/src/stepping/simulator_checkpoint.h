@@ -19,7 +19,7 @@ struct detail::SimulatorCheckpoint {
   std::map<std::size_t, double> skinDeepest, rigidDeepest;
   std::set<std::pair<std::size_t, std::size_t>> overlaps;
   std::pair<std::size_t, std::size_t> lastPair;
-  std::map<SkinContacts::PairId, SkinPair::Memory> contacts;
+  std::map<SkinContacts::PairId, SkinPair::State> contacts;
   std::map<std::size_t, std::vector<std::uint8_t>> torn;  // of attachments
   std::set<std::size_t> tornReported;
   std::vector<Obstacle> obstacles;

@@ -13,7 +13,7 @@ constexpr double kMinRadius = 2.0;  // spacings: a patch of a few phyxels at any
 // The pull is limited to this multiple of E r². It strains the held patch by several hundred per cent at most, however
 // far the target is moved away.
 constexpr double kStrongestPull = 4.0;
-constexpr double kSurroundings = 1.8;  // spacings, around the nearest phyxel: the corners of the neighbouring cells
+constexpr double kNeighbourhood = 1.8;  // spacings, around the nearest phyxel: the corners of the neighbouring cells
 
 // Spacings: merging voxels leaves positions at borders that belong to no tissue.
 constexpr double kBesideTissue = 0.1;
@@ -118,7 +118,7 @@ std::optional<MaterialPoint> materialAt(const RestState &rest, std::span<const V
                                phyxels.begin());
   // X - X0 = A (x - x0), least squares over the neighbours in the reference: in a fold, other phyxels may be near now.
   const Vec3 &X0 = rest.positions[nearest], &x0 = phyxels[nearest];
-  const double reach = kSurroundings * rest.spacing;
+  const double reach = kNeighbourhood * rest.spacing;
   Mat3 ways = 1e-6 * rest.spacing * rest.spacing * Mat3::Identity(), back = ways;
   for (std::size_t i = 0; i < phyxels.size(); ++i) {
     const Vec3 X = rest.positions[i] - X0;
