@@ -605,6 +605,7 @@ TEST_CASE("where another scan is opened the simulation of the one before is clos
   });
 }
 
+// The two cases [.long] take five minutes each: a body of 3000 phyxels comes back far slower than in real time.
 bool isLiverHeld(const Json &s) { return value(s, kPanel + "Held inside") == "scan: liver"; }
 
 /// A simulated CT, with the cross-hair in its liver and the pinch tool active.
@@ -686,7 +687,7 @@ class LiverOfCt {
 };
 
 TEST_CASE("The liver of a CT is pulled by three centimetres in a slice and in the 3D view, and all comes back",
-          "[scan_liver]") {
+          "[.long][.scan_liver]") {
   C3DE_ALIVE_OR_SKIP();
   C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
   C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
@@ -739,7 +740,8 @@ TEST_CASE("The first pull at a CT does not pause the simulation while other prog
   CHECK(paused == "");
 }
 
-TEST_CASE("Where the liver of a CT has been pulled its cells get finer, and it is pulled again", "[scan_liver_finer]") {
+TEST_CASE("Where the liver of a CT has been pulled its cells get finer, and it is pulled again",
+          "[.long][.scan_liver_finer]") {
   C3DE_ALIVE_OR_SKIP();
   C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
   C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");

@@ -209,7 +209,9 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
   window.waitForValue(kPanel + "placed_y", "58 mm");
   window.moveTo(window.inView(0.9, 0.9));
   window.screenshot("back");
-  CHECK(window.state()["notifications"].empty());
+  const Json announced = window.state()["notifications"];
+  REQUIRE(announced.size() == 1);
+  CHECK(announced[0]["title"] == "The simulation has restarted");
 }
 
 TEST_CASE("an implant is added in the unit that is chosen, at the marked point, and the simulation keeps its state",

@@ -57,9 +57,18 @@ std::string wordsFor(std::string_view token, const ParameterRegistry &parameters
   return inMarks(key);
 }
 
+/// "scene.toml:3: unknown key 'world.gravty'": keys as they are written in the file.
+bool quotesSceneFile(std::string_view text) {
+  constexpr std::string_view kEnding = ".toml:";
+  const std::size_t at = text.find(kEnding), line = at + kEnding.size();
+  return at != std::string_view::npos && line < text.size() &&
+         std::isdigit(static_cast<unsigned char>(text[line])) != 0;
+}
+
 }  // namespace
 
 std::string plainWords(std::string_view text, const ParameterRegistry &parameters) {
+  if (quotesSceneFile(text)) return std::string(text);
   std::string out;
   for (std::size_t i = 0; i < text.size();) {
     if (!isOfToken(text[i])) {

@@ -87,7 +87,8 @@ TEST_CASE("ids of parameters become the labels of the panel, and the rest of a t
   CHECK(words("solver.load_steps") == "“load steps”");
   CHECK(words("solver.dt = 1.5e-3 s; E = 2.5") == "“Step” = 1.5e-3 s; E = 2.5");
   for (const char *text : {"liver.nii.gz of scan.dcm", "/home/solver.dt/a.toml", "see docs/user/accuracy.md",
-                           "e.g. this.", "1.5 mm … 2.5 mm", "", "rigid", "± 0.87 mm (95 % of the skin)", "3.x.y"})
+                           "scene.toml:3: unknown key 'solver.dtt'; did you mean 'solver.dt'?", "e.g. this.",
+                           "1.5 mm … 2.5 mm", "", "rigid", "± 0.87 mm (95 % of the skin)", "3.x.y"})
     CHECK(words(text) == text);
 }
 

@@ -47,9 +47,8 @@ void ObstaclePanel::draw(sdk::Ui &ui, const Snapshot *snapshot) {
   ui.heading("Obstacles and implants");
   std::erase_if(resets_, [this](const Reset &one) {
     if (!*one.hasMade) return false;
-    (void)services_.notifier.notify(
-        C3DE_LOG_WARN, "The simulation has restarted",
-        "Tissue overlapped the position of " + one.name + " was put. The state before is lost.");
+    (void)services_.notifier.notify(C3DE_LOG_WARN, "The simulation has restarted",
+                                    "Tissue was inside the position of " + one.name + ". The previous state is lost.");
     return true;
   });
   if (ui.fileButton("obstacle_browse", "Add from a file…", "obj;stl;ply;vtk", path_)) read();
