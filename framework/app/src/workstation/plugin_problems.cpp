@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "workstation/plugin_choices.h"
+#include "workstation/plugin_problems.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
+#include "c3de/abi/log.h"
 #include "c3de/core/log.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
-#include "c3de/plugin_host/plugin_records.h"
 
 namespace c3de::app {
 namespace {
@@ -35,8 +36,7 @@ ui::PluginEntry::State stateOf(plugin_host::PluginState state) {
   return To::refused;
 }
 
-}  // namespace
-
+/// Asks about each plugin that has crashed a run and is about to be loaded.
 void askAboutCrashes(ui::WorkstationWindow &window, render::Renderer &renderer, plugin_host::LoadRules &rules) {
   if (!rules.records) return;
   for (const auto &crash : rules.records->crashes()) {
@@ -64,10 +64,30 @@ void askAboutCrashes(ui::WorkstationWindow &window, render::Renderer &renderer, 
   }
 }
 
-std::vector<ui::PluginEntry> pluginEntries(const plugin_host::PluginHost &host,
-                                           const plugin_host::PluginRecords &records,
-                                           const std::vector<std::string> &offAtStart) {
-  const auto crashes = records.crashes();
+}  // namespace
+
+PluginProblems::PluginProblems(ui::WorkstationWindow &window, render::Renderer &renderer, plugin_host::LoadRules &rules)
+    : records_(rules.records) {
+  askAboutCrashes(window, renderer, rules);
+  offAtStart_ = records_->allOff();
+}
+
+void PluginProblems::report(const plugin_host::PluginHost &host, registry::PanelRegistry &panels) const {
+  for (const plugin_host::PluginInfo &plugin : host.plugins())
+    if (plugin.state == plugin_host::PluginState::refused)
+      panels.notify(C3DE_LOG_WARN, "Plugin " + pathText(plugin.path.filename()) + " was refused", plugin.reason);
+}
+
+void PluginProblems::connect(ui::WindowActions &actions, const plugin_host::PluginHost &host, ReportError failed) {
+  actions.plugins = [this, &host] { return entries(host); };
+  actions.switchPlugin = [this, failed = std::move(failed)](const std::string &id, bool isOn) {
+    if (const auto kept = records_->setOff(id, !isOn); !kept)
+      failed("The choice holds for this run only", kept.error());
+  };
+}
+
+std::vector<ui::PluginEntry> PluginProblems::entries(const plugin_host::PluginHost &host) const {
+  const auto crashes = records_->crashes();
   std::vector<ui::PluginEntry> entries;
   for (const plugin_host::PluginInfo &plugin : host.plugins()) {
     ui::PluginEntry entry{plugin.id,
@@ -80,8 +100,8 @@ std::vector<ui::PluginEntry> pluginEntries(const plugin_host::PluginHost &host,
                           shownPath(plugin.path),
                           stateOf(plugin.state),
                           plugin.reason,
-                          !records.isOff(plugin.id)};
-    const bool wasOff = std::find(offAtStart.begin(), offAtStart.end(), plugin.id) != offAtStart.end();
+                          !records_->isOff(plugin.id)};
+    const bool wasOff = std::find(offAtStart_.begin(), offAtStart_.end(), plugin.id) != offAtStart_.end();
     entry.hasChanged = wasOff == entry.isOn;
     const auto crash = std::find_if(crashes.begin(), crashes.end(), [&](const auto &one) {
       return one.id == plugin.id || one.id == pathText(plugin.path.filename());
