@@ -10,7 +10,7 @@
 #include "c3de/registry/panel_registry.h"
 #include "c3de/registry/tool_registry.h"
 #include "c3de/session/body_creation.h"
-#include "workstation/report_error.h"
+#include "workstation/messages.h"
 #include "workstation/workstation_images.h"
 #include "workstation/workstation_loader.h"
 

@@ -8,7 +8,7 @@
 #include "c3de/registry/panel_registry.h"
 #include "c3de/session/session.h"
 #include "c3de/ui/workstation_window.h"
-#include "workstation/report_error.h"
+#include "workstation/messages.h"
 #include "workstation/tissue_table_controller.h"
 #include "workstation/warp_controller.h"
 #include "workstation/workstation_export.h"

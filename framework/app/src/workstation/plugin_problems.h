@@ -10,7 +10,7 @@
 #include "c3de/registry/panel_registry.h"
 #include "c3de/session/session.h"
 #include "c3de/ui/workstation_window.h"
-#include "workstation/report_error.h"
+#include "workstation/messages.h"
 
 namespace c3de::app {
 

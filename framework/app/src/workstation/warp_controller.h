@@ -9,7 +9,7 @@
 #include "c3de/session/displacement_sampler.h"
 #include "c3de/session/session.h"
 #include "c3de/session/tissue_tracker.h"
-#include "workstation/report_error.h"
+#include "workstation/messages.h"
 #include "workstation/workstation_images.h"
 
 namespace c3de::app {

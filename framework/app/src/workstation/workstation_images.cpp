@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "workstation/workstation_images.h"
 
-#include "c3de/session/file_kind.h"
-
 #include <algorithm>
 #include <utility>
 
-#include "c3de/abi/log.h"
 #include "c3de/core/path_text.h"
-#include "c3de/core/text.h"
-#include "c3de/imaging/warp_grid.h"
 #include "c3de/render/image_renderer.h"
+#include "c3de/session/file_kind.h"
 
 namespace c3de::app {
 namespace {
@@ -67,7 +63,9 @@ WorkstationImages::WorkstationImages(Session &session, render::Renderer &rendere
     : session_(session), renderer_(renderer), panels_(panels), events_(std::move(events)),
       displacement_(renderer.images(), views_),
       workflow_(session.jobs(), kJobOwner, session.materials(), {[this] { showPreview(); }, events_.createBodies}),
-      scanBody_(session.jobs(), kJobOwner, session.materials(), events_.createScanBody) {
+      scanBody_(session.jobs(), kJobOwner, session.materials(), events_.createScanBody),
+      labels_({session, renderer, panels, views_, workflow_}, {[this] { updateScanBodySources(); }, events_.failed}),
+      job_(session.jobs()), timeJob_(session.jobs()) {
   if (render::ImageRenderer *images = renderer_.images()) images->setOverlayColours(ui::overlayColours());
   views_.setTimeChooser([this](std::size_t time) { readTime(time); });
 }
@@ -84,13 +82,11 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
                              const std::string &series, std::size_t time, Segmentation segmentation,
                              bool isOfSimulation) {
   choice_.reset();
-  if (!job_.isNull()) session_.jobs().cancel(job_);
-  const std::uint64_t serial = ++serial_;
   const auto read = std::make_shared<ReadImage>();
   const ImageToRead wanted{path, series, time, imageName(path)};
   const bool laysOver = segmentation == Segmentation::labels && views_.image() != nullptr;
-  job_ = session_.jobs().submit(
-      kJobOwner, "Opening " + wanted.name,
+  job_.start(
+      "Opening " + wanted.name,
       [wanted, read, laysOver](const ProgressFn &progress) -> Expected<void> {
         if (wanted.series.empty()) {
           auto found = imaging::listSeries(wanted.path, progress);
@@ -107,9 +103,7 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
         }
         return readStored(wanted, progress, *read);
       },
-      [this, wanted, labels = std::move(labels), read, serial, isOfSimulation](const Expected<void> &result) {
-        if (serial != serial_) return;  // a later request has replaced this one
-        job_ = {};
+      [this, wanted, labels = std::move(labels), read, isOfSimulation](const Expected<void> &result) {
         if (!result) return events_.failed("Could not open " + wanted.name, result.error());
         if (!read->image && !read->isSegmentation) return askForSeries(wanted.path, labels, read->series);
         std::vector<std::filesystem::path> maps = labels;
@@ -122,27 +116,24 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
             read->notices.emplace_back(
                 "Its segments lie over its numbers as labels. To see them over a scan, open the scan, then this file "
                 "again.");
-          tell("Opened " + wanted.name, read->notices);
+          reportNotices(panels_, "Opened " + wanted.name, read->notices);
         } else {
-          tell("Opened " + wanted.name, {"A segmentation: its segments lie over the image that is open, as labels. "
-                                         "Close the image first to see it alone."});
+          reportNotices(panels_, "Opened " + wanted.name,
+                        {"A segmentation: its segments lie over the image that is open, as labels. "
+                         "Close the image first to see it alone."});
         }
-        for (const std::filesystem::path &file : maps) openLabels(file);
+        for (const std::filesystem::path &file : maps) labels_.open(file);
         if (!read->series.empty()) askForSeries(wanted.path, labels, read->series);
       });
 }
 
 void WorkstationImages::readTime(std::size_t time) {
-  if (!timeJob_.isNull()) session_.jobs().cancel(timeJob_);
-  const std::uint64_t serial = ++timeSerial_;
   const ImageToRead wanted{path_, series_, time, imageName(path_)};
   const auto read = std::make_shared<ReadImage>();
-  timeJob_ = session_.jobs().submit(
-      kJobOwner, "Reading time point " + std::to_string(time) + " of " + wanted.name,
+  timeJob_.start(
+      "Reading time point " + std::to_string(time) + " of " + wanted.name,
       [wanted, read](const ProgressFn &progress) { return readStored(wanted, progress, *read); },
-      [this, read, wanted, serial](const Expected<void> &result) {
-        if (serial != timeSerial_) return;
-        timeJob_ = {};
+      [this, read, wanted](const Expected<void> &result) {
         if (!result)
           return events_.failed("Could not read time point " + std::to_string(wanted.time) + " of " + wanted.name,
                                 result.error());
@@ -197,16 +188,8 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image, bool isO
   workflow_.setSources({image, nullptr});
   updateScanBodySources();
   segmentationPanel_.emplace(panels_, views_, workflow_, scanBody_);
-  panel_.emplace(panels_, views_,
-                 ui::ImagePanel::LabelMaps{[this] {
-                                             std::vector<std::string> names;
-                                             for (const OpenLabels &open : labelMaps_)
-                                               names.push_back(open.labels->name);
-                                             return names;
-                                           },
-                                           [this] { return shownLabels(); },
-                                           [this](std::size_t index) { showLabels(OpenLabels(labelMaps_[index])); }});
-  if (!notice.empty()) tell("Opened " + image->name, {notice});
+  panel_.emplace(panels_, views_, labels_.choices());
+  if (!notice.empty()) reportNotices(panels_, "Opened " + image->name, {notice});
   if (isAnother) offerToCloseSimulation(image->name);
   events_.shown();
 }
@@ -224,110 +207,9 @@ void WorkstationImages::offerToCloseSimulation(const std::string &image) {
                  {{"Close the simulation", close}}, registry::About::simulation);
 }
 
-void WorkstationImages::openLabels(const std::filesystem::path &path) {
-  const std::string name = imageName(path);
-  if (!views_.image())
-    return events_.failed(
-        "Could not open " + name,
-        {ErrorCode::state, "a label map is laid over an image, and none is open; open the image first"});
-  waitingLabels_.push_back(path);
-  if (labelJob_.isNull()) readNextLabels();
-}
-
-void WorkstationImages::readNextLabels() {
-  if (waitingLabels_.empty()) return;
-  const std::filesystem::path path = waitingLabels_.front();
-  waitingLabels_.pop_front();
-  const std::string name = imageName(path);
-  const std::uint64_t serial = ++labelSerial_;
-  const auto read = std::make_shared<std::vector<std::shared_ptr<const scene::StoredLabels>>>();
-  const auto notices = std::make_shared<std::vector<std::string>>();
-  labelJob_ = session_.jobs().submit(
-      kJobOwner, "Opening labels " + name,
-      [path, read, notices, name](const ProgressFn &progress) -> Expected<void> {
-        imaging::ReadOptions options;
-        options.progress = progress;
-        auto loaded = imaging::readLabelMap(path, options);
-        if (!loaded) return tl::unexpected(loaded.error());
-        loaded->layers.insert(loaded->layers.begin(), std::move(loaded->labels));
-        for (imaging::LabelMap &layer : loaded->layers) {
-          auto one = std::make_shared<scene::StoredLabels>();
-          one->name = loaded->layers.size() == 1 ? name
-                                                 : name + ", layer " + std::to_string(read->size() + 1) + " of " +
-                                                       std::to_string(loaded->layers.size());
-          one->map = std::move(layer);
-          read->push_back(std::move(one));
-        }
-        *notices = std::move(loaded->notices);
-        return {};
-      },
-      [this, path, read, notices, name, serial](const Expected<void> &result) {
-        if (serial != labelSerial_) return;
-        labelJob_ = {};
-        if (!result) {
-          events_.failed("Could not open " + name, result.error());
-        } else {
-          std::erase_if(labelMaps_, [&](const OpenLabels &open) { return open.path == path; });
-          for (const auto &layer : *read) labelMaps_.push_back({path, layer, {}});
-          showLabels(OpenLabels(labelMaps_[labelMaps_.size() - read->size()]));
-          if (const scene::StoredImage *image = views_.image()) {
-            imaging::WorldBox shared = imaging::boxOf(image->volume.geometry);
-            shared.cutTo(imaging::boxOf(read->front()->map.geometry));
-            if (shared.isEmpty())
-              notices->push_back("It lies beside the image " + image->name +
-                                 ": no slice shows it. Is it of another scan?");
-          }
-          tell("Opened " + name, *notices);
-        }
-        readNextLabels();
-      });
-}
-
-std::size_t WorkstationImages::shownLabels() const {
-  const auto shown = std::find_if(labelMaps_.begin(), labelMaps_.end(),
-                                  [&](const OpenLabels &open) { return open.labels.get() == views_.labels(); });
-  return static_cast<std::size_t>(shown - labelMaps_.begin());
-}
-
-void WorkstationImages::showLabels(const OpenLabels &open) {
-  render::ImageRenderer *images = renderer_.images();
-  if (!images || !views_.image()) return;
-  auto handle = images->addLabels(placeOf(open.labels->map.geometry), open.labels->map.voxels);
-  if (!handle) return events_.failed("Could not show " + open.labels->name, handle.error());
-  removeLabels();
-  storedLabels_ = session_.images().add(open.labels);
-  workflow_.setSources({workflow_.mask().sources().image, open.labels});
-  views_.setLabels(open.labels);
-  updateScanBodySources();
-  for (const std::uint16_t label : open.hidden) views_.setLabelOpacity(label, 0.0f);
-  ui::ImageHandles handles = views_.handles();
-  handles.labels = *handle;
-  views_.setHandles(handles);
-}
-
 void WorkstationImages::onBodiesReady(const std::vector<segmentation::BodyRequest> &requests) {
-  for (const segmentation::BodyRequest &request : requests)
-    for (OpenLabels &open : labelMaps_) {
-      if (!request.labels || open.labels != request.labels) continue;
-      open.hidden.push_back(request.label);
-      if (open.labels.get() == views_.labels()) views_.setLabelOpacity(request.label, 0.0f);
-    }
+  labels_.hideLabelsOf(requests);
   workflow_.onBodiesCreated(requests);
-}
-
-void WorkstationImages::onBodiesRemoved() {
-  for (OpenLabels &open : labelMaps_)
-    for (const std::uint16_t label : std::exchange(open.hidden, {}))
-      if (open.labels.get() == views_.labels()) views_.setLabelOpacity(label, 1.0f);
-}
-
-void WorkstationImages::removeLabels() {
-  ui::ImageHandles handles = views_.handles();
-  if (render::ImageRenderer *images = renderer_.images()) images->remove(handles.labels);
-  handles.labels = {};
-  views_.setHandles(handles);
-  views_.setLabels(nullptr);
-  session_.images().removeLabels(std::exchange(storedLabels_, {}));
 }
 
 void WorkstationImages::updateScanBodySources() {
@@ -335,11 +217,7 @@ void WorkstationImages::updateScanBodySources() {
   sources.image = views_.sharedImage();
   sources.imageFile = path_;
   sources.series = series_;
-  if (const std::size_t shown = shownLabels(); shown < labelMaps_.size()) {
-    sources.labelFile = labelMaps_[shown].path;
-    for (const OpenLabels &open : labelMaps_)
-      if (open.path == sources.labelFile) sources.layers.push_back(open.labels);
-  }
+  labels_.addTo(sources);
   scanBody_.setSources(std::move(sources));
 }
 
@@ -373,7 +251,7 @@ void WorkstationImages::showMissing(const std::vector<Coverage> &bodies, bool is
   for (const Coverage &body : bodies)
     if (std::string text = sentenceOf(body); !text.empty()) sentences.push_back(std::move(text));
   if (!sentences.empty()) sentences.emplace_back("It is hatched in the slices.");
-  tell("Not all of it is there", sentences, registry::About::simulation);
+  reportNotices(panels_, "Not all of it is there", sentences, registry::About::simulation);
   markMissing();
 }
 
@@ -385,15 +263,10 @@ void WorkstationImages::markMissing() {
 }
 
 void WorkstationImages::close() {
-  ++timeSerial_;
-  if (!timeJob_.isNull()) session_.jobs().cancel(std::exchange(timeJob_, {}));
-  ++labelSerial_;
-  if (!labelJob_.isNull()) session_.jobs().cancel(std::exchange(labelJob_, {}));
-  waitingLabels_.clear();
-  labelMaps_.clear();
+  timeJob_.cancel();
   segmentationPanel_.reset();
   workflow_.setSources({});
-  removeLabels();
+  labels_.close();
   displacement_.forget();
   if (render::ImageRenderer *images = renderer_.images())
     for (const Handle handle : {views_.handles().image, views_.handles().missing}) images->remove(handle);
@@ -410,12 +283,6 @@ void WorkstationImages::followNode() {
   // "Fit view" includes what is drawn in space; an image shown only in the slices is excluded.
   if (scene::Node *node = session_.sceneGraph().find(node_))
     node->hasBounds = views_.options().showsSlicesInSpace || views_.options().showsVolume;
-}
-
-void WorkstationImages::tell(const std::string &title, const std::vector<std::string> &notices, registry::About about) {
-  std::string text;
-  for (const std::string &notice : notices) text += (text.empty() ? "" : "\n") + notice;
-  if (!text.empty()) panels_.notify(C3DE_LOG_INFO, title, text, {}, about);
 }
 
 void WorkstationImages::askForSeries(const std::filesystem::path &path, std::vector<std::filesystem::path> labels,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <deque>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -18,7 +17,10 @@
 #include "c3de/ui/image_panel.h"
 #include "c3de/ui/segmentation_panel.h"
 #include "workstation/displacement_presenter.h"
+#include "workstation/latest_job.h"
+#include "workstation/messages.h"
 #include "workstation/series_choice.h"
+#include "workstation/workstation_labels.h"
 
 namespace c3de::render {
 class Renderer;
@@ -33,15 +35,13 @@ class WorkstationImages {
   struct Events {
     std::function<void()> shown;   ///< another image is in the views
     std::function<void()> closed;  ///< no image is open any more
-    std::function<void(const std::string &title, const Error &error)> failed;
+    ReportError failed;
     std::function<void(std::vector<segmentation::BodyRequest>)> createBodies;
     std::function<void(const std::string &scene)> createScanBody;  ///< ends with scanBody().finished()
     std::function<void()> closeSimulation;
   };
   WorkstationImages(Session &session, render::Renderer &renderer, registry::PanelRegistry &panels, Events events);
   ~WorkstationImages();
-  WorkstationImages(const WorkstationImages &) = delete;
-  WorkstationImages &operator=(const WorkstationImages &) = delete;
 
   [[nodiscard]] ui::ImageViews &views() { return views_; }
   [[nodiscard]] segmentation::SegmentationWorkflow &workflow() { return workflow_; }
@@ -57,12 +57,12 @@ class WorkstationImages {
   void open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels = {},
             const std::string &series = {}, std::size_t time = 0, Segmentation segmentation = Segmentation::labels,
             bool isOfSimulation = false);
-  /// Overlays label maps on the open image one after the other. The last one is shown; the panel offers the others.
-  void openLabels(const std::filesystem::path &path);
+  /// Overlays a label map on the open image.
+  void openLabels(const std::filesystem::path &path) { labels_.open(path); }
   /// The outlines of the bodies replace their labels, and none of them is selected any more.
   void onBodiesReady(const std::vector<segmentation::BodyRequest> &requests);
   /// The bodies have been removed: their labels are shown again.
-  void onBodiesRemoved();
+  void onBodiesRemoved() { labels_.showHiddenLabels(); }
   void close();
   /// Shows the displacement of the tissue; null: none.
   void showDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement);
@@ -75,29 +75,17 @@ class WorkstationImages {
   void followNode();
 
  private:
-  /// An open label map.
-  struct OpenLabels {
-    std::filesystem::path path;
-    std::shared_ptr<const scene::StoredLabels> labels;
-    std::vector<std::uint16_t> hidden;  ///< because their bodies exist
-  };
   void show(std::shared_ptr<scene::StoredImage> image, bool isOfSimulation);
   void offerToCloseSimulation(const std::string &image);
   /// Reads another time point of the open image and replaces it.
   void readTime(std::size_t time);
   void showTime(std::shared_ptr<scene::StoredImage> image);
-  void readNextLabels();
-  void showLabels(const OpenLabels &open);
-  [[nodiscard]] std::size_t shownLabels() const;
-  void removeLabels();
   /// Updates scanBody_ with what is open.
   void updateScanBodySources();
   void showPreview();
   void markMissing();
   void askForSeries(const std::filesystem::path &path, std::vector<std::filesystem::path> labels,
                     std::vector<imaging::SeriesInfo> series);
-  void tell(const std::string &title, const std::vector<std::string> &notices,
-            registry::About about = registry::About::program);
 
   Session &session_;
   render::Renderer &renderer_;
@@ -108,16 +96,15 @@ class WorkstationImages {
   std::optional<ui::ImagePanel> panel_;
   segmentation::SegmentationWorkflow workflow_;
   segmentation::ScanBody scanBody_;
+  WorkstationLabels labels_;
   std::optional<ui::SegmentationPanel> segmentationPanel_;
   std::unique_ptr<SeriesChoice> choice_;
   std::filesystem::path path_;  ///< of the open image
   std::string series_;
-  std::vector<OpenLabels> labelMaps_;
-  std::deque<std::filesystem::path> waitingLabels_;
-  Handle job_, timeJob_, labelJob_, node_, storedImage_, storedLabels_;
+  LatestJob job_, timeJob_;
+  Handle node_, storedImage_;
   std::shared_ptr<const segmentation::MaskPreview> preview_;  ///< the displayed preview
   std::vector<Coverage> coverage_;
-  std::uint64_t serial_ = 0, timeSerial_ = 0, labelSerial_ = 0;
 };
 
 }  // namespace c3de::app
