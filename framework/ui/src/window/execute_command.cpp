@@ -100,59 +100,50 @@ void resetLayout(FrameContext &frame) {
 }
 
 void transport(FrameContext &frame, std::uint32_t action) {
-  // What a tool holds is lost with the state.
-  if (action == C3DE_TRANSPORT_RESET || action == C3DE_TRANSPORT_STOP) frame.modes.cancelTool();
-  if (frame.actions.transport && frame.simulation.exists) frame.actions.transport(action);
+  if (frame.actions.transport) frame.actions.transport(action);
 }
 
 }  // namespace
 
+bool isEnabled(const FrameContext &frame, const CommandInfo &info) {
+  const auto needs = [&](CommandFlag flag) { return (info.flags & flag) != 0; };
+  const WindowServices &services = frame.services;
+  return (!needs(needsSimulation) || frame.simulation.exists) && (!needs(needsImage) || frame.shownImages()) &&
+         (!needs(needsLabels) || (services.scanBody && services.scanBody->isPossible())) &&
+         (!needs(needsTissues) || (services.tissues && !services.tissues->rows.empty()));
+}
+
 void executeCommand(FrameContext &frame, Command command) {
-  const SimulationView &simulation = frame.simulation;
+  // What a tool holds is lost with the state.
+  if (command == Command::reset || command == Command::stop) frame.modes.cancelTool();
+  // Its key reads a file again that could not be opened, too.
+  if (command != Command::reload && !isEnabled(frame, commandInfo(command))) return;
   const auto call = [](const std::function<void()> &action) {
     if (action) action();
   };
-  const auto onImage = [&](const auto &act) {
-    if (ImageViews *images = frame.shownImages()) act(*images);
-  };
-  const auto toggle = [&](bool ImageOptions::*flag) {
-    onImage([flag](ImageViews &images) {
-      ImageOptions options = images.options();
-      options.*flag = !(options.*flag);
-      images.setOptions(options);
-    });
+  ImageViews *images = frame.shownImages();
+  const auto toggle = [images](bool ImageOptions::*flag) {
+    ImageOptions options = images->options();
+    options.*flag = !(options.*flag);
+    images->setOptions(options);
   };
   switch (command) {
     case Command::none: break;
     case Command::openMesh: openDialog(frame, true); break;
     case Command::openScene: openDialog(frame, false); break;
     case Command::openImage: openImageDialog(frame, false); break;
-    case Command::openLabels: onImage([&](ImageViews &) { openImageDialog(frame, true); }); break;
-    case Command::createScanBody:
-      if (frame.services.scanBody) frame.services.scanBody->show(true);
-      break;
-    case Command::closeImage: onImage([&](ImageViews &) { call(frame.actions.closeImage); }); break;
-    case Command::closeSimulation:
-      if (simulation.exists) call(frame.actions.closeSimulation);
-      break;
+    case Command::openLabels: openImageDialog(frame, true); break;
+    case Command::createScanBody: frame.services.scanBody->show(true); break;
+    case Command::closeImage: call(frame.actions.closeImage); break;
+    case Command::closeSimulation: call(frame.actions.closeSimulation); break;
     case Command::reload: call(frame.actions.reload); break;
     case Command::exportSurface:
     case Command::exportFrame:
-    case Command::saveState:
-      if (simulation.exists) openExportDialog(frame, command);
-      break;
     case Command::exportImage:
-    case Command::exportDisplacement:
-      if (simulation.exists && frame.shownImages()) openExportDialog(frame, command);
-      break;
     case Command::exportLabels:
-      if (simulation.exists && frame.shownImages() && frame.shownImages()->labels() != nullptr)
-        openExportDialog(frame, command);
-      break;
+    case Command::exportDisplacement:
     case Command::exportTissues:
-      if (simulation.exists && frame.services.tissues && !frame.services.tissues->rows.empty())
-        openExportDialog(frame, command);
-      break;
+    case Command::saveState: openExportDialog(frame, command); break;
     case Command::screenshot: call(frame.actions.screenshot); break;
     case Command::quit: quitOrAsk(frame); break;
     case Command::undo: frame.modes.undo(frame.above()); break;
@@ -165,24 +156,23 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::viewRight: lookFrom(frame, {-1, 0, 0}, {1, 0, 0}); break;
     case Command::viewTop: lookFrom(frame, {0, -1, 0}, {0, 0, -1}); break;
     case Command::viewBottom: lookFrom(frame, {0, 1, 0}, {0, 0, 1}); break;
-    case Command::fourViews: onImage([](ImageViews &images) { images.setMaximised({}); }); break;
-    case Command::onlySpace: onImage([](ImageViews &images) { images.setMaximised(Pane::space); }); break;
-    case Command::resetSlices: onImage([](ImageViews &images) { images.resetViews(); }); break;
+    case Command::fourViews: images->setMaximised({}); break;
+    case Command::onlySpace: images->setMaximised(Pane::space); break;
+    case Command::resetSlices: images->resetViews(); break;
     case Command::crossHair: toggle(&ImageOptions::showsCrossHair); break;
     case Command::windowLevelMode: toggle(&ImageOptions::isWindowLevelMode); break;
-    case Command::cutAxial: onImage([](ImageViews &images) { images.cycleCut(Pane::axial); }); break;
-    case Command::cutSagittal: onImage([](ImageViews &images) { images.cycleCut(Pane::sagittal); }); break;
-    case Command::cutCoronal: onImage([](ImageViews &images) { images.cycleCut(Pane::coronal); }); break;
+    case Command::cutAxial: images->cycleCut(Pane::axial); break;
+    case Command::cutSagittal: images->cycleCut(Pane::sagittal); break;
+    case Command::cutCoronal: images->cycleCut(Pane::coronal); break;
     case Command::resetLayout: resetLayout(frame); break;
     case Command::playPause:
-      transport(frame, simulation.transport.mode == C3DE_SIM_PLAYING ? C3DE_TRANSPORT_PAUSE : C3DE_TRANSPORT_PLAY);
+      transport(frame,
+                frame.simulation.transport.mode == C3DE_SIM_PLAYING ? C3DE_TRANSPORT_PAUSE : C3DE_TRANSPORT_PLAY);
       break;
     case Command::step: transport(frame, C3DE_TRANSPORT_STEP); break;
     case Command::reset: transport(frame, C3DE_TRANSPORT_RESET); break;
     case Command::stop: transport(frame, C3DE_TRANSPORT_STOP); break;
-    case Command::loadState:
-      if (simulation.exists) openStateDialog(frame);
-      break;
+    case Command::loadState: openStateDialog(frame); break;
     case Command::orbitTool:
       if (frame.services.tools) frame.services.tools->activate({});
       break;

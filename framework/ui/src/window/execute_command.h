@@ -11,7 +11,9 @@ namespace c3de::ui {
 /// Answer in WindowState: the program is to end.
 inline const std::pair<std::string, std::string> kQuit{"quit", "quit"};
 
-/// Executes a command of a menu, button or key. No effect if what it needs is not present.
+/// Whether what the command needs is present.
+[[nodiscard]] bool isEnabled(const FrameContext &frame, const CommandInfo &info);
+/// Executes a command of a menu, button or key. No effect if it is not enabled.
 void executeCommand(FrameContext &frame, Command command);
 
 }  // namespace c3de::ui

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <iterator>
+#include <string_view>
 
 #include "c3de/abi/log.h"
 #include "c3de/abi/tools.h"
@@ -8,50 +9,51 @@
 #include "c3de/registry/command_registry.h"
 #include "c3de/registry/parameter_registry.h"
 #include "c3de/registry/tool_registry.h"
-#include "c3de/segmentation/scan_body.h"
 #include "window/chrome.h"
+#include "window/execute_command.h"
 
 namespace c3de::ui {
 namespace {
 
-struct MenuEntry {
-  Command command;
-  bool needsSimulation = false;
-  bool needsImage = false;
-  bool needsLabels = false;
-  bool needsTissues = false;
-};
-
-/// Label of a view in a scene where the patient's z points up.
-const char *patientLabel(Command command) {
+bool isChecked(const FrameContext &frame, Command command) {
+  const ImageViews *images = frame.shownImages();
+  const auto isCut = [&](Pane pane) {
+    return images && images->options().cuts[static_cast<std::size_t>(pane)] != SliceCut::none;
+  };
   switch (command) {
-    case Command::viewFront: return "Anterior (along +y)";
-    case Command::viewBack: return "Posterior (along −y)";
-    case Command::viewLeft: return "Left of the patient (along −x)";
-    case Command::viewRight: return "Right of the patient (along +x)";
-    case Command::viewTop: return "Superior (along −z)";
-    case Command::viewBottom: return "Inferior (along +z)";
-    default: return nullptr;
+    case Command::fourViews: return images && !images->maximised();
+    case Command::onlySpace: return images && images->maximised() == Pane::space;
+    case Command::crossHair: return images && images->options().showsCrossHair;
+    case Command::windowLevelMode: return images && images->options().isWindowLevelMode;
+    case Command::cutAxial: return isCut(Pane::axial);
+    case Command::cutSagittal: return isCut(Pane::sagittal);
+    case Command::cutCoronal: return isCut(Pane::coronal);
+    case Command::orbitTool: return !frame.services.tools || frame.services.tools->active().isNull();
+    default: return false;
   }
 }
 
-void menuItem(FrameContext &frame, const MenuEntry &entry, bool isChecked = false) {
-  const CommandInfo &info = commandInfo(entry.command);
-  const bool isEnabled = (!entry.needsSimulation || frame.simulation.exists) &&
-                         (!entry.needsImage || frame.shownImages()) &&
-                         (!entry.needsTissues || (frame.services.tissues && !frame.services.tissues->rows.empty())) &&
-                         (!entry.needsLabels || (frame.services.scanBody && frame.services.scanBody->isPossible()));
+void commandItem(FrameContext &frame, const CommandInfo &info) {
+  const bool isEnabled = ui::isEnabled(frame, info);
   const std::string key = keyText(info.key, info.modifiers);
-  const char *label = frame.camera.upAxis == render::UpAxis::z ? patientLabel(entry.command) : nullptr;
-  if (ImGui::MenuItem(label ? label : info.label, key.empty() ? nullptr : key.c_str(), isChecked, isEnabled))
-    frame.request(entry.command);
+  const char *label = frame.camera.upAxis == render::UpAxis::z && info.patientLabel ? info.patientLabel : info.label;
+  if (ImGui::MenuItem(label, key.empty() ? nullptr : key.c_str(), isChecked(frame, info.command), isEnabled))
+    frame.request(info.command);
   markItem(frame, "menu", info.id, isEnabled);
-  itemTooltip(frame, isEnabled
-                         ? info.doc
-                         : std::string(info.doc) + (entry.needsTissues  ? " (no body of many tissues is there)"
-                                                    : entry.needsLabels ? " (no image with a label map over it is open)"
-                                                    : entry.needsImage  ? " (no image is open)"
-                                                                        : " (nothing is loaded)"));
+  const char *missing = (info.flags & needsTissues) != 0  ? " (no body of many tissues is there)"
+                        : (info.flags & needsLabels) != 0 ? " (no image with a label map over it is open)"
+                        : (info.flags & needsImage) != 0  ? " (no image is open)"
+                                                          : " (nothing is loaded)";
+  itemTooltip(frame, isEnabled ? info.doc : std::string(info.doc) + missing);
+}
+
+/// The commands of a menu.
+void commandItems(FrameContext &frame, const std::string &menu) {
+  for (const CommandInfo &info : commands()) {
+    if (!std::string_view(info.id).starts_with(menu + ".")) continue;
+    if ((info.flags & beginsGroup) != 0) ImGui::Separator();
+    commandItem(frame, info);
+  }
 }
 
 /// "Undo Young's modulus": states what it would change.
@@ -71,63 +73,13 @@ bool beginMenu(FrameContext &frame, const char *label, const char *id) {
   return isOpen;
 }
 
-void fileMenu(FrameContext &frame) {
-  menuItem(frame, {Command::openMesh});
-  menuItem(frame, {Command::openScene});
-  menuItem(frame, {Command::openImage});
-  menuItem(frame, {Command::openLabels, false, true});
-  menuItem(frame, {Command::createScanBody, false, false, true});
-  menuItem(frame, {Command::closeImage, false, true});
-  menuItem(frame, {Command::closeSimulation, true});
-  menuItem(frame, {Command::reload, true});
-  ImGui::Separator();
-  menuItem(frame, {Command::exportSurface, true});
-  menuItem(frame, {Command::exportFrame, true});
-  menuItem(frame, {Command::exportImage, true, true});
-  menuItem(frame, {Command::exportLabels, true, true, true});
-  menuItem(frame, {Command::exportDisplacement, true, true});
-  menuItem(frame, {Command::exportTissues, true, false, false, true});
-  menuItem(frame, {Command::screenshot});
-  ImGui::Separator();
-  menuItem(frame, {Command::quit});
-}
-
 void editMenu(FrameContext &frame) {
   editItem(frame, Command::undo);
   editItem(frame, Command::redo);
 }
 
-void viewMenu(FrameContext &frame) {
-  menuItem(frame, {Command::fitView});
-  menuItem(frame, {Command::resetView});
-  ImGui::Separator();
-  for (const Command view : {Command::viewFront, Command::viewBack, Command::viewLeft, Command::viewRight,
-                             Command::viewTop, Command::viewBottom})
-    menuItem(frame, {view});
-  ImGui::Separator();
-  const ImageViews *images = frame.shownImages();
-  menuItem(frame, {Command::fourViews, false, true}, images && !images->maximised());
-  menuItem(frame, {Command::onlySpace, false, true}, images && images->maximised() == Pane::space);
-  menuItem(frame, {Command::resetSlices, false, true});
-  menuItem(frame, {Command::crossHair, false, true}, images && images->options().showsCrossHair);
-  menuItem(frame, {Command::windowLevelMode, false, true}, images && images->options().isWindowLevelMode);
-  ImGui::Separator();
-  const auto isCut = [&](Pane pane) {
-    return images && images->options().cuts[static_cast<std::size_t>(pane)] != SliceCut::none;
-  };
-  menuItem(frame, {Command::cutAxial, false, true}, isCut(Pane::axial));
-  menuItem(frame, {Command::cutSagittal, false, true}, isCut(Pane::sagittal));
-  menuItem(frame, {Command::cutCoronal, false, true}, isCut(Pane::coronal));
-  ImGui::Separator();
-  menuItem(frame, {Command::resetLayout});
-}
-
 void simulationMenu(FrameContext &frame) {
-  for (const Command command : {Command::playPause, Command::step, Command::reset, Command::stop})
-    menuItem(frame, {command, true});
-  ImGui::Separator();
-  menuItem(frame, {Command::saveState, true});
-  menuItem(frame, {Command::loadState, true});
+  commandItems(frame, "simulation");
   if (!frame.actions.simulators || !frame.actions.chooseSimulator) return;
   const std::vector<SimulatorChoice> choices = frame.actions.simulators();
   if (choices.size() < 2) return;
@@ -142,15 +94,9 @@ void simulationMenu(FrameContext &frame) {
   }
 }
 
-void helpMenu(FrameContext &frame) {
-  menuItem(frame, {Command::showShortcuts});
-  menuItem(frame, {Command::showMessages});
-  menuItem(frame, {Command::showAbout});
-}
-
 void toolsMenu(FrameContext &frame) {
+  commandItems(frame, "tools");
   registry::ToolRegistry *tools = frame.services.tools;
-  menuItem(frame, {Command::orbitTool}, !tools || tools->active().isNull());
   if (!tools) return;
   for (const registry::ToolRegistry::Entry &entry : tools->tools()) {
     const std::string key = isFreeForTools(entry.tool->shortcut) ? keyText(entry.tool->shortcut, 0) : std::string();
@@ -179,7 +125,7 @@ void pluginsMenu(FrameContext &frame) {
     if (isPicked) return runPluginCommand(frame.services, entry.handle);  // the list may have changed
   }
   if (!frame.services.commands->commands().empty()) ImGui::Separator();
-  menuItem(frame, {Command::managePlugins});
+  commandItems(frame, "plugins");
 }
 
 void transportButton(FrameContext &frame, const char *id, Command command, Icon icon, const ImVec4 &tint,
@@ -282,12 +228,15 @@ void runPluginCommand(const WindowServices &services, Handle command) {
 float drawMenuBar(FrameContext &frame) {
   struct Menu {
     const char *label, *id;
-    void (*draw)(FrameContext &frame);
+    void (*draw)(FrameContext &frame) = nullptr;  ///< null: only its commands
   };
-  static constexpr Menu kMenus[] = {{"File", "file", fileMenu},    {"Edit", "edit", editMenu},
-                                    {"View", "view", viewMenu},    {"Simulation", "simulation", simulationMenu},
-                                    {"Tools", "tools", toolsMenu}, {"Plugins", "plugins", pluginsMenu},
-                                    {"Help", "help", helpMenu}};
+  static constexpr Menu kMenus[] = {{"File", "file"},
+                                    {"Edit", "edit", editMenu},
+                                    {"View", "view"},
+                                    {"Simulation", "simulation", simulationMenu},
+                                    {"Tools", "tools", toolsMenu},
+                                    {"Plugins", "plugins", pluginsMenu},
+                                    {"Help", "help"}};
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(frame.theme.px(8.0f), frame.theme.px(5.0f)));
   float height = 0.0f;
   if (ImGui::BeginMainMenuBar()) {
@@ -297,7 +246,10 @@ float drawMenuBar(FrameContext &frame) {
     for (const Menu &menu : kMenus) {
       if (menu.draw == pluginsMenu && !frame.services.commands) continue;
       if (!beginMenu(frame, menu.label, menu.id)) continue;
-      menu.draw(frame);
+      if (menu.draw)
+        menu.draw(frame);
+      else
+        commandItems(frame, menu.id);
       ImGui::EndMenu();
     }
     ImGui::EndMainMenuBar();

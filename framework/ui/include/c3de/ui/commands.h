@@ -69,18 +69,30 @@ enum Key : std::uint32_t {
   keyDown = 0x112
 };
 
-/// One row of the table shared by menus, keyboard and the list of shortcuts.
+/// What a command needs to be enabled, and how its menu shows it.
+enum CommandFlag : std::uint32_t {
+  needsSimulation = 1,
+  needsImage = 2,
+  needsLabels = 4,   ///< an image with a label map over it
+  needsTissues = 8,  ///< a body of many tissues
+  beginsGroup = 16   ///< a line separates it from the entry above
+};
+
+/// A command as menus, keyboard, list of shortcuts and automation use it. executeCommand() executes it.
 struct CommandInfo {
   Command command;
   const char *id;  ///< dotted: menu, then entry
   const char *label;
-  const char *doc;               ///< one line
-  std::uint32_t key;             ///< 0: none
-  std::uint32_t modifiers;       ///< C3DE_MOD_*
-  std::uint32_t alternativeKey;  ///< 0: none
+  const char *doc;              ///< one line
+  std::uint32_t flags = 0;      ///< CommandFlag
+  std::uint32_t key = 0;        ///< 0: none
+  std::uint32_t modifiers = 0;  ///< C3DE_MOD_*
+  std::uint32_t alternativeKey = 0;
   std::uint32_t alternativeModifiers = 0;
+  const char *patientLabel = nullptr;  ///< replaces the label where the patient's z points up; null: the same
 };
 
+/// In the order of the menus.
 [[nodiscard]] std::span<const CommandInfo> commands();
 [[nodiscard]] const CommandInfo &commandInfo(Command command);
 /// Command::none if nothing is bound to the key.
