@@ -147,7 +147,7 @@ void balls(double spacing) {
     while (simulator.time() < std::max(0.5, until))
       if (!simulator.step()) return;
     double forces = 0.0, contact = 0.0;
-    for (const auto &stage : simulator.stageTimes()) {
+    for (const auto &stage : simulator.diagnostics().stageTimes()) {
       if (stage.name == "internal_forces") forces = stage.median_ms;
       if (stage.name == "contact") contact = stage.median_ms;
     }
@@ -201,7 +201,7 @@ FrameCost costOfFrame(Integrator integrator, double spacing, double modulus, boo
   simulator.setWorld(world);
   ContactSettings contact;
   contact.enabled = touches;
-  simulator.setContact(contact);
+  simulator.world().setContact(contact);
   const double half = 0.5 * kEdge, gap = 0.01 * spacing;
   simulator.addBody(blockOf(Vec3(-half, 0, -half), Vec3(half, kEdge, half), spacing, modulus, 0.0));
   simulator.addBody(blockOf(Vec3(-half + 0.3 * spacing, kEdge + gap, -half),
@@ -222,7 +222,8 @@ FrameCost costOfFrame(Integrator integrator, double spacing, double modulus, boo
   FrameCost cost;
   if (settled < 0.0) return cost;
   cost.ms = (passed() - settled) / static_cast<double>(simulator.steps() - steps);
-  for (const ContactSummary &pair : simulator.contacts()) cost.vertices += static_cast<double>(pair.points);
+  for (const ContactSummary &pair : simulator.diagnostics().contacts())
+    cost.vertices += static_cast<double>(pair.points);
   for (const std::size_t id : simulator.bodyIds())
     cost.substeps = std::max(cost.substeps, std::ceil(kFrame / (kStepSafety * simulator.body(id)->stableStepAtRest())));
   return cost;

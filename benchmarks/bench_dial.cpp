@@ -102,10 +102,10 @@ FrameTimes frameTimes(const dial::RandomProblem &problem, double spacing) {
   const auto simulator = worldOf(problem, spacing, Integrator::explicitVerlet, id);
   if (!simulator) return {};
   FrameTimes out;
-  out.promised = measureFrame(*simulator->body(id), simulator->world(), {}, serialFor(), nullptr);
+  out.promised = measureFrame(*simulator->body(id), simulator->world().settings(), {}, serialFor(), nullptr);
   while (simulator->time() < kSimulated)
     if (!simulator->step()) return {};
-  out.measured = 1e3 * kFrame * simulator->costOf(id);
+  out.measured = 1e3 * kFrame * simulator->diagnostics().costOf(id);
   return out;
 }
 

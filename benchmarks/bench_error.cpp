@@ -160,7 +160,7 @@ Solution solve(const Problem &problem, const Layout &layout, int layers) {
   out.good = true;
   while (out.good && !out.simulator->finished()) out.good = out.simulator->step().has_value();
   out.good = out.good && !out.body().stopped;
-  for (const SimulationEvent &event : out.simulator->events())
+  for (const SimulationEvent &event : out.simulator->diagnostics().events())
     std::printf("%s, %s, %d layers: %s\n", problem.name.c_str(), layout.name.c_str(), layers, event.text.c_str());
   out.body().computeGradients(serialFor());
   out.ms = processor_ms() - begin;

@@ -307,7 +307,7 @@ int main(int argc, char **argv) {
       const std::vector<Timing> times =
           bench::measureInTurns(options.seconds, {[&] { bench::evaluateForces(*built.body, parallelFor); },
                                                   [&] { failed = failed || !simulator.step().has_value(); }});
-      if (failed || simulator.stoppedBodies() > 0) {
+      if (failed || simulator.stepper().stoppedBodies() > 0) {
         std::fprintf(stderr, "bench_scaling: a step of %zu phyxels failed\n", size);
         return 1;
       }

@@ -21,7 +21,7 @@ class EngineBody final : public MovingBody {
     world.integrator = integrator;
     world.dt = dt;
     simulator_.setWorld(world);
-    simulator_.setContact({false});  // as the peer engines
+    simulator_.world().setContact({false});  // as the peer engines
     id_ = simulator_.addBody(
         std::make_unique<Body>("body", rest, Constitution{{material}, kLatticeStabilisation}, serialFor()));
   }
@@ -32,7 +32,7 @@ class EngineBody final : public MovingBody {
     return simulator_.time() - before;
   }
   [[nodiscard]] double surplus() const override {
-    const Simulator::Energy energy = simulator_.energy(id_);
+    const Diagnostics::Energy energy = simulator_.diagnostics().energy(id_);
     return energy.kinetic + energy.gravity;
   }
   [[nodiscard]] Vec3 displacement() const override {

@@ -111,10 +111,10 @@ double solve(Integrator integrator, double until_s) {
   simulator.setWorld(world);
   const std::size_t body = simulator.addBody(
       std::make_unique<Body>("beam", *rest, Constitution{{material}, kLatticeStabilisation}, serialFor()));
-  simulator.addProbe("tip", body, Vec3(kLength_m, 0.5 * kSide_m, 0.5 * kSide_m));
+  simulator.world().addProbe("tip", body, Vec3(kLength_m, 0.5 * kSide_m, 0.5 * kSide_m));
   while (!simulator.finished() && (simulator.quasiStatic() || simulator.time() < until_s))
     if (const auto step = simulator.step(); !step) refuse(step.error().text);
-  return 0.5 * kSide_m - simulator.probeState(simulator.probes().front()).position[2];
+  return 0.5 * kSide_m - simulator.world().probeState(simulator.world().probes().front()).position[2];
 }
 
 }  // namespace

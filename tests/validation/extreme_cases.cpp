@@ -120,7 +120,7 @@ void displace(Body &body, const Mat3 &A, const Vec3 &shift) {
 }
 
 bool told(const Simulator &simulator, const std::string &kind) {
-  return std::any_of(simulator.events().begin(), simulator.events().end(),
+  return std::any_of(simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(),
                      [&](const SimulationEvent &e) { return e.kind == kind; });
 }
 

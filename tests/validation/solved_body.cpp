@@ -153,7 +153,7 @@ Vec3 SolvedBody::meanWithin(const Region &region) {
 Vec3 SolvedBody::displacementAt(const Vec3 &X) { return displacementsOf({X}, {}).front(); }
 
 Reaction SolvedBody::reaction(std::size_t fix) {
-  return reactions_ ? reactions_->at(fix) : simulator_.reactions(id_).at(fix);
+  return reactions_ ? reactions_->at(fix) : simulator_.diagnostics().reactions(id_).at(fix);
 }
 
 Vec3 SolvedBody::torqueAboutOrigin(std::size_t fix) {

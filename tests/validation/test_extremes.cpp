@@ -39,7 +39,7 @@ TEST_CASE("Young's modulus from 1 Pa to 20 GPa: a stable step or a report, impli
     const double stable = kStepSafety * body.stableStepAtRest();
     const bool stiff = stable < kSmallestExplicitStep;
     CHECK(stiff == (youngs > 1.5e10));
-    CHECK_THAT(simulator.stepSize(), WithinRel(stiff ? kImplicitStep : stable, 1e-12));
+    CHECK_THAT(simulator.stepper().stepSize(), WithinRel(stiff ? kImplicitStep : stable, 1e-12));
     bool good = true;
     for (int i = 0; i < (stiff ? 30 : 300) && good; ++i) good = simulator.step().has_value();
     CHECK(finite(body));
@@ -47,7 +47,7 @@ TEST_CASE("Young's modulus from 1 Pa to 20 GPa: a stable step or a report, impli
     CHECK(told(simulator, "switched") == stiff);
     if (youngs >= 1e3) CHECK(good);
     result += (result.empty() ? "" : "; ") + text(youngs) + " Pa: " + (stiff ? "implicit, " : "explicit, ") +
-              text(simulator.stepSize()) + " s, " + (good ? "finite" : "stopped with a report");
+              text(simulator.stepper().stepSize()) + " s, " + (good ? "finite" : "stopped with a report");
   }
   row("E from 1 Pa to 20 GPa", result);
 }
@@ -120,7 +120,7 @@ void drop(std::initializer_list<double> ratios, const std::string &name) {
     // The scale is the work of gravity: m g times about 4 mm; velocity Verlet oscillates by a part of that.
     CHECK(most - before < 0.05 * 0.064 * 9.81 * 0.004);
     all = all && good;
-    result += (result.empty() ? "" : "; ") + text(poisson) + ": " + text(1e6 * simulator.stepSize()) + " µs" +
+    result += (result.empty() ? "" : "; ") + text(poisson) + ": " + text(1e6 * simulator.stepper().stepSize()) + " µs" +
               (good ? "" : ", stopped after " + text(simulator.time()) + " s: " + simulator.body(id)->stopMessage());
   }
   row(name, (all ? "finite, energy does not grow; steps " : "not met: ") + result);
@@ -171,7 +171,7 @@ TEST_CASE("steps of no size, of negative size and of no number are chosen by the
     Simulator simulator;
     simulator.setWorld(freeWorld(dt));
     const std::size_t id = simulator.addBody(cube(rubber(1e4)));
-    CHECK(simulator.stepSize() == kStepSafety * simulator.body(id)->stableStepAtRest());
+    CHECK(simulator.stepper().stepSize() == kStepSafety * simulator.body(id)->stableStepAtRest());
     REQUIRE(simulator.step());
     CHECK(simulator.time() > 0.0);
   }
@@ -226,7 +226,7 @@ TEST_CASE("a step that ends early ends at the same time for all bodies") {
   WorldSettings world = freeWorld(1e3);
   world.gravity = Vec3(0, -9.81, 0);
   simulator.setWorld(world);
-  simulator.setContact({false, false, 0.0});  // they overlap
+  simulator.world().setContact({false, false, 0.0});  // they overlap
   std::vector<std::size_t> ids;
   for (const double youngs : {1e4, 1e6, 1e3}) ids.push_back(simulator.addBody(cube(rubber(youngs))));
   const double least = kStepSafety * simulator.body(ids[1])->stableStepAtRest();
@@ -270,7 +270,7 @@ TEST_CASE("step sizes that change at every step do not pump energy") {
     body.setInitialVelocity(Vec3(0.1, 0, 0), Vec3(3, 2, 1));
     displace(body, Vec3(1.1, 1.0, 0.95).asDiagonal());
     body.computeGradients(serialFor());
-    const double before = shapes::totalEnergy(simulator, id), automatic = simulator.stepSize();
+    const double before = shapes::totalEnergy(simulator, id), automatic = simulator.stepper().stepSize();
     for (int i = 0; i < steps; ++i) {
       simulator.setWorld(freeWorld(size(i, automatic)));
       REQUIRE(simulator.step());
@@ -432,10 +432,10 @@ TEST_CASE(
   Body &body = *simulator.body(id);
   displace(body, Vec3(1.1, 1.0, 0.95).asDiagonal());
   for (int i = 0; i < 100; ++i) REQUIRE(simulator.step());
-  const double step = simulator.stepSize();
-  const Simulator::Energy before = simulator.energy(id);
-  simulator.setConstitution(id, {{rubber(1e6)}, kLatticeStabilisation});
-  CHECK_THAT(simulator.stepSize(), WithinRel(0.1 * step, 1e-9));
+  const double step = simulator.stepper().stepSize();
+  const Diagnostics::Energy before = simulator.diagnostics().energy(id);
+  simulator.world().setConstitution(id, {{rubber(1e6)}, kLatticeStabilisation});
+  CHECK_THAT(simulator.stepper().stepSize(), WithinRel(0.1 * step, 1e-9));
   const double allowed = before.kinetic + 100.0 * (before.elastic + before.stabilisation);
   double most = 0.0;
   for (int i = 0; i < 1000; ++i) {

@@ -94,14 +94,14 @@ TEST_CASE("coincident points make no nought over nought") {
     // instead.
     const std::size_t expected = points.size() == 30 ? 3 : points.size() == 8 ? 7 : 27;
     CHECK(inspectCloud(body.rest()).coincident == expected);
-    REQUIRE(!simulator.events().empty());
-    CHECK(simulator.events().front().kind == "warning");
-    CHECK_THAT(simulator.events().front().text,
+    REQUIRE(!simulator.diagnostics().events().empty());
+    CHECK(simulator.diagnostics().events().front().kind == "warning");
+    CHECK_THAT(simulator.diagnostics().events().front().text,
                Contains(std::to_string(expected) + " of " + std::to_string(points.size()) +
                         " phyxels have the place of another one"));
-    said = simulator.events().front().text;
+    said = simulator.diagnostics().events().front().text;
     simulator.reset();
-    CHECK(simulator.events().front().text == said);
+    CHECK(simulator.diagnostics().events().front().text == said);
     bool good = true;
     for (int i = 0; i < 300 && good; ++i) good = simulator.step().has_value();
     CHECK(good);
@@ -216,7 +216,7 @@ TEST_CASE("bodies of none, one and two phyxels fall, lie and are looked at") {
       CHECK((good || (integrator == Integrator::quasiStatic && count == 1)));
       CHECK(good == !simulator.body(id)->stopped);
       CHECK(finite(*simulator.body(id)));
-      CHECK(std::isfinite(simulator.energy(id).kinetic));
+      CHECK(std::isfinite(simulator.diagnostics().energy(id).kinetic));
       CHECK(simulator.body(id)->totalMass() >= 0.0);
       // A ball of 1 cm about a phyxel at 2 cm falls 1 cm.
       if (integrator == Integrator::explicitVerlet)
@@ -247,11 +247,11 @@ TEST_CASE("an empty body may spin, be grabbed and be set to another material") {
   Simulator simulator;
   const std::size_t id = simulator.addBody(cloud({}, 0.02, rubber(1e4)));
   simulator.body(id)->setInitialVelocity(Vec3(1, 0, 0), Vec3(0, 1, 0));
-  simulator.setConstitution(id, {{rubber(1e5)}, kCloudStabilisation});
+  simulator.world().setConstitution(id, {{rubber(1e5)}, kCloudStabilisation});
   REQUIRE(simulator.step());
   CHECK(std::isfinite(simulator.time()));
   std::vector<Vec3> positions, normals;
-  simulator.surfels(id, positions, normals);
+  simulator.world().surfels(id, positions, normals);
   CHECK(positions.empty());
   row("an empty body that spins and changes its material", "accepted");
 }
@@ -492,8 +492,10 @@ TEST_CASE("a surface that encloses another volume than is found inside is told o
       CHECK_THAT(simulator.body(id)->totalMass(), WithinRel(1000.0 * shape.volume, 1e-9));
       const bool off = std::abs(1.0 / part - 1.0) > kVolumeMismatch;
       REQUIRE(told(simulator, "warning") == off);
-      if (off) CHECK_THAT(simulator.events().front().text, Contains("encloses " + text(1e6 * shape.volume) + " mL"));
-      if (off && lattice) result += (result.empty() ? "" : "; ") + simulator.events().front().text;
+      if (off)
+        CHECK_THAT(simulator.diagnostics().events().front().text,
+                   Contains("encloses " + text(1e6 * shape.volume) + " mL"));
+      if (off && lattice) result += (result.empty() ? "" : "; ") + simulator.diagnostics().events().front().text;
     }
   row("volume of the surface and of what is found inside differ", "from 5 % on a warning: " + result);
 }

@@ -97,7 +97,7 @@ void recovers(bool fromPointImplicitly) {
         const bool tucked =
             law == MaterialLaw::neoHookean && integrator == Integrator::explicitVerlet && start == Start::mirrored;
         CHECK(elastic(body) < (fromPointImplicitly ? 0.1 : tucked ? 5e-3 : 1e-6) * before);
-        CHECK(simulator.energy(id).kinetic < 1e-6 * before);
+        CHECK(simulator.diagnostics().energy(id).kinetic < 1e-6 * before);
         if (!recovered || (law == MaterialLaw::neoHookean && integrator == Integrator::explicitVerlet)) {
           static const char *const names[] = {"flat", "a point", "mirrored", "scrambled"};
           result += (result.empty() ? "" : "; ") + std::string(law == MaterialLaw::neoHookean ? "" : "corotated ") +
@@ -170,7 +170,7 @@ TEST_CASE("at ten thousand radians a second the angular momentum stays") {
   simulator.setWorld(world);
   body.setInitialVelocity(Vec3::Zero(), Vec3(0, 0, 1e4));
   const Momenta before = momenta(body);
-  const double energy = simulator.energy(id).kinetic;
+  const double energy = simulator.diagnostics().energy(id).kinetic;
   double most = 0.0;
   while (simulator.time() < 10.0 * 2.0 * kPi / 1e4) {
     REQUIRE(simulator.step());
@@ -275,14 +275,14 @@ void setDisplacement(Simulator &s, std::size_t id, double value) {
 }
 void setVelocity(Simulator &s, std::size_t id, double value) { s.body(id)->state().velocities[kVictim][2] = value; }
 void setModulus(Simulator &s, std::size_t id, double value) {
-  s.setConstitution(id, {{rubber(value)}, kLatticeStabilisation});
+  s.world().setConstitution(id, {{rubber(value)}, kLatticeStabilisation});
 }
 void grabAtNowhere(Simulator &s, std::size_t id) {
   Grab grab;
   grab.phyxels = {kVictim};
   grab.weights = {1.0};
   grab.target = Vec3::Constant(kNaN);
-  s.setGrab(id, grab);
+  s.stepper().setGrab(id, grab);
 }
 
 // A body that becomes invalid next to a valid one. `wholly`: as requested; otherwise the mode in which the others
@@ -301,7 +301,7 @@ void poisoned(const std::vector<Poison> &poisons, std::initializer_list<Integrat
         settings.dt = 1e-3;
         settings.gravity = Vec3(0, -9.81, 0);
         simulator->setWorld(settings);
-        simulator->setContact({false, false, 0.0});  // they overlap
+        simulator->world().setContact({false, false, 0.0});  // they overlap
         return simulator;
       };
       const auto alone = world(), both = world();
@@ -480,11 +480,11 @@ void pulled(Integrator integrator, const std::string &name) {
     }
     grab.target = hand.target;
     grab.maxForce = hand.most;
-    simulator.setGrab(id, grab);
+    simulator.stepper().setGrab(id, grab);
     bool good = true;
     for (int i = 0; i < 25 && good; ++i) {
       good = simulator.step().has_value();
-      const auto status = simulator.grabStatus(id);
+      const auto status = simulator.stepper().grabStatus(id);
       if (!good) continue;
       CHECK(status);
       if (status) CHECK(status->force.norm() <= hand.most * (1.0 + 1e-9));
@@ -494,7 +494,7 @@ void pulled(Integrator integrator, const std::string &name) {
     if (hand.must) CHECK(good);
     const double stretched = elastic(body);
     CHECK((!good || stretched > 1e-6));
-    simulator.releaseGrab(id);
+    simulator.stepper().releaseGrab(id);
     if (!good) {
       simulator.reset();
       REQUIRE(simulator.step());
@@ -556,7 +556,7 @@ void runLong(std::uint64_t steps) {
   CHECK((most - before) / scale < 0.02);
   CHECK(after <= memory + (1u << 20));  // a leak of ten bytes a step would exceed that
   CHECK(medians.back() < 2.0 * medians.front() + 5.0);
-  CHECK(simulator.stoppedBodies() == 0);
+  CHECK(simulator.stepper().stoppedBodies() == 0);
   row(text(static_cast<double>(steps)) + " steps, bouncing",
       "energy grows by " + text(100.0 * (most - before) / scale) + " % of m g h at most; memory +" +
           std::to_string((after - std::min(after, memory)) / 1024) + " KiB; median step " + text(medians.front()) +
@@ -620,10 +620,10 @@ TEST_CASE("pausing changes nothing, and reset is the initial state bit for bit, 
         REQUIRE(simulator.step());
         if (pauses && i % 10 == 0) {
           // As in a paused program: it only reads.
-          simulator.surfels(id, positions, normals);
-          (void)simulator.energy(id);
-          (void)simulator.reactions(id);
-          (void)simulator.probes();
+          simulator.world().surfels(id, positions, normals);
+          (void)simulator.diagnostics().energy(id);
+          (void)simulator.diagnostics().reactions(id);
+          (void)simulator.world().probes();
         }
       }
       return simulator.stateHash();
@@ -637,7 +637,7 @@ TEST_CASE("pausing changes nothing, and reset is the initial state bit for bit, 
     grab.phyxels = {0};
     grab.weights = {1.0};
     grab.target = Vec3(1e12, 0, 0);
-    simulator.setGrab(id, grab);
+    simulator.stepper().setGrab(id, grab);
     for (int i = 0; i < 5; ++i) (void)simulator.step();
     simulator.reset();
     CHECK(simulator.stateHash() == initial);

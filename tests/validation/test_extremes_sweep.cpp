@@ -83,7 +83,7 @@ AtlasRun fallAndPull(const std::shared_ptr<const RestState> &rest, double youngs
     grab.weights = {1.0};
     grab.target = rest->origin + *highest + Vec3(0.1, 0.1, 0.1);
     grab.maxForce = 3.0 * 9.81 * body.totalMass();
-    simulator.setGrab(id, grab);
+    simulator.stepper().setGrab(id, grab);
   }
   const double start = processorSeconds();
   bool good = true;

@@ -153,10 +153,10 @@ Outcome goThrough(const std::shared_ptr<const RestState> &rest, const Course &co
     out.error = std::max(out.error, estimateError(body).relative);
     out.through = std::max(out.through, skinDepth(body, {}, world.box, 0.0, skin, serialFor()));
   }
-  out.told = simulator.skinDepth(id);
+  out.told = simulator.diagnostics().skinDepth(id);
   out.saysSkin = told(simulator, "skin");
   out.saysTorn = !tornWarning(*rest).empty();
-  out.stopped = simulator.stoppedBodies() > 0;
+  out.stopped = simulator.stepper().stoppedBodies() > 0;
   return out;
 }
 

@@ -110,7 +110,7 @@ TEST_CASE("1e5 explicit steps of a free spinning body: momenta and energy", "[tr
   setGoing(body);
   const Vec3 p = body.momentum(), l = body.angularMomentum();
   const auto energy = [&] {
-    const auto e = body.simulator().energy(body.id());
+    const auto e = body.simulator().diagnostics().energy(body.id());
     return e.kinetic + e.elastic + e.stabilisation;
   };
   const double e0 = energy();
@@ -164,7 +164,7 @@ TEST_CASE("1e6 explicit steps of a free vibration: the energy does not drift", "
         0.05 * Vec3(std::sin(kPi * X[0] / length), bend, 0.5 * bend) + Vec3(1, 2, 0.5).cross(X);
   }
   const auto energy = [&] {
-    const auto e = body.simulator().energy(body.id());
+    const auto e = body.simulator().diagnostics().energy(body.id());
     return e.kinetic + e.elastic + e.stabilisation;
   };
   // The energy of Verlet oscillates about a conserved one. Two measures of its drift: means of the first and last
@@ -303,7 +303,7 @@ TEST_CASE("Hertz: a ball bounces off a wall", "[truth]") {
     const double mass = body.body().totalMass(), start = body.momentum()[2];
     const double truth = 2.868 * std::pow(std::pow(mass * (1 - nu * nu) / kE, 2) / (radius * speed), 0.2);
     const auto energy = [&] {
-      const Simulator::Energy e = body.simulator().energy(body.id());
+      const Diagnostics::Energy e = body.simulator().diagnostics().energy(body.id());
       return e.kinetic + e.elastic + e.stabilisation;
     };
     const double before = energy();
@@ -379,7 +379,8 @@ TEST_CASE("Prony relaxation of a bar that is held twisted", "[truth]") {
                .milliseconds = body.milliseconds()});
       }
       std::size_t divided = 0;
-      for (const SimulationEvent &event : body.simulator().events()) divided += event.kind == "smaller_step" ? 1 : 0;
+      for (const SimulationEvent &event : body.simulator().diagnostics().events())
+        divided += event.kind == "smaller_step" ? 1 : 0;
       if (divided > 0) remark(name, "note: " + std::to_string(divided) + " steps had to be repeated with smaller ones");
     } catch (const std::runtime_error &failure) {
       noSolution(name, failure.what());

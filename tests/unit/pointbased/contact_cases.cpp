@@ -144,7 +144,7 @@ Vec3 meanDisplacement(const Body &body) {
 }
 
 double totalEnergy(const Simulator &simulator, std::size_t id) {
-  const Simulator::Energy e = simulator.energy(id);
+  const Diagnostics::Energy e = simulator.diagnostics().energy(id);
   return e.kinetic + e.elastic + e.stabilisation + e.gravity;
 }
 

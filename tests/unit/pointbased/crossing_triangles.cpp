@@ -37,7 +37,7 @@ struct Skin {
 
 Skin skinOf(pointbased::Simulator &simulator, std::size_t id) {
   std::vector<Vec3> positions, normals;
-  simulator.surfels(id, positions, normals);
+  simulator.world().surfels(id, positions, normals);
   return {std::move(positions), simulator.body(id)->rest().skin};
 }
 

@@ -63,7 +63,7 @@ Joined addBlocks(Simulator &simulator, std::vector<Fix> fixes, std::vector<Load>
   out.upper = simulator.addBody(block(kSide + kGap, {}, std::move(loads)));
   Attachment layer = between(out.lower, out.upper);
   if (change) change(layer);
-  const auto added = simulator.addAttachment(layer);
+  const auto added = simulator.world().addAttachment(layer);
   REQUIRE(added);
   out.layer = *added;
   return out;
@@ -103,8 +103,8 @@ TEST_CASE("an attachment stretches by the force over its stiffness and area") {
       addBlocks(simulator, {foot()}, {pullAtTop(force, 1.0)}, [&](Attachment &layer) { layer.tangential = across; });
   while (integrator == Integrator::quasiStatic ? !simulator.finished() : simulator.time() < 4.0)
     REQUIRE(simulator.step());
-  CHECK(simulator.stoppedBodies() == 0);
-  const AttachmentSummary layer = simulator.attachments().front();
+  CHECK(simulator.stepper().stoppedBodies() == 0);
+  const AttachmentSummary layer = simulator.world().attachments().front();
   CHECK(layer.id == blocks.layer);
   CHECK_THAT(layer.area, WithinRel(kSide * kSide, 1e-9));
   CHECK(layer.tornPart == 0.0);
@@ -127,7 +127,7 @@ TEST_CASE("bodies that are attached and turn together feel nothing, however far 
       body.state().displacements[i] = turn * X - X;
     }
   }
-  const AttachmentSummary layer = simulator.attachments().front();
+  const AttachmentSummary layer = simulator.world().attachments().front();
   CHECK(layer.force.norm() < 1e-12);
   CHECK(layer.traction < 1e-8);
 }
@@ -161,9 +161,9 @@ TEST_CASE("an attachment that is stiffer across than along its normal, or softer
   Simulator simulator;
   const Joined blocks =
       addBlocks(simulator, {}, {}, [&](Attachment &layer) { layer.tangential = ratio * layer.stiffness; });
-  ContactSettings contact = simulator.contact();
+  ContactSettings contact = simulator.world().contact();
   contact.friction = 0.0;  // friction acts at two points and changes angular momentum by up to 4e-5
-  simulator.setContact(contact);
+  simulator.world().setContact(contact);
   Body &upper = *simulator.body(blocks.upper);
   for (std::size_t i = 0; i < upper.masses().size(); ++i)
     upper.state().velocities[i] = Vec3(0.03, 0.1, 0) + Vec3(1, 0, 3).cross(upper.rest().positions[i]);
@@ -176,7 +176,7 @@ TEST_CASE("an attachment that is stiffer across than along its normal, or softer
     // Normal impulses change it where the blocks touch: 3e-9 was measured, and 4e-15 without contact.
     REQUIRE((now.angular - before.angular).norm() < 2e-8 * before.angular.norm());
   }
-  CHECK(simulator.stoppedBodies() == 0);
+  CHECK(simulator.stepper().stoppedBodies() == 0);
   // The energy of Verlet steps oscillates with dt^2: by 2.6 % in automatic steps, 0.5 % in 0.1 ms, 0.02 % in 0.02 ms.
   CHECK(most < 1.04 * before.energy);
 }
@@ -189,15 +189,15 @@ TEST_CASE("an attachment tears where it pulls with more than it bears, until the
   const Joined blocks = addBlocks(simulator, {foot()}, {pullAtTop(Vec3(0, 0.1, 0), 0.5)},
                                   [&](Attachment &layer) { layer.tearsAt = strength; });
   const auto hasTorn = [&] {
-    return std::any_of(simulator.events().begin(), simulator.events().end(),
+    return std::any_of(simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(),
                        [](const SimulationEvent &event) { return event.kind == "torn"; });
   };
   Checkpoint whole;
   while (simulator.time() < 1.0) {
-    if (!whole && simulator.time() > 0.2) whole = simulator.checkpoint();
+    if (!whole && simulator.time() > 0.2) whole = simulator.archive().checkpoint();
     REQUIRE(simulator.step());
   }
-  AttachmentSummary layer = simulator.attachments().front();
+  AttachmentSummary layer = simulator.world().attachments().front();
   if (strength > 62.5) {
     CHECK(layer.tornPart == 0.0);
     CHECK_FALSE(hasTorn());
@@ -207,16 +207,16 @@ TEST_CASE("an attachment tears where it pulls with more than it bears, until the
   CHECK(layer.tornPart == 1.0);
   CHECK(layer.force.norm() == 0.0);
   CHECK(shapes::meanVelocity(*simulator.body(blocks.upper))[1] > 0.0);
-  REQUIRE(simulator.restore(whole));
-  CHECK(simulator.attachments().front().tornPart == 0.0);
+  REQUIRE(simulator.archive().restore(whole));
+  CHECK(simulator.world().attachments().front().tornPart == 0.0);
   while (simulator.time() < 1.0) REQUIRE(simulator.step());
-  CHECK(simulator.attachments().front().tornPart == 1.0);
-  const auto state = simulator.savedState();
+  CHECK(simulator.world().attachments().front().tornPart == 1.0);
+  const auto state = simulator.archive().save();
   REQUIRE(state);
   simulator.reset();
-  CHECK(simulator.attachments().front().tornPart == 0.0);
-  REQUIRE(simulator.restoreSavedState(*state));
-  CHECK(simulator.attachments().front().tornPart == 1.0);
+  CHECK(simulator.world().attachments().front().tornPart == 0.0);
+  REQUIRE(simulator.archive().load(*state));
+  CHECK(simulator.world().attachments().front().tornPart == 1.0);
 }
 
 TEST_CASE("an attachment tears under tension and shear, not under compression") {
@@ -226,7 +226,7 @@ TEST_CASE("an attachment tears under tension and shear, not under compression") 
   damped(simulator);
   addBlocks(simulator, {foot()}, {pullAtTop(force, 0.5)}, [](Attachment &layer) { layer.tearsAt = 30.0; });
   while (simulator.time() < 1.0) REQUIRE(simulator.step());
-  CHECK((simulator.attachments().front().tornPart > 0.5) == (force[1] >= 0.0));
+  CHECK((simulator.world().attachments().front().tornPart > 0.5) == (force[1] >= 0.0));
 }
 
 TEST_CASE("a body that is attached to an obstacle follows it, and one in its surroundings is held") {
@@ -240,8 +240,8 @@ TEST_CASE("a body that is attached to an obstacle follows it, and one in its sur
   };
   const std::size_t id = simulator.addBody(block(0.0));
   Attachment layer = between(id, simulator.addObstacle(std::move(plate)));
-  REQUIRE(simulator.addAttachment(layer));
-  CHECK_THAT(simulator.attachments().front().area, WithinRel(kSide * kSide, 1e-9));
+  REQUIRE(simulator.world().addAttachment(layer));
+  CHECK_THAT(simulator.world().attachments().front().area, WithinRel(kSide * kSide, 1e-9));
   while (simulator.time() < 2.5) REQUIRE(simulator.step());
   CHECK_THAT(shapes::meanDisplacement(*simulator.body(id))[0], WithinRel(0.01, 0.01));
 
@@ -254,9 +254,9 @@ TEST_CASE("a body that is attached to an obstacle follows it, and one in its sur
   Attachment surroundings = between(held.addBody(block(0.0)), kSurroundings);
   surroundings.within = std::numeric_limits<double>::infinity();
   surroundings.region = BoxRegion{Vec3(-1, -1, -1), Vec3(1, 0.0, 1)};
-  REQUIRE(held.addAttachment(surroundings));
+  REQUIRE(held.world().addAttachment(surroundings));
   while (held.time() < 2.0) REQUIRE(held.step());
-  const AttachmentSummary now = held.attachments().front();
+  const AttachmentSummary now = held.world().attachments().front();
   CHECK_THAT(now.area, WithinRel(kSide * kSide, 1e-9));
   CHECK_THAT(now.force[1], WithinRel(9.81 * held.body(1)->totalMass(), 1e-3));
 }
@@ -274,10 +274,10 @@ TEST_CASE("a body that sleeps is woken by an obstacle that it hangs on, although
     return motion;
   };
   const std::size_t id = simulator.addBody(block(0.0)), plateId = simulator.addObstacle(std::move(plate));
-  simulator.setContactPair(id, plateId, {-1.0, false});
-  REQUIRE(simulator.addAttachment(between(id, plateId)));
+  simulator.world().setContactPair(id, plateId, {-1.0, false});
+  REQUIRE(simulator.world().addAttachment(between(id, plateId)));
   while (simulator.time() < 1.2) REQUIRE(simulator.step());
-  CHECK(simulator.asleep(id));
+  CHECK(simulator.stepper().asleep(id));
   while (simulator.time() < 3.5) REQUIRE(simulator.step());
   CHECK_THAT(shapes::meanDisplacement(*simulator.body(id))[0], WithinRel(0.01, 0.02));
 }
@@ -294,7 +294,7 @@ TEST_CASE("attachments give the same bits for any number of threads, and stiff o
     const Joined blocks = addBlocks(simulator, {foot()}, {pullAtTop(Vec3(0.02, 0.1, 0), 0.1)},
                                     [](Attachment &layer) { layer.stiffness = layer.tangential = 1e8; });
     for (int k = 0; k < 200; ++k) REQUIRE(simulator.step());
-    CHECK(simulator.stoppedBodies() == 0);
+    CHECK(simulator.stepper().stoppedBodies() == 0);
     CHECK(shapes::meanDisplacement(*simulator.body(blocks.upper)).norm() < 0.02);
     hashes[threads - 1] = simulator.stateHash();
   }
@@ -307,7 +307,7 @@ TEST_CASE("attachments that cannot be are refused, and those of what is gone are
   const auto refused = [&](const std::function<void(Attachment &)> &change) {
     Attachment layer = between(blocks.lower, blocks.upper);
     change(layer);
-    const auto added = simulator.addAttachment(layer);
+    const auto added = simulator.world().addAttachment(layer);
     return added ? std::string() : added.error();
   };
   CHECK_THAT(refused([](Attachment &a) { a.within = 0.001; }), Contains("is nowhere within 1 mm"));
@@ -317,9 +317,9 @@ TEST_CASE("attachments that cannot be are refused, and those of what is gone are
   CHECK_THAT(refused([](Attachment &a) { a.second = a.first; }), Contains("itself"));
   CHECK_THAT(refused([](Attachment &a) { a.second = 1000; }), Contains("not in this simulation"));
   CHECK_THAT(refused([](Attachment &a) { a.region = SphereRegion{Vec3(1, 1, 1), 0.1}; }), Contains("in the region"));
-  CHECK(simulator.attachments().size() == 1);
+  CHECK(simulator.world().attachments().size() == 1);
   CHECK(simulator.removeBody(blocks.upper));
-  CHECK(simulator.attachments().empty());
-  CHECK_FALSE(simulator.removeAttachment(blocks.layer));
+  CHECK(simulator.world().attachments().empty());
+  CHECK_FALSE(simulator.world().removeAttachment(blocks.layer));
   REQUIRE(simulator.step());
 }

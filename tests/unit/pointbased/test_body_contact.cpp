@@ -22,7 +22,7 @@ namespace {
 
 // At 0.4 m/s against each other, 10 mm off centre, without friction.
 std::pair<std::size_t, std::size_t> addCollidingBalls(Simulator &simulator) {
-  simulator.setContact({true, false, 0.0});
+  simulator.world().setContact({true, false, 0.0});
   const Material material = soft(1e4, 0.3);
   const std::size_t a = simulator.addBody(ball(Vec3(-0.051, 0, 0), 0.05, 0.0125, material, 32));
   const std::size_t b = simulator.addBody(ball(Vec3(0.051, 0.01, 0), 0.05, 0.0125, material, 32));
@@ -36,7 +36,7 @@ void addFallingBalls(Simulator &simulator, int count) {
   WorldSettings world;
   world.gravity = Vec3(0, -9.81, 0);
   simulator.setWorld(world);
-  simulator.setContact({true, true, 0.3});
+  simulator.world().setContact({true, true, 0.3});
   simulator.addObstacle(shapes::halfSpace(Vec3(0, 0, 0), Vec3(0, 1, 0), 0.5));
   for (int k = 0; k < count; ++k)
     simulator.addBody(ball(Vec3(0.01 * k, 0.051 + 0.101 * k, 0.003 * k), 0.05, 0.02, soft(2e4, 0.3), 10));
@@ -57,7 +57,7 @@ TEST_CASE("two balls that collide keep their momenta, gain no energy and part") 
     most = std::max(most, now.energy);
     turned = std::max(turned, (now.angular - before.angular).norm());
     REQUIRE((now.momentum - before.momentum).norm() < 1e-12 * scale);
-    const std::vector<ContactSummary> contacts = simulator.contacts();
+    const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
     if (const ContactSummary *one = between(contacts, a, b)) {
       touched = true;
       CHECK(one->force[0] < 0.0);  // on the left one, to the left
@@ -91,7 +91,7 @@ TEST_CASE("a ball that meets its mirror image bounces as off a wall without fric
   const Material material = soft(1e4, 0.3);
   const auto speedAfter = [&](bool wall) {
     Simulator simulator;
-    simulator.setContact({true, false, 0.0});
+    simulator.world().setContact({true, false, 0.0});
     const std::size_t a = simulator.addBody(ball(Vec3(-0.0505, 0, 0), 0.05, 0.0125, material, 32));
     setVelocity(simulator, a, Vec3(0.1, 0, 0));
     if (wall) {
@@ -103,7 +103,7 @@ TEST_CASE("a ball that meets its mirror image bounces as off a wall without fric
     double contact = 0.0;
     while (simulator.time() < 0.3) {
       REQUIRE(simulator.step());
-      if (!simulator.contacts().empty()) contact = simulator.time();
+      if (!simulator.diagnostics().contacts().empty()) contact = simulator.time();
     }
     return std::pair(shapes::meanVelocity(*simulator.body(a))[0], contact);
   };
@@ -126,7 +126,7 @@ TEST_CASE("a block on an inclined block sticks below the angle of friction and s
     WorldSettings world;
     world.gravity = 9.81 * Vec3(std::sin(angle), -std::cos(angle), 0.0);
     simulator.setWorld(world);
-    simulator.setContact({true, false, friction});
+    simulator.world().setContact({true, false, friction});
     Fix floor;
     floor.region = HalfSpaceRegion{Vec3(0, -0.039, 0), Vec3(0, 1, 0)};
     // Viscous, so that the oscillations of both decay.
@@ -160,7 +160,7 @@ TEST_CASE("a stack of five blocks stays where it is and presses with what lies o
   for (const std::size_t id : ids) then.push_back(shapes::meanDisplacement(*simulator.body(id)));
   while (simulator.time() < 4.0) REQUIRE(simulator.step());
   const double weight = 9.81 * simulator.body(ids[0])->totalMass();
-  const std::vector<ContactSummary> contacts = simulator.contacts();
+  const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
   for (std::size_t k = 0; k < ids.size(); ++k) {
     CHECK((shapes::meanDisplacement(*simulator.body(ids[k])) - then[k]).norm() < 1e-4);
     if (k == 0) continue;
@@ -186,10 +186,10 @@ TEST_CASE("what has fallen asleep on another body still presses on it") {
   const std::size_t a = simulator.addBody(block(Vec3(0, 0, 0), Vec3::Constant(0.04), 0.01, material, 4, {floor}));
   const std::size_t b =
       simulator.addBody(block(Vec3(0, 0.04, 0), Vec3(0.04, 0.08, 0.04), 0.01, material, 4, {}, {load}));
-  while (simulator.time() < 5.0 && !simulator.asleep(b)) REQUIRE(simulator.step());
-  REQUIRE(simulator.asleep(b));
+  while (simulator.time() < 5.0 && !simulator.stepper().asleep(b)) REQUIRE(simulator.step());
+  REQUIRE(simulator.stepper().asleep(b));
   for (int k = 0; k < 10; ++k) REQUIRE(simulator.step());
-  const std::vector<ContactSummary> contacts = simulator.contacts();
+  const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
   const ContactSummary *found = between(contacts, a, b);
   REQUIRE(found);
   CHECK_THAT(found->pressing, WithinRel(0.1, 0.01));
@@ -197,19 +197,20 @@ TEST_CASE("what has fallen asleep on another body still presses on it") {
 
 TEST_CASE("what overlaps at the start is said") {
   Simulator simulator;
-  simulator.setContact({true, false, 0.0});
+  simulator.world().setContact({true, false, 0.0});
   const Material material = soft(1e4, 0.3);
   simulator.addBody(block(Vec3(0, 0, 0), Vec3::Constant(0.05), 0.01, material, 6));
   simulator.addBody(block(Vec3(0.047, 0.003, 0.002), Vec3(0.097, 0.053, 0.052), 0.01, material, 6));
   while (simulator.time() < 0.4) REQUIRE(simulator.step());
-  CHECK(std::any_of(simulator.events().begin(), simulator.events().end(), [](const SimulationEvent &event) {
-    return event.kind == "overlap" && event.text.find("led out") != std::string::npos;
-  }));
+  CHECK(std::any_of(simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(),
+                    [](const SimulationEvent &event) {
+                      return event.kind == "overlap" && event.text.find("led out") != std::string::npos;
+                    }));
 }
 
 TEST_CASE("what overlaps at the start is led apart without a jolt") {
   Simulator simulator;
-  simulator.setContact({true, false, 0.0});
+  simulator.world().setContact({true, false, 0.0});
   const Material material = soft(1e4, 0.3);
   const std::size_t a = simulator.addBody(block(Vec3(0, 0, 0), Vec3::Constant(0.05), 0.01, material, 6));
   const std::size_t b =
@@ -222,7 +223,7 @@ TEST_CASE("what overlaps at the start is led apart without a jolt") {
   }
   CHECK(fastest < 0.1);  // a corner of negligible mass; the blocks move at 3 mm/s
   CHECK(shapes::crossings(simulator, a, b) == 0);
-  CHECK(std::any_of(simulator.events().begin(), simulator.events().end(),
+  CHECK(std::any_of(simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(),
                     [](const SimulationEvent &event) { return event.kind == "overlap"; }));
 }
 
@@ -230,13 +231,13 @@ TEST_CASE("bodies that fit each other stay as they lie although their skins over
   for (const bool fits : {true, false}) {
     CAPTURE(fits);
     Simulator simulator;
-    simulator.setContact({true, false, 0.0});
+    simulator.world().setContact({true, false, 0.0});
     const Material material = soft(1e4, 0.3);
     const std::size_t a = simulator.addBody(block(Vec3(0, 0, 0), Vec3::Constant(0.05), 0.01, material, 6));
     const std::size_t b =
         simulator.addBody(block(Vec3(0.049, -0.012, -0.011), Vec3(0.099, 0.063, 0.062), 0.01, material, 10));
-    simulator.setContactPair(a, b, {.friction = 0.0, .enabled = true, .fits = fits});
-    CHECK(simulator.contactPair(b, a).fits == fits);
+    simulator.world().setContactPair(a, b, {.friction = 0.0, .enabled = true, .fits = fits});
+    CHECK(simulator.world().contactPair(b, a).fits == fits);
     while (simulator.time() < 0.2) REQUIRE(simulator.step());
     double farthest = 0.0;
     for (const std::size_t id : {a, b})
@@ -250,7 +251,8 @@ TEST_CASE("bodies that fit each other stay as they lie although their skins over
     double deepest = 0.0;
     while (simulator.time() < 0.4) {
       REQUIRE(simulator.step());
-      for (const ContactSummary &contact : simulator.contacts()) deepest = std::max(deepest, contact.depth);
+      for (const ContactSummary &contact : simulator.diagnostics().contacts())
+        deepest = std::max(deepest, contact.depth);
     }
     CHECK(deepest < 0.02 * 0.01);
     CHECK(simulator.body(b)->state().velocities.front()[0] > simulator.body(a)->state().velocities.front()[0]);
@@ -268,7 +270,7 @@ TEST_CASE("contact between bodies gives the same bits for any number of threads"
     addFallingBalls(simulator, 3);
     for (int k = 0; k < 120; ++k) REQUIRE(simulator.step());
     hashes.push_back(simulator.stateHash());
-    CHECK(!simulator.contacts().empty());
+    CHECK(!simulator.diagnostics().contacts().empty());
   }
   CHECK(hashes[0] == hashes[1]);
 }
@@ -279,13 +281,13 @@ TEST_CASE("a pair that is switched off passes, and a body that stands still is t
     WorldSettings world;
     world.gravity = Vec3(0, -9.81, 0);
     simulator.setWorld(world);
-    simulator.setContact({true, true, 0.3});
+    simulator.world().setContact({true, true, 0.3});
     const std::size_t table =
         simulator.addBody(block(Vec3(-0.05, -0.03, -0.05), Vec3(0.05, 0, 0.05), 0.01, soft(1e5, 0.3), 8));
-    simulator.setRigid(table, true);
+    simulator.world().setRigid(table, true);
     const std::size_t id =
         simulator.addBody(block(Vec3(-0.02, 0.001, -0.02), Vec3(0.02, 0.04, 0.02), 0.01, soft(2e4, 0.3), 4));
-    simulator.setContactPair(table, id, {0.3, enabled});
+    simulator.world().setContactPair(table, id, {0.3, enabled});
     while (simulator.time() < 0.3) REQUIRE(simulator.step());
     const double low = shapes::extent(*simulator.body(id), Vec3(0, 1, 0)).low;
     if (enabled)
@@ -343,7 +345,7 @@ Surface surfaceOfCubes(const std::array<int, 3> &n, double size, const Inside &i
 TEST_CASE("the arms of a body that are pressed together touch and do not cross") {
   for (const bool self : {true, false}) {
     Simulator simulator;
-    simulator.setContact({true, self, 0.1});
+    simulator.world().setContact({true, self, 0.1});
     WorldSettings world;
     world.damping = 10.0;
     simulator.setWorld(world);
@@ -363,13 +365,13 @@ TEST_CASE("the arms of a body that are pressed together touch and do not cross")
       REQUIRE(simulator.step());
       if (simulator.steps() % 20 == 0) crossed += shapes::crossings(simulator, id);
     }
-    CAPTURE(self, simulator.contacts().size());
+    CAPTURE(self, simulator.diagnostics().contacts().size());
     if (!self) {
       CHECK(crossed > 0);  // the tested situation occurs
       continue;
     }
     CHECK(crossed == 0);
-    const std::vector<ContactSummary> contacts = simulator.contacts();
+    const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
     const ContactSummary *found = between(contacts, id, id);
     REQUIRE(found);
     CHECK(found->pressing > 0.1);
@@ -392,10 +394,11 @@ TEST_CASE("a body whose folds its cells do not tell apart does not touch itself,
   foot.region = HalfSpaceRegion{Vec3(0, 0.001, 0), Vec3(0, 1, 0)};
   const std::size_t id = simulator.addBody(bodyOf(shapes::inside(surface), 0.015, soft(5e3, 0.3), {foot}, {down}));
   while (simulator.time() < 0.4) REQUIRE(simulator.step());
-  CHECK(!between(simulator.contacts(), id, id));
-  const auto told = std::count_if(simulator.events().begin(), simulator.events().end(), [](const auto &event) {
-    return event.kind == "warning" && event.text.find("does not touch itself: it is ") != std::string::npos;
-  });
+  CHECK(!between(simulator.diagnostics().contacts(), id, id));
+  const auto told = std::count_if(
+      simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(), [](const auto &event) {
+        return event.kind == "warning" && event.text.find("does not touch itself: it is ") != std::string::npos;
+      });
   CHECK(told == 1);
 }
 
@@ -403,11 +406,11 @@ TEST_CASE("contact goes on from a checkpoint as it went on") {
   Simulator simulator;
   addFallingBalls(simulator, 2);
   for (int k = 0; k < 80; ++k) REQUIRE(simulator.step());
-  REQUIRE(!simulator.contacts().empty());
-  const Checkpoint kept = simulator.checkpoint();
+  REQUIRE(!simulator.diagnostics().contacts().empty());
+  const Checkpoint kept = simulator.archive().checkpoint();
   std::vector<std::uint64_t> hashes;
   for (const bool again : {false, true}) {
-    if (again) REQUIRE(simulator.restore(kept));
+    if (again) REQUIRE(simulator.archive().restore(kept));
     for (int k = 0; k < 40; ++k) REQUIRE(simulator.step());
     hashes.push_back(simulator.stateHash());
   }
@@ -426,7 +429,7 @@ struct Extreme {
 void checkThatTheyMeet(const Extreme &extreme) {
   CAPTURE(extreme.name);
   Simulator simulator;
-  simulator.setContact({true, true, extreme.friction});
+  simulator.world().setContact({true, true, extreme.friction});
   Material own = soft(extreme.modulus, extreme.poisson), other = soft(extreme.otherModulus, extreme.poisson);
   other.restDensity = extreme.density;
   const auto turned = [&](const Surface &surface, const Vec3 &centre, double angle, const Vec3 &axis) {
@@ -458,7 +461,7 @@ void checkThatTheyMeet(const Extreme &extreme) {
     most = std::max(most, now.energy);
     way = std::max(way, (now.momentum - before.momentum).norm());
     if (simulator.steps() % 8 == 0) crossed += shapes::crossings(simulator, a, b);
-    touched = touched || between(simulator.contacts(), a, b) != nullptr;
+    touched = touched || between(simulator.diagnostics().contacts(), a, b) != nullptr;
   }
   CHECK(touched);
   CHECK(crossed == 0);
@@ -489,9 +492,9 @@ TEST_CASE("a sheet one cell thick that falls on a ball drapes over it and crosse
   world.gravity = Vec3(0, -9.81, 0);
   world.damping = 3.0;
   simulator.setWorld(world);
-  simulator.setContact({true, true, 0.2});
+  simulator.world().setContact({true, true, 0.2});
   const std::size_t under = simulator.addBody(ball(Vec3(0, -0.041, 0), 0.04, 0.008, soft(1e5, 0.3), 40));
-  simulator.setRigid(under, true);
+  simulator.world().setRigid(under, true);
   const std::size_t sheet =
       simulator.addBody(block(Vec3(-0.05, 0.0, -0.05), Vec3(0.05, 0.008, 0.05), 0.008, soft(2e4, 0.3), 24));
   std::size_t crossed = 0;
@@ -501,7 +504,7 @@ TEST_CASE("a sheet one cell thick that falls on a ball drapes over it and crosse
       crossed += shapes::crossings(simulator, under, sheet) + shapes::crossings(simulator, sheet);
   }
   CHECK(crossed == 0);
-  CHECK(between(simulator.contacts(), under, sheet) != nullptr);
+  CHECK(between(simulator.diagnostics().contacts(), under, sheet) != nullptr);
   CHECK(shapes::extent(*simulator.body(sheet), Vec3(0, 1, 0)).low < -0.005);
 }
 

@@ -39,12 +39,12 @@ void pull(Simulator &simulator, std::size_t id, int steps) {
     grab.phyxels.push_back(static_cast<Index>(i));
   grab.weights.assign(grab.phyxels.size(), 1.0 / static_cast<double>(grab.phyxels.size()));
   grab.target = body.rest().origin + body.rest().positions[0] + body.state().displacements[0] + Vec3(0.05, 0.05, 0.0);
-  simulator.setGrab(id, grab);
+  simulator.stepper().setGrab(id, grab);
   step(simulator, steps);
 }
 
 bool hasEvent(const Simulator &simulator, const std::string &kind) {
-  return std::any_of(simulator.events().begin(), simulator.events().end(),
+  return std::any_of(simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(),
                      [&](const SimulationEvent &event) { return event.kind == kind; });
 }
 
@@ -58,15 +58,15 @@ TEST_CASE("a state that was kept is taken up again bit for bit, and goes on as i
     Simulator simulator;
     simulator.setWorld(falling());
     const std::size_t id = simulator.addBody(organ(material));
-    simulator.addProbe("tip", id, simulator.body(id)->rest().origin);
+    simulator.world().addProbe("tip", id, simulator.body(id)->rest().origin);
     step(simulator, 150);
-    const Checkpoint kept = simulator.checkpoint();
+    const Checkpoint kept = simulator.archive().checkpoint();
     const std::uint64_t hash = simulator.stateHash();
     const double time = simulator.time();
     step(simulator, 60);
     const std::uint64_t later = simulator.stateHash();
 
-    REQUIRE(simulator.restore(kept));
+    REQUIRE(simulator.archive().restore(kept));
     CHECK(simulator.stateHash() == hash);
     CHECK(simulator.time() == time);
     CHECK(simulator.steps() == 150);
@@ -76,9 +76,9 @@ TEST_CASE("a state that was kept is taken up again bit for bit, and goes on as i
 
     pull(simulator, id, 100);
     REQUIRE(simulator.stateHash() != hash);
-    REQUIRE(simulator.restore(kept));
+    REQUIRE(simulator.archive().restore(kept));
     CHECK(simulator.stateHash() == hash);
-    CHECK_FALSE(simulator.grabStatus(id));
+    CHECK_FALSE(simulator.stepper().grabStatus(id));
     step(simulator, 60);
     CHECK(simulator.stateHash() == later);
   }
@@ -89,21 +89,21 @@ TEST_CASE("a state is taken up with the material of now", "[checkpoint]") {
   simulator.setWorld(falling());
   const std::size_t id = simulator.addBody(organ());
   step(simulator, 50);
-  const Checkpoint kept = simulator.checkpoint();
+  const Checkpoint kept = simulator.archive().checkpoint();
   const std::uint64_t hash = simulator.stateHash();
   step(simulator, 50);
   Material other;
   other.youngsModulus *= 4.0;
   other.plastic = {50.0, 0.9, 1.0, Plasticity::kNever};
-  simulator.setConstitution(id, Constitution{{other}, kCloudStabilisation});
+  simulator.world().setConstitution(id, Constitution{{other}, kCloudStabilisation});
   step(simulator, 50);
-  REQUIRE(simulator.restore(kept));
+  REQUIRE(simulator.archive().restore(kept));
   CHECK(simulator.body(id)->material().youngsModulus == other.youngsModulus);
   CHECK(simulator.body(id)->state().history.plasticInverse.size() == simulator.body(id)->rest().pointCount());
   step(simulator, 20);
   // And back again, where no plastic flow remains.
-  simulator.setConstitution(id, Constitution{{Material{}}, kCloudStabilisation});
-  REQUIRE(simulator.restore(kept));
+  simulator.world().setConstitution(id, Constitution{{Material{}}, kCloudStabilisation});
+  REQUIRE(simulator.archive().restore(kept));
   CHECK(simulator.stateHash() == hash);
   step(simulator, 20);
 }
@@ -113,12 +113,12 @@ TEST_CASE("a body that has stopped goes on from a state of before", "[checkpoint
   simulator.setWorld(falling());
   const std::size_t id = simulator.addBody(organ());
   step(simulator, 10);
-  const Checkpoint kept = simulator.checkpoint();
+  const Checkpoint kept = simulator.archive().checkpoint();
   simulator.body(id)->state().velocities[3] = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
   simulator.body(id)->keepState();
   (void)simulator.step();
   REQUIRE(simulator.failed());
-  REQUIRE(simulator.restore(kept));
+  REQUIRE(simulator.archive().restore(kept));
   CHECK_FALSE(simulator.failed());
   step(simulator, 20);
 }
@@ -129,15 +129,15 @@ TEST_CASE("a state of other bodies, or of a simulation that has begun anew, is r
   const std::size_t id = simulator.addBody(organ());
   step(simulator, 5);
   const auto isRefused = [&](const std::function<void()> &change) {
-    const Checkpoint kept = simulator.checkpoint();
+    const Checkpoint kept = simulator.archive().checkpoint();
     change();
     const std::uint64_t hash = simulator.stateHash();
-    return !simulator.restore(kept) && simulator.stateHash() == hash;
+    return !simulator.archive().restore(kept) && simulator.stateHash() == hash;
   };
   CHECK(isRefused([&] { simulator.reset(); }));
   std::size_t other = 0;
   CHECK(isRefused([&] { other = simulator.addBody(organ({}, 0.04)); }));
   CHECK(isRefused([&] { simulator.removeBody(other); }));
-  CHECK(isRefused([&] { simulator.addProbe("tip", id, Vec3::Zero()); }));
-  CHECK_FALSE(simulator.restore(Checkpoint()));
+  CHECK(isRefused([&] { simulator.world().addProbe("tip", id, Vec3::Zero()); }));
+  CHECK_FALSE(simulator.archive().restore(Checkpoint()));
 }

@@ -98,7 +98,7 @@ TEST_CASE("a corner that hardly anything of the body reaches may be fast without
     // Two thirds of a spacing in a step, where a quarter is allowed.
     body.state().velocities[choose(body)] = Vec3(0.67 * body.rest().spacing / simulator.time(), 0, 0);
     REQUIRE(simulator.step());
-    return std::count_if(simulator.events().begin(), simulator.events().end(),
+    return std::count_if(simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(),
                          [](const SimulationEvent &event) { return event.kind == "substep"; });
   };
   CHECK(partsAt([](const Body &body) { return lightest(body); }) == 0);

@@ -43,7 +43,7 @@ TEST_CASE("the weight of a block is the force that its ground is reported with")
   const std::size_t id = simulator.addBody(blockAt(0.0));
   std::size_t ground = kWorldBox;
   if (!onWall) ground = simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.3));
-  CHECK(simulator.contacts().empty());
+  CHECK(simulator.diagnostics().contacts().empty());
   if (integrator == Integrator::quasiStatic) {
     while (!simulator.finished()) REQUIRE(simulator.step());
   } else {
@@ -52,7 +52,7 @@ TEST_CASE("the weight of a block is the force that its ground is reported with")
     simulator.setWorld(world);
     while (simulator.time() < 0.7) REQUIRE(simulator.step());
   }
-  const auto contacts = simulator.contacts();
+  const auto contacts = simulator.diagnostics().contacts();
   REQUIRE(contacts.size() == 1);
   const ContactSummary &c = contacts.front();
   const double weight = kGravity * simulator.body(id)->totalMass();
@@ -90,7 +90,7 @@ TEST_CASE("the forces of contact over an impact are the change of the momentum")
   while (simulator.time() < 0.08) {
     const double from = simulator.time();
     REQUIRE(simulator.step());
-    for (const ContactSummary &c : simulator.contacts()) {
+    for (const ContactSummary &c : simulator.diagnostics().contacts()) {
       REQUIRE(std::hypot(c.force[0], c.force[2]) <= (0.3 + 1e-9) * c.pressing);
       impulse += (simulator.time() - from) * c.force;
     }
@@ -111,14 +111,14 @@ TEST_CASE("friction of a pair is that of this body alone: it slides where anothe
   WorldSettings world = worldOf(integrator, kGravity * Vec3(std::sin(angle), -std::cos(angle), 0));
   world.box = {onWall, Vec3(-5, 0, -5), Vec3(5, 2, 5), 0.3, 0.0};
   simulator.setWorld(world);
-  simulator.setContact({false, false, 0.3});  // they overlap
+  simulator.world().setContact({false, false, 0.3});  // they overlap
   const std::size_t held = simulator.addBody(blockAt(0.0)), sliding = simulator.addBody(blockAt(0.0));
   std::size_t ground = kWorldBox;
   if (!onWall) ground = simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.3));
-  CHECK(simulator.contactPair(ground, sliding).friction == 0.3);
-  simulator.setContactPair(ground, sliding, {mu, true});
-  CHECK(simulator.contactPair(sliding, ground).friction == mu);
-  CHECK(simulator.contactPair(held, ground).friction == 0.3);
+  CHECK(simulator.world().contactPair(ground, sliding).friction == 0.3);
+  simulator.world().setContactPair(ground, sliding, {mu, true});
+  CHECK(simulator.world().contactPair(sliding, ground).friction == mu);
+  CHECK(simulator.world().contactPair(held, ground).friction == 0.3);
   // Between bodies nothing is set here, and this is a setting: it persists.
   simulator.reset();
   while (simulator.time() < 0.2) REQUIRE(simulator.step());
@@ -128,7 +128,7 @@ TEST_CASE("friction of a pair is that of this body alone: it slides where anothe
   CHECK_THAT(rate, WithinRel(kGravity * (std::sin(angle) - mu * std::cos(angle)), 0.01));
   CHECK(std::abs(meanVelocity(*simulator.body(held))[0]) < 1e-3);
   std::size_t told = 0;
-  for (const ContactSummary &c : simulator.contacts()) {
+  for (const ContactSummary &c : simulator.diagnostics().contacts()) {
     if (c.second != ground) continue;
     ++told;
     // Sliding is resisted by mu N, sticking by the weight along the slope.
@@ -137,8 +137,8 @@ TEST_CASE("friction of a pair is that of this body alone: it slides where anothe
     CHECK_THAT(-c.force[0], WithinRel(expected, 0.02));
   }
   CHECK(told == 2);
-  simulator.setContactPair(ground, sliding, {-1.0, true});
-  CHECK(simulator.contactPair(sliding, ground).friction == 0.3);
+  simulator.world().setContactPair(ground, sliding, {-1.0, true});
+  CHECK(simulator.world().contactPair(sliding, ground).friction == 0.3);
 }
 
 TEST_CASE("a body falls through what its pair switches off, another stays, and it is not pulled back afterwards") {
@@ -149,7 +149,7 @@ TEST_CASE("a body falls through what its pair switches off, another stays, and i
   WorldSettings world = worldOf(integrator, Vec3(0, -kGravity, 0));
   world.box = {kind == 2, Vec3(-1, 0, -1), Vec3(1, 2, 1), 0.3, 0.0};
   simulator.setWorld(world);
-  simulator.setContact({false, false, 0.3});  // they overlap
+  simulator.world().setContact({false, false, 0.3});  // they overlap
   const std::size_t stays = simulator.addBody(blockAt(0.001)), falls = simulator.addBody(blockAt(0.001));
   std::size_t ground = kWorldBox;
   if (kind == 0) ground = simulator.addObstacle(solidBox(Vec3(-0.5, -0.2, -0.5), Vec3(0.5, 0, 0.5), 0.3));
@@ -157,26 +157,26 @@ TEST_CASE("a body falls through what its pair switches off, another stays, and i
   // It rests first, so that contact has complete data of the obstacle that it then falls through.
   while (simulator.time() < 0.1) REQUIRE(simulator.step());
   CHECK(extent(*simulator.body(falls), Vec3::UnitY()).low > -1e-4);
-  const Checkpoint lying = simulator.checkpoint();
-  simulator.setContactPair(falls, ground, {0.3, false});
-  CHECK_FALSE(simulator.contactPair(ground, falls).enabled);
+  const Checkpoint lying = simulator.archive().checkpoint();
+  simulator.world().setContactPair(falls, ground, {0.3, false});
+  CHECK_FALSE(simulator.world().contactPair(ground, falls).enabled);
   const double from = simulator.time();
   while (simulator.time() < 0.35) REQUIRE(simulator.step());
   const double fallen = simulator.time() - from;
   CHECK_THAT(extent(*simulator.body(falls), Vec3::UnitY()).high - 0.04,
              WithinRel(-0.5 * kGravity * fallen * fallen, 0.05));
   CHECK(extent(*simulator.body(stays), Vec3::UnitY()).low > -1e-4);
-  for (const ContactSummary &c : simulator.contacts()) CHECK((c.first == stays || c.second != ground));
+  for (const ContactSummary &c : simulator.diagnostics().contacts()) CHECK((c.first == stays || c.second != ground));
   if (kind != 2) {
     // On again: it is far below, and continues to fall.
-    simulator.setContactPair(falls, ground, {0.3, true});
+    simulator.world().setContactPair(falls, ground, {0.3, true});
     const double speed = meanVelocity(*simulator.body(falls))[1], then = simulator.time();
     while (simulator.time() < then + 0.02) REQUIRE(simulator.step());
     CHECK_THAT(meanVelocity(*simulator.body(falls))[1] - speed, WithinRel(-kGravity * (simulator.time() - then), 0.05));
   }
   // An earlier state, with the current settings.
-  simulator.setContactPair(falls, ground, {0.3, true});
-  REQUIRE(simulator.restore(lying));
+  simulator.world().setContactPair(falls, ground, {0.3, true});
+  REQUIRE(simulator.archive().restore(lying));
   const double then = simulator.time();
   while (simulator.time() < then + 0.1) REQUIRE(simulator.step());
   CHECK(extent(*simulator.body(falls), Vec3::UnitY()).low > -1e-4);
@@ -187,29 +187,29 @@ TEST_CASE("settings of pairs go with who they are about, and those of nobody are
   const std::size_t a = simulator.addBody(blockAt(0.0)), b = simulator.addBody(blockAt(0.1));
   const std::size_t ground = simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.3));
   const std::size_t plate = simulator.addObstacle(halfSpace(Vec3(0, -1, 0), Vec3::UnitY(), 0.2));
-  simulator.setContact({true, false, 0.4});
-  CHECK(simulator.contactPair(a, b) == ContactPairSettings{0.4, true});
-  simulator.setContactPair(b, a, {0.1, true});
-  CHECK(simulator.contactPair(a, b) == ContactPairSettings{0.1, true});
-  simulator.setContact({false, false, 0.4});
-  CHECK_FALSE(simulator.contactPair(a, b).enabled);
-  CHECK(simulator.contactPair(a, ground).enabled);  // obstacles still act
-  simulator.setContactPair(a, ground, {0.7, true});
-  simulator.setContactPair(a, plate, {0.0, false});
-  CHECK(simulator.obstaclesOf(a)[0].friction == 0.7);
-  CHECK_FALSE(simulator.obstaclesOf(a)[1].closest);
-  CHECK(simulator.obstaclesOf(b)[0].friction == 0.3);
+  simulator.world().setContact({true, false, 0.4});
+  CHECK(simulator.world().contactPair(a, b) == ContactPairSettings{0.4, true});
+  simulator.world().setContactPair(b, a, {0.1, true});
+  CHECK(simulator.world().contactPair(a, b) == ContactPairSettings{0.1, true});
+  simulator.world().setContact({false, false, 0.4});
+  CHECK_FALSE(simulator.world().contactPair(a, b).enabled);
+  CHECK(simulator.world().contactPair(a, ground).enabled);  // obstacles still act
+  simulator.world().setContactPair(a, ground, {0.7, true});
+  simulator.world().setContactPair(a, plate, {0.0, false});
+  CHECK(simulator.world().obstaclesOf(a)[0].friction == 0.7);
+  CHECK_FALSE(simulator.world().obstaclesOf(a)[1].closest);
+  CHECK(simulator.world().obstaclesOf(b)[0].friction == 0.3);
   REQUIRE(simulator.removeObstacle(ground));
-  REQUIRE(simulator.obstaclesOf(a).size() == 1);
-  CHECK_FALSE(simulator.obstaclesOf(a)[0].closest);
+  REQUIRE(simulator.world().obstaclesOf(a).size() == 1);
+  CHECK_FALSE(simulator.world().obstaclesOf(a)[0].closest);
   REQUIRE(simulator.removeObstacle(plate));
-  CHECK(simulator.obstaclesOf(a).empty());
-  CHECK_FALSE(simulator.contactPair(a, plate).enabled);
+  CHECK(simulator.world().obstaclesOf(a).empty());
+  CHECK_FALSE(simulator.world().contactPair(a, plate).enabled);
   // Two obstacles, one with itself, a body that does not exist.
   const std::size_t other = simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.3));
   for (const auto &[first, second] : {std::pair{other, kWorldBox}, {a, a}, {a, std::size_t{999}}}) {
-    simulator.setContactPair(first, second, {0.1, true});
-    CHECK_FALSE(simulator.contactPair(first, second).enabled);
+    simulator.world().setContactPair(first, second, {0.1, true});
+    CHECK_FALSE(simulator.world().contactPair(first, second).enabled);
   }
-  CHECK(simulator.contact() == ContactSettings{false, false, 0.4});
+  CHECK(simulator.world().contact() == ContactSettings{false, false, 0.4});
 }

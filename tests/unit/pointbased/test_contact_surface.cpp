@@ -88,7 +88,7 @@ TEST_CASE("a body comes to rest on the ground without jitter and then asks nobod
   asked = {};
   while (simulator.time() < 2.0) {
     REQUIRE(simulator.step());
-    REQUIRE(simulator.energy(id).kinetic < 1e-10);
+    REQUIRE(simulator.diagnostics().energy(id).kinetic < 1e-10);
   }
   CHECK(asked.closest + asked.crossing == 0);
   CHECK(extent(*simulator.body(id), Vec3::UnitY()).low > -kSunk);
@@ -191,7 +191,7 @@ TEST_CASE("a moving obstacle pushes a body before it") {
     REQUIRE(simulator.step());
     // Nothing passes the face; implicit steps penetrate by the penalty.
     REQUIRE(extent(body, Vec3::UnitX()).low >
-            -0.05 + 0.2 * simulator.time() - (simulator.world().dt > 0.0 ? 1e-3 : 1e-5));
+            -0.05 + 0.2 * simulator.time() - (simulator.world().settings().dt > 0.0 ? 1e-3 : 1e-5));
   }
   // Between a plastic and an elastic impact.
   CHECK(meanVelocity(body)[0] > 0.2 - 1e-3);

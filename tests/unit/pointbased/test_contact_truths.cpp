@@ -34,7 +34,7 @@ void setGravity(Simulator &simulator, double damping = 0.0) {
 
 std::vector<Vec3> skinOf(Simulator &simulator, std::size_t id) {
   std::vector<Vec3> positions, normals;
-  simulator.surfels(id, positions, normals);
+  simulator.world().surfels(id, positions, normals);
   return positions;
 }
 
@@ -121,7 +121,7 @@ double forceOfPressedBalls(double spacing) {
   world.integrator = Integrator::quasiStatic;
   world.loadSteps = 2;
   simulator.setWorld(world);
-  simulator.setContact({true, false, 0.0});
+  simulator.world().setContact({true, false, 0.0});
   const double apart = 2.0 * kOffset * spacing;
   std::array<std::size_t, 2> ids{};
   for (const bool isUpper : {false, true}) {
@@ -143,11 +143,11 @@ double forceOfPressedBalls(double spacing) {
         std::make_unique<Body>("ball", *rest, Constitution{{soft(kModulus, 0.3)}, kLatticeStabilisation}, serialFor()));
   }
   while (!simulator.finished()) REQUIRE(simulator.step());
-  const std::vector<ContactSummary> contacts = simulator.contacts();
+  const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
   const ContactSummary *found = between(contacts, ids[0], ids[1]);
   REQUIRE(found);
   // Contact is solved until its forces change by less than 1 %.
-  const std::vector<Reaction> reactions = simulator.reactions(ids[1]);
+  const std::vector<Reaction> reactions = simulator.diagnostics().reactions(ids[1]);
   REQUIRE(reactions.size() == 1);
   CHECK_THAT(-reactions[0].force[1], WithinRel(-found->force[1], 0.01));
   return -found->force[1];
@@ -186,7 +186,7 @@ Squeezed pullThrough(double opening) {
   const Vec3 ring(0, -0.05, 0);
   Simulator simulator;
   setGravity(simulator, 2.0);
-  simulator.setContact({true, true, 0.3});
+  simulator.world().setContact({true, true, 0.3});
   const std::size_t obstacle = simulator.addObstacle(torus(ring, opening + tube, tube, 0.2));
   Fix cap;
   cap.region = HalfSpaceRegion{Vec3(0, -0.75 * radius, 0), Vec3(0, 1, 0)};
@@ -198,7 +198,7 @@ Squeezed pullThrough(double opening) {
   const auto depthOf = [&](const Vec3 &x) { return -distanceToTorus(x, ring, opening + tube, tube); };
   while (simulator.time() < 1.2) {
     REQUIRE(simulator.step());
-    for (const ContactSummary &c : simulator.contacts())
+    for (const ContactSummary &c : simulator.diagnostics().contacts())
       if (c.second == obstacle) seen.pressing = std::max(seen.pressing, c.pressing);
     if (simulator.steps() % 16 != 0) continue;
     seen.crossed += shapes::crossings(simulator, id);
@@ -206,7 +206,7 @@ Squeezed pullThrough(double opening) {
     for (const Vec3 &x : simulator.body(id)->contactPositions(serialFor()))
       seen.deepestPoint = std::max(seen.deepestPoint, depthOf(x));
   }
-  REQUIRE(simulator.stoppedBodies() == 0);
+  REQUIRE(simulator.stepper().stoppedBodies() == 0);
   seen.way = -shapes::meanDisplacement(*simulator.body(id))[1];
   const Extent across = shapes::extent(*simulator.body(id), Vec3::UnitX());
   seen.width = across.high - across.low;
@@ -235,7 +235,7 @@ TEST_CASE("the skin of a ball that is pulled through a ring 45 % narrower than i
 TEST_CASE("six soft bodies that fall into a bowl come to rest there and do not cross") {
   Simulator simulator;
   setGravity(simulator);
-  simulator.setContact({true, false, 0.3});
+  simulator.world().setContact({true, false, 0.3});
   const double radius = 0.12, spacing = 0.02;
   simulator.addObstacle(bowl(radius, 0.3));
   const Material material = soft(2e4, 0.3, 10.0);
@@ -259,7 +259,7 @@ TEST_CASE("six soft bodies that fall into a bowl come to rest there and do not c
         beyond = std::max(beyond, (x[1] < 0.0 ? x.norm() : std::hypot(x[0], x[2])) - radius);
   }
   CAPTURE(energy.least, energy.rise, beyond, fastestOf(simulator));
-  CHECK(simulator.stoppedBodies() == 0);
+  CHECK(simulator.stepper().stoppedBodies() == 0);
   CHECK(crossed == 0);
   // A corner may cut in between points of contact, half a spacing apart, when it arrives.
   CHECK(beyond < 0.5 * spacing);
@@ -281,7 +281,7 @@ struct Fallen {
 Fallen dropFifty(const std::function<std::unique_ptr<Body>(int k, const Vec3 &middle)> &bodyAt, double apart) {
   Simulator simulator;
   setGravity(simulator);
-  simulator.setContact({true, false, 0.3});
+  simulator.world().setContact({true, false, 0.3});
   const std::size_t floor = simulator.addObstacle(shapes::halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.5));
   support::Random random(5);
   Fallen seen;
@@ -301,7 +301,7 @@ Fallen dropFifty(const std::function<std::unique_ptr<Body>(int k, const Vec3 &mi
     const Total now = totalOf(simulator);
     energy.look(now.energy);
     Vec3 force = mass * Vec3(0, -kGravity, 0);
-    const std::vector<ContactSummary> contacts = simulator.contacts();
+    const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
     for (const ContactSummary &c : contacts)
       if (c.second == floor) force += c.force;
     seen.imbalance =
@@ -311,7 +311,7 @@ Fallen dropFifty(const std::function<std::unique_ptr<Body>(int k, const Vec3 &mi
     seen.touching = std::max(seen.touching, contacts.size());
     if (simulator.steps() % 16 == 0) seen.crossed += crossingsOfAll(simulator);
   }
-  REQUIRE(simulator.stoppedBodies() == 0);
+  REQUIRE(simulator.stepper().stoppedBodies() == 0);
   seen.rise = energy.rise;
   return seen;
 }
@@ -362,7 +362,7 @@ struct Overlapping {
 // Two blocks of 50 mm, half of one inside the other, the other wider by `wider` on each side.
 Overlapping overlapByHalf(double wider, double time) {
   Simulator simulator;
-  simulator.setContact({true, false, 0.0});
+  simulator.world().setContact({true, false, 0.0});
   const Material material = soft(kModulus, 0.3);
   const std::size_t a = simulator.addBody(block(Vec3::Zero(), Vec3::Constant(0.05), 0.01, material, 8));
   const std::size_t b = simulator.addBody(
@@ -375,9 +375,9 @@ Overlapping overlapByHalf(double wider, double time) {
       seen.leaves = std::max(seen.leaves, shapes::meanVelocity(*simulator.body(id)).norm());
     seen.energy = std::max(seen.energy, totalOf(simulator).energy);
   }
-  REQUIRE(simulator.stoppedBodies() == 0);
+  REQUIRE(simulator.stepper().stoppedBodies() == 0);
   seen.crossed = shapes::crossings(simulator, a, b);
-  for (const SimulationEvent &event : simulator.events())
+  for (const SimulationEvent &event : simulator.diagnostics().events())
     if (event.kind == "overlap") seen.told += event.text;
   return seen;
 }
@@ -404,7 +404,7 @@ TEST_CASE("blocks with flush sides of which one is half inside the other are apa
 TEST_CASE("blocks that lie on each other on a slippery floor come to rest") {
   Simulator simulator;
   setGravity(simulator, 5.0);
-  simulator.setContact({true, false, 0.3});
+  simulator.world().setContact({true, false, 0.3});
   simulator.addObstacle(shapes::halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.0));
   for (int k = 0; k < 2; ++k) {
     const Vec3 low(0.002 * k, 0.0001 + k * 0.0501, 0.0);

@@ -280,9 +280,9 @@ struct LedPatch {
     REQUIRE(rest);
     id = simulator.addBody(std::make_unique<Body>(
         "block", *rest, Constitution{{shapes::rubber(1e4)}, kLatticeStabilisation}, serialFor()));
-    simulator.addProbe("inside", id, centre - Vec3(0.004, 0.003, 0.008));
-    simulator.addProbe("on the border of the patch", id, centre + Vec3(0.0, 0.0199, 0.0));
-    simulator.addProbe("below", id, Vec3(0.03, 0.03, 0.01));
+    simulator.world().addProbe("inside", id, centre - Vec3(0.004, 0.003, 0.008));
+    simulator.world().addProbe("on the border of the patch", id, centre + Vec3(0.0, 0.0199, 0.0));
+    simulator.world().addProbe("below", id, Vec3(0.03, 0.03, 0.01));
   }
   void goTo(double time) {
     while (simulator.time() < time) REQUIRE(simulator.step());
@@ -293,10 +293,11 @@ struct LedPatch {
   }
   [[nodiscard]] double distanceOfProbes() const {
     double most = 0.0;
-    for (const Probe &probe : simulator.probes()) {
+    for (const Probe &probe : simulator.world().probes()) {
       const bool below = probe.name == "below";
-      most = std::max(most,
-                      (simulator.probeState(probe).position - (below ? probe.reference : led(probe.reference))).norm());
+      most = std::max(
+          most,
+          (simulator.world().probeState(probe).position - (below ? probe.reference : led(probe.reference))).norm());
     }
     return most;
   }
@@ -311,25 +312,26 @@ TEST_CASE("what a support holds goes with it, wherever the phyxels beside its bo
   CHECK(block.distanceOfProbes() < kRoundOff);
   block.goTo(0.6 * LedPatch::kRamp);
   CHECK(block.distanceOfProbes() < kRoundOff);
-  const Checkpoint halfway = block.simulator.checkpoint();
-  const Probe &probe = block.simulator.probes().front();
-  const Simulator::ProbeState before = block.simulator.probeState(probe);
+  const Checkpoint halfway = block.simulator.archive().checkpoint();
+  const Probe &probe = block.simulator.world().probes().front();
+  const World::ProbeState before = block.simulator.world().probeState(probe);
   const double time = block.simulator.time();
   REQUIRE(block.simulator.step());
   // The path rotates by less than 0.1 rad in a step.
-  const Vec3 mean = (block.simulator.probeState(probe).position - before.position) / (block.simulator.time() - time);
+  const Vec3 mean =
+      (block.simulator.world().probeState(probe).position - before.position) / (block.simulator.time() - time);
   CHECK((before.velocity - mean).norm() < 0.05 * mean.norm());
   block.goTo(2.0 * LedPatch::kRamp);
   CHECK(block.distanceOfProbes() < kRoundOff);
-  CHECK(block.simulator.probeState(probe).velocity.norm() == 0.0);
+  CHECK(block.simulator.world().probeState(probe).velocity.norm() == 0.0);
 
   // Surfels, in both precisions; those outside of the patch are free.
   const RestState &rest = block.simulator.body(block.id)->rest();
   const std::vector<Vec3> &u = block.simulator.body(block.id)->state().displacements;
   std::vector<Vec3> x, n, interpolated(rest.surfels.count());
   std::vector<Vec3f> onScreen, normals;
-  block.simulator.surfels(block.id, x, n);
-  block.simulator.surfels(block.id, onScreen, normals);
+  block.simulator.world().surfels(block.id, x, n);
+  block.simulator.world().surfels(block.id, onScreen, normals);
   updateSurfels(rest.surfels, {}, rest.positions, u, interpolated, {}, serialFor());
   std::size_t held = 0;
   double elsewhere = 0.0;
@@ -386,7 +388,7 @@ TEST_CASE("what a support holds goes with it, wherever the phyxels beside its bo
   CAPTURE(beside);
   CHECK(beside > 20);
 
-  REQUIRE(block.simulator.restore(halfway));
+  REQUIRE(block.simulator.archive().restore(halfway));
   CHECK(block.distanceOfProbes() < kRoundOff);
   block.simulator.reset();
   CHECK(block.distanceOfProbes() < kRoundOff);

@@ -141,7 +141,7 @@ TEST_CASE("A foundation does nothing in the reference, exactly", "[foundation]")
   const std::uint64_t before = simulator.stateHash();
   for (int i = 0; i < 200; ++i) REQUIRE(simulator.step());
   CHECK(simulator.stateHash() == before);
-  CHECK(simulator.energy(id).foundation == 0.0);
+  CHECK(simulator.diagnostics().energy(id).foundation == 0.0);
 }
 
 TEST_CASE("A foundation holds a rigid translation with its stiffness times the area", "[foundation]") {
@@ -177,7 +177,7 @@ TEST_CASE("A stiff block on a foundation swings at the root of k A / m", "[found
   }
   // The block itself yields by about k L / E, 6e-5 of it, which shifts the phase.
   CHECK(worst < 0.01 * amplitude);
-  const Simulator::Energy energy = simulator.energy(id);
+  const Diagnostics::Energy energy = simulator.diagnostics().energy(id);
   CHECK(energy.kinetic + energy.elastic + energy.stabilisation + energy.foundation ==
         Approx(0.5 * mass * speed.squaredNorm()).epsilon(1e-3));
 }
@@ -229,7 +229,7 @@ TEST_CASE("A force moves a stiff block by F over k A until its foundation carrie
   const Vec3 expected = Vec3(0.3, 0.0, -0.1) / (kStiffness * kArea);
   CHECK((meanDisplacement(*simulator.body(id)) - expected).norm() < 1e-3 * expected.norm());
   CHECK((simulator.body(id)->foundationReaction().force + Vec3(0.3, 0.0, -0.1)).norm() < 1e-6);
-  CHECK(simulator.events().empty());
+  CHECK(simulator.diagnostics().events().empty());
 }
 
 TEST_CASE("The stable step bounds what a foundation asks for", "[foundation]") {
@@ -258,9 +258,9 @@ TEST_CASE("The stable step bounds what a foundation asks for", "[foundation]") {
     simulator.setWorld(world);
     const std::size_t id = simulator.addBody(std::move(body));
     simulator.body(id)->state().velocities = pushed;
-    const double start = simulator.energy(id).kinetic;
+    const double start = simulator.diagnostics().energy(id).kinetic;
     for (int i = 0; i < 3000; ++i) REQUIRE(simulator.step());
-    const Simulator::Energy energy = simulator.energy(id);
+    const Diagnostics::Energy energy = simulator.diagnostics().energy(id);
     CHECK(energy.kinetic + energy.elastic + energy.stabilisation + energy.foundation < 3.0 * start);
   }
 }
@@ -272,10 +272,10 @@ TEST_CASE("Damping of a foundation shrinks the stable step and takes energy", "[
   body->setInitialVelocity(Vec3(0.5, 0, 0), Vec3::Zero());
   Simulator simulator;
   const std::size_t id = simulator.addBody(std::move(body));
-  double last = simulator.energy(id).kinetic;
+  double last = simulator.diagnostics().energy(id).kinetic;
   for (int round = 0; round < 10; ++round) {
     for (int i = 0; i < 100; ++i) REQUIRE(simulator.step());
-    const Simulator::Energy energy = simulator.energy(id);
+    const Diagnostics::Energy energy = simulator.diagnostics().energy(id);
     const double now = energy.kinetic + energy.elastic + energy.stabilisation + energy.foundation;
     CHECK(now < last);
     last = now;
@@ -308,16 +308,16 @@ TEST_CASE("A body that is pulled away and let go comes back to its place and sle
   Vec3 centre = Vec3::Zero();
   for (const Vec3 &X : body.rest().positions) centre += X / static_cast<double>(body.rest().phyxelCount());
   grab.target = home + centre + Vec3(0.03, 0.0, 0.0);
-  simulator.setGrab(id, grab);
+  simulator.stepper().setGrab(id, grab);
   while (simulator.time() < 0.5) REQUIRE(simulator.step());
   CHECK(meanDisplacement(body)[0] > 0.01);
-  simulator.releaseGrab(id);
-  while (simulator.time() < 4.0 && !simulator.asleep(id)) REQUIRE(simulator.step());
-  CHECK(simulator.asleep(id));
+  simulator.stepper().releaseGrab(id);
+  while (simulator.time() < 4.0 && !simulator.stepper().asleep(id)) REQUIRE(simulator.step());
+  CHECK(simulator.stepper().asleep(id));
   CHECK(meanDisplacement(body).norm() < 1e-5);
   // Another stiffness wakes it.
-  REQUIRE(simulator.setFoundation(id, kEven));
-  CHECK_FALSE(simulator.asleep(id));
+  REQUIRE(simulator.world().setFoundation(id, kEven));
+  CHECK_FALSE(simulator.stepper().asleep(id));
 }
 
 TEST_CASE("What a foundation cannot be is refused with what is accepted", "[foundation]") {
@@ -341,30 +341,30 @@ TEST_CASE("A rigid body stands in its reference, costs nothing, and its stable s
   world.gravity = Vec3(0, -9.81, 0);
   simulator.setWorld(world);
   const std::size_t bone = simulator.addBody(cube(1e3, {})), vessel = simulator.addBody(cube(1e4, {}, Vec3(1, 0, 0)));
-  const double together = simulator.stepSize();
+  const double together = simulator.stepper().stepSize();
   CHECK(together == Approx(kStepSafety * simulator.body(bone)->stableStepAtRest()));
   for (int i = 0; i < 50; ++i) REQUIRE(simulator.step());
-  simulator.setRigid(bone, true);
-  CHECK(simulator.stepSize() == Approx(kStepSafety * simulator.body(vessel)->stableStepAtRest()));
-  CHECK(simulator.stepSize() < 0.5 * together);
+  simulator.world().setRigid(bone, true);
+  CHECK(simulator.stepper().stepSize() == Approx(kStepSafety * simulator.body(vessel)->stableStepAtRest()));
+  CHECK(simulator.stepper().stepSize() < 0.5 * together);
   const std::vector<Vec3> rest(simulator.body(bone)->rest().phyxelCount(), Vec3::Zero());
   CHECK(simulator.body(bone)->state().displacements == rest);
   Grab grab;
   grab.phyxels = {0};
   grab.weights = {1.0};
-  simulator.setGrab(bone, grab);
+  simulator.stepper().setGrab(bone, grab);
   const double before = meanDisplacement(*simulator.body(vessel))[1];
   for (int i = 0; i < 20; ++i) REQUIRE(simulator.step());
   CHECK(simulator.body(bone)->state().displacements == rest);
   CHECK(simulator.body(bone)->state().velocities == rest);
   CHECK(meanDisplacement(*simulator.body(vessel))[1] < before);
-  CHECK(simulator.predictedCost(bone).first == 0.0);
+  CHECK(simulator.stepper().predictedCost(bone).first == 0.0);
 
   // Without the vessel it remains static; made deformable again, it falls from there.
   REQUIRE(simulator.removeBody(vessel));
   for (int i = 0; i < 5; ++i) REQUIRE(simulator.step());
   CHECK_FALSE(simulator.failed());
-  simulator.setRigid(bone, false);
+  simulator.world().setRigid(bone, false);
   for (int i = 0; i < 5; ++i) REQUIRE(simulator.step());
   CHECK(meanDisplacement(*simulator.body(bone))[1] < 0.0);
 }

@@ -79,7 +79,7 @@ TEST_CASE("external forces change the momentum of a free body by their impulse, 
     double size = 0.0;
     for (int step = 0; step < 20; ++step) {
       const std::vector<Vec3> forces = forcesOf(body, step);
-      simulator.setExternalForces(id, forces);
+      simulator.stepper().setExternalForces(id, forces);
       const double before = simulator.time();
       REQUIRE(simulator.step());
       for (const Vec3 &f : forces) {
@@ -109,7 +109,7 @@ TEST_CASE("gravity as external forces is gravity: the same motion, and the same 
     const Body &body = *outside.body(1);
     for (const double w : body.weights()) weight.push_back(w * g);
     for (int step = 0; step < 40 && !outside.finished(); ++step) {
-      outside.setExternalForces(1, weight);
+      outside.stepper().setExternalForces(1, weight);
       REQUIRE(own.step());
       REQUIRE(outside.step());
     }
@@ -125,16 +125,16 @@ TEST_CASE("external forces that are nothing leave every bit alone, and end when 
   const std::size_t a = plain.addBody(organ(2.0)), b = other.addBody(organ(2.0));
   const std::vector<Vec3> none(other.body(b)->rest().phyxelCount(), Vec3::Zero());
   for (int step = 0; step < 10; ++step) {
-    other.setExternalForces(b, none);
+    other.stepper().setExternalForces(b, none);
     REQUIRE(plain.step());
     REQUIRE(other.step());
   }
   CHECK(plain.stateHash() == other.stateHash());
   CHECK(other.body(b)->externalForces().empty());
 
-  other.setExternalForces(b, forcesOf(*other.body(b), 1));
+  other.stepper().setExternalForces(b, forcesOf(*other.body(b), 1));
   REQUIRE(other.step());
-  other.setExternalForces(b, {});
+  other.stepper().setExternalForces(b, {});
   const Vec3 momentum = momentumOf(*other.body(b));
   REQUIRE(momentum.norm() > 0.0);
   for (int step = 0; step < 50; ++step) REQUIRE(other.step());
@@ -148,11 +148,11 @@ TEST_CASE("external forces wake a body that sleeps, and a reset takes them away"
   world.sleep = true;
   simulator.setWorld(world);
   const std::size_t id = simulator.addBody(organ(2.0));
-  for (int step = 0; step < 5000 && !simulator.asleep(id); ++step) REQUIRE(simulator.step());
-  REQUIRE(simulator.asleep(id));
-  simulator.setExternalForces(id, forcesOf(*simulator.body(id), 3));
+  for (int step = 0; step < 5000 && !simulator.stepper().asleep(id); ++step) REQUIRE(simulator.step());
+  REQUIRE(simulator.stepper().asleep(id));
+  simulator.stepper().setExternalForces(id, forcesOf(*simulator.body(id), 3));
   REQUIRE(simulator.step());
-  CHECK_FALSE(simulator.asleep(id));
+  CHECK_FALSE(simulator.stepper().asleep(id));
   CHECK(momentumOf(*simulator.body(id)).norm() > 0.0);
   simulator.reset();
   CHECK(simulator.body(id)->externalForces().empty());
@@ -165,7 +165,7 @@ TEST_CASE("external forces that tear a body apart stop it in its last good state
   const std::uint64_t hash = simulator.stateHash();
   std::vector<Vec3> forces(simulator.body(id)->rest().phyxelCount(), Vec3::Zero());
   forces[3] = Vec3(1e300, 0.0, 0.0);
-  simulator.setExternalForces(id, forces);
+  simulator.stepper().setExternalForces(id, forces);
   CHECK_FALSE(simulator.step());
   CHECK(simulator.body(id)->stopped);
   CHECK(simulator.stateHash() == hash);

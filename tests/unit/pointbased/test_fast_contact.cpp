@@ -37,7 +37,7 @@ TEST_CASE("a body at 30 to 300 m/s does not pass a plate of 4 mm, or has stopped
   while (!stopped && simulator.time() < 0.1 / speed + 0.05) {
     stopped = !simulator.step();
     lowest = std::min(lowest, extent(body, Vec3::UnitY()).low);
-    told = std::max(told, simulator.skinDepth(id));
+    told = std::max(told, simulator.diagnostics().skinDepth(id));
   }
   std::size_t behind = 0;
   for (const Vec3 &x : body.contactPositions(serialFor()))

@@ -136,7 +136,7 @@ TEST_CASE("a body that is held and one that spins are solved as before: no step 
   const std::size_t id = simulator.addBody(std::move(block));
   for (int k = 0; k < 6; ++k) REQUIRE(simulator.step());
   // Spin stretches the block: by about ρ ω² L² / 8 E = 1.6e-3 at its ends.
-  CHECK(simulator.energy(id).elastic > 0.0);
+  CHECK(simulator.diagnostics().energy(id).elastic > 0.0);
   const Extent length = extent(*simulator.body(id), Vec3(std::cos(5.0 * 0.1), 0.0, -std::sin(5.0 * 0.1)));
   CHECK(length.high - length.low > 0.1 * (1.0 + 1e-4));
 }

@@ -82,11 +82,11 @@ class Balance {
     Vec3 force = Vec3::Zero();
     double mass = 0.0;
     for (const std::size_t id : simulator_.bodyIds()) mass += simulator_.body(id)->totalMass();
-    force += mass * simulator_.world().gravity;
-    for (const ContactSummary &one : simulator_.contacts())
+    force += mass * simulator_.world().settings().gravity;
+    for (const ContactSummary &one : simulator_.diagnostics().contacts())
       if (one.second == floor_) force += one.force;
     const Vec3 missed = totalOf(simulator_).momentum - before.momentum - dt * force;
-    worst = std::max(worst, missed.norm() / (dt * mass * simulator_.world().gravity.norm()));
+    worst = std::max(worst, missed.norm() / (dt * mass * simulator_.world().settings().gravity.norm()));
   }
   double worst = 0.0;
 
@@ -113,7 +113,7 @@ TEST_CASE("a free rigid body falls as a stone and keeps its shape") {
   CHECK_THAT(way[1], WithinAbs(2.0 * t - 0.5 * 9.81 * t * t, 1e-11));
   CHECK(changeOfShape(*simulator.body(id)) < 1e-14);  // of sums of 20 m
   CHECK_THAT(totalOf(simulator).energy, WithinRel(before.energy, 1e-11));
-  CHECK(simulator.integratorOf(id) == Integrator::explicitVerlet);
+  CHECK(simulator.stepper().integratorOf(id) == Integrator::explicitVerlet);
 }
 
 TEST_CASE("a free rigid body that spins about its middle axis tumbles and keeps energy and angular momentum") {
@@ -147,7 +147,7 @@ TEST_CASE("a free rigid block on a slope sticks below the angle of friction and 
     const double angle = degrees * std::numbers::pi / 180.0;
     Simulator simulator;
     weigh(simulator, 9.81 * Vec3(std::sin(angle), -std::cos(angle), 0.0));
-    simulator.setContact({true, false, friction});
+    simulator.world().setContact({true, false, friction});
     if (obstacle) {
       simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3(0, 1, 0), friction));
     } else {
@@ -217,7 +217,7 @@ TEST_CASE("a free rigid block that falls flat on a wall bounces with its restitu
 TEST_CASE("a free rigid ball that falls on a soft block rests on it with its weight") {
   Simulator simulator;
   weigh(simulator, Vec3(0, -9.81, 0), 10.0);
-  simulator.setContact({true, false, 0.3});
+  simulator.world().setContact({true, false, 0.3});
   simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3(0, 1, 0), 0.5));
   const std::size_t bed =
       simulator.addBody(block(Vec3(-0.05, 0.0, -0.05), Vec3(0.05, 0.04, 0.05), 0.01, soft(4e4, 0.3, 20.0), 20));
@@ -236,7 +236,7 @@ TEST_CASE("a free rigid ball that falls on a soft block rests on it with its wei
   CHECK(crossings(simulator, bed, id) == 0);
   CHECK(most <= begin + 1e-6 * std::abs(begin));
   CHECK(meanVelocity(*simulator.body(id)).norm() < 1e-3);
-  const std::vector<ContactSummary> contacts = simulator.contacts();
+  const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
   const ContactSummary *found = between(contacts, bed, id);
   REQUIRE(found);
   CHECK_THAT(std::abs(found->force[1]), WithinRel(9.81 * simulator.body(id)->totalMass(), 0.02));
@@ -246,7 +246,7 @@ TEST_CASE("a free rigid ball that falls on a soft block rests on it with its wei
 TEST_CASE("the momentum of a free rigid ball and the soft block that it falls on is that of weight and floor") {
   Simulator simulator;
   weigh(simulator);
-  simulator.setContact({true, false, 0.3});
+  simulator.world().setContact({true, false, 0.3});
   const std::size_t floor = simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3(0, 1, 0), 0.5));
   simulator.addBody(block(Vec3(-0.05, 0.0, -0.05), Vec3(0.05, 0.04, 0.05), 0.01, soft(4e4, 0.3), 8));
   addFree(simulator, ball(Vec3(0.004, 0.062, 0.002), 0.02, 0.005, metal(), 24));
@@ -258,7 +258,7 @@ TEST_CASE("the momentum of a free rigid ball and the soft block that it falls on
 TEST_CASE("a free rigid plate between two soft blocks is carried by one and carries the other") {
   Simulator simulator;
   weigh(simulator, Vec3(0, -9.81, 0), 20.0);
-  simulator.setContact({true, false, 0.3});
+  simulator.world().setContact({true, false, 0.3});
   simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3(0, 1, 0), 0.5));
   const Material tissue = soft(5e4, 0.3, 20.0);
   const std::size_t low =
@@ -268,7 +268,7 @@ TEST_CASE("a free rigid plate between two soft blocks is carried by one and carr
   const std::size_t high =
       simulator.addBody(block(Vec3(-0.03, 0.046, -0.03), Vec3(0.03, 0.076, 0.03), 0.01, tissue, 6));
   while (simulator.time() < 1.0) REQUIRE(simulator.step());
-  const std::vector<ContactSummary> contacts = simulator.contacts();
+  const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
   const double above = 9.81 * simulator.body(high)->totalMass(),
                all = above + 9.81 * simulator.body(plate)->totalMass();
   const ContactSummary *below = between(contacts, low, plate), *over = between(contacts, plate, high);
@@ -283,7 +283,7 @@ TEST_CASE("a free rigid plate between two soft blocks is carried by one and carr
 TEST_CASE("free rigid blocks stay stacked and press with what lies on them") {
   Simulator simulator;
   weigh(simulator);
-  simulator.setContact({true, false, 0.3});
+  simulator.world().setContact({true, false, 0.3});
   simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3(0, 1, 0), 0.5));
   const std::size_t a = addFree(simulator, block(Vec3(0, 0.0001, 0), Vec3(0.05, 0.0301, 0.05), 0.01, metal(), 5));
   const std::size_t b =
@@ -293,7 +293,7 @@ TEST_CASE("free rigid blocks stay stacked and press with what lies on them") {
   while (simulator.time() < 3.0) REQUIRE(simulator.step());
   // A thousandth of the spacing in two seconds.
   CHECK((meanDisplacement(*simulator.body(b)) - then).norm() < 1e-5);
-  const std::vector<ContactSummary> contacts = simulator.contacts();
+  const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
   const ContactSummary *found = between(contacts, a, b);
   REQUIRE(found);
   CHECK_THAT(std::abs(found->force[1]), WithinRel(9.81 * simulator.body(b)->totalMass(), 0.02));
@@ -302,7 +302,7 @@ TEST_CASE("free rigid blocks stay stacked and press with what lies on them") {
 
 TEST_CASE("a free rigid ball and a soft one that collide keep their momenta and gain no energy") {
   Simulator simulator;
-  simulator.setContact({true, false, 0.3});
+  simulator.world().setContact({true, false, 0.3});
   const std::size_t a = addFree(simulator, ball(Vec3(-0.051, 0, 0), 0.05, 0.0125, metal(), 32));
   const std::size_t b = simulator.addBody(ball(Vec3(0.051, 0.01, 0), 0.05, 0.0125, soft(1e4, 0.3), 32));
   setVelocity(simulator, a, Vec3(0.1, 0, 0));
@@ -331,7 +331,7 @@ namespace {
 
 void addPile(Simulator &simulator) {
   weigh(simulator);
-  simulator.setContact({true, true, 0.3});
+  simulator.world().setContact({true, true, 0.3});
   simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3(0, 1, 0), 0.5));
   simulator.addBody(ball(Vec3(0, 0.051, 0), 0.05, 0.02, soft(2e4, 0.3), 10));
   addFree(simulator, ball(Vec3(0.01, 0.132, 0.003), 0.03, 0.01, metal(), 12));
@@ -351,7 +351,7 @@ TEST_CASE("free rigid bodies have the same bits for any number of threads") {
     addPile(simulator);
     for (int k = 0; k < 150; ++k) REQUIRE(simulator.step());
     hashes.push_back(simulator.stateHash());
-    CHECK(!simulator.contacts().empty());
+    CHECK(!simulator.diagnostics().contacts().empty());
   }
   CHECK(hashes[0] == hashes[1]);
 }
@@ -360,20 +360,20 @@ TEST_CASE("free rigid bodies go on from a checkpoint and from a saved state as t
   Simulator simulator;
   addPile(simulator);
   for (int k = 0; k < 80; ++k) REQUIRE(simulator.step());
-  REQUIRE(!simulator.contacts().empty());
+  REQUIRE(!simulator.diagnostics().contacts().empty());
   const auto after = [&] {
     for (int k = 0; k < 60; ++k) REQUIRE(simulator.step());
     return simulator.stateHash();
   };
-  const Checkpoint kept = simulator.checkpoint();
+  const Checkpoint kept = simulator.archive().checkpoint();
   const std::uint64_t first = after();
-  REQUIRE(simulator.restore(kept));
+  REQUIRE(simulator.archive().restore(kept));
   CHECK(after() == first);
-  REQUIRE(simulator.restore(kept));
-  const auto saved = simulator.savedState();
+  REQUIRE(simulator.archive().restore(kept));
+  const auto saved = simulator.archive().save();
   REQUIRE(saved);
   const std::uint64_t second = after();
-  REQUIRE(simulator.restoreSavedState(*saved));
+  REQUIRE(simulator.archive().load(*saved));
   CHECK(after() == second);
 }
 
@@ -390,13 +390,13 @@ TEST_CASE("a free rigid body hangs on an elastic layer by its weight, and a hand
   layer.second = above;
   layer.within = 0.0045;
   layer.stiffness = layer.tangential = 1e6;
-  const auto added = simulator.addAttachment(layer);
+  const auto added = simulator.world().addAttachment(layer);
   REQUIRE(added);
   while (simulator.time() < 2.0) REQUIRE(simulator.step());
   const double weight = 9.81 * simulator.body(id)->totalMass();
   // Damped to 1e-8 of the initial value.
   CHECK_THAT(meanDisplacement(*simulator.body(id))[1], WithinRel(-weight / (1e6 * 0.04 * 0.04), 1e-3));
-  REQUIRE(simulator.removeAttachment(*added));
+  REQUIRE(simulator.world().removeAttachment(*added));
 
   Grab grab;
   const RestState &rest = simulator.body(id)->rest();
@@ -404,10 +404,10 @@ TEST_CASE("a free rigid body hangs on an elastic layer by its weight, and a hand
     if (rest.origin[1] + rest.positions[i][1] > 0.0249) grab.phyxels.push_back(i);
   REQUIRE(!grab.phyxels.empty());
   grab.weights.assign(grab.phyxels.size(), 1.0 / static_cast<double>(grab.phyxels.size()));
-  simulator.setGrab(id, grab);
-  simulator.moveGrab(id, Vec3(0.1, 0.1, 0.02));
+  simulator.stepper().setGrab(id, grab);
+  simulator.stepper().moveGrab(id, Vec3(0.1, 0.1, 0.02));
   while (simulator.time() < 4.0) REQUIRE(simulator.step());
-  const auto status = simulator.grabStatus(id);
+  const auto status = simulator.stepper().grabStatus(id);
   REQUIRE(status);
   CHECK_THAT(status->force[1], WithinRel(weight, 0.01));
   CHECK((status->point - Vec3(0.1, 0.1, 0.02)).norm() < 0.02);
@@ -419,16 +419,18 @@ TEST_CASE("what touches a free rigid body takes explicit steps with it, and that
   world.gravity = Vec3(0, -9.81, 0);
   world.integrator = Integrator::implicitSdirk;
   simulator.setWorld(world);
-  simulator.setContact({true, false, 0.3});
+  simulator.world().setContact({true, false, 0.3});
   simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3(0, 1, 0), 0.5));
   const std::size_t bed =
       simulator.addBody(block(Vec3(-0.03, 0.0, -0.03), Vec3(0.03, 0.03, 0.03), 0.015, soft(2e4, 0.3), 4));
   addFree(simulator, block(Vec3(-0.01, 0.031, -0.01), Vec3(0.01, 0.051, 0.01), 0.01, metal(), 2));
   for (int k = 0; k < 5; ++k) REQUIRE(simulator.step());
-  CHECK(simulator.integratorOf(bed) == Integrator::explicitVerlet);
-  CHECK(std::count_if(simulator.events().begin(), simulator.events().end(), [](const SimulationEvent &event) {
-          return event.kind == "chosen" && event.text.find("rigid and moves freely, which") != std::string::npos;
-        }) == 1);
+  CHECK(simulator.stepper().integratorOf(bed) == Integrator::explicitVerlet);
+  CHECK(std::count_if(simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(),
+                      [](const SimulationEvent &event) {
+                        return event.kind == "chosen" &&
+                               event.text.find("rigid and moves freely, which") != std::string::npos;
+                      }) == 1);
 }
 
 TEST_CASE("a free rigid body stands where something is fixed of it and in a static solution") {
@@ -443,7 +445,7 @@ TEST_CASE("a free rigid body stands where something is fixed of it and in a stat
   for (int k = 0; k < 10; ++k) REQUIRE(simulator.step());
   CHECK(meanDisplacement(*simulator.body(held)).norm() == 0.0);
   CHECK(meanDisplacement(*simulator.body(loose))[1] < -0.01);
-  WorldSettings world = simulator.world();
+  WorldSettings world = simulator.world().settings();
   world.integrator = Integrator::quasiStatic;
   simulator.setWorld(world);
   CHECK(simulator.body(loose)->isStatic());
@@ -455,15 +457,15 @@ TEST_CASE("a free rigid body sleeps where it rests and wakes when something fall
   world.gravity = Vec3(0, -9.81, 0);
   world.sleep = true;
   simulator.setWorld(world);
-  simulator.setContact({true, false, 0.3});
+  simulator.world().setContact({true, false, 0.3});
   simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3(0, 1, 0), 0.5));
   const std::size_t a = addFree(simulator, block(Vec3(0, 0.001, 0), Vec3(0.05, 0.031, 0.05), 0.01, metal(), 5));
-  while (simulator.time() < 3.0 && !simulator.asleep(a)) REQUIRE(simulator.step());
-  REQUIRE(simulator.asleep(a));
+  while (simulator.time() < 3.0 && !simulator.stepper().asleep(a)) REQUIRE(simulator.step());
+  REQUIRE(simulator.stepper().asleep(a));
   const std::size_t b = addFree(simulator, block(Vec3(0.01, 0.04, 0.01), Vec3(0.03, 0.06, 0.03), 0.01, metal(), 2));
   for (int k = 0; k < 20; ++k) REQUIRE(simulator.step());
   CHECK(meanDisplacement(*simulator.body(b))[1] > -0.0101);  // it rests on it
-  CHECK(between(simulator.contacts(), a, b) != nullptr);
+  CHECK(between(simulator.diagnostics().contacts(), a, b) != nullptr);
 }
 
 TEST_CASE("a rigid body whose phyxels lie in a plane or on a line has an inertia and keeps its spin") {

@@ -53,7 +53,7 @@ void run(Simulator &simulator, double until) {
 
 Vec3 forceOn(const Simulator &simulator, std::size_t obstacle) {
   Vec3 force = Vec3::Zero();
-  for (const ContactSummary &c : simulator.contacts())
+  for (const ContactSummary &c : simulator.diagnostics().contacts())
     if (c.second == obstacle) force -= c.force;
   return force;
 }
@@ -68,22 +68,22 @@ TEST_CASE("a hand leads an obstacle evenly, by the shorter turn, and reset gives
   const std::size_t id = simulator.addObstacle(moving);
   run(simulator, 0.1);
   const double begin = simulator.time();
-  const Vec3 from = simulator.obstacleMotion(id).displacementOf(Vec3(0, 1, 0));
+  const Vec3 from = simulator.world().obstacleMotion(id).displacementOf(Vec3(0, 1, 0));
   const RigidMotion target{Eigen::AngleAxisd(1.0, Vec3::UnitZ()).toRotationMatrix(), Vec3(0, 1, 0), Vec3(0, 0, 0.05)};
-  simulator.guideObstacle(id, target, 0.2);
-  CHECK(simulator.isGuided(id));
-  const auto motion = simulator.obstacle(id)->motion;
+  simulator.world().guideObstacle(id, target, 0.2);
+  CHECK(simulator.world().isGuided(id));
+  const auto motion = simulator.world().obstacle(id)->motion;
   CHECK_THAT((motion(begin).displacementOf(Vec3(0, 1, 0)) - from).norm(), WithinAbs(0.0, 1e-12));
   const RigidMotion half = motion(begin + 0.1);
   CHECK_THAT((half.displacementOf(Vec3(0, 1, 0)) - 0.5 * (from + target.displacement)).norm(), WithinAbs(0.0, 1e-12));
   CHECK_THAT(Eigen::AngleAxisd(half.rotation).angle(), WithinAbs(0.5, 1e-12));
   run(simulator, begin + 0.3);
-  const RigidMotion there = simulator.obstacleMotion(id);
+  const RigidMotion there = simulator.world().obstacleMotion(id);
   CHECK((there.rotation - target.rotation).norm() < 1e-12);
   CHECK_THAT((there.displacementOf(Vec3(0, 1, 0)) - target.displacement).norm(), WithinAbs(0.0, 1e-12));
   simulator.reset();
-  CHECK_FALSE(simulator.isGuided(id));
-  CHECK_THAT(simulator.obstacle(id)->motion(1.0).displacementOf(Vec3::Zero())[0], WithinAbs(0.1, 1e-15));
+  CHECK_FALSE(simulator.world().isGuided(id));
+  CHECK_THAT(simulator.world().obstacle(id)->motion(1.0).displacementOf(Vec3::Zero())[0], WithinAbs(0.1, 1e-15));
 }
 
 TEST_CASE("what is placed before the first step begins there, also after a reset") {
@@ -92,20 +92,20 @@ TEST_CASE("what is placed before the first step begins there, also after a reset
   const std::size_t id = simulator.addObstacle(ballAt(Vec3(0, 1, 0)));
   // The path of a probe tool is its own motion; a plate has none.
   const std::size_t plate = simulator.addObstacle(wall("plate", -1.0));
-  simulator.guideObstacle(plate, shifted(Vec3(0, -0.5, 0)), 1.0);
-  simulator.guideObstacle(plate, shifted(Vec3(0, -0.25, 0)), 1.0);
-  CHECK(simulator.obstacleMotion(plate).displacement == Vec3(0, -0.25, 0));
+  simulator.world().guideObstacle(plate, shifted(Vec3(0, -0.5, 0)), 1.0);
+  simulator.world().guideObstacle(plate, shifted(Vec3(0, -0.25, 0)), 1.0);
+  CHECK(simulator.world().obstacleMotion(plate).displacement == Vec3(0, -0.25, 0));
   run(simulator, 0.05);
-  simulator.guideObstacle(plate, shifted(Vec3(0, -0.125, 0)), 0.01);
-  simulator.guideObstacle(id, shifted(Vec3(0, 1, 0)), 0.0);
+  simulator.world().guideObstacle(plate, shifted(Vec3(0, -0.125, 0)), 0.01);
+  simulator.world().guideObstacle(id, shifted(Vec3(0, 1, 0)), 0.0);
   run(simulator, 0.1);
-  CHECK(simulator.obstacleMotion(plate).displacement == Vec3(0, -0.125, 0));
-  CHECK(simulator.motionAtReset(plate)(0.3).displacement == Vec3(0, -0.25, 0));
+  CHECK(simulator.world().obstacleMotion(plate).displacement == Vec3(0, -0.125, 0));
+  CHECK(simulator.world().motionAtReset(plate)(0.3).displacement == Vec3(0, -0.25, 0));
   simulator.reset();
-  CHECK(simulator.obstacleMotion(plate).displacement == Vec3(0, -0.25, 0));
-  CHECK(simulator.obstacleMotion(id).displacementOf(Vec3::Zero()).norm() == 0.0);
-  simulator.guideObstacle(77, RigidMotion{}, 0.0);  // no such obstacle
-  CHECK_FALSE(simulator.motionAtReset(77));
+  CHECK(simulator.world().obstacleMotion(plate).displacement == Vec3(0, -0.25, 0));
+  CHECK(simulator.world().obstacleMotion(id).displacementOf(Vec3::Zero()).norm() == 0.0);
+  simulator.world().guideObstacle(77, RigidMotion{}, 0.0);  // no such obstacle
+  CHECK_FALSE(simulator.world().motionAtReset(77));
 }
 
 TEST_CASE("an instrument presses, is undone and done again, and goes with a reset") {
@@ -113,44 +113,44 @@ TEST_CASE("an instrument presses, is undone and done again, and goes with a rese
   const std::size_t id = simulator.addBody(heldBlock());
   simulator.addObstacle(wall("table", 0.0));
   run(simulator, 0.05);
-  const std::uint64_t course = simulator.historyEpoch();
-  const Checkpoint before = simulator.checkpoint();
+  const std::uint64_t course = simulator.archive().historyEpoch();
+  const Checkpoint before = simulator.archive().checkpoint();
   const std::uint64_t hashBefore = simulator.stateHash();
 
-  const std::size_t finger = simulator.addInstrument(ballAt(Vec3(0, 0.0281, 0)));
-  CHECK(simulator.isInstrument(finger));
-  simulator.guideObstacle(finger, shifted(Vec3(0, -0.004, 0)), 0.1);
+  const std::size_t finger = simulator.world().addInstrument(ballAt(Vec3(0, 0.0281, 0)));
+  CHECK(simulator.world().isInstrument(finger));
+  simulator.world().guideObstacle(finger, shifted(Vec3(0, -0.004, 0)), 0.1);
   run(simulator, 0.3);
   const Vec3 pressed = forceOn(simulator, finger);
   CHECK(pressed[1] > 0.05);
   CHECK(std::hypot(pressed[0], pressed[2]) < 0.02 * pressed[1]);
-  const Checkpoint after = simulator.checkpoint();
+  const Checkpoint after = simulator.archive().checkpoint();
   const std::uint64_t hashAfter = simulator.stateHash();
 
-  REQUIRE(simulator.restore(before));
-  CHECK(simulator.obstacle(finger) == nullptr);
+  REQUIRE(simulator.archive().restore(before));
+  CHECK(simulator.world().obstacle(finger) == nullptr);
   CHECK(simulator.stateHash() == hashBefore);
   run(simulator, simulator.time() + 0.1);
-  REQUIRE(simulator.restore(after));
-  REQUIRE(simulator.obstacle(finger) != nullptr);
-  CHECK(simulator.isInstrument(finger));
+  REQUIRE(simulator.archive().restore(after));
+  REQUIRE(simulator.world().obstacle(finger) != nullptr);
+  CHECK(simulator.world().isInstrument(finger));
   CHECK(simulator.stateHash() == hashAfter);
   run(simulator, simulator.time() + 0.02);
   CHECK_THAT(forceOn(simulator, finger)[1], WithinRel(pressed[1], 0.01));
-  CHECK_FALSE(simulator.savedState());
+  CHECK_FALSE(simulator.archive().save());
 
   // Removed: the tissue recovers, and the simulated history is unchanged.
   REQUIRE(simulator.removeObstacle(finger));
-  CHECK(simulator.historyEpoch() == course);
+  CHECK(simulator.archive().historyEpoch() == course);
   run(simulator, simulator.time() + 1.0);
   double farthest = 0.0;
   for (const Vec3 &u : simulator.body(id)->state().displacements) farthest = std::max(farthest, u.norm());
   CHECK(farthest < 1e-5);
 
-  const std::size_t second = simulator.addInstrument(ballAt(Vec3(0, 0.5, 0)));
+  const std::size_t second = simulator.world().addInstrument(ballAt(Vec3(0, 0.5, 0)));
   simulator.reset();
-  CHECK(simulator.obstacle(second) == nullptr);
-  CHECK(simulator.obstacles().size() == 1);
+  CHECK(simulator.world().obstacle(second) == nullptr);
+  CHECK(simulator.world().obstacles().size() == 1);
 }
 
 TEST_CASE("what friction holds on another obstacle does not slip when an instrument comes and goes elsewhere") {
@@ -167,8 +167,8 @@ TEST_CASE("what friction holds on another obstacle does not slip when an instrum
     run(simulator, 0.5);
     const double t = simulator.time();
     if (visited) {
-      const std::size_t far = simulator.addInstrument(ballAt(Vec3(1, 1, 1)));
-      simulator.addInstrument(ballAt(Vec3(2, 1, 1)));
+      const std::size_t far = simulator.world().addInstrument(ballAt(Vec3(1, 1, 1)));
+      simulator.world().addInstrument(ballAt(Vec3(2, 1, 1)));
       run(simulator, t + 0.1);
       simulator.removeObstacle(far);
     }
@@ -195,9 +195,9 @@ TEST_CASE("what is attached to a guided obstacle follows it") {
   attachment.second = plate;
   attachment.within = 0.002;
   attachment.stiffness = attachment.tangential = 1e6;
-  REQUIRE(simulator.addAttachment(attachment));
+  REQUIRE(simulator.world().addAttachment(attachment));
   run(simulator, 0.02);
-  simulator.guideObstacle(plate, shifted(Vec3(0.01, 0, 0)), 0.1);
+  simulator.world().guideObstacle(plate, shifted(Vec3(0.01, 0, 0)), 0.1);
   run(simulator, 1.5);
   Vec3 mean = Vec3::Zero();
   for (const Vec3 &u : simulator.body(id)->state().displacements)
@@ -219,7 +219,7 @@ TEST_CASE("contact pressure over the skin is the force that presses, on an obsta
   run(simulator, 2.0);
   const double weight = 9.81 * simulator.body(above)->totalMass(), base = 0.04 * 0.04;
 
-  const std::vector<ContactSummary> contacts = simulator.contacts();
+  const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
   const ContactSummary *on = between(contacts, below, table), *joint = between(contacts, below, above);
   REQUIRE(on);
   REQUIRE(joint);
@@ -229,7 +229,7 @@ TEST_CASE("contact pressure over the skin is the force that presses, on an obsta
   CHECK_THAT(joint->area, WithinRel(base, 0.3));
 
   std::vector<double> pressures;
-  simulator.contactPressures(above, pressures);
+  simulator.diagnostics().contactPressures(above, pressures);
   const RestState &rest = simulator.body(above)->rest();
   REQUIRE(pressures.size() == rest.phyxelCount());
   for (std::size_t i = 0; i < pressures.size(); ++i) {
@@ -243,8 +243,8 @@ TEST_CASE("contact pressure over the skin is the force that presses, on an obsta
       CHECK(pressures[i] < 1e-9 * weight / base);  // round-off of the weights
   }
   std::vector<double> lower;
-  simulator.contactPressures(below, lower);
+  simulator.diagnostics().contactPressures(below, lower);
   CHECK(*std::max_element(lower.begin(), lower.end()) > weight / base);
-  simulator.contactPressures(12345, lower);
+  simulator.diagnostics().contactPressures(12345, lower);
   CHECK(lower.empty());
 }

@@ -119,9 +119,10 @@ TEST_CASE("restitution that implicit steps do not know is told of at the start, 
     simulator.addBody(latticeBox(Vec3(0, 0.1, 0), Vec3(0.1, 0.2, 0.1), 0.05, rubber(1e5), 2));
     simulator.addObstacle(ground(0.5));
     for (int k = 0; k < 3; ++k) REQUIRE(simulator.step());
-    const auto told = std::count_if(simulator.events().begin(), simulator.events().end(), [](const SimulationEvent &e) {
-      return e.kind == "warning" && Contains("restitution counts in explicit steps alone").match(e.text);
-    });
+    const auto told = std::count_if(
+        simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(), [](const SimulationEvent &e) {
+          return e.kind == "warning" && Contains("restitution counts in explicit steps alone").match(e.text);
+        });
     CHECK(told == (integrator == Integrator::explicitVerlet ? 0 : 1));
   }
 }

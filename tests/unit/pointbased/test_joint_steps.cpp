@@ -29,7 +29,7 @@ void integrate(Simulator &simulator, Integrator integrator, const Vec3 &gravity 
 void run(Simulator &simulator, double time) {
   while (simulator.quasiStatic() ? !simulator.finished() : simulator.time() < time) {
     REQUIRE(simulator.step());
-    REQUIRE(simulator.stoppedBodies() == 0);
+    REQUIRE(simulator.stepper().stoppedBodies() == 0);
   }
 }
 
@@ -44,7 +44,7 @@ TEST_CASE(
   CAPTURE(static_cast<int>(integrator), apart);
   Simulator simulator;
   integrate(simulator, integrator, Vec3::Zero(), 60.0);
-  simulator.setContact({true, false, 0.5});
+  simulator.world().setContact({true, false, 0.5});
   simulator.addObstacle(shapes::halfSpace(Vec3(0, 0, 0), Vec3(0, 1, 0), 0.5));
   const std::size_t lower =
       simulator.addBody(block(Vec3(-0.03, 0.0, -0.03), Vec3(0.03, 0.06, 0.03), 0.01, soft(1e4, 0.0), 6));
@@ -55,7 +55,7 @@ TEST_CASE(
   const std::size_t upper = simulator.addBody(
       block(Vec3(-0.03, 0.06 + apart, -0.03), Vec3(0.03, 0.12 + apart, 0.03), 0.0075, soft(4e4, 0.0), 8, {}, {load}));
   run(simulator, 1.0);
-  const std::vector<ContactSummary> contacts = simulator.contacts();
+  const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
   const ContactSummary *found = between(contacts, lower, upper);
   REQUIRE(found);
   CHECK_THAT(found->pressing, WithinRel(0.36, 0.01));
@@ -82,7 +82,7 @@ TEST_CASE("a stack of blocks presses with what lies on it, whatever integrates i
   CAPTURE(static_cast<int>(integrator));
   Simulator simulator;
   integrate(simulator, integrator, Vec3(0, -9.81, 0), 5.0);
-  simulator.setContact({true, false, 0.3});
+  simulator.world().setContact({true, false, 0.3});
   simulator.addObstacle(shapes::halfSpace(Vec3(0, 0, 0), Vec3(0, 1, 0), 0.5));
   std::vector<std::size_t> ids;
   for (int k = 0; k < 3; ++k) {
@@ -91,7 +91,7 @@ TEST_CASE("a stack of blocks presses with what lies on it, whatever integrates i
   }
   run(simulator, 1.5);
   const double weight = 9.81 * simulator.body(ids[0])->totalMass();
-  const std::vector<ContactSummary> contacts = simulator.contacts();
+  const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
   for (std::size_t k = 1; k < ids.size(); ++k) {
     const ContactSummary *found = between(contacts, ids[k - 1], ids[k]);
     REQUIRE(found);
@@ -106,7 +106,7 @@ TEST_CASE("two balls that collide in implicit steps keep their momentum, gain no
   CAPTURE(static_cast<int>(integrator));
   Simulator simulator;
   integrate(simulator, integrator);
-  simulator.setContact({true, false, 0.0});
+  simulator.world().setContact({true, false, 0.0});
   const Material material = soft(1e4, 0.3);
   const std::size_t a = simulator.addBody(ball(Vec3(-0.051, 0, 0), 0.05, 0.0125, material, 32));
   const std::size_t b = simulator.addBody(ball(Vec3(0.051, 0.01, 0), 0.05, 0.0125, material, 32));
@@ -123,7 +123,7 @@ TEST_CASE("two balls that collide in implicit steps keep their momentum, gain no
     most = std::max(most, now.energy);
     moved = std::max(moved, (now.momentum - before.momentum).norm() / scale);
     turned = std::max(turned, (now.angular - before.angular).norm() / before.angular.norm());
-    touched = touched || !simulator.contacts().empty();
+    touched = touched || !simulator.diagnostics().contacts().empty();
     crossed += shapes::crossings(simulator, a, b);
   }
   CAPTURE(most / before.energy, moved, turned, shapes::meanVelocity(*simulator.body(a))[0]);
@@ -142,7 +142,7 @@ TEST_CASE("a block on an inclined block sticks below the angle of friction and s
     const double angle = degrees * std::numbers::pi / 180.0;
     Simulator simulator;
     integrate(simulator, integrator, 9.81 * Vec3(std::sin(angle), -std::cos(angle), 0.0));
-    simulator.setContact({true, false, friction});
+    simulator.world().setContact({true, false, friction});
     Fix floor;
     floor.region = HalfSpaceRegion{Vec3(0, -0.039, 0), Vec3(0, 1, 0)};
     const Material material = soft(1e6, 0.3, 300.0);
@@ -177,7 +177,7 @@ TEST_CASE("whatever two blocks are made of, one lies on the other in equilibrium
   CAPTURE(static_cast<int>(integrator), c.lowerModulus, c.lowerSpacing, c.lowerDensity, c.poisson, c.friction);
   Simulator simulator;
   integrate(simulator, integrator, Vec3(0, -9.81, 0), 10.0);
-  simulator.setContact({true, false, c.friction});
+  simulator.world().setContact({true, false, c.friction});
   Fix floor;
   floor.region = HalfSpaceRegion{Vec3(0, 0, 0), Vec3(0, 1, 0)};
   Material lower = soft(c.lowerModulus, c.poisson), upper = soft(c.upperModulus, c.poisson);
@@ -188,7 +188,7 @@ TEST_CASE("whatever two blocks are made of, one lies on the other in equilibrium
   const std::size_t b =
       simulator.addBody(block(Vec3(0.004, 0.0505, 0.004), Vec3(0.046, 0.0905, 0.046), c.upperSpacing, upper, 5));
   run(simulator, 1.0);
-  const std::vector<ContactSummary> contacts = simulator.contacts();
+  const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
   const ContactSummary *found = between(contacts, a, b);
   REQUIRE(found);
   CHECK_THAT(found->pressing, WithinRel(9.81 * simulator.body(b)->totalMass(), 0.03));
@@ -209,12 +209,12 @@ TEST_CASE("bodies that touch are integrated together by what costs less for all 
       simulator.addBody(block(Vec3(-0.02, 0, -0.02), Vec3(0.02, 0.04, 0.02), 0.01, material, 6, {ground}));
   const std::size_t upper =
       simulator.addBody(block(Vec3(-0.02, 0.045, -0.02), Vec3(0.02, 0.085, 0.02), 0.01, material, 6));
-  const auto [explicitly, implicitly] = simulator.predictedCost(lower);
+  const auto [explicitly, implicitly] = simulator.stepper().predictedCost(lower);
   REQUIRE(explicitly > implicitly);
   REQUIRE((explicitly < 2.0 * implicitly) == !stiff);
   // Alone, as long as it falls.
   REQUIRE(simulator.step());
-  CHECK(simulator.integratorOf(upper) == Integrator::implicitSdirk);
+  CHECK(simulator.stepper().integratorOf(upper) == Integrator::implicitSdirk);
   // Their sides lie in one plane: a contact with the side of the other body lets one into the other, or distorts a cell.
   const double begin = shapes::totalOf(simulator).energy;
   double most = begin;
@@ -223,13 +223,15 @@ TEST_CASE("bodies that touch are integrated together by what costs less for all 
     most = std::max(most, shapes::totalOf(simulator).energy);
   }
   CHECK(most - begin < 1e-2 * 9.81 * simulator.body(upper)->totalMass() * 0.005);
-  CHECK(simulator.integratorOf(lower) == (stiff ? Integrator::implicitSdirk : Integrator::explicitVerlet));
-  CHECK(simulator.integratorOf(upper) == simulator.integratorOf(lower));
-  const auto told = std::count_if(simulator.events().begin(), simulator.events().end(), [](const SimulationEvent &e) {
-    return e.kind == "chosen" && e.text.find("take explicit steps together") != std::string::npos;
-  });
+  CHECK(simulator.stepper().integratorOf(lower) == (stiff ? Integrator::implicitSdirk : Integrator::explicitVerlet));
+  CHECK(simulator.stepper().integratorOf(upper) == simulator.stepper().integratorOf(lower));
+  const auto told = std::count_if(
+      simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(), [](const SimulationEvent &e) {
+        return e.kind == "chosen" && e.text.find("take explicit steps together") != std::string::npos;
+      });
   CHECK(told == (stiff ? 0 : 1));
-  CHECK_THAT(simulator.contacts().front().pressing, WithinRel(9.81 * simulator.body(upper)->totalMass(), 0.5));
+  CHECK_THAT(simulator.diagnostics().contacts().front().pressing,
+             WithinRel(9.81 * simulator.body(upper)->totalMass(), 0.5));
   simulator.reset();
-  CHECK(simulator.integratorOf(upper) == Integrator::implicitSdirk);
+  CHECK(simulator.stepper().integratorOf(upper) == Integrator::implicitSdirk);
 }

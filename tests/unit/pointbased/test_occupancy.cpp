@@ -294,10 +294,10 @@ TEST_CASE("a cantilever of voxels bends, and sags by its weight, as the one in a
     world.gravity = Vec3(0, 0, -9.81);
     simulator.setWorld(world);
     const std::size_t id = simulator.addBody(std::make_unique<Body>("beam", *rest, constitution, serialFor()));
-    simulator.addProbe("end", id, Vec3(0.2, 0, 0));
+    simulator.world().addProbe("end", id, Vec3(0.2, 0, 0));
     while (!simulator.finished())
       if (const auto done = simulator.step(); !done) throw std::runtime_error(done.error().text);
-    return simulator.probeState(simulator.probes()[0]).position[2];
+    return simulator.world().probeState(simulator.world().probes()[0]).position[2];
   };
   const Voxels oblong =
       voxels({104, 88, 60}, 0.5 * (min + max), oblique(Vec3(0.0018, 0.0018, 0.0018)), [&](const Vec3 &x) {

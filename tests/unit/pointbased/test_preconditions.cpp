@@ -144,12 +144,13 @@ TEST_CASE("A hand holds phyxels that there are") {
   Grab grab;
   grab.phyxels = {0, count};
   grab.weights = {0.5, 0.5};
-  CHECK_THAT(brokenBy([&] { simulator.setGrab(id, grab); }), Contains("setGrab: grabs phyxels that there are"));
+  CHECK_THAT(brokenBy([&] { simulator.stepper().setGrab(id, grab); }),
+             Contains("setGrab: grabs phyxels that there are"));
   grab.phyxels = {0, count - 1};
   grab.weights = {1.0};
-  CHECK_THAT(brokenBy([&] { simulator.setGrab(id, grab); }), Contains("one weight per grabbed phyxel"));
+  CHECK_THAT(brokenBy([&] { simulator.stepper().setGrab(id, grab); }), Contains("one weight per grabbed phyxel"));
   CHECK(simulator.body(id)->grabs.empty());
   grab.weights = {0.5, 0.5};
-  simulator.setGrab(id, grab);
+  simulator.stepper().setGrab(id, grab);
   CHECK(simulator.body(id)->grabs.size() == 1);
 }

@@ -62,7 +62,7 @@ struct Touch {
 };
 Touch touchOf(const Simulator &simulator, std::size_t tool) {
   Touch touch;
-  for (const ContactSummary &c : simulator.contacts()) {
+  for (const ContactSummary &c : simulator.diagnostics().contacts()) {
     if (c.second != tool) continue;
     touch.force -= c.force;
     touch.pressing += c.pressing;
@@ -193,7 +193,7 @@ TEST_CASE("Hertz: the force on a sphere that is pressed into a block") {
   CHECK(std::hypot(touch.force[0], touch.force[2]) < 1e-3 * hertz);
   CHECK(touch.depth < 0.05 * depth);
   // The pressing force is balanced at the base.
-  const std::vector<Reaction> reactions = simulator.reactions(id);
+  const std::vector<Reaction> reactions = simulator.diagnostics().reactions(id);
   REQUIRE(reactions.size() == 1);
   CHECK((reactions[0].force - touch.force).norm() < 0.01 * hertz);
 }
@@ -230,7 +230,7 @@ TEST_CASE(
     const Touch touch = touchOf(simulator, finger);
     forces.push_back(touch.force);
     staticDepth = touch.depth;  // the static one is the last
-    const std::vector<Reaction> reactions = simulator.reactions(id);
+    const std::vector<Reaction> reactions = simulator.diagnostics().reactions(id);
     REQUIRE(reactions.size() == 1);
     CHECK((reactions[0].force - touch.force).norm() < 0.02 * touch.force.norm());
     // It also moves sideways, where the block resists, more strongly with friction.

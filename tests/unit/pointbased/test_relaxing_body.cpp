@@ -46,7 +46,7 @@ Material rubber() {
 
 double torqueAt(Simulator &simulator, std::size_t id, double time) {
   while (simulator.time() < time - 1e-9) REQUIRE(simulator.step());
-  return simulator.reactions(id)[1].torque[0];
+  return simulator.diagnostics().reactions(id)[1].torque[0];
 }
 
 WorldSettings stepping(Integrator integrator, double dt) {
@@ -79,7 +79,7 @@ TEST_CASE("relaxing body: the torque of a held twist falls as G(t) with every in
     // The ends restrain warping, which needs some change of volume: that does not relax. Steps of 0.04 of the time:
     // h²/12.
     CHECK(torqueAt(simulator, bar, t) == Approx(G * atOnce).epsilon(0.003));
-    for (const SimulationEvent &event : simulator.events()) CHECK(event.kind != "smaller_step");
+    for (const SimulationEvent &event : simulator.diagnostics().events()) CHECK(event.kind != "smaller_step");
   }
 }
 
@@ -124,6 +124,6 @@ TEST_CASE("relaxing body: what modes remember is part of the state, is kept, res
   CHECK(body.state().history.modes[0].relaxed[0].isZero(0.0));
 
   // A material that no longer relaxes clears its history.
-  simulator.setConstitution(id, {{rubber()}, kLatticeStabilisation});
+  simulator.world().setConstitution(id, {{rubber()}, kLatticeStabilisation});
   CHECK(body.state().history.modes.empty());
 }

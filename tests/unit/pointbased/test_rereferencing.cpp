@@ -83,7 +83,7 @@ void rereference(Body &body) {
 
 double skinVolume(Simulator &simulator, std::size_t id) {
   std::vector<Vec3> x, n;
-  simulator.surfels(id, x, n);
+  simulator.world().surfels(id, x, n);
   double volume = 0.0;
   for (const auto &t : simulator.body(id)->rest().skin) volume += x[t[0]].dot(x[t[1]].cross(x[t[2]])) / 6.0;
   return volume;
@@ -261,30 +261,30 @@ TEST_CASE("a clay block pressed to half its height keeps its volume and its shap
 
 TEST_CASE("a state that was kept before the reference was renewed is taken up with its own reference", "[checkpoint]") {
   Press press;
-  press.simulator.addProbe("corner", press.id, Vec3(kEdge, 0.5 * kEdge, kEdge));
+  press.simulator.world().addProbe("corner", press.id, Vec3(kEdge, 0.5 * kEdge, kEdge));
   press.run(0.1);
-  const Checkpoint kept = press.simulator.checkpoint();
+  const Checkpoint kept = press.simulator.archive().checkpoint();
   const Body &body = *press.simulator.body(press.id);
   const auto rest = body.sharedRest();
   const std::size_t rereferenceCount = body.rereferenceCount();
   const std::uint64_t hash = press.simulator.stateHash();
   press.run(0.4);
-  const Vec3 corner = press.simulator.probeState(press.simulator.probes()[0]).position;
+  const Vec3 corner = press.simulator.world().probeState(press.simulator.world().probes()[0]).position;
   REQUIRE(body.rereferenceCount() > rereferenceCount);
-  REQUIRE(press.simulator.restore(kept));
+  REQUIRE(press.simulator.archive().restore(kept));
   CHECK(body.sharedRest() == rest);
   CHECK(body.rereferenceCount() == rereferenceCount);
   CHECK(press.simulator.stateHash() == hash);
   press.run(0.4);
   // Forces are recomputed at the start, and plastic material does so once more: some nanometres of a step's 10 µm.
-  CHECK((press.simulator.probeState(press.simulator.probes()[0]).position - corner).norm() < 1e-5);
+  CHECK((press.simulator.world().probeState(press.simulator.world().probes()[0]).position - corner).norm() < 1e-5);
 }
 
 TEST_CASE("renewing does not depend on threads, and a reset leads back to the first reference bit for bit") {
   Press one;
   const std::uint64_t start = one.simulator.stateHash();
   const auto first = one.simulator.body(one.id)->sharedRest();
-  one.simulator.addProbe("corner", one.id, Vec3(kEdge, 0.5 * kEdge, kEdge));
+  one.simulator.world().addProbe("corner", one.id, Vec3(kEdge, 0.5 * kEdge, kEdge));
   one.run(0.4);
   const std::uint64_t end = one.simulator.stateHash();
   REQUIRE(one.simulator.body(one.id)->rereferenceCount() >= 1);
@@ -298,8 +298,8 @@ TEST_CASE("renewing does not depend on threads, and a reset leads back to the fi
   CHECK(one.simulator.stateHash() == start);
   CHECK(one.simulator.body(one.id)->sharedRest() == first);
   CHECK(one.simulator.body(one.id)->rereferenceCount() == 0);
-  CHECK((one.simulator.probeState(one.simulator.probes()[0]).position - Vec3(kEdge, 0.5 * kEdge, kEdge)).norm() <
-        1e-15);
+  CHECK((one.simulator.world().probeState(one.simulator.world().probes()[0]).position - Vec3(kEdge, 0.5 * kEdge, kEdge))
+            .norm() < 1e-15);
   one.run(0.4);
   CHECK(one.simulator.stateHash() == end);
 }
@@ -317,17 +317,17 @@ TEST_CASE("probes, supports and gravity go on through a renewal without a jump")
   world.damping = 2.0;
   simulator.setWorld(world);
   const std::size_t id = simulator.addBody(block(clay(0.01), 0.012, {floor, lid}));
-  simulator.addProbe("lid", id, Vec3(0.5 * kEdge, kEdge, 0.5 * kEdge));
-  simulator.addProbe("middle", id, Vec3(0.5 * kEdge, 0.5 * kEdge, 0.5 * kEdge));
+  simulator.world().addProbe("lid", id, Vec3(0.5 * kEdge, kEdge, 0.5 * kEdge));
+  simulator.world().addProbe("middle", id, Vec3(0.5 * kEdge, 0.5 * kEdge, 0.5 * kEdge));
   Body &body = *simulator.body(id);
   double jump = 0.0, gravityJump = 0.0;
-  Vec3 last = simulator.probeState(simulator.probes()[1]).position;
+  Vec3 last = simulator.world().probeState(simulator.world().probes()[1]).position;
   double lastGravity = 0.0;
   while (simulator.time() < 0.6) {
     const std::size_t before = body.rereferenceCount();
     REQUIRE(simulator.step());
-    const Vec3 now = simulator.probeState(simulator.probes()[1]).position;
-    const double gravity = simulator.energy(id).gravity;
+    const Vec3 now = simulator.world().probeState(simulator.world().probes()[1]).position;
+    const double gravity = simulator.diagnostics().energy(id).gravity;
     if (body.rereferenceCount() > before) {
       jump = std::max(jump, (now - last).norm());
       gravityJump = std::max(gravityJump, std::abs(gravity - lastGravity));
@@ -338,7 +338,7 @@ TEST_CASE("probes, supports and gravity go on through a renewal without a jump")
   CHECK(body.rereferenceCount() >= 1);
   CHECK(jump < 1e-3);         // its travel in a step at 0.1 m/s
   CHECK(gravityJump < 1e-4);  // the same, of 0.2 kg
-  const Vec3 lidNow = simulator.probeState(simulator.probes()[0]).position;
+  const Vec3 lidNow = simulator.world().probeState(simulator.world().probes()[0]).position;
   CHECK((lidNow - Vec3(0.5 * kEdge + 0.08, kEdge, 0.5 * kEdge)).norm() < 2e-3);  // patches hold compliantly
 }
 
@@ -392,7 +392,7 @@ TEST_CASE("a drop that may flow without end spreads over the floor, its volume k
     }
     CHECK(body.totalMass() == mass);
     CHECK_FALSE(body.stopped);
-    const auto energy = simulator.energy(id);
+    const auto energy = simulator.diagnostics().energy(id);
     share[renewing] = energy.stabilisation / (energy.elastic + energy.stabilisation);
     step[renewing] = body.stableStep() / first;
     INFO("rereferenceCount " << body.rereferenceCount() << ", height " << height << ", volume "

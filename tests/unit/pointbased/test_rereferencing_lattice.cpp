@@ -168,7 +168,7 @@ TEST_CASE("a lattice drop that may flow without end spreads on, its volume and i
       CHECK(now < height);
       height = now;
     }
-    const auto energy = drop.simulator.energy(drop.id);
+    const auto energy = drop.simulator.diagnostics().energy(drop.id);
     share[renewing] = energy.stabilisation / (energy.elastic + energy.stabilisation);
     step[renewing] = body.stableStep() / first;
     gravity[renewing] = energy.gravity;
@@ -221,7 +221,7 @@ TEST_CASE("a lattice with supports flows on in its first cells, and says so") {
   CHECK(needsRereferencing(*simulator.body(id)));
   CHECK(simulator.body(id)->rereferenceCount() == 0);
   std::size_t told = 0;
-  for (const SimulationEvent &event : simulator.events())
+  for (const SimulationEvent &event : simulator.diagnostics().events())
     told += event.text.find("supports and loads are given in its first shape") != std::string::npos ? 1 : 0;
   CHECK(told == 1);
 }

@@ -36,7 +36,7 @@ TEST_CASE("a body at rest stays at rest for 10 000 steps") {
   const std::uint64_t before = simulator.stateHash();
   for (int i = 0; i < 10000; ++i) REQUIRE(simulator.step());
   CHECK(simulator.stateHash() == before);
-  CHECK(simulator.energy(id).kinetic == 0.0);
+  CHECK(simulator.diagnostics().energy(id).kinetic == 0.0);
 }
 
 TEST_CASE("a free spinning and vibrating body keeps its energy and momenta") {
@@ -57,11 +57,11 @@ TEST_CASE("a free spinning and vibrating body keeps its energy and momenta") {
     return std::pair(p, l);
   };
   const auto [p0, l0] = momenta();
-  const double e0 = simulator.energy(id).kinetic;
+  const double e0 = simulator.diagnostics().energy(id).kinetic;
   double worst = 0.0;
   for (int i = 0; i < 1000; ++i) {
     REQUIRE(simulator.step());
-    const auto e = simulator.energy(id);
+    const auto e = simulator.diagnostics().energy(id);
     worst = std::max(worst, std::abs(e.kinetic + e.elastic + e.stabilisation - e0) / e0);
   }
   const auto [p1, l1] = momenta();
@@ -119,8 +119,8 @@ TEST_CASE("a step that is too large is divided, and says so") {
   simulator.addBody(organ());
   for (int i = 0; i < 30; ++i) REQUIRE(simulator.step());
   CHECK_THAT(simulator.time(), WithinRel(0.5, 1e-9));
-  REQUIRE_FALSE(simulator.events().empty());
-  CHECK(simulator.events().front().kind == "substep");
+  REQUIRE_FALSE(simulator.diagnostics().events().empty());
+  CHECK(simulator.diagnostics().events().front().kind == "substep");
 }
 
 TEST_CASE("a step that leaves the finite numbers is refused, the state before it is kept, and reset leads out") {
@@ -147,7 +147,7 @@ TEST_CASE("a step that leaves the finite numbers is refused, the state before it
   CHECK(simulator.failed());
   CHECK(simulator.stateHash() == before);
   CHECK(simulator.time() == time);
-  CHECK(std::isfinite(simulator.energy(id).elastic));
+  CHECK(std::isfinite(simulator.diagnostics().energy(id).elastic));
   CHECK_FALSE(simulator.step());
   broken = false;
   simulator.reset();
@@ -171,17 +171,17 @@ TEST_CASE("a grabbed region follows the hand and the force vanishes on release")
   for (Index i = 0; i < 8; ++i) start += (body.rest().origin + body.rest().positions[i]) / 8.0;
   grab.target = start + Vec3(0.05, 0.0, 0.0);
   grab.maxForce = 10.0;
-  simulator.setGrab(id, grab);
+  simulator.stepper().setGrab(id, grab);
   while (simulator.time() < 0.02) REQUIRE(simulator.step());
-  CHECK(simulator.grabStatus(id)->force[0] > 0.0);
+  CHECK(simulator.stepper().grabStatus(id)->force[0] > 0.0);
   while (simulator.time() < 4.0) REQUIRE(simulator.step());
-  CHECK((simulator.grabStatus(id)->point - grab.target).norm() < 0.005);
-  simulator.moveGrab(id, Vec3(1e6, 0, 0));  // a tool that is pulled far away pulls no harder
+  CHECK((simulator.stepper().grabStatus(id)->point - grab.target).norm() < 0.005);
+  simulator.stepper().moveGrab(id, Vec3(1e6, 0, 0));  // a tool that is pulled far away pulls no harder
   REQUIRE(simulator.step());
-  CHECK_THAT(simulator.grabStatus(id)->force.norm(), WithinRel(10.0, 1e-9));
+  CHECK_THAT(simulator.stepper().grabStatus(id)->force.norm(), WithinRel(10.0, 1e-9));
   for (int i = 0; i < 200; ++i) REQUIRE(simulator.step());
-  simulator.releaseGrab(id);
-  CHECK_FALSE(simulator.grabStatus(id));
+  simulator.stepper().releaseGrab(id);
+  CHECK_FALSE(simulator.stepper().grabStatus(id));
   for (int i = 0; i < 200; ++i) REQUIRE(simulator.step());
 }
 
@@ -190,11 +190,11 @@ TEST_CASE("a material that is changed while running changes the step at once") {
   simulator.setWorld(falling());
   const std::size_t id = simulator.addBody(organ());
   while (simulator.time() < 0.5) REQUIRE(simulator.step());
-  const double before = simulator.stepSize();
+  const double before = simulator.stepper().stepSize();
   Material stiff = simulator.body(id)->material();
   stiff.youngsModulus *= 100.0;
-  simulator.setConstitution(id, {{stiff}, kCloudStabilisation});
-  CHECK_THAT(simulator.stepSize(), WithinRel(0.1 * before, 1e-6));
+  simulator.world().setConstitution(id, {{stiff}, kCloudStabilisation});
+  CHECK_THAT(simulator.stepper().stepSize(), WithinRel(0.1 * before, 1e-6));
   while (simulator.time() < 1.0) REQUIRE(simulator.step());
 }
 
@@ -205,11 +205,11 @@ TEST_CASE("a probe reports where its material point is") {
   world.dt = 1e-3;
   simulator.setWorld(world);
   const std::size_t id = simulator.addBody(organ(0.03));
-  simulator.addProbe("tip", id, Vec3(0.3, 0.2, 0.1));
-  CHECK((simulator.probeState(simulator.probes()[0]).position - Vec3(0.3, 0.2, 0.1)).norm() < 1e-12);
+  simulator.world().addProbe("tip", id, Vec3(0.3, 0.2, 0.1));
+  CHECK((simulator.world().probeState(simulator.world().probes()[0]).position - Vec3(0.3, 0.2, 0.1)).norm() < 1e-12);
   for (int i = 0; i < 100; ++i) REQUIRE(simulator.step());
-  CHECK_THAT(simulator.probeState(simulator.probes()[0]).position[1], WithinAbs(0.2 - 0.05, 1e-9));
-  CHECK_THAT(simulator.probeState(simulator.probes()[0]).velocity[1], WithinAbs(-1.0, 1e-9));
+  CHECK_THAT(simulator.world().probeState(simulator.world().probes()[0]).position[1], WithinAbs(0.2 - 0.05, 1e-9));
+  CHECK_THAT(simulator.world().probeState(simulator.world().probes()[0]).velocity[1], WithinAbs(-1.0, 1e-9));
 }
 
 TEST_CASE("a block on a slippery floor sinks under its own weight as the bar formula says") {
@@ -233,9 +233,9 @@ TEST_CASE("a block on a slippery floor sinks under its own weight as the bar for
     material.restDensity = density;
     const std::size_t id = simulator.addBody(std::make_unique<Body>(
         "block", shapes::restState(shape, 0.0125), Constitution{{material}, kCloudStabilisation}, serialFor()));
-    simulator.addProbe("top", id, Vec3(0.05, height, 0.05));
+    simulator.world().addProbe("top", id, Vec3(0.05, height, 0.05));
     while (simulator.time() < 2.0) REQUIRE(simulator.step());
-    const double sunk = height - simulator.probeState(simulator.probes()[0]).position[1];
+    const double sunk = height - simulator.world().probeState(simulator.world().probes()[0]).position[1];
     const double column = height - 0.5 * simulator.body(id)->rest().spacing;
     const double formula = density * 9.81 * column * column / (2.0 * youngs);
     INFO("nu = " << poisson << ": sunk by " << 1e3 * sunk << " mm, formula " << 1e3 * formula << " mm");
@@ -273,7 +273,7 @@ TEST_CASE("another integrator goes on from the same positions, velocities and pl
     CHECK(simulator.time() >= time);
     for (int i = 0; i < 3; ++i) REQUIRE(simulator.step());
     CHECK(simulator.stateHash() != before);
-    CHECK(std::isfinite(simulator.energy(id).elastic));
+    CHECK(std::isfinite(simulator.diagnostics().energy(id).elastic));
   }
 }
 
@@ -288,14 +288,15 @@ TEST_CASE("the cheaper integrator is chosen by the stiffness of the body, and an
     const std::size_t id =
         simulator.addBody(std::make_unique<Body>("ball", shapes::restState(shapes::ball(Vec3::Zero(), 0.05), 0.01),
                                                  Constitution{{material}, kCloudStabilisation}, serialFor()));
-    const auto [explicitCost, implicitCost] = simulator.predictedCost(id);
+    const auto [explicitCost, implicitCost] = simulator.stepper().predictedCost(id);
     CHECK(explicitCost > 0.0);
     CHECK(implicitCost > 0.0);
     if (asked == Integrator::automatic)
-      CHECK((simulator.integratorOf(id) == Integrator::implicitSdirk) == (implicitCost < explicitCost));
+      CHECK((simulator.stepper().integratorOf(id) == Integrator::implicitSdirk) == (implicitCost < explicitCost));
     // The step that belongs to it.
-    CHECK((simulator.stepSize() == kImplicitStep) == (simulator.integratorOf(id) == Integrator::implicitSdirk));
-    return simulator.integratorOf(id);
+    CHECK((simulator.stepper().stepSize() == kImplicitStep) ==
+          (simulator.stepper().integratorOf(id) == Integrator::implicitSdirk));
+    return simulator.stepper().integratorOf(id);
   };
   CHECK(integratorFor(6e3, Integrator::automatic) == Integrator::explicitVerlet);
   CHECK(integratorFor(1e9, Integrator::automatic) == Integrator::implicitSdirk);
@@ -318,7 +319,7 @@ TEST_CASE("an automatic step is not divided by a strain of two per cent, and is 
     REQUIRE(simulator.step());
     CHECK(body.stableStep() < body.stableStepAtRest());
     REQUIRE(simulator.step());
-    return std::any_of(simulator.events().begin(), simulator.events().end(),
+    return std::any_of(simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(),
                        [](const SimulationEvent &event) { return event.kind == "substep"; });
   };
   CHECK_FALSE(dividedAt(-0.02));
@@ -350,8 +351,8 @@ std::unique_ptr<Simulator> cubes(const std::vector<double> &moduli, Integrator i
 }  // namespace
 
 TEST_CASE("a stiff body does not set the step of a soft one: each moves as it would alone") {
-  const double dt = cubes({1e4}, Integrator::explicitVerlet)->stepSize();
-  CHECK(cubes({1e4, 4e6}, Integrator::explicitVerlet)->stepSize() == dt);
+  const double dt = cubes({1e4}, Integrator::explicitVerlet)->stepper().stepSize();
+  CHECK(cubes({1e4, 4e6}, Integrator::explicitVerlet)->stepper().stepSize() == dt);
   const auto together = cubes({1e4, 4e6}, Integrator::explicitVerlet, serialFor(), dt);
   const auto soft = cubes({1e4}, Integrator::explicitVerlet, serialFor(), dt);
   const auto stiff = cubes({1e4, 4e6}, Integrator::explicitVerlet, serialFor(), dt);
@@ -372,7 +373,7 @@ TEST_CASE("a stiff body does not set the step of a soft one: each moves as it wo
   // Substeps are reported where the caller has chosen the step, not where the soft body determines it.
   const auto tellsOfSubsteps = [](Simulator &simulator) {
     REQUIRE(simulator.step());
-    const std::vector<SimulationEvent> &events = simulator.events();
+    const std::vector<SimulationEvent> &events = simulator.diagnostics().events();
     return std::any_of(events.begin(), events.end(), [](const SimulationEvent &e) { return e.kind == "substep"; });
   };
   CHECK(tellsOfSubsteps(*cubes({1e4, 4e6}, Integrator::explicitVerlet, serialFor(), dt)));
@@ -392,9 +393,10 @@ TEST_CASE("bodies that go side by side go the same way, bit for bit, and a reque
       REQUIRE(three->step());
     }
     CHECK(one->stateHash() == three->stateHash());
-    REQUIRE(one->events().size() == three->events().size());
-    for (std::size_t k = 0; k < one->events().size(); ++k) CHECK(one->events()[k].text == three->events()[k].text);
-    for (const std::size_t id : three->bodyIds()) CHECK(three->costOf(id) >= 0.0);
+    REQUIRE(one->diagnostics().events().size() == three->diagnostics().events().size());
+    for (std::size_t k = 0; k < one->diagnostics().events().size(); ++k)
+      CHECK(one->diagnostics().events()[k].text == three->diagnostics().events()[k].text);
+    for (const std::size_t id : three->bodyIds()) CHECK(three->diagnostics().costOf(id) >= 0.0);
 
     class Later final : public StopRequest {
      public:
@@ -410,7 +412,7 @@ TEST_CASE("bodies that go side by side go the same way, bit for bit, and a reque
     CHECK(ended.error().ended);
     CHECK(ended.error().body != 0);
     CHECK(three->stateHash() == before);
-    CHECK(three->activity().empty());
+    CHECK(three->diagnostics().activity().empty());
     REQUIRE(three->step());
   }
 }

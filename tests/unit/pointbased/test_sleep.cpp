@@ -27,11 +27,11 @@ std::unique_ptr<Body> block() {
   return latticeBox(Vec3(-0.04, 0.001, -0.04), Vec3(0.04, 0.061, 0.04), kSpacing, rubber(2e4, 20.0), 6);
 }
 
-struct World {
+struct OneBodyWorld {
   Simulator simulator;
   std::size_t id = 0;
 
-  explicit World(const WorldSettings &settings) {
+  explicit OneBodyWorld(const WorldSettings &settings) {
     simulator.setWorld(settings);
     id = simulator.addBody(block());
     simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.5));
@@ -41,14 +41,14 @@ struct World {
   }
   // @return s when it fell asleep; inf: not before `latest`
   double fallAsleep(double latest) {
-    while (!simulator.asleep(id)) {
+    while (!simulator.stepper().asleep(id)) {
       if (simulator.time() > latest) return std::numeric_limits<double>::infinity();
       REQUIRE(simulator.step());
     }
     return simulator.time();
   }
   std::size_t evaluations() const {
-    for (const StageClock::Summary &stage : simulator.stageTimes())
+    for (const StageClock::Summary &stage : simulator.diagnostics().stageTimes())
       if (stage.name == "internal_forces") return stage.calls;
     return 0;
   }
@@ -77,59 +77,59 @@ double farthest(const Body &a, const Body &b) {
 
 TEST_CASE("A body that has come to rest in contact costs no evaluation of forces and stays where it is, bit for bit") {
   for (const Integrator integrator : {Integrator::explicitVerlet, Integrator::implicitSdirk}) {
-    World world(restful(true, integrator));
+    OneBodyWorld world(restful(true, integrator));
     const double since = world.fallAsleep(6.0);
     REQUIRE(since < 6.0);
     CHECK(since > 0.5);
-    const std::uint64_t hash = world.simulator.stateHash(), changes = world.simulator.changes(world.id);
+    const std::uint64_t hash = world.simulator.stateHash(), changes = world.simulator.stepper().changes(world.id);
     const std::size_t evaluations = world.evaluations(), steps = world.simulator.steps();
     world.runTo(since + 2.0);
-    CHECK(world.simulator.asleep(world.id));
+    CHECK(world.simulator.stepper().asleep(world.id));
     CHECK(world.simulator.stateHash() == hash);
-    CHECK(world.simulator.changes(world.id) == changes);
+    CHECK(world.simulator.stepper().changes(world.id) == changes);
     CHECK(world.evaluations() == evaluations);
     CHECK(world.simulator.steps() > steps);
     // A body that never sleeps moves within the tolerance: 1e-4 of the spacing during the observed time.
-    World awake(restful(false, integrator));
+    OneBodyWorld awake(restful(false, integrator));
     awake.runTo(since + 2.0);
-    CHECK_FALSE(awake.simulator.asleep(awake.id));
+    CHECK_FALSE(awake.simulator.stepper().asleep(awake.id));
     CHECK(farthest(*world.simulator.body(world.id), *awake.simulator.body(awake.id)) < 5e-4 * kSpacing);
   }
 }
 
 TEST_CASE("A hand wakes a body, which then moves as one that never slept") {
-  World world(restful(true)), awake(restful(false));
+  OneBodyWorld world(restful(true)), awake(restful(false));
   const double since = world.fallAsleep(6.0);
   REQUIRE(since < 6.0);
   const double until = since + 1.0;
-  for (World *one : {&world, &awake}) one->runTo(until);
-  REQUIRE(world.simulator.asleep(world.id));
+  for (OneBodyWorld *one : {&world, &awake}) one->runTo(until);
+  REQUIRE(world.simulator.stepper().asleep(world.id));
   const Grab grab = handOn(*awake.simulator.body(awake.id), Vec3(0.004, 0.01, 0.0));
   double apart = 0.0, moved = 0.0;
-  for (World *one : {&world, &awake}) one->simulator.setGrab(one->id, grab);
+  for (OneBodyWorld *one : {&world, &awake}) one->simulator.stepper().setGrab(one->id, grab);
   const std::vector<Vec3> before = awake.simulator.body(awake.id)->state().displacements;
   for (int i = 0; i < 600; ++i) {
-    for (World *one : {&world, &awake}) REQUIRE(one->simulator.step());
-    CHECK_FALSE(world.simulator.asleep(world.id));
+    for (OneBodyWorld *one : {&world, &awake}) REQUIRE(one->simulator.step());
+    CHECK_FALSE(world.simulator.stepper().asleep(world.id));
     apart = std::max(apart, farthest(*world.simulator.body(world.id), *awake.simulator.body(awake.id)));
     for (std::size_t p = 0; p < before.size(); ++p)
       moved = std::max(moved, (awake.simulator.body(awake.id)->state().displacements[p] - before[p]).norm());
   }
   CHECK(moved > 5e-4);
   CHECK(apart < 1e-3 * moved);
-  for (World *one : {&world, &awake}) one->simulator.releaseGrab(one->id);
+  for (OneBodyWorld *one : {&world, &awake}) one->simulator.stepper().releaseGrab(one->id);
   CHECK(world.fallAsleep(world.simulator.time() + 6.0) < 1e9);
 }
 
 TEST_CASE("Whatever changes around a sleeping body wakes it") {
-  World world(restful(true));
+  OneBodyWorld world(restful(true));
   REQUIRE(world.fallAsleep(6.0) < 6.0);
   const auto wakes = [&](const char *what, const std::function<void()> &change) {
     CAPTURE(what);
     REQUIRE(world.fallAsleep(world.simulator.time() + 6.0) < 1e9);
     change();
     REQUIRE(world.simulator.step());
-    CHECK_FALSE(world.simulator.asleep(world.id));
+    CHECK_FALSE(world.simulator.stepper().asleep(world.id));
   };
   wakes("gravity", [&] {
     WorldSettings settings = restful(true);
@@ -137,20 +137,20 @@ TEST_CASE("Whatever changes around a sleeping body wakes it") {
     world.simulator.setWorld(settings);
   });
   wakes("material", [&] {
-    world.simulator.setConstitution(world.id, Constitution{{rubber(1e4, 20.0)}, kLatticeStabilisation});
+    world.simulator.world().setConstitution(world.id, Constitution{{rubber(1e4, 20.0)}, kLatticeStabilisation});
   });
   wakes("obstacle", [&] { world.simulator.addObstacle(halfSpace(Vec3(0, -0.5, 0), Vec3::UnitY(), 0.5)); });
   wakes("push", [&] { world.simulator.body(world.id)->state().velocities[0] = Vec3(0.1, 0, 0); });
   wakes("settings", [&] { world.simulator.setWorld(restful(false)); });
   for (int i = 0; i < 200; ++i) REQUIRE(world.simulator.step());
   world.runTo(world.simulator.time() + 2.0);
-  CHECK_FALSE(world.simulator.asleep(world.id));  // no more
+  CHECK_FALSE(world.simulator.stepper().asleep(world.id));  // no more
   world.simulator.reset();
-  CHECK_FALSE(world.simulator.asleep(world.id));
+  CHECK_FALSE(world.simulator.stepper().asleep(world.id));
 }
 
 TEST_CASE("An obstacle that begins to move wakes a body, and carries it") {
-  World world(restful(true));
+  OneBodyWorld world(restful(true));
   Obstacle lift = solidBox(Vec3(-0.2, -0.3, -0.2), Vec3(0.2, -0.001, 0.2), 0.5);
   lift.motion = [](double t) {
     RigidMotion motion;
@@ -160,9 +160,9 @@ TEST_CASE("An obstacle that begins to move wakes a body, and carries it") {
   world.simulator.addObstacle(lift);
   REQUIRE(world.fallAsleep(5.9) < 5.9);
   world.runTo(5.99);
-  CHECK(world.simulator.asleep(world.id));
+  CHECK(world.simulator.stepper().asleep(world.id));
   world.runTo(6.05);
-  CHECK_FALSE(world.simulator.asleep(world.id));
+  CHECK_FALSE(world.simulator.stepper().asleep(world.id));
   world.runTo(7.0);
   CHECK(extent(*world.simulator.body(world.id), Vec3::UnitY()).low > 0.028);
   CHECK(world.fallAsleep(12.0) < 12.0);
@@ -183,11 +183,11 @@ TEST_CASE("What moves, however little at the moment, does not sleep") {
   drifting.body(slow)->setInitialVelocity(Vec3(1e-4, 0, 0), Vec3::Zero());
   while (thrown.time() < 0.3) {
     REQUIRE(thrown.step());
-    CHECK_FALSE(thrown.asleep(up));
+    CHECK_FALSE(thrown.stepper().asleep(up));
   }
   while (drifting.time() < 1.5) {
     REQUIRE(drifting.step());
-    REQUIRE_FALSE(drifting.asleep(slow));
+    REQUIRE_FALSE(drifting.stepper().asleep(slow));
   }
 }
 
@@ -218,7 +218,7 @@ TEST_CASE("Points that wait have no contacts, and the others the same as if all 
   std::size_t looked = 0, contacts = 0, searches = 0;
   const double margin = 0.02 * rest.spacing;
   while (simulator.time() < 0.6) {
-    const double dt = simulator.stepSize();
+    const double dt = simulator.stepper().stepSize();
     findContacts(obstacles, settings.box, simulator.time(), dt, margin, body.contactPositions(serialFor()),
                  body.contactVelocities(serialFor()), rest.contact.radii, all, serialFor());
     findContacts(obstacles, settings.box, simulator.time(), dt, margin,

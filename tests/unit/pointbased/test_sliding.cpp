@@ -78,7 +78,7 @@ double errorOfSpeed(const Slide &of) {
   world.integrator = of.integrator;
   world.dt = of.dt;
   simulator.setWorld(world);
-  simulator.setContact({true, true, of.friction});
+  simulator.world().setContact({true, true, of.friction});
   Material material = soft(of.modulus, 0.45, 20.0);
   BodyShape cube = inside(gridBox(Vec3(-0.03, -0.03, -0.03), Vec3(0.03, 0.03, 0.03),
                                   {of.squaresOfBlock, of.squaresOfBlock, of.squaresOfBlock}, of.alternates));
@@ -113,7 +113,7 @@ double errorOfSpeed(const Slide &of) {
   }
   Material below = of.softBelow ? soft(1e6, 0.3, 300.0) : material;
   const std::size_t slabId = simulator.addBody(bodyOf(slab, of.spacingBelow, below, fixes));
-  if (!of.softBelow) simulator.setRigid(slabId, true);
+  if (!of.softBelow) simulator.world().setRigid(slabId, true);
   if (of.thrown > 0.0) {
     simulator.body(id)->setInitialVelocity(of.thrown * along, Vec3::Zero());
     simulator.body(id)->reset();

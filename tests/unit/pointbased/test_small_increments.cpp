@@ -76,8 +76,8 @@ TEST_CASE("an increment far below the tolerance of a solution is taken, in free 
   const double way = integrator == Integrator::backwardEuler ? 0.5 * gravity * t * (t + dt) : 0.5 * gravity * t * t;
   CHECK_THAT(-upperMean(body, body.state().velocities).y(), WithinRel(gravity * t, bound));
   CHECK_THAT(-upperMean(body, body.state().displacements).y(), WithinRel(way, 2.0 * bound));
-  CHECK(simulator.energy(id).kinetic > 0.0);
-  CHECK(simulator.energy(id).gravity < 0.0);
+  CHECK(simulator.diagnostics().energy(id).kinetic > 0.0);
+  CHECK(simulator.diagnostics().energy(id).gravity < 0.0);
 }
 
 // In explicit steps no increment is ever dropped.

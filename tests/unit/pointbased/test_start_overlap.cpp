@@ -31,7 +31,7 @@ Obstacle tool(const Vec3 &at, double radius, double length = 0.0) {
 }
 
 std::string textOf(const Simulator &simulator, const std::string &kind) {
-  for (const SimulationEvent &event : simulator.events())
+  for (const SimulationEvent &event : simulator.diagnostics().events())
     if (event.kind == kind) return event.text;
   return {};
 }
@@ -67,7 +67,7 @@ TEST_CASE("a body around an obstacle does not begin, and the reason names the de
     const std::size_t obstacle = simulator.addObstacle(tool(Vec3(0.02, 0, 0), 0.015));
     ContactPairSettings off;
     off.enabled = false;
-    simulator.setContactPair(id, obstacle, off);
+    simulator.world().setContactPair(id, obstacle, off);
     CHECK(simulator.step());
     CHECK(textOf(simulator, "overlap").empty());
   }
@@ -106,7 +106,7 @@ TEST_CASE("an obstacle that is half inside a body is led out on the side from wh
 
 TEST_CASE("two bodies in one place do not begin, and the reason names the depth") {
   Simulator simulator;
-  simulator.setContact({true, false, 0.3});
+  simulator.world().setContact({true, false, 0.3});
   SECTION("alike") {
     for (int k = 0; k < 2; ++k) simulator.addBody(block(Vec3::Zero(), Vec3::Constant(0.05), 0.0125, soft(1e4, 0.3), 6));
   }
@@ -119,7 +119,7 @@ TEST_CASE("two bodies in one place do not begin, and the reason names the depth"
     simulator.addBody(ball(Vec3(0.02, 0.025, 0.025), 0.015, 0.005, soft(1e4, 0.3), 12));
   }
   REQUIRE_FALSE(simulator.step());
-  CHECK(simulator.stoppedBodies() == 2);
+  CHECK(simulator.stepper().stoppedBodies() == 2);
   CHECK_THAT(textOf(simulator, "stopped"), Contains("begins in the same place") && Contains("mm"));
 }
 
@@ -131,5 +131,5 @@ TEST_CASE("bodies and obstacles that touch at the start begin as they are") {
   simulator.addObstacle(solidBox(Vec3(0.05, 0, 0), Vec3(0.1, 0.1, 0.05), 0.3));
   REQUIRE(simulator.step());
   CHECK(textOf(simulator, "overlap").empty());
-  CHECK(simulator.stoppedBodies() == 0);
+  CHECK(simulator.stepper().stoppedBodies() == 0);
 }

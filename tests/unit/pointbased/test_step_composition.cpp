@@ -42,22 +42,22 @@ Stepped stepped(const Scene &scene) {
   const std::size_t n = body->rest().phyxelCount();
   const std::size_t id = simulator.addBody(std::move(body));
   for (const Obstacle &obstacle : scene.obstacles) simulator.addObstacle(obstacle);
-  if (scene.probed) (void)simulator.addProbe("tip", id, Vec3(0.08, 0.03, 0.02));
+  if (scene.probed) (void)simulator.world().addProbe("tip", id, Vec3(0.08, 0.03, 0.02));
   if (scene.grabbed) {
     Grab grab;
     grab.phyxels = {0};
     grab.weights = {1.0};
-    simulator.setGrab(id, grab);
+    simulator.stepper().setGrab(id, grab);
   }
-  if (scene.pushed) simulator.setExternalForces(id, std::vector<Vec3>(n, Vec3(1e-5, 0, 0)));
+  if (scene.pushed) simulator.stepper().setExternalForces(id, std::vector<Vec3>(n, Vec3(1e-5, 0, 0)));
   Stepped out;
-  out.composition = simulator.compositionOf(id);
+  out.composition = simulator.stepper().compositionOf(id);
   for (int i = 0; i < 3; ++i) REQUIRE(simulator.step());
-  for (const ComposedStage &stage : simulator.compositionOf(id).stages) {
+  for (const ComposedStage &stage : simulator.stepper().compositionOf(id).stages) {
     CHECK_FALSE(stage.why.empty());
     if (stage.runs) out.said.insert(stage.name);
   }
-  for (const StageClock::Summary &stage : simulator.stageTimes()) out.clock.insert(stage.name);
+  for (const StageClock::Summary &stage : simulator.diagnostics().stageTimes()) out.clock.insert(stage.name);
   return out;
 }
 
@@ -166,9 +166,9 @@ TEST_CASE("composition: what does not step has no stage, and says why", "[compos
   REQUIRE(rest);
   const std::size_t id = simulator.addBody(
       std::make_unique<Body>("bone", *rest, Constitution{{Material{}}, kLatticeStabilisation}, serialFor()));
-  simulator.setRigid(id, true);
-  for (const ComposedStage &stage : simulator.compositionOf(id).stages)
+  simulator.world().setRigid(id, true);
+  for (const ComposedStage &stage : simulator.stepper().compositionOf(id).stages)
     if (stage.runs) CHECK(stage.name == "surfels");
-  CHECK(simulator.compositionOf(id).stage("internal_forces")->why == "rigid: it stands as it is");
-  CHECK(simulator.compositionOf(99).stages.empty());
+  CHECK(simulator.stepper().compositionOf(id).stage("internal_forces")->why == "rigid: it stands as it is");
+  CHECK(simulator.stepper().compositionOf(99).stages.empty());
 }

@@ -91,8 +91,8 @@ TEST_CASE("a step that is ended half way leaves the state before it, wherever it
       CHECK(simulator->steps() == steps);
       CHECK(simulator->time() == time);
       CHECK(simulator->loadFactor() == load);
-      CHECK(simulator->stoppedBodies() == 0);
-      CHECK(simulator->activity().empty());
+      CHECK(simulator->stepper().stoppedBodies() == 0);
+      CHECK(simulator->diagnostics().activity().empty());
     }
     CHECK(ended >= 5);  // at the beginning, at the end and between
     CHECK(simulator->stateHash() != before);
@@ -263,7 +263,7 @@ TEST_CASE("a simulator says what it is busy with, and what would help") {
    public:
     explicit Ask(const Simulator &simulator) : simulator_(simulator) {}
     [[nodiscard]] bool isRaised() const noexcept override {
-      if (line.empty()) line = simulator_.activity();
+      if (line.empty()) line = simulator_.diagnostics().activity();
       return false;
     }
     mutable std::string line;
@@ -271,14 +271,14 @@ TEST_CASE("a simulator says what it is busy with, and what would help") {
    private:
     const Simulator &simulator_;
   };
-  CHECK(simulator.activity().empty());
+  CHECK(simulator.diagnostics().activity().empty());
   const Ask ask(simulator);
   REQUIRE(simulator.step(&ask));
   CHECK_THAT(ask.line, Contains("ν 0.499") && Contains("lower ν") && Contains("explicit"));
-  CHECK(simulator.activity().empty());
+  CHECK(simulator.diagnostics().activity().empty());
 
   material.poissonRatio = 0.3;
-  simulator.setConstitution(id, {{material}});
+  simulator.world().setConstitution(id, {{material}});
   world.integrator = Integrator::explicitVerlet;
   simulator.setWorld(world);
   const Ask again(simulator);
@@ -298,19 +298,19 @@ TEST_CASE("of a step that was ended is said how far it came, and what fits by th
     REQUIRE(!ended);
     REQUIRE(ended.error().ended);
     CHECK(ended.error().body == 2);
-    const std::string text = simulator->suggestAffordableStep(ended.error(), 1e-4);
+    const std::string text = simulator->stepper().suggestAffordableStep(ended.error(), 1e-4);
     INFO(text);
     CHECK_THAT(text, Contains("125 phyxels") && Contains("measured: "));
     if (integrator == Integrator::explicitVerlet) {
       CHECK_THAT(text, Contains("solver.dt = "));
       // Where forces take almost none of the time, something else does.
-      CHECK_THAT(simulator->suggestAffordableStep(ended.error(), 100.0),
+      CHECK_THAT(simulator->stepper().suggestAffordableStep(ended.error(), 100.0),
                  Contains("its forces take only") && Contains("contact") && !Contains("solver.dt"));
     } else {
       CHECK_THAT(text, Contains(" Newton step") && Contains("sampling.count = 50 or less"));
       CHECK_THAT(text, Contains(integrator == Integrator::quasiStatic ? "solver.load_steps" : "solver.dt = 0.0021"));
       // With enough time for explicit steps they are proposed first.
-      CHECK((simulator->suggestAffordableStep(ended.error(), 100.0).find("explicit") != std::string::npos) ==
+      CHECK((simulator->stepper().suggestAffordableStep(ended.error(), 100.0).find("explicit") != std::string::npos) ==
             (integrator == Integrator::backwardEuler));
     }
     // Measuring changes nothing.

@@ -92,9 +92,9 @@ TEST_CASE("strain, stabilisation and supports store half of the work of the load
         simulator.setWorld(world);
         const std::size_t id = simulator.addBody(bodyOf(setup, spacing, MaterialLaw::linear, loads));
         while (!simulator.finished()) REQUIRE(simulator.step());
-        REQUIRE(simulator.stoppedBodies() == 0);
+        REQUIRE(simulator.stepper().stoppedBodies() == 0);
         const Body &body = *simulator.body(id);
-        const Simulator::Energy energy = simulator.energy(id);
+        const Diagnostics::Energy energy = simulator.diagnostics().energy(id);
         const double work = workOfLoads(body) - energy.gravity, supports = supportEnergy(body);
         CHECK_THAT(energy.elastic + energy.stabilisation + supports, WithinRel(0.5 * work, 1e-3));
         // Without them it would not hold, unless phyxels on the face are held themselves.
@@ -118,7 +118,7 @@ TEST_CASE("a supported body that swings keeps the sum of its energies") {
   double most = 0.0, least = 0.0, stored = 0.0, inSupports = 0.0;
   while (simulator.time() < 0.15) {
     REQUIRE(simulator.step());
-    const Simulator::Energy energy = simulator.energy(id);
+    const Diagnostics::Energy energy = simulator.diagnostics().energy(id);
     const double supports = supportEnergy(*simulator.body(id));
     const double total = energy.kinetic + energy.elastic + energy.stabilisation + energy.gravity + supports;
     most = std::max(most, total);

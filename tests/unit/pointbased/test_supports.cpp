@@ -477,9 +477,10 @@ TEST_CASE("a support that is soft for a step is a force in it", "[supports]") {
       world.damping = 20.0;
       simulator.setWorld(world);
       const std::size_t id = simulator.addBody(std::make_unique<Body>("bar", *rest, constitution, serialFor()));
-      simulator.addProbe("end", id, Vec3(0.1, 0.01, 0.01));
+      simulator.world().addProbe("end", id, Vec3(0.1, 0.01, 0.01));
       while (isStatic ? !simulator.finished() : simulator.time() < 1.5) REQUIRE(simulator.step());
-      ends[isStatic ? 1 : 0] = simulator.probeState(simulator.probes().front()).position - Vec3(0.1, 0.01, 0.01);
+      ends[isStatic ? 1 : 0] =
+          simulator.world().probeState(simulator.world().probes().front()).position - Vec3(0.1, 0.01, 0.01);
       const PatchSolver &patches = std::as_const(*simulator.body(id)).patches();
       REQUIRE(patches.rows() > 0);
       if (!isStatic) CHECK(patches.solvedRows() == 0);

@@ -122,7 +122,9 @@ TEST_CASE("a body that the sampling has torn is told of, one of as many pieces i
       return e.kind == "warning" && Contains("1 connected piece,").match(e.text) &&
              Contains("make 2 parts").match(e.text);
     };
-    const auto count = [&] { return std::count_if(simulator.events().begin(), simulator.events().end(), tells); };
+    const auto count = [&] {
+      return std::count_if(simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(), tells);
+    };
     const auto before = count();
     simulator.reset();
     CHECK(count() == before);
@@ -174,7 +176,7 @@ TEST_CASE("energy that comes from nothing is taken back with the steps that brou
         for (Vec3 &v : simulator.body(id)->state().velocities) v *= 4.0;
       REQUIRE(simulator.step());
     }
-    if (events) *events = simulator.events();
+    if (events) *events = simulator.diagnostics().events();
     return totalEnergy(simulator, id);
   };
   for (const bool isNear : {false, true}) {
@@ -205,7 +207,7 @@ TEST_CASE("two skins that overlap are found, with their depth and volume") {
 
 TEST_CASE("bodies that pass through each other are told of once, and nobody else") {
   Simulator simulator;
-  simulator.setContact({false, false, 0.3});
+  simulator.world().setContact({false, false, 0.3});
   WorldSettings world;
   world.gravity = Vec3::Zero();
   simulator.setWorld(world);
@@ -216,7 +218,7 @@ TEST_CASE("bodies that pass through each other are told of once, and nobody else
   simulator.addBody(latticeBox(Vec3(0.3, 0, 0), Vec3(0.36, 0.06, 0.06), 0.01, rubber(1e6), 8));
   while (simulator.time() < 0.03) REQUIRE(simulator.step());
   std::size_t told = 0;
-  for (const SimulationEvent &event : simulator.events())
+  for (const SimulationEvent &event : simulator.diagnostics().events())
     if (event.kind == "overlap") {
       ++told;
       CHECK(event.time > 0.002);
@@ -226,7 +228,7 @@ TEST_CASE("bodies that pass through each other are told of once, and nobody else
 
 TEST_CASE("pairs of many bodies are looked at in turn, and each that overlaps is found") {
   Simulator simulator;
-  simulator.setContact({false, false, 0.3});
+  simulator.world().setContact({false, false, 0.3});
   WorldSettings world;
   world.gravity = Vec3::Zero();
   simulator.setWorld(world);
@@ -241,7 +243,7 @@ TEST_CASE("pairs of many bodies are looked at in turn, and each that overlaps is
   std::vector<std::string> told;
   const auto look = [&] {
     told.clear();
-    for (const SimulationEvent &event : simulator.events())
+    for (const SimulationEvent &event : simulator.diagnostics().events())
       if (event.kind == "overlap") told.push_back(event.text);
   };
   REQUIRE(simulator.step());

@@ -435,7 +435,7 @@ TEST_CASE("Soft tissue comes to lie on rigid tissue of its own body, and does no
     ContactSettings contact;
     contact.enabled = meets;
     contact.self = false;
-    simulator.setContact(contact);
+    simulator.world().setContact(contact);
     const std::size_t id = simulator.addBody(softBody(ball.rest));
     const auto depth = [&] {
       const Body &body = *simulator.body(id);
@@ -474,7 +474,7 @@ TEST_CASE("Soft tissue comes to lie on rigid tissue of its own body, and does no
     CHECK(stay > 100);
     for (const Contact &touching : body.contact.active) CHECK_FALSE(stays(touching.point));
     // It rests there with its weight, and no other part of the body presses.
-    const auto contacts = simulator.contacts();
+    const auto contacts = simulator.diagnostics().contacts();
     REQUIRE(contacts.size() == 1);
     CHECK(contacts[0].first == id);
     CHECK(contacts[0].second == id);
@@ -486,14 +486,14 @@ TEST_CASE("Soft tissue comes to lie on rigid tissue of its own body, and does no
     plate.closest = [](std::span<const Vec3> at, std::span<const double>, std::span<SurfacePoint> out) {
       for (std::size_t k = 0; k < at.size(); ++k) out[k] = {Vec3::UnitZ(), at[k][2] + 1.0};
     };
-    const std::size_t plateId = simulator.addInstrument(plate);
-    CHECK(simulator.obstaclesOf(id).size() == 1);
+    const std::size_t plateId = simulator.world().addInstrument(plate);
+    CHECK(simulator.world().obstaclesOf(id).size() == 1);
     REQUIRE(simulator.step());
-    REQUIRE(simulator.contacts().size() == 1);
-    CHECK(simulator.contacts()[0].second == id);
+    REQUIRE(simulator.diagnostics().contacts().size() == 1);
+    CHECK(simulator.diagnostics().contacts()[0].second == id);
     REQUIRE(simulator.removeObstacle(plateId));
     REQUIRE(simulator.step());
-    CHECK(simulator.obstaclesOf(id).empty());
+    CHECK(simulator.world().obstaclesOf(id).empty());
     CHECK(depth() < 0.25 * kVoxel);
   }
 }
@@ -510,21 +510,21 @@ TEST_CASE("Soft tissue that comes far into rigid tissue between points of contac
     simulator.setWorld(world);
     ContactSettings contact;
     contact.self = false;
-    simulator.setContact(contact);
+    simulator.world().setContact(contact);
     const std::size_t id = simulator.addBody(softBody(ball.rest));
     while (simulator.time() < 0.5) REQUIRE(simulator.step());
     // The drawn skin of the soft part.
     std::vector<Vec3> x, n;
-    simulator.surfels(id, x, n);
+    simulator.world().surfels(id, x, n);
     const RestState &rest = *ball.rest;
     double depth = 0.0;
     for (std::size_t p = 0; p < x.size(); ++p)
       if ((rest.origin + rest.surfels.position(p, rest.positions)).norm() < (kBall + 0.5) * kVoxel)
         depth = std::max(depth, -signedDistance(ball.shell, x[p]));
-    const auto told = std::count_if(simulator.events().begin(), simulator.events().end(),
+    const auto told = std::count_if(simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(),
                                     [](const SimulationEvent &event) { return event.kind == "skin"; });
-    CAPTURE(depth, simulator.skinDepth(id));
-    CHECK(simulator.skinDepth(id) >= depth);
+    CAPTURE(depth, simulator.diagnostics().skinDepth(id));
+    CHECK(simulator.diagnostics().skinDepth(id) >= depth);
     // Half of the distance between points of contact.
     CHECK((depth > 0.25 * rest.spacing) == (weight > 100.0));
     CHECK(told == (weight > 100.0 ? 1 : 0));

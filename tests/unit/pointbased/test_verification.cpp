@@ -279,7 +279,7 @@ TEST_CASE("verify: what cannot be verified is refused, and nothing has changed",
   bench.body().stopped = GuardFinding{3, "a quantity", "help"};
   CHECK_THAT(refusal(bench.verified()), Contains("has stopped"));
   bench.body().stopped.reset();
-  bench.simulator.setRigid(bench.id, true);
+  bench.simulator.world().setRigid(bench.id, true);
   CHECK_THAT(refusal(bench.verified()), Contains("rigid"));
 }
 

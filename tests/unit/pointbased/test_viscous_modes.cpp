@@ -38,7 +38,7 @@ void shake(Body &body, double speed) {
 }
 
 double vibration(const Simulator &simulator, std::size_t id) {
-  const Simulator::Energy energy = simulator.energy(id);
+  const Diagnostics::Energy energy = simulator.diagnostics().energy(id);
   const Body &body = *simulator.body(id);
   Vec3 momentum = Vec3::Zero();
   double mass = 0.0;

@@ -59,7 +59,7 @@ std::vector<std::size_t> stackOfFive(Simulator &simulator) {
   world.gravity = Vec3(0, -9.81, 0);
   world.damping = 5.0;
   simulator.setWorld(world);
-  simulator.setContact({true, true, 0.3});
+  simulator.world().setContact({true, true, 0.3});
   simulator.addObstacle(halfSpace(Vec3(0, 0, 0), Vec3(0, 1, 0), 0.5));
   std::vector<std::size_t> ids;
   for (int k = 0; k < 5; ++k) {
@@ -82,7 +82,7 @@ Total totalOf(Simulator &simulator) {
       out.momentum += mv;
       out.angular += (body.rest().origin + body.rest().positions[i] + body.state().displacements[i]).cross(mv);
     }
-    out.energy += totalEnergy(simulator, id) + simulator.energy(id).foundation;
+    out.energy += totalEnergy(simulator, id) + simulator.diagnostics().energy(id).foundation;
   }
   return out;
 }

@@ -140,16 +140,18 @@ TEST_CASE("Jaws squeeze a fold of a slab together and lift it", "[grasp]") {
   Grasp grasp = beginGrasp(id, *simulator.body(id), *places, settings);
   const auto setGrabs = [&] {
     for (std::uint64_t jaw = 0; jaw < 2; ++jaw) {
-      simulator.moveGrab(id, grasp.grabs[jaw].target, jaw);
-      simulator.turnGrab(id, grasp.rotation, jaw);
+      simulator.stepper().moveGrab(id, grasp.grabs[jaw].target, jaw);
+      simulator.stepper().turnGrab(id, grasp.rotation, jaw);
     }
   };
-  const auto forces = [&] { return forcesOf(grasp, {*simulator.grabStatus(id, 0), *simulator.grabStatus(id, 1)}); };
-  for (std::uint64_t jaw = 0; jaw < 2; ++jaw) simulator.setGrab(id, grasp.grabs[jaw], jaw);
+  const auto forces = [&] {
+    return forcesOf(grasp, {*simulator.stepper().grabStatus(id, 0), *simulator.stepper().grabStatus(id, 1)});
+  };
+  for (std::uint64_t jaw = 0; jaw < 2; ++jaw) simulator.stepper().setGrab(id, grasp.grabs[jaw], jaw);
   const auto go = [&](double seconds) {
     for (const double end = simulator.time() + seconds; simulator.time() < end;) {
       REQUIRE(simulator.step());
-      advanceClosing(grasp, forces(), simulator.stepSize());
+      advanceClosing(grasp, forces(), simulator.stepper().stepSize());
       grasp.aim();
       setGrabs();
     }
@@ -167,7 +169,7 @@ TEST_CASE("Jaws squeeze a fold of a slab together and lift it", "[grasp]") {
   grasp.middle += Vec3(0, 0, 0.03);
   go(1.0);
   // The lifting force appears at the support; damping carries a little of it.
-  const Vec3 reaction = simulator.reactions(id).front().force;
+  const Vec3 reaction = simulator.diagnostics().reactions(id).front().force;
   CHECK(forces().pull[2] > 0.02);
   CHECK(std::abs(reaction[2] + forces().pull[2]) < 0.05 * forces().pull[2]);
   CHECK(forces().squeeze > 0.5 * squeeze);

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
+#include <utility>
 
 #include "pointbased/types.h"
 
@@ -29,6 +31,9 @@ struct ContactPairSettings {
   bool fits = false;
   bool operator==(const ContactPairSettings &) const = default;
 };
+
+/// Settings of pairs, by ids: the smaller one first.
+using ContactPairs = std::map<std::pair<std::size_t, std::size_t>, ContactPairSettings>;
 
 /// Contact between two that touch.
 struct ContactSummary {

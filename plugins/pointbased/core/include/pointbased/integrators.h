@@ -9,7 +9,7 @@
 namespace pointbased {
 
 enum class Integrator {
-  /// explicitVerlet or implicitSdirk, whichever has the lower predicted cost for the body (Simulator::predictedCost)
+  /// explicitVerlet or implicitSdirk, whichever has the lower predicted cost for the body (Stepper::predictedCost)
   automatic,
   explicitVerlet,    ///< velocity Verlet in substeps below the stable step
   implicitSdirk,     ///< two-stage diagonally implicit Runge-Kutta: second order, damps only what dt does not resolve

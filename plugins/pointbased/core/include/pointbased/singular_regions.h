@@ -27,7 +27,7 @@ struct SingularRegions {
 /// be smooth, and the stress on the face of a bonded part is finite. Contact ends on the skin between points with and
 /// without pressure. Edges of loads are not included (a jump of the traction leaves stress bounded), nor are edges
 /// between two materials.
-/// @param pressures  [phyxels] Pa, Simulator::contactPressures(); empty: nothing touches the body
+/// @param pressures  [phyxels] Pa, Diagnostics::contactPressures(); empty: nothing touches the body
 [[nodiscard]] SingularRegions findSingularPlaces(const Body &body, std::span<const double> pressures);
 
 /// ErrorEstimate::relative of the points outside of singular locations only: their error over their own energy.

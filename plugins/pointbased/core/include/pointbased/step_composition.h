@@ -31,7 +31,7 @@ struct ComposedStage {
   std::string name;
   bool runs = false;
   std::string why;    ///< why it runs or not
-  std::string clock;  ///< the stage of Simulator::stageTimes() that includes its time; empty: it takes none
+  std::string clock;  ///< the stage of Diagnostics::stageTimes() that includes its time; empty: it takes none
 };
 
 /// Stages of a step of a body, in order.

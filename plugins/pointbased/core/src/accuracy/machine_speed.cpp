@@ -102,7 +102,7 @@ double touchTime(const ParallelFor &parallelFor, double apart_ns) {
   double pressing = 0.0;
   const double seconds = secondsOf([&] {
     (void)simulator.step();
-    for (const ContactSummary &contact : simulator.contacts())
+    for (const ContactSummary &contact : simulator.diagnostics().contacts())
       pressing = std::max(pressing, static_cast<double>(contact.points));
   });
   return std::max(0.0, 1e9 * seconds - 2.0 * pushed.count * apart_ns) / std::max(1.0, pressing);

@@ -82,7 +82,7 @@ double measureFrame(const Body &body, const WorldSettings &world, std::span<cons
       frameBegan = alone.time();
       ++frames;
       const detail::WorkTimer drawing;
-      alone.surfels(id, surfels, normals);
+      alone.world().surfels(id, surfels, normals);
       const double drawn = drawing.seconds();
       computed += drawn;
       step.drawn = run == 0 ? drawn : std::min(step.drawn, drawn);

@@ -296,9 +296,9 @@ class Verifying {
 
 VerificationTarget verificationTarget(const Simulator &simulator, std::size_t id) {
   const Body &body = *simulator.body(id);
-  const std::span<const Obstacle> obstacles = simulator.obstaclesOf(id);
-  WorldSettings world = simulator.world();
-  world.box = simulator.boxOf(id);
+  const std::span<const Obstacle> obstacles = simulator.world().obstaclesOf(id);
+  WorldSettings world = simulator.world().settings();
+  world.box = simulator.world().boxOf(id);
   return {body.name(),
           body.checkpoint(),
           body.constitution(),

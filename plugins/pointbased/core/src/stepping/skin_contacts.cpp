@@ -62,7 +62,7 @@ double areaOf(const RestState &rest) {
 
 }  // namespace
 
-SkinContacts::Owner SkinContacts::ownerOf(std::size_t id, const Body &body, const Simulator::ContactPairs &pairs) {
+SkinContacts::Owner SkinContacts::ownerOf(std::size_t id, const Body &body, const ContactPairs &pairs) {
   return {id, body, std::any_of(pairs.begin(), pairs.end(), [id](const auto &pair) {
             return pair.second.fits && (pair.first.first == id || pair.first.second == id);
           })};

@@ -8,7 +8,6 @@
 #include "contact/skin_pair.h"
 #include "pointbased/body.h"
 #include "pointbased/contact_settings.h"
-#include "pointbased/simulator.h"
 
 namespace pointbased::detail {
 
@@ -28,7 +27,7 @@ class SkinContacts {
     /// of a spacing, so a coarse skin is as good as the displayed one.
     bool isPiece = false;
   };
-  [[nodiscard]] static Owner ownerOf(std::size_t id, const Body &body, const Simulator::ContactPairs &pairs);
+  [[nodiscard]] static Owner ownerOf(std::size_t id, const Body &body, const ContactPairs &pairs);
   /// Skin of the body's present reference.
   [[nodiscard]] MovingSkin &skinOf(const Owner &owner);
   /// @param first, second  the smaller id first

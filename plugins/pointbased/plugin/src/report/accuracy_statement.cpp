@@ -80,7 +80,7 @@ Vec3 nowAt(const SkinMotion &skin, const Vec3 &reference) {
 
 std::vector<std::string> touching(const Simulator &simulator, std::size_t id, const AccuracySources &sources) {
   std::vector<std::string> names;
-  for (const ContactSummary &contact : simulator.contacts()) {
+  for (const ContactSummary &contact : simulator.diagnostics().contacts()) {
     if (contact.points == 0 || (contact.first != id && contact.second != id)) continue;
     const std::size_t other = contact.first == id ? contact.second : contact.first;
     names.push_back(other == id ? "itself" : other == kWorldBox ? "the walls" : "'" + sources.nameOfId(other) + "'");
@@ -172,7 +172,7 @@ AccuracyStatement stateAccuracy(const Simulator &simulator, std::size_t id, cons
   AccuracyStatement out;
   out.whole = estimateError(body, nullptr, scratch, parallelFor).relative;
   std::vector<double> pressures;
-  simulator.contactPressures(id, pressures);
+  simulator.diagnostics().contactPressures(id, pressures);
   const SingularRegions places = findSingularPlaces(body, pressures);
   out.stress = relativeErrorOutside(body, scratch, places);
   out.leftOut = places.volumePart;
@@ -195,7 +195,7 @@ AccuracyStatement stateAccuracy(const Simulator &simulator, std::size_t id, cons
     takeVerification(sources.verification->result, out);
     return out;
   }
-  const std::vector<AttachmentSummary> attachments = simulator.attachments();
+  const std::vector<AttachmentSummary> attachments = simulator.world().attachments();
   const bool isAttached = std::any_of(attachments.begin(), attachments.end(),
                                       [&](const AttachmentSummary &a) { return a.first == id || a.second == id; });
   estimateDisplacement(body, sources, skinMotion(body), !touched.empty() || isAttached || places.grabs, out);

@@ -13,8 +13,8 @@ std::string describePassingBodies(const Simulator &simulator) {
   for (std::size_t a = 0; a < bodies.size(); ++a)
     for (std::size_t b = a + 1; b < bodies.size(); ++b) {
       const Body &first = *simulator.body(bodies[a]), &second = *simulator.body(bodies[b]);
-      if ((first.isStatic() && second.isStatic()) || !simulator.contactPair(bodies[a], bodies[b]).enabled ||
-          simulator.canTouch(bodies[a], bodies[b]))
+      if ((first.isStatic() && second.isStatic()) || !simulator.world().contactPair(bodies[a], bodies[b]).enabled ||
+          simulator.world().canTouch(bodies[a], bodies[b]))
         continue;
       return "bodies touch each other in explicit steps alone, and only where they have a skin: '" + first.name() +
              "' and '" + second.name() + "' pass through each other";
@@ -105,7 +105,7 @@ std::vector<std::string> noticesOf(const Simulator &simulator, const std::vector
   constexpr std::size_t kMaxOfAKind = 3;
   for (const char *kind : {"warning", "stopped", "skin", "overlap", "step"}) {
     std::size_t count = 0;
-    for (const SimulationEvent &event : simulator.events())
+    for (const SimulationEvent &event : simulator.diagnostics().events())
       if (event.kind == kind && ++count <= kMaxOfAKind) lines.push_back(event.text);
     if (count > kMaxOfAKind)
       lines.push_back("… and " + std::to_string(count - kMaxOfAKind) + " more events '" + kind + "'");
@@ -114,7 +114,7 @@ std::vector<std::string> noticesOf(const Simulator &simulator, const std::vector
   if (const std::string passing = describePassingBodies(simulator); !passing.empty()) lines.push_back(passing);
   std::string costs;
   for (const std::size_t id : bodies) {
-    const double cost = simulator.costOf(id);
+    const double cost = simulator.diagnostics().costOf(id);
     if (!(cost > 0.0)) return lines;
     char text[160];
     const Body &body = *simulator.body(id);

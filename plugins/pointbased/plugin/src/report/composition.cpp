@@ -27,7 +27,7 @@ std::string costOf(const StageClock::Summary &stage, double all) {
 
 std::vector<StepComposition> compositionsOf(const Simulator &simulator) {
   std::vector<StepComposition> out;
-  for (const std::size_t id : simulator.bodyIds()) out.push_back(simulator.compositionOf(id));
+  for (const std::size_t id : simulator.bodyIds()) out.push_back(simulator.stepper().compositionOf(id));
   return out;
 }
 

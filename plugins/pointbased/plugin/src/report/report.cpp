@@ -114,7 +114,7 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported, const Er
   const RestState &rest = body.rest();
   const MassSums sums = massSums(body);
   const Extremes extremes = extremesOf(body);
-  const Simulator::Energy energy = simulator.energy(reported.id);
+  const Diagnostics::Energy energy = simulator.diagnostics().energy(reported.id);
   return {{"name", body.name()},
           {"evaluation", rest.evaluation == Evaluation::stressPoints ? "stress_points" : "phyxels"},
           {"phyxels", rest.phyxelCount()},
@@ -132,11 +132,11 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported, const Er
            sums.volume > 0.0 && rest.countedVolume > 0.0 ? std::min(1.0, rest.countedVolume / sums.volume) : 1.0},
           {"neighbours", neighboursJson(rest)},
           {"stable_dt_s", body.stableStepAtRest()},
-          {"step_s", simulator.stepSizeOf(reported.id)},
-          {"integrator", nameOf(simulator.integratorOf(reported.id))},
+          {"step_s", simulator.stepper().stepSizeOf(reported.id)},
+          {"integrator", nameOf(simulator.stepper().integratorOf(reported.id))},
           {"predicted_evaluations_per_s",
-           {{"explicit", simulator.predictedCost(reported.id).first},
-            {"implicit", simulator.predictedCost(reported.id).second}}},
+           {{"explicit", simulator.stepper().predictedCost(reported.id).first},
+            {"implicit", simulator.stepper().predictedCost(reported.id).second}}},
           {"kernels", body.vectorised() ? kernelTarget() : "by stages"},
           {"energy_J",
            {{"kinetic", energy.kinetic},
@@ -155,9 +155,9 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported, const Er
           {"stabilisation_share", error.stabilisationShare},
           {"inverted_points", extremes.inverted},
           {"max_plastic_strain", extremes.plastic},
-          {"deepest_penetration_m", simulator.skinDepth(reported.id)},
-          {"cost_ms_per_s", 1e3 * simulator.costOf(reported.id)},
-          {"asleep", simulator.asleep(reported.id)},
+          {"deepest_penetration_m", simulator.diagnostics().skinDepth(reported.id)},
+          {"cost_ms_per_s", 1e3 * simulator.diagnostics().costOf(reported.id)},
+          {"asleep", simulator.stepper().asleep(reported.id)},
           {"rigid", body.rigid()},
           {"free", body.isFreeRigid()},
           {"stopped", body.stopMessage()}};
@@ -262,14 +262,14 @@ Json accuracyJson(const Simulator &simulator, const std::vector<ReportedBody> &b
 
 std::string describeComputation(const Simulator &simulator, std::size_t id) {
   const Body &body = *simulator.body(id);
-  const Integrator integrator = simulator.integratorOf(id);
+  const Integrator integrator = simulator.stepper().integratorOf(id);
   const bool isExplicit = integrator == Integrator::explicitVerlet;
   const bool single = isExplicit && body.precision() == Precision::singlePrecision && !body.constitution().remembers();
   if (body.isStatic()) return "rigid: it is not";
   if (body.isFreeRigid())
-    return "as a rigid body, explicit, steps of " + shortNumber(1e3 * simulator.stepSizeOf(id)) + " ms";
+    return "as a rigid body, explicit, steps of " + shortNumber(1e3 * simulator.stepper().stepSizeOf(id)) + " ms";
   std::string text = nameOf(integrator);
-  if (!simulator.quasiStatic()) text += ", steps of " + shortNumber(1e3 * simulator.stepSizeOf(id)) + " ms";
+  if (!simulator.quasiStatic()) text += ", steps of " + shortNumber(1e3 * simulator.stepper().stepSizeOf(id)) + " ms";
   if (!(isExplicit ? body.vectorised() : body.vectorisedTangent())) return text + ", by stages";
   return text + (single ? ", single" : ", double") + " precision, " + kernelTarget();
 }
@@ -302,7 +302,7 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
             "; inertia added to the smallest and stiffest cells for longer explicit steps, at rest unfelt: " + added;
     }
     if (simulator.body(body.id)->foundation().acts()) out["attachments"].push_back(attachmentJson(simulator, body.id));
-    const std::vector<Reaction> reactions = simulator.reactions(body.id);
+    const std::vector<Reaction> reactions = simulator.diagnostics().reactions(body.id);
     for (std::size_t f = 0; f < reactions.size(); ++f)
       out["reactions"].push_back({{"fix", f < body.fixNumbers.size() ? body.fixNumbers[f] : f},
                                   {"body", simulator.body(body.id)->name()},
@@ -317,11 +317,11 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
   if (isChosen) out["accuracy"] = accuracyJson(simulator, bodies);
   // Integrator of the bodies; if there are several, the one requested by the scene.
   std::set<std::string> integrators;
-  for (const ReportedBody &body : bodies) integrators.insert(nameOf(simulator.integratorOf(body.id)));
-  out["integrator"] = integrators.size() == 1 ? *integrators.begin() : nameOf(simulator.world().integrator);
+  for (const ReportedBody &body : bodies) integrators.insert(nameOf(simulator.stepper().integratorOf(body.id)));
+  out["integrator"] = integrators.size() == 1 ? *integrators.begin() : nameOf(simulator.world().settings().integrator);
   if (simulator.quasiStatic()) out["load_factor"] = simulator.loadFactor();
-  for (const Probe &probe : simulator.probes()) {
-    const Simulator::ProbeState state = simulator.probeState(probe);
+  for (const Probe &probe : simulator.world().probes()) {
+    const World::ProbeState state = simulator.world().probeState(probe);
     out["probes"].push_back({{"name", probe.name},
                              {"reference_m", json(probe.reference)},
                              {"position_m", json(state.position)},
@@ -343,16 +343,16 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
                              {"squeeze_N", grasp.forces.squeeze},
                              {"gap_m", grasp.forces.gap}});
   out["contacts"] = Json::array();
-  for (const ContactSummary &contact : simulator.contacts())
+  for (const ContactSummary &contact : simulator.diagnostics().contacts())
     out["contacts"].push_back({{"bodies", {nameOfId(contact.first), nameOfId(contact.second)}},
                                {"force_N", json(contact.force)},
                                {"pressing_N", contact.pressing},
                                {"depth_m", contact.depth},
                                {"points", contact.points},
                                {"area_m2", contact.area}});
-  for (const StageClock::Summary &stage : simulator.stageTimes())
+  for (const StageClock::Summary &stage : simulator.diagnostics().stageTimes())
     out["stages"][stage.name] = {{"median_ms", stage.median_ms}, {"p99_ms", stage.p99_ms}, {"calls", stage.calls}};
-  for (const SimulationEvent &event : simulator.events())
+  for (const SimulationEvent &event : simulator.diagnostics().events())
     out["events"].push_back({{"time_s", event.time}, {"kind", event.kind}, {"text", event.text}});
   // The error at the end is an event of the end.
   samplings.insert(samplings.begin(), errors.begin(), errors.end());

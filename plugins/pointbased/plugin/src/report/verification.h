@@ -12,7 +12,7 @@
 namespace pointbased {
 
 struct BodyVerification {
-  std::uint64_t id = 0, changes = 0;  ///< of the verified state: Simulator::changes()
+  std::uint64_t id = 0, changes = 0;  ///< of the verified state: Stepper::changes()
   std::string name;
   std::vector<std::uint32_t> fixNumbers;
   std::string refused;  ///< reason; empty if there is a result

@@ -120,7 +120,7 @@ std::vector<std::uint64_t> BodyTable::removeInstruments() {
 
 void BodyTable::followInstruments(const Simulator &simulator) {
   for (const auto &[id, record] : instruments_) {
-    if (simulator.obstacle(id))
+    if (simulator.world().obstacle(id))
       obstacles_.emplace(id, record);
     else
       obstacles_.erase(id);

@@ -15,9 +15,9 @@ constexpr double kTouching = 5e-4;  // m: skin at a smaller depth in an obstacle
 std::vector<double> distancesFrom(const Simulator &simulator, const BodyTable &table, std::uint64_t id,
                                   std::span<const Vec3> points, double near) {
   std::vector<double> distances(points.size(), std::numeric_limits<double>::infinity());
-  const Obstacle *obstacle = simulator.obstacle(id);
+  const Obstacle *obstacle = simulator.world().obstacle(id);
   if (!obstacle || !obstacle->closest) return distances;
-  const RigidMotion motion = simulator.obstacleMotion(id);
+  const RigidMotion motion = simulator.world().obstacleMotion(id);
   const PlacedMesh &mesh = *table.obstacle(id)->mesh;
   std::vector<Vec3> places;  // in its frame at rest
   std::vector<std::size_t> which;
@@ -54,7 +54,7 @@ double displacedVolume(const Simulator &simulator, const BodyTable &table, std::
 bool holdsSkin(Simulator &simulator, const BodyTable &table, std::uint64_t id) {
   return std::any_of(table.bodies().begin(), table.bodies().end(), [&](const auto &entry) {
     std::vector<Vec3> positions, normals;
-    simulator.surfels(entry.first, positions, normals);
+    simulator.world().surfels(entry.first, positions, normals);
     const std::vector<double> distances = distancesFrom(simulator, table, id, positions, 0.0);
     return std::any_of(distances.begin(), distances.end(), [](double d) { return d < -kTouching; });
   });

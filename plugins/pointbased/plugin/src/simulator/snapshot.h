@@ -50,7 +50,7 @@ struct BodySnapshot {
                                                    ///< body
   bool hasTrials = false;                          ///< the trials of its statement have been computed
   double cost = 0.0;                               ///< s of computing per simulated second
-  Simulator::Energy energy;
+  Diagnostics::Energy energy;
   Neighbours neighbours;
   std::optional<GrabStatus> grab;
 };

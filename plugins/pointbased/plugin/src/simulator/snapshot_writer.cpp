@@ -14,24 +14,24 @@ SnapshotWriter::SnapshotWriter(const Services &services, Simulator &simulator, c
                                EvaluationPoints &points)
     : services_(services), simulator_(simulator), table_(table), points_(points) {
   colouring_.setPressures(
-      [this](std::uint64_t body, std::vector<double> &out) { simulator_.contactPressures(body, out); });
+      [this](std::uint64_t body, std::vector<double> &out) { simulator_.diagnostics().contactPressures(body, out); });
 }
 
 void SnapshotWriter::publish(const ViewSettings &view, std::vector<GraspSnapshot> grasps) {
   const std::shared_ptr<Snapshot> s = exchange_.writable();
   s->generation = ++generation_;
   s->time = simulator_.time();
-  s->dt = simulator_.stepSize();
+  s->dt = simulator_.stepper().stepSize();
   s->steps = simulator_.steps();
-  s->historyEpoch = simulator_.historyEpoch();
+  s->historyEpoch = simulator_.archive().historyEpoch();
   s->hash = simulator_.stateHash();
   s->failed = simulator_.failed();
   s->quasiStatic = simulator_.quasiStatic();
-  s->box = simulator_.world().box;
-  s->gravity = simulator_.world().gravity;
-  s->stages = simulator_.stageTimes();
+  s->box = simulator_.world().settings().box;
+  s->gravity = simulator_.world().settings().gravity;
+  s->stages = simulator_.diagnostics().stageTimes();
   s->compositions = compositionsOf(simulator_);
-  s->events = simulator_.events();
+  s->events = simulator_.diagnostics().events();
   s->view = view;
   s->grasps = std::move(grasps);
   takeBodies(*s);
@@ -48,14 +48,14 @@ void SnapshotWriter::takeBodies(Snapshot &s) {
     BodySnapshot &b = s.bodies[k++];
     const bool sameBody = b.id == id && b.rest == body.sharedRest();
     if (!sameBody) b.neighbours = countNeighbours(body.rest());
-    const std::uint64_t changes = simulator_.changes(id);
+    const std::uint64_t changes = simulator_.stepper().changes(id);
     const bool samePlaces = sameBody && b.changes == changes;
     b.changes = changes;
-    b.asleep = simulator_.asleep(id);
+    b.asleep = simulator_.stepper().asleep(id);
     b.rigid = body.rigid();
     b.isStatic = body.isStatic();
     b.stableStep = body.stableStepAtRest();
-    b.isExplicit = simulator_.integratorOf(id) == Integrator::explicitVerlet;
+    b.isExplicit = simulator_.stepper().integratorOf(id) == Integrator::explicitVerlet;
     b.computed = describeComputation(simulator_, id);
     b.id = id;
     b.name = record.name;
@@ -71,15 +71,15 @@ void SnapshotWriter::takeBodies(Snapshot &s) {
       b.phyxels.resize(body.rest().phyxelCount());
       for (std::size_t i = 0; i < b.phyxels.size(); ++i)
         b.phyxels[i] = body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
-      simulator_.surfels(id, b.surfels, b.normals);
+      simulator_.world().surfels(id, b.surfels, b.normals);
     }
     estimate(record, !samePlaces, b);
-    b.cost = simulator_.costOf(id);
+    b.cost = simulator_.diagnostics().costOf(id);
     b.mass = body.totalMass();
     b.held = heldPhyxels(body.rest());
     b.youngsModulus = body.material().youngsModulus;
-    b.energy = simulator_.energy(id);
-    b.grab = simulator_.grabStatus(id);
+    b.energy = simulator_.diagnostics().energy(id);
+    b.grab = simulator_.stepper().grabStatus(id);
   }
   std::vector<std::string> errors;
   for (const BodySnapshot &b : s.bodies)
@@ -89,21 +89,21 @@ void SnapshotWriter::takeBodies(Snapshot &s) {
 
 void SnapshotWriter::takeContact(Snapshot &s) const {
   s.contacts.clear();
-  for (const ContactSummary &one : simulator_.contacts())
+  for (const ContactSummary &one : simulator_.diagnostics().contacts())
     s.contacts.push_back({one, table_.nameOf(one.first), table_.nameOf(one.second)});
   s.attachments.clear();
   for (const auto &[id, record] : table_.bodies())
     if (const Body &body = *simulator_.body(id); body.foundation().acts())
       s.attachments.push_back(
           {"surroundings", record.name, "surroundings", body.foundationReaction().force.norm(), 0.0});
-  for (const AttachmentSummary &now : simulator_.attachments())
+  for (const AttachmentSummary &now : simulator_.world().attachments())
     s.attachments.push_back(
         {now.name, table_.nameOf(now.first), table_.nameOfAttached(now.second), now.force.norm(), now.tornPart});
   s.obstacles.clear();
   for (const auto &[id, record] : table_.obstacles()) {
-    ObstacleSnapshot o{id, record.name, record.mesh, simulator_.obstacleMotion(id)};
+    ObstacleSnapshot o{id, record.name, record.mesh, simulator_.world().obstacleMotion(id)};
     o.tool = record.tool;
-    o.isInstrument = simulator_.isInstrument(id);
+    o.isInstrument = simulator_.world().isInstrument(id);
     o.hasOwnMotion = record.motion != nullptr;
     for (const ContactSnapshot &contact : s.contacts) o.touch.add(contact, id);
     if (o.touch.points > 0) o.touch.displaced = displacedVolume(simulator_, table_, id);
@@ -178,7 +178,7 @@ void SnapshotWriter::takeView(Snapshot &s) {
 bool SnapshotWriter::isOfNow(const WorldVerification &verification) const {
   if (verification.bodies.size() != table_.bodies().size()) return false;
   for (const BodyVerification &body : verification.bodies)
-    if (!table_.hasBody(body.id) || simulator_.changes(body.id) != body.changes) return false;
+    if (!table_.hasBody(body.id) || simulator_.stepper().changes(body.id) != body.changes) return false;
   return true;
 }
 

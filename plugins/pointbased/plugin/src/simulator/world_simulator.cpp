@@ -79,19 +79,19 @@ sdk::Result<void> WorldSimulator::setWorld(const c3de_param_value *values, std::
   }
   if (isForTheSolver) {
     const bool isExplicit = mayStepExplicitly(settings.integrator);
-    if (isExplicit != mayStepExplicitly(simulator_.world().integrator))
+    if (isExplicit != mayStepExplicitly(simulator_.world().settings().integrator))
       for (const auto &[id, record] : table_.bodies())
         if (record.adaptive && record.adaptive->halved > 0)
           simulator_.body(id)->scaleMasses(isExplicit ? record.adaptive->evenStep : 0.0,
                                            context_.services.parallelFor());
     simulator_.setWorld(settings);
-    simulator_.setContact(contactSettings(world_));
+    simulator_.world().setContact(contactSettings(world_));
   }
   return {};
 }
 
 void WorldSimulator::growWorldBox(const BodyRecord &body) {
-  const WorldBox &box = simulator_.world().box;
+  const WorldBox &box = simulator_.world().settings().box;
   const Vec3 low = box.min.cwiseMin(body.surface->min), high = box.max.cwiseMax(body.surface->max);
   if (!box.enabled || (low == box.min && high == box.max)) return;
   ParameterValues changed = world_;
@@ -122,7 +122,7 @@ void WorldSimulator::add(const c3de_sim_body *body, c3de_handle *out, Walls wall
   const std::lock_guard lock(mutex_);
   record.checkFree(*record.values, simulator_.quasiStatic());
   if (walls == Walls::growWorldBox) growWorldBox(record);
-  record.checkInsideWalls(simulator_.world().box, built.body->rest().spacing);
+  record.checkInsideWalls(simulator_.world().settings().box, built.body->rest().spacing);
   resetSimulator();
   const std::uint64_t id = simulator_.addBody(std::move(built.body));
   table_.addBody(id, std::move(record));
@@ -157,9 +157,9 @@ void WorldSimulator::addProbe(c3de_str name, c3de_handle body, const double *at_
   // functions are extrapolated. Within half a spacing these are as accurate as the sampling; farther off they represent
   // no tissue.
   record.checkNearBody(context_.services, at, simulator_.body(body.v)->rest().spacing, which);
-  for (const Probe &other : simulator_.probes())
+  for (const Probe &other : simulator_.world().probes())
     if (other.name == sdk::text(name)) throw Error(C3DE_E_EXISTS, which + "there is one of this name already");
-  const std::size_t id = simulator_.addProbe(std::string(sdk::text(name)), body.v, at);
+  const std::size_t id = simulator_.world().addProbe(std::string(sdk::text(name)), body.v, at);
   if (out) *out = {id};
 }
 
@@ -174,17 +174,17 @@ sdk::Result<void> WorldSimulator::setBodyParam(c3de_handle body, const c3de_para
     if (sdk::text(d.id) == id && (d.flags & C3DE_PARAM_NEEDS_RESET))
       return Failure{C3DE_E_STATE, std::string(id) + " takes effect when the body is built again"};
   if (isOfTheSurroundings(id)) {
-    if (const auto set = simulator_.setFoundation(body.v, foundationOf(changed)); !set)
+    if (const auto set = simulator_.world().setFoundation(body.v, foundationOf(changed)); !set)
       return Failure{C3DE_E_ARG, record.name + ": " + std::string(id) + ": " + set.error()};
   } else if (id == "rigid" || id == C3DE_PARAM_ID_FREE) {
     record.checkFree(changed, simulator_.quasiStatic());
-    simulator_.setRigid(body.v, isRigid(changed), isFree(changed));
+    simulator_.world().setRigid(body.v, isRigid(changed), isFree(changed));
   } else {
     // Parts keep the values they specify themselves.
     for (BodyPart &part : record.source.parts)
       if (std::find(part.own.begin(), part.own.end(), id) == part.own.end()) sdk::orThrow(part.values.set(in));
     if (const auto lent = lent_.find(body.v); lent != lent_.end()) lent->second.masses.clear();
-    simulator_.setConstitution(body.v, constitutionOf(context_.laws, record.name, record.source, changed));
+    simulator_.world().setConstitution(body.v, constitutionOf(context_.laws, record.name, record.source, changed));
   }
   record.values = std::make_shared<const ParameterValues>(std::move(changed));
   return {};
@@ -213,17 +213,17 @@ sdk::Result<void> WorldSimulator::remove(c3de_handle handle) {
     return {};
   }
   if (const auto hold = holds_.find(handle.v); hold != holds_.end()) {
-    simulator_.releaseGrab(hold->second.body, hold->first);
+    simulator_.stepper().releaseGrab(hold->second.body, hold->first);
     holds_.erase(hold);
     return {};
   }
-  if (liveLoads_.erase(handle.v) > 0 || simulator_.removeProbe(handle.v)) return {};
+  if (liveLoads_.erase(handle.v) > 0 || simulator_.world().removeProbe(handle.v)) return {};
   if (table_.removeObstacle(handle.v)) {
     simulator_.removeObstacle(handle.v);
     return {};
   }
   if (table_.removeAttachment(handle.v)) {
-    simulator_.removeAttachment(handle.v);
+    simulator_.world().removeAttachment(handle.v);
     return {};
   }
   if (grasps_.contains(handle.v) && handle.v != kInteractiveGrasp) {
@@ -235,10 +235,10 @@ sdk::Result<void> WorldSimulator::remove(c3de_handle handle) {
 
 void WorldSimulator::reattach(Attachment attachment, std::uint64_t before, std::uint64_t now) {
   (attachment.first == before ? attachment.first : attachment.second) = now;
-  if (const auto added = simulator_.addAttachment(attachment))
+  if (const auto added = simulator_.world().addAttachment(attachment))
     table_.addAttachment(*added, std::move(attachment));
   else
-    simulator_.addWarning(now, "attachment '" + attachment.name + "' was removed: " + added.error());
+    simulator_.diagnostics().addWarning(now, "attachment '" + attachment.name + "' was removed: " + added.error());
 }
 
 void WorldSimulator::clear() {
@@ -263,20 +263,20 @@ sdk::Result<void> WorldSimulator::step() {
   if (tookTooLong)
     return Failure{C3DE_E_TIMEOUT, "the step was given up after " + shortNumber(budget) +
                                        " s (solver.step_budget), the state before it stays: " +
-                                       simulator_.suggestAffordableStep(stepped.error(), budget)};
+                                       simulator_.stepper().suggestAffordableStep(stepped.error(), budget)};
   if (!stepped) return Failure{stepped.error().ended ? C3DE_E_CANCELLED : C3DE_E_DIVERGED, stepped.error().text};
   return {};
 }
 
 bool WorldSimulator::isInteracting() const {
   const auto isHeld = [this](const auto &entry) { return !simulator_.body(entry.first)->grabs.empty(); };
-  const auto isInstrument = [this](const auto &entry) { return simulator_.isInstrument(entry.first); };
+  const auto isInstrument = [this](const auto &entry) { return simulator_.world().isInstrument(entry.first); };
   return std::any_of(table_.bodies().begin(), table_.bodies().end(), isHeld) ||
          std::any_of(table_.obstacles().begin(), table_.obstacles().end(), isInstrument);
 }
 
 void WorldSimulator::activity(c3de_sink text) {
-  std::string line = simulator_.activity();
+  std::string line = simulator_.diagnostics().activity();
   const double budget = request_.budget();
   if (!line.empty() && std::isfinite(budget)) line += "; given up after " + shortNumber(budget) + " s";
   if (const c3de_status status = sdk::put(text, line); status < 0) throw Error(status, "the text was not accepted");
@@ -300,14 +300,14 @@ void WorldSimulator::status(c3de_sim_status *out) {
   s.failed = simulator_.failed() ? 1u : 0u;
   s.steps = simulator_.steps();
   s.time_s = simulator_.time();
-  s.dt_s = simulator_.stepSize();
+  s.dt_s = simulator_.stepper().stepSize();
   s.bodies = table_.bodies().size();
   s.obstacles = table_.obstacles().size();
   s.finished = simulator_.finished() ? 1u : 0u;
-  s.stopped = static_cast<std::uint32_t>(simulator_.stoppedBodies());
+  s.stopped = static_cast<std::uint32_t>(simulator_.stepper().stoppedBodies());
   if (simulator_.quasiStatic()) {
     s.flags = C3DE_SIM_LOAD_STEPS;
-    s.planned_steps = static_cast<std::uint32_t>(simulator_.world().loadSteps);
+    s.planned_steps = static_cast<std::uint32_t>(simulator_.world().settings().loadSteps);
   }
   sdk::writeStruct(out, s, "out");
 }
@@ -375,7 +375,7 @@ void WorldSimulator::readField(c3de_handle body, std::uint32_t on, c3de_str name
   const Body &of = *simulator_.body(body.v);
   if (!isContactField(on, sdk::text(name))) return readBodyField(of, on, sdk::text(name), out);
   std::vector<double> pressures;
-  simulator_.contactPressures(body.v, pressures);
+  simulator_.diagnostics().contactPressures(body.v, pressures);
   writeContactPressures(of, on, pressures, context_.services.parallelFor(), out);
 }
 
@@ -390,8 +390,8 @@ void WorldSimulator::triangles(c3de_handle body, c3de_view *out) {
 c3de_status WorldSimulator::enumProbes(void *visitor, EachProbe each) {
   if (!each) throw Error(C3DE_E_ARG, "each is null");
   const std::lock_guard lock(mutex_);
-  for (const Probe &probe : simulator_.probes()) {
-    const Simulator::ProbeState state = simulator_.probeState(probe);
+  for (const Probe &probe : simulator_.world().probes()) {
+    const World::ProbeState state = simulator_.world().probeState(probe);
     c3de_sim_probe out{};
     out.size = sizeof out;
     out.name = sdk::str(probe.name);
@@ -427,18 +427,18 @@ void WorldSimulator::setGrab(std::uint64_t body, Grab grab, double ownLimit) {
   const std::lock_guard lock(mutex_);
   if (const Body *held = simulator_.body(body)) limitToTissue(grab, *held, ownLimit);
   recordGrab(body, grab);
-  simulator_.setGrab(body, std::move(grab));
+  simulator_.stepper().setGrab(body, std::move(grab));
 }
 
 void WorldSimulator::moveGrab(std::uint64_t body, const Vec3 &target) {
   const std::lock_guard lock(mutex_);
   recordPull(body, 0);
-  simulator_.moveGrab(body, target);
+  simulator_.stepper().moveGrab(body, target);
 }
 
 void WorldSimulator::releaseGrab(std::uint64_t body) {
   const std::lock_guard lock(mutex_);
-  simulator_.releaseGrab(body);
+  simulator_.stepper().releaseGrab(body);
 }
 
 ParameterValues WorldSimulator::worldValues() const {
@@ -466,7 +466,7 @@ void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &valu
   const StepInterrupt::Waiting waiting(request_);
   const std::lock_guard lock(mutex_);
   BodyRecord record = table_.bodyOrThrow(body);
-  const Simulator::ContactPairs pairs = simulator_.contactPairs();
+  const ContactPairs pairs = simulator_.world().contactPairs();
   const std::vector<Attachment> attached = table_.attachmentsOf(body);
   record.take(built);
   record.values = std::make_shared<const ParameterValues>(values);
@@ -479,7 +479,7 @@ void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &valu
     if (grasp.scene && grasp.scene->body == body) grasp.scene->body = id;  // on the same skin
   for (const auto &[pair, settings] : pairs)
     if (pair.first == body || pair.second == body)
-      simulator_.setContactPair(id, pair.first == body ? pair.second : pair.first, settings);
+      simulator_.world().setContactPair(id, pair.first == body ? pair.second : pair.first, settings);
   for (const Attachment &attachment : attached) reattach(attachment, body, id);
 }
 

@@ -285,7 +285,7 @@ struct WorldSimulator::RemovedObstacle {
   std::optional<ObstacleRecord> record = {};  ///< none: the obstacle is present
   Obstacle obstacle = {};                     ///< with the motion that a reset assigns to it
   RigidMotion place = {};                     ///< its pose when it was removed
-  Simulator::ContactPairs pairs = {};
+  ContactPairs pairs = {};
   std::vector<Attachment> attachments = {};
 };
 

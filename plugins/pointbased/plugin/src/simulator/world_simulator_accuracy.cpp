@@ -33,7 +33,7 @@ double WorldSimulator::frameTime(const Body &body, const StopRequest *stop) cons
   {
     const std::lock_guard lock(mutex_);
     settings = worldSettings(world_);
-    obstacles.assign(simulator_.obstacles().begin(), simulator_.obstacles().end());
+    obstacles.assign(simulator_.world().obstacles().begin(), simulator_.world().obstacles().end());
   }
   return measureFrame(body, settings, obstacles, context_.services.parallelFor(), stop);
 }
@@ -50,7 +50,7 @@ void WorldSimulator::computeTrials(const sdk::Progress &progress, const Parallel
   Vec3 gravity;
   {
     const std::lock_guard lock(mutex_);
-    gravity = simulator_.world().gravity;
+    gravity = simulator_.world().settings().gravity;
     for (const auto &[id, record] : table_.bodies())
       if (!record.trials && !simulator_.body(id)->rigid())
         all.push_back({id, record.name, record.source, record.values, simulator_.body(id)->sharedRest()});
@@ -102,7 +102,7 @@ void WorldSimulator::recordGrab(std::uint64_t body, const Grab &grab) {
 }
 
 void WorldSimulator::recordPull(std::uint64_t body, std::uint64_t hand) {
-  const std::optional<GrabStatus> status = simulator_.grabStatus(body, hand);
+  const std::optional<GrabStatus> status = simulator_.stepper().grabStatus(body, hand);
   BodyRecord *record = table_.body(body);
   if (!record || record->source.grabs.empty() || !status) return;
   std::vector<Load> &grabs = record->source.grabs;

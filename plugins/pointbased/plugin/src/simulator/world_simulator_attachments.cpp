@@ -24,7 +24,7 @@ void WorldSimulator::addAttachment(const c3de_sim_attachment *attachment, c3de_h
   if (!table_.hasBody(read.first) || (read.second != kSurroundings && !table_.has(read.second)))
     throw Error(C3DE_E_STALE, which + "there is no such body or obstacle in this simulation");
   if (table_.hasAttachment(read.name)) throw Error(C3DE_E_EXISTS, which + "there is one of this name already");
-  const auto added = simulator_.addAttachment(read);
+  const auto added = simulator_.world().addAttachment(read);
   table_.followInstruments(simulator_);  // a new attachment restarts the simulation
   if (!added) throw Error(C3DE_E_ARG, which + added.error());
   table_.addAttachment(*added, std::move(read));
@@ -33,7 +33,7 @@ void WorldSimulator::addAttachment(const c3de_sim_attachment *attachment, c3de_h
 
 std::vector<ReportedAttachment> WorldSimulator::reportedAttachments() const {
   std::vector<ReportedAttachment> out;
-  for (AttachmentSummary &summary : simulator_.attachments()) {
+  for (AttachmentSummary &summary : simulator_.world().attachments()) {
     const Attachment &of = table_.attachments().at(summary.id);
     out.push_back(
         {std::move(summary), {table_.nameOf(of.first), table_.nameOfAttached(of.second)}, of.stiffness, of.tangential});
@@ -44,7 +44,7 @@ std::vector<ReportedAttachment> WorldSimulator::reportedAttachments() const {
 c3de_status WorldSimulator::enumAttachments(void *visitor, EachAttachment each) {
   if (!each) throw Error(C3DE_E_ARG, "each is null");
   const std::lock_guard lock(mutex_);
-  for (const AttachmentSummary &attachment : simulator_.attachments()) {
+  for (const AttachmentSummary &attachment : simulator_.world().attachments()) {
     c3de_sim_attachment_state state{};
     state.size = sizeof state;
     state.name = sdk::str(attachment.name);

@@ -54,7 +54,7 @@ void WorldSimulator::setPair(const c3de_sim_contact_pair *pair) {
       throw Error(C3DE_E_STALE, "there is no such body, obstacle or probe tool in this simulation");
   if (in.first.v == in.second.v || (!table_.hasBody(in.first.v) && !table_.hasBody(in.second.v)))
     throw Error(C3DE_E_ARG, "a pair of contact has a body and another body, an obstacle, a probe tool or the walls");
-  simulator_.setContactPair(in.first.v, in.second.v, settings);
+  simulator_.world().setContactPair(in.first.v, in.second.v, settings);
 }
 
 void WorldSimulator::addProbeTool(const c3de_sim_probe_tool *tool, c3de_handle *out) {
@@ -68,7 +68,7 @@ void WorldSimulator::addProbeTool(const c3de_sim_probe_tool *tool, c3de_handle *
   const std::vector<std::string> warnings = warningsOf(read);
   resetSimulator();
   const std::uint64_t id = simulator_.addObstacle(std::move(*built));
-  for (const std::string &warning : warnings) simulator_.addWarning(id, warning);
+  for (const std::string &warning : warnings) simulator_.diagnostics().addWarning(id, warning);
   table_.addObstacle(id, std::move(record));
   if (out) *out = {id};
 }
@@ -124,13 +124,13 @@ c3de_status WorldSimulator::enumProbeTools(void *visitor, EachProbeTool each) {
 
 std::vector<ReportedTool> WorldSimulator::reportedTools() const {
   std::vector<ReportedTool> tools;
-  const std::vector<ContactSummary> contacts = simulator_.contacts();
+  const std::vector<ContactSummary> contacts = simulator_.diagnostics().contacts();
   for (const auto &[id, record] : table_.obstacles()) {
     if (!record.tool) continue;
     ReportedTool tool;
     tool.name = record.name;
     const Vec3 &at = record.tool->path.front().at;
-    tool.position = at + simulator_.obstacleMotion(id).displacementOf(at);
+    tool.position = at + simulator_.world().obstacleMotion(id).displacementOf(at);
     for (const ContactSummary &contact : contacts) {
       if (contact.second != id) continue;
       tool.force -= contact.force;

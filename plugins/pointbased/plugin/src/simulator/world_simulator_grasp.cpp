@@ -47,7 +47,8 @@ void WorldSimulator::releaseGrasp(std::uint64_t id) {
   const auto found = grasps_.find(id);
   if (found == grasps_.end()) return;
   if (found->second.now)
-    for (std::uint64_t jaw = 0; jaw < 2; ++jaw) simulator_.releaseGrab(found->second.now->body, findGrab(id) + jaw);
+    for (std::uint64_t jaw = 0; jaw < 2; ++jaw)
+      simulator_.stepper().releaseGrab(found->second.now->body, findGrab(id) + jaw);
   grasps_.erase(found);
 }
 
@@ -56,14 +57,14 @@ std::uint64_t WorldSimulator::findGrab(std::uint64_t grasp) { return grasp == kI
 void WorldSimulator::setGrabs(std::uint64_t id, const Grasp &grasp) {
   for (std::size_t jaw = 0; jaw < 2; ++jaw) {
     recordGrab(grasp.body, grasp.grabs[jaw]);
-    simulator_.setGrab(grasp.body, grasp.grabs[jaw], findGrab(id) + jaw);
+    simulator_.stepper().setGrab(grasp.body, grasp.grabs[jaw], findGrab(id) + jaw);
   }
 }
 
 std::optional<GraspForces> WorldSimulator::forcesOn(std::uint64_t id, const Grasp &grasp) const {
   std::array<GrabStatus, 2> grabs;
   for (std::size_t jaw = 0; jaw < 2; ++jaw) {
-    const std::optional<GrabStatus> status = simulator_.grabStatus(grasp.body, findGrab(id) + jaw);
+    const std::optional<GrabStatus> status = simulator_.stepper().grabStatus(grasp.body, findGrab(id) + jaw);
     if (!status) return std::nullopt;
     grabs[jaw] = *status;
   }
@@ -79,7 +80,7 @@ std::optional<GraspForces> WorldSimulator::forcesOn(std::uint64_t id, const Gras
 // Before a step: jaws of the scene take hold at their time, all close and move to their prescribed pose.
 void WorldSimulator::updateGrasps() {
   if (grasps_.empty()) return;
-  const double dt = simulator_.stepSize(), end = simulator_.time() + dt;
+  const double dt = simulator_.stepper().stepSize(), end = simulator_.time() + dt;
   for (auto entry = grasps_.begin(); entry != grasps_.end();) {
     const std::uint64_t id = entry->first;
     GraspRecord &record = entry->second;
@@ -99,8 +100,8 @@ void WorldSimulator::updateGrasps() {
         record.now->aim();
         for (std::size_t jaw = 0; jaw < 2; ++jaw) {
           recordPull(record.now->body, findGrab(id) + jaw);
-          simulator_.moveGrab(record.now->body, record.now->grabs[jaw].target, findGrab(id) + jaw);
-          simulator_.turnGrab(record.now->body, record.now->rotation, findGrab(id) + jaw);
+          simulator_.stepper().moveGrab(record.now->body, record.now->grabs[jaw].target, findGrab(id) + jaw);
+          simulator_.stepper().turnGrab(record.now->body, record.now->rotation, findGrab(id) + jaw);
         }
       }
     }
@@ -118,13 +119,13 @@ void WorldSimulator::resetGrasps() {
 
 InteractionState WorldSimulator::checkpoint() const {
   const std::lock_guard lock(mutex_);
-  return {simulator_.checkpoint(), grasps_};
+  return {simulator_.archive().checkpoint(), grasps_};
 }
 
 void WorldSimulator::exchange(InteractionState &kept) {
   const std::lock_guard lock(mutex_);
-  InteractionState left{simulator_.checkpoint(), grasps_};
-  if (simulator_.restore(kept.state)) {
+  InteractionState left{simulator_.archive().checkpoint(), grasps_};
+  if (simulator_.archive().restore(kept.state)) {
     grasps_ = kept.grasps;
     for (const auto &[id, record] : grasps_)
       if (record.now) setGrabs(id, *record.now);

@@ -30,14 +30,14 @@ void WorldSimulator::placeInstrument(ProbeTool tool) {
   if (!built) throw Error(C3DE_E_ARG, built.error());
   const ObstacleRecord record{tool.name, meshOf(context_.services, tool), tool.friction, 0.0, {}, tool};
   takeInstrumentAway();
-  const std::uint64_t id = simulator_.addInstrument(std::move(*built));
+  const std::uint64_t id = simulator_.world().addInstrument(std::move(*built));
   table_.addInstrument(id, record);
 }
 
 void WorldSimulator::moveInstrument(const Vec3 &middle) {
   const std::lock_guard lock(mutex_);
   for (const auto &[id, record] : table_.obstacles()) {
-    if (!simulator_.isInstrument(id)) continue;
+    if (!simulator_.world().isInstrument(id)) continue;
     const Vec3 &at = record.tool->path.front().at;
     lead(id, {Mat3::Identity(), at, middle - at});
   }
@@ -60,7 +60,7 @@ void WorldSimulator::guide(std::uint64_t obstacle, const RigidMotion &target) {
 void WorldSimulator::lead(std::uint64_t obstacle, const RigidMotion &target) {
   const ObstacleRecord *record = table_.obstacle(obstacle);
   if (!record) return;
-  const RigidMotion now = simulator_.obstacleMotion(obstacle);
+  const RigidMotion now = simulator_.world().obstacleMotion(obstacle);
   // The corners of its box have the largest displacement.
   double way = 0.0;
   const Vec3 &low = record->mesh->min, &high = record->mesh->max;
@@ -69,20 +69,20 @@ void WorldSimulator::lead(std::uint64_t obstacle, const RigidMotion &target) {
     way = std::max(way, (target.displacementOf(x) - now.displacementOf(x)).norm());
   }
   const double turn = Eigen::AngleAxisd(target.rotation * now.rotation.transpose()).angle();
-  simulator_.guideObstacle(obstacle, target, std::max({kMinTime, way / kMaxSpeed, turn / kMaxTurn}));
+  simulator_.world().guideObstacle(obstacle, target, std::max({kMinTime, way / kMaxSpeed, turn / kMaxTurn}));
 }
 
 void WorldSimulator::takeOut(RemovedObstacle &taken) {
   const std::lock_guard lock(mutex_);
   const ObstacleRecord *record = table_.obstacle(taken.id);
-  const Obstacle *obstacle = simulator_.obstacle(taken.id);
+  const Obstacle *obstacle = simulator_.world().obstacle(taken.id);
   if (!record || !obstacle) return;
   taken.record = *record;
   taken.obstacle = *obstacle;
-  taken.obstacle.motion = simulator_.motionAtReset(taken.id);
-  taken.place = simulator_.obstacleMotion(taken.id);
+  taken.obstacle.motion = simulator_.world().motionAtReset(taken.id);
+  taken.place = simulator_.world().obstacleMotion(taken.id);
   taken.pairs.clear();
-  for (const auto &[pair, settings] : simulator_.contactPairs())
+  for (const auto &[pair, settings] : simulator_.world().contactPairs())
     if (pair.first == taken.id || pair.second == taken.id) taken.pairs.emplace(pair, settings);
   taken.attachments = table_.attachmentsOf(taken.id);
   table_.removeObstacle(taken.id);
@@ -100,9 +100,9 @@ bool WorldSimulator::putBack(RemovedObstacle &taken) {
   // An obstacle moved by the scene follows its motion; one that has not been moved is where it was built.
   const bool isElsewhere =
       taken.obstacle.motion || !taken.place.rotation.isIdentity(0.0) || !taken.place.displacement.isZero(0.0);
-  if (!table_.obstacle(id)->motion && isElsewhere) simulator_.guideObstacle(id, taken.place, 0.0);
+  if (!table_.obstacle(id)->motion && isElsewhere) simulator_.world().guideObstacle(id, taken.place, 0.0);
   for (const auto &[pair, settings] : taken.pairs)
-    simulator_.setContactPair(id, pair.first == before ? pair.second : pair.first, settings);
+    simulator_.world().setContactPair(id, pair.first == before ? pair.second : pair.first, settings);
   const bool isReset = simulator_.steps() > 0 && (!taken.attachments.empty() || holdsSkin(simulator_, table_, id));
   if (isReset || !taken.attachments.empty()) resetSimulator();
   for (const Attachment &attachment : taken.attachments) reattach(attachment, before, id);

@@ -84,9 +84,9 @@ void WorldSimulator::applyExternalForces() {
       addLoadForces(live.load, live.part, s, body.state().displacements, forces);
     }
     if (!forces.empty())
-      simulator_.swapExternalForces(id, forces);
+      simulator_.stepper().swapExternalForces(id, forces);
     else if (!body.externalForces().empty())
-      simulator_.setExternalForces(id, {});
+      simulator_.stepper().setExternalForces(id, {});
     if (asked) found->second.forces.swap(forces);
   }
   std::erase_if(lent_, [this](const auto &entry) { return !table_.hasBody(entry.first); });
@@ -107,7 +107,7 @@ void WorldSimulator::hold(c3de_handle handle, const c3de_sim_hold *hold, c3de_ha
   if (in.flags & ~C3DE_SIM_HOLD_SHAPE) throw Error(C3DE_E_UNSUPPORTED, "hold: unknown flags");
   if (body.isStatic()) throw Error(C3DE_E_STATE, "body '" + record.name + "' is rigid and stands; nobody pulls it");
   std::vector<Vec3> positions, normals;
-  simulator_.surfels(handle.v, positions, normals);
+  simulator_.world().surfels(handle.v, positions, normals);
   if (positions.empty()) throw Error(C3DE_E_STATE, "body '" + record.name + "' has no surface to hold");
   const auto nearest = std::min_element(positions.begin(), positions.end(), [&](const Vec3 &a, const Vec3 &b) {
     return (a - at).squaredNorm() < (b - at).squaredNorm();
@@ -124,14 +124,14 @@ void WorldSimulator::hold(c3de_handle handle, const c3de_sim_hold *hold, c3de_ha
   const std::uint64_t id = nextRuntimeId_++;
   holds_.emplace(id, RuntimeHold{handle.v, middle - at, at, Mat3::Identity(), !grab.arms.empty()});
   recordGrab(handle.v, grab);
-  simulator_.setGrab(handle.v, std::move(grab), id);
+  simulator_.stepper().setGrab(handle.v, std::move(grab), id);
   if (out) *out = {id};
 }
 
 // A body that is rebuilt or restored to an earlier state releases its grabs.
 WorldSimulator::RuntimeHold &WorldSimulator::holdOrThrow(c3de_handle handle) {
   const auto found = holds_.find(handle.v);
-  if (found != holds_.end() && simulator_.grabStatus(found->second.body, found->first)) return found->second;
+  if (found != holds_.end() && simulator_.stepper().grabStatus(found->second.body, found->first)) return found->second;
   throw Error(C3DE_E_STALE, "no such hold: it was removed, or what it held has been renewed");
 }
 
@@ -145,14 +145,14 @@ void WorldSimulator::pull(c3de_handle handle, const double *target_m3, const dou
   hold.target = target;
   hold.rotation = rotation;
   recordPull(hold.body, handle.v);
-  simulator_.moveGrab(hold.body, target + rotation * hold.fromNamed, handle.v);
-  simulator_.turnGrab(hold.body, rotation, handle.v);
+  simulator_.stepper().moveGrab(hold.body, target + rotation * hold.fromNamed, handle.v);
+  simulator_.stepper().turnGrab(hold.body, rotation, handle.v);
 }
 
 void WorldSimulator::holdState(c3de_handle handle, c3de_sim_hold_state *out) {
   const std::lock_guard lock(mutex_);
   const RuntimeHold &hold = holdOrThrow(handle);
-  const GrabStatus status = *simulator_.grabStatus(hold.body, handle.v);
+  const GrabStatus status = *simulator_.stepper().grabStatus(hold.body, handle.v);
   c3de_sim_hold_state state{};
   state.body = {hold.body};
   Vec3::Map(state.point_m) = status.point - hold.rotation * hold.fromNamed;

@@ -88,13 +88,13 @@ sdk::SceneRecord WorldSimulator::sceneRecord() const {
     addBodyFields(record, of, *simulator_.body(id));
   }
   for (const auto &[id, obstacle] : table_.obstacles()) {
-    if (simulator_.isInstrument(id)) continue;
+    if (simulator_.world().isInstrument(id)) continue;
     const std::string owner = "obstacle '" + obstacle.name + "': ";
     record.add(owner + "order", static_cast<double>(rank++));
     record.add(owner + "friction", obstacle.friction);
     record.add(owner + "restitution", obstacle.restitution);
     // A motion is a function: two that agree at these times count as equal.
-    const std::function<RigidMotion(double)> motion = simulator_.motionAtReset(id);
+    const std::function<RigidMotion(double)> motion = simulator_.world().motionAtReset(id);
     std::vector<double> motionSamples;
     for (const double t : {0.01, 0.1, 0.37, 1.0, 3.3}) {
       if (!motion) continue;
@@ -112,7 +112,7 @@ sdk::SceneRecord WorldSimulator::sceneRecord() const {
     record.addDigest(owner + "motion", std::span<const double>(motionSamples));
     addDigest(record, owner + "shape and place", obstacle.mesh->positions);
   }
-  for (const auto &[pair, settings] : simulator_.contactPairs()) {
+  for (const auto &[pair, settings] : simulator_.world().contactPairs()) {
     const std::string owner =
         "contact of '" + table_.nameOf(pair.first) + "' and '" + table_.nameOf(pair.second) + "': ";
     record.add(owner + "friction", settings.friction);
@@ -129,7 +129,7 @@ sdk::SceneRecord WorldSimulator::sceneRecord() const {
     record.add(owner + "tangential", attachment.tangential);
     record.add(owner + "tears_at", attachment.tearsAt);
   }
-  for (const AttachmentSummary &now : simulator_.attachments()) {
+  for (const AttachmentSummary &now : simulator_.world().attachments()) {
     // The area to which its region resolves.
     record.add("attachment '" + now.name + "': area", now.area);
     record.add("attachment '" + now.name + "': centre", numbersOf(now.centre));
@@ -163,7 +163,7 @@ sdk::SceneRecord WorldSimulator::sceneRecord() const {
 c3de_status WorldSimulator::saveState(c3de_sink sink) {
   const std::lock_guard lock(mutex_);
   if (!liveLoads_.empty()) throw Error(C3DE_E_STATE, "loads added at run time act on it; remove them first");
-  const auto state = simulator_.savedState();
+  const auto state = simulator_.archive().save();
   if (!state) throw Error(C3DE_E_STATE, state.error());
   return sdk::put(sink, sceneRecord().bytes() + *state);
 }
@@ -176,7 +176,7 @@ void WorldSimulator::loadState(const void *bytes, std::uint64_t n) {
   if (!of) throw Error(C3DE_E_FORMAT, "the state ends too early, or is of another version of the plugin");
   if (const std::string differences = sceneRecord().differencesFrom(*of); !differences.empty())
     throw Error(C3DE_E_ARG, "the state belongs to another scene: " + differences);
-  const auto gone = simulator_.restoreSavedState(state);
+  const auto gone = simulator_.archive().load(state);
   table_.followInstruments(simulator_);
   if (!gone) throw Error(C3DE_E_FORMAT, gone.error());
   liveLoads_.clear();

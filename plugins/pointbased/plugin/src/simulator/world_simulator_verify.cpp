@@ -27,7 +27,7 @@ std::shared_ptr<const WorldVerification> WorldSimulator::verifyBodies(const sdk:
     out->clock = out->quasiStatic ? simulator_.loadFactor() : simulator_.time();
     for (const auto &[id, record] : table_.bodies()) {
       all.push_back({verificationTarget(simulator_, id), record.source, record.values});
-      out->bodies.push_back({id, simulator_.changes(id), record.name, record.source.fixNumbers, {}, {}});
+      out->bodies.push_back({id, simulator_.stepper().changes(id), record.name, record.source.fixNumbers, {}, {}});
     }
   }
   BuildRequest request(progress);

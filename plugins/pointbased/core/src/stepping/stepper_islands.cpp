@@ -6,10 +6,9 @@
 
 #include "base/disjoint_sets.h"
 #include "contact/contact_skin.h"
-#include "pointbased/simulator.h"
-#include "stepping/attachment_layer.h"
+#include "pointbased/stepper.h"
 #include "stepping/guard.h"
-#include "stepping/island_scheduler.h"
+#include "stepping/step_monitor.h"
 
 namespace pointbased {
 
@@ -93,71 +92,68 @@ Box reachOfIncrement(const Body &body) {
 
 }  // namespace
 
-bool Simulator::canTouch(std::size_t a, std::size_t b) const {
-  if (!SkinContacts::hasSkin(bodies_.at(a)->body()) || !SkinContacts::hasSkin(bodies_.at(b)->body())) return false;
-  return a == b ? contact_.enabled && contact_.self : contactPair(a, b).enabled;
-}
-
 // A skin can touch itself only after phyxels have moved relative to each other by the clearance of its parts.
-bool Simulator::mayTouchItself(std::size_t id, double dt) {
-  const Body &body = bodies_.at(id)->body();
-  if (body.rigid() || bodies_.at(id)->stopped() || bodies_.at(id)->asleep() || !canTouch(id, id)) return false;
-  SkinContacts::SelfContactBound *room = &skins_->selfContactBound(id, body);
+bool Stepper::mayTouchItself(std::size_t id, double dt) {
+  const Body &body = state_.bodies.at(id)->body();
+  if (body.rigid() || state_.bodies.at(id)->stopped() || state_.bodies.at(id)->asleep() || !world_.canTouch(id, id))
+    return false;
+  SkinContacts::SelfContactBound *room = &state_.skins.selfContactBound(id, body);
   const QuickCheckResult glance = quickCheck(body);
   if (!glance.finite) return false;
-  double goes = 2.0 * kFaster * room->gain * (quasiStatic() ? wayOfIncrement(body) : dt * glance.speedBound);
+  double goes = 2.0 * kFaster * room->gain * (state_.quasiStatic() ? wayOfIncrement(body) : dt * glance.speedBound);
   room->left -= goes;
   if (room->left > 0.0) return false;
-  SkinPair *own = skins_->ownPair(id);
+  SkinPair *own = state_.skins.ownPair(id);
   if (own != nullptr && !own->active().empty()) return true;
   // Load increments have no velocities: the next one is assumed to be like the last one.
   const State &state = body.state();
   std::vector<Vec3> ofLoad;
-  if (quasiStatic()) ofLoad = lastIncrement(body);
+  if (state_.quasiStatic()) ofLoad = lastIncrement(body);
   const auto move = [&](SkinPair &pair) {
-    pair.moving(0).move(state.displacements, quasiStatic() ? ofLoad : state.velocities, body.rest().maxInfluence,
-                        quasiStatic() ? 1.0 : dt);
+    pair.moving(0).move(state.displacements, state_.quasiStatic() ? ofLoad : state.velocities, body.rest().maxInfluence,
+                        state_.quasiStatic() ? 1.0 : dt);
   };
   if (own != nullptr) {
     move(*own);
     if (const std::optional<bool> told = own->predictedContact()) return *told;
   }
-  const SkinContacts::Owner owner = SkinContacts::ownerOf(id, body, contactPairs_);
+  const SkinContacts::Owner owner = SkinContacts::ownerOf(id, body, state_.contact.pairs);
   const auto hasRoom = [&] {
     room->measure(state.displacements);
-    if (!quasiStatic()) goes = 2.0 * kFaster * dt * deformingSpeed(body, *room);
+    if (!state_.quasiStatic()) goes = 2.0 * kFaster * dt * deformingSpeed(body, *room);
     room->left -= goes;
     return room->left > 0.0;
   };
   if (hasRoom()) return false;
   if (room->skin == nullptr) {
-    room = &skins_->measuredSelfContactBound(owner);
+    room = &state_.skins.measuredSelfContactBound(owner);
     if (hasRoom()) return false;
   }
   if (!room->isResolved()) {
-    reportUnresolvedThickness(id, room->thickness);
+    monitor_->reportUnresolvedThickness(id, room->thickness);
     room->left = std::numeric_limits<double>::infinity();
     return false;
   }
-  SkinPair &pair = skins_->pairOf(owner, owner, contact_.friction);
+  SkinPair &pair = state_.skins.pairOf(owner, owner, state_.contact.settings.friction);
   move(pair);
   return pair.mayTouch();
 }
 
-void Simulator::buildIslands(double dt) {
-  islandCount_ = 0;
-  islandMembers_.clear();
-  for (auto &[id, stepper] : bodies_)
+void Stepper::buildIslands(double dt) {
+  state_.islands.count = 0;
+  state_.islands.members.clear();
+  for (auto &[id, stepper] : state_.bodies)
     if (!stepper->asleep()) stepper->share(std::nullopt);
-  skins_->beginSums([this](std::size_t id) {
-    const BodyStepper &stepper = *bodies_.at(id);
+  state_.skins.beginSums([this](std::size_t id) {
+    const BodyStepper &stepper = *state_.bodies.at(id);
     return stepper.asleep() || stepper.stopped() || stepper.body().isStatic();
   });
-  const bool touch = contact_.enabled && (bodies_.size() > 1 || contact_.self);
-  touchThemselves_.clear();
-  for (auto &[id, stepper] : bodies_)
-    if (touch && mayTouchItself(id, dt)) touchThemselves_.insert(id);
-  if (!(touch && bodies_.size() > 1) && touchThemselves_.empty() && attachments_.empty()) return;
+  const bool touch = state_.contact.settings.enabled && (state_.bodies.size() > 1 || state_.contact.settings.self);
+  state_.islands.touchThemselves.clear();
+  for (auto &[id, stepper] : state_.bodies)
+    if (touch && mayTouchItself(id, dt)) state_.islands.touchThemselves.insert(id);
+  if (!(touch && state_.bodies.size() > 1) && state_.islands.touchThemselves.empty() && state_.attachments.empty())
+    return;
   struct One {
     std::size_t id;
     BodyStepper *stepper;
@@ -166,13 +162,14 @@ void Simulator::buildIslands(double dt) {
   };
   std::vector<One> ones;
   std::vector<std::pair<std::size_t, std::size_t>> near;
-  for (auto &[id, stepper] : bodies_) {
+  for (auto &[id, stepper] : state_.bodies) {
     if (!SkinContacts::hasSkin(stepper->body())) continue;
     const bool stands = stepper->stopped() || stepper->body().isStatic();
-    if (touchThemselves_.contains(id)) near.emplace_back(ones.size(), ones.size());
+    if (state_.islands.touchThemselves.contains(id)) near.emplace_back(ones.size(), ones.size());
     ones.push_back({id, stepper.get(), stands || stepper->asleep(), {}});
-    if (!touch || bodies_.size() < 2) continue;
-    ones.back().box = quasiStatic() ? reachOfIncrement(stepper->body()) : reachOf(stepper->body(), world_.gravity, dt);
+    if (!touch || state_.bodies.size() < 2) continue;
+    ones.back().box = state_.quasiStatic() ? reachOfIncrement(stepper->body())
+                                           : reachOf(stepper->body(), state_.settings.gravity, dt);
   }
   DisjointSets sets(ones.size());
   std::vector<JoinedLayer> held;  // by indices of ones
@@ -181,7 +178,7 @@ void Simulator::buildIslands(double dt) {
     return found == ones.end() ? JoinedLayer::kNobody : static_cast<std::size_t>(found - ones.begin());
   };
   std::vector<std::uint8_t> joined(ones.size(), 0);
-  for (const auto &[id, layer] : attachments_) {
+  for (const auto &[id, layer] : state_.attachments) {
     held.push_back({layer.get(), numberOfBody(layer->settings().first), numberOfBody(layer->settings().second)});
     joined[held.back().first] = 1;
     if (held.back().second == JoinedLayer::kNobody) continue;
@@ -190,7 +187,7 @@ void Simulator::buildIslands(double dt) {
   }
   for (std::size_t a = 0; touch && a < ones.size(); ++a)
     for (std::size_t b = a + 1; b < ones.size(); ++b) {
-      if ((ones[a].idle && ones[b].idle) || !ones[a].box.meets(ones[b].box) || !canTouch(ones[a].id, ones[b].id))
+      if ((ones[a].idle && ones[b].idle) || !ones[a].box.meets(ones[b].box) || !world_.canTouch(ones[a].id, ones[b].id))
         continue;
       near.emplace_back(a, b);
       sets.join(a, b);
@@ -202,25 +199,25 @@ void Simulator::buildIslands(double dt) {
     if (!joined[k]) continue;
     std::size_t &island = islandOf[root];
     if (island == std::numeric_limits<std::size_t>::max()) {
-      island = islandCount_++;
-      if (islands_.size() < islandCount_) islands_.push_back(std::make_unique<Island>());
-      islands_[island]->clear();
+      island = state_.islands.count++;
+      if (state_.islands.list.size() < state_.islands.count) state_.islands.list.push_back(std::make_unique<Island>());
+      state_.islands.list[island]->clear();
     }
-    numberOf[k] = islands_[island]->members().size();
-    islands_[island]->add(ones[k].id, *ones[k].stepper);
-    islandMembers_.insert(ones[k].id);
+    numberOf[k] = state_.islands.list[island]->members().size();
+    state_.islands.list[island]->add(ones[k].id, *ones[k].stepper);
+    state_.islands.members.insert(ones[k].id);
   }
   for (const JoinedLayer &one : held)
-    islands_[islandOf[sets.find(one.first)]]->attach(
+    state_.islands.list[islandOf[sets.find(one.first)]]->attach(
         {one.layer, numberOf[one.first],
          one.second == JoinedLayer::kNobody ? JoinedLayer::kNobody : numberOf[one.second]});
   for (const auto &[a, b] : near) {
-    const ContactPairSettings both = contactPair(ones[a].id, ones[b].id);
+    const ContactPairSettings both = state_.contactPair(ones[a].id, ones[b].id);
     const auto owner = [&](std::size_t k) {
-      return SkinContacts::ownerOf(ones[k].id, ones[k].stepper->body(), contactPairs_);
+      return SkinContacts::ownerOf(ones[k].id, ones[k].stepper->body(), state_.contact.pairs);
     };
-    SkinPair &pair = skins_->pairOf(owner(a), owner(b), both.friction, both.fits);
-    islands_[islandOf[sets.find(a)]]->join(pair, numberOf[a], numberOf[b]);
+    SkinPair &pair = state_.skins.pairOf(owner(a), owner(b), both.friction, both.fits);
+    state_.islands.list[islandOf[sets.find(a)]]->join(pair, numberOf[a], numberOf[b]);
   }
 }
 

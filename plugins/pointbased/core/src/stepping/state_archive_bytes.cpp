@@ -3,8 +3,6 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "stepping/attachment_layer.h"
-#include "stepping/island.h"
 #include "stepping/simulator_checkpoint.h"
 
 namespace pointbased {
@@ -205,24 +203,25 @@ bool fits(const SavedBody &saved, const Body &body) {
 
 }  // namespace
 
-Result<std::string> Simulator::savedState() {
+Result<std::string> StateArchive::save() {
   StateWriter writer;
   Archive archive(writer);
-  std::uint64_t format = kFormat, bodies = bodies_.size(), steps = steps_;
-  double time = time_, loadFactor = loadFactor_;
+  std::uint64_t format = kFormat, bodies = state_.bodies.size(), steps = state_.progress.steps;
+  double time = state_.progress.time, loadFactor = state_.progress.loadFactor;
   archive(format);
   archive(bodies);
   archive(steps);
   archive(time);
   archive(loadFactor);
-  for (const auto &[id, stepper] : bodies_)
+  for (const auto &[id, stepper] : state_.bodies)
     if (const std::string why = saveError(stepper->body()); !why.empty()) return tl::unexpected(why);
-  for (std::size_t o = 0; o < obstacles_.size(); ++o)
-    if (isGuided(obstacleIds_[o]) || isInstrument(obstacleIds_[o]))
-      return tl::unexpected("'" + obstacles_[o].name + "' is led by a hand; take it away, or reset first");
-  skins_->forget();
-  for (const auto &island : islands_) island->resetSolver();
-  for (const auto &[id, stepper] : bodies_) {
+  for (std::size_t o = 0; o < state_.obstacles.all.size(); ++o)
+    if (state_.obstacles.ownMotions.contains(state_.obstacles.ids[o]) ||
+        state_.obstacles.instruments.contains(state_.obstacles.ids[o]))
+      return tl::unexpected("'" + state_.obstacles.all[o].name + "' is led by a hand; take it away, or reset first");
+  state_.skins.forget();
+  for (const auto &island : state_.islands.list) island->resetSolver();
+  for (const auto &[id, stepper] : state_.bodies) {
     stepper->resetSolvers();
     const std::span<const Vec3> patchForces = std::as_const(stepper->body()).patches().forces();
     SavedBody saved{stepper->checkpoint(),
@@ -231,14 +230,14 @@ Result<std::string> Simulator::savedState() {
                     {patchForces.begin(), patchForces.end()}};
     walk(archive, saved);
   }
-  for (const auto &[id, layer] : attachments_) {
+  for (const auto &[id, layer] : state_.attachments) {
     std::vector<std::uint8_t> torn = layer->torn();
     archive(torn);
   }
   return writer.take();
 }
 
-Result<void> Simulator::restoreSavedState(std::string_view bytes) {
+Result<void> StateArchive::load(std::string_view bytes) {
   detail::SimulatorCheckpoint checkpoint;
   std::map<std::size_t, SavedBody> saved;
   try {
@@ -248,19 +247,19 @@ Result<void> Simulator::restoreSavedState(std::string_view bytes) {
     archive(format);
     if (format != kFormat) throw std::runtime_error("the state is of format " + std::to_string(format));
     archive(bodies);
-    archive(checkpoint.steps);
-    archive(checkpoint.time);
-    archive(checkpoint.loadFactor);
-    if (bodies != bodies_.size() || !std::isfinite(checkpoint.time) || checkpoint.time < 0.0 ||
-        !(checkpoint.loadFactor >= 0.0 && checkpoint.loadFactor <= 1.0))
+    archive(checkpoint.progress.steps);
+    archive(checkpoint.progress.time);
+    archive(checkpoint.progress.loadFactor);
+    if (bodies != state_.bodies.size() || !std::isfinite(checkpoint.progress.time) || checkpoint.progress.time < 0.0 ||
+        !(checkpoint.progress.loadFactor >= 0.0 && checkpoint.progress.loadFactor <= 1.0))
       throw std::runtime_error("the state's time or number of bodies is not possible");
-    for (const auto &[id, stepper] : bodies_) {
+    for (const auto &[id, stepper] : state_.bodies) {
       SavedBody &one = saved[id];
       walk(archive, one);
       if (!fits(one, stepper->body()))
         throw std::runtime_error("the state of body '" + stepper->body().name() + "' is not one that it can have");
     }
-    for (const auto &[id, layer] : attachments_) {
+    for (const auto &[id, layer] : state_.attachments) {
       std::vector<std::uint8_t> &torn = checkpoint.torn[id];
       archive(torn);
       const std::vector<std::uint8_t> before = layer->torn();
@@ -273,24 +272,23 @@ Result<void> Simulator::restoreSavedState(std::string_view bytes) {
   } catch (const std::runtime_error &error) {
     return tl::unexpected(std::string(error.what()));
   }
-  reset();
-  for (auto &[id, stepper] : bodies_) {
+  state_.reset();
+  for (auto &[id, stepper] : state_.bodies) {
     SavedBody &one = saved.at(id);
     const BodyCheckpoint fresh = stepper->body().checkpoint();
     one.checkpoint.body.rest = fresh.rest;
     one.checkpoint.body.rigid = fresh.rigid;
     one.checkpoint.body.free = fresh.free;
-    if (checkpoint.steps > 0)
-      one.checkpoint.body.state.supportTime = quasiStatic() ? checkpoint.loadFactor : checkpoint.time;
-    (void)stepper->restore(one.checkpoint, parallelFor_);
+    if (checkpoint.progress.steps > 0)
+      one.checkpoint.body.state.supportTime =
+          state_.quasiStatic() ? checkpoint.progress.loadFactor : checkpoint.progress.time;
+    (void)stepper->restore(one.checkpoint, state_.parallelFor);
     stepper->setStillness(std::move(one.stillness));
     std::copy(one.patchForces.begin(), one.patchForces.end(), stepper->body().patches().forces().begin());
     stepper->body().restoreIntegratorState(std::move(one.integratorCarry));
   }
-  for (auto &[id, torn] : checkpoint.torn) (void)attachments_.at(id)->setTorn(std::move(torn));
-  time_ = checkpoint.time;
-  loadFactor_ = checkpoint.loadFactor;
-  steps_ = checkpoint.steps;
+  for (auto &[id, torn] : checkpoint.torn) (void)state_.attachments.at(id)->setTorn(std::move(torn));
+  state_.progress = checkpoint.progress;
   return {};
 }
 

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "pointbased/types.h"
+
+namespace pointbased {
+
+namespace detail {
+struct SimulationState;
+struct SimulatorCheckpoint;
+}  // namespace detail
+
+/// The state of a simulation at one time, for StateArchive::restore(). Cheap to copy.
+using Checkpoint = std::shared_ptr<const detail::SimulatorCheckpoint>;
+
+/// Stores and restores the state of a simulation: as checkpoints in memory, or as bytes.
+class StateArchive {
+ public:
+  explicit StateArchive(detail::SimulationState &state) : state_(state) {}
+
+  /// The state between two steps: bodies, clock, probes and events.
+  [[nodiscard]] Checkpoint checkpoint() const;
+  /// Returns (or advances) to a state of these bodies, without grabs. Materials, world and what holds the bodies are
+  /// the present ones. Explicit steps from there repeat the earlier results bit for bit, unless material flows (it
+  /// flows once more at the start). Reported as an event.
+  /// @return  false: nothing is changed, because bodies or obstacles have been added or removed since, or the
+  ///          simulation has been reset
+  bool restore(const Checkpoint &checkpoint);
+  /// The state as bytes, for load() of a simulator with the same bodies, obstacles, supports, loads and world.
+  /// Factorisations and reference energies are reset here as well, so that this simulation and one that loads the state
+  /// make the same steps.
+  /// Errors, with nothing changed: a body that is grabbed, that has stopped, or whose reference was renewed after large
+  /// flow; a guided obstacle or an instrument.
+  [[nodiscard]] Result<std::string> save();
+  /// Restores a state of save(), from which every step gives the same bits as there. On an error nothing is changed:
+  /// the bytes are not such a state.
+  [[nodiscard]] Result<void> load(std::string_view bytes);
+  /// Changes whenever earlier checkpoints become invalid.
+  [[nodiscard]] std::uint64_t historyEpoch() const;
+
+ private:
+  detail::SimulationState &state_;
+};
+
+}  // namespace pointbased
