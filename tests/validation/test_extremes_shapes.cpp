@@ -4,7 +4,7 @@
 
 #include "extreme_cases.h"
 #include "pointbased/cloud_quality.h"
-#include "stepping/guard.h"
+#include "stepping/monitoring/guard.h"
 #include "support/catch.h"
 
 using namespace extremes;

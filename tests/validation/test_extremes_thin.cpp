@@ -12,7 +12,7 @@
 #include "mesh_body.h"
 #include "pointbased/cloud_quality.h"
 #include "pointbased/error_estimate.h"
-#include "stepping/skin_watch.h"
+#include "stepping/monitoring/skin_watch.h"
 #include "support/catch.h"
 #include "thin_shapes.h"
 

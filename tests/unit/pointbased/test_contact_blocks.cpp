@@ -5,7 +5,7 @@
 #include "contact_cases.h"
 #include "lattice_cases.h"
 #include "pointbased/integrators.h"
-#include "stepping/guard.h"
+#include "stepping/monitoring/guard.h"
 #include "support/catch.h"
 
 using namespace pointbased;

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "shapes.h"
-#include "stepping/guard.h"
+#include "stepping/monitoring/guard.h"
 #include "support/catch.h"
 
 using namespace pointbased;

@@ -5,7 +5,7 @@
 
 #include "contact_cases.h"
 #include "lattice_cases.h"
-#include "stepping/skin_watch.h"
+#include "stepping/monitoring/skin_watch.h"
 #include "support/catch.h"
 #include "surfaces.h"
 

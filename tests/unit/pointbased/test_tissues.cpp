@@ -7,7 +7,7 @@
 #include "pointbased/fields.h"
 #include "pointbased/occupancy.h"
 #include "pointbased/simulator.h"
-#include "stepping/skin_contacts.h"
+#include "stepping/coupling/skin_contacts.h"
 #include "support/catch.h"
 #include "surfaces.h"
 #include "touching_bodies.h"

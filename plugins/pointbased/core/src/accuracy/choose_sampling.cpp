@@ -7,7 +7,7 @@
 #include "base/number_text.h"
 #include "pointbased/accuracy.h"
 #include "pointbased/sampling.h"
-#include "stepping/step_cost.h"
+#include "stepping/monitoring/step_cost.h"
 
 namespace pointbased {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "analysis/fine_reference_forces.h"
 #include "base/point_tree.h"
-#include "stepping/stage_solution.h"
+#include "stepping/implicit/stage_solution.h"
 
 namespace pointbased::detail {
 namespace {

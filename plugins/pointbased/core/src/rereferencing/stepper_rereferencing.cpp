@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rereferencing/rereferencing.h"
-#include "stepping/simulation_state.h"
+#include "stepping/simulation/simulation_state.h"
 
 namespace pointbased {
 namespace {

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+// Serialises the state of a simulation.
+#include <cstring>
+#include <stdexcept>
+
+#include "stepping/simulation/simulator_checkpoint.h"
+
+namespace pointbased {
+namespace {
+
+constexpr std::uint64_t kFormat = 3;
+
+/// Appends its arguments; the reader below reads the same in the same order.
+class StateWriter {
+ public:
+  static constexpr bool kReads = false;
+  template <class T>
+  void numbers(T *values, std::size_t n) {
+    bytes_.append(reinterpret_cast<const char *>(values), n * sizeof(T));
+  }
+  std::size_t size(std::size_t n) {
+    auto size = static_cast<std::uint64_t>(n);
+    numbers(&size, 1);
+    return n;
+  }
+  [[nodiscard]] std::string take() { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+};
+
+class StateReader {
+ public:
+  static constexpr bool kReads = true;
+  explicit StateReader(std::string_view bytes) : left_(bytes) {}
+  template <class T>
+  void numbers(T *values, std::size_t n) {
+    if (n > left_.size() / sizeof(T)) throw std::runtime_error("the state ends too early");
+    if (n > 0) std::memcpy(values, left_.data(), n * sizeof(T));
+    left_.remove_prefix(n * sizeof(T));
+  }
+  std::size_t size(std::size_t) {
+    std::uint64_t size = 0;
+    numbers(&size, 1);
+    // Every element has at least one byte: a damaged size is not allocated.
+    if (size > left_.size()) throw std::runtime_error("the state ends too early");
+    return static_cast<std::size_t>(size);
+  }
+  void expectEnd() const {
+    if (!left_.empty()) throw std::runtime_error("bytes stand behind the end of the state");
+  }
+
+ private:
+  std::string_view left_;
+};
+
+/// Serialises numbers member by member: padding is not part of the state.
+template <class Coder>
+class Archive {
+ public:
+  explicit Archive(Coder &coder) : coder_(coder) {}
+
+  template <class T>
+  void operator()(T &value) {
+    if constexpr (std::is_same_v<T, bool>) {
+      std::uint8_t byte = value ? 1 : 0;
+      coder_.numbers(&byte, 1);
+      value = byte != 0;
+    } else if constexpr (std::is_arithmetic_v<T>) {
+      coder_.numbers(&value, 1);
+    } else {
+      walk(value);
+    }
+  }
+  template <class T>
+  void operator()(std::vector<T> &values) {
+    const std::size_t n = coder_.size(values.size());
+    if constexpr (Coder::kReads) values.resize(n);
+    for (T &value : values) (*this)(value);
+  }
+  template <class Scalar, int kRows, int kColumns>
+  void operator()(Eigen::Matrix<Scalar, kRows, kColumns> &matrix) {
+    coder_.numbers(matrix.data(), static_cast<std::size_t>(matrix.size()));
+  }
+
+ private:
+  void walk(PronyPoint &point) {
+    (*this)(point.previous);
+    for (Mat3 &term : point.internal) (*this)(term);
+  }
+  void walk(HourglassHistory &modes) {
+    (*this)(modes.previous);
+    for (HourglassStrain &term : modes.relaxed) (*this)(term);
+  }
+  void walk(Contact &c) {
+    (*this)(c.point);
+    (*this)(c.normal);
+    (*this)(c.gap);
+    (*this)(c.surfaceVelocity);
+    (*this)(c.friction);
+    (*this)(c.restitution);
+    (*this)(c.obstacle);
+    (*this)(c.normalImpulse);
+    (*this)(c.frictionImpulse);
+    (*this)(c.settleImpulse);
+    (*this)(c.settleFriction);
+    (*this)(c.normalForce);
+    (*this)(c.initialPenetration);
+    (*this)(c.tangentialDisplacement);
+  }
+  void walk(ContactState::Side &side) {
+    (*this)(side.place);
+    (*this)(side.known);
+  }
+  void walk(ContactState::ClearanceCache &known) {
+    (*this)(known.at);
+    (*this)(known.distance);
+    (*this)(known.reach);
+    (*this)(known.normal);
+    (*this)(known.swept);
+    (*this)(known.ahead);
+    (*this)(known.aheadNormal);
+    (*this)(known.aheadOffset);
+  }
+  void walk(detail::SubstepController &substeps) { substeps.walk(*this); }
+  void walk(detail::SleepDetector &watch) { watch.walk(*this); }
+
+  Coder &coder_;
+};
+
+struct SavedBody {
+  detail::BodyStepper::Checkpoint checkpoint;
+  detail::BodyStepper::Stillness stillness;
+  Body::IntegratorState integratorCarry;
+  std::vector<Vec3> patchForces;  // N, of supports
+};
+
+/// Cached clearances are included: queried again at another position, the plane of a contact would differ in its last
+/// digits.
+template <class Coder>
+void walk(Archive<Coder> &archive, SavedBody &saved) {
+  State &state = saved.checkpoint.body.state;
+  archive(state.displacements);
+  archive(state.velocities);
+  archive(state.history.plasticInverse);
+  archive(state.history.plasticBefore);
+  archive(state.history.prony);
+  archive(state.history.modes);
+  ContactState &contact = saved.checkpoint.body.contact;
+  archive(contact.active);
+  archive(contact.sides);
+  archive(contact.clearance);
+  archive(contact.deepest);
+  archive(contact.margin);
+  archive(contact.depenetrationMoment);
+  archive(contact.solution.splitImpulse);
+  archive(saved.checkpoint.body.referenceShiftMoment);
+  archive(saved.checkpoint.substeps);
+  archive(saved.checkpoint.scale);
+  archive(saved.checkpoint.goodSteps);
+  archive(saved.patchForces);
+  archive(saved.integratorCarry.forces);
+  archive(saved.integratorCarry.tangentRatio);
+  archive(saved.integratorCarry.forcesCurrent);
+  archive(saved.stillness.watch);
+  archive(saved.stillness.asleep);
+}
+
+/// Why the state of a body cannot be saved; empty: it can.
+std::string saveError(const Body &body) {
+  const std::string which = "body '" + body.name() + "' ";
+  if (body.isStatic()) return {};
+  if (body.rereferenceCount() > 0)
+    return which + "has flowed so far that its reference is a later shape; states are kept of the first one";
+  if (!body.grabs.empty()) return which + "is held by a hand; let go of it first";
+  if (body.stopped) return which + "has stopped; reset first";
+  return {};
+}
+
+bool fits(const SavedBody &saved, const Body &body) {
+  const State &state = saved.checkpoint.body.state;
+  PointHistory initial;
+  initial.reset(body.constitution(), body.rest().pointCount(), body.rest().stencils.isLattice());
+  const std::size_t n = body.rest().phyxelCount();
+  const auto allFinite = [](const auto &values) {
+    return std::all_of(values.begin(), values.end(), [](const auto &v) { return v.allFinite(); });
+  };
+  const ContactState &contact = saved.checkpoint.body.contact;
+  const std::size_t points = body.rest().contact.count();
+  return state.displacements.size() == n && state.velocities.size() == n &&
+         saved.patchForces.size() == body.patches().forces().size() && allFinite(saved.patchForces) &&
+         saved.integratorCarry.forces.size() == n && allFinite(saved.integratorCarry.forces) &&
+         allFinite(state.displacements) && allFinite(state.velocities) && allFinite(state.history.plasticInverse) &&
+         state.history.plasticInverse.size() == initial.plasticInverse.size() && state.history.plasticBefore.empty() &&
+         state.history.prony.size() == initial.prony.size() && state.history.modes.size() == initial.modes.size() &&
+         std::all_of(contact.active.begin(), contact.active.end(),
+                     [&](const Contact &c) { return c.point < points; }) &&
+         std::all_of(contact.clearance.begin(), contact.clearance.end(),
+                     [&](const auto &known) { return known.empty() || known.size() == points; }) &&
+         std::all_of(contact.sides.begin(), contact.sides.end(),
+                     [&](const auto &side) { return side.empty() || side.size() == points; });
+}
+
+}  // namespace
+
+Result<std::string> StateArchive::save() {
+  StateWriter writer;
+  Archive archive(writer);
+  std::uint64_t format = kFormat, bodies = state_.bodies.size(), steps = state_.progress.steps;
+  double time = state_.progress.time, loadFactor = state_.progress.loadFactor;
+  archive(format);
+  archive(bodies);
+  archive(steps);
+  archive(time);
+  archive(loadFactor);
+  for (const auto &[id, stepper] : state_.bodies)
+    if (const std::string why = saveError(stepper->body()); !why.empty()) return tl::unexpected(why);
+  for (std::size_t o = 0; o < state_.obstacles.all.size(); ++o)
+    if (state_.obstacles.ownMotions.contains(state_.obstacles.ids[o]) ||
+        state_.obstacles.instruments.contains(state_.obstacles.ids[o]))
+      return tl::unexpected("'" + state_.obstacles.all[o].name + "' is led by a hand; take it away, or reset first");
+  state_.skins.forget();
+  for (const auto &island : state_.islands.list) island->resetSolver();
+  for (const auto &[id, stepper] : state_.bodies) {
+    stepper->resetSolvers();
+    const std::span<const Vec3> patchForces = std::as_const(stepper->body()).patches().forces();
+    SavedBody saved{stepper->checkpoint(),
+                    stepper->stillness(),
+                    stepper->body().integratorCarry(),
+                    {patchForces.begin(), patchForces.end()}};
+    walk(archive, saved);
+  }
+  for (const auto &[id, layer] : state_.attachments) {
+    std::vector<std::uint8_t> torn = layer->torn();
+    archive(torn);
+  }
+  return writer.take();
+}
+
+Result<void> StateArchive::load(std::string_view bytes) {
+  detail::SimulatorCheckpoint checkpoint;
+  std::map<std::size_t, SavedBody> saved;
+  try {
+    StateReader reader(bytes);
+    Archive archive(reader);
+    std::uint64_t format = 0, bodies = 0;
+    archive(format);
+    if (format != kFormat) throw std::runtime_error("the state is of format " + std::to_string(format));
+    archive(bodies);
+    archive(checkpoint.progress.steps);
+    archive(checkpoint.progress.time);
+    archive(checkpoint.progress.loadFactor);
+    if (bodies != state_.bodies.size() || !std::isfinite(checkpoint.progress.time) || checkpoint.progress.time < 0.0 ||
+        !(checkpoint.progress.loadFactor >= 0.0 && checkpoint.progress.loadFactor <= 1.0))
+      throw std::runtime_error("the state's time or number of bodies is not possible");
+    for (const auto &[id, stepper] : state_.bodies) {
+      SavedBody &one = saved[id];
+      walk(archive, one);
+      if (!fits(one, stepper->body()))
+        throw std::runtime_error("the state of body '" + stepper->body().name() + "' is not one that it can have");
+    }
+    for (const auto &[id, layer] : state_.attachments) {
+      std::vector<std::uint8_t> &torn = checkpoint.torn[id];
+      archive(torn);
+      const std::vector<std::uint8_t> before = layer->torn();
+      if (!layer->setTorn(torn))
+        throw std::runtime_error("the state of attachment '" + layer->settings().name +
+                                 "' is not one that it can have");
+      (void)layer->setTorn(before);
+    }
+    reader.expectEnd();
+  } catch (const std::runtime_error &error) {
+    return tl::unexpected(std::string(error.what()));
+  }
+  state_.reset();
+  for (auto &[id, stepper] : state_.bodies) {
+    SavedBody &one = saved.at(id);
+    const BodyCheckpoint fresh = stepper->body().checkpoint();
+    one.checkpoint.body.rest = fresh.rest;
+    one.checkpoint.body.rigid = fresh.rigid;
+    one.checkpoint.body.free = fresh.free;
+    if (checkpoint.progress.steps > 0)
+      one.checkpoint.body.state.supportTime =
+          state_.quasiStatic() ? checkpoint.progress.loadFactor : checkpoint.progress.time;
+    (void)stepper->restore(one.checkpoint, state_.parallelFor);
+    stepper->setStillness(std::move(one.stillness));
+    std::copy(one.patchForces.begin(), one.patchForces.end(), stepper->body().patches().forces().begin());
+    stepper->body().restoreIntegratorState(std::move(one.integratorCarry));
+  }
+  for (auto &[id, torn] : checkpoint.torn) (void)state_.attachments.at(id)->setTorn(std::move(torn));
+  state_.progress = checkpoint.progress;
+  return {};
+}
+
+}  // namespace pointbased
