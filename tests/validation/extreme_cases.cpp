@@ -35,12 +35,7 @@ std::string text(double value) {
 }
 
 Material rubber(double youngsModulus, double poissonRatio, MaterialLaw law) {
-  Material material;
-  material.law = law;
-  material.youngsModulus = youngsModulus;
-  material.poissonRatio = poissonRatio;
-  material.restDensity = 1000.0;
-  return material;
+  return Material{.law = law, .youngsModulus = youngsModulus, .poissonRatio = poissonRatio, .restDensity = 1000.0};
 }
 
 std::unique_ptr<Body> cube(const Material &material, double spacing, double height) {
@@ -49,8 +44,7 @@ std::unique_ptr<Body> cube(const Material &material, double spacing, double heig
 
 std::unique_ptr<Body> cloud(const std::vector<Vec3> &points, double spacing, const Material &material,
                             const NeighborChoice &choice) {
-  return std::make_unique<Body>("cloud", shapes::restState(points, spacing, choice),
-                                Constitution{{material}, kCloudStabilisation}, serialFor());
+  return shapes::makeBody(shapes::restState(points, spacing, choice), {material}, "cloud");
 }
 
 std::vector<Vec3> gridPoints(int nx, int ny, int nz, double spacing) {
@@ -89,23 +83,6 @@ VolumeError volumeError(Body &body) {
   return error;
 }
 
-Momenta momenta(const Body &body) {
-  Momenta out;
-  for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i) {
-    const Vec3 p = body.masses()[i] * body.state().velocities[i];
-    out.linear += p;
-    out.angular += (body.rest().positions[i] + body.state().displacements[i]).cross(p);
-    out.size += p.norm();
-  }
-  return out;
-}
-
-double largest(std::span<const Vec3> field) {
-  double out = 0.0;
-  for (const Vec3 &v : field) out = std::max(out, v.norm());
-  return out;
-}
-
 double difference(std::span<const Vec3> a, std::span<const Vec3> b) {
   if (a.size() != b.size()) return std::numeric_limits<double>::infinity();
   double out = 0.0;
@@ -119,10 +96,7 @@ void displace(Body &body, const Mat3 &A, const Vec3 &shift) {
   body.forcesCurrent = false;
 }
 
-bool told(const Simulator &simulator, const std::string &kind) {
-  return std::any_of(simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(),
-                     [&](const SimulationEvent &e) { return e.kind == kind; });
-}
+bool told(const Simulator &simulator, const std::string &kind) { return shapes::countEvents(simulator, kind) > 0; }
 
 std::size_t residentMemory() {
   // Linux; the file is absent on other systems.

@@ -39,15 +39,9 @@ struct VolumeError {
   double local = 0.0, total = 0.0;
 };
 [[nodiscard]] VolumeError volumeError(Body &body);
-/// Σ m v and Σ (X + u) x m v about the origin of the body's frame.
-struct Momenta {
-  Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
-  double size = 0.0;  ///< Σ m |v|
-};
-[[nodiscard]] Momenta momenta(const Body &body);
+using shapes::largest, shapes::momenta, shapes::Momenta;
 /// Largest |a - b| over largest |b|.
 [[nodiscard]] double difference(std::span<const Vec3> a, std::span<const Vec3> b);
-[[nodiscard]] double largest(std::span<const Vec3> field);
 /// u = (A - 1) X + shift.
 void displace(Body &body, const Mat3 &A, const Vec3 &shift = Vec3::Zero());
 [[nodiscard]] bool told(const Simulator &simulator, const std::string &kind);

@@ -27,39 +27,24 @@ Region slab(int axis, double low, double high) {
 Region face(int axis, double at) { return slab(axis, at - kFaceHalf, at + kFaceHalf); }
 
 Problem Problem::rubber(const BodyShape &shape, double spacing, MaterialLaw law) {
-  Problem problem;
-  problem.shape = shape;
-  problem.material.law = law;
-  problem.material.youngsModulus = 1e4;
-  problem.material.poissonRatio = 0.3;
-  problem.material.restDensity = 1000.0;
-  problem.recipe.sampling.spacing = spacing;
-  problem.world.integrator = Integrator::quasiStatic;
-  return problem;
+  return {.shape = shape,
+          .material = {.law = law, .youngsModulus = 1e4, .poissonRatio = 0.3, .restDensity = 1000.0},
+          .recipe = {.sampling = {.spacing = spacing}},
+          .world = {.integrator = Integrator::quasiStatic}};
 }
 
 Problem &Problem::move(const Region &region, const Vec3 &displacement) {
-  Fix fix;
-  fix.region = region;
-  fix.displacement = displacement;
-  recipe.fixes.push_back(fix);
+  recipe.fixes.push_back({.region = region, .displacement = displacement});
   return *this;
 }
 
 Problem &Problem::turn(const Region &region, const Vec3 &rotation_deg, const Vec3 &centre) {
-  Fix fix;
-  fix.region = region;
-  fix.rotation_deg = rotation_deg;
-  fix.centre = centre;
-  recipe.fixes.push_back(fix);
+  recipe.fixes.push_back({.region = region, .rotation_deg = rotation_deg, .centre = centre});
   return *this;
 }
 
 Problem &Problem::pull(const Region &region, const Vec3 &force) {
-  Load load;
-  load.region = region;
-  load.force = force;
-  recipe.loads.push_back(load);
+  recipe.loads.push_back({.region = region, .force = force});
   return *this;
 }
 
@@ -70,9 +55,8 @@ Problem &Problem::atPhyxels() {
 
 SolvedBody::SolvedBody(const Problem &problem) : shape_(problem.shape) {
   const Stopwatch watch;
-  const auto rest = buildRestState(problem.shape, problem.recipe, {}, serialFor());
-  if (!rest) throw std::runtime_error(rest.error());
-  rest_ = *rest;
+  const auto rest = shapes::restState(problem.shape, problem.recipe);
+  rest_ = rest;
   Constitution constitution{{problem.material},
                             rest_->evaluation == Evaluation::phyxels ? kCloudStabilisation : kLatticeStabilisation};
   simulator_.setWorld(problem.world);

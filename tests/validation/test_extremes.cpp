@@ -16,10 +16,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 WorldSettings freeWorld(double dt = 0.0, Integrator integrator = Integrator::explicitVerlet) {
-  WorldSettings world;
-  world.dt = dt;
-  world.integrator = integrator;
-  return world;
+  return WorldSettings{.integrator = integrator, .dt = dt};
 }
 
 }  // namespace
@@ -331,16 +328,12 @@ TEST_CASE("neighbours with a million times the stiffness or mass: momenta are ke
        {Pair{"E", 1e6, 1.0}, Pair{"density", 1.0, 1e6}, Pair{"both", 1e6, 1e6}, Pair{"opposed", 1e6, 1e-6}}) {
     CAPTURE(pair.name);
     BodyShape shape = shapes::box(Vec3::Zero(), Vec3(0.08, kEdge, kEdge));
-    BodyRecipe recipe;
-    recipe.sampling.spacing = 0.01;
-    recipe.sampling.materials.emplace_back(BoxRegion{Vec3(0.04, -1, -1), Vec3(1, 1, 1)}, std::uint16_t{1});
-    const auto rest = buildRestState(shape, recipe, {}, serialFor());
-    REQUIRE(rest);
+    const auto rest = shapes::restState(
+        shape, {.sampling = {.spacing = 0.01, .materials = {{BoxRegion{Vec3(0.04, -1, -1), Vec3(1, 1, 1)}, 1}}}});
     Material first = rubber(10.0), second = rubber(10.0 * pair.youngs);
     second.restDensity = first.restDensity * pair.density;
     Simulator simulator;
-    const std::size_t id = simulator.addBody(
-        std::make_unique<Body>("pair", *rest, Constitution{{first, second}, kLatticeStabilisation}, serialFor()));
+    const std::size_t id = simulator.addBody(shapes::makeBody(rest, {first, second}, "pair"));
     Body &body = *simulator.body(id);
     // Slow relative to the slower wave, so that inertia tears nothing apart.
     const double wave =

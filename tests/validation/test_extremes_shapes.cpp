@@ -14,11 +14,7 @@ namespace {
 constexpr double kSpacing = 0.02;  // m
 
 std::unique_ptr<Body> latticeBody(const BodyShape &shape, double spacing, const Material &material) {
-  BodyRecipe recipe;
-  recipe.sampling.spacing = spacing;
-  const auto rest = buildRestState(shape, recipe, {}, serialFor());
-  REQUIRE(rest);
-  return std::make_unique<Body>("body", *rest, Constitution{{material}, kLatticeStabilisation}, serialFor());
+  return shapes::makeBody(shapes::restState(shape, {.sampling = {.spacing = spacing}}), {material}, "body");
 }
 
 // Two plates of 0.1 x 0.1 x 0.02 m with a gap.
@@ -83,9 +79,7 @@ TEST_CASE("coincident points make no nought over nought") {
   for (const auto &points : {doubled, same, twice}) {
     CAPTURE(points.size());
     Simulator simulator;
-    WorldSettings world;
-    world.gravity = Vec3(0, -9.81, 0);
-    simulator.setWorld(world);
+    simulator.setWorld({.gravity = Vec3(0, -9.81, 0)});
     const std::size_t id = simulator.addBody(cloud(points, kSpacing, rubber(1e4)));
     Body &body = *simulator.body(id);
     simulator.addObstacle(shapes::halfSpace(Vec3(0, -0.02, 0), Vec3::UnitY(), 0.3));
@@ -200,12 +194,10 @@ TEST_CASE("bodies of none, one and two phyxels fall, lie and are looked at") {
     for (const std::size_t count : {0u, 1u, 2u}) {
       CAPTURE(count, static_cast<int>(integrator));
       Simulator simulator;
-      WorldSettings world;
-      world.gravity = Vec3(0, -10, 0);
-      world.dt = 1e-3;
-      world.integrator = integrator;
-      world.damping = integrator == Integrator::quasiStatic ? 0.0 : 5.0;
-      simulator.setWorld(world);
+      simulator.setWorld({.gravity = Vec3(0, -10, 0),
+                          .integrator = integrator,
+                          .dt = 1e-3,
+                          .damping = integrator == Integrator::quasiStatic ? 0.0 : 5.0});
       std::vector<Vec3> points;
       for (std::size_t i = 0; i < count; ++i) points.push_back(Vec3(0.02 * static_cast<double>(i), 0.02, 0));
       const std::size_t id = simulator.addBody(cloud(points, 0.02, rubber(1e4)));
@@ -230,10 +222,7 @@ TEST_CASE("bodies of none, one and two phyxels fall, lie and are looked at") {
 
 TEST_CASE("a single phyxel comes down quasi-statically") {
   Simulator simulator;
-  WorldSettings world;
-  world.gravity = Vec3(0, -10, 0);
-  world.integrator = Integrator::quasiStatic;
-  simulator.setWorld(world);
+  simulator.setWorld({.gravity = Vec3(0, -10, 0), .integrator = Integrator::quasiStatic});
   const std::size_t id = simulator.addBody(cloud({Vec3(0, 0.02, 0)}, 0.02, rubber(1e4)));
   simulator.addObstacle(shapes::halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.3));
   while (!simulator.finished() && simulator.step()) {
@@ -265,12 +254,9 @@ TEST_CASE("plates half a spacing apart move independently") {
   auto narrow = latticeBody(plates(0.05 * kSpacing, true), kSpacing, rubber(1e4));
   CHECK(narrow->rest().components == 2);
   CHECK(coupling(*narrow) == 0.0);
-  BodyRecipe recipe;
-  recipe.evaluation = Evaluation::phyxels;
-  recipe.sampling.spacing = kSpacing;
-  const auto rest = buildRestState(plates(gap, true), recipe, {}, serialFor());
-  REQUIRE(rest);
-  Body atPhyxels("plates", *rest, Constitution{{rubber(1e4)}, kCloudStabilisation}, serialFor());
+  const auto rest =
+      shapes::restState(plates(gap, true), {.evaluation = Evaluation::phyxels, .sampling = {.spacing = kSpacing}});
+  Body atPhyxels("plates", rest, Constitution{{rubber(1e4)}, kCloudStabilisation}, serialFor());
   CHECK(atPhyxels.rest().components == 2);
   const double phyxels = coupling(atPhyxels);
   CHECK(phyxels < 1e-10);  // one layer: its completed F is the identity up to round-off
@@ -296,10 +282,7 @@ TEST_CASE("a thousand kilometres from the origin the same happens as at the orig
     std::vector<Vec3> near;
     for (const Vec3 &at : {Vec3(0, 0, 0), offset}) {
       Simulator simulator;
-      WorldSettings world;
-      world.dt = 1e-4;
-      world.gravity = Vec3(0, -9.81, 0);
-      simulator.setWorld(world);
+      simulator.setWorld({.gravity = Vec3(0, -9.81, 0), .dt = 1e-4});
       std::vector<Vec3> points = gridPoints(3, 3, 3, kSpacing);
       for (Vec3 &x : points) x += at;
       const std::size_t id =
@@ -327,10 +310,7 @@ TEST_CASE("in millimetres, where a scanner has its origin, the same happens as a
   double error = 0.0;
   for (const Vec3 &at : {Vec3(0, 0, 0), Vec3(-183.7, -221.3, -1250.9)}) {
     Simulator simulator;
-    WorldSettings world;
-    world.dt = 1e-4;
-    world.gravity = Vec3(0, -9810, 0);
-    simulator.setWorld(world);
+    simulator.setWorld({.gravity = Vec3(0, -9810, 0), .dt = 1e-4});
     Material material = rubber(1e4);
     material.restDensity = 1e-3;  // g/mm³
     const std::size_t id = simulator.addBody(shapes::latticeBox(at, at + Vec3::Constant(40.0), 10.0, material, 4));
@@ -358,10 +338,7 @@ TEST_CASE("from a micrometre to a kilometre results scale with the size") {
     const std::size_t id =
         simulator.addBody(shapes::latticeBox(Vec3::Zero(), Vec3::Constant(size), 0.25 * size, rubber(1e5), 4));
     Body &body = *simulator.body(id);
-    WorldSettings world;
-    world.dt = kStepSafety * body.stableStepAtRest();
-    world.gravity = Vec3(0, -20.0 / size, 0);
-    simulator.setWorld(world);
+    simulator.setWorld({.gravity = Vec3(0, -20.0 / size, 0), .dt = kStepSafety * body.stableStepAtRest()});
     simulator.addObstacle(shapes::halfSpace(Vec3(0, -0.01 * size, 0), Vec3::UnitY(), 0.3));
     body.setInitialVelocity(Vec3(0.1, 0, 0.2), Vec3::Zero());
     for (int i = 0; i < 300; ++i) REQUIRE(simulator.step());
@@ -412,12 +389,9 @@ TEST_CASE("three to five hundred neighbours, supports of 1.01 to 6 spacings: no 
   const auto run = [&](const NeighborChoice &choice, const std::string &name) {
     CAPTURE(name);
     Simulator simulator;
-    WorldSettings world;
-    world.gravity = Vec3(0, -9.81, 0);
-    simulator.setWorld(world);
+    simulator.setWorld({.gravity = Vec3(0, -9.81, 0)});
     const std::size_t id = simulator.addBody(
-        std::make_unique<Body>("ball", shapes::restState(shapes::ball(Vec3::Zero(), 0.06), kSpacing, choice),
-                               Constitution{{rubber(1e4)}, kCloudStabilisation}, serialFor()));
+        shapes::makeBody(shapes::restState(shapes::ball(Vec3::Zero(), 0.06), kSpacing, choice), {rubber(1e4)}, "ball"));
     simulator.addObstacle(shapes::halfSpace(Vec3(0, -0.065, 0), Vec3::UnitY(), 0.3));
     Body &body = *simulator.body(id);
     const Neighbours counted = countNeighbours(body.rest());
@@ -476,18 +450,15 @@ TEST_CASE("a surface that encloses another volume than is found inside is told o
   for (const Evaluation evaluation : {Evaluation::stressPoints, Evaluation::phyxels})
     for (const double part : {1.0, 0.97, 1.2, 0.8}) {
       CAPTURE(part, static_cast<int>(evaluation));
-      BodyRecipe recipe;
-      recipe.evaluation = evaluation;
-      recipe.sampling.spacing = 0.005;
+      const BodyRecipe recipe{.evaluation = evaluation, .sampling = {.spacing = 0.005}};
       BodyShape shape = shapes::box(Vec3::Zero(), Vec3::Constant(kEdge));
       shape.volume *= part;  // as by the divergence theorem for an open surface, or for overlapping parts
-      const auto rest = buildRestState(shape, recipe, {}, serialFor());
-      REQUIRE(rest);
-      CHECK_THAT((*rest)->countedVolume, WithinRel(kEdge * kEdge * kEdge, 0.01));
+      const auto rest = shapes::restState(shape, recipe);
+      CHECK_THAT(rest->countedVolume, WithinRel(kEdge * kEdge * kEdge, 0.01));
       Simulator simulator;
       const bool lattice = evaluation == Evaluation::stressPoints;
       const std::size_t id = simulator.addBody(std::make_unique<Body>(
-          "box", *rest, Constitution{{rubber(1e4)}, lattice ? kLatticeStabilisation : kCloudStabilisation},
+          "box", rest, Constitution{{rubber(1e4)}, lattice ? kLatticeStabilisation : kCloudStabilisation},
           serialFor()));
       CHECK_THAT(simulator.body(id)->totalMass(), WithinRel(1000.0 * shape.volume, 1e-9));
       const bool off = std::abs(1.0 / part - 1.0) > kVolumeMismatch;

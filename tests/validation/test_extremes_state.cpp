@@ -76,10 +76,7 @@ void recovers(bool fromPointImplicitly) {
           continue;
         CAPTURE(static_cast<int>(law), static_cast<int>(integrator), static_cast<int>(start));
         Simulator simulator;
-        WorldSettings world;
-        world.damping = 10.0;
-        world.integrator = integrator;
-        simulator.setWorld(world);
+        simulator.setWorld({.integrator = integrator, .damping = 10.0});
         Material material = rubber(1e4, 0.3, law);
         material.viscosity = 20.0;
         const std::size_t id = simulator.addBody(cube(material));
@@ -124,9 +121,7 @@ TEST_CASE("a neo-Hookean body shrunk to a point opens under implicit steps, or r
 
 TEST_CASE("a mirrored St. Venant-Kirchhoff body stays mirrored, finite, and counts as inverted") {
   Simulator simulator;
-  WorldSettings world;
-  world.damping = 10.0;
-  simulator.setWorld(world);
+  simulator.setWorld({.damping = 10.0});
   const std::size_t id = simulator.addBody(cube(rubber(1e4, 0.3, MaterialLaw::stVenantKirchhoff)));
   Body &body = *simulator.body(id);
   put(body, Start::mirrored);
@@ -165,9 +160,7 @@ TEST_CASE("at ten thousand radians a second the angular momentum stays") {
   Simulator simulator;
   const std::size_t id = simulator.addBody(cube(rubber(2e10)));
   Body &body = *simulator.body(id);
-  WorldSettings world;
-  world.dt = kStepSafety * body.stableStepAtRest();
-  simulator.setWorld(world);
+  simulator.setWorld({.dt = kStepSafety * body.stableStepAtRest()});
   body.setInitialVelocity(Vec3::Zero(), Vec3(0, 0, 1e4));
   const Momenta before = momenta(body);
   const double energy = simulator.diagnostics().energy(id).kinetic;
@@ -204,10 +197,7 @@ namespace {
 
 // A free body whose velocities have decayed below the smallest normal number, as after half a minute of damping.
 void fadeOut(Simulator &simulator, double spacing, double speed) {
-  WorldSettings world;
-  world.damping = 50.0;
-  world.dt = 1e-3;
-  simulator.setWorld(world);
+  simulator.setWorld({.dt = 1e-3, .damping = 50.0});
   const std::size_t id = simulator.addBody(cube(rubber(1e4), spacing));
   simulator.body(id)->setInitialVelocity(speed * Vec3(1, 2, 3), Vec3::Zero());
   for (int i = 0; i < 800; ++i) REQUIRE(simulator.step());
@@ -220,11 +210,7 @@ TEST_CASE("numbers too small to be normal do not stay in the state of a damped b
   const volatile double tiny = std::numeric_limits<double>::denorm_min();
   std::size_t count = 0, all = 0;
   c3de::ThreadPool pool(2);
-  for (const ParallelFor &parallelFor :
-       {serialFor(), ParallelFor([&pool](std::size_t n, std::size_t grain,
-                                         const std::function<void(std::size_t, std::size_t)> &loop) {
-          pool.parallelFor(n, grain, loop);
-        })}) {
+  for (const ParallelFor &parallelFor : {serialFor(), shapes::loopsOf(pool)}) {
     Simulator simulator(parallelFor);
     fadeOut(simulator, 0.01, 1e-300);
     const State &state = simulator.body(simulator.bodyIds().front())->state();
@@ -278,11 +264,7 @@ void setModulus(Simulator &s, std::size_t id, double value) {
   s.world().setConstitution(id, {{rubber(value)}, kLatticeStabilisation});
 }
 void grabAtNowhere(Simulator &s, std::size_t id) {
-  Grab grab;
-  grab.phyxels = {kVictim};
-  grab.weights = {1.0};
-  grab.target = Vec3::Constant(kNaN);
-  s.stepper().setGrab(id, grab);
+  s.stepper().setGrab(id, {.phyxels = {kVictim}, .weights = {1.0}, .target = Vec3::Constant(kNaN)});
 }
 
 // A body that becomes invalid next to a valid one. `wholly`: as requested; otherwise the mode in which the others
@@ -296,11 +278,7 @@ void poisoned(const std::vector<Poison> &poisons, std::initializer_list<Integrat
       CAPTURE(poison.name, static_cast<int>(integrator));
       const auto world = [&] {
         auto simulator = std::make_unique<Simulator>();
-        WorldSettings settings;
-        settings.integrator = integrator;
-        settings.dt = 1e-3;
-        settings.gravity = Vec3(0, -9.81, 0);
-        simulator->setWorld(settings);
+        simulator->setWorld({.gravity = Vec3(0, -9.81, 0), .integrator = integrator, .dt = 1e-3});
         simulator->world().setContact({false, false, 0.0});  // they overlap
         return simulator;
       };
@@ -338,6 +316,12 @@ void poisoned(const std::vector<Poison> &poisons, std::initializer_list<Integrat
   row(name, result);
 }
 
+const std::vector<Poison> kStates = {
+    {"x = NaN", [](Simulator &s, std::size_t id) { setDisplacement(s, id, kNaN); }, true},
+    {"x = inf", [](Simulator &s, std::size_t id) { setDisplacement(s, id, kInfinity); }, true},
+    {"v = NaN", [](Simulator &s, std::size_t id) { setVelocity(s, id, kNaN); }, true},
+    {"v = inf", [](Simulator &s, std::size_t id) { setVelocity(s, id, -kInfinity); }, true},
+    {"v = 1e300", [](Simulator &s, std::size_t id) { setVelocity(s, id, 1e300); }, true}};
 const std::initializer_list<Integrator> kBoth = {Integrator::explicitVerlet, Integrator::implicitSdirk};
 
 }  // namespace
@@ -350,22 +334,12 @@ TEST_CASE("a modulus that is no number stops its body in one step in the last go
 }
 
 TEST_CASE("numbers that are none in x and v are caught in one step and named, others go on") {
-  poisoned({{"x = NaN", [](Simulator &s, std::size_t id) { setDisplacement(s, id, kNaN); }, true},
-            {"x = inf", [](Simulator &s, std::size_t id) { setDisplacement(s, id, kInfinity); }, true},
-            {"v = NaN", [](Simulator &s, std::size_t id) { setVelocity(s, id, kNaN); }, true},
-            {"v = inf", [](Simulator &s, std::size_t id) { setVelocity(s, id, -kInfinity); }, true},
-            {"v = 1e300", [](Simulator &s, std::size_t id) { setVelocity(s, id, 1e300); }, true}},
-           kBoth, false,
+  poisoned(kStates, kBoth, false,
            "NaN and infinity put into x and v between steps: caught in one step, others bitwise as alone");
 }
 
 TEST_CASE("numbers that are none in x and v leave the body in its last good state, the phyxel named") {
-  poisoned({{"x = NaN", [](Simulator &s, std::size_t id) { setDisplacement(s, id, kNaN); }, true},
-            {"x = inf", [](Simulator &s, std::size_t id) { setDisplacement(s, id, kInfinity); }, true},
-            {"v = NaN", [](Simulator &s, std::size_t id) { setVelocity(s, id, kNaN); }, true},
-            {"v = inf", [](Simulator &s, std::size_t id) { setVelocity(s, id, -kInfinity); }, true},
-            {"v = 1e300", [](Simulator &s, std::size_t id) { setVelocity(s, id, 1e300); }, true}},
-           kBoth, true, "NaN and infinity put into x and v between steps: last good state, phyxel named");
+  poisoned(kStates, kBoth, true, "NaN and infinity put into x and v between steps: last good state, phyxel named");
 }
 
 // Forces follow from the state, so that the step can be repeated: implicit steps recompute them in any case.
@@ -375,11 +349,7 @@ TEST_CASE("a force that is none is caught in one step, which is done again witho
     for (const double value : {kNaN, kInfinity}) {
       CAPTURE(value, static_cast<int>(integrator));
       Simulator simulator;
-      WorldSettings world;
-      world.integrator = integrator;
-      world.dt = 1e-3;
-      world.gravity = Vec3(0, -9.81, 0);
-      simulator.setWorld(world);
+      simulator.setWorld({.gravity = Vec3(0, -9.81, 0), .integrator = integrator, .dt = 1e-3});
       const std::size_t id = simulator.addBody(cube(rubber(1e4)));
       Body &body = *simulator.body(id);
       for (int i = 0; i < 5; ++i) REQUIRE(simulator.step());
@@ -412,9 +382,7 @@ void impact(std::initializer_list<double> speeds, double dt, const std::string &
   for (const double speed : speeds) {
     CAPTURE(speed);
     Simulator simulator;
-    WorldSettings world;
-    world.dt = dt;
-    simulator.setWorld(world);
+    simulator.setWorld({.dt = dt});
     const std::size_t id = simulator.addBody(cube(rubber(1e4), 0.01, 0.05));  // c_p = 3.7 m/s
     simulator.addObstacle(shapes::sheet(0.0, 0.5, 0.3));
     simulator.body(id)->setInitialVelocity(Vec3(0, -speed, 0), Vec3::Zero());
@@ -464,23 +432,15 @@ void pulled(Integrator integrator, const std::string &name) {
                                  ActiveGrab{"without limit, 1e30 m away", Vec3(1e30, 0, 0), kInfinity, false}}) {
     CAPTURE(hand.name, static_cast<int>(integrator));
     Simulator simulator;
-    WorldSettings world;
-    world.integrator = integrator;
-    world.dt = 2e-3;
-    world.damping = 5.0;
-    simulator.setWorld(world);
+    simulator.setWorld({.integrator = integrator, .dt = 2e-3, .damping = 5.0});
     Material material = rubber(2e4);
     material.viscosity = 5.0;
     const std::size_t id = simulator.addBody(cube(material, 0.01));
     Body &body = *simulator.body(id);
-    Grab grab;
-    for (Index i = 0; i < 8; ++i) {
-      grab.phyxels.push_back(i);
-      grab.weights.push_back(1.0 / 8.0);
-    }
-    grab.target = hand.target;
-    grab.maxForce = hand.most;
-    simulator.stepper().setGrab(id, grab);
+    simulator.stepper().setGrab(id, {.phyxels = {0, 1, 2, 3, 4, 5, 6, 7},
+                                     .weights = std::vector<double>(8, 1.0 / 8.0),
+                                     .target = hand.target,
+                                     .maxForce = hand.most});
     bool good = true;
     for (int i = 0; i < 25 && good; ++i) {
       good = simulator.step().has_value();
@@ -523,9 +483,7 @@ namespace {
 
 void runLong(std::uint64_t steps) {
   Simulator simulator;
-  WorldSettings world;
-  world.gravity = Vec3(0, -9.81, 0);
-  simulator.setWorld(world);
+  simulator.setWorld({.gravity = Vec3(0, -9.81, 0)});
   // One bounces without friction and viscosity, one hangs in the air, vibrating and rotating.
   const std::size_t bounces = simulator.addBody(cube(rubber(1e4), 0.02, 0.01));
   const std::size_t second = simulator.addBody(cube(rubber(1e4), 0.02, 0.3));
@@ -575,17 +533,8 @@ TEST_CASE("one to four threads, and again: the same bits, with every integrator"
     std::vector<std::uint64_t> hashes;
     for (const unsigned threads : {1u, 2u, 4u, 2u}) {
       c3de::ThreadPool pool(threads);
-      const ParallelFor parallel = [&pool](std::size_t n, std::size_t grain,
-                                           const std::function<void(std::size_t, std::size_t)> &loop) {
-        pool.parallelFor(n, grain, loop);
-      };
-      Simulator simulator(parallel);
-      WorldSettings world;
-      world.gravity = Vec3(0, -9.81, 0);
-      world.dt = 1e-3;
-      world.integrator = integrator;
-      world.loadSteps = 2;
-      simulator.setWorld(world);
+      Simulator simulator(shapes::loopsOf(pool));
+      simulator.setWorld({.gravity = Vec3(0, -9.81, 0), .integrator = integrator, .dt = 1e-3, .loadSteps = 2});
       // Enough phyxels that loops are divided.
       simulator.addBody(cube(rubber(1e5), 0.005, 5e-6));
       simulator.addObstacle(shapes::halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.3));
@@ -602,11 +551,7 @@ TEST_CASE("pausing changes nothing, and reset is the initial state bit for bit, 
        {Integrator::explicitVerlet, Integrator::implicitSdirk, Integrator::backwardEuler}) {
     CAPTURE(static_cast<int>(integrator));
     Simulator simulator;
-    WorldSettings world;
-    world.gravity = Vec3(0, -9.81, 0);
-    world.dt = 1e-3;
-    world.integrator = integrator;
-    simulator.setWorld(world);
+    simulator.setWorld({.gravity = Vec3(0, -9.81, 0), .integrator = integrator, .dt = 1e-3});
     Material material = rubber(1e4);
     material.plastic = {0.02, 0.5, 0.01, 1.0};
     material.prony[0] = {0.3, 0.05};
@@ -633,11 +578,7 @@ TEST_CASE("pausing changes nothing, and reset is the initial state bit for bit, 
     CHECK(simulator.stateHash() == initial);
     CHECK(simulator.time() == 0.0);
     CHECK(play(true) == straight);
-    Grab grab;
-    grab.phyxels = {0};
-    grab.weights = {1.0};
-    grab.target = Vec3(1e12, 0, 0);
-    simulator.stepper().setGrab(id, grab);
+    simulator.stepper().setGrab(id, {.phyxels = {0}, .weights = {1.0}, .target = Vec3(1e12, 0, 0)});
     for (int i = 0; i < 5; ++i) (void)simulator.step();
     simulator.reset();
     CHECK(simulator.stateHash() == initial);

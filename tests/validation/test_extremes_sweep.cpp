@@ -63,14 +63,8 @@ AtlasRun fallAndPull(const std::shared_ptr<const RestState> &rest, double youngs
     return run;
   }
   Simulator simulator;
-  WorldSettings world;
-  world.dt = dt;
-  world.integrator = scheme.integrator;
-  world.gravity = Vec3(0, -9.81, 0);
-  world.loadSteps = 3;
-  simulator.setWorld(world);
-  const std::size_t id = simulator.addBody(
-      std::make_unique<Body>("liver", rest, Constitution{{material}, kLatticeStabilisation}, serialFor()));
+  simulator.setWorld({.gravity = Vec3(0, -9.81, 0), .integrator = scheme.integrator, .dt = dt, .loadSteps = 3});
+  const std::size_t id = simulator.addBody(shapes::makeBody(rest, {material}, "liver"));
   simulator.addObstacle(shapes::solidBox(Vec3(-1, -0.1, -1), Vec3(1, 0, 1), 0.3));
   Body &body = *simulator.body(id);
   if (scheme.integrator != Integrator::quasiStatic) {
@@ -78,11 +72,10 @@ AtlasRun fallAndPull(const std::shared_ptr<const RestState> &rest, double youngs
     // By the highest phyxel, sideways, with three times its weight.
     const auto highest = std::max_element(rest->positions.begin(), rest->positions.end(),
                                           [](const Vec3 &a, const Vec3 &b) { return a[1] < b[1]; });
-    Grab grab;
-    grab.phyxels = {static_cast<Index>(highest - rest->positions.begin())};
-    grab.weights = {1.0};
-    grab.target = rest->origin + *highest + Vec3(0.1, 0.1, 0.1);
-    grab.maxForce = 3.0 * 9.81 * body.totalMass();
+    const Grab grab{.phyxels = {static_cast<Index>(highest - rest->positions.begin())},
+                    .weights = {1.0},
+                    .target = rest->origin + *highest + Vec3(0.1, 0.1, 0.1),
+                    .maxForce = 3.0 * 9.81 * body.totalMass()};
     simulator.stepper().setGrab(id, grab);
   }
   const double start = processorSeconds();
@@ -146,18 +139,13 @@ void tell(const std::string &name, const std::vector<AtlasRun> &runs) {
 }
 
 std::shared_ptr<const RestState> built(const BodyShape &shape, double spacing) {
-  BodyRecipe recipe;
-  recipe.sampling.spacing = spacing;
-  auto rest = buildRestState(shape, recipe, {}, serialFor());
-  if (!rest) throw std::runtime_error(rest.error());
-  return *rest;
+  return shapes::restState(shape, {.sampling = {.spacing = spacing}});
 }
 
 }  // namespace
 
 TEST_CASE("whatever modulus, ratio, step and integrator: finite or stopped with a report (corners of the grid)") {
-  BodyShape shape = shapes::box(Vec3(0, 1e-4, 0), Vec3(kEdge, kEdge + 1e-4, kEdge));
-  shape.surface = shapes::boxSurface(shape.min, shape.max, 4);
+  const BodyShape shape = shapes::box(Vec3(0, 1e-4, 0), Vec3(kEdge, kEdge + 1e-4, kEdge), 4);
   const Grid grid{{1.0, 2e10}, {0.0, 0.4999}, {1e-6, 1e-3, 0.1}, {built(shape, 0.02)}, 8, 20.0};
   const std::vector<AtlasRun> runs = sweep(grid);
   CHECK(runs.size() == 28);

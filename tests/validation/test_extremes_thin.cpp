@@ -98,16 +98,12 @@ std::vector<Vec3> normalsOf(const Surface &surface) {
 }
 
 std::shared_ptr<const RestState> laidOut(const Shape &shape, double spacing, Happening happening) {
-  BodyRecipe recipe;
-  recipe.sampling.spacing = spacing;
-  recipe.sampling.count = 0;
+  BodyRecipe recipe{.sampling = {.spacing = spacing, .count = 0}};
   const BodyShape body = validation::meshShape(shape.surface);
   if (happening == Happening::isPulled) {
     // On one side, by three times the weight of the body.
-    Load load;
-    load.region = HalfSpaceRegion{0.5 * (body.min + body.max), Vec3(-1, 0, 0)};
-    load.force = 3.0 * 9.81 * 1000.0 * body.volume * Vec3(0.6, 0.8, 0.0);
-    recipe.loads.push_back(load);
+    recipe.loads.push_back({.region = HalfSpaceRegion{0.5 * (body.min + body.max), Vec3(-1, 0, 0)},
+                            .force = 3.0 * 9.81 * 1000.0 * body.volume * Vec3(0.6, 0.8, 0.0)});
   }
   auto rest = buildRestState(body, recipe, normalsOf(shape.surface), serialFor());
   REQUIRE(rest);
@@ -117,21 +113,15 @@ std::shared_ptr<const RestState> laidOut(const Shape &shape, double spacing, Hap
 Outcome goThrough(const std::shared_ptr<const RestState> &rest, const Course &course, double duration, double seconds) {
   constexpr double kDrop = 0.05;  // m
   Simulator simulator;
-  WorldSettings world;
-  world.integrator = course.integrator;
-  world.dt = course.dt;
-  world.damping = course.damped ? 1.0 : 0.0;
+  WorldSettings world{.integrator = course.integrator, .dt = course.dt, .damping = course.damped ? 1.0 : 0.0};
   if (course.happening == Happening::falls) {
     world.gravity = Vec3(0, -9.81, 0);
-    world.box.enabled = true;
-    world.box.min = Vec3(-5, -kDrop, -5);
-    world.box.max = Vec3(5, 5, 5);
+    world.box = {.enabled = true, .min = Vec3(-5, -kDrop, -5), .max = Vec3(5, 5, 5)};
   }
   simulator.setWorld(world);
   Material material = rubber(6000.0, 0.45);
   material.viscosity = course.damped ? 10.0 : 0.0;
-  const std::size_t id = simulator.addBody(
-      std::make_unique<Body>("thin", rest, Constitution{{material}, kLatticeStabilisation}, serialFor()));
+  const std::size_t id = simulator.addBody(shapes::makeBody(rest, {material}, "thin"));
   Body &body = *simulator.body(id);
   if (course.happening == Happening::spins) body.setInitialVelocity(Vec3(0.5, 0, 0), Vec3(8, 3, 5));
 

@@ -70,9 +70,8 @@ TEST_CASE("homogeneous states of a ball: stress of the laws", "[truth]") {
     problem.material.poissonRatio = state.nu;
     const double ours = homogeneousStress(problem, state.F)(state.row, state.column) / kE;
     // Five digits of the reference value; with nu = 0.49 the fifth of the lateral stretch counts 30-fold.
-    judge({.body = "ball as it is stretched",
-           .quantity = state.name,
-           .truth = state.truth,
+    judge("ball as it is stretched", state.name,
+          {.truth = state.truth,
            .ours = ours,
            .limit = state.nu > 0.4 ? 1e-3 : 1e-4,
            .milliseconds = watch.milliseconds()});
@@ -90,18 +89,9 @@ TEST_CASE("a free bar pulled at its ends: stretch of the laws", "[truth]") {
       SolvedBody body(problem);
       const double long_ = 1.0 + (body.meanOver(face(0, L)) - body.meanOver(face(0, 0.0)))[0] / L;
       const double wide = 1.0 + (body.meanOver(face(1, a)) - body.meanOver(face(1, 0.0)))[1] / a;
-      judge({.body = name,
-             .quantity = "stretch",
-             .truth = stretch,
-             .ours = long_,
-             .limit = 0.001,
-             .milliseconds = body.milliseconds()});
-      judge({.body = name,
-             .quantity = "lateral stretch",
-             .truth = lateral,
-             .ours = wide,
-             .limit = 0.001,
-             .milliseconds = body.milliseconds()});
+      judge(name, "stretch", {.truth = stretch, .ours = long_, .limit = 0.001, .milliseconds = body.milliseconds()});
+      judge(name, "lateral stretch",
+            {.truth = lateral, .ours = wide, .limit = 0.001, .milliseconds = body.milliseconds()});
     } catch (const std::runtime_error &failure) {
       noSolution(name, failure.what());
     }
@@ -117,9 +107,8 @@ TEST_CASE("torsion of a square and a round bar: torque over twist", "[truth]") {
     problem.hold(face(0, 0.0)).turn(face(0, L), Vec3(2, 0, 0), Vec3(L, 0, 0));
     SolvedBody body(problem);
     const double rate = (turnOf(body, 0.7 * L, a / 2) - turnOf(body, 0.3 * L, a / 2)) / (0.4 * L);
-    judge({.body = "square bar, small twist, " + std::to_string(n) + " layers",
-           .quantity = "torque / (G a⁴ twist)",
-           .truth = 0.140577,
+    judge("square bar, small twist, " + std::to_string(n) + " layers", "torque / (G a⁴ twist)",
+          {.truth = 0.140577,
            .ours = body.torqueAboutOrigin(1)[0] / (shearModulus * std::pow(a, 4) * rate),
            .limit = n <= 3 ? 0.01 : 0.003,
            .milliseconds = body.milliseconds()});
@@ -129,11 +118,11 @@ TEST_CASE("torsion of a square and a round bar: torque over twist", "[truth]") {
     Problem problem = Problem::rubber(solids::cylinder(R, L), 2 * R / n);
     problem.hold(face(2, 0.0)).turn(face(2, L), Vec3(0, 0, 1), Vec3(0, 0, L));
     SolvedBody body(problem);
-    judge({.body = "round bar, small twist, " + std::to_string(n) + " layers",
-           .quantity = "torque, N m",
-           .truth = shearModulus * kPi / 2 * std::pow(R, 4) * angle / L,
+    // Of curved bodies: some 160 and 550 phyxels.
+    judge("round bar, small twist, " + std::to_string(n) + " layers", "torque, N m",
+          {.truth = shearModulus * kPi / 2 * std::pow(R, 4) * angle / L,
            .ours = body.torqueAboutOrigin(1)[2],
-           .limit = n <= 4 ? 0.05 : 0.015,  // of curved bodies: some 160 and 550 phyxels
+           .limit = n <= 4 ? 0.05 : 0.015,
            .milliseconds = body.milliseconds()});
   }
 }
@@ -148,9 +137,8 @@ TEST_CASE("cantilever: Timoshenko", "[truth]") {
     problem.material.poissonRatio = 0.0;
     problem.hold(face(0, 0.0)).pull(face(0, L), Vec3(0, 0, force));
     SolvedBody body(problem);
-    judge({.body = "cantilever 10 : 1, small load, " + std::to_string(n) + " layers",
-           .quantity = "tip, m",
-           .truth = force * L * L * L / (3 * kE * inertia) + force * L / (k * shearModulus * a * a),
+    judge("cantilever 10 : 1, small load, " + std::to_string(n) + " layers", "tip, m",
+          {.truth = force * L * L * L / (3 * kE * inertia) + force * L / (k * shearModulus * a * a),
            .uncertainty = 1e-3 * force * L * L * L / (3 * kE * inertia),
            .ours = body.meanOver(face(0, L))[2],
            .limit = n <= 3 ? 0.01 : 0.003,
@@ -176,20 +164,10 @@ TEST_CASE("elastica: a slender beam bent by a dead load up to PL²/EI = 10", "[t
     try {
       SolvedBody body(problem);
       const Vec3 tip = Vec3(L, 0, 0) + body.meanOver(face(0, L));
-      judge({.body = name,
-             .quantity = "x / L of the tip",
-             .truth = of.x,
-             .ours = tip[0] / L,
-             .limit = 0.01,
-             .milliseconds = body.milliseconds(),
-             .scale = 1.0});
-      judge({.body = name,
-             .quantity = "y / L of the tip",
-             .truth = of.y,
-             .ours = tip[2] / L,
-             .limit = 0.01,
-             .milliseconds = body.milliseconds(),
-             .scale = 1.0});
+      judge(name, "x / L of the tip",
+            {.truth = of.x, .ours = tip[0] / L, .limit = 0.01, .milliseconds = body.milliseconds(), .scale = 1.0});
+      judge(name, "y / L of the tip",
+            {.truth = of.y, .ours = tip[2] / L, .limit = 0.01, .milliseconds = body.milliseconds(), .scale = 1.0});
     } catch (const std::runtime_error &failure) {
       noSolution(name, failure.what());
     }
@@ -223,11 +201,7 @@ TEST_CASE("Hertz: a ball pressed into a block", "[truth]") {
     ball.name = "ball";
     ball.friction = 0.0;
     const Vec3 start(0, 0, height + R);
-    ball.motion = [=](double t) {
-      RigidMotion motion;
-      motion.displacement = Vec3(0, 0, -depth * t);
-      return motion;
-    };
+    ball.motion = [=](double t) { return RigidMotion{.displacement = Vec3(0, 0, -depth * t)}; };
     ball.closest = [=](std::span<const Vec3> points, std::span<const double> ranges, std::span<SurfacePoint> out) {
       for (std::size_t i = 0; i < points.size(); ++i) {
         const double distance = (points[i] - start).norm() - R;
@@ -238,9 +212,8 @@ TEST_CASE("Hertz: a ball pressed into a block", "[truth]") {
     const std::string name = std::string("Hertz, cells of ") + of.name;
     try {
       SolvedBody body(problem);
-      judge({.body = name + " (" + std::to_string(body.rest().phyxelCount()) + ")",
-             .quantity = "force, N",
-             .truth = truth,
+      judge(name + " (" + std::to_string(body.rest().phyxelCount()) + ")", "force, N",
+            {.truth = truth,
              .uncertainty = 0.02 * truth,
              .ours = body.reaction(0).force[2],
              .limit = of.spacing > 0.004 && of.fine == 0.0 ? std::nullopt : std::optional(0.05),

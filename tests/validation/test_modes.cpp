@@ -45,19 +45,20 @@ TEST_CASE("frequencies of a free cube", "[truth]") {
     const Stopwatch watch;
     double lowest = 0.0;
     const std::vector<double> f = elasticOnes(body.body(), 48, true, &lowest);
-    judge({.body = "free cube, " + std::to_string(n) + " layers (" + std::to_string(body.rest().phyxelCount()) + ")",
-           .quantity = "lowest of all, Hz",
-           .truth = 2.8562 * speed / a / (2 * kPi),
+    judge("free cube, " + std::to_string(n) + " layers (" + std::to_string(body.rest().phyxelCount()) + ")",
+          "lowest of all, Hz",
+          {.truth = 2.8562 * speed / a / (2 * kPi),
            .ours = lowest,
            .limit = n <= 6 ? 0.03 : 0.015,
            .milliseconds = watch.milliseconds()});
     // ω a / c_s
     for (const auto &[i, omega] : {std::pair(0u, 2.8562), std::pair(2u, 3.8460), std::pair(5u, 3.9113)})
-      judge({.body = "free cube, " + std::to_string(n) + " layers (" + std::to_string(body.rest().phyxelCount()) + ")",
-             .quantity = "f_" + std::to_string(i) + ", Hz",
-             .truth = omega * speed / a / (2 * kPi),
+      // As of the bonded cube.
+      judge("free cube, " + std::to_string(n) + " layers (" + std::to_string(body.rest().phyxelCount()) + ")",
+            "f_" + std::to_string(i) + ", Hz",
+            {.truth = omega * speed / a / (2 * kPi),
              .ours = f[i],
-             .limit = n <= 6 ? 0.03 : 0.015,  // as of the bonded cube
+             .limit = n <= 6 ? 0.03 : 0.015,
              .milliseconds = watch.milliseconds()});
   }
 }
@@ -72,9 +73,9 @@ TEST_CASE("Lamé's mode of a free cube", "[truth]") {
       const Vec3 X = local + origin;
       return Vec3(std::cos(k * X[0]) * std::sin(k * X[1]), -std::sin(k * X[0]) * std::cos(k * X[1]), 0.0);
     });
-    judge({.body = "free cube, " + std::to_string(n) + " layers (" + std::to_string(body.rest().phyxelCount()) + ")",
-           .quantity = "Lamé's mode, Hz",
-           .truth = speed / (a * std::numbers::sqrt2),
+    judge("free cube, " + std::to_string(n) + " layers (" + std::to_string(body.rest().phyxelCount()) + ")",
+          "Lamé's mode, Hz",
+          {.truth = speed / (a * std::numbers::sqrt2),
            .ours = ours,
            .limit = n <= 6 ? 0.03 : 0.015,
            .milliseconds = watch.milliseconds()});
@@ -107,27 +108,23 @@ TEST_CASE("frequencies of a free ball", "[truth]") {
     double inertia = 0.0;  // about the z axis
     for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i)
       inertia += body.body().masses()[i] * (body.rest().positions[i] + origin).head<2>().squaredNorm();
-    judge({.body = name,
-           .quantity = "inertia / (0.4 m R²)",
-           .truth = 1.0,
+    judge(name, "inertia / (0.4 m R²)",
+          {.truth = 1.0,
            .ours = inertia / (0.4 * body.body().totalMass() * R * R),
            .limit = limit,
            .milliseconds = watch.milliseconds()});
-    judge({.body = name,
-           .quantity = "torsional l = 2, Hz",
-           .truth = 2.50113 * slow / R / (2 * kPi),
+    judge(name, "torsional l = 2, Hz",
+          {.truth = 2.50113 * slow / R / (2 * kPi),
            .ours = frequency(torsional),
            .limit = limit,
            .milliseconds = watch.milliseconds()});
-    judge({.body = name,
-           .quantity = "breathing, Hz",
-           .truth = 2.67021 * fast / R / (2 * kPi),
+    judge(name, "breathing, Hz",
+          {.truth = 2.67021 * fast / R / (2 * kPi),
            .ours = frequency(breathing),
            .limit = limit,
            .milliseconds = watch.milliseconds()});
-    judge({.body = name,
-           .quantity = "lowest of all, Hz",
-           .truth = 2.50113 * slow / R / (2 * kPi),
+    judge(name, "lowest of all, Hz",
+          {.truth = 2.50113 * slow / R / (2 * kPi),
            .ours = naturalModes(body.body(), 8)[6].frequency,
            .limit = limit,
            .milliseconds = watch.milliseconds()});
@@ -152,9 +149,8 @@ TEST_CASE("frequencies of a cantilever and a free bar", "[truth]") {
         remark(name, std::string(names[i]) + " has no truth in truths.json");
         continue;
       }
-      judge({.body = name,
-             .quantity = std::string(names[i]) + ", Hz",
-             .truth = known->value,
+      judge(name, std::string(names[i]) + ", Hz",
+            {.truth = known->value,
              .uncertainty = known->uncertainty,
              .ours = f[at[i]],
              .limit = n <= 3 ? 0.01 : 0.003,
@@ -169,10 +165,9 @@ TEST_CASE("frequencies of a cantilever and a free bar", "[truth]") {
     const std::vector<double> f = elasticOnes(body.body(), 32, true);
     for (const auto &[i, omega] :
          {std::pair(0u, 0.5471), std::pair(2u, 0.7213), std::pair(3u, 1.2188), std::pair(5u, 1.2603)})
-      judge({.body =
-                 "free bar 4 : 1, " + std::to_string(n) + " layers (" + std::to_string(body.rest().phyxelCount()) + ")",
-             .quantity = "f_" + std::to_string(i) + ", Hz",
-             .truth = omega * speed / a / (2 * kPi),
+      judge("free bar 4 : 1, " + std::to_string(n) + " layers (" + std::to_string(body.rest().phyxelCount()) + ")",
+            "f_" + std::to_string(i) + ", Hz",
+            {.truth = omega * speed / a / (2 * kPi),
              .uncertainty = 1e-4 * omega * speed / a / (2 * kPi),
              .ours = f[i],
              .limit = n <= 3 ? 0.01 : 0.003,

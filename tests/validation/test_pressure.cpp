@@ -42,12 +42,7 @@ Looked look(Kind kind, int layers, double poissonRatio) {
   const auto at = [&](PressureAt where) { return pressureRoughness(body, where, kMin, kMax, 0.1 / layers, 2); };
   const Looked out{at(PressureAt::points), at(PressureAt::phyxels)};
   const auto record = [&](const char *what, double value, std::optional<double> limit) {
-    judge({.body = name,
-           .quantity = what,
-           .ours = value,
-           .limit = limit,
-           .milliseconds = body.milliseconds(),
-           .scale = 1.0});
+    judge(name, what, {.ours = value, .limit = limit, .milliseconds = body.milliseconds(), .scale = 1.0});
   };
   // In shear the cells of the layers alternate like a checkerboard, see the theory page.
   record("(-1)^(i+j+k) at points", out.points.checkerboard, 0.02);

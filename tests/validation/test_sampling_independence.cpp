@@ -161,10 +161,10 @@ void compareSamplings(const Organ &organ, const std::vector<std::size_t> &counts
     double before = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < counts.size(); ++i) {
       const bool thousand = counts[i] == 1000;
-      validation::judge({.body = std::string(organ.name) + ", " + load + ", " +
-                                 std::to_string(static_cast<int>(responses[i].phyxels)) + " phyxels",
-                         .quantity = "mean displacement, m",
-                         .truth = finest,
+      validation::judge(std::string(organ.name) + ", " + load + ", " +
+                            std::to_string(static_cast<int>(responses[i].phyxels)) + " phyxels",
+                        "mean displacement, m",
+                        {.truth = finest,
                          .ours = responses[i].mean,
                          .limit = thousand ? std::optional(0.03) : std::nullopt,
                          .milliseconds = responses[i].milliseconds});

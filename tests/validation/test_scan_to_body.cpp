@@ -57,7 +57,7 @@ double makeBody(const LabelMap &labels, const std::string &organ, const std::str
   CHECK(report.manifold);
   CHECK(report.oriented);
   CHECK_FALSE(report.insideOut);
-  judge({body, "volume of surface, mm3", wanted, 0.0, report.volume_mm3, kMost, surfaceTime});
+  judge(body, "volume of surface, mm3", {wanted, 0.0, report.volume_mm3, kMost, surfaceTime});
 
   const Stopwatch fillWatch;
   const auto fill = fillOf(mask);
@@ -65,7 +65,7 @@ double makeBody(const LabelMap &labels, const std::string &organ, const std::str
   double sum = 0.0;
   for (const float part : fill->values) sum += static_cast<double>(part);
   const double fillTime = fillWatch.milliseconds();
-  judge({body, "volume of fill, mm3", wanted, 0.0, sum * fill->geometry.voxelVolume(), kMost, fillTime});
+  judge(body, "volume of fill, mm3", {wanted, 0.0, sum * fill->geometry.voxelVolume(), kMost, fillTime});
 
   const Stopwatch bodyWatch;
   const VolumeGeometry &g = fill->geometry;
@@ -84,8 +84,8 @@ double makeBody(const LabelMap &labels, const std::string &organ, const std::str
   double phyxels = 0.0;
   for (const double v : lattice->volumes) phyxels += v;
   // The volume found inside the cells, before scaling; and the simulated one.
-  judge({body, "volume in cells, mm3", wanted, 0.0, lattice->countedVolume / kCubicMetre, kMost, bodyTime});
-  judge({body, "volume of phyxels, mm3", wanted, 0.0, phyxels / kCubicMetre, kMost, 0.0});
+  judge(body, "volume in cells, mm3", {wanted, 0.0, lattice->countedVolume / kCubicMetre, kMost, bodyTime});
+  judge(body, "volume of phyxels, mm3", {wanted, 0.0, phyxels / kCubicMetre, kMost, 0.0});
   CHECK(lattice->positions.size() > 700);
   CHECK(lattice->positions.size() < 1400);
   return surfaceTime + fillTime + bodyTime;

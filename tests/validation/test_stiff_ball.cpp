@@ -25,11 +25,7 @@ std::map<std::string, double> truth() {
 }
 
 Material soft(double modulus) {
-  Material material;
-  material.law = MaterialLaw::linear;
-  material.youngsModulus = modulus;
-  material.poissonRatio = 0.3;
-  return material;
+  return Material{.law = MaterialLaw::linear, .youngsModulus = modulus, .poissonRatio = 0.3};
 }
 
 struct Solved {
@@ -41,37 +37,26 @@ struct Solved {
 // @param adaptive  finer cells where the error arises, for as many phyxels
 Solved solved(double spacing, bool adaptive = false) {
   const Vec3 middle(0, 0, 2.0 * kRadius);
-  BodyRecipe recipe;
-  recipe.sampling.spacing = spacing;
-  recipe.sampling.axes = Mat3(Mat3::Identity());
-  recipe.sampling.materials.emplace_back(SphereRegion{middle, kRadius}, std::uint16_t{1});
-  Fix foot;
-  foot.region = HalfSpaceRegion{Vec3(0, 0, 1e-6), Vec3::UnitZ()};
-  recipe.fixes.push_back(foot);
-  Load load;
-  load.region = HalfSpaceRegion{Vec3(0, 0, 4.0 * kRadius - 1e-6), -Vec3::UnitZ()};
-  load.force = Vec3(0, 0, -kPressure * 3.14159265358979323846 * 4.0 * kRadius * kRadius);
-  load.follower = false;
-  recipe.loads.push_back(load);
+  BodyRecipe recipe{.sampling = {.spacing = spacing,
+                                 .axes = Mat3(Mat3::Identity()),
+                                 .materials = {{SphereRegion{middle, kRadius}, 1}}},
+                    .fixes = {{.region = HalfSpaceRegion{Vec3(0, 0, 1e-6), Vec3::UnitZ()}}},
+                    .loads = {{.region = HalfSpaceRegion{Vec3(0, 0, 4.0 * kRadius - 1e-6), -Vec3::UnitZ()},
+                               .force = Vec3(0, 0, -kPressure * 3.14159265358979323846 * 4.0 * kRadius * kRadius),
+                               .follower = false}}};
   const BodyShape cylinder = solids::cylinder(2.0 * kRadius, 4.0 * kRadius);
-  Constitution constitution;
-  constitution.materials = {soft(kModulus), soft(100.0 * kModulus)};
-  constitution.stabilisation = kLatticeStabilisation;
+  const Constitution constitution{.materials = {soft(kModulus), soft(100.0 * kModulus)},
+                                  .stabilisation = kLatticeStabilisation};
   if (adaptive) {
     const auto adapted = adaptSampling({cylinder, recipe, constitution}, serialFor());
     INFO((adapted ? adapted->uniform : adapted.error()));
     REQUIRE((adapted.has_value() && adapted->halved > 0));
     recipe.sampling = adapted->sampling;
   }
-  const auto rest = buildRestState(cylinder, recipe, {}, serialFor());
-  INFO((rest ? std::string() : rest.error()));
-  REQUIRE(rest.has_value());
+  const auto rest = shapes::restState(cylinder, recipe);
   Simulator simulator;
-  WorldSettings world;
-  world.integrator = Integrator::quasiStatic;
-  world.loadSteps = 1;
-  simulator.setWorld(world);
-  const std::size_t id = simulator.addBody(std::make_unique<Body>("cylinder", *rest, constitution, serialFor()));
+  simulator.setWorld({.integrator = Integrator::quasiStatic, .loadSteps = 1});
+  const std::size_t id = simulator.addBody(std::make_unique<Body>("cylinder", rest, constitution, serialFor()));
   while (!simulator.finished()) REQUIRE(simulator.step());
   const Body &body = *simulator.body(id);
   const std::vector<Vec3> places = {middle, middle + kRadius * Vec3::UnitZ(), middle + 2.0 * kRadius * Vec3::UnitZ(),
@@ -82,7 +67,7 @@ Solved solved(double spacing, bool adaptive = false) {
   interpolateDisplacements(body.rest().bind(points, std::vector<Vec3>(points.size(), Vec3::UnitZ())),
                            body.rest().positions, body.state().displacements, ways, serialFor());
   const double unit = kModulus / (kPressure * kRadius);
-  return {rest->get()->phyxelCount(),
+  return {rest->phyxelCount(),
           {{"ball_middle_z", unit * ways[0][2]},
            {"ball_pole_z", unit * ways[1][2]},
            {"top_axis_z", unit * ways[2][2]},

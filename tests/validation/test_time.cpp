@@ -72,12 +72,9 @@ TEST_CASE("order of convergence in dt: Verlet, midpoint, SDIRK 2, backward Euler
     const auto exact = after(Integrator::explicitVerlet, 2e-5);
     const double coarse = meanDistance(after(scheme.integrator, scheme.dt), exact);
     const double fine = meanDistance(after(scheme.integrator, 0.5 * scheme.dt), exact);
-    judge({.body = std::string("free block, ") + scheme.name,
-           .quantity = "order in dt",
-           .truth = scheme.order,
-           .ours = std::log2(coarse / fine),
-           .limit = 0.1,
-           .milliseconds = watch.milliseconds()});
+    judge(
+        std::string("free block, ") + scheme.name, "order in dt",
+        {.truth = scheme.order, .ours = std::log2(coarse / fine), .limit = 0.1, .milliseconds = watch.milliseconds()});
   }
 }
 
@@ -97,12 +94,8 @@ TEST_CASE("order of convergence in the spacing: 2 where the solution is smooth",
     return std::abs(body.torqueAboutOrigin(1)[0] / (kE / 2.6 * std::pow(a, 4) * rate) / 0.140577 - 1.0);
   };
   const double coarse = error(4), fine = error(8);
-  judge({.body = "square bar, small twist, 4 and 8 layers",
-         .quantity = "order in the spacing",
-         .truth = 2.0,
-         .ours = std::log2(coarse / fine),
-         .limit = 0.25,
-         .milliseconds = watch.milliseconds()});
+  judge("square bar, small twist, 4 and 8 layers", "order in the spacing",
+        {.truth = 2.0, .ours = std::log2(coarse / fine), .limit = 0.25, .milliseconds = watch.milliseconds()});
 }
 
 TEST_CASE("1e5 explicit steps of a free spinning body: momenta and energy", "[truth]") {
@@ -125,31 +118,15 @@ TEST_CASE("1e5 explicit steps of a free spinning body: momenta and energy", "[tr
   }
   const double ms = watch.milliseconds();
   // Round-off of 1e5 sums.
-  judge({.body = "free block, 1e5 Verlet steps",
-         .quantity = "change of momentum",
-         .ours = (body.momentum() - p).norm(),
-         .limit = 1e-10,
-         .milliseconds = ms,
-         .scale = p.norm()});
-  judge({.body = "free block, 1e5 Verlet steps",
-         .quantity = "change of ang. momentum",
-         .ours = (body.angularMomentum() - l).norm(),
-         .limit = 1e-10,
-         .milliseconds = ms,
-         .scale = l.norm()});
+  judge("free block, 1e5 Verlet steps", "change of momentum",
+        {.ours = (body.momentum() - p).norm(), .limit = 1e-10, .milliseconds = ms, .scale = p.norm()});
+  judge("free block, 1e5 Verlet steps", "change of ang. momentum",
+        {.ours = (body.angularMomentum() - l).norm(), .limit = 1e-10, .milliseconds = ms, .scale = l.norm()});
   // Symplectic: bounded; the fastest modes contribute little.
-  judge({.body = "free block, 1e5 Verlet steps",
-         .quantity = "drift of mean energy",
-         .ours = late - early,
-         .limit = 1e-3,
-         .milliseconds = ms,
-         .scale = e0});
-  judge({.body = "free block, 1e5 Verlet steps",
-         .quantity = "energy at the end",
-         .ours = energy() - e0,
-         .limit = 0.02,
-         .milliseconds = ms,
-         .scale = e0});
+  judge("free block, 1e5 Verlet steps", "drift of mean energy",
+        {.ours = late - early, .limit = 1e-3, .milliseconds = ms, .scale = e0});
+  judge("free block, 1e5 Verlet steps", "energy at the end",
+        {.ours = energy() - e0, .limit = 0.02, .milliseconds = ms, .scale = e0});
 }
 
 TEST_CASE("1e6 explicit steps of a free vibration: the energy does not drift", "[truth]") {
@@ -192,25 +169,11 @@ TEST_CASE("1e6 explicit steps of a free vibration: the energy does not drift", "
   }
   const double ms = watch.milliseconds();
   const std::string name = "free bar of " + std::to_string(body.rest().phyxelCount()) + " phyxels, 1e6 Verlet steps";
-  judge({.body = name,
-         .quantity = "drift, first to last 1/1000",
-         .ours = last - first,
-         .limit = 1e-4,
-         .milliseconds = ms,
-         .scale = e0});
-  judge({.body = name,
-         .quantity = "drift, line of least squares",
-         .ours = (n * xy - x1 * y1) / (n * x2 - x1 * x1),
-         .limit = 1e-4,
-         .milliseconds = ms,
-         .scale = e0});
+  judge(name, "drift, first to last 1/1000", {.ours = last - first, .limit = 1e-4, .milliseconds = ms, .scale = e0});
+  judge(name, "drift, line of least squares",
+        {.ours = (n * xy - x1 * y1) / (n * x2 - x1 * x1), .limit = 1e-4, .milliseconds = ms, .scale = e0});
   // Its oscillation: (omega dt)²/4 of each mode's share.
-  judge({.body = name,
-         .quantity = "swing of the energy",
-         .ours = high - low,
-         .limit = 0.01,
-         .milliseconds = ms,
-         .scale = e0});
+  judge(name, "swing of the energy", {.ours = high - low, .limit = 0.01, .milliseconds = ms, .scale = e0});
 }
 
 TEST_CASE("time reversal of explicit steps", "[truth]") {
@@ -226,9 +189,8 @@ TEST_CASE("time reversal of explicit steps", "[truth]") {
   const double way = meanDistance(body.body().state().displacements, start);
   for (Vec3 &v : body.body().state().velocities) v = -v;
   for (int i = 0; i < 1000; ++i) REQUIRE(body.simulator().step());
-  judge({.body = "free block, 1000 steps there and back",
-         .quantity = "distance from start",
-         .ours = meanDistance(body.body().state().displacements, start),
+  judge("free block, 1000 steps there and back", "distance from start",
+        {.ours = meanDistance(body.body().state().displacements, start),
          .limit = 1e-9,
          .milliseconds = watch.milliseconds(),
          .scale = way});
@@ -241,9 +203,8 @@ TEST_CASE("free fall and a bar against a wall", "[truth]") {
     SolvedBody body(problem);
     body.run(0.5);
     const double t = body.simulator().time();
-    judge({.body = "free fall, 0.5 s",
-           .quantity = "way, m",
-           .truth = -0.5 * 9.81 * t * t,
+    judge("free fall, 0.5 s", "way, m",
+          {.truth = -0.5 * 9.81 * t * t,
            .ours = body.displacementAt(Vec3(0.04, 0.02, 0.02))[2],
            .limit = 1e-10,
            .milliseconds = body.milliseconds()});
@@ -254,10 +215,7 @@ TEST_CASE("free fall and a bar against a wall", "[truth]") {
     Problem problem =
         moving(solids::box(Vec3(0, 0, 0), Vec3(L, a, a)), L / n, Integrator::explicitVerlet, MaterialLaw::linear);
     problem.material.poissonRatio = 0.0;
-    problem.world.box.enabled = true;
-    problem.world.box.min = Vec3(-1e-4, -1, -1);
-    problem.world.box.max = Vec3(1, 1, 1);
-    problem.world.box.friction = 0.0;
+    problem.world.box = {.enabled = true, .min = Vec3(-1e-4, -1, -1), .max = Vec3(1, 1, 1), .friction = 0.0};
     SolvedBody body(problem);
     body.body().setInitialVelocity(Vec3(-v, 0, 0), Vec3::Zero());
     body.simulator().reset();
@@ -270,15 +228,13 @@ TEST_CASE("free fall and a bar against a wall", "[truth]") {
       if (up == 0.0 && p < -0.8) up = body.simulator().time();
     }
     const std::string name = "bar against a wall, " + std::to_string(n) + " cells long";
-    judge({.body = name,
-           .quantity = "time of contact, s",
-           .truth = 2 * L / speed,
+    judge(name, "time of contact, s",
+          {.truth = 2 * L / speed,
            .ours = up > 0.0 ? (up - down) / 0.8 : 0.0,
            .limit = n == 20 ? 0.05 : 0.02,
            .milliseconds = body.milliseconds()});
-    judge({.body = name,
-           .quantity = "speed afterwards / before",
-           .truth = 1.0,
+    judge(name, "speed afterwards / before",
+          {.truth = 1.0,
            .ours = -body.momentum()[0] / start,
            .limit = n == 20 ? 0.05 : 0.02,
            .milliseconds = body.milliseconds()});
@@ -293,10 +249,7 @@ TEST_CASE("Hertz: a ball bounces off a wall", "[truth]") {
     Problem problem = moving(solids::ball(Vec3(0, 0, 0), radius), radius / cells, Integrator::explicitVerlet,
                              MaterialLaw::neoHookean);
     problem.material.poissonRatio = nu;
-    problem.world.box.enabled = true;
-    problem.world.box.min = Vec3(-1, -1, -radius - 1e-4);
-    problem.world.box.max = Vec3(1, 1, 1);
-    problem.world.box.friction = 0.0;
+    problem.world.box = {.enabled = true, .min = Vec3(-1, -1, -radius - 1e-4), .max = Vec3(1, 1, 1), .friction = 0.0};
     SolvedBody body(problem);
     body.body().setInitialVelocity(Vec3(0, 0, -speed), Vec3::Zero());
     body.simulator().reset();
@@ -316,21 +269,16 @@ TEST_CASE("Hertz: a ball bounces off a wall", "[truth]") {
       if (first < 0.0) first = last;
     }
     const std::string name = "ball of " + std::to_string(cells) + " cells against a wall, 0.01 c";
-    judge({.body = name,
-           .quantity = "time of contact, s",
-           .truth = truth,
-           .ours = last - first,
-           .limit = cells == 8 ? 0.1 : 0.08,
-           .milliseconds = body.milliseconds()});
-    judge({.body = name,
-           .quantity = "speed afterwards / before",
-           .truth = 1.0,
+    judge(
+        name, "time of contact, s",
+        {.truth = truth, .ours = last - first, .limit = cells == 8 ? 0.1 : 0.08, .milliseconds = body.milliseconds()});
+    judge(name, "speed afterwards / before",
+          {.truth = 1.0,
            .ours = -body.momentum()[2] / start,
            .limit = cells == 8 ? 0.03 : 0.02,
            .milliseconds = body.milliseconds()});
-    judge({.body = name,
-           .quantity = "energy afterwards / before",
-           .truth = 1.0,
+    judge(name, "energy afterwards / before",
+          {.truth = 1.0,
            .ours = energy() / before,
            .limit = cells == 8 ? 0.02 : 0.01,
            .milliseconds = body.milliseconds()});
@@ -371,9 +319,8 @@ TEST_CASE("Prony relaxation of a bar that is held twisted", "[truth]") {
       for (const double at : {0.5, 1.0, 3.0}) {
         if (at > scheme.end) break;
         body.run(at - 1e-9);
-        judge({.body = name,
-               .quantity = "torque / elastic, " + std::to_string(at).substr(0, 3) + " s",
-               .truth = truthAt(body.simulator().time()),
+        judge(name, "torque / elastic, " + std::to_string(at).substr(0, 3) + " s",
+              {.truth = truthAt(body.simulator().time()),
                .ours = body.torqueAboutOrigin(1)[0] / initial,
                .limit = 0.01,
                .milliseconds = body.milliseconds()});
@@ -414,9 +361,8 @@ TEST_CASE("Prony relaxation of a bar that is held bent", "[truth]") {
     for (const double at : {1.0, 3.0, 8.0}) {
       body.run(at - 1e-9);
       const double passed = time / ramp * (std::exp(ramp / time) - 1) * std::exp(-body.simulator().time() / time);
-      judge({.body = name,
-             .quantity = "torque / elastic, " + std::to_string(at).substr(0, 3) + " s",
-             .truth = (last + (initial - last) * passed) / initial,
+      judge(name, "torque / elastic, " + std::to_string(at).substr(0, 3) + " s",
+            {.truth = (last + (initial - last) * passed) / initial,
              .ours = body.reaction(1).torque[1] / initial,
              .limit = at > 4.0 ? 0.002 : 0.01,
              .milliseconds = body.milliseconds()});
@@ -454,9 +400,9 @@ TEST_CASE("plastic loop of a stretched bar", "[truth]") {
     for (const Mat3 &vP : body.stresses()) P += vP / problem.shape.volume;
     // Kirchhoff stress difference of the neo-Hookean law: mu (b_axial - b_lateral) of the elastic part.
     const double ours = P(0, 0) * std::exp(strain) - P(1, 1) * std::exp(-strain / 2);
-    judge({.body = "bar of yield strain 0.05, on the way 0, 0.2, -0.1, 0.05",
-           .quantity = "stress at " + std::to_string(to).substr(0, 5) + ", Pa",
-           .truth = mu * (std::exp(2 * elastic) - std::exp(-elastic)),
+    judge("bar of yield strain 0.05, on the way 0, 0.2, -0.1, 0.05",
+          "stress at " + std::to_string(to).substr(0, 5) + ", Pa",
+          {.truth = mu * (std::exp(2 * elastic) - std::exp(-elastic)),
            .ours = ours,
            .limit = 1e-6,
            .milliseconds = watch.milliseconds()});

@@ -31,9 +31,8 @@ void compare(const std::string &truthName, const std::string &sampling, double o
   const auto known = truth(truthName);
   if (!known) return remark(truthName + sampling, "has no truth in truths.json");
   const std::size_t dot = truthName.rfind('.');
-  judge({.body = truthName.substr(0, dot) + sampling,
-         .quantity = truthName.substr(dot + 1) + ", " + known->unit,
-         .truth = known->value,
+  judge(truthName.substr(0, dot) + sampling, truthName.substr(dot + 1) + ", " + known->unit,
+        {.truth = known->value,
          .uncertainty = known->uncertainty,
          .ours = ours,
          .limit = limit,

@@ -83,8 +83,7 @@ Problem indentation(double spacing, MaterialLaw law, double nu, double depth) {
 Problem pressedBeam(double spacing, bool follows) {
   Problem problem = Problem::rubber(solids::box(Vec3(0, -0.02, -0.01), Vec3(0.2, 0.02, 0.01)), spacing, neoHookean);
   problem.hold(face(0, 0.0));
-  Load load;
-  load.region = face(2, 0.01);
+  Load load{.region = face(2, 0.01)};
   if (follows)
     load.pressure = 5.0;
   else

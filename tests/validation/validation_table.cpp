@@ -95,21 +95,20 @@ CATCH_REGISTER_LISTENER(TablePrinter)
 
 double Row::error() const { return scale > 0.0 ? (ours - truth) / scale : ours / truth - 1.0; }
 
-void judge(const Row &row) {
+void judge(const std::string &body, const std::string &quantity, const Row &row) {
   const double error = row.error();
   const bool within = !row.limit || std::abs(error) <= *row.limit;  // false for NaN
   const std::string truth =
       text(row.truth, 6) + (row.uncertainty > 0.0 ? " ± " + text(row.uncertainty, 2) : std::string());
-  const char *reason = knownMiss(row.body, row.quantity);
+  const char *reason = knownMiss(body, quantity);
   const std::string verdict = !row.limit         ? "for the record"
                               : within && reason ? "ok (known_misses.h says missed)"
                               : within           ? "ok"
                               : reason           ? std::string("MISSED: ") + reason
                                                  : "MISSED";
-  append(line(row.body, row.quantity, truth, text(row.ours, 6), percent(error), row.limit ? percent(*row.limit) : "-",
+  append(line(body, quantity, truth, text(row.ours, 6), percent(error), row.limit ? percent(*row.limit) : "-",
               fixed(row.milliseconds), verdict));
-  INFO(row.body << ", " << row.quantity << ": truth " << truth << ", ours " << row.ours << ", error "
-                << percent(error));
+  INFO(body << ", " << quantity << ": truth " << truth << ", ours " << row.ours << ", error " << percent(error));
   if (!row.limit) {
     CHECK(std::isfinite(row.ours));
   } else if (!reason) {

@@ -9,8 +9,6 @@
 namespace validation {
 
 struct Row {
-  std::string body{};      ///< the computed problem and its sampling
-  std::string quantity{};  ///< with its unit
   double truth = 0.0, uncertainty = 0.0;
   double ours = 0.0;
   std::optional<double> limit{};  ///< of |error|; empty: for the record
@@ -22,7 +20,9 @@ struct Row {
 
 /// Adds a line to the table and checks the limit. Where known_misses.h contains the row, a missed limit is printed as
 /// MISSED with its reason, and the test continues.
-void judge(const Row &row);
+/// @param body      the computed problem and its sampling
+/// @param quantity  with its unit
+void judge(const std::string &body, const std::string &quantity, const Row &row);
 
 /// A line of plain words: why a value could not be computed.
 void remark(const std::string &body, const std::string &words);

@@ -105,21 +105,17 @@ Obstacle solidBox(const Vec3 &min, const Vec3 &max, double friction, Asked *aske
 }
 
 std::unique_ptr<Body> latticeBox(const Vec3 &min, const Vec3 &max, double spacing, const Material &material, int n) {
-  BodyShape shape = box(min, max);
-  shape.surface = boxSurface(min, max, n);
-  BodyRecipe recipe;
-  recipe.sampling.spacing = spacing;
-  const auto rest = buildRestState(shape, recipe, {}, serialFor());
-  if (!rest) throw std::runtime_error(rest.error());
-  return std::make_unique<Body>("box", *rest, Constitution{{material}, kLatticeStabilisation}, serialFor());
+  return makeBody(restState(box(min, max, n), {.sampling = {.spacing = spacing}}), {material});
 }
 
 Material rubber(double youngsModulus, double viscosity) {
-  Material material;
-  material.youngsModulus = youngsModulus;
-  material.poissonRatio = 0.3;
-  material.viscosity = viscosity;
-  return material;
+  return Material{.youngsModulus = youngsModulus, .poissonRatio = 0.3, .viscosity = viscosity};
+}
+
+WorldSettings worldOf(Integrator integrator, const Vec3 &gravity) {
+  return {.gravity = gravity,
+          .integrator = integrator,
+          .dt = integrator == Integrator::explicitVerlet ? 0.0 : kImplicitStep};
 }
 
 Extent extent(Body &body, const Vec3 &axis) {
@@ -141,6 +137,23 @@ Vec3 meanDisplacement(const Body &body) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = 0; i < body.masses().size(); ++i) sum += body.masses()[i] * body.state().displacements[i];
   return sum / body.totalMass();
+}
+
+Momenta momenta(const Body &body) {
+  Momenta out;
+  for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i) {
+    const Vec3 p = body.masses()[i] * body.state().velocities[i];
+    out.linear += p;
+    out.angular += (body.rest().positions[i] + body.state().displacements[i]).cross(p);
+    out.size += p.norm();
+  }
+  return out;
+}
+
+long countEvents(const Simulator &simulator, const std::string &kind, const std::string &text) {
+  return std::count_if(
+      simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(),
+      [&](const SimulationEvent &event) { return event.kind == kind && event.text.find(text) != std::string::npos; });
 }
 
 double totalEnergy(const Simulator &simulator, std::size_t id) {

@@ -26,6 +26,9 @@ struct Asked {
                                                            int n = 8);
 [[nodiscard]] pointbased::Material rubber(double youngsModulus, double viscosity = 0.0);
 
+/// Automatic explicit steps; others of kImplicitStep.
+[[nodiscard]] pointbased::WorldSettings worldOf(pointbased::Integrator integrator, const pointbased::Vec3 &gravity);
+
 /// Highest and lowest contact point along an axis.
 struct Extent {
   double low = 0.0, high = 0.0;
@@ -33,6 +36,15 @@ struct Extent {
 [[nodiscard]] Extent extent(pointbased::Body &body, const pointbased::Vec3 &axis);
 [[nodiscard]] pointbased::Vec3 meanVelocity(const pointbased::Body &body);
 [[nodiscard]] pointbased::Vec3 meanDisplacement(const pointbased::Body &body);
+/// Σ m v and Σ (X + u) x m v about the origin of the body's frame.
+struct Momenta {
+  pointbased::Vec3 linear = pointbased::Vec3::Zero(), angular = pointbased::Vec3::Zero();
+  double size = 0.0;  ///< Σ m |v|
+};
+[[nodiscard]] Momenta momenta(const pointbased::Body &body);
+/// Of that kind, whose text contains `text`.
+[[nodiscard]] long countEvents(const pointbased::Simulator &simulator, const std::string &kind,
+                               const std::string &text = {});
 /// Kinetic, elastic and gravity.
 [[nodiscard]] double totalEnergy(const pointbased::Simulator &simulator, std::size_t id);
 

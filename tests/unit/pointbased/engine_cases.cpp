@@ -154,10 +154,7 @@ const std::vector<EngineCase> &all() {
 }
 
 Constitution constitution(const EngineCase &c, MaterialLaw law) {
-  Material material;
-  material.law = law;
-  material.youngsModulus = 6000.0;
-  material.poissonRatio = 0.4;
+  const Material material{.law = law, .youngsModulus = 6000.0, .poissonRatio = 0.4};
   return {{material}, c.stabilisation};
 }
 
@@ -229,6 +226,13 @@ std::vector<Vec3> noise(const EngineCase &c, double amplitude, std::uint64_t see
   return field;
 }
 
+std::vector<Vec3> generalState(const EngineCase &c) {
+  const Mat3 R = Eigen::AngleAxisd(0.8, Vec3(1, 1, 0).normalized()).toRotationMatrix();
+  Mat3 A;
+  A << 1.15, 0.1, 0.0, -0.05, 0.95, 0.1, 0.02, 0.0, 1.05;
+  return plus(displaced(c, R * A, Vec3(0.3, -0.1, 0.2)), 0.1 * c.spacing, noise(c, 1.0, 5));
+}
+
 std::vector<Vec3> plus(std::span<const Vec3> a, double factor, std::span<const Vec3> b) {
   std::vector<Vec3> sum(a.begin(), a.end());
   for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += factor * b[i];
@@ -239,12 +243,6 @@ double dot(std::span<const Vec3> a, std::span<const Vec3> b) {
   double sum = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += a[i].dot(b[i]);
   return sum;
-}
-
-double largest(std::span<const Vec3> field) {
-  double norm = 0.0;
-  for (const Vec3 &v : field) norm = std::max(norm, v.norm());
-  return norm;
 }
 
 }  // namespace engine_cases

@@ -58,8 +58,10 @@ struct Evaluated {
 
 [[nodiscard]] std::vector<Vec3> displaced(const EngineCase &c, const Mat3 &A, const Vec3 &shift);
 [[nodiscard]] std::vector<Vec3> noise(const EngineCase &c, double amplitude, std::uint64_t seed);
+/// A rotated, stretched and perturbed state; the pair is not near its own collapse.
+[[nodiscard]] std::vector<Vec3> generalState(const EngineCase &c);
 [[nodiscard]] std::vector<Vec3> plus(std::span<const Vec3> a, double factor, std::span<const Vec3> b);
 [[nodiscard]] double dot(std::span<const Vec3> a, std::span<const Vec3> b);
-[[nodiscard]] double largest(std::span<const Vec3> field);
+using shapes::largest;
 
 }  // namespace engine_cases

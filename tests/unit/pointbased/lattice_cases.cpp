@@ -17,17 +17,9 @@ LatticeBody filled(const BodyShape &shape, const LatticeSampling &sampling, cons
   return std::move(*body);
 }
 
-LatticeSampling withSpacing(double spacing) {
-  LatticeSampling sampling;
-  sampling.spacing = spacing;
-  return sampling;
-}
+LatticeSampling withSpacing(double spacing) { return LatticeSampling{.spacing = spacing}; }
 
-BodyShape box(const Vec3 &min, const Vec3 &max) {
-  BodyShape shape = shapes::box(min, max);
-  shape.surface = shapes::boxSurface(min, max);
-  return shape;
-}
+BodyShape box(const Vec3 &min, const Vec3 &max) { return shapes::box(min, max, 1); }
 
 BodyShape ball(const Vec3 &centre, double radius) {
   BodyShape shape = shapes::ball(centre, radius);
@@ -58,13 +50,7 @@ BodyShape together(const BodyShape &a, const BodyShape &b) {
     a.inside(to, second);
     for (std::size_t i = 0; i < from.size(); ++i) crosses[i] = (first[i] > 0.5) != (second[i] > 0.5) ? 1 : 0;
   };
-  shape.surface = a.surface;
-  const auto offset = static_cast<Index>(shape.surface.positions.size());
-  shape.surface.positions.insert(shape.surface.positions.end(), b.surface.positions.begin(), b.surface.positions.end());
-  for (auto t : b.surface.triangles) {
-    for (Index &i : t) i += offset;
-    shape.surface.triangles.push_back(t);
-  }
+  shape.surface = shapes::joined(a.surface, b.surface);
   return shape;
 }
 

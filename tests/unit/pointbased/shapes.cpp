@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+
+#include "c3de/core/thread_pool.h"
 
 namespace shapes {
 
@@ -103,6 +106,37 @@ std::shared_ptr<const RestState> restState(const std::vector<Vec3> &points, doub
   cloud.contactRadii.assign(points.size(), 0.5 * spacing);
   return buildRestState(cloud, choice, static_cast<double>(points.size()) * spacing * spacing * spacing, Surface{}, {},
                         serialFor());
+}
+
+std::shared_ptr<const RestState> restState(const BodyShape &shape, const BodyRecipe &recipe,
+                                           const std::vector<Vec3> &normals) {
+  auto rest = buildRestState(shape, recipe, normals, serialFor());
+  if (!rest) throw std::runtime_error(rest.error());
+  return *rest;
+}
+
+std::unique_ptr<Body> makeBody(std::shared_ptr<const RestState> rest, std::vector<Material> materials,
+                               const std::string &name) {
+  const double stabilisation = rest->evaluation == Evaluation::phyxels ? kCloudStabilisation : kLatticeStabilisation;
+  return std::make_unique<Body>(name, std::move(rest), Constitution{std::move(materials), stabilisation}, serialFor());
+}
+
+ParallelFor loopsOf(c3de::ThreadPool &pool) {
+  return [&pool](std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &body) {
+    pool.parallelFor(n, grain, body);
+  };
+}
+
+double largest(std::span<const Vec3> field) {
+  double norm = 0.0;
+  for (const Vec3 &v : field) norm = std::max(norm, v.norm());
+  return norm;
+}
+
+Vec3 total(std::span<const Vec3> field) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3 &v : field) sum += v;
+  return sum;
 }
 
 void evaluate(Body &body) {

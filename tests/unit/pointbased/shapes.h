@@ -8,6 +8,10 @@
 #include "pointbased/simulator.h"
 #include "support/random.h"
 
+namespace c3de {
+class ThreadPool;
+}
+
 namespace shapes {
 
 using pointbased::Vec3;
@@ -28,6 +32,19 @@ using support::Random;
 [[nodiscard]] std::shared_ptr<const pointbased::RestState> restState(const std::vector<Vec3> &points, double spacing,
                                                                      const pointbased::NeighborChoice &choice = {});
 
+[[nodiscard]] pointbased::ParallelFor loopsOf(c3de::ThreadPool &pool);
+
+/// As a recipe says; a requirement of the test case.
+[[nodiscard]] std::shared_ptr<const pointbased::RestState> restState(const pointbased::BodyShape &shape,
+                                                                     const pointbased::BodyRecipe &recipe,
+                                                                     const std::vector<Vec3> &normals = {});
+/// With the stabilisation of its kind of evaluation points.
+[[nodiscard]] std::unique_ptr<pointbased::Body> makeBody(std::shared_ptr<const pointbased::RestState> rest,
+                                                         std::vector<pointbased::Material> materials,
+                                                         const std::string &name = "body");
+
+[[nodiscard]] double largest(std::span<const Vec3> field);
+[[nodiscard]] Vec3 total(std::span<const Vec3> field);
 /// F, stress and forces at the body's current displacements.
 void evaluate(pointbased::Body &body);
 

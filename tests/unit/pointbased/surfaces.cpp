@@ -127,6 +127,12 @@ double distanceTo(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c) {
 
 }  // namespace
 
+BodyShape box(const Vec3 &min, const Vec3 &max, int n) {
+  BodyShape shape = box(min, max);
+  shape.surface = boxSurface(min, max, n);
+  return shape;
+}
+
 double volumeOf(const Surface &s) {
   double volume = 0.0;
   for (const auto &[a, b, c] : s.triangles) volume += s.positions[a].dot(s.positions[b].cross(s.positions[c])) / 6.0;
@@ -172,6 +178,13 @@ double areaOf(const Surface &s) {
   for (const auto &[a, b, c] : s.triangles)
     area += 0.5 * (s.positions[b] - s.positions[a]).cross(s.positions[c] - s.positions[a]).norm();
   return area;
+}
+
+Surface joined(Surface a, const Surface &b) {
+  const auto shift = static_cast<Index>(a.positions.size());
+  a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
+  for (const auto &t : b.triangles) a.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
+  return a;
 }
 
 double sum(const std::vector<double> &values) { return std::accumulate(values.begin(), values.end(), 0.0); }

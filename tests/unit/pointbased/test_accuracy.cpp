@@ -17,30 +17,15 @@ namespace {
 constexpr double kLength = 0.2, kSide = 0.04;  // m, of the beam
 constexpr double kArea = 4 * kLength * kSide + 2 * kSide * kSide;
 
-BodyShape beam() {
-  BodyShape shape = lattice_cases::box(Vec3::Zero(), Vec3(kLength, kSide, kSide));
-  shape.surface = shapes::boxSurface(Vec3::Zero(), Vec3(kLength, kSide, kSide), 6);
-  return shape;
-}
+BodyShape beam() { return shapes::box(Vec3::Zero(), Vec3(kLength, kSide, kSide), 6); }
 
 /// A beam that is clamped at x = 0 and pulled down at its other end.
 struct Cantilever {
   BodyShape shape = beam();
-  BodyRecipe recipe;
-  Constitution constitution;
-  Cantilever() {
-    Fix clamp;
-    clamp.region = HalfSpaceRegion{Vec3::Zero(), Vec3::UnitX()};
-    recipe.fixes.push_back(clamp);
-    Load load;
-    load.region = HalfSpaceRegion{Vec3(kLength, 0, 0), -Vec3::UnitX()};
-    load.force = Vec3(0, 0, -1.6e-3);
-    recipe.loads.push_back(load);
-    Material material;
-    material.youngsModulus = 1e4;
-    material.poissonRatio = 0.3;
-    constitution = {{material}, kLatticeStabilisation};
-  }
+  BodyRecipe recipe{
+      .fixes = {{.region = HalfSpaceRegion{Vec3::Zero(), Vec3::UnitX()}}},
+      .loads = {{.region = HalfSpaceRegion{Vec3(kLength, 0, 0), -Vec3::UnitX()}, .force = Vec3(0, 0, -1.6e-3)}}};
+  Constitution constitution{{{.youngsModulus = 1e4, .poissonRatio = 0.3}}, kLatticeStabilisation};
   [[nodiscard]] AccuracyProblem problem() const { return {shape, recipe, constitution}; }
   [[nodiscard]] AccuracySurvey survey() const {
     auto survey = surveyAccuracy(problem(), serialFor());
@@ -94,11 +79,8 @@ TEST_CASE("the error of a ball that hangs from a cap is within the band that is 
   constexpr double kRadius = 0.05;
   BodyShape ball = lattice_cases::ball(Vec3::Zero(), kRadius);
   ball.surface = shapes::ballSurface(Vec3::Zero(), kRadius, 40);
-  BodyRecipe recipe;
-  Fix cap;
   const Vec3 direction = Vec3(0.4, 0.2, 1.0).normalized();
-  cap.region = HalfSpaceRegion{0.6 * kRadius * direction, -direction};
-  recipe.fixes.push_back(cap);
+  const BodyRecipe recipe{.fixes = {{.region = HalfSpaceRegion{0.6 * kRadius * direction, -direction}}}};
   const Constitution constitution{{Material{}}, kLatticeStabilisation};
   const AccuracyProblem problem{ball, recipe, constitution, {}, Vec3(3.0, 0.0, -9.0)};
   const auto survey = surveyAccuracy(problem, serialFor());

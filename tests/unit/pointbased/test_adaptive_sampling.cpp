@@ -21,22 +21,11 @@ const Vec3 kMiddle(0.05, 0.05, 0.07);
 
 /// A block fixed at its lower face; a small ball inside it is displaced sideways.
 struct LedBlock {
-  BodyShape shape = lattice_cases::box(Vec3::Zero(), Vec3::Constant(kEdge));
-  BodyRecipe recipe;
-  Constitution constitution;
-  explicit LedBlock(std::size_t count) {
-    shape.surface = shapes::boxSurface(Vec3::Zero(), Vec3::Constant(kEdge), 8);
-    Fix bottom, ball;
-    bottom.region = HalfSpaceRegion{Vec3::Zero(), Vec3::UnitZ()};
-    ball.region = SphereRegion{kMiddle, 0.012};
-    ball.displacement = Vec3(0.01, 0, 0);
-    recipe.fixes = {bottom, ball};
-    recipe.sampling.count = count;
-    Material material;
-    material.youngsModulus = 1e4;
-    material.poissonRatio = 0.45;
-    constitution = {{material}, kLatticeStabilisation};
-  }
+  BodyShape shape = shapes::box(Vec3::Zero(), Vec3::Constant(kEdge), 8);
+  BodyRecipe recipe{.fixes = {{.region = HalfSpaceRegion{Vec3::Zero(), Vec3::UnitZ()}},
+                              {.region = SphereRegion{kMiddle, 0.012}, .displacement = Vec3(0.01, 0, 0)}}};
+  Constitution constitution{{{.youngsModulus = 1e4, .poissonRatio = 0.45}}, kLatticeStabilisation};
+  explicit LedBlock(std::size_t count) { recipe.sampling.count = count; }
   [[nodiscard]] AccuracyProblem problem() const { return {shape, recipe, constitution}; }
   [[nodiscard]] AdaptiveSampling adapted(const ParallelFor &parallelFor = serialFor()) const {
     auto out = adaptSampling(problem(), parallelFor);
@@ -106,8 +95,7 @@ TEST_CASE("cells are halved where a body is led, for as many phyxels and a small
   const TrialSolution even = solved(block, block.recipe.sampling, samples);
   const TrialSolution finer = solved(block, adapted.sampling, samples);
   CHECK(static_cast<double>(finer.phyxels) == Approx(static_cast<double>(even.phyxels)).epsilon(0.1));
-  LatticeSampling fine;
-  fine.count = 20000;
+  const LatticeSampling fine{.count = 20000};
   const TrialSolution truth = solved(block, fine, samples);
   CHECK(skinDifference(finer, truth) < 0.8 * skinDifference(even, truth));  // 0.72
 }
@@ -216,10 +204,7 @@ TEST_CASE("mass scaling changes no weight, and slows a swing by half of the adde
   // To the first turning point of a standing block that begins to lean: time, s, and distance, m.
   const auto swing = [&](double factor) {
     Simulator simulator;
-    WorldSettings world;
-    world.integrator = Integrator::explicitVerlet;
-    world.gravity = Vec3(0, 1.0, 0);
-    simulator.setWorld(world);
+    simulator.setWorld({.gravity = Vec3(0, 1.0, 0), .integrator = Integrator::explicitVerlet});
     auto body = std::make_unique<Body>("b", *buildRestState(block.shape, block.recipe, {}, serialFor()),
                                        block.constitution, serialFor());
     body->scaleMasses(factor * body->stableStepAtRest(), serialFor());

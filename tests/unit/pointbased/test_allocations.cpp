@@ -41,14 +41,10 @@ namespace {
 // A box that falls, hits the ground and has been in contact for a while; then checks that its steps allocate no memory.
 void checkStepsOf(std::unique_ptr<Body> body, Precision precision) {
   Simulator simulator;
-  WorldSettings world;
-  world.gravity = Vec3(0, -9.81, 0);
-  world.damping = 20.0;
-  world.precision = precision;
-  world.box.enabled = true;
-  world.box.min = Vec3(-1, 0, -1);
-  world.box.max = Vec3(1, 1, 1);
-  simulator.setWorld(world);
+  simulator.setWorld({.gravity = Vec3(0, -9.81, 0),
+                      .box = {.enabled = true, .min = Vec3(-1, 0, -1), .max = Vec3(1, 1, 1)},
+                      .damping = 20.0,
+                      .precision = precision});
   const std::size_t id = simulator.addBody(std::move(body));
   REQUIRE(simulator.body(id)->vectorised());
   for (int i = 0; i < 400; ++i) REQUIRE(simulator.step());
@@ -73,9 +69,7 @@ TEST_CASE("explicit steps take no memory, free and in contact, on lattices and i
   }
   for (const Precision precision : {Precision::doublePrecision, Precision::singlePrecision}) {
     INFO("cloud");
-    checkStepsOf(std::make_unique<Body>("box", shapes::restState(shapes::box(kLow, kHigh), 0.01),
-                                        Constitution{{material}, kCloudStabilisation}, serialFor()),
-                 precision);
+    checkStepsOf(shapes::makeBody(shapes::restState(shapes::box(kLow, kHigh), 0.01), {material}), precision);
   }
 }
 

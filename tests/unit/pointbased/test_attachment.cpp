@@ -23,36 +23,27 @@ constexpr double kModulus = 2e4;  // Pa
 constexpr double kPerArea = 1e5;  // Pa/m, of the layer
 
 std::unique_ptr<Body> block(double low, std::vector<Fix> fixes = {}, std::vector<Load> loads = {}) {
-  BodyRecipe recipe;
-  recipe.sampling.spacing = 0.01;
-  recipe.fixes = std::move(fixes);
-  recipe.loads = std::move(loads);
-  auto rest = buildRestState(shapes::inside(shapes::boxSurface(Vec3(0, low, 0), Vec3(kSide, low + kSide, kSide), 4)),
-                             recipe, {}, serialFor());
-  REQUIRE(rest);
+  const auto rest =
+      shapes::restState(shapes::inside(shapes::boxSurface(Vec3(0, low, 0), Vec3(kSide, low + kSide, kSide), 4)),
+                        {.sampling = {.spacing = 0.01}, .fixes = std::move(fixes), .loads = std::move(loads)});
   Material material = shapes::rubber(kModulus);
   material.poissonRatio = 0.0;  // no bulging: the layer is stretched evenly
-  return std::make_unique<Body>("block", *rest, Constitution{{material}, kLatticeStabilisation}, serialFor());
+  return shapes::makeBody(rest, {material});
 }
 
-Fix foot() {
-  Fix fix;
-  fix.region = BoxRegion{Vec3(-1, -1, -1), Vec3(1, 0.0, 1)};
-  return fix;
-}
+Fix foot() { return Fix{.region = BoxRegion{Vec3(-1, -1, -1), Vec3(1, 0.0, 1)}}; }
 
 struct Joined {
   std::size_t lower = 0, upper = 0, layer = 0;
 };
 
 Attachment between(std::size_t lower, std::size_t upper) {
-  Attachment layer;
-  layer.name = "layer";
-  layer.first = lower;
-  layer.second = upper;
-  layer.within = 1.5 * kGap;
-  layer.stiffness = layer.tangential = kPerArea;
-  return layer;
+  return {.name = "layer",
+          .first = lower,
+          .second = upper,
+          .within = 1.5 * kGap,
+          .stiffness = kPerArea,
+          .tangential = kPerArea};
 }
 
 // One block above the other with a gap between them.
@@ -70,18 +61,10 @@ Joined addBlocks(Simulator &simulator, std::vector<Fix> fixes, std::vector<Load>
 }
 
 Load pullAtTop(const Vec3 &force, double ramp) {
-  Load load;
-  load.region = BoxRegion{Vec3(-1, 2 * kSide + kGap - 1e-6, -1), Vec3(1, 1, 1)};
-  load.force = force;
-  load.ramp = ramp;
-  return load;
+  return Load{.region = BoxRegion{Vec3(-1, 2 * kSide + kGap - 1e-6, -1), Vec3(1, 1, 1)}, .force = force, .ramp = ramp};
 }
 
-void damped(Simulator &simulator, double damping = 60.0) {
-  WorldSettings world;
-  world.damping = damping;
-  simulator.setWorld(world);
-}
+void damped(Simulator &simulator, double damping = 60.0) { simulator.setWorld({.damping = damping}); }
 
 }  // namespace
 
@@ -92,10 +75,7 @@ TEST_CASE("an attachment stretches by the force over its stiffness and area") {
   const int axis = GENERATE(1, 0);  // along the normal, and across it
   CAPTURE(static_cast<int>(integrator), axis);
   Simulator simulator;
-  WorldSettings world;
-  world.integrator = integrator;
-  world.damping = 30.0;
-  simulator.setWorld(world);
+  simulator.setWorld({.integrator = integrator, .damping = 30.0});
   Vec3 force = Vec3::Zero();
   force[axis] = axis == 1 ? 0.1 : 0.02;  // so little that the blocks do not touch next to the layer
   const double across = 0.5 * kPerArea;
@@ -188,10 +168,7 @@ TEST_CASE("an attachment tears where it pulls with more than it bears, until the
   const double strength = GENERATE(100.0, 50.0);
   const Joined blocks = addBlocks(simulator, {foot()}, {pullAtTop(Vec3(0, 0.1, 0), 0.5)},
                                   [&](Attachment &layer) { layer.tearsAt = strength; });
-  const auto hasTorn = [&] {
-    return std::any_of(simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(),
-                       [](const SimulationEvent &event) { return event.kind == "torn"; });
-  };
+  const auto hasTorn = [&] { return shapes::countEvents(simulator, "torn") > 0; };
   Checkpoint whole;
   while (simulator.time() < 1.0) {
     if (!whole && simulator.time() > 0.2) whole = simulator.archive().checkpoint();
@@ -233,11 +210,7 @@ TEST_CASE("a body that is attached to an obstacle follows it, and one in its sur
   Simulator simulator;
   damped(simulator, 20.0);
   Obstacle plate = shapes::halfSpace(Vec3(0, -kGap, 0), Vec3(0, 1, 0), 0.0);
-  plate.motion = [](double t) {
-    RigidMotion motion;
-    motion.displacement = Vec3(0.01 * std::min(t, 1.0), 0, 0);
-    return motion;
-  };
+  plate.motion = [](double t) { return RigidMotion{.displacement = Vec3(0.01 * std::min(t, 1.0), 0, 0)}; };
   const std::size_t id = simulator.addBody(block(0.0));
   Attachment layer = between(id, simulator.addObstacle(std::move(plate)));
   REQUIRE(simulator.world().addAttachment(layer));
@@ -247,10 +220,7 @@ TEST_CASE("a body that is attached to an obstacle follows it, and one in its sur
 
   // Only the lowest face, by a region, against its weight.
   Simulator held;
-  WorldSettings world;
-  world.damping = 60.0;
-  world.gravity = Vec3(0, -9.81, 0);
-  held.setWorld(world);
+  held.setWorld({.gravity = Vec3(0, -9.81, 0), .damping = 60.0});
   Attachment surroundings = between(held.addBody(block(0.0)), kSurroundings);
   surroundings.within = std::numeric_limits<double>::infinity();
   surroundings.region = BoxRegion{Vec3(-1, -1, -1), Vec3(1, 0.0, 1)};
@@ -263,16 +233,9 @@ TEST_CASE("a body that is attached to an obstacle follows it, and one in its sur
 
 TEST_CASE("a body that sleeps is woken by an obstacle that it hangs on, although they do not touch") {
   Simulator simulator;
-  WorldSettings world;
-  world.damping = 20.0;
-  world.sleep = true;
-  simulator.setWorld(world);
+  simulator.setWorld({.damping = 20.0, .sleep = true});
   Obstacle plate = shapes::halfSpace(Vec3(0, -kGap, 0), Vec3(0, 1, 0), 0.0);
-  plate.motion = [](double t) {
-    RigidMotion motion;
-    motion.displacement = Vec3(0.01 * std::clamp(t - 1.5, 0.0, 1.0), 0, 0);
-    return motion;
-  };
+  plate.motion = [](double t) { return RigidMotion{.displacement = Vec3(0.01 * std::clamp(t - 1.5, 0.0, 1.0), 0, 0)}; };
   const std::size_t id = simulator.addBody(block(0.0)), plateId = simulator.addObstacle(std::move(plate));
   simulator.world().setContactPair(id, plateId, {-1.0, false});
   REQUIRE(simulator.world().addAttachment(between(id, plateId)));
@@ -286,10 +249,7 @@ TEST_CASE("attachments give the same bits for any number of threads, and stiff o
   std::uint64_t hashes[2];
   for (const int threads : {1, 2}) {
     c3de::ThreadPool pool(static_cast<unsigned>(threads));
-    Simulator simulator(
-        [&pool](std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &range) {
-          pool.parallelFor(n, grain, range);
-        });
+    Simulator simulator(shapes::loopsOf(pool));
     damped(simulator, 1.0);
     const Joined blocks = addBlocks(simulator, {foot()}, {pullAtTop(Vec3(0.02, 0.1, 0), 0.1)},
                                     [](Attachment &layer) { layer.stiffness = layer.tangential = 1e8; });

@@ -20,22 +20,9 @@ using Catch::Matchers::WithinRel;
 
 namespace {
 
-// At 0.4 m/s against each other, 10 mm off centre, without friction.
-std::pair<std::size_t, std::size_t> addCollidingBalls(Simulator &simulator) {
-  simulator.world().setContact({true, false, 0.0});
-  const Material material = soft(1e4, 0.3);
-  const std::size_t a = simulator.addBody(ball(Vec3(-0.051, 0, 0), 0.05, 0.0125, material, 32));
-  const std::size_t b = simulator.addBody(ball(Vec3(0.051, 0.01, 0), 0.05, 0.0125, material, 32));
-  setVelocity(simulator, a, Vec3(0.2, 0, 0));
-  setVelocity(simulator, b, Vec3(-0.2, 0, 0));
-  return {a, b};
-}
-
 // One above the other, slightly offset, over a floor; with self-contact.
 void addFallingBalls(Simulator &simulator, int count) {
-  WorldSettings world;
-  world.gravity = Vec3(0, -9.81, 0);
-  simulator.setWorld(world);
+  simulator.setWorld({.gravity = Vec3(0, -9.81, 0)});
   simulator.world().setContact({true, true, 0.3});
   simulator.addObstacle(shapes::halfSpace(Vec3(0, 0, 0), Vec3(0, 1, 0), 0.5));
   for (int k = 0; k < count; ++k)
@@ -79,12 +66,7 @@ TEST_CASE("two balls that collide keep their momenta, gain no energy and part") 
 TEST_CASE("the skins of two balls that collide do not cross") {
   Simulator simulator;
   const auto [a, b] = addCollidingBalls(simulator);
-  std::size_t crossed = 0;
-  while (simulator.time() < 0.2) {
-    REQUIRE(simulator.step());
-    crossed += shapes::crossings(simulator, a, b);
-  }
-  CHECK(crossed == 0);
+  CHECK(collide(simulator, a, b, 0.2).crossings == 0);
 }
 
 TEST_CASE("a ball that meets its mirror image bounces as off a wall without friction") {
@@ -123,17 +105,8 @@ TEST_CASE("a block on an inclined block sticks below the angle of friction and s
   const auto slide = [&](double degrees, const std::vector<double> &times) {
     const double angle = degrees * std::numbers::pi / 180.0;
     Simulator simulator;
-    WorldSettings world;
-    world.gravity = 9.81 * Vec3(std::sin(angle), -std::cos(angle), 0.0);
-    simulator.setWorld(world);
-    simulator.world().setContact({true, false, friction});
-    Fix floor;
-    floor.region = HalfSpaceRegion{Vec3(0, -0.039, 0), Vec3(0, 1, 0)};
-    // Viscous, so that the oscillations of both decay.
-    const Material material = soft(1e6, 0.3, 300.0);
-    simulator.addBody(block(Vec3(-0.1, -0.04, -0.04), Vec3(0.2, 0, 0.04), 0.01, material, 12, {floor}));
-    const std::size_t id =
-        simulator.addBody(block(Vec3(-0.06, 0.0001, -0.03), Vec3(0, 0.0301, 0.03), 0.01, material, 6));
+    simulator.setWorld({.gravity = 9.81 * Vec3(std::sin(angle), -std::cos(angle), 0.0)});
+    const std::size_t id = addBlockOnBlock(simulator, friction, {0.01, 0.01}, 0.0001);
     std::vector<Seen> seen;
     for (const double time : times) {
       while (simulator.time() < time) REQUIRE(simulator.step());
@@ -156,32 +129,18 @@ TEST_CASE("a stack of five blocks stays where it is and presses with what lies o
   Simulator simulator;
   const std::vector<std::size_t> ids = stackOfFive(simulator);
   while (simulator.time() < 1.5) REQUIRE(simulator.step());
-  std::vector<Vec3> then;
-  for (const std::size_t id : ids) then.push_back(shapes::meanDisplacement(*simulator.body(id)));
+  const std::vector<Vec3> then = meanDisplacements(simulator, ids);
   while (simulator.time() < 4.0) REQUIRE(simulator.step());
-  const double weight = 9.81 * simulator.body(ids[0])->totalMass();
-  const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
-  for (std::size_t k = 0; k < ids.size(); ++k) {
+  for (std::size_t k = 0; k < ids.size(); ++k)
     CHECK((shapes::meanDisplacement(*simulator.body(ids[k])) - then[k]).norm() < 1e-4);
-    if (k == 0) continue;
-    const ContactSummary *found = between(contacts, ids[k - 1], ids[k]);
-    REQUIRE(found);
-    CHECK_THAT(found->pressing, WithinRel(weight * static_cast<double>(ids.size() - k), 0.02));
-    CHECK(shapes::crossings(simulator, ids[k - 1], ids[k]) == 0);
-  }
+  checkWeights(simulator, ids);
 }
 
 TEST_CASE("what has fallen asleep on another body still presses on it") {
   Simulator simulator;
-  WorldSettings world;
-  world.damping = 20.0;
-  world.sleep = true;
-  simulator.setWorld(world);
-  Fix floor;
-  floor.region = HalfSpaceRegion{Vec3(0, 0, 0), Vec3(0, 1, 0)};
-  Load load;
-  load.region = HalfSpaceRegion{Vec3(0, 0.0799, 0), Vec3(0, -1, 0)};
-  load.force = Vec3(0, -0.1, 0);
+  simulator.setWorld({.damping = 20.0, .sleep = true});
+  const Fix floor{.region = HalfSpaceRegion{Vec3(0, 0, 0), Vec3(0, 1, 0)}};
+  const Load load{.region = HalfSpaceRegion{Vec3(0, 0.0799, 0), Vec3(0, -1, 0)}, .force = Vec3(0, -0.1, 0)};
   const Material material = soft(2e4, 0.3);
   const std::size_t a = simulator.addBody(block(Vec3(0, 0, 0), Vec3::Constant(0.04), 0.01, material, 4, {floor}));
   const std::size_t b =
@@ -202,10 +161,7 @@ TEST_CASE("what overlaps at the start is said") {
   simulator.addBody(block(Vec3(0, 0, 0), Vec3::Constant(0.05), 0.01, material, 6));
   simulator.addBody(block(Vec3(0.047, 0.003, 0.002), Vec3(0.097, 0.053, 0.052), 0.01, material, 6));
   while (simulator.time() < 0.4) REQUIRE(simulator.step());
-  CHECK(std::any_of(simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(),
-                    [](const SimulationEvent &event) {
-                      return event.kind == "overlap" && event.text.find("led out") != std::string::npos;
-                    }));
+  CHECK(shapes::countEvents(simulator, "overlap", "led out") > 0);
 }
 
 TEST_CASE("what overlaps at the start is led apart without a jolt") {
@@ -218,13 +174,11 @@ TEST_CASE("what overlaps at the start is led apart without a jolt") {
   double fastest = 0.0;
   while (simulator.time() < 1.5) {
     REQUIRE(simulator.step());
-    for (const std::size_t id : {a, b})
-      for (const Vec3 &v : simulator.body(id)->state().velocities) fastest = std::max(fastest, v.norm());
+    for (const std::size_t id : {a, b}) fastest = std::max(fastest, largest(simulator.body(id)->state().velocities));
   }
   CHECK(fastest < 0.1);  // a corner of negligible mass; the blocks move at 3 mm/s
   CHECK(shapes::crossings(simulator, a, b) == 0);
-  CHECK(std::any_of(simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(),
-                    [](const SimulationEvent &event) { return event.kind == "overlap"; }));
+  CHECK(shapes::countEvents(simulator, "overlap") > 0);
 }
 
 TEST_CASE("bodies that fit each other stay as they lie although their skins overlap, and press from there on") {
@@ -241,7 +195,7 @@ TEST_CASE("bodies that fit each other stay as they lie although their skins over
     while (simulator.time() < 0.2) REQUIRE(simulator.step());
     double farthest = 0.0;
     for (const std::size_t id : {a, b})
-      for (const Vec3 &u : simulator.body(id)->state().displacements) farthest = std::max(farthest, u.norm());
+      farthest = std::max(farthest, largest(simulator.body(id)->state().displacements));
     // Separated at 5 mm a second at most, else nothing acts.
     CHECK((fits ? farthest < 1e-12 : farthest > 1e-4));
     if (!fits) continue;
@@ -263,10 +217,7 @@ TEST_CASE("contact between bodies gives the same bits for any number of threads"
   std::vector<std::uint64_t> hashes;
   for (const unsigned threads : {1u, 2u}) {
     c3de::ThreadPool pool(threads);
-    Simulator simulator(
-        [&pool](std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &body) {
-          pool.parallelFor(n, grain, body);
-        });
+    Simulator simulator(shapes::loopsOf(pool));
     addFallingBalls(simulator, 3);
     for (int k = 0; k < 120; ++k) REQUIRE(simulator.step());
     hashes.push_back(simulator.stateHash());
@@ -278,9 +229,7 @@ TEST_CASE("contact between bodies gives the same bits for any number of threads"
 TEST_CASE("a pair that is switched off passes, and a body that stands still is touched") {
   for (const bool enabled : {true, false}) {
     Simulator simulator;
-    WorldSettings world;
-    world.gravity = Vec3(0, -9.81, 0);
-    simulator.setWorld(world);
+    simulator.setWorld({.gravity = Vec3(0, -9.81, 0)});
     simulator.world().setContact({true, true, 0.3});
     const std::size_t table =
         simulator.addBody(block(Vec3(-0.05, -0.03, -0.05), Vec3(0.05, 0, 0.05), 0.01, soft(1e5, 0.3), 8));
@@ -346,19 +295,13 @@ TEST_CASE("the arms of a body that are pressed together touch and do not cross")
   for (const bool self : {true, false}) {
     Simulator simulator;
     simulator.world().setContact({true, self, 0.1});
-    WorldSettings world;
-    world.damping = 10.0;
-    simulator.setWorld(world);
+    simulator.setWorld({.damping = 10.0});
     // A C: arms of 30 mm, 30 mm apart.
     const Surface surface =
         surfaceOfCubes({12, 9, 3}, 0.01, [](int x, int y, int) { return x < 3 || y < 3 || y >= 6; });
-    Load up, down;
-    down.region = HalfSpaceRegion{Vec3(0, 0.0899, 0), Vec3(0, -1, 0)};
-    down.force = Vec3(0, -1.0, 0);
-    down.ramp = 0.3;
-    up.region = HalfSpaceRegion{Vec3(0, 0.0001, 0), Vec3(0, 1, 0)};
-    up.force = Vec3(0, 1.0, 0);
-    up.ramp = 0.3;
+    const Load down{
+        .region = HalfSpaceRegion{Vec3(0, 0.0899, 0), Vec3(0, -1, 0)}, .force = Vec3(0, -1.0, 0), .ramp = 0.3};
+    const Load up{.region = HalfSpaceRegion{Vec3(0, 0.0001, 0), Vec3(0, 1, 0)}, .force = Vec3(0, 1.0, 0), .ramp = 0.3};
     const std::size_t id = simulator.addBody(bodyOf(shapes::inside(surface), 0.01, soft(5e3, 0.3), {}, {up, down}));
     std::size_t crossed = 0;
     while (simulator.time() < 0.6) {
@@ -381,24 +324,16 @@ TEST_CASE("the arms of a body that are pressed together touch and do not cross")
 
 TEST_CASE("a body whose folds its cells do not tell apart does not touch itself, and says so") {
   Simulator simulator;
-  WorldSettings world;
-  world.damping = 10.0;
-  simulator.setWorld(world);
+  simulator.setWorld({.damping = 10.0});
   // A C of arms of 10 mm: 8 mm thick in the mean, of cells of 15 mm.
   const Surface surface = surfaceOfCubes({9, 5, 3}, 0.01, [](int x, int y, int) { return x < 1 || y < 1 || y >= 4; });
-  Load down;
-  down.region = HalfSpaceRegion{Vec3(0, 0.0499, 0), Vec3(0, -1, 0)};
-  down.force = Vec3(0, -0.5, 0);
-  down.ramp = 0.1;
-  Fix foot;
-  foot.region = HalfSpaceRegion{Vec3(0, 0.001, 0), Vec3(0, 1, 0)};
+  const Load down{
+      .region = HalfSpaceRegion{Vec3(0, 0.0499, 0), Vec3(0, -1, 0)}, .force = Vec3(0, -0.5, 0), .ramp = 0.1};
+  const Fix foot{.region = HalfSpaceRegion{Vec3(0, 0.001, 0), Vec3(0, 1, 0)}};
   const std::size_t id = simulator.addBody(bodyOf(shapes::inside(surface), 0.015, soft(5e3, 0.3), {foot}, {down}));
   while (simulator.time() < 0.4) REQUIRE(simulator.step());
   CHECK(!between(simulator.diagnostics().contacts(), id, id));
-  const auto told = std::count_if(
-      simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(), [](const auto &event) {
-        return event.kind == "warning" && event.text.find("does not touch itself: it is ") != std::string::npos;
-      });
+  const auto told = shapes::countEvents(simulator, "warning", "does not touch itself: it is ");
   CHECK(told == 1);
 }
 
@@ -488,10 +423,7 @@ TEST_CASE("blocks that meet edge on edge do not cross", "[.missed]") {
 
 TEST_CASE("a sheet one cell thick that falls on a ball drapes over it and crosses neither it nor itself", "[.missed]") {
   Simulator simulator;
-  WorldSettings world;
-  world.gravity = Vec3(0, -9.81, 0);
-  world.damping = 3.0;
-  simulator.setWorld(world);
+  simulator.setWorld({.gravity = Vec3(0, -9.81, 0), .damping = 3.0});
   simulator.world().setContact({true, true, 0.2});
   const std::size_t under = simulator.addBody(ball(Vec3(0, -0.041, 0), 0.04, 0.008, soft(1e5, 0.3), 40));
   simulator.world().setRigid(under, true);
@@ -538,15 +470,10 @@ struct TwoSheets {
   detail::MovingSkin lower{sheetSkin(12, 1.0, true), Vec3::Zero(), 2.0};
   detail::MovingSkin upper{sheetSkin(12, 1.0, false), Vec3::Zero(), 2.0};
   std::vector<Vec3> still = std::vector<Vec3>(lower.skin().count(), Vec3::Zero()), ways = still, speeds = still;
-  detail::SkinPairSettings settings;
+  detail::SkinPairSettings settings{
+      .offset = 0.04, .thickness = 0.03, .stiffness = 50.0, .margin = 0.02, .ease = 1.0, .leastReach = 0.3};
 
   TwoSheets() {
-    settings.offset = 0.04;
-    settings.thickness = 0.03;
-    settings.stiffness = 50.0;
-    settings.margin = 0.02;
-    settings.ease = 1.0;
-    settings.leastReach = 0.3;
     for (detail::MovingSkin *skin : {&lower, &upper}) skin->setModuli(std::vector<double>(still.size(), 1e4));
   }
   void find(detail::SkinPair &pair, double dt) {
@@ -588,13 +515,8 @@ TEST_CASE("where a skin touches itself does not depend on when it was looked at 
   // the pairs are gathered.
   detail::MovingSkin skin(sheetSkin(24, 1.0, true), Vec3::Zero(), 2.0);
   skin.setModuli(std::vector<double>(skin.skin().count(), 1e4));
-  detail::SkinPairSettings settings;
-  settings.offset = 0.04;
-  settings.thickness = 0.03;
-  settings.stiffness = 50.0;
-  settings.margin = 0.02;
-  settings.ease = 1.0;
-  settings.apart = 3.0;
+  const detail::SkinPairSettings settings{
+      .offset = 0.04, .thickness = 0.03, .stiffness = 50.0, .margin = 0.02, .ease = 1.0, .apart = 3.0};
   const auto place = [&](std::size_t v, double time) -> Vec3 {
     const Vec3 &rest = skin.skin().vertices.positions[v];
     const double from = rest.x() - 12.0, side = from > 0.0 ? 1.0 : -1.0;

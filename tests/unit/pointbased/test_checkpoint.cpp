@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 
+#include "contact_cases.h"
 #include "pointbased/simulator.h"
 #include "shapes.h"
 #include "support/catch.h"
@@ -13,18 +14,13 @@ using namespace pointbased;
 namespace {
 
 WorldSettings falling() {
-  WorldSettings world;
-  world.gravity = Vec3(0, -9.81, 0);
-  world.box.enabled = true;
-  world.box.min = Vec3(-0.2, -0.02, -0.3);
-  world.box.max = Vec3(0.5, 0.6, 0.4);
-  world.damping = 2.0;
-  return world;
+  return WorldSettings{.gravity = Vec3(0, -9.81, 0),
+                       .box = {.enabled = true, .min = Vec3(-0.2, -0.02, -0.3), .max = Vec3(0.5, 0.6, 0.4)},
+                       .damping = 2.0};
 }
 
 std::unique_ptr<Body> organ(const Material &material = {}, double spacing = 0.025) {
-  return std::make_unique<Body>("organ", shapes::restState(shapes::horseshoe(), spacing),
-                                Constitution{{material}, kCloudStabilisation}, serialFor());
+  return shapes::makeBody(shapes::restState(shapes::horseshoe(), spacing), {material});
 }
 
 void step(Simulator &simulator, int steps) {
@@ -41,11 +37,6 @@ void pull(Simulator &simulator, std::size_t id, int steps) {
   grab.target = body.rest().origin + body.rest().positions[0] + body.state().displacements[0] + Vec3(0.05, 0.05, 0.0);
   simulator.stepper().setGrab(id, grab);
   step(simulator, steps);
-}
-
-bool hasEvent(const Simulator &simulator, const std::string &kind) {
-  return std::any_of(simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(),
-                     [&](const SimulationEvent &event) { return event.kind == kind; });
 }
 
 }  // namespace
@@ -70,7 +61,7 @@ TEST_CASE("a state that was kept is taken up again bit for bit, and goes on as i
     CHECK(simulator.stateHash() == hash);
     CHECK(simulator.time() == time);
     CHECK(simulator.steps() == 150);
-    CHECK(hasEvent(simulator, "restored"));
+    CHECK(shapes::countEvents(simulator, "restored") > 0);
     step(simulator, 60);
     CHECK(simulator.stateHash() == later);
 

@@ -11,23 +11,8 @@ using namespace pointbased;
 
 namespace {
 
-Obstacle ground(double height, double friction, int *asked = nullptr) {
-  Obstacle o;
-  o.name = "ground";
-  o.friction = friction;
-  o.closest = [=](std::span<const Vec3> points, std::span<const double> ranges, std::span<SurfacePoint> out) {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const double d = points[i][1] - height;
-      if (asked) ++*asked;
-      out[i] = {Vec3(0, 1, 0), d <= ranges[i] ? d : std::numeric_limits<double>::infinity()};
-    }
-  };
-  o.crossing = [=](const Vec3 &from, const Vec3 &to, Vec3 &normal) {
-    normal = Vec3(0, 1, 0);
-    const double a = from[1] - height, b = to[1] - height;
-    return a * b <= 0.0 && a != b ? a / (a - b) : -1.0;
-  };
-  return o;
+Obstacle ground(double friction, shapes::Asked *asked = nullptr) {
+  return shapes::halfSpace(Vec3::Zero(), Vec3(0, 1, 0), friction, asked);
 }
 
 std::unique_ptr<Body> particle(const Vec3 &at, double spacing) {
@@ -39,12 +24,9 @@ std::unique_ptr<Body> particle(const Vec3 &at, double spacing) {
 
 TEST_CASE("a single phyxel falls freely as velocity Verlet says, then lies on the ground") {
   Simulator simulator;
-  WorldSettings world;
-  world.gravity = Vec3(0, -9.81, 0);
-  world.dt = 1e-3;
-  simulator.setWorld(world);
+  simulator.setWorld({.gravity = Vec3(0, -9.81, 0), .dt = 1e-3});
   const std::size_t id = simulator.addBody(particle(Vec3(0, 0.5, 0), 0.01));
-  simulator.addObstacle(ground(0.0, 0.3));
+  simulator.addObstacle(ground(0.3));
   for (int i = 0; i < 200; ++i) REQUIRE(simulator.step());
   // Constant acceleration is integrated without error.
   CHECK_THAT(simulator.body(id)->state().displacements[0][1], WithinRel(-0.5 * 9.81 * 0.04, 1e-12));
@@ -56,11 +38,9 @@ TEST_CASE("a single phyxel falls freely as velocity Verlet says, then lies on th
 TEST_CASE("a phyxel at 100 m/s does not pass a thin wall") {
   for (const double speed : {1.0, 10.0, 100.0}) {
     Simulator simulator;
-    WorldSettings world;
-    world.dt = 1e-3;
-    simulator.setWorld(world);
+    simulator.setWorld({.dt = 1e-3});
     const std::size_t id = simulator.addBody(particle(Vec3(0, 0.5, 0), 0.01));
-    simulator.addObstacle(ground(0.0, 0.3));
+    simulator.addObstacle(ground(0.3));
     simulator.body(id)->state().velocities[0] = Vec3(0, -speed, 0);
     double lowest = 1.0;
     for (int i = 0; i < 600; ++i) {
@@ -73,26 +53,21 @@ TEST_CASE("a phyxel at 100 m/s does not pass a thin wall") {
 }
 
 TEST_CASE("an obstacle far away is not asked at every step") {
-  int asked = 0;
+  shapes::Asked asked;
   Simulator simulator;
-  WorldSettings world;
-  world.dt = 1e-3;
-  simulator.setWorld(world);
+  simulator.setWorld({.dt = 1e-3});
   const std::size_t id = simulator.addBody(particle(Vec3(0, 10.0, 0), 0.01));
-  simulator.addObstacle(ground(0.0, 0.3, &asked));
+  simulator.addObstacle(ground(0.3, &asked));
   simulator.body(id)->state().velocities[0] = Vec3(0, -1.0, 0);
   for (int i = 0; i < 1000; ++i) REQUIRE(simulator.step());
-  CHECK(asked < 20);
+  CHECK(asked.closest < 20);
 }
 
 TEST_CASE("friction stops a sliding phyxel where Coulomb says") {
   Simulator simulator;
-  WorldSettings world;
-  world.gravity = Vec3(0, -9.81, 0);
-  world.dt = 1e-3;
-  simulator.setWorld(world);
+  simulator.setWorld({.gravity = Vec3(0, -9.81, 0), .dt = 1e-3});
   const std::size_t id = simulator.addBody(particle(Vec3(0, 0.005, 0), 0.01));
-  simulator.addObstacle(ground(0.0, 0.4));
+  simulator.addObstacle(ground(0.4));
   simulator.body(id)->state().velocities[0] = Vec3(1.0, 0, 0);
   for (int i = 0; i < 1000; ++i) REQUIRE(simulator.step());
   CHECK(simulator.body(id)->state().velocities[0].norm() < 1e-12);
@@ -102,12 +77,9 @@ TEST_CASE("friction stops a sliding phyxel where Coulomb says") {
 
 TEST_CASE("a phyxel that starts inside is led out without being thrown") {
   Simulator simulator;
-  WorldSettings world;
-  world.gravity = Vec3(0, -9.81, 0);
-  world.dt = 1e-3;
-  simulator.setWorld(world);
+  simulator.setWorld({.gravity = Vec3(0, -9.81, 0), .dt = 1e-3});
   const std::size_t id = simulator.addBody(particle(Vec3(0, -0.02, 0), 0.01));
-  simulator.addObstacle(ground(0.0, 0.3));
+  simulator.addObstacle(ground(0.3));
   double highest = -1.0;
   for (int i = 0; i < 2000; ++i) {
     const auto stepped = simulator.step();
@@ -123,10 +95,7 @@ TEST_CASE("the walls of the world box hold on all sides") {
   for (int axis = 0; axis < 3; ++axis)
     for (const double side : {-1.0, 1.0}) {
       Simulator simulator;
-      WorldSettings world;
-      world.dt = 1e-3;
-      world.box.enabled = true;
-      simulator.setWorld(world);
+      simulator.setWorld({.box = {.enabled = true}, .dt = 1e-3});
       const std::size_t id = simulator.addBody(particle(Vec3(0, 0, 0), 0.01));
       simulator.body(id)->state().velocities[0] = 30.0 * side * Vec3::Unit(axis);
       for (int i = 0; i < 200; ++i) REQUIRE(simulator.step());

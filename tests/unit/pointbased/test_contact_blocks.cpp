@@ -15,13 +15,8 @@ namespace {
 // A ball on a lattice: its surface leaves slivers in cells, whose far corners are light.
 std::unique_ptr<Body> ballOnLattice(const Vec3 &centre, double youngsModulus = 6e3) {
   const BodyShape shape = lattice_cases::ball(centre, 0.05);
-  BodyRecipe recipe;
-  recipe.sampling = lattice_cases::withSpacing(0.0137);
-  auto rest = buildRestState(shape, recipe, {}, serialFor());
-  REQUIRE(rest);
-  Material material;
-  material.youngsModulus = youngsModulus;
-  return std::make_unique<Body>("ball", std::move(*rest), Constitution{{material}, kLatticeStabilisation}, serialFor());
+  const Material material{.youngsModulus = youngsModulus};
+  return shapes::makeBody(shapes::restState(shape, {.sampling = lattice_cases::withSpacing(0.0137)}), {material});
 }
 
 Index lightest(const Body &body) {
@@ -37,11 +32,7 @@ TEST_CASE("blocks of points that wait miss no contact, however phyxels and obsta
   const double dt = 1e-3, margin = 2e-4;
   std::vector<Obstacle> obstacles{shapes::halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.3),
                                   shapes::halfSpace(Vec3(0.1, 0, 0), Vec3(-1, 0, 0), 0.3)};
-  obstacles[1].motion = [](double t) {
-    RigidMotion motion;
-    motion.displacement = Vec3(-0.05 * std::sin(20.0 * t), 0, 0);
-    return motion;
-  };
+  obstacles[1].motion = [](double t) { return RigidMotion{.displacement = Vec3(-0.05 * std::sin(20.0 * t), 0, 0)}; };
   const WorldBox box{true, Vec3(-1, -1, -0.06), Vec3(1, 1, 1), 0.2};
   shapes::Random random(3);
   std::vector<Vec3> u(rest.phyxelCount(), Vec3::Zero()), v(rest.phyxelCount(), Vec3::Zero());
@@ -89,17 +80,14 @@ TEST_CASE("the largest influence of a phyxel bounds what a point of contact goes
 TEST_CASE("a corner that hardly anything of the body reaches may be fast without dividing the steps") {
   const auto partsAt = [](const auto &choose) {
     Simulator simulator;
-    WorldSettings world;
-    world.gravity = Vec3::Zero();
-    simulator.setWorld(world);
+    simulator.setWorld({.gravity = Vec3::Zero()});
     const std::size_t id = simulator.addBody(ballOnLattice(Vec3::Zero()));
     Body &body = *simulator.body(id);
     REQUIRE(simulator.step());
     // Two thirds of a spacing in a step, where a quarter is allowed.
     body.state().velocities[choose(body)] = Vec3(0.67 * body.rest().spacing / simulator.time(), 0, 0);
     REQUIRE(simulator.step());
-    return std::count_if(simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(),
-                         [](const SimulationEvent &event) { return event.kind == "substep"; });
+    return shapes::countEvents(simulator, "substep");
   };
   CHECK(partsAt([](const Body &body) { return lightest(body); }) == 0);
   CHECK(partsAt([](const Body &body) {

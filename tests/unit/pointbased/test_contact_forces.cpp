@@ -14,14 +14,6 @@ namespace {
 
 constexpr double kGravity = 9.81;  // m/s²
 
-WorldSettings worldOf(Integrator integrator, const Vec3 &gravity) {
-  WorldSettings world;
-  world.integrator = integrator;
-  world.dt = integrator == Integrator::explicitVerlet ? 0.0 : 1.0 / 60.0;
-  world.gravity = gravity;
-  return world;
-}
-
 std::unique_ptr<Body> blockAt(double height) {
   return latticeBox(Vec3(-0.04, height, -0.04), Vec3(0.04, height + 0.04, 0.04), 0.02, rubber(5e4, 100.0));
 }

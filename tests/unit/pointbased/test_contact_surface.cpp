@@ -14,16 +14,6 @@ using namespace shapes;
 
 namespace {
 
-constexpr double kFrame = 1.0 / 60.0;  // s, an implicit step
-
-WorldSettings worldOf(Integrator integrator, const Vec3 &gravity) {
-  WorldSettings world;
-  world.integrator = integrator;
-  world.dt = integrator == Integrator::explicitVerlet ? 0.0 : kFrame;
-  world.gravity = gravity;
-  return world;
-}
-
 const Vec3 kDown(0, -9.81, 0);
 // Indentation by the penalty under 60 mm of E = 20 kPa: rho g H d / (30 E) = 21 um where the pressure is uniform, less
 // than four times that at the edges.
@@ -39,11 +29,7 @@ TEST_CASE("a body does not pass a block, a thin sheet or a wall at 1, 10 and 100
   CAPTURE(static_cast<int>(integrator), speed, kind);
   Simulator simulator;
   WorldSettings world = worldOf(integrator, Vec3::Zero());
-  if (kind == 2) {
-    world.box.enabled = true;
-    world.box.min = Vec3(-5, 0, -5);
-    world.box.max = Vec3(5, 10, 5);
-  }
+  if (kind == 2) world.box = {.enabled = true, .min = Vec3(-5, 0, -5), .max = Vec3(5, 10, 5)};
   simulator.setWorld(world);
   const std::size_t id =
       simulator.addBody(latticeBox(Vec3(-0.03, 0.0507, -0.03), Vec3(0.03, 0.1107, 0.03), 0.02, rubber(1e5)));
@@ -66,7 +52,7 @@ TEST_CASE("a body does not pass a block, a thin sheet or a wall at 1, 10 and 100
   // to be halved: twice at 100 m/s, where the outcome depends on nanometres (150 starts: 18 mm at most).
   const double give = integrator == Integrator::explicitVerlet
                           ? 0.25 * 0.02 * 0.02
-                          : (speed < 100.0 ? 4.0 : 8.0) * 1060.0 * 0.06 * speed / kFrame * 0.02 / (30.0 * 1e5);
+                          : (speed < 100.0 ? 4.0 : 8.0) * 1060.0 * 0.06 * speed / kImplicitStep * 0.02 / (30.0 * 1e5);
   CHECK(lowest > -give);
   CHECK(meanVelocity(body)[1] > -0.05 * speed);
 }
@@ -180,11 +166,7 @@ TEST_CASE("a moving obstacle pushes a body before it") {
   const std::size_t id =
       simulator.addBody(latticeBox(Vec3(-0.04, -0.04, -0.04), Vec3(0.04, 0.04, 0.04), 0.02, rubber(5e4, 100.0)));
   Obstacle pusher = solidBox(Vec3(-0.2, -0.1, -0.1), Vec3(-0.05, 0.1, 0.1), 0.3);
-  pusher.motion = [](double t) {
-    RigidMotion motion;
-    motion.displacement = Vec3(0.2 * t, 0, 0);
-    return motion;
-  };
+  pusher.motion = [](double t) { return RigidMotion{.displacement = Vec3(0.2 * t, 0, 0)}; };
   simulator.addObstacle(pusher);
   Body &body = *simulator.body(id);
   while (simulator.time() < 1.0) {
@@ -209,9 +191,7 @@ TEST_CASE("a turntable carries a block by friction") {
   Obstacle table = solidBox(Vec3(-0.5, -0.1, -0.5), Vec3(0.5, 0, 0.5), 0.5);
   const auto angle = [](double t) { return t < 0.5 ? t * t : t - 0.25; };
   table.motion = [=](double t) {
-    RigidMotion motion;
-    motion.rotation = Eigen::AngleAxisd(angle(t), Vec3::UnitY()).toRotationMatrix();
-    return motion;
+    return RigidMotion{.rotation = Eigen::AngleAxisd(angle(t), Vec3::UnitY()).toRotationMatrix()};
   };
   simulator.addObstacle(table);
   while (simulator.time() < 1.5) REQUIRE(simulator.step());
@@ -279,11 +259,7 @@ TEST_CASE("an obstacle that comes near uses up the free way of a body that stand
   const std::size_t id =
       simulator.addBody(latticeBox(Vec3(-0.03, 0, -0.03), Vec3(0.03, 0.06, 0.03), 0.02, rubber(5e4, 50.0)));
   Obstacle lift = halfSpace(Vec3(0, -1, 0), Vec3::UnitY(), 0.3);
-  lift.motion = [](double t) {
-    RigidMotion motion;
-    motion.displacement = Vec3(0, 10.0 * t, 0);
-    return motion;
-  };
+  lift.motion = [](double t) { return RigidMotion{.displacement = Vec3(0, 10.0 * t, 0)}; };
   simulator.addObstacle(lift);
   while (simulator.time() < 0.2) REQUIRE(simulator.step());
   CHECK(extent(*simulator.body(id), Vec3::UnitY()).low > -1.0 + 10.0 * simulator.time() - 1e-4);
@@ -315,15 +291,11 @@ TEST_CASE("a free body that is put down quasi-statically lies on the floor, soft
 }
 
 TEST_CASE("contact is as stiff as the material that touches, not as the stiffest of the body") {
-  BodyShape shape = box(Vec3(-0.03, 0.0, -0.03), Vec3(0.03, 0.08, 0.03));
-  shape.surface = boxSurface(shape.min, shape.max, 8);
-  BodyRecipe recipe;
-  recipe.sampling.spacing = 0.02;
-  recipe.sampling.materials = {{BoxRegion{Vec3(-1, 0.04, -1), Vec3(1, 1, 1)}, 1}};
-  const auto rest = buildRestState(shape, recipe, {}, serialFor());
-  REQUIRE(rest);
-  auto body = std::make_unique<Body>("layers", *rest, Constitution{{rubber(1e4), rubber(1e8)}, kLatticeStabilisation},
-                                     serialFor());
+  const BodyShape shape = box(Vec3(-0.03, 0.0, -0.03), Vec3(0.03, 0.08, 0.03), 8);
+  auto body = shapes::makeBody(
+      shapes::restState(
+          shape, {.sampling = {.spacing = 0.02, .materials = {{BoxRegion{Vec3(-1, 0.04, -1), Vec3(1, 1, 1)}, 1}}}}),
+      {rubber(1e4), rubber(1e8)});
   const std::vector<Vec3> places = [&] {
     const std::span<const Vec3> x = body->contactPositions(serialFor());
     return std::vector<Vec3>(x.begin(), x.end());
@@ -349,35 +321,27 @@ TEST_CASE("contact is as stiff as the material that touches, not as the stiffest
 
 TEST_CASE("held patches are as stiff as the material around them") {
   const BodyShape shape = box(Vec3::Zero(), Vec3(0.2, 0.04, 0.04));
-  BodyRecipe recipe;
-  recipe.sampling.spacing = 0.02;
-  recipe.sampling.materials = {{BoxRegion{Vec3(0.1, -1, -1), Vec3(1, 1, 1)}, 1}};
-  Fix fix;
-  fix.region = BoxRegion{Vec3(-1, -1, -1), Vec3(0.013, 1, 1)};
-  recipe.fixes = {fix};
-  const auto rest = buildRestState(shape, recipe, {}, serialFor());
-  REQUIRE(rest);
-  const Body body("bar", *rest, Constitution{{rubber(1e4), rubber(1e8)}, kLatticeStabilisation}, serialFor());
-  const std::vector<double> &areas = (*rest)->conditions.held.front().areas;
+  const auto rest = shapes::restState(
+      shape, {.sampling = {.spacing = 0.02, .materials = {{BoxRegion{Vec3(0.1, -1, -1), Vec3(1, 1, 1)}, 1}}},
+              .fixes = {{.region = BoxRegion{Vec3(-1, -1, -1), Vec3(0.013, 1, 1)}}}});
+  const Body body("bar", rest, Constitution{{rubber(1e4), rubber(1e8)}, kLatticeStabilisation}, serialFor());
+  const std::vector<double> &areas = rest->conditions.held.front().areas;
   REQUIRE(!areas.empty());
   for (std::size_t p = 0; p < areas.size(); ++p)
-    CHECK_THAT(body.patches().stiffness()[p], WithinRel(kPatchStiffness * 1e4 * areas[p] / (*rest)->spacing, 1e-12));
+    CHECK_THAT(body.patches().stiffness()[p], WithinRel(kPatchStiffness * 1e4 * areas[p] / rest->spacing, 1e-12));
 }
 
 TEST_CASE("points of contact know the spacing of the cells that carry them") {
-  BodyShape shape = box(Vec3(0, 0, 0), Vec3(0.08, 0.04, 0.04));
-  shape.surface = boxSurface(shape.min, shape.max, 16);
-  BodyRecipe recipe;
-  recipe.sampling.spacing = 0.01;
-  recipe.sampling.refinements = {{BoxRegion{Vec3(0, 0, 0), Vec3(0.02, 0.04, 0.04)}, 0.005}};
-  const auto rest = buildRestState(shape, recipe, {}, serialFor());
-  REQUIRE(rest);
-  const ContactPoints &points = (*rest)->contact;
+  const BodyShape shape = box(Vec3(0, 0, 0), Vec3(0.08, 0.04, 0.04), 16);
+  const auto rest = shapes::restState(
+      shape,
+      {.sampling = {.spacing = 0.01, .refinements = {{BoxRegion{Vec3(0, 0, 0), Vec3(0.02, 0.04, 0.04)}, 0.005}}}});
+  const ContactPoints &points = rest->contact;
   REQUIRE(points.spacings.size() == points.count());
   std::vector<Vec3> places(points.count());
-  interpolateField(points.binding, (*rest)->positions, places, serialFor());
+  interpolateField(points.binding, rest->positions, places, serialFor());
   for (std::size_t p = 0; p < points.count(); ++p) {
-    const double x = (places[p] + (*rest)->origin)[0];
+    const double x = (places[p] + rest->origin)[0];
     if (x < 0.014) CHECK_THAT(points.spacings[p], WithinRel(0.005, 1e-9));
     if (x > 0.045) CHECK_THAT(points.spacings[p], WithinRel(0.01, 1e-9));
   }

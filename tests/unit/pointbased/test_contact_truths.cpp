@@ -26,10 +26,7 @@ constexpr double kModulus = 1e4;  // Pa
 constexpr double kGravity = 9.81;
 
 void setGravity(Simulator &simulator, double damping = 0.0) {
-  WorldSettings world;
-  world.gravity = Vec3(0, -kGravity, 0);
-  world.damping = damping;
-  simulator.setWorld(world);
+  simulator.setWorld({.gravity = Vec3(0, -kGravity, 0), .damping = damping});
 }
 
 std::vector<Vec3> skinOf(Simulator &simulator, std::size_t id) {
@@ -41,7 +38,7 @@ std::vector<Vec3> skinOf(Simulator &simulator, std::size_t id) {
 double fastestOf(Simulator &simulator) {
   double fastest = 0.0;
   for (const std::size_t id : simulator.bodyIds())
-    for (const Vec3 &v : simulator.body(id)->state().velocities) fastest = std::max(fastest, v.norm());
+    fastest = std::max(fastest, largest(simulator.body(id)->state().velocities));
   return fastest;
 }
 
@@ -117,10 +114,7 @@ constexpr double kOffset = 0.02;  // spacings of the cells there: skins touch at
 // @return N
 double forceOfPressedBalls(double spacing) {
   Simulator simulator;
-  WorldSettings world;
-  world.integrator = Integrator::quasiStatic;
-  world.loadSteps = 2;
-  simulator.setWorld(world);
+  simulator.setWorld({.integrator = Integrator::quasiStatic, .loadSteps = 2});
   simulator.world().setContact({true, false, 0.0});
   const double apart = 2.0 * kOffset * spacing;
   std::array<std::size_t, 2> ids{};
@@ -129,18 +123,12 @@ double forceOfPressedBalls(double spacing) {
     const Vec3 centre(0, up * (kRadius + 0.5 * apart), 0);
     BodyShape shape = shapes::ball(centre, kRadius);
     shape.surface = gradedBall(centre, kRadius, (isUpper ? 0.0226 : 0.02) * kRadius, isUpper ? 56 : 64, !isUpper);
-    BodyRecipe recipe;
-    recipe.sampling.spacing = spacing;
+    BodyRecipe recipe{.sampling = {.spacing = spacing}};
     recipe.sampling.refinements.push_back(
         {SphereRegion{centre - up * Vec3(0, kRadius, 0), 0.3 * kRadius}, 0.25 * spacing});
-    Fix half;
-    half.region = HalfSpaceRegion{centre, Vec3(0, -up, 0)};
-    half.displacement = Vec3(0, -up * (0.5 * apart + 0.02 * kRadius), 0);
-    recipe.fixes.push_back(half);
-    const auto rest = buildRestState(shape, recipe, {}, serialFor());
-    REQUIRE(rest);
-    ids[isUpper ? 1 : 0] = simulator.addBody(
-        std::make_unique<Body>("ball", *rest, Constitution{{soft(kModulus, 0.3)}, kLatticeStabilisation}, serialFor()));
+    recipe.fixes.push_back({.region = HalfSpaceRegion{centre, Vec3(0, -up, 0)},
+                            .displacement = Vec3(0, -up * (0.5 * apart + 0.02 * kRadius), 0)});
+    ids[isUpper ? 1 : 0] = simulator.addBody(shapes::makeBody(shapes::restState(shape, recipe), {soft(kModulus, 0.3)}));
   }
   while (!simulator.finished()) REQUIRE(simulator.step());
   const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
@@ -188,10 +176,9 @@ Squeezed pullThrough(double opening) {
   setGravity(simulator, 2.0);
   simulator.world().setContact({true, true, 0.3});
   const std::size_t obstacle = simulator.addObstacle(torus(ring, opening + tube, tube, 0.2));
-  Fix cap;
-  cap.region = HalfSpaceRegion{Vec3(0, -0.75 * radius, 0), Vec3(0, 1, 0)};
-  cap.displacement = Vec3(0, -0.12, 0);
-  cap.ramp = 0.8;
+  const Fix cap{.region = HalfSpaceRegion{Vec3(0, -0.75 * radius, 0), Vec3(0, 1, 0)},
+                .displacement = Vec3(0, -0.12, 0),
+                .ramp = 0.8};
   const std::size_t id =
       simulator.addBody(bodyOf(ballShape(Vec3::Zero(), radius, 16), spacing, soft(kModulus, 0.3, 5.0), {cap}));
   Squeezed seen;
@@ -425,8 +412,7 @@ TEST_CASE("a stack of five blocks stays where it is for a minute", "[.long]") {
   Simulator simulator;
   const std::vector<std::size_t> ids = stackOfFive(simulator);
   while (simulator.time() < 2.0) REQUIRE(simulator.step());
-  std::vector<Vec3> then;
-  for (const std::size_t id : ids) then.push_back(shapes::meanDisplacement(*simulator.body(id)));
+  const std::vector<Vec3> then = meanDisplacements(simulator, ids);
   while (simulator.time() < 62.0) REQUIRE(simulator.step());
   double drift = 0.0;
   for (std::size_t k = 0; k < ids.size(); ++k)

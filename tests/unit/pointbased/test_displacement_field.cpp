@@ -19,8 +19,7 @@ const Vec3 kMin(0.2, -0.1, 0.3), kMax(0.26, -0.02, 0.35);
 
 // Oblique, with uneven steps, around the box and beyond.
 FieldGrid obliqueGrid() {
-  FieldGrid grid;
-  grid.size = {40, 36, 44};
+  FieldGrid grid{.size = {40, 36, 44}};
   grid.steps.col(0) = Vec3(0.0039, 0.0008, 0.0);
   grid.steps.col(1) = Vec3(-0.0006, 0.0047, 0.0003);
   grid.steps.col(2) = Vec3(0.0, -0.0002, 0.0031);
@@ -31,8 +30,7 @@ FieldGrid obliqueGrid() {
 std::unique_ptr<Body> body(Evaluation evaluation) {
   if (evaluation == Evaluation::stressPoints) return shapes::latticeBox(kMin, kMax, 0.01, shapes::rubber(1e4));
   BodyShape shape = shapes::box(kMin, kMax);
-  return std::make_unique<Body>("cloud", shapes::restState(shape, 0.01),
-                                Constitution{{shapes::rubber(1e4)}, kCloudStabilisation}, serialFor());
+  return shapes::makeBody(shapes::restState(shape, 0.01), {shapes::rubber(1e4)});
 }
 
 }  // namespace
@@ -74,30 +72,24 @@ TEST_CASE("the field of an affine motion leads every point back to where its mat
 // A pulled brain appeared to pass through its skull in spikes 70 mm long; none of its tissue was there.
 TEST_CASE("a corner that only a sliver of the body reaches does not lead the field away with it") {
   constexpr double kRadius = 0.05, kFar = 0.2;
-  BodyRecipe recipe;
-  recipe.sampling.spacing = 0.0127;
-  const auto rest =
-      buildRestState(shapes::inside(shapes::ballSurface(Vec3::Zero(), kRadius, 40)), recipe, {}, serialFor());
-  REQUIRE(rest);
-  Body ball("ball", *rest, Constitution{{shapes::rubber(1e4)}, kLatticeStabilisation}, serialFor());
-  const std::vector<double> &volumes = (*rest)->volumes;
+  const auto rest = shapes::restState(shapes::inside(shapes::ballSurface(Vec3::Zero(), kRadius, 40)),
+                                      {.sampling = {.spacing = 0.0127}});
+  Body ball("ball", rest, Constitution{{shapes::rubber(1e4)}, kLatticeStabilisation}, serialFor());
+  const std::vector<double> &volumes = rest->volumes;
   const auto lightest = static_cast<std::size_t>(std::min_element(volumes.begin(), volumes.end()) - volumes.begin());
   REQUIRE(volumes[lightest] < 0.01 * std::pow(0.0127, 3));
-  ball.state().displacements[lightest] = kFar * (*rest)->positions[lightest].normalized();
+  ball.state().displacements[lightest] = kFar * rest->positions[lightest].normalized();
   ball.computeGradients(serialFor());
-  std::vector<Vec3> moved((*rest)->surfels.count());
-  updateSurfels((*rest)->surfels, {}, (*rest)->positions, ball.state().displacements, moved, {}, serialFor());
+  std::vector<Vec3> moved(rest->surfels.count());
+  updateSurfels(rest->surfels, {}, rest->positions, ball.state().displacements, moved, {}, serialFor());
   double tissue = 0.0;
   for (std::size_t p = 0; p < moved.size(); ++p)
-    tissue = std::max(tissue, (moved[p] - (*rest)->surfels.position(p, (*rest)->positions)).norm());
+    tissue = std::max(tissue, (moved[p] - rest->surfels.position(p, rest->positions)).norm());
   REQUIRE(tissue > 0.0);
 
-  FieldGrid grid;
-  grid.size = {60, 60, 60};
-  grid.steps = 0.005 * Mat3::Identity();
-  grid.origin = Vec3::Constant(-0.1475);
+  const FieldGrid grid{.size = {60, 60, 60}, .origin = Vec3::Constant(-0.1475), .steps = 0.005 * Mat3::Identity()};
   DisplacementField field(grid);
-  field.add(ball, bindPoints(**rest));
+  field.add(ball, bindPoints(*rest));
   std::vector<float> u(3 * grid.count());
   field.write(0.0, u);
   double farthest = 0.0;
@@ -110,23 +102,19 @@ TEST_CASE("a corner that only a sliver of the body reaches does not lead the fie
 
 TEST_CASE("what lies beside a body goes with it as far as its cells there are wide") {
   constexpr double kSide = 0.06, kCoarse = 0.02, kFine = 0.005;
-  BodyRecipe recipe;
-  recipe.sampling.spacing = kCoarse;
-  recipe.sampling.axes = Mat3(Mat3::Identity());
-  recipe.sampling.refinements = {{HalfSpaceRegion{Vec3(0.04, 0, 0), -Vec3::UnitX()}, kFine}};
+  const BodyRecipe recipe{.sampling = {.spacing = kCoarse,
+                                       .refinements = {{HalfSpaceRegion{Vec3(0.04, 0, 0), -Vec3::UnitX()}, kFine}},
+                                       .axes = Mat3(Mat3::Identity())}};
   const Surface box = shapes::boxSurface(Vec3::Zero(), Vec3::Constant(kSide), 12);
-  const auto rest = buildRestState(shapes::inside(box), recipe, {}, serialFor());
-  REQUIRE(rest);
-  Body body("box", *rest, Constitution{{shapes::rubber(1e4)}, kLatticeStabilisation}, serialFor());
+  const auto rest = shapes::restState(shapes::inside(box), recipe);
+  Body body("box", rest, Constitution{{shapes::rubber(1e4)}, kLatticeStabilisation}, serialFor());
   const Vec3 way(0.0, 0.001, 0.0);
   for (Vec3 &displacement : body.state().displacements) displacement = way;
   // A line through the middle, half a millimetre from point to point.
-  FieldGrid line;
-  line.size = {201, 1, 1};
-  line.steps = 0.0005 * Mat3::Identity();
-  line.origin = Vec3(-0.02, 0.5 * kSide, 0.5 * kSide);
+  const FieldGrid line{
+      .size = {201, 1, 1}, .origin = Vec3(-0.02, 0.5 * kSide, 0.5 * kSide), .steps = 0.0005 * Mat3::Identity()};
   DisplacementField field(line);
-  field.add(body, bindPoints(**rest));
+  field.add(body, bindPoints(*rest));
   std::vector<float> u(3 * line.count());
   field.write(0.0, u);
   double first = 1.0, last = -1.0;
@@ -144,10 +132,7 @@ TEST_CASE("what lies beside a body goes with it as far as its cells there are wi
 
 TEST_CASE("the rim of a displacement field falls to nothing within its width, and bodies at rest displace nothing") {
   const auto made = body(Evaluation::stressPoints);
-  FieldGrid grid;
-  grid.size = {60, 60, 60};
-  grid.steps = 0.004 * Mat3::Identity();
-  grid.origin = Vec3(0.11, -0.18, 0.2);
+  const FieldGrid grid{.size = {60, 60, 60}, .origin = Vec3(0.11, -0.18, 0.2), .steps = 0.004 * Mat3::Identity()};
   std::vector<float> u(3 * grid.count(), 1.0F);
   DisplacementField atRest(grid);
   atRest.add(*made, bindPoints(made->rest()));
@@ -189,10 +174,8 @@ TEST_CASE("where a body lies over itself the field leads to one of the places, n
     made->state().displacements[i] = present(X) - X;
   }
   made->computeGradients(serialFor());
-  FieldGrid grid;
-  grid.size = {19, 16, 14};
-  grid.steps = 0.003 * Mat3::Identity();
-  grid.origin = kMin + Vec3(0.003, 0.0, 0.003);
+  const FieldGrid grid{
+      .size = {19, 16, 14}, .origin = kMin + Vec3(0.003, 0.0, 0.003), .steps = 0.003 * Mat3::Identity()};
   DisplacementField field(grid);
   field.add(*made, bindPoints(made->rest()));
   std::vector<float> u(3 * grid.count());
@@ -217,10 +200,7 @@ TEST_CASE("where a body lies over itself the field leads to one of the places, n
 
 TEST_CASE("where a body has gone away from, the gap tells how far, and at rest there is none") {
   const auto made = body(GENERATE(Evaluation::stressPoints, Evaluation::phyxels));
-  FieldGrid grid;
-  grid.size = {60, 40, 40};
-  grid.steps = 0.004 * Mat3::Identity();
-  grid.origin = Vec3(0.15, -0.14, 0.25);
+  const FieldGrid grid{.size = {60, 40, 40}, .origin = Vec3(0.15, -0.14, 0.25), .steps = 0.004 * Mat3::Identity()};
   std::vector<float> u(3 * grid.count()), gaps(grid.count(), 1.0F);
   DisplacementField atRest(grid, true);
   atRest.add(*made, bindPoints(made->rest()));
@@ -265,21 +245,16 @@ struct LedPatch {
   std::size_t id = 0;
 
   LedPatch() {
-    Fix foot;
-    foot.region = HalfSpaceRegion{Vec3(0, 0, 0.02), Vec3::UnitZ()};
-    patch.region = SphereRegion{centre, 0.02};
-    patch.displacement = way;
-    patch.rotation_deg = Vec3(0, 0, 20);
-    patch.centre = centre;
-    patch.ramp = kRamp;
-    BodyRecipe recipe;
-    recipe.sampling.spacing = 0.0125;
-    recipe.fixes = {foot, patch};
+    const Fix foot{.region = HalfSpaceRegion{Vec3(0, 0, 0.02), Vec3::UnitZ()}};
+    patch = {.region = SphereRegion{centre, 0.02},
+             .displacement = way,
+             .rotation_deg = Vec3(0, 0, 20),
+             .centre = centre,
+             .ramp = kRamp};
+    const BodyRecipe recipe{.sampling = {.spacing = 0.0125}, .fixes = {foot, patch}};
     const Vec3 low = Vec3::Zero(), high = Vec3::Constant(kSide);
-    const auto rest = buildRestState(shapes::inside(shapes::boxSurface(low, high, 16)), recipe, {}, serialFor());
-    REQUIRE(rest);
-    id = simulator.addBody(std::make_unique<Body>(
-        "block", *rest, Constitution{{shapes::rubber(1e4)}, kLatticeStabilisation}, serialFor()));
+    id = simulator.addBody(shapes::makeBody(
+        shapes::restState(shapes::inside(shapes::boxSurface(low, high, 16)), recipe), {shapes::rubber(1e4)}));
     simulator.world().addProbe("inside", id, centre - Vec3(0.004, 0.003, 0.008));
     simulator.world().addProbe("on the border of the patch", id, centre + Vec3(0.0, 0.0199, 0.0));
     simulator.world().addProbe("below", id, Vec3(0.03, 0.03, 0.01));
@@ -347,10 +322,9 @@ TEST_CASE("what a support holds goes with it, wherever the phyxels beside its bo
   CHECK(elsewhere > 1e-3);
 
   // Material now at these points came from the patch.
-  FieldGrid grid;
-  grid.size = {30, 30, 30};
-  grid.steps = 0.002 * Mat3::Identity();
-  grid.origin = block.centre + block.way - Vec3(0.03, 0.03, 0.04);
+  const FieldGrid grid{.size = {30, 30, 30},
+                       .origin = block.centre + block.way - Vec3(0.03, 0.03, 0.04),
+                       .steps = 0.002 * Mat3::Identity()};
   DisplacementField field(grid);
   field.add(*block.simulator.body(block.id), bindPoints(rest));
   std::vector<float> written(3 * grid.count());

@@ -30,13 +30,9 @@ std::unique_ptr<Body> cube(double youngsModulus, const Foundation &foundation, c
 
 // A ball as a cloud of phyxels: bound by moving least squares, with weights below 0.
 std::unique_ptr<Body> cloud(const Foundation &foundation) {
-  BodyRecipe recipe;
-  recipe.evaluation = Evaluation::phyxels;
-  recipe.sampling.spacing = 0.02;
+  const BodyRecipe recipe{.evaluation = Evaluation::phyxels, .sampling = {.spacing = 0.02}};
   const BodyShape shape = lattice_cases::ball(Vec3(0.1, 0.0, 0.0), 0.05);
-  auto rest = buildRestState(shape, recipe, {}, serialFor());
-  REQUIRE(rest);
-  auto body = std::make_unique<Body>("cloud", *rest, Constitution{{rubber(1e4)}, kCloudStabilisation}, serialFor());
+  auto body = shapes::makeBody(shapes::restState(shape, recipe), {rubber(1e4)});
   REQUIRE(body->setFoundation(foundation));
   return body;
 }
@@ -62,18 +58,6 @@ std::vector<Vec3> forcesAt(const Body &body, std::span<const Vec3> u, std::span<
   std::vector<Vec3> forces(u.size(), Vec3::Zero());
   body.foundation().addForces(u, v, forces, parallelFor);
   return forces;
-}
-
-Vec3 total(std::span<const Vec3> forces) {
-  Vec3 sum = Vec3::Zero();
-  for (const Vec3 &f : forces) sum += f;
-  return sum;
-}
-
-double largest(std::span<const Vec3> field) {
-  double most = 0.0;
-  for (const Vec3 &v : field) most = std::max(most, v.norm());
-  return most;
 }
 
 }  // namespace
@@ -189,10 +173,7 @@ TEST_CASE("Implicit steps swing a block on its foundation, and damp it, as expli
     const double omega = std::sqrt(kStiffness * kArea / body->totalMass()), zeta = 0.5 * tau * omega;
     body->setInitialVelocity(Vec3(0.0, 0.05, 0.0), Vec3::Zero());
     Simulator simulator;
-    WorldSettings world;
-    world.integrator = integrator;
-    world.dt = dt;
-    simulator.setWorld(world);
+    simulator.setWorld({.integrator = integrator, .dt = dt});
     const std::size_t id = simulator.addBody(std::move(body));
     const double damped = omega * std::sqrt(1.0 - zeta * zeta);
     double worst = 0.0;
@@ -212,18 +193,13 @@ TEST_CASE("Implicit steps swing a block on its foundation, and damp it, as expli
 
 TEST_CASE("A force moves a stiff block by F over k A until its foundation carries it", "[foundation]") {
   const double edge = kEdge;
-  BodyRecipe recipe;
-  recipe.sampling.spacing = 0.02;
-  recipe.loads.push_back({EverywhereRegion{}, Vec3(0.3, 0.0, -0.1), 0.0, true, 0.0});
+  const BodyRecipe recipe{.sampling = {.spacing = 0.02},
+                          .loads = {{EverywhereRegion{}, Vec3(0.3, 0.0, -0.1), 0.0, true, 0.0}}};
   BodyShape shape = lattice_cases::box(Vec3(0, 0, 0), Vec3(edge, edge, edge));
-  auto rest = buildRestState(shape, recipe, {}, serialFor());
-  REQUIRE(rest);
-  auto body = std::make_unique<Body>("block", *rest, Constitution{{rubber(1e7)}, kLatticeStabilisation}, serialFor());
+  auto body = shapes::makeBody(shapes::restState(shape, recipe), {rubber(1e7)});
   REQUIRE(body->setFoundation(kEven));
   Simulator simulator;
-  WorldSettings world;
-  world.integrator = Integrator::quasiStatic;
-  simulator.setWorld(world);
+  simulator.setWorld({.integrator = Integrator::quasiStatic});
   const std::size_t id = simulator.addBody(std::move(body));
   while (!simulator.finished()) REQUIRE(simulator.step());
   const Vec3 expected = Vec3(0.3, 0.0, -0.1) / (kStiffness * kArea);
@@ -253,9 +229,7 @@ TEST_CASE("The stable step bounds what a foundation asks for", "[foundation]") {
 
     const std::vector<Vec3> pushed = noise(body->rest().phyxelCount(), 0.01, 11);
     Simulator simulator;
-    WorldSettings world;
-    world.dt = 0.98 * step;
-    simulator.setWorld(world);
+    simulator.setWorld({.dt = 0.98 * step});
     const std::size_t id = simulator.addBody(std::move(body));
     simulator.body(id)->state().velocities = pushed;
     const double start = simulator.diagnostics().energy(id).kinetic;
@@ -296,9 +270,7 @@ TEST_CASE("Forces of a foundation have the same bits for any division of the loo
 
 TEST_CASE("A body that is pulled away and let go comes back to its place and sleeps there", "[foundation]") {
   Simulator simulator;
-  WorldSettings world;
-  world.sleep = true;
-  simulator.setWorld(world);
+  simulator.setWorld({.sleep = true});
   const std::size_t id = simulator.addBody(cube(rubber(3e4, 20.0), {kStiffness, kStiffness, 0.02}));
   Body &body = *simulator.body(id);
   const Vec3 home = body.rest().origin;
@@ -337,9 +309,7 @@ TEST_CASE("What a foundation cannot be is refused with what is accepted", "[foun
 
 TEST_CASE("A rigid body stands in its reference, costs nothing, and its stable step is nobody's", "[rigid]") {
   Simulator simulator;
-  WorldSettings world;
-  world.gravity = Vec3(0, -9.81, 0);
-  simulator.setWorld(world);
+  simulator.setWorld({.gravity = Vec3(0, -9.81, 0)});
   const std::size_t bone = simulator.addBody(cube(1e3, {})), vessel = simulator.addBody(cube(1e4, {}, Vec3(1, 0, 0)));
   const double together = simulator.stepper().stepSize();
   CHECK(together == Approx(kStepSafety * simulator.body(bone)->stableStepAtRest()));
@@ -349,9 +319,7 @@ TEST_CASE("A rigid body stands in its reference, costs nothing, and its stable s
   CHECK(simulator.stepper().stepSize() < 0.5 * together);
   const std::vector<Vec3> rest(simulator.body(bone)->rest().phyxelCount(), Vec3::Zero());
   CHECK(simulator.body(bone)->state().displacements == rest);
-  Grab grab;
-  grab.phyxels = {0};
-  grab.weights = {1.0};
+  const Grab grab{.phyxels = {0}, .weights = {1.0}};
   simulator.stepper().setGrab(bone, grab);
   const double before = meanDisplacement(*simulator.body(vessel))[1];
   for (int i = 0; i < 20; ++i) REQUIRE(simulator.step());

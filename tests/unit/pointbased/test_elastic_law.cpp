@@ -189,14 +189,11 @@ TEST_CASE("a body of a law from outside moves as one of the core's own", "[law]"
     std::vector<Vec3> ends[2];
     for (const bool outsideLaw : {false, true}) {
       Simulator simulator;
-      WorldSettings world;
-      world.integrator = integrator;
-      world.gravity = Vec3(0, -9.81, 0);
-      world.box.enabled = true;
-      world.box.min = Vec3(-1.0, 0.145, -1.0);
-      world.dt = integrator == Integrator::explicitVerlet ? 2e-4 : 1.0 / 60.0;
-      world.tolerance = 1e-9;
-      simulator.setWorld(world);
+      simulator.setWorld({.gravity = Vec3(0, -9.81, 0),
+                          .box = {.enabled = true, .min = Vec3(-1.0, 0.145, -1.0)},
+                          .integrator = integrator,
+                          .dt = integrator == Integrator::explicitVerlet ? 2e-4 : 1.0 / 60.0,
+                          .tolerance = 1e-9});
       const auto id = simulator.addBody(
           std::make_unique<Body>("b", c.rest, constitutionOf(outsideLaw ? theirs() : ours(), *c.rest), serialFor()));
       while (simulator.time() < 0.1 - 1e-9) REQUIRE(simulator.step());
@@ -213,8 +210,7 @@ TEST_CASE("a body of a law from outside moves as one of the core's own", "[law]"
 }
 
 TEST_CASE("a body may be of a law from outside in one part and of the core's own in another", "[law]") {
-  LatticeSampling sampling;
-  sampling.count = 400;
+  LatticeSampling sampling{.count = 400};
   sampling.materials.emplace_back(BoxRegion{Vec3(0.1, 0.0, -1.0), Vec3(1.0, 1.0, 1.0)}, std::uint16_t{1});
   const auto rest = latticeBody(shapes::ball(Vec3(0.1, 0.2, -0.1), 0.05), sampling);
   Material second = materialOf(MaterialLaw::corotated);
@@ -249,9 +245,7 @@ TEST_CASE("a law from outside that fails stops its body, and the message names i
   const Case c = bodies().front();
   for (const Integrator integrator : {Integrator::explicitVerlet, Integrator::implicitSdirk}) {
     Simulator simulator;
-    WorldSettings world;
-    world.integrator = integrator;
-    simulator.setWorld(world);
+    simulator.setWorld({.integrator = integrator});
     const auto id = simulator.addBody(std::make_unique<Body>("b", c.rest, constitutionOf(m, *c.rest), serialFor()));
     Body &body = *simulator.body(id);
     const Vec3 centre(0.1, 0.2, -0.1);

@@ -3,6 +3,7 @@
 
 #include "engine_cases.h"
 #include "support/catch.h"
+#include "vector_cases.h"
 
 using namespace engine_cases;
 
@@ -10,12 +11,30 @@ namespace {
 
 const double kHalfTurn = std::acos(-1.0);
 
-// A rotated, stretched and perturbed state; the pair stays away from its own collapse.
-std::vector<Vec3> generalState(const EngineCase &c, std::uint64_t seed = 5) {
-  const Mat3 R = Eigen::AngleAxisd(0.8, Vec3(1, 1, 0).normalized()).toRotationMatrix();
-  Mat3 A;
-  A << 1.15, 0.1, 0.0, -0.05, 0.95, 0.1, 0.02, 0.0, 1.05;
-  return plus(displaced(c, R * A, Vec3(0.3, -0.1, 0.2)), 0.1 * c.spacing, noise(c, 1.0, seed));
+// Clouds as bodies have them, flat and straight ones, a pair and a single phyxel among them; and those of all().
+const std::vector<EngineCase> &allAndBodies() {
+  static const std::vector<EngineCase> cases = [] {
+    std::vector<EngineCase> out = all();
+    std::vector<Vec3> plane, line, thick;
+    shapes::Random random(11);
+    for (int y = 0; y < 7; ++y)
+      for (int x = 0; x < 7; ++x) plane.push_back(0.01 * Vec3(x + 0.2 * random(), y, 0.4 * y));
+    for (int x = 0; x < 9; ++x) line.push_back(0.01 * Vec3(x + 0.2 * random(), 0.0, 0.0));
+    for (int i = 0; i < 120; ++i) thick.push_back(0.03 * random.vector());
+    for (const auto &rest : {shapes::restState(shapes::box(Vec3(0, 0, 0), Vec3(0.06, 0.04, 0.04)), 0.01),
+                             shapes::restState(shapes::horseshoe(), 0.03), shapes::restState(thick, 0.01, {20, 1.8}),
+                             shapes::restState(plane, 0.01, {12, 1.8}), shapes::restState(line, 0.01, {4, 1.8}),
+                             shapes::restState(std::vector<Vec3>{Vec3(0, 0, 0), Vec3(0.01, 0, 0)}, 0.01),
+                             shapes::restState(std::vector<Vec3>{Vec3(0, 0, 0)}, 0.01)})
+      out.push_back({.name = "body of " + std::to_string(rest->phyxelCount()),
+                     .stencils = rest->stencils,
+                     .positions = rest->positions,
+                     .masses = std::vector<double>(rest->phyxelCount(), 1060.0 * 1e-6),
+                     .spacing = rest->spacing,
+                     .stabilisation = kCloudStabilisation});
+    return out;
+  }();
+  return cases;
 }
 
 // Fourth-order differences of the energy against the forces, relative to the largest force.
@@ -46,7 +65,7 @@ double gradientError(const EngineCase &c, const Constitution &constitution, cons
 }  // namespace
 
 TEST_CASE("engine: a rigid motion gives no force, half a turn included") {
-  for (const EngineCase &c : all())
+  for (const EngineCase &c : allAndBodies())
     for (const MaterialLaw law : kLaws) {
       if (law == MaterialLaw::linear) continue;  // small strain is not objective
       for (const double angle : {0.0, 0.7, kHalfTurn}) {
@@ -57,6 +76,7 @@ TEST_CASE("engine: a rigid motion gives no force, half a turn included") {
         // Round-off of displacements of metres over spacings of centimetres: 1e-16 · 3 m / 0.01 m, amplified by the
         // laws.
         CHECK(largest(at.forces) < 1e-10 * 6000.0 * c.spacing * c.spacing);
+        for (const Mat3 &F : at.gradients) CHECK(greenStrain(F).norm() < 1e-10);
         CHECK(energyAt(c, constitution, displaced(c, R, Vec3(3.0, -1.0, 0.5))).stabilisation < 1e-18);
       }
     }
@@ -74,7 +94,7 @@ TEST_CASE("engine: a turn by half about the axis of a line's normal gives no for
 }
 
 TEST_CASE("engine: forces and torques sum to zero") {
-  for (const EngineCase &c : all())
+  for (const EngineCase &c : allAndBodies())
     for (const MaterialLaw law : kLaws) {
       INFO(c.name << ", " << nameOf(law));
       const std::vector<Vec3> u = noise(c, 0.3 * c.spacing, 3);
@@ -93,8 +113,9 @@ TEST_CASE("engine: forces and torques sum to zero") {
 }
 
 TEST_CASE("engine: the force is the negative gradient of the energy for every law and stencil") {
-  for (const EngineCase &c : all())
+  for (const EngineCase &c : allAndBodies())
     for (const MaterialLaw law : kLaws) {
+      if (c.phyxels() < 2) continue;
       INFO(c.name << ", " << nameOf(law));
       Constitution constitution = engine_cases::constitution(c, law);
       CHECK(gradientError(c, constitution) < 1e-6);
@@ -107,7 +128,7 @@ TEST_CASE("engine: the force is the negative gradient of the energy for every la
 TEST_CASE("engine: an affine motion is exact and has no energy of modes") {
   Mat3 A;
   A << 1.2, 0.1, -0.05, 0.0, 0.9, 0.2, 0.1, 0.0, 1.1;
-  for (const EngineCase &c : all()) {
+  for (const EngineCase &c : allAndBodies()) {
     if (!c.full()) continue;
     for (const MaterialLaw law : kLaws) {
       INFO(c.name << ", " << nameOf(law));
@@ -176,7 +197,7 @@ TEST_CASE("engine: points of two materials answer like bodies of one each") {
 }
 
 TEST_CASE("engine: energies per point sum to the energy of the body") {
-  for (const EngineCase &c : all()) {
+  for (const EngineCase &c : allAndBodies()) {
     const Constitution constitution = engine_cases::constitution(c, MaterialLaw::neoHookean);
     const std::vector<Vec3> u = generalState(c);
     const Evaluated at = evaluate(c, constitution, u);
@@ -199,15 +220,8 @@ TEST_CASE("engine: a state that is not a number is reported however the others a
 }
 
 TEST_CASE("engine: forces have the same bits however the loops are divided") {
-  const ParallelFor backwards = [](std::size_t n, std::size_t,
-                                   const std::function<void(std::size_t, std::size_t)> &body) {
-    for (std::size_t end = n; end > 0;) {
-      const std::size_t begin = end > 7 ? end - 7 : 0;
-      body(begin, end);
-      end = begin;
-    }
-  };
-  for (const EngineCase &c : all()) {
+  const ParallelFor backwards = vector_cases::inPieces();
+  for (const EngineCase &c : allAndBodies()) {
     Constitution constitution = engine_cases::constitution(c, MaterialLaw::neoHookean);
     constitution.materials[0].viscosity = 2.0;
     const std::vector<Vec3> u = generalState(c), v = noise(c, 1.0, 4), du = noise(c, 1.0, 6);
@@ -226,4 +240,35 @@ TEST_CASE("engine: forces have the same bits however the loops are divided") {
     CHECK(largestFrequency(constitution, c.stencils, c.positions, c.masses, none, serialFor()) ==
           largestFrequency(constitution, c.stencils, c.positions, c.masses, none, backwards));
   }
+}
+
+TEST_CASE("viscous stress takes energy from a deformation and leaves a rotation alone") {
+  auto rest = shapes::restState(shapes::box(Vec3(0, 0, 0), Vec3(0.05, 0.05, 0.05)), 0.01);
+  Body body("test", rest, Constitution{{Material{.viscosity = 3.0}}}, serialFor());
+  shapes::Random random(9);
+  const auto power = [&] {
+    shapes::evaluate(body);
+    double p = 0.0;
+    for (std::size_t i = 0; i < rest->phyxelCount(); ++i) p += body.forces()[i].dot(body.state().velocities[i]);
+    return p;
+  };
+  for (Vec3 &v : body.state().velocities) v = random.vector();
+  CHECK(power() < 0.0);  // undeformed: only the viscous part works
+  const Vec3 spin(3, -2, 7);
+  for (std::size_t i = 0; i < rest->phyxelCount(); ++i) body.state().velocities[i] = spin.cross(rest->positions[i]);
+  shapes::evaluate(body);
+  CHECK(largest(body.forces()) < 1e-10 * 6000.0 * 1e-4);
+}
+
+TEST_CASE("the largest frequency is that of the stiffest mode and follows the root of E over density") {
+  auto rest = shapes::restState(shapes::box(Vec3(0, 0, 0), Vec3(0.06, 0.06, 0.06)), 0.01);
+  const Constitution softer{{Material{}}, kCloudStabilisation},
+      stiffer{{Material{.youngsModulus = 600000.0}}, kCloudStabilisation};
+  const Body soft("soft", rest, softer, serialFor()), stiff("stiff", rest, stiffer, serialFor());
+  CHECK_THAT(soft.stableStepAtRest() / stiff.stableStepAtRest(), WithinRel(10.0, 1e-6));
+  // Around the time a pressure wave needs for a spacing.
+  const Material &m = soft.material();
+  const double wave = std::sqrt((m.lambda() + 2.0 * m.mu()) / m.restDensity);
+  CHECK(soft.stableStepAtRest() > 0.5 * rest->spacing / wave);
+  CHECK(soft.stableStepAtRest() < 3.0 * rest->spacing / wave);
 }

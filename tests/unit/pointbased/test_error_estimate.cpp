@@ -13,19 +13,11 @@ using lattice_cases::rotation;
 namespace {
 
 std::shared_ptr<const RestState> latticeRest(const BodyShape &shape, const LatticeSampling &sampling) {
-  BodyRecipe recipe;
-  recipe.sampling = sampling;
-  auto rest = buildRestState(shape, recipe, {}, serialFor());
-  if (!rest) throw std::runtime_error(rest.error());
-  return *rest;
+  return shapes::restState(shape, {.sampling = sampling});
 }
 
 Material solid(double poissonRatio, MaterialLaw law = MaterialLaw::neoHookean) {
-  Material material;
-  material.law = law;
-  material.youngsModulus = 1e4;
-  material.poissonRatio = poissonRatio;
-  return material;
+  return Material{.law = law, .youngsModulus = 1e4, .poissonRatio = poissonRatio};
 }
 
 std::unique_ptr<Body> bodyOf(std::shared_ptr<const RestState> rest, std::vector<Material> materials) {
@@ -78,17 +70,14 @@ Vec3 wavy(const Vec3 &x) {
 }
 
 std::unique_ptr<Body> bentBeam(int layers, Evaluation evaluation) {
-  BodyRecipe recipe;
-  recipe.evaluation = evaluation;
-  recipe.sampling.spacing = 0.04 / layers;
+  BodyRecipe recipe{.evaluation = evaluation, .sampling = {.spacing = 0.04 / layers}};
   recipe.fixes.resize(1);
   recipe.fixes[0].region = HalfSpaceRegion{Vec3::Zero(), Vec3::UnitX()};
   recipe.loads.resize(1);
   recipe.loads[0].region = HalfSpaceRegion{Vec3(0.2, 0, 0), -Vec3::UnitX()};
   recipe.loads[0].force = Vec3(0, 0, -1.6e-3);
-  auto rest = buildRestState(lattice_cases::box(Vec3::Zero(), Vec3(0.2, 0.04, 0.04)), recipe, {}, serialFor());
-  REQUIRE(rest);
-  return bodyOf(*rest, {solid(0.3)});
+  const auto rest = shapes::restState(lattice_cases::box(Vec3::Zero(), Vec3(0.2, 0.04, 0.04)), recipe);
+  return bodyOf(rest, {solid(0.3)});
 }
 
 }  // namespace
@@ -272,10 +261,7 @@ TEST_CASE("the estimate of a bending beam is within a factor of two of its error
     INFO((known.evaluation == Evaluation::phyxels ? "phyxels, " : "stress points, ") << known.layers << " layers");
     auto owned = bentBeam(known.layers, known.evaluation);
     Simulator simulator;
-    WorldSettings world;
-    world.integrator = Integrator::quasiStatic;
-    world.loadSteps = 1;
-    simulator.setWorld(world);
+    simulator.setWorld({.integrator = Integrator::quasiStatic, .loadSteps = 1});
     const std::size_t id = simulator.addBody(std::move(owned));
     while (!simulator.finished()) REQUIRE(simulator.step());
     Body &body = *simulator.body(id);

@@ -14,25 +14,17 @@ using namespace pointbased;
 namespace {
 
 std::unique_ptr<Body> organ(double viscosity = 0.0) {
-  Material material;
-  material.viscosity = viscosity;
-  return std::make_unique<Body>("organ", shapes::restState(shapes::horseshoe(), 0.025),
-                                Constitution{{material}, kCloudStabilisation}, serialFor());
+  const Material material{.viscosity = viscosity};
+  return shapes::makeBody(shapes::restState(shapes::horseshoe(), 0.025), {material}, "organ");
 }
 
 /// A beam on a lattice, held at its left end.
 std::unique_ptr<Body> heldBeam() {
-  const Vec3 low = Vec3::Zero(), high(0.2, 0.04, 0.04);
-  BodyShape shape = shapes::box(low, high);
-  shape.surface = shapes::boxSurface(low, high, 4);
-  BodyRecipe recipe;
-  recipe.sampling.spacing = 0.02;
-  Fix fix;
-  fix.region = BoxRegion{Vec3(-1e-7, -1.0, -1.0), Vec3(1e-7, 1.0, 1.0)};
-  recipe.fixes.push_back(fix);
-  const auto rest = buildRestState(shape, recipe, {}, serialFor());
-  REQUIRE(rest);
-  return std::make_unique<Body>("beam", *rest, Constitution{{Material{}}, kLatticeStabilisation}, serialFor());
+  const BodyShape shape = shapes::box(Vec3::Zero(), Vec3(0.2, 0.04, 0.04), 4);
+  return shapes::makeBody(
+      shapes::restState(shape, {.sampling = {.spacing = 0.02},
+                                .fixes = {{.region = BoxRegion{Vec3(-1e-7, -1.0, -1.0), Vec3(1e-7, 1.0, 1.0)}}}}),
+      {Material{}}, "beam");
 }
 
 /// Different in every step and on every phyxel, up to 5 mN.
@@ -68,11 +60,7 @@ TEST_CASE("external forces change the momentum of a free body by their impulse, 
                         Case{Integrator::implicitSdirk, 0.01, 1e-9}, Case{Integrator::implicitMidpoint, 0.01, 1e-9}}) {
     INFO("integrator " << static_cast<int>(c.integrator) << ", dt " << c.dt);
     Simulator simulator;
-    WorldSettings world;
-    world.integrator = c.integrator;
-    world.dt = c.dt;
-    world.tolerance = 1e-12;
-    simulator.setWorld(world);
+    simulator.setWorld({.integrator = c.integrator, .dt = c.dt, .tolerance = 1e-12});
     const std::size_t id = simulator.addBody(organ());
     const Body &body = *simulator.body(id);
     Vec3 impulse = Vec3::Zero();
@@ -98,9 +86,7 @@ TEST_CASE("gravity as external forces is gravity: the same motion, and the same 
     Simulator own, outside;
     std::vector<Vec3> weight;
     for (Simulator *simulator : {&own, &outside}) {
-      WorldSettings world;
-      world.integrator = integrator;
-      world.tolerance = 1e-10;
+      WorldSettings world{.integrator = integrator, .tolerance = 1e-10};
       if (integrator != Integrator::quasiStatic) world.dt = 1e-3;
       if (simulator == &own) world.gravity = g;
       simulator->setWorld(world);
@@ -144,9 +130,7 @@ TEST_CASE("external forces that are nothing leave every bit alone, and end when 
 
 TEST_CASE("external forces wake a body that sleeps, and a reset takes them away", "[external]") {
   Simulator simulator;
-  WorldSettings world;
-  world.sleep = true;
-  simulator.setWorld(world);
+  simulator.setWorld({.sleep = true});
   const std::size_t id = simulator.addBody(organ(2.0));
   for (int step = 0; step < 5000 && !simulator.stepper().asleep(id); ++step) REQUIRE(simulator.step());
   REQUIRE(simulator.stepper().asleep(id));

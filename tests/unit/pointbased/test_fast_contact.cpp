@@ -23,9 +23,7 @@ TEST_CASE("a body at 30 to 300 m/s does not pass a plate of 4 mm, or has stopped
   const double speed = GENERATE(30.0, 60.0, 120.0, 300.0);
   CAPTURE(static_cast<int>(integrator), speed);
   Simulator simulator;
-  WorldSettings world;
-  world.integrator = integrator;
-  simulator.setWorld(world);
+  simulator.setWorld({.integrator = integrator});
   const std::size_t id =
       simulator.addBody(latticeBox(Vec3(-0.03, 0.0207, -0.03), Vec3(0.03, 0.0807, 0.03), 0.012, soft(5e4, 0.45, 20.0)));
   simulator.addObstacle(solidBox(Vec3(-0.5, -kPlate, -0.5), Vec3(0.5, 0, 0.5), 0.3));

@@ -14,20 +14,13 @@ constexpr MaterialLaw kLaws[] = {MaterialLaw::neoHookean, MaterialLaw::stVenantK
                                  MaterialLaw::linear};
 
 std::shared_ptr<const RestState> beam(std::vector<std::pair<Region, std::uint16_t>> materials = {}) {
-  BodyRecipe recipe;
-  recipe.sampling = lattice_cases::withSpacing(0.011);
+  BodyRecipe recipe{.sampling = lattice_cases::withSpacing(0.011)};
   recipe.sampling.materials = std::move(materials);
-  auto rest = buildRestState(lattice_cases::box(Vec3::Zero(), Vec3(0.1, 0.04, 0.04)), recipe, {}, serialFor());
-  if (!rest) throw std::runtime_error(rest.error());
-  return *rest;
+  return shapes::restState(lattice_cases::box(Vec3::Zero(), Vec3(0.1, 0.04, 0.04)), recipe);
 }
 
 Material of(double youngsModulus, MaterialLaw law = MaterialLaw::neoHookean) {
-  Material m;
-  m.law = law;
-  m.youngsModulus = youngsModulus;
-  m.poissonRatio = 0.3;
-  return m;
+  return Material{.law = law, .youngsModulus = youngsModulus, .poissonRatio = 0.3};
 }
 
 std::unique_ptr<Body> bodyOf(std::shared_ptr<const RestState> rest, std::vector<Material> materials) {

@@ -20,9 +20,8 @@ constexpr double kE = 1e4;  // Pa
 
 // A block of 40 × 20 × 40 mm that is fixed at its base.
 std::unique_ptr<Body> heldBlock() {
-  Fix ground;
-  ground.region = HalfSpaceRegion{Vec3::Zero(), Vec3::UnitY()};
-  return block(Vec3(-0.02, 0, -0.02), Vec3(0.02, 0.02, 0.02), 0.005, soft(kE, 0.3, 5.0), 16, {ground});
+  return block(Vec3(-0.02, 0, -0.02), Vec3(0.02, 0.02, 0.02), 0.005, soft(kE, 0.3, 5.0), 16,
+               {{.region = HalfSpaceRegion{Vec3::Zero(), Vec3::UnitY()}}});
 }
 
 Obstacle ballAt(const Vec3 &at, double radius = 0.008, const std::string &name = "finger") {
@@ -143,9 +142,7 @@ TEST_CASE("an instrument presses, is undone and done again, and goes with a rese
   REQUIRE(simulator.removeObstacle(finger));
   CHECK(simulator.archive().historyEpoch() == course);
   run(simulator, simulator.time() + 1.0);
-  double farthest = 0.0;
-  for (const Vec3 &u : simulator.body(id)->state().displacements) farthest = std::max(farthest, u.norm());
-  CHECK(farthest < 1e-5);
+  CHECK(largest(simulator.body(id)->state().displacements) < 1e-5);
 
   const std::size_t second = simulator.world().addInstrument(ballAt(Vec3(0, 0.5, 0)));
   simulator.reset();
@@ -156,11 +153,9 @@ TEST_CASE("an instrument presses, is undone and done again, and goes with a rese
 TEST_CASE("what friction holds on another obstacle does not slip when an instrument comes and goes elsewhere") {
   const auto resting = [](bool visited) {
     Simulator simulator;
-    WorldSettings world;
-    world.integrator = Integrator::implicitSdirk;
-    world.gravity = 9.81 * Vec3(std::sin(0.2), -std::cos(0.2), 0);
-    world.sleep = false;
-    simulator.setWorld(world);
+    simulator.setWorld({.gravity = 9.81 * Vec3(std::sin(0.2), -std::cos(0.2), 0),
+                        .integrator = Integrator::implicitSdirk,
+                        .sleep = false});
     const std::size_t id =
         simulator.addBody(block(Vec3(-0.02, 0, -0.02), Vec3(0.02, 0.02, 0.02), 0.01, soft(kE, 0.3, 5.0), 8));
     simulator.addObstacle(wall("table", 0.0));
@@ -185,17 +180,10 @@ TEST_CASE("what is attached to a guided obstacle follows it") {
   Simulator simulator;
   const std::size_t id =
       simulator.addBody(block(Vec3(-0.02, 0, -0.02), Vec3(0.02, 0.02, 0.02), 0.01, soft(kE, 0.3, 5.0), 8));
-  WorldSettings world;
-  world.damping = 5.0;
-  simulator.setWorld(world);
+  simulator.setWorld({.damping = 5.0});
   const std::size_t plate = simulator.addObstacle(wall("plate", -0.001));
-  Attachment attachment;
-  attachment.name = "glue";
-  attachment.first = id;
-  attachment.second = plate;
-  attachment.within = 0.002;
-  attachment.stiffness = attachment.tangential = 1e6;
-  REQUIRE(simulator.world().addAttachment(attachment));
+  REQUIRE(simulator.world().addAttachment(
+      {.name = "glue", .first = id, .second = plate, .within = 0.002, .stiffness = 1e6, .tangential = 1e6}));
   run(simulator, 0.02);
   simulator.world().guideObstacle(plate, shifted(Vec3(0.01, 0, 0)), 0.1);
   run(simulator, 1.5);
@@ -207,10 +195,7 @@ TEST_CASE("what is attached to a guided obstacle follows it") {
 
 TEST_CASE("contact pressure over the skin is the force that presses, on an obstacle and between bodies") {
   Simulator simulator;
-  WorldSettings world;
-  world.gravity = Vec3(0, -9.81, 0);
-  world.damping = 5.0;
-  simulator.setWorld(world);
+  simulator.setWorld({.gravity = Vec3(0, -9.81, 0), .damping = 5.0});
   const Material tissue = soft(5e4, 0.0, 20.0);
   const std::size_t below = simulator.addBody(block(Vec3(-0.02, 0, -0.02), Vec3(0.02, 0.02, 0.02), 0.01, tissue, 8));
   const std::size_t above =

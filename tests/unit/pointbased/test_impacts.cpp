@@ -29,9 +29,7 @@ struct Impact {
 Impact impactOfCube(int cells, double restitution, double poissonRatio, double speed) {
   constexpr double kEdge = 0.1;
   Simulator simulator;
-  WorldSettings world;
-  world.integrator = Integrator::explicitVerlet;
-  simulator.setWorld(world);
+  simulator.setWorld({.integrator = Integrator::explicitVerlet});
   Material material = rubber(1e5);
   material.poissonRatio = poissonRatio;
   auto cube = latticeBox(Vec3(0.0, 0.001, 0.0), Vec3(kEdge, 0.001 + kEdge, kEdge), kEdge / cells, material, cells);
@@ -62,12 +60,8 @@ TEST_CASE("a point leaves with its restitution times the speed with which it cam
   for (const double restitution : {0.3, 0.8, 1.0}) {
     INFO("restitution " << restitution);
     Simulator simulator;
-    WorldSettings world;
-    world.gravity = Vec3(0.0, -9.81, 0.0);
-    world.integrator = Integrator::explicitVerlet;
-    world.dt = 1e-4;
-    world.sleep = false;
-    simulator.setWorld(world);
+    simulator.setWorld(
+        {.gravity = Vec3(0.0, -9.81, 0.0), .integrator = Integrator::explicitVerlet, .dt = 1e-4, .sleep = false});
     const std::size_t id = simulator.addBody(std::make_unique<Body>(
         "point", restState(std::vector<Vec3>{Vec3(0.0, 0.1, 0.0)}, 0.01), Constitution{}, serialFor()));
     simulator.addObstacle(ground(restitution));
@@ -113,16 +107,11 @@ TEST_CASE(
 TEST_CASE("restitution that implicit steps do not know is told of at the start, once") {
   for (const Integrator integrator : {Integrator::explicitVerlet, Integrator::implicitSdirk}) {
     Simulator simulator;
-    WorldSettings world;
-    world.integrator = integrator;
-    simulator.setWorld(world);
+    simulator.setWorld({.integrator = integrator});
     simulator.addBody(latticeBox(Vec3(0, 0.1, 0), Vec3(0.1, 0.2, 0.1), 0.05, rubber(1e5), 2));
     simulator.addObstacle(ground(0.5));
     for (int k = 0; k < 3; ++k) REQUIRE(simulator.step());
-    const auto told = std::count_if(
-        simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(), [](const SimulationEvent &e) {
-          return e.kind == "warning" && Contains("restitution counts in explicit steps alone").match(e.text);
-        });
+    const auto told = shapes::countEvents(simulator, "warning", "restitution counts in explicit steps alone");
     CHECK(told == (integrator == Integrator::explicitVerlet ? 0 : 1));
   }
 }

@@ -19,11 +19,7 @@ using Catch::Matchers::WithinRel;
 namespace {
 
 void integrate(Simulator &simulator, Integrator integrator, const Vec3 &gravity = Vec3::Zero(), double damping = 0.0) {
-  WorldSettings world;
-  world.integrator = integrator;
-  world.gravity = gravity;
-  world.damping = damping;
-  simulator.setWorld(world);
+  simulator.setWorld({.gravity = gravity, .integrator = integrator, .damping = damping});
 }
 
 void run(Simulator &simulator, double time) {
@@ -48,10 +44,9 @@ TEST_CASE(
   simulator.addObstacle(shapes::halfSpace(Vec3(0, 0, 0), Vec3(0, 1, 0), 0.5));
   const std::size_t lower =
       simulator.addBody(block(Vec3(-0.03, 0.0, -0.03), Vec3(0.03, 0.06, 0.03), 0.01, soft(1e4, 0.0), 6));
-  Load load;
-  load.region = HalfSpaceRegion{Vec3(0, 0.1199 + apart, 0), Vec3(0, -1, 0)};
-  load.force = Vec3(0, -0.36, 0);  // 100 Pa: 1 % of the softer one's modulus
-  load.ramp = 0.2;
+  const Load load{.region = HalfSpaceRegion{Vec3(0, 0.1199 + apart, 0), Vec3(0, -1, 0)},
+                  .force = Vec3(0, -0.36, 0),  // 100 Pa: 1 % of the softer one's modulus
+                  .ramp = 0.2};
   const std::size_t upper = simulator.addBody(
       block(Vec3(-0.03, 0.06 + apart, -0.03), Vec3(0.03, 0.12 + apart, 0.03), 0.0075, soft(4e4, 0.0), 8, {}, {load}));
   run(simulator, 1.0);
@@ -83,21 +78,9 @@ TEST_CASE("a stack of blocks presses with what lies on it, whatever integrates i
   Simulator simulator;
   integrate(simulator, integrator, Vec3(0, -9.81, 0), 5.0);
   simulator.world().setContact({true, false, 0.3});
-  simulator.addObstacle(shapes::halfSpace(Vec3(0, 0, 0), Vec3(0, 1, 0), 0.5));
-  std::vector<std::size_t> ids;
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 low(0.002 * (k % 2), 0.0001 + k * 0.0501, 0.0);
-    ids.push_back(simulator.addBody(block(low, low + Vec3::Constant(0.05), 0.0125, soft(3e5, 0.3), 6)));
-  }
+  const std::vector<std::size_t> ids = addStack(simulator, 3);
   run(simulator, 1.5);
-  const double weight = 9.81 * simulator.body(ids[0])->totalMass();
-  const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
-  for (std::size_t k = 1; k < ids.size(); ++k) {
-    const ContactSummary *found = between(contacts, ids[k - 1], ids[k]);
-    REQUIRE(found);
-    CHECK_THAT(found->pressing, WithinRel(weight * static_cast<double>(ids.size() - k), 0.02));
-    CHECK(shapes::crossings(simulator, ids[k - 1], ids[k]) == 0);
-  }
+  checkWeights(simulator, ids);
 }
 
 TEST_CASE("two balls that collide in implicit steps keep their momentum, gain no energy and do not cross") {
@@ -106,31 +89,13 @@ TEST_CASE("two balls that collide in implicit steps keep their momentum, gain no
   CAPTURE(static_cast<int>(integrator));
   Simulator simulator;
   integrate(simulator, integrator);
-  simulator.world().setContact({true, false, 0.0});
-  const Material material = soft(1e4, 0.3);
-  const std::size_t a = simulator.addBody(ball(Vec3(-0.051, 0, 0), 0.05, 0.0125, material, 32));
-  const std::size_t b = simulator.addBody(ball(Vec3(0.051, 0.01, 0), 0.05, 0.0125, material, 32));
-  setVelocity(simulator, a, Vec3(0.2, 0, 0));
-  setVelocity(simulator, b, Vec3(-0.2, 0, 0));
-  const Total before = totalOf(simulator);
-  const double scale = simulator.body(a)->totalMass() * 0.2;
-  double most = 0.0, moved = 0.0, turned = 0.0;
-  std::size_t crossed = 0;
-  bool touched = false;
-  while (simulator.time() < 0.4) {
-    REQUIRE(simulator.step());
-    const Total now = totalOf(simulator);
-    most = std::max(most, now.energy);
-    moved = std::max(moved, (now.momentum - before.momentum).norm() / scale);
-    turned = std::max(turned, (now.angular - before.angular).norm() / before.angular.norm());
-    touched = touched || !simulator.diagnostics().contacts().empty();
-    crossed += shapes::crossings(simulator, a, b);
-  }
-  CAPTURE(most / before.energy, moved, turned, shapes::meanVelocity(*simulator.body(a))[0]);
-  CHECK(touched);
-  CHECK(most < 1.001 * before.energy);
-  CHECK(moved < 1e-6);
-  CHECK(crossed == 0);
+  const auto [a, b] = addCollidingBalls(simulator);
+  const Collision seen = collide(simulator, a, b, 0.4);
+  CAPTURE(seen.energy, seen.momentumError, seen.angularError, shapes::meanVelocity(*simulator.body(a))[0]);
+  CHECK(seen.touched);
+  CHECK(seen.energy < 1.001);
+  CHECK(seen.momentumError < 1e-6);
+  CHECK(seen.crossings == 0);
   CHECK(shapes::meanVelocity(*simulator.body(a))[0] < 0.0);
 }
 
@@ -142,13 +107,7 @@ TEST_CASE("a block on an inclined block sticks below the angle of friction and s
     const double angle = degrees * std::numbers::pi / 180.0;
     Simulator simulator;
     integrate(simulator, integrator, 9.81 * Vec3(std::sin(angle), -std::cos(angle), 0.0));
-    simulator.world().setContact({true, false, friction});
-    Fix floor;
-    floor.region = HalfSpaceRegion{Vec3(0, -0.039, 0), Vec3(0, 1, 0)};
-    const Material material = soft(1e6, 0.3, 300.0);
-    simulator.addBody(block(Vec3(-0.1, -0.04, -0.04), Vec3(0.2, 0, 0.04), 0.02, material, 12, {floor}));
-    const std::size_t id =
-        simulator.addBody(block(Vec3(-0.06, 0.0004, -0.03), Vec3(0, 0.0304, 0.03), 0.015, material, 6));
+    const std::size_t id = addBlockOnBlock(simulator, friction, {0.02, 0.015}, 0.0004);
     run(simulator, 0.1);
     const double first = shapes::meanVelocity(*simulator.body(id))[0], begun = simulator.time();
     run(simulator, 0.3);
@@ -178,8 +137,7 @@ TEST_CASE("whatever two blocks are made of, one lies on the other in equilibrium
   Simulator simulator;
   integrate(simulator, integrator, Vec3(0, -9.81, 0), 10.0);
   simulator.world().setContact({true, false, c.friction});
-  Fix floor;
-  floor.region = HalfSpaceRegion{Vec3(0, 0, 0), Vec3(0, 1, 0)};
+  const Fix floor{.region = HalfSpaceRegion{Vec3(0, 0, 0), Vec3(0, 1, 0)}};
   Material lower = soft(c.lowerModulus, c.poisson), upper = soft(c.upperModulus, c.poisson);
   lower.restDensity = c.lowerDensity;
   upper.restDensity = c.upperDensity;
@@ -203,8 +161,7 @@ TEST_CASE("bodies that touch are integrated together by what costs less for all 
   Simulator simulator;
   integrate(simulator, Integrator::automatic, Vec3(0, -9.81, 0));
   const Material material = soft(stiff ? 1e9 : 5e6, 0.3);
-  Fix ground;
-  ground.region = HalfSpaceRegion{Vec3::Zero(), Vec3::UnitY()};
+  const Fix ground{.region = HalfSpaceRegion{Vec3::Zero(), Vec3::UnitY()}};
   const std::size_t lower =
       simulator.addBody(block(Vec3(-0.02, 0, -0.02), Vec3(0.02, 0.04, 0.02), 0.01, material, 6, {ground}));
   const std::size_t upper =
@@ -225,10 +182,7 @@ TEST_CASE("bodies that touch are integrated together by what costs less for all 
   CHECK(most - begin < 1e-2 * 9.81 * simulator.body(upper)->totalMass() * 0.005);
   CHECK(simulator.stepper().integratorOf(lower) == (stiff ? Integrator::implicitSdirk : Integrator::explicitVerlet));
   CHECK(simulator.stepper().integratorOf(upper) == simulator.stepper().integratorOf(lower));
-  const auto told = std::count_if(
-      simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(), [](const SimulationEvent &e) {
-        return e.kind == "chosen" && e.text.find("take explicit steps together") != std::string::npos;
-      });
+  const auto told = shapes::countEvents(simulator, "chosen", "take explicit steps together");
   CHECK(told == (stiff ? 0 : 1));
   CHECK_THAT(simulator.diagnostics().contacts().front().pressing,
              WithinRel(9.81 * simulator.body(upper)->totalMass(), 0.5));

@@ -335,8 +335,7 @@ TEST_CASE("a body far from the origin is sampled as one at the origin") {
 
 TEST_CASE("a wanted number of phyxels is met within five per cent") {
   for (const std::size_t count : {498u, 2844u, 10000u}) {
-    LatticeSampling sampling;
-    sampling.count = count;
+    const LatticeSampling sampling{.count = count};
     CHECK_THAT(static_cast<double>(filled(ball(Vec3::Zero(), 0.05), sampling).positions.size()),
                WithinRel(static_cast<double>(count), 0.05));
   }

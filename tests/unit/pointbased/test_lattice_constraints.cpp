@@ -172,11 +172,8 @@ TEST_CASE("the largest stable step of a body is about its spacing over the speed
   // The position of these borders is arbitrary relative to the cells: some leave slivers of a hundredth of a cell to
   // deform. Those made steps of 0.03 to 0.6 of the spacing over the speed of sound as long as only free material had a
   // mass there. Free boxes and balls have 0.73 to 0.82.
-  Material material;
-  material.youngsModulus = 6e3;
-  material.poissonRatio = 0.45;
-  Constitution constitution;
-  constitution.materials = {material};
+  const Material material{.youngsModulus = 6e3, .poissonRatio = 0.45};
+  const Constitution constitution{.materials = {material}};
   const double speed = std::sqrt(material.waveModulus() / material.restDensity);
   const Vec3 slanted = Vec3(-1.0, 0.5, 0.3).normalized();
   const BodyShape bodies[] = {beam(), ball(Vec3(0.1, 0.0, 0.0), 0.05)};
@@ -184,24 +181,21 @@ TEST_CASE("the largest stable step of a body is about its spacing over the speed
     for (const double turn : {0.0, 20.0})
       for (const double x : {0.0625, 0.07, 0.0777}) {
         INFO("turned by " << turn << " degrees, held from " << x << " m on");
-        BodyRecipe recipe;
-        recipe.sampling = withSpacing(0.01);
+        BodyRecipe recipe{.sampling = withSpacing(0.01)};
         recipe.sampling.axes = rotation(0, turn) * rotation(1, turn);
         for (const Vec3 &normal : {Vec3(Vec3::UnitX()), slanted}) {
-          Fix fix;
-          fix.region = HalfSpaceRegion{Vec3(x, 0, 0), normal};
+          const Fix fix{.region = HalfSpaceRegion{Vec3(x, 0, 0), normal}};
           recipe.fixes = {fix};
-          const auto rest = buildRestState(shape, recipe, {}, serialFor());
-          REQUIRE(rest);
-          const Body body("held", *rest, constitution, serialFor());
+          const auto rest = shapes::restState(shape, recipe);
+          const Body body("held", rest, constitution, serialFor());
           CHECK(body.stableStepAtRest() * speed / 0.01 > 0.6);
           // All of the mass moves or is carried, and little more moves than the free part.
           double moving = 0.0, carried = 0.0, loose = 0.0;
-          for (std::size_t i = 0; i < (*rest)->phyxelCount(); ++i) {
+          for (std::size_t i = 0; i < rest->phyxelCount(); ++i) {
             carried += body.supportMasses()[i];
             moving += body.masses()[i];
             if (body.inverseMasses()[i] > 0.0)
-              loose += body.masses()[i] - material.restDensity * ((*rest)->weightVolumes[i] - (*rest)->heldVolumes[i]);
+              loose += body.masses()[i] - material.restDensity * (rest->weightVolumes[i] - rest->heldVolumes[i]);
           }
           CHECK_THAT(moving + carried, WithinRel(material.restDensity * shape.volume, 1e-12));
           CHECK(std::abs(loose) < 0.03 * moving);

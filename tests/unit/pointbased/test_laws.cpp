@@ -222,6 +222,13 @@ TEST_CASE("small strains: all laws are Hooke's") {
       CHECK((cauchyStress(material, F) - expected).norm() < 1e-5 * expected.norm());
     }
   }
+  // Young's modulus, not four times it as in the formulas of the 2004 paper and the thesis.
+  const double e = 1e-6;
+  for (const MaterialLaw law : kLaws) {
+    const Mat3 P = firstPiolaStress(lawOf(law, 5000.0, 0.3), Vec3(1.0 + e, 1.0 - 0.3 * e, 1.0 - 0.3 * e).asDiagonal());
+    CHECK_THAT(P(0, 0) / e, WithinRel(5000.0, 1e-4));  // second order in e and in the lateral contraction
+    CHECK(std::abs(P(1, 1)) < 1e-4 * P(0, 0));
+  }
 }
 
 TEST_CASE("uniaxial stretch with free sides gives the tabulated stresses") {
@@ -398,13 +405,63 @@ TEST_CASE("the tangent ratio is never below the stiffness it stands for, and one
           if (!(F.determinant() < 0.0)) CHECK(ratio <= 2.2 * std::max(1.0, truth));
         }
       }
+  CHECK(tangentRatio(lawOf(MaterialLaw::neoHookean, 5000.0, 0.45), Vec3(0.4, 1, 1).asDiagonal().toDenseMatrix()) > 3.0);
+  // d(stretch stress)/d(stretch) of StVK at stretch 2 is (3 * 4 - 1) / 2 = 5.5 times that at rest.
+  CHECK(tangentRatio(lawOf(MaterialLaw::stVenantKirchhoff, 5000.0, 0.0), Vec3(2, 1, 1).asDiagonal().toDenseMatrix()) >=
+        5.5);
+}
+
+TEST_CASE("the neo-Hookean law of a negative Poisson's ratio has the moduli it says and resists any compression") {
+  for (const double poisson : {-0.3, -0.9, -0.99}) {
+    CAPTURE(poisson);
+    const Material material{MaterialLaw::neoHookean, 5000.0, poisson, 1000.0, 0.0};
+    // Small strain: lambda and mu, by a stretch along one axis and by one along all.
+    const double e = 1e-6;
+    const Mat3 along = Vec3(1.0 + e, 1, 1).asDiagonal(), all = (1.0 + e) * Mat3::Identity();
+    CHECK_THAT(firstPiolaStress(material, along)(0, 0) / e, WithinRel(material.waveModulus(), 1e-4));
+    CHECK_THAT(firstPiolaStress(material, along)(1, 1) / e, WithinRel(material.lambda(), 1e-4));
+    CHECK_THAT(firstPiolaStress(material, all)(0, 0) / e, WithinRel(3.0 * material.bulkModulus(), 1e-3));
+    // With lambda/2 (ln J)² the pressure of a ball at nu = -0.9 would be largest at 4 % and negative from 8 % on.
+    double before = 0.0;
+    for (const double s : {0.99, 0.95, 0.9, 0.8, 0.7, 0.65, 0.5, 0.2, 0.05}) {
+      const double pressure = -cauchyStress(material, s * Mat3::Identity())(0, 0);
+      CHECK(pressure > before);
+      before = pressure;
+    }
+    // The stress and the tangent are derivatives.
+    shapes::Random random(4);
+    for (int sample = 0; sample < 40; ++sample) {
+      const Mat3 F = Mat3::Identity() + (sample % 2 ? 0.4 : 1.5) * any(random);
+      if (std::abs(F.determinant() - kNeoHookeanSwitch) < 1e-3) continue;
+      const Mat3 dF = Mat3::Identity() + any(random), P = firstPiolaStress(material, F);
+      const double h = 1e-5;
+      const double slope = (energyDensity(material, F + h * dF) - energyDensity(material, F - h * dF)) / (2.0 * h);
+      CHECK_THAT(P.cwiseProduct(dF).sum(), WithinAbs(slope, 1e-5 * (P.norm() + material.youngsModulus)));
+    }
+  }
+  // Identical to the other law at nu = 0.
+  const Mat3 F = Vec3(0.7, 1.2, 0.9).asDiagonal();
+  const Material zero{MaterialLaw::neoHookean, 5000.0, 0.0, 1000.0, 0.0},
+      below{MaterialLaw::neoHookean, 5000.0, -1e-9, 1000.0, 0.0};
+  CHECK((firstPiolaStress(zero, F) - firstPiolaStress(below, F)).norm() < 1e-5);
+}
+
+TEST_CASE("the neo-Hookean law resists collapse and pushes an inverted point back") {
+  const Material material{MaterialLaw::neoHookean, 5000.0, 0.45, 1000.0, 0.0};
+  double before = 0.0;
+  for (const double s : {0.8, 0.4, 0.1, 0.0, -0.5}) {
+    const Mat3 F = Vec3(s, 1, 1).asDiagonal();
+    const double stress = firstPiolaStress(material, F)(0, 0);
+    CHECK(std::isfinite(energyDensity(material, F)));
+    CHECK(stress < before);
+    before = stress;
+  }
 }
 
 TEST_CASE("a material is refused with the name, the value and what is accepted of every wrong quantity") {
-  Material m;
-  m.volumeStiffness = -3.0;
-  m.prony = {PronyTerm{0.7, 1.0}, PronyTerm{0.4, 0.0}};
-  m.plastic = {-0.1, 1.5, 0.0, std::nan("")};
+  Material m{.volumeStiffness = -3.0,
+             .prony = {PronyTerm{0.7, 1.0}, PronyTerm{0.4, 0.0}},
+             .plastic = {-0.1, 1.5, 0.0, std::nan("")}};
   const auto bad = validate(m);
   REQUIRE_FALSE(bad);
   for (const char *text :
@@ -421,4 +478,10 @@ TEST_CASE("a material is refused with the name, the value and what is accepted o
   m.prony = {PronyTerm{0.3, 1.0}, PronyTerm{0.0, 0.0}};
   m.plastic = {0.0, 1.0, 0.1, 0.0};
   CHECK(validate(m));
+  const auto outside = validate(Material{MaterialLaw::neoHookean, -1.0, 0.5, 0.0, -2.0});
+  REQUIRE_FALSE(outside);
+  CHECK_THAT(outside.error(),
+             Contains("Young's modulus") && Contains("-1 < nu < 0.5") && Contains("density") && Contains("viscosity"));
+  CHECK_FALSE(validate(Material{MaterialLaw::neoHookean, std::nan(""), 0.3, 1000.0, 0.0}));
+  CHECK(validate(Material{}));
 }

@@ -240,10 +240,7 @@ double difference(const std::vector<Vec3> &a, const std::vector<Vec3> &b) {
 }
 
 NewtonSettings with(Preconditioner preconditioner, double tolerance = 1e-9) {
-  NewtonSettings settings;
-  settings.toleranceDisplacement = tolerance;
-  settings.preconditioner = preconditioner;
-  return settings;
+  return NewtonSettings{.toleranceDisplacement = tolerance, .preconditioner = preconditioner};
 }
 
 constexpr Preconditioner kAll[] = {Preconditioner::automatic, Preconditioner::blockJacobi, Preconditioner::incomplete,

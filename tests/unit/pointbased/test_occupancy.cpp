@@ -212,12 +212,9 @@ TEST_CASE("a gap of one voxel separates, at spacings ten times as wide too") {
       CHECK(filled(blobs(0.0).shape(), withSpacing(spacing)).components == 1);
     }
     // Clouds: no pair acts across the gap.
-    BodyRecipe recipe;
-    recipe.evaluation = Evaluation::phyxels;
-    recipe.sampling.spacing = 0.004;
-    const auto rest = buildRestState(blobs(0.001).shape(), recipe, {}, serialFor());
-    REQUIRE(rest);
-    CHECK((*rest)->components == 2);
+    const auto rest =
+        shapes::restState(blobs(0.001).shape(), {.evaluation = Evaluation::phyxels, .sampling = {.spacing = 0.004}});
+    CHECK(rest->components == 2);
   }
 }
 
@@ -274,25 +271,18 @@ TEST_CASE("a cantilever of voxels bends, and sags by its weight, as the one in a
   }
 
   const auto sag = [&](const BodyShape &shape, Evaluation evaluation) {
-    BodyRecipe recipe;
-    recipe.evaluation = evaluation;
-    recipe.sampling.spacing = 0.011;
+    BodyRecipe recipe{.evaluation = evaluation, .sampling = {.spacing = 0.011}};
     recipe.fixes.push_back(
         {HalfSpaceRegion{Vec3(0.007, 0, 0), Vec3::UnitX()}, Vec3::Zero(), Vec3::Zero(), std::nullopt, 0.0});
     auto rest =
         buildRestState(shape, recipe, std::vector<Vec3>(shape.surface.positions.size(), Vec3::UnitX()), serialFor());
     if (!rest) throw std::runtime_error(rest.error());
-    Constitution constitution;
-    constitution.materials = {Material{}};
+    Constitution constitution{.materials = {Material{}}};
     constitution.materials[0].youngsModulus = 1e6;
     constitution.materials[0].restDensity = 1000.0;
     constitution.stabilisation = evaluation == Evaluation::phyxels ? kCloudStabilisation : kLatticeStabilisation;
     Simulator simulator;
-    WorldSettings world;
-    world.integrator = Integrator::quasiStatic;
-    world.loadSteps = 1;
-    world.gravity = Vec3(0, 0, -9.81);
-    simulator.setWorld(world);
+    simulator.setWorld({.gravity = Vec3(0, 0, -9.81), .integrator = Integrator::quasiStatic, .loadSteps = 1});
     const std::size_t id = simulator.addBody(std::make_unique<Body>("beam", *rest, constitution, serialFor()));
     simulator.world().addProbe("end", id, Vec3(0.2, 0, 0));
     while (!simulator.finished())
@@ -328,8 +318,7 @@ TEST_CASE("clouds share the voxels' volume, parts of voxels in part") {
 TEST_CASE("the same lattice comes from any number of threads") {
   const Voxels v = voxels({60, 50, 40}, Vec3::Zero(), oblique(Vec3(0.002, 0.002, 0.003)),
                           [](const Vec3 &x) { return x.norm() < 0.045 && x.head<2>().norm() > 0.01 ? 1.0 : 0.0; });
-  LatticeSampling sampling;
-  sampling.count = 500;
+  const LatticeSampling sampling{.count = 500};
   const LatticeBody alone = filled(v.shape(), sampling);
   const auto shape = shapeOf(v.view(), {}, threadedFor(3));
   REQUIRE(shape);

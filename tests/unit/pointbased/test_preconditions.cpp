@@ -97,8 +97,7 @@ TEST_CASE("Springs of patches and of the surroundings take fields of their phyxe
   CHECK_THAT(brokenBy([&] { patches.correct(0.0, std::vector<Vec3>(1), u, v); }), Contains("correct: a step"));
 
   const auto body = cube();
-  Foundation foundation;
-  foundation.stiffness = 1e4;
+  const Foundation foundation{.stiffness = 1e4};
   REQUIRE(body->setFoundation(foundation));
   REQUIRE(body->foundation().acts());
   CHECK_THAT(brokenBy([&] { (void)body->foundation().energy(u); }), Contains("energy: one displacement per phyxel"));
@@ -141,9 +140,7 @@ TEST_CASE("A hand holds phyxels that there are") {
   Simulator simulator;
   const std::size_t id = simulator.addBody(cube());
   const auto count = static_cast<Index>(simulator.body(id)->rest().phyxelCount());
-  Grab grab;
-  grab.phyxels = {0, count};
-  grab.weights = {0.5, 0.5};
+  Grab grab{.phyxels = {0, count}, .weights = {0.5, 0.5}};
   CHECK_THAT(brokenBy([&] { simulator.stepper().setGrab(id, grab); }),
              Contains("setGrab: grabs phyxels that there are"));
   grab.phyxels = {0, count - 1};

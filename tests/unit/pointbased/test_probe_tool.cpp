@@ -36,24 +36,14 @@ SurfacePoint closestOf(const Obstacle &obstacle, const Vec3 &x) {
 // A block that is fixed to the ground.
 std::unique_ptr<Body> fixedBlock(const Vec3 &half, double height, LatticeSampling sampling, double viscosity = 0.0,
                                  int squares = 8) {
-  BodyShape shape = box(Vec3(-half[0], 0, -half[2]), Vec3(half[0], height, half[2]));
-  shape.surface = boxSurface(Vec3(-half[0], 0, -half[2]), Vec3(half[0], height, half[2]), squares);
-  BodyRecipe recipe;
-  recipe.sampling = std::move(sampling);
-  Fix ground;
-  ground.region = HalfSpaceRegion{Vec3::Zero(), Vec3::UnitY()};
-  recipe.fixes.push_back(ground);
-  const auto rest = buildRestState(shape, recipe, {}, serialFor());
-  if (!rest) throw std::runtime_error(rest.error());
-  return std::make_unique<Body>("block", *rest, Constitution{{rubber(kE, viscosity)}, kLatticeStabilisation},
-                                serialFor());
+  const BodyShape shape = box(Vec3(-half[0], 0, -half[2]), Vec3(half[0], height, half[2]), squares);
+  return shapes::makeBody(
+      shapes::restState(shape, {.sampling = std::move(sampling),
+                                .fixes = {{.region = HalfSpaceRegion{Vec3::Zero(), Vec3::UnitY()}}}}),
+      {rubber(kE, viscosity)});
 }
 
-LatticeSampling cellsOf(double spacing) {
-  LatticeSampling sampling;
-  sampling.spacing = spacing;
-  return sampling;
-}
+LatticeSampling cellsOf(double spacing) { return LatticeSampling{.spacing = spacing}; }
 
 // N, on a tool.
 struct Touch {
@@ -172,10 +162,7 @@ TEST_CASE("Hertz: the force on a sphere that is pressed into a block") {
   LatticeSampling sampling = cellsOf(0.005);
   sampling.refinements.push_back({SphereRegion{Vec3(0, height, 0), 0.008}, 0.00125});
   Simulator simulator;
-  WorldSettings world;
-  world.integrator = Integrator::quasiStatic;
-  world.loadSteps = 2;
-  simulator.setWorld(world);
+  simulator.setWorld({.integrator = Integrator::quasiStatic, .loadSteps = 2});
   const std::size_t id = simulator.addBody(fixedBlock(Vec3::Constant(half), height, sampling));
   ProbeTool tool = sphere(R, Vec3(0, height + R, 0), Vec3(0, height + R - depth, 0));
   tool.friction = 0.0;
@@ -212,12 +199,10 @@ TEST_CASE(
     CAPTURE(static_cast<int>(integrator));
     const bool isStatic = integrator == Integrator::quasiStatic;
     Simulator simulator;
-    WorldSettings world;
-    world.integrator = integrator;
-    world.dt = integrator == Integrator::explicitVerlet || isStatic ? 0.0 : 0.005;
-    world.damping = isStatic ? 0.0 : 20.0;
-    world.loadSteps = 20;
-    simulator.setWorld(world);
+    simulator.setWorld({.integrator = integrator,
+                        .dt = integrator == Integrator::explicitVerlet || isStatic ? 0.0 : 0.005,
+                        .damping = isStatic ? 0.0 : 20.0,
+                        .loadSteps = 20});
     const std::size_t id =
         simulator.addBody(fixedBlock(Vec3::Constant(0.03), 0.03, cellsOf(0.006), isStatic ? 0.0 : 20.0));
     ProbeTool tool = sphere(0.02, from, to, isStatic ? 1.0 : 0.4);
@@ -248,10 +233,7 @@ TEST_CASE("a capsule that turns sweeps a body aside, and what it gives the body 
   const Integrator integrator = GENERATE(Integrator::explicitVerlet, Integrator::implicitSdirk);
   CAPTURE(static_cast<int>(integrator));
   Simulator simulator;
-  WorldSettings world;
-  world.integrator = integrator;
-  world.dt = integrator == Integrator::explicitVerlet ? 0.0 : 1.0 / 240.0;
-  simulator.setWorld(world);
+  simulator.setWorld({.integrator = integrator, .dt = integrator == Integrator::explicitVerlet ? 0.0 : 1.0 / 240.0});
   const std::size_t id =
       simulator.addBody(latticeBox(Vec3(0.03, 0.005, -0.02), Vec3(0.07, 0.045, 0.02), 0.01, rubber(kE, 10.0)));
   // From 9 degrees below the block to 45 degrees, about its centre.

@@ -16,14 +16,10 @@ constexpr PronyTerm kTerm{0.6, 0.5};
 
 // A bar of two cells across, one end rotated against the other.
 std::unique_ptr<Body> twistedBar(const Material &material) {
-  const Vec3 low(0, -kWidth / 2, -kWidth / 2), high(kLength, kWidth / 2, kWidth / 2);
-  BodyShape shape = shapes::box(low, high);
-  shape.surface = shapes::boxSurface(low, high, 4);
-  BodyRecipe recipe;
-  recipe.sampling.spacing = kWidth / 2;
+  const BodyShape shape = shapes::box(Vec3(0, -kWidth / 2, -kWidth / 2), Vec3(kLength, kWidth / 2, kWidth / 2), 4);
+  BodyRecipe recipe{.sampling = {.spacing = kWidth / 2}};
   for (const double x : {0.0, kLength}) {
-    Fix fix;
-    fix.region = BoxRegion{Vec3(x - 1e-7, -1, -1), Vec3(x + 1e-7, 1, 1)};
+    Fix fix{.region = BoxRegion{Vec3(x - 1e-7, -1, -1), Vec3(x + 1e-7, 1, 1)}};
     if (x > 0.0) {
       fix.rotation_deg = Vec3(3, 0, 0);
       fix.centre = Vec3(x, 0, 0);
@@ -31,18 +27,10 @@ std::unique_ptr<Body> twistedBar(const Material &material) {
     }
     recipe.fixes.push_back(fix);
   }
-  const auto rest = buildRestState(shape, recipe, {}, serialFor());
-  REQUIRE(rest);
-  return std::make_unique<Body>("bar", *rest, Constitution{{material}, kLatticeStabilisation}, serialFor());
+  return shapes::makeBody(shapes::restState(shape, recipe), {material});
 }
 
-Material rubber() {
-  Material m;
-  m.law = MaterialLaw::stVenantKirchhoff;
-  m.youngsModulus = 1e4;
-  m.poissonRatio = 0.3;
-  return m;
-}
+Material rubber() { return Material{.law = MaterialLaw::stVenantKirchhoff, .youngsModulus = 1e4, .poissonRatio = 0.3}; }
 
 double torqueAt(Simulator &simulator, std::size_t id, double time) {
   while (simulator.time() < time - 1e-9) REQUIRE(simulator.step());
@@ -50,11 +38,7 @@ double torqueAt(Simulator &simulator, std::size_t id, double time) {
 }
 
 WorldSettings stepping(Integrator integrator, double dt) {
-  WorldSettings world;
-  world.integrator = integrator;
-  world.dt = dt;
-  world.damping = 30.0;
-  return world;
+  return WorldSettings{.integrator = integrator, .dt = dt, .damping = 30.0};
 }
 
 }  // namespace

@@ -27,14 +27,10 @@ std::unique_ptr<Body> filledBody(const BodyShape &shape, const Surface &surface,
                                  const std::vector<Load> &loads = {}) {
   BodyShape whole = shape;
   whole.surface = surface;
-  BodyRecipe recipe;
-  recipe.evaluation = Evaluation::phyxels;
-  recipe.sampling.spacing = spacing;
-  recipe.fixes = fixes;
-  recipe.loads = loads;
-  const auto rest = buildRestState(whole, recipe, {}, serialFor());
-  if (!rest) throw std::runtime_error(rest.error());
-  return std::make_unique<Body>("clay", *rest, Constitution{{material}, kCloudStabilisation}, serialFor());
+  return shapes::makeBody(
+      shapes::restState(
+          whole, {.evaluation = Evaluation::phyxels, .sampling = {.spacing = spacing}, .fixes = fixes, .loads = loads}),
+      {material});
 }
 
 std::unique_ptr<Body> block(const Material &material, double spacing = 0.012, const std::vector<Fix> &fixes = {},
@@ -62,19 +58,6 @@ Mat3 cauchy(const Body &body, std::size_t q) {
   return body.stresses()[q] * F.transpose() / (body.rest().stencils.volumes[q]);  // J σ: the volume at rest counts
 }
 
-Vec3 linear(const Body &body) {
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i) sum += body.masses()[i] * body.state().velocities[i];
-  return sum;
-}
-Vec3 angular(const Body &body) {
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i)
-    sum +=
-        (body.rest().positions[i] + body.state().displacements[i]).cross(body.masses()[i] * body.state().velocities[i]);
-  return sum;
-}
-
 void rereference(Body &body) {
   auto renewal = rereferenced(body, serialFor());
   REQUIRE(renewal);
@@ -100,7 +83,7 @@ TEST_CASE("a renewed reference keeps stress, strain energy, mass and both moment
   body->computeStresses(0.05, serialFor());  // something has relaxed
   body->computeStresses(0.0, serialFor());
   const double energy = body->elasticEnergy().strain, mass = body->totalMass();
-  const Vec3 p = linear(*body), l = angular(*body);
+  const shapes::Momenta momenta = shapes::momenta(*body);
   std::vector<Mat3> stresses;
   double largest = 0.0;
   for (std::size_t q = 0; q < body->rest().pointCount(); ++q) {
@@ -112,8 +95,9 @@ TEST_CASE("a renewed reference keeps stress, strain energy, mass and both moment
   CHECK(body->rest().positions != before->positions);
   CHECK(body->rest().volumes == before->volumes);
   CHECK(body->totalMass() == mass);
-  CHECK(linear(*body) == p);
-  CHECK((angular(*body) - l).norm() < 1e-14 * l.norm());  // X + u is rounded once
+  CHECK(shapes::momenta(*body).linear == momenta.linear);
+  // X + u is rounded once.
+  CHECK((shapes::momenta(*body).angular - momenta.angular).norm() < 1e-14 * momenta.angular.norm());
   CHECK(body->elasticEnergy().strain == Approx(energy).epsilon(1e-11));
   body->computeStresses(0.0, serialFor());
   for (std::size_t q = 0; q < stresses.size(); ++q) CHECK((cauchy(*body, q) - stresses[q]).norm() < 1e-10 * largest);
@@ -219,17 +203,11 @@ struct Press {
   std::size_t id = 0;
 
   explicit Press(ParallelFor parallelFor = serialFor(), bool renewing = true) : simulator(std::move(parallelFor)) {
-    WorldSettings world;
-    world.damping = 2.0;
-    world.rereference = renewing;
-    world.box = {true, Vec3(-1, 0, -1), Vec3(1, 1, 1), 0.1};
-    simulator.setWorld(world);
+    simulator.setWorld({.box = {true, Vec3(-1, 0, -1), Vec3(1, 1, 1), 0.1}, .damping = 2.0, .rereference = renewing});
     Obstacle plate = shapes::halfSpace(Vec3(0, kEdge, 0), Vec3(0, -1, 0), 0.1);
     plate.motion = [](double t) {
       const double down = t < 0.5 ? t / 0.5 : t < 0.6 ? 1.0 : std::max(-1.0, 1.0 - (t - 0.6) / 0.2);
-      RigidMotion motion;
-      motion.displacement = Vec3(0, -0.5 * kEdge * down, 0);
-      return motion;
+      return RigidMotion{.displacement = Vec3(0, -0.5 * kEdge * down, 0)};
     };
     simulator.addObstacle(plate);
     id = simulator.addBody(block(clay(0.01)));
@@ -255,8 +233,9 @@ TEST_CASE("a clay block pressed to half its height keeps its volume and its shap
   CHECK(height.high - height.low <
         0.55 * kEdge);  // springs back by the elastic strain, 1 %, and a little at the corners
   CHECK(height.high - height.low > 0.45 * kEdge);
-  CHECK(linear(body)[0] == Approx(0.0).margin(1e-5));  // kg m/s: only friction has pushed it aside, whose solutions end
-                                                       // at 5e-3 of the velocities that change
+  CHECK(shapes::momenta(body).linear[0] ==
+        Approx(0.0).margin(1e-5));  // kg m/s: only friction has pushed it aside, whose solutions end
+                                    // at 5e-3 of the velocities that change
 }
 
 TEST_CASE("a state that was kept before the reference was renewed is taken up with its own reference", "[checkpoint]") {
@@ -289,9 +268,7 @@ TEST_CASE("renewing does not depend on threads, and a reset leads back to the fi
   const std::uint64_t end = one.simulator.stateHash();
   REQUIRE(one.simulator.body(one.id)->rereferenceCount() >= 1);
   c3de::ThreadPool pool(3);
-  Press three([&pool](std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &body) {
-    pool.parallelFor(n, grain, body);
-  });
+  Press three(shapes::loopsOf(pool));
   three.run(0.4);
   CHECK(three.simulator.stateHash() == end);
   one.simulator.reset();
@@ -305,17 +282,11 @@ TEST_CASE("renewing does not depend on threads, and a reset leads back to the fi
 }
 
 TEST_CASE("probes, supports and gravity go on through a renewal without a jump") {
-  Fix floor;
-  floor.region = BoxRegion{Vec3(-1, -1, -1), Vec3(1, 0.001, 1)};
-  Fix lid;
-  lid.region = BoxRegion{Vec3(-1, kEdge - 0.001, -1), Vec3(1, 1, 1)};
-  lid.displacement = Vec3(0.08, 0, 0);
-  lid.ramp = 0.4;
+  const Fix floor{.region = BoxRegion{Vec3(-1, -1, -1), Vec3(1, 0.001, 1)}};
+  const Fix lid{
+      .region = BoxRegion{Vec3(-1, kEdge - 0.001, -1), Vec3(1, 1, 1)}, .displacement = Vec3(0.08, 0, 0), .ramp = 0.4};
   Simulator simulator;
-  WorldSettings world;
-  world.gravity = Vec3(0, -9.81, 0);
-  world.damping = 2.0;
-  simulator.setWorld(world);
+  simulator.setWorld({.gravity = Vec3(0, -9.81, 0), .damping = 2.0});
   const std::size_t id = simulator.addBody(block(clay(0.01), 0.012, {floor, lid}));
   simulator.world().addProbe("lid", id, Vec3(0.5 * kEdge, kEdge, 0.5 * kEdge));
   simulator.world().addProbe("middle", id, Vec3(0.5 * kEdge, 0.5 * kEdge, 0.5 * kEdge));
@@ -343,9 +314,7 @@ TEST_CASE("probes, supports and gravity go on through a renewal without a jump")
 }
 
 TEST_CASE("a follower pressure goes on with the surface it has after a renewal, a dead one with its own") {
-  Load press;
-  press.region = BoxRegion{Vec3(-1, kEdge - 1e-6, -1), Vec3(1, kEdge + 1e-6, 1)};
-  press.pressure = 100.0;
+  Load press{.region = BoxRegion{Vec3(-1, kEdge - 1e-6, -1), Vec3(1, kEdge + 1e-6, 1)}, .pressure = 100.0};
   for (const bool follower : {true, false}) {
     press.follower = follower;
     auto body = block(clay(0.0), 0.012, {}, {press});
@@ -373,12 +342,10 @@ TEST_CASE("a drop that may flow without end spreads over the floor, its volume k
     const double radius = 0.04;
     const Vec3 centre(0, radius + 0.001, 0);
     Simulator simulator;
-    WorldSettings world;
-    world.gravity = Vec3(0, -9.81, 0);
-    world.damping = 1.0;
-    world.rereference = renewing;
-    world.box = {true, Vec3(-1, 0, -1), Vec3(1, 1, 1), 0.3};
-    simulator.setWorld(world);
+    simulator.setWorld({.gravity = Vec3(0, -9.81, 0),
+                        .box = {true, Vec3(-1, 0, -1), Vec3(1, 1, 1), 0.3},
+                        .damping = 1.0,
+                        .rereference = renewing});
     const std::size_t id = simulator.addBody(
         filledBody(shapes::ball(centre, radius), shapes::ballSurface(centre, radius, 12), clay(0.002), 0.012));
     Body &body = *simulator.body(id);

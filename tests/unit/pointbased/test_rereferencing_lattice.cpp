@@ -23,13 +23,9 @@ Material clay(double yield) {
 
 std::unique_ptr<Body> lattice(const Surface &surface, double spacing, double yield,
                               const std::vector<Fix> &fixes = {}) {
-  BodyRecipe recipe;
-  recipe.sampling.spacing = spacing;
-  recipe.fixes = fixes;
+  BodyRecipe recipe{.sampling = {.spacing = spacing}, .fixes = fixes};
   recipe.reshape = [](const Surface &skin) -> Result<BodyShape> { return shapes::inside(skin); };
-  const auto rest = buildRestState(shapes::inside(surface), recipe, {}, serialFor());
-  if (!rest) throw std::runtime_error(rest.error());
-  return std::make_unique<Body>("clay", *rest, Constitution{{clay(yield)}, kLatticeStabilisation}, serialFor());
+  return shapes::makeBody(shapes::restState(shapes::inside(surface), recipe), {clay(yield)});
 }
 
 std::unique_ptr<Body> block(double spacing = 0.012, double yield = 0.05, const std::vector<Fix> &fixes = {}) {
@@ -139,12 +135,10 @@ struct Drop {
   std::size_t id = 0;
 
   explicit Drop(bool renewing, ParallelFor parallelFor = serialFor()) : simulator(std::move(parallelFor)) {
-    WorldSettings world;
-    world.gravity = Vec3(0, -9.81, 0);
-    world.damping = 1.0;
-    world.rereference = renewing;
-    world.box = {true, Vec3(-1, 0, -1), Vec3(1, 1, 1), 0.3};
-    simulator.setWorld(world);
+    simulator.setWorld({.gravity = Vec3(0, -9.81, 0),
+                        .box = {true, Vec3(-1, 0, -1), Vec3(1, 1, 1), 0.3},
+                        .damping = 1.0,
+                        .rereference = renewing});
     id = simulator.addBody(lattice(shapes::ballSurface(Vec3(0, kRadius + 0.001, 0), kRadius, 8), 0.014, 0.002));
   }
   void run(double until) {
@@ -196,10 +190,7 @@ TEST_CASE("a lattice is filled anew the same way on any number of threads, and a
   const std::uint64_t end = one.simulator.stateHash();
   REQUIRE(one.body().rereferenceCount() >= 1);
   c3de::ThreadPool pool(3);
-  Drop three(true,
-             [&pool](std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &body) {
-               pool.parallelFor(n, grain, body);
-             });
+  Drop three(true, shapes::loopsOf(pool));
   three.run(0.15);
   CHECK(three.simulator.stateHash() == end);
   one.simulator.reset();
@@ -209,12 +200,9 @@ TEST_CASE("a lattice is filled anew the same way on any number of threads, and a
 }
 
 TEST_CASE("a lattice with supports flows on in its first cells, and says so") {
-  Fix floor;
-  floor.region = BoxRegion{Vec3(-1, -1, -1), Vec3(1, 1e-6, 1)};
-  Fix lid;
-  lid.region = BoxRegion{Vec3(-1, 0.06 - 1e-6, -1), Vec3(1, 1, 1)};
-  lid.displacement = Vec3(0.12, 0, 0);
-  lid.ramp = 0.2;
+  const Fix floor{.region = BoxRegion{Vec3(-1, -1, -1), Vec3(1, 1e-6, 1)}};
+  const Fix lid{
+      .region = BoxRegion{Vec3(-1, 0.06 - 1e-6, -1), Vec3(1, 1, 1)}, .displacement = Vec3(0.12, 0, 0), .ramp = 0.2};
   Simulator simulator;
   const std::size_t id = simulator.addBody(block(0.02, 0.01, {floor, lid}));
   while (simulator.time() < 0.2) REQUIRE(simulator.step());

@@ -61,8 +61,7 @@ TEST_CASE("The automatic count follows the thickness, from 1000 to 4000") {
   for (const double thickness : {0.010, 0.012, 0.014}) {
     const auto sheet = shapes::box(Vec3(0, 0, 0), Vec3(0.1, 0.1, thickness));
     const double area = 2 * 0.1 * 0.1 + 4 * 0.1 * thickness, mean = 2.0 * sheet.volume / area;
-    LatticeSampling sampling;
-    sampling.count = automaticCount(sheet.volume, area);
+    const LatticeSampling sampling{.count = automaticCount(sheet.volume, area)};
     REQUIRE((sampling.count > 1000 && sampling.count < 4000));
     const auto lattice = fillLattice(sheet, sampling, serialFor());
     REQUIRE(lattice);

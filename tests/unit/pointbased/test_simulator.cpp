@@ -14,18 +14,13 @@ using namespace pointbased;
 namespace {
 
 std::unique_ptr<Body> organ(double spacing = 0.02, Material material = {}) {
-  return std::make_unique<Body>("organ", shapes::restState(shapes::horseshoe(), spacing),
-                                Constitution{{material}, kCloudStabilisation}, serialFor());
+  return shapes::makeBody(shapes::restState(shapes::horseshoe(), spacing), {material}, "organ");
 }
 
 WorldSettings falling() {
-  WorldSettings world;
-  world.gravity = Vec3(0, -9.81, 0);
-  world.box.enabled = true;
-  world.box.min = Vec3(-0.2, -0.1, -0.3);
-  world.box.max = Vec3(0.5, 0.6, 0.4);
-  world.damping = 6.0;
-  return world;
+  return WorldSettings{.gravity = Vec3(0, -9.81, 0),
+                       .box = {.enabled = true, .min = Vec3(-0.2, -0.1, -0.3), .max = Vec3(0.5, 0.6, 0.4)},
+                       .damping = 6.0};
 }
 
 }  // namespace
@@ -47,16 +42,7 @@ TEST_CASE("a free spinning and vibrating body keeps its energy and momenta") {
     const Vec3 &X = body.rest().positions[i];
     body.state().velocities[i] = Vec3(1, 2, 0.5).cross(X) + Vec3(0.1 * std::sin(30.0 * X[0]), 0.2, 0.0);
   }
-  const auto momenta = [&] {
-    Vec3 p = Vec3::Zero(), l = Vec3::Zero();
-    for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i) {
-      const Vec3 mv = body.masses()[i] * body.state().velocities[i];
-      p += mv;
-      l += (body.rest().positions[i] + body.state().displacements[i]).cross(mv);
-    }
-    return std::pair(p, l);
-  };
-  const auto [p0, l0] = momenta();
+  const shapes::Momenta before = shapes::momenta(body);
   const double e0 = simulator.diagnostics().energy(id).kinetic;
   double worst = 0.0;
   for (int i = 0; i < 1000; ++i) {
@@ -64,9 +50,9 @@ TEST_CASE("a free spinning and vibrating body keeps its energy and momenta") {
     const auto e = simulator.diagnostics().energy(id);
     worst = std::max(worst, std::abs(e.kinetic + e.elastic + e.stabilisation - e0) / e0);
   }
-  const auto [p1, l1] = momenta();
-  CHECK((p1 - p0).norm() < 1e-12 * p0.norm());
-  CHECK((l1 - l0).norm() < 1e-11 * l0.norm());
+  const shapes::Momenta after = shapes::momenta(body);
+  CHECK((after.linear - before.linear).norm() < 1e-12 * before.linear.norm());
+  CHECK((after.angular - before.angular).norm() < 1e-11 * before.angular.norm());
   // Velocity Verlet oscillates about the true energy by (omega dt)²/8 of the excited modes.
   CHECK(worst < 0.02);
 }
@@ -91,10 +77,7 @@ TEST_CASE("state hash: the same for 1 and 2 threads and from run to run, reset g
   std::vector<std::uint64_t> hashes;
   for (const unsigned threads : {1u, 2u, 2u}) {
     c3de::ThreadPool pool(threads);
-    Simulator simulator(
-        [&pool](std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &body) {
-          pool.parallelFor(n, grain, body);
-        });
+    Simulator simulator(shapes::loopsOf(pool));
     simulator.setWorld(falling());
     simulator.addBody(organ());
     const std::uint64_t initial = simulator.stateHash();
@@ -157,20 +140,13 @@ TEST_CASE("a step that leaves the finite numbers is refused, the state before it
 
 TEST_CASE("a grabbed region follows the hand and the force vanishes on release") {
   Simulator simulator;
-  WorldSettings world;
-  world.damping = 1.0;
-  simulator.setWorld(world);
+  simulator.setWorld({.damping = 1.0});
   const std::size_t id = simulator.addBody(organ());
   const Body &body = *simulator.body(id);
-  Grab grab;
-  for (Index i = 0; i < 8; ++i) {
-    grab.phyxels.push_back(i);
-    grab.weights.push_back(1.0 / 8.0);
-  }
+  Grab grab{.phyxels = {0, 1, 2, 3, 4, 5, 6, 7}, .weights = std::vector<double>(8, 1.0 / 8.0), .maxForce = 10.0};
   Vec3 start = Vec3::Zero();
   for (Index i = 0; i < 8; ++i) start += (body.rest().origin + body.rest().positions[i]) / 8.0;
   grab.target = start + Vec3(0.05, 0.0, 0.0);
-  grab.maxForce = 10.0;
   simulator.stepper().setGrab(id, grab);
   while (simulator.time() < 0.02) REQUIRE(simulator.step());
   CHECK(simulator.stepper().grabStatus(id)->force[0] > 0.0);
@@ -200,10 +176,7 @@ TEST_CASE("a material that is changed while running changes the step at once") {
 
 TEST_CASE("a probe reports where its material point is") {
   Simulator simulator;
-  WorldSettings world;
-  world.gravity = Vec3(0, -10, 0);
-  world.dt = 1e-3;
-  simulator.setWorld(world);
+  simulator.setWorld({.gravity = Vec3(0, -10, 0), .dt = 1e-3});
   const std::size_t id = simulator.addBody(organ(0.03));
   simulator.world().addProbe("tip", id, Vec3(0.3, 0.2, 0.1));
   CHECK((simulator.world().probeState(simulator.world().probes()[0]).position - Vec3(0.3, 0.2, 0.1)).norm() < 1e-12);
@@ -218,21 +191,15 @@ TEST_CASE("a block on a slippery floor sinks under its own weight as the bar for
   const double height = 0.1, youngs = 20000.0, density = 1000.0;
   for (const double poisson : {0.0, 0.3}) {
     Simulator simulator;
-    WorldSettings world;
-    world.gravity = Vec3(0, -9.81, 0);
-    world.damping = 20.0;
-    world.box.enabled = true;
-    world.box.min = Vec3(-1, 0, -1);
-    world.box.friction = 0.0;
-    simulator.setWorld(world);
+    simulator.setWorld({.gravity = Vec3(0, -9.81, 0),
+                        .box = {.enabled = true, .min = Vec3(-1, 0, -1), .friction = 0.0},
+                        .damping = 20.0});
     const auto shape = shapes::box(Vec3(0, 0, 0), Vec3(height, height, height));
-    Material material;
-    material.law = MaterialLaw::stVenantKirchhoff;
-    material.youngsModulus = youngs;
-    material.poissonRatio = poisson;
-    material.restDensity = density;
-    const std::size_t id = simulator.addBody(std::make_unique<Body>(
-        "block", shapes::restState(shape, 0.0125), Constitution{{material}, kCloudStabilisation}, serialFor()));
+    const Material material{.law = MaterialLaw::stVenantKirchhoff,
+                            .youngsModulus = youngs,
+                            .poissonRatio = poisson,
+                            .restDensity = density};
+    const std::size_t id = simulator.addBody(shapes::makeBody(shapes::restState(shape, 0.0125), {material}, "block"));
     simulator.world().addProbe("top", id, Vec3(0.05, height, 0.05));
     while (simulator.time() < 2.0) REQUIRE(simulator.step());
     const double sunk = height - simulator.world().probeState(simulator.world().probes()[0]).position[1];
@@ -246,8 +213,7 @@ TEST_CASE("a block on a slippery floor sinks under its own weight as the bar for
 }
 
 TEST_CASE("another integrator goes on from the same positions, velocities and plastic state") {
-  Material clay;
-  clay.plastic = {0.02, 1.0, 1.0 / 60.0, Plasticity::kNever};
+  const Material clay{.plastic = {0.02, 1.0, 1.0 / 60.0, Plasticity::kNever}};
   Simulator simulator;
   WorldSettings world = falling();
   simulator.setWorld(world);
@@ -280,14 +246,10 @@ TEST_CASE("another integrator goes on from the same positions, velocities and pl
 TEST_CASE("the cheaper integrator is chosen by the stiffness of the body, and another may be asked for") {
   const auto integratorFor = [](double youngsModulus, Integrator asked) {
     Simulator simulator;
-    WorldSettings world;
-    world.integrator = asked;
-    simulator.setWorld(world);
-    Material material;
-    material.youngsModulus = youngsModulus;
-    const std::size_t id =
-        simulator.addBody(std::make_unique<Body>("ball", shapes::restState(shapes::ball(Vec3::Zero(), 0.05), 0.01),
-                                                 Constitution{{material}, kCloudStabilisation}, serialFor()));
+    simulator.setWorld({.integrator = asked});
+    const Material material{.youngsModulus = youngsModulus};
+    const std::size_t id = simulator.addBody(
+        shapes::makeBody(shapes::restState(shapes::ball(Vec3::Zero(), 0.05), 0.01), {material}, "ball"));
     const auto [explicitCost, implicitCost] = simulator.stepper().predictedCost(id);
     CHECK(explicitCost > 0.0);
     CHECK(implicitCost > 0.0);
@@ -307,11 +269,9 @@ TEST_CASE("the cheaper integrator is chosen by the stiffness of the body, and an
 TEST_CASE("an automatic step is not divided by a strain of two per cent, and is by a large one") {
   const auto dividedAt = [](double stretch) {
     Simulator simulator;
-    Material material;
-    material.youngsModulus = 1e4;
-    const std::size_t id =
-        simulator.addBody(std::make_unique<Body>("ball", shapes::restState(shapes::ball(Vec3::Zero(), 0.05), 0.01),
-                                                 Constitution{{material}, kCloudStabilisation}, serialFor()));
+    const Material material{.youngsModulus = 1e4};
+    const std::size_t id = simulator.addBody(
+        shapes::makeBody(shapes::restState(shapes::ball(Vec3::Zero(), 0.05), 0.01), {material}, "ball"));
     Body &body = *simulator.body(id);
     for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i)
       body.state().displacements[i] = stretch * body.rest().positions[i];
@@ -319,8 +279,7 @@ TEST_CASE("an automatic step is not divided by a strain of two per cent, and is 
     REQUIRE(simulator.step());
     CHECK(body.stableStep() < body.stableStepAtRest());
     REQUIRE(simulator.step());
-    return std::any_of(simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(),
-                       [](const SimulationEvent &event) { return event.kind == "substep"; });
+    return shapes::countEvents(simulator, "substep") > 0;
   };
   CHECK_FALSE(dividedAt(-0.02));
   CHECK(dividedAt(-0.4));
@@ -332,13 +291,11 @@ namespace {
 std::unique_ptr<Simulator> cubes(const std::vector<double> &moduli, Integrator integrator,
                                  const ParallelFor &parallelFor = serialFor(), double dt = 0.0) {
   auto simulator = std::make_unique<Simulator>(parallelFor);
-  WorldSettings world;
-  world.gravity = Vec3(0.0, -9.81, 0.0);
-  world.integrator = integrator;
-  world.dt = dt;
-  world.sleep = false;
-  world.box = {dt == 0.0, Vec3(-1.0, -0.01, -1.0), Vec3(9.0, 1.0, 1.0), 0.3};
-  simulator->setWorld(world);
+  simulator->setWorld({.gravity = Vec3(0.0, -9.81, 0.0),
+                       .box = {dt == 0.0, Vec3(-1.0, -0.01, -1.0), Vec3(9.0, 1.0, 1.0), 0.3},
+                       .integrator = integrator,
+                       .dt = dt,
+                       .sleep = false});
   for (std::size_t k = 0; k < moduli.size(); ++k) {
     const double x = 0.2 * static_cast<double>(k);
     auto body = shapes::latticeBox(Vec3(x, 0.0, 0.0), Vec3(x + 0.1, 0.1, 0.1), 0.025, shapes::rubber(moduli[k]));
@@ -373,8 +330,7 @@ TEST_CASE("a stiff body does not set the step of a soft one: each moves as it wo
   // Substeps are reported where the caller has chosen the step, not where the soft body determines it.
   const auto tellsOfSubsteps = [](Simulator &simulator) {
     REQUIRE(simulator.step());
-    const std::vector<SimulationEvent> &events = simulator.diagnostics().events();
-    return std::any_of(events.begin(), events.end(), [](const SimulationEvent &e) { return e.kind == "substep"; });
+    return shapes::countEvents(simulator, "substep") > 0;
   };
   CHECK(tellsOfSubsteps(*cubes({1e4, 4e6}, Integrator::explicitVerlet, serialFor(), dt)));
   CHECK_FALSE(tellsOfSubsteps(*cubes({1e4, 4e6}, Integrator::explicitVerlet)));
@@ -382,9 +338,7 @@ TEST_CASE("a stiff body does not set the step of a soft one: each moves as it wo
 
 TEST_CASE("bodies that go side by side go the same way, bit for bit, and a request ends them all") {
   c3de::ThreadPool pool(3);
-  const ParallelFor threads = [&pool](std::size_t n, std::size_t grain, const auto &loop) {
-    pool.parallelFor(n, grain, loop);
-  };
+  const ParallelFor threads = shapes::loopsOf(pool);
   for (const Integrator integrator : {Integrator::automatic, Integrator::backwardEuler, Integrator::quasiStatic}) {
     const std::vector<double> moduli{1e4, 1e5, 2e4, 3e9, 5e4};
     const auto one = cubes(moduli, integrator), three = cubes(moduli, integrator, threads);

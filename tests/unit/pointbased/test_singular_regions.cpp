@@ -27,23 +27,16 @@ struct Problem {
 };
 
 std::unique_ptr<Body> bodyOf(const Problem &problem, double spacing) {
-  BodyRecipe recipe;
-  recipe.sampling.spacing = spacing;
-  recipe.fixes = problem.fixes;
-  recipe.loads = problem.loads;
-  auto rest = buildRestState(problem.shape, recipe, {}, serialFor());
-  REQUIRE(rest);
-  Material material;
-  material.youngsModulus = 1e4;
-  material.poissonRatio = problem.poissonRatio;
-  return std::make_unique<Body>("body", *rest, Constitution{{material}, kLatticeStabilisation}, serialFor());
+  const Material material{.youngsModulus = 1e4, .poissonRatio = problem.poissonRatio};
+  return shapes::makeBody(
+      shapes::restState(problem.shape,
+                        {.sampling = {.spacing = spacing}, .fixes = problem.fixes, .loads = problem.loads}),
+      {material});
 }
 
 std::unique_ptr<Solved> solved(const Problem &problem, double spacing) {
   auto out = std::make_unique<Solved>();
-  WorldSettings world;
-  world.integrator = Integrator::quasiStatic;
-  world.loadSteps = 1;
+  const WorldSettings world{.integrator = Integrator::quasiStatic, .loadSteps = 1};
   out->simulator.setWorld(world);
   out->id = out->simulator.addBody(bodyOf(problem, spacing));
   while (!out->simulator.finished()) REQUIRE(out->simulator.step());
@@ -52,10 +45,7 @@ std::unique_ptr<Solved> solved(const Problem &problem, double spacing) {
 }
 
 Fix held(const Region &region, const Vec3 &displacement = Vec3::Zero()) {
-  Fix fix;
-  fix.region = region;
-  fix.displacement = displacement;
-  return fix;
+  return Fix{.region = region, .displacement = displacement};
 }
 
 Problem bending() {
@@ -155,11 +145,8 @@ TEST_CASE("a part held inside of a body is singular along its edges, not on its 
 TEST_CASE("a tissue of a label map that is held is singular where it ends on the skin") {
   const double d = 0.005, voxel = 0.0025;
   const std::vector<float> fill(40 * 40 * 20, 1.0f);
-  Occupancy lower;
-  lower.size = {40, 40, 20};
-  lower.fill = fill;
-  lower.origin = Vec3::Constant(0.5 * voxel);
-  lower.steps = voxel * Mat3::Identity();
+  const Occupancy lower{
+      .size = {40, 40, 20}, .fill = fill, .origin = Vec3::Constant(0.5 * voxel), .steps = voxel * Mat3::Identity()};
   Problem problem;
   problem.shape = lattice_cases::box(Vec3::Zero(), Vec3::Constant(0.1));
   problem.fixes = {held(regionOf(lower).value())};

@@ -14,11 +14,7 @@ const Vec3 kDown(0, -9.81, 0);
 constexpr double kSpacing = 0.02;  // m
 
 WorldSettings restful(bool sleep, Integrator integrator = Integrator::explicitVerlet) {
-  WorldSettings world;
-  world.gravity = kDown;
-  world.damping = 15.0;
-  world.sleep = sleep;
-  world.integrator = integrator;
+  WorldSettings world{.gravity = kDown, .integrator = integrator, .damping = 15.0, .sleep = sleep};
   if (integrator != Integrator::explicitVerlet) world.dt = 1.0 / 60.0;
   return world;
 }
@@ -55,8 +51,7 @@ struct OneBodyWorld {
 };
 
 Grab handOn(const Body &body, const Vec3 &pull) {
-  Grab grab;
-  grab.phyxels = {0};
+  Grab grab{.phyxels = {0}};
   for (std::size_t i = 1; i < body.rest().phyxelCount(); ++i)
     if (body.rest().positions[i][1] > body.rest().positions[grab.phyxels[0]][1]) grab.phyxels = {static_cast<Index>(i)};
   grab.weights = {1.0};
@@ -153,9 +148,7 @@ TEST_CASE("An obstacle that begins to move wakes a body, and carries it") {
   OneBodyWorld world(restful(true));
   Obstacle lift = solidBox(Vec3(-0.2, -0.3, -0.2), Vec3(0.2, -0.001, 0.2), 0.5);
   lift.motion = [](double t) {
-    RigidMotion motion;
-    motion.displacement = Vec3(0.0, 0.03 * std::clamp(t - 6.0, 0.0, 1.0), 0.0);
-    return motion;
+    return RigidMotion{.displacement = Vec3(0.0, 0.03 * std::clamp(t - 6.0, 0.0, 1.0), 0.0)};
   };
   world.simulator.addObstacle(lift);
   REQUIRE(world.fallAsleep(5.9) < 5.9);
@@ -194,10 +187,8 @@ TEST_CASE("What moves, however little at the moment, does not sleep") {
 TEST_CASE("Points that wait have no contacts, and the others the same as if all were looked at") {
   // A tumbling body between a floor, walls and a rotating block.
   Simulator simulator;
-  WorldSettings settings;
-  settings.gravity = kDown;
-  settings.dt = 2e-4;
-  settings.box = {true, Vec3(-0.15, -0.2, -0.15), Vec3(0.15, 0.5, 0.15), 0.3};
+  const WorldSettings settings{
+      .gravity = kDown, .box = {true, Vec3(-0.15, -0.2, -0.15), Vec3(0.15, 0.5, 0.15), 0.3}, .dt = 2e-4};
   simulator.setWorld(settings);
   const std::size_t id = simulator.addBody(block());
   simulator.body(id)->setInitialVelocity(Vec3(0.8, 0.3, -0.4), Vec3(8.0, 3.0, -5.0));
@@ -205,11 +196,9 @@ TEST_CASE("Points that wait have no contacts, and the others the same as if all 
   std::vector<Obstacle> obstacles{solidBox(Vec3(-0.1, -0.15, -0.05), Vec3(0.02, -0.05, 0.05), 0.3),
                                   halfSpace(Vec3(0, -0.18, 0), Vec3(0.2, 1, 0).normalized(), 0.2)};
   obstacles[0].motion = [](double t) {
-    RigidMotion motion;
-    motion.rotation = Eigen::AngleAxisd(2.0 * t, Vec3(0.3, 1.0, 0.2).normalized()).toRotationMatrix();
-    motion.centre = Vec3(-0.04, -0.1, 0.0);
-    motion.displacement = Vec3(0.05 * std::sin(3.0 * t), 0.0, 0.0);
-    return motion;
+    return RigidMotion{.rotation = Eigen::AngleAxisd(2.0 * t, Vec3(0.3, 1.0, 0.2).normalized()).toRotationMatrix(),
+                       .centre = Vec3(-0.04, -0.1, 0.0),
+                       .displacement = Vec3(0.05 * std::sin(3.0 * t), 0.0, 0.0)};
   };
   for (const Obstacle &obstacle : obstacles) simulator.addObstacle(obstacle);
   Body &body = *simulator.body(id);
@@ -241,9 +230,7 @@ TEST_CASE("Points that wait have no contacts, and the others the same as if all 
 
 TEST_CASE("A body in free flight asks for none of its points") {
   Simulator simulator;
-  WorldSettings settings;
-  settings.gravity = kDown;
-  simulator.setWorld(settings);
+  simulator.setWorld({.gravity = kDown});
   const std::size_t id = simulator.addBody(block());
   simulator.addObstacle(halfSpace(Vec3(0, -10.0, 0), Vec3::UnitY(), 0.3));
   REQUIRE(simulator.step());

@@ -72,12 +72,10 @@ Mat3 about(double degrees) {
 double errorOfSpeed(const Slide &of) {
   const double angle = of.degrees * std::numbers::pi / 180.0;
   Simulator simulator;
-  WorldSettings world;
   const Vec3 along = about(of.heading) * Vec3::UnitX();
-  world.gravity = 9.81 * (std::sin(angle) * along - std::cos(angle) * Vec3::UnitY());
-  world.integrator = of.integrator;
-  world.dt = of.dt;
-  simulator.setWorld(world);
+  simulator.setWorld({.gravity = 9.81 * (std::sin(angle) * along - std::cos(angle) * Vec3::UnitY()),
+                      .integrator = of.integrator,
+                      .dt = of.dt});
   simulator.world().setContact({true, true, of.friction});
   Material material = soft(of.modulus, 0.45, 20.0);
   BodyShape cube = inside(gridBox(Vec3(-0.03, -0.03, -0.03), Vec3(0.03, 0.03, 0.03),
@@ -107,8 +105,7 @@ double errorOfSpeed(const Slide &of) {
   slab = turned(slab, about(of.heading));
   std::vector<Fix> fixes;
   if (of.softBelow) {
-    Fix floor;
-    floor.region = HalfSpaceRegion{Vec3(0, -0.039, 0), Vec3(0, 1, 0)};
+    const Fix floor{.region = HalfSpaceRegion{Vec3(0, -0.039, 0), Vec3(0, 1, 0)}};
     fixes.push_back(floor);
   }
   Material below = of.softBelow ? soft(1e6, 0.3, 300.0) : material;
@@ -152,22 +149,18 @@ TEST_CASE("a soft block slides on the flat skin of a rigid body as Coulomb says,
 }
 
 TEST_CASE("a soft block that is thrown along a flat skin is not caught in long steps") {
-  Slide of;
+  Slide of{.degrees = 0.0, .seconds = 0.4};
   of.integrator = GENERATE(Integrator::implicitSdirk, Integrator::backwardEuler);
   of.thrown = GENERATE(1.2, 2.0, 3.0);  // 20 ... 50 mm a step; the block is 60 mm long
-  of.degrees = 0.0;
-  of.seconds = 0.4;
   const double error = errorOfSpeed(of);
   CAPTURE(static_cast<int>(of.integrator), of.thrown, error);
   CHECK(std::abs(error) < 0.02);
 }
 
 TEST_CASE("a soft block slides on the flat skin of a soft body as on a rigid one") {
-  Slide of;
+  // The body below is also placed on its support: the speed counts from 0.1 s on.
+  Slide of{.softBelow = true, .seconds = 0.5, .from = 0.1};
   of.integrator = GENERATE(Integrator::implicitSdirk, Integrator::explicitVerlet);
-  of.softBelow = true;
-  of.seconds = 0.5;
-  of.from = 0.1;  // the body below is also placed on its support
   const double error = errorOfSpeed(of);
   CAPTURE(static_cast<int>(of.integrator), error);
   CHECK(std::abs(error) < 0.02);

@@ -16,29 +16,18 @@ namespace {
 constexpr double kEdge = 0.1;  // m
 
 std::unique_ptr<Body> block(double modulus, bool isHeld, std::vector<Load> loads = {}) {
-  BodyRecipe recipe;
-  recipe.sampling.spacing = 0.025;
-  recipe.loads = std::move(loads);
+  BodyRecipe recipe{.sampling = {.spacing = 0.025}, .loads = std::move(loads)};
   if (isHeld) {
-    Fix fix;
-    fix.region = BoxRegion{Vec3(-1, -1, -1), Vec3(1, 1e-3, 1)};
-    recipe.fixes.push_back(fix);
+    recipe.fixes.push_back({.region = BoxRegion{Vec3(-1, -1, -1), Vec3(1, 1e-3, 1)}});
   }
-  auto rest = buildRestState(shapes::inside(shapes::boxSurface(Vec3::Zero(), Vec3(kEdge, 2 * kEdge, kEdge), 4)), recipe,
-                             {}, serialFor());
-  REQUIRE(rest);
-  Material material;
-  material.youngsModulus = modulus;
-  material.poissonRatio = 0.3;
-  return std::make_unique<Body>("block", *rest, Constitution{{material}, kLatticeStabilisation}, serialFor());
+  const Material material{.youngsModulus = modulus, .poissonRatio = 0.3};
+  return shapes::makeBody(
+      shapes::restState(shapes::inside(shapes::boxSurface(Vec3::Zero(), Vec3(kEdge, 2 * kEdge, kEdge), 4)), recipe),
+      {material});
 }
 
 WorldSettings settings(Integrator integrator, double dt, double gravity) {
-  WorldSettings world;
-  world.integrator = integrator;
-  world.dt = dt;
-  world.gravity = Vec3(0, -gravity, 0);
-  return world;
+  return WorldSettings{.gravity = Vec3(0, -gravity, 0), .integrator = integrator, .dt = dt};
 }
 
 // Mean of the momentum over the weight, in units of g, of the phyxels in the upper quarter: g t in free fall. This also
@@ -86,9 +75,7 @@ TEST_CASE("a held body under a small force moves in small implicit steps as in e
   const double dt = 2e-5;
   CAPTURE(force);
   const auto wayWith = [&](Integrator integrator) {
-    Load load;
-    load.region = BoxRegion{Vec3(-1, 2 * kEdge - 1e-6, -1), Vec3(1, 1, 1)};
-    load.force = Vec3(force, 0, 0);
+    const Load load{.region = BoxRegion{Vec3(-1, 2 * kEdge - 1e-6, -1), Vec3(1, 1, 1)}, .force = Vec3(force, 0, 0)};
     Simulator simulator;
     simulator.setWorld(settings(integrator, dt, 0.0));
     const std::size_t id = simulator.addBody(block(1e5, true, {load}));

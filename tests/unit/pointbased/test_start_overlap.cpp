@@ -16,13 +16,8 @@ using namespace shapes;
 namespace {
 
 Obstacle tool(const Vec3 &at, double radius, double length = 0.0) {
-  ProbeTool of;
-  of.name = "tool";
-  of.radius = radius;
-  of.length = length;
-  ToolPose place;
-  place.at = at;
-  place.axis = Vec3::UnitX();
+  ProbeTool of{.name = "tool", .radius = radius, .length = length};
+  const ToolPose place{.at = at, .axis = Vec3::UnitX()};
   of.path = {place, place};
   of.path.back().time = 1.0;
   auto built = obstacleOf(of);
@@ -34,12 +29,6 @@ std::string textOf(const Simulator &simulator, const std::string &kind) {
   for (const SimulationEvent &event : simulator.diagnostics().events())
     if (event.kind == kind) return event.text;
   return {};
-}
-
-WorldSettings worldOf(Integrator integrator) {
-  WorldSettings world;
-  world.integrator = integrator;
-  return world;
 }
 
 }  // namespace
@@ -65,8 +54,7 @@ TEST_CASE("a body around an obstacle does not begin, and the reason names the de
   }
   SECTION("that is switched off for it") {
     const std::size_t obstacle = simulator.addObstacle(tool(Vec3(0.02, 0, 0), 0.015));
-    ContactPairSettings off;
-    off.enabled = false;
+    const ContactPairSettings off{.enabled = false};
     simulator.world().setContactPair(id, obstacle, off);
     CHECK(simulator.step());
     CHECK(textOf(simulator, "overlap").empty());
@@ -78,7 +66,7 @@ TEST_CASE("an obstacle that is half inside a body is led out on the side from wh
       GENERATE(Integrator::explicitVerlet, Integrator::implicitSdirk, Integrator::backwardEuler);
   CAPTURE(static_cast<int>(integrator));
   Simulator simulator;
-  simulator.setWorld(worldOf(integrator));
+  simulator.setWorld({.integrator = integrator});
   const std::size_t id = simulator.addBody(ball(Vec3::Zero(), 0.06, 0.012, soft(5e3, 0.45, 20.0), 24));
   const Vec3 at(0.055, 0, 0);
   simulator.addObstacle(tool(at, 0.015));

@@ -72,15 +72,12 @@ TEST_CASE("shapes of cells stand for their rows, and rows come back from them") 
 
 TEST_CASE("a rest state on a lattice keeps shapes, and its whole cells share one") {
   const LatticeSampling sampling = withSpacing(0.01);
-  BodyRecipe recipe;
-  recipe.sampling = sampling;
-  const auto rest = buildRestState(box(Vec3::Constant(-0.04), Vec3::Constant(0.04)), recipe, {}, serialFor());
-  REQUIRE(rest);
-  const StencilSet &s = (*rest)->stencils;
+  const auto rest = shapes::restState(box(Vec3::Constant(-0.04), Vec3::Constant(0.04)), {.sampling = sampling});
+  const StencilSet &s = rest->stencils;
   REQUIRE(s.pointCount() == 512);
   CHECK(s.gradients.empty());
   CHECK(s.shapes.size() == 1);
-  CHECK(neighboursOf(**rest).rows() == (*rest)->phyxelCount());
-  CHECK(countNeighbours(**rest).max == 26);
-  CHECK(countNeighbours(**rest).min == 7);
+  CHECK(neighboursOf(*rest).rows() == rest->phyxelCount());
+  CHECK(countNeighbours(*rest).max == 26);
+  CHECK(countNeighbours(*rest).min == 7);
 }

@@ -35,18 +35,15 @@ Stepped stepped(const Scene &scene) {
   simulator.setWorld(world);
   BodyRecipe recipe = scene.recipe;
   recipe.sampling.spacing = 0.02;
-  auto rest = buildRestState(lattice_cases::box(Vec3(0, 0, 0), Vec3(0.08, 0.06, 0.04)), recipe, {}, serialFor());
-  REQUIRE(rest);
-  auto body = std::make_unique<Body>("box", *rest, Constitution{{scene.material}, kLatticeStabilisation}, serialFor());
+  auto body = shapes::makeBody(shapes::restState(lattice_cases::box(Vec3(0, 0, 0), Vec3(0.08, 0.06, 0.04)), recipe),
+                               {scene.material});
   REQUIRE(body->setFoundation(scene.foundation));
   const std::size_t n = body->rest().phyxelCount();
   const std::size_t id = simulator.addBody(std::move(body));
   for (const Obstacle &obstacle : scene.obstacles) simulator.addObstacle(obstacle);
   if (scene.probed) (void)simulator.world().addProbe("tip", id, Vec3(0.08, 0.03, 0.02));
   if (scene.grabbed) {
-    Grab grab;
-    grab.phyxels = {0};
-    grab.weights = {1.0};
+    const Grab grab{.phyxels = {0}, .weights = {1.0}};
     simulator.stepper().setGrab(id, grab);
   }
   if (scene.pushed) simulator.stepper().setExternalForces(id, std::vector<Vec3>(n, Vec3(1e-5, 0, 0)));
@@ -162,10 +159,8 @@ TEST_CASE("composition: stage by stage, where vector kernels do not go", "[compo
 
 TEST_CASE("composition: what does not step has no stage, and says why", "[composition]") {
   Simulator simulator;
-  auto rest = buildRestState(lattice_cases::box(Vec3(0, 0, 0), Vec3(0.08, 0.06, 0.04)), BodyRecipe{}, {}, serialFor());
-  REQUIRE(rest);
-  const std::size_t id = simulator.addBody(
-      std::make_unique<Body>("bone", *rest, Constitution{{Material{}}, kLatticeStabilisation}, serialFor()));
+  const std::size_t id = simulator.addBody(shapes::makeBody(
+      shapes::restState(lattice_cases::box(Vec3(0, 0, 0), Vec3(0.08, 0.06, 0.04)), BodyRecipe{}), {Material{}}));
   simulator.world().setRigid(id, true);
   for (const ComposedStage &stage : simulator.stepper().compositionOf(id).stages)
     if (stage.runs) CHECK(stage.name == "surfels");

@@ -45,12 +45,10 @@ class Listening final : public StopRequest {
 /// A box that falls on the ground next to another that moves by its velocity.
 std::unique_ptr<Simulator> twoBoxes(Integrator integrator, const Material &material = rubber(2e4, 20.0)) {
   auto simulator = std::make_unique<Simulator>();
-  WorldSettings world;
-  world.gravity = Vec3(0.0, -9.81, 0.0);
-  world.integrator = integrator;
-  world.dt = integrator == Integrator::quasiStatic ? 0.0 : 1.0 / 120.0;
-  world.sleep = false;
-  simulator->setWorld(world);
+  simulator->setWorld({.gravity = Vec3(0.0, -9.81, 0.0),
+                       .integrator = integrator,
+                       .dt = integrator == Integrator::quasiStatic ? 0.0 : 1.0 / 120.0,
+                       .sleep = false});
   simulator->addObstacle(halfSpace(Vec3(0.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), 0.3));
   for (const double x : {0.0, 0.3}) {
     auto body = latticeBox(Vec3(x, 0.001, 0.0), Vec3(x + 0.1, 0.101, 0.1), 0.025, material);
@@ -134,10 +132,7 @@ TEST_CASE("explicit steps go on with the same bits after one was ended half way"
   // Viscous forces at the beginning of a step use other velocities: there the bits differ.
   const auto elastic = [] {
     auto simulator = std::make_unique<Simulator>();
-    WorldSettings world;
-    world.integrator = Integrator::explicitVerlet;
-    world.gravity = Vec3(0.0, -9.81, 0.0);
-    simulator->setWorld(world);
+    simulator->setWorld({.gravity = Vec3(0.0, -9.81, 0.0), .integrator = Integrator::explicitVerlet});
     auto body = latticeBox(Vec3::Zero(), Vec3::Constant(0.1), 0.025, rubber(2e4));
     body->setInitialVelocity(Vec3(0.1, -0.3, 0.0), Vec3(0.0, 0.0, 9.0));
     simulator->addBody(std::move(body));
@@ -169,11 +164,9 @@ TEST_CASE("reset after a step that was ended leads to the initial state, and a r
 TEST_CASE("a heavy implicit step looks at its request several times a second, within factorisations as well") {
   // Some 9 000 phyxels: the complete factorisation has fronts of hundreds of columns.
   Simulator simulator;
-  WorldSettings world;
-  world.integrator = Integrator::backwardEuler;
-  world.gravity = Vec3(0.0, -9.81, 0.0);
-  world.preconditioner = Preconditioner::factorised;
-  simulator.setWorld(world);
+  simulator.setWorld({.gravity = Vec3(0.0, -9.81, 0.0),
+                      .integrator = Integrator::backwardEuler,
+                      .preconditioner = Preconditioner::factorised});
   Material stiff = rubber(1e6);
   stiff.poissonRatio = 0.49;
   auto body = latticeBox(Vec3::Zero(), Vec3::Constant(0.2), 0.01, stiff);
@@ -199,8 +192,7 @@ TEST_CASE("what is built from stoppable loops ends with Stopped, and loops go on
   CHECK(done == 20);
 
   const BodyShape shape = box(Vec3::Zero(), Vec3::Constant(0.1));
-  BodyRecipe recipe;
-  recipe.sampling.spacing = 0.01;
+  const BodyRecipe recipe{.sampling = {.spacing = 0.01}};
   for (int look = 0; look < 8; look = 2 * look + 1) {
     const AtLook early(look);
     const StoppableLoops::Watch watch(loops, &early);
@@ -213,9 +205,7 @@ TEST_CASE("a body in the making ends wherever it is asked to, and looks often on
   for (const Evaluation evaluation : {Evaluation::stressPoints, Evaluation::phyxels}) {
     const bool lattice = evaluation == Evaluation::stressPoints;
     INFO((lattice ? "lattice" : "cloud"));
-    BodyRecipe recipe;
-    recipe.evaluation = evaluation;
-    recipe.sampling.spacing = 0.004;  // some 16 000 phyxels
+    const BodyRecipe recipe{.evaluation = evaluation, .sampling = {.spacing = 0.004}};  // some 16 000 phyxels
     const Constitution constitution{{rubber(2e4)}, lattice ? kLatticeStabilisation : kCloudStabilisation};
     const auto build = [&](const StopRequest &stop) {
       const StoppableLoops::Watch watch(loops, &stop);
@@ -251,8 +241,7 @@ TEST_CASE("a body in the making ends wherever it is asked to, and looks often on
 
 TEST_CASE("a simulator says what it is busy with, and what would help") {
   Simulator simulator;
-  WorldSettings world;
-  world.integrator = Integrator::implicitSdirk;
+  WorldSettings world{.integrator = Integrator::implicitSdirk};
   simulator.setWorld(world);
   Material material = rubber(2e6);
   material.poissonRatio = 0.499;

@@ -19,11 +19,7 @@ struct Setup {
   std::vector<Fix> fixes;
 };
 
-Fix heldIn(const Vec3 &min, const Vec3 &max) {
-  Fix fix;
-  fix.region = BoxRegion{min, max};
-  return fix;
-}
+Fix heldIn(const Vec3 &min, const Vec3 &max) { return Fix{.region = BoxRegion{min, max}}; }
 
 std::vector<Setup> setups() {
   const Surface beam = shapes::boxSurface(Vec3::Zero(), Vec3(0.2, 0.04, 0.04), 4);
@@ -40,17 +36,11 @@ std::vector<Setup> setups() {
 }
 
 std::unique_ptr<Body> bodyOf(const Setup &setup, double spacing, MaterialLaw law, std::vector<Load> loads = {}) {
-  BodyRecipe recipe;
-  recipe.sampling.spacing = spacing;
-  recipe.fixes = setup.fixes;
-  recipe.loads = std::move(loads);
-  auto rest = buildRestState(shapes::inside(setup.surface), recipe, {}, serialFor());
-  REQUIRE(rest);
-  Material material;
-  material.law = law;
-  material.youngsModulus = 1e5;
-  material.poissonRatio = 0.4;
-  return std::make_unique<Body>("body", *rest, Constitution{{material}, kLatticeStabilisation}, serialFor());
+  const Material material{.law = law, .youngsModulus = 1e5, .poissonRatio = 0.4};
+  return shapes::makeBody(
+      shapes::restState(shapes::inside(setup.surface),
+                        {.sampling = {.spacing = spacing}, .fixes = setup.fixes, .loads = std::move(loads)}),
+      {material});
 }
 
 // J, of the dead loads at the current displacements.
@@ -77,19 +67,14 @@ TEST_CASE("strain, stabilisation and supports store half of the work of the load
         CAPTURE(setup.name, spacing, isLoaded);
         std::vector<Load> loads;
         if (isLoaded) {
-          Load load;
-          load.region = BoxRegion{Vec3(0.08, -1, -1), Vec3(0.12, 1, 1)};
+          Load load{.region = BoxRegion{Vec3(0.08, -1, -1), Vec3(0.12, 1, 1)}};
           if (setup.name[2] == 'b' && setup.name[3] == 'a')
             load.region = BoxRegion{Vec3(-1, -1, -1), Vec3(1, -0.02, 1)};
           load.force = Vec3(0.1, 0.2, -0.3);
           loads.push_back(load);
         }
         Simulator simulator;
-        WorldSettings world;
-        world.integrator = Integrator::quasiStatic;
-        world.loadSteps = 1;
-        world.gravity = Vec3(1.0, -9.81, 2.0);
-        simulator.setWorld(world);
+        simulator.setWorld({.gravity = Vec3(1.0, -9.81, 2.0), .integrator = Integrator::quasiStatic, .loadSteps = 1});
         const std::size_t id = simulator.addBody(bodyOf(setup, spacing, MaterialLaw::linear, loads));
         while (!simulator.finished()) REQUIRE(simulator.step());
         REQUIRE(simulator.stepper().stoppedBodies() == 0);
@@ -109,9 +94,7 @@ TEST_CASE("a supported body that swings keeps the sum of its energies") {
   const Integrator integrator = GENERATE(Integrator::explicitVerlet, Integrator::implicitMidpoint);
   CAPTURE(static_cast<int>(integrator));
   Simulator simulator;
-  WorldSettings world;
-  world.integrator = integrator;
-  world.gravity = Vec3(0, -9.81, 0);
+  WorldSettings world{.gravity = Vec3(0, -9.81, 0), .integrator = integrator};
   if (integrator == Integrator::implicitMidpoint) world.dt = 2e-4;
   simulator.setWorld(world);
   const std::size_t id = simulator.addBody(bodyOf(setups()[0], 0.0131, MaterialLaw::neoHookean));

@@ -49,9 +49,7 @@ std::vector<Vec3> moved(const std::vector<Vec3> &X, const Mat3 &F, const Vec3 &s
   return u;
 }
 
-Vec3 total(const std::vector<Vec3> &forces) {
-  return std::accumulate(forces.begin(), forces.end(), Vec3(Vec3::Zero()));
-}
+using shapes::total;
 
 Mat3 matrix(shapes::Random &random) {
   Mat3 F;
@@ -111,9 +109,7 @@ TEST_CASE("A rigid motion of the phyxels moves every held patch as the fix presc
   const Beam beam;
   const auto part = beam.hold(slab(-0.001, 0.001));
   REQUIRE(part);
-  Fix fix;
-  fix.displacement = Vec3(0.01, 0.02, -0.03);
-  fix.rotation_deg = Vec3(20, 30, 200);
+  const Fix fix{.displacement = Vec3(0.01, 0.02, -0.03), .rotation_deg = Vec3(20, 30, 200)};
   const RigidMotion motion = motionAt(fix, *part, Vec3::Zero(), 0.7);
   for (std::size_t r = 0; r < part->rows.rows(); ++r) {
     Vec3 rest = Vec3::Zero(), now = Vec3::Zero();
@@ -158,8 +154,7 @@ TEST_CASE("A region that meets nothing is refused with a reason", "[supports]") 
   const auto held = beam.hold(slab(0.2, 0.3));
   REQUIRE_FALSE(held);
   CHECK_THAT(held.error(), Contains("meets no part of the body"));
-  Load load;
-  load.region = slab(0.2, 0.3);
+  Load load{.region = slab(0.2, 0.3)};
   for (const double pressure : {0.0, 10.0}) {
     load.pressure = pressure;
     const auto loaded = beam.load(load);
@@ -175,10 +170,8 @@ TEST_CASE("A region that meets nothing is refused with a reason", "[supports]") 
 }
 
 TEST_CASE("A fix turns about x, then y, then z, through its centre, and then moves", "[supports]") {
-  ConstrainedRegion part;
-  part.centroid = Vec3(0.1, 0, 0);
-  Fix fix;
-  fix.rotation_deg = Vec3(90, 0, 90);
+  const ConstrainedRegion part{.centroid = Vec3(0.1, 0, 0)};
+  Fix fix{.rotation_deg = Vec3(90, 0, 90)};
   // About x: y -> z; then about z: x -> y, z unchanged.
   CHECK((motionAt(fix, part, Vec3::Zero(), 1.0).rotation * Vec3::UnitY() - Vec3::UnitZ()).norm() < 1e-15);
   CHECK((motionAt(fix, part, Vec3::Zero(), 1.0).rotation * Vec3::UnitX() - Vec3::UnitY()).norm() < 1e-15);
@@ -197,11 +190,8 @@ TEST_CASE("A fix turns about x, then y, then z, through its centre, and then mov
 }
 
 TEST_CASE("The rate of a prescribed motion is its derivative", "[supports]") {
-  ConstrainedRegion part;
-  part.centroid = Vec3(0.1, -0.2, 0.05);
-  Fix fix;
-  fix.displacement = Vec3(0.3, 0.1, -0.2);
-  fix.rotation_deg = Vec3(100, -170, 250);
+  const ConstrainedRegion part{.centroid = Vec3(0.1, -0.2, 0.05)};
+  const Fix fix{.displacement = Vec3(0.3, 0.1, -0.2), .rotation_deg = Vec3(100, -170, 250)};
   constexpr double h = 1e-5;
   shapes::Random random(2);
   for (const double s : {0.0, 0.3, 0.77, 1.0}) {
@@ -216,8 +206,7 @@ TEST_CASE("The rate of a prescribed motion is its derivative", "[supports]") {
 
 TEST_CASE("The total of a force is exact however its surface is sampled", "[supports]") {
   const Beam beam;
-  Load load;
-  load.force = Vec3(1.5, -20.0, 0.003);
+  Load load{.force = Vec3(1.5, -20.0, 0.003)};
   for (const Region &region : {slab(0.099, 0.101), slab(-1, 1), Region(SphereRegion{Vec3(0.05, 0.02, 0.04), 0.013})}) {
     load.region = region;
     for (const double spacing : {0.1, 0.01, 0.0023}) {
@@ -233,9 +222,7 @@ TEST_CASE("The total of a force is exact however its surface is sampled", "[supp
 
 TEST_CASE("A force on a face acts at the centre of the face", "[supports]") {
   const Beam beam;
-  Load load;
-  load.region = slab(0.1, 0.101);
-  load.force = Vec3(0, -3, 1);
+  const Load load{.region = slab(0.1, 0.101), .force = Vec3(0, -3, 1)};
   const auto part = beam.load(load);
   REQUIRE(part);
   CHECK(part->area == Approx(0.04 * 0.04).epsilon(1e-9));
@@ -249,9 +236,7 @@ TEST_CASE("A force on a face acts at the centre of the face", "[supports]") {
 TEST_CASE("A force in a region without surface acts on the volume, a pressure is refused there", "[supports]") {
   Beam beam;
   beam.volumes.back() = 5e-6;
-  Load load;
-  load.region = BoxRegion{Vec3(0.02, 0.011, 0.011), Vec3(0.06, 0.029, 0.029)};
-  load.force = Vec3(0, 2, 0);
+  Load load{.region = BoxRegion{Vec3(0.02, 0.011, 0.011), Vec3(0.06, 0.029, 0.029)}, .force = Vec3(0, 2, 0)};
   const auto part = beam.load(load);
   REQUIRE(part);
   CHECK(part->points.count() == 4 * 2 * 2);
@@ -268,9 +253,7 @@ TEST_CASE("A force in a region without surface acts on the volume, a pressure is
   Beam uneven;
   uneven.surface = {};
   uneven.volumes[0] *= 3.0;
-  Load end;
-  end.region = BoxRegion{Vec3(0, 0, 0), Vec3(0.01, 0.01, 0.02)};
-  end.force = Vec3(1, 0, 0);
+  const Load end{.region = BoxRegion{Vec3(0, 0, 0), Vec3(0.01, 0.01, 0.02)}, .force = Vec3(1, 0, 0)};
   const auto two = uneven.load(end);
   REQUIRE(two);
   REQUIRE(two->shares.size() == 2);
@@ -279,10 +262,7 @@ TEST_CASE("A force in a region without surface acts on the volume, a pressure is
 
 TEST_CASE("A dead pressure pushes into the body with p times the area at rest", "[supports]") {
   const Beam beam;
-  Load load;
-  load.region = slab(0.1, 0.101);
-  load.pressure = 250.0;
-  load.follower = false;
+  const Load load{.region = slab(0.1, 0.101), .pressure = 250.0, .follower = false};
   const auto part = beam.load(load);
   REQUIRE(part);
   shapes::Random random(4);
@@ -294,9 +274,7 @@ TEST_CASE("A dead pressure pushes into the body with p times the area at rest", 
 
 TEST_CASE("A following pressure stands on the deformed face", "[supports]") {
   const Beam beam;
-  Load load;
-  load.region = slab(0.1, 0.101);
-  load.pressure = 250.0;
+  const Load load{.region = slab(0.1, 0.101), .pressure = 250.0};
   const auto part = beam.load(load);
   REQUIRE(part);
   shapes::Random random(4);
@@ -312,8 +290,7 @@ TEST_CASE("A following pressure stands on the deformed face", "[supports]") {
 
 TEST_CASE("A following pressure on a closed surface has no net force and torque and does -p dV of work", "[supports]") {
   const Beam beam;
-  Load load;
-  load.pressure = 400.0;
+  const Load load{.pressure = 400.0};
   const auto part = beam.load(load);
   REQUIRE(part);
   const double V = 0.1 * 0.04 * 0.04, A = part->area;
@@ -352,9 +329,7 @@ TEST_CASE("A pressure on a ball squeezes it evenly", "[supports]") {
   const Binder bind = [&](std::span<const Vec3> points, std::span<const Vec3>) {
     return bindToCloud(points, X, serialFor());
   };
-  Load load;
-  load.region = HalfSpaceRegion{Vec3::Zero(), Vec3(0, 0, -1)};
-  load.pressure = 100.0;
+  const Load load{.region = HalfSpaceRegion{Vec3::Zero(), Vec3(0, 0, -1)}, .pressure = 100.0};
   const auto part = loadedPart(load, ball, kSpacing, bind, X, {});
   REQUIRE(part);
   std::vector<Vec3> forces(X.size(), Vec3::Zero());
@@ -367,16 +342,9 @@ TEST_CASE("A pressure on a ball squeezes it evenly", "[supports]") {
 TEST_CASE("A body that is held in part begins to spin about its centre of mass", "[supports]") {
   // The held region ends within cells, so that phyxels there are partly carried.
   const Vec3 low(0, 0, 0), high(0.1, 0.04, 0.04), spin(0, 0, 3);
-  BodyShape shape = shapes::box(low, high);
-  shape.surface = shapes::boxSurface(low, high, 4);
-  BodyRecipe recipe;
-  recipe.sampling.spacing = 0.02;
-  Fix fix;
-  fix.region = slab(-0.01, 0.033);
-  recipe.fixes.push_back(fix);
-  const auto rest = buildRestState(shape, recipe, {}, serialFor());
-  REQUIRE(rest);
-  Body body("bar", *rest, Constitution{{Material{}}, kLatticeStabilisation}, serialFor());
+  const BodyRecipe recipe{.sampling = {.spacing = 0.02}, .fixes = {{.region = slab(-0.01, 0.033)}}};
+  Body body("bar", shapes::restState(shapes::box(low, high, 4), recipe),
+            Constitution{{Material{}}, kLatticeStabilisation}, serialFor());
   const std::span<const double> carried = body.supportMasses();
   REQUIRE(std::accumulate(carried.begin(), carried.end(), 0.0) > 0.01 * body.totalMass());
   body.setInitialVelocity(Vec3::Zero(), spin);
@@ -455,28 +423,19 @@ TEST_CASE("a support that is soft for a step is a force in it", "[supports]") {
   }
   SECTION("a bar that is held in its soft half rests where its static solution does") {
     const Surface surface = shapes::boxSurface(Vec3(0, 0, 0), Vec3(0.1, 0.02, 0.02));
-    BodyRecipe recipe;
-    recipe.sampling.spacing = 0.01;
-    recipe.sampling.materials.emplace_back(HalfSpaceRegion{Vec3(0.05, 0, 0), Vec3(-1, 0, 0)}, std::uint16_t{1});
-    Fix foot;
-    foot.region = slab(-0.01, 0.014);
-    Load load;
-    load.region = slab(0.0999, 0.11);
-    load.force = Vec3(0.02, 0, -0.002);
-    recipe.fixes = {foot};
-    recipe.loads = {load};
-    const auto rest = buildRestState(shapes::inside(surface), recipe, {}, serialFor());
-    REQUIRE(rest);
+    const auto rest = shapes::restState(
+        shapes::inside(surface),
+        {.sampling = {.spacing = 0.01, .materials = {{HalfSpaceRegion{Vec3(0.05, 0, 0), Vec3(-1, 0, 0)}, 1}}},
+         .fixes = {{.region = slab(-0.01, 0.014)}},
+         .loads = {{.region = slab(0.0999, 0.11), .force = Vec3(0.02, 0, -0.002)}}});
     const Constitution constitution{{shapes::rubber(1e4), shapes::rubber(1e7)}, kLatticeStabilisation};
     std::array<Vec3, 2> ends;
     for (const bool isStatic : {false, true}) {
       Simulator simulator;
-      WorldSettings world;
-      world.gravity = Vec3::Zero();
-      world.integrator = isStatic ? Integrator::quasiStatic : Integrator::explicitVerlet;
-      world.damping = 20.0;
-      simulator.setWorld(world);
-      const std::size_t id = simulator.addBody(std::make_unique<Body>("bar", *rest, constitution, serialFor()));
+      simulator.setWorld({.gravity = Vec3::Zero(),
+                          .integrator = isStatic ? Integrator::quasiStatic : Integrator::explicitVerlet,
+                          .damping = 20.0});
+      const std::size_t id = simulator.addBody(std::make_unique<Body>("bar", rest, constitution, serialFor()));
       simulator.world().addProbe("end", id, Vec3(0.1, 0.01, 0.01));
       while (isStatic ? !simulator.finished() : simulator.time() < 1.5) REQUIRE(simulator.step());
       ends[isStatic ? 1 : 0] =

@@ -14,13 +14,6 @@ using namespace shapes;
 
 namespace {
 
-Surface joined(Surface a, const Surface &b) {
-  const auto shift = static_cast<Index>(a.positions.size());
-  a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
-  for (const auto &t : b.triangles) a.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
-  return a;
-}
-
 // Along x, with square sections of half widths h.
 Surface swept(const std::vector<std::pair<double, double>> &sections) {
   Surface out;
@@ -41,13 +34,8 @@ Surface swept(const std::vector<std::pair<double, double>> &sections) {
 }
 
 std::shared_ptr<const RestState> laidOut(const Surface &surface, double spacing) {
-  BodyRecipe recipe;
-  recipe.sampling.spacing = spacing;
-  recipe.sampling.count = 0;
-  const std::vector<Vec3> normals(surface.positions.size(), Vec3::Zero());
-  auto rest = buildRestState(inside(surface), recipe, normals, serialFor());
-  if (!rest) throw std::runtime_error(rest.error());
-  return *rest;
+  return restState(inside(surface), {.sampling = {.spacing = spacing, .count = 0}},
+                   std::vector<Vec3>(surface.positions.size(), Vec3::Zero()));
 }
 
 Constitution soft(double youngsModulus = 6000.0) { return {{rubber(youngsModulus)}, kLatticeStabilisation}; }
@@ -160,8 +148,7 @@ TEST_CASE("points far outside of every cell are carried by functions that grow w
 TEST_CASE("energy that comes from nothing is taken back with the steps that brought it") {
   const auto run = [](bool isNear, bool poked, std::vector<SimulationEvent> *events) {
     Simulator simulator;
-    WorldSettings world;
-    world.gravity = Vec3::Zero();
+    WorldSettings world{.gravity = Vec3::Zero()};
     if (isNear) world.dt = 2e-5;  // they stay next to each other
     simulator.setWorld(world);
     auto body = latticeBox(Vec3::Zero(), Vec3(0.08, 0.04, 0.04), 0.01, rubber(1e4), 4);
@@ -208,9 +195,7 @@ TEST_CASE("two skins that overlap are found, with their depth and volume") {
 TEST_CASE("bodies that pass through each other are told of once, and nobody else") {
   Simulator simulator;
   simulator.world().setContact({false, false, 0.3});
-  WorldSettings world;
-  world.gravity = Vec3::Zero();
-  simulator.setWorld(world);
+  simulator.setWorld({.gravity = Vec3::Zero()});
   auto thrown = latticeBox(Vec3(0, 0.062, 0), Vec3(0.04, 0.102, 0.04), 0.01, rubber(1e6), 8);
   thrown->setInitialVelocity(Vec3(0, -1, 0), Vec3::Zero());
   simulator.addBody(std::move(thrown));
@@ -229,9 +214,7 @@ TEST_CASE("bodies that pass through each other are told of once, and nobody else
 TEST_CASE("pairs of many bodies are looked at in turn, and each that overlaps is found") {
   Simulator simulator;
   simulator.world().setContact({false, false, 0.3});
-  WorldSettings world;
-  world.gravity = Vec3::Zero();
-  simulator.setWorld(world);
+  simulator.setWorld({.gravity = Vec3::Zero()});
   // They meet in the middle.
   constexpr int kBodies = 6;
   for (int k = 0; k < kBodies; ++k) {

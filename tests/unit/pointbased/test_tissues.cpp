@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "contact_cases.h"
 #include "pointbased/fields.h"
 #include "pointbased/occupancy.h"
 #include "pointbased/simulator.h"
@@ -21,11 +22,7 @@ constexpr double kLength = 0.1, kHeight = 0.01, kSoft = 1e4;
 
 // Without lateral contraction bars and beams match the theory.
 Material lawOf(double modulus) {
-  Material material;
-  material.law = MaterialLaw::linear;
-  material.youngsModulus = modulus;
-  material.poissonRatio = 0.0;
-  return material;
+  return Material{.law = MaterialLaw::linear, .youngsModulus = modulus, .poissonRatio = 0.0};
 }
 
 struct Layered {
@@ -36,48 +33,33 @@ struct Layered {
   Vec3 force = Vec3::Zero();
 };
 
+Vec3 displacementAt(const Body &body, const Vec3 &point, const Vec3 &normal) {
+  const std::vector<Vec3> points{point - body.rest().origin}, normals{normal};
+  std::vector<Vec3> out(1);
+  interpolateDisplacements(body.rest().bind(points, normals), body.rest().positions, body.state().displacements, out,
+                           serialFor());
+  return out.front();
+}
+
 // Mean displacement of the loaded end of a bar that is fixed at the other one, m.
 Vec3 endOf(const Layered &of) {
   const double h = kHeight / of.cells, width = 2.0 * h;
   const Surface surface = shapes::boxSurface(Vec3(0, 0, 0), Vec3(kLength, kHeight, width));
-  BodyRecipe recipe;
-  recipe.sampling.spacing = h;
-  recipe.sampling.axes = Mat3(Mat3::Identity());
-  HalfSpaceRegion stiff;
-  stiff.point = of.border * Vec3::Unit(of.axis);
-  stiff.normal = Vec3::Unit(of.axis);
-  recipe.sampling.materials.emplace_back(stiff, std::uint16_t{1});
-  Fix foot;
-  foot.region = HalfSpaceRegion{Vec3(1e-6, 0, 0), Vec3(1, 0, 0)};
-  recipe.fixes = {foot};
-  Load load;
-  load.region = HalfSpaceRegion{Vec3(kLength - 1e-6, 0, 0), Vec3(-1, 0, 0)};
-  load.force = of.force;
-  load.follower = false;
-  recipe.loads = {load};
-  const auto rest = buildRestState(shapes::inside(surface), recipe, {}, serialFor());
-  INFO((rest ? std::string() : rest.error()));
-  REQUIRE(rest.has_value());
-  Constitution constitution;
-  constitution.materials = {lawOf(kSoft), lawOf(of.ratio * kSoft)};
-  constitution.stabilisation = kLatticeStabilisation;
+  const HalfSpaceRegion stiff{of.border * Vec3::Unit(of.axis), Vec3::Unit(of.axis)};
+  const auto rest = shapes::restState(
+      shapes::inside(surface), {.sampling = {.spacing = h, .axes = Mat3(Mat3::Identity()), .materials = {{stiff, 1}}},
+                                .fixes = {{.region = HalfSpaceRegion{Vec3(1e-6, 0, 0), Vec3(1, 0, 0)}}},
+                                .loads = {{.region = HalfSpaceRegion{Vec3(kLength - 1e-6, 0, 0), Vec3(-1, 0, 0)},
+                                           .force = of.force,
+                                           .follower = false}}});
   Simulator simulator;
-  WorldSettings world;
-  world.integrator = Integrator::quasiStatic;
-  world.loadSteps = 1;
-  simulator.setWorld(world);
-  const std::size_t id = simulator.addBody(std::make_unique<Body>("bar", *rest, constitution, serialFor()));
+  simulator.setWorld({.integrator = Integrator::quasiStatic, .loadSteps = 1});
+  const std::size_t id = simulator.addBody(shapes::makeBody(rest, {lawOf(kSoft), lawOf(of.ratio * kSoft)}));
   while (!simulator.finished()) REQUIRE(simulator.step());
   const Body &body = *simulator.body(id);
-  std::vector<Vec3> points;
-  for (int j = 0; j < 24; ++j)
-    points.push_back(Vec3(kLength, (j + 0.5) / 24.0 * kHeight, 0.5 * width) - body.rest().origin);
-  const std::vector<Vec3> normals(points.size(), Vec3(1, 0, 0));
-  const Interpolation there = body.rest().bind(points, normals);
-  std::vector<Vec3> ways(points.size());
-  interpolateDisplacements(there, body.rest().positions, body.state().displacements, ways, serialFor());
   Vec3 mean = Vec3::Zero();
-  for (const Vec3 &way : ways) mean += way / static_cast<double>(ways.size());
+  for (int j = 0; j < 24; ++j)
+    mean += displacementAt(body, Vec3(kLength, (j + 0.5) / 24.0 * kHeight, 0.5 * width), Vec3(1, 0, 0)) / 24.0;
   return mean;
 }
 
@@ -116,10 +98,7 @@ TEST_CASE("a beam of two layers bends as beam theory says, wherever their border
   for (const int cells : {4, 6})
     for (const double offset : {0.0, 0.1, 0.25, 0.5, 0.75}) {
       CAPTURE(cells, offset);
-      Layered beam;
-      beam.cells = cells;
-      beam.border = 0.5 * kHeight + offset * kHeight / cells;
-      beam.force = Vec3(0, 1e-6, 0);
+      const Layered beam{.cells = cells, .border = 0.5 * kHeight + offset * kHeight / cells, .force = Vec3(0, 1e-6, 0)};
       CHECK_THAT(endOf(beam)[1], WithinRel(bendingOf(beam), cells == 4 ? 0.015 : 0.006));
     }
 }
@@ -130,11 +109,8 @@ TEST_CASE("two materials in a row give as much as their springs, wherever their 
   for (const double ratio : {10.0, 100.0, 1e4})
     for (const double offset : {0.0, 0.25, 0.5, 0.75}) {
       CAPTURE(ratio, offset);
-      Layered row;
-      row.axis = 0;
-      row.ratio = ratio;
+      Layered row{.axis = 0, .ratio = ratio, .force = Vec3(1e-4, 0, 0)};
       row.border = 0.5 * kLength + offset * kHeight / row.cells;
-      row.force = Vec3(1e-4, 0, 0);
       const double area = kHeight * 2.0 * kHeight / row.cells;
       const double truth = 1e-4 / area * (row.border / (ratio * kSoft) + (kLength - row.border) / kSoft);
       const double ofCell = 1e-4 / area / kSoft * kHeight / row.cells;
@@ -144,14 +120,12 @@ TEST_CASE("two materials in a row give as much as their springs, wherever their 
 
 TEST_CASE("a material that fills less than a quarter of a cell is there with its volume") {
   const Surface surface = shapes::boxSurface(Vec3(0, 0, 0), Vec3(0.04, 0.04, 0.04));
-  BodyRecipe recipe;
-  recipe.sampling.spacing = 0.01;
-  recipe.sampling.axes = Mat3(Mat3::Identity());
-  recipe.sampling.materials.emplace_back(BoxRegion{Vec3(-1, 0.021, -1), Vec3(1, 0.023, 1)}, std::uint16_t{1});
-  const auto rest = buildRestState(shapes::inside(surface), recipe, {}, serialFor());
-  REQUIRE(rest.has_value());
+  const BoxRegion layer{Vec3(-1, 0.021, -1), Vec3(1, 0.023, 1)};
+  const auto rest =
+      shapes::restState(shapes::inside(surface),
+                        {.sampling = {.spacing = 0.01, .axes = Mat3(Mat3::Identity()), .materials = {{layer, 1}}}});
   double volume = 0.0, all = 0.0;
-  const StencilSet &s = (*rest)->stencils;
+  const StencilSet &s = rest->stencils;
   for (std::size_t q = 0; q < s.pointCount(); ++q) {
     all += s.volumes[q];
     if (s.materials[q] == 1) volume += s.volumes[q];
@@ -174,27 +148,20 @@ TEST_CASE("A vessel of voxels is there with its volume in cells of any size, and
         (isVessel ? vessel : around)[v] = block[v] = 1.0F;
       }
   const auto filled = [&](const std::vector<float> &fill) {
-    Occupancy all;
-    all.size = {nx, n, n};
-    all.fill = fill;
-    all.steps = voxel * Mat3::Identity();
-    return all;
+    return Occupancy{.size = {nx, n, n}, .fill = fill, .steps = voxel * Mat3::Identity()};
   };
   const Vec3 least = voxel * Vec3::Constant(0.5), most = voxel * Vec3(nx - 1.5, n - 1.5, n - 1.5);
   const auto shape = shapeOf(filled(block), shapes::boxSurface(least, most));
   REQUIRE(shape.has_value());
   for (const double spacing : {0.0036, 0.006, 0.0077, 0.011, 0.0157, 0.0187}) {
     CAPTURE(spacing);
-    BodyRecipe recipe;
-    recipe.sampling.spacing = spacing;
-    recipe.sampling.axes = Mat3(Mat3::Identity());
-    recipe.sampling.materials.emplace_back(regionOf(filled(around)).value(), std::uint16_t{1});
-    recipe.sampling.materials.emplace_back(regionOf(filled(vessel)).value(), std::uint16_t{2});
-    const auto rest = buildRestState(*shape, recipe, {}, serialFor());
-    INFO((rest ? std::string() : rest.error()));
-    REQUIRE(rest.has_value());
+    const auto rest = shapes::restState(
+        *shape,
+        {.sampling = {.spacing = spacing,
+                      .axes = Mat3(Mat3::Identity()),
+                      .materials = {{regionOf(filled(around)).value(), 1}, {regionOf(filled(vessel)).value(), 2}}}});
     std::array<double, 3> volumes{};
-    const StencilSet &s = (*rest)->stencils;
+    const StencilSet &s = rest->stencils;
     for (std::size_t q = 0; q < s.pointCount(); ++q) volumes[s.materials[q]] += s.volumes[q];
     // The remaining share of a cell: the surface cuts its small cells by planes.
     CHECK_THAT(volumes[2], WithinRel(152 * voxel * voxel * voxel, 1e-3));
@@ -218,11 +185,7 @@ std::vector<float> pillar(std::size_t from, std::size_t to) {
 }
 
 Occupancy filled(const std::vector<float> &fill) {
-  Occupancy all;
-  all.size = {kWide, kWide, kHigh};
-  all.fill = fill;
-  all.steps = kVoxel * Mat3::Identity();
-  return all;
+  return Occupancy{.size = {kWide, kWide, kHigh}, .fill = fill, .steps = kVoxel * Mat3::Identity()};
 }
 
 Surface skinOf(std::size_t from, std::size_t to) {
@@ -236,16 +199,9 @@ std::shared_ptr<const RestState> heldAtFoot(const std::vector<float> &body, cons
                                             double spacing) {
   const auto shape = shapeOf(filled(body), skin);
   REQUIRE(shape.has_value());
-  BodyRecipe recipe;
-  recipe.sampling.spacing = spacing;
-  Fix fix;
   const std::vector<float> held = pillar(1, foot);
-  fix.region = regionOf(filled(held)).value();
-  recipe.fixes = {fix};
-  const auto rest = buildRestState(*shape, recipe, {}, serialFor());
-  INFO((rest ? std::string() : rest.error()));
-  REQUIRE(rest.has_value());
-  return *rest;
+  return shapes::restState(*shape,
+                           {.sampling = {.spacing = spacing}, .fixes = {{.region = regionOf(filled(held)).value()}}});
 }
 
 }  // namespace
@@ -257,25 +213,13 @@ TEST_CASE("A pillar that stands on voxels that are held sags by its weight, its 
   for (const double spacing : {0.005, 0.008}) {
     CAPTURE(spacing);
     const auto rest = heldAtFoot(pillar(1, top), skinOf(1, top), foot, spacing);
-    Constitution constitution;
-    constitution.materials = {law};
-    constitution.stabilisation = kLatticeStabilisation;
     Simulator simulator;
-    WorldSettings world;
-    world.integrator = Integrator::quasiStatic;
-    world.loadSteps = 1;
-    world.gravity = Vec3(0, 0, -1);
-    simulator.setWorld(world);
-    const std::size_t id = simulator.addBody(std::make_unique<Body>("pillar", rest, constitution, serialFor()));
+    simulator.setWorld({.gravity = Vec3(0, 0, -1), .integrator = Integrator::quasiStatic, .loadSteps = 1});
+    const std::size_t id = simulator.addBody(shapes::makeBody(rest, {law}));
     while (!simulator.finished()) REQUIRE(simulator.step());
-    const Body &body = *simulator.body(id);
-    const double middle = 0.5 * (kWide - 1) * kVoxel, high = (top - 0.5) * kVoxel;
-    const std::vector<Vec3> points{Vec3(middle, middle, high) - body.rest().origin}, normals{Vec3(0, 0, 1)};
-    std::vector<Vec3> ways(1);
-    interpolateDisplacements(body.rest().bind(points, normals), body.rest().positions, body.state().displacements, ways,
-                             serialFor());
-    const double length = (top - foot) * kVoxel;
-    CHECK_THAT(ways[0][2], WithinRel(-law.restDensity * length * length / (2.0 * kSoft), 0.03));
+    const double middle = 0.5 * (kWide - 1) * kVoxel, high = (top - 0.5) * kVoxel, length = (top - foot) * kVoxel;
+    const Vec3 way = displacementAt(*simulator.body(id), Vec3(middle, middle, high), Vec3(0, 0, 1));
+    CHECK_THAT(way[2], WithinRel(-law.restDensity * length * length / (2.0 * kSoft), 0.03));
   }
 }
 
@@ -292,37 +236,20 @@ TEST_CASE("a bit of tissue that hangs on nothing is held beside rigid tissue, an
     Surface skin = skinOf(1, top);
     const auto at = [](double x) { return (x - 0.5) * kVoxel; };
     const double side = at(3.0 + static_cast<double>(wide));
-    Surface apart = shapes::boxSurface(Vec3(at(3), at(3), at(above)), Vec3(side, side, at(above + high)));
-    const auto first = static_cast<Index>(skin.positions.size());
-    skin.positions.insert(skin.positions.end(), apart.positions.begin(), apart.positions.end());
-    for (auto triangle : apart.triangles) {
-      for (Index &corner : triangle) corner += first;
-      skin.triangles.push_back(triangle);
-    }
+    skin = shapes::joined(skin, shapes::boxSurface(Vec3(at(3), at(3), at(above)), Vec3(side, side, at(above + high))));
     const auto rest = heldAtFoot(body, skin, foot, 0.005);
     CHECK(rest->components == 2);
-    Constitution constitution;
-    constitution.materials = {lawOf(kSoft)};
-    constitution.stabilisation = kLatticeStabilisation;
     Simulator simulator;
-    WorldSettings world;
-    world.integrator = Integrator::explicitVerlet;
-    world.gravity = Vec3(0, 0, -1);
-    simulator.setWorld(world);
-    const std::size_t id = simulator.addBody(std::make_unique<Body>("pillar", rest, constitution, serialFor()));
+    simulator.setWorld({.gravity = Vec3(0, 0, -1), .integrator = Integrator::explicitVerlet});
+    const std::size_t id = simulator.addBody(shapes::makeBody(rest, {lawOf(kSoft)}));
     while (simulator.time() < 0.05) REQUIRE(simulator.step());
-    const Body &moved = *simulator.body(id);
-    const double middle = 0.5 * (at(3) + side);
-    const std::vector<Vec3> points{Vec3(middle, middle, 0.5 * (at(above) + at(above + high))) - moved.rest().origin},
-        normals{Vec3(0, 0, 1)};
-    std::vector<Vec3> ways(1);
-    interpolateDisplacements(moved.rest().bind(points, normals), moved.rest().positions, moved.state().displacements,
-                             ways, serialFor());
+    const double middle = 0.5 * (at(3) + side), height = 0.5 * (at(above) + at(above + high));
+    const Vec3 way = displacementAt(*simulator.body(id), Vec3(middle, middle, height), Vec3(0, 0, 1));
     const double fall = 0.5 * simulator.time() * simulator.time();
     if (wide == 2)
-      CHECK(ways[0].norm() == 0.0);
+      CHECK(way.norm() == 0.0);
     else
-      CHECK_THAT(ways[0][2], WithinRel(-fall, 0.02));
+      CHECK_THAT(way[2], WithinRel(-fall, 0.02));
   }
 }
 
@@ -348,43 +275,23 @@ BallInShell ballInShell(double spacing) {
     if (r < kBall) out.ballVolume += kVoxel * kVoxel * kVoxel;
   }
   const auto cube = [&](const std::vector<float> &fill) {
-    Occupancy all;
-    all.size = {n, n, n};
-    all.fill = fill;
-    all.origin = -0.5 * (n - 1) * kVoxel * Vec3::Ones();
-    all.steps = kVoxel * Mat3::Identity();
-    return all;
+    return Occupancy{.size = {n, n, n},
+                     .fill = fill,
+                     .origin = -0.5 * (n - 1) * kVoxel * Vec3::Ones(),
+                     .steps = kVoxel * Mat3::Identity()};
   };
   Surface skin;
   for (const double radius : {kBall, kShell, kOuter}) {
-    const Surface one = shapes::ballSurface(Vec3::Zero(), radius * kVoxel, 24);
-    const auto first = static_cast<Index>(skin.positions.size());
-    skin.positions.insert(skin.positions.end(), one.positions.begin(), one.positions.end());
-    for (auto triangle : one.triangles) {
-      if (radius == kShell) std::swap(triangle[0], triangle[1]);  // of a hollow
-      for (Index &corner : triangle) corner += first;
-      skin.triangles.push_back(triangle);
-    }
+    Surface one = shapes::ballSurface(Vec3::Zero(), radius * kVoxel, 24);
+    if (radius == kShell)  // of a hollow
+      for (auto &triangle : one.triangles) std::swap(triangle[0], triangle[1]);
+    skin = shapes::joined(skin, one);
   }
   const auto shape = shapeOf(cube(body), skin);
   REQUIRE(shape.has_value());
-  BodyRecipe recipe;
-  recipe.sampling.spacing = spacing;
-  Fix fix;
-  fix.region = out.shell = regionOf(cube(shell)).value();
-  recipe.fixes = {fix};
-  const auto rest = buildRestState(*shape, recipe, {}, serialFor());
-  INFO((rest ? std::string() : rest.error()));
-  REQUIRE(rest.has_value());
-  out.rest = *rest;
+  out.shell = regionOf(cube(shell)).value();
+  out.rest = shapes::restState(*shape, {.sampling = {.spacing = spacing}, .fixes = {{.region = out.shell}}});
   return out;
-}
-
-std::unique_ptr<Body> softBody(const std::shared_ptr<const RestState> &rest) {
-  Constitution constitution;
-  constitution.materials = {lawOf(kSoft)};
-  constitution.stabilisation = kLatticeStabilisation;
-  return std::make_unique<Body>("ball", rest, constitution, serialFor());
 }
 
 }  // namespace
@@ -397,24 +304,17 @@ TEST_CASE("A ball in a shell that is held falls, and all that moves is the ball"
     const std::vector<double> &volumes = ball.rest->stencils.volumes;
     CHECK_THAT(std::accumulate(volumes.begin(), volumes.end(), 0.0), WithinRel(ball.ballVolume, 0.02));
     Simulator simulator;
-    WorldSettings world;
-    world.integrator = Integrator::explicitVerlet;
-    world.gravity = Vec3(0, 0, 1);
-    simulator.setWorld(world);
-    const std::size_t id = simulator.addBody(softBody(ball.rest));
+    simulator.setWorld({.gravity = Vec3(0, 0, 1), .integrator = Integrator::explicitVerlet});
+    const std::size_t id = simulator.addBody(shapes::makeBody(ball.rest, {lawOf(kSoft)}));
     while (simulator.time() < 0.05) REQUIRE(simulator.step());
-    const Body &moved = *simulator.body(id);
-    const std::vector<Vec3> points{-moved.rest().origin}, normals{Vec3(0, 0, 1)};
-    std::vector<Vec3> ways(1);
-    interpolateDisplacements(moved.rest().bind(points, normals), moved.rest().positions, moved.state().displacements,
-                             ways, serialFor());
+    const Vec3 way = displacementAt(*simulator.body(id), Vec3::Zero(), Vec3(0, 0, 1));
     // Small cells that contain both are assigned to one of them: a part of the fall where the gap is a quarter of the
     // spacing.
     const double fall = 0.5 * simulator.time() * simulator.time();
     if (spacing < 0.016)
-      CHECK_THAT(ways[0][2], WithinRel(fall, 0.02));
+      CHECK_THAT(way[2], WithinRel(fall, 0.02));
     else
-      CHECK(ways[0][2] > 0.9 * fall);
+      CHECK(way[2] > 0.9 * fall);
   }
 }
 
@@ -427,16 +327,9 @@ TEST_CASE("Soft tissue comes to lie on rigid tissue of its own body, and does no
   for (const bool meets : {true, false}) {
     CAPTURE(meets);
     Simulator simulator;
-    WorldSettings world;
-    world.integrator = integrator;
-    world.gravity = Vec3(0, 0, 10);
-    world.damping = 4.0;
-    simulator.setWorld(world);
-    ContactSettings contact;
-    contact.enabled = meets;
-    contact.self = false;
-    simulator.world().setContact(contact);
-    const std::size_t id = simulator.addBody(softBody(ball.rest));
+    simulator.setWorld({.gravity = Vec3(0, 0, 10), .integrator = integrator, .damping = 4.0});
+    simulator.world().setContact({.enabled = meets, .self = false});
+    const std::size_t id = simulator.addBody(shapes::makeBody(ball.rest, {lawOf(kSoft)}));
     const auto depth = [&] {
       const Body &body = *simulator.body(id);
       const Interpolation &points = body.rest().contact.binding;
@@ -503,15 +396,9 @@ TEST_CASE("Soft tissue that comes far into rigid tissue between points of contac
   for (const double weight : {10.0, 3000.0}) {
     CAPTURE(weight);
     Simulator simulator;
-    WorldSettings world;
-    world.integrator = Integrator::explicitVerlet;
-    world.gravity = Vec3(0, 0, weight);
-    world.damping = 4.0;
-    simulator.setWorld(world);
-    ContactSettings contact;
-    contact.self = false;
-    simulator.world().setContact(contact);
-    const std::size_t id = simulator.addBody(softBody(ball.rest));
+    simulator.setWorld({.gravity = Vec3(0, 0, weight), .integrator = Integrator::explicitVerlet, .damping = 4.0});
+    simulator.world().setContact({.self = false});
+    const std::size_t id = simulator.addBody(shapes::makeBody(ball.rest, {lawOf(kSoft)}));
     while (simulator.time() < 0.5) REQUIRE(simulator.step());
     // The drawn skin of the soft part.
     std::vector<Vec3> x, n;
@@ -521,8 +408,7 @@ TEST_CASE("Soft tissue that comes far into rigid tissue between points of contac
     for (std::size_t p = 0; p < x.size(); ++p)
       if ((rest.origin + rest.surfels.position(p, rest.positions)).norm() < (kBall + 0.5) * kVoxel)
         depth = std::max(depth, -signedDistance(ball.shell, x[p]));
-    const auto told = std::count_if(simulator.diagnostics().events().begin(), simulator.diagnostics().events().end(),
-                                    [](const SimulationEvent &event) { return event.kind == "skin"; });
+    const auto told = shapes::countEvents(simulator, "skin");
     CAPTURE(depth, simulator.diagnostics().skinDepth(id));
     CHECK(simulator.diagnostics().skinDepth(id) >= depth);
     // Half of the distance between points of contact.
@@ -533,21 +419,17 @@ TEST_CASE("Soft tissue that comes far into rigid tissue between points of contac
 
 TEST_CASE("a cell whose corners have been moved is of the material of which it holds most") {
   const Surface surface = shapes::boxSurface(Vec3(0, 0, 0), Vec3(0.06, 0.06, 0.06));
-  BodyRecipe recipe;
-  recipe.sampling.spacing = 0.01;
-  recipe.sampling.axes = Mat3(Mat3::Identity());
-  recipe.sampling.jitter = 0.2;
-  // Three quarters of the third layer of cells.
-  recipe.sampling.materials.emplace_back(HalfSpaceRegion{Vec3(0, 0.0275, 0), Vec3::UnitY()}, std::uint16_t{1});
-  const auto rest = buildRestState(shapes::inside(surface), recipe, {}, serialFor());
-  REQUIRE(rest.has_value());
+  const HalfSpaceRegion part{Vec3(0, 0.0275, 0), Vec3::UnitY()};  // three quarters of the third layer of cells
+  const auto rest = shapes::restState(
+      shapes::inside(surface),
+      {.sampling = {.spacing = 0.01, .axes = Mat3(Mat3::Identity()), .jitter = 0.2, .materials = {{part, 1}}}});
   std::size_t inner = 0;
-  for (std::size_t q = 0; q < (*rest)->pointCount(); ++q) {
-    const Vec3 x = (*rest)->origin + (*rest)->pointCentres[q];
+  for (std::size_t q = 0; q < rest->pointCount(); ++q) {
+    const Vec3 x = rest->origin + rest->pointCentres[q];
     // Corners move by up to 2 mm, the centres of cells by less than 1.
     if ((x - Vec3(0.03, 0.025, 0.03)).cwiseAbs().maxCoeff() > 0.0075 || std::abs(x[1] - 0.025) > 0.002) continue;
     ++inner;
-    CHECK((*rest)->stencils.materials[q] == 1);
+    CHECK(rest->stencils.materials[q] == 1);
   }
   CHECK(inner == 4);
 }
@@ -555,10 +437,8 @@ TEST_CASE("a cell whose corners have been moved is of the material of which it h
 TEST_CASE("contact of a body whose tissues are voxels is between a coarser skin than the drawn one") {
   constexpr std::size_t n = 20;
   const double radius = 8.0 * kVoxel;
-  Occupancy ball;
-  ball.size = {n, n, n};
-  ball.origin = -0.5 * (n - 1) * kVoxel * Vec3::Ones();
-  ball.steps = kVoxel * Mat3::Identity();
+  Occupancy ball{
+      .size = {n, n, n}, .origin = -0.5 * (n - 1) * kVoxel * Vec3::Ones(), .steps = kVoxel * Mat3::Identity()};
   std::vector<float> fill;
   for (std::size_t v = 0; v < n * n * n; ++v)
     fill.push_back((ball.origin + kVoxel * Vec3(v % n, v / n % n, v / (n * n))).norm() < radius ? 1.0F : 0.0F);
@@ -566,18 +446,12 @@ TEST_CASE("contact of a body whose tissues are voxels is between a coarser skin 
   const auto shape = shapeOf(ball, shapes::ballSurface(Vec3::Zero(), radius, 60));
   REQUIRE(shape.has_value());
   const auto trianglesWith = [&](const Region &tissue) {
-    BodyRecipe recipe;
-    recipe.sampling.spacing = 0.012;
-    recipe.sampling.materials.emplace_back(tissue, std::uint16_t{1});
-    const auto rest = buildRestState(*shape, recipe, {}, serialFor());
-    REQUIRE(rest.has_value());
-    Constitution constitution;
-    constitution.materials = {lawOf(kSoft), lawOf(kSoft)};
-    const Body body("ball", *rest, constitution, serialFor());
+    const auto rest = shapes::restState(*shape, {.sampling = {.spacing = 0.012, .materials = {{tissue, 1}}}});
+    const Body body("ball", rest, Constitution{{lawOf(kSoft), lawOf(kSoft)}}, serialFor());
     detail::SkinContacts contacts;
     const detail::ContactSkin &skin = contacts.skinOf(detail::SkinContacts::ownerOf(1, body, {})).skin();
     for (const detail::SkinEdge &edge : skin.edges) REQUIRE(edge.triangles[1] != detail::kNoTriangle);
-    return static_cast<double>(skin.triangles.size()) / static_cast<double>((*rest)->skin.size());
+    return static_cast<double>(skin.triangles.size()) / static_cast<double>(rest->skin.size());
   };
   CHECK(trianglesWith(SphereRegion{Vec3::Zero(), 0.5 * radius}) == 1.0);
   CHECK(trianglesWith(regionOf(ball).value()) < 0.25);
@@ -585,9 +459,7 @@ TEST_CASE("contact of a body whose tissues are voxels is between a coarser skin 
 
 TEST_CASE("An evaluation point goes with its own part of a cell, though its middle lies nearer to another part") {
   constexpr std::size_t n = 40;
-  Occupancy folds;
-  folds.size = {n, n, n};
-  folds.steps = kVoxel * Mat3::Identity();
+  Occupancy folds{.size = {n, n, n}, .steps = kVoxel * Mat3::Identity()};
   std::vector<float> fill;
   for (std::size_t v = 0; v < n * n * n; ++v) {
     const Vec3 x = 0.7 * Vec3(v % n, v / n % n, v / (n * n));  // a gyroid: sheets with gaps between them
@@ -599,11 +471,8 @@ TEST_CASE("An evaluation point goes with its own part of a cell, though its midd
   const Vec3 middle = Vec3::Constant(0.5 * (n - 1) * kVoxel);
   const auto shape = shapeOf(folds, shapes::ballSurface(middle, 0.4 * n * kVoxel, 40));
   REQUIRE(shape.has_value());
-  BodyRecipe recipe;
-  recipe.sampling.spacing = 8.0 * kVoxel;
-  const auto made = buildRestState(*shape, recipe, {}, serialFor());
-  REQUIRE(made.has_value());
-  const RestState &rest = **made;
+  const auto built = shapes::restState(*shape, {.sampling = {.spacing = 8.0 * kVoxel}});
+  const RestState &rest = *built;
   const Interpolation points = bindPoints(rest);
   REQUIRE(points.count() == rest.pointCount());
   for (std::size_t q = 0; q < points.count(); ++q) {

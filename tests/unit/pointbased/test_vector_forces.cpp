@@ -159,8 +159,7 @@ double largestSquaredFrequency(Body &body, const Constitution &constitution, sup
 }  // namespace
 
 TEST_CASE("cells that are bent far out of shape take the steps that their modes need", "[kernels]") {
-  LatticeSampling one;
-  one.spacing = 0.02;
+  const LatticeSampling one{.spacing = 0.02};
   for (const double amplitude : {0.5, 2.0, 5.0, 20.0}) {
     const Constitution constitution{{materialOf(MaterialLaw::neoHookean)}, kLatticeStabilisation};
     Body body("cell", latticeBody(shapes::box(Vec3::Zero(), Vec3(0.02, 0.02, 0.02)), one), constitution, serialFor());
@@ -265,25 +264,23 @@ namespace {
 
 // A ball with a part of another material cut off by a plane.
 std::shared_ptr<const RestState> ballOfTwo(LatticeSampling sampling) {
-  HalfSpaceRegion part;
-  part.point = Vec3(0.112, 0.2, -0.1);
-  part.normal = -Vec3(1.0, 0.3, 0.2).normalized();
-  sampling.materials.emplace_back(part, std::uint16_t{1});
+  sampling.materials = {{HalfSpaceRegion{Vec3(0.112, 0.2, -0.1), -Vec3(1.0, 0.3, 0.2).normalized()}, 1}};
   return latticeBody(shapes::ball(Vec3(0.1, 0.2, -0.1), 0.05), sampling);
-}
-
-std::shared_ptr<const RestState> ballOfTwo(std::size_t count) {
-  LatticeSampling sampling;
-  sampling.count = count;
-  return ballOfTwo(std::move(sampling));
 }
 
 // Cells next to larger ones, that contain both.
 std::shared_ptr<const RestState> refinedBallOfTwo() {
-  LatticeSampling sampling;
-  sampling.spacing = 0.02;
-  sampling.refinements.push_back({BoxRegion{Vec3(0.05, 0.1, -0.2), Vec3(0.2, 0.2, 0.0)}, 0.01});
-  return ballOfTwo(std::move(sampling));
+  return ballOfTwo({.spacing = 0.02, .refinements = {{BoxRegion{Vec3(0.05, 0.1, -0.2), Vec3(0.2, 0.2, 0.0)}, 0.01}}});
+}
+
+// A cube of one cell; what lies beyond each plane is of another material.
+std::shared_ptr<const RestState> cellOf(const std::vector<HalfSpaceRegion> &parts) {
+  LatticeSampling sampling{.spacing = 0.02, .axes = Mat3(Mat3::Identity())};
+  for (const HalfSpaceRegion &part : parts)
+    sampling.materials.emplace_back(part, static_cast<std::uint16_t>(sampling.materials.size() + 1));
+  const auto rest = latticeBody(shapes::box(Vec3::Zero(), Vec3::Constant(0.02)), sampling);
+  REQUIRE(rest->pointCount() == parts.size() + 1);
+  return rest;
 }
 
 Constitution softAndStiff(MaterialLaw one, MaterialLaw other, double ratio) {
@@ -297,9 +294,8 @@ Constitution softAndStiff(MaterialLaw one, MaterialLaw other, double ratio) {
 
 TEST_CASE("several materials of a body are each answered by their own law", "[kernels]") {
   const BodyShape ball = shapes::ball(Vec3(0.1, 0.2, -0.1), 0.05);
-  LatticeSampling sampling;
-  sampling.count = 400;
-  sampling.materials.emplace_back(BoxRegion{Vec3(0.115, 0.1, -0.2), Vec3(0.2, 0.3, 0.0)}, std::uint16_t{1});
+  const LatticeSampling sampling{.count = 400,
+                                 .materials = {{BoxRegion{Vec3(0.115, 0.1, -0.2), Vec3(0.2, 0.3, 0.0)}, 1}}};
   // Auxetic: no kernel implements its neo-Hookean energy, the scalar engine computes it, and cells of both materials
   // have one strain.
   Material soft = materialOf(MaterialLaw::neoHookean), auxetic = soft;
@@ -317,7 +313,8 @@ TEST_CASE("forces of cells of two materials are the gradient of their energy, an
     for (const double ratio : {3.0, 100.0})
       for (const double stabilisation : {0.0, kLatticeStabilisation})
         for (const auto &[size, rest] :
-             {std::pair(1e-3, ballOfTwo(150)), std::pair(0.15, ballOfTwo(150)), std::pair(0.15, refinedBallOfTwo())}) {
+             {std::pair(1e-3, ballOfTwo({.count = 150})), std::pair(0.15, ballOfTwo({.count = 150})),
+              std::pair(0.15, refinedBallOfTwo())}) {
           Constitution constitution = softAndStiff(one, other, ratio);
           constitution.stabilisation = stabilisation;
           Body body("b", rest, constitution, serialFor());
@@ -373,7 +370,7 @@ TEST_CASE("forces of cells of two materials are the gradient of their energy, an
 }
 
 TEST_CASE("a turn strains no cell of two materials, and turns the forces of a strained one with it", "[kernels]") {
-  const auto rest = ballOfTwo(150);
+  const auto rest = ballOfTwo({.count = 150});
   const Mat3 R = Eigen::AngleAxisd(1.1, Vec3(1, 2, -1).normalized()).toRotationMatrix();
   for (const Precision precision : {Precision::doublePrecision, Precision::singlePrecision}) {
     Body body("b", rest, softAndStiff(MaterialLaw::neoHookean, MaterialLaw::neoHookean, 100.0), serialFor());
@@ -398,15 +395,7 @@ TEST_CASE("a turn strains no cell of two materials, and turns the forces of a st
 
 TEST_CASE("a laminate shares a strain across its border as both press alike, and none along it", "[kernels]") {
   // A cube of one cell in two layers, compressed by a thousandth.
-  LatticeSampling sampling;
-  sampling.spacing = 0.02;
-  sampling.axes = Mat3(Mat3::Identity());
-  HalfSpaceRegion part;
-  part.point = Vec3(0.006, 0.0, 0.0);
-  part.normal = Vec3::UnitX();
-  sampling.materials.emplace_back(part, std::uint16_t{1});
-  const auto rest = latticeBody(shapes::box(Vec3::Zero(), Vec3::Constant(0.02)), sampling);
-  REQUIRE(rest->pointCount() == 2);
+  const auto rest = cellOf({{Vec3(0.006, 0.0, 0.0), Vec3::UnitX()}});
   const Constitution constitution = softAndStiff(MaterialLaw::neoHookean, MaterialLaw::neoHookean, 20.0);
   Body body("b", rest, constitution, serialFor());
   for (const Vec3 &strain : {Vec3(-1e-6, 0, 0), Vec3(0, 1e-6, 0), Vec3(1e-6, 2e-6, 0)}) {
@@ -426,16 +415,8 @@ TEST_CASE("a laminate shares a strain across its border as both press alike, and
 
 TEST_CASE("layers of a bent cell have its mean strain, and press on each other alike", "[kernels]") {
   // The border cuts a corner off: the strains at the middles of the layers differ.
-  LatticeSampling sampling;
-  sampling.spacing = 0.02;
-  sampling.axes = Mat3(Mat3::Identity());
-  HalfSpaceRegion part;
   const Vec3 n = Vec3(1, 1, 0).normalized();
-  part.point = Vec3(0.007, 0.007, 0.0);
-  part.normal = n;
-  sampling.materials.emplace_back(part, std::uint16_t{1});
-  const auto rest = latticeBody(shapes::box(Vec3::Zero(), Vec3::Constant(0.02)), sampling);
-  REQUIRE(rest->pointCount() == 2);
+  const auto rest = cellOf({{Vec3(0.007, 0.007, 0.0), n}});
   const Constitution constitution = softAndStiff(MaterialLaw::neoHookean, MaterialLaw::neoHookean, 20.0);
   Body body("b", rest, constitution, serialFor());
   for (std::size_t i = 0; i < rest->phyxelCount(); ++i) {
@@ -465,17 +446,9 @@ TEST_CASE("layers of a bent cell have its mean strain, and press on each other a
 
 // Voxels that fill one plane of samples: a brain with fluid around it could not make its first step.
 TEST_CASE("layers of a cell that are flat along an axis give finite forces", "[kernels]") {
-  LatticeSampling sampling;
-  sampling.spacing = 0.02;
-  sampling.axes = Mat3(Mat3::Identity());
-  HalfSpaceRegion part;
-  part.point = Vec3(0.008, 0.0, 0.0);
-  part.normal = Vec3::UnitX();
-  sampling.materials.emplace_back(part, std::uint16_t{1});
   for (int axis = 0; axis < 3; ++axis) {
     CAPTURE(axis);
-    RestState flat = *latticeBody(shapes::box(Vec3::Zero(), Vec3::Constant(0.02)), sampling);
-    REQUIRE(flat.pointCount() == 2);
+    RestState flat = *cellOf({{Vec3(0.008, 0.0, 0.0), Vec3::UnitX()}});
     for (Vec3 &variance : flat.stencils.variances) variance[axis] = 0.0;
     const auto rest = std::make_shared<const RestState>(std::move(flat));
     Body body("b", rest, softAndStiff(MaterialLaw::neoHookean, MaterialLaw::neoHookean, 20.0), serialFor());
@@ -497,15 +470,7 @@ TEST_CASE("bending of a cell of two materials is in a row across their border, a
   for (const int axis : {0, 2})
     for (const double ratio : {2.0, 100.0}) {
       CAPTURE(axis, ratio);
-      LatticeSampling sampling;
-      sampling.spacing = 0.02;
-      sampling.axes = Mat3(Mat3::Identity());
-      HalfSpaceRegion part;
-      part.point = 0.005 * Vec3::Unit(axis);
-      part.normal = Vec3::Unit(axis);
-      sampling.materials.emplace_back(part, std::uint16_t{1});
-      const auto rest = latticeBody(shapes::box(Vec3::Zero(), Vec3::Constant(0.02)), sampling);
-      REQUIRE(rest->pointCount() == 2);
+      const auto rest = cellOf({{0.005 * Vec3::Unit(axis), Vec3::Unit(axis)}});
       Constitution constitution = softAndStiff(MaterialLaw::linear, MaterialLaw::linear, ratio);
       for (Material &material : constitution.materials) material.poissonRatio = 0.0;
       Body body("b", rest, constitution, serialFor());
@@ -529,17 +494,7 @@ TEST_CASE("bending of a cell of two materials is in a row across their border, a
 
 TEST_CASE("three materials of a cell are two layers", "[kernels]") {
   // Across a cube of one cell: two that are nearly alike, and a soft one.
-  LatticeSampling sampling;
-  sampling.spacing = 0.02;
-  sampling.axes = Mat3(Mat3::Identity());
-  HalfSpaceRegion stiff, other;
-  stiff.point = Vec3(0.006, 0.0, 0.0);
-  stiff.normal = other.normal = Vec3::UnitX();
-  other.point = Vec3(0.003, 0.0, 0.0);
-  sampling.materials.emplace_back(stiff, std::uint16_t{1});
-  sampling.materials.emplace_back(other, std::uint16_t{2});
-  const auto rest = latticeBody(shapes::box(Vec3::Zero(), Vec3::Constant(0.02)), sampling);
-  REQUIRE(rest->pointCount() == 3);
+  const auto rest = cellOf({{Vec3(0.006, 0.0, 0.0), Vec3::UnitX()}, {Vec3(0.003, 0.0, 0.0), Vec3::UnitX()}});
   Constitution constitution = softAndStiff(MaterialLaw::neoHookean, MaterialLaw::neoHookean, 50.0);
   constitution.materials.push_back(constitution.materials[1]);  // as stiff as the second
   constitution.materials[2].youngsModulus *= 1.01;

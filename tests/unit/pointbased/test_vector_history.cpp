@@ -21,11 +21,7 @@ constexpr Memory kMemories[] = {
 
 Material materialOf(MaterialLaw law, const Memory &memory) {
   Material m = vector_cases::materialOf(law);
-  if (memory.flows) {
-    m.plastic.yield = 0.04;
-    m.plastic.creep = 0.8;
-    m.plastic.max = 0.3;
-  }
+  if (memory.flows) m.plastic = {.yield = 0.04, .creep = 0.8, .max = 0.3};
   if (memory.terms > 0) m.prony[0] = {0.4, 0.01};
   if (memory.terms > 1) m.prony[1] = {0.2, 0.1};
   return m;
@@ -130,8 +126,7 @@ TEST_CASE("collapsed and mirrored cells flow and relax as by the scalar engine",
 }
 
 TEST_CASE("only the material that flows or relaxes does so", "[kernels]") {
-  LatticeSampling sampling;
-  sampling.count = 400;
+  LatticeSampling sampling{.count = 400};
   sampling.materials.emplace_back(BoxRegion{Vec3(0.115, 0.1, -0.2), Vec3(0.2, 0.3, 0.0)}, std::uint16_t{1});
   const auto rest = latticeBody(shapes::ball(Vec3(0.1, 0.2, -0.1), 0.05), sampling);
   const Material elastic = vector_cases::materialOf(MaterialLaw::corotated);

@@ -16,37 +16,24 @@ constexpr double kWidth = 0.04, kLength = 0.2;
 struct Bench {
   BodyShape shape =
       lattice_cases::box(Vec3(0, -0.5 * kWidth, -0.5 * kWidth), Vec3(kLength, 0.5 * kWidth, 0.5 * kWidth));
-  BodyRecipe recipe;
-  Material material;
-  WorldSettings world;
+  BodyRecipe recipe{.sampling = {.spacing = kWidth / 3}};
+  Material material{.youngsModulus = 1e4, .poissonRatio = 0.3, .restDensity = 1000.0};
+  WorldSettings world{.integrator = Integrator::quasiStatic};
   Simulator simulator;
   std::size_t id = 0;
 
-  Bench() {
-    recipe.sampling.spacing = kWidth / 3;
-    material.law = MaterialLaw::neoHookean;
-    material.youngsModulus = 1e4;
-    material.poissonRatio = 0.3;
-    material.restDensity = 1000.0;
-    world.integrator = Integrator::quasiStatic;
-  }
   Bench &hold() {
-    recipe.fixes.emplace_back().region = BoxRegion{Vec3(-1e-7, -1, -1), Vec3(1e-7, 1, 1)};
+    recipe.fixes.push_back({.region = BoxRegion{Vec3(-1e-7, -1, -1), Vec3(1e-7, 1, 1)}});
     return *this;
   }
   Bench &pull(const Vec3 &force) {
-    Load &load = recipe.loads.emplace_back();
-    load.region = BoxRegion{Vec3(kLength - 1e-7, -1, -1), Vec3(kLength + 1e-7, 1, 1)};
-    load.force = force;
+    recipe.loads.push_back(
+        {.region = BoxRegion{Vec3(kLength - 1e-7, -1, -1), Vec3(kLength + 1e-7, 1, 1)}, .force = force});
     return *this;
   }
   Bench &build() {
-    auto rest = buildRestState(shape, recipe, {}, serialFor());
-    if (!rest) throw std::runtime_error(rest.error());
-    const Constitution constitution{
-        {material}, recipe.evaluation == Evaluation::phyxels ? kCloudStabilisation : kLatticeStabilisation};
     simulator.setWorld(world);
-    id = simulator.addBody(std::make_unique<Body>("bar", *rest, constitution, serialFor()));
+    id = simulator.addBody(shapes::makeBody(shapes::restState(shape, recipe), {material}, "bar"));
     return *this;
   }
   Bench &solve() {
@@ -103,8 +90,7 @@ TEST_CASE("verify: the error of a bent bar is that against a lattice of a quarte
   bench.hold().pull(Vec3(0, 0, -1.6e-3)).solve();
   const Verification verified = good(bench.verified());
   const double coarse = verified.elasticEnergy;
-  VerifySettings finer;
-  finer.refinement = 4.0;
+  const VerifySettings finer{.refinement = 4.0};
   const Verification truth = good(bench.verified({}, nullptr, finer));
   // Its factor is for halves: of quarters the difference is 15/16 of the error.
   const double error = truth.errorRms * (16.0 / 15.0) / errorOverDifference(kFineReferenceRefinement);
@@ -171,12 +157,10 @@ TEST_CASE("verify: what lies on a floor leaves its load there", "[verify]") {
     Bench bench;
     bench.shape = lattice_cases::box(Vec3(-0.05, -0.05, 0.0), Vec3(0.05, 0.05, 0.1));
     bench.recipe.sampling.spacing = 0.1 / 5;
-    bench.world.integrator = integrator;
-    bench.world.gravity = Vec3(0, 0, -1.0);
-    bench.world.damping = 20.0;
-    bench.world.box.enabled = true;
-    bench.world.box.min = Vec3(-1, -1, 0);
-    bench.world.box.max = Vec3(1, 1, 1);
+    bench.world = {.gravity = Vec3(0, 0, -1.0),
+                   .box = {.enabled = true, .min = Vec3(-1, -1, 0), .max = Vec3(1, 1, 1)},
+                   .integrator = integrator,
+                   .damping = 20.0};
     if (integrator == Integrator::quasiStatic)
       bench.solve();
     else
@@ -194,9 +178,7 @@ TEST_CASE("verify: what lies on a floor leaves its load there", "[verify]") {
 TEST_CASE("verify: what lies on an edge neither slides nor tips over", "[verify]") {
   Bench bench;
   bench.recipe.sampling.spacing = kWidth / 2;
-  bench.world.integrator = Integrator::explicitVerlet;
-  bench.world.gravity = Vec3(0, 0, -5.0);
-  bench.world.damping = 20.0;
+  bench.world = {.gravity = Vec3(0, 0, -5.0), .integrator = Integrator::explicitVerlet, .damping = 20.0};
   // A table below 3/5 of the bar; the rest overhangs.
   Obstacle table;
   table.name = "table";
@@ -248,8 +230,7 @@ TEST_CASE("verify: the shadow of a cloud is a lattice", "[verify]") {
 TEST_CASE("verify: where half the spacing is too much, two thirds tell about the same", "[verify]") {
   Bench bench;
   bench.hold().pull(Vec3(0, 0, -1.6e-3)).solve();
-  VerifySettings few;
-  few.mostPhyxels = 1000;
+  const VerifySettings few{.mostPhyxels = 1000};
   const Verification half = good(bench.verified()), twoThirds = good(bench.verified({}, nullptr, few));
   CHECK_THAT(twoThirds.fineReferenceSpacing, WithinRel(bench.recipe.sampling.spacing / 1.5, 1e-12));
   CHECK(said(twoThirds).find("1.5 times finer") != std::string::npos);
@@ -270,8 +251,7 @@ TEST_CASE("verify: what cannot be verified is refused, and nothing has changed",
     [[nodiscard]] bool isRaised() const noexcept override { return true; }
   } raised;
   CHECK(refusal(bench.verified({}, &raised)) == "cancelled");
-  VerifySettings few;
-  few.mostPhyxels = 300;
+  const VerifySettings few{.mostPhyxels = 300};
   CHECK_THAT(refusal(bench.verified({}, nullptr, few)),
              Contains("phyxels at a spacing of 8.89 mm; accepted: at most 300"));
   REQUIRE(bench.verified());

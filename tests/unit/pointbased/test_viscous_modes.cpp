@@ -15,17 +15,11 @@ namespace {
 constexpr double kEdge = 0.02;  // m
 
 std::unique_ptr<Body> cube(double viscosity, MaterialLaw law = MaterialLaw::neoHookean) {
-  BodyRecipe recipe;
-  recipe.sampling.spacing = kEdge / 2;
-  auto rest = buildRestState(shapes::inside(shapes::boxSurface(Vec3::Zero(), Vec3::Constant(kEdge), 2)), recipe, {},
-                             serialFor());
-  REQUIRE(rest);
-  Material material;
-  material.law = law;
-  material.youngsModulus = 5e4;
-  material.poissonRatio = 0.45;
-  material.viscosity = viscosity;
-  return std::make_unique<Body>("cube", *rest, Constitution{{material}, kLatticeStabilisation}, serialFor());
+  const BodyRecipe recipe{.sampling = {.spacing = kEdge / 2}};
+  const Material material{.law = law, .youngsModulus = 5e4, .poissonRatio = 0.45, .viscosity = viscosity};
+  return shapes::makeBody(
+      shapes::restState(shapes::inside(shapes::boxSurface(Vec3::Zero(), Vec3::Constant(kEdge), 2)), recipe),
+      {material});
 }
 
 // Velocities that bend and twist it, and no momentum.
@@ -57,8 +51,7 @@ TEST_CASE("a small viscous cube comes to rest, whatever it rings in") {
   const MaterialLaw law = GENERATE(MaterialLaw::neoHookean, MaterialLaw::linear);
   CAPTURE(static_cast<int>(integrator), static_cast<int>(law));
   Simulator simulator;
-  WorldSettings world;
-  world.integrator = integrator;
+  WorldSettings world{.integrator = integrator};
   if (integrator == Integrator::implicitSdirk) world.dt = 5e-4;
   simulator.setWorld(world);
   const std::size_t id = simulator.addBody(cube(20.0, law));

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "contact_cases.h"
+#include "crossing_triangles.h"
 #include "shapes.h"
 #include "support/catch.h"
 #include "surfaces.h"
@@ -18,28 +19,11 @@ Material soft(double modulus, double poisson, double viscosity) {
   return material;
 }
 
-namespace {
-
-std::shared_ptr<const RestState> restOf(const BodyShape &shape, double spacing, std::vector<Fix> fixes,
-                                        std::vector<Load> loads) {
-  BodyRecipe recipe;
-  recipe.sampling.spacing = spacing;
-  recipe.fixes = std::move(fixes);
-  recipe.loads = std::move(loads);
-  auto rest = buildRestState(shape, recipe, {}, serialFor());
-  REQUIRE(rest);
-  return *rest;
-}
-
-std::unique_ptr<Body> bodyAt(std::shared_ptr<const RestState> rest, const Material &material) {
-  return std::make_unique<Body>("body", std::move(rest), Constitution{{material}, kLatticeStabilisation}, serialFor());
-}
-
-}  // namespace
-
 std::unique_ptr<Body> bodyOf(const BodyShape &shape, double spacing, const Material &material, std::vector<Fix> fixes,
                              std::vector<Load> loads) {
-  return bodyAt(restOf(shape, spacing, std::move(fixes), std::move(loads)), material);
+  return makeBody(
+      restState(shape, {.sampling = {.spacing = spacing}, .fixes = std::move(fixes), .loads = std::move(loads)}),
+      {material});
 }
 
 std::unique_ptr<Body> block(const Vec3 &low, const Vec3 &high, double spacing, const Material &material, int n,
@@ -50,23 +34,53 @@ std::unique_ptr<Body> block(const Vec3 &low, const Vec3 &high, double spacing, c
 std::unique_ptr<Body> ball(const Vec3 &centre, double radius, double spacing, const Material &material, int n) {
   static std::map<std::array<double, 6>, std::shared_ptr<const RestState>> built;
   auto &rest = built[{centre[0], centre[1], centre[2], radius, spacing, static_cast<double>(n)}];
-  if (!rest) rest = restOf(inside(ballSurface(centre, radius, n)), spacing, {}, {});
-  return bodyAt(rest, material);
+  if (!rest) rest = restState(inside(ballSurface(centre, radius, n)), {.sampling = {.spacing = spacing}});
+  return makeBody(rest, {material});
 }
 
-std::vector<std::size_t> stackOfFive(Simulator &simulator) {
-  WorldSettings world;
-  world.gravity = Vec3(0, -9.81, 0);
-  world.damping = 5.0;
-  simulator.setWorld(world);
-  simulator.world().setContact({true, true, 0.3});
+std::vector<std::size_t> addStack(Simulator &simulator, int count) {
   simulator.addObstacle(halfSpace(Vec3(0, 0, 0), Vec3(0, 1, 0), 0.5));
   std::vector<std::size_t> ids;
-  for (int k = 0; k < 5; ++k) {
+  for (int k = 0; k < count; ++k) {
     const Vec3 low(0.002 * (k % 2), 0.0001 + k * 0.0501, 0.0);
     ids.push_back(simulator.addBody(block(low, low + Vec3::Constant(0.05), 0.0125, soft(3e5, 0.3), 6)));
   }
   return ids;
+}
+
+std::vector<std::size_t> stackOfFive(Simulator &simulator) {
+  simulator.setWorld({.gravity = Vec3(0, -9.81, 0), .damping = 5.0});
+  simulator.world().setContact({true, true, 0.3});
+  return addStack(simulator, 5);
+}
+
+void checkWeights(Simulator &simulator, const std::vector<std::size_t> &ids) {
+  const double weight = 9.81 * simulator.body(ids[0])->totalMass();
+  const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
+  for (std::size_t k = 1; k < ids.size(); ++k) {
+    const ContactSummary *found = between(contacts, ids[k - 1], ids[k]);
+    REQUIRE(found);
+    CHECK_THAT(found->pressing, WithinRel(weight * static_cast<double>(ids.size() - k), 0.02));
+    CHECK(crossings(simulator, ids[k - 1], ids[k]) == 0);
+  }
+}
+
+std::pair<std::size_t, std::size_t> addCollidingBalls(Simulator &simulator) {
+  simulator.world().setContact({true, false, 0.0});
+  const Material material = soft(1e4, 0.3);
+  const std::size_t a = simulator.addBody(ball(Vec3(-0.051, 0, 0), 0.05, 0.0125, material, 32));
+  const std::size_t b = simulator.addBody(ball(Vec3(0.051, 0.01, 0), 0.05, 0.0125, material, 32));
+  setVelocity(simulator, a, Vec3(0.2, 0, 0));
+  setVelocity(simulator, b, Vec3(-0.2, 0, 0));
+  return {a, b};
+}
+
+std::size_t addBlockOnBlock(Simulator &simulator, double friction, std::pair<double, double> spacings, double gap) {
+  simulator.world().setContact({true, false, friction});
+  const Material material = soft(1e6, 0.3, 300.0);
+  simulator.addBody(block(Vec3(-0.1, -0.04, -0.04), Vec3(0.2, 0, 0.04), spacings.first, material, 12,
+                          {{.region = HalfSpaceRegion{Vec3(0, -0.039, 0), Vec3(0, 1, 0)}}}));
+  return simulator.addBody(block(Vec3(-0.06, gap, -0.03), Vec3(0, 0.03 + gap, 0.03), spacings.second, material, 6));
 }
 
 void setVelocity(Simulator &simulator, std::size_t id, const Vec3 &velocity) {
@@ -84,6 +98,28 @@ Total totalOf(Simulator &simulator) {
     }
     out.energy += totalEnergy(simulator, id) + simulator.diagnostics().energy(id).foundation;
   }
+  return out;
+}
+
+Collision collide(Simulator &simulator, std::size_t a, std::size_t b, double until, std::size_t every) {
+  const Total before = totalOf(simulator);
+  const double momentum = (simulator.body(a)->totalMass() * meanVelocity(*simulator.body(a))).norm();
+  Collision out;
+  while (simulator.time() < until) {
+    REQUIRE(simulator.step());
+    const Total now = totalOf(simulator);
+    out.energy = std::max(out.energy, now.energy / before.energy);
+    out.momentumError = std::max(out.momentumError, (now.momentum - before.momentum).norm() / momentum);
+    out.angularError = std::max(out.angularError, (now.angular - before.angular).norm() / before.angular.norm());
+    out.touched = out.touched || !simulator.diagnostics().contacts().empty();
+    if (simulator.steps() % every == 0) out.crossings += crossings(simulator, a, b);
+  }
+  return out;
+}
+
+std::vector<Vec3> meanDisplacements(const Simulator &simulator, const std::vector<std::size_t> &ids) {
+  std::vector<Vec3> out;
+  for (const std::size_t id : ids) out.push_back(meanDisplacement(*simulator.body(id)));
   return out;
 }
 

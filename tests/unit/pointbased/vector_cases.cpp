@@ -10,11 +10,7 @@
 namespace vector_cases {
 
 std::shared_ptr<const RestState> latticeBody(const BodyShape &shape, LatticeSampling sampling) {
-  BodyRecipe recipe;
-  recipe.sampling = std::move(sampling);
-  auto rest = buildRestState(shape, recipe, {}, serialFor());
-  if (!rest) throw std::runtime_error(rest.error());
-  return *rest;
+  return shapes::restState(shape, {.sampling = std::move(sampling)});
 }
 
 std::vector<Case> bodies() {
@@ -44,13 +40,7 @@ std::vector<Case> clouds() {
           {"tail", shapes::restState(tailed, 0.012)}};
 }
 
-Material materialOf(MaterialLaw law) {
-  Material m;
-  m.youngsModulus = 6000.0;
-  m.poissonRatio = 0.45;
-  m.law = law;
-  return m;
-}
+Material materialOf(MaterialLaw law) { return Material{.law = law, .youngsModulus = 6000.0, .poissonRatio = 0.45}; }
 
 void deform(Body &body, double size, double noise, std::uint64_t seed) {
   support::Random random(seed);
@@ -61,12 +51,6 @@ void deform(Body &body, double size, double noise, std::uint64_t seed) {
   for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i)
     body.state().displacements[i] =
         H * body.rest().positions[i] + noise * body.rest().spacing * random.vector() + Vec3(0.01, -0.02, 0.03);
-}
-
-double largest(std::span<const Vec3> field) {
-  double most = 0.0;
-  for (const Vec3 &v : field) most = std::max(most, v.norm());
-  return most;
 }
 
 double relativeDifference(std::span<const Vec3> of, std::span<const Vec3> other) {

@@ -29,7 +29,7 @@ inline constexpr MaterialLaw kLaws[] = {MaterialLaw::linear, MaterialLaw::stVena
 /// @param noise  spacings
 void deform(Body &body, double size, double noise, std::uint64_t seed);
 
-[[nodiscard]] double largest(std::span<const Vec3> field);
+using shapes::largest;
 /// Largest difference over the largest entry of `of`.
 [[nodiscard]] double relativeDifference(std::span<const Vec3> of, std::span<const Vec3> other);
 
