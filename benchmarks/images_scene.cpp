@@ -11,7 +11,7 @@
 #include "bench/timing.h"
 #include "c3de/imaging/reading.h"
 #include "c3de/render/image_renderer.h"
-#include "c3de/session/displacement_sampler.h"
+#include "c3de/session/body_displacement.h"
 #include "c3de/session/session.h"
 #include "c3de/session/simulator_access.h"
 #include "c3de/ui/image_views.h"

@@ -10,7 +10,7 @@
 
 #include "c3de/core/platform.h"
 #include "c3de/imaging/reading.h"
-#include "c3de/session/displacement_sampler.h"
+#include "c3de/session/body_displacement.h"
 #include "c3de/session/point_fields.h"
 #include "c3de/session/session.h"
 #include "c3de/session/simulator_access.h"

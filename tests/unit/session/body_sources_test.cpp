@@ -7,6 +7,7 @@
 
 #include "c3de/imaging/writing.h"
 #include "c3de/session/build_scene.h"
+#include "loading/body_geometry.h"
 #include "support/catch.h"
 
 using namespace c3de;
@@ -210,18 +211,6 @@ TEST_CASE("Voxels are averaged to a sixteenth of the distance of points, never f
   REQUIRE(fine);
   CHECK(coarse->fill.geometry.spacing() == Vec3{4, 4, 4});
   CHECK(fine->fill.geometry.spacing() == Vec3{2, 2, 2});
-}
-
-TEST_CASE("Grids go to a simulator in metres") {
-  const imaging::VolumeGeometry geometry{{2, 3, 4}, {1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0, 10, 20, 30, 1}};
-  const c3de_sim_grid out = toAbi(geometry);
-  CHECK(out.size == sizeof out);
-  CHECK(out.points[0] == 2);
-  CHECK(out.points[2] == 4);
-  CHECK_THAT(out.step_i_m[2], WithinAbs(0.003, 1e-15));
-  CHECK_THAT(out.step_j_m[0], WithinAbs(0.004, 1e-15));
-  CHECK_THAT(out.step_k_m[1], WithinAbs(0.008, 1e-15));
-  CHECK_THAT(out.origin_m[2], WithinAbs(0.03, 1e-15));
 }
 
 TEST_CASE("What is wrong with a file that a scene names is told with the line, and is input") {

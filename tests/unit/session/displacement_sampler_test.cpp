@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "c3de/imaging/masks.h"
+#include "c3de/session/body_displacement.h"
 #include "stand_in_simulator.h"
 #include "support/catch.h"
 

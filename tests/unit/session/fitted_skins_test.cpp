@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fitted_skins.h"
+#include "loading/fitted_skins.h"
 
 #include <algorithm>
 #include <cmath>

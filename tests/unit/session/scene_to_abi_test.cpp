@@ -161,3 +161,15 @@ TEST_CASE("A placement is angles, or a matrix in their place") {
   CHECK(out.matrix[12] == 7.0);
   CHECK(out.matrix[15] == 1.0);
 }
+
+TEST_CASE("Grids go to a simulator in metres") {
+  const imaging::VolumeGeometry geometry{{2, 3, 4}, {1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0, 10, 20, 30, 1}};
+  const c3de_sim_grid out = toAbi(geometry);
+  CHECK(out.size == sizeof out);
+  CHECK(out.points[0] == 2);
+  CHECK(out.points[2] == 4);
+  CHECK_THAT(out.step_i_m[2], WithinAbs(0.003, 1e-15));
+  CHECK_THAT(out.step_j_m[0], WithinAbs(0.004, 1e-15));
+  CHECK_THAT(out.step_k_m[1], WithinAbs(0.008, 1e-15));
+  CHECK_THAT(out.origin_m[2], WithinAbs(0.03, 1e-15));
+}

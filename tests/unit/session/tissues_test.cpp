@@ -7,6 +7,7 @@
 #include "c3de/imaging/writing.h"
 #include "c3de/session/body_sources.h"
 #include "c3de/session/tissue_motion.h"
+#include "loading/body_geometry.h"
 #include "stand_in_simulator.h"
 #include "support/catch.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "c3de/render/renderer.h"
-#include "c3de/session/displacement_sampler.h"
+#include "c3de/session/body_displacement.h"
 #include "c3de/session/export_image.h"
 #include "c3de/session/point_fields.h"
 #include "c3de/session/session.h"

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "c3de/core/output_file.h"
-#include "c3de/session/report.h"
 #include "c3de/session/simulator_access.h"
 
 namespace c3de::session {

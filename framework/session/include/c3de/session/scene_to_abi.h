@@ -29,6 +29,8 @@ namespace c3de::session {
 [[nodiscard]] c3de_sim_grasp toAbi(const scene::SceneGrasp &grasp, const std::vector<c3de_sim_grasp_place> &path);
 
 [[nodiscard]] c3de_sim_placement toAbi(const scene::ScenePlacement &placement);
+/// The grid of a fill in metres, for a simulator.
+[[nodiscard]] c3de_sim_grid toAbi(const imaging::VolumeGeometry &grid);
 
 /// The tables that a scene holds for one body, as arrays for c3de_sim_body. Borrows from scene and values.
 class BodyTables {
