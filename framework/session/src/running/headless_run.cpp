@@ -18,6 +18,8 @@
 namespace c3de::session {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr double kEnergyRows = 200.0;  // per run
 
 /// For the user: 0.0984 rather than 0.09838074452694451.
@@ -46,6 +48,7 @@ Expected<void> HeadlessRun::readStatus() {
   facts_.steps = status.steps;
   facts_.time_s = status.time_s;
   facts_.dt_s = status.dt_s;
+  bodies_ = status.bodies;
   finished_ = status.finished != 0;
   stopped_ = status.stopped;
   facts_.isLoadStepped = (status.flags & C3DE_SIM_LOAD_STEPS) != 0;
@@ -155,14 +158,7 @@ void HeadlessRun::finishOutputs() {
   if (wantsProbes_ && probes_) outputs_.note(options_.probes, probes_->close());
 }
 
-Expected<void> HeadlessRun::run() {
-  using Clock = std::chrono::steady_clock;
-  facts_.threads = session_.pool().threadCount();
-  facts_.seed = options_.seed;
-  // This is the only simulation, and this function steps it.
-  if (const auto adopted = session_.adoptForRun(simulator_, options_.scene.stem().string()); !adopted) return adopted;
-  scene::Simulation &simulation = *session_.simulation();
-  if (const auto read = readStatus(); !read) return read;
+Expected<void> HeadlessRun::beginOutputs() {
   wantsProbes_ = !options_.probes.empty();
   if (wantsProbes_)
     if (const auto sampled = sampleProbes(); !sampled) return sampled;
@@ -170,77 +166,83 @@ Expected<void> HeadlessRun::run() {
   exportFrame(false);
   wantsEnergies_ = !options_.energies.empty();
   sampleEnergies(false);
-
   if (!options_.report.empty())
     if (auto start = simulatorReport()) facts_.startReport = std::move(*start);
+  return {};
+}
 
+void HeadlessRun::endWith(const char *outcome, std::string failure) {
+  facts_.outcome = outcome;
+  facts_.failure = std::move(failure);
+}
+
+bool HeadlessRun::isPastDeadline() const { return limits_.deadline && Clock::now() >= *limits_.deadline; }
+
+bool HeadlessRun::endsByLimit() {
+  if (wasInterrupted()) {
+    endWith("interrupted", "interrupted at " + position());
+    return true;
+  }
+  if (!isPastDeadline()) return false;
+  endWith("time_limit", "the time limit of " + formatNumber(*options_.timeLimit_s) + " s was reached at " + position());
+  return true;
+}
+
+Expected<c3de_status> HeadlessRun::timedStep(scene::Simulation &simulation, const char *owner, double &step_s) {
+  const double cpuBegin_s = processorTime_s();
+  const Clock::time_point begin = Clock::now();
+  if (const auto ready = simulation.beginStep(); !ready) return tl::unexpected(ready.error());
+  const c3de_status code = callPluginFunction(owner, "a step of the simulation", CallKind::step,
+                                              [this] { return table_->step(simulator_); });
+  step_s = std::chrono::duration<double>(Clock::now() - begin).count();
+  facts_.wall_s += step_s;
+  facts_.cpu_s += processorTime_s() - cpuBegin_s;
+  if (facts_.firstStep_s == 0.0) {
+    facts_.firstStep_s = facts_.wall_s;
+    facts_.toFirstStep_s = std::chrono::duration<double>(Clock::now() - limits_.begin).count();
+  }
+  return code;
+}
+
+Expected<void> HeadlessRun::stepToEnd(ProgressLine &progress) {
+  scene::Simulation &simulation = *session_.simulation();
   const char *owner = session_.plugins().ownerOf(simulator_);
-  const auto bodyCount = [this] {
-    c3de_sim_status status{};
-    status.size = sizeof status;
-    return table_->status(simulator_, &status) < 0 ? 0 : status.bodies;
-  };
-  const std::uint64_t bodies = bodyCount();
-  std::optional<StepLimit> limit(std::in_place, simulator_, table_, limits_.deadline);
-  ProgressLine progress(options_.quiet);
-  double wall_s = 0.0;
+  const std::uint64_t bodies = bodies_;
+  const StepLimit limit(simulator_, table_, limits_.deadline);
   facts_.outcome = "done";
-  while (!isDone()) {
-    if (wasInterrupted()) {
-      facts_.outcome = "interrupted";
-      facts_.failure = "interrupted at " + position();
-      break;
-    }
-    if (limits_.deadline && Clock::now() >= *limits_.deadline) {
-      facts_.outcome = "time_limit";
-      facts_.failure = "the time limit of " + formatNumber(*options_.timeLimit_s) + " s was reached at " + position();
-      break;
-    }
+  while (!isDone() && !endsByLimit()) {
     const double timeBefore_s = facts_.time_s;
     const std::uint64_t stepsBefore = facts_.steps;
-    const double cpuBegin_s = processorTime_s();
-    const Clock::time_point begin = Clock::now();
-    if (const auto ready = simulation.beginStep(); !ready) {
-      facts_.outcome = "failed";
-      facts_.failure = ready.error().message;
+    double step_s = 0.0;
+    const auto code = timedStep(simulation, owner, step_s);
+    if (!code) {
+      endWith("failed", code.error().message);
       break;
     }
-    const c3de_status code = callPluginFunction(owner, "a step of the simulation", CallKind::step,
-                                                [this] { return table_->step(simulator_); });
-    const double step_s = std::chrono::duration<double>(Clock::now() - begin).count();
-    wall_s += step_s;
-    facts_.cpu_s += processorTime_s() - cpuBegin_s;
-    if (facts_.firstStep_s == 0.0) {
-      facts_.firstStep_s = wall_s;
-      facts_.toFirstStep_s = std::chrono::duration<double>(Clock::now() - limits_.begin).count();
-    }
-    facts_.wall_s = wall_s;
-    if (code == C3DE_E_CANCELLED) {
+    if (*code == C3DE_E_CANCELLED) {
       (void)session_.plugins().takeError();
-      // By the limit or by a signal: the checks at the top of the loop determine which.
-      if (wasInterrupted() || (limits_.deadline && Clock::now() >= *limits_.deadline)) continue;
+      // By the limit or by a signal: the check at the top of the loop determines which.
+      if (wasInterrupted() || isPastDeadline()) continue;
     }
-    if (code < 0) {
+    if (*code < 0) {
       const std::string reason = session_.plugins().takeError();
-      facts_.outcome = code == C3DE_E_DIVERGED ? "diverged" : "failed";
       const std::string step = "step " + std::to_string(stepsBefore + 1);
-      facts_.failure = (isQuasistatic() ? "load " + step : step + " at " + formatNumber(timeBefore_s) + " s") +
-                       " failed: " + (reason.empty() ? "status " + std::to_string(code) : reason);
+      endWith(*code == C3DE_E_DIVERGED ? "diverged" : "failed",
+              (isQuasistatic() ? "load " + step : step + " at " + formatNumber(timeBefore_s) + " s") +
+                  " failed: " + (reason.empty() ? "status " + std::to_string(*code) : reason));
       break;
     }
     facts_.stepTimes.add(1e3 * step_s);
     simulation.endStep();
     if (const auto read = readStatus(); !read) return read;
-    if (const std::uint64_t now = bodyCount(); now < bodies) {
-      facts_.outcome = "failed";
-      facts_.failure = std::to_string(bodies - now) + " of " + std::to_string(bodies) +
-                       " bodies were removed while the simulation ran, after " + position() +
-                       "; a plugin has done that";
+    if (bodies_ < bodies) {
+      endWith("failed", std::to_string(bodies - bodies_) + " of " + std::to_string(bodies) +
+                            " bodies were removed while the simulation ran, after " + position() +
+                            "; a plugin has done that");
       break;
     }
     if (!finished_ && facts_.steps == stepsBefore && facts_.time_s == timeBefore_s) {
-      facts_.outcome = "failed";
-      facts_.failure = "the simulator answers that it has made a step, but neither step count nor time has grown";
+      endWith("failed", "the simulator answers that it has made a step, but neither step count nor time has grown");
       break;
     }
     if (wantsProbes_ && facts_.steps % options_.probesEvery == 0)
@@ -249,16 +251,25 @@ Expected<void> HeadlessRun::run() {
     sampleEnergies(false);
     if (progress.isDue())
       progress.update(fraction(), isQuasistatic()
-                                      ? position() + " in " + threeDigits(wall_s) + " s"
-                                      : threeDigits(facts_.time_s) + " s simulated in " + threeDigits(wall_s) +
+                                      ? position() + " in " + threeDigits(facts_.wall_s) + " s"
+                                      : threeDigits(facts_.time_s) + " s simulated in " + threeDigits(facts_.wall_s) +
                                             " s, step " + std::to_string(facts_.steps));
   }
-  limit.reset();
-  if (facts_.outcome == "done" && stopped_ > 0) {
-    facts_.outcome = "diverged";
-    facts_.failure = std::to_string(stopped_) + (stopped_ == 1 ? " body" : " bodies") +
-                     " stopped on the way; \"events\" of the report say which, where and what would help";
-  }
+  return {};
+}
+
+Expected<void> HeadlessRun::run() {
+  facts_.threads = session_.pool().threadCount();
+  facts_.seed = options_.seed;
+  // This is the only simulation, and this function steps it.
+  if (const auto adopted = session_.adoptForRun(simulator_, options_.scene.stem().string()); !adopted) return adopted;
+  if (const auto read = readStatus(); !read) return read;
+  if (const auto begun = beginOutputs(); !begun) return begun;
+  ProgressLine progress(options_.quiet);
+  if (const auto stepped = stepToEnd(progress); !stepped) return stepped;
+  if (facts_.outcome == "done" && stopped_ > 0)
+    endWith("diverged", std::to_string(stopped_) + (stopped_ == 1 ? " body" : " bodies") +
+                            " stopped on the way; \"events\" of the report say which, where and what would help");
   // The end, whatever its cause, is the last row.
   if (wantsProbes_ && sampledStep_ != facts_.steps)
     if (const auto sampled = sampleProbes(); !sampled) return sampled;

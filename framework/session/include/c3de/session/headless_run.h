@@ -11,6 +11,7 @@
 #include "c3de/session/energy_table.h"
 #include "c3de/session/export_simulation.h"
 #include "c3de/session/probe_table.h"
+#include "c3de/session/progress_line.h"
 #include "c3de/session/report.h"
 #include "c3de/session/run_options.h"
 #include "c3de/session/written_outputs.h"
@@ -41,6 +42,15 @@ class HeadlessRun {
 
  private:
   [[nodiscard]] Expected<void> readStatus();
+  /// Opens the outputs requested and writes their first rows; the error refers to the simulator's report.
+  [[nodiscard]] Expected<void> beginOutputs();
+  [[nodiscard]] Expected<void> stepToEnd(ProgressLine &progress);
+  /// Makes and times a step; the error states why it could not begin.
+  [[nodiscard]] Expected<c3de_status> timedStep(scene::Simulation &simulation, const char *owner, double &step_s);
+  void endWith(const char *outcome, std::string failure);
+  [[nodiscard]] bool isPastDeadline() const;
+  /// Whether an interrupt or the deadline ends the run.
+  [[nodiscard]] bool endsByLimit();
   /// Writes a row of the probes; the error refers to the simulator's report.
   [[nodiscard]] Expected<void> sampleProbes();
   /// Writes a row of the energies when due, or unconditionally at the end.
@@ -71,6 +81,7 @@ class HeadlessRun {
   std::unique_ptr<SimulationExport> export_;  ///< same
   std::optional<std::uint64_t> exportedStep_;
   double nextFrame_s_ = 0.0;
+  std::uint64_t bodies_ = 0;
   bool finished_ = false;
   std::uint32_t stopped_ = 0;
   std::uint32_t plannedSteps_ = 0;  ///< 0: unknown
