@@ -155,7 +155,6 @@ void Simulation::Impl::run() {
   lowerThreadPriority();
   readStatus();
   publish();
-  show();
   std::vector<Command> commands;
   for (;;) {
     // Commands first: they take effect between two steps.
@@ -187,7 +186,8 @@ void Simulation::Impl::run() {
     }
     if (unpublished && (commanded || mode != C3DE_SIM_PLAYING || Clock::now() - publishedAt >= kPublishInterval))
       publish();
-    show();
+    else
+      show();
   }
 }
 
@@ -331,6 +331,8 @@ void Simulation::Impl::publish() {
   unpublished = false;
   publishedAt = Clock::now();
   if (code < 0 && mode != C3DE_SIM_FAILED) failWith("publishing a snapshot failed", code);
+  // The listener may draw at once and then wait for the next snapshot, so its state must be that of this one.
+  show();
   const std::lock_guard lock(listenerMutex);
   if (listener) listener();
 }

@@ -328,6 +328,25 @@ TEST_CASE("A quasi-static solution goes through its load steps as fast as it can
   CHECK(settled(*simulation).steps == 1);
 }
 
+TEST_CASE("The state that a listener reads is that of the snapshot") {
+  FakeSimulator fake;
+  const auto simulation = start(fake);
+  simulation->transport(C3DE_TRANSPORT_STEP);
+  REQUIRE(settled(*simulation).steps == 1);
+  std::atomic<std::uint64_t> steps{1};
+  std::atomic<std::uint32_t> mode{C3DE_SIM_PAUSED};
+  simulation->setPublishedListener([&] {
+    const auto state = simulation->state();
+    steps = state.steps;
+    mode = state.mode;
+  });
+  simulation->transport(C3DE_TRANSPORT_RESET);
+  settled(*simulation);
+  simulation->setPublishedListener({});
+  CHECK(steps == 0);
+  CHECK(mode == C3DE_SIM_STOPPED);
+}
+
 TEST_CASE("The listener hears every snapshot until it is taken away") {
   FakeSimulator fake;
   const auto simulation = start(fake);
