@@ -9,7 +9,7 @@
 namespace pointbased {
 
 /// How the evaluation points of bodies follow their phyxels (bindPoints()), cached between queries. The mutex of
-/// WorldSimulator is held in every call.
+/// SimulatedWorld is held in every call.
 class EvaluationPoints {
  public:
   /// Valid until the next call.

@@ -78,7 +78,7 @@ void Controller::setSimulator(WorldSimulator *simulator, SimulatorView *view) {
   body_ = 0;
   if (!simulator_) return;
   declareBody();
-  const ParameterValues world = simulator_->worldValues();
+  const ParameterValues world = simulator_->parts().parameters.values();
   for (const c3de_param_decl &d : worldDeclarations())
     if (const auto value = world.get(sdk::text(d.id))) (void)worldParameters_.set(*value);
 }
@@ -193,7 +193,7 @@ void Controller::startTrials(const Snapshot &snapshot) {
       }))
     return;
   auto run = [simulator = sdk::Ref<WorldSimulator>::share(simulator_)](sdk::Progress progress) -> sdk::Result<void> {
-    simulator->computeTrials(progress, serialFor());
+    simulator->parts().accuracy.computeTrials(progress, serialFor());
     return {};
   };
   const auto job = services_.jobs.submit("Estimating the accuracy", std::move(run),
@@ -248,7 +248,7 @@ void Controller::makeRigid(std::uint64_t body) {
   }
   (void)services_.simulation.post(simulator_->node(),
                                   [simulator = sdk::Ref<WorldSimulator>::share(simulator_), body, value] {
-                                    sdk::orThrow(simulator->setBodyParam({body}, &value));
+                                    simulator->parts().bodies.setParameter({body}, &value);
                                   });
 }
 
@@ -378,7 +378,7 @@ void Controller::bodyParameterChanged(const c3de_param_value &value) {
   (void)services_.simulation.post(simulator_->node(),
                                   [simulator = sdk::Ref<WorldSimulator>::share(simulator_), body = body_, copy, id] {
                                     const auto owned = sdk::orThrow(copy->get(id));
-                                    sdk::orThrow(simulator->setBodyParam({body}, &owned));
+                                    simulator->parts().bodies.setParameter({body}, &owned);
                                   });
 }
 
@@ -395,7 +395,7 @@ void Controller::worldParameterChanged(const c3de_param_value &value) {
   (void)services_.simulation.post(simulator_->node(),
                                   [simulator = sdk::Ref<WorldSimulator>::share(simulator_), copy, id] {
                                     const auto owned = sdk::orThrow(copy->get(id));
-                                    sdk::orThrow(simulator->setWorld(&owned, 1, sizeof owned));
+                                    simulator->parts().parameters.set(&owned, 1, sizeof owned);
                                   });
 }
 
@@ -421,7 +421,7 @@ void Controller::load() {
     placement.scale = 1.0;
     // A replacement is placed where the previous one was.
     if (before != 0)
-      if (const auto source = simulator->source(before)) {
+      if (const auto source = simulator->parts().bodies.source(before)) {
         const Vec3 &p = source->placement.position;
         for (int i = 0; i < 3; ++i) placement.position_m[i] = p[i];
       }
@@ -430,8 +430,8 @@ void Controller::load() {
     body.params_n = params.size();
     body.progress = progress.abi();
     c3de_handle added{};
-    simulator->addLoadedBody(&body, &added);
-    if (before != 0) (void)simulator->remove({before});
+    simulator->parts().bodies.addLoaded(&body, &added);
+    if (before != 0) (void)simulator->removeIfPresent(before);
     return {};
   };
   const auto job = services_.jobs.submit("Loading " + std::filesystem::path(path).filename().string(), std::move(run),
@@ -451,7 +451,7 @@ void Controller::applyAccuracyTarget(const Snapshot &snapshot) {
     for (const char *id : {"sampling.spacing", "sampling.count"}) sdk::orThrow(values.set(sdk::textValue(id, "auto")));
     bodies.emplace_back(body.id, std::move(values));
   }
-  simulator_->shareBudget(bodies.size());
+  simulator_->parts().accuracy.shareBudget(bodies.size());
   startRebuilding("Sampling the bodies for the accuracy target", std::move(bodies));
 }
 
@@ -467,7 +467,7 @@ void Controller::startRebuilding(const std::string &title,
                                  std::vector<std::pair<std::uint64_t, ParameterValues>> bodies) {
   const auto simulator = sdk::Ref<WorldSimulator>::share(simulator_);
   auto run = [simulator, all = std::move(bodies)](sdk::Progress progress) -> sdk::Result<void> {
-    for (const auto &[body, values] : all) simulator->rebuildBody(body, values, progress);
+    for (const auto &[body, values] : all) simulator->parts().bodies.rebuild(body, values, progress);
     return {};
   };
   const auto job = services_.jobs.submit(title, std::move(run),

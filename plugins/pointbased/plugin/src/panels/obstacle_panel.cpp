@@ -169,11 +169,11 @@ void ObstaclePanel::add(const Snapshot &snapshot) {
                        [&](const ObstacleSnapshot &o) { return o.name == wanted; });
   };
   for (int k = 2; isTaken(name); ++k) name = candidate_->name + " " + std::to_string(k);
-  const auto taken = std::make_shared<WorldSimulator::RemovedObstacle>();
+  const auto taken = std::make_shared<RemovedObstacle>();
   submit(
       "Adding " + name,
       [taken, simulator = simulator_, name, mesh = candidate_->mesh, placement](sdk::Progress) -> sdk::Result<void> {
-        *taken = simulator->prepareObstacle(name, mesh->handle(), placement);
+        *taken = simulator->parts().obstacles.prepare(name, mesh->handle(), placement);
         return {};
       },
       [this, taken, name] {
@@ -184,7 +184,7 @@ void ObstaclePanel::add(const Snapshot &snapshot) {
 }
 
 void ObstaclePanel::remove(const Snapshot &snapshot) {
-  const auto taken = std::make_shared<WorldSimulator::RemovedObstacle>();
+  const auto taken = std::make_shared<RemovedObstacle>();
   taken->id = move_.chosen();
   const ObstacleSnapshot *obstacle = snapshot.obstacle(taken->id);
   move_.choose(0);
@@ -204,7 +204,7 @@ sdk::Result<void> ObstaclePanel::putBack(const std::string &name, const Taken &t
   const Reset reset{name};
   simulator_->abandonLongStep();
   auto posted = services_.simulation.post(simulator_->node(), [simulator = simulator_, taken, hasMade = reset.hasMade] {
-    *hasMade = simulator->putBack(*taken);
+    *hasMade = simulator->parts().obstacles.putBack(*taken);
   });
   if (posted) resets_.push_back(reset);
   return posted;
@@ -212,7 +212,8 @@ sdk::Result<void> ObstaclePanel::putBack(const std::string &name, const Taken &t
 
 sdk::Result<void> ObstaclePanel::takeOut(const Taken &taken) const {
   simulator_->abandonLongStep();
-  return services_.simulation.post(simulator_->node(), [simulator = simulator_, taken] { simulator->takeOut(*taken); });
+  return services_.simulation.post(simulator_->node(),
+                                   [simulator = simulator_, taken] { simulator->parts().obstacles.takeOut(*taken); });
 }
 
 void ObstaclePanel::submit(const std::string &title, std::function<sdk::Result<void>(sdk::Progress)> work,

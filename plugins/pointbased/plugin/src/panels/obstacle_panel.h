@@ -24,7 +24,7 @@ class ObstaclePanel {
   void draw(sdk::Ui &ui, const Snapshot *snapshot);
 
  private:
-  using Taken = std::shared_ptr<WorldSimulator::RemovedObstacle>;
+  using Taken = std::shared_ptr<RemovedObstacle>;
   /// A file that has been read but is not part of the simulation yet.
   struct Candidate {
     std::string name;

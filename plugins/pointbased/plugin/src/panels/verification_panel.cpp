@@ -43,7 +43,7 @@ sdk::Result<void> VerificationPanel::begin(WorldSimulator &simulator) {
   failure_.clear();
   const auto shared = sdk::Ref<WorldSimulator>::share(&simulator);
   auto run = [shared](sdk::Progress progress) -> sdk::Result<void> {
-    (void)shared->verifyBodies(progress);
+    (void)shared->parts().verifier.verify(progress);
     return {};
   };
   const auto job =

@@ -11,7 +11,7 @@ namespace pointbased {
 /// The bodies and obstacles of a simulation by id, with their names and attachments. The ids are those assigned by
 /// Simulator: code that adds or removes an entry here does the same there. Probe tools and instruments are obstacles.
 ///
-/// The table has no lock. The mutex of WorldSimulator guards it, also against readers. Pointers and references into it
+/// The table has no lock. The mutex of SimulatedWorld guards it, also against readers. Pointers and references into it
 /// are valid only while that mutex is held.
 class BodyTable {
  public:

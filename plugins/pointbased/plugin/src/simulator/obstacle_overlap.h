@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Overlap of bodies with an obstacle. The mutex of WorldSimulator is held.
+// Overlap of bodies with an obstacle. The mutex of SimulatedWorld is held.
 #pragma once
 
 #include "simulator/body_table.h"

@@ -70,7 +70,8 @@ std::array<sdk::Interface, 1> PhyxelSet::interfaces() { return {sdk::interfaceOf
 
 void PhyxelSet::withBody(const std::function<void(const Body &)> &read) const {
   if (simulator_) {
-    if (!simulator_->readBody(body_, read)) throw Error(C3DE_E_STALE, "the body of this phyxel set was removed");
+    if (!simulator_->parts().queries.readBody(body_, read))
+      throw Error(C3DE_E_STALE, "the body of this phyxel set was removed");
     return;
   }
   if (!own_) throw Error(C3DE_E_STATE, "the phyxel set is empty; assign() gives it points");
@@ -148,7 +149,8 @@ std::array<sdk::Interface, 1> SurfelSet::interfaces() { return {sdk::interfaceOf
 
 void SurfelSet::withBody(const std::function<void(const Body &)> &read) const {
   if (simulator_) {
-    if (!simulator_->readBody(body_, read)) throw Error(C3DE_E_STALE, "the body of this surfel set was removed");
+    if (!simulator_->parts().queries.readBody(body_, read))
+      throw Error(C3DE_E_STALE, "the body of this surfel set was removed");
     return;
   }
   if (!phyxels_) throw Error(C3DE_E_STATE, "the surfel set is empty; assign() binds points to a phyxel set");

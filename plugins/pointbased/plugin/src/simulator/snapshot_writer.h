@@ -14,7 +14,7 @@ namespace pointbased {
 /// Writes and publishes the snapshots of a simulation for the window. Expensive results that have not changed are
 /// reused in the next snapshot: error estimates and colours.
 ///
-/// It reads the simulator and the table, so the mutex of WorldSimulator is held in every call except latest().
+/// It reads the simulator and the table, so the mutex of SimulatedWorld is held in every call except latest().
 class SnapshotWriter {
  public:
   SnapshotWriter(const Services &services, Simulator &simulator, const BodyTable &table, EvaluationPoints &points);

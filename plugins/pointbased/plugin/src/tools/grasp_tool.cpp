@@ -103,7 +103,7 @@ bool GraspTool::take(const Snapshot &snapshot, const PickedSurface &picked, cons
   isAwaited_ = true;
   drag_ = Drag{picked.at, Vec3::Zero()};
   simulator_->abandonLongStep();
-  post([id = body.id, at = *places, settings](WorldSimulator &s) { s.grasp(id, at, settings); });
+  post([id = body.id, at = *places, settings](WorldSimulator &s) { s.parts().grasps.begin(id, at, settings); });
   return true;
 }
 
@@ -163,7 +163,7 @@ void GraspTool::turn(const PickRay &ray, double degrees) {
 }
 
 void GraspTool::lead() {
-  post([pose = *pose_](WorldSimulator &s) { s.moveInteractiveGrasp(pose.middle, pose.rotation); });
+  post([pose = *pose_](WorldSimulator &s) { s.parts().grasps.move(pose.middle, pose.rotation); });
 }
 
 void GraspTool::release() {
@@ -176,7 +176,7 @@ void GraspTool::cancel() { release(); }
 
 void GraspTool::releaseGrasp() {
   if (simulator_) simulator_->abandonLongStep();
-  post([](WorldSimulator &s) { s.releaseInteractiveGrasp(); });
+  post([](WorldSimulator &s) { s.parts().grasps.release(); });
   forget();
 }
 

@@ -8,8 +8,8 @@ void InteractionHistory::begin(const sdk::Ref<WorldSimulator> &simulator) {
   const std::shared_ptr<const Snapshot> snapshot = simulator->snapshot();
   if (!services_.history || !snapshot) return;
   Kept kept{simulator, std::make_shared<InteractionState>(), snapshot->historyEpoch, snapshot->steps, {}};
-  const auto posted = services_.simulation.post(simulator->node(),
-                                                [simulator, state = kept.state] { *state = simulator->checkpoint(); });
+  const auto posted = services_.simulation.post(
+      simulator->node(), [simulator, state = kept.state] { *state = simulator->parts().grasps.checkpoint(); });
   if (posted) present_ = std::move(kept);
 }
 
@@ -31,8 +31,9 @@ void InteractionHistory::end(const std::string &title, Of of) {
 
 sdk::Result<void> InteractionHistory::exchange(const Kept &kept) const {
   kept.simulator->abandonLongStep();
-  return services_.simulation.post(kept.simulator->node(),
-                                   [simulator = kept.simulator, state = kept.state] { simulator->exchange(*state); });
+  return services_.simulation.post(kept.simulator->node(), [simulator = kept.simulator, state = kept.state] {
+    simulator->parts().grasps.exchange(*state);
+  });
 }
 
 bool InteractionHistory::isOld(const Kept &kept) {

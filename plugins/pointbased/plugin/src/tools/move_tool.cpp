@@ -97,7 +97,9 @@ void MoveTool::commit() {
 void MoveTool::lead() {
   isOnItsWay_ = true;
   simulator_->abandonLongStep();
-  post([id = chosen_, motion = pose_->motionFrom(middleAtRest_)](WorldSimulator &s) { s.guide(id, motion); });
+  post([id = chosen_, motion = pose_->motionFrom(middleAtRest_)](WorldSimulator &s) {
+    s.parts().obstacles.guide(id, motion);
+  });
 }
 
 bool MoveTool::onEvent(const c3de_event &event) {

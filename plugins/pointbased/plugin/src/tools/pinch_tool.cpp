@@ -93,7 +93,7 @@ const BodySnapshot *PinchTool::bodyAt(const Snapshot &snapshot, const Vec3 &plac
   const std::vector<const BodySnapshot *> all = Skins(services_, snapshot).bodiesAt(place);
   if (all.size() < 2) return all.empty() ? nullptr : all.front();
   simulator_->abandonLongStep();
-  const Vec3 shown = place - simulator_->displacementAt(place);
+  const Vec3 shown = place - simulator_->parts().queries.displacementAt(place);
   const auto away = [&](const BodySnapshot *body) {
     const auto material = materialAt(*body->rest, body->phyxels, place);
     return material ? (body->rest->origin + material->at - shown).norm() : (place - shown).norm();
@@ -118,7 +118,7 @@ void PinchTool::begin(const BodySnapshot &body, Grab grab, std::optional<std::si
   history_.begin(simulator_);
   simulator_->liftStepBudget();
   post([id = body.id, grab = std::move(grab), own = settings_.largestForce](WorldSimulator &s) {
-    s.setGrab(id, grab, own);
+    s.parts().holds.grab(id, grab, own);
   });
   showMarker(body);
 }
@@ -145,13 +145,15 @@ void PinchTool::drag(const c3de_event &event) {
   const std::optional<Vec3> at = sdk::isInSlice(event) ? ray->origin : ray->onScreenPlane(planePoint_);
   if (!at) return;
   hold_->target = *at;
-  post([id = hold_->body, target = Vec3(hold_->target + grabOffset_)](WorldSimulator &s) { s.moveGrab(id, target); });
+  post([id = hold_->body, target = Vec3(hold_->target + grabOffset_)](WorldSimulator &s) {
+    s.parts().holds.moveGrab(id, target);
+  });
 }
 
 void PinchTool::release() {
   if (!hold_) return;
   if (simulator_) simulator_->abandonLongStep();
-  post([id = hold_->body](WorldSimulator &s) { s.releaseGrab(id); });
+  post([id = hold_->body](WorldSimulator &s) { s.parts().holds.releaseGrab(id); });
   history_.end("pull on " + hold_->what);
   hold_.reset();
   hideMarker();

@@ -147,13 +147,14 @@ void TouchTool::place(const Vec3 &middle, const Vec3 &axis) {
   axis_ = axis;
   isAwaited_ = true;
   simulator_->abandonLongStep();
-  post([tool = instrumentOf(settings_, middle, axis)](WorldSimulator &s) { s.placeInstrument(tool); });
+  post(
+      [tool = instrumentOf(settings_, middle, axis)](WorldSimulator &s) { s.parts().obstacles.placeInstrument(tool); });
 }
 
 void TouchTool::moveTo(const Vec3 &middle) {
   if (!target_) return;
   target_ = middle;
-  post([middle](WorldSimulator &s) { s.moveInstrument(middle); });
+  post([middle](WorldSimulator &s) { s.parts().obstacles.moveInstrument(middle); });
 }
 
 void TouchTool::drag(const c3de_event &event) {
@@ -185,7 +186,7 @@ void TouchTool::cancel() {
 
 void TouchTool::takeAway() {
   if (simulator_) simulator_->abandonLongStep();
-  post([](WorldSimulator &s) { s.removeInstrument(); });
+  post([](WorldSimulator &s) { s.parts().obstacles.removeInstrument(); });
   forget();
 }
 

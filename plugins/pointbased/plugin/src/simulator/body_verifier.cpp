@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Verification of the bodies against their fine references, in parallel to the steps of the simulation.
+#include "simulator/body_verifier.h"
+
 #include "base/build_request.h"
-#include "simulator/world_simulator.h"
 
 namespace pointbased {
 namespace {
@@ -17,12 +17,12 @@ struct VerifiedBody {
 
 }  // namespace
 
-std::shared_ptr<const WorldVerification> WorldSimulator::verifyBodies(const sdk::Progress &progress) {
+std::shared_ptr<const WorldVerification> BodyVerifier::verify(const sdk::Progress &progress) {
   const auto begin = std::chrono::steady_clock::now();
   auto out = std::make_shared<WorldVerification>();
   std::vector<VerifiedBody> all;
   {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(world_.mutex);
     out->quasiStatic = simulator_.quasiStatic();
     out->clock = out->quasiStatic ? simulator_.loadFactor() : simulator_.time();
     for (const auto &[id, record] : table_.bodies()) {
@@ -31,7 +31,7 @@ std::shared_ptr<const WorldVerification> WorldSimulator::verifyBodies(const sdk:
     }
   }
   BuildRequest request(progress);
-  const ParallelFor parallelFor = context_.services.parallelFor();
+  const ParallelFor parallelFor = world_.context.services.parallelFor();
   for (std::size_t k = 0; k < all.size(); ++k) {
     const double share = 1.0 / static_cast<double>(all.size());
     const VerifyProgress tell = [&](double fraction, const std::string &what) {
@@ -40,7 +40,7 @@ std::shared_ptr<const WorldVerification> WorldSimulator::verifyBodies(const sdk:
     if (!tell(0.0, "filling the shadow")) throw Error(C3DE_E_CANCELLED, "cancelled");
     const VerifiedBody &one = all[k];
     BodyVerification &body = out->bodies[k];
-    const BodyFilling filling = fillingOf(context_.services, body.name, one.source, *one.values, parallelFor);
+    const BodyFilling filling = fillingOf(world_.context.services, body.name, one.source, *one.values, parallelFor);
     auto verified = pointbased::verify(one.body, filling.shape, filling.recipe, parallelFor, tell, &request);
     if (verified)
       body.result = std::move(*verified);
@@ -50,13 +50,13 @@ std::shared_ptr<const WorldVerification> WorldSimulator::verifyBodies(const sdk:
       body.refused = verified.error();
   }
   out->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(world_.mutex);
   snapshots_.setVerification(out);
   return out;
 }
 
-void WorldSimulator::verify(const c3de_progress *progress, c3de_sink json) {
-  const auto verified = verifyBodies(sdk::Progress(progress));
+void BodyVerifier::report(const c3de_progress *progress, c3de_sink json) {
+  const auto verified = verify(sdk::Progress(progress));
   if (const c3de_status status = sdk::put(json, verificationJson(*verified)); status < 0)
     throw Error(status, "the text was not taken");
 }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The state of a simulation as bytes.
+#include "simulator/saved_state.h"
+
 #include "base/accuracy_target.h"
 #include "c3de/abi/iface/parameter_ids.h"
-#include "c3de/sdk/scene_record.hpp"
-#include "simulator/world_simulator.h"
 
 namespace pointbased {
 
@@ -76,11 +75,12 @@ void addBodyFields(sdk::SceneRecord &record, const BodyRecord &of, const Body &b
 }  // namespace
 
 // The scene to which a state belongs: everything it specifies about the physics.
-sdk::SceneRecord WorldSimulator::sceneRecord() const {
+sdk::SceneRecord SavedState::sceneRecord() const {
   sdk::SceneRecord record;
-  addValues(record, "", world_);
+  addValues(record, "", world_.parameters);
   // "auto" follows the accuracy target.
-  record.add("precision", worldSettings(world_).precision == Precision::doublePrecision ? "double" : "single");
+  record.add("precision",
+             worldSettings(world_.parameters).precision == Precision::doublePrecision ? "double" : "single");
   // The bytes after the record identify bodies, obstacles and attachments by their order.
   std::size_t bodies = 0, rank = 0, layers = 0;
   for (const auto &[id, of] : table_.bodies()) {
@@ -134,7 +134,7 @@ sdk::SceneRecord WorldSimulator::sceneRecord() const {
     record.add("attachment '" + now.name + "': area", now.area);
     record.add("attachment '" + now.name + "': centre", numbersOf(now.centre));
   }
-  for (const auto &[id, of] : grasps_) {
+  for (const auto &[id, of] : world_.grasps) {
     if (!of.scene) continue;
     const SceneGrasp &grasp = *of.scene;
     const std::string owner = "grasp '" + of.name + "': ";
@@ -160,17 +160,17 @@ sdk::SceneRecord WorldSimulator::sceneRecord() const {
   return record;
 }
 
-c3de_status WorldSimulator::saveState(c3de_sink sink) {
-  const std::lock_guard lock(mutex_);
-  if (!liveLoads_.empty()) throw Error(C3DE_E_STATE, "loads added at run time act on it; remove them first");
+c3de_status SavedState::save(c3de_sink sink) {
+  const std::lock_guard lock(world_.mutex);
+  if (forces_.hasLoads()) throw Error(C3DE_E_STATE, "loads added at run time act on it; remove them first");
   const auto state = simulator_.archive().save();
   if (!state) throw Error(C3DE_E_STATE, state.error());
   return sdk::put(sink, sceneRecord().bytes() + *state);
 }
 
-void WorldSimulator::loadState(const void *bytes, std::uint64_t n) {
+void SavedState::load(const void *bytes, std::uint64_t n) {
   if (bytes == nullptr) throw Error(C3DE_E_ARG, "load_state: bytes is null");
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(world_.mutex);
   std::string_view state(static_cast<const char *>(bytes), static_cast<std::size_t>(n));
   const auto of = sdk::SceneRecord::take(state);
   if (!of) throw Error(C3DE_E_FORMAT, "the state ends too early, or is of another version of the plugin");
@@ -179,7 +179,7 @@ void WorldSimulator::loadState(const void *bytes, std::uint64_t n) {
   const auto gone = simulator_.archive().load(state);
   table_.followInstruments(simulator_);
   if (!gone) throw Error(C3DE_E_FORMAT, gone.error());
-  liveLoads_.clear();
+  forces_.removeLoads();
   holds_.clear();
 }
 

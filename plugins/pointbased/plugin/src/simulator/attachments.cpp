@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// iface.attachment: elastic layers between bodies, obstacles and surroundings.
+#include "simulator/attachments.h"
+
 #include "c3de/sdk/structs.hpp"
-#include "simulator/world_simulator.h"
 
 namespace pointbased {
 
 using sdk::Error;
 
-void WorldSimulator::addAttachment(const c3de_sim_attachment *attachment, c3de_handle *out) {
+void Attachments::add(const c3de_sim_attachment *attachment, c3de_handle *out) {
   const c3de_sim_attachment in = sdk::readStruct(attachment, "attachment");
   Attachment read;
   read.name = std::string(sdk::text(in.name));
@@ -19,8 +19,8 @@ void WorldSimulator::addAttachment(const c3de_sim_attachment *attachment, c3de_h
   read.stiffness = in.stiffness_Pa_m;
   read.tangential = in.tangential_Pa_m;
   read.tearsAt = in.tears_at_Pa;
-  const StepInterrupt::Waiting waiting(request_);
-  const std::lock_guard lock(mutex_);
+  const StepInterrupt::Waiting waiting(world_.request);
+  const std::lock_guard lock(world_.mutex);
   if (!table_.hasBody(read.first) || (read.second != kSurroundings && !table_.has(read.second)))
     throw Error(C3DE_E_STALE, which + "there is no such body or obstacle in this simulation");
   if (table_.hasAttachment(read.name)) throw Error(C3DE_E_EXISTS, which + "there is one of this name already");
@@ -31,7 +31,15 @@ void WorldSimulator::addAttachment(const c3de_sim_attachment *attachment, c3de_h
   if (out) *out = {*added};
 }
 
-std::vector<ReportedAttachment> WorldSimulator::reportedAttachments() const {
+void Attachments::reattach(Attachment attachment, std::uint64_t before, std::uint64_t now) {
+  (attachment.first == before ? attachment.first : attachment.second) = now;
+  if (const auto added = simulator_.world().addAttachment(attachment))
+    table_.addAttachment(*added, std::move(attachment));
+  else
+    simulator_.diagnostics().addWarning(now, "attachment '" + attachment.name + "' was removed: " + added.error());
+}
+
+std::vector<ReportedAttachment> Attachments::reported() const {
   std::vector<ReportedAttachment> out;
   for (AttachmentSummary &summary : simulator_.world().attachments()) {
     const Attachment &of = table_.attachments().at(summary.id);
@@ -41,9 +49,9 @@ std::vector<ReportedAttachment> WorldSimulator::reportedAttachments() const {
   return out;
 }
 
-c3de_status WorldSimulator::enumAttachments(void *visitor, EachAttachment each) {
+c3de_status Attachments::enumerate(void *visitor, Each each) {
   if (!each) throw Error(C3DE_E_ARG, "each is null");
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(world_.mutex);
   for (const AttachmentSummary &attachment : simulator_.world().attachments()) {
     c3de_sim_attachment_state state{};
     state.size = sizeof state;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pairs of jaws: the interactive ones, and iface.grasp.
+#include "simulator/grasps.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "base/number_text.h"
 #include "c3de/sdk/structs.hpp"
-#include "simulator/world_simulator.h"
 
 namespace pointbased {
 namespace {
@@ -17,33 +16,35 @@ constexpr std::uint64_t kFirstGrab = 1;
 
 std::string millimetres(double metres) { return shortNumber(1e3 * metres) + " mm"; }
 
+/// Id of the grab of its first jaw; the second jaw has the next id.
+std::uint64_t findGrab(std::uint64_t grasp) { return grasp == kInteractiveGrasp ? kFirstGrab : grasp; }
+
 }  // namespace
 
-void WorldSimulator::grasp(std::uint64_t body, const JawPositions &places, const GraspSettings &settings) {
-  const std::lock_guard lock(mutex_);
+void Grasps::begin(std::uint64_t body, const JawPositions &places, const GraspSettings &settings) {
+  const std::lock_guard lock(world_.mutex);
   if (!table_.hasBody(body)) return;
-  releaseGrasp(kInteractiveGrasp);
+  remove(kInteractiveGrasp);
   GraspRecord record;
   record.now = beginGrasp(body, *simulator_.body(body), places, settings);
   setGrabs(kInteractiveGrasp, *record.now);
   grasps_.emplace(kInteractiveGrasp, std::move(record));
 }
 
-void WorldSimulator::moveInteractiveGrasp(const Vec3 &middle, const Mat3 &rotation) {
-  const std::lock_guard lock(mutex_);
+void Grasps::move(const Vec3 &middle, const Mat3 &rotation) {
+  const std::lock_guard lock(world_.mutex);
   const auto found = grasps_.find(kInteractiveGrasp);
   if (found == grasps_.end()) return;
   found->second.now->middle = middle;
   found->second.now->rotation = rotation;
 }
 
-void WorldSimulator::releaseInteractiveGrasp() {
-  const std::lock_guard lock(mutex_);
-  releaseGrasp(kInteractiveGrasp);
+void Grasps::release() {
+  const std::lock_guard lock(world_.mutex);
+  remove(kInteractiveGrasp);
 }
 
-// Removes the jaws themselves; those of a scene are restored by a reset.
-void WorldSimulator::releaseGrasp(std::uint64_t id) {
+void Grasps::remove(std::uint64_t id) {
   const auto found = grasps_.find(id);
   if (found == grasps_.end()) return;
   if (found->second.now)
@@ -52,16 +53,14 @@ void WorldSimulator::releaseGrasp(std::uint64_t id) {
   grasps_.erase(found);
 }
 
-std::uint64_t WorldSimulator::findGrab(std::uint64_t grasp) { return grasp == kInteractiveGrasp ? kFirstGrab : grasp; }
-
-void WorldSimulator::setGrabs(std::uint64_t id, const Grasp &grasp) {
+void Grasps::setGrabs(std::uint64_t id, const Grasp &grasp) {
   for (std::size_t jaw = 0; jaw < 2; ++jaw) {
-    recordGrab(grasp.body, grasp.grabs[jaw]);
+    world_.recordGrab(grasp.body, grasp.grabs[jaw]);
     simulator_.stepper().setGrab(grasp.body, grasp.grabs[jaw], findGrab(id) + jaw);
   }
 }
 
-std::optional<GraspForces> WorldSimulator::forcesOn(std::uint64_t id, const Grasp &grasp) const {
+std::optional<GraspForces> Grasps::forcesOn(std::uint64_t id, const Grasp &grasp) const {
   std::array<GrabStatus, 2> grabs;
   for (std::size_t jaw = 0; jaw < 2; ++jaw) {
     const std::optional<GrabStatus> status = simulator_.stepper().grabStatus(grasp.body, findGrab(id) + jaw);
@@ -77,8 +76,7 @@ std::optional<GraspForces> WorldSimulator::forcesOn(std::uint64_t id, const Gras
   return forcesOf(grasp, grabs);
 }
 
-// Before a step: jaws of the scene take hold at their time, all close and move to their prescribed pose.
-void WorldSimulator::updateGrasps() {
+void Grasps::update() {
   if (grasps_.empty()) return;
   const double dt = simulator_.stepper().stepSize(), end = simulator_.time() + dt;
   for (auto entry = grasps_.begin(); entry != grasps_.end();) {
@@ -99,7 +97,7 @@ void WorldSimulator::updateGrasps() {
         if (record.scene) record.scene->lead(*record.now, end);
         record.now->aim();
         for (std::size_t jaw = 0; jaw < 2; ++jaw) {
-          recordPull(record.now->body, findGrab(id) + jaw);
+          world_.recordPull(record.now->body, findGrab(id) + jaw);
           simulator_.stepper().moveGrab(record.now->body, record.now->grabs[jaw].target, findGrab(id) + jaw);
           simulator_.stepper().turnGrab(record.now->body, record.now->rotation, findGrab(id) + jaw);
         }
@@ -109,21 +107,13 @@ void WorldSimulator::updateGrasps() {
   }
 }
 
-void WorldSimulator::resetGrasps() {
-  grasps_.erase(kInteractiveGrasp);
-  for (auto &[id, record] : grasps_) {
-    record.now.reset();
-    record.isOver = false;
-  }
-}
-
-InteractionState WorldSimulator::checkpoint() const {
-  const std::lock_guard lock(mutex_);
+InteractionState Grasps::checkpoint() const {
+  const std::lock_guard lock(world_.mutex);
   return {simulator_.archive().checkpoint(), grasps_};
 }
 
-void WorldSimulator::exchange(InteractionState &kept) {
-  const std::lock_guard lock(mutex_);
+void Grasps::exchange(InteractionState &kept) {
+  const std::lock_guard lock(world_.mutex);
   InteractionState left{simulator_.archive().checkpoint(), grasps_};
   if (simulator_.archive().restore(kept.state)) {
     grasps_ = kept.grasps;
@@ -134,7 +124,7 @@ void WorldSimulator::exchange(InteractionState &kept) {
   table_.followInstruments(simulator_);
 }
 
-std::vector<GraspSnapshot> WorldSimulator::graspsNow() const {
+std::vector<GraspSnapshot> Grasps::snapshots() const {
   std::vector<GraspSnapshot> out;
   for (const auto &[id, record] : grasps_) {
     if (!record.now) continue;
@@ -147,7 +137,7 @@ std::vector<GraspSnapshot> WorldSimulator::graspsNow() const {
   return out;
 }
 
-std::vector<ReportedGrasp> WorldSimulator::reportedGrasps() const {
+std::vector<ReportedGrasp> Grasps::reported() const {
   std::vector<ReportedGrasp> out;
   for (const auto &[id, record] : grasps_) {
     ReportedGrasp one;
@@ -175,7 +165,7 @@ void SceneGrasp::lead(Grasp &grasp, double time) const {
   grasp.rotation = from.rotation.slerp(s, to.rotation).toRotationMatrix();
 }
 
-void WorldSimulator::addGrasp(const c3de_sim_grasp *given, c3de_handle *out) {
+void Grasps::add(const c3de_sim_grasp *given, c3de_handle *out) {
   const c3de_sim_grasp in = sdk::readStruct(given, "grasp");
   const std::string which = "grasp '" + std::string(sdk::text(in.name)) + "': ";
   const auto refuse = [&which](const std::string &text) { throw Error(C3DE_E_ARG, which + text); };
@@ -197,7 +187,7 @@ void WorldSimulator::addGrasp(const c3de_sim_grasp *given, c3de_handle *out) {
       refuse("place " + std::to_string(k) + " of its path: accepted: finite numbers and times that ascend");
     scene.path.push_back({place.time_s, to, Eigen::Quaterniond(readRotation(place.quaternion, "path"))});
   }
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(world_.mutex);
   const BodyRecord &of = table_.bodyOrThrow(in.body.v);
   for (const auto &[id, other] : grasps_)
     if (other.name == record.name) throw Error(C3DE_E_EXISTS, which + "there is one of this name already");
@@ -208,22 +198,21 @@ void WorldSimulator::addGrasp(const c3de_sim_grasp *given, c3de_handle *out) {
   if (simulator_.body(in.body.v)->isStatic())
     refuse("body '" + of.name + "' is rigid and stands; nobody pulls it; accepted: rigid = false, or free = true");
   const PlacedMesh &mesh = *of.surface;
-  const double off = distanceOff(context_.services, mesh, at);
+  const double off = distanceOff(world_.context.services, mesh, at);
   const RestState &rest = simulator_.body(in.body.v)->rest();
   if (off > 0.5 * scene.settings.opening + rest.spacing)
     refuse("(" + shortNumber(at[0]) + ", " + shortNumber(at[1]) + ", " + shortNumber(at[2]) + ") m lies " +
            millimetres(off) + " off body '" + of.name + "'; accepted: on its skin, or up to half the opening and a " +
            "spacing (" + millimetres(0.5 * scene.settings.opening + rest.spacing) + ") off it");
-  const c3de_closest nearest = closestOn(context_.services, mesh, at);
+  const c3de_closest nearest = closestOn(world_.context.services, mesh, at);
   auto places = findJaws({mesh.positions, mesh.triangles}, Vec3(nearest.point), Vec3(nearest.normal), axis.normalized(),
                          scene.settings);
   if (!places) refuse("body '" + of.name + "': " + places.error());
   scene.places = *places;
   if (const std::string problem = problemOf(rest, scene.places, scene.settings); !problem.empty())
     refuse("body '" + of.name + "': " + problem);
-  resetSimulator();
-  const std::uint64_t id = nextRuntimeId_;
-  nextRuntimeId_ += 2;  // one grab id for each jaw
+  world_.reset();
+  const std::uint64_t id = world_.takeIds(2);  // one grab id for each jaw
   grasps_.emplace(id, std::move(record));
   if (out) *out = {id};
 }

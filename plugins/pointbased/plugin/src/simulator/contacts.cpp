@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// iface.contact: pairs and probe tools.
+#include "simulator/contacts.h"
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "c3de/sdk/structs.hpp"
 #include "instruments/probe_tool_mesh.h"
-#include "simulator/world_simulator.h"
 
 namespace pointbased {
 namespace {
@@ -41,14 +42,14 @@ ProbeTool readTool(const c3de_sim_probe_tool &in) {
 
 }  // namespace
 
-void WorldSimulator::setPair(const c3de_sim_contact_pair *pair) {
+void Contacts::setPair(const c3de_sim_contact_pair *pair) {
   const c3de_sim_contact_pair in = sdk::readStruct(pair, "pair");
   const bool hasFriction = (in.flags & C3DE_SIM_PAIR_HAS_FRICTION) != 0;
   ContactPairSettings settings;
   if (hasFriction) settings.friction = frictionOrThrow(in.friction, "");
   settings.enabled = (in.flags & C3DE_SIM_PAIR_OFF) == 0;
   settings.fits = (in.flags & C3DE_SIM_PAIR_FITS) != 0;
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(world_.mutex);
   for (const c3de_handle one : {in.first, in.second})
     if (one.v != kWorldBox && !table_.has(one.v))
       throw Error(C3DE_E_STALE, "there is no such body, obstacle or probe tool in this simulation");
@@ -57,16 +58,16 @@ void WorldSimulator::setPair(const c3de_sim_contact_pair *pair) {
   simulator_.world().setContactPair(in.first.v, in.second.v, settings);
 }
 
-void WorldSimulator::addProbeTool(const c3de_sim_probe_tool *tool, c3de_handle *out) {
+void Contacts::addProbeTool(const c3de_sim_probe_tool *tool, c3de_handle *out) {
   ProbeTool read = readTool(sdk::readStruct(tool, "tool"));
   auto built = obstacleOf(read);
   if (!built) throw Error(C3DE_E_ARG, built.error());
-  ObstacleRecord record{read.name, meshOf(context_.services, read), read.friction, 0.0, built->motion, read};
-  const std::lock_guard lock(mutex_);
+  ObstacleRecord record{read.name, meshOf(world_.context.services, read), read.friction, 0.0, built->motion, read};
+  const std::lock_guard lock(world_.mutex);
   if (table_.hasProbeTool(read.name))
     throw Error(C3DE_E_EXISTS, "probe tool '" + read.name + "': there is one of this name already");
   const std::vector<std::string> warnings = warningsOf(read);
-  resetSimulator();
+  world_.reset();
   const std::uint64_t id = simulator_.addObstacle(std::move(*built));
   for (const std::string &warning : warnings) simulator_.diagnostics().addWarning(id, warning);
   table_.addObstacle(id, std::move(record));
@@ -74,7 +75,7 @@ void WorldSimulator::addProbeTool(const c3de_sim_probe_tool *tool, c3de_handle *
 }
 
 // What contact at points cannot resolve, and a start position inside a body.
-std::vector<std::string> WorldSimulator::warningsOf(const ProbeTool &tool) const {
+std::vector<std::string> Contacts::warningsOf(const ProbeTool &tool) const {
   std::vector<std::string> warnings;
   const std::string which = "probe tool '" + tool.name + "' ";
   for (const auto &[id, record] : table_.bodies()) {
@@ -92,8 +93,8 @@ std::vector<std::string> WorldSimulator::warningsOf(const ProbeTool &tool) const
     double nearest = std::numeric_limits<double>::infinity();
     for (int k = 0; k <= (tool.length > 0.0 ? pieces : 0); ++k) {
       const double along = tool.length > 0.0 ? tool.length * (static_cast<double>(k) / pieces - 0.5) : 0.0;
-      nearest = std::min(nearest,
-                         distanceOff(context_.services, *record.surface, first.at + along * first.axis.normalized()));
+      nearest = std::min(
+          nearest, distanceOff(world_.context.services, *record.surface, first.at + along * first.axis.normalized()));
     }
     if (nearest < tool.radius - 0.01 * spacing)
       warnings.push_back(which + "begins " +
@@ -104,10 +105,10 @@ std::vector<std::string> WorldSimulator::warningsOf(const ProbeTool &tool) const
   return warnings;
 }
 
-c3de_status WorldSimulator::enumProbeTools(void *visitor, EachProbeTool each) {
+c3de_status Contacts::enumProbeTools(void *visitor, Each each) {
   if (!each) throw Error(C3DE_E_ARG, "each is null");
-  const std::lock_guard lock(mutex_);
-  for (const ReportedTool &tool : reportedTools()) {
+  const std::lock_guard lock(world_.mutex);
+  for (const ReportedTool &tool : reported()) {
     c3de_sim_probe_tool_state state{};
     state.size = sizeof state;
     state.points = static_cast<std::uint32_t>(tool.points);
@@ -122,7 +123,7 @@ c3de_status WorldSimulator::enumProbeTools(void *visitor, EachProbeTool each) {
   return C3DE_OK;
 }
 
-std::vector<ReportedTool> WorldSimulator::reportedTools() const {
+std::vector<ReportedTool> Contacts::reported() const {
   std::vector<ReportedTool> tools;
   const std::vector<ContactSummary> contacts = simulator_.diagnostics().contacts();
   for (const auto &[id, record] : table_.obstacles()) {

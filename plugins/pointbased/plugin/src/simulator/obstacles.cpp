@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Interactively moved objects: the instrument, and obstacles that are placed.
+#include "simulator/obstacles.h"
+
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
+#include "c3de/sdk/structs.hpp"
 #include "instruments/probe_tool_mesh.h"
 #include "simulator/obstacle_overlap.h"
-#include "simulator/world_simulator.h"
 
 namespace pointbased {
 namespace {
@@ -20,22 +20,39 @@ constexpr double kMinTime = 1.0 / 30.0;
 
 }  // namespace
 
-void WorldSimulator::placeInstrument(ProbeTool tool) {
-  const std::lock_guard lock(mutex_);
+void Obstacles::add(const c3de_sim_obstacle *obstacle, c3de_handle *out) {
+  const c3de_sim_obstacle in = sdk::readStruct(obstacle, "obstacle");
+  ParameterValues values(obstacleDeclarations());
+  sdk::orThrow(values.set(in.params, in.params_n, in.params_stride));
+  const std::string name(sdk::text(in.name));
+  auto mesh = placeMesh(world_.context.services, in.mesh, readPlacement(in.placement));
+  Obstacle built =
+      buildObstacle(world_.context.services, name, mesh, {values.number("friction"), values.number("restitution")},
+                    readMotion(in.motion, "obstacle"));
+  ObstacleRecord record{name, std::move(mesh), built.friction, built.restitution, built.motion};
+  const std::lock_guard lock(world_.mutex);
+  world_.reset();
+  const std::uint64_t id = simulator_.addObstacle(std::move(built));
+  table_.addObstacle(id, std::move(record));
+  if (out) *out = {id};
+}
+
+void Obstacles::placeInstrument(ProbeTool tool) {
+  const std::lock_guard lock(world_.mutex);
   tool.name = table_.freeInstrumentName();
   tool.path.resize(1, tool.path.empty() ? ToolPose() : tool.path.front());
   tool.path.push_back(tool.path.front());
   tool.path.back().time = tool.path.front().time + 1.0;
   auto built = obstacleOf(tool);
   if (!built) throw Error(C3DE_E_ARG, built.error());
-  const ObstacleRecord record{tool.name, meshOf(context_.services, tool), tool.friction, 0.0, {}, tool};
-  takeInstrumentAway();
+  const ObstacleRecord record{tool.name, meshOf(world_.context.services, tool), tool.friction, 0.0, {}, tool};
+  eraseInstruments();
   const std::uint64_t id = simulator_.world().addInstrument(std::move(*built));
   table_.addInstrument(id, record);
 }
 
-void WorldSimulator::moveInstrument(const Vec3 &middle) {
-  const std::lock_guard lock(mutex_);
+void Obstacles::moveInstrument(const Vec3 &middle) {
+  const std::lock_guard lock(world_.mutex);
   for (const auto &[id, record] : table_.obstacles()) {
     if (!simulator_.world().isInstrument(id)) continue;
     const Vec3 &at = record.tool->path.front().at;
@@ -43,21 +60,21 @@ void WorldSimulator::moveInstrument(const Vec3 &middle) {
   }
 }
 
-void WorldSimulator::removeInstrument() {
-  const std::lock_guard lock(mutex_);
-  takeInstrumentAway();
+void Obstacles::removeInstrument() {
+  const std::lock_guard lock(world_.mutex);
+  eraseInstruments();
 }
 
-void WorldSimulator::takeInstrumentAway() {
+void Obstacles::eraseInstruments() {
   for (const std::uint64_t id : table_.removeInstruments()) simulator_.removeObstacle(id);
 }
 
-void WorldSimulator::guide(std::uint64_t obstacle, const RigidMotion &target) {
-  const std::lock_guard lock(mutex_);
+void Obstacles::guide(std::uint64_t obstacle, const RigidMotion &target) {
+  const std::lock_guard lock(world_.mutex);
   lead(obstacle, target);
 }
 
-void WorldSimulator::lead(std::uint64_t obstacle, const RigidMotion &target) {
+void Obstacles::lead(std::uint64_t obstacle, const RigidMotion &target) {
   const ObstacleRecord *record = table_.obstacle(obstacle);
   if (!record) return;
   const RigidMotion now = simulator_.world().obstacleMotion(obstacle);
@@ -72,8 +89,8 @@ void WorldSimulator::lead(std::uint64_t obstacle, const RigidMotion &target) {
   simulator_.world().guideObstacle(obstacle, target, std::max({kMinTime, way / kMaxSpeed, turn / kMaxTurn}));
 }
 
-void WorldSimulator::takeOut(RemovedObstacle &taken) {
-  const std::lock_guard lock(mutex_);
+void Obstacles::takeOut(RemovedObstacle &taken) {
+  const std::lock_guard lock(world_.mutex);
   const ObstacleRecord *record = table_.obstacle(taken.id);
   const Obstacle *obstacle = simulator_.world().obstacle(taken.id);
   if (!record || !obstacle) return;
@@ -89,8 +106,8 @@ void WorldSimulator::takeOut(RemovedObstacle &taken) {
   simulator_.removeObstacle(taken.id);
 }
 
-bool WorldSimulator::putBack(RemovedObstacle &taken) {
-  const std::lock_guard lock(mutex_);
+bool Obstacles::putBack(RemovedObstacle &taken) {
+  const std::lock_guard lock(world_.mutex);
   if (!taken.record) return false;
   // Before the first step it is placed again below; afterwards a reset moves it to its initial position.
   if (!taken.record->motion && simulator_.steps() == 0) taken.obstacle.motion = nullptr;
@@ -104,27 +121,19 @@ bool WorldSimulator::putBack(RemovedObstacle &taken) {
   for (const auto &[pair, settings] : taken.pairs)
     simulator_.world().setContactPair(id, pair.first == before ? pair.second : pair.first, settings);
   const bool isReset = simulator_.steps() > 0 && (!taken.attachments.empty() || holdsSkin(simulator_, table_, id));
-  if (isReset || !taken.attachments.empty()) resetSimulator();
-  for (const Attachment &attachment : taken.attachments) reattach(attachment, before, id);
+  if (isReset || !taken.attachments.empty()) world_.reset();
+  for (const Attachment &attachment : taken.attachments) attachments_.reattach(attachment, before, id);
   return isReset;
 }
 
-WorldSimulator::RemovedObstacle WorldSimulator::prepareObstacle(const std::string &name, c3de_handle mesh,
-                                                                const Placement &placement) {
+RemovedObstacle Obstacles::prepare(const std::string &name, c3de_handle mesh, const Placement &placement) {
   const ParameterValues values(obstacleDeclarations());
-  auto placed = placeMesh(context_.services, mesh, placement);
+  auto placed = placeMesh(world_.context.services, mesh, placement);
   RemovedObstacle taken;
-  taken.obstacle = buildObstacle(context_.services, name, placed,
+  taken.obstacle = buildObstacle(world_.context.services, name, placed,
                                  {values.number("friction"), values.number("restitution")}, std::nullopt);
   taken.record = ObstacleRecord{name, std::move(placed), taken.obstacle.friction, taken.obstacle.restitution, {}};
   return taken;
-}
-
-void WorldSimulator::resetSimulator() {
-  simulator_.reset();
-  resetGrasps();
-  table_.followInstruments(simulator_);
-  table_.forgetInstruments();
 }
 
 }  // namespace pointbased

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulator/accuracy_control.h"
+
+#include "base/build_request.h"
+
+namespace pointbased {
+
+SamplingRequest AccuracyControl::samplingRequest() {
+  SamplingRequest request;
+  {
+    const std::lock_guard lock(world_.mutex);
+    request.wish = accuracyTargetOf(world_.parameters);
+    request.setting.world = worldSettings(world_.parameters);
+    request.setting.touches = world_.parameters.number(C3DE_PARAM_ID_CONTACT_ENABLED) != 0.0 &&
+                              world_.parameters.number(C3DE_PARAM_ID_ACCURACY_BODIES) > 1.0;
+    request.setting.contact = request.setting.world.box.enabled || !table_.obstacles().empty();
+  }
+  request.gravity = request.setting.world.gravity;
+  // Without a target the result must not depend on the machine.
+  if (request.wish.kind == AccuracyTarget::Kind::standard) {
+    request.setting.speed = nominalSpeed();
+    return request;
+  }
+  request.setting.speed = world_.context.speed.speed();
+  if (request.setting.world.integrator != Integrator::quasiStatic)
+    request.frameTime = [this](const Body &body, const StopRequest *stop) { return frameTime(body, stop); };
+  return request;
+}
+
+double AccuracyControl::frameTime(const Body &body, const StopRequest *stop) const {
+  WorldSettings settings;
+  std::vector<Obstacle> obstacles;
+  {
+    const std::lock_guard lock(world_.mutex);
+    settings = worldSettings(world_.parameters);
+    obstacles.assign(simulator_.world().obstacles().begin(), simulator_.world().obstacles().end());
+  }
+  return measureFrame(body, settings, obstacles, world_.context.services.parallelFor(), stop);
+}
+
+void AccuracyControl::computeTrials(const sdk::Progress &progress, const ParallelFor &parallelFor) {
+  struct Untried {
+    std::uint64_t id = 0;
+    std::string name;
+    BodySource source;
+    std::shared_ptr<const ParameterValues> values;
+    std::shared_ptr<const RestState> rest;
+  };
+  std::vector<Untried> all;
+  Vec3 gravity;
+  {
+    const std::lock_guard lock(world_.mutex);
+    gravity = simulator_.world().settings().gravity;
+    for (const auto &[id, record] : table_.bodies())
+      if (!record.trials && !simulator_.body(id)->rigid())
+        all.push_back({id, record.name, record.source, record.values, simulator_.body(id)->sharedRest()});
+  }
+  BuildRequest request(progress);
+  const auto tried = [&](const Untried &one) -> DisplacementTrials {
+    if (!request.tell(0.0, one.name + ": trying coarse samplings")) return {nullptr, "its trials were cancelled"};
+    if (one.rest->evaluation != Evaluation::stressPoints) return {nullptr, "phyxels without a lattice have no trials"};
+    // Trials with an assumed support would not describe this state, and filling a body for them takes time.
+    if (one.rest->conditions.fixes.empty() && !foundationOf(*one.values).holds())
+      return {nullptr, "nothing holds it but contact, attachments or inertia"};
+    try {
+      const BodyFilling filling = fillingOf(world_.context.services, one.name, one.source, *one.values, parallelFor);
+      const Constitution constitution = constitutionOf(world_.context.laws, one.name, one.source, *one.values);
+      auto survey = surveyAccuracy({filling.shape, filling.recipe, constitution, foundationOf(*one.values), gravity},
+                                   parallelFor, &request);
+      if (request.isRaised()) return {nullptr, "its trials were cancelled"};
+      if (!survey) return {nullptr, survey.error()};
+      return {std::make_shared<const AccuracySurvey>(std::move(*survey)), {}};
+    } catch (const sdk::Error &error) {
+      return {nullptr, error.what()};
+    }
+  };
+  for (const Untried &one : all) {
+    DisplacementTrials trials = tried(one);
+    const std::lock_guard lock(world_.mutex);
+    if (BodyRecord *record = table_.body(one.id); record && simulator_.body(one.id)->sharedRest() == one.rest)
+      record->trials = std::make_shared<const DisplacementTrials>(std::move(trials));
+  }
+}
+
+void AccuracyControl::shareBudget(std::size_t bodies) {
+  const std::lock_guard lock(world_.mutex);
+  sdk::orThrow(
+      world_.parameters.set(sdk::integerValue(C3DE_PARAM_ID_ACCURACY_BODIES, static_cast<std::int64_t>(bodies))));
+}
+
+}  // namespace pointbased

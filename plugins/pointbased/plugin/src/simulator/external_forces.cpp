@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulator/external_forces.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "c3de/sdk/structs.hpp"
+
+namespace pointbased {
+
+using sdk::Error;
+
+void ExternalForces::points(c3de_handle handle, c3de_sim_points *out) {
+  const std::lock_guard lock(world_.mutex);
+  const BodyRecord &record = table_.bodyOrThrow(handle.v);
+  const Body &body = *simulator_.body(handle.v);
+  c3de_sim_points points{};
+  const RestState &rest = body.rest();
+  const std::size_t n = rest.phyxelCount();
+  if (n > 0 && !body.isStatic() && !body.stopped) {
+    SharedPoints &lent = lent_[handle.v];
+    lent.name = record.name;
+    lent.positions.resize(n);
+    for (std::size_t i = 0; i < n; ++i)
+      lent.positions[i] = rest.origin + rest.positions[i] + body.state().displacements[i];
+    // Copied as well: the caller may keep the pointer, or write to it.
+    lent.velocities = body.state().velocities;
+    lent.forces.assign(n, Vec3::Zero());
+    lent.asked = true;
+    if (lent.masses.size() != n || lent.rest != body.sharedRest()) {
+      lent.rest = body.sharedRest();
+      lent.masses.resize(n);
+      for (std::size_t i = 0; i < n; ++i) lent.masses[i] = body.inverseMasses()[i] > 0.0 ? body.restMasses()[i] : 0.0;
+    }
+    points.name = sdk::str(lent.name);
+    points.count = n;
+    points.positions_m = lent.positions.front().data();
+    points.velocities_m_s = lent.velocities.front().data();
+    points.masses_kg = lent.masses.data();
+    points.forces_N = lent.forces.front().data();
+  }
+  sdk::writeStruct(out, points, "out");
+}
+
+void ExternalForces::bind(RuntimeLoad &live) const {
+  const Body &body = *simulator_.body(live.body);
+  const BodyRecord &record = *table_.body(live.body);
+  const PlacedMesh &mesh = *record.surface;
+  auto part = loadOn(live.load, body.rest(), {mesh.positions, mesh.triangles});
+  if (!part) throw Error(C3DE_E_ARG, "a load on body '" + record.name + "': " + part.error());
+  live.part = std::move(*part);
+  live.rest = body.sharedRest();
+}
+
+void ExternalForces::addLoad(c3de_handle handle, const c3de_sim_load *load, c3de_handle *out) {
+  const std::lock_guard lock(world_.mutex);
+  const BodyRecord &record = table_.bodyOrThrow(handle.v);
+  if (simulator_.body(handle.v)->isStatic())
+    throw Error(C3DE_E_STATE, "body '" + record.name + "' is rigid and stands; a load does not move it");
+  RuntimeLoad live{handle.v, readLoad(load), {}, nullptr, simulator_.time()};
+  bind(live);
+  const std::uint64_t id = world_.takeIds(1);
+  loads_.emplace(id, std::move(live));
+  if (out) *out = {id};
+}
+
+void ExternalForces::apply() {
+  for (const auto &[id, record] : table_.bodies()) {
+    const auto found = lent_.find(id);
+    const Body &body = *simulator_.body(id);
+    const std::size_t n = body.rest().phyxelCount();
+    const bool asked = found != lent_.end() && std::exchange(found->second.asked, false);
+    std::vector<Vec3> forces;
+    if (asked && found->second.forces.size() == n) forces.swap(found->second.forces);
+    for (auto &[number, live] : loads_) {
+      if (live.body != id || body.isStatic()) continue;
+      if (live.rest != body.sharedRest()) bind(live);
+      forces.resize(n, Vec3::Zero());
+      const double since_s = simulator_.time() - live.began_s;
+      const double s =
+          live.load.ramp > 0.0 && !simulator_.quasiStatic() ? std::min(1.0, since_s / live.load.ramp) : 1.0;
+      addLoadForces(live.load, live.part, s, body.state().displacements, forces);
+    }
+    if (!forces.empty())
+      simulator_.stepper().swapExternalForces(id, forces);
+    else if (!body.externalForces().empty())
+      simulator_.stepper().setExternalForces(id, {});
+    if (asked) found->second.forces.swap(forces);
+  }
+  std::erase_if(lent_, [this](const auto &entry) { return !table_.hasBody(entry.first); });
+}
+
+void ExternalForces::forgetMasses(std::uint64_t body) {
+  if (const auto lent = lent_.find(body); lent != lent_.end()) lent->second.masses.clear();
+}
+
+void ExternalForces::removeLoadsOf(std::uint64_t body) {
+  std::erase_if(loads_, [&](const auto &entry) { return entry.second.body == body; });
+}
+
+}  // namespace pointbased

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "simulator/simulated_world.h"
+
+namespace pointbased {
+
+/// Forces and loads of other plugins on bodies while they are simulated.
+class ExternalForces {
+ public:
+  explicit ExternalForces(SimulatedWorld &world) : world_(world) {}
+
+  void points(c3de_handle body, c3de_sim_points *out);
+  void addLoad(c3de_handle body, const c3de_sim_load *load, c3de_handle *out);
+
+  // The mutex of the world is held.
+  /// Before a step: sets the forces requested since the last step and those of the loads; other bodies have none.
+  void apply();
+  /// Called after the masses of a body have changed.
+  void forgetMasses(std::uint64_t body);
+  [[nodiscard]] bool hasLoads() const { return !loads_.empty(); }
+  /// False if there is none.
+  bool removeLoad(std::uint64_t id) { return loads_.erase(id) > 0; }
+  void removeLoadsOf(std::uint64_t body);
+  void removeLoads() { loads_.clear(); }
+
+ private:
+  /// For bodies on which external forces act in the next step. Copies, because another thread may replace the body
+  /// while they are being written.
+  struct SharedPoints {
+    std::vector<Vec3> positions, velocities, forces;
+    std::vector<double> masses;             // empty: to be recomputed
+    std::shared_ptr<const RestState> rest;  // to which the masses belong
+    std::string name;
+    bool asked = false;
+  };
+  /// A load added while the body is simulated: acts as external forces.
+  struct RuntimeLoad {
+    std::uint64_t body = 0;
+    Load load;
+    LoadedPart part;
+    std::shared_ptr<const RestState> rest;  // to which the part belongs
+    double began_s = 0.0;
+  };
+  void bind(RuntimeLoad &load) const;
+
+  SimulatedWorld &world_;
+  Simulator &simulator_ = world_.simulator;
+  BodyTable &table_ = world_.table;
+  std::map<std::uint64_t, SharedPoints> lent_;
+  std::map<std::uint64_t, RuntimeLoad> loads_;
+};
+
+}  // namespace pointbased
