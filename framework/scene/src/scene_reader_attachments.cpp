@@ -2,84 +2,34 @@
 // [[attachment]]: elastic supports of a body.
 #include <algorithm>
 
-#include "c3de/core/text.h"
-#include "scene_reader.h"
+#include "scene_fields.h"
 
 namespace c3de::scene {
-namespace {
-
-const std::vector<std::string> kKeys{"name",      "bodies",     "within_mm", "region",
-                                     "stiffness", "tangential", "tears_at",  "retardation_time"};
-const char *const kBodies =
-    "two names, [\"liver\", \"surroundings\"]: a body, and another body, an obstacle, or where it is in the scan";
-const char *const kStiffness = "a number of at least 0, Pa/m (stress per displacement)";
-constexpr double kMetresPerMillimetre = 1e-3;
-
-}  // namespace
-
-bool SceneReader::readNotNegative(const std::string &key, const std::string &unit, const TomlValue &value,
-                                  double &out) {
-  const std::string accepted = "a number of at least 0, " + unit;
-  if (!readNumber(key, accepted, value, out)) return false;
-  return out >= 0.0 || refuse(value.line, key + " is " + formatNumber(out) + "; accepted: " + accepted);
-}
-
-bool SceneReader::attachmentKey(SceneAttachment &attachment, const std::string &key, const TomlValue &value) {
-  if (key == "name") return readName(value, attachment.name);
-  if (key == "bodies") {
-    const bool good = value.kind == TomlValue::Kind::array && value.items.size() == 2 &&
-                      value.items[0].kind == TomlValue::Kind::text && value.items[1].kind == TomlValue::Kind::text;
-    if (!good) return refuse(value.line, "bodies is " + value.kindName() + "; accepted: " + kBodies);
-    attachment.names = {value.items[0].text, value.items[1].text};
-    return true;
-  }
-  if (key == "within_mm") {
-    double within = 0.0;
-    const char *accepted = "a number above 0, mm";
-    if (!readNumber(key, accepted, value, within)) return false;
-    if (!(within > 0.0)) return refuse(value.line, "within_mm is " + formatNumber(within) + "; accepted: " + accepted);
-    attachment.within_m = kMetresPerMillimetre * within;
-    return true;
-  }
-  if (key == "region") return readRegion(value, attachment.region.emplace());
-  if (key == "stiffness")
-    return readNotNegative(key, "Pa/m (stress per displacement)", value, attachment.stiffness_Pa_m);
-  if (key == "tangential")
-    return readNotNegative(key, "Pa/m (stress per displacement)", value, attachment.givenTangential_Pa_m.emplace());
-  if (key == "tears_at") return readNotNegative(key, "Pa; 0: never", value, attachment.tearsAt_Pa);
-  return refuseKey(value.line, key, "[[attachment]]", kKeys);
-}
-
-bool SceneReader::readAttachment(const TomlValue &table) {
+bool SceneReader::readTable(const SceneTable<SceneAttachment> &table, const TomlValue &keys) {
   SceneAttachment attachment;
-  attachment.line = table.line;
-  Attachment whole{{}, {}, table.line};
-  const TomlValue *retardation = nullptr;
-  for (const auto &[key, value] : table.entries) {
-    if (key == "retardation_time") retardation = &value;
-    if (key == "stiffness" || key == "tangential" || key == "retardation_time")
-      if (!store(whole.params, "surroundings." + key, value)) return false;
-    if (key != "retardation_time" && !attachmentKey(attachment, key, value)) return false;
-  }
+  attachment.line = keys.line;
+  if (!readFields(table, keys, attachment)) return false;
   if (attachment.names[0].empty())
-    return refuse(table.line, std::string("the attachment has no 'bodies'; accepted: ") + kBodies);
-  if (table.find("stiffness") == nullptr)
-    return refuse(table.line, std::string("the attachment has no 'stiffness'; accepted: ") + kStiffness);
+    return refuse(keys.line, table.owner + " has no 'bodies'; accepted: " + table.find("bodies")->rules.required);
+  if (keys.find("stiffness") == nullptr)
+    return refuse(keys.line, table.owner + " has no 'stiffness'; accepted: " + atLeast0(kStiffnessUnit).accepted);
   const bool toSurroundings = attachment.names[1] == kSurroundingsName;
   if (toSurroundings && attachment.within_m)
-    return refuse(table.line, "within_mm is between two surfaces; of an attachment to the surroundings accepted: " +
-                                  std::string("region = { … }, or neither, for all of the surface"));
+    return refuse(keys.line, "within_mm is between two surfaces; of an attachment to the surroundings accepted: " +
+                                 std::string("region = { … }, or neither, for all of the surface"));
   if (toSurroundings && !attachment.region && attachment.tearsAt_Pa == 0.0) {
-    whole.body = attachment.names[0];
-    attachments_.push_back(std::move(whole));
+    Attachment &whole = attachments_.emplace_back(Attachment{attachment.names[0], {}, keys.line});
+    for (const auto &[key, value] : keys.entries)
+      if (key == "stiffness" || key == "tangential" || key == "retardation_time")
+        if (!read("surroundings." + key, value, whole.params)) return false;
     return true;
   }
-  if (retardation != nullptr)
+  if (const TomlValue *retardation = keys.find("retardation_time"))
     return refuse(retardation->line,
                   "retardation_time is of an attachment of all of the surface to the surroundings "
                   "that does not tear; accepted elsewhere: no retardation_time");
   if (!toSurroundings && !attachment.region && !attachment.within_m)
-    return refuse(table.line,
+    return refuse(keys.line,
                   "the attachment does not say where; accepted: within_mm = 3 (where the surfaces lie that "
                   "near), region = { … } (of the first body), or both");
   if (attachment.name.empty()) attachment.name = attachment.names[0] + "/" + attachment.names[1];
@@ -118,13 +68,11 @@ bool SceneReader::checkAttachments() {
     const auto check = [&](const std::string &name, const std::vector<std::string> &known, const char *what) {
       const auto count = std::count(known.begin(), known.end(), name);
       if (count == 1) return true;
-      const std::string nearest = nearestName(name, known);
       if (count > 1)
         return refuse(attachment.line, "'" + name + "' is the name of " + std::to_string(count) +
                                            " bodies or obstacles; accepted: names that only one has");
-      return refuse(attachment.line, "there is no " + std::string(what) + " '" + name + "'; " +
-                                         (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
-                                         "accepted: " + joined(known));
+      return refuse(attachment.line,
+                    "there is no " + std::string(what) + " '" + name + "'; " + suggestion(name, known));
     };
     std::vector<std::string> known = others;
     known.emplace_back(kSurroundingsName);

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// [contact] with [[contact.pair]], and [[probe_tool]]: contact pairs, and tools that touch from outside.
+// [contact] with [[contact.pair]], and the paths of [[probe_tool]] and [[grasp]].
 #include <algorithm>
-#include <cmath>
 
 #include "c3de/core/text.h"
-#include "scene_reader_path.h"
+#include "scene_fields.h"
 
 namespace c3de::scene {
 namespace {
 
-const std::vector<std::string> kPairKeys{"bodies", "friction", "enabled"};
-const std::vector<std::string> kToolKeys{"name", "radius_mm", "length_mm", "friction", "path"};
-const std::vector<std::string> kWaypointKeys{"time", "at", "axis"};
-const char *const kNames = "two names, [\"liver\", \"kidney\"]; \"box\": the walls of the world";
-const char *const kFriction = "a number from 0 to 10";
-const char *const kPath = "at least two places, [{ time = 0, at = [x, y, z] }, …] in s and m";
-const char *const kRadius = "a number above 0, mm";
-const char *const kLength = "a number of at least 0, mm; 0: a sphere";
-constexpr double kMaxFriction = 10.0, kMetresPerMillimetre = 1e-3;
+const char *const kGraspPath = "places [{ time = 0, at = [x, y, z], turn_deg = [x, y, z] }, …] in s, m and degrees";
+
+template <class Waypoint>
+Fields<Waypoint> waypointFields(const char *accepted, Field<Waypoint> own) {
+  return {"a waypoint of a path",
+          "a place of the path",
+          {{"time", &Waypoint::time_s, atLeast0("s; of a quasi-static solution the load factor"), required(accepted)},
+           {"at", &Waypoint::at_m, required(accepted)},
+           std::move(own)}};
+}
 
 }  // namespace
 
@@ -26,73 +26,19 @@ bool SceneReader::readContact(const TomlValue &table) {
     return refuse(table.line, "'contact' is " + table.kindName() + "; accepted: a table, [contact]");
   for (const auto &[key, value] : table.entries) {
     if (key != "pair") {
-      if (!store(scene_.world, "contact." + key, value)) return false;
+      if (!read("contact." + key, value, scene_.world)) return false;
       continue;
     }
-    if (!tables(value, "contact.pair")) return false;
-    for (const TomlValue &pair : value.items)
-      if (!readContactPair(pair)) return false;
+    if (!readTables(kContactPairTable, value)) return false;
   }
   return true;
 }
 
-bool SceneReader::readContactPair(const TomlValue &table) {
-  SceneContactPair pair;
-  pair.line = table.line;
-  for (const auto &[key, value] : table.entries)
-    if (!contactPairKey(pair, key, value)) return false;
-  if (table.find("bodies") == nullptr)
-    return refuse(table.line, std::string("the pair has no 'bodies'; accepted: ") + kNames);
-  if (!pair.friction && table.find("enabled") == nullptr)
-    return refuse(table.line,
-                  "the pair says nothing of its contact; accepted: friction = a number from 0 to 10, "
-                  "enabled = true, false");
-  scene_.contactPairs.push_back(std::move(pair));
-  return true;
-}
-
-bool SceneReader::contactPairKey(SceneContactPair &pair, const std::string &key, const TomlValue &value) {
-  if (key == "bodies") {
-    const bool good = value.kind == TomlValue::Kind::array && value.items.size() == 2 &&
-                      value.items[0].kind == TomlValue::Kind::text && value.items[1].kind == TomlValue::Kind::text;
-    if (!good) return refuse(value.line, "bodies is " + value.kindName() + "; accepted: " + kNames);
-    pair.names = {value.items[0].text, value.items[1].text};
-    return true;
-  }
-  if (key == "friction") {
-    double friction = 0.0;
-    if (!readFriction(key, value, friction)) return false;
-    pair.friction = friction;
-    return true;
-  }
-  if (key == "enabled") return readBool(key, value, pair.enabled);
-  return refuseKey(value.line, key, "[[contact.pair]]", kPairKeys);
-}
-
-bool SceneReader::readFriction(const std::string &key, const TomlValue &value, double &out) {
-  if (!readNumber(key, kFriction, value, out)) return false;
-  if (!(out >= 0.0 && out <= kMaxFriction))
-    return refuse(value.line, key + " is " + formatNumber(out) + "; accepted: " + kFriction);
-  return true;
-}
-
-bool SceneReader::readProbeTool(const TomlValue &table) {
-  SceneProbeTool tool;
-  tool.line = table.line;
-  for (const auto &[key, value] : table.entries)
-    if (!probeToolKey(tool, key, value)) return false;
-  if (table.find("radius_mm") == nullptr)
-    return refuse(table.line, std::string("the probe tool has no 'radius_mm'; accepted: ") + kRadius);
-  if (table.find("path") == nullptr)
-    return refuse(table.line, std::string("the probe tool has no 'path'; accepted: ") + kPath);
-  if (tool.name.empty()) tool.name = "tool-" + std::to_string(scene_.probeTools.size() + 1);
-  for (const SceneProbeTool &other : scene_.probeTools)
-    if (other.name == tool.name)
-      return refuse(table.line,
-                    "a second probe tool is named '" + tool.name + "'; names of probe tools have to differ");
-  if (!checkAxes(tool)) return false;
-  scene_.probeTools.push_back(std::move(tool));
-  return true;
+bool SceneReader::checkPair(const TomlValue &keys, SceneContactPair &pair) {
+  return pair.friction || keys.find("enabled") != nullptr ||
+         refuse(keys.line,
+                "the pair says nothing of its contact; accepted: friction = a number from 0 to 10, "
+                "enabled = true, false");
 }
 
 bool SceneReader::checkAxes(const SceneProbeTool &tool) {
@@ -103,34 +49,46 @@ bool SceneReader::checkAxes(const SceneProbeTool &tool) {
                                std::string("the length of a capsule"));
 }
 
-bool SceneReader::probeToolKey(SceneProbeTool &tool, const std::string &key, const TomlValue &value) {
-  if (key == "name") return readName(value, tool.name);
-  if (key == "radius_mm" || key == "length_mm") {
-    const bool isRadius = key == "radius_mm";
-    const char *accepted = isRadius ? kRadius : kLength;
-    double size = 0.0;
-    if (!readNumber(key, accepted, value, size)) return false;
-    if (!(isRadius ? size > 0.0 : size >= 0.0))
-      return refuse(value.line, key + " is " + formatNumber(size) + "; accepted: " + accepted);
-    (isRadius ? tool.radius_m : tool.length_m) = kMetresPerMillimetre * size;
-    return true;
-  }
-  if (key == "friction") return readFriction(key, value, tool.friction);
-  if (key == "path") return readPath(value, tool.path);
-  return refuseKey(value.line, key, "[[probe_tool]]", kToolKeys);
+bool SceneReader::checkJaws(const SceneGrasp &grasp) {
+  const auto mm = [](double metres) { return formatNumber(metres / kMetresPerMillimetre); };
+  if (grasp.opening_m() < grasp.jaw_m)
+    return refuse(grasp.line, "opening_mm is " + mm(grasp.opening_m()) + " and jaw_mm is " + mm(grasp.jaw_m) +
+                                  ": the jaws would overlap; accepted: an opening_mm of at least jaw_mm");
+  return grasp.closed_m() <= grasp.opening_m() ||
+         refuse(grasp.line,
+                "closed_mm is " + mm(grasp.closed_m()) + "; accepted: 0 to opening_mm, " + mm(grasp.opening_m()));
 }
 
-bool SceneReader::readPath(const TomlValue &value, std::vector<SceneToolWaypoint> &out) {
-  return readWaypoints(value, kPath, 2, kWaypointKeys, out,
-                       [this](SceneToolWaypoint &place, const std::string &key, const TomlValue &member) {
-                         Vec3 axis{};
-                         if (!readVec3(key, member, axis)) return false;
-                         if (axis == Vec3{})
-                           return refuse(member.line,
-                                         "axis is [0, 0, 0]; accepted: the direction of a capsule, of any length");
-                         place.axis = axis;
-                         return true;
-                       });
+bool SceneReader::read(const std::string &, const TomlValue &value, std::vector<SceneToolWaypoint> &out) {
+  static const auto kFields = waypointFields<SceneToolWaypoint>(
+      kToolPath, {"axis", &SceneToolWaypoint::axis, DirectionReader{"the direction of a capsule, of any length"}});
+  return readPath(kFields, value, 2, out);
+}
+
+bool SceneReader::read(const std::string &, const TomlValue &value, std::vector<SceneGraspWaypoint> &out) {
+  static const auto kFields =
+      waypointFields<SceneGraspWaypoint>(kGraspPath, {"turn_deg", &SceneGraspWaypoint::turn_deg});
+  return readPath(kFields, value, 1, out);
+}
+
+template <class Waypoint>
+bool SceneReader::readPath(const Fields<Waypoint> &fields, const TomlValue &value, std::size_t least,
+                           std::vector<Waypoint> &out) {
+  const std::string &accepted = fields.fields.front().rules.required;
+  if (!requireTables("path", accepted, value)) return false;
+  if (value.items.size() < least)
+    return refuse(value.line, "path has " + std::to_string(value.items.size()) + " place; accepted: " + accepted);
+  std::vector<Waypoint> path;
+  for (const TomlValue &table : value.items) {
+    Waypoint place;
+    if (!readFields(fields, table, place)) return false;
+    if (!path.empty() && !(place.time_s > path.back().time_s))
+      return refuse(table.line, "time " + formatNumber(place.time_s) + " follows " + formatNumber(path.back().time_s) +
+                                    " in the path; accepted: times that ascend");
+    path.push_back(place);
+  }
+  out = std::move(path);
+  return true;
 }
 
 bool SceneReader::checkPairs() {
@@ -145,13 +103,10 @@ bool SceneReader::checkPairs() {
     for (const std::string &name : pair.names) {
       const auto count = std::count(all.begin(), all.end(), name);
       if (count == 1) continue;
-      const std::string nearest = nearestName(name, all);
       if (count > 1)
         return refuse(pair.line, "'" + name + "' is the name of " + std::to_string(count) +
                                      " bodies, obstacles or probe tools; accepted: names that only one has");
-      return refuse(pair.line, "there is no body, obstacle or probe tool '" + name + "'; " +
-                                   (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
-                                   "accepted: " + joined(all));
+      return refuse(pair.line, "there is no body, obstacle or probe tool '" + name + "'; " + suggestion(name, all));
     }
     const auto &[a, b] = pair.names;
     if (a == b) return refuse(pair.line, "the pair is of '" + a + "' and itself; accepted: two that differ");

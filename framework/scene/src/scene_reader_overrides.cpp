@@ -1,18 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scene_reader.h"
-
 #include <algorithm>
 #include <optional>
 
-#include "c3de/core/text.h"
+#include "scene_fields.h"
 
 namespace c3de::scene {
 
 namespace {
 
+/// Contact pairs have no name.
+template <class T>
+std::string nameOf(const T &element) {
+  if constexpr (requires { element.name; })
+    return element.name;
+  else
+    return {};
+}
+
 template <class T>
 std::string nameOrNumber(const T &element, std::size_t number) {
-  return element.name.empty() ? std::to_string(number) : element.name;
+  return nameOf(element).empty() ? std::to_string(number) : nameOf(element);
 }
 
 /// The remainder of the key after the prefix, if it has it.
@@ -33,7 +40,7 @@ T *findElement(std::vector<T> &elements, const std::string &rest, std::string &k
     bestLength = name.size();
   };
   for (T &element : elements)
-    if (!element.name.empty()) consider(element, element.name);
+    if (!nameOf(element).empty()) consider(element, nameOf(element));
   for (std::size_t i = 0; best == nullptr && i < elements.size(); ++i) consider(elements[i], std::to_string(i));
   if (best != nullptr) key = rest.substr(bestLength + 1);
   return best;
@@ -63,9 +70,7 @@ ScenePiece *findPiece(SceneBody &body, const std::string &rest, std::string &key
 
 std::string noElement(const std::vector<std::string> &names, const std::string &what, const std::string &name) {
   if (std::find(names.begin(), names.end(), name) != names.end()) return "says no key of " + what + " '" + name + "'";
-  const std::string nearest = nearestName(name, names);
-  return "there is no " + what + " '" + name + "'; " + (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
-         (names.empty() ? "the scene has none" : "accepted: " + joined(names));
+  return "there is no " + what + " '" + name + "'; " + (names.empty() ? "the scene has none" : suggestion(name, names));
 }
 
 template <class T>
@@ -83,27 +88,26 @@ bool SceneReader::readOverride(const std::string &path, const TomlValue &value, 
   const std::size_t dot = path.find('.');
   const std::string first = path.substr(0, dot);
   const std::string rest = dot == std::string::npos ? std::string() : path.substr(dot + 1);
-  if (path == "title") return readText(path, value, scene_.title);
+  if (path == "title") return read(path, value, scene_.title);
   if (rest.empty()) return refusePath(path);
   if (path == "simulator.class") return readSimulatorClass(value);
-  if (first == "world" || first == "solver" || first == "view") return store(scene_.world, path, value) && checkBox();
+  if (first == "world" || first == "solver" || first == "view") return read(path, value, scene_.world) && checkBox();
   if (first == "accuracy") return overrideAccuracyTarget(path, value);
   if (first == "body") return overrideBody(rest, value);
-  if (first == "fix") return overrideFix(rest, value);
-  if (first == "load") return overrideLoad(rest, value);
-  if (first == "obstacle") return overrideObstacle(rest, value);
-  if (first == "probe") return overrideProbe(rest, value);
   if (first == "contact") return overrideContact(path, rest, value);
-  if (first == "probe_tool") return overrideProbeTool(rest, value);
-  if (first == "grasp") return overrideGrasp(rest, value);
-  if (first == "attachment") return overrideAttachment(rest, value);
-  return refusePath(path);
+  bool isSet = false;
+  const bool isKnown = anyTable([&](const auto &table) {
+    if (table.key != first) return false;
+    isSet = overrideElement(table, rest, value);
+    return true;
+  });
+  return isKnown ? isSet : refusePath(path);
 }
 
 bool SceneReader::overrideAccuracyTarget(const std::string &path, const TomlValue &value) {
   if (isTargetKey(path))
     std::erase_if(scene_.world, [](const SceneValue &other) { return isTargetKey(other.value.id); });
-  return store(scene_.world, path, value);
+  return read(path, value, scene_.world);
 }
 
 bool SceneReader::refusePath(const std::string &path) {
@@ -136,23 +140,15 @@ bool SceneReader::refusePath(const std::string &path) {
                             C3DE_PARAM_ID_SPACING, C3DE_PARAM_ID_COUNT, C3DE_PARAM_ID_SURROUNDINGS_STIFFNESS,
                             C3DE_PARAM_ID_RIGID, C3DE_PARAM_ID_FREE, "velocity"});
   }
-  for (std::size_t i = 0; i < scene_.fixes.size(); ++i)
-    add("fix." + nameOrNumber(scene_.fixes[i], i),
-        {"displacement", "rotation_deg", "centre", "ramp", "region", "body"});
-  for (std::size_t i = 0; i < scene_.loads.size(); ++i)
-    add("load." + nameOrNumber(scene_.loads[i], i), {"force", "pressure", "follower", "ramp", "region", "body"});
-  for (const SceneObstacle &obstacle : scene_.obstacles)
-    add("obstacle." + obstacle.name, {C3DE_PARAM_ID_FRICTION, C3DE_PARAM_ID_RESTITUTION, "displacement", "ramp",
-                                      "position", "rotation_deg", "scale"});
-  for (const SceneProbe &probe : scene_.probes) add("probe." + probe.name, {"at"});
-  for (const SceneAttachment &attachment : scene_.attachments)
-    add("attachment." + attachment.name, {"stiffness", "tangential", "within_mm", "region", "tears_at"});
-  for (std::size_t i = 0; i < scene_.contactPairs.size(); ++i)
-    add("contact.pair." + std::to_string(i), {"friction", "enabled"});
-  for (const SceneProbeTool &tool : scene_.probeTools)
-    add("probe_tool." + tool.name, {"radius_mm", "length_mm", "friction", "path"});
-  for (const SceneGrasp &grasp : scene_.grasps)
-    add("grasp." + grasp.name, {"at", "axis", "jaw_mm", "opening_mm", "closed_mm", "force_limit", "path"});
+  (void)anyTable([&](const auto &table) {
+    if (table.key == kBodyTable.key) return false;
+    std::vector<std::string> keys;
+    for (const auto &field : table.fields)
+      if (field.rules.onCommandLine == Override::suggested) keys.push_back(field.key);
+    const auto &elements = scene_.*table.list;
+    for (std::size_t i = 0; i < elements.size(); ++i) add(table.key + "." + nameOrNumber(elements[i], i), keys);
+    return false;
+  });
   const std::string nearest = nearestName(path, known);
   return refuse(
       0, "there is no such path; " + (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") + "accepted: " + list);
@@ -165,10 +161,10 @@ bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) 
   std::string keyOfPiece;
   if (ScenePiece *piece = findPiece(*body, key, keyOfPiece)) return overridePiece(*body, *piece, keyOfPiece, value);
   if (key == "name") return refuse(0, "the name of a body cannot be changed here");
-  if (key == "material.preset") return readMaterial(body->params, value);
-  if (keyUnder("material.", key)) return store(body->params, key, value);
-  if (const auto member = keyUnder("sampling.", key)) return samplingKey(*body, *member, value);
-  if (keyUnder("surroundings.", key)) return store(body->params, key, value);
+  if (key == "material.preset") return readMaterial(key, value, body->params);
+  if (keyUnder("material.", key)) return read(key, value, body->params);
+  if (const auto member = keyUnder("sampling.", key)) return readSamplingKey(*body, *member, value);
+  if (keyUnder("surroundings.", key)) return read(key, value, body->params);
   if (const auto member = keyUnder("parts.", key)) {
     if (!body->volume.isOpen()) return overridePart(*body, *member, value);
     body->volume.overridesOfParts.push_back(assignment_);
@@ -196,7 +192,7 @@ bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) 
   if (const std::size_t dot = key.find('.'); dot != std::string::npos && !body->volume.slides.empty())
     return refuse(0, noElement(namesOfAllPieces(*body), "piece", body->name + "." + key.substr(0, dot)) +
                          "; keys of '" + body->name + "': material.…, sampling.…, surroundings.…, parts.…");
-  if (!bodyKey(*body, key, value)) return false;
+  if (!readField(kBodyTable, key, value, *body)) return false;
   // Of two alternatives, the override takes precedence.
   if (key == "label") body->volume.threshold.reset();
   if (key == "threshold") {
@@ -209,12 +205,12 @@ bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) 
 bool SceneReader::overridePiece(const SceneBody &body, ScenePiece &piece, const std::string &key,
                                 const TomlValue &value) {
   std::vector<SceneValue> &params = piece.params;
-  if (key == "velocity") return readVec3(key, value, piece.velocity_m_s.emplace());
-  if (key == C3DE_PARAM_ID_RIGID || key == C3DE_PARAM_ID_FREE) return store(params, key, value);
-  if (key == "material" || key == "material.preset") return readMaterial(params, value);
+  if (key == "velocity") return read(key, value, piece.velocity_m_s.emplace());
+  if (key == C3DE_PARAM_ID_RIGID || key == C3DE_PARAM_ID_FREE) return read(key, value, params);
+  if (key == "material" || key == "material.preset") return readMaterial(key, value, params);
   const auto sampling = keyUnder("sampling.", key);
   if (keyUnder("material.", key) || keyUnder("surroundings.", key) || (sampling && *sampling != "refine"))
-    return store(params, key, value);
+    return read(key, value, params);
   return refuse(0, (key.empty() ? "says no key of a piece of '" + body.name + "'"
                                 : "'" + key + "' is of all of '" + body.name + "' and cannot be changed for a piece") +
                        "; accepted: material, material.…, sampling.… but refine, surroundings.…, velocity, rigid, "
@@ -224,7 +220,7 @@ bool SceneReader::overridePiece(const SceneBody &body, ScenePiece &piece, const 
 bool SceneReader::overrideSlides(SceneBody &body, const TomlValue &value) {
   const std::vector<SceneSlidingPart> before = body.volume.slides;
   const std::vector<std::string> names = namesOfPieces(body);
-  if (!readSlides(value, body.volume)) return false;
+  if (!readSlides("slides", value, body.volume)) return false;
   // Settings of a piece stay with its name.
   const std::vector<std::string> now = namesOfPieces(body);
   for (std::size_t i = 0; i < before.size(); ++i) {
@@ -243,86 +239,52 @@ bool SceneReader::overridePart(SceneBody &body, const std::string &rest, const T
     if (!key) continue;
     if (*key == "region" && body.parts[i].region.kind == SceneRegion::Kind::voxels)
       return refuse(0, "this part is a tissue, whose region are its voxels; accepted: material.…");
-    if (*key == "region") return readRegion(value, body.parts[i].region);
-    if (*key == "material" || *key == "material.preset") return readMaterial(body.parts[i].params, value);
-    if (keyUnder("material.", *key)) return store(body.parts[i].params, *key, value);
+    if (*key == "region") return read(*key, value, body.parts[i].region);
+    if (*key == "material" || *key == "material.preset") return readMaterial(*key, value, body.parts[i].params);
+    if (keyUnder("material.", *key)) return read(*key, value, body.parts[i].params);
     return refuseKey(0, *key, "a part of a body", {"region", "material"});
   }
   return refuse(0, "there is no such part; the body '" + body.name + "' has " + std::to_string(body.parts.size()) +
                        "; accepted: body." + body.name + ".parts.NUMBER.material.…, numbers from 0");
 }
 
-bool SceneReader::overrideFix(const std::string &rest, const TomlValue &value) {
+template <class Table>
+bool SceneReader::overrideElement(const SceneTable<Table> &table, const std::string &rest, const TomlValue &value) {
   std::string key;
-  SceneFix *fix = findElement(scene_.fixes, rest, key);
-  if (fix == nullptr) return refuse(0, noElement(scene_.fixes, "fix", rest));
-  if (key == "name") return refuse(0, "the name of a fix cannot be changed here");
-  return fixKey(*fix, key, value) && checkBodyNames();
+  constexpr bool kIsAttachment = std::is_same_v<Table, SceneAttachment>;
+  Table *element = findElement(scene_.*table.list, rest, key);
+  if (element == nullptr)
+    return refuse(0, noElement(scene_.*table.list, table.what, rest) +
+                         (kIsAttachment ? "; what holds all of a body where it is in the scan is "
+                                          "body.NAME.surroundings.stiffness"
+                                        : ""));
+  if (const auto *field = table.find(key); field != nullptr && field->rules.onCommandLine == Override::refused)
+    return refuse(0, (kIsAttachment ? "what an attachment joins" : "the " + key + " of a " + table.what) +
+                         " cannot be changed here");
+  if constexpr (std::is_same_v<Table, SceneLoad>)
+    if (!replaceLoad(*element, key)) return false;
+  return readField(table, key, value, *element) && checkBodyNames() &&
+         (table.check == nullptr || (this->*table.check)(*element));
 }
 
-bool SceneReader::overrideLoad(const std::string &rest, const TomlValue &value) {
-  std::string key;
-  SceneLoad *load = findElement(scene_.loads, rest, key);
-  if (load == nullptr) return refuse(0, noElement(scene_.loads, "load", rest));
-  if (key == "name") return refuse(0, "the name of a load cannot be changed here");
-  // Of force and pressure, the override takes precedence.
-  if (key == "pressure") load->force_N.reset();
+// Of force and pressure, the override takes precedence.
+bool SceneReader::replaceLoad(SceneLoad &load, const std::string &key) {
+  if (key == "pressure") load.force_N.reset();
   if (key == "force") {
-    load->pressure_Pa.reset();
-    load->follower = true;
+    load.pressure_Pa.reset();
+    load.follower = true;
   }
-  if (key == "follower" && !load->pressure_Pa) return refuse(0, "follower is for a pressure; the load has a force");
-  return loadKey(*load, key, value) && checkBodyNames();
-}
-
-bool SceneReader::overrideObstacle(const std::string &rest, const TomlValue &value) {
-  std::string key;
-  SceneObstacle *obstacle = findElement(scene_.obstacles, rest, key);
-  if (obstacle == nullptr) return refuse(0, noElement(scene_.obstacles, "obstacle", rest));
-  return obstacleKey(*obstacle, key, value);
-}
-
-bool SceneReader::overrideProbe(const std::string &rest, const TomlValue &value) {
-  std::string key;
-  SceneProbe *probe = findElement(scene_.probes, rest, key);
-  if (probe == nullptr) return refuse(0, noElement(scene_.probes, "probe", rest));
-  return probeKey(*probe, key, value) && checkBodyNames();
+  return key != "follower" || load.pressure_Pa || refuse(0, "follower is for a pressure; the load has a force");
 }
 
 bool SceneReader::overrideContact(const std::string &path, const std::string &rest, const TomlValue &value) {
   const auto pair = keyUnder("pair.", rest);
-  if (!pair) return store(scene_.world, path, value);
+  if (!pair) return read(path, value, scene_.world);
   for (std::size_t i = 0; i < scene_.contactPairs.size(); ++i)
     if (const auto key = keyUnder(std::to_string(i) + ".", *pair))
-      return contactPairKey(scene_.contactPairs[i], *key, value) && checkPairs();
+      return readField(kContactPairTable, *key, value, scene_.contactPairs[i]) && checkPairs();
   return refuse(0, "there is no such pair; the scene has " + std::to_string(scene_.contactPairs.size()) +
                        "; accepted: contact.pair.NUMBER.friction, contact.pair.NUMBER.enabled, numbers from 0");
-}
-
-bool SceneReader::overrideAttachment(const std::string &rest, const TomlValue &value) {
-  std::string key;
-  SceneAttachment *attachment = findElement(scene_.attachments, rest, key);
-  if (attachment == nullptr)
-    return refuse(0, noElement(scene_.attachments, "attachment", rest) +
-                         "; what holds all of a body where it is in the scan is body.NAME.surroundings.stiffness");
-  if (key == "name" || key == "bodies") return refuse(0, "what an attachment joins cannot be changed here");
-  return attachmentKey(*attachment, key, value);
-}
-
-bool SceneReader::overrideProbeTool(const std::string &rest, const TomlValue &value) {
-  std::string key;
-  SceneProbeTool *tool = findElement(scene_.probeTools, rest, key);
-  if (tool == nullptr) return refuse(0, noElement(scene_.probeTools, "probe tool", rest));
-  if (key == "name") return refuse(0, "the name of a probe tool cannot be changed here");
-  return probeToolKey(*tool, key, value) && checkAxes(*tool);
-}
-
-bool SceneReader::overrideGrasp(const std::string &rest, const TomlValue &value) {
-  std::string key;
-  SceneGrasp *grasp = findElement(scene_.grasps, rest, key);
-  if (grasp == nullptr) return refuse(0, noElement(scene_.grasps, "grasp", rest));
-  if (key == "name" || key == "body") return refuse(0, "the " + key + " of a grasp cannot be changed here");
-  return graspKey(*grasp, key, value) && checkGrasp(*grasp);
 }
 
 }  // namespace c3de::scene

@@ -4,17 +4,12 @@
 #include <cmath>
 #include <utility>
 
-#include "c3de/core/text.h"
 #include "c3de/scene/material_names.h"
-#include "scene_reader.h"
+#include "scene_fields.h"
 
 namespace c3de::scene {
 namespace {
 
-const std::vector<std::string> kTissueKeys{"label", "material", "rigid",  "empty", "name",  "threshold",
-                                           "image", "margin",   "region", "show",  "colour"};
-const std::vector<std::string> kBackgroundKeys{"material", "image", "from", "to", "series", "time"};
-constexpr std::size_t kRequired = 4;  // of them
 const char *const kTissue = "[ { label = \"liver\", material = \"liver\" }, { label = \"vertebrae*\", rigid = true } ]";
 const char *const kBackground = "{ material = \"fat\", image = \"ct.nii.gz\", from = -150, to = 250 }";
 const char *const kSlides =
@@ -25,6 +20,47 @@ constexpr std::size_t kMaxNames = 3;
 const char *const kRule =
     "a label, or a name with a threshold of values or a margin around tissues before it, "
     "{ name = \"bone\", image = \"ct.nii.gz\", threshold = [250, 3000], rigid = true }";
+
+bool readTissueName(SceneReader &reader, const std::string &key, const TomlValue &value, SceneTissue &tissue) {
+  (void)contentOf(tissue.rule);
+  return reader.readName(key, value, tissue.label);
+}
+
+bool readTissueMaterial(SceneReader &reader, const std::string &key, const TomlValue &value, SceneTissue &tissue) {
+  if (!reader.readMaterial(key, value, tissue.params)) return false;
+  const TomlValue *preset = value.kind == TomlValue::Kind::text ? &value : value.find("preset");
+  if (preset != nullptr) tissue.preset = preset->text;
+  return true;
+}
+
+const Fields<SceneTissue> kTissueFields{
+    "an entry of tissues",
+    "a tissue",
+    {{"label", &SceneReader::readLabelNames},
+     {"material", &readTissueMaterial},
+     {"rigid", &SceneTissue::isRigid},
+     {"empty", &SceneTissue::isEmpty},
+     {"name", &readTissueName},
+     {"threshold", in(&SceneTissue::rule, &SceneTissueRule::threshold)},
+     {"image", in(&SceneTissue::rule, &SceneTissueRule::image)},
+     {"margin", in(&SceneTissue::rule, &SceneTissueRule::margin_mm),
+      NumberReader{.accepted = "a length in mm above 0", .low = 0.0, .isAbove = true}},
+     {"region", in(&SceneTissue::rule, &SceneTissueRule::region)},
+     {"show", &SceneTissue::isShown},
+     {"colour", &SceneTissue::colour, &SceneReader::readColour}},
+    "tissues: "};
+
+auto background(auto member) { return in(in(&SceneBody::volume, &SceneVolume::background), member); }
+const Fields<SceneBody> kBackgroundFields{
+    "background",
+    "background",
+    {{"material", &SceneBody::params, &SceneReader::readMaterial, required(kBackground)},
+     {"image", background(&SceneBackground::image), required(kBackground)},
+     {"from", background(&SceneBackground::from), NumberReader{"a value of the image"}, required(kBackground)},
+     {"to", background(&SceneBackground::to), NumberReader{"a value of the image"}, required(kBackground)},
+     {"series", background(&SceneBackground::series), &SceneReader::readSeries},
+     {"time", background(&SceneBackground::time)}},
+    "background: "};
 
 }  // namespace
 
@@ -37,7 +73,7 @@ bool SceneReader::readLabel(const std::string &place, const TomlValue &value, st
   return true;
 }
 
-bool SceneReader::readLabelNames(const TomlValue &value, SceneTissue &out) {
+bool SceneReader::readLabelNames(const std::string &, const TomlValue &value, SceneTissue &out) {
   const bool isList = value.kind == TomlValue::Kind::array;
   if (isList && value.items.empty())
     return refuse(value.line, std::string("tissues: label is an empty list; accepted: ") + kLabel);
@@ -67,7 +103,7 @@ bool SceneReader::checkRule(const TomlValue &table, SceneTissue &tissue) {
 }
 
 bool SceneReader::readColour(const std::string &key, const TomlValue &value, Vec3 &out) {
-  if (!readVec3(key, value, out)) return false;
+  if (!read(key, value, out)) return false;
   if (std::all_of(out.begin(), out.end(), [](double c) { return c >= 0.0 && c <= 1.0; })) return true;
   return refuse(value.line, key + " is (" + formatNumber(out[0]) + ", " + formatNumber(out[1]) + ", " +
                                 formatNumber(out[2]) + "); accepted: red, green and blue from 0 to 1");
@@ -75,41 +111,8 @@ bool SceneReader::readColour(const std::string &key, const TomlValue &value, Vec
 
 bool SceneReader::readTissue(const TomlValue &table, SceneTissue &out) {
   SceneTissue tissue;
-  const auto rule = [&]() -> SceneTissueRule & { return tissue.rule ? *tissue.rule : tissue.rule.emplace(); };
   tissue.line = table.line;
-  for (const auto &[key, member] : table.entries) {
-    if (key == "label") {
-      if (!readLabelNames(member, tissue)) return false;
-    } else if (key == "rigid") {
-      if (!readBool("tissues: rigid", member, tissue.isRigid)) return false;
-    } else if (key == "empty") {
-      if (!readBool("tissues: empty", member, tissue.isEmpty)) return false;
-    } else if (key == "show") {
-      if (!readBool("tissues: show", member, tissue.isShown)) return false;
-    } else if (key == "colour") {
-      if (!readColour("tissues: colour", member, tissue.colour.emplace())) return false;
-    } else if (key == "name") {
-      (void)rule();
-      if (!readName(member, tissue.label)) return false;
-    } else if (key == "threshold") {
-      if (!readThreshold(member, rule().threshold)) return false;
-    } else if (key == "image") {
-      if (!readImageFile("tissues: image", member, rule().image)) return false;
-    } else if (key == "region") {
-      if (!readRegion(member, rule().region.emplace())) return false;
-    } else if (key == "margin") {
-      if (!readNumber("tissues: margin", "a length in mm above 0", member, rule().margin_mm)) return false;
-      if (!(rule().margin_mm > 0.0))
-        return refuse(member.line,
-                      "tissues: margin is " + formatNumber(rule().margin_mm) + "; accepted: a length in mm above 0");
-    } else if (key == "material") {
-      if (!readMaterial(tissue.params, member)) return false;
-      const TomlValue *preset = member.kind == TomlValue::Kind::text ? &member : member.find("preset");
-      if (preset != nullptr) tissue.preset = preset->text;
-    } else {
-      return refuseKey(member.line, key, "an entry of tissues", kTissueKeys);
-    }
-  }
+  if (!readFields(kTissueFields, table, tissue)) return false;
   if (tissue.rule && !checkRule(table, tissue)) return false;
   if (tissue.wanted.empty()) return refuse(table.line, std::string("a tissue has no 'label'; accepted: ") + kLabel);
   const bool hasMaterial = table.find("material") != nullptr;
@@ -128,7 +131,7 @@ bool SceneReader::readTissue(const TomlValue &table, SceneTissue &out) {
   return true;
 }
 
-bool SceneReader::readTissues(const TomlValue &value, SceneVolume &out) {
+bool SceneReader::readTissues(const std::string &, const TomlValue &value, SceneVolume &out) {
   if (value.kind == TomlValue::Kind::text) {
     if (value.text != "known")
       return refuse(value.line, "tissues is \"" + value.text + "\"; accepted: \"known\", or a list such as " + kTissue);
@@ -145,38 +148,17 @@ bool SceneReader::readTissues(const TomlValue &value, SceneVolume &out) {
   return true;
 }
 
-bool SceneReader::readBackground(const TomlValue &value, SceneBody &body) {
+bool SceneReader::readBackground(const std::string &, const TomlValue &value, SceneBody &body) {
   if (value.kind != TomlValue::Kind::table)
     return refuse(value.line, "background is " + value.kindName() + "; accepted: " + kBackground);
-  SceneBackground background;
-  for (const auto &[key, member] : value.entries) {
-    if (key == "material") {
-      if (!readMaterial(body.params, member)) return false;
-    } else if (key == "image") {
-      if (!readImageFile("background: image", member, background.image)) return false;
-    } else if (key == "from" || key == "to") {
-      if (!readNumber("background: " + key, "a value of the image", member,
-                      key == "from" ? background.from : background.to))
-        return false;
-    } else if (key == "series") {
-      if (!readSeries(member, background.series)) return false;
-    } else if (key == "time") {
-      if (!readTime(member, background.time)) return false;
-    } else {
-      return refuseKey(member.line, key, "background", kBackgroundKeys);
-    }
-  }
-  for (std::size_t i = 0; i < kRequired; ++i)
-    if (value.find(kBackgroundKeys[i]) == nullptr)
-      return refuse(value.line, "background has no '" + kBackgroundKeys[i] + "'; accepted: " + kBackground);
-  if (!(background.from <= background.to))
-    return refuse(value.line, "background: from " + formatNumber(background.from) + " to " +
-                                  formatNumber(background.to) + " leaves nothing; accepted: from below to");
-  body.volume.background = std::move(background);
-  return true;
+  if (!readFields(kBackgroundFields, value, body)) return false;
+  const SceneBackground &background = *body.volume.background;
+  return background.from <= background.to ||
+         refuse(value.line, "background: from " + formatNumber(background.from) + " to " + formatNumber(background.to) +
+                                " leaves nothing; accepted: from below to");
 }
 
-bool SceneReader::readSlides(const TomlValue &value, SceneVolume &out) {
+bool SceneReader::readSlides(const std::string &, const TomlValue &value, SceneVolume &out) {
   if (value.kind != TomlValue::Kind::array || value.items.empty())
     return refuse(value.line, "slides is " +
                                   (value.kind == TomlValue::Kind::array ? "an empty list" : value.kindName()) +

@@ -20,11 +20,17 @@ bool isEntryOf(const std::string &id, const std::string &list) {
   return end > list.size() && end < id.size() && id[end] == '.';
 }
 
+bool isListOfTables(const TomlValue &value) {
+  return value.kind == TomlValue::Kind::array &&
+         std::all_of(value.items.begin(), value.items.end(),
+                     [](const TomlValue &item) { return item.kind == TomlValue::Kind::table; });
+}
+
 }  // namespace
 
-bool SceneReader::meshKey(const std::string &key, const TomlValue &value, std::filesystem::path &out) {
+bool SceneReader::readMesh(const std::string &key, const TomlValue &value, std::filesystem::path &out) {
   std::string text;
-  if (!readText(key, value, text)) return false;
+  if (!read(key, value, text)) return false;
   if (text.empty()) return refuse(value.line, "mesh is empty; accepted: a mesh file");
   const std::filesystem::path path = namedFile(scene_.source.parent_path(), text);
   std::error_code code;
@@ -37,23 +43,12 @@ bool SceneReader::meshKey(const std::string &key, const TomlValue &value, std::f
   return true;
 }
 
-bool SceneReader::unitKey(const std::string &key, const TomlValue &value, std::optional<geometry::LengthUnit> &out) {
+bool SceneReader::read(const std::string &key, const TomlValue &value, geometry::LengthUnit &out) {
   std::string text;
-  if (!readText(key, value, text)) return false;
+  if (!read(key, value, text)) return false;
   const auto unit = parseLengthUnit(text);
   if (!unit) return refuse(value.line, key + ": " + unit.error().message);
   out = *unit;
-  return true;
-}
-
-bool SceneReader::placementKey(ScenePlacement &placement, const std::string &key, const TomlValue &value) {
-  if (key == "position") return readVec3(key, value, placement.position_m);
-  if (key == "rotation_deg") return readVec3(key, value, placement.rotation_deg);
-  if (key == "matrix") return readMatrix(value, placement.matrix);
-  if (!value.isNumber()) return refuse(value.line, "scale is " + value.kindName() + "; accepted: a number above 0");
-  if (!std::isfinite(value.num) || value.num <= 0.0)
-    return refuse(value.line, "scale is " + formatNumber(value.num) + "; accepted: a number above 0");
-  placement.scale = value.num;
   return true;
 }
 
@@ -65,7 +60,7 @@ bool SceneReader::checkPlacement(const TomlValue &table, const ScenePlacement &p
   return true;
 }
 
-bool SceneReader::readMatrix(const TomlValue &value, std::optional<Mat4> &out) {
+bool SceneReader::read(const std::string &key, const TomlValue &value, Mat4 &out) {
   const bool isGood =
       value.kind == TomlValue::Kind::array && value.items.size() == 4 &&
       std::all_of(value.items.begin(), value.items.end(), [](const TomlValue &row) {
@@ -74,15 +69,14 @@ bool SceneReader::readMatrix(const TomlValue &value, std::optional<Mat4> &out) {
       });
   if (!isGood)
     return refuse(value.line,
-                  "matrix is " + value.kindName() +
+                  key + " is " + value.kindName() +
                       "; accepted: four rows of four finite numbers, m from the mesh in m, last row 0, 0, 0, 1");
-  out.emplace();
   for (std::size_t r = 0; r < 4; ++r)
-    for (std::size_t c = 0; c < 4; ++c) (*out)[4 * c + r] = value.items[r].items[c].num;
+    for (std::size_t c = 0; c < 4; ++c) out[4 * c + r] = value.items[r].items[c].num;
   return true;
 }
 
-bool SceneReader::readMaterial(std::vector<SceneValue> &params, const TomlValue &value) {
+bool SceneReader::readMaterial(const std::string &, const TomlValue &value, std::vector<SceneValue> &params) {
   if (value.kind != TomlValue::Kind::text && value.kind != TomlValue::Kind::table)
     return refuse(value.line, "material is " + value.kindName() +
                                   "; accepted: the name of a preset, or a table such as { youngs_modulus = 1e4 }");
@@ -90,24 +84,30 @@ bool SceneReader::readMaterial(std::vector<SceneValue> &params, const TomlValue 
   const TomlValue *preset = value.kind == TomlValue::Kind::text ? &value : value.find("preset");
   if (preset != nullptr) {
     std::string name;
-    if (!readText("preset", *preset, name)) return false;
+    if (!read("preset", *preset, name)) return false;
     const MaterialPreset *found = materials_ != nullptr ? materials_->find(name) : nullptr;
     if (found == nullptr) {
       const std::vector<std::string> names = materials_ != nullptr ? materials_->names() : std::vector<std::string>();
-      const std::string nearest = nearestName(name, names);
       return refuse(preset->line, "there is no material '" + name + "'; " +
-                                      (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
-                                      (names.empty() ? "no presets are known" : "accepted: " + joined(names)));
+                                      (names.empty() ? "no presets are known" : suggestion(name, names)));
     }
     for (const SceneValue &said : valuesOf(*found)) put(params, said.value, preset->line, said.isOptional);
   }
   for (const auto &[key, member] : value.entries)
-    if (key != "preset" && !store(params, "material." + key, member)) return false;
+    if (key != "preset" && !read("material." + key, member, params)) return false;
   return true;
 }
 
-bool SceneReader::samplingKey(SceneBody &body, const std::string &key, const TomlValue &value) {
-  return key == "refine" ? readRefinements(value, body.refinements) : store(body.params, "sampling." + key, value);
+bool SceneReader::readSampling(const std::string &key, const TomlValue &value, SceneBody &body) {
+  if (value.kind != TomlValue::Kind::table)
+    return refuse(value.line, key + " is " + value.kindName() + "; accepted: a table such as { spacing = 0.01 }");
+  return std::all_of(value.entries.begin(), value.entries.end(),
+                     [&](const auto &entry) { return readSamplingKey(body, entry.key, entry.value); });
+}
+
+bool SceneReader::readSamplingKey(SceneBody &body, const std::string &key, const TomlValue &value) {
+  return key == "refine" ? read("sampling.refine", value, body.refinements)
+                         : read("sampling." + key, value, body.params);
 }
 
 bool SceneReader::requireUnit(const TomlValue &table, const std::filesystem::path &mesh,
@@ -126,14 +126,14 @@ bool SceneReader::requireUnit(const TomlValue &table, const std::filesystem::pat
                     " does not say its unit by a comment such as UNITS=mm; accepted: \"m\", \"mm\", \"cm\"");
 }
 
-bool SceneReader::readText(const std::string &key, const TomlValue &value, std::string &out) {
+bool SceneReader::read(const std::string &key, const TomlValue &value, std::string &out) {
   if (value.kind != TomlValue::Kind::text)
     return refuse(value.line, key + " is " + value.kindName() + "; accepted: text in quotes");
   out = value.text;
   return true;
 }
 
-bool SceneReader::readVec3(const std::string &key, const TomlValue &value, Vec3 &out) {
+bool SceneReader::read(const std::string &key, const TomlValue &value, Vec3 &out) {
   if (!value.isNumbers(3))
     return refuse(value.line, key + " is " + value.kindName() + "; accepted: three numbers [x, y, z]");
   for (std::size_t i = 0; i < 3; ++i)
@@ -152,18 +152,24 @@ bool SceneReader::readNumber(const std::string &key, const std::string &accepted
   return true;
 }
 
-bool SceneReader::readBool(const std::string &key, const TomlValue &value, bool &out) {
+bool SceneReader::read(const std::string &key, const TomlValue &value, bool &out) {
   if (value.kind != TomlValue::Kind::boolean)
     return refuse(value.line, key + " is " + value.kindName() + "; accepted: true, false");
   out = value.num != 0.0;
   return true;
 }
 
+bool SceneReader::readName(const std::string &, const TomlValue &value, std::string &out) {
+  if (!read("name", value, out)) return false;
+  const bool hasControlCharacter =
+      std::any_of(out.begin(), out.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+  if (out.empty() || hasControlCharacter)
+    return refuse(value.line, "name is \"" + out + "\"; accepted: text of at least one character on one line");
+  return true;
+}
+
 bool SceneReader::requireTables(const std::string &place, const std::string &accepted, const TomlValue &value) {
-  const bool good = value.kind == TomlValue::Kind::array &&
-                    std::all_of(value.items.begin(), value.items.end(),
-                                [](const TomlValue &item) { return item.kind == TomlValue::Kind::table; });
-  return good || refuse(value.line, place + " is " + value.kindName() + "; accepted: " + accepted);
+  return isListOfTables(value) || refuse(value.line, place + " is " + value.kindName() + "; accepted: " + accepted);
 }
 
 bool SceneReader::requireKeys(const std::string &place, const std::string &accepted, const TomlValue &value,
@@ -177,21 +183,18 @@ bool SceneReader::requireKeys(const std::string &place, const std::string &accep
   return true;
 }
 
-bool SceneReader::store(std::vector<SceneValue> &values, const std::string &id, const TomlValue &value) {
+bool SceneReader::read(const std::string &id, const TomlValue &value, std::vector<SceneValue> &values) {
   if (value.kind == TomlValue::Kind::table) {
     if (value.entries.empty()) return refuse(value.line, id + " is an empty table; accepted: what stands under " + id);
     for (const auto &[key, member] : value.entries)
-      if (!store(values, id + "." + key, member)) return false;
+      if (!read(id + "." + key, member, values)) return false;
     return true;
   }
-  const bool isListOfTables = value.kind == TomlValue::Kind::array && !value.items.empty() &&
-                              std::all_of(value.items.begin(), value.items.end(),
-                                          [](const TomlValue &item) { return item.kind == TomlValue::Kind::table; });
-  if (isListOfTables) {
+  if (isListOfTables(value) && !value.items.empty()) {
     // The list replaces the existing one: a second entry of the file must not remain next to a new first one.
     std::erase_if(values, [&](const SceneValue &other) { return isEntryOf(other.value.id, id); });
     for (std::size_t i = 0; i < value.items.size(); ++i)
-      if (!store(values, id + std::to_string(i + 1), value.items[i])) return false;
+      if (!read(id + std::to_string(i + 1), value.items[i], values)) return false;
     return true;
   }
   ParameterValue parameter;
