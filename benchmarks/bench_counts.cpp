@@ -1,26 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts the instructions of fixed kernels: a performance regression gate that neither the clock nor other programs
-// disturb.
+// Workloads whose instructions callgrind counts (counts.cmake): neither the clock nor other programs disturb them.
 //
-//   bench_counts
+//   bench_counts kernels                     small workloads, each once to warm up and once through c3deCounted(); prints
+//                                            their names in order
+//   bench_counts idle [--by-hand] --steps N  a body that falls and oscillates, by Simulator or by the elastic stages
+//                                            alone; prints the hash of the state, which is the same
 //
-// Runs small workloads, each once to warm up and once through c3deCounted(), and prints their names in order.
-// instruction_counts.cmake runs it under callgrind, which writes its counts after every c3deCounted(), and compares
-// with instruction_counts.json. The instruction set is fixed at AVX2, the best one that callgrind supports.
+// The instruction set of the kernels is fixed at AVX2, the best one that callgrind supports.
 #include <hwy/targets.h>
 
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <functional>
-#include <memory>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "bench/bodies.h"
-#include "bench/machine.h"
+#include "bench/report.h"
 #include "forces/kernels/cell_kernel.h"
-#include "pointbased/simulator.h"
+#include "shapes.h"
 
 // Callgrind counts only inside this function: its name is passed as an option.
 extern "C" {
@@ -116,20 +114,7 @@ Named contact(std::string name, const std::shared_ptr<Body> &body) {
           }};
 }
 
-Named substep(std::string name, const std::shared_ptr<const RestState> &rest) {
-  auto simulator = std::make_shared<Simulator>();
-  auto body = std::make_unique<Body>("ball", rest, bench::constitutionFor(*rest), serialFor());
-  WorldSettings world;
-  world.gravity = Vec3(0, -9.81, 0);
-  world.dt = 0.5 * body->stableStepAtRest();
-  simulator->setWorld(world);
-  bench::deform(*simulator->body(simulator->addBody(std::move(body))));
-  return {std::move(name), [simulator] { (void)simulator->step(); }};
-}
-
-}  // namespace
-
-int main() {
+void countKernels(const bench::Options & /*options*/, bench::Report &report) {
   if ((hwy::SupportedTargets() & HWY_AVX2) != 0) {
     hwy::SetSupportedTargetsForTest(HWY_AVX2);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
@@ -153,12 +138,92 @@ int main() {
   workloads.push_back(surfels("surfels, lattice", makeBody(lattice, MaterialLaw::neoHookean)));
   workloads.push_back(surfels("surfels, cloud", makeBody(cloud, MaterialLaw::neoHookean)));
   workloads.push_back(contact("contact search", makeBody(touching, MaterialLaw::neoHookean)));
-  workloads.push_back(substep("explicit substep, lattice", lattice));
-  std::printf("compiler %s\ntarget %s\n", bench::build().compiler.c_str(), kernels::kernelTarget());
+  const std::shared_ptr<bench::World> falling = bench::fallingBall(lattice);
+  workloads.push_back({"explicit substep, lattice", [falling] { falling->step(); }});
+  report.note("compiler " + bench::compilerName() + "\ntarget " + kernels::kernelTarget());
   for (const Named &workload : workloads) {
     workload.run();
     c3deCounted(workload.run);
-    std::printf("counted %s\n", workload.name.c_str());
+    report.note("counted " + workload.name);
   }
-  return 0;
+}
+
+const Vec3 kGravity(0.0, -9.81, 0.0);  // m/s²
+
+/// FNV-1a, as Simulator::stateHash().
+std::uint64_t hashOf(const State &state) {
+  std::uint64_t hash = 14695981039346656037ull;
+  for (const auto *field : {&state.displacements, &state.velocities})
+    for (const Vec3 &x : *field) {
+      unsigned char bytes[3 * sizeof(double)];
+      std::memcpy(bytes, x.data(), sizeof bytes);
+      for (const unsigned char byte : bytes) hash = (hash ^ byte) * 1099511628211ull;
+    }
+  return hash;
+}
+
+/// Only half a kick, drift, forces and half a kick, and the stability bound of the step, which Verlet needs.
+void stepByHand(Body &body, double dt, std::size_t steps) {
+  const std::span<const double> inverse = body.inverseMasses();
+  const std::size_t n = body.rest().phyxelCount();
+  std::vector<Vec3> &u = body.state().displacements, &v = body.state().velocities;
+  const auto evaluate = [&] { body.evaluate(0.0, dt, serialFor()); };
+  const auto kick = [&] {
+    for (std::size_t i = 0; i < n; ++i) v[i] += 0.5 * dt * (inverse[i] * body.forces()[i] + kGravity);
+  };
+  const auto drift = [&] {
+    const auto numbers = static_cast<Eigen::Index>(3 * n);
+    Eigen::Map<Eigen::VectorXd>(u.front().data(), numbers) +=
+        dt * Eigen::Map<const Eigen::VectorXd>(v.front().data(), numbers);
+  };
+  evaluate();
+  for (std::size_t step = 0; step < steps; ++step) {
+    if (!(dt <= kStepSafety * body.stableStep()))
+      throw std::runtime_error("step " + std::to_string(step) + " is not stable");
+    kick();
+    drift();
+    evaluate();
+    kick();
+  }
+}
+
+// Without contact, supports, loads, viscosity or plastic flow, by velocity Verlet.
+void stepIdle(const bench::Options &options, bench::Report &report) {
+  BodyRecipe recipe;
+  recipe.sampling.spacing = 0.01;
+  const auto rest =
+      bench::valueOf(buildRestState(shapes::box(Vec3::Zero(), Vec3(0.12, 0.06, 0.05)), recipe, {}, serialFor()));
+  const auto made = [&] {
+    auto body = std::make_unique<Body>("body", rest, bench::elastic(1e4, 0.45, 1000.0), serialFor());
+    for (std::size_t i = 0; i < rest->phyxelCount(); ++i) {
+      const Vec3 &X = rest->positions[i];
+      body->state().velocities[i] = Vec3(1, 2, 0.5).cross(X) + 0.1 * Vec3(std::sin(40 * X[0]), 0, std::cos(30 * X[0]));
+    }
+    return body;
+  };
+  const std::size_t steps = options.count("--steps", 64);
+  WorldSettings settings;
+  settings.gravity = kGravity;
+  settings.dt = 0.5 * made()->stableStepAtRest();
+  std::uint64_t hash = 0;
+  if (options.has("--by-hand")) {
+    const auto body = made();
+    stepByHand(*body, settings.dt, steps);
+    hash = hashOf(body->state());
+  } else {
+    bench::World world(made(), settings);
+    for (std::size_t i = 0; i < steps; ++i) world.step();
+    hash = hashOf(world.body().state());
+  }
+  char text[120];
+  std::snprintf(text, sizeof text, "%zu phyxels, %zu points, %zu steps, state %016llx", rest->phyxelCount(),
+                rest->pointCount(), steps, static_cast<unsigned long long>(hash));
+  report.note(text);
+}
+
+}  // namespace
+
+int main(int argc, char **argv) {
+  return bench::run("bench_counts", {{"kernels", "", countKernels}, {"idle", "[--by-hand] [--steps N]", stepIdle}},
+                    argc, argv);
 }

@@ -12,11 +12,9 @@
 // agree. --quick: only 500 nodes.
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
-#include <nlohmann/json.hpp>
+#include <map>
 
-#include "c3de/core/platform.h"
 #include "peers/bullet_body.h"
 #include "peers/deck.h"
 #include "peers/engine_body.h"
@@ -30,16 +28,6 @@ namespace {
 using namespace peers;
 using pointbased::Integrator;
 
-#if defined(__clang__)
-constexpr const char *kCompiler = "Clang " __clang_version__;
-#elif defined(__GNUC__)
-constexpr const char *kCompiler = "GCC " __VERSION__;
-#elif defined(_MSC_VER)
-constexpr const char *kCompiler = "MSVC";
-#else
-constexpr const char *kCompiler = "unknown";
-#endif
-
 constexpr const char *kSettings =
     "Bullet: its defaults (single precision as packaged, one Newton step, at most 300 iterations of conjugate\n"
     "  gradients, damping 0.01/0.01 of the linear and 0.05 of the neo-Hookean force), without collisions and sleep;\n"
@@ -51,12 +39,6 @@ constexpr const char *kSettings =
     "  the largest stable one), implicit at 1/60 s, without contact of the body with itself; at rest by its\n"
     "  quasi-static solution.\n";
 
-struct Options {
-  bool quick = false;
-  std::string organ, only, json, deck;
-  std::size_t nodes = 8000;
-};
-
 constexpr double kBudgetMs = 1500.0;  // of processor time for one run
 
 Bounds boundsOf(const Scene &scene) {
@@ -65,7 +47,7 @@ Bounds boundsOf(const Scene &scene) {
 
 class Comparison {
  public:
-  explicit Comparison(const Scene &scene) : scene_(scene) {}
+  Comparison(const Scene &scene, bench::Report &report) : scene_(scene), report_(report) {}
 
   void bullet(std::size_t size) {
     const TetraMesh mesh = scene_.mesh(size);
@@ -105,28 +87,23 @@ class Comparison {
     }
   }
 
-  void engine(std::size_t size) {
-    const auto rest = buildEngineRest(scene_, size);
-    if (!rest) {
-      std::printf("C3DE, %zu: %s\n", size, rest.error().c_str());
-      return;
-    }
-    const auto u = engineAtRest(scene_, *rest, scene_.stiff);
-    if (!u) std::printf("C3DE, %zu: %s\n", size, u.error().c_str());
-    const std::pair<Integrator, const char *> ways[] = {{Integrator::explicitVerlet, "explicit"},
-                                                        {Integrator::implicitSdirk, "implicit, second order"},
-                                                        {Integrator::backwardEuler, "implicit, backward Euler"}};
-    for (const auto &[integrator, name] : ways) {
-      const auto make = [&, way = integrator](double dt) {
-        return makeEngineBody(scene_, *rest, scene_.soft, way, dt);
-      };
+  void engine(std::size_t size) try {
+    const auto rest = bench::valueOf(buildEngineRest(scene_, size));
+    const Vec3 u = engineAtRest(scene_, rest, scene_.stiff);
+    const std::pair<Integrator, const char *> integrators[] = {{Integrator::explicitVerlet, "explicit"},
+                                                               {Integrator::implicitSdirk, "implicit, second order"},
+                                                               {Integrator::backwardEuler, "implicit, backward Euler"}};
+    for (const auto &[integrator, name] : integrators) {
+      const auto make = [&, by = integrator](double dt) { return makeEngineBody(scene_, rest, scene_.soft, by, dt); };
       Row row;
       row.model = name;
-      row.nodes = (*rest)->phyxelCount();
+      row.nodes = rest->phyxelCount();
       row.cost = run(make, integrator == Integrator::explicitVerlet ? 0.0 : kFrame, boundsOf(scene_), kBudgetMs);
-      row.settled = u ? (*u)[2] : NAN;
+      row.settled = u[2];
       finish(row, size);
     }
+  } catch (const std::runtime_error &error) {
+    report_.note("C3DE, " + std::to_string(size) + ": " + error.what());
   }
 
   [[nodiscard]] const std::vector<Row> &rows() const { return rows_; }
@@ -135,10 +112,9 @@ class Comparison {
 
  private:
   void finish(Row &row, std::size_t size) {
-    row.scene = scene_.name;
     row.wanted = size;
     row.error = scene_.truth != 0.0 ? row.settled / scene_.truth - 1.0 : NAN;
-    printRow(row);
+    addRow(report_, row);
     rows_.push_back(row);
   }
 
@@ -164,59 +140,26 @@ class Comparison {
   }
 
   const Scene &scene_;
+  bench::Report &report_;
   std::vector<Row> rows_;
   std::map<std::string, int> hints_;
   double lastSpacing_ = 0.0, asAsked_ = NAN;
   std::vector<Vec3> rest_, restNodes_;
 };
 
-int usage() {
-  std::fprintf(
-      stderr,
-      "usage: bench_peers [--quick] [--organ FILE] [--only TEXT] [--json FILE] [--deck DECK.inp [--nodes N]]\n");
-  return 2;
-}
-
-}  // namespace
-
-int main(int argc, char **argv) {
-  Options options;
-  for (int i = 1; i < argc; ++i) {
-    const std::string option = argv[i];
-    if (option == "--quick") {
-      options.quick = true;
-    } else if (i + 1 >= argc) {
-      return usage();
-    } else if (option == "--organ") {
-      options.organ = argv[++i];
-    } else if (option == "--only") {
-      options.only = argv[++i];
-    } else if (option == "--json") {
-      options.json = argv[++i];
-    } else if (option == "--deck") {
-      options.deck = argv[++i];
-    } else if (option == "--nodes") {
-      options.nodes = std::strtoul(argv[++i], nullptr, 10);
-    } else {
-      return usage();
-    }
-  }
-  const std::filesystem::path organFile = options.organ.empty()
-                                              ? std::filesystem::path(C3DE_TEST_DATA) / "mesh/openhelp/Liver.stl"
-                                              : std::filesystem::path(options.organ);
+void compare(const bench::Options &options, bench::Report &report) {
+  const std::filesystem::path organFile =
+      options.text("--organ", (std::filesystem::path(C3DE_TEST_DATA) / "mesh/openhelp/Liver.stl").string());
   auto organ = hangingOrgan(organFile);
-  if (!options.deck.empty()) {
-    if (!organ) {
-      std::fprintf(stderr, "bench_peers: %s\n", organ.error().c_str());
-      return 7;
-    }
-    std::ofstream file(options.deck);
-    writeDeck(organ->mesh(options.nodes), organ->stiff, file);
-    return file ? 0 : 7;
+  if (options.has("--deck")) {
+    const Scene scene = bench::valueOf(std::move(organ));
+    std::ofstream file(options.text("--deck"));
+    writeDeck(scene.mesh(options.count("--nodes", 8000)), scene.stiff, file);
+    if (!file) throw std::runtime_error("cannot write " + options.text("--deck"));
+    return;
   }
-
-  std::printf("CPU: %s, 1 thread\nbuild: %s, %s\npeer: Bullet %s\n\n%s", c3de::cpuName().c_str(), kCompiler,
-              C3DE_BENCH_BUILD, bulletVersion().c_str(), kSettings);
+  report.fact("bullet", bulletVersion());
+  report.note("peer: Bullet " + bulletVersion() + "\n\n" + kSettings);
   std::vector<Scene> scenes{cantilever()};
   if (organ) {
     for (const OrganTruth &known : kOrganTruths)
@@ -226,55 +169,37 @@ int main(int argc, char **argv) {
       }
     scenes.push_back(std::move(*organ));
   } else {
-    std::printf("\nSKIPPED: the organ. %s\n", organ.error().c_str());
+    report.note("SKIPPED: the organ. " + organ.error());
   }
-  const std::vector<std::size_t> sizes =
-      options.quick ? std::vector<std::size_t>{500} : std::vector<std::size_t>{500, 3000, 10000};
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array(), ratios = nlohmann::ordered_json::object(),
-                         asAsked = nlohmann::ordered_json::object();
   for (const Scene &scene : scenes) {
-    if (scene.name.find(options.only) == std::string::npos) continue;
+    if (scene.name.find(options.text("--only")) == std::string::npos) continue;
     char what[256];
-    std::snprintf(what, sizeof what, "cost: E %g kPa; at rest: E %g kPa; nu %g, %g kg/m3; ",
+    std::snprintf(what, sizeof what, "\ncost: E %g kPa; at rest: E %g kPa; nu %g, %g kg/m3; truth %.4f mm: %s",
                   1e-3 * scene.soft.youngsModulus, 1e-3 * scene.stiff.youngsModulus, scene.soft.poissonRatio,
-                  scene.soft.density);
-    printHead(scene.name, what + (scene.truth != 0.0 ? "truth " + std::to_string(1e3 * scene.truth) + " mm"
-                                                     : std::string("truth UNKNOWN, so no errors")));
-    Comparison comparison(scene);
+                  scene.soft.density, 1e3 * scene.truth, scene.origin.empty() ? "UNKNOWN, so no errors" : "");
+    report.note(what + scene.origin);
+    beginRows(report, scene.name);
+    Comparison comparison(scene, report);
     // Coarser bodies of this engine may already reach the error of the peer engine.
     for (const std::size_t size : {24, 100, 250}) comparison.engine(size);
-    for (const std::size_t size : sizes) {
+    for (const std::size_t size : {500, 3000, 10000}) {
+      if (size > 500 && options.has("--quick")) continue;
       comparison.bullet(size);
       comparison.engine(size);
     }
-    std::printf("truth: %s\n", scene.origin.empty() ? "none" : scene.origin.c_str());
-    std::printf(
-        "Bullet's neo-Hookean force with setYoungsModulus() and setPoissonRatio() as they are, %zu nodes: at rest %.4f "
-        "mm\n",
-        sizes.front(), 1e3 * comparison.asAsked());
-    nlohmann::ordered_json found = nlohmann::ordered_json::array();
-    printRatios(comparison.rows(), found);
-    ratios[scene.name] = found;
-    asAsked[scene.name] = comparison.asAsked();
-    for (const Row &row : comparison.rows()) rows.push_back(toJson(row));
+    report.note(
+        "Bullet's neo-Hookean force with setYoungsModulus() and setPoissonRatio() as they are, 500 nodes: at "
+        "rest " +
+        std::to_string(1e3 * comparison.asAsked()) + " mm");
+    report.fact("neo_hookean_unmatched_at_rest_m, " + scene.name, comparison.asAsked());
+    addRatios(report, scene.name, comparison.rows());
   }
-  if (!options.json.empty()) {
-    const nlohmann::ordered_json json = {{"benchmark", "bench_peers"},
-                                         {"cpu", c3de::cpuName()},
-                                         {"threads", 1},
-                                         {"compiler", kCompiler},
-                                         {"build", C3DE_BENCH_BUILD},
-                                         {"bullet", bulletVersion()},
-                                         {"settings", kSettings},
-                                         {"results", rows},
-                                         {"ratios", ratios},
-                                         {"neo_hookean_unmatched_at_rest_m", asAsked}};
-    std::ofstream file(options.json);
-    file << json.dump(2) << '\n';
-    if (!file) {
-      std::fprintf(stderr, "bench_peers: cannot write %s\n", options.json.c_str());
-      return 7;
-    }
-  }
-  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char **argv) {
+  return bench::run("bench_peers",
+                    {{"compare", "[--quick] [--organ FILE] [--only TEXT] [--deck DECK.inp] [--nodes N]", compare}},
+                    argc, argv);
 }

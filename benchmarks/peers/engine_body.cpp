@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine_body.h"
 
+#include "bench/bodies.h"
+
 namespace peers {
 
 using namespace pointbased;
@@ -11,28 +13,20 @@ class EngineBody final : public MovingBody {
  public:
   EngineBody(const Scene &scene, const std::shared_ptr<const RestState> &rest, const Solid &solid,
              Integrator integrator, double dt)
-      : scene_(scene) {
-    Material material;  // neo-Hookean
-    material.youngsModulus = solid.youngsModulus;
-    material.poissonRatio = solid.poissonRatio;
-    material.restDensity = solid.density;
-    WorldSettings world;
-    world.gravity = kGravity;
-    world.integrator = integrator;
-    world.dt = dt;
-    simulator_.setWorld(world);
-    simulator_.world().setContact({false});  // as the peer engines
-    id_ = simulator_.addBody(
-        std::make_unique<Body>("body", rest, Constitution{{material}, kLatticeStabilisation}, serialFor()));
+      : scene_(scene),
+        world_(std::make_unique<Body>(
+                   "body", rest, bench::elastic(solid.youngsModulus, solid.poissonRatio, solid.density), serialFor()),
+               settingsOf(integrator, dt)) {
+    world_.simulator.setContact({false});  // as the peer engines
   }
 
   double step() override {
-    const double before = simulator_.time();
-    if (!simulator_.step() || body().stopped) return 0.0;
-    return simulator_.time() - before;
+    const double before = world_.simulator.time();
+    if (!world_.simulator.step() || body().stopped) return 0.0;
+    return world_.simulator.time() - before;
   }
   [[nodiscard]] double surplus() const override {
-    const Diagnostics::Energy energy = simulator_.diagnostics().energy(id_);
+    const Simulator::Energy energy = world_.simulator.energy(world_.id);
     return energy.kinetic + energy.gravity;
   }
   [[nodiscard]] Vec3 displacement() const override {
@@ -46,22 +40,26 @@ class EngineBody final : public MovingBody {
   }
   [[nodiscard]] double kineticEnergy() const override { return body().kineticEnergy(); }
   void stop() override {
-    for (Vec3 &v : simulator_.body(id_)->state().velocities) v.setZero();
+    for (Vec3 &v : world_.body().state().velocities) v.setZero();
   }
 
-  Result<void> relaxToRest() {
-    while (!simulator_.finished())
-      if (const auto done = simulator_.step(); !done) return tl::unexpected(done.error().text);
-    if (body().stopped) return tl::unexpected(body().stopMessage());
-    return {};
+  Vec3 relaxToRest() {
+    world_.solve();
+    return displacement();
   }
 
  private:
-  [[nodiscard]] const Body &body() const { return *simulator_.body(id_); }
+  static WorldSettings settingsOf(Integrator integrator, double dt) {
+    WorldSettings settings;
+    settings.gravity = kGravity;
+    settings.integrator = integrator;
+    settings.dt = dt;
+    return settings;
+  }
+  [[nodiscard]] const Body &body() const { return *world_.simulator.body(world_.id); }
 
   const Scene &scene_;
-  Simulator simulator_;
-  std::size_t id_ = 0;
+  bench::World world_;
 };
 
 }  // namespace
@@ -69,9 +67,7 @@ class EngineBody final : public MovingBody {
 Result<std::shared_ptr<const RestState>> buildEngineRest(const Scene &scene, std::size_t nodes) {
   BodyRecipe recipe;
   recipe.sampling = scene.sampling(nodes);
-  Fix fix;
-  fix.region = scene.held;
-  recipe.fixes.push_back(fix);
+  recipe.fixes.push_back(bench::heldIn(scene.held));
   return buildRestState(scene.shape, recipe, {}, serialFor());
 }
 
@@ -80,10 +76,8 @@ std::unique_ptr<MovingBody> makeEngineBody(const Scene &scene, const std::shared
   return std::make_unique<EngineBody>(scene, rest, solid, integrator, dt);
 }
 
-Result<Vec3> engineAtRest(const Scene &scene, const std::shared_ptr<const RestState> &rest, const Solid &solid) {
-  EngineBody body(scene, rest, solid, Integrator::quasiStatic, 0.0);
-  if (const auto done = body.relaxToRest(); !done) return tl::unexpected(done.error());
-  return body.displacement();
+Vec3 engineAtRest(const Scene &scene, const std::shared_ptr<const RestState> &rest, const Solid &solid) {
+  return EngineBody(scene, rest, solid, Integrator::quasiStatic, 0.0).relaxToRest();
 }
 
 }  // namespace peers

@@ -18,9 +18,8 @@ namespace peers {
                                                          const Solid &solid, pointbased::Integrator integrator,
                                                          double dt);
 
-/// The measured displacement at rest, by the quasi-static solution, m. Errors: why there is none.
-[[nodiscard]] pointbased::Result<Vec3> engineAtRest(const Scene &scene,
-                                                    const std::shared_ptr<const pointbased::RestState> &rest,
-                                                    const Solid &solid);
+/// The measured displacement at rest, by the quasi-static solution, m. Throws with the reason where there is none.
+[[nodiscard]] Vec3 engineAtRest(const Scene &scene, const std::shared_ptr<const pointbased::RestState> &rest,
+                                const Solid &solid);
 
 }  // namespace peers

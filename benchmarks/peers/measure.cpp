@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <limits>
+
+#include "bench/timing.h"
 
 namespace peers {
 
 double offeredStep(int index) { return kFrame * std::pow(2.0, -0.25 * index); }
-
-double processorMs() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 bool isSound(const MovingBody &body, const Bounds &bounds) {
   const double farthest = body.largestDisplacement(), surplus = body.surplus();
@@ -30,13 +29,13 @@ Cost run(const MakeBody &make, double dt, const Bounds &bounds, double budgetMs)
   int steps = 0;
   while (steps < kMinSteps || (cost.simulated < kSeconds && spent < budgetMs)) {
     const int many = spent > 0.0 && spent / steps > 10.0 ? 1 : kAtOnce;
-    const double begin = processorMs();
+    const double begin = bench::processor_ms();
     for (int i = 0; i < many; ++i) {
       const double advanced = body->step();
       if (!(advanced > 0.0)) return cost;
       cost.simulated += advanced;
     }
-    spent += processorMs() - begin;
+    spent += bench::processor_ms() - begin;
     steps += many;
     if (!isSound(*body, bounds)) return cost;
   }

@@ -29,7 +29,6 @@ struct Cost {
   int index = 0;             ///< of the tried step
 };
 
-[[nodiscard]] double processorMs();
 /// The body's state is finite, within bounds and has gained no energy.
 [[nodiscard]] bool isSound(const MovingBody &body, const Bounds &bounds);
 

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <span>
-#include <string>
-#include <vector>
 
+#include "bench/report.h"
 #include "measure.h"
 
 namespace peers {
@@ -14,7 +12,7 @@ enum class Kind { engine, fem, massSpring };
 
 /// One method for one scene at one size.
 struct Row {
-  std::string scene, model;
+  std::string model;
   Kind kind = Kind::engine;
   std::size_t wanted = 0, nodes = 0;
   Cost cost;             ///< of the soft body
@@ -22,10 +20,9 @@ struct Row {
   double error = 0.0;    ///< relative error of `settled`; NaN: none
 };
 
-void printHead(const std::string &scene, const std::string &what);
-void printRow(const Row &row);
+void beginRows(bench::Report &report, const std::string &scene);
+void addRow(bench::Report &report, const Row &row);
 /// Bullet's cost over this engine's: at equal nodes, and at equal or smaller error.
-void printRatios(std::span<const Row> rows, nlohmann::ordered_json &out);
-[[nodiscard]] nlohmann::ordered_json toJson(const Row &row);
+void addRatios(bench::Report &report, const std::string &scene, std::span<const Row> rows);
 
 }  // namespace peers

@@ -10,7 +10,7 @@ mkdir -p "$place/tree/tools" "$place/tree/benchmarks" "$place/tree/$abi" "$place
 cp "$root/run" "$root/check" "$root/CMakeLists.txt" "$place/tree"
 cp -r "$root"/tools/*.sh "$root"/tools/*.txt "$root/tools/help" "$place/tree/tools"
 cp "$root/$abi/base.h" "$place/tree/$abi"
-touch "$place/tree/x.obj" "$place/tree/benchmarks/bench_law.cpp"
+touch "$place/tree/x.obj" "$place/tree/benchmarks/bench_forces.cpp"
 state=$place/state
 touch "$state/installed" "$state/log"
 sed -e 's/#.*//' -e '/^ *$/d' "$root"/tools/debian-packages*.txt >"$state/sources"
@@ -86,7 +86,7 @@ fi
 [ ! -f "$state/bad_build" ] || { printf '[1/2] Building a\nFAILED: a.o\na.cpp:7: error: no such thing\n'; exit 1; }
 mkdir -p build/release/bin
 printf '#!%s\necho "program: \$*"\n' "$(type -P bash)" >build/release/bin/c3de
-printf '#!%s\necho "benchmark: \$*"\n' "$(type -P bash)" >build/release/bin/bench_law
+printf '#!%s\necho "benchmark: \$*"\n' "$(type -P bash)" >build/release/bin/bench_forces
 chmod +x build/release/bin/*
 EOF
 stand_in ctest <<EOF
@@ -294,11 +294,11 @@ case $machine in
     mkdir -p "$place/tree/build/release"
     touch "$place/tree/build/release/build.ninja"
     echo "C3DE_BUILD_BENCHMARKS:BOOL=OFF" >"$place/tree/build/release/CMakeCache.txt"
-    launch run bench_law --seconds 1
+    launch run bench_forces --seconds 1
     ends_with_status 0
     called 'cmake --preset release -DC3DE_BUILD_BENCHMARKS=ON$'
-    called 'cmake --build build/release --target bench_law$'
-    says "c3de: benchmarks are built when they are asked for: bench_law"
+    called 'cmake --build build/release --target bench_forces$'
+    says "c3de: benchmarks are built when they are asked for: bench_forces"
     [ "$(tail -n 1 "$place/out")" = "benchmark: --seconds 1" ] || fail "the benchmark was expected to run"
     ;;
   help_before_building)
@@ -349,7 +349,7 @@ case $machine in
 2 plugins --off => --off: 1 required ID missing
 2 new-plugin => NAME is required
 2 --json => --json is for --version, info and plugins
-2 bench_none => there is no benchmark 'bench_none'; accepted: bench_law
+2 bench_none => there is no benchmark 'bench_none'; accepted: bench_forces
 3 run nowhere/a.toml => nowhere/a.toml: no such file
 3 info x.obj y.obj => y.obj: no such file
 3 nowhere/liver.obj => nowhere/liver.obj: no such file

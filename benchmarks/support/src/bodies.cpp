@@ -2,12 +2,12 @@
 #include "bench/bodies.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <numbers>
 #include <numeric>
+
+#include "surfaces.h"
+#include "thin_shapes.h"
 
 namespace bench {
 
@@ -106,12 +106,7 @@ std::shared_ptr<const RestState> latticeBall(std::size_t phyxels, std::size_t su
   BodyRecipe recipe;
   recipe.evaluation = Evaluation::stressPoints;
   recipe.sampling.spacing = kSpacing;
-  const auto rest = buildRestState(shape, recipe, directions(points), parallelFor);
-  if (!rest) {
-    std::fprintf(stderr, "a ball of %zu phyxels: %s\n", phyxels, rest.error().c_str());
-    std::exit(1);
-  }
-  return *rest;
+  return valueOf(buildRestState(shape, recipe, directions(points), parallelFor));
 }
 
 Constitution constitutionFor(const RestState &rest, MaterialLaw law) {
@@ -134,6 +129,69 @@ void deform(Body &body) {
     body.state().displacements[i] =
         0.05 * X.cwiseProduct(Vec3(1, -0.5, 0.3)) + 0.1 * turn * Vec3(X[1] * X[2], X[0] * X[2], X[0] * X[1]);
   }
+}
+
+World::World(std::unique_ptr<Body> body, const WorldSettings &settings, const ParallelFor &parallelFor)
+    : simulator(parallelFor) {
+  simulator.setWorld(settings);
+  id = simulator.addBody(std::move(body));
+}
+
+void World::solve() {
+  while (!simulator.finished()) step();
+  if (body().stopped) throw std::runtime_error(body().stopMessage());
+}
+
+std::unique_ptr<World> fallingBall(const std::shared_ptr<const RestState> &rest, Precision precision,
+                                   const ParallelFor &parallelFor) {
+  auto body = std::make_unique<Body>("ball", rest, constitutionFor(*rest), parallelFor);
+  WorldSettings settings;
+  settings.gravity = Vec3(0, -9.81, 0);
+  settings.dt = 0.5 * body->stableStepAtRest();
+  auto world = std::make_unique<World>(std::move(body), settings, parallelFor);
+  world->body().setPrecision(precision);
+  deform(world->body());
+  return world;
+}
+
+Constitution elastic(double youngsModulus, double poissonRatio, double density) {
+  return {{Material{MaterialLaw::neoHookean, youngsModulus, poissonRatio, density}}, kLatticeStabilisation};
+}
+
+Fix heldIn(const Region &region, const Vec3 &displacement) {
+  Fix fix;
+  fix.region = region;
+  fix.displacement = displacement;
+  return fix;
+}
+
+Surface surfaceNamed(const std::string &name, int rings, int around) {
+  const auto deformedBall = [&](const std::function<Vec3(const Vec3 &)> &moved) {
+    return validation::latheSurface(rings, around, [&](int ring, double phi) {
+      const double theta = std::numbers::pi * ring / rings;
+      return moved(Vec3(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), -std::cos(theta)));
+    });
+  };
+  if (name == "box" || name == "beam") return shapes::boxSurface(Vec3::Zero(), Vec3(0.2, 0.04, 0.04));
+  if (name == "tube") return validation::tubeSurface(0.012, 0.004, 0.12);
+  if (name == "liver")
+    return deformedBall([](const Vec3 &n) {
+      return Vec3(0.11 * n[0], (0.045 + 0.03 * n[0]) * n[1] + 0.02 * n[0] * n[0], (0.07 - 0.03 * n[0] * n[0]) * n[2]);
+    });
+  if (name == "kidney")
+    return deformedBall(
+        [](const Vec3 &n) { return Vec3(0.06 * n[0], 0.028 * n[1] + 0.025 * n[0] * n[0], 0.022 * n[2]); });
+  throw std::invalid_argument("there is no body '" + name + "'; accepted: box, beam, liver, kidney, tube");
+}
+
+Timing measureSurfelUpdate(double seconds, const Body &body, const ParallelFor &parallelFor) {
+  const RestState &rest = body.rest();
+  std::vector<Vec3f> x(rest.surfels.count()), normals(rest.surfels.count());
+  ScreenPhyxels scratch;
+  return measure(seconds, [&] {
+    updateSurfels(rest.surfels, rest.surfelNormals, rest.origin, rest.positions, body.state().displacements, scratch, x,
+                  normals, parallelFor);
+  });
 }
 
 void evaluateForces(Body &body, const ParallelFor &parallelFor) { body.evaluate(0.0, 0.0, parallelFor); }

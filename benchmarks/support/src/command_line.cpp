@@ -1,52 +1,93 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/command_line.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <utility>
+#include <exception>
+
+#include "bench/report.h"
 
 namespace bench {
+namespace {
 
-CommandLine::CommandLine(std::string name) : name_(std::move(name)) {}
+constexpr const char *kCommonOptions = "[--threads N] [--seconds S] [--json FILE] [--csv FILE]";
 
-void CommandLine::add(std::string option, std::string value, std::function<void(const std::string &)> take) {
-  added_.push_back({std::move(option), std::move(value), std::move(take)});
+std::string usageOf(const std::string &name, const std::vector<Question> &questions) {
+  std::string usage = "usage: " + name + " [QUESTION] " + kCommonOptions + "\nquestions, all of them by default:";
+  for (const Question &question : questions) usage += "\n  " + question.name + " " + question.options;
+  return usage;
 }
 
-std::optional<int> CommandLine::parse(int argc, char **argv) {
-  options_ = defaults;
-  std::vector<Option> known = added_;
-  const auto common = [&](const char *option, const char *value, std::function<void(const std::string &)> take) {
-    known.push_back({option, value, std::move(take)});
-  };
-  common("--threads", "N", [this](const std::string &text) {
-    options_.threads = static_cast<unsigned>(std::strtoul(text.c_str(), nullptr, 10));
-  });
-  common("--seconds", "S", [this](const std::string &text) { options_.seconds = std::strtod(text.c_str(), nullptr); });
-  common("--json", "FILE", [this](const std::string &text) { options_.json = text; });
-  common("--csv", "FILE", [this](const std::string &text) { options_.csv = text; });
-  std::string usage = "usage: " + name_;
-  for (const Option &option : known) usage += " [" + option.option + " " + option.value + "]";
-  for (int i = 1; i < argc; ++i) {
-    const std::string given = argv[i];
-    if (given == "--help") {
-      std::printf("%s\n", usage.c_str());
-      return 0;
-    }
-    const Option *found = nullptr;
-    for (const Option &option : known)
-      if (option.option == given) found = &option;
-    if (!found || i + 1 >= argc) {
-      std::fprintf(stderr, "%s\n", usage.c_str());
-      return 2;
-    }
-    found->take(argv[++i]);
+enum class Kind { unknown, flag, value };
+
+// "[--quick]" is a flag, "[--only TEXT]" has a value.
+Kind kindOf(const std::string &option, const std::string &usage) {
+  if (usage.find("[" + option + "]") != std::string::npos) return Kind::flag;
+  return usage.find("[" + option + " ") != std::string::npos ? Kind::value : Kind::unknown;
+}
+
+int refuse(const std::string &text, int code) {
+  std::fprintf(stderr, "%s\n", text.c_str());
+  return code;
+}
+
+}  // namespace
+
+std::vector<std::string> Options::texts(const std::string &option) const {
+  std::vector<std::string> out;
+  for (const auto &[name, value] : given_)
+    if (name == option) out.push_back(value);
+  return out;
+}
+
+std::string Options::text(const std::string &option, const std::string &otherwise) const {
+  const std::vector<std::string> all = texts(option);
+  return all.empty() ? otherwise : all.back();
+}
+
+double Options::number(const std::string &option, double otherwise) const {
+  return has(option) ? std::strtod(text(option).c_str(), nullptr) : otherwise;
+}
+
+std::size_t Options::count(const std::string &option, std::size_t otherwise) const {
+  return has(option) ? std::strtoul(text(option).c_str(), nullptr, 10) : otherwise;
+}
+
+int run(const std::string &name, const std::vector<Question> &questions, int argc, char **argv) {
+  const std::string usage = usageOf(name, questions);
+  std::vector<Question> requested = questions;
+  int first = 1;
+  if (argc > 1 && argv[1][0] != '-') {
+    std::erase_if(requested, [&](const Question &question) { return question.name != argv[1]; });
+    first = 2;
   }
-  if (options_.threads == 0 || !(options_.seconds > 0.0)) {
-    std::fprintf(stderr, "%s: --threads and --seconds are to be above 0\n", name_.c_str());
-    return 2;
+  std::string known = kCommonOptions;
+  for (const Question &question : requested) known += question.options;
+  Options options;
+  for (int i = first; i < argc; ++i) {
+    const std::string option = argv[i];
+    if (option == "--help") return std::printf("%s\n", usage.c_str()) > 0 ? 0 : 7;
+    const Kind kind = kindOf(option, known);
+    if (kind == Kind::unknown || (kind == Kind::value && i + 1 >= argc)) return refuse(usage, 2);
+    options.add(option, kind == Kind::value ? argv[++i] : "");
   }
-  return std::nullopt;
+  if (requested.empty()) return refuse(usage, 2);
+  options.threads = static_cast<unsigned>(options.count("--threads", options.threads));
+  options.seconds = options.number("--seconds", options.seconds);
+  options.json = options.text("--json");
+  options.csv = options.text("--csv");
+  if (options.threads == 0 || !(options.seconds > 0.0))
+    return refuse(name + ": --threads and --seconds are to be above 0", 2);
+  Report report(name, options);
+  try {
+    for (const Question &question : requested) question.measure(options, report);
+  } catch (const std::invalid_argument &error) {
+    return refuse(name + ": " + error.what(), 2);
+  } catch (const std::exception &error) {
+    return refuse(name + ": " + error.what(), 1);
+  }
+  return report.write();
 }
 
 }  // namespace bench

@@ -2,16 +2,20 @@
 #include "bench/report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
+#include <sstream>
+#include <thread>
 #include <utility>
 
-#include "bench/machine.h"
+#include "c3de/core/platform.h"
 
 namespace bench {
 namespace {
 
-constexpr int kMinWidth = 9;
+constexpr int kMinWidth = 9, kMinWidthOfName = 20;
 
 // Characters, not bytes: titles contain signs such as µ.
 int lettersOf(const std::string &text) {
@@ -19,13 +23,14 @@ int lettersOf(const std::string &text) {
 }
 
 std::string padded(const std::string &text, int width) {
-  return std::string(static_cast<std::size_t>(std::max(0, width - lettersOf(text))), ' ') + text;
+  return std::string(static_cast<std::size_t>(std::max(0, width - lettersOf(text))), ' ') + text + "  ";
 }
 
 std::string textOf(const Report::Cell &cell, int digits) {
   if (cell.is_null()) return "-";
   if (cell.is_string()) return cell.get<std::string>();
   if (!cell.is_number_float()) return cell.dump();
+  if (!std::isfinite(cell.get<double>())) return "-";
   char text[64];
   std::snprintf(text, sizeof text, "%.*f", digits, cell.get<double>());
   return text;
@@ -33,56 +38,76 @@ std::string textOf(const Report::Cell &cell, int digits) {
 
 }  // namespace
 
+std::string compilerName() { return C3DE_BENCH_COMPILER; }
+
 Report::Report(std::string benchmark, const Options &options) : name_(std::move(benchmark)), options_(options) {
-  const Machine on = machine();
-  const Build by = build();
+#ifdef NDEBUG
+  constexpr bool assertions = false;
+#else
+  constexpr bool assertions = true;
+#endif
+  const std::string cpu = c3de::cpuName(), type = C3DE_BENCH_BUILD, sanitizers = C3DE_BENCH_SANITIZERS;
+  const unsigned cores = std::thread::hardware_concurrency();
   json_ = {{"benchmark", name_},
-           {"machine", {{"cpu", on.cpu}, {"cores", on.cores}}},
+           {"machine", {{"cpu", cpu}, {"cores", cores}}},
            {"build",
-            {{"version", by.version},
-             {"compiler", by.compiler},
-             {"type", by.type},
-             {"sanitizers", by.sanitizers},
-             {"assertions", by.assertions}}},
+            {{"version", C3DE_BENCH_VERSION},
+             {"compiler", compilerName()},
+             {"type", type},
+             {"sanitizers", sanitizers},
+             {"assertions", assertions}}},
            {"threads", options.threads},
            {"seconds", options.seconds},
            {"facts", nlohmann::ordered_json::object()},
            {"rows", nlohmann::ordered_json::array()}};
-  std::printf("%s: %s, %u cores; %s, %s%s%s%s; %u thread%s\n", name_.c_str(), on.cpu.c_str(), on.cores,
-              by.compiler.c_str(), by.type.c_str(), by.assertions ? ", with assertions" : "",
-              by.sanitizers.empty() ? "" : ", sanitizers ", by.sanitizers.c_str(), options.threads,
+  std::printf("%s: %s, %u cores; %s, %s%s%s%s; %u thread%s\n", name_.c_str(), cpu.c_str(), cores,
+              compilerName().c_str(), type.c_str(), assertions ? ", with assertions" : "",
+              sanitizers.empty() ? "" : ", sanitizers ", sanitizers.c_str(), options.threads,
               options.threads == 1 ? "" : "s");
 }
 
-void Report::table(std::string name, std::vector<Column> columns) {
+void Report::table(std::string name, const std::string &columns) {
   tableName_ = std::move(name);
-  columns_ = std::move(columns);
-  widths_.clear();
-  std::string line;
+  columns_.clear();
+  isFirstRow_ = true;
   csv_ += "table";
-  for (const Column &column : columns_) {
-    widths_.push_back(std::max(kMinWidth, lettersOf(column.title)));
-    if (!column.title.empty()) line += padded(column.title, widths_.back()) + "  ";
+  std::istringstream in(columns);
+  for (std::string text; std::getline(in >> std::ws, text, ';');) {
+    Column column;
+    if (const std::size_t colon = text.find(':'); colon != std::string::npos) {
+      column.digits = std::atoi(text.c_str() + colon + 1);
+      text.erase(colon);
+    }
+    const std::size_t equals = text.find('=');
+    column.key = text.substr(0, equals);
+    column.title = equals == std::string::npos ? column.key : text.substr(equals + 1);
     csv_ += "," + column.key;
+    columns_.push_back(std::move(column));
   }
   csv_ += "\n";
-  std::printf("\n%s\n%s\n", tableName_.c_str(), line.c_str());
 }
 
 void Report::row(std::vector<Cell> cells) {
   nlohmann::ordered_json out = {{"table", tableName_}};
-  std::string line;
+  std::string head, line;
   csv_ += tableName_;
   for (std::size_t i = 0; i < columns_.size() && i < cells.size(); ++i) {
-    const Column &column = columns_[i];
-    if (!column.title.empty()) line += padded(textOf(cells[i], column.digits), widths_[i]) + "  ";
+    Column &column = columns_[i];
+    const std::string text = textOf(cells[i], column.digits);
+    if (isFirstRow_)
+      column.width = std::max(
+          {lettersOf(column.title), lettersOf(text), i < 2 && cells[i].is_string() ? kMinWidthOfName : kMinWidth});
+    if (!column.title.empty()) {
+      head += padded(column.title, column.width);
+      line += padded(text, column.width);
+    }
     csv_ += "," + (cells[i].is_string() ? cells[i].get<std::string>() : cells[i].is_null() ? "" : cells[i].dump());
     out[column.key] = std::move(cells[i]);
   }
   csv_ += "\n";
   json_["rows"].push_back(std::move(out));
-  std::printf("%s\n", line.c_str());
-  std::fflush(stdout);
+  if (std::exchange(isFirstRow_, false)) std::printf("\n%s\n%s\n", tableName_.c_str(), head.c_str());
+  note(line);
 }
 
 void Report::note(const std::string &text) {

@@ -5,8 +5,10 @@
 #include <memory>
 #include <string>
 
+#include "bench/command_line.h"
+#include "bench/timing.h"
 #include "c3de/core/thread_pool.h"
-#include "pointbased/body.h"
+#include "pointbased/simulator.h"
 
 namespace bench {
 
@@ -36,6 +38,40 @@ inline constexpr pointbased::NeighborChoice kNeighbours{26, 1.8};
 [[nodiscard]] std::string evaluationName(const pointbased::Body &body);
 /// Stretched, compressed and bent by a few percent, differently everywhere.
 void deform(pointbased::Body &body);
+
+/// A simulator with one body.
+struct World {
+  World(std::unique_ptr<pointbased::Body> body, const pointbased::WorldSettings &settings,
+        const pointbased::ParallelFor &parallelFor = pointbased::serialFor());
+
+  [[nodiscard]] pointbased::Body &body() { return *simulator.body(id); }
+  void step() { valueOf(simulator.step()); }
+  /// Steps a quasi-static solution to its end. Throws with the reason where there is none.
+  void solve();
+
+  pointbased::Simulator simulator;
+  std::size_t id = 0;
+};
+
+/// A deformed ball that falls; its step is half of the stable one at rest, so it is one substep.
+[[nodiscard]] std::unique_ptr<World> fallingBall(
+    const std::shared_ptr<const pointbased::RestState> &rest,
+    pointbased::Precision precision = pointbased::Precision::doublePrecision,
+    const pointbased::ParallelFor &parallelFor = pointbased::serialFor());
+
+/// Neo-Hookean, with the stabilisation of lattices.
+[[nodiscard]] pointbased::Constitution elastic(double youngsModulus, double poissonRatio, double density = 1060.0);
+
+/// A fixed or moved region.
+[[nodiscard]] pointbased::Fix heldIn(const pointbased::Region &region,
+                                     const pointbased::Vec3 &displacement = pointbased::Vec3::Zero());
+
+/// Closed surfaces by formulas, m: box, beam, liver, kidney, tube. Throws where there is no body of that name.
+[[nodiscard]] pointbased::Surface surfaceNamed(const std::string &name, int rings = 24, int around = 40);
+
+/// The update of positions and normals of the surfels as for the screen, in single precision.
+[[nodiscard]] Timing measureSurfelUpdate(double seconds, const pointbased::Body &body,
+                                         const pointbased::ParallelFor &parallelFor);
 
 /// One evaluation of the internal forces at the current displacements: the only function in which a benchmark requests
 /// it.

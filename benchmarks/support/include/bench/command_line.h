@@ -2,44 +2,62 @@
 #pragma once
 
 #include <functional>
-#include <optional>
+#include <stdexcept>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace bench {
 
-/// The options of every benchmark.
-struct Options {
+class Report;
+
+/// The options of every benchmark, and the given ones of the requested question.
+class Options {
+ public:
   unsigned threads = 1;
   double seconds = 0.5;   ///< per measurement
   std::string json, csv;  ///< files to write; empty: none
-};
 
-/// Options of the form --name VALUE: those of Options, and those that a benchmark adds.
-///
-///     CommandLine line("bench_error");
-///     line.add("--only", "TEXT", [&](const std::string &value) { only = value; });
-///     if (const auto exit = line.parse(argc, argv)) return *exit;
-class CommandLine {
- public:
-  explicit CommandLine(std::string name);
-
-  void add(std::string option, std::string value, std::function<void(const std::string &)> take);
-  /// Exit code where the benchmark is not to run: 0 for --help, 2 with the usage on stderr for unknown arguments.
-  [[nodiscard]] std::optional<int> parse(int argc, char **argv);
-
-  [[nodiscard]] const std::string &name() const { return name_; }
-  [[nodiscard]] const Options &options() const { return options_; }
-  Options defaults;  ///< change before parse()
+  void add(std::string option, std::string value) { given_.emplace_back(std::move(option), std::move(value)); }
+  [[nodiscard]] bool has(const std::string &option) const { return !texts(option).empty(); }
+  /// All values of an option, in their order.
+  [[nodiscard]] std::vector<std::string> texts(const std::string &option) const;
+  [[nodiscard]] std::string text(const std::string &option, const std::string &otherwise = {}) const;
+  [[nodiscard]] double number(const std::string &option, double otherwise) const;
+  [[nodiscard]] std::size_t count(const std::string &option, std::size_t otherwise) const;
 
  private:
-  struct Option {
-    std::string option, value;
-    std::function<void(const std::string &)> take;
-  };
-  std::string name_;
-  std::vector<Option> added_;
-  Options options_;
+  std::vector<std::pair<std::string, std::string>> given_;
 };
+
+/// What a benchmark can measure. An exception ends it: std::invalid_argument for options, others for failures.
+struct Question {
+  std::string name;
+  std::string options;  ///< beside those of every benchmark: "[--only TEXT] [--quick]"
+  std::function<void(const Options &, Report &)> measure;
+};
+
+/// Measures the question that the first argument names, or all of them without one, and writes the requested files.
+///
+///     bench_steps newton --case swing --json FILE
+///
+/// @return exit code: 0, 1 for a failed measurement, 2 for unknown arguments, 7 for a file that cannot be written; all
+///         but 0 with a line on stderr
+[[nodiscard]] int run(const std::string &name, const std::vector<Question> &questions, int argc, char **argv);
+
+/// The value of a result, or an exception with its reason.
+template <class Result>
+typename Result::value_type valueOf(Result result) {
+  if (!result) {
+    if constexpr (requires { result.error().message; })
+      throw std::runtime_error(result.error().message);
+    else if constexpr (requires { result.error().text; })
+      throw std::runtime_error(result.error().text);
+    else
+      throw std::runtime_error(result.error());
+  }
+  if constexpr (!std::is_void_v<typename Result::value_type>) return std::move(*result);
+}
 
 }  // namespace bench

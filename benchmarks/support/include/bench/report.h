@@ -9,11 +9,8 @@
 
 namespace bench {
 
-struct Column {
-  std::string key;    ///< in JSON and CSV, with its unit: "forces_ms"
-  std::string title;  ///< in the printed table; empty: not printed
-  int digits = 3;     ///< decimals, of numbers that are not integers
-};
+/// Of this build, with its version.
+[[nodiscard]] std::string compilerName();
 
 /// The results of a benchmark: tables on the screen as they grow, and one JSON format for all benchmarks:
 ///
@@ -27,8 +24,10 @@ class Report {
   Report(std::string benchmark, const Options &options);
 
   /// Begins a table; rows follow.
-  void table(std::string name, std::vector<Column> columns);
-  /// One cell per column; null is printed as "-".
+  /// @param columns  "key=title:decimals; …": the key is that of JSON and CSV, with its unit ("forces_ms"). Without a
+  ///                 title the key is printed, with an empty one nothing. Three decimals by default.
+  void table(std::string name, const std::string &columns);
+  /// One cell per column; null and what is not finite are printed as "-".
   void row(std::vector<Cell> cells);
   /// A line below the tables.
   void note(const std::string &text);
@@ -40,13 +39,17 @@ class Report {
   [[nodiscard]] int write() const;
 
  private:
+  struct Column {
+    std::string key, title;
+    int digits = 3, width = 0;
+  };
   std::string name_;
   Options options_;
   nlohmann::ordered_json json_;
   std::string csv_;
   std::string tableName_;
   std::vector<Column> columns_;
-  std::vector<int> widths_;
+  bool isFirstRow_ = false;
 };
 
 }  // namespace bench

@@ -1,30 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the forces of a lattice with the peak performance of one core.
-//
-//   bench_limit [--target AVX3|AVX2|SSE4|SSSE3] [--seconds S] [--csv FILE] [--json FILE]
-//
-// machine  flop/s of chains of multiply-adds in registers, in single and double precision; bytes/s of a triad a = b + s
-//          c whose arrays fit into the second-level cache, possibly into the last-level cache, and into none
-// forces   flop/s and bytes/s of the kernel of cells alone and of a whole evaluation, neo-Hookean with the energy of
-//          the modes, on balls: operations and bytes of force_counts.h over the median time; in turns with the chains
-//          of multiply-adds, so that the percentages refer to the same minute
-//
-// One thread. --target: this instruction set instead of the best one of the machine.
 #include <hwy/targets.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <string>
 #include <vector>
 
 #include "bench/bodies.h"
-#include "bench/report.h"
 #include "bench/timing.h"
-#include "force_counts.h"
+#include "forces/force_counts.h"
 #include "forces/kernels/aligned_vector.h"
 #include "forces/kernels/cell_kernel.h"
 #include "forces/kernels/cell_layout.h"
-#include "limit_kernels.h"
+#include "forces/limit_kernels.h"
+#include "forces/questions.h"
 
 namespace {
 
@@ -52,9 +40,7 @@ struct Limits {
 };
 
 Limits machine(bench::Report &report, double seconds) {
-  report.table(
-      "machine",
-      {{"what", "what                "}, {"size_MB", "MB", 2}, {"gflops", "GFLOP/s", 1}, {"gbytes", "GB/s", 1}});
+  report.table("machine", "what; size_MB=MB:2; gflops=GFLOP/s:1; gbytes=GB/s:1");
   Limits out;
   double singles = 0.0, doubles = 0.0;
   const std::vector<Timing> t = bench::measureInTurns(seconds, {chains<float>(singles), chains<double>(doubles)});
@@ -149,41 +135,23 @@ void forces(bench::Report &report, const Limits &limit, double seconds, std::siz
 
 }  // namespace
 
-int main(int argc, char **argv) {
-  bench::CommandLine line("bench_limit");
-  std::string wanted;
-  line.add("--target", "NAME", [&](const std::string &text) { wanted = text; });
-  if (const auto exit = line.parse(argc, argv)) return *exit;
-  if (!wanted.empty()) {
+void bench::compareWithLimit(const Options &options, Report &report) {
+  if (const std::string wanted = options.text("--target"); !wanted.empty()) {
     for (const auto target : {HWY_SSSE3, HWY_SSE4, HWY_AVX2, HWY_AVX3})
       if (hwy::TargetName(target) == wanted) hwy::SetSupportedTargetsForTest(static_cast<std::uint32_t>(target));
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    if (limits::target() != wanted) {
-      std::fprintf(stderr, "bench_limit: '%s' is not an instruction set of this machine and build\n", wanted.c_str());
-      return 2;
-    }
+    if (limits::target() != wanted)
+      throw std::invalid_argument("'" + wanted + "' is not an instruction set of this machine and build");
   }
-  const bench::Options &options = line.options();
-  bench::Report report(line.name(), options);
   report.note(std::string("instruction set ") + limits::target() + ", kernels of forces " + kernels::kernelTarget());
   report.fact("target", kernels::kernelTarget());
   const Limits limit = machine(report, options.seconds);
-  report.table("forces", {{"what", "what           "},
-                          {"precision", "precision"},
-                          {"phyxels", "phyxels"},
-                          {"cells", "cells"},
-                          {"lanes_used_percent", "lanes %", 1},
-                          {"median_us", "us", 1},
-                          {"per_cell_ns", "ns/cell", 1},
-                          {"operations_per_cell", "flop/cell", 0},
-                          {"gflops", "GFLOP/s", 1},
-                          {"percent_of_peak", "% of peak", 1},
-                          {"bytes_per_cell", "B/cell", 0},
-                          {"gbytes", "GB/s", 1},
-                          {"percent_of_triad", "% of triad", 1}});
+  report.table("forces",
+               "what; precision; phyxels; cells; lanes_used_percent=lanes %:1; median_us=us:1; per_cell_ns=ns/cell:1; "
+               "operations_per_cell=flop/cell:0; gflops=GFLOP/s:1; percent_of_peak=% of peak:1; "
+               "bytes_per_cell=B/cell:0; gbytes=GB/s:1; percent_of_triad=% of triad:1");
   for (const std::size_t phyxels : {3000u, 30000u, 200000u}) {
     forces<float>(report, limit, options.seconds, phyxels);
     forces<double>(report, limit, options.seconds, phyxels);
   }
-  return report.write();
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "limit_kernels.h"
+#include "forces/limit_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "limit_kernels.cpp"
+#define HWY_TARGET_INCLUDE "forces/limit_kernels.cpp"
 // Vectors of a length that is known only at run time cannot be elements of an array.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #include <hwy/foreach_target.h>

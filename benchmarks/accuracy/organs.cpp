@@ -1,34 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the errors of organs at the default sampling with the predicted errors.
-//
-//   bench_organs [--mesh FILE]... [--only TEXT] [--phyxels N] [--csv FILE] [--json FILE]
-//
-// A ventricle, a hip bone, a gut and a vessel by formulas, and the named meshes (scaled to a length of 12 cm if their
-// file has no unit that fits an organ), of 6 kPa and Poisson's ratio 0.45. Each
-//   hangs    from its upper quarter
-//   gripped  the ends of its longest axis are held, and one is moved across it by a tenth of its length
-//   pinched  a region of the skin, a quarter of the length wide, is pulled out by as much, with one end held
-// For each: the sampling that is chosen without an accuracy target (--phyxels: that one instead), its predicted error,
-// and the difference to a solution of half the spacing by verify(), which is within a factor of 1.5 of the true error.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
-#include <stdexcept>
 
-#include "bench/report.h"
+#include "accuracy/questions.h"
+#include "bench/bodies.h"
 #include "bench/timing.h"
-#include "c3de/geometry/mesh_report.h"
+#include "c3de/geometry/mesh_io.h"
 #include "mesh_body.h"
 #include "pointbased/accuracy.h"
-#include "pointbased/simulator.h"
 #include "pointbased/verification.h"
 #include "thin_shapes.h"
 
 namespace {
 
 using namespace pointbased;
+using bench::Report;
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kMaxOfFineReference = 60'000;  // phyxels: half a minute
@@ -88,14 +75,13 @@ std::vector<Organ> madeOrgans() {
 }
 
 Organ organOf(const std::filesystem::path &file) {
-  const auto loaded = c3de::geometry::loadMesh(file, c3de::geometry::LengthUnit::millimetre);
-  if (!loaded) throw std::runtime_error(loaded.error().message);
-  const c3de::geometry::Box box = loaded->report.box;
+  const auto loaded = bench::valueOf(c3de::geometry::loadMesh(file, c3de::geometry::LengthUnit::millimetre));
+  const c3de::geometry::Box box = loaded.report.box;
   const double mm = std::max({box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2]});
   const double scale = mm > 5.0 && mm < 600.0 ? 1e-3 : 0.12 / mm;
   Organ out{file.stem().string(), {}};
-  for (const c3de::Vec3 &v : loaded->mesh.vertices) out.surface.positions.emplace_back(scale * Vec3(v[0], v[1], v[2]));
-  for (const c3de::Triangle &t : loaded->mesh.triangles) out.surface.triangles.push_back({t[0], t[1], t[2]});
+  for (const c3de::Vec3 &v : loaded.mesh.vertices) out.surface.positions.emplace_back(scale * Vec3(v[0], v[1], v[2]));
+  for (const c3de::Triangle &t : loaded.mesh.triangles) out.surface.triangles.push_back({t[0], t[1], t[2]});
   return out;
 }
 
@@ -133,22 +119,20 @@ std::vector<Loading> loadings(const BodyShape &shape) {
   return {hangs, gripped, pinched};
 }
 
-Constitution tissue() {
-  Material material;
-  material.law = MaterialLaw::neoHookean;
-  material.youngsModulus = 6000.0;
-  material.poissonRatio = 0.45;
-  material.restDensity = 1060.0;
-  return {{material}, kLatticeStabilisation};
-}
-
 class Judge {
  public:
-  Judge(bench::Report &report, double phyxels) : report_(report), phyxels_(phyxels) {}
+  Judge(Report &report, double phyxels) : report_(report), phyxels_(phyxels) {}
 
   void judge(const Organ &organ) {
     const BodyShape shape = validation::meshShape(organ.surface);
-    for (const Loading &loading : loadings(shape)) judge(organ.name + ", " + loading.name, shape, loading);
+    for (const Loading &loading : loadings(shape)) {
+      const std::string name = organ.name + ", " + loading.name;
+      try {
+        judge(name, shape, loading);
+      } catch (const std::runtime_error &error) {
+        report_.note(name + ": " + error.what());
+      }
+    }
   }
   void sum() {
     report_.note("errors within their band: " + std::to_string(inBand_) + " of " + std::to_string(judged_) +
@@ -160,92 +144,64 @@ class Judge {
 
  private:
   void judge(const std::string &name, const BodyShape &shape, const Loading &loading) {
-    const Constitution constitution = tissue();
+    const Constitution constitution = bench::elastic(6000.0, 0.45);
     BodyRecipe recipe;
     recipe.fixes = loading.fixes;
-    const auto survey = surveyAccuracy({shape, recipe, constitution, {}, loading.gravity}, serialFor());
-    if (!survey) return report_.note(name + ": could not be predicted: " + survey.error());
+    const auto survey = bench::valueOf(surveyAccuracy({shape, recipe, constitution, {}, loading.gravity}, serialFor()));
     CostSetting setting;
     setting.speed = nominalSpeed();
     setting.surfels = shape.surface.positions.size();
     setting.world.integrator = Integrator::automatic;
-    SamplingChoice choice = chooseSampling(*survey, constitution, setting, {AccuracyTarget::Kind::standard, 1.0});
-    recipe.sampling.spacing = phyxels_ > 0.0 ? survey->spacingFor(phyxels_) : choice.spacing;
-    const auto rest = buildRestState(shape, recipe, {}, serialFor());
-    if (!rest) return report_.note(name + ": " + rest.error());
-    const ErrorPrediction promised = predictError(*survey, (*rest)->spacing);
+    const SamplingChoice choice = chooseSampling(survey, constitution, setting, {AccuracyTarget::Kind::standard, 1.0});
+    recipe.sampling.spacing = phyxels_ > 0.0 ? survey.spacingFor(phyxels_) : choice.spacing;
+    const auto rest = bench::valueOf(buildRestState(shape, recipe, {}, serialFor()));
+    const ErrorPrediction promised = predictError(survey, rest->spacing);
 
-    Simulator simulator;
-    WorldSettings world;
-    world.gravity = loading.gravity;
-    world.integrator = Integrator::quasiStatic;
-    world.loadSteps = 3;
-    simulator.setWorld(world);
+    WorldSettings worldSettings;
+    worldSettings.gravity = loading.gravity;
+    worldSettings.integrator = Integrator::quasiStatic;
+    worldSettings.loadSteps = 3;
     const double begin = bench::processor_ms();
-    const std::size_t id = simulator.addBody(std::make_unique<Body>(name, *rest, constitution, serialFor()));
-    while (!simulator.finished())
-      if (!simulator.step()) break;
+    bench::World world(std::make_unique<Body>(name, rest, constitution, serialFor()), worldSettings);
+    world.solve();
     const double solve_ms = bench::processor_ms() - begin;
-    if (simulator.body(id)->stopped) return report_.note(name + ": no rest was found");
     VerifySettings settings;
     settings.mostPhyxels = kMaxOfFineReference;
-    const auto verified = verify(verificationTarget(simulator, id), shape, recipe, serialFor(), {}, nullptr, settings);
-    if (!verified) return report_.note(name + ": not verified: " + verified.error());
-    const double error = verified->percent(verified->error95);
+    const auto verified = bench::valueOf(
+        verify(verificationTarget(world.simulator, world.id), shape, recipe, serialFor(), {}, nullptr, settings));
+    const double error = verified.percent(verified.error95);
     const bool isIn = error >= 100.0 * promised.low && error <= 100.0 * promised.high;
     ++judged_;
     inBand_ += isIn ? 1 : 0;
     silent_ += error > 10.0 && promised.likely < 0.1 ? 1 : 0;
-    report_.row({name, (*rest)->phyxelCount(), 1e3 * (*rest)->spacing, 100.0 * promised.share, 100.0 * promised.low,
-                 100.0 * promised.high, error, isIn ? "yes" : "NO", 1e3 * verified->largestDisplacement, solve_ms,
-                 1e3 * verified->seconds});
+    report_.row({name, rest->phyxelCount(), 1e3 * rest->spacing, 100.0 * promised.share, 100.0 * promised.low,
+                 100.0 * promised.high, error, isIn ? "yes" : "NO", 1e3 * verified.largestDisplacement, solve_ms,
+                 1e3 * verified.seconds});
   }
 
-  bench::Report &report_;
+  Report &report_;
   double phyxels_ = 0.0;
   int judged_ = 0, inBand_ = 0, silent_ = 0;
 };
 
 }  // namespace
 
-int main(int argc, char **argv) {
-  std::vector<std::filesystem::path> files;
-  std::string only;
-  double phyxels = 0.0;
-  bench::CommandLine line("bench_organs");
-  line.add("--mesh", "FILE", [&](const std::string &text) { files.emplace_back(text); });
-  line.add("--only", "TEXT", [&](const std::string &text) { only = text; });
-  line.add("--phyxels", "N", [&](const std::string &text) { phyxels = std::atof(text.c_str()); });
-  if (const auto exit = line.parse(argc, argv)) return *exit;
-  bench::Report report(line.name(), line.options());
-  report.table("organs", {{"organ", "organ                    "},
-                          {"phyxels", "phyxels"},
-                          {"spacing_mm", "spacing mm", 2},
-                          {"promised_percent", "promised %", 2},
-                          {"low_percent", "from", 2},
-                          {"high_percent", "to", 2},
-                          {"verified_percent", "verified %", 2},
-                          {"in_band", "in"},
-                          {"largest_mm", "largest mm", 2},
-                          {"solve_ms", "solve ms", 0},
-                          {"verify_ms", "verify ms", 0}});
-  Judge judge(report, phyxels);
-  std::vector<Organ> organs = madeOrgans();
-  for (const std::filesystem::path &file : files) {
+void bench::checkOrgans(const Options &options, Report &report) {
+  const std::string only = options.text("--only");
+  report.table("organs",
+               "organ; phyxels; spacing_mm=spacing mm:2; promised_percent=promised %:2; low_percent=from:2; "
+               "high_percent=to:2; verified_percent=verified %:2; in_band=in; largest_mm=largest mm:2; "
+               "solve_ms=solve ms:0; verify_ms=verify ms:0");
+  Judge judge(report, options.number("--phyxels", 0.0));
+  for (const Organ &organ : madeOrgans())
+    if (organ.name.find(only) != std::string::npos) judge.judge(organ);
+  for (const std::filesystem::path file : options.texts("--mesh")) {
+    if (file.stem().string().find(only) == std::string::npos) continue;
     try {
-      organs.push_back(organOf(file));
-    } catch (const std::exception &error) {
+      judge.judge(organOf(file));
+    } catch (const std::runtime_error &error) {
       report.note(file.string() + ": " + error.what());
     }
   }
-  for (const Organ &organ : organs) {
-    if (organ.name.find(only) == std::string::npos) continue;
-    try {
-      judge.judge(organ);
-    } catch (const std::exception &error) {
-      report.note(organ.name + ": " + error.what());
-    }
-  }
   judge.sum();
-  return report.write();
 }

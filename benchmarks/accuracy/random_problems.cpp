@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "dial/random_problems.h"
+#include "accuracy/random_problems.h"
 
 #include <algorithm>
 #include <cmath>
