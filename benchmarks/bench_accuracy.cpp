@@ -143,7 +143,7 @@ Solution solve(const Problem &problem, const Layout &layout, int layers) {
   auto world = std::make_unique<bench::World>(
       std::make_unique<Body>(problem.name, std::move(rest), std::move(constitution), serialFor()), settings);
   world->solve();
-  for (const SimulationEvent &event : world->simulator.events())
+  for (const SimulationEvent &event : world->simulator.diagnostics().events())
     std::printf("%s, %s, %d layers: %s\n", problem.name.c_str(), layout.name.c_str(), layers, event.text.c_str());
   world->body().computeGradients(serialFor());
   return {std::move(world), processor_ms() - begin};

@@ -240,7 +240,7 @@ void measureCost(const Options &options, Report &report) {
       const auto world = bench::fallingBall(built.rest, kind.precision, parallelFor);
       const std::vector<Timing> times = bench::measureInTurns(
           options.seconds, {[&] { bench::evaluateForces(*built.body, parallelFor); }, [&] { world->step(); }});
-      if (world->simulator.stoppedBodies() > 0)
+      if (world->simulator.stepper().stoppedBodies() > 0)
         throw std::runtime_error("a step of " + std::to_string(size) + " phyxels failed");
       const auto n = static_cast<double>(built.rest->phyxelCount()),
                  points = static_cast<double>(built.rest->pointCount());

@@ -78,9 +78,9 @@ FrameTimes frameTimes(const dial::RandomProblem &problem, double spacing) {
   constexpr double kSimulated = 0.5;  // s
   const auto world = worldOf(problem, spacing, Integrator::explicitVerlet);
   FrameTimes out;
-  out.promised = measureFrame(world->body(), world->simulator.world(), {}, serialFor(), nullptr);
+  out.promised = measureFrame(world->body(), world->simulator.world().settings(), {}, serialFor(), nullptr);
   while (world->simulator.time() < kSimulated) world->step();
-  out.measured = 1e3 * kFrame * world->simulator.costOf(world->id);
+  out.measured = 1e3 * kFrame * world->simulator.diagnostics().costOf(world->id);
   return out;
 }
 

@@ -17,7 +17,7 @@ class EngineBody final : public MovingBody {
         world_(std::make_unique<Body>(
                    "body", rest, bench::elastic(solid.youngsModulus, solid.poissonRatio, solid.density), serialFor()),
                settingsOf(integrator, dt)) {
-    world_.simulator.setContact({false});  // as the peer engines
+    world_.simulator.world().setContact({false});  // as the peer engines
   }
 
   double step() override {
@@ -26,7 +26,7 @@ class EngineBody final : public MovingBody {
     return world_.simulator.time() - before;
   }
   [[nodiscard]] double surplus() const override {
-    const Simulator::Energy energy = world_.simulator.energy(world_.id);
+    const Diagnostics::Energy energy = world_.simulator.diagnostics().energy(world_.id);
     return energy.kinetic + energy.gravity;
   }
   [[nodiscard]] Vec3 displacement() const override {

@@ -190,7 +190,7 @@ void bench::measureBalls(const Options &options, Report &report) {
     }
     while (simulator.time() < std::max(0.5, until)) valueOf(simulator.step());
     double forces = 0.0, contact = 0.0;
-    for (const auto &stage : simulator.stageTimes()) {
+    for (const auto &stage : simulator.diagnostics().stageTimes()) {
       if (stage.name == "internal_forces") forces = stage.median_ms;
       if (stage.name == "contact") contact = stage.median_ms;
     }

@@ -10,6 +10,7 @@
 #include "c3de/abi/simulation.h"
 #include "c3de/imaging/statistics.h"
 #include "c3de/render/image_renderer.h"
+#include "c3de/session/body_displacement.h"
 #include "c3de/session/displacement_sampler.h"
 #include "c3de/session/fixed_region_rule.h"
 #include "c3de/session/resources.h"

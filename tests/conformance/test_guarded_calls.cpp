@@ -10,7 +10,7 @@
 #include "c3de/scene/simulation.h"
 #include "c3de/sdk/object.hpp"
 #include "host_fixture.h"
-#include "unserved_slots.h"
+#include "support/recording_simulator.h"
 
 using namespace c3de;
 using c3de::test::HostFixture;
@@ -60,42 +60,13 @@ class Guarded : public HostFixture {
   const test_misbehaves_v0 *table_ = nullptr;
 };
 
-/// A simulator with one body of one point, whose steps exceed every timeout.
-struct SlowSimulator {
+/// A simulator with one body of one point, whose steps exceed every timeout and do not end early.
+struct SlowSimulator : c3de::test::RecordingSimulator {
   SlowSimulator() {
-    table.size = sizeof table;
-    table.rev = 1;
-    table.step = [](c3de_object *) -> c3de_status {
-      std::this_thread::sleep_for(400ms);
-      return C3DE_OK;
-    };
-    table.status = [](c3de_object *, c3de_sim_status *out) -> c3de_status {
-      out->bodies = 1;
-      return C3DE_OK;
-    };
-    table.reset = table.publish = [](c3de_object *) -> c3de_status { return C3DE_OK; };
-    table.body_at = [](c3de_object *, std::uint64_t, c3de_handle *out) -> c3de_status {
-      out->v = 1;
-      return C3DE_OK;
-    };
-    table.points = [](c3de_object *, c3de_handle, c3de_sim_points *out) -> c3de_status {
-      static double numbers[3] = {}, forces[3] = {};
-      out->count = 1;
-      out->positions_m = out->velocities_m_s = out->masses_kg = numbers;
-      out->forces_N = forces;
-      return C3DE_OK;
-    };
-    test::serveNoMore(table);
+    bodies = {c3de::test::pointBody("body", 1)};
+    stepCost_us = 400'000;
+    hasInterrupt = false;
   }
-
-  static inline c3de_simulator_v1 table{};
-  static inline const c3de_object_vt vt{sizeof(c3de_object_vt), 1, [](c3de_object *) -> std::uint32_t { return 2; },
-                                        [](c3de_object *) -> std::uint32_t { return 1; },
-                                        [](c3de_object *, c3de_str, std::uint32_t, const void **out) -> c3de_status {
-                                          *out = &table;
-                                          return C3DE_OK;
-                                        }};
-  c3de_object object{&vt};
 };
 
 }  // namespace
@@ -283,7 +254,7 @@ TEST_CASE("work that shows its own progress is named in the log, without a messa
 TEST_CASE("a step that hangs is named, and the message lets people stop the simulation") {
   Guarded f;
   SlowSimulator simulator;
-  auto created = scene::Simulation::create(&simulator.object, {}, "test.slow");
+  auto created = scene::Simulation::create(simulator.object(), {}, "test.slow");
   REQUIRE(created);
   std::shared_ptr<scene::Simulation> simulation = std::move(*created);
   const Handle node = f.sceneGraph.add({}, "simulation");
@@ -308,7 +279,7 @@ TEST_CASE("a force field that hangs is named") {
   Guarded f;
   REQUIRE(f.run("slow field") == C3DE_OK);
   SlowSimulator simulator;
-  CHECK(f.forces.apply({}, &simulator.object, &simulator.table));
+  CHECK(f.forces.apply({}, simulator.object(), simulator.table()));
   CHECK(f.linesWith("plugin test.misbehaves: apply of a force field has not returned").size() == 2);
 }
 

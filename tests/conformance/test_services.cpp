@@ -6,14 +6,14 @@
 #include <thread>
 
 #include "c3de/scene/simulation.h"
-#include "counting_simulator.h"
 #include "host_fixture.h"
 #include "service_driver.h"
 #include "services/catalogue.h"
+#include "support/recording_simulator.h"
 
 using namespace c3de;
-using c3de::test::CountingSimulator;
 using c3de::test::HostFixture;
+using c3de::test::RecordingSimulator;
 
 namespace {
 
@@ -22,7 +22,7 @@ struct DrivenHost : HostFixture {
   explicit DrivenHost(const std::filesystem::path &plugin = testPlugin("service_driver")) {
     REQUIRE(refusalOf(plugin).empty());
     node = sceneGraph.add({}, "simulation");
-    const auto simulator = sdk::make<CountingSimulator>();
+    const auto simulator = sdk::make<RecordingSimulator>();
     auto created = scene::Simulation::create(simulator.abi());
     REQUIRE(created);
     simulation = std::move(*created);

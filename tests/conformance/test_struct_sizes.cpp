@@ -12,15 +12,15 @@
 #include "c3de/abi/first_sizes.h"
 #include "c3de/core/first_size.h"
 #include "c3de/scene/simulation.h"
-#include "counting_simulator.h"
 #include "host_fixture.h"
 #include "host_state.h"
 #include "last_error.h"
 #include "plugin_context.h"
+#include "support/recording_simulator.h"
 
 using namespace c3de;
-using c3de::test::CountingSimulator;
 using c3de::test::HostFixture;
+using c3de::test::RecordingSimulator;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -84,7 +84,7 @@ const std::set<std::string> kTables{"c3de_simulator_v1", "c3de_contact_v1", "c3d
 TEST_CASE("every service refuses structs below their first size") {
   HostFixture f;
   const Handle node = f.sceneGraph.add({}, "simulation");
-  const auto simulator = sdk::make<CountingSimulator>();
+  const auto simulator = sdk::make<RecordingSimulator>();
   auto simulation = scene::Simulation::create(simulator.abi());
   REQUIRE(simulation);
   f.simulations.add(node, "test", std::move(*simulation));

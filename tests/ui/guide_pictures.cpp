@@ -29,11 +29,10 @@ void choose(WorkstationDriver &window, const std::string &parameter, const std::
 void pull(WorkstationDriver &window, const std::string &picture) {
   window.moveTo(window.inView(0.46, 0.43));
   window.press();
-  window.waitUntil("a surfel is held", [](const Json &s) { return s["values"].contains(kPanel + "Held surfel"); });
+  C3DE_WAIT(window, "a surfel is held", s["values"].contains(kPanel + "Held surfel"));
   for (int i = 1; i <= 10; ++i) window.moveTo(window.inView(0.46 + 0.004 * i, 0.43 - 0.025 * i));
   const double from = window.state()["transport"]["time_s"];
-  window.waitUntil("it has followed",
-                   [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + 0.8; });
+  C3DE_WAIT(window, "it has followed", s["transport"]["time_s"].get<double>() > from + 0.8);
   window.screenshot(picture);
   window.release();
 }
@@ -41,22 +40,21 @@ void pull(WorkstationDriver &window, const std::string &picture) {
 }  // namespace
 
 TEST_CASE("Pictures of the user guide", "[.guide]") {
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("guide");
   window.start({"--play", (std::filesystem::path(testResourcesFolder()) / "scenes" / "first_light.toml").string()});
   const auto rest = [&](double seconds) {
     const double from = window.state()["transport"]["time_s"];
-    window.waitUntil("it rests",
-                     [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + seconds; });
+    C3DE_WAIT(window, "it rests", s["transport"]["time_s"].get<double>() > from + seconds);
   };
   // Each picture begins when the organ is at rest after its fall.
   const auto fallAgain = [&] {
     window.moveTo(window.inView(0.9, 0.1));
     window.key("ctrl+r");
-    window.waitUntil("it is reset", [](const Json &s) { return s["transport"]["time_s"].get<double>() < 1.0; });
+    C3DE_WAIT(window, "it is reset", s["transport"]["time_s"].get<double>() < 1.0);
     rest(3.0);
   };
-  window.waitUntil("the organ is shown", [](const Json &s) { return s["values"].contains(kPanel + "Surfels"); });
+  C3DE_WAIT(window, "the organ is shown", s["values"].contains(kPanel + "Surfels"));
   window.moveTo(window.inView(0.9, 0.1));
   window.key("f");
   // Space for the legend.
@@ -79,11 +77,11 @@ TEST_CASE("Pictures of the user guide", "[.guide]") {
 }
 
 TEST_CASE("Pictures of images for the user guide", "[.guide]") {
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  C3DE_WINDOW_OR_SKIP();
   C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
   WorkstationDriver window("guide");
   window.start({image.string()});
-  window.waitUntil("the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); });
+  C3DE_WAIT(window, "the image is shown", s["panes"].size() == 4 && s["jobs"].empty());
   const auto inPane = [&](const char *pane, double u, double v) {
     const Json r = window.state()["panes"][pane];
     return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(),
@@ -93,22 +91,20 @@ TEST_CASE("Pictures of images for the user guide", "[.guide]") {
   window.click("image/slices_in_space");
   window.clickAt(inPane("axial", 0.31, 0.62));
   window.key("4");
-  window.waitUntil("the preset is set",
-                   [](const Json &s) { return s["values"].value("image/preset", "") == "CT abdomen (4)"; });
+  C3DE_WAIT(window, "the preset is set", s["values"].value("image/preset", "") == "CT abdomen (4)");
   std::this_thread::sleep_for(std::chrono::seconds(2));  // the volume is refined
   window.screenshot("image");
 }
 
 TEST_CASE("Pictures of cuts and transparent surfaces for the user guide", "[.guide]") {
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  C3DE_WINDOW_OR_SKIP();
   if (!std::filesystem::exists("/usr/share/mricron/templates/ch2bet.nii.gz"))
     C3DE_SKIP("mricron-data is not installed");
   WorkstationDriver window("guide");
   window.start({(std::filesystem::path(testResourcesFolder()) / "scenes" / "brain_shift.toml").string()});
-  window.waitUntil("the brain is there", [](const Json &s) {
-    return s["panes"].size() == 4 && s["jobs"].empty() &&
-           std::strtod(s["values"].value("image/axial.outlines", "0").c_str(), nullptr) > 0;
-  });
+  C3DE_WAIT(window, "the brain is there",
+            s["panes"].size() == 4 && s["jobs"].empty() &&
+                std::strtod(s["values"].value("image/axial.outlines", "0").c_str(), nullptr) > 0);
   const auto inSpace = [&](double u, double v) {
     const Json r = window.state()["panes"]["3D"];
     return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(),
@@ -121,7 +117,7 @@ TEST_CASE("Pictures of cuts and transparent surfaces for the user guide", "[.gui
   };
   window.click("image/volume");
   window.key("space");
-  window.waitUntil("it settles", [](const Json &s) { return s["transport"]["time_s"] > 2.0; });
+  C3DE_WAIT(window, "it settles", s["transport"]["time_s"] > 2.0);
   window.key("space");
   window.moveTo(inSpace(0.95, 0.95));
   window.key("shift+s");
@@ -139,14 +135,13 @@ TEST_CASE("Pictures of cuts and transparent surfaces for the user guide", "[.gui
 }
 
 TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  C3DE_WINDOW_OR_SKIP();
   C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
   C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
   WorkstationDriver window("guide");
   window.start({image.string(), labels.string()});
-  window.waitUntil("image and labels are shown", [](const Json &s) {
-    return s["panes"].size() == 4 && s["jobs"].empty() && s["widgets"].contains("segmentation/label_filter");
-  });
+  C3DE_WAIT(window, "image and labels are shown",
+            s["panes"].size() == 4 && s["jobs"].empty() && s["widgets"].contains("segmentation/label_filter"));
   const auto inCoronal = [&](double u, double v) {
     const Json r = window.state()["panes"]["coronal"];
     return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(),
@@ -160,9 +155,8 @@ TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
   window.click("segmentation/label.5");
   window.waitForValue("segmentation/material", "liver");
   window.click("segmentation/close");
-  window.waitUntil("it is closed", [](const Json &s) {
-    return s["jobs"].empty() && s["values"].value("segmentation/Steps", "").find("closed by") != std::string::npos;
-  });
+  C3DE_WAIT(window, "it is closed",
+            s["jobs"].empty() && s["values"].value("segmentation/Steps", "").find("closed by") != std::string::npos);
   window.moveTo(inCoronal(0.9, 0.95));
   window.screenshot("organ");
 
@@ -178,19 +172,17 @@ TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
   window.moveTo(inCoronal(0.9, 0.95));
   window.screenshot("organs_picked");
   window.click("segmentation/create");
-  window.waitUntil("they are created",
-                   [](const Json &s) { return s["jobs"].empty() && s["transport"]["time_s"] > 0.2; });
+  C3DE_WAIT(window, "they are created", s["jobs"].empty() && s["transport"]["time_s"] > 0.2);
   window.moveTo(inCoronal(0.9, 0.95));
   window.screenshot("organs");
 }
 
 TEST_CASE("Pictures of the default scene for the user guide", "[.guide]") {
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("guide");
   window.start({"--play", (std::filesystem::path(testResourcesFolder()) / "scenes" / "brain_living.toml").string()});
-  window.waitUntil("the brain has settled", [](const Json &s) {
-    return s["panes"].size() == 4 && s["jobs"].empty() && s["transport"]["time_s"].get<double>() > 4.0;
-  });
+  C3DE_WAIT(window, "the brain has settled",
+            s["panes"].size() == 4 && s["jobs"].empty() && s["transport"]["time_s"].get<double>() > 4.0);
   const auto inPane = [&](const char *pane, double u, double v) {
     const Json r = window.state()["panes"][pane];
     return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(),
@@ -204,17 +196,16 @@ TEST_CASE("Pictures of the default scene for the user guide", "[.guide]") {
   const c3de::test::Point from = inPane("axial", 0.44, 0.52);
   window.moveTo(from);
   window.press();
-  window.waitUntil("tissue is held", [](const Json &s) { return s["values"].contains(kPanel + "Held inside"); });
+  C3DE_WAIT(window, "tissue is held", s["values"].contains(kPanel + "Held inside"));
   for (int i = 1; i <= 10; ++i) window.moveTo({from.x + 3.0 * i, from.y + 5.0 * i});
   const double pulled_s = window.state()["transport"]["time_s"];
-  window.waitUntil("it has followed",
-                   [&](const Json &s) { return s["transport"]["time_s"].get<double>() > pulled_s + 0.8; });
+  C3DE_WAIT(window, "it has followed", s["transport"]["time_s"].get<double>() > pulled_s + 0.8);
   window.screenshot("pull_in_slice");
   window.release();
 }
 
 TEST_CASE("Pictures of instruments and of an implant for the user guide", "[.guide]") {
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  C3DE_WINDOW_OR_SKIP();
   const std::filesystem::path folder = std::filesystem::path(testOutputRoot()) / "ui";
   std::filesystem::create_directories(folder);
   std::ofstream plate(folder / "guide_plate.obj");
@@ -237,7 +228,7 @@ TEST_CASE("Pictures of instruments and of an implant for the user guide", "[.gui
   const auto isShown = [](const Json &s) { return s["values"].contains(kPanel + "Surfels") && s["jobs"].empty(); };
   const auto rest = [](WorkstationDriver &window) {
     const double from = window.state()["transport"]["time_s"];
-    window.waitUntil("it rests", [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + 2.0; });
+    C3DE_WAIT(window, "it rests", s["transport"]["time_s"].get<double>() > from + 2.0);
   };
   {
     WorkstationDriver window("guide");
@@ -300,9 +291,9 @@ TEST_CASE("Pictures of instruments and of an implant for the user guide", "[.gui
 }
 
 TEST_CASE("The plugin manager", "[.guide]") {
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  C3DE_WINDOW_OR_SKIP();
   // In a user's home folder.
-  const auto home = std::filesystem::path(testOutputRoot()) / "ui" / "guide_home";
+  const auto home = c3de::test::outputFile("guide_home");
   std::filesystem::remove_all(home);
   const auto plugins = home / "plugins";
   std::filesystem::create_directories(plugins);
@@ -310,8 +301,8 @@ TEST_CASE("The plugin manager", "[.guide]") {
   const ScopedEnvironment person("HOME", home.string());
   WorkstationDriver window("guide_plugins");
   window.start({"--plugin-path", plugins.string(), "--without", "org.c3de.material_law"});
-  window.waitUntil("the organ is shown", [](const Json &s) { return s["values"].contains(kPanel + "Surfels"); });
+  C3DE_WAIT(window, "the organ is shown", s["values"].contains(kPanel + "Surfels"));
   window.key("ctrl+shift+p");
-  window.waitUntil("the manager is open", [](const Json &s) { return s["widgets"].contains("dialog/close"); });
+  C3DE_WAIT(window, "the manager is open", s["widgets"].contains("dialog/close"));
   window.screenshotAtRest("plugins");
 }

@@ -24,14 +24,13 @@
 namespace {
 
 using c3de::test::Json;
+using c3de::test::outputFile;
 using c3de::test::Point;
 using c3de::test::WorkstationDriver;
 namespace fs = std::filesystem;
 
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 void pause_s(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
-
-fs::path outputFile(const char *name) { return fs::path(testOutputRoot()) / "ui" / name; }
 
 /// One process that generates X events from the lines it receives; starting one for each would take longer than a
 /// response.
@@ -118,10 +117,9 @@ class Trial {
  public:
   Trial() : window_("latency"), answers_(window_) {
     window_.start({"--play", (fs::path(testResourcesFolder()) / "scenes" / "brain_shift.toml").string()});
-    window_.waitUntil("the scan is warped", [](const Json &s) {
-      return s["panes"].size() == 4 && s["jobs"].empty() && s["transport"]["time_s"].get<double>() > 0.5 &&
-             s["values"].value("image/axial.readout", std::string()).find("|u|") != std::string::npos;
-    });
+    C3DE_WAIT(window_, "the scan is warped",
+              s["panes"].size() == 4 && s["jobs"].empty() && s["transport"]["time_s"].get<double>() > 0.5 &&
+                  s["values"].value("image/axial.readout", std::string()).find("|u|") != std::string::npos);
     events_.emplace();
     const char *given = std::getenv("C3DE_BUSY_LOOPS");
     const unsigned loops =
@@ -248,7 +246,7 @@ Box inner(const Box &box) { return {box.x + 0.15 * box.w, box.y + 0.3 * box.h, 0
 }  // namespace
 
 TEST_CASE("How soon the window answers mouse and keys while the cores are busy", "[.latency]") {
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  C3DE_WINDOW_OR_SKIP();
   Trial trial;
   WorkstationDriver &window = trial.window();
   const Json state = window.state();
@@ -265,8 +263,7 @@ TEST_CASE("How soon the window answers mouse and keys while the cores are busy",
   trial.move("cross-hair dragged, 60 moves/s", axial, kHand_s, kHand_s, true);
   trial.move("3D view turned, 60 moves/s", space, kHand_s, kHand_s, true);
   window.click("menu/view");
-  const Json widgets = window.waitUntil(
-      "the menu is open", [](const Json &s) { return s["widgets"].contains("menu/view.cut_axial"); })["widgets"];
+  const Json widgets = C3DE_WAIT(window, "the menu is open", s["widgets"].contains("menu/view.cut_axial"))["widgets"];
   const Json item = widgets["menu/view.cut_axial"];
   const double width = item[2].get<double>() - item[0].get<double>();
   trial.move("mouse over an open menu, now and then", {item[0], item[1].get<double>() - 60.0, 0.9 * width, 120.0},
@@ -274,10 +271,9 @@ TEST_CASE("How soon the window answers mouse and keys while the cores are busy",
   window.key("Escape");
   trial.startAnew();
   window.key("ctrl+o");
-  window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+  C3DE_WAIT(window, "the dialog is open", s["widgets"].contains("dialog/path"));
   trial.type("typing in a dialog, 25 keys/s", 100, 0.04);
   trial.type("typing in a dialog, as fast as keys come", 200, 0.0);
-  window.waitUntil("none of the characters is lost",
-                   [](const Json &s) { return s["values"].value("dialog/path", std::string()).size() == 300; });
+  C3DE_WAIT(window, "none of the characters is lost", s["values"].value("dialog/path", std::string()).size() == 300);
   CHECK(window.state()["transport"]["mode"] == "playing");
 }

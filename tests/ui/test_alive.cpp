@@ -30,11 +30,6 @@ namespace {
 namespace fs = std::filesystem;
 const std::string kPanel = "pointbased.controller/";
 
-#define C3DE_ALIVE_OR_SKIP()                                                                             \
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);        \
-  if (!fs::exists(fs::path(testPluginFolder()) / (std::string("pointbased") + c3de::pluginExtension()))) \
-  C3DE_SKIP("the point-based plugin is not built")
-
 struct Files {
   fs::path image, labels;
 };
@@ -168,14 +163,12 @@ Vec3 vectorOf(const Json &state, const std::string &row) {
 
 void openDialog(WorkstationDriver &window, const Files &files) {
   window.start({files.image.string(), files.labels.string()});
-  window.waitUntil("image and labels are there", [](const Json &s) {
-    return s["panes"].size() == 4 && s["jobs"].empty() && s["widgets"].contains("segmentation/create_scan_body");
-  });
+  C3DE_WAIT(window, "image and labels are there",
+            s["panes"].size() == 4 && s["jobs"].empty() && s["widgets"].contains("segmentation/create_scan_body"));
   window.click("menu/file");
   window.click("menu/file.create_scan_body");
-  window.waitUntil("the labels are measured", [](const Json &s) {
-    return s["widgets"].contains("scan/make") && value(s, "scan/reason").find("measured") == std::string::npos;
-  });
+  C3DE_WAIT(window, "the labels are measured",
+            s["widgets"].contains("scan/make") && value(s, "scan/reason").find("measured") == std::string::npos);
 }
 
 void choose(WorkstationDriver &window, const std::string &label, const std::string &what) {
@@ -196,29 +189,25 @@ void typeInto(WorkstationDriver &window, const std::string &field, const std::st
 /// Makes the body and waits until it plays.
 Json make(WorkstationDriver &window) {
   window.click("scan/make");
-  return window.waitUntil("the body is there and plays", [](const Json &s) {
-    return s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["steps"].get<int>() > 3 &&
-           std::strtod(value(s, "image/axial.outlines").c_str(), nullptr) > 0;
-  });
+  return C3DE_WAIT(window, "the body is there and plays",
+                   s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["steps"].get<int>() > 3 &&
+                       std::strtod(value(s, "image/axial.outlines").c_str(), nullptr) > 0);
 }
 
 void takePinch(WorkstationDriver &window) {
   window.moveTo(window.inView(0.5, 0.5));
   window.key("p");
-  window.waitUntil("the pinch is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
+  C3DE_WAIT(window, "the pinch is active", s["tool"] == "pointbased.pinch");
 }
 
 /// The file written by an item of the menu.
 fs::path exported(WorkstationDriver &window, const std::string &item, const std::string &name) {
-  const fs::path file = fs::path(testOutputRoot()) / "ui" / name;
+  const fs::path file = c3de::test::outputFile(name);
   fs::remove(file);
   window.click("menu/file");
   window.click("menu/file." + item);
-  window.waitUntil("a file is asked for", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
-  window.key("ctrl+a");
-  window.type(file.string(), 10);
-  window.click("dialog/open");
-  window.waitUntil("it is written", [&](const Json &s) { return s["jobs"].empty() && fs::exists(file); });
+  window.openFile(file, 10);
+  C3DE_WAIT(window, "it is written", s["jobs"].empty() && fs::exists(file));
   return file;
 }
 
@@ -243,8 +232,7 @@ std::map<std::string, Motion> exportTissues(WorkstationDriver &window, const std
 void pull(WorkstationDriver &window, const Point &from, const Point &to) {
   window.moveTo(from);
   window.press();
-  for (int step = 1; step <= 8; ++step)
-    window.moveTo({from.x + step / 8.0 * (to.x - from.x), from.y + step / 8.0 * (to.y - from.y)});
+  window.moveAlong(from, to, 8);
 }
 
 /// Corners of a box: "x y z x y z", mm.
@@ -267,8 +255,7 @@ bool isNear(const Box &a, const Box &b, double tolerance) {
 }
 
 void waitForDrawn(WorkstationDriver &window, const Box &box, double tolerance) {
-  window.waitUntil("the box is there that was drawn",
-                   [&](const Json &s) { return isNear(boxOf(value(s, "region/box")), box, tolerance); });
+  C3DE_WAIT(window, "the box is there that was drawn", isNear(boxOf(value(s, "region/box")), box, tolerance));
 }
 
 /// Of the skins at their current positions.
@@ -291,7 +278,7 @@ Box exportedBounds(WorkstationDriver &window, const std::string &name) {
 }  // namespace
 
 TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slice shows it", "[scan_alive]") {
-  C3DE_ALIVE_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("scan_alive");
   openDialog(window, writeScan("scan_alive", threeOrgans({"liver", "kidney_left", "vertebrae_L1"})));
   CHECK(window.value("scan/liver.known") == "liver");
@@ -305,12 +292,11 @@ TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slic
   window.screenshotAtRest("dialog");
 
   typeInto(window, "filter", "kidney");
-  window.waitUntil("one label is listed",
-                   [](const Json &s) { return value(s, "scan/count").find("1 of 3 labels") == 0; });
+  C3DE_WAIT(window, "one label is listed", value(s, "scan/count").find("1 of 3 labels") == 0);
   CHECK_FALSE(window.has("scan/use.liver"));
   choose(window, "kidney_left", "spleen");
   typeInto(window, "filter", "");
-  window.waitUntil("all are listed", [](const Json &s) { return value(s, "scan/count").find("3 of 3") == 0; });
+  C3DE_WAIT(window, "all are listed", value(s, "scan/count").find("3 of 3") == 0);
   typeInto(window, "points", "800");
   window.key("Tab");
   window.waitForValue("scan/points", "800");
@@ -318,23 +304,19 @@ TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slic
 
   // Escape belongs to the list; the dialog stays open. It reopens after the file dialog, with a file and without.
   window.click("scan/use.liver");
-  window.waitUntil("the list is open",
-                   [](const Json &s) { return s["widgets"].contains("scan/use.liver.option.liver"); });
+  C3DE_WAIT(window, "the list is open", s["widgets"].contains("scan/use.liver.option.liver"));
   window.key("Escape");
-  window.waitUntil("it is closed", [](const Json &s) { return !s["widgets"].contains("scan/use.liver.option.liver"); });
+  C3DE_WAIT(window, "it is closed", !s["widgets"].contains("scan/use.liver.option.liver"));
   window.waitFrames(2);
   CHECK(window.has("scan/make"));
-  const fs::path kept = fs::path(testOutputRoot()) / "ui" / "scan_alive.toml";
+  const fs::path kept = c3de::test::outputFile("scan_alive.toml");
   fs::remove(kept);
   window.click("scan/save");
   window.click("dialog/cancel");
-  window.waitUntil("the dialog is back", [](const Json &s) { return s["widgets"].contains("scan/make"); });
+  C3DE_WAIT(window, "the dialog is back", s["widgets"].contains("scan/make"));
   window.click("scan/save");
-  window.waitUntil("a file is asked for", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
-  window.key("ctrl+a");
-  window.type(kept.string());
-  window.click("dialog/open");
-  window.waitUntil("the dialog is back", [](const Json &s) { return s["widgets"].contains("scan/make"); });
+  window.openFile(kept);
+  C3DE_WAIT(window, "the dialog is back", s["widgets"].contains("scan/make"));
   CHECK(fs::exists(kept));
   CHECK(window.value("scan/use.kidney_left") == "spleen");
   const Json alive = make(window);
@@ -350,7 +332,7 @@ TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slic
   window.screenshot("alive");
 
   // Its organs are in the 3D view, and the tree shows and hides them.
-  window.waitUntil("organs are in the tree", [](const Json &s) { return s["widgets"].contains("scene/tissues"); });
+  C3DE_WAIT(window, "organs are in the tree", s["widgets"].contains("scene/tissues"));
   CHECK(window.has("scene/liver"));
   window.waitFrames(3);
   window.screenshot("organs");
@@ -361,7 +343,7 @@ TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slic
   CHECK(window.differingPixels("organs", "without_liver", "axial") < 20);
   window.click("scene/liver");
   window.click("scene/tissues/fold");
-  window.waitUntil("the list is folded", [](const Json &s) { return !s["widgets"].contains("scene/liver"); });
+  C3DE_WAIT(window, "the list is folded", !s["widgets"].contains("scene/liver"));
   window.waitFrames(3);
   window.screenshot("folded");
   CHECK(window.differingPixels("organs", "folded", "3D") < 20);
@@ -370,10 +352,10 @@ TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slic
   const Point from = inAxial(window, -60, -20), to = inAxial(window, -65, -35);
   window.moveTo(from);
   // It is in equilibrium: nothing has moved on its own.
-  const Json resting = window.waitUntil("the read-out is there", [](const Json &s) { return isOver(s, "axial", -1); });
+  const Json resting = C3DE_WAIT(window, "the read-out is there", isOver(s, "axial", -1));
   CHECK_FALSE(isOver(resting, "axial", 0.2));
   pull(window, from, to);
-  window.waitUntil("the scan follows", [](const Json &s) { return isOver(s, "axial", 4.0); });
+  C3DE_WAIT(window, "the scan follows", isOver(s, "axial", 4.0));
   window.waitFrames(20);
   window.screenshot("pulled");
   CHECK(window.differingPixels("alive", "pulled", "axial") > 200);
@@ -382,18 +364,18 @@ TEST_CASE("A scan becomes one body of all its labels, and is pulled where a slic
 
 TEST_CASE("What image and labels contradict is shown before the body is made, until the choice is another",
           "[scan_findings]") {
-  C3DE_ALIVE_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   std::vector<Organ> organs = threeOrgans({"vertebrae_L2", "kidney_left", "vertebrae_L1"});
   organs[0].value = 40;
   WorkstationDriver window("scan_findings");
   const Files files = writeScan("scan_findings", organs);
   openDialog(window, files);
   const auto findings = [](const Json &s) { return value(s, "scan/findings"); };
-  const Json shown = window.waitUntil("a finding", [&](const Json &s) { return !findings(s).empty(); });
+  const Json shown = C3DE_WAIT(window, "a finding", !findings(s).empty());
   CHECK_THAT(findings(shown), Contains("1 of 2 rigid labels") && Contains("vertebrae_L2 (") && Contains("material"));
   window.screenshotAtRest("dialog");
   choose(window, "vertebrae_L2", "liver");
-  window.waitUntil("no finding", [&](const Json &s) { return s["jobs"].empty() && findings(s).empty(); });
+  C3DE_WAIT(window, "no finding", s["jobs"].empty() && findings(s).empty());
 
   // Its labels can be exported in their current state; it is in equilibrium with its weight.
   typeInto(window, "points", "300");
@@ -413,7 +395,7 @@ TEST_CASE("What image and labels contradict is shown before the body is made, un
 }
 
 TEST_CASE("Cells become finer where a hand has pulled, for as many points", "[scan_finer]") {
-  C3DE_ALIVE_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("scan_finer");
   openDialog(window, writeScan("scan_finer", threeOrgans({"liver", "kidney_left", "vertebrae_L1"})));
   typeInto(window, "points", "1200");
@@ -427,30 +409,29 @@ TEST_CASE("Cells become finer where a hand has pulled, for as many points", "[sc
 
   takePinch(window);
   pull(window, inAxial(window, -60, -20), inAxial(window, -62, -45));
-  window.waitUntil("the scan follows", [](const Json &s) { return isOver(s, "axial", 4.0); });
+  C3DE_WAIT(window, "the scan follows", isOver(s, "axial", 4.0));
   window.release();
   window.screenshot("pulled");
   window.click(kPanel + "finer");
-  const Json finer = window.waitUntil("the body is sampled anew", [](const Json &s) {
-    return s["jobs"].empty() && s["values"].contains(kPanel + "Halved cells");
-  });
+  const Json finer =
+      C3DE_WAIT(window, "the body is sampled anew", s["jobs"].empty() && s["values"].contains(kPanel + "Halved cells"));
   CHECK(numberOf(finer, kPanel + "Halved cells") > 0);
   CHECK(std::abs(numberOf(finer, kPanel + "Phyxels") - phyxels) < 0.15 * phyxels);
   CHECK(numberOf(finer, kPanel + "Spacing") > 1.05 * spacing);
-  window.waitUntil("it has begun anew", [](const Json &s) { return !isOver(s, "axial", 0.5); });
+  C3DE_WAIT(window, "it has begun anew", !isOver(s, "axial", 0.5));
   window.screenshot("finer");
   // It can be pulled as before.
   window.moveTo(window.inView(0.5, 0.5));
   if (window.state()["transport"]["mode"] != "playing") window.key("space");
   pull(window, inAxial(window, -60, -20), inAxial(window, -62, -45));
-  window.waitUntil("the scan follows again", [](const Json &s) { return isOver(s, "axial", 4.0); });
+  C3DE_WAIT(window, "the scan follows again", isOver(s, "axial", 4.0));
   window.screenshot("pulled_finer");
   window.release();
 }
 
 TEST_CASE("Fields of tissue that is pulled are in the slices, under the mouse and in the table of labels",
           "[scan_fields]") {
-  C3DE_ALIVE_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("scan_fields");
   openDialog(window, writeScan("scan_fields", threeOrgans({"liver", "kidney_left", "vertebrae_L1"})));
   typeInto(window, "points", "800");
@@ -483,9 +464,9 @@ TEST_CASE("Fields of tissue that is pulled are in the slices, under the mouse an
     return isOver(s, "axial", 4.0) && std::abs(numberAfter(readout, "det F ") - 1.0) > 0.001 &&
            numberAfter(readout, "equivalent stress ") > 0.05 && readout.find(" kPa") != std::string::npos;
   });
-  const Json pulled = window.waitUntil("the table has followed", [](const Json &s) {
-    return numberOf(s, "tissues/liver.largest") > 4.0 && numberOf(s, "tissues/liver.det_f") < 0.99;
-  });
+  const Json pulled =
+      C3DE_WAIT(window, "the table has followed",
+                numberOf(s, "tissues/liver.largest") > 4.0 && numberOf(s, "tissues/liver.det_f") < 0.99);
   CHECK(numberOf(pulled, "tissues/liver.mean") < numberOf(pulled, "tissues/liver.largest"));
   CHECK(numberOf(pulled, "tissues/kidney_left.largest") < 0.5 * numberOf(pulled, "tissues/liver.largest"));
   CHECK(numberOf(pulled, "tissues/vertebrae_L1.largest") == 0.0);
@@ -493,7 +474,7 @@ TEST_CASE("Fields of tissue that is pulled are in the slices, under the mouse an
   window.release();
   window.moveTo(window.inView(0.5, 0.5));
   window.key("space");
-  window.waitUntil("it stands", [](const Json &s) { return s["transport"]["mode"] == "paused"; });
+  C3DE_WAIT(window, "it stands", s["transport"]["mode"] == "paused");
 
   // Also when paused: the request is answered at once.
   window.screenshotAtRest("plain");
@@ -501,8 +482,8 @@ TEST_CASE("Fields of tissue that is pulled are in the slices, under the mouse an
   const auto show = [&](const std::string &overlay, const std::string &unit) {
     window.click("image/overlay");
     window.click("image/overlay.option." + overlay);
-    const Json shown = window.waitUntil(
-        "it is in the legend", [&](const Json &s) { return value(s, "image/axial.legend").find(overlay + " ") == 0; });
+    const Json shown =
+        C3DE_WAIT(window, "it is in the legend", value(s, "image/axial.legend").find(overlay + " ") == 0);
     INFO(value(shown, "image/axial.legend"));
     CHECK(value(shown, "image/axial.legend").ends_with(" " + unit));
     window.moveTo(window.inView(0.5, 0.5));
@@ -528,8 +509,8 @@ TEST_CASE("Fields of tissue that is pulled are in the slices, under the mouse an
   window.waitForValue("image/axial.legend", "|u| 0 … 20 mm");
   // Outside the body there is no field; inside there is.
   window.moveTo(inAxial(window, -60, -20));
-  window.waitUntil("tissue is told while it stands",
-                   [](const Json &s) { return value(s, "image/axial.readout").find("det F ") != std::string::npos; });
+  C3DE_WAIT(window, "tissue is told while it stands",
+            value(s, "image/axial.readout").find("det F ") != std::string::npos);
   window.moveTo(inAxial(window, -120, -80));
   window.waitUntil("nothing is told beside the body", [](const Json &s) {
     const std::string readout = value(s, "image/axial.readout");
@@ -537,14 +518,11 @@ TEST_CASE("Fields of tissue that is pulled are in the slices, under the mouse an
            readout.find("stress") == std::string::npos;
   });
 
-  const fs::path table = fs::path(testOutputRoot()) / "ui" / "scan_fields.csv";
+  const fs::path table = c3de::test::outputFile("scan_fields.csv");
   fs::remove(table);
   window.click("tissues/export");
-  window.waitUntil("a file is asked for", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
-  window.key("ctrl+a");
-  window.type(table.string());
-  window.click("dialog/open");
-  window.waitUntil("it is written", [&](const Json &s) { return s["jobs"].empty() && fs::exists(table); });
+  window.openFile(table);
+  C3DE_WAIT(window, "it is written", s["jobs"].empty() && fs::exists(table));
   std::ifstream file(table);
   std::string first, liver;
   std::getline(file, first);
@@ -561,7 +539,7 @@ TEST_CASE("Fields of tissue that is pulled are in the slices, under the mouse an
 
 TEST_CASE("where another scan is opened the simulation of the one before is closed by a button of its message",
           "[scan_close]") {
-  C3DE_ALIVE_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("scan_close");
   openDialog(window, writeScan("scan_close", threeOrgans({"liver", "kidney_left", "vertebrae_L1"})));
   typeInto(window, "points", "300");
@@ -571,10 +549,7 @@ TEST_CASE("where another scan is opened the simulation of the one before is clos
   const Files other = writeScan("scan_close_other", threeOrgans({"liver", "kidney_left", "vertebrae_L1"}));
   window.moveTo(window.inView(0.5, 0.5));
   window.key("ctrl+i");
-  window.waitUntil("a file is asked for", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
-  window.key("ctrl+a");
-  window.type(other.image.string());
-  window.click("dialog/open");
+  window.openFile(other.image);
   std::string button;
   const Json offered = window.waitUntil("it is offered to close the simulation", [&](const Json &s) {
     for (std::size_t i = 0; i < s["notifications"].size(); ++i) {
@@ -586,15 +561,13 @@ TEST_CASE("where another scan is opened the simulation of the one before is clos
   CHECK(offered["notifications"].dump().find("The simulation is still open") != std::string::npos);
   window.screenshot("offered");
   window.click(button);
-  const Json closed =
-      window.waitUntil("the simulation is closed", [](const Json &s) { return s["transport"]["exists"] == false; });
+  const Json closed = C3DE_WAIT(window, "the simulation is closed", s["transport"]["exists"] == false);
   CHECK(closed["panes"].size() == 4);
   // No message about its bodies remains.
   for (const char *title : {"The simulation is still open", "Scan body created", "Not all of it is there"})
     CHECK(closed["notifications"].dump().find(title) == std::string::npos);
-  window.waitUntil("the image is shown as it was read", [](const Json &s) {
-    return !s["values"].contains("image/axial.outlines") || value(s, "image/axial.outlines") == "0";
-  });
+  C3DE_WAIT(window, "the image is shown as it was read",
+            !s["values"].contains("image/axial.outlines") || value(s, "image/axial.outlines") == "0");
   window.screenshot("closed");
 
   // The menu offers it, too.
@@ -621,12 +594,10 @@ class LiverOfCt {
     window.click("notification/close.0");
     window.click("notification/close.0");
     window.click("tissues/header");
-    window.waitUntil("labels are followed",
-                     [](const Json &s) { return std::isfinite(numberOf(s, "tissues/liver.det_f")); });
+    C3DE_WAIT(window, "labels are followed", std::isfinite(numberOf(s, "tissues/liver.det_f")));
     window.clickAt(inSlice(window, "coronal", kPlace[0] - kMiddle[0], kMiddle[2] - kPlace[2]));
-    window.waitUntil("the axial slice is there", [](const Json &s) {
-      return std::abs(numberAfter(value(s, "image/cross_hair"), " ", 2) - kPlace[2]) < 2;
-    });
+    C3DE_WAIT(window, "the axial slice is there",
+              std::abs(numberAfter(value(s, "image/cross_hair"), " ", 2) - kPlace[2]) < 2);
     takePinch(window);
     window.moveTo(inAxial(window, 0, 0));
     window.key("4");  // window and level of the abdomen
@@ -643,9 +614,8 @@ class LiverOfCt {
   /// The conditions after the tissue has followed a drag that began there, and after its release.
   void follow(const std::string &where, const std::string &pane, const Vec3 &from) {
     const double begin = window.state()["transport"]["time_s"];
-    window.waitUntil("the tissue has come after the hand", [&](const Json &s) {
-      return s["transport"]["time_s"].get<double>() > begin + 2.5 && numberOf(s, "tissues/liver.largest") > 10.0;
-    });
+    C3DE_WAIT(window, "the tissue has come after the hand",
+              s["transport"]["time_s"].get<double>() > begin + 2.5 && numberOf(s, "tissues/liver.largest") > 10.0);
     window.screenshot(where + "_pulled");
     const Json pulled = window.state();
     CHECK(std::abs(norm(vectorOf(pulled, "Hand") - from) - 30.0) < 1.5);
@@ -655,7 +625,7 @@ class LiverOfCt {
     CHECK_THAT(value(pulled, "image/" + pane + ".marks"), Contains("7 in the plane"));
     CHECK(window.differingPixels(where + "_before", where + "_pulled", "3D") > 100);
     window.key("space");
-    window.waitUntil("it stands", [](const Json &s) { return s["transport"]["mode"] == "paused"; });
+    C3DE_WAIT(window, "it stands", s["transport"]["mode"] == "paused");
     window.release();
     const auto motions = exportTissues(window, scenario_ + "_" + where);
     REQUIRE(motions.size() > 50);
@@ -688,7 +658,7 @@ class LiverOfCt {
 
 TEST_CASE("The liver of a CT is pulled by three centimetres in a slice and in the 3D view, and all comes back",
           "[.long][.scan_liver]") {
-  C3DE_ALIVE_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
   C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
   LiverOfCt liver("scan_liver", {image, labels});
@@ -711,7 +681,7 @@ TEST_CASE("The liver of a CT is pulled by three centimetres in a slice and in th
 
 TEST_CASE("The first pull at a CT does not pause the simulation while other programs keep the machine busy",
           "[scan_liver_busy]") {
-  C3DE_ALIVE_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
   C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
   LiverOfCt liver("scan_liver_busy", {image, labels});
@@ -729,34 +699,30 @@ TEST_CASE("The first pull at a CT does not pause the simulation while other prog
     return paused.empty();
   };
   (void)liver.pullInSlice();
-  window.waitUntil("the tissue comes after the hand",
-                   [&](const Json &s) { return !look(s) || numberOf(s, "tissues/liver.largest") > 10.0; });
+  C3DE_WAIT(window, "the tissue comes after the hand", !look(s) || numberOf(s, "tissues/liver.largest") > 10.0);
   window.screenshot("pulled");
   WARN("beside busy programs: " << window.value("status/rate"));
   window.release();
   const int steps = window.state()["transport"]["steps"];
-  window.waitUntil("it plays on after the release",
-                   [&](const Json &s) { return !look(s) || s["transport"]["steps"].get<int>() > steps + 20; });
+  C3DE_WAIT(window, "it plays on after the release", !look(s) || s["transport"]["steps"].get<int>() > steps + 20);
   CHECK(paused == "");
 }
 
 TEST_CASE("Where the liver of a CT has been pulled its cells get finer, and it is pulled again",
           "[.long][.scan_liver_finer]") {
-  C3DE_ALIVE_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
   C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
   LiverOfCt liver("scan_liver_finer", {image, labels});
   WorkstationDriver &window = liver.window;
   (void)liver.pullInSlice();
-  window.waitUntil("the tissue has come after the hand",
-                   [](const Json &s) { return numberOf(s, "tissues/liver.largest") > 10.0; });
+  C3DE_WAIT(window, "the tissue has come after the hand", numberOf(s, "tissues/liver.largest") > 10.0);
   window.release();
 
   // As many phyxels; stiff vessels there get a little added mass for it.
   window.click(kPanel + "finer");
-  const Json finer = window.waitUntil("the body is sampled anew", [](const Json &s) {
-    return s["jobs"].empty() && s["values"].contains(kPanel + "Halved cells");
-  });
+  const Json finer =
+      C3DE_WAIT(window, "the body is sampled anew", s["jobs"].empty() && s["values"].contains(kPanel + "Halved cells"));
   CHECK(numberOf(finer, kPanel + "Halved cells") > 50);
   CHECK_THAT(value(finer, kPanel + "Added inertia"), Contains(" % of what can move, to "));
   CHECK_THAT(value(finer, kPanel + "Computed"), Contains("explicit"));
@@ -790,13 +756,13 @@ std::vector<Organ> twoHundredOrgans() {
 
 TEST_CASE("A scan of two hundred labels is chosen from, made alive and read as quickly as one of three",
           "[many_labels]") {
-  C3DE_ALIVE_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("many_labels");
   openDialog(window, writeScan("many_labels", twoHundredOrgans()));
   CHECK_THAT(window.value("scan/count"), Contains("200 of 200 labels, 156 not known"));
   // All entries that a filter lists at once, a single one differently, one at the end of the list, and back.
   typeInto(window, "filter", "not known");
-  window.waitUntil("they are listed", [](const Json &s) { return value(s, "scan/count").find("156 of 200") == 0; });
+  C3DE_WAIT(window, "they are listed", value(s, "scan/count").find("156 of 200") == 0);
   const std::string finding = "finding_of_the_second_reader_";
   window.click("scan/use_listed");
   window.click("scan/use_listed.option.fat");
@@ -811,7 +777,7 @@ TEST_CASE("A scan of two hundred labels is chosen from, made alive and read as q
   const Json undone = window.state();
   CHECK(std::find(undone["disabled"].begin(), undone["disabled"].end(), "scan/undo") != undone["disabled"].end());
   typeInto(window, "filter", "");
-  window.waitUntil("all are listed", [](const Json &s) { return value(s, "scan/count").find("200 of 200") == 0; });
+  C3DE_WAIT(window, "all are listed", value(s, "scan/count").find("200 of 200") == 0);
   choose(window, finding + "156", "muscle_skeletal_rest");
   window.screenshotAtRest("end_of_list");
   typeInto(window, "points", "800");
@@ -823,7 +789,7 @@ TEST_CASE("A scan of two hundred labels is chosen from, made alive and read as q
   // paused.
   window.moveTo(window.inView(0.9, 0.9));
   window.key("space");
-  window.waitUntil("it stands", [](const Json &s) { return s["transport"]["mode"] == "paused"; });
+  C3DE_WAIT(window, "it stands", s["transport"]["mode"] == "paused");
   const auto frame_ms = [&] {
     window.waitFrames(5, 0.3);
     const Json before = window.state();
@@ -835,10 +801,9 @@ TEST_CASE("A scan of two hundred labels is chosen from, made alive and read as q
   };
   const double closed_ms = frame_ms();
   window.click("tissues/header");
-  window.waitUntil("labels are followed", [&](const Json &s) {
-    return std::isfinite(numberOf(s, "tissues/" + finding + "156.det_f")) &&
-           std::isfinite(numberOf(s, "tissues/liver.mean"));
-  });
+  C3DE_WAIT(window, "labels are followed",
+            std::isfinite(numberOf(s, "tissues/" + finding + "156.det_f")) &&
+                std::isfinite(numberOf(s, "tissues/liver.mean")));
   CHECK(window.value("tissues/count") == "201 of 201 labels");
   const double open_ms = frame_ms();
   CAPTURE(closed_ms, open_ms);
@@ -852,9 +817,8 @@ TEST_CASE("A scan of two hundred labels is chosen from, made alive and read as q
   window.key("space");
   window.click("tissues/order.largest");
   pull(window, inAxial(window, -55, -40), inAxial(window, -55, -60));
-  const Json pulled = window.waitUntil("something has moved", [](const Json &s) {
-    return numberOf(s, "tissues/" + value(s, "tissues/first") + ".largest") > 4.0;
-  });
+  const Json pulled =
+      C3DE_WAIT(window, "something has moved", numberOf(s, "tissues/" + value(s, "tissues/first") + ".largest") > 4.0);
   const double most = numberOf(pulled, "tissues/" + value(pulled, "tissues/first") + ".largest");
   for (const auto &[key, text] : pulled["values"].items())
     if (key.starts_with("tissues/") && key.ends_with(".largest")) CHECK(numberOf(pulled, key) <= most);
@@ -862,7 +826,7 @@ TEST_CASE("A scan of two hundred labels is chosen from, made alive and read as q
   window.moveTo(inAxial(window, -55, -60));
   window.release();
   window.key("space");
-  window.waitUntil("it stands", [](const Json &s) { return s["transport"]["mode"] == "paused"; });
+  C3DE_WAIT(window, "it stands", s["transport"]["mode"] == "paused");
   const auto motions = exportTissues(window, "many_labels");
   CHECK(motions.size() == 201);
   CHECK(motions.contains("rib_right_12"));
@@ -883,7 +847,7 @@ TEST_CASE("A scan of two hundred labels is chosen from, made alive and read as q
 }
 
 TEST_CASE("A scan that cannot become a body says why, and what is there stays", "[scan_not_alive]") {
-  C3DE_ALIVE_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("scan_not_alive");
   openDialog(window, writeScan("scan_not_alive", threeOrgans({"gizmo", "thing", "something"})));
   CHECK(window.value("scan/gizmo.known") == "not known");
@@ -895,9 +859,8 @@ TEST_CASE("A scan that cannot become a body says why, and what is there stays", 
   CHECK(std::find(state["disabled"].begin(), state["disabled"].end(), "scan/make") != state["disabled"].end());
   window.screenshotAtRest("unknown");
   choose(window, "gizmo", "rigid");
-  window.waitUntil("nothing could move", [](const Json &s) {
-    return value(s, "scan/reason").find("nothing could move: all labels are rigid") == 0;
-  });
+  C3DE_WAIT(window, "nothing could move",
+            value(s, "scan/reason").find("nothing could move: all labels are rigid") == 0);
   choose(window, "gizmo", "liver");
   typeInto(window, "points", "300");
   window.key("Tab");
@@ -910,10 +873,9 @@ TEST_CASE("A scan that cannot become a body says why, and what is there stays", 
   window.waitForValue("scan/region.x.from", "110");
   const auto refuse = [&] {
     window.click("scan/make");
-    return window.waitUntil("it is refused", [](const Json &s) {
-      return s["jobs"].empty() && s["widgets"].contains("scan/make") &&
-             value(s, "scan/problem").find("nothing is left of what was asked for") != std::string::npos;
-    });
+    return C3DE_WAIT(window, "it is refused",
+                     s["jobs"].empty() && s["widgets"].contains("scan/make") &&
+                         value(s, "scan/problem").find("nothing is left of what was asked for") != std::string::npos);
   };
   CHECK(refuse()["transport"]["exists"] == false);
   window.screenshotAtRest("refused");
@@ -924,7 +886,7 @@ TEST_CASE("A scan that cannot become a body says why, and what is there stays", 
 
   // And again, while a body exists: that body stays, and continues to play.
   window.click("segmentation/create_scan_body");
-  window.waitUntil("it is asked again", [](const Json &s) { return s["widgets"].contains("scan/make"); });
+  C3DE_WAIT(window, "it is asked again", s["widgets"].contains("scan/make"));
   CHECK(window.value("scan/use.gizmo") == "liver");
   window.click("scan/region");
   typeInto(window, "region.x.from", "110");
@@ -936,11 +898,11 @@ TEST_CASE("A scan that cannot become a body says why, and what is there stays", 
   CHECK(refused["transport"]["mode"] == "playing");
   CHECK(refused["panes"].size() == 4);
   window.click("dialog/close");
-  window.waitUntil("it is closed", [](const Json &s) { return !s["widgets"].contains("scan/make"); });
+  C3DE_WAIT(window, "it is closed", !s["widgets"].contains("scan/make"));
 }
 
 TEST_CASE("A region is drawn as a box in the slices, and the body is what of the scan lies in it", "[scan_region]") {
-  C3DE_ALIVE_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   constexpr double kVoxel_mm = 4.0;
   constexpr Box kWhole{-128, -96, -60, 128, 96, 60};
   WorkstationDriver window("scan_region");
@@ -956,10 +918,9 @@ TEST_CASE("A region is drawn as a box in the slices, and the body is what of the
   // It begins with the whole scan.
   const auto draw = [&] {
     window.click("scan/draw_region");
-    return window.waitUntil("the slices are to be drawn in", [](const Json &s) {
-      return s["widgets"].contains("region/done") && s["widgets"].contains("region/axial.left") &&
-             !s["widgets"].contains("scan/make");
-    });
+    return C3DE_WAIT(window, "the slices are to be drawn in",
+                     s["widgets"].contains("region/done") && s["widgets"].contains("region/axial.left") &&
+                         !s["widgets"].contains("scan/make"));
   };
   (void)draw();
   waitForDrawn(window, kWhole, 1e-6);
@@ -991,7 +952,7 @@ TEST_CASE("A region is drawn as a box in the slices, and the body is what of the
   window.waitForValue("region/axial.grip", "draw");
   const Box before = drawnBox(window);
   pull(window, window.locate("region/sagittal.left"), inSlice(window, "sagittal", 0, 0));
-  window.waitUntil("it is dragged", [&](const Json &s) { return boxOf(value(s, "region/box"))[1] > before[1] + 40; });
+  C3DE_WAIT(window, "it is dragged", boxOf(value(s, "region/box"))[1] > before[1] + 40);
   window.key("Escape");
   waitForDrawn(window, before, 1e-6);
   window.moveTo(inSlice(window, "sagittal", 10, 0));
@@ -1047,7 +1008,7 @@ TEST_CASE("A region is drawn as a box in the slices, and the body is what of the
 }
 
 TEST_CASE("Pictures of a scan that was made alive for the user guide", "[.guide]") {
-  C3DE_ALIVE_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   std::vector<Organ> organs{{"liver", {-48, -14, 8}, {50, 40, 44}, 110, {0.6f, 0.2f, 0.1f}},
                             {"gallbladder", {-26, -38, -6}, {12, 14, 16}, 10, {0.1f, 0.5f, 0.1f}},
                             {"stomach", {30, -26, 10}, {34, 26, 30}, 50, {0.7f, 0.4f, 0.5f}},
@@ -1089,7 +1050,7 @@ TEST_CASE("Pictures of a scan that was made alive for the user guide", "[.guide]
   window.moveTo(inAxial(window, 0, 0));
   window.key("4");  // window and level of the abdomen
   pull(window, inAxial(window, 32, -30), inAxial(window, 40, -56));
-  window.waitUntil("the scan follows", [](const Json &s) { return isOver(s, "axial", 8.0); });
+  C3DE_WAIT(window, "the scan follows", isOver(s, "axial", 8.0));
   window.waitFrames(20);
   window.screenshot("alive");
   window.release();
@@ -1100,7 +1061,7 @@ TEST_CASE("Pictures of a scan that was made alive for the user guide", "[.guide]
     window.click("image/overlay.option." + overlay);
     if (picture == "tissue_table") window.click("tissues/header");
     pull(window, inAxial(window, 32, -30), inAxial(window, 40, -56));
-    window.waitUntil("the scan follows", [](const Json &s) { return isOver(s, "axial", 8.0); });
+    C3DE_WAIT(window, "the scan follows", isOver(s, "axial", 8.0));
     window.waitFrames(60);
     window.screenshot(picture);
     window.release();
@@ -1110,13 +1071,13 @@ TEST_CASE("Pictures of a scan that was made alive for the user guide", "[.guide]
 }
 
 TEST_CASE("Picture of a liver that is pulled for the first page", "[.guide]") {
-  C3DE_ALIVE_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
   C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
   WorkstationDriver window("guide");
   openDialog(window, {image, labels});
   (void)make(window);
-  window.waitUntil("organs are in the tree", [](const Json &s) { return s["widgets"].contains("scene/tissues"); });
+  C3DE_WAIT(window, "organs are in the tree", s["widgets"].contains("scene/tissues"));
   window.click("notification/close.0");
   window.click("notification/close.0");
   window.click("tissues/header");
@@ -1140,15 +1101,14 @@ TEST_CASE("Picture of a liver that is pulled for the first page", "[.guide]") {
   window.click("tissues/order.largest");
   pull(window, inSlice(window, "coronal", -100, -98), inSlice(window, "coronal", -58, -84));
   const double begin = window.state()["transport"]["time_s"];
-  window.waitUntil("the tissue has come after the hand",
-                   [&](const Json &s) { return s["transport"]["time_s"].get<double>() > begin + 2.5; });
+  C3DE_WAIT(window, "the tissue has come after the hand", s["transport"]["time_s"].get<double>() > begin + 2.5);
   window.screenshot("liver");
   window.release();
 }
 
 TEST_CASE("While a region is drawn the scan lies at rest, and menus, keys and tools do what they say",
           "[scan_region_alive]") {
-  C3DE_ALIVE_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   constexpr double kVoxel_mm = 4.0;
   WorkstationDriver window("scan_region_alive");
   openDialog(window, writeScan("scan_region_alive", threeOrgans({"liver", "kidney_left", "vertebrae_L1"}), kVoxel_mm));
@@ -1158,10 +1118,10 @@ TEST_CASE("While a region is drawn the scan lies at rest, and menus, keys and to
   (void)make(window);
   takePinch(window);
   pull(window, inAxial(window, -45, -10), inAxial(window, -45, -40));
-  window.waitUntil("the scan follows", [](const Json &s) { return isOver(s, "axial", 8.0); });
+  C3DE_WAIT(window, "the scan follows", isOver(s, "axial", 8.0));
   window.key("space");
   const auto waitForMode = [&](const std::string &mode) {
-    window.waitUntil("it is " + mode, [&](const Json &s) { return s["transport"]["mode"] == mode; });
+    C3DE_WAIT(window, "it is " + mode, s["transport"]["mode"] == mode);
   };
   waitForMode("paused");
   window.release();
@@ -1218,9 +1178,8 @@ TEST_CASE("While a region is drawn the scan lies at rest, and menus, keys and to
   window.moveTo(inAxial(window, 0, 0));
   for (const char *key : {"ctrl+o", "F1"}) {
     window.key(key);
-    window.waitUntil("a dialog is above", [](const Json &s) {
-      return s["widgets"].contains("dialog/path") || s["widgets"].contains("dialog/close");
-    });
+    C3DE_WAIT(window, "a dialog is above",
+              s["widgets"].contains("dialog/path") || s["widgets"].contains("dialog/close"));
     window.key("Return");
     window.key("Escape");
     window.waitUntil("it is drawn", isDrawn);
@@ -1232,9 +1191,9 @@ TEST_CASE("While a region is drawn the scan lies at rest, and menus, keys and to
   waitForMode("paused");
   window.key("space");
   pull(window, window.inView(0.5, 0.5), window.inView(0.6, 0.4));
-  window.waitUntil("the pinch pulls", [](const Json &s) { return numberOf(s, kPanel + "Pinch force") > 0.0; });
+  C3DE_WAIT(window, "the pinch pulls", numberOf(s, kPanel + "Pinch force") > 0.0);
   window.key("Escape");
-  window.waitUntil("it lets go", [](const Json &s) { return value(s, kPanel + "Pinch force") == "–"; });
+  C3DE_WAIT(window, "it lets go", value(s, kPanel + "Pinch force") == "–");
   window.release();
   window.key("space");
   waitForMode("paused");
@@ -1249,8 +1208,7 @@ TEST_CASE("While a region is drawn the scan lies at rest, and menus, keys and to
   window.click("scan/draw_region");
   window.waitUntil("it is drawn", isDrawn);
   chooseFile("close_image");
-  window.waitUntil("all is gone", [](const Json &s) {
-    return s["panes"].size() < 4 && !s["widgets"].contains("region/done") && !s["widgets"].contains("scan/make");
-  });
+  C3DE_WAIT(window, "all is gone",
+            s["panes"].size() < 4 && !s["widgets"].contains("region/done") && !s["widgets"].contains("scan/make"));
   window.screenshotAtRest("closed");
 }

@@ -17,16 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 const std::string kPanel = "pointbased.controller/";
 
-std::string whyNot() {
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) return reason;
-  if (!fs::exists(fs::path(testPluginFolder()) / (std::string("pointbased") + c3de::pluginExtension())))
-    return "the point-based plugin is not built";
-  return {};
-}
-
-#define C3DE_HANDS_OR_SKIP() \
-  if (const std::string reason = whyNot(); !reason.empty()) C3DE_SKIP(reason)
-
 /// An organ held by its surroundings, with a plate above it.
 fs::path heldOrgan() {
   const fs::path folder = fs::path(testOutputRoot()) / "ui";
@@ -49,10 +39,9 @@ fs::path heldOrgan() {
 
 void startOrgan(WorkstationDriver &window) {
   window.start({heldOrgan().string()});
-  window.waitUntil("the organ is shown", [](const Json &s) {
-    return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && s["nodes"].size() >= 3 &&
-           !s["values"].value(kPanel + "Surfels", "").empty();
-  });
+  C3DE_WAIT(window, "the organ is shown",
+            s["transport"]["exists"].get<bool>() && s["jobs"].empty() && s["nodes"].size() >= 3 &&
+                !s["values"].value(kPanel + "Surfels", "").empty());
   window.moveTo(window.inView(0.5, 0.5));
   window.key("f");
 }
@@ -63,31 +52,30 @@ std::string mode(const Json &state) { return state["transport"]["mode"]; }
 
 void play(WorkstationDriver &window) {
   window.key("space");
-  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 5; });
+  C3DE_WAIT(window, "it plays", mode(s) == "playing" && s["transport"]["steps"] > 5);
 }
 
 void rest(WorkstationDriver &window, double seconds) {
   const double from = window.state()["transport"]["time_s"];
-  window.waitUntil("it comes to rest",
-                   [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + seconds; });
+  C3DE_WAIT(window, "it comes to rest", s["transport"]["time_s"].get<double>() > from + seconds);
 }
 
 }  // namespace
 
 TEST_CASE("an instrument is pressed into an organ, felt, undone and taken away", "[hands_touch]") {
-  C3DE_HANDS_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("hands_touch");
   startOrgan(window);
   window.key("t");
-  window.waitUntil("the touch tool is active", [](const Json &s) { return s["tool"] == "pointbased.touch"; });
+  C3DE_WAIT(window, "the touch tool is active", s["tool"] == "pointbased.touch");
   play(window);
   const Json camera = window.state()["camera"];
   const Point at = window.inView(0.45, 0.55);
   window.moveTo(at);
   window.press();
-  window.waitUntil("an instrument is there", [](const Json &s) { return row(s, "Contact area").ends_with("mm²"); });
+  C3DE_WAIT(window, "an instrument is there", row(s, "Contact area").ends_with("mm²"));
   window.wheel(6);
-  window.waitUntil("it is felt", [](const Json &s) { return number(s, "Contact force") > 0.1; });
+  C3DE_WAIT(window, "it is felt", number(s, "Contact force") > 0.1);
   window.moveTo({at.x + 20, at.y - 20});
   window.release();
   rest(window, 2.0);
@@ -103,31 +91,31 @@ TEST_CASE("an instrument is pressed into an organ, felt, undone and taken away",
 
   window.key("d");
   window.key("d");
-  window.waitUntil("it is pushed deeper", [&](const Json &s) { return number(s, "Contact force") > 1.1 * force; });
+  C3DE_WAIT(window, "it is pushed deeper", number(s, "Contact force") > 1.1 * force);
   CHECK(window.state()["notifications"].empty());
 
   window.key("ctrl+z");
-  window.waitUntil("the touch is undone", [](const Json &s) { return row(s, "Contact force") == "–"; });
+  C3DE_WAIT(window, "the touch is undone", row(s, "Contact force") == "–");
   window.key("ctrl+y");
-  window.waitUntil("it is done again", [&](const Json &s) { return number(s, "Contact force") > 0.5 * force; });
+  C3DE_WAIT(window, "it is done again", number(s, "Contact force") > 0.5 * force);
   window.key("x");
-  window.waitUntil("it is taken away", [](const Json &s) { return row(s, "Contact force") == "–"; });
+  C3DE_WAIT(window, "it is taken away", row(s, "Contact force") == "–");
 
   // A reset ends a continuing touch.
   window.moveTo(at);
   window.press();
-  window.waitUntil("an instrument is there", [](const Json &s) { return row(s, "Contact area").ends_with("mm²"); });
+  C3DE_WAIT(window, "an instrument is there", row(s, "Contact area").ends_with("mm²"));
   window.key("ctrl+r");
-  window.waitUntil("it has gone", [](const Json &s) { return row(s, "Contact force") == "–"; });
+  C3DE_WAIT(window, "it has gone", row(s, "Contact force") == "–");
   window.release();
 }
 
 TEST_CASE("an implant is moved by its handles and by numbers, presses, and is put back by Undo", "[hands_implant]") {
-  C3DE_HANDS_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("hands_implant");
   startOrgan(window);
   window.key("m");
-  window.waitUntil("the move tool is active", [](const Json &s) { return s["tool"] == "pointbased.move"; });
+  C3DE_WAIT(window, "the move tool is active", s["tool"] == "pointbased.move");
   // Before the first step it is placed immediately.
   window.click(kPanel + "placed");
   window.click(kPanel + "placed.option.plate");
@@ -145,12 +133,12 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
   window.waitForValue(kPanel + "placed_turn_z", "5 °");
   window.moveTo(window.inView(0.9, 0.9));
   window.key("ctrl+z");
-  window.waitUntil("it is turned back", [](const Json &s) { return std::abs(number(s, "placed_turn_z")) < 1e-6; });
+  C3DE_WAIT(window, "it is turned back", std::abs(number(s, "placed_turn_z")) < 1e-6);
   CHECK(row(window.state(), "placed_y") == "58 mm");
 
   play(window);
   typed("placed_y", "48");
-  window.waitUntil("it presses", [](const Json &s) { return number(s, "Contact force on plate") > 0.2; });
+  C3DE_WAIT(window, "it presses", number(s, "Contact force on plate") > 0.2);
   rest(window, 2.0);
   const Json pressed = window.state();
   const double force = number(pressed, "Contact force on plate");
@@ -162,9 +150,7 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
   window.moveTo(window.inView(0.9, 0.9));
   window.screenshot("pressing");
   window.key("ctrl+z");
-  window.waitUntil("it is where it was", [](const Json &s) {
-    return row(s, "placed_y") == "58 mm" && number(s, "Contact force on plate") == 0.0;
-  });
+  C3DE_WAIT(window, "it is where it was", row(s, "placed_y") == "58 mm" && number(s, "Contact force on plate") == 0.0);
   window.screenshot("undone");
   CHECK(window.differingPixels("pressing", "undone") > 300);
 
@@ -179,14 +165,14 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
   const auto undo = [&](const char *key, bool isThere) {
     window.moveTo(window.inView(0.9, 0.9));
     window.key(key);
-    window.waitUntil("it has come or gone", [&](const Json &s) { return hasPlate(s) == isThere; });
+    C3DE_WAIT(window, "it has come or gone", hasPlate(s) == isThere);
   };
   typed("placed_y", "61");
-  window.waitUntil("it has gone there", [](const Json &s) { return row(s, "placed_y") == "61 mm"; });
+  C3DE_WAIT(window, "it has gone there", row(s, "placed_y") == "61 mm");
   rest(window, 0.5);
   const double steps = window.state()["transport"]["steps"];
   window.click(kPanel + "obstacle_remove");
-  window.waitUntil("it has gone", [&](const Json &s) { return !hasPlate(s); });
+  C3DE_WAIT(window, "it has gone", !hasPlate(s));
   undo("ctrl+z", true);
   choose();
   window.waitForValue(kPanel + "placed_y", "61 mm");
@@ -197,10 +183,10 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
   // The organ has meanwhile moved into its position: the simulation restarts, with the plate at its start.
   choose();
   typed("placed_y", "48");
-  window.waitUntil("it presses", [](const Json &s) { return number(s, "Contact force on plate") > 0.2; });
+  C3DE_WAIT(window, "it presses", number(s, "Contact force on plate") > 0.2);
   rest(window, 1.0);
   window.click(kPanel + "obstacle_remove");
-  window.waitUntil("it has gone", [&](const Json &s) { return !hasPlate(s); });
+  C3DE_WAIT(window, "it has gone", !hasPlate(s));
   rest(window, 1.0);
   const double before = window.state()["transport"]["steps"];
   undo("ctrl+z", true);
@@ -216,23 +202,19 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
 
 TEST_CASE("an implant is added in the unit that is chosen, at the marked point, and the simulation keeps its state",
           "[hands_add_implant]") {
-  C3DE_HANDS_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("hands_add_implant");
   startOrgan(window);
   // A cube of two inches, far from the organ, in a file without a unit.
-  const fs::path file = fs::path(testOutputRoot()) / "ui" / "cube.obj";
+  const fs::path file = c3de::test::outputFile("cube.obj");
   std::ofstream(file) << "v 300 0 0\nv 302 0 0\nv 300 2 0\nv 302 2 0\nv 300 0 2\nv 302 0 2\nv 300 2 2\nv 302 2 2\n"
                          "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\n"
                          "f 2 4 8\nf 2 8 6\n";
   play(window);
   rest(window, 0.3);
   window.click(kPanel + "obstacle_browse");
-  window.waitUntil("a file is asked for", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
-  window.key("ctrl+a");
-  window.type(file.string());
-  window.click("dialog/open");
-  window.waitUntil("its unit is asked for",
-                   [](const Json &s) { return row(s, "Its size") == "2.00 × 2.00 × 2.00 mm"; });
+  window.openFile(file);
+  C3DE_WAIT(window, "its unit is asked for", row(s, "Its size") == "2.00 × 2.00 × 2.00 mm");
   window.click(kPanel + "obstacle_unit");
   window.click(kPanel + "obstacle_unit.option.inch");
   window.waitForValue(kPanel + "Its size", "50.8 × 50.8 × 50.8 mm");
@@ -268,7 +250,7 @@ TEST_CASE("an implant is added in the unit that is chosen, at the marked point, 
   // A step of Undo.
   window.moveTo(window.inView(0.9, 0.9));
   window.key("ctrl+z");
-  window.waitUntil("it is undone", [&](const Json &s) { return !hasCube(s); });
+  C3DE_WAIT(window, "it is undone", !hasCube(s));
   window.key("ctrl+y");
   const Json again = window.waitUntil("it is done again", hasCube);
   CHECK(again["transport"]["time_s"].get<double>() > at);
@@ -276,11 +258,11 @@ TEST_CASE("an implant is added in the unit that is chosen, at the marked point, 
 }
 
 TEST_CASE("jaws grasp an organ, close, pull and turn it, and Undo goes back step by step", "[hands_grasp]") {
-  C3DE_HANDS_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("hands_grasp");
   startOrgan(window);
   window.key("g");
-  window.waitUntil("the grasp tool is active", [](const Json &s) { return s["tool"] == "pointbased.grasp"; });
+  C3DE_WAIT(window, "the grasp tool is active", s["tool"] == "pointbased.grasp");
   play(window);
   const Json camera = window.state()["camera"];
   const Point at = window.inView(0.45, 0.55);
@@ -288,10 +270,10 @@ TEST_CASE("jaws grasp an organ, close, pull and turn it, and Undo goes back step
   window.moveTo({at.x - 10, at.y});
   window.moveTo(at);
   window.press();
-  window.waitUntil("jaws hold", [](const Json &s) { return row(s, "Gap").ends_with("mm"); });
+  C3DE_WAIT(window, "jaws hold", row(s, "Gap").ends_with("mm"));
   // The organ is coarse: jaws at their default settings hold two spacings, open to twice that and close by half.
   const double opening = number(window.state(), "grasp_opening");
-  window.waitUntil("they have closed", [&](const Json &s) { return number(s, "Gap") < 0.6 * opening; });
+  C3DE_WAIT(window, "they have closed", number(s, "Gap") < 0.6 * opening);
   rest(window, 1.0);
   window.moveTo(window.inView(0.45, 0.55));
   window.screenshot("closed");
@@ -300,7 +282,7 @@ TEST_CASE("jaws grasp an organ, close, pull and turn it, and Undo goes back step
   CHECK(std::abs(number(closed, "Gap") - number(closed, "grasp_closed")) < 0.2);
 
   for (int k = 1; k <= 6; ++k) window.moveTo({at.x + 5 * k, at.y - 10 * k});
-  window.waitUntil("they pull", [](const Json &s) { return number(s, "Pull force") > 0.2; });
+  C3DE_WAIT(window, "they pull", number(s, "Pull force") > 0.2);
   window.release();
   rest(window, 2.0);
   window.screenshot("pulled");
@@ -320,11 +302,11 @@ TEST_CASE("jaws grasp an organ, close, pull and turn it, and Undo goes back step
   window.moveTo(jaw);
   window.press();
   window.wheel(4);
-  window.waitUntil("they turn", [&](const Json &s) { return row(s, "Pull x, y, z") != row(pulled, "Pull x, y, z"); });
+  C3DE_WAIT(window, "they turn", row(s, "Pull x, y, z") != row(pulled, "Pull x, y, z"));
   CHECK(number(window.state(), "Gap") < 0.6 * opening);  // it is still the same grasp
   const std::string turned = row(window.state(), "Pull x, y, z");
   for (int k = 1; k <= 3; ++k) window.moveTo({jaw.x + 10 * k, jaw.y});
-  window.waitUntil("it pulls elsewhere", [&](const Json &s) { return row(s, "Pull x, y, z") != turned; });
+  C3DE_WAIT(window, "it pulls elsewhere", row(s, "Pull x, y, z") != turned);
   window.release();
   rest(window, 2.0);
   window.screenshot("turned");
@@ -341,12 +323,12 @@ TEST_CASE("jaws grasp an organ, close, pull and turn it, and Undo goes back step
   const Json undone = window.state();
   CHECK(std::abs(number(undone, "Pull force") - pull) < 0.05 * pull);
   window.key("ctrl+z");
-  window.waitUntil("the grasp is undone", [](const Json &s) { return row(s, "Pull force") == "–"; });
+  C3DE_WAIT(window, "the grasp is undone", row(s, "Pull force") == "–");
   window.key("ctrl+y");
-  window.waitUntil("it holds again", [&](const Json &s) { return number(s, "Pull force") > 0.5 * pull; });
+  C3DE_WAIT(window, "it holds again", number(s, "Pull force") > 0.5 * pull);
   CHECK(window.state()["notifications"].empty());
   window.key("x");
-  window.waitUntil("they let go", [](const Json &s) { return row(s, "Pull force") == "–"; });
+  C3DE_WAIT(window, "they let go", row(s, "Pull force") == "–");
 
   // A failed grasp is reported.
   window.controlClick(kPanel + "grasp_opening");
@@ -355,7 +337,7 @@ TEST_CASE("jaws grasp an organ, close, pull and turn it, and Undo goes back step
   window.key("Return");
   window.moveTo(at);
   window.press();
-  window.waitUntil("it is told", [](const Json &s) { return !s["notifications"].empty(); });
+  C3DE_WAIT(window, "it is told", !s["notifications"].empty());
   window.release();
   window.screenshot("told");
   const std::string told = window.state()["notifications"].dump();

@@ -17,6 +17,7 @@
 
 using namespace c3de;  // operators of Vec3
 using c3de::test::Json;
+using c3de::test::outputFile;
 using c3de::test::Point;
 using c3de::test::WorkstationDriver;
 
@@ -24,15 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using c3de::render::test::Phantom;
-
-#define C3DE_WINDOW_OR_SKIP() \
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason)
-
-fs::path outputFile(const std::string &name) {
-  const fs::path file = fs::path(testOutputRoot()) / "ui" / name;
-  fs::create_directories(file.parent_path());
-  return file;
-}
 
 /// 80 x 90 x 50 voxels of 2 x 2 x 3 mm around the origin: letters L, A, S on a block of 60 mm.
 Phantom phantom() {
@@ -65,7 +57,7 @@ fs::path labelFile(const std::string &scenario, const std::string &extension = "
 
 void startOn(WorkstationDriver &window, const std::vector<std::string> &files) {
   window.start(files);
-  window.waitUntil("the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); });
+  C3DE_WAIT(window, "the image is shown", s["panes"].size() == 4 && s["jobs"].empty());
 }
 
 Point inPane(const WorkstationDriver &window, const char *pane, double u, double v) {
@@ -111,8 +103,7 @@ TEST_CASE("slices scroll by wheel and keys, each view by itself", "[image_scroll
   CHECK(text(first, "coronal.letters") == "R|L|S|I");
   const double axial = number(first, "axial.slice"), coronal = number(first, "coronal.slice");
   const auto waitForSlice = [&](const char *pane, double slice) {
-    return window.waitUntil("the slice changes",
-                            [&](const Json &s) { return number(s, std::string(pane) + ".slice") == slice; });
+    return C3DE_WAIT(window, "the slice changes", number(s, std::string(pane) + ".slice") == slice);
   };
   window.moveTo(inPane(window, "axial", 0.3, 0.4));
   window.wheel(3);
@@ -139,31 +130,28 @@ TEST_CASE("modifiers count for the wheel and the mouse as they are held, not one
   window.moveTo(inPane(window, "axial", 0.3, 0.4));
   window.keyDown("ctrl");
   window.wheel(1);
-  const Json zoomed = window.waitUntil("it zooms or scrolls", [&](const Json &s) {
-    return number(s, "axial.scale_mm_per_px") != scale || number(s, "axial.slice") != first;
-  });
+  const Json zoomed = C3DE_WAIT(window, "it zooms or scrolls",
+                                number(s, "axial.scale_mm_per_px") != scale || number(s, "axial.slice") != first);
   CHECK(number(zoomed, "axial.slice") == first);
   const double closer = number(zoomed, "axial.scale_mm_per_px");
   CHECK(closer < scale);
   window.keyUp("ctrl");
   window.wheel(1);
-  const Json scrolled = window.waitUntil("it scrolls or zooms", [&](const Json &s) {
-    return number(s, "axial.scale_mm_per_px") != closer || number(s, "axial.slice") != first;
-  });
+  const Json scrolled = C3DE_WAIT(window, "it scrolls or zooms",
+                                  number(s, "axial.scale_mm_per_px") != closer || number(s, "axial.slice") != first);
   CHECK(number(scrolled, "axial.slice") == first + 1);
   CHECK(number(scrolled, "axial.scale_mm_per_px") == closer);
   window.keyDown("shift");
   window.wheel(1);
-  window.waitUntil("ten slices", [&](const Json &s) { return number(s, "axial.slice") == first + 11; });
+  C3DE_WAIT(window, "ten slices", number(s, "axial.slice") == first + 11);
   window.keyUp("shift");
   window.wheel(-1);
-  window.waitUntil("one slice", [&](const Json &s) { return number(s, "axial.slice") == first + 10; });
+  C3DE_WAIT(window, "one slice", number(s, "axial.slice") == first + 10);
   // Shift and a move set the cross-hair, a move without it does not.
   const Vec3 before = crossHair(window.state());
   window.keyDown("shift");
   window.moveTo(inPane(window, "axial", 0.4, 0.6));
-  const Json pointed =
-      window.waitUntil("the cross-hair follows", [&](const Json &s) { return norm(crossHair(s) - before) > 1.0; });
+  const Json pointed = C3DE_WAIT(window, "the cross-hair follows", norm(crossHair(s) - before) > 1.0);
   window.keyUp("shift");
   window.moveTo(inPane(window, "axial", 0.6, 0.45));
   window.waitFrames(0);
@@ -179,20 +167,17 @@ TEST_CASE("R is the reset of the view under the mouse, and Ctrl+R that of the si
   window.wheel(3);
   window.moveTo(inPane(window, "coronal", 0.3, 0.4));
   window.wheel(2);
-  window.waitUntil("both have scrolled", [&](const Json &s) {
-    return number(s, "axial.slice") == number(first, "axial.slice") + 3 &&
-           number(s, "coronal.slice") == number(first, "coronal.slice") + 2;
-  });
+  C3DE_WAIT(window, "both have scrolled",
+            number(s, "axial.slice") == number(first, "axial.slice") + 3 &&
+                number(s, "coronal.slice") == number(first, "coronal.slice") + 2);
   window.key("r");
-  window.waitUntil("this one is as at the start",
-                   [&](const Json &s) { return number(s, "coronal.slice") == number(first, "coronal.slice"); });
+  C3DE_WAIT(window, "this one is as at the start", number(s, "coronal.slice") == number(first, "coronal.slice"));
   CHECK(number(window.state(), "axial.slice") == number(first, "axial.slice") + 3);
   window.drag(inPane(window, "3D", 0.5, 0.5), inPane(window, "3D", 0.7, 0.6), 3);
   REQUIRE(window.state()["camera"]["yaw"] != first["camera"]["yaw"]);
   window.key("r");
-  window.waitUntil("the camera is as at the start", [&](const Json &s) {
-    return s["camera"]["yaw"] == first["camera"]["yaw"] && s["camera"]["pitch"] == first["camera"]["pitch"];
-  });
+  C3DE_WAIT(window, "the camera is as at the start",
+            s["camera"]["yaw"] == first["camera"]["yaw"] && s["camera"]["pitch"] == first["camera"]["pitch"]);
   CHECK(number(window.state(), "axial.slice") == number(first, "axial.slice") + 3);
   // The hint describes the action of the mouse at its position.
   CHECK_THAT(window.value("status/hint"), Contains("orbit"));
@@ -207,28 +192,24 @@ TEST_CASE("a click sets the cross-hair in all views, and the read-out tells what
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("image_cross_hair");
   startOn(window, {imageFile("image_cross_hair").string(), labelFile("image_cross_hair").string()});
-  window.waitUntil("the labels are there",
-                   [](const Json &s) { return s["jobs"].empty() && !text(s, "Label map").empty(); });
+  C3DE_WAIT(window, "the labels are there", s["jobs"].empty() && !text(s, "Label map").empty());
   // The stem of the L: x = 23, y = -6, z = 0.
   window.clickAt(pixelOf(window, "coronal", {23, 0, 0}));
   window.clickAt(pixelOf(window, "sagittal", {0, -6, 0}));
-  const Json state = window.waitUntil("the cross-hair is there", [](const Json &s) {
-    return norm(crossHair(s) - Vec3{23, -6, 0}) < 2.0;
-  });
+  const Json state = C3DE_WAIT(window, "the cross-hair is there", norm(crossHair(s) - Vec3{23, -6, 0}) < 2.0);
   for (const char *pane : {"axial", "sagittal", "coronal"})
     CHECK(text(state, std::string(pane) + ".cross_hair") == "shown");
   // The mouse is over the sagittal view; the others read at the cross-hair.
   CHECK_THAT(text(state, "axial.readout"), Contains("   700") && Contains("letters") && Contains("mm"));
   window.screenshot("on_the_L");
   window.moveTo(inPane(window, "axial", 0.2, 0.2));
-  window.waitUntil("the read-out follows the mouse",
-                   [](const Json &s) { return text(s, "axial.readout").find("-1000") != std::string::npos; });
+  C3DE_WAIT(window, "the read-out follows the mouse", text(s, "axial.readout").find("-1000") != std::string::npos);
   window.wheel(-2);
-  window.waitUntil("it is not on that slice", [](const Json &s) { return text(s, "axial.cross_hair") == "hidden"; });
+  C3DE_WAIT(window, "it is not on that slice", text(s, "axial.cross_hair") == "hidden");
   CHECK(text(window.state(), "coronal.cross_hair") == "shown");
   CHECK(norm(crossHair(window.state()) - crossHair(state)) < 1e-9);
   window.key("c");
-  window.waitUntil("it is switched off", [](const Json &s) { return text(s, "coronal.cross_hair") == "hidden"; });
+  C3DE_WAIT(window, "it is switched off", text(s, "coronal.cross_hair") == "hidden");
 }
 
 TEST_CASE("window and level follow a drag in their own mode, and number keys are presets", "[image_window]") {
@@ -245,14 +226,13 @@ TEST_CASE("window and level follow a drag in their own mode, and number keys are
   CHECK(norm(crossHair(dragged) - crossHair(first)) < 1e-9);
   window.screenshot("dragged");
   window.key("3");
-  window.waitUntil("bone", [](const Json &s) { return number(s, "window") == 2000.0 && number(s, "level") == 400.0; });
+  C3DE_WAIT(window, "bone", number(s, "window") == 2000.0 && number(s, "level") == 400.0);
   window.key("0");
-  window.waitUntil("automatic", [&](const Json &s) { return number(s, "window") == number(first, "window"); });
+  C3DE_WAIT(window, "automatic", number(s, "window") == number(first, "window"));
   // In the 3D view the same key is a direction.
   window.moveTo(inPane(window, "3D", 0.5, 0.5));
   window.key("3");
-  window.waitUntil("the camera has turned",
-                   [&](const Json &s) { return s["camera"]["yaw"] != first["camera"]["yaw"]; });
+  C3DE_WAIT(window, "the camera has turned", s["camera"]["yaw"] != first["camera"]["yaw"]);
   CHECK(number(window.state(), "window") == number(first, "window"));
   window.click("toolbar/slices.cross_hair");
   window.clickAt(inPane(window, "axial", 0.4, 0.4));
@@ -266,32 +246,30 @@ TEST_CASE("a double click gives a view the whole area, and another one gives it 
   const Json four = window.state();
   // The cross-hair never leaves the image: outside, the nearest point of the image is used.
   window.clickAt(inPane(window, "axial", 0.02, 0.5));
-  const Json clicked =
-      window.waitUntil("the click is taken", [&](const Json &s) { return norm(crossHair(s) - crossHair(four)) > 1.0; });
+  const Json clicked = C3DE_WAIT(window, "the click is taken", norm(crossHair(s) - crossHair(four)) > 1.0);
   CHECK(crossHair(clicked)[0] == Approx(-80.0).margin(1e-3));  // the image ends there
   CHECK_THAT(text(clicked, "coronal.readout"), Contains("["));
   std::this_thread::sleep_for(std::chrono::milliseconds(450));
   // A double click changes only the views.
   window.doubleClickAt(inPane(window, "axial", 0.8, 0.03));
-  const Json onlyAxial = window.waitUntil("one view", [&](const Json &s) { return s["panes"].size() == 1; });
+  const Json onlyAxial = C3DE_WAIT(window, "one view", s["panes"].size() == 1);
   CHECK(crossHair(onlyAxial) == crossHair(clicked));
   std::this_thread::sleep_for(std::chrono::milliseconds(450));
   window.doubleClickAt(inPane(window, "axial", 0.7, 0.2));
-  const Json fourAgain = window.waitUntil("four views", [](const Json &s) { return s["panes"].size() == 4; });
+  const Json fourAgain = C3DE_WAIT(window, "four views", s["panes"].size() == 4);
   CHECK(crossHair(fourAgain) == crossHair(clicked));
   for (const char *pane : {"axial", "sagittal", "coronal"})
     CHECK(number(fourAgain, std::string(pane) + ".slice") == number(clicked, std::string(pane) + ".slice"));
   std::this_thread::sleep_for(std::chrono::milliseconds(450));
   for (const char *pane : {"coronal", "3D"}) {
     window.doubleClickAt(inPane(window, pane, 0.4, 0.4));
-    const Json one = window.waitUntil(
-        "one view", [&](const Json &s) { return s["panes"].size() == 1 && s["panes"].contains(pane); });
+    const Json one = C3DE_WAIT(window, "one view", s["panes"].size() == 1 && s["panes"].contains(pane));
     CHECK(one["panes"][pane]["w"] > 1.9 * four["panes"][pane]["w"].get<double>());
     window.screenshot(std::string("only_") + pane);
     // Clicks in quicker succession than a double click count as triple or quadruple clicks.
     std::this_thread::sleep_for(std::chrono::milliseconds(450));
     window.doubleClickAt(inPane(window, pane, 0.4, 0.4));
-    const Json back = window.waitUntil("four views", [](const Json &s) { return s["panes"].size() == 4; });
+    const Json back = C3DE_WAIT(window, "four views", s["panes"].size() == 4);
     CHECK(back["panes"] == four["panes"]);
     std::this_thread::sleep_for(std::chrono::milliseconds(450));
   }
@@ -308,11 +286,10 @@ TEST_CASE("a view shows what has changed in it at once, and no more than that", 
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("image_kept");
   startOn(window, {imageFile("image_kept").string(), labelFile("image_kept").string()});
-  window.waitUntil("the labels are there",
-                   [](const Json &s) { return s["jobs"].empty() && !text(s, "Label map").empty(); });
+  C3DE_WAIT(window, "the labels are there", s["jobs"].empty() && !text(s, "Label map").empty());
   const auto shot = [&](const char *name) {
     window.moveTo(inPane(window, "3D", 0.9, 0.9));
-    window.waitUntil("notices are gone", [](const Json &s) { return s["notifications"].empty(); });
+    C3DE_WAIT(window, "notices are gone", s["notifications"].empty());
     window.screenshotAtRest(name);
   };
   const auto differ = [&](const char *before, const char *after, const std::vector<std::string> &changed) {
@@ -334,7 +311,7 @@ TEST_CASE("a view shows what has changed in it at once, and no more than that", 
   differ("first", "four_again", {});
   window.moveTo(inPane(window, "axial", 0.5, 0.5));
   window.wheel(3);
-  window.waitUntil("another slice", [&](const Json &s) { return number(s, "axial.slice") == 27.0; });
+  C3DE_WAIT(window, "another slice", number(s, "axial.slice") == 27.0);
   shot("scrolled");
   CHECK(window.differingPixels("first", "scrolled", "axial") > 50.0);
   CHECK(window.differingPixels("first", "scrolled", "3D") > 50.0);
@@ -362,8 +339,7 @@ TEST_CASE("volume rendering, presets and labels are chosen in the panel", "[imag
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("image_panel");
   startOn(window, {imageFile("image_panel").string(), labelFile("image_panel").string()});
-  window.waitUntil("the labels are there",
-                   [](const Json &s) { return s["jobs"].empty() && !text(s, "Label map").empty(); });
+  C3DE_WAIT(window, "the labels are there", s["jobs"].empty() && !text(s, "Label map").empty());
   window.screenshot("before");
   window.click("image/volume");
   window.waitForValue("image/volume", "true");
@@ -426,7 +402,7 @@ TEST_CASE("a file that cannot be read leads to a message, and the image stays", 
   const fs::path bad = outputFile("image_bad_file_broken.nii");
   std::ofstream(bad, std::ios::binary) << "this is no image";
   startOn(window, {imageFile("image_bad_file").string(), bad.string()});
-  const Json state = window.waitUntil("the message", [](const Json &s) { return s["notifications"].size() == 1; });
+  const Json state = C3DE_WAIT(window, "the message", s["notifications"].size() == 1);
   CHECK_THAT(state["notifications"][0]["title"].get<std::string>(), Contains("image_bad_file_broken.nii"));
   CHECK(state["notifications"][0]["severity"] == "error");
   CHECK(state["panes"].size() == 4);
@@ -443,9 +419,8 @@ TEST_CASE("of several files each that cannot be used says why, and the others ar
   REQUIRE(c3de::imaging::writeLabelMap(far, map));
   startOn(window, {imageFile("image_several").string(), notes.string(),
                    (fs::path(testResourcesFolder()) / "meshes" / "organ.obj").string(), far.string()});
-  const Json state = window.waitUntil("both messages and the organ", [](const Json &s) {
-    return s["notifications"].size() == 2 && s["transport"]["exists"].get<bool>();
-  });
+  const Json state = C3DE_WAIT(window, "both messages and the organ",
+                               s["notifications"].size() == 2 && s["transport"]["exists"].get<bool>());
   std::string all;
   for (const Json &n : state["notifications"])
     all += n["title"].get<std::string>() + ": " + n["text"].get<std::string>() + "\n";
@@ -455,9 +430,7 @@ TEST_CASE("of several files each that cannot be used says why, and the others ar
 }
 
 TEST_CASE("an organ is cut by the slices and can be pulled in the 3D view beside them", "[image_organ]") {
-  C3DE_WINDOW_OR_SKIP();
-  if (!fs::exists(fs::path(testPluginFolder()) / (std::string("pointbased") + c3de::pluginExtension())))
-    C3DE_SKIP("the point-based plugin is not built");
+  C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("image_organ");
   const fs::path scene = outputFile("image_organ.toml");
   std::ofstream(scene)
@@ -467,26 +440,24 @@ TEST_CASE("an organ is cut by the slices and can be pulled in the 3D view beside
       << "material = { law = \"neo_hookean\", youngs_modulus = 6e3, poisson_ratio = 0.4, density = 1000.0 }\n"
       << "sampling = { count = 400 }\n";
   startOn(window, {imageFile("image_organ").string(), scene.string()});
-  window.waitUntil("the organ is cut by all slices", [](const Json &s) {
-    return number(s, "axial.outlines") >= 1 && number(s, "sagittal.outlines") >= 1 &&
-           number(s, "coronal.outlines") >= 1;
-  });
+  C3DE_WAIT(
+      window, "the organ is cut by all slices",
+      number(s, "axial.outlines") >= 1 && number(s, "sagittal.outlines") >= 1 && number(s, "coronal.outlines") >= 1);
   // the planes would hide the organ from the mouse
   window.click("scene/" + imageFile("image_organ").filename().string());
   window.moveTo(inPane(window, "3D", 0.5, 0.5));
   window.key("f");
   window.screenshot("rest");
   window.key("p");
-  window.waitUntil("the pinch tool is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
+  C3DE_WAIT(window, "the pinch tool is active", s["tool"] == "pointbased.pinch");
   window.key("space");
   window.moveTo(inPane(window, "3D", 0.5, 0.5));
   window.press();
   const auto held = [](const Json &s) { return s["values"].value("pointbased.controller/Held surfel", std::string()); };
-  window.waitUntil("a surfel is held", [&](const Json &s) { return !held(s).empty() && held(s) != "–"; });
+  C3DE_WAIT(window, "a surfel is held", !held(s).empty() && held(s) != "–");
   for (int i = 1; i <= 6; ++i) window.moveTo(inPane(window, "3D", 0.5 + 0.05 * i, 0.5 - 0.04 * i));
-  window.waitUntil("the hand pulls", [](const Json &s) {
-    return std::strtod(s["values"].value("pointbased.controller/Pinch force", std::string()).c_str(), nullptr) > 0.0;
-  });
+  C3DE_WAIT(window, "the hand pulls",
+            std::strtod(s["values"].value("pointbased.controller/Pinch force", std::string()).c_str(), nullptr) > 0.0);
   window.waitFrames(10);
   window.screenshot("pulled");
   window.release();
@@ -495,9 +466,7 @@ TEST_CASE("an organ is cut by the slices and can be pulled in the 3D view beside
 }
 
 TEST_CASE("implants, instruments and jaws are cut by the slices, as they move", "[image_rigid]") {
-  C3DE_WINDOW_OR_SKIP();
-  if (!fs::exists(fs::path(testPluginFolder()) / (std::string("pointbased") + c3de::pluginExtension())))
-    C3DE_SKIP("the point-based plugin is not built");
+  C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("image_rigid");
   std::ofstream(outputFile("image_rigid_plate.obj"))
       << "v -40 56 -20\nv -40 56 20\nv -40 64 -20\nv -40 64 20\nv 40 56 -20\nv 40 56 20\nv 40 64 -20\nv 40 64 20\n"
@@ -548,12 +517,11 @@ TEST_CASE("implants, instruments and jaws are cut by the slices, as they move", 
   // The instrument, on the far side of the organ.
   window.moveTo(inPane(window, "3D", 0.5, 0.5));
   window.key("t");
-  window.waitUntil("the touch tool is active", [](const Json &s) { return s["tool"] == "pointbased.touch"; });
+  C3DE_WAIT(window, "the touch tool is active", s["tool"] == "pointbased.touch");
   window.moveTo(inPane(window, "3D", 0.4, 0.5));
   window.press();
-  window.waitUntil("an instrument is there", [&](const Json &s) {
-    return s["values"].value(panel + "Contact area", std::string()).ends_with("mm²");
-  });
+  C3DE_WAIT(window, "an instrument is there",
+            s["values"].value(panel + "Contact area", std::string()).ends_with("mm²"));
   window.release();
   typed("touch_x", "-75");
   typed("touch_z", "0");
@@ -567,9 +535,7 @@ TEST_CASE("implants, instruments and jaws are cut by the slices, as they move", 
 }
 
 TEST_CASE("an image moves with its body, stands where it stands and goes back with it", "[image_warp]") {
-  C3DE_WINDOW_OR_SKIP();
-  if (!fs::exists(fs::path(testPluginFolder()) / (std::string("pointbased") + c3de::pluginExtension())))
-    C3DE_SKIP("the point-based plugin is not built");
+  C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("image_warp");
   const fs::path scene = outputFile("image_warp.toml");
   const std::string image = imageFile("image_warp").generic_string();
@@ -585,16 +551,15 @@ TEST_CASE("an image moves with its body, stands where it stands and goes back wi
     const std::size_t at = readout.find("|u| ");
     return at == std::string::npos ? -1.0 : std::strtod(readout.c_str() + at + 4, nullptr);
   };
-  window.waitUntil("the image knows its displacement", [&](const Json &s) { return shift_mm(s) == 0.0; });
+  C3DE_WAIT(window, "the image knows its displacement", shift_mm(s) == 0.0);
   window.screenshot("rest");
   window.key("space");
-  window.waitUntil("it flies", [](const Json &s) { return s["transport"]["time_s"] > 0.8; });
+  C3DE_WAIT(window, "it flies", s["transport"]["time_s"] > 0.8);
   window.key("space");
   // At the end the displacement belongs to the displayed time; the read-out has two decimals.
-  window.waitUntil("it stands", [&](const Json &s) {
-    return s["transport"]["mode"] == "paused" &&
-           std::abs(shift_mm(s) - kSpeed_mm_s * s["transport"]["time_s"].get<double>()) < 0.011;
-  });
+  C3DE_WAIT(window, "it stands",
+            s["transport"]["mode"] == "paused" &&
+                std::abs(shift_mm(s) - kSpeed_mm_s * s["transport"]["time_s"].get<double>()) < 0.011);
   window.screenshot("flown");
   CHECK(window.differingPixels("rest", "flown") > 500);
 
@@ -602,16 +567,14 @@ TEST_CASE("an image moves with its body, stands where it stands and goes back wi
   const auto save = [&](const std::string &entry, const fs::path &file) {
     fs::remove(file);
     window.click("menu/file");
-    window.waitUntil("the menu is open", [&](const Json &s) { return s["widgets"].contains("menu/" + entry); });
+    C3DE_WAIT(window, "the menu is open", s["widgets"].contains("menu/" + entry));
     window.click("menu/" + entry);
-    window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
-    window.type(file.string());
-    window.key("Return");
-    window.waitUntil("it is written", [&](const Json &s) { return s["notifications"].size() == 1; });
+    window.enterFile(file);
+    C3DE_WAIT(window, "it is written", s["notifications"].size() == 1);
     CHECK(window.state()["notifications"][0]["title"] == "Exported");
     CHECK_THAT(window.state()["notifications"][0]["text"].get<std::string>(), Contains(file.filename().string()));
     window.click("notification/close.0");
-    window.waitUntil("the message is closed", [](const Json &s) { return s["notifications"].empty(); });
+    C3DE_WAIT(window, "the message is closed", s["notifications"].empty());
   };
   const fs::path seen = outputFile("image_warp_seen.nii.gz"), field = outputFile("image_warp_u.nrrd");
   save("file.export_image", seen);
@@ -639,14 +602,12 @@ TEST_CASE("an image moves with its body, stands where it stands and goes back wi
   CHECK(fs::file_size(field) > 1000);
   window.moveTo(inPane(window, "3D", 0.5, 0.9));  // over a slice the key is the slice's
   window.key("ctrl+r");
-  window.waitUntil("it is back", [&](const Json &s) { return s["transport"]["time_s"] == 0.0 && shift_mm(s) == 0.0; });
+  C3DE_WAIT(window, "it is back", s["transport"]["time_s"] == 0.0 && shift_mm(s) == 0.0);
   CHECK(window.state()["notifications"].empty());
 }
 
 TEST_CASE("an image follows its body far from where it began", "[image_warp_far]") {
-  C3DE_WINDOW_OR_SKIP();
-  if (!fs::exists(fs::path(testPluginFolder()) / (std::string("pointbased") + c3de::pluginExtension())))
-    C3DE_SKIP("the point-based plugin is not built");
+  C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("image_warp_far");
   const fs::path scene = outputFile("image_warp_far.toml");
   const std::string image = imageFile("image_warp_far").generic_string();
@@ -664,10 +625,9 @@ TEST_CASE("an image follows its body far from where it began", "[image_warp_far]
     const std::size_t at = readout.find("|u| ");
     return at == std::string::npos ? -1.0 : std::strtod(readout.c_str() + at + 4, nullptr);
   };
-  window.waitUntil("the image knows its displacement", [&](const Json &s) { return shift_mm(s) == 0.0; });
+  C3DE_WAIT(window, "the image knows its displacement", shift_mm(s) == 0.0);
   window.clickAt(pixelOf(window, "axial", place));
-  window.waitUntil("the cross-hair is there",
-                   [&](const Json &s) { return std::abs(crossHair(s)[0] - place[0]) < 2.0; });
+  C3DE_WAIT(window, "the cross-hair is there", std::abs(crossHair(s)[0] - place[0]) < 2.0);
   CHECK_THAT(text(window.state(), "coronal.readout"), Contains("   -1000"));
   window.click("image/overlay");
   window.click("image/overlay.option.|u|");
@@ -675,17 +635,17 @@ TEST_CASE("an image follows its body far from where it began", "[image_warp_far]
   window.moveTo(inPane(window, "3D", 0.5, 0.9));  // over a slice the keys are the slice's
   window.screenshot("rest");
   window.key("space");
-  window.waitUntil("it is far away", [](const Json &s) { return s["transport"]["time_s"] > 1.1; });
+  C3DE_WAIT(window, "it is far away", s["transport"]["time_s"] > 1.1);
   window.key("space");
-  const Json flown = window.waitUntil("it stands", [&](const Json &s) {
-    return s["transport"]["mode"] == "paused" &&
-           std::abs(shift_mm(s) - kSpeed_mm_s * s["transport"]["time_s"].get<double>()) < 0.011;
-  });
+  const Json flown =
+      C3DE_WAIT(window, "it stands",
+                s["transport"]["mode"] == "paused" &&
+                    std::abs(shift_mm(s) - kSpeed_mm_s * s["transport"]["time_s"].get<double>()) < 0.011);
   CHECK_THAT(text(flown, "coronal.readout"), !Contains("   -1000"));
   window.screenshot("flown");
   CHECK(window.differingPixels("rest", "flown") > 500);
   window.key("ctrl+r");
-  window.waitUntil("it is back", [&](const Json &s) { return s["transport"]["time_s"] == 0.0 && shift_mm(s) == 0.0; });
+  C3DE_WAIT(window, "it is back", s["transport"]["time_s"] == 0.0 && shift_mm(s) == 0.0);
   CHECK(window.state()["notifications"].empty());
 }
 
@@ -702,14 +662,14 @@ TEST_CASE("a folder of several series asks for one, and for none", "[image_serie
   CHECK(asked["widgets"]["series/series.1"][0].get<double>() > asked["area"]["x"].get<double>());
   window.screenshot("asked");
   window.click("series/series.1");
-  window.waitUntil("the series is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); });
+  C3DE_WAIT(window, "the series is shown", s["panes"].size() == 4 && s["jobs"].empty());
   CHECK_FALSE(window.state()["widgets"].contains("series/series.0"));
 
   WorkstationDriver other("image_series_none");
   other.start({folder.string()});
   other.waitUntil("a series is asked for", isAsked);
   other.click("series/cancel");
-  other.waitUntil("the question is gone", [](const Json &s) { return !s["widgets"].contains("series/series.1"); });
+  C3DE_WAIT(other, "the question is gone", !s["widgets"].contains("series/series.1"));
   CHECK(other.state()["panes"].empty());
 }
 
@@ -721,9 +681,8 @@ TEST_CASE("a segmentation that is opened as an image is a label map", "[image_se
   for (const fs::path &file : {segments, labelFile("image_segmentation", ".seg.nrrd")}) {
     WorkstationDriver alone("image_segmentation" + file.extension().string());
     alone.start({file.string()});
-    const Json state = alone.waitUntil("its labels are there", [](const Json &s) {
-      return s["panes"].size() == 4 && s["jobs"].empty() && !text(s, "Label map").empty();
-    });
+    const Json state = C3DE_WAIT(alone, "its labels are there",
+                                 s["panes"].size() == 4 && s["jobs"].empty() && !text(s, "Label map").empty());
     CHECK(text(state, "Label map") == file.filename().string());
     std::string all;
     for (const Json &n : state["notifications"]) all += n["text"].get<std::string>() + "\n";
@@ -734,13 +693,12 @@ TEST_CASE("a segmentation that is opened as an image is a label map", "[image_se
   startOn(window, {scan.string()});
   const std::string shown = text(window.state(), "Image");
   window.key("ctrl+i");
-  window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+  C3DE_WAIT(window, "the dialog is open", s["widgets"].contains("dialog/path"));
   window.click("dialog/path");
   window.key("ctrl+a");
   window.type(segments.string());
   window.key("Return");
-  const Json state = window.waitUntil("its labels are there",
-                                      [](const Json &s) { return s["jobs"].empty() && !text(s, "Label map").empty(); });
+  const Json state = C3DE_WAIT(window, "its labels are there", s["jobs"].empty() && !text(s, "Label map").empty());
   CHECK(text(state, "Image") == shown);
   CHECK(text(state, "Label map") == "liver.dcm");
   std::string all;

@@ -16,8 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path floatingSprings() {
-  const fs::path scene = fs::path(testOutputRoot()) / "ui" / "springs.toml";
-  fs::create_directories(scene.parent_path());
+  const fs::path scene = c3de::test::outputFile("springs.toml");
   std::ofstream(scene) << "format = 1\ntitle = \"Springs\"\n[simulator]\nclass = \"org.c3de.mass_spring.Simulator/0\"\n"
                           "[world]\ngravity = [0.0, 0.0, 0.0]\n[solver]\ndamping = 5.0\n"
                           "[[body]]\nname = \"organ\"\nmesh = \""
@@ -34,21 +33,20 @@ double pull(const Json &state) {
 }  // namespace
 
 TEST_CASE("an organ of masses and springs is shown, follows the hand and is let go", "[springs_pull]") {
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("springs_pull");
   const std::string plugin =
       (fs::path(testExampleFolder()) / (std::string("mass_spring") + c3de::pluginExtension())).string();
   window.start({floatingSprings().string(), "--plugin", plugin});
-  window.waitUntil("the organ is shown", [](const Json &s) {
-    return s["transport"]["exists"].get<bool>() && s["jobs"].empty() &&
-           s["values"].contains("org.c3de.mass_spring.panel/organ");
-  });
+  C3DE_WAIT(window, "the organ is shown",
+            s["transport"]["exists"].get<bool>() && s["jobs"].empty() &&
+                s["values"].contains("org.c3de.mass_spring.panel/organ"));
   window.moveTo(window.inView(0.5, 0.5));
   window.key("f");
   window.key("s");
-  window.waitUntil("the tool is active", [](const Json &s) { return s["tool"] == "org.c3de.mass_spring.pinch"; });
+  C3DE_WAIT(window, "the tool is active", s["tool"] == "org.c3de.mass_spring.pinch");
   window.key("space");
-  window.waitUntil("it plays", [](const Json &s) { return s["transport"]["mode"] == "playing"; });
+  C3DE_WAIT(window, "it plays", s["transport"]["mode"] == "playing");
   CHECK(pull(window.state()) == 0.0);
   window.screenshot("before");
 
@@ -56,36 +54,32 @@ TEST_CASE("an organ of masses and springs is shown, follows the hand and is let 
   const Point from = window.inView(0.55, 0.5), to = window.inView(0.68, 0.3);
   window.moveTo(from);
   window.press();
-  for (int i = 1; i <= 8; ++i) window.moveTo({from.x + i / 8.0 * (to.x - from.x), from.y + i / 8.0 * (to.y - from.y)});
-  window.waitUntil("the hand pulls", [](const Json &s) { return pull(s) > 0.01; });
+  window.moveAlong(from, to, 8);
+  C3DE_WAIT(window, "the hand pulls", pull(s) > 0.01);
   window.screenshot("pulling");
   window.release();
-  window.waitUntil("it is let go", [](const Json &s) { return pull(s) == 0.0; });
+  C3DE_WAIT(window, "it is let go", pull(s) == 0.0);
   CHECK(window.state()["camera"] == camera);
   CHECK(window.state()["notifications"].empty());
 
   // Its state is saved to a file, advanced, and restored.
-  const fs::path file = fs::path(testOutputRoot()) / "ui" / "springs.c3dstate";
+  const fs::path file = c3de::test::outputFile("springs.c3dstate");
   fs::remove(file);
   const auto choose = [&](const std::string &entry, const fs::path &path, std::size_t answers) {
     window.click("menu/simulation");
-    window.waitUntil("the menu is open", [&](const Json &s) { return s["widgets"].contains("menu/" + entry); });
+    C3DE_WAIT(window, "the menu is open", s["widgets"].contains("menu/" + entry));
     window.click("menu/" + entry);
-    window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
-    window.type(path.string());
-    window.key("Return");
-    return window.waitUntil("it is answered",
-                            [&](const Json &s) { return s["notifications"].size() == answers; })["notifications"];
+    window.enterFile(path);
+    return C3DE_WAIT(window, "it is answered", s["notifications"].size() == answers)["notifications"];
   };
   window.key("space");
-  const Json paused = window.waitUntil("it pauses", [](const Json &s) { return s["transport"]["mode"] == "paused"; });
+  const Json paused = C3DE_WAIT(window, "it pauses", s["transport"]["mode"] == "paused");
   CHECK(choose("simulation.save_state", file, 1).back()["title"] == "Saved");
   window.key("space");
-  window.waitUntil("it has gone on", [&](const Json &s) {
-    return s["transport"]["steps"].get<int>() > paused["transport"]["steps"].get<int>() + 50;
-  });
+  C3DE_WAIT(window, "it has gone on",
+            s["transport"]["steps"].get<int>() > paused["transport"]["steps"].get<int>() + 50);
   window.key("space");
-  window.waitUntil("it pauses", [](const Json &s) { return s["transport"]["mode"] == "paused"; });
+  C3DE_WAIT(window, "it pauses", s["transport"]["mode"] == "paused");
   CHECK(choose("simulation.load_state", file, 2).back()["title"] == "Loaded");
   CHECK(window.state()["transport"]["steps"] == paused["transport"]["steps"]);
   // An invalid state is refused, and nothing has changed.

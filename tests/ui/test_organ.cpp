@@ -21,22 +21,11 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char *kPanel = "pointbased.controller/";
 
-std::string whyNot() {
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) return reason;
-  if (!fs::exists(fs::path(testPluginFolder()) / (std::string("pointbased") + c3de::pluginExtension())))
-    return "the point-based plugin is not built";
-  return {};
-}
-
-#define C3DE_ORGAN_OR_SKIP() \
-  if (const std::string reason = whyNot(); !reason.empty()) C3DE_SKIP(reason)
-
 fs::path organMesh() { return fs::path(testResourcesFolder()) / "meshes" / "organ.obj"; }
 
 /// A floating organ: only the user moves it.
 fs::path floatingOrgan() {
-  const fs::path scene = fs::path(testOutputRoot()) / "ui" / "floating.toml";
-  fs::create_directories(scene.parent_path());
+  const fs::path scene = c3de::test::outputFile("floating.toml");
   std::ofstream(scene)
       << "format = 1\ntitle = \"Floating organ\"\n[world]\ngravity = [0.0, 0.0, 0.0]\n"
          "[solver]\ndamping = 5.0\n[[body]]\nname = \"organ\"\nmesh = \""
@@ -48,12 +37,10 @@ fs::path floatingOrgan() {
 
 void startOrgan(WorkstationDriver &window) {
   window.start({floatingOrgan().string()});
-  window.waitUntil("the organ is there",
-                   [](const Json &s) { return s["transport"]["exists"].get<bool>() && s["jobs"].empty(); });
+  C3DE_WAIT(window, "the organ is there", s["transport"]["exists"].get<bool>() && s["jobs"].empty());
   // Its node and its rows appear with the first snapshot and push the rows below them down.
-  window.waitUntil("the organ is shown", [](const Json &s) {
-    return s["nodes"].size() >= 2 && !s["values"].value(std::string(kPanel) + "Surfels", "").empty();
-  });
+  C3DE_WAIT(window, "the organ is shown",
+            s["nodes"].size() >= 2 && !s["values"].value(std::string(kPanel) + "Surfels", "").empty());
   window.moveTo(window.inView(0.5, 0.5));
   window.key("f");
 }
@@ -79,13 +66,12 @@ TEST_CASE("a mesh alone falls on a floor and stays in sight", "[organ_floor]") {
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_floor");
   window.start({organMesh().string(), "--play"});
-  window.waitUntil("the organ is shown", [](const Json &s) { return !row(s, "Surfels").empty(); });
+  C3DE_WAIT(window, "the organ is shown", !row(s, "Surfels").empty());
   window.screenshot("falling");
   // Free fall would have taken it 20 m down.
-  window.waitUntil("two seconds are simulated",
-                   [](const Json &s) { return s["transport"]["time_s"].get<double>() > 2.0; });
+  C3DE_WAIT(window, "two seconds are simulated", s["transport"]["time_s"].get<double>() > 2.0);
   window.key("space");
-  window.waitUntil("it stands still", [](const Json &s) { return mode(s) == "paused"; });
+  C3DE_WAIT(window, "it stands still", mode(s) == "paused");
   window.screenshot("lying");
   CHECK(window.shareOfColour("lying", "r > 1.6*g && r > 0.25") > 0.03);
   const Json nodes = window.state()["nodes"];
@@ -97,8 +83,7 @@ TEST_CASE("three lines say how accurate an organ is, estimated and then verified
           "[organ_verify]") {
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_verify");
-  const fs::path scene = fs::path(testOutputRoot()) / "ui" / "verified.toml";
-  fs::create_directories(scene.parent_path());
+  const fs::path scene = c3de::test::outputFile("verified.toml");
   std::ofstream(scene) << "format = 1\ntitle = \"Hanging organ\"\n[world]\ngravity = [0.0, 0.0, "
                           "-9.81]\n[solver]\ndamping = 20.0\n[view]\n"
                           "colour = \"verified\"\n[[body]]\nname = \"organ\"\nmesh = \""
@@ -107,11 +92,10 @@ TEST_CASE("three lines say how accurate an organ is, estimated and then verified
                           "sampling = { count = 400 }\n[[fix]]\nregion = { half_space = { point = [-0.06, 0, 0], "
                           "normal = [1, 0, 0] } }\n";
   window.start({scene.string(), "--play"});
-  window.waitUntil("a part of a second is simulated", [](const Json &s) {
-    return !row(s, "Surfels").empty() && s["transport"]["time_s"].get<double>() > 0.3;
-  });
+  C3DE_WAIT(window, "a part of a second is simulated",
+            !row(s, "Surfels").empty() && s["transport"]["time_s"].get<double>() > 0.3);
   window.key("space");
-  window.waitUntil("it is paused", [](const Json &s) { return mode(s) == "paused"; });
+  C3DE_WAIT(window, "it is paused", mode(s) == "paused");
   const std::string hash = row(window.state(), "State hash");
   CHECK(row(window.state(), "Colours").empty());
   const auto isOnBasis = [](const char *basis) {
@@ -131,15 +115,13 @@ TEST_CASE("three lines say how accurate an organ is, estimated and then verified
   for (const char *old : {"Error estimate", "Error expected", "Estimated now", "At most", "Shadow"})
     CHECK(row(verified, old).empty());
   CHECK(row(verified, "State hash") == hash);
-  window.waitUntil("the colours are those of the verification",
-                   [](const Json &s) { return row(s, "Colours").starts_with("Error, verified, 0"); });
+  C3DE_WAIT(window, "the colours are those of the verification", row(s, "Colours").starts_with("Error, verified, 0"));
   window.screenshot("verified");
   window.click(std::string(kPanel) + "step");
-  window.waitUntil("the state has moved on", [](const Json &s) { return row(s, "Colours").empty(); });
+  C3DE_WAIT(window, "the state has moved on", row(s, "Colours").empty());
   window.screenshot("moved_on");
   window.key("ctrl+shift+v");
-  window.waitUntil("the keys have verified it, too",
-                   [](const Json &s) { return row(s, "Colours").starts_with("Error, verified, 0"); });
+  C3DE_WAIT(window, "the keys have verified it, too", row(s, "Colours").starts_with("Error, verified, 0"));
 }
 
 TEST_CASE("a pinched organ follows the hand and lets go on release", "[organ_pinch]") {
@@ -147,23 +129,19 @@ TEST_CASE("a pinched organ follows the hand and lets go on release", "[organ_pin
   WorkstationDriver window("organ_pinch");
   startOrgan(window);
   window.key("p");
-  window.waitUntil("the pinch tool is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
+  C3DE_WAIT(window, "the pinch tool is active", s["tool"] == "pointbased.pinch");
   window.key("space");
-  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 5; });
+  C3DE_WAIT(window, "it plays", mode(s) == "playing" && s["transport"]["steps"] > 5);
   CHECK(row(window.state(), "Pinch force") == "–");
 
   const Json camera = window.state()["camera"];
   const Point from = window.inView(0.5, 0.5), to = window.inView(0.62, 0.38);
   window.moveTo(from);
   window.press();
-  const Json held = window.waitUntil("a surfel is held", [](const Json &s) { return !row(s, "Held surfel").empty(); });
+  const Json held = C3DE_WAIT(window, "a surfel is held", !row(s, "Held surfel").empty());
   const auto start = millimetres(row(held, "Held point"));
-  for (int i = 1; i <= 8; ++i) {
-    const double t = i / 8.0;
-    window.moveTo({from.x + t * (to.x - from.x), from.y + t * (to.y - from.y)});
-  }
-  window.waitUntil("the hand pulls",
-                   [](const Json &s) { return std::strtod(row(s, "Pinch force").c_str(), nullptr) > 0.0; });
+  window.moveAlong(from, to, 8);
+  C3DE_WAIT(window, "the hand pulls", std::strtod(row(s, "Pinch force").c_str(), nullptr) > 0.0);
   window.screenshot("pulling");
   const auto hand = millimetres(row(window.state(), "Hand"));
   REQUIRE(distance(hand, start) > 10.0);
@@ -173,7 +151,7 @@ TEST_CASE("a pinched organ follows the hand and lets go on release", "[organ_pin
   });
   window.screenshot("followed");
   window.release();
-  window.waitUntil("it is let go", [](const Json &s) { return row(s, "Pinch force") == "–"; });
+  C3DE_WAIT(window, "it is let go", row(s, "Pinch force") == "–");
   CHECK(window.state()["camera"] == camera);
   CHECK(window.state()["notifications"].empty());
 }
@@ -183,35 +161,31 @@ TEST_CASE("a pinch while the simulation is stopped says so, and pulls as soon as
   WorkstationDriver window("organ_pinch_stopped");
   startOrgan(window);
   window.key("p");
-  window.waitUntil("the pinch tool is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
+  C3DE_WAIT(window, "the pinch tool is active", s["tool"] == "pointbased.pinch");
   const Point from = window.inView(0.5, 0.5), to = window.inView(0.62, 0.38);
   window.moveTo(from);
-  window.waitUntil("the status bar says it", [](const Json &s) {
-    return s["values"].value("status/hint", "").starts_with("Space plays the simulation");
-  });
+  C3DE_WAIT(window, "the status bar says it",
+            s["values"].value("status/hint", "").starts_with("Space plays the simulation"));
   window.press();
-  const Json held = window.waitUntil("it is said at the hand", [](const Json &s) {
-    return row(s, "Nothing moves") == "Stopped: press Space to play";
-  });
+  const Json held =
+      C3DE_WAIT(window, "it is said at the hand", row(s, "Nothing moves") == "Stopped: press Space to play");
   CHECK(mode(held) == "stopped");
   const auto start = millimetres(row(held, "Held point"));
-  for (int i = 1; i <= 4; ++i) window.moveTo({from.x + i / 4.0 * (to.x - from.x), from.y + i / 4.0 * (to.y - from.y)});
+  window.moveAlong(from, to, 4);
   window.waitFrames(5);
   window.screenshot("stopped");
   CHECK(window.state()["transport"]["steps"] == 0);
 
   // The hold is retained, and acts.
   window.key("space");
-  window.waitUntil("the organ follows", [&](const Json &s) {
-    return mode(s) == "playing" && row(s, "Nothing moves").empty() &&
-           distance(millimetres(row(s, "Held point")), start) > 5.0;
-  });
+  C3DE_WAIT(window, "the organ follows",
+            mode(s) == "playing" && row(s, "Nothing moves").empty() &&
+                distance(millimetres(row(s, "Held point")), start) > 5.0);
   window.key("space");
-  window.waitUntil("a pause is said as well",
-                   [](const Json &s) { return row(s, "Nothing moves") == "Paused: press Space to play"; });
+  C3DE_WAIT(window, "a pause is said as well", row(s, "Nothing moves") == "Paused: press Space to play");
   window.screenshot("paused");
   window.release();
-  window.waitUntil("it is released", [](const Json &s) { return row(s, "Held point").empty(); });
+  C3DE_WAIT(window, "it is released", row(s, "Held point").empty());
   CHECK(window.state()["notifications"].empty());
 }
 
@@ -219,71 +193,62 @@ TEST_CASE("play, pause, step and reset do what they say, and reset is exact", "[
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_transport");
   startOrgan(window);
-  const std::string initial = window.waitUntil("the initial state is shown", [](const Json &s) {
-    return !row(s, "State hash").empty();
-  })["values"][std::string(kPanel) + "State hash"];
+  const std::string initial = C3DE_WAIT(window, "the initial state is shown",
+                                        !row(s, "State hash").empty())["values"][std::string(kPanel) + "State hash"];
   // It needs a cause of motion: pull once.
   window.key("p");
   window.click("toolbar/play");
-  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 5; });
+  C3DE_WAIT(window, "it plays", mode(s) == "playing" && s["transport"]["steps"] > 5);
   window.drag(window.inView(0.5, 0.5), window.inView(0.6, 0.4), 6);
   window.click("toolbar/play");
-  const Json paused = window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
+  const Json paused = C3DE_WAIT(window, "it pauses", mode(s) == "paused");
   const auto steps = paused["transport"]["steps"].get<long long>();
   CHECK(paused["transport"]["time_s"] > 0.0);
-  window.waitUntil("the pulled state is shown", [&](const Json &s) {
-    return row(s, "State hash") != initial && row(s, "Steps") == std::to_string(steps);
-  });
+  C3DE_WAIT(window, "the pulled state is shown",
+            row(s, "State hash") != initial && row(s, "Steps") == std::to_string(steps));
 
   window.moveTo(window.inView(0.9, 0.9));
   window.key("Right");
-  window.waitUntil("one step is made",
-                   [&](const Json &s) { return s["transport"]["steps"].get<long long>() == steps + 1; });
+  C3DE_WAIT(window, "one step is made", s["transport"]["steps"].get<long long>() == steps + 1);
   CHECK(mode(window.state()) == "paused");
   window.screenshot("paused");
   window.key("ctrl+r");
-  const Json reset = window.waitUntil("it is reset", [](const Json &s) { return s["transport"]["steps"] == 0; });
+  const Json reset = C3DE_WAIT(window, "it is reset", s["transport"]["steps"] == 0);
   CHECK(reset["transport"]["time_s"] == 0.0);
-  window.waitUntil("the initial state is back, bit for bit",
-                   [&](const Json &s) { return row(s, "State hash") == initial; });
+  C3DE_WAIT(window, "the initial state is back, bit for bit", row(s, "State hash") == initial);
 
   // The target rate is the selected one.
   window.click("toolbar/rate");
   window.click("toolbar/rate.option.1/4×");
-  window.waitUntil("the rate is set", [](const Json &s) { return s["transport"]["target_rate"] == 0.25; });
+  C3DE_WAIT(window, "the rate is set", s["transport"]["target_rate"] == 0.25);
   // Stop returns to the start, too.
   window.key("space");
-  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 2; });
+  C3DE_WAIT(window, "it plays", mode(s) == "playing" && s["transport"]["steps"] > 2);
   window.click("toolbar/stop");
-  window.waitUntil("it has stopped",
-                   [](const Json &s) { return mode(s) == "stopped" && s["transport"]["steps"] == 0; });
+  C3DE_WAIT(window, "it has stopped", mode(s) == "stopped" && s["transport"]["steps"] == 0);
 }
 
 TEST_CASE("an organ is loaded through the plugin's panel, and a bad file leaves it", "[organ_load]") {
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_load");
   startOrgan(window);
-  const fs::path copy = fs::path(testOutputRoot()) / "ui" / "second_organ.obj";
+  const fs::path copy = c3de::test::outputFile("second_organ.obj");
   fs::copy_file(organMesh(), copy, fs::copy_options::overwrite_existing);
   const auto choose = [&](const fs::path &file) {
     window.click("pointbased.controller/browse");
-    window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
-    window.type(file.string());
-    window.key("Return");
-    window.waitUntil("the file is taken",
-                     [&](const Json &s) { return row(s, "browse") == fs::weakly_canonical(file).string(); });
+    window.enterFile(file);
+    C3DE_WAIT(window, "the file is taken", row(s, "browse") == fs::weakly_canonical(file).string());
     window.click("pointbased.controller/load");
   };
   choose(copy);
-  window.waitUntil("the new organ is there",
-                   [](const Json &s) { return row(s, "Body") == "second_organ" && s["jobs"].empty(); });
+  C3DE_WAIT(window, "the new organ is there", row(s, "Body") == "second_organ" && s["jobs"].empty());
   CHECK(window.state()["notifications"].empty());
   window.screenshot("loaded");
 
-  const fs::path bad = fs::path(testOutputRoot()) / "ui" / "bad_organ.obj";
+  const fs::path bad = c3de::test::outputFile("bad_organ.obj");
   std::ofstream(bad) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n";
   choose(bad);
-  const Json refused = window.waitUntil("it is refused", [](const Json &s) { return !s["notifications"].empty(); });
+  const Json refused = C3DE_WAIT(window, "it is refused", !s["notifications"].empty());
   CHECK(refused["notifications"][0]["severity"] == "error");
   CHECK_THAT(refused["notifications"][0]["text"].get<std::string>(), Contains("bad_organ.obj"));
   CHECK(row(refused, "Body") == "second_organ");
@@ -292,8 +257,7 @@ TEST_CASE("an organ is loaded through the plugin's panel, and a bad file leaves 
 
 TEST_CASE("a mesh that says its unit is opened in it", "[organ_unit]") {
   C3DE_ORGAN_OR_SKIP();
-  const fs::path file = fs::path(testOutputRoot()) / "ui" / "in_metres.obj";
-  fs::create_directories(file.parent_path());
+  const fs::path file = c3de::test::outputFile("in_metres.obj");
   std::ofstream(file)
       << "# SPACE=LPS UNITS=m\nv 0 0 0\nv .2 0 0\nv .2 .1 0\nv 0 .1 0\nv 0 0 .1\nv .2 0 .1\nv .2 .1 .1\n"
          "v 0 .1 .1\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
@@ -304,24 +268,21 @@ TEST_CASE("a mesh that says its unit is opened in it", "[organ_unit]") {
     CHECK(window.waitUntil("it is of the file's unit", isTwoLitres)["notifications"].empty());
     // The dialog leaves the unit to the file, too.
     window.key("ctrl+m");
-    window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+    C3DE_WAIT(window, "the dialog is open", s["widgets"].contains("dialog/path"));
     CHECK(window.value("dialog/unit").empty());
     window.screenshot("dialog");
   }
   WorkstationDriver asked("organ_unit_asked");
   asked.start({"--unit", "cm", file.string()});
-  const Json state = asked.waitUntil("a unit that is asked for wins, and looks wrong",
-                                     [](const Json &s) { return s["jobs"].empty() && !s["notifications"].empty(); });
+  const Json state = C3DE_WAIT(asked, "a unit that is asked for wins, and looks wrong",
+                               s["jobs"].empty() && !s["notifications"].empty());
   CHECK(state["notifications"][0]["title"] == "Is the unit right?");
   CHECK_THAT(state["notifications"][0]["text"].get<std::string>(), Contains("cm, as was asked"));
   // The panel of the plugin leaves it to the file.
   CHECK(row(state, "Volume") != "2000 mL");
   asked.click("pointbased.controller/browse");
-  asked.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
-  asked.type(file.string());
-  asked.key("Return");
-  asked.waitUntil("the file is taken",
-                  [&](const Json &s) { return row(s, "browse") == fs::weakly_canonical(file).string(); });
+  asked.enterFile(file);
+  C3DE_WAIT(asked, "the file is taken", row(s, "browse") == fs::weakly_canonical(file).string());
   asked.click("pointbased.controller/load");
   asked.waitUntil("it is of the file's unit", isTwoLitres);
 }
@@ -330,20 +291,18 @@ TEST_CASE("a file that cannot be opened leaves the simulation that is open", "[o
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_keeps");
   startOrgan(window);
-  const fs::path bad = fs::path(testOutputRoot()) / "ui" / "bad_scene.toml";
+  const fs::path bad = c3de::test::outputFile("bad_scene.toml");
   std::ofstream(bad) << "format = 1\n[world]\ngravty = [0.0, -9.81, 0.0]\n[[body]]\nname = \"organ\"\nmesh = \""
                      << organMesh().generic_string() << "\"\nmesh_unit = \"mm\"\n";
   window.key("space");
   window.key("ctrl+o");
-  window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
-  window.type(bad.string());
-  window.key("Return");
-  const Json state = window.waitUntil("it is refused", [](const Json &s) { return s["notifications"].size() == 1; });
+  window.enterFile(bad);
+  const Json state = C3DE_WAIT(window, "it is refused", s["notifications"].size() == 1);
   const std::string text = state["notifications"][0]["text"];
   CHECK_THAT(text, Contains("bad_scene.toml:3") && Contains("gravty") && Contains("gravity"));
   CHECK(state["transport"]["title"] == "Floating organ");
   const auto steps = state["transport"]["steps"].get<long long>();
-  window.waitUntil("it goes on", [&](const Json &s) { return s["transport"]["steps"].get<long long>() > steps + 5; });
+  C3DE_WAIT(window, "it goes on", s["transport"]["steps"].get<long long>() > steps + 5);
   window.screenshot("kept");
 }
 
@@ -353,40 +312,34 @@ TEST_CASE("a simulation that plays is closed by the menu, and another one is ope
   startOrgan(window);
   window.key("p");
   window.key("space");
-  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 5; });
+  C3DE_WAIT(window, "it plays", mode(s) == "playing" && s["transport"]["steps"] > 5);
   window.click("menu/file");
   window.click("menu/file.close_simulation");
-  const Json closed = window.waitUntil("it is closed", [](const Json &s) { return s["transport"]["exists"] == false; });
+  const Json closed = C3DE_WAIT(window, "it is closed", s["transport"]["exists"] == false);
   CHECK(closed["nodes"].empty());
   CHECK(row(window.state(), "Surfels").empty());
   window.screenshot("closed");
   window.key("ctrl+m");
-  window.waitUntil("a file is asked for", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
-  window.key("ctrl+a");
-  window.type(organMesh().string());
-  window.click("dialog/open");
-  window.waitUntil("another one is there", [](const Json &s) {
-    return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty();
-  });
+  window.openFile(organMesh());
+  C3DE_WAIT(window, "another one is there",
+            s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty());
 }
 
 TEST_CASE("surface and frame of the present state are exported through the menu", "[organ_export]") {
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_export");
   startOrgan(window);
-  const fs::path folder = fs::path(testOutputRoot()) / "ui" / "export";
+  const fs::path folder = c3de::test::outputFile("export");
   fs::remove_all(folder);
   fs::create_directories(folder);
   const auto save = [&](const std::string &entry, const fs::path &file) {
     window.click("menu/file");
-    window.waitUntil("the menu is open", [&](const Json &s) { return s["widgets"].contains("menu/" + entry); });
+    C3DE_WAIT(window, "the menu is open", s["widgets"].contains("menu/" + entry));
     window.click("menu/" + entry);
-    window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
-    window.type(file.string());
-    window.key("Return");
+    window.enterFile(file);
   };
   save("file.export_surface", folder / "now.stl");
-  window.waitUntil("it is written", [](const Json &s) { return s["notifications"].size() == 1; });
+  C3DE_WAIT(window, "it is written", s["notifications"].size() == 1);
   CHECK(window.state()["notifications"][0]["title"] == "Exported");
   REQUIRE(fs::exists(folder / "now.stl"));
   CHECK(fs::file_size(folder / "now.stl") > 84 + 50 * 100);  // more than a hundred triangles
@@ -397,8 +350,7 @@ TEST_CASE("surface and frame of the present state are exported through the menu"
   // An existing file is replaced only after a second press.
   const auto before = fs::last_write_time(folder / "now.stl");
   save("file.export_surface", folder / "now.stl");
-  const Json asked =
-      window.waitUntil("the dialog asks", [](const Json &s) { return s["values"].contains("dialog/error"); });
+  const Json asked = C3DE_WAIT(window, "the dialog asks", s["values"].contains("dialog/error"));
   CHECK_THAT(asked["values"]["dialog/error"].get<std::string>(), Contains("now.stl") && Contains("replace"));
   window.screenshot("asks");
   CHECK(fs::last_write_time(folder / "now.stl") == before);
@@ -411,7 +363,7 @@ TEST_CASE("surface and frame of the present state are exported through the menu"
 void choose(WorkstationDriver &window, const std::string &parameter, const std::string &item) {
   window.click(kPanel + parameter);
   window.click(kPanel + parameter + ".option." + item);
-  window.waitUntil(parameter + " is " + item, [&](const Json &s) { return row(s, parameter.c_str()) == item; });
+  C3DE_WAIT(window, parameter + " is " + item, row(s, parameter.c_str()) == item);
   window.moveTo(window.inView(0.95, 0.95));
   window.waitFrames(1);
 }
@@ -443,55 +395,51 @@ TEST_CASE("an organ is coloured by its stress and its error with a legend, and p
   startOrgan(window);
   window.key("p");
   window.click("toolbar/play");
-  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 5; });
+  C3DE_WAIT(window, "it plays", mode(s) == "playing" && s["transport"]["steps"] > 5);
   window.moveTo(window.inView(0.5, 0.5));
   window.press();
-  window.waitUntil("a surfel is held", [](const Json &s) { return !row(s, "Held surfel").empty(); });
+  C3DE_WAIT(window, "a surfel is held", !row(s, "Held surfel").empty());
   for (int i = 1; i <= 6; ++i) window.moveTo(window.inView(0.5 + 0.02 * i, 0.5 - 0.02 * i));
-  window.waitUntil("the hand pulls",
-                   [](const Json &s) { return std::strtod(row(s, "Pinch force").c_str(), nullptr) > 0.2; });
+  C3DE_WAIT(window, "the hand pulls", std::strtod(row(s, "Pinch force").c_str(), nullptr) > 0.2);
   window.key("space");
-  const Json paused = window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
+  const Json paused = C3DE_WAIT(window, "it pauses", mode(s) == "paused");
   window.release();
-  window.waitUntil("it is let go", [](const Json &s) { return row(s, "Pinch force") == "–"; });
+  C3DE_WAIT(window, "it is let go", row(s, "Pinch force") == "–");
   const std::string hash = row(window.state(), "State hash");
   choose(window, "view.colour", "material");
   window.screenshot("plain");
   CHECK(row(window.state(), "Colours").empty());
 
   choose(window, "view.colour", "von_mises");
-  const Json stressed = window.waitUntil(
-      "the legend says kPa", [](const Json &s) { return row(s, "Colours").find("kPa") != std::string::npos; });
+  const Json stressed = C3DE_WAIT(window, "the legend says kPa", row(s, "Colours").find("kPa") != std::string::npos);
   CHECK_THAT(row(stressed, "Colours"), Contains("von Mises") && Contains("0 … "));
   CHECK_THAT(row(stressed, "Shown"), Contains("largest"));
   window.screenshot("von_mises");
   CHECK(window.differingPixels("plain", "von_mises") > 20000);
 
   choose(window, "view.colour", "error");
-  window.waitUntil("the legend says %", [](const Json &s) {
-    return row(s, "Colours").find("error") != std::string::npos &&
-           row(s, "Shown").find("whole body") != std::string::npos;
-  });
+  C3DE_WAIT(
+      window, "the legend says %",
+      row(s, "Colours").find("error") != std::string::npos && row(s, "Shown").find("whole body") != std::string::npos);
   window.screenshot("error");
   CHECK(window.differingPixels("von_mises", "error") > 5000);
 
   // A fixed range: the legend ends at the specified value.
   window.click(std::string(kPanel) + "view.range.auto");
-  window.waitUntil("a number stands there", [](const Json &s) { return row(s, "view.range") != "auto"; });
+  C3DE_WAIT(window, "a number stands there", row(s, "view.range") != "auto");
   window.controlClick(std::string(kPanel) + "view.range");
   window.key("ctrl+a");
   window.type("7");
   window.key("Return");
-  window.waitUntil("the range is fixed",
-                   [](const Json &s) { return row(s, "Colours").find("0 … 7 %") != std::string::npos; });
+  C3DE_WAIT(window, "the range is fixed", row(s, "Colours").find("0 … 7 %") != std::string::npos);
   window.screenshot("error_fixed");
 
   window.moveTo(window.inView(0.5, 0.9));
   window.key("ctrl+z");
   window.key("ctrl+z");
-  window.waitUntil("the range is as before", [](const Json &s) { return row(s, "view.range") == "auto"; });
+  C3DE_WAIT(window, "the range is as before", row(s, "view.range") == "auto");
   choose(window, "view.colour", "material");
-  window.waitUntil("there is no legend", [](const Json &s) { return row(s, "Colours").empty(); });
+  C3DE_WAIT(window, "there is no legend", row(s, "Colours").empty());
   window.screenshot("again");
   CHECK(window.differingPixels("plain", "again") < 500);
   // Changing the view changes no state.
@@ -508,21 +456,18 @@ TEST_CASE("a change of the material is undone and redone, and the solver follows
   const double stepBefore = window.number(std::string(kPanel) + "Step size");
   const Point at = window.locate(modulus);
   window.drag(at, {at.x + 40, at.y}, 4);
-  const Json dragged = window.waitUntil("the drag has changed it",
-                                        [&](const Json &s) { return row(s, "material.youngs_modulus") != before; });
+  const Json dragged = C3DE_WAIT(window, "the drag has changed it", row(s, "material.youngs_modulus") != before);
   const std::string after = row(dragged, "material.youngs_modulus");
-  window.waitUntil("the step follows",
-                   [&](const Json &s) { return std::stod(row(s, "Step size")) < 0.9 * stepBefore; });
+  C3DE_WAIT(window, "the step follows", std::stod(row(s, "Step size")) < 0.9 * stepBefore);
 
   window.click("menu/edit");
   window.screenshot("menu");
   window.key("Escape");
-  window.waitUntil("the menu is closed", [](const Json &s) { return !s["widgets"].contains("menu/edit.undo"); });
+  C3DE_WAIT(window, "the menu is closed", !s["widgets"].contains("menu/edit.undo"));
   window.moveTo(window.inView(0.5, 0.9));
   window.key("ctrl+z");
   window.waitForValue(modulus, before);
-  window.waitUntil("the step is as before",
-                   [&](const Json &s) { return std::stod(row(s, "Step size")) == stepBefore; });
+  C3DE_WAIT(window, "the step is as before", std::stod(row(s, "Step size")) == stepBefore);
   window.key("ctrl+y");
   window.waitForValue(modulus, after);
 }
@@ -538,9 +483,8 @@ TEST_CASE("an organ from a scene can be filled again with another count", "[orga
   window.key("Return");
   window.waitForValue(std::string(kPanel) + "sampling.count", "200");
   window.click(std::string(kPanel) + "rebuild");
-  const Json state = window.waitUntil("it is filled again or refused", [](const Json &s) {
-    return !s["notifications"].empty() || std::stod(row(s, "Phyxels")) < 300.0;
-  });
+  const Json state = C3DE_WAIT(window, "it is filled again or refused",
+                               !s["notifications"].empty() || std::stod(row(s, "Phyxels")) < 300.0);
   CHECK(state["notifications"].empty());
   CHECK_THAT(window.number(std::string(kPanel) + "Phyxels"), WithinRel(200.0, 0.1));
 }
@@ -549,8 +493,7 @@ namespace {
 
 // Nearly incompressible in implicit steps: many seconds for each.
 fs::path heavyScene(const std::string &solver, int count = 12000) {
-  fs::path scene = fs::path(testOutputRoot()) / "ui" / ("heavy_" + std::to_string(count) + ".toml");
-  fs::create_directories(scene.parent_path());
+  fs::path scene = c3de::test::outputFile("heavy_" + std::to_string(count) + ".toml");
   std::ofstream(scene)
       << "format = 1\ntitle = \"Heavy organ\"\n[solver]\nintegrator = \"implicit\"\n"
       << solver << "\n[[body]]\n"
@@ -567,12 +510,11 @@ TEST_CASE("a step that takes long is said while it lasts, and reset and Escape e
   const fs::path scene = heavyScene("step_budget = 300.0");
   WorkstationDriver window("organ_long_step");
   window.start({scene.string()});
-  window.waitUntil("the organ is there", [](const Json &s) { return s["transport"]["exists"] == true; });
+  C3DE_WAIT(window, "the organ is there", s["transport"]["exists"] == true);
   window.moveTo(window.inView(0.9, 0.1));
   const auto isLong = [](const Json &s) { return s["values"].contains("status/long_step"); };
   const auto waitForLongStep = [&] {
-    return window.waitUntil("the long step is said",
-                            [&](const Json &s) { return isLong(s) && s["transport"]["step_running_s"] > 2.0; });
+    return C3DE_WAIT(window, "the long step is said", isLong(s) && s["transport"]["step_running_s"] > 2.0);
   };
   window.key("space");
   const Json busy = waitForLongStep();
@@ -589,12 +531,12 @@ TEST_CASE("a step that takes long is said while it lasts, and reset and Escape e
   // Reset continues to play: a new step begins.
   const Clock::time_point reset = Clock::now();
   window.key("ctrl+r");
-  window.waitUntil("another step has begun", [&](const Json &s) { return !isLong(s); });
+  C3DE_WAIT(window, "another step has begun", !isLong(s));
   CHECK(seconds(reset) < 2.0 * C3DE_UI_PATIENCE);
   waitForLongStep();
   const Clock::time_point escape = Clock::now();
   window.key("Escape");
-  const Json paused = window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
+  const Json paused = C3DE_WAIT(window, "it pauses", mode(s) == "paused");
   CHECK(seconds(escape) < 2.0 * C3DE_UI_PATIENCE);
   CHECK(paused["transport"]["steps"] == 0);
 }
@@ -603,11 +545,10 @@ TEST_CASE("a step beyond its budget is given up, with what would fit, and nothin
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_step_budget");
   window.start({heavyScene("step_budget = 1.0").string()});
-  window.waitUntil("the organ is there", [](const Json &s) { return s["transport"]["exists"] == true; });
+  C3DE_WAIT(window, "the organ is there", s["transport"]["exists"] == true);
   window.moveTo(window.inView(0.9, 0.1));
   window.key("space");
-  const Json said = window.waitUntil("the step is said to take long",
-                                     [](const Json &s) { return s["values"].contains("status/long_step"); });
+  const Json said = C3DE_WAIT(window, "the step is said to take long", s["values"].contains("status/long_step"));
   CHECK_THAT(said["values"]["status/long_step"].get<std::string>(), Contains("given up after 1 s"));
   const auto isGivenUp = [](const Json &s) { return mode(s) == "paused" && !s["notifications"].empty(); };
   const Json paused = window.waitUntil("it is given up", isGivenUp);
@@ -623,10 +564,10 @@ TEST_CASE("a step beyond its budget is given up, with what would fit, and nothin
   window.type("200");
   window.key("Return");
   window.click(std::string(kPanel) + "rebuild");
-  window.waitUntil("it is filled again", [](const Json &s) { return std::stod(row(s, "Phyxels")) < 300.0; });
+  C3DE_WAIT(window, "it is filled again", std::stod(row(s, "Phyxels")) < 300.0);
   window.moveTo(window.inView(0.9, 0.1));
   window.key("space");
-  window.waitUntil("it moves", [](const Json &s) { return s["transport"]["steps"] > 2; });
+  C3DE_WAIT(window, "it moves", s["transport"]["steps"] > 2);
 }
 
 TEST_CASE("while a hand holds it no step is given up, and the status bar says that it is slow", "[organ_hand_budget]") {
@@ -634,23 +575,22 @@ TEST_CASE("while a hand holds it no step is given up, and the status bar says th
   WorkstationDriver window("organ_hand_budget");
   // No step fits into this budget.
   window.start({heavyScene("step_budget = 0.01", 1000).string()});
-  window.waitUntil("the organ is shown", [](const Json &s) {
-    return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty();
-  });
+  C3DE_WAIT(window, "the organ is shown",
+            s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty());
   window.moveTo(window.inView(0.5, 0.5));
   window.key("f");
   window.key("p");
-  window.waitUntil("the pinch tool is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
+  C3DE_WAIT(window, "the pinch tool is active", s["tool"] == "pointbased.pinch");
   const Point from = window.inView(0.5, 0.5);
   window.moveTo(from);
   window.press();
-  window.waitUntil("it is held", [](const Json &s) { return !row(s, "Held surfel").empty(); });
+  C3DE_WAIT(window, "it is held", !row(s, "Held surfel").empty());
   window.key("space");
   for (int i = 1; i <= 8; ++i) window.moveTo({from.x + 6 * i, from.y - 6 * i});
   // Software drawing and other programs use processor time as well.
-  const Json slow = window.waitUntil("it plays, slowly", [](const Json &s) {
-    return s["transport"]["steps"] >= 3 && s["values"].value("status/rate", "").starts_with("slower than real time: ");
-  });
+  const Json slow = C3DE_WAIT(
+      window, "it plays, slowly",
+      s["transport"]["steps"] >= 3 && s["values"].value("status/rate", "").starts_with("slower than real time: "));
   CHECK(mode(slow) == "playing");
   const auto isGivenUp = [](const Json &s) {
     return s["notifications"].dump().find("Paused: a step took too long") != std::string::npos;
@@ -660,30 +600,28 @@ TEST_CASE("while a hand holds it no step is given up, and the status bar says th
 
   // Escape ends the hold; without it the budget counts again.
   window.key("Escape");
-  window.waitUntil("it is released", [](const Json &s) { return row(s, "Held surfel").empty(); });
+  C3DE_WAIT(window, "it is released", row(s, "Held surfel").empty());
   window.release();
-  window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
+  C3DE_WAIT(window, "it pauses", mode(s) == "paused");
   const int steps = window.state()["transport"]["steps"];
   window.key("space");
-  const Json paused =
-      window.waitUntil("the step is given up", [&](const Json &s) { return isGivenUp(s) && mode(s) == "paused"; });
+  const Json paused = C3DE_WAIT(window, "the step is given up", isGivenUp(s) && mode(s) == "paused");
   CHECK(paused["transport"]["steps"] == steps);
 }
 
 TEST_CASE("an organ that plays is made stiff and nearly incompressible, and goes on", "[organ_stiff_edit]") {
   C3DE_ORGAN_OR_SKIP();
-  const fs::path scene = fs::path(testOutputRoot()) / "ui" / "stiff_edit.toml";
-  fs::create_directories(scene.parent_path());
+  const fs::path scene = c3de::test::outputFile("stiff_edit.toml");
   std::ofstream(scene) << "format = 1\n[solver]\nintegrator = \"implicit\"\n[[body]]\nname = \"organ\"\nmesh = \""
                        << organMesh().generic_string() << "\"\nmesh_unit = \"mm\"\n"
                        << "material = { law = \"neo_hookean\", youngs_modulus = 1e4, poisson_ratio = 0.4, density = "
                           "1000.0 }\nsampling = { count = 989 }\nangular_velocity = [0.0, 0.0, 20.0]\n";
   WorkstationDriver window("organ_stiff_edit");
   window.start({scene.string()});
-  window.waitUntil("the organ is there", [](const Json &s) { return s["transport"]["exists"] == true; });
+  C3DE_WAIT(window, "the organ is there", s["transport"]["exists"] == true);
   window.moveTo(window.inView(0.9, 0.1));
   window.key("space");
-  window.waitUntil("it plays", [](const Json &s) { return s["transport"]["steps"] > 5; });
+  C3DE_WAIT(window, "it plays", s["transport"]["steps"] > 5);
   for (const auto &[id, value] :
        {std::pair("material.poisson_ratio", "0.499"), std::pair("material.youngs_modulus", "2e6")}) {
     window.controlClick(std::string(kPanel) + id);
@@ -710,8 +648,7 @@ TEST_CASE("an organ that plays is made stiff and nearly incompressible, and goes
   WARN("from the edits on the longest frame of " << shownAt_s.size() << " took " << 1e3 * longest_s << " ms");
   window.screenshot("stiff");
   window.key("ctrl+r");
-  const Json reset =
-      window.waitUntil("it begins again", [&](const Json &s) { return s["transport"]["steps"] < steps; });
+  const Json reset = C3DE_WAIT(window, "it begins again", s["transport"]["steps"] < steps);
   CHECK(mode(reset) != "failed");
 }
 
@@ -720,16 +657,16 @@ TEST_CASE("quitting asks once a simulation has run, and Enter and Escape answer"
   WorkstationDriver window("organ_quit");
   startOrgan(window);
   window.key("space");
-  window.waitUntil("it plays", [](const Json &s) { return s["transport"]["steps"] > 5; });
+  C3DE_WAIT(window, "it plays", s["transport"]["steps"] > 5);
   window.key("space");
-  window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
+  C3DE_WAIT(window, "it pauses", mode(s) == "paused");
   const auto isAsked = [](const Json &s) { return s["values"].contains("quit/text"); };
   window.key("ctrl+q");
   const Json asked = window.waitUntil("it asks", isAsked);
   CHECK_THAT(asked["values"]["quit/text"].get<std::string>(), Contains("has run to t = "));
   window.screenshot("asked");
   window.key("Escape");
-  window.waitUntil("it goes on", [&](const Json &s) { return !isAsked(s); });
+  C3DE_WAIT(window, "it goes on", !isAsked(s));
   CHECK(window.isRunning());
   CHECK(window.state()["transport"]["steps"] > 5);
   window.key("ctrl+q");
@@ -749,14 +686,13 @@ TEST_CASE("quitting asks nothing while nothing would be lost", "[organ_quit]") {
 /// Plays, pulls the centre of the organ towards the upper right and holds it there.
 void pull(WorkstationDriver &window) {
   window.key("p");
-  window.waitUntil("the pinch tool is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
+  C3DE_WAIT(window, "the pinch tool is active", s["tool"] == "pointbased.pinch");
   const Point from = window.inView(0.5, 0.5);
   window.moveTo(from);
   window.press();
-  window.waitUntil("a surfel is held", [](const Json &s) { return !row(s, "Held surfel").empty(); });
+  C3DE_WAIT(window, "a surfel is held", !row(s, "Held surfel").empty());
   for (int i = 1; i <= 6; ++i) window.moveTo({from.x + 18.0 * i, from.y - 16.0 * i});
-  window.waitUntil("the hand pulls",
-                   [](const Json &s) { return std::strtod(row(s, "Pinch force").c_str(), nullptr) > 0.2; });
+  C3DE_WAIT(window, "the hand pulls", std::strtod(row(s, "Pinch force").c_str(), nullptr) > 0.2);
 }
 
 TEST_CASE("a pull is undone by one step, back to the state before it, and done again", "[organ_undo_pull]") {
@@ -764,46 +700,43 @@ TEST_CASE("a pull is undone by one step, back to the state before it, and done a
   WorkstationDriver window("organ_undo_pull");
   startOrgan(window);
   window.key("space");
-  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 5; });
+  C3DE_WAIT(window, "it plays", mode(s) == "playing" && s["transport"]["steps"] > 5);
   pull(window);
   window.waitFrames(30);
   window.release();
   window.moveTo(window.inView(0.9, 0.9));
   window.key("space");
-  const Json paused = window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
+  const Json paused = C3DE_WAIT(window, "it pauses", mode(s) == "paused");
   const auto steps = [](const Json &s) { return s["transport"]["steps"].get<long long>(); };
-  window.waitUntil("its state is shown",
-                   [&](const Json &s) { return row(s, "Steps") == std::to_string(steps(paused)); });
+  C3DE_WAIT(window, "its state is shown", row(s, "Steps") == std::to_string(steps(paused)));
   const std::string pulled = row(window.state(), "State hash");
   window.screenshot("pulled");
 
   window.key("ctrl+z");
-  const Json before = window.waitUntil("the pull is undone", [&](const Json &s) {
-    return steps(s) < steps(paused) && row(s, "Steps") == std::to_string(steps(s));
-  });
+  const Json before =
+      C3DE_WAIT(window, "the pull is undone", steps(s) < steps(paused) && row(s, "Steps") == std::to_string(steps(s)));
   CHECK(mode(before) == "paused");
   CHECK(before["transport"]["time_s"] < paused["transport"]["time_s"]);
   window.screenshot("undone");
   CHECK(window.differingPixels("pulled", "undone") > 300);
   window.key("ctrl+y");
-  window.waitUntil("the pull is done again",
-                   [&](const Json &s) { return steps(s) == steps(paused) && row(s, "State hash") == pulled; });
+  C3DE_WAIT(window, "the pull is done again", steps(s) == steps(paused) && row(s, "State hash") == pulled);
 
   // Undo during a pull releases the grab, and undoes that pull.
   window.key("space");
-  window.waitUntil("it plays on", [&](const Json &s) { return mode(s) == "playing" && steps(s) > steps(paused) + 5; });
+  C3DE_WAIT(window, "it plays on", mode(s) == "playing" && steps(s) > steps(paused) + 5);
   pull(window);
   const long long late = steps(window.state());
-  window.waitUntil("it is pulled for a while", [&](const Json &s) { return steps(s) > late + 200; });
+  C3DE_WAIT(window, "it is pulled for a while", steps(s) > late + 200);
   window.key("ctrl+z");
-  window.waitUntil("the hand has let go", [](const Json &s) { return row(s, "Held surfel").empty(); });
+  C3DE_WAIT(window, "the hand has let go", row(s, "Held surfel").empty());
   window.release();
   window.moveTo(window.inView(0.9, 0.9));
 
   // A reset starts a new history: nothing can be undone.
   window.key("space");
   window.key("ctrl+r");
-  window.waitUntil("it begins anew", [&](const Json &s) { return steps(s) == 0 && row(s, "Steps") == "0"; });
+  C3DE_WAIT(window, "it begins anew", steps(s) == 0 && row(s, "Steps") == "0");
   window.key("ctrl+z");
   window.waitFrames(2);
   CHECK(steps(window.state()) == 0);
@@ -814,7 +747,7 @@ TEST_CASE("a reset while something is pinched ends the pinch", "[organ_pinch_res
   WorkstationDriver window("organ_pinch_reset");
   startOrgan(window);
   window.key("space");
-  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 5; });
+  C3DE_WAIT(window, "it plays", mode(s) == "playing" && s["transport"]["steps"] > 5);
   const auto isReleased = [](const Json &s) { return row(s, "Held surfel").empty() && row(s, "Pinch force") == "–"; };
   pull(window);
   window.key("ctrl+r");
@@ -827,7 +760,7 @@ TEST_CASE("a reset while something is pinched ends the pinch", "[organ_pinch_res
   // The next one holds again.
   pull(window);
   window.key("space");
-  window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
+  C3DE_WAIT(window, "it pauses", mode(s) == "paused");
   window.key("ctrl+r");
   window.waitUntil("also while it stands", isReleased);
   window.screenshot("let_go");
@@ -842,46 +775,42 @@ TEST_CASE("a plugin's force field pulls an organ of the point-based plugin, live
   constexpr const char *kStrength = "org.c3de.magnet.panel/strength", *kPulls = "org.c3de.magnet.panel/Pulls with";
   WorkstationDriver window("organ_magnet");
   window.start({floatingOrgan().string(), "--plugin", magnet});
-  window.waitUntil("the organ is shown", [](const Json &s) {
-    return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty();
-  });
+  C3DE_WAIT(window, "the organ is shown",
+            s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty());
   window.moveTo(window.inView(0.5, 0.5));
   window.key("f");
   window.key("space");
-  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing"; });
+  C3DE_WAIT(window, "it plays", mode(s) == "playing");
   CHECK(window.value(kPulls) == "0 N on 0 points");
   window.screenshot("before");
 
   const Point at = window.locate(kStrength);
   window.drag(at, {at.x + 40, at.y}, 4);
   const auto force = [&](const Json &s) { return std::strtod(s["values"].value(kPulls, "0").c_str(), nullptr); };
-  const Json pulled = window.waitUntil("it pulls", [&](const Json &s) { return force(s) > 0.0; });
+  const Json pulled = C3DE_WAIT(window, "it pulls", force(s) > 0.0);
   const std::string hash = row(pulled, "State hash");
-  window.waitUntil("the organ follows", [&](const Json &s) { return row(s, "State hash") != hash; });
-  const double near = force(window.waitUntil("it comes nearer, so that it is pulled harder",
-                                             [&](const Json &s) { return force(s) > 1.2 * force(pulled); }));
+  C3DE_WAIT(window, "the organ follows", row(s, "State hash") != hash);
+  const double near =
+      force(C3DE_WAIT(window, "it comes nearer, so that it is pulled harder", force(s) > 1.2 * force(pulled)));
   CHECK(near > 0.0);
   window.screenshot("after");
   CHECK(window.differingPixels("before", "after") > 500);
 
   window.key("ctrl+z");
-  window.waitUntil("without the force it is off", [&](const Json &s) { return force(s) == 0.0; });
+  C3DE_WAIT(window, "without the force it is off", force(s) == 0.0);
   CHECK(window.state()["messages"].empty());
 }
 
 TEST_CASE("a wish for accuracy samples the organ anew and shows what to expect", "[organ_accuracy]") {
   C3DE_ORGAN_OR_SKIP();
   constexpr const char *kPercent = "accuracy.error_percent", *kBudget = "accuracy.budget_ms";
-  const fs::path scene = fs::path(testOutputRoot()) / "ui" / "wished.toml";
-  fs::create_directories(scene.parent_path());
+  const fs::path scene = c3de::test::outputFile("wished.toml");
   std::ofstream(scene) << "format = 1\n[world]\ngravity = [0.0, -9.81, 0.0]\n[[body]]\nname = \"organ\"\nmesh = \""
                        << organMesh().generic_string() << "\"\nmesh_unit = \"mm\"\nmaterial = \"liver\"\n"
                        << "[[fix]]\nregion = { half_space = { point = [-0.05, 0, 0], normal = [1, 0, 0] } }\n";
   WorkstationDriver window("organ_accuracy");
   window.start({scene.string()});
-  window.waitUntil("the organ is shown", [](const Json &s) {
-    return s["jobs"].empty() && row(s, "Displacement").find("±") != std::string::npos;
-  });
+  C3DE_WAIT(window, "the organ is shown", s["jobs"].empty() && row(s, "Displacement").find("±") != std::string::npos);
   window.moveTo(window.inView(0.5, 0.5));
   window.key("f");
   CHECK(row(window.state(), "Tissue stiffness") == "1 … 15 kPa");
@@ -889,18 +818,16 @@ TEST_CASE("a wish for accuracy samples the organ anew and shows what to expect",
 
   const auto wish = [&](const char *parameter, const std::string &value) {
     if (row(window.state(), parameter) == "auto") window.click(std::string(kPanel) + parameter + ".auto");
-    window.waitUntil("a number can be given", [&](const Json &s) { return row(s, parameter) != "auto"; });
+    C3DE_WAIT(window, "a number can be given", row(s, parameter) != "auto");
     window.controlClick(std::string(kPanel) + parameter);
     window.key("ctrl+a");
     window.type(value);
     window.key("Return");
-    window.waitUntil("the number is taken",
-                     [&](const Json &s) { return std::stod("0" + row(s, parameter)) == std::stod(value); });
+    C3DE_WAIT(window, "the number is taken", std::stod("0" + row(s, parameter)) == std::stod(value));
     const std::string hash = row(window.state(), "Phyxels");
     window.click(std::string(kPanel) + "apply_wish");
-    return window.waitUntil("the organ is sampled anew", [&](const Json &s) {
-      return s["jobs"].empty() && !row(s, "Phyxels").empty() && row(s, "Phyxels") != hash;
-    });
+    return C3DE_WAIT(window, "the organ is sampled anew",
+                     s["jobs"].empty() && !row(s, "Phyxels").empty() && row(s, "Phyxels") != hash);
   };
   const Json accurate = wish(kPercent, "0.4");
   CHECK(std::stod(row(accurate, "Phyxels")) > 2.0 * before);
@@ -911,16 +838,14 @@ TEST_CASE("a wish for accuracy samples the organ anew and shows what to expect",
   CHECK(std::stod(row(quick, "Phyxels")) < std::stod(row(accurate, "Phyxels")));
   CHECK(row(quick, kPercent) == "auto");
   window.key("space");
-  window.waitUntil("it plays within its budget",
-                   [](const Json &s) { return row(s, "A frame takes").find("now") != std::string::npos; });
+  C3DE_WAIT(window, "it plays within its budget", row(s, "A frame takes").find("now") != std::string::npos);
   window.screenshot("budget");
   CHECK(window.state()["messages"].empty());
 }
 
 TEST_CASE("inertia that explicit steps ask for is told, and goes with them", "[organ_inertia]") {
   C3DE_ORGAN_OR_SKIP();
-  const fs::path scene = fs::path(testOutputRoot()) / "ui" / "inertia.toml";
-  fs::create_directories(scene.parent_path());
+  const fs::path scene = c3de::test::outputFile("inertia.toml");
   std::ofstream(scene)
       << "format = 1\n[world]\ngravity = [0.0, -9.81, 0.0]\n[solver]\nintegrator = \"explicit\"\n[[body]]\nname = "
          "\"organ\"\nmesh = \""
@@ -934,8 +859,7 @@ TEST_CASE("inertia that explicit steps ask for is told, and goes with them", "[o
   const auto isTold = [](const Json &s) {
     return row(s, "Added inertia").find(" % of what can move, to ") != std::string::npos;
   };
-  const Json made = window.waitUntil(
-      "the organ is shown", [](const Json &s) { return s["jobs"].empty() && !row(s, "Halved cells").empty(); });
+  const Json made = C3DE_WAIT(window, "the organ is shown", s["jobs"].empty() && !row(s, "Halved cells").empty());
   CHECK(isTold(made));
   const std::string mass = row(made, "Mass");
   window.locate(std::string(kPanel) + "view.surface");  // below it
@@ -945,7 +869,7 @@ TEST_CASE("inertia that explicit steps ask for is told, and goes with them", "[o
     window.click(std::string(kPanel) + "solver.integrator.option." + integrator);
   };
   choose("implicit");
-  const Json implicit = window.waitUntil("it is gone", [&](const Json &s) { return !isTold(s); });
+  const Json implicit = C3DE_WAIT(window, "it is gone", !isTold(s));
   CHECK(row(implicit, "Mass") == mass);
   choose("explicit");
   window.waitUntil("it is there again", isTold);
@@ -959,20 +883,19 @@ TEST_CASE("a plugin's clamp and the pinch hold one organ; each lets go by itself
                        *kPulls = "org.c3de.clamp.panel/Pulls with", *kTurns = "org.c3de.clamp.panel/Turns with";
   WorkstationDriver window("organ_clamp");
   window.start({floatingOrgan().string(), "--plugin", clamp});
-  window.waitUntil("the organ is shown", [](const Json &s) {
-    return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty();
-  });
+  C3DE_WAIT(window, "the organ is shown",
+            s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty());
   window.moveTo(window.inView(0.5, 0.5));
   window.key("f");
   window.key("space");
-  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing"; });
+  C3DE_WAIT(window, "it plays", mode(s) == "playing");
   const auto number = [](const Json &s, const char *of) {
     return std::strtod(s["values"].value(of, "0").c_str(), nullptr);
   };
   window.click(kClosed);
   const Point turn = window.locate(kTurn);
   window.drag(turn, {turn.x + 40, turn.y}, 4);
-  window.waitUntil("it turns", [&](const Json &s) { return number(s, kTurns) > 0.0; });
+  C3DE_WAIT(window, "it turns", number(s, kTurns) > 0.0);
   window.screenshot("turned");
 
   // The pinch grabs a region that the clamp already holds.
@@ -982,15 +905,14 @@ TEST_CASE("a plugin's clamp and the pinch hold one organ; each lets go by itself
   window.moveTo(at);
   window.press();
   window.moveTo({at.x + 60, at.y + 40});
-  window.waitUntil("both pull", [&](const Json &s) {
-    return number(s, kPulls) > 0.0 && row(s, "Pinch force") != "–" && !row(s, "Pinch force").empty();
-  });
+  C3DE_WAIT(window, "both pull",
+            number(s, kPulls) > 0.0 && row(s, "Pinch force") != "–" && !row(s, "Pinch force").empty());
   window.screenshot("both");
   window.release();
-  window.waitUntil("the pinch has let go", [&](const Json &s) { return row(s, "Pinch force") == "–"; });
-  window.waitUntil("the clamp has not", [&](const Json &s) { return number(s, kPulls) > 0.0; });
+  C3DE_WAIT(window, "the pinch has let go", row(s, "Pinch force") == "–");
+  C3DE_WAIT(window, "the clamp has not", number(s, kPulls) > 0.0);
   window.click(kClosed);
-  window.waitUntil("the clamp has let go, too", [&](const Json &s) { return number(s, kPulls) == 0.0; });
+  C3DE_WAIT(window, "the clamp has let go, too", number(s, kPulls) == 0.0);
   CHECK(window.state()["messages"].empty());
 }
 
@@ -1003,11 +925,10 @@ TEST_CASE("a command of a plugin stands in the menu and answers its keys; where 
   constexpr const char *kEntry = "menu/plugins.org.c3de.image_samples.log";
   WorkstationDriver window("commands");
   window.start({floatingOrgan().string(), "--plugin", samples});
-  window.waitUntil("the organ is shown", [](const Json &s) {
-    return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty();
-  });
+  C3DE_WAIT(window, "the organ is shown",
+            s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty());
   window.click("menu/plugins");
-  window.waitUntil("the menu is open", [&](const Json &s) { return s["widgets"].contains(kEntry); });
+  C3DE_WAIT(window, "the menu is open", s["widgets"].contains(kEntry));
   window.screenshot("menu");
   window.click(kEntry);
   const auto told = [](const Json &s) {
@@ -1016,7 +937,7 @@ TEST_CASE("a command of a plugin stands in the menu and answers its keys; where 
   window.waitUntil("the menu has run it, and its text is shown", told);
   window.screenshot("told");
   window.click("notification/close.0");
-  window.waitUntil("the message is closed", [](const Json &s) { return s["notifications"].empty(); });
+  C3DE_WAIT(window, "the message is closed", s["notifications"].empty());
   window.moveTo(window.inView(0.5, 0.5));
   window.key("ctrl+shift+l");
   CHECK(window.waitUntil("the keys have run it", told)["notifications"].size() == 1);

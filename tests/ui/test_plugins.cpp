@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 /// A user with an own plugin, and nothing to simulate.
 struct Person {
   explicit Person(const std::string &name)
-      : folder(fs::path(testOutputRoot()) / "ui" / name), home("C3DE_HOME", (folder / "home").string()) {
+      : folder(c3de::test::outputFile(name)), home("C3DE_HOME", (folder / "home").string()) {
     fs::remove_all(folder);
     fs::create_directories(folder / "plugins");
     fs::copy_file(C3DE_DYING_PLUGIN, folder / "plugins" / fs::path(C3DE_DYING_PLUGIN).filename());
@@ -36,7 +36,7 @@ bool isAsked(const Json &state) { return state["values"].contains("crash/text");
 
 void openManager(WorkstationDriver &window) {
   window.key("ctrl+shift+p");
-  window.waitUntil("the manager is open", [](const Json &s) { return s["widgets"].contains("plugin/test.dying"); });
+  C3DE_WAIT(window, "the manager is open", s["widgets"].contains("plugin/test.dying"));
 }
 
 /// The choice of that number in the message about a call that has not returned; the newest message is first.
@@ -51,7 +51,7 @@ void clickChoice(WorkstationDriver &window, int number) {
 }  // namespace
 
 TEST_CASE("a plugin that has ended the window is asked about, and stays off until it is switched on", "[crash]") {
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  C3DE_WINDOW_OR_SKIP();
   const Person person("crash");
   {
     WorkstationDriver window("crash_dies");
@@ -69,7 +69,7 @@ TEST_CASE("a plugin that has ended the window is asked about, and stays off unti
     CHECK_FALSE(asked["values"].contains("panel/test.dying.panel"));
     window.screenshot("asks");
     window.key("Return");
-    window.waitUntil("it goes on", [](const Json &s) { return !isAsked(s) && s["notifications"].size() == 1; });
+    C3DE_WAIT(window, "it goes on", !isAsked(s) && s["notifications"].size() == 1);
     openManager(window);
     CHECK_THAT(window.value("plugins/Dying"), Contains("off: switched off"));
     CHECK(window.value("plugins/note").empty());
@@ -84,7 +84,7 @@ TEST_CASE("a plugin that has ended the window is asked about, and stays off unti
   {
     WorkstationDriver window("crash_after");
     window.start(person.arguments());
-    window.waitUntil("it is there", [](const Json &s) { return s["notifications"].size() == 1; });
+    C3DE_WAIT(window, "it is there", s["notifications"].size() == 1);
     CHECK_FALSE(isAsked(window.state()));  // it was answered
     openManager(window);
     CHECK(window.value("plugins/Dying") == "loaded 1.0.0");
@@ -94,7 +94,7 @@ TEST_CASE("a plugin that has ended the window is asked about, and stays off unti
 }
 
 TEST_CASE("safe mode is one of the answers, and holds for one run", "[crash]") {
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  C3DE_WINDOW_OR_SKIP();
   const Person person("crash_safe");
   {
     WorkstationDriver window("crash_safe_dies");
@@ -108,10 +108,9 @@ TEST_CASE("safe mode is one of the answers, and holds for one run", "[crash]") {
     window.start(person.arguments());
     window.waitUntil("it asks", isAsked);
     window.click("crash/safe_mode");
-    window.waitUntil("it says so",
-                     [](const Json &s) { return s["notifications"].dump().find("Safe mode") != std::string::npos; });
+    C3DE_WAIT(window, "it says so", s["notifications"].dump().find("Safe mode") != std::string::npos);
     window.key("ctrl+shift+p");
-    window.waitUntil("the manager is open", [](const Json &s) { return s["values"].contains(kFile); });
+    C3DE_WAIT(window, "the manager is open", s["values"].contains(kFile));
     CHECK_THAT(window.value(kFile), Contains("safe mode"));
     window.screenshot("manager");
   }
@@ -122,7 +121,7 @@ TEST_CASE("safe mode is one of the answers, and holds for one run", "[crash]") {
 }
 
 TEST_CASE("a job and a step that do not get on are told, and ended by a click", "[hangs]") {
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  C3DE_WINDOW_OR_SKIP();
   const auto isTold = [](const Json &s) { return s["notifications"].dump().find(" s so far.") != std::string::npos; };
   {
     const Person person("hangs_job");
@@ -131,11 +130,11 @@ TEST_CASE("a job and a step that do not get on are told, and ended by a click", 
     auto arguments = person.arguments();
     arguments.emplace_back("--trust-plugins");  // otherwise it is refused for it
     window.start(arguments);
-    window.waitUntil("the job runs", [](const Json &s) { return !s["jobs"].empty(); });
+    C3DE_WAIT(window, "the job runs", !s["jobs"].empty());
     window.waitUntil("it is told", isTold);
     window.screenshot("told");
     clickChoice(window, 0);
-    window.waitUntil("the job is over", [](const Json &s) { return s["jobs"].empty(); });
+    C3DE_WAIT(window, "the job is over", s["jobs"].empty());
   }
   const Person person("hangs_step");
   const ScopedEnvironment place("C3DE_TEST_DIES", "slow step");
@@ -143,11 +142,11 @@ TEST_CASE("a job and a step that do not get on are told, and ended by a click", 
   auto arguments = person.arguments();
   arguments[0] = (fs::path(testResourcesFolder()) / "scenes" / "first_light.toml").string();
   window.start(arguments);
-  window.waitUntil("the organ is there", [](const Json &s) { return s["transport"]["exists"].get<bool>(); });
+  C3DE_WAIT(window, "the organ is there", s["transport"]["exists"].get<bool>());
   window.key("space");
   window.waitUntil("it is told", isTold);
   window.screenshot("told");
   clickChoice(window, 0);
-  window.waitUntil("it has stopped", [](const Json &s) { return s["transport"]["mode"] == "stopped"; });
+  C3DE_WAIT(window, "it has stopped", s["transport"]["mode"] == "stopped");
   CHECK(window.state()["transport"]["steps"] == 0);
 }

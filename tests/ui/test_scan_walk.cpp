@@ -16,9 +16,6 @@ using c3de::test::WorkstationDriver;
 
 namespace {
 
-#define C3DE_WINDOW_OR_SKIP() \
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason)
-
 std::string text(const Json &state, const std::string &key) { return state["values"].value(key, std::string()); }
 
 double number(const Json &state, const std::string &key) {
@@ -50,10 +47,9 @@ double shift_mm(const Json &state, const std::string &pane) {
 /// Moves the cross-hair by the mouse, from `centre` to `target`. A pixel of these views is about 1 mm.
 Json pointAt(WorkstationDriver &window, const Vec3 &centre, const Vec3 &target) {
   window.clickAt(pixelOf(window, "coronal", centre, {target[0], centre[1], target[2]}));
-  window.waitUntil("the height is set", [&](const Json &s) { return std::abs(crossHair(s)[2] - target[2]) < 2.0; });
+  C3DE_WAIT(window, "the height is set", std::abs(crossHair(s)[2] - target[2]) < 2.0);
   window.clickAt(pixelOf(window, "axial", centre, target));
-  return window.waitUntil("the cross-hair is in the organ",
-                          [&](const Json &s) { return norm(crossHair(s) - target) < 3.0; });
+  return C3DE_WAIT(window, "the cross-hair is in the organ", norm(crossHair(s) - target) < 3.0);
 }
 
 /// The material of the same name follows.
@@ -76,7 +72,7 @@ void takePinchTool(WorkstationDriver &window) {
   window.key("1");
   window.key("f");
   window.key("p");
-  window.waitUntil("the pinch tool is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
+  C3DE_WAIT(window, "the pinch tool is active", s["tool"] == "pointbased.pinch");
 }
 
 /// Presses at the position of the mouse.
@@ -96,18 +92,16 @@ TEST_CASE("a liver is found in a CT by threshold, becomes a body, and the scan f
   C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
   WorkstationDriver window("image_walk");
   window.start({image.string()});
-  const Json first =
-      window.waitUntil("the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); });
+  const Json first = C3DE_WAIT(window, "the image is shown", s["panes"].size() == 4 && s["jobs"].empty());
   const Vec3 centre = crossHair(first);
   CHECK(norm(centre - Vec3{-3.544, -161.319, 260.802}) < 2.7);  // `c3de info`; half a voxel's diagonal is 2.6 mm
 
   // The preset by its key.
   window.moveTo(pixelOf(window, "coronal", centre, centre));
   window.key("4");
-  window.waitUntil("the preset is set", [](const Json &s) {
-    return text(s, "image/preset") == "CT abdomen (4)" && number(s, "image/window") == 400.0 &&
-           number(s, "image/level") == 50.0;
-  });
+  C3DE_WAIT(window, "the preset is set",
+            text(s, "image/preset") == "CT abdomen (4)" && number(s, "image/window") == 400.0 &&
+                number(s, "image/level") == 50.0);
 
   const Vec3 liver{-66.5, -185.0, 392.0};
   const Json pointed = pointAt(window, centre, liver);
@@ -125,12 +119,11 @@ TEST_CASE("a liver is found in a CT by threshold, becomes a body, and the scan f
   };
   const auto picked = [](const Json &s) { return number(s, "segmentation/Picked"); };
   const auto settled = [&](const char *what, const auto &isMet) {
-    return window.waitUntil(what, [&](const Json &s) { return s["jobs"].empty() && isMet(picked(s)); });
+    return C3DE_WAIT(window, what, s["jobs"].empty() && isMet(picked(s)));
   };
   enter("segmentation/low", "20");
   enter("segmentation/high", "100");
-  window.waitUntil("both ends count",
-                   [](const Json &s) { return text(s, "segmentation/Steps") == "threshold 20 … 100"; });
+  C3DE_WAIT(window, "both ends count", text(s, "segmentation/Steps") == "threshold 20 … 100");
   const double between = picked(settled("soft tissue is picked", [](double ml) { return ml > 3000.0; }));
   CHECK(window.value("image/preview") == "shown");
   window.moveTo(pixelOf(window, "axial", centre, liver));
@@ -141,7 +134,7 @@ TEST_CASE("a liver is found in a CT by threshold, becomes a body, and the scan f
   window.click("segmentation/open");
   const double opened = picked(settled("bridges are removed", [&](double ml) { return ml < 0.9 * filled; }));
   window.click("segmentation/component");
-  window.waitUntil("a click is waited for", [](const Json &s) { return text(s, "image/picking") == "on"; });
+  C3DE_WAIT(window, "a click is waited for", text(s, "image/picking") == "on");
   window.clickAt(pixelOf(window, "axial", centre, liver));
   const double organ = picked(settled("a part is picked", [&](double ml) { return ml < 0.95 * opened; }));
   // The label of the liver in this scan has 1126 ml; threshold and opening retain most of it.
@@ -155,20 +148,18 @@ TEST_CASE("a liver is found in a CT by threshold, becomes a body, and the scan f
   window.waitForValue("segmentation/held", "nothing");
   window.screenshot("organ");
   window.click("segmentation/create");
-  window.waitUntil("the body is created", [](const Json &s) {
-    return s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["time_s"] > 0.2 &&
-           number(s, "image/axial.outlines") >= 1 && number(s, "image/coronal.outlines") >= 1;
-  });
+  C3DE_WAIT(window, "the body is created",
+            s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["time_s"] > 0.2 &&
+                number(s, "image/axial.outlines") >= 1 && number(s, "image/coronal.outlines") >= 1);
 
   window.click("notification/close.0");
   takePinchTool(window);
-  window.waitUntil("the scan knows its displacement", [](const Json &s) { return shift_mm(s, "coronal") < 0.5; });
+  C3DE_WAIT(window, "the scan knows its displacement", shift_mm(s, "coronal") < 0.5);
   window.screenshot("created");
   window.moveTo(window.inView(0.38, 0.4));
   (void)pinch(window);
   for (int i = 1; i <= 8; ++i) window.moveTo(window.inView(0.38 + 0.03 * i, 0.4 + 0.04 * i));
-  const Json pulled = window.waitUntil("the tissue at the cross-hair has moved",
-                                       [](const Json &s) { return shift_mm(s, "coronal") > 2.0; });
+  const Json pulled = C3DE_WAIT(window, "the tissue at the cross-hair has moved", shift_mm(s, "coronal") > 2.0);
   window.waitFrames(20);
   window.screenshot("pulled");
   for (const char *pane : {"axial", "coronal", "3D"}) {
@@ -178,15 +169,12 @@ TEST_CASE("a liver is found in a CT by threshold, becomes a body, and the scan f
   CHECK(number(pulled, "pointbased.controller/Pinch force") > 0.0);
   // Behind the liver, which has moved forwards: the scan does not show it twice.
   window.moveTo(pixelOf(window, "axial", centre, {-85.0, -116.0, liver[2]}));
-  window.waitUntil("its place is empty", [](const Json &s) {
-    return text(s, "image/axial.readout").find("left by a body") != std::string::npos;
-  });
+  C3DE_WAIT(window, "its place is empty", text(s, "image/axial.readout").find("left by a body") != std::string::npos);
   window.release();
   window.moveTo(window.inView(0.9, 0.9));
   window.key("space");
   window.key("ctrl+r");
-  window.waitUntil("the scan is as it was read",
-                   [](const Json &s) { return s["transport"]["time_s"] == 0.0 && shift_mm(s, "coronal") == 0.0; });
+  C3DE_WAIT(window, "the scan is as it was read", s["transport"]["time_s"] == 0.0 && shift_mm(s, "coronal") == 0.0);
 }
 
 TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes back, and nothing smears",
@@ -196,9 +184,8 @@ TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes
   C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
   WorkstationDriver window("image_returns");
   window.start({image.string(), labels.string()});
-  const Json first = window.waitUntil("the scan and its labels are shown", [](const Json &s) {
-    return s["panes"].size() == 4 && s["jobs"].empty() && !text(s, "image/Label map").empty();
-  });
+  const Json first = C3DE_WAIT(window, "the scan and its labels are shown",
+                               s["panes"].size() == 4 && s["jobs"].empty() && !text(s, "image/Label map").empty());
   const Vec3 centre = crossHair(first);
   window.moveTo(pixelOf(window, "coronal", centre, centre));
   window.key("4");
@@ -207,23 +194,22 @@ TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes
   window.click("segmentation/label_filter");
   window.type("spleen");
   window.click("segmentation/label.1");
-  window.waitUntil("it is picked", [](const Json &s) { return text(s, "segmentation/Picked").starts_with("261"); });
+  C3DE_WAIT(window, "it is picked", text(s, "segmentation/Picked").starts_with("261"));
   nameOrgan(window, "spleen");
   CHECK(window.value("segmentation/held") == "by its surroundings");
   CHECK(window.number("segmentation/surroundings") == 30000.0);
   (void)window.locate("segmentation/surroundings");
   window.screenshot("held");
   window.click("segmentation/create");
-  window.waitUntil("the body is created", [](const Json &s) {
-    return s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["time_s"] > 0.2 &&
-           number(s, "image/axial.outlines") + number(s, "image/coronal.outlines") +
-                   number(s, "image/sagittal.outlines") >=
-               0;
-  });
+  C3DE_WAIT(window, "the body is created",
+            s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["time_s"] > 0.2 &&
+                number(s, "image/axial.outlines") + number(s, "image/coronal.outlines") +
+                        number(s, "image/sagittal.outlines") >=
+                    0);
 
   (void)pointAt(window, centre, {95.0, -135.0, 375.0});
   takePinchTool(window);
-  window.waitUntil("it rests where the scan shows it", [](const Json &s) { return shift_mm(s, "axial") < 0.05; });
+  C3DE_WAIT(window, "it rests where the scan shows it", shift_mm(s, "axial") < 0.05);
   window.moveTo(window.inView(0.5, 0.5));
   window.waitFrames(5);
   window.screenshot("before");
@@ -243,13 +229,12 @@ TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes
     window.waitFrames(2);
   }
   CHECK(norm(millimetres(window.state(), "Hand") - from) >= 30.0);
-  window.waitUntil("the organ gives way",
-                   [&](const Json &s) { return norm(millimetres(s, "Held point") - from) > 5.0; });
+  C3DE_WAIT(window, "the organ gives way", norm(millimetres(s, "Held point") - from) > 5.0);
   window.waitFrames(20);
   window.screenshot("pulled");
   window.release();
   window.moveTo(window.inView(0.5, 0.5));
-  window.waitUntil("it has come back", [](const Json &s) { return shift_mm(s, "axial") < 0.05; });
+  C3DE_WAIT(window, "it has come back", shift_mm(s, "axial") < 0.05);
   window.waitFrames(10);
   window.screenshot("returned");
   CHECK(window.differingPixels("before", "pulled", "3D") > 300);

@@ -19,9 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-#define C3DE_WINDOW_OR_SKIP() \
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason)
-
 constexpr double kSpacing_mm = 2.0;
 constexpr Vec3 kOrgan{-15, 0, 0}, kRadii{30, 26, 22}, kOther{42, 0, 0};
 
@@ -70,12 +67,11 @@ Point axialPixel(const WorkstationDriver &window, const Vec3 &world) {
 TEST_CASE("an organ is picked by threshold, click and filled holes, and becomes a body", "[image_guide]") {
   C3DE_WINDOW_OR_SKIP();
   const Phantom phantom;
-  const fs::path file = fs::path(testOutputRoot()) / "ui" / "image_guide_phantom.nii.gz";
-  fs::create_directories(file.parent_path());
+  const fs::path file = c3de::test::outputFile("image_guide_phantom.nii.gz");
   if (const auto written = imaging::writeVolume(file, phantom.volume); !written) FAIL(written.error().message);
   WorkstationDriver window("image_guide");
   window.start({file.string()});
-  window.waitUntil("the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); });
+  C3DE_WAIT(window, "the image is shown", s["panes"].size() == 4 && s["jobs"].empty());
   CHECK(window.value("image/preview") == "none");
   window.screenshot("before");
 
@@ -90,15 +86,14 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and becomes 
   CHECK(window.differingPixels("before", "threshold") > 500);
 
   window.click("segmentation/component");
-  window.waitUntil("a click is waited for", [](const Json &s) { return text(s, "image/picking") == "on"; });
+  C3DE_WAIT(window, "a click is waited for", text(s, "image/picking") == "on");
   window.clickAt(axialPixel(window, {0, -40, 0}));
-  window.waitUntil("a click beside it is told", [](const Json &s) {
-    return text(s, "segmentation/Problem").find("outside of the mask") != std::string::npos;
-  });
+  C3DE_WAIT(window, "a click beside it is told",
+            text(s, "segmentation/Problem").find("outside of the mask") != std::string::npos);
   CHECK(window.value("segmentation/Picked") == pickedText(phantom.organ + phantom.other));
   const std::string cross = window.value("image/cross_hair");
   window.click("segmentation/component");
-  window.waitUntil("a click is waited for again", [](const Json &s) { return text(s, "image/picking") == "on"; });
+  C3DE_WAIT(window, "a click is waited for again", text(s, "image/picking") == "on");
   window.screenshot("picking");
   window.clickAt(axialPixel(window, {-35, 0, 0}));
   window.waitForValue("segmentation/Picked", pickedText(phantom.organ));
@@ -121,10 +116,9 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and becomes 
   CHECK_THAT(window.value("segmentation/Young's modulus"), Contains("6 kPa (1 kPa … 15 kPa)"));
   window.screenshot("material");
   window.click("segmentation/create");
-  window.waitUntil("the body is created", [](const Json &s) {
-    return s["jobs"].empty() && s["transport"]["exists"] == true && s["transport"]["mode"] == "playing" &&
-           s["transport"]["time_s"] > 0.0;
-  });
+  C3DE_WAIT(window, "the body is created",
+            s["jobs"].empty() && s["transport"]["exists"] == true && s["transport"]["mode"] == "playing" &&
+                s["transport"]["time_s"] > 0.0);
   const Json state = window.state();
   CHECK(std::any_of(state["nodes"].begin(), state["nodes"].end(),
                     [](const Json &node) { return node["name"] == "liver"; }));
@@ -197,9 +191,8 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
 
   WorkstationDriver window("image_organs");
   window.start({image.string(), many.string(), other.string()});
-  window.waitUntil("both label maps are open", [](const Json &s) {
-    return s["jobs"].empty() && text(s, "image/label_map") == "image_organs_other.nrrd";
-  });
+  C3DE_WAIT(window, "both label maps are open",
+            s["jobs"].empty() && text(s, "image/label_map") == "image_organs_other.nrrd");
   CHECK(window.has("segmentation/label.4"));
   CHECK_FALSE(window.has("segmentation/label_filter"));
   window.click("image/label_map");
@@ -209,8 +202,7 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   window.click("segmentation/label_filter");
   window.type("kidney");
   window.click("segmentation/tick_listed");
-  window.waitUntil("both are picked",
-                   [](const Json &s) { return text(s, "segmentation/Picked").starts_with("2 labels"); });
+  C3DE_WAIT(window, "both are picked", text(s, "segmentation/Picked").starts_with("2 labels"));
   CHECK(window.value("segmentation/material.2") == "kidney_cortex");
   CHECK(window.value("segmentation/Young's modulus") == "5 kPa (2 kPa … 15 kPa)");
   CHECK_THAT(window.value("segmentation/Source"), Contains("PMID"));
@@ -218,16 +210,13 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   window.key("ctrl+a");
   window.type("trunk");
   window.click("segmentation/label.4");
-  window.waitUntil("three are picked",
-                   [](const Json &s) { return text(s, "segmentation/Picked").starts_with("3 labels"); });
+  C3DE_WAIT(window, "three are picked", text(s, "segmentation/Picked").starts_with("3 labels"));
   window.moveTo(axialPixel(window, {0, -45, 0}));
   window.screenshot("picked");
   window.key("ctrl+z");
-  window.waitUntil("the last is taken back",
-                   [](const Json &s) { return text(s, "segmentation/Picked").starts_with("2 labels"); });
+  C3DE_WAIT(window, "the last is taken back", text(s, "segmentation/Picked").starts_with("2 labels"));
   window.key("ctrl+shift+z");
-  window.waitUntil("it is there again",
-                   [](const Json &s) { return text(s, "segmentation/Picked").starts_with("3 labels"); });
+  C3DE_WAIT(window, "it is there again", text(s, "segmentation/Picked").starts_with("3 labels"));
 
   // Edges of half a millimetre are too many for the trunk alone.
   window.click("segmentation/edge_automatic");
@@ -236,10 +225,9 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   window.type("0.5");
   window.key("Return");
   window.click("segmentation/create");
-  const Json made = window.waitUntil("the kidneys are created", [](const Json &s) {
-    return s["jobs"].empty() && s["transport"]["exists"] == true && s["transport"]["time_s"] > 0.0 &&
-           hasNode(s, "kidney_left");
-  });
+  const Json made = C3DE_WAIT(window, "the kidneys are created",
+                              s["jobs"].empty() && s["transport"]["exists"] == true && s["transport"]["time_s"] > 0.0 &&
+                                  hasNode(s, "kidney_left"));
   CHECK(hasNode(made, "kidney_right"));
   CHECK_FALSE(hasNode(made, "muscle_trunk"));
   CHECK_FALSE(notification(made, "Bodies created: kidney_right and kidney_left").is_null());
@@ -247,8 +235,7 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   REQUIRE_FALSE(refused.is_null());
   CHECK(refused["severity"] == "error");
   CHECK_THAT(refused["text"].get<std::string>(), Contains("edge length of 0.5 mm") && Contains("It stays picked"));
-  window.waitUntil("it is what is picked",
-                   [](const Json &s) { return text(s, "segmentation/Picked").ends_with(" 125000 voxels"); });
+  C3DE_WAIT(window, "it is what is picked", text(s, "segmentation/Picked").ends_with(" 125000 voxels"));
   // Bodies have the colours of their labels: both are blue ones.
   window.screenshot("kidneys");
   CHECK(window.shareOfColour("kidneys", "b > 1.5*r && b > 0.25") > 0.002);
@@ -268,9 +255,8 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   window.waitForValue("segmentation/points", "400");
   window.screenshot("own_count");
   window.click("segmentation/create");
-  window.waitUntil("the trunk has joined them", [](const Json &s) {
-    return s["jobs"].empty() && hasNode(s, "muscle_trunk") && hasNode(s, "kidney_left");
-  });
+  C3DE_WAIT(window, "the trunk has joined them",
+            s["jobs"].empty() && hasNode(s, "muscle_trunk") && hasNode(s, "kidney_left"));
   window.waitForValue("image/label.4", "false");
   window.moveTo(axialPixel(window, {0, -45, 0}));
   window.screenshot("created");
@@ -282,14 +268,12 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   // The same body is refused a second time, and the simulation continues.
   window.click("segmentation/undo");
   // The panel grows row by row until the mask is shown, and the rows below move.
-  window.waitUntil("it is picked again", [](const Json &s) {
-    return text(s, "segmentation/Picked").ends_with(" 125000 voxels") && s["jobs"].empty() &&
-           text(s, "segmentation/overlay") == "true" && text(s, "image/preview") == "shown";
-  });
+  C3DE_WAIT(window, "it is picked again",
+            text(s, "segmentation/Picked").ends_with(" 125000 voxels") && s["jobs"].empty() &&
+                text(s, "segmentation/overlay") == "true" && text(s, "image/preview") == "shown");
   window.waitFrames(3);
   window.click("segmentation/create");
-  const Json again = window.waitUntil(
-      "it is refused", [](const Json &s) { return !notification(s, "Could not create muscle_trunk").is_null(); });
+  const Json again = C3DE_WAIT(window, "it is refused", !notification(s, "Could not create muscle_trunk").is_null());
   CHECK_THAT(notification(again, "Could not create muscle_trunk")["text"].get<std::string>(),
              Contains("has a body of this name"));
   CHECK(again["transport"]["mode"] == "playing");

@@ -13,6 +13,7 @@
 
 using namespace c3de;  // operators of Vec3
 using c3de::test::Json;
+using c3de::test::outputFile;
 using c3de::test::Point;
 using c3de::test::WorkstationDriver;
 
@@ -21,11 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 const std::string kPanel = "pointbased.controller/";
 constexpr double kRadians = 0.017453292519943295;  // of a degree
-
-#define C3DE_SLICES_OR_SKIP()                                                                            \
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);        \
-  if (!fs::exists(fs::path(testPluginFolder()) / (std::string("pointbased") + c3de::pluginExtension()))) \
-  C3DE_SKIP("the point-based plugin is not built")
 
 /// A scan of 64 x 64 x 48 voxels of 2 x 2 x 2.5 mm: an organ of 64 x 52 x 50 mm about the middle of the grid with
 /// stripes in it, and a bone next to it, towards +i. Rotated about its centre, the origin of the world.
@@ -55,12 +51,6 @@ Scan scan(double degrees) {
         s.labels.push_back(isOrgan ? 1 : isBone ? 2 : 0);
       }
   return s;
-}
-
-fs::path outputFile(const std::string &name) {
-  const fs::path file = fs::path(testOutputRoot()) / "ui" / name;
-  fs::create_directories(file.parent_path());
-  return file;
 }
 
 /// Its scene text: the organ is held by its surroundings, the bone is static.
@@ -109,10 +99,9 @@ Vec3 millimetres(const Json &state, const std::string &name) {
 
 void start(WorkstationDriver &window, const fs::path &scene) {
   window.start({scene.string()});
-  window.waitUntil("organ and bone are in the scan", [](const Json &s) {
-    return s["panes"].size() == 4 && s["jobs"].empty() && !row(s, "Surfels").empty() &&
-           text(s, "axial.outlines") == "2" && text(s, "axial.readout").find("|u| ") != std::string::npos;
-  });
+  C3DE_WAIT(window, "organ and bone are in the scan",
+            s["panes"].size() == 4 && s["jobs"].empty() && !row(s, "Surfels").empty() &&
+                text(s, "axial.outlines") == "2" && text(s, "axial.readout").find("|u| ") != std::string::npos);
 }
 
 /// A position in a pane, mm from its middle: to the right, and down.
@@ -126,13 +115,13 @@ Point at(const WorkstationDriver &window, const std::string &pane, double right_
 void take(WorkstationDriver &window, const char *key, const std::string &tool) {
   window.moveTo(window.inView(0.5, 0.5));
   window.key(key);
-  window.waitUntil("the tool is active", [&](const Json &s) { return s["tool"] == tool; });
+  C3DE_WAIT(window, "the tool is active", s["tool"] == tool);
 }
 
 void play(WorkstationDriver &window) {
   window.moveTo(window.inView(0.9, 0.9));
   window.key("space");
-  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && steps(s) > 5; });
+  C3DE_WAIT(window, "it plays", mode(s) == "playing" && steps(s) > 5);
 }
 
 void moveInSteps(WorkstationDriver &window, const Point &from, const Point &to, int count = 8) {
@@ -151,7 +140,7 @@ double shift_mm(const Json &state, const std::string &pane) {
 }  // namespace
 
 TEST_CASE("tissue is pulled where a slice shows it, within its plane, and one Undo takes it back", "[slice_pinch]") {
-  C3DE_SLICES_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("slice_pinch");
   start(window, sceneOf("slice_pinch"));
   take(window, "p", "pointbased.pinch");
@@ -159,12 +148,11 @@ TEST_CASE("tissue is pulled where a slice shows it, within its plane, and one Un
   const std::string crossHair = text(window.state(), "cross_hair");
   const Point from = at(window, "axial", -10, 5), to = at(window, "axial", -28, -12);
   window.moveTo(from);
-  window.waitUntil("the hint says what a press does", [](const Json &s) {
-    return s["values"].value("status/hint", "").find("Pinch: Press on the organ, here or in a slice") == 0;
-  });
+  C3DE_WAIT(window, "the hint says what a press does",
+            s["values"].value("status/hint", "").find("Pinch: Press on the organ, here or in a slice") == 0);
   window.screenshot("before");
   window.press();
-  const Json held = window.waitUntil("it is held", [](const Json &s) { return row(s, "Held inside") == "organ"; });
+  const Json held = C3DE_WAIT(window, "it is held", row(s, "Held inside") == "organ");
   // The point under the mouse, inside, in the plane; a pixel is 0.5 mm.
   const Vec3 pressed = millimetres(held, "Held point");
   INFO(row(held, "Held point"));
@@ -173,11 +161,10 @@ TEST_CASE("tissue is pulled where a slice shows it, within its plane, and one Un
   const double plane = pressed[2];
   CHECK(std::abs(plane) < 1.3);
   moveInSteps(window, from, to);
-  window.waitUntil("the tissue has come after the hand", [&](const Json &s) {
-    return number(s, "Pinch force") > 0.05 && norm(millimetres(s, "Held point") - pressed) > 6.0;
-  });
+  C3DE_WAIT(window, "the tissue has come after the hand",
+            number(s, "Pinch force") > 0.05 && norm(millimetres(s, "Held point") - pressed) > 6.0);
   // The material under the mouse has come from the pressed position: the slice shows that.
-  window.waitUntil("the scan follows", [&](const Json &s) { return shift_mm(s, "axial") > 3.0; });
+  C3DE_WAIT(window, "the scan follows", shift_mm(s, "axial") > 3.0);
   window.waitFrames(20);
   window.screenshot("pulled");
   const Json pulled = window.state();
@@ -196,20 +183,20 @@ TEST_CASE("tissue is pulled where a slice shows it, within its plane, and one Un
     CHECK(window.differingPixels("before", "pulled", pane) > 100);
   }
   window.release();
-  window.waitUntil("it is let go", [](const Json &s) { return row(s, "Pinch force") == "–"; });
+  C3DE_WAIT(window, "it is let go", row(s, "Pinch force") == "–");
   CHECK(text(window.state(), "axial.marks") == "0 in the plane, 0 beside it");
   window.moveTo(window.inView(0.9, 0.9));
   window.key("space");
-  const Json paused = window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
+  const Json paused = C3DE_WAIT(window, "it pauses", mode(s) == "paused");
   window.key("ctrl+z");
-  const Json undone = window.waitUntil("the pull is undone", [&](const Json &s) { return steps(s) < steps(paused); });
-  window.waitUntil("the scan is back", [](const Json &s) { return shift_mm(s, "axial") < 0.01; });
+  const Json undone = C3DE_WAIT(window, "the pull is undone", steps(s) < steps(paused));
+  C3DE_WAIT(window, "the scan is back", shift_mm(s, "axial") < 0.01);
   window.screenshot("undone");
   CHECK(steps(undone) > 0);  // to before the pull, not to the beginning
   window.key("ctrl+y");
-  window.waitUntil("it is done again", [&](const Json &s) { return steps(s) == steps(paused); });
+  C3DE_WAIT(window, "it is done again", steps(s) == steps(paused));
   window.key("ctrl+z");
-  window.waitUntil("one step was it", [&](const Json &s) { return steps(s) == steps(undone); });
+  C3DE_WAIT(window, "one step was it", steps(s) == steps(undone));
 
   // In another view, zoomed and panned: the point under the mouse before the zoom stays there.
   window.key("space");
@@ -221,24 +208,23 @@ TEST_CASE("tissue is pulled where a slice shows it, within its plane, and one Un
   window.waitFrames(2);
   window.moveTo(sagittal);
   window.press();
-  const Json second = window.waitUntil("it is held", [](const Json &s) { return row(s, "Held inside") == "organ"; });
+  const Json second = C3DE_WAIT(window, "it is held", row(s, "Held inside") == "organ");
   const Vec3 there = millimetres(second, "Held point");
   INFO(row(second, "Held point"));
   CHECK(std::abs(there[1] - 8) < 0.7);
   CHECK(std::abs(there[2] - 10) < 0.7);
   moveInSteps(window, sagittal, {sagittal.x + 60, sagittal.y - 40});
-  window.waitUntil("the hand pulls", [](const Json &s) { return number(s, "Pinch force") > 0.05; });
+  C3DE_WAIT(window, "the hand pulls", number(s, "Pinch force") > 0.05);
   window.waitFrames(20);
   window.screenshot("sagittal");
   CHECK(std::abs(millimetres(window.state(), "Hand")[0] - there[0]) < 0.01);
 
   // The slice is scrolled during the drag: the target moves along, 2 mm a slice.
   window.wheel(3);
-  window.waitUntil("the hand has gone along",
-                   [&](const Json &s) { return std::abs(std::abs(millimetres(s, "Hand")[0] - there[0]) - 6) < 0.05; });
+  C3DE_WAIT(window, "the hand has gone along", std::abs(std::abs(millimetres(s, "Hand")[0] - there[0]) - 6) < 0.05);
   window.screenshot("scrolled");
   window.key("Escape");
-  window.waitUntil("Escape lets go", [](const Json &s) { return row(s, "Pinch force") == "–"; });
+  C3DE_WAIT(window, "Escape lets go", row(s, "Pinch force") == "–");
   const std::string cross = text(window.state(), "cross_hair");
   window.moveTo({sagittal.x, sagittal.y + 30});
   window.release();
@@ -250,12 +236,12 @@ TEST_CASE("tissue is pulled where a slice shows it, within its plane, and one Un
   window.moveTo(window.inView(0.5, 0.5));
   window.key("o");
   window.clickAt(at(window, "axial", 20, 10));
-  window.waitUntil("the cross-hair moves", [&](const Json &s) { return text(s, "cross_hair") != cross; });
+  C3DE_WAIT(window, "the cross-hair moves", text(s, "cross_hair") != cross);
   CHECK(window.state()["notifications"].empty());
 }
 
 TEST_CASE("a press beside tissue and on rigid bone holds nothing and says why", "[slice_refused]") {
-  C3DE_SLICES_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("slice_refused");
   // The lowest 10 mm of the organ are fixed.
   SceneText says;
@@ -267,20 +253,19 @@ TEST_CASE("a press beside tissue and on rigid bone holds nothing and says why", 
   const auto press = [&](const char *pane, double right, double down, const std::string &why) {
     window.moveTo(at(window, pane, right, down));
     window.press();
-    const Json told = window.waitUntil("it is said: " + why, [&](const Json &s) { return row(s, "Not held") == why; });
+    const Json told = C3DE_WAIT(window, "it is said: " + why, row(s, "Not held") == why);
     CHECK(row(told, "Held inside").empty());
     CHECK(text(told, std::string(pane) + ".marks") == "1 in the plane, 0 beside it");
     window.moveTo(at(window, pane, right + 10, down));
     window.release();
-    window.waitUntil("the word at the place goes", [&](const Json &s) {
-      return text(s, std::string(pane) + ".marks") == "0 in the plane, 0 beside it";
-    });
+    C3DE_WAIT(window, "the word at the place goes",
+              text(s, std::string(pane) + ".marks") == "0 in the plane, 0 beside it");
   };
   press("axial", -50, 5, "No body is there");
   window.screenshot("beside");
   window.moveTo(at(window, "axial", 49, 5));
   window.press();
-  window.waitUntil("it is said", [](const Json &s) { return row(s, "Not held") == "bone is rigid and stands"; });
+  C3DE_WAIT(window, "it is said", row(s, "Not held") == "bone is rigid and stands");
   window.screenshot("bone");
   window.release();
   press("coronal", 0, 22, "organ is held by a fix there");
@@ -292,22 +277,22 @@ TEST_CASE("a press beside tissue and on rigid bone holds nothing and says why", 
   CHECK(steps(window.state()) >= now);
   // Above it is free; while paused it is held, and pulled once it plays.
   window.key("space");
-  window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
+  C3DE_WAIT(window, "it pauses", mode(s) == "paused");
   const Point from = at(window, "coronal", 0, -15);
   window.moveTo(from);
   window.press();
-  window.waitUntil("it is held", [](const Json &s) { return row(s, "Held inside") == "organ"; });
+  C3DE_WAIT(window, "it is held", row(s, "Held inside") == "organ");
   CHECK(row(window.state(), "Not held").empty());
   moveInSteps(window, from, {from.x - 30, from.y - 20}, 3);
   CHECK(number(window.state(), "Pinch force") == 0.0);
   window.key("space");
-  window.waitUntil("it is pulled", [](const Json &s) { return number(s, "Pinch force") > 0.05; });
+  C3DE_WAIT(window, "it is pulled", number(s, "Pinch force") > 0.05);
   window.release();
   CHECK(window.state()["notifications"].empty());
 }
 
 TEST_CASE("in a scan that is turned and a body that has gone far, what is seen is held", "[slice_oblique]") {
-  C3DE_SLICES_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("slice_oblique");
   // It flies 30 mm in a second towards -j of the rotated scan, unsupported.
   SceneText says;
@@ -321,17 +306,16 @@ TEST_CASE("in a scan that is turned and a body that has gone far, what is seen i
   start(window, sceneOf("slice_oblique", says));
   take(window, "p", "pointbased.pinch");
   play(window);
-  window.waitUntil("it is far away", [](const Json &s) { return s["transport"]["time_s"] > 0.9; });
+  C3DE_WAIT(window, "it is far away", s["transport"]["time_s"] > 0.9);
   window.key("space");
-  window.waitUntil("it stands", [](const Json &s) { return mode(s) == "paused"; });
+  C3DE_WAIT(window, "it stands", mode(s) == "paused");
   const double gone = 30.0 * window.state()["transport"]["time_s"].get<double>();
   // The centre of the former lower half of the organ, in the frame of the scan.
   const Point where = at(window, "axial", 6.0, 15.0 - gone);
   window.moveTo(where);
-  window.waitUntil("the scan shows tissue there",
-                   [&](const Json &s) { return std::abs(shift_mm(s, "axial") - gone) < 0.1; });
+  C3DE_WAIT(window, "the scan shows tissue there", std::abs(shift_mm(s, "axial") - gone) < 0.1);
   window.press();
-  const Json held = window.waitUntil("it is held", [](const Json &s) { return row(s, "Held inside") == "organ"; });
+  const Json held = C3DE_WAIT(window, "it is held", row(s, "Held inside") == "organ");
   const Vec3 point = millimetres(held, "Held point");
   const Vec3 right{c, d, 0}, down{-d, c, 0};
   INFO(row(held, "Held point"));
@@ -344,19 +328,19 @@ TEST_CASE("in a scan that is turned and a body that has gone far, what is seen i
   CHECK(dot(hand - point, right) < -15.0);
   window.screenshot("held");
   window.key("space");
-  window.waitUntil("it is pulled", [](const Json &s) { return number(s, "Pinch force") > 0.05; });
+  C3DE_WAIT(window, "it is pulled", number(s, "Pinch force") > 0.05);
   window.waitFrames(20);
   window.screenshot("pulled");
   window.release();
   // Its former region is empty.
   window.moveTo(at(window, "axial", 6, 22));
   window.press();
-  window.waitUntil("nothing is there", [](const Json &s) { return row(s, "Not held") == "No body is there"; });
+  C3DE_WAIT(window, "nothing is there", row(s, "Not held") == "No body is there");
   window.release();
 }
 
 TEST_CASE("where two bodies lie over each other the one is held that the slice shows", "[slice_overlap]") {
-  C3DE_SLICES_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("slice_overlap");
   // The former bone is soft and flies 18 mm into the organ, which ends at x = 32 mm: it then extends from 23 to 39 mm.
   SceneText says;
@@ -367,9 +351,9 @@ TEST_CASE("where two bodies lie over each other the one is held that the slice s
   take(window, "p", "pointbased.pinch");
   window.moveTo(window.inView(0.9, 0.9));
   window.key("space");
-  window.waitUntil("it is there", [](const Json &s) { return s["transport"]["time_s"] > 2.9; });
+  C3DE_WAIT(window, "it is there", s["transport"]["time_s"] > 2.9);
   window.key("space");
-  window.waitUntil("it stands", [](const Json &s) { return mode(s) == "paused"; });
+  C3DE_WAIT(window, "it stands", mode(s) == "paused");
   const double gone = 6.0 * window.state()["transport"]["time_s"].get<double>();
   INFO(gone);
   REQUIRE(gone < 20.0);
@@ -379,13 +363,12 @@ TEST_CASE("where two bodies lie over each other the one is held that the slice s
   for (double x = 12.0; x < 55.0 - gone; x += 2.6) {
     INFO(x);
     window.moveTo(at(window, "axial", x, 5));
-    const Json shown = window.waitUntil("the slice tells of it", [&](const Json &s) {
-      return std::abs(std::strtod(text(s, "axial.readout").c_str() + 4, nullptr) - x) < 0.6;
-    });
+    const Json shown = C3DE_WAIT(window, "the slice tells of it",
+                                 std::abs(std::strtod(text(s, "axial.readout").c_str() + 4, nullptr) - x) < 0.6);
     window.press();
-    const Json held = window.waitUntil("it is held", [](const Json &s) { return !row(s, "Held inside").empty(); });
+    const Json held = C3DE_WAIT(window, "it is held", !row(s, "Held inside").empty());
     window.release();
-    window.waitUntil("it is let go", [](const Json &s) { return row(s, "Held inside").empty(); });
+    C3DE_WAIT(window, "it is let go", row(s, "Held inside").empty());
     // Between the two the slice blends.
     const double shift = shift_mm(shown, "axial");
     if (shift > 1.0 && shift < gone - 1.0) continue;
@@ -399,7 +382,7 @@ TEST_CASE("where two bodies lie over each other the one is held that the slice s
 }
 
 TEST_CASE("an instrument is put into a slice, drawn where it is cut, and pushed within the plane", "[slice_touch]") {
-  C3DE_SLICES_OR_SKIP();
+  C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("slice_touch");
   start(window, sceneOf("slice_touch"));
   take(window, "t", "pointbased.touch");
@@ -421,7 +404,7 @@ TEST_CASE("an instrument is put into a slice, drawn where it is cut, and pushed 
   CHECK(std::abs(number(window.state(), "touch_z") + 3) < 0.6);
   CHECK(radius >= 6.0);
   moveInSteps(window, from, at(window, "coronal", -26, 3));
-  window.waitUntil("it is felt", [](const Json &s) { return number(s, "Contact force") > 0.1; });
+  C3DE_WAIT(window, "it is felt", number(s, "Contact force") > 0.1);
   window.waitFrames(30);
   window.screenshot("pressed");
   const Json pressed = window.state();
@@ -436,14 +419,13 @@ TEST_CASE("an instrument is put into a slice, drawn where it is cut, and pushed 
   window.press();
   window.moveTo({again.x - 2, again.y});
   window.wheel(2);
-  window.waitUntil("it has gone along",
-                   [&](const Json &s) { return std::abs(std::abs(number(s, "touch_y") - y) - 4) < 0.05; });
+  C3DE_WAIT(window, "it has gone along", std::abs(std::abs(number(s, "touch_y") - y) - 4) < 0.05);
   CHECK(outlines("coronal", "3")(window.state()));
   window.release();
   window.moveTo(window.inView(0.9, 0.9));
   const long long last = steps(window.state());
   window.key("ctrl+z");
-  window.waitUntil("the second push is undone", [&](const Json &s) { return steps(s) < last; });
+  C3DE_WAIT(window, "the second push is undone", steps(s) < last);
   window.key("ctrl+z");
   window.waitUntil("it was never there", outlines("coronal", "2"));
   // Within the tissue: it is placed next to the skin, in the plane.

@@ -15,20 +15,17 @@ using c3de::test::Json;
 using c3de::test::Point;
 using c3de::test::WorkstationDriver;
 
-#define C3DE_WINDOW_OR_SKIP() \
-  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason)
-
 namespace {
 
 /// Starts with the gallery plugin and a file that is not a mesh, so that no simulation starts whatever other plugins
 /// are installed; the message about the file is closed.
 void startGallery(WorkstationDriver &window) {
-  const std::filesystem::path noMesh = std::filesystem::path(testOutputRoot()) / "ui" / "no_mesh.obj";
+  const std::filesystem::path noMesh = c3de::test::outputFile("no_mesh.obj");
   std::ofstream(noMesh) << "this is no mesh\n";
   window.start({noMesh.string(), "--plugin", C3DE_GALLERY_PLUGIN});
-  window.waitUntil("the file is refused", [](const Json &s) { return s["notifications"].size() == 1; });
+  C3DE_WAIT(window, "the file is refused", s["notifications"].size() == 1);
   window.click("notification/close.0");
-  window.waitUntil("the message is closed", [](const Json &s) { return s["notifications"].empty(); });
+  C3DE_WAIT(window, "the message is closed", s["notifications"].empty());
 }
 
 double cameraValue(const WorkstationDriver &window, const char *name) { return window.state()["camera"][name]; }
@@ -56,9 +53,8 @@ TEST_CASE("without arguments the window opens the head of many tissues, and no m
     C3DE_SKIP("the scan of the default scene is not installed (Debian package mricron-data)");
   WorkstationDriver window("default_scene");
   window.start(std::vector<std::string>{});
-  const Json state = window.waitUntil("a scene is open", [](const Json &s) {
-    return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && s["panes"].size() == 4;
-  });
+  const Json state = C3DE_WAIT(window, "a scene is open",
+                               s["transport"]["exists"].get<bool>() && s["jobs"].empty() && s["panes"].size() == 4);
   window.screenshotAtRest("head");
   CHECK(state["notifications"].empty());
   CHECK(window.value("image/name") == "ch2.nii.gz");
@@ -69,26 +65,25 @@ TEST_CASE("menus open, and About names versions, graphics and plugins", "[menu]"
   WorkstationDriver window("menu");
   startGallery(window);
   window.click("menu/file");
-  window.waitUntil("the menu is open", [](const Json &s) { return s["widgets"].contains("menu/file.open_mesh"); });
+  C3DE_WAIT(window, "the menu is open", s["widgets"].contains("menu/file.open_mesh"));
   window.screenshot("file");
   window.click("menu/file");
   window.click("menu/simulation");
-  const Json open =
-      window.waitUntil("the menu is open", [](const Json &s) { return s["widgets"].contains("menu/simulation.play"); });
+  const Json open = C3DE_WAIT(window, "the menu is open", s["widgets"].contains("menu/simulation.play"));
   CHECK(std::count(open["disabled"].begin(), open["disabled"].end(), "menu/simulation.play") == 1);
   window.click("menu/simulation");
   window.click("menu/help");
   window.click("menu/help.about");
-  window.waitUntil("About is open", [](const Json &s) { return s["values"].contains("about/version"); });
+  C3DE_WAIT(window, "About is open", s["values"].contains("about/version"));
   CHECK_THAT(window.value("about/version"), Contains("C3DE"));
   CHECK_THAT(window.value("about/graphics"), Contains("OpenGL") || Contains("GL"));
   window.screenshot("about");
   window.click("dialog/close");
   window.key("h");
-  window.waitUntil("the shortcuts are open", [](const Json &s) { return s["widgets"].contains("dialog/close"); });
+  C3DE_WAIT(window, "the shortcuts are open", s["widgets"].contains("dialog/close"));
   window.screenshot("shortcuts");
   window.key("Escape");
-  window.waitUntil("they are closed", [](const Json &s) { return !s["widgets"].contains("dialog/close"); });
+  C3DE_WAIT(window, "they are closed", !s["widgets"].contains("dialog/close"));
 }
 
 TEST_CASE("a file that is no mesh leads to a message that says why, and the window goes on", "[bad_file]") {
@@ -96,7 +91,7 @@ TEST_CASE("a file that is no mesh leads to a message that says why, and the wind
   WorkstationDriver window("bad_file");
   startGallery(window);
   window.key("ctrl+m");
-  window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+  C3DE_WAIT(window, "the dialog is open", s["widgets"].contains("dialog/path"));
   window.screenshot("dialog");
   window.click("dialog/unit");
   window.click("dialog/unit.option.m");
@@ -104,15 +99,13 @@ TEST_CASE("a file that is no mesh leads to a message that says why, and the wind
   window.click("dialog/path");
   window.type("/nowhere/liver.obj");
   window.key("Return");
-  const Json refused =
-      window.waitUntil("the dialog says why", [](const Json &s) { return s["values"].contains("dialog/error"); });
+  const Json refused = C3DE_WAIT(window, "the dialog says why", s["values"].contains("dialog/error"));
   CHECK_THAT(refused["values"]["dialog/error"].get<std::string>(), Contains("/nowhere/liver.obj"));
   window.click("dialog/path");
   window.key("ctrl+a");
-  window.type((std::filesystem::path(testOutputRoot()) / "ui" / "no_mesh.obj").string());
+  window.type(c3de::test::outputFile("no_mesh.obj").string());
   window.click("dialog/open");
-  const Json state =
-      window.waitUntil("the file is refused", [](const Json &s) { return s["notifications"].size() == 1; });
+  const Json state = C3DE_WAIT(window, "the file is refused", s["notifications"].size() == 1);
   CHECK(state["notifications"][0]["severity"] == "error");
   CHECK_THAT(state["notifications"][0]["title"].get<std::string>(), Contains("no_mesh.obj"));
   CHECK_FALSE(state["notifications"][0]["text"].get<std::string>().empty());
@@ -128,13 +121,12 @@ TEST_CASE("what is in the file list opens by a double click, and by Enter once i
   startGallery(window);
   for (const bool isDouble : {true, false}) {
     window.key("ctrl+m");
-    window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+    C3DE_WAIT(window, "the dialog is open", s["widgets"].contains("dialog/path"));
     window.click("dialog/path");
     window.key("ctrl+a");
     window.type((std::filesystem::path(testOutputRoot()) / "ui").string());
     window.key("Return");
-    window.waitUntil("the folder is listed",
-                     [](const Json &s) { return s["widgets"].contains("dialog/entry.no_mesh.obj"); });
+    C3DE_WAIT(window, "the folder is listed", s["widgets"].contains("dialog/entry.no_mesh.obj"));
     if (isDouble) {
       window.doubleClickAt(window.locate("dialog/entry.no_mesh.obj"));
     } else {
@@ -142,23 +134,21 @@ TEST_CASE("what is in the file list opens by a double click, and by Enter once i
       window.waitForValue("dialog/path", "no_mesh.obj");
       window.key("Return");
     }
-    const Json state = window.waitUntil("the file is opened, and refused",
-                                        [](const Json &s) { return s["notifications"].size() == 1; });
+    const Json state = C3DE_WAIT(window, "the file is opened, and refused", s["notifications"].size() == 1);
     CHECK_THAT(state["notifications"][0]["title"].get<std::string>(), Contains("no_mesh.obj"));
     CHECK_FALSE(state["widgets"].contains("dialog/path"));
     window.click("notification/close.0");
-    window.waitUntil("the message is closed", [](const Json &s) { return s["notifications"].empty(); });
+    C3DE_WAIT(window, "the message is closed", s["notifications"].empty());
   }
 }
 
 TEST_CASE("a window is never larger than the screen, also where a unit is two pixels", "[screen_size]") {
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("screen_size");
-  const std::filesystem::path noMesh = std::filesystem::path(testOutputRoot()) / "ui" / "no_mesh.obj";
+  const std::filesystem::path noMesh = c3de::test::outputFile("no_mesh.obj");
   std::ofstream(noMesh) << "this is no mesh\n";
   // The virtual screen loses its settings when the last program disconnects.
-  auto keeper = c3de::ChildProcess::start({"xprop", "-root", "-spy"},
-                                          std::filesystem::path(testOutputRoot()) / "ui" / "xprop.log");
+  auto keeper = c3de::ChildProcess::start({"xprop", "-root", "-spy"}, c3de::test::outputFile("xprop.log"));
   if (!keeper) C3DE_SKIP("xprop is not there to set the density of the display");
   std::this_thread::sleep_for(std::chrono::seconds(1));
   // The desktop setting for a display with twice the usual density.
@@ -182,7 +172,7 @@ TEST_CASE("no character that is typed into a dialog is lost, however fast they c
   WorkstationDriver window("typing");
   startGallery(window);
   window.key("ctrl+m");
-  window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+  C3DE_WAIT(window, "the dialog is open", s["widgets"].contains("dialog/path"));
   std::string text;
   for (int i = 0; i < 12; ++i) text += "/Aorta_thoracica-" + std::to_string(i) + "/Liver..ooll";
   for (const int delay_ms : {0, 12}) {
@@ -197,7 +187,7 @@ TEST_CASE("no character that is typed into a dialog is lost, however fast they c
   window.waitForValue("dialog/path", "xz");
   window.key("Escape");
   window.key("Escape");
-  window.waitUntil("it is closed", [](const Json &s) { return !s["widgets"].contains("dialog/path"); });
+  C3DE_WAIT(window, "it is closed", !s["widgets"].contains("dialog/path"));
   // Characters typed right after the keys that open the dialog belong to it.
   window.keys({"ctrl+o", "s", "c", "e", "n", "e"});
   window.waitForValue("dialog/path", "scene");
@@ -208,23 +198,22 @@ TEST_CASE("messages cover no view, go by being closed, and can be read later", "
   WorkstationDriver window("messages");
   startGallery(window);
   window.click("test.gallery/notify");
-  const Json told = window.waitUntil("there is a message",
-                                     [](const Json &s) { return s["widgets"].contains("notification/close.0"); });
+  const Json told = C3DE_WAIT(window, "there is a message", s["widgets"].contains("notification/close.0"));
   CHECK(told["widgets"]["notification/close.0"][2].get<double>() <= told["area"]["x"].get<double>());
   window.screenshot("told");
   window.click("notification/close.0");
-  window.waitUntil("it is closed", [](const Json &s) { return s["notifications"].empty(); });
+  C3DE_WAIT(window, "it is closed", s["notifications"].empty());
   window.click("status/messages");
   window.waitForValue("messages/count", "2");  // the file that is no mesh, and this one
   window.screenshot("log");
   window.key("Escape");
-  window.waitUntil("the list is closed", [](const Json &s) { return !s["values"].contains("messages/count"); });
+  C3DE_WAIT(window, "the list is closed", !s["values"].contains("messages/count"));
 }
 
 TEST_CASE("a panel that fails again and again is switched off with one message, and on again by it", "[switched_off]") {
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("switched_off");
-  const std::filesystem::path noMesh = std::filesystem::path(testOutputRoot()) / "ui" / "no_mesh.obj";
+  const std::filesystem::path noMesh = c3de::test::outputFile("no_mesh.obj");
   std::ofstream(noMesh) << "this is no mesh\n";
   window.start({noMesh.string(), "--plugin", C3DE_THROWING_PLUGIN});
   const auto failures = [&] {
@@ -234,8 +223,7 @@ TEST_CASE("a panel that fails again and again is switched off with one message, 
       ++n;
     return n;
   };
-  window.waitUntil("the panel is off",
-                   [](const Json &s) { return s["widgets"].contains("test.panel/c3de.switch_on"); });
+  C3DE_WAIT(window, "the panel is off", s["widgets"].contains("test.panel/c3de.switch_on"));
   CHECK(failures() == 3);
   const Json told = window.state();
   std::size_t messages = 0;
@@ -246,9 +234,7 @@ TEST_CASE("a panel that fails again and again is switched off with one message, 
 
   // The panel continues to fail: three more times, and it is off again.
   window.click("test.panel/c3de.switch_on");
-  window.waitUntil("the panel is off again", [&](const Json &s) {
-    return failures() == 6 && s["widgets"].contains("test.panel/c3de.switch_on");
-  });
+  C3DE_WAIT(window, "the panel is off again", failures() == 6 && s["widgets"].contains("test.panel/c3de.switch_on"));
   window.click("notification/choose.0.0");  // the newest is on top
   window.waitUntil("the panel is off for the third time", [&](const Json &) { return failures() >= 9; });
 }
@@ -277,13 +263,12 @@ TEST_CASE("mouse and keys move the camera", "[camera]") {
   const double dragged = cameraValue(window, "distance");
   CHECK(dragged != distance);
   window.wheel(3);
-  window.waitUntil("the wheel zooms in", [&](const Json &s) { return s["camera"]["distance"] < 0.9 * dragged; });
+  C3DE_WAIT(window, "the wheel zooms in", s["camera"]["distance"] < 0.9 * dragged);
 
   window.key("5");
-  window.waitUntil("the view is from above", [](const Json &s) { return s["camera"]["pitch"] > 1.5; });
+  C3DE_WAIT(window, "the view is from above", s["camera"]["pitch"] > 1.5);
   window.key("1");
-  window.waitUntil("the view is from the front",
-                   [](const Json &s) { return std::abs(s["camera"]["pitch"].get<double>()) < 1e-6; });
+  C3DE_WAIT(window, "the view is from the front", std::abs(s["camera"]["pitch"].get<double>()) < 1e-6);
   // A drag that begins in the panel is not the camera's.
   const Json before = window.state()["camera"];
   window.drag({20, 500}, window.inView(0.5, 0.5), 3);
@@ -323,16 +308,13 @@ TEST_CASE("widgets of a panel do what they say", "[widgets]") {
   CHECK(window.state()["tool"] == "orbit");
   window.key("Escape");
 
-  const std::filesystem::path organ = std::filesystem::path(testOutputRoot()) / "ui" / "no_mesh.obj";
+  const std::filesystem::path organ = c3de::test::outputFile("no_mesh.obj");
   window.click("test.gallery/file");
-  window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
-  window.type(organ.string());
-  window.key("Return");
+  window.enterFile(organ);
   window.waitForValue("test.gallery/File", std::filesystem::weakly_canonical(organ).string());
   window.click("test.gallery/notify");
-  window.waitUntil("the plugin's message is shown", [](const Json &s) {
-    return s["notifications"].size() == 1 && s["notifications"][0]["severity"] == "warn";
-  });
+  C3DE_WAIT(window, "the plugin's message is shown",
+            s["notifications"].size() == 1 && s["notifications"][0]["severity"] == "warn");
   window.screenshot("gallery");
 }
 
@@ -378,7 +360,7 @@ TEST_CASE("the active tool gets the left button, and lets go on Escape", "[tool]
   startGallery(window);
   window.moveTo(window.inView(0.5, 0.5));
   window.key("t");
-  window.waitUntil("the tool is active", [](const Json &s) { return s["tool"] == "test.marker"; });
+  C3DE_WAIT(window, "the tool is active", s["tool"] == "test.marker");
   const Json camera = window.state()["camera"];
   window.drag(window.inView(0.4, 0.5), window.inView(0.6, 0.5), 4);
   CHECK(window.state()["camera"] == camera);
@@ -400,7 +382,7 @@ TEST_CASE("the active tool gets the left button, and lets go on Escape", "[tool]
   window.drag(window.inView(0.4, 0.5), window.inView(0.5, 0.5), 3, 2);
   CHECK(window.state()["camera"]["focus"] != camera["focus"]);
   window.click("toolbar/tool.orbit");
-  window.waitUntil("no tool is active", [](const Json &s) { return s["tool"] == "orbit"; });
+  C3DE_WAIT(window, "no tool is active", s["tool"] == "orbit");
   window.drag(window.inView(0.4, 0.5), window.inView(0.5, 0.5), 3);
   CHECK(window.value("test.gallery/Tool presses") == "2");
 }
@@ -410,14 +392,13 @@ TEST_CASE("a long job shows its progress beside a live window and can be cancell
   WorkstationDriver window("job");
   startGallery(window);
   window.click("test.gallery/job");
-  const Json running = window.waitUntil(
-      "the job runs", [](const Json &s) { return s["jobs"].size() == 1 && s["jobs"][0]["fraction"] > 0.0; });
+  const Json running = C3DE_WAIT(window, "the job runs", s["jobs"].size() == 1 && s["jobs"][0]["fraction"] > 0.0);
   CHECK(running["jobs"][0]["title"] == "A long job");
   window.click("test.gallery/press");
   window.waitForValue("test.gallery/Presses", "1");
   window.screenshot("running");
   window.click("job/cancel.0");
-  window.waitUntil("the job ends", [](const Json &s) { return s["jobs"].empty(); });
+  C3DE_WAIT(window, "the job ends", s["jobs"].empty());
   window.waitForValue("test.gallery/Job", "-12");
 }
 
@@ -430,7 +411,7 @@ TEST_CASE("a job that appears does not end what the mouse does", "[job_mid_press
   // Pressed before the job is old enough to be shown, released after.
   window.moveTo(at);
   window.press();
-  window.waitUntil("the job is shown", [](const Json &s) { return s["widgets"].contains("job/cancel.0"); });
+  C3DE_WAIT(window, "the job is shown", s["widgets"].contains("job/cancel.0"));
   window.waitFrames(3);
   window.release();
   window.waitForValue("test.gallery/Presses", "1");
@@ -471,7 +452,7 @@ TEST_CASE("what is under the mouse stays there while rows above it come and go",
   window.click("test.gallery/restless");
   window.moveTo(window.inView(0.5, 0.5));
   window.click("job/cancel.0");
-  window.waitUntil("the job ends", [](const Json &s) { return s["jobs"].empty(); });
+  C3DE_WAIT(window, "the job ends", s["jobs"].empty());
   window.moveTo(window.inView(0.5, 0.5));
   CHECK(window.locate("test.gallery/header").y < header + 20.0);
   window.screenshot("left");
@@ -482,7 +463,7 @@ TEST_CASE("F12 writes a picture and says where", "[screenshot]") {
   WorkstationDriver window("screenshot");
   startGallery(window);
   window.key("F12");
-  const Json state = window.waitUntil("it says where", [](const Json &s) { return s["notifications"].size() == 1; });
+  const Json state = C3DE_WAIT(window, "it says where", s["notifications"].size() == 1);
   CHECK(state["notifications"][0]["title"] == "Screenshot saved");
   const std::filesystem::path file = state["notifications"][0]["text"].get<std::string>();
   REQUIRE(std::filesystem::is_regular_file(file));
@@ -500,12 +481,12 @@ TEST_CASE("the side panel can be made wider, and the layout reset", "[layout]") 
   CHECK(window.state()["view"]["x"].get<double>() == Approx(before + 100).margin(4));
   window.click("menu/view");
   window.click("menu/view.reset_layout");
-  window.waitUntil("the panel is as wide as before", [&](const Json &s) { return s["view"]["x"] == before; });
+  C3DE_WAIT(window, "the panel is as wide as before", s["view"]["x"] == before);
   // Its check box hides and shows a node.
   window.click("scene/box");
-  window.waitUntil("the box is hidden", [](const Json &s) { return s["nodes"][1]["visible"] == false; });
+  C3DE_WAIT(window, "the box is hidden", s["nodes"][1]["visible"] == false);
   window.click("scene/box");
-  window.waitUntil("the box is shown", [](const Json &s) { return s["nodes"][1]["visible"] == true; });
+  C3DE_WAIT(window, "the box is shown", s["nodes"][1]["visible"] == true);
 }
 
 TEST_CASE("nothing is drawn while nothing changes", "[idle]") {
@@ -522,7 +503,7 @@ TEST_CASE("nothing is drawn while nothing changes", "[idle]") {
 TEST_CASE("without OpenGL 4.3 the program says what it found and ends with 6", "[old_gl]") {
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver program("old_gl");
-  const std::filesystem::path noMesh = std::filesystem::path(testOutputRoot()) / "ui" / "no_mesh.obj";
+  const std::filesystem::path noMesh = c3de::test::outputFile("no_mesh.obj");
   std::ofstream(noMesh) << "this is no mesh\n";
   const int code = program.startAndWait({noMesh.string()}, {"LIBGL_ALWAYS_SOFTWARE=1", "MESA_GL_VERSION_OVERRIDE=3.1"});
   CHECK(code == 6);

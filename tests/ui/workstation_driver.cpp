@@ -42,10 +42,15 @@ std::string essentials(const Json &state) {
 
 }  // namespace
 
+std::filesystem::path outputFile(const std::string &name) {
+  const std::filesystem::path folder = std::filesystem::path(testOutputRoot()) / "ui";
+  std::filesystem::create_directories(folder);
+  return folder / name;
+}
+
 WorkstationDriver::WorkstationDriver(std::string name)
-    : name_(std::move(name)), folder_(std::filesystem::path(testOutputRoot()) / "ui"),
-      stateFile_(folder_ / (name_ + ".json")), log_(folder_ / (name_ + ".log")) {
-  std::filesystem::create_directories(folder_);
+    : name_(std::move(name)), folder_(outputFile("").parent_path()), stateFile_(outputFile(name_ + ".json")),
+      log_(outputFile(name_ + ".log")) {
   std::error_code ignored;
   std::filesystem::remove(stateFile_, ignored);
 }
@@ -250,11 +255,28 @@ void WorkstationDriver::controlClick(const std::string &widget) {
 void WorkstationDriver::drag(Point from, Point to, int steps, int button) {
   moveTo(from);
   press(button);
+  moveAlong(from, to, steps);
+  release(button);
+}
+
+void WorkstationDriver::moveAlong(Point from, Point to, int steps) {
   for (int i = 1; i <= steps; ++i) {
     const double t = static_cast<double>(i) / steps;
     moveTo({from.x + t * (to.x - from.x), from.y + t * (to.y - from.y)});
   }
-  release(button);
+}
+
+void WorkstationDriver::openFile(const std::filesystem::path &file, int delay_ms) {
+  C3DE_WAIT(*this, "a file is asked for", s["widgets"].contains("dialog/path"));
+  key("ctrl+a");
+  type(file.string(), delay_ms);
+  click("dialog/open");
+}
+
+void WorkstationDriver::enterFile(const std::filesystem::path &file) {
+  C3DE_WAIT(*this, "the dialog is open", s["widgets"].contains("dialog/path"));
+  type(file.string());
+  key("Return");
 }
 
 Point WorkstationDriver::inView(double u, double v) const {

@@ -18,6 +18,9 @@ struct Point {
   double x = 0.0, y = 0.0;
 };
 
+/// A file in the folder of logs and screenshots, which exists.
+std::filesystem::path outputFile(const std::string &name);
+
 /// Runs the real program on the display of this process and operates it with mouse and keyboard (xdotool), polling the
 /// automation state instead of sleeping. A wait that is not met for three minutes (with sanitizers, for longer) throws
 /// std::runtime_error with the last state's essentials, which fails the test case. No wait is a measurement of speed:
@@ -64,6 +67,8 @@ class WorkstationDriver {
   void controlClick(const std::string &widget);
   /// Presses at the first point, moves in steps, releases at the last one; each is processed in its own frame.
   void drag(Point from, Point to, int steps, int button = 1);
+  /// The moves of a drag.
+  void moveAlong(Point from, Point to, int steps);
   /// A point of the 3D view; 0 … 1 from its upper left corner.
   [[nodiscard]] Point inView(double u, double v) const;
   void wheel(int clicks);
@@ -75,6 +80,9 @@ class WorkstationDriver {
   void keyUp(const std::string &name);
   /// @param delay_ms  between characters
   void type(const std::string &text, int delay_ms = 40);
+  /// In the file dialog that opens: replaces the path and opens it, or types one in the folder and presses Return.
+  void openFile(const std::filesystem::path &file, int delay_ms = 40);
+  void enterFile(const std::filesystem::path &file);
   /// PNG next to the log.
   void screenshot(const std::string &name);
   /// Waits until the picture is static: the state is written before the frame is on the screen, and on a busy machine
@@ -99,3 +107,15 @@ class WorkstationDriver {
 };
 
 }  // namespace c3de::test
+
+#define C3DE_WINDOW_OR_SKIP() \
+  if (const std::string reason = c3de::test::WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason)
+/// Windows that simulate with the point-based plugin.
+#define C3DE_ORGAN_OR_SKIP()                                                           \
+  C3DE_WINDOW_OR_SKIP();                                                               \
+  if (!std::filesystem::exists(std::filesystem::path(testPluginFolder()) /             \
+                               (std::string("pointbased") + c3de::pluginExtension()))) \
+  C3DE_SKIP("the point-based plugin is not built")
+
+/// window.waitUntil() for a condition on the state `s`.
+#define C3DE_WAIT(window, what, ...) (window).waitUntil(what, [&](const c3de::test::Json &s) { return __VA_ARGS__; })

@@ -7,21 +7,23 @@
 
 #include "c3de/scene/force_fields.h"
 #include "c3de/scene/simulation.h"
-#include "fake_simulator.h"
 #include "support/catch.h"
+#include "support/recording_simulator.h"
 
 using namespace c3de;
 using scene::ForceFields;
+using test::RecordingSimulator;
 
 namespace {
 
+constexpr std::size_t kPoints = 4;                // of each body
+constexpr double kNumbers = 2.0 * 3.0 * kPoints;  // of both bodies
+
 struct Fixture {
-  Fixture() {
-    fake.forces.assign(2, std::vector<double>(3 * FakeSimulator::kPoints));
-    fake.object()->vt->query(fake.object(), {C3DE_IFACE_SIMULATOR_ID, sizeof C3DE_IFACE_SIMULATOR_ID - 1}, 1, &found);
+  Fixture() { simulator.bodies = {test::pointBody("first", kPoints), test::pointBody("second", kPoints)}; }
+  [[nodiscard]] Expected<void> apply(Handle node = {}) {
+    return fields.apply(node, simulator.object(), simulator.table());
   }
-  [[nodiscard]] const c3de_simulator_v1 *table() const { return static_cast<const c3de_simulator_v1 *>(found); }
-  [[nodiscard]] Expected<void> apply(Handle node = {}) { return fields.apply(node, fake.object(), table()); }
   Handle addPush(double force, Handle node = {}, const std::string &owner = "org.test") {
     return fields.add({"push",
                        owner,
@@ -34,16 +36,14 @@ struct Fixture {
   }
   [[nodiscard]] double sum() const {
     double all = 0.0;
-    for (const std::vector<double> &body : fake.forces) all += std::accumulate(body.begin(), body.end(), 0.0);
+    for (const test::ReportedBody &body : simulator.bodies)
+      all += std::accumulate(body.forces_N.begin(), body.forces_N.end(), 0.0);
     return all;
   }
 
-  FakeSimulator fake;
+  RecordingSimulator simulator;
   ForceFields fields;
-  const void *found = nullptr;
 };
-
-constexpr double kNumbers = 2.0 * 3.0 * FakeSimulator::kPoints;  // of both bodies
 
 }  // namespace
 
@@ -121,9 +121,7 @@ TEST_CASE("A force that is not finite is found, with its point") {
 
 TEST_CASE("A simulator that takes no forces is said, once") {
   Fixture f;
-  f.fake.takesForces = false;
-  f.fake.object()->vt->query(f.fake.object(), {C3DE_IFACE_SIMULATOR_ID, sizeof C3DE_IFACE_SIMULATOR_ID - 1}, 1,
-                             &f.found);
+  f.simulator.hasPoints = false;
   f.addPush(1.0);
   const Handle elsewhere = f.addPush(1.0, Handle{7, 1});
   const auto failed = f.apply();
@@ -168,8 +166,8 @@ TEST_CASE("No force field is added or removed by who is applying one, and remova
 }
 
 TEST_CASE("What cannot be prepared pauses a simulation before the step, and the next play goes on") {
-  FakeSimulator fake;
-  auto created = scene::Simulation::create(fake.object());
+  RecordingSimulator simulator;
+  auto created = scene::Simulation::create(simulator.object());
   REQUIRE(created);
   std::atomic<int> asked{0};
   (*created)->setBeforeStep([&]() -> Expected<void> {
@@ -182,11 +180,11 @@ TEST_CASE("What cannot be prepared pauses a simulation before the step, and the 
   while ((*created)->state().mode != C3DE_SIM_PAUSED && std::chrono::steady_clock::now() < end)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   CHECK((*created)->state().mode == C3DE_SIM_PAUSED);
-  CHECK(fake.steps == 2);
+  CHECK(simulator.steps == 2);
   (*created)->transport(C3DE_TRANSPORT_PLAY);
-  while (fake.steps < 5 && std::chrono::steady_clock::now() < end)
+  while (simulator.steps < 5 && std::chrono::steady_clock::now() < end)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  CHECK(fake.steps >= 5);
+  CHECK(simulator.steps >= 5);
 }
 
 TEST_CASE("What a force field writes to positions, velocities and masses reaches nobody") {
@@ -217,7 +215,7 @@ TEST_CASE("What a force field writes to positions, velocities and masses reaches
   for (int body = 0; body < 2; ++body) {
     c3de_sim_points points{};
     points.size = sizeof points;
-    REQUIRE(f.table()->points(f.fake.object(), {static_cast<std::uint64_t>(body) + 1}, &points) >= 0);
+    REQUIRE(f.simulator.table()->points(f.simulator.object(), {static_cast<std::uint64_t>(body) + 1}, &points) >= 0);
     CHECK(points.positions_m[0] < 1e3);
     CHECK(points.velocities_m_s[0] < 1e3);
     CHECK(points.masses_kg[0] < 1e3);

@@ -8,10 +8,11 @@
 #include <vector>
 
 #include "c3de/core/log.h"
-#include "fake_simulator.h"
 #include "support/catch.h"
+#include "support/recording_simulator.h"
 
 using namespace c3de;
+using test::RecordingSimulator;
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 using scene::Simulation;
@@ -28,7 +29,9 @@ bool eventually(const std::function<bool()> &isSo, std::chrono::milliseconds pat
   return isSo();
 }
 
-std::unique_ptr<Simulation> start(FakeSimulator &fake) { return Simulation::create(fake.object()).value(); }
+std::unique_ptr<Simulation> start(RecordingSimulator &simulator) {
+  return Simulation::create(simulator.object()).value();
+}
 
 /// The state after all requests so far.
 c3de_sim_transport settled(Simulation &simulation) {
@@ -39,47 +42,47 @@ c3de_sim_transport settled(Simulation &simulation) {
 }  // namespace
 
 TEST_CASE("A new simulation stands at its initial state, shows it, and does nothing") {
-  FakeSimulator fake;
+  RecordingSimulator simulator;
   {
-    const auto simulation = start(fake);
-    CHECK(fake.references() == 2);
-    CHECK(simulation->object() == fake.object());
-    REQUIRE(eventually([&] { return fake.publishes >= 1; }));
+    const auto simulation = start(simulator);
+    CHECK(simulator.references() == 2);
+    CHECK(simulation->object() == simulator.object());
+    REQUIRE(eventually([&] { return simulator.publishes >= 1; }));
     std::this_thread::sleep_for(30ms);
     const c3de_sim_transport state = settled(*simulation);
     CHECK(state.mode == C3DE_SIM_STOPPED);
     CHECK(state.steps == 0);
     CHECK(state.target_rate == 1.0);
     CHECK(state.real_time_factor == 0.0);
-    CHECK(fake.steps == 0);
+    CHECK(simulator.steps == 0);
   }
-  CHECK(fake.references() == 1);
+  CHECK(simulator.references() == 1);
 }
 
 TEST_CASE("An object that is no simulator is refused with the name of the interface") {
-  FakeSimulator fake;
-  fake.answersInterface = false;
-  const auto none = Simulation::create(fake.object());
+  RecordingSimulator simulator;
+  simulator.answersInterface = false;
+  const auto none = Simulation::create(simulator.object());
   REQUIRE_FALSE(none.has_value());
   CHECK(none.error().code == ErrorCode::plugin);
   CHECK_THAT(none.error().message, Contains(C3DE_IFACE_SIMULATOR_ID));
-  fake.answersInterface = true;
-  fake.tableSize = 16;
-  const auto tooOld = Simulation::create(fake.object());
+  simulator.answersInterface = true;
+  simulator.tableSize = 16;
+  const auto tooOld = Simulation::create(simulator.object());
   REQUIRE_FALSE(tooOld.has_value());
   CHECK_THAT(tooOld.error().message, Contains("its size 16 ends before declarations, which revision 1 has"));
-  CHECK(fake.references() == 1);
+  CHECK(simulator.references() == 1);
   CHECK_FALSE(Simulation::create(nullptr).has_value());
 }
 
 TEST_CASE("Step makes one step and pauses") {
-  FakeSimulator fake;
-  const auto simulation = start(fake);
+  RecordingSimulator simulator;
+  const auto simulation = start(simulator);
   simulation->transport(C3DE_TRANSPORT_STEP);
   c3de_sim_transport state = settled(*simulation);
   CHECK(state.mode == C3DE_SIM_PAUSED);
   CHECK(state.steps == 1);
-  CHECK(eventually([&] { return fake.publishedStep == 1; }));
+  CHECK(eventually([&] { return simulator.publishedStep == 1; }));
   simulation->transport(C3DE_TRANSPORT_STEP);
   simulation->transport(C3DE_TRANSPORT_STEP);
   state = settled(*simulation);
@@ -88,24 +91,24 @@ TEST_CASE("Step makes one step and pauses") {
 }
 
 TEST_CASE("Play goes on until pause, and the last state is shown") {
-  FakeSimulator fake;
-  const auto simulation = start(fake);
+  RecordingSimulator simulator;
+  const auto simulation = start(simulator);
   simulation->transport(C3DE_TRANSPORT_PLAY);
   REQUIRE(eventually([&] { return simulation->state().steps > 20; }));
   CHECK(simulation->state().mode == C3DE_SIM_PLAYING);
   simulation->transport(C3DE_TRANSPORT_PAUSE);
   const c3de_sim_transport state = settled(*simulation);
   CHECK(state.mode == C3DE_SIM_PAUSED);
-  CHECK(eventually([&] { return fake.publishedStep == state.steps; }));
+  CHECK(eventually([&] { return simulator.publishedStep == state.steps; }));
   std::this_thread::sleep_for(30ms);
-  CHECK(fake.steps == state.steps);
+  CHECK(simulator.steps == state.steps);
   simulation->transport(C3DE_TRANSPORT_PLAY);
   CHECK(eventually([&] { return simulation->state().steps > state.steps; }));
 }
 
 TEST_CASE("Stop goes back to the initial state and stays there") {
-  FakeSimulator fake;
-  const auto simulation = start(fake);
+  RecordingSimulator simulator;
+  const auto simulation = start(simulator);
   simulation->transport(C3DE_TRANSPORT_PLAY);
   REQUIRE(eventually([&] { return simulation->state().steps > 5; }));
   simulation->transport(C3DE_TRANSPORT_STOP);
@@ -114,13 +117,13 @@ TEST_CASE("Stop goes back to the initial state and stays there") {
   CHECK(state.steps == 0);
   CHECK(state.time_s == 0.0);
   CHECK(state.real_time_factor == 0.0);
-  CHECK(fake.resets == 1);
-  CHECK(eventually([&] { return fake.publishedStep == 0; }));
+  CHECK(simulator.resets == 1);
+  CHECK(eventually([&] { return simulator.publishedStep == 0; }));
 }
 
 TEST_CASE("Reset goes on playing if it was, and stands still if it was paused") {
-  FakeSimulator fake;
-  const auto simulation = start(fake);
+  RecordingSimulator simulator;
+  const auto simulation = start(simulator);
   simulation->transport(C3DE_TRANSPORT_PLAY);
   REQUIRE(eventually([&] { return simulation->state().steps > 5; }));
   simulation->transport(C3DE_TRANSPORT_RESET);
@@ -131,25 +134,25 @@ TEST_CASE("Reset goes on playing if it was, and stands still if it was paused") 
   const c3de_sim_transport state = settled(*simulation);
   CHECK(state.mode == C3DE_SIM_STOPPED);
   CHECK(state.steps == 0);
-  CHECK(fake.resets == 2);
+  CHECK(simulator.resets == 2);
 }
 
 TEST_CASE("A failed step keeps the state, says why, and only stop or reset lead out") {
   setLogThreshold(LogLevel::error);
-  FakeSimulator fake;
-  fake.failAtStep = 4;
+  RecordingSimulator simulator;
+  simulator.failAtStep = 4;
   const auto simulation =
-      Simulation::create(fake.object(), [] { return std::string("phyxel 12 has no volume left"); }).value();
+      Simulation::create(simulator.object(), [] { return std::string("phyxel 12 has no volume left"); }).value();
   simulation->transport(C3DE_TRANSPORT_PLAY);
   REQUIRE(eventually([&] { return simulation->state().mode == C3DE_SIM_FAILED; }));
   CHECK(simulation->state().steps == 3);
   CHECK_THAT(simulation->failure(), Contains("step 4") && Contains("phyxel 12 has no volume left"));
-  CHECK(eventually([&] { return fake.publishedStep == 3; }));
+  CHECK(eventually([&] { return simulator.publishedStep == 3; }));
   for (const std::uint32_t action : {C3DE_TRANSPORT_PLAY, C3DE_TRANSPORT_STEP, C3DE_TRANSPORT_PAUSE}) {
     simulation->transport(action);
     CHECK(settled(*simulation).mode == C3DE_SIM_FAILED);
   }
-  CHECK(fake.steps == 3);
+  CHECK(simulator.steps == 3);
 
   simulation->transport(C3DE_TRANSPORT_RESET);
   c3de_sim_transport state = settled(*simulation);
@@ -160,15 +163,15 @@ TEST_CASE("A failed step keeps the state, says why, and only stop or reset lead 
   REQUIRE(settled(*simulation).mode == C3DE_SIM_FAILED);
   simulation->transport(C3DE_TRANSPORT_STOP);
   CHECK(settled(*simulation).mode == C3DE_SIM_STOPPED);
-  fake.failAtStep = 0;
+  simulator.failAtStep = 0;
   simulation->transport(C3DE_TRANSPORT_STEP);
   CHECK(settled(*simulation).steps == 1);
 }
 
 TEST_CASE("A reset that fails leaves a failed simulation, not a wrong one") {
-  FakeSimulator fake;
-  fake.resetFails = true;
-  const auto simulation = start(fake);
+  RecordingSimulator simulator;
+  simulator.fail("reset", C3DE_E_INTERNAL);
+  const auto simulation = start(simulator);
   simulation->transport(C3DE_TRANSPORT_STEP);
   (void)settled(*simulation);
   simulation->transport(C3DE_TRANSPORT_STOP);
@@ -179,8 +182,8 @@ TEST_CASE("A reset that fails leaves a failed simulation, not a wrong one") {
 }
 
 TEST_CASE("Posted commands run on the simulation's thread between steps, in order, also while paused") {
-  FakeSimulator fake;
-  const auto simulation = start(fake);
+  RecordingSimulator simulator;
+  const auto simulation = start(simulator);
   std::vector<int> order;
   std::thread::id first, second;
   simulation->post([&] {
@@ -196,10 +199,10 @@ TEST_CASE("Posted commands run on the simulation's thread between steps, in orde
   CHECK(first == second);
   CHECK(first != std::this_thread::get_id());
   // The effect of a command is shown without a step.
-  const std::uint64_t before = fake.publishes;
+  const std::uint64_t before = simulator.publishes;
   simulation->post([] {});
-  CHECK(eventually([&] { return fake.publishes > before; }));
-  CHECK(fake.steps == 0);
+  CHECK(eventually([&] { return simulator.publishes > before; }));
+  CHECK(simulator.steps == 0);
   // A command that waits for itself must not hang, one that throws must not end the thread.
   bool nested = false;
   simulation->call([&] { simulation->call([&] { nested = true; }); });
@@ -210,9 +213,9 @@ TEST_CASE("Posted commands run on the simulation's thread between steps, in orde
 }
 
 TEST_CASE("Playing in real time keeps to the wall clock") {
-  FakeSimulator fake;
-  fake.dt_s = 2e-3;
-  const auto simulation = start(fake);
+  RecordingSimulator simulator;
+  simulator.dt_s = 2e-3;
+  const auto simulation = start(simulator);
   const auto begin = Clock::now();
   simulation->transport(C3DE_TRANSPORT_PLAY);
   std::this_thread::sleep_for(600ms);
@@ -227,8 +230,8 @@ TEST_CASE("Playing in real time keeps to the wall clock") {
 }
 
 TEST_CASE("A target rate slows down and speeds up") {
-  FakeSimulator fake;
-  const auto simulation = start(fake);
+  RecordingSimulator simulator;
+  const auto simulation = start(simulator);
   simulation->setTargetRate(0.1);
   simulation->transport(C3DE_TRANSPORT_PLAY);
   const auto begin = Clock::now();
@@ -250,10 +253,10 @@ TEST_CASE("A target rate slows down and speeds up") {
 }
 
 TEST_CASE("A simulator that cannot keep up makes every step and says how slow it is") {
-  FakeSimulator fake;
-  fake.dt_s = 1e-3;
-  fake.stepCost_us = 5000;
-  const auto simulation = start(fake);
+  RecordingSimulator simulator;
+  simulator.dt_s = 1e-3;
+  simulator.stepCost_us = 5000;
+  const auto simulation = start(simulator);
   simulation->transport(C3DE_TRANSPORT_PLAY);
   std::this_thread::sleep_for(500ms);
   simulation->transport(C3DE_TRANSPORT_PAUSE);
@@ -261,10 +264,10 @@ TEST_CASE("A simulator that cannot keep up makes every step and says how slow it
   CHECK(state.real_time_factor > 0.0);
   CHECK(state.real_time_factor < 0.25);
   CHECK(state.step_ms >= 5.0);
-  CHECK_THAT(state.time_s, WithinAbs(static_cast<double>(fake.totalSteps) * 1e-3, 1e-9));
+  CHECK_THAT(state.time_s, WithinAbs(static_cast<double>(simulator.totalSteps) * 1e-3, 1e-9));
   // No burst afterwards: lost time is not made up for.
-  fake.stepCost_us = 0;
-  const std::uint64_t before = fake.steps;
+  simulator.stepCost_us = 0;
+  const std::uint64_t before = simulator.steps;
   simulation->transport(C3DE_TRANSPORT_PLAY);
   std::this_thread::sleep_for(100ms);
   simulation->transport(C3DE_TRANSPORT_PAUSE);
@@ -272,84 +275,82 @@ TEST_CASE("A simulator that cannot keep up makes every step and says how slow it
 }
 
 TEST_CASE("The state can be read at once while a step takes long") {
-  FakeSimulator fake;
-  fake.stepCost_us = 700000;
-  const auto simulation = start(fake);
+  RecordingSimulator simulator;
+  simulator.stepCost_us = 700000;
+  const auto simulation = start(simulator);
   simulation->transport(C3DE_TRANSPORT_STEP);
   std::this_thread::sleep_for(50ms);
   const auto begin = Clock::now();
   for (int i = 0; i < 1000; ++i) (void)simulation->state();
   CHECK(Clock::now() - begin < 100ms);
-  CHECK(fake.steps == 0);  // the step is still being computed
+  CHECK(simulator.steps == 0);  // the step is still being computed
 }
 
 TEST_CASE("Snapshots are published often enough to be smooth and not more") {
-  FakeSimulator fake;
-  const auto simulation = start(fake);
+  RecordingSimulator simulator;
+  const auto simulation = start(simulator);
   simulation->transport(C3DE_TRANSPORT_PLAY);
   REQUIRE(eventually([&] { return simulation->state().steps > 0; }));
-  const std::uint64_t before = fake.publishes;
+  const std::uint64_t before = simulator.publishes;
   const auto begin = Clock::now();
   std::this_thread::sleep_for(400ms);
-  const auto published = static_cast<double>(fake.publishes - before);
+  const auto published = static_cast<double>(simulator.publishes - before);
   const double wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
   CHECK(published <= wall_s / 0.008 + 1.0);
   CHECK(published > 5.0);
 }
 
 TEST_CASE("A world with nothing to compute does not burn the processor") {
-  FakeSimulator fake;
-  fake.standsStill = true;
-  const auto simulation = start(fake);
+  RecordingSimulator simulator;
+  simulator.standsStill = true;
+  const auto simulation = start(simulator);
   simulation->setTargetRate(0.0);
   simulation->transport(C3DE_TRANSPORT_PLAY);
   std::this_thread::sleep_for(200ms);
-  CHECK(fake.totalSteps < 60);
-  CHECK(fake.totalSteps > 0);
+  CHECK(simulator.totalSteps < 60);
+  CHECK(simulator.totalSteps > 0);
 }
 
 TEST_CASE("A quasi-static solution goes through its load steps as fast as it can and then pauses") {
-  FakeSimulator fake;
-  fake.finishesAtStep = 300;
-  const auto simulation = start(fake);
+  RecordingSimulator simulator;
+  simulator.finishesAtStep = 300;
+  const auto simulation = start(simulator);
   const auto begin = Clock::now();
   simulation->transport(C3DE_TRANSPORT_PLAY);
   REQUIRE(eventually([&] { return settled(*simulation).mode == C3DE_SIM_PAUSED; }));
   // At one step per frame it would take 2.4 s.
   CHECK(Clock::now() - begin < 1500ms);
-  CHECK(fake.steps == 300);
-  CHECK(fake.publishedStep == 300);
+  CHECK(simulator.steps == 300);
+  CHECK(simulator.publishedStep == 300);
   // Play has nothing left to do and terminates; reset starts again.
   simulation->transport(C3DE_TRANSPORT_PLAY);
   REQUIRE(eventually([&] { return settled(*simulation).mode == C3DE_SIM_PAUSED; }));
-  CHECK(fake.totalSteps <= 302);
+  CHECK(simulator.totalSteps <= 302);
   simulation->transport(C3DE_TRANSPORT_RESET);
   simulation->transport(C3DE_TRANSPORT_STEP);
   CHECK(settled(*simulation).steps == 1);
 }
 
 TEST_CASE("The state that a listener reads is that of the snapshot") {
-  FakeSimulator fake;
-  const auto simulation = start(fake);
+  RecordingSimulator simulator;
+  const auto simulation = start(simulator);
   simulation->transport(C3DE_TRANSPORT_STEP);
   REQUIRE(settled(*simulation).steps == 1);
-  std::atomic<std::uint64_t> steps{1};
-  std::atomic<std::uint32_t> mode{C3DE_SIM_PAUSED};
+  std::atomic<int> heard{0}, outdated{0};
   simulation->setPublishedListener([&] {
-    const auto state = simulation->state();
-    steps = state.steps;
-    mode = state.mode;
+    ++heard;
+    if (simulation->state().steps != simulator.steps) ++outdated;
   });
   simulation->transport(C3DE_TRANSPORT_RESET);
-  settled(*simulation);
+  CHECK(eventually([&] { return heard > 0; }));
   simulation->setPublishedListener({});
-  CHECK(steps == 0);
-  CHECK(mode == C3DE_SIM_STOPPED);
+  CHECK(simulator.steps == 0);
+  CHECK(outdated == 0);
 }
 
 TEST_CASE("The listener hears every snapshot until it is taken away") {
-  FakeSimulator fake;
-  const auto simulation = start(fake);
+  RecordingSimulator simulator;
+  const auto simulation = start(simulator);
   std::atomic<int> heard{0};
   simulation->setPublishedListener([&] { ++heard; });
   simulation->transport(C3DE_TRANSPORT_STEP);
@@ -363,9 +364,9 @@ TEST_CASE("The listener hears every snapshot until it is taken away") {
 }
 
 TEST_CASE("Ending a simulation is quick while it plays, and runs what was posted") {
-  FakeSimulator fake;
+  RecordingSimulator simulator;
   bool ran = false;
-  auto simulation = start(fake);
+  auto simulation = start(simulator);
   simulation->setTargetRate(1e-9);  // the next step is due in years
   simulation->transport(C3DE_TRANSPORT_PLAY);
   settled(*simulation);
@@ -374,12 +375,12 @@ TEST_CASE("Ending a simulation is quick while it plays, and runs what was posted
   simulation.reset();
   CHECK(Clock::now() - begin < 500ms);
   CHECK(ran);
-  CHECK(fake.references() == 1);
+  CHECK(simulator.references() == 1);
 }
 
 TEST_CASE("Many threads may command and look at once") {
-  FakeSimulator fake;
-  const auto simulation = start(fake);
+  RecordingSimulator simulator;
+  const auto simulation = start(simulator);
   std::vector<std::thread> threads;
   std::atomic<int> ran{0};
   for (int t = 0; t < 4; ++t)
@@ -401,20 +402,20 @@ TEST_CASE("Many threads may command and look at once") {
 }
 
 TEST_CASE("Reset, stop, pause and the end come through within a step that takes long") {
-  FakeSimulator fake;
-  fake.stepCost_us = 20'000'000;
+  RecordingSimulator simulator;
+  simulator.stepCost_us = 20'000'000;
   const auto begin = Clock::now();
   {
-    const auto simulation = start(fake);
+    const auto simulation = start(simulator);
     simulation->transport(C3DE_TRANSPORT_PLAY);
     REQUIRE(eventually([&] { return simulation->state().step_running_s > 0.0; }));
 
     simulation->transport(C3DE_TRANSPORT_RESET);
-    REQUIRE(eventually([&] { return fake.resets == 1; }));
-    CHECK(fake.endedSteps == 1);
+    REQUIRE(eventually([&] { return simulator.resets == 1; }));
+    CHECK(simulator.endedSteps == 1);
     // It continues to play, and the request is cleared.
     REQUIRE(eventually([&] { return simulation->state().step_running_s > 0.0; }));
-    CHECK(fake.interrupted == false);
+    CHECK(simulator.interrupted == false);
 
     simulation->transport(C3DE_TRANSPORT_PAUSE);
     REQUIRE(eventually([&] { return simulation->state().mode == C3DE_SIM_PAUSED; }));
@@ -427,44 +428,44 @@ TEST_CASE("Reset, stop, pause and the end come through within a step that takes 
     simulation->transport(C3DE_TRANSPORT_STEP);
     simulation->transport(C3DE_TRANSPORT_STOP);
     CHECK(settled(*simulation).mode == C3DE_SIM_STOPPED);
-    CHECK(fake.totalSteps == 0);
+    CHECK(simulator.totalSteps == 0);
 
     simulation->transport(C3DE_TRANSPORT_PLAY);
     REQUIRE(eventually([&] { return simulation->state().step_running_s > 0.0; }));
   }
-  CHECK(fake.interrupted == false);
+  CHECK(simulator.interrupted == false);
   CHECK(Clock::now() - begin < 10s);  // a single step takes 20
 
   // Afterwards steps are computed as before.
-  fake.stepCost_us = 0;
-  const auto again = start(fake);
+  simulator.stepCost_us = 0;
+  const auto again = start(simulator);
   again->transport(C3DE_TRANSPORT_STEP);
   CHECK(settled(*again).steps == 1);
 }
 
 TEST_CASE("A simulator that cannot end its step makes it before anything else happens") {
-  FakeSimulator fake;
-  fake.endsSteps = false;
-  fake.stepCost_us = 200'000;
-  const auto simulation = start(fake);
+  RecordingSimulator simulator;
+  simulator.hasInterrupt = false;
+  simulator.stepCost_us = 200'000;
+  const auto simulation = start(simulator);
   simulation->transport(C3DE_TRANSPORT_STEP);
   REQUIRE(eventually([&] { return simulation->state().step_running_s > 0.0; }));
   simulation->transport(C3DE_TRANSPORT_RESET);
   (void)settled(*simulation);
-  CHECK(fake.totalSteps == 1);
-  CHECK(fake.endedSteps == 0);
-  CHECK(fake.resets == 1);
+  CHECK(simulator.totalSteps == 1);
+  CHECK(simulator.endedSteps == 0);
+  CHECK(simulator.resets == 1);
 }
 
 TEST_CASE("A step that takes long is told while it lasts, and the rates are those of now") {
-  FakeSimulator fake;
-  fake.dt_s = 0.01;
-  const auto simulation = start(fake);
+  RecordingSimulator simulator;
+  simulator.dt_s = 0.01;
+  const auto simulation = start(simulator);
   simulation->setTargetRate(0.0);
-  fake.stepCost_us = 2'000;
+  simulator.stepCost_us = 2'000;
   simulation->transport(C3DE_TRANSPORT_PLAY);
   REQUIRE(eventually([&] { return simulation->state().real_time_factor > 1.0; }));
-  fake.stepCost_us = 20'000'000;
+  simulator.stepCost_us = 20'000'000;
   REQUIRE(eventually([&] { return simulation->state().step_running_s > 0.3; }));
   const c3de_sim_transport soon = simulation->state();
   CHECK(soon.mode == C3DE_SIM_PLAYING);
@@ -477,9 +478,10 @@ TEST_CASE("A step that takes long is told while it lasts, and the rates are thos
 }
 
 TEST_CASE("A step that is given up pauses, is told once, and is tried again when somebody plays") {
-  FakeSimulator fake;
-  fake.givesUpStep = 4;
-  const auto simulation = start(fake);
+  RecordingSimulator simulator;
+  simulator.failAtStep = 4;
+  simulator.failStatus = C3DE_E_TIMEOUT;
+  const auto simulation = start(simulator);
   simulation->setTargetRate(0.0);
   simulation->transport(C3DE_TRANSPORT_PLAY);
   REQUIRE(eventually([&] { return simulation->state().mode == C3DE_SIM_PAUSED; }));
@@ -488,7 +490,7 @@ TEST_CASE("A step that is given up pauses, is told once, and is tried again when
   CHECK(simulation->abortedSteps().steps == 1);
   simulation->transport(C3DE_TRANSPORT_PLAY);
   REQUIRE(eventually([&] { return simulation->abortedSteps().steps == 2; }));
-  fake.givesUpStep = 0;
+  simulator.failAtStep = 0;
   simulation->transport(C3DE_TRANSPORT_PLAY);
   REQUIRE(eventually([&] { return simulation->state().steps > 10; }));
   CHECK(simulation->abortedSteps().steps == 2);

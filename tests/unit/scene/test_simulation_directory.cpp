@@ -7,12 +7,13 @@
 #include <vector>
 
 #include "c3de/scene/simulation_directory.h"
-#include "fake_simulator.h"
 #include "support/catch.h"
+#include "support/recording_simulator.h"
 
 using namespace c3de;
 using scene::Simulation;
 using scene::SimulationDirectory;
+using test::RecordingSimulator;
 
 namespace {
 
@@ -26,12 +27,14 @@ bool eventually(Condition &&condition) {
   return true;
 }
 
-std::shared_ptr<Simulation> made(FakeSimulator &fake) { return std::move(*Simulation::create(fake.object())); }
+std::shared_ptr<Simulation> made(RecordingSimulator &simulator) {
+  return std::move(*Simulation::create(simulator.object()));
+}
 
 }  // namespace
 
 TEST_CASE("Who watches is told of simulations that are there, that come and that go") {
-  FakeSimulator first, second;
+  RecordingSimulator first, second;
   SimulationDirectory directory;
   const Handle a{1, 7}, b{2, 7};
   directory.add(a, "liver", made(first));
@@ -53,10 +56,10 @@ TEST_CASE("Who watches is told of simulations that are there, that come and that
 }
 
 TEST_CASE("Steps are told on the simulation's thread, and after the watch has gone no more") {
-  FakeSimulator fake;
+  RecordingSimulator simulator;
   SimulationDirectory directory;
   const Handle node{1, 7};
-  const auto simulation = made(fake);
+  const auto simulation = made(simulator);
   simulation->setAfterStep([&](const c3de_sim_status &status) { directory.stepped(node, status); });
   directory.add(node, "liver", simulation);
   std::atomic<std::uint64_t> last{0}, calls{0};
@@ -77,15 +80,15 @@ TEST_CASE("Steps are told on the simulation's thread, and after the watch has go
   CHECK(last > 0);
   REQUIRE(directory.unwatch(watch, "test") == SimulationDirectory::Removal::done);
   const std::uint64_t then = calls;
-  const std::uint64_t steps = fake.totalSteps;
-  REQUIRE(eventually([&] { return fake.totalSteps > steps + 20; }));
+  const std::uint64_t steps = simulator.totalSteps;
+  REQUIRE(eventually([&] { return simulator.totalSteps > steps + 20; }));
   CHECK(calls == then);
   directory.remove(node);
 }
 
 TEST_CASE("A simulation that its caller steps runs what was posted before a step and tells after it") {
-  FakeSimulator fake;
-  auto created = Simulation::createForCaller(fake.object());
+  RecordingSimulator simulator;
+  auto created = Simulation::createForCaller(simulator.object());
   REQUIRE(created);
   Simulation &simulation = **created;
   CHECK(simulation.isSteppedByCaller());
@@ -116,5 +119,5 @@ TEST_CASE("A simulation that its caller steps runs what was posted before a step
   simulation.post([&] { order.push_back("last"); });
   created->reset();
   CHECK(order.back() == "last");
-  CHECK(fake.references() == 1);
+  CHECK(simulator.references() == 1);
 }

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <thread>
 
-#include "stand_in_simulator.h"
 #include "support/catch.h"
+#include "support/recording_simulator.h"
 
 using namespace c3de;
 using namespace c3de::session;
+using c3de::test::RecordingSimulator;
 using segmentation::BodyRequest;
-using session::test::StandInSimulator;
 
 namespace {
 
@@ -41,7 +41,7 @@ const scene::SceneValue *valueOf(const scene::SceneFile &scene, const std::strin
 
 /// A session with or without a simulation, and the results of requests.
 struct Fixture {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   std::unique_ptr<Session> session;
   std::vector<BodyCreation::Result> created;
   std::vector<std::pair<std::string, Error>> failed;

@@ -3,14 +3,14 @@
 
 #include <algorithm>
 
-#include "stand_in_simulator.h"
 #include "support/catch.h"
+#include "support/recording_simulator.h"
 
 using namespace c3de;
 using namespace c3de::session;
-using session::test::cubeBody;
-using session::test::StandInBody;
-using session::test::StandInSimulator;
+using c3de::test::cubeBody;
+using c3de::test::RecordingSimulator;
+using c3de::test::ReportedBody;
 
 namespace {
 
@@ -20,8 +20,8 @@ const geometry::PointArray *named(const std::vector<geometry::PointArray> &array
 }
 
 /// A cube that has moved by (1, 0, 0) m, with two points.
-StandInBody bodyWithPoints() {
-  StandInBody body = cubeBody(0.1, {0, 0, 0}, {1, 0, 0});
+ReportedBody bodyWithPoints() {
+  ReportedBody body = cubeBody(0.1, {0, 0, 0}, {1, 0, 0});
   body.name = "liver";
   body.points = 2;
   body.inside = {{"reference_position", "m", {0, 0, 0, 0.1, 0, 0}},
@@ -32,7 +32,7 @@ StandInBody bodyWithPoints() {
   return body;
 }
 
-Expected<std::vector<BodyState>> read(StandInSimulator &simulator, BodyParts parts = BodyParts::skinAndInside,
+Expected<std::vector<BodyState>> read(RecordingSimulator &simulator, BodyParts parts = BodyParts::skinAndInside,
                                       const std::string &text = {}) {
   return readBodyStates(simulator.object(), parts, [text] { return text; });
 }
@@ -40,7 +40,7 @@ Expected<std::vector<BodyState>> read(StandInSimulator &simulator, BodyParts par
 }  // namespace
 
 TEST_CASE("Skins and points are told in millimetres, with their displacement and the units in the names") {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   simulator.bodies = {bodyWithPoints(), cubeBody(0.2, {0, 0, 0}, {0, 0, 0})};
   simulator.bodies[1].inside = simulator.bodies[0].inside;
   simulator.bodies[1].points = 2;
@@ -69,7 +69,7 @@ TEST_CASE("Skins and points are told in millimetres, with their displacement and
 }
 
 TEST_CASE("Matrices are told row by row") {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   simulator.bodies = {bodyWithPoints()};
   const auto states = read(simulator);
   REQUIRE(states);
@@ -82,7 +82,7 @@ TEST_CASE("Matrices are told row by row") {
 }
 
 TEST_CASE("Fields are those of the simulator, with its names and units, and one that it does not read is left out") {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   simulator.bodies = {bodyWithPoints()};
   simulator.bodies[0].inside.push_back({"temperature", "K", {310, 311}});
   simulator.bodies[0].inside.push_back({"pair", "1", {1, 2, 3, 4}});  // two components: not an array type of VTK
@@ -99,7 +99,7 @@ TEST_CASE("Fields are those of the simulator, with its names and units, and one 
 }
 
 TEST_CASE("Where skins alone are asked for, points are not read") {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   simulator.bodies = {bodyWithPoints()};
   simulator.fail("points", C3DE_E_INTERNAL);
   const auto states = read(simulator, BodyParts::skin);
@@ -109,7 +109,7 @@ TEST_CASE("Where skins alone are asked for, points are not read") {
 }
 
 TEST_CASE("A surface without triangles gives points alone, and triangles of another form or of no vertex are refused") {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   simulator.bodies = {bodyWithPoints()};
   simulator.fail("triangles", C3DE_E_UNSUPPORTED);
   auto states = read(simulator);
@@ -138,7 +138,7 @@ TEST_CASE("What a simulator does not give is named with the body and the reason 
                               {"surface", "", "gives no positions of the surface of 'liver'"},
                               {"points", "", "gives no positions of the points of 'liver'"}};
   for (const Refusal &one : refusals) {
-    StandInSimulator simulator;
+    RecordingSimulator simulator;
     simulator.bodies = {bodyWithPoints()};
     simulator.fail(one.function, C3DE_E_INTERNAL);
     const auto states = read(simulator, BodyParts::skinAndInside, one.text);
@@ -146,7 +146,7 @@ TEST_CASE("What a simulator does not give is named with the body and the reason 
     CHECK(states.error().code == ErrorCode::plugin);
     CHECK_THAT(states.error().message, Contains(one.message));
   }
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   simulator.bodies = {bodyWithPoints()};
   eraseField(simulator.bodies[0].inside, "position");
   CHECK_THAT(read(simulator).error().message, Contains("no positions of the points of 'liver'"));

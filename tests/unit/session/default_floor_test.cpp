@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/session/default_floor.h"
 
-#include "stand_in_simulator.h"
 #include "support/catch.h"
+#include "support/recording_simulator.h"
 
 using namespace c3de;
 using namespace c3de::session;
-using session::test::cubeBody;
-using session::test::StandInSimulator;
+using c3de::test::cubeBody;
+using c3de::test::RecordingSimulator;
 
 namespace {
 
@@ -29,7 +29,7 @@ TEST_CASE("A camera is shown the bodies and the floor around where they come to 
 }
 
 TEST_CASE("Bounds are those of all skins as they are now, and without a skin there are none") {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   CHECK_FALSE(boundsOfBodies(simulator.object()));
   simulator.bodies = {cubeBody(0.1, {0, 0, 0}, {1, 0, 0}), cubeBody(0.2, {0, 3, 0}, {0, 0, -1})};
   const auto bounds = boundsOfBodies(simulator.object());
@@ -42,7 +42,7 @@ TEST_CASE("Bounds are those of all skins as they are now, and without a skin the
 }
 
 TEST_CASE("Walls are put up where the simulator declares them and they fit") {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   auto room = addSurroundingWalls(simulator.object(), kBodies);
   REQUIRE(room);
   CHECK_FALSE(*room);

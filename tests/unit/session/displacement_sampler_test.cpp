@@ -6,13 +6,13 @@
 
 #include "c3de/imaging/masks.h"
 #include "c3de/session/body_displacement.h"
-#include "stand_in_simulator.h"
 #include "support/catch.h"
+#include "support/recording_simulator.h"
 
 using namespace c3de;
 using namespace c3de::session;
-using session::test::cubeBody;
-using session::test::StandInSimulator;
+using c3de::test::cubeBody;
+using c3de::test::RecordingSimulator;
 
 namespace {
 
@@ -28,7 +28,7 @@ std::size_t fixedVoxels(const imaging::DisplacementGrid &grid) {
 
 /// A cube of 20 mm that has moved by 2 mm along x, and a paused simulation.
 struct Fixture {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   std::unique_ptr<scene::Simulation> simulation;
   DisplacementSampler sampler;
 
@@ -44,7 +44,7 @@ struct Fixture {
 }  // namespace
 
 TEST_CASE("Bodies as they are now: the box around them and the finest spacing, in mm") {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   simulator.bodies = {cubeBody(0.02, {0, 0, 0}, {0.1, 0, 0}), cubeBody(0.01, {0, 0.05, 0}, {0, 0, 0})};
   simulator.bodies[0].spacing_m = 0.004;
   simulator.bodies[1].spacing_m = 0.002;
@@ -55,7 +55,7 @@ TEST_CASE("Bodies as they are now: the box around them and the finest spacing, i
 }
 
 TEST_CASE("Bodies in the reference are where they were, all of them on the grid of the image") {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   simulator.bodies = {cubeBody(0.02, {0, 0, 0}, {0.5, 0, 0}), cubeBody(0.006, {0, 0, -0.008}, {0, 0, 0.1})};
   auto mask = referenceBodies(simulator.object(), imageGrid());
   REQUIRE(mask);
@@ -73,7 +73,7 @@ TEST_CASE("Bodies in the reference are where they were, all of them on the grid 
 }
 
 TEST_CASE("A displacement is asked for in metres and told in mm") {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   simulator.displacement_m = {0.001, -0.002, 0.003};
   simulator.gap_m = 0.004;
   imaging::DisplacementGrid grid;
@@ -95,7 +95,7 @@ TEST_CASE("A displacement is asked for in metres and told in mm") {
   simulator.failNowhere();
   grid.geometry.size = {0, 0, 0};
   CHECK_FALSE(readDisplacement(simulator.table(), simulator.object(), 10.0, grid));
-  StandInSimulator without;
+  RecordingSimulator without;
   without.hasDisplacement = false;
   grid.geometry.size = {2, 3, 4};
   CHECK_FALSE(readDisplacement(without.table(), without.object(), 10.0, grid));
@@ -235,8 +235,8 @@ TEST_CASE("While it plays the simulator is asked at most every 50 ms, and the on
 namespace {
 
 /// The corners of a cube of 20 mm as its points, with a stress of 500 Pa.
-session::test::StandInBody cubeWithPoints() {
-  session::test::StandInBody body = cubeBody(0.02, {0, 0, 0}, {0.002, 0, 0});
+c3de::test::ReportedBody cubeWithPoints() {
+  c3de::test::ReportedBody body = cubeBody(0.02, {0, 0, 0}, {0.002, 0, 0});
   body.points = 8;
   body.spacing_m = 0.02;
   body.inside = body.skin;

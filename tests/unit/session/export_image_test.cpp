@@ -5,14 +5,14 @@
 #include "c3de/imaging/warp_grid.h"
 #include "c3de/imaging/writing.h"
 #include "c3de/session/body_sources.h"
-#include "stand_in_simulator.h"
 #include "support/catch.h"
+#include "support/recording_simulator.h"
 
 using namespace c3de;
 using namespace c3de::session;
 namespace fs = std::filesystem;
-using session::test::cubeBody;
-using session::test::StandInSimulator;
+using c3de::test::cubeBody;
+using c3de::test::RecordingSimulator;
 
 namespace {
 
@@ -131,7 +131,7 @@ TEST_CASE("How an image is warped follows from its table in the scene, and error
 }
 
 TEST_CASE("The present displacement covers the bodies within the image, with what stays") {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   simulator.bodies = {cubeBody(0.02, {0, 0, 0}, {0.002, 0, 0})};
   simulator.displacement_m = {0.002, 0, 0};
   ImageWarp how;

@@ -5,20 +5,20 @@
 #include <fstream>
 #include <iterator>
 
-#include "stand_in_simulator.h"
 #include "support/catch.h"
+#include "support/recording_simulator.h"
 
 using namespace c3de;
 using namespace c3de::session;
 namespace fs = std::filesystem;
-using session::test::cubeBody;
-using session::test::StandInSimulator;
+using c3de::test::cubeBody;
+using c3de::test::RecordingSimulator;
 
 namespace {
 
 /// A run of the stand-in, without plugins.
 struct Fixture {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   RunOptions options;
   RunLimits limits;
   WrittenOutputs outputs;
@@ -31,6 +31,7 @@ struct Fixture {
     without.threads = 1;
     session = std::move(*Session::create(without));
     options.quiet = true;
+    simulator.dt_s = 0.1;
     simulator.probes = {{"tip", {1, 2, 3}}};
   }
   Expected<void> run() {

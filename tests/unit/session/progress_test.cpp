@@ -6,12 +6,12 @@
 #include "c3de/core/platform.h"
 #include "c3de/session/progress_line.h"
 #include "c3de/session/step_limit.h"
-#include "stand_in_simulator.h"
 #include "support/catch.h"
+#include "support/recording_simulator.h"
 
 using namespace c3de;
 using namespace c3de::session;
-using session::test::StandInSimulator;
+using c3de::test::RecordingSimulator;
 using Clock = std::chrono::steady_clock;
 
 TEST_CASE("Progress of short work is not told, later it is a line now and then, within 0 and 100 %") {
@@ -34,7 +34,7 @@ TEST_CASE("Progress of short work is not told, later it is a line now and then, 
 }
 
 TEST_CASE("Steps end at the deadline, and whoever takes the simulator over may go on") {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   {
     const StepLimit limit(simulator.object(), simulator.table(), Clock::now());
     for (int i = 0; i < 2000 && simulator.interruptCalls == 0; ++i)
@@ -44,7 +44,7 @@ TEST_CASE("Steps end at the deadline, and whoever takes the simulator over may g
 }
 
 TEST_CASE("Before the deadline, or without one, no step is ended, and the limit goes at once") {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   const Clock::time_point begin = Clock::now();
   { const StepLimit limit(simulator.object(), simulator.table(), begin + std::chrono::hours(1)); }
   { const StepLimit limit(simulator.object(), simulator.table(), std::nullopt); }
@@ -53,7 +53,7 @@ TEST_CASE("Before the deadline, or without one, no step is ended, and the limit 
 }
 
 TEST_CASE("A simulator that cannot end its steps is not asked to") {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   simulator.hasInterrupt = false;
   {
     const StepLimit limit(simulator.object(), simulator.table(), Clock::now());

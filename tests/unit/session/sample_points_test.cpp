@@ -4,8 +4,8 @@
 
 #include <fstream>
 
-#include "stand_in_simulator.h"
 #include "support/catch.h"
+#include "support/recording_simulator.h"
 
 using namespace c3de;
 using namespace c3de::session;
@@ -66,8 +66,8 @@ TEST_CASE("What is wrong with a table of points is said with file and line") {
 }
 
 TEST_CASE("Points of a body that is not there name the nearest, and a simulator that adds no probe is told") {
-  session::test::StandInSimulator simulator;
-  simulator.bodies = {session::test::cubeBody(0.1, {}, {})};
+  c3de::test::RecordingSimulator simulator;
+  simulator.bodies = {c3de::test::cubeBody(0.1, {}, {})};
   const auto absent = positionsOf(simulator.object(), {{"bdy", {}, 3}}, "p.csv", {});
   REQUIRE_FALSE(absent);
   CHECK(absent.error().message == "p.csv:3: there is no body 'bdy'; did you mean 'body'?");

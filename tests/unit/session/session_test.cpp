@@ -10,14 +10,14 @@
 #include "c3de/registry/panel_registry.h"
 #include "c3de/session/body_sources.h"
 #include "c3de/session/build_scene.h"
-#include "stand_in_simulator.h"
 #include "support/catch.h"
+#include "support/recording_simulator.h"
 
 using namespace c3de;
 using namespace c3de::session;
 namespace fs = std::filesystem;
+using c3de::test::RecordingSimulator;
 using session::test::boxMesh;
-using session::test::StandInSimulator;
 
 namespace {
 
@@ -35,7 +35,7 @@ std::unique_ptr<Session> sessionWithoutPlugins(registry::PanelRegistry *panels =
 /// cannot be read.
 struct Fixture {
   std::unique_ptr<Session> session = sessionWithoutPlugins();
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   fs::path folder = testOutputFolder();
 
   Fixture() {
@@ -241,7 +241,7 @@ TEST_CASE("A folder of plugins that is none, and a named plugin that does not lo
 }
 
 TEST_CASE("An adopted simulator has a node of its own in millimetres, and the one before goes") {
-  StandInSimulator first, second;
+  RecordingSimulator first, second;
   {
     const auto session = sessionWithoutPlugins();
     REQUIRE(session->adopt(first.object(), "first"));
@@ -263,7 +263,7 @@ TEST_CASE("An adopted simulator has a node of its own in millimetres, and the on
 
 TEST_CASE("Messages about a simulation end with it, whether it is closed or replaced") {
   using registry::About;
-  StandInSimulator first, second;
+  RecordingSimulator first, second;
   registry::PanelRegistry panels;
   {
     const auto session = sessionWithoutPlugins(&panels);
@@ -295,7 +295,7 @@ TEST_CASE("Messages about a simulation end with it, whether it is closed or repl
 }
 
 TEST_CASE("A simulator that cannot be shown leaves the present one as it was") {
-  StandInSimulator present, next;
+  RecordingSimulator present, next;
   const auto session = sessionWithoutPlugins();
   REQUIRE(session->adopt(present.object(), "present"));
   const Handle node = session->simulationNode();

@@ -4,16 +4,16 @@
 #include <cstddef>
 
 #include "c3de/core/text.h"
-#include "stand_in_simulator.h"
 #include "support/catch.h"
+#include "support/recording_simulator.h"
 
 using namespace c3de;
 using namespace c3de::session;
-using session::test::cubeBody;
-using session::test::StandInSimulator;
+using c3de::test::cubeBody;
+using c3de::test::RecordingSimulator;
 
 TEST_CASE("An object without the table, or with one that is too short or lacks a slot, is refused with what it lacks") {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   const auto table = simulatorTable(simulator.object());
   REQUIRE(table);
   CHECK(*table == simulator.table());
@@ -36,7 +36,7 @@ TEST_CASE("An object without the table, or with one that is too short or lacks a
 }
 
 TEST_CASE("What a simulator can do follows from the slots that are not null") {
-  StandInSimulator all, none;
+  RecordingSimulator all, none;
   none.hasDisplacement = none.hasInterrupt = false;
   CHECK(supportsFills(all.table()));
   CHECK(endsSteps(all.table()));
@@ -45,7 +45,7 @@ TEST_CASE("What a simulator can do follows from the slots that are not null") {
 }
 
 TEST_CASE("Who does not answer for contact serves none, and a table for it that cannot be called is refused") {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   const auto none = contactTable(simulator.object());
   REQUIRE(none);
   CHECK(*none == nullptr);
@@ -86,7 +86,7 @@ TEST_CASE("Who does not answer for contact serves none, and a table for it that 
 }
 
 TEST_CASE("Declarations are those of the scope, and a simulator that does not say them is named with it") {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   simulator.worldIds = {"solver.dt"};
   simulator.bodyIds = {"material.density", "material.poisson_ratio"};
   const auto world = simulatorDeclarations(simulator.object(), C3DE_SIM_SCOPE_WORLD);
@@ -105,7 +105,7 @@ TEST_CASE("Declarations are those of the scope, and a simulator that does not sa
 }
 
 TEST_CASE("The surface of a body is where it is now, in metres") {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   simulator.bodies = {cubeBody(0.1, {0, 0, 0}, {1, 2, 3})};
   const std::vector<Vec3> x = surfacePositions(simulator.object(), {1});
   REQUIRE(x.size() == 8);
@@ -117,7 +117,7 @@ TEST_CASE("The surface of a body is where it is now, in metres") {
 }
 
 TEST_CASE("Probes are read with name and position, and a simulator that does not say them is an error") {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   simulator.probes = {{"tip", {1, 2, 3}}, {"root", {0, 0, 4}}};
   const auto probes = readProbes(simulator.table(), simulator.object());
   REQUIRE(probes);
@@ -132,7 +132,7 @@ TEST_CASE("Probes are read with name and position, and a simulator that does not
 }
 
 TEST_CASE("An object reference gives back the one count it took over, however it moves") {
-  StandInSimulator first, second;
+  RecordingSimulator first, second;
   {
     first.object()->vt->retain(first.object());
     second.object()->vt->retain(second.object());

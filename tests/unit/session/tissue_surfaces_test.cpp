@@ -3,12 +3,12 @@
 
 #include <cmath>
 
-#include "stand_in_simulator.h"
 #include "support/catch.h"
+#include "support/recording_simulator.h"
 
 using namespace c3de;
 using namespace c3de::session;
-using session::test::cubeBody;
+using c3de::test::cubeBody;
 
 namespace {
 

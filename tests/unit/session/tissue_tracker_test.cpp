@@ -6,13 +6,13 @@
 #include <thread>
 
 #include "c3de/session/displacement_sampler.h"
-#include "stand_in_simulator.h"
 #include "support/catch.h"
+#include "support/recording_simulator.h"
 
 using namespace c3de;
 using namespace c3de::session;
-using session::test::cubeBody;
-using session::test::StandInSimulator;
+using c3de::test::cubeBody;
+using c3de::test::RecordingSimulator;
 
 namespace {
 
@@ -36,7 +36,7 @@ std::vector<TissueVoxels> onePlace() {
 }
 
 struct Fixture {
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   std::unique_ptr<scene::Simulation> simulation;
   std::atomic<int> renewed{0};
   TissueTracker tissues{[this] { ++renewed; }};
@@ -153,7 +153,7 @@ TEST_CASE("While it plays labels are read at most twice a second", "[live_tissue
 TEST_CASE("One that ends does not wait for what is followed", "[live_tissues]") {
   std::vector<TissueVoxels> many = onePlace();
   for (int i = 0; i < 1500; ++i) many.front().labels.push_back(many.front().labels.front());
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   simulator.bodies = {cubeBody(0.04, {0, 0, 0}, {0.003, 0, 0.004})};
   simulator.displacement_m = {0.003, 0, 0.004};
   const auto snapshot = readTissues(simulator.table(), simulator.object(), TissueDetail::live);

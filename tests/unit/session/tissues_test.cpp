@@ -8,14 +8,14 @@
 #include "c3de/session/body_sources.h"
 #include "c3de/session/tissue_motion.h"
 #include "loading/body_geometry.h"
-#include "stand_in_simulator.h"
 #include "support/catch.h"
+#include "support/recording_simulator.h"
 
 using namespace c3de;
 using namespace c3de::session;
+using c3de::test::cubeBody;
+using c3de::test::RecordingSimulator;
 using Catch::Matchers::Contains;
-using session::test::cubeBody;
-using session::test::StandInSimulator;
 namespace fs = std::filesystem;
 
 namespace {
@@ -147,7 +147,7 @@ TEST_CASE("Labels are followed by what the simulator says, and it may not say", 
   REQUIRE(picked);
   const auto places = sources.placesOf(scene.bodies[0], *picked);
   REQUIRE(places);
-  StandInSimulator simulator;
+  RecordingSimulator simulator;
   simulator.bodies = {cubeBody(0.04, {0, 0, 0}, {0.003, 0, 0.004})};
   simulator.displacement_m = {0.003, 0, 0.004};
   auto motions = tissueMotions(simulator.table(), simulator.object(), {*places});
