@@ -72,12 +72,12 @@ class TemporaryFolder {
 
 /// A frame of 1/60 s and each of its stages.
 ///
-/// Two scenes pass through the program as they do in its window, without the window: read, built by the plugin, stepped,
-/// published, handed to the renderer, drawn by OpenGL into an offscreen buffer.
+/// Two scenes pass through the program as they do in its window, without the window: read, built by the plugin,
+/// stepped, published, handed to the renderer, drawn by OpenGL into an offscreen buffer.
 ///   first_light     the default scene of the program
 ///   lattice_10000   an organ of 10 000 phyxels and 50 000 surfels that falls on a block in a box
-/// A step is a whole frame, in the substeps that stability needs, on one thread. The simulator's own stages are those of
-/// its report; "step, other" is the remainder of the step. In the program the step has its own thread: "solver" is that
+/// A step is a whole frame, in the substeps that stability needs, on one thread. The simulator's own stages are those
+/// of its report; "step, other" is the remainder of the step. In the program the step has its own thread: "solver" is that
 /// thread's share of the frame, "screen" the window's. A share is the median of a stage relative to the sum of step,
 /// publishing, handing over and drawing.
 void measureFrame(const Options &options, Report &report);
