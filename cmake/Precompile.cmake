@@ -6,6 +6,13 @@
 #
 # The precompiled header of OTHER, which has the same flags and its headers. Definitions may differ that no header reads.
 #
+# c3de_compile_alone(SOURCES …)
+#
+# Sources that a unity build (preset release) compiles by themselves: their local names occur in other sources of the
+# target, or they compile themselves once per instruction set.
+#
+# c3de_compile_each(TARGET): all sources of the target by themselves, for tests whose helpers have the same short names.
+#
 # c3de_compile_quickly(TARGET)
 #
 # -O1 in a release build, for code that waits for the user, a file or a test. The compiler needs two thirds of the time.
@@ -34,4 +41,12 @@ endfunction()
 
 function(c3de_compile_quickly target)
   target_compile_options(${target} PRIVATE $<$<AND:$<CXX_COMPILER_ID:GNU,Clang>,$<CONFIG:Release>>:-O1>)
+endfunction()
+
+function(c3de_compile_alone)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
+function(c3de_compile_each target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
 endfunction()

@@ -8,7 +8,9 @@ else()
     -Wall -Wextra -Wpedantic -Werror -Wshadow -Wcast-align -Wunused -Wformat=2
     $<$<COMPILE_LANGUAGE:CXX>:-Woverloaded-virtual> $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor>
     # GCC 12 sees overlaps in std::string's operator+ that are not there (GCC bug 105651).
-    $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
+    # In a unity build sources look like headers, whose types must not use unnamed namespaces.
+    $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wno-subobject-linkage>)
   # The same bits on every machine: no contraction of a*b+c unless a kernel asks for it.
   target_compile_options(c3de_warnings INTERFACE -ffp-contract=off)
 endif()

@@ -112,7 +112,7 @@ int showInfo(const InfoArguments &arguments, const CommandLine &line) {
   return exitCode;
 }
 
-Handler declare(CLI::App &app, CommandLine &line) {
+Handler declareInfo(CLI::App &app, CommandLine &line) {
   const auto arguments = std::make_shared<InfoArguments>();
   app.add_option("FILE", line.files,
                  "Meshes, images (DICOM, NIfTI, NRRD, MetaImage), folders of DICOM files and scenes")
@@ -137,6 +137,6 @@ Handler declare(CLI::App &app, CommandLine &line) {
 }  // namespace
 
 const Command kInfoCommand{"info", "What a mesh, image, folder of images or scene contains, and what is wrong with it",
-                           declare};
+                           declareInfo};
 
 }  // namespace c3de::app

@@ -148,7 +148,7 @@ int newPlugin(const NewPlugin &wanted) {
   return kDone;
 }
 
-Handler declare(CLI::App &app, CommandLine &) {
+Handler declareNewPlugin(CLI::App &app, CommandLine &) {
   const auto wanted = std::make_shared<NewPlugin>();
   app.add_option("NAME", wanted->name, "Of its folder, target and file: lower-case letters, digits and _")->required();
   app.add_option("--language", wanted->language, "c or c++ (default c++)")->type_name("LANGUAGE");
@@ -160,6 +160,7 @@ Handler declare(CLI::App &app, CommandLine &) {
 
 }  // namespace
 
-const Command kNewPluginCommand{"new-plugin", "Writes a plugin to begin with: source, build file, README", declare};
+const Command kNewPluginCommand{"new-plugin", "Writes a plugin to begin with: source, build file, README",
+                                declareNewPlugin};
 
 }  // namespace c3de::app

@@ -183,7 +183,7 @@ int listPlugins(const SessionOptions &options, bool json, bool isAsInWindow) {
   return exitCode;
 }
 
-Handler declare(CLI::App &app, CommandLine &line) {
+Handler declarePlugins(CLI::App &app, CommandLine &line) {
   app.add_flag("--json", line.json, "As JSON");
   const auto isAsInWindow = std::make_shared<bool>(false);
   app.add_flag("--as-in-window", *isAsInWindow, "Provide the services of a window, as in the trial of a first use");
@@ -207,6 +207,6 @@ Handler declare(CLI::App &app, CommandLine &line) {
 
 }  // namespace
 
-const Command kPluginsCommand{"plugins", "What was found, loaded, refused and why", declare};
+const Command kPluginsCommand{"plugins", "What was found, loaded, refused and why", declarePlugins};
 
 }  // namespace c3de::app

@@ -46,7 +46,7 @@ int run(const RunArguments &arguments, const CommandLine &line) {
   return runScene(options);
 }
 
-Handler declare(CLI::App &app, CommandLine &line) {
+Handler declareRun(CLI::App &app, CommandLine &line) {
   const auto arguments = std::make_shared<RunArguments>();
   RunOptions &options = arguments->options;
   app.add_option_function<std::string>(
@@ -120,6 +120,6 @@ Handler declare(CLI::App &app, CommandLine &line) {
 
 }  // namespace
 
-const Command kRunCommand{"run", "Simulate without a window", declare};
+const Command kRunCommand{"run", "Simulate without a window", declareRun};
 
 }  // namespace c3de::app

@@ -116,7 +116,7 @@ int run(const StudyArguments &arguments, const CommandLine &line) {
   return exitCode;
 }
 
-Handler declare(CLI::App &app, CommandLine &line) {
+Handler declareStudy(CLI::App &app, CommandLine &line) {
   const auto arguments = std::make_shared<StudyArguments>();
   app.add_option_function<std::string>(
          "STUDY", [arguments](const std::string &text) { arguments->study = text; }, "What to run (.toml)")
@@ -132,6 +132,6 @@ Handler declare(CLI::App &app, CommandLine &line) {
 
 }  // namespace
 
-const Command kStudyCommand{"study", "Measure speed against accuracy over a grid of settings", declare};
+const Command kStudyCommand{"study", "Measure speed against accuracy over a grid of settings", declareStudy};
 
 }  // namespace c3de::app

@@ -15,7 +15,7 @@ constexpr const char *kReplacement = "\xef\xbf\xbd";
 constexpr CharacterSet kUtf8{"UTF-8", 65001}, kEucJp{"EUC-JP", 20932};
 
 /// How to convert the bytes of a designated set to a character set that platforms support.
-enum class Packing {
+enum class TextPacking {
   ascii,     ///< 0x20 … 0x7e unchanged; JIS X 0201 differs in two characters that Japanese texts use either way
   plain,     ///< bytes above 127 unchanged
   doubled,   ///< two bytes below 128: with their highest bits set
@@ -25,34 +25,34 @@ enum class Packing {
 struct Designation {
   const char *term;    ///< of (0008,0005) after "IR "
   const char *escape;  ///< after ESC
-  Packing packing;
+  TextPacking packing;
   CharacterSet set;
 };
 
 /// PS3.3 tables C.12-2 to C.12-4. The second half of JIS X 0201 is that of Shift-JIS.
 constexpr std::array kDesignations{
-    Designation{"6", "(B", Packing::ascii, {"", 0}},
-    Designation{"13", "(J", Packing::ascii, {"", 0}},
-    Designation{"13", ")I", Packing::plain, {"SHIFT_JIS", 932}},
-    Designation{"100", "-A", Packing::plain, {"ISO-8859-1", 28591}},
-    Designation{"101", "-B", Packing::plain, {"ISO-8859-2", 28592}},
-    Designation{"109", "-C", Packing::plain, {"ISO-8859-3", 28593}},
-    Designation{"110", "-D", Packing::plain, {"ISO-8859-4", 28594}},
-    Designation{"144", "-L", Packing::plain, {"ISO-8859-5", 28595}},
-    Designation{"127", "-G", Packing::plain, {"ISO-8859-6", 28596}},
-    Designation{"126", "-F", Packing::plain, {"ISO-8859-7", 28597}},
-    Designation{"138", "-H", Packing::plain, {"ISO-8859-8", 28598}},
-    Designation{"148", "-M", Packing::plain, {"ISO-8859-9", 28599}},
-    Designation{"203", "-b", Packing::plain, {"ISO-8859-15", 28605}},
-    Designation{"166", "-T", Packing::plain, {"TIS-620", 874}},
-    Designation{"87", "$B", Packing::doubled, kEucJp},
-    Designation{"87", "$@", Packing::doubled, kEucJp},
-    Designation{"159", "$(D", Packing::prefixed, kEucJp},
-    Designation{"149", "$)C", Packing::plain, {"EUC-KR", 949}},
-    Designation{"58", "$)A", Packing::plain, {"GB2312", 936}},
+    Designation{"6", "(B", TextPacking::ascii, {"", 0}},
+    Designation{"13", "(J", TextPacking::ascii, {"", 0}},
+    Designation{"13", ")I", TextPacking::plain, {"SHIFT_JIS", 932}},
+    Designation{"100", "-A", TextPacking::plain, {"ISO-8859-1", 28591}},
+    Designation{"101", "-B", TextPacking::plain, {"ISO-8859-2", 28592}},
+    Designation{"109", "-C", TextPacking::plain, {"ISO-8859-3", 28593}},
+    Designation{"110", "-D", TextPacking::plain, {"ISO-8859-4", 28594}},
+    Designation{"144", "-L", TextPacking::plain, {"ISO-8859-5", 28595}},
+    Designation{"127", "-G", TextPacking::plain, {"ISO-8859-6", 28596}},
+    Designation{"126", "-F", TextPacking::plain, {"ISO-8859-7", 28597}},
+    Designation{"138", "-H", TextPacking::plain, {"ISO-8859-8", 28598}},
+    Designation{"148", "-M", TextPacking::plain, {"ISO-8859-9", 28599}},
+    Designation{"203", "-b", TextPacking::plain, {"ISO-8859-15", 28605}},
+    Designation{"166", "-T", TextPacking::plain, {"TIS-620", 874}},
+    Designation{"87", "$B", TextPacking::doubled, kEucJp},
+    Designation{"87", "$@", TextPacking::doubled, kEucJp},
+    Designation{"159", "$(D", TextPacking::prefixed, kEucJp},
+    Designation{"149", "$)C", TextPacking::plain, {"EUC-KR", 949}},
+    Designation{"58", "$)A", TextPacking::plain, {"GB2312", 936}},
 };
 
-bool isForUpperHalf(const Designation &one) { return one.packing == Packing::plain; }
+bool isForUpperHalf(const Designation &one) { return one.packing == TextPacking::plain; }
 
 bool isUtf8(std::string_view bytes) {
   for (std::size_t i = 0; i < bytes.size();) {
@@ -108,7 +108,7 @@ class Escapes {
       if (isForUpperHalf(one))
         upper_ = &one;
       else
-        lower_ = one.packing == Packing::ascii ? nullptr : &one;
+        lower_ = one.packing == TextPacking::ascii ? nullptr : &one;
       return std::string_view(one.escape).size();
     }
     out_ += kReplacement;
@@ -131,7 +131,7 @@ class Escapes {
     }
     std::string packed;
     for (std::size_t n = 0; n < run.size(); ++n) {
-      if (designation->packing == Packing::prefixed && n % 2 == 0) packed += '\x8f';
+      if (designation->packing == TextPacking::prefixed && n % 2 == 0) packed += '\x8f';
       packed += static_cast<char>(static_cast<unsigned char>(run[n]) | 0x80u);
     }
     out_ += utf8From(packed, designation->set);
