@@ -10,7 +10,7 @@ else()
     # GCC 12 sees overlaps in std::string's operator+ that are not there (GCC bug 105651).
     $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
     # In a unity build sources look like headers, whose types must not use unnamed namespaces.
-    $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wno-subobject-linkage>)
+    $<$<AND:$<COMPILE_LANG_AND_ID:CXX,GNU>,$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wno-subobject-linkage>)
   # The same bits on every machine: no contraction of a*b+c unless a kernel asks for it.
   target_compile_options(c3de_warnings INTERFACE -ffp-contract=off)
 endif()

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lattice.h"
 
-#include <cstdio>
 #include <limits>
 #include <map>
+
+#include "scene_input.h"
 
 namespace mass_spring {
 namespace {
@@ -11,12 +12,6 @@ namespace {
 constexpr std::int64_t kMaxCells = 4000000;  // of the box around the body
 constexpr std::size_t kMaxTriangles = 200000;
 constexpr int kSamples = 3;  // along each edge of a cell, for the part of it that is filled
-
-std::string shown(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
 
 }  // namespace
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "parameters.h"
 
-#include <cstdio>
-
 #include "c3de/abi/iface/parameter_ids.h"
+#include "scene_input.h"
 
 namespace mass_spring {
 namespace {
@@ -41,12 +40,6 @@ constexpr std::array kBody{
                        "Sampling", C3DE_PARAM_ID_SPACING},
                       {1.0, 1e6, 50.0, 5000.0}, 1000.0, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_LOG_SCALE),
 };
-
-std::string shown(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
 
 std::string shown(const c3de_param_value &v) {
   switch (v.type) {
