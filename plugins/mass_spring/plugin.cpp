@@ -48,10 +48,11 @@ class MassSpringPlugin : public sdk::Panel {
         Simulator::kClass, "Mass springs", "Deformable bodies of masses and springs on a cubic lattice", context_));
     if (!host.service<c3de_render_v1>() || !host.service<c3de_tools_v1>()) return;
     pinch_.emplace(host);
-    sdk::orThrow(pinch_->add(host, {.id = "org.c3de.mass_spring.pinch",
-                                    .label = "Pull springs",
-                                    .hint = "Press on a body of masses and springs and drag; release or Escape lets go",
-                                    .shortcut = 'S'}));
+    sdk::orThrow(
+        pinch_->add(host, {.id = "org.c3de.mass_spring.pinch",
+                           .label = "Pull springs",
+                           .hint = "Press on a body of masses and springs and drag; release or Escape ends the pull",
+                           .shortcut = 'S'}));
     if (host.service<c3de_panels_v1>()) sdk::orThrow(show(host, "org.c3de.mass_spring.panel", "Mass springs"));
     context_.attached = [this, host](Simulator &simulator, c3de_handle node) {
       if (node.v == 0) {

@@ -217,7 +217,7 @@ TEST_CASE("In explicit steps few small stiff cells get more inertia but no weigh
   CHECK(body["added_mass_kg"] < 0.05 * body["mass_kg"].get<double>());
   CHECK(body["mass_kg"].get<double>() == Approx(40.0).epsilon(1e-3));  // of the beam's volume and density
   CHECK_THAT(added["notices"].dump(),
-             Contains("longer explicit steps, at rest unfelt: ") && Contains(" % of what can move, to "));
+             Contains("longer explicit steps, without effect at rest: ") && Contains(" % of what can move, to "));
   // A saved state continues without any difference.
   const fs::path state = folder / "middle.c3dstate";
   const auto hashOf = [&](const std::vector<std::string> &more) { return reportOf(folder, scene, more)["state_hash"]; };
@@ -228,7 +228,7 @@ TEST_CASE("In explicit steps few small stiff cells get more inertia but no weigh
   for (const auto &[key, value] : {std::pair("solver.integrator", "implicit"), {"solver.integrator", "quasistatic"}}) {
     const Json plain = reportOf(folder, scene, {"--steps", "1", "--set", std::string(key) + "=" + value});
     CHECK(plain["bodies"][0]["added_mass_kg"] == 0.0);
-    CHECK(plain["notices"].dump().find("at rest unfelt") == std::string::npos);
+    CHECK(plain["notices"].dump().find("without effect at rest") == std::string::npos);
   }
 }
 
@@ -276,7 +276,7 @@ TEST_CASE("Where nothing is known to act on a body its cells stay of one size, a
   const fs::path scene = writeBeam(folder, "", "sampling = { count = 300, adaptive = \"on\" }");
   const Json nothing = reportOf(folder, scene, {"--set", "world.gravity=[0,0,0]"});
   CHECK(nothing["bodies"][0]["adaptive"]["halved_cells"] == 0);
-  CHECK_THAT(nothing["bodies"][0]["adaptive"]["uniform"].get<std::string>(), Contains("nothing leads or loads it"));
+  CHECK_THAT(nothing["bodies"][0]["adaptive"]["uniform"].get<std::string>(), Contains("nothing moves or loads it"));
   CHECK_THAT(nothing["notices"].dump(), Contains("cells of one size"));
   const auto cloud = runC3de({"run", scene.string(), "--set", "body.beam.sampling.evaluation=phyxels"});
   CHECK(cloud.exitCode == 3);

@@ -54,7 +54,7 @@ TEST_CASE("The summary says in three lines how accurate a result is, and the rep
   for (std::size_t i = 0; i < 3; ++i) CHECK(count(ran.output, "bar: " + ran.line(i) + "\n") == 1);
   CHECK_THAT(ran.line(0), Contains("Displacement: ± ") && Contains("estimated by two coarser solutions") &&
                               Contains(", largest at x "));
-  CHECK_THAT(ran.line(1), Contains("Stress and strain: ± ") && Contains("outside of singular places"));
+  CHECK_THAT(ran.line(1), Contains("Stress and strain: ± ") && Contains("outside singular regions"));
   CHECK_THAT(ran.line(2), Contains("edge of support 'wall'") && Contains("of the volume"));
   const Json &statement = ran.statement();
   CHECK(statement["basis"] == "estimated");

@@ -61,7 +61,7 @@ TEST_CASE("a plugin that dies, hangs or exits at its first use is refused, and t
   };
   for (const Case &one :
        {Case{"loading", "(loading of its library)"}, Case{"create", "in plugin test.dying (create)"},
-        Case{"thread", "in plugin test.dying (on a thread of its own)"}, Case{"create exit", "by exit() within create"},
+        Case{"thread", "in plugin test.dying (on its own thread)"}, Case{"create exit", "by exit() within create"},
         Case{"create _Exit", "by _Exit() within create"},
         Case{"create thread exit", "plugin test.dying has ended the program, by exit()"},
         Case{"create thread _Exit", "plugin test.dying has ended the program, by _Exit()"},
@@ -89,7 +89,7 @@ TEST_CASE("who trusts a plugin sees what ends his run, and is told again at the 
     CHECK(died.exitCode >= 128);
     const std::string place = where == std::string("create") ? "(create)"
                               : where == std::string("step") ? "(apply of a force field)"
-                                                             : "(on a thread of its own)";
+                                                             : "(on its own thread)";
     CHECK_THAT(died.errorOutput, Contains("c3de: fatal: SIG") && Contains("in plugin test.dying " + place));
     const auto next = person.run("");
     CHECK(next.exitCode == 0);

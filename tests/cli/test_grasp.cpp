@@ -92,18 +92,19 @@ TEST_CASE("A grasp that finds no skin, or no hands, is refused with its line", "
   };
   CHECK_THAT(with("at=[0.95,0.2,0.1]"), Contains("scene.toml:11: ") && Contains("grasp 'tongs'") &&
                                             Contains("one of the jaws misses the body, which ends 50 mm"));
-  CHECK_THAT(with("axis=[0,1,0]"), Contains("stands on the skin"));
+  CHECK_THAT(with("axis=[0,1,0]"), Contains("is perpendicular to the skin"));
   CHECK_THAT(with("at=[0.5,0.9,0.1]"), Contains("(0.5, 0.9, 0.1) m lies 700 mm off body 'bar'"));
   CHECK_THAT(refusal(kHeld + tongs("body = \"bar\"\n"),
                      {"--set", "grasp.tongs.axis=[0,0,1]", "--set", "grasp.tongs.opening_mm=300"}),
              Contains("the body is 200 mm wide there"));
-  CHECK_THAT(
-      refusal("[solver]\nintegrator = \"quasistatic\"\n" + kHeld + tongs()),
-      Contains("scene.toml:13: ") && Contains("a quasi-static solution has no hands") && Contains("solver.integrator"));
+  CHECK_THAT(refusal("[solver]\nintegrator = \"quasistatic\"\n" + kHeld + tongs()),
+             Contains("scene.toml:13: ") && Contains("a quasi-static solution supports no grasps") &&
+                 Contains("solver.integrator"));
   CHECK_THAT(refusal(kHeld + tongs(), {"--set", "body.bar.rigid=true"}), Contains("rigid"));
   const std::vector<std::string> recorder{"--no-plugins", "--plugin", C3DE_RECORDER};
   const std::string plain = "[[body]]\nname = \"bar\"\nmesh = \"box.obj\"\nmesh_unit = \"m\"\n";
-  CHECK_THAT(refusal(plain + tongs(), recorder), Contains("scene.toml:6: '[[grasp]]' is not served by this simulator"));
+  CHECK_THAT(refusal(plain + tongs(), recorder),
+             Contains("scene.toml:6: '[[grasp]]' is not supported by this simulator"));
 }
 
 TEST_CASE("Info says what the grasps are", "[grasp]") {

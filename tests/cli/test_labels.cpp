@@ -128,8 +128,8 @@ TEST_CASE("Rigid labels that are no bone and notices of a map are in info, summa
                               "background = { material = \"fat\", image = \"ct.nrrd\", from = -150, to = 250 }\n"
                               "sampling = { count = 200 }\n");
   const std::string expected =
-      "labels.nrrd: body 'trunk': 1 of 1 rigid labels has grey values that are no bone (median in brackets, of bone at "
-      "least 100 HU): vertebrae_L1 (45 HU); accepted: check that numbers and names";
+      "labels.nrrd: body 'trunk': 1 of 1 rigid labels has grey values below those of bone (median in brackets, of bone "
+      "at least 100 HU): vertebrae_L1 (45 HU); accepted: check that numbers and names";
   const auto info = runC3de({"info", file.string(), "--quick", "--json"});
   INFO(info.errorOutput);
   REQUIRE(info.exitCode == 0);

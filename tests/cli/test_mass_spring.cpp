@@ -114,7 +114,7 @@ TEST_CASE("a state goes on bit for bit, and another file changes nothing", "[mas
   const auto cut = [&](std::size_t n) {
     return refusal(scene, {"--from-state", writeFile(folder / "cut.state", bytes.substr(0, n)).string()});
   };
-  CHECK_THAT(cut(0), Contains("is not the state of a simulation"));
+  CHECK_THAT(cut(0), Contains("is not a state file"));
   for (const std::size_t n : {std::size_t{22}, std::size_t{40}, std::size_t{100}, bytes.size() / 2, bytes.size() - 1})
     CHECK_THAT(cut(n), Contains("the state ends too early"));
   std::string turned = bytes;

@@ -82,7 +82,7 @@ TEST_CASE("A scene need not say the unit that a file of a plugin's format says")
   CHECK_THAT(readJson(report).at("bodies").at(0).at("mesh_volume_m3").get<double>(), WithinRel(4e-6, 1e-6));
   const auto without = runC3de({"run", scene.string(), "--steps", "1"});
   CHECK(without.exitCode == 3);
-  CHECK_THAT(without.errorOutput, Contains("scene.toml:2") && Contains("what plugins bring (--plugin)"));
+  CHECK_THAT(without.errorOutput, Contains("scene.toml:2") && Contains("formats of plugins (--plugin)"));
 }
 
 TEST_CASE("A surface is exported in a format that a plugin brings, and read again") {
@@ -117,20 +117,21 @@ TEST_CASE("Broken files of a plugin's format are refused with file, line, reader
   struct Broken {
     std::string text, says;
   };
-  const std::vector<Broken> all{{replaced(whole, "trimesh 1", "trimesh 2"), "does not begin as any reader of .tri"},
-                                {replaced(whole, "unit mm", "unit inch"), "line 3: unit 'inch'; accepted: mm, cm, m"},
-                                {replaced(whole, "unit mm", "unit mm\nunit cm"), "line 4: a second unit"},
-                                {replaced(whole, "unit mm", ""), "line 5: a vertex before 'unit'"},
-                                {replaced(whole, "1e0", "nan"), "line 9: a coordinate that is not finite"},
-                                {replaced(whole, "1e0", "one"), "line 9: 'one' where a coordinate is expected"},
-                                {replaced(whole, "t 0 4 6", "t 0 4"), "line 13: '' where the number of a vertex"},
-                                {replaced(whole, "t 0 4 6", "t 0 4 6 9"), "line 13: '9' after three numbers"},
-                                {replaced(whole, "t 0 4 6", "t 0 4 8"), "a triangle has vertex 8, there are 8"},
-                                {replaced(whole, "t 0 4 6", "f 0 4 6"), "line 13: 'f'; accepted"},
-                                {replaced(whole, "end\n", ""), "line 24: the file ends without 'end'"},
-                                {whole + "v 1 2 3\n", "follows after 'end'"},
-                                {"trimesh 1\nunit mm\nend\n", "no faces"},
-                                {"", "empty"}};
+  const std::vector<Broken> all{
+      {replaced(whole, "trimesh 1", "trimesh 2"), "does not have the signature of any .tri reader"},
+      {replaced(whole, "unit mm", "unit inch"), "line 3: unit 'inch'; accepted: mm, cm, m"},
+      {replaced(whole, "unit mm", "unit mm\nunit cm"), "line 4: a second unit"},
+      {replaced(whole, "unit mm", ""), "line 5: a vertex before 'unit'"},
+      {replaced(whole, "1e0", "nan"), "line 9: a coordinate that is not finite"},
+      {replaced(whole, "1e0", "one"), "line 9: 'one' where a coordinate is expected"},
+      {replaced(whole, "t 0 4 6", "t 0 4"), "line 13: '' where the number of a vertex"},
+      {replaced(whole, "t 0 4 6", "t 0 4 6 9"), "line 13: '9' after three numbers"},
+      {replaced(whole, "t 0 4 6", "t 0 4 8"), "a triangle has vertex 8, there are 8"},
+      {replaced(whole, "t 0 4 6", "f 0 4 6"), "line 13: 'f'; accepted"},
+      {replaced(whole, "end\n", ""), "line 24: the file ends without 'end'"},
+      {whole + "v 1 2 3\n", "follows after 'end'"},
+      {"trimesh 1\nunit mm\nend\n", "no faces"},
+      {"", "empty"}};
   for (std::size_t i = 0; i < all.size(); ++i) {
     INFO(all[i].says);
     const auto file = writeFile(folder / (std::to_string(i) + ".tri"), all[i].text);

@@ -52,7 +52,7 @@ TEST_CASE("new-plugin refuses bad names, what it has no template for, and folder
   const auto kept = writeFile(folder / "heart" / "notes.txt", "mine");
   const auto there = runC3de({"new-plugin", "heart", "--folder", folder.string()});
   CHECK(there.exitCode != 0);
-  CHECK_THAT(there.errorOutput, Contains("heart") && Contains("is there already"));
+  CHECK_THAT(there.errorOutput, Contains("heart") && Contains("already exists"));
   CHECK(readFile(kept) == "mine");
   CHECK_FALSE(std::filesystem::exists(folder / "heart" / "CMakeLists.txt"));
 }

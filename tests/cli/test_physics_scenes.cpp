@@ -270,7 +270,7 @@ TEST_CASE("A step beyond its budget ends the run in the state before it, with wh
   const auto report = folder / "report.json";
   const auto result = runC3de({"run", scene.string(), "--until", "0.1", "--report", report.string(), "-q"});
   CHECK(result.exitCode != 0);
-  CHECK_THAT(result.errorOutput, Contains("step 1 at 0 s failed: the step was given up after 0.02 s") &&
+  CHECK_THAT(result.errorOutput, Contains("step 1 at 0 s failed: the step was abandoned after 0.02 s") &&
                                      Contains("solver.step_budget") && Contains("sampling.count = "));
   const auto json = readJson(report);
   CHECK(json.at("outcome") == "failed");

@@ -141,7 +141,7 @@ TEST_CASE("A threshold that leaves nothing and a simulator that cannot fill are 
   const auto old =
       runC3de({"run", "--no-plugins", "--plugin", C3DE_RECORDER_WITHOUT_FILLS, good.string(), "--steps", "1"});
   CHECK(old.exitCode != 0);
-  CHECK_THAT(old.errorOutput, Contains("'volume' is not served by this simulator"));
+  CHECK_THAT(old.errorOutput, Contains("'volume' is not supported by this simulator"));
 }
 
 TEST_CASE("What of a label is in no body is told in ml, in the report, as an event and in the summary") {
@@ -174,7 +174,7 @@ TEST_CASE("What of a label is in no body is told in ml, in the report, as an eve
   CHECK(coarse["events"][0]["kind"] == "not_represented");
   CHECK_THAT(coarse["events"][0]["text"].get<std::string>(),
              Contains("'liver'") && Contains("ml") && Contains("1 loose island"));
-  CHECK_THAT(summary, Contains("is in no body"));
+  CHECK_THAT(summary, Contains("belongs to no body"));
 }
 
 TEST_CASE("A scene with an image is drawn as four views, or as the one that was asked for", "[gpu]") {
@@ -456,8 +456,8 @@ TEST_CASE("An exported image follows a body far away, also while another one has
   CHECK(static_cast<double>(leftAndMarked) > 0.999 * static_cast<double>(left));
   // Bodies are as large as their skins, which are up to half a voxel off the border.
   CHECK(static_cast<double>(marked) < 1.05 * static_cast<double>(balls));
-  CHECK_THAT(ran.errorOutput + ran.output,
-             Contains("u-vacated.nrrd: " + std::to_string(marked) + " voxels") && Contains("ml) are left by a body"));
+  CHECK_THAT(ran.errorOutput + ran.output, Contains("u-vacated.nrrd: " + std::to_string(marked) + " voxels") &&
+                                               Contains("ml) are vacated by a body"));
   const auto u = readFile(field);
   CHECK(u.find("nan") == std::string::npos);
 }

@@ -76,8 +76,7 @@ TEST_CASE("A full disk is named, what fits is written whole, and the rest is sai
   CHECK_THAT(result->errorOutput, Contains("probes.csv: could not be written: File too large") &&
                                       Contains("report.json: could not be written: File too large") &&
                                       Contains("points_000000.vtu: could not be written: File too large") &&
-                                      Contains("not or not wholly written: ") &&
-                                      Contains("; written: " + at("skin.stl")));
+                                      Contains("not completely written: ") && Contains("; written: " + at("skin.stl")));
   CHECK_THAT(result->errorOutput, !Contains("No such file"));
   CHECK_FALSE(std::filesystem::exists(folder / "report.json"));
   const std::string table = readFile(folder / "probes.csv");

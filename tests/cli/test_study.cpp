@@ -146,7 +146,7 @@ TEST_CASE("A study leaves tables, a report and a diagram of each case, with the 
   CHECK(resumed.exitCode == 0);
   const auto refused = study(file, folder / "one");
   CHECK(refused.exitCode == 2);
-  CHECK_THAT(refused.errorOutput, Contains("--resume goes on with it"));
+  CHECK_THAT(refused.errorOutput, Contains("use --resume to continue it"));
   writeStudy(folder, kTip + kField + kGrid + "[[grid]]\nspacing = 0.2\n");
   const auto other = study(file, folder / "one", {"--resume"});
   CHECK(other.exitCode == 2);
@@ -394,7 +394,7 @@ TEST_CASE("What is wrong with a study is refused with its line before anything r
     int exitCode;
     std::string contains;
   } cases[] = {
-      {kTip + grid("spacng = 0.1"), 3, "study.toml:17: unknown lever 'spacng'; did you mean 'spacing'?"},
+      {kTip + grid("spacng = 0.1"), 3, "study.toml:17: unknown study parameter 'spacng'; did you mean 'spacing'?"},
       {kTip + grid("spacing = 0"), 3, "study.toml:17: --set body.box.sampling.spacing: "},
       {kTip + grid("law = \"stkv\""), 3, "study.toml:17: --set body.box.material.law: "},
       {kTip + grid("\"body.bax.sampling.spacing\" = 0.1"), 3,

@@ -227,7 +227,7 @@ TEST_CASE("Tissues may be told by values and by distance, beside labels and with
   CHECK_THAT(refusal("name = \"x\", " + soft), Contains("neither 'label' nor 'threshold' nor 'margin'"));
   CHECK_THAT(refusal("label = 2, margin = 3, " + soft), Contains("has a label and a threshold, margin"));
   CHECK_THAT(refusal("name = \"x\", margin = 3, image = \"ct.nrrd\", " + soft),
-             Contains("'image' belongs to a 'threshold'"));
+             Contains("'image' requires a 'threshold'"));
   CHECK_THAT(refusal("name = \"x\", margin = 3, empty = true, " + soft), Contains("is empty and has a material"));
   CHECK_THAT(refusal("name = \"gizmo\", margin = 3"), Contains("no tissue is known by the name 'gizmo'"));
 }
@@ -411,9 +411,9 @@ TEST_CASE("What names cannot settle is an error that says where and what is acce
   CHECK_THAT(refusal({"kidney_left", "kidney_cyst_left"}, "[ { label = \"kidney*\" } ]"),
              Contains("kidney_left as kidney, kidney_cyst_left as kidney cyst"));
   CHECK_THAT(refusal({"liver", "spleen"}, "[ { label = \"*\", material = \"fat\" }, { label = \"liver\" } ]"),
-             Contains("are of tissues before it"));
+             Contains("belong to earlier tissues"));
   CHECK_THAT(refusal({"liver", "spleen"}, "[ { label = 1 }, { label = \"liver\" } ]"),
-             Contains("tissue 'liver' are of tissues before it"));
+             Contains("tissue 'liver' belong to earlier tissues"));
 }
 
 TEST_CASE("Two hundred labels are a handful of tissues", "[tissues]") {
@@ -601,8 +601,7 @@ TEST_CASE("A piece of what slides is set by the name that the report says", "[ti
              Contains("there is no piece 'scan.abov'; did you mean 'scan.above'? accepted: scan.above"));
   CHECK_THAT(refusal("body.scan.above.material.densty=500"),
              Contains("--set body.scan.above.material.densty") && Contains("did you mean 'material.density'?"));
-  CHECK_THAT(refusal("body.scan.above.position=[0,0,0]"),
-             Contains("cannot be changed for a piece; accepted: material"));
+  CHECK_THAT(refusal("body.scan.above.position=[0,0,0]"), Contains("cannot be set for a piece; accepted: material"));
 }
 
 TEST_CASE("Pieces and the rest are rigid, free or thrown each by itself, and the rest has a name", "[tissues]") {

@@ -202,9 +202,9 @@ TEST_CASE("Contact that cannot be is refused with its line, by the simulator tha
   const std::vector<std::string> recorder{"--no-plugins", "--plugin", C3DE_RECORDER};
   const std::string plain = "[[body]]\nname = \"bar\"\nmesh = \"box.obj\"\nmesh_unit = \"m\"\n";
   CHECK_THAT(refusal(plain + finger(), recorder),
-             Contains("scene.toml:6: '[[probe_tool]]' is not served by this simulator"));
+             Contains("scene.toml:6: '[[probe_tool]]' is not supported by this simulator"));
   CHECK_THAT(refusal(plain + "[[contact.pair]]\nbodies = [\"bar\", \"box\"]\nfriction = 0.1\n", recorder),
-             Contains("scene.toml:6: '[[contact.pair]]' is not served by this simulator"));
+             Contains("scene.toml:6: '[[contact.pair]]' is not supported by this simulator"));
   CHECK_THAT(refusal("[contact]\nenabled = true\n" + plain, recorder),
              Contains("scene.toml:3: ") && Contains("contact.enabled"));
 }

@@ -206,7 +206,7 @@ TEST_CASE("callbacks of a plugin of the SDK that throw again and again are switc
     CHECK(f.linesWith(thrown).size() == 3);
   }
   CHECK(f.linesWith("is switched off, because it failed 3 times in a row").size() == 3);
-  CHECK(f.linesWith("plugin test.sdk_callbacks_throw: stepped of a watch of simulations failed: thrown after a step")
+  CHECK(f.linesWith("plugin test.sdk_callbacks_throw: stepped of a simulation watch failed: thrown after a step")
             .size() == 3);
 }
 

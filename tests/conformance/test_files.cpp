@@ -52,7 +52,7 @@ TEST_CASE("what a reader of a plugin gives is welded, oriented and reported, in 
   const auto asked = f.meshFormats.load(path, geometry::LengthUnit::millimetre);
   REQUIRE(asked);
   CHECK_THAT(asked->report.volume_mm3, WithinRel(1.0 / 6.0, 1e-9));
-  CHECK_THAT(asked->report.text(), Contains("they were read as mm, as was asked"));
+  CHECK_THAT(asked->report.text(), Contains("it was read in mm, as requested"));
 }
 
 TEST_CASE("malformed output of a reader is refused with what, where and who") {

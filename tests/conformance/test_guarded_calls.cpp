@@ -133,7 +133,8 @@ TEST_CASE("exceptions that leave create, query and release of an object are name
   REQUIRE(object);
   const auto table = queryObject(*object, "any/0", 1);
   REQUIRE_FALSE(table);
-  CHECK_THAT(table.error().message, Contains("left query") && Contains("any/0") && Contains("thrown in query"));
+  CHECK_THAT(table.error().message,
+             Contains("query() of the object threw") && Contains("any/0") && Contains("thrown in query"));
   releaseObject(*object);
   CHECK(f.linesWith("an exception left release of an object: thrown in release").size() == 1);
   // The C++ wrappers for plugins are equally careful.
@@ -148,8 +149,8 @@ TEST_CASE("a class that creates itself ends at a depth, with its name") {
   REQUIRE(f.run("classes") == C3DE_OK);
   const auto made = f.host->createObject("test.bad.Itself/0");
   REQUIRE_FALSE(made);
-  CHECK_THAT(made.error().message, Contains("class test.bad.Itself/0 of plugin test.misbehaves") &&
-                                       Contains("16 calls of plugins stand within each other"));
+  CHECK_THAT(made.error().message,
+             Contains("class test.bad.Itself/0 of plugin test.misbehaves") && Contains("16 nested plugin calls"));
   CHECK(made.error().message.size() < 300);  // not reported once for each
   REQUIRE(f.host->createObject(TEST_MISBEHAVES_CLASS));
 }
@@ -171,7 +172,7 @@ TEST_CASE("views that cannot be right are refused before anything is made of the
   CHECK(f.run("null with rows") == C3DE_E_ARG);
   CHECK_THAT(f.host->takeError(), Contains("is null"));
   CHECK(f.run("results over what is read") == C3DE_E_ARG);
-  CHECK_THAT(f.host->takeError(), Contains("out: its rows lie over those that are read"));
+  CHECK_THAT(f.host->takeError(), Contains("out: its rows overlap the input rows"));
 }
 
 TEST_CASE("a call on the main thread that does not return is named while it lasts, and told with its time after") {
@@ -225,7 +226,7 @@ TEST_CASE("the message about a job that hangs lets people wait or cancel it") {
   REQUIRE(f.run("job until it is cancelled") == C3DE_OK);
   REQUIRE(f.soon("the run of a job has not returned"));
   f.mainQueue.runFrame();
-  const registry::Notification *message = f.message("A job takes long");
+  const registry::Notification *message = f.message("A job is slow to respond");
   REQUIRE(message);
   REQUIRE(message->choices.size() == 2);
   CHECK(message->choices[0].label == "Cancel the job");
@@ -262,7 +263,7 @@ TEST_CASE("a step that hangs is named, and the message lets people stop the simu
   simulation->transport(C3DE_TRANSPORT_PLAY);
   REQUIRE(f.soon("plugin test.slow: a step of the simulation has not returned for 0."));
   f.mainQueue.runFrame();
-  const registry::Notification *message = f.message("The simulation takes long");
+  const registry::Notification *message = f.message("The simulation is slow to respond");
   REQUIRE(message);
   REQUIRE(message->choices.size() == 2);
   CHECK(message->choices[0].label == "Stop the simulation");
@@ -283,15 +284,15 @@ TEST_CASE("a force field that hangs is named") {
   CHECK(f.linesWith("plugin test.misbehaves: apply of a force field has not returned").size() == 2);
 }
 
-TEST_CASE("a watch of simulations that fails three times in a row is switched off with one message") {
+TEST_CASE("a simulation watch that fails three times in a row is switched off with one message") {
   Guarded f;
   REQUIRE(f.run("watch that throws") == C3DE_OK);
   const c3de_sim_status status{};
   for (int i = 0; i < 10; ++i) std::thread([&] { f.simulations.stepped({1, 1}, status); }).join();
   CHECK(f.linesWith("thrown after a step").size() == 3);
-  CHECK(f.linesWith("a watch of simulations is switched off").size() == 1);
+  CHECK(f.linesWith("a simulation watch is switched off").size() == 1);
   f.mainQueue.runFrame();
-  const registry::Notification *message = f.message("a watch of simulations of test.misbehaves");
+  const registry::Notification *message = f.message("a simulation watch of test.misbehaves");
   REQUIRE(message);
   message->choices[0].act();
   f.simulations.stepped({1, 1}, status);

@@ -175,7 +175,7 @@ TEST_CASE("a plugin written with the SDK offers a class and uses that of another
   REQUIRE(object);
   const void *table = nullptr;
   CHECK((*object)->vt->query(*object, str("nothing/0"), 1, &table) == C3DE_E_NOT_FOUND);
-  CHECK_THAT(f.host->takeError(), Contains("does not answer nothing/0"));
+  CHECK_THAT(f.host->takeError(), Contains("does not implement nothing/0"));
   CHECK((*object)->vt->release(*object) == 0);
 }
 

@@ -564,7 +564,7 @@ TEST_CASE("where another scan is opened the simulation of the one before is clos
   const Json closed = C3DE_WAIT(window, "the simulation is closed", s["transport"]["exists"] == false);
   CHECK(closed["panes"].size() == 4);
   // No message about its bodies remains.
-  for (const char *title : {"The simulation is still open", "Scan body created", "Not all of it is there"})
+  for (const char *title : {"The simulation is still open", "Scan body created", "Incomplete body"})
     CHECK(closed["notifications"].dump().find(title) == std::string::npos);
   C3DE_WAIT(window, "the image is shown as it was read",
             !s["values"].contains("image/axial.outlines") || value(s, "image/axial.outlines") == "0");

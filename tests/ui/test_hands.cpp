@@ -214,18 +214,18 @@ TEST_CASE("an implant is added in the unit that is chosen, at the marked point, 
   rest(window, 0.3);
   window.click(kPanel + "obstacle_browse");
   window.openFile(file);
-  C3DE_WAIT(window, "its unit is asked for", row(s, "Its size") == "2.00 × 2.00 × 2.00 mm");
+  C3DE_WAIT(window, "its unit is asked for", row(s, "Size") == "2.00 × 2.00 × 2.00 mm");
   window.click(kPanel + "obstacle_unit");
   window.click(kPanel + "obstacle_unit.option.inch");
-  window.waitForValue(kPanel + "Its size", "50.8 × 50.8 × 50.8 mm");
+  window.waitForValue(kPanel + "Size", "50.8 × 50.8 × 50.8 mm");
   window.screenshot("asked");
   // Next to the organ, at the pivot of the camera: the centre of the organ, without an image.
   const Json focus = window.state()["camera"]["focus"];
-  CHECK(std::abs(std::strtod(row(window.state(), "Its middle").c_str(), nullptr) - focus[0].get<double>()) < 0.06);
+  CHECK(std::abs(std::strtod(row(window.state(), "Centre").c_str(), nullptr) - focus[0].get<double>()) < 0.06);
   // In metres the organ is inside it: a reset is announced, not performed.
   window.click(kPanel + "obstacle_unit");
   window.click(kPanel + "obstacle_unit.option.m");
-  window.waitForValue(kPanel + "Its size", "2000 × 2000 × 2000 mm");
+  window.waitForValue(kPanel + "Size", "2000 × 2000 × 2000 mm");
   const double before = window.state()["transport"]["time_s"];
   window.click(kPanel + "obstacle_add");
   window.waitForValue(kPanel + "Tissue in the way", "organ");
@@ -236,8 +236,8 @@ TEST_CASE("an implant is added in the unit that is chosen, at the marked point, 
   window.click(kPanel + "obstacle_unit");
   window.click(kPanel + "obstacle_unit.option.cm");
   window.click(kPanel + "obstacle_place");
-  window.click(kPanel + "obstacle_place.option.where its file has it");
-  window.waitForValue(kPanel + "Its middle", "3010.0  10.0  10.0 mm");
+  window.click(kPanel + "obstacle_place.option.as in the file");
+  window.waitForValue(kPanel + "Centre", "3010.0  10.0  10.0 mm");
   const auto hasCube = [](const Json &s) {
     return std::any_of(s["nodes"].begin(), s["nodes"].end(), [](const Json &node) { return node["name"] == "cube"; });
   };

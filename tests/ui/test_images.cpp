@@ -425,7 +425,7 @@ TEST_CASE("of several files each that cannot be used says why, and the others ar
   for (const Json &n : state["notifications"])
     all += n["title"].get<std::string>() + ": " + n["text"].get<std::string>() + "\n";
   CHECK_THAT(all,
-             Contains("image_several_notes.xyz: is nothing that can be read") && Contains("lies beside the image"));
+             Contains("image_several_notes.xyz: is not a supported file") && Contains("does not overlap the image"));
   CHECK(state["panes"].size() == 4);
 }
 

@@ -105,8 +105,8 @@ TEST_CASE("three lines say how accurate an organ is, estimated and then verified
     };
   };
   const Json estimated = window.waitUntil("the error is estimated", isOnBasis("estimated by two coarser solutions"));
-  CHECK_THAT(row(estimated, "Stress and strain"), Contains("± ") && Contains("outside of singular places"));
-  CHECK_THAT(row(estimated, "Singular places"), Contains("edge of support"));
+  CHECK_THAT(row(estimated, "Stress and strain"), Contains("± ") && Contains("outside singular regions"));
+  CHECK_THAT(row(estimated, "Singular regions"), Contains("edge of support"));
   window.locate(std::string(kPanel) + "finer");
   window.screenshotAtRest("estimated");
   window.click(std::string(kPanel) + "verify");
@@ -277,7 +277,7 @@ TEST_CASE("a mesh that says its unit is opened in it", "[organ_unit]") {
   const Json state = C3DE_WAIT(asked, "a unit that is asked for wins, and looks wrong",
                                s["jobs"].empty() && !s["notifications"].empty());
   CHECK(state["notifications"][0]["title"] == "Is the unit right?");
-  CHECK_THAT(state["notifications"][0]["text"].get<std::string>(), Contains("cm, as was asked"));
+  CHECK_THAT(state["notifications"][0]["text"].get<std::string>(), Contains("cm, as requested"));
   // The panel of the plugin leaves it to the file.
   CHECK(row(state, "Volume") != "2000 mL");
   asked.click("pointbased.controller/browse");
@@ -549,11 +549,11 @@ TEST_CASE("a step beyond its budget is given up, with what would fit, and nothin
   window.moveTo(window.inView(0.9, 0.1));
   window.key("space");
   const Json said = C3DE_WAIT(window, "the step is said to take long", s["values"].contains("status/long_step"));
-  CHECK_THAT(said["values"]["status/long_step"].get<std::string>(), Contains("given up after 1 s"));
+  CHECK_THAT(said["values"]["status/long_step"].get<std::string>(), Contains("abandoned after 1 s"));
   const auto isGivenUp = [](const Json &s) { return mode(s) == "paused" && !s["notifications"].empty(); };
   const Json paused = window.waitUntil("it is given up", isGivenUp);
   const std::string text = paused["notifications"].back()["text"];
-  CHECK_THAT(text, Contains("given up after 1 s (“Time for a step”)") && Contains("organ"));
+  CHECK_THAT(text, Contains("abandoned after 1 s (“Time for a step”)") && Contains("organ"));
   CHECK_THAT(text, Contains("Newton step") && Contains("measured") && Contains("“Count” = "));
   CHECK(paused["transport"]["steps"] == 0);
   window.screenshot("given_up");
@@ -838,7 +838,7 @@ TEST_CASE("a wish for accuracy samples the organ anew and shows what to expect",
   CHECK(std::stod(row(quick, "Phyxels")) < std::stod(row(accurate, "Phyxels")));
   CHECK(row(quick, kPercent) == "auto");
   window.key("space");
-  C3DE_WAIT(window, "it plays within its budget", row(s, "A frame takes").find("now") != std::string::npos);
+  C3DE_WAIT(window, "it plays within its budget", row(s, "Frame time").find("now") != std::string::npos);
   window.screenshot("budget");
   CHECK(window.state()["messages"].empty());
 }

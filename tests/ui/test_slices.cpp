@@ -261,11 +261,11 @@ TEST_CASE("a press beside tissue and on rigid bone holds nothing and says why", 
     C3DE_WAIT(window, "the word at the place goes",
               text(s, std::string(pane) + ".marks") == "0 in the plane, 0 beside it");
   };
-  press("axial", -50, 5, "No body is there");
+  press("axial", -50, 5, "No body here");
   window.screenshot("beside");
   window.moveTo(at(window, "axial", 49, 5));
   window.press();
-  C3DE_WAIT(window, "it is said", row(s, "Not held") == "bone is rigid and stands");
+  C3DE_WAIT(window, "it is said", row(s, "Not held") == "bone is rigid and fixed");
   window.screenshot("bone");
   window.release();
   press("coronal", 0, 22, "organ is held by a fix there");
@@ -335,7 +335,7 @@ TEST_CASE("in a scan that is turned and a body that has gone far, what is seen i
   // Its former region is empty.
   window.moveTo(at(window, "axial", 6, 22));
   window.press();
-  C3DE_WAIT(window, "nothing is there", row(s, "Not held") == "No body is there");
+  C3DE_WAIT(window, "nothing is there", row(s, "Not held") == "No body here");
   window.release();
 }
 

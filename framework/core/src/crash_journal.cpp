@@ -102,7 +102,7 @@ void onFatalError(const char *how, const void *const *stack, std::size_t depth) 
   told << "\nc3de: fatal: " << how;
   if (at.place == Place::program) told << ", in the program itself";
   if (at.place == Place::call) told << ", in plugin " << at.owner << " (" << at.what << ")";
-  if (at.place == Place::thread) told << ", in plugin " << at.owner << " (on a thread of its own)";
+  if (at.place == Place::thread) told << ", in plugin " << at.owner << " (on its own thread)";
   if (at.place == Place::before) told << ", in the program itself, after plugin " << at.owner << " (" << at.what << ")";
   // Heap damage is detected by the next allocation, possibly in another plugin.
   const detail::PluginCallSite earlier = detail::previousCallSiteOfThread(at.owner);
@@ -194,7 +194,7 @@ std::string CrashRecord::cause() const {
   switch (place) {
     case Place::program: break;
     case Place::call: return fmt::format("ended by {}, in plugin {} ({})", how, owner, what);
-    case Place::thread: return fmt::format("ended by {}, in plugin {} (on a thread of its own)", how, owner);
+    case Place::thread: return fmt::format("ended by {}, in plugin {} (on its own thread)", how, owner);
     case Place::before:
       return fmt::format("ended by {}, in the program itself, after plugin {} ({})", how, owner, what);
     case Place::hang:

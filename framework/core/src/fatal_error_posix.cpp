@@ -22,9 +22,9 @@ struct Fatal {
 };
 constexpr std::array kFatal{Fatal{SIGSEGV, "SIGSEGV, an invalid memory access or a stack overflow"},
                             Fatal{SIGBUS, "SIGBUS, an invalid access to memory"},
-                            Fatal{SIGFPE, "SIGFPE, a division of whole numbers by zero"},
+                            Fatal{SIGFPE, "SIGFPE, an integer division by zero"},
                             Fatal{SIGILL, "SIGILL, an illegal instruction"},
-                            Fatal{SIGABRT, "SIGABRT, a call of abort() or an exception that nobody caught"}};
+                            Fatal{SIGABRT, "SIGABRT, a call of abort() or an uncaught exception"}};
 
 std::array<struct sigaction, kFatal.size()> before;  // signal handlers have no user data argument: static
 std::atomic<FatalHandler> handlerOfProcess{nullptr};

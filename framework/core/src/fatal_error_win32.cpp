@@ -22,9 +22,9 @@ const char *howOf(DWORD code) {
   switch (code) {
     case EXCEPTION_ACCESS_VIOLATION: return "0xC0000005, an invalid access to memory";
     case EXCEPTION_STACK_OVERFLOW: return "0xC00000FD, a stack overflow";
-    case EXCEPTION_INT_DIVIDE_BY_ZERO: return "0xC0000094, a division of whole numbers by zero";
+    case EXCEPTION_INT_DIVIDE_BY_ZERO: return "0xC0000094, an integer division by zero";
     case EXCEPTION_ILLEGAL_INSTRUCTION: return "0xC000001D, an instruction that this processor does not have";
-    case 0xE06D7363: return "0xE06D7363, an exception that nobody caught";
+    case 0xE06D7363: return "0xE06D7363, an uncaught exception";
     default: return "an error of the system";
   }
 }
@@ -44,7 +44,7 @@ LONG WINAPI onException(EXCEPTION_POINTERS *exception) {
   return before != nullptr ? before(exception) : EXCEPTION_CONTINUE_SEARCH;
 }
 
-void onAbort(int) { tell("SIGABRT, a call of abort() or an exception that nobody caught", nullptr); }
+void onAbort(int) { tell("SIGABRT, a call of abort() or an uncaught exception", nullptr); }
 
 HANDLE handleOf(std::intptr_t file) { return reinterpret_cast<HANDLE>(file); }
 

@@ -16,9 +16,9 @@ const char *nameOf(HandleKind kind) {
     case HandleKind::parameterSet: return "parameter set";
     case HandleKind::job: return "job";
     case HandleKind::frameCallback: return "frame callback";
-    case HandleKind::edit: return "step of undo";
+    case HandleKind::edit: return "undo step";
     case HandleKind::forceField: return "force field";
-    case HandleKind::simulationWatch: return "watch of simulations";
+    case HandleKind::simulationWatch: return "simulation watch";
     case HandleKind::meshReader: return "mesh reader";
     case HandleKind::command: return "command";
     case HandleKind::other: break;

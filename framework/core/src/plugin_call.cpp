@@ -104,8 +104,9 @@ template <class Describe, class... Values>
 void reportChange(const char *owner, const char *what, const Describe &describe, const Values &...values) noexcept {
   try {
     const std::string name = owner != nullptr ? owner : "(unknown)";
-    std::string line = fmt::format("plugin {}: {} has changed how the program computes: {}; that is restored", name,
-                                   what != nullptr ? what : "a call", describe(values...));
+    std::string line =
+        fmt::format("plugin {}: {} has changed the floating-point or locale settings: {}; they have been restored",
+                    name, what != nullptr ? what : "a call", describe(values...));
     {
       const std::lock_guard lock(faultsMutex());
       if (!faults().try_emplace(name, line).second) return;
@@ -205,10 +206,9 @@ bool PluginCall::hasReachedMaxNesting(const char *owner, const char *what) noexc
   if (depth < kMaxNested && !calls->wasTooDeep) return false;
   if (!std::exchange(calls->wasTooDeep, true)) {
     try {
-      log(LogLevel::error,
-          fmt::format("plugin {}: {} is not called, nor is what follows: {} calls of plugins stand within each other; "
-                      "do they answer each other without end?",
-                      owner, what, kMaxNested));
+      log(LogLevel::error, fmt::format("plugin {}: {} is not called, nor is what follows: {} nested plugin calls; "
+                                       "do they answer each other without end?",
+                                       owner, what, kMaxNested));
     } catch (...) {
     }
   }

@@ -88,7 +88,7 @@ std::string restoreLocale() {
   static const auto *const ofC = new std::string(std::setlocale(LC_ALL, nullptr));
   static const auto *const ofCpp = new std::locale();
   std::string was;
-  if (resetThreadLocale()) was = "another one of the thread";
+  if (resetThreadLocale()) was = "a per-thread locale";
   if (std::locale() != *ofCpp) {
     was = "C++ " + std::locale().name();
     std::locale::global(*ofCpp);  // also sets that of C

@@ -49,10 +49,10 @@ Expected<const void *> queryObject(c3de_object *object, std::string_view interfa
     status = object->vt->query(object, toAbi(interfaceId), minRev, &table);
   } catch (...) {
     return fail(ErrorCode::plugin,
-                fmt::format("an exception left query of the object, asked for {}: {}", interfaceId, textOfException()));
+                fmt::format("query() of the object threw an exception for {}: {}", interfaceId, textOfException()));
   }
   if (status < 0 || table == nullptr)
-    return fail(ErrorCode::plugin, fmt::format("the object does not answer {} (status {})", interfaceId, status));
+    return fail(ErrorCode::plugin, fmt::format("the object does not implement {} (status {})", interfaceId, status));
   return table;
 }
 

@@ -158,9 +158,9 @@ Expected<void> CellSurface::finish(RawMesh &raw) const {
                                     curved_ != 0 ? ", with straight edges" : ""));
     if (crowded != 0)
       raw.notes.push_back(
-          fmt::format("{} of more than two cells {} left out", counted(crowded, "face", "faces"), wasOrWere(crowded)));
+          fmt::format("{} of more than two cells {} ignored", counted(crowded, "face", "faces"), wasOrWere(crowded)));
     if (!faces_.empty())
-      raw.notes.push_back(fmt::format("{} beside the cells with a volume {} left out",
+      raw.notes.push_back(fmt::format("{} besides the volume cells {} ignored",
                                       counted(faces_.size(), "polygon", "polygons"), wasOrWere(faces_.size())));
   }
   for (const Cell &cell : faces_) {

@@ -94,8 +94,8 @@ void weldVertices(TriangleMesh &mesh, std::vector<std::string> &repairs) {
   for (Triangle &t : mesh.triangles)
     for (unsigned &v : t) v = slot[v];
   mesh.vertices = std::move(distinct);
-  repairs.push_back(fmt::format("{} at positions of others {} welded to them", counted(welded, "vertex", "vertices"),
-                                wasOrWere(welded)));
+  repairs.push_back(
+      fmt::format("{} at duplicate positions {} welded", counted(welded, "vertex", "vertices"), wasOrWere(welded)));
 }
 
 bool isDegenerate(const TriangleMesh &mesh, const Triangle &t, double diagonal_mm) {
@@ -256,8 +256,7 @@ void removeDuplicateTriangles(TriangleMesh &mesh, std::vector<std::string> &repa
             : fmt::format("{} {} dropped", counted(copies, "copy of another triangle", "copies of other triangles"),
                           wasOrWere(copies)));
   if (opposite)
-    repairs.push_back(
-        fmt::format("{} triangles that lie back to back on each other, and so bound nothing, were dropped", opposite));
+    repairs.push_back(fmt::format("{} coincident triangles of opposite orientation were removed", opposite));
 }
 
 void removeUnusedVertices(TriangleMesh &mesh, std::vector<std::string> &repairs) {

@@ -55,7 +55,7 @@ Expected<void> checkSize(const MeshReport &report) {
   const double diagonal = norm(size);
   if (diagonal > kMaxDiagonal_mm)
     return refuse(fmt::format(
-        "it is {:.4g} m from corner to corner, and nothing beyond 10 m can be an organ or stand beside a patient. "
+        "it is {:.4g} m from corner to corner, but no organ or object next to a patient is larger than 10 m. "
         "It was read in {}; if its numbers are millimetres, set mesh_unit = \"mm\"",
         diagonal / 1000.0, unitName(report.unit)));
   if (isFlat(report.volume_mm3, diagonal))

@@ -93,8 +93,8 @@ Expected<MeshFormats::Added> MeshFormats::add(std::shared_ptr<Entry> entry) {
   const char *otherwise = reads ? "where it is asked for" : "never";
   for (const auto &other : entries_)
     if (other->isAlike(*entry) && other->info.id == entry->info.id)
-      return fail(ErrorCode::usage, fmt::format("the mesh {} '{}' is there already, of {}", reads ? "reader" : "writer",
-                                                entry->info.id, other->info.owner));
+      return fail(ErrorCode::usage, fmt::format("the mesh {} '{}' already exists (plugin {})",
+                                                reads ? "reader" : "writer", entry->info.id, other->info.owner));
   for (const std::string &extension : entry->info.extensions) {
     if (reads ? isReadByProgram(extension) : contains(writableMeshExtensions(), extension)) {
       added.conflicts.push_back(fmt::format("{} is {} by the program itself, by the {} {}{}", extension, does,
@@ -105,7 +105,7 @@ Expected<MeshFormats::Added> MeshFormats::add(std::shared_ptr<Entry> entry) {
       if (other->isAlike(*entry) && contains(other->info.extensions, extension)) {
         added.conflicts.push_back(fmt::format(
             "{} is {} by the {}, by the {} {}{}", extension, does, other->name(), entry->name(), reads ? "only " : "",
-            other->magic.empty() ? otherwise : "where a file does not begin as that one wants"));
+            other->magic.empty() ? otherwise : "for files without that format's signature"));
         break;
       }
   }
@@ -220,7 +220,7 @@ Expected<void> MeshFormats::write(const std::filesystem::path &path, const Trian
     return !entry->isGone && (!progress || progress(fraction, what));
   });
   if (!bytes) return fail(bytes.error().code, origin + ": " + bytes.error().message);
-  if (bytes->empty()) return fail(ErrorCode::plugin, origin + ": it has put nothing");
+  if (bytes->empty()) return fail(ErrorCode::plugin, origin + ": it returned no data");
   return writeWholeFile(path, *bytes);
 }
 
@@ -236,7 +236,7 @@ Expected<MeshFormats::Raw> MeshFormats::read(const std::filesystem::path &path, 
   if (readerId.empty() && !isMeshFile(path))
     return fail(
         ErrorCode::input,
-        fmt::format("{}: meshes with the extension {} cannot be read; {} can, and what plugins bring (--plugin)", name,
+        fmt::format("{}: meshes with the extension {} cannot be read; {} can, and formats of plugins (--plugin)", name,
                     path.has_extension() ? quotedText(extension) : "'' (none)", fmt::join(extensions(), ", ")));
   if (progress && !progress(0.0, "reading " + displayPath(path.filename())))
     return fail(ErrorCode::cancelled, name + ": cancelled");
@@ -256,10 +256,10 @@ Expected<MeshFormats::Raw> MeshFormats::read(const std::filesystem::path &path, 
     std::string ids;
     for (const Info &one : readers()) ids += (ids.empty() ? "" : ", ") + one.id;
     return fail(ErrorCode::usage, fmt::format("{}: there is no mesh reader '{}'; there are: {}", name, readerId,
-                                              ids.empty() ? "none (no plugin brings one)" : ids));
+                                              ids.empty() ? "none (no plugin provides one)" : ids));
   }
   if (!entry)
-    return fail(ErrorCode::input, fmt::format("{}: does not begin as any reader of {} files expects", name, extension));
+    return fail(ErrorCode::input, fmt::format("{}: does not have the signature of any {} reader", name, extension));
 
   const std::string origin = fmt::format("{} ({})", name, entry->name());
   const Use use(*entry);
@@ -295,7 +295,7 @@ Expected<LengthUnit> MeshFormats::unitOf(const std::filesystem::path &path, std:
   if (const auto said = unitInFile(path); said || !isMeshFile(path))
     return said.value_or(LengthUnit::millimetre);  // read errors are reported when it is loaded
   return fail(ErrorCode::input,
-              fmt::format("'mesh_unit' is missing; {} does not say its unit; accepted: \"m\", \"mm\", "
+              fmt::format("'mesh_unit' is missing; {} does not state its unit; accepted: \"m\", \"mm\", "
                           "\"cm\"",
                           displayPath(path.filename())));
 }

@@ -65,7 +65,7 @@ Expected<LoadedMesh> cleanUp(TriangleMesh mesh, LengthUnit unit, std::vector<std
         ErrorCode::input,
         fmt::format("{}: {} triangles with an area are left; a surface around a volume has at least 4{}{}", origin,
                     mesh.triangles.size(), repairs.empty() ? "" : ". Cleaning up: ", fmt::join(repairs, "; ")));
-  if (!report(0.7, "turning triangles outwards")) return cancelled(origin);
+  if (!report(0.7, "orienting triangles outwards")) return cancelled(origin);
   orient(mesh, repairs);
   if (!report(0.9, "inspecting the mesh")) return cancelled(origin);
   LoadedMesh loaded;
@@ -113,22 +113,21 @@ Expected<LoadedMesh> loadMesh(const std::filesystem::path &path, std::optional<L
   if (said.isRas) {
     // A half turn about z; the orientation of the triangles is unchanged.
     for (Vec3 &v : raw->vertices) v = {-v[0], -v[1], v[2]};
-    repairs.push_back("the file says SPACE=RAS: x and y were turned to LPS");
+    repairs.push_back("the file states SPACE=RAS: x and y were converted to LPS");
   }
   auto loaded =
       cleanUp({std::move(raw->vertices), std::move(raw->triangles)}, unit, std::move(repairs), name, progress);
   if (loaded && stated && said.unit && *said.unit != *stated)
     loaded->report.warnings.push_back(unitsDiffer(*said.unit, *stated));
   if (loaded && !said.unknownUnit.empty())
-    loaded->report.warnings.push_back(fmt::format(
-        "The file says that its unit is {}, which is not read: its numbers were taken as {}; accepted: m, cm, mm.",
-        quotedText(said.unknownUnit), unitName(unit)));
+    loaded->report.warnings.push_back(
+        fmt::format("The unit {} stated in the file is not supported; {} is assumed; accepted: m, cm, mm.",
+                    quotedText(said.unknownUnit), unitName(unit)));
   return loaded;
 }
 
 std::string unitsDiffer(LengthUnit said, LengthUnit stated) {
-  return fmt::format("The file says that its numbers are {}; they were read as {}, as was asked.", unitName(said),
-                     unitName(stated));
+  return fmt::format("The file states the unit {}; it was read in {}, as requested.", unitName(said), unitName(stated));
 }
 
 Expected<LoadedMesh> buildMesh(TriangleMesh raw, LengthUnit unit, const std::string &origin,

@@ -106,11 +106,11 @@ MeshReport inspect(const TriangleMesh &original, LengthUnit unit) {
   report.vertices = original.vertices.size();
   report.triangles = original.triangles.size();
   if (!indicesInRange(original)) {
-    report.warnings.push_back("Some triangles name vertices that do not exist; nothing else was looked at.");
+    report.warnings.push_back("Some triangles name vertices that do not exist; no further checks were made.");
     return report;
   }
   if (!isFinite(original)) {
-    report.warnings.push_back("Some coordinates are not finite; nothing else was looked at.");
+    report.warnings.push_back("Some coordinates are not finite; no further checks were made.");
     return report;
   }
   report.box = boundingBox(original);

@@ -109,7 +109,7 @@ void makeConsistent(TriangleMesh &mesh, std::vector<std::string> &repairs) {
       }
   }
   if (turned)
-    repairs.push_back(fmt::format("{} that faced the other way than the neighbours {} turned",
+    repairs.push_back(fmt::format("{} oriented opposite to their neighbours {} flipped",
                                   counted(turned, "triangle", "triangles"), wasOrWere(turned)));
   if (oneSided)
     repairs.push_back(fmt::format("{} with a single side (like a Moebius strip) {} left as found",
@@ -209,10 +209,11 @@ void turnOutwards(TriangleMesh &mesh, std::vector<std::string> &repairs) {
     for (unsigned t : parts[i].triangles) flip(mesh.triangles[t]);
   }
   if (turnedParts)
-    repairs.push_back(parts.size() == 1
-                          ? "the surface was inside out; all triangles were turned"
-                          : fmt::format("{} of {} parts of the surface were inside out; their {} triangles were turned",
-                                        turnedParts, parts.size(), turnedTriangles));
+    repairs.push_back(
+        parts.size() == 1
+            ? "the surface was inside out; all triangles were flipped"
+            : fmt::format("{} of {} parts of the surface were inside out; their {} triangles were flipped", turnedParts,
+                          parts.size(), turnedTriangles));
 }
 
 }  // namespace

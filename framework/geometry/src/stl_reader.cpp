@@ -59,7 +59,7 @@ Expected<RawMesh> readBinary(const std::string &name, std::string_view bytes) {
   if (rest == 0 && stated != there) {
     raw.notes.push_back(fmt::format("the header says {}, the size of the file {}: all {} were read{}",
                                     counted(stated, "triangle", "triangles"), there, there,
-                                    stated > there ? "; the file may be cut" : ""));
+                                    stated > there ? "; the file may be truncated" : ""));
   } else if (rest != 0 && (stated == 0 || stated <= there)) {
     count = stated == 0 ? there : stated;
     const std::size_t behind = bytes.size() - kHeaderBytes - count * kTriangleBytes;
@@ -117,7 +117,7 @@ class TextParser {
     }
     if (isInside) return refuse("the file ends within a facet");
     if (raw_.triangles.empty()) return fail(ErrorCode::input, name_ + ": no facets; a surface is expected");
-    if (!isEnded) raw_.notes.push_back("the file ends without 'endsolid': it may be cut");
+    if (!isEnded) raw_.notes.push_back("the file ends without 'endsolid': it may be truncated");
     return std::move(raw_);
   }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string_view>
 
 namespace c3de::plugin_host {
 namespace {
@@ -106,7 +107,9 @@ std::string idOf(c3de_str text, const char *name) {
 
 std::string textOf(c3de_handle handle) {
   const std::string kind = nameOf(handleOf(handle).kind());
-  return fmt::format("{:#x}{}", handle.v, kind.empty() ? "" : " (that of a " + kind + ")");
+  if (kind.empty()) return fmt::format("{:#x}", handle.v);
+  const bool hasVowel = std::string_view("aeiou").find(kind.front()) != std::string_view::npos;
+  return fmt::format("{:#x} (that of {} {})", handle.v, hasVowel ? "an" : "a", kind);
 }
 
 void refuseStride(const char *name, std::uint64_t stride, std::uint64_t least, std::uint64_t alignment) {
@@ -208,7 +211,7 @@ RowLayout outputLayoutOf(const c3de_mview &view, const char *name, const c3de_vi
   const RowLayout read{static_cast<const unsigned char *>(input.data), static_cast<std::size_t>(input.count),
                        input.stride == 0 ? inputRow : static_cast<std::size_t>(input.stride)};
   if (shareBytes(rows, dtypeSize(dtype), read, inputRow))
-    throw Refusal(C3DE_E_ARG, fmt::format("{}: its rows lie over those that are read; accepted: rows apart", name));
+    throw Refusal(C3DE_E_ARG, fmt::format("{}: its rows overlap the input rows; accepted: separate rows", name));
   return rows;
 }
 

@@ -73,7 +73,7 @@ c3de_object *ClassRegistry::create(const std::string &id) {
   // Outside the lock, because the factory may look up other classes.
   const char *plugin = internedName(owner), *what = internedName("create of class " + id);
   if (PluginCall::hasReachedMaxNesting(plugin, what))
-    throw Refusal(C3DE_E_STATE, fmt::format("class {} of plugin {}: {} calls of plugins stand within each other, more "
+    throw Refusal(C3DE_E_STATE, fmt::format("class {} of plugin {}: {} nested plugin calls, more "
                                             "are not accepted; does a class create itself?",
                                             id, owner, PluginCall::kMaxNested));
   c3de_object *object = nullptr;

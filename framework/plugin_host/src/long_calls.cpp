@@ -33,9 +33,9 @@ std::vector<registry::Choice> choices(const Services &services, const LongCall &
 std::string titleOf(const LongCall &call) {
   if (call.isOnMain) return "The window did not respond";
   switch (call.kind) {
-    case CallKind::step: return "The simulation takes long";
-    case CallKind::job: return "A job takes long";
-    default: return "A plugin takes long";
+    case CallKind::step: return "The simulation is slow to respond";
+    case CallKind::job: return "A job is slow to respond";
+    default: return "A plugin is slow to respond";
   }
 }
 

@@ -9,7 +9,7 @@ namespace c3de::registry {
 
 Expected<CommandRegistry::Added> CommandRegistry::add(PluginCommand command) {
   if (const PluginCommand *other = find(ofId(command.id)))
-    return fail(ErrorCode::usage, fmt::format("the command '{}' is there already, of {}", command.id, other->owner));
+    return fail(ErrorCode::usage, fmt::format("the command '{}' already exists (plugin {})", command.id, other->owner));
   Added added;
   if (command.key != 0) {
     if (programKeys_) added.takenBy = programKeys_(command.key, command.modifiers);

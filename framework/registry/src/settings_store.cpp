@@ -40,7 +40,7 @@ SettingsStore::Values &SettingsStore::valuesOf(const std::string &plugin) {
                        std::all_of(json.begin(), json.end(), [](const auto &value) { return value.is_string(); });
   if (!isWhole) {
     values.isDamaged = true;
-    log(LogLevel::warn, fmt::format("{}: is damaged and does not count; it is kept as {}.damaged when something is set",
+    log(LogLevel::warn, fmt::format("{}: is damaged and ignored; it is renamed to {}.damaged at the next change",
                                     pathText(file), pathText(file.filename())));
     return values;
   }

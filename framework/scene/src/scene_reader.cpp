@@ -188,7 +188,7 @@ bool SceneReader::checkBox() {
     if (min->value.type == C3DE_PARAM_VEC3 && max->value.type == C3DE_PARAM_VEC3 &&
         !(min->value.vec[axis] < max->value.vec[axis]))
       return refuse(max->line, "world.box: min " + min->value.display() + " and max " + max->value.display() +
-                                   " leave no room; accepted: min below max in x, y and z");
+                                   " enclose no space; accepted: min below max in x, y and z");
   const bool said = std::any_of(scene_.world.begin(), scene_.world.end(),
                                 [](const SceneValue &value) { return value.value.id == C3DE_PARAM_ID_BOX_ENABLED; });
   if (!said) {

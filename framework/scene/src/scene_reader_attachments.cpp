@@ -15,7 +15,7 @@ bool SceneReader::readTable(const SceneTable<SceneAttachment> &table, const Toml
     return refuse(keys.line, table.owner + " has no 'stiffness'; accepted: " + atLeast0(kStiffnessUnit).accepted);
   const bool toSurroundings = attachment.names[1] == kSurroundingsName;
   if (toSurroundings && attachment.within_m)
-    return refuse(keys.line, "within_mm is between two surfaces; of an attachment to the surroundings accepted: " +
+    return refuse(keys.line, "within_mm applies to two surfaces; accepted for an attachment to the surroundings: " +
                                  std::string("region = { … }, or neither, for all of the surface"));
   if (toSurroundings && !attachment.region && attachment.tearsAt_Pa == 0.0) {
     Attachment &whole = attachments_.emplace_back(Attachment{attachment.names[0], {}, keys.line});
@@ -80,7 +80,7 @@ bool SceneReader::checkAttachments() {
       return false;
     if (attachment.names[0] == attachment.names[1])
       return refuse(attachment.line,
-                    "the attachment is of '" + attachment.names[0] + "' and itself; accepted: two that differ");
+                    "the attachment has '" + attachment.names[0] + "' twice; accepted: two different names");
     for (std::size_t k = 0; k < i; ++k)
       if (scene_.attachments[k].name == attachment.name)
         return refuse(attachment.line, "a second attachment is named '" + attachment.name +

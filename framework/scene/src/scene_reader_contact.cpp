@@ -37,7 +37,7 @@ bool SceneReader::readContact(const TomlValue &table) {
 bool SceneReader::checkPair(const TomlValue &keys, SceneContactPair &pair) {
   return pair.friction || keys.find("enabled") != nullptr ||
          refuse(keys.line,
-                "the pair says nothing of its contact; accepted: friction = a number from 0 to 10, "
+                "the pair has no settings; accepted: friction = a number from 0 to 10, "
                 "enabled = true, false");
 }
 
@@ -109,7 +109,7 @@ bool SceneReader::checkPairs() {
       return refuse(pair.line, "there is no body, obstacle or probe tool '" + name + "'; " + suggestion(name, all));
     }
     const auto &[a, b] = pair.names;
-    if (a == b) return refuse(pair.line, "the pair is of '" + a + "' and itself; accepted: two that differ");
+    if (a == b) return refuse(pair.line, "the pair has '" + a + "' twice; accepted: two different names");
     const auto isBody = [&](const std::string &name) {
       return std::find(bodies.begin(), bodies.end(), name) != bodies.end();
     };

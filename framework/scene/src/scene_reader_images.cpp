@@ -119,7 +119,7 @@ bool SceneReader::readImage(const TomlValue &table) {
   image.line = table.line;
   if (!readFields(kImage, table, image)) return false;
   if (!image.still.labels.empty() && image.labels.empty())
-    return refuse(table.line, "[image] still names labels, and there is no 'labels', the file they are in");
+    return refuse(table.line, "[image] still names labels, but 'labels', their file, is missing");
   if (image.file.empty()) return refuse(table.line, "[image] has no 'file'; accepted: an image file or DICOM folder");
   scene_.image = std::move(image);
   return true;
@@ -144,7 +144,7 @@ bool SceneReader::read(const std::string &, const TomlValue &value, SceneFixedRe
   if (still.above && still.below && !(*still.above > *still.below))
     return refuse(value.line, "still: above " + formatNumber(*still.above) + " and below " +
                                   formatNumber(*still.below) +
-                                  " leave nothing that moves; accepted: above greater than below");
+                                  " select nothing that moves; accepted: above greater than below");
   out = still;
   return true;
 }
@@ -157,7 +157,7 @@ bool SceneReader::read(const std::string &, const TomlValue &value, std::array<d
     return refuse(value.line, "threshold is " + value.shown() + "; accepted: two numbers [lowest, highest]");
   if (low > high)
     return refuse(value.line, "threshold: " + formatNumber(low) + " and " + formatNumber(high) +
-                                  " leave nothing; accepted: [lowest, highest]");
+                                  " select nothing; accepted: [lowest, highest]");
   out = {low, high};
   return true;
 }
@@ -203,14 +203,14 @@ bool SceneReader::checkSource(const TomlValue &table, SceneBody &body) {
         return refuse(stray->line, std::string("'") + key + "' belongs to a body with a 'volume'");
     if (body.mesh.empty())
       return refuse(table.line,
-                    "the body has no 'mesh'; accepted: a mesh file beside the scene, or a 'volume' with a 'label' "
-                    "or a 'threshold'");
+                    "the body has no 'mesh'; accepted: a mesh file (path relative to the scene's folder), or a "
+                    "'volume' with a 'label' or a 'threshold'");
     return requireUnit(table, body.mesh, body.meshUnit);
   }
   if (!body.mesh.empty()) return refuse(table.line, "the body has a 'mesh' and a 'volume'; accepted: one of them");
   if (table.find("mesh_unit") != nullptr)
     return refuse(table.find("mesh_unit")->line,
-                  "'mesh_unit' belongs to a body with a 'mesh'; volumes say their millimetres");
+                  "'mesh_unit' belongs to a body with a 'mesh'; volumes state their own voxel size");
   if (volume.hasTissues()) return true;
   if (byLabel == volume.threshold.has_value())
     return refuse(table.line,

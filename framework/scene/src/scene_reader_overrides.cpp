@@ -69,7 +69,7 @@ ScenePiece *findPiece(SceneBody &body, const std::string &rest, std::string &key
 }
 
 std::string noElement(const std::vector<std::string> &names, const std::string &what, const std::string &name) {
-  if (std::find(names.begin(), names.end(), name) != names.end()) return "says no key of " + what + " '" + name + "'";
+  if (std::find(names.begin(), names.end(), name) != names.end()) return "has no key for " + what + " '" + name + "'";
   return "there is no " + what + " '" + name + "'; " + (names.empty() ? "the scene has none" : suggestion(name, names));
 }
 
@@ -211,10 +211,11 @@ bool SceneReader::overridePiece(const SceneBody &body, ScenePiece &piece, const 
   const auto sampling = keyUnder("sampling.", key);
   if (keyUnder("material.", key) || keyUnder("surroundings.", key) || (sampling && *sampling != "refine"))
     return read(key, value, params);
-  return refuse(0, (key.empty() ? "says no key of a piece of '" + body.name + "'"
-                                : "'" + key + "' is of all of '" + body.name + "' and cannot be changed for a piece") +
-                       "; accepted: material, material.…, sampling.… but refine, surroundings.…, velocity, rigid, "
-                       "free");
+  return refuse(
+      0, (key.empty() ? "has no key for a piece of '" + body.name + "'"
+                      : "'" + key + "' applies to the whole of '" + body.name + "' and cannot be set for a piece") +
+             "; accepted: material, material.…, sampling.… except refine, surroundings.…, velocity, rigid, "
+             "free");
 }
 
 bool SceneReader::overrideSlides(SceneBody &body, const TomlValue &value) {
@@ -227,7 +228,7 @@ bool SceneReader::overrideSlides(SceneBody &body, const TomlValue &value) {
     if (before[i].isEmpty()) continue;
     const auto found = std::find(now.begin(), now.end(), names[i]);
     if (found == now.end())
-      return refuse(0, noElement(now, "piece", names[i]) + "; an [[attachment]] or --set speaks of it");
+      return refuse(0, noElement(now, "piece", names[i]) + "; an [[attachment]] or --set refers to it");
     static_cast<ScenePiece &>(body.volume.slides[static_cast<std::size_t>(found - now.begin())]) = before[i];
   }
   return checkBodyNames() && checkAttachments() && checkPairs();

@@ -18,7 +18,7 @@ constexpr std::size_t kMaxSlides = 254;  // the index of a piece is a byte
 const char *const kLabel = "the name of a label ('*' for any text), its number, or a list of them";
 constexpr std::size_t kMaxNames = 3;
 const char *const kRule =
-    "a label, or a name with a threshold of values or a margin around tissues before it, "
+    "a label, or a name with a threshold of values or a margin around earlier tissues, "
     "{ name = \"bone\", image = \"ct.nii.gz\", threshold = [250, 3000], rigid = true }";
 
 bool readTissueName(SceneReader &reader, const std::string &key, const TomlValue &value, SceneTissue &tissue) {
@@ -97,7 +97,7 @@ bool SceneReader::checkRule(const TomlValue &table, SceneTissue &tissue) {
                   "the tissue has neither 'label' nor 'threshold' nor 'margin'; accepted: " + std::string(kRule));
   if (tissue.label.empty()) return refuse(table.line, "a tissue without a label has no 'name'");
   if (!rule.image.empty() && !rule.threshold)
-    return refuse(table.find("image")->line, "'image' belongs to a 'threshold', whose values it has");
+    return refuse(table.find("image")->line, "'image' requires a 'threshold', whose values it provides");
   tissue.wanted = {tissue.label};
   return true;
 }

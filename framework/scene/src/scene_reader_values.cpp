@@ -123,7 +123,7 @@ bool SceneReader::requireUnit(const TomlValue &table, const std::filesystem::pat
   }
   return refuse(table.line,
                 "'mesh_unit' is missing; " + mesh.filename().string() +
-                    " does not say its unit by a comment such as UNITS=mm; accepted: \"m\", \"mm\", \"cm\"");
+                    " does not state its unit in a comment such as UNITS=mm; accepted: \"m\", \"mm\", \"cm\"");
 }
 
 bool SceneReader::read(const std::string &key, const TomlValue &value, std::string &out) {
@@ -185,7 +185,7 @@ bool SceneReader::requireKeys(const std::string &place, const std::string &accep
 
 bool SceneReader::read(const std::string &id, const TomlValue &value, std::vector<SceneValue> &values) {
   if (value.kind == TomlValue::Kind::table) {
-    if (value.entries.empty()) return refuse(value.line, id + " is an empty table; accepted: what stands under " + id);
+    if (value.entries.empty()) return refuse(value.line, id + " is an empty table; accepted: the keys of " + id);
     for (const auto &[key, member] : value.entries)
       if (!read(id + "." + key, member, values)) return false;
     return true;

@@ -101,7 +101,7 @@ const SceneTable<SceneObstacle> kObstacleTable(
     "obstacle", "obstacle", &SceneFile::obstacles, "", "",
     {{"name", &SceneObstacle::name, Override::accepted},
      {"mesh", &SceneObstacle::mesh, &SceneReader::readMesh,
-      required("a mesh file beside the scene", Override::accepted)},
+      required("a mesh file, its path relative to the scene's folder", Override::accepted)},
      {"mesh_unit", &SceneObstacle::meshUnit, Override::accepted},
      {"position", placement(&ScenePlacement::position_m)},
      {"rotation_deg", placement(&ScenePlacement::rotation_deg)},

@@ -117,7 +117,7 @@ std::optional<LabelFinding> coverageFinding(const LabelCheck &check) {
   }
   LabelFinding out;
   out.kind = LabelFinding::Kind::coverage;
-  out.text = fmt::format("The label map covers {:.0f} % of the image{}; tissue outside of the map is in no body",
+  out.text = fmt::format("The label map covers {:.0f} % of the image{}; tissue outside the map belongs to no body",
                          std::min(std::round(100.0 * coverage), 100.0 * kMinCoverage - 1.0), along);
   out.advice = "use a label map of the whole image, or limit the body with 'region'";
   return out;
@@ -193,7 +193,7 @@ class GreyValues {
     LabelFinding out;
     out.kind = LabelFinding::Kind::rigid;
     out.text = fmt::format(
-        "{} of {} rigid labels {} grey values that are no bone (median in brackets, of bone at least {:.0f} HU): {}",
+        "{} of {} rigid labels {} grey values below those of bone (median in brackets, of bone at least {:.0f} HU): {}",
         labels.size(), rigid, labels.size() == 1 ? "has" : "have", kSpongyBone_HU, listOf(labels));
     out.advice =
         "check that numbers and names of the labels fit and that the map belongs to this image, or give these "

@@ -296,7 +296,7 @@ void Diagram::legend() {
   const std::string quiet = fmt::format("font-size=\"10.5\" fill=\"{}\"", kQuiet);
   out_ += markAt(0, kLegendLeft + 8, y, kQuiet, true) + textAt(kLegendLeft + 23, y + 4, "on the front", quiet);
   y += kRow - 2;
-  out_ += markAt(0, kLegendLeft + 8, y, kQuiet, false) + textAt(kLegendLeft + 23, y + 4, "another is better", quiet);
+  out_ += markAt(0, kLegendLeft + 8, y, kQuiet, false) + textAt(kLegendLeft + 23, y + 4, "not on the front", quiet);
   y += kRow - 2;
   out_ += fmt::format("<path d=\"M{} {:.1f}h16\" stroke=\"{}\" stroke-width=\"1.2\"/>\n", kLegendLeft, y, kQuiet) +
           textAt(kLegendLeft + 23, y + 4, "range of the repeats", quiet);
@@ -313,7 +313,7 @@ void Diagram::legend() {
   y += kRow + 8;
   if (!isAnyDrawn_)
     out_ += textAt(0.5 * (kLeft + kRight), 0.5 * (kTop + kBottom),
-                   of_.truth ? "no run came to its end" : "no reference to compare with", "text-anchor=\"middle\"");
+                   of_.truth ? "no run completed" : "no reference to compare with", "text-anchor=\"middle\"");
   if (!of_.truth) return;
   out_ +=
       textAt(kLegendLeft, y, "reference", quiet) + textAt(kLegendLeft, y + 16, escaped(shownKind(of_.truth->kind)), "");

@@ -140,7 +140,7 @@ Expected<double> valueOf(const Quantity &quantity, const Result &result) {
     case Quantity::Kind::field:
     case Quantity::Kind::surface: break;
   }
-  return fail(ErrorCode::state, "a field is no number");
+  return fail(ErrorCode::state, "a field has no single value");
 }
 
 std::vector<Vec3> displacementsOf(const Samples &samples, const Result &result) {

@@ -86,7 +86,7 @@ Expected<double> firstFrequency(std::span<const double> time_s, std::span<const 
   const double highest = *std::max_element(lines.begin(), lines.end());
   double scale = 0.0;
   for (const double y : signal) scale = std::max(scale, std::abs(y - signal.front()));
-  if (scale == 0.0 || !(highest > 1e-9 * scale * n)) return fail(ErrorCode::state, "the probe does not swing");
+  if (scale == 0.0 || !(highest > 1e-9 * scale * n)) return fail(ErrorCode::state, "the probe does not oscillate");
   for (std::size_t i = 1; i + 1 < lines.size(); ++i) {
     if (lines[i] < kPeakPart * highest || lines[i] < lines[i - 1] || lines[i] <= lines[i + 1]) continue;
     double low = (static_cast<double>(i) - 1.0) * kLine, high = (static_cast<double>(i) + 1.0) * kLine;
@@ -101,7 +101,7 @@ Expected<double> firstFrequency(std::span<const double> time_s, std::span<const 
                                         " periods of the first frequency; at least 3 are needed, a longer 'until'");
     return periods / duration;
   }
-  return fail(ErrorCode::state, "the probe does not swing");
+  return fail(ErrorCode::state, "the probe does not oscillate");
 }
 
 }  // namespace c3de::study

@@ -194,8 +194,8 @@ double addLegend(const Study &study, const Plan &plan, const Outcome &outcome,
   x = kMargin + kPlotLeft;
   double at = place("on the front");
   out += markAt(0, at + 8, y, kQuiet, true) + textAt(at + 23, y + 4, "on the front", quiet);
-  at = place("another is better");
-  out += markAt(0, at + 8, y, kQuiet, false) + textAt(at + 23, y + 4, "another is better", quiet);
+  at = place("not on the front");
+  out += markAt(0, at + 8, y, kQuiet, false) + textAt(at + 23, y + 4, "not on the front", quiet);
   at = place("uncertainty of the reference");
   out += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"16\" height=\"10\" fill=\"{}\"/>\n", at, y - 5, kBand) +
          textAt(at + 23, y + 4, "uncertainty of the reference", quiet);

@@ -53,7 +53,7 @@ Expected<Extrapolation> extrapolate(const std::array<double, 3> &h, const std::a
   const std::string differences =
       "; the first two runs differ by " + formatNumber(coarseSize) + ", the last two by " + formatNumber(fineSize);
   if (f[0].size() == 1 && coarse[0] * fine[0] < 0.0)
-    return fail(ErrorCode::state, "the value swings from run to run" + differences);
+    return fail(ErrorCode::state, "the value oscillates from run to run" + differences);
   const double ratio = fineSize > 0.0 ? coarseSize / fineSize : std::numeric_limits<double>::infinity();
   if (!(ratio > ratioAt(h, kMinOrder)))
     return fail(ErrorCode::state, "the observed order is not positive" + differences);

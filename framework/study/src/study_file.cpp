@@ -216,7 +216,7 @@ bool Reader::quantity(const TomlValue &value, Quantity &out) {
   if (!keysAre(value, "quantity", {"probe", "reaction", "torque", "frequency", "energy", "component"})) return false;
   const TomlValue *component = value.find("component");
   if (value.entries.size() != (component ? 2u : 1u) || (component && value.entries.size() < 2))
-    return refuse(value.line, "quantity says more or less than one thing; " + accepted);
+    return refuse(value.line, "quantity must name exactly one quantity; " + accepted);
   for (const auto &[key, is] : value.entries) {
     if (key == "component") continue;
     const bool isEnergy = key == "energy";
@@ -254,7 +254,8 @@ bool Reader::reference(const TomlValue &table, const Quantity &quantity, Referen
     out.kind = "richardson";
     for (const char *key : {"uncertainty", "kind", "source"})
       if (const TomlValue *extra = table.find(key))
-        return refuse(extra->line, std::string("'") + key + "' belongs to a value or a file; richardson finds its own");
+        return refuse(extra->line,
+                      std::string("'") + key + "' applies to a value or a file; richardson computes its own");
     return richardson(*refined, out);
   }
   for (const char *key : {"uncertainty", "kind", "source"})
@@ -338,7 +339,8 @@ bool Reader::grid(const TomlValue &table, Grid &out) {
     }
   }
   if (out.parameters.empty())
-    return refuse(table.line, "the grid has no lever; accepted: " + listOf(parameterNames()) + ", or a scene path");
+    return refuse(table.line,
+                  "the grid has no study parameter; accepted: " + listOf(parameterNames()) + ", or a scene path");
   return contradiction(out.parameters);
 }
 
@@ -362,7 +364,7 @@ bool Reader::checkLever(const StudyParameter &parameter) {
   std::vector<std::string> all = known;
   all.emplace_back("label");
   const std::string nearest = nearestName(parameter.name, all);
-  return refuse(parameter.line, "unknown lever '" + displayText(parameter.name) + "'; " +
+  return refuse(parameter.line, "unknown study parameter '" + displayText(parameter.name) + "'; " +
                                     (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") + "accepted: label, " +
                                     listOf(known) + ", or a scene path in quotes such as \"solver.damping\"");
 }

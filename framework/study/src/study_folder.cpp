@@ -59,7 +59,7 @@ Expected<StudyFolder> StudyFolder::open(const std::filesystem::path &folder, con
                   folder.string() + " holds another study: " + differs + "; accepted: another folder");
     if (!resume)
       return fail(ErrorCode::usage,
-                  folder.string() + " holds this study; --resume goes on with it; or accepted: another folder");
+                  folder.string() + " contains this study; use --resume to continue it, or another folder");
   } else {
     Json json{
         {"format", 1}, {"title", study.title}, {"study", study.source.generic_string()}, {"identity", Json::array()}};

@@ -39,13 +39,13 @@ std::string problemOf(c3de_object *object, const plugin_host::ClassInfo &cls) {
     table = untouched;
     return vt.query(object, text(id), revision, &table) < 0;
   };
-  if (!refuses("no.such.iface/1", 0)) return "answers an interface that nobody has, no.such.iface/1";
+  if (!refuses("no.such.iface/1", 0)) return "answers an interface that does not exist, no.such.iface/1";
   if (!refuses("", 0)) return "answers an interface without an id";
   if (!refuses(std::string(100000, 'x'), 0)) return "answers an interface with an id of 100000 characters";
   for (const std::string &id : cls.interfaces) {
     table = nullptr;
     if (const c3de_status status = vt.query(object, text(id), 0, &table); status < 0 || table == nullptr)
-      return fmt::format("does not answer {} (status {}), which its class lists", id, status);
+      return fmt::format("does not implement {} (status {}), which its class lists", id, status);
     std::uint32_t size = 0;
     std::memcpy(&size, table, sizeof size);
     if (size < 2 * sizeof(std::uint32_t)) return fmt::format("answers {} with a table of size {}", id, size);
@@ -367,7 +367,7 @@ Verdict states(const Trial &trial) {
     }
     if (one.table->reset(one.object()) < 0) return fail(id + ": reset after states fails: " + one.errorText());
     if (const std::string bad = one.step(2 * kSteps); !bad.empty()) return fail(id + ", after states: " + bad);
-    if (one.hash() != hash) return fail(id + ": after states and a reset, the same steps lead elsewhere");
+    if (one.hash() != hash) return fail(id + ": after states and a reset, the same steps give another result");
   }
   return keeping == 0 ? skip("no simulator of it keeps states") : pass();
 }
@@ -391,8 +391,8 @@ Verdict verifies(const Trial &trial) {
     const c3de_progress nobody{sizeof(c3de_progress), 0, nullptr, unwanted};
     if (const c3de_status status = one.table->verify(one.object(), &nobody, scene::sinkInto(said));
         status != C3DE_E_CANCELLED)
-      return fail(fmt::format("{}: a verification that nobody wants answers {} instead of {} (C3DE_E_CANCELLED)", id,
-                              status, C3DE_E_CANCELLED));
+      return fail(fmt::format("{}: a cancelled verification answers {} instead of {} (C3DE_E_CANCELLED)", id, status,
+                              C3DE_E_CANCELLED));
     if (one.hash() != before) return fail(id + ": a verification has changed the state");
   }
   return serving == 0 ? skip("no simulator of it verifies its states") : pass();

@@ -147,7 +147,7 @@ std::vector<Done> checkPlugin(const std::string &file, const std::vector<Check> 
   bool isLibrary = true;
   for (const Check &check : checks) {
     const auto begin = std::chrono::steady_clock::now();
-    Verdict verdict = skip("what comes before it has failed");
+    Verdict verdict = skip("an earlier check has failed");
     if (isLibrary)
       verdict =
           options.inProcess ? runHere(check, trialOf(options, file, folder)) : runInChild(check, file, options, folder);
@@ -232,8 +232,8 @@ int main(int argc, char **argv) {
   installFatalErrorReport();
   Options options;
   CLI::App app(
-      "Checks plugins of C3DE: the file, what it says about itself, its life, and what it registers, each check in a "
-      "process of its own.\nEnds with 0 where none has failed, 1 where one has, 2 where it was asked wrongly.",
+      "Checks C3DE plugins: the file, its descriptor, its lifecycle, and what it registers, each check in its own "
+      "process.\nExit code: 0 if no check fails, 1 if one fails, 2 for a usage error.",
       "c3de-validate");
   app.set_help_flag("-h,--help", "Show this help");
   app.add_option("PLUGINS", options.files, "Files of plugins");

@@ -45,7 +45,7 @@ TEST_CASE("A call that changes the rounding is named, and the program rounds as 
     (void)callPluginFunction(owner, "step", CallKind::step,
                              [mode = mode]() -> c3de_status { return std::fesetround(mode); });
     CHECK(std::fegetround() == FE_TONEAREST);
-    CHECK(isReported(owner, std::string("step has changed how the program computes: ") + says));
+    CHECK(isReported(owner, std::string("step has changed the floating-point or locale settings: ") + says));
   }
 }
 

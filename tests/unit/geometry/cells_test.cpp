@@ -170,7 +170,7 @@ TEST_CASE("Of cells with a volume the outer surface is read") {
   Cells mixed = tetrahedra();  // as from mesh generators: the boundary as triangles and edges next to the cells
   mixed.cells.insert(mixed.cells.begin(), {{0}, {0, 1}, {0, 2, 1}, {4, 5, 7}});
   mixed.types.insert(mixed.types.begin(), {1, 3, 5, 5});
-  checkBox("mixed.vtk", vtk(mixed, true, false), "2 polygons beside the cells with a volume were left out");
+  checkBox("mixed.vtk", vtk(mixed, true, false), "2 polygons besides the volume cells were ignored");
 }
 
 TEST_CASE("A cavity inside of cells stays a cavity") {

@@ -83,8 +83,8 @@ TEST_CASE("Faulty organs are described by their faults and can be filled all the
     const char *file, *warning, *repair;
   };
   for (const Faulty &faulty :
-       {Faulty{"sofa_env_nasty/grasp/liver_collision.stl", "16 separate parts", "faced the other way"},
-        Faulty{"sofa_env_nasty/grasp/liver_collision.stl", "not closed", "back to back"},
+       {Faulty{"sofa_env_nasty/grasp/liver_collision.stl", "16 separate parts", "oriented opposite to"},
+        Faulty{"sofa_env_nasty/grasp/liver_collision.stl", "not closed", "coincident triangles"},
         Faulty{"sofa_env_nasty/liver_collision.stl", "15 edges have more than two triangles", "welded"},
         Faulty{"ssvtk_kidney/kidney.vtk", "5 boundary edges", ""},
         Faulty{"beamadapter/carotids.stl", "41 boundary edges", "inside out"},

@@ -81,10 +81,10 @@ TEST_CASE("A stated unit wins over that of the file, and the report says so") {
   const auto asMetres = loadMesh(path, LengthUnit::metre);
   REQUIRE(asMetres);
   CHECK_THAT(asMetres->report.volume_mm3, WithinRel(1e9 * signedVolume(mesh), 1e-5));
-  CHECK(test_files::contains(asMetres->report.warnings, "The file says that its numbers are mm; they were read as m"));
+  CHECK(test_files::contains(asMetres->report.warnings, "The file states the unit mm; it was read in m,"));
   const auto asMillimetres = loadMesh(path, LengthUnit::millimetre);
   REQUIRE(asMillimetres);
-  CHECK_FALSE(test_files::contains(asMillimetres->report.warnings, "The file says"));
+  CHECK_FALSE(test_files::contains(asMillimetres->report.warnings, "The file states"));
 }
 
 TEST_CASE("Units and RAS are found in the comments of every format, and nowhere else") {

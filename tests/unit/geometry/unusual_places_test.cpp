@@ -33,7 +33,7 @@ TEST_CASE("glTF is read in metres, unless another unit is asked for") {
   CHECK_THAT(edge_mm(file, LengthUnit::centimetre), WithinRel(1.0, 1e-5));
   const auto asked = loadMesh(file, LengthUnit::millimetre);
   REQUIRE(asked);
-  CHECK(test_files::contains(asked->report.warnings, "says that its numbers are m; they were read as mm"));
+  CHECK(test_files::contains(asked->report.warnings, "states the unit m; it was read in mm"));
 }
 
 TEST_CASE("A unit is taken from comments in the spellings of many programs") {
@@ -61,7 +61,7 @@ TEST_CASE("A unit is taken from comments in the spellings of many programs") {
     INFO(other);
     const auto loaded = loadMesh(test_files::write("unit.obj", std::string(other) + "\n" + obj), std::nullopt);
     REQUIRE(loaded);
-    CHECK(test_files::contains(loaded->report.warnings, "its numbers were taken as mm"));
+    CHECK(test_files::contains(loaded->report.warnings, "is not supported; mm is assumed"));
   }
 }
 

@@ -65,7 +65,7 @@ TEST_CASE("An STL is read whatever its count says, and however its text is writt
       {"zero.stl", binary(0), "the header says 0 triangles, the size of the file 4: all 4 were read"},
       {"few.stl", binary(1), "the header says 1 triangle, the size of the file 4"},
       {"many.stl", binary(9),
-       "the header says 9 triangles, the size of the file 4: all 4 were read; the file may be cut"},
+       "the header says 9 triangles, the size of the file 4: all 4 were read; the file may be truncated"},
       {"unknown.stl", binary(0xffffffffu), "the size of the file 4"},
       {"trailing.stl", binary(4) + "made by a program", "17 bytes after the last of 4 triangles were left out"},
       {"zero-trailing.stl", binary(0) + "x", "1 byte after the last of 4 triangles was left out"},

@@ -144,7 +144,7 @@ TEST_CASE("Compressed colours of scanners are read", "[imaging]") {
   const auto first = readVolume(data / "SC_rgb_rle_2frame.dcm"),
              other = readVolume(data / "SC_rgb_rle_2frame.dcm", second);
   REQUIRE((first && other));
-  CHECK(says(first->notices, "(a film)"));
+  CHECK(says(first->notices, "(a cine loop)"));
   CHECK(first->times == 2);
   CHECK(first->volume.colours.front() == Rgba{255, 0, 0, 255});
   for (std::size_t p = 0; p < first->volume.colours.size(); p += 501)  // the second frame is the negative of the first

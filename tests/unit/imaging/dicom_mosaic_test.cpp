@@ -116,7 +116,7 @@ TEST_CASE("A mosaic whose header does not suffice is refused by name", "[imaging
   CHECK_THAT(reason(stepless.without(0x00180088)), Contains("Spacing Between Slices is missing"));
   CHECK_THAT(reason(mosaic(csa(2, {{"NumberOfImagesInMosaic", {"7"}}}))), Contains("SliceNormalVector is missing"));
   CHECK_THAT(reason(mosaic(csa(2, {{"NumberOfImagesInMosaic", {"7"}}, {"SliceNormalVector", {"1", "0", "0"}}}))),
-             Contains("not across its slices"));
+             Contains("not perpendicular to its slices"));
   CHECK_THAT(reason(mosaic(csa(2, {{"NumberOfImagesInMosaic", {"20"}}, {"SliceNormalVector", {"0", "0", "1"}}}))),
              Contains("not 5 x 5 equal tiles"));
   CHECK_THAT(reason(mosaic(csa(2, {{"NumberOfImagesInMosaic", {"-7"}}, {"SliceNormalVector", {"0", "0", "1"}}}))),

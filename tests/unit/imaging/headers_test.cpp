@@ -60,7 +60,7 @@ TEST_CASE("All fields of NRRD and pairs of one's own are accepted, a field as a 
   const auto pair = readVolume(write(file, nrrd(kDirections + "space origin:=(3,4,5)\n")));
   REQUIRE(pair);
   CHECK(says(pair->notices, "'space origin:='"));
-  CHECK(says(pair->notices, "does not say where the first voxel lies"));
+  CHECK(says(pair->notices, "does not state the position of the first voxel"));
 }
 
 TEST_CASE("Keys that MetaImage does not know are said, with the nearest one", "[imaging]") {
@@ -68,7 +68,7 @@ TEST_CASE("Keys that MetaImage does not know are said, with the nearest one", "[
   const auto slip = readVolume(write(file, meta("Ofset = 0 0 100\n")));
   REQUIRE(slip);
   CHECK(says(slip->notices, "'Ofset' (did you mean 'Offset'?)"));
-  CHECK(says(slip->notices, "does not say where the first voxel lies (Offset)"));
+  CHECK(says(slip->notices, "does not state the position of the first voxel (Offset)"));
   const auto own = readVolume(write(file, meta("Offset = 1 2 3\nScannerOfTheWard = seven\n")));
   REQUIRE(own);
   CHECK(says(own->notices, "left out: ScannerOfTheWard"));

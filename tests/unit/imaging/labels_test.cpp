@@ -50,10 +50,10 @@ TEST_CASE("Labels that are nearly whole are rounded, and what is no number is ba
        {"2 voxels are not a whole number, by up to 0.0001", "(1, 0, 0) is 4.99"}},
       {"double", "5.0001 0 0 5", {5, 0, 0, 5}, {"1 voxel is not a whole number"}},
       {"float", "-0.001 5 5.009 5", {0, 5, 5, 5}, {"2 voxels are not a whole number, by up to 0.009"}},
-      {"float", "nan 5 nan 5", {0, 5, 0, 5}, {"2 voxels are not finite numbers and are taken for background"}},
-      {"double", "nan 5 0 5", {0, 5, 0, 5}, {"1 voxel is not a finite number and is taken for background"}},
-      {"short", "-1 5 0 5", {0, 5, 0, 5}, {"1 voxel of -1 is taken for background"}},
-      {"float", "-1 5 -1 5", {0, 5, 0, 5}, {"2 voxels of -1 are taken for background"}},
+      {"float", "nan 5 nan 5", {0, 5, 0, 5}, {"2 voxels are not finite numbers and are treated as background"}},
+      {"double", "nan 5 0 5", {0, 5, 0, 5}, {"1 voxel is not a finite number and is treated as background"}},
+      {"short", "-1 5 0 5", {0, 5, 0, 5}, {"1 voxel of -1 is treated as background"}},
+      {"float", "-1 5 -1 5", {0, 5, 0, 5}, {"2 voxels of -1 are treated as background"}},
       {"int", "-32768 5 -32768 7", {0, 5, 0, 7}, {"2 voxels of -32768"}},
       {"float", "-0.9999 5 nan 6.999", {0, 5, 0, 7}, {"of -1 is taken", "not a finite", "2 voxels are not a whole"}},
       {"float", "0 5 5 6", {0, 5, 5, 6}, {}}};
@@ -110,7 +110,7 @@ TEST_CASE("Label maps that other programs have spoilt are read", "[imaging]") {
   REQUIRE(read->labels.labels.size() == 2);
   CHECK(read->labels.labels[0].value == 5);
   CHECK(read->labels.labels[1].value == 7);
-  CHECK(says(read->notices, "55743 voxels are not finite numbers and are taken for background"));
+  CHECK(says(read->notices, "55743 voxels are not finite numbers and are treated as background"));
 }
 
 TEST_CASE("Names come from a table beside the file, in each of its forms", "[imaging]") {

@@ -64,7 +64,7 @@ TEST_CASE("The two placements of a NIfTI file that is written agree", "[imaging]
     bytes[252] = 0;  // without either, there is only the spacing
     const auto unplaced = readVolume(write(file, bytes));
     REQUIRE(unplaced);
-    CHECK(says(unplaced->notices, "does not say how the image lies"));
+    CHECK(says(unplaced->notices, "does not state the orientation of the image"));
     CHECK_THAT(unplaced->volume.geometry.spacing()[1], WithinAbs(1.3, 1e-6));
   }
   Volume sheared = counted<std::int16_t>(true);

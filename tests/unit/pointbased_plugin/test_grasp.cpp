@@ -56,7 +56,7 @@ TEST_CASE("Where jaws find no skin is told in words, with the numbers", "[grasp]
   CHECK_THAT(errorAt(Vec3(0.006, 0.03, 0.02), Vec3::UnitX()), Contains("ends 6 mm beside"));
   const GraspSettings wide{.jaw = 0.01, .opening = 0.08, .closed = 0.01};
   CHECK_THAT(errorAt(kOnTop, Vec3::UnitY(), wide), Contains("the body is 60 mm wide there") && Contains("80 mm"));
-  CHECK_THAT(errorAt(kOnTop, Vec3(0, 0.1, 1).normalized()), Contains("stands on the skin"));
+  CHECK_THAT(errorAt(kOnTop, Vec3(0, 0.1, 1).normalized()), Contains("is perpendicular to the skin"));
 }
 
 TEST_CASE("Sizes of jaws that cannot be are told with what is accepted", "[grasp]") {

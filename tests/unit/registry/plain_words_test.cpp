@@ -80,8 +80,8 @@ std::vector<std::string> literals(const std::string &source) {
 TEST_CASE("ids of parameters become the labels of the panel, and the rest of a text stays") {
   const registry::ParameterRegistry parameters = few();
   const auto words = [&](const char *text) { return plainWords(text, parameters); };
-  CHECK(words("given up after 1 s (solver.step_budget), the state stays") ==
-        "given up after 1 s (“Time for a step”), the state stays");
+  CHECK(words("abandoned after 1 s (solver.step_budget), the previous state is kept") ==
+        "abandoned after 1 s (“Time for a step”), the previous state is kept");
   CHECK(words("a smaller solver.dt.") == "a smaller “Step”.");
   CHECK(words("(contact.pair, contact.self)") == "(“pair”, “Contact with itself”)");
   CHECK(words("solver.load_steps") == "“load steps”");

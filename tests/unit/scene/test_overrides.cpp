@@ -166,7 +166,7 @@ TEST_CASE("An override of something that does not exist is a usage error that na
       {"body.liver.material=livr", "did you mean 'liver'?"},
       {"body.liver.scale=-1", "above 0"},
       {"body.liver.position=3", "[x, y, z]"},
-      {"body.liver=3", "no key of body 'liver'"},
+      {"body.liver=3", "no key for body 'liver'"},
       {"world.box.min=[0,0,0]", "no 'max'"},
       {"fix.rot.ramp=1", "did you mean 'root'?"},
       {"fix.7.ramp=1", "no fix '7'"},

@@ -78,7 +78,7 @@ TEST_CASE("An attachment that cannot be or says too little is refused by name", 
   CHECK_THAT(errorOf(attached(spine + "stiffness = 1e5\n")),
              Contains("does not say where") && Contains("within_mm") && Contains("region"));
   CHECK_THAT(errorOf(attached(surroundings + "stiffness = 1e5\nwithin_mm = 3\n")),
-             Contains("between two surfaces") && Contains("region"));
+             Contains("applies to two surfaces") && Contains("region"));
   CHECK_THAT(errorOf(attached(spine + "within_mm = 3\nstiffness = -1\n")),
              Contains("stiffness is -1") && Contains("at least 0, Pa/m"));
   CHECK_THAT(errorOf(attached(spine + "within_mm = 3\nstiffness = 1e5\ntears_at = -2\n")), Contains("tears_at is -2"));
@@ -142,8 +142,8 @@ TEST_CASE("Bad values of what stays are refused with what is accepted", "[scene]
   CHECK_THAT(errorOf(imaged("still = { over = 3 }\n")), Contains("unknown key 'over'") && Contains("above"));
   CHECK_THAT(errorOf(imaged("still = { above = \"x\" }\n")), Contains("still.above is the text \"x\""));
   CHECK_THAT(errorOf(imaged("still = { above = nan }\n")), Contains("still.above"));
-  CHECK_THAT(errorOf(imaged("still = { above = 100, below = 200 }\n")), Contains("leave nothing that moves"));
-  CHECK_THAT(errorOf(imaged("still = { labels = [\"rib*\"] }\n")), Contains("there is no 'labels'"));
+  CHECK_THAT(errorOf(imaged("still = { above = 100, below = 200 }\n")), Contains("select nothing that moves"));
+  CHECK_THAT(errorOf(imaged("still = { labels = [\"rib*\"] }\n")), Contains("'labels', their file, is missing"));
   CHECK_THAT(errorOf(imaged("labels = \"block.obj\"\nstill = { labels = [0] }\n")), Contains("a whole number from 1"));
   CHECK_THAT(errorOf(imaged("labels = \"block.obj\"\nstill = { labels = [] }\n")), Contains("names of labels"));
 }

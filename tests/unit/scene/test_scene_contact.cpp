@@ -63,7 +63,7 @@ TEST_CASE("Pairs that cannot be are refused by name", "[scene][contact]") {
   CHECK_THAT(errorOf(paired("bodies = [\"liver\"]\nfriction = 0.1\n")),
              Contains("bodies is [\"liver\"]; accepted: two names"));
   CHECK_THAT(errorOf(paired("friction = 0.1\n")), Contains("no 'bodies'"));
-  CHECK_THAT(errorOf(paired(both)), Contains("says nothing of its contact"));
+  CHECK_THAT(errorOf(paired(both)), Contains("the pair has no settings"));
   CHECK_THAT(errorOf(paired(both + "friction = -0.1\n")),
              Contains(":16: friction is -0.1; accepted: a number from 0 to 10"));
   CHECK_THAT(errorOf(paired(both + "friction = nan\n")), Contains("friction is nan"));

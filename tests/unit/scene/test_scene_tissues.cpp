@@ -257,9 +257,9 @@ TEST_CASE("What a piece cannot have of its own, and names of no piece, are refus
   for (const char *key : {"position=[0,0,0]", "scale=2", "angular_velocity=[0,0,1]", "sampling.refine=[]", "label=3",
                           "parts.0.material.density=900", "slides=[\"liver\"]"})
     CHECK_THAT(refusal("body.scan.liver." + std::string(key)),
-               Contains("is of all of 'scan' and cannot be changed for a piece; accepted: material, material.…, "
-                        "sampling.… but refine, surroundings.…, velocity, rigid, free"));
-  CHECK_THAT(refusal("body.scan.liver=3"), Contains("says no key of a piece of 'scan'; accepted: material, "));
+               Contains("applies to the whole of 'scan' and cannot be set for a piece; accepted: material, material.…, "
+                        "sampling.… except refine, surroundings.…, velocity, rigid, free"));
+  CHECK_THAT(refusal("body.scan.liver=3"), Contains("has no key for a piece of 'scan'; accepted: material, "));
   CHECK_THAT(refusal("body.scan.liver.material=livr"), Contains("did you mean 'liver'?"));
   CHECK_THAT(
       refusal("body.scan.livr.material.density=900"),

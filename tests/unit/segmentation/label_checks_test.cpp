@@ -127,7 +127,7 @@ TEST_CASE("Rigid labels whose grey values are no bone are named with their media
     const LabelFinding *rigid = findOf(findings, Kind::rigid);
     CHECK((rigid == nullptr) == isBone);
     if (rigid == nullptr) continue;
-    CHECK_THAT(rigid->text, Contains("1 of 1 rigid labels has grey values that are no bone") &&
+    CHECK_THAT(rigid->text, Contains("1 of 1 rigid labels has grey values below those of bone") &&
                                 Contains("vertebrae_L1 (" + std::to_string(median + 5)));  // the middle of its 10 HU
     CHECK_THAT(rigid->advice, Contains("numbers and names") && Contains("material"));
   }

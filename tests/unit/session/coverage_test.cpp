@@ -51,12 +51,14 @@ TEST_CASE("What a skin leaves of a mask outside is told by volume and place") {
 TEST_CASE("What is missing is a sentence from a thousandth on, with what would help") {
   CHECK(sentenceOf(coverage(1000.0, 1.0, 0)).empty());
   CHECK(sentenceOf(coverage(1000.0, 1.1, 0)) ==
-        "0.0011 ml (0.11 %) of what was asked for as 'aorta' is in no body; shorter edges of the skin (edge_length) "
+        "0.0011 ml (0.11 %) of the volume requested as 'aorta' belongs to no body; shorter edges of the skin "
+        "(edge_length) "
         "keep thin parts");
   CHECK(sentenceOf(coverage(200000.0, 12340.0, 1)) ==
-        "12.3 ml (6.2 %) of what was asked for as 'aorta' is in no body; 1 loose island of a few voxels is left out; "
+        "12.3 ml (6.2 %) of the volume requested as 'aorta' belongs to no body; 1 loose island of a few voxels is "
+        "omitted; "
         "shorter edges of the skin (edge_length) keep thin parts");
-  CHECK_THAT(sentenceOf(coverage(1000.0, 400.0, 2)), Contains("; 2 loose islands of a few voxels are left out; "));
+  CHECK_THAT(sentenceOf(coverage(1000.0, 400.0, 2)), Contains("; 2 loose islands of a few voxels are omitted; "));
   CHECK(sentenceOf(coverage(0.0, 0.0, 0)).empty());
 }
 

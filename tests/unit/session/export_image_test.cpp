@@ -173,7 +173,7 @@ TEST_CASE("The warped scan, its displacement and the vacated places are written 
   auto told = writeImages(wanted, scan(), false, u, {}, nullptr);
   REQUIRE(told);
   CHECK_THAT(*told, Contains("warped.nrrd\n") && Contains("u.nrrd\n") &&
-                        Contains("u-vacated.nrrd: no voxel is left by a body"));
+                        Contains("u-vacated.nrrd: no voxel is vacated by a body"));
   const auto warped = imaging::readVolume(folder / "warped.nrrd");
   REQUIRE(warped);
   CHECK(warped->volume.value(1, 0, 0) == 1200.0);
@@ -190,7 +190,7 @@ TEST_CASE("The warped scan, its displacement and the vacated places are written 
   u.gap_mm.assign(8, 80.0f);
   told = writeImages({{}, folder / "u.nrrd", {}}, scan(), false, u, {}, nullptr);
   REQUIRE(told);
-  CHECK_THAT(*told, !Contains("warped.nrrd") && Contains("2 voxels (0.00 ml) are left by a body"));
+  CHECK_THAT(*told, !Contains("warped.nrrd") && Contains("2 voxels (0.00 ml) are vacated by a body"));
   const auto marked = imaging::readVolume(folder / "u-vacated.nrrd");
   REQUIRE(marked);
   CHECK(marked->volume.value(11, 10, 10) == 1.0);

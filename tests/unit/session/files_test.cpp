@@ -29,7 +29,7 @@ TEST_CASE("Files are scenes, meshes or images by their names and first bytes, fo
 TEST_CASE("A file of no kind is named with all that is accepted") {
   const Error error = unknownKind("a.docx");
   CHECK(error.code == ErrorCode::input);
-  CHECK_THAT(error.message, Contains("a.docx: is nothing that can be read") && Contains("scenes (.toml)") &&
+  CHECK_THAT(error.message, Contains("a.docx: is not a supported file") && Contains("scenes (.toml)") &&
                                 Contains("DICOM") && Contains("meshes (.obj, ") && Contains(".vtp"));
 }
 

@@ -118,7 +118,7 @@ TEST_CASE("A simulator whose steps change nothing does not keep a run going for 
   f.simulator.standsStill = true;
   REQUIRE(f.run());
   CHECK(f.facts().outcome == "failed");
-  CHECK_THAT(f.facts().failure, Contains("neither step count nor time has grown"));
+  CHECK_THAT(f.facts().failure, Contains("neither step count nor time has advanced"));
 }
 
 TEST_CASE("Bodies that stopped on the way make a run that has diverged") {
@@ -127,12 +127,12 @@ TEST_CASE("Bodies that stopped on the way make a run that has diverged") {
   f.simulator.stopped = 2;
   REQUIRE(f.run());
   CHECK(f.facts().outcome == "diverged");
-  CHECK_THAT(f.facts().failure, Contains("2 bodies stopped on the way"));
+  CHECK_THAT(f.facts().failure, Contains("2 bodies stopped early"));
   Fixture one;
   one.options.steps = 2;
   one.simulator.stopped = 1;
   REQUIRE(one.run());
-  CHECK_THAT(one.facts().failure, Contains("1 body stopped on the way"));
+  CHECK_THAT(one.facts().failure, Contains("1 body stopped early"));
 }
 
 TEST_CASE("A run that reaches its time limit says how far it has come") {

@@ -171,11 +171,11 @@ TEST_CASE("Of what was not written the first reason counts, and both lists are t
   CHECK_FALSE(outputs.areComplete());
   CHECK(outputs.written() == "a.json, d.pvd");
   CHECK(outputs.error().code == ErrorCode::state);
-  CHECK(outputs.error().message == "not or not wholly written: b.csv, c.png; written: a.json, d.pvd");
+  CHECK(outputs.error().message == "not completely written: b.csv, c.png; written: a.json, d.pvd");
   WrittenOutputs nothing;
   nothing.addFailure("c.png", {ErrorCode::output, "c.png: No space left on device"});
   CHECK(nothing.error().code == ErrorCode::output);
-  CHECK(nothing.error().message == "not or not wholly written: c.png; written: nothing");
+  CHECK(nothing.error().message == "not completely written: c.png; written: nothing");
 }
 
 TEST_CASE("Time spent is added, stage by stage") {

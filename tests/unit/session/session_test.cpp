@@ -145,7 +145,7 @@ TEST_CASE("A body of an image is refused by name and line where the simulator fi
   const auto refused = f.populate(kSpleen);
   REQUIRE_FALSE(refused);
   CHECK(refused.error().code == ErrorCode::input);
-  CHECK_THAT(refused.error().message, Contains(f.where(2)) && Contains("'volume' is not served"));
+  CHECK_THAT(refused.error().message, Contains(f.where(2)) && Contains("'volume' is not supported"));
   CHECK(f.populate(kBox));
 }
 

@@ -32,7 +32,7 @@ TEST_CASE("An object without the table, or with one that is too short or lacks a
   const auto none = simulatorTable(simulator.object());
   REQUIRE_FALSE(none);
   CHECK(none.error().code == ErrorCode::plugin);
-  CHECK_THAT(none.error().message, Contains("does not answer " C3DE_IFACE_SIMULATOR_ID " (status -5)"));
+  CHECK_THAT(none.error().message, Contains("does not implement " C3DE_IFACE_SIMULATOR_ID " (status -5)"));
 }
 
 TEST_CASE("What a simulator can do follows from the slots that are not null") {

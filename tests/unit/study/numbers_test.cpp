@@ -51,7 +51,7 @@ TEST_CASE("Too few periods, no swing and too few samples have no frequency") {
     still.push_back(0.25);
   }
   CHECK_THAT(firstFrequency(time, slow).error().message, Contains("periods of the first frequency"));
-  CHECK_THAT(firstFrequency(time, still).error().message, Contains("does not swing"));
+  CHECK_THAT(firstFrequency(time, still).error().message, Contains("does not oscillate"));
   CHECK_THAT(firstFrequency(std::span(time).first(5), std::span(slow).first(5)).error().message, Contains("5 samples"));
 }
 

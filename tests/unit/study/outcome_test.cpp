@@ -213,7 +213,8 @@ TEST_CASE("The folder of a study is one study's and one process's, and keeps wha
     CHECK_THAT(second.error().message, Contains("is in use by process "));
     REQUIRE(open->keep(f.result(0, {0.1}, -0.1)));
   }
-  CHECK_THAT(StudyFolder::open(folder, f.study, f.plan, false).error().message, Contains("--resume goes on with it"));
+  CHECK_THAT(StudyFolder::open(folder, f.study, f.plan, false).error().message,
+             Contains("use --resume to continue it"));
   const auto again = StudyFolder::open(folder, f.study, f.plan, true);
   REQUIRE(again);
   CHECK(again->results(f.plan).size() == 1);

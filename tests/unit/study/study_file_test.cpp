@@ -60,8 +60,10 @@ TEST_CASE("What is wrong with a study is said with file, line and what is accept
       {"format = 1\n[[case]]\nname = \"a\"\n", "study.toml:2: the case has no 'scene'"},
       {"format = 1\n[[case]]\nnam = \"a\"\n", "study.toml:3: unknown key 'nam' in [[case]]; did you mean 'name'?"},
       {withGrid(""), "nothing is varied in case 'beam'"},
-      {withGrid("[[grid]]\nlabel = \"x\"\n"), "study.toml:11: the grid has no lever; accepted: spacing, count"},
-      {withGrid("[[grid]]\nspacng = 0.1\n"), "study.toml:12: unknown lever 'spacng'; did you mean 'spacing'?"},
+      {withGrid("[[grid]]\nlabel = \"x\"\n"),
+       "study.toml:11: the grid has no study parameter; accepted: spacing, count"},
+      {withGrid("[[grid]]\nspacng = 0.1\n"),
+       "study.toml:12: unknown study parameter 'spacng'; did you mean 'spacing'?"},
       {withGrid("[[grid]]\nspacing = []\n"), "study.toml:12: spacing is an empty list; accepted: a value, or a list"},
       {withGrid("[[grid]]\nspacing = [0.1, 0.1]\n"), "spacing has the value 0.1 twice"},
       {withGrid("[[grid]]\nspacing = 0.1\ncount = 10\n"),
@@ -74,7 +76,7 @@ TEST_CASE("What is wrong with a study is said with file, line and what is accept
       {withQuantity("\"feild\""), "study.toml:5: quantity is \"feild\"; accepted: { probe = NAME"},
       {withQuantity("{ probe = \"tip\" }"), "quantity has no 'component'"},
       {withQuantity("{ probe = \"tip\", component = \"w\" }"), "accepted: x, y, z, magnitude"},
-      {withQuantity("{ probe = \"tip\", energy = \"elastic\" }"), "more or less than one thing"},
+      {withQuantity("{ probe = \"tip\", energy = \"elastic\" }"), "exactly one quantity"},
       {withQuantity("{ energy = \"elastik\" }"), "did you mean \"elastic\"?"},
       {withQuantity("{ frequency = \"tip\", component = \"magnitude\" }"), "accepted: x, y, z"},
       {withQuantity("\"field\""), "a number is no reference for a field"},
@@ -96,7 +98,7 @@ TEST_CASE("What is wrong with a study is said with file, line and what is accept
       {withReference("richardson = { lever = \"law\", values = [3, 2, 1] }"), "cannot be extrapolated"},
       {withReference("richardson = { lever = \"spacing\" }"), "richardson has no 'values'"},
       {withReference("richardson = { lever = \"spacing\", values = [3, 2, 1] }\nkind = \"formula\""),
-       "richardson finds its own"},
+       "richardson computes its own"},
   };
   for (const auto &one : cases) {
     const auto study = parseStudy(one.text, studyPlace());

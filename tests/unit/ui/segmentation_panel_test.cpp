@@ -138,7 +138,7 @@ TEST_CASE("A map of many labels has a filter, and several are ticked at once", "
   CHECK_THAT(draw(), !Contains("label.8") && !Contains("label.29") && Contains("label.30") && Contains("label.39"));
   text.setText("label_filter", "nothing of the kind");
   draw();
-  CHECK_THAT(draw(), Contains("No label is called so.") && Contains("[disabled button: Tick the listed]"));
+  CHECK_THAT(draw(), Contains("No label matches.") && Contains("[disabled button: Tick the listed]"));
   text.setText("label_filter", "KIDNEY left");
   text.press("tick_listed");
   draw();

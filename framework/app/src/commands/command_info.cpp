@@ -126,8 +126,7 @@ Handler declareInfo(CLI::App &app, CommandLine &line) {
   app.add_flag("--patient-names", arguments->patientNames, "Show the names of patients, which are left out otherwise");
   app.add_option("--reader", arguments->reader, "Read meshes by this reader of a plugin, whatever their extension")
       ->type_name("ID");
-  app.add_flag("--quick", arguments->isQuick,
-               "Do not build the bodies of scenes; what only that can tell is not checked");
+  app.add_flag("--quick", arguments->isQuick, "Do not build the bodies of scenes; checks that need them are omitted");
   app.add_flag("--json", line.json, "One object for one file, a list for several");
   addUnit(app, line);
   addSessionOptions(app, line);

@@ -111,7 +111,7 @@ Expected<std::filesystem::path> write(const NewPlugin &wanted) {
   const std::filesystem::path folder = wanted.folder / wanted.name;
   std::error_code code;
   if (std::filesystem::exists(folder, code))
-    return fail(ErrorCode::output, pathText(folder) + ": is there already; nothing was written");
+    return fail(ErrorCode::output, pathText(folder) + ": already exists; nothing was written");
   const std::string ending = wanted.language == "c" ? ".c" : ".cpp";
   const Names names = namesOf(wanted.name);
   const std::array<std::pair<std::string, std::string>, 3> files{

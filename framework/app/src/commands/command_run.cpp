@@ -106,7 +106,7 @@ Handler declareRun(CLI::App &app, CommandLine &line) {
   app.add_flag(
       "--verify", options.verify,
       "At the end, solve the state once more with half the spacing: its error goes to the report (verification) "
-      "and is said");
+      "and is printed");
   addFile(app, "--save-state", options.saveState, "FILE", "Write the state of the end, for --from-state");
   addCount(app, "--seed", options.seed, 0, 9223372036854775807LL,
            "Kept in the report; nothing in this version is random");

@@ -123,7 +123,7 @@ Handler declareStudy(CLI::App &app, CommandLine &line) {
       ->required();
   addFile(app, "--out", arguments->folder, "FOLDER", "Output folder for results and report: new or empty")->required();
   addFile(app, "--compare", arguments->earlier, "FOLDER",
-          "Draw and tell what this study gave before, in another folder: by an earlier build, on another machine");
+          "Compare with an earlier run of this study in another folder: by an earlier build, on another machine");
   app.add_flag("--resume", arguments->resume, "Resume the study in the folder; completed points are not run again");
   app.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
   addSessionOptions(app, line);

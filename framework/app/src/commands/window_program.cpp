@@ -36,7 +36,7 @@ int continueInWindowProgram(int argc, char **argv) {
   if (!hasWindowProgram())
     return reportError(
         {ErrorCode::graphics, "a window and pictures need " + pathText(other) +
-                                  ", which is not there; without it: c3de run SCENE.toml --report FILE.json"});
+                                  ", which is missing; without it: c3de run SCENE.toml --report FILE.json"});
   std::vector<std::string> arguments(argv, argv + argc);
   arguments.front() = pathText(other);
   const auto ended = continueAs(arguments);

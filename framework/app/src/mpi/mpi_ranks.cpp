@@ -149,7 +149,7 @@ std::vector<study::Workers::Done> RankWorkers::poll() {
       ++other;
       continue;
     }
-    log(LogLevel::warn, "rank " + std::to_string(other->first) + " is silent; what it ran is run by others");
+    log(LogLevel::warn, "rank " + std::to_string(other->first) + " does not respond; its point is run by another rank");
     ranks_.lost_.insert(other->first);
     if (other->second.task) out.push_back({std::move(*other->second.task), study::Result(), true});
     other = others_.erase(other);

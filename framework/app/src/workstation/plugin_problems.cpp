@@ -82,7 +82,7 @@ void PluginProblems::connect(ui::WindowActions &actions, const plugin_host::Plug
   actions.plugins = [this, &host] { return entries(host); };
   actions.switchPlugin = [this, failed = std::move(failed)](const std::string &id, bool isOn) {
     if (const auto kept = records_->setOff(id, !isOn); !kept)
-      failed("The choice holds for this run only", kept.error());
+      failed("The choice applies to this run only", kept.error());
   };
 }
 

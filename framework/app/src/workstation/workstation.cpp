@@ -117,7 +117,7 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
   connectWindow();
   plugins_->report(session_->plugins(), panels_);
   if (sessionOptions.loadRules.isSafeMode)
-    panels_.notify(C3DE_LOG_INFO, "Safe mode", "Only the plugins that came with the program were looked at.");
+    panels_.notify(C3DE_LOG_INFO, "Safe mode", "Only the plugins that came with the program were loaded.");
   if (!options.notice.empty()) {
     log(LogLevel::warn, options.notice);
     panels_.notify(C3DE_LOG_INFO, "Another scene than usual", options.notice);

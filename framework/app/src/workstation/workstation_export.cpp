@@ -145,7 +145,7 @@ void exportPresentTissues(Session &session, std::shared_ptr<const std::vector<Ti
         kJobOwner, "Writing " + pathText(file.filename()),
         [bodies, file, snapshot](const ProgressFn &progress) -> Expected<void> {
           const auto motions =
-              followTissues(*snapshot, *bodies, [&] { return !progress || progress(-1.0, "following the labels"); });
+              followTissues(*snapshot, *bodies, [&] { return !progress || progress(-1.0, "tracking the labels"); });
           if (!motions) return tl::unexpected(motions.error());
           return writeTissueTable(file, *motions);
         },

@@ -251,7 +251,7 @@ void WorkstationImages::showMissing(const std::vector<Coverage> &bodies, bool is
   for (const Coverage &body : bodies)
     if (std::string text = sentenceOf(body); !text.empty()) sentences.push_back(std::move(text));
   if (!sentences.empty()) sentences.emplace_back("It is hatched in the slices.");
-  reportNotices(panels_, "Not all of it is there", sentences, registry::About::simulation);
+  reportNotices(panels_, "Incomplete body", sentences, registry::About::simulation);
   markMissing();
 }
 

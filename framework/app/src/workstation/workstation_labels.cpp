@@ -15,9 +15,8 @@ namespace c3de::app {
 
 void WorkstationLabels::open(const std::filesystem::path &path) {
   if (!parts_.views.image())
-    return events_.failed(
-        "Could not open " + imageName(path),
-        {ErrorCode::state, "a label map is laid over an image, and none is open; open the image first"});
+    return events_.failed("Could not open " + imageName(path),
+                          {ErrorCode::state, "a label map needs an image; open the image first"});
   waiting_.push_back(path);
   if (!job_.isRunning()) readNext();
 }
@@ -64,7 +63,8 @@ void WorkstationLabels::add(const std::filesystem::path &path, ReadLabels &read)
     imaging::WorldBox shared = imaging::boxOf(image->volume.geometry);
     shared.cutTo(imaging::boxOf(read.layers.front()->map.geometry));
     if (shared.isEmpty())
-      read.notices.push_back("It lies beside the image " + image->name + ": no slice shows it. Is it of another scan?");
+      read.notices.push_back("It does not overlap the image " + image->name +
+                             ": no slice shows it. Is it of another scan?");
   }
   reportNotices(parts_.panels, "Opened " + imageName(path), read.notices);
 }

@@ -36,7 +36,7 @@ std::string unitText(const geometry::MeshFormats &formats, const std::vector<std
   for (const std::filesystem::path &file : files) {
     if (scene::isScenePath(file)) continue;
     const auto said = formats.unitInFile(file);
-    const std::string unit = !stated.empty() ? stated + ", as was asked"
+    const std::string unit = !stated.empty() ? stated + ", as requested"
                              : said          ? std::string(geometry::unitName(*said)) + ", as the file states"
                                              : "mm, because the file states no unit";
     if (text.find(unit) == std::string::npos) text += (text.empty() ? "" : "; ") + unit;

@@ -163,8 +163,7 @@ void positionByOffsets(const DicomSet &set, DicomFile &out) {
     return;
   }
   if (offsets.size() < out.frames.size()) {
-    out.refusal =
-        "its " + std::to_string(out.frames.size()) + " frames have no places of their own (a film, not a volume)";
+    out.refusal = "its " + std::to_string(out.frames.size()) + " frames have no positions (a cine loop, not a volume)";
     return;
   }
   const Vec3 origin = *first.position, normal = cross(first.alongRow, first.alongColumn);
@@ -193,8 +192,8 @@ bool readFrames(const DicomSet &set, DicomFile &out) {
     if (framesAreTimeSeries(out.modality))
       out.isTimeSeries = true;
     else
-      out.refusal =
-          "its " + std::to_string(out.frames.size()) + " frames have no place in the patient (a film, not a volume)";
+      out.refusal = "its " + std::to_string(out.frames.size()) +
+                    " frames have no position in the patient (a cine loop, not a volume)";
   }
   return true;
 }

@@ -107,15 +107,13 @@ void splitMosaic(const DicomSet &set, DicomFile &file) {
   const auto apart = set.decimals(0x00180088);
   const double step = !apart.empty() ? std::abs(apart[0]) : 0.0;
   if (!(step > 0.0 && step < 1e4))
-    return refuseTiles("whose Spacing Between Slices is missing: how far its slices lie apart is not known");
+    return refuseTiles("whose Spacing Between Slices is missing: the slice distance is unknown");
   const auto stated = field("SliceNormalVector");
   const Vec3 normal = cross(whole.alongRow, whole.alongColumn);
   const double along = stated.size() == 3 ? dot({stated[0], stated[1], stated[2]}, normal) : 0.0;
   if (!(std::abs(along) > 0.99 && std::abs(along) < 1.01))
-    return refuseTiles(
-        stated.size() == 3
-            ? "whose SliceNormalVector is not across its slices"
-            : "whose SliceNormalVector is missing: in which direction its slices follow each other is not known");
+    return refuseTiles(stated.size() == 3 ? "whose SliceNormalVector is not perpendicular to its slices"
+                                          : "whose SliceNormalVector is missing: the stacking direction is unknown");
 
   file.tiles = tiles;
   const double adjacentColumns = static_cast<double>(file.columns - file.columns / tiles),
@@ -131,7 +129,7 @@ void splitMosaic(const DicomSet &set, DicomFile &file) {
     file.frames[f].time = 0.0;
   }
   file.notices.push_back("The picture is a mosaic of " + std::to_string(file.frames.size()) +
-                         " slices (Siemens): it is taken apart into its volume.");
+                         " slices (Siemens): it is split into them.");
 }
 
 bool splitTiles(const DicomFile &file, DicomPixels &pixels) {

@@ -290,7 +290,7 @@ Expected<std::vector<char>> byCodec(const std::filesystem::path &path, std::vect
   if (type == gdcm::TransferSyntax::TS_END) return refuse(path, "its encoding " + syntax + " is not read");
   if (layout.samples == 1 && !layout.colours.empty() &&
       (syntax == "1.2.840.10008.1.2.4.50" || syntax == "1.2.840.10008.1.2.4.51"))
-    return refuse(path, "its palette colours are packed by lossy JPEG, which changes them to others");
+    return refuse(path, "its palette colours are compressed by lossy JPEG, which alters palette indices");
   if (layout.frames == 1)  // one frame may be split into fragments
     for (; pieces.size() > 1; pieces.erase(pieces.begin() + 1))
       pieces[0].insert(pieces[0].end(), pieces[1].begin(), pieces[1].end());

@@ -76,8 +76,7 @@ class Planner {
     double step = first.sliceStep;
     if (isTimeSeries) {
       step = 0.0;  // one position
-      note("The " + std::to_string(order.size()) +
-           " frames have no places of their own (a film): each is a time point.");
+      note("The " + std::to_string(order.size()) + " frames have no positions (a cine loop): each is a time point.");
     } else if (!known && order.size() > 1) {
       if (step == 0.0) step = 1.0;
       note("The slices have no positions: they are stacked in the order of their numbers, " + rounded(step) +
@@ -181,7 +180,7 @@ class Planner {
     // 0.05 degrees move slices by less than a tenth of a pixel over a hand's breadth.
     if (tilt > 0.05)
       note("The slices are tilted by " + formatNumber(std::round(tilt * 10.0) / 10.0) +
-           " degrees against their row (gantry tilt): the grid is kept sheared, as it was acquired.");
+           " degrees relative to the stacking direction (gantry tilt): the sheared grid is retained.");
     return {};
   }
 

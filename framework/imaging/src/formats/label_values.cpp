@@ -69,7 +69,7 @@ Expected<Survey> surveyOf(const std::filesystem::path &path, const VolumeGeometr
         if (found.negative && *found.negative != meaning.number)
           return refuse(path, "is no label map: it holds " + formatNumber(*found.negative) + " and, at " +
                                   placeOf(grid, v) + ", " + formatNumber(value) +
-                                  "; one negative value is taken for background" + kAccepted);
+                                  "; one negative value is treated as background" + kAccepted);
         found.negative = meaning.number;
         ++found.negatives;
         break;
@@ -118,10 +118,10 @@ Expected<LabelValues> valuesOf(const std::filesystem::path &path, const VolumeGe
     out.notices.push_back(
         voxels(found->notFinite) +
         (found->notFinite == 1 ? " is not a finite number and is" : " are not finite numbers and are") +
-        " taken for background.");
+        " treated as background.");
   if (found->negative)
     out.notices.push_back(voxels(found->negatives) + " of " + formatNumber(*found->negative) +
-                          (found->negatives == 1 ? " is" : " are") + " taken for background, like those of 0.");
+                          (found->negatives == 1 ? " is" : " are") + " treated as background, like those of 0.");
   if (found->rounded > 0)
     out.notices.push_back(voxels(found->rounded) + (found->rounded == 1 ? " is" : " are") +
                           " not a whole number, by up to " + fmt::format("{:.2g}", found->farthest) +

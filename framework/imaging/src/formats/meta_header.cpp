@@ -93,7 +93,7 @@ std::string unknownKeys(const Keys &keys) {
       others += (others.empty() ? "" : ", ") + key.substr(0, 40);
   }
   if (slips.empty() && others.empty()) return {};
-  return "The header has keys that MetaImage does not know; they are left out: " + slips +
+  return "The header has keys unknown in MetaImage, which are ignored: " + slips +
          (slips.empty() || others.empty() ? "" : ", ") + others + ".";
 }
 
@@ -192,7 +192,7 @@ Expected<void> place(ImageHeader &header, const Keys &keys, std::size_t n) {
   auto matrix = numbersIn(valueOf(keys, {"TransformMatrix", "Rotation", "Orientation"}));
   if (matrix.size() < n * n) {
     header.notices.push_back(
-        "The header does not say how the image lies in the patient: the index axes are taken as left, "
+        "The header does not state the orientation of the image in the patient: the index axes are assumed to be left, "
         "posterior and superior.");
     matrix.assign(n * n, 0.0);
     for (std::size_t a = 0; a < n; ++a) matrix[a * n + a] = 1.0;
@@ -202,9 +202,9 @@ Expected<void> place(ImageHeader &header, const Keys &keys, std::size_t n) {
   std::vector<double> &offset = *origin;
   for (double &x : offset) x *= unit_mm;
   if (offset.empty())
-    header.notices.push_back("The header does not say where the first voxel lies (Offset): 0, 0, 0 is taken.");
+    header.notices.push_back("The header does not state the position of the first voxel (Offset): 0, 0, 0 is assumed.");
   offset.resize(std::max<std::size_t>(offset.size(), 3), 0.0);
-  if (n == 2) header.notices.push_back("The image is a single slice without a thickness: 1 mm is taken.");
+  if (n == 2) header.notices.push_back("The image is a single slice without a thickness: 1 mm is assumed.");
   const auto direction = [&](std::size_t a) -> Vec3 {  // each group of n numbers is the direction of one index axis
     if (n == 2) return a < 2 ? spacing[a] * Vec3{matrix[2 * a], matrix[2 * a + 1], 0.0} : Vec3{0.0, 0.0, 1.0};
     return spacing[a] * Vec3{matrix[a * n], matrix[a * n + 1], matrix[a * n + 2]};

@@ -171,10 +171,10 @@ Columns place(const Nifti &n, ImageHeader &header) {
     }
     return sform;
   }
-  if (n.sform > 0) header.notices.push_back("The sform of the header spans no volume and is left out.");
+  if (n.sform > 0) header.notices.push_back("The sform of the header spans no volume and is ignored.");
   if (n.qform > 0 && spans(qform)) return qform;
   header.notices.push_back(
-      "The header does not say how the image lies in the patient: the index axes are taken as right, "
+      "The header does not state the orientation of the image in the patient: the index axes are assumed to be right, "
       "anterior and superior; left and right may be exchanged.");
   return {Vec3{spacing[0], 0, 0}, Vec3{0, spacing[1], 0}, Vec3{0, 0, spacing[2]}, Vec3{}};
 }

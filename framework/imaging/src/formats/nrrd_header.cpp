@@ -77,9 +77,8 @@ Expected<Parsed> parse(const std::filesystem::path &path) {
     if (colon + 1 < line.size() && line[colon + 1] == '=') {
       out.keys.emplace_back(line.substr(0, colon), line.substr(colon + 2));
       if (const std::string name = fieldOf(lowerCase(trimmed(line.substr(0, colon)))); isField(name))
-        out.notices.push_back("'" + name +
-                              ":=' is a pair of key and value, which says nothing of the image; the field is '" + name +
-                              ": '.");
+        out.notices.push_back(
+            "'" + name + ":=' is a key/value pair, which does not describe the image; the field is '" + name + ": '.");
       continue;
     }
     const std::string written = trimmed(line.substr(0, colon)), name = fieldOf(lowerCase(written));
@@ -235,7 +234,7 @@ Expected<std::vector<std::size_t>> spatialAxes(ImageHeader &header, const std::v
     const bool inSpace = isOfSpace(kind) && isPlaced;
     if (!isOfSpace(kind) && !directions.empty() && isPlaced)
       header.notices.push_back("Axis " + std::to_string(a + 1) + " has a direction in space and is of kind '" + kind +
-                               "', which is no axis of space: its direction is left out.");
+                               "', which is not a spatial axis: its direction is ignored.");
     if (inSpace && axes.size() < 3) {
       axes.push_back(a);
       continue;
@@ -313,7 +312,8 @@ Expected<void> place(ImageHeader &header, const Parsed &parsed, const std::vecto
 
   std::array<Vec3, 3> column{};
   if (directions.empty())
-    header.notices.push_back("The header does not say how the image lies in the patient: only its spacing is known.");
+    header.notices.push_back(
+        "The header does not state the orientation of the image in the patient: only its spacing is known.");
   for (std::size_t a = 0; a < 3; ++a) {
     column[a][a] = 1.0;
     if (a >= axes->size()) {
@@ -339,7 +339,8 @@ Expected<void> place(ImageHeader &header, const Parsed &parsed, const std::vecto
   const auto origins = vectorsIn(parsed.field("space origin"));
   Vec3 origin{};
   if (!directions.empty() && origins.empty())
-    header.notices.push_back("The header does not say where the first voxel lies (space origin): 0, 0, 0 is taken.");
+    header.notices.push_back(
+        "The header does not state the position of the first voxel (space origin): 0, 0, 0 is assumed.");
   const std::size_t most = isTimed(parsed.field("space")) ? 4 : 3;
   for (const auto &direction : directions)
     if (direction.size() > most)

@@ -34,7 +34,7 @@ Expected<std::size_t> countVolumes(const ImageHeader &header, const ReadOptions 
   std::vector<char> away(1u << 20);
   const double all = bytesOfAll(header);
   while (bytes.at() < all) {
-    if (!shouldContinue(options.progress, bytes.at() / all, "Looking whether the file is whole"))
+    if (!shouldContinue(options.progress, bytes.at() / all, "Checking whether the file is complete"))
       return cancelled(header.path);
     if (!bytes.read(away.data(),
                     static_cast<std::size_t>(std::min(static_cast<double>(away.size()), all - bytes.at()))))
@@ -72,8 +72,8 @@ Expected<void> readBinary(const ImageHeader &header, const ReadOptions &options,
   if (bytes.at() >= bytesOfAll(header)) {
     whole = header.volumes;
     if (const std::string fault = bytes.faultAtEnd(); !fault.empty()) {
-      if (fault.find("damaged") != std::string::npos) return refuse(header.path, fault + " (check sum)");
-      notices.push_back("The file ends before its check sum: whether the voxels are undamaged is not known.");
+      if (fault.find("damaged") != std::string::npos) return refuse(header.path, fault + " (checksum)");
+      notices.push_back("The file ends before its checksum, so the voxels cannot be verified.");
     }
   } else if (!whole) {
     const auto counted = countVolumes(header, options, bytes);
@@ -216,7 +216,7 @@ Expected<Voxels> readStored(const ImageHeader &header, const ReadOptions &option
     return readOf<double>(header, options, whole, notices);
   } catch (const std::bad_alloc &) {
     return refuse(header.path,
-                  "reading needs " + megabytes(bytesOfVolume(header)) + " of memory, which the machine does not give");
+                  "reading needs " + megabytes(bytesOfVolume(header)) + " of memory, which is not available");
   }
 }
 

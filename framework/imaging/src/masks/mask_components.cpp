@@ -35,7 +35,7 @@ class Components {
           const std::size_t begin = i;
           while (i < nx && (row[i] != 0) == inside) ++i;
           if (all.runs_.size() >= std::numeric_limits<std::uint32_t>::max())
-            return fail(ErrorCode::input, "the mask falls into more than four thousand million pieces along its rows");
+            return fail(ErrorCode::input, "the mask has more than 4 billion runs of voxels along its rows");
           all.runs_.push_back({static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(i),
                                static_cast<std::uint32_t>(all.runs_.size())});
         }

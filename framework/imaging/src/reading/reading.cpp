@@ -145,8 +145,9 @@ Expected<LoadedVolume> readVolume(const std::filesystem::path &path, const ReadO
   if (header->layered && options.time > 0) return hasOneTime(path, options.time);
   auto loaded = readFile(*header, options);
   if (loaded && header->layered)
-    loaded->notices.push_back("The file holds " + std::to_string(header->volumes) +
-                              " layers of a segmentation: the first is read as an image; as a label map all are.");
+    loaded->notices.push_back(
+        "The file holds " + std::to_string(header->volumes) +
+        " layers of a segmentation: read as an image, only the first is used; read as a label map, all are.");
   return loaded;
 }
 

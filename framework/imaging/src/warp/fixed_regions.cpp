@@ -56,7 +56,7 @@ std::vector<std::uint8_t> among(std::span<const std::uint16_t> labels) {
 Expected<void> markFixedRegions(const FixedRegionRule &rule, const Volume &image, const LabelMap *labels,
                                 Mask &places) {
   if (places.geometry.size != image.geometry.size || places.voxels.size() != image.geometry.voxelCount())
-    return fail(ErrorCode::usage, "what stays is told on another grid than that of the image");
+    return fail(ErrorCode::usage, "the mask of fixed regions is on a different grid from the image");
   if (rule.outside) {
     std::replace(places.voxels.begin(), places.voxels.end(), std::uint8_t{0}, kFixedVoxel);
     return {};

@@ -295,7 +295,7 @@ Expected<Volume> magnitudeOf(const DisplacementGrid &u, const VolumeGeometry &gr
     out.unit = "mm";
     auto &values = out.voxels.emplace<std::vector<float>>(grid.voxelCount(), 0.0f);
     const std::optional<EmptiedRegion> vacated = emptiedBy(u, grid);
-    const auto done = forRows(u, grid, "amount of displacement", progress, threads,
+    const auto done = forRows(u, grid, "displacement magnitude", progress, threads,
                               [&](const DisplacementRow &row, std::size_t j, std::size_t k, Part part) {
                                 float *value = values.data() + grid.size[0] * (j + grid.size[1] * k);
                                 for (std::size_t i = part.begin; i < part.end; ++i) {
@@ -319,7 +319,7 @@ Expected<Mask> emptiedRegions(const DisplacementGrid &u, const VolumeGeometry &g
     Mask out{grid, std::vector<std::uint8_t>(grid.voxelCount(), 0)};
     const std::optional<EmptiedRegion> vacated = emptiedBy(u, grid);
     if (!vacated) return out;
-    const auto done = forRows(u, grid, "places left by bodies", progress, threads,
+    const auto done = forRows(u, grid, "vacated regions", progress, threads,
                               [&](const DisplacementRow &row, std::size_t j, std::size_t k, Part) {
                                 std::uint8_t *voxel = out.voxels.data() + grid.size[0] * (j + grid.size[1] * k);
                                 for (std::size_t i = 0; i < grid.size[0]; ++i) {

@@ -108,7 +108,7 @@ class ReadOnlyBytes {
   /// Logged once per call.
   void report(const PluginContext &plugin, const char *what) const {
     if (sum() != before_)
-      log(LogLevel::error, fmt::format("plugin {}: {} has written to what it is lent for reading", plugin.id(), what));
+      log(LogLevel::error, fmt::format("plugin {}: {} has written to read-only data", plugin.id(), what));
   }
 
  private:
@@ -148,8 +148,7 @@ Expected<geometry::ReadMesh> readWith(PluginContext &plugin, const c3de_mesh_rea
   if (!returned) return fail(ErrorCode::plugin, "an exception left it; the log says which");
   // A reader that continues after some of its data was refused has not provided a whole mesh.
   if (collector.status() < 0) return fail(ErrorCode::input, collector.refusal());
-  if (status == C3DE_E_CANCELLED)
-    return fail(ErrorCode::plugin, "it says that it was cancelled, which nobody asked for");
+  if (status == C3DE_E_CANCELLED) return fail(ErrorCode::plugin, "it reports a cancellation that was not requested");
   if (status < 0) return fail(ErrorCode::input, text.empty() ? "it fails with " + statusName(status) : text);
   return mesh;
 }
@@ -196,8 +195,7 @@ Expected<std::string> writeWith(PluginContext &plugin, const c3de_mesh_writer &w
   if (writing.isCancelled) return fail(ErrorCode::cancelled, "cancelled");
   if (!returned) return fail(ErrorCode::plugin, "an exception left it; the log says which");
   if (!collector.refusal.empty()) return fail(ErrorCode::plugin, collector.refusal);
-  if (status == C3DE_E_CANCELLED)
-    return fail(ErrorCode::plugin, "it says that it was cancelled, which nobody asked for");
+  if (status == C3DE_E_CANCELLED) return fail(ErrorCode::plugin, "it reports a cancellation that was not requested");
   if (status < 0) return fail(ErrorCode::plugin, text.empty() ? "it fails with " + statusName(status) : text);
   return std::move(collector.bytes);
 }

@@ -17,8 +17,7 @@ namespace {
 
 std::shared_ptr<scene::Simulation> find(PluginContext &plugin, c3de_handle node) {
   auto found = plugin.services().simulations->find(handleOf(node));
-  if (!found)
-    throw Refusal(C3DE_E_NOT_FOUND, fmt::format("no simulation stands behind the node of handle {}", textOf(node)));
+  if (!found) throw Refusal(C3DE_E_NOT_FOUND, fmt::format("the node of handle {} has no simulation", textOf(node)));
   return found;
 }
 
@@ -102,18 +101,17 @@ c3de_status C3DE_CALL watch(void *ctx, const c3de_simulation_watch *given, c3de_
     watch.owner = plugin.id();
     if (taken.added)
       watch.added = [owner = &plugin, taken](Handle node) {
-        callPlugin(*owner, "added of a watch of simulations", [&] { taken.added(taken.self, {node.bits()}); });
+        callPlugin(*owner, "added of a simulation watch", [&] { taken.added(taken.self, {node.bits()}); });
       };
     if (taken.removed)
       watch.removed = [owner = &plugin, taken](Handle node) {
-        callPlugin(*owner, "removed of a watch of simulations", [&] { taken.removed(taken.self, {node.bits()}); });
+        callPlugin(*owner, "removed of a simulation watch", [&] { taken.removed(taken.self, {node.bits()}); });
       };
     if (taken.stepped)
-      watch.stepped = [fuse = std::make_shared<CircuitBreaker>(plugin, "a watch of simulations"), taken,
-                       owner = &plugin,
+      watch.stepped = [fuse = std::make_shared<CircuitBreaker>(plugin, "a simulation watch"), taken, owner = &plugin,
                        isReported = std::make_shared<bool>(false)](Handle node, const c3de_sim_status &status) {
         (void)fuse->call(
-            "stepped of a watch of simulations",
+            "stepped of a simulation watch",
             [&] {
               taken.stepped(taken.self, {node.bits()}, status.steps, status.time_s);
               return C3DE_OK;
@@ -123,7 +121,7 @@ c3de_status C3DE_CALL watch(void *ctx, const c3de_simulation_watch *given, c3de_
         const std::string change = changeOf(*owner, node, status);
         if (change.empty()) return;
         *isReported = true;
-        log(LogLevel::error, fmt::format("plugin {}: stepped of a watch of simulations {}; other states are asked for "
+        log(LogLevel::error, fmt::format("plugin {}: stepped of a simulation watch {}; other states are asked for "
                                          "by transport() of {}",
                                          owner->id(), change, C3DE_SIMULATION_ID));
       };
@@ -139,7 +137,7 @@ c3de_status C3DE_CALL unwatch(void *ctx, c3de_handle watch) noexcept {
         throw Refusal(C3DE_E_STATE, "a watch cannot be removed from within stepped()");
       case scene::SimulationDirectory::Removal::stale:
         throw Refusal(C3DE_E_STALE,
-                      fmt::format("plugin {} has no watch of simulations of handle {}", plugin.id(), textOf(watch)));
+                      fmt::format("plugin {} has no simulation watch of handle {}", plugin.id(), textOf(watch)));
     }
   });
 }

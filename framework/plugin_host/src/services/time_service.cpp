@@ -33,7 +33,7 @@ c3de_status C3DE_CALL postToMain(void *ctx, void *self, void(C3DE_CALL *fn)(void
     {
       const std::lock_guard lock(plugin.posted->mutex);
       // Checked again, under the lock with which revokeAll() clears the list.
-      if (plugin.isClosed()) throw Refusal(C3DE_E_STATE, "the plugin is being taken back");
+      if (plugin.isClosed()) throw Refusal(C3DE_E_STATE, "the plugin is being unloaded");
       plugin.posted->waiting.emplace_back(self, fn);
     }
     // The queue holds the waiting list, not the plugin: functions that were already run or dropped are no longer in it.

@@ -215,10 +215,11 @@ Expected<std::string> writeImages(const ImageExport &wanted, const imaging::Volu
   marks.geometry = vacated->geometry;
   marks.voxels = std::move(vacated->voxels);
   if (auto written = imaging::writeVolume(mask, marks); !written) return tl::unexpected(written.error());
-  told += (told.empty() ? "" : "\n") + pathText(wanted.displacement) + "\n" + pathText(mask) + ": " +
-          (voxels == 0 ? std::string("no voxel is left by a body")
-                       : fmt::format("{} voxels ({:.2f} ml) are left by a body: nothing is known of what is there now",
-                                     voxels, millilitres));
+  told +=
+      (told.empty() ? "" : "\n") + pathText(wanted.displacement) + "\n" + pathText(mask) + ": " +
+      (voxels == 0 ? std::string("no voxel is vacated by a body")
+                   : fmt::format("{} voxels ({:.2f} ml) are vacated by a body: nothing is known of what is there now",
+                                 voxels, millilitres));
   return told;
 }
 

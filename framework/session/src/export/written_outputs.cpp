@@ -24,7 +24,7 @@ std::string WrittenOutputs::written() const { return listOf(written_); }
 
 Error WrittenOutputs::error() const {
   return {code_,
-          "not or not wholly written: " + listOf(failed_) + "; written: " + (written_.empty() ? "nothing" : written())};
+          "not completely written: " + listOf(failed_) + "; written: " + (written_.empty() ? "nothing" : written())};
 }
 
 }  // namespace c3de::session

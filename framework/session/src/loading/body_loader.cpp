@@ -213,7 +213,7 @@ void BodyLoader::reportThinTissue(c3de_handle added, const scene::SceneBody &bod
   if (count > kMost) names += " and " + std::to_string(count - kMost) + " more";
   log(LogLevel::info, "body '" + body.name + "': thinner than the spacing of " +
                           formatNumber(std::round(10.0 * spacing_mm) / 10.0) + " mm: " + names +
-                          "; cells hold such tissue beside what is around it, each by its volume, and move both alike");
+                          "; their cells mix such tissue with its surroundings by volume, and both move together");
 }
 
 }  // namespace c3de::session

@@ -29,7 +29,7 @@ Error unknownKind(const std::filesystem::path &path, const geometry::MeshFormats
   for (const std::string &one : formats ? formats->extensions() : std::vector<std::string>(own.begin(), own.end()))
     meshes.append(meshes.empty() ? "" : ", ").append(one);
   return {ErrorCode::input, path.string() +
-                                ": is nothing that can be read; accepted: scenes (.toml), images (NIfTI, NRRD, "
+                                ": is not a supported file; accepted: scenes (.toml), images (NIfTI, NRRD, "
                                 "MetaImage, DICOM), meshes (" +
                                 meshes + ")"};
 }

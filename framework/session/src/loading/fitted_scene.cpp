@@ -31,7 +31,7 @@ void setBudgetShare(const scene::SceneFile &scene, const std::vector<ParameterDe
 /// Checks that the simulator supports the features that the scene requires besides values.
 Expected<void> checkSupported(c3de_object *simulator, const scene::SceneFile &scene) {
   const auto refuse = [&](int line, const char *what) {
-    return fail(ErrorCode::input, scene.where(line) + ": '" + what + "' is not served by this simulator");
+    return fail(ErrorCode::input, scene.where(line) + ": '" + what + "' is not supported by this simulator");
   };
   const auto table = simulatorTable(simulator);
   if (!table) return tl::unexpected(table.error());

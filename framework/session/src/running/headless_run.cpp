@@ -92,7 +92,7 @@ void HeadlessRun::exportFrame(bool isEnd) {
   if (const auto added = addFrame(); !added) {
     outputs_.addFailure(
         options_.exportList,
-        {added.error().code, added.error().message + "; the frames before it are kept, and the run goes on"});
+        {added.error().code, added.error().message + "; earlier frames are kept, and the run continues"});
     export_.reset();
     return;
   }
@@ -242,7 +242,7 @@ Expected<void> HeadlessRun::stepToEnd(ProgressLine &progress) {
       break;
     }
     if (!finished_ && facts_.steps == stepsBefore && facts_.time_s == timeBefore_s) {
-      endWith("failed", "the simulator answers that it has made a step, but neither step count nor time has grown");
+      endWith("failed", "the simulator reports a step, but neither step count nor time has advanced");
       break;
     }
     if (wantsProbes_ && facts_.steps % options_.probesEvery == 0)
@@ -269,7 +269,7 @@ Expected<void> HeadlessRun::run() {
   if (const auto stepped = stepToEnd(progress); !stepped) return stepped;
   if (facts_.outcome == "done" && stopped_ > 0)
     endWith("diverged", std::to_string(stopped_) + (stopped_ == 1 ? " body" : " bodies") +
-                            " stopped on the way; \"events\" of the report say which, where and what would help");
+                            " stopped early; \"events\" in the report state which, where and what would help");
   // The end, whatever its cause, is the last row.
   if (wantsProbes_ && sampledStep_ != facts_.steps)
     if (const auto sampled = sampleProbes(); !sampled) return sampled;

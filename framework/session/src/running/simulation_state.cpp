@@ -58,7 +58,7 @@ Expected<const c3de_simulator_v1 *> keepingTable(c3de_object *simulator, const S
   if (!table) return table;
   if ((*table)->save_state == nullptr || (*table)->load_state == nullptr)
     return fail(ErrorCode::plugin,
-                fmt::format("simulator {} of {} keeps no states in files", identity.classId, identity.plugin));
+                fmt::format("simulator {} of {} cannot save states", identity.classId, identity.plugin));
   return table;
 }
 
@@ -73,7 +73,7 @@ struct StateFile {
 
 Expected<StateFile> readHeader(std::string_view bytes, const std::string &name) {
   if (!bytes.starts_with(kMagic))
-    return fail(ErrorCode::input, name + ": is not the state of a simulation, as --save-state and Save state write it");
+    return fail(ErrorCode::input, name + ": is not a state file written by --save-state or Save state");
   std::string_view rest = bytes.substr(kMagic.size());
   const auto format = takeNumber(rest);
   if (format && *format != kFormat)
@@ -84,7 +84,7 @@ Expected<StateFile> readHeader(std::string_view bytes, const std::string &name) 
   if (!format || !classId || !plugin || !version || !state || !sum)
     return fail(ErrorCode::input, fmt::format("{}: the state ends too early, after {} bytes", name, bytes.size()));
   if (*sum != checksum(summed) || !rest.empty())
-    return fail(ErrorCode::input, name + ": the state is damaged: its checksum is another");
+    return fail(ErrorCode::input, name + ": the state is damaged: its checksum does not match");
   return StateFile{*classId, *plugin, *version, *state};
 }
 

@@ -54,7 +54,7 @@ void addVerified(const Json &body, bool hasStatement, std::vector<std::string> &
   if (!hasStatement)
     lines.push_back(
         largest > 0.0
-            ? fmt::format("{}: verified, off by {:.3g} mm ({:.3g} % of {:.3g} mm) at 95 % of its skin, {:.3g} mm "
+            ? fmt::format("{}: verified, error {:.3g} mm ({:.3g} % of {:.3g} mm) at 95 % of its skin, {:.3g} mm "
                           "at most",
                           name, 1e3 * error, 100.0 * error / largest, 1e3 * largest,
                           1e3 * numberOf(body, "error_max_m"))
@@ -86,9 +86,9 @@ Expected<std::string> verification(Session &session, c3de_object *simulator, con
                          [&] { return table->verify(simulator, &progress, scene::sinkInto(text)); });
   if (code >= 0 && Json::parse(text, nullptr, false).is_object()) return text;
   const std::string reason = session.plugins().takeError();
-  if (code == C3DE_E_CANCELLED) return fail(ErrorCode::cancelled, "the verification was ended before it was done");
+  if (code == C3DE_E_CANCELLED) return fail(ErrorCode::cancelled, "the verification was cancelled");
   return fail(ErrorCode::plugin,
-              code >= 0 ? "what the simulator says of its verification is not a JSON object"
+              code >= 0 ? "the simulator's verification is not a JSON object"
                         : "the verification failed: " + (reason.empty() ? "status " + std::to_string(code) : reason));
 }
 

@@ -37,11 +37,11 @@ Coverage coverageOf(const imaging::Mask &asked, const imaging::Mask &filled, std
 
 std::string sentenceOf(const Coverage &coverage) {
   if (!(coverage.missing_mm3 > kReportedFraction * coverage.requested_mm3)) return {};
-  std::string text = fmt::format("{:.3g} ml ({:.2g} %) of what was asked for as '{}' is in no body",
+  std::string text = fmt::format("{:.3g} ml ({:.2g} %) of the volume requested as '{}' belongs to no body",
                                  1e-3 * coverage.missing_mm3, 100.0 * (1.0 - coverage.part()), coverage.body);
   if (coverage.specks > 0)
-    text += coverage.specks == 1 ? "; 1 loose island of a few voxels is left out"
-                                 : fmt::format("; {} loose islands of a few voxels are left out", coverage.specks);
+    text += coverage.specks == 1 ? "; 1 loose island of a few voxels is omitted"
+                                 : fmt::format("; {} loose islands of a few voxels are omitted", coverage.specks);
   return text + "; shorter edges of the skin (edge_length) keep thin parts";
 }
 

@@ -81,7 +81,7 @@ Expected<TissueSnapshot> readTissues(c3de_object *simulator, std::shared_ptr<con
   for (const BodyState &body : *skins)
     for (const Vec3 &x : body.skin.vertices) bodies.add(x);
   if (!imaging::boxOf(u->geometry).holds(bodies))
-    return fail(ErrorCode::state, "the grid of the displacement does not hold all bodies");
+    return fail(ErrorCode::state, "the grid of the displacement does not contain all bodies");
   return TissueSnapshot{std::move(u), std::move(*skins)};
 }
 
@@ -105,7 +105,7 @@ Expected<std::vector<TissueMotion>> followTissues(const TissueSnapshot &snapshot
     }
     const MaterialFollower follower(u, box, ownPoints(snapshot.skins, places.body, u.geometry));
     for (std::size_t i = 0; i < places.labels.size(); ++i) {
-      if (goesOn && !goesOn()) return fail(ErrorCode::cancelled, "following the labels was ended");
+      if (goesOn && !goesOn()) return fail(ErrorCode::cancelled, "tracking of the labels was cancelled");
       const LabelVoxels &label = places.labels[i];
       LabelMotion &out = motion.labels[i];
       out.reference_m3 = 1e-9 * std::abs(scale3) * places.voxel_mm3 * static_cast<double>(label.voxels);

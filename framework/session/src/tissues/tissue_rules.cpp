@@ -31,7 +31,7 @@ std::string shown(const scene::SceneTissueRule &rule) {
     text = "values " + formatNumber((*rule.threshold)[0]) + " to " + formatNumber((*rule.threshold)[1]) +
            (rule.image.empty() ? "" : " of " + rule.image.filename().string());
   if (rule.margin_mm > 0.0)
-    text += (text.empty() ? "" : ", ") + formatNumber(rule.margin_mm) + " mm around tissues before it";
+    text += (text.empty() ? "" : ", ") + formatNumber(rule.margin_mm) + " mm around earlier tissues";
   return text + (rule.region ? ", within its region" : "");
 }
 
@@ -90,9 +90,10 @@ Expected<void> applyRules(const scene::SceneFile &scene, scene::SceneBody &body,
         ++count;
       }
     if (count == 0)
-      return failInScene({ErrorCode::input, "tissue '" + tissue.label + "' holds no voxel (" + shown(rule) +
-                                                "); accepted: what labels and tissues before it leave something of"},
-                         scene, tissue.line);
+      return failInScene(
+          {ErrorCode::input, "tissue '" + tissue.label + "' holds no voxel (" + shown(rule) +
+                                 "); accepted: a rule that selects voxels not used by labels and earlier tissues"},
+          scene, tissue.line);
     taken.labels.push_back({value, tissue.label, imaging::distinctColour(value)});
     tissue.labels = {{layers.size(), value, tissue.label}};
   }

@@ -109,7 +109,7 @@ Expected<void> assignLabels(scene::SceneTissue &tissue, std::vector<Candidate> &
   }
   if (tissue.labels.empty())
     return fail(ErrorCode::input, "the labels of tissue '" + tissue.label +
-                                      "' are of tissues before it, of the first that names them; accepted: each label "
+                                      "' belong to earlier tissues, to the first that names them; accepted: each label "
                                       "in one tissue, single names before those with '*'");
   if (!tissue.isMaterialByName) return {};
   const auto first = scene::tissueOf(materials, tissue.labels.front().name);
@@ -164,7 +164,7 @@ void warnUnassigned(const scene::SceneVolume &volume, const std::vector<Candidat
   log(LogLevel::warn,
       volume.file.string() + ": " + std::to_string(names.size()) + (names.size() == 1 ? " label is" : " labels are") +
           " of no " + (volume.usesKnownTissues ? "known tissue" : "tissue") + " and " +
-          (volume.background ? "taken for background" : "left out, as there is no background") + ": " + listOf(names));
+          (volume.background ? "treated as background" : "left out, as there is no background") + ": " + listOf(names));
 }
 
 /// Assigns the sliding entries their labels.

@@ -56,7 +56,7 @@ void FileDialog::choose(const std::string &typed) {
   std::error_code ignored;
   if (request_.isSaving && std::filesystem::exists(choice->path, ignored) && toReplace_ != choice->path) {
     toReplace_ = choice->path;
-    error_ = pathText(choice->path.filename()) + " is there already. Press Save again to replace it.";
+    error_ = pathText(choice->path.filename()) + " already exists. Press Save again to replace it.";
     return;
   }
   recentFolders_[request_.extensions] = choice->path.parent_path();
@@ -110,7 +110,7 @@ void FileDialog::drawList(FrameContext &frame) {
     ImGui::PopID();
   }
   if (browser_.entries().empty())
-    ImGui::TextDisabled(request_.isSaving ? "Nothing of this kind here yet" : "Nothing here that can be opened");
+    ImGui::TextDisabled(request_.isSaving ? "No files of this type yet" : "No files that can be opened");
   ImGui::EndChild();
   ImGui::PopStyleColor();
   if (picked.empty()) return;

@@ -100,7 +100,7 @@ Expected<FileBrowser::Choice> FileBrowser::resolve(const std::string &typed) con
 }
 
 Expected<FileBrowser::Choice> FileBrowser::resolveNew(const std::string &typed) const {
-  if (typed.empty()) return fail(ErrorCode::usage, "no file is named");
+  if (typed.empty()) return fail(ErrorCode::usage, "no file name");
   std::error_code error;
   fs::path path = fs::weakly_canonical(pathOf(typed), error);
   if (!error && fs::is_directory(path, error)) return Choice{true, path};

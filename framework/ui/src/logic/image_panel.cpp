@@ -236,7 +236,7 @@ void ImagePanel::drawOverlay(const c3de_ui_v1 &ui, ImageOptions &options) {
   const std::string unit = views_.overlayQuantity().unit;
   const OverlayRange automatic = views_.overlayRange();
   if (checkbox(ui, "overlay_fixed", "Fixed range", options.hasFixedRange,
-               "Else it grows as soon as something is beyond, and shrinks once nothing is beyond two fifths of it"))
+               "Otherwise it grows when a value exceeds it and shrinks when no value exceeds two fifths of it"))
     options.fixedRange = automatic;
   if (!options.hasFixedRange) return row(ui, "Range", rangeText(automatic, unit));
   OverlayRange &range = options.fixedRange;

@@ -43,7 +43,7 @@ const char *paneName(Pane pane) {
 std::string Readout::placeText() const {
   const auto mm = [](double v) { return fmt::format("{:.1f}", std::abs(v) < 0.05 ? 0.0 : v); };
   std::string text = "LPS " + mm(world[0]) + ", " + mm(world[1]) + ", " + mm(world[2]) + " mm";
-  if (isEmptied) return text + "   left by a body";
+  if (isEmptied) return text + "   vacated by a body";
   if (!index) return text;
   text += fmt::format("   [{}, {}, {}]   ", (*index)[0], (*index)[1], (*index)[2]) + fmt::format("{:.6g}", value);
   if (!unit.empty()) text += " " + unit;

@@ -23,7 +23,7 @@ void labelList(const c3de_ui_v1 &ui, std::size_t count, std::size_t listed, std:
   tooltip(ui, "Labels whose names have these letters in them: \"kidney\", \"lung left\"");
   ui.list_begin(ui.ctx, toAbi(std::string_view("labels")),
                 static_cast<std::uint32_t>(std::clamp<std::size_t>(listed, 1, kManyLabels)));
-  if (listed == 0) text(ui, "No label is called so.");
+  if (listed == 0) text(ui, "No label matches.");
   rows();
   ui.list_end(ui.ctx);
 }

@@ -15,7 +15,7 @@ namespace {
 constexpr double kFewestPoints = 50.0, kMaxPoints = 20000.0, kShortestEdge_mm = 0.5, kLongestEdge_mm = 30.0;
 constexpr double kStiffestSurroundings = 3e5;  // Pa/m
 constexpr const char *kRigid =
-    "It stands where it is in the scan and costs nothing: for bone, whose small step would be everybody's";
+    "Stays fixed at its position in the scan, at no cost: for bone, which would otherwise limit every step";
 constexpr double kSmallestRadius_mm = 0.5, kLargestRadius_mm = 20.0;
 
 void swatch(const c3de_ui_v1 &ui, const render::Colour &colour) {
@@ -58,8 +58,7 @@ void SegmentationPanel::draw(const c3de_ui_v1 &ui) {
     drawSteps(ui);
   drawUndo(ui);
   // One step at a time: the others would only fill the panel.
-  if (several == 0 && !workflow_.mask().mask())
-    return text(ui, "Then: its material, how finely it is sampled, and the simulation.");
+  if (several == 0 && !workflow_.mask().mask()) return text(ui, "Next: material, sampling and simulation.");
   heading(ui, several > 0 ? "2  Materials" : "2  Material");
   if (several > 0)
     drawMaterials(ui);
@@ -186,12 +185,12 @@ void SegmentationPanel::drawUndo(const c3de_ui_v1 &ui) {
   if (!mask.mask() && !mask.canUndo() && !mask.canRedo()) return;
   const std::string undone = mask.undoLabel(), redone = mask.redoLabel();
   if (button(ui, "undo", "Undo", !undone.empty())) workflow_.undo();
-  tooltip(ui, ("Takes back the last step" + (undone.empty() ? "" : ": " + undone) +
+  tooltip(ui, ("Undoes the last step" + (undone.empty() ? "" : ": " + undone) +
                " (Ctrl+Z; not by keys after a body was created: what it comes from is laid over it)")
                   .c_str());
   sameLine(ui);
   if (button(ui, "redo", "Redo", !redone.empty())) workflow_.redo();
-  tooltip(ui, ("Does it again" + (redone.empty() ? "" : ": " + redone) + " (Ctrl+Shift+Z)").c_str());
+  tooltip(ui, ("Redoes the undone step" + (redone.empty() ? "" : ": " + redone) + " (Ctrl+Shift+Z)").c_str());
 }
 
 void SegmentationPanel::drawSeveral(const c3de_ui_v1 &ui) {
@@ -287,7 +286,7 @@ void SegmentationPanel::drawHolding(const c3de_ui_v1 &ui) {
   segmentation::SegmentationSettings s = workflow_.settings();
   auto held = static_cast<std::uint32_t>(s.held);
   choice(ui, "held", "Held", held, {"by its surroundings", "the lowest part", "nothing"});
-  tooltip(ui, "By its surroundings: elastically, where it is in the scan, so that it comes back. Nothing: it drifts");
+  tooltip(ui, "By its surroundings: elastically at its position in the scan, to which it returns. Nothing: it drifts");
   if (static_cast<segmentation::Held>(held) == segmentation::Held::surroundings)
     slider(ui, "surroundings", "Surroundings", "Pa/m", s.surroundings_Pa_m, 0.0, kStiffestSurroundings,
            "How the tissue around pulls the surface to its place: stress per way. 30 000: an organ sinks some "

@@ -17,8 +17,7 @@ std::string noteOf(const FrameContext &frame) {
   if (frame.modes.region()->isTurned())
     note = "The slices are along the axes of the patient, as the box is, until this ends.";
   if (const ImageViews *images = frame.shownImages(); images && images->isAtRest())
-    note += std::string(note.empty() ? "" : " ") +
-            "The scan is shown as it was read, until this ends; bodies have moved it since.";
+    note += std::string(note.empty() ? "" : " ") + "The scan is shown undeformed until you finish.";
   return note;
 }
 

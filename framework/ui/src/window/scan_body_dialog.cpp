@@ -87,7 +87,7 @@ void drawRow(FrameContext &frame, ScanBody &scan, std::size_t at) {
   else
     ImGui::TextUnformatted(row.known.c_str());
   frame.automation.value(kArea, row.name + ".known", row.known.empty() ? "not known" : row.known);
-  itemTooltip(frame, row.known.empty() ? "No tissue is known by this name; choose what it is of" : row.remark);
+  itemTooltip(frame, row.known.empty() ? "No known tissue has this name; choose one" : row.remark);
   ImGui::TableNextColumn();
   const std::vector<LabelUse> uses = usesOf(scan, row.isAir);
   std::vector<std::string> names;
@@ -134,7 +134,7 @@ void drawListed(FrameContext &frame, ScanBody &scan, const std::vector<std::size
   ImGui::BeginDisabled(!scan.canUndo());
   if (ImGui::Button("Undo###undo", ImVec2(undo, 0))) scan.undo();
   markItem(frame, kArea, "undo", scan.canUndo());
-  itemTooltip(frame, "Takes back the last choice of a material or of the region (Ctrl+Z)");
+  itemTooltip(frame, "Undoes the last change of a material or of the region (Ctrl+Z)");
   ImGui::EndDisabled();
 }
 
@@ -223,7 +223,7 @@ bool drawSettings(FrameContext &frame, ScanBody &scan) {
     auto posture = static_cast<std::uint32_t>(settings.posture);
     ImGui::SameLine();
     choice(frame, "posture", frame.theme.px(220.0f),
-           {"lying on the back", "lying on the front", "lying on the left", "lying on the right", "upright"}, posture);
+           {"supine", "prone", "lying on the left side", "lying on the right side", "upright"}, posture);
     settings.posture = static_cast<segmentation::Posture>(posture);
   }
   const bool isDrawn = drawRegion(frame, scan, settings);
@@ -293,14 +293,14 @@ void drawScanBody(FrameContext &frame) {
   ImGui::BeginDisabled(!reason.empty());
   const bool isMade = ImGui::Button("Make", ImVec2(frame.theme.px(120.0f), 0));
   markItem(frame, kArea, "make", reason.empty());
-  itemTooltip(frame, "Beside the window, with a bar that can be cancelled; what is open stays until it is complete");
+  itemTooltip(frame, "Runs in the background and can be cancelled; the current scene is kept until it is complete");
   ImGui::EndDisabled();
   ImGui::SameLine();
   const bool isComplete = scan->sceneReason().empty();
   ImGui::BeginDisabled(!isComplete);
   const bool isSaved = ImGui::Button("Save scene…", ImVec2(frame.theme.px(120.0f), 0));
   markItem(frame, kArea, "save", isComplete);
-  itemTooltip(frame, "Write what is chosen as a scene file, to open or to run later");
+  itemTooltip(frame, "Write these settings as a scene file, to open or run later");
   ImGui::EndDisabled();
   ImGui::SameLine();
   if (isMade) isShown = false;

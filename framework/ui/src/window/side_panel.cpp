@@ -59,7 +59,7 @@ void sceneTree(FrameContext &frame) {
         node->isFolded = !node->isFolded;
       ImGui::PopStyleVar();
       markItem(frame, "scene", node->name + "/fold");
-      itemTooltip(frame, node->isFolded ? "List what is below it" : "Do not list what is below it");
+      itemTooltip(frame, node->isFolded ? "Expand" : "Collapse");
     }
     ImGui::PopID();
   }

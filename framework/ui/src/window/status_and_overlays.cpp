@@ -137,7 +137,7 @@ void drawStatusBar(FrameContext &frame, const PixelRect &area) {
   itemTooltip(frame, commandInfo(Command::showMessages).doc);
   ImGui::SameLine(rateAt);
   ImGui::TextColored(colour::kDim, "%s", rate.c_str());
-  itemTooltip(frame, "Frames drawn per second; nothing is drawn while nothing changes");
+  itemTooltip(frame, "Frames per second; no frames are drawn while nothing changes");
   ImGui::PopFont();
   ImGui::End();
 }

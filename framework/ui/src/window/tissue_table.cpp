@@ -125,7 +125,7 @@ void drawTissueTable(FrameContext &frame, const TissueTable &table) {
     ImGui::EndTable();
   }
   ImGui::PopFont();
-  if (listed.empty()) ImGui::TextColored(colour::kDim, "No label is called so.");
+  if (listed.empty()) ImGui::TextColored(colour::kDim, "No label matches.");
   frame.state.sideRows.row("tissues/export");
   if (ImGui::Button("Export…###export")) frame.request(Command::exportTissues);
   markItem(frame, kArea, "export");

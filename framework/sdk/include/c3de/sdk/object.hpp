@@ -74,7 +74,7 @@ class Object {
         *table = entry.table;
         return C3DE_OK;
       }
-      throw Error(C3DE_E_NOT_FOUND, "the object does not answer " + std::string(text(id)));
+      throw Error(C3DE_E_NOT_FOUND, "the object does not implement " + std::string(text(id)));
     });
   }
 

@@ -25,8 +25,8 @@ struct Coverage {
 /// The part of a mask that the voxels of a body do not fill. @param filled  on the grid of `asked`
 [[nodiscard]] Coverage coverageOf(const imaging::Mask &asked, const imaging::Mask &filled, std::size_t specks);
 
-/// "12.3 ml (4.5 %) of what was asked for as 'aorta' is in no body; …", with advice. Empty where the missing part is
-/// negligible: less than a thousandth.
+/// "12.3 ml (4.5 %) of the volume requested as 'aorta' belongs to no body; …", with advice. Empty where the missing
+/// part is negligible: less than a thousandth.
 [[nodiscard]] std::string sentenceOf(const Coverage &coverage);
 
 /// All missing voxels on one grid. The mask is empty where nothing is missing, or nothing within the grid.

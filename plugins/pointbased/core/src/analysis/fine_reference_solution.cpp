@@ -97,7 +97,7 @@ class DirectSolver {
         continue;
       }
       if (!problem_.isLast || !isHeld_ || ++halvings > kMaxHalvings)
-        return refused("its shadow has no equilibrium near the present state: " + failure);
+        return refused("its fine reference has no equilibrium near the present state: " + failure);
       size *= 0.5;
       fineReference_.state().displacements = good;
       solver_.forget();
@@ -262,7 +262,7 @@ Result<FineReferenceState> solveAlongLoadPath(const FineReferenceProblem &proble
   while (simulator.loadFactor() < target.clock - 1e-9) {
     if (problem.goesOn && !problem.goesOn(simulator.loadFactor() / target.clock)) return refused("cancelled");
     if (const auto done = simulator.step(problem.stop); !done)
-      return refused(done.error().ended ? "cancelled" : "its shadow has no equilibrium: " + done.error().text);
+      return refused(done.error().ended ? "cancelled" : "its fine reference has no equilibrium: " + done.error().text);
   }
   return stateOf(*simulator.body(id), target.world.gravity, target.clock, problem.parallelFor);
 }

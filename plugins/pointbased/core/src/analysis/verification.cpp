@@ -139,7 +139,7 @@ class Verifying {
   }
   [[nodiscard]] Result<void> checkCount(std::size_t count) const {
     if (count <= settings_.mostPhyxels) return {};
-    return refused("its shadow would have about " + std::to_string(count) + " phyxels at a spacing of " +
+    return refused("its fine reference would have about " + std::to_string(count) + " phyxels at a spacing of " +
                    number(1e3 * body_.rest().spacing / refinement_) + " mm; accepted: at most " +
                    std::to_string(settings_.mostPhyxels));
   }
@@ -157,8 +157,9 @@ class Verifying {
                                                            std::shared_ptr<const RestState> &rest) {
     const auto filled = buildRestState(
         shape_, fineReferenceRecipe(recipe, body_.rest().spacing, refinement_, fineSupports), {}, parallelFor_,
-        [this](double fraction) { return tell(kBuildShare * fraction, "filling the shadow"); });
-    if (!filled) return refused(filled.error() == "cancelled" ? filled.error() : "its shadow: " + filled.error());
+        [this](double fraction) { return tell(kBuildShare * fraction, "filling the fine reference"); });
+    if (!filled)
+      return refused(filled.error() == "cancelled" ? filled.error() : "its fine reference: " + filled.error());
     rest = *filled;
     hasFineSupports_ = fineSupports;
     auto solved =
@@ -178,7 +179,7 @@ class Verifying {
     for (std::size_t i = 0; i < leftOver.size(); ++i) leftOver[i] *= body_.heldMask()[i] ? 0.0 : -1.0;
     const FineReferenceProblem problem{target_, body_, parallelFor_, stop_, !hasFineSupports_, [this](double fraction) {
                                          return tell(kBuildShare + (0.95 - kBuildShare) * fraction,
-                                                     "solving the shadow");
+                                                     "solving the fine reference");
                                        }};
     return dependsOnItsWay() ? solveAlongLoadPath(problem, std::move(fineReference))
                              : solveDirectly(problem, leftOver, std::move(fineReference));
@@ -260,11 +261,11 @@ class Verifying {
   [[nodiscard]] std::vector<std::string> limits(const FineReferenceState &solved) const {
     std::vector<std::string> out;
     if (refinement_ < settings_.refinement)
-      out.emplace_back("its shadow is only " + number(refinement_) + " times finer, to stay below " +
+      out.emplace_back("its fine reference is only " + number(refinement_) + " times finer, to stay below " +
                        std::to_string(settings_.mostPhyxels) + " phyxels: less certain");
     if (!body_.rest().conditions.held.empty() && !hasFineSupports_)
       out.emplace_back(
-          "the edges of supports are no finer than the rest of the shadow: near them the error may be up "
+          "the edges of supports are no finer than the rest of the fine reference: near them the error may be up "
           "to twice as large");
     if (!body_.quasiStatic)
       out.emplace_back(

@@ -41,7 +41,7 @@ constexpr std::array kWorld{
          "differs from it moves them; zero: they begin without stress and sag",
          "World"},
         {-1000.0, 1000.0, -10.0, 10.0}, {0.0, 0.0, 0.0}),
-    boolParam({"world.box.enabled", "World box", "", "Walls that nothing leaves", "World"}, false),
+    boolParam({"world.box.enabled", "World box", "", "Walls that confine all bodies", "World"}, false),
     vec3Param({"world.box.min", "Box, lower corner", "m", "Lower corner of the walls", "World"},
               {-kFar, kFar, -1.0, 1.0}, {-1.0, -1.0, -1.0}),
     vec3Param({"world.box.max", "Box, upper corner", "m", "Upper corner of the walls", "World"},
@@ -55,7 +55,8 @@ constexpr std::array kWorld{
                  "World"},
                 {0.0, 1.0, 0.0, 1.0}, 0.0, C3DE_PARAM_ADVANCED),
     boolParam({C3DE_PARAM_ID_CONTACT_ENABLED, "Contact between bodies", "",
-               "Bodies touch each other, and themselves; obstacles and walls are felt all the same", "Contact"},
+               "Contact of bodies with each other and with themselves; contact with obstacles and walls is always on",
+               "Contact"},
               true),
     boolParam({C3DE_PARAM_ID_CONTACT_SELF, "Contact with itself", "",
                "Folds of a body touch each other; a fine skin that lies in many folds takes long", "Contact"},
@@ -92,9 +93,9 @@ constexpr std::array kWorld{
                  {1.0, 10000.0, 1.0, 50.0}, 10.0),
     autoParam(
         {"solver.step_budget", "Time for a step", "s",
-         "A step that computes for longer is given up: the state before it stays, and what would help is said. What "
-         "other programs and the drawing take does not count, and no step is given up while a hand holds or touches "
-         "tissue. auto: 10 s in a window, no limit without one",
+         "A step that exceeds this computing time is abandoned: the previous state is kept, and a remedy is proposed. "
+         "Time used by other programs and for drawing does not count. No step is abandoned while a tool holds or "
+         "touches tissue. auto: 10 s in a window, no limit without one",
          "Solver"},
         {0.01, 1e6, 0.1, 60.0}, C3DE_PARAM_LOG_SCALE),
     boolParam({"solver.sleep", "Sleep", "",
@@ -123,9 +124,9 @@ constexpr std::array kWorld{
               {0.01, 1e5, 1.0, 100.0}, C3DE_PARAM_LOG_SCALE),
     integerParam({C3DE_PARAM_ID_ACCURACY_BODIES, "Bodies", "", "How many bodies share the budget", "Accuracy"},
                  {1.0, 1e6, 1.0, 100.0}, 1.0, C3DE_PARAM_ADVANCED),
-    choiceParam({"view.surface", "Surface", "",
-                 "What is seen of the skin; where it is not opaque, the points inside show", "View"},
-                kSurfaces, "opaque"),
+    choiceParam(
+        {"view.surface", "Surface", "", "Display of the skin; interior points are visible unless it is opaque", "View"},
+        kSurfaces, "opaque"),
     choiceParam(
         {"view.points", "Points inside", "",
          "evaluation_points: where strain and stress are evaluated, inside the body; phyxels: what carries mass and "
@@ -226,12 +227,11 @@ constexpr std::array kBody{
                  "Of the tissue around (Kelvin-Voigt): it damps by its stiffness times this time; 0: swings undamped",
                  "Surroundings"},
                 {0.0, 1e6, 0.0, 0.1}, kRetardationTime, C3DE_PARAM_ADVANCED),
-    boolParam(
-        {"rigid", "Rigid", "",
-         "It keeps its shape. It stands as it is in its reference and costs nothing: for bone, whose step would be "
-         "everybody's. Others touch it",
-         "Surroundings"},
-        false),
+    boolParam({"rigid", "Rigid", "",
+               "Keeps its shape and stays fixed in its reference position, at no cost. For bone, which would otherwise "
+               "limit every step. Other bodies collide with it",
+               "Surroundings"},
+              false),
     boolParam({C3DE_PARAM_ID_FREE, "Free", "",
                "Where it is rigid: it moves with its mass, by weight, loads, hands and what it touches, instead of "
                "being fixed: a loose implant or bone. Deformable bodies always move",
@@ -285,9 +285,8 @@ constexpr std::array kObstacle{
     numberParam({"friction", "Friction", "", "Coulomb coefficient; 0: slippery", "Obstacle"}, {0.0, 10.0, 0.0, 1.0},
                 0.3),
     numberParam({"restitution", "Restitution", "",
-                 "Part of its speed with which a point of a skin leaves it in explicit steps; 0: what arrives stays, "
-                 "1: contact "
-                 "takes no energy",
+                 "Fraction of the impact speed with which a skin point rebounds in explicit steps; 0: no rebound, "
+                 "1: contact dissipates no energy",
                  "Obstacle"},
                 {0.0, 1.0, 0.0, 1.0}, 0.0),
 };

@@ -50,7 +50,7 @@ class PointBasedPlugin : public SimulatorListener {
         sdk::orThrow(pinch_.add(host, {.id = "pointbased.pinch",
                                        .label = "Pinch",
                                        .hint = "Press on the organ, here or in a slice, and drag to pull; release or "
-                                               "Escape lets go",
+                                               "Escape ends the pull",
                                        .shortcut = 'P',
                                        .inSlices = true}));
         sdk::orThrow(touch_.add(

@@ -98,7 +98,7 @@ Result<JawPositions> findJaws(const Surface &skin, const Vec3 &at, const Vec3 &n
   places.axis = axis - axis.dot(normal) * normal;
   if (places.axis.norm() < kSteep * axis.norm())
     return tl::unexpected(
-        std::string("the axis of the jaws stands on the skin there; accepted: one that lies along it"));
+        std::string("the axis of the jaws is perpendicular to the skin there; accepted: one along the skin"));
   places.axis.normalize();
   const double reach = settings.opening, half = 0.5 * settings.opening;
   std::array<std::optional<Hit>, 2> hits;

@@ -25,7 +25,7 @@ double targetError(const AccuracyPrediction &promise) {
 void targetBar(sdk::Ui &ui, const AccuracyPrediction &promise) {
   if (promise.wish.kind != AccuracyTarget::Kind::share && promise.wish.kind != AccuracyTarget::Kind::length) return;
   const double wished = targetError(promise), likely = promise.choice.error.likely;
-  ui.value("Wished error", twoDigits(100.0 * wished) + " % of the largest displacement");
+  ui.value("Error target", twoDigits(100.0 * wished) + " % of the largest displacement");
   ui.progress(part(likely, wished), twoDigits(100.0 * part(likely, wished)) + " % of the target reached");
 }
 
@@ -33,7 +33,7 @@ void costBar(sdk::Ui &ui, const BodySnapshot &body, const AccuracyPrediction &pr
   const double now = 1e3 * kFrame * body.cost, promised = promise.choice.frame_ms;
   const bool isBudget = promise.wish.kind == AccuracyTarget::Kind::budget;
   const double whole = 1e3 * (isBudget ? promise.wish.value : kStandardBudget);
-  ui.value("A frame takes",
+  ui.value("Frame time",
            (now > 0.0 ? twoDigits(now) + " ms now, " : std::string()) + twoDigits(promised) + " ms predicted");
   ui.tooltip(
       "Computing time of 1/60 s of simulated time. Without an accuracy target the prediction is for a reference "
@@ -50,8 +50,7 @@ void tissueBar(sdk::Ui &ui, const BodySnapshot &body) {
   ui.tooltip(range.isKnown
                  ? "Range of Young's modulus in the literature for this tissue. The result cannot be more accurate "
                    "than this range"
-                   "is no better than what is known of it"
-                 : "Nothing is known of the range of this Young's modulus; ±50 % are usual for living tissue");
+                 : "The range of this Young's modulus is unknown; ±50 % is typical of living tissue");
   ui.progress(part(range.high - range.low, 2.0 * E), "displacements " + twoDigits(100.0 * (E / range.high - 1.0)) +
                                                          " … +" + twoDigits(100.0 * (E / range.low - 1.0)) + " %");
 }
@@ -83,7 +82,7 @@ void drawAccuracyBars(sdk::Ui &ui, const BodySnapshot &body) {
       ui.value("Added inertia", body.addedMass);
       ui.tooltip(
           "Phyxels of the smallest and stiffest cells have more inertia, so that explicit steps are longer (mass "
-          "scaling). Weights stay: nothing at rest feels it");
+          "scaling). Gravity forces are unchanged, so equilibrium is not affected");
     }
   }
   if (body.promise && body.promise->survey) {

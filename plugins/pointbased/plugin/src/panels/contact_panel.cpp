@@ -49,7 +49,7 @@ void drawContactState(sdk::Ui &ui, const ObstacleTouch &touch, const std::string
   ui.value("Contact area" + on, significant(kSquareMillimetres * touch.area) + " mm²");
   ui.tooltip("Of the skin that presses on it, at rest");
   ui.value("Displaced" + on, significant(1e6 * touch.displaced) + " mL");
-  ui.tooltip("Of tissue that lay in the reference where it is now");
+  ui.tooltip("Volume of tissue whose reference position is inside it now");
   ui.value("Depth" + on, fixed(kMillimetres * touch.depth, 3) + " mm");
   ui.tooltip("Depth of the deepest point inside it: penetration not yet resolved by contact");
 }
@@ -66,7 +66,7 @@ void drawWay(sdk::Ui &ui, const Snapshot &snapshot, const Vec3 &now, const Vec3 
   if (away < kAway) return;
   if (snapshot.quasiStatic)
     ui.text(
-        "A quasi-static solution has no time in which it could go there: reset, and place it before the first step");
+        "A quasi-static solution has no time in which it could move there: reset, then place it before the first step");
   else
     ui.text("It is " + significant(kMillimetres * away, 2) +
             " mm away from there, and moves while the simulation plays (Space)");
@@ -96,8 +96,8 @@ void drawTouch(sdk::Ui &ui, TouchTool &touch, const Snapshot *snapshot) {
   if (ui.button("touch", touch.isActive() ? "Touch is active" : "Activate touch tool", !touch.isActive()))
     (void)touch.select();
   ui.tooltip(
-      "Press on an organ: the instrument stands there. Drag moves it, the wheel or D and B push it deeper and back, X "
-      "takes it away");
+      "Press on an organ to place the instrument. Drag to move it, turn the wheel or press D and B to push it deeper "
+      "and back, press X to remove it");
   InstrumentSettings settings = touch.settings();
   (void)ui.slider("touch_radius", "Radius", "mm", settings.radius_mm, 1.0, 40.0);
   (void)ui.slider("touch_length", "Length", "mm", settings.length_mm, 0.0, 200.0);
@@ -147,7 +147,7 @@ void drawGrasp(sdk::Ui &ui, GraspTool &grasp, const Snapshot *snapshot) {
   length("grasp_closed", "Closed gap", 0.0, 120.0, settings.closed);
   ui.tooltip("Distance of the held patches at which the jaws stop closing");
   (void)ui.slider("grasp_limit", "Closing force limit", "N", settings.forceLimit, 0.0, 20.0);
-  ui.tooltip("Nor do they close while they squeeze with more; 0: no limit");
+  ui.tooltip("Closing stops above this squeezing force; 0: no limit");
   grasp.setSettings(settings);
   const GraspSnapshot *now = snapshot ? snapshot->interactiveGrasp() : nullptr;
   if (!now) {
@@ -160,7 +160,7 @@ void drawGrasp(sdk::Ui &ui, GraspTool &grasp, const Snapshot *snapshot) {
   ui.value("Squeezing force", significant(now->forces.squeeze, 4) + " N");
   ui.tooltip("Half of the difference of the two, along the axis of the jaws");
   ui.value("Gap", fixed(kMillimetres * now->forces.gap, 2) + " mm");
-  ui.tooltip("Between the middles of what they hold");
+  ui.tooltip("Distance between the centres of the held patches");
   drawCurve(ui, "grasp_curve", "Pull", grasp.forces());
   if (ui.button("grasp_let_go", "Let go")) grasp.releaseGrasp();
 }

@@ -174,14 +174,14 @@ void Controller::drawAccuracy(sdk::Ui &ui, const Snapshot *snapshot) {
   verification_.draw(ui, *simulator_, snapshot, isMoving());
   if (ui.button("finer", "Refine here", !job_ && body && !body->rigid)) makeFiner(*body);
   ui.tooltip(
-      "Samples the body anew with as many phyxels: smaller cells where its supports, its loads and the hands so far "
-      "make most of the error; the simulation starts again");
+      "Resamples the body with the same number of phyxels: smaller cells where supports, loads and previous pulls "
+      "cause most of the error; the simulation restarts");
   verification_.drawResult(ui, snapshot);
   ui.params(worldParameters_.handle(), "Accuracy");
   if (!snapshot) return;
   if (ui.button("apply_wish", "Apply to all bodies", !job_ && !snapshot->bodies.empty()))
     applyAccuracyTarget(*snapshot);
-  ui.tooltip("Samples every body anew, as finely as the wish asks; the simulation starts again");
+  ui.tooltip("Resamples every body to meet the accuracy target; the simulation restarts");
   if (body) drawAccuracyBars(ui, *body);
   startTrials(*snapshot);
 }
@@ -229,11 +229,11 @@ void Controller::suggestRigid(sdk::Ui &ui, const Snapshot &snapshot) {
   for (const BodySnapshot &body : snapshot.bodies)
     if (!body.rigid && &body != stiffest && (!next || body.stableStep < next->stableStep)) next = &body;
   if (!next || !(stiffest->stableStep * kFarBelow < next->stableStep)) return;
-  ui.text(stiffest->name + " makes everything slow: its stable step is " + significant(1e3 * stiffest->stableStep, 2) +
+  ui.text(stiffest->name + " limits the speed: its stable step is " + significant(1e3 * stiffest->stableStep, 2) +
           " ms, " + significant(next->stableStep / stiffest->stableStep, 2) + " times below that of " + next->name +
           ".");
   if (ui.button("make_rigid", "Make " + stiffest->name + " rigid")) makeRigid(stiffest->id);
-  ui.tooltip("It stands as it is in its reference and costs nothing. Surroundings, Rigid takes it back");
+  ui.tooltip("It stays fixed in its reference position at no cost. To undo, clear Surroundings, Rigid");
 }
 
 void Controller::makeRigid(std::uint64_t body) {
@@ -332,7 +332,8 @@ void Controller::drawPinch(sdk::Ui &ui) {
   ui.heading("Pinch");
   if (ui.button("pinch", tools_.pinch.isActive() ? "Pinch is active" : "Activate pinch tool", !tools_.pinch.isActive()))
     (void)tools_.pinch.select();
-  ui.tooltip("Press on the organ, in the 3D view or in a slice, and drag; release or Escape lets go");
+  ui.tooltip(
+      "Press on the organ, in the 3D view or in a slice, and drag. Release the button or press Escape to end the pull");
   (void)ui.slider("pinch_hz", "Stiffness", "Hz", pinchSettings_.frequency_hz, 1.0, 60.0);
   ui.tooltip("Frequency of the spring on the mass it holds: the same feel for small and large organs");
   (void)ui.slider("pinch_radius", "Patch radius", "mm", pinchSettings_.radius_mm, 2.0, 60.0);

@@ -16,7 +16,7 @@ namespace {
 
 const std::array<std::string, 4> kUnitNames{"mm", "cm", "m", "inch"};
 constexpr std::array<double, 4> kUnits_mm{1.0, 10.0, 1000.0, 25.4};
-const std::array<std::string, 2> kPlaceNames{"at the cross-hair", "where its file has it"};
+const std::array<std::string, 2> kPlaceNames{"at the cross-hair", "as in the file"};
 constexpr double kMillimetres = 1e3;
 constexpr double kInside = 0.5;  // winding number
 
@@ -52,7 +52,7 @@ void ObstaclePanel::draw(sdk::Ui &ui, const Snapshot *snapshot) {
     return true;
   });
   if (ui.fileButton("obstacle_browse", "Add from a file…", "obj;stl;ply;vtk", path_)) read();
-  ui.tooltip("A closed surface that bodies do not enter: an implant, a plate, a bone. Its unit is asked for next");
+  ui.tooltip("A closed surface that bodies cannot enter: an implant, a plate, a bone. You choose its unit next");
   if (job_)
     if (const auto state = services_.jobs.progress(*job_)) {
       ui.progress(state->fraction, state->what);
@@ -69,7 +69,7 @@ void ObstaclePanel::drawCandidate(sdk::Ui &ui, const Snapshot *snapshot) {
   ui.value("New obstacle", one.name);
   if (ui.choice("obstacle_unit", "Unit of the file", one.unit, kUnitNames)) one.overlapped.clear();
   ui.tooltip("What a length of 1 in the file means");
-  ui.value("Its size", sizeText(kUnits_mm[one.unit] / one.read_mm * extent));
+  ui.value("Size", sizeText(kUnits_mm[one.unit] / one.read_mm * extent));
   if (snapshot && !snapshot->bodies.empty()) {
     Vec3 low = snapshot->bodies.front().surface->min, high = snapshot->bodies.front().surface->max;
     for (const BodySnapshot &body : snapshot->bodies) {
@@ -84,19 +84,19 @@ void ObstaclePanel::drawCandidate(sdk::Ui &ui, const Snapshot *snapshot) {
   const Placement placement = placementOf(one);
   const Vec3 middle = PlacementTransform(placement).metres(0.5 * (one.min_mm + one.max_mm));
   const std::string at = placeText(kMillimetres * middle);
-  ui.value("Its middle", at);
+  ui.value("Centre", at);
   if (at != one.middle) one.overlapped.clear();
   one.middle = at;
   const bool isConfirmed = !one.overlapped.empty();
   if (isConfirmed) {
     ui.value("Tissue in the way", one.overlapped);
-    ui.text("Added there, it restarts the simulation. Elsewhere the state of the simulation stays.");
+    ui.text("Added there, it restarts the simulation. Elsewhere the state of the simulation is kept.");
   }
   if (ui.button("obstacle_add", isConfirmed ? "Add, and restart" : "Add", snapshot && !job_)) {
     if (!isConfirmed && snapshot->steps > 0) one.overlapped = bodiesIn(one, *snapshot);
     if (isConfirmed || one.overlapped.empty()) add(*snapshot);
   }
-  ui.tooltip(isConfirmed ? "A step of Undo" : "A step of Undo. The state of the simulation stays");
+  ui.tooltip(isConfirmed ? "Can be undone" : "Can be undone. The state of the simulation is kept");
   ui.sameLine();
   if (ui.button("obstacle_cancel", "Cancel")) candidate_.reset();
 }

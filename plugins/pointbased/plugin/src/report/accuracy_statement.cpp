@@ -121,7 +121,7 @@ void estimateDisplacement(const Body &body, const AccuracySources &sources, cons
   out.displacement = predictError(survey, body.rest().spacing).likely * out.largestDisplacement;
   out.worst = nowAt(skin, survey.worst);
   out.reason = !isMoved             ? "expected at rest, nothing is displaced yet"
-               : isActedOnElsewhere ? "at rest; what contact, attachments and hands add is not in it"
+               : isActedOnElsewhere ? "at rest; excludes the effect of contact, attachments and grabs"
                                     : "at rest";
 }
 
@@ -148,16 +148,16 @@ std::string stressLine(const AccuracyStatement &of) {
   std::string text = begin + "± " + percent(of.stress) + " in the mean";
   if (!of.places.empty())
     text += of.leftOut > kMuchLeftOut
-                ? " in the " + percent(1.0 - of.leftOut) + " of its volume that lie outside of singular places"
-                : " outside of singular places";
+                ? " in the " + percent(1.0 - of.leftOut) + " of its volume outside singular regions"
+                : " outside singular regions";
   if (!of.help.empty()) text += "; " + of.help;
   return text;
 }
 
 std::string placesLine(const AccuracyStatement &of) {
-  if (of.places.empty()) return "Singular places: none found";
-  return "Singular places: " + joined(of.places) + " (" + percent(of.leftOut) +
-         " of the volume; left out, because stress has no finite value there)";
+  if (of.places.empty()) return "Singular regions: none found";
+  return "Singular regions: " + joined(of.places) + " (" + percent(of.leftOut) +
+         " of the volume; excluded, because stress has no finite value there)";
 }
 
 }  // namespace
@@ -188,7 +188,7 @@ AccuracyStatement stateAccuracy(const Simulator &simulator, std::size_t id, cons
     for (const std::string &name : touched) out.places.push_back("edge of contact with " + name);
     if (touched.empty()) out.places.emplace_back("edge of contact");
   }
-  if (places.grabs) out.places.emplace_back("where a hand holds it");
+  if (places.grabs) out.places.emplace_back("at a grab");
   out.help = errorAdvice(body, sources.area, out.stress);
 
   if (sources.verification && sources.verification->refused.empty()) {

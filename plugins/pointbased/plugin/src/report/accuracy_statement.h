@@ -42,7 +42,7 @@ struct AccuracyStatement {
   std::vector<std::string> places;   ///< descriptions of the singular regions
   std::string help;                  ///< what reduces `stress`; empty if it is small
 
-  /// "Displacement: …", "Stress and strain: …", "Singular places: …".
+  /// "Displacement: …", "Stress and strain: …", "Singular regions: …".
   [[nodiscard]] std::array<std::string, 3> lines() const;
 };
 

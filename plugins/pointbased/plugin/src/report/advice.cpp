@@ -100,7 +100,7 @@ std::vector<std::string> noticesOf(const Simulator &simulator, const std::vector
     const std::size_t held = heldPhyxels(body.rest()), all = body.rest().phyxelCount();
     if (!body.rigid() && static_cast<double>(held) > kReportedHeldShare * static_cast<double>(all))
       lines.push_back("body '" + body.name() + "': " + std::to_string(held) + " of its " + std::to_string(all) +
-                      " phyxels are held, in rigid tissue or by supports; a count that is asked for includes them");
+                      " phyxels are held, in rigid tissue or by supports; a requested count includes them");
   }
   constexpr std::size_t kMaxOfAKind = 3;
   for (const char *kind : {"warning", "stopped", "skin", "overlap", "step"}) {

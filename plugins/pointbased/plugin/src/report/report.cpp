@@ -299,7 +299,8 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
       errors.push_back("body '" + simulator.body(body.id)->name() + "': " + adaptiveText(*body.adaptive));
       if (const std::string added = addedMassText(*simulator.body(body.id)); !added.empty())
         errors.back() +=
-            "; inertia added to the smallest and stiffest cells for longer explicit steps, at rest unfelt: " + added;
+            "; inertia added to the smallest and stiffest cells for longer explicit steps, without effect at rest: " +
+            added;
     }
     if (simulator.body(body.id)->foundation().acts()) out["attachments"].push_back(attachmentJson(simulator, body.id));
     const std::vector<Reaction> reactions = simulator.diagnostics().reactions(body.id);

@@ -207,7 +207,7 @@ AdaptiveSampling adapted(const Making &of, const BodyRecipe &recipe) {
     return out;
   };
   if (!isActedOn(of.source) && of.dial.gravity.isZero(0.0))
-    return unchanged("nothing leads or loads it, and no hand has pulled it yet");
+    return unchanged("nothing moves or loads it, and it has not been pulled yet");
   auto found = adaptSampling(of.problem(tried), of.parallelFor, &of.request);
   if (of.request.isRaised()) throw cancelled();
   return found ? std::move(*found) : unchanged("a trial has no solution: " + found.error());

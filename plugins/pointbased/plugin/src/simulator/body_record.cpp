@@ -38,8 +38,7 @@ void BodyRecord::take(BuiltBody &built) {
 
 void BodyRecord::checkRigid() const {
   if (!isRigid(*values) || isFree(*values)) return;
-  const std::string text =
-      "the body is rigid and stands still; accepted: rigid = false, or no fix, no load and no velocity";
+  const std::string text = "the body is rigid and fixed; accepted: rigid = false, or no fix, no load and no velocity";
   if (!source.fixes.empty()) throw Error(C3DE_E_ARG, text, {"fix", source.fixNumbers.front(), {}});
   if (!source.loads.empty()) throw Error(C3DE_E_ARG, text, {"load", source.loadNumbers.front(), {}});
   if (!source.velocity.isZero(0.0) || !source.angularVelocity.isZero(0.0)) throw Error(C3DE_E_ARG, name + ": " + text);

@@ -37,7 +37,7 @@ std::shared_ptr<const WorldVerification> BodyVerifier::verify(const sdk::Progres
     const VerifyProgress tell = [&](double fraction, const std::string &what) {
       return request.tell(share * (static_cast<double>(k) + fraction), out->bodies[k].name + ": " + what);
     };
-    if (!tell(0.0, "filling the shadow")) throw Error(C3DE_E_CANCELLED, "cancelled");
+    if (!tell(0.0, "filling the fine reference")) throw Error(C3DE_E_CANCELLED, "cancelled");
     const VerifiedBody &one = all[k];
     BodyVerification &body = out->bodies[k];
     const BodyFilling filling = fillingOf(world_.context.services, body.name, one.source, *one.values, parallelFor);

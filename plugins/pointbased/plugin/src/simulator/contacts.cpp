@@ -99,8 +99,8 @@ std::vector<std::string> Contacts::warningsOf(const ProbeTool &tool) const {
     if (nearest < tool.radius - 0.01 * spacing)
       warnings.push_back(which + "begins " +
                          (nearest > 0.0 ? millimetres(tool.radius - nearest) + " deep in" : "with its middle inside") +
-                         " body '" + record.name + "', which is led out of it; a first place of its path outside of " +
-                         "the body lets it begin without force");
+                         " body '" + record.name +
+                         "', which will be pushed out; start its path outside the body to begin without force");
   }
   return warnings;
 }

@@ -56,7 +56,7 @@ void ExternalForces::addLoad(c3de_handle handle, const c3de_sim_load *load, c3de
   const std::lock_guard lock(world_.mutex);
   const BodyRecord &record = table_.bodyOrThrow(handle.v);
   if (simulator_.body(handle.v)->isStatic())
-    throw Error(C3DE_E_STATE, "body '" + record.name + "' is rigid and stands; a load does not move it");
+    throw Error(C3DE_E_STATE, "body '" + record.name + "' is rigid and fixed, so a load cannot move it");
   RuntimeLoad live{handle.v, readLoad(load), {}, nullptr, simulator_.time()};
   bind(live);
   const std::uint64_t id = world_.takeIds(1);

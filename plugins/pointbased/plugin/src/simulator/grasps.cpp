@@ -193,10 +193,11 @@ void Grasps::add(const c3de_sim_grasp *given, c3de_handle *out) {
     if (other.name == record.name) throw Error(C3DE_E_EXISTS, which + "there is one of this name already");
   if (simulator_.quasiStatic())
     throw Error(C3DE_E_UNSUPPORTED, which +
-                                        "a quasi-static solution has no hands; accepted: solver.integrator = "
+                                        "a quasi-static solution supports no grasps; accepted: solver.integrator = "
                                         "auto, explicit or implicit");
   if (simulator_.body(in.body.v)->isStatic())
-    refuse("body '" + of.name + "' is rigid and stands; nobody pulls it; accepted: rigid = false, or free = true");
+    refuse("body '" + of.name +
+           "' is rigid and fixed, so it cannot be pulled; accepted: rigid = false, or free = true");
   const PlacedMesh &mesh = *of.surface;
   const double off = distanceOff(world_.context.services, mesh, at);
   const RestState &rest = simulator_.body(in.body.v)->rest();

@@ -24,7 +24,8 @@ void Holds::add(c3de_handle handle, const c3de_sim_hold *hold, c3de_handle *out)
     throw Error(C3DE_E_ARG,
                 "hold: accepted: a frequency, a damping ratio and a force that are finite and not negative");
   if (in.flags & ~C3DE_SIM_HOLD_SHAPE) throw Error(C3DE_E_UNSUPPORTED, "hold: unknown flags");
-  if (body.isStatic()) throw Error(C3DE_E_STATE, "body '" + record.name + "' is rigid and stands; nobody pulls it");
+  if (body.isStatic())
+    throw Error(C3DE_E_STATE, "body '" + record.name + "' is rigid and fixed, so it cannot be pulled");
   std::vector<Vec3> positions, normals;
   simulator_.world().surfels(handle.v, positions, normals);
   if (positions.empty()) throw Error(C3DE_E_STATE, "body '" + record.name + "' has no surface to hold");

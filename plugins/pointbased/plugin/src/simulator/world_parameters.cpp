@@ -49,7 +49,7 @@ void WorldParameters::growBox(const BodyRecord &body) {
   }
   world_.parameters = std::move(changed);
   simulator_.setWorld(worldSettings(world_.parameters));
-  world_.context.services.log.info("the walls of the world have made room for '" + body.name + "'");
+  world_.context.services.log.info("the world box was enlarged for '" + body.name + "'");
 }
 
 ParameterValues WorldParameters::values() const {

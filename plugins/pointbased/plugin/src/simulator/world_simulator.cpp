@@ -163,8 +163,8 @@ void WorldSimulator::step() {
   const bool tookTooLong = !stepped && stepped.error().ended && world.request.isOverBudget();
   world.request.endStep();
   if (tookTooLong)
-    throw Error(C3DE_E_TIMEOUT, "the step was given up after " + shortNumber(budget) +
-                                    " s (solver.step_budget), the state before it stays: " +
+    throw Error(C3DE_E_TIMEOUT, "the step was abandoned after " + shortNumber(budget) +
+                                    " s (solver.step_budget), the previous state is kept: " +
                                     simulator_.stepper().suggestAffordableStep(stepped.error(), budget));
   if (!stepped) throw Error(stepped.error().ended ? C3DE_E_CANCELLED : C3DE_E_DIVERGED, stepped.error().text);
 }
@@ -179,7 +179,7 @@ bool WorldSimulator::isInteracting() const {
 void WorldSimulator::activity(c3de_sink text) {
   std::string line = simulator_.diagnostics().activity();
   const double budget = parts_.world.request.budget();
-  if (!line.empty() && std::isfinite(budget)) line += "; given up after " + shortNumber(budget) + " s";
+  if (!line.empty() && std::isfinite(budget)) line += "; abandoned after " + shortNumber(budget) + " s";
   if (const c3de_status status = sdk::put(text, line); status < 0) throw Error(status, "the text was not accepted");
 }
 

@@ -78,7 +78,7 @@ bool GraspTool::take(const Snapshot &snapshot, const PickedSurface &picked, cons
   const BodySnapshot &body = *picked.body;
   if (warnIfQuasiStatic(snapshot, "Grasp", "jaws could pull")) return true;
   if (body.isStatic) {
-    warn(services_, body.name + " is rigid: nothing pulls it. Surroundings, Free lets it move");
+    warn(services_, body.name + " is rigid and cannot be pulled. Set Surroundings, Free to let it move");
     return true;
   }
   const GraspSettings settings = settingsOn(body);

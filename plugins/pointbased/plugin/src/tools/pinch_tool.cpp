@@ -64,7 +64,7 @@ bool PinchTool::pressSurface(const Snapshot &snapshot, const PickRay &ray) {
   const BodySnapshot &body = *picked->body;
   const Vec3 &under = picked->at;
   if (body.isStatic) {
-    refuse(under, body.name + " is rigid and stands");
+    refuse(under, body.name + " is rigid and fixed");
     return true;
   }
   const auto &corners = body.surface->triangles[picked->triangle];
@@ -76,8 +76,8 @@ bool PinchTool::pressSurface(const Snapshot &snapshot, const PickRay &ray) {
 }
 
 void PinchTool::pressInside(const BodySnapshot *body, const Vec3 &place) {
-  if (!body) return refuse(place, "No body is there");
-  if (body->isStatic) return refuse(place, body->name + " is rigid and stands");
+  if (!body) return refuse(place, "No body here");
+  if (body->isStatic) return refuse(place, body->name + " is rigid and fixed");
   const std::optional<MaterialPoint> material = materialAt(*body->rest, body->phyxels, place);
   if (!material) return refuse(place, body->name + " has nothing to hold");
   Grab grab = grabAt(*body->rest, material->at, ofTissue(), body->youngsModulus);
