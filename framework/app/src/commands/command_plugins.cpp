@@ -96,6 +96,59 @@ struct WindowServices {
   registry::CommandRegistry commands;
 };
 
+/// What `c3de plugins` lists.
+struct Listing {
+  std::vector<std::filesystem::path> folders;  ///< searched
+  const plugin_host::PluginHost &host;
+  Offers &offers;
+  std::vector<plugin_host::PluginRecords::Crash> crashes;
+};
+
+std::string asJson(const Listing &listing) {
+  Json out{
+      {"folders", Json::array()}, {"plugins", Json::array()}, {"classes", Json::array()}, {"crashes", Json::array()}};
+  for (const auto &folder : listing.folders) out["folders"].push_back(folder.string());
+  for (const auto &plugin : listing.host.plugins()) out["plugins"].push_back(describe(plugin, listing.offers));
+  for (const auto &one : listing.host.classes())
+    out["classes"].push_back(Json{{"id", one.id},
+                                  {"label", one.label},
+                                  {"doc", one.doc},
+                                  {"plugin", one.plugin},
+                                  {"interfaces", one.interfaces}});
+  for (const auto &crash : listing.crashes)
+    out["crashes"].push_back(Json{{"plugin", crash.id}, {"runs", crash.count}, {"last", crash.cause}});
+  return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string asText(const plugin_host::PluginInfo &plugin, Offers &offers) {
+  std::string text = plugin_host::stateName(plugin.state);
+  text.resize(9, ' ');
+  text += plugin.path.string() + "\n         ";
+  if (plugin.state != plugin_host::PluginState::loaded) return text + plugin.reason + "\n";
+  text += plugin.id + " " + plugin.version + ", " + plugin.displayName + "; " + plugin.vendor + "; " + plugin.license +
+          "\n";
+  for (const auto &one : plugin.classes) text += "         class " + one + "\n";
+  for (const auto &one : offers.extensions(plugin.id, false)) text += "         reads ." + one + "\n";
+  for (const auto &one : offers.extensions(plugin.id, true)) text += "         writes ." + one + "\n";
+  offers.forParameters(plugin.id, [&](const ParameterDecl &decl) {
+    text += fmt::format("         --plugin-param {}:{}={}  {}{}; accepted: {}\n", plugin.id, decl.id,
+                        decl.fallbackValue().display(), decl.label, decl.unit.empty() ? "" : ", " + decl.unit,
+                        decl.accepted());
+  });
+  return text;
+}
+
+std::string asText(const Listing &listing) {
+  std::string text;
+  for (const auto &folder : listing.folders) text += "searched " + folder.string() + "\n";
+  for (const auto &plugin : listing.host.plugins()) text += asText(plugin, listing.offers);
+  if (listing.host.plugins().empty()) text += "no plugin was found\n";
+  for (const auto &crash : listing.crashes)
+    text += fmt::format("crashed  {}: {} {}\n", crash.id,
+                        crash.count == 1 ? "one run" : fmt::format("{} runs; the last", crash.count), crash.cause);
+  return text;
+}
+
 /// Lists what was found, loaded or refused, and why. A refused plugin that was named with --plugin counts as an error;
 /// a refused one in a folder does not.
 int listPlugins(const SessionOptions &options, bool json, bool isAsInWindow) {
@@ -135,51 +188,12 @@ int listPlugins(const SessionOptions &options, bool json, bool isAsInWindow) {
     for (const auto &folder : folders) host.loadFolder(folder);
   }
   host.start();
-  const auto crashes = options.loadRules.records->crashes();
-
+  const Listing listing{std::move(folders), host, offers, options.loadRules.records->crashes()};
   if (json) {
-    Json out{
-        {"folders", Json::array()}, {"plugins", Json::array()}, {"classes", Json::array()}, {"crashes", Json::array()}};
-    for (const auto &folder : folders) out["folders"].push_back(folder.string());
-    for (const auto &plugin : host.plugins()) out["plugins"].push_back(describe(plugin, offers));
-    for (const auto &one : host.classes())
-      out["classes"].push_back(Json{{"id", one.id},
-                                    {"label", one.label},
-                                    {"doc", one.doc},
-                                    {"plugin", one.plugin},
-                                    {"interfaces", one.interfaces}});
-    for (const auto &crash : crashes)
-      out["crashes"].push_back(Json{{"plugin", crash.id}, {"runs", crash.count}, {"last", crash.cause}});
-    printOut(out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    printOut(asJson(listing));
     return exitCode;
   }
-  std::string text;
-  if (!options.searchPlugins) text += "--no-plugins: no folder was looked in\n";
-  for (const auto &folder : folders) text += "searched " + folder.string() + "\n";
-  for (const auto &plugin : host.plugins()) {
-    std::string state = plugin_host::stateName(plugin.state);
-    state.resize(9, ' ');
-    text += state + plugin.path.string() + "\n         ";
-    if (plugin.state != plugin_host::PluginState::loaded) {
-      text += plugin.reason + "\n";
-      continue;
-    }
-    text += plugin.id + " " + plugin.version + ", " + plugin.displayName + "; " + plugin.vendor + "; " +
-            plugin.license + "\n";
-    for (const auto &one : plugin.classes) text += "         class " + one + "\n";
-    for (const auto &one : offers.extensions(plugin.id, false)) text += "         reads ." + one + "\n";
-    for (const auto &one : offers.extensions(plugin.id, true)) text += "         writes ." + one + "\n";
-    offers.forParameters(plugin.id, [&](const ParameterDecl &decl) {
-      text += fmt::format("         --plugin-param {}:{}={}  {}{}; accepted: {}\n", plugin.id, decl.id,
-                          decl.fallbackValue().display(), decl.label, decl.unit.empty() ? "" : ", " + decl.unit,
-                          decl.accepted());
-    });
-  }
-  if (host.plugins().empty()) text += "no plugin was found\n";
-  for (const auto &crash : crashes)
-    text += fmt::format("crashed  {}: {} {}\n", crash.id,
-                        crash.count == 1 ? "one run" : fmt::format("{} runs; the last", crash.count), crash.cause);
-  printOut(text);
+  printOut((options.searchPlugins ? "" : "--no-plugins: no folder was looked in\n") + asText(listing));
   return exitCode;
 }
 

@@ -72,6 +72,54 @@ void addBodyFields(sdk::SceneRecord &record, const BodyRecord &of, const Body &b
                      std::span<const double>(rest.conditions.loaded[l].shares));
 }
 
+/// @param motion  at the reset; empty: it is static
+void addObstacle(sdk::SceneRecord &record, const ObstacleRecord &obstacle, std::size_t rank,
+                 const std::function<RigidMotion(double)> &motion) {
+  const std::string owner = "obstacle '" + obstacle.name + "': ";
+  record.add(owner + "order", static_cast<double>(rank));
+  record.add(owner + "friction", obstacle.friction);
+  record.add(owner + "restitution", obstacle.restitution);
+  // A motion is a function: two that agree at these times count as equal.
+  std::vector<double> motionSamples;
+  for (const double t : {0.01, 0.1, 0.37, 1.0, 3.3}) {
+    if (!motion) continue;
+    const RigidMotion at = motion(t);
+    const Vec3 displacement = at.displacementOf(Vec3::Zero());
+    motionSamples.insert(motionSamples.end(), at.rotation.data(), at.rotation.data() + 9);
+    motionSamples.insert(motionSamples.end(), displacement.data(), displacement.data() + 3);
+  }
+  if (obstacle.tool)
+    for (const ToolPose &place : obstacle.tool->path) {
+      motionSamples.push_back(place.time);
+      motionSamples.insert(motionSamples.end(), place.at.data(), place.at.data() + 3);
+      motionSamples.insert(motionSamples.end(), place.axis.data(), place.axis.data() + 3);
+    }
+  record.addDigest(owner + "motion", std::span<const double>(motionSamples));
+  addDigest(record, owner + "shape and place", obstacle.mesh->positions);
+}
+
+void addGrasp(sdk::SceneRecord &record, const std::string &name, const std::string &bodyName, const SceneGrasp &grasp) {
+  const std::string owner = "grasp '" + name + "': ";
+  record.add(owner + "body", bodyName);
+  record.add(owner + "jaw", grasp.settings.jaw);
+  record.add(owner + "opening", grasp.settings.opening);
+  record.add(owner + "closed", grasp.settings.closed);
+  record.add(owner + "force_limit", grasp.settings.forceLimit);
+  std::vector<double> numbers;
+  for (const SkinPoint &point : grasp.places.points) {
+    for (const Index corner : point.corners) numbers.push_back(static_cast<double>(corner));
+    numbers.insert(numbers.end(), point.weights.data(), point.weights.data() + 3);
+  }
+  record.addDigest(owner + "places on the skin", std::span<const double>(numbers));
+  numbers.clear();
+  for (const GraspPose &place : grasp.path) {
+    numbers.push_back(place.time);
+    numbers.insert(numbers.end(), place.at.data(), place.at.data() + 3);
+    for (const double number : place.rotation.coeffs()) numbers.push_back(number);
+  }
+  record.addDigest(owner + "path", std::span<const double>(numbers));
+}
+
 }  // namespace
 
 // The scene to which a state belongs: everything it specifies about the physics.
@@ -89,28 +137,7 @@ sdk::SceneRecord SavedState::sceneRecord() const {
   }
   for (const auto &[id, obstacle] : table_.obstacles()) {
     if (simulator_.world().isInstrument(id)) continue;
-    const std::string owner = "obstacle '" + obstacle.name + "': ";
-    record.add(owner + "order", static_cast<double>(rank++));
-    record.add(owner + "friction", obstacle.friction);
-    record.add(owner + "restitution", obstacle.restitution);
-    // A motion is a function: two that agree at these times count as equal.
-    const std::function<RigidMotion(double)> motion = simulator_.world().motionAtReset(id);
-    std::vector<double> motionSamples;
-    for (const double t : {0.01, 0.1, 0.37, 1.0, 3.3}) {
-      if (!motion) continue;
-      const RigidMotion at = motion(t);
-      const Vec3 displacement = at.displacementOf(Vec3::Zero());
-      motionSamples.insert(motionSamples.end(), at.rotation.data(), at.rotation.data() + 9);
-      motionSamples.insert(motionSamples.end(), displacement.data(), displacement.data() + 3);
-    }
-    if (obstacle.tool)
-      for (const ToolPose &place : obstacle.tool->path) {
-        motionSamples.push_back(place.time);
-        motionSamples.insert(motionSamples.end(), place.at.data(), place.at.data() + 3);
-        motionSamples.insert(motionSamples.end(), place.axis.data(), place.axis.data() + 3);
-      }
-    record.addDigest(owner + "motion", std::span<const double>(motionSamples));
-    addDigest(record, owner + "shape and place", obstacle.mesh->positions);
+    addObstacle(record, obstacle, rank++, simulator_.world().motionAtReset(id));
   }
   for (const auto &[pair, settings] : simulator_.world().contactPairs()) {
     const std::string owner =
@@ -134,29 +161,8 @@ sdk::SceneRecord SavedState::sceneRecord() const {
     record.add("attachment '" + now.name + "': area", now.area);
     record.add("attachment '" + now.name + "': centre", numbersOf(now.centre));
   }
-  for (const auto &[id, of] : world_.grasps) {
-    if (!of.scene) continue;
-    const SceneGrasp &grasp = *of.scene;
-    const std::string owner = "grasp '" + of.name + "': ";
-    record.add(owner + "body", table_.nameOf(grasp.body));
-    record.add(owner + "jaw", grasp.settings.jaw);
-    record.add(owner + "opening", grasp.settings.opening);
-    record.add(owner + "closed", grasp.settings.closed);
-    record.add(owner + "force_limit", grasp.settings.forceLimit);
-    std::vector<double> numbers;
-    for (const SkinPoint &point : grasp.places.points) {
-      for (const Index corner : point.corners) numbers.push_back(static_cast<double>(corner));
-      numbers.insert(numbers.end(), point.weights.data(), point.weights.data() + 3);
-    }
-    record.addDigest(owner + "places on the skin", std::span<const double>(numbers));
-    numbers.clear();
-    for (const GraspPose &place : grasp.path) {
-      numbers.push_back(place.time);
-      numbers.insert(numbers.end(), place.at.data(), place.at.data() + 3);
-      for (const double number : place.rotation.coeffs()) numbers.push_back(number);
-    }
-    record.addDigest(owner + "path", std::span<const double>(numbers));
-  }
+  for (const auto &[id, of] : world_.grasps)
+    if (of.scene) addGrasp(record, of.name, table_.nameOf(of.scene->body), *of.scene);
   return record;
 }
 
