@@ -117,8 +117,7 @@ TEST_CASE("A piece of what slides is set by the name that the report says", "[ti
              Contains("there is no piece 'scan.abov'; did you mean 'scan.above'? accepted: scan.above"));
   CHECK_THAT(refusal("body.scan.above.material.densty=500"),
              Contains("--set body.scan.above.material.densty") && Contains("did you mean 'material.density'?"));
-  CHECK_THAT(refusal("body.scan.above.position=[0,0,0]"),
-             Contains("cannot be changed for a piece; accepted: material"));
+  CHECK_THAT(refusal("body.scan.above.position=[0,0,0]"), Contains("cannot be set for a piece; accepted: material"));
 }
 
 TEST_CASE("Pieces and the rest are rigid, free or thrown each by itself, and the rest has a name", "[tissues]") {

@@ -132,9 +132,9 @@ TEST_CASE("What names cannot settle is an error that says where and what is acce
   CHECK_THAT(refusal({"kidney_left", "kidney_cyst_left"}, "[ { label = \"kidney*\" } ]"),
              Contains("kidney_left as kidney, kidney_cyst_left as kidney cyst"));
   CHECK_THAT(refusal({"liver", "spleen"}, "[ { label = \"*\", material = \"fat\" }, { label = \"liver\" } ]"),
-             Contains("are of tissues before it"));
+             Contains("belong to earlier tissues"));
   CHECK_THAT(refusal({"liver", "spleen"}, "[ { label = 1 }, { label = \"liver\" } ]"),
-             Contains("tissue 'liver' are of tissues before it"));
+             Contains("tissue 'liver' belong to earlier tissues"));
 }
 
 TEST_CASE("Two hundred labels are a handful of tissues", "[tissues]") {

@@ -227,7 +227,7 @@ TEST_CASE("Tissues may be told by values and by distance, beside labels and with
   CHECK_THAT(refusal("name = \"x\", " + soft), Contains("neither 'label' nor 'threshold' nor 'margin'"));
   CHECK_THAT(refusal("label = 2, margin = 3, " + soft), Contains("has a label and a threshold, margin"));
   CHECK_THAT(refusal("name = \"x\", margin = 3, image = \"ct.nrrd\", " + soft),
-             Contains("'image' belongs to a 'threshold'"));
+             Contains("'image' requires a 'threshold'"));
   CHECK_THAT(refusal("name = \"x\", margin = 3, empty = true, " + soft), Contains("is empty and has a material"));
   CHECK_THAT(refusal("name = \"gizmo\", margin = 3"), Contains("no tissue is known by the name 'gizmo'"));
 }

@@ -4,29 +4,33 @@
 // writes guide-NAME.png to test-output/ui; check them and copy those that show what the page describes. pulled.png is
 // image_walk-pulled.png of the scenario image_walk.
 #include <chrono>
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "support/catch.h"
 #include "support/environment.h"
+#include "ui/scan_window.h"
+#include "ui/simulation_window.h"
 #include "ui/workstation_driver.h"
+#include "ui/workstation_state.h"
 
-using c3de::test::Json;
-using c3de::test::WorkstationDriver;
+using namespace c3de;
+using namespace c3de::test;
 
 namespace {
 
-const std::string kPanel = "pointbased.controller/";
-
-void choose(WorkstationDriver &window, const std::string &parameter, const std::string &item) {
-  window.click(kPanel + parameter);
-  window.click(kPanel + parameter + ".option." + item);
+void chooseItem(WorkstationDriver &window, const std::string &parameter, const std::string &item) {
+  window.choose(kPanel + parameter, item);
   window.waitForValue(kPanel + parameter, item);
 }
 
 /// Pulls the neck of the organ upwards, takes the picture, releases it.
-void pull(WorkstationDriver &window, const std::string &picture) {
+void pullNeck(WorkstationDriver &window, const std::string &picture) {
   window.moveTo(window.inView(0.46, 0.43));
   window.press();
   C3DE_WAIT(window, "a surfel is held", s["values"].contains(kPanel + "Held surfel"));
@@ -61,18 +65,18 @@ TEST_CASE("Pictures of the user guide", "[.guide]") {
   window.drag(window.inView(0.9, 0.9), window.inView(0.85, 0.91), 3, 2);
   fallAgain();
   window.key("p");
-  pull(window, "window");
+  pullNeck(window, "window");
   fallAgain();
-  choose(window, "view.surface", "transparent");
-  pull(window, "pinch_transparent");
+  chooseItem(window, "view.surface", "transparent");
+  pullNeck(window, "pinch_transparent");
   fallAgain();
-  choose(window, "view.colour", "error");
+  chooseItem(window, "view.colour", "error");
   window.moveTo(window.inView(0.9, 0.1));
   rest(0.3);
   window.screenshot("error");
-  choose(window, "view.surface", "opaque");
-  choose(window, "view.colour", "von_mises");
-  pull(window, "stress");
+  chooseItem(window, "view.surface", "opaque");
+  chooseItem(window, "view.colour", "von_mises");
+  pullNeck(window, "stress");
   CHECK(window.state()["notifications"].empty());
 }
 
@@ -82,14 +86,9 @@ TEST_CASE("Pictures of images for the user guide", "[.guide]") {
   WorkstationDriver window("guide");
   window.start({image.string()});
   C3DE_WAIT(window, "the image is shown", s["panes"].size() == 4 && s["jobs"].empty());
-  const auto inPane = [&](const char *pane, double u, double v) {
-    const Json r = window.state()["panes"][pane];
-    return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(),
-                             r["y"].get<double>() + v * r["h"].get<double>()};
-  };
   window.click("image/volume");
   window.click("image/slices_in_space");
-  window.clickAt(inPane("axial", 0.31, 0.62));
+  window.clickAt(window.inPane("axial", 0.31, 0.62));
   window.key("4");
   C3DE_WAIT(window, "the preset is set", s["values"].value("image/preset", "") == "CT abdomen (4)");
   std::this_thread::sleep_for(std::chrono::seconds(2));  // the volume is refined
@@ -105,13 +104,8 @@ TEST_CASE("Pictures of cuts and transparent surfaces for the user guide", "[.gui
   C3DE_WAIT(window, "the brain is there",
             s["panes"].size() == 4 && s["jobs"].empty() &&
                 std::strtod(s["values"].value("image/axial.outlines", "0").c_str(), nullptr) > 0);
-  const auto inSpace = [&](double u, double v) {
-    const Json r = window.state()["panes"]["3D"];
-    return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(),
-                             r["y"].get<double>() + v * r["h"].get<double>()};
-  };
   const auto picture = [&](const char *name) {
-    window.moveTo(inSpace(0.95, 0.95));
+    window.moveTo(window.inPane("3D", 0.95, 0.95));
     std::this_thread::sleep_for(std::chrono::seconds(3));  // the volume is refined
     window.screenshot(name);
   };
@@ -119,7 +113,7 @@ TEST_CASE("Pictures of cuts and transparent surfaces for the user guide", "[.gui
   window.key("space");
   C3DE_WAIT(window, "it settles", s["transport"]["time_s"] > 2.0);
   window.key("space");
-  window.moveTo(inSpace(0.95, 0.95));
+  window.moveTo(window.inPane("3D", 0.95, 0.95));
   window.key("shift+s");
   picture("cut");
   window.key("shift+s");
@@ -129,7 +123,7 @@ TEST_CASE("Pictures of cuts and transparent surfaces for the user guide", "[.gui
   picture("cut_without_slices");
   window.click("image/cuts_bodies");
   picture("cut_whole_body");
-  choose(window, "view.surface", "transparent");
+  chooseItem(window, "view.surface", "transparent");
   picture("cut_transparent");
   CHECK(window.state()["notifications"].empty());
 }
@@ -142,12 +136,7 @@ TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
   window.start({image.string(), labels.string()});
   C3DE_WAIT(window, "image and labels are shown",
             s["panes"].size() == 4 && s["jobs"].empty() && s["widgets"].contains("segmentation/label_filter"));
-  const auto inCoronal = [&](double u, double v) {
-    const Json r = window.state()["panes"]["coronal"];
-    return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(),
-                             r["y"].get<double>() + v * r["h"].get<double>()};
-  };
-  window.clickAt(inCoronal(0.25, 0.1));
+  window.clickAt(window.inPane("coronal", 0.25, 0.1));
   window.key("4");
   window.click("segmentation/label_filter");
   window.type("liver");
@@ -157,7 +146,7 @@ TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
   window.click("segmentation/close");
   C3DE_WAIT(window, "it is closed",
             s["jobs"].empty() && s["values"].value("segmentation/Steps", "").find("closed by") != std::string::npos);
-  window.moveTo(inCoronal(0.9, 0.95));
+  window.moveTo(window.inPane("coronal", 0.9, 0.95));
   window.screenshot("organ");
 
   window.click("segmentation/label_filter");
@@ -169,11 +158,11 @@ TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
   window.type("kidney");
   window.click("segmentation/label.2");
   window.click("segmentation/label.3");
-  window.moveTo(inCoronal(0.9, 0.95));
+  window.moveTo(window.inPane("coronal", 0.9, 0.95));
   window.screenshot("organs_picked");
   window.click("segmentation/create");
   C3DE_WAIT(window, "they are created", s["jobs"].empty() && s["transport"]["time_s"] > 0.2);
-  window.moveTo(inCoronal(0.9, 0.95));
+  window.moveTo(window.inPane("coronal", 0.9, 0.95));
   window.screenshot("organs");
 }
 
@@ -183,17 +172,12 @@ TEST_CASE("Pictures of the default scene for the user guide", "[.guide]") {
   window.start({"--play", (std::filesystem::path(testResourcesFolder()) / "scenes" / "brain_living.toml").string()});
   C3DE_WAIT(window, "the brain has settled",
             s["panes"].size() == 4 && s["jobs"].empty() && s["transport"]["time_s"].get<double>() > 4.0);
-  const auto inPane = [&](const char *pane, double u, double v) {
-    const Json r = window.state()["panes"][pane];
-    return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(),
-                             r["y"].get<double>() + v * r["h"].get<double>()};
-  };
-  window.clickAt(inPane("sagittal", 0.34, 0.3));
+  window.clickAt(window.inPane("sagittal", 0.34, 0.3));
   window.waitFrames(5);
   window.screenshot("brain_shift");
 
   window.key("p");
-  const c3de::test::Point from = inPane("axial", 0.44, 0.52);
+  const Point from = window.inPane("axial", 0.44, 0.52);
   window.moveTo(from);
   window.press();
   C3DE_WAIT(window, "tissue is held", s["values"].contains(kPanel + "Held inside"));
@@ -216,13 +200,12 @@ TEST_CASE("Pictures of instruments and of an implant for the user guide", "[.gui
       << "f 1 2 4\nf 1 4 3\nf 5 7 8\nf 5 8 6\nf 1 5 6\nf 1 6 2\nf 3 4 8\nf 3 8 7\nf 1 3 7\nf 1 7 5\nf 2 6 8\nf 2 8 4\n";
   plate.close();
   const auto sceneWith = [&](const std::string &name, const std::string &more) {
-    std::ofstream(folder / name)
-        << "format = 1\n[solver]\ndamping = 10.0\n[[body]]\nname = \"organ\"\nmesh = \""
-        << (std::filesystem::path(testResourcesFolder()) / "meshes" / "organ.obj").generic_string()
-        << "\"\nmesh_unit = \"mm\"\nmaterial = { youngs_modulus = 6e3, poisson_ratio = 0.4 }\n"
-           "sampling = { count = 3000 }\n[[attachment]]\nname = \"around\"\n"
-           "bodies = [\"organ\", \"surroundings\"]\nstiffness = 5e4\n"
-        << more;
+    std::ofstream(folder / name) << "format = 1\n[solver]\ndamping = 10.0\n[[body]]\nname = \"organ\"\nmesh = \""
+                                 << organMesh().generic_string()
+                                 << "\"\nmesh_unit = \"mm\"\nmaterial = { youngs_modulus = 6e3, poisson_ratio = 0.4 }\n"
+                                    "sampling = { count = 3000 }\n[[attachment]]\nname = \"around\"\n"
+                                    "bodies = [\"organ\", \"surroundings\"]\nstiffness = 5e4\n"
+                                 << more;
     return (folder / name).string();
   };
   const auto isShown = [](const Json &s) { return s["values"].contains(kPanel + "Surfels") && s["jobs"].empty(); };
@@ -275,12 +258,8 @@ TEST_CASE("Pictures of instruments and of an implant for the user guide", "[.gui
     window.moveTo(window.inView(0.5, 0.5));
     window.key("f");
     window.key("m");
-    window.click(kPanel + "placed");
-    window.click(kPanel + "placed.option.plate");
-    window.controlClick(kPanel + "placed_y");
-    window.key("ctrl+a");
-    window.type("46");
-    window.key("Return");
+    window.choose(kPanel + "placed", "plate");
+    window.enterNumber(kPanel + "placed_y", "46");
     rest(window);
     // The part below it.
     window.click("scene/plate");
@@ -290,10 +269,105 @@ TEST_CASE("Pictures of instruments and of an implant for the user guide", "[.gui
   }
 }
 
+TEST_CASE("Pictures of a scan that was made alive for the user guide", "[.guide]") {
+  C3DE_ORGAN_OR_SKIP();
+  std::vector<ScannedOrgan> organs{{"liver", {-48, -14, 8}, {50, 40, 44}, 110, {0.6f, 0.2f, 0.1f}},
+                                   {"gallbladder", {-26, -38, -6}, {12, 14, 16}, 10, {0.1f, 0.5f, 0.1f}},
+                                   {"stomach", {30, -26, 10}, {34, 26, 30}, 50, {0.7f, 0.4f, 0.5f}},
+                                   {"spleen", {76, 14, 8}, {20, 30, 34}, 125, {0.4f, 0.1f, 0.5f}},
+                                   {"kidney_left", {48, 28, -6}, {18, 20, 34}, 190, {0.2f, 0.5f, 0.8f}},
+                                   {"kidney_right", {-46, 32, -8}, {18, 20, 34}, 190, {0.1f, 0.4f, 0.7f}},
+                                   {"pancreas", {4, -4, 0}, {28, 9, 12}, 90, {0.8f, 0.6f, 0.2f}},
+                                   {"aorta", {8, 16, 0}, {9, 9, 1e9}, 220, {0.8f, 0.1f, 0.1f}},
+                                   {"inferior_vena_cava", {-14, 14, 0}, {10, 8, 1e9}, 150, {0.1f, 0.1f, 0.7f}},
+                                   {"autochthon_left", {24, 56, 0}, {16, 10, 1e9}, 60, {0.5f, 0.2f, 0.2f}},
+                                   {"autochthon_right", {-24, 56, 0}, {16, 10, 1e9}, 60, {0.5f, 0.2f, 0.2f}},
+                                   {"vertebrae_L1", {0, 38, 0}, {19, 15, 1e9}, 420, {0.9f, 0.9f, 0.6f}},
+                                   {"finding_7", {-72, -2, 12}, {9, 9, 9}, 60, {0.3f, 0.8f, 0.8f}}};
+  // Ribs, where they are cut across.
+  for (int rib = 0; rib < 6; ++rib)
+    for (const double side : {-1.0, 1.0}) {
+      const double angle = -0.6 + 0.32 * rib;
+      organs.push_back({(side > 0 ? "rib_left_" : "rib_right_") + std::to_string(rib + 6),
+                        {side * 102 * std::cos(angle), 64 * std::sin(angle), 0},
+                        {5, 8, 1e9},
+                        600,
+                        {0.8f, 0.8f, 0.7f}});
+    }
+  WorkstationDriver window("guide");
+  openDialog(window, writeScan("guide_scan", organs, 2.0));
+  chooseTissue(window, "finding_7", "liver_hcc");
+  window.screenshotAtRest("alive_dialog");
+  window.click("scan/draw_region");
+  (void)window.locate("region/axial.left");
+  window.moveTo(window.inSlice("axial", 0, 0));
+  window.key("4");
+  window.drag(window.inSlice("axial", -100, -66), window.inSlice("axial", 20, 42), 4);
+  window.drag(window.locate("region/coronal.top"), window.inSlice("coronal", 0, -30), 4);
+  window.moveTo(window.locate("region/axial.bottom_right"));
+  window.screenshotAtRest("region");
+  window.click("region/cancel");
+  (void)createBody(window);
+  takePinch(window);
+  window.moveTo(window.inSlice("axial", 0, 0));
+  window.key("4");  // window and level of the abdomen
+  pull(window, window.inSlice("axial", 32, -30), window.inSlice("axial", 40, -56));
+  C3DE_WAIT(window, "the scan follows", isOver(s, "axial", 8.0));
+  window.waitFrames(20);
+  window.screenshot("alive");
+  window.release();
+
+  window.click("notification/close.0");
+  const auto pullWith = [&](const std::string &overlay, const std::string &picture) {
+    window.choose("image/overlay", overlay);
+    if (picture == "tissue_table") window.click("tissues/header");
+    pull(window, window.inSlice("axial", 32, -30), window.inSlice("axial", 40, -56));
+    C3DE_WAIT(window, "the scan follows", isOver(s, "axial", 8.0));
+    window.waitFrames(60);
+    window.screenshot(picture);
+    window.release();
+  };
+  pullWith("equivalent stress", "fields");
+  pullWith("volume change", "tissue_table");
+}
+
+TEST_CASE("Picture of a liver that is pulled for the first page", "[.guide]") {
+  C3DE_ORGAN_OR_SKIP();
+  C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
+  C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
+  WorkstationDriver window("guide");
+  openDialog(window, {image, labels});
+  (void)createBody(window);
+  C3DE_WAIT(window, "organs are in the tree", s["widgets"].contains("scene/tissues"));
+  window.click("notification/close.0");
+  window.click("notification/close.0");
+  window.click("tissues/header");
+  window.enterNumber("image/label_opacity", "0.3");
+  window.clickAt(window.inSlice("axial", -75, 8));
+  window.clickAt(window.inSlice("coronal", -75, -107));
+  takePinch(window);
+  window.click("image/slices_in_space");
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("1");
+  window.drag(window.inView(0.5, 0.9), window.inView(0.42, 0.98), 4);
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("f");
+  window.wheel(2);
+  window.moveTo(window.inSlice("axial", 0, 0));
+  window.key("4");
+  (void)window.locate("tissues/filter");
+  window.click("tissues/order.largest");
+  pull(window, window.inSlice("coronal", -100, -98), window.inSlice("coronal", -58, -84));
+  const double begin = window.state()["transport"]["time_s"];
+  C3DE_WAIT(window, "the tissue has come after the hand", s["transport"]["time_s"].get<double>() > begin + 2.5);
+  window.screenshot("liver");
+  window.release();
+}
+
 TEST_CASE("The plugin manager", "[.guide]") {
   C3DE_WINDOW_OR_SKIP();
   // In a user's home folder.
-  const auto home = c3de::test::outputFile("guide_home");
+  const auto home = outputFile("guide_home");
   std::filesystem::remove_all(home);
   const auto plugins = home / "plugins";
   std::filesystem::create_directories(plugins);

@@ -2,20 +2,21 @@
 // User actions with an instrument and an implant in the window.
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
 #include "support/catch.h"
+#include "ui/simulation_window.h"
 #include "ui/workstation_driver.h"
+#include "ui/workstation_state.h"
 
-using c3de::test::Json;
-using c3de::test::Point;
-using c3de::test::WorkstationDriver;
+using namespace c3de;
+using namespace c3de::test;
 
 namespace {
 
 namespace fs = std::filesystem;
-const std::string kPanel = "pointbased.controller/";
 
 /// An organ held by its surroundings, with a plate above it.
 fs::path heldOrgan() {
@@ -29,7 +30,7 @@ fs::path heldOrgan() {
       << "f 1 2 4\nf 1 4 3\nf 5 7 8\nf 5 8 6\nf 1 5 6\nf 1 6 2\nf 3 4 8\nf 3 8 7\nf 1 3 7\nf 1 7 5\nf 2 6 8\nf 2 8 4\n";
   std::ofstream(folder / "held.toml")
       << "format = 1\ntitle = \"Held organ\"\n[solver]\ndamping = 10.0\n[[body]]\nname = \"organ\"\nmesh = \""
-      << (fs::path(testResourcesFolder()) / "meshes" / "organ.obj").generic_string()
+      << organMesh().generic_string()
       << "\"\nmesh_unit = \"mm\"\nmaterial = { youngs_modulus = 6e3, poisson_ratio = 0.4 }\n"
          "sampling = { count = 400 }\n"
          "[[attachment]]\nname = \"around\"\nbodies = [\"organ\", \"surroundings\"]\nstiffness = 5e4\n"
@@ -37,23 +38,13 @@ fs::path heldOrgan() {
   return folder / "held.toml";
 }
 
-void startOrgan(WorkstationDriver &window) {
-  window.start({heldOrgan().string()});
-  C3DE_WAIT(window, "the organ is shown",
-            s["transport"]["exists"].get<bool>() && s["jobs"].empty() && s["nodes"].size() >= 3 &&
-                !s["values"].value(kPanel + "Surfels", "").empty());
-  window.moveTo(window.inView(0.5, 0.5));
+void openHeldOrgan(WorkstationDriver &window) {
+  openOrgan(window, {heldOrgan().string()});
+  C3DE_WAIT(window, "the plate is there", s["nodes"].size() >= 3);
   window.key("f");
 }
 
-std::string row(const Json &state, const std::string &name) { return state["values"].value(kPanel + name, ""); }
 double number(const Json &state, const std::string &name) { return std::strtod(row(state, name).c_str(), nullptr); }
-std::string mode(const Json &state) { return state["transport"]["mode"]; }
-
-void play(WorkstationDriver &window) {
-  window.key("space");
-  C3DE_WAIT(window, "it plays", mode(s) == "playing" && s["transport"]["steps"] > 5);
-}
 
 void rest(WorkstationDriver &window, double seconds) {
   const double from = window.state()["transport"]["time_s"];
@@ -65,7 +56,7 @@ void rest(WorkstationDriver &window, double seconds) {
 TEST_CASE("an instrument is pressed into an organ, felt, undone and taken away", "[hands_touch]") {
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("hands_touch");
-  startOrgan(window);
+  openHeldOrgan(window);
   window.key("t");
   C3DE_WAIT(window, "the touch tool is active", s["tool"] == "pointbased.touch");
   play(window);
@@ -113,23 +104,16 @@ TEST_CASE("an instrument is pressed into an organ, felt, undone and taken away",
 TEST_CASE("an implant is moved by its handles and by numbers, presses, and is put back by Undo", "[hands_implant]") {
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("hands_implant");
-  startOrgan(window);
+  openHeldOrgan(window);
   window.key("m");
   C3DE_WAIT(window, "the move tool is active", s["tool"] == "pointbased.move");
   // Before the first step it is placed immediately.
-  window.click(kPanel + "placed");
-  window.click(kPanel + "placed.option.plate");
+  window.choose(kPanel + "placed", "plate");
   window.waitForValue(kPanel + "placed_y", "60 mm");
-  const auto typed = [&](const std::string &widget, const std::string &text) {
-    window.controlClick(kPanel + widget);
-    window.key("ctrl+a");
-    window.type(text);
-    window.key("Return");
-  };
-  typed("placed_y", "58");
+  window.enterNumber(kPanel + "placed_y", "58");
   window.waitForValue(kPanel + "placed_y", "58 mm");
   window.screenshot("placed");
-  typed("placed_turn_z", "5");
+  window.enterNumber(kPanel + "placed_turn_z", "5");
   window.waitForValue(kPanel + "placed_turn_z", "5 °");
   window.moveTo(window.inView(0.9, 0.9));
   window.key("ctrl+z");
@@ -137,7 +121,7 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
   CHECK(row(window.state(), "placed_y") == "58 mm");
 
   play(window);
-  typed("placed_y", "48");
+  window.enterNumber(kPanel + "placed_y", "48");
   C3DE_WAIT(window, "it presses", number(s, "Contact force on plate") > 0.2);
   rest(window, 2.0);
   const Json pressed = window.state();
@@ -158,16 +142,13 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
   const auto hasPlate = [](const Json &s) {
     return std::any_of(s["nodes"].begin(), s["nodes"].end(), [](const Json &node) { return node["name"] == "plate"; });
   };
-  const auto choose = [&] {
-    window.click(kPanel + "placed");
-    window.click(kPanel + "placed.option.plate");
-  };
+  const auto choose = [&] { window.choose(kPanel + "placed", "plate"); };
   const auto undo = [&](const char *key, bool isThere) {
     window.moveTo(window.inView(0.9, 0.9));
     window.key(key);
     C3DE_WAIT(window, "it has come or gone", hasPlate(s) == isThere);
   };
-  typed("placed_y", "61");
+  window.enterNumber(kPanel + "placed_y", "61");
   C3DE_WAIT(window, "it has gone there", row(s, "placed_y") == "61 mm");
   rest(window, 0.5);
   const double steps = window.state()["transport"]["steps"];
@@ -182,7 +163,7 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
 
   // The organ has meanwhile moved into its position: the simulation restarts, with the plate at its start.
   choose();
-  typed("placed_y", "48");
+  window.enterNumber(kPanel + "placed_y", "48");
   C3DE_WAIT(window, "it presses", number(s, "Contact force on plate") > 0.2);
   rest(window, 1.0);
   window.click(kPanel + "obstacle_remove");
@@ -204,9 +185,9 @@ TEST_CASE("an implant is added in the unit that is chosen, at the marked point, 
           "[hands_add_implant]") {
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("hands_add_implant");
-  startOrgan(window);
+  openHeldOrgan(window);
   // A cube of two inches, far from the organ, in a file without a unit.
-  const fs::path file = c3de::test::outputFile("cube.obj");
+  const fs::path file = outputFile("cube.obj");
   std::ofstream(file) << "v 300 0 0\nv 302 0 0\nv 300 2 0\nv 302 2 0\nv 300 0 2\nv 302 0 2\nv 300 2 2\nv 302 2 2\n"
                          "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\n"
                          "f 2 4 8\nf 2 8 6\n";
@@ -215,16 +196,14 @@ TEST_CASE("an implant is added in the unit that is chosen, at the marked point, 
   window.click(kPanel + "obstacle_browse");
   window.openFile(file);
   C3DE_WAIT(window, "its unit is asked for", row(s, "Size") == "2.00 × 2.00 × 2.00 mm");
-  window.click(kPanel + "obstacle_unit");
-  window.click(kPanel + "obstacle_unit.option.inch");
+  window.choose(kPanel + "obstacle_unit", "inch");
   window.waitForValue(kPanel + "Size", "50.8 × 50.8 × 50.8 mm");
   window.screenshot("asked");
   // Next to the organ, at the pivot of the camera: the centre of the organ, without an image.
   const Json focus = window.state()["camera"]["focus"];
   CHECK(std::abs(std::strtod(row(window.state(), "Centre").c_str(), nullptr) - focus[0].get<double>()) < 0.06);
   // In metres the organ is inside it: a reset is announced, not performed.
-  window.click(kPanel + "obstacle_unit");
-  window.click(kPanel + "obstacle_unit.option.m");
+  window.choose(kPanel + "obstacle_unit", "m");
   window.waitForValue(kPanel + "Size", "2000 × 2000 × 2000 mm");
   const double before = window.state()["transport"]["time_s"];
   window.click(kPanel + "obstacle_add");
@@ -233,10 +212,8 @@ TEST_CASE("an implant is added in the unit that is chosen, at the marked point, 
   window.screenshot("announced");
 
   // At another position the state is unchanged: in centimetres the file places it 3 m away.
-  window.click(kPanel + "obstacle_unit");
-  window.click(kPanel + "obstacle_unit.option.cm");
-  window.click(kPanel + "obstacle_place");
-  window.click(kPanel + "obstacle_place.option.as in the file");
+  window.choose(kPanel + "obstacle_unit", "cm");
+  window.choose(kPanel + "obstacle_place", "where its file has it");
   window.waitForValue(kPanel + "Centre", "3010.0  10.0  10.0 mm");
   const auto hasCube = [](const Json &s) {
     return std::any_of(s["nodes"].begin(), s["nodes"].end(), [](const Json &node) { return node["name"] == "cube"; });
@@ -260,7 +237,7 @@ TEST_CASE("an implant is added in the unit that is chosen, at the marked point, 
 TEST_CASE("jaws grasp an organ, close, pull and turn it, and Undo goes back step by step", "[hands_grasp]") {
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("hands_grasp");
-  startOrgan(window);
+  openHeldOrgan(window);
   window.key("g");
   C3DE_WAIT(window, "the grasp tool is active", s["tool"] == "pointbased.grasp");
   play(window);
@@ -331,10 +308,7 @@ TEST_CASE("jaws grasp an organ, close, pull and turn it, and Undo goes back step
   C3DE_WAIT(window, "they let go", row(s, "Pull force") == "–");
 
   // A failed grasp is reported.
-  window.controlClick(kPanel + "grasp_opening");
-  window.key("ctrl+a");
-  window.type("120");
-  window.key("Return");
+  window.enterNumber(kPanel + "grasp_opening", "120");
   window.moveTo(at);
   window.press();
   C3DE_WAIT(window, "it is told", !s["notifications"].empty());

@@ -5,22 +5,22 @@
 #include <fstream>
 
 #include "support/catch.h"
+#include "ui/simulation_window.h"
 #include "ui/workstation_driver.h"
 
-using c3de::test::Json;
-using c3de::test::Point;
-using c3de::test::WorkstationDriver;
+using namespace c3de;
+using namespace c3de::test;
 
 namespace {
 
 namespace fs = std::filesystem;
 
 fs::path floatingSprings() {
-  const fs::path scene = c3de::test::outputFile("springs.toml");
+  const fs::path scene = outputFile("springs.toml");
   std::ofstream(scene) << "format = 1\ntitle = \"Springs\"\n[simulator]\nclass = \"org.c3de.mass_spring.Simulator/0\"\n"
                           "[world]\ngravity = [0.0, 0.0, 0.0]\n[solver]\ndamping = 5.0\n"
                           "[[body]]\nname = \"organ\"\nmesh = \""
-                       << (fs::path(testResourcesFolder()) / "meshes" / "organ.obj").generic_string()
+                       << organMesh().generic_string()
                        << "\"\nmesh_unit = \"mm\"\nsampling = { count = 800 }\n"
                           "[[fix]]\nregion = { half_space = { point = [-0.04, 0, 0], normal = [1, 0, 0] } }\n";
   return scene;
@@ -35,8 +35,7 @@ double pull(const Json &state) {
 TEST_CASE("an organ of masses and springs is shown, follows the hand and is let go", "[springs_pull]") {
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("springs_pull");
-  const std::string plugin =
-      (fs::path(testExampleFolder()) / (std::string("mass_spring") + c3de::pluginExtension())).string();
+  const std::string plugin = examplePlugin("mass_spring");
   window.start({floatingSprings().string(), "--plugin", plugin});
   C3DE_WAIT(window, "the organ is shown",
             s["transport"]["exists"].get<bool>() && s["jobs"].empty() &&
@@ -63,7 +62,7 @@ TEST_CASE("an organ of masses and springs is shown, follows the hand and is let 
   CHECK(window.state()["notifications"].empty());
 
   // Its state is saved to a file, advanced, and restored.
-  const fs::path file = c3de::test::outputFile("springs.c3dstate");
+  const fs::path file = outputFile("springs.c3dstate");
   fs::remove(file);
   const auto choose = [&](const std::string &entry, const fs::path &path, std::size_t answers) {
     window.click("menu/simulation");

@@ -9,11 +9,10 @@
 #include "c3de/imaging/writing.h"
 #include "support/catch.h"
 #include "ui/workstation_driver.h"
+#include "ui/workstation_state.h"
 
-using namespace c3de;  // operators of Vec3
-using c3de::test::Json;
-using c3de::test::Point;
-using c3de::test::WorkstationDriver;
+using namespace c3de;
+using namespace c3de::test;
 
 namespace {
 
@@ -52,14 +51,9 @@ std::string pickedText(std::size_t voxels) {
                      static_cast<double>(voxels) * kSpacing_mm * kSpacing_mm * kSpacing_mm / 1000.0, voxels);
 }
 
-std::string text(const Json &state, const std::string &key) { return state["values"].value(key, std::string()); }
-
 /// In the axial view of an image along the axes, not zoomed.
 Point axialPixel(const WorkstationDriver &window, const Vec3 &world) {
-  const Json state = window.state(), r = state["panes"]["axial"];
-  const double scale = std::stod(text(state, "image/axial.scale_mm_per_px"));
-  return {r["x"].get<double>() + 0.5 * r["w"].get<double>() + world[0] / scale,
-          r["y"].get<double>() + 0.5 * r["h"].get<double>() + world[1] / scale};
+  return window.inSlice("axial", world[0], world[1]);
 }
 
 }  // namespace
@@ -67,7 +61,7 @@ Point axialPixel(const WorkstationDriver &window, const Vec3 &world) {
 TEST_CASE("an organ is picked by threshold, click and filled holes, and becomes a body", "[image_guide]") {
   C3DE_WINDOW_OR_SKIP();
   const Phantom phantom;
-  const fs::path file = c3de::test::outputFile("image_guide_phantom.nii.gz");
+  const fs::path file = outputFile("image_guide_phantom.nii.gz");
   if (const auto written = imaging::writeVolume(file, phantom.volume); !written) FAIL(written.error().message);
   WorkstationDriver window("image_guide");
   window.start({file.string()});
@@ -75,10 +69,7 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and becomes 
   CHECK(window.value("image/preview") == "none");
   window.screenshot("before");
 
-  window.controlClick("segmentation/low");
-  window.key("ctrl+a");
-  window.type("60");
-  window.key("Return");
+  window.enterNumber("segmentation/low", "60");
   window.waitForValue("segmentation/Picked", pickedText(phantom.organ + phantom.other));
   CHECK(window.value("image/preview") == "shown");
   window.moveTo(axialPixel(window, {0, -45, 0}));
@@ -86,14 +77,14 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and becomes 
   CHECK(window.differingPixels("before", "threshold") > 500);
 
   window.click("segmentation/component");
-  C3DE_WAIT(window, "a click is waited for", text(s, "image/picking") == "on");
+  C3DE_WAIT(window, "a click is waited for", textOf(s, "image/picking") == "on");
   window.clickAt(axialPixel(window, {0, -40, 0}));
   C3DE_WAIT(window, "a click beside it is told",
-            text(s, "segmentation/Problem").find("outside of the mask") != std::string::npos);
+            textOf(s, "segmentation/Problem").find("outside of the mask") != std::string::npos);
   CHECK(window.value("segmentation/Picked") == pickedText(phantom.organ + phantom.other));
   const std::string cross = window.value("image/cross_hair");
   window.click("segmentation/component");
-  C3DE_WAIT(window, "a click is waited for again", text(s, "image/picking") == "on");
+  C3DE_WAIT(window, "a click is waited for again", textOf(s, "image/picking") == "on");
   window.screenshot("picking");
   window.clickAt(axialPixel(window, {-35, 0, 0}));
   window.waitForValue("segmentation/Picked", pickedText(phantom.organ));
@@ -192,17 +183,16 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   WorkstationDriver window("image_organs");
   window.start({image.string(), many.string(), other.string()});
   C3DE_WAIT(window, "both label maps are open",
-            s["jobs"].empty() && text(s, "image/label_map") == "image_organs_other.nrrd");
+            s["jobs"].empty() && textOf(s, "image/label_map") == "image_organs_other.nrrd");
   CHECK(window.has("segmentation/label.4"));
   CHECK_FALSE(window.has("segmentation/label_filter"));
-  window.click("image/label_map");
-  window.click("image/label_map.option.image_organs_many.nrrd");
+  window.choose("image/label_map", "image_organs_many.nrrd");
   window.waitForValue("image/label_map", "image_organs_many.nrrd");
 
   window.click("segmentation/label_filter");
   window.type("kidney");
   window.click("segmentation/tick_listed");
-  C3DE_WAIT(window, "both are picked", text(s, "segmentation/Picked").starts_with("2 labels"));
+  C3DE_WAIT(window, "both are picked", textOf(s, "segmentation/Picked").starts_with("2 labels"));
   CHECK(window.value("segmentation/material.2") == "kidney_cortex");
   CHECK(window.value("segmentation/Young's modulus") == "5 kPa (2 kPa … 15 kPa)");
   CHECK_THAT(window.value("segmentation/Source"), Contains("PMID"));
@@ -210,20 +200,17 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   window.key("ctrl+a");
   window.type("trunk");
   window.click("segmentation/label.4");
-  C3DE_WAIT(window, "three are picked", text(s, "segmentation/Picked").starts_with("3 labels"));
+  C3DE_WAIT(window, "three are picked", textOf(s, "segmentation/Picked").starts_with("3 labels"));
   window.moveTo(axialPixel(window, {0, -45, 0}));
   window.screenshot("picked");
   window.key("ctrl+z");
-  C3DE_WAIT(window, "the last is taken back", text(s, "segmentation/Picked").starts_with("2 labels"));
+  C3DE_WAIT(window, "the last is taken back", textOf(s, "segmentation/Picked").starts_with("2 labels"));
   window.key("ctrl+shift+z");
-  C3DE_WAIT(window, "it is there again", text(s, "segmentation/Picked").starts_with("3 labels"));
+  C3DE_WAIT(window, "it is there again", textOf(s, "segmentation/Picked").starts_with("3 labels"));
 
   // Edges of half a millimetre are too many for the trunk alone.
   window.click("segmentation/edge_automatic");
-  window.controlClick("segmentation/edge");
-  window.key("ctrl+a");
-  window.type("0.5");
-  window.key("Return");
+  window.enterNumber("segmentation/edge", "0.5");
   window.click("segmentation/create");
   const Json made = C3DE_WAIT(window, "the kidneys are created",
                               s["jobs"].empty() && s["transport"]["exists"] == true && s["transport"]["time_s"] > 0.0 &&
@@ -235,7 +222,7 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   REQUIRE_FALSE(refused.is_null());
   CHECK(refused["severity"] == "error");
   CHECK_THAT(refused["text"].get<std::string>(), Contains("edge length of 0.5 mm") && Contains("It stays picked"));
-  C3DE_WAIT(window, "it is what is picked", text(s, "segmentation/Picked").ends_with(" 125000 voxels"));
+  C3DE_WAIT(window, "it is what is picked", textOf(s, "segmentation/Picked").ends_with(" 125000 voxels"));
   // Bodies have the colours of their labels: both are blue ones.
   window.screenshot("kidneys");
   CHECK(window.shareOfColour("kidneys", "b > 1.5*r && b > 0.25") > 0.002);
@@ -248,10 +235,7 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   // A custom count replaces that by the thickness.
   CHECK_FALSE(window.has("segmentation/points"));
   window.click("segmentation/count_automatic");
-  window.controlClick("segmentation/points");
-  window.key("ctrl+a");
-  window.type("400");
-  window.key("Return");
+  window.enterNumber("segmentation/points", "400");
   window.waitForValue("segmentation/points", "400");
   window.screenshot("own_count");
   window.click("segmentation/create");
@@ -264,13 +248,13 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   // Keys do not overlay the bodies' source labels; the panel does, and reports it.
   window.key("ctrl+z");
   window.waitFrames(3);
-  CHECK(text(window.state(), "image/preview") == "none");
+  CHECK(textOf(window.state(), "image/preview") == "none");
   // The same body is refused a second time, and the simulation continues.
   window.click("segmentation/undo");
   // The panel grows row by row until the mask is shown, and the rows below move.
   C3DE_WAIT(window, "it is picked again",
-            text(s, "segmentation/Picked").ends_with(" 125000 voxels") && s["jobs"].empty() &&
-                text(s, "segmentation/overlay") == "true" && text(s, "image/preview") == "shown");
+            textOf(s, "segmentation/Picked").ends_with(" 125000 voxels") && s["jobs"].empty() &&
+                textOf(s, "segmentation/overlay") == "true" && textOf(s, "image/preview") == "shown");
   window.waitFrames(3);
   window.click("segmentation/create");
   const Json again = C3DE_WAIT(window, "it is refused", !notification(s, "Could not create muscle_trunk").is_null());

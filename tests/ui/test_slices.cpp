@@ -1,26 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // Interaction in the slices of an image: pulling and touching the tissue that they show.
-#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <vector>
 
 #include "c3de/imaging/writing.h"
 #include "support/catch.h"
 #include "ui/workstation_driver.h"
+#include "ui/workstation_state.h"
 
-using namespace c3de;  // operators of Vec3
-using c3de::test::Json;
-using c3de::test::outputFile;
-using c3de::test::Point;
-using c3de::test::WorkstationDriver;
+using namespace c3de;
+using namespace c3de::test;
 
 namespace {
 
 namespace fs = std::filesystem;
-const std::string kPanel = "pointbased.controller/";
 constexpr double kRadians = 0.017453292519943295;  // of a degree
 
 /// A scan of 64 x 64 x 48 voxels of 2 x 2 x 2.5 mm: an organ of 64 x 52 x 50 mm about the middle of the grid with
@@ -85,31 +83,15 @@ fs::path sceneOf(const std::string &name, const SceneText &says = SceneText()) {
   return scene;
 }
 
-std::string row(const Json &state, const std::string &name) { return state["values"].value(kPanel + name, ""); }
 double number(const Json &state, const std::string &name) { return std::strtod(row(state, name).c_str(), nullptr); }
-std::string text(const Json &state, const std::string &key) { return state["values"].value("image/" + key, ""); }
-std::string mode(const Json &state) { return state["transport"]["mode"]; }
 long long steps(const Json &state) { return state["transport"]["steps"]; }
-
-Vec3 millimetres(const Json &state, const std::string &name) {
-  Vec3 at{};
-  std::istringstream(row(state, name)) >> at[0] >> at[1] >> at[2];
-  return at;
-}
 
 void start(WorkstationDriver &window, const fs::path &scene) {
   window.start({scene.string()});
   C3DE_WAIT(window, "organ and bone are in the scan",
             s["panes"].size() == 4 && s["jobs"].empty() && !row(s, "Surfels").empty() &&
-                text(s, "axial.outlines") == "2" && text(s, "axial.readout").find("|u| ") != std::string::npos);
-}
-
-/// A position in a pane, mm from its middle: to the right, and down.
-Point at(const WorkstationDriver &window, const std::string &pane, double right_mm, double down_mm) {
-  const Json state = window.state(), r = state["panes"][pane];
-  const double scale = std::strtod(text(state, pane + ".scale_mm_per_px").c_str(), nullptr);
-  return {r["x"].get<double>() + 0.5 * r["w"].get<double>() + right_mm / scale,
-          r["y"].get<double>() + 0.5 * r["h"].get<double>() + down_mm / scale};
+                imageText(s, "axial.outlines") == "2" &&
+                imageText(s, "axial.readout").find("|u| ") != std::string::npos);
 }
 
 void take(WorkstationDriver &window, const char *key, const std::string &tool) {
@@ -124,19 +106,6 @@ void play(WorkstationDriver &window) {
   C3DE_WAIT(window, "it plays", mode(s) == "playing" && steps(s) > 5);
 }
 
-void moveInSteps(WorkstationDriver &window, const Point &from, const Point &to, int count = 8) {
-  for (int k = 1; k <= count; ++k) {
-    const double t = static_cast<double>(k) / count;
-    window.moveTo({from.x + t * (to.x - from.x), from.y + t * (to.y - from.y)});
-  }
-}
-
-double shift_mm(const Json &state, const std::string &pane) {
-  const std::string readout = text(state, pane + ".readout");
-  const std::size_t at = readout.find("|u| ");
-  return at == std::string::npos ? std::nan("") : std::strtod(readout.c_str() + at + 4, nullptr);
-}
-
 }  // namespace
 
 TEST_CASE("tissue is pulled where a slice shows it, within its plane, and one Undo takes it back", "[slice_pinch]") {
@@ -145,8 +114,8 @@ TEST_CASE("tissue is pulled where a slice shows it, within its plane, and one Un
   start(window, sceneOf("slice_pinch"));
   take(window, "p", "pointbased.pinch");
   play(window);
-  const std::string crossHair = text(window.state(), "cross_hair");
-  const Point from = at(window, "axial", -10, 5), to = at(window, "axial", -28, -12);
+  const std::string crossHair = imageText(window.state(), "cross_hair");
+  const Point from = window.inSlice("axial", -10, 5), to = window.inSlice("axial", -28, -12);
   window.moveTo(from);
   C3DE_WAIT(window, "the hint says what a press does",
             s["values"].value("status/hint", "").find("Pinch: Press on the organ, here or in a slice") == 0);
@@ -154,43 +123,43 @@ TEST_CASE("tissue is pulled where a slice shows it, within its plane, and one Un
   window.press();
   const Json held = C3DE_WAIT(window, "it is held", row(s, "Held inside") == "organ");
   // The point under the mouse, inside, in the plane; a pixel is 0.5 mm.
-  const Vec3 pressed = millimetres(held, "Held point");
+  const Vec3 pressed = vectorOf(held, kPanel + "Held point");
   INFO(row(held, "Held point"));
   CHECK(std::abs(pressed[0] + 10) < 0.6);
   CHECK(std::abs(pressed[1] - 5) < 0.6);
   const double plane = pressed[2];
   CHECK(std::abs(plane) < 1.3);
-  moveInSteps(window, from, to);
+  window.moveAlong(from, to, 8);
   C3DE_WAIT(window, "the tissue has come after the hand",
-            number(s, "Pinch force") > 0.05 && norm(millimetres(s, "Held point") - pressed) > 6.0);
+            number(s, "Pinch force") > 0.05 && norm(vectorOf(s, kPanel + "Held point") - pressed) > 6.0);
   // The material under the mouse has come from the pressed position: the slice shows that.
-  C3DE_WAIT(window, "the scan follows", shift_mm(s, "axial") > 3.0);
+  C3DE_WAIT(window, "the scan follows", displacement_mm(s, "axial") > 3.0);
   window.waitFrames(20);
   window.screenshot("pulled");
   const Json pulled = window.state();
-  const Vec3 hand = millimetres(pulled, "Hand"), now = millimetres(pulled, "Held point");
+  const Vec3 hand = vectorOf(pulled, kPanel + "Hand"), now = vectorOf(pulled, kPanel + "Held point");
   INFO(row(pulled, "Hand"));
   CHECK(std::abs(hand[0] + 28) < 0.6);
   CHECK(std::abs(hand[1] + 12) < 0.6);
   CHECK(std::abs(hand[2] - plane) < 0.01);
   CHECK(std::abs(now[2] - plane) < 1.0);
-  CHECK(text(pulled, "axial.marks").find(" 0 beside it") != std::string::npos);
-  CHECK(text(pulled, "axial.marks").find("0 in the plane") != 0);
-  CHECK(text(pulled, "coronal.marks").find("0 in the plane, 0 beside it") == std::string::npos);
-  CHECK(text(pulled, "cross_hair") == crossHair);
+  CHECK(imageText(pulled, "axial.marks").find(" 0 beside it") != std::string::npos);
+  CHECK(imageText(pulled, "axial.marks").find("0 in the plane") != 0);
+  CHECK(imageText(pulled, "coronal.marks").find("0 in the plane, 0 beside it") == std::string::npos);
+  CHECK(imageText(pulled, "cross_hair") == crossHair);
   for (const char *pane : {"axial", "sagittal", "coronal", "3D"}) {
     INFO(pane);
     CHECK(window.differingPixels("before", "pulled", pane) > 100);
   }
   window.release();
   C3DE_WAIT(window, "it is let go", row(s, "Pinch force") == "–");
-  CHECK(text(window.state(), "axial.marks") == "0 in the plane, 0 beside it");
+  CHECK(imageText(window.state(), "axial.marks") == "0 in the plane, 0 beside it");
   window.moveTo(window.inView(0.9, 0.9));
   window.key("space");
   const Json paused = C3DE_WAIT(window, "it pauses", mode(s) == "paused");
   window.key("ctrl+z");
   const Json undone = C3DE_WAIT(window, "the pull is undone", steps(s) < steps(paused));
-  C3DE_WAIT(window, "the scan is back", shift_mm(s, "axial") < 0.01);
+  C3DE_WAIT(window, "the scan is back", displacement_mm(s, "axial") < 0.01);
   window.screenshot("undone");
   CHECK(steps(undone) > 0);  // to before the pull, not to the beginning
   window.key("ctrl+y");
@@ -200,7 +169,7 @@ TEST_CASE("tissue is pulled where a slice shows it, within its plane, and one Un
 
   // In another view, zoomed and panned: the point under the mouse before the zoom stays there.
   window.key("space");
-  const Point sagittal = at(window, "sagittal", 8, -10);
+  const Point sagittal = window.inSlice("sagittal", 8, -10);
   window.moveTo(sagittal);
   window.keyDown("ctrl");
   window.wheel(4);
@@ -209,34 +178,35 @@ TEST_CASE("tissue is pulled where a slice shows it, within its plane, and one Un
   window.moveTo(sagittal);
   window.press();
   const Json second = C3DE_WAIT(window, "it is held", row(s, "Held inside") == "organ");
-  const Vec3 there = millimetres(second, "Held point");
+  const Vec3 there = vectorOf(second, kPanel + "Held point");
   INFO(row(second, "Held point"));
   CHECK(std::abs(there[1] - 8) < 0.7);
   CHECK(std::abs(there[2] - 10) < 0.7);
-  moveInSteps(window, sagittal, {sagittal.x + 60, sagittal.y - 40});
+  window.moveAlong(sagittal, {sagittal.x + 60, sagittal.y - 40}, 8);
   C3DE_WAIT(window, "the hand pulls", number(s, "Pinch force") > 0.05);
   window.waitFrames(20);
   window.screenshot("sagittal");
-  CHECK(std::abs(millimetres(window.state(), "Hand")[0] - there[0]) < 0.01);
+  CHECK(std::abs(vectorOf(window.state(), kPanel + "Hand")[0] - there[0]) < 0.01);
 
   // The slice is scrolled during the drag: the target moves along, 2 mm a slice.
   window.wheel(3);
-  C3DE_WAIT(window, "the hand has gone along", std::abs(std::abs(millimetres(s, "Hand")[0] - there[0]) - 6) < 0.05);
+  C3DE_WAIT(window, "the hand has gone along",
+            std::abs(std::abs(vectorOf(s, kPanel + "Hand")[0] - there[0]) - 6) < 0.05);
   window.screenshot("scrolled");
   window.key("Escape");
   C3DE_WAIT(window, "Escape lets go", row(s, "Pinch force") == "–");
-  const std::string cross = text(window.state(), "cross_hair");
+  const std::string cross = imageText(window.state(), "cross_hair");
   window.moveTo({sagittal.x, sagittal.y + 30});
   window.release();
   window.waitFrames(2);
   CHECK(row(window.state(), "Pinch force") == "–");
-  CHECK(text(window.state(), "cross_hair") == cross);
+  CHECK(imageText(window.state(), "cross_hair") == cross);
 
   // Without a tool the slice's own gestures are active again.
   window.moveTo(window.inView(0.5, 0.5));
   window.key("o");
-  window.clickAt(at(window, "axial", 20, 10));
-  C3DE_WAIT(window, "the cross-hair moves", text(s, "cross_hair") != cross);
+  window.clickAt(window.inSlice("axial", 20, 10));
+  C3DE_WAIT(window, "the cross-hair moves", imageText(s, "cross_hair") != cross);
   CHECK(window.state()["notifications"].empty());
 }
 
@@ -251,25 +221,25 @@ TEST_CASE("a press beside tissue and on rigid bone holds nothing and says why", 
   play(window);
   const Json before = window.state();
   const auto press = [&](const char *pane, double right, double down, const std::string &why) {
-    window.moveTo(at(window, pane, right, down));
+    window.moveTo(window.inSlice(pane, right, down));
     window.press();
     const Json told = C3DE_WAIT(window, "it is said: " + why, row(s, "Not held") == why);
     CHECK(row(told, "Held inside").empty());
-    CHECK(text(told, std::string(pane) + ".marks") == "1 in the plane, 0 beside it");
-    window.moveTo(at(window, pane, right + 10, down));
+    CHECK(imageText(told, std::string(pane) + ".marks") == "1 in the plane, 0 beside it");
+    window.moveTo(window.inSlice(pane, right + 10, down));
     window.release();
     C3DE_WAIT(window, "the word at the place goes",
-              text(s, std::string(pane) + ".marks") == "0 in the plane, 0 beside it");
+              imageText(s, std::string(pane) + ".marks") == "0 in the plane, 0 beside it");
   };
   press("axial", -50, 5, "No body here");
   window.screenshot("beside");
-  window.moveTo(at(window, "axial", 49, 5));
+  window.moveTo(window.inSlice("axial", 49, 5));
   window.press();
   C3DE_WAIT(window, "it is said", row(s, "Not held") == "bone is rigid and fixed");
   window.screenshot("bone");
   window.release();
   press("coronal", 0, 22, "organ is held by a fix there");
-  CHECK(text(window.state(), "cross_hair") == text(before, "cross_hair"));
+  CHECK(imageText(window.state(), "cross_hair") == imageText(before, "cross_hair"));
   // Nothing was begun that could be undone.
   const long long now = steps(window.state());
   window.key("ctrl+z");
@@ -278,12 +248,12 @@ TEST_CASE("a press beside tissue and on rigid bone holds nothing and says why", 
   // Above it is free; while paused it is held, and pulled once it plays.
   window.key("space");
   C3DE_WAIT(window, "it pauses", mode(s) == "paused");
-  const Point from = at(window, "coronal", 0, -15);
+  const Point from = window.inSlice("coronal", 0, -15);
   window.moveTo(from);
   window.press();
   C3DE_WAIT(window, "it is held", row(s, "Held inside") == "organ");
   CHECK(row(window.state(), "Not held").empty());
-  moveInSteps(window, from, {from.x - 30, from.y - 20}, 3);
+  window.moveAlong(from, {from.x - 30, from.y - 20}, 3);
   CHECK(number(window.state(), "Pinch force") == 0.0);
   window.key("space");
   C3DE_WAIT(window, "it is pulled", number(s, "Pinch force") > 0.05);
@@ -311,19 +281,19 @@ TEST_CASE("in a scan that is turned and a body that has gone far, what is seen i
   C3DE_WAIT(window, "it stands", mode(s) == "paused");
   const double gone = 30.0 * window.state()["transport"]["time_s"].get<double>();
   // The centre of the former lower half of the organ, in the frame of the scan.
-  const Point where = at(window, "axial", 6.0, 15.0 - gone);
+  const Point where = window.inSlice("axial", 6.0, 15.0 - gone);
   window.moveTo(where);
-  C3DE_WAIT(window, "the scan shows tissue there", std::abs(shift_mm(s, "axial") - gone) < 0.1);
+  C3DE_WAIT(window, "the scan shows tissue there", std::abs(displacement_mm(s, "axial") - gone) < 0.1);
   window.press();
   const Json held = C3DE_WAIT(window, "it is held", row(s, "Held inside") == "organ");
-  const Vec3 point = millimetres(held, "Held point");
+  const Vec3 point = vectorOf(held, kPanel + "Held point");
   const Vec3 right{c, d, 0}, down{-d, c, 0};
   INFO(row(held, "Held point"));
   CHECK(std::abs(dot(point, right) - 6.0) < 0.7);
   CHECK(std::abs(dot(point, down) - (15.0 - gone)) < 0.7);
-  moveInSteps(window, where, {where.x - 60, where.y}, 4);
+  window.moveAlong(where, {where.x - 60, where.y}, 4);
   window.moveTo({where.x - 60, where.y});
-  const Vec3 hand = millimetres(window.state(), "Hand");
+  const Vec3 hand = vectorOf(window.state(), kPanel + "Hand");
   CHECK(std::abs(dot(hand - point, down)) < 0.05);
   CHECK(dot(hand - point, right) < -15.0);
   window.screenshot("held");
@@ -333,7 +303,7 @@ TEST_CASE("in a scan that is turned and a body that has gone far, what is seen i
   window.screenshot("pulled");
   window.release();
   // Its former region is empty.
-  window.moveTo(at(window, "axial", 6, 22));
+  window.moveTo(window.inSlice("axial", 6, 22));
   window.press();
   C3DE_WAIT(window, "nothing is there", row(s, "Not held") == "No body here");
   window.release();
@@ -362,15 +332,15 @@ TEST_CASE("where two bodies lie over each other the one is held that the slice s
   int ofOrgan = 0, ofBone = 0;
   for (double x = 12.0; x < 55.0 - gone; x += 2.6) {
     INFO(x);
-    window.moveTo(at(window, "axial", x, 5));
+    window.moveTo(window.inSlice("axial", x, 5));
     const Json shown = C3DE_WAIT(window, "the slice tells of it",
-                                 std::abs(std::strtod(text(s, "axial.readout").c_str() + 4, nullptr) - x) < 0.6);
+                                 std::abs(std::strtod(imageText(s, "axial.readout").c_str() + 4, nullptr) - x) < 0.6);
     window.press();
     const Json held = C3DE_WAIT(window, "it is held", !row(s, "Held inside").empty());
     window.release();
     C3DE_WAIT(window, "it is let go", row(s, "Held inside").empty());
     // Between the two the slice blends.
-    const double shift = shift_mm(shown, "axial");
+    const double shift = displacement_mm(shown, "axial");
     if (shift > 1.0 && shift < gone - 1.0) continue;
     const bool isOfOrgan = shift <= 1.0;
     ++(isOfOrgan ? ofOrgan : ofBone);
@@ -388,33 +358,33 @@ TEST_CASE("an instrument is put into a slice, drawn where it is cut, and pushed 
   take(window, "t", "pointbased.touch");
   play(window);
   const auto outlines = [](const char *pane, const char *count) {
-    return [key = std::string(pane) + ".outlines", count](const Json &s) { return text(s, key) == count; };
+    return [key = std::string(pane) + ".outlines", count](const Json &s) { return imageText(s, key) == count; };
   };
   // In the coronal view, to the left of the organ: it ends 32 mm from the middle.
-  const Point from = at(window, "coronal", -45, 3);
+  const Point from = window.inSlice("coronal", -45, 3);
   window.moveTo({from.x - 10, from.y});
   window.moveTo(from);
   window.waitFrames(3);
   window.screenshot("hovered");
-  CHECK(text(window.state(), "coronal.marks") == "1 in the plane, 0 beside it");
+  CHECK(imageText(window.state(), "coronal.marks") == "1 in the plane, 0 beside it");
   window.press();
   window.waitUntil("it is cut", outlines("coronal", "3"));
   const double radius = number(window.state(), "touch_radius"), y = number(window.state(), "touch_y");
   CHECK(std::abs(number(window.state(), "touch_x") + 45) < 0.6);
   CHECK(std::abs(number(window.state(), "touch_z") + 3) < 0.6);
   CHECK(radius >= 6.0);
-  moveInSteps(window, from, at(window, "coronal", -26, 3));
+  window.moveAlong(from, window.inSlice("coronal", -26, 3), 8);
   C3DE_WAIT(window, "it is felt", number(s, "Contact force") > 0.1);
   window.waitFrames(30);
   window.screenshot("pressed");
   const Json pressed = window.state();
   CHECK(std::abs(number(pressed, "touch_x") + 26) < 0.6);
   CHECK(std::abs(number(pressed, "touch_y") - y) < 0.01);  // within the plane
-  CHECK(text(pressed, "coronal.marks").find("0 in the plane") != 0);
+  CHECK(imageText(pressed, "coronal.marks").find("0 in the plane") != 0);
   window.release();
   CHECK(window.differingPixels("hovered", "pressed", "coronal") > 200);
   // A press on it grabs it again; the wheel scrolls to the next slice, and it moves along.
-  const Point again = at(window, "coronal", -26, 4);
+  const Point again = window.inSlice("coronal", -26, 4);
   window.moveTo(again);
   window.press();
   window.moveTo({again.x - 2, again.y});
@@ -429,7 +399,7 @@ TEST_CASE("an instrument is put into a slice, drawn where it is cut, and pushed 
   window.key("ctrl+z");
   window.waitUntil("it was never there", outlines("coronal", "2"));
   // Within the tissue: it is placed next to the skin, in the plane.
-  const Point inside = at(window, "coronal", -27, 3);
+  const Point inside = window.inSlice("coronal", -27, 3);
   window.moveTo(inside);
   window.press();
   window.waitUntil("it is cut", outlines("coronal", "3"));

@@ -72,8 +72,7 @@ TEST_CASE("menus open, and About names versions, graphics and plugins", "[menu]"
   const Json open = C3DE_WAIT(window, "the menu is open", s["widgets"].contains("menu/simulation.play"));
   CHECK(std::count(open["disabled"].begin(), open["disabled"].end(), "menu/simulation.play") == 1);
   window.click("menu/simulation");
-  window.click("menu/help");
-  window.click("menu/help.about");
+  window.clickMenu("help.about");
   C3DE_WAIT(window, "About is open", s["values"].contains("about/version"));
   CHECK_THAT(window.value("about/version"), Contains("C3DE"));
   CHECK_THAT(window.value("about/graphics"), Contains("OpenGL") || Contains("GL"));
@@ -93,8 +92,7 @@ TEST_CASE("a file that is no mesh leads to a message that says why, and the wind
   window.key("ctrl+m");
   C3DE_WAIT(window, "the dialog is open", s["widgets"].contains("dialog/path"));
   window.screenshot("dialog");
-  window.click("dialog/unit");
-  window.click("dialog/unit.option.m");
+  window.choose("dialog/unit", "m");
   window.waitForValue("dialog/unit", "m");
   window.click("dialog/path");
   window.type("/nowhere/liver.obj");
@@ -291,14 +289,10 @@ TEST_CASE("widgets of a panel do what they say", "[widgets]") {
   window.drag(slider, {slider.x + 20, slider.y}, 3);
   CHECK(window.number("test.gallery/Slider") > 2.5);
   CHECK(window.number("test.gallery/Slider") < 5.0);
-  window.controlClick("test.gallery/slider");
-  window.key("ctrl+a");
-  window.type("3.125 N");
-  window.key("Return");
+  window.enterNumber("test.gallery/slider", "3.125 N");
   window.waitForValue("test.gallery/Slider", "3.125000");
 
-  window.click("test.gallery/choice");
-  window.click("test.gallery/choice.option.quasistatic");
+  window.choose("test.gallery/choice", "quasistatic");
   window.waitForValue("test.gallery/choice", "quasistatic");
   window.click("test.gallery/text");
   window.key("ctrl+a");
@@ -327,22 +321,15 @@ TEST_CASE("parameters are edited with range and unit, and refused values say why
   window.drag(youngs, {youngs.x + 15, youngs.y}, 3);
   CHECK_THAT(window.value("test.gallery/Changed"), Contains("youngs = "));
 
-  window.controlClick("test.gallery/poisson");
-  window.key("ctrl+a");
-  window.type("0.4501");
-  window.key("Return");
+  window.enterNumber("test.gallery/poisson", "0.4501");
   window.waitForValue("test.gallery/Changed", "poisson = 0.4501");
-  window.controlClick("test.gallery/poisson");
-  window.key("ctrl+a");
-  window.type("0.5");
-  window.key("Return");
+  window.enterNumber("test.gallery/poisson", "0.5");
   window.waitFrames(1);
   CHECK(window.value("test.gallery/poisson") == "0.4501");
   CHECK(window.value("test.gallery/Changed") == "poisson = 0.4501");
   window.screenshot("refused");
 
-  window.click("test.gallery/law");
-  window.click("test.gallery/law.option.neo_hookean");
+  window.choose("test.gallery/law", "neo_hookean");
   window.waitForValue("test.gallery/Changed", "law = neo_hookean");
   CHECK(window.value("test.gallery/dt") == "auto");
   window.click("test.gallery/dt.auto");
@@ -479,8 +466,7 @@ TEST_CASE("the side panel can be made wider, and the layout reset", "[layout]") 
   const Point grip = window.locate("window/splitter");
   window.drag(grip, {grip.x + 100, grip.y}, 4);
   CHECK(window.state()["view"]["x"].get<double>() == Approx(before + 100).margin(4));
-  window.click("menu/view");
-  window.click("menu/view.reset_layout");
+  window.clickMenu("view.reset_layout");
   C3DE_WAIT(window, "the panel is as wide as before", s["view"]["x"] == before);
   // Its check box hides and shows a node.
   window.click("scene/box");

@@ -12,6 +12,7 @@
 
 #include "support/environment.h"
 #include "support/folders.h"
+#include "ui/workstation_state.h"
 
 namespace c3de::test {
 namespace {
@@ -30,6 +31,10 @@ std::string readText(const std::filesystem::path &file) {
   std::ostringstream text;
   text << in.rdbuf();
   return text.str();
+}
+
+Point pointIn(const Json &rect, double u, double v) {
+  return {rect["x"].get<double>() + u * rect["w"].get<double>(), rect["y"].get<double>() + v * rect["h"].get<double>()};
 }
 
 // The most informative part comes first: messages may be cut off.
@@ -266,6 +271,23 @@ void WorkstationDriver::moveAlong(Point from, Point to, int steps) {
   }
 }
 
+void WorkstationDriver::enterNumber(const std::string &field, const std::string &text) {
+  controlClick(field);
+  key("ctrl+a");
+  type(text);
+  key("Return");
+}
+
+void WorkstationDriver::choose(const std::string &list, const std::string &option) {
+  click(list);
+  click(list + ".option." + option);
+}
+
+void WorkstationDriver::clickMenu(const std::string &item) {
+  click("menu/" + item.substr(0, item.find('.')));
+  click("menu/" + item);
+}
+
 void WorkstationDriver::openFile(const std::filesystem::path &file, int delay_ms) {
   C3DE_WAIT(*this, "a file is asked for", s["widgets"].contains("dialog/path"));
   key("ctrl+a");
@@ -279,9 +301,17 @@ void WorkstationDriver::enterFile(const std::filesystem::path &file) {
   key("Return");
 }
 
-Point WorkstationDriver::inView(double u, double v) const {
-  const Json view = state()["view"];
-  return {view["x"].get<double>() + u * view["w"].get<double>(), view["y"].get<double>() + v * view["h"].get<double>()};
+Point WorkstationDriver::inView(double u, double v) const { return pointIn(state()["view"], u, v); }
+
+Point WorkstationDriver::inPane(const std::string &pane, double u, double v) const {
+  return pointIn(state()["panes"][pane], u, v);
+}
+
+Point WorkstationDriver::inSlice(const std::string &pane, double right_mm, double down_mm) const {
+  const Json now = state();
+  const double scale = numberOf(now, "image/" + pane + ".scale_mm_per_px");
+  const Point middle = pointIn(now["panes"][pane], 0.5, 0.5);
+  return {middle.x + right_mm / scale, middle.y + down_mm / scale};
 }
 
 void WorkstationDriver::wheel(int clicks) {

@@ -71,6 +71,10 @@ class WorkstationDriver {
   void moveAlong(Point from, Point to, int steps);
   /// A point of the 3D view; 0 … 1 from its upper left corner.
   [[nodiscard]] Point inView(double u, double v) const;
+  /// The same of one of the four views of an image.
+  [[nodiscard]] Point inPane(const std::string &pane, double u, double v) const;
+  /// A position in a slice that is not zoomed, mm from the middle of its view: to the right, and down.
+  [[nodiscard]] Point inSlice(const std::string &pane, double right_mm, double down_mm) const;
   void wheel(int clicks);
   void key(const std::string &name);
   /// One right after the other, from one process.
@@ -80,6 +84,13 @@ class WorkstationDriver {
   void keyUp(const std::string &name);
   /// @param delay_ms  between characters
   void type(const std::string &text, int delay_ms = 40);
+  /// Replaces the number in a field, and confirms it by Return.
+  void enterNumber(const std::string &field, const std::string &text);
+  /// Opens a list and clicks on one of its options.
+  void choose(const std::string &list, const std::string &option);
+  /// Opens a menu and clicks on its item.
+  /// @param item  with the name of the menu: "file.export_labels"
+  void clickMenu(const std::string &item);
   /// In the file dialog that opens: replaces the path and opens it, or types one in the folder and presses Return.
   void openFile(const std::filesystem::path &file, int delay_ms = 40);
   void enterFile(const std::filesystem::path &file);

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ui/simulation_window.h"
+
+#include <fstream>
+
+#include "c3de/core/platform.h"
+#include "support/folders.h"
+#include "ui/workstation_state.h"
+
+namespace c3de::test {
+
+namespace fs = std::filesystem;
+
+fs::path organMesh() { return fs::path(testResourcesFolder()) / "meshes" / "organ.obj"; }
+
+fs::path floatingOrgan() {
+  fs::path scene = outputFile("floating.toml");
+  std::ofstream(scene)
+      << "format = 1\ntitle = \"Floating organ\"\n[world]\ngravity = [0.0, 0.0, 0.0]\n"
+         "[solver]\ndamping = 5.0\n[[body]]\nname = \"organ\"\nmesh = \""
+      << organMesh().generic_string() << "\"\nmesh_unit = \"mm\"\n"
+      << "material = { law = \"neo_hookean\", youngs_modulus = 6e3, poisson_ratio = 0.4, density = 1000.0 }\n"
+      << "sampling = { count = 400 }\n";
+  return scene;
+}
+
+std::string examplePlugin(const std::string &name) {
+  return (fs::path(testExampleFolder()) / (name + pluginExtension())).string();
+}
+
+void openOrgan(WorkstationDriver &window, const std::vector<std::string> &arguments) {
+  window.start(arguments);
+  // Its node and its rows appear with the first snapshot and push the rows below them down.
+  C3DE_WAIT(window, "the organ is shown",
+            s["transport"]["exists"].get<bool>() && s["jobs"].empty() && s["nodes"].size() >= 2 &&
+                !row(s, "Surfels").empty());
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("f");
+}
+
+void startOrgan(WorkstationDriver &window, const std::vector<std::string> &more) {
+  std::vector<std::string> arguments{floatingOrgan().string()};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  openOrgan(window, arguments);
+}
+
+void play(WorkstationDriver &window) {
+  window.key("space");
+  C3DE_WAIT(window, "it plays", mode(s) == "playing" && s["transport"]["steps"] > 5);
+}
+
+Json pause(WorkstationDriver &window) {
+  window.key("space");
+  return C3DE_WAIT(window, "it pauses", mode(s) == "paused");
+}
+
+void takePinch(WorkstationDriver &window) {
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("p");
+  C3DE_WAIT(window, "the pinch tool is active", s["tool"] == "pointbased.pinch");
+}
+
+Json holdSurfel(WorkstationDriver &window, const Point &at) {
+  window.moveTo(at);
+  window.press();
+  return C3DE_WAIT(window, "a surfel is held", !row(s, "Held surfel").empty());
+}
+
+void pull(WorkstationDriver &window, const Point &from, const Point &to) {
+  window.moveTo(from);
+  window.press();
+  window.moveAlong(from, to, 8);
+}
+
+}  // namespace c3de::test

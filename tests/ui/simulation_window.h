@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Windows that simulate with the point-based plugin: an organ is opened, plays, is pulled.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ui/workstation_driver.h"
+
+namespace c3de::test {
+
+std::filesystem::path organMesh();
+/// A scene of an organ that only the user moves.
+std::filesystem::path floatingOrgan();
+/// The file of a plugin of plugins/, for --plugin.
+std::string examplePlugin(const std::string &name);
+
+/// Starts, waits until the body is shown, and fits it into the view.
+void openOrgan(WorkstationDriver &window, const std::vector<std::string> &arguments);
+/// The same with the floating organ.
+void startOrgan(WorkstationDriver &window, const std::vector<std::string> &more = {});
+
+/// By its key.
+void play(WorkstationDriver &window);
+Json pause(WorkstationDriver &window);
+/// With the mouse in the middle of the 3D view.
+void takePinch(WorkstationDriver &window);
+/// Presses there, with a tool that holds a surfel.
+Json holdSurfel(WorkstationDriver &window, const Point &at);
+/// The button stays pressed.
+void pull(WorkstationDriver &window, const Point &from, const Point &to);
+
+}  // namespace c3de::test
