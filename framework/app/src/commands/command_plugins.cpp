@@ -2,9 +2,13 @@
 // `c3de plugins`
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"

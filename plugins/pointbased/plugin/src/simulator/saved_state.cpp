@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulator/saved_state.h"
 
+#include <functional>
+#include <string>
+#include <vector>
+
 #include "base/accuracy_target.h"
 #include "c3de/abi/iface/parameter_ids.h"
 
