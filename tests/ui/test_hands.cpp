@@ -213,7 +213,7 @@ TEST_CASE("an implant is added in the unit that is chosen, at the marked point, 
 
   // At another position the state is unchanged: in centimetres the file places it 3 m away.
   window.choose(kPanel + "obstacle_unit", "cm");
-  window.choose(kPanel + "obstacle_place", "where its file has it");
+  window.choose(kPanel + "obstacle_place", "as in the file");
   window.waitForValue(kPanel + "Centre", "3010.0  10.0  10.0 mm");
   const auto hasCube = [](const Json &s) {
     return std::any_of(s["nodes"].begin(), s["nodes"].end(), [](const Json &node) { return node["name"] == "cube"; });

@@ -137,7 +137,8 @@ TEST_CASE("a liver is found in a CT by threshold, becomes a body, and the scan f
   CHECK(numberOf(pulled, kPanel + "Pinch force") > 0.0);
   // Behind the liver, which has moved forwards: the scan does not show it twice.
   window.moveTo(pixelOf(window, "axial", centre, {-85.0, -116.0, liver[2]}));
-  C3DE_WAIT(window, "its place is empty", textOf(s, "image/axial.readout").find("left by a body") != std::string::npos);
+  C3DE_WAIT(window, "its place is empty",
+            textOf(s, "image/axial.readout").find("vacated by a body") != std::string::npos);
   window.release();
   window.moveTo(window.inView(0.9, 0.9));
   window.key("space");
