@@ -148,8 +148,8 @@ void bench::measureSheet(const Options & /*options*/, Report &report) {
     settings.stiffness = 50.0;
     settings.thickness = 0.015 * kEdge;
     moving.setModuli(std::vector<double>(skin->count(), 1e4));
-    settings.apart = 3.0 * kEdge;
-    settings.leastReach = 0.3 * kEdge;
+    settings.sameTissueDistance = 3.0 * kEdge;
+    settings.minReach = 0.3 * kEdge;
     std::size_t contacts = 0;
     const double list = leastOf(3, [&] {
       SkinPair fresh(moving, moving, settings);

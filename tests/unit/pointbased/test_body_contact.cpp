@@ -149,7 +149,7 @@ TEST_CASE("what has fallen asleep on another body still presses on it") {
   const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
   const ContactSummary *found = between(contacts, a, b);
   REQUIRE(found);
-  CHECK_THAT(found->pressing, WithinRel(0.1, 0.01));
+  CHECK_THAT(found->normalForce, WithinRel(0.1, 0.01));
 }
 
 TEST_CASE("what overlaps at the start is said") {

@@ -178,7 +178,7 @@ TEST_CASE("impulses add no kinetic energy, whatever they start from, and are the
       contact.normal = random.vector().normalized();
       contact.gap = std::max(0.0, 1e-3 * random());
       contact.friction = 0.4;
-      contact.normalImpulse = contact.settleImpulse = std::max(0.0, 0.05 * random());
+      contact.normalImpulse = contact.projectionImpulse = std::max(0.0, 0.05 * random());
       memory.active.push_back(contact);
     }
     const auto kinetic = [&] {
@@ -209,7 +209,7 @@ TEST_CASE("impulses add no kinetic energy, whatever they start from, and are the
           binding.positions[contact.point].cross(contact.normalImpulse * contact.normal + contact.frictionImpulse);
     }
     CHECK((l1 - l0 - torque).norm() < 1e-12 * (1.0 + torque.norm()));
-    settleContactVelocities(binding, body->inverseMasses(), 1e-3, memory, v);
+    projectContactVelocities(binding, body->inverseMasses(), 1e-3, memory, v);
     CHECK(kinetic() <= between);
   }
 }

@@ -52,7 +52,7 @@ TEST_CASE("blocks of points that wait miss no contact, however phyxels and obsta
     interpolateField(rest.contact.binding, v, velocities, serialFor());
     for (std::size_t p = 0; p < positions.size(); ++p) positions[p] += rest.origin + rest.contact.binding.positions[p];
     findContacts(obstacles, box, time, dt, margin, positions, velocities, {}, all, serialFor());
-    looked += waiting.blocks.looked.size();
+    looked += waiting.blocks.checkedPoints.size();
     found += all.active.size();
     REQUIRE(waiting.active.size() == all.active.size());
     for (std::size_t c = 0; c < all.active.size(); ++c) {

@@ -52,7 +52,7 @@ TEST_CASE("the weight of a block is the force that its ground is reported with")
   CHECK(c.second == ground);
   CHECK_THAT(c.force[1], WithinRel(weight, 0.01));
   CHECK(std::hypot(c.force[0], c.force[2]) < 0.01 * weight);
-  CHECK_THAT(c.pressing, WithinRel(weight, 0.01));
+  CHECK_THAT(c.normalForce, WithinRel(weight, 0.01));
   CHECK(c.points >= 16);
   // Explicit: the rattling within the margin. Else the penalty yields by p d / (30 E), about four times that at the
   // edges.
@@ -83,7 +83,7 @@ TEST_CASE("the forces of contact over an impact are the change of the momentum")
     const double from = simulator.time();
     REQUIRE(simulator.step());
     for (const ContactSummary &c : simulator.diagnostics().contacts()) {
-      REQUIRE(std::hypot(c.force[0], c.force[2]) <= (0.3 + 1e-9) * c.pressing);
+      REQUIRE(std::hypot(c.force[0], c.force[2]) <= (0.3 + 1e-9) * c.normalForce);
       impulse += (simulator.time() - from) * c.force;
     }
   }
@@ -125,7 +125,7 @@ TEST_CASE("friction of a pair is that of this body alone: it slides where anothe
     ++told;
     // Sliding is resisted by mu N, sticking by the weight along the slope.
     const double expected =
-        c.first == sliding ? mu * c.pressing : kGravity * std::sin(angle) * simulator.body(held)->totalMass();
+        c.first == sliding ? mu * c.normalForce : kGravity * std::sin(angle) * simulator.body(held)->totalMass();
     CHECK_THAT(-c.force[0], WithinRel(expected, 0.02));
   }
   CHECK(told == 2);

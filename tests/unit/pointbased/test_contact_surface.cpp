@@ -98,8 +98,8 @@ TEST_CASE("the impulses of the ground are the weight of what lies on it, and the
   Vec3 torque = Vec3::Zero();
   for (const Contact &c : body.contact.active) {
     const Vec3 at = body.rest().origin + body.rest().contact.binding.positions[c.point];
-    impulse += c.normalImpulse + c.settleImpulse;
-    torque += at.cross((c.normalImpulse + c.settleImpulse) * c.normal);
+    impulse += c.normalImpulse + c.projectionImpulse;
+    torque += at.cross((c.normalImpulse + c.projectionImpulse) * c.normal);
   }
   double dt = 0.0;
   {

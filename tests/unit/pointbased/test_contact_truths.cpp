@@ -186,7 +186,7 @@ Squeezed pullThrough(double opening) {
   while (simulator.time() < 1.2) {
     REQUIRE(simulator.step());
     for (const ContactSummary &c : simulator.diagnostics().contacts())
-      if (c.second == obstacle) seen.pressing = std::max(seen.pressing, c.pressing);
+      if (c.second == obstacle) seen.pressing = std::max(seen.pressing, c.normalForce);
     if (simulator.steps() % 16 != 0) continue;
     seen.crossed += shapes::crossings(simulator, id);
     for (const Vec3 &x : skinOf(simulator, id)) seen.deepest = std::max(seen.deepest, depthOf(x));

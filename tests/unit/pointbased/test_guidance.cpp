@@ -208,7 +208,7 @@ TEST_CASE("contact pressure over the skin is the force that presses, on an obsta
   const ContactSummary *on = between(contacts, below, table), *joint = between(contacts, below, above);
   REQUIRE(on);
   REQUIRE(joint);
-  CHECK_THAT(on->pressing, WithinRel(2.0 * weight, 0.02));
+  CHECK_THAT(on->normalForce, WithinRel(2.0 * weight, 0.02));
   // Vertices at the edges also have faces on the sides.
   CHECK_THAT(on->area, WithinRel(base, 0.3));
   CHECK_THAT(joint->area, WithinRel(base, 0.3));

@@ -53,7 +53,7 @@ TEST_CASE(
   const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
   const ContactSummary *found = between(contacts, lower, upper);
   REQUIRE(found);
-  CHECK_THAT(found->pressing, WithinRel(0.36, 0.01));
+  CHECK_THAT(found->normalForce, WithinRel(0.36, 0.01));
   for (const auto &[id, modulus, low, high] :
        {std::tuple(lower, 1e4, 0.045, 0.06), std::tuple(upper, 4e4, 0.06, 0.072 + apart)}) {
     const Body &body = *simulator.body(id);
@@ -149,7 +149,7 @@ TEST_CASE("whatever two blocks are made of, one lies on the other in equilibrium
   const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
   const ContactSummary *found = between(contacts, a, b);
   REQUIRE(found);
-  CHECK_THAT(found->pressing, WithinRel(9.81 * simulator.body(b)->totalMass(), 0.03));
+  CHECK_THAT(found->normalForce, WithinRel(9.81 * simulator.body(b)->totalMass(), 0.03));
   CAPTURE(found->depth, found->points, found->force[1], shapes::meanDisplacement(*simulator.body(b))[1],
           shapes::meanDisplacement(*simulator.body(b))[0]);
   CHECK(shapes::crossings(simulator, a, b) == 0);
@@ -184,7 +184,7 @@ TEST_CASE("bodies that touch are integrated together by what costs less for all 
   CHECK(simulator.stepper().integratorOf(upper) == simulator.stepper().integratorOf(lower));
   const auto told = shapes::countEvents(simulator, "chosen", "take explicit steps together");
   CHECK(told == (stiff ? 0 : 1));
-  CHECK_THAT(simulator.diagnostics().contacts().front().pressing,
+  CHECK_THAT(simulator.diagnostics().contacts().front().normalForce,
              WithinRel(9.81 * simulator.body(upper)->totalMass(), 0.5));
   simulator.reset();
   CHECK(simulator.stepper().integratorOf(upper) == Integrator::implicitSdirk);

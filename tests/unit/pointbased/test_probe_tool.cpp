@@ -55,7 +55,7 @@ Touch touchOf(const Simulator &simulator, std::size_t tool) {
   for (const ContactSummary &c : simulator.diagnostics().contacts()) {
     if (c.second != tool) continue;
     touch.force -= c.force;
-    touch.pressing += c.pressing;
+    touch.pressing += c.normalForce;
     touch.depth = std::max(touch.depth, c.depth);
   }
   return touch;

@@ -220,7 +220,7 @@ TEST_CASE("Points that wait have no contacts, and the others the same as if all 
       CHECK(some.active[c].gap == all.active[c].gap);
     }
     contacts += all.active.size();
-    looked += some.blocks.looked.size();
+    looked += some.blocks.checkedPoints.size();
     ++searches;
     REQUIRE(simulator.step());
   }
@@ -235,9 +235,9 @@ TEST_CASE("A body in free flight asks for none of its points") {
   simulator.addObstacle(halfSpace(Vec3(0, -10.0, 0), Vec3::UnitY(), 0.3));
   REQUIRE(simulator.step());
   const ContactState &memory = simulator.body(id)->contact;
-  CHECK(memory.blocks.looked.size() == simulator.body(id)->rest().contact.count());
+  CHECK(memory.blocks.checkedPoints.size() == simulator.body(id)->rest().contact.count());
   while (simulator.time() < 0.5) {
     REQUIRE(simulator.step());
-    REQUIRE(memory.blocks.looked.empty());
+    REQUIRE(memory.blocks.checkedPoints.empty());
   }
 }

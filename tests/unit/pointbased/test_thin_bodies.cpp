@@ -53,7 +53,7 @@ TEST_CASE("a piece much smaller than its cell touches with as many points as hol
     area += rest->contact.areas[p];
     if (rest->origin[0] + rest->contact.binding.positions[p][0] > 0.12) ++small;
   }
-  CHECK(small >= kMinOfPiece);
+  CHECK(small >= kMinPointsPerPiece);
   CHECK_THAT(area, WithinRel(areaOf(pieces), 1e-9));
 }
 

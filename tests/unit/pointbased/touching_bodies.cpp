@@ -60,7 +60,7 @@ void checkWeights(Simulator &simulator, const std::vector<std::size_t> &ids) {
   for (std::size_t k = 1; k < ids.size(); ++k) {
     const ContactSummary *found = between(contacts, ids[k - 1], ids[k]);
     REQUIRE(found);
-    CHECK_THAT(found->pressing, WithinRel(weight * static_cast<double>(ids.size() - k), 0.02));
+    CHECK_THAT(found->normalForce, WithinRel(weight * static_cast<double>(ids.size() - k), 0.02));
     CHECK(crossings(simulator, ids[k - 1], ids[k]) == 0);
   }
 }

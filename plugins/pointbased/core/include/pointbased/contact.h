@@ -29,58 +29,58 @@ struct ContactPoints {
 ///                 three or four per phyxel of the skin. More points make contact slower, not better, because the faces
 ///                 of a cell have no other shapes
 [[nodiscard]] SurfacePoints chooseContactPoints(const Surface &surface, double spacing);
-/// Same for a body of several connected pieces. A small piece with fewer than kMinOfPiece of these points gets closer
-/// ones, down to a sixteenth of the spacing: a piece supported by a single point would rotate about it and pass through
-/// the floor.
+/// Same for a body of several connected pieces. A small piece with fewer than kMinPointsPerPiece of these points gets
+/// closer ones, down to a sixteenth of the spacing: a piece supported by a single point would rotate about it and pass
+/// through the floor.
 /// @param pieceOf  [vertices] of the surface: number of the piece that carries the vertex
 [[nodiscard]] SurfacePoints chooseContactPoints(const Surface &surface, double spacing, std::span<const Index> pieceOf);
-inline constexpr std::size_t kMinOfPiece = 12;
+inline constexpr std::size_t kMinPointsPerPiece = 12;
 /// Chosen points with their `binding`. The spacing of a point is that of its phyxels, as the body's spacing halved zero
 /// or more times.
 /// @param phyxels  m, at rest
 /// @param spacing  m, of the body
-[[nodiscard]] ContactPoints carriedContact(SurfacePoints chosen, Interpolation binding, std::span<const Vec3> phyxels,
-                                           double spacing);
+[[nodiscard]] ContactPoints bindContactPoints(SurfacePoints chosen, Interpolation binding,
+                                              std::span<const Vec3> phyxels, double spacing);
 
 /// Plane that a point must not pass within the present step.
 struct Contact {
   Index point = 0;
-  Vec3 normal = Vec3::UnitZ();          ///< unit, out of the obstacle, at the beginning of the step
-  double gap = 0.0;                     ///< m, at the beginning of the step; negative: inside
-  double stiffness = 0.0;               ///< N/m, against a negative gap; 0: impenetrable
-  double thickness = 0.0;               ///< m: permitted depth of a negative gap if there is a stiffness
-  Vec3 surfaceVelocity = Vec3::Zero();  ///< m/s, of the obstacle there
-  double friction = 0.0;                ///< Coulomb
-  double restitution = 0.0;             ///< 0 … 1: rebound speed over arrival speed
-  Index obstacle = 0;                   ///< number of the obstacle; kWall for the world box
-  double normalImpulse = 0.0;           ///< N s, of the last solution (warm start)
-  Vec3 frictionImpulse = Vec3::Zero();  ///< N s, of the last solution (warm start)
-  double settleImpulse = 0.0;           ///< N s, of the last settling step (warm start)
-  Vec3 settleFriction = Vec3::Zero();   ///< N s, of the last settling step (warm start)
+  Vec3 normal = Vec3::UnitZ();             ///< unit, out of the obstacle, at the beginning of the step
+  double gap = 0.0;                        ///< m, at the beginning of the step; negative: inside
+  double stiffness = 0.0;                  ///< N/m, against a negative gap; 0: impenetrable
+  double thickness = 0.0;                  ///< m: permitted depth of a negative gap if there is a stiffness
+  Vec3 surfaceVelocity = Vec3::Zero();     ///< m/s, of the obstacle there
+  double friction = 0.0;                   ///< Coulomb
+  double restitution = 0.0;                ///< 0 … 1: rebound speed over arrival speed
+  Index obstacle = 0;                      ///< number of the obstacle; kWall for the world box
+  double normalImpulse = 0.0;              ///< N s, of the last solution (warm start)
+  Vec3 frictionImpulse = Vec3::Zero();     ///< N s, of the last solution (warm start)
+  double projectionImpulse = 0.0;          ///< N s, of the last velocity projection (warm start)
+  Vec3 projectionFriction = Vec3::Zero();  ///< N s, of the last velocity projection (warm start)
   // For implicit and static solutions:
   double normalForce = 0.0;  ///< N, of the last solution
   /// m, penetration at which the contact began; it is not pushed back at once
   double initialPenetration = 0.0;
   /// m, elastic tangential displacement at the beginning of the stage, which friction holds
   Vec3 tangentialDisplacement = Vec3::Zero();
-  Vec3 place = Vec3::Zero();  ///< m, world, of the point at the beginning of the step: where `gap` was measured
+  Vec3 position = Vec3::Zero();  ///< m, world, of the point at the beginning of the step: where `gap` was measured
   static constexpr Index kWall = 0xffffffffu;
 };
 
 /// Accumulated action of an obstacle on a body.
 struct ContactSum {
-  Vec3 impulse = Vec3::Zero();  ///< N s, on the body
-  double pressing = 0.0;        ///< N s, sum of the normal impulses, without direction
+  Vec3 impulse = Vec3::Zero();    ///< N s, on the body
+  double normalImpulseSum = 0.0;  ///< N s, sum of the normal impulses, without direction
 };
 
 /// Sums over a step, by obstacle. Static solutions use the load factor in place of time.
 struct ContactSums {
   std::vector<ContactSum> of;  ///< [obstacles + 1], the walls last; empty: no step since contact was reset
-  double span = 0.0;           ///< s, duration of the sums
+  double duration = 0.0;       ///< s
 
   void begin(std::size_t obstacles) {
     of.assign(obstacles + 1, ContactSum());
-    span = 0.0;
+    duration = 0.0;
   }
   /// @param obstacle  Contact::obstacle
   [[nodiscard]] ContactSum &at(Index obstacle) { return of[obstacle == Contact::kWall ? of.size() - 1 : obstacle]; }
@@ -89,11 +89,10 @@ struct ContactSums {
 /// Contact state of one body that persists between steps.
 struct ContactState {
   /// Removes the obstacle with this number; the numbers of later obstacles decrease by one.
-  void forget(Index obstacle);
+  void removeObstacle(Index obstacle);
 
-  /// Clearance of a point from an obstacle, in the obstacle's rest frame. The obstacle is not queried while the point
-  /// stays within the known clearance. Free flight and rest are therefore cheap. Motion of the obstacle counts like
-  /// motion of the point.
+  /// Clearance of a point from an obstacle, in the obstacle's rest frame. The obstacle is queried again when the
+  /// relative travel of point and obstacle exceeds the clearance.
   struct ClearanceCache {
     Vec3 at = Vec3::Zero();  ///< m, query position
     double distance = 0.0;   ///< m, to the surface; +inf: more than reach
@@ -107,66 +106,67 @@ struct ContactState {
   std::vector<std::vector<ClearanceCache>> clearance;  ///< [obstacles][points]
   /// Last position of a point on the outer side of an obstacle. A point that has passed through, even through a sheet
   /// without an inside, is detected by the crossing on its path from there.
-  struct Side {
-    Vec3 place = Vec3::Zero();  ///< m, in the frame of the obstacle at rest
-    bool known = false;
+  struct LastOutside {
+    Vec3 position = Vec3::Zero();  ///< m, in the frame of the obstacle at rest
+    bool isKnown = false;
   };
-  std::vector<std::vector<Side>> sides;  ///< [obstacles][points]
-  std::vector<Contact> active;           ///< of the present step, sorted by point, then obstacle
+  std::vector<std::vector<LastOutside>> lastOutside;  ///< [obstacles][points]
+  std::vector<Contact> active;                        ///< of the present step, sorted by point, then obstacle
   /// m, largest penetration of a point at the beginning of any step since the start
   double deepest = 0.0;
-  double margin = 0.0;      ///< m, of the last findContacts()
-  double lookedAt = 0.0;    ///< s, or load factor: time of the last findContacts()
-  ContactSums sums;         ///< of the last step
-  ContactSums stageForces;  ///< N in place of N s: of the last stage of an implicit or static step
+  double margin = 0.0;         ///< m, of the last findContacts()
+  double searchTime = 0.0;     ///< s, or load factor: time of the last findContacts()
+  ContactSums sums;            ///< of the last step
+  ContactSums stageForceSums;  ///< N in place of N s: of the last stage of an implicit or static step
   // Scratch storage, so that a step does not allocate
   struct ClosestPointQueries {
     std::vector<Index> points, candidates;
-    std::vector<Vec3> positions, ways;
+    std::vector<Vec3> positions, travels;
     std::vector<double> ranges;
     std::vector<SurfacePoint> answers;
-  } questions;
+  } queries;
   std::vector<Contact> previous;
   /// Neighbouring contact points are checked in blocks. A block is skipped until the phyxels that carry it, or an
   /// obstacle, can have moved as far as the clearance of its nearest point.
   struct Blocks {
-    /// [points], [blocks] m: no contact is possible until the block has moved this far
-    std::vector<double> limits, blockLimits;
-    std::vector<double> ways;  ///< [blocks] m, upper bound of a point's travel since the first search
+    /// [points], [blocks] m: a point, a block has no contact until the block has moved this far
+    std::vector<double> travelLimits, blockTravelLimits;
+    std::vector<double> travels;  ///< [blocks] m, upper bound of a point's travel since the first search
     /// [blocks] ratio of a point's travel to chunk travel times maxInfluence: the largest Σ |φ|/maxInfluence
     std::vector<double> gains;
     std::vector<float> maxInfluence;  ///< [phyxels][3], or empty
     Csr chunks;                       ///< [blocks] chunks of phyxels that carry them
-    std::vector<double> went, goes;  ///< [chunks] m: largest travel of a phyxel since the last search, and in this step
+    std::vector<double> chunkTravelSince,
+        chunkStepTravel;  ///< [chunks] m: largest travel of a phyxel since the last search, and in this step
     double margin = 0.0;
     WorldBox box;
-    std::vector<Vec3> before;                 ///< [phyxels] m, displacements at the last search
-    std::vector<RigidMotion> motions;         ///< [obstacles] at the last search; of moving ones only
-    double size = 0.0;                        ///< m, radius of all points at rest around the first one
-    Csr points;                               ///< [blocks]
-    std::vector<Index> nearBlocks;            ///< blocks with points that are checked
-    std::vector<std::uint64_t> near;          ///< one bit per point: checked
-    std::vector<Index> looked;                ///< points that were checked last, ascending
-    std::vector<Vec3> positions, velocities;  ///< [points]
+    std::vector<Vec3> displacementsAtSearch;   ///< [phyxels] m, displacements at the last search
+    std::vector<RigidMotion> motionsAtSearch;  ///< [obstacles] at the last search; of moving ones only
+    double size = 0.0;                         ///< m, radius of all points at rest around the first one
+    Csr points;                                ///< [blocks]
+    std::vector<Index> checkedBlocks;          ///< blocks with points that are checked
+    std::vector<std::uint64_t> checkedBits;    ///< one bit per point: checked
+    std::vector<Index> checkedPoints;          ///< points that were checked last, ascending
+    std::vector<Vec3> positions, velocities;   ///< [points]
   } blocks;
   /// kg m, Σ mass · displacement of depenetration since the last energy check
   Vec3 depenetrationMoment = Vec3::Zero();
   struct Solution {
     std::vector<double> inverseMasses;  ///< [contacts] 1/kg
     /// [contacts] m/s per N s, decrease of the smallest normal velocity as the impulse grows; m/s, its lower limit
-    std::vector<double> compliances, floors;
-    std::vector<double> impulses, least, friction;
-    std::vector<Index> pressing;  ///< contacts with an impulse after a sweep over all
+    std::vector<double> compliances, minVelocityLimits;
+    std::vector<double> impulses, minVelocities, friction;
+    std::vector<Index> subset;  ///< contacts of the next sweep: those that press or nearly do
     std::vector<Vec3> tangential;
     std::vector<Vec3> change;        ///< [slots] m/s
     std::vector<Vec3> arrivals;      ///< [arriving contacts] m/s, relative to the surface
-    std::vector<Vec3> splitImpulse;  ///< [phyxels] m/s, removed from `touched` when the step settles; empty: none
+    std::vector<Vec3> splitImpulse;  ///< [phyxels] m/s, subtracted from `touched` at the end of the step; empty: none
     // The contacts over the phyxels that they touch, contiguous in memory (contact/contact_kernel.h):
-    std::vector<Index> rows, slots;      ///< [contacts + 1], [entries]
-    std::vector<double> shares, pushes;  ///< [entries] φ, φ/m
-    std::vector<Index> touched, slotOf;  ///< [slots] phyxel, [phyxels] slot
-    std::vector<double> velocities;      ///< [slots][4] m/s
-    std::vector<double> sides;           ///< [contacts][16]: normal, velocity of the surface, tangential impulse, 1/w
+    std::vector<Index> rows, slots;          ///< [contacts + 1], [entries]
+    std::vector<double> weights, responses;  ///< [entries] φ, φ/m
+    std::vector<Index> touched, slotOf;      ///< [slots] phyxel, [phyxels] slot
+    std::vector<double> velocities;          ///< [slots][4] m/s
+    std::vector<double> records;  ///< [contacts][16]: normal, velocity of the surface, tangential impulse, 1/w
     // Rigid bodies that a contact moves (rigid_particles.h): rows of parts, first slots, numbers of each part
     std::vector<Index> rigidRows, rigidSlots;
     std::vector<double> rigidParts;
@@ -177,8 +177,9 @@ struct ContactState {
 /// beginning. Fills memory.active; persisting contacts keep their stored state.
 ///
 /// A point within the margin of a surface gets the plane of its closest point. In addition, the path of a moving point
-/// is traced (segment crossing). What it hits counts, with the plane there; what it passes by does not, however near. A
-/// crossing on the path from the last position on the outer side also shows that and where a point has passed through.
+/// is traced (segment crossing). A surface that the path crosses gives a contact with the plane there; one that the
+/// path does not cross gives none, however near. A crossing on the path from the last outside position detects that a
+/// point has passed through.
 ///
 /// @param obstacles  queries in the rest frame of the obstacle; Obstacle::motion positions it
 /// @param time       s, at the beginning of the step
@@ -196,9 +197,8 @@ struct CarriedPoints {
   std::span<const float> maxInfluence = {};         ///< [phyxels] upper bound of |φ| of each; empty: 1
 };
 
-/// Same contacts, but points that cannot meet anything are not checked: blocks of points wait until the body and the
-/// obstacles have moved as far as the clearance of the nearest point. A body in free flight costs one pass over its
-/// phyxels.
+/// Same contacts. Blocks of points are skipped until the body and the obstacles have moved as far as the clearance of
+/// their nearest point. A body in free flight costs one pass over its phyxels.
 void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt, double margin,
                   const CarriedPoints &body, ContactState &memory, const ParallelFor &parallelFor);
 
@@ -221,9 +221,9 @@ struct ImpulseSettings {
 /// warm started as far as that lowers the energy. v_p = Σ φ v_j; an impulse p acts as φ_j p / m_j. The action is on the
 /// phyxels, not on the points, with the force and torque of the contact. Serial, bitwise reproducible.
 ///
-/// Penetrations are removed by a velocity that acts in the drift only: settleContactVelocities() removes it again.
+/// Penetrations are removed by a velocity that acts in the drift only: projectContactVelocities() removes it again.
 ///
-/// @param inverseMasses  [phyxels] 1/kg; 0 for held ones
+/// @param inverseMasses  [phyxels] 1/kg; 0 for those with a prescribed displacement
 /// @return  total impulse on the body, N s (for reports; without the split impulses)
 /// @source  Jean, The non-smooth contact dynamics method, CMAME 177, 1999 (impulses, Gauss-Seidel); Cline and Pai,
 ///          Post-stabilization for rigid body simulation with contact and constraints, ICRA 2003 (positions apart from
@@ -234,8 +234,8 @@ Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> 
 /// After the second half of a step: removes the velocities that moved points out of penetrations, and the velocities
 /// into the surfaces of closed contacts, with friction, so that a resting body has no velocity. Never adds kinetic
 /// energy (relative to the obstacles) and never pulls.
-void settleContactVelocities(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
-                             ContactState &memory, std::span<Vec3> velocities);
+void projectContactVelocities(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
+                              ContactState &memory, std::span<Vec3> velocities);
 
 /// Adds the impulses of a completed explicit substep and its length dt to memory.sums. Impulses that remove
 /// penetrations are not included; the step takes these back. No effect if ContactSums::begin() has not been called.
@@ -292,16 +292,16 @@ class ContactForces {
                                 std::span<const Vec3> now, const ContactState &memory);
 
  private:
-  std::vector<Vec3> then_, now_;  // [points] N
+  std::vector<Vec3> recorded_, present_;  // [points] N
 };
 /// Stores the normal forces of the present state in the contacts; friction of the next solution uses them.
 void updateNormalForces(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
                         std::span<const Vec3> now, ContactState &memory);
-/// Fills memory.stageForces with the forces at `now`.
+/// Fills memory.stageForceSums with the forces at `now`.
 void sumContactForces(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
                       std::span<const Vec3> now, ContactState &memory);
-/// Adds memory.stageForces for `span` s (or load factor) to memory.sums. No effect if ContactSums::begin() has not been
-/// called.
+/// Adds memory.stageForceSums for `span` s (or load factor) to memory.sums. No effect if ContactSums::begin() has not
+/// been called.
 void addStageForces(double span, ContactState &memory);
 /// Call once at the end of a stage: transfers stored friction displacements and remaining initial penetrations to the
 /// next stage.

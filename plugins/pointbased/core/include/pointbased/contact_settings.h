@@ -40,7 +40,7 @@ struct ContactSummary {
   std::size_t first = 0;      ///< id of a body
   std::size_t second = 0;     ///< id of a body or an obstacle; kWorldBox: the walls
   Vec3 force = Vec3::Zero();  ///< N, on `first`, mean over the last step
-  double pressing = 0.0;      ///< N, sum of the normal forces, mean over the last step
+  double normalForce = 0.0;   ///< N, sum of the normal forces, mean over the last step
   /// m, >= 0: of the deepest point at the end of the last step; 0 for touching without penetration
   double depth = 0.0;
   std::size_t points = 0;  ///< number of contact points with a contact force at the end of the last step

@@ -44,7 +44,7 @@ class Diagnostics {
   /// for implicit ones.
   [[nodiscard]] std::vector<ContactSummary> contacts() const;
   /// Contact pressure of obstacles, walls, other bodies and the body itself on a body, Pa: normal forces over the skin
-  /// area that a phyxel carries, mean over the last step. Its integral over these areas is ContactSummary::pressing.
+  /// area that a phyxel carries, mean over the last step. Its integral over these areas is ContactSummary::normalForce.
   /// @param out  [phyxels]; 0 without contact
   void contactPressures(std::size_t body, std::vector<double> &out) const;
   /// Largest penetration of a body's skin into walls, obstacles or its own rigid tissue, m: of the deepest contact

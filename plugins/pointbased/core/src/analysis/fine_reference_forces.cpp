@@ -11,7 +11,7 @@ namespace {
 constexpr double kTouching = 0.5;  // of the weights of a skin point in contact that belong to phyxels in contact
 
 bool presses(const Contact &contact) {
-  return contact.normalImpulse > 0.0 || contact.settleImpulse > 0.0 || contact.normalForce > 0.0;
+  return contact.normalImpulse > 0.0 || contact.projectionImpulse > 0.0 || contact.normalForce > 0.0;
 }
 
 // 1 for phyxels that carry a point in contact.

@@ -137,7 +137,7 @@ void detail::bindSkinToCloud(RestState &rest, const Surface &local, std::span<co
   if (local.triangles.empty()) return;
   SurfacePoints chosen = chooseContactPoints(local, rest.spacing);
   Interpolation binding = rest.bind(chosen.positions, chosen.normals);
-  rest.contact = carriedContact(std::move(chosen), std::move(binding), rest.positions, rest.spacing);
+  rest.contact = bindContactPoints(std::move(chosen), std::move(binding), rest.positions, rest.spacing);
 }
 
 namespace {
@@ -245,7 +245,7 @@ void bindSkin(const BodyShape &shape, const LatticeSampling &sampling, std::span
   SurfacePoints chosen =
       rest.components > 1 ? chooseContactPoints(local, finest, piecesOf(rest)) : chooseContactPoints(local, finest);
   Interpolation binding = rest.bind(chosen.positions, chosen.normals);
-  rest.contact = carriedContact(std::move(chosen), std::move(binding), rest.positions, rest.spacing);
+  rest.contact = bindContactPoints(std::move(chosen), std::move(binding), rest.positions, rest.spacing);
 }
 
 // @param held  out: regions held by the fixes

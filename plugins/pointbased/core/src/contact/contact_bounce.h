@@ -6,11 +6,11 @@
 
 namespace pointbased {
 
-/// Whether points without contact pressure reach surfaces with restitution within dt, faster than quietSpeed. These
-/// points are stored for applyRestitution().
+/// Whether points without a contact force reach surfaces with restitution within dt, faster than restitutionThreshold.
+/// These points are stored for applyRestitution().
 /// @param velocities  [phyxels] velocities of the step without restitution, m/s
-[[nodiscard]] bool findArrivals(const Interpolation &binding, std::span<const Vec3> velocities, double dt,
-                                double quietSpeed, ContactState &memory);
+[[nodiscard]] bool findImpacts(const Interpolation &binding, std::span<const Vec3> velocities, double dt,
+                               double restitutionThreshold, ContactState &memory);
 
 /// Applies restitution to the stored points: 1 + e times the impulses that stop all of them. Each leaves with e times
 /// its speed of arrival where nothing else pushes it. The impulses remove 1 - e² of the kinetic energy that they remove
@@ -23,7 +23,7 @@ namespace pointbased {
 /// @return total impulse on the body, N s
 /// @source  Moreau, Unilateral contact and dry friction in finite freedom dynamics, 1988 (restitution at several
 /// contacts)
-Vec3 applyRestitution(const Interpolation &binding, std::span<const double> inverseMasses, double quietSpeed,
+Vec3 applyRestitution(const Interpolation &binding, std::span<const double> inverseMasses, double restitutionThreshold,
                       ContactState &memory, std::span<Vec3> velocities);
 
 }  // namespace pointbased

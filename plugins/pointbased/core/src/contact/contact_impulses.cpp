@@ -12,19 +12,20 @@
 namespace pointbased {
 namespace {
 
-// Margins: shallower penetrations are residuals of the solver, left to the next steps. Larger: bodies rest deeper.
+// Margins: shallower penetrations are solver residuals and not corrected. Larger: bodies rest deeper.
 constexpr double kSlop = 0.02;
-// Sweeps of settling; the next step corrects the remaining velocity. More: less drift, more time.
-constexpr int kSettlingSweeps = 8;
+// Sweeps of the velocity projection; the next step corrects the remaining velocity. More: less drift, more time.
+constexpr int kProjectionSweeps = 8;
 // Sweeps, and tolerance relative to the largest normal speed, of restitution with rigid bodies: all contacts of a rigid
 // body are coupled and converge slowly. Fewer sweeps, larger tolerance: more residual spin after a flat landing.
-constexpr int kRigidBounceSweeps = 200;
-constexpr double kRigidBounceTolerance = 1e-4;
-// Consecutive sweeps over pressing contacts between two sweeps over all. More: cheaper, late detection of new ones.
-constexpr int kSome = 4;
+constexpr int kRigidRestitutionSweeps = 200;
+constexpr double kRigidRestitutionTolerance = 1e-4;
+// Consecutive sweeps over contacts with an impulse between two sweeps over all. More: cheaper, late detection of new
+// ones.
+constexpr int kSubsetSweeps = 4;
 // Of the largest speed: contacts that open faster do not press. Larger: more are swept. Those in between are swept
 // because among points on one flat face rounding alone decides which press, and the result must not depend on it.
-constexpr double kOpen = 0.1;
+constexpr double kOpeningFraction = 0.1;
 
 // Velocities of phyxels and rigid bodies, changed by impulses on contact points.
 struct ContactSystem {
@@ -50,24 +51,26 @@ struct ContactSystem {
 
 // Velocity changes of the slots by an impulse on contact c: visit(slot, change).
 template <class Visit>
-void forChanges(const ContactState::Solution &solution, std::size_t c, const Vec3 &impulse, const Visit &visit) {
+void forEachVelocityChange(const ContactState::Solution &solution, std::size_t c, const Vec3 &impulse,
+                           const Visit &visit) {
   for (Index e = solution.rows[c]; e < solution.rows[c + 1]; ++e)
-    if (solution.pushes[e] != 0.0) visit(solution.slots[e], Vec3(solution.pushes[e] * impulse));
+    if (solution.responses[e] != 0.0) visit(solution.slots[e], Vec3(solution.responses[e] * impulse));
   if (solution.rigidRows.empty()) return;
   for (Index r = solution.rigidRows[c]; r < solution.rigidRows[c + 1]; ++r) {
-    const double *part = solution.rigidParts.data() + kernels::kRigidNumbers * std::size_t{r};
+    const double *part = solution.rigidParts.data() + kernels::kRigidRecordSize * std::size_t{r};
     const Vec3 spin =
-        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(part + kernels::kRigidTurn) * impulse;
+        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(part + kernels::kRigidAngularResponse) * impulse;
     for (Index k = 0; k < 4; ++k) {
       const Vec3 arm = Eigen::Map<const Vec3>(part + kernels::kRigidArms + 3 * k);
-      visit(solution.rigidSlots[r] + k, Vec3(part[kernels::kRigidShare] * impulse + spin.cross(arm)));
+      visit(solution.rigidSlots[r] + k, Vec3(part[kernels::kRigidLinearResponse] * impulse + spin.cross(arm)));
     }
   }
 }
 
 // Normal velocity that the impulse of a contact enforces as a minimum, m/s.
-double leastOf(const ContactState::Solution &solution, std::size_t c) {
-  return std::max(solution.least[c] - solution.compliances[c] * solution.impulses[c], solution.floors[c]);
+double minVelocityOf(const ContactState::Solution &solution, std::size_t c) {
+  return std::max(solution.minVelocities[c] - solution.compliances[c] * solution.impulses[c],
+                  solution.minVelocityLimits[c]);
 }
 
 // Warm start with a fraction of the stored impulses. The fraction minimises T + Σ λ (-least), the energy that the steps
@@ -81,8 +84,8 @@ void warmStart(const ContactSystem &body, std::span<const Contact> active, Conta
     if (!(impulse > 0.0)) continue;
     const Vec3 v = body.velocity(active[c].point) - active[c].surfaceVelocity;
     const Vec3 whole = impulse * active[c].normal + solution.tangential[c];
-    slope += whole.dot(v) - impulse * leastOf(solution, c);
-    forChanges(solution, c, whole, [&](Index slot, const Vec3 &more) { change[slot] += more; });
+    slope += whole.dot(v) - impulse * minVelocityOf(solution, c);
+    forEachVelocityChange(solution, c, whole, [&](Index slot, const Vec3 &more) { change[slot] += more; });
   }
   for (std::size_t s = 0; s < change.size(); ++s)
     if (const double inverse = body.inverseMasses[solution.touched[s]]; inverse > 0.0)
@@ -105,7 +108,7 @@ void buildRigidContactRows(const ContactSystem &body, const Contact &contact, st
   std::array<Vec3, 2> arms{Vec3::Zero(), Vec3::Zero()};
   for (Index e = solution.rows[c]; e < solution.rows[c + 1]; ++e) {
     const Index j = solution.touched[solution.slots[e]];
-    const double weight = solution.shares[e];
+    const double weight = solution.weights[e];
     const detail::RigidParticles *one = body.rigidOf(j);
     if (!one) {
       K += weight * weight * body.inverseMasses[j] * Mat3::Identity();
@@ -115,7 +118,7 @@ void buildRigidContactRows(const ContactSystem &body, const Contact &contact, st
     of[k] = one;
     shares[k] += weight;
     arms[k] += weight * one->arms[j - one->first];
-    solution.pushes[e] = 0.0;
+    solution.responses[e] = 0.0;
   }
   for (std::size_t k = 0; k < 2 && of[k]; ++k) {
     Mat3 across;  // cross-product matrix of the arm
@@ -133,7 +136,7 @@ void buildRigidContactRows(const ContactSystem &body, const Contact &contact, st
   const Vec3 &n = contact.normal;
   const Mat3 tangential = Mat3::Identity() - n * n.transpose();
   solution.inverseMasses[c] = n.dot(K * n);
-  solution.sides[kernels::kContactNumbers * c + kernels::kTangentialMass] =
+  solution.records[kernels::kContactRecordSize * c + kernels::kTangentialMass] =
       1.0 / detail::largestEigenvalueBound(tangential * K * tangential);
 }
 
@@ -146,14 +149,14 @@ void buildContactRows(const ContactSystem &body, std::span<const Contact> active
   solution.touched.clear();
   solution.rows.assign(1, 0);
   solution.slots.clear();
-  solution.shares.clear();
-  solution.pushes.clear();
+  solution.weights.clear();
+  solution.responses.clear();
   solution.rigidRows.clear();
   solution.rigidSlots.clear();
   solution.rigidParts.clear();
   if (!body.rigid.empty()) solution.rigidRows.assign(1, 0);
   solution.inverseMasses.assign(active.size(), 0.0);
-  solution.sides.assign(kernels::kContactNumbers * active.size(), 0.0);
+  solution.records.assign(kernels::kContactRecordSize * active.size(), 0.0);
   for (std::size_t c = 0; c < active.size(); ++c) {
     const Index p = active[c].point;
     for (Index e = phyxels.offsets[p]; e < phyxels.offsets[p + 1]; ++e) {
@@ -168,14 +171,14 @@ void buildContactRows(const ContactSystem &body, std::span<const Contact> active
         }
       }
       solution.slots.push_back(slot);
-      solution.shares.push_back(body.binding.weights[e]);
-      solution.pushes.push_back(body.binding.weights[e] * body.inverseMasses[j]);
+      solution.weights.push_back(body.binding.weights[e]);
+      solution.responses.push_back(body.binding.weights[e] * body.inverseMasses[j]);
       solution.inverseMasses[c] += body.binding.weights[e] * body.binding.weights[e] * body.inverseMasses[j];
     }
     solution.rows.push_back(static_cast<Index>(solution.slots.size()));
     if (!body.rigid.empty()) buildRigidContactRows(body, active[c], c, solution);
     for (std::size_t a = 0; a < 3; ++a)
-      solution.sides[kernels::kContactNumbers * c + kernels::kNormalOfContact + a] =
+      solution.records[kernels::kContactRecordSize * c + kernels::kContactNormal + a] =
           active[c].normal[static_cast<Eigen::Index>(a)];
   }
   solution.velocities.resize(4 * solution.touched.size());
@@ -183,19 +186,20 @@ void buildContactRows(const ContactSystem &body, std::span<const Contact> active
 
 // Sweeps until no velocity changes by more than the tolerance. Impulses start at their current values, which have
 // already been applied. Requires buildContactRows() of the same contacts.
-// @param still  treats obstacles as static, without friction and compliance
-void sweep(const ContactSystem &body, std::span<const Contact> active, const ImpulseSettings &settings, bool still,
-           ContactState::Solution &solution) {
-  using kernels::kContactNumbers;
+// @param staticObstacles  treats obstacles as static, without friction and compliance
+void sweep(const ContactSystem &body, std::span<const Contact> active, const ImpulseSettings &settings,
+           bool staticObstacles, ContactState::Solution &solution) {
+  using kernels::kContactRecordSize;
   const std::size_t count = active.size();
   solution.friction.resize(count);
   for (std::size_t c = 0; c < count; ++c) {
-    double *side = solution.sides.data() + kContactNumbers * c;
+    double *record = solution.records.data() + kContactRecordSize * c;
     solution.friction[c] = active[c].friction;
-    side[kernels::kMass] = 1.0 / solution.inverseMasses[c];
+    record[kernels::kMass] = 1.0 / solution.inverseMasses[c];
     for (int a = 0; a < 3; ++a) {
-      side[kernels::kSurfaceVelocity + static_cast<std::size_t>(a)] = still ? 0.0 : active[c].surfaceVelocity[a];
-      side[kernels::kTangentialImpulse + static_cast<std::size_t>(a)] = solution.tangential[c][a];
+      record[kernels::kSurfaceVelocity + static_cast<std::size_t>(a)] =
+          staticObstacles ? 0.0 : active[c].surfaceVelocity[a];
+      record[kernels::kTangentialImpulse + static_cast<std::size_t>(a)] = solution.tangential[c][a];
     }
   }
   for (std::size_t s = 0; s < solution.touched.size(); ++s) {
@@ -207,15 +211,15 @@ void sweep(const ContactSystem &body, std::span<const Contact> active, const Imp
   job.count = count;
   job.rows = solution.rows.data();
   job.slots = solution.slots.data();
-  job.shares = solution.shares.data();
-  job.pushes = solution.pushes.data();
+  job.weights = solution.weights.data();
+  job.responses = solution.responses.data();
   job.velocities = solution.velocities.data();
-  job.sides = solution.sides.data();
+  job.records = solution.records.data();
   job.inverseMasses = solution.inverseMasses.data();
-  job.least = solution.least.data();
-  job.compliances = still ? nullptr : solution.compliances.data();
-  job.floors = solution.floors.data();
-  job.friction = still ? nullptr : solution.friction.data();
+  job.minVelocities = solution.minVelocities.data();
+  job.compliances = staticObstacles ? nullptr : solution.compliances.data();
+  job.minVelocityLimits = solution.minVelocityLimits.data();
+  job.friction = staticObstacles ? nullptr : solution.friction.data();
   job.impulses = solution.impulses.data();
   if (!solution.rigidSlots.empty()) {
     job.rigidRows = solution.rigidRows.data();
@@ -224,40 +228,40 @@ void sweep(const ContactSystem &body, std::span<const Contact> active, const Imp
   }
   // Most contacts of a step do not press in the end. After two sweeps over all contacts, only those that press or
   // nearly do are swept, in alternating direction so that the last one varies. All contacts are swept again before the
-  // result is accepted, and after every kSome sweeps.
+  // result is accepted, and after every kSubsetSweeps sweeps.
   double speed = 0.0;
   bool all = true;
-  for (int k = 0, some = 0; k < settings.sweeps; ++k) {
-    job.which = all ? nullptr : solution.pressing.data();
-    job.count = all ? count : solution.pressing.size();
+  for (int k = 0, subsetSweeps = 0; k < settings.sweeps; ++k) {
+    job.subset = all ? nullptr : solution.subset.data();
+    job.count = all ? count : solution.subset.size();
     const kernels::SweepResult result = kernels::sweepContacts(job, k % 2 != 0);
     if (k == 0) speed = result.speed;
-    const bool good = result.change <= std::max(settings.tolerance * speed, settings.leastSpeed);
-    if (good && all) break;
-    some = all ? 0 : some + 1;
-    const bool askAll = k == 0 || good || some >= kSome || k + 2 >= settings.sweeps;
-    if (all && !askAll) {
-      solution.pressing.clear();
+    const bool isConverged = result.change <= std::max(settings.tolerance * speed, settings.leastSpeed);
+    if (isConverged && all) break;
+    subsetSweeps = all ? 0 : subsetSweeps + 1;
+    const bool sweepsAll = k == 0 || isConverged || subsetSweeps >= kSubsetSweeps || k + 2 >= settings.sweeps;
+    if (all && !sweepsAll) {
+      solution.subset.clear();
       for (std::size_t c = 0; c < count; ++c)
         if (!(solution.impulses[c] <= 0.0 &&
-              solution.sides[kContactNumbers * c + kernels::kRoomOfContact] > kOpen * speed))
-          solution.pressing.push_back(static_cast<Index>(c));
+              solution.records[kContactRecordSize * c + kernels::kVelocityMargin] > kOpeningFraction * speed))
+          solution.subset.push_back(static_cast<Index>(c));
     }
-    all = askAll;
+    all = sweepsAll;
   }
   for (std::size_t s = 0; s < solution.touched.size(); ++s)
     body.velocities[solution.touched[s]] = Eigen::Map<const Vec3>(solution.velocities.data() + 4 * s);
   for (std::size_t c = 0; c < count; ++c)
     solution.tangential[c] =
-        Eigen::Map<const Vec3>(solution.sides.data() + kContactNumbers * c + kernels::kTangentialImpulse);
+        Eigen::Map<const Vec3>(solution.records.data() + kContactRecordSize * c + kernels::kTangentialImpulse);
 }
 
 void prepare(const ContactSystem &body, std::span<const Contact> active, ContactState::Solution &solution) {
   solution.impulses.assign(active.size(), 0.0);
   solution.tangential.assign(active.size(), Vec3::Zero());
-  solution.least.assign(active.size(), 0.0);
+  solution.minVelocities.assign(active.size(), 0.0);
   solution.compliances.assign(active.size(), 0.0);
-  solution.floors.assign(active.size(), -std::numeric_limits<double>::infinity());
+  solution.minVelocityLimits.assign(active.size(), -std::numeric_limits<double>::infinity());
   buildContactRows(body, active, solution);
 }
 
@@ -271,74 +275,74 @@ double closingSpeed(const ContactState &memory, const Interpolation &binding, st
   return speed;
 }
 
-bool findArrivals(const Interpolation &binding, std::span<const Vec3> velocities, double dt, double quietSpeed,
-                  ContactState &memory) {
-  std::vector<Contact> &arriving = memory.previous;  // overwritten by the next search
-  arriving.clear();
+bool findImpacts(const Interpolation &binding, std::span<const Vec3> velocities, double dt, double restitutionThreshold,
+                 ContactState &memory) {
+  std::vector<Contact> &impacts = memory.previous;  // overwritten by the next search
+  impacts.clear();
   for (const Contact &contact : memory.active) {
     if (!(contact.restitution > 0.0) || contact.normalImpulse > 0.0) continue;
     const Vec3 v = detail::fieldAt(binding, contact.point, velocities) - contact.surfaceVelocity;
     const double speed = -v.dot(contact.normal);
-    if (speed > quietSpeed && contact.gap - dt * speed < 0.0) arriving.push_back(contact);
+    if (speed > restitutionThreshold && contact.gap - dt * speed < 0.0) impacts.push_back(contact);
   }
-  return !arriving.empty();
+  return !impacts.empty();
 }
 
-Vec3 applyRestitution(const Interpolation &binding, std::span<const double> inverseMasses, double quietSpeed,
+Vec3 applyRestitution(const Interpolation &binding, std::span<const double> inverseMasses, double restitutionThreshold,
                       ContactState &memory, std::span<Vec3> velocities) {
-  return detail::applyRestitution(binding, inverseMasses, {}, quietSpeed, memory, velocities);
+  return detail::applyRestitution(binding, inverseMasses, {}, restitutionThreshold, memory, velocities);
 }
 
 Vec3 detail::applyRestitution(const Interpolation &binding, std::span<const double> inverseMasses,
-                              std::span<const RigidParticles> rigid, double quietSpeed, ContactState &memory,
+                              std::span<const RigidParticles> rigid, double restitutionThreshold, ContactState &memory,
                               std::span<Vec3> velocities) {
   const ContactSystem body{binding, inverseMasses, rigid, velocities};
-  std::vector<Contact> &arriving = memory.previous;
+  std::vector<Contact> &impacts = memory.previous;
   const auto relative = [&](const Contact &c) { return Vec3(body.velocity(c.point) - c.surfaceVelocity); };
-  std::erase_if(arriving, [&](const Contact &c) { return !(relative(c).dot(c.normal) < -quietSpeed); });
-  if (arriving.empty()) return Vec3::Zero();
+  std::erase_if(impacts, [&](const Contact &c) { return !(relative(c).dot(c.normal) < -restitutionThreshold); });
+  if (impacts.empty()) return Vec3::Zero();
 
   ContactState::Solution &solution = memory.solution;
-  const std::size_t count = arriving.size();
+  const std::size_t count = impacts.size();
   std::vector<Vec3> &before = solution.arrivals;
   before.resize(count);
-  for (std::size_t c = 0; c < count; ++c) before[c] = relative(arriving[c]);
-  prepare(body, arriving, solution);  // cold start: none of these contacts persists
+  for (std::size_t c = 0; c < count; ++c) before[c] = relative(impacts[c]);
+  prepare(body, impacts, solution);  // cold start: none of these contacts persists
   ImpulseSettings settings;
   if (!rigid.empty()) {
-    settings.sweeps = kRigidBounceSweeps;
-    settings.tolerance = kRigidBounceTolerance;
+    settings.sweeps = kRigidRestitutionSweeps;
+    settings.tolerance = kRigidRestitutionTolerance;
   }
-  sweep(body, arriving, settings, false, solution);
+  sweep(body, impacts, settings, false, solution);
 
   // Adds e times the impulses. Together with friction they must do no work relative to the obstacles, Σ P · (v before +
   // v after)/2 <= 0; only the admissible fraction is added.
-  const auto push = [&](double part) {
+  const auto addRestitution = [&](double part) {
     for (std::size_t c = 0; c < count; ++c) {
-      const Vec3 impulse = part * arriving[c].restitution * solution.impulses[c] * arriving[c].normal;
-      forChanges(solution, c, impulse,
-                 [&](Index slot, const Vec3 &more) { velocities[solution.touched[slot]] += more; });
+      const Vec3 impulse = part * impacts[c].restitution * solution.impulses[c] * impacts[c].normal;
+      forEachVelocityChange(solution, c, impulse,
+                            [&](Index slot, const Vec3 &more) { velocities[solution.touched[slot]] += more; });
     }
   };
-  std::vector<Vec3> &stopped = solution.change;
-  stopped.resize(count);
-  for (std::size_t c = 0; c < count; ++c) stopped[c] = relative(arriving[c]);
-  push(1.0);
+  std::vector<Vec3> &afterStop = solution.change;
+  afterStop.resize(count);
+  for (std::size_t c = 0; c < count; ++c) afterStop[c] = relative(impacts[c]);
+  addRestitution(1.0);
   const auto addToSums = [&](double part) {
     if (memory.sums.of.empty()) return;
     for (std::size_t c = 0; c < count; ++c) {
-      ContactSum &sum = memory.sums.at(arriving[c].obstacle);
-      const double normal = (1.0 + part * arriving[c].restitution) * solution.impulses[c];
-      sum.impulse += normal * arriving[c].normal + solution.tangential[c];
-      sum.pressing += normal;
+      ContactSum &sum = memory.sums.at(impacts[c].obstacle);
+      const double normal = (1.0 + part * impacts[c].restitution) * solution.impulses[c];
+      sum.impulse += normal * impacts[c].normal + solution.tangential[c];
+      sum.normalImpulseSum += normal;
     }
   };
   double none = 0.0, slope = 0.0, curvature = 0.0;  // twice the work, as a polynomial in the fraction
   Vec3 total = Vec3::Zero();
   for (std::size_t c = 0; c < count; ++c) {
-    const Vec3 both = before[c] + stopped[c], gained = relative(arriving[c]) - stopped[c];
-    const Vec3 first = solution.impulses[c] * arriving[c].normal + solution.tangential[c],
-               more = arriving[c].restitution * solution.impulses[c] * arriving[c].normal;
+    const Vec3 both = before[c] + afterStop[c], gained = relative(impacts[c]) - afterStop[c];
+    const Vec3 first = solution.impulses[c] * impacts[c].normal + solution.tangential[c],
+               more = impacts[c].restitution * solution.impulses[c] * impacts[c].normal;
     none += first.dot(both);
     slope += more.dot(both) + first.dot(gained);
     curvature += more.dot(gained);
@@ -351,9 +355,9 @@ Vec3 detail::applyRestitution(const Interpolation &binding, std::span<const doub
   const double root = slope * slope - 4.0 * curvature * std::min(0.0, none);
   const double part =
       curvature > 0.0 ? std::clamp((-slope + std::sqrt(std::max(0.0, root))) / (2.0 * curvature), 0.0, 1.0) : 0.0;
-  push(part - 1.0);
+  addRestitution(part - 1.0);
   for (std::size_t c = 0; c < count; ++c)
-    total += (part - 1.0) * arriving[c].restitution * solution.impulses[c] * arriving[c].normal;
+    total += (part - 1.0) * impacts[c].restitution * solution.impulses[c] * impacts[c].normal;
   addToSums(part);
   return total;
 }
@@ -377,13 +381,13 @@ Vec3 detail::solveContactImpulses(const Interpolation &binding, std::span<const 
     solution.impulses[c] = active[c].normalImpulse;
     solution.tangential[c] = active[c].frictionImpulse;
     if (active[c].stiffness > 0.0) {
-      // Settling contributes the other half of the force.
-      solution.least[c] = std::min(-active[c].gap, active[c].thickness) / dt;
+      // The velocity projection contributes the other half of the force.
+      solution.minVelocities[c] = std::min(-active[c].gap, active[c].thickness) / dt;
       solution.compliances[c] = 2.0 / (active[c].stiffness * dt * dt);
-      solution.floors[c] = -std::max(0.0, active[c].gap + active[c].thickness) / dt;
+      solution.minVelocityLimits[c] = -std::max(0.0, active[c].gap + active[c].thickness) / dt;
       continue;
     }
-    solution.least[c] = -std::max(0.0, active[c].gap) / dt;
+    solution.minVelocities[c] = -std::max(0.0, active[c].gap) / dt;
     deepest = std::max(deepest, -active[c].gap);
   }
   warmStart(body, active, solution);
@@ -398,17 +402,17 @@ Vec3 detail::solveContactImpulses(const Interpolation &binding, std::span<const 
   const double slop = kSlop * memory.margin;
   if (!(deepest > slop)) return total;
   solution.splitImpulse.assign(velocities.size(), Vec3::Zero());
-  const ContactSystem lead{binding, inverseMasses, rigid, solution.splitImpulse};
+  const ContactSystem depenetration{binding, inverseMasses, rigid, solution.splitImpulse};
   for (std::size_t c = 0; c < active.size(); ++c) {
     const double gap = active[c].gap + active[c].thickness, depth = -gap - slop;
     // Velocities of the split impulses add to those of the body, which keep the other contacts within their gaps.
-    solution.least[c] = depth > 0.0 && !(active[c].stiffness > 0.0)
-                            ? std::min(settings.splitImpulse * depth / dt, settings.recoverySpeed)
-                            : -std::max(0.0, gap) / dt;
+    solution.minVelocities[c] = depth > 0.0 && !(active[c].stiffness > 0.0)
+                                    ? std::min(settings.splitImpulse * depth / dt, settings.recoverySpeed)
+                                    : -std::max(0.0, gap) / dt;
     solution.impulses[c] = 0.0;
     solution.tangential[c].setZero();
   }
-  sweep(lead, active, settings, true, solution);
+  sweep(depenetration, active, settings, true, solution);
   for (const Index j : solution.touched) {
     velocities[j] += solution.splitImpulse[j];
     if (inverseMasses[j] > 0.0) memory.depenetrationMoment += dt / inverseMasses[j] * solution.splitImpulse[j];
@@ -416,15 +420,15 @@ Vec3 detail::solveContactImpulses(const Interpolation &binding, std::span<const 
   return total;
 }
 
-void settleContactVelocities(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
-                             ContactState &memory, std::span<Vec3> velocities) {
+void projectContactVelocities(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
+                              ContactState &memory, std::span<Vec3> velocities) {
   (void)dt;
-  detail::settleContactVelocities(binding, inverseMasses, {}, memory, velocities);
+  detail::projectContactVelocities(binding, inverseMasses, {}, memory, velocities);
 }
 
-void detail::settleContactVelocities(const Interpolation &binding, std::span<const double> inverseMasses,
-                                     std::span<const RigidParticles> rigid, ContactState &memory,
-                                     std::span<Vec3> velocities) {
+void detail::projectContactVelocities(const Interpolation &binding, std::span<const double> inverseMasses,
+                                      std::span<const RigidParticles> rigid, ContactState &memory,
+                                      std::span<Vec3> velocities) {
   ContactState::Solution &solution = memory.solution;
   if (!solution.splitImpulse.empty()) {
     for (const Index j : solution.touched)
@@ -442,31 +446,31 @@ void detail::settleContactVelocities(const Interpolation &binding, std::span<con
   const ContactSystem body{binding, inverseMasses, rigid, velocities};
   prepare(body, closed, solution);
   for (std::size_t c = 0; c < closed.size(); ++c) {
-    solution.impulses[c] = closed[c].settleImpulse;
-    solution.tangential[c] = closed[c].settleFriction;
+    solution.impulses[c] = closed[c].projectionImpulse;
+    solution.tangential[c] = closed[c].projectionFriction;
   }
   warmStart(body, closed, solution);
-  ImpulseSettings few;
-  few.sweeps = kSettlingSweeps;
-  sweep(body, closed, few, false, solution);
+  ImpulseSettings settings;
+  settings.sweeps = kProjectionSweeps;
+  sweep(body, closed, settings, false, solution);
   std::size_t c = 0;
   for (Contact &contact : memory.active) {
     const bool closes = contact.normalImpulse > 0.0;
-    contact.settleImpulse = closes ? solution.impulses[c] : 0.0;
-    contact.settleFriction = closes ? solution.tangential[c] : Vec3(Vec3::Zero());
+    contact.projectionImpulse = closes ? solution.impulses[c] : 0.0;
+    contact.projectionFriction = closes ? solution.tangential[c] : Vec3(Vec3::Zero());
     if (closes) ++c;
   }
 }
 
 void sumContactImpulses(double dt, ContactState &memory) {
   if (memory.sums.of.empty()) return;
-  memory.sums.span += dt;
+  memory.sums.duration += dt;
   for (const Contact &contact : memory.active) {
     if (!(contact.normalImpulse > 0.0)) continue;
     ContactSum &sum = memory.sums.at(contact.obstacle);
-    const double normal = contact.normalImpulse + contact.settleImpulse;
-    sum.impulse += normal * contact.normal + contact.frictionImpulse + contact.settleFriction;
-    sum.pressing += normal;
+    const double normal = contact.normalImpulse + contact.projectionImpulse;
+    sum.impulse += normal * contact.normal + contact.frictionImpulse + contact.projectionFriction;
+    sum.normalImpulseSum += normal;
   }
 }
 

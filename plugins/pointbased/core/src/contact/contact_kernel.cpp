@@ -77,25 +77,27 @@ HWY_INLINE Four cross(const double *a, const double *b) {
 HWY_INLINE Four velocityOf(const SweepJob &job, std::size_t c) {
   Four v = zero();
   for (Index e = job.rows[c]; e < job.rows[c + 1]; ++e)
-    v = mulAdd(job.shares[e], load(job.velocities + 4 * std::size_t{job.slots[e]}), v);
-  return sub(v, load(job.sides + kContactNumbers * c + kSurfaceVelocity));
+    v = mulAdd(job.weights[e], load(job.velocities + 4 * std::size_t{job.slots[e]}), v);
+  return sub(v, load(job.records + kContactRecordSize * c + kSurfaceVelocity));
 }
 
 // Applies an impulse to phyxels by their shares, and to the particles of a rigid body by its rigid motion.
-void push(const SweepJob &job, std::size_t c, const Four &impulse) {
+void applyImpulse(const SweepJob &job, std::size_t c, const Four &impulse) {
   for (Index e = job.rows[c]; e < job.rows[c + 1]; ++e) {
     double *velocity = job.velocities + 4 * std::size_t{job.slots[e]};
-    store(mulAdd(job.pushes[e], impulse, load(velocity)), velocity);
+    store(mulAdd(job.responses[e], impulse, load(velocity)), velocity);
   }
   double p[4];
   store(impulse, p);
   for (Index r = job.rigidRows[c]; r < job.rigidRows[c + 1]; ++r) {
-    const double *part = job.rigidParts + kRigidNumbers * std::size_t{r}, *turn = part + kRigidTurn;
+    const double *part = job.rigidParts + kRigidRecordSize * std::size_t{r},
+                 *angularResponse = part + kRigidAngularResponse;
     double spin[3];
-    for (std::size_t a = 0; a < 3; ++a) spin[a] = turn[3 * a] * p[0] + turn[3 * a + 1] * p[1] + turn[3 * a + 2] * p[2];
+    for (std::size_t a = 0; a < 3; ++a)
+      spin[a] = angularResponse[3 * a] * p[0] + angularResponse[3 * a + 1] * p[1] + angularResponse[3 * a + 2] * p[2];
     for (std::size_t k = 0; k < 4; ++k) {
       double *velocity = job.velocities + 4 * (std::size_t{job.rigidSlots[r]} + k);
-      const Four change = mulAdd(part[kRigidShare], impulse, cross(spin, part + kRigidArms + 3 * k));
+      const Four change = mulAdd(part[kRigidLinearResponse], impulse, cross(spin, part + kRigidArms + 3 * k));
       store(add(load(velocity), change), velocity);
     }
   }
@@ -104,33 +106,33 @@ void push(const SweepJob &job, std::size_t c, const Four &impulse) {
 // Contact with a rigid body. A normal impulse also rotates the body, so friction is solved after it.
 // @return square of the largest change of a velocity, m²/s²
 double sweepRigid(const SweepJob &job, std::size_t c, SweepResult &result) {
-  double *side = job.sides + kContactNumbers * c;
-  const Four n = load(side + kNormalOfContact);
-  const double w = job.inverseMasses[c], normal = dot(velocityOf(job, c), n), held = job.impulses[c];
-  double wanted = held + (job.least[c] - normal) * side[kMass], least = job.least[c];
+  double *record = job.records + kContactRecordSize * c;
+  const Four n = load(record + kContactNormal);
+  const double w = job.inverseMasses[c], normal = dot(velocityOf(job, c), n), oldImpulse = job.impulses[c];
+  double unclamped = oldImpulse + (job.minVelocities[c] - normal) * record[kMass], minVelocity = job.minVelocities[c];
   if (job.compliances != nullptr && job.compliances[c] > 0.0) {
     const double compliance = job.compliances[c];
-    least = std::max(least - compliance * held, job.floors[c]);
-    wanted = std::max(held + (job.least[c] - normal - compliance * held) / (w + compliance),
-                      held + (job.floors[c] - normal) * side[kMass]);
+    minVelocity = std::max(minVelocity - compliance * oldImpulse, job.minVelocityLimits[c]);
+    unclamped = std::max(oldImpulse + (job.minVelocities[c] - normal - compliance * oldImpulse) / (w + compliance),
+                         oldImpulse + (job.minVelocityLimits[c] - normal) * record[kMass]);
   }
-  result.speed = std::max(result.speed, w * held + std::abs(std::min(0.0, normal - least)));
-  side[kRoomOfContact] = normal - least;
-  const double next = wanted < 0.0 ? 0.0 : wanted;
-  if (next == 0.0 && held == 0.0) return 0.0;
-  job.impulses[c] = next;
-  push(job, c, mulAdd(next - held, n, zero()));
-  const double change = w * (next - held);
+  result.speed = std::max(result.speed, w * oldImpulse + std::abs(std::min(0.0, normal - minVelocity)));
+  record[kVelocityMargin] = normal - minVelocity;
+  const double newImpulse = unclamped < 0.0 ? 0.0 : unclamped;
+  if (newImpulse == 0.0 && oldImpulse == 0.0) return 0.0;
+  job.impulses[c] = newImpulse;
+  applyImpulse(job, c, mulAdd(newImpulse - oldImpulse, n, zero()));
+  const double change = w * (newImpulse - oldImpulse);
   if (job.friction == nullptr || !(job.friction[c] > 0.0)) return change * change;
-  const double mass = side[kTangentialMass];
-  const Four v = velocityOf(job, c), before = load(side + kTangentialImpulse);
+  const double mass = record[kTangentialMass];
+  const Four v = velocityOf(job, c), before = load(record + kTangentialImpulse);
   Four t = sub(before, mulAdd(mass, mulAdd(-dot(v, n), n, v), zero()));
-  const double grip = job.friction[c] * next, squared = dot(t, t);
-  if (squared > grip * grip) t = mulAdd(grip / std::sqrt(squared), t, zero());
-  const Four more = sub(t, before);
-  push(job, c, more);
-  store(t, side + kTangentialImpulse);
-  return std::max(change * change, dot(more, more) / (mass * mass));
+  const double frictionLimit = job.friction[c] * newImpulse, squared = dot(t, t);
+  if (squared > frictionLimit * frictionLimit) t = mulAdd(frictionLimit / std::sqrt(squared), t, zero());
+  const Four changeOfFriction = sub(t, before);
+  applyImpulse(job, c, changeOfFriction);
+  store(t, record + kTangentialImpulse);
+  return std::max(change * change, dot(changeOfFriction, changeOfFriction) / (mass * mass));
 }
 
 SweepResult sweep(const SweepJob &job, bool backwards) {
@@ -138,7 +140,7 @@ SweepResult sweep(const SweepJob &job, bool backwards) {
   double changeSquared = 0.0;
   for (std::size_t at = 0; at < job.count; ++at) {
     const std::size_t k = backwards ? job.count - 1 - at : at;
-    const std::size_t c = job.which != nullptr ? job.which[k] : k;
+    const std::size_t c = job.subset != nullptr ? job.subset[k] : k;
     const double w = job.inverseMasses[c];
     if (!(w > 0.0)) continue;
     if (job.rigidRows != nullptr && job.rigidRows[c] < job.rigidRows[c + 1]) {
@@ -150,42 +152,42 @@ SweepResult sweep(const SweepJob &job, bool backwards) {
     Four even = zero(), odd = zero();
     Index e = first;
     for (; e + 1 < last; e += 2) {
-      even = mulAdd(job.shares[e], load(job.velocities + 4 * std::size_t{job.slots[e]}), even);
-      odd = mulAdd(job.shares[e + 1], load(job.velocities + 4 * std::size_t{job.slots[e + 1]}), odd);
+      even = mulAdd(job.weights[e], load(job.velocities + 4 * std::size_t{job.slots[e]}), even);
+      odd = mulAdd(job.weights[e + 1], load(job.velocities + 4 * std::size_t{job.slots[e + 1]}), odd);
     }
-    if (e < last) even = mulAdd(job.shares[e], load(job.velocities + 4 * std::size_t{job.slots[e]}), even);
-    double *side = job.sides + kContactNumbers * c;
-    const Four n = load(side + kNormalOfContact);
-    const Four v = sub(add(even, odd), load(side + kSurfaceVelocity));
-    const double normal = dot(v, n), held = job.impulses[c];
-    const double mass = side[kMass];
-    double wanted = held + (job.least[c] - normal) * mass;
-    double least = job.least[c];
+    if (e < last) even = mulAdd(job.weights[e], load(job.velocities + 4 * std::size_t{job.slots[e]}), even);
+    double *record = job.records + kContactRecordSize * c;
+    const Four n = load(record + kContactNormal);
+    const Four v = sub(add(even, odd), load(record + kSurfaceVelocity));
+    const double normal = dot(v, n), oldImpulse = job.impulses[c];
+    const double mass = record[kMass];
+    double unclamped = oldImpulse + (job.minVelocities[c] - normal) * mass;
+    double minVelocity = job.minVelocities[c];
     if (job.compliances != nullptr && job.compliances[c] > 0.0) {
       // Compliant layer, down to the limit of its compression: the larger of both impulses.
       const double compliance = job.compliances[c];
-      least = std::max(least - compliance * held, job.floors[c]);
-      wanted = std::max(held + (job.least[c] - normal - compliance * held) / (w + compliance),
-                        held + (job.floors[c] - normal) * mass);
+      minVelocity = std::max(minVelocity - compliance * oldImpulse, job.minVelocityLimits[c]);
+      unclamped = std::max(oldImpulse + (job.minVelocities[c] - normal - compliance * oldImpulse) / (w + compliance),
+                           oldImpulse + (job.minVelocityLimits[c] - normal) * mass);
     }
-    result.speed = std::max(result.speed, w * held + std::abs(std::min(0.0, normal - least)));
-    side[kRoomOfContact] = normal - least;
-    const double next = wanted < 0.0 ? 0.0 : wanted;  // NaN passes through for the guard to detect
-    if (next == 0.0 && held == 0.0) continue;
-    job.impulses[c] = next;
-    Four impulse = mulAdd(next - held, n, zero());
+    result.speed = std::max(result.speed, w * oldImpulse + std::abs(std::min(0.0, normal - minVelocity)));
+    record[kVelocityMargin] = normal - minVelocity;
+    const double newImpulse = unclamped < 0.0 ? 0.0 : unclamped;  // NaN passes through for the guard to detect
+    if (newImpulse == 0.0 && oldImpulse == 0.0) continue;
+    job.impulses[c] = newImpulse;
+    Four impulse = mulAdd(newImpulse - oldImpulse, n, zero());
     if (job.friction != nullptr && job.friction[c] > 0.0) {
-      const Four before = load(side + kTangentialImpulse);
+      const Four before = load(record + kTangentialImpulse);
       Four t = sub(before, mulAdd(mass, mulAdd(-normal, n, v), zero()));
       // The root is computed only where the contact slides: the next contact waits for it.
-      const double grip = job.friction[c] * next, squared = dot(t, t);
-      if (squared > grip * grip) t = mulAdd(grip / std::sqrt(squared), t, zero());
+      const double frictionLimit = job.friction[c] * newImpulse, squared = dot(t, t);
+      if (squared > frictionLimit * frictionLimit) t = mulAdd(frictionLimit / std::sqrt(squared), t, zero());
       impulse = add(impulse, sub(t, before));
-      store(t, side + kTangentialImpulse);
+      store(t, record + kTangentialImpulse);
     }
     for (e = first; e < last; ++e) {
       double *velocity = job.velocities + 4 * std::size_t{job.slots[e]};
-      store(mulAdd(job.pushes[e], impulse, load(velocity)), velocity);
+      store(mulAdd(job.responses[e], impulse, load(velocity)), velocity);
     }
     changeSquared = std::max(changeSquared, w * w * dot(impulse, impulse));
   }

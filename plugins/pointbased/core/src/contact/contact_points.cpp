@@ -77,7 +77,7 @@ SurfacePoints chooseContactPoints(const Surface &surface, double spacing, std::s
   std::map<Index, std::size_t> counts;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) counts.try_emplace(pieceOfTriangle(t), 0);
   for (const Index t : all.triangles) ++counts.at(pieceOfTriangle(t));
-  std::erase_if(counts, [](const auto &piece) { return piece.second >= kMinOfPiece; });
+  std::erase_if(counts, [](const auto &piece) { return piece.second >= kMinPointsPerPiece; });
   if (counts.empty()) return all;
 
   // Each small piece is sampled as a separate surface, the remaining pieces as one.
@@ -97,7 +97,7 @@ SurfacePoints chooseContactPoints(const Surface &surface, double spacing, std::s
   for (const auto &[piece, count] : counts) {
     constexpr double kClosest = 1.0 / 16;
     SurfacePoints own;
-    for (double part = 0.5; part >= kClosest && own.count() < kMinOfPiece; part *= 0.5)
+    for (double part = 0.5; part >= kClosest && own.count() < kMinPointsPerPiece; part *= 0.5)
       own = ofSome(part * spacing, [&, wanted = piece](Index p) { return p == wanted; });
     all.positions.insert(all.positions.end(), own.positions.begin(), own.positions.end());
     all.normals.insert(all.normals.end(), own.normals.begin(), own.normals.end());
@@ -107,8 +107,8 @@ SurfacePoints chooseContactPoints(const Surface &surface, double spacing, std::s
   return all;
 }
 
-ContactPoints carriedContact(SurfacePoints chosen, Interpolation binding, std::span<const Vec3> phyxels,
-                             double spacing) {
+ContactPoints bindContactPoints(SurfacePoints chosen, Interpolation binding, std::span<const Vec3> phyxels,
+                                double spacing) {
   ContactPoints out{std::move(binding), std::move(chosen.normals), std::move(chosen.areas), {}};
   out.spacings = detail::spacingsAt(out.binding, phyxels, spacing);
   return out;

@@ -16,9 +16,9 @@ namespace {
 using Triangle = std::array<Index, 3>;
 
 // Triangles in one patch (leaf), at most. More: fewer boxes to test, more triangles per pair of patches.
-constexpr Index kPatch = 6;
+constexpr Index kMaxPatchTriangles = 6;
 // Of the rest volume (det F): material compressed to less counts as inverted. Larger: more of it does.
-constexpr double kCrushed = 0.02;
+constexpr double kInvertedVolumeRatio = 0.02;
 
 std::vector<Vec3> normalsOf(std::span<const Vec3> points, std::span<const Triangle> triangles) {
   std::vector<Vec3> normals(points.size(), Vec3::Zero());
@@ -31,23 +31,24 @@ std::vector<Vec3> normalsOf(std::span<const Vec3> points, std::span<const Triang
 }
 
 void findEdges(ContactSkin &skin) {
-  struct Side {
+  struct HalfEdge {
     std::array<Index, 2> ends;
     Index number;  // 3 × triangle + corner
   };
-  std::vector<Side> sides;
+  std::vector<HalfEdge> halfEdges;
   for (std::size_t t = 0; t < skin.triangles.size(); ++t)
     for (std::size_t k = 0; k < 3; ++k) {
       const Index a = skin.triangles[t][k], b = skin.triangles[t][(k + 1) % 3];
-      sides.push_back({{std::min(a, b), std::max(a, b)}, static_cast<Index>(sides.size())});
+      halfEdges.push_back({{std::min(a, b), std::max(a, b)}, static_cast<Index>(halfEdges.size())});
     }
-  std::sort(sides.begin(), sides.end(),
-            [](const Side &a, const Side &b) { return a.ends != b.ends ? a.ends < b.ends : a.number < b.number; });
+  std::sort(halfEdges.begin(), halfEdges.end(), [](const HalfEdge &a, const HalfEdge &b) {
+    return a.ends != b.ends ? a.ends < b.ends : a.number < b.number;
+  });
   // Edges are numbered in the order of their first triangle.
-  std::vector<Index> firstOf(sides.size());
-  for (std::size_t k = 0; k < sides.size(); ++k)
-    firstOf[sides[k].number] =
-        k > 0 && sides[k - 1].ends == sides[k].ends ? firstOf[sides[k - 1].number] : sides[k].number;
+  std::vector<Index> firstOf(halfEdges.size());
+  for (std::size_t k = 0; k < halfEdges.size(); ++k)
+    firstOf[halfEdges[k].number] =
+        k > 0 && halfEdges[k - 1].ends == halfEdges[k].ends ? firstOf[halfEdges[k - 1].number] : halfEdges[k].number;
   skin.edgesOf.resize(skin.triangles.size());
   std::vector<Index> edgeOf(firstOf.size());
   for (Index s = 0; s < firstOf.size(); ++s) {
@@ -96,21 +97,21 @@ std::shared_ptr<const ContactSkin> makeContactSkin(Interpolation vertices, std::
     const double third = (x[b] - x[a]).cross(x[c] - x[a]).norm() / 6.0;
     for (const Index v : {a, b, c}) skin->areas[v] += third;
   }
-  std::vector<std::uint8_t> carries;
+  std::vector<std::uint8_t> isCarrier;
   for (std::size_t v = 0; v < carried.count(); ++v) {
     double sum = 0.0, plain = 0.0;
     for (Index e = carried.phyxels.offsets[v]; e < carried.phyxels.offsets[v + 1]; ++e)
       if (const double weight = std::abs(carried.weights[e]); weight != 0.0) {
-        if (carried.phyxels.indices[e] >= carries.size()) carries.resize(carried.phyxels.indices[e] + 1, 0);
-        carries[carried.phyxels.indices[e]] = 1;
+        if (carried.phyxels.indices[e] >= isCarrier.size()) isCarrier.resize(carried.phyxels.indices[e] + 1, 0);
+        isCarrier[carried.phyxels.indices[e]] = 1;
         plain += weight;
         sum += weight / (maxInfluence.empty() ? 1.0 : static_cast<double>(maxInfluence[carried.phyxels.indices[e]]));
       }
-    skin->gain = std::max(skin->gain, sum);
-    skin->sum = std::max(skin->sum, plain);
+    skin->weightedGain = std::max(skin->weightedGain, sum);
+    skin->plainGain = std::max(skin->plainGain, plain);
   }
-  for (std::size_t j = 0; j < carries.size(); ++j)
-    if (carries[j] != 0) skin->carriers.push_back(static_cast<Index>(j));
+  for (std::size_t j = 0; j < isCarrier.size(); ++j)
+    if (isCarrier[j] != 0) skin->carriers.push_back(static_cast<Index>(j));
   return skin;
 }
 
@@ -119,8 +120,8 @@ PatchTree::PatchTree(const ContactSkin &skin) {
   std::vector<Vec3> centres(count, Vec3::Zero());
   for (std::size_t t = 0; t < count; ++t)
     for (const Index v : skin.triangles[t]) centres[t] += skin.vertices.positions[v];
-  std::vector<Index> order(count);
-  std::iota(order.begin(), order.end(), Index{0});
+  std::vector<Index> triangleOrder(count);
+  std::iota(triangleOrder.begin(), triangleOrder.end(), Index{0});
   std::vector<std::uint8_t> hasVertex(skin.count(), 0), hasEdge(skin.edges.size(), 0);
   struct Range {
     Index node, begin, end;
@@ -131,10 +132,10 @@ PatchTree::PatchTree(const ContactSkin &skin) {
     const auto [node, begin, end] = open.back();
     open.pop_back();
     nodes_[node].size = end - begin;
-    if (end - begin <= kPatch) {
+    if (end - begin <= kMaxPatchTriangles) {
       nodes_[node].patch = static_cast<Index>(patches_.size());
       Patch &patch = patches_.emplace_back();
-      patch.triangles.assign(order.begin() + begin, order.begin() + end);
+      patch.triangles.assign(triangleOrder.begin() + begin, triangleOrder.begin() + end);
       for (const Index t : patch.triangles) {
         for (const Index v : skin.triangles[t]) {
           patch.corners.push_back(v);
@@ -148,13 +149,14 @@ PatchTree::PatchTree(const ContactSkin &skin) {
       continue;
     }
     SkinBox box;
-    for (Index k = begin; k < end; ++k) box.add(centres[order[k]]);
+    for (Index k = begin; k < end; ++k) box.add(centres[triangleOrder[k]]);
     int axis = 0;
     (box.high - box.low).maxCoeff(&axis);
     const Index middle = begin + (end - begin) / 2;
-    std::nth_element(order.begin() + begin, order.begin() + middle, order.begin() + end, [&](Index a, Index b) {
-      return centres[a][axis] != centres[b][axis] ? centres[a][axis] < centres[b][axis] : a < b;
-    });
+    std::nth_element(triangleOrder.begin() + begin, triangleOrder.begin() + middle, triangleOrder.begin() + end,
+                     [&](Index a, Index b) {
+                       return centres[a][axis] != centres[b][axis] ? centres[a][axis] < centres[b][axis] : a < b;
+                     });
     const auto child = static_cast<Index>(nodes_.size());
     nodes_[node].child = child;
     nodes_.emplace_back();
@@ -182,8 +184,8 @@ void PatchTree::refit(std::span<const Vec3> positions) {
 MovingSkin::MovingSkin(std::shared_ptr<const ContactSkin> skin, const Vec3 &origin, double spacing,
                        std::vector<double> spacings)
     : skin_(std::move(skin)), tree_(*skin_), origin_(origin), spacing_(spacing), spacings_(std::move(spacings)),
-      positions_(skin_->count()), vertexVelocities_(skin_->count()), seen_(skin_->count(), 0),
-      velocitiesSeen_(skin_->count(), 0), motions_(tree_.patches().size()), parts_(motions_.size()),
+      positions_(skin_->count()), vertexVelocities_(skin_->count()), positionRevisions_(skin_->count(), 0),
+      velocityRevisions_(skin_->count(), 0), motions_(tree_.patches().size()), features_(motions_.size()),
       slabs_(motions_.size()) {}
 
 void MovingSkin::move(std::span<const Vec3> displacements, std::span<const Vec3> velocities,
@@ -193,76 +195,77 @@ void MovingSkin::move(std::span<const Vec3> displacements, std::span<const Vec3>
   maxInfluence_ = maxInfluence;
   dt_ = dt;
   stepTravelExact_ = -1.0;
-  ++now_;
+  ++revision_;
   Vec3 mean = Vec3::Zero();
   const std::vector<Index> &carriers = skin_->carriers;
   for (const Index j : carriers) mean += velocities[j];
   mean /= static_cast<double>(std::max<std::size_t>(1, carriers.size()));
-  TravelBound way(maxInfluence_);
-  for (const Index j : carriers) way.add(j, velocities[j] - mean);
-  stepTravel_ = dt * way.ofVertices(*skin_);
-  meanGoes_ = dt * mean;
+  TravelBound bound(maxInfluence_);
+  for (const Index j : carriers) bound.add(j, velocities[j] - mean);
+  stepTravel_ = dt * bound.ofVertices(*skin_);
+  meanStepTravel_ = dt * mean;
 }
 
 double MovingSkin::stepTravelExact() {
   if (stepTravelExact_ >= 0.0) return stepTravelExact_;
   double squared = 0.0;
-  for (Index v = 0; v < skin_->count(); ++v) squared = std::max(squared, (dt_ * velocity(v) - meanGoes_).squaredNorm());
+  for (Index v = 0; v < skin_->count(); ++v)
+    squared = std::max(squared, (dt_ * velocity(v) - meanStepTravel_).squaredNorm());
   return stepTravelExact_ = std::sqrt(squared);
 }
 
-double MovingSkin::travelSince(std::span<const Vec3> then, Vec3 &mean) const {
+double MovingSkin::travelSince(std::span<const Vec3> reference, Vec3 &mean) const {
   mean.setZero();
   const std::vector<Index> &carriers = skin_->carriers;
-  for (const Index j : carriers) mean += displacements_[j] - then[j];
+  for (const Index j : carriers) mean += displacements_[j] - reference[j];
   mean /= static_cast<double>(std::max<std::size_t>(1, carriers.size()));
-  TravelBound way(maxInfluence_);
-  for (const Index j : carriers) way.add(j, displacements_[j] - then[j] - mean);
-  return way.ofVertices(*skin_);
+  TravelBound bound(maxInfluence_);
+  for (const Index j : carriers) bound.add(j, displacements_[j] - reference[j] - mean);
+  return bound.ofVertices(*skin_);
 }
 
-void MovingSkin::place(Index v) {
+void MovingSkin::computePosition(Index v) {
   const Interpolation &carried = skin_->vertices;
   const Mat3 F = rankOf(carried, v) < 3 ? gradientAt(carried, v, displacements_) : Mat3(Mat3::Identity());
   positions_[v] = origin_ + carried.positions[v] + displacementAt(carried, v, displacements_, F);
-  seen_[v] = now_;
+  positionRevisions_[v] = revision_;
 }
 
 void MovingSkin::updateVelocity(Index v) {
   vertexVelocities_[v] = fieldAt(skin_->vertices, v, velocities_);
-  velocitiesSeen_[v] = now_;
+  velocityRevisions_[v] = revision_;
 }
 
 bool MovingSkin::isInverted(Index v) {
-  if (invertedSeen_.empty()) invertedSeen_.assign(skin_->count(), 0);
-  if (invertedSeen_[v] / 2 != now_) {
-    const bool is = !(gradientAt(skin_->vertices, v, displacements_).determinant() > kCrushed);
-    invertedSeen_[v] = 2 * now_ + (is ? 1 : 0);
+  if (inversionRevisions_.empty()) inversionRevisions_.assign(skin_->count(), 0);
+  if (inversionRevisions_[v] / 2 != revision_) {
+    const bool inverted = !(gradientAt(skin_->vertices, v, displacements_).determinant() > kInvertedVolumeRatio);
+    inversionRevisions_[v] = 2 * revision_ + (inverted ? 1 : 0);
   }
-  return invertedSeen_[v] % 2 != 0;
+  return inversionRevisions_[v] % 2 != 0;
 }
 
 const MovingSkin::PatchMotion &MovingSkin::motionOf(Index patch) {
   PatchMotion &motion = motions_[patch];
-  if (motion.seen == now_) return motion;
+  if (motion.revision == revision_) return motion;
   motion = PatchMotion();
-  motion.seen = now_;
+  motion.revision = revision_;
   for (const Index v : tree_.patches()[patch].corners) {
-    motion.places.add(position(v));
+    motion.positions.add(position(v));
     motion.velocities.add(velocity(v));
   }
   return motion;
 }
 
-void MovingSkin::placeVertices() {
+void MovingSkin::updatePositions() {
   for (Index v = 0; v < skin_->count(); ++v) (void)position(v);
 }
 
-void MovingSkin::placeAll() {
-  placeVertices();
-  if (treeOf_ == now_) return;
+void MovingSkin::refitTree() {
+  updatePositions();
+  if (treeRevision_ == revision_) return;
   tree_.refit(positions_);
-  treeOf_ = now_;
+  treeRevision_ = revision_;
 }
 
 Vec3 MovingSkin::faceNormal(Index triangle) {
@@ -278,7 +281,7 @@ Vec3 MovingSkin::edgeNormal(Index edge) {
   return sum;
 }
 
-Vec3 MovingSkin::facing(Index vertex) {
+Vec3 MovingSkin::areaWeightedNormal(Index vertex) {
   Vec3 sum = Vec3::Zero();
   for (const Index t : skin_->trianglesOf.row(vertex)) sum += faceNormal(t);
   return sum.normalized();
@@ -299,7 +302,7 @@ Vec3 MovingSkin::vertexNormal(Index vertex) {
   return sum;
 }
 
-bool MovingSkin::isSharp(Index edge, double sine, double rise) {
+bool MovingSkin::isSharp(Index edge, double minSine, double minRise) {
   const SkinEdge &e = skin_->edges[edge];
   if (e.triangles[1] == kNoTriangle) return true;
   const Vec3 n = faceNormal(e.triangles[0]), m = faceNormal(e.triangles[1]);
@@ -308,8 +311,8 @@ bool MovingSkin::isSharp(Index edge, double sine, double rise) {
   const Vec3 &end = position(e.ends[0]);
   if (n.dot(position(opposite) - end) > 0.0) return false;
   const double length = (end - position(e.ends[1])).norm();
-  const double least = std::min(sine, rise / std::max(length, 1e-12 * rise));
-  return n.cross(m).squaredNorm() > least * least * n.squaredNorm() * m.squaredNorm() || n.dot(m) < 0.0;
+  const double threshold = std::min(minSine, minRise / std::max(length, 1e-12 * minRise));
+  return n.cross(m).squaredNorm() > threshold * threshold * n.squaredNorm() * m.squaredNorm() || n.dot(m) < 0.0;
 }
 
 std::pair<double, double> MovingSkin::extentOf(Index patch, const Vec3 &direction) {
@@ -324,8 +327,8 @@ std::pair<double, double> MovingSkin::extentOf(Index patch, const Vec3 &directio
 
 const MovingSkin::Slab &MovingSkin::slabOf(Index patch) {
   Slab &slab = slabs_[patch];
-  if (slab.seen == now_) return slab;
-  slab.seen = now_;
+  if (slab.revision == revision_) return slab;
+  slab.revision = revision_;
   slab.normal.setZero();
   for (const Index t : tree_.patches()[patch].triangles) slab.normal += faceNormal(t);
   slab.normal.normalize();
@@ -338,23 +341,23 @@ double MovingSkin::distance(Index patch, const Slab &slab) {
   return std::max(low - slab.high, slab.low - high);
 }
 
-const MovingSkin::PatchParts &MovingSkin::partsOf(Index patch, double sine, double rise) {
-  PatchParts &parts = parts_[patch];
-  if (parts.seen == now_ && parts.rise == rise) return parts;
-  parts.seen = now_;
-  parts.rise = rise;
-  parts.triangles.clear();
-  parts.edges.clear();
+const MovingSkin::PatchFeatures &MovingSkin::featuresOf(Index patch, double minSine, double minRise) {
+  PatchFeatures &features = features_[patch];
+  if (features.revision == revision_ && features.minRise == minRise) return features;
+  features.revision = revision_;
+  features.minRise = minRise;
+  features.triangles.clear();
+  features.edges.clear();
   for (const Index t : tree_.patches()[patch].triangles) {
-    SkinBox &box = parts.triangles.emplace_back();
+    SkinBox &box = features.triangles.emplace_back();
     for (const Index v : skin_->triangles[t]) box.add(position(v));
   }
   for (const Index e : tree_.patches()[patch].edges) {
-    if (!isSharp(e, sine, rise)) continue;
-    SkinBox &box = parts.edges.emplace_back(e, SkinBox()).second;
+    if (!isSharp(e, minSine, minRise)) continue;
+    SkinBox &box = features.edges.emplace_back(e, SkinBox()).second;
     for (const Index v : skin_->edges[e].ends) box.add(position(v));
   }
-  return parts;
+  return features;
 }
 
 NearestOnTriangle MovingSkin::nearestOn(Index triangle, const Vec3 &x) {
@@ -367,7 +370,7 @@ Vec3 MovingSkin::pointOn(Index triangle, const Vec3 &weights) {
   return weights[0] * position(a) + weights[1] * position(b) + weights[2] * position(c);
 }
 
-Vec3 MovingSkin::outwardAt(Index triangle, int feature) {
+Vec3 MovingSkin::featureNormal(Index triangle, int feature) {
   if (feature == 0) return faceNormal(triangle);
   const auto k = static_cast<std::size_t>(feature);
   return k < 4 ? edgeNormal(skin_->edgesOf[triangle][k - 1]) : vertexNormal(skin_->triangles[triangle][k - 4]);
@@ -395,7 +398,7 @@ Vec3 MovingSkin::nearestPoint(const Vec3 &x) {
 double MovingSkin::signedDistance(const Vec3 &x) {
   const Index t = nearestTriangle(x);
   const NearestOnTriangle found = nearestOn(t, x);
-  const bool isInside = (x - pointOn(t, found.weights)).dot(outwardAt(t, found.feature)) < 0.0;
+  const bool isInside = (x - pointOn(t, found.weights)).dot(featureNormal(t, found.feature)) < 0.0;
   return (isInside ? -1.0 : 1.0) * std::sqrt(found.squared);
 }
 

@@ -25,8 +25,8 @@ struct SkinEdge {
 [[nodiscard]] std::vector<double> spacingsAt(const Interpolation &binding, std::span<const Vec3> phyxels,
                                              double spacing);
 
-/// Collision mesh of a skin: the drawn triangles or a coarsened set, subdivided where they are larger than the cells
-/// that carry them. Immutable.
+/// Collision mesh of a skin: the displayed triangles or a coarsened set, subdivided where they are larger than the
+/// cells that carry them. Immutable.
 struct ContactSkin {
   Interpolation vertices;
   std::vector<std::array<Index, 3>> triangles;
@@ -35,9 +35,9 @@ struct ContactSkin {
   Csr trianglesOf;                            ///< [vertices]
   std::vector<double> areas;                  ///< [vertices] m², at rest; 0: vertex of no triangle
   std::vector<Index> carriers;                ///< phyxels that carry vertices, ascending; others do not move the skin
-  /// Upper bounds of the displacement of any vertex, as factors of the displacements of the phyxels. `gain`: if no
-  /// phyxel moves by more than 1 / its largest influence. `sum`: if no phyxel moves by more than 1.
-  double gain = 1.0, sum = 1.0;
+  /// Upper bounds of the displacement of any vertex, as factors of the displacements of the phyxels. `weightedGain`:
+  /// no phyxel moves by more than 1 / its largest influence. `plainGain`: no phyxel moves by more than 1.
+  double weightedGain = 1.0, plainGain = 1.0;
 
   [[nodiscard]] std::size_t count() const { return vertices.count(); }
 };
@@ -47,16 +47,16 @@ class TravelBound {
  public:
   /// @param maxInfluence  RestState::maxInfluence; empty: 1
   explicit TravelBound(std::span<const float> maxInfluence) : maxInfluence_(maxInfluence) {}
-  void add(std::size_t phyxel, const Vec3 &way) {
+  void add(std::size_t phyxel, const Vec3 &displacement) {
     const double influence = maxInfluence_.empty() ? 1.0 : static_cast<double>(maxInfluence_[phyxel]);
-    const double squared = way.squaredNorm();
+    const double squared = displacement.squaredNorm();
     squared_ = std::max(squared_, squared);
     weighted_ = std::max(weighted_, influence * influence * squared);
   }
   [[nodiscard]] double ofPhyxels() const { return std::sqrt(squared_); }
   [[nodiscard]] double ofVertices(const ContactSkin &skin) const {
-    if (!(squared_ > 0.0)) return 0.0;  // gain may be infinite
-    return std::min(skin.gain * std::sqrt(weighted_), skin.sum * std::sqrt(squared_));
+    if (!(squared_ > 0.0)) return 0.0;  // weightedGain may be infinite
+    return std::min(skin.weightedGain * std::sqrt(weighted_), skin.plainGain * std::sqrt(squared_));
   }
 
  private:
@@ -82,7 +82,7 @@ struct SkinBox {
     low = low.cwiseMin(other.low);
     high = high.cwiseMax(other.high);
   }
-  [[nodiscard]] bool meets(const SkinBox &other) const {
+  [[nodiscard]] bool overlaps(const SkinBox &other) const {
     return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
   }
   [[nodiscard]] double squaredDistance(const Vec3 &x) const {
@@ -92,10 +92,10 @@ struct SkinBox {
     return (low - other.high).cwiseMax(other.low - high).cwiseMax(0.0).squaredNorm();
   }
   /// Squared distance of the two points, one in each box, that are farthest from each other.
-  [[nodiscard]] double squaredFarthest(const SkinBox &other) const {
+  [[nodiscard]] double maxSquaredDistance(const SkinBox &other) const {
     return (high - other.low).cwiseMax(other.high - low).squaredNorm();
   }
-  [[nodiscard]] SkinBox wider(double by) const { return {low.array() - by, high.array() + by}; }
+  [[nodiscard]] SkinBox expanded(double by) const { return {low.array() - by, high.array() + by}; }
 };
 
 /// Bounding volume hierarchy of a skin: a binary tree of boxes over patches of a few triangles, refitted as they move.
@@ -124,21 +124,21 @@ class PatchTree {
   /// boxes are nearer to each other than `reach`.
   /// @param open  scratch storage: pairs of nodes still to be visited
   template <class Visit>
-  void near(const PatchTree &other, double reach, std::vector<std::pair<Index, Index>> &open,
-            const Visit &visit) const {
+  void visitPairsWithin(const PatchTree &other, double reach, std::vector<std::pair<Index, Index>> &open,
+                        const Visit &visit) const {
     open.assign(1, {0, 0});
     while (!open.empty()) {
       const auto [a, b] = open.back();
       open.pop_back();
-      const Node &mine = nodes_[a], &theirs = other.nodes_[b];
-      const double squared = mine.box.squaredDistance(theirs.box);
+      const Node &own = nodes_[a], &others = other.nodes_[b];
+      const double squared = own.box.squaredDistance(others.box);
       if (!(squared <= reach * reach)) continue;
-      if (mine.patch != kNone && theirs.patch != kNone)
-        visit(mine.patch, theirs.patch, squared);
-      else if (theirs.patch != kNone || (mine.patch == kNone && mine.size >= theirs.size))
-        for (const Index child : {mine.child, mine.child + 1}) open.emplace_back(child, b);
+      if (own.patch != kNone && others.patch != kNone)
+        visit(own.patch, others.patch, squared);
+      else if (others.patch != kNone || (own.patch == kNone && own.size >= others.size))
+        for (const Index child : {own.child, own.child + 1}) open.emplace_back(child, b);
       else
-        for (const Index child : {theirs.child, theirs.child + 1}) open.emplace_back(a, child);
+        for (const Index child : {others.child, others.child + 1}) open.emplace_back(a, child);
     }
   }
   /// Calls visit(triangle), which returns the squared distance of that triangle from x, for every triangle that may be
@@ -150,8 +150,8 @@ class PatchTree {
     std::size_t depth = 0;
     stack[depth++] = {0, nodes_.front().box.squaredDistance(x)};
     while (depth > 0) {
-      const auto [at, away] = stack[--depth];
-      if (!(away < nearest)) continue;
+      const auto [at, squared] = stack[--depth];
+      if (!(squared < nearest)) continue;
       const Node &node = nodes_[at];
       if (node.patch != kNone) {
         for (const Index t : patches_[node.patch].triangles) nearest = std::min(nearest, visit(t));
@@ -203,11 +203,11 @@ class MovingSkin {
   void move(std::span<const Vec3> displacements, std::span<const Vec3> velocities, std::span<const float> maxInfluence,
             double dt);
   /// Marks positions as outdated after the phyxels have moved within the same step.
-  void moveOn() { ++now_; }
+  void invalidatePositions() { ++revision_; }
   /// Upper bound of the travel of any vertex in this step relative to the mean of the carriers, m. The mean itself
   /// travels meanStepTravel().
   [[nodiscard]] double stepTravel() const { return stepTravel_; }
-  [[nodiscard]] const Vec3 &meanStepTravel() const { return meanGoes_; }
+  [[nodiscard]] const Vec3 &meanStepTravel() const { return meanStepTravel_; }
   [[nodiscard]] std::span<const Vec3> displacements() const { return displacements_; }
   [[nodiscard]] std::span<const Vec3> velocities() const { return velocities_; }
   [[nodiscard]] std::span<const float> maxInfluence() const { return maxInfluence_; }
@@ -218,30 +218,30 @@ class MovingSkin {
   /// Upper bound of the travel of any vertex since the phyxels had the displacements `then`, relative to the mean of
   /// the carriers, m.
   /// @param mean  out: travel of the mean, m
-  [[nodiscard]] double travelSince(std::span<const Vec3> then, Vec3 &mean) const;
+  [[nodiscard]] double travelSince(std::span<const Vec3> reference, Vec3 &mean) const;
 
   [[nodiscard]] const Vec3 &position(Index v) {
-    if (seen_[v] != now_) place(v);
+    if (positionRevisions_[v] != revision_) computePosition(v);
     return positions_[v];
   }
   /// Velocity at the beginning of the step.
   [[nodiscard]] const Vec3 &velocity(Index v) {
-    if (velocitiesSeen_[v] != now_) updateVelocity(v);
+    if (velocityRevisions_[v] != revision_) updateVelocity(v);
     return vertexVelocities_[v];
   }
   /// Whether the deformation at a vertex is inverted or has crushed the material to almost no volume.
   [[nodiscard]] bool isInverted(Index v);
   /// Bounds of the positions of the corners of a patch, and of their velocities.
   struct PatchMotion {
-    SkinBox places, velocities;
-    std::uint64_t seen = 0;
+    SkinBox positions, velocities;
+    std::uint64_t revision = 0;
   };
   [[nodiscard]] const PatchMotion &motionOf(Index patch);
   /// Two planes perpendicular to the mean normal of a patch that enclose all its corners.
   struct Slab {
     Vec3 normal = Vec3::Zero();    // unit
     double low = 0.0, high = 0.0;  // m, along the normal
-    std::uint64_t seen = 0;
+    std::uint64_t revision = 0;
     /// Lower bound of the distance of a point from the patch, m. Where it is not positive there is no bound.
     [[nodiscard]] double distance(const Vec3 &x) const {
       const double along = normal.dot(x);
@@ -252,20 +252,20 @@ class MovingSkin {
   /// Same as Slab::distance(), for a patch of this skin.
   [[nodiscard]] double distance(Index patch, const Slab &slab);
   /// Boxes of the triangles of a patch, in their order, and of its sharp edges.
-  struct PatchParts {
+  struct PatchFeatures {
     std::vector<SkinBox> triangles;
     std::vector<std::pair<Index, SkinBox>> edges;
-    std::uint64_t seen = 0;
-    double rise = 0.0;
+    std::uint64_t revision = 0;
+    double minRise = 0.0;
   };
   /// An edge is sharp if it belongs to one triangle only. A convex edge is sharp if the sine of the angle between its
   /// face normals exceeds `sine`, or `rise` over the length of the edge, or if that angle is obtuse.
   /// @param rise  m
-  [[nodiscard]] const PatchParts &partsOf(Index patch, double sine, double rise);
-  void placeVertices();
+  [[nodiscard]] const PatchFeatures &featuresOf(Index patch, double minSine, double minRise);
+  void updatePositions();
   /// Same, and refits the boxes of the tree.
-  void placeAll();
-  [[nodiscard]] std::span<const Vec3> positions() const { return positions_; }  ///< after placeVertices()
+  void refitTree();
+  [[nodiscard]] std::span<const Vec3> positions() const { return positions_; }  ///< after updatePositions()
 
   /// Outward normals. The length of a face normal is twice the area of the triangle; edge and vertex normals are not
   /// normalised.
@@ -273,23 +273,23 @@ class MovingSkin {
   [[nodiscard]] Vec3 edgeNormal(Index edge);
   [[nodiscard]] Vec3 vertexNormal(Index vertex);
   /// Area-weighted mean normal of the faces around a vertex, unit.
-  [[nodiscard]] Vec3 facing(Index vertex);
+  [[nodiscard]] Vec3 areaWeightedNormal(Index vertex);
   /// Outward normal of the feature that NearestOnTriangle::feature names. Its sign separates inside from outside for
   /// points whose nearest point is on that feature.
-  [[nodiscard]] Vec3 outwardAt(Index triangle, int feature);
+  [[nodiscard]] Vec3 featureNormal(Index triangle, int feature);
   [[nodiscard]] NearestOnTriangle nearestOn(Index triangle, const Vec3 &x);
   [[nodiscard]] Vec3 pointOn(Index triangle, const Vec3 &weights);
 
-  /// The triangle nearest to a point; of several, the one with the lowest number. After placeAll().
+  /// The triangle nearest to a point; of several, the one with the lowest number. After refitTree().
   [[nodiscard]] Index nearestTriangle(const Vec3 &x);
   [[nodiscard]] Vec3 nearestPoint(const Vec3 &x);
-  /// m, negative inside. After placeAll().
+  /// m, negative inside. After refitTree().
   [[nodiscard]] double signedDistance(const Vec3 &x);
 
  private:
-  void place(Index v);
+  void computePosition(Index v);
   void updateVelocity(Index v);
-  [[nodiscard]] bool isSharp(Index edge, double sine, double rise);
+  [[nodiscard]] bool isSharp(Index edge, double minSine, double minRise);
   // Smallest and largest coordinate of the corners of a patch along a direction, m.
   [[nodiscard]] std::pair<double, double> extentOf(Index patch, const Vec3 &direction);
   std::shared_ptr<const ContactSkin> skin_;
@@ -301,14 +301,14 @@ class MovingSkin {
   std::span<const Vec3> displacements_, velocities_;
   std::span<const float> maxInfluence_;
   std::vector<Vec3> positions_, vertexVelocities_;
-  std::vector<std::uint64_t> seen_, velocitiesSeen_;
-  std::vector<std::uint64_t> invertedSeen_;  // [vertices] or empty; 2 × state number, + 1 if inverted
-  std::vector<PatchMotion> motions_;         // [patches]
-  std::vector<PatchParts> parts_;            // [patches]
-  std::vector<Slab> slabs_;                  // [patches]
-  std::uint64_t now_ = 1, treeOf_ = 0;
+  std::vector<std::uint64_t> positionRevisions_, velocityRevisions_;
+  std::vector<std::uint64_t> inversionRevisions_;  // [vertices] or empty; 2 × state number, + 1 if inverted
+  std::vector<PatchMotion> motions_;               // [patches]
+  std::vector<PatchFeatures> features_;            // [patches]
+  std::vector<Slab> slabs_;                        // [patches]
+  std::uint64_t revision_ = 1, treeRevision_ = 0;
   double stepTravel_ = 0.0, stepTravelExact_ = -1.0, dt_ = 0.0;
-  Vec3 meanGoes_ = Vec3::Zero();
+  Vec3 meanStepTravel_ = Vec3::Zero();
 };
 
 /// Parameters of the nearest points of two segments, from a0 to a1 and from b0 to b1, clamped to 0 … 1.

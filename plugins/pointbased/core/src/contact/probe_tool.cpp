@@ -26,46 +26,46 @@ struct Capsule {
     return middle + s * half;
   }
   [[nodiscard]] Vec3 normalAt(const Vec3 &x) const {
-    const Vec3 way = x - nearestOfLine(x);
-    const double length = way.norm();
-    if (length > 0.0) return way / length;
+    const Vec3 direction = x - nearestOfLine(x);
+    const double length = direction.norm();
+    if (length > 0.0) return direction / length;
     return half.isZero(0.0) ? Vec3(Vec3::UnitZ()) : half.unitOrthogonal();
   }
 };
 
-// Interval of a line from + t way.
-struct Stretch {
+// Interval of t on a line from + t direction.
+struct Interval {
   double begin, end;
 };
 
 // Interval of t with |a + t b| <= radius.
-std::optional<Stretch> within(const Vec3 &a, const Vec3 &b, double radius) {
+std::optional<Interval> within(const Vec3 &a, const Vec3 &b, double radius) {
   const double bb = b.squaredNorm(), ab = a.dot(b), aa = a.squaredNorm() - radius * radius;
   if (!(bb > 0.0)) {
     if (aa > 0.0) return std::nullopt;
-    return Stretch{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+    return Interval{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   }
   const double root = ab * ab - bb * aa;
   if (root < 0.0) return std::nullopt;
-  return Stretch{(-ab - std::sqrt(root)) / bb, (-ab + std::sqrt(root)) / bb};
+  return Interval{(-ab - std::sqrt(root)) / bb, (-ab + std::sqrt(root)) / bb};
 }
 
 // Interval of a line inside the capsule: the hull of its intervals in both balls and in the cylinder, as the union is
 // convex.
-std::optional<Stretch> insideOf(const Capsule &capsule, const Vec3 &from, const Vec3 &way) {
-  std::optional<Stretch> out;
-  const auto add = [&](const std::optional<Stretch> &part) {
+std::optional<Interval> insideOf(const Capsule &capsule, const Vec3 &from, const Vec3 &direction) {
+  std::optional<Interval> out;
+  const auto add = [&](const std::optional<Interval> &part) {
     if (!part || part->begin > part->end) return;
-    out = out ? Stretch{std::min(out->begin, part->begin), std::max(out->end, part->end)} : *part;
+    out = out ? Interval{std::min(out->begin, part->begin), std::max(out->end, part->end)} : *part;
   };
   const Vec3 off = from - capsule.middle;
-  add(within(off - capsule.half, way, capsule.radius));
+  add(within(off - capsule.half, direction, capsule.radius));
   const double half = capsule.half.norm();
   if (!(half > 0.0)) return out;
-  add(within(off + capsule.half, way, capsule.radius));
+  add(within(off + capsule.half, direction, capsule.radius));
   const Vec3 axis = capsule.half / half;
-  const double high = off.dot(axis), rise = way.dot(axis);
-  auto cylinder = within(off - high * axis, way - rise * axis, capsule.radius);
+  const double high = off.dot(axis), rise = direction.dot(axis);
+  auto cylinder = within(off - high * axis, direction - rise * axis, capsule.radius);
   if (!cylinder) return out;
   if (std::abs(rise) > 0.0) {
     const double a = (-half - high) / rise, b = (half - high) / rise;
@@ -81,45 +81,45 @@ std::optional<Stretch> insideOf(const Capsule &capsule, const Vec3 &from, const 
 // Tool path, with the rotations of the axis from each pose to the next.
 class Path {
  public:
-  explicit Path(const std::vector<ToolPose> &places) : places_(places) {
-    turned_.push_back(Mat3::Identity());
-    for (std::size_t k = 0; k + 1 < places.size(); ++k) {
-      const Vec3 a = places[k].axis.normalized(), b = places[k + 1].axis.normalized();
+  explicit Path(const std::vector<ToolPose> &poses) : poses_(poses) {
+    rotations_.push_back(Mat3::Identity());
+    for (std::size_t k = 0; k + 1 < poses.size(); ++k) {
+      const Vec3 a = poses[k].axis.normalized(), b = poses[k + 1].axis.normalized();
       const Vec3 about = a.cross(b);
-      turns_.emplace_back(std::atan2(about.norm(), a.dot(b)),
-                          about.norm() > 0.0 ? Vec3(about.normalized()) : Vec3(Vec3::UnitX()));
-      turned_.push_back(turns_.back().toRotationMatrix() * turned_.back());
+      poseRotations_.emplace_back(std::atan2(about.norm(), a.dot(b)),
+                                  about.norm() > 0.0 ? Vec3(about.normalized()) : Vec3(Vec3::UnitX()));
+      rotations_.push_back(poseRotations_.back().toRotationMatrix() * rotations_.back());
     }
   }
 
   [[nodiscard]] double largestTurn() const {
-    double most = 0.0;
-    for (const Eigen::AngleAxisd &turn : turns_) most = std::max(most, turn.angle());
-    return most;
+    double largest = 0.0;
+    for (const Eigen::AngleAxisd &rotation : poseRotations_) largest = std::max(largest, rotation.angle());
+    return largest;
   }
   [[nodiscard]] RigidMotion motion(double t) const {
     RigidMotion out;
-    out.centre = places_.front().at;
-    const auto next = std::upper_bound(places_.begin(), places_.end(), t,
-                                       [](double time, const ToolPose &place) { return time < place.time; });
-    if (next == places_.begin()) return out;
-    const auto k = static_cast<std::size_t>(next - places_.begin()) - 1;
-    if (next == places_.end()) {
-      out.rotation = turned_.back();
-      out.displacement = places_.back().at - out.centre;
+    out.centre = poses_.front().at;
+    const auto next = std::upper_bound(poses_.begin(), poses_.end(), t,
+                                       [](double time, const ToolPose &pose) { return time < pose.time; });
+    if (next == poses_.begin()) return out;
+    const auto k = static_cast<std::size_t>(next - poses_.begin()) - 1;
+    if (next == poses_.end()) {
+      out.rotation = rotations_.back();
+      out.displacement = poses_.back().at - out.centre;
       return out;
     }
-    const double s = (t - places_[k].time) / (places_[k + 1].time - places_[k].time);
-    const Eigen::AngleAxisd part(s * turns_[k].angle(), turns_[k].axis());
-    out.rotation = part.toRotationMatrix() * turned_[k];
-    out.displacement = (1.0 - s) * places_[k].at + s * places_[k + 1].at - out.centre;
+    const double s = (t - poses_[k].time) / (poses_[k + 1].time - poses_[k].time);
+    const Eigen::AngleAxisd part(s * poseRotations_[k].angle(), poseRotations_[k].axis());
+    out.rotation = part.toRotationMatrix() * rotations_[k];
+    out.displacement = (1.0 - s) * poses_[k].at + s * poses_[k + 1].at - out.centre;
     return out;
   }
 
  private:
-  std::vector<ToolPose> places_;
-  std::vector<Eigen::AngleAxisd> turns_;  // [places - 1]
-  std::vector<Mat3> turned_;              // [places] since the first
+  std::vector<ToolPose> poses_;
+  std::vector<Eigen::AngleAxisd> poseRotations_;  // [poses - 1]
+  std::vector<Mat3> rotations_;                   // [poses] since the first
 };
 
 // Empty: the tool is valid.
@@ -133,12 +133,12 @@ std::string problemOf(const ProbeTool &tool) {
   if (tool.path.size() < 2)
     return "its path has " + std::to_string(tool.path.size()) + " places; accepted: at least two";
   for (std::size_t k = 0; k < tool.path.size(); ++k) {
-    const ToolPose &place = tool.path[k];
+    const ToolPose &pose = tool.path[k];
     const std::string which = "place " + std::to_string(k) + " of its path ";
-    if (!std::isfinite(place.time) || !place.at.allFinite()) return which + "is not finite";
-    if (!place.axis.allFinite() || place.axis.isZero(0.0)) return which + "has no axis; accepted: a direction";
-    if (k > 0 && !(place.time > tool.path[k - 1].time))
-      return which + "is at " + number(place.time) + " s, the one before at " + number(tool.path[k - 1].time) +
+    if (!std::isfinite(pose.time) || !pose.at.allFinite()) return which + "is not finite";
+    if (!pose.axis.allFinite() || pose.axis.isZero(0.0)) return which + "has no axis; accepted: a direction";
+    if (k > 0 && !(pose.time > tool.path[k - 1].time))
+      return which + "is at " + number(pose.time) + " s, the one before at " + number(tool.path[k - 1].time) +
              " s; accepted: times that ascend";
   }
   return {};

@@ -34,11 +34,11 @@ struct RigidParticles {
 Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> inverseMasses,
                           std::span<const RigidParticles> rigid, double dt, const ImpulseSettings &settings,
                           ContactState &memory, std::span<Vec3> velocities);
-void settleContactVelocities(const Interpolation &binding, std::span<const double> inverseMasses,
-                             std::span<const RigidParticles> rigid, ContactState &memory, std::span<Vec3> velocities);
+void projectContactVelocities(const Interpolation &binding, std::span<const double> inverseMasses,
+                              std::span<const RigidParticles> rigid, ContactState &memory, std::span<Vec3> velocities);
 /// Same as applyRestitution() in contact_bounce.h, with rigid bodies.
 Vec3 applyRestitution(const Interpolation &binding, std::span<const double> inverseMasses,
-                      std::span<const RigidParticles> rigid, double quietSpeed, ContactState &memory,
+                      std::span<const RigidParticles> rigid, double restitutionThreshold, ContactState &memory,
                       std::span<Vec3> velocities);
 
 }  // namespace pointbased::detail

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closest features of two skins: vertex and face, edge and edge. What is near is gathered in skin_pair.cpp.
+// Closest features of two skins: vertex and face, edge and edge. Candidates are gathered in skin_pair.cpp.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,7 +16,7 @@ std::uint64_t keyOf(int kind, Index a, Index b) {
 }
 
 // Whether a direction points out of the wedge of faces around an edge.
-bool leadsOut(MovingSkin &skin, Index edge, const Vec3 &direction, double tolerance) {
+bool pointsOutOfWedge(MovingSkin &skin, Index edge, const Vec3 &direction, double tolerance) {
   const SkinEdge &e = skin.skin().edges[edge];
   const Vec3 a = skin.position(e.ends[0]), along = (skin.position(e.ends[1]) - a).normalized();
   for (const Index t : e.triangles) {
@@ -30,14 +30,14 @@ bool leadsOut(MovingSkin &skin, Index edge, const Vec3 &direction, double tolera
   return true;
 }
 
-// Whether a neighbour of a vertex on its own skin is so much closer to a face with this normal that it hides the
-// vertex.
-bool isBehind(MovingSkin &skin, Index vertex, const Vec3 &normal) {
+// Whether a neighbour of a vertex on its own skin is so much closer to a face with this normal that the vertex cannot
+// touch that face.
+bool isOccluded(MovingSkin &skin, Index vertex, const Vec3 &normal) {
   const Vec3 x = skin.position(vertex);
   for (const Index t : skin.skin().trianglesOf.row(vertex))
     for (const Index other : skin.skin().triangles[t]) {
       const Vec3 edge = skin.position(other) - x;
-      if (-edge.dot(normal) > kBehind * edge.norm()) return true;
+      if (-edge.dot(normal) > kOcclusionSine * edge.norm()) return true;
     }
   return false;
 }
@@ -45,71 +45,75 @@ bool isBehind(MovingSkin &skin, Index vertex, const Vec3 &normal) {
 }  // namespace
 
 void SkinPair::updateVertexContact(VertexCandidates &group) {
-  const std::span<const Near> near = std::span<const Near>(near_).subspan(group.begin, group.end - group.begin);
-  const Index vertex = near.front().vertex;
-  const std::size_t s = near.front().ofSecond ? 1 : 0;
-  MovingSkin &own = *sides_[s].skin, &other = *sides_[1 - s].skin;
+  const std::span<const VertexFacePair> candidates =
+      std::span<const VertexFacePair>(vertexFacePairs_).subspan(group.begin, group.end - group.begin);
+  const Index vertex = candidates.front().vertex;
+  const std::size_t s = candidates.front().ofSecond ? 1 : 0;
+  MovingSkin &own = *skins_[s].skin, &other = *skins_[1 - s].skin;
   const Vec3 p = own.position(vertex);
-  Index triangle = near.front().triangle;
+  Index triangle = candidates.front().triangle;
   NearestOnTriangle best = other.nearestOn(triangle, p);
-  for (const Near &one : near.subspan(1))
+  for (const VertexFacePair &one : candidates.subspan(1))
     if (const NearestOnTriangle found = other.nearestOn(one.triangle, p); found.squared < best.squared) {
       best = found;
       triangle = one.triangle;
     }
-  const double size = std::sqrt(best.squared), room = settings_.offset + settings_.margin;
-  std::uint8_t &isInside = sides_[s].isInside[vertex];
+  const double length = std::sqrt(best.squared), contactDistance = settings_.offset + settings_.margin;
+  std::uint8_t &isInside = skins_[s].isInside[vertex];
   Vec3 velocity = own.velocity(vertex);
   for (std::size_t k = 0; k < 3; ++k)
     velocity -= best.weights[static_cast<Eigen::Index>(k)] * other.velocity(other.skin().triangles[triangle][k]);
-  const double within = room + dt_ * velocity.norm();
-  group.wake = isInside == 0 ? size - room - travelSinceGather_ : -std::numeric_limits<double>::infinity();
-  if (isInside == 0 && size > within) return;
+  const double within = contactDistance + dt_ * velocity.norm();
+  group.idleTravel =
+      isInside == 0 ? length - contactDistance - travelSinceGather_ : -std::numeric_limits<double>::infinity();
+  if (isInside == 0 && length > within) return;
   const Vec3 separation = p - other.pointOn(triangle, best.weights);
-  const Vec3 outward = other.outwardAt(triangle, best.feature);
+  const Vec3 outward = other.featureNormal(triangle, best.feature);
   const double sign = separation.dot(outward) >= 0.0 ? 1.0 : -1.0;
   // A vertex that has not entered near the surface is not inside. For a skin with itself the nearest triangles are
   // excluded, and a crushed skin may be inverted.
-  if (sign < 0.0 && size > kDeep * spacing_ && (isSelf() || isInside == 0)) return;
+  if (sign < 0.0 && length > kDeepOverlap * spacing_ && (isSelf() || isInside == 0)) return;
   isInside = sign < 0.0 ? 1 : 0;
   FacePoint at{triangle, best.weights,
-               size > kTiny * spacing_ ? Vec3(sign / size * separation) : Vec3(outward.normalized()), sign * size};
-  const bool slidesFar = at.distance > 0.0 && dt_ * velocity.norm() > kFarSlide * settings_.offset;
-  if (steps_ != Steps::small && (at.distance > room || slidesFar)) {
-    const FacePoint crossed = at.distance > room ? firstCrossing(near) : faceAtEnd(near);
+               length > kMinDirectionLength * spacing_ ? Vec3(sign / length * separation) : Vec3(outward.normalized()),
+               sign * length};
+  const bool slidesFar = at.distance > 0.0 && dt_ * velocity.norm() > kLargeSlide * settings_.offset;
+  if (stepKind_ != StepKind::explicitStep && (at.distance > contactDistance || slidesFar)) {
+    const FacePoint crossed = at.distance > contactDistance ? firstCrossing(candidates) : faceAtEnd(candidates);
     if (crossed.triangle != kNoTriangle)
       at = crossed;
-    else if (at.distance > room)
+    else if (at.distance > contactDistance)
       return;
   }
-  if (isSelf() && !(own.facing(vertex).dot(at.normal) < kFacing)) return;
+  if (isSelf() && !(own.areaWeightedNormal(vertex).dot(at.normal) < kMaxFacingCosine)) return;
 
-  const double offset = layerOffset(near.front(), at.triangle);
-  // Vertices that only touch, without overlap, get their full layer back whatever the pressure.
-  if (Side &side = sides_[s]; isInside != 0 && !side.initialPenetration.empty())
+  const double offset = layerOffset(candidates.front(), at.triangle);
+  // Vertices that do not overlap recover their full layer at any pressure.
+  if (PairedSkin &side = skins_[s]; isInside != 0 && !side.initialPenetration.empty())
     restoreInitialPenetration(side.initialPenetration[vertex], offset - at.distance);
   // If the layer is restored at once, without time, friction must not strain it.
-  const bool frees = steps_ == Steps::withoutTime && at.distance >= 0.0 && before_ > 0.0 && resolvesInitialOverlap() &&
-                     offset > at.distance;
-  const double friction = frees ? 0.0 : settings_.friction;
-  addVertexContact(near.front(), at, 0, friction);
-  if (at.distance > 0.0 && (steps_ == Steps::small || size <= room)) addNeighbouringFaces(near, at, within, friction);
+  const bool restoresLayer = stepKind_ == StepKind::quasiStatic && at.distance >= 0.0 && toleratedBefore_ > 0.0 &&
+                             resolvesInitialOverlap() && offset > at.distance;
+  const double friction = restoresLayer ? 0.0 : settings_.friction;
+  addVertexContact(candidates.front(), at, 0, friction);
+  if (at.distance > 0.0 && (stepKind_ == StepKind::explicitStep || length <= contactDistance))
+    addNeighbouringFaces(candidates, at, within, friction);
 }
 
-double SkinPair::layerOffset(const Near &of, Index triangle) const {
+double SkinPair::layerOffset(const VertexFacePair &of, Index triangle) const {
   const std::size_t s = of.ofSecond ? 1 : 0;
-  const auto &[a, b, c] = sides_[1 - s].skin->skin().triangles[triangle];
-  return settings_.offset * std::min(refinedAt(s, of.vertex), refinedAt(1 - s, a, b, c));
+  const auto &[a, b, c] = skins_[1 - s].skin->skin().triangles[triangle];
+  return settings_.offset * std::min(refinementFactor(s, of.vertex), refinementFactor(1 - s, a, b, c));
 }
 
-void SkinPair::addVertexContact(const Near &of, const FacePoint &at, Index number, double friction) {
+void SkinPair::addVertexContact(const VertexFacePair &of, const FacePoint &at, Index number, double friction) {
   const std::size_t s = of.ofSecond ? 1 : 0;
-  MovingSkin &own = *sides_[s].skin, &other = *sides_[1 - s].skin;
+  MovingSkin &own = *skins_[s].skin, &other = *skins_[1 - s].skin;
   const std::array<Index, 3> &corners = other.skin().triangles[at.triangle];
   const double offset = layerOffset(of, at.triangle), thickness = offset / settings_.offset * settings_.thickness;
-  const double allowed = initialPenetration(s, of.vertex);
+  const double tolerated = initialPenetration(s, of.vertex);
   SkinContact contact;
-  contact.gap = at.distance - offset + allowed;
+  contact.gap = at.distance - offset + tolerated;
   if (number == 0 && own.skin().areas[of.vertex] > 0.0) {
     double modulus = 0.0;
     for (std::size_t k = 0; k < 3; ++k) modulus += at.weights[static_cast<Eigen::Index>(k)] * other.modulus(corners[k]);
@@ -123,24 +127,24 @@ void SkinPair::addVertexContact(const Near &of, const FacePoint &at, Index numbe
   }
   contact.key = keyOf(of.ofSecond ? 1 : 0, of.vertex, number);
   contact.friction = friction;
-  const double side = of.ofSecond ? -1.0 : 1.0;
+  const double sign = of.ofSecond ? -1.0 : 1.0;
   // Displacement of the first skin relative to the second, along a normal that points from the second to the first.
-  contact.normal = side * at.normal;
-  contact.parts[0] = {of.vertex, of.ofSecond, side};
+  contact.normal = sign * at.normal;
+  contact.parts[0] = {of.vertex, of.ofSecond, sign};
   for (std::size_t k = 0; k < 3; ++k)
-    contact.parts[k + 1] = {corners[k], !of.ofSecond, -side * at.weights[static_cast<Eigen::Index>(k)]};
-  add(std::move(contact), sides_[s].isInside[of.vertex] != 0 ? at.distance : std::max(at.distance, 0.0), allowed);
+    contact.parts[k + 1] = {corners[k], !of.ofSecond, -sign * at.weights[static_cast<Eigen::Index>(k)]};
+  add(std::move(contact), skins_[s].isInside[of.vertex] != 0 ? at.distance : std::max(at.distance, 0.0), tolerated);
 }
 
 // Further faces near the vertex, at an angle to the first.
-void SkinPair::addNeighbouringFaces(std::span<const Near> near, const FacePoint &first, double within,
+void SkinPair::addNeighbouringFaces(std::span<const VertexFacePair> candidates, const FacePoint &first, double within,
                                     double friction) {
-  const std::size_t s = near.front().ofSecond ? 1 : 0;
-  MovingSkin &other = *sides_[1 - s].skin;
-  const Vec3 p = sides_[s].skin->position(near.front().vertex);
+  const std::size_t s = candidates.front().ofSecond ? 1 : 0;
+  MovingSkin &other = *skins_[1 - s].skin;
+  const Vec3 p = skins_[s].skin->position(candidates.front().vertex);
   std::array<Vec3, 4> normals{first.normal};
   std::size_t count = 1;
-  for (const Near &one : near) {
+  for (const VertexFacePair &one : candidates) {
     if (count == normals.size()) break;
     // Only where the vertex is above the interior; outside of it the nearest feature belongs to a neighbour.
     if (one.triangle == first.triangle) continue;
@@ -149,7 +153,7 @@ void SkinPair::addNeighbouringFaces(std::span<const Near> near, const FacePoint 
     const Vec3 from = p - other.pointOn(one.triangle, found.weights), n = from.normalized();
     if (!(from.dot(other.faceNormal(one.triangle)) > 0.0)) continue;
     if (std::any_of(normals.begin(), normals.begin() + static_cast<std::ptrdiff_t>(count),
-                    [&](const Vec3 &known) { return known.dot(n) > kOneSide; }))
+                    [&](const Vec3 &known) { return known.dot(n) > kDuplicateNormalCosine; }))
       continue;
     normals[count] = n;
     addVertexContact(one, {one.triangle, found.weights, n, std::sqrt(found.squared)}, static_cast<Index>(count),
@@ -158,94 +162,101 @@ void SkinPair::addNeighbouringFaces(std::span<const Near> near, const FacePoint 
   }
 }
 
-SkinPair::FacePoint SkinPair::firstCrossing(std::span<const Near> near) const {
-  const std::size_t s = near.front().ofSecond ? 1 : 0;
-  MovingSkin &own = *sides_[s].skin, &other = *sides_[1 - s].skin;
-  const Vec3 p = own.position(near.front().vertex), stepTravel = dt_ * own.velocity(near.front().vertex);
+SkinPair::FacePoint SkinPair::firstCrossing(std::span<const VertexFacePair> candidates) const {
+  const std::size_t s = candidates.front().ofSecond ? 1 : 0;
+  MovingSkin &own = *skins_[s].skin, &other = *skins_[1 - s].skin;
+  const Vec3 p = own.position(candidates.front().vertex), stepTravel = dt_ * own.velocity(candidates.front().vertex);
   FacePoint first;
-  double soonest = std::numeric_limits<double>::infinity();
-  for (const Near &one : near) {
+  double earliest = std::numeric_limits<double>::infinity();
+  for (const VertexFacePair &one : candidates) {
     const auto &[a, b, c] = other.skin().triangles[one.triangle];
     const Vec3 n = other.faceNormal(one.triangle).normalized();
     const NearestOnTriangle atStart = other.nearestOn(one.triangle, p);
     const std::array<Vec3, 3> travel{dt_ * other.velocity(a), dt_ * other.velocity(b), dt_ * other.velocity(c)};
-    const double away = n.dot(p - other.position(a));
-    Vec3 seen = stepTravel;
-    for (std::size_t k = 0; k < 3; ++k) seen -= atStart.weights[static_cast<Eigen::Index>(k)] * travel[k];
-    const double left = away + n.dot(seen);
-    if (!(away > 0.0) || !(left < settings_.offset)) continue;
+    const double distanceAtStart = n.dot(p - other.position(a));
+    Vec3 relativeTravel = stepTravel;
+    for (std::size_t k = 0; k < 3; ++k) relativeTravel -= atStart.weights[static_cast<Eigen::Index>(k)] * travel[k];
+    const double distanceAtEnd = distanceAtStart + n.dot(relativeTravel);
+    if (!(distanceAtStart > 0.0) || !(distanceAtEnd < settings_.offset)) continue;
     // Time at which the vertex passes the plane of the face, as part of the step; 1: it ends before the plane.
-    const double part = left < 0.0 ? away / (away - left) : 1.0;
-    const NearestOnTriangle there =
-        nearestOnTriangle(p + part * stepTravel, other.position(a) + part * travel[0],
-                          other.position(b) + part * travel[1], other.position(c) + part * travel[2]);
-    const double tolerance = std::max(kBesideFace * settings_.offset, left);
-    if (!(there.squared <= tolerance * tolerance) || !(part < soonest)) continue;
-    soonest = part;
-    first = {one.triangle, there.weights, n, away};
+    const double fraction = distanceAtEnd < 0.0 ? distanceAtStart / (distanceAtStart - distanceAtEnd) : 1.0;
+    const NearestOnTriangle closest =
+        nearestOnTriangle(p + fraction * stepTravel, other.position(a) + fraction * travel[0],
+                          other.position(b) + fraction * travel[1], other.position(c) + fraction * travel[2]);
+    const double tolerance = std::max(kCrossingTolerance * settings_.offset, distanceAtEnd);
+    if (!(closest.squared <= tolerance * tolerance) || !(fraction < earliest)) continue;
+    earliest = fraction;
+    first = {one.triangle, closest.weights, n, distanceAtStart};
   }
   // A floor vertex ahead of a block that sinks in before its contacts are found crosses the front of the block. The
   // face above which it ends is the one that separates the two.
-  if (first.triangle != kNoTriangle && isBehind(own, near.front().vertex, first.normal))
-    if (const FacePoint over = faceAtEnd(near); over.triangle != kNoTriangle) return over;
+  if (first.triangle != kNoTriangle && isOccluded(own, candidates.front().vertex, first.normal))
+    if (const FacePoint aboveAtEnd = faceAtEnd(candidates); aboveAtEnd.triangle != kNoTriangle) return aboveAtEnd;
   return first;
 }
 
 // A vertex outside of an edge at the beginning of a step may be above a face at its end.
-SkinPair::FacePoint SkinPair::faceAtEnd(std::span<const Near> near) const {
-  const std::size_t s = near.front().ofSecond ? 1 : 0;
-  MovingSkin &own = *sides_[s].skin, &other = *sides_[1 - s].skin;
+SkinPair::FacePoint SkinPair::faceAtEnd(std::span<const VertexFacePair> candidates) const {
+  const std::size_t s = candidates.front().ofSecond ? 1 : 0;
+  MovingSkin &own = *skins_[s].skin, &other = *skins_[1 - s].skin;
   const auto endOf = [&](MovingSkin &skin, Index v) { return Vec3(skin.position(v) + dt_ * skin.velocity(v)); };
-  const Vec3 p = own.position(near.front().vertex), end = endOf(own, near.front().vertex);
-  FacePoint over;
+  const Vec3 p = own.position(candidates.front().vertex), end = endOf(own, candidates.front().vertex);
+  FacePoint aboveAtEnd;
   double nearest = std::numeric_limits<double>::infinity();
-  for (const Near &one : near) {
+  for (const VertexFacePair &one : candidates) {
     const auto &[a, b, c] = other.skin().triangles[one.triangle];
     const std::array<Vec3, 3> ends{endOf(other, a), endOf(other, b), endOf(other, c)};
     const NearestOnTriangle found = nearestOnTriangle(end, ends[0], ends[1], ends[2]);
     const Vec3 n = other.faceNormal(one.triangle).normalized();
-    const double away = n.dot(p - other.position(a));
+    const double distanceAtStart = n.dot(p - other.position(a));
     // Ahead of a body, the plane of a slightly rotated face may be behind the vertex.
-    if (!(found.squared < nearest) || !(away > -kCone * (p - other.position(a)).norm())) continue;
+    if (!(found.squared < nearest) || !(distanceAtStart > -kNormalConeTolerance * (p - other.position(a)).norm()))
+      continue;
     // On the border of two faces the vertex is above both of them.
     const Vec3 off = end - found.weights[0] * ends[0] - found.weights[1] * ends[1] - found.weights[2] * ends[2];
-    if (found.feature != 0 && !(tangential(off, n).norm() <= kCone * off.norm() + kTiny * spacing_)) continue;
+    if (found.feature != 0 &&
+        !(tangential(off, n).norm() <= kNormalConeTolerance * off.norm() + kMinDirectionLength * spacing_))
+      continue;
     // Its own skin faces that face. Along a side that both bodies have in one plane it does not.
-    if (isBehind(own, near.front().vertex, n) || !(own.vertexNormal(near.front().vertex).dot(n) < 0.0)) continue;
+    if (isOccluded(own, candidates.front().vertex, n) || !(own.vertexNormal(candidates.front().vertex).dot(n) < 0.0))
+      continue;
     nearest = found.squared;
-    over = {one.triangle, found.weights, n, away};
+    aboveAtEnd = {one.triangle, found.weights, n, distanceAtStart};
   }
-  return over;
+  return aboveAtEnd;
 }
 
 void SkinPair::updateEdgeContact(EdgeCandidates &pair) {
-  MovingSkin &first = *sides_[0].skin, &second = *sides_[1].skin;
+  MovingSkin &first = *skins_[0].skin, &second = *skins_[1].skin;
   const auto &a = first.skin().edges[pair.first].ends, &b = second.skin().edges[pair.second].ends;
   const NearestOfSegments at =
       nearestOfSegments(first.position(a[0]), first.position(a[1]), second.position(b[0]), second.position(b[1]));
   const Vec3 p = (1.0 - at.onFirst) * first.position(a[0]) + at.onFirst * first.position(a[1]);
   const Vec3 q = (1.0 - at.onSecond) * second.position(b[0]) + at.onSecond * second.position(b[1]);
   const Vec3 separation = p - q;
-  const double size = separation.norm();
-  const double room = settings_.offset + settings_.margin;
-  pair.wake = size - room - travelSinceGather_;
-  if (size - room > stepTravel_) return;
+  const double length = separation.norm();
+  const double contactDistance = settings_.offset + settings_.margin;
+  pair.idleTravel = length - contactDistance - travelSinceGather_;
+  if (length - contactDistance > stepTravel_) return;
   const Vec3 outward = second.edgeNormal(pair.second);
   const double sign = separation.dot(outward) >= 0.0 ? 1.0 : -1.0;
   // Deep overlap is left to the vertices: two edges may pass each other behind the faces.
-  if (sign < 0.0 && size > kDeep * spacing_) return;
+  if (sign < 0.0 && length > kDeepOverlap * spacing_) return;
   if (isSelf()) {
     const std::vector<Vec3> &rest = first.skin().vertices.positions;
-    const auto between = [&](const std::array<Index, 2> &ends, double part) {
-      return Vec3((1.0 - part) * rest[ends[0]] + part * rest[ends[1]]);
+    const auto between = [&](const std::array<Index, 2> &ends, double fraction) {
+      return Vec3((1.0 - fraction) * rest[ends[0]] + fraction * rest[ends[1]]);
     };
-    if (areOnePiece(between(a, at.onFirst), between(b, at.onSecond))) return;
+    if (areSameTissue(between(a, at.onFirst), between(b, at.onSecond))) return;
   }
-  const auto isWithin = [](double part) { return part > kEnds && part < 1.0 - kEnds; };
+  const auto isWithin = [](double fraction) {
+    return fraction > kEdgeEndTolerance && fraction < 1.0 - kEdgeEndTolerance;
+  };
   if (!isWithin(at.onFirst) || !isWithin(at.onSecond)) return;
-  const Vec3 normal = size > kTiny * spacing_ ? Vec3(sign / size * separation) : Vec3(outward.normalized());
-  const double refined = std::min(refinedAt(0, a[0], a[1]), refinedAt(1, b[0], b[1]));
-  if (steps_ != Steps::small && sign * size > room) {
+  const Vec3 normal =
+      length > kMinDirectionLength * spacing_ ? Vec3(sign / length * separation) : Vec3(outward.normalized());
+  const double refined = std::min(refinementFactor(0, a[0], a[1]), refinementFactor(1, b[0], b[1]));
+  if (stepKind_ != StepKind::explicitStep && sign * length > contactDistance) {
     // Do the edges pass each other within the step?
     const auto endOf = [&](MovingSkin &skin, Index v) { return Vec3(skin.position(v) + dt_ * skin.velocity(v)); };
     const Vec3 a0 = endOf(first, a[0]), a1 = endOf(first, a[1]), b0 = endOf(second, b[0]), b1 = endOf(second, b[1]);
@@ -253,75 +264,77 @@ void SkinPair::updateEdgeContact(EdgeCandidates &pair) {
     const Vec3 off = (1.0 - then.onFirst) * a0 + then.onFirst * a1 - (1.0 - then.onSecond) * b0 - then.onSecond * b1;
     if (!isWithin(then.onFirst) || !isWithin(then.onSecond) || !(off.dot(normal) < refined * settings_.offset)) return;
   }
-  const double tolerance = sign > 0.0 ? kCone : 0.0;
-  if (!leadsOut(second, pair.second, normal, tolerance) || !leadsOut(first, pair.first, -normal, tolerance)) return;
+  const double tolerance = sign > 0.0 ? kNormalConeTolerance : 0.0;
+  if (!pointsOutOfWedge(second, pair.second, normal, tolerance) ||
+      !pointsOutOfWedge(first, pair.first, -normal, tolerance))
+    return;
   SkinContact contact;
   contact.normal = normal;
-  const double distance = sign * size;
-  double allowed = 0.0;
+  const double distance = sign * length;
+  double tolerated = 0.0;
   for (std::size_t k = 0; k < 2; ++k)
-    allowed = std::max({allowed, initialPenetration(0, a[k]), initialPenetration(1, b[k])});
-  contact.gap = distance - refined * (settings_.offset - settings_.thickness) + allowed;
+    tolerated = std::max({tolerated, initialPenetration(0, a[k]), initialPenetration(1, b[k])});
+  contact.gap = distance - refined * (settings_.offset - settings_.thickness) + tolerated;
   contact.key = keyOf(2, pair.first, pair.second);
   contact.friction = settings_.friction;
   contact.parts = {{{a[0], false, 1.0 - at.onFirst},
                     {a[1], false, at.onFirst},
                     {b[0], true, at.onSecond - 1.0},
                     {b[1], true, -at.onSecond}}};
-  add(std::move(contact), distance, allowed);
+  add(std::move(contact), distance, tolerated);
 }
 
-void SkinPair::add(SkinContact contact, double distance, double allowed) {
-  // Where a body is inverted its skin has no outside.
+void SkinPair::add(SkinContact contact, double distance, double tolerated) {
+  // The skin of an inverted body has no outside.
   if (isSelf() && std::any_of(contact.parts.begin(), contact.parts.end(), [&](const SkinContact::Part &part) {
-        return part.weight != 0.0 && sides_[0].skin->isInverted(part.vertex);
+        return part.weight != 0.0 && skins_[0].skin->isInverted(part.vertex);
       }))
     return;
-  depth_ = std::max(depth_, -distance - (resolvesInitialOverlap() ? 0.0 : allowed));
-  const double left = contact.gap - settings_.margin;
+  depth_ = std::max(depth_, -distance - (resolvesInitialOverlap() ? 0.0 : tolerated));
+  const double remainingGap = contact.gap - settings_.margin;
   Vec3 velocity = Vec3::Zero();
   for (const SkinContact::Part &part : contact.parts)
-    velocity += part.weight * sides_[part.ofSecond ? 1 : 0].skin->velocity(part.vertex);
-  const double closes = std::max(0.0, -dt_ * velocity.dot(contact.normal));
-  if (left > closes + kSpeedMargin * dt_ * velocity.norm() && !isFirst_) return;
+    velocity += part.weight * skins_[part.ofSecond ? 1 : 0].skin->velocity(part.vertex);
+  const double approach = std::max(0.0, -dt_ * velocity.dot(contact.normal));
+  if (remainingGap > approach + kSpeedMargin * dt_ * velocity.norm() && !isFirstSearch_) return;
   if (!(contact.stiffness > 0.0))
     contact.gap = std::min(contact.gap, std::max(0.0, contact.gap - kSpeedMargin * dt_ * velocity.norm()));
   active_.push_back(std::move(contact));
 }
 
-// Overlap found by the first find() is tolerated, and pushed apart slowly.
+// Overlap found by the first find() is tolerated, and reduced slowly.
 void SkinPair::recordInitialPenetration() {
   for (SkinContact &contact : active_) {
     if (!(contact.gap < 0.0)) continue;
     for (const SkinContact::Part &part : contact.parts) {
-      Side &side = sides_[part.ofSecond ? 1 : 0];
+      PairedSkin &side = skins_[part.ofSecond ? 1 : 0];
       if (side.initialPenetration.empty()) side.initialPenetration.assign(side.skin->skin().count(), 0.0);
       side.initialPenetration[part.vertex] = std::max(side.initialPenetration[part.vertex], -contact.gap);
       if (!contact.isOfEdges()) break;  // for vertex against face, the vertex stores it
     }
-    allowed_ = std::max(allowed_, -contact.gap);
+    toleratedOverlap_ = std::max(toleratedOverlap_, -contact.gap);
     contact.gap = 0.0;
   }
 }
 
-// Reduces all tolerated overlap; restoreInitialPenetration() restores it where a contact would press too much.
+// Reduces all tolerated overlap. restoreInitialPenetration() restores it where the layer would be compressed too much.
 void SkinPair::relaxInitialPenetration() {
-  if (!eases_ || !resolvesInitialOverlap() || !(allowed_ > 0.0)) return;
-  wasEased_ = true;
-  allowed_ = 0.0;
-  for (Side &side : sides_)
+  if (!reducesOverlap_ || !resolvesInitialOverlap() || !(toleratedOverlap_ > 0.0)) return;
+  overlapReduced_ = true;
+  toleratedOverlap_ = 0.0;
+  for (PairedSkin &side : skins_)
     for (double &initialPenetration : side.initialPenetration) {
-      initialPenetration = std::max(0.0, initialPenetration - settings_.ease * dt_);
-      allowed_ = std::max(allowed_, initialPenetration);
+      initialPenetration = std::max(0.0, initialPenetration - settings_.recoverySpeed * dt_);
+      toleratedOverlap_ = std::max(toleratedOverlap_, initialPenetration);
     }
-  if (!(allowed_ > 0.0))
-    for (Side &side : sides_) side.initialPenetration.clear();
+  if (!(toleratedOverlap_ > 0.0))
+    for (PairedSkin &side : skins_) side.initialPenetration.clear();
 }
 
 void SkinPair::restoreInitialPenetration(double &initialPenetration, double overlap) const {
-  if (eases_ && initialPenetration > 0.0)
-    initialPenetration =
-        std::clamp(overlap - settings_.gentle, initialPenetration, initialPenetration + settings_.ease * dt_);
+  if (reducesOverlap_ && initialPenetration > 0.0)
+    initialPenetration = std::clamp(overlap - settings_.recoveryCompression, initialPenetration,
+                                    initialPenetration + settings_.recoverySpeed * dt_);
 }
 
 void SkinPair::updateActive() {
@@ -330,28 +343,28 @@ void SkinPair::updateActive() {
     if (!(contact.normalImpulse > 0.0)) continue;
     const auto at = [&](std::size_t k) {
       const SkinContact::Part &part = contact.parts[k];
-      return sides_[part.ofSecond ? 1 : 0].skin->position(part.vertex);
+      return skins_[part.ofSecond ? 1 : 0].skin->position(part.vertex);
     };
     std::array<double, 4> weights{};
     if (contact.isOfEdges()) {
-      const NearestOfSegments near = nearestOfSegments(at(0), at(1), at(2), at(3));
-      weights = {1.0 - near.onFirst, near.onFirst, near.onSecond - 1.0, -near.onSecond};
+      const NearestOfSegments closest = nearestOfSegments(at(0), at(1), at(2), at(3));
+      weights = {1.0 - closest.onFirst, closest.onFirst, closest.onSecond - 1.0, -closest.onSecond};
     } else {
-      const double side = contact.parts[0].weight;
-      const NearestOnTriangle near = nearestOnTriangle(at(0), at(1), at(2), at(3));
-      weights = {side, -side * near.weights[0], -side * near.weights[1], -side * near.weights[2]};
+      const double sign = contact.parts[0].weight;
+      const NearestOnTriangle closest = nearestOnTriangle(at(0), at(1), at(2), at(3));
+      weights = {sign, -sign * closest.weights[0], -sign * closest.weights[1], -sign * closest.weights[2]};
     }
     Vec3 separation = Vec3::Zero();
     for (std::size_t k = 0; k < 4; ++k) separation += weights[k] * at(k);
-    const double size = separation.norm();
-    if (!(size > kTiny * spacing_)) continue;
-    const Vec3 normal = (separation.dot(contact.normal) >= 0.0 ? 1.0 : -1.0) / size * separation;
-    // The normal has turned to another side: left to the next step.
-    if (normal.dot(contact.normal) < kSameSide) continue;
+    const double length = separation.norm();
+    if (!(length > kMinDirectionLength * spacing_)) continue;
+    const Vec3 normal = (separation.dot(contact.normal) >= 0.0 ? 1.0 : -1.0) / length * separation;
+    // The normal belongs to another face: the next search finds it.
+    if (normal.dot(contact.normal) < kSamePlaneCosine) continue;
     for (std::size_t k = 0; k < 4; ++k) contact.parts[k].weight = weights[k];
     contact.normal = normal;
     contact.frictionImpulse = tangential(contact.frictionImpulse, normal);
-    contact.settleFriction = tangential(contact.settleFriction, normal);
+    contact.projectionFriction = tangential(contact.projectionFriction, normal);
   }
 }
 

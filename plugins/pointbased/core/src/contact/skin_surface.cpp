@@ -35,32 +35,33 @@ Row rowOf(const Interpolation &vertices, Index v) {
   return row;
 }
 
-// At a crease, a drawn surface has one vertex per normal. Vertices that move alike are merged; otherwise the faces on
-// both sides of an edge would not be adjacent.
+// At a crease, a displayed surface has one vertex per normal. Vertices that move alike are merged; otherwise the faces
+// on both sides of an edge would not be adjacent.
 void weld(const Interpolation &vertices, double size, std::vector<Triangle> &triangles) {
-  std::vector<std::array<long long, 3>> places;
+  std::vector<std::array<long long, 3>> positions;
   for (const Vec3 &x : vertices.positions)
-    places.push_back({std::llround(x[0] / (kSame * size)), std::llround(x[1] / (kSame * size)),
-                      std::llround(x[2] / (kSame * size))});
-  std::vector<Index> order(places.size()), one(places.size());
+    positions.push_back({std::llround(x[0] / (kSame * size)), std::llround(x[1] / (kSame * size)),
+                         std::llround(x[2] / (kSame * size))});
+  std::vector<Index> order(positions.size()), representative(positions.size());
   std::iota(order.begin(), order.end(), Index{0});
   std::sort(order.begin(), order.end(),
-            [&](Index a, Index b) { return places[a] != places[b] ? places[a] < places[b] : a < b; });
-  std::vector<std::pair<Row, Index>> there;
+            [&](Index a, Index b) { return positions[a] != positions[b] ? positions[a] < positions[b] : a < b; });
+  std::vector<std::pair<Row, Index>> distinctRows;
   for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
-    while (end < order.size() && places[order[end]] == places[order[begin]]) ++end;
-    one[order[begin]] = order[begin];
+    while (end < order.size() && positions[order[end]] == positions[order[begin]]) ++end;
+    representative[order[begin]] = order[begin];
     if (end - begin == 1) continue;
-    there.clear();
+    distinctRows.clear();
     for (std::size_t k = begin; k < end; ++k) {
       Row row = rowOf(vertices, order[k]);
-      const auto same = std::find_if(there.begin(), there.end(), [&](const auto &known) { return known.first == row; });
-      one[order[k]] = same == there.end() ? order[k] : same->second;
-      if (same == there.end()) there.emplace_back(std::move(row), order[k]);
+      const auto same =
+          std::find_if(distinctRows.begin(), distinctRows.end(), [&](const auto &known) { return known.first == row; });
+      representative[order[k]] = same == distinctRows.end() ? order[k] : same->second;
+      if (same == distinctRows.end()) distinctRows.emplace_back(std::move(row), order[k]);
     }
   }
   for (Triangle &t : triangles)
-    for (Index &v : t) v = one[v];
+    for (Index &v : t) v = representative[v];
   std::erase_if(triangles, [](const Triangle &t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
 }
 
@@ -68,17 +69,17 @@ void weld(const Interpolation &vertices, double size, std::vector<Triangle> &tri
 void coarsen(std::span<const Vec3> points, const SkinResolution &resolution, std::vector<Triangle> &triangles) {
   double area = 0.0;
   for (const auto &[a, b, c] : triangles) area += 0.5 * (points[b] - points[a]).cross(points[c] - points[a]).norm();
-  const double wanted = area / (0.25 * std::sqrt(3.0) * resolution.edge * resolution.edge);
-  if (!(wanted < static_cast<double>(triangles.size()))) return;
-  std::vector<std::array<float, 3>> places;
+  const double targetCount = area / (0.25 * std::sqrt(3.0) * resolution.edge * resolution.edge);
+  if (!(targetCount < static_cast<double>(triangles.size()))) return;
+  std::vector<std::array<float, 3>> positions;
   for (const Vec3 &x : points)
-    places.push_back({static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])});
-  const float *x = places.front().data();
+    positions.push_back({static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])});
+  const float *x = positions.front().data();
   constexpr std::size_t kStride = sizeof(std::array<float, 3>);
-  const float scale = meshopt_simplifyScale(x, places.size(), kStride);
+  const float scale = meshopt_simplifyScale(x, positions.size(), kStride);
   std::vector<Triangle> fewer(triangles.size());
-  fewer.resize(meshopt_simplify(fewer.front().data(), triangles.front().data(), 3 * triangles.size(), x, places.size(),
-                                kStride, 3 * static_cast<std::size_t>(wanted),
+  fewer.resize(meshopt_simplify(fewer.front().data(), triangles.front().data(), 3 * triangles.size(), x,
+                                positions.size(), kStride, 3 * static_cast<std::size_t>(targetCount),
                                 static_cast<float>(resolution.deviation) / scale, 0, nullptr) /
                3);
   if (!fewer.empty()) triangles.swap(fewer);  // a skin without triangles could touch nothing

@@ -347,7 +347,7 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
   for (const ContactSummary &contact : simulator.diagnostics().contacts())
     out["contacts"].push_back({{"bodies", {nameOfId(contact.first), nameOfId(contact.second)}},
                                {"force_N", json(contact.force)},
-                               {"pressing_N", contact.pressing},
+                               {"pressing_N", contact.normalForce},
                                {"depth_m", contact.depth},
                                {"points", contact.points},
                                {"area_m2", contact.area}});

@@ -78,7 +78,7 @@ struct ObstacleTouch {
   void add(const ContactSnapshot &contact, std::uint64_t obstacle) {
     if (contact.summary.second != obstacle) return;
     force -= contact.summary.force;
-    pressing += contact.summary.pressing;
+    pressing += contact.summary.normalForce;
     depth = std::max(depth, contact.summary.depth);
     area += contact.summary.area;
     points += contact.summary.points;

@@ -27,7 +27,7 @@ struct NearestOfBody {
                               rest_.maxInfluence),
               rest_.origin, rest_.spacing) {
     skin_.move(still_, still_, rest_.maxInfluence, 0.0);
-    skin_.placeAll();
+    skin_.refitTree();
   }
   struct Place {
     Vec3 x, normal;  // m, world; unit
@@ -114,7 +114,7 @@ Result<AttachmentLayer> AttachmentLayer::make(const Attachment &settings, const 
   } else if (obstacle && std::isfinite(settings.within)) {
     std::vector<Vec3> at(inRegion);
     const RigidMotion motion = obstacle->motion ? obstacle->motion(0.0) : RigidMotion{};
-    for (std::size_t p = 0; p < inRegion; ++p) at[p] = toRest(motion, rest.origin + out.points_.positions[p]);
+    for (std::size_t p = 0; p < inRegion; ++p) at[p] = toRestFrame(motion, rest.origin + out.points_.positions[p]);
     const std::vector<double> ranges(inRegion, std::numeric_limits<double>::infinity());
     std::vector<SurfacePoint> found(inRegion);
     if (obstacle->closest) obstacle->closest(at, ranges, found);

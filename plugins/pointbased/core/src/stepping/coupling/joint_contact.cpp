@@ -56,9 +56,9 @@ bool hasNearerFeature(SkinPair &pair, const SkinContact &contact) {
 // A contact with an empty row exerts no force; its earlier forces are cleared.
 void clearContactRow(Contact &contact) {
   contact.gap = std::numeric_limits<double>::infinity();
-  contact.normalImpulse = contact.settleImpulse = contact.normalForce = 0.0;
+  contact.normalImpulse = contact.projectionImpulse = contact.normalForce = 0.0;
   contact.frictionImpulse.setZero();
-  contact.settleFriction.setZero();
+  contact.projectionFriction.setZero();
 }
 
 }  // namespace
@@ -165,8 +165,8 @@ void JointContact::gather(std::span<const JoinedPair> pairs, double margin, bool
     for (const JoinedPair &joined : pairs)
       for (SkinContact &contact : joined.pair->active()) {
         const std::size_t row = gatherSnapshots_.size();
-        if (!contact.found) contact.found = {contact.gap, way(row)};
-        gatherSnapshots_.push_back({contact.found->way, contact.found->gap, 0.0});
+        if (!contact.atSearch) contact.atSearch = {contact.gap, way(row)};
+        gatherSnapshots_.push_back({contact.atSearch->displacement, contact.atSearch->gap, 0.0});
       }
   }
   gathersObstacles_ = obstacles;
@@ -284,8 +284,8 @@ void JointContact::giveBack(std::span<const JoinedPair> pairs) {
   const auto give = [&](Contact &contact) {
     contact.normalImpulse = solved->normalImpulse;
     contact.frictionImpulse = solved->frictionImpulse;
-    contact.settleImpulse = solved->settleImpulse;
-    contact.settleFriction = solved->settleFriction;
+    contact.projectionImpulse = solved->projectionImpulse;
+    contact.projectionFriction = solved->projectionFriction;
     contact.normalForce = solved->normalForce;
     contact.initialPenetration = solved->initialPenetration;
     contact.tangentialDisplacement = solved->tangentialDisplacement;
@@ -311,7 +311,7 @@ void JointContact::solve(double dt, std::span<const JoinedPair> pairs) {
 
 void JointContact::settle(std::span<const JoinedPair> pairs) {
   takeVelocities();
-  settleContactVelocities(rows_.binding, inverseMasses_, rigid_, state_, velocities_);
+  projectContactVelocities(rows_.binding, inverseMasses_, rigid_, state_, velocities_);
   giveVelocities();
   giveBack(pairs);
 }

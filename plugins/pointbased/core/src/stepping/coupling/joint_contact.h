@@ -49,7 +49,7 @@ class JointContact {
   }
   [[nodiscard]] bool empty() const { return state_.active.empty(); }
 
-  /// Explicit steps: solveContactImpulses() and settleContactVelocities() for all bodies together. The results are
+  /// Explicit steps: solveContactImpulses() and projectContactVelocities() for all bodies together. The results are
   /// written back to the sources of the contacts.
   void solve(double dt, std::span<const JoinedPair> pairs);
   void settle(std::span<const JoinedPair> pairs);

@@ -27,7 +27,7 @@ constexpr double kLongestEdge = 0.75;  // of a skin's triangles
 constexpr double kCoarseEdge = 0.5, kCoarse = 0.05;
 
 // m, distance at rest of parts of a skin that may touch each other, beyond the distance at which they are checked.
-double roomAtRest(double spacing) { return (kOnePiece - kNearOfSelf) * spacing; }
+double roomAtRest(double spacing) { return (kOnePiece - kSelfContactReach) * spacing; }
 
 // Points of lattices have non-negative weights. Others are fitted to the phyxels around them, as are the points that
 // contact adds between them, for which twice as much is allowed.
@@ -103,13 +103,13 @@ SkinPair &SkinContacts::pairOf(const Owner &first, const Owner &second, double f
     settings.thickness = kThickness * settings.offset;
     settings.stiffness = kStiffness;
     settings.margin = kActive * settings.offset;
-    settings.gentle = kGentle / kStiffness * spacing;
-    settings.apart = kOnePiece * spacing;
-    settings.leastReach = kReach * spacing;
+    settings.recoveryCompression = kGentle / kStiffness * spacing;
+    settings.sameTissueDistance = kOnePiece * spacing;
+    settings.minReach = kReach * spacing;
     pair = std::make_unique<SkinPair>(own, other, settings);
   }
   pair->setFriction(friction);
-  pair->setEase(fits ? 0.0 : kEase * pair->spacing());
+  pair->setRecoverySpeed(fits ? 0.0 : kEase * pair->spacing());
   return *pair;
 }
 
@@ -128,7 +128,7 @@ SkinContacts::SelfContactBound &SkinContacts::measuredSelfContactBound(const Own
   const ContactSkin &skin = skinOf(owner).skin();  // which resets the bound if it is created
   SelfContactBound &room = selfContactBound(owner.id, owner.body);
   room.skin = &skin;
-  room.gain = skin.sum;
+  room.gain = skin.plainGain;
   return room;
 }
 

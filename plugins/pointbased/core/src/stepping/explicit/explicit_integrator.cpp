@@ -247,7 +247,7 @@ void ExplicitSubstep::findContacts() {
                              {rest.contact, rest.origin, state.displacements, state.velocities, rest.maxInfluence},
                              body_.contact, *env_.parallelFor);
     const double quiet = kQuietKicks * env_.gravity.norm() * dt_;
-    if (!findArrivals(rest.contact.binding, state.velocities, dt_, quiet, body_.contact)) return;
+    if (!findImpacts(rest.contact.binding, state.velocities, dt_, quiet, body_.contact)) return;
     kick(-0.5 * dt_, false);
     if (rigid_)
       moveByContact([&](const RigidContact &of) {
@@ -321,11 +321,11 @@ void ExplicitSubstep::projectContactVelocities() {
   env_.clock->measure(kContact, [&] {
     if (rigid_)
       moveByContact([&](const RigidContact &of) {
-        detail::settleContactVelocities(of.binding, of.inverseMasses, of.rigid, body_.contact, of.velocities);
+        detail::projectContactVelocities(of.binding, of.inverseMasses, of.rigid, body_.contact, of.velocities);
       });
     else
-      pointbased::settleContactVelocities(body_.rest().contact.binding, body_.inverseMasses(), dt_, body_.contact,
-                                          body_.state().velocities);
+      pointbased::projectContactVelocities(body_.rest().contact.binding, body_.inverseMasses(), dt_, body_.contact,
+                                           body_.state().velocities);
     sumContactImpulses(dt_, body_.contact);
   });
 }

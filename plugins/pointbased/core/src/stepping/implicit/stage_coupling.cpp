@@ -128,7 +128,7 @@ void StageCoupling::findFromBase(double dt) {
     for (const auto &[side, k] : {std::pair(std::size_t{0}, joined.first), std::pair(std::size_t{1}, joined.second)})
       joined.pair->moving(side).move(placeOf_[k], wayOf_[k], members_[k].body->rest().maxInfluence, dt);
   for (const JoinedPair &joined : pairs_) {
-    joined.pair->setSteps(isStatic_ ? SkinPair::Steps::withoutTime : SkinPair::Steps::longOnes);
+    joined.pair->setStepKind(isStatic_ ? SkinPair::StepKind::quasiStatic : SkinPair::StepKind::implicitStep);
     joined.pair->find(dt, again_);
   }
   again_ = true;
@@ -232,8 +232,8 @@ void StageCoupling::finish(std::span<const Vec3> now, double weight) {
       contact.normalForce = pull.normal;
       contact.normalImpulse = weight * pull.normal;
       contact.frictionImpulse = weight * pull.friction;
-      contact.settleImpulse = 0.0;
-      contact.settleFriction = Vec3::Zero();
+      contact.projectionImpulse = 0.0;
+      contact.projectionFriction = Vec3::Zero();
     }
     endContactStage(rows, penalty(), start_, now, joint_.state());
     joint_.giveBack(pairs_);

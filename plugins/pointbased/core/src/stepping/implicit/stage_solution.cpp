@@ -121,7 +121,7 @@ class StageSolution {
     }
     for (Part &part : parts_) {
       ContactState &memory = part.body->contact;
-      memory.stageForces.begin(part.env->obstacles.size());
+      memory.stageForceSums.begin(part.env->obstacles.size());
       if (!part.touches) continue;
       sumContactForces(pointsOf(part), part.problem.penalty(), of(part, start_), of(part, u_), memory);
       if (complete && result_.good())

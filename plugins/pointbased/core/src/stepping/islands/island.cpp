@@ -146,7 +146,7 @@ std::optional<double> Island::timeOfCheckpoints() const {
 std::optional<Island::Refused> Island::checkEnergy(std::span<const StepContext> contexts, double time) {
   const Vec3 &gravity = contexts.front().world.gravity;
   bool comparable = timeOfCheckpoints().has_value();
-  for (const JoinedPair &joined : pairs_) comparable = !joined.pair->consumeEasing() && comparable;
+  for (const JoinedPair &joined : pairs_) comparable = !joined.pair->consumeOverlapReduction() && comparable;
   std::vector<EnergyLevel> levels(members_.size());
   for (std::size_t k = 0; k < members_.size(); ++k) {
     if (!moves(k)) continue;
@@ -415,7 +415,7 @@ void Island::substep(std::span<const StepContext> contexts, double time, double 
       for (const JoinedPair &joined : pairs_) isReused = isReused && joined.pair->isStillValid();
       for (const JoinedPair &joined : pairs_) {
         if (isReused) break;
-        joined.pair->setSteps(SkinPair::Steps::small);
+        joined.pair->setStepKind(SkinPair::StepKind::explicitStep);
         joined.pair->find(dt);
       }
     });
@@ -438,7 +438,7 @@ void Island::substep(std::span<const StepContext> contexts, double time, double 
     clock.measure(kContact, [&] {
       if (joint_.empty()) return;
       if (!joint_.isStillValid()) {
-        for (const MovedSkin &moved : skins_) moved.skin->moveOn();
+        for (const MovedSkin &moved : skins_) moved.skin->invalidatePositions();
         for (const JoinedPair &joined : pairs_) joined.pair->updateActive();
         joint_.gather(pairs_, margin);
       }

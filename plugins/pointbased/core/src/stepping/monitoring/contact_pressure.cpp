@@ -8,7 +8,7 @@ namespace pointbased::detail {
 namespace {
 
 double pressOf(const Contact &contact) {
-  return contact.normalImpulse > 0.0 ? contact.normalImpulse + contact.settleImpulse : 0.0;
+  return contact.normalImpulse > 0.0 ? contact.normalImpulse + contact.projectionImpulse : 0.0;
 }
 
 // Distributes an amount to the phyxels that carry a point, by φ.
@@ -53,7 +53,7 @@ PressureOnSkin::PressureOnSkin(const Body &body)
 void PressureOnSkin::addObstacles() {
   const ContactState &contact = body_.contact;
   const ContactPoints &points = body_.rest().contact;
-  if (!(contact.sums.span > 0.0) || contact.active.empty()) return;
+  if (!(contact.sums.duration > 0.0) || contact.active.empty()) return;
   const std::size_t walls = contact.sums.of.size() - 1;
   std::vector<double> total(walls + 1, 0.0);
   const auto numberOf = [walls](const Contact &one) {
@@ -66,7 +66,8 @@ void PressureOnSkin::addObstacles() {
     const double press = pressOf(one);
     const std::size_t o = numberOf(one);
     if (!(press > 0.0)) continue;
-    spread(points.binding, one.point, contact.sums.of[o].pressing / contact.sums.span * press / total[o], forces_);
+    spread(points.binding, one.point, contact.sums.of[o].normalImpulseSum / contact.sums.duration * press / total[o],
+           forces_);
     any = true;
   }
   if (!any) return;
@@ -77,11 +78,11 @@ void PressureOnSkin::addObstacles() {
 void PressureOnSkin::addSkin(const SkinPair &pair, std::size_t side) {
   double total = 0.0;
   for (const SkinContact &one : pair.active()) total += pressOf(one);
-  if (!(total > 0.0) || !(pair.sum().span > 0.0)) return;
+  if (!(total > 0.0) || !(pair.sum().duration > 0.0)) return;
   const ContactSkin &skin = pair.skin(side);
   std::fill(forces_.begin(), forces_.end(), 0.0);
   for (const SkinContact &one : pair.active()) {
-    const double force = pair.sum().pressing / pair.sum().span * pressOf(one) / total;
+    const double force = pair.sum().normalImpulseSum / pair.sum().duration * pressOf(one) / total;
     if (!(force > 0.0)) continue;
     for (const SkinContact::Part &part : one.parts)
       if (part.ofSecond == (side == 1)) spread(skin.vertices, part.vertex, std::abs(part.weight) * force, forces_);

@@ -96,7 +96,7 @@ double skinDepth(const Body &body, std::span<const Obstacle> obstacles, const Wo
     std::vector<Vec3> at = skin;
     if (obstacle.motion) {
       const RigidMotion motion = obstacle.motion(time);
-      for (Vec3 &x : at) x = detail::toRest(motion, x);
+      for (Vec3 &x : at) x = detail::toRestFrame(motion, x);
     }
     parallelFor(at.size(), 256, [&](std::size_t begin, std::size_t end) {
       obstacle.closest(std::span<const Vec3>(at).subspan(begin, end - begin),
@@ -111,20 +111,20 @@ double skinDepth(const Body &body, std::span<const Obstacle> obstacles, const Wo
 double depthOfPassage(const Body &body, std::span<const Obstacle> obstacles, double time,
                       const ParallelFor &parallelFor) {
   const RestState &rest = body.rest();
-  const std::vector<std::vector<ContactState::Side>> &sides = body.contact.sides;
+  const std::vector<std::vector<ContactState::LastOutside>> &lastOutside = body.contact.lastOutside;
   const std::size_t count = rest.contact.count();
   double deepest = 0.0;
   std::vector<Vec3> points;
-  for (std::size_t o = 0; o < std::min(obstacles.size(), sides.size()); ++o) {
-    if (!obstacles[o].crossing || sides[o].size() != count) continue;
+  for (std::size_t o = 0; o < std::min(obstacles.size(), lastOutside.size()); ++o) {
+    if (!obstacles[o].crossing || lastOutside[o].size() != count) continue;
     if (points.empty()) {
       points.resize(count);
       updateSurfels(rest.contact.binding, {}, rest.positions, body.state().displacements, points, {}, parallelFor);
     }
     const RigidMotion motion = obstacles[o].motion ? obstacles[o].motion(time) : RigidMotion{};
     for (std::size_t p = 0; p < count; ++p) {
-      if (!sides[o][p].known) continue;
-      const Vec3 &from = sides[o][p].place, to = detail::toRest(motion, Vec3(rest.origin + points[p]));
+      if (!lastOutside[o][p].isKnown) continue;
+      const Vec3 &from = lastOutside[o][p].position, to = detail::toRestFrame(motion, Vec3(rest.origin + points[p]));
       Vec3 normal;
       const double part = from == to ? -1.0 : obstacles[o].crossing(from, to, normal);
       if (part >= 0.0) deepest = std::max(deepest, std::abs(normal.dot((1.0 - part) * (to - from))));

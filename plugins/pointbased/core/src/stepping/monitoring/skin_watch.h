@@ -16,7 +16,7 @@ namespace pointbased {
 
 /// m, largest depth of a contact point behind the surface through which it has passed, even if it has come out on the
 /// other side; 0: none.
-/// @param obstacles  those to which ContactState::sides of the body refers
+/// @param obstacles  those to which ContactState::lastOutside of the body refers
 [[nodiscard]] double depthOfPassage(const Body &body, std::span<const Obstacle> obstacles, double time,
                                     const ParallelFor &parallelFor);
 

@@ -27,7 +27,7 @@ constexpr double kTiny = 1e-6;  // spacings
 std::vector<SurfacePoint> ask(const Obstacle &obstacle, const RigidMotion &motion, std::span<const Vec3> world,
                               const ParallelFor &parallelFor) {
   std::vector<Vec3> at(world.begin(), world.end());
-  for (Vec3 &x : at) x = toRest(motion, x);
+  for (Vec3 &x : at) x = toRestFrame(motion, x);
   const std::vector<double> ranges(at.size(), std::numeric_limits<double>::infinity());
   std::vector<SurfacePoint> found(at.size());
   parallelFor(at.size(), 64, [&](std::size_t begin, std::size_t end) {
@@ -96,11 +96,12 @@ ObstacleOverlap overlapWith(const Obstacle &obstacle, const RigidMotion &motion,
     Vec3 direction = motion.rotation * ofSkin[p].normal;
     if (obstacle.crossing && !(direction.dot(-N[p]) > kInwards)) {
       Vec3 normal;
-      const double part = obstacle.crossing(toRest(motion, x[p]), toRest(motion, Vec3(x[p] - farthest * N[p])), normal);
+      const double part =
+          obstacle.crossing(toRestFrame(motion, x[p]), toRestFrame(motion, Vec3(x[p] - farthest * N[p])), normal);
       const Vec3 place = x[p] - (part * farthest + 0.01 * h) * N[p];
       if (part >= 0.0 && skin->signedDistance(place) < 0.0) {
         direction = -N[p];
-        out.led.push_back({static_cast<Index>(p), toRest(motion, place)});
+        out.led.push_back({static_cast<Index>(p), toRestFrame(motion, place)});
       }
     }
     sum += rest.contact.areas[p] * direction;

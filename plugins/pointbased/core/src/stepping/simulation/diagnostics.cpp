@@ -20,7 +20,7 @@ double gapNow(const Body &body, const Contact &contact, double elapsed) {
                                                             : Mat3(Mat3::Identity());
   const Vec3 x =
       body.rest().origin + binding.positions[contact.point] + detail::displacementAt(binding, contact.point, u, F);
-  return contact.gap + contact.normal.dot(x - contact.place - elapsed * contact.surfaceVelocity);
+  return contact.gap + contact.normal.dot(x - contact.position - elapsed * contact.surfaceVelocity);
 }
 
 // J, with half of the attachments to another body.
@@ -57,7 +57,7 @@ std::vector<ContactSummary> Diagnostics::contacts() const {
     });
     if (known == out.end()) return out.push_back(more);
     known->force += more.force;
-    known->pressing += more.pressing;
+    known->normalForce += more.normalForce;
     known->depth = std::max(known->depth, more.depth);
     known->points += more.points;
     known->area += more.area;
@@ -66,17 +66,17 @@ std::vector<ContactSummary> Diagnostics::contacts() const {
     const Body &body = stepper->body();
     const ContactSums &sums = body.contact.sums;
     const std::size_t own = state_.ownObstacleCount(id), walls = own + state_.obstacles.all.size();
-    if (!(sums.span > 0.0) || sums.of.size() != walls + 1) continue;
+    if (!(sums.duration > 0.0) || sums.of.size() != walls + 1) continue;
     std::vector<ContactSummary> found(sums.of.size());
     for (std::size_t o = 0; o < found.size(); ++o) {
       found[o].first = id;
       found[o].second = o < own ? id : o < walls ? state_.obstacles.ids[o - own] : kWorldBox;
-      found[o].force = sums.of[o].impulse / sums.span;
-      found[o].pressing = sums.of[o].pressing / sums.span;
+      found[o].force = sums.of[o].impulse / sums.duration;
+      found[o].normalForce = sums.of[o].normalImpulseSum / sums.duration;
     }
     // By point: one in contact with two faces of an obstacle counts once.
     std::vector<Index> last(found.size(), Contact::kWall);
-    const double elapsed = state_.clockOfRamps() - body.contact.lookedAt;
+    const double elapsed = state_.clockOfRamps() - body.contact.searchTime;
     for (const Contact &contact : body.contact.active) {
       const std::size_t o = contact.obstacle == Contact::kWall ? walls : contact.obstacle;
       found[o].depth = std::max(found[o].depth, -gapNow(body, contact, elapsed));
@@ -86,14 +86,14 @@ std::vector<ContactSummary> Diagnostics::contacts() const {
       found[o].area += body.rest().contact.areas[contact.point];
     }
     for (const ContactSummary &summary : found)
-      if (summary.pressing > 0.0) add(summary);
+      if (summary.normalForce > 0.0) add(summary);
   }
   for (const auto &[id, pair] : state_.skins.pairs()) {
     const detail::SkinPair::Sum &sum = pair->sum();
-    if (!(sum.pressing > 0.0) || !(sum.span > 0.0)) continue;
+    if (!(sum.normalImpulseSum > 0.0) || !(sum.duration > 0.0)) continue;
     const auto points = std::count_if(pair->active().begin(), pair->active().end(),
                                       [](const detail::SkinContact &c) { return c.normalImpulse > 0.0; });
-    add({id.first, id.second, sum.impulse / sum.span, sum.pressing / sum.span, pair->depth(),
+    add({id.first, id.second, sum.impulse / sum.duration, sum.normalImpulseSum / sum.duration, pair->depth(),
          static_cast<std::size_t>(points), detail::pressedArea(*pair)});
   }
   return out;

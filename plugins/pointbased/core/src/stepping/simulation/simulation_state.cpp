@@ -89,7 +89,7 @@ bool SimulationState::removeObstacle(std::size_t id) {
   std::erase_if(contact.pairs, [id](const auto &pair) { return pair.first.first == id || pair.first.second == id; });
   updateSurroundings();
   for (auto &[other, stepper] : bodies) {
-    stepper->body().contact.forget(static_cast<Index>(ownObstacleCount(other) + number));
+    stepper->body().contact.removeObstacle(static_cast<Index>(ownObstacleCount(other) + number));
     stepper->wake();
   }
   return true;

@@ -102,15 +102,15 @@ class Archive {
     (*this)(c.obstacle);
     (*this)(c.normalImpulse);
     (*this)(c.frictionImpulse);
-    (*this)(c.settleImpulse);
-    (*this)(c.settleFriction);
+    (*this)(c.projectionImpulse);
+    (*this)(c.projectionFriction);
     (*this)(c.normalForce);
     (*this)(c.initialPenetration);
     (*this)(c.tangentialDisplacement);
   }
-  void walk(ContactState::Side &side) {
-    (*this)(side.place);
-    (*this)(side.known);
+  void walk(ContactState::LastOutside &last) {
+    (*this)(last.position);
+    (*this)(last.isKnown);
   }
   void walk(ContactState::ClearanceCache &known) {
     (*this)(known.at);
@@ -148,7 +148,7 @@ void walk(Archive<Coder> &archive, SavedBody &saved) {
   archive(state.history.modes);
   ContactState &contact = saved.checkpoint.body.contact;
   archive(contact.active);
-  archive(contact.sides);
+  archive(contact.lastOutside);
   archive(contact.clearance);
   archive(contact.deepest);
   archive(contact.margin);
@@ -197,8 +197,8 @@ bool fits(const SavedBody &saved, const Body &body) {
                      [&](const Contact &c) { return c.point < points; }) &&
          std::all_of(contact.clearance.begin(), contact.clearance.end(),
                      [&](const auto &known) { return known.empty() || known.size() == points; }) &&
-         std::all_of(contact.sides.begin(), contact.sides.end(),
-                     [&](const auto &side) { return side.empty() || side.size() == points; });
+         std::all_of(contact.lastOutside.begin(), contact.lastOutside.end(),
+                     [&](const auto &last) { return last.empty() || last.size() == points; });
 }
 
 }  // namespace

@@ -129,20 +129,20 @@ void StepMonitor::checkPairOverlap() {
 void StepMonitor::checkContacts() {
   for (const auto &[id, pair] : state_.skins.pairs()) {
     const double least = kMinOverlap * pair->spacing();
-    if (!(std::max(pair->depth(), pair->allowed()) > least) || state_.reported.overlaps.contains(id)) continue;
+    if (!(std::max(pair->depth(), pair->toleratedOverlap()) > least) || state_.reported.overlaps.contains(id)) continue;
     state_.reported.overlaps.insert(id);
     const std::string who = id.first == id.second ? "body '" + state_.body(id.first)->name() + "' overlaps itself"
                                                   : "bodies '" + state_.body(id.first)->name() + "' and '" +
                                                         state_.body(id.second)->name() + "' overlap";
-    if (pair->allowed() > least && !(pair->settings().ease > 0.0))
-      state_.reportEvent("overlap", who + " up to " + millimetres(pair->allowed()) +
+    if (pair->toleratedOverlap() > least && !(pair->settings().recoverySpeed > 0.0))
+      state_.reportEvent("overlap", who + " up to " + millimetres(pair->toleratedOverlap()) +
                                         " deep at the start; they fit each other, so that counts as touching");
-    else if (pair->allowed() > least)
+    else if (pair->toleratedOverlap() > least)
       state_.reportEvent(
           "overlap",
-          who + " " + millimetres(pair->allowed()) + " deep where they meet; it is led out at " +
-              millimetres(pair->settings().ease) + " a second" +
-              (pair->allowed() > kDeepOverlap * pair->spacing()
+          who + " " + millimetres(pair->toleratedOverlap()) + " deep where they meet; it is led out at " +
+              millimetres(pair->settings().recoverySpeed) + " a second" +
+              (pair->toleratedOverlap() > kDeepOverlap * pair->spacing()
                    ? " at most, but what lies so deep may hold itself there: begin with bodies that are apart"
                    : ""));
     else
@@ -178,7 +178,7 @@ void StepMonitor::checkInitialState(const StepContext &context) {
     if (!SkinContacts::hasSkin(body)) return nullptr;
     MovingSkin &skin = skins.skinOf(SkinContacts::ownerOf(id, body, state_.contact.pairs));
     skin.move(body.state().displacements, body.state().velocities, body.rest().maxInfluence, 0.0);
-    skin.placeAll();
+    skin.refitTree();
     return &skin;
   };
   for (auto &[id, stepper] : state_.bodies) {
@@ -203,13 +203,13 @@ void StepMonitor::checkInitialState(const StepContext &context) {
                                     number(along[2], 2) + "), or to switch contact of the pair off"});
         continue;
       }
-      std::vector<std::vector<ContactState::Side>> &sides = body.contact.sides;
+      std::vector<std::vector<ContactState::LastOutside>> &lastOutside = body.contact.lastOutside;
       const std::size_t own = state_.ownObstacleCount(id) + o;
       if (!found.led.empty()) {
-        sides.resize(std::max(sides.size(), state_.surroundingsOf(id).size()));
-        sides[own].assign(body.rest().contact.count(), ContactState::Side());
+        lastOutside.resize(std::max(lastOutside.size(), state_.surroundingsOf(id).size()));
+        lastOutside[own].assign(body.rest().contact.count(), ContactState::LastOutside());
       }
-      for (const ObstacleOverlap::Led &led : found.led) sides[own][led.point] = {led.place, true};
+      for (const ObstacleOverlap::Led &led : found.led) lastOutside[own][led.point] = {led.place, true};
       state_.reportEvent("overlap",
                          "body '" + body.name() + "' and obstacle '" + name + "' overlap " + millimetres(found.depth) +
                              " deep at the start; contact leads the body out at 100 mm a second at most. Begin "
@@ -222,7 +222,7 @@ void StepMonitor::checkInitialState(const StepContext &context) {
       if ((first.isStatic() && second.isStatic()) || !world_.canTouch(a->first, b->first) ||
           state_.contactPair(a->first, b->first).fits)
         continue;
-      if (!boundsOf(first).meets(boundsOf(second))) continue;
+      if (!boundsOf(first).overlaps(boundsOf(second))) continue;
       const BodyOverlap found = overlapBetween(first, *skinOf(a->first), second, *skinOf(b->first));
       if (!(found.part > kMaxOfBody)) continue;
       for (const auto &[stepper, other] : {std::pair(a->second.get(), &second), std::pair(b->second.get(), &first)})

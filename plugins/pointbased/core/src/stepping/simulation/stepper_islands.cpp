@@ -31,7 +31,7 @@ Box reachOf(const Body &body, const Vec3 &gravity, double dt) {
     box.add(Vec3(rest.origin + rest.positions[i] + body.state().displacements[i]));
     speed = std::max(speed, body.state().velocities[i].squaredNorm());
   }
-  return box.wider(kFaster * dt * (std::sqrt(speed) + dt * gravity.norm()) + kSlack * rest.spacing);
+  return box.expanded(kFaster * dt * (std::sqrt(speed) + dt * gravity.norm()) + kSlack * rest.spacing);
 }
 
 // m/s, upper bound of the speed of the skin vertices, relative to a rigid motion of the body.
@@ -87,7 +87,7 @@ Box reachOfIncrement(const Body &body) {
   const RestState &rest = body.rest();
   for (std::size_t i = 0; i < rest.phyxelCount(); ++i)
     box.add(Vec3(rest.origin + rest.positions[i] + body.state().displacements[i]));
-  return box.wider(kFaster * way + kSlack * rest.spacing + kOfSize * (box.high - box.low).norm());
+  return box.expanded(kFaster * way + kSlack * rest.spacing + kOfSize * (box.high - box.low).norm());
 }
 
 }  // namespace
@@ -136,7 +136,7 @@ bool Stepper::mayTouchItself(std::size_t id, double dt) {
   }
   SkinPair &pair = state_.skins.pairOf(owner, owner, state_.contact.settings.friction);
   move(pair);
-  return pair.mayTouch();
+  return pair.recomputePredictedContact();
 }
 
 void Stepper::buildIslands(double dt) {
@@ -187,7 +187,8 @@ void Stepper::buildIslands(double dt) {
   }
   for (std::size_t a = 0; touch && a < ones.size(); ++a)
     for (std::size_t b = a + 1; b < ones.size(); ++b) {
-      if ((ones[a].idle && ones[b].idle) || !ones[a].box.meets(ones[b].box) || !world_.canTouch(ones[a].id, ones[b].id))
+      if ((ones[a].idle && ones[b].idle) || !ones[a].box.overlaps(ones[b].box) ||
+          !world_.canTouch(ones[a].id, ones[b].id))
         continue;
       near.emplace_back(a, b);
       sets.join(a, b);
