@@ -172,7 +172,8 @@ TEST_CASE("bodies that touch are integrated together by what costs less for all 
   // Alone, as long as it falls.
   REQUIRE(simulator.step());
   CHECK(simulator.stepper().integratorOf(upper) == Integrator::implicitSdirk);
-  // Their sides lie in one plane: a contact with the side of the other body lets one into the other, or distorts a cell.
+  // Their sides lie in one plane: a contact with the side of the other body lets one into the other, or distorts a
+  // cell.
   const double begin = shapes::totalOf(simulator).energy;
   double most = begin;
   while (simulator.time() < 0.2) {

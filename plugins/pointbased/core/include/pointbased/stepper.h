@@ -78,13 +78,13 @@ class Stepper {
   void swapExternalForces(std::size_t body, std::vector<Vec3> &forces);
   /// Grabs a body from the next step until it is released or the simulation is reset. A grab with the same id is
   /// replaced. No effect on a static body.
-  /// @param hand  id of the grab; a body may have several
-  void setGrab(std::size_t body, Grab grab, std::uint64_t hand = 0);
-  void moveGrab(std::size_t body, const Vec3 &target, std::uint64_t hand = 0);
-  void turnGrab(std::size_t body, const Mat3 &rotation, std::uint64_t hand = 0);
-  void releaseGrab(std::size_t body, std::uint64_t hand = 0);
+  /// @param grabId  of the user's choice; a body may have several
+  void setGrab(std::size_t body, Grab grab, std::uint64_t grabId = 0);
+  void moveGrab(std::size_t body, const Vec3 &target, std::uint64_t grabId = 0);
+  void turnGrab(std::size_t body, const Mat3 &rotation, std::uint64_t grabId = 0);
+  void releaseGrab(std::size_t body, std::uint64_t grabId = 0);
   /// Empty if the body has no grab with this id.
-  [[nodiscard]] std::optional<GrabStatus> grabStatus(std::size_t body, std::uint64_t hand = 0) const;
+  [[nodiscard]] std::optional<GrabStatus> grabStatus(std::size_t body, std::uint64_t grabId = 0) const;
 
  private:
   [[nodiscard]] Environment environment() const;

@@ -14,25 +14,25 @@
 namespace pointbased::detail {
 namespace {
 
-constexpr double kSampling = 0.5;  // spacings, of the surface
-constexpr double kFacing = -0.1;   // cosine: surfaces joined by a layer face each other
-constexpr double kTouches = 1e-6;  // spacings
-constexpr double kCrushed = 0.05;  // det F, below which the direction of the normal is not reliable
+constexpr double kSampling = 0.5;          // spacings, of the surface
+constexpr double kFacing = -0.1;           // cosine: surfaces joined by a layer face each other
+constexpr double kContactDistance = 1e-6;  // spacings
+constexpr double kMinVolumeRatio = 0.05;   // det F, below which the direction of the normal is not reliable
 
 // Nearest point on the second body's surface at rest, for any point.
 struct NearestOfBody {
   explicit NearestOfBody(const Body &body)
-      : rest_(body.rest()), still_(rest_.phyxelCount(), Vec3::Zero()),
+      : rest_(body.rest()), zeros_(rest_.phyxelCount(), Vec3::Zero()),
         skin_(makeContactSkin(rest_.surfels.expanded(rest_.positions), rest_.skin, {rest_.spacing}, rest_.bind,
                               rest_.maxInfluence),
               rest_.origin, rest_.spacing) {
-    skin_.move(still_, still_, rest_.maxInfluence, 0.0);
+    skin_.move(zeros_, zeros_, rest_.maxInfluence, 0.0);
     skin_.refitTree();
   }
-  struct Place {
+  struct SurfaceSample {
     Vec3 x, normal;  // m, world; unit
   };
-  [[nodiscard]] Place of(const Vec3 &x) {
+  [[nodiscard]] SurfaceSample of(const Vec3 &x) {
     Index triangle = 0;
     NearestOnTriangle best;
     best.squared = std::numeric_limits<double>::infinity();
@@ -49,7 +49,7 @@ struct NearestOfBody {
 
  private:
   const RestState &rest_;
-  std::vector<Vec3> still_;
+  std::vector<Vec3> zeros_;
   MovingSkin skin_;
 };
 
@@ -100,14 +100,14 @@ Result<AttachmentLayer> AttachmentLayer::make(const Attachment &settings, const 
     NearestOfBody search(*second);
     for (std::size_t p = 0; p < inRegion; ++p) {
       const Vec3 x = rest.origin + out.points_.positions[p];
-      const NearestOfBody::Place found = search.of(x);
+      const NearestOfBody::SurfaceSample found = search.of(x);
       const double away = (x - found.x).norm();
       nearest = std::min(nearest, away);
       // Where nearness is the only criterion, the far sides of thin bodies are excluded.
       const bool faces = !std::isfinite(settings.within) || out.points_.normals[p].dot(found.normal) < kFacing;
       near[p] = away <= settings.within && faces ? 1 : 0;
       if (!near[p]) continue;
-      out.widest_ = std::max(out.widest_, away);
+      out.maxGap_ = std::max(out.maxGap_, away);
       anchors.push_back(found.x - second->rest().origin);
       anchorNormals.push_back(found.normal);
     }
@@ -123,7 +123,7 @@ Result<AttachmentLayer> AttachmentLayer::make(const Attachment &settings, const 
       nearest = std::min(nearest, away);
       const double facing = out.points_.normals[p].dot(motion.rotation * found[p].normal);
       // The normal of a touching sheet may point to either side.
-      const bool faces = away > kTouches * rest.spacing ? facing < kFacing : std::abs(facing) > -kFacing;
+      const bool faces = away > kContactDistance * rest.spacing ? facing < kFacing : std::abs(facing) > -kFacing;
       near[p] = away <= settings.within && faces ? 1 : 0;
     }
   }
@@ -149,18 +149,18 @@ Result<AttachmentLayer> AttachmentLayer::make(const Attachment &settings, const 
   return out;
 }
 
-std::optional<RigidMotion> AttachmentLayer::motionAt(const Sides &at) const {
+std::optional<RigidMotion> AttachmentLayer::motionAt(const AttachedState &at) const {
   return motion_ ? std::optional(motion_(at.time)) : std::nullopt;
 }
 
-Vec3 AttachmentLayer::wayOf(std::size_t p, const Sides &at, const RigidMotion *motion) const {
-  Vec3 way = at.first.empty() ? Vec3(Vec3::Zero()) : fieldAt(first_, p, at.first);
+Vec3 AttachmentLayer::relativeDisplacement(std::size_t p, const AttachedState &at, const RigidMotion *motion) const {
+  Vec3 displacement = at.first.empty() ? Vec3(Vec3::Zero()) : fieldAt(first_, p, at.first);
   if (joinsBodies()) {
-    if (!at.second.empty()) way -= fieldAt(second_, p, at.second);
+    if (!at.second.empty()) displacement -= fieldAt(second_, p, at.second);
   } else if (motion) {
-    way -= motion->displacementOf(origin_ + points_.positions[p]);
+    displacement -= motion->displacementOf(origin_ + points_.positions[p]);
   }
-  return way;
+  return displacement;
 }
 
 Mat3 AttachmentLayer::stiffnessOf(std::size_t p) const {
@@ -186,10 +186,10 @@ void AttachmentLayer::forEntries(std::size_t p, const Visit &visit) const {
 
 // With n = cof(F) N / |cof(F) N|: δn = -P F^-T δFᵀ n, P = 1 - n nᵀ. The energy A (k_n - k_t) (n·d)²/2 therefore pulls
 // phyxel j with n (g_j·w), w = F^-1 P A (k_n - k_t) (n·d) d. Without it a rotating layer would gain or lose energy.
-double AttachmentLayer::turn(const Sides &at) {
+double AttachmentLayer::updateNormals(const AttachedState &at) {
   if (settings_.stiffness == settings_.tangential || at.first.empty()) return 0.0;
   const std::optional<RigidMotion> motion = motionAt(at);
-  turning_.assign(at.first.size(), Vec3::Zero());
+  rotationForces_.assign(at.first.size(), Vec3::Zero());
   stiffening_ = 0.0;
   double most = 0.0;
   for (std::size_t p = 0; p < normals_.size(); ++p) {
@@ -198,18 +198,18 @@ double AttachmentLayer::turn(const Sides &at) {
     for (int c = 0; c < 3; ++c) cofactor.col(c) = F.col((c + 1) % 3).cross(F.col((c + 2) % 3));
     const Vec3 n = cofactor * points_.normals[p];
     const double length = n.norm(), J = F.col(0).dot(cofactor.col(0));
-    const bool isSound = length > 0.0 && std::isfinite(length);
-    const Vec3 turned = isSound ? Vec3(n / length) : points_.normals[p];
+    const bool isValid = length > 0.0 && std::isfinite(length);
+    const Vec3 turned = isValid ? Vec3(n / length) : points_.normals[p];
     most = std::max(most, (turned - normals_[p]).norm());
     normals_[p] = turned;
-    if (isTorn(p) || !isSound || !(J > kCrushed) || rankOf(first_, p) < 3) continue;
-    const Vec3 d = wayOf(p, at, motion ? &*motion : nullptr);
+    if (isTorn(p) || !isValid || !(J > kMinVolumeRatio) || rankOf(first_, p) < 3) continue;
+    const Vec3 d = relativeDisplacement(p, at, motion ? &*motion : nullptr);
     const double along = turned.dot(d);
     const Vec3 pull = points_.areas[p] * (settings_.stiffness - settings_.tangential) * along * (d - along * turned);
     const Vec3 w = cofactor.transpose() * pull / J;
     double gradients = 0.0, weights = 0.0;
     for (Index e = first_.phyxels.offsets[p]; e < first_.phyxels.offsets[p + 1]; ++e) {
-      turning_[first_.phyxels.indices[e]] += first_.gradients[e].dot(w) * turned;
+      rotationForces_[first_.phyxels.indices[e]] += first_.gradients[e].dot(w) * turned;
       gradients += first_.gradients[e].squaredNorm();
       weights += first_.weights[e] * first_.weights[e];
     }
@@ -218,38 +218,39 @@ double AttachmentLayer::turn(const Sides &at) {
   return most;
 }
 
-double AttachmentLayer::workOfTurning(std::span<const Vec3> first) const {
+double AttachmentLayer::workOfRotationForces(std::span<const Vec3> first) const {
   double work = 0.0;
-  for (std::size_t i = 0; i < std::min(turning_.size(), first.size()); ++i) work += turning_[i].dot(first[i]);
+  for (std::size_t i = 0; i < std::min(rotationForces_.size(), first.size()); ++i)
+    work += rotationForces_[i].dot(first[i]);
   return work;
 }
 
-double AttachmentLayer::energy(const Sides &at) const {
+double AttachmentLayer::energy(const AttachedState &at) const {
   const std::optional<RigidMotion> motion = motionAt(at);
   double energy = 0.0;
   for (std::size_t p = 0; p < points_.count(); ++p) {
     if (isTorn(p)) continue;
-    const Vec3 d = wayOf(p, at, motion ? &*motion : nullptr);
+    const Vec3 d = relativeDisplacement(p, at, motion ? &*motion : nullptr);
     energy += 0.5 * d.dot(timesStiffness(p, d));
   }
   return energy;
 }
 
-void AttachmentLayer::addForces(const Sides &at, std::span<Vec3> first, std::span<Vec3> second) const {
+void AttachmentLayer::addForces(const AttachedState &at, std::span<Vec3> first, std::span<Vec3> second) const {
   const std::optional<RigidMotion> motion = motionAt(at);
   for (std::size_t p = 0; p < points_.count(); ++p) {
     if (isTorn(p)) continue;
-    const Vec3 force = -timesStiffness(p, wayOf(p, at, motion ? &*motion : nullptr));
+    const Vec3 force = -timesStiffness(p, relativeDisplacement(p, at, motion ? &*motion : nullptr));
     if (!first.empty()) spreadForce(first_, p, force, first);
     if (joinsBodies() && !second.empty()) spreadForce(second_, p, -force, second);
   }
-  for (std::size_t i = 0; i < std::min(turning_.size(), first.size()); ++i) first[i] += turning_[i];
+  for (std::size_t i = 0; i < std::min(rotationForces_.size(), first.size()); ++i) first[i] += rotationForces_[i];
 }
 
-void AttachmentLayer::addProduct(const Sides &change, std::span<Vec3> first, std::span<Vec3> second) const {
+void AttachmentLayer::addProduct(const AttachedState &change, std::span<Vec3> first, std::span<Vec3> second) const {
   for (std::size_t p = 0; p < points_.count(); ++p) {
     if (isTorn(p)) continue;
-    const Vec3 force = timesStiffness(p, wayOf(p, change, nullptr));
+    const Vec3 force = timesStiffness(p, relativeDisplacement(p, change, nullptr));
     if (!first.empty()) spreadForce(first_, p, force, first);
     if (joinsBodies() && !second.empty()) spreadForce(second_, p, -force, second);
   }
@@ -272,10 +273,10 @@ void AttachmentLayer::addTriplets(std::size_t first, std::size_t second,
     if (isTorn(p)) continue;
     const Mat3 K = stiffnessOf(p);
     forEntries(p, [&](bool ofSecond, Index i, double a) {
-      if ((ofSecond ? second : first) == kStands) return;
+      if ((ofSecond ? second : first) == kNoRows) return;
       const auto row = static_cast<int>(3 * ((ofSecond ? second : first) + i));
       forEntries(p, [&](bool otherOfSecond, Index j, double b) {
-        if ((otherOfSecond ? second : first) == kStands) return;
+        if ((otherOfSecond ? second : first) == kNoRows) return;
         const auto column = static_cast<int>(3 * ((otherOfSecond ? second : first) + j));
         for (int r = 0; r < 3; ++r)
           for (int c = 0; c < 3; ++c) out.emplace_back(row + r, column + c, a * b * K(r, c));
@@ -305,13 +306,13 @@ double AttachmentLayer::squaredFrequencyBound(std::span<const double> first, std
   return largest;
 }
 
-bool AttachmentLayer::tear(const Sides &at) {
+bool AttachmentLayer::tear(const AttachedState &at) {
   if (!(settings_.tearsAt > 0.0)) return false;
   const std::optional<RigidMotion> motion = motionAt(at);
   bool any = false;
   for (std::size_t p = 0; p < points_.count(); ++p) {
     if (isTorn(p)) continue;
-    Vec3 traction = timesStiffness(p, wayOf(p, at, motion ? &*motion : nullptr)) / points_.areas[p];
+    Vec3 traction = timesStiffness(p, relativeDisplacement(p, at, motion ? &*motion : nullptr)) / points_.areas[p];
     traction -= std::max(0.0, traction.dot(normals_[p])) * normals_[p];  // compression does not tear
     if (!(traction.norm() > settings_.tearsAt)) continue;
     if (torn_.empty()) torn_.assign(points_.count(), 0);
@@ -327,7 +328,7 @@ bool AttachmentLayer::setTorn(std::vector<std::uint8_t> torn) {
   return true;
 }
 
-AttachmentSummary AttachmentLayer::summary(const Sides &at) const {
+AttachmentSummary AttachmentLayer::summary(const AttachedState &at) const {
   AttachmentSummary out;
   out.first = settings_.first;
   out.second = settings_.second;
@@ -342,7 +343,7 @@ AttachmentSummary AttachmentLayer::summary(const Sides &at) const {
       torn += points_.areas[p];
       continue;
     }
-    const Vec3 force = -timesStiffness(p, wayOf(p, at, motion ? &*motion : nullptr));
+    const Vec3 force = -timesStiffness(p, relativeDisplacement(p, at, motion ? &*motion : nullptr));
     const Vec3 x = points_.positions[p] + fieldAt(first_, p, at.first);
     out.force += force;
     out.torque += (x - out.centre).cross(force);

@@ -12,7 +12,7 @@ constexpr Index kNone = 0xffffffffu;
 constexpr int kSweeps = 60;
 // Fraction of the margin that residual speeds may close in a step, and of the largest of these speeds. Residuals drive
 // bodies at rest: at 0.02 and 5e-3 the phyxels of stacked blocks kept moving with up to 38 mm/s.
-constexpr double kLeft = 5e-4, kTolerance = 2e-3;
+constexpr double kResidualFraction = 5e-4, kTolerance = 2e-3;
 // Fraction of the layer between two skins: contacts that have slid by less keep their normals and features.
 constexpr double kSlip = 0.06;
 // Sine: a point of a skin counts as nearer to the other one if it is lower by this fraction of its distance.
@@ -22,10 +22,10 @@ constexpr double kCone = 5e-3;
 // contact with: a point of the flat skin around it is nearer, which has separate contacts. The plane of such a contact
 // is inclined against the sliding direction, as if the vertex protruded from its skin.
 bool hasNearerFeature(SkinPair &pair, const SkinContact &contact) {
-  const auto liesNearer = [&](MovingSkin &skin, Index from, Index other, const Vec3 &towards, const Vec3 &along) {
-    Vec3 way = skin.position(other) - skin.position(from);
-    way -= along.dot(way) * along;
-    return way.dot(towards) > kCone * way.norm();
+  const auto isNearer = [&](MovingSkin &skin, Index from, Index other, const Vec3 &towards, const Vec3 &along) {
+    Vec3 edge = skin.position(other) - skin.position(from);
+    edge -= along.dot(edge) * along;
+    return edge.dot(towards) > kCone * edge.norm();
   };
   const auto towardsOther = [&](bool ofSecond) { return ofSecond ? contact.normal : Vec3(-contact.normal); };
   if (contact.isOfEdges()) {
@@ -38,7 +38,7 @@ bool hasNearerFeature(SkinPair &pair, const SkinContact &contact) {
         const auto &corners = skin.skin().triangles[t];
         if (std::find(corners.begin(), corners.end(), b) == corners.end()) continue;
         for (const Index other : corners)
-          if (other != a && other != b && liesNearer(skin, a, other, towardsOther(ofSecond), along)) return true;
+          if (other != a && other != b && isNearer(skin, a, other, towardsOther(ofSecond), along)) return true;
       }
     }
     return false;
@@ -49,7 +49,7 @@ bool hasNearerFeature(SkinPair &pair, const SkinContact &contact) {
   MovingSkin &skin = pair.moving(vertex.ofSecond ? 1 : 0);
   for (const Index t : skin.skin().trianglesOf.row(vertex.vertex))
     for (const Index other : skin.skin().triangles[t])
-      if (liesNearer(skin, vertex.vertex, other, towardsOther(vertex.ofSecond), Vec3::Zero())) return true;
+      if (isNearer(skin, vertex.vertex, other, towardsOther(vertex.ofSecond), Vec3::Zero())) return true;
   return false;
 }
 
@@ -70,9 +70,9 @@ void JointContact::clear() {
   rigid_.clear();
 }
 
-void JointContact::add(Body &body, bool moves, bool counts, RigidState *rigid) {
-  bodies_.push_back({&body, count_, moves, counts, rigid, rigid_.size(), {}});
-  if (!counts) return;
+void JointContact::add(Body &body, bool moves, bool hasUnknowns, RigidState *rigid) {
+  bodies_.push_back({&body, count_, moves, hasUnknowns, rigid, rigid_.size(), {}});
+  if (!hasUnknowns) return;
   if (rigid) {
     rigid_.emplace_back();
     rigid_.back().first = static_cast<Index>(count_);
@@ -137,35 +137,36 @@ void JointContact::gather(std::span<const JoinedPair> pairs, double margin, bool
   for (const JoinedPair &joined : pairs) {
     const std::array<std::size_t, 2> of{joined.first, joined.second};
     // Between two deformable skins, inclined planes keep corners and edges apart.
-    const auto isHard = [&](const Joined &body) { return body.rigid || !body.moves; };
-    const bool leansCount = !isHard(bodies_[of[0]]) && !isHard(bodies_[of[1]]);
+    const auto isRigid = [&](const Joined &body) { return body.rigid || !body.moves; };
+    const bool usesInclinedPlanes = !isRigid(bodies_[of[0]]) && !isRigid(bodies_[of[1]]);
     for (const SkinContact &contact : joined.pair->active()) {
-      // Overlap always counts. The margin of a long step may have closed a gap, and a plane found on the path may be
-      // nearer than the face itself.
+      // Overlap always exerts a force. The margin of a long step may have closed a gap, and a plane found on the path
+      // may be nearer than the face itself.
       const SkinPairSettings &settings = joined.pair->settings();
       const double layer = contact.thickness > 0.0 ? contact.thickness * settings.offset / settings.thickness
                                                    : settings.offset - settings.thickness;
-      const bool counts = leansCount || contact.gap + layer < 0.0 || !hasNearerFeature(*joined.pair, contact);
+      const bool exertsForce =
+          usesInclinedPlanes || contact.gap + layer < 0.0 || !hasNearerFeature(*joined.pair, contact);
       for (const SkinContact::Part &part : contact.parts) {
-        if (part.weight == 0.0 || !counts) continue;
+        if (part.weight == 0.0 || !exertsForce) continue;
         const std::size_t side = part.ofSecond ? 1 : 0;
-        if (!bodies_[of[side]].counts) continue;
+        if (!bodies_[of[side]].hasUnknowns) continue;
         const Interpolation &skin = joined.pair->skin(side).vertices;
         const Index begin = skin.phyxels.offsets[part.vertex], end = skin.phyxels.offsets[part.vertex + 1];
         addRow(std::span<const Index>(skin.phyxels.indices).subspan(begin, end - begin),
                std::span<const double>(skin.weights).subspan(begin, end - begin), bodies_[of[side]], part.weight);
       }
       addContact(contact);
-      if (!counts) clearContactRow(state_.active.back());
+      if (!exertsForce) clearContactRow(state_.active.back());
     }
   }
   gatherSnapshots_.clear();
   if (obstacles) {
-    takeDisplacements();
+    loadDisplacements();
     for (const JoinedPair &joined : pairs)
       for (SkinContact &contact : joined.pair->active()) {
         const std::size_t row = gatherSnapshots_.size();
-        if (!contact.atSearch) contact.atSearch = {contact.gap, way(row)};
+        if (!contact.atSearch) contact.atSearch = {contact.gap, rowDisplacement(row)};
         gatherSnapshots_.push_back({contact.atSearch->displacement, contact.atSearch->gap, 0.0});
       }
   }
@@ -188,18 +189,19 @@ void JointContact::addObstacles() {
 }
 
 bool JointContact::isStillValid() {
-  takeDisplacements();
+  loadDisplacements();
   for (std::size_t c = 0; c < gatherSnapshots_.size(); ++c) {
     const Contact &contact = state_.active[c];
-    const Vec3 moved = way(c) - gatherSnapshots_[c].way;
+    const Vec3 travel = rowDisplacement(c) - gatherSnapshots_[c].displacement;
     const double slip = kSlip * (contact.thickness > 0.0 ? contact.thickness : margin_);
-    gatherSnapshots_[c].rise = moved.dot(contact.normal);
-    if (!((moved - gatherSnapshots_[c].rise * contact.normal).squaredNorm() <= slip * slip)) return false;
+    gatherSnapshots_[c].normalDisplacement = travel.dot(contact.normal);
+    if (!((travel - gatherSnapshots_[c].normalDisplacement * contact.normal).squaredNorm() <= slip * slip))
+      return false;
   }
   return true;
 }
 
-void JointContact::gatherAgain() {
+void JointContact::regather() {
   const std::size_t count = gatherSnapshots_.size();
   rows_.binding.phyxels.offsets.resize(count + 1);
   const Index entries = rows_.binding.phyxels.offsets.back();
@@ -207,12 +209,13 @@ void JointContact::gatherAgain() {
   rows_.binding.weights.resize(entries);
   rows_.binding.positions.resize(count);
   state_.active.resize(count);
-  for (std::size_t c = 0; c < count; ++c) state_.active[c].gap = gatherSnapshots_[c].gap + gatherSnapshots_[c].rise;
+  for (std::size_t c = 0; c < count; ++c)
+    state_.active[c].gap = gatherSnapshots_[c].gap + gatherSnapshots_[c].normalDisplacement;
   state_.margin = 0.0;
   addObstacles();
 }
 
-Vec3 JointContact::way(std::size_t row) const {
+Vec3 JointContact::rowDisplacement(std::size_t row) const {
   const Csr &phyxels = rows_.binding.phyxels;
   Vec3 sum = Vec3::Zero();
   for (Index e = phyxels.offsets[row]; e < phyxels.offsets[row + 1]; ++e)
@@ -220,7 +223,7 @@ Vec3 JointContact::way(std::size_t row) const {
   return sum;
 }
 
-void JointContact::takeDisplacements() {
+void JointContact::loadDisplacements() {
   displacements_.resize(count_);
   for (const Joined &joined : bodies_) {
     if (joined.rigid) {
@@ -233,7 +236,7 @@ void JointContact::takeDisplacements() {
   }
 }
 
-void JointContact::takeVelocities() {
+void JointContact::loadVelocities() {
   velocities_.resize(count_);
   for (const Joined &joined : bodies_) {
     if (joined.rigid) {
@@ -249,7 +252,7 @@ void JointContact::takeVelocities() {
 }
 
 void JointContact::predict() {
-  takeVelocities();
+  loadVelocities();
   for (std::size_t c = 0; c < state_.active.size(); ++c) {
     const Contact &contact = state_.active[c];
     if (!(contact.normalImpulse > 0.0)) continue;
@@ -268,20 +271,20 @@ void JointContact::predict() {
   }
 }
 
-void JointContact::giveVelocities() {
+void JointContact::storeVelocities() {
   for (const Joined &joined : bodies_)
     if (joined.rigid) {
       RigidState &state = *joined.rigid;
       state.motion = state.frame().velocityOf(state.pose, std::span<const Vec3>(velocities_).subspan(joined.first, 4));
-      state.giveVelocities();
+      state.storeVelocities();
     } else if (joined.moves)
       std::copy_n(velocities_.begin() + static_cast<std::ptrdiff_t>(joined.first),
                   joined.body->state().velocities.size(), joined.body->state().velocities.begin());
 }
 
-void JointContact::giveBack(std::span<const JoinedPair> pairs) {
+void JointContact::writeBack(std::span<const JoinedPair> pairs) {
   auto solved = state_.active.cbegin();
-  const auto give = [&](Contact &contact) {
+  const auto copyResult = [&](Contact &contact) {
     contact.normalImpulse = solved->normalImpulse;
     contact.frictionImpulse = solved->frictionImpulse;
     contact.projectionImpulse = solved->projectionImpulse;
@@ -292,28 +295,28 @@ void JointContact::giveBack(std::span<const JoinedPair> pairs) {
     ++solved;
   };
   for (const JoinedPair &joined : pairs)
-    for (SkinContact &contact : joined.pair->active()) give(contact);
+    for (SkinContact &contact : joined.pair->active()) copyResult(contact);
   for (const Joined &joined : bodies_)
     if (joined.moves && gathersObstacles_)
-      for (Contact &contact : joined.body->contact.active) give(contact);
+      for (Contact &contact : joined.body->contact.active) copyResult(contact);
 }
 
 void JointContact::solve(double dt, std::span<const JoinedPair> pairs) {
-  takeVelocities();
+  loadVelocities();
   ImpulseSettings settings;
   settings.sweeps = kSweeps;
   settings.tolerance = kTolerance;
-  settings.leastSpeed = kLeft * margin_ / dt;
+  settings.leastSpeed = kResidualFraction * margin_ / dt;
   solveContactImpulses(rows_.binding, inverseMasses_, rigid_, dt, settings, state_, velocities_);
-  giveVelocities();
-  giveBack(pairs);
+  storeVelocities();
+  writeBack(pairs);
 }
 
-void JointContact::settle(std::span<const JoinedPair> pairs) {
-  takeVelocities();
+void JointContact::projectVelocities(std::span<const JoinedPair> pairs) {
+  loadVelocities();
   projectContactVelocities(rows_.binding, inverseMasses_, rigid_, state_, velocities_);
-  giveVelocities();
-  giveBack(pairs);
+  storeVelocities();
+  writeBack(pairs);
 }
 
 }  // namespace pointbased::detail

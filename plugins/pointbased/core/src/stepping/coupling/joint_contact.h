@@ -21,9 +21,9 @@ class JointContact {
  public:
   void clear();
   /// @param moves  false: it is static
-  /// @param counts  false: it is static, and its phyxels are not among the unknowns
+  /// @param hasUnknowns  false: it is static, and its phyxels are not among the unknowns
   /// @param rigid  state of a moving free rigid body, valid until clear(); null: for others
-  void add(Body &body, bool moves, bool counts = true, RigidState *rigid = nullptr);
+  void add(Body &body, bool moves, bool hasUnknowns = true, RigidState *rigid = nullptr);
 
   /// Collects the contacts that have been found: of the pairs and, if `obstacles`, those in Body::contact of each body.
   void gather(std::span<const JoinedPair> pairs, double margin, bool obstacles = true);
@@ -32,13 +32,13 @@ class JointContact {
   [[nodiscard]] bool isStillValid();
   /// Reuses these, with their present gaps, together with the contacts with obstacles and walls that have been found
   /// since. Call after isStillValid().
-  void gatherAgain();
+  void regather();
   /// The contacts over all phyxels, as rows of signed weights; Contact::point is the index of the row.
   [[nodiscard]] const ContactPoints &rows() const { return rows_; }
   [[nodiscard]] ContactState &state() { return state_; }
   [[nodiscard]] const ContactState &state() const { return state_; }
   /// Writes the results for the contacts of pairs back to the pairs.
-  void giveBack(std::span<const JoinedPair> pairs);
+  void writeBack(std::span<const JoinedPair> pairs);
   /// Predicts velocities from the impulses of the last step, so that resting bodies are not treated as arriving ones.
   /// Call after gather() of the contacts of that step.
   void predict();
@@ -52,13 +52,13 @@ class JointContact {
   /// Explicit steps: solveContactImpulses() and projectContactVelocities() for all bodies together. The results are
   /// written back to the sources of the contacts.
   void solve(double dt, std::span<const JoinedPair> pairs);
-  void settle(std::span<const JoinedPair> pairs);
+  void projectVelocities(std::span<const JoinedPair> pairs);
 
  private:
   struct Joined {
     Body *body = nullptr;
     std::size_t first = 0;  // index of its first phyxel among all
-    bool moves = true, counts = true;
+    bool moves = true, hasUnknowns = true;
     RigidState *rigid = nullptr;  // null: its phyxels are the unknowns
     std::size_t number = 0;       // index in rigid_
     std::vector<Vec3> predicted;  // [phyxels] m/s, of a rigid one
@@ -68,10 +68,10 @@ class JointContact {
   void endRow();
   void addContact(const Contact &contact);
   void addObstacles();
-  void takeDisplacements();
-  [[nodiscard]] Vec3 way(std::size_t row) const;  // m, from displacements_
-  void takeVelocities();
-  void giveVelocities();
+  void loadDisplacements();
+  [[nodiscard]] Vec3 rowDisplacement(std::size_t row) const;  // m, from displacements_
+  void loadVelocities();
+  void storeVelocities();
 
   std::vector<Joined> bodies_;
   std::size_t count_ = 0;
@@ -85,9 +85,9 @@ class JointContact {
   std::vector<Index> entryOf_;  // [phyxels] in the row that is being built; kNone
   /// A contact of a pair when it was gathered.
   struct GatherSnapshot {
-    Vec3 way = Vec3::Zero();  // m, of the displacements
-    double gap = 0.0;         // m
-    double rise = 0.0;        // m, along its normal, since then
+    Vec3 displacement = Vec3::Zero();  // m, of the displacements
+    double gap = 0.0;                  // m
+    double normalDisplacement = 0.0;   // m, along its normal, since then
   };
   std::vector<GatherSnapshot> gatherSnapshots_;  // [contacts of pairs]
   std::vector<Vec3> displacements_;

@@ -29,11 +29,11 @@ class RigidState {
     motion.spin += change.spin;
   }
   void advance(double dt) { frame_.advance(dt, pose, motion); }
-  void give() {
+  void store() {
     frame_.place(pose, rest(), body_.state().displacements);
-    giveVelocities();
+    storeVelocities();
   }
-  void giveVelocities() { frame_.move(pose, motion, rest(), body_.state().velocities); }
+  void storeVelocities() { frame_.move(pose, motion, rest(), body_.state().velocities); }
 
   RigidPose pose;
   RigidVelocity motion;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Data of the skins of bodies that contact between bodies keeps from step to step. Private to the core.
+// Skins and skin pairs that persist between steps. Private to the core.
 #pragma once
 
 #include <map>
@@ -11,7 +11,7 @@
 
 namespace pointbased::detail {
 
-/// Skins of bodies, and pairs of skins that have come near each other.
+/// Skins of bodies, and pairs of skins that have been within reach of each other.
 /// @threads one; different pairs of different skins may be used at once
 class SkinContacts {
  public:
@@ -40,18 +40,18 @@ class SkinContacts {
     std::shared_ptr<const RestState> of;
     /// Null as long as a bound from phyxels alone is sufficient: a skin that touches nothing is not created.
     const ContactSkin *skin = nullptr;
-    double gain = 1.0;  ///< upper bound of a vertex's travel over that of the farthest phyxel
-    double left = 0.0;  ///< m, lower bound of the relative travel from rest that skin vertices still have
+    double gain = 1.0;       ///< upper bound of a vertex's travel over that of the farthest phyxel
+    double clearance = 0.0;  ///< m, lower bound of the relative travel from rest that skin vertices still have
     /// m, mean: twice the volume over the area, which is the radius of a tube. 0: unknown.
     double thickness = 0.0;
     /// Whether the spacing resolves the folds of the body: a tube is wider than one piece of tissue.
-    [[nodiscard]] bool isResolved() const { return !(thickness > 0.0) || thickness >= kThinnest * of->spacing; }
-    static constexpr double kThinnest = 0.75;  ///< spacings
+    [[nodiscard]] bool isResolved() const { return !(thickness > 0.0) || thickness >= kMinThickness * of->spacing; }
+    static constexpr double kMinThickness = 0.75;  ///< spacings
 
-    /// Updates `left` from the displacements since rest, without their common rigid motion.
+    /// Updates `clearance` from the displacements since rest, without their common rigid motion.
     void measure(std::span<const Vec3> displacements);
-    [[nodiscard]] double farthest(const TravelBound &way) const {
-      return skin != nullptr ? way.ofVertices(*skin) : gain * way.ofPhyxels();
+    [[nodiscard]] double vertexBound(const TravelBound &bound) const {
+      return skin != nullptr ? bound.ofVertices(*skin) : gain * bound.ofPhyxels();
     }
   };
   /// Initially at rest: parts of the skin that are nearer to each other there do not touch.
@@ -67,19 +67,19 @@ class SkinContacts {
   /// Call at the beginning of a step: clears the sums of pairs that are not at rest.
   /// @param rests  rests(id of a body)
   template <class Rests>
-  void beginSums(const Rests &rests) {
+  void beginSums(const Rests &isAtRest) {
     for (auto &[id, pair] : pairs_)
-      if (!rests(id.first) || !rests(id.second)) pair->beginSum();
+      if (!isAtRest(id.first) || !isAtRest(id.second)) pair->beginSum();
   }
   /// Call when a body has other materials.
-  void forgetModuli(std::size_t id) {
+  void invalidateModuli(std::size_t id) {
     if (const auto found = skins_.find(id); found != skins_.end()) found->second.moving->setModuli({});
     for (auto &[both, pair] : pairs_)
       if (both.first == id || both.second == id) pair->invalidateSearch();
   }
   /// Resets everything, or the data of one body.
-  void forget();
-  void forget(std::size_t id);
+  void clear();
+  void remove(std::size_t id);
 
  private:
   struct Skin {

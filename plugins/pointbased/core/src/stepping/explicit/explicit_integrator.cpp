@@ -19,9 +19,9 @@ constexpr std::size_t kPhyxelGrain = 256;
 bool isFaster(std::span<const Vec3> velocities, double speed) {
   if (velocities.empty()) return false;
   const kernels::FieldBounds bounds = kernels::boundsOf(velocities.front().data(), velocities.size());
-  double most = 0.0;
-  for (int c = 0; c < 3; ++c) most += std::pow(std::max(std::abs(bounds.low[c]), std::abs(bounds.high[c])), 2);
-  if (most <= speed * speed && std::isfinite(bounds.sum)) return false;
+  double largest = 0.0;
+  for (int c = 0; c < 3; ++c) largest += std::pow(std::max(std::abs(bounds.low[c]), std::abs(bounds.high[c])), 2);
+  if (largest <= speed * speed && std::isfinite(bounds.sum)) return false;
   return std::any_of(velocities.begin(), velocities.end(),
                      [&](const Vec3 &v) { return v.squaredNorm() > speed * speed; });
 }
@@ -30,11 +30,11 @@ bool isFaster(std::span<const Vec3> velocities, double speed) {
 constexpr double kContactMargin = 0.02;
 
 // Speeds reached in two steps of free fall do not bounce.
-constexpr double kQuietKicks = 2.0;
+constexpr double kThresholdKicks = 2.0;
 
 // Contacts of a rigid body all affect each other, and converge more slowly than those of a soft body.
 constexpr int kRigidSweeps = 60;
-constexpr double kRigidTolerance = 1e-3, kRigidLeft = 5e-4;
+constexpr double kRigidTolerance = 1e-3, kRigidResidual = 5e-4;
 
 }  // namespace
 
@@ -54,9 +54,9 @@ std::vector<std::string> stageNames() {
 namespace {
 
 // One spring on the weighted mean of the grabbed phyxels.
-void pullMean(Body &body, ActiveGrab &hand, double omega, const Vec3 &velocity) {
-  const Grab &grab = hand.grab;
-  GrabStatus &status = hand.status;
+void applyMeanSpring(Body &body, ActiveGrab &active, double omega, const Vec3 &velocity) {
+  const Grab &grab = active.grab;
+  GrabStatus &status = active.status;
   status.force =
       status.mass * (omega * omega * (grab.target - status.point) - 2.0 * grab.dampingRatio * omega * velocity);
   const double size = status.force.norm();
@@ -66,24 +66,26 @@ void pullMean(Body &body, ActiveGrab &hand, double omega, const Vec3 &velocity) 
 }
 
 // A spring on every phyxel, to its position in the grabbed shape.
-void pullShape(Body &body, ActiveGrab &hand, double omega) {
-  const Grab &grab = hand.grab;
-  GrabStatus &status = hand.status;
+void applyShapeSprings(Body &body, ActiveGrab &active, double omega) {
+  const Grab &grab = active.grab;
+  GrabStatus &status = active.status;
   const double largest = *std::max_element(grab.weights.begin(), grab.weights.end());
   // kg: for a rigid body the springs move its whole effective mass.
-  double share = 1.0;
+  double massFactor = 1.0;
   if (body.isFreeRigid()) {
-    share = 0.0;
+    massFactor = 0.0;
     for (std::size_t k = 0; k < grab.phyxels.size(); ++k)
-      share += grab.weights[k] / largest * body.masses()[grab.phyxels[k]];
-    share = status.mass / share;
+      massFactor += grab.weights[k] / largest * body.masses()[grab.phyxels[k]];
+    massFactor = status.mass / massFactor;
   }
-  const auto massOf = [&](std::size_t k) { return share * grab.weights[k] / largest * body.masses()[grab.phyxels[k]]; };
+  const auto massOf = [&](std::size_t k) {
+    return massFactor * grab.weights[k] / largest * body.masses()[grab.phyxels[k]];
+  };
   const auto forceOn = [&](std::size_t k) -> Vec3 {
     const Index i = grab.phyxels[k];
     const Vec3 x = body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
-    const Vec3 way = grab.target + grab.rotation * grab.arms[k] - x;
-    return massOf(k) * (omega * omega * way - 2.0 * grab.dampingRatio * omega * body.state().velocities[i]);
+    const Vec3 displacement = grab.target + grab.rotation * grab.arms[k] - x;
+    return massOf(k) * (omega * omega * displacement - 2.0 * grab.dampingRatio * omega * body.state().velocities[i]);
   };
   double sum = 0.0;
   for (std::size_t k = 0; k < grab.phyxels.size(); ++k) sum += forceOn(k).norm();
@@ -106,29 +108,29 @@ void pullShape(Body &body, ActiveGrab &hand, double omega) {
 void applyGrabs(Body &body, double stiffnessLimit) {
   // The stiffness of grabs of the same phyxels adds up.
   const double limit = stiffnessLimit / static_cast<double>(std::max<std::size_t>(1, body.grabs.size()));
-  for (ActiveGrab &hand : body.grabs) {
-    const Grab &grab = hand.grab;
-    hand.status = GrabStatus();
+  for (ActiveGrab &active : body.grabs) {
+    const Grab &grab = active.grab;
+    active.status = GrabStatus();
     Vec3 velocity = Vec3::Zero();
     double inverseMass = 0.0;
     for (std::size_t k = 0; k < grab.phyxels.size(); ++k) {
       const Index i = grab.phyxels[k];
       const double w = grab.weights[k];
-      hand.status.point += w * (body.rest().origin + body.rest().positions[i] + body.state().displacements[i]);
+      active.status.point += w * (body.rest().origin + body.rest().positions[i] + body.state().displacements[i]);
       velocity += w * body.state().velocities[i];
       inverseMass += w * w / body.masses()[i];
     }
     if (body.isFreeRigid()) {
       const detail::RigidState rigid(body);
-      const Vec3 arm = hand.status.point - body.rest().origin - rigid.pose.centre;
+      const Vec3 arm = active.status.point - body.rest().origin - rigid.pose.centre;
       inverseMass = rigid.frame().largestInverseMassAt(rigid.pose, arm);
     }
-    hand.status.mass = 1.0 / inverseMass;
+    active.status.mass = 1.0 / inverseMass;
     const double omega = std::min(grab.frequency, limit);
     if (grab.arms.empty())
-      pullMean(body, hand, omega, velocity);
+      applyMeanSpring(body, active, omega, velocity);
     else
-      pullShape(body, hand, omega);
+      applyShapeSprings(body, active, omega);
   }
 }
 
@@ -152,7 +154,7 @@ namespace detail {
 
 ExplicitSubstep::ExplicitSubstep(Body &body, const Environment &env, double time, double dt, bool touchesBodies)
     : body_(body), env_(env), time_(time), dt_(dt), stages_(stagesOf(body, env)),
-      together_(!touchesBodies && !stages_.contact && !stages_.patches && !body.isFreeRigid()) {
+      isFused_(!touchesBodies && !stages_.contact && !stages_.patches && !body.isFreeRigid()) {
   if (body.isFreeRigid()) rigid_.emplace(body);
 }
 
@@ -178,18 +180,18 @@ void ExplicitSubstep::drift(std::size_t begin, std::size_t end) {
 void ExplicitSubstep::kick(double h, bool drifts) {
   if (rigid_) {
     rigid_->kick(h, body_.forces(), env_.gravity);
-    return rigid_->giveVelocities();
+    return rigid_->storeVelocities();
   }
   State &state = body_.state();
-  kernels::Kick all;
-  all.h = h;
-  all.inverseMasses = body_.inverseMasses().data();
-  all.gravityShares = body_.held() && !body_.gravityShares().empty() ? body_.gravityShares().data() : nullptr;
-  std::copy_n(env_.gravity.data(), 3, all.gravity);
-  all.forces = body_.forces().front().data();
-  all.velocities = state.velocities.front().data();
+  kernels::Kick job;
+  job.h = h;
+  job.inverseMasses = body_.inverseMasses().data();
+  job.gravityShares = body_.held() && !body_.gravityShares().empty() ? body_.gravityShares().data() : nullptr;
+  std::copy_n(env_.gravity.data(), 3, job.gravity);
+  job.forces = body_.forces().front().data();
+  job.velocities = state.velocities.front().data();
   const auto range = [&](std::size_t begin, std::size_t end) {
-    kernels::kick(all, begin, end);
+    kernels::kick(job, begin, end);
     if (drifts) drift(begin, end);
   };
   (*env_.parallelFor)(body_.rest().phyxelCount(), kPhyxelGrain, std::cref(range));
@@ -203,12 +205,12 @@ bool ExplicitSubstep::evaluateFirst() {
 }
 
 void ExplicitSubstep::kickFirst() {
-  env_.clock->measure(kIntegrate, [&] { kick(0.5 * dt_, together_); });
+  env_.clock->measure(kIntegrate, [&] { kick(0.5 * dt_, isFused_); });
 }
 
 // `move` changes the velocities of the four particles to which contact points are bound.
-template <class Move>
-void ExplicitSubstep::moveByContact(const Move &move) {
+template <class Apply>
+void ExplicitSubstep::applyContact(const Apply &apply) {
   const RigidFrame &frame = rigid_->frame();
   const Interpolation &points = body_.rest().contact.binding;
   Interpolation binding;
@@ -233,9 +235,9 @@ void ExplicitSubstep::moveByContact(const Move &move) {
   const RigidParticles particles = frame.particles(rigid_->pose, 0);
   std::array<double, 4> inverseMasses{};
   inverseMasses.fill(particles.inverseMass());
-  move(RigidContact{binding, inverseMasses, std::span(&particles, 1), velocities});
+  apply(RigidContact{binding, inverseMasses, std::span(&particles, 1), velocities});
   rigid_->motion = frame.velocityOf(rigid_->pose, velocities);
-  rigid_->giveVelocities();
+  rigid_->storeVelocities();
 }
 
 void ExplicitSubstep::findContacts() {
@@ -246,15 +248,16 @@ void ExplicitSubstep::findContacts() {
     pointbased::findContacts(env_.obstacles, env_.box, time_, dt_, kContactMargin * rest.spacing,
                              {rest.contact, rest.origin, state.displacements, state.velocities, rest.maxInfluence},
                              body_.contact, *env_.parallelFor);
-    const double quiet = kQuietKicks * env_.gravity.norm() * dt_;
-    if (!findImpacts(rest.contact.binding, state.velocities, dt_, quiet, body_.contact)) return;
+    const double threshold = kThresholdKicks * env_.gravity.norm() * dt_;
+    if (!findImpacts(rest.contact.binding, state.velocities, dt_, threshold, body_.contact)) return;
     kick(-0.5 * dt_, false);
     if (rigid_)
-      moveByContact([&](const RigidContact &of) {
-        detail::applyRestitution(of.binding, of.inverseMasses, of.rigid, quiet, body_.contact, of.velocities);
+      applyContact([&](const RigidContact &of) {
+        detail::applyRestitution(of.binding, of.inverseMasses, of.rigid, threshold, body_.contact, of.velocities);
       });
     else
-      pointbased::applyRestitution(rest.contact.binding, body_.inverseMasses(), quiet, body_.contact, state.velocities);
+      pointbased::applyRestitution(rest.contact.binding, body_.inverseMasses(), threshold, body_.contact,
+                                   state.velocities);
     kick(0.5 * dt_, false);
   });
 }
@@ -266,8 +269,8 @@ void ExplicitSubstep::solveContacts() {
       ImpulseSettings settings;
       settings.sweeps = kRigidSweeps;
       settings.tolerance = kRigidTolerance;
-      settings.leastSpeed = kRigidLeft * kContactMargin * body_.rest().spacing / dt_;
-      return moveByContact([&](const RigidContact &of) {
+      settings.leastSpeed = kRigidResidual * kContactMargin * body_.rest().spacing / dt_;
+      return applyContact([&](const RigidContact &of) {
         detail::solveContactImpulses(of.binding, of.inverseMasses, of.rigid, dt_, settings, body_.contact,
                                      of.velocities);
       });
@@ -286,10 +289,10 @@ void ExplicitSubstep::drift() {
   if (rigid_)
     clock.measure(kIntegrate, [&] {
       rigid_->advance(dt_);
-      rigid_->give();
+      rigid_->store();
     });
   // All of them: held phyxels are moved to their prescribed positions below.
-  else if (!together_)
+  else if (!isFused_)
     clock.measure(kIntegrate, [&] { parallelFor(n, kPhyxelGrain, std::cref(range)); });
   if (stages_.supports)
     clock.measure(kSupports, [&] {
@@ -320,7 +323,7 @@ void ExplicitSubstep::projectContactVelocities() {
   if (!stages_.contact) return;
   env_.clock->measure(kContact, [&] {
     if (rigid_)
-      moveByContact([&](const RigidContact &of) {
+      applyContact([&](const RigidContact &of) {
         detail::projectContactVelocities(of.binding, of.inverseMasses, of.rigid, body_.contact, of.velocities);
       });
     else

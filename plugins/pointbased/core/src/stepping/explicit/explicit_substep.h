@@ -44,15 +44,15 @@ class ExplicitSubstep {
     std::span<const RigidParticles> rigid;
     std::span<Vec3> velocities;
   };
-  template <class Move>
-  void moveByContact(const Move &move);
+  template <class Apply>
+  void applyContact(const Apply &apply);
 
   Body &body_;
   const Environment &env_;
   double time_, dt_;
   StepStages stages_;
   std::optional<RigidState> rigid_;
-  bool together_;  // nothing in between: the first half kick and the drift are one loop
+  bool isFused_;  // nothing in between: the first half kick and the drift are one loop
 };
 
 }  // namespace pointbased::detail

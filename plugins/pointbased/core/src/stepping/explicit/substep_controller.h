@@ -8,7 +8,7 @@
 
 namespace pointbased::detail {
 
-/// Successful steps after which a larger one is tried again, and during which a change counts as recent.
+/// Successful steps after which a larger one is tried, and during which a change counts as recent.
 inline constexpr std::uint64_t kPatience = 256;
 
 /// s: a free rigid body has no stable step, but its contacts are searched once per substep.
@@ -26,33 +26,33 @@ class SubstepController {
   /// @param dt  s, size of the new step
   void begin(double dt) {
     if (last_ > 0.0 && std::abs(dt - last_) > 1e-9 * last_) {
-      if (sinceChange_ < kPatience) restless_ = kPatience;
+      if (sinceChange_ < kPatience) unsteadySteps_ = kPatience;
       sinceChange_ = 0;
     } else {
       ++sinceChange_;
-      if (restless_ > 0) --restless_;
+      if (unsteadySteps_ > 0) --unsteadySteps_;
     }
     last_ = dt;
   }
 
   /// Factor of the usual substep: 1, less while the caller changes the step size back and forth.
-  [[nodiscard]] double stepSafety() const { return restless_ > 0 ? kRestless : 1.0; }
+  [[nodiscard]] double stepSafety() const { return unsteadySteps_ > 0 ? kUnsteadyFactor : 1.0; }
 
   /// Next substep, s, with `left` remaining of a step of dt: an even division of it, so that the last one is not a
   /// sliver.
   /// @param stable  s, upper limit
-  [[nodiscard]] double piece(double left, double dt, double stable) const {
+  [[nodiscard]] double nextSubstep(double left, double dt, double stable) const {
     const double present = std::ceil(left * pieces_ / dt * kRound);
     const double pieces =
-        piecesOf(left, kRoom * stable) <= present ? present : std::max(piecesOf(left, stable), present);
+        piecesOf(left, kTolerance * stable) <= present ? present : std::max(piecesOf(left, stable), present);
     if (!(pieces > 1.0)) return left;
     return pieces < 1e15 ? left / pieces : stable;
   }
 
   /// Number of pieces of a step of dt that `stable` requires: the previous number as long as it is sufficient.
-  [[nodiscard]] double needed(double dt, double stable) const {
+  [[nodiscard]] double requiredPieces(double dt, double stable) const {
     const double usual = piecesOf(dt, stable);
-    return usual > pieces_ && piecesOf(dt, kRoom * stable) <= pieces_ ? pieces_ : usual;
+    return usual > pieces_ && piecesOf(dt, kTolerance * stable) <= pieces_ ? pieces_ : usual;
   }
 
   /// Number of even pieces of a step, each at most `stable`.
@@ -61,34 +61,34 @@ class SubstepController {
   /// @param pieces  of dt that would have sufficed for the completed step
   void end(double pieces) {
     // Half as many pieces justify an earlier change.
-    if (pieces < pieces_ && ++fewerWouldDo_ < (2.0 * pieces <= pieces_ ? kPatience / 8 : kPatience)) return;
+    if (pieces < pieces_ && ++fewerSufficed_ < (2.0 * pieces <= pieces_ ? kPatience / 8 : kPatience)) return;
     pieces_ = pieces;
-    fewerWouldDo_ = 0;
+    fewerSufficed_ = 0;
   }
 
   /// Visits every number, for saved states.
   template <class Archive>
   void walk(Archive &archive) {
     archive(pieces_);
-    archive(fewerWouldDo_);
+    archive(fewerSufficed_);
     archive(last_);
     archive(sinceChange_);
-    archive(restless_);
+    archive(unsteadySteps_);
   }
 
  private:
-  static constexpr double kRestless = 0.25;
-  // Pieces may be longer than usual by this factor before there are more of them: 0.92 of the stable step instead of
+  static constexpr double kUnsteadyFactor = 0.25;
+  // Substeps may be longer than usual by this factor before their number increases: 0.92 of the stable step instead of
   // 0.8. Otherwise a step that is suitable at rest would be halved by every strain that stiffens the body by a per
   // cent.
-  static constexpr double kRoom = 1.15;
+  static constexpr double kTolerance = 1.15;
   static constexpr double kRound = 1.0 - 1e-9;  // rounding does not add a piece
 
-  double pieces_ = 1.0;             // of a step at present
-  std::uint64_t fewerWouldDo_ = 0;  // steps in a row
-  double last_ = 0.0;               // s
+  double pieces_ = 1.0;              // of a step at present
+  std::uint64_t fewerSufficed_ = 0;  // steps in a row
+  double last_ = 0.0;                // s
   // steps since the last change of their size, and remaining steps with smaller substeps
-  std::uint64_t sinceChange_ = kPatience, restless_ = 0;
+  std::uint64_t sinceChange_ = kPatience, unsteadySteps_ = 0;
 };
 
 }  // namespace pointbased::detail

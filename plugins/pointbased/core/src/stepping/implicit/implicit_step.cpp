@@ -23,7 +23,7 @@ class ImplicitStep {
     for (const StepPart &part : parts) parts_.emplace_back(part);
     if (!coupling_) return;
     pairsBefore_ = coupling_->contacts();
-    pairsPressed_ = coupling_->pressing();
+    pairsInContactBefore_ = coupling_->activeContacts();
     sumsBefore_ = coupling_->sums();
   }
 
@@ -44,13 +44,13 @@ class ImplicitStep {
   struct Part {
     explicit Part(const StepPart &part)
         : body(part.body), env(part.environment), u0(body->state().displacements), v0(body->state().velocities),
-          contactsBefore(body->contact.active), pressedBefore(pressingPoints(body->contact)), sums(body->contact.sums) {
-    }
+          contactsBefore(body->contact.active), pointsInContactBefore(pointsInContact(body->contact)),
+          sums(body->contact.sums) {}
     Body *body;
     const Environment *env;
     std::vector<Vec3> u0, v0;
     std::vector<Contact> contactsBefore;
-    std::vector<Index> pressedBefore;
+    std::vector<Index> pointsInContactBefore;
     ContactSums sums;  // of the earlier pieces of the step
     ImplicitStage stage;
   };
@@ -60,12 +60,12 @@ class ImplicitStep {
   }
 
   // @param weight  s, duration for which the contact forces of this stage count
-  void solveStage(double from, double weight, const std::function<bool()> &goesOn = {},
-                  std::span<const Vec3> offer = {}) {
+  void solveStage(double from, double weight, const std::function<bool()> &shouldFinish = {},
+                  std::span<const Vec3> initialGuess = {}) {
     const int iterations = result_.newton.iterations, linearIterations = result_.newton.linearIterations;
     std::vector<StageMember> members;
     for (const Part &part : parts_) members.push_back({part.body, part.env, &part.stage});
-    result_ = detail::solveStage(members, coupling_, solver_, {from, offer, {}, goesOn, weight});
+    result_ = detail::solveStage(members, coupling_, solver_, {from, initialGuess, {}, shouldFinish, weight});
     result_.newton.iterations += iterations;
     result_.newton.linearIterations += linearIterations;
     for (Part &part : parts_) addStageForces(weight, part.body->contact);
@@ -73,7 +73,7 @@ class ImplicitStep {
 
   // Both second-order schemes extrapolate the forces of a first stage. The forces of an impact do not persist, and
   // would throw the body back with more than its energy: such steps use backward Euler, an inelastic impact.
-  void backwardEulerInstead() {
+  void fallBackToBackwardEuler() {
     std::vector<Vec3> reached;
     for (Part &part : parts_) {
       State &state = part.body->state();
@@ -94,9 +94,9 @@ class ImplicitStep {
   void midpoint() {
     bool impact = false;
     for (Part &part : parts_) part.stage = {0.5 * dt_, time_ + 0.5 * dt_, 0.5 * dt_, part.u0, part.v0, 0.0, 0.5 * dt_};
-    solveStage(time_, dt_, [&] { return !(impact = presses()); });
-    if (result_.newton.good() && impact) return backwardEulerInstead();
-    bool meets = false;
+    solveStage(time_, dt_, [&] { return !(impact = hasContactForce()); });
+    if (result_.newton.good() && impact) return fallBackToBackwardEuler();
+    bool hasNewForce = false;
     for (Part &part : parts_) {
       State &state = part.body->state();
       for (std::size_t i = 0; i < part.u0.size(); ++i) {
@@ -105,10 +105,11 @@ class ImplicitStep {
         state.velocities[i] = 2.0 * (state.displacements[i] - part.u0[i]) / dt_ - part.v0[i];
       }
       // Contacts of the second half were not found at the midpoint.
-      meets = meets || (result_.newton.good() && stagesOf(*part.body, *part.env).contact &&
-                        findContactsAlong(*part.body, *part.env, part.u0, time_, dt_));
+      hasNewForce = hasNewForce || (result_.newton.good() && stagesOf(*part.body, *part.env).contact &&
+                                    findContactsAlong(*part.body, *part.env, part.u0, time_, dt_));
     }
-    if (meets || (result_.newton.good() && coupling_ && coupling_->meetsAlong(0.5 * dt_, dt_))) backwardEulerInstead();
+    if (hasNewForce || (result_.newton.good() && coupling_ && coupling_->hasContactAlong(0.5 * dt_, dt_)))
+      fallBackToBackwardEuler();
   }
 
   void sdirk() {
@@ -118,7 +119,7 @@ class ImplicitStep {
       part.stage = {gamma * dt_, time_ + gamma * dt_, gamma * dt_, part.u0, part.v0, 0.0, gamma * dt_, kErrorOfSdirk};
     solveStage(time_, (1.0 - gamma) * dt_, [&] { return !(impact = hasNewContact()); });
     if (!result_.newton.good()) return;
-    if (impact) return backwardEulerInstead();
+    if (impact) return fallBackToBackwardEuler();
     for (Part &part : parts_) {
       const State &state = part.body->state();
       for (std::size_t i = 0; i < part.u0.size(); ++i) {
@@ -133,31 +134,32 @@ class ImplicitStep {
     solveStage(time_ + gamma * dt_, gamma * dt_);
   }
 
-  [[nodiscard]] bool presses() const {
-    return (coupling_ && !coupling_->pressing().empty()) ||
+  [[nodiscard]] bool hasContactForce() const {
+    return (coupling_ && !coupling_->activeContacts().empty()) ||
            std::any_of(parts_.begin(), parts_.end(),
-                       [](const Part &part) { return !pressingPoints(part.body->contact).empty(); });
+                       [](const Part &part) { return !pointsInContact(part.body->contact).empty(); });
   }
 
   // A point is in contact that was not before, or is being moved out of an obstacle.
   [[nodiscard]] bool hasNewContact() const {
     for (const Part &part : parts_) {
-      const std::vector<Index> pressed = pressingPoints(part.body->contact);
-      const bool leadsOut = std::any_of(part.body->contact.active.begin(), part.body->contact.active.end(),
-                                        [](const Contact &c) { return c.initialPenetration > 0.0; });
-      if (leadsOut ||
-          !std::includes(part.pressedBefore.begin(), part.pressedBefore.end(), pressed.begin(), pressed.end()))
+      const std::vector<Index> inContact = pointsInContact(part.body->contact);
+      const bool hasPenetration = std::any_of(part.body->contact.active.begin(), part.body->contact.active.end(),
+                                              [](const Contact &c) { return c.initialPenetration > 0.0; });
+      if (hasPenetration || !std::includes(part.pointsInContactBefore.begin(), part.pointsInContactBefore.end(),
+                                           inContact.begin(), inContact.end()))
         return true;
     }
     if (!coupling_) return false;
-    const StageCoupling::Pressing pressed = coupling_->pressing();
-    return !std::includes(pairsPressed_.begin(), pairsPressed_.end(), pressed.begin(), pressed.end());
+    const StageCoupling::ActiveContacts inContact = coupling_->activeContacts();
+    return !std::includes(pairsInContactBefore_.begin(), pairsInContactBefore_.end(), inContact.begin(),
+                          inContact.end());
   }
 
   std::vector<Part> parts_;
   StageCoupling *coupling_;
   StageCoupling::Contacts pairsBefore_;
-  StageCoupling::Pressing pairsPressed_;
+  StageCoupling::ActiveContacts pairsInContactBefore_;
   std::vector<SkinPair::Sum> sumsBefore_;
   NewtonSolver &solver_;
   double time_, dt_;

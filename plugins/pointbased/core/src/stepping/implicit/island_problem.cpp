@@ -6,7 +6,7 @@
 namespace pointbased::detail {
 
 IslandProblem::IslandProblem(std::vector<StageProblem *> parts, StageCoupling &coupling)
-    : parts_(std::move(parts)), coupling_(coupling), mask_(coupling.phyxels(), 0), now_(coupling.phyxels()) {
+    : parts_(std::move(parts)), coupling_(coupling), mask_(coupling.phyxels(), 0), displacements_(coupling.phyxels()) {
   potentials_.assign(parts_.begin(), parts_.end());
   forParts([&](const StageProblem &part, std::size_t first, std::size_t) {
     std::copy(part.prescribed().begin(), part.prescribed().end(), mask_.begin() + static_cast<std::ptrdiff_t>(first));
@@ -14,7 +14,7 @@ IslandProblem::IslandProblem(std::vector<StageProblem *> parts, StageCoupling &c
 }
 
 bool IslandProblem::setState(std::span<const Vec3> u) {
-  std::copy(u.begin(), u.end(), now_.begin());
+  std::copy(u.begin(), u.end(), displacements_.begin());
   bool good = true;
   forParts(
       [&](StageProblem &part, std::size_t first, std::size_t n) { good = part.setState(u.subspan(first, n)) && good; });
@@ -22,7 +22,7 @@ bool IslandProblem::setState(std::span<const Vec3> u) {
 }
 
 double IslandProblem::energy() {
-  double sum = coupling_.energy(now_);
+  double sum = coupling_.energy(displacements_);
   for (StageProblem *part : parts_) sum += part->energy();
   return sum;
 }
@@ -35,8 +35,8 @@ double IslandProblem::roundOff() const {
 
 void IslandProblem::gradient(std::span<Vec3> out) {
   forParts([&](StageProblem &part, std::size_t first, std::size_t n) { part.gradient(out.subspan(first, n)); });
-  forces_.assign(now_.size(), Vec3::Zero());
-  coupling_.addForces(now_, forces_);
+  forces_.assign(displacements_.size(), Vec3::Zero());
+  coupling_.addForces(displacements_, forces_);
   for (std::size_t i = 0; i < out.size(); ++i) out[i] -= forces_[i];
 }
 
@@ -52,7 +52,7 @@ void IslandProblem::product(std::span<const Vec3> du, std::span<Vec3> out) {
   forParts([&](StageProblem &part, std::size_t first, std::size_t n) {
     part.product(du.subspan(first, n), out.subspan(first, n));
   });
-  coupling_.addProduct(now_, du, out);
+  coupling_.addProduct(displacements_, du, out);
 }
 
 void IslandProblem::diagonalBlocks(std::span<Mat3> out) {
@@ -61,12 +61,12 @@ void IslandProblem::diagonalBlocks(std::span<Mat3> out) {
     part.setCoupling({});
     part.diagonalBlocks(out.subspan(first, n));
   });
-  coupling_.addBlocks(now_, out);
+  coupling_.addBlocks(displacements_, out);
 }
 
 std::span<IncrementalPotential *const> IslandProblem::parts() {
-  blocks_.assign(now_.size(), Mat3::Zero());
-  coupling_.addBlocks(now_, blocks_);
+  blocks_.assign(displacements_.size(), Mat3::Zero());
+  coupling_.addBlocks(displacements_, blocks_);
   forParts([&](StageProblem &part, std::size_t first, std::size_t n) {
     part.setCoupling(std::span<const Mat3>(blocks_).subspan(first, n));
   });
@@ -84,8 +84,8 @@ bool IslandProblem::assemble(Eigen::SparseMatrix<double> &out) {
         triplets_.emplace_back(shift + static_cast<int>(entry.row()), shift + column, entry.value());
   });
   if (!good) return false;
-  coupling_.addTriplets(now_, triplets_);
-  const auto size = static_cast<Eigen::Index>(3 * now_.size());
+  coupling_.addTriplets(displacements_, triplets_);
+  const auto size = static_cast<Eigen::Index>(3 * displacements_.size());
   out.resize(size, size);
   out.setFromTriplets(triplets_.begin(), triplets_.end());
   return true;

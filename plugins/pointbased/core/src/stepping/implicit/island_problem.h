@@ -43,7 +43,7 @@ class IslandProblem final : public IncrementalPotential {
   std::vector<Mat3> blocks_;
   StageCoupling &coupling_;
   std::vector<std::uint8_t> mask_;
-  std::vector<Vec3> now_, forces_;
+  std::vector<Vec3> displacements_, forces_;
   Eigen::SparseMatrix<double> part_;
   std::vector<Eigen::Triplet<double>> triplets_;
 };

@@ -9,7 +9,7 @@ namespace pointbased::detail {
 namespace {
 
 // Spacings: no further contacts are expected this close to a path that has been searched.
-constexpr double kKnown = 0.05;
+constexpr double kSearchedDistance = 0.05;
 
 }  // namespace
 
@@ -43,7 +43,7 @@ bool StageCoupling::holds(const Body &body) const {
       const Attachment &of = joined.layer->settings();
       if (!(of.stiffness > 0.0 && of.tangential > 0.0)) continue;
       const bool first = held[joined.first] != 0,
-                 second = joined.second == JoinedLayer::kNobody || held[joined.second] != 0;
+                 second = joined.second == JoinedLayer::kNoBody || held[joined.second] != 0;
       if (first == second) continue;
       held[first ? joined.second : joined.first] = 1;
       more = true;
@@ -56,12 +56,12 @@ bool StageCoupling::holds(const Body &body) const {
 
 template <class T>
 std::span<T> StageCoupling::partOf(std::size_t body, std::span<T> of) const {
-  return body == JoinedLayer::kNobody ? std::span<T>() : of.subspan(members_[body].first, members_[body].count);
+  return body == JoinedLayer::kNoBody ? std::span<T>() : of.subspan(members_[body].first, members_[body].count);
 }
 
-AttachmentLayer::Sides StageCoupling::sidesOf(const JoinedLayer &layer, std::span<const Vec3> now) const {
+AttachmentLayer::AttachedState StageCoupling::attachedState(const JoinedLayer &layer, std::span<const Vec3> now) const {
   const auto stateOf = [&](std::size_t body) -> std::span<const Vec3> {
-    if (body == JoinedLayer::kNobody) return {};
+    if (body == JoinedLayer::kNoBody) return {};
     return members_[body].count > 0 ? partOf(body, now) : members_[body].body->state().displacements;
   };
   return {stateOf(layer.first), stateOf(layer.second), end_};
@@ -72,31 +72,31 @@ void StageCoupling::begin(std::span<const Vec3> start, double end, double span, 
   end_ = end;
   span_ = span;
   base_ = start_;
-  looked_.clear();
-  met_.clear();
-  placeOf_.resize(members_.size());
-  wayOf_.resize(members_.size());
+  searchEnd_.clear();
+  contactsOfPaths_.clear();
+  displacementsOf_.resize(members_.size());
+  velocitiesOf_.resize(members_.size());
   for (std::size_t k = 0; k < members_.size(); ++k) {
     const std::vector<Vec3> &u = members_[k].body->state().displacements;
-    placeOf_[k].assign(u.begin(), u.end());
-    wayOf_[k].assign(u.size(), Vec3::Zero());
+    displacementsOf_[k].assign(u.begin(), u.end());
+    velocitiesOf_[k].assign(u.size(), Vec3::Zero());
   }
-  for (const JoinedLayer &layer : layers_) (void)layer.layer->turn(sidesOf(layer, start));
-  again_ = false;
+  for (const JoinedLayer &layer : layers_) (void)layer.layer->updateNormals(attachedState(layer, start));
+  isRepeat_ = false;
   isStatic_ = isStatic;
 }
 
 void StageCoupling::find(std::span<const Vec3> now) {
   if (pairs_.empty()) return;
-  double off = std::numeric_limits<double>::infinity(), spacing = off;
+  double distance = std::numeric_limits<double>::infinity(), spacing = distance;
   for (const JoinedPair &joined : pairs_) spacing = std::min(spacing, joined.pair->spacing());
-  if (looked_.size() == now.size()) {
-    off = 0.0;
-    for (std::size_t i = 0; i < now.size(); ++i) off = std::max(off, (now[i] - looked_[i]).norm());
+  if (searchEnd_.size() == now.size()) {
+    distance = 0.0;
+    for (std::size_t i = 0; i < now.size(); ++i) distance = std::max(distance, (now[i] - searchEnd_[i]).norm());
   }
-  looked_.assign(now.begin(), now.end());
-  foundThere_ = off < kKnown * spacing;
-  if (!foundThere_) return findAlong(now);
+  searchEnd_.assign(now.begin(), now.end());
+  foundAtState_ = distance < kSearchedDistance * spacing;
+  if (!foundAtState_) return findAlong(now);
   base_.assign(now.begin(), now.end());
   findFromBase(0.0);
 }
@@ -106,32 +106,34 @@ void StageCoupling::findAlong(std::span<const Vec3> now) {
   const double dt = span_ > 0.0 ? span_ : 1.0;
   for (std::size_t k = 0; k < members_.size(); ++k)
     for (std::size_t i = 0; i < members_[k].count; ++i)
-      wayOf_[k][i] = (now[members_[k].first + i] - start_[members_[k].first + i]) / dt;
+      velocitiesOf_[k][i] = (now[members_[k].first + i] - start_[members_[k].first + i]) / dt;
   base_ = start_;
   findFromBase(dt);
   // Contacts of earlier paths are retained; otherwise two could alternate.
-  for (std::size_t p = 0; p < met_.size(); ++p) {
+  for (std::size_t p = 0; p < contactsOfPaths_.size(); ++p) {
     std::vector<SkinContact> &active = pairs_[p].pair->active();
     const auto byKey = [](const SkinContact &a, const SkinContact &b) { return a.key < b.key; };
     std::vector<SkinContact> all;
-    std::set_union(active.begin(), active.end(), met_[p].begin(), met_[p].end(), std::back_inserter(all), byKey);
+    std::set_union(active.begin(), active.end(), contactsOfPaths_[p].begin(), contactsOfPaths_[p].end(),
+                   std::back_inserter(all), byKey);
     active = std::move(all);
   }
-  if (!met_.empty()) gather();
-  met_ = contacts().ofPairs;
+  if (!contactsOfPaths_.empty()) gather();
+  contactsOfPaths_ = contacts().ofPairs;
 }
 
 void StageCoupling::findFromBase(double dt) {
   for (std::size_t k = 0; k < members_.size(); ++k)
-    std::copy_n(base_.begin() + static_cast<std::ptrdiff_t>(members_[k].first), members_[k].count, placeOf_[k].begin());
+    std::copy_n(base_.begin() + static_cast<std::ptrdiff_t>(members_[k].first), members_[k].count,
+                displacementsOf_[k].begin());
   for (const JoinedPair &joined : pairs_)
     for (const auto &[side, k] : {std::pair(std::size_t{0}, joined.first), std::pair(std::size_t{1}, joined.second)})
-      joined.pair->moving(side).move(placeOf_[k], wayOf_[k], members_[k].body->rest().maxInfluence, dt);
+      joined.pair->moving(side).move(displacementsOf_[k], velocitiesOf_[k], members_[k].body->rest().maxInfluence, dt);
   for (const JoinedPair &joined : pairs_) {
     joined.pair->setStepKind(isStatic_ ? SkinPair::StepKind::quasiStatic : SkinPair::StepKind::implicitStep);
-    joined.pair->find(dt, again_);
+    joined.pair->find(dt, isRepeat_);
   }
-  again_ = true;
+  isRepeat_ = true;
   gather();
 }
 
@@ -164,8 +166,8 @@ void StageCoupling::gather() {
 double StageCoupling::energy(std::span<const Vec3> now) const {
   double sum = touches() ? contactEnergy(joint_.rows(), joint_.state(), penalty(), start_, now) : 0.0;
   for (const JoinedLayer &layer : layers_) {
-    const AttachmentLayer::Sides sides = sidesOf(layer, now);
-    sum += layer.layer->energy(sides) - layer.layer->workOfTurning(sides.first);
+    const AttachmentLayer::AttachedState sides = attachedState(layer, now);
+    sum += layer.layer->energy(sides) - layer.layer->workOfRotationForces(sides.first);
   }
   return sum;
 }
@@ -173,7 +175,7 @@ double StageCoupling::energy(std::span<const Vec3> now) const {
 void StageCoupling::addForces(std::span<const Vec3> now, std::span<Vec3> forces) const {
   if (touches()) addContactForces(joint_.rows(), joint_.state(), penalty(), start_, now, forces);
   for (const JoinedLayer &layer : layers_)
-    layer.layer->addForces(sidesOf(layer, now), partOf(layer.first, forces), partOf(layer.second, forces));
+    layer.layer->addForces(attachedState(layer, now), partOf(layer.first, forces), partOf(layer.second, forces));
 }
 
 void StageCoupling::addProduct(std::span<const Vec3> now, std::span<const Vec3> du, std::span<Vec3> out) const {
@@ -193,7 +195,7 @@ void StageCoupling::addTriplets(std::span<const Vec3> now, std::vector<Eigen::Tr
   if (touches()) addContactTriplets(joint_.rows(), joint_.state(), penalty(), start_, now, out);
   for (const JoinedLayer &layer : layers_) {
     const auto rowOf = [&](std::size_t body) {
-      return body == JoinedLayer::kNobody || members_[body].count == 0 ? AttachmentLayer::kStands
+      return body == JoinedLayer::kNoBody || members_[body].count == 0 ? AttachmentLayer::kNoRows
                                                                        : members_[body].first;
     };
     layer.layer->addTriplets(rowOf(layer.first), rowOf(layer.second), out);
@@ -203,7 +205,7 @@ void StageCoupling::addTriplets(std::span<const Vec3> now, std::vector<Eigen::Tr
 void StageCoupling::updateNormalForces(std::span<const Vec3> now) {
   if (!touches()) return;
   pointbased::updateNormalForces(joint_.rows(), penalty(), start_, now, joint_.state());
-  joint_.giveBack(pairs_);
+  joint_.writeBack(pairs_);
 }
 
 void StageCoupling::contactForces(std::span<const Vec3> now, std::vector<Vec3> &out) const {
@@ -211,14 +213,14 @@ void StageCoupling::contactForces(std::span<const Vec3> now, std::vector<Vec3> &
   if (touches()) addContactForces(joint_.rows(), joint_.state(), penalty(), start_, now, out);
 }
 
-void StageCoupling::record(std::span<const Vec3> now) { contactForces(now, then_); }
+void StageCoupling::record(std::span<const Vec3> now) { contactForces(now, recorded_); }
 
 double StageCoupling::changeTo(std::span<const Vec3> now) {
-  contactForces(now, now_);
+  contactForces(now, present_);
   double change = 0.0, size = 0.0;
   for (std::size_t i = 0; i < count_; ++i) {
-    change += (now_[i] - then_[i]).norm();
-    size += now_[i].norm();
+    change += (present_[i] - recorded_[i]).norm();
+    size += present_[i].norm();
   }
   if (change == 0.0) return 0.0;
   return size > 0.0 ? change / size : std::numeric_limits<double>::infinity();
@@ -228,15 +230,15 @@ void StageCoupling::finish(std::span<const Vec3> now, double weight) {
   if (touches()) {
     const ContactPoints &rows = joint_.rows();
     for (Contact &contact : joint_.state().active) {
-      const ContactForce pull = contactForceAt(rows, contact, penalty(), start_, now);
-      contact.normalForce = pull.normal;
-      contact.normalImpulse = weight * pull.normal;
-      contact.frictionImpulse = weight * pull.friction;
+      const ContactForce force = contactForceAt(rows, contact, penalty(), start_, now);
+      contact.normalForce = force.normal;
+      contact.normalImpulse = weight * force.normal;
+      contact.frictionImpulse = weight * force.friction;
       contact.projectionImpulse = 0.0;
       contact.projectionFriction = Vec3::Zero();
     }
     endContactStage(rows, penalty(), start_, now, joint_.state());
-    joint_.giveBack(pairs_);
+    joint_.writeBack(pairs_);
   }
   for (const JoinedPair &joined : pairs_) joined.pair->addToSum(weight);
 }
@@ -263,19 +265,20 @@ void StageCoupling::setSums(const std::vector<SkinPair::Sum> &sums) {
   for (std::size_t p = 0; p < pairs_.size(); ++p) pairs_[p].pair->setSum(sums[p]);
 }
 
-bool StageCoupling::meetsAlong(double known, double to) const {
+bool StageCoupling::hasContactAlong(double known, double to) const {
   if (!touches()) return false;
   std::vector<Vec3> on(start_);
   for (std::size_t k = 0; k < members_.size(); ++k)
-    for (std::size_t i = 0; i < members_[k].count; ++i) on[members_[k].first + i] += to / known * span_ * wayOf_[k][i];
-  const auto presses = [&](const Contact &contact) {
+    for (std::size_t i = 0; i < members_[k].count; ++i)
+      on[members_[k].first + i] += to / known * span_ * velocitiesOf_[k][i];
+  const auto hasContactForce = [&](const Contact &contact) {
     return contactForceAt(joint_.rows(), contact, penalty(), start_, on).normal > 0.0;
   };
-  return std::any_of(joint_.state().active.begin(), joint_.state().active.end(), presses);
+  return std::any_of(joint_.state().active.begin(), joint_.state().active.end(), hasContactForce);
 }
 
-StageCoupling::Pressing StageCoupling::pressing() const {
-  Pressing out;
+StageCoupling::ActiveContacts StageCoupling::activeContacts() const {
+  ActiveContacts out;
   for (std::size_t p = 0; p < pairs_.size(); ++p)
     for (const SkinContact &contact : pairs_[p].pair->active())
       if (contact.normalForce > 0.0) out.emplace_back(p, contact.key);

@@ -27,7 +27,7 @@ class StageCoupling {
   /// nearly known, uses the contacts at `now` itself, which follow curved surfaces.
   void find(std::span<const Vec3> now);
   /// Whether find() has searched at `now` itself.
-  [[nodiscard]] bool isFoundThere() const { return foundThere_; }
+  [[nodiscard]] bool isFoundAtState() const { return foundAtState_; }
   [[nodiscard]] bool touches() const { return !joint_.empty(); }
   [[nodiscard]] bool hasPairs() const { return !pairs_.empty(); }
   [[nodiscard]] std::size_t contactCount() const { return joint_.state().active.size(); }
@@ -56,8 +56,8 @@ class StageCoupling {
   [[nodiscard]] Contacts contacts() const;
   void setContacts(const Contacts &contacts);
   /// Pairs and keys of contacts with a contact force, ascending.
-  using Pressing = std::vector<std::pair<std::size_t, std::uint64_t>>;
-  [[nodiscard]] Pressing pressing() const;
+  using ActiveContacts = std::vector<std::pair<std::size_t, std::uint64_t>>;
+  [[nodiscard]] ActiveContacts activeContacts() const;
   /// Sums over this step so far, of every pair.
   [[nodiscard]] std::vector<SkinPair::Sum> sums() const;
   void setSums(const std::vector<SkinPair::Sum> &sums);
@@ -66,11 +66,11 @@ class StageCoupling {
   }
   /// Whether a contact of the last stage has a normal force if the motion continues uniformly.
   /// @param known, to  s, from the beginning of the stage: its end, and the end of the continuation
-  [[nodiscard]] bool meetsAlong(double known, double to) const;
+  [[nodiscard]] bool hasContactAlong(double known, double to) const;
 
  private:
   /// Static bodies are included in their present state.
-  [[nodiscard]] AttachmentLayer::Sides sidesOf(const JoinedLayer &layer, std::span<const Vec3> now) const;
+  [[nodiscard]] AttachmentLayer::AttachedState attachedState(const JoinedLayer &layer, std::span<const Vec3> now) const;
   template <class T>
   [[nodiscard]] std::span<T> partOf(std::size_t body, std::span<T> of) const;
   [[nodiscard]] ContactPenalty penalty() const { return {0.0, {}, 0.0, span_}; }
@@ -89,12 +89,12 @@ class StageCoupling {
   std::span<const JoinedLayer> layers_;
   JointContact joint_;
   double end_ = 0.0, span_ = 0.0;
-  bool again_ = false, isStatic_ = false, foundThere_ = true;
-  std::vector<Vec3> start_, base_;                  // m; base_: displacements for which gaps were measured
-  std::vector<Vec3> looked_;                        // m: end of the path that was searched last
-  std::vector<std::vector<SkinContact>> met_;       // [pairs] found on the paths of this stage
-  std::vector<std::vector<Vec3>> placeOf_, wayOf_;  // [members] m, m/s: referenced by their skins
-  std::vector<Vec3> then_, now_;                    // [phyxels] N
+  bool isRepeat_ = false, isStatic_ = false, foundAtState_ = true;
+  std::vector<Vec3> start_, base_;                         // m; base_: displacements for which gaps were measured
+  std::vector<Vec3> searchEnd_;                            // m: end of the path that was searched last
+  std::vector<std::vector<SkinContact>> contactsOfPaths_;  // [pairs] found on the paths of this stage
+  std::vector<std::vector<Vec3>> displacementsOf_, velocitiesOf_;  // [members] m, m/s: referenced by their skins
+  std::vector<Vec3> recorded_, present_;                           // [phyxels] N
 };
 
 }  // namespace pointbased::detail

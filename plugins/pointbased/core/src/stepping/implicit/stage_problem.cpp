@@ -43,22 +43,23 @@ StageProblem::StageProblem(Body &body, const Environment &env, const ImplicitSta
   damping_ = stage.h > 0.0 ? env.damping / stage.h : 0.0;
   const StepStages stages = stagesOf(body, env);
   const BoundaryConditions &conditions = body.rest().conditions;
-  dead_.assign(n_, Vec3::Zero());
+  deadLoads_.assign(n_, Vec3::Zero());
   for (std::size_t l = 0; l < conditions.loads.size(); ++l) {
     const Load &load = conditions.loads[l];
     if (load.pressure != 0.0 && load.follower)
       followers_ = true;
     else
-      addLoadForces(load, conditions.loaded[l], body.factor(load.ramp, stage.end), body.state().displacements, dead_);
+      addLoadForces(load, conditions.loaded[l], body.factor(load.ramp, stage.end), body.state().displacements,
+                    deadLoads_);
   }
-  for (std::size_t i = 0; i < n_; ++i) dead_[i] += body.weights()[i] * env.gravity;
+  for (std::size_t i = 0; i < n_; ++i) deadLoads_[i] += body.weights()[i] * env.gravity;
   const double share = body.factor(0.0, stage.end);
-  for (std::size_t i = 0; i < body.externalForces().size(); ++i) dead_[i] += share * body.externalForces()[i];
+  for (std::size_t i = 0; i < body.externalForces().size(); ++i) deadLoads_[i] += share * body.externalForces()[i];
   if (stages.grabs && stage.h > 0.0) {
     // Grab springs are evaluated at the beginning of the stage, soft enough to be stable despite this delay.
     std::fill(body.forces().begin(), body.forces().end(), Vec3::Zero());
     applyGrabs(body, 0.3 / stage.h);
-    for (std::size_t i = 0; i < n_; ++i) dead_[i] += body.forces()[i];
+    for (std::size_t i = 0; i < n_; ++i) deadLoads_[i] += body.forces()[i];
     body.forcesCurrent = false;
   }
   const Constitution &c = body.constitution();
@@ -104,7 +105,7 @@ double StageProblem::energy() {
              0.5 * damping_ * m * (u - stage_.p[i]).squaredNorm();
     else if (a_ > 0.0)
       sum += 0.5 * a_ * m * (u - start_[i]).squaredNorm();
-    sum -= dead_[i].dot(u);
+    sum -= deadLoads_[i].dot(u);
   }
   const ElasticEnergy elastic = body_.elasticEnergy(*env_.parallelFor);
   sum += elastic.strain + elastic.stabilisation;
@@ -128,7 +129,7 @@ bool StageProblem::movesFreely() const {
   return stage_.h > 0.0 && !touches && !followers_ && !body_.held() && !body_.foundation().acts();
 }
 
-Vec3 StageProblem::wayToMomentum() {
+Vec3 StageProblem::translationToMomentum() {
   std::vector<Vec3> residual(n_);
   gradient(residual);
   Vec3 sum = Vec3::Zero();
@@ -163,7 +164,7 @@ void StageProblem::gradient(std::span<Vec3> out) {
                            *env_.parallelFor);
   for (std::size_t i = 0; i < n_; ++i) {
     const double m = body_.masses()[i];
-    Vec3 g = -forces_[i] - dead_[i] - work_[i];
+    Vec3 g = -forces_[i] - deadLoads_[i] - work_[i];
     if (stage_.h > 0.0)
       g += a_ * m * (state.displacements[i] - stage_.p[i] - stage_.h * stage_.q[i]) +
            damping_ * m * (state.displacements[i] - stage_.p[i]);

@@ -44,7 +44,7 @@ class StageProblem final : public IncrementalPotential {
   /// True for a time stage of a body without forces that depend on its position.
   [[nodiscard]] bool movesFreely() const;
   /// m: translation after which the momentum of the body is that of its loads, up to round-off; only if movesFreely().
-  [[nodiscard]] Vec3 wayToMomentum();
+  [[nodiscard]] Vec3 translationToMomentum();
   // The Hessian is at least that of inertia unless the body is crushed.
   [[nodiscard]] double reach(std::span<const Vec3> gradient) const override;
   void product(std::span<const Vec3> du, std::span<Vec3> out) override;
@@ -84,7 +84,7 @@ class StageProblem final : public IncrementalPotential {
   double a_ = 0.0, damping_ = 0.0;
   bool followers_ = false, dissipative_ = false, contact_ = false, workCurrent_ = false;
   bool vectorised_ = false, linearised_ = false;
-  std::vector<Vec3> dead_, work_, start_, forces_, displacementOfStage_;
+  std::vector<Vec3> deadLoads_, work_, start_, forces_, displacementOfStage_;
   std::vector<Vec3> reference_, referenceWork_;
   double referenceEnergy_ = 0.0, roundOff_ = 0.0;
   ContactPenalty penalty_;

@@ -18,16 +18,17 @@ constexpr int kRoundsOfBodies = 8;                  // same, if the surfaces mov
 constexpr double kConfirmingOfDisplacements = 0.1;  // for steps in which only displacements have to be accurate
 constexpr double kLoosestOfDisplacements = 0.3;
 constexpr double kLargestTolerance = 0.1;  // spacings: displacements in an impact may be metres
-constexpr double kRough = 100.0;           // tolerances within which a solution is sufficient to determine the contacts
-// change of the contact forces that is left to the next stage, relative to all contact forces
-constexpr double kSettled = 1e-2;
-// Spacings: largest depth of a contact point of a fast body behind an obstacle at the end of a time stage. Beyond it the
-// stage is solved again with a contact that is stiffer by kStiffer, at most kTimesStiffer times. A decelerated body of
-// height H penetrates by rho H |dv/dt| d/(30 E): 9 mm at 300 m/s in steps of 1/60 s, for 60 mm of 50 kPa.
-constexpr double kDeepest = 0.1, kStiffer = 30.0;
-constexpr int kTimesStiffer = 2;
+constexpr double kRoughTolerance = 100.0;  // tolerances within which a solution is sufficient to determine the contacts
+// change of the contact forces that is accepted, relative to all contact forces
+constexpr double kForceTolerance = 1e-2;
+// Spacings: largest depth of a contact point of a fast body behind an obstacle at the end of a time stage. Beyond it
+// the stage is solved again with a contact that is stiffer by kStiffnessFactor, at most kMaxStiffenings times. A
+// decelerated body of height H penetrates by rho H |dv/dt| d/(30 E): 9 mm at 300 m/s in steps of 1/60 s, for 60 mm of
+// 50 kPa.
+constexpr double kMaxDepth = 0.1, kStiffnessFactor = 30.0;
+constexpr int kMaxStiffenings = 2;
 // Speed of a fast body, in speeds of pressure waves: an impact rho c v at this speed penetrates about 0.06 spacings.
-constexpr double kFast = 0.5;
+constexpr double kFastFraction = 0.5;
 
 void addWork(const NewtonResult &solved, NewtonResult &sum) {
   const int iterations = sum.iterations, linear = sum.linearIterations, factorisations = sum.factorisations;
@@ -39,21 +40,22 @@ void addWork(const NewtonResult &solved, NewtonResult &sum) {
 
 // Start of the solution of a stage: of the free motion and the other candidates the state of lowest energy. Free motion
 // deep into an obstacle is a poor start.
-std::vector<Vec3> beginningOf(IncrementalPotential &problem, const std::vector<std::vector<Vec3>> &offers) {
+std::vector<Vec3> bestGuess(IncrementalPotential &problem, const std::vector<std::vector<Vec3>> &guesses) {
   std::size_t best = 0;
   double lowest = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < offers.size() && offers.size() > 1; ++k) {
-    const double energy = problem.setState(offers[k]) ? problem.energy() : std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < guesses.size() && guesses.size() > 1; ++k) {
+    const double energy = problem.setState(guesses[k]) ? problem.energy() : std::numeric_limits<double>::infinity();
     if (!(energy < lowest)) continue;
     lowest = energy;
     best = k;
   }
-  return offers[best];
+  return guesses[best];
 }
 
 // End of a stage with inertia, gravity and damping only: for a falling body the solution.
-void fallFreely(const Body &body, const Environment &env, const ImplicitStage &stage, bool isAlone, std::span<Vec3> u) {
-  const bool falls = isAlone && !body.held() && pressingPoints(body.contact).empty();
+void predictFreeMotion(const Body &body, const Environment &env, const ImplicitStage &stage, bool isAlone,
+                       std::span<Vec3> u) {
+  const bool falls = isAlone && !body.held() && pointsInContact(body.contact).empty();
   const Vec3 gained = falls ? Vec3(stage.h * stage.h * env.gravity) : Vec3(Vec3::Zero());
   const double slower = falls ? 1.0 / (1.0 + env.damping * stage.h) : 1.0;
   for (std::size_t i = 0; i < u.size(); ++i) u[i] = stage.p[i] + slower * (stage.h * stage.q[i] + gained);
@@ -72,20 +74,20 @@ class StageSolution {
     }
     u_ = start_;
     settings_ = newtonSettings(*members.front().body, *members.front().environment, isStatic());
-    for (const StageMember &member : members) tighten(member);
+    for (const StageMember &member : members) applySettingsOf(member);
     if (coupling_) {
       coupling_->begin(start_, stage().end, stage().contactSpan, isStatic());
       coupling_->find(start_);
     }
     const bool isAlone = !coupling_ || !coupling_->acts();
     for (Part &part : parts_) {
-      if (!isStatic()) fallFreely(*part.body, *part.env, *part.stage, isAlone, of(part, u_));
+      if (!isStatic()) predictFreeMotion(*part.body, *part.env, *part.stage, isAlone, of(part, u_));
       // Held phyxels and the phyxels that they carry start at their prescribed positions.
       part.body->placeHeld(part.stage->end, false);
       const std::vector<Vec3> &placed = part.body->state().displacements;
       placed_.insert(placed_.end(), placed.begin(), placed.end());
     }
-    hold(u_);
+    applySupports(u_);
     std::vector<StageProblem *> problems;
     for (Part &part : parts_) problems.push_back(&part.problem);
     if (coupling_) island_.emplace(std::move(problems), *coupling_);
@@ -98,8 +100,8 @@ class StageSolution {
       begin();
       complete = solveContacts();
       if (complete) passes = passage();
-      for (int n = 0; n < kTimesStiffer && complete && !passes.empty(); ++n) {
-        for (Part &part : parts_) part.problem.penalty().stiffness *= kStiffer;
+      for (int n = 0; n < kMaxStiffenings && complete && !passes.empty(); ++n) {
+        for (Part &part : parts_) part.problem.penalty().stiffness *= kStiffnessFactor;
         solution_.clear();
         complete = solveContacts();
         // If there is no solution with a stiffer contact, it still passes through.
@@ -110,12 +112,12 @@ class StageSolution {
         passes.clear();
       if (!passes.empty()) result_.outcome = NewtonOutcome::iterationLimit;
     } else {
-      (void)newton([&](const NewtonResult &) { return wanted(); });
+      (void)newton([&](const NewtonResult &) { return isWanted(); });
     }
     // Also for an abandoned stage: another scheme may start where this one ended.
     (void)problem().setState(u_);
     if (StageProblem &first = parts_.front().problem; result_.good() && !coupling_ && first.movesFreely()) {
-      const Vec3 left = first.wayToMomentum();
+      const Vec3 left = first.translationToMomentum();
       for (Vec3 &u : u_) u += left;
       (void)first.setState(u_);
     }
@@ -164,11 +166,11 @@ class StageSolution {
     return (coupling_ && coupling_->hasPairs()) ||
            std::any_of(parts_.begin(), parts_.end(), [](const Part &part) { return part.touches; });
   }
-  [[nodiscard]] bool wanted() const { return !request_.shouldContinue || request_.shouldContinue(); }
-  [[nodiscard]] bool goesOn() const { return !request_.goesOn || request_.goesOn(); }
+  [[nodiscard]] bool isWanted() const { return !request_.shouldContinue || request_.shouldContinue(); }
+  [[nodiscard]] bool shouldFinish() const { return !request_.shouldFinish || request_.shouldFinish(); }
 
   // Settings suitable for all members.
-  void tighten(const StageMember &member) {
+  void applySettingsOf(const StageMember &member) {
     const Environment &env = *member.environment;
     const NewtonSettings own = newtonSettings(*member.body, env, isStatic());
     settings_.toleranceDisplacement = std::min(settings_.toleranceDisplacement, own.toleranceDisplacement);
@@ -189,7 +191,7 @@ class StageSolution {
     settings_.loosestTolerance = 0.0;
   }
 
-  void hold(std::vector<Vec3> &at) const {
+  void applySupports(std::vector<Vec3> &at) const {
     for (const Part &part : parts_) {
       const std::span<const std::uint8_t> mask = part.body->heldMask();
       for (std::size_t i = 0; i < mask.size(); ++i)
@@ -197,7 +199,7 @@ class StageSolution {
     }
   }
 
-  void findContactsOfWay() {
+  void findContactsOnPath() {
     for (Part &part : parts_) {
       if (!part.touches) continue;
       Body &body = *part.body;
@@ -244,17 +246,17 @@ class StageSolution {
     return change;
   }
 
-  struct Known {
+  struct SavedContacts {
     std::vector<std::vector<Contact>> ofParts;
     StageCoupling::Contacts ofPairs;
   };
-  [[nodiscard]] Known known() const {
-    Known out;
+  [[nodiscard]] SavedContacts saveContacts() const {
+    SavedContacts out;
     for (const Part &part : parts_) out.ofParts.push_back(part.body->contact.active);
     if (coupling_) out.ofPairs = coupling_->contacts();
     return out;
   }
-  void goBackTo(const Known &known) {
+  void restoreContacts(const SavedContacts &known) {
     for (std::size_t k = 0; k < parts_.size(); ++k) parts_[k].body->contact.active = known.ofParts[k];
     if (coupling_) coupling_->setContacts(known.ofPairs);
   }
@@ -266,12 +268,13 @@ class StageSolution {
 
   void begin() {
     freeMotion_ = u_;
-    findContactsOfWay();
+    findContactsOnPath();
     if (isStatic() || contactCount() == 0) return;
-    std::vector<std::vector<Vec3>> offers{u_, start_};
-    if (!request_.offer.empty()) offers.emplace_back(request_.offer.begin(), request_.offer.end());
-    for (std::vector<Vec3> &at : offers) hold(at);
-    u_ = beginningOf(problem(), offers);
+    std::vector<std::vector<Vec3>> guesses{u_, start_};
+    if (!request_.initialGuess.empty())
+      guesses.emplace_back(request_.initialGuess.begin(), request_.initialGuess.end());
+    for (std::vector<Vec3> &at : guesses) applySupports(at);
+    u_ = bestGuess(problem(), guesses);
   }
 
   // Whether the approach speed of the body and an obstacle that it touches exceeds a fraction of its slowest waves.
@@ -284,7 +287,7 @@ class StageSolution {
     const std::span<const Vec3> from = of(part, start_), to = of(part, freeMotion_);
     for (std::size_t i = 0; i < to.size(); ++i) travel = std::max(travel, (to[i] - from[i]).norm());
     for (const Contact &c : part.body->contact.active) surface = std::max(surface, c.surfaceVelocity.norm());
-    return travel / span + surface > kFast * slowest;
+    return travel / span + surface > kFastFraction * slowest;
   }
 
   // Description of the obstacle that the solution of a fast body passes through: contact points are behind its surface
@@ -293,7 +296,7 @@ class StageSolution {
     if (isStatic() || !result_.good()) return {};
     for (Part &part : parts_) {
       if (!part.touches || !isFast(part)) continue;
-      double deepest = kDeepest * part.body->rest().spacing;
+      double deepest = kMaxDepth * part.body->rest().spacing;
       std::optional<Index> passed;
       for (Contact contact : part.body->contact.active) {
         contact.stiffness = 1.0;  // N/m: the force in N is the depth in m
@@ -312,7 +315,7 @@ class StageSolution {
     return {};
   }
 
-  // @return  false: abandoned, because request_.goesOn() has returned false
+  // @return  false: abandoned, because request_.shouldFinish() has returned false
   bool solveContacts() {
     for (int round = 0; round < (coupling_ ? kRoundsOfBodies : kContactRounds); ++round) {
       const Round outcome = solveRound(round);
@@ -330,38 +333,39 @@ class StageSolution {
   Round solveRound(int round) {
     // Before the iterations have converged, checks whether friction has changed with the present contact forces, or
     // whether the stage is to be abandoned: further iterations would be wasted.
-    bool asked = restarted_ || round > 0, enough = false;
-    const auto look = [&](const NewtonResult &r) {
-      if (!wanted()) return false;
-      if (asked || r.iterations == 0 || r.lastStep > kRough * settings_.toleranceDisplacement) return true;
-      asked = true;
-      const Known before = known();
+    bool hasChecked = restarted_ || round > 0, isAbandoned = false;
+    const auto checkContacts = [&](const NewtonResult &r) {
+      if (!isWanted()) return false;
+      if (hasChecked || r.iterations == 0 || r.lastStep > kRoughTolerance * settings_.toleranceDisplacement)
+        return true;
+      hasChecked = true;
+      const SavedContacts before = saveContacts();
       recordForces();
       updateFriction();
-      enough = !goesOn() || changeOfForces() > kSettled;
-      if (!enough) goBackTo(before);
-      return !enough;
+      isAbandoned = !shouldFinish() || changeOfForces() > kForceTolerance;
+      if (!isAbandoned) restoreContacts(before);
+      return !isAbandoned;
     };
     const std::size_t before = contactCount();
-    if (!newton(look) && !enough) return afterFailure();
-    if (!enough) solution_ = u_;
+    if (!newton(checkContacts) && !isAbandoned) return afterFailure();
+    if (!isAbandoned) solution_ = u_;
     result_.outcome = NewtonOutcome::converged;
     // With the contact planes that the solution meets, and friction from its normal forces, the contact forces must
     // agree with those of the solution; otherwise it is solved again with the new ones.
-    if (!enough) recordForces();
+    if (!isAbandoned) recordForces();
     updateFriction();
-    findContactsOfWay();
+    findContactsOnPath();
     updateFriction();
-    if (!goesOn()) return Round::abortedSteps;
-    if (enough) return Round::again;
+    if (!shouldFinish()) return Round::abortedSteps;
+    if (isAbandoned) return Round::again;
     double change = changeOfForces();
-    if (coupling_ && change <= kSettled && !coupling_->isFoundThere()) {
+    if (coupling_ && change <= kForceTolerance && !coupling_->isFoundAtState()) {
       coupling_->find(u_);
       updateFriction();
       change = changeOfForces();
     }
-    const bool settled = change <= kSettled || (!coupling_ && round > 0 && contactCount() == before);
-    return settled ? Round::done : Round::again;
+    const bool hasConverged = change <= kForceTolerance || (!coupling_ && round > 0 && contactCount() == before);
+    return hasConverged ? Round::done : Round::again;
   }
 
   Round afterFailure() {
@@ -414,7 +418,7 @@ std::string failureOf(const NewtonResult &result) {
          " mm)";
 }
 
-std::vector<Index> pressingPoints(const ContactState &contact) {
+std::vector<Index> pointsInContact(const ContactState &contact) {
   std::vector<Index> points;
   for (const Contact &c : contact.active)
     if (c.normalForce > 0.0 && (points.empty() || points.back() != c.point)) points.push_back(c.point);
@@ -439,14 +443,14 @@ bool findContactsAlong(Body &body, const Environment &env, std::span<const Vec3>
     state.velocities[i] = (u[i] - start[i]) / dt;
     state.displacements[i] = start[i];
   }
-  const std::span<const Vec3> ways = body.contactVelocities(*env.parallelFor);
+  const std::span<const Vec3> velocities = body.contactVelocities(*env.parallelFor);
   findContacts(env.obstacles, env.box, time, dt, kContactMargin * body.rest().spacing,
-               body.contactPositions(*env.parallelFor), ways, body.rest().contact.radii, body.contact,
+               body.contactPositions(*env.parallelFor), velocities, body.rest().contact.radii, body.contact,
                *env.parallelFor);
   state.displacements = u;
   state.velocities = v;
   return std::any_of(body.contact.active.begin(), body.contact.active.end(), [&](const Contact &c) {
-    return c.gap + dt * (ways[c.point] - c.surfaceVelocity).dot(c.normal) < 0.0;
+    return c.gap + dt * (velocities[c.point] - c.surfaceVelocity).dot(c.normal) < 0.0;
   });
 }
 

@@ -13,14 +13,14 @@ inline constexpr double kContactMargin = 0.02;  ///< spacings
 /// Why there is no solution, as text; empty: there is one.
 [[nodiscard]] std::string failureOf(const NewtonResult &result);
 /// Contact points with a contact force, ascending.
-[[nodiscard]] std::vector<Index> pressingPoints(const ContactState &contact);
+[[nodiscard]] std::vector<Index> pointsInContact(const ContactState &contact);
 
 struct StageRequest {
-  double from = 0.0;                     ///< s, or load factor, for which contact planes are searched
-  std::span<const Vec3> offer = {};      ///< m, or empty: displacements from which the solution may start
-  std::function<bool()> shouldContinue;  ///< called in every iteration; false: cancelled
-  std::function<bool()> goesOn;          ///< called when the contacts are nearly known; false: abandoned unfinished
-  double weight = 0.0;                   ///< s, or load factor: duration of the forces between bodies
+  double from = 0.0;                        ///< s, or load factor, for which contact planes are searched
+  std::span<const Vec3> initialGuess = {};  ///< m, or empty: displacements from which the solution may start
+  std::function<bool()> shouldContinue;     ///< called in every iteration; false: cancelled
+  std::function<bool()> shouldFinish;       ///< called when the contacts are nearly known; false: abandoned unfinished
+  double weight = 0.0;                      ///< s, or load factor: duration of the forces between bodies
 };
 
 struct StageResult {

@@ -19,7 +19,7 @@ constexpr double kCrushedScale = 1.0 / 4;    // same for a crushed body, for whi
 
 }  // namespace
 
-std::uint64_t BodyStepper::mostSubsteps() const {
+std::uint64_t BodyStepper::maxSubsteps() const {
   const double points = static_cast<double>(std::max<std::size_t>(1, body_->rest().pointCount()));
   return static_cast<std::uint64_t>(
       std::clamp(kMaxWork / points, static_cast<double>(kMinSubsteps), static_cast<double>(kMaxSubsteps)));
@@ -40,9 +40,9 @@ Integrator BodyStepper::integratorIn(const WorldSettings &world) const {
 
 void BodyStepper::wake() {
   asleep_ = false;
-  watch_.forget();
+  sleepDetector_.clear();
   body_->forcesCurrent = false;
-  forgetEnergy();
+  clearEnergyCheckpoint();
 }
 
 bool BodyStepper::remainsAsleep(const StepContext &context, double span) {
@@ -56,14 +56,14 @@ bool BodyStepper::remainsAsleep(const StepContext &context, double span) {
   return false;
 }
 
-bool BodyStepper::isStill(const StepContext &context, double span) {
+bool BodyStepper::isAtRest(const StepContext &context, double span) {
   if (!context.world.sleep || stopped() || isDriven(*body_, context.environment.obstacles, context.time, span)) {
-    watch_.forget();
+    sleepDetector_.clear();
     return false;
   }
   const double tolerance =
       context.world.tolerance > 0.0 ? context.world.tolerance : SleepDetector::kTolerance * body_->rest().spacing;
-  return watch_.look(*body_, tolerance, span);
+  return sleepDetector_.update(*body_, tolerance, span);
 }
 
 void BodyStepper::fallAsleep() {
@@ -73,7 +73,7 @@ void BodyStepper::fallAsleep() {
   body_->keepState();
 }
 
-void BodyStepper::forget() {
+void BodyStepper::invalidate() {
   wake();
   ++changes_;
   solver_.forget();
@@ -81,19 +81,19 @@ void BodyStepper::forget() {
 
 void BodyStepper::reset() {
   body_->reset();
-  forget();
+  invalidate();
   substeps_ = SubstepController();
   scale_ = 1.0;
   goodSteps_ = 0;
-  mostSubsteps_ = 1;
+  maxReportedSubsteps_ = 1;
   integratorReported_ = sharedReported_ = false;
-  shared_.reset();
+  sharedIntegrator_.reset();
   slowReported_ = false;
 }
 
 bool BodyStepper::restore(const Checkpoint &checkpoint, const ParallelFor &parallelFor) {
   if (!body_->restore(checkpoint.body, parallelFor)) return false;
-  forget();
+  invalidate();
   substeps_ = checkpoint.substeps;
   scale_ = checkpoint.scale;
   goodSteps_ = checkpoint.goodSteps;
@@ -141,7 +141,7 @@ std::string BodyStepper::suggestAffordableStep(const StepContext &context, doubl
 
 void BodyStepper::beginAdvance(const StepContext &context) {
   ++changes_;
-  if (context.environment.stop != nullptr) activeStep_ = Start{substeps_, {}};
+  if (context.environment.stop != nullptr) activeStep_ = StepStart{substeps_, {}};
   substeps_.begin(context.dt);
 }
 
@@ -153,8 +153,8 @@ double BodyStepper::advance(const StepContext &context, double span) {
   }
   beginAdvance(context);
   reportIntegrator(context);
-  const double advanced = tryToAdvance(context, span, mostSubsteps());
-  if (isStill(context, advanced)) fallAsleep();
+  const double advanced = tryToAdvance(context, span, maxSubsteps());
+  if (isAtRest(context, advanced)) fallAsleep();
   return advanced;
 }
 
@@ -167,25 +167,26 @@ void BodyStepper::advanceAgain(const StepContext &context, double span) {
 std::optional<QuickCheckResult> BodyStepper::checkpointIfValid(const StepContext &context) {
   Body &body = *body_;
   // Invalid external changes are detected before the state is stored for undoing.
-  QuickCheckResult glance;
-  context.environment.clock->measure(kGuard, [&] { glance = quickCheck(body); });
-  if (!glance.finite) {
+  QuickCheckResult check;
+  context.environment.clock->measure(kGuard, [&] { check = quickCheck(body); });
+  if (!check.finite) {
     const GuardFinding poisoned = firstNonFinite(body);
     body.restoreState();
     stop(context, poisoned);
     return std::nullopt;
   }
-  for (const ActiveGrab &hand : body.grabs)
-    if (!hand.grab.target.allFinite() || !hand.grab.rotation.allFinite()) {
-      stop(context, {hand.grab.phyxels.front(), "the hand that holds it is at no finite place", "to let go and reset"});
+  for (const ActiveGrab &active : body.grabs)
+    if (!active.grab.target.allFinite() || !active.grab.rotation.allFinite()) {
+      stop(context,
+           {active.grab.phyxels.front(), "the hand that holds it is at no finite place", "to let go and reset"});
       return std::nullopt;
     }
   body.keepState();
   (void)body.constitution().consumeError();  // of an earlier step
-  return glance;
+  return check;
 }
 
-void BodyStepper::goBack(const ParallelFor &parallelFor) {
+void BodyStepper::restoreStepStart(const ParallelFor &parallelFor) {
   body_->restoreState();
   body_->computeGradients(parallelFor);
   body_->computeTrialStresses(0.0, parallelFor);
@@ -195,7 +196,7 @@ void BodyStepper::goBack(const ParallelFor &parallelFor) {
 
 bool BodyStepper::retryWithSmallerStep(const StepContext &context, const Refusal &refusal, const std::string &from) {
   Body &body = *body_;
-  goBack(*context.environment.parallelFor);
+  restoreStepStart(*context.environment.parallelFor);
   GuardFinding finding = refusal.finding;
   if (const std::string law = body.constitution().consumeError(); !law.empty()) finding.quantity += "; " + law;
   if (!(scale_ > (refusal.crushed ? kCrushedScale : kSmallestScale))) {
@@ -215,27 +216,27 @@ void BodyStepper::endAdvance() {
   goodSteps_ = 0;
 }
 
-double BodyStepper::tryToAdvance(const StepContext &context, double span, std::uint64_t mostSubsteps) {
+double BodyStepper::tryToAdvance(const StepContext &context, double span, std::uint64_t maxSubsteps) {
   Body &body = *body_;
   const Integrator integrator = integratorIn(context.world);
-  const std::optional<QuickCheckResult> glance = checkpointIfValid(context);
-  if (!glance) return span;
-  bool again = false;  // starting at the mark
+  const std::optional<QuickCheckResult> check = checkpointIfValid(context);
+  if (!check) return span;
+  bool again = false;  // starting at the energy checkpoint
   while (true) {
-    Advance advanced = again ? repeatFromCheckpoint(context, span)
-                       : integrator == Integrator::explicitVerlet
-                           ? advanceExplicit(context, span, mostSubsteps, *glance)
-                           : advanceImplicit(context, span);
+    Advance advanced = again                                      ? repeatFromCheckpoint(context, span)
+                       : integrator == Integrator::explicitVerlet ? advanceExplicit(context, span, maxSubsteps, *check)
+                                                                  : advanceImplicit(context, span);
     if (advanced && context.number % kEnergyInterval == 0)
       context.environment.clock->measure(kGuard, [&] {
         const EnergyLevel now = energyLevel(body, context.world.gravity);
-        const bool comparable = mark_.has_value() && !mayGainEnergy(context);
-        if (std::string grown = comparable ? energyGrowth(mark_->energy, now) : std::string(); !grown.empty()) {
+        const bool comparable = energyCheckpoint_.has_value() && !mayGainEnergy(context);
+        if (std::string grown = comparable ? energyGrowth(energyCheckpoint_->energy, now) : std::string();
+            !grown.empty()) {
           advanced = refused({fullCheck(body).fastestPhyxel, std::move(grown), kLessEnergy});
           restoreEnergyCheckpoint();
           again = true;
         } else {
-          setMark(context.time + *advanced, now);
+          setEnergyCheckpoint(context.time + *advanced, now);
         }
         body.contact.depenetrationMoment.setZero();
       });
@@ -243,7 +244,8 @@ double BodyStepper::tryToAdvance(const StepContext &context, double span, std::u
       endAdvance();
       return *advanced;
     }
-    if (!retryWithSmallerStep(context, advanced.error(), again ? "at " + number(mark_->time) + " s" : "before"))
+    if (!retryWithSmallerStep(context, advanced.error(),
+                              again ? "at " + number(energyCheckpoint_->time) + " s" : "before"))
       return span;
   }
 }
@@ -261,16 +263,16 @@ bool BodyStepper::mayGainEnergy(const StepContext &context) const {
   return !body_->rigid() && body_->constitution().relaxing();
 }
 
-void BodyStepper::setMark(double time, const EnergyLevel &energy) {
-  if (!mark_) mark_ = Mark();
-  mark_->state = body_->state();
-  mark_->time = time;
-  mark_->energy = energy;
+void BodyStepper::setEnergyCheckpoint(double time, const EnergyLevel &energy) {
+  if (!energyCheckpoint_) energyCheckpoint_ = EnergyCheckpoint();
+  energyCheckpoint_->state = body_->state();
+  energyCheckpoint_->time = time;
+  energyCheckpoint_->energy = energy;
 }
 
 void BodyStepper::restoreEnergyCheckpoint() {
   if (activeStep_ && !activeStep_->state) activeStep_->state = body_->savedStateCopy();
-  body_->state() = mark_->state;
+  body_->state() = energyCheckpoint_->state;
   body_->keepState();
 }
 
@@ -278,7 +280,7 @@ BodyStepper::Advance BodyStepper::repeatFromCheckpoint(const StepContext &contex
   const double end = context.time + span;
   const Integrator integrator = integratorIn(context.world);
   StepContext piece = context;
-  piece.time = mark_->time;
+  piece.time = energyCheckpoint_->time;
   while (end - piece.time > 1e-9 * span) {
     const double left = std::min(context.dt, end - piece.time);
     const Advance advanced =

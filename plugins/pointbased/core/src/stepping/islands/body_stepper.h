@@ -45,9 +45,9 @@ class BodyStepper {
   [[nodiscard]] Integrator integratorIn(const WorldSettings &world) const;
   /// Sets the integrator that it shares with the bodies it touches or is attached to; empty: it is integrated
   /// separately.
-  void share(std::optional<Integrator> scheme) { shared_ = scheme; }
+  void setSharedIntegrator(std::optional<Integrator> scheme) { sharedIntegrator_ = scheme; }
   [[nodiscard]] Integrator integratorNow(const WorldSettings &world) const {
-    return shared_.value_or(integratorIn(world));
+    return sharedIntegrator_.value_or(integratorIn(world));
   }
 
   /// Advances by `span` within a step of context.dt.
@@ -71,23 +71,22 @@ class BodyStepper {
   /// Whether its state can be advanced, which is then stored; else it stops.
   [[nodiscard]] std::optional<QuickCheckResult> checkpointIfValid(const StepContext &context);
   /// Largest substep that the body can make now, s.
-  [[nodiscard]] Advance maxSubstep(const StepContext &context, double time, double left,
-                                   const QuickCheckResult *glance);
+  [[nodiscard]] Advance maxSubstep(const StepContext &context, double time, double left, const QuickCheckResult *check);
   /// Returns to the state before the step and halves the steps of the next attempt.
   /// @param from  description of that state, for the event
   /// @return  false: it has stopped there instead, because smaller steps did not help
   [[nodiscard]] bool retryWithSmallerStep(const StepContext &context, const Refusal &refusal,
                                           const std::string &from = "before");
   /// Returns to the state before the step, because another body has to.
-  void goBack(const ParallelFor &parallelFor);
+  void restoreStepStart(const ParallelFor &parallelFor);
   /// Call when the step is complete.
   void endAdvance();
   [[nodiscard]] SubstepController &substeps() { return substeps_; }
   void reportSubsteps(const StepContext &context, double span, double advanced, std::uint64_t substeps, double needed);
-  /// Whether it has been still for long enough to sleep.
-  [[nodiscard]] bool isStill(const StepContext &context, double span);
+  /// Whether it has been at rest long enough to sleep.
+  [[nodiscard]] bool isAtRest(const StepContext &context, double span);
   void fallAsleep();
-  [[nodiscard]] std::uint64_t mostSubsteps() const;
+  [[nodiscard]] std::uint64_t maxSubsteps() const;
   void reportIntegrator(const StepContext &context);
   /// Reports once that it makes explicit steps because it touches others.
   /// @param free  name of one of them that is rigid and moves freely; empty: there is none
@@ -116,30 +115,30 @@ class BodyStepper {
   [[nodiscard]] std::uint64_t changes() const { return changes_; }
 
   /// Call when the body has changed: another material, another reference.
-  void forget();
+  void invalidate();
   /// The state of the last energy check, from which the steps since are repeated if the energy has grown.
-  struct Mark {
+  struct EnergyCheckpoint {
     State state;
     double time = 0.0;  ///< s
     EnergyLevel energy;
   };
-  [[nodiscard]] const std::optional<Mark> &mark() const { return mark_; }
-  /// Marks the present state as valid.
-  void setMark(double time, const EnergyLevel &energy);
+  [[nodiscard]] const std::optional<EnergyCheckpoint> &energyCheckpoint() const { return energyCheckpoint_; }
+  /// Stores the present state as the energy checkpoint.
+  void setEnergyCheckpoint(double time, const EnergyLevel &energy);
   void restoreEnergyCheckpoint();
   /// Call when its energy may change from outside.
-  void forgetEnergy() { mark_.reset(); }
+  void clearEnergyCheckpoint() { energyCheckpoint_.reset(); }
   /// Island with which it exchanges energy from now on; 0: none. Earlier energies of the body are not comparable with
   /// it.
   void setIsland(std::uint64_t island) {
-    if (std::exchange(island_, island) != island) forgetEnergy();
+    if (std::exchange(island_, island) != island) clearEnergyCheckpoint();
   }
   /// Something outside adds energy to the body, or it recovers dissipated energy.
   [[nodiscard]] bool mayGainEnergy(const StepContext &context) const;
   /// Makes the next step depend on the state only, not on earlier steps.
   void resetSolvers() {
     solver_.forget();
-    forgetEnergy();
+    clearEnergyCheckpoint();
   }
   /// Returns to the initial state, bit for bit.
   void reset();
@@ -152,15 +151,16 @@ class BodyStepper {
     std::uint64_t goodSteps = 0;
   };
   [[nodiscard]] Checkpoint checkpoint() const { return {body_->checkpoint(), substeps_, scale_, goodSteps_}; }
-  /// How long it has been still. Not part of a checkpoint: a caller restores a checkpoint in order to change something.
-  struct Stillness {
+  /// How long it has been at rest. Not part of a checkpoint: a caller restores a checkpoint in order to change
+  /// something.
+  struct SleepState {
     SleepDetector watch;
     bool asleep = false;
   };
-  [[nodiscard]] Stillness stillness() const { return {watch_, asleep_}; }
-  void setStillness(Stillness stillness) {
-    watch_ = std::move(stillness.watch);
-    asleep_ = stillness.asleep;
+  [[nodiscard]] SleepState sleepState() const { return {sleepDetector_, asleep_}; }
+  void setSleepState(SleepState sleepState) {
+    sleepDetector_ = std::move(sleepState.watch);
+    asleep_ = sleepState.asleep;
   }
   /// Same as Body::restore().
   bool restore(const Checkpoint &checkpoint, const ParallelFor &parallelFor);
@@ -170,32 +170,32 @@ class BodyStepper {
     return tl::unexpected<Refusal>(Refusal{std::move(finding), crushed});
   }
 
-  [[nodiscard]] double tryToAdvance(const StepContext &context, double span, std::uint64_t mostSubsteps);
-  [[nodiscard]] Advance advanceExplicit(const StepContext &context, double span, std::uint64_t mostSubsteps,
-                                        const QuickCheckResult &glance);
+  [[nodiscard]] double tryToAdvance(const StepContext &context, double span, std::uint64_t maxSubsteps);
+  [[nodiscard]] Advance advanceExplicit(const StepContext &context, double span, std::uint64_t maxSubsteps,
+                                        const QuickCheckResult &check);
   [[nodiscard]] Advance advanceImplicit(const StepContext &context, double span);
-  /// From the mark to the end of `span`, in steps of context.dt.
+  /// From the energy checkpoint to the end of `span`, in steps of context.dt.
   [[nodiscard]] Advance repeatFromCheckpoint(const StepContext &context, double span);
 
   std::unique_ptr<Body> body_;
   NewtonSolver solver_;
-  std::optional<Mark> mark_;  // none: the energy cannot be compared
+  std::optional<EnergyCheckpoint> energyCheckpoint_;  // none: the energy cannot be compared
   std::uint64_t island_ = 0;
   SubstepController substeps_;
-  SleepDetector watch_;
+  SleepDetector sleepDetector_;
   bool asleep_ = false;
   /// State at the beginning of the step, as far as the body does not store it; empty: unchanged.
-  struct Start {
+  struct StepStart {
     SubstepController substeps;
     std::optional<State> state;  // if the body stores a later one
   };
-  std::optional<Start> activeStep_;
+  std::optional<StepStart> activeStep_;
   std::uint64_t changes_ = 0;
   double scale_ = 1.0;  // fraction of the usual step in use, after failures
   std::uint64_t goodSteps_ = 0;
-  std::uint64_t mostSubsteps_ = 1;  // already reported
+  std::uint64_t maxReportedSubsteps_ = 1;  // already reported
   bool integratorReported_ = false, sharedReported_ = false, slowReported_ = false;
-  std::optional<Integrator> shared_;
+  std::optional<Integrator> sharedIntegrator_;
 };
 
 }  // namespace pointbased::detail

@@ -25,12 +25,12 @@ bool bounces(const Environment &env) {
 }  // namespace
 
 BodyStepper::Advance BodyStepper::maxSubstep(const StepContext &context, double time, double left,
-                                             const QuickCheckResult *glance) {
+                                             const QuickCheckResult *check) {
   Body &body = *body_;
   const double rest = body.stableStepAtRest(), bare = body.stableStep(), stride = kStride * body.rest().spacing;
   GuardView view;
   context.environment.clock->measure(kGuard, [&] {
-    const QuickCheckResult now = glance != nullptr ? *glance : quickCheck(body);
+    const QuickCheckResult now = check != nullptr ? *check : quickCheck(body);
     if (!now.finite || now.speedBound * bare > stride) view = fullCheck(body);
   });
   if (!view.finite) return refused(firstNonFinite(body));
@@ -53,17 +53,17 @@ BodyStepper::Advance BodyStepper::maxSubstep(const StepContext &context, double 
                  crushed);
 }
 
-BodyStepper::Advance BodyStepper::advanceExplicit(const StepContext &context, double span, std::uint64_t mostSubsteps,
-                                                  const QuickCheckResult &glance) {
+BodyStepper::Advance BodyStepper::advanceExplicit(const StepContext &context, double span, std::uint64_t maxSubsteps,
+                                                  const QuickCheckResult &check) {
   Body &body = *body_;
   double left = span, time = context.time, needed = 1.0;
   std::uint64_t substeps = 0;
   body.contact.sums.begin(context.environment.obstacles.size());
-  while (left > 1e-12 * span && substeps < mostSubsteps) {
-    const Advance stable = maxSubstep(context, time, left, substeps == 0 ? &glance : nullptr);
+  while (left > 1e-12 * span && substeps < maxSubsteps) {
+    const Advance stable = maxSubstep(context, time, left, substeps == 0 ? &check : nullptr);
     if (!stable) return stable;
-    needed = std::max(needed, substeps_.needed(span, *stable));
-    const double piece = substeps_.piece(left, span, *stable);
+    needed = std::max(needed, substeps_.requiredPieces(span, *stable));
+    const double piece = substeps_.nextSubstep(left, span, *stable);
     explicitSubstep(body, context.environment, time, piece);
     left -= piece;
     time += piece;
@@ -86,8 +86,8 @@ void BodyStepper::reportSubsteps(const StepContext &context, double span, double
   double own = context.world.dt > 0.0 ? span : kStepSafety * body_->stableStepAtRest();
   if (body_->isFreeRigid()) own = std::min(own, kFreeStep);
   const double expected = std::max(1.0, SubstepController::piecesOf(span, own));
-  if (substeps > mostSubsteps_ && static_cast<double>(substeps) > kManyMore * expected) {
-    mostSubsteps_ = substeps;
+  if (substeps > maxReportedSubsteps_ && static_cast<double>(substeps) > kManyMore * expected) {
+    maxReportedSubsteps_ = substeps;
     context.reportEvent("substep", "body '" + body_->name() + "': a step of " + number(span) + " s was divided into " +
                                        (whole ? std::to_string(substeps) : number(needed)) + " substeps of " +
                                        number(advanced / static_cast<double>(substeps)) + " s");

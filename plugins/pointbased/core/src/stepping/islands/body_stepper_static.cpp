@@ -8,8 +8,8 @@
 namespace pointbased::detail {
 namespace {
 
-constexpr double kTurned = 1e-3;  // rad: attachments whose normals have rotated by less are in equilibrium
-constexpr int kMaxTurns = 20;
+constexpr double kMaxNormalRotation = 1e-3;  // rad: attachments whose normals have rotated by less are in equilibrium
+constexpr int kMaxNormalUpdates = 20;
 constexpr int kMaxHalvings = 6;  // of an increment, before a body stops
 const char *const kRemedy = "more solver.load_steps, a smaller load, or solver.integrator = \"implicit\" with damping";
 
@@ -17,7 +17,7 @@ const char *const kRemedy = "more solver.load_steps, a smaller load, or solver.i
 
 void BodyStepper::beginLoad(const StepContext &context) {
   ++changes_;
-  if (context.environment.stop != nullptr) activeStep_ = Start{substeps_, body_->state()};
+  if (context.environment.stop != nullptr) activeStep_ = StepStart{substeps_, body_->state()};
 }
 
 void BodyStepper::loadUpTo(const StepContext &context, double factor) {
@@ -48,7 +48,7 @@ void BodyStepper::loadUpTo(const StepContext &context, double factor) {
 
 void Island::loadUpTo(std::span<const StepContext> contexts, double factor) {
   double at = contexts.front().loadFactor, size = factor - at;
-  int halvings = 0, turns = 0;
+  int halvings = 0, updates = 0;
   for (std::size_t k = 0; k < members_.size(); ++k)
     if (moves(k)) members_[k].stepper->beginLoad(contexts[k]);
   bool again = false;  // at the same load, because something has torn or rotated
@@ -63,14 +63,14 @@ void Island::loadUpTo(std::span<const StepContext> contexts, double factor) {
       members_[k].stepper->body().contact.sums.begin(contexts[k].environment.obstacles.size());
     }
     ImplicitResult result = quasiStaticStep(parts_, &coupling_, solver_, at, next, {});
-    std::size_t bad = members_.size();
+    std::size_t failed = members_.size();
     for (std::size_t k = 0; k < members_.size(); ++k)
-      if (moves(k) && !quickCheck(members_[k].stepper->body()).finite) bad = k;
-    if (result.failure.empty() && bad == members_.size()) {
+      if (moves(k) && !quickCheck(members_[k].stepper->body()).finite) failed = k;
+    if (result.failure.empty() && failed == members_.size()) {
       at = next;
       const bool hasTorn = tearLayers(at);
-      again = hasTorn || (turned_ > kTurned && ++turns < kMaxTurns);
-      if (!again) turns = 0;
+      again = hasTorn || (normalRotation_ > kMaxNormalRotation && ++updates < kMaxNormalUpdates);
+      if (!again) updates = 0;
       addLayerForces(at);
       continue;
     }
@@ -78,7 +78,7 @@ void Island::loadUpTo(std::span<const StepContext> contexts, double factor) {
       if (moves(k)) members_[k].stepper->body().restoreState();
     coupling_.setContacts(before);
     solver_.forget();
-    const auto [worst, phyxel] = bad < members_.size() ? std::pair(bad, Index{0}) : ownerOf(result.newton.worst);
+    const auto [worst, phyxel] = failed < members_.size() ? std::pair(failed, Index{0}) : ownerOf(result.newton.worst);
     const GuardFinding finding{phyxel, result.failure.empty() ? "the state is not finite" : result.failure, kRemedy};
     if (++halvings > kMaxHalvings) {
       members_[worst].stepper->stop(contexts[worst], finding);

@@ -39,13 +39,13 @@ void Island::markEnergyExchange() {
 
 double Island::advance(std::span<const StepContext> contexts, double span) {
   // Attachments to a moving obstacle keep the island awake, even without contact.
-  const bool isLed = std::any_of(layers_.begin(), layers_.end(), [&](const JoinedLayer &one) {
-    return goesOn(one.layer->motion(), contexts.front().time, span);
+  const bool isGuided = std::any_of(layers_.begin(), layers_.end(), [&](const JoinedLayer &one) {
+    return isMoving(one.layer->motion(), contexts.front().time, span);
   });
-  bool rests = !isLed;
+  bool remainsAsleep = !isGuided;
   for (std::size_t k = 0; k < members_.size(); ++k)
-    if (moves(k)) rests = members_[k].stepper->remainsAsleep(contexts[k], span) && rests;
-  if (rests) {
+    if (moves(k)) remainsAsleep = members_[k].stepper->remainsAsleep(contexts[k], span) && remainsAsleep;
+  if (remainsAsleep) {
     for (const Member &member : members_) member.stepper->substeps().begin(contexts.front().dt);
     return span;
   }
@@ -55,14 +55,14 @@ double Island::advance(std::span<const StepContext> contexts, double span) {
     BodyStepper &stepper = *members_[k].stepper;
     if (stepper.asleep()) stepper.wake();
     stepper.beginAdvance(contexts[k]);
-    most = std::min(most, stepper.mostSubsteps());
+    most = std::min(most, stepper.maxSubsteps());
   }
   chooseScheme(contexts);
   const double advanced = tryToAdvance(contexts, span, most);
-  bool still = !isLed;
+  bool isAtRest = !isGuided;
   for (std::size_t k = 0; k < members_.size(); ++k)
-    if (moves(k)) still = members_[k].stepper->isStill(contexts[k], advanced) && still;
-  if (still)
+    if (moves(k)) isAtRest = members_[k].stepper->isAtRest(contexts[k], advanced) && isAtRest;
+  if (isAtRest)
     for (std::size_t k = 0; k < members_.size(); ++k)
       if (moves(k)) members_[k].stepper->fallAsleep();
   return advanced;
@@ -74,7 +74,7 @@ void Island::chooseScheme(std::span<const StepContext> contexts) {
   for (std::size_t k = 0; k < members_.size(); ++k) {
     if (!moves(k)) continue;
     BodyStepper &stepper = *members_[k].stepper;
-    stepper.share(scheme_);
+    stepper.setSharedIntegrator(scheme_);
     // A body whose own choice would differ uses the integrator of the island, which is a different event.
     if (stepper.integratorIn(contexts[k].world) == scheme_)
       stepper.reportIntegrator(contexts[k]);
@@ -92,19 +92,19 @@ void Island::advanceAgain(std::span<const StepContext> contexts, double span) {
     if (members_[k].stepper->asleep()) return;  // the state does not depend on the time
     members_[k].stepper->body().restoreState();
   }
-  for (const JoinedLayer &joined : layers_) joined.layer->goBack();
+  for (const JoinedLayer &joined : layers_) joined.layer->restoreTears();
   (void)tryToAdvance(contexts, span, std::numeric_limits<std::uint64_t>::max());
 }
 
-double Island::tryToAdvance(std::span<const StepContext> contexts, double span, std::uint64_t mostSubsteps) {
+double Island::tryToAdvance(std::span<const StepContext> contexts, double span, std::uint64_t maxSubsteps) {
   for (std::size_t k = 0; k < members_.size(); ++k)
     if (moves(k)) (void)members_[k].stepper->checkpointIfValid(contexts[k]);
-  bool again = false;  // starting at the marks
+  bool again = false;  // starting at the energy checkpoints
   while (true) {
     bool any = false;
     for (std::size_t k = 0; k < members_.size(); ++k) any = any || moves(k);
     if (!any) return span;
-    Advance advanced = again ? repeatFromCheckpoints(contexts, span) : advanceOnce(contexts, span, mostSubsteps);
+    Advance advanced = again ? repeatFromCheckpoints(contexts, span) : advanceOnce(contexts, span, maxSubsteps);
     if (advanced && contexts.front().number % kEnergyInterval == 0)
       contexts.front().environment.clock->measure(kGuard, [&] {
         std::optional<Refused> grown = checkEnergy(contexts, contexts.front().time + *advanced);
@@ -117,18 +117,19 @@ double Island::tryToAdvance(std::span<const StepContext> contexts, double span, 
         if (moves(k)) members_[k].stepper->endAdvance();
       return *advanced;
     }
-    for (const JoinedLayer &joined : layers_) joined.layer->goBack();
+    for (const JoinedLayer &joined : layers_) joined.layer->restoreTears();
     for (std::size_t k = 0; k < members_.size(); ++k)
-      if (k != advanced.error().member && moves(k)) members_[k].stepper->goBack(*contexts[k].environment.parallelFor);
+      if (k != advanced.error().member && moves(k))
+        members_[k].stepper->restoreStepStart(*contexts[k].environment.parallelFor);
     const std::size_t refused = advanced.error().member;
     (void)members_[refused].stepper->retryWithSmallerStep(
         contexts[refused], advanced.error().why,
-        again ? "at " + number(members_[refused].stepper->mark()->time) + " s" : "before");
+        again ? "at " + number(members_[refused].stepper->energyCheckpoint()->time) + " s" : "before");
   }
 }
 
-Island::Advance Island::advanceOnce(std::span<const StepContext> contexts, double span, std::uint64_t mostSubsteps) {
-  return scheme_ == Integrator::explicitVerlet ? advanceExplicit(contexts, span, mostSubsteps)
+Island::Advance Island::advanceOnce(std::span<const StepContext> contexts, double span, std::uint64_t maxSubsteps) {
+  return scheme_ == Integrator::explicitVerlet ? advanceExplicit(contexts, span, maxSubsteps)
                                                : advanceImplicit(contexts, span, scheme_);
 }
 
@@ -136,9 +137,9 @@ std::optional<double> Island::timeOfCheckpoints() const {
   std::optional<double> time;
   for (std::size_t k = 0; k < members_.size(); ++k) {
     if (!moves(k)) continue;
-    const std::optional<BodyStepper::Mark> &mark = members_[k].stepper->mark();
-    if (!mark || (time && *time != mark->time)) return std::nullopt;
-    time = mark->time;
+    const std::optional<BodyStepper::EnergyCheckpoint> &checkpoint = members_[k].stepper->energyCheckpoint();
+    if (!checkpoint || (time && *time != checkpoint->time)) return std::nullopt;
+    time = checkpoint->time;
   }
   return time;
 }
@@ -156,8 +157,8 @@ std::optional<Island::Refused> Island::checkEnergy(std::span<const StepContext> 
   for (std::size_t l = 0; l < layers_.size(); ++l) {
     const JoinedLayer &joined = layers_[l];
     comparable = comparable && !joined.layer->motion();
-    levels[moves(joined.first) || joined.second == JoinedLayer::kNobody ? joined.first : joined.second].total +=
-        joined.layer->energy(sidesOf(l, time));
+    levels[moves(joined.first) || joined.second == JoinedLayer::kNoBody ? joined.first : joined.second].total +=
+        joined.layer->energy(attachedState(l, time));
   }
   EnergyLevel before, now;
   std::size_t worst = 0;
@@ -166,7 +167,7 @@ std::optional<Island::Refused> Island::checkEnergy(std::span<const StepContext> 
     if (!moves(k)) continue;
     now.add(levels[k]);
     if (!comparable) continue;
-    const EnergyLevel &known = members_[k].stepper->mark()->energy;
+    const EnergyLevel &known = members_[k].stepper->energyCheckpoint()->energy;
     before.add(known);
     if (levels[k].total - known.total > most) {
       most = levels[k].total - known.total;
@@ -174,14 +175,14 @@ std::optional<Island::Refused> Island::checkEnergy(std::span<const StepContext> 
     }
   }
   Vec3 &depenetrationMoment = joint_.state().depenetrationMoment;
-  now.lifted += std::max(0.0, -gravity.dot(depenetrationMoment));
+  now.depenetrationWork += std::max(0.0, -gravity.dot(depenetrationMoment));
   depenetrationMoment.setZero();
   for (std::size_t k = 0; k < members_.size(); ++k) members_[k].stepper->body().contact.depenetrationMoment.setZero();
   std::string grown = comparable ? energyGrowth(before, now) : std::string();
   for (std::size_t k = 0; k < members_.size(); ++k) {
     if (!moves(k)) continue;
     if (grown.empty())
-      members_[k].stepper->setMark(time, levels[k]);
+      members_[k].stepper->setEnergyCheckpoint(time, levels[k]);
     else
       members_[k].stepper->restoreEnergyCheckpoint();
   }
@@ -233,52 +234,52 @@ void Island::gatherSkins() {
     }
 }
 
-AttachmentLayer::Sides Island::sidesOf(std::size_t layer, double time) const {
+AttachmentLayer::AttachedState Island::attachedState(std::size_t layer, double time) const {
   const JoinedLayer &joined = layers_[layer];
-  AttachmentLayer::Sides sides{members_[joined.first].stepper->body().state().displacements, {}, time};
-  if (joined.second != JoinedLayer::kNobody)
+  AttachmentLayer::AttachedState sides{members_[joined.first].stepper->body().state().displacements, {}, time};
+  if (joined.second != JoinedLayer::kNoBody)
     sides.second = members_[joined.second].stepper->body().state().displacements;
   return sides;
 }
 
 void Island::addLayerForces(double time, bool onlyFresh) {
   const auto forcesOf = [&](std::size_t k) {
-    const bool takes = k != JoinedLayer::kNobody && moves(k) && (!onlyFresh || fresh_[k] != 0);
-    return takes ? members_[k].stepper->body().forces() : std::span<Vec3>();
+    const bool needsForces = k != JoinedLayer::kNoBody && moves(k) && (!onlyFresh || fresh_[k] != 0);
+    return needsForces ? members_[k].stepper->body().forces() : std::span<Vec3>();
   };
   for (std::size_t l = 0; l < layers_.size(); ++l) {
     const JoinedLayer &joined = layers_[l];
     const std::span<Vec3> first = forcesOf(joined.first), second = forcesOf(joined.second);
-    if (!first.empty() || !second.empty()) joined.layer->addForces(sidesOf(l, time), first, second);
+    if (!first.empty() || !second.empty()) joined.layer->addForces(attachedState(l, time), first, second);
   }
 }
 
 bool Island::tearLayers(double time) {
   bool any = false;
-  for (std::size_t l = 0; l < layers_.size(); ++l) any = layers_[l].layer->tear(sidesOf(l, time)) || any;
-  turnLayers(time);
+  for (std::size_t l = 0; l < layers_.size(); ++l) any = layers_[l].layer->tear(attachedState(l, time)) || any;
+  updateLayerNormals(time);
   return any;
 }
 
-void Island::turnLayers(double time) {
-  turned_ = 0.0;
+void Island::updateLayerNormals(double time) {
+  normalRotation_ = 0.0;
   for (std::size_t l = 0; l < layers_.size(); ++l)
-    turned_ = std::max(turned_, layers_[l].layer->turn(sidesOf(l, time)));
+    normalRotation_ = std::max(normalRotation_, layers_[l].layer->updateNormals(attachedState(l, time)));
 }
 
 // All members use the substeps of the one with the smallest.
 bool Island::explicitIsCheaper(const WorldSettings &world) const {
-  double points = 0.0, mostSubsteps = 0.0, implicitly = 0.0;
+  double points = 0.0, maxSubsteps = 0.0, implicitly = 0.0;
   for (std::size_t k = 0; k < members_.size(); ++k) {
     if (!moves(k)) continue;
     const Body &body = members_[k].stepper->body();
     const StepCost cost = predictCost(body, world.dt);
     const auto own = static_cast<double>(body.rest().pointCount());
     points += own;
-    mostSubsteps = std::max(mostSubsteps, cost.explicitEvaluations);
+    maxSubsteps = std::max(maxSubsteps, cost.explicitEvaluations);
     implicitly += own * cost.implicitEvaluations;
   }
-  return points * mostSubsteps < kImplicitContact * implicitly;
+  return points * maxSubsteps < kImplicitContact * implicitly;
 }
 
 const BodyStepper *Island::freeRigid() const {
@@ -382,7 +383,7 @@ Island::Advance Island::advanceImplicit(std::span<const StepContext> contexts, d
   return span;
 }
 
-void Island::substep(std::span<const StepContext> contexts, double time, double dt, bool goesOn) {
+void Island::substep(std::span<const StepContext> contexts, double time, double dt, bool continues) {
   StageClock &clock = *contexts.front().environment.clock;
   substeps_.clear();
   joint_.clear();
@@ -396,7 +397,7 @@ void Island::substep(std::span<const StepContext> contexts, double time, double 
   std::size_t moving = 0;
   for (std::size_t k = 0; k < members_.size(); ++k)
     if (moves(k)) fresh_[k] = substeps_[moving++].evaluateFirst() ? 1 : 0;
-  if (std::find(fresh_.begin(), fresh_.end(), 1) != fresh_.end()) turnLayers(time);
+  if (std::find(fresh_.begin(), fresh_.end(), 1) != fresh_.end()) updateLayerNormals(time);
   addLayerForces(time, true);
   for (ExplicitSubstep &one : substeps_) one.kickFirst();
   const bool touches = !pairs_.empty();
@@ -405,7 +406,7 @@ void Island::substep(std::span<const StepContext> contexts, double time, double 
   if (touches)
     clock.measure(kContact, [&] {
       for (const JoinedPair &joined : pairs_) margin = std::min(margin, joined.pair->settings().margin);
-      if (!goesOn) joint_.gather(pairs_, margin);
+      if (!continues) joint_.gather(pairs_, margin);
       isReused = joint_.isStillValid();
       joint_.predict();
       for (const MovedSkin &moved : skins_) {
@@ -423,7 +424,7 @@ void Island::substep(std::span<const StepContext> contexts, double time, double 
   if (touches)
     clock.measure(kContact, [&] {
       if (isReused)
-        joint_.gatherAgain();
+        joint_.regather();
       else
         joint_.gather(pairs_, margin);
       joint_.solve(dt, pairs_);
@@ -431,7 +432,7 @@ void Island::substep(std::span<const StepContext> contexts, double time, double 
   else
     for (ExplicitSubstep &one : substeps_) one.solveContacts();
   for (ExplicitSubstep &one : substeps_) one.drift();
-  turnLayers(time + dt);  // before the forces: a lagging normal would add energy
+  updateLayerNormals(time + dt);  // before the forces: a lagging normal would add energy
   addLayerForces(time + dt);
   for (ExplicitSubstep &one : substeps_) one.kickLast();
   if (touches)
@@ -442,7 +443,7 @@ void Island::substep(std::span<const StepContext> contexts, double time, double 
         for (const JoinedPair &joined : pairs_) joined.pair->updateActive();
         joint_.gather(pairs_, margin);
       }
-      joint_.settle(pairs_);
+      joint_.projectVelocities(pairs_);
     });
   else
     for (ExplicitSubstep &one : substeps_) one.projectContactVelocities();
@@ -453,26 +454,25 @@ void Island::substep(std::span<const StepContext> contexts, double time, double 
     if (moves(k)) sumContactImpulses(dt, members_[k].stepper->body().contact);
 }
 
-Island::Advance Island::advanceExplicit(std::span<const StepContext> contexts, double span,
-                                        std::uint64_t mostSubsteps) {
+Island::Advance Island::advanceExplicit(std::span<const StepContext> contexts, double span, std::uint64_t maxSubsteps) {
   // A member with a stable step, if there is one.
-  std::size_t leader = members_.size();
+  std::size_t reference = members_.size();
   for (std::size_t k = 0; k < members_.size(); ++k)
-    if (moves(k) && (leader == members_.size() ||
-                     (members_[leader].stepper->body().isFreeRigid() && !members_[k].stepper->body().isFreeRigid())))
-      leader = k;
+    if (moves(k) && (reference == members_.size() ||
+                     (members_[reference].stepper->body().isFreeRigid() && !members_[k].stepper->body().isFreeRigid())))
+      reference = k;
   gatherSkins();
   for (const JoinedPair &joined : pairs_) joined.pair->beginSum();
   for (std::size_t k = 0; k < members_.size(); ++k)
     if (moves(k)) members_[k].stepper->body().contact.sums.begin(contexts[k].environment.obstacles.size());
-  SubstepController &cut = members_[leader].stepper->substeps();
+  SubstepController &controller = members_[reference].stepper->substeps();
   double left = span, time = contexts.front().time, needed = 1.0;
   std::uint64_t substeps = 0;
-  while (left > 1e-12 * span && substeps < mostSubsteps) {
+  while (left > 1e-12 * span && substeps < maxSubsteps) {
     const Advance stable = maxSubstep(contexts, time, left);
     if (!stable) return stable;
-    needed = std::max(needed, cut.needed(span, *stable));
-    const double piece = cut.piece(left, span, *stable);
+    needed = std::max(needed, controller.requiredPieces(span, *stable));
+    const double piece = controller.nextSubstep(left, span, *stable);
     substep(contexts, time, piece, substeps > 0);
     left -= piece;
     time += piece;
@@ -486,7 +486,7 @@ Island::Advance Island::advanceExplicit(std::span<const StepContext> contexts, d
       return tl::unexpected<Refused>({k, {firstNonFinite(stepper.body()), false}});
     stepper.substeps().end(needed);
   }
-  members_[leader].stepper->reportSubsteps(contexts[leader], span, advanced, substeps, needed);
+  members_[reference].stepper->reportSubsteps(contexts[reference], span, advanced, substeps, needed);
   return advanced;
 }
 

@@ -48,19 +48,19 @@ class Island {
     const BodyStepper &stepper = *members_[k].stepper;
     return !stepper.body().isStatic() && !stepper.stopped();
   }
-  [[nodiscard]] double tryToAdvance(std::span<const StepContext> contexts, double span, std::uint64_t mostSubsteps);
+  [[nodiscard]] double tryToAdvance(std::span<const StepContext> contexts, double span, std::uint64_t maxSubsteps);
   struct Refused {
     std::size_t member = 0;
     BodyStepper::Refusal why;
   };
   using Advance = tl::expected<double, Refused>;
-  [[nodiscard]] Advance advanceOnce(std::span<const StepContext> contexts, double span, std::uint64_t mostSubsteps);
+  [[nodiscard]] Advance advanceOnce(std::span<const StepContext> contexts, double span, std::uint64_t maxSubsteps);
   /// Checks the total energy at `time`.
   /// @return  the member whose energy has grown most, if the total has grown
   [[nodiscard]] std::optional<Refused> checkEnergy(std::span<const StepContext> contexts, double time);
   /// Same as BodyStepper::repeatFromCheckpoint().
   [[nodiscard]] Advance repeatFromCheckpoints(std::span<const StepContext> contexts, double span);
-  /// s, of the marks of all that move; empty: their times differ.
+  /// s, of the energy checkpoints of all that move; empty: their times differ.
   [[nodiscard]] std::optional<double> timeOfCheckpoints() const;
   /// Common integrator: explicit if a member is rigid and free; otherwise implicit if one of them is. With
   /// Integrator::automatic and members in contact, the one with the lower predicted cost for all.
@@ -76,19 +76,19 @@ class Island {
   void gatherCoupling(std::span<const StepContext> contexts);
   /// Member, and its phyxel.
   [[nodiscard]] std::pair<std::size_t, Index> ownerOf(Index phyxelOfParts) const;
-  [[nodiscard]] Advance advanceExplicit(std::span<const StepContext> contexts, double span, std::uint64_t mostSubsteps);
+  [[nodiscard]] Advance advanceExplicit(std::span<const StepContext> contexts, double span, std::uint64_t maxSubsteps);
   /// s, largest substep that all of them can make now.
   [[nodiscard]] Advance maxSubstep(std::span<const StepContext> contexts, double time, double left);
   void gatherSkins();
-  [[nodiscard]] AttachmentLayer::Sides sidesOf(std::size_t layer, double time) const;
+  [[nodiscard]] AttachmentLayer::AttachedState attachedState(std::size_t layer, double time) const;
   /// Adds the forces of all attachments to those of the members that move.
   /// @param onlyFresh  only to members whose forces were evaluated at the beginning of the substep
   void addLayerForces(double time, bool onlyFresh = false);
   /// @return  whether anything has torn
   bool tearLayers(double time);
-  void turnLayers(double time);
-  /// @param goesOn  these members have just made the previous substep: rows of contacts are those at its end
-  void substep(std::span<const StepContext> contexts, double time, double dt, bool goesOn);
+  void updateLayerNormals(double time);
+  /// @param continues  these members have just made the previous substep: rows of contacts are those at its end
+  void substep(std::span<const StepContext> contexts, double time, double dt, bool continues);
 
   Integrator scheme_ = Integrator::explicitVerlet;  // of the present step
   std::vector<Member> members_;
@@ -104,7 +104,7 @@ class Island {
     std::size_t member = 0;
   };
   std::vector<MovedSkin> skins_;     // of all pairs, without duplicates
-  double turned_ = 0.0;              // rad, rotation of the normals of attachments since the last update
+  double normalRotation_ = 0.0;      // rad, rotation of the normals of attachments since the last update
   std::vector<std::uint8_t> fresh_;  // [members] 1: forces were evaluated at the beginning of the substep
 };
 

@@ -7,19 +7,19 @@
 namespace pointbased::detail {
 namespace {
 
-double pressOf(const Contact &contact) {
+double normalImpulseOf(const Contact &contact) {
   return contact.normalImpulse > 0.0 ? contact.normalImpulse + contact.projectionImpulse : 0.0;
 }
 
 // Distributes an amount to the phyxels that carry a point, by φ.
-void spread(const Interpolation &binding, Index point, double amount, std::vector<double> &out) {
+void distribute(const Interpolation &binding, Index point, double amount, std::vector<double> &out) {
   for (Index e = binding.phyxels.offsets[point]; e < binding.phyxels.offsets[point + 1]; ++e)
     out[binding.phyxels.indices[e]] += binding.weights[e] * amount;
 }
 
-void spreadAreas(const Interpolation &binding, std::span<const double> areas, std::vector<double> &out) {
+void distributeAreas(const Interpolation &binding, std::span<const double> areas, std::vector<double> &out) {
   std::fill(out.begin(), out.end(), 0.0);
-  for (std::size_t p = 0; p < binding.count(); ++p) spread(binding, static_cast<Index>(p), areas[p], out);
+  for (std::size_t p = 0; p < binding.count(); ++p) distribute(binding, static_cast<Index>(p), areas[p], out);
 }
 
 // Weights of moving least squares may be negative: phyxels that carry hardly any skin have no pressure.
@@ -37,7 +37,7 @@ double pressedArea(const SkinPair &pair) {
     const ContactSkin &skin = pair.skin(side);
     std::vector<double> parts(skin.count(), 0.0);
     for (const SkinContact &contact : pair.active()) {
-      if (!(pressOf(contact) > 0.0)) continue;
+      if (!(normalImpulseOf(contact) > 0.0)) continue;
       for (const SkinContact::Part &part : contact.parts)
         if (part.ofSecond == (side == 1)) parts[part.vertex] += std::abs(part.weight);
     }
@@ -59,35 +59,35 @@ void PressureOnSkin::addObstacles() {
   const auto numberOf = [walls](const Contact &one) {
     return one.obstacle == Contact::kWall ? walls : static_cast<std::size_t>(one.obstacle);
   };
-  for (const Contact &one : contact.active) total[numberOf(one)] += pressOf(one);
+  for (const Contact &one : contact.active) total[numberOf(one)] += normalImpulseOf(one);
   std::fill(forces_.begin(), forces_.end(), 0.0);
   bool any = false;
   for (const Contact &one : contact.active) {
-    const double press = pressOf(one);
+    const double impulse = normalImpulseOf(one);
     const std::size_t o = numberOf(one);
-    if (!(press > 0.0)) continue;
-    spread(points.binding, one.point, contact.sums.of[o].normalImpulseSum / contact.sums.duration * press / total[o],
-           forces_);
+    if (!(impulse > 0.0)) continue;
+    distribute(points.binding, one.point,
+               contact.sums.of[o].normalImpulseSum / contact.sums.duration * impulse / total[o], forces_);
     any = true;
   }
   if (!any) return;
-  spreadAreas(points.binding, points.areas, areas_);
+  distributeAreas(points.binding, points.areas, areas_);
   addQuotients(forces_, areas_, pressures_);
 }
 
 void PressureOnSkin::addSkin(const SkinPair &pair, std::size_t side) {
   double total = 0.0;
-  for (const SkinContact &one : pair.active()) total += pressOf(one);
+  for (const SkinContact &one : pair.active()) total += normalImpulseOf(one);
   if (!(total > 0.0) || !(pair.sum().duration > 0.0)) return;
   const ContactSkin &skin = pair.skin(side);
   std::fill(forces_.begin(), forces_.end(), 0.0);
   for (const SkinContact &one : pair.active()) {
-    const double force = pair.sum().normalImpulseSum / pair.sum().duration * pressOf(one) / total;
+    const double force = pair.sum().normalImpulseSum / pair.sum().duration * normalImpulseOf(one) / total;
     if (!(force > 0.0)) continue;
     for (const SkinContact::Part &part : one.parts)
-      if (part.ofSecond == (side == 1)) spread(skin.vertices, part.vertex, std::abs(part.weight) * force, forces_);
+      if (part.ofSecond == (side == 1)) distribute(skin.vertices, part.vertex, std::abs(part.weight) * force, forces_);
   }
-  spreadAreas(skin.vertices, skin.areas, areas_);
+  distributeAreas(skin.vertices, skin.areas, areas_);
   addQuotients(forces_, areas_, pressures_);
 }
 

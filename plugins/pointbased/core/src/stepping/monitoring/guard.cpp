@@ -14,7 +14,7 @@ namespace {
 using detail::number;
 
 // Above this, squares and energies overflow.
-constexpr double kHuge = 1e150;
+constexpr double kOverflow = 1e150;
 // Units in the last place of what strain energies are differences of. A body that has come to rest keeps that much.
 constexpr double kRoundOffs = 8.0;
 
@@ -51,7 +51,7 @@ QuickCheckResult quickCheck(const Body &body) {
   const kernels::FieldBounds bounds = kernels::boundsOf(v.front().data(), v.size());
   // The mean is within the bounds of all.
   const Vec3 low(bounds.low), high(bounds.high);
-  const bool finite = std::isfinite(bounds.sum) && high.maxCoeff() < kHuge && low.minCoeff() > -kHuge;
+  const bool finite = std::isfinite(bounds.sum) && high.maxCoeff() < kOverflow && low.minCoeff() > -kOverflow;
   return {finite && std::isfinite(sumOfSquares(body.state().displacements)), (high - low).norm()};
 }
 
@@ -81,7 +81,7 @@ GuardView fullCheck(const Body &body) {
 GuardFinding firstNonFinite(const Body &body) {
   const State &state = body.state();
   // Same bound as in quickCheck(). If only a sum of squares has overflowed, one of its values exceeds it as well.
-  const auto finite = [](const Vec3 &x) { return (x.array().abs() < kHuge).all(); };
+  const auto finite = [](const Vec3 &x) { return (x.array().abs() < kOverflow).all(); };
   GuardFinding finding;
   finding.quantity = "the state is not finite";
   finding.help = "a smaller solver.dt, solver.integrator = \"implicit\", more solver.damping or material.viscosity";
@@ -99,7 +99,7 @@ void EnergyLevel::add(const EnergyLevel &other) {
   total += other.total;
   kinetic += other.kinetic;
   stored += other.stored;
-  lifted += other.lifted;
+  depenetrationWork += other.depenetrationWork;
   roundOff += other.roundOff;
 }
 
@@ -111,7 +111,7 @@ EnergyLevel energyLevel(const Body &body, const Vec3 &gravity) {
   level.total = level.kinetic + level.stored + potential(body, gravity) +
                 body.patches().energy(body.lastPatchTargets(), body.state().displacements) +
                 body.foundation().energy(body.state().displacements);
-  level.lifted = std::max(0.0, -gravity.dot(body.contact.depenetrationMoment));
+  level.depenetrationWork = std::max(0.0, -gravity.dot(body.contact.depenetrationMoment));
   // The energy density of neo-Hooke is a difference of terms of the size of its moduli.
   double squaredSpeed = 0.0;  // of pressure waves
   for (const Material &m : body.constitution().materials)
@@ -123,7 +123,8 @@ EnergyLevel energyLevel(const Body &body, const Vec3 &gravity) {
 std::string energyGrowth(const EnergyLevel &before, const EnergyLevel &now) {
   const auto scaleOf = [](const EnergyLevel &level) { return std::max(level.kinetic, level.stored); };
   const double growth = now.total - before.total, allowed = kEnergyGrowth * std::max(scaleOf(before), scaleOf(now)) +
-                                                            now.lifted * (1.0 + 1e-9) + before.roundOff + now.roundOff;
+                                                            now.depenetrationWork * (1.0 + 1e-9) + before.roundOff +
+                                                            now.roundOff;
   if (growth <= allowed || growth <= 1e-12 * (std::abs(now.total) + std::abs(before.total))) return {};
   return "the energy has grown by " + number(growth) + " J with nothing driving it (kinetic " + number(now.kinetic) +
          " J, elastic " + number(now.stored) + " J)";

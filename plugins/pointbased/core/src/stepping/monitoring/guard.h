@@ -40,11 +40,11 @@ inline constexpr std::uint64_t kEnergyInterval = 128;
 
 /// Energies of a body, or of several, for comparison by the guard; J.
 struct EnergyLevel {
-  double total = 0.0;     ///< including the potential of gravity, dead loads, supports and foundation
-  double kinetic = 0.0;   ///< J
-  double stored = 0.0;    ///< J, elastic
-  double lifted = 0.0;    ///< J, added by depenetration since ContactState::depenetrationMoment was zero
-  double roundOff = 0.0;  ///< J, of `stored`
+  double total = 0.0;              ///< including the potential of gravity, dead loads, supports and foundation
+  double kinetic = 0.0;            ///< J
+  double stored = 0.0;             ///< J, elastic
+  double depenetrationWork = 0.0;  ///< J, added by depenetration since ContactState::depenetrationMoment was zero
+  double roundOff = 0.0;           ///< J, of `stored`
   void add(const EnergyLevel &other);
 };
 [[nodiscard]] EnergyLevel energyLevel(const Body &body, const Vec3 &gravity);

@@ -17,10 +17,10 @@ struct Bounds {
     low = low.cwiseMin(x);
     high = high.cwiseMax(x);
   }
-  [[nodiscard]] bool meets(const Bounds &other, double margin) const {
+  [[nodiscard]] bool overlaps(const Bounds &other, double margin) const {
     return ((low - other.high).array() <= margin).all() && ((other.low - high).array() <= margin).all();
   }
-  [[nodiscard]] bool holds(const Vec3 &x, double margin) const {
+  [[nodiscard]] bool contains(const Vec3 &x, double margin) const {
     return ((x - low).array() >= -margin).all() && ((high - x).array() >= -margin).all();
   }
 };
@@ -35,29 +35,29 @@ Bounds boundsOf(const Body &body) {
 }
 
 // The contact points in the box of another body.
-struct Side {
+struct SkinSample {
   std::vector<Vec3> positions, normals;
   std::vector<double> areas;
 };
 
-Side sideOf(const Body &body, const Bounds &where, double margin) {
+SkinSample sampleSkin(const Body &body, const Bounds &where, double margin) {
   const RestState &rest = body.rest();
   const ContactPoints &points = rest.contact;
   std::vector<Vec3> x(points.count()), n(points.count());
   updateSurfels(points.binding, points.normals, rest.positions, body.state().displacements, x, n, serialFor());
-  Side side;
+  SkinSample sample;
   for (std::size_t p = 0; p < x.size(); ++p) {
     const Vec3 at = rest.origin + x[p];
-    if (!where.holds(at, margin)) continue;
-    side.positions.push_back(at);
-    side.normals.push_back(n[p]);
-    side.areas.push_back(points.areas[p]);
+    if (!where.contains(at, margin)) continue;
+    sample.positions.push_back(at);
+    sample.normals.push_back(n[p]);
+    sample.areas.push_back(points.areas[p]);
   }
-  return side;
+  return sample;
 }
 
 // Points of one side behind the nearest points of the other: largest depth, and sum of area times depth.
-Overlap behind(const Side &points, const Side &of, double reach) {
+Overlap measureOverlap(const SkinSample &points, const SkinSample &of, double reach) {
   Overlap out;
   if (points.positions.empty() || of.positions.empty()) return out;
   const PointTree tree(of.positions);
@@ -137,9 +137,9 @@ Overlap overlapOf(const Body &a, const Body &b) {
   if (a.rest().contact.count() == 0 || b.rest().contact.count() == 0) return {};
   const double reach = std::max(a.rest().spacing, b.rest().spacing);
   const Bounds boundsA = boundsOf(a), boundsB = boundsOf(b);
-  if (!boundsA.meets(boundsB, 0.0)) return {};
-  const Side sideA = sideOf(a, boundsB, reach), sideB = sideOf(b, boundsA, reach);
-  const Overlap inB = behind(sideA, sideB, reach), inA = behind(sideB, sideA, reach);
+  if (!boundsA.overlaps(boundsB, 0.0)) return {};
+  const SkinSample sampleA = sampleSkin(a, boundsB, reach), sampleB = sampleSkin(b, boundsA, reach);
+  const Overlap inB = measureOverlap(sampleA, sampleB, reach), inA = measureOverlap(sampleB, sampleA, reach);
   return {std::max(inA.depth, inB.depth), 0.5 * (inA.volume + inB.volume),
           a.rest().contact.count() + b.rest().contact.count()};
 }

@@ -23,9 +23,9 @@ namespace pointbased {
 /// Overlap of the skins of two bodies, from their contact points: a point is inside of the other body if it is behind
 /// the plane of that body's nearest point.
 struct Overlap {
-  double depth = 0.0;      ///< m, deepest point; 0: no overlap
-  double volume = 0.0;     ///< m³, approximate: area times depth, the mean of both sides
-  std::size_t looked = 0;  ///< contact points that were checked; 0: the bounding boxes do not meet
+  double depth = 0.0;             ///< m, deepest point; 0: no overlap
+  double volume = 0.0;            ///< m³, approximate: area times depth, the mean of both sides
+  std::size_t checkedPoints = 0;  ///< contact points that were checked; 0: the bounding boxes do not meet
 };
 [[nodiscard]] Overlap overlapOf(const Body &a, const Body &b);
 

@@ -12,20 +12,20 @@ namespace {
 
 // Spacings: an obstacle counts as wrapped if it reaches into a body by this much more than the body's skin into the
 // obstacle.
-constexpr double kWrapped = 0.1;
-// Spacings: obstacles that are wrapped less deeply are left to contact.
+constexpr double kMinWrapping = 0.1;
+// Spacings: contact separates obstacles that are wrapped less deeply.
 constexpr double kMinEnclosed = 0.25;
 // Directions of depenetration count as coherent if their mean is at least this long.
-constexpr double kCoherent = 0.3;
+constexpr double kMinCoherence = 0.3;
 // Fraction of the smallest extent of the body: deeper points are not moved out.
 constexpr double kDeepestOfBody = 1.0 / 3.0;
 // Cosine of the angle between the direction to the nearest surface and the inward normal: below it the directions
 // disagree.
-constexpr double kInwards = 0.5;
+constexpr double kMinInwardCosine = 0.5;
 constexpr double kTiny = 1e-6;  // spacings
 
-std::vector<SurfacePoint> ask(const Obstacle &obstacle, const RigidMotion &motion, std::span<const Vec3> world,
-                              const ParallelFor &parallelFor) {
+std::vector<SurfacePoint> queryClosest(const Obstacle &obstacle, const RigidMotion &motion, std::span<const Vec3> world,
+                                       const ParallelFor &parallelFor) {
   std::vector<Vec3> at(world.begin(), world.end());
   for (Vec3 &x : at) x = toRestFrame(motion, x);
   const std::vector<double> ranges(at.size(), std::numeric_limits<double>::infinity());
@@ -38,12 +38,12 @@ std::vector<SurfacePoint> ask(const Obstacle &obstacle, const RigidMotion &motio
   return found;
 }
 
-std::vector<Vec3> placesOf(const Body &body) {
+std::vector<Vec3> positionsOf(const Body &body) {
   const RestState &rest = body.rest();
-  std::vector<Vec3> places;
+  std::vector<Vec3> positions;
   for (std::size_t i = 0; i < rest.phyxelCount(); ++i)
-    places.emplace_back(rest.origin + rest.positions[i] + body.state().displacements[i]);
-  return places;
+    positions.emplace_back(rest.origin + rest.positions[i] + body.state().displacements[i]);
+  return positions;
 }
 
 }  // namespace
@@ -60,10 +60,10 @@ ObstacleOverlap overlapWith(const Obstacle &obstacle, const RigidMotion &motion,
   for (Vec3 &one : x) box.add(one += rest.origin);
   const Vec3 middle = 0.5 * (box.low + box.high);
   const double h = rest.spacing;
-  const SurfacePoint glance = ask(obstacle, motion, std::span(&middle, 1), parallelFor).front();
-  if (!(glance.distance < 0.5 * (box.high - box.low).norm() + h)) return out;
+  const SurfacePoint atCentre = queryClosest(obstacle, motion, std::span(&middle, 1), parallelFor).front();
+  if (!(atCentre.distance < 0.5 * (box.high - box.low).norm() + h)) return out;
 
-  const std::vector<SurfacePoint> ofSkin = ask(obstacle, motion, x, parallelFor);
+  const std::vector<SurfacePoint> ofSkin = queryClosest(obstacle, motion, x, parallelFor);
   double ofPoints = 0.0, ofObstacle = 0.0;
   for (std::size_t p = 0; p < x.size(); ++p) ofPoints = std::max(ofPoints, -ofSkin[p].distance);
   out.depth = ofPoints;
@@ -71,64 +71,65 @@ ObstacleOverlap overlapWith(const Obstacle &obstacle, const RigidMotion &motion,
   if (!skin) return out;
 
   // Points of the obstacle's surface nearest to the phyxels of the body.
-  const std::vector<Vec3> phyxels = placesOf(body);
-  const std::vector<SurfacePoint> seen = ask(obstacle, motion, phyxels, parallelFor);
+  const std::vector<Vec3> phyxels = positionsOf(body);
+  const std::vector<SurfacePoint> closest = queryClosest(obstacle, motion, phyxels, parallelFor);
   Vec3 deepest = Vec3::Zero();
   for (std::size_t i = 0; i < phyxels.size(); ++i) {
-    if (!std::isfinite(seen[i].distance)) continue;
-    const Vec3 place = phyxels[i] - seen[i].distance * (motion.rotation * seen[i].normal);
-    if (box.squaredDistance(place) > 0.0) continue;
-    const double depth = -skin->signedDistance(place);
+    if (!std::isfinite(closest[i].distance)) continue;
+    const Vec3 position = phyxels[i] - closest[i].distance * (motion.rotation * closest[i].normal);
+    if (box.squaredDistance(position) > 0.0) continue;
+    const double depth = -skin->signedDistance(position);
     if (!(depth > ofObstacle)) continue;
     ofObstacle = depth;
-    deepest = place;
+    deepest = position;
     out.phyxel = static_cast<Index>(i);
   }
   out.depth = std::max(ofPoints, ofObstacle);
-  const bool isWrapped = ofObstacle > ofPoints + kWrapped * h;
+  const bool isWrapped = ofObstacle > ofPoints + kMinWrapping * h;
 
-  // If the nearest surface is the one at the back, tissue would close around the obstacle.
+  // If the nearest surface is the back of the obstacle, tissue would close around the obstacle.
   const double farthest = (box.high - box.low).norm();
   Vec3 sum = Vec3::Zero();
   double area = 0.0;
   for (std::size_t p = 0; p < x.size(); ++p) {
     if (!(ofSkin[p].distance < -kTiny * h)) continue;
     Vec3 direction = motion.rotation * ofSkin[p].normal;
-    if (obstacle.crossing && !(direction.dot(-N[p]) > kInwards)) {
+    if (obstacle.crossing && !(direction.dot(-N[p]) > kMinInwardCosine)) {
       Vec3 normal;
       const double part =
           obstacle.crossing(toRestFrame(motion, x[p]), toRestFrame(motion, Vec3(x[p] - farthest * N[p])), normal);
-      const Vec3 place = x[p] - (part * farthest + 0.01 * h) * N[p];
-      if (part >= 0.0 && skin->signedDistance(place) < 0.0) {
+      const Vec3 position = x[p] - (part * farthest + 0.01 * h) * N[p];
+      if (part >= 0.0 && skin->signedDistance(position) < 0.0) {
         direction = -N[p];
-        out.led.push_back({static_cast<Index>(p), toRestFrame(motion, place)});
+        out.redirected.push_back({static_cast<Index>(p), toRestFrame(motion, position)});
       }
     }
     sum += rest.contact.areas[p] * direction;
     area += rest.contact.areas[p];
   }
   if (!isWrapped || !(ofObstacle > kMinEnclosed * h)) return out;
-  out.isEnclosed = !(sum.norm() > kCoherent * area) || ofObstacle > kDeepestOfBody * (box.high - box.low).minCoeff();
-  if (out.isEnclosed) out.way = skin->nearestPoint(deepest) - deepest;
+  out.isEnclosed =
+      !(sum.norm() > kMinCoherence * area) || ofObstacle > kDeepestOfBody * (box.high - box.low).minCoeff();
+  if (out.isEnclosed) out.escape = skin->nearestPoint(deepest) - deepest;
   return out;
 }
 
 SkinBox boundsOf(const Body &body) {
   SkinBox box;
-  for (const Vec3 &place : placesOf(body)) box.add(place);
+  for (const Vec3 &position : positionsOf(body)) box.add(position);
   return box;
 }
 
 BodyOverlap overlapBetween(const Body &first, MovingSkin &firstSkin, const Body &second, MovingSkin &secondSkin) {
   BodyOverlap out;
-  const auto look = [&](const Body &body, MovingSkin &other) {
-    const std::vector<Vec3> places = placesOf(body);
+  const auto addOverlap = [&](const Body &body, MovingSkin &other) {
+    const std::vector<Vec3> positions = positionsOf(body);
     double inside = 0.0, all = 0.0;
-    for (std::size_t i = 0; i < places.size(); ++i) {
+    for (std::size_t i = 0; i < positions.size(); ++i) {
       const double mass = body.masses()[i];
       all += mass;
-      if (other.tree().bounds().squaredDistance(places[i]) > 0.0) continue;
-      const double depth = -other.signedDistance(places[i]);
+      if (other.tree().bounds().squaredDistance(positions[i]) > 0.0) continue;
+      const double depth = -other.signedDistance(positions[i]);
       // Phyxels on the border of a body of the same shape count as inside of it.
       if (!(depth > -kTiny * body.rest().spacing)) continue;
       inside += mass;
@@ -136,8 +137,8 @@ BodyOverlap overlapBetween(const Body &first, MovingSkin &firstSkin, const Body 
     }
     if (all > 0.0) out.part = std::max(out.part, inside / all);
   };
-  look(first, secondSkin);
-  look(second, firstSkin);
+  addOverlap(first, secondSkin);
+  addOverlap(second, firstSkin);
   return out;
 }
 

@@ -14,15 +14,15 @@ struct ObstacleOverlap {
   double depth = 0.0;  ///< m, of the deepest point of either in the other; 0: no overlap
   /// Contact cannot separate them: the obstacle is inside the body, passes through it or cuts it.
   bool isEnclosed = false;
-  Vec3 way = Vec3::Zero();  ///< m, approximate translation by which an enclosed obstacle leaves the body
-  Index phyxel = 0;         ///< nearest to the deepest point
+  Vec3 escape = Vec3::Zero();  ///< m, approximate translation by which an enclosed obstacle leaves the body
+  Index phyxel = 0;            ///< nearest to the deepest point
   /// A contact point whose nearest obstacle surface faces out of the body, and the position to which it is moved along
   /// its inward normal instead.
-  struct Led {
+  struct RedirectedPoint {
     Index point = 0;
-    Vec3 place = Vec3::Zero();  ///< m, in the frame of the obstacle at rest
+    Vec3 position = Vec3::Zero();  ///< m, in the frame of the obstacle at rest
   };
-  std::vector<Led> led;
+  std::vector<RedirectedPoint> redirected;
 };
 /// @param skinOf  returns the skin of the body in its present position, or null without a surface; called if the two
 ///                are close to each other

@@ -32,7 +32,7 @@ class StepActivity {
     const std::lock_guard lock(mutex_);
     lines_[body] = std::move(line);
   }
-  void forget(std::size_t body) {
+  void remove(std::size_t body) {
     const std::lock_guard lock(mutex_);
     lines_.erase(body);
   }

@@ -29,7 +29,7 @@ double attachedEnergy(const detail::SimulationState &state, std::size_t id) {
   for (const auto &[number, layer] : state.attachments) {
     const Attachment &of = layer->settings();
     if (of.first == id || of.second == id)
-      sum += (layer->joinsBodies() ? 0.5 : 1.0) * layer->energy(state.sidesOf(*layer));
+      sum += (layer->joinsBodies() ? 0.5 : 1.0) * layer->energy(state.attachedState(*layer));
   }
   return sum;
 }
@@ -44,9 +44,10 @@ std::string Diagnostics::activity() const { return state_.activity.line(); }
 std::vector<StageClock::Summary> Diagnostics::stageTimes() const { return state_.clock.summary(); }
 
 double Diagnostics::costOf(std::size_t id) const {
-  const auto found = state_.spent.seconds.find(id);
-  return found == state_.spent.seconds.end() || !(state_.spent.advanced > 0.0) ? 0.0
-                                                                               : found->second / state_.spent.advanced;
+  const auto found = state_.computingTime.seconds.find(id);
+  return found == state_.computingTime.seconds.end() || !(state_.computingTime.advanced > 0.0)
+             ? 0.0
+             : found->second / state_.computingTime.advanced;
 }
 
 std::vector<ContactSummary> Diagnostics::contacts() const {
@@ -76,7 +77,7 @@ std::vector<ContactSummary> Diagnostics::contacts() const {
     }
     // By point: one in contact with two faces of an obstacle counts once.
     std::vector<Index> last(found.size(), Contact::kWall);
-    const double elapsed = state_.clockOfRamps() - body.contact.searchTime;
+    const double elapsed = state_.rampTime() - body.contact.searchTime;
     for (const Contact &contact : body.contact.active) {
       const std::size_t o = contact.obstacle == Contact::kWall ? walls : contact.obstacle;
       found[o].depth = std::max(found[o].depth, -gapNow(body, contact, elapsed));
@@ -118,16 +119,16 @@ double Diagnostics::skinDepth(std::size_t id) const {
   const Body *target = state_.body(id);
   if (!target) return 0.0;
   std::vector<Vec3> skin;
-  const auto told = [id](const std::map<std::size_t, double> &depths) {
+  const auto reportedDepth = [id](const std::map<std::size_t, double> &depths) {
     const auto found = depths.find(id);
     return found == depths.end() ? 0.0 : found->second;
   };
   const double inRigid =
       state_.ownObstacleCount(id) > 0 ? detail::depthInRigidTissue(*target, skin, state_.parallelFor) : 0.0;
-  return std::max({target->contact.deepest, told(state_.reported.skinDeepest), told(state_.reported.rigidDeepest),
-                   inRigid,
-                   depthOfPassage(*target, state_.surroundingsOf(id), state_.clockOfRamps(), state_.parallelFor),
-                   pointbased::skinDepth(*target, world_.obstaclesOf(id), world_.boxOf(id), state_.clockOfRamps(), skin,
+  return std::max({target->contact.deepest, reportedDepth(state_.reported.skinDeepest),
+                   reportedDepth(state_.reported.rigidDeepest), inRigid,
+                   depthOfPassage(*target, state_.surroundingsOf(id), state_.rampTime(), state_.parallelFor),
+                   pointbased::skinDepth(*target, world_.obstaclesOf(id), world_.boxOf(id), state_.rampTime(), skin,
                                          state_.parallelFor)});
 }
 

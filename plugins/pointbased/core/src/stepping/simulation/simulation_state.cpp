@@ -113,9 +113,9 @@ void SimulationState::reset() {
     stepper->reset();
     if (renewed) bindProbes(id, std::vector<Vec3>(probes.size(), Vec3::Zero()));
   }
-  skins.forget();
+  skins.clear();
   for (const auto &island : islands.list) island->resetSolver();
-  for (auto &[id, layer] : attachments) layer->mend();
+  for (auto &[id, layer] : attachments) layer->resetTears();
   ++historyEpoch;
   progress = {};
   events.clear();

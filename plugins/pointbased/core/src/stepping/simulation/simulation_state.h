@@ -68,7 +68,7 @@ struct SimulationState {
   [[nodiscard]] bool finished() const { return quasiStatic() && progress.loadFactor >= 1.0 - 1e-12; }
   [[nodiscard]] double time() const { return quasiStatic() ? 0.0 : progress.time; }
   /// Time or load factor: the argument of ramps.
-  [[nodiscard]] double clockOfRamps() const { return quasiStatic() ? progress.loadFactor : progress.time; }
+  [[nodiscard]] double rampTime() const { return quasiStatic() ? progress.loadFactor : progress.time; }
   [[nodiscard]] double stepSize() const;
   [[nodiscard]] Body *body(std::size_t id) const;
   [[nodiscard]] const Obstacle *obstacle(std::size_t id) const;
@@ -91,7 +91,7 @@ struct SimulationState {
   void removeAttachmentsOf(std::size_t id);
   /// Call after a change of attachments, masses or what moves.
   void updateAttachments();
-  [[nodiscard]] AttachmentLayer::Sides sidesOf(const AttachmentLayer &layer) const;
+  [[nodiscard]] AttachmentLayer::AttachedState attachedState(const AttachmentLayer &layer) const;
   /// @param shifts  [probes] Probe::referenceShift of those of the body
   void bindProbes(std::size_t body, std::span<const Vec3> shifts);
   void reset();
@@ -117,7 +117,7 @@ struct SimulationState {
   bool initialWarningsReported = false;
   ReportedFindings reported;
   StepActivity activity;
-  ComputingTime spent;
+  ComputingTime computingTime;
   StageClock clock;
   ScreenPhyxels screenPhyxels;
 };

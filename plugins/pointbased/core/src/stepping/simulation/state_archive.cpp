@@ -44,7 +44,7 @@ bool StateArchive::restore(const Checkpoint &checkpoint) {
   for (const auto &[id, torn] : checkpoint->torn)
     if (const auto found = state_.attachments.find(id); found != state_.attachments.end())
       (void)found->second->setTorn(torn);
-  state_.skins.forget();
+  state_.skins.clear();
   for (const auto &[id, state] : checkpoint->contacts) {
     const Body *first = state_.body(id.first), *second = state_.body(id.second);
     if (first && second)

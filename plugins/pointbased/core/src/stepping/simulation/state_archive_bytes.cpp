@@ -130,7 +130,7 @@ class Archive {
 
 struct SavedBody {
   detail::BodyStepper::Checkpoint checkpoint;
-  detail::BodyStepper::Stillness stillness;
+  detail::BodyStepper::SleepState sleepState;
   Body::IntegratorState integratorCarry;
   std::vector<Vec3> patchForces;  // N, of supports
 };
@@ -162,8 +162,8 @@ void walk(Archive<Coder> &archive, SavedBody &saved) {
   archive(saved.integratorCarry.forces);
   archive(saved.integratorCarry.tangentRatio);
   archive(saved.integratorCarry.forcesCurrent);
-  archive(saved.stillness.watch);
-  archive(saved.stillness.asleep);
+  archive(saved.sleepState.watch);
+  archive(saved.sleepState.asleep);
 }
 
 /// Why the state of a body cannot be saved; empty: it can.
@@ -219,13 +219,13 @@ Result<std::string> StateArchive::save() {
     if (state_.obstacles.ownMotions.contains(state_.obstacles.ids[o]) ||
         state_.obstacles.instruments.contains(state_.obstacles.ids[o]))
       return tl::unexpected("'" + state_.obstacles.all[o].name + "' is led by a hand; take it away, or reset first");
-  state_.skins.forget();
+  state_.skins.clear();
   for (const auto &island : state_.islands.list) island->resetSolver();
   for (const auto &[id, stepper] : state_.bodies) {
     stepper->resetSolvers();
     const std::span<const Vec3> patchForces = std::as_const(stepper->body()).patches().forces();
     SavedBody saved{stepper->checkpoint(),
-                    stepper->stillness(),
+                    stepper->sleepState(),
                     stepper->body().integratorCarry(),
                     {patchForces.begin(), patchForces.end()}};
     walk(archive, saved);
@@ -283,7 +283,7 @@ Result<void> StateArchive::load(std::string_view bytes) {
       one.checkpoint.body.state.supportTime =
           state_.quasiStatic() ? checkpoint.progress.loadFactor : checkpoint.progress.time;
     (void)stepper->restore(one.checkpoint, state_.parallelFor);
-    stepper->setStillness(std::move(one.stillness));
+    stepper->setSleepState(std::move(one.sleepState));
     std::copy(one.patchForces.begin(), one.patchForces.end(), stepper->body().patches().forces().begin());
     stepper->body().restoreIntegratorState(std::move(one.integratorCarry));
   }

@@ -16,7 +16,7 @@ namespace {
 // Steps between two checks. A check costs about as much as a few explicit steps, and less than one implicit step. Where
 // explicit steps are long, at least one check in a sixtieth of a second, if that is not too often.
 constexpr std::uint64_t kExplicitSteps = 128, kFewestExplicitSteps = 32, kOtherSteps = 4;
-constexpr double kTimeOfLook = 1.0 / 60.0;  // s
+constexpr double kCheckInterval = 1.0 / 60.0;  // s
 // Fraction of the spacing: smaller overlaps result from label maps and the planes of nearest points.
 constexpr double kMinOverlap = 0.1;
 // Fraction of the spacing: cubes with flush sides separate from one spacing of overlap, and lock each other at one and
@@ -25,7 +25,7 @@ constexpr double kDeepOverlap = 1.0;
 // Fraction of the mass of a body inside another one at the start: contact separates less.
 constexpr double kMaxOfBody = 0.6;
 // Contact points per phyxel and step that are checked for overlap: one costs about as much as three phyxels of a step.
-constexpr double kPointsOfLook = 1.0 / 64.0;
+constexpr double kCheckedPointsPerPhyxel = 1.0 / 64.0;
 // Fraction of the spacing: edges between contact points penetrate less.
 constexpr double kSkinThrough = 0.5;
 // Fraction of the spacing, of soft tissue in rigid tissue: half of the distance between contact points. The skin
@@ -41,7 +41,7 @@ std::uint64_t StepMonitor::skinCheckInterval() const {
     return entry.second->integratorIn(state_.settings) == Integrator::explicitVerlet;
   });
   if (!isExplicit) return kOtherSteps;
-  return static_cast<std::uint64_t>(std::clamp(std::ceil(kTimeOfLook / state_.stepSize()),
+  return static_cast<std::uint64_t>(std::clamp(std::ceil(kCheckInterval / state_.stepSize()),
                                                static_cast<double>(kFewestExplicitSteps),
                                                static_cast<double>(kExplicitSteps)));
 }
@@ -55,13 +55,13 @@ void StepMonitor::checkSkins() {
     for (const auto &[id, stepper] : state_.bodies) {
       const Body &body = stepper->body();
       // A skin with many points is checked less often, and not at all if the body has no contacts.
-      const std::uint64_t every =
+      const std::uint64_t interval =
           kExplicitSteps * (1 + body.rest().surfels.count() / (16 * (1 + body.rest().pointCount())));
       if (stepper->asleep() || body.contact.active.empty() ||
-          (state_.progress.steps % every != 0 && state_.progress.steps % kExplicitSteps == 0))
+          (state_.progress.steps % interval != 0 && state_.progress.steps % kExplicitSteps == 0))
         continue;
       const double depth =
-          pointbased::skinDepth(body, {}, world_.boxOf(id), state_.clockOfRamps(), skin_, state_.parallelFor);
+          pointbased::skinDepth(body, {}, world_.boxOf(id), state_.rampTime(), skin_, state_.parallelFor);
       reportPenetration(body, depth, kSkinThrough, state_.reported.skinDeepest[id], "its skin reaches ",
                         " through the world's box");
     }
@@ -82,8 +82,8 @@ void StepMonitor::checkRigidTissue(std::size_t id) {
 // Reports once, when the depth exceeds this number of spacings.
 void StepMonitor::reportPenetration(const Body &body, double depth, double spacings, double &deepest, const char *what,
                                     const char *where) {
-  const double spacing = body.rest().spacing, most = spacings * spacing;
-  if (depth > most && deepest <= most)
+  const double spacing = body.rest().spacing, limit = spacings * spacing;
+  if (depth > limit && deepest <= limit)
     state_.reportEvent("skin", "body '" + body.name() + "': " + what + millimetres(depth) + where +
                                    " between the points where it feels contact; a smaller sampling.spacing (it is " +
                                    millimetres(spacing) + ") helps");
@@ -104,15 +104,15 @@ void StepMonitor::checkPairOverlap() {
   }
   // Starts at the pair after the one that was checked last.
   std::rotate(pairs.begin(), std::upper_bound(pairs.begin(), pairs.end(), state_.reported.lastPair), pairs.end());
-  double left = state_.progress.steps == 0 || skinCheckInterval() == kOtherSteps
-                    ? std::numeric_limits<double>::infinity()
-                    : kPointsOfLook * phyxels * static_cast<double>(skinCheckInterval());
+  double remaining = state_.progress.steps == 0 || skinCheckInterval() == kOtherSteps
+                         ? std::numeric_limits<double>::infinity()
+                         : kCheckedPointsPerPhyxel * phyxels * static_cast<double>(skinCheckInterval());
   for (const auto &pair : pairs) {
-    if (!(left > 0.0)) break;
+    if (!(remaining > 0.0)) break;
     state_.reported.lastPair = pair;
     const Body &first = state_.bodies.at(pair.first)->body(), &second = state_.bodies.at(pair.second)->body();
     const Overlap found = overlapOf(first, second);
-    left -= static_cast<double>(found.looked);
+    remaining -= static_cast<double>(found.checkedPoints);
     if (!(found.depth > kMinOverlap * std::min(first.rest().spacing, second.rest().spacing))) continue;
     state_.reported.overlaps.insert(pair);
     state_.reportEvent(
@@ -160,7 +160,7 @@ void StepMonitor::reportUnresolvedThickness(std::size_t id, double thickness) {
                          " thick in the mean (twice its volume over its area; of a tube the radius), and cells of " +
                          millimetres(state_.body(id)->rest().spacing) +
                          " do not tell its folds apart; with a sampling.spacing up to " +
-                         millimetres(thickness / SkinContacts::SelfContactBound::kThinnest) + " they would");
+                         millimetres(thickness / SkinContacts::SelfContactBound::kMinThickness) + " they would");
 }
 
 void StepMonitor::reportInitialWarnings(const StepContext &context) {
@@ -193,23 +193,24 @@ void StepMonitor::checkInitialState(const StepContext &context) {
       if (!(found.depth > kMinOverlap * body.rest().spacing)) continue;
       const std::string &name = obstacles[o].name;
       if (found.isEnclosed) {
-        const double way = found.way.norm();
-        const Vec3 along = way > 0.0 ? Vec3(found.way / way) : Vec3(Vec3::Zero());
+        const double distance = found.escape.norm();
+        const Vec3 direction = distance > 0.0 ? Vec3(found.escape / distance) : Vec3(Vec3::Zero());
         stepper->stop(context, {found.phyxel,
                                 "obstacle '" + name + "' begins " + millimetres(found.depth) +
                                     " deep in it, where contact cannot separate them",
-                                "to begin with '" + name + "' outside of the body, at least " + millimetres(way) +
-                                    " along (" + number(along[0], 2) + ", " + number(along[1], 2) + ", " +
-                                    number(along[2], 2) + "), or to switch contact of the pair off"});
+                                "to begin with '" + name + "' outside of the body, at least " + millimetres(distance) +
+                                    " along (" + number(direction[0], 2) + ", " + number(direction[1], 2) + ", " +
+                                    number(direction[2], 2) + "), or to switch contact of the pair off"});
         continue;
       }
       std::vector<std::vector<ContactState::LastOutside>> &lastOutside = body.contact.lastOutside;
       const std::size_t own = state_.ownObstacleCount(id) + o;
-      if (!found.led.empty()) {
+      if (!found.redirected.empty()) {
         lastOutside.resize(std::max(lastOutside.size(), state_.surroundingsOf(id).size()));
         lastOutside[own].assign(body.rest().contact.count(), ContactState::LastOutside());
       }
-      for (const ObstacleOverlap::Led &led : found.led) lastOutside[own][led.point] = {led.place, true};
+      for (const ObstacleOverlap::RedirectedPoint &redirected : found.redirected)
+        lastOutside[own][redirected.point] = {redirected.position, true};
       state_.reportEvent("overlap",
                          "body '" + body.name() + "' and obstacle '" + name + "' overlap " + millimetres(found.depth) +
                              " deep at the start; contact leads the body out at 100 mm a second at most. Begin "

@@ -162,7 +162,7 @@ tl::expected<void, StepFailure> Stepper::step(const StopRequest *stop) {
     monitor_->checkSkins();
   }
   for (auto &[id, stepper] : state_.bodies) stepper->beginStep();
-  for (auto &[id, layer] : state_.attachments) layer->keep();
+  for (auto &[id, layer] : state_.attachments) layer->saveTears();
   double advanced = 0.0;
   try {
     const StoppableLoops::Watch watch(state_.loops, stop);
@@ -175,17 +175,17 @@ tl::expected<void, StepFailure> Stepper::step(const StopRequest *stop) {
     const std::size_t body = state_.activity.present();
     state_.activity.leaveAll();
     for (auto &[id, stepper] : state_.bodies) stepper->undoStep(state_.parallelFor);
-    for (auto &[id, layer] : state_.attachments) layer->goBack();
-    state_.skins.forget();
+    for (auto &[id, layer] : state_.attachments) layer->restoreTears();
+    state_.skins.clear();
     return tl::unexpected<StepFailure>(
         {"the step was ended before it was done; the state before it stays", true, body});
   }
   if (!state_.quasiStatic())
     for (auto &[id, stepper] : state_.bodies)
-      if (!stepper->asleep() && !stepper->body().rigid() && rereferenceIfNeeded(id, stop)) stepper->forget();
+      if (!stepper->asleep() && !stepper->body().rigid() && rereferenceIfNeeded(id, stop)) stepper->invalidate();
   if (failed()) return refusal();
   state_.progress.time += advanced;
-  state_.spent.advanced += advanced;
+  state_.computingTime.advanced += advanced;
   ++state_.progress.steps;
   monitor_->reportTornAttachments();
   if (monitor_->isSkinCheckDue()) state_.clock.measure(kGuard, [this] { monitor_->checkSkins(); });
@@ -234,14 +234,14 @@ double Stepper::advanceBodies(const detail::StepContext &context) {
   for (const detail::IslandScheduler::Member &member : scheduler.members()) {
     span = std::min(span, member.advanced);
     if (member.stepper) {
-      state_.spent.seconds[member.id] += member.seconds;
+      state_.computingTime.seconds[member.id] += member.seconds;
       continue;
     }
     double points = 0.0;
     for (const detail::Island::Member &one : member.island->members())
       points += static_cast<double>(one.stepper->body().rest().pointCount());
     for (const detail::Island::Member &one : member.island->members())
-      state_.spent.seconds[one.id] +=
+      state_.computingTime.seconds[one.id] +=
           member.seconds * static_cast<double>(one.stepper->body().rest().pointCount()) / points;
   }
   if (!(span < context.dt)) return span;
@@ -267,7 +267,7 @@ void Stepper::swapExternalForces(std::size_t id, std::vector<Vec3> &forces) {
   if (!target || target->isStatic()) return;
   const bool none = std::all_of(forces.begin(), forces.end(), [](const Vec3 &f) { return f.isZero(0.0); });
   if (none && target->externalForces().empty()) return;
-  if (none) state_.bodies.at(id)->forgetEnergy();  // energy that they have added is not spurious
+  if (none) state_.bodies.at(id)->clearEnergyCheckpoint();  // energy that they have added is not spurious
   if (!none && state_.bodies.at(id)->asleep()) state_.bodies.at(id)->wake();
   if (none) forces.clear();
   target->swapExternalForces(forces);
@@ -278,14 +278,14 @@ namespace {
 template <class B>
 auto findGrab(B *body, std::uint64_t id) -> decltype(body->grabs.data()) {
   if (!body) return nullptr;
-  for (auto &hand : body->grabs)
-    if (hand.id == id) return &hand;
+  for (auto &active : body->grabs)
+    if (active.id == id) return &active;
   return nullptr;
 }
 
 }  // namespace
 
-void Stepper::setGrab(std::size_t id, Grab grab, std::uint64_t hand) {
+void Stepper::setGrab(std::size_t id, Grab grab, std::uint64_t grabId) {
   Body *target = state_.body(id);
   if (!target || grab.phyxels.empty() || target->isStatic()) return;
   POINTBASED_EXPECTS(grab.weights.size() == grab.phyxels.size(), "one weight per grabbed phyxel");
@@ -294,31 +294,32 @@ void Stepper::setGrab(std::size_t id, Grab grab, std::uint64_t hand) {
   POINTBASED_EXPECTS(
       std::all_of(grab.phyxels.begin(), grab.phyxels.end(), [&](Index i) { return i < target->rest().phyxelCount(); }),
       "grabs phyxels that there are");
-  if (ActiveGrab *present = findGrab(target, hand))
-    *present = {hand, std::move(grab), {}};
+  if (ActiveGrab *present = findGrab(target, grabId))
+    *present = {grabId, std::move(grab), {}};
   else
-    target->grabs.push_back({hand, std::move(grab), {}});
+    target->grabs.push_back({grabId, std::move(grab), {}});
   target->forcesCurrent = false;
-  state_.bodies.at(id)->forgetEnergy();
+  state_.bodies.at(id)->clearEnergyCheckpoint();
 }
 
-void Stepper::moveGrab(std::size_t id, const Vec3 &position, std::uint64_t hand) {
-  if (ActiveGrab *present = findGrab(state_.body(id), hand)) present->grab.target = position;
+void Stepper::moveGrab(std::size_t id, const Vec3 &position, std::uint64_t grabId) {
+  if (ActiveGrab *present = findGrab(state_.body(id), grabId)) present->grab.target = position;
 }
 
-void Stepper::turnGrab(std::size_t id, const Mat3 &rotation, std::uint64_t hand) {
-  if (ActiveGrab *present = findGrab(state_.body(id), hand)) present->grab.rotation = rotation;
+void Stepper::turnGrab(std::size_t id, const Mat3 &rotation, std::uint64_t grabId) {
+  if (ActiveGrab *present = findGrab(state_.body(id), grabId)) present->grab.rotation = rotation;
 }
 
-void Stepper::releaseGrab(std::size_t id, std::uint64_t hand) {
+void Stepper::releaseGrab(std::size_t id, std::uint64_t grabId) {
   Body *target = state_.body(id);
-  if (!target || std::erase_if(target->grabs, [hand](const ActiveGrab &h) { return h.id == hand; }) == 0) return;
+  if (!target || std::erase_if(target->grabs, [grabId](const ActiveGrab &one) { return one.id == grabId; }) == 0)
+    return;
   target->forcesCurrent = false;
-  state_.bodies.at(id)->forgetEnergy();  // energy that the grab has added is not spurious
+  state_.bodies.at(id)->clearEnergyCheckpoint();  // energy that the grab has added is not spurious
 }
 
-std::optional<GrabStatus> Stepper::grabStatus(std::size_t id, std::uint64_t hand) const {
-  const ActiveGrab *present = findGrab(state_.body(id), hand);
+std::optional<GrabStatus> Stepper::grabStatus(std::size_t id, std::uint64_t grabId) const {
+  const ActiveGrab *present = findGrab(state_.body(id), grabId);
   return present ? std::optional(present->status) : std::nullopt;
 }
 

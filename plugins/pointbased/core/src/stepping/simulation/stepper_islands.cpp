@@ -18,9 +18,9 @@ namespace {
 
 using Box = SkinBox;
 
-constexpr double kSlack = 0.5;   // spacings
-constexpr double kOfSize = 0.1;  // of a body's size, permitted travel in a load increment
-constexpr double kFaster = 2.0;  // times the travel of a step: bodies may gain speed within it
+constexpr double kBoxMargin = 0.5;          // spacings
+constexpr double kIncrementFraction = 0.1;  // of a body's size, permitted travel in a load increment
+constexpr double kSpeedFactor = 2.0;        // times the travel of a step: bodies may gain speed within it
 
 // Bounding box of a body, widened by its possible travel within a step.
 Box reachOf(const Body &body, const Vec3 &gravity, double dt) {
@@ -31,22 +31,22 @@ Box reachOf(const Body &body, const Vec3 &gravity, double dt) {
     box.add(Vec3(rest.origin + rest.positions[i] + body.state().displacements[i]));
     speed = std::max(speed, body.state().velocities[i].squaredNorm());
   }
-  return box.expanded(kFaster * dt * (std::sqrt(speed) + dt * gravity.norm()) + kSlack * rest.spacing);
+  return box.expanded(kSpeedFactor * dt * (std::sqrt(speed) + dt * gravity.norm()) + kBoxMargin * rest.spacing);
 }
 
 // m/s, upper bound of the speed of the skin vertices, relative to a rigid motion of the body.
-double deformingSpeed(const Body &body, const SkinContacts::SelfContactBound &room) {
+double deformingSpeed(const Body &body, const SkinContacts::SelfContactBound &bound) {
   const RestState &rest = body.rest();
   const State &state = body.state();
   const double count = static_cast<double>(std::max<std::size_t>(1, rest.phyxelCount()));
-  Vec3 place = Vec3::Zero(), velocity = Vec3::Zero();
+  Vec3 centre = Vec3::Zero(), velocity = Vec3::Zero();
   for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
-    place += rest.positions[i] + state.displacements[i];
+    centre += rest.positions[i] + state.displacements[i];
     velocity += state.velocities[i];
   }
-  place /= count;
+  centre /= count;
   velocity /= count;
-  const auto arm = [&](std::size_t i) -> Vec3 { return rest.positions[i] + state.displacements[i] - place; };
+  const auto arm = [&](std::size_t i) -> Vec3 { return rest.positions[i] + state.displacements[i] - centre; };
   Mat3 inertia = Mat3::Zero();
   Vec3 spin = Vec3::Zero();
   for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
@@ -56,38 +56,39 @@ double deformingSpeed(const Body &body, const SkinContacts::SelfContactBound &ro
   }
   // Collinear points have no inertia about their line.
   inertia += 1e-9 * inertia.trace() * Mat3::Identity();
-  const Vec3 turning = inertia.trace() > 0.0 ? Vec3(inertia.ldlt().solve(spin)) : Vec3(Vec3::Zero());
+  const Vec3 angularVelocity = inertia.trace() > 0.0 ? Vec3(inertia.ldlt().solve(spin)) : Vec3(Vec3::Zero());
   TravelBound fastest(rest.maxInfluence);
   for (std::size_t i = 0; i < rest.phyxelCount(); ++i)
-    fastest.add(i, state.velocities[i] - velocity - turning.cross(arm(i)));
-  return room.farthest(fastest);
+    fastest.add(i, state.velocities[i] - velocity - angularVelocity.cross(arm(i)));
+  return bound.vertexBound(fastest);
 }
 
 // m, displacement of each phyxel in the last load increment; zero before the first one.
 std::vector<Vec3> lastIncrement(const Body &body) {
   const std::vector<Vec3> &before = body.savedStateCopy().displacements, &now = body.state().displacements;
-  std::vector<Vec3> ways(now.size(), Vec3::Zero());
+  std::vector<Vec3> displacements(now.size(), Vec3::Zero());
   if (before.size() == now.size())
-    for (std::size_t i = 0; i < now.size(); ++i) ways[i] = now[i] - before[i];
-  return ways;
+    for (std::size_t i = 0; i < now.size(); ++i) displacements[i] = now[i] - before[i];
+  return displacements;
 }
 
 // m, largest of them.
-double wayOfIncrement(const Body &body) {
-  double way = 0.0;
-  for (const Vec3 &one : lastIncrement(body)) way = std::max(way, one.norm());
-  return way;
+double incrementTravel(const Body &body) {
+  double travel = 0.0;
+  for (const Vec3 &one : lastIncrement(body)) travel = std::max(travel, one.norm());
+  return travel;
 }
 
 // Same travel as in the last load increment, plus a fraction of the body's size, because there is none before the
 // first.
 Box reachOfIncrement(const Body &body) {
   Box box;
-  const double way = wayOfIncrement(body);
+  const double travel = incrementTravel(body);
   const RestState &rest = body.rest();
   for (std::size_t i = 0; i < rest.phyxelCount(); ++i)
     box.add(Vec3(rest.origin + rest.positions[i] + body.state().displacements[i]));
-  return box.expanded(kFaster * way + kSlack * rest.spacing + kOfSize * (box.high - box.low).norm());
+  return box.expanded(kSpeedFactor * travel + kBoxMargin * rest.spacing +
+                      kIncrementFraction * (box.high - box.low).norm());
 }
 
 }  // namespace
@@ -97,12 +98,13 @@ bool Stepper::mayTouchItself(std::size_t id, double dt) {
   const Body &body = state_.bodies.at(id)->body();
   if (body.rigid() || state_.bodies.at(id)->stopped() || state_.bodies.at(id)->asleep() || !world_.canTouch(id, id))
     return false;
-  SkinContacts::SelfContactBound *room = &state_.skins.selfContactBound(id, body);
-  const QuickCheckResult glance = quickCheck(body);
-  if (!glance.finite) return false;
-  double goes = 2.0 * kFaster * room->gain * (state_.quasiStatic() ? wayOfIncrement(body) : dt * glance.speedBound);
-  room->left -= goes;
-  if (room->left > 0.0) return false;
+  SkinContacts::SelfContactBound *bound = &state_.skins.selfContactBound(id, body);
+  const QuickCheckResult check = quickCheck(body);
+  if (!check.finite) return false;
+  double travel =
+      2.0 * kSpeedFactor * bound->gain * (state_.quasiStatic() ? incrementTravel(body) : dt * check.speedBound);
+  bound->clearance -= travel;
+  if (bound->clearance > 0.0) return false;
   SkinPair *own = state_.skins.ownPair(id);
   if (own != nullptr && !own->active().empty()) return true;
   // Load increments have no velocities: the next one is assumed to be like the last one.
@@ -115,23 +117,23 @@ bool Stepper::mayTouchItself(std::size_t id, double dt) {
   };
   if (own != nullptr) {
     move(*own);
-    if (const std::optional<bool> told = own->predictedContact()) return *told;
+    if (const std::optional<bool> predicted = own->predictedContact()) return *predicted;
   }
   const SkinContacts::Owner owner = SkinContacts::ownerOf(id, body, state_.contact.pairs);
-  const auto hasRoom = [&] {
-    room->measure(state.displacements);
-    if (!state_.quasiStatic()) goes = 2.0 * kFaster * dt * deformingSpeed(body, *room);
-    room->left -= goes;
-    return room->left > 0.0;
+  const auto isClear = [&] {
+    bound->measure(state.displacements);
+    if (!state_.quasiStatic()) travel = 2.0 * kSpeedFactor * dt * deformingSpeed(body, *bound);
+    bound->clearance -= travel;
+    return bound->clearance > 0.0;
   };
-  if (hasRoom()) return false;
-  if (room->skin == nullptr) {
-    room = &state_.skins.measuredSelfContactBound(owner);
-    if (hasRoom()) return false;
+  if (isClear()) return false;
+  if (bound->skin == nullptr) {
+    bound = &state_.skins.measuredSelfContactBound(owner);
+    if (isClear()) return false;
   }
-  if (!room->isResolved()) {
-    monitor_->reportUnresolvedThickness(id, room->thickness);
-    room->left = std::numeric_limits<double>::infinity();
+  if (!bound->isResolved()) {
+    monitor_->reportUnresolvedThickness(id, bound->thickness);
+    bound->clearance = std::numeric_limits<double>::infinity();
     return false;
   }
   SkinPair &pair = state_.skins.pairOf(owner, owner, state_.contact.settings.friction);
@@ -143,59 +145,61 @@ void Stepper::buildIslands(double dt) {
   state_.islands.count = 0;
   state_.islands.members.clear();
   for (auto &[id, stepper] : state_.bodies)
-    if (!stepper->asleep()) stepper->share(std::nullopt);
+    if (!stepper->asleep()) stepper->setSharedIntegrator(std::nullopt);
   state_.skins.beginSums([this](std::size_t id) {
     const BodyStepper &stepper = *state_.bodies.at(id);
     return stepper.asleep() || stepper.stopped() || stepper.body().isStatic();
   });
-  const bool touch = state_.contact.settings.enabled && (state_.bodies.size() > 1 || state_.contact.settings.self);
+  const bool isEnabled = state_.contact.settings.enabled && (state_.bodies.size() > 1 || state_.contact.settings.self);
   state_.islands.touchThemselves.clear();
   for (auto &[id, stepper] : state_.bodies)
-    if (touch && mayTouchItself(id, dt)) state_.islands.touchThemselves.insert(id);
-  if (!(touch && state_.bodies.size() > 1) && state_.islands.touchThemselves.empty() && state_.attachments.empty())
+    if (isEnabled && mayTouchItself(id, dt)) state_.islands.touchThemselves.insert(id);
+  if (!(isEnabled && state_.bodies.size() > 1) && state_.islands.touchThemselves.empty() && state_.attachments.empty())
     return;
-  struct One {
+  struct Candidate {
     std::size_t id;
     BodyStepper *stepper;
     bool idle;
     Box box;
   };
-  std::vector<One> ones;
-  std::vector<std::pair<std::size_t, std::size_t>> near;
+  std::vector<Candidate> candidates;
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
   for (auto &[id, stepper] : state_.bodies) {
     if (!SkinContacts::hasSkin(stepper->body())) continue;
-    const bool stands = stepper->stopped() || stepper->body().isStatic();
-    if (state_.islands.touchThemselves.contains(id)) near.emplace_back(ones.size(), ones.size());
-    ones.push_back({id, stepper.get(), stands || stepper->asleep(), {}});
-    if (!touch || state_.bodies.size() < 2) continue;
-    ones.back().box = state_.quasiStatic() ? reachOfIncrement(stepper->body())
-                                           : reachOf(stepper->body(), state_.settings.gravity, dt);
+    const bool isStatic = stepper->stopped() || stepper->body().isStatic();
+    if (state_.islands.touchThemselves.contains(id)) pairs.emplace_back(candidates.size(), candidates.size());
+    candidates.push_back({id, stepper.get(), isStatic || stepper->asleep(), {}});
+    if (!isEnabled || state_.bodies.size() < 2) continue;
+    candidates.back().box = state_.quasiStatic() ? reachOfIncrement(stepper->body())
+                                                 : reachOf(stepper->body(), state_.settings.gravity, dt);
   }
-  DisjointSets sets(ones.size());
+  DisjointSets sets(candidates.size());
   std::vector<JoinedLayer> held;  // by indices of ones
   const auto numberOfBody = [&](std::size_t id) {
-    const auto found = std::find_if(ones.begin(), ones.end(), [id](const One &one) { return one.id == id; });
-    return found == ones.end() ? JoinedLayer::kNobody : static_cast<std::size_t>(found - ones.begin());
+    const auto found =
+        std::find_if(candidates.begin(), candidates.end(), [id](const Candidate &one) { return one.id == id; });
+    return found == candidates.end() ? JoinedLayer::kNoBody : static_cast<std::size_t>(found - candidates.begin());
   };
-  std::vector<std::uint8_t> joined(ones.size(), 0);
+  std::vector<std::uint8_t> joined(candidates.size(), 0);
   for (const auto &[id, layer] : state_.attachments) {
     held.push_back({layer.get(), numberOfBody(layer->settings().first), numberOfBody(layer->settings().second)});
     joined[held.back().first] = 1;
-    if (held.back().second == JoinedLayer::kNobody) continue;
+    if (held.back().second == JoinedLayer::kNoBody) continue;
     joined[held.back().second] = 1;
     sets.join(held.back().first, held.back().second);
   }
-  for (std::size_t a = 0; touch && a < ones.size(); ++a)
-    for (std::size_t b = a + 1; b < ones.size(); ++b) {
-      if ((ones[a].idle && ones[b].idle) || !ones[a].box.overlaps(ones[b].box) ||
-          !world_.canTouch(ones[a].id, ones[b].id))
+  for (std::size_t a = 0; isEnabled && a < candidates.size(); ++a)
+    for (std::size_t b = a + 1; b < candidates.size(); ++b) {
+      if ((candidates[a].idle && candidates[b].idle) || !candidates[a].box.overlaps(candidates[b].box) ||
+          !world_.canTouch(candidates[a].id, candidates[b].id))
         continue;
-      near.emplace_back(a, b);
+      pairs.emplace_back(a, b);
       sets.join(a, b);
     }
-  for (const auto &[a, b] : near) joined[a] = joined[b] = 1;
-  std::vector<std::size_t> islandOf(ones.size(), std::numeric_limits<std::size_t>::max()), numberOf(ones.size());
-  for (std::size_t k = 0; k < ones.size(); ++k) {
+  for (const auto &[a, b] : pairs) joined[a] = joined[b] = 1;
+  std::vector<std::size_t> islandOf(candidates.size(), std::numeric_limits<std::size_t>::max()),
+      numberOf(candidates.size());
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
     const std::size_t root = sets.find(k);
     if (!joined[k]) continue;
     std::size_t &island = islandOf[root];
@@ -205,17 +209,17 @@ void Stepper::buildIslands(double dt) {
       state_.islands.list[island]->clear();
     }
     numberOf[k] = state_.islands.list[island]->members().size();
-    state_.islands.list[island]->add(ones[k].id, *ones[k].stepper);
-    state_.islands.members.insert(ones[k].id);
+    state_.islands.list[island]->add(candidates[k].id, *candidates[k].stepper);
+    state_.islands.members.insert(candidates[k].id);
   }
   for (const JoinedLayer &one : held)
     state_.islands.list[islandOf[sets.find(one.first)]]->attach(
         {one.layer, numberOf[one.first],
-         one.second == JoinedLayer::kNobody ? JoinedLayer::kNobody : numberOf[one.second]});
-  for (const auto &[a, b] : near) {
-    const ContactPairSettings both = state_.contactPair(ones[a].id, ones[b].id);
+         one.second == JoinedLayer::kNoBody ? JoinedLayer::kNoBody : numberOf[one.second]});
+  for (const auto &[a, b] : pairs) {
+    const ContactPairSettings both = state_.contactPair(candidates[a].id, candidates[b].id);
     const auto owner = [&](std::size_t k) {
-      return SkinContacts::ownerOf(ones[k].id, ones[k].stepper->body(), state_.contact.pairs);
+      return SkinContacts::ownerOf(candidates[k].id, candidates[k].stepper->body(), state_.contact.pairs);
     };
     SkinPair &pair = state_.skins.pairOf(owner(a), owner(b), both.friction, both.fits);
     state_.islands.list[islandOf[sets.find(a)]]->join(pair, numberOf[a], numberOf[b]);

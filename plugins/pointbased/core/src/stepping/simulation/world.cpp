@@ -44,7 +44,7 @@ void World::setSettings(const WorldSettings &settings) {
     stepper->body().setPrecision(settings.precision);
     stepper->body().forcesCurrent = false;
     stepper->wake();
-    if (otherEnergy) stepper->forgetEnergy();
+    if (otherEnergy) stepper->clearEnergyCheckpoint();
     describe(state_, id);
   }
 }
@@ -77,8 +77,8 @@ bool World::removeBody(std::size_t id) {
   state_.contact.rigidTissues.erase(id);
   std::erase_if(state_.contact.pairs,
                 [id](const auto &pair) { return pair.first.first == id || pair.first.second == id; });
-  state_.activity.forget(id);
-  state_.skins.forget(id);
+  state_.activity.remove(id);
+  state_.skins.remove(id);
   state_.removeAttachmentsOf(id);
   return state_.bodies.erase(id) > 0;
 }
@@ -139,8 +139,8 @@ void World::setConstitution(std::size_t id, Constitution constitution) {
   const auto found = state_.bodies.find(id);
   if (found == state_.bodies.end()) return;
   found->second->body().setConstitution(std::move(constitution), state_.parallelFor);
-  found->second->forget();
-  state_.skins.forgetModuli(id);
+  found->second->invalidate();
+  state_.skins.invalidateModuli(id);
   state_.updateAttachments();
   describe(state_, id);
 }
@@ -152,7 +152,7 @@ void World::setRigid(std::size_t id, bool rigid, bool free) {
   if (present.rigid() == rigid && present.rigidIsFree() == free) return;
   const bool renewed = found->second->body().rereferenceCount() > 0;
   found->second->body().setRigid(rigid, free);
-  found->second->forget();
+  found->second->invalidate();
   if (renewed) state_.bindProbes(id, std::vector<Vec3>(state_.probes.size(), Vec3::Zero()));
   state_.updateAttachments();
 }
@@ -161,7 +161,7 @@ Result<void> World::setFoundation(std::size_t id, const Foundation &foundation) 
   const auto found = state_.bodies.find(id);
   if (found == state_.bodies.end() || found->second->body().foundation().settings() == foundation) return {};
   if (auto set = found->second->body().setFoundation(foundation); !set) return set;
-  found->second->forget();
+  found->second->invalidate();
   return {};
 }
 

@@ -25,9 +25,9 @@ Result<std::size_t> World::addAttachment(const Attachment &attachment) {
   if (!layer) return tl::unexpected(layer.error());
   state_.reset();
   const std::size_t id = state_.nextId++;
-  if (second && layer->widest() > kWideGap * second->rest().spacing)
+  if (second && layer->maxGap() > kWideGap * second->rest().spacing)
     state_.addWarning(
-        id, "attachment '" + attachment.name + "' spans gaps of up to " + number(1e3 * layer->widest()) +
+        id, "attachment '" + attachment.name + "' spans gaps of up to " + number(1e3 * layer->maxGap()) +
                 " mm, where the spacing of body '" + second->name() + "' is " + number(1e3 * second->rest().spacing) +
                 " mm: what moves there is continued far, and small turns of the surface pull much; a smaller " +
                 "within_mm helps");
@@ -42,7 +42,7 @@ bool World::removeAttachment(std::size_t id) { return state_.removeAttachment(id
 std::vector<AttachmentSummary> World::attachments() const {
   std::vector<AttachmentSummary> out;
   for (const auto &[id, layer] : state_.attachments) {
-    out.push_back(layer->summary(state_.sidesOf(*layer)));
+    out.push_back(layer->summary(state_.attachedState(*layer)));
     out.back().id = id;
   }
   return out;
@@ -83,9 +83,9 @@ void SimulationState::updateAttachments() {
   }
 }
 
-AttachmentLayer::Sides SimulationState::sidesOf(const AttachmentLayer &layer) const {
+AttachmentLayer::AttachedState SimulationState::attachedState(const AttachmentLayer &layer) const {
   const Body *first = body(layer.settings().first), *second = body(layer.settings().second);
-  AttachmentLayer::Sides sides{first->state().displacements, {}, clockOfRamps()};
+  AttachmentLayer::AttachedState sides{first->state().displacements, {}, rampTime()};
   if (second) sides.second = second->state().displacements;
   return sides;
 }

@@ -65,7 +65,7 @@ bool World::isGuided(std::size_t id) const { return state_.obstacles.ownMotions.
 
 RigidMotion World::obstacleMotion(std::size_t id) const {
   const Obstacle *found = state_.obstacle(id);
-  return found && found->motion ? found->motion(state_.clockOfRamps()) : RigidMotion{};
+  return found && found->motion ? found->motion(state_.rampTime()) : RigidMotion{};
 }
 
 Motion World::motionAtReset(std::size_t id) const {
@@ -84,7 +84,7 @@ void World::guideObstacle(std::size_t id, const RigidMotion &target, double dura
   const bool standsStill =
       state_.obstacles.instruments.contains(id) || state_.placed.contains(id) || !motionAtReset(id);
   const bool begins = state_.progress.steps == 0 && standsStill;
-  Motion motion = between(obstacleMotion(id), target, state_.clockOfRamps(), begins ? 0.0 : duration);
+  Motion motion = between(obstacleMotion(id), target, state_.rampTime(), begins ? 0.0 : duration);
   if (begins) {
     state_.placed.insert(id);
     state_.obstacles.ownMotions.erase(id);
