@@ -166,7 +166,7 @@ bool refused(const Shape &shape, double spacing) {
 }
 
 void tryAll(const std::vector<double> &ratios, const std::vector<Course> &courses, double duration, double seconds,
-            std::size_t mostPhyxels) {
+            std::size_t maxPhyxels) {
   std::size_t runs = 0;
   double gained = 0.0, longest = 1.0;
   for (const Shape &shape : shapesToTry())
@@ -177,7 +177,7 @@ void tryAll(const std::vector<double> &ratios, const std::vector<Course> &course
       for (const Course &course : courses) {
         auto &rest = rests[course.happening == Happening::isPulled];
         if (!rest) rest = laidOut(shape, spacing, course.happening);
-        if (rest->phyxelCount() > mostPhyxels) break;
+        if (rest->phyxelCount() > maxPhyxels) break;
         const Outcome out = goThrough(rest, course, duration, seconds);
         const std::string what = line(shape, ratio, course, out);
         INFO(what);

@@ -54,7 +54,7 @@ TEST_CASE("a trial is what the linear law says at the loads that are there") {
   const auto thrice = solveTrial(cantilever.problem(), 400, samples, serialFor());
   REQUIRE(thrice.has_value());
   for (std::size_t i = 0; i < samples.count(); ++i)
-    CHECK((thrice->ways[i] - 3.0 * once->ways[i]).norm() <= 1e-4 * once->largest);
+    CHECK((thrice->displacements[i] - 3.0 * once->displacements[i]).norm() <= 1e-4 * once->largest);
 }
 
 TEST_CASE("samples of the skin lie evenly, and leave out what is prescribed") {

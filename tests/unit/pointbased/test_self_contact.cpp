@@ -85,7 +85,7 @@ TEST_CASE("the arms of a body that are pressed together touch and do not cross")
     const std::vector<ContactSummary> contacts = simulator.diagnostics().contacts();
     const ContactSummary *found = between(contacts, id, id);
     REQUIRE(found);
-    CHECK(found->pressing > 0.1);
+    CHECK(found->normalForce > 0.1);
     CHECK(found->depth < 1e-4);
   }
 }

@@ -91,7 +91,7 @@ double trueErrorOutside(const Body &coarse, const Body &fine, const SingularRegi
 TEST_CASE("the edge of a support is left out, two spacings around it, and no more") {
   const double d = 0.008;
   const auto body = bodyOf(bending(), d);
-  const SingularRegions places = findSingularPlaces(*body, {});
+  const SingularRegions places = findSingularRegions(*body, {});
   CHECK(places.fixes == std::vector<std::size_t>{0});
   CHECK_FALSE(places.contact);
   CHECK_FALSE(places.grabs);
@@ -114,12 +114,12 @@ TEST_CASE("a part held inside of a body is singular along its edges, not on its 
   Problem free;
   free.shape = lattice_cases::box(Vec3::Zero(), Vec3::Constant(0.1));
   const double d = 0.005;
-  CHECK(findSingularPlaces(*bodyOf(free, d), {}).volumePart == 0.0);
+  CHECK(findSingularRegions(*bodyOf(free, d), {}).volumePart == 0.0);
 
   Problem inside = free;
   inside.fixes = {held(BoxRegion{Vec3::Constant(0.02), Vec3::Constant(0.08)})};
   const auto body = bodyOf(inside, d);
-  const SingularRegions places = findSingularPlaces(*body, {});
+  const SingularRegions places = findSingularRegions(*body, {});
   CHECK(places.fixes.size() == 1);
   std::size_t atEdges = 0, onFaces = 0;
   for (std::size_t q = 0; q < places.points.size(); ++q) {
@@ -139,7 +139,7 @@ TEST_CASE("a part held inside of a body is singular along its edges, not on its 
   CHECK(onFaces > 100);
 
   inside.fixes = {held(SphereRegion{Vec3::Constant(0.05), 0.03})};
-  CHECK(findSingularPlaces(*bodyOf(inside, d), {}).volumePart == 0.0);
+  CHECK(findSingularRegions(*bodyOf(inside, d), {}).volumePart == 0.0);
 }
 
 TEST_CASE("a tissue of a label map that is held is singular where it ends on the skin") {
@@ -151,7 +151,7 @@ TEST_CASE("a tissue of a label map that is held is singular where it ends on the
   problem.shape = lattice_cases::box(Vec3::Zero(), Vec3::Constant(0.1));
   problem.fixes = {held(regionOf(lower).value())};
   const auto body = bodyOf(problem, d);
-  const SingularRegions places = findSingularPlaces(*body, {});
+  const SingularRegions places = findSingularRegions(*body, {});
   CHECK(places.fixes.size() == 1);
   std::size_t atRim = 0;
   for (std::size_t q = 0; q < places.points.size(); ++q) {
@@ -178,7 +178,7 @@ TEST_CASE("contact is left out at its edge, not in its middle") {
     const Vec3 x = body->rest().origin + body->rest().positions[j];
     if (x[2] > 0.05 - 0.1 * d && (x - middle).head<2>().norm() < 0.06) pressures[j] = 100.0;
   }
-  const SingularRegions places = findSingularPlaces(*body, pressures);
+  const SingularRegions places = findSingularRegions(*body, pressures);
   CHECK(places.contact);
   CHECK(places.fixes.empty());
   std::size_t edge = 0;
@@ -205,7 +205,7 @@ TEST_CASE("outside of singular places the figure is within a factor of two of th
     const auto coarse = solved(c.problem, c.spacing), fine = solved(c.problem, c.spacing / 3.0);
     ErrorScratch scratch;
     const double whole = estimateError(coarse->body(), nullptr, scratch, serialFor()).relative;
-    const SingularRegions places = findSingularPlaces(coarse->body(), {});
+    const SingularRegions places = findSingularRegions(coarse->body(), {});
     const double outside = relativeErrorOutside(coarse->body(), scratch, places);
     const double error = trueErrorOutside(coarse->body(), fine->body(), places);
     INFO(c.name << ": whole " << whole << ", outside " << outside << ", true " << error << ", left out "

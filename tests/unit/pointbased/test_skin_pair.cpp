@@ -45,7 +45,7 @@ struct TwoSheets {
   detail::MovingSkin upper{sheetSkin(12, 1.0, false), Vec3::Zero(), 2.0};
   std::vector<Vec3> still = std::vector<Vec3>(lower.skin().count(), Vec3::Zero()), ways = still, speeds = still;
   detail::SkinPairSettings settings{
-      .offset = 0.04, .thickness = 0.03, .stiffness = 50.0, .margin = 0.02, .ease = 1.0, .leastReach = 0.3};
+      .offset = 0.04, .thickness = 0.03, .stiffness = 50.0, .margin = 0.02, .recoverySpeed = 1.0, .minReach = 0.3};
 
   TwoSheets() {
     for (detail::MovingSkin *skin : {&lower, &upper}) skin->setModuli(std::vector<double>(still.size(), 1e4));
@@ -89,8 +89,12 @@ TEST_CASE("where a skin touches itself does not depend on when it was looked at 
   // the pairs are gathered.
   detail::MovingSkin skin(sheetSkin(24, 1.0, true), Vec3::Zero(), 2.0);
   skin.setModuli(std::vector<double>(skin.skin().count(), 1e4));
-  const detail::SkinPairSettings settings{
-      .offset = 0.04, .thickness = 0.03, .stiffness = 50.0, .margin = 0.02, .ease = 1.0, .apart = 3.0};
+  const detail::SkinPairSettings settings{.offset = 0.04,
+                                          .thickness = 0.03,
+                                          .stiffness = 50.0,
+                                          .margin = 0.02,
+                                          .recoverySpeed = 1.0,
+                                          .sameTissueDistance = 3.0};
   const auto place = [&](std::size_t v, double time) -> Vec3 {
     const Vec3 &rest = skin.skin().vertices.positions[v];
     const double from = rest.x() - 12.0, side = from > 0.0 ? 1.0 : -1.0;
@@ -130,7 +134,7 @@ TEST_CASE("where a skin touches itself does not depend on when it was looked at 
       double nearest = 1e9;
       for (Index t = 0; t < skin.skin().triangles.size(); ++t) {
         const auto &[a, b, c] = skin.skin().triangles[t];
-        if ((rest[v] - (rest[a] + rest[b] + rest[c]) / 3.0).norm() < settings.apart + 1.0) continue;
+        if ((rest[v] - (rest[a] + rest[b] + rest[c]) / 3.0).norm() < settings.sameTissueDistance + 1.0) continue;
         nearest = std::min(nearest, skin.nearestOn(t, skin.position(v)).squared);
       }
       if (!(std::sqrt(nearest) < settings.offset + 0.9 * settings.margin)) continue;
@@ -191,7 +195,7 @@ TEST_CASE("the forecast of a skin asks its vertices where light phyxels swing ab
     }
     skin.move(ways, speeds, influence, 1.0);
     if (!forecast.isStillValid()) {
-      forecast.look();
+      forecast.rebuild();
       ++looks;
     }
     if (k % 5 != 0) continue;
@@ -203,8 +207,8 @@ TEST_CASE("the forecast of a skin asks its vertices where light phyxels swing ab
       };
       return std::any_of(forecast.pairs().begin(), forecast.pairs().end(), [&](const auto &pair) {
         const auto &first = patches[pair.first], &second = patches[pair.second];
-        return forecast.mayMeet(pair) && ((has(first.corners, v) && has(second.triangles, t)) ||
-                                          (has(second.corners, v) && has(first.triangles, t)));
+        return forecast.mayTouch(pair) && ((has(first.corners, v) && has(second.triangles, t)) ||
+                                           (has(second.corners, v) && has(first.triangles, t)));
       });
     };
     for (Index v = 0; v < own; ++v)
@@ -228,8 +232,8 @@ TEST_CASE("what has overlapped at the start and has parted does not overlap agai
   const auto lift = [&](double z) { std::fill(sheets.ways.begin(), sheets.ways.end(), Vec3(0.3, 0.2, z)); };
   lift(-0.1);
   sheets.find(pair, 1e-3);
-  CHECK(pair.allowed() > 0.05);
+  CHECK(pair.toleratedOverlap() > 0.05);
   lift(10.0);
   sheets.find(pair, 1e-3);
-  CHECK(pair.allowed() == 0.0);
+  CHECK(pair.toleratedOverlap() == 0.0);
 }

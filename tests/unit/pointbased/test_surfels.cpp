@@ -119,7 +119,7 @@ TEST_CASE("What is no trilinear row of one cell is kept as it is") {
     CHECK(back.rank == skin.binding.rank);
     REQUIRE(back.offsets.size() == skin.binding.offsets.size());
     for (std::size_t p = 0; p < surfels.count(); ++p) {
-      if (surfels.places()[p].frame != Surfels::kRow) continue;
+      if (surfels.cellPoints()[p].frame != Surfels::kRow) continue;
       for (Index e = back.phyxels.offsets[p]; e < back.phyxels.offsets[p + 1]; ++e) {
         CHECK(back.weights[e] == skin.binding.weights[e]);
         CHECK(back.gradients[e] == skin.binding.gradients[e]);

@@ -230,7 +230,7 @@ TEST_CASE("verify: the shadow of a cloud is a lattice", "[verify]") {
 TEST_CASE("verify: where half the spacing is too much, two thirds tell about the same", "[verify]") {
   Bench bench;
   bench.hold().pull(Vec3(0, 0, -1.6e-3)).solve();
-  const VerifySettings few{.mostPhyxels = 1000};
+  const VerifySettings few{.maxPhyxels = 1000};
   const Verification half = good(bench.verified()), twoThirds = good(bench.verified({}, nullptr, few));
   CHECK_THAT(twoThirds.fineReferenceSpacing, WithinRel(bench.recipe.sampling.spacing / 1.5, 1e-12));
   CHECK(said(twoThirds).find("1.5 times finer") != std::string::npos);
@@ -251,7 +251,7 @@ TEST_CASE("verify: what cannot be verified is refused, and nothing has changed",
     [[nodiscard]] bool isRaised() const noexcept override { return true; }
   } raised;
   CHECK(refusal(bench.verified({}, &raised)) == "cancelled");
-  const VerifySettings few{.mostPhyxels = 300};
+  const VerifySettings few{.maxPhyxels = 300};
   CHECK_THAT(refusal(bench.verified({}, nullptr, few)),
              Contains("phyxels at a spacing of 8.89 mm; accepted: at most 300"));
   REQUIRE(bench.verified());

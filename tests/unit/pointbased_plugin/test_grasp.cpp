@@ -84,12 +84,12 @@ TEST_CASE("Jaws that hold most of a body, or the same of it, do not grasp", "[gr
 TEST_CASE("Jaws are led to their gap within three tenths of a second, and beyond where springs yield", "[grasp]") {
   Grasp grasp;
   grasp.settings = {.jaw = 0.01, .opening = 0.02, .closed = 0.008, .forceLimit = 0.5};
-  grasp.firstGap = grasp.wantedGap = grasp.pulledGap = 0.02;
+  grasp.initialGap = grasp.targetGap = grasp.commandedGap = 0.02;
   // Tissue that yields by a fifth of the closing of the jaws.
   const auto follow = [&](double seconds, double squeeze) {
     for (int k = 0; k < std::lround(seconds / 0.001); ++k)
-      advanceClosing(grasp, {.squeeze = squeeze, .gap = 0.02 - 0.2 * (0.02 - grasp.pulledGap)}, 0.001);
-    return 0.02 - 0.2 * (0.02 - grasp.pulledGap);
+      advanceClosing(grasp, {.squeeze = squeeze, .gap = 0.02 - 0.2 * (0.02 - grasp.commandedGap)}, 0.001);
+    return 0.02 - 0.2 * (0.02 - grasp.commandedGap);
   };
   const double half = follow(0.15, 0.1);
   CHECK(half > 0.014);
@@ -102,14 +102,14 @@ TEST_CASE("Jaws are led to their gap within three tenths of a second, and beyond
   CHECK(std::abs(follow(1.0, 0.1) - 0.008) < 1e-4);
   // Where tissue has suddenly yielded, they open again.
   advanceClosing(grasp, {.squeeze = 0.1, .gap = 0.004}, 0.001);
-  const double before = grasp.pulledGap;
+  const double before = grasp.commandedGap;
   advanceClosing(grasp, {.squeeze = 0.1, .gap = 0.004}, 0.001);
-  CHECK(grasp.pulledGap > before);
+  CHECK(grasp.commandedGap > before);
 }
 
 TEST_CASE("What jaws pull and squeeze with is told apart, also when they are turned", "[grasp]") {
   Grasp grasp;
-  grasp.places.axis = Vec3::UnitX();
+  grasp.jaws.axis = Vec3::UnitX();
   grasp.rotation << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // a quarter turn about z: the axis is y
   std::array<GrabStatus, 2> grabs;
   grabs[0].force = Vec3(0.1, 0.7, 0.2);
@@ -120,9 +120,9 @@ TEST_CASE("What jaws pull and squeeze with is told apart, also when they are tur
   CHECK(std::abs(forces.squeeze - 0.6) < 1e-15);
   CHECK(std::abs(forces.gap - 0.01) < 1e-15);
   grasp.middle = Vec3(0, 0, 1);
-  grasp.pulledGap = 0.02;
-  for (Vec3 &across : grasp.across) across = Vec3(0, 0.001, 0);
-  grasp.aim();
+  grasp.commandedGap = 0.02;
+  for (Vec3 &offset : grasp.offsets) offset = Vec3(0, 0.001, 0);
+  grasp.updateTargets();
   CHECK((grasp.grabs[0].target - Vec3(-0.001, -0.01, 1)).norm() < 1e-15);
   CHECK((grasp.grabs[1].target - Vec3(-0.001, 0.01, 1)).norm() < 1e-15);
 }
@@ -152,7 +152,7 @@ TEST_CASE("Jaws squeeze a fold of a slab together and lift it", "[grasp]") {
     for (const double end = simulator.time() + seconds; simulator.time() < end;) {
       REQUIRE(simulator.step());
       advanceClosing(grasp, forces(), simulator.stepper().stepSize());
-      grasp.aim();
+      grasp.updateTargets();
       setGrabs();
     }
   };
@@ -234,18 +234,18 @@ TEST_CASE("What is horizontal on the screen follows from two places of the mouse
 
 TEST_CASE("The curve of a force is even in simulated time, ten seconds long, and begins anew after Undo", "[grasp]") {
   ForceCurve curve;
-  for (int k = 0; k <= 400; ++k) curve.take(k, k / 30.0 + 1e-9);
-  CHECK(curve.values().size() == ForceCurve::kMost);
+  for (int k = 0; k <= 400; ++k) curve.addSample(k, k / 30.0 + 1e-9);
+  CHECK(curve.values().size() == ForceCurve::kMaxSamples);
   CHECK(curve.values().back() == 400.0);
   CHECK(curve.values().front() == 101.0);
   CHECK(curve.largest() == 400.0);
   // A step of a tenth of a second is three intervals.
   curve.clear();
-  curve.take(1.0, 20.0);
-  curve.take(2.0, 20.1 + 1e-9);
+  curve.addSample(1.0, 20.0);
+  curve.addSample(2.0, 20.1 + 1e-9);
   CHECK(curve.values() == std::vector<double>{1.0, 2.0, 2.0, 2.0});
-  curve.take(3.0, 5.0);
-  curve.take(4.0, 5.0 + 1.0 / 30.0 + 1e-9);
+  curve.addSample(3.0, 5.0);
+  curve.addSample(4.0, 5.0 + 1.0 / 30.0 + 1e-9);
   CHECK(curve.values().size() == 6);
 }
 

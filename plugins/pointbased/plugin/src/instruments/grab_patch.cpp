@@ -12,11 +12,11 @@ namespace {
 constexpr double kMinRadius = 2.0;  // spacings: a patch of a few phyxels at any sampling
 // The pull is limited to this multiple of E r². It strains the held patch by several hundred per cent at most, however
 // far the target is moved away.
-constexpr double kStrongestPull = 4.0;
+constexpr double kMaxPull = 4.0;
 constexpr double kNeighbourhood = 1.8;  // spacings, around the nearest phyxel: the corners of the neighbouring cells
 
 // Spacings: merging voxels leaves positions at borders that belong to no tissue.
-constexpr double kBesideTissue = 0.1;
+constexpr double kTissueTolerance = 0.1;
 
 Vec3 positionOf(const Body &body, Index i) {
   return body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
@@ -25,7 +25,7 @@ Vec3 positionOf(const Body &body, Index i) {
 Grab withSpring(Grab grab, double radius, const PinchSettings &settings, double youngsModulus) {
   grab.frequency = 2.0 * EIGEN_PI * settings.frequency_hz;
   grab.dampingRatio = settings.dampingRatio;
-  grab.maxForce = kStrongestPull * youngsModulus * radius * radius;
+  grab.maxForce = kMaxPull * youngsModulus * radius * radius;
   if (settings.largestForce > 0.0) grab.maxForce = std::min(grab.maxForce, settings.largestForce);
   return grab;
 }
@@ -59,8 +59,8 @@ Grab patchAround(const RestState &rest, const Vec3 &at, double radius) {
     if (held[i]) continue;
     // Weighted by movable mass: a phyxel carried almost entirely by a support is light, and would leave the grab no
     // force.
-    const double moves = rest.volumes[i] - (rest.supportVolumes.empty() ? 0.0 : rest.supportVolumes[i]);
-    const double weight = moves * kernelWeight((rest.positions[i] - at).norm(), radius);
+    const double movableVolume = rest.volumes[i] - (rest.supportVolumes.empty() ? 0.0 : rest.supportVolumes[i]);
+    const double weight = movableVolume * kernelWeight((rest.positions[i] - at).norm(), radius);
     if (weight <= 0.0) continue;
     grab.phyxels.push_back(static_cast<Index>(i));
     grab.weights.push_back(weight);
@@ -108,53 +108,53 @@ void limitToTissue(Grab &grab, const Body &body, double ownLimit) {
   if (ownLimit > 0.0) grab.maxForce = std::min(grab.maxForce, ownLimit);
 }
 
-std::optional<MaterialPoint> materialAt(const RestState &rest, std::span<const Vec3> phyxels, const Vec3 &place) {
+std::optional<MaterialPoint> materialAt(const RestState &rest, std::span<const Vec3> phyxels, const Vec3 &position) {
   if (phyxels.empty() || phyxels.size() != rest.phyxelCount()) return std::nullopt;
   const auto nearest =
       static_cast<std::size_t>(std::min_element(phyxels.begin(), phyxels.end(),
                                                 [&](const Vec3 &a, const Vec3 &b) {
-                                                  return (a - place).squaredNorm() < (b - place).squaredNorm();
+                                                  return (a - position).squaredNorm() < (b - position).squaredNorm();
                                                 }) -
                                phyxels.begin());
   // X - X0 = A (x - x0), least squares over the neighbours in the reference: in a fold, other phyxels may be near now.
   const Vec3 &X0 = rest.positions[nearest], &x0 = phyxels[nearest];
   const double reach = kNeighbourhood * rest.spacing;
-  Mat3 ways = 1e-6 * rest.spacing * rest.spacing * Mat3::Identity(), back = ways;
+  Mat3 normalMatrix = 1e-6 * rest.spacing * rest.spacing * Mat3::Identity(), crossMatrix = normalMatrix;
   for (std::size_t i = 0; i < phyxels.size(); ++i) {
     const Vec3 X = rest.positions[i] - X0;
     if (X.squaredNorm() > reach * reach) continue;
     const Vec3 x = phyxels[i] - x0;
-    ways += x * x.transpose();
-    back += X * x.transpose();
+    normalMatrix += x * x.transpose();
+    crossMatrix += X * x.transpose();
   }
-  const Mat3 A = ways.ldlt().solve(back.transpose()).transpose();
-  const Vec3 away = A * (place - x0);
+  const Mat3 A = normalMatrix.ldlt().solve(crossMatrix.transpose()).transpose();
+  const Vec3 offset = A * (position - x0);
   // Where the phyxels are crushed, A is unreliable, so the distance is limited.
-  const double most = reach / std::max(away.norm(), reach);
-  const Vec3 at = X0 + most * away;
+  const double scale = reach / std::max(offset.norm(), reach);
+  const Vec3 at = X0 + scale * offset;
   return MaterialPoint{at, isHeldByFix(rest, at, nearest)};
 }
 
 std::uint16_t materialNumberAt(const RestState &rest, const Vec3 &at) {
   std::uint16_t number = 0;
-  double nearest = kBesideTissue * rest.spacing;
+  double nearest = kTissueTolerance * rest.spacing;
   for (const auto &[region, material] : rest.sampling.materials) {
-    const double away = std::max(0.0, signedDistance(region, rest.origin + at));
-    if (away > nearest) continue;  // of several regions that contain it, the last one applies
-    nearest = away;
+    const double offset = std::max(0.0, signedDistance(region, rest.origin + at));
+    if (offset > nearest) continue;  // of several regions that contain it, the last one applies
+    nearest = offset;
     number = material;
   }
   return number;
 }
 
-Vec3 middleOf(const Grab &grab, const Body &body) {
+Vec3 meanPosition(const Grab &grab, const Body &body) {
   Vec3 middle = Vec3::Zero();
   for (std::size_t k = 0; k < grab.phyxels.size(); ++k) middle += grab.weights[k] * positionOf(body, grab.phyxels[k]);
   return middle;
 }
 
-Vec3 keepShape(Grab &grab, const Body &body) {
-  grab.target = middleOf(grab, body);
+Vec3 addShapeSprings(Grab &grab, const Body &body) {
+  grab.target = meanPosition(grab, body);
   grab.arms.clear();
   for (const Index i : grab.phyxels) grab.arms.push_back(positionOf(body, i) - grab.target);
   return grab.target;

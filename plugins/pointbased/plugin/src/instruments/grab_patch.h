@@ -26,7 +26,7 @@ struct PinchSettings {
 /// caller sets the target.
 [[nodiscard]] Grab grabAround(const RestState &rest, std::size_t surfel, const PinchSettings &settings,
                               double youngsModulus);
-/// Same for an interior point. Holds nothing where a fix holds everything around it.
+/// Same for an interior point. It has no phyxels where a fix holds everything around the point.
 /// @param at  m, in the frame of the phyxels
 [[nodiscard]] Grab grabAt(const RestState &rest, const Vec3 &at, const PinchSettings &settings, double youngsModulus);
 
@@ -43,16 +43,16 @@ struct MaterialPoint {
 /// Computed from the surrounding phyxels, which must enclose the position more or less. Exact where the body has been
 /// rotated and stretched uniformly. Nothing if the body has no phyxels.
 /// @param phyxels  [phyxels] world, m; present positions
-/// @param place    world, m
+/// @param position  world, m
 [[nodiscard]] std::optional<MaterialPoint> materialAt(const RestState &rest, std::span<const Vec3> phyxels,
-                                                      const Vec3 &place);
+                                                      const Vec3 &position);
 /// Number of the material at a point of the body's reference, frame of the phyxels. Determined by its regions, up to a
 /// tenth of a spacing outside of one; 0 where there is none.
 [[nodiscard]] std::uint16_t materialNumberAt(const RestState &rest, const Vec3 &at);
 /// Attaches a separate spring to every phyxel at its present position, so that the held patch keeps its shape. The
 /// target becomes the mean position of the held phyxels, world, m, which is returned.
-Vec3 keepShape(Grab &grab, const Body &body);
+Vec3 addShapeSprings(Grab &grab, const Body &body);
 /// Present mean position of the held phyxels, world, m.
-[[nodiscard]] Vec3 middleOf(const Grab &grab, const Body &body);
+[[nodiscard]] Vec3 meanPosition(const Grab &grab, const Body &body);
 
 }  // namespace pointbased

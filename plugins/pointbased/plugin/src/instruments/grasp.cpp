@@ -14,20 +14,20 @@
 namespace pointbased {
 namespace {
 
-constexpr double kSteep = 0.2;           // sine: a smaller component of the axis along the skin counts as none
-constexpr double kStiffer = 10.0;        // ratio of a jaw's spring stiffness to the held tissue, E times its diameter
-constexpr double kMaxPull = 4.0;         // times E times the squared diameter: several hundred per cent of strain
+constexpr double kMinAxisSine = 0.2;      // sine: a smaller component of the axis along the skin counts as none
+constexpr double kStiffnessRatio = 10.0;  // ratio of a jaw's spring stiffness to the held tissue, E times its diameter
+constexpr double kMaxPull = 4.0;          // times E times the squared diameter: several hundred per cent of strain
 constexpr double kMaxPart = 0.25;        // fraction of a body that a jaw may hold: one as large as a ball holds 5/16 of
                                          // it
 constexpr double kMaxShared = 0.5;       // fraction of a patch that both jaws may hold
 constexpr double kFollowingTime = 0.05;  // s, in which the held tissue reaches its prescribed position
 constexpr double kMaxGain = 30.0;        // factor by which jaws move faster where their springs yield
 constexpr double kNearLimit = 0.98;      // fraction of the force limit at which closing stops
-constexpr double kLittle = 0.01;         // of the opening: smaller motion is no measure of the springs
-constexpr double kFarthest = 100.0;      // openings, by which jaws may be moved past each other
-constexpr double kThickness = 0.2;       // of the diameter of a jaw, as displayed
+constexpr double kMinTissueTravel = 0.01;  // of the opening: smaller motion is no measure of the springs
+constexpr double kMaxOvershoot = 100.0;    // openings, by which jaws may be moved past each other
+constexpr double kThickness = 0.2;         // of the diameter of a jaw, as displayed
 constexpr double kEverywhere = std::numeric_limits<double>::infinity();
-constexpr std::uint32_t kAround = 24;
+constexpr std::uint32_t kDiscSegments = 24;
 
 std::string millimetres(double metres) { return significant(1e3 * metres) + " mm"; }
 
@@ -39,8 +39,8 @@ struct Hit {
 // Intersection of a ray with a triangle.
 // @source  Möller and Trumbore, Fast, minimum storage ray/triangle intersection, 1997
 /// @source  Möller and Trumbore, Fast, minimum storage ray/triangle intersection, 1997
-std::optional<Hit> meets(const Vec3 &origin, const Vec3 &direction, const Surface &skin,
-                         const std::array<Index, 3> &corners) {
+std::optional<Hit> intersect(const Vec3 &origin, const Vec3 &direction, const Surface &skin,
+                             const std::array<Index, 3> &corners) {
   const Vec3 &a = skin.positions[corners[0]];
   const Vec3 ab = skin.positions[corners[1]] - a, ac = skin.positions[corners[2]] - a, p = direction.cross(ac);
   const double det = ab.dot(p);
@@ -51,12 +51,14 @@ std::optional<Hit> meets(const Vec3 &origin, const Vec3 &direction, const Surfac
   return Hit{t, {corners, Vec3(1.0 - u - v, u, v)}};
 }
 
-// The hit nearest to `wanted` along the ray, within `off` of it.
-std::optional<Hit> hitNear(const Surface &skin, const Vec3 &origin, const Vec3 &direction, double wanted, double off) {
+// The hit nearest to `target` along the ray, within `tolerance` of it.
+std::optional<Hit> hitNear(const Surface &skin, const Vec3 &origin, const Vec3 &direction, double target,
+                           double tolerance) {
   std::optional<Hit> best;
   for (const auto &corners : skin.triangles) {
-    const auto hit = meets(origin, direction, skin, corners);
-    if (!hit || std::abs(hit->t - wanted) > off || (best && std::abs(best->t - wanted) <= std::abs(hit->t - wanted)))
+    const auto hit = intersect(origin, direction, skin, corners);
+    if (!hit || std::abs(hit->t - target) > tolerance ||
+        (best && std::abs(best->t - target) <= std::abs(hit->t - target)))
       continue;
     best = hit;
   }
@@ -93,26 +95,26 @@ std::string problemOf(const GraspSettings &s) {
 
 Result<JawPositions> findJaws(const Surface &skin, const Vec3 &at, const Vec3 &normal, const Vec3 &axis,
                               const GraspSettings &settings) {
-  JawPositions places;
-  places.normal = normal;
-  places.axis = axis - axis.dot(normal) * normal;
-  if (places.axis.norm() < kSteep * axis.norm())
+  JawPositions jaws;
+  jaws.normal = normal;
+  jaws.axis = axis - axis.dot(normal) * normal;
+  if (jaws.axis.norm() < kMinAxisSine * axis.norm())
     return tl::unexpected(
         std::string("the axis of the jaws is perpendicular to the skin there; accepted: one along the skin"));
-  places.axis.normalize();
+  jaws.axis.normalize();
   const double reach = settings.opening, half = 0.5 * settings.opening;
   std::array<std::optional<Hit>, 2> hits;
   for (std::size_t k = 0; k < 2; ++k) {
-    const Vec3 above = at + (k == 0 ? -half : half) * places.axis + reach * normal;
+    const Vec3 above = at + (k == 0 ? -half : half) * jaws.axis + reach * normal;
     hits[k] = hitNear(skin, above, -normal, reach, reach);
-    if (hits[k]) places.points[k] = hits[k]->point;
+    if (hits[k]) jaws.points[k] = hits[k]->point;
   }
-  if (hits[0] && hits[1]) return places;
+  if (hits[0] && hits[1]) return jaws;
   // From slightly below the skin to the ends of the body on either side.
   const Vec3 inside = at - 0.1 * settings.opening * normal;
   std::array<double, 2> sides{};
   for (std::size_t k = 0; k < 2; ++k)
-    if (const auto end = hitNear(skin, inside, k == 0 ? Vec3(-places.axis) : places.axis, 0.0, kEverywhere))
+    if (const auto end = hitNear(skin, inside, k == 0 ? Vec3(-jaws.axis) : jaws.axis, 0.0, kEverywhere))
       sides[k] = end->t;
   if (sides[0] + sides[1] < settings.opening)
     return tl::unexpected("the body is " + millimetres(sides[0] + sides[1]) +
@@ -124,12 +126,12 @@ Result<JawPositions> findJaws(const Surface &skin, const Vec3 &at, const Vec3 &n
                         millimetres(half) + ", or a smaller opening");
 }
 
-std::string problemOf(const RestState &rest, const JawPositions &places, const GraspSettings &settings) {
+std::string problemOf(const RestState &rest, const JawPositions &jaws, const GraspSettings &settings) {
   double total = 0.0;
   for (const double v : rest.volumes) total += v;
   std::array<Grab, 2> patches;
   for (std::size_t k = 0; k < 2; ++k) {
-    patches[k] = patchOf(rest, places.points[k], settings);
+    patches[k] = patchOf(rest, jaws.points[k], settings);
     double held = 0.0;
     for (const Index i : patches[k].phyxels) held += rest.volumes[i];
     if (held > kMaxPart * total)
@@ -148,9 +150,9 @@ std::string problemOf(const RestState &rest, const JawPositions &places, const G
          millimetres(2.0 * patchRadius(rest, settings)) + ", or a smaller spacing";
 }
 
-void Grasp::aim() {
+void Grasp::updateTargets() {
   for (std::size_t k = 0; k < 2; ++k) {
-    grabs[k].target = middle + rotation * (across[k] + (k == 0 ? -0.5 : 0.5) * pulledGap * places.axis);
+    grabs[k].target = middle + rotation * (offsets[k] + (k == 0 ? -0.5 : 0.5) * commandedGap * jaws.axis);
     grabs[k].rotation = rotation;
   }
 }
@@ -163,73 +165,75 @@ GraspForces forcesOf(const Grasp &grasp, const std::array<GrabStatus, 2> &grabs)
   return out;
 }
 
-Grasp beginGrasp(std::uint64_t id, const Body &body, const JawPositions &places, const GraspSettings &settings) {
+Grasp beginGrasp(std::uint64_t id, const Body &body, const JawPositions &jaws, const GraspSettings &settings) {
   Grasp grasp;
   grasp.body = id;
-  grasp.places = places;
+  grasp.jaws = jaws;
   grasp.settings = settings;
   const RestState &rest = body.rest();
   const double youngsModulus = body.material().youngsModulus, size = 2.0 * patchRadius(rest, settings);
   std::array<Vec3, 2> middles;
   for (std::size_t k = 0; k < 2; ++k) {
     Grab &grab = grasp.grabs[k];
-    grab = patchOf(rest, places.points[k], settings);
-    middles[k] = keepShape(grab, body);
+    grab = patchOf(rest, jaws.points[k], settings);
+    middles[k] = addShapeSprings(grab, body);
     const double largest = *std::max_element(grab.weights.begin(), grab.weights.end());
     double mass = 0.0;
     for (std::size_t j = 0; j < grab.phyxels.size(); ++j)
       mass += grab.weights[j] / largest * body.masses()[grab.phyxels[j]];
-    grab.frequency = std::sqrt(kStiffer * youngsModulus * size / mass);
+    grab.frequency = std::sqrt(kStiffnessRatio * youngsModulus * size / mass);
     grab.maxForce = kMaxPull * youngsModulus * size * size;
   }
   grasp.middle = 0.5 * (middles[0] + middles[1]);
-  grasp.firstGap = grasp.wantedGap = grasp.pulledGap = (middles[1] - middles[0]).dot(places.axis);
+  grasp.initialGap = grasp.targetGap = grasp.commandedGap = (middles[1] - middles[0]).dot(jaws.axis);
   for (std::size_t k = 0; k < 2; ++k)
-    grasp.across[k] = middles[k] - grasp.middle - (k == 0 ? -0.5 : 0.5) * grasp.firstGap * places.axis;
-  grasp.aim();
+    grasp.offsets[k] = middles[k] - grasp.middle - (k == 0 ? -0.5 : 0.5) * grasp.initialGap * jaws.axis;
+  grasp.updateTargets();
   return grasp;
 }
 
 void advanceClosing(Grasp &grasp, const GraspForces &forces, double dt) {
   const GraspSettings &s = grasp.settings;
-  const double led = grasp.firstGap - grasp.pulledGap, followed = grasp.firstGap - forces.gap;
+  const double commandedTravel = grasp.initialGap - grasp.commandedGap, tissueTravel = grasp.initialGap - forces.gap;
   const double part = std::min(1.0, dt / kFollowingTime);
   double change = 0.0;
   if (s.forceLimit > 0.0 && forces.squeeze >= kNearLimit * s.forceLimit) {
     // While the tissue was moving, the squeeze was less than at rest.
-    if (forces.squeeze > s.forceLimit) change = part * (1.0 - s.forceLimit / forces.squeeze) * (led - followed);
-    grasp.wantedGap = std::clamp(forces.gap, grasp.wantedGap, grasp.firstGap);
+    if (forces.squeeze > s.forceLimit)
+      change = part * (1.0 - s.forceLimit / forces.squeeze) * (commandedTravel - tissueTravel);
+    grasp.targetGap = std::clamp(forces.gap, grasp.targetGap, grasp.initialGap);
   } else {
-    const double closed = std::min(s.closed, grasp.firstGap), before = grasp.wantedGap;
-    grasp.wantedGap = std::max(closed, before - dt / kClosingTime * (grasp.firstGap - closed));
+    const double closed = std::min(s.closed, grasp.initialGap), before = grasp.targetGap;
+    grasp.targetGap = std::max(closed, before - dt / kClosingTime * (grasp.initialGap - closed));
     // Increased by the ratio to which the springs have yielded so far.
-    const double gain = followed > kLittle * s.opening ? std::clamp(led / followed, 1.0, kMaxGain) : 1.0;
-    change = grasp.wantedGap - before + gain * part * (grasp.wantedGap - forces.gap);
+    const double gain =
+        tissueTravel > kMinTissueTravel * s.opening ? std::clamp(commandedTravel / tissueTravel, 1.0, kMaxGain) : 1.0;
+    change = grasp.targetGap - before + gain * part * (grasp.targetGap - forces.gap);
   }
-  grasp.pulledGap = std::clamp(grasp.pulledGap + change, -kFarthest * s.opening, grasp.firstGap);
+  grasp.commandedGap = std::clamp(grasp.commandedGap + change, -kMaxOvershoot * s.opening, grasp.initialGap);
 }
 
 Surface discOf(const Vec3 &at, const Vec3 &axis, double diameter) {
   Surface disc;
   const Vec3 u = axis.unitOrthogonal(), v = axis.cross(u);
   for (const double along : {0.0, kThickness * diameter})
-    for (std::uint32_t k = 0; k < kAround; ++k) {
-      const double turn = 2.0 * std::numbers::pi * k / kAround;
+    for (std::uint32_t k = 0; k < kDiscSegments; ++k) {
+      const double turn = 2.0 * std::numbers::pi * k / kDiscSegments;
       disc.positions.push_back(at + along * axis + 0.5 * diameter * (std::cos(turn) * u + std::sin(turn) * v));
     }
   for (const double along : {0.0, kThickness * diameter}) disc.positions.push_back(at + along * axis);
-  for (std::uint32_t k = 0; k < kAround; ++k) {
-    const std::uint32_t next = (k + 1) % kAround;
-    disc.triangles.push_back({2 * kAround, next, k});
-    disc.triangles.push_back({2 * kAround + 1, kAround + k, kAround + next});
-    disc.triangles.push_back({k, next, kAround + next});
-    disc.triangles.push_back({k, kAround + next, kAround + k});
+  for (std::uint32_t k = 0; k < kDiscSegments; ++k) {
+    const std::uint32_t next = (k + 1) % kDiscSegments;
+    disc.triangles.push_back({2 * kDiscSegments, next, k});
+    disc.triangles.push_back({2 * kDiscSegments + 1, kDiscSegments + k, kDiscSegments + next});
+    disc.triangles.push_back({k, next, kDiscSegments + next});
+    disc.triangles.push_back({k, kDiscSegments + next, kDiscSegments + k});
   }
   return disc;
 }
 
-Vec3 screenRight(const Vec3 &way, double right_px, double down_px, const Vec3 &view) {
-  return (right_px * way + down_px * way.cross(view)).normalized();
+Vec3 screenRight(const Vec3 &offset, double right_px, double down_px, const Vec3 &view) {
+  return (right_px * offset + down_px * offset.cross(view)).normalized();
 }
 
 }  // namespace pointbased

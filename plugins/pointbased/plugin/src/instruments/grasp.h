@@ -53,24 +53,24 @@ struct JawPositions {
                                             const GraspSettings &settings);
 /// Whether a body can be grasped in this way. Jaws that hold most of it, or the same phyxels, are refused. Empty if it
 /// can be grasped.
-[[nodiscard]] std::string problemOf(const RestState &rest, const JawPositions &places, const GraspSettings &settings);
+[[nodiscard]] std::string problemOf(const RestState &rest, const JawPositions &jaws, const GraspSettings &settings);
 
 /// Two jaws that hold a body. Each is pulled by one grab of the simulator; the two move as one.
 struct Grasp {
   std::uint64_t body = 0;
-  JawPositions places;
+  JawPositions jaws;
   GraspSettings settings;
   std::array<Grab, 2> grabs;         ///< targets: where they pull to now
-  std::array<Vec3, 2> across;        ///< m, from the line between the jaws to the patches, when they took hold
+  std::array<Vec3, 2> offsets;       ///< m, from the line between the jaws to the patches, at the start of the grasp
   Vec3 middle = Vec3::Zero();        ///< world, m; prescribed position between the jaws
-  Mat3 rotation = Mat3::Identity();  ///< since they took hold
-  /// m, between the patches: when they took hold, the prescribed present value, and between the pull targets
-  double firstGap = 0.0, wantedGap = 0.0, pulledGap = 0.0;
+  Mat3 rotation = Mat3::Identity();  ///< since the start of the grasp
+  /// m, between the patches: at the start, the present target, and between the spring targets
+  double initialGap = 0.0, targetGap = 0.0, commandedGap = 0.0;
 
   /// Unit, as the jaws are rotated now.
-  [[nodiscard]] Vec3 axis() const { return rotation * places.axis; }
-  /// Applies `middle`, `rotation` and `pulledGap` to the targets of the grabs.
-  void aim();
+  [[nodiscard]] Vec3 axis() const { return rotation * jaws.axis; }
+  /// Applies `middle`, `rotation` and `commandedGap` to the targets of the grabs.
+  void updateTargets();
 };
 
 /// Forces of the jaws on the tissue.
@@ -81,9 +81,9 @@ struct GraspForces {
 };
 [[nodiscard]] GraspForces forcesOf(const Grasp &grasp, const std::array<GrabStatus, 2> &grabs);
 
-/// Takes hold at the body's present position; nothing moves yet.
-/// @param places  of findJaws(), surfels of this body
-[[nodiscard]] Grasp beginGrasp(std::uint64_t id, const Body &body, const JawPositions &places,
+/// Starts a grasp at the body's present position, without motion.
+/// @param jaws  of findJaws(), surfels of this body
+[[nodiscard]] Grasp beginGrasp(std::uint64_t id, const Body &body, const JawPositions &jaws,
                                const GraspSettings &settings);
 /// Closes further, for a step of dt: at a constant rate to the closed gap within kClosingTime, while the force is below
 /// its limit. The springs yield, so the pull targets are moved beyond that gap until the held tissue reaches it.
@@ -97,8 +97,8 @@ constexpr double kClosingTime = 0.3;  ///< s, simulated
 
 /// Unit vector that is horizontal on the screen, to the right. Computed from two different positions under the mouse,
 /// in the plane through a point that is parallel to the screen, and their offset on the screen.
-/// @param way       m, from the first to the second
+/// @param offset    m, from the first to the second
 /// @param right_px  from the first to the second; y points down
-[[nodiscard]] Vec3 screenRight(const Vec3 &way, double right_px, double down_px, const Vec3 &view);
+[[nodiscard]] Vec3 screenRight(const Vec3 &offset, double right_px, double down_px, const Vec3 &view);
 
 }  // namespace pointbased

@@ -55,7 +55,7 @@ void drawContactState(sdk::Ui &ui, const ObstacleTouch &touch, const std::string
 }
 
 void drawCurve(sdk::Ui &ui, const std::string &id, const std::string &what, const ForceCurve &curve) {
-  ui.curve(id, what + " over the last " + significant(ForceCurve::kInterval * ForceCurve::kMost) + " s", "N",
+  ui.curve(id, what + " over the last " + significant(ForceCurve::kInterval * ForceCurve::kMaxSamples) + " s", "N",
            curve.values());
 }
 
@@ -120,7 +120,7 @@ void drawTouch(sdk::Ui &ui, TouchTool &touch, const Snapshot *snapshot) {
   drawWay(ui, *snapshot, instrument->middle(), *touch.target());
   Vec3 place = *touch.target();
   if (placeSliders(ui, "touch_", middleOf(*snapshot), place) & C3DE_UI_CHANGED) touch.moveTo(place);
-  if (ui.button("touch_away", "Remove")) touch.takeAway();
+  if (ui.button("touch_away", "Remove")) touch.removeInstrument();
 }
 
 void drawGrasp(sdk::Ui &ui, GraspTool &grasp, const Snapshot *snapshot) {

@@ -177,7 +177,7 @@ void ObstaclePanel::add(const Snapshot &snapshot) {
         return {};
       },
       [this, taken, name] {
-        if (const auto posted = putBack(name, taken); !posted) return fail(posted.failure().message);
+        if (const auto posted = reinsertObstacle(name, taken); !posted) return fail(posted.failure().message);
         keepStep("add ", name, taken, true);
         candidate_.reset();
       });
@@ -188,32 +188,32 @@ void ObstaclePanel::remove(const Snapshot &snapshot) {
   taken->id = move_.chosen();
   const ObstacleSnapshot *obstacle = snapshot.obstacle(taken->id);
   move_.choose(0);
-  if (takeOut(taken) && obstacle) keepStep("remove ", obstacle->name, taken, false);
+  if (extractObstacle(taken) && obstacle) keepStep("remove ", obstacle->name, taken, false);
 }
 
 /// @param isIn  whether the obstacle is present after the step; if not, the step owns it
 void ObstaclePanel::keepStep(const std::string &what, const std::string &name, const Taken &taken, bool isIn) {
   if (!services_.history) return;
-  const auto in = [this, name, taken] { return putBack(name, taken); };
-  const auto out = [this, taken] { return takeOut(taken); };
+  const auto in = [this, name, taken] { return reinsertObstacle(name, taken); };
+  const auto out = [this, taken] { return extractObstacle(taken); };
   const auto step = isIn ? services_.history.add(what + name, out, in) : services_.history.add(what + name, in, out);
   if (step) steps_.push_back(*step);
 }
 
-sdk::Result<void> ObstaclePanel::putBack(const std::string &name, const Taken &taken) {
+sdk::Result<void> ObstaclePanel::reinsertObstacle(const std::string &name, const Taken &taken) {
   const Reset reset{name};
   simulator_->abandonLongStep();
   auto posted = services_.simulation.post(simulator_->node(), [simulator = simulator_, taken, hasMade = reset.hasMade] {
-    *hasMade = simulator->parts().obstacles.putBack(*taken);
+    *hasMade = simulator->parts().obstacles.reinsertObstacle(*taken);
   });
   if (posted) resets_.push_back(reset);
   return posted;
 }
 
-sdk::Result<void> ObstaclePanel::takeOut(const Taken &taken) const {
+sdk::Result<void> ObstaclePanel::extractObstacle(const Taken &taken) const {
   simulator_->abandonLongStep();
-  return services_.simulation.post(simulator_->node(),
-                                   [simulator = simulator_, taken] { simulator->parts().obstacles.takeOut(*taken); });
+  return services_.simulation.post(
+      simulator_->node(), [simulator = simulator_, taken] { simulator->parts().obstacles.extractObstacle(*taken); });
 }
 
 void ObstaclePanel::submit(const std::string &title, std::function<sdk::Result<void>(sdk::Progress)> work,

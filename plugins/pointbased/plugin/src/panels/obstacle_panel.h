@@ -47,8 +47,8 @@ class ObstaclePanel {
   void add(const Snapshot &snapshot);
   void remove(const Snapshot &snapshot);
   void keepStep(const std::string &what, const std::string &name, const Taken &taken, bool isIn);
-  [[nodiscard]] sdk::Result<void> putBack(const std::string &name, const Taken &taken);
-  [[nodiscard]] sdk::Result<void> takeOut(const Taken &taken) const;
+  [[nodiscard]] sdk::Result<void> reinsertObstacle(const std::string &name, const Taken &taken);
+  [[nodiscard]] sdk::Result<void> extractObstacle(const Taken &taken) const;
   [[nodiscard]] Placement placementOf(const Candidate &candidate) const;
   /// Names of the bodies whose skin is inside the candidate; empty if none.
   [[nodiscard]] std::string bodiesIn(const Candidate &candidate, const Snapshot &snapshot) const;

@@ -25,7 +25,7 @@ void Attachments::add(const c3de_sim_attachment *attachment, c3de_handle *out) {
     throw Error(C3DE_E_STALE, which + "there is no such body or obstacle in this simulation");
   if (table_.hasAttachment(read.name)) throw Error(C3DE_E_EXISTS, which + "there is one of this name already");
   const auto added = simulator_.world().addAttachment(read);
-  table_.followInstruments(simulator_);  // a new attachment restarts the simulation
+  table_.syncInstruments(simulator_);  // a new attachment restarts the simulation
   if (!added) throw Error(C3DE_E_ARG, which + added.error());
   table_.addAttachment(*added, std::move(read));
   if (out) *out = {*added};

@@ -20,7 +20,7 @@ void Bodies::addWithin(const c3de_sim_body *body, c3de_handle *out, Walls walls)
   record.checkRigid();
   BuiltBody built = buildBody(world_.context.services, world_.context.laws, record.name, in.mesh, record.source,
                               *record.values, accuracy_.samplingRequest(), sdk::Progress(in.progress));
-  record.take(built);
+  record.assignBuilt(built);
   record.source.mesh = std::make_shared<const sdk::MeshHandle>(copyMesh(world_.context.services, in.mesh));
   const StepInterrupt::Waiting waiting(world_.request);
   const std::lock_guard lock(world_.mutex);
@@ -53,7 +53,7 @@ void Bodies::setParameter(c3de_handle body, const c3de_param_value *value) {
     // Parts keep the values they specify themselves.
     for (BodyPart &part : record.source.parts)
       if (std::find(part.own.begin(), part.own.end(), id) == part.own.end()) sdk::orThrow(part.values.set(in));
-    forces_.forgetMasses(body.v);
+    forces_.invalidateMasses(body.v);
     simulator_.world().setConstitution(body.v,
                                        constitutionOf(world_.context.laws, record.name, record.source, changed));
   }
@@ -88,7 +88,7 @@ void Bodies::rebuild(std::uint64_t body, const ParameterValues &values, const sd
   BodyRecord record = table_.bodyOrThrow(body);
   const ContactPairs pairs = simulator_.world().contactPairs();
   const std::vector<Attachment> attached = table_.attachmentsOf(body);
-  record.take(built);
+  record.assignBuilt(built);
   record.values = std::make_shared<const ParameterValues>(values);
   table_.removeBody(body);
   simulator_.removeBody(body);

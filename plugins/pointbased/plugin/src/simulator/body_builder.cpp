@@ -298,8 +298,8 @@ std::unique_ptr<Body> bodyWithinBudget(const Making &of, BodyRecipe recipe, cons
       out.adaptive = std::move(adaptive);
     }
     if ((isWithin && frame >= kUsed * budget) || beyond - within <= 1 || attempt >= kAttempts) return best;
-    const double way = std::log(kAimedAt * budget / frame) / (kCostOrder * std::log(kRung));
-    const int next = rung + static_cast<int>(std::clamp(std::round(way), -1.0 * last, 1.0 * last));
+    const double steps = std::log(kAimedAt * budget / frame) / (kCostOrder * std::log(kRung));
+    const int next = rung + static_cast<int>(std::clamp(std::round(steps), -1.0 * last, 1.0 * last));
     rung = std::clamp(next, within + 1, beyond - 1);
   }
 }
@@ -427,9 +427,9 @@ Obstacle buildObstacle(const Services &services, const std::string &name, const 
       // it.
       Vec3 normal(found[i].normal[0], found[i].normal[1], found[i].normal[2]);
       if (std::isfinite(found[i].distance)) {
-        const Vec3 way = points[i] - Vec3(found[i].point[0], found[i].point[1], found[i].point[2]);
-        if (const double length = way.norm(); length > resolved)
-          normal = (found[i].distance < 0.0 ? -1.0 : 1.0) / length * way;
+        const Vec3 offset = points[i] - Vec3(found[i].point[0], found[i].point[1], found[i].point[2]);
+        if (const double length = offset.norm(); length > resolved)
+          normal = (found[i].distance < 0.0 ? -1.0 : 1.0) / length * offset;
       }
       out[i] = {normal, found[i].distance};
     }

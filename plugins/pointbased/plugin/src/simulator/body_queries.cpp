@@ -68,8 +68,8 @@ void BodyQueries::displacement(const c3de_sim_grid *grid, double rim, float *out
   if (gaps) field.writeGaps({out, 3 * points}, {gaps, points});
 }
 
-Vec3 BodyQueries::displacementAt(const Vec3 &place) const {
-  DisplacementField field({{1, 1, 1}, place, Mat3::Identity()});
+Vec3 BodyQueries::displacementAt(const Vec3 &position) const {
+  DisplacementField field({{1, 1, 1}, position, Mat3::Identity()});
   std::array<float, 3> u{};
   const std::lock_guard lock(world_.mutex);
   for (const auto &[id, record] : table_.bodies()) {

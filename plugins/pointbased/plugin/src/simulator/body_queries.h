@@ -22,7 +22,7 @@ class BodyQueries {
   void displacement(const c3de_sim_grid *grid, double rim, float *out, float *gaps);
   /// m, as slices show it: the displacement by which the material has reached a position; 0 where there is no body.
   /// Waits for a step. Any thread.
-  [[nodiscard]] Vec3 displacementAt(const Vec3 &place) const;
+  [[nodiscard]] Vec3 displacementAt(const Vec3 &position) const;
   /// Reads a body under the lock; false if the body no longer exists.
   bool readBody(std::uint64_t body, const std::function<void(const Body &)> &read) const;
 

@@ -27,7 +27,7 @@ c3de_sim_body_info BodyRecord::info(const Body &body) const {
   return info;
 }
 
-void BodyRecord::take(BuiltBody &built) {
+void BodyRecord::assignBuilt(BuiltBody &built) {
   surface = std::move(built.surface);
   promise = built.promise ? std::make_shared<const AccuracyPrediction>(std::move(*built.promise)) : nullptr;
   trials = promise

@@ -27,7 +27,7 @@ struct BodyRecord {
   /// As iface.simulator reports it. Its name is borrowed from this.
   [[nodiscard]] c3de_sim_body_info info(const Body &body) const;
   /// Takes over everything except the body.
-  void take(BuiltBody &built);
+  void assignBuilt(BuiltBody &built);
   /// Checks that a rigid body that is not free has no fix, load or velocity. Throws sdk::Error.
   void checkRigid() const;
   /// Checks that a body may move if these values make it rigid and free. Throws sdk::Error.

@@ -131,11 +131,11 @@ BodySource readSource(const c3de_sim_body &body, const ParameterValues &values) 
     const sdk::ErrorPlace where{"part", static_cast<std::uint32_t>(i), {}};
     ParameterValues own = values;
     if (auto set = own.set(in.params, in.params_n, in.params_stride); !set) refuse(where, set.failure().message);
-    std::vector<std::string> said;
+    std::vector<std::string> specified;
     for (std::uint64_t k = 0; k < in.params_n; ++k)
-      said.emplace_back(sdk::text(sdk::readElement(in.params, k, in.params_stride, "parameter").id));
+      specified.emplace_back(sdk::text(sdk::readElement(in.params, k, in.params_stride, "parameter").id));
     source.parts.push_back({std::string(sdk::text(in.name)), readRegion(in.region, where, &source.placement),
-                            std::move(own), std::move(said)});
+                            std::move(own), std::move(specified)});
   }
   std::vector<std::string> tissues;
   for (const BodyPart &part : source.parts) tissues.push_back(part.name);

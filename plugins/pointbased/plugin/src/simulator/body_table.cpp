@@ -118,7 +118,7 @@ std::vector<std::uint64_t> BodyTable::removeInstruments() {
   return ids;
 }
 
-void BodyTable::followInstruments(const Simulator &simulator) {
+void BodyTable::syncInstruments(const Simulator &simulator) {
   for (const auto &[id, record] : instruments_) {
     if (simulator.world().obstacle(id))
       obstacles_.emplace(id, record);

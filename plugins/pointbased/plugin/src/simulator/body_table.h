@@ -53,14 +53,14 @@ class BodyTable {
   bool removeAttachment(std::uint64_t id) { return attachments_.erase(id) > 0; }
   void clear();
 
-  /// An obstacle that appears and disappears with the state of the simulation: see followInstruments().
+  /// An obstacle that appears and disappears with the state of the simulation: see syncInstruments().
   void addInstrument(std::uint64_t id, const ObstacleRecord &record);
   /// Removes all present instruments. @return their ids
   std::vector<std::uint64_t> removeInstruments();
   /// Called after the simulator has changed to another state: the instruments become those of that state.
-  void followInstruments(const Simulator &simulator);
+  void syncInstruments(const Simulator &simulator);
   /// Called after a reset, from which no earlier state can be restored.
-  void forgetInstruments() { instruments_.clear(); }
+  void clearInstrumentHistory() { instruments_.clear(); }
 
  private:
   void removeAttachmentsOf(std::uint64_t id);

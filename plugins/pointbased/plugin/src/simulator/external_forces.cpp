@@ -18,7 +18,7 @@ void ExternalForces::points(c3de_handle handle, c3de_sim_points *out) {
   const RestState &rest = body.rest();
   const std::size_t n = rest.phyxelCount();
   if (n > 0 && !body.isStatic() && !body.stopped) {
-    SharedPoints &lent = lent_[handle.v];
+    SharedPoints &lent = sharedPoints_[handle.v];
     lent.name = record.name;
     lent.positions.resize(n);
     for (std::size_t i = 0; i < n; ++i)
@@ -26,7 +26,7 @@ void ExternalForces::points(c3de_handle handle, c3de_sim_points *out) {
     // Copied as well: the caller may keep the pointer, or write to it.
     lent.velocities = body.state().velocities;
     lent.forces.assign(n, Vec3::Zero());
-    lent.asked = true;
+    lent.isRequested = true;
     if (lent.masses.size() != n || lent.rest != body.sharedRest()) {
       lent.rest = body.sharedRest();
       lent.masses.resize(n);
@@ -59,24 +59,24 @@ void ExternalForces::addLoad(c3de_handle handle, const c3de_sim_load *load, c3de
     throw Error(C3DE_E_STATE, "body '" + record.name + "' is rigid and fixed, so a load cannot move it");
   RuntimeLoad live{handle.v, readLoad(load), {}, nullptr, simulator_.time()};
   bind(live);
-  const std::uint64_t id = world_.takeIds(1);
+  const std::uint64_t id = world_.allocateIds(1);
   loads_.emplace(id, std::move(live));
   if (out) *out = {id};
 }
 
 void ExternalForces::apply() {
   for (const auto &[id, record] : table_.bodies()) {
-    const auto found = lent_.find(id);
+    const auto found = sharedPoints_.find(id);
     const Body &body = *simulator_.body(id);
     const std::size_t n = body.rest().phyxelCount();
-    const bool asked = found != lent_.end() && std::exchange(found->second.asked, false);
+    const bool isRequested = found != sharedPoints_.end() && std::exchange(found->second.isRequested, false);
     std::vector<Vec3> forces;
-    if (asked && found->second.forces.size() == n) forces.swap(found->second.forces);
+    if (isRequested && found->second.forces.size() == n) forces.swap(found->second.forces);
     for (auto &[number, live] : loads_) {
       if (live.body != id || body.isStatic()) continue;
       if (live.rest != body.sharedRest()) bind(live);
       forces.resize(n, Vec3::Zero());
-      const double since_s = simulator_.time() - live.began_s;
+      const double since_s = simulator_.time() - live.startTime_s;
       const double s =
           live.load.ramp > 0.0 && !simulator_.quasiStatic() ? std::min(1.0, since_s / live.load.ramp) : 1.0;
       addLoadForces(live.load, live.part, s, body.state().displacements, forces);
@@ -85,13 +85,13 @@ void ExternalForces::apply() {
       simulator_.stepper().swapExternalForces(id, forces);
     else if (!body.externalForces().empty())
       simulator_.stepper().setExternalForces(id, {});
-    if (asked) found->second.forces.swap(forces);
+    if (isRequested) found->second.forces.swap(forces);
   }
-  std::erase_if(lent_, [this](const auto &entry) { return !table_.hasBody(entry.first); });
+  std::erase_if(sharedPoints_, [this](const auto &entry) { return !table_.hasBody(entry.first); });
 }
 
-void ExternalForces::forgetMasses(std::uint64_t body) {
-  if (const auto lent = lent_.find(body); lent != lent_.end()) lent->second.masses.clear();
+void ExternalForces::invalidateMasses(std::uint64_t body) {
+  if (const auto lent = sharedPoints_.find(body); lent != sharedPoints_.end()) lent->second.masses.clear();
 }
 
 void ExternalForces::removeLoadsOf(std::uint64_t body) {

@@ -17,7 +17,7 @@ class ExternalForces {
   /// Before a step: sets the forces requested since the last step and those of the loads; other bodies have none.
   void apply();
   /// Called after the masses of a body have changed.
-  void forgetMasses(std::uint64_t body);
+  void invalidateMasses(std::uint64_t body);
   [[nodiscard]] bool hasLoads() const { return !loads_.empty(); }
   /// False if there is none.
   bool removeLoad(std::uint64_t id) { return loads_.erase(id) > 0; }
@@ -32,7 +32,7 @@ class ExternalForces {
     std::vector<double> masses;             // empty: to be recomputed
     std::shared_ptr<const RestState> rest;  // to which the masses belong
     std::string name;
-    bool asked = false;
+    bool isRequested = false;
   };
   /// A load added while the body is simulated: acts as external forces.
   struct RuntimeLoad {
@@ -40,14 +40,14 @@ class ExternalForces {
     Load load;
     LoadedPart part;
     std::shared_ptr<const RestState> rest;  // to which the part belongs
-    double began_s = 0.0;
+    double startTime_s = 0.0;
   };
   void bind(RuntimeLoad &load) const;
 
   SimulatedWorld &world_;
   Simulator &simulator_ = world_.simulator;
   BodyTable &table_ = world_.table;
-  std::map<std::uint64_t, SharedPoints> lent_;
+  std::map<std::uint64_t, SharedPoints> sharedPoints_;
   std::map<std::uint64_t, RuntimeLoad> loads_;
 };
 

@@ -14,23 +14,23 @@ namespace pointbased {
 struct GraspPose {
   double time = 0.0;                                             ///< s
   Vec3 at = Vec3::Zero();                                        ///< m, of the middle between the jaws
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< since they took hold
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< since the start of the grasp
 };
 struct SceneGrasp {
   std::uint64_t body = 0;
-  JawPositions places;
+  JawPositions jaws;
   GraspSettings settings;
-  std::vector<GraspPose> path;  ///< empty: they stay where they took hold
+  std::vector<GraspPose> path;  ///< empty: they keep their initial pose
 
-  [[nodiscard]] double begins() const;  ///< s
+  [[nodiscard]] double startTime() const;  ///< s
   /// Sets the prescribed pose at a time.
-  void lead(Grasp &grasp, double time) const;
+  void applyPose(Grasp &grasp, double time) const;
 };
 struct GraspRecord {
   std::string name;
   std::optional<SceneGrasp> scene;  ///< none: controlled interactively
   std::optional<Grasp> now;         ///< none: holds nothing
-  bool isOver = false;              ///< has released, until the simulation is restarted
+  bool isReleased = false;          ///< has released, until the simulation is restarted
 
   [[nodiscard]] std::uint64_t body() const { return scene ? scene->body : now->body; }
 };

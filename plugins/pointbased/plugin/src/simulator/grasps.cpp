@@ -70,7 +70,7 @@ std::optional<GraspForces> Grasps::forcesOn(std::uint64_t id, const Grasp &grasp
   // Before the first step their state has not been evaluated.
   if (grabs[0].mass == 0.0) {
     GraspForces none;
-    none.gap = grasp.firstGap;
+    none.gap = grasp.initialGap;
     return none;
   }
   return forcesOf(grasp, grabs);
@@ -82,8 +82,8 @@ void Grasps::update() {
   for (auto entry = grasps_.begin(); entry != grasps_.end();) {
     const std::uint64_t id = entry->first;
     GraspRecord &record = entry->second;
-    if (!record.now && !record.isOver && record.scene && end > record.scene->begins()) {
-      record.now = beginGrasp(record.scene->body, *simulator_.body(record.scene->body), record.scene->places,
+    if (!record.now && !record.isReleased && record.scene && end > record.scene->startTime()) {
+      record.now = beginGrasp(record.scene->body, *simulator_.body(record.scene->body), record.scene->jaws,
                               record.scene->settings);
       setGrabs(id, *record.now);
     }
@@ -91,11 +91,11 @@ void Grasps::update() {
       const std::optional<GraspForces> forces = forcesOn(id, *record.now);
       if (!forces) {  // the phyxels that it held have been replaced, or the body is static
         record.now.reset();
-        record.isOver = true;
+        record.isReleased = true;
       } else {
         advanceClosing(*record.now, *forces, dt);
-        if (record.scene) record.scene->lead(*record.now, end);
-        record.now->aim();
+        if (record.scene) record.scene->applyPose(*record.now, end);
+        record.now->updateTargets();
         for (std::size_t jaw = 0; jaw < 2; ++jaw) {
           world_.recordPull(record.now->body, findGrab(id) + jaw);
           simulator_.stepper().moveGrab(record.now->body, record.now->grabs[jaw].target, findGrab(id) + jaw);
@@ -112,16 +112,16 @@ InteractionState Grasps::checkpoint() const {
   return {simulator_.archive().checkpoint(), grasps_};
 }
 
-void Grasps::exchange(InteractionState &kept) {
+void Grasps::exchange(InteractionState &other) {
   const std::lock_guard lock(world_.mutex);
   InteractionState left{simulator_.archive().checkpoint(), grasps_};
-  if (simulator_.archive().restore(kept.state)) {
-    grasps_ = kept.grasps;
+  if (simulator_.archive().restore(other.state)) {
+    grasps_ = other.grasps;
     for (const auto &[id, record] : grasps_)
       if (record.now) setGrabs(id, *record.now);
-    kept = std::move(left);
+    other = std::move(left);
   }
-  table_.followInstruments(simulator_);
+  table_.syncInstruments(simulator_);
 }
 
 std::vector<GraspSnapshot> Grasps::snapshots() const {
@@ -131,8 +131,8 @@ std::vector<GraspSnapshot> Grasps::snapshots() const {
     const std::optional<GraspForces> forces = forcesOn(id, *record.now);
     if (!forces) continue;
     const Grasp &grasp = *record.now;
-    out.push_back({id, record.name, grasp.body, grasp.places.points, grasp.settings, grasp.middle, grasp.rotation,
-                   grasp.axis(), Vec3(grasp.rotation * grasp.places.normal), *forces});
+    out.push_back({id, record.name, grasp.body, grasp.jaws.points, grasp.settings, grasp.middle, grasp.rotation,
+                   grasp.axis(), Vec3(grasp.rotation * grasp.jaws.normal), *forces});
   }
   return out;
 }
@@ -152,9 +152,9 @@ std::vector<ReportedGrasp> Grasps::reported() const {
   return out;
 }
 
-double SceneGrasp::begins() const { return path.empty() ? 0.0 : path.front().time; }
+double SceneGrasp::startTime() const { return path.empty() ? 0.0 : path.front().time; }
 
-void SceneGrasp::lead(Grasp &grasp, double time) const {
+void SceneGrasp::applyPose(Grasp &grasp, double time) const {
   if (path.empty()) return;
   const auto after =
       std::find_if(path.begin(), path.end(), [time](const GraspPose &place) { return place.time > time; });
@@ -209,11 +209,11 @@ void Grasps::add(const c3de_sim_grasp *given, c3de_handle *out) {
   auto places = findJaws({mesh.positions, mesh.triangles}, Vec3(nearest.point), Vec3(nearest.normal), axis.normalized(),
                          scene.settings);
   if (!places) refuse("body '" + of.name + "': " + places.error());
-  scene.places = *places;
-  if (const std::string problem = problemOf(rest, scene.places, scene.settings); !problem.empty())
+  scene.jaws = *places;
+  if (const std::string problem = problemOf(rest, scene.jaws, scene.settings); !problem.empty())
     refuse("body '" + of.name + "': " + problem);
   world_.reset();
-  const std::uint64_t id = world_.takeIds(2);  // one grab id for each jaw
+  const std::uint64_t id = world_.allocateIds(2);  // one grab id for each jaw
   grasps_.emplace(id, std::move(record));
   if (out) *out = {id};
 }

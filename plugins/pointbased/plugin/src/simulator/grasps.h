@@ -19,7 +19,7 @@ class Grasps {
   explicit Grasps(SimulatedWorld &world) : world_(world) {}
 
   void add(const c3de_sim_grasp *grasp, c3de_handle *out);
-  /// Interactive jaws take hold of a body and replace the previous ones; does nothing if the body no longer exists.
+  /// Interactive jaws grasp a body and replace the previous ones; does nothing if the body no longer exists.
   /// [sim]
   /// @param places  for which problemOf() is empty
   void begin(std::uint64_t body, const JawPositions &places, const GraspSettings &settings);
@@ -30,10 +30,10 @@ class Grasps {
   [[nodiscard]] InteractionState checkpoint() const;
   /// Restores the stored state and stores the present one; does nothing if the simulation has been restarted since.
   /// [sim]
-  void exchange(InteractionState &kept);
+  void exchange(InteractionState &other);
 
   // The mutex of the world is held.
-  /// Before a step: jaws of the scene take hold at their time, all close and move to their prescribed pose.
+  /// Before a step: jaws of the scene start at their time, all close and move to their prescribed pose.
   void update();
   /// Removes the jaws themselves, also from the scene.
   void remove(std::uint64_t id);

@@ -39,9 +39,9 @@ void Holds::add(c3de_handle handle, const c3de_sim_hold *hold, c3de_handle *out)
                          body.material().youngsModulus);
   limitToTissue(grab, body, 0.0);
   if (in.max_force_N > 0.0) grab.maxForce = in.max_force_N;
-  const Vec3 middle = grab.target = middleOf(grab, body);
-  if (in.flags & C3DE_SIM_HOLD_SHAPE) keepShape(grab, body);
-  const std::uint64_t id = world_.takeIds(1);
+  const Vec3 middle = grab.target = meanPosition(grab, body);
+  if (in.flags & C3DE_SIM_HOLD_SHAPE) addShapeSprings(grab, body);
+  const std::uint64_t id = world_.allocateIds(1);
   holds_.emplace(id, Hold{handle.v, middle - at, at, Mat3::Identity(), !grab.arms.empty()});
   world_.recordGrab(handle.v, grab);
   simulator_.stepper().setGrab(handle.v, std::move(grab), id);

@@ -14,7 +14,7 @@ class Holds {
   void pull(c3de_handle hold, const double *target_m3, const double *quaternion4);
   void state(c3de_handle hold, c3de_sim_hold_state *out);
 
-  /// The pinch takes hold. @param ownLimit  N, set for the tool in addition to the limit of the tissue; 0: none
+  /// Starts the grab of the pinch. @param ownLimit  N, set for the tool in addition to the limit of the tissue; 0: none
   void grab(std::uint64_t body, Grab grab, double ownLimit);
   void moveGrab(std::uint64_t body, const Vec3 &target);
   void releaseGrab(std::uint64_t body);

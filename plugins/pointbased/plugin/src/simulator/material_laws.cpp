@@ -110,22 +110,22 @@ void MaterialLaws::refresh() {
   for (auto &offer : found) {
     const std::string name = "material law '" + offer->id + "' of plugin '" + offer->plugin + "'";
     try {
-      take(std::move(offer), next);
+      addOffer(std::move(offer), next);
     } catch (const Error &error) {
       services_.log.error(name + " is not offered: " + std::string(error.what()));
     }
   }
   if (next.offers.size() == known.size()) return;
-  Generation &kept = generations_.emplace_back(std::move(next));
-  for (c3de_param_decl &d : kept.declarations)
+  Generation &stored = generations_.emplace_back(std::move(next));
+  for (c3de_param_decl &d : stored.declarations)
     if (text(d.id) == kLaw) {
-      d.choices = kept.choices.data();
-      d.choices_n = kept.choices.size();
+      d.choices = stored.choices.data();
+      d.choices_n = stored.choices.size();
     }
-  current_ = &kept;
+  current_ = &stored;
 }
 
-void MaterialLaws::take(std::shared_ptr<Offer> offer, Generation &next) const {
+void MaterialLaws::addOffer(std::shared_ptr<Offer> offer, Generation &next) const {
   offer->object = sdk::orThrow(services_.registry.create(offer->id));
   offer->table = offer->object.query<c3de_material_law_v1>();
   if (!offer->table)
@@ -182,7 +182,7 @@ Material MaterialLaws::materialOf(const std::string &whose, const ParameterValue
   std::shared_ptr<const Offer> law;
   for (const auto &offer : now.offers)
     if (offer->id == chosen) law = offer;
-  const auto said = [&](std::string_view id) {
+  const auto isSpecified = [&](std::string_view id) {
     return values.differs(id) && (own == nullptr || std::find(own->begin(), own->end(), id) != own->end());
   };
   const auto refuse = [&](std::string_view id) {
@@ -194,10 +194,10 @@ Material MaterialLaws::materialOf(const std::string &whose, const ParameterValue
   };
   for (const auto &offer : now.offers)
     for (const Parameter &p : offer->parameters)
-      if (p.id != kYoung && p.id != kPoisson && said(p.id) && !(law && law->has(p.id))) refuse(p.id);
+      if (p.id != kYoung && p.id != kPoisson && isSpecified(p.id) && !(law && law->has(p.id))) refuse(p.id);
   if (!law) return material;
   for (const std::string_view id : {kYoung, kPoisson})
-    if (said(id) && !law->has(id)) refuse(id);
+    if (isSpecified(id) && !law->has(id)) refuse(id);
   auto passed = checked(std::make_shared<Law>(services_.host, law, values));
   if (!passed) throw Error(C3DE_E_ARG, whose + ": " + passed.error());
   setLaw(material, std::move(*passed));

@@ -47,7 +47,7 @@ class MaterialLaws {
     std::vector<std::shared_ptr<const Offer>> offers;
   };
   class Law;
-  void take(std::shared_ptr<Offer> offer, Generation &next) const;
+  void addOffer(std::shared_ptr<Offer> offer, Generation &next) const;
 
   const Services &services_;
   std::deque<Generation> generations_;  // only grows

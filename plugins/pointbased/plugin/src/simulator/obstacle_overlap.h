@@ -12,6 +12,6 @@ namespace pointbased {
 
 /// Whether skin is inside an obstacle of the table that has just been added. Contact would push part of it out on the
 /// wrong side.
-[[nodiscard]] bool holdsSkin(Simulator &simulator, const BodyTable &table, std::uint64_t obstacle);
+[[nodiscard]] bool containsSkin(Simulator &simulator, const BodyTable &table, std::uint64_t obstacle);
 
 }  // namespace pointbased

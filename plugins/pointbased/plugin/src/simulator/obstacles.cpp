@@ -56,7 +56,7 @@ void Obstacles::moveInstrument(const Vec3 &middle) {
   for (const auto &[id, record] : table_.obstacles()) {
     if (!simulator_.world().isInstrument(id)) continue;
     const Vec3 &at = record.tool->path.front().at;
-    lead(id, {Mat3::Identity(), at, middle - at});
+    guideWithSpeedLimit(id, {Mat3::Identity(), at, middle - at});
   }
 }
 
@@ -71,69 +71,69 @@ void Obstacles::eraseInstruments() {
 
 void Obstacles::guide(std::uint64_t obstacle, const RigidMotion &target) {
   const std::lock_guard lock(world_.mutex);
-  lead(obstacle, target);
+  guideWithSpeedLimit(obstacle, target);
 }
 
-void Obstacles::lead(std::uint64_t obstacle, const RigidMotion &target) {
+void Obstacles::guideWithSpeedLimit(std::uint64_t obstacle, const RigidMotion &target) {
   const ObstacleRecord *record = table_.obstacle(obstacle);
   if (!record) return;
   const RigidMotion now = simulator_.world().obstacleMotion(obstacle);
   // The corners of its box have the largest displacement.
-  double way = 0.0;
+  double distance = 0.0;
   const Vec3 &low = record->mesh->min, &high = record->mesh->max;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 x((corner & 1) ? high[0] : low[0], (corner & 2) ? high[1] : low[1], (corner & 4) ? high[2] : low[2]);
-    way = std::max(way, (target.displacementOf(x) - now.displacementOf(x)).norm());
+    distance = std::max(distance, (target.displacementOf(x) - now.displacementOf(x)).norm());
   }
   const double turn = Eigen::AngleAxisd(target.rotation * now.rotation.transpose()).angle();
-  simulator_.world().guideObstacle(obstacle, target, std::max({kMinTime, way / kMaxSpeed, turn / kMaxTurn}));
+  simulator_.world().guideObstacle(obstacle, target, std::max({kMinTime, distance / kMaxSpeed, turn / kMaxTurn}));
 }
 
-void Obstacles::takeOut(RemovedObstacle &taken) {
+void Obstacles::extractObstacle(RemovedObstacle &removed) {
   const std::lock_guard lock(world_.mutex);
-  const ObstacleRecord *record = table_.obstacle(taken.id);
-  const Obstacle *obstacle = simulator_.world().obstacle(taken.id);
+  const ObstacleRecord *record = table_.obstacle(removed.id);
+  const Obstacle *obstacle = simulator_.world().obstacle(removed.id);
   if (!record || !obstacle) return;
-  taken.record = *record;
-  taken.obstacle = *obstacle;
-  taken.obstacle.motion = simulator_.world().motionAtReset(taken.id);
-  taken.place = simulator_.world().obstacleMotion(taken.id);
-  taken.pairs.clear();
+  removed.record = *record;
+  removed.obstacle = *obstacle;
+  removed.obstacle.motion = simulator_.world().motionAtReset(removed.id);
+  removed.pose = simulator_.world().obstacleMotion(removed.id);
+  removed.pairs.clear();
   for (const auto &[pair, settings] : simulator_.world().contactPairs())
-    if (pair.first == taken.id || pair.second == taken.id) taken.pairs.emplace(pair, settings);
-  taken.attachments = table_.attachmentsOf(taken.id);
-  table_.removeObstacle(taken.id);
-  simulator_.removeObstacle(taken.id);
+    if (pair.first == removed.id || pair.second == removed.id) removed.pairs.emplace(pair, settings);
+  removed.attachments = table_.attachmentsOf(removed.id);
+  table_.removeObstacle(removed.id);
+  simulator_.removeObstacle(removed.id);
 }
 
-bool Obstacles::putBack(RemovedObstacle &taken) {
+bool Obstacles::reinsertObstacle(RemovedObstacle &removed) {
   const std::lock_guard lock(world_.mutex);
-  if (!taken.record) return false;
+  if (!removed.record) return false;
   // Before the first step it is placed again below; afterwards a reset moves it to its initial position.
-  if (!taken.record->motion && simulator_.steps() == 0) taken.obstacle.motion = nullptr;
-  const std::uint64_t before = std::exchange(taken.id, simulator_.addObstacle(taken.obstacle));
-  const std::uint64_t id = taken.id;
-  table_.addObstacle(id, *std::exchange(taken.record, std::nullopt));
+  if (!removed.record->motion && simulator_.steps() == 0) removed.obstacle.motion = nullptr;
+  const std::uint64_t before = std::exchange(removed.id, simulator_.addObstacle(removed.obstacle));
+  const std::uint64_t id = removed.id;
+  table_.addObstacle(id, *std::exchange(removed.record, std::nullopt));
   // An obstacle moved by the scene follows its motion; one that has not been moved is where it was built.
   const bool isElsewhere =
-      taken.obstacle.motion || !taken.place.rotation.isIdentity(0.0) || !taken.place.displacement.isZero(0.0);
-  if (!table_.obstacle(id)->motion && isElsewhere) simulator_.world().guideObstacle(id, taken.place, 0.0);
-  for (const auto &[pair, settings] : taken.pairs)
+      removed.obstacle.motion || !removed.pose.rotation.isIdentity(0.0) || !removed.pose.displacement.isZero(0.0);
+  if (!table_.obstacle(id)->motion && isElsewhere) simulator_.world().guideObstacle(id, removed.pose, 0.0);
+  for (const auto &[pair, settings] : removed.pairs)
     simulator_.world().setContactPair(id, pair.first == before ? pair.second : pair.first, settings);
-  const bool isReset = simulator_.steps() > 0 && (!taken.attachments.empty() || holdsSkin(simulator_, table_, id));
-  if (isReset || !taken.attachments.empty()) world_.reset();
-  for (const Attachment &attachment : taken.attachments) attachments_.reattach(attachment, before, id);
+  const bool isReset = simulator_.steps() > 0 && (!removed.attachments.empty() || containsSkin(simulator_, table_, id));
+  if (isReset || !removed.attachments.empty()) world_.reset();
+  for (const Attachment &attachment : removed.attachments) attachments_.reattach(attachment, before, id);
   return isReset;
 }
 
 RemovedObstacle Obstacles::prepare(const std::string &name, c3de_handle mesh, const Placement &placement) {
   const ParameterValues values(obstacleDeclarations());
   auto placed = placeMesh(world_.context.services, mesh, placement);
-  RemovedObstacle taken;
-  taken.obstacle = buildObstacle(world_.context.services, name, placed,
-                                 {values.number("friction"), values.number("restitution")}, std::nullopt);
-  taken.record = ObstacleRecord{name, std::move(placed), taken.obstacle.friction, taken.obstacle.restitution, {}};
-  return taken;
+  RemovedObstacle removed;
+  removed.obstacle = buildObstacle(world_.context.services, name, placed,
+                                   {values.number("friction"), values.number("restitution")}, std::nullopt);
+  removed.record = ObstacleRecord{name, std::move(placed), removed.obstacle.friction, removed.obstacle.restitution, {}};
+  return removed;
 }
 
 }  // namespace pointbased

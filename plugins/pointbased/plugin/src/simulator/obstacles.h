@@ -10,7 +10,7 @@ struct RemovedObstacle {
   std::uint64_t id = 0;
   std::optional<ObstacleRecord> record = {};  ///< none: the obstacle is present
   Obstacle obstacle = {};                     ///< with the motion that a reset assigns to it
-  RigidMotion place = {};                     ///< its pose when it was removed
+  RigidMotion pose = {};                      ///< its pose when it was removed
   ContactPairs pairs = {};
   std::vector<Attachment> attachments = {};
 };
@@ -30,17 +30,17 @@ class Obstacles {
   /// Moves an obstacle or the instrument to another pose, no faster than contact can follow. [sim]
   void guide(std::uint64_t obstacle, const RigidMotion &target);
   /// Removes the obstacle of this id, as remove() of iface.simulator does; does nothing if there is none. [sim]
-  void takeOut(RemovedObstacle &obstacle);
+  void extractObstacle(RemovedObstacle &obstacle);
   /// Restores it where it was, under another id, with its contact pairs and its attachments. The simulated state is
   /// kept, unless there were attachments or skin is now where the obstacle was: then the simulation is reset. Does
   /// nothing if the obstacle is present. [sim] @return whether the simulation has been reset
-  bool putBack(RemovedObstacle &obstacle);
+  bool reinsertObstacle(RemovedObstacle &obstacle);
   /// A new obstacle, with the default friction. Throws sdk::Error. Any thread.
   [[nodiscard]] RemovedObstacle prepare(const std::string &name, c3de_handle mesh, const Placement &placement);
 
  private:
   void eraseInstruments();
-  void lead(std::uint64_t obstacle, const RigidMotion &target);
+  void guideWithSpeedLimit(std::uint64_t obstacle, const RigidMotion &target);
 
   SimulatedWorld &world_;
   Attachments &attachments_;

@@ -91,9 +91,9 @@ void PhyxelSet::read(std::uint32_t field, c3de_mview out) {
 
 void PhyxelSet::neighbours(c3de_view *offsets, c3de_view *indices) {
   withBody([&](const Body &body) {
-    if (lent_ != body.sharedRest()) {
-      lent_ = body.sharedRest();
-      returnedNeighbours_ = neighboursOf(*lent_);
+    if (restOfReturned_ != body.sharedRest()) {
+      restOfReturned_ = body.sharedRest();
+      returnedNeighbours_ = neighboursOf(*restOfReturned_);
     }
     sdk::notNull(offsets, "offsets") = indexView(returnedNeighbours_.offsets);
     sdk::notNull(indices, "indices") = indexView(returnedNeighbours_.indices);
@@ -185,9 +185,9 @@ void SurfelSet::read(std::uint32_t field, c3de_mview out) {
 
 void SurfelSet::owners(c3de_view *offsets, c3de_view *indices, c3de_view *weights) {
   withBody([&](const Body &body) {
-    if (simulator_ && lent_ != body.sharedRest()) {
-      lent_ = body.sharedRest();
-      owners_ = lent_->surfels.expanded(lent_->positions);
+    if (simulator_ && restOfReturned_ != body.sharedRest()) {
+      restOfReturned_ = body.sharedRest();
+      owners_ = restOfReturned_->surfels.expanded(restOfReturned_->positions);
     }
     const Interpolation &kept = simulator_ ? owners_ : own_;
     sdk::notNull(offsets, "offsets") = indexView(kept.phyxels.offsets);
@@ -227,9 +227,9 @@ void SurfelSet::triangles(c3de_view *out) {
     sdk::notNull(out, "out") = {nullptr, 0, 3, C3DE_U32, 0};
     return;
   }
-  withBody([&](const Body &body) { returnedSkin_ = body.sharedRest(); });
-  static_assert(sizeof(returnedSkin_->skin[0]) == 3 * sizeof(std::uint32_t));
-  sdk::notNull(out, "out") = {returnedSkin_->skin.data(), returnedSkin_->skin.size(), 3, C3DE_U32, 0};
+  withBody([&](const Body &body) { restOfTriangles_ = body.sharedRest(); });
+  static_assert(sizeof(restOfTriangles_->skin[0]) == 3 * sizeof(std::uint32_t));
+  sdk::notNull(out, "out") = {restOfTriangles_->skin.data(), restOfTriangles_->skin.size(), 3, C3DE_U32, 0};
 }
 
 }  // namespace pointbased

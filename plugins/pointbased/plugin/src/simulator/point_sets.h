@@ -30,7 +30,7 @@ class PhyxelSet : public sdk::Object<PhyxelSet> {
   sdk::Ref<WorldSimulator> simulator_;
   std::uint64_t body_ = 0;
   std::unique_ptr<Body> own_;
-  std::shared_ptr<const RestState> lent_;  // rest state of the neighbours last returned
+  std::shared_ptr<const RestState> restOfReturned_;  // rest state of the neighbours last returned
   Csr returnedNeighbours_;
 };
 
@@ -57,9 +57,9 @@ class SurfelSet : public sdk::Object<SurfelSet> {
   sdk::Ref<PhyxelSet> phyxels_;
   Interpolation own_;
   std::vector<Vec3> ownNormals_;
-  std::shared_ptr<const RestState> lent_;  // rest state of the owners() last returned
+  std::shared_ptr<const RestState> restOfReturned_;  // rest state of the owners() last returned
   Interpolation owners_;
-  std::shared_ptr<const RestState> returnedSkin_;  // rest state of the triangles() last returned
+  std::shared_ptr<const RestState> restOfTriangles_;  // rest state of the triangles() last returned
 };
 
 }  // namespace pointbased

@@ -110,7 +110,7 @@ void addGrasp(sdk::SceneRecord &record, const std::string &name, const std::stri
   record.add(owner + "closed", grasp.settings.closed);
   record.add(owner + "force_limit", grasp.settings.forceLimit);
   std::vector<double> numbers;
-  for (const SkinPoint &point : grasp.places.points) {
+  for (const SkinPoint &point : grasp.jaws.points) {
     for (const Index corner : point.corners) numbers.push_back(static_cast<double>(corner));
     numbers.insert(numbers.end(), point.weights.data(), point.weights.data() + 3);
   }
@@ -187,7 +187,7 @@ void SavedState::load(const void *bytes, std::uint64_t n) {
   if (const std::string differences = sceneRecord().differencesFrom(*of); !differences.empty())
     throw Error(C3DE_E_ARG, "the state belongs to another scene: " + differences);
   const auto gone = simulator_.archive().load(state);
-  table_.followInstruments(simulator_);
+  table_.syncInstruments(simulator_);
   if (!gone) throw Error(C3DE_E_FORMAT, gone.error());
   forces_.removeLoads();
   holds_.clear();

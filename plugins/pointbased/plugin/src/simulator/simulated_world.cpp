@@ -14,41 +14,41 @@ void SimulatedWorld::reset() {
   grasps.erase(kInteractiveGrasp);
   for (auto &[id, record] : grasps) {
     record.now.reset();
-    record.isOver = false;
+    record.isReleased = false;
   }
-  table.followInstruments(simulator);
-  table.forgetInstruments();
+  table.syncInstruments(simulator);
+  table.clearInstrumentHistory();
 }
 
-std::uint64_t SimulatedWorld::takeIds(std::uint64_t count) { return std::exchange(nextId, nextId + count); }
+std::uint64_t SimulatedWorld::allocateIds(std::uint64_t count) { return std::exchange(nextId, nextId + count); }
 
 void SimulatedWorld::recordGrab(std::uint64_t body, const Grab &grab) {
   constexpr std::size_t kMost = 8;
   BodyRecord *record = table.body(body);
   if (!record || grab.phyxels.empty()) return;
   const RestState &rest = simulator.body(body)->rest();
-  SphereRegion place;
+  SphereRegion sphere;
   for (std::size_t i = 0; i < grab.phyxels.size(); ++i)
-    place.centre += grab.weights[i] * (rest.origin + rest.positions[grab.phyxels[i]]);
+    sphere.centre += grab.weights[i] * (rest.origin + rest.positions[grab.phyxels[i]]);
   for (const Index i : grab.phyxels)
-    place.radius = std::max(place.radius, (rest.origin + rest.positions[i] - place.centre).norm());
-  place.radius = std::max(place.radius, rest.spacing);
+    sphere.radius = std::max(sphere.radius, (rest.origin + rest.positions[i] - sphere.centre).norm());
+  sphere.radius = std::max(sphere.radius, rest.spacing);
   std::vector<Load> &grabs = record->source.grabs;
   std::erase_if(grabs, [&](const Load &other) {
-    return other.force.isZero(0.0) || signedDistance(other.region, place.centre) < 0.0;
+    return other.force.isZero(0.0) || signedDistance(other.region, sphere.centre) < 0.0;
   });
   if (grabs.size() >= kMost) grabs.erase(grabs.begin());
-  grabs.push_back({place});
+  grabs.push_back({sphere});
 }
 
-void SimulatedWorld::recordPull(std::uint64_t body, std::uint64_t hand) {
-  const std::optional<GrabStatus> status = simulator.stepper().grabStatus(body, hand);
+void SimulatedWorld::recordPull(std::uint64_t body, std::uint64_t grabId) {
+  const std::optional<GrabStatus> status = simulator.stepper().grabStatus(body, grabId);
   BodyRecord *record = table.body(body);
   if (!record || record->source.grabs.empty() || !status) return;
   std::vector<Load> &grabs = record->source.grabs;
-  const auto way = [&](const Load &load) { return std::abs(signedDistance(load.region, status->point)); };
+  const auto distance = [&](const Load &load) { return std::abs(signedDistance(load.region, status->point)); };
   Vec3 &most = std::min_element(grabs.begin(), grabs.end(), [&](const Load &a, const Load &b) {
-                 return way(a) < way(b);
+                 return distance(a) < distance(b);
                })->force;
   if (status->force.squaredNorm() > most.squaredNorm()) most = status->force;
 }

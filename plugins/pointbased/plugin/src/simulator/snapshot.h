@@ -133,7 +133,7 @@ struct Snapshot {
   Vec3 gravity = Vec3::Zero();
   ViewSettings view;
   std::optional<ColourScale> colours;  ///< none: by the material
-  bool coloursOld = false;             ///< they belong to an earlier state, because computing them takes long
+  bool areColoursOutdated = false;     ///< they belong to an earlier state, because computing them takes long
   std::vector<BodySnapshot> bodies;
   std::vector<ObstacleSnapshot> obstacles;
   std::vector<ContactSnapshot> contacts;

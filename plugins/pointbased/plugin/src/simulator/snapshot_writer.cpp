@@ -147,7 +147,7 @@ void SnapshotWriter::takeView(Snapshot &s) {
   if (s.view.colourBy == ColourBy::verified && !s.verified) s.view.colourBy = ColourBy::material;
   colouring_.setVerification(s.verified ? verification_ : nullptr);
   const ParallelFor parallelFor = services_.parallelFor();
-  s.coloursOld = !colouring_.update(bodies, s.view, parallelFor);
+  s.areColoursOutdated = !colouring_.update(bodies, s.view, parallelFor);
   s.colours = colouring_.scale();
   for (BodySnapshot &b : s.bodies) {
     const Body &body = *bodies.at(b.id);

@@ -11,17 +11,17 @@ namespace pointbased {
 class ForceCurve {
  public:
   static constexpr double kInterval = 1.0 / 30.0;  ///< s
-  static constexpr std::size_t kMost = 300;
+  static constexpr std::size_t kMaxSamples = 300;
 
   /// Adds a force, N, at a time, s. A time before the last one restarts the curve from there.
-  void take(double force, double time) {
-    if (time < until_ - 2.0 * kInterval || forces_.empty()) until_ = time;  // undone or restarted
+  void addSample(double force, double time) {
+    if (time < nextSampleTime_ - 2.0 * kInterval || forces_.empty()) nextSampleTime_ = time;  // undone or restarted
     // A step may be longer than the interval.
-    while (until_ <= time) {
+    while (nextSampleTime_ <= time) {
       forces_.push_back(force);
-      until_ += kInterval;
+      nextSampleTime_ += kInterval;
     }
-    while (forces_.size() > kMost) forces_.pop_front();
+    while (forces_.size() > kMaxSamples) forces_.pop_front();
   }
   void clear() { forces_.clear(); }
   /// N, every kInterval, the latest last.
@@ -32,7 +32,7 @@ class ForceCurve {
 
  private:
   std::deque<double> forces_;
-  double until_ = 0.0;  // s
+  double nextSampleTime_ = 0.0;  // s
 };
 
 }  // namespace pointbased

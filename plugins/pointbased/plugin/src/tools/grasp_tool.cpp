@@ -12,13 +12,13 @@
 namespace pointbased {
 namespace {
 
-constexpr sdk::Material kHand{{0.9f, 0.9f, 0.9f, 1.0f}, false};
-constexpr double kPerNotch = 5.0;   // degrees, per notch of the wheel
-constexpr double kSpacings = 2.0;   // default size of jaws in spacings
-constexpr double kRoom = 2.0;       // default opening in jaw sizes
-constexpr double kFewPixels = 2.0;  // between two mouse positions
-constexpr double kSame = 1e-9;      // m, and for directions
-constexpr double kAway = 1e-3;      // m: the target differs from the present position
+constexpr sdk::Material kTargetLine{{0.9f, 0.9f, 0.9f, 1.0f}, false};
+constexpr double kDegreesPerNotch = 5.0;  // degrees, per notch of the wheel
+constexpr double kSpacings = 2.0;         // default size of jaws in spacings
+constexpr double kOpeningInJaws = 2.0;    // default opening in jaw sizes
+constexpr double kMinMousePixels = 2.0;   // between two mouse positions
+constexpr double kTolerance = 1e-9;       // m, and for directions
+constexpr double kTargetDistance = 1e-3;  // m: the target differs from the present position
 
 void warn(const Services &services, std::string text) {
   text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
@@ -40,11 +40,11 @@ bool GraspTool::onEvent(const c3de_event &event) {
     case C3DE_EVENT_PRESS: return event.button == C3DE_BUTTON_LEFT && press(event);
     case C3DE_EVENT_MOVE:
       if (drag_ && ray) drag(*ray);
-      if (ray) see(event, *ray);
+      if (ray) recordMouse(event, *ray);
       return drag_.has_value();
     case C3DE_EVENT_WHEEL:
       if (!drag_ || !ray) return false;
-      turn(*ray, kPerNotch * event.wheel);
+      rotate(*ray, kDegreesPerNotch * event.wheel);
       return true;
     case C3DE_EVENT_RELEASE:
       if (!drag_ || event.button != C3DE_BUTTON_LEFT) return false;
@@ -71,10 +71,10 @@ bool GraspTool::press(const c3de_event &event) {
     return true;
   }
   const std::optional<PickedSurface> picked = pick(services_, *snapshot, *ray);
-  return picked && picked->body && take(*snapshot, *picked, *ray);
+  return picked && picked->body && graspAt(*snapshot, *picked, *ray);
 }
 
-bool GraspTool::take(const Snapshot &snapshot, const PickedSurface &picked, const PickRay &ray) {
+bool GraspTool::graspAt(const Snapshot &snapshot, const PickedSurface &picked, const PickRay &ray) {
   const BodySnapshot &body = *picked.body;
   if (warnIfQuasiStatic(snapshot, "Grasp", "jaws could pull")) return true;
   if (body.isStatic) {
@@ -83,14 +83,14 @@ bool GraspTool::take(const Snapshot &snapshot, const PickedSurface &picked, cons
   }
   const GraspSettings settings = settingsOn(body);
   std::string problem = problemOf(settings);
-  Result<JawPositions> places = JawPositions();
+  Result<JawPositions> jaws = JawPositions();
   if (problem.empty()) {
     Surface skin;
     skin.triangles = body.surface->triangles;
     skin.positions.reserve(body.surfels.size());
     for (const Vec3f &x : body.surfels) skin.positions.push_back(vectorOf(x));
-    places = findJaws(skin, picked.at, picked.normal, rightOf(picked.at, ray.view), settings);
-    problem = places ? problemOf(*body.rest, *places, settings) : places.error();
+    jaws = findJaws(skin, picked.at, picked.normal, screenRightAt(picked.at, ray.view), settings);
+    problem = jaws ? problemOf(*body.rest, *jaws, settings) : jaws.error();
   }
   if (!problem.empty()) {
     warn(services_, problem);
@@ -100,10 +100,10 @@ bool GraspTool::take(const Snapshot &snapshot, const PickedSurface &picked, cons
   history_.begin(simulator_);
   forces_.clear();
   pose_.reset();
-  isAwaited_ = true;
+  isPending_ = true;
   drag_ = Drag{picked.at, Vec3::Zero()};
   simulator_->abandonLongStep();
-  post([id = body.id, at = *places, settings](WorldSimulator &s) { s.parts().grasps.begin(id, at, settings); });
+  post([id = body.id, at = *jaws, settings](WorldSimulator &s) { s.parts().grasps.begin(id, at, settings); });
   return true;
 }
 
@@ -112,7 +112,7 @@ GraspSettings GraspTool::settingsOn(const BodySnapshot &body) const {
   GraspSettings settings = settings_;
   if (isChosen_) return settings;
   settings.jaw = std::max(settings.jaw, 1e-3 * std::ceil(1e3 * kSpacings * body.rest->spacing));
-  settings.opening = std::max(settings.opening, kRoom * settings.jaw);
+  settings.opening = std::max(settings.opening, kOpeningInJaws * settings.jaw);
   settings.closed = std::max(settings.closed, 0.5 * settings.opening);
   return settings;
 }
@@ -126,25 +126,25 @@ bool GraspTool::isOnJaw(const Snapshot &snapshot, const PickRay &ray) const {
          });
 }
 
-void GraspTool::see(const c3de_event &event, const PickRay &ray) {
-  if (seen_ && std::hypot(event.x_px - seen_->event.x_px, event.y_px - seen_->event.y_px) < kFewPixels) return;
-  before_ = std::exchange(seen_, Seen{event, ray});
+void GraspTool::recordMouse(const c3de_event &event, const PickRay &ray) {
+  if (mouse_ && std::hypot(event.x_px - mouse_->event.x_px, event.y_px - mouse_->event.y_px) < kMinMousePixels) return;
+  previousMouse_ = std::exchange(mouse_, MouseSample{event, ray});
 }
 
 // From two mouse positions, which are known on the screen and in space. Without them, from the direction in which y is
 // up.
-Vec3 GraspTool::rightOf(const Vec3 &point, const Vec3 &view) const {
-  if (before_ && seen_) {
-    const PickRay &a = before_->ray, &b = seen_->ray;
+Vec3 GraspTool::screenRightAt(const Vec3 &point, const Vec3 &view) const {
+  if (previousMouse_ && mouse_) {
+    const PickRay &a = previousMouse_->ray, &b = mouse_->ray;
     const std::optional<Vec3> from = a.onScreenPlane(point), to = b.onScreenPlane(point);
-    const bool isOfThisView =
-        (a.view - view).norm() < kSame && (b.view - view).norm() < kSame && (a.origin - b.origin).norm() < kSame;
+    const bool isOfThisView = (a.view - view).norm() < kTolerance && (b.view - view).norm() < kTolerance &&
+                              (a.origin - b.origin).norm() < kTolerance;
     if (isOfThisView && from && to)
-      return screenRight(*to - *from, seen_->event.x_px - before_->event.x_px, seen_->event.y_px - before_->event.y_px,
-                         view);
+      return screenRight(*to - *from, mouse_->event.x_px - previousMouse_->event.x_px,
+                         mouse_->event.y_px - previousMouse_->event.y_px, view);
   }
   const Vec3 right = view.cross(Vec3::UnitY());
-  return right.norm() > kSame ? Vec3(right.normalized()) : Vec3(Vec3::UnitX());
+  return right.norm() > kTolerance ? Vec3(right.normalized()) : Vec3(Vec3::UnitX());
 }
 
 void GraspTool::drag(const PickRay &ray) {
@@ -152,17 +152,17 @@ void GraspTool::drag(const PickRay &ray) {
   const std::optional<Vec3> at = ray.onScreenPlane(drag_->point);
   if (!at) return;
   pose_->middle = *at + drag_->offset;
-  lead();
+  sendPose();
 }
 
-void GraspTool::turn(const PickRay &ray, double degrees) {
+void GraspTool::rotate(const PickRay &ray, double degrees) {
   if (!pose_) return;
   pose_->rotation =
       Eigen::AngleAxisd(degrees * std::numbers::pi / 180.0, ray.view).toRotationMatrix() * pose_->rotation;
-  lead();
+  sendPose();
 }
 
-void GraspTool::lead() {
+void GraspTool::sendPose() {
   post([pose = *pose_](WorldSimulator &s) { s.parts().grasps.move(pose.middle, pose.rotation); });
 }
 
@@ -177,14 +177,14 @@ void GraspTool::cancel() { release(); }
 void GraspTool::releaseGrasp() {
   if (simulator_) simulator_->abandonLongStep();
   post([](WorldSimulator &s) { s.parts().grasps.release(); });
-  forget();
+  clear();
 }
 
-void GraspTool::forget() {
+void GraspTool::clear() {
   release();
   pose_.reset();
-  isAwaited_ = false;
-  for (sdk::Proxy *proxy : {&arrow_, &hand_, &label_}) proxy->reset();
+  isPending_ = false;
+  for (sdk::Proxy *proxy : {&arrow_, &targetLine_, &label_}) proxy->reset();
 }
 
 void GraspTool::update() {
@@ -195,27 +195,27 @@ void GraspTool::update() {
   const BodySnapshot *body = grasp ? snapshot->body(grasp->body) : nullptr;
   if (!body) {
     // Released by a reset or by undo.
-    if (pose_ && !isAwaited_) forget();
+    if (pose_ && !isPending_) clear();
     return;
   }
   if (!pose_ && drag_) {
     // The middle of the patches differs from the position under the mouse.
     drag_->offset = grasp->middle - drag_->point;
   }
-  isAwaited_ = false;
+  isPending_ = false;
   if (!pose_ || !drag_) pose_ = Pose{grasp->middle, grasp->rotation};
-  forces_.take(grasp->forces.pull.norm(), snapshot->time);
+  forces_.addSample(grasp->forces.pull.norm(), snapshot->time);
   if (!services_.render) return;
   const Vec3 middle = 0.5 * (grasp->points[0].at(body->surfels) + grasp->points[1].at(body->surfels));
   const Vec3 tip = showArrow(arrow_, grasp->hinge(*body), grasp->forces.pull, forces_.largest());
-  if ((pose_->middle - middle).norm() > kAway)
-    showLines(hand_, std::array<Vec3, 2>{middle, pose_->middle}, kHand);
+  if ((pose_->middle - middle).norm() > kTargetDistance)
+    showLines(targetLine_, std::array<Vec3, 2>{middle, pose_->middle}, kTargetLine);
   else
-    hand_.reset();
-  const std::string still = drag_ ? idleReason() : std::string();
+    targetLine_.reset();
+  const std::string idle = drag_ ? idleReason() : std::string();
   showLabel(label_, tip,
             significant(grasp->forces.pull.norm()) + " N, squeezing " + significant(grasp->forces.squeeze) + " N" +
-                (still.empty() ? "" : "    " + still),
+                (idle.empty() ? "" : "    " + idle),
             kForce);
 }
 

@@ -8,7 +8,7 @@
 
 namespace pointbased {
 
-/// Two jaws that grasp a fold of tissue. Press on an organ: the jaws take hold on either side and close. Drag: they
+/// Two jaws that grasp a fold of tissue. Press on an organ: the jaws grasp it on either side and close. Drag: they
 /// move parallel to the screen. Wheel: they rotate about the view's axis. Release: they stay, and a press on one of
 /// them resumes. An arrow shows the pull, a label its magnitude and the squeeze.
 class GraspTool : public InteractiveTool {
@@ -39,31 +39,31 @@ class GraspTool : public InteractiveTool {
     Vec3 point = Vec3::Zero();   // m, where the button was pressed: the drag moves in the plane through it
     Vec3 offset = Vec3::Zero();  // m, from the point under the mouse to the middle
   };
-  struct Seen {
+  struct MouseSample {
     c3de_event event{};
     PickRay ray;
   };
   bool press(const c3de_event &event);
-  bool take(const Snapshot &snapshot, const PickedSurface &picked, const PickRay &ray);
+  bool graspAt(const Snapshot &snapshot, const PickedSurface &picked, const PickRay &ray);
   [[nodiscard]] bool isOnJaw(const Snapshot &snapshot, const PickRay &ray) const;
   [[nodiscard]] GraspSettings settingsOn(const BodySnapshot &body) const;
-  void see(const c3de_event &event, const PickRay &ray);
-  [[nodiscard]] Vec3 rightOf(const Vec3 &point, const Vec3 &view) const;
+  void recordMouse(const c3de_event &event, const PickRay &ray);
+  [[nodiscard]] Vec3 screenRightAt(const Vec3 &point, const Vec3 &view) const;
   void drag(const PickRay &ray);
-  void turn(const PickRay &ray, double degrees);
-  void lead();
+  void rotate(const PickRay &ray, double degrees);
+  void sendPose();
   void release();
-  void forget();
-  void leave() override { forget(); }
+  void clear();
+  void detach() override { clear(); }
 
   GraspSettings settings_;
   bool isChosen_ = false;   // settings_ are set by the user
-  bool isAwaited_ = false;  // grasped, but not yet in a snapshot
+  bool isPending_ = false;  // grasped, but not yet in a snapshot
   std::optional<Pose> pose_;
   std::optional<Drag> drag_;
-  std::optional<Seen> before_, seen_;  // mouse positions, in this order
+  std::optional<MouseSample> previousMouse_, mouse_;  // mouse positions, in this order
   ForceCurve forces_;
-  sdk::Proxy arrow_, hand_, label_;
+  sdk::Proxy arrow_, targetLine_, label_;
 };
 
 }  // namespace pointbased

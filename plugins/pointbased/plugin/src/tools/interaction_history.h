@@ -16,30 +16,30 @@ class InteractionHistory {
 
   /// Called before the interaction begins.
   void begin(const sdk::Ref<WorldSimulator> &simulator);
-  enum class Of {
-    time,   ///< no step if nothing has been simulated in between
-    place,  ///< for a placed object: a step in any case
+  enum class Kind {
+    simulation,  ///< no step if nothing has been simulated in between
+    placement,   ///< for a placed object: a step in any case
   };
   /// Called when the interaction has ended.
-  void end(const std::string &title, Of of = Of::time);
+  void end(const std::string &title, Kind kind = Kind::simulation);
   /// Removes the steps of a simulation that has been restarted. Called once per frame.
   void update();
-  void forget();
+  void clear();
 
  private:
-  static constexpr std::size_t kMost = 20;  // each stores a state of every body
-  struct Kept {
+  static constexpr std::size_t kMaxSteps = 20;  // each stores a state of every body
+  struct UndoState {
     sdk::Ref<WorldSimulator> simulator;
     std::shared_ptr<InteractionState> state;  // written on the simulation's thread
     std::uint64_t historyEpoch = 0, steps = 0;
     c3de_handle step{};
   };
-  [[nodiscard]] sdk::Result<void> exchange(const Kept &kept) const;
-  [[nodiscard]] static bool isOld(const Kept &kept);
+  [[nodiscard]] sdk::Result<void> exchange(const UndoState &undo) const;
+  [[nodiscard]] static bool isOutdated(const UndoState &undo);
 
   const Services &services_;
-  std::optional<Kept> present_;
-  std::deque<Kept> done_;
+  std::optional<UndoState> pending_;
+  std::deque<UndoState> undoStates_;
 };
 
 }  // namespace pointbased

@@ -13,8 +13,8 @@ constexpr double kLongestArrow = 0.04;  // m
 
 void InteractiveTool::setSimulator(WorldSimulator *simulator) {
   if (simulator_.get() == simulator) return;
-  leave();
-  history_.forget();
+  detach();
+  history_.clear();
   simulator_ = simulator ? sdk::Ref<WorldSimulator>::share(simulator) : sdk::Ref<WorldSimulator>();
 }
 
@@ -44,17 +44,17 @@ void InteractiveTool::showLines(sdk::Proxy &lines, std::span<const Vec3> points,
 
 Vec3 InteractiveTool::showArrow(sdk::Proxy &arrow, const Vec3 &from, const Vec3 &force, double largest) const {
   const double size = force.norm();
-  const Vec3 way = size > 0.0 ? Vec3(kLongestArrow / std::max(largest, size) * force) : Vec3(Vec3::Zero());
-  showArrow(arrow, from, way);
-  return from + way;
+  const Vec3 vector = size > 0.0 ? Vec3(kLongestArrow / std::max(largest, size) * force) : Vec3(Vec3::Zero());
+  showArrow(arrow, from, vector);
+  return from + vector;
 }
 
 // Its head has barbs on four sides, because a slice shows it from one side only.
-void InteractiveTool::showArrow(sdk::Proxy &arrow, const Vec3 &from, const Vec3 &way) const {
-  const double length = way.norm();
+void InteractiveTool::showArrow(sdk::Proxy &arrow, const Vec3 &from, const Vec3 &vector) const {
+  const double length = vector.norm();
   if (!(length > 0.0)) return arrow.reset();
-  const Vec3 side = 0.12 * length * way.unitOrthogonal(), other = side.cross(way) / length;
-  const Vec3 tip = from + way, neck = tip - 0.25 * way;
+  const Vec3 side = 0.12 * length * vector.unitOrthogonal(), other = side.cross(vector) / length;
+  const Vec3 tip = from + vector, neck = tip - 0.25 * vector;
   showLines(arrow,
             std::array<Vec3, 10>{from, tip, tip, neck + side, tip, neck - side, tip, neck + other, tip, neck - other},
             kForce);

@@ -19,7 +19,7 @@ class InteractiveTool : public sdk::Tool {
  protected:
   explicit InteractiveTool(const Services &services) : services_(services), history_(services) {}
   /// Releases everything, because the simulator changes or is removed.
-  virtual void leave() = 0;
+  virtual void detach() = 0;
   /// Runs the command between two steps of the simulation, on its thread.
   void post(std::function<void(WorldSimulator &)> command) const;
   /// Creates or moves lines between pairs of points, m.
@@ -31,7 +31,7 @@ class InteractiveTool : public sdk::Tool {
   [[nodiscard]] std::string idleReason() const;
 
   /// Creates or moves an arrow, m; removes it if its length is zero.
-  void showArrow(sdk::Proxy &arrow, const Vec3 &from, const Vec3 &way) const;
+  void showArrow(sdk::Proxy &arrow, const Vec3 &from, const Vec3 &vector) const;
   /// A force, N, as an arrow; the force `largest`, N, has the maximum arrow length. @return its tip, m
   Vec3 showArrow(sdk::Proxy &arrow, const Vec3 &from, const Vec3 &force, double largest) const;
   static constexpr sdk::Material kForce{{1.0f, 0.85f, 0.2f, 1.0f}, false, true};

@@ -13,26 +13,26 @@ namespace {
 constexpr std::array<sdk::Material, 3> kAxes{
     {{{0.90f, 0.30f, 0.28f, 1.0f}, false}, {{0.42f, 0.78f, 0.35f, 1.0f}, false}, {{0.36f, 0.55f, 0.95f, 1.0f}, false}}};
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr double kRing = 0.75;       // of the size of the handles
-constexpr double kNear = 0.07;       // of that size: distance at which a handle counts as under the mouse
-constexpr double kFlat = 0.15;       // sine: a ring or an arrow seen at a smaller angle cannot be dragged
-constexpr double kSmallest = 0.015;  // m, of the handles
-constexpr double kThere = 1e-6;      // m, and for a rotation matrix
-constexpr int kAround = 48;
+constexpr double kRing = 0.75;           // of the size of the handles
+constexpr double kPickDistance = 0.07;   // of that size: distance at which a handle counts as under the mouse
+constexpr double kMinSine = 0.15;        // sine: a ring or an arrow seen at a smaller angle cannot be dragged
+constexpr double kMinSize = 0.015;       // m, of the handles
+constexpr double kPoseTolerance = 1e-6;  // m, and for a rotation matrix
+constexpr int kRingSegments = 48;
 
 Vec3 unit(int axis) { return Vec3::Unit(axis); }
 
 // Distance along a line through `at` to the point nearest to the ray; nothing if they are almost parallel.
 std::optional<double> nearestAlong(const PickRay &ray, const Vec3 &at, const Vec3 &axis) {
   const double c = axis.dot(ray.direction);
-  if (1.0 - c * c < kFlat * kFlat) return std::nullopt;
+  if (1.0 - c * c < kMinSine * kMinSine) return std::nullopt;
   const Vec3 off = at - ray.origin;
   return (c * off.dot(ray.direction) - off.dot(axis)) / (1.0 - c * c);
 }
 
 std::optional<Vec3> onPlane(const PickRay &ray, const Vec3 &at, const Vec3 &normal) {
   const double c = normal.dot(ray.direction);
-  if (std::abs(c) < kFlat) return std::nullopt;
+  if (std::abs(c) < kMinSine) return std::nullopt;
   const double t = (at - ray.origin).dot(normal) / c;
   if (t <= 0.0) return std::nullopt;
   return ray.origin + t * ray.direction;
@@ -57,7 +57,7 @@ Mat3 rotationOf(const Vec3 &angles_deg) {
 
 MoveTool::MoveTool(const Services &services) : InteractiveTool(services) {}
 
-const ObstacleSnapshot *MoveTool::obstacleNow(const std::shared_ptr<const Snapshot> &snapshot) const {
+const ObstacleSnapshot *MoveTool::chosenObstacle(const std::shared_ptr<const Snapshot> &snapshot) const {
   const ObstacleSnapshot *found = snapshot && chosen_ != 0 ? snapshot->obstacle(chosen_) : nullptr;
   return found && !found->hasOwnMotion && !found->isInstrument ? found : nullptr;
 }
@@ -69,14 +69,14 @@ void MoveTool::choose(std::uint64_t obstacle) {
   hideHandles();
   chosen_ = obstacle;
   const std::shared_ptr<const Snapshot> snapshot = simulator_ ? simulator_->snapshot() : nullptr;
-  const ObstacleSnapshot *found = obstacleNow(snapshot);
+  const ObstacleSnapshot *found = chosenObstacle(snapshot);
   if (!found) {
     chosen_ = 0;
     return;
   }
   name_ = found->name;
   middleAtRest_ = found->middleAtRest();
-  size_ = std::max(kSmallest, 0.6 * (found->mesh->max - found->mesh->min).norm());
+  size_ = std::max(kMinSize, 0.6 * (found->mesh->max - found->mesh->min).norm());
   pose_ = ObstaclePose{found->middle(), found->motion.rotation};
 }
 
@@ -85,17 +85,17 @@ void MoveTool::setPose(const ObstaclePose &pose) {
   if (!isEdited_) history_.begin(simulator_);
   isEdited_ = true;
   pose_ = pose;
-  lead();
+  sendPose();
 }
 
 void MoveTool::commit() {
   if (!isEdited_) return;
   isEdited_ = false;
-  history_.end("move " + name_, InteractionHistory::Of::place);
+  history_.end("move " + name_, InteractionHistory::Kind::placement);
 }
 
-void MoveTool::lead() {
-  isOnItsWay_ = true;
+void MoveTool::sendPose() {
+  isMoving_ = true;
   simulator_->abandonLongStep();
   post([id = chosen_, motion = pose_->motionFrom(middleAtRest_)](WorldSimulator &s) {
     s.parts().obstacles.guide(id, motion);
@@ -119,8 +119,8 @@ bool MoveTool::onEvent(const c3de_event &event) {
 std::optional<MoveTool::Drag> MoveTool::handleUnder(const PickRay &ray) const {
   if (!pose_) return std::nullopt;
   std::optional<Drag> best;
-  double nearest = kNear * size_;
-  const auto take = [&](Handle handle, int axis, const Vec3 &x) {
+  double nearest = kPickDistance * size_;
+  const auto consider = [&](Handle handle, int axis, const Vec3 &x) {
     const double away = distanceFrom(ray, x);
     if (away >= nearest) return;
     nearest = away;
@@ -128,10 +128,11 @@ std::optional<MoveTool::Drag> MoveTool::handleUnder(const PickRay &ray) const {
   };
   for (int axis = 0; axis < 3; ++axis) {
     if (const auto along = nearestAlong(ray, pose_->middle, unit(axis)))
-      if (*along > 0.3 * size_ && *along < 1.05 * size_) take(Handle::along, axis, pose_->middle + *along * unit(axis));
+      if (*along > 0.3 * size_ && *along < 1.05 * size_)
+        consider(Handle::along, axis, pose_->middle + *along * unit(axis));
     if (const auto at = onPlane(ray, pose_->middle, unit(axis))) {
       const Vec3 off = *at - pose_->middle;
-      if (off.norm() > 0.5 * size_) take(Handle::about, axis, pose_->middle + kRing * size_ * off.normalized());
+      if (off.norm() > 0.5 * size_) consider(Handle::about, axis, pose_->middle + kRing * size_ * off.normalized());
     }
   }
   return best;
@@ -174,14 +175,14 @@ void MoveTool::drag(const PickRay &ray) {
       break;
   }
   pose_ = pose;
-  lead();
+  sendPose();
 }
 
 void MoveTool::cancel() {
   commit();
   if (!drag_) return;
   drag_.reset();
-  history_.end("move " + name_, InteractionHistory::Of::place);
+  history_.end("move " + name_, InteractionHistory::Kind::placement);
 }
 
 void MoveTool::hideHandles() {
@@ -201,10 +202,10 @@ void MoveTool::showHandles() {
     showLines(arrows_[static_cast<std::size_t>(axis)], points, kAxes[static_cast<std::size_t>(axis)]);
     points.clear();
     const auto onRing = [&](int k) {
-      const double turn = 2.0 * std::numbers::pi * k / kAround;
+      const double turn = 2.0 * std::numbers::pi * k / kRingSegments;
       return Vec3(at + kRing * size_ * (std::cos(turn) * u + std::sin(turn) * v));
     };
-    for (int k = 0; k < kAround; ++k) points.insert(points.end(), {onRing(k), onRing(k + 1)});
+    for (int k = 0; k < kRingSegments; ++k) points.insert(points.end(), {onRing(k), onRing(k + 1)});
     showLines(rings_[static_cast<std::size_t>(axis)], points, kAxes[static_cast<std::size_t>(axis)]);
   }
 }
@@ -213,22 +214,22 @@ void MoveTool::update() {
   history_.update();
   if (!simulator_) return;
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
-  const ObstacleSnapshot *obstacle = obstacleNow(snapshot);
+  const ObstacleSnapshot *obstacle = chosenObstacle(snapshot);
   if (chosen_ == 0 || !obstacle) {
     if (chosen_ != 0) choose(0);
     return;
   }
   // Undo or a reset may have moved it elsewhere.
-  const bool isThere = (obstacle->middle() - pose_->middle).norm() < kThere &&
-                       (obstacle->motion.rotation - pose_->rotation).norm() < kThere;
-  if (isThere || snapshot->steps < steps_) isOnItsWay_ = false;
+  const bool hasArrived = (obstacle->middle() - pose_->middle).norm() < kPoseTolerance &&
+                          (obstacle->motion.rotation - pose_->rotation).norm() < kPoseTolerance;
+  if (hasArrived || snapshot->steps < steps_) isMoving_ = false;
   steps_ = snapshot->steps;
-  const std::string still = drag_ && snapshot->steps > 0 ? idleReason() : std::string();
-  if (still.empty() || !services_.render)
+  const std::string idle = drag_ && snapshot->steps > 0 ? idleReason() : std::string();
+  if (idle.empty() || !services_.render)
     label_.reset();
   else
-    showLabel(label_, pose_->middle, still, kForce);
-  if (!drag_ && !isEdited_ && !isOnItsWay_) pose_ = ObstaclePose{obstacle->middle(), obstacle->motion.rotation};
+    showLabel(label_, pose_->middle, idle, kForce);
+  if (!drag_ && !isEdited_ && !isMoving_) pose_ = ObstaclePose{obstacle->middle(), obstacle->motion.rotation};
   if (isActive())
     showHandles();
   else

@@ -52,9 +52,9 @@ class MoveTool : public InteractiveTool {
   bool press(const c3de_event &event);
   void drag(const PickRay &ray);
   [[nodiscard]] std::optional<Drag> handleUnder(const PickRay &ray) const;
-  [[nodiscard]] const ObstacleSnapshot *obstacleNow(const std::shared_ptr<const Snapshot> &snapshot) const;
-  void leave() override { choose(0); }
-  void lead();
+  [[nodiscard]] const ObstacleSnapshot *chosenObstacle(const std::shared_ptr<const Snapshot> &snapshot) const;
+  void detach() override { choose(0); }
+  void sendPose();
   void showHandles();
   void hideHandles();
 
@@ -65,7 +65,7 @@ class MoveTool : public InteractiveTool {
   std::optional<ObstaclePose> pose_;
   std::optional<Drag> drag_;
   bool isEdited_ = false;    // by numbers, since commit()
-  bool isOnItsWay_ = false;  // the obstacle has not reached its target pose yet
+  bool isMoving_ = false;    // the obstacle has not reached its target pose yet
   std::uint64_t steps_ = 0;  // of the last snapshot
   std::array<sdk::Proxy, 3> arrows_, rings_;
   sdk::Proxy label_;

@@ -47,9 +47,9 @@ bool PinchTool::press(const c3de_event &event) {
   if (const std::optional<double> slice = sdk::seenInside(event)) {
     c3de_event there = event;
     for (std::size_t i = 0; i < 3; ++i) there.ray_origin_mm[i] += *slice * event.ray_direction[i];
-    const Vec3 place = rayOf(services_, simulator_->node(), there).value_or(*ray).origin;
-    if (const BodySnapshot *body = bodyAt(*snapshot, place)) {
-      if (!warnIfQuasiStatic(*snapshot, "Pinch", "a hand could pull")) pressInside(body, place);
+    const Vec3 position = rayOf(services_, simulator_->node(), there).value_or(*ray).origin;
+    if (const BodySnapshot *body = bodyAt(*snapshot, position)) {
+      if (!warnIfQuasiStatic(*snapshot, "Pinch", "a hand could pull")) pressInside(body, position);
       return true;
     }
   }
@@ -62,59 +62,62 @@ bool PinchTool::pressSurface(const Snapshot &snapshot, const PickRay &ray) {
   if (!picked || !picked->body) return false;
   if (warnIfQuasiStatic(snapshot, "Pinch", "a hand could pull")) return true;
   const BodySnapshot &body = *picked->body;
-  const Vec3 &under = picked->at;
+  const Vec3 &pressedPoint = picked->at;
   if (body.isStatic) {
-    refuse(under, body.name + " is rigid and fixed");
+    showRefusal(pressedPoint, body.name + " is rigid and fixed");
     return true;
   }
   const auto &corners = body.surface->triangles[picked->triangle];
   const std::uint32_t surfel = *std::min_element(corners.begin(), corners.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return (vectorOf(body.surfels[a]) - under).squaredNorm() < (vectorOf(body.surfels[b]) - under).squaredNorm();
+    return (vectorOf(body.surfels[a]) - pressedPoint).squaredNorm() <
+           (vectorOf(body.surfels[b]) - pressedPoint).squaredNorm();
   });
-  begin(body, grabAround(*body.rest, surfel, ofTissue(), body.youngsModulus), surfel, under);
+  begin(body, grabAround(*body.rest, surfel, tissueSettings(), body.youngsModulus), surfel, pressedPoint);
   return true;
 }
 
-void PinchTool::pressInside(const BodySnapshot *body, const Vec3 &place) {
-  if (!body) return refuse(place, "No body here");
-  if (body->isStatic) return refuse(place, body->name + " is rigid and fixed");
-  const std::optional<MaterialPoint> material = materialAt(*body->rest, body->phyxels, place);
-  if (!material) return refuse(place, body->name + " has nothing to hold");
-  Grab grab = grabAt(*body->rest, material->at, ofTissue(), body->youngsModulus);
-  if (material->isHeld || grab.phyxels.empty()) return refuse(place, body->name + " is held by a fix there");
-  begin(*body, std::move(grab), std::nullopt, place);
+void PinchTool::pressInside(const BodySnapshot *body, const Vec3 &position) {
+  if (!body) return showRefusal(position, "No body here");
+  if (body->isStatic) return showRefusal(position, body->name + " is rigid and fixed");
+  const std::optional<MaterialPoint> material = materialAt(*body->rest, body->phyxels, position);
+  if (!material) return showRefusal(position, body->name + " has nothing to hold");
+  Grab grab = grabAt(*body->rest, material->at, tissueSettings(), body->youngsModulus);
+  if (material->isHeld || grab.phyxels.empty()) return showRefusal(position, body->name + " is held by a fix there");
+  begin(*body, std::move(grab), std::nullopt, position);
   const std::size_t part = materialNumberAt(*body->rest, material->at);
   if (part > 0 && body->tissues && part <= body->tissues->size() && !(*body->tissues)[part - 1].empty())
     hold_->what += ": " + (*body->tissues)[part - 1];
 }
 
 // Null if there is none. Where bodies overlap, the one whose material is shown in slices.
-const BodySnapshot *PinchTool::bodyAt(const Snapshot &snapshot, const Vec3 &place) const {
-  const std::vector<const BodySnapshot *> all = Skins(services_, snapshot).bodiesAt(place);
+const BodySnapshot *PinchTool::bodyAt(const Snapshot &snapshot, const Vec3 &position) const {
+  const std::vector<const BodySnapshot *> all = Skins(services_, snapshot).bodiesAt(position);
   if (all.size() < 2) return all.empty() ? nullptr : all.front();
   simulator_->abandonLongStep();
-  const Vec3 shown = place - simulator_->parts().queries.displacementAt(place);
-  const auto away = [&](const BodySnapshot *body) {
-    const auto material = materialAt(*body->rest, body->phyxels, place);
-    return material ? (body->rest->origin + material->at - shown).norm() : (place - shown).norm();
+  const Vec3 shown = position - simulator_->parts().queries.displacementAt(position);
+  const auto distance = [&](const BodySnapshot *body) {
+    const auto material = materialAt(*body->rest, body->phyxels, position);
+    return material ? (body->rest->origin + material->at - shown).norm() : (position - shown).norm();
   };
-  return *std::min_element(all.begin(), all.end(), [&](const auto *a, const auto *b) { return away(a) < away(b); });
+  return *std::min_element(all.begin(), all.end(),
+                           [&](const auto *a, const auto *b) { return distance(a) < distance(b); });
 }
 
 // The user's own limit applies in addition to that of the tissue, which is computed on its body.
-PinchSettings PinchTool::ofTissue() const {
+PinchSettings PinchTool::tissueSettings() const {
   PinchSettings settings = settings_;
   settings.largestForce = 0.0;
   return settings;
 }
 
-void PinchTool::begin(const BodySnapshot &body, Grab grab, std::optional<std::size_t> surfel, const Vec3 &under) {
+void PinchTool::begin(const BodySnapshot &body, Grab grab, std::optional<std::size_t> surfel,
+                      const Vec3 &pressedPoint) {
   grab.target.setZero();
   for (std::size_t k = 0; k < grab.phyxels.size(); ++k) grab.target += grab.weights[k] * body.phyxels[grab.phyxels[k]];
-  planePoint_ = under;
-  grabOffset_ = grab.target - under;
-  hold_ =
-      Hold{body.id, body.name, surfel, surfel ? vectorOf(body.surfels[*surfel]) : under, under, 0.0, 0.0, idleReason()};
+  planePoint_ = pressedPoint;
+  grabOffset_ = grab.target - pressedPoint;
+  hold_ = Hold{body.id,      body.name, surfel, surfel ? vectorOf(body.surfels[*surfel]) : pressedPoint,
+               pressedPoint, 0.0,       0.0,    idleReason()};
   history_.begin(simulator_);
   simulator_->liftStepBudget();
   post([id = body.id, grab = std::move(grab), own = settings_.largestForce](WorldSimulator &s) {
@@ -123,12 +126,12 @@ void PinchTool::begin(const BodySnapshot &body, Grab grab, std::optional<std::si
   showMarker(body);
 }
 
-void PinchTool::refuse(const Vec3 &place, const std::string &why) {
+void PinchTool::showRefusal(const Vec3 &position, const std::string &why) {
   refusal_ = why;
-  if (services_.render) showLabel(label_, place, why, kForce);
+  if (services_.render) showLabel(label_, position, why, kForce);
 }
 
-void PinchTool::follow(const BodySnapshot &body) {
+void PinchTool::updateHold(const BodySnapshot &body) {
   hold_->idleReason = idleReason();
   hold_->force = body.grab ? body.grab->force.norm() : 0.0;
   hold_->mass = body.grab ? body.grab->mass : 0.0;
@@ -172,12 +175,8 @@ void PinchTool::showMarker(const BodySnapshot &body) {
                                                       kMarkerRadius * body.rest->spacing, kForce))
     marker_ = std::move(*made);
   showArrow(arrow_, hold_->point, hold_->target - hold_->point);
-  const std::string &still = hold_->idleReason, force = fixed(hold_->force, 2) + " N";
-  showLabel(label_, hold_->target,
-            still.empty()         ? force
-            : hold_->force == 0.0 ? still
-                                  : force + "    " + still,
-            kForce);
+  const std::string &idle = hold_->idleReason, force = fixed(hold_->force, 2) + " N";
+  showLabel(label_, hold_->target, idle.empty() ? force : hold_->force == 0.0 ? idle : force + "    " + idle, kForce);
 }
 
 void PinchTool::hideMarker() {
@@ -195,7 +194,7 @@ void PinchTool::update() {
     release();
     return;
   }
-  follow(*body);
+  updateHold(*body);
   showMarker(*body);
 }
 

@@ -43,17 +43,17 @@ class PinchTool : public InteractiveTool {
  private:
   bool press(const c3de_event &event);
   bool pressSurface(const Snapshot &snapshot, const PickRay &ray);
-  void pressInside(const BodySnapshot *body, const Vec3 &place);
-  [[nodiscard]] const BodySnapshot *bodyAt(const Snapshot &snapshot, const Vec3 &place) const;
-  [[nodiscard]] PinchSettings ofTissue() const;
-  void begin(const BodySnapshot &body, Grab grab, std::optional<std::size_t> surfel, const Vec3 &under);
-  void refuse(const Vec3 &place, const std::string &why);
-  void follow(const BodySnapshot &body);
+  void pressInside(const BodySnapshot *body, const Vec3 &position);
+  [[nodiscard]] const BodySnapshot *bodyAt(const Snapshot &snapshot, const Vec3 &position) const;
+  [[nodiscard]] PinchSettings tissueSettings() const;
+  void begin(const BodySnapshot &body, Grab grab, std::optional<std::size_t> surfel, const Vec3 &pressedPoint);
+  void showRefusal(const Vec3 &position, const std::string &why);
+  void updateHold(const BodySnapshot &body);
   void drag(const c3de_event &event);
   void release();
   void showMarker(const BodySnapshot &body);
   void hideMarker();
-  void leave() override { cancel(); }
+  void detach() override { cancel(); }
 
   PinchSettings settings_;
   std::optional<Hold> hold_;

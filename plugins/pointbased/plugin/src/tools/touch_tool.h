@@ -16,10 +16,10 @@ struct InstrumentSettings {
   bool operator==(const InstrumentSettings &) const = default;
 };
 
-/// A rigid instrument that pushes whatever it meets. Press on a surface: the instrument is placed there, outside. Drag:
-/// it moves parallel to the screen. Wheel: it moves deeper and back. Release: it stays, and a press on it resumes the
-/// drag. In a slice its middle is placed in the slice plane, clear of skins, and it moves within the plane. An arrow
-/// shows the force on it, a label its magnitude.
+/// A rigid instrument that pushes whatever it touches. Press on a surface: the instrument is placed there, outside.
+/// Drag: it moves parallel to the screen. Wheel: it moves deeper and back. Release: it stays, and a press on it resumes
+/// the drag. In a slice its middle is placed in the slice plane, clear of skins, and it moves within the plane. An
+/// arrow shows the force on it, a label its magnitude.
 class TouchTool : public InteractiveTool {
  public:
   explicit TouchTool(const Services &services);
@@ -34,7 +34,7 @@ class TouchTool : public InteractiveTool {
   void cancel() override;
 
   void moveTo(const Vec3 &middle_m);
-  void takeAway();
+  void removeInstrument();
   /// Markers follow the latest snapshot. Called once per frame.
   void update();
 
@@ -48,33 +48,33 @@ class TouchTool : public InteractiveTool {
     Vec3 point = Vec3::Zero();   // m, where the button was pressed: the drag moves in the plane through it
     Vec3 offset = Vec3::Zero();  // m, from the point under the mouse to the middle
   };
-  struct Placing {
+  struct InstrumentPose {
     Vec3 middle = Vec3::Zero(), axis = Vec3::UnitZ();  // m, unit
     double radius_mm = 0.0;
   };
-  [[nodiscard]] Placing onSurface(const PickedSurface &picked, const PickRay &ray) const;
-  [[nodiscard]] std::optional<Placing> inSlice(const Snapshot &snapshot, const PickRay &ray) const;
+  [[nodiscard]] InstrumentPose onSurface(const PickedSurface &picked, const PickRay &ray) const;
+  [[nodiscard]] std::optional<InstrumentPose> inSlice(const Snapshot &snapshot, const PickRay &ray) const;
   bool press(const c3de_event &event);
   void drag(const c3de_event &event);
-  void pushAlongView(const c3de_event &event, double way_m);
+  void pushAlongView(const c3de_event &event, double distance_m);
   void release();
   [[nodiscard]] double radiusOn(const BodySnapshot *body) const;  // mm
-  [[nodiscard]] Vec3 halfOf(const Vec3 &axis) const;              // m, from an end of the capsule to its middle
-  void place(const Vec3 &middle, const Vec3 &axis);
-  void forget();
-  void hover();
+  [[nodiscard]] Vec3 halfAxis(const Vec3 &axis) const;            // m, from an end of the capsule to its middle
+  void placeInstrument(const Vec3 &middle, const Vec3 &axis);
+  void clear();
+  void showPreview();
   void showForce(const ObstacleSnapshot &instrument);
-  void leave() override { forget(); }
+  void detach() override { clear(); }
 
   InstrumentSettings settings_;
   std::optional<Drag> drag_;
   std::optional<Vec3> target_;
   Vec3 axis_ = Vec3::UnitZ();
   bool isChosen_ = false;   // settings_ are set by the user
-  bool isAwaited_ = false;  // placed, but not yet in a snapshot
+  bool isPending_ = false;  // placed, but not yet in a snapshot
   std::optional<c3de_event> hovered_;
   ForceCurve forces_;
-  sdk::Proxy ghost_, arrow_, hand_, label_;
+  sdk::Proxy preview_, arrow_, targetLine_, label_;
 };
 
 }  // namespace pointbased

@@ -279,7 +279,7 @@ void SimulatorView::update() {
   updateBox(snapshot->box, snapshot->gravity);
   updateLegend(*snapshot);
   // While it plays, a newer snapshot follows automatically.
-  if (snapshot->coloursOld && services_.simulation)
+  if (snapshot->areColoursOutdated && services_.simulation)
     if (const auto state = services_.simulation.state(node_); state && state->mode != C3DE_SIM_PLAYING)
       (void)services_.simulation.post(node_, [] {});
 }
