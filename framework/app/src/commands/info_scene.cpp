@@ -509,8 +509,8 @@ Expected<Described> describeScene(Session &session, const std::filesystem::path 
   describeGrasps(*scene, text, out.json);
   describeContact(*scene, built->get(), text, out.json);
   if (built->get() != nullptr) describeComposition(built->get(), text, out.json);
-  out.json["notices"] = sources.said();
-  for (const std::string &notice : sources.said()) text << "notice: " << notice << "\n";
+  out.json["notices"] = sources.reportedNotices();
+  for (const std::string &notice : sources.reportedNotices()) text << "notice: " << notice << "\n";
   text << howFar;
   out.text = text.str();
   return out;

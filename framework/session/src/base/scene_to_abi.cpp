@@ -81,13 +81,13 @@ c3de_sim_grid toAbi(const imaging::VolumeGeometry &grid) {
 
 std::vector<c3de_sim_tool_place> toAbi(const std::vector<scene::SceneToolWaypoint> &path) {
   std::vector<c3de_sim_tool_place> out;
-  for (const scene::SceneToolWaypoint &place : path) {
+  for (const scene::SceneToolWaypoint &waypoint : path) {
     c3de_sim_tool_place one{};
     one.size = sizeof one;
-    one.flags = place.axis ? C3DE_SIM_PLACE_HAS_AXIS : 0u;
-    one.time_s = place.time_s;
-    copy(one.at_m, place.at_m);
-    copy(one.axis, place.axis.value_or(Vec3{}));
+    one.flags = waypoint.axis ? C3DE_SIM_PLACE_HAS_AXIS : 0u;
+    one.time_s = waypoint.time_s;
+    copy(one.at_m, waypoint.at_m);
+    copy(one.axis, waypoint.axis.value_or(Vec3{}));
     out.push_back(one);
   }
   return out;
@@ -108,15 +108,15 @@ c3de_sim_probe_tool toAbi(const scene::SceneProbeTool &tool, const std::vector<c
 
 std::vector<c3de_sim_grasp_place> toAbi(const std::vector<scene::SceneGraspWaypoint> &path) {
   std::vector<c3de_sim_grasp_place> out;
-  for (const scene::SceneGraspWaypoint &place : path) {
+  for (const scene::SceneGraspWaypoint &waypoint : path) {
     c3de_sim_grasp_place one{};
     one.size = sizeof one;
-    one.time_s = place.time_s;
-    copy(one.at_m, place.at_m);
+    one.time_s = waypoint.time_s;
+    copy(one.at_m, waypoint.at_m);
     // About x, then y, then z.
     std::array<double, 3> c{}, s{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double half = place.turn_deg[axis] * std::numbers::pi / 360.0;
+      const double half = waypoint.turn_deg[axis] * std::numbers::pi / 360.0;
       c[axis] = std::cos(half);
       s[axis] = std::sin(half);
     }
@@ -214,15 +214,15 @@ BodyTables::BodyTables(const scene::SceneFile &scene, const scene::SceneBody &bo
 }
 
 void BodyTables::fill(c3de_sim_body &out) const {
-  const auto hand = [](const auto &rows, auto &pointer, std::uint64_t &n, std::uint64_t &stride) {
+  const auto assignRows = [](const auto &rows, auto &pointer, std::uint64_t &n, std::uint64_t &stride) {
     pointer = rows.empty() ? nullptr : rows.data();
     n = rows.size();
     stride = sizeof rows.front();
   };
-  hand(fixes_, out.fixes, out.fixes_n, out.fixes_stride);
-  hand(loads_, out.loads, out.loads_n, out.loads_stride);
-  hand(parts_, out.parts, out.parts_n, out.parts_stride);
-  hand(refinements_, out.refinements, out.refinements_n, out.refinements_stride);
+  assignRows(fixes_, out.fixes, out.fixes_n, out.fixes_stride);
+  assignRows(loads_, out.loads, out.loads_n, out.loads_stride);
+  assignRows(parts_, out.parts, out.parts_n, out.parts_stride);
+  assignRows(refinements_, out.refinements, out.refinements_n, out.refinements_stride);
   copy(out.velocity_m_s, body_.velocity_m_s);
   copy(out.angular_velocity_rad_s, body_.angularVelocity_rad_s);
 }

@@ -191,17 +191,17 @@ Expected<std::string> writeLabels(const std::filesystem::path &file,
 
 Expected<std::string> writeImages(const ImageExport &wanted, const imaging::Volume &image, bool areLabels,
                                   const imaging::DisplacementGrid &u, const ProgressFn &progress, ThreadPool *threads) {
-  std::string told;
+  std::string lines;
   if (!wanted.image.empty()) {
     const auto sampling = areLabels ? imaging::WarpSampling::nearest : imaging::WarpSampling::linear;
     const auto warped = imaging::warped(image, u, progress, threads, sampling);
     if (!warped) return tl::unexpected(warped.error());
     if (auto written = imaging::writeVolume(wanted.image, *warped); !written) return tl::unexpected(written.error());
-    told = pathText(wanted.image);
-    if (areLabels) told += ": a label map, so each voxel has the label nearest to where its tissue was";
-    if (!image.colours.empty()) told += ": brightness of the colours";
+    lines = pathText(wanted.image);
+    if (areLabels) lines += ": a label map, so each voxel has the label nearest to where its tissue was";
+    if (!image.colours.empty()) lines += ": brightness of the colours";
   }
-  if (wanted.displacement.empty()) return told;
+  if (wanted.displacement.empty()) return lines;
   const auto field = imaging::resampled(u, image.geometry, progress, threads);
   if (!field) return tl::unexpected(field.error());
   auto vacated = imaging::emptiedRegions(u, image.geometry, progress, threads);
@@ -215,12 +215,12 @@ Expected<std::string> writeImages(const ImageExport &wanted, const imaging::Volu
   marks.geometry = vacated->geometry;
   marks.voxels = std::move(vacated->voxels);
   if (auto written = imaging::writeVolume(mask, marks); !written) return tl::unexpected(written.error());
-  told +=
-      (told.empty() ? "" : "\n") + pathText(wanted.displacement) + "\n" + pathText(mask) + ": " +
+  lines +=
+      (lines.empty() ? "" : "\n") + pathText(wanted.displacement) + "\n" + pathText(mask) + ": " +
       (voxels == 0 ? std::string("no voxel is vacated by a body")
                    : fmt::format("{} voxels ({:.2f} ml) are vacated by a body: nothing is known of what is there now",
                                  voxels, millilitres));
-  return told;
+  return lines;
 }
 
 }  // namespace c3de::session

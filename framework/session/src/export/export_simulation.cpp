@@ -174,13 +174,13 @@ Expected<void> checkSurfaceExport(const geometry::MeshFormats &formats, const fs
 }
 
 void writeSurfaces(const geometry::MeshFormats &formats, const fs::path &file, const std::vector<BodyState> &bodies,
-                   const SurfaceCallback &told) {
-  if (bodies.empty()) return told(file, fail(ErrorCode::state, utf8(file) + ": not written: there is no body"));
+                   const SurfaceCallback &onWritten) {
+  if (bodies.empty()) return onWritten(file, fail(ErrorCode::state, utf8(file) + ": not written: there is no body"));
   std::vector<std::string> names;
   for (const BodyState &body : bodies) names.push_back(body.name);
   const std::vector<fs::path> files = surfaceFiles(file, names);
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    told(files[b], formats.write(files[b], bodies[b].skin, {bodies[b].skinArrays, bodies[b].name}));
+    onWritten(files[b], formats.write(files[b], bodies[b].skin, {bodies[b].skinArrays, bodies[b].name}));
 }
 
 }  // namespace c3de::session

@@ -48,7 +48,7 @@ Expected<void> BodyGeometries::prepare(const ProgressFn &progress) {
   return {};
 }
 
-Expected<BodyGeometry> BodyGeometries::take(std::size_t body, const ProgressFn &progress) {
+Expected<BodyGeometry> BodyGeometries::build(std::size_t body, const ProgressFn &progress) {
   if (ready_[body]) return std::move(*ready_[body]);
   auto made = ofVolume(body, progress);
   if (!made) return failInScene(made.error(), scene_.scene, scene_.scene.bodies[body].line);
@@ -81,9 +81,9 @@ Expected<BodyGeometry> BodyGeometries::ofVolume(std::size_t index, const Progres
   if (picked->tissues) {
     if (const auto added = addTissues(body.volume, *picked->tissues, points, *made); !added)
       return tl::unexpected(added.error());
-    auto places = sources_.placesOf(body, *picked);
-    if (!places) return tl::unexpected(places.error());
-    made->places = std::make_shared<TissueVoxels>(std::move(*places));
+    auto tissues = sources_.placesOf(body, *picked);
+    if (!tissues) return tl::unexpected(tissues.error());
+    made->tissues = std::make_shared<TissueVoxels>(std::move(*tissues));
     made->thickness_mm = thicknessOf(*picked->tissues, body.volume.tissues.size());
   }
   made->took += took;

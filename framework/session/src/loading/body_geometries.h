@@ -27,7 +27,7 @@ class BodyGeometries {
   [[nodiscard]] Expected<void> prepare(const ProgressFn &progress);
 
   /// The geometry of one body, once, after prepare().
-  [[nodiscard]] Expected<BodyGeometry> take(std::size_t body, const ProgressFn &progress);
+  [[nodiscard]] Expected<BodyGeometry> build(std::size_t body, const ProgressFn &progress);
 
  private:
   [[nodiscard]] Expected<BodyGeometry> ofMesh(const scene::SceneBody &body, const ProgressFn &progress) const;

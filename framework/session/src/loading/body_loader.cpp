@@ -85,7 +85,7 @@ void note(const scene::SceneBody &body, BodyGeometry &geometry, Prepared &prepar
     prepared.coverage.back().body = body.name;
     if (const std::string text = sentenceOf(prepared.coverage.back()); !text.empty()) log(LogLevel::warn, text);
   }
-  if (geometry.places) prepared.tissues.push_back(std::move(*geometry.places));
+  if (geometry.tissues) prepared.tissues.push_back(std::move(*geometry.tissues));
 }
 
 }  // namespace
@@ -109,7 +109,7 @@ Expected<NamedHandles> BodyLoader::add(Prepared &prepared) {
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const scene::SceneBody &body = scene.bodies[i];
     PartProgress progress(progress_, body.name, scene.obstacles.size() + i, count);
-    auto geometry = geometries_.take(i, [&](double fraction, const std::string &what) {
+    auto geometry = geometries_.build(i, [&](double fraction, const std::string &what) {
       return progress.update(kReadingShare * std::max(fraction, 0.0), what);
     });
     if (!geometry) return tl::unexpected(geometry.error());

@@ -27,9 +27,9 @@ Bounds_m wallsAround(const Bounds_m &bodies) {
           bodies.max + Vec3{kMargin * extent, kSpaceAbove * extent, kMargin * extent}};
 }
 
-Bounds_m framedWith(const Bounds_m &bodies, const Bounds_m &room) {
+Bounds_m framedWith(const Bounds_m &bodies, const Bounds_m &walls) {
   const double beside = kFramed * largestExtent(bodies);
-  return {{bodies.min[0] - beside, room.min[1], bodies.min[2] - beside},
+  return {{bodies.min[0] - beside, walls.min[1], bodies.min[2] - beside},
           {bodies.max[0] + beside, bodies.max[1], bodies.max[2] + beside}};
 }
 
@@ -54,15 +54,15 @@ Expected<std::optional<Bounds_m>> addSurroundingWalls(c3de_object *simulator, co
   if (!table) return tl::unexpected(table.error());
   const auto decls = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD);
   if (!decls) return tl::unexpected(decls.error());
-  const Bounds_m room = wallsAround(bodies);
+  const Bounds_m walls = wallsAround(bodies);
   std::vector<ParameterValue> values(3);
   values[0].id = C3DE_PARAM_ID_BOX_MIN;
   values[1].id = C3DE_PARAM_ID_BOX_MAX;
   values[2].id = C3DE_PARAM_ID_BOX_ENABLED;
   values[0].type = values[1].type = C3DE_PARAM_VEC3;
   values[2].type = C3DE_PARAM_BOOL;
-  values[0].vec = room.min;
-  values[1].vec = room.max;
+  values[0].vec = walls.min;
+  values[1].vec = walls.max;
   values[2].num = 1.0;
   for (const ParameterValue &value : values) {
     const auto decl = findParameter(*decls, value.id);
@@ -73,7 +73,7 @@ Expected<std::optional<Bounds_m>> addSurroundingWalls(c3de_object *simulator, co
   if (const c3de_status code = (*table)->set_world(simulator, abi.data(), abi.size(), sizeof(c3de_param_value));
       code < 0)
     return fail(ErrorCode::plugin, "the simulator refused the walls (status " + std::to_string(code) + ")");
-  return room;
+  return walls;
 }
 
 }  // namespace c3de::session

@@ -17,14 +17,14 @@ constexpr const char *kHeadScan = "/usr/share/mricron/templates/ch2.nii.gz";
 Expected<std::filesystem::path> findResource(const std::filesystem::path &name) {
   const std::filesystem::path programFolder = executablePath().parent_path();
   const std::array folders{programFolder / ".." / "share" / "c3de", programFolder / C3DE_SOURCE_RESOURCES};
-  std::string looked;
+  std::string searched;
   for (const std::filesystem::path &folder : folders) {
     const std::filesystem::path candidate = (folder / name).lexically_normal();
     std::error_code code;
     if (std::filesystem::exists(candidate, code)) return candidate;
-    looked += (looked.empty() ? "" : ", ") + candidate.string();
+    searched += (searched.empty() ? "" : ", ") + candidate.string();
   }
-  return fail(ErrorCode::input, "the resource '" + name.generic_string() + "' is missing; looked for: " + looked);
+  return fail(ErrorCode::input, "the resource '" + name.generic_string() + "' is missing; looked for: " + searched);
 }
 
 Expected<scene::MaterialLibrary> loadMaterialPresets() {

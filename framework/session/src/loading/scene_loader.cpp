@@ -61,7 +61,7 @@ Expected<void> SceneLoader::populate(const scene::SceneFile &scene) {
   if (auto set = setWorld(*loading); !set) return set;
   auto handles = addSkins(*loading);
   if (!handles) return tl::unexpected(handles.error());
-  prepared_.notices = sources_.said();
+  prepared_.notices = sources_.reportedNotices();
   if (auto added = addProbes(*loading, *handles); !added) return added;
   return addTouch(*loading, std::move(*handles));
 }
@@ -73,7 +73,7 @@ Expected<void> SceneLoader::addBodies(const scene::SceneFile &scene) {
   if (!loading) return tl::unexpected(loading.error());
   const auto handles = addSkins(*loading);
   if (!handles) return tl::unexpected(handles.error());
-  prepared_.notices = sources_.said();
+  prepared_.notices = sources_.reportedNotices();
   return {};
 }
 

@@ -18,12 +18,13 @@ constexpr double kTimes = 4.0;  // times the duration of one, from its start to 
 
 // The bodies with the regions that a rule fixes around them; null: there are none, or memory is insufficient.
 std::shared_ptr<const imaging::Mask> withFixedRegions(const std::shared_ptr<const imaging::Mask> &bodies,
-                                                      const FixedRegions &still) try {
-  if (!bodies || !still.image || still.rule.isEmpty()) return nullptr;
-  auto places = std::make_shared<imaging::Mask>(*bodies);
-  if (!imaging::markFixedRegions(still.rule, still.image->volume, still.labels ? &still.labels->map : nullptr, *places))
+                                                      const FixedRegions &fixedRegions) try {
+  if (!bodies || !fixedRegions.image || fixedRegions.rule.isEmpty()) return nullptr;
+  auto mask = std::make_shared<imaging::Mask>(*bodies);
+  if (!imaging::markFixedRegions(fixedRegions.rule, fixedRegions.image->volume,
+                                 fixedRegions.labels ? &fixedRegions.labels->map : nullptr, *mask))
     return nullptr;
-  return places;
+  return mask;
 } catch (const std::bad_alloc &) {
   return nullptr;
 }
@@ -48,11 +49,11 @@ std::vector<PointField> DisplacementSampler::offered() const {
 }
 
 void DisplacementSampler::want(bool wanted, double rim_mm, const imaging::VolumeGeometry &image,
-                               const FixedRegions &still) {
+                               const FixedRegions &fixedRegions) {
   const std::lock_guard lock(mutex_);
   if (image.size != image_.size || image.indexToWorld != image_.indexToWorld) ++serial_;
   image_ = image;
-  still_ = still;
+  fixedRegions_ = fixedRegions;
   falloff_mm_ = rim_mm;
   wanted_ = wanted;
 }
@@ -68,12 +69,12 @@ std::shared_ptr<const imaging::DisplacementGrid> DisplacementSampler::onPublishe
   const double falloff = falloff_mm_;
   const std::uint64_t serial = serial_;
   imaging::VolumeGeometry image;
-  FixedRegions still;
+  FixedRegions fixedRegions;
   RequestedFields fields;
   {
     const std::lock_guard lock(mutex_);
     image = image_;
-    still = still_;
+    fixedRegions = fixedRegions_;
     fields = fields_;
   }
   const bool isNew = std::exchange(gridSerial_, serial) != serial;
@@ -83,12 +84,12 @@ std::shared_ptr<const imaging::DisplacementGrid> DisplacementSampler::onPublishe
     const std::lock_guard lock(mutex_);
     if (serial == serial_) offered_ = std::move(offered);
   }
-  if (isNew || still.tissues != marked_.tissues)
-    reference_ = referenceBodies(simulation.object(), image, still.tissues.get());
-  if (isNew || !(still == marked_)) {
-    marked_ = still;
-    const std::shared_ptr<const imaging::Mask> places = withFixedRegions(reference_, still);
-    bodies_ = places ? places : reference_;
+  if (isNew || fixedRegions.tissues != marked_.tissues)
+    reference_ = referenceBodies(simulation.object(), image, fixedRegions.tissues.get());
+  if (isNew || !(fixedRegions == marked_)) {
+    marked_ = fixedRegions;
+    const std::shared_ptr<const imaging::Mask> mask = withFixedRegions(reference_, fixedRegions);
+    bodies_ = mask ? mask : reference_;
     hasStill_ = bodies_ && imaging::hasFixedVoxels(*bodies_);
   }
   const PresentBodies bodies = presentBodies(simulation.table(), simulation.object());

@@ -37,8 +37,8 @@ std::vector<std::string> statementOf(const Json &body) {
   std::vector<std::string> lines;
   if (!body.is_object()) return lines;
   const Json statement = body.value("accuracy_statement", Json::object());
-  const Json said = statement.is_object() ? statement.value("lines", Json::array()) : Json::array();
-  for (const Json &line : said)
+  const Json reported = statement.is_object() ? statement.value("lines", Json::array()) : Json::array();
+  for (const Json &line : reported)
     if (line.is_string()) lines.push_back(fmt::format("{}: {}", body.value("name", ""), line.get<std::string>()));
   return lines;
 }

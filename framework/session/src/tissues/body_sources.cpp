@@ -184,11 +184,11 @@ Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const
 Expected<TissueVoxels> BodySources::placesOf(const scene::SceneBody &body, const PickedVoxels &picked) {
   const auto layers = layersOf(body.volume, {});
   if (!layers) return tl::unexpected(layers.error());
-  TissueVoxels places = tissuePlaces(body, **layers, *picked.tissues);
-  places.map = picked.tissues;
-  if (!body.volume.cut) return places;
+  TissueVoxels tissueVoxels = tissuePlaces(body, **layers, *picked.tissues);
+  tissueVoxels.map = picked.tissues;
+  if (!body.volume.cut) return tissueVoxels;
   // A label without a voxel is reported once, with the rest.
-  std::erase_if(places.labels, [&](const LabelVoxels &label) {
+  std::erase_if(tissueVoxels.labels, [&](const LabelVoxels &label) {
     const auto &sliding = body.volume.cut->labels;
     return label.voxels == 0 &&
            (body.volume.piece != 0 || std::any_of(sliding.begin(), sliding.end(), [&](const auto &labels) {
@@ -197,7 +197,7 @@ Expected<TissueVoxels> BodySources::placesOf(const scene::SceneBody &body, const
               });
             }));
   });
-  return places;
+  return tissueVoxels;
 }
 
 std::vector<std::string> BodySources::popNotices() { return std::exchange(notices_, {}); }
@@ -206,7 +206,8 @@ void BodySources::reportNotices(const std::filesystem::path &file) {
   for (const std::string &notice : popNotices()) {
     log(LogLevel::warn, file.string() + ": " + notice);
     std::string line = pathText(file.filename()) + ": " + notice;
-    if (std::find(said_.begin(), said_.end(), line) == said_.end()) said_.push_back(std::move(line));
+    if (std::find(reportedNotices_.begin(), reportedNotices_.end(), line) == reportedNotices_.end())
+      reportedNotices_.push_back(std::move(line));
   }
 }
 

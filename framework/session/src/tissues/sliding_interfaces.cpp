@@ -19,9 +19,9 @@ double distanceTo(const scene::SceneRegion &region, const Vec3 &x) {
   switch (region.kind) {
     case scene::SceneRegion::Kind::everywhere: return -std::numeric_limits<double>::infinity();
     case scene::SceneRegion::Kind::box: {
-      double most = -std::numeric_limits<double>::infinity();
-      for (std::size_t a = 0; a < 3; ++a) most = std::max({most, region.a[a] - x[a], x[a] - region.b[a]});
-      return most;
+      double largest = -std::numeric_limits<double>::infinity();
+      for (std::size_t a = 0; a < 3; ++a) largest = std::max({largest, region.a[a] - x[a], x[a] - region.b[a]});
+      return largest;
     }
     case scene::SceneRegion::Kind::sphere: return norm(x - region.a) - region.radius;
     case scene::SceneRegion::Kind::halfSpace: return dot(x - region.a, region.b) / norm(region.b);
@@ -40,14 +40,14 @@ class Pieces {
     halfVoxel_m_ = 0.501 * scale * std::max({edges[0], edges[1], edges[2]}) / scene::kMillimetresPerMetre;
   }
 
-  struct Share {
+  struct RegionShare {
     std::vector<std::size_t> voxels;  ///< per piece
     Vec3 sum_m{};                     ///< sum of their centres
   };
   /// The voxels in a region: by voxel centres, or by whole voxels where the region is thinner than they are.
-  [[nodiscard]] Share in(const scene::SceneRegion &region) const {
+  [[nodiscard]] RegionShare in(const scene::SceneRegion &region) const {
     for (const double within : {0.0, halfVoxel_m_}) {
-      Share share{std::vector<std::size_t>(cut_->labels.size() + 1, 0), {}};
+      RegionShare share{std::vector<std::size_t>(cut_->labels.size() + 1, 0), {}};
       std::size_t count = 0;
       visit([&](std::size_t piece, const Vec3 &x) {
         if (distanceTo(region, x) > within) return;
@@ -61,11 +61,11 @@ class Pieces {
   }
   [[nodiscard]] std::size_t nearest(const Vec3 &at_m) const {
     std::size_t found = 0;
-    double least = std::numeric_limits<double>::infinity();
+    double smallest = std::numeric_limits<double>::infinity();
     visit([&](std::size_t piece, const Vec3 &x) {
-      const double far = norm(x - at_m);
-      if (far < least) {
-        least = far;
+      const double distance = norm(x - at_m);
+      if (distance < smallest) {
+        smallest = distance;
         found = piece;
       }
     });
@@ -157,9 +157,9 @@ void reportOpenCut(const scene::SceneBody &body, const scene::SceneBodyPieces &c
 
 /// Errors do not contain a location.
 Expected<std::shared_ptr<const scene::SceneBodyPieces>> cutOf(const scene::SceneBody &body, BodySources &sources,
-                                                              const ProgressFn &progress, Preparation &took) {
+                                                              const ProgressFn &progress, Preparation &preparation) {
   const scene::SceneVolume &volume = body.volume;
-  auto picked = sources.pick(volume, progress, took);
+  auto picked = sources.pick(volume, progress, preparation);
   if (!picked) return tl::unexpected(picked.error());
   const auto layers = sources.layersOf(volume, progress);
   if (!layers) return tl::unexpected(layers.error());
@@ -222,20 +222,20 @@ Expected<void> checkPieces(const scene::SceneFile &scene, const scene::SceneBody
 
 /// Copies items that act in a region of the body to each piece that it meets, except fixed pieces; copies beyond the
 /// first are appended.
-template <class Acting, class Share>
-void shareOut(std::vector<Acting> &all, const scene::SceneBody &whole, const std::vector<std::string> &names,
-              const Pieces &pieces, const Share &share) {
+template <class RegionItem, class Adapt>
+void distribute(std::vector<RegionItem> &all, const scene::SceneBody &whole, const std::vector<std::string> &names,
+                const Pieces &pieces, const Adapt &adapt) {
   const std::size_t count = all.size();
   for (std::size_t i = 0; i < count; ++i) {
     if (all[i].body != whole.name) continue;
-    const Acting acting = all[i];
-    const Pieces::Share in = pieces.in(acting.region);
+    const RegionItem original = all[i];
+    const Pieces::RegionShare in = pieces.in(original.region);
     bool isFirst = true;
     for (std::size_t p = 0; p < names.size(); ++p) {
       if (in.voxels[p] == 0 || isAtRest(pieceOverrides(whole, p))) continue;
-      Acting own = acting;
+      RegionItem own = original;
       own.body = names[p];
-      share(own, in, p);
+      adapt(own, in, p);
       if (std::exchange(isFirst, false))
         all[i] = std::move(own);
       else
@@ -244,7 +244,7 @@ void shareOut(std::vector<Acting> &all, const scene::SceneBody &whole, const std
   }
 }
 
-void shareOutContacts(scene::SceneFile &scene, const scene::SceneBody &body, const std::vector<std::string> &names) {
+void distributeContacts(scene::SceneFile &scene, const scene::SceneBody &body, const std::vector<std::string> &names) {
   std::vector<scene::SceneContactPair> &pairs = scene.contactPairs;
   const auto find = [&](const std::string &a, const std::string &b) {
     return std::find_if(pairs.begin(), pairs.end(), [&](const scene::SceneContactPair &pair) {
@@ -336,7 +336,7 @@ std::vector<scene::SceneBody> bodiesOf(const scene::SceneBody &whole, const std:
 }  // namespace
 
 Expected<void> cutSlidingParts(scene::SceneFile &scene, BodySources &sources, const ProgressFn &progress,
-                               Preparation &took) {
+                               Preparation &preparation) {
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
     if (scene.bodies[b].volume.slides.empty()) continue;
     const scene::SceneBody whole = scene.bodies[b];
@@ -346,23 +346,24 @@ Expected<void> cutSlidingParts(scene::SceneFile &scene, BodySources &sources, co
       return all;
     }();
     if (auto good = checkPieces(scene, whole, names); !good) return good;
-    const auto cut = cutOf(whole, sources, progress, took);
+    const auto cut = cutOf(whole, sources, progress, preparation);
     if (!cut) return failInScene(cut.error(), scene, whole.line);
     const Pieces pieces(*cut, whole.placement);
 
-    shareOut(scene.fixes, whole, names, pieces, [](scene::SceneFix &fix, const Pieces::Share &in, std::size_t) {
+    distribute(scene.fixes, whole, names, pieces, [](scene::SceneFix &fix, const Pieces::RegionShare &in, std::size_t) {
       // A rotation of the body rotates its pieces about a common centre.
       if (!fix.motion.centre_m) fix.motion.centre_m = (1.0 / static_cast<double>(sumOf(in.voxels))) * in.sum_m;
     });
-    shareOut(scene.loads, whole, names, pieces, [](scene::SceneLoad &load, const Pieces::Share &in, std::size_t p) {
-      if (!load.force_N) return;
-      load.force_N = (static_cast<double>(in.voxels[p]) / static_cast<double>(sumOf(in.voxels))) * *load.force_N;
-    });
+    distribute(
+        scene.loads, whole, names, pieces, [](scene::SceneLoad &load, const Pieces::RegionShare &in, std::size_t p) {
+          if (!load.force_N) return;
+          load.force_N = (static_cast<double>(in.voxels[p]) / static_cast<double>(sumOf(in.voxels))) * *load.force_N;
+        });
     for (scene::SceneProbe &probe : scene.probes)
       if (probe.body == whole.name) probe.body = names[pieces.nearest(probe.at_m)];
     for (scene::SceneGrasp &grasp : scene.grasps)
       if (grasp.body == whole.name) grasp.body = names[pieces.nearest(grasp.at_m)];
-    shareOutContacts(scene, whole, names);
+    distributeContacts(scene, whole, names);
     renameRest(scene, whole);
 
     std::vector<scene::SceneBody> bodies = bodiesOf(whole, names, *cut, pieces);

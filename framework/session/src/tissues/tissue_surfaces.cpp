@@ -41,8 +41,8 @@ Expected<geometry::TriangleMesh> surfaceOf(const imaging::Mask &mask, double lea
 }
 
 std::array<float, 3> colourOf(const TissueVoxels &body, std::size_t tissue) {
-  if (const std::optional<Vec3> &said = body.tissues[tissue].colour)
-    return {static_cast<float>((*said)[0]), static_cast<float>((*said)[1]), static_cast<float>((*said)[2])};
+  if (const std::optional<Vec3> &colour = body.tissues[tissue].colour)
+    return {static_cast<float>((*colour)[0]), static_cast<float>((*colour)[1]), static_cast<float>((*colour)[2])};
   if (body.tissues[tissue].isRigid) return kIvory;
   const LabelVoxels *largest = nullptr;
   for (const LabelVoxels &label : body.labels)
@@ -105,10 +105,10 @@ Expected<SurfacePositions> followSurfaces(const TissueSnapshot &snapshot,
     now.reserve(surface.reference.vertices.size());
     for (std::size_t v = 0; v < surface.reference.vertices.size(); ++v) {
       const Vec3 &X = surface.reference.vertices[v];
-      Vec3 known{};
+      Vec3 estimate{};
       if (before != nullptr)
-        for (std::size_t a = 0; a < 3; ++a) known[a] = static_cast<double>(before->vertices[s][v][a]) - X[a];
-      const Vec3 x = X + follower.findNear(X, known).value_or(known);
+        for (std::size_t a = 0; a < 3; ++a) estimate[a] = static_cast<double>(before->vertices[s][v][a]) - X[a];
+      const Vec3 x = X + follower.findNear(X, estimate).value_or(estimate);
       now.push_back({static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])});
     }
   }

@@ -68,20 +68,21 @@ Expected<void> reportBackground(const scene::SceneVolume &volume, const Backgrou
                                       ": no voxel without a label is within the image; accepted: an image of the same "
                                       "scan, whatever its grid");
   if (notices == nullptr) return {};
-  const auto tell = [&](const std::string &text) { notices->push_back("Background: " + text + "."); };
+  const auto addNotice = [&](const std::string &text) { notices->push_back("Background: " + text + "."); };
   if (found.beyond > 0) {
     const double percent = 100.0 * static_cast<double>(found.beyond) / static_cast<double>(found.asked);
-    tell(formatNumber(std::max(0.1, std::round(10.0 * percent) / 10.0)) +
-         " % of the voxels without a label lie beyond " + file + " and are taken for empty");
+    addNotice(formatNumber(std::max(0.1, std::round(10.0 * percent) / 10.0)) +
+              " % of the voxels without a label lie beyond " + file + " and are taken for empty");
   }
   if (found.notNumbers > 0)
-    tell(std::to_string(found.notNumbers) + " voxels of " + file + " are not finite and are taken for empty");
+    addNotice(std::to_string(found.notNumbers) + " voxels of " + file + " are not finite and are taken for empty");
   if (found.asked > 0 && found.within + found.labelled == 0)
-    tell("nothing lies between the tissues, as " +
-         (found.least > found.most ? "no value"
-                                   : "no value from " + formatNumber(found.least) + " to " + formatNumber(found.most)) +
-         " that " + file + " has there is from " + formatNumber(volume.background->from) + " to " +
-         formatNumber(volume.background->to));
+    addNotice("nothing lies between the tissues, as " +
+              (found.least > found.most
+                   ? "no value"
+                   : "no value from " + formatNumber(found.least) + " to " + formatNumber(found.most)) +
+              " that " + file + " has there is from " + formatNumber(volume.background->from) + " to " +
+              formatNumber(volume.background->to));
   return {};
 }
 

@@ -172,11 +172,11 @@ Expected<void> assignSlidingLabels(scene::SceneVolume &volume, const std::vector
   std::vector<bool> isAssigned(labels.size(), false);
   for (scene::SceneSlidingPart &slide : volume.slides)
     for (const std::string &wanted : slide.names) {
-      std::size_t meant = 0, taken = 0;
+      std::size_t matched = 0, alreadyAssigned = 0;
       for (std::size_t i = 0; i < labels.size(); ++i) {
         const scene::SceneLabel &label = labels[i].label;
         if (!imaging::matchesLabel(wanted, {label.value, label.name, {}})) continue;
-        ++meant;
+        ++matched;
         const auto has = [&](const scene::SceneTissue &tissue) {
           return std::any_of(tissue.labels.begin(), tissue.labels.end(), [&](const scene::SceneLabel &other) {
             return other.layer == label.layer && other.value == label.value;
@@ -189,14 +189,14 @@ Expected<void> assignSlidingLabels(scene::SceneVolume &volume, const std::vector
                                             (isOfNone ? "is not of the body" : "is rigid and does not move") +
                                             "; accepted: labels of a tissue with a material");
         if (isAssigned[i]) {
-          ++taken;
+          ++alreadyAssigned;
           continue;
         }
         isAssigned[i] = true;
         slide.labels.push_back(label);
       }
-      if (meant == 0) return fail(ErrorCode::input, "slides: " + noLabel(volume.file.string(), wanted, labels));
-      if (taken == meant)
+      if (matched == 0) return fail(ErrorCode::input, "slides: " + noLabel(volume.file.string(), wanted, labels));
+      if (alreadyAssigned == matched)
         return fail(ErrorCode::input, "slides: the labels of '" + wanted +
                                           "' are of names before it; accepted: single names before those with '*'");
     }
@@ -218,18 +218,19 @@ Expected<void> resolveTissue(const scene::SceneFile &scene, scene::SceneBody &bo
     for (scene::SceneTissue &tissue : volume.tissues)
       if (tissue.rule) {
         if (tissue.isMaterialByName) (void)scene::setMaterialFromName(tissue, tissue.label, materials);
-      } else if (auto given = assignLabels(tissue, labels, materials, file); !given) {
-        return failInScene(given.error(), scene, tissue.line);
+      } else if (auto assigned = assignLabels(tissue, labels, materials, file); !assigned) {
+        return failInScene(assigned.error(), scene, tissue.line);
       }
   }
   warnUnassigned(volume, labels);
-  if (auto told = reportLabelOverlaps(volume, layers, progress); !told) return told;
+  if (auto reported = reportLabelOverlaps(volume, layers, progress); !reported) return reported;
   if (std::any_of(volume.tissues.begin(), volume.tissues.end(), [](const auto &tissue) { return tissue.rule; })) {
     if (auto applied = applyRules(scene, body, layers, sources, progress); !applied) return applied;
     for (const scene::SceneTissue &tissue : volume.tissues)
       if (tissue.rule) labels.push_back({tissue.labels.front(), true});
   }
-  if (auto given = assignSlidingLabels(volume, labels); !given) return failInScene(given.error(), scene, body.line);
+  if (auto assigned = assignSlidingLabels(volume, labels); !assigned)
+    return failInScene(assigned.error(), scene, body.line);
   volume.isSettled = true;
   if (!wasOpen) return {};
   if (auto made = makeTissueParts(body); !made) return failInScene(made.error(), scene, body.line);
@@ -303,9 +304,9 @@ void reportSharedLabels(const scene::SceneFile &scene) {
       std::vector<std::string> names;
       for (const scene::SceneTissue &tissue : one.volume.tissues)
         for (const scene::SceneLabel &label : tissue.labels)
-          for (const scene::SceneTissue &there : other.volume.tissues)
-            if (!tissue.isEmpty && !there.isEmpty &&
-                std::any_of(there.labels.begin(), there.labels.end(), [&](const scene::SceneLabel &same) {
+          for (const scene::SceneTissue &otherTissue : other.volume.tissues)
+            if (!tissue.isEmpty && !otherTissue.isEmpty &&
+                std::any_of(otherTissue.labels.begin(), otherTissue.labels.end(), [&](const scene::SceneLabel &same) {
                   return same.layer == label.layer && same.value == label.value;
                 }))
               names.push_back(label.name);
@@ -319,7 +320,7 @@ void reportSharedLabels(const scene::SceneFile &scene) {
 }  // namespace
 
 Expected<void> resolveTissues(scene::SceneFile &scene, const scene::MaterialLibrary &materials, BodySources &sources,
-                              const ProgressFn &progress, Preparation &took) {
+                              const ProgressFn &progress, Preparation &preparation) {
   std::vector<std::string> overrides;
   for (scene::SceneBody &body : scene.bodies) {
     if (!body.volume.hasTissues() || body.volume.isSettled) continue;
@@ -327,7 +328,7 @@ Expected<void> resolveTissues(scene::SceneFile &scene, const scene::MaterialLibr
     options.progress = progress;
     options.series = body.volume.series;
     options.time = body.volume.time;
-    const ScopedTimer reading(took.reading_s);
+    const ScopedTimer reading(preparation.reading_s);
     std::shared_ptr<const BodySources::Layers> layers = std::make_shared<BodySources::Layers>();
     if (body.volume.usesLabels()) {
       const auto read = sources.labels(body.volume.file, options);
@@ -335,16 +336,16 @@ Expected<void> resolveTissues(scene::SceneFile &scene, const scene::MaterialLibr
       layers = *read;
     }
     sources.reportNotices(body.volume.file);
-    if (auto settled = resolveTissue(scene, body, *layers, materials, sources, progress); !settled) return settled;
+    if (auto resolved = resolveTissue(scene, body, *layers, materials, sources, progress); !resolved) return resolved;
     if (auto checked = checkAgainstImage(scene, body, *layers, sources, progress); !checked) return checked;
     sources.reportNotices(body.volume.file);
-    const std::vector<std::string> said = std::exchange(body.volume.overridesOfParts, {});
-    overrides.insert(overrides.end(), said.begin(), said.end());
+    const std::vector<std::string> overridesOfBody = std::exchange(body.volume.overridesOfParts, {});
+    overrides.insert(overrides.end(), overridesOfBody.begin(), overridesOfBody.end());
   }
   reportSharedLabels(scene);
   for (const std::string &assignment : overrides)
     if (auto applied = scene::applyOverride(scene, assignment, &materials); !applied) return applied;
-  return cutSlidingParts(scene, sources, progress, took);
+  return cutSlidingParts(scene, sources, progress, preparation);
 }
 
 }  // namespace c3de::session

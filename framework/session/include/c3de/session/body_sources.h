@@ -50,17 +50,17 @@ class BodySources {
   /// Notices of the readers and others since the last call.
   [[nodiscard]] std::vector<std::string> popNotices();
   void addNotice(std::string sentence) { notices_.push_back(std::move(sentence)); }
-  /// Logs the result of popNotices() as warnings about a file, and stores it for said().
+  /// Logs the result of popNotices() as warnings about a file, and stores it for reportedNotices().
   void reportNotices(const std::filesystem::path &file);
   /// Everything that was reported, each notice once, prefixed with the name of its file.
-  [[nodiscard]] const std::vector<std::string> &said() const { return said_; }
+  [[nodiscard]] const std::vector<std::string> &reportedNotices() const { return reportedNotices_; }
 
  private:
   /// One series of a file at one time point
   using File = std::tuple<std::filesystem::path, std::string, std::size_t>;
   std::map<File, std::shared_ptr<const Layers>> labels_;
   std::map<File, std::shared_ptr<const imaging::Volume>> volumes_;
-  std::vector<std::string> notices_, said_;
+  std::vector<std::string> notices_, reportedNotices_;
 };
 
 /// Error in a file or value that a scene names, prefixed with its location in the scene. A value that cannot be used is

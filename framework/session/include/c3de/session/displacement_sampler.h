@@ -36,8 +36,9 @@ class DisplacementSampler {
   /// @param wanted  the displacement is displayed; otherwise the simulator is not queried
   /// @param rim_mm  distance around the bodies within which the displacement falls to zero
   /// @param image   grid of the displayed image, on which the bodies' reference regions are marked
-  /// @param still   regions of the image that stay fixed
-  void want(bool wanted, double rim_mm, const imaging::VolumeGeometry &image = {}, const FixedRegions &still = {});
+  /// @param fixedRegions  regions of the image that stay fixed
+  void want(bool wanted, double rim_mm, const imaging::VolumeGeometry &image = {},
+            const FixedRegions &fixedRegions = {});
   [[nodiscard]] bool wanted() const { return wanted_; }
   /// Requests fields of the tissue in addition to its displacement. Any thread.
   void requestFields(const RequestedFields &fields);
@@ -62,7 +63,7 @@ class DisplacementSampler {
   mutable std::mutex mutex_;
   std::shared_ptr<const imaging::DisplacementGrid> newest_;
   imaging::VolumeGeometry image_;
-  FixedRegions still_;
+  FixedRegions fixedRegions_;
   RequestedFields fields_;
   std::vector<PointField> offered_;
   // Used by the simulation's thread, and by both threads while one simulation replaces another:

@@ -33,7 +33,7 @@ struct Prepared {
   Preparation took;
   std::vector<Coverage> coverage;     ///< of the bodies built from images, in their order
   std::vector<TissueVoxels> tissues;  ///< of the bodies of many tissues, in their order
-  std::vector<std::string> notices;   ///< BodySources::said(): about files and label maps
+  std::vector<std::string> notices;   ///< BodySources::reportedNotices(): about files and label maps
 };
 
 /// Adds the wall time of its lifetime to a sum.
