@@ -58,8 +58,8 @@ TrialSolution solve(const dial::RandomProblem &problem, double spacing, const Su
   TrialSolution out;
   out.spacing = rest.spacing;
   out.phyxels = rest.phyxelCount();
-  out.ways = displacementsAt(rest, world->body().state().displacements, samples, serialFor());
-  for (const Vec3 &u : out.ways) out.largest = std::max(out.largest, u.norm());
+  out.displacements = displacementsAt(rest, world->body().state().displacements, samples, serialFor());
+  for (const Vec3 &u : out.displacements) out.largest = std::max(out.largest, u.norm());
   return out;
 }
 

@@ -166,7 +166,7 @@ class Judge {
     world.solve();
     const double solve_ms = bench::processor_ms() - begin;
     VerifySettings settings;
-    settings.mostPhyxels = kMaxOfFineReference;
+    settings.maxPhyxels = kMaxOfFineReference;
     const auto verified = bench::valueOf(
         verify(verificationTarget(world.simulator, world.id), shape, recipe, serialFor(), {}, nullptr, settings));
     const double error = verified.percent(verified.error95);

@@ -28,9 +28,9 @@ struct AccuracyProblem {
 struct TrialSolution {
   double spacing = 0.0;  ///< m
   std::size_t phyxels = 0, points = 0, contacts = 0;
-  double stableStep = 0.0;  ///< m, [samples] displacements of skin points
-  std::vector<Vec3> ways;   ///< [samples] displacements of points of the skin, m
-  double largest = 0.0;     ///< m, of `ways`
+  double stableStep = 0.0;          ///< s, explicit, at rest
+  std::vector<Vec3> displacements;  ///< [samples] displacements of points of the skin, m
+  double largest = 0.0;             ///< m, of `displacements`
 };
 
 /// Skin points at which solutions are compared: about `count`, distributed evenly over the area. Points with prescribed
@@ -136,7 +136,7 @@ struct SamplingChoice {
 };
 
 [[nodiscard]] SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &constitution,
-                                            const CostSetting &setting, const AccuracyTarget &wish);
+                                            const CostSetting &setting, const AccuracyTarget &target);
 
 inline constexpr double kFrame = 1.0 / 60.0;      ///< s
 inline constexpr double kStandardError = 0.05;    ///< of AccuracyTarget::Kind::standard

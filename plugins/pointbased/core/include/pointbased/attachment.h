@@ -10,7 +10,7 @@
 
 namespace pointbased {
 
-/// Id of the surroundings of a body in the scan, used in place of the id of a body or an obstacle.
+/// Id of the tissue around a body in the scan, used in place of the id of a body or an obstacle.
 inline constexpr std::size_t kSurroundings = 0;
 
 /// An elastic layer that joins the surface of a body to another body, to an obstacle, or to the position of the surface

@@ -18,12 +18,12 @@ class RigidFrame;
 class VectorForces;
 }  // namespace detail
 
-/// The variables of motion.
+/// State variables.
 struct State {
   std::vector<Vec3> displacements;  ///< [phyxels] u, m
   std::vector<Vec3> velocities;     ///< [phyxels] m/s
   PointHistory history;             ///< [points] plastic and viscous memory
-  /// s, or load factor: time at which supports last placed what they hold; nothing: not yet
+  /// s, or load factor: time of the last support positions; nothing: none yet
   std::optional<double> supportTime = std::nullopt;
 };
 
@@ -158,7 +158,7 @@ class Body {
   [[nodiscard]] bool vectorised() const { return vectorForces_ != nullptr; }
   /// Whether evaluateInternal(), linearise() and forceDifferential() are available: not for materials that flow or
   /// relax.
-  [[nodiscard]] bool vectorisedTangent() const { return vectorised() && !constitution_.remembers(); }
+  [[nodiscard]] bool vectorisedTangent() const { return vectorised() && !constitution_.hasHistory(); }
 
   /// Computes forces() and tangentRatio() of the present state, with loads at time (or load factor) t: all that an
   /// explicit step needs. Fused if the body is vectorised(); otherwise by the stages below, with plastic flow and Prony

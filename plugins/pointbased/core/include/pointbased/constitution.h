@@ -19,7 +19,7 @@ struct Constitution {
   [[nodiscard]] bool plastic() const;   ///< any enabled plasticity
   /// Last error of its external laws, which is cleared; empty: none.
   [[nodiscard]] std::string consumeError() const;
-  [[nodiscard]] bool remembers() const { return relaxing() || plastic(); }
+  [[nodiscard]] bool hasHistory() const { return relaxing() || plastic(); }
 };
 
 /// History variables of the points of a body. A vector is empty if no material needs it; then its stage is skipped.

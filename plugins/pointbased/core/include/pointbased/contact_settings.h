@@ -26,7 +26,7 @@ struct ContactSettings {
 struct ContactPairSettings {
   double friction = -1.0;  ///< Coulomb; negative: ContactSettings::friction, or that of the obstacle or the walls
   bool enabled = true;     ///< false: they pass through each other
-  /// The bodies touch in their initial configuration, such as parts of what was one body. Overlap found at the first
+  /// The bodies touch in their initial configuration, such as the pieces of one cut body. Overlap found at the first
   /// check is attributed to their skins, not to the bodies. It is kept and does not count as penetration.
   bool fits = false;
   bool operator==(const ContactPairSettings &) const = default;

@@ -81,12 +81,12 @@ class ElasticFoundation {
   SurfacePoints points_;
   Interpolation binding_;
   double area_ = 0.0;
-  std::vector<Index> touched_;      // phyxels that carry points, ascending
-  std::vector<Index> placeOf_;      // [phyxels] index in touched_
-  Csr rows_;                        // [touched] entries by index, ascending
-  std::vector<double> couplings_;   // [entries] Σ_p A φ_pi φ_pj, m²
-  std::vector<Mat3> normals_;       // [entries] Σ_p A φ_pi φ_pj N N^T, m²; empty while k_n = k_t
-  mutable std::vector<Vec3> ways_;  // [touched] scratch
+  std::vector<Index> touched_;                      // phyxels that carry points, ascending
+  std::vector<Index> indexOf_;                      // [phyxels] index in touched_
+  Csr rows_;                                        // [touched] entries by index, ascending
+  std::vector<double> couplings_;                   // [entries] Σ_p A φ_pi φ_pj, m²
+  std::vector<Mat3> normals_;                       // [entries] Σ_p A φ_pi φ_pj N N^T, m²; empty while k_n = k_t
+  mutable std::vector<Vec3> touchedDisplacements_;  // [touched] scratch
 };
 
 }  // namespace pointbased

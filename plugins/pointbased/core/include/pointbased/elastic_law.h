@@ -58,15 +58,15 @@ class CheckedLaw {
  private:
   friend Result<std::shared_ptr<const CheckedLaw>> checked(std::shared_ptr<const ElasticLaw> law);
   explicit CheckedLaw(std::shared_ptr<const ElasticLaw> law) : law_(std::move(law)) {}
-  void complain(std::string text) const;
+  void recordError(std::string text) const;
   template <class T>
-  void judge(const Result<void> &answered, const char *what, std::span<const Mat3> F, std::span<T> values) const;
+  void checkResult(const Result<void> &answered, const char *what, std::span<const Mat3> F, std::span<T> values) const;
 
   std::shared_ptr<const ElasticLaw> law_;
   double lambda_ = 0.0, mu_ = 0.0;
   TangentBound atRest_;
   mutable std::mutex mutex_;
-  mutable std::string complaint_;
+  mutable std::string lastError_;
 };
 
 /// Tests the law with a fixed set of deformations with stretches of 0.8 … 1.25, rotated in all directions.

@@ -51,8 +51,8 @@ struct Environment {
 
 /// One substep of velocity Verlet from time to time + dt. The caller keeps dt below the stable step.
 ///
-/// Half kick, contact impulses, drift, supports, plastic flow, new forces, half kick, contact settling. Stages that the
-/// scene does not need are skipped.
+/// Half kick, contact impulses, drift, supports, plastic flow, new forces, half kick, projection of contact velocities.
+/// Stages that the scene does not need are skipped.
 /// @source  Müller et al. 2004 with velocity Verlet; contact as in contact.h, supports as in patch_solver.h
 void explicitSubstep(Body &body, const Environment &environment, double time, double dt);
 

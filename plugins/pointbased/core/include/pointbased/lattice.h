@@ -112,7 +112,7 @@ struct LatticeBody {
 /// its surface.
 ///
 /// Errors: spacing, count, jitter or a region out of range, more than kMaximumPhyxels, nothing inside, a held region or
-/// a material's region that meets no part of the body, cancelled.
+/// a material's region that contains no part of the body, cancelled.
 [[nodiscard]] Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &sampling,
                                               const ParallelFor &parallelFor, const SamplingProgress &progress = {});
 

@@ -95,7 +95,7 @@ struct BodyRecipe {
 /// Fills a shape and binds all associated data: surfels at the vertices of shape.surface with the given normals,
 /// contact points, supports and loads.
 ///
-/// Errors: those of fillLattice() and fill(); "fix 2: …" and "load 0: …" for regions that meet no part of the body.
+/// Errors: those of fillLattice() and fill(); "fix 2: …" and "load 0: …" for regions that contain no part of the body.
 [[nodiscard]] Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, const BodyRecipe &recipe,
                                                                       std::span<const Vec3> surfelNormals,
                                                                       const ParallelFor &parallelFor,
@@ -115,7 +115,7 @@ struct BodyRecipe {
 [[nodiscard]] Neighbours countNeighbours(const RestState &rest);
 
 /// Resolves a load on an existing body. Region and surface are in world coordinates at rest, m.
-/// Errors: a region that validate() refuses, or that meets no part of the body.
+/// Errors: a region that validate() refuses, or that contains no part of the body.
 [[nodiscard]] Result<LoadedPart> loadOn(const Load &load, const RestState &rest, const Surface &surface);
 
 /// F of every phyxel from those of the points: the same point for Evaluation::phyxels, otherwise the volume-weighted

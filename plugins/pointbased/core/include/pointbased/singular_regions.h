@@ -28,11 +28,12 @@ struct SingularRegions {
 /// without pressure. Edges of loads are not included (a jump of the traction leaves stress bounded), nor are edges
 /// between two materials.
 /// @param pressures  [phyxels] Pa, Diagnostics::contactPressures(); empty: nothing touches the body
-[[nodiscard]] SingularRegions findSingularPlaces(const Body &body, std::span<const double> pressures);
+[[nodiscard]] SingularRegions findSingularRegions(const Body &body, std::span<const double> pressures);
 
 /// ErrorEstimate::relative of the points outside of singular locations only: their error over their own energy.
 /// @param scratch  as left by the last estimateError() of this body
 /// @return  0 … 1; 0 if no points remain, see SingularRegions::volumePart
-[[nodiscard]] double relativeErrorOutside(const Body &body, const ErrorScratch &scratch, const SingularRegions &places);
+[[nodiscard]] double relativeErrorOutside(const Body &body, const ErrorScratch &scratch,
+                                          const SingularRegions &regions);
 
 }  // namespace pointbased

@@ -131,8 +131,8 @@ struct StencilSet {
     return static_cast<Index>(next - phyxels.offsets.begin() - 1);
   }
   /// A displacement in the reference shape, with its strain removed.
-  [[nodiscard]] Vec3 unstrained(std::size_t q, const Vec3 &way) const {
-    return referenceInverse.empty() ? way : Vec3(referenceInverse[q] * way);
+  [[nodiscard]] Vec3 unstrained(std::size_t q, const Vec3 &displacement) const {
+    return referenceInverse.empty() ? displacement : Vec3(referenceInverse[q] * displacement);
   }
 };
 

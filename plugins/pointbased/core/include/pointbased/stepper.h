@@ -31,8 +31,8 @@ struct StepFailure {
   std::size_t body = 0;  ///< being computed at that time; 0: none
 };
 
-/// Makes the steps: bodies that may touch each other or are attached advance together as islands, the others separately.
-/// Also what acts on bodies during steps from outside, and what a step of a body consists of.
+/// Makes the steps: bodies that may touch each other or are attached advance together as islands, the others
+/// separately. Also what acts on bodies during steps from outside, and what a step of a body consists of.
 class Stepper {
  public:
   Stepper(detail::SimulationState &state, const World &world);

@@ -20,7 +20,7 @@ struct Fix {
   std::optional<Vec3> rotationVector = std::nullopt;  ///< rad, about this one axis, in place of rotation_deg
 
   /// Whether it prescribes a motion; otherwise the held part is static.
-  [[nodiscard]] bool leads() const {
+  [[nodiscard]] bool prescribesMotion() const {
     return !displacement.isZero(0.0) || !rotation_deg.isZero(0.0) || rotationVector.has_value();
   }
 };
@@ -80,14 +80,14 @@ struct RigidMotion {
 /// Holds the phyxels of a cloud inside the region, and patches of its surface there by moving least squares. A patch
 /// consists of what is nearest to one phyxel, and has no row if everything that moves it is held. A cloud without a
 /// surface is held by its phyxels only. Region, positions and surface are in the frame of the phyxels.
-/// Errors: a region that validate() refuses, or that meets no part of the body.
+/// Errors: a region that validate() refuses, or that contains no part of the body.
 [[nodiscard]] Result<ConstrainedRegion> holdCloud(const Region &region, std::span<const Vec3> positions,
                                                   std::span<const double> volumes, double spacing,
                                                   const Surface &surface, const ParallelFor &parallelFor);
 
 /// Points and shares of a load. `bind` returns the interpolation of points with outward normals. Region, surface and
 /// points are in the frame of the phyxels.
-/// Errors: a region that validate() refuses or that meets no part of the body; a pressure without a surface inside;
+/// Errors: a region that validate() refuses or that contains no part of the body; a pressure without a surface inside;
 /// force or pressure not finite.
 /// @param spacing       of the sample points, m
 /// @param volumePoints, volumes  points of the volume with their shares, for regions without a surface

@@ -10,7 +10,7 @@ namespace pointbased {
 using Vec3f = std::array<float, 3>;
 
 /// A point in a cell of a lattice; occupies one cache line.
-struct alignas(64) CellPlace {
+struct alignas(64) CellPoint {
   std::array<Index, 8> phyxels{};  ///< corner j at (j & 1, j >> 1 & 1, j >> 2)
   std::array<double, 3> at{};  ///< ξ, 0 … 1 between the corners, outside of that where the functions are extrapolated
   std::uint32_t frame = 0;     ///< of the cell; Surfels::kRow: phyxels[0] is the number of a row
@@ -24,19 +24,19 @@ class Surfels {
   Surfels() = default;
   explicit Surfels(const Interpolation &binding);
 
-  [[nodiscard]] std::size_t count() const { return places_.size(); }
+  [[nodiscard]] std::size_t count() const { return cellPoints_.size(); }
   /// X, m, in the frame of the phyxels.
   [[nodiscard]] Vec3 position(std::size_t p, std::span<const Vec3> phyxelPositions) const;
   /// The original binding: all points, and one.
   [[nodiscard]] Interpolation expanded(std::span<const Vec3> phyxelPositions) const;
   [[nodiscard]] Interpolation expanded(std::size_t p, std::span<const Vec3> phyxelPositions) const;
   /// Number of points stored by local coordinates in a cell.
-  [[nodiscard]] std::size_t inCells() const { return places_.size() - rowOwners_.size(); }
+  [[nodiscard]] std::size_t inCells() const { return cellPoints_.size() - rowOwners_.size(); }
   [[nodiscard]] std::size_t bytes() const;
 
   static constexpr std::uint32_t kRow = 0xffffffffu;
   // For loops over all points
-  [[nodiscard]] std::span<const CellPlace> places() const { return places_; }
+  [[nodiscard]] std::span<const CellPoint> cellPoints() const { return cellPoints_; }
   [[nodiscard]] std::span<const Mat3> frames() const { return frames_; }  ///< columns ∇ξ_a, 1/m
   /// Cof(∂ξ/∂X), columns
   [[nodiscard]] std::span<const std::array<float, 12>> normalFrames() const { return normalFrames_; }
@@ -48,7 +48,7 @@ class Surfels {
  private:
   void addFrame(const Mat3 &frame);
 
-  std::vector<CellPlace> places_;
+  std::vector<CellPoint> cellPoints_;
   std::vector<Mat3> frames_;
   std::vector<std::array<float, 12>> normalFrames_;
   Interpolation rows_;

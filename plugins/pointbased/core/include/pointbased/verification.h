@@ -35,8 +35,8 @@ struct VerificationTarget {
 [[nodiscard]] VerificationTarget verificationTarget(const Simulator &simulator, std::size_t body);
 
 struct VerifySettings {
-  double refinement = kFineReferenceRefinement;        ///< >= kSmallFineReferenceRefinement
-  std::size_t mostPhyxels = kMaxFineReferencePhyxels;  ///< of the fine reference
+  double refinement = kFineReferenceRefinement;       ///< >= kSmallFineReferenceRefinement
+  std::size_t maxPhyxels = kMaxFineReferencePhyxels;  ///< of the fine reference
 };
 
 /// Estimated error of a body's solution, from its difference to the fine reference.
@@ -88,14 +88,14 @@ using VerifyProgress = std::function<bool(double fraction, const std::string &wh
 /// error.
 ///
 /// Errors, with nothing changed: a body that is rigid, has stopped, is inverted, is too thin or not filled by the
-/// recipe; a renewed reference; a fine reference of more than settings.mostPhyxels; no solution; "cancelled".
+/// recipe; a renewed reference; a fine reference of more than settings.maxPhyxels; no solution; "cancelled".
 /// @param shape, recipe  used to fill the body; the spacing and count of the recipe are ignored
 /// @param stop           null, or raised: cancelled within a fraction of a second
 /// @threads any one, concurrently with steps of the simulation
 /// @source  Makridakis and Nochetto, Elliptic reconstruction and a posteriori error estimates for parabolic problems,
 ///          SIAM J. Numer. Anal. 41, 2003; Roache, Perspective: a method for uniform reporting of grid refinement
 ///          studies, J. Fluids Eng. 116, 1994 (error from two spacings)
-[[nodiscard]] Result<Verification> verify(const VerificationTarget &standing, const BodyShape &shape,
+[[nodiscard]] Result<Verification> verify(const VerificationTarget &target, const BodyShape &shape,
                                           const BodyRecipe &recipe, const ParallelFor &parallelFor,
                                           const VerifyProgress &progress = {}, const StopRequest *stop = nullptr,
                                           const VerifySettings &settings = {});

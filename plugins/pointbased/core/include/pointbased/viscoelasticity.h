@@ -53,7 +53,7 @@ struct PronyStep {
 /// A pure change of volume does not relax. Objective and without torque (except for the linear law). The first three
 /// are linear viscoelasticity in e, so no closed cycle returns net work; for the neo-Hookean law this is tested, not
 /// proved. Its driving stress fades out from J = kNeoHookeanSwitch to 0 and J^(-2/3) stays finite: an inverted point
-/// forgets, and recovers as its elastic law does.
+/// loses its memory, and recovers as its elastic law does.
 ///
 /// @param before  memory at the start of the step
 /// @param after   out: memory at its end; may be the same object. With dt = 0 Q is unchanged and `previous` becomes

@@ -45,13 +45,13 @@ struct Limits {
   double budget = std::numeric_limits<double>::infinity();  // s
 };
 
-Limits limitsOf(const AccuracyTarget &wish, const AccuracySurvey &survey) {
+Limits limitsOf(const AccuracyTarget &target, const AccuracySurvey &survey) {
   Limits out;
-  switch (wish.kind) {
-    case AccuracyTarget::Kind::standard: out.budget = kStandardBudget / std::max(1.0, wish.value); break;
-    case AccuracyTarget::Kind::share: out.share = wish.value; break;
-    case AccuracyTarget::Kind::length: out.share = survey.largest > 0.0 ? wish.value / survey.largest : 1.0; break;
-    case AccuracyTarget::Kind::budget: out = {0.0, wish.value}; break;
+  switch (target.kind) {
+    case AccuracyTarget::Kind::standard: out.budget = kStandardBudget / std::max(1.0, target.value); break;
+    case AccuracyTarget::Kind::share: out.share = target.value; break;
+    case AccuracyTarget::Kind::length: out.share = survey.largest > 0.0 ? target.value / survey.largest : 1.0; break;
+    case AccuracyTarget::Kind::budget: out = {0.0, target.value}; break;
   }
   return out;
 }
@@ -150,11 +150,11 @@ double predictTouching(const AccuracySurvey &survey, const Constitution &constit
 }
 
 SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &constitution,
-                              const CostSetting &setting, const AccuracyTarget &wish) {
-  const Limits limits = limitsOf(wish, survey);
+                              const CostSetting &setting, const AccuracyTarget &target) {
+  const Limits limits = limitsOf(target, survey);
   const bool isStatic = setting.world.integrator == Integrator::quasiStatic;
   // An explicit accuracy target has to be met with confidence; the default is met at even odds.
-  const bool isSure = wish.kind != AccuracyTarget::Kind::standard;
+  const bool isSure = target.kind != AccuracyTarget::Kind::standard;
   const auto errorAt = [&](double d) {
     const ErrorPrediction error = predictError(survey, d);
     return isSure ? error.likely : error.share;
@@ -183,7 +183,7 @@ SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &
   out.touching_ms = predictTouching(survey, constitution, setting, out.spacing);
   const double whole_ms = out.frame_ms + touchingAt(out.spacing);
   const bool isWithin = isStatic || 1e-3 * whole_ms <= limits.budget;
-  if (wish.kind != AccuracyTarget::Kind::budget && errorAt(out.spacing) > 1.001 * limits.share)
+  if (target.kind != AccuracyTarget::Kind::budget && errorAt(out.spacing) > 1.001 * limits.share)
     out.unmet = errorUnmet(out, limits, forBudget > finest);
   if (!isWithin)
     out.unmet = detail::number(1e3 * limits.budget, 3) + " ms a frame cannot be had; expected are " +

@@ -31,7 +31,7 @@ bool isLoaded(const AccuracyProblem &problem) {
   const BodyRecipe &recipe = problem.recipe;
   return !problem.gravity.isZero(0.0) || std::any_of(recipe.loads.begin(), recipe.loads.end(), [](const Load &load) {
     return !load.force.isZero(0.0) || load.pressure != 0.0;
-  }) || std::any_of(recipe.fixes.begin(), recipe.fixes.end(), [](const Fix &fix) { return fix.leads(); });
+  }) || std::any_of(recipe.fixes.begin(), recipe.fixes.end(), [](const Fix &fix) { return fix.prescribesMotion(); });
 }
 
 /// Lowest part of a body along `up`.
@@ -70,8 +70,8 @@ Result<Trials> tryTwice(const AccuracyProblem &problem, double area, const Surfa
 Vec3 worstOf(const SurfacePoints &samples, const AccuracySurvey &survey) {
   Vec3 worst = Vec3::Zero();
   double most = -1.0;
-  for (std::size_t i = 0; i < survey.fine.ways.size() && i < survey.coarse.ways.size(); ++i)
-    if (const double apart = (survey.coarse.ways[i] - survey.fine.ways[i]).norm(); apart > most) {
+  for (std::size_t i = 0; i < survey.fine.displacements.size() && i < survey.coarse.displacements.size(); ++i)
+    if (const double apart = (survey.coarse.displacements[i] - survey.fine.displacements[i]).norm(); apart > most) {
       most = apart;
       worst = samples.positions[i];
     }

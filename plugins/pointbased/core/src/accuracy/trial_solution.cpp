@@ -121,8 +121,8 @@ Result<TrialSolution> solveTrial(const AccuracyProblem &problem, const SurfacePo
   out.points = rest.pointCount();
   out.contacts = rest.contact.count();
   out.stableStep = body.stableStepAtRest();
-  out.ways = displacementsAt(rest, body.state().displacements, samples, parallelFor);
-  for (Vec3 &u : out.ways) {
+  out.displacements = displacementsAt(rest, body.state().displacements, samples, parallelFor);
+  for (Vec3 &u : out.displacements) {
     u /= kSmall;
     out.largest = std::max(out.largest, u.norm());
   }
@@ -141,9 +141,10 @@ Result<TrialSolution> solveTrial(const AccuracyProblem &problem, std::size_t cou
 }
 
 double skinDifference(const TrialSolution &a, const TrialSolution &b) {
-  if (a.ways.empty() || a.ways.size() != b.ways.size()) return 0.0;
-  std::vector<double> differences(a.ways.size());
-  for (std::size_t i = 0; i < a.ways.size(); ++i) differences[i] = (a.ways[i] - b.ways[i]).norm();
+  if (a.displacements.empty() || a.displacements.size() != b.displacements.size()) return 0.0;
+  std::vector<double> differences(a.displacements.size());
+  for (std::size_t i = 0; i < a.displacements.size(); ++i)
+    differences[i] = (a.displacements[i] - b.displacements[i]).norm();
   const auto at =
       differences.begin() + static_cast<std::ptrdiff_t>(kSkinPart * static_cast<double>(differences.size() - 1));
   std::nth_element(differences.begin(), at, differences.end());

@@ -156,7 +156,7 @@ class Finder {
 
 }  // namespace
 
-SingularRegions findSingularPlaces(const Body &body, std::span<const double> pressures) {
+SingularRegions findSingularRegions(const Body &body, std::span<const double> pressures) {
   SingularRegions out;
   out.points.assign(body.rest().pointCount(), 0);
   Finder finder(body, out);

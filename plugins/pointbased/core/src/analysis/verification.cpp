@@ -138,10 +138,10 @@ class Verifying {
     return static_cast<std::size_t>(shape_.volume / (cell * cell * cell));
   }
   [[nodiscard]] Result<void> checkCount(std::size_t count) const {
-    if (count <= settings_.mostPhyxels) return {};
+    if (count <= settings_.maxPhyxels) return {};
     return refused("its fine reference would have about " + std::to_string(count) + " phyxels at a spacing of " +
                    number(1e3 * body_.rest().spacing / refinement_) + " mm; accepted: at most " +
-                   std::to_string(settings_.mostPhyxels));
+                   std::to_string(settings_.maxPhyxels));
   }
   // Cells within supports are refined together with the edges of the supports.
   [[nodiscard]] bool affordsFineSupports(double cell) const {
@@ -149,7 +149,7 @@ class Verifying {
     double count = static_cast<double>(countAt(cell));
     for (const ConstrainedRegion &part : body_.rest().conditions.held)
       count += part.volume / (fine * fine * fine) + 4.0 * part.area / (fine * fine);
-    return !body_.rest().conditions.held.empty() && count <= static_cast<double>(settings_.mostPhyxels);
+    return !body_.rest().conditions.held.empty() && count <= static_cast<double>(settings_.maxPhyxels);
   }
 
   // Uses the finer of the two fine references that has a solution.
@@ -163,7 +163,7 @@ class Verifying {
     rest = *filled;
     hasFineSupports_ = fineSupports;
     auto solved =
-        rest->phyxelCount() > settings_.mostPhyxels ? Result<FineReferenceState>(refused("too large")) : solve(rest);
+        rest->phyxelCount() > settings_.maxPhyxels ? Result<FineReferenceState>(refused("too large")) : solve(rest);
     if (solved || solved.error() == "cancelled") return solved;
     if (fineSupports) return fineReferenceOf(recipe, false, rest);
     if (auto good = checkCount(rest->phyxelCount()); !good) return refused(good.error());
@@ -262,7 +262,7 @@ class Verifying {
     std::vector<std::string> out;
     if (refinement_ < settings_.refinement)
       out.emplace_back("its fine reference is only " + number(refinement_) + " times finer, to stay below " +
-                       std::to_string(settings_.mostPhyxels) + " phyxels: less certain");
+                       std::to_string(settings_.maxPhyxels) + " phyxels: less certain");
     if (!body_.rest().conditions.held.empty() && !hasFineSupports_)
       out.emplace_back(
           "the edges of supports are no finer than the rest of the fine reference: near them the error may be up "

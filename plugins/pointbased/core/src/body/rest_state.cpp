@@ -198,7 +198,7 @@ std::vector<Index> piecesOf(const RestState &rest) {
     for (Index e = rows.offsets[q]; e < rows.offsets[q + 1]; ++e)
       (void)sets.join(rows.indices[rows.offsets[q]], rows.indices[e]);
   std::vector<Index> pieces;
-  for (const CellPlace &place : rest.surfels.places()) {
+  for (const CellPoint &place : rest.surfels.cellPoints()) {
     const Interpolation &own = rest.surfels.rows();
     pieces.push_back(sets.find(place.frame == Surfels::kRow ? own.phyxels.indices[own.phyxels.offsets[place.phyxels[0]]]
                                                             : place.phyxels[0]));

@@ -50,7 +50,7 @@ void ElasticFoundation::forPairs(const Visit &visit) const {
   for (Index p = 0; p < points_.count(); ++p)
     for (Index e = of.offsets[p]; e < of.offsets[p + 1]; ++e)
       for (Index f = of.offsets[p]; f < of.offsets[p + 1]; ++f)
-        visit(placeOf_[of.indices[e]], placeOf_[of.indices[f]], points_.areas[p] * weights[e] * weights[f], p);
+        visit(indexOf_[of.indices[e]], indexOf_[of.indices[f]], points_.areas[p] * weights[e] * weights[f], p);
 }
 
 void ElasticFoundation::bind(SurfacePoints points, Interpolation binding, std::size_t phyxels) {
@@ -64,8 +64,8 @@ void ElasticFoundation::bind(SurfacePoints points, Interpolation binding, std::s
   touched_ = binding_.phyxels.indices;
   std::sort(touched_.begin(), touched_.end());
   touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
-  placeOf_.assign(phyxels, 0);
-  for (std::size_t k = 0; k < touched_.size(); ++k) placeOf_[touched_[k]] = static_cast<Index>(k);
+  indexOf_.assign(phyxels, 0);
+  for (std::size_t k = 0; k < touched_.size(); ++k) indexOf_[touched_[k]] = static_cast<Index>(k);
 
   std::vector<std::vector<Index>> columns(touched_.size());
   forPairs([&](Index row, Index column, double, Index) { columns[row].push_back(column); });
@@ -79,7 +79,7 @@ void ElasticFoundation::bind(SurfacePoints points, Interpolation binding, std::s
   couplings_.assign(rows_.indices.size(), 0.0);
   forPairs([&](Index row, Index column, double share, Index) { couplings_[entryOf(row, column)] += share; });
   normals_.clear();
-  ways_.assign(touched_.size(), Vec3::Zero());
+  touchedDisplacements_.assign(touched_.size(), Vec3::Zero());
   set(settings_);
 }
 
@@ -104,7 +104,7 @@ Mat3 ElasticFoundation::block(Index e) const {
 
 double ElasticFoundation::energy(std::span<const Vec3> u) const {
   if (!acts()) return 0.0;
-  POINTBASED_EXPECTS(u.size() == placeOf_.size(), "one displacement per phyxel");
+  POINTBASED_EXPECTS(u.size() == indexOf_.size(), "one displacement per phyxel");
   double energy = 0.0;
   for (Index k = 0; k < touched_.size(); ++k) {
     Vec3 sum = Vec3::Zero();
@@ -114,7 +114,7 @@ double ElasticFoundation::energy(std::span<const Vec3> u) const {
   return energy;
 }
 
-// out += scale · K · ways_
+// out += scale · K · touchedDisplacements_
 void ElasticFoundation::apply(double scale, std::span<Vec3> out, const ParallelFor &parallelFor) const {
   const bool isotropic = normals_.empty();
   const auto range = [&](std::size_t begin, std::size_t end) {
@@ -122,10 +122,12 @@ void ElasticFoundation::apply(double scale, std::span<Vec3> out, const ParallelF
       Vec3 sum = Vec3::Zero();
       if (isotropic) {
         // Isotropic: one number per entry.
-        for (Index e = rows_.offsets[k]; e < rows_.offsets[k + 1]; ++e) sum += couplings_[e] * ways_[rows_.indices[e]];
+        for (Index e = rows_.offsets[k]; e < rows_.offsets[k + 1]; ++e)
+          sum += couplings_[e] * touchedDisplacements_[rows_.indices[e]];
         sum *= settings_.tangential;
       } else {
-        for (Index e = rows_.offsets[k]; e < rows_.offsets[k + 1]; ++e) sum += times(e, ways_[rows_.indices[e]]);
+        for (Index e = rows_.offsets[k]; e < rows_.offsets[k + 1]; ++e)
+          sum += times(e, touchedDisplacements_[rows_.indices[e]]);
       }
       out[touched_[k]] += scale * sum;
     }
@@ -136,13 +138,13 @@ void ElasticFoundation::apply(double scale, std::span<Vec3> out, const ParallelF
 void ElasticFoundation::addForces(std::span<const Vec3> u, std::span<const Vec3> velocities, std::span<Vec3> forces,
                                   const ParallelFor &parallelFor) const {
   if (!acts()) return;
-  POINTBASED_EXPECTS(u.size() == placeOf_.size() && forces.size() == placeOf_.size(),
+  POINTBASED_EXPECTS(u.size() == indexOf_.size() && forces.size() == indexOf_.size(),
                      "one displacement and one force per phyxel");
-  POINTBASED_EXPECTS(velocities.empty() || velocities.size() == placeOf_.size(), "one velocity per phyxel, or none");
+  POINTBASED_EXPECTS(velocities.empty() || velocities.size() == indexOf_.size(), "one velocity per phyxel, or none");
   const bool damps = settings_.retardationTime > 0.0 && !velocities.empty();
   for (std::size_t k = 0; k < touched_.size(); ++k) {
-    ways_[k] = u[touched_[k]];
-    if (damps) ways_[k] += settings_.retardationTime * velocities[touched_[k]];
+    touchedDisplacements_[k] = u[touched_[k]];
+    if (damps) touchedDisplacements_[k] += settings_.retardationTime * velocities[touched_[k]];
   }
   apply(-1.0, forces, parallelFor);
 }
@@ -150,14 +152,14 @@ void ElasticFoundation::addForces(std::span<const Vec3> u, std::span<const Vec3>
 void ElasticFoundation::addProduct(double scale, std::span<const Vec3> du, std::span<Vec3> out,
                                    const ParallelFor &parallelFor) const {
   if (!acts()) return;
-  POINTBASED_EXPECTS(du.size() == placeOf_.size() && out.size() == placeOf_.size(), "one vector per phyxel");
-  for (std::size_t k = 0; k < touched_.size(); ++k) ways_[k] = du[touched_[k]];
+  POINTBASED_EXPECTS(du.size() == indexOf_.size() && out.size() == indexOf_.size(), "one vector per phyxel");
+  for (std::size_t k = 0; k < touched_.size(); ++k) touchedDisplacements_[k] = du[touched_[k]];
   apply(scale, out, parallelFor);
 }
 
 void ElasticFoundation::addBlocks(double scale, std::span<Mat3> blocks) const {
   if (!acts()) return;
-  POINTBASED_EXPECTS(blocks.size() == placeOf_.size(), "one block per phyxel");
+  POINTBASED_EXPECTS(blocks.size() == indexOf_.size(), "one block per phyxel");
   for (Index k = 0; k < touched_.size(); ++k)
     for (Index e = rows_.offsets[k]; e < rows_.offsets[k + 1]; ++e)
       if (rows_.indices[e] == k) blocks[touched_[k]] += scale * block(e);

@@ -42,7 +42,7 @@ struct PointFlow {
 class CellHistories {
  public:
   CellHistories(const Constitution &constitution, const CellPlan &plan)
-      : materials_(constitution.remembers() ? constitution.materials.size() : 0) {
+      : materials_(constitution.hasHistory() ? constitution.materials.size() : 0) {
     if (materials_.empty()) return;
     points_ = plan.points;
     used_ = plan.used;
@@ -306,7 +306,7 @@ std::unique_ptr<VectorForces> cellForcesOf(const StencilSet &stencils, std::span
                                            Precision precision, const ParallelFor &parallelFor) {
   std::vector<std::uint8_t> suits;
   for (const Material &m : constitution.materials) suits.push_back(kernelKnows(m) ? 1 : 0);
-  const bool single = precision == Precision::singlePrecision && !constitution.remembers();  // reason: see HistoryJob
+  const bool single = precision == Precision::singlePrecision && !constitution.hasHistory();  // reason: see HistoryJob
   Laminates laminates = findLaminates(stencils, constitution);
   const CellPlan plan = planCells(stencils, single ? kLanes<float> : kLanes<double>, suits, parallelFor, laminates);
   if (2 * plan.others.size() > stencils.pointCount()) return nullptr;

@@ -187,7 +187,7 @@ ModeForm Laminates::modesAt(const StencilSet &s, std::size_t q) const {
 
 Laminates findLaminates(const StencilSet &s, const Constitution &constitution) {
   Laminates out;
-  if (s.materials.empty() || !s.isLattice() || !s.reference.empty() || constitution.remembers()) return out;
+  if (s.materials.empty() || !s.isLattice() || !s.reference.empty() || constitution.hasHistory()) return out;
   const bool withModes = constitution.stabilisation > 0.0;
   if (withModes)
     for (const Material &material : constitution.materials)

@@ -122,7 +122,7 @@ std::unique_ptr<VectorForces> vectorForces(const StencilSet &stencils, std::span
   if (positions.empty() || !stencils.reference.empty()) return nullptr;
   if (stencils.isLattice()) return cellForcesOf(stencils, positions, masses, constitution, precision, parallelFor);
   // The kernels of clouds do not support history.
-  return constitution.remembers() ? nullptr : cloudForcesOf(stencils, positions, constitution, precision, parallelFor);
+  return constitution.hasHistory() ? nullptr : cloudForcesOf(stencils, positions, constitution, precision, parallelFor);
 }
 
 }  // namespace pointbased::detail

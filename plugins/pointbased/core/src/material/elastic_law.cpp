@@ -82,40 +82,40 @@ Result<void> ElasticLaw::bounds(std::span<const Mat3> F, std::span<TangentBound>
   return {};
 }
 
-void CheckedLaw::complain(std::string text) const {
+void CheckedLaw::recordError(std::string text) const {
   const std::lock_guard lock(mutex_);
-  complaint_ = law_->name() + ": " + std::move(text);
+  lastError_ = law_->name() + ": " + std::move(text);
 }
 
 std::string CheckedLaw::consumeError() const {
   const std::lock_guard lock(mutex_);
-  return std::exchange(complaint_, {});
+  return std::exchange(lastError_, {});
 }
 
 template <class T>
-void CheckedLaw::judge(const Result<void> &answered, const char *what, std::span<const Mat3> F,
-                       std::span<T> values) const {
+void CheckedLaw::checkResult(const Result<void> &answered, const char *what, std::span<const Mat3> F,
+                             std::span<T> values) const {
   if (!answered) {
     for (T &value : values) makeNone(value);
-    return complain(std::string(what) + ": " + answered.error());
+    return recordError(std::string(what) + ": " + answered.error());
   }
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (isNumber(values[i]) || !F[i].allFinite()) continue;
-    return complain(std::string(what) + " is no number at F = " + shown(F[i]));
+    return recordError(std::string(what) + " is no number at F = " + shown(F[i]));
   }
 }
 
 void CheckedLaw::energies(std::span<const Mat3> F, std::span<double> W) const {
-  judge(law_->energies(F, W), "the energy", F, W);
+  checkResult(law_->energies(F, W), "the energy", F, W);
 }
 void CheckedLaw::stresses(std::span<const Mat3> F, std::span<Mat3> P) const {
-  judge(law_->stresses(F, P), "the stress", F, P);
+  checkResult(law_->stresses(F, P), "the stress", F, P);
 }
 void CheckedLaw::differentials(std::span<const Mat3> F, std::span<const Mat3> dF, std::span<Mat3> dP) const {
-  judge(law_->differentials(F, dF, dP), "the differential of the stress", F, dP);
+  checkResult(law_->differentials(F, dF, dP), "the differential of the stress", F, dP);
 }
 void CheckedLaw::bounds(std::span<const Mat3> F, std::span<TangentBound> out) const {
-  judge(law_->bounds(F, out), "the bound of the stiffness", F, out);
+  checkResult(law_->bounds(F, out), "the bound of the stiffness", F, out);
 }
 
 namespace {

@@ -83,7 +83,7 @@ HWY_INLINE void writeNormal(float x, float y, float z, const Vec3 &rest, Vec3f &
 void moveCells(const SkinJob &job, std::size_t first, std::size_t last) {
   const Four shift = load(std::array<float, 4>{job.shift[0], job.shift[1], job.shift[2], 0.0f}.data());
   for (std::size_t p = first; p < last; ++p) {
-    const CellPlace &place = job.places[p];
+    const CellPoint &place = job.cellPoints[p];
     if (place.frame == Surfels::kRow) continue;
     const auto corner = [&](std::size_t j) { return load(job.phyxels[place.phyxels[j]].data()); };
     const Four a = all(static_cast<float>(place.at[0])), b = all(static_cast<float>(place.at[1])),

@@ -10,7 +10,7 @@ namespace pointbased::kernels {
 
 /// Input and output for a range of points.
 struct SkinJob {
-  const CellPlace *places = nullptr;               ///< [points]
+  const CellPoint *cellPoints = nullptr;           ///< [points]
   std::span<const std::array<float, 12>> frames;   ///< cof(∂ξ/∂X), columns of four
   const std::array<float, 4> *phyxels = nullptr;   ///< [phyxels] current positions
   const Vec3 *restNormals = nullptr;               ///< [points]; null: positions only

@@ -83,11 +83,11 @@ std::optional<Found> placeOf(const Interpolation &binding, std::size_t p) {
 
 }  // namespace
 
-Surfels::Surfels(const Interpolation &binding) : places_(binding.count()) {
+Surfels::Surfels(const Interpolation &binding) : cellPoints_(binding.count()) {
   rows_.phyxels.offsets.assign(1, 0);
   for (std::size_t p = 0; p < binding.count(); ++p) {
     const Index first = binding.phyxels.offsets[p], last = binding.phyxels.offsets[p + 1];
-    CellPlace &place = places_[p];
+    CellPoint &place = cellPoints_[p];
     if (const std::optional<Found> found = placeOf(binding, p)) {
       place.at = found->at;
       std::copy_n(binding.phyxels.indices.begin() + first, kCorners, place.phyxels.begin());
@@ -131,13 +131,14 @@ void Surfels::addFrame(const Mat3 &frame) {
 }
 
 std::size_t Surfels::bytes() const {
-  return places_.size() * sizeof(CellPlace) + frames_.size() * sizeof(Mat3) + rows_.positions.size() * sizeof(Vec3) +
-         rows_.phyxels.offsets.size() * sizeof(Index) + rowOwners_.size() * sizeof(Index) +
+  return cellPoints_.size() * sizeof(CellPoint) + frames_.size() * sizeof(Mat3) +
+         rows_.positions.size() * sizeof(Vec3) + rows_.phyxels.offsets.size() * sizeof(Index) +
+         rowOwners_.size() * sizeof(Index) +
          rowCoefficients_.size() * (sizeof(Index) + sizeof(double) + sizeof(Vec3) + sizeof(std::array<float, 4>));
 }
 
 Vec3 Surfels::position(std::size_t p, std::span<const Vec3> phyxelPositions) const {
-  const CellPlace &place = places_[p];
+  const CellPoint &place = cellPoints_[p];
   if (place.frame == kRow) return rows_.positions[place.phyxels[0]];
   const std::array<double, kCorners> weights = cellWeights(place.at);
   const Vec3 anchor = phyxelPositions[place.phyxels[0]];
@@ -149,7 +150,7 @@ Vec3 Surfels::position(std::size_t p, std::span<const Vec3> phyxelPositions) con
 Interpolation Surfels::expanded(std::size_t p, std::span<const Vec3> phyxelPositions) const {
   Interpolation out;
   out.positions.push_back(position(p, phyxelPositions));
-  const CellPlace &place = places_[p];
+  const CellPoint &place = cellPoints_[p];
   if (place.frame != kRow) {
     const Functions functions(place.at, frames_[place.frame]);
     out.phyxels.offsets = {0, static_cast<Index>(kCorners)};
@@ -199,7 +200,7 @@ struct Moved {
   Vec3 displacement;
   Mat3 F = Mat3::Identity();
 
-  Moved(const CellPlace &place, const Mat3 &frame, std::span<const Vec3> u) {
+  Moved(const CellPoint &place, const Mat3 &frame, std::span<const Vec3> u) {
     const Functions functions(place.at, frame);
     const Vec3 anchor = u[place.phyxels[0]];
     displacement = Vec3::Zero();
@@ -226,7 +227,7 @@ void interpolateScalars(const Surfels &surfels, std::span<const double> field, s
   const Interpolation &rows = surfels.rows();
   runLoop(parallelFor, surfels.count(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
-      const CellPlace &place = surfels.places()[p];
+      const CellPoint &place = surfels.cellPoints()[p];
       double sum = 0.0, low = std::numeric_limits<double>::infinity(), high = -low;
       const auto add = [&](double weight, double value) {
         sum += weight * value;
@@ -256,7 +257,7 @@ void updateSurfels(const Surfels &surfels, std::span<const Vec3> restNormals, st
   const Interpolation &rows = surfels.rows();
   runLoop(parallelFor, surfels.count(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
-      const CellPlace &place = surfels.places()[p];
+      const CellPoint &place = surfels.cellPoints()[p];
       Mat3 F;
       if (place.frame == Surfels::kRow) {
         const Index row = place.phyxels[0];
@@ -292,7 +293,7 @@ void updateSurfels(const Surfels &surfels, std::span<const Vec3> restNormals, co
 
   const Interpolation &rows = surfels.rows();
   kernels::SkinJob job;
-  job.places = surfels.places().data();
+  job.cellPoints = surfels.cellPoints().data();
   job.frames = surfels.normalFrames();
   job.phyxels = scratch.positions.data();
   job.restNormals = normals.empty() ? nullptr : restNormals.data();

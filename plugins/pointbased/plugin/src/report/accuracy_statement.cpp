@@ -173,7 +173,7 @@ AccuracyStatement stateAccuracy(const Simulator &simulator, std::size_t id, cons
   out.whole = estimateError(body, nullptr, scratch, parallelFor).relative;
   std::vector<double> pressures;
   simulator.diagnostics().contactPressures(id, pressures);
-  const SingularRegions places = findSingularPlaces(body, pressures);
+  const SingularRegions places = findSingularRegions(body, pressures);
   out.stress = relativeErrorOutside(body, scratch, places);
   out.leftOut = places.volumePart;
   out.isStrained = out.whole > 0.0;

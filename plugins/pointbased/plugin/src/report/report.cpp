@@ -264,7 +264,7 @@ std::string describeComputation(const Simulator &simulator, std::size_t id) {
   const Body &body = *simulator.body(id);
   const Integrator integrator = simulator.stepper().integratorOf(id);
   const bool isExplicit = integrator == Integrator::explicitVerlet;
-  const bool single = isExplicit && body.precision() == Precision::singlePrecision && !body.constitution().remembers();
+  const bool single = isExplicit && body.precision() == Precision::singlePrecision && !body.constitution().hasHistory();
   if (body.isStatic()) return "rigid: it is not";
   if (body.isFreeRigid())
     return "as a rigid body, explicit, steps of " + shortNumber(1e3 * simulator.stepper().stepSizeOf(id)) + " ms";

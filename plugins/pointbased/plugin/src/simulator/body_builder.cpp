@@ -184,7 +184,7 @@ struct Making {
 // Whether any known action on it exists besides gravity.
 bool isActedOn(const BodySource &source) {
   return !source.loads.empty() || !source.grabs.empty() ||
-         std::any_of(source.fixes.begin(), source.fixes.end(), [](const Fix &fix) { return fix.leads(); });
+         std::any_of(source.fixes.begin(), source.fixes.end(), [](const Fix &fix) { return fix.prescribesMotion(); });
 }
 
 // Automatically on for bodies of several tissues.

@@ -13,7 +13,9 @@ namespace {
 constexpr double kPlane = 0.375;
 
 // Whether soft tissue collides with the voxels of a fix.
-bool isRigidTissue(const Fix &fix) { return std::holds_alternative<VoxelRegion>(fix.region) && !fix.leads(); }
+bool isRigidTissue(const Fix &fix) {
+  return std::holds_alternative<VoxelRegion>(fix.region) && !fix.prescribesMotion();
+}
 
 // Points that move with the fixes only.
 class HeldPoints {
