@@ -11,7 +11,7 @@
 # Sources that a unity build (preset release) compiles by themselves: their local names occur in other sources of the
 # target, or they compile themselves once per instruction set.
 #
-# c3de_compile_each(TARGET): all sources of the target by themselves, for tests whose helpers have the same short names.
+# c3de_compile_each(TARGET): all sources of the target by themselves.
 #
 # c3de_compile_quickly(TARGET)
 #

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "parameters.h"
 
+#include <cstdio>
+
 #include "c3de/abi/iface/parameter_ids.h"
-#include "scene_input.h"
 
 namespace mass_spring {
 namespace {
@@ -41,13 +42,20 @@ constexpr std::array kBody{
                       {1.0, 1e6, 50.0, 5000.0}, 1000.0, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_LOG_SCALE),
 };
 
+std::string numberText(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
 std::string shown(const c3de_param_value &v) {
   switch (v.type) {
     case C3DE_PARAM_TEXT:
     case C3DE_PARAM_CHOICE: return '"' + std::string(sdk::text(v.text)) + '"';
-    case C3DE_PARAM_VEC3: return "[" + shown(v.vec[0]) + ", " + shown(v.vec[1]) + ", " + shown(v.vec[2]) + "]";
+    case C3DE_PARAM_VEC3:
+      return "[" + numberText(v.vec[0]) + ", " + numberText(v.vec[1]) + ", " + numberText(v.vec[2]) + "]";
     case C3DE_PARAM_BOOL: return v.num != 0.0 ? "true" : "false";
-    default: return shown(v.num);
+    default: return numberText(v.num);
   }
 }
 
@@ -58,8 +66,8 @@ std::string accepted(const c3de_param_decl &d) {
     for (std::uint64_t i = 0; i < d.choices_n; ++i) list += (i > 0 ? " | " : "") + std::string(sdk::text(d.choices[i]));
     return list;
   }
-  const std::string range = shown(d.min) + ((d.flags & C3DE_PARAM_MIN_OPEN) ? " < value " : " <= value ") +
-                            ((d.flags & C3DE_PARAM_MAX_OPEN) ? "< " : "<= ") + shown(d.max) +
+  const std::string range = numberText(d.min) + ((d.flags & C3DE_PARAM_MIN_OPEN) ? " < value " : " <= value ") +
+                            ((d.flags & C3DE_PARAM_MAX_OPEN) ? "< " : "<= ") + numberText(d.max) +
                             (d.unit.len > 0 ? " " + std::string(sdk::text(d.unit)) : "");
   if (d.type == C3DE_PARAM_VEC3) return "three numbers, each " + range;
   if (d.type == C3DE_PARAM_I64) return "a whole number, " + range;

@@ -72,7 +72,7 @@ TEST_CASE("An attachment that cannot be or says too little is refused by name", 
   CHECK_THAT(errorOf(attached("bodies = [\"live\", \"surroundings\"]\nstiffness = 1e5\n")),
              Contains("no body 'live'") && Contains("did you mean 'liver'"));
   CHECK_THAT(errorOf(attached("bodies = [\"liver\", \"liver\"]\nwithin_mm = 3\nstiffness = 1e5\n")),
-             Contains("'liver' and itself"));
+             Contains("'liver' twice"));
   CHECK_THAT(errorOf(attached(surroundings)), Contains("no 'stiffness'") && Contains("Pa/m"));
   CHECK_THAT(errorOf(attached("stiffness = 1\n")), Contains("no 'bodies'"));
   CHECK_THAT(errorOf(attached(spine + "stiffness = 1e5\n")),

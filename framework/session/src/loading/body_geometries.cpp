@@ -83,7 +83,7 @@ Expected<BodyGeometry> BodyGeometries::ofVolume(std::size_t index, const Progres
       return tl::unexpected(added.error());
     auto tissues = sources_.placesOf(body, *picked);
     if (!tissues) return tl::unexpected(tissues.error());
-    made->tissues = std::make_shared<TissueVoxels>(std::move(*tissues));
+    made->tissueVoxels = std::make_shared<TissueVoxels>(std::move(*tissues));
     made->thickness_mm = thicknessOf(*picked->tissues, body.volume.tissues.size());
   }
   made->took += took;

@@ -29,7 +29,7 @@ struct BodyGeometry {
   /// For a body of many tissues: the fill of each tissue that has a part, in the order of SceneVolume::tissues. Null: a
   /// tissue that was only found by its name has no voxels left.
   std::vector<std::shared_ptr<const imaging::Fill>> tissues;
-  std::shared_ptr<TissueVoxels> tissues;       ///< of a body of many tissues
+  std::shared_ptr<TissueVoxels> tissueVoxels;  ///< of a body of many tissues
   std::vector<double> thickness_mm;            ///< thicknessOf() such a body, in the order of SceneVolume::tissues
   std::shared_ptr<const imaging::Fill> rigid;  ///< of the rigid tissues; null: there are none
 };

@@ -85,7 +85,7 @@ void note(const scene::SceneBody &body, BodyGeometry &geometry, Prepared &prepar
     prepared.coverage.back().body = body.name;
     if (const std::string text = sentenceOf(prepared.coverage.back()); !text.empty()) log(LogLevel::warn, text);
   }
-  if (geometry.tissues) prepared.tissues.push_back(std::move(*geometry.tissues));
+  if (geometry.tissueVoxels) prepared.tissues.push_back(std::move(*geometry.tissueVoxels));
 }
 
 }  // namespace

@@ -123,7 +123,7 @@ void SimulationState::reset() {
     for (const std::string &warning : texts) reportEvent("warning", warning);
   reported = {};
   initialWarningsReported = false;
-  spent = {};
+  computingTime = {};
 }
 
 }  // namespace pointbased::detail
