@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The keys of a table of the scene as data, and how SceneReader reads them. The tables are in scene_tables.cpp.
+// The keys of a table of the scene as data, and how SceneReader reads and SceneWriter writes them. The tables are in
+// scene_tables.cpp.
 #pragma once
 
 #include <algorithm>
@@ -12,6 +13,8 @@
 
 #include "c3de/core/text.h"
 #include "scene_reader.h"
+#include "scene_writer.h"
+#include "toml_text.h"
 
 namespace c3de::scene {
 
@@ -30,6 +33,8 @@ struct NumberReader {
     out = factor * number;
     return true;
   }
+  /// The shortest number in the unit of the key that is read as `value`; the nearest if none is.
+  [[nodiscard]] double inverse(double value) const;
 };
 
 inline constexpr double kMetresPerMillimetre = 1e-3;
@@ -75,6 +80,25 @@ template <class T>
 T &contentOf(std::optional<T> &value) {
   return value ? *value : value.emplace();
 }
+template <class T>
+const T &contentOf(const std::optional<T> &value) {
+  static const T kDefault{};
+  return value ? *value : kDefault;
+}
+
+template <class T>
+inline constexpr bool kIsOptional = false;
+template <class T>
+inline constexpr bool kIsOptional<std::optional<T>> = true;
+
+/// A reader with its inverse, where the type of the member does not determine both.
+template <class Read, class Write>
+struct Codec {
+  Read read;
+  Write write;
+};
+template <class Read, class Write>
+Codec(Read, Write) -> Codec<Read, Write>;
 
 /// A member of a member; optional members are created.
 template <class Outer, class Inner>
@@ -86,9 +110,12 @@ auto in(Outer outer, Inner inner) {
 template <class Table>
 struct Field {
   using Read = std::function<bool(SceneReader &, const std::string &key, const TomlValue &, Table &)>;
+  using Write = std::function<std::optional<TomlValue>(SceneWriter &, const std::string &key, const Table &)>;
   std::string key;
   FieldRules rules;
   Read read;
+  Write write;               ///< none: the key is left out
+  bool isParameter = false;  ///< its values are SceneValues with ids that begin with the key
 
   /// @param member  a pointer to the member, or `in`; its type determines what is accepted
   template <class Member>
@@ -99,19 +126,56 @@ struct Field {
               return reader.read(id, value, out);
             },
             std::move(rule)) {}
-  /// @param reader  a member function of SceneReader, a NumberReader or a function with the parameters of those
+  /// @param reader  a member function of SceneReader, a NumberReader, a function with the parameters of those, or a
+  ///                Codec of it
   template <class Member, class Reader>
   requires(std::invocable<Member, Table &> && !std::convertible_to<Reader, FieldRules>)
       Field(std::string name, Member member, Reader reader, FieldRules rule = {})
+      : Field(std::move(name), member, Codec{reader, writerFor(reader)}, std::move(rule)) {}
+  template <class Member, class ReadContent, class WriteContent>
+  requires std::invocable<Member, Table &> Field(std::string name, Member member,
+                                                 Codec<ReadContent, WriteContent> codec, FieldRules rule = {})
       : key(std::move(name)), rules(std::move(rule)),
-        read([member, reader](SceneReader &self, const std::string &id, const TomlValue &value, Table &table) {
-          return std::invoke(reader, self, id, value, contentOf(std::invoke(member, table)));
-        }) {}
+        read([member, codec](SceneReader &self, const std::string &id, const TomlValue &value, Table &table) {
+          return std::invoke(codec.read, self, id, value, contentOf(std::invoke(member, table)));
+        }) {
+    isParameter = std::is_same_v<std::remove_cvref_t<std::invoke_result_t<Member, Table &>>, std::vector<SceneValue>>;
+    // Missing: an optional member without a value, and a default of a key that may be missing.
+    write = [member, codec, reads = read, isRequired = !rules.required.empty()](
+                SceneWriter &self, const std::string &id, const Table &table) -> std::optional<TomlValue> {
+      const auto &value = std::invoke(member, table);
+      using Value = std::remove_cvref_t<decltype(value)>;
+      if constexpr (kIsOptional<Value>)
+        if (!value) return std::nullopt;
+      std::optional<TomlValue> out = std::invoke(codec.write, self, id, contentOf(value));
+      if (!out) return out;
+      if constexpr (!kIsOptional<Value>) {
+        static const Table kDefault{};
+        const auto fallback = std::invoke(codec.write, self, id, contentOf(std::invoke(member, kDefault)));
+        if (!isRequired && fallback && areEqual(*fallback, *out)) return std::nullopt;
+      }
+      Table scratch;
+      return std::is_same_v<Value, std::filesystem::path> ||
+                     self.accepts([&](SceneReader &reader) { return reads(reader, id, *out, scratch); })
+                 ? out
+                 : std::nullopt;
+    };
+  }
   /// @param whole  reads into more than one member
-  template <class Whole>
-  requires std::invocable<Whole, SceneReader &, const std::string &, const TomlValue &, Table &> Field(
-      std::string name, Whole whole, FieldRules rule = {})
-      : key(std::move(name)), rules(std::move(rule)), read(std::move(whole)) {}
+  template <class ReadWhole, class WriteWhole>
+  Field(std::string name, Codec<ReadWhole, WriteWhole> whole, FieldRules rule = {})
+      : key(std::move(name)), rules(std::move(rule)), read(whole.read), write(whole.write) {}
+
+ private:
+  template <class Reader>
+  static auto writerFor(const Reader &reader) {
+    if constexpr (std::is_same_v<Reader, NumberReader>)
+      return [reader](SceneWriter &self, const std::string &id, double value) {
+        return self.write(id, reader.inverse(value));
+      };
+    else
+      return [](SceneWriter &self, const std::string &id, const auto &value) { return self.write(id, value); };
+  }
 };
 
 template <class Table>
@@ -159,6 +223,18 @@ extern const SceneTable<SceneAttachment> kAttachmentTable;
 extern const SceneTable<SceneContactPair> kContactPairTable;
 extern const SceneTable<SceneProbeTool> kProbeToolTable;
 extern const SceneTable<SceneGrasp> kGraspTable;
+
+/// Tables in tables.
+extern const Fields<SceneImage> kImageFields;
+extern const Fields<SceneFixedRegions> kFixedRegionFields;
+extern const Fields<imaging::MaskCleanUp> kMendFields;
+extern const Fields<SceneTissue> kTissueFields;
+extern const Fields<SceneBody> kBackgroundFields;
+extern const Fields<SceneToolWaypoint> kToolWaypointFields;
+extern const Fields<SceneGraspWaypoint> kGraspWaypointFields;
+
+/// Keys of an [[attachment]] of all of a surface to the surroundings, which are parameters of its body.
+inline constexpr std::array<const char *, 3> kSurroundingsKeys{"stiffness", "tangential", "retardation_time"};
 
 /// Calls `visit` with each table until it returns true.
 template <class Visit>
@@ -209,6 +285,15 @@ bool SceneReader::readTables(const SceneTable<Table> &table, const TomlValue &va
   if (!requireTables("'" + table.key + "'", "one or more tables " + table.place, value)) return false;
   return std::all_of(value.items.begin(), value.items.end(),
                      [&](const TomlValue &keys) { return readTable(table, keys); });
+}
+
+template <class Table>
+TomlValue SceneWriter::writeFields(const Fields<Table> &fields, const Table &table) {
+  TomlValue keys;
+  for (const Field<Table> &field : fields.fields)
+    if (std::optional<TomlValue> value = field.write(*this, fields.prefix + field.key, table))
+      keys.entries.push_back({field.key, std::move(*value)});
+  return keys;
 }
 
 }  // namespace c3de::scene

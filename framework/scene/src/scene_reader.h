@@ -102,6 +102,8 @@ class SceneReader {
   bool readImage(const TomlValue &table);
   bool readTissue(const TomlValue &table, SceneTissue &out);
 
+  bool readOptional(const TomlValue &value, std::vector<SceneValue> &params);
+
   bool checkBox();
   bool checkAccuracyTarget();
   /// Assigns the only body to probes, grasps, fixes and loads without one; refuses unknown body names.
@@ -164,6 +166,9 @@ class SceneReader {
 
 /// The values of a material preset, ids "material.…".
 [[nodiscard]] std::vector<SceneValue> valuesOf(const MaterialPreset &preset);
+
+/// A table in a material: its values are SceneValue::isOptional.
+inline constexpr const char *kOptionalKey = "optional";
 
 /// Labels with larger numbers are renumbered when their map is read, and are identified by the default names of unnamed
 /// labels.

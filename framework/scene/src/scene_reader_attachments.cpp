@@ -11,8 +11,6 @@ bool SceneReader::readTable(const SceneTable<SceneAttachment> &table, const Toml
   if (!readFields(table, keys, attachment)) return false;
   if (attachment.names[0].empty())
     return refuse(keys.line, table.owner + " has no 'bodies'; accepted: " + table.find("bodies")->rules.required);
-  if (keys.find("stiffness") == nullptr)
-    return refuse(keys.line, table.owner + " has no 'stiffness'; accepted: " + atLeast0(kStiffnessUnit).accepted);
   const bool toSurroundings = attachment.names[1] == kSurroundingsName;
   if (toSurroundings && attachment.within_m)
     return refuse(keys.line, "within_mm applies to two surfaces; accepted for an attachment to the surroundings: " +
@@ -20,7 +18,7 @@ bool SceneReader::readTable(const SceneTable<SceneAttachment> &table, const Toml
   if (toSurroundings && !attachment.region && attachment.tearsAt_Pa == 0.0) {
     Attachment &whole = attachments_.emplace_back(Attachment{attachment.names[0], {}, keys.line});
     for (const auto &[key, value] : keys.entries)
-      if (key == "stiffness" || key == "tangential" || key == "retardation_time")
+      if (std::find(kSurroundingsKeys.begin(), kSurroundingsKeys.end(), key) != kSurroundingsKeys.end())
         if (!read("surroundings." + key, value, whole.params)) return false;
     return true;
   }

@@ -21,6 +21,11 @@ Fields<Waypoint> waypointFields(const char *accepted, Field<Waypoint> own) {
 
 }  // namespace
 
+const Fields<SceneToolWaypoint> kToolWaypointFields = waypointFields<SceneToolWaypoint>(
+    kToolPath, {"axis", &SceneToolWaypoint::axis, DirectionReader{"the direction of a capsule, of any length"}});
+const Fields<SceneGraspWaypoint> kGraspWaypointFields =
+    waypointFields<SceneGraspWaypoint>(kGraspPath, {"turn_deg", &SceneGraspWaypoint::turn_deg});
+
 bool SceneReader::readContact(const TomlValue &table) {
   if (table.kind != TomlValue::Kind::table)
     return refuse(table.line, "'contact' is " + table.kindName() + "; accepted: a table, [contact]");
@@ -60,15 +65,11 @@ bool SceneReader::checkJaws(const SceneGrasp &grasp) {
 }
 
 bool SceneReader::read(const std::string &, const TomlValue &value, std::vector<SceneToolWaypoint> &out) {
-  static const auto kFields = waypointFields<SceneToolWaypoint>(
-      kToolPath, {"axis", &SceneToolWaypoint::axis, DirectionReader{"the direction of a capsule, of any length"}});
-  return readPath(kFields, value, 2, out);
+  return readPath(kToolWaypointFields, value, 2, out);
 }
 
 bool SceneReader::read(const std::string &, const TomlValue &value, std::vector<SceneGraspWaypoint> &out) {
-  static const auto kFields =
-      waypointFields<SceneGraspWaypoint>(kGraspPath, {"turn_deg", &SceneGraspWaypoint::turn_deg});
-  return readPath(kFields, value, 1, out);
+  return readPath(kGraspWaypointFields, value, 1, out);
 }
 
 template <class Waypoint>

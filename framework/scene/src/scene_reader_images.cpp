@@ -35,16 +35,18 @@ bool readLabelFile(SceneReader &reader, const std::string &key, const TomlValue 
   return reader.read(key, value, out.labels.emplace_back());
 }
 
-const Fields<SceneImage> kImage{"[image]",
-                                "[image]",
-                                {{"file", &SceneImage::file},
-                                 {"series", &SceneImage::series, &SceneReader::readSeries},
-                                 {"time", &SceneImage::time},
-                                 {"labels", &readLabelFile},
-                                 {"warp", &SceneImage::warp},
-                                 {"rim", &SceneImage::rim_mm, NumberReader{"0 mm and more", 0.0}},
-                                 {"still", &SceneImage::still}}};
-const Fields<SceneFixedRegions> kFixedRegions{
+}  // namespace
+
+const Fields<SceneImage> kImageFields{"[image]",
+                                      "[image]",
+                                      {{"file", &SceneImage::file},
+                                       {"series", &SceneImage::series, &SceneReader::readSeries},
+                                       {"time", &SceneImage::time},
+                                       {"labels", Codec{&readLabelFile, &SceneWriter::labelFileOf}},
+                                       {"warp", &SceneImage::warp},
+                                       {"rim", &SceneImage::rim_mm, NumberReader{"0 mm and more", 0.0}},
+                                       {"still", &SceneImage::still}}};
+const Fields<SceneFixedRegions> kFixedRegionFields{
     "still",
     "still",
     {{"labels", &SceneFixedRegions::labels, &readFixedLabels},
@@ -52,15 +54,13 @@ const Fields<SceneFixedRegions> kFixedRegions{
      {"below", &SceneFixedRegions::below, NumberReader{"a value of the image"}},
      {"outside", &SceneFixedRegions::outside}},
     "still."};
-const Fields<imaging::MaskCleanUp> kMend{"mend",
-                                         "mend",
-                                         {{"opening", &imaging::MaskCleanUp::opening_mm, lengthNumber()},
-                                          {"closing", &imaging::MaskCleanUp::closing_mm, lengthNumber()},
-                                          {"largest", &imaging::MaskCleanUp::largest},
-                                          {"fill_holes", &imaging::MaskCleanUp::fillHoles}},
-                                         "mend."};
-
-}  // namespace
+const Fields<imaging::MaskCleanUp> kMendFields{"mend",
+                                               "mend",
+                                               {{"opening", &imaging::MaskCleanUp::opening_mm, lengthNumber()},
+                                                {"closing", &imaging::MaskCleanUp::closing_mm, lengthNumber()},
+                                                {"largest", &imaging::MaskCleanUp::largest},
+                                                {"fill_holes", &imaging::MaskCleanUp::fillHoles}},
+                                               "mend."};
 
 bool isLabelNumber(double number) {
   return number >= 1.0 && number <= 9007199254740992.0 && number == std::floor(number);
@@ -117,7 +117,7 @@ bool SceneReader::readImage(const TomlValue &table) {
     return refuse(table.line, "'image' is " + table.kindName() + "; accepted: a table, [image]");
   SceneImage image;
   image.line = table.line;
-  if (!readFields(kImage, table, image)) return false;
+  if (!readFields(kImageFields, table, image)) return false;
   if (!image.still.labels.empty() && image.labels.empty())
     return refuse(table.line, "[image] still names labels, but 'labels', their file, is missing");
   if (image.file.empty()) return refuse(table.line, "[image] has no 'file'; accepted: an image file or DICOM folder");
@@ -140,7 +140,7 @@ bool SceneReader::read(const std::string &, const TomlValue &value, SceneFixedRe
                                   (value.kind == TomlValue::Kind::table ? "an empty table" : value.kindName()) +
                                   "; accepted: " + kStill);
   still.isAutomatic = false;
-  if (!readFields(kFixedRegions, value, still)) return false;
+  if (!readFields(kFixedRegionFields, value, still)) return false;
   if (still.above && still.below && !(*still.above > *still.below))
     return refuse(value.line, "still: above " + formatNumber(*still.above) + " and below " +
                                   formatNumber(*still.below) +
@@ -186,7 +186,7 @@ bool SceneReader::read(const std::string &key, const TomlValue &value, imaging::
   if (value.kind != TomlValue::Kind::table)
     return refuse(value.line,
                   key + " is " + value.kindName() + "; accepted: a table such as { largest = true, closing = 2 }");
-  return readFields(kMend, value, out);
+  return readFields(kMendFields, value, out);
 }
 
 bool SceneReader::checkSource(const TomlValue &table, SceneBody &body) {

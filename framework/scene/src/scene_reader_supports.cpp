@@ -2,6 +2,8 @@
 #include "scene_reader.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "c3de/core/text.h"
 
@@ -82,15 +84,16 @@ bool SceneReader::read(const std::string &key, const TomlValue &value, std::arra
   const double length = std::sqrt(square);
   if (!(std::abs(length - 1.0) <= kTolerance))
     return refuse(value.line, key + " has the length " + formatNumber(length) + accepted);
-  for (std::size_t i = 0; i < 4; ++i) out[i] = value.items[i].num / length;
+  // A normalised quaternion stays as it is, so that a scene can be written and read again.
+  constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
+  const double divisor = std::abs(length - 1.0) <= kRounding ? 1.0 : length;
+  for (std::size_t i = 0; i < 4; ++i) out[i] = value.items[i].num / divisor;
   return true;
 }
 
 bool SceneReader::checkFix(const TomlValue &keys, SceneFix &fix) {
-  if (fix.motion.quaternion && keys.find("rotation_deg") != nullptr)
-    return refuse(keys.line, "the fix has 'rotation_deg' and 'quaternion'; accepted: one of them");
-  return keys.find("region") != nullptr ||
-         refuse(keys.line, "the fix has no 'region'; accepted: one of " + acceptedRegions());
+  return !fix.motion.quaternion || keys.find("rotation_deg") == nullptr ||
+         refuse(keys.line, "the fix has 'rotation_deg' and 'quaternion'; accepted: one of them");
 }
 
 bool SceneReader::checkLoad(const TomlValue &keys, SceneLoad &load) {

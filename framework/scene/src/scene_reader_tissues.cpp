@@ -33,14 +33,22 @@ bool readTissueMaterial(SceneReader &reader, const std::string &key, const TomlV
   return true;
 }
 
+auto background(auto member) { return in(in(&SceneBody::volume, &SceneVolume::background), member); }
+
+bool readBackgroundMaterial(SceneReader &reader, const std::string &key, const TomlValue &value, SceneBody &body) {
+  return reader.readMaterial(key, value, body.params);
+}
+
+}  // namespace
+
 const Fields<SceneTissue> kTissueFields{
     "an entry of tissues",
     "a tissue",
-    {{"label", &SceneReader::readLabelNames},
-     {"material", &readTissueMaterial},
+    {{"label", Codec{&SceneReader::readLabelNames, &SceneWriter::labelNamesOf}},
+     {"material", Codec{&readTissueMaterial, &SceneWriter::materialOfTissue}},
      {"rigid", &SceneTissue::isRigid},
      {"empty", &SceneTissue::isEmpty},
-     {"name", &readTissueName},
+     {"name", Codec{&readTissueName, &SceneWriter::nameOfRule}},
      {"threshold", in(&SceneTissue::rule, &SceneTissueRule::threshold)},
      {"image", in(&SceneTissue::rule, &SceneTissueRule::image)},
      {"margin", in(&SceneTissue::rule, &SceneTissueRule::margin_mm),
@@ -50,19 +58,16 @@ const Fields<SceneTissue> kTissueFields{
      {"colour", &SceneTissue::colour, &SceneReader::readColour}},
     "tissues: "};
 
-auto background(auto member) { return in(in(&SceneBody::volume, &SceneVolume::background), member); }
 const Fields<SceneBody> kBackgroundFields{
     "background",
     "background",
-    {{"material", &SceneBody::params, &SceneReader::readMaterial, required(kBackground)},
+    {{"material", Codec{&readBackgroundMaterial, &SceneWriter::materialOfBackground}, required(kBackground)},
      {"image", background(&SceneBackground::image), required(kBackground)},
      {"from", background(&SceneBackground::from), NumberReader{"a value of the image"}, required(kBackground)},
      {"to", background(&SceneBackground::to), NumberReader{"a value of the image"}, required(kBackground)},
      {"series", background(&SceneBackground::series), &SceneReader::readSeries},
      {"time", background(&SceneBackground::time)}},
     "background: "};
-
-}  // namespace
 
 bool SceneReader::readLabel(const std::string &place, const TomlValue &value, std::string &out) {
   const bool isNumber = value.isNumber() && isLabelNumber(value.num);

@@ -94,7 +94,19 @@ bool SceneReader::readMaterial(const std::string &, const TomlValue &value, std:
     for (const SceneValue &said : valuesOf(*found)) put(params, said.value, preset->line, said.isOptional);
   }
   for (const auto &[key, member] : value.entries)
-    if (key != "preset" && !read("material." + key, member, params)) return false;
+    if (key != "preset" && key != kOptionalKey && !read("material." + key, member, params)) return false;
+  return value.find(kOptionalKey) == nullptr || readOptional(*value.find(kOptionalKey), params);
+}
+
+// Values that a simulator without them ignores, as the known range of a preset.
+bool SceneReader::readOptional(const TomlValue &value, std::vector<SceneValue> &params) {
+  std::vector<SceneValue> values;
+  if (value.kind != TomlValue::Kind::table)
+    return refuse(value.line, std::string("material.") + kOptionalKey + " is " + value.kindName() +
+                                  "; accepted: a table of values, which simulators that do not have them ignore");
+  for (const auto &[key, member] : value.entries)
+    if (!read("material." + key, member, values)) return false;
+  for (SceneValue &one : values) put(params, std::move(one.value), one.line, true);
   return true;
 }
 

@@ -30,10 +30,23 @@ bool readStiffness(SceneReader &reader, const std::string &key, const TomlValue 
          atLeast0(kStiffnessUnit)(reader, key, value, out);
 }
 
+/// Stored with the body, which SceneWriter writes as an attachment.
+std::optional<TomlValue> leaveOut(SceneWriter &, const std::string &, const SceneAttachment &) { return std::nullopt; }
+
 bool readRetardation(SceneReader &reader, const std::string &key, const TomlValue &value, SceneAttachment &) {
   std::vector<SceneValue> stored;
   return reader.isOverride() ? reader.refuseKey(value.line, key, "[[attachment]]", kAttachmentTable.keys())
                              : reader.read("surroundings." + key, value, stored);
+}
+
+bool readMaterialOfBody(SceneReader &reader, const std::string &key, const TomlValue &value, SceneBody &body) {
+  return reader.readMaterial(key, value, body.params);
+}
+bool readPartsOfBody(SceneReader &reader, const std::string &key, const TomlValue &value, SceneBody &body) {
+  return reader.read(key, value, body.parts);
+}
+bool readTissuesOfBody(SceneReader &reader, const std::string &key, const TomlValue &value, SceneBody &body) {
+  return reader.readTissues(key, value, body.volume);
 }
 
 auto placement(auto member) {
@@ -46,39 +59,40 @@ auto volume(auto member) { return in(&SceneBody::volume, member); }
 
 }  // namespace
 
-const SceneTable<SceneBody> kBodyTable("body", "body", &SceneFile::bodies, "bodies", "",
-                                       {{"name", &SceneBody::name, &SceneReader::readName},
-                                        {"mesh", &SceneBody::mesh, &SceneReader::readMesh},
-                                        {"mesh_unit", &SceneBody::meshUnit},
-                                        {"position", placement(&ScenePlacement::position_m)},
-                                        {"rotation_deg", placement(&ScenePlacement::rotation_deg)},
-                                        {"scale", placement(&ScenePlacement::scale), kScale},
-                                        {"material", &SceneBody::params, &SceneReader::readMaterial},
-                                        {"sampling", &SceneReader::readSampling},
-                                        {"parts", &SceneBody::parts},
-                                        {"velocity", &SceneBody::velocity_m_s},
-                                        {"angular_velocity", &SceneBody::angularVelocity_rad_s},
-                                        {"volume", volume(&SceneVolume::file)},
-                                        {"series", volume(&SceneVolume::series), &SceneReader::readSeries},
-                                        {"time", volume(&SceneVolume::time)},
-                                        {"label", &SceneBody::volume, &SceneReader::readLabelOf},
-                                        {"threshold", volume(&SceneVolume::threshold)},
-                                        {"mend", volume(&SceneVolume::mend)},
-                                        {"edge_length", volume(&SceneVolume::edgeLength_mm), lengthNumber()},
-                                        {C3DE_PARAM_ID_RIGID, &SceneBody::params},
-                                        {C3DE_PARAM_ID_FREE, &SceneBody::params},
-                                        {"matrix", placement(&ScenePlacement::matrix)},
-                                        {"tissues", &SceneBody::volume, &SceneReader::readTissues},
-                                        {"background", &SceneReader::readBackground},
-                                        {"region", volume(&SceneVolume::region)},
-                                        {"slides", &SceneBody::volume, &SceneReader::readSlides},
-                                        {"slide_friction", volume(&SceneVolume::slidingFriction), frictionNumber()}},
-                                       &SceneReader::checkBody);
+const SceneTable<SceneBody> kBodyTable(
+    "body", "body", &SceneFile::bodies, "bodies", "",
+    {{"name", &SceneBody::name, &SceneReader::readName},
+     {"mesh", &SceneBody::mesh, &SceneReader::readMesh},
+     {"mesh_unit", &SceneBody::meshUnit},
+     {"position", placement(&ScenePlacement::position_m)},
+     {"rotation_deg", placement(&ScenePlacement::rotation_deg)},
+     {"scale", placement(&ScenePlacement::scale), kScale},
+     {"material", Codec{&readMaterialOfBody, &SceneWriter::materialOf}},
+     {"sampling", Codec{&SceneReader::readSampling, &SceneWriter::samplingOf}},
+     {"parts", Codec{&readPartsOfBody, &SceneWriter::partsOf}},
+     {"velocity", &SceneBody::velocity_m_s},
+     {"angular_velocity", &SceneBody::angularVelocity_rad_s},
+     {"volume", volume(&SceneVolume::file)},
+     {"series", volume(&SceneVolume::series), &SceneReader::readSeries},
+     {"time", volume(&SceneVolume::time)},
+     {"label", &SceneBody::volume, Codec{&SceneReader::readLabelOf, &SceneWriter::labelOf}},
+     {"threshold", volume(&SceneVolume::threshold)},
+     {"mend", volume(&SceneVolume::mend)},
+     {"edge_length", volume(&SceneVolume::edgeLength_mm), lengthNumber()},
+     {C3DE_PARAM_ID_RIGID, &SceneBody::params},
+     {C3DE_PARAM_ID_FREE, &SceneBody::params},
+     {"matrix", placement(&ScenePlacement::matrix)},
+     {"tissues", Codec{&readTissuesOfBody, &SceneWriter::tissuesOf}},
+     {"background", Codec{&SceneReader::readBackground, &SceneWriter::backgroundOf}},
+     {"region", volume(&SceneVolume::region)},
+     {"slides", &SceneBody::volume, Codec{&SceneReader::readSlides, &SceneWriter::slidesOf}},
+     {"slide_friction", volume(&SceneVolume::slidingFriction), frictionNumber()}},
+    &SceneReader::checkBody);
 
 const SceneTable<SceneFix> kFixTable("fix", "fix", &SceneFile::fixes, "fixes", "",
                                      {{"name", &SceneFix::name, &SceneReader::readName, Override::refused},
                                       {"body", &SceneFix::body},
-                                      {"region", &SceneFix::region},
+                                      {"region", &SceneFix::region, required("one of " + acceptedRegions())},
                                       {"displacement", motion(&SceneMotion::displacement_m)},
                                       {"rotation_deg", motion(&SceneMotion::rotation_deg)},
                                       {"quaternion", motion(&SceneMotion::quaternion), Override::accepted},
@@ -127,10 +141,10 @@ const SceneTable<SceneAttachment> kAttachmentTable(
      {"bodies", &SceneAttachment::names, NamesReader{kAttachedNames}, required(kAttachedNames, Override::refused)},
      {"within_mm", &SceneAttachment::within_m, above0("mm", kMetresPerMillimetre)},
      {"region", &SceneAttachment::region},
-     {"stiffness", &SceneAttachment::stiffness_Pa_m, &readStiffness},
+     {"stiffness", &SceneAttachment::stiffness_Pa_m, &readStiffness, required(atLeast0(kStiffnessUnit).accepted)},
      {"tangential", &SceneAttachment::givenTangential_Pa_m, &readStiffness},
      {"tears_at", &SceneAttachment::tearsAt_Pa, atLeast0("Pa; 0: never")},
-     {"retardation_time", &readRetardation, Override::accepted}});
+     {"retardation_time", Codec{&readRetardation, &leaveOut}, Override::accepted}});
 
 const SceneTable<SceneContactPair> kContactPairTable("contact.pair", "pair", &SceneFile::contactPairs, "", "",
                                                      {{"bodies", &SceneContactPair::names, NamesReader{kPairNames},
