@@ -8,8 +8,8 @@ set(C3DE_LIBRARIES
   "assimp libassimp-dev assimp" "tinyobjloader libtinyobjloader-dev tinyobjloader" "nanoflann libnanoflann-dev nanoflann"
   "meshoptimizer libmeshoptimizer-dev meshoptimizer" "highway libhwy-dev highway" "expected libexpected-dev tl-expected"
   "fmt libfmt-dev fmt" "spdlog libspdlog-dev spdlog" "tomlplusplus libtomlplusplus-dev tomlplusplus"
-  "nlohmann-json nlohmann-json3-dev nlohmann-json" "gdcm libgdcm-dev gdcm" "zlib zlib1g-dev zlib" "cli11 libcli11-dev cli11"
-  "stb libstb-dev stb")
+  "nlohmann-json nlohmann-json3-dev nlohmann-json" "gdcm libgdcm-dev gdcm" "zlib zlib1g-dev zlib"
+  "minizip libminizip-dev minizip" "openssl libssl-dev openssl" "cli11 libcli11-dev cli11" "stb libstb-dev stb")
 if(C3DE_BUILD_WINDOW)
   list(APPEND C3DE_LIBRARIES "glfw libglfw3-dev glfw3" "imgui libimgui-dev imgui" "libepoxy libepoxy-dev libepoxy")
 endif()

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads texts with changed lines, tokens and bytes: scenes, overrides, material presets, settings of plugins and of the
-// program, saved states. Each is read or refused, in time, with a printable message; a refused state has changed
+// program, saved states, session files. Each is read or refused, in time, with a printable message; a refused state has changed
 // nothing.
 #include <CLI/CLI.hpp>
 #include <array>
@@ -25,6 +25,7 @@
 #include "c3de/scene/materials.h"
 #include "c3de/scene/scene_file.h"
 #include "c3de/scene/text_sink.h"
+#include "c3de/session/session_file.h"
 #include "simulator_session.h"
 
 namespace {
@@ -254,6 +255,32 @@ std::vector<Subject> subjects(const fs::path &resources, const fs::path &folder)
                    const auto records = c3de::CrashJournal::popCrashRecords(folder / "journal");
                    for (const auto &record : records) checkMessage("journal", record.cause());
                    return !records.empty();
+                 }});
+
+  // What is read of a changed session can be saved.
+  c3de::session::SessionFile original;
+  original.title = "a session";
+  original.scenes = {scenes.front()};
+  original.files = {{"ct.nii", std::string(64, 'a'), 3, false}};
+  original.view.camera.emplace();
+  original.state = std::string(1000, 's');
+  original.members["plugins/org.example.x"] = "private";
+  original.unknown["/later"] = "[1,{}]";
+  const fs::path sessionFile = folder / "a.c3de";
+  if (const auto written = c3de::session::writeSession(original, sessionFile); !written)
+    found("session", written.error().message);
+  all.push_back({"session", [whole = fileText(sessionFile), original, sessionFile](Mutations &m) {
+                   present = m.bytes(whole);
+                   write(sessionFile, present);
+                   const auto read = c3de::session::readSession(sessionFile);
+                   if (!read) {
+                     checkMessage("session", read.error().message);
+                     return false;
+                   }
+                   if (*read != original) found("session: read with another content", "");
+                   if (const auto again = c3de::session::writeSession(*read, sessionFile); !again)
+                     found("session: read, and cannot be saved", again.error().message);
+                   return true;
                  }});
 
   // A body of some hundred points, and a state of it after some steps.

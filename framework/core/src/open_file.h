@@ -17,4 +17,9 @@ enum class OpenMode { replace, createNew, append };
 /// Gives such a file a name that is not in use. @return errno, 0: success
 [[nodiscard]] int nameFile(std::FILE *file, const std::filesystem::path &path);
 
+/// Returns when what was flushed is on the disk. Devices without one are left out. @return errno, 0: success
+[[nodiscard]] int syncFile(std::FILE *file);
+/// The same for the names in a folder, as far as the system can.
+void syncFolder(const std::filesystem::path &folder);
+
 }  // namespace c3de::detail

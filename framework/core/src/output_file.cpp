@@ -66,8 +66,9 @@ int closed(FilePointer &file, int error) {
 
 }  // namespace
 
-Expected<OutputFile> OutputFile::open(const fs::path &path) {
+Expected<OutputFile> OutputFile::open(const fs::path &path, Durability durability) {
   OutputFile out;
+  out.durability_ = durability;
   out.path_ = path;
   out.target_ = targetOf(path);
   std::error_code code;
@@ -89,7 +90,9 @@ Expected<OutputFile> OutputFile::open(const fs::path &path) {
     }
     if (out.file_) return out;
     out.temporary_.clear();
-    if (!fs::exists(status) || (error != EACCES && error != EPERM && error != EROFS)) return failed(path, error);
+    if (durability == Durability::strict || !fs::exists(status) ||
+        (error != EACCES && error != EPERM && error != EROFS))
+      return failed(path, error);
   }
   errno = 0;
   out.file_.reset(openFile(out.target_, OpenMode::replace));
@@ -123,8 +126,12 @@ int OutputFile::giveName() {
 }
 
 Expected<void> OutputFile::commit() {
-  if (unnamed_) {
+  const bool isStrict = durability_ == Durability::strict;
+  if (unnamed_ || isStrict) {
     if (error_ == 0 && std::fflush(file_.get()) != 0) error_ = errno;
+    if (error_ == 0 && isStrict) error_ = detail::syncFile(file_.get());
+  }
+  if (unnamed_) {
     if (error_ == 0) error_ = giveName();
     if (error_ != 0) {
       file_.reset();
@@ -138,14 +145,15 @@ Expected<void> OutputFile::commit() {
     // The replacement gets the permissions of the replaced file.
     if (fs::exists(target_, ignored)) fs::permissions(temporary_, fs::status(target_, ignored).permissions(), ignored);
     fs::rename(temporary_, target_, code);
+    if (!code && isStrict) detail::syncFolder(folderOf(target_));
     if (!code) return {};
   }
   fs::remove(temporary_, ignored);
   return failed(path_, error != 0 ? error : code.default_error_condition().value());
 }
 
-Expected<void> writeWholeFile(const fs::path &path, std::string_view bytes) {
-  auto file = OutputFile::open(path);
+Expected<void> writeWholeFile(const fs::path &path, std::string_view bytes, Durability durability) {
+  auto file = OutputFile::open(path, durability);
   if (!file) return tl::unexpected(file.error());
   file->write(bytes);
   return file->commit();

@@ -162,6 +162,18 @@ std::FILE *detail::openUnnamed(const std::filesystem::path &) { return nullptr; 
 int detail::nameFile(std::FILE *, const std::filesystem::path &) { return ENOSYS; }
 #endif
 
+int detail::syncFile(std::FILE *file) {
+  // EINVAL: a device or a pipe.
+  return fsync(fileno(file)) == 0 || errno == EINVAL || errno == ENOTSUP ? 0 : errno;
+}
+
+void detail::syncFolder(const std::filesystem::path &folder) {
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  fsync(descriptor);
+  close(descriptor);
+}
+
 double processorTime_s() {
   timespec time{};
   if (clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time) != 0) return 0.0;

@@ -173,6 +173,12 @@ std::FILE *detail::openFile(const std::filesystem::path &path, OpenMode mode) {
 std::FILE *detail::openUnnamed(const std::filesystem::path &) { return nullptr; }
 int detail::nameFile(std::FILE *, const std::filesystem::path &) { return ENOSYS; }
 
+int detail::syncFile(std::FILE *file) {
+  if (_commit(_fileno(file)) == 0) return 0;
+  return errno == EBADF ? 0 : errno;  // a device
+}
+void detail::syncFolder(const std::filesystem::path &) {}
+
 double processorTime_s() {
   FILETIME created{}, ended{}, kernel{}, user{};
   if (!GetProcessTimes(GetCurrentProcess(), &created, &ended, &kernel, &user)) return 0.0;

@@ -13,8 +13,8 @@
 #include <iterator>
 #include <string>
 
-#include "file_size_limit.h"
 #include "support/catch.h"
+#include "support/file_size_limit.h"
 
 namespace {
 

@@ -19,14 +19,21 @@ struct FileCloser {
 using FilePointer = std::unique_ptr<std::FILE, FileCloser>;
 }  // namespace detail
 
+/// What an output file survives besides a killed program.
+enum class Durability {
+  normal,
+  strict  ///< a power failure: flushed to the disk before it replaces the former file, which is never written in place
+};
+
 /// A file that appears complete or not at all. It is written in the target folder as an unnamed file, which the system
 /// removes if the program is killed, or (if not supported) under a temporary name (FILE.part). It replaces the target
 /// when commit() succeeds; an existing file stays until then. Links are followed. Devices and pipes, which cannot be
-/// replaced, and files in a folder without write permission are written directly. All errors are ErrorCode::output and
-/// state the reason from the system ("No space left on device").
+/// replaced, and files in a folder without write permission (unless Durability::strict) are written directly. All errors
+/// are ErrorCode::output and state the reason from the system ("No space left on device").
 class OutputFile {
  public:
-  [[nodiscard]] static Expected<OutputFile> open(const std::filesystem::path &path);
+  [[nodiscard]] static Expected<OutputFile> open(const std::filesystem::path &path,
+                                                 Durability durability = Durability::normal);
   OutputFile(OutputFile &&) noexcept = default;
   OutputFile &operator=(OutputFile &&) = delete;
   ~OutputFile();  ///< removes the file unless committed
@@ -42,13 +49,15 @@ class OutputFile {
   std::filesystem::path path_;       ///< as named by the caller, for messages
   std::filesystem::path target_;     ///< the file that is replaced
   std::filesystem::path temporary_;  ///< empty: written directly, or unnamed
-  bool unnamed_ = false;             ///< has no name before it is committed
+  Durability durability_ = Durability::normal;
+  bool unnamed_ = false;  ///< has no name before it is committed
   detail::FilePointer file_;
   int error_ = 0;
 };
 
 /// OutputFile for complete text or bytes.
-[[nodiscard]] Expected<void> writeWholeFile(const std::filesystem::path &path, std::string_view bytes);
+[[nodiscard]] Expected<void> writeWholeFile(const std::filesystem::path &path, std::string_view bytes,
+                                            Durability durability = Durability::normal);
 
 /// A table that grows while others may read it. It always ends with a complete row, even if the program terminates or
 /// the disk is full.

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "c3de/core/expected.h"
+#include "c3de/core/progress.h"
+#include "c3de/core/vec.h"
+
+namespace c3de::session {
+
+/// The version of session.json that this program writes, and the newest that it reads.
+inline constexpr std::int64_t kSessionFormat = 1;
+
+/// A file, or a folder of one image (DICOM), that a session uses.
+struct ReferencedFile {
+  std::string path;         ///< UTF-8, forward slashes; relative to the folder of the session where possible
+  std::string sha256;       ///< 64 lower-case hexadecimal digits, as sha256Of() gives them
+  std::uint64_t bytes = 0;  ///< of a folder: of all files in it
+  bool isEmbedded = false;  ///< its content is the member embeddedName(), of a folder the members below it
+
+  friend bool operator==(const ReferencedFile &, const ReferencedFile &) = default;
+};
+
+/// What the window showed. Paths as in SessionFile::files, or names of members.
+struct SessionView {
+  struct CameraPose {
+    Vec3 focus_mm{};
+    double yaw_rad = 0.0, pitch_rad = 0.0, distance_mm = 0.0;  ///< as in render::Camera
+
+    friend bool operator==(const CameraPose &, const CameraPose &) = default;
+  };
+  std::string image;                    ///< empty: none
+  std::vector<std::string> labels;      ///< label maps over the image
+  std::optional<Vec3> crossHair_mm;     ///< world, LPS
+  std::optional<double> window, level;  ///< in the unit of the voxels
+  std::optional<CameraPose> camera;
+
+  friend bool operator==(const SessionView &, const SessionView &) = default;
+};
+
+/// The content of a session file (.c3de): a zip of session.json, scene texts, a state and other members. Value type; any
+/// thread.
+struct SessionFile {
+  std::string program;  ///< name and version of the program that saved it
+  std::string savedAt;  ///< ISO 8601, UTC
+  std::string title;
+  std::string simulatorClass;          ///< class of the simulator, as its plugin registers it
+  std::vector<std::string> scenes;     ///< TOML: the first one builds the simulation, each further one adds bodies
+  std::vector<std::string> overrides;  ///< PATH=VALUE, applied to the first scene in this order
+  std::vector<ReferencedFile> files;   ///< each path once
+  SessionView view;
+  std::optional<std::uint64_t> stateHash;  ///< of the saved state, from the simulator
+  std::uint64_t steps = 0;                 ///< made up to the saved state
+  double time_s = 0.0;                     ///< simulated
+  std::string state;                       ///< as stateBytes() gives it; empty: the initial state
+
+  /// All other members by name: label maps drawn here, thumbnails, private state of plugins (plugins/ID), embedded files
+  /// (files/…), and those of other programs.
+  std::map<std::string, std::string> members;
+  /// Keys of session.json that this version does not know: JSON pointer and compact JSON text. Those of an entry of `files` are
+  /// addressed by its path (/files/PATH/KEY). They are saved again.
+  std::map<std::string, std::string> unknown;
+
+  friend bool operator==(const SessionFile &, const SessionFile &) = default;
+};
+
+/// Name of the member with the content of an embedded file: files/SHA256/NAME.
+[[nodiscard]] std::string embeddedName(const ReferencedFile &file);
+
+/// Writes a session. Equal content gives equal bytes (with one version of zlib). The file appears complete, after it is
+/// on the disk; the former file stays on every error, also if the power fails. Needs memory for the packed session. Any
+/// thread. Errors: output, naming file and reason; usage, naming what a session cannot contain (a member that has the
+/// name of another or leads out of the session, text that is not UTF-8, a number that is not finite, an embedded file
+/// without its member).
+[[nodiscard]] Expected<void> writeSession(const SessionFile &session, const std::filesystem::path &path);
+
+/// Reads a session completely, into memory. Any thread. Errors (input) name the file and what is wrong: no zip, truncated,
+/// a damaged or missing member, a newer format, a key of the wrong type, a name that leads out of the session, more than
+/// 16 GiB or than the free memory.
+[[nodiscard]] Expected<SessionFile> readSession(const std::filesystem::path &path);
+
+/// SHA-256 of the bytes of a file, or of the list of files in a folder and its subfolders: a line "SHA256  NAME\n" for
+/// each, ordered by name (relative to the folder, UTF-8, forward slashes). Files are not read into memory. Any thread.
+/// Errors: input; cancelled, if `progress` returns false.
+[[nodiscard]] Expected<std::string> sha256Of(const std::filesystem::path &path, const ProgressFn &progress = {});
+
+/// A reference to a file or folder, from a session in `sessionFolder`, with its hash and size. Errors: as sha256Of().
+[[nodiscard]] Expected<ReferencedFile> referenceTo(const std::filesystem::path &path,
+                                                   const std::filesystem::path &sessionFolder,
+                                                   const ProgressFn &progress = {});
+
+struct FoundFile {
+  enum class State {
+    same,
+    changed,  ///< there is a file, with another content
+    missing   ///< there is no file, or it cannot be read
+  };
+  ReferencedFile file;
+  std::filesystem::path at;  ///< empty: missing, or embedded (and then the same)
+  State state = State::missing;
+};
+
+/// The files of a session, in its order: by their path (relative ones from `sessionFolder`), then by their name in
+/// `sessionFolder`. The first one with the same content is taken, otherwise the first one that exists. Files of another
+/// size are not read. Any thread. Errors: cancelled, if `progress` returns false.
+[[nodiscard]] Expected<std::vector<FoundFile>> findFiles(const SessionFile &session,
+                                                         const std::filesystem::path &sessionFolder,
+                                                         const ProgressFn &progress = {});
+
+}  // namespace c3de::session

@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "files/session_json.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "c3de/core/text.h"
+
+namespace c3de::session {
+namespace {
+
+// Sorted keys; a file with very many of them is read in time, unlike with ordered_json.
+using Json = nlohmann::json;
+using Pointer = Json::json_pointer;
+
+constexpr int kDeepest = 64;
+constexpr std::size_t kSha256Digits = 64;
+
+std::string hexadecimal(std::uint64_t value) { return fmt::format("{:016x}", value); }
+
+bool isHexadecimal(std::string_view text, std::size_t digits) {
+  return text.size() == digits && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
+const char *kindOf(const Json &value) {
+  switch (value.type()) {
+    case Json::value_t::null: return "null";
+    case Json::value_t::boolean: return "true or false";
+    case Json::value_t::string: return "a text";
+    case Json::value_t::array: return "a list";
+    case Json::value_t::object: return "an object";
+    default: return "a number";
+  }
+}
+
+/// Removes keys from an object while it reads them; what remains is unknown. The first error is kept.
+class KeyReader {
+ public:
+  /// @param place  "" or "view." in messages
+  KeyReader(Json object, std::string place, std::string &error)
+      : object_(std::move(object)), place_(std::move(place)), error_(&error) {}
+
+  void text(const char *key, std::string &out) {
+    read(key, "a text", [&](const Json &value) {
+      if (!value.is_string()) return false;
+      out = value.get<std::string>();
+      return true;
+    });
+  }
+  void texts(const char *key, std::vector<std::string> &out) {
+    read(key, "a list of texts", [&](const Json &value) {
+      if (!value.is_array()) return false;
+      for (const Json &one : value) {
+        if (!one.is_string()) return false;
+        out.push_back(one.get<std::string>());
+      }
+      return true;
+    });
+  }
+  void count(const char *key, std::uint64_t &out) {
+    read(key, "a whole number, 0 or more", [&](const Json &value) {
+      if (!value.is_number_unsigned()) return false;
+      out = value.get<std::uint64_t>();
+      return true;
+    });
+  }
+  void flag(const char *key, bool &out) {
+    read(key, "true or false", [&](const Json &value) {
+      if (!value.is_boolean()) return false;
+      out = value.get<bool>();
+      return true;
+    });
+  }
+  void number(const char *key, double &out) {
+    read(key, "a number", [&](const Json &value) { return takeNumber(value, out); });
+  }
+  void number(const char *key, std::optional<double> &out) {
+    double value = 0.0;
+    if (!object_.contains(key)) return;
+    number(key, value);
+    out = value;
+  }
+  void point(const char *key, Vec3 &out) {
+    read(key, "a list of three numbers", [&](const Json &value) {
+      return value.is_array() && value.size() == 3 && takeNumber(value[0], out[0]) && takeNumber(value[1], out[1]) &&
+             takeNumber(value[2], out[2]);
+    });
+  }
+  void point(const char *key, std::optional<Vec3> &out) {
+    if (!object_.contains(key)) return;
+    point(key, out.emplace());
+  }
+  void digits(const char *key, std::size_t count, std::string &out) {
+    const std::string accepted = fmt::format("a text of {} digits 0 … 9, a … f", count);
+    read(key, accepted, [&](const Json &value) {
+      if (!value.is_string() || !isHexadecimal(value.get_ref<const std::string &>(), count)) return false;
+      out = value.get<std::string>();
+      return true;
+    });
+  }
+  /// Null if there is none, or of the wrong type.
+  Json object(const char *key) { return child(key, "an object", &Json::is_object); }
+  Json list(const char *key) { return child(key, "a list", &Json::is_array); }
+
+  [[nodiscard]] bool has(const char *key) const { return object_.contains(key); }
+  void require(const char *key) {
+    if (!has(key) && error_->empty()) *error_ = fmt::format("the key {}{} is missing", place_, key);
+  }
+  void refuse(const std::string &why) {
+    if (error_->empty()) *error_ = why;
+  }
+  /// Keys that were not read, below a JSON pointer.
+  void keepRest(const Pointer &below, std::map<std::string, std::string> &unknown) const {
+    for (const auto &[key, value] : object_.items()) unknown[(below / key).to_string()] = value.dump();
+  }
+
+ private:
+  static bool takeNumber(const Json &value, double &out) {
+    if (!value.is_number()) return false;
+    out = value.get<double>();
+    return std::isfinite(out);
+  }
+  Json child(const char *key, std::string_view accepted, bool (Json::*isKind)() const noexcept) {
+    Json out;
+    read(key, accepted, [&](const Json &value) {
+      if (!(value.*isKind)()) return false;
+      out = value;
+      return true;
+    });
+    return out;
+  }
+  template <class Take>
+  void read(const char *key, std::string_view accepted, const Take &take) {
+    const auto found = object_.find(key);
+    if (found == object_.end()) return;
+    if (!take(*found) && error_->empty())
+      *error_ =
+          fmt::format("the key {}{} is {}: {}; accepted: {}", place_, key, kindOf(*found), shown(*found), accepted);
+    object_.erase(found);
+  }
+  static std::string shown(const Json &value) {
+    if (value.is_structured()) return fmt::format("of {} entries", value.size());
+    return displayMessage(value.dump().substr(0, 60));
+  }
+
+  Json object_;
+  std::string place_;
+  std::string *error_;
+};
+
+void readFiles(const Json &list, ParsedSession &out, std::string &error) {
+  std::set<std::string> paths;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const std::string place = fmt::format("files[{}]", i);
+    if (!list[i].is_object()) {
+      if (error.empty()) error = fmt::format("the key {} is {}; accepted: an object", place, kindOf(list[i]));
+      return;
+    }
+    KeyReader reader(list[i], place + ".", error);
+    ReferencedFile file;
+    for (const char *key : {"path", "sha256", "bytes"}) reader.require(key);
+    reader.text("path", file.path);
+    reader.digits("sha256", kSha256Digits, file.sha256);
+    reader.count("bytes", file.bytes);
+    reader.flag("embedded", file.isEmbedded);
+    if (!paths.insert(file.path).second)
+      reader.refuse(fmt::format("the key {}.path occurs twice: {}", place, displayMessage(file.path)));
+    reader.keepRest(Pointer() / "files" / file.path, out.session.unknown);
+    out.session.files.push_back(std::move(file));
+  }
+}
+
+void readView(const Json &object, ParsedSession &out, std::string &error) {
+  if (object.is_null()) return;
+  SessionView &view = out.session.view;
+  KeyReader reader(object, "view.", error);
+  reader.text("image", view.image);
+  reader.texts("labels", view.labels);
+  reader.point("cross_hair_mm", view.crossHair_mm);
+  reader.number("window", view.window);
+  reader.number("level", view.level);
+  if (reader.has("camera")) {
+    const Json pose = reader.object("camera");
+    SessionView::CameraPose camera;
+    if (pose.is_object()) {
+      KeyReader keys(pose, "view.camera.", error);
+      for (const char *key : {"focus_mm", "yaw_rad", "pitch_rad", "distance_mm"}) keys.require(key);
+      keys.point("focus_mm", camera.focus_mm);
+      keys.number("yaw_rad", camera.yaw_rad);
+      keys.number("pitch_rad", camera.pitch_rad);
+      keys.number("distance_mm", camera.distance_mm);
+      keys.keepRest(Pointer() / "view" / "camera", out.session.unknown);
+    }
+    view.camera = camera;
+  }
+  reader.keepRest(Pointer() / "view", out.session.unknown);
+}
+
+Json viewJson(const SessionView &view) {
+  Json json = Json::object();
+  if (!view.image.empty()) json["image"] = view.image;
+  if (!view.labels.empty()) json["labels"] = view.labels;
+  if (view.crossHair_mm) json["cross_hair_mm"] = *view.crossHair_mm;
+  if (view.window) json["window"] = *view.window;
+  if (view.level) json["level"] = *view.level;
+  if (view.camera)
+    json["camera"] = Json{{"focus_mm", view.camera->focus_mm},
+                          {"yaw_rad", view.camera->yaw_rad},
+                          {"pitch_rad", view.camera->pitch_rad},
+                          {"distance_mm", view.camera->distance_mm}};
+  return json;
+}
+
+/// Path of the first text that is not UTF-8 or number that is not finite; empty: none.
+std::string refusedValue(const Json &json, const std::string &place) {
+  if (json.is_string() && !isUtf8(json.get_ref<const std::string &>())) return place + " is not UTF-8";
+  if (json.is_number_float() && !std::isfinite(json.get<double>())) return place + " is not a finite number";
+  if (json.is_structured())
+    for (const auto &[key, value] : json.items())
+      if (std::string found = refusedValue(value, place.empty() ? key : place + "." + key); !found.empty())
+        return found;
+  return {};
+}
+
+/// Before it is parsed: values that are nested very deeply are written and destroyed by recursion.
+bool isNestedTooDeeply(std::string_view text) {
+  int depth = 0;
+  bool isInText = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (isInText && c == '\\') {
+      ++i;
+    } else if (c == '"') {
+      isInText = !isInText;
+    } else if (!isInText && (c == '[' || c == '{')) {
+      if (++depth > kDeepest) return true;
+    } else if (!isInText && (c == ']' || c == '}')) {
+      --depth;
+    }
+  }
+  return false;
+}
+
+/// Adds a key that this version does not know. False: it is no key of a session, or not unknown.
+bool addUnknown(const std::string &pointer, const Json &value, const SessionFile &session, Json &json) {
+  if (!pointer.starts_with('/')) return false;
+  try {
+    Pointer at(pointer);
+    const std::string key = at.back();
+    at.pop_back();
+    Json *object = nullptr;
+    const Pointer files = Pointer() / "files";
+    if (at.empty() || at == Pointer() / "view" || at == Pointer() / "view" / "camera") {
+      // What they described is not in this session.
+      if (!at.empty() && !json.contains(at)) return true;
+      object = &json[at];
+    } else if (at.parent_pointer() == files) {
+      const std::string path = at.back();
+      const auto file = std::find_if(session.files.begin(), session.files.end(),
+                                     [&](const ReferencedFile &one) { return one.path == path; });
+      if (file == session.files.end()) return true;
+      object = &json["files"][static_cast<std::size_t>(file - session.files.begin())];
+    }
+    if (object == nullptr || object->contains(key)) return false;
+    (*object)[key] = value;
+    return true;
+  } catch (const Json::exception &) {
+    return false;
+  }
+}
+
+}  // namespace
+
+Expected<std::string> sessionJson(const SessionFile &session, const MemberNames &names) {
+  Json json{{"format", kSessionFormat},
+            {"program", session.program},
+            {"saved_at", session.savedAt},
+            {"title", session.title},
+            {"simulator", session.simulatorClass},
+            {"scenes", names.scenes},
+            {"overrides", session.overrides},
+            {"view", viewJson(session.view)},
+            {"steps", session.steps},
+            {"time_s", session.time_s},
+            {"members", names.all}};
+  if (session.stateHash) json["state_hash"] = hexadecimal(*session.stateHash);
+  if (!names.state.empty()) json["state"] = names.state;
+  Json &files = json["files"] = Json::array();
+  std::set<std::string> paths;
+  for (const ReferencedFile &file : session.files) {
+    if (!isHexadecimal(file.sha256, kSha256Digits))
+      return fail(ErrorCode::usage, fmt::format("the SHA-256 of {} is '{}'; accepted: {} digits 0 … 9, a … f",
+                                                displayMessage(file.path), displayMessage(file.sha256), kSha256Digits));
+    if (!paths.insert(file.path).second)
+      return fail(ErrorCode::usage, fmt::format("the file {} occurs twice", displayMessage(file.path)));
+    files.push_back(
+        Json{{"path", file.path}, {"sha256", file.sha256}, {"bytes", file.bytes}, {"embedded", file.isEmbedded}});
+  }
+  for (const auto &[pointer, text] : session.unknown) {
+    const Json value = isNestedTooDeeply(text) ? Json(Json::value_t::discarded) : Json::parse(text, nullptr, false);
+    if (value.is_discarded() || !isUtf8(pointer) || !addUnknown(pointer, value, session, json))
+      return fail(ErrorCode::usage, fmt::format("the unknown key '{}' cannot be saved: it is no JSON, or the name of a "
+                                                "key that is known",
+                                                displayMessage(pointer)));
+  }
+  if (const std::string refused = refusedValue(json, ""); !refused.empty())
+    return fail(ErrorCode::usage, displayMessage(refused));
+  return json.dump(2) + "\n";
+}
+
+Expected<ParsedSession> parseSessionJson(const std::string &text) {
+  const auto refused = [](const std::string &why) { return fail(ErrorCode::input, why); };
+  if (isNestedTooDeeply(text)) return refused(fmt::format("is nested more than {} times", kDeepest));
+  Json json = Json::parse(text, nullptr, false);
+  if (!json.is_object()) return refused("is no JSON object");
+  const auto format = json.find("format");
+  if (format == json.end()) return refused("the key format is missing");
+  if (!format->is_number_integer() || format->get<std::int64_t>() < 1)
+    return refused(fmt::format("the key format is {}; accepted: a whole number, 1 or more", kindOf(*format)));
+  if (format->get<std::int64_t>() > kSessionFormat)
+    return refused(fmt::format("was saved by version {} of the format; this program reads up to {}",
+                               format->get<std::int64_t>(), kSessionFormat));
+  json.erase(format);
+
+  ParsedSession out;
+  std::string error;
+  KeyReader reader(std::move(json), "", error);
+  reader.text("program", out.session.program);
+  reader.text("saved_at", out.session.savedAt);
+  reader.text("title", out.session.title);
+  reader.text("simulator", out.session.simulatorClass);
+  reader.texts("scenes", out.names.scenes);
+  reader.texts("overrides", out.session.overrides);
+  readFiles(reader.list("files"), out, error);
+  readView(reader.object("view"), out, error);
+  reader.count("steps", out.session.steps);
+  reader.number("time_s", out.session.time_s);
+  std::string hash;
+  reader.digits("state_hash", 16, hash);
+  std::uint64_t number = 0;
+  if (!hash.empty()) {
+    std::from_chars(hash.data(), hash.data() + hash.size(), number, 16);
+    out.session.stateHash = number;
+  }
+  reader.text("state", out.names.state);
+  std::vector<std::string> members;
+  reader.texts("members", members);
+  out.names.all.insert(members.begin(), members.end());
+  out.names.all.insert(out.names.scenes.begin(), out.names.scenes.end());
+  if (!out.names.state.empty()) out.names.all.insert(out.names.state);
+  reader.keepRest(Pointer(), out.session.unknown);
+  if (!error.empty()) return refused(error);
+  return out;
+}
+
+}  // namespace c3de::session

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "c3de/core/expected.h"
+
+namespace c3de::session {
+
+struct ZipMember {
+  std::string_view name;  ///< UTF-8, forward slashes
+  std::string_view bytes;
+};
+
+/// Reason why a member may not have this name: empty, absolute, with "..", a backslash, a drive or control characters,
+/// not UTF-8, too long. Empty: it may.
+[[nodiscard]] std::string refusedMemberName(std::string_view name);
+
+/// A zip of the members in this order. The same members give the same bytes (fixed time stamps, one level of
+/// compression). Errors: a refused name, a name twice, no memory. Any thread.
+[[nodiscard]] Expected<std::string> zipBytes(std::span<const ZipMember> members);
+
+struct ZipLimits {
+  std::uint64_t bytes = std::uint64_t{1} << 34;  ///< of all members, unpacked
+  std::uint64_t members = 100'000;
+};
+
+/// All members by name, without folders. Sizes are compared with the limits, the free memory and the size of the file
+/// before anything is unpacked. Errors name file and member (input): no zip, truncated, damaged, encrypted, packed by
+/// another method than deflate, a refused name, a name twice, too large. Any thread.
+[[nodiscard]] Expected<std::map<std::string, std::string>> readZip(const std::filesystem::path &file,
+                                                                   const ZipLimits &limits = {});
+
+}  // namespace c3de::session

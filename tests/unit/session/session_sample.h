@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "c3de/session/session_file.h"
+#include "support/catch.h"
+
+namespace c3de::test {
+
+inline std::string textIn(const std::filesystem::path &file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+inline std::filesystem::path write(const std::filesystem::path &file, const std::string &text) {
+  std::ofstream(file, std::ios::binary) << text;
+  return file;
+}
+
+inline std::filesystem::path emptyFolder() {
+  std::filesystem::path folder = testOutputFolder();
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
+/// A session that uses every key.
+inline session::SessionFile fullSession() {
+  session::SessionFile file;
+  file.program = "c3de 0.1.0";
+  file.savedAt = "2026-11-28T10:46:27Z";
+  file.title = "Liver, arm up – première";
+  file.simulatorClass = "org.c3de.pointbased.World";
+  file.scenes = {"format = 1\n[[body]]\nname = \"liver\"\n", "", "format = 1\r\n# a second one\n"};
+  file.overrides = {"solver.dt=1e-3", "body.liver.material.youngs_modulus=6e3"};
+  const std::string embedded(64, 'e');
+  file.files = {{"../scans/ct.nii.gz", std::string(64, 'a'), 123456789012ull, false},
+                {"/data/series/", std::string(64, '0'), 0, false},
+                {"meshes/liver.obj", embedded, 4, true},
+                {"mr/", std::string(64, 'd'), 2, true}};
+  file.view.image = "../scans/ct.nii.gz";
+  file.view.labels = {"labels/drawn.nii.gz", "other.nrrd"};
+  file.view.crossHair_mm = Vec3{1.5, -2.25, 0.1};
+  file.view.window = 350.0;
+  file.view.level = -1.0 / 3.0;
+  file.view.camera = {{1.0, 2.0, 3.0}, 0.6, -1.2, 512.25};
+  file.stateHash = 0xfedcba9876543210ull;
+  file.steps = 18446744073709551615ull;
+  file.time_s = 0.1 + 0.2;
+  for (int i = 0; i < 5000; ++i) file.state += static_cast<char>(i * i % 251);
+  file.members["labels/drawn.nii.gz"] = std::string("\0\x1f\x8b\xff", 4);
+  file.members["thumbnails/3d.png"] = "";
+  file.members["plugins/org.example.x"] = "private";
+  file.members["files/" + embedded + "/liver.obj"] = "v 1\n";
+  file.members["files/" + std::string(64, 'd') + "/mr/IM0001"] = "IM";
+  file.members["a member of another program.txt"] = std::string(100000, 'x');
+  return file;
+}
+
+/// What reading such a file refuses it for.
+inline std::string refusal(const std::filesystem::path &file) {
+  const auto read = session::readSession(file);
+  if (read) return "";
+  CHECK(read.error().code == ErrorCode::input);
+  CHECK_THAT(read.error().message, Contains(file.filename().string() + ": "));
+  return read.error().message;
+}
+
+}  // namespace c3de::test
