@@ -77,7 +77,8 @@ const std::set<std::string> kOfCallbacks{
     "c3de_class_info", "c3de_event",           "c3de_force_call",           "c3de_label",
     "c3de_mesh_sink",  "c3de_mesh_source",     "c3de_mesh_contents",        "c3de_sim_field",
     "c3de_sim_probe",  "c3de_simulation_info", "c3de_sim_attachment_state", "c3de_sim_probe_tool_state"};
-const std::set<std::string> kTables{"c3de_simulator_v1", "c3de_contact_v1", "c3de_attachment_v1", "c3de_grasp_v1"};
+const std::set<std::string> kTables{"c3de_simulator_v1", "c3de_contact_v1", "c3de_attachment_v1", "c3de_grasp_v1",
+                                    "c3de_changes_v1"};
 
 }  // namespace
 
@@ -190,6 +191,7 @@ TEST_CASE("the point-based simulator refuses structs below their first size, whe
   const auto *contact = static_cast<const c3de_contact_v1 *>(tableOf(C3DE_IFACE_CONTACT_ID));
   const auto *attachments = static_cast<const c3de_attachment_v1 *>(tableOf(C3DE_IFACE_ATTACHMENT_ID));
   const auto *grasps = static_cast<const c3de_grasp_v1 *>(tableOf(C3DE_IFACE_GRASP_ID));
+  const auto *changes = static_cast<const c3de_changes_v1 *>(tableOf(C3DE_IFACE_CHANGES_ID));
   std::filesystem::create_directories(testOutputRoot());
   const auto file = std::filesystem::path(testOutputRoot()) / "sizes.obj";
   std::ofstream(file) << "v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 0 100\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
@@ -334,6 +336,9 @@ TEST_CASE("the point-based simulator refuses structs below their first size, whe
   grasp.path_stride = sizeof place;
   sizes.refuse(grasp, [&] { return grasps->add(self, &grasp, &out); });
   sizes.refuse(place, [&] { return grasps->add(self, &grasp, &out); });
+  auto change = sized<c3de_sim_change>();
+  change.id = {"world.clear", 11};
+  sizes.refuse(change, [&] { return changes->apply(self, &change); });
 
   for (const std::string &name : allStructs()) {
     if (!name.starts_with("c3de_sim_") || kOfCallbacks.contains(name) || name == "c3de_sim_transport") continue;

@@ -12,6 +12,7 @@
 #include "c3de/abi/iface/simulator.h"
 #include "c3de/core/first_size.h"
 #include "c3de/core/plugin_table.h"
+#include "c3de/core/text.h"
 #include "c3de/scene/text_sink.h"
 #include "c3de/session/body_sources.h"
 #include "c3de/session/build_scene.h"
@@ -19,6 +20,7 @@
 #include "c3de/session/simulator_access.h"
 #include "c3de/session/verification.h"
 #include "check.h"
+#include "simulated.h"
 #include "trial.h"
 
 namespace c3de::validate {
@@ -134,102 +136,6 @@ Verdict sharedObjects(const Trial &trial) {
   }
   if (made == 0) return skip("it has no classes");
   return loaded.complaints();
-}
-
-/// A falling cube of 10 cm; every simulator must support it. Gravity is omitted for a simulator without it.
-constexpr const char *kScene = R"(format = 1
-title = "Cube"
-
-[[body]]
-name = "cube"
-mesh = "cube.obj"
-)";
-constexpr const char *kGravity = "\n[world]\ngravity = [0.0, -9.81, 0.0]\n";
-constexpr const char *kCube =
-    "# UNITS=mm\nv -50 -50 -50\nv 50 -50 -50\nv 50 50 -50\nv -50 50 -50\nv -50 -50 50\nv 50 -50 50\nv 50 50 50\nv -50 "
-    "50 50\n"
-    "f 1 4 3\nf 1 3 2\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n";
-
-constexpr std::uint64_t kMaxBodies = 16;
-
-/// A simulator of a class with the scene loaded.
-class Simulated {
- public:
-  Simulated(const Trial &trial, const std::string &classId) : refusal(build(trial, classId)) {}
-
-  [[nodiscard]] c3de_object *object() const { return object_.get(); }
-  [[nodiscard]] std::string errorText() const { return session_->plugins().takeError(); }
-  /// The visible state: positions of the surfaces.
-  [[nodiscard]] std::vector<Vec3> surface() const {
-    std::vector<Vec3> all;
-    c3de_handle body{};
-    for (std::uint64_t i = 0; i < kMaxBodies && table->body_at(object(), i, &body) >= 0; ++i) {
-      const auto part = session::surfacePositions(object(), body);
-      all.insert(all.end(), part.begin(), part.end());
-    }
-    return all;
-  }
-  /// Hash of everything that determines the next steps.
-  [[nodiscard]] std::uint64_t hash() const {
-    std::uint64_t value = 0;
-    return table->state_hash(object(), &value) < 0 ? 0 : value;
-  }
-  [[nodiscard]] std::string step(int n) const {
-    for (int i = 0; i < n; ++i)
-      if (const c3de_status status = table->step(object()); status < 0)
-        return fmt::format("step {} answers {}: {}", i + 1, status, errorText());
-    return {};
-  }
-
- private:
-  /// Why it cannot be built; empty if it was.
-  [[nodiscard]] std::string build(const Trial &trial, const std::string &classId) {
-    std::error_code ignored;
-    std::filesystem::create_directories(trial.folder, ignored);
-    std::ofstream(trial.folder / "cube.obj") << kCube;
-    session::SessionOptions options;
-    options.searchPlugins = false;
-    options.threads = 2;
-    options.pluginFiles = trial.companions;
-    options.pluginFiles.push_back(trial.plugin);
-    auto made = session::Session::create(options);
-    if (!made) return made.error().message;
-    session_ = std::move(*made);
-    auto object = session_->createSimulator(classId);
-    if (!object) return object.error().message;
-    object_ = session::ObjectRef(*object);
-    auto found = session::simulatorTable(object_.get());
-    if (!found) return found.error().message;
-    table = *found;
-    if (const auto declared = session::simulatorDeclarations(object_.get(), C3DE_SIM_SCOPE_WORLD))
-      hasGravity =
-          std::any_of(declared->begin(), declared->end(), [](const auto &one) { return one.id == "world.gravity"; });
-    std::ofstream(trial.folder / "cube.toml") << kScene << (hasGravity ? kGravity : "");
-    const auto scene = scene::loadScene(trial.folder / "cube.toml", &session_->materials());
-    if (!scene) return scene.error().message;
-    session::BodySources sources;
-    if (const auto built = session::buildScene(*session_, object_.get(), *scene, sources, {}); !built)
-      return built.error().message;
-    return {};
-  }
-
-  std::unique_ptr<session::Session> session_;
-  session::ObjectRef object_;  // destroyed first
-
- public:
-  const c3de_simulator_v1 *table = nullptr;
-  bool hasGravity = false;
-  const std::string refusal;  ///< empty: it was built
-};
-
-std::vector<std::string> simulatorClasses(const Trial &trial) {
-  const LoadedPlugin loaded(trial, TrialHost::Serves::headless);
-  std::vector<std::string> own;
-  for (const plugin_host::ClassInfo &cls : loaded.host->host->classes())
-    if (cls.plugin == loaded.id() &&
-        std::find(cls.interfaces.begin(), cls.interfaces.end(), C3DE_IFACE_SIMULATOR_ID) != cls.interfaces.end())
-      own.push_back(cls.id);
-  return own;
 }
 
 Verdict simulators(const Trial &trial) {
@@ -370,6 +276,97 @@ Verdict states(const Trial &trial) {
     if (one.hash() != hash) return fail(id + ": after states and a reset, the same steps give another result");
   }
   return keeping == 0 ? skip("no simulator of it keeps states") : pass();
+}
+
+/// A change that a simulator has reported.
+struct ReportedChange {
+  std::string id, bytes;
+  [[nodiscard]] c3de_sim_change abi() const {
+    c3de_sim_change change{};
+    change.size = sizeof change;
+    change.id = text(id);
+    change.bytes = bytes.data();
+    change.n = bytes.size();
+    return change;
+  }
+};
+
+void C3DE_CALL recordChange(void *observer, const c3de_sim_change *change) noexcept {
+  static_cast<std::vector<ReportedChange> *>(observer)->push_back(
+      {std::string(fromAbi(change->id)),
+       std::string(static_cast<const char *>(change->bytes), static_cast<std::size_t>(change->n))});
+}
+
+/// Sets a parameter of the world: gravity, or the first number.
+std::string changeWorld(const Simulated &one) {
+  const auto declared = session::simulatorDeclarations(one.object(), C3DE_SIM_SCOPE_WORLD);
+  if (!declared) return declared.error().message;
+  c3de_param_value value{};
+  value.size = sizeof value;
+  for (const auto &decl : *declared) {
+    if (one.hasGravity ? decl.id != "world.gravity" : decl.type != C3DE_PARAM_F64) continue;
+    value.type = one.hasGravity ? C3DE_PARAM_VEC3 : C3DE_PARAM_F64;
+    value.id = text(decl.id);
+    value.num = decl.fallback;
+    value.vec[2] = -1.0;
+    if (one.table->set_world(one.object(), &value, 1, sizeof value) < 0)
+      return "set_world refuses a value that is declared: " + one.errorText();
+    break;
+  }
+  return {};
+}
+
+/// The problem with the changes of two simulators of the same scene; empty if there is none.
+std::string changesProblemOf(const c3de_changes_v1 &changes, const Simulated &first, const Simulated &second) {
+  constexpr int kSteps = 3;
+  std::vector<ReportedChange> reported;
+  if (changes.apply(first.object(), nullptr) >= 0) return "apply(null) is accepted";
+  if (changes.observe(first.object(), &reported, recordChange) < 0) return "observe is refused: " + first.errorText();
+  for (const Simulated *one : {&first, &second})
+    if (const std::string bad = one->step(kSteps); !bad.empty()) return bad;
+  if (const std::string bad = changeWorld(first); !bad.empty()) return bad;
+  if (changes.observe(first.object(), nullptr, nullptr) < 0) return "observe(null) is refused: " + first.errorText();
+  const std::size_t count = reported.size();
+  if (const std::string bad = changeWorld(first); !bad.empty()) return bad;
+  if (reported.size() != count) return "an observer is called after observe(null)";
+  const std::uint64_t before = second.hash();
+  c3de_sim_change unknown = ReportedChange{"no.such.change", "bytes"}.abi();
+  if (changes.apply(second.object(), &unknown) != C3DE_E_FORMAT)
+    return fmt::format("a change of an unknown kind is not refused with {} (C3DE_E_FORMAT)", C3DE_E_FORMAT);
+  for (const ReportedChange &change : reported) {
+    if (change.id.empty()) return "a change is reported without an id";
+    for (std::size_t n = 0; n < change.bytes.size(); ++n) {
+      c3de_sim_change cut = change.abi();
+      cut.n = n;
+      if (changes.apply(second.object(), &cut) >= 0)
+        return fmt::format("{} is accepted with {} of its {} bytes", change.id, n, change.bytes.size());
+    }
+    if (second.hash() != before) return "a change that was refused has changed the state";
+    const c3de_sim_change whole = change.abi();
+    if (changes.apply(second.object(), &whole) < 0)
+      return change.id + " is reported, and refused by apply: " + second.errorText();
+  }
+  for (const Simulated *one : {&first, &second})
+    if (const std::string bad = one->step(kSteps); !bad.empty()) return "after a change, " + bad;
+  if (first.hash() != second.hash()) return "a repeated change leads to another state";
+  return {};
+}
+
+Verdict repeatsChanges(const Trial &trial) {
+  int serving = 0;
+  for (const std::string &id : simulatorClasses(trial)) {
+    const Simulated first(trial, id), second(trial, id);
+    if (!first.refusal.empty()) return fail(id + ": " + first.refusal);
+    if (!second.refusal.empty()) return fail(id + ": " + second.refusal);
+    const auto changes = session::changesTable(first.object());
+    if (!changes) return fail(id + ": " + changes.error().message);
+    if (*changes == nullptr) continue;
+    ++serving;
+    recordAction("changes " + id);
+    if (const std::string problem = changesProblemOf(**changes, first, second); !problem.empty())
+      return fail(id + ": " + problem);
+  }
+  return serving == 0 ? skip("no simulator of it reports its changes") : pass();
 }
 
 c3de_status C3DE_CALL unwanted(void *, double, c3de_str) noexcept { return C3DE_E_CANCELLED; }
@@ -566,6 +563,9 @@ constexpr std::array kChecks{
           &states},
     Check{"simulators.verify", "A verification says how far its bodies are off, can be cancelled, and changes nothing",
           &verifies},
+    Check{"simulators.changes",
+          "A change is reported, repeated by another simulator to the bit, and refused with cut bytes",
+          &repeatsChanges},
     Check{"simulators.arguments", "Null, empty, foreign and non-finite arguments are refused, and it goes on",
           &simulatorArguments}};
 

@@ -10,6 +10,7 @@
 #include "forces.h"
 #include "history.h"
 #include "iface/attachment.h"
+#include "iface/changes.h"
 #include "iface/contact.h"
 #include "iface/grasp.h"
 #include "iface/parameter_ids.h"

@@ -10,6 +10,7 @@
 #define C3DE_FIRST_SIZES(X) \
   X(c3de_answer, 280) \
   X(c3de_attachment_v1, 24) \
+  X(c3de_changes_v1, 24) \
   X(c3de_class, 88) \
   X(c3de_class_info, 88) \
   X(c3de_command, 80) \
@@ -45,6 +46,7 @@
   X(c3de_sim_attachment_state, 72) \
   X(c3de_sim_body, 224) \
   X(c3de_sim_body_info, 80) \
+  X(c3de_sim_change, 80) \
   X(c3de_sim_contact_pair, 32) \
   X(c3de_sim_field, 48) \
   X(c3de_sim_fill, 24) \

@@ -53,6 +53,8 @@ inline constexpr std::string_view kTableId<c3de_attachment_v1>{C3DE_IFACE_ATTACH
 template <>
 inline constexpr std::string_view kTableId<c3de_contact_v1>{C3DE_IFACE_CONTACT_ID};
 template <>
+inline constexpr std::string_view kTableId<c3de_changes_v1>{C3DE_IFACE_CHANGES_ID};
+template <>
 inline constexpr std::string_view kTableId<c3de_grasp_v1>{C3DE_IFACE_GRASP_ID};
 template <>
 inline constexpr std::string_view kTableId<c3de_simulator_v1>{C3DE_IFACE_SIMULATOR_ID};

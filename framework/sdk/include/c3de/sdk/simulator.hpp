@@ -87,4 +87,9 @@ inline constexpr c3de_attachment_v1 kAttachmentTable{sizeof(c3de_attachment_v1),
 template <class D>
 inline constexpr c3de_grasp_v1 kGraspTable{sizeof(c3de_grasp_v1), 1, thunk<D, &D::addGrasp>};
 
+/// Static table of iface.changes, likewise: observeChanges() and applyChange().
+template <class D>
+inline constexpr c3de_changes_v1 kChangesTable{sizeof(c3de_changes_v1), 1, thunk<D, &D::observeChanges>,
+                                               thunk<D, &D::applyChange>};
+
 }  // namespace c3de::sdk
