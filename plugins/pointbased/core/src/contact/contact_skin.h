@@ -215,7 +215,7 @@ class MovingSkin {
   /// Same as stepTravel(), computed from the vertices themselves: tighter but more expensive. Phyxels with almost no
   /// influence on the skin may be fast.
   [[nodiscard]] double stepTravelExact();
-  /// Upper bound of the travel of any vertex since the phyxels had the displacements `then`, relative to the mean of
+  /// Upper bound of the travel of any vertex since the phyxels had the displacements `reference`, relative to the mean of
   /// the carriers, m.
   /// @param mean  out: travel of the mean, m
   [[nodiscard]] double travelSince(std::span<const Vec3> reference, Vec3 &mean) const;

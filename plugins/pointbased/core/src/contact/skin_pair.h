@@ -81,7 +81,7 @@ class SkinPair {
   [[nodiscard]] bool recomputePredictedContact();
   /// Fills active() for a step of dt from the state set by MovingSkin::move(). Contacts that persist keep their
   /// impulses.
-  /// @param again  repeats the same step: initial overlap is not reduced further
+  /// @param isRepeat  repeats the same step: initial overlap is not reduced further
   void find(double dt, bool isRepeat = false);
   /// Whether the coming step can reuse the contacts of the last find(): neither skin moves so far that a contact
   /// outside active() could press. The caller has to update the gaps. After MovingSkin::move().

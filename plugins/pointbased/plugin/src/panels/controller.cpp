@@ -39,6 +39,10 @@ std::string_view modeName(std::uint32_t mode) {
   }
 }
 
+void setBodyParameter(WorldSimulator &simulator, std::uint64_t body, const ParameterEntry &value) {
+  (void)simulator.parts().changes.make(SetBodyParameter{simulator.parts().queries.nameOfBody(body), value});
+}
+
 }  // namespace
 
 Controller::Controller(const Services &services, const MaterialLaws &laws, const Tools &tools)
@@ -248,7 +252,7 @@ void Controller::makeRigid(std::uint64_t body) {
   }
   (void)services_.simulation.post(simulator_->node(),
                                   [simulator = sdk::Ref<WorldSimulator>::share(simulator_), body, value] {
-                                    simulator->parts().bodies.setParameter({body}, &value);
+                                    setBodyParameter(*simulator, body, ParameterEntry(value));
                                   });
 }
 
@@ -371,33 +375,26 @@ void Controller::bodyParameterChanged(const c3de_param_value &value) {
   for (const c3de_param_decl &d : declared_)
     if (sdk::text(d.id) == sdk::text(value.id) && (d.flags & C3DE_PARAM_NEEDS_RESET)) return;
   if (!simulator_ || body_ == 0) return;
-  // The value is borrowed; the copy sent to the solver's thread owns its text.
-  const auto copy = std::make_shared<ParameterValues>(declared_);
-  if (!copy->set(value)) return;
-  const std::string id(sdk::text(value.id));
   simulator_->abandonLongStep();
   (void)services_.simulation.post(simulator_->node(),
-                                  [simulator = sdk::Ref<WorldSimulator>::share(simulator_), body = body_, copy, id] {
-                                    const auto owned = sdk::orThrow(copy->get(id));
-                                    simulator->parts().bodies.setParameter({body}, &owned);
-                                  });
+                                  [simulator = sdk::Ref<WorldSimulator>::share(simulator_), body = body_,
+                                   owned = ParameterEntry(value)] { setBodyParameter(*simulator, body, owned); });
 }
 
 void Controller::worldParameterChanged(const c3de_param_value &value) {
   if (!simulator_) return;
-  const auto copy = std::make_shared<ParameterValues>(worldDeclarations());
-  if (!copy->set(value)) return;
+  ParameterValues copy(worldDeclarations());
+  if (!copy.set(value)) return;
   const std::string id(sdk::text(value.id));
   // The other targets as shown in the panel; the simulator resets them itself.
-  if (isAccuracyTarget(id) && !copy->isAuto(id))
+  if (isAccuracyTarget(id) && !copy.isAuto(id))
     for (const std::string_view other : kAccuracyTargets)
       if (other != id) (void)worldParameters_.set(sdk::textValue(other, "auto"));
   if (!isOfTheView(id)) simulator_->abandonLongStep();
-  (void)services_.simulation.post(simulator_->node(),
-                                  [simulator = sdk::Ref<WorldSimulator>::share(simulator_), copy, id] {
-                                    const auto owned = sdk::orThrow(copy->get(id));
-                                    simulator->parts().parameters.set(&owned, 1, sizeof owned);
-                                  });
+  (void)services_.simulation.post(
+      simulator_->node(), [simulator = sdk::Ref<WorldSimulator>::share(simulator_), owned = ParameterEntry(value)] {
+        (void)simulator->parts().changes.make(SetWorldParameters{{owned}});
+      });
 }
 
 void Controller::load() {
@@ -409,30 +406,17 @@ void Controller::load() {
   auto run = [this, simulator, path, unit, before, values](sdk::Progress progress) -> sdk::Result<void> {
     auto mesh = services_.meshes.load(path, unit, progress.abi());
     if (!mesh) return mesh.failure();
-    const std::string name = std::filesystem::path(path).stem().string();
-    std::vector<c3de_param_value> params;
-    for (const c3de_param_decl &d : values.declarations()) params.push_back(sdk::orThrow(values.get(sdk::text(d.id))));
-    c3de_sim_body body{};
-    body.size = sizeof body;
-    body.params_stride = sizeof(c3de_param_value);
-    body.name = sdk::str(name);
-    body.mesh = mesh->handle();
-    c3de_sim_placement placement{};
-    placement.size = sizeof placement;
-    placement.scale = 1.0;
+    LoadBody change;
+    change.name = std::filesystem::path(path).stem().string();
+    change.mesh = dataOf(services_, mesh->handle());
+    change.values = entriesOf(values);
     // A replacement is placed where the previous one was.
     if (before != 0)
       if (const auto source = simulator->parts().bodies.source(before)) {
-        const Vec3 &p = source->placement.position;
-        for (int i = 0; i < 3; ++i) placement.position_m[i] = p[i];
+        change.placement.position = source->placement.position;
+        change.replaced = simulator->parts().queries.nameOfBody(before);
       }
-    body.placement = &placement;
-    body.params = params.data();
-    body.params_n = params.size();
-    body.progress = progress.abi();
-    c3de_handle added{};
-    simulator->parts().bodies.addLoaded(&body, &added);
-    if (before != 0) (void)simulator->removeIfPresent(before);
+    (void)simulator->parts().changes.make(std::move(change), progress);
     return {};
   };
   const auto job = services_.jobs.submit("Loading " + std::filesystem::path(path).filename().string(), std::move(run),
@@ -452,7 +436,9 @@ void Controller::applyAccuracyTarget(const Snapshot &snapshot) {
     for (const char *id : {"sampling.spacing", "sampling.count"}) sdk::orThrow(values.set(sdk::textValue(id, "auto")));
     bodies.emplace_back(body.id, std::move(values));
   }
-  simulator_->parts().accuracy.shareBudget(bodies.size());
+  // The bodies share a budget target.
+  (void)simulator_->parts().changes.make(SetWorldParameters{
+      {ParameterEntry(sdk::integerValue(C3DE_PARAM_ID_ACCURACY_BODIES, static_cast<std::int64_t>(bodies.size())))}});
   startRebuilding("Sampling the bodies for the accuracy target", std::move(bodies));
 }
 
@@ -468,7 +454,9 @@ void Controller::startRebuilding(const std::string &title,
                                  std::vector<std::pair<std::uint64_t, ParameterValues>> bodies) {
   const auto simulator = sdk::Ref<WorldSimulator>::share(simulator_);
   auto run = [simulator, all = std::move(bodies)](sdk::Progress progress) -> sdk::Result<void> {
-    for (const auto &[body, values] : all) simulator->parts().bodies.rebuild(body, values, progress);
+    for (const auto &[body, values] : all)
+      (void)simulator->parts().changes.make(RebuildBody{simulator->parts().queries.nameOfBody(body), entriesOf(values)},
+                                            progress);
     return {};
   };
   const auto job = services_.jobs.submit(title, std::move(run),

@@ -169,51 +169,68 @@ void ObstaclePanel::add(const Snapshot &snapshot) {
                        [&](const ObstacleSnapshot &o) { return o.name == wanted; });
   };
   for (int k = 2; isTaken(name); ++k) name = candidate_->name + " " + std::to_string(k);
-  const auto taken = std::make_shared<RemovedObstacle>();
+  const auto change = std::make_shared<AddObstacle>();
   submit(
       "Adding " + name,
-      [taken, simulator = simulator_, name, mesh = candidate_->mesh, placement](sdk::Progress) -> sdk::Result<void> {
-        *taken = simulator->parts().obstacles.prepare(name, mesh->handle(), placement);
+      [this, change, simulator = simulator_, name, mesh = candidate_->mesh,
+       placement](sdk::Progress progress) -> sdk::Result<void> {
+        const ParameterValues values(obstacleDeclarations());
+        *change = {name, dataOf(services_, mesh->handle()), placement, values.number("friction"),
+                   values.number("restitution")};
+        change->prepare(simulator->parts(), progress);
         return {};
       },
-      [this, taken, name] {
-        if (const auto posted = reinsertObstacle(name, taken); !posted) return fail(posted.failure().message);
-        keepStep("add ", name, taken, true);
+      [this, change, name] {
+        const auto obstacle = std::make_shared<ObjectName>();
+        const auto posted = post(name, [change, obstacle](Changes &changes) {
+          const AddObstacle made = changes.make(std::move(*change));
+          *obstacle = made.added;
+          return made.hasReset;
+        });
+        if (!posted) return fail(posted.failure().message);
+        keepStep("add ", name, obstacle, true);
         candidate_.reset();
       });
 }
 
 void ObstaclePanel::remove(const Snapshot &snapshot) {
-  const auto taken = std::make_shared<RemovedObstacle>();
-  taken->id = move_.chosen();
-  const ObstacleSnapshot *obstacle = snapshot.obstacle(taken->id);
+  const ObstacleSnapshot *chosen = snapshot.obstacle(move_.chosen());
   move_.choose(0);
-  if (extractObstacle(taken) && obstacle) keepStep("remove ", obstacle->name, taken, false);
+  if (!chosen) return;
+  const auto obstacle = std::make_shared<ObjectName>();
+  const auto posted = post(chosen->name, [id = chosen->id, obstacle, simulator = simulator_](Changes &changes) {
+    *obstacle = simulator->parts().queries.nameOfObstacle(id);
+    (void)changes.make(RemoveObject{RemoveObject::What::obstacle, *obstacle});
+    return false;
+  });
+  if (posted) keepStep("remove ", chosen->name, obstacle, false);
 }
 
-/// @param isIn  whether the obstacle is present after the step; if not, the step owns it
-void ObstaclePanel::keepStep(const std::string &what, const std::string &name, const Taken &taken, bool isIn) {
+/// @param isIn  whether the obstacle is present after the step
+void ObstaclePanel::keepStep(const std::string &what, const std::string &name, const Obstacle &obstacle, bool isIn) {
   if (!services_.history) return;
-  const auto in = [this, name, taken] { return reinsertObstacle(name, taken); };
-  const auto out = [this, taken] { return extractObstacle(taken); };
+  const auto in = [this, name, obstacle] {
+    return post(name, [obstacle](Changes &changes) { return changes.make(RestoreObstacle{*obstacle}).hasReset; });
+  };
+  const auto out = [this, name, obstacle] {
+    return post(name, [obstacle](Changes &changes) {
+      (void)changes.make(RemoveObject{RemoveObject::What::obstacle, *obstacle});
+      return false;
+    });
+  };
   const auto step = isIn ? services_.history.add(what + name, out, in) : services_.history.add(what + name, in, out);
   if (step) steps_.push_back(*step);
 }
 
-sdk::Result<void> ObstaclePanel::reinsertObstacle(const std::string &name, const Taken &taken) {
+sdk::Result<void> ObstaclePanel::post(const std::string &name, std::function<bool(Changes &)> change) {
   const Reset reset{name};
   simulator_->abandonLongStep();
-  auto posted = services_.simulation.post(simulator_->node(), [simulator = simulator_, taken, hasMade = reset.hasMade] {
-    *hasMade = simulator->parts().obstacles.reinsertObstacle(*taken);
-  });
+  auto posted = services_.simulation.post(
+      simulator_->node(), [simulator = simulator_, change = std::move(change), hasMade = reset.hasMade] {
+        *hasMade = change(simulator->parts().changes);
+      });
   if (posted) resets_.push_back(reset);
   return posted;
-}
-
-sdk::Result<void> ObstaclePanel::extractObstacle(const Taken &taken) const {
-  simulator_->abandonLongStep();
-  return services_.simulation.post(
-      simulator_->node(), [simulator = simulator_, taken] { simulator->parts().obstacles.extractObstacle(*taken); });
 }
 
 void ObstaclePanel::submit(const std::string &title, std::function<sdk::Result<void>(sdk::Progress)> work,

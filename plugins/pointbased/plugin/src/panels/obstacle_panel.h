@@ -24,7 +24,7 @@ class ObstaclePanel {
   void draw(sdk::Ui &ui, const Snapshot *snapshot);
 
  private:
-  using Taken = std::shared_ptr<RemovedObstacle>;
+  using Obstacle = std::shared_ptr<ObjectName>;  ///< written on the simulation's thread
   /// A file that has been read but is not part of the simulation yet.
   struct Candidate {
     std::string name;
@@ -46,9 +46,9 @@ class ObstaclePanel {
   void drawCandidate(sdk::Ui &ui, const Snapshot *snapshot);
   void add(const Snapshot &snapshot);
   void remove(const Snapshot &snapshot);
-  void keepStep(const std::string &what, const std::string &name, const Taken &taken, bool isIn);
-  [[nodiscard]] sdk::Result<void> reinsertObstacle(const std::string &name, const Taken &taken);
-  [[nodiscard]] sdk::Result<void> extractObstacle(const Taken &taken) const;
+  void keepStep(const std::string &what, const std::string &name, const Obstacle &obstacle, bool isIn);
+  /// Makes a change of an obstacle on the simulation's thread. @param change  returns whether the simulation was reset
+  [[nodiscard]] sdk::Result<void> post(const std::string &name, std::function<bool(Changes &)> change);
   [[nodiscard]] Placement placementOf(const Candidate &candidate) const;
   /// Names of the bodies whose skin is inside the candidate; empty if none.
   [[nodiscard]] std::string bodiesIn(const Candidate &candidate, const Snapshot &snapshot) const;

@@ -5,25 +5,51 @@
 
 namespace pointbased {
 
-SamplingRequest AccuracyControl::samplingRequest() {
-  SamplingRequest request;
+SamplingInputs AccuracyControl::inputs() const {
+  SamplingInputs inputs;
   {
     const std::lock_guard lock(world_.mutex);
-    request.wish = accuracyTargetOf(world_.parameters);
-    request.setting.world = worldSettings(world_.parameters);
-    request.setting.touches = world_.parameters.number(C3DE_PARAM_ID_CONTACT_ENABLED) != 0.0 &&
-                              world_.parameters.number(C3DE_PARAM_ID_ACCURACY_BODIES) > 1.0;
-    request.setting.contact = request.setting.world.box.enabled || !table_.obstacles().empty();
+    inputs.world = entriesOf(world_.parameters);
+    inputs.hasObstacles = !table_.obstacles().empty();
   }
-  request.gravity = request.setting.world.gravity;
   // Without a target the result must not depend on the machine.
-  if (request.wish.kind == AccuracyTarget::Kind::standard) {
-    request.setting.speed = nominalSpeed();
-    return request;
-  }
-  request.setting.speed = world_.context.speed.speed();
-  if (request.setting.world.integrator != Integrator::quasiStatic)
-    request.frameTime = [this](const Body &body, const StopRequest *stop) { return frameTime(body, stop); };
+  const bool isStandard =
+      accuracyTargetOf(valuesOf(worldDeclarations(), inputs.world)).kind == AccuracyTarget::Kind::standard;
+  inputs.speed = isStandard ? nominalSpeed() : world_.context.speed.speed();
+  return inputs;
+}
+
+SamplingRequest AccuracyControl::requestOf(const SamplingInputs &inputs) {
+  const ParameterValues values = valuesOf(worldDeclarations(), inputs.world);
+  SamplingRequest request;
+  request.wish = accuracyTargetOf(values);
+  request.setting.world = worldSettings(values);
+  request.setting.touches =
+      values.number(C3DE_PARAM_ID_CONTACT_ENABLED) != 0.0 && values.number(C3DE_PARAM_ID_ACCURACY_BODIES) > 1.0;
+  request.setting.contact = request.setting.world.box.enabled || inputs.hasObstacles;
+  request.setting.speed = inputs.speed;
+  request.gravity = request.setting.world.gravity;
+  return request;
+}
+
+SamplingRequest AccuracyControl::requestFor(SamplingInputs &inputs) const {
+  SamplingRequest request = requestOf(inputs);
+  if (request.wish.kind != AccuracyTarget::Kind::standard &&
+      request.setting.world.integrator != Integrator::quasiStatic)
+    request.frameTime = [this, &inputs](const Body &body, const StopRequest *stop) {
+      return inputs.frames_ms.emplace_back(frameTime(body, stop));
+    };
+  return request;
+}
+
+SamplingRequest AccuracyControl::repeatedRequest(const SamplingInputs &inputs) const {
+  SamplingRequest request = requestOf(inputs);
+  if (request.wish.kind != AccuracyTarget::Kind::standard &&
+      request.setting.world.integrator != Integrator::quasiStatic)
+    request.frameTime = [&inputs, next = std::size_t{0}](const Body &, const StopRequest *) mutable {
+      require(next < inputs.frames_ms.size(), "it measured fewer frames");
+      return inputs.frames_ms[next++];
+    };
   return request;
 }
 
@@ -80,12 +106,6 @@ void AccuracyControl::computeTrials(const sdk::Progress &progress, const Paralle
     if (BodyRecord *record = table_.body(one.id); record && simulator_.body(one.id)->sharedRest() == one.rest)
       record->trials = std::make_shared<const DisplacementTrials>(std::move(trials));
   }
-}
-
-void AccuracyControl::shareBudget(std::size_t bodies) {
-  const std::lock_guard lock(world_.mutex);
-  sdk::orThrow(
-      world_.parameters.set(sdk::integerValue(C3DE_PARAM_ID_ACCURACY_BODIES, static_cast<std::int64_t>(bodies))));
 }
 
 }  // namespace pointbased

@@ -9,7 +9,7 @@ namespace pointbased {
 
 using sdk::Error;
 
-void Bodies::addWithin(const c3de_sim_body *body, c3de_handle *out, Walls walls) {
+void Bodies::add(const c3de_sim_body *body, c3de_handle *out) {
   const c3de_sim_body in = sdk::readStruct(body, "body");
   BodyRecord record;
   record.name = std::string(sdk::text(in.name));
@@ -18,25 +18,42 @@ void Bodies::addWithin(const c3de_sim_body *body, c3de_handle *out, Walls walls)
   record.source = readSource(in, values);
   record.values = std::make_shared<const ParameterValues>(std::move(values));
   record.checkRigid();
+  SamplingInputs inputs = accuracy_.inputs();
   BuiltBody built = buildBody(world_.context.services, world_.context.laws, record.name, in.mesh, record.source,
-                              *record.values, accuracy_.samplingRequest(), sdk::Progress(in.progress));
-  record.assignBuilt(built);
+                              *record.values, accuracy_.requestFor(inputs), sdk::Progress(in.progress));
   record.source.mesh = std::make_shared<const sdk::MeshHandle>(copyMesh(world_.context.services, in.mesh));
   const StepInterrupt::Waiting waiting(world_.request);
   const std::lock_guard lock(world_.mutex);
-  record.checkFree(*record.values, simulator_.quasiStatic());
-  if (walls == Walls::grow) parameters_.growBox(record);
-  record.checkInsideWalls(simulator_.world().settings().box, built.body->rest().spacing);
-  world_.reset();
-  const std::uint64_t id = simulator_.addBody(std::move(built.body));
-  table_.addBody(id, std::move(record));
+  std::uint64_t id = 0;
+  addBuilt(std::move(record), built, &id);
   if (out) *out = {id};
 }
 
-void Bodies::setParameter(c3de_handle body, const c3de_param_value *value) {
-  const c3de_param_value in = sdk::readStruct(value, "value");
-  const std::lock_guard lock(world_.mutex);
-  BodyRecord &record = table_.bodyOrThrow(body.v);
+BuiltBody Bodies::build(const std::string &name, const BodySource &source, const ParameterValues &values,
+                        const SamplingRequest &request, const sdk::Progress &progress) const {
+  return buildBody(world_.context.services, world_.context.laws, name, source.mesh->handle(), source, values, request,
+                   progress);
+}
+
+void Bodies::addBuilt(BodyRecord record, BuiltBody &built, std::uint64_t *id) {
+  record.assignBuilt(built);
+  record.checkFree(*record.values, simulator_.quasiStatic());
+  record.checkInsideWalls(simulator_.world().settings().box, built.body->rest().spacing);
+  world_.reset();
+  *id = simulator_.addBody(std::move(built.body));
+  table_.addBody(*id, std::move(record));
+}
+
+void Bodies::addLoaded(ChangeAccess, BodyRecord record, BuiltBody &built) {
+  record.surface = built.surface;
+  record.checkFree(*record.values, simulator_.quasiStatic());
+  parameters_.growBox(record);
+  std::uint64_t id = 0;
+  addBuilt(std::move(record), built, &id);
+}
+
+void Bodies::setParameter(ChangeAccess, std::uint64_t body, const c3de_param_value &in) {
+  BodyRecord &record = table_.bodyOrThrow(body);
   ParameterValues changed = *record.values;
   sdk::orThrow(changed.set(in));
   const std::string_view id = sdk::text(in.id);
@@ -44,18 +61,17 @@ void Bodies::setParameter(c3de_handle body, const c3de_param_value *value) {
     if (sdk::text(d.id) == id && (d.flags & C3DE_PARAM_NEEDS_RESET))
       throw Error(C3DE_E_STATE, std::string(id) + " takes effect when the body is built again");
   if (isOfTheSurroundings(id)) {
-    if (const auto set = simulator_.world().setFoundation(body.v, foundationOf(changed)); !set)
+    if (const auto set = simulator_.world().setFoundation(body, foundationOf(changed)); !set)
       throw Error(C3DE_E_ARG, record.name + ": " + std::string(id) + ": " + set.error());
   } else if (id == "rigid" || id == C3DE_PARAM_ID_FREE) {
     record.checkFree(changed, simulator_.quasiStatic());
-    simulator_.world().setRigid(body.v, isRigid(changed), isFree(changed));
+    simulator_.world().setRigid(body, isRigid(changed), isFree(changed));
   } else {
     // Parts keep the values they specify themselves.
     for (BodyPart &part : record.source.parts)
       if (std::find(part.own.begin(), part.own.end(), id) == part.own.end()) sdk::orThrow(part.values.set(in));
-    forces_.invalidateMasses(body.v);
-    simulator_.world().setConstitution(body.v,
-                                       constitutionOf(world_.context.laws, record.name, record.source, changed));
+    forces_.invalidateMasses(body);
+    simulator_.world().setConstitution(body, constitutionOf(world_.context.laws, record.name, record.source, changed));
   }
   record.values = std::make_shared<const ParameterValues>(std::move(changed));
 }
@@ -72,20 +88,10 @@ std::optional<BodySource> Bodies::source(std::uint64_t body) const {
   return found ? std::optional(found->source) : std::nullopt;
 }
 
-void Bodies::rebuild(std::uint64_t body, const ParameterValues &values, const sdk::Progress &progress) {
-  std::string name;
-  BodySource from;
-  {
-    const std::lock_guard lock(world_.mutex);
-    const BodyRecord &record = table_.bodyOrThrow(body);
-    name = record.name;
-    from = record.source;
-  }
-  BuiltBody built = buildBody(world_.context.services, world_.context.laws, name, from.mesh->handle(), from, values,
-                              accuracy_.samplingRequest(), progress);
-  const StepInterrupt::Waiting waiting(world_.request);
-  const std::lock_guard lock(world_.mutex);
+void Bodies::replace(ChangeAccess, std::uint64_t body, BuiltBody &built, const ParameterValues &values,
+                     const std::vector<BodyPart> &parts) {
   BodyRecord record = table_.bodyOrThrow(body);
+  record.source.parts = parts;
   const ContactPairs pairs = simulator_.world().contactPairs();
   const std::vector<Attachment> attached = table_.attachmentsOf(body);
   record.assignBuilt(built);

@@ -88,4 +88,16 @@ bool BodyQueries::readBody(std::uint64_t body, const std::function<void(const Bo
   return true;
 }
 
+ObjectName BodyQueries::nameOfBody(std::uint64_t body) const {
+  const std::lock_guard lock(world_.mutex);
+  return table_.bodyOrThrow(body).identity();
+}
+
+ObjectName BodyQueries::nameOfObstacle(std::uint64_t obstacle) const {
+  const std::lock_guard lock(world_.mutex);
+  const ObstacleRecord *found = table_.obstacle(obstacle);
+  if (!found) throw Error(noSuch("obstacle"));
+  return found->identity();
+}
+
 }  // namespace pointbased

@@ -23,6 +23,9 @@ class BodyQueries {
   /// m, as slices show it: the displacement by which the material has reached a position; 0 where there is no body.
   /// Waits for a step. Any thread.
   [[nodiscard]] Vec3 displacementAt(const Vec3 &position) const;
+  /// Names for changes. Throw sdk::Error C3DE_E_STALE if there is none. Any thread.
+  [[nodiscard]] ObjectName nameOfBody(std::uint64_t body) const;
+  [[nodiscard]] ObjectName nameOfObstacle(std::uint64_t obstacle) const;
   /// Reads a body under the lock; false if the body no longer exists.
   bool readBody(std::uint64_t body, const std::function<void(const Body &)> &read) const;
 

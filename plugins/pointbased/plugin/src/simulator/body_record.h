@@ -10,6 +10,7 @@
 #include "pointbased/probe_tool.h"
 #include "report/accuracy_statement.h"
 #include "simulator/body_builder.h"
+#include "simulator/object_name.h"
 
 namespace pointbased {
 
@@ -23,6 +24,9 @@ struct BodyRecord {
   std::shared_ptr<const AdaptiveSampling> adaptive;   ///< null: finer cells were not requested
   std::shared_ptr<const DisplacementTrials> trials;   ///< null: not computed yet
   std::size_t order = 0;                              ///< order in which bodies were added, from 1; 0: not added yet
+  std::uint32_t number = 0;                           ///< of ObjectName; 0: not added yet
+
+  [[nodiscard]] ObjectName identity() const { return {name, number}; }
 
   /// As iface.simulator reports it. Its name is borrowed from this.
   [[nodiscard]] c3de_sim_body_info info(const Body &body) const;
@@ -44,6 +48,9 @@ struct ObstacleRecord {
   double friction = 0.0, restitution = 0.0;
   std::function<RigidMotion(double t)> motion;  ///< empty: static
   std::optional<ProbeTool> tool = {};           ///< none: the obstacle is a mesh
+  std::uint32_t number = 0;                     ///< of ObjectName; 0: not added yet, or an instrument
+
+  [[nodiscard]] ObjectName identity() const { return {name, number}; }
 };
 
 }  // namespace pointbased

@@ -12,6 +12,13 @@ auto *findIn(Map &map, std::uint64_t id) {
   return found == map.end() ? nullptr : &found->second;
 }
 
+template <class Map>
+std::uint64_t idNamed(const Map &map, const ObjectName &name, const char *what) {
+  for (const auto &[id, record] : map)
+    if (record.identity() == name) return id;
+  throw sdk::Error(C3DE_E_NOT_FOUND, "there is no " + std::string(what) + " '" + textOf(name) + "' in this simulation");
+}
+
 }  // namespace
 
 std::vector<std::uint64_t> BodyTable::bodiesInOrder() const {
@@ -32,6 +39,10 @@ BodyRecord &BodyTable::bodyOrThrow(std::uint64_t id) {
   if (BodyRecord *found = body(id)) return *found;
   throw sdk::Error(noSuch("body"));
 }
+
+std::uint64_t BodyTable::bodyNamed(const ObjectName &name) const { return idNamed(bodies_, name, "body"); }
+
+std::uint64_t BodyTable::obstacleNamed(const ObjectName &name) const { return idNamed(obstacles_, name, "obstacle"); }
 
 std::vector<Attachment> BodyTable::attachmentsOf(std::uint64_t id) const {
   std::vector<Attachment> out;
@@ -73,10 +84,14 @@ std::string BodyTable::freeInstrumentName() const {
 
 void BodyTable::addBody(std::uint64_t id, BodyRecord record) {
   if (record.order == 0) record.order = ++lastOrder_;
+  if (record.number == 0) record.number = ++bodyCounts_[record.name];
   bodies_.emplace(id, std::move(record));
 }
 
-void BodyTable::addObstacle(std::uint64_t id, ObstacleRecord record) { obstacles_.emplace(id, std::move(record)); }
+void BodyTable::addObstacle(std::uint64_t id, ObstacleRecord record) {
+  if (record.number == 0) record.number = ++obstacleCounts_[record.name];
+  obstacles_.emplace(id, std::move(record));
+}
 
 void BodyTable::addAttachment(std::uint64_t id, Attachment attachment) {
   attachments_.emplace(id, std::move(attachment));
@@ -104,6 +119,8 @@ void BodyTable::clear() {
   obstacles_.clear();
   instruments_.clear();
   attachments_.clear();
+  bodyCounts_.clear();
+  obstacleCounts_.clear();
 }
 
 void BodyTable::addInstrument(std::uint64_t id, const ObstacleRecord &record) {

@@ -31,6 +31,9 @@ class BodyTable {
   [[nodiscard]] const ObstacleRecord *obstacle(std::uint64_t id) const;
   /// Throws sdk::Error C3DE_E_STALE if there is none.
   [[nodiscard]] BodyRecord &bodyOrThrow(std::uint64_t id);
+  /// Throw sdk::Error C3DE_E_NOT_FOUND if there is none of this name.
+  [[nodiscard]] std::uint64_t bodyNamed(const ObjectName &name) const;
+  [[nodiscard]] std::uint64_t obstacleNamed(const ObjectName &name) const;
   /// Attachments that join a body or an obstacle to something.
   [[nodiscard]] std::vector<Attachment> attachmentsOf(std::uint64_t id) const;
 
@@ -43,7 +46,7 @@ class BodyTable {
   /// "instrument", or with the first number that is not in use: "instrument 2".
   [[nodiscard]] std::string freeInstrumentName() const;
 
-  /// Last in the order, unless the id already has a position there.
+  /// Last in the order, unless the record already has a position there.
   void addBody(std::uint64_t id, BodyRecord record);
   void addObstacle(std::uint64_t id, ObstacleRecord record);
   void addAttachment(std::uint64_t id, Attachment attachment);
@@ -70,6 +73,7 @@ class BodyTable {
   std::map<std::uint64_t, ObstacleRecord> instruments_;  // since the last reset, including removed ones
   std::map<std::uint64_t, Attachment> attachments_;
   std::size_t lastOrder_ = 0;
+  std::map<std::string, std::uint32_t> bodyCounts_, obstacleCounts_;  // by name, including removed ones
 };
 
 /// C3DE_E_STALE: no object of this kind has the id.

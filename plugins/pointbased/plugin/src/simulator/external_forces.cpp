@@ -52,16 +52,28 @@ void ExternalForces::bind(RuntimeLoad &live) const {
   live.rest = body.sharedRest();
 }
 
-void ExternalForces::addLoad(c3de_handle handle, const c3de_sim_load *load, c3de_handle *out) {
-  const std::lock_guard lock(world_.mutex);
-  const BodyRecord &record = table_.bodyOrThrow(handle.v);
-  if (simulator_.body(handle.v)->isStatic())
+std::uint64_t ExternalForces::addLoad(ChangeAccess, std::uint64_t body, const Load &load, std::uint64_t &number) {
+  const BodyRecord &record = table_.bodyOrThrow(body);
+  if (simulator_.body(body)->isStatic())
     throw Error(C3DE_E_STATE, "body '" + record.name + "' is rigid and fixed, so a load cannot move it");
-  RuntimeLoad live{handle.v, readLoad(load), {}, nullptr, simulator_.time()};
+  RuntimeLoad live{body, load, {}, nullptr, simulator_.time(), number == 0 ? lastNumber_ + 1 : number};
   bind(live);
+  number = live.number;
+  lastNumber_ = std::max(lastNumber_, number);
   const std::uint64_t id = world_.allocateIds(1);
   loads_.emplace(id, std::move(live));
-  if (out) *out = {id};
+  return id;
+}
+
+std::uint64_t ExternalForces::numberOf(std::uint64_t id) const {
+  const auto found = loads_.find(id);
+  return found == loads_.end() ? 0 : found->second.number;
+}
+
+std::uint64_t ExternalForces::loadNumbered(std::uint64_t number) const {
+  for (const auto &[id, load] : loads_)
+    if (load.number == number) return id;
+  return 0;
 }
 
 void ExternalForces::apply() {
@@ -94,7 +106,7 @@ void ExternalForces::invalidateMasses(std::uint64_t body) {
   if (const auto lent = sharedPoints_.find(body); lent != sharedPoints_.end()) lent->second.masses.clear();
 }
 
-void ExternalForces::removeLoadsOf(std::uint64_t body) {
+void ExternalForces::removeLoadsOf(ChangeAccess, std::uint64_t body) {
   std::erase_if(loads_, [&](const auto &entry) { return entry.second.body == body; });
 }
 

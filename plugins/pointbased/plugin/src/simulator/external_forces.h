@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "simulator/change_access.h"
 #include "simulator/simulated_world.h"
 
 namespace pointbased {
@@ -11,17 +12,21 @@ class ExternalForces {
   explicit ExternalForces(SimulatedWorld &world) : world_(world) {}
 
   void points(c3de_handle body, c3de_sim_points *out);
-  void addLoad(c3de_handle body, const c3de_sim_load *load, c3de_handle *out);
 
   // The mutex of the world is held.
+  /// @param number  by which it is found; 0: the next one is assigned
+  /// @return its id
+  std::uint64_t addLoad(ChangeAccess access, std::uint64_t body, const Load &load, std::uint64_t &number);
+  /// 0 if there is none. @param id, number  of the load
+  [[nodiscard]] std::uint64_t numberOf(std::uint64_t id) const;
+  [[nodiscard]] std::uint64_t loadNumbered(std::uint64_t number) const;
   /// Before a step: sets the forces requested since the last step and those of the loads; other bodies have none.
   void apply();
   /// Called after the masses of a body have changed.
   void invalidateMasses(std::uint64_t body);
   [[nodiscard]] bool hasLoads() const { return !loads_.empty(); }
-  /// False if there is none.
-  bool removeLoad(std::uint64_t id) { return loads_.erase(id) > 0; }
-  void removeLoadsOf(std::uint64_t body);
+  void removeLoad(ChangeAccess, std::uint64_t id) { loads_.erase(id); }
+  void removeLoadsOf(ChangeAccess access, std::uint64_t body);
   void removeLoads() { loads_.clear(); }
 
  private:
@@ -41,6 +46,7 @@ class ExternalForces {
     LoadedPart part;
     std::shared_ptr<const RestState> rest;  // to which the part belongs
     double startTime_s = 0.0;
+    std::uint64_t number = 0;
   };
   void bind(RuntimeLoad &load) const;
 
@@ -49,6 +55,7 @@ class ExternalForces {
   BodyTable &table_ = world_.table;
   std::map<std::uint64_t, SharedPoints> sharedPoints_;
   std::map<std::uint64_t, RuntimeLoad> loads_;
+  std::uint64_t lastNumber_ = 0;
 };
 
 }  // namespace pointbased

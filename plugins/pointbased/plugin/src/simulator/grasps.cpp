@@ -21,30 +21,26 @@ std::uint64_t findGrab(std::uint64_t grasp) { return grasp == kInteractiveGrasp 
 
 }  // namespace
 
-void Grasps::begin(std::uint64_t body, const JawPositions &places, const GraspSettings &settings) {
-  const std::lock_guard lock(world_.mutex);
-  if (!table_.hasBody(body)) return;
-  remove(kInteractiveGrasp);
+void Grasps::begin(ChangeAccess, std::uint64_t body, const JawPositions &places, const GraspSettings &settings) {
+  erase(kInteractiveGrasp);
   GraspRecord record;
   record.now = beginGrasp(body, *simulator_.body(body), places, settings);
   setGrabs(kInteractiveGrasp, *record.now);
   grasps_.emplace(kInteractiveGrasp, std::move(record));
 }
 
-void Grasps::move(const Vec3 &middle, const Mat3 &rotation) {
-  const std::lock_guard lock(world_.mutex);
+void Grasps::move(ChangeAccess, const Vec3 &middle, const Mat3 &rotation) {
   const auto found = grasps_.find(kInteractiveGrasp);
   if (found == grasps_.end()) return;
   found->second.now->middle = middle;
   found->second.now->rotation = rotation;
 }
 
-void Grasps::release() {
-  const std::lock_guard lock(world_.mutex);
-  remove(kInteractiveGrasp);
+void Grasps::removeOf(ChangeAccess, std::uint64_t body) {
+  std::erase_if(grasps_, [body](const auto &entry) { return entry.second.body() == body; });
 }
 
-void Grasps::remove(std::uint64_t id) {
+void Grasps::erase(std::uint64_t id) {
   const auto found = grasps_.find(id);
   if (found == grasps_.end()) return;
   if (found->second.now)
@@ -107,21 +103,17 @@ void Grasps::update() {
   }
 }
 
-InteractionState Grasps::checkpoint() const {
-  const std::lock_guard lock(world_.mutex);
-  return {simulator_.archive().checkpoint(), grasps_};
-}
+InteractionState Grasps::checkpoint() const { return {simulator_.archive().checkpoint(), grasps_}; }
 
-void Grasps::exchange(InteractionState &other) {
-  const std::lock_guard lock(world_.mutex);
-  InteractionState left{simulator_.archive().checkpoint(), grasps_};
-  if (simulator_.archive().restore(other.state)) {
-    grasps_ = other.grasps;
-    for (const auto &[id, record] : grasps_)
-      if (record.now) setGrabs(id, *record.now);
-    other = std::move(left);
-  }
+bool Grasps::exchange(ChangeAccess, InteractionState &other) {
+  InteractionState left = checkpoint();
+  if (!simulator_.archive().restore(other.state)) return false;
+  grasps_ = other.grasps;
+  for (const auto &[id, record] : grasps_)
+    if (record.now) setGrabs(id, *record.now);
+  other = std::move(left);
   table_.syncInstruments(simulator_);
+  return true;
 }
 
 std::vector<GraspSnapshot> Grasps::snapshots() const {

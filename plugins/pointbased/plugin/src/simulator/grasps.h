@@ -2,6 +2,7 @@
 #pragma once
 
 #include "report/report.h"
+#include "simulator/change_access.h"
 #include "simulator/simulated_world.h"
 #include "simulator/snapshot.h"
 
@@ -19,28 +20,28 @@ class Grasps {
   explicit Grasps(SimulatedWorld &world) : world_(world) {}
 
   void add(const c3de_sim_grasp *grasp, c3de_handle *out);
-  /// Interactive jaws grasp a body and replace the previous ones; does nothing if the body no longer exists.
-  /// [sim]
-  /// @param places  for which problemOf() is empty
-  void begin(std::uint64_t body, const JawPositions &places, const GraspSettings &settings);
-  /// Prescribed middle between the interactive jaws, m, and their rotation; does nothing if there are none. [sim]
-  void move(const Vec3 &middle, const Mat3 &rotation);
-  void release();
-  /// The state before the pull that begins. [sim]
-  [[nodiscard]] InteractionState checkpoint() const;
-  /// Restores the stored state and stores the present one; does nothing if the simulation has been restarted since.
-  /// [sim]
-  void exchange(InteractionState &other);
 
   // The mutex of the world is held.
+  /// Interactive jaws grasp a body and replace the previous ones.
+  /// @param places  for which problemOf() is empty
+  void begin(ChangeAccess access, std::uint64_t body, const JawPositions &places, const GraspSettings &settings);
+  /// Prescribed middle between the interactive jaws, m, and their rotation; does nothing if there are none.
+  void move(ChangeAccess access, const Vec3 &middle, const Mat3 &rotation);
+  /// Removes the jaws themselves, also from the scene.
+  void remove(ChangeAccess, std::uint64_t id) { erase(id); }
+  void removeOf(ChangeAccess access, std::uint64_t body);
+  /// The state before the pull that begins.
+  [[nodiscard]] InteractionState checkpoint() const;
+  /// Restores the stored state and stores the present one. False, with nothing changed, if the simulation has been
+  /// restarted since.
+  bool exchange(ChangeAccess access, InteractionState &other);
   /// Before a step: jaws of the scene start at their time, all close and move to their prescribed pose.
   void update();
-  /// Removes the jaws themselves, also from the scene.
-  void remove(std::uint64_t id);
   [[nodiscard]] std::vector<GraspSnapshot> snapshots() const;
   [[nodiscard]] std::vector<ReportedGrasp> reported() const;
 
  private:
+  void erase(std::uint64_t id);
   void setGrabs(std::uint64_t id, const Grasp &grasp);
   /// Nothing if it has lost what it held.
   [[nodiscard]] std::optional<GraspForces> forcesOn(std::uint64_t id, const Grasp &grasp) const;

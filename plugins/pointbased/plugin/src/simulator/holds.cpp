@@ -11,52 +11,62 @@ namespace pointbased {
 
 using sdk::Error;
 
-void Holds::add(c3de_handle handle, const c3de_sim_hold *hold, c3de_handle *out) {
-  const auto in = sdk::readStruct(hold, "hold");
-  const std::lock_guard lock(world_.mutex);
-  const BodyRecord &record = table_.bodyOrThrow(handle.v);
-  const Body &body = *simulator_.body(handle.v);
-  const Vec3 at(in.at_m[0], in.at_m[1], in.at_m[2]);
+std::uint64_t Holds::add(ChangeAccess, std::uint64_t held, BeginHold &in) {
+  const BodyRecord &record = table_.bodyOrThrow(held);
+  const Body &body = *simulator_.body(held);
+  const Vec3 &at = in.at;
   const auto amount = [](double value) { return std::isfinite(value) && value >= 0.0; };
-  if (!at.allFinite() || !(in.radius_m > 0.0) || !std::isfinite(in.radius_m))
+  if (!at.allFinite() || !(in.radius > 0.0) || !std::isfinite(in.radius))
     throw Error(C3DE_E_ARG, "hold: accepted: a finite point and a radius above 0 m");
-  if (!amount(in.frequency_hz) || !amount(in.damping_ratio) || !amount(in.max_force_N))
+  if (!amount(in.frequency_hz) || !amount(in.dampingRatio) || !amount(in.maxForce))
     throw Error(C3DE_E_ARG,
                 "hold: accepted: a frequency, a damping ratio and a force that are finite and not negative");
-  if (in.flags & ~C3DE_SIM_HOLD_SHAPE) throw Error(C3DE_E_UNSUPPORTED, "hold: unknown flags");
+  if (in.holdFlags & ~C3DE_SIM_HOLD_SHAPE) throw Error(C3DE_E_UNSUPPORTED, "hold: unknown flags");
   if (body.isStatic())
     throw Error(C3DE_E_STATE, "body '" + record.name + "' is rigid and fixed, so it cannot be pulled");
   std::vector<Vec3> positions, normals;
-  simulator_.world().surfels(handle.v, positions, normals);
+  simulator_.world().surfels(held, positions, normals);
   if (positions.empty()) throw Error(C3DE_E_STATE, "body '" + record.name + "' has no surface to hold");
   const auto nearest = std::min_element(positions.begin(), positions.end(), [&](const Vec3 &a, const Vec3 &b) {
     return (a - at).squaredNorm() < (b - at).squaredNorm();
   });
-  PinchSettings settings{.radius_mm = 1e3 * in.radius_m};
+  PinchSettings settings{.radius_mm = 1e3 * in.radius};
   if (in.frequency_hz > 0.0) settings.frequency_hz = in.frequency_hz;
-  if (in.damping_ratio > 0.0) settings.dampingRatio = in.damping_ratio;
+  if (in.dampingRatio > 0.0) settings.dampingRatio = in.dampingRatio;
   Grab grab = grabAround(body.rest(), static_cast<std::size_t>(nearest - positions.begin()), settings,
                          body.material().youngsModulus);
   limitToTissue(grab, body, 0.0);
-  if (in.max_force_N > 0.0) grab.maxForce = in.max_force_N;
+  if (in.maxForce > 0.0) grab.maxForce = in.maxForce;
   const Vec3 middle = grab.target = meanPosition(grab, body);
-  if (in.flags & C3DE_SIM_HOLD_SHAPE) addShapeSprings(grab, body);
+  if (in.holdFlags & C3DE_SIM_HOLD_SHAPE) addShapeSprings(grab, body);
   const std::uint64_t id = world_.allocateIds(1);
-  holds_.emplace(id, Hold{handle.v, middle - at, at, Mat3::Identity(), !grab.arms.empty()});
-  world_.recordGrab(handle.v, grab);
-  simulator_.stepper().setGrab(handle.v, std::move(grab), id);
-  if (out) *out = {id};
+  if (in.number == 0) in.number = lastNumber_ + 1;
+  lastNumber_ = std::max(lastNumber_, in.number);
+  holds_.emplace(id, Hold{held, middle - at, at, Mat3::Identity(), !grab.arms.empty(), in.number});
+  world_.recordGrab(held, grab);
+  simulator_.stepper().setGrab(held, std::move(grab), id);
+  return id;
 }
 
-bool Holds::remove(std::uint64_t id) {
+void Holds::remove(ChangeAccess, std::uint64_t id) {
   const auto hold = holds_.find(id);
-  if (hold == holds_.end()) return false;
+  if (hold == holds_.end()) return;
   simulator_.stepper().releaseGrab(hold->second.body, hold->first);
   holds_.erase(hold);
-  return true;
 }
 
-void Holds::removeOf(std::uint64_t body) {
+std::uint64_t Holds::numberOf(std::uint64_t id) const {
+  const auto found = holds_.find(id);
+  return found == holds_.end() ? 0 : found->second.number;
+}
+
+std::uint64_t Holds::holdNumbered(std::uint64_t number) const {
+  for (const auto &[id, hold] : holds_)
+    if (hold.number == number) return id;
+  return 0;
+}
+
+void Holds::removeOf(ChangeAccess, std::uint64_t body) {
   std::erase_if(holds_, [&](const auto &entry) { return entry.second.body == body; });
 }
 
@@ -67,18 +77,14 @@ Holds::Hold &Holds::holdOrThrow(c3de_handle handle) {
   throw Error(C3DE_E_STALE, "no such hold: it was removed, or what it held has been renewed");
 }
 
-void Holds::pull(c3de_handle handle, const double *target_m3, const double *quaternion4) {
-  const std::lock_guard lock(world_.mutex);
-  Hold &hold = holdOrThrow(handle);
-  const Vec3 target = Vec3::Map(&sdk::notNull(target_m3, "target_m3"));
-  if (!target.allFinite()) throw Error(C3DE_E_ARG, "pull: the target is not finite");
-  Mat3 rotation = Mat3::Identity();
-  if (quaternion4 && hold.keepsShape) rotation = readRotation(quaternion4, "pull");
+void Holds::pull(ChangeAccess, std::uint64_t id, const Vec3 &target, const std::optional<Mat3> &turned) {
+  Hold &hold = holdOrThrow({id});
+  const Mat3 rotation = turned && hold.keepsShape ? *turned : Mat3::Identity();
   hold.target = target;
   hold.rotation = rotation;
-  world_.recordPull(hold.body, handle.v);
-  simulator_.stepper().moveGrab(hold.body, target + rotation * hold.fromNamed, handle.v);
-  simulator_.stepper().turnGrab(hold.body, rotation, handle.v);
+  world_.recordPull(hold.body, id);
+  simulator_.stepper().moveGrab(hold.body, target + rotation * hold.fromNamed, id);
+  simulator_.stepper().turnGrab(hold.body, rotation, id);
 }
 
 void Holds::state(c3de_handle handle, c3de_sim_hold_state *out) {
@@ -95,22 +101,17 @@ void Holds::state(c3de_handle handle, c3de_sim_hold_state *out) {
   sdk::writeStruct(out, state, "out");
 }
 
-void Holds::grab(std::uint64_t body, Grab grab, double ownLimit) {
-  const std::lock_guard lock(world_.mutex);
+void Holds::grab(ChangeAccess, std::uint64_t body, Grab grab, double ownLimit) {
   if (const Body *held = simulator_.body(body)) limitToTissue(grab, *held, ownLimit);
   world_.recordGrab(body, grab);
   simulator_.stepper().setGrab(body, std::move(grab));
 }
 
-void Holds::moveGrab(std::uint64_t body, const Vec3 &target) {
-  const std::lock_guard lock(world_.mutex);
+void Holds::moveGrab(ChangeAccess, std::uint64_t body, const Vec3 &target) {
   world_.recordPull(body, 0);
   simulator_.stepper().moveGrab(body, target);
 }
 
-void Holds::releaseGrab(std::uint64_t body) {
-  const std::lock_guard lock(world_.mutex);
-  simulator_.stepper().releaseGrab(body);
-}
+void Holds::releaseGrab(ChangeAccess, std::uint64_t body) { simulator_.stepper().releaseGrab(body); }
 
 }  // namespace pointbased

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "simulator/change_kinds.h"
 #include "simulator/simulated_world.h"
 
 namespace pointbased {
@@ -10,19 +11,22 @@ class Holds {
  public:
   explicit Holds(SimulatedWorld &world) : world_(world) {}
 
-  void add(c3de_handle body, const c3de_sim_hold *hold, c3de_handle *out);
-  void pull(c3de_handle hold, const double *target_m3, const double *quaternion4);
   void state(c3de_handle hold, c3de_sim_hold_state *out);
 
-  /// Starts the grab of the pinch. @param ownLimit  N, set for the tool in addition to the limit of the tissue; 0: none
-  void grab(std::uint64_t body, Grab grab, double ownLimit);
-  void moveGrab(std::uint64_t body, const Vec3 &target);
-  void releaseGrab(std::uint64_t body);
-
   // The mutex of the world is held.
-  /// False if there is none.
-  bool remove(std::uint64_t id);
-  void removeOf(std::uint64_t body);
+  /// Starts a hold. Its number is assigned if it is 0. @return its id
+  std::uint64_t add(ChangeAccess access, std::uint64_t body, BeginHold &hold);
+  void pull(ChangeAccess access, std::uint64_t hold, const Vec3 &target, const std::optional<Mat3> &rotation);
+  void remove(ChangeAccess access, std::uint64_t id);
+  void removeOf(ChangeAccess access, std::uint64_t body);
+  /// 0 if there is none. @param id, number  of the hold
+  [[nodiscard]] std::uint64_t numberOf(std::uint64_t id) const;
+  [[nodiscard]] std::uint64_t holdNumbered(std::uint64_t number) const;
+  [[nodiscard]] bool keepsShape(std::uint64_t hold) const { return holds_.at(hold).keepsShape; }
+  /// Starts the grab of the pinch. @param ownLimit  N, set for the tool in addition to the limit of the tissue; 0: none
+  void grab(ChangeAccess access, std::uint64_t body, Grab grab, double ownLimit);
+  void moveGrab(ChangeAccess access, std::uint64_t body, const Vec3 &target);
+  void releaseGrab(ChangeAccess access, std::uint64_t body);
   void clear() { holds_.clear(); }
 
  private:
@@ -32,6 +36,7 @@ class Holds {
     Vec3 target = Vec3::Zero();     // world, m
     Mat3 rotation = Mat3::Identity();
     bool keepsShape = false;
+    std::uint64_t number = 0;
   };
   [[nodiscard]] Hold &holdOrThrow(c3de_handle hold);
 
@@ -39,6 +44,7 @@ class Holds {
   Simulator &simulator_ = world_.simulator;
   BodyTable &table_ = world_.table;
   std::map<std::uint64_t, Hold> holds_;
+  std::uint64_t lastNumber_ = 0;
 };
 
 }  // namespace pointbased

@@ -37,8 +37,7 @@ void Obstacles::add(const c3de_sim_obstacle *obstacle, c3de_handle *out) {
   if (out) *out = {id};
 }
 
-void Obstacles::placeInstrument(ProbeTool tool) {
-  const std::lock_guard lock(world_.mutex);
+void Obstacles::placeInstrument(ChangeAccess, ProbeTool tool) {
   tool.name = table_.freeInstrumentName();
   tool.path.resize(1, tool.path.empty() ? ToolPose() : tool.path.front());
   tool.path.push_back(tool.path.front());
@@ -51,8 +50,7 @@ void Obstacles::placeInstrument(ProbeTool tool) {
   table_.addInstrument(id, record);
 }
 
-void Obstacles::moveInstrument(const Vec3 &middle) {
-  const std::lock_guard lock(world_.mutex);
+void Obstacles::moveInstrument(ChangeAccess, const Vec3 &middle) {
   for (const auto &[id, record] : table_.obstacles()) {
     if (!simulator_.world().isInstrument(id)) continue;
     const Vec3 &at = record.tool->path.front().at;
@@ -60,18 +58,8 @@ void Obstacles::moveInstrument(const Vec3 &middle) {
   }
 }
 
-void Obstacles::removeInstrument() {
-  const std::lock_guard lock(world_.mutex);
-  eraseInstruments();
-}
-
 void Obstacles::eraseInstruments() {
   for (const std::uint64_t id : table_.removeInstruments()) simulator_.removeObstacle(id);
-}
-
-void Obstacles::guide(std::uint64_t obstacle, const RigidMotion &target) {
-  const std::lock_guard lock(world_.mutex);
-  guideWithSpeedLimit(obstacle, target);
 }
 
 void Obstacles::guideWithSpeedLimit(std::uint64_t obstacle, const RigidMotion &target) {
@@ -89,51 +77,71 @@ void Obstacles::guideWithSpeedLimit(std::uint64_t obstacle, const RigidMotion &t
   simulator_.world().guideObstacle(obstacle, target, std::max({kMinTime, distance / kMaxSpeed, turn / kMaxTurn}));
 }
 
-void Obstacles::extractObstacle(RemovedObstacle &removed) {
-  const std::lock_guard lock(world_.mutex);
-  const ObstacleRecord *record = table_.obstacle(removed.id);
-  const Obstacle *obstacle = simulator_.world().obstacle(removed.id);
-  if (!record || !obstacle) return;
-  removed.record = *record;
-  removed.obstacle = *obstacle;
-  removed.obstacle.motion = simulator_.world().motionAtReset(removed.id);
-  removed.pose = simulator_.world().obstacleMotion(removed.id);
-  removed.pairs.clear();
-  for (const auto &[pair, settings] : simulator_.world().contactPairs())
-    if (pair.first == removed.id || pair.second == removed.id) removed.pairs.emplace(pair, settings);
-  removed.attachments = table_.attachmentsOf(removed.id);
-  table_.removeObstacle(removed.id);
-  simulator_.removeObstacle(removed.id);
+RemovedObstacle Obstacles::build(const std::string &name, c3de_handle mesh, const Placement &placement,
+                                 const ObstacleSurface &surface) const {
+  auto placed = placeMesh(world_.context.services, mesh, placement);
+  RemovedObstacle built;
+  built.obstacle = buildObstacle(world_.context.services, name, placed, surface, std::nullopt);
+  built.record = ObstacleRecord{name, std::move(placed), surface.friction, surface.restitution, {}};
+  return built;
 }
 
-bool Obstacles::reinsertObstacle(RemovedObstacle &removed) {
-  const std::lock_guard lock(world_.mutex);
-  if (!removed.record) return false;
+std::uint64_t Obstacles::insert(const RemovedObstacle &what) {
+  const std::uint64_t id = simulator_.addObstacle(what.obstacle);
+  table_.addObstacle(id, what.record);
+  return id;
+}
+
+void Obstacles::resetIfOverlapping(std::uint64_t obstacle, bool isAttached) {
+  if (isAttached || (simulator_.steps() > 0 && containsSkin(simulator_, table_, obstacle))) world_.reset();
+}
+
+std::uint64_t Obstacles::addBuilt(ChangeAccess, const RemovedObstacle &built) {
+  const std::uint64_t id = insert(built);
+  resetIfOverlapping(id, false);
+  return id;
+}
+
+void Obstacles::remove(ChangeAccess, std::uint64_t id) {
+  const ObstacleRecord &record = *table_.obstacle(id);
+  RemovedObstacle out;
+  out.id = id;
+  out.record = record;
+  out.obstacle = *simulator_.world().obstacle(id);
+  out.obstacle.motion = simulator_.world().motionAtReset(id);
+  out.pose = simulator_.world().obstacleMotion(id);
+  for (const auto &[pair, settings] : simulator_.world().contactPairs())
+    if (pair.first == id || pair.second == id) out.pairs.emplace(pair, settings);
+  out.attachments = table_.attachmentsOf(id);
+  removed_.insert_or_assign(record.identity(), std::move(out));
+  table_.removeObstacle(id);
+  simulator_.removeObstacle(id);
+}
+
+const RemovedObstacle *Obstacles::removed(const ObjectName &name) const {
+  const auto found = removed_.find(name);
+  return found == removed_.end() ? nullptr : &found->second;
+}
+
+void Obstacles::restore(ChangeAccess, const RestoreObstacle &what) {
+  const auto found = removed_.find(what.obstacle);
+  RemovedObstacle obstacle = std::move(found->second);
+  removed_.erase(found);
+  const RestoreObstacle::Pose &pose = *what.pose;
   // Before the first step it is placed again below; afterwards a reset moves it to its initial position.
-  if (!removed.record->motion && simulator_.steps() == 0) removed.obstacle.motion = nullptr;
-  const std::uint64_t before = std::exchange(removed.id, simulator_.addObstacle(removed.obstacle));
-  const std::uint64_t id = removed.id;
-  table_.addObstacle(id, *std::exchange(removed.record, std::nullopt));
+  if (!obstacle.record.motion && pose.isInitial) obstacle.obstacle.motion = nullptr;
+  const std::uint64_t before = obstacle.id, id = insert(obstacle);
   // An obstacle moved by the scene follows its motion; one that has not been moved is where it was built.
   const bool isElsewhere =
-      removed.obstacle.motion || !removed.pose.rotation.isIdentity(0.0) || !removed.pose.displacement.isZero(0.0);
-  if (!table_.obstacle(id)->motion && isElsewhere) simulator_.world().guideObstacle(id, removed.pose, 0.0);
-  for (const auto &[pair, settings] : removed.pairs)
+      obstacle.obstacle.motion || !pose.motion.rotation.isIdentity(0.0) || !pose.motion.displacement.isZero(0.0);
+  // A pose that was assigned after the first step is lost by a reset. Where only lasting changes are repeated, there
+  // are no steps yet, and it must not become the initial pose.
+  const bool isOfThisState = pose.isInitial || simulator_.steps() > 0;
+  if (!obstacle.record.motion && isElsewhere && isOfThisState) simulator_.world().guideObstacle(id, pose.motion, 0.0);
+  for (const auto &[pair, settings] : obstacle.pairs)
     simulator_.world().setContactPair(id, pair.first == before ? pair.second : pair.first, settings);
-  const bool isReset = simulator_.steps() > 0 && (!removed.attachments.empty() || containsSkin(simulator_, table_, id));
-  if (isReset || !removed.attachments.empty()) world_.reset();
-  for (const Attachment &attachment : removed.attachments) attachments_.reattach(attachment, before, id);
-  return isReset;
-}
-
-RemovedObstacle Obstacles::prepare(const std::string &name, c3de_handle mesh, const Placement &placement) {
-  const ParameterValues values(obstacleDeclarations());
-  auto placed = placeMesh(world_.context.services, mesh, placement);
-  RemovedObstacle removed;
-  removed.obstacle = buildObstacle(world_.context.services, name, placed,
-                                   {values.number("friction"), values.number("restitution")}, std::nullopt);
-  removed.record = ObstacleRecord{name, std::move(placed), removed.obstacle.friction, removed.obstacle.restitution, {}};
-  return removed;
+  resetIfOverlapping(id, !obstacle.attachments.empty());
+  for (const Attachment &attachment : obstacle.attachments) attachments_.reattach(attachment, before, id);
 }
 
 }  // namespace pointbased

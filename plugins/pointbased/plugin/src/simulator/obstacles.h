@@ -2,15 +2,16 @@
 #pragma once
 
 #include "simulator/attachments.h"
+#include "simulator/change_kinds.h"
 
 namespace pointbased {
 
-/// An obstacle that has been removed, with its associated data. Accessed on the simulation's thread.
+/// An obstacle that is not part of the simulation, with its associated data.
 struct RemovedObstacle {
-  std::uint64_t id = 0;
-  std::optional<ObstacleRecord> record = {};  ///< none: the obstacle is present
-  Obstacle obstacle = {};                     ///< with the motion that a reset assigns to it
-  RigidMotion pose = {};                      ///< its pose when it was removed
+  std::uint64_t id = 0;  ///< that it had; 0: it has not been added yet
+  ObstacleRecord record = {};
+  Obstacle obstacle = {};  ///< with the motion that a reset assigns to it
+  RigidMotion pose = {};   ///< its pose when it was removed
   ContactPairs pairs = {};
   std::vector<Attachment> attachments = {};
 };
@@ -21,24 +22,34 @@ class Obstacles {
   Obstacles(SimulatedWorld &world, Attachments &attachments) : world_(world), attachments_(attachments) {}
 
   void add(const c3de_sim_obstacle *obstacle, c3de_handle *out);
+  /// A new obstacle. Throws sdk::Error. Any thread.
+  [[nodiscard]] RemovedObstacle build(const std::string &name, c3de_handle mesh, const Placement &placement,
+                                      const ObstacleSurface &surface) const;
+
+  // The mutex of the world is held.
   /// The interactive instrument: appears at the first position of its path and replaces the previous one. The simulated
-  /// state is kept. Throws errors of obstacleOf() as sdk::Error. [sim]
-  void placeInstrument(ProbeTool tool);
-  /// Moves its middle to another position, m; does nothing if there is none. [sim]
-  void moveInstrument(const Vec3 &middle);
-  void removeInstrument();
-  /// Moves an obstacle or the instrument to another pose, no faster than contact can follow. [sim]
-  void guide(std::uint64_t obstacle, const RigidMotion &target);
-  /// Removes the obstacle of this id, as remove() of iface.simulator does; does nothing if there is none. [sim]
-  void extractObstacle(RemovedObstacle &obstacle);
-  /// Restores it where it was, under another id, with its contact pairs and its attachments. The simulated state is
-  /// kept, unless there were attachments or skin is now where the obstacle was: then the simulation is reset. Does
-  /// nothing if the obstacle is present. [sim] @return whether the simulation has been reset
-  bool reinsertObstacle(RemovedObstacle &obstacle);
-  /// A new obstacle, with the default friction. Throws sdk::Error. Any thread.
-  [[nodiscard]] RemovedObstacle prepare(const std::string &name, c3de_handle mesh, const Placement &placement);
+  /// state is kept. Throws errors of obstacleOf() as sdk::Error.
+  void placeInstrument(ChangeAccess access, ProbeTool tool);
+  /// Moves its middle to another position, m; does nothing if there is none.
+  void moveInstrument(ChangeAccess access, const Vec3 &middle);
+  void removeInstrument(ChangeAccess) { eraseInstruments(); }
+  /// Moves an obstacle or the instrument to another pose, no faster than contact can follow.
+  void guide(ChangeAccess, std::uint64_t obstacle, const RigidMotion &target) { guideWithSpeedLimit(obstacle, target); }
+  /// Adds an obstacle that was built. If skin is where it is, the simulation is reset; otherwise its state is kept.
+  /// @return its id
+  std::uint64_t addBuilt(ChangeAccess access, const RemovedObstacle &built);
+  /// Removes an obstacle for restore().
+  void remove(ChangeAccess access, std::uint64_t obstacle);
+  /// Null if none of this name was removed.
+  [[nodiscard]] const RemovedObstacle *removed(const ObjectName &name) const;
+  /// Restores a removed obstacle under another id, with its contact pairs and its attachments. The simulation is reset
+  /// if there were attachments or skin is now where the obstacle is; otherwise its state is kept.
+  void restore(ChangeAccess access, const RestoreObstacle &what);
+  void clear(ChangeAccess) { removed_.clear(); }
 
  private:
+  std::uint64_t insert(const RemovedObstacle &what);
+  void resetIfOverlapping(std::uint64_t obstacle, bool isAttached);
   void eraseInstruments();
   void guideWithSpeedLimit(std::uint64_t obstacle, const RigidMotion &target);
 
@@ -46,6 +57,7 @@ class Obstacles {
   Attachments &attachments_;
   Simulator &simulator_ = world_.simulator;
   BodyTable &table_ = world_.table;
+  std::map<ObjectName, RemovedObstacle> removed_;
 };
 
 }  // namespace pointbased

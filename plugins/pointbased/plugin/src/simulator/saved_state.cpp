@@ -170,12 +170,11 @@ sdk::SceneRecord SavedState::sceneRecord() const {
   return record;
 }
 
-c3de_status SavedState::save(c3de_sink sink) {
-  const std::lock_guard lock(world_.mutex);
+std::string SavedState::bytes(ChangeAccess) {
   if (forces_.hasLoads()) throw Error(C3DE_E_STATE, "loads added at run time act on it; remove them first");
   const auto state = simulator_.archive().save();
   if (!state) throw Error(C3DE_E_STATE, state.error());
-  return sdk::put(sink, sceneRecord().bytes() + *state);
+  return sceneRecord().bytes() + *state;
 }
 
 void SavedState::load(const void *bytes, std::uint64_t n) {

@@ -13,7 +13,8 @@ class SavedState {
   SavedState(SimulatedWorld &world, ExternalForces &forces, Holds &holds)
       : world_(world), forces_(forces), holds_(holds) {}
 
-  c3de_status save(c3de_sink bytes);
+  /// The mutex of the world is held.
+  [[nodiscard]] std::string bytes(ChangeAccess);
   void load(const void *bytes, std::uint64_t n);
 
  private:

@@ -10,6 +10,7 @@
 namespace pointbased {
 
 void SimulatedWorld::reset() {
+  ++resets;
   simulator.reset();
   grasps.erase(kInteractiveGrasp);
   for (auto &[id, record] : grasps) {

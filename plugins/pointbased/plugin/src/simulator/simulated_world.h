@@ -36,6 +36,7 @@ struct SimulatedWorld {
   EvaluationPoints points;
   std::map<std::uint64_t, GraspRecord> grasps;
   std::uint64_t nextId = std::uint64_t{1} << 32;
+  std::uint64_t resets = 0;  ///< number of resets so far
 };
 
 }  // namespace pointbased

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulator/world_parameters.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "c3de/sdk/structs.hpp"
@@ -9,11 +10,10 @@ namespace pointbased {
 
 using sdk::Error;
 
-void WorldParameters::set(const c3de_param_value *values, std::uint64_t n, std::uint64_t stride) {
-  const std::lock_guard lock(world_.mutex);
+void WorldParameters::set(ChangeAccess, std::span<const c3de_param_value> values) {
   ParameterValues changed = world_.parameters;
-  sdk::orThrow(changed.set(values, n, stride));
-  sdk::orThrow(resolveAccuracyTarget(changed, values, n, stride));
+  sdk::orThrow(changed.set(values.data(), values.size(), sizeof(c3de_param_value)));
+  sdk::orThrow(resolveAccuracyTarget(changed, values.data(), values.size(), sizeof(c3de_param_value)));
   const WorldSettings settings = worldSettings(changed);
   if (settings.box.enabled && !((settings.box.max - settings.box.min).minCoeff() > 0.0))
     throw Error(C3DE_E_ARG, "world.box.max must be above world.box.min on every axis");
@@ -21,12 +21,10 @@ void WorldParameters::set(const c3de_param_value *values, std::uint64_t n, std::
     for (const auto &[id, record] : table_.bodies()) record.checkFree(*record.values, true);
   world_.parameters = std::move(changed);
   // Parameters that affect only the view or the time limit of a step are not passed to the solver.
-  bool isForTheSolver = n == 0;
-  for (std::uint64_t i = 0; i < n && !isForTheSolver; ++i) {
-    const std::string_view id = sdk::text(sdk::readElement(values, i, stride, "value").id);
-    isForTheSolver = !isOfTheView(id) && id != "solver.step_budget";
-  }
-  if (!isForTheSolver) return;
+  const auto isForTheSolver = [](const c3de_param_value &value) {
+    return !isOfTheView(sdk::text(value.id)) && sdk::text(value.id) != "solver.step_budget";
+  };
+  if (!values.empty() && std::none_of(values.begin(), values.end(), isForTheSolver)) return;
   const bool isExplicit = mayStepExplicitly(settings.integrator);
   if (isExplicit != mayStepExplicitly(simulator_.world().settings().integrator))
     for (const auto &[id, record] : table_.bodies())

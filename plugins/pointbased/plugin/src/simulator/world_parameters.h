@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "simulator/change_access.h"
 #include "simulator/simulated_world.h"
 
 namespace pointbased {
@@ -10,7 +11,8 @@ class WorldParameters {
  public:
   explicit WorldParameters(SimulatedWorld &world) : world_(world) {}
 
-  void set(const c3de_param_value *values, std::uint64_t n, std::uint64_t stride);
+  /// All of them or, with sdk::Error, none. The mutex of the world is held.
+  void set(ChangeAccess access, std::span<const c3de_param_value> values);
   [[nodiscard]] ParameterValues values() const;
   /// Moves the walls outwards until a body is inside. The mutex of the world is held.
   void growBox(const BodyRecord &body);

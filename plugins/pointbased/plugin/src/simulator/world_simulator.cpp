@@ -35,14 +35,14 @@ constexpr c3de_simulator_v1 kSimulatorSlots{
     .rev = 1,
     .attach = own<&Self::attach>,
     .declarations = own<&Self::declarations>,
-    .set_world = slot<&Parts::parameters, &WorldParameters::set>,
+    .set_world = slot<&Parts::calls, &ChangingCalls::setWorld>,
     .add_body = slot<&Parts::bodies, &Bodies::add>,
     .add_obstacle = slot<&Parts::obstacles, &Obstacles::add>,
     .add_probe = slot<&Parts::probes, &Probes::add>,
-    .set_body_param = slot<&Parts::bodies, &Bodies::setParameter>,
+    .set_body_param = slot<&Parts::calls, &ChangingCalls::setBodyParameter>,
     .get_body_param = slot<&Parts::bodies, &Bodies::getParameter>,
-    .remove = own<&Self::remove>,
-    .clear = own<&Self::clear>,
+    .remove = slot<&Parts::calls, &ChangingCalls::remove>,
+    .clear = slot<&Parts::calls, &ChangingCalls::clear>,
     .step = own<&Self::step>,
     .reset = own<&Self::reset>,
     .publish = own<&Self::publish>,
@@ -59,11 +59,11 @@ constexpr c3de_simulator_v1 kSimulatorSlots{
     .interrupt = own<&Self::interrupt>,
     .activity = own<&Self::activity>,
     .points = slot<&Parts::forces, &ExternalForces::points>,
-    .add_load = slot<&Parts::forces, &ExternalForces::addLoad>,
-    .hold = slot<&Parts::holds, &Holds::add>,
-    .pull = slot<&Parts::holds, &Holds::pull>,
+    .add_load = slot<&Parts::calls, &ChangingCalls::addLoad>,
+    .hold = slot<&Parts::calls, &ChangingCalls::hold>,
+    .pull = slot<&Parts::calls, &ChangingCalls::pull>,
     .hold_state = slot<&Parts::holds, &Holds::state>,
-    .save_state = slot<&Parts::savedState, &SavedState::save>,
+    .save_state = slot<&Parts::calls, &ChangingCalls::saveState>,
     .load_state = slot<&Parts::savedState, &SavedState::load>,
     .verify = slot<&Parts::verifier, &BodyVerifier::report>,
 };
@@ -76,6 +76,8 @@ constexpr c3de_attachment_v1 kAttachmentSlots{sizeof(c3de_attachment_v1), 1,
                                               slot<&Parts::attachments, &Attachments::add>,
                                               slot<&Parts::attachments, &Attachments::enumerate>};
 constexpr c3de_grasp_v1 kGraspSlots{sizeof(c3de_grasp_v1), 1, slot<&Parts::grasps, &Grasps::add>};
+constexpr c3de_changes_v1 kChangesSlots{sizeof(c3de_changes_v1), 1, slot<&Parts::changes, &Changes::observe>,
+                                        slot<&Parts::changes, &Changes::apply>};
 
 }  // namespace
 
@@ -85,9 +87,9 @@ WorldSimulator::~WorldSimulator() {
   if (node_.v != 0 && context_.listener) context_.listener->detached(*this);
 }
 
-std::array<sdk::Interface, 5> WorldSimulator::interfaces() {
-  return {sdk::interfaceOf(kSimulatorSlots), sdk::interfaceOf(kBodiesSlots), sdk::interfaceOf(kContactSlots),
-          sdk::interfaceOf(kAttachmentSlots), sdk::interfaceOf(kGraspSlots)};
+std::array<sdk::Interface, 6> WorldSimulator::interfaces() {
+  return {sdk::interfaceOf(kSimulatorSlots),  sdk::interfaceOf(kBodiesSlots), sdk::interfaceOf(kContactSlots),
+          sdk::interfaceOf(kAttachmentSlots), sdk::interfaceOf(kGraspSlots),  sdk::interfaceOf(kChangesSlots)};
 }
 
 void WorldSimulator::attach(c3de_handle node) {
@@ -109,46 +111,6 @@ void WorldSimulator::declarations(std::uint32_t scope, const c3de_param_decl **d
   sdk::notNull(decls, "decls") = found.data();
   sdk::notNull(n, "n") = found.size();
   sdk::notNull(stride, "stride") = sizeof(c3de_param_decl);
-}
-
-void WorldSimulator::remove(c3de_handle what) {
-  if (!removeIfPresent(what.v)) throw Error(noSuch("body, obstacle, attachment, load, probe, grasp or hold"));
-}
-
-bool WorldSimulator::removeIfPresent(std::uint64_t id) {
-  SimulatedWorld &world = parts_.world;
-  const std::lock_guard lock(world.mutex);
-  parts_.snapshots.forget(id);
-  world.points.forget(id);
-  if (table_.removeBody(id)) {
-    simulator_.removeBody(id);
-    parts_.forces.removeLoadsOf(id);
-    parts_.holds.removeOf(id);
-    std::erase_if(world.grasps, [&](const auto &entry) { return entry.second.body() == id; });
-    return true;
-  }
-  if (parts_.holds.remove(id) || parts_.forces.removeLoad(id)) return true;
-  if (simulator_.world().removeProbe(id)) return true;
-  if (table_.removeObstacle(id)) {
-    simulator_.removeObstacle(id);
-    return true;
-  }
-  if (table_.removeAttachment(id)) {
-    simulator_.world().removeAttachment(id);
-    return true;
-  }
-  if (!world.grasps.contains(id) || id == kInteractiveGrasp) return false;
-  parts_.grasps.remove(id);
-  return true;
-}
-
-void WorldSimulator::clear() {
-  const std::lock_guard lock(parts_.world.mutex);
-  simulator_.clear();
-  table_.clear();
-  parts_.forces.removeLoads();
-  parts_.holds.clear();
-  parts_.world.grasps.clear();
 }
 
 void WorldSimulator::step() {

@@ -6,6 +6,8 @@
 #include "simulator/bodies.h"
 #include "simulator/body_queries.h"
 #include "simulator/body_verifier.h"
+#include "simulator/changing_calls.h"
+#include "simulator/checkpoints.h"
 #include "simulator/contacts.h"
 #include "simulator/grasps.h"
 #include "simulator/obstacles.h"
@@ -35,6 +37,9 @@ struct SimulatorParts {
   BodyQueries queries{world};
   BodyVerifier verifier{world, snapshots};
   SavedState savedState{world, forces, holds};
+  Checkpoints checkpoints{world, grasps};
+  Changes changes{*this};
+  ChangingCalls calls{*this};
 };
 
 /// The registered class C3DE_POINTBASED_WORLD_SIMULATOR_CLASS: iface.simulator on top of the physics. Its tables call
@@ -48,8 +53,6 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   // iface.simulator
   void attach(c3de_handle node);
   void declarations(std::uint32_t scope, const c3de_param_decl **decls, std::uint64_t *n, std::uint64_t *stride);
-  void remove(c3de_handle what);
-  void clear();
   void step();
   void reset();
   void publish();
@@ -63,14 +66,12 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void phyxels(c3de_handle body, c3de_object **out);
   void surfels(c3de_handle body, c3de_object **out);
 
-  static std::array<sdk::Interface, 5> interfaces();
+  static std::array<sdk::Interface, 6> interfaces();
 
   // For the controller, the views and the tools of this plugin.
   [[nodiscard]] SimulatorParts &parts() { return parts_; }
   [[nodiscard]] c3de_handle node() const { return node_; }
   [[nodiscard]] std::shared_ptr<const Snapshot> snapshot() const { return parts_.snapshots.latest(); }
-  /// Removes what has this id; false if there is none. [sim]
-  bool removeIfPresent(std::uint64_t id);
   /// Abandons a step that has taken long, before a command is posted that changes it: the state before the step is
   /// kept. Any thread.
   void abandonLongStep() { parts_.world.request.abandonLongStep(); }

@@ -103,7 +103,9 @@ bool GraspTool::graspAt(const Snapshot &snapshot, const PickedSurface &picked, c
   isPending_ = true;
   drag_ = Drag{picked.at, Vec3::Zero()};
   simulator_->abandonLongStep();
-  post([id = body.id, at = *jaws, settings](WorldSimulator &s) { s.parts().grasps.begin(id, at, settings); });
+  change([id = body.id, at = *jaws, settings](const BodyQueries &queries) {
+    return BeginGrasp{queries.nameOfBody(id), at, settings};
+  });
   return true;
 }
 
@@ -163,7 +165,7 @@ void GraspTool::rotate(const PickRay &ray, double degrees) {
 }
 
 void GraspTool::sendPose() {
-  post([pose = *pose_](WorldSimulator &s) { s.parts().grasps.move(pose.middle, pose.rotation); });
+  change([pose = *pose_](const BodyQueries &) { return MoveGrasp{pose.middle, pose.rotation}; });
 }
 
 void GraspTool::release() {
@@ -176,7 +178,7 @@ void GraspTool::cancel() { release(); }
 
 void GraspTool::releaseGrasp() {
   if (simulator_) simulator_->abandonLongStep();
-  post([](WorldSimulator &s) { s.parts().grasps.release(); });
+  change([](const BodyQueries &) { return ReleaseGrasp(); });
   clear();
 }
 

@@ -2,14 +2,53 @@
 #include "tools/interaction_history.h"
 
 namespace pointbased {
+namespace {
+
+/// A change that has no effect if the simulation has been restarted, or has ended.
+template <class Change>
+Change makeIfPresent(WorldSimulator &simulator, const Change &change) {
+  try {
+    return simulator.parts().changes.make(change);
+  } catch (const sdk::Error &error) {
+    if (error.status() != C3DE_E_NOT_FOUND) throw;
+    return change;
+  }
+}
+
+}  // namespace
+
+/// A checkpoint of the simulator, until no undo step refers to it.
+class InteractionHistory::StoredCheckpoint {
+ public:
+  StoredCheckpoint(const Services &services, sdk::Ref<WorldSimulator> simulator)
+      : services_(services), simulator_(std::move(simulator)) {}
+  ~StoredCheckpoint() {
+    if (number_ == 0) return;
+    (void)services_.simulation.post(simulator_->node(), [simulator = simulator_, number = number_] {
+      (void)makeIfPresent(*simulator, DropCheckpoint{number});
+    });
+  }
+  StoredCheckpoint(const StoredCheckpoint &) = delete;
+  StoredCheckpoint &operator=(const StoredCheckpoint &) = delete;
+
+  // On the simulation's thread.
+  void store() { number_ = simulator_->parts().changes.make(StoreCheckpoint()).number; }
+  void exchange() { (void)makeIfPresent(*simulator_, ExchangeCheckpoint{number_}); }
+
+ private:
+  const Services &services_;
+  const sdk::Ref<WorldSimulator> simulator_;
+  std::uint64_t number_ = 0;  // 0: not stored yet
+};
 
 void InteractionHistory::begin(const sdk::Ref<WorldSimulator> &simulator) {
   pending_.reset();
   const std::shared_ptr<const Snapshot> snapshot = simulator->snapshot();
   if (!services_.history || !snapshot) return;
-  UndoState undo{simulator, std::make_shared<InteractionState>(), snapshot->historyEpoch, snapshot->steps, {}};
-  const auto posted = services_.simulation.post(
-      simulator->node(), [simulator, state = undo.state] { *state = simulator->parts().grasps.checkpoint(); });
+  UndoState undo{
+      simulator, std::make_shared<StoredCheckpoint>(services_, simulator), snapshot->historyEpoch, snapshot->steps, {}};
+  const auto posted =
+      services_.simulation.post(simulator->node(), [checkpoint = undo.checkpoint] { checkpoint->store(); });
   if (posted) pending_ = std::move(undo);
 }
 
@@ -31,9 +70,7 @@ void InteractionHistory::end(const std::string &title, Kind kind) {
 
 sdk::Result<void> InteractionHistory::exchange(const UndoState &undo) const {
   undo.simulator->abandonLongStep();
-  return services_.simulation.post(undo.simulator->node(), [simulator = undo.simulator, state = undo.state] {
-    simulator->parts().grasps.exchange(*state);
-  });
+  return services_.simulation.post(undo.simulator->node(), [checkpoint = undo.checkpoint] { checkpoint->exchange(); });
 }
 
 bool InteractionHistory::isOutdated(const UndoState &undo) {

@@ -28,9 +28,10 @@ class InteractionHistory {
 
  private:
   static constexpr std::size_t kMaxSteps = 20;  // each stores a state of every body
+  class StoredCheckpoint;
   struct UndoState {
     sdk::Ref<WorldSimulator> simulator;
-    std::shared_ptr<InteractionState> state;  // written on the simulation's thread
+    std::shared_ptr<StoredCheckpoint> checkpoint;
     std::uint64_t historyEpoch = 0, steps = 0;
     c3de_handle step{};
   };

@@ -20,8 +20,14 @@ void InteractiveTool::setSimulator(WorldSimulator *simulator) {
 
 void InteractiveTool::post(std::function<void(WorldSimulator &)> command) const {
   if (!simulator_) return;
-  (void)services_.simulation.post(simulator_->node(),
-                                  [simulator = simulator_, command = std::move(command)] { command(*simulator); });
+  (void)services_.simulation.post(simulator_->node(), [simulator = simulator_, command = std::move(command)] {
+    try {
+      command(*simulator);
+    } catch (const sdk::Error &error) {
+      // It was there when the user acted, and has been removed since.
+      if (error.status() != C3DE_E_NOT_FOUND && error.status() != C3DE_E_STALE) throw;
+    }
+  });
 }
 
 std::string InteractiveTool::idleReason() const {

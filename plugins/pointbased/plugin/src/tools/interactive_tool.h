@@ -20,8 +20,14 @@ class InteractiveTool : public sdk::Tool {
   explicit InteractiveTool(const Services &services) : services_(services), history_(services) {}
   /// Releases everything, because the simulator changes or is removed.
   virtual void detach() = 0;
-  /// Runs the command between two steps of the simulation, on its thread.
-  void post(std::function<void(WorldSimulator &)> command) const;
+  /// Makes a change between two steps of the simulation, on its thread. No effect if what it names has been removed.
+  /// @param make  returns the change
+  template <class Make>
+  void change(Make make) const {
+    post([make = std::move(make)](WorldSimulator &simulator) {
+      (void)simulator.parts().changes.make(make(simulator.parts().queries));
+    });
+  }
   /// Creates or moves lines between pairs of points, m.
   void showLines(sdk::Proxy &lines, std::span<const Vec3> points, const sdk::Material &material) const;
   /// Creates or moves a text at a position, m.
@@ -43,6 +49,9 @@ class InteractiveTool : public sdk::Tool {
   const Services &services_;
   sdk::Ref<WorldSimulator> simulator_;
   InteractionHistory history_;
+
+ private:
+  void post(std::function<void(WorldSimulator &)> command) const;
 };
 
 }  // namespace pointbased

@@ -97,8 +97,8 @@ void MoveTool::commit() {
 void MoveTool::sendPose() {
   isMoving_ = true;
   simulator_->abandonLongStep();
-  post([id = chosen_, motion = pose_->motionFrom(middleAtRest_)](WorldSimulator &s) {
-    s.parts().obstacles.guide(id, motion);
+  change([id = chosen_, motion = pose_->motionFrom(middleAtRest_)](const BodyQueries &queries) {
+    return MoveObstacle{queries.nameOfObstacle(id), motion};
   });
 }
 

@@ -120,8 +120,8 @@ void PinchTool::begin(const BodySnapshot &body, Grab grab, std::optional<std::si
                pressedPoint, 0.0,       0.0,    idleReason()};
   history_.begin(simulator_);
   simulator_->liftStepBudget();
-  post([id = body.id, grab = std::move(grab), own = settings_.largestForce](WorldSimulator &s) {
-    s.parts().holds.grab(id, grab, own);
+  change([id = body.id, grab = std::move(grab), own = settings_.largestForce](const BodyQueries &queries) {
+    return BeginPinch{queries.nameOfBody(id), grab, own};
   });
   showMarker(body);
 }
@@ -148,15 +148,15 @@ void PinchTool::drag(const c3de_event &event) {
   const std::optional<Vec3> at = sdk::isInSlice(event) ? ray->origin : ray->onScreenPlane(planePoint_);
   if (!at) return;
   hold_->target = *at;
-  post([id = hold_->body, target = Vec3(hold_->target + grabOffset_)](WorldSimulator &s) {
-    s.parts().holds.moveGrab(id, target);
+  change([id = hold_->body, target = Vec3(hold_->target + grabOffset_)](const BodyQueries &queries) {
+    return MovePinch{queries.nameOfBody(id), target};
   });
 }
 
 void PinchTool::release() {
   if (!hold_) return;
   if (simulator_) simulator_->abandonLongStep();
-  post([id = hold_->body](WorldSimulator &s) { s.parts().holds.releaseGrab(id); });
+  change([id = hold_->body](const BodyQueries &queries) { return ReleasePinch{queries.nameOfBody(id)}; });
   history_.end("pull on " + hold_->what);
   hold_.reset();
   hideMarker();

@@ -16,13 +16,9 @@ constexpr double kMetresPerNotch = 1e-3;  // m, per notch of the wheel or key pr
 constexpr double kGap = 1e-4;             // m, initial distance between the instrument and the surface
 constexpr double kTargetDistance = 1e-3;  // m: the target differs from the present position
 
-ProbeTool instrumentOf(const InstrumentSettings &settings, const Vec3 &middle, const Vec3 &axis) {
-  ProbeTool tool;
-  tool.radius = kMetresPerMillimetre * settings.radius_mm;
-  tool.length = kMetresPerMillimetre * settings.length_mm;
-  tool.friction = settings.friction;
-  tool.path = {{0.0, middle, axis}};
-  return tool;
+PlaceInstrument instrumentOf(const InstrumentSettings &settings, const Vec3 &middle, const Vec3 &axis) {
+  return {kMetresPerMillimetre * settings.radius_mm, kMetresPerMillimetre * settings.length_mm, settings.friction,
+          middle, axis};
 }
 
 bool isWithin(const ObstacleSnapshot &instrument, const Vec3 &position) {
@@ -149,14 +145,13 @@ void TouchTool::placeInstrument(const Vec3 &middle, const Vec3 &axis) {
   axis_ = axis;
   isPending_ = true;
   simulator_->abandonLongStep();
-  post(
-      [tool = instrumentOf(settings_, middle, axis)](WorldSimulator &s) { s.parts().obstacles.placeInstrument(tool); });
+  change([tool = instrumentOf(settings_, middle, axis)](const BodyQueries &) { return tool; });
 }
 
 void TouchTool::moveTo(const Vec3 &middle) {
   if (!target_) return;
   target_ = middle;
-  post([middle](WorldSimulator &s) { s.parts().obstacles.moveInstrument(middle); });
+  change([middle](const BodyQueries &) { return MoveInstrument{middle}; });
 }
 
 void TouchTool::drag(const c3de_event &event) {
@@ -188,7 +183,7 @@ void TouchTool::cancel() {
 
 void TouchTool::removeInstrument() {
   if (simulator_) simulator_->abandonLongStep();
-  post([](WorldSimulator &s) { s.parts().obstacles.removeInstrument(); });
+  change([](const BodyQueries &) { return RemoveInstrument(); });
   clear();
 }
 

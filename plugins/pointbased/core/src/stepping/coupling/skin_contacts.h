@@ -65,7 +65,7 @@ class SkinContacts {
   }
 
   /// Call at the beginning of a step: clears the sums of pairs that are not at rest.
-  /// @param rests  rests(id of a body)
+  /// @param isAtRest  rests(id of a body)
   template <class Rests>
   void beginSums(const Rests &isAtRest) {
     for (auto &[id, pair] : pairs_)

@@ -208,7 +208,7 @@ void ExplicitSubstep::kickFirst() {
   env_.clock->measure(kIntegrate, [&] { kick(0.5 * dt_, isFused_); });
 }
 
-// `move` changes the velocities of the four particles to which contact points are bound.
+// `apply` changes the velocities of the four particles to which contact points are bound.
 template <class Apply>
 void ExplicitSubstep::applyContact(const Apply &apply) {
   const RigidFrame &frame = rigid_->frame();
