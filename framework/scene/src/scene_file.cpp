@@ -55,12 +55,12 @@ Expected<SceneFile> loadScene(const std::filesystem::path &path, const MaterialL
 }
 
 Expected<SceneFile> parseScene(std::string_view text, const std::filesystem::path &source,
-                               const MaterialLibrary *materials) {
+                               const MaterialLibrary *materials, bool checksFiles) {
   const auto root = parseToml(text, source.string());
   if (!root) return tl::unexpected(root.error());
   SceneFile scene;
   scene.source = source;
-  SceneReader reader(scene, materials);
+  SceneReader reader(scene, materials, checksFiles);
   if (!reader.readScene(*root)) return tl::unexpected(reader.error());
   return scene;
 }

@@ -25,7 +25,8 @@ struct SceneTable;
 /// layers, scene_reader_contact.cpp contact pairs, scene_reader_overrides.cpp one value of the command line.
 class SceneReader {
  public:
-  SceneReader(SceneFile &scene, const MaterialLibrary *materials) : scene_(scene), materials_(materials) {}
+  SceneReader(SceneFile &scene, const MaterialLibrary *materials, bool checksFiles = true)
+      : scene_(scene), materials_(materials), checksFiles_(checksFiles) {}
 
   /// A whole scene.
   [[nodiscard]] bool readScene(const TomlValue &root);
@@ -149,6 +150,7 @@ class SceneReader {
   SceneFile &scene_;
   std::vector<Attachment> attachments_;
   const MaterialLibrary *materials_;
+  bool checksFiles_;
   std::string override_;    ///< path of the current override; empty: a file
   std::string assignment_;  ///< the complete text of that override
   Error error_;

@@ -76,11 +76,12 @@ bool SceneReader::read(const std::string &key, const TomlValue &value, std::file
   const std::filesystem::path path = namedFile(scene_.source.parent_path(), text).lexically_normal();
   std::error_code code;
   if (text.empty()) return refuse(value.line, key + " is empty; accepted: an image file or DICOM folder");
+  out = path;
+  if (!checksFiles_) return true;
   if (!std::filesystem::exists(path, code))
     return refuse(value.line, key + " '" + text + "' does not exist; it is looked for at " + path.string());
   if (const std::string instead = describeNonFile(path); !instead.empty() && !std::filesystem::is_directory(path, code))
     return refuse(value.line, key + " '" + text + "' " + instead + "; accepted: an image file or DICOM folder");
-  out = path;
   return true;
 }
 

@@ -16,21 +16,7 @@ namespace {
 constexpr const char *kAlternatives[][2] = {{C3DE_PARAM_ID_SPACING, C3DE_PARAM_ID_COUNT},
                                             {"sampling.neighbours", "sampling.support"}};
 
-TomlValue textOf(std::string text) {
-  TomlValue out;
-  out.kind = TomlValue::Kind::text;
-  out.text = std::move(text);
-  return out;
-}
-
-TomlValue listOf(std::vector<TomlValue> items) {
-  TomlValue out;
-  out.kind = TomlValue::Kind::array;
-  out.items = std::move(items);
-  return out;
-}
-
-bool isUnder(const std::string &prefix, const SceneValue &value) { return value.value.id.rfind(prefix, 0) == 0; }
+bool isInTable(const std::string &prefix, const SceneValue &value) { return value.value.id.rfind(prefix, 0) == 0; }
 
 bool areSame(const SceneValue &a, const SceneValue &b) {
   return a.value.id == b.value.id && a.value.type == b.value.type && a.value.num == b.value.num &&
@@ -45,7 +31,7 @@ bool areSame(const std::vector<SceneValue> &a, const std::vector<SceneValue> &b)
 }
 
 std::vector<SceneValue> materialIn(std::vector<SceneValue> params) {
-  std::erase_if(params, [](const SceneValue &value) { return !isUnder("material.", value); });
+  std::erase_if(params, [](const SceneValue &value) { return !isInTable("material.", value); });
   return params;
 }
 
@@ -120,7 +106,7 @@ void SceneWriter::writeWorld(const std::vector<SceneValue> &world, TomlValue &ro
   const std::string pairs = kContactPairTable.key;
   for (const SceneValue &value : world) {
     const std::string section = value.value.id.substr(0, value.value.id.find('.'));
-    const bool isPair = value.value.id == pairs || isUnder(pairs + ".", value);
+    const bool isPair = value.value.id == pairs || isInTable(pairs + ".", value);
     if (isPair || section == value.value.id ||
         std::find(kSections.begin(), kSections.end(), section) == kSections.end())
       refuse("'" + value.value.id + "' is no value of a scene; accepted: values of " + joined(kSections));
@@ -132,7 +118,7 @@ void SceneWriter::writeWorld(const std::vector<SceneValue> &world, TomlValue &ro
 template <class Table>
 TomlValue SceneWriter::writeTable(const SceneTable<Table> &table, const SceneFile &scene) {
   const std::vector<Table> &list = scene.*table.list;
-  TomlValue tables = listOf({});
+  TomlValue tables = tomlList({});
   for (std::size_t i = 0; i < list.size(); ++i) {
     place_ = table.what + " " + std::to_string(i);
     if constexpr (requires { list[i].name; }) {
@@ -164,7 +150,7 @@ void SceneWriter::writeLayers(const SceneFile &scene, TomlValue &attachments) {
       place_ = "piece '" + name + "'";
       if (piece.velocity_m_s) refuse("its velocity cannot be written; a scene file has one for the whole body");
       for (const SceneValue &value : piece.params)
-        if (!isUnder("surroundings.", value))
+        if (!isInTable("surroundings.", value))
           refuse("'" + value.value.id + "' cannot be written; a scene file has it for the whole body");
       writeLayer(name, piece.params, attachments);
     };
@@ -209,8 +195,8 @@ void SceneWriter::checkBody(const SceneBody &body) {
   for (const SceneValue &value : body.params) {
     const std::string &id = value.value.id;
     const bool isValue =
-        isUnder("material.", value) || isUnder("surroundings.", value) ||
-        (isUnder("sampling.", value) && id != "sampling.refine" && !isUnder("sampling.refine.", value));
+        isInTable("material.", value) || isInTable("surroundings.", value) ||
+        (isInTable("sampling.", value) && id != "sampling.refine" && !isInTable("sampling.refine.", value));
     if (!isValue && !isParameter(kBodyTable, id)) refuse("'" + id + "' is no value of a body");
   }
   if (body.mesh.empty() && volume.file.empty() && !volume.mask) refuse("it has neither a mesh nor a volume");
@@ -298,9 +284,9 @@ SceneWriter::Written SceneWriter::labelOf(const std::string &key, const SceneVol
 SceneWriter::Written SceneWriter::tissuesOf(const std::string &, const SceneBody &body) {
   const SceneVolume &volume = body.volume;
   if (volume.usesKnownTissues)
-    return volume.tissues.empty() ? textOf("known") : refuse("its tissues are known and listed");
+    return volume.tissues.empty() ? tomlString("known") : refuse("its tissues are known and listed");
   if (volume.tissues.empty()) return std::nullopt;
-  TomlValue list = listOf({});
+  TomlValue list = tomlList({});
   auto part = body.parts.begin();
   for (SceneTissue tissue : volume.tissues) {
     if (!volume.isOpen() && !tissue.isRigid && !tissue.isEmpty) {
@@ -322,7 +308,7 @@ SceneWriter::Written SceneWriter::materialOfBackground(const std::string &, cons
 }
 
 SceneWriter::Written SceneWriter::slidesOf(const std::string &key, const SceneVolume &volume) {
-  TomlValue list = listOf({});
+  TomlValue list = tomlList({});
   for (const SceneSlidingPart &slide : volume.slides) {
     const Written names = write(key, slide.names);
     if (!names) return refuse("a piece of slides names no label");
@@ -342,7 +328,7 @@ SceneWriter::Written SceneWriter::materialOfTissue(const std::string &, const Sc
   if (tissue.isRigid || tissue.isEmpty || tissue.isMaterialByName) return std::nullopt;
   TomlValue material = writeMaterial("material", tissue.params).value_or(TomlValue());
   // Its name is kept; all of its values follow.
-  if (!tissue.preset.empty()) material.entries.insert(material.entries.begin(), {"preset", textOf(tissue.preset)});
+  if (!tissue.preset.empty()) material.entries.insert(material.entries.begin(), {"preset", tomlString(tissue.preset)});
   return material;
 }
 

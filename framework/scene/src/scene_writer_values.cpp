@@ -11,13 +11,6 @@
 namespace c3de::scene {
 namespace {
 
-TomlValue textOf(std::string text) {
-  TomlValue out;
-  out.kind = TomlValue::Kind::text;
-  out.text = std::move(text);
-  return out;
-}
-
 TomlValue numberOf(double number, TomlValue::Kind kind = TomlValue::Kind::number) {
   TomlValue out;
   out.kind = kind;
@@ -33,19 +26,13 @@ TomlValue numbersOf(const Items &items) {
   return out;
 }
 
-TomlValue tableOf(std::vector<TomlValue::Entry> entries) {
+TomlValue tomlTable(std::vector<TomlValue::Entry> entries) {
   TomlValue out;
   out.entries = std::move(entries);
   return out;
 }
 
-TomlValue listOf() {
-  TomlValue out;
-  out.kind = TomlValue::Kind::array;
-  return out;
-}
-
-bool isUnder(const std::string &table, const std::string &id) {
+bool isBelow(const std::string &table, const std::string &id) {
   return id.size() > table.size() && id.compare(0, table.size(), table) == 0 && id[table.size()] == '.';
 }
 
@@ -67,7 +54,7 @@ void foldLists(TomlValue &table) {
     if (!isComplete || table.find(name) != nullptr ||
         std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end())
       continue;
-    TomlValue list = listOf();
+    TomlValue list = tomlList({});
     for (const auto &item : items) list.items.push_back(*item.second);
     folded.push_back({name, std::move(list)});
   }
@@ -114,7 +101,7 @@ SceneWriter::Written SceneWriter::refuse(const std::string &what) {
 
 SceneWriter::Written SceneWriter::write(const std::string &key, const std::string &text) {
   if (!isUtf8(text)) return refuse(key + " is \"" + text + "\", which is not UTF-8; accepted: UTF-8");
-  return textOf(text);
+  return tomlString(text);
 }
 
 SceneWriter::Written SceneWriter::write(const std::string &, bool flag) {
@@ -133,7 +120,7 @@ SceneWriter::Written SceneWriter::write(const std::string &, const std::array<do
 }
 
 SceneWriter::Written SceneWriter::write(const std::string &, const Mat4 &matrix) {
-  TomlValue rows = listOf();
+  TomlValue rows = tomlList({});
   for (std::size_t r = 0; r < 4; ++r)
     rows.items.push_back(numbersOf(std::array{matrix[r], matrix[4 + r], matrix[8 + r], matrix[12 + r]}));
   return rows;
@@ -141,7 +128,7 @@ SceneWriter::Written SceneWriter::write(const std::string &, const Mat4 &matrix)
 
 SceneWriter::Written SceneWriter::write(const std::string &key, const std::vector<std::string> &names) {
   if (names.empty()) return std::nullopt;
-  TomlValue list = listOf();
+  TomlValue list = tomlList({});
   for (const std::string &name : names)
     if (Written text = write(key, name)) list.items.push_back(std::move(*text));
   return list;
@@ -164,38 +151,38 @@ SceneWriter::Written SceneWriter::write(const std::string &key, const std::files
 
 SceneWriter::Written SceneWriter::write(const std::string &, const geometry::LengthUnit &unit) {
   for (const char *name : {"m", "mm", "cm"})
-    if (parseLengthUnit(name).value() == unit) return textOf(name);
+    if (parseLengthUnit(name).value() == unit) return tomlString(name);
   return refuse("mesh_unit has no name");
 }
 
 SceneWriter::Written SceneWriter::write(const std::string &key, const SceneRegion &region) {
   switch (region.kind) {
-    case SceneRegion::Kind::everywhere: return tableOf({{"everywhere", numberOf(1.0, TomlValue::Kind::boolean)}});
+    case SceneRegion::Kind::everywhere: return tomlTable({{"everywhere", numberOf(1.0, TomlValue::Kind::boolean)}});
     case SceneRegion::Kind::box:
-      return tableOf({{"box", tableOf({{"min", numbersOf(region.a)}, {"max", numbersOf(region.b)}})}});
+      return tomlTable({{"box", tomlTable({{"min", numbersOf(region.a)}, {"max", numbersOf(region.b)}})}});
     case SceneRegion::Kind::sphere:
-      return tableOf({{"sphere", tableOf({{"centre", numbersOf(region.a)}, {"radius", numberOf(region.radius)}})}});
+      return tomlTable({{"sphere", tomlTable({{"centre", numbersOf(region.a)}, {"radius", numberOf(region.radius)}})}});
     case SceneRegion::Kind::halfSpace:
-      return tableOf({{"half_space", tableOf({{"point", numbersOf(region.a)}, {"normal", numbersOf(region.b)}})}});
+      return tomlTable({{"half_space", tomlTable({{"point", numbersOf(region.a)}, {"normal", numbersOf(region.b)}})}});
     case SceneRegion::Kind::voxels: break;
   }
   return refuse(key + " are voxels, which a scene file cannot contain");
 }
 
 SceneWriter::Written SceneWriter::write(const std::string &, const std::vector<ScenePart> &parts) {
-  TomlValue list = listOf();
+  TomlValue list = tomlList({});
   for (const ScenePart &part : parts) {
     const Written region = write("region of a part", part.region), material = writeMaterial("material", part.params);
-    if (region) list.items.push_back(tableOf({{"region", *region}, {"material", material.value_or(TomlValue())}}));
+    if (region) list.items.push_back(tomlTable({{"region", *region}, {"material", material.value_or(TomlValue())}}));
   }
   return list.items.empty() ? Written() : list;
 }
 
 SceneWriter::Written SceneWriter::write(const std::string &key, const std::vector<SceneRefinement> &refinements) {
-  TomlValue list = listOf();
+  TomlValue list = tomlList({});
   for (const SceneRefinement &one : refinements)
     if (const Written region = write("region of " + key, one.region))
-      list.items.push_back(tableOf({{"region", *region}, {"spacing", numberOf(one.spacing_m)}}));
+      list.items.push_back(tomlTable({{"region", *region}, {"spacing", numberOf(one.spacing_m)}}));
   return list.items.empty() ? Written() : list;
 }
 
@@ -208,7 +195,7 @@ SceneWriter::Written SceneWriter::write(const std::string &, const SceneFixedReg
     SceneFixedRegions named;
     named.isAutomatic = name == std::string("auto");
     named.outside = name == std::string("outside");
-    if (still == named) return textOf(name);
+    if (still == named) return tomlString(name);
   }
   if (still.isAutomatic) return refuse("still is automatic and more");
   return writeFields(kFixedRegionFields, still);
@@ -217,7 +204,7 @@ SceneWriter::Written SceneWriter::write(const std::string &, const SceneFixedReg
 template <class Table>
 SceneWriter::Written SceneWriter::writePath(const Fields<Table> &fields, const std::vector<Table> &path) {
   if (path.empty()) return std::nullopt;
-  TomlValue list = listOf();
+  TomlValue list = tomlList({});
   for (const Table &place : path) list.items.push_back(writeFields(fields, place));
   return list;
 }
@@ -263,7 +250,7 @@ void SceneWriter::put(TomlValue &table, const std::string &rest, const SceneValu
 SceneWriter::Written SceneWriter::write(const std::string &id, const std::vector<SceneValue> &values) {
   TomlValue holder;
   for (const SceneValue &value : values) {
-    if (value.value.id != id && !isUnder(id, value.value.id)) continue;
+    if (value.value.id != id && !isBelow(id, value.value.id)) continue;
     if (value.isOptional)
       return refuse("'" + value.value.id + "' is optional; accepted: optional values of a material");
     put(holder, value.value.id, value);
@@ -277,7 +264,7 @@ SceneWriter::Written SceneWriter::writeMaterial(const std::string &key, const st
   std::vector<SceneValue> firm, optional;
   for (const SceneValue &value : params) {
     for (const char *reserved : {"preset", kOptionalKey})
-      if (const std::string id = key + "." + reserved; value.value.id == id || isUnder(id, value.value.id))
+      if (const std::string id = key + "." + reserved; value.value.id == id || isBelow(id, value.value.id))
         return refuse("'" + value.value.id + "' is no value of a material");
     (value.isOptional ? optional : firm).push_back(value);
     (value.isOptional ? optional : firm).back().isOptional = false;

@@ -73,7 +73,7 @@ struct Simulation::Impl {
   bool unpublished = true;  ///< the state has changed since the last snapshot
   Clock::time_point publishedAt{};
   std::function<Expected<void>()> beforeStep;
-  std::function<void(const c3de_sim_status &)> afterStep;
+  std::function<void(const c3de_sim_status &)> afterStep, afterReset;
 
   bool isSteppedByCaller = false;
   std::thread thread;
@@ -154,6 +154,7 @@ void Simulation::Impl::begin(Command &command) {
 void Simulation::Impl::run() {
   lowerThreadPriority();
   readStatus();
+  if (status.steps > 0) mode = C3DE_SIM_PAUSED;  // it continues from a saved state
   publish();
   std::vector<Command> commands;
   for (;;) {
@@ -257,6 +258,8 @@ void Simulation::Impl::play() {
 }
 
 void Simulation::Impl::goToInitialState(bool goOnPlaying) {
+  readStatus();  // an earlier command may have changed it
+  const c3de_sim_status before = status;
   const c3de_status code = call("reset of the simulation", [this] { return table->reset(object); });
   unpublished = true;
   meter.clear();
@@ -264,6 +267,7 @@ void Simulation::Impl::goToInitialState(bool goOnPlaying) {
     failWith("resetting to the initial state failed", code);
     return;
   }
+  if (afterReset) afterReset(before);
   failure.clear();
   mode = C3DE_SIM_STOPPED;
   if (goOnPlaying) play();
@@ -406,6 +410,10 @@ void Simulation::endStep() {
 
 void Simulation::setAfterStep(std::function<void(const c3de_sim_status &)> follow) {
   post([impl = impl_.get(), follow = std::move(follow)] { impl->afterStep = follow; });
+}
+
+void Simulation::setAfterReset(std::function<void(const c3de_sim_status &)> follow) {
+  post([impl = impl_.get(), follow = std::move(follow)] { impl->afterReset = follow; });
 }
 
 void Simulation::transport(std::uint32_t action) {

@@ -15,7 +15,7 @@ constexpr std::size_t kColumns = 120;
 
 bool isTable(const TomlValue &value) { return value.kind == TomlValue::Kind::table; }
 
-bool isListOfTables(const TomlValue &value) {
+bool isFilledListOfTables(const TomlValue &value) {
   return value.kind == TomlValue::Kind::array && !value.items.empty() &&
          std::all_of(value.items.begin(), value.items.end(), isTable);
 }
@@ -111,17 +111,17 @@ void addSections(std::string &out, const std::string &key, const TomlValue &list
 std::string tomlText(const TomlValue &root) {
   std::string out;
   for (const auto &[key, value] : root.entries)
-    if (!isTable(value) && !isListOfTables(value)) addLine(out, keyText(key), value);
+    if (!isTable(value) && !isFilledListOfTables(value)) addLine(out, keyText(key), value);
   for (const auto &[key, value] : root.entries) {
-    if (isListOfTables(value)) addSections(out, keyText(key), value);
+    if (isFilledListOfTables(value)) addSections(out, keyText(key), value);
     if (!isTable(value)) continue;
     const bool hasLines = std::any_of(value.entries.begin(), value.entries.end(),
-                                      [](const TomlValue::Entry &entry) { return !isListOfTables(entry.value); });
+                                      [](const TomlValue::Entry &entry) { return !isFilledListOfTables(entry.value); });
     if (hasLines || value.entries.empty()) out += "\n[" + keyText(key) + "]\n";
     for (const auto &[name, member] : value.entries)
-      if (!isListOfTables(member)) addLine(out, keyText(name), member);
+      if (!isFilledListOfTables(member)) addLine(out, keyText(name), member);
     for (const auto &[name, member] : value.entries)
-      if (isListOfTables(member)) addSections(out, keyText(key) + "." + keyText(name), member);
+      if (isFilledListOfTables(member)) addSections(out, keyText(key) + "." + keyText(name), member);
   }
   return out;
 }
@@ -136,6 +136,20 @@ bool areEqual(const TomlValue &a, const TomlValue &b) {
            const TomlValue *other = b.find(entry.key);
            return other != nullptr && areEqual(entry.value, *other);
          });
+}
+
+TomlValue tomlString(std::string text) {
+  TomlValue out;
+  out.kind = TomlValue::Kind::text;
+  out.text = std::move(text);
+  return out;
+}
+
+TomlValue tomlList(std::vector<TomlValue> items) {
+  TomlValue out;
+  out.kind = TomlValue::Kind::array;
+  out.items = std::move(items);
+  return out;
 }
 
 }  // namespace c3de::scene

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "c3de/scene/toml_document.h"
 
@@ -13,5 +14,8 @@ namespace c3de::scene {
 
 /// The same value; lines and the order of keys do not matter, the sign of zero does.
 [[nodiscard]] bool areEqual(const TomlValue &a, const TomlValue &b);
+
+[[nodiscard]] TomlValue tomlString(std::string text);
+[[nodiscard]] TomlValue tomlList(std::vector<TomlValue> items);
 
 }  // namespace c3de::scene

@@ -340,8 +340,9 @@ struct SceneFile {
 /// @param materials  presets that `material = "name"` refers to; null: none are known
 [[nodiscard]] Expected<SceneFile> loadScene(const std::filesystem::path &path, const MaterialLibrary *materials);
 /// Same for text; `source` is used in messages, and meshes are searched in its folder.
+/// @param checksFiles  false: the files that it names may be elsewhere, as those of a session
 [[nodiscard]] Expected<SceneFile> parseScene(std::string_view text, const std::filesystem::path &source,
-                                             const MaterialLibrary *materials);
+                                             const MaterialLibrary *materials, bool checksFiles = true);
 
 /// The scene as TOML text that parseScene() reads as an equal scene. Paths are relative to `folder` where they are below
 /// it, otherwise absolute. Numbers are exact, except lengths in mm that no number of mm gives: the last bit of those may

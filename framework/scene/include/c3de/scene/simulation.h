@@ -72,6 +72,8 @@ class Simulation {
   void setBeforeStep(std::function<Expected<void>()> prepare);
   /// Called on the simulation's thread after each completed step. Any thread.
   void setAfterStep(std::function<void(const c3de_sim_status &)> follow);
+  /// Called on the simulation's thread after each completed reset, with the status before it. Any thread.
+  void setAfterReset(std::function<void(const c3de_sim_status &)> follow);
   /// Called on the simulation's thread after each published snapshot, for example to wake the window. When this
   /// returns, the previous listener is not running and will not be called again.
   void setPublishedListener(std::function<void()> listener);
