@@ -38,7 +38,10 @@ c3de::ProcessResult runWithoutDisplay(std::vector<std::string> arguments) {
 }
 
 nlohmann::json runToReport(const std::filesystem::path &scene, std::vector<std::string> options) {
-  const auto report = scene.parent_path() / "report.json";
+  // Beside no scene: those of the program are not written to. Tests run in several processes.
+  const auto folder = std::filesystem::path(testOutputRoot()) / "cli";
+  std::filesystem::create_directories(folder);
+  const auto report = folder / ("report-" + std::to_string(c3de::processId()) + ".json");
   options.insert(options.begin(), {"run", scene.string(), "--report", report.string(), "-q"});
   const auto ran = runC3de(options);
   INFO(ran.errorOutput);

@@ -182,9 +182,9 @@ TEST_CASE("A rigid body leaves the step to the others, and takes neither fix nor
     CHECK(ran.exitCode == 3);
     return ran.errorOutput;
   };
-  CHECK_THAT(refused(box("bone", "rigid = true\nvelocity = [1, 0, 0]\n")), Contains("stands still"));
+  CHECK_THAT(refused(box("bone", "rigid = true\nvelocity = [1, 0, 0]\n")), Contains("rigid and fixed"));
   CHECK_THAT(refused(box("bone", "rigid = true\n") + "[[load]]\nregion = { everywhere = true }\nforce = [1, 0, 0]\n"),
-             Contains("scene.toml:8: ") && Contains("stands still"));
+             Contains("scene.toml:8: ") && Contains("rigid and fixed"));
   CHECK_THAT(refused(box("bone", "rigid = 1\n")), Contains("rigid"));
 }
 
@@ -241,7 +241,7 @@ TEST_CASE("A free rigid body moves by weight, load and velocity, and takes neith
   CHECK_THAT(refused(plate + "[[fix]]\nregion = { everywhere = true }\n"), Contains("scene.toml:10: ") &&
                                                                                Contains("'plate' is rigid and free") &&
                                                                                Contains("nothing of it is fixed"));
-  CHECK_THAT(refused(plate, {"--set", "body.plate.free=false"}), Contains("stands still"));
+  CHECK_THAT(refused(plate, {"--set", "body.plate.free=false"}), Contains("rigid and fixed"));
   CHECK_THAT(refused(box("plate", "free = 1\n")), Contains("free"));
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads texts with changed lines, tokens and bytes: scenes, overrides, material presets, settings of plugins and of the
-// program, saved states, session files. Each is read or refused, in time, with a printable message; a refused state has changed
-// nothing.
+// program, saved states, session files, recordings. Each is read or refused, in time, with a printable message; a
+// refused state has changed nothing.
 #include <CLI/CLI.hpp>
 #include <array>
 #include <chrono>
@@ -25,8 +25,10 @@
 #include "c3de/scene/materials.h"
 #include "c3de/scene/scene_file.h"
 #include "c3de/scene/text_sink.h"
+#include "c3de/session/recording_file.h"
 #include "c3de/session/session_file.h"
 #include "simulator_session.h"
+#include "support/recording_records.h"
 
 namespace {
 
@@ -162,6 +164,49 @@ struct Subject {
   std::function<bool(Mutations &)> once;  ///< whether it was read
 };
 
+/// The record with a changed content.
+std::string withContent(std::string record, Mutations &m) {
+  using namespace c3de::test;
+  const std::string content = m.bytes(record.substr(kRecordHeader, record.size() - kRecordHeader - kRecordChecksum));
+  record = record.substr(0, kRecordHeader) + content + std::string(kRecordChecksum, '\0');
+  for (std::size_t i = 0; i < 8; ++i) record[kRecordType + i] = static_cast<char>(content.size() >> (8 * i) & 0xffu);
+  return withChecksums(record);
+}
+
+/// A recording with changed bytes, or with a changed content of a record whose checksums are right.
+Subject recordingSubject(const fs::path &folder) {
+  using namespace c3de::session;
+  RecordingStart start;
+  start.simulator = {"a.test.Simulator/1", "", "test", "1.0.0"};
+  start.session.scenes = {"format = 1\n"};
+  RecordedScene scene;
+  scene.session = start.session;
+  std::vector<std::string> records{*recordingBytes(start)};
+  for (const RecordedEvent &event :
+       {RecordedEvent(SimulationChange{"set", "set.gravity", "set gravity", 0, 1, "-9.81"}), RecordedEvent(scene),
+        RecordedEvent(RecordedState{2, "state"}), RecordedEvent(RecordedReset{2}),
+        RecordedEvent(RecordedHash{1, 3, 0.1, 7}), RecordedEvent(RecordedEnd{{2, 4, 0.2, 9}})})
+    records.push_back(*recordingBytes(event));
+  return {"recording", [records, file = folder / "a.c3dr"](Mutations &m) {
+            const bool areChecksumsRight = m.below(2) == 0;
+            const std::size_t chosen = 1 + m.below(records.size() - 1);
+            present.clear();
+            for (std::size_t i = 0; i < records.size(); ++i)
+              present += areChecksumsRight && i == chosen ? withContent(records[i], m) : records[i];
+            if (!areChecksumsRight) present = m.bytes(present);
+            write(file, present);
+            const auto read = readRecording(file);
+            if (!read) {
+              checkMessage("recording", read.error().message);
+              return false;
+            }
+            for (const RecordedEvent &event : read->events)
+              if (const auto again = recordingBytes(event); !again)
+                found("recording: read, and cannot be written", again.error().message);
+            return true;
+          }};
+}
+
 std::vector<Subject> subjects(const fs::path &resources, const fs::path &folder) {
   std::vector<std::string> scenes;
   for (const auto &entry : fs::directory_iterator(resources / "scenes"))
@@ -282,6 +327,8 @@ std::vector<Subject> subjects(const fs::path &resources, const fs::path &folder)
                      found("session: read, and cannot be saved", again.error().message);
                    return true;
                  }});
+
+  all.push_back(recordingSubject(folder));
 
   // A body of some hundred points, and a state of it after some steps.
   struct Kept {

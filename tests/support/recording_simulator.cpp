@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <sstream>
 #include <thread>
 
 #include "c3de/core/text.h"
@@ -78,6 +79,10 @@ RecordingSimulator::RecordingSimulator() : vt_(*abi()->vt), table_(sdk::kSimulat
       *table = it.contact;
       return C3DE_OK;
     }
+    if (it.hasChanges && fromAbi(id) == std::string_view(C3DE_IFACE_CHANGES_ID)) {
+      *table = &it.changesTable_;
+      return C3DE_OK;
+    }
     if (!it.answersInterface || fromAbi(id) != std::string_view(C3DE_IFACE_SIMULATOR_ID)) return C3DE_E_NOT_FOUND;
     *table = it.table();
     return C3DE_OK;
@@ -92,6 +97,8 @@ const c3de_simulator_v1 *RecordingSimulator::table() {
   if (lacksStateHash && table_.state_hash != nullptr) table_.state_hash = nullptr;
   if (!hasInterrupt && table_.interrupt != nullptr) table_.interrupt = nullptr;
   if (!hasPoints && table_.points != nullptr) table_.points = nullptr;
+  if (!hasStates && table_.save_state != nullptr) table_.save_state = nullptr;
+  if (!hasStates && table_.load_state != nullptr) table_.load_state = nullptr;
   return &table_;
 }
 
@@ -185,6 +192,7 @@ void RecordingSimulator::reset() {
   check("reset");
   ++resets;
   steps = 0;
+  changed.resize(lasting_);
 }
 
 void RecordingSimulator::publish() {
@@ -206,7 +214,62 @@ c3de_status RecordingSimulator::status(c3de_sim_status *out) const {
 
 c3de_status RecordingSimulator::stateHash(std::uint64_t *out) const {
   *out = 0xabcdu;
+  if (hashesState) {
+    std::string state = std::to_string(steps);
+    for (const std::string &text : changed) state += "\n" + text;
+    for (const char c : state) *out = (*out ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
+  }
   return answer("state_hash");
+}
+
+c3de_status RecordingSimulator::observe(c3de_object *self, void *observer,
+                                        void(C3DE_CALL *call)(void *, const c3de_sim_change *)) {
+  RecordingSimulator &it = *from(self);
+  it.observer_ = observer;
+  it.observed_ = call;
+  return it.answer("observe");
+}
+
+c3de_status RecordingSimulator::applyChange(c3de_object *self, const c3de_sim_change *change) {
+  RecordingSimulator &it = *from(self);
+  if (fromAbi(change->id) != "test.add") return C3DE_E_FORMAT;
+  if (const c3de_status code = it.answer("apply"); code < 0) return code;
+  it.change(std::string(static_cast<const char *>(change->bytes), change->n), change->flags);
+  return C3DE_OK;
+}
+
+void RecordingSimulator::change(const std::string &text, std::uint32_t flags, const std::string &key) {
+  const std::string name = "add " + text;
+  c3de_sim_change change{};
+  change.size = sizeof change;
+  change.flags = flags;
+  change.id = c3de::toAbi("test.add");
+  change.key = c3de::toAbi(key);
+  change.text = c3de::toAbi(name);
+  change.steps = steps;
+  change.bytes = text.data();
+  change.n = text.size();
+  changed.push_back(text);
+  if ((flags & C3DE_SIM_CHANGE_TRANSIENT) == 0) lasting_ = changed.size();
+  if ((flags & C3DE_SIM_CHANGE_RESETS) != 0) steps = 0;
+  if (observed_ != nullptr) observed_(observer_, &change);
+}
+
+c3de_status RecordingSimulator::saveState(c3de_sink state) const {
+  std::string text = std::to_string(steps);
+  for (const std::string &one : changed) text += "\n" + one;
+  return sdk::put(state, text);
+}
+
+void RecordingSimulator::loadState(const void *bytes, std::uint64_t n) {
+  check("load_state");
+  std::istringstream in(std::string(static_cast<const char *>(bytes), n));
+  std::string line;
+  std::getline(in, line);
+  steps = std::stoull(line);
+  changed.clear();
+  while (std::getline(in, line)) changed.push_back(line);
+  lasting_ = changed.size();
 }
 
 c3de_status RecordingSimulator::report(c3de_sink json) const {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "c3de/abi/iface/changes.h"
 #include "c3de/abi/iface/contact.h"
 #include "c3de/core/parameter.h"
 #include "c3de/core/vec.h"
@@ -68,7 +69,10 @@ class RecordingSimulator : public sdk::Object<RecordingSimulator> {
   std::uint32_t tableSize = sizeof(c3de_simulator_v1);
   bool answersInterface = true;
   bool lacksStateHash = false;
-  const c3de_contact_v1 *contact = nullptr;                            ///< null: iface.contact is not available
+  const c3de_contact_v1 *contact = nullptr;  ///< null: iface.contact is not available
+  bool hasChanges = false;                   ///< iface.changes is available
+  bool hasStates = false;                    ///< the slots for states are not null
+  bool hashesState = false;                  ///< the state hash follows from steps and changes; false: a constant
   bool hasDisplacement = true, hasInterrupt = true, hasPoints = true;  ///< those slots are not null
   /// Numbers from -1 to 1e9; gravity, min and max: vectors from -10 to 10; enabled, rigid: switches.
   std::vector<std::string> worldIds, bodyIds;
@@ -99,6 +103,10 @@ class RecordingSimulator : public sdk::Object<RecordingSimulator> {
   std::atomic<std::uint64_t> resets{0}, publishes{0}, publishedStep{0};
   std::atomic<std::uint64_t> attached{0};
 
+  /// A change as by a tool: it adds a text, which is part of the state, and is reported to the observer.
+  void change(const std::string &text, std::uint32_t flags = 0, const std::string &key = {});
+  std::vector<std::string> changed;  ///< those texts; a reset removes those of transient changes
+
   // The interface:
   void attach(c3de_handle node);
   c3de_status declarations(std::uint32_t scope, const c3de_param_decl **decls, std::uint64_t *n, std::uint64_t *stride);
@@ -127,8 +135,12 @@ class RecordingSimulator : public sdk::Object<RecordingSimulator> {
   void interrupt(std::uint32_t raised);
   c3de_status activity(c3de_sink text) const { return sdk::put(text, "a heavy body: less of it would help"); }
   void points(c3de_handle body, c3de_sim_points *out);
+  c3de_status saveState(c3de_sink state) const;
+  void loadState(const void *bytes, std::uint64_t n);
 
  private:
+  static c3de_status observe(c3de_object *self, void *observer, void(C3DE_CALL *call)(void *, const c3de_sim_change *));
+  static c3de_status applyChange(c3de_object *self, const c3de_sim_change *change);
   [[nodiscard]] c3de_status answer(const char *function) const;
   void check(const char *function) const;  ///< throws where the function fails on request
 
@@ -137,6 +149,10 @@ class RecordingSimulator : public sdk::Object<RecordingSimulator> {
   std::array<std::vector<c3de_param_decl>, 2> decls_;  ///< of the world, of a body
   mutable std::mutex mutex_;
   std::map<std::string, c3de_status> failing_;  ///< by the name of the function
+  c3de_changes_v1 changesTable_{sizeof(c3de_changes_v1), 1, &observe, &applyChange};
+  void *observer_ = nullptr;
+  void(C3DE_CALL *observed_)(void *, const c3de_sim_change *) = nullptr;
+  std::size_t lasting_ = 0;  ///< the first texts of `changed` that a reset retains
 };
 
 }  // namespace c3de::test

@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // `c3de info`
+#include <fmt/format.h>
+
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/session/file_kind.h"
+#include "c3de/session/session_file.h"
 #include "commands/command_line.h"
 #include "commands/commands.h"
 #include "commands/exit_code.h"
 #include "commands/info_image.h"
+#include "commands/info_recording.h"
 #include "commands/info_scene.h"
 #include "commands/last_crash.h"
 #include "commands/standard_output.h"
@@ -61,6 +66,36 @@ bool needsPlugins(const std::filesystem::path &file, const InfoArguments &argume
   return kind == FileKind::scene || kind == FileKind::unknown || !arguments.reader.empty();
 }
 
+/// What a session contains, and which of its files are missing or have changed.
+Expected<Described> describeSession(const std::filesystem::path &file) {
+  const auto saved = readSession(file);
+  if (!saved) return tl::unexpected(saved.error());
+  const auto found = findFiles(*saved, std::filesystem::absolute(file).parent_path());
+  if (!found) return tl::unexpected(found.error());
+  const std::string hash = saved->stateHash ? fmt::format("{:016x}", *saved->stateHash) : std::string();
+  std::string text = fmt::format("session of \"{}\", saved {} by {}\n", saved->title, saved->savedAt, saved->program);
+  text += saved->state.empty() ? "state: the initial one\n"
+                               : fmt::format("state: step {}, t = {} s, hash {}, {} bytes\n", saved->steps,
+                                             formatNumber(saved->time_s), hash, saved->state.size());
+  Json json{{"kind", "session"},         {"file", file.string()},   {"title", saved->title},
+            {"program", saved->program}, {"saved", saved->savedAt}, {"simulator", saved->simulatorClass},
+            {"steps", saved->steps},     {"time_s", saved->time_s}, {"state_hash", hash},
+            {"changes", Json::array()},  {"files", Json::array()}};
+  for (const SavedChange &change : saved->changes) {
+    text += fmt::format("  change: {}\n", displayText(change.text));
+    json["changes"].push_back(Json{{"id", change.id}, {"text", change.text}});
+  }
+  for (const FoundFile &one : *found) {
+    const char *state = one.state == FoundFile::State::same      ? "same"
+                        : one.state == FoundFile::State::changed ? "changed"
+                                                                 : "missing";
+    text += fmt::format("  {}: {}\n", one.file.path, state);
+    json["files"].push_back(
+        Json{{"path", one.file.path}, {"bytes", one.file.bytes}, {"sha256", one.file.sha256}, {"state", state}});
+  }
+  return Described{text, json};
+}
+
 /// @param session  null if the file needs none
 Expected<Described> describe(const std::filesystem::path &file, const InfoArguments &arguments, const CommandLine &line,
                              Session *session) {
@@ -73,6 +108,8 @@ Expected<Described> describe(const std::filesystem::path &file, const InfoArgume
   switch (arguments.reader.empty() ? kindOf(file, formats) : FileKind::mesh) {
     case FileKind::image: return describeImage(file, options, arguments.patientNames);
     case FileKind::scene: return describeScene(*session, file, arguments.isQuick);
+    case FileKind::session: return describeSession(file);
+    case FileKind::recording: return describeRecording(file);
     case FileKind::mesh: return describeMesh(file, line.unit, formats, arguments.reader);
     case FileKind::unknown: break;
   }
@@ -114,8 +151,9 @@ int showInfo(const InfoArguments &arguments, const CommandLine &line) {
 
 Handler declareInfo(CLI::App &app, CommandLine &line) {
   const auto arguments = std::make_shared<InfoArguments>();
-  app.add_option("FILE", line.files,
-                 "Meshes, images (DICOM, NIfTI, NRRD, MetaImage), folders of DICOM files and scenes")
+  app.add_option(
+         "FILE", line.files,
+         "Meshes, images (DICOM, NIfTI, NRRD, MetaImage), folders of DICOM files, scenes, sessions and recordings")
       ->required();
   app.add_option("--series", arguments->series,
                  "The series of a folder that holds several: its identifier, number or description, a part behind a #")

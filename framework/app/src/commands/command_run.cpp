@@ -51,7 +51,7 @@ Handler declareRun(CLI::App &app, CommandLine &line) {
   RunOptions &options = arguments->options;
   app.add_option_function<std::string>(
          "SCENE", [&options](const std::string &text) { options.scene = text; },
-         "A scene (.toml), or a mesh as one body")
+         "A scene (.toml), a session (.c3de) to go on from, or a mesh as one body")
       ->required();
   CLI::Option *until = addSeconds(app, "--until", options.until_s, 0.0,
                                   "Simulated time to reach; default: 1 s (a quasi-static solution: its full load)");
@@ -108,6 +108,15 @@ Handler declareRun(CLI::App &app, CommandLine &line) {
       "At the end, solve the state once more with half the spacing: its error goes to the report (verification) "
       "and is printed");
   addFile(app, "--save-state", options.saveState, "FILE", "Write the state of the end, for --from-state");
+  addFile(app, "--save-session", options.saveSession, "FILE.c3de",
+          "Write scene, state and the names and hashes of all files at the end; `c3de run FILE.c3de` goes on from it");
+  CLI::Option *record = addFile(app, "--record", options.record, "FILE.c3dr",
+                                "Write the state before the first step, every change, and hashes of the state, for "
+                                "`c3de replay`");
+  addCount(app, "--record-hash-every", options.recordHashEvery, 1, 1000000000LL,
+           "Steps between two state hashes of --record")
+      ->default_str(std::to_string(kDefaultHashEvery))
+      ->needs(record);
   addCount(app, "--seed", options.seed, 0, 9223372036854775807LL,
            "Kept in the report; nothing in this version is random");
   // For commands that start runs: no run stays behind after a signal that cannot be caught.

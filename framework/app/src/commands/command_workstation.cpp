@@ -71,7 +71,8 @@ int open(WorkstationOptions options, const CommandLine &line) {
 Handler declareWorkstation(CLI::App &app, CommandLine &line) {
   const auto options = std::make_shared<WorkstationOptions>();
   app.add_option("FILES", line.files,
-                 "Meshes, scenes (.toml) and images (DICOM folder, NIfTI, NRRD, MetaImage) to open; images after the "
+                 "Meshes, scenes (.toml), sessions (.c3de) and images (DICOM folder, NIfTI, NRRD, MetaImage) to open; "
+                 "images after the "
                  "first are label maps");
   app.add_flag("--version", line.version, "Print product, ABI and (with --json) services");
   app.add_flag("--json", line.json, "With --version: as JSON");

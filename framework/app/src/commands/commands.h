@@ -27,7 +27,7 @@ struct Command {
   Handler (*declare)(CLI::App &app, CommandLine &line);
 };
 
-extern const Command kRunCommand, kInfoCommand, kPluginsCommand, kNewPluginCommand, kStudyCommand;
+extern const Command kRunCommand, kReplayCommand, kInfoCommand, kPluginsCommand, kNewPluginCommand, kStudyCommand;
 
 /// The program without a sub-command: opens a window.
 [[nodiscard]] Handler declareWorkstation(CLI::App &app, CommandLine &line);

@@ -24,48 +24,22 @@
 #include "c3de/session/interrupt.h"
 #include "c3de/session/point_fields.h"
 #include "c3de/session/progress_line.h"
+#include "c3de/session/recorder.h"
+#include "c3de/session/replay.h"
 #include "c3de/session/sample_points.h"
+#include "c3de/session/saved_session.h"
 #include "c3de/session/simulation_state.h"
 #include "c3de/session/simulator_access.h"
 #include "c3de/session/verification.h"
 #include "c3de/session/written_outputs.h"
 #include "commands/exit_code.h"
 #include "commands/last_crash.h"
+#include "commands/run_beginning.h"
 #include "commands/standard_output.h"
 #include "run_picture.h"
 
 namespace c3de::app {
 namespace {
-
-Expected<scene::SceneFile> readScene(const RunOptions &options, const scene::MaterialLibrary &materials,
-                                     const geometry::MeshFormats &formats) {
-  Expected<scene::SceneFile> scene;
-  if (scene::isScenePath(options.scene)) {
-    scene = scene::loadScene(options.scene, &materials);
-  } else {
-    if (const auto good = checkInputFile(options.scene); !good)
-      return fail(ErrorCode::input, good.error().message + "; accepted: a scene (.toml) or a mesh");
-    if (const FileKind kind = kindOf(options.scene, &formats); kind == FileKind::unknown)
-      return tl::unexpected(unknownKind(options.scene, &formats));
-    else if (kind == FileKind::image)
-      return fail(ErrorCode::input, options.scene.string() +
-                                        ": is an image; accepted: a mesh, or a scene (.toml) whose [[body]] "
-                                        "names it as its volume, with a label or a threshold");
-    geometry::LengthUnit unit = formats.unitInFile(options.scene).value_or(geometry::LengthUnit::millimetre);
-    if (!options.meshUnit.empty()) {
-      const auto stated = scene::parseLengthUnit(options.meshUnit);
-      if (!stated) return fail(ErrorCode::usage, "--unit: " + stated.error().message);
-      unit = *stated;
-    }
-    scene = scene::sceneForMesh(options.scene, unit);
-  }
-  for (const std::string &assignment : options.overrides) {
-    if (!scene) break;
-    if (auto applied = scene::applyOverride(*scene, assignment, &materials); !applied)
-      return tl::unexpected(applied.error());
-  }
-  return scene;
-}
 
 RunLimits limitsOf(const RunOptions &options, std::chrono::steady_clock::time_point begin) {
   RunLimits limits;
@@ -100,6 +74,8 @@ std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const sc
                                          options.screenshot,
                                          options.exportList,
                                          options.saveState,
+                                         options.saveSession,
+                                         options.record,
                                          options.sampled,
                                          options.energies,
                                          options.tissues,
@@ -116,17 +92,8 @@ std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const sc
 std::vector<std::filesystem::path> inputsOf(const RunOptions &options, const scene::SceneFile &scene) {
   std::vector<std::filesystem::path> all{options.scene, options.fromState, options.samplePoints};
   all.insert(all.end(), options.session.pluginFiles.begin(), options.session.pluginFiles.end());
-  for (const scene::SceneBody &body : scene.bodies) {
-    all.insert(all.end(), {body.mesh, body.volume.file});
-    if (body.volume.background) all.push_back(body.volume.background->image);
-    for (const scene::SceneTissue &tissue : body.volume.tissues)
-      if (tissue.rule) all.push_back(tissue.rule->image);
-  }
-  for (const scene::SceneObstacle &obstacle : scene.obstacles) all.push_back(obstacle.mesh);
-  if (scene.image) {
-    all.push_back(scene.image->file);
-    all.insert(all.end(), scene.image->labels.begin(), scene.image->labels.end());
-  }
+  scene::SceneFile named = scene;
+  for (const std::filesystem::path *file : filesOf(named)) all.push_back(*file);
   return all;
 }
 
@@ -270,20 +237,20 @@ Expected<PictureView> checkBeforeBuilding(const RunOptions &options, const scene
 
 /// Returns the message if the time limit was reached first; empty if the bodies have been built.
 Expected<std::string> buildBodies(const RunOptions &options, const RunLimits &limits, Session &session,
-                                  c3de_object *simulator, const scene::SceneFile &scene, BodySources &sources,
+                                  c3de_object *simulator, const SimulationSource &source, BodySources &sources,
                                   Prepared &prepared) {
+  const scene::SceneFile &scene = *std::get<SharedScene>(source.front());
   ProgressLine progress(options.quiet);
   std::string present;
   bool isOver = false;
-  const auto built = buildScene(
-      session, simulator, scene, sources,
-      [&](double fraction, const std::string &what) {
-        present = what;
-        progress.update(fraction, what);
-        isOver = isOver || (limits.deadline && std::chrono::steady_clock::now() >= *limits.deadline);
-        return !isOver && !wasInterrupted();
-      },
-      &prepared);
+  const ProgressFn report = [&](double fraction, const std::string &what) {
+    present = what;
+    progress.update(fraction, what);
+    isOver = isOver || (limits.deadline && std::chrono::steady_clock::now() >= *limits.deadline);
+    return !isOver && !wasInterrupted();
+  };
+  auto built = buildScene(session, simulator, scene, sources, report, &prepared);
+  if (built) built = buildRemaining(session, simulator, source, report, &prepared);
   if (built) {
     lendImage(session, scene, sources);
     return std::string();
@@ -383,6 +350,60 @@ Expected<void> checkOverlay(const RunOptions &options, const c3de_simulator_v1 *
   return fail(ErrorCode::usage, "--overlay " + options.overlay->field + ": accepted: " + known);
 }
 
+Expected<void> writeSession(const RunOptions &options, Session &session, c3de_object *simulator,
+                            const SimulatorIdentity &identity) {
+  const auto captured = captureState(session, simulator, identity, session.changes()->source());
+  if (!captured) return tl::unexpected(captured.error());
+  FileReferences references;
+  const auto saved = sessionOf(*captured, std::filesystem::absolute(options.saveSession).parent_path(), references);
+  return saved ? session::writeSession(*saved, options.saveSession) : Expected<void>(tl::unexpected(saved.error()));
+}
+
+/// Makes the run record or repeat, where requested.
+Expected<void> prepareRecording(const RunOptions &options, Session &session, c3de_object *simulator,
+                                const SimulatorIdentity &identity, const SimulationSource &source, Replay *replay,
+                                HeadlessRun &run) {
+  if (replay != nullptr) run.repeat(*replay);
+  if (options.record.empty()) return {};
+  const auto start = recordingStart(session, simulator, identity, source, options.record, options.recordHashEvery);
+  if (!start) return tl::unexpected(start.error());
+  auto recorder = Recorder::create(options.record, *start, simulator);
+  if (!recorder) return tl::unexpected(recorder.error());
+  run.record(std::move(*recorder));
+  return {};
+}
+
+/// How far a replay has come, for people.
+std::string replayNotice(const RunOptions &options, const Replay &replay, const RunFacts &facts) {
+  std::string text = fmt::format("repeats {} up to step {}", pathText(options.scene), facts.steps);
+  if (options.checkHashes)
+    text += fmt::format("; {} state hash{} equal", replay.equalHashes(), replay.equalHashes() == 1 ? " is" : "es are");
+  return text;
+}
+
+/// The state with which the run begins, if a file states one. @param saved  the session that is continued; null: none
+Expected<void> restoreState(const RunOptions &options, Session &session, c3de_object *simulator,
+                            const SimulatorIdentity &identity, const SessionFile *saved) {
+  if (!options.fromState.empty()) {
+    const auto state = readStateFile(options.fromState);
+    if (!state) return tl::unexpected(state.error());
+    if (auto gone = goToState(session, simulator, identity, *state, pathText(options.fromState)); !gone) return gone;
+  }
+  return saved != nullptr ? restoreSession(session, simulator, identity, *saved, options.scene) : Expected<void>();
+}
+
+/// Saves the end state, alone or as a session.
+void saveEnd(const RunOptions &options, Session &session, c3de_object *simulator, const SimulatorIdentity &identity,
+             WrittenOutputs &outputs) {
+  if (!options.saveState.empty()) {
+    const auto state = stateBytes(session, simulator, identity);
+    outputs.note(options.saveState,
+                 state ? writeWholeFile(options.saveState, *state) : Expected<void>(tl::unexpected(state.error())));
+  }
+  if (!options.saveSession.empty())
+    outputs.note(options.saveSession, writeSession(options, session, simulator, identity));
+}
+
 struct Simulated {
   RunFacts facts;
   std::string overBefore;  ///< the time limit, if reached before the first step; empty: there are facts
@@ -394,12 +415,16 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
   if (!options.exportSurface.empty())
     if (const auto writable = checkSurfaceExport(session.meshFormats(), options.exportSurface, {}); !writable)
       return tl::unexpected(writable.error());
-  auto scene = readScene(options, session.materials(), session.meshFormats());
-  if (!scene) return tl::unexpected(scene.error());
+  const auto beginning = readBeginning(options, session);
+  if (!beginning) return tl::unexpected(beginning.error());
+  const auto &[saved, replay, source] = *beginning;
+  const SharedScene scene = std::get<SharedScene>(source.front());
   const auto view = checkBeforeBuilding(options, *scene, session.meshFormats());
   if (!view) return tl::unexpected(view.error());
   const auto chosen = session.chooseSimulator(scene->simulatorClass);
   if (!chosen) return failInScene(chosen.error(), *scene, scene->simulatorLine);
+  if (replay)
+    if (const auto same = replay->checkSimulator(*chosen); !same) return tl::unexpected(same.error());
   auto created = session.createSimulator(chosen->classId);
   if (!created) return tl::unexpected(created.error());
   const ObjectRef simulator(*created);
@@ -417,20 +442,19 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
   const RunLimits limits = limitsOf(options, begin);
   Prepared prepared;
   BodySources sources;
-  auto overBefore = buildBodies(options, limits, session, simulator.get(), *scene, sources, prepared);
+  auto overBefore = buildBodies(options, limits, session, simulator.get(), source, sources, prepared);
   if (!overBefore) return tl::unexpected(overBefore.error());
   if (!overBefore->empty()) return Simulated{{}, std::move(*overBefore)};
 
   if (const auto good = checkOverlay(options, *table, simulator.get()); !good) return tl::unexpected(good.error());
-  if (!options.fromState.empty()) {
-    const auto state = readStateFile(options.fromState);
-    if (!state) return tl::unexpected(state.error());
-    if (const auto gone = goToState(session, simulator.get(), *chosen, *state, pathText(options.fromState)); !gone)
-      return tl::unexpected(gone.error());
-  }
+  if (const auto restored = restoreState(options, session, simulator.get(), *chosen, saved ? &*saved : nullptr);
+      !restored)
+    return tl::unexpected(restored.error());
   if (const auto followed = followPoints(options, points, session, simulator.get()); !followed)
     return tl::unexpected(followed.error());
-  HeadlessRun run(session, simulator.get(), *table, options, limits, outputs);
+  HeadlessRun run(session, simulator.get(), *table, options, limits, outputs, source);
+  if (const auto good = prepareRecording(options, session, simulator.get(), *chosen, source, replay.get(), run); !good)
+    return tl::unexpected(good.error());
   if (const auto ran = run.run(); !ran) return tl::unexpected(ran.error());
   RunFacts facts = run.facts();
   facts.prepared = std::move(prepared);
@@ -445,15 +469,12 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
       facts.accuracy = accuracyLines(*simulatorJson, facts.verification);
       if (const auto notices = noticesOf(*simulatorJson)) facts.notices = *notices;
     }
+  if (replay) facts.notices.push_back(replayNotice(options, *replay, facts));
   writeSampledPoints(options, points, session, simulator.get(), run, outputs);
   if (!options.report.empty()) facts.skinVolumes = skinVolumes(session, simulator.get());
   followTissues(options, simulator.get(), *table, facts, outputs);
   if (!options.report.empty()) outputs.note(options.report, writeReport(options, facts, run));
-  if (!options.saveState.empty()) {
-    const auto state = stateBytes(session, simulator.get(), *chosen);
-    outputs.note(options.saveState,
-                 state ? writeWholeFile(options.saveState, *state) : Expected<void>(tl::unexpected(state.error())));
-  }
+  saveEnd(options, session, simulator.get(), *chosen, outputs);
   if (!options.exportSurface.empty()) writeSurfaceExport(options, session, simulator.get(), outputs);
   if (options.exportImage.isWanted())
     if (const auto good =
@@ -510,6 +531,8 @@ int runScene(const RunOptions &options) {
   ExitCode exitCode = kDone;
   if (facts->outcome == "diverged") {
     exitCode = reportError({ErrorCode::diverged, "the simulation diverged: " + facts->failure + kept});
+  } else if (facts->outcome == "differs") {
+    exitCode = reportError({ErrorCode::diverged, facts->failure});
   } else if (facts->outcome == "time_limit") {
     reportError({ErrorCode::cancelled, facts->failure + kept});
     exitCode = kTimeLimit;

@@ -26,6 +26,20 @@ bool supportsFills(const c3de_simulator_v1 *table) { return table->displacement 
 
 bool endsSteps(const c3de_simulator_v1 *table) { return table->interrupt != nullptr; }
 
+Expected<std::uint64_t> stateHash(const c3de_simulator_v1 *table, c3de_object *simulator) {
+  std::uint64_t hash = 0;
+  if (table->state_hash(simulator, &hash) < 0) return fail(ErrorCode::plugin, "the simulator gives no state hash");
+  return hash;
+}
+
+Expected<c3de_sim_status> simulatorStatus(const c3de_simulator_v1 *table, c3de_object *simulator) {
+  c3de_sim_status status{};
+  status.size = sizeof status;
+  if (const c3de_status code = table->status(simulator, &status); code < 0)
+    return fail(ErrorCode::plugin, "the simulator does not say its status (" + std::to_string(code) + ")");
+  return status;
+}
+
 std::vector<Vec3> surfacePositions(c3de_object *simulator, c3de_handle body) {
   const auto table = simulatorTable(simulator);
   c3de_sim_body_info info{};
@@ -116,6 +130,10 @@ Expected<const Table *> tableOf(c3de_object *simulator, const char *id) {
 
 Expected<const c3de_attachment_v1 *> attachmentTable(c3de_object *simulator) {
   return tableOf<c3de_attachment_v1>(simulator, C3DE_IFACE_ATTACHMENT_ID);
+}
+
+Expected<const c3de_changes_v1 *> changesTable(c3de_object *simulator) {
+  return tableOf<c3de_changes_v1>(simulator, C3DE_IFACE_CHANGES_ID);
 }
 
 Expected<const c3de_grasp_v1 *> graspTable(c3de_object *simulator) {

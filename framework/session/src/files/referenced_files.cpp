@@ -170,18 +170,22 @@ Expected<std::string> sha256Of(const fs::path &path, const ProgressFn &progress)
   return hashOf(*content, bytes);
 }
 
+std::string referencePath(const fs::path &path, const fs::path &sessionFolder) {
+  std::error_code code;
+  fs::path absolute = fs::weakly_canonical(fs::absolute(path, code), code);
+  if (!absolute.has_filename()) absolute = absolute.parent_path();
+  const fs::path folder = fs::weakly_canonical(fs::absolute(sessionFolder.empty() ? "." : sessionFolder, code), code);
+  const fs::path relative = absolute.lexically_relative(folder);
+  return slashed(relative.empty() ? absolute : relative);
+}
+
 Expected<ReferencedFile> referenceTo(const fs::path &path, const fs::path &sessionFolder, const ProgressFn &progress) {
   const auto content = contentOf(path);
   if (!content) return tl::unexpected(content.error());
   ByteProgress bytes(progress, content->bytes);
   auto hash = hashOf(*content, bytes);
   if (!hash) return tl::unexpected(hash.error());
-  std::error_code code;
-  fs::path absolute = fs::weakly_canonical(fs::absolute(path, code), code);
-  if (!absolute.has_filename()) absolute = absolute.parent_path();
-  const fs::path folder = fs::weakly_canonical(fs::absolute(sessionFolder.empty() ? "." : sessionFolder, code), code);
-  const fs::path relative = absolute.lexically_relative(folder);
-  return ReferencedFile{slashed(relative.empty() ? absolute : relative), std::move(*hash), content->bytes, false};
+  return ReferencedFile{referencePath(path, sessionFolder), std::move(*hash), content->bytes, false};
 }
 
 Expected<std::vector<FoundFile>> findFiles(const SessionFile &session, const fs::path &sessionFolder,

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -21,7 +22,7 @@ using Pointer = Json::json_pointer;
 constexpr int kDeepest = 64;
 constexpr std::size_t kSha256Digits = 64;
 
-std::string hexadecimal(std::uint64_t value) { return fmt::format("{:016x}", value); }
+std::string hashText(std::uint64_t value) { return fmt::format("{:016x}", value); }
 
 bool isHexadecimal(std::string_view text, std::size_t digits) {
   return text.size() == digits && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
@@ -175,6 +176,48 @@ void readFiles(const Json &list, ParsedSession &out, std::string &error) {
   }
 }
 
+void readChanges(const Json &list, ParsedSession &out, std::string &error) {
+  std::uint64_t built = 1;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const std::string place = fmt::format("changes[{}]", i);
+    if (!list[i].is_object()) {
+      if (error.empty()) error = fmt::format("the key {} is {}; accepted: an object", place, kindOf(list[i]));
+      return;
+    }
+    KeyReader reader(list[i], place + ".", error);
+    SavedChange change;
+    for (const char *key : {"id", "flags", "scenes", "member"}) reader.require(key);
+    reader.text("id", change.id);
+    reader.text("key", change.key);
+    reader.text("text", change.text);
+    std::uint64_t flags = 0;
+    reader.count("flags", flags);
+    change.flags = static_cast<std::uint32_t>(flags);
+    reader.count("scenes", change.scenes);
+    if (flags > std::numeric_limits<std::uint32_t>::max()) reader.refuse(place + ".flags is too large");
+    if (change.scenes < built || change.scenes > out.names.scenes.size())
+      reader.refuse(fmt::format("the key {}.scenes is {}; accepted: {} to {}", place, change.scenes, built,
+                                out.names.scenes.size()));
+    built = change.scenes;
+    reader.text("member", out.names.changes.emplace_back());
+    out.session.changes.push_back(std::move(change));
+  }
+}
+
+Json changesJson(const SessionFile &session, const MemberNames &names) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < session.changes.size(); ++i) {
+    const SavedChange &change = session.changes[i];
+    list.push_back(Json{{"id", change.id},
+                        {"key", change.key},
+                        {"text", change.text},
+                        {"flags", change.flags},
+                        {"scenes", change.scenes},
+                        {"member", names.changes[i]}});
+  }
+  return list;
+}
+
 void readView(const Json &object, ParsedSession &out, std::string &error) {
   if (object.is_null()) return;
   SessionView &view = out.session.view;
@@ -284,11 +327,12 @@ Expected<std::string> sessionJson(const SessionFile &session, const MemberNames 
             {"simulator", session.simulatorClass},
             {"scenes", names.scenes},
             {"overrides", session.overrides},
+            {"changes", changesJson(session, names)},
             {"view", viewJson(session.view)},
             {"steps", session.steps},
             {"time_s", session.time_s},
             {"members", names.all}};
-  if (session.stateHash) json["state_hash"] = hexadecimal(*session.stateHash);
+  if (session.stateHash) json["state_hash"] = hashText(*session.stateHash);
   if (!names.state.empty()) json["state"] = names.state;
   Json &files = json["files"] = Json::array();
   std::set<std::string> paths;
@@ -336,6 +380,7 @@ Expected<ParsedSession> parseSessionJson(const std::string &text) {
   reader.text("simulator", out.session.simulatorClass);
   reader.texts("scenes", out.names.scenes);
   reader.texts("overrides", out.session.overrides);
+  readChanges(reader.list("changes"), out, error);
   readFiles(reader.list("files"), out, error);
   readView(reader.object("view"), out, error);
   reader.count("steps", out.session.steps);
@@ -352,6 +397,7 @@ Expected<ParsedSession> parseSessionJson(const std::string &text) {
   reader.texts("members", members);
   out.names.all.insert(members.begin(), members.end());
   out.names.all.insert(out.names.scenes.begin(), out.names.scenes.end());
+  out.names.all.insert(out.names.changes.begin(), out.names.changes.end());
   if (!out.names.state.empty()) out.names.all.insert(out.names.state);
   reader.keepRest(Pointer(), out.session.unknown);
   if (!error.empty()) return refused(error);

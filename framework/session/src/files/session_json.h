@@ -13,9 +13,10 @@ inline constexpr const char *kSessionJson = "session.json";
 
 /// Names of the members that session.json lists.
 struct MemberNames {
-  std::vector<std::string> scenes;  ///< in the order of SessionFile::scenes
-  std::string state;                ///< empty: the initial state
-  std::set<std::string> all;        ///< except session.json; without one of them a session is damaged
+  std::vector<std::string> scenes;   ///< in the order of SessionFile::scenes
+  std::vector<std::string> changes;  ///< in the order of SessionFile::changes
+  std::string state;                 ///< empty: the initial state
+  std::set<std::string> all;         ///< except session.json; without one of them a session is damaged
 };
 
 /// The text of session.json. Errors (usage): a text that is not UTF-8, a number that is not finite, a path twice, an

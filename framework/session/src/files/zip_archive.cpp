@@ -26,7 +26,7 @@ constexpr uLong kDosDate = 0x00210000;  // 1 January 1980, the first that a zip 
 constexpr uLong kUtf8Names = 1u << 11;
 constexpr uLong kEncrypted = 1u << 0;
 constexpr std::size_t kLongestName = 1024;
-constexpr std::size_t kChunk = std::size_t{1} << 20;
+constexpr std::size_t kZipChunk = std::size_t{1} << 20;
 constexpr std::int64_t kBytesOfEmptyZip = 22;
 constexpr std::uint64_t kFirstOfZip64 = 0xffffffffu;
 // Deflate cannot pack more tightly; the rest is for members of a few bytes.
@@ -75,19 +75,19 @@ zlib_filefunc64_def memoryFunctions(MemoryFile &target) {
   return functions;
 }
 
-/// A file that minizip reads.
-struct DiskFile {
-  std::ifstream in;
+/// A file, on disk or in memory, that minizip reads.
+struct InputStream {
+  std::istream &in;
   std::int64_t size = 0;
   bool isShort = false;  ///< fewer bytes than a read requested
 };
 
-zlib_filefunc64_def diskFunctions(DiskFile &source) {
+zlib_filefunc64_def inputFunctions(InputStream &source) {
   zlib_filefunc64_def functions{};
   functions.opaque = &source;
   functions.zopen64_file = [](voidpf opaque, const void *, int) -> voidpf { return opaque; };
   functions.zread_file = [](voidpf, voidpf stream, void *bytes, uLong size) -> uLong {
-    DiskFile &file = *static_cast<DiskFile *>(stream);
+    InputStream &file = *static_cast<InputStream *>(stream);
     file.in.clear();
     file.in.read(static_cast<char *>(bytes), static_cast<std::streamsize>(size));
     const auto count = static_cast<uLong>(file.in.gcount());
@@ -96,12 +96,12 @@ zlib_filefunc64_def diskFunctions(DiskFile &source) {
   };
   functions.zwrite_file = [](voidpf, voidpf, const void *, uLong) -> uLong { return 0; };
   functions.ztell64_file = [](voidpf, voidpf stream) -> ZPOS64_T {
-    std::ifstream &in = static_cast<DiskFile *>(stream)->in;
+    std::istream &in = static_cast<InputStream *>(stream)->in;
     in.clear();
     return static_cast<ZPOS64_T>(in.tellg());
   };
   functions.zseek64_file = [](voidpf, voidpf stream, ZPOS64_T offset, int origin) -> long {
-    DiskFile &file = *static_cast<DiskFile *>(stream);
+    InputStream &file = *static_cast<InputStream *>(stream);
     file.in.clear();
     const std::int64_t to = seekTarget(file.in.tellg(), file.size, offset, origin);
     if (to < 0 || to > file.size) return -1;
@@ -109,7 +109,9 @@ zlib_filefunc64_def diskFunctions(DiskFile &source) {
     return file.in ? 0 : -1;
   };
   functions.zclose_file = [](voidpf, voidpf) -> int { return 0; };
-  functions.zerror_file = [](voidpf, voidpf stream) -> int { return static_cast<DiskFile *>(stream)->isShort ? 1 : 0; };
+  functions.zerror_file = [](voidpf, voidpf stream) -> int {
+    return static_cast<InputStream *>(stream)->isShort ? 1 : 0;
+  };
   return functions;
 }
 
@@ -192,7 +194,8 @@ Expected<std::string> unpack(unzFile zip, const MemberHeader &header, const std:
   if (unzGoToFilePos64(zip, &header.place) != UNZ_OK || unzOpenCurrentFile(zip) != UNZ_OK)
     return damaged("its header differs from the list of members");
   std::string bytes;
-  std::vector<char> chunk(static_cast<std::size_t>(std::min<std::uint64_t>(kChunk, header.info.uncompressed_size + 1)));
+  std::vector<char> chunk(
+      static_cast<std::size_t>(std::min<std::uint64_t>(kZipChunk, header.info.uncompressed_size + 1)));
   int count = 0;
   while ((count = unzReadCurrentFile(zip, chunk.data(), static_cast<unsigned>(chunk.size()))) > 0)
     bytes.append(chunk.data(), static_cast<std::size_t>(count));
@@ -245,7 +248,7 @@ Expected<std::string> zipBytes(std::span<const ZipMember> members) {
                                      Z_DEFLATED, kLevel, 0, -MAX_WBITS, DEF_MEM_LEVEL, Z_DEFAULT_STRATEGY, nullptr, 0,
                                      0, kUtf8Names, member.bytes.size() >= kFirstOfZip64 ? 1 : 0) == ZIP_OK;
     for (std::string_view rest = member.bytes; isGood && !rest.empty();) {
-      const std::string_view part = rest.substr(0, kChunk);
+      const std::string_view part = rest.substr(0, kZipChunk);
       isGood = zipWriteInFileInZip(zip, part.data(), static_cast<unsigned>(part.size())) == ZIP_OK;
       rest.remove_prefix(part.size());
     }
@@ -257,29 +260,33 @@ Expected<std::string> zipBytes(std::span<const ZipMember> members) {
 }
 
 Expected<std::map<std::string, std::string>> readZip(const std::filesystem::path &path, const ZipLimits &limits) {
-  const std::string file = pathText(path);
   auto in = openInputFile(path);
   if (!in) return tl::unexpected(in.error());
-  DiskFile disk{std::move(*in)};
+  return readZip(*in, pathText(path), limits);
+}
+
+Expected<std::map<std::string, std::string>> readZip(std::istream &in, const std::string &file,
+                                                     const ZipLimits &limits) {
+  InputStream source{in};
   std::array<char, 4> magic{};
-  disk.in.read(magic.data(), magic.size());
-  disk.in.clear();
-  disk.in.seekg(0, std::ios::end);
-  disk.size = static_cast<std::int64_t>(disk.in.tellg());
-  if (disk.size < 0) return fail(ErrorCode::input, file + ": cannot be read");
-  zlib_filefunc64_def functions = diskFunctions(disk);
+  in.read(magic.data(), magic.size());
+  in.clear();
+  in.seekg(0, std::ios::end);
+  source.size = static_cast<std::int64_t>(in.tellg());
+  if (source.size < 0) return fail(ErrorCode::input, file + ": cannot be read");
+  zlib_filefunc64_def functions = inputFunctions(source);
   const std::unique_ptr<void, Unzipper> zip(unzOpen2_64(nullptr, &functions));
   if (!zip) {
     // minizip does not find a list of members at the first byte.
-    if (std::string_view(magic.data(), magic.size()) == "PK\x05\x06" && disk.size == kBytesOfEmptyZip)
+    if (std::string_view(magic.data(), magic.size()) == "PK\x05\x06" && source.size == kBytesOfEmptyZip)
       return std::map<std::string, std::string>{};
     if (std::string_view(magic.data(), 2) != "PK") return fail(ErrorCode::input, file + ": is no zip archive");
     return fail(
         ErrorCode::input,
-        fmt::format("{}: is truncated or damaged: no list of members at its end, after {} bytes", file, disk.size));
+        fmt::format("{}: is truncated or damaged: no list of members at its end, after {} bytes", file, source.size));
   }
   try {
-    const auto headers = headersOf(zip.get(), file, static_cast<std::uint64_t>(disk.size), limits);
+    const auto headers = headersOf(zip.get(), file, static_cast<std::uint64_t>(source.size), limits);
     if (!headers) return tl::unexpected(headers.error());
     std::map<std::string, std::string> members;
     for (const MemberHeader &header : *headers) {

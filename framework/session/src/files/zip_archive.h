@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <iosfwd>
 #include <map>
 #include <span>
 #include <string>
@@ -34,6 +35,9 @@ struct ZipLimits {
 /// before anything is unpacked. Errors name file and member (input): no zip, truncated, damaged, encrypted, packed by
 /// another method than deflate, a refused name, a name twice, too large. Any thread.
 [[nodiscard]] Expected<std::map<std::string, std::string>> readZip(const std::filesystem::path &file,
+                                                                   const ZipLimits &limits = {});
+/// The same from an open file or memory. @param name  for messages
+[[nodiscard]] Expected<std::map<std::string, std::string>> readZip(std::istream &in, const std::string &name,
                                                                    const ZipLimits &limits = {});
 
 }  // namespace c3de::session

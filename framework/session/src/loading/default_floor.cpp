@@ -49,12 +49,7 @@ std::optional<Bounds_m> boundsOfBodies(c3de_object *simulator) {
   return bounds;
 }
 
-Expected<std::optional<Bounds_m>> addSurroundingWalls(c3de_object *simulator, const Bounds_m &bodies) {
-  const auto table = simulatorTable(simulator);
-  if (!table) return tl::unexpected(table.error());
-  const auto decls = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD);
-  if (!decls) return tl::unexpected(decls.error());
-  const Bounds_m walls = wallsAround(bodies);
+std::vector<ParameterValue> wallParameters(const Bounds_m &walls) {
   std::vector<ParameterValue> values(3);
   values[0].id = C3DE_PARAM_ID_BOX_MIN;
   values[1].id = C3DE_PARAM_ID_BOX_MAX;
@@ -64,6 +59,16 @@ Expected<std::optional<Bounds_m>> addSurroundingWalls(c3de_object *simulator, co
   values[0].vec = walls.min;
   values[1].vec = walls.max;
   values[2].num = 1.0;
+  return values;
+}
+
+Expected<std::optional<Bounds_m>> addSurroundingWalls(c3de_object *simulator, const Bounds_m &bodies) {
+  const auto table = simulatorTable(simulator);
+  if (!table) return tl::unexpected(table.error());
+  const auto decls = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD);
+  if (!decls) return tl::unexpected(decls.error());
+  const Bounds_m walls = wallsAround(bodies);
+  const std::vector<ParameterValue> values = wallParameters(walls);
   for (const ParameterValue &value : values) {
     const auto decl = findParameter(*decls, value.id);
     // Without walls in the simulator, or with a body too large for them, bodies fall as before.

@@ -9,6 +9,8 @@
 #include "c3de/geometry/mesh_formats.h"
 #include "c3de/imaging/reading.h"
 #include "c3de/scene/scene_file.h"
+#include "c3de/session/recording_file.h"
+#include "c3de/session/session_file.h"
 
 namespace c3de::session {
 
@@ -16,6 +18,8 @@ FileKind kindOf(const std::filesystem::path &path, const geometry::MeshFormats *
   std::error_code code;
   if (std::filesystem::is_directory(path, code)) return FileKind::image;
   if (scene::isScenePath(path)) return FileKind::scene;
+  if (isSessionPath(path)) return FileKind::session;
+  if (isRecordingPath(path)) return FileKind::recording;
   if (formats ? formats->isMeshFile(path) : geometry::isMeshFile(path)) return FileKind::mesh;
   return imaging::isLikelyImage(path) ? FileKind::image : FileKind::unknown;
 }
@@ -24,14 +28,16 @@ Error unknownKind(const std::filesystem::path &path, const geometry::MeshFormats
   std::error_code code;
   if (const std::string instead = describeNonFile(path); !instead.empty() && std::filesystem::exists(path, code))
     return {ErrorCode::input, path.string() + ": " + instead};
+  if (isRecordingPath(path)) return {ErrorCode::input, path.string() + ": is a recording; `c3de replay` repeats it"};
   const auto own = geometry::meshExtensions();
   std::string meshes;
   for (const std::string &one : formats ? formats->extensions() : std::vector<std::string>(own.begin(), own.end()))
     meshes.append(meshes.empty() ? "" : ", ").append(one);
-  return {ErrorCode::input, path.string() +
-                                ": is not a supported file; accepted: scenes (.toml), images (NIfTI, NRRD, "
-                                "MetaImage, DICOM), meshes (" +
-                                meshes + ")"};
+  return {ErrorCode::input,
+          path.string() +
+              ": is not a supported file; accepted: scenes (.toml), sessions (.c3de), images (NIfTI, NRRD, "
+              "MetaImage, DICOM), meshes (" +
+              meshes + ")"};
 }
 
 std::string notAFolder(const std::filesystem::path &path) {

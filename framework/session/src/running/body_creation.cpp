@@ -113,9 +113,12 @@ std::string namesOf(const std::vector<segmentation::BodyRequest> &requests) {
   return named < requests.size() ? names + " and " + std::to_string(requests.size() - named) + " more" : names;
 }
 
-Expected<void> BodyCreation::createAll(c3de_object *simulator, bool isNew, Result &result, const ProgressFn &progress) {
+Expected<void> BodyCreation::createAll(c3de_object *simulator, const std::shared_ptr<ChangeLog> &changes,
+                                       Result &result, const ProgressFn &progress) {
+  const bool isNew = changes == nullptr;
+  scene::SceneFile world;
   if (isNew) {
-    auto world = sceneWithoutBodies();
+    world = sceneWithoutBodies();
     if (const auto decls = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD))
       std::erase_if(world.world,
                     [&](const scene::SceneValue &value) { return !findParameter(*decls, value.value.id); });
@@ -131,13 +134,18 @@ Expected<void> BodyCreation::createAll(c3de_object *simulator, bool isNew, Resul
     };
     Expected<void> made;
     Prepared prepared;
-    if (auto mask = segmentation::maskOf(request, part); !mask)
+    SharedScene scene;
+    if (auto mask = segmentation::maskOf(request, part); !mask) {
       made = tl::unexpected(mask.error());
-    else
-      made = session_.addBodies(
-          simulator, sceneOf(request, std::move(*mask), session_.materials().find(request.material)), part, &prepared);
+    } else {
+      scene = std::make_shared<const scene::SceneFile>(
+          sceneOf(request, std::move(*mask), session_.materials().find(request.material)));
+      made = session_.addBodies(simulator, *scene, part, &prepared);
+    }
     if (made) {
       result.created.push_back(request);
+      if (changes) changes->addScene(scene);
+      result.scenes.push_back(std::move(scene));
       result.coverage.insert(result.coverage.end(), prepared.coverage.begin(), prepared.coverage.end());
     } else if (made.error().code == ErrorCode::cancelled) {
       result.notTried.assign(requests.begin() + static_cast<std::ptrdiff_t>(i), requests.end());
@@ -149,6 +157,11 @@ Expected<void> BodyCreation::createAll(c3de_object *simulator, bool isNew, Resul
       if (!error.message.starts_with(request.name + ": ")) error.message = request.name + ": " + error.message;
       result.failed.emplace_back(request.name, std::move(error));
     }
+  }
+  if (isNew && !result.scenes.empty()) {
+    scene::SceneFile first = *result.scenes.front();
+    first.world = world.world;
+    result.scenes.front() = std::make_shared<const scene::SceneFile>(std::move(first));
   }
   if (!result.created.empty()) return {};
   std::string text;
@@ -186,17 +199,29 @@ void BodyCreation::createBodies(std::vector<segmentation::BodyRequest> requests)
     if (!created) return events_.failed(title, created.error());
     simulator = std::make_shared<ObjectRef>(*created);
   }
+  const std::shared_ptr<ChangeLog> changes = result->isNew ? nullptr : session_.changes();
   job_ = session_.jobs().submit(
       kJobOwner, "Creating " + names,
-      [this, simulator, result](const ProgressFn &progress) {
-        return createAll(simulator->get(), result->isNew, *result, progress);
+      [this, simulator, result, changes](const ProgressFn &progress) {
+        struct Adding {
+          ChangeLog *log;
+          explicit Adding(ChangeLog *of) : log(of) {
+            if (log) log->beginAdding();
+          }
+          ~Adding() {
+            if (log) log->endAdding();
+          }
+        } const adding(changes.get());
+        return createAll(simulator->get(), changes, *result, progress);
       },
       [this, serial, simulator, result, title](const Expected<void> &done) {
         if (serial != serial_) return;
         job_ = {};
         if (!done) return events_.failed(title, done.error());
         if (result->isNew)
-          if (auto adopted = session_.adopt(simulator->get(), namesOf(result->created)); !adopted)
+          if (auto adopted = session_.adopt(simulator->get(), namesOf(result->created),
+                                            {result->scenes.begin(), result->scenes.end()});
+              !adopted)
             return events_.failed(title, adopted.error());
         if (const scene::Simulation *now = session_.simulation(); !now || now->object() != simulator->get())
           return events_.failed(title, {ErrorCode::state, "the simulation that they were to join has been closed"});

@@ -41,31 +41,30 @@ Expected<std::string> HeadlessRun::simulatorReport() const {
 }
 
 Expected<void> HeadlessRun::readStatus() {
-  c3de_sim_status status{};
-  status.size = sizeof status;
-  if (const c3de_status code = table_->status(simulator_, &status); code < 0)
-    return fail(ErrorCode::plugin, "the simulator does not say its status (" + std::to_string(code) + ")");
-  facts_.steps = status.steps;
-  facts_.time_s = status.time_s;
-  facts_.dt_s = status.dt_s;
-  bodies_ = status.bodies;
-  finished_ = status.finished != 0;
-  stopped_ = status.stopped;
-  facts_.isLoadStepped = (status.flags & C3DE_SIM_LOAD_STEPS) != 0;
-  plannedSteps_ = status.planned_steps;
+  const auto status = simulatorStatus(table_, simulator_);
+  if (!status) return tl::unexpected(status.error());
+  facts_.steps = status->steps;
+  facts_.time_s = status->time_s;
+  facts_.dt_s = status->dt_s;
+  bodies_ = status->bodies;
+  finished_ = status->finished != 0;
+  stopped_ = status->stopped;
+  facts_.isLoadStepped = (status->flags & C3DE_SIM_LOAD_STEPS) != 0;
+  plannedSteps_ = status->planned_steps;
   return {};
 }
 
 bool HeadlessRun::isDone() const {
-  if (finished_) return true;
+  if (replay_ != nullptr ? replay_->isAtEnd() : finished_) return true;
   if (options_.steps) return facts_.steps >= *options_.steps;
-  if (isQuasistatic()) return false;
+  if (isQuasistatic() || (replay_ != nullptr && !options_.until_s)) return false;
   // The sum of many steps may be slightly below the end; the remainder is not a step.
   const double until_s = options_.until_s.value_or(kDefaultDuration_s);
   return facts_.time_s >= until_s - 1e-6 * facts_.dt_s;
 }
 
 double HeadlessRun::fraction() const {
+  if (replay_ != nullptr) return replay_->fraction();
   const auto steps = static_cast<double>(facts_.steps);
   if (options_.steps) return steps / static_cast<double>(*options_.steps);
   if (isQuasistatic()) return plannedSteps_ > 0 ? steps / plannedSteps_ : 0.0;
@@ -153,6 +152,10 @@ void HeadlessRun::sampleEnergies(bool isEnd) {
 }
 
 void HeadlessRun::finishOutputs() {
+  if (recorder_) {
+    session_.setRecorder(nullptr);
+    outputs_.note(options_.record, recorder_->finish());
+  }
   if (export_) outputs_.note(options_.exportList, export_->finish());
   if (wantsEnergies_ && energies_) outputs_.note(options_.energies, energies_->close());
   if (wantsProbes_ && probes_) outputs_.note(options_.probes, probes_->close());
@@ -204,13 +207,45 @@ Expected<c3de_status> HeadlessRun::timedStep(scene::Simulation &simulation, cons
   return code;
 }
 
+Expected<bool> HeadlessRun::repeatDue() {
+  if (replay_ == nullptr) return true;
+  const ProgressFn progress = [](double, const std::string &) { return !wasInterrupted(); };
+  if (const auto applied = replay_->applyDueEvents(session_, simulator_, table_, progress); !applied)
+    return tl::unexpected(applied.error());
+  if (const auto read = readStatus(); !read) return tl::unexpected(read.error());
+  if (replay_->difference().empty()) return true;
+  endWith("differs", replay_->difference());
+  return false;
+}
+
+bool HeadlessRun::endsAtStandstill(std::uint64_t stepsBefore, double timeBefore_s) {
+  if (facts_.steps != stepsBefore || facts_.time_s != timeBefore_s) return false;
+  if (replay_ != nullptr)
+    endWith("failed", "the simulation ends at step " + std::to_string(facts_.steps) +
+                          ", and the recording has more at step " + std::to_string(replay_->nextStep()));
+  else if (!finished_)
+    endWith("failed", "the simulator reports a step, but neither step count nor time has advanced");
+  return facts_.outcome == "failed";
+}
+
+/// A recording that has failed is reported at once; the run continues.
+void HeadlessRun::noteRecording() {
+  if (!recorder_ || !recorder_->hasFailed()) return;
+  session_.setRecorder(nullptr);
+  outputs_.note(options_.record, recorder_->finish());
+  recorder_.reset();
+}
+
 Expected<void> HeadlessRun::stepToEnd(ProgressLine &progress) {
   scene::Simulation &simulation = *session_.simulation();
   const char *owner = session_.plugins().ownerOf(simulator_);
-  const std::uint64_t bodies = bodies_;
   const StepLimit limit(simulator_, table_, limits_.deadline);
   facts_.outcome = "done";
-  while (!isDone() && !endsByLimit()) {
+  for (;;) {
+    const auto repeated = repeatDue();
+    if (!repeated) return tl::unexpected(repeated.error());
+    if (!*repeated || isDone() || endsByLimit()) break;
+    const std::uint64_t bodies = bodies_;
     const double timeBefore_s = facts_.time_s;
     const std::uint64_t stepsBefore = facts_.steps;
     double step_s = 0.0;
@@ -234,6 +269,8 @@ Expected<void> HeadlessRun::stepToEnd(ProgressLine &progress) {
     }
     facts_.stepTimes.add(1e3 * step_s);
     simulation.endStep();
+    if (replay_ != nullptr) replay_->countStep();
+    noteRecording();
     if (const auto read = readStatus(); !read) return read;
     if (bodies_ < bodies) {
       endWith("failed", std::to_string(bodies - bodies_) + " of " + std::to_string(bodies) +
@@ -241,10 +278,7 @@ Expected<void> HeadlessRun::stepToEnd(ProgressLine &progress) {
                             "; a plugin has done that");
       break;
     }
-    if (!finished_ && facts_.steps == stepsBefore && facts_.time_s == timeBefore_s) {
-      endWith("failed", "the simulator reports a step, but neither step count nor time has advanced");
-      break;
-    }
+    if (endsAtStandstill(stepsBefore, timeBefore_s)) break;
     if (wantsProbes_ && facts_.steps % options_.probesEvery == 0)
       if (const auto sampled = sampleProbes(); !sampled) return sampled;
     exportFrame(false);
@@ -262,7 +296,9 @@ Expected<void> HeadlessRun::run() {
   facts_.threads = session_.pool().threadCount();
   facts_.seed = options_.seed;
   // This is the only simulation, and this function steps it.
-  if (const auto adopted = session_.adoptForRun(simulator_, options_.scene.stem().string()); !adopted) return adopted;
+  if (auto adopted = session_.adoptForRun(simulator_, options_.scene.stem().string(), std::move(source_)); !adopted)
+    return adopted;
+  if (recorder_) session_.setRecorder(recorder_);
   if (const auto read = readStatus(); !read) return read;
   if (const auto begun = beginOutputs(); !begun) return begun;
   ProgressLine progress(options_.quiet);
@@ -276,8 +312,9 @@ Expected<void> HeadlessRun::run() {
   exportFrame(true);
   sampleEnergies(true);
   finishOutputs();
-  if (table_->state_hash(simulator_, &facts_.stateHash) < 0)
-    return fail(ErrorCode::plugin, "the simulator gives no state hash");
+  const auto hash = stateHash(table_, simulator_);
+  if (!hash) return tl::unexpected(hash.error());
+  facts_.stateHash = *hash;
   return {};
 }
 

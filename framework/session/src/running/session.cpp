@@ -2,6 +2,7 @@
 #include "c3de/session/session.h"
 
 #include <algorithm>
+#include <mutex>
 #include <utility>
 
 #include "c3de/core/log.h"
@@ -12,6 +13,7 @@
 #include "c3de/scene/force_fields.h"
 #include "c3de/session/file_kind.h"
 #include "c3de/session/plugin_parameters.h"
+#include "c3de/session/recorder.h"
 #include "c3de/session/resources.h"
 #include "loading/fitted_scene.h"
 #include "loading/scene_loader.h"
@@ -29,6 +31,27 @@ std::string listOf(const std::vector<std::filesystem::path> &paths) {
 
 /// The program's own simulator is the default where others are installed and none is chosen.
 static constexpr const char *kOwnSimulator = "c3de.pointbased.WorldSimulator/1";
+
+namespace {
+
+/// Who records a simulation. Any thread.
+class RecorderSlot {
+ public:
+  void set(std::shared_ptr<Recorder> recorder) {
+    const std::lock_guard lock(mutex_);
+    recorder_ = std::move(recorder);
+  }
+  [[nodiscard]] std::shared_ptr<Recorder> get() const {
+    const std::lock_guard lock(mutex_);
+    return recorder_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::shared_ptr<Recorder> recorder_;
+};
+
+}  // namespace
 
 struct Session::Impl {
   Impl(unsigned threads, bool hasWindow) : pool(threads, hasWindow), jobs(mainQueue) {}
@@ -52,12 +75,15 @@ struct Session::Impl {
   std::unique_ptr<plugin_host::PluginHost> host;  ///< destroyed before everything that plugins access
   std::shared_ptr<scene::Simulation> simulation;
   Handle node;
+  std::shared_ptr<ChangeLog> changes;       ///< of the present simulation
+  std::shared_ptr<RecorderSlot> recording;  ///< same
 
   [[nodiscard]] SceneLoader::Services loading() { return {*host, meshes, meshFormats, materials}; }
   void release(std::shared_ptr<scene::Simulation> gone, Handle goneNode);
   [[nodiscard]] Handle addNode(const std::string &title);
   /// Lets plugins access it, act before its steps and be notified after them.
-  void connect(Handle at, const std::string &title, const std::shared_ptr<scene::Simulation> &to);
+  [[nodiscard]] std::shared_ptr<RecorderSlot> connect(Handle at, const std::string &title,
+                                                      const std::shared_ptr<scene::Simulation> &to);
 };
 
 /// Ends a simulation that has been detached from its node.
@@ -75,6 +101,8 @@ Session::~Session() {
   // The program's jobs use simulators, simulators are plugin code, and plugins use everything else.
   impl_->jobs.finishOwnedBy(kJobOwner);
   if (impl_->simulation) impl_->simulation->table()->attach(impl_->simulation->object(), c3de_handle{0});
+  impl_->changes.reset();
+  impl_->recording.reset();
   impl_->release(std::move(impl_->simulation), impl_->node);
   impl_->host.reset();
 }
@@ -148,6 +176,20 @@ plugin_host::PluginHost &Session::plugins() { return *impl_->host; }
 const scene::MaterialLibrary &Session::materials() const { return impl_->materials; }
 const std::vector<std::filesystem::path> &Session::pluginFolders() const { return impl_->folders; }
 scene::Simulation *Session::simulation() { return impl_->simulation.get(); }
+std::shared_ptr<ChangeLog> Session::changes() { return impl_->changes; }
+std::shared_ptr<Recorder> Session::recorder() const { return impl_->recording ? impl_->recording->get() : nullptr; }
+
+std::function<void(std::shared_ptr<Recorder>)> Session::recorderSetter() {
+  return [slot = impl_->recording, changes = impl_->changes](const std::shared_ptr<Recorder> &recorder) {
+    if (!slot) return;
+    slot->set(recorder);
+    if (recorder)
+      changes->setListener([recorder](const SimulationChange &change) { recorder->addChange(change); });
+    else
+      changes->setListener({});
+  };
+}
+
 Handle Session::simulationNode() const { return impl_->node; }
 
 void Session::setPublishedHook(std::function<void(const scene::Simulation &)> hook) {
@@ -231,22 +273,36 @@ Handle Session::Impl::addNode(const std::string &title) {
   return added;
 }
 
-void Session::Impl::connect(Handle at, const std::string &title, const std::shared_ptr<scene::Simulation> &to) {
+std::shared_ptr<RecorderSlot> Session::Impl::connect(Handle at, const std::string &title,
+                                                     const std::shared_ptr<scene::Simulation> &to) {
+  auto slot = std::make_shared<RecorderSlot>();
   to->setBeforeStep(
       [fields = &forces, at, object = to->object(), table = to->table()] { return fields->apply(at, object, table); });
-  to->setAfterStep([all = &simulations, at](const c3de_sim_status &status) { all->stepped(at, status); });
+  to->setAfterStep([all = &simulations, at, slot](const c3de_sim_status &status) {
+    if (const auto recorder = slot->get()) recorder->addStep();
+    all->stepped(at, status);
+  });
+  to->setAfterReset([slot](const c3de_sim_status &before) {
+    if (const auto recorder = slot->get()) recorder->addReset(before.steps);
+  });
   simulations.add(at, title, to);
+  return slot;
 }
 
-Expected<void> Session::adopt(c3de_object *simulator, const std::string &title) {
-  return adopt(simulator, title, false);
+Expected<void> Session::adopt(c3de_object *simulator, const std::string &title, SimulationSource source) {
+  return adopt(simulator, title, std::move(source), false);
 }
 
-Expected<void> Session::adoptForRun(c3de_object *simulator, const std::string &title) {
-  return adopt(simulator, title, true);
+Expected<void> Session::adoptForRun(c3de_object *simulator, const std::string &title, SimulationSource source) {
+  return adopt(simulator, title, std::move(source), true);
 }
 
-Expected<void> Session::adopt(c3de_object *simulator, const std::string &title, bool isSteppedByCaller) {
+Expected<void> Session::adopt(c3de_object *simulator, const std::string &title, SimulationSource source,
+                              bool isSteppedByCaller) {
+  // A simulator has one observer.
+  if (impl_->simulation && impl_->simulation->object() == simulator) impl_->changes.reset();
+  auto changes = ChangeLog::create(simulator, std::move(source));
+  if (!changes) return tl::unexpected(changes.error());
   plugin_host::PluginHost *host = impl_->host.get();
   const auto takeError = [host] { return host->takeError(); };
   const char *owner = host->ownerOf(simulator);
@@ -261,7 +317,7 @@ Expected<void> Session::adopt(c3de_object *simulator, const std::string &title, 
     });
 
   const Handle nextNode = impl_->addNode(title);
-  impl_->connect(nextNode, title, next);
+  auto recorder = impl_->connect(nextNode, title, next);
 
   const std::uint64_t messages = impl_->panels != nullptr ? impl_->panels->lastSerial() : 0;
   // The previous simulation releases its panels and proxies first, so that there are never two sets of them.
@@ -276,6 +332,8 @@ Expected<void> Session::adopt(c3de_object *simulator, const std::string &title, 
     return fail(ErrorCode::plugin,
                 "the simulator could not be shown: " + (text.empty() ? "status " + std::to_string(code) : text));
   }
+  impl_->changes = std::move(*changes);
+  impl_->recording = std::move(recorder);
   impl_->release(std::exchange(impl_->simulation, std::move(next)), std::exchange(impl_->node, nextNode));
   if (impl_->panels != nullptr) impl_->panels->dismissAboutSimulation(messages);
   return {};
@@ -284,6 +342,8 @@ Expected<void> Session::adopt(c3de_object *simulator, const std::string &title, 
 void Session::closeSimulation() {
   if (!impl_->simulation) return;
   impl_->simulation->table()->attach(impl_->simulation->object(), c3de_handle{0});
+  impl_->changes.reset();
+  impl_->recording.reset();
   impl_->release(std::exchange(impl_->simulation, nullptr), std::exchange(impl_->node, {}));
   if (impl_->panels != nullptr) impl_->panels->dismissAboutSimulation(impl_->panels->lastSerial());
 }

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <optional>
 
+#include "base/byte_fields.h"
 #include "c3de/core/input_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
@@ -25,32 +25,6 @@ std::uint64_t checksum(std::string_view bytes) {
   std::uint64_t sum = 0xcbf29ce484222325ull;
   for (const char c : bytes) sum = (sum ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
   return sum;
-}
-
-/// Little-endian on every machine.
-void putNumber(std::string &out, std::uint64_t number) {
-  for (int shift = 0; shift < 64; shift += 8) out += static_cast<char>(number >> shift & 0xffu);
-}
-
-void putText(std::string &out, std::string_view text) {
-  putNumber(out, text.size());
-  out += text;
-}
-
-std::optional<std::uint64_t> takeNumber(std::string_view &bytes) {
-  if (bytes.size() < 8) return std::nullopt;
-  std::uint64_t number = 0;
-  for (std::size_t i = 0; i < 8; ++i) number |= std::uint64_t{static_cast<unsigned char>(bytes[i])} << (8 * i);
-  bytes.remove_prefix(8);
-  return number;
-}
-
-std::optional<std::string_view> takeText(std::string_view &bytes) {
-  const auto size = takeNumber(bytes);
-  if (!size || *size > bytes.size()) return std::nullopt;
-  const std::string_view text = bytes.substr(0, static_cast<std::size_t>(*size));
-  bytes.remove_prefix(text.size());
-  return text;
 }
 
 Expected<const c3de_simulator_v1 *> keepingTable(c3de_object *simulator, const SimulatorIdentity &identity) {
@@ -75,12 +49,13 @@ Expected<StateFile> readHeader(std::string_view bytes, const std::string &name) 
   if (!bytes.starts_with(kMagic))
     return fail(ErrorCode::input, name + ": is not a state file written by --save-state or Save state");
   std::string_view rest = bytes.substr(kMagic.size());
-  const auto format = takeNumber(rest);
+  const auto format = takeNumber<std::uint64_t>(rest);
   if (format && *format != kFormat)
     return fail(ErrorCode::input, fmt::format("{}: state files of format {}; accepted: {}", name, *format, kFormat));
-  const auto classId = takeText(rest), plugin = takeText(rest), version = takeText(rest), state = takeText(rest);
+  const auto classId = takeText<std::uint64_t>(rest), plugin = takeText<std::uint64_t>(rest),
+             version = takeText<std::uint64_t>(rest), state = takeText<std::uint64_t>(rest);
   const std::string_view summed = bytes.substr(0, bytes.size() - rest.size());
-  const auto sum = takeNumber(rest);
+  const auto sum = takeNumber<std::uint64_t>(rest);
   if (!format || !classId || !plugin || !version || !state || !sum)
     return fail(ErrorCode::input, fmt::format("{}: the state ends too early, after {} bytes", name, bytes.size()));
   if (*sum != checksum(summed) || !rest.empty())
@@ -98,10 +73,10 @@ Expected<std::string> stateBytes(Session &session, c3de_object *simulator, const
     return fail(ErrorCode::state, "the state cannot be saved: " + reasonOf(session, code));
   std::string out(kMagic);
   putNumber(out, kFormat);
-  putText(out, identity.classId);
-  putText(out, identity.plugin);
-  putText(out, identity.version);
-  putText(out, state);
+  putText<std::uint64_t>(out, identity.classId);
+  putText<std::uint64_t>(out, identity.plugin);
+  putText<std::uint64_t>(out, identity.version);
+  putText<std::uint64_t>(out, state);
   putNumber(out, checksum(out));
   return out;
 }

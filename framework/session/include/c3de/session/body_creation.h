@@ -20,6 +20,7 @@ class BodyCreation {
     std::vector<segmentation::BodyRequest> created, notTried;  ///< notTried: cancelled before they were started
     std::vector<std::pair<std::string, Error>> failed;         ///< by body name
     std::vector<Coverage> coverage;                            ///< of the created bodies
+    std::vector<SharedScene> scenes;                           ///< of the created bodies
     bool isNew = false;                                        ///< in a new simulation, which is now the present one
   };
   struct Events {
@@ -35,8 +36,9 @@ class BodyCreation {
   void createBodies(std::vector<segmentation::BodyRequest> requests);
 
  private:
-  [[nodiscard]] Expected<void> createAll(c3de_object *simulator, bool isNew, Result &result,
-                                         const ProgressFn &progress);
+  /// @param changes  of the simulation that the bodies join; null: a new one
+  [[nodiscard]] Expected<void> createAll(c3de_object *simulator, const std::shared_ptr<ChangeLog> &changes,
+                                         Result &result, const ProgressFn &progress);
 
   Session &session_;
   Events events_;

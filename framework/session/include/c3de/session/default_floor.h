@@ -2,9 +2,11 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "c3de/abi/iface/simulator.h"
 #include "c3de/core/expected.h"
+#include "c3de/core/parameter.h"
 #include "c3de/core/vec.h"
 
 namespace c3de::session {
@@ -21,6 +23,9 @@ struct Bounds_m {
 
 /// Of the present skins of all bodies; none without a body. [sim]
 [[nodiscard]] std::optional<Bounds_m> boundsOfBodies(c3de_object *simulator);
+
+/// The parameters of the world that describe the walls.
+[[nodiscard]] std::vector<ParameterValue> wallParameters(const Bounds_m &walls);
 
 /// Adds the walls where the simulator declares world.box. Returns the walls added, or none. Call before attach(). [sim]
 [[nodiscard]] Expected<std::optional<Bounds_m>> addSurroundingWalls(c3de_object *simulator, const Bounds_m &bodies);

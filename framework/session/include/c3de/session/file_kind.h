@@ -13,11 +13,11 @@ class MeshFormats;
 namespace c3de::session {
 
 /// The type of a file or folder, detected by name and first bytes.
-enum class FileKind { scene, image, mesh, unknown };
+enum class FileKind { scene, session, recording, image, mesh, unknown };
 
 /// @param formats  mesh formats that plugins add; may be null
 [[nodiscard]] FileKind kindOf(const std::filesystem::path &path, const geometry::MeshFormats *formats = nullptr);
-/// Why a file of unknown type is not opened, and which types are accepted (ErrorCode::input).
+/// Why a file of unknown type, or a recording, is not opened, and which types are accepted (ErrorCode::input).
 [[nodiscard]] Error unknownKind(const std::filesystem::path &path, const geometry::MeshFormats *formats = nullptr);
 
 /// Why a path is not a plugin folder.

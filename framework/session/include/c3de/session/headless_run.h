@@ -8,10 +8,13 @@
 #include <utility>
 
 #include "c3de/abi/iface/simulator.h"
+#include "c3de/session/change_log.h"
 #include "c3de/session/energy_table.h"
 #include "c3de/session/export_simulation.h"
 #include "c3de/session/probe_table.h"
 #include "c3de/session/progress_line.h"
+#include "c3de/session/recorder.h"
+#include "c3de/session/replay.h"
 #include "c3de/session/report.h"
 #include "c3de/session/run_options.h"
 #include "c3de/session/written_outputs.h"
@@ -28,10 +31,16 @@ struct RunLimits {
 /// solution, which has no time, continues until the simulator reports that it is finished, or for the requested steps.
 class HeadlessRun {
  public:
+  /// @param source  of the simulator
   HeadlessRun(Session &session, c3de_object *simulator, const c3de_simulator_v1 *table, const RunOptions &options,
-              RunLimits limits, WrittenOutputs &outputs)
+              RunLimits limits, WrittenOutputs &outputs, SimulationSource source = {})
       : session_(session), simulator_(simulator), table_(table), options_(options), limits_(std::move(limits)),
-        outputs_(outputs) {}
+        outputs_(outputs), source_(std::move(source)) {}
+
+  /// Records the run in options.record; call before run().
+  void record(std::shared_ptr<Recorder> recorder) { recorder_ = std::move(recorder); }
+  /// Repeats a recording to its end, or to options.until_s; call before run(). It must outlive the run.
+  void repeat(Replay &replay) { replay_ = &replay; }
 
   /// Runs the simulation; facts().outcome states how it ended. Probes or an export that cannot be written are reported,
   /// and the run continues without them. The error refers to the simulator's report.
@@ -45,6 +54,11 @@ class HeadlessRun {
   /// Opens the outputs requested and writes their first rows; the error refers to the simulator's report.
   [[nodiscard]] Expected<void> beginOutputs();
   [[nodiscard]] Expected<void> stepToEnd(ProgressLine &progress);
+  /// Repeats what was recorded before the next step. False: the replay differs from the recording, and the run ends.
+  [[nodiscard]] Expected<bool> repeatDue();
+  /// Whether a step has changed neither step count nor time, and the run ends as failed.
+  [[nodiscard]] bool endsAtStandstill(std::uint64_t stepsBefore, double timeBefore_s);
+  void noteRecording();
   /// Makes and times a step; the error states why it could not begin.
   [[nodiscard]] Expected<c3de_status> timedStep(scene::Simulation &simulation, const char *owner, double &step_s);
   void endWith(const char *outcome, std::string failure);
@@ -71,7 +85,10 @@ class HeadlessRun {
   RunLimits limits_;
   RunFacts facts_;
   WrittenOutputs &outputs_;
-  bool wantsProbes_ = false;  ///< and no write has failed so far
+  SimulationSource source_;
+  std::shared_ptr<Recorder> recorder_;  ///< null: not requested, or it has failed
+  Replay *replay_ = nullptr;            ///< null: the options state the end
+  bool wantsProbes_ = false;            ///< and no write has failed so far
   std::optional<ProbeTable> probes_;
   std::uint64_t sampledStep_ = 0;
   bool wantsEnergies_ = false;  ///< same

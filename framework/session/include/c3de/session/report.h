@@ -24,7 +24,7 @@ struct SkinVolume {
 struct RunFacts {
   std::string scene;  ///< title
   std::string source;
-  std::string outcome;  ///< done | diverged | failed | interrupted | time_limit
+  std::string outcome;  ///< done | diverged | differs (a replay) | failed | interrupted | time_limit
   std::string failure;  ///< the reason, unless the outcome is done
   unsigned threads = 1;
   std::uint64_t steps = 0;

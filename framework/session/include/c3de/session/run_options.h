@@ -9,6 +9,7 @@
 
 #include "c3de/session/export_image.h"
 #include "c3de/session/picture_view.h"
+#include "c3de/session/recording_file.h"
 #include "c3de/session/session.h"
 
 namespace c3de::session {
@@ -18,7 +19,7 @@ inline constexpr double kDefaultExportEvery_s = 0.04;
 
 struct RunOptions {
   SessionOptions session;
-  std::filesystem::path scene;  ///< a scene, or a mesh as one body
+  std::filesystem::path scene;  ///< a scene, a session to go on from, a mesh as one body, or a recording
   std::string meshUnit;         ///< of a mesh; empty: the unit stated in the file, otherwise mm
   std::optional<double> until_s;
   std::optional<std::uint64_t> steps;  ///< neither: kDefaultDuration_s, or until a quasi-static solution is finished
@@ -29,7 +30,12 @@ struct RunOptions {
   std::filesystem::path energies, tissues;           ///< empty: not requested
   std::filesystem::path exportList, exportSurface;   ///< empty: not requested
   std::filesystem::path fromState, saveState;        ///< empty: not requested
-  std::filesystem::path samplePoints, sampled;       ///< points to track, and their positions at the end; or empty
+  std::filesystem::path saveSession;                 ///< empty: not requested
+  std::filesystem::path record;                      ///< empty: not requested
+  std::uint64_t recordHashEvery = kDefaultHashEvery;
+  bool isReplay = false;                        ///< `scene` is a recording, which is repeated
+  bool checkHashes = false;                     ///< of a replay: it ends at the first state hash that differs
+  std::filesystem::path samplePoints, sampled;  ///< points to track, and their positions at the end; or empty
   double exportEvery_s = kDefaultExportEvery_s;
   ImageExport exportImage;
   int width = 1280, height = 720;

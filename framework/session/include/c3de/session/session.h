@@ -19,6 +19,7 @@
 #include "c3de/scene/scene_graph.h"
 #include "c3de/scene/simulation.h"
 #include "c3de/scene/simulation_directory.h"
+#include "c3de/session/change_log.h"
 #include "c3de/session/preparation.h"
 #include "c3de/session/simulator_identity.h"
 
@@ -36,6 +37,7 @@ namespace c3de::session {
 inline constexpr const char *kJobOwner = "c3de";
 
 class BodySources;
+class Recorder;
 
 struct SessionOptions {
   bool searchPlugins = true;                         ///< in folders; false: only the plugins in pluginFiles
@@ -114,14 +116,27 @@ class Session {
   [[nodiscard]] Expected<void> checkValues(c3de_object *simulator, const scene::SceneFile &scene);
 
   /// Makes the simulator the present simulation, with its own scene node and its own thread; ends the previous one.
-  [[nodiscard]] Expected<void> adopt(c3de_object *simulator, const std::string &title);
+  /// @param source  what it was built from
+  [[nodiscard]] Expected<void> adopt(c3de_object *simulator, const std::string &title, SimulationSource source = {});
   /// Same without a thread: the caller steps (Simulation::beginStep).
-  [[nodiscard]] Expected<void> adoptForRun(c3de_object *simulator, const std::string &title);
+  [[nodiscard]] Expected<void> adoptForRun(c3de_object *simulator, const std::string &title,
+                                           SimulationSource source = {});
+  /// Of the present simulation; null until one is adopted.
+  [[nodiscard]] std::shared_ptr<ChangeLog> changes();
+  /// From now on the present simulation adds its changes, steps and resets to the recorder, until it ends; null: to
+  /// none. Whoever loads a state or adds the bodies of a scene adds that. Call on the simulation's thread between two
+  /// steps, or before it runs.
+  void setRecorder(std::shared_ptr<Recorder> recorder) { recorderSetter()(std::move(recorder)); }
+  /// The same as a function to call on the simulation's thread. Main thread.
+  [[nodiscard]] std::function<void(std::shared_ptr<Recorder>)> recorderSetter();
+  /// Null: the present simulation is not recorded. Any thread.
+  [[nodiscard]] std::shared_ptr<Recorder> recorder() const;
   /// Ends the present simulation: its thread, its node, messages about it. No effect without one. Main thread.
   void closeSimulation();
 
  private:
-  [[nodiscard]] Expected<void> adopt(c3de_object *simulator, const std::string &title, bool isSteppedByCaller);
+  [[nodiscard]] Expected<void> adopt(c3de_object *simulator, const std::string &title, SimulationSource source,
+                                     bool isSteppedByCaller);
   struct Impl;
   explicit Session(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <iosfwd>
 #include <map>
 #include <optional>
 #include <string>
@@ -44,6 +45,16 @@ struct SessionView {
   friend bool operator==(const SessionView &, const SessionView &) = default;
 };
 
+/// A persistent change of the simulation (iface/changes.h).
+struct SavedChange {
+  std::string id, key, text;
+  std::uint32_t flags = 0;
+  std::uint64_t scenes = 1;  ///< of SessionFile::scenes, built before it
+  std::string bytes;
+
+  friend bool operator==(const SavedChange &, const SavedChange &) = default;
+};
+
 /// The content of a session file (.c3de): a zip of session.json, scene texts, a state and other members. Value type; any
 /// thread.
 struct SessionFile {
@@ -53,6 +64,7 @@ struct SessionFile {
   std::string simulatorClass;          ///< class of the simulator, as its plugin registers it
   std::vector<std::string> scenes;     ///< TOML: the first one builds the simulation, each further one adds bodies
   std::vector<std::string> overrides;  ///< PATH=VALUE, applied to the first scene in this order
+  std::vector<SavedChange> changes;    ///< in order; `scenes` does not decrease
   std::vector<ReferencedFile> files;   ///< each path once
   SessionView view;
   std::optional<std::uint64_t> stateHash;  ///< of the saved state, from the simulator
@@ -70,6 +82,9 @@ struct SessionFile {
   friend bool operator==(const SessionFile &, const SessionFile &) = default;
 };
 
+/// Whether the file name has the extension of a session (".c3de").
+[[nodiscard]] bool isSessionPath(const std::filesystem::path &path);
+
 /// Name of the member with the content of an embedded file: files/SHA256/NAME.
 [[nodiscard]] std::string embeddedName(const ReferencedFile &file);
 
@@ -79,16 +94,23 @@ struct SessionFile {
 /// name of another or leads out of the session, text that is not UTF-8, a number that is not finite, an embedded file
 /// without its member).
 [[nodiscard]] Expected<void> writeSession(const SessionFile &session, const std::filesystem::path &path);
+/// The bytes of that file. Errors: usage, as writeSession().
+[[nodiscard]] Expected<std::string> sessionBytes(const SessionFile &session);
 
 /// Reads a session completely, into memory. Any thread. Errors (input) name the file and what is wrong: no zip, truncated,
 /// a damaged or missing member, a newer format, a key of the wrong type, a name that leads out of the session, more than
 /// 16 GiB or than the free memory.
 [[nodiscard]] Expected<SessionFile> readSession(const std::filesystem::path &path);
+/// The same from an open file or memory. @param name  for messages
+[[nodiscard]] Expected<SessionFile> readSession(std::istream &in, const std::string &name);
 
 /// SHA-256 of the bytes of a file, or of the list of files in a folder and its subfolders: a line "SHA256  NAME\n" for
 /// each, ordered by name (relative to the folder, UTF-8, forward slashes). Files are not read into memory. Any thread.
 /// Errors: input; cancelled, if `progress` returns false.
 [[nodiscard]] Expected<std::string> sha256Of(const std::filesystem::path &path, const ProgressFn &progress = {});
+
+/// ReferencedFile::path of a file or folder, which need not exist.
+[[nodiscard]] std::string referencePath(const std::filesystem::path &path, const std::filesystem::path &sessionFolder);
 
 /// A reference to a file or folder, from a session in `sessionFolder`, with its hash and size. Errors: as sha256Of().
 [[nodiscard]] Expected<ReferencedFile> referenceTo(const std::filesystem::path &path,

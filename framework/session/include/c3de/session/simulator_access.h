@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "c3de/abi/iface/attachment.h"
+#include "c3de/abi/iface/changes.h"
 #include "c3de/abi/iface/contact.h"
 #include "c3de/abi/iface/grasp.h"
 #include "c3de/abi/iface/simulator.h"
@@ -29,6 +30,12 @@ using scene::simulatorTable;
 /// Whether it can interrupt a step.
 [[nodiscard]] bool endsSteps(const c3de_simulator_v1 *table);
 
+/// Hash of the present state. Errors (plugin): it has none. [sim]
+[[nodiscard]] Expected<std::uint64_t> stateHash(const c3de_simulator_v1 *table, c3de_object *simulator);
+
+/// Steps, time and what else the simulator states about itself. [sim]
+[[nodiscard]] Expected<c3de_sim_status> simulatorStatus(const c3de_simulator_v1 *table, c3de_object *simulator);
+
 /// The present skin of a body, m; empty where the simulator does not provide it. [sim]
 [[nodiscard]] std::vector<Vec3> surfacePositions(c3de_object *simulator, c3de_handle body);
 
@@ -45,6 +52,8 @@ struct ProbeSample {
 
 /// Same for attachments.
 [[nodiscard]] Expected<const c3de_attachment_v1 *> attachmentTable(c3de_object *simulator);
+/// Same for changes.
+[[nodiscard]] Expected<const c3de_changes_v1 *> changesTable(c3de_object *simulator);
 /// Same for grasps.
 [[nodiscard]] Expected<const c3de_grasp_v1 *> graspTable(c3de_object *simulator);
 

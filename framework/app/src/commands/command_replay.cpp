@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// `c3de replay`: its options.
+#include <memory>
+
+#include "c3de/core/log.h"
+#include "commands/command_line.h"
+#include "commands/commands.h"
+#include "commands/run_scene.h"
+
+namespace c3de::app {
+namespace {
+
+Handler declareReplay(CLI::App &app, CommandLine &line) {
+  const auto options = std::make_shared<RunOptions>();
+  options->isReplay = true;
+  app.add_option_function<std::string>(
+         "RECORDING", [options](const std::string &text) { options->scene = text; },
+         "A recording (.c3dr) of `c3de run --record`")
+      ->required();
+  app.add_flag("--check", options->checkHashes,
+               "Compare the recorded state hashes; ends with 5 at the first that differs, and names its step");
+  addSeconds(app, "--until", options->until_s, 0.0, "Simulated time to reach; default: the end of the recording");
+  addSeconds(app, "--time-limit", options->timeLimit_s, 0.0,
+             "Wall-clock time after which the replay stops between two steps, writes its outputs and ends with 124");
+  addFile(app, "--report", options->report, "FILE.json", "Write the report as JSON");
+  addFile(app, "--save-session", options->saveSession, "FILE.c3de",
+          "Write scene, state and the names and hashes of all files at the end; `c3de run FILE.c3de` goes on from it");
+  app.add_flag("-q,--quiet", options->quiet, "Print errors only");
+  addSessionOptions(app, line);
+  return [options, &line] {
+    if (options->quiet) setLogThreshold(LogLevel::error);
+    options->session = line.sessionOptions();
+    return runScene(*options);
+  };
+}
+
+}  // namespace
+
+const Command kReplayCommand{"replay", "Repeat a recorded simulation, and compare it with the recording",
+                             declareReplay};
+
+}  // namespace c3de::app

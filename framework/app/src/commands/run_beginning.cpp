@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/run_beginning.h"
+
+#include <utility>
+
+#include "c3de/core/input_file.h"
+#include "c3de/core/log.h"
+#include "c3de/core/path_text.h"
+#include "c3de/session/file_kind.h"
+#include "c3de/session/interrupt.h"
+#include "c3de/session/progress_line.h"
+
+namespace c3de::app {
+namespace {
+
+/// Scenes and changes of the session that is continued.
+Expected<SimulationSource> readSource(const RunOptions &options, const SessionFile &saved,
+                                      const scene::MaterialLibrary &materials) {
+  ProgressLine line(options.quiet);
+  const auto files = filesOfSession(saved, options.scene, [&](double fraction, const std::string &what) {
+    line.update(fraction, what);
+    return !wasInterrupted();
+  });
+  line.finish();
+  if (!files) return tl::unexpected(files.error());
+  return sourceOfSession(saved, options.scene, *files, &materials);
+}
+
+/// @param first  first scene of the session that is continued; null: none
+Expected<scene::SceneFile> readScene(const RunOptions &options, const scene::SceneFile *first,
+                                     const scene::MaterialLibrary &materials, const geometry::MeshFormats &formats) {
+  Expected<scene::SceneFile> scene;
+  if (first != nullptr) {
+    scene = *first;
+  } else if (scene::isScenePath(options.scene)) {
+    scene = scene::loadScene(options.scene, &materials);
+  } else {
+    if (const auto good = checkInputFile(options.scene); !good)
+      return fail(ErrorCode::input, good.error().message + "; accepted: a scene (.toml), a session (.c3de) or a mesh");
+    if (const FileKind kind = kindOf(options.scene, &formats); kind == FileKind::unknown || kind == FileKind::recording)
+      return tl::unexpected(unknownKind(options.scene, &formats));
+    else if (kind == FileKind::image)
+      return fail(ErrorCode::input, options.scene.string() +
+                                        ": is an image; accepted: a mesh, or a scene (.toml) whose [[body]] "
+                                        "names it as its volume, with a label or a threshold");
+    geometry::LengthUnit unit = formats.unitInFile(options.scene).value_or(geometry::LengthUnit::millimetre);
+    if (!options.meshUnit.empty()) {
+      const auto stated = scene::parseLengthUnit(options.meshUnit);
+      if (!stated) return fail(ErrorCode::usage, "--unit: " + stated.error().message);
+      unit = *stated;
+    }
+    scene = scene::sceneForMesh(options.scene, unit);
+  }
+  for (const std::string &assignment : options.overrides) {
+    if (!scene) break;
+    if (auto applied = scene::applyOverride(*scene, assignment, &materials); !applied)
+      return tl::unexpected(applied.error());
+  }
+  return scene;
+}
+
+}  // namespace
+
+Expected<RunBeginning> readBeginning(const RunOptions &options, Session &session) {
+  RunBeginning beginning;
+  if (options.isReplay) {
+    auto recording = readRecording(options.scene);
+    if (!recording) return tl::unexpected(recording.error());
+    if (const std::string text = recording->whyIncomplete(); !text.empty())
+      log(LogLevel::warn, pathText(options.scene) + ": the recording " + text);
+    beginning.saved = recording->start.session;
+    beginning.replay = std::make_unique<Replay>(std::move(*recording), options.scene, options.checkHashes);
+  } else if (isSessionPath(options.scene)) {
+    if (!options.fromState.empty())
+      return fail(ErrorCode::usage, "--from-state is for scenes: a session has its own state");
+    auto read = readSession(options.scene);
+    if (!read) return tl::unexpected(read.error());
+    beginning.saved = std::move(*read);
+  }
+  if (beginning.saved) {
+    auto source = readSource(options, *beginning.saved, session.materials());
+    if (!source) return tl::unexpected(source.error());
+    beginning.source = std::move(*source);
+  } else {
+    beginning.source.emplace_back(SharedScene());
+  }
+  auto scene = readScene(options, std::get<SharedScene>(beginning.source.front()).get(), session.materials(),
+                         session.meshFormats());
+  if (!scene) return tl::unexpected(scene.error());
+  beginning.source.front() = std::make_shared<const scene::SceneFile>(std::move(*scene));
+  return beginning;
+}
+
+}  // namespace c3de::app
