@@ -194,7 +194,7 @@ TEST_CASE("While a region is drawn the scan lies at rest, and menus, keys and to
   };
   const auto chooseFile = [&](const std::string &item) { window.clickMenu("file." + item); };
   const auto isAtRest = [](const Json &s) {
-    return textOf(s, "region/note").find("as it was read") != std::string::npos &&
+    return textOf(s, "region/note").find("shown undeformed") != std::string::npos &&
            textOf(s, "image/axial.readout").find("|u|") == std::string::npos &&
            !s["values"].contains("image/axial.outlines");
   };

@@ -97,6 +97,9 @@ void WorkstationDriver::launch(const std::vector<std::string> &command) {
   // Not that of the user who runs the tests.
   const std::string home = environmentVariable("C3DE_HOME");
   const ScopedEnvironment user("C3DE_HOME", home.empty() ? (folder_ / "user").string() : home);
+  // Other tests end their programs while work is unsaved.
+  std::error_code ignored;
+  if (home.empty()) std::filesystem::remove_all(userDataDirectory() / "recovery", ignored);
   auto started = ChildProcess::start(command, log_);
   if (!started) throw std::runtime_error(started.error().message);
   program_ = std::move(*started);
@@ -104,6 +107,8 @@ void WorkstationDriver::launch(const std::vector<std::string> &command) {
 
 std::string WorkstationDriver::logText() const { return readText(log_); }
 bool WorkstationDriver::isRunning() { return program_ && program_->isRunning(); }
+
+void WorkstationDriver::kill() { program_->kill(); }
 
 int WorkstationDriver::waitForExit() {
   const auto code = program_->wait(C3DE_UI_PATIENCE * kPatience_s);
@@ -211,6 +216,11 @@ void WorkstationDriver::release(int button) {
   xdotool({"mouseup", std::to_string(button)});
   waitUntil("the button is up",
             [&](const Json &s) { return s["mouse"]["buttons"].get<int>() == 0 && s["frame"].get<int>() >= first + 2; });
+}
+
+void WorkstationDriver::clickToEnd(const std::string &widget) {
+  moveTo(locate(widget));
+  xdotool({"click", "1"});
 }
 
 void WorkstationDriver::clickAt(Point at) {

@@ -42,6 +42,8 @@ class WorkstationDriver {
                                  const std::vector<std::string> &environment = {});
   [[nodiscard]] std::string logText() const;
   [[nodiscard]] bool isRunning();
+  /// As kill -9.
+  void kill();
   /// @return exit code, after it has ended normally
   [[nodiscard]] int waitForExit();
 
@@ -62,6 +64,8 @@ class WorkstationDriver {
   void press(int button = 1);
   void release(int button = 1);
   void click(const std::string &widget);
+  /// Without waiting for frames: the program ends by it.
+  void clickToEnd(const std::string &widget);
   void clickAt(Point at);
   void doubleClickAt(Point at);
   void controlClick(const std::string &widget);

@@ -71,7 +71,7 @@ TEST_CASE("Keys that MetaImage does not know are said, with the nearest one", "[
   CHECK(says(slip->notices, "does not state the position of the first voxel (Offset)"));
   const auto own = readVolume(write(file, meta("Offset = 1 2 3\nScannerOfTheWard = seven\n")));
   REQUIRE(own);
-  CHECK(says(own->notices, "left out: ScannerOfTheWard"));
+  CHECK(says(own->notices, "ignored: ScannerOfTheWard"));
   checkAt(own->volume.geometry.worldAt({0, 0, 0}), {1, 2, 3});
   const auto known = readVolume(write(file, meta("Offset = 1 2 3\nAnatomicalOrientation = RAI\nCenterOfRotation = 0 0 "
                                                  "0\nCompressedData = False\nBinaryData = True\nComment = a\n")));

@@ -55,7 +55,7 @@ TEST_CASE("Labels that are nearly whole are rounded, and what is no number is ba
       {"short", "-1 5 0 5", {0, 5, 0, 5}, {"1 voxel of -1 is treated as background"}},
       {"float", "-1 5 -1 5", {0, 5, 0, 5}, {"2 voxels of -1 are treated as background"}},
       {"int", "-32768 5 -32768 7", {0, 5, 0, 7}, {"2 voxels of -32768"}},
-      {"float", "-0.9999 5 nan 6.999", {0, 5, 0, 7}, {"of -1 is taken", "not a finite", "2 voxels are not a whole"}},
+      {"float", "-0.9999 5 nan 6.999", {0, 5, 0, 7}, {"of -1 is treated", "not a finite", "2 voxels are not a whole"}},
       {"float", "0 5 5 6", {0, 5, 5, 6}, {}}};
   for (const Case &one : cases) {
     CAPTURE(one.voxels);

@@ -83,6 +83,7 @@ std::string ExportController::proposedName(ui::Command exported) const {
   if (exported == ui::Command::exportLabels) name += "-labels-deformed";
   if (exported == ui::Command::exportDisplacement) name += "-displacement";
   if (exported == ui::Command::exportTissues) name += "-tissues";
+  if (exported == ui::Command::saveSessionAs) return name;
   if (scene::Simulation *simulation = session.simulation()) name += fmt::format("-{:.3f}s", simulation->state().time_s);
   return name;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "workstation/workstation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -30,6 +31,8 @@
 #include "workstation/body_creation_controller.h"
 #include "workstation/export_controller.h"
 #include "workstation/plugin_problems.h"
+#include "workstation/recording_controller.h"
+#include "workstation/session_controller.h"
 #include "workstation/simulation_controller.h"
 #include "workstation/tissue_surface_controller.h"
 #include "workstation/tissue_table_controller.h"
@@ -103,6 +106,8 @@ class Workstation {
   std::optional<BodyCreationController> bodyCreation_;
   std::optional<SimulationController> simulation_;
   std::optional<ExportController> exports_;
+  std::optional<RecordingController> recording_;
+  std::optional<SessionController> sessions_;
   std::unique_ptr<Session> session_;
   std::optional<TissueSurfaceController> tissueSurfaces_;  ///< uses the session's tree
   bool playsWhenLoaded_ = false;
@@ -122,6 +127,7 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
     log(LogLevel::warn, options.notice);
     panels_.notify(C3DE_LOG_INFO, "Another scene than usual", options.notice);
   }
+  sessions_->offerRecovery();
   open({options.files, options.meshUnit, false});
   return {};
 }
@@ -171,6 +177,7 @@ void Workstation::createControllers() {
   events.closed = [this] { warp_->stop(); };
   events.failed = failed;
   events.createBodies = [this](std::vector<segmentation::BodyRequest> requests) {
+    recording_->end("Bodies are added.");
     bodyCreation_->createBodies(std::move(requests));
   };
   events.createScanBody = [this](const std::string &scene) { bodyCreation_->createScanBody(scene); };
@@ -181,6 +188,8 @@ void Workstation::createControllers() {
   bodyCreation_.emplace(BodyCreationController::Parts{session, panels_, tools_, *loader_, *images_},
                         BodyCreationController::Events{[this](bool isNew) { onBodiesJoined(isNew); }, failed});
   exports_.emplace(ExportController::Parts{session, panels_, *images_, *warp_, *tissueTable_, failed});
+  recording_.emplace(RecordingController::Parts{session, panels_, edits_, failed});
+  sessions_.emplace(SessionController::Parts{session, panels_, *loader_, *images_, *window_, failed});
   tissueSurfaces_.emplace(session, *renderer_);
   session.setPublishedHook([this](const scene::Simulation &simulation) {
     tissueTable_->tracker().onPublished(simulation, warp_->onPublished(simulation), warp_->wanted());
@@ -205,6 +214,8 @@ ui::WindowActions Workstation::actions() {
   ui::WindowActions actions;
   simulation_->connect(actions);
   exports_->connect(actions);
+  recording_->connect(actions);
+  sessions_->connect(actions);
   plugins_->connect(actions, session_->plugins(),
                     [this](const std::string &title, const Error &error) { onFailed(title, error); });
   actions.open = [this](const ui::OpenRequest &request) { open(request); };
@@ -223,7 +234,11 @@ ui::WindowActions Workstation::actions() {
 
 void Workstation::run() {
   watchForInterrupt();
-  window_->closeWhen(wasInterrupted);
+  // Called at least once a second.
+  window_->closeWhen([this] {
+    sessions_->autosaveIfDue();
+    return wasInterrupted();
+  });
   while (!window_->closeRequested()) {
     const bool showsNewData = window_->waitForFrame();
     if (showsNewData) {
@@ -232,10 +247,13 @@ void Workstation::run() {
     }
     // The state first: if the simulation is not moving, this frame is the last one, and its displacement is requested
     // after it.
-    const ui::SimulationView simulation = simulation_->view();
+    ui::SimulationView simulation = simulation_->view();
+    simulation.recording = recording_->fileName();
     if (showsNewData) showLatestResults();
     window_->drawFrame(*renderer_, simulation);
   }
+  recording_->finish();
+  sessions_->stop(wasInterrupted());
   window_->writeAutomationState();
   session_->mainQueue().setWaker({});
 }
@@ -248,10 +266,16 @@ void Workstation::open(const ui::OpenRequest &request) {
     std::error_code ignored;
     const FileKind kind = request.areLabels ? FileKind::image : kindOf(file, &session_->meshFormats());
     // A file of unknown kind does not prevent the others from being opened.
-    if (kind == FileKind::unknown && std::filesystem::is_regular_file(file, ignored))
+    if ((kind == FileKind::unknown || kind == FileKind::recording) && std::filesystem::is_regular_file(file, ignored))
       onFailed("Could not open " + pathText(file.filename()), unknownKind(file, &session_->meshFormats()));
     else
       (kind == FileKind::image ? images : others).push_back(file);
+  }
+  if (const auto saved = std::find_if(others.begin(), others.end(), isSessionPath); saved != others.end()) {
+    if (request.files.size() > 1)
+      return onFailed("Could not open " + pathText(saved->filename()),
+                      {ErrorCode::usage, "a session is opened alone; accepted: one session"});
+    return sessions_->open(*saved);
   }
   if (!images.empty() && request.areLabels)
     images_->openLabels(images.front());
@@ -265,9 +289,9 @@ void Workstation::open(const ui::OpenRequest &request) {
 std::string Workstation::unsaved() {
   std::string text;
   const auto add = [&](const std::string &line) { text += (text.empty() ? "" : "\n") + line; };
-  if (const scene::Simulation *simulation = session_->simulation(); simulation && simulation->state().steps > 0)
-    add("The simulation has run to t = " + formatNumber(std::round(1e3 * simulation->state().time_s) / 1e3) +
-        " s. Its state is lost; File > Export… writes it.");
+  if (const scene::Simulation *simulation = session_->simulation(); simulation && sessions_->isModified())
+    add("The simulation, at t = " + formatNumber(std::round(1e3 * simulation->state().time_s) / 1e3) +
+        " s, has changes that are not saved.");
   if (const segmentation::SegmentationWorkflow &workflow = images_->workflow();
       workflow.mask().mask() || !workflow.pickedLabels().empty())
     add("No body has been created of what is picked in the image.");
@@ -288,6 +312,7 @@ void Workstation::onImageShown() {
   if (camera.upAxis != render::UpAxis::z) ui::viewOfImages(camera);
   window_->requestFit();
   warp_->request();
+  sessions_->onImageShown();
 }
 
 void Workstation::closeImage() {
@@ -299,7 +324,9 @@ void Workstation::closeImage() {
 /// Image and labels are kept.
 void Workstation::closeSimulation() {
   tools_.cancelActive();
+  recording_->end("The simulation was closed.");
   session_->closeSimulation();
+  sessions_->onClosed();
   warp_->setSettings({});
   images_->onBodiesRemoved();
   images_->showMissing({}, true);
@@ -309,6 +336,7 @@ void Workstation::closeSimulation() {
 
 void Workstation::onBodiesJoined(bool isNew) {
   if (isNew) simulation_->applyTargetRate();
+  sessions_->onMade(isNew);
   // Bodies that existed before restart.
   const std::shared_ptr<const std::vector<TissueVoxels>> stay = isNew ? nullptr : tissueTable_->tracker().bodies();
   beginTissues(stay ? *stay : std::vector<TissueVoxels>());
@@ -332,6 +360,9 @@ void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
   else
     warp_->request();
   simulation_->applyTargetRate();
+  recording_->end("Another simulation is open.");
+  sessions_->onLoaded(loaded.session);
+  if (loaded.isImageOpen && !loaded.session) sessions_->onMade(false);
   if (std::exchange(playsWhenLoaded_, false)) session_->simulation()->transport(C3DE_TRANSPORT_PLAY);
 }
 

@@ -6,6 +6,7 @@
 #include "c3de/core/output_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/session/export_simulation.h"
+#include "c3de/session/recorder.h"
 #include "c3de/session/simulation_state.h"
 
 namespace c3de::app {
@@ -21,7 +22,8 @@ void runBetweenSteps(Session &session, std::function<Expected<std::string>(scene
   });
 }
 
-/// The present simulator: the class of the plugin that owns it.
+}  // namespace
+
 Expected<SimulatorIdentity> presentSimulator(Session &session) {
   const scene::Simulation *simulation = session.simulation();
   if (simulation == nullptr) return fail(ErrorCode::state, "no simulation is open");
@@ -31,8 +33,6 @@ Expected<SimulatorIdentity> presentSimulator(Session &session) {
   if (found.size() == 1) return std::move(found.front());
   return fail(ErrorCode::plugin, owner + " offers several classes that simulate; accepted: one");
 }
-
-}  // namespace
 
 void savePresentState(Session &session, const std::filesystem::path &file, ExportCallback told) {
   const auto identity = presentSimulator(session);
@@ -53,12 +53,15 @@ void goToStateOf(Session &session, const std::filesystem::path &file, ExportCall
   if (!identity) return told(tl::unexpected(identity.error()));
   runBetweenSteps(
       session,
-      [&session, file, identity = *identity](scene::Simulation &simulation) -> Expected<std::string> {
+      [&session, file, identity = *identity,
+       recorder = session.recorder()](scene::Simulation &simulation) -> Expected<std::string> {
         const auto bytes = readStateFile(file);
         if (!bytes) return tl::unexpected(bytes.error());
         const std::string name = pathText(file);
+        const auto before = simulatorStatus(simulation.table(), simulation.object());
         if (auto gone = goToState(session, simulation.object(), identity, *bytes, name); !gone)
           return tl::unexpected(gone.error());
+        if (recorder && before) recorder->addState(before->steps, *bytes);
         return name;
       },
       std::move(told));

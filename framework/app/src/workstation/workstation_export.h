@@ -18,6 +18,9 @@ namespace c3de::app {
 /// Called on the main thread with the files that were written, one per line, or the error.
 using ExportCallback = std::function<void(const Expected<std::string> &)>;
 
+/// The present simulator: the class of the plugin that owns it. Main thread.
+[[nodiscard]] Expected<SimulatorIdentity> presentSimulator(Session &session);
+
 /// Writes the state of the simulation, or restores a saved one; on error everything remains unchanged. `told` receives
 /// the file or the error.
 void savePresentState(Session &session, const std::filesystem::path &file, ExportCallback told);

@@ -57,6 +57,9 @@ class WorkstationImages {
   void open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels = {},
             const std::string &series = {}, std::size_t time = 0, Segmentation segmentation = Segmentation::labels,
             bool isOfSimulation = false);
+  /// File or folder of the open image, and of its label maps.
+  [[nodiscard]] const std::filesystem::path &file() const { return path_; }
+  [[nodiscard]] std::vector<std::filesystem::path> labelFiles() const { return labels_.files(); }
   /// Overlays a label map on the open image.
   void openLabels(const std::filesystem::path &path) { labels_.open(path); }
   /// The outlines of the bodies replace their labels, and none of them is selected any more.

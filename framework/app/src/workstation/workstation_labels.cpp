@@ -21,6 +21,13 @@ void WorkstationLabels::open(const std::filesystem::path &path) {
   if (!job_.isRunning()) readNext();
 }
 
+std::vector<std::filesystem::path> WorkstationLabels::files() const {
+  std::vector<std::filesystem::path> files;
+  for (const OpenLabels &open : maps_)
+    if (std::find(files.begin(), files.end(), open.path) == files.end()) files.push_back(open.path);
+  return files;
+}
+
 void WorkstationLabels::readNext() {
   if (waiting_.empty()) return;
   const std::filesystem::path path = waiting_.front();

@@ -41,6 +41,8 @@ class WorkstationLabels {
   void open(const std::filesystem::path &path);
   /// Closes all maps, also those that are waiting.
   void close();
+  /// Of all maps, each once.
+  [[nodiscard]] std::vector<std::filesystem::path> files() const;
   /// For the panel of the image, which offers the maps.
   [[nodiscard]] ui::ImagePanel::LabelMaps choices();
   /// File and layers of the shown map.

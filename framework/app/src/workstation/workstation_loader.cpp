@@ -8,6 +8,7 @@
 #include "c3de/core/path_text.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/session/default_floor.h"
+#include "c3de/session/session_file.h"
 #include "c3de/session/simulator_access.h"
 
 namespace c3de::app {
@@ -42,6 +43,15 @@ std::string unitText(const geometry::MeshFormats &formats, const std::vector<std
     if (text.find(unit) == std::string::npos) text += (text.empty() ? "" : "; ") + unit;
   }
   return text;
+}
+
+/// The scene with the walls that were added to its simulation.
+SharedScene withWalls(scene::SceneFile scene, const Bounds_m &walls) {
+  for (const ParameterValue &value : wallParameters(walls)) {
+    scene.world.emplace_back();
+    scene.world.back().value = value;
+  }
+  return std::make_shared<const scene::SceneFile>(std::move(scene));
 }
 
 }  // namespace
@@ -83,6 +93,12 @@ Expected<scene::SceneFile> WorkstationLoader::read(const std::vector<std::filesy
   return result;
 }
 
+Expected<scene::SceneFile> WorkstationLoader::sceneOf(const Source &source) const {
+  if (source.session) return *std::get<SharedScene>(source.session->source.front());
+  if (!source.text.empty()) return scene::parseScene(source.text, {}, &session_.materials());
+  return read(source.files, source.meshUnit);
+}
+
 void WorkstationLoader::load(Source source, bool isReload) {
   const bool isText = !source.text.empty();
   if (source.files.empty() && !isText) return;
@@ -95,14 +111,17 @@ void WorkstationLoader::load(Source source, bool isReload) {
       events_.failed(title, error);
   };
   if (!session_.simulation()) source_ = source;
-  auto scene = isText ? scene::parseScene(source.text, {}, &session_.materials()) : read(source.files, source.meshUnit);
+  auto scene = sceneOf(source);
   if (!scene) return failed(scene.error());
-  auto created = session_.createSimulator(scene->simulatorClass);
+  const auto identity = session_.chooseSimulator(scene->simulatorClass);
+  if (!identity) return failed(identity.error());
+  auto created = session_.createSimulator(identity->classId);
   if (!created) return failed(created.error());
 
   if (!job_.isNull()) session_.jobs().cancel(job_);
   const std::uint64_t serial = ++serial_;
-  const bool needsFloor = !isText && std::none_of(source.files.begin(), source.files.end(), scene::isScenePath);
+  const bool needsFloor =
+      !isText && !source.session && std::none_of(source.files.begin(), source.files.end(), scene::isScenePath);
   struct Placed {
     std::optional<Bounds_m> bodies, room;
   };
@@ -114,9 +133,17 @@ void WorkstationLoader::load(Source source, bool isReload) {
   const std::string sceneTitle = shared->title.empty() ? name : shared->title;
   job_ = session_.jobs().submit(
       kJobOwner, (isText ? "Making " : "Opening ") + name,
-      [this, simulator, shared, prepared, placed, needsFloor](const ProgressFn &progress) -> Expected<void> {
+      [this, simulator, shared, prepared, placed, needsFloor, opened = source.session,
+       identity = *identity](const ProgressFn &progress) -> Expected<void> {
         if (auto populated = session_.populate(simulator->get(), *shared, progress, prepared.get()); !populated)
           return populated;
+        if (opened) {
+          if (auto built = buildRemaining(session_, simulator->get(), opened->source, progress, prepared.get()); !built)
+            return built;
+          if (auto restored = restoreSession(session_, simulator->get(), identity, opened->saved, opened->file);
+              !restored)
+            return restored;
+        }
         placed->bodies = boundsOfBodies(simulator->get());
         if (!needsFloor || !placed->bodies) return {};
         const auto room = addSurroundingWalls(simulator->get(), *placed->bodies);
@@ -133,7 +160,10 @@ void WorkstationLoader::load(Source source, bool isReload) {
         }
         job_ = {};
         if (!result) return failed(result.error());
-        if (auto adopted = session_.adopt(simulator->get(), sceneTitle); !adopted) return failed(adopted.error());
+        SimulationSource built = source.session ? source.session->source : SimulationSource{shared};
+        if (placed->room) built.front() = withWalls(*shared, *placed->room);
+        if (auto adopted = session_.adopt(simulator->get(), sceneTitle, std::move(built)); !adopted)
+          return failed(adopted.error());
         source_ = source;
         double size_mm = 0.0;
         if (placed->bodies) size_mm = scene::kMillimetresPerMetre * norm(placed->bodies->max - placed->bodies->min);
@@ -145,8 +175,9 @@ void WorkstationLoader::load(Source source, bool isReload) {
           node->boundsMax = framed.max;
           session_.sceneGraph().touch();
         }
-        events_.loaded({isReload, size_mm, unitText(session_.meshFormats(), source.files, source.meshUnit),
-                        shared->image, isText, prepared->coverage, prepared->tissues});
+        events_.loaded({isReload, source.session, size_mm,
+                        unitText(session_.meshFormats(), source.files, source.meshUnit), shared->image, isText,
+                        prepared->coverage, prepared->tissues});
         if (source.done) source.done({});
       });
 }

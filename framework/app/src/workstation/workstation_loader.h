@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app.h"
+#include "c3de/session/saved_session.h"
 #include "c3de/session/session.h"
 
 namespace c3de::app {
@@ -16,11 +17,19 @@ namespace c3de::app {
 /// complete result replaces the present simulation. Main thread. Must outlive the session's jobs.
 class WorkstationLoader {
  public:
+  /// A session file that was read, with its scenes and changes.
+  struct OpenedSession {
+    std::filesystem::path file;
+    SessionFile saved;
+    std::vector<FoundFile> files;
+    SimulationSource source;  ///< empty: no simulation, only an image
+  };
   struct Loaded {
-    bool isReload = false;  ///< the same files as before
-    double size_mm = 0.0;   ///< diagonal of all bodies; 0: unknown
-    std::string unit;       ///< unit in which meshes were read, and why, as display text; empty if only a scene was
-                            ///< opened
+    bool isReload = false;                         ///< the same files as before
+    std::shared_ptr<const OpenedSession> session;  ///< null: not from a session
+    double size_mm = 0.0;                          ///< diagonal of all bodies; 0: unknown
+    std::string unit;  ///< unit in which meshes were read, and why, as display text; empty if only a scene was
+                       ///< opened
     std::optional<scene::SceneImage> image;  ///< the image shown by the scene next to its bodies
     bool isImageOpen = false;                ///< it is already open in the window
     std::vector<Coverage> coverage;          ///< of bodies from images
@@ -38,12 +47,16 @@ class WorkstationLoader {
   /// running load.
   /// @param meshUnit  mm, cm, m; empty: the unit stated in each file, else mm
   void open(const std::vector<std::filesystem::path> &files, const std::string &meshUnit) {
-    load({files, meshUnit, {}, {}}, false);
+    load({files, meshUnit, {}, {}, {}}, false);
+  }
+  /// Builds the simulation of a session and goes to its state. Ends a running load.
+  void openSession(std::shared_ptr<const OpenedSession> session) {
+    load({{session->file}, {}, {}, {}, session}, false);
   }
   /// Opens a scene written in the window for the image that is open there. Ends a running load.
   /// @param done  receives the result, instead of Events::failed; also if another load has ended this one
   void openText(const std::string &scene, std::function<void(const Expected<void> &)> done) {
-    load({{}, {}, scene, std::move(done)}, false);
+    load({{}, {}, scene, std::move(done), {}}, false);
   }
   /// Loads the same files again, in their present state.
   void reload() {
@@ -59,8 +72,10 @@ class WorkstationLoader {
     std::string meshUnit;
     std::string text;
     std::function<void(const Expected<void> &)> done;  ///< of a text
+    std::shared_ptr<const OpenedSession> session;      ///< null: not from a session
   };
   void load(Source source, bool isReload);
+  [[nodiscard]] Expected<scene::SceneFile> sceneOf(const Source &source) const;
   [[nodiscard]] Expected<scene::SceneFile> read(const std::vector<std::filesystem::path> &files,
                                                 const std::string &meshUnit) const;
 

@@ -52,6 +52,7 @@ struct WindowState {
   std::array<char, 128> labelFilter{};  ///< in the dialog of the scan's body
   std::array<char, 128> tissueFilter{};
   TissueOrder tissueOrder = TissueOrder::labels;
+  std::string title;                 ///< of the window
   std::optional<Question> question;  ///< while the user is being asked
   /// For the last question: the ids of question and answer.
   std::pair<std::string, std::string> answer;
@@ -59,9 +60,10 @@ struct WindowState {
   std::map<std::string, std::array<AutomationState::Rect, 2>> openers;  ///< of closed menus and lists, and their clip
                                                                         ///< rectangles
   Dock dock;
-  AnchoredPanel sideRows;           ///< of the side panel
-  std::vector<PixelRect> overlays;  ///< over the view, of the last frame: they receive the mouse
-  int framesToFit = 0;              ///< frames in which everything visible is fitted into the view
+  AnchoredPanel sideRows;              ///< of the side panel
+  std::vector<PixelRect> overlays;     ///< over the view, of the last frame: they receive the mouse
+  std::optional<render::Camera> pose;  ///< of the camera after fitting
+  int framesToFit = 0;                 ///< frames in which everything visible is fitted into the view
 };
 
 struct FrameContext {

@@ -8,7 +8,8 @@
 namespace c3de::ui {
 namespace {
 
-constexpr const char *kFrameExtensions = "pvd", *kStateExtensions = "c3dstate";
+constexpr const char *kFrameExtensions = "pvd", *kStateExtensions = "c3dstate", *kSessionExtensions = "c3de",
+                     *kRecordingExtensions = "c3dr";
 constexpr const char *kImageExtensions = "nrrd;nii;gz;mha";
 
 void openDialog(FrameContext &frame, bool isMesh) {
@@ -28,6 +29,16 @@ void openImageDialog(FrameContext &frame, bool areLabels) {
   request.title = areLabels ? "Open label map" : "Open image: a file, or any file of a DICOM series";
   request.chosen = [open = frame.actions.open, areLabels](const std::filesystem::path &file, const std::string &) {
     if (open) open({{file}, "mm", areLabels});
+  };
+  frame.fileDialog.open(std::move(request));
+}
+
+void openSessionDialog(FrameContext &frame) {
+  FileDialog::Request request;
+  request.title = "Open session";
+  request.extensions = kSessionExtensions;
+  request.chosen = [open = frame.actions.open](const std::filesystem::path &file, const std::string &) {
+    if (open) open({{file}, {}, false});
   };
   frame.fileDialog.open(std::move(request));
 }
@@ -60,6 +71,7 @@ void openExportDialog(FrameContext &frame, Command command) {
     case Command::exportLabels: set("Export deformed labels", kImageExtensions, actions.exportLabels); break;
     case Command::exportDisplacement: set("Export displacement", kImageExtensions, actions.exportDisplacement); break;
     case Command::exportTissues: set("Export tissue table", "csv", actions.exportTissues); break;
+    case Command::startRecording: set("Record", kRecordingExtensions, actions.startRecording); break;
     case Command::saveState: set("Save state", kStateExtensions, actions.saveState); break;
     default:
       set("Export surface", actions.surfaceExtensions ? actions.surfaceExtensions() : "obj", actions.exportSurface);
@@ -85,12 +97,20 @@ void resetView(FrameContext &frame, std::optional<Pane> pane) {
   frame.state.framesToFit = 1;
 }
 
+bool hasContent(const FrameContext &frame) { return frame.simulation.exists || frame.shownImages(); }
+
 void quitOrAsk(FrameContext &frame) {
   const std::string toLose = frame.actions.unsaved ? frame.actions.unsaved() : std::string();
-  if (toLose.empty())
+  if (toLose.empty()) {
     frame.state.answer = kQuit;
-  else
-    frame.state.question = {kQuit.first, "Quit C3DE?", toLose, {{kQuit.second, "Quit"}, {"stay", "Stay"}}};
+    return;
+  }
+  std::vector<Question::Answer> answers{{kQuit.second, "Quit"}, {"stay", "Stay"}};
+  if (hasContent(frame) && frame.actions.saveSession) {
+    answers.front().label = "Quit, do not save";
+    answers.insert(answers.begin(), {kSaveAndQuit.second, "Save"});
+  }
+  frame.state.question = {kQuit.first, "Quit C3DE?", toLose, std::move(answers)};
 }
 
 void resetLayout(FrameContext &frame) {
@@ -105,10 +125,30 @@ void transport(FrameContext &frame, std::uint32_t action) {
 
 }  // namespace
 
+void saveSession(FrameContext &frame, bool asksForFile, std::function<void()> saved) {
+  const WindowActions &actions = frame.actions;
+  if (!actions.saveSession) return;
+  const std::filesystem::path present = actions.sessionFile ? actions.sessionFile() : std::filesystem::path();
+  if (!present.empty() && !asksForFile) return actions.saveSession(present, std::move(saved));
+  FileDialog::Request request;
+  request.isSaving = true;
+  request.title = "Save session";
+  request.extensions = kSessionExtensions;
+  const std::string name = actions.proposeName ? actions.proposeName(Command::saveSessionAs) : std::string();
+  if (!name.empty()) request.proposed = name + "." + kSessionExtensions;
+  request.chosen = [save = actions.saveSession, saved](const std::filesystem::path &file, const std::string &) {
+    save(file, saved);
+  };
+  frame.fileDialog.open(std::move(request));
+}
+
 bool isEnabled(const FrameContext &frame, const CommandInfo &info) {
   const auto needs = [&](CommandFlag flag) { return (info.flags & flag) != 0; };
   const WindowServices &services = frame.services;
-  return (!needs(needsSimulation) || frame.simulation.exists) && (!needs(needsImage) || frame.shownImages()) &&
+  const bool isRecording = !frame.simulation.recording.empty();
+  if ((needs(needsRecording) && !isRecording) || (needs(needsNoRecording) && isRecording)) return false;
+  return (!needs(needsContent) || hasContent(frame)) && (!needs(needsSimulation) || frame.simulation.exists) &&
+         (!needs(needsImage) || frame.shownImages()) &&
          (!needs(needsLabels) || (services.scanBody && services.scanBody->isPossible())) &&
          (!needs(needsTissues) || (services.tissues && !services.tissues->rows.empty()));
 }
@@ -131,6 +171,9 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::none: break;
     case Command::openMesh: openDialog(frame, true); break;
     case Command::openScene: openDialog(frame, false); break;
+    case Command::openSession: openSessionDialog(frame); break;
+    case Command::saveSession: saveSession(frame, false); break;
+    case Command::saveSessionAs: saveSession(frame, true); break;
     case Command::openImage: openImageDialog(frame, false); break;
     case Command::openLabels: openImageDialog(frame, true); break;
     case Command::createScanBody: frame.services.scanBody->show(true); break;
@@ -143,7 +186,9 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::exportLabels:
     case Command::exportDisplacement:
     case Command::exportTissues:
+    case Command::startRecording:
     case Command::saveState: openExportDialog(frame, command); break;
+    case Command::stopRecording: call(frame.actions.stopRecording); break;
     case Command::screenshot: call(frame.actions.screenshot); break;
     case Command::quit: quitOrAsk(frame); break;
     case Command::undo: frame.modes.undo(frame.above()); break;

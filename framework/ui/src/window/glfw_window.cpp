@@ -271,6 +271,12 @@ void GlfwWindow::wake() {
 
 bool GlfwWindow::closeRequested() const { return glfwWindowShouldClose(window_) != 0; }
 void GlfwWindow::requestClose() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
+void GlfwWindow::setTitle(const std::string &title) {
+  if (title == title_) return;
+  title_ = title;
+  glfwSetWindowTitle(window_, title.c_str());
+}
+
 void GlfwWindow::swap() { glfwSwapBuffers(window_); }
 
 std::array<int, 2> GlfwWindow::windowSize() const {

@@ -37,6 +37,7 @@ class GlfwWindow {
   [[nodiscard]] bool closeRequested() const;
   void requestClose();
   void swap();
+  void setTitle(const std::string &title);
   [[nodiscard]] std::array<int, 2> windowSize() const;
   [[nodiscard]] std::array<int, 2> framebufferSize() const;
   [[nodiscard]] float contentScale() const;
@@ -50,6 +51,7 @@ class GlfwWindow {
   OsEvent &add(OsEvent::Kind kind);
 
   GLFWwindow *window_ = nullptr;
+  std::string title_;
   std::vector<OsEvent> events_;
   std::uint32_t modifiers_ = 0;
   std::atomic<bool> isWoken_{false};

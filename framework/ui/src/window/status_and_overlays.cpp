@@ -100,6 +100,8 @@ void drawStatusBar(FrameContext &frame, const PixelRect &area) {
                                               0.28f * lineHeight, ImGui::GetColorU32(mode.tint));
   ImGui::SetCursorPosX(ImGui::GetCursorPosX() + 1.1f * lineHeight);
   cell(frame, "mode", mode.text, mode.tint, 56, "State of the simulation");
+  if (!simulation.recording.empty())
+    cell(frame, "recording", "Recording", colour::kError, 60, ("In " + simulation.recording).c_str());
   if (simulation.exists) {
     cell(frame, "time", "t = " + fixedText(t.time_s, 3) + " s", colour::kText, 84, "Simulated time");
     cell(frame, "steps", "step " + std::to_string(t.steps), colour::kDim, 74, "Steps since the initial state");

@@ -181,7 +181,13 @@ void WorkstationWindow::Impl::fitIfWanted() {
   const auto bounds = services.scene->bounds();
   if (!bounds) return;
   camera.fit(bounds->min, bounds->max, view.isEmpty() ? 1.0 : view.w / view.h);
-  --state.framesToFit;
+  if (state.pose) {
+    camera.focus = state.pose->focus;
+    camera.yaw = state.pose->yaw;
+    camera.pitch = state.pose->pitch;
+    camera.distance = state.pose->distance;
+  }
+  if (--state.framesToFit == 0) state.pose.reset();
   framesToSettle = std::max(framesToSettle, 1);
 }
 
@@ -309,6 +315,14 @@ void WorkstationWindow::Impl::layOutAndCarryOut(FrameContext &context, const ren
   if (!state.tooltip.isSeen) state.tooltip = {};
   executeCommands(context);
   if (state.answer == kQuit) window->requestClose();
+  if (state.answer == kSaveAndQuit) {
+    state.answer = {};
+    saveSession(context, false, [this] {
+      window->requestClose();
+      window->wake();
+    });
+  }
+  if (actions.title) window->setTitle(state.title = actions.title());
   fitIfWanted();
 }
 
@@ -387,6 +401,11 @@ void WorkstationWindow::requestFit() {
   // The first bounds may be those of only a part of the loaded scene.
   impl_->state.framesToFit = 3;
   impl_->window->wake();
+}
+
+void WorkstationWindow::requestPose(const render::Camera &pose) {
+  impl_->state.pose = pose;
+  requestFit();
 }
 
 void WorkstationWindow::writeAutomationState() { impl_->automation.writeNow(true); }

@@ -11,12 +11,15 @@ enum class Command {
   none,
   openMesh,
   openScene,
+  openSession,
   openImage,
   openLabels,
   createScanBody,
   closeImage,
   closeSimulation,
   reload,
+  saveSession,
+  saveSessionAs,
   exportSurface,
   exportFrame,
   exportImage,
@@ -48,6 +51,8 @@ enum class Command {
   step,
   reset,
   stop,
+  startRecording,
+  stopRecording,
   saveState,
   loadState,
   orbitTool,
@@ -73,9 +78,12 @@ enum Key : std::uint32_t {
 enum CommandFlag : std::uint32_t {
   needsSimulation = 1,
   needsImage = 2,
-  needsLabels = 4,   ///< an image with a label map over it
-  needsTissues = 8,  ///< a body of many tissues
-  beginsGroup = 16   ///< a line separates it from the entry above
+  needsLabels = 4,      ///< an image with a label map over it
+  needsTissues = 8,     ///< a body of many tissues
+  beginsGroup = 16,     ///< a line separates it from the entry above
+  needsContent = 32,    ///< a simulation or an image
+  needsRecording = 64,  ///< the simulation is being recorded
+  needsNoRecording = 128
 };
 
 /// A command as menus, keyboard, list of shortcuts and automation use it. executeCommand() executes it.

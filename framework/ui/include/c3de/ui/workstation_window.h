@@ -77,7 +77,13 @@ struct WindowActions {
   std::function<std::string(Command exported)> proposeName;
   std::function<void()> closeImage, closeSimulation;
   std::function<std::string()> unsaved;  ///< what quitting now would lose, as display text; empty if nothing
-  std::function<void()> beforeDraw;      ///< panels have been handled, the 3D view is about to be drawn
+  /// Writes the session; `saved` is called after it is complete on the disk, and not after a failure.
+  std::function<void(const std::filesystem::path &, std::function<void()> saved)> saveSession;
+  std::function<void(const std::filesystem::path &)> startRecording;
+  std::function<void()> stopRecording;
+  std::function<std::filesystem::path()> sessionFile;  ///< empty: not saved yet
+  std::function<std::string()> title;                  ///< of the window
+  std::function<void()> beforeDraw;                    ///< panels have been handled, the 3D view is about to be drawn
 };
 
 /// For Help > About.
@@ -99,7 +105,8 @@ struct SimulationView {
   bool exists = false;
   std::string title;
   c3de_sim_transport transport{};
-  std::string activity;  ///< what takes long in the step being computed, and what would help; may be empty
+  std::string recording;  ///< file that it is recorded in; empty: none
+  std::string activity;   ///< what takes long in the step being computed, and what would help; may be empty
 
   static constexpr double kLongStep_s = 0.15;
   /// Whether a step takes long, or each of a sequence does; displayed as long as this lasts.
@@ -145,6 +152,8 @@ class WorkstationWindow {
   [[nodiscard]] int viewHeight() const;
   /// Fits everything visible into the view as soon as the scene has bounds.
   void requestFit();
+  /// Same, then looks as this camera does: focus, yaw, pitch and distance.
+  void requestPose(const render::Camera &pose);
   /// Writes the automation state now (also before the program ends).
   void writeAutomationState();
 

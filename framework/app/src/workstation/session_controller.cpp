@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "workstation/session_controller.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <exception>
+#include <utility>
+
+#include "c3de/abi/log.h"
+#include "c3de/core/log.h"
+#include "c3de/core/path_text.h"
+#include "c3de/core/platform.h"
+#include "c3de/core/text.h"
+#include "workstation/workstation_export.h"
+
+namespace c3de::app {
+namespace {
+
+constexpr auto kAutosaveInterval = std::chrono::seconds(8);
+
+std::filesystem::path recoveryFolder() { return userDataDirectory() / "recovery"; }
+
+std::string stepText(std::uint64_t steps, double time_s) {
+  return "step " + std::to_string(steps) +
+         (time_s > 0.0 ? ", t = " + formatNumber(std::round(1e3 * time_s) / 1e3) + " s" : "");
+}
+
+/// @param time  ISO 8601, UTC
+std::string timeText(std::string time) {
+  constexpr std::size_t kToMinutes = 16;
+  if (time.size() < kToMinutes || time[10] != 'T') return time;
+  time[10] = ' ';
+  time.resize(kToMinutes);
+  return time + " UTC";
+}
+
+}  // namespace
+
+SessionController::SessionController(Parts parts)
+    : parts_(std::move(parts)), recovery_(recoveryFolder(), [this](const Error &error) {
+        parts_.session.mainQueue().post([this, error] {
+          log(LogLevel::warn, "autosave failed: " + error.message);
+          parts_.panels.notify(C3DE_LOG_WARN, "Autosave failed", error.message + "\nSave the session to keep it.");
+        });
+      }) {}
+
+void SessionController::connect(ui::WindowActions &actions) {
+  actions.saveSession = [this](const std::filesystem::path &file, std::function<void()> saved) {
+    save(file, std::move(saved));
+  };
+  actions.sessionFile = [this] { return file_; };
+  actions.title = [this] { return title(); };
+}
+
+SessionController::Baseline SessionController::present() const {
+  scene::Simulation *simulation = parts_.session.simulation();
+  if (simulation == nullptr) return {};
+  return {serial_, parts_.session.changes()->count(), simulation->state().steps};
+}
+
+bool SessionController::isModified() const {
+  return parts_.session.simulation() != nullptr && (!baseline_ || *baseline_ != present());
+}
+
+std::string SessionController::title() const {
+  std::string name = pathText(file_.filename());
+  if (name.empty())
+    if (const scene::Node *node = parts_.session.sceneGraph().find(parts_.session.simulationNode())) name = node->name;
+  if (name.empty())
+    if (const scene::StoredImage *image = parts_.images.views().image()) name = image->name;
+  if (name.empty()) return "C3DE";
+  return name + (isModified() ? "*" : "") + " - C3DE";
+}
+
+ShownView SessionController::shownView() const {
+  ShownView shown;
+  const ui::ImageViews &views = parts_.images.views();
+  if (views.image() != nullptr) {
+    shown.image = parts_.images.file();
+    shown.labels = parts_.images.labelFiles();
+    shown.view.crossHair_mm = views.crossHair();
+    shown.view.window = views.options().windowLevel.window;
+    shown.view.level = views.options().windowLevel.level;
+  }
+  const render::Camera &camera = parts_.window.camera();
+  shown.view.camera = SessionView::CameraPose{camera.focus, camera.yaw, camera.pitch, camera.distance};
+  return shown;
+}
+
+void SessionController::capture(std::function<void(Captured)> done) {
+  Session &session = parts_.session;
+  scene::Simulation *simulation = session.simulation();
+  if (simulation == nullptr) return done(std::make_shared<Expected<CapturedState>>(CapturedState{}));
+  const auto identity = presentSimulator(session);
+  if (!identity) return done(std::make_shared<Expected<CapturedState>>(tl::unexpected(identity.error())));
+  simulation->post([&session, simulation, changes = session.changes(), identity = *identity, done = std::move(done)] {
+    Expected<CapturedState> state;
+    try {
+      state = captureState(session, simulation->object(), identity, *changes);
+    } catch (const std::exception &error) {
+      state = fail(ErrorCode::internal, error.what());
+    }
+    const auto captured = std::make_shared<Expected<CapturedState>>(std::move(state));
+    session.mainQueue().post([captured, done] { done(captured); });
+  });
+}
+
+void SessionController::save(const std::filesystem::path &file, std::function<void()> saved) {
+  if (isSaving_)
+    return parts_.failed("The session could not be saved", {ErrorCode::state, "another save is in progress"});
+  isSaving_ = true;
+  capture([this, file, saved = std::move(saved), baseline = present(), shown = shownView()](const Captured &captured) {
+    isSaving_ = false;
+    if (!*captured) return parts_.failed("The session could not be saved", captured->error());
+    write(file, captured, baseline, shown, saved);
+  });
+}
+
+void SessionController::write(const std::filesystem::path &file, const Captured &captured, const Baseline &baseline,
+                              const ShownView &shown, const std::function<void()> &saved) {
+  Baseline written = baseline;
+  written.steps = (*captured)->steps;
+  isSaving_ = true;
+  (void)parts_.session.jobs().submit(
+      kJobOwner, "Saving " + pathText(file.filename()),
+      [captured, shown, file, references = references_,
+       foreign = foreign_](const ProgressFn &progress) -> Expected<void> {
+        auto session =
+            sessionWithView(**captured, shown, std::filesystem::absolute(file).parent_path(), *references, progress);
+        if (!session) return tl::unexpected(session.error());
+        session->members.insert(foreign.members.begin(), foreign.members.end());
+        session->unknown = foreign.unknown;
+        return writeSession(*session, file);
+      },
+      [this, file, written, saved](const Expected<void> &result) {
+        isSaving_ = false;
+        if (!result) return parts_.failed("The session could not be saved", result.error());
+        onSaved(file, written);
+        if (saved) saved();
+      });
+}
+
+void SessionController::onSaved(const std::filesystem::path &file, const Baseline &written) {
+  std::string text = pathText(file);
+  // Otherwise another simulation has been opened meanwhile.
+  if (written.simulation == 0 || written.simulation == serial_) {
+    file_ = file;
+    baseline_ = written;
+    if (!isModified()) recovery_.discard();
+    const std::shared_ptr<ChangeLog> changes = parts_.session.changes();
+    if (changes && !changes->isComplete())
+      text += "\nThe simulator does not report changes made in its panels and by its tools; they are not saved.";
+    for (const std::filesystem::path &changed : references_->changedSince(openedAt_))
+      text += "\n" + pathText(changed) + " has changed since it was opened. The session cannot be continued with it.";
+  }
+  parts_.panels.notify(C3DE_LOG_INFO, "Session saved", text);
+}
+
+void SessionController::open(const std::filesystem::path &file) {
+  const std::string name = pathText(file.filename());
+  const auto opened = std::make_shared<WorkstationLoader::OpenedSession>();
+  opened->file = file;
+  (void)parts_.session.jobs().submit(
+      kJobOwner, "Reading " + name,
+      [opened, materials = &parts_.session.materials()](const ProgressFn &progress) -> Expected<void> {
+        auto saved = readSession(opened->file);
+        if (!saved) return tl::unexpected(saved.error());
+        opened->saved = std::move(*saved);
+        auto files = filesOfSession(opened->saved, opened->file, progress);
+        if (!files) return tl::unexpected(files.error());
+        opened->files = std::move(*files);
+        if (opened->saved.scenes.empty()) return {};
+        auto source = sourceOfSession(opened->saved, opened->file, opened->files, materials);
+        if (!source) return tl::unexpected(source.error());
+        opened->source = std::move(*source);
+        return {};
+      },
+      [this, opened, name](const Expected<void> &result) {
+        if (!result) return parts_.failed("Could not open " + name, result.error());
+        if (opened->source.empty()) {
+          onLoaded(opened);
+          return showView(*opened);
+        }
+        parts_.loader.openSession(opened);
+      });
+}
+
+void SessionController::begin() {
+  if (recovery_.isWritten())
+    if (const std::filesystem::path left = recovery_.handOver(); !left.empty() && autosaved_)
+      notifyLost("Not saved: " + title_, {left, title_, {}, autosaved_->steps, 0.0});
+  recovery_.discard();
+  ++serial_;
+  openedAt_ = std::filesystem::file_time_type::clock::now();
+  references_ = std::make_shared<FileReferences>();
+  file_.clear();
+  foreign_ = {};
+  baseline_.reset();
+  autosaved_.reset();
+  refusedSince_.reset();
+}
+
+void SessionController::onLoaded(const std::shared_ptr<const WorkstationLoader::OpenedSession> &session) {
+  begin();
+  const bool isRecovered = session && session->file.parent_path() == recoveryFolder();
+  if (!isRecovered) baseline_ = present();
+  if (!session) return;
+  if (isRecovered)
+    recovered_ = session->file;
+  else
+    file_ = session->file;
+  foreign_.unknown = session->saved.unknown;
+  for (const auto &[name, bytes] : session->saved.members)
+    if (!name.starts_with("masks/")) foreign_.members.emplace(name, bytes);
+  if (baseline_) baseline_->steps = session->saved.steps;
+  showView(*session);
+}
+
+void SessionController::onMade(bool isNew) {
+  if (isNew) begin();
+  baseline_.reset();
+}
+
+/// Camera at once, the rest when the image is shown.
+void SessionController::showView(const WorkstationLoader::OpenedSession &opened) {
+  const SessionView &view = opened.saved.view;
+  pendingView_ = view;
+  // A scene with an image has opened it.
+  const auto *first = opened.source.empty() ? nullptr : std::get<SharedScene>(opened.source.front()).get();
+  if (view.image.empty() || (first != nullptr && first->image)) return view.image.empty() ? onImageShown() : void();
+  const auto placeOf = [&opened](const std::string &path) {
+    for (const FoundFile &file : opened.files)
+      if (file.file.path == path) return file.at;
+    return pathFromText(path);
+  };
+  std::vector<std::filesystem::path> labels;
+  for (const std::string &path : view.labels) labels.push_back(placeOf(path));
+  parts_.images.open(placeOf(view.image), labels, {}, 0, WorkstationImages::Segmentation::image, true);
+}
+
+void SessionController::onImageShown() {
+  if (!pendingView_) return;
+  const SessionView view = *std::exchange(pendingView_, std::nullopt);
+  ui::ImageViews &views = parts_.images.views();
+  if (views.image() != nullptr) {
+    if (view.crossHair_mm) views.setCrossHair(*view.crossHair_mm);
+    ui::ImageOptions options = views.options();
+    if (view.window) options.windowLevel.window = *view.window;
+    if (view.level) options.windowLevel.level = *view.level;
+    views.setOptions(options);
+  }
+  if (!view.camera) return;
+  render::Camera pose = parts_.window.camera();
+  pose.focus = view.camera->focus_mm;
+  pose.yaw = view.camera->yaw_rad;
+  pose.pitch = view.camera->pitch_rad;
+  pose.distance = view.camera->distance_mm;
+  parts_.window.requestPose(pose);
+}
+
+void SessionController::onClosed() { begin(); }
+
+void SessionController::autosaveIfDue() {
+  const Clock::time_point now = Clock::now();
+  // The file that was restored stays until this run has one of its own, or the work is saved.
+  if (!recovered_.empty() && (recovery_.isWritten() || (baseline_ && !isModified())))
+    removeRecovery(std::exchange(recovered_, {}));
+  if (now - autosaveTried_ < kAutosaveInterval || isSaving_ || recovery_.isWriting() || !isModified()) return;
+  const Baseline present = this->present();
+  if (autosaved_ == present && !recovery_.hasFailed()) return;
+  autosaveTried_ = now;
+  capture([this, present, shown = shownView()](const Captured &captured) {
+    if (present.simulation != serial_) return;
+    // A state that cannot be stored now is tried again at the next interval.
+    if (!*captured) return onAutosaveRefused(captured->error());
+    refusedSince_.reset();
+    hasReportedRefusal_ = false;
+    autosaved_ = present;
+    autosaved_->steps = (*captured)->steps;
+    if (const scene::Node *node = parts_.session.sceneGraph().find(parts_.session.simulationNode()))
+      title_ = node->name;
+    recovery_.write(captured, shown);
+  });
+}
+
+/// A pull refuses it for a while; what lasts longer is reported.
+void SessionController::onAutosaveRefused(const Error &error) {
+  constexpr auto kReportedAfter = std::chrono::seconds(60);
+  const Clock::time_point now = Clock::now();
+  if (!refusedSince_) refusedSince_ = now;
+  if (now - *refusedSince_ < kReportedAfter || std::exchange(hasReportedRefusal_, true)) return;
+  parts_.panels.notify(C3DE_LOG_WARN, "Autosave failed", error.message + "\nIt is tried again every 8 s.");
+}
+
+void SessionController::notifyLost(const std::string &title, const LostSession &lost) {
+  parts_.panels.notify(
+      C3DE_LOG_WARN, title,
+      fmt::format("{} at {}. It was not saved.", lost.title.empty() ? "A session" : lost.title,
+                  stepText(lost.steps, lost.time_s)),
+      {{"Restore", [this, lost] { open(lost.file); }}, {"Delete", [lost] { removeRecovery(lost.file); }}});
+}
+
+void SessionController::offerRecovery() {
+  const auto lost = std::make_shared<std::vector<LostSession>>();
+  std::error_code code;
+  if (!std::filesystem::exists(recoveryFolder(), code)) return;
+  (void)parts_.session.jobs().submit(
+      kJobOwner, "Looking for unsaved work",
+      [lost](const ProgressFn &) -> Expected<void> {
+        *lost = SessionRecovery::lost(recoveryFolder());
+        return {};
+      },
+      [this, lost](const Expected<void> &) {
+        for (const LostSession &one : *lost) notifyLost("Unsaved work of " + timeText(one.savedAt), one);
+      });
+}
+
+}  // namespace c3de::app

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "app.h"
+#include "c3de/registry/panel_registry.h"
+#include "c3de/session/saved_session.h"
+#include "c3de/session/session.h"
+#include "c3de/ui/workstation_window.h"
+#include "workstation/messages.h"
+#include "workstation/session_recovery.h"
+#include "workstation/workstation_images.h"
+#include "workstation/workstation_loader.h"
+
+namespace c3de::app {
+
+/// Saves what the window shows as a session, opens sessions, and knows what is not saved yet. Main thread. Must outlive the
+/// session's jobs and simulation.
+class SessionController {
+ public:
+  struct Parts {
+    Session &session;
+    registry::PanelRegistry &panels;
+    WorkstationLoader &loader;
+    WorkstationImages &images;
+    ui::WorkstationWindow &window;
+    ReportError failed;
+  };
+  explicit SessionController(Parts parts);
+
+  /// Adds the actions that save a session.
+  void connect(ui::WindowActions &actions);
+  /// Reads a session in a background job and builds its simulation.
+  void open(const std::filesystem::path &file);
+  /// Another simulation is the present one. @param session  from which it was built; null: not from a session
+  void onLoaded(const std::shared_ptr<const WorkstationLoader::OpenedSession> &session);
+  /// Bodies were made that no file has. @param isNew  in a new simulation
+  void onMade(bool isNew);
+  void onImageShown();
+  void onClosed();
+  /// Whether the present simulation differs from its file.
+  [[nodiscard]] bool isModified() const;
+  /// Called about once a second: writes what is not saved yet to the recovery file.
+  void autosaveIfDue();
+  /// Call before the session ends. @param isInterrupted  the next run offers what is not saved
+  void stop(bool isInterrupted) { recovery_.stop(isInterrupted); }
+  /// Offers what runs that ended without saving have left.
+  void offerRecovery();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  /// The state of a simulation that a file has.
+  struct Baseline {
+    std::uint64_t simulation = 0;  ///< serial
+    std::uint64_t changes = 0, steps = 0;
+    friend bool operator==(const Baseline &, const Baseline &) = default;
+  };
+  using Captured = std::shared_ptr<Expected<CapturedState>>;
+
+  [[nodiscard]] Baseline present() const;
+  [[nodiscard]] std::string title() const;
+  [[nodiscard]] ShownView shownView() const;
+  /// Captures the present simulation between two steps; `done` is called on the main thread.
+  void capture(std::function<void(Captured)> done);
+  void save(const std::filesystem::path &file, std::function<void()> saved);
+  void write(const std::filesystem::path &file, const Captured &captured, const Baseline &baseline,
+             const ShownView &shown, const std::function<void()> &saved);
+  void onSaved(const std::filesystem::path &file, const Baseline &written);
+  /// Another simulation replaces the present one: offers what was not saved of that.
+  void begin();
+  void notifyLost(const std::string &title, const LostSession &lost);
+  void onAutosaveRefused(const Error &error);
+  void showView(const WorkstationLoader::OpenedSession &opened);
+
+  Parts parts_;
+  std::filesystem::path file_;  ///< empty: not saved yet
+  std::optional<Baseline> baseline_;
+  bool isSaving_ = false;
+  std::shared_ptr<FileReferences> references_ = std::make_shared<FileReferences>();
+  SessionFile foreign_;                     ///< members and keys of the opened session that this program does not know
+  std::optional<SessionView> pendingView_;  ///< applied when the image is shown
+  std::filesystem::path recovered_;         ///< recovery file of another run; empty: none
+  SessionRecovery recovery_;
+  std::optional<Baseline> autosaved_;
+  Clock::time_point autosaveTried_ = Clock::now();
+  std::optional<Clock::time_point> refusedSince_;  ///< the state cannot be stored
+  bool hasReportedRefusal_ = false;
+  std::uint64_t serial_ = 1;  ///< of the present simulation
+  std::string title_;         ///< of what the recovery file has
+  std::filesystem::file_time_type openedAt_{};
+};
+
+}  // namespace c3de::app
