@@ -24,7 +24,7 @@ Handler declareReplay(CLI::App &app, CommandLine &line) {
              "Wall-clock time after which the replay stops between two steps, writes its outputs and ends with 124");
   addFile(app, "--report", options->report, "FILE.json", "Write the report as JSON");
   addFile(app, "--save-session", options->saveSession, "FILE.c3de",
-          "Write scene, state and the names and hashes of all files at the end; `c3de run FILE.c3de` goes on from it");
+          "Write scene, state and the names and hashes of all files at the end; `c3de run FILE.c3de` resumes it");
   app.add_flag("-q,--quiet", options->quiet, "Print errors only");
   addSessionOptions(app, line);
   return [options, &line] {

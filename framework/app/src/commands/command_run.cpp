@@ -109,7 +109,7 @@ Handler declareRun(CLI::App &app, CommandLine &line) {
       "and is printed");
   addFile(app, "--save-state", options.saveState, "FILE", "Write the state of the end, for --from-state");
   addFile(app, "--save-session", options.saveSession, "FILE.c3de",
-          "Write scene, state and the names and hashes of all files at the end; `c3de run FILE.c3de` goes on from it");
+          "Write scene, state and the names and hashes of all files at the end; `c3de run FILE.c3de` resumes it");
   CLI::Option *record = addFile(app, "--record", options.record, "FILE.c3dr",
                                 "Write the state before the first step, every change, and hashes of the state, for "
                                 "`c3de replay`");

@@ -60,7 +60,7 @@ void RecordingController::begin(const std::filesystem::path &file,
   recorder_ = *recorder;
   file_ = file;
   if (parts_.session.simulationNode() != node_) return end("Another simulation is open.");
-  parts_.panels.notify(C3DE_LOG_INFO, "Recording", pathText(file) + "\nUndo goes back to its beginning.");
+  parts_.panels.notify(C3DE_LOG_INFO, "Recording", pathText(file) + "\nUndo steps from before it were removed.");
 }
 
 void RecordingController::complete(const Finished &finished) {

@@ -49,7 +49,7 @@ class WorkstationLoader {
   void open(const std::vector<std::filesystem::path> &files, const std::string &meshUnit) {
     load({files, meshUnit, {}, {}, {}}, false);
   }
-  /// Builds the simulation of a session and goes to its state. Ends a running load.
+  /// Builds the simulation of a session and restores its state. Ends a running load.
   void openSession(std::shared_ptr<const OpenedSession> session) {
     load({{session->file}, {}, {}, {}, session}, false);
   }

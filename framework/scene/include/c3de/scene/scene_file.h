@@ -344,13 +344,13 @@ struct SceneFile {
 [[nodiscard]] Expected<SceneFile> parseScene(std::string_view text, const std::filesystem::path &source,
                                              const MaterialLibrary *materials, bool checksFiles = true);
 
-/// The scene as TOML text that parseScene() reads as an equal scene. Paths are relative to `folder` where they are below
-/// it, otherwise absolute. Numbers are exact, except lengths in mm that no number of mm gives: the last bit of those may
-/// differ. A value of `--set` is written as if the file had it, and presets as their values.
+/// The scene as TOML text that parseScene() reads as an equal scene. Paths are relative to `folder` where they are
+/// below it, otherwise absolute. Numbers are exact, except lengths in mm that no number of mm gives: the last bit of
+/// those may differ. A value of `--set` is written as if the file had it, and presets as their values.
 ///
-/// Errors (ErrorCode::output) name what a file cannot contain: a scene without bodies, one whose label maps are resolved
-/// (SceneVolume::isSettled) or cut, and values that only `--set` gives: settings of single pieces, of parts before their
-/// map is read, and a material outside of tissues.
+/// Errors (ErrorCode::output) name what a file cannot contain: a scene without bodies, one whose label maps are
+/// resolved (SceneVolume::isSettled) or cut, and values that only `--set` gives: settings of single pieces, of parts
+/// before their map is read, and a material outside of tissues.
 /// @param nameOfMask  the volume file of a body with SceneVolume::mask, absolute or relative to `folder`; the body is
 ///                    written as its label 1
 [[nodiscard]] Expected<std::string> sceneText(const SceneFile &scene, const std::filesystem::path &folder,

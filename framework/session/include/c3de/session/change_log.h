@@ -27,8 +27,8 @@ struct SimulationChange {
   friend bool operator==(const SimulationChange &, const SimulationChange &) = default;
 };
 
-/// Repeats a change. Errors (input) name the change and why the simulator refuses it. Call on the simulation's thread, or
-/// before it runs.
+/// Repeats a change. Errors (input) name the change and why the simulator refuses it. Call on the simulation's thread,
+/// or before it runs.
 /// @param takeError  returns the text of the last failed call
 [[nodiscard]] Expected<void> applyChange(c3de_object *simulator, const SimulationChange &change,
                                          const std::function<std::string()> &takeError);
@@ -58,8 +58,8 @@ class ChangeLog {
   [[nodiscard]] SimulationSource source() const;
   /// Persistent changes and scenes so far, superseded ones included.
   [[nodiscard]] std::uint64_t count() const;
-  /// Called for every change, on the thread that makes it; must not call the simulator. Null: none. When this returns, the
-  /// previous listener is not running.
+  /// Called for every change, on the thread that makes it; must not call the simulator. Null: none. When this returns,
+  /// the previous listener is not running.
   void setListener(std::function<void(const SimulationChange &)> listener);
 
  private:

@@ -88,8 +88,8 @@ class Recorder {
   std::thread thread_;
 };
 
-/// What a recording of a simulation that was built from `source` begins with: its present state. Call on the thread that
-/// steps it, between two steps. Errors: as sessionOf().
+/// What a recording of a simulation that was built from `source` begins with: its present state. Call on the thread
+/// that steps it, between two steps. Errors: as sessionOf().
 /// @param file  the recording
 [[nodiscard]] Expected<RecordingStart> recordingStart(Session &session, c3de_object *simulator,
                                                       const SimulatorIdentity &identity, SimulationSource source,

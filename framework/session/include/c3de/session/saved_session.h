@@ -30,8 +30,8 @@ struct FileStamp {
 /// None: it does not exist, or cannot be listed.
 [[nodiscard]] std::optional<FileStamp> stampOf(const std::filesystem::path &path);
 
-/// References to files with their SHA-256. A file is hashed again only if its size or time of change differs. One thread
-/// at a time.
+/// References to files with their SHA-256. A file is hashed again only if its size or time of change differs. One
+/// thread at a time.
 class FileReferences {
  public:
   /// Errors: as sha256Of().
@@ -48,7 +48,8 @@ class FileReferences {
   std::map<std::filesystem::path, Known> known_;  ///< by absolute path
 };
 
-/// What only the simulation's thread can read between two steps: source and state of a simulation, which belong together.
+/// What only the simulation's thread can read between two steps: source and state of a simulation, which belong
+/// together.
 struct CapturedState {
   SimulationSource source;
   SimulatorIdentity identity;
@@ -88,13 +89,13 @@ struct CapturedState {
                                                          const std::vector<FoundFile> &files,
                                                          const scene::MaterialLibrary *materials);
 
-/// Adds bodies of further scenes and repeats changes on a simulator that was built from the first entry. Any thread, before
-/// the simulation runs. Errors: those of Session::addBodies() and applyChange().
+/// Adds bodies of further scenes and repeats changes on a simulator that was built from the first entry. Any thread,
+/// before the simulation runs. Errors: those of Session::addBodies() and applyChange().
 [[nodiscard]] Expected<void> buildRemaining(Session &session, c3de_object *simulator, const SimulationSource &source,
                                             const ProgressFn &progress, Prepared *prepared);
 
-/// Restores the state of a session in a simulator built from its source. Errors: those of goToState(); the state hash is
-/// not that of the saved state.
+/// Restores the state of a session in a simulator built from its source. Errors: those of goToState(); the state hash
+/// is not that of the saved state.
 [[nodiscard]] Expected<void> restoreSession(Session &session, c3de_object *simulator, const SimulatorIdentity &identity,
                                             const SessionFile &saved, const std::filesystem::path &file);
 

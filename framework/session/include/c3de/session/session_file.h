@@ -55,8 +55,8 @@ struct SavedChange {
   friend bool operator==(const SavedChange &, const SavedChange &) = default;
 };
 
-/// The content of a session file (.c3de): a zip of session.json, scene texts, a state and other members. Value type; any
-/// thread.
+/// The content of a session file (.c3de): a zip of session.json, scene texts, a state and other members. Value type;
+/// any thread.
 struct SessionFile {
   std::string program;  ///< name and version of the program that saved it
   std::string savedAt;  ///< ISO 8601, UTC
@@ -72,11 +72,11 @@ struct SessionFile {
   double time_s = 0.0;                     ///< simulated
   std::string state;                       ///< as stateBytes() gives it; empty: the initial state
 
-  /// All other members by name: label maps drawn here, thumbnails, private state of plugins (plugins/ID), embedded files
-  /// (files/…), and those of other programs.
+  /// All other members by name: label maps drawn here, thumbnails, private state of plugins (plugins/ID), embedded
+  /// files (files/…), and those of other programs.
   std::map<std::string, std::string> members;
-  /// Keys of session.json that this version does not know: JSON pointer and compact JSON text. Those of an entry of `files` are
-  /// addressed by its path (/files/PATH/KEY). They are saved again.
+  /// Keys of session.json that this version does not know: JSON pointer and compact JSON text. Those of an entry of
+  /// `files` are addressed by its path (/files/PATH/KEY). They are saved again.
   std::map<std::string, std::string> unknown;
 
   friend bool operator==(const SessionFile &, const SessionFile &) = default;
@@ -97,9 +97,9 @@ struct SessionFile {
 /// The bytes of that file. Errors: usage, as writeSession().
 [[nodiscard]] Expected<std::string> sessionBytes(const SessionFile &session);
 
-/// Reads a session completely, into memory. Any thread. Errors (input) name the file and what is wrong: no zip, truncated,
-/// a damaged or missing member, a newer format, a key of the wrong type, a name that leads out of the session, more than
-/// 16 GiB or than the free memory.
+/// Reads a session completely, into memory. Any thread. Errors (input) name the file and what is wrong: no zip,
+/// truncated, a damaged or missing member, a newer format, a key of the wrong type, a name that leads out of the
+/// session, more than 16 GiB or than the free memory.
 [[nodiscard]] Expected<SessionFile> readSession(const std::filesystem::path &path);
 /// The same from an open file or memory. @param name  for messages
 [[nodiscard]] Expected<SessionFile> readSession(std::istream &in, const std::string &name);

@@ -73,8 +73,8 @@ double minVelocityOf(const ContactState::Solution &solution, std::size_t c) {
                   solution.minVelocityLimits[c]);
 }
 
-// Warm start with a fraction of the stored impulses. The fraction minimises T + Σ λ (-minVelocities), the energy that the steps
-// of projected Gauss-Seidel decrease as well. No energy is added, however few sweeps follow.
+// Warm start with a fraction of the stored impulses. The fraction minimises T + Σ λ (-minVelocities), the energy that
+// the steps of projected Gauss-Seidel decrease as well. No energy is added, however few sweeps follow.
 void warmStart(const ContactSystem &body, std::span<const Contact> active, ContactState::Solution &solution) {
   std::vector<Vec3> &change = solution.change;  // of the touched phyxels
   change.assign(solution.touched.size(), Vec3::Zero());
