@@ -65,6 +65,16 @@ TEST_CASE("A run that goes on from a session is the uninterrupted run, bit for b
                                               supported),
        "60",
        "120",
+       {}},
+      // Jaws that close, lift and turn.
+      {writeFile(folder / "jaws.toml",
+                 "format = 1\n[solver]\ndamping = 10\n" + material +
+                     "youngs_modulus = 2e4 }\nsampling = { spacing = 0.05 }\n[[fix]]\nbody = \"bar\"\nregion = { "
+                     "half_space = { point = [0, 0, 0], normal = [0, 1, 0] } }\n[[grasp]]\nat = [0.5, 0.2, 0.1]\n"
+                     "axis = [1, 0, 0]\njaw_mm = 100\nopening_mm = 200\nclosed_mm = 180\npath = [ { time = 0, at = "
+                     "[0.5, 0.2, 0.1] }, { time = 1, at = [0.5, 0.24, 0.1], turn_deg = [0, 20, 0] } ]\n"),
+       "80",
+       "160",
        {}}};
   for (const Case &one : cases) {
     CAPTURE(one.scene, one.half);

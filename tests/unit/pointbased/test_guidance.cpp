@@ -136,7 +136,6 @@ TEST_CASE("an instrument presses, is undone and done again, and goes with a rese
   CHECK(simulator.stateHash() == hashAfter);
   run(simulator, simulator.time() + 0.02);
   CHECK_THAT(forceOn(simulator, finger)[1], WithinRel(pressed[1], 0.01));
-  CHECK_FALSE(simulator.archive().save());
 
   // Removed: the tissue recovers, and the simulated history is unchanged.
   REQUIRE(simulator.removeObstacle(finger));
@@ -148,6 +147,33 @@ TEST_CASE("an instrument presses, is undone and done again, and goes with a rese
   simulator.reset();
   CHECK(simulator.world().obstacle(second) == nullptr);
   CHECK(simulator.world().obstacles().size() == 1);
+}
+
+TEST_CASE("a state with a moving instrument is loaded with that instrument only") {
+  Simulator simulator;
+  simulator.addBody(heldBlock());
+  simulator.addObstacle(wall("table", 0.0));
+  run(simulator, 0.05);
+  const std::size_t finger = simulator.world().addInstrument(ballAt(Vec3(0, 0.0281, 0)));
+  simulator.addObstacle(wall("plate", -1.0));
+  simulator.world().guideObstacle(finger, shifted(Vec3(0, -0.004, 0)), 0.1);
+  run(simulator, 0.1);
+  const auto saved = simulator.archive().save();
+  REQUIRE(saved);
+  run(simulator, 0.2);
+  const std::uint64_t hash = simulator.stateHash();
+  CHECK_FALSE(simulator.archive().load(*saved));
+  CHECK_FALSE(simulator.archive().load(*saved, {ballAt(Vec3::Zero()), ballAt(Vec3::Zero())}));
+  CHECK(simulator.stateHash() == hash);
+  const auto loaded = simulator.archive().load(*saved, {ballAt(Vec3(0, 0.0281, 0))});
+  REQUIRE(loaded);
+  REQUIRE(loaded->size() == 1);
+  CHECK(simulator.world().isInstrument(loaded->front()));
+  CHECK(simulator.world().isGuided(loaded->front()));
+  CHECK(simulator.world().obstacles()[1].name == simulator.world().obstacle(loaded->front())->name);
+  CHECK(simulator.archive().save().value() == *saved);
+  run(simulator, 0.2);
+  CHECK(simulator.stateHash() == hash);
 }
 
 TEST_CASE("what friction holds on another obstacle does not slip when an instrument comes and goes elsewhere") {

@@ -2,6 +2,7 @@
 // Changes of a simulation as data: reported, repeated with the same bits, and refused when malformed.
 #include <cmath>
 #include <fstream>
+#include <random>
 #include <set>
 #include <sstream>
 
@@ -381,6 +382,131 @@ TEST_CASE("Lasting changes alone lead to the simulation to which a saved state b
   first.step(6);
   CHECK(lastingOf(first.record).size() < first.record.size() - 4);
   checkLasting(host, first);
+}
+
+namespace {
+
+/// What acts on the bodies when a state is stored.
+enum class Acting : std::uint8_t { instrument, movedImplant, jaws, pinch, load, hold };
+using ActingSet = std::set<Acting>;
+
+/// Begins these on a simulation, over a few steps.
+void begin(Simulation &first, const ActingSet &acting) {
+  const auto has = [&](Acting one) { return acting.contains(one); };
+  if (has(Acting::movedImplant)) first.make(implant("plug"));
+  first.step(2);
+  if (has(Acting::instrument)) {
+    first.make(PlaceInstrument{0.01, 0.05, 0.3, Vec3(0.0, 0.0, 0.09), Vec3::UnitZ()});
+    first.make(implant("pin", Vec3(0.0, 0.3, 0.2)));  // among the obstacles after the instrument
+    first.make(MoveInstrument{Vec3(0.0, 0.0, 0.08)});
+  }
+  if (has(Acting::movedImplant)) first.make(MoveObstacle{{"plug", 1}, motion(Vec3(0.0, 0.1, -0.1), 0.2)});
+  if (has(Acting::jaws)) first.make(smallGrasp());
+  first.step(2);
+  if (has(Acting::jaws))
+    first.make(MoveGrasp{Vec3(0.0, 0.0, 0.07), Eigen::AngleAxisd(0.2, Vec3::UnitZ()).toRotationMatrix()});
+  if (has(Acting::pinch)) first.make(BeginPinch{kSecond, smallGrab(Vec3(0.3, 0.0, 0.08)), 0.0});
+  if (has(Acting::load)) {
+    AddLoad load{kSecond, {}};
+    load.load.region = BoxRegion{Vec3(-1, -1, 0.03), Vec3(1, 1, 1)};
+    load.load.force = Vec3(0.0, 0.1, 0.0);
+    load.load.ramp = 0.5;
+    first.make(load);
+  }
+  if (has(Acting::hold)) {
+    first.make(BeginHold{kSecond, Vec3(0.3, 0.0, -0.05), 0.03, 0.0, 0.0, 0.0, C3DE_SIM_HOLD_SHAPE});
+    first.make(PullHold{1, Vec3(0.3, 0.0, -0.07), std::array<double, 4>{0.0, 0.0, std::sin(0.1), std::cos(0.1)}});
+  }
+  first.step(3);
+}
+
+void moveOn(Simulation &first, const ActingSet &acting) {
+  const auto has = [&](Acting one) { return acting.contains(one); };
+  if (has(Acting::instrument)) first.make(MoveInstrument{Vec3(0.0, 0.0, 0.07)});
+  if (has(Acting::jaws)) first.make(MoveGrasp{Vec3(0.0, 0.0, 0.08)});
+  if (has(Acting::pinch)) first.make(MovePinch{kSecond, Vec3(0.3, 0.0, 0.1)});
+  if (has(Acting::hold)) first.make(PullHold{1, Vec3(0.3, 0.0, -0.08)});
+  if (has(Acting::load)) first.make(removed(RemoveObject::What::load, {}, 1));
+}
+
+void end(Simulation &first, const ActingSet &acting) {
+  const auto has = [&](Acting one) { return acting.contains(one); };
+  if (has(Acting::instrument)) first.make(RemoveInstrument());
+  if (has(Acting::jaws)) first.make(ReleaseGrasp());
+  if (has(Acting::pinch)) first.make(ReleasePinch{kSecond});
+  if (has(Acting::hold)) first.make(removed(RemoveObject::What::hold, {}, 1));
+}
+
+}  // namespace
+
+TEST_CASE("A state is stored while tools hold the bodies, and every step from there has the same bits", "[changes]") {
+  const bool isImplicit = GENERATE(false, true);
+  const ActingSet acting = GENERATE(
+      ActingSet{Acting::instrument}, ActingSet{Acting::movedImplant}, ActingSet{Acting::jaws}, ActingSet{Acting::pinch},
+      ActingSet{Acting::load}, ActingSet{Acting::hold},
+      ActingSet{Acting::instrument, Acting::movedImplant, Acting::jaws, Acting::pinch, Acting::load, Acting::hold});
+  CAPTURE(isImplicit, acting.size(), static_cast<int>(*acting.begin()));
+  Host host;
+  Simulation first(host), second(host);
+  first.make(world(sdk::choiceValue("solver.integrator", isImplicit ? "implicit" : "explicit")));
+  begin(first, acting);
+  const std::string state = first.save();
+  // Other interactions than those of the state, and other ids.
+  second.make(PlaceInstrument{0.02, 0.0, 0.1, Vec3(0.0, 0.0, 0.2), Vec3::UnitX()});
+  second.make(BeginHold{kFirst, Vec3(0.0, 0.0, 0.05), 0.03, 0.0, 0.0, 0.0, 0});
+  for (const Recorded &change : lastingOf(first.record)) CHECK(second.tryApply(change.id, change.bytes) == C3DE_OK);
+  second.check(second.sim->load_state(second.self, state.data(), state.size()));
+  CHECK((second.save() == first.save()));
+  const auto stepBoth = [&](int steps) {
+    for (int i = 0; i < steps; ++i) {
+      first.step();
+      second.step();
+      REQUIRE(first.hash() == second.hash());
+    }
+  };
+  const auto repeatFrom = [&](std::size_t change) {
+    for (std::size_t i = change; i < first.record.size(); ++i) second.repeat(first.record[i]);
+  };
+  stepBoth(20);
+  std::size_t before = first.record.size();
+  moveOn(first, acting);
+  repeatFrom(before);
+  stepBoth(10);
+  before = first.record.size();
+  end(first, acting);
+  repeatFrom(before);
+  stepBoth(10);
+  first.reset();
+  second.reset();
+  stepBoth(5);
+}
+
+TEST_CASE("Damaged states are refused, and nothing has changed", "[changes]") {
+  Host host;
+  Simulation simulation(host);
+  simulation.make(PlaceInstrument{0.01, 0.05, 0.3, Vec3(0.0, 0.0, 0.09), Vec3::UnitZ()});
+  simulation.make(smallGrasp());
+  simulation.make(BeginPinch{kSecond, smallGrab(Vec3(0.3, 0.0, 0.08)), 0.0});
+  simulation.step(3);
+  const std::string state = simulation.save();
+  std::mt19937 random(7);
+  int refused = 0;
+  constexpr int kTrials = 300;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    std::string damaged = state;
+    if (trial % 3 == 0) damaged.resize(random() % damaged.size());
+    if (trial % 3 != 0) damaged[random() % damaged.size()] ^= static_cast<char>(1 + random() % 255);
+    const std::uint64_t hash = simulation.hash();
+    if (simulation.sim->load_state(simulation.self, damaged.data(), damaged.size()) < 0) {
+      ++refused;
+      CHECK_FALSE(host.host->takeError().empty());
+      CHECK(simulation.hash() == hash);
+    } else {  // a number that may have another value
+      simulation.check(simulation.sim->load_state(simulation.self, state.data(), state.size()));
+    }
+    if (trial % 50 == 0) simulation.step();
+  }
+  CHECK(refused >= kTrials / 3);  // all that are cut
 }
 
 TEST_CASE("Malformed changes are refused, and nothing has changed", "[changes]") {

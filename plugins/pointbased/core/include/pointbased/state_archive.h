@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "pointbased/types.h"
 
@@ -14,6 +15,8 @@ namespace detail {
 struct SimulationState;
 struct SimulatorCheckpoint;
 }  // namespace detail
+
+struct Obstacle;
 
 /// The state of a simulation at one time, for StateArchive::restore(). Cheap to copy.
 using Checkpoint = std::shared_ptr<const detail::SimulatorCheckpoint>;
@@ -31,15 +34,16 @@ class StateArchive {
   /// @return  false: nothing is changed, because bodies or obstacles have been added or removed since, or the
   ///          simulation has been reset
   bool restore(const Checkpoint &checkpoint);
-  /// The state as bytes, for load() of a simulator with the same bodies, obstacles, supports, loads and world.
-  /// Factorisations and reference energies are reset here as well, so that this simulation and one that loads the state
-  /// make the same steps.
-  /// Errors, with nothing changed: a body that is grabbed, that has stopped, or whose reference was renewed after large
-  /// flow; a guided obstacle or an instrument.
+  /// The state as bytes, for load() of a simulator with the same bodies, obstacles, supports, loads and world: also
+  /// grabs, the motion of guided obstacles, and stopped bodies. Factorisations and reference energies are reset here as
+  /// well, so that this simulation and one that loads the state make the same steps.
+  /// Errors, with nothing changed: a body whose reference was renewed after large flow.
   [[nodiscard]] Result<std::string> save();
-  /// Restores a state of save(), from which every step gives the same bits as there. On an error nothing is changed:
-  /// the bytes are not such a state.
-  [[nodiscard]] Result<void> load(std::string_view bytes);
+  /// Restores a state of save(), from which every step gives the same bits as there. States of earlier versions, which
+  /// have no grabs, are accepted. On an error nothing is changed: the bytes are not such a state.
+  /// @param instruments  of save(), in their order, as World::addInstrument() adds them; they replace the present ones
+  /// @return             [instruments] their ids
+  [[nodiscard]] Result<std::vector<std::size_t>> load(std::string_view bytes, std::vector<Obstacle> instruments = {});
   /// Changes whenever earlier checkpoints become invalid.
   [[nodiscard]] std::uint64_t historyEpoch() const;
 

@@ -27,18 +27,6 @@ void requireGrab(const Grab &grab, const Body &body) {
   require(grab.frequency >= 0.0 && grab.dampingRatio >= 0.0 && grab.maxForce >= 0.0, "the spring of a grab is not one");
 }
 
-void requireJaws(const JawPositions &jaws, const GraspSettings &settings, const Body &body) {
-  const std::size_t n = body.rest().surfels.count();
-  for (const SkinPoint &point : jaws.points) {
-    require(std::all_of(point.corners.begin(), point.corners.end(), [n](Index i) { return i < n; }),
-            "a jaw is at a point of the skin that does not exist");
-    requireFinite("the point of a jaw", point.weights);
-  }
-  requireFinite("the direction of jaws", jaws.axis, jaws.normal);
-  if (const std::string problem = problemOf(settings); !problem.empty()) require(false, problem);
-  if (const std::string problem = problemOf(body.rest(), jaws, settings); !problem.empty()) require(false, problem);
-}
-
 /// The body, which is not static.
 std::uint64_t movableBody(const SimulatorParts &parts, const ObjectName &name) {
   const std::uint64_t id = parts.world.table.bodyNamed(name);
@@ -77,6 +65,18 @@ std::uint64_t idOf(const SimulatorParts &parts, const RemoveObject &what) {
 }
 
 }  // namespace
+
+void requireJaws(const JawPositions &jaws, const GraspSettings &settings, const Body &body) {
+  const std::size_t n = body.rest().surfels.count();
+  for (const SkinPoint &point : jaws.points) {
+    require(std::all_of(point.corners.begin(), point.corners.end(), [n](Index i) { return i < n; }),
+            "a jaw is at a point of the skin that does not exist");
+    requireFinite("the point of a jaw", point.weights);
+  }
+  requireFinite("the direction of jaws", jaws.axis, jaws.normal);
+  if (const std::string problem = problemOf(settings); !problem.empty()) require(false, problem);
+  if (const std::string problem = problemOf(body.rest(), jaws, settings); !problem.empty()) require(false, problem);
+}
 
 std::string RemoveObject::text() const {
   if (what == What::load) return "remove load";

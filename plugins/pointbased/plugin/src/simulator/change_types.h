@@ -160,6 +160,8 @@ void requireFinite(const std::string &what, const T &...values) {
   };
   require((finite(values) && ...), what + " is not finite");
 }
+/// Jaws on the skin of a body.
+void requireJaws(const JawPositions &jaws, const GraspSettings &settings, const Body &body);
 /// A rotation matrix to the accuracy of single precision.
 inline void requireRotation(const Mat3 &rotation) {
   constexpr double kTolerance = 1e-5;

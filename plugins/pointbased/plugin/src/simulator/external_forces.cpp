@@ -102,6 +102,31 @@ void ExternalForces::apply() {
   std::erase_if(sharedPoints_, [this](const auto &entry) { return !table_.hasBody(entry.first); });
 }
 
+std::vector<SavedLoad> ExternalForces::saved() const {
+  std::vector<SavedLoad> all;
+  for (const auto &[id, live] : loads_)
+    if (const BodyRecord *body = table_.body(live.body))
+      all.push_back({live.number, body->identity(), live.load, live.startTime_s});
+  return all;
+}
+
+std::vector<ExternalForces::RuntimeLoad> ExternalForces::prepare(const std::vector<SavedLoad> &saved) const {
+  std::vector<RuntimeLoad> all;
+  for (const SavedLoad &one : saved) {
+    all.push_back({table_.bodyNamed(one.body), one.load, {}, nullptr, one.startTime_s, one.number});
+    bind(all.back());
+  }
+  return all;
+}
+
+void ExternalForces::restore(std::vector<RuntimeLoad> loads) {
+  loads_.clear();
+  for (RuntimeLoad &live : loads) {
+    lastNumber_ = std::max(lastNumber_, live.number);
+    loads_.emplace(world_.allocateIds(1), std::move(live));
+  }
+}
+
 void ExternalForces::invalidateMasses(std::uint64_t body) {
   if (const auto lent = sharedPoints_.find(body); lent != sharedPoints_.end()) lent->second.masses.clear();
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "simulator/change_access.h"
+#include "simulator/saved_interactions.h"
 #include "simulator/simulated_world.h"
 
 namespace pointbased {
@@ -12,6 +13,16 @@ class ExternalForces {
   explicit ExternalForces(SimulatedWorld &world) : world_(world) {}
 
   void points(c3de_handle body, c3de_sim_points *out);
+
+  /// A load added while the body is simulated: acts as external forces.
+  struct RuntimeLoad {
+    std::uint64_t body = 0;
+    Load load;
+    LoadedPart part;
+    std::shared_ptr<const RestState> rest;  ///< to which the part belongs
+    double startTime_s = 0.0;
+    std::uint64_t number = 0;
+  };
 
   // The mutex of the world is held.
   /// @param number  by which it is found; 0: the next one is assigned
@@ -24,10 +35,14 @@ class ExternalForces {
   void apply();
   /// Called after the masses of a body have changed.
   void invalidateMasses(std::uint64_t body);
-  [[nodiscard]] bool hasLoads() const { return !loads_.empty(); }
   void removeLoad(ChangeAccess, std::uint64_t id) { loads_.erase(id); }
   void removeLoadsOf(ChangeAccess access, std::uint64_t body);
   void removeLoads() { loads_.clear(); }
+  [[nodiscard]] std::vector<SavedLoad> saved() const;
+  /// Loads of a state to be loaded, for restore(). Throws sdk::Error; nothing has changed then.
+  [[nodiscard]] std::vector<RuntimeLoad> prepare(const std::vector<SavedLoad> &saved) const;
+  /// Replaces all loads.
+  void restore(std::vector<RuntimeLoad> loads);
 
  private:
   /// For bodies on which external forces act in the next step. Copies, because another thread may replace the body
@@ -38,15 +53,6 @@ class ExternalForces {
     std::shared_ptr<const RestState> rest;  // to which the masses belong
     std::string name;
     bool isRequested = false;
-  };
-  /// A load added while the body is simulated: acts as external forces.
-  struct RuntimeLoad {
-    std::uint64_t body = 0;
-    Load load;
-    LoadedPart part;
-    std::shared_ptr<const RestState> rest;  // to which the part belongs
-    double startTime_s = 0.0;
-    std::uint64_t number = 0;
   };
   void bind(RuntimeLoad &load) const;
 

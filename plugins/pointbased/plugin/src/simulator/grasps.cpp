@@ -116,6 +116,74 @@ bool Grasps::exchange(ChangeAccess, InteractionState &other) {
   return true;
 }
 
+std::uint64_t Grasps::jawsNamed(const std::string &name) const {
+  if (name.empty()) return kInteractiveGrasp;
+  for (const auto &[id, record] : grasps_)
+    if (record.scene && record.name == name) return id;
+  return 0;
+}
+
+std::vector<SavedGrasp> Grasps::saved() const {
+  std::vector<SavedGrasp> all;
+  for (const auto &[id, record] : grasps_) {
+    SavedGrasp &one = all.emplace_back();
+    one = {record.scene ? record.name : std::string(), id, record.isReleased, std::nullopt};
+    if (!record.now) continue;
+    const Grasp &now = *record.now;
+    one.now = {table_.bodyOrThrow(now.body).identity(),
+               now.jaws,
+               now.settings,
+               now.offsets,
+               now.middle,
+               now.rotation,
+               now.initialGap,
+               now.targetGap,
+               now.commandedGap};
+  }
+  return all;
+}
+
+std::map<std::uint64_t, std::uint64_t> Grasps::grabIds(const std::vector<SavedGrasp> &saved) const {
+  std::map<std::uint64_t, std::uint64_t> ids;
+  for (const SavedGrasp &one : saved) {
+    const std::uint64_t id = jawsNamed(one.name);
+    if (id == 0) throw Error(C3DE_E_FORMAT, "there is no grasp '" + one.name + "' in this scene");
+    if (!one.now) continue;
+    requireJaws(one.now->jaws, one.now->settings, *simulator_.body(table_.bodyNamed(one.now->body)));
+    requireFinite("a grasp", one.now->offsets[0], one.now->offsets[1], one.now->middle, one.now->initialGap,
+                  one.now->targetGap, one.now->commandedGap);
+    requireRotation(one.now->rotation);
+    for (std::uint64_t jaw = 0; jaw < 2; ++jaw) ids.emplace(findGrab(one.id) + jaw, findGrab(id) + jaw);
+  }
+  return ids;
+}
+
+void Grasps::restore(const std::vector<SavedGrasp> &saved) {
+  grasps_.erase(kInteractiveGrasp);
+  for (auto &[id, record] : grasps_) {
+    record.now.reset();
+    record.isReleased = false;
+  }
+  for (const SavedGrasp &one : saved) {
+    const std::uint64_t id = jawsNamed(one.name);
+    if (id != kInteractiveGrasp) grasps_.at(id).isReleased = one.isReleased;
+    if (!one.now) continue;
+    Grasp now{table_.bodyNamed(one.now->body),
+              one.now->jaws,
+              one.now->settings,
+              {},
+              one.now->offsets,
+              one.now->middle,
+              one.now->rotation,
+              one.now->initialGap,
+              one.now->targetGap,
+              one.now->commandedGap};
+    for (const ActiveGrab &active : simulator_.body(now.body)->grabs)
+      if (active.id == findGrab(id) || active.id == findGrab(id) + 1) now.grabs[active.id - findGrab(id)] = active.grab;
+    grasps_[id].now = std::move(now);
+  }
+}
+
 std::vector<GraspSnapshot> Grasps::snapshots() const {
   std::vector<GraspSnapshot> out;
   for (const auto &[id, record] : grasps_) {

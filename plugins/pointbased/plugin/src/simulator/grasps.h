@@ -3,6 +3,7 @@
 
 #include "report/report.h"
 #include "simulator/change_access.h"
+#include "simulator/saved_interactions.h"
 #include "simulator/simulated_world.h"
 #include "simulator/snapshot.h"
 
@@ -35,6 +36,12 @@ class Grasps {
   /// Restores the stored state and stores the present one. False, with nothing changed, if the simulation has been
   /// restarted since.
   bool exchange(ChangeAccess access, InteractionState &other);
+  [[nodiscard]] std::vector<SavedGrasp> saved() const;
+  /// Ids of the grabs of those of a state that is to be loaded, by the ids in the state. Throws sdk::Error if one is
+  /// not possible; nothing has changed then.
+  [[nodiscard]] std::map<std::uint64_t, std::uint64_t> grabIds(const std::vector<SavedGrasp> &saved) const;
+  /// Replaces the state of all jaws, after StateArchive::load() and with the grabs under the ids of grabIds().
+  void restore(const std::vector<SavedGrasp> &saved);
   /// Before a step: jaws of the scene start at their time, all close and move to their prescribed pose.
   void update();
   [[nodiscard]] std::vector<GraspSnapshot> snapshots() const;
@@ -42,6 +49,8 @@ class Grasps {
 
  private:
   void erase(std::uint64_t id);
+  /// 0 if there are none of this name.
+  [[nodiscard]] std::uint64_t jawsNamed(const std::string &name) const;
   void setGrabs(std::uint64_t id, const Grasp &grasp);
   /// Nothing if it has lost what it held.
   [[nodiscard]] std::optional<GraspForces> forcesOn(std::uint64_t id, const Grasp &grasp) const;

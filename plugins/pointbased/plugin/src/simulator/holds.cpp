@@ -11,6 +11,13 @@ namespace pointbased {
 
 using sdk::Error;
 
+namespace {
+
+/// Id of the grab of a hold: above all handles, and the same wherever its number is.
+std::uint64_t grabOf(std::uint64_t number) { return (std::uint64_t{1} << 48) + number; }
+
+}  // namespace
+
 std::uint64_t Holds::add(ChangeAccess, std::uint64_t held, BeginHold &in) {
   const BodyRecord &record = table_.bodyOrThrow(held);
   const Body &body = *simulator_.body(held);
@@ -44,14 +51,14 @@ std::uint64_t Holds::add(ChangeAccess, std::uint64_t held, BeginHold &in) {
   lastNumber_ = std::max(lastNumber_, in.number);
   holds_.emplace(id, Hold{held, middle - at, at, Mat3::Identity(), !grab.arms.empty(), in.number});
   world_.recordGrab(held, grab);
-  simulator_.stepper().setGrab(held, std::move(grab), id);
+  simulator_.stepper().setGrab(held, std::move(grab), grabOf(in.number));
   return id;
 }
 
 void Holds::remove(ChangeAccess, std::uint64_t id) {
   const auto hold = holds_.find(id);
   if (hold == holds_.end()) return;
-  simulator_.stepper().releaseGrab(hold->second.body, hold->first);
+  simulator_.stepper().releaseGrab(hold->second.body, grabOf(hold->second.number));
   holds_.erase(hold);
 }
 
@@ -73,7 +80,8 @@ void Holds::removeOf(ChangeAccess, std::uint64_t body) {
 // A body that is rebuilt or restored to an earlier state releases its grabs.
 Holds::Hold &Holds::holdOrThrow(c3de_handle handle) {
   const auto found = holds_.find(handle.v);
-  if (found != holds_.end() && simulator_.stepper().grabStatus(found->second.body, found->first)) return found->second;
+  if (found != holds_.end() && simulator_.stepper().grabStatus(found->second.body, grabOf(found->second.number)))
+    return found->second;
   throw Error(C3DE_E_STALE, "no such hold: it was removed, or what it held has been renewed");
 }
 
@@ -82,15 +90,15 @@ void Holds::pull(ChangeAccess, std::uint64_t id, const Vec3 &target, const std::
   const Mat3 rotation = turned && hold.keepsShape ? *turned : Mat3::Identity();
   hold.target = target;
   hold.rotation = rotation;
-  world_.recordPull(hold.body, id);
-  simulator_.stepper().moveGrab(hold.body, target + rotation * hold.fromNamed, id);
-  simulator_.stepper().turnGrab(hold.body, rotation, id);
+  world_.recordPull(hold.body, grabOf(hold.number));
+  simulator_.stepper().moveGrab(hold.body, target + rotation * hold.fromNamed, grabOf(hold.number));
+  simulator_.stepper().turnGrab(hold.body, rotation, grabOf(hold.number));
 }
 
 void Holds::state(c3de_handle handle, c3de_sim_hold_state *out) {
   const std::lock_guard lock(world_.mutex);
   const Hold &hold = holdOrThrow(handle);
-  const GrabStatus status = *simulator_.stepper().grabStatus(hold.body, handle.v);
+  const GrabStatus status = *simulator_.stepper().grabStatus(hold.body, grabOf(hold.number));
   c3de_sim_hold_state state{};
   state.body = {hold.body};
   Vec3::Map(state.point_m) = status.point - hold.rotation * hold.fromNamed;
@@ -99,6 +107,23 @@ void Holds::state(c3de_handle handle, c3de_sim_hold_state *out) {
   Vec3::Map(state.torque_Nm) = status.torque;
   state.mass_kg = status.mass;
   sdk::writeStruct(out, state, "out");
+}
+
+std::vector<SavedHold> Holds::saved() const {
+  std::vector<SavedHold> all;
+  for (const auto &[id, hold] : holds_)
+    if (const BodyRecord *body = table_.body(hold.body))
+      all.push_back({hold.number, body->identity(), hold.fromNamed, hold.target, hold.rotation, hold.keepsShape});
+  return all;
+}
+
+void Holds::restore(const std::vector<SavedHold> &saved) {
+  holds_.clear();
+  for (const SavedHold &one : saved) {
+    holds_.emplace(world_.allocateIds(1), Hold{table_.bodyNamed(one.body), one.fromNamed, one.target, one.rotation,
+                                               one.keepsShape, one.number});
+    lastNumber_ = std::max(lastNumber_, one.number);
+  }
 }
 
 void Holds::grab(ChangeAccess, std::uint64_t body, Grab grab, double ownLimit) {

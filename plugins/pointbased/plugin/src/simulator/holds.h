@@ -2,6 +2,7 @@
 #pragma once
 
 #include "simulator/change_kinds.h"
+#include "simulator/saved_interactions.h"
 #include "simulator/simulated_world.h"
 
 namespace pointbased {
@@ -27,6 +28,9 @@ class Holds {
   void grab(ChangeAccess access, std::uint64_t body, Grab grab, double ownLimit);
   void moveGrab(ChangeAccess access, std::uint64_t body, const Vec3 &target);
   void releaseGrab(ChangeAccess access, std::uint64_t body);
+  [[nodiscard]] std::vector<SavedHold> saved() const;
+  /// Replaces all holds by those of a state that was loaded.
+  void restore(const std::vector<SavedHold> &saved);
   void clear() { holds_.clear(); }
 
  private:

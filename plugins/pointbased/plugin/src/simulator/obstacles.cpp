@@ -39,15 +39,41 @@ void Obstacles::add(const c3de_sim_obstacle *obstacle, c3de_handle *out) {
 
 void Obstacles::placeInstrument(ChangeAccess, ProbeTool tool) {
   tool.name = table_.freeInstrumentName();
+  auto [built, record] = instrumentOf(std::move(tool));
+  eraseInstruments();
+  const std::uint64_t id = simulator_.world().addInstrument(std::move(built));
+  table_.addInstrument(id, record);
+}
+
+std::vector<SavedInstrument> Obstacles::savedInstruments() const {
+  std::vector<SavedInstrument> all;
+  for (const auto &[id, record] : table_.obstacles()) {
+    if (!simulator_.world().isInstrument(id)) continue;
+    const ProbeTool &tool = *record.tool;
+    all.push_back({tool.name, tool.radius, tool.length, tool.friction, tool.path.front()});
+  }
+  return all;
+}
+
+Obstacles::RestoredInstruments Obstacles::prepare(const std::vector<SavedInstrument> &saved) const {
+  RestoredInstruments all;
+  for (const SavedInstrument &one : saved) {
+    requireFinite("the instrument", one.radius, one.length, one.friction, one.pose.time, one.pose.at, one.pose.axis);
+    auto [obstacle, record] = instrumentOf({one.name, one.radius, one.length, one.friction, {one.pose}});
+    all.obstacles.push_back(std::move(obstacle));
+    all.records.push_back(std::move(record));
+  }
+  return all;
+}
+
+// At rest in the first pose of its path.
+std::pair<Obstacle, ObstacleRecord> Obstacles::instrumentOf(ProbeTool tool) const {
   tool.path.resize(1, tool.path.empty() ? ToolPose() : tool.path.front());
   tool.path.push_back(tool.path.front());
   tool.path.back().time = tool.path.front().time + 1.0;
   auto built = obstacleOf(tool);
   if (!built) throw Error(C3DE_E_ARG, built.error());
-  const ObstacleRecord record{tool.name, meshOf(world_.context.services, tool), tool.friction, 0.0, {}, tool};
-  eraseInstruments();
-  const std::uint64_t id = simulator_.world().addInstrument(std::move(*built));
-  table_.addInstrument(id, record);
+  return {std::move(*built), {tool.name, meshOf(world_.context.services, tool), tool.friction, 0.0, {}, tool}};
 }
 
 void Obstacles::moveInstrument(ChangeAccess, const Vec3 &middle) {

@@ -3,6 +3,7 @@
 
 #include "simulator/attachments.h"
 #include "simulator/change_kinds.h"
+#include "simulator/saved_interactions.h"
 
 namespace pointbased {
 
@@ -46,8 +47,16 @@ class Obstacles {
   /// if there were attachments or skin is now where the obstacle is; otherwise its state is kept.
   void restore(ChangeAccess access, const RestoreObstacle &what);
   void clear(ChangeAccess) { removed_.clear(); }
+  [[nodiscard]] std::vector<SavedInstrument> savedInstruments() const;
+  /// Instruments of a state that is to be loaded. Throws sdk::Error; nothing has changed then.
+  struct RestoredInstruments {
+    std::vector<ObstacleRecord> records;
+    std::vector<Obstacle> obstacles;
+  };
+  [[nodiscard]] RestoredInstruments prepare(const std::vector<SavedInstrument> &saved) const;
 
  private:
+  [[nodiscard]] std::pair<Obstacle, ObstacleRecord> instrumentOf(ProbeTool tool) const;
   std::uint64_t insert(const RemovedObstacle &what);
   void resetIfOverlapping(std::uint64_t obstacle, bool isAttached);
   void eraseInstruments();

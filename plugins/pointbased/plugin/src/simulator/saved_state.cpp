@@ -14,6 +14,9 @@ using sdk::Error;
 
 namespace {
 
+/// Precedes the interactions. The bytes of StateArchive begin with another number.
+constexpr std::uint64_t kInteractions = 0x3153'4e4f'4954'4341;
+
 std::span<const double> numbersOf(const Vec3 &v) { return {v.data(), 3}; }
 
 /// Adds many vectors by their bit patterns.
@@ -171,10 +174,30 @@ sdk::SceneRecord SavedState::sceneRecord() const {
 }
 
 std::string SavedState::bytes(ChangeAccess) {
-  if (forces_.hasLoads()) throw Error(C3DE_E_STATE, "loads added at run time act on it; remove them first");
+  SavedInteractions interactions{obstacles_.savedInstruments(), grasps_.saved(), holds_.saved(), forces_.saved()};
   const auto state = simulator_.archive().save();
   if (!state) throw Error(C3DE_E_STATE, state.error());
-  return sceneRecord().bytes() + *state;
+  std::string bytes = bytesOf(interactions);
+  ByteWriter header;
+  auto marker = kInteractions, size = static_cast<std::uint64_t>(bytes.size());
+  header.number(marker);
+  header.number(size);
+  return sceneRecord().bytes() + header.bytes() + bytes + *state;
+}
+
+SavedInteractions SavedState::takeInteractions(std::string_view &bytes) {
+  constexpr std::size_t kHeader = 2 * sizeof(std::uint64_t);
+  std::uint64_t marker = 0, size = 0;
+  if (bytes.size() < kHeader) return {};
+  ByteReader header(bytes.substr(0, kHeader));
+  header.number(marker);
+  header.number(size);
+  if (marker != kInteractions) return {};
+  bytes.remove_prefix(kHeader);
+  if (size > bytes.size()) throw Error(C3DE_E_FORMAT, "the state ends too early");
+  const auto interactions = changeOf<SavedInteractions>(bytes.substr(0, size));
+  bytes.remove_prefix(size);
+  return interactions;
 }
 
 void SavedState::load(const void *bytes, std::uint64_t n) {
@@ -185,11 +208,22 @@ void SavedState::load(const void *bytes, std::uint64_t n) {
   if (!of) throw Error(C3DE_E_FORMAT, "the state ends too early, or is of another version of the plugin");
   if (const std::string differences = sceneRecord().differencesFrom(*of); !differences.empty())
     throw Error(C3DE_E_ARG, "the state belongs to another scene: " + differences);
-  const auto gone = simulator_.archive().load(state);
+  const SavedInteractions interactions = takeInteractions(state);
+  for (const SavedHold &hold : interactions.holds) (void)table_.bodyNamed(hold.body);
+  const auto grabIds = grasps_.grabIds(interactions.grasps);
+  auto loads = forces_.prepare(interactions.loads);
+  auto instruments = obstacles_.prepare(interactions.instruments);
+  const auto loaded = simulator_.archive().load(state, std::move(instruments.obstacles));
   table_.syncInstruments(simulator_);
-  if (!gone) throw Error(C3DE_E_FORMAT, gone.error());
-  forces_.removeLoads();
-  holds_.clear();
+  if (!loaded) throw Error(C3DE_E_FORMAT, loaded.error());
+  table_.clearInstrumentHistory();
+  for (std::size_t i = 0; i < loaded->size(); ++i) table_.addInstrument((*loaded)[i], instruments.records[i]);
+  holds_.restore(interactions.holds);
+  for (const auto &[id, record] : table_.bodies())
+    for (ActiveGrab &active : simulator_.body(id)->grabs)
+      if (const auto found = grabIds.find(active.id); found != grabIds.end()) active.id = found->second;
+  grasps_.restore(interactions.grasps);
+  forces_.restore(std::move(loads));
 }
 
 }  // namespace pointbased

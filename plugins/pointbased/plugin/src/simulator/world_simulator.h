@@ -36,7 +36,7 @@ struct SimulatorParts {
   Obstacles obstacles{world, attachments};
   BodyQueries queries{world};
   BodyVerifier verifier{world, snapshots};
-  SavedState savedState{world, forces, holds};
+  SavedState savedState{world, forces, holds, grasps, obstacles};
   Checkpoints checkpoints{world, grasps};
   Changes changes{*this};
   ChangingCalls calls{*this};

@@ -23,10 +23,11 @@ bool PinchTool::onEvent(const c3de_event &event) {
     return false;
   }
   if (event.type == C3DE_EVENT_MOVE) {
+    if (hold_->isRestored) return false;
     drag(event);
     return true;
   }
-  if (isLeftRelease || (event.type == C3DE_EVENT_KEY && event.key == 27)) {
+  if ((isLeftRelease && !hold_->isRestored) || (event.type == C3DE_EVENT_KEY && event.key == 27)) {
     release();
     return true;
   }
@@ -34,10 +35,11 @@ bool PinchTool::onEvent(const c3de_event &event) {
 }
 
 bool PinchTool::press(const c3de_event &event) {
-  if (!simulator_ || hold_) return false;
+  if (!simulator_ || (hold_ && !hold_->isRestored)) return false;
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
   const std::optional<PickRay> ray = rayOf(services_, simulator_->node(), event);
   if (!snapshot || !ray) return false;
+  release();
   refusal_.clear();
   if (sdk::isInSlice(event)) {
     const BodySnapshot *body = bodyAt(*snapshot, ray->origin);
@@ -157,9 +159,21 @@ void PinchTool::release() {
   if (!hold_) return;
   if (simulator_) simulator_->abandonLongStep();
   change([id = hold_->body](const BodyQueries &queries) { return ReleasePinch{queries.nameOfBody(id)}; });
-  history_.end("pull on " + hold_->what);
+  if (!hold_->isRestored) history_.end("pull on " + hold_->what);
+  releasing_ = hold_->body;
   hold_.reset();
   hideMarker();
+}
+
+void PinchTool::showRestored(const Snapshot &snapshot) {
+  if (const BodySnapshot *body = snapshot.body(releasing_); !body || !body->grab) releasing_ = 0;
+  const auto held = std::find_if(snapshot.bodies.begin(), snapshot.bodies.end(), [this](const BodySnapshot &body) {
+    return body.grab.has_value() && body.id != releasing_;
+  });
+  if (held == snapshot.bodies.end()) return;
+  const Vec3 &at = held->grab->point;
+  hold_ = Hold{held->id, held->name, std::nullopt, at, at, 0.0, 0.0, {}, true};
+  grabOffset_.setZero();
 }
 
 void PinchTool::cancel() {
@@ -175,7 +189,8 @@ void PinchTool::showMarker(const BodySnapshot &body) {
                                                       kMarkerRadius * body.rest->spacing, kForce))
     marker_ = std::move(*made);
   showArrow(arrow_, hold_->point, hold_->target - hold_->point);
-  const std::string &idle = hold_->idleReason, force = fixed(hold_->force, 2) + " N";
+  const std::string force = fixed(hold_->force, 2) + " N";
+  const std::string idle = hold_->isRestored ? "Esc releases it" : hold_->idleReason;
   showLabel(label_, hold_->target, idle.empty() ? force : hold_->force == 0.0 ? idle : force + "    " + idle, kForce);
 }
 
@@ -187,9 +202,16 @@ void PinchTool::hideMarker() {
 
 void PinchTool::update() {
   history_.update();
-  if (!hold_ || !simulator_) return;
+  if (!simulator_) return;
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
+  if (!hold_ && snapshot) showRestored(*snapshot);
+  if (!hold_) return;
   const BodySnapshot *body = snapshot ? snapshot->body(hold_->body) : nullptr;
+  if (hold_->isRestored && body && !body->grab) {  // released by a reset or by undo
+    hold_.reset();
+    hideMarker();
+    return;
+  }
   if (!body || (hold_->surfel && *hold_->surfel >= body->surfels.size())) {
     release();
     return;

@@ -13,7 +13,7 @@ namespace pointbased {
 /// spring pulls its phyxels; in a slice it pulls within the slice plane. Release or Escape: the grab is released. A
 /// marker shows the position, an arrow the pull, a label the force. While the simulation does not play, the label
 /// states this, and the pull acts as soon as it plays. Where nothing can be grabbed, a label states why until the
-/// button is released.
+/// button is released. A grab of a state that was loaded is shown; Escape or the next press releases it.
 class PinchTool : public InteractiveTool {
  public:
   explicit PinchTool(const Services &services);
@@ -35,6 +35,7 @@ class PinchTool : public InteractiveTool {
     double force = 0.0;                 ///< N
     double mass = 0.0;                  ///< kg, held mass
     std::string idleReason;             ///< InteractiveTool::idleReason()
+    bool isRestored = false;            ///< of a state that was loaded: no button is pressed
   };
   [[nodiscard]] const std::optional<Hold> &hold() const { return hold_; }
   /// Why the last press grabbed nothing. Empty if it did, or if it hit nothing in the 3D view.
@@ -49,6 +50,8 @@ class PinchTool : public InteractiveTool {
   void begin(const BodySnapshot &body, Grab grab, std::optional<std::size_t> surfel, const Vec3 &pressedPoint);
   void showRefusal(const Vec3 &position, const std::string &why);
   void updateHold(const BodySnapshot &body);
+  /// Shows a grab that this tool has not begun.
+  void showRestored(const Snapshot &snapshot);
   void drag(const c3de_event &event);
   void release();
   void showMarker(const BodySnapshot &body);
@@ -60,6 +63,7 @@ class PinchTool : public InteractiveTool {
   Vec3 planePoint_ = Vec3::Zero();
   Vec3 grabOffset_ = Vec3::Zero();  // grabbed point minus the point under the mouse
   std::string refusal_;
+  std::uint64_t releasing_ = 0;  // body whose grab the snapshot may still show; 0: none
   sdk::Proxy marker_, arrow_, label_;
 };
 

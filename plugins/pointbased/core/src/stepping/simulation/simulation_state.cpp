@@ -83,6 +83,7 @@ bool SimulationState::removeObstacle(std::size_t id) {
   obstacles.all.erase(obstacles.all.begin() + number);
   obstacles.ids.erase(found);
   obstacles.ownMotions.erase(id);
+  obstacles.guidances.erase(id);
   placed.erase(id);
   warnings.erase(id);
   removeAttachmentsOf(id);
@@ -104,10 +105,19 @@ void SimulationState::setMotion(std::size_t id, ObstacleMotion motion) {
   updateSurroundings();
 }
 
+void SimulationState::guide(std::size_t id, const Guidance &guidance) {
+  const Obstacle *found = obstacle(id);
+  if (!found) return;
+  obstacles.ownMotions.emplace(id, found->motion);
+  obstacles.guidances.insert_or_assign(id, guidance);
+  setMotion(id, guidance.motion());
+}
+
 void SimulationState::reset() {
   for (const std::size_t id : std::set<std::size_t>(obstacles.instruments)) removeObstacle(id);
   for (const auto &[id, motion] : std::map<std::size_t, ObstacleMotion>(obstacles.ownMotions)) setMotion(id, motion);
   obstacles.ownMotions.clear();
+  obstacles.guidances.clear();
   for (auto &[id, stepper] : bodies) {
     const bool renewed = stepper->body().rereferenceCount() > 0;
     stepper->reset();

@@ -17,11 +17,21 @@ namespace pointbased::detail {
 
 using ObstacleMotion = std::function<RigidMotion(double t)>;
 
+/// Motion of a guided obstacle: at constant rates from one pose to another, where it stays. It rotates by the smaller
+/// angle.
+struct Guidance {
+  RigidMotion from, to;                // about the same centre
+  double begin = 0.0, duration = 0.0;  // s, or load factor
+
+  [[nodiscard]] ObstacleMotion motion() const;
+};
+
 struct ObstacleSet {
   std::vector<Obstacle> all;
   std::vector<std::size_t> ids;  // of these
   std::set<std::size_t> instruments;
-  std::map<std::size_t, ObstacleMotion> ownMotions;  // of guided obstacles
+  std::map<std::size_t, ObstacleMotion> ownMotions;  // of guided obstacles: those that reset() restores
+  std::map<std::size_t, Guidance> guidances;         // their present motions
 };
 
 struct ContactData {
@@ -87,6 +97,8 @@ struct SimulationState {
   bool removeObstacle(std::size_t id);
   /// For an obstacle, and for what is attached to it. Empty: static.
   void setMotion(std::size_t obstacle, ObstacleMotion motion);
+  /// setMotion() until reset().
+  void guide(std::size_t obstacle, const Guidance &guidance);
   bool removeAttachment(std::size_t id);
   void removeAttachmentsOf(std::size_t id);
   /// Call after a change of attachments, masses or what moves.

@@ -16,21 +16,19 @@ RigidMotion about(const Vec3 &centre, const RigidMotion &motion) {
   return {motion.rotation, centre, motion.displacementOf(centre)};
 }
 
-// Motion at constant rates from one pose to another, by the smaller rotation.
-Motion between(const RigidMotion &from, const RigidMotion &to, double begin, double duration) {
-  const RigidMotion start = about(to.centre, from);
-  const Eigen::AngleAxisd turn(to.rotation * start.rotation.transpose());
-  return [start, to, turn, begin, duration](double t) {
-    if (!(t < begin + duration)) return to;
-    const double s = std::max(0.0, (t - begin) / duration);
-    RigidMotion now = start;
-    now.rotation = Eigen::AngleAxisd(s * turn.angle(), turn.axis()).toRotationMatrix() * start.rotation;
-    now.displacement += s * (to.displacement - start.displacement);
+}  // namespace
+
+Motion detail::Guidance::motion() const {
+  const Eigen::AngleAxisd turn(to.rotation * from.rotation.transpose());
+  return [course = *this, turn](double t) {
+    if (!(t < course.begin + course.duration)) return course.to;
+    const double s = std::max(0.0, (t - course.begin) / course.duration);
+    RigidMotion now = course.from;
+    now.rotation = Eigen::AngleAxisd(s * turn.angle(), turn.axis()).toRotationMatrix() * course.from.rotation;
+    now.displacement += s * (course.to.displacement - course.from.displacement);
     return now;
   };
 }
-
-}  // namespace
 
 std::size_t World::addObstacle(Obstacle obstacle) {
   ++state_.historyEpoch;
@@ -84,14 +82,13 @@ void World::guideObstacle(std::size_t id, const RigidMotion &target, double dura
   const bool standsStill =
       state_.obstacles.instruments.contains(id) || state_.placed.contains(id) || !motionAtReset(id);
   const bool begins = state_.progress.steps == 0 && standsStill;
-  Motion motion = between(obstacleMotion(id), target, state_.rampTime(), begins ? 0.0 : duration);
-  if (begins) {
-    state_.placed.insert(id);
-    state_.obstacles.ownMotions.erase(id);
-  } else {
-    state_.obstacles.ownMotions.emplace(id, found->motion);
-  }
-  state_.setMotion(id, std::move(motion));
+  const detail::Guidance guidance{about(target.centre, obstacleMotion(id)), target, state_.rampTime(),
+                                  begins ? 0.0 : duration};
+  if (!begins) return state_.guide(id, guidance);
+  state_.placed.insert(id);
+  state_.obstacles.ownMotions.erase(id);
+  state_.obstacles.guidances.erase(id);
+  state_.setMotion(id, guidance.motion());
 }
 
 }  // namespace pointbased
