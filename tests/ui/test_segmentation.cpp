@@ -51,6 +51,11 @@ std::string pickedText(std::size_t voxels) {
                      static_cast<double>(voxels) * kSpacing_mm * kSpacing_mm * kSpacing_mm / 1000.0, voxels);
 }
 
+bool hasNode(const Json &state, const std::string &name) {
+  return std::any_of(state["nodes"].begin(), state["nodes"].end(),
+                     [&](const Json &node) { return node["name"] == name; });
+}
+
 /// In the axial view of an image along the axes, not zoomed.
 Point axialPixel(const WorkstationDriver &window, const Vec3 &world) {
   return window.inSlice("axial", world[0], world[1]);
@@ -117,6 +122,19 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and becomes 
   CHECK(state["notifications"][0]["title"] == "Body created: liver");
   window.moveTo(axialPixel(window, {0, -45, 0}));
   window.screenshot("made");
+
+  // Undo removes the body and picks the structure again; redo returns the body with its state.
+  window.key("space");
+  const Json paused = C3DE_WAIT(window, "it pauses", s["transport"]["mode"] == "paused");
+  window.key("ctrl+z");
+  C3DE_WAIT(window, "the body is removed", s["transport"]["exists"] == false && s["jobs"].empty());
+  window.waitForValue("segmentation/Picked", pickedText(phantom.organ + phantom.cavity));
+  window.screenshot("undone");
+  window.key("ctrl+y");
+  const Json again = C3DE_WAIT(window, "the body is there again",
+                               s["jobs"].empty() && s["transport"]["steps"] == paused["transport"]["steps"]);
+  CHECK(hasNode(again, "liver"));
+  window.screenshot("redone");
 }
 
 namespace {
@@ -146,11 +164,6 @@ imaging::LabelMap manyLabels() {
     at(59, 59, v) = v;
   }
   return map;
-}
-
-bool hasNode(const Json &state, const std::string &name) {
-  return std::any_of(state["nodes"].begin(), state["nodes"].end(),
-                     [&](const Json &node) { return node["name"] == name; });
 }
 
 Json notification(const Json &state, const std::string &title) {
@@ -245,10 +258,15 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   window.moveTo(axialPixel(window, {0, -45, 0}));
   window.screenshot("created");
 
-  // Keys do not overlay the bodies' source labels; the panel does, and reports it.
+  // Undo removes the body and picks its label again; the others stay. Redo returns it.
   window.key("ctrl+z");
-  window.waitFrames(3);
-  CHECK(textOf(window.state(), "image/preview") == "none");
+  C3DE_WAIT(window, "the trunk is removed",
+            s["jobs"].empty() && !hasNode(s, "muscle_trunk") && hasNode(s, "kidney_left"));
+  C3DE_WAIT(window, "it is picked again", textOf(s, "segmentation/Picked").ends_with(" 125000 voxels"));
+  window.key("ctrl+y");
+  C3DE_WAIT(window, "the trunk is there again",
+            s["jobs"].empty() && hasNode(s, "muscle_trunk") && textOf(s, "image/preview") == "none");
+  C3DE_WAIT(window, "it plays", s["transport"]["mode"] == "playing");
   // The same body is refused a second time, and the simulation continues.
   window.click("segmentation/undo");
   // The panel grows row by row until the mask is shown, and the rows below move.

@@ -202,6 +202,7 @@ void SessionController::begin() {
 }
 
 void SessionController::onLoaded(const std::shared_ptr<const WorkstationLoader::OpenedSession> &session) {
+  if (session && !session->action.empty()) return onReplaced();
   begin();
   const bool isRecovered = session && session->file.parent_path() == recoveryFolder();
   if (!isRecovered) baseline_ = present();
@@ -260,6 +261,11 @@ void SessionController::onImageShown() {
 }
 
 void SessionController::onClosed() { begin(); }
+
+void SessionController::onReplaced() {
+  ++serial_;
+  baseline_.reset();
+}
 
 void SessionController::autosaveIfDue() {
   const Clock::time_point now = Clock::now();

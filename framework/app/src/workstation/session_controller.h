@@ -53,6 +53,12 @@ class SessionController {
   void stop(bool isInterrupted) { recovery_.stop(isInterrupted); }
   /// Offers what runs that ended without saving have left.
   void offerRecovery();
+  /// Undo or redo has replaced the simulation, or removed it: what is saved, and where, is unchanged.
+  void onReplaced();
+  using Captured = std::shared_ptr<Expected<CapturedState>>;
+  /// Captures the present simulation between two steps; without one, a state without a source. `done` is called on the
+  /// main thread.
+  void capture(std::function<void(Captured)> done);
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -62,13 +68,10 @@ class SessionController {
     std::uint64_t changes = 0, steps = 0;
     friend bool operator==(const Baseline &, const Baseline &) = default;
   };
-  using Captured = std::shared_ptr<Expected<CapturedState>>;
 
   [[nodiscard]] Baseline present() const;
   [[nodiscard]] std::string title() const;
   [[nodiscard]] ShownView shownView() const;
-  /// Captures the present simulation between two steps; `done` is called on the main thread.
-  void capture(std::function<void(Captured)> done);
   void save(const std::filesystem::path &file, std::function<void()> saved);
   void write(const std::filesystem::path &file, const Captured &captured, const Baseline &baseline,
              const ShownView &shown, const std::function<void()> &saved);

@@ -34,6 +34,7 @@
 #include "workstation/recording_controller.h"
 #include "workstation/session_controller.h"
 #include "workstation/simulation_controller.h"
+#include "workstation/simulation_history.h"
 #include "workstation/tissue_surface_controller.h"
 #include "workstation/tissue_table_controller.h"
 #include "workstation/warp_controller.h"
@@ -83,6 +84,7 @@ class Workstation {
   void onImageShown();
   void closeImage();
   void closeSimulation();
+  void removeSimulation();
   void onBodiesJoined(bool isNew);
   void onLoaded(const WorkstationLoader::Loaded &loaded);
   void beginTissues(std::vector<TissueVoxels> bodies);
@@ -108,6 +110,7 @@ class Workstation {
   std::optional<ExportController> exports_;
   std::optional<RecordingController> recording_;
   std::optional<SessionController> sessions_;
+  std::optional<SimulationHistory> history_;
   std::unique_ptr<Session> session_;
   std::optional<TissueSurfaceController> tissueSurfaces_;  ///< uses the session's tree
   bool playsWhenLoaded_ = false;
@@ -178,18 +181,24 @@ void Workstation::createControllers() {
   events.failed = failed;
   events.createBodies = [this](std::vector<segmentation::BodyRequest> requests) {
     recording_->end("Bodies are added.");
-    bodyCreation_->createBodies(std::move(requests));
+    history_->captureBefore([this, requests = std::move(requests)] { bodyCreation_->createBodies(requests); });
   };
-  events.createScanBody = [this](const std::string &scene) { bodyCreation_->createScanBody(scene); };
+  events.createScanBody = [this](const std::string &scene) {
+    history_->captureBefore([this, scene] { bodyCreation_->createScanBody(scene); });
+  };
   events.closeSimulation = [this] { closeSimulation(); };
   images_.emplace(session, *renderer_, panels_, std::move(events));
   tissueTable_.emplace(images_->views(), [this] { window_->wake(); });
   warp_.emplace(session, *images_, tissueTable_->tracker(), failed);
-  bodyCreation_.emplace(BodyCreationController::Parts{session, panels_, tools_, *loader_, *images_},
-                        BodyCreationController::Events{[this](bool isNew) { onBodiesJoined(isNew); }, failed});
+  bodyCreation_.emplace(
+      BodyCreationController::Parts{session, panels_, tools_, *loader_, *images_},
+      BodyCreationController::Events{[this](bool isNew) { onBodiesJoined(isNew); },
+                                     [this](const std::string &label) { history_->add(label); }, failed});
   exports_.emplace(ExportController::Parts{session, panels_, *images_, *warp_, *tissueTable_, failed});
   recording_.emplace(RecordingController::Parts{session, panels_, edits_, failed});
   sessions_.emplace(SessionController::Parts{session, panels_, *loader_, *images_, *window_, failed});
+  history_.emplace(SimulationHistory::Parts{session, panels_, edits_, *loader_, *images_, *sessions_,
+                                            [this] { removeSimulation(); }, failed});
   tissueSurfaces_.emplace(session, *renderer_);
   session.setPublishedHook([this](const scene::Simulation &simulation) {
     tissueTable_->tracker().onPublished(simulation, warp_->onPublished(simulation), warp_->wanted());
@@ -321,12 +330,16 @@ void Workstation::closeImage() {
   window_->requestFit();
 }
 
-/// Image and labels are kept.
 void Workstation::closeSimulation() {
+  removeSimulation();
+  sessions_->onClosed();
+}
+
+/// Image and labels are kept.
+void Workstation::removeSimulation() {
   tools_.cancelActive();
   recording_->end("The simulation was closed.");
   session_->closeSimulation();
-  sessions_->onClosed();
   warp_->setSettings({});
   images_->onBodiesRemoved();
   images_->showMissing({}, true);

@@ -101,9 +101,10 @@ Expected<scene::SceneFile> WorkstationLoader::sceneOf(const Source &source) cons
 
 void WorkstationLoader::load(Source source, bool isReload) {
   const bool isText = !source.text.empty();
-  if (source.files.empty() && !isText) return;
+  if (source.files.empty() && !isText && !source.session) return;
   const std::string name = isText ? "the body of the scan" : namesOf(source.files);
   const std::string title = (isText ? "Could not make " : "Could not open ") + name;
+  const std::string action = source.session ? source.session->action : std::string();
   const auto failed = [this, title, done = source.done](const Error &error) {
     if (done)
       done(tl::unexpected(error));
@@ -113,7 +114,8 @@ void WorkstationLoader::load(Source source, bool isReload) {
   if (!session_.simulation()) source_ = source;
   auto scene = sceneOf(source);
   if (!scene) return failed(scene.error());
-  const auto identity = session_.chooseSimulator(scene->simulatorClass);
+  const auto identity =
+      session_.chooseSimulator(action.empty() ? scene->simulatorClass : source.session->saved.simulatorClass);
   if (!identity) return failed(identity.error());
   auto created = session_.createSimulator(identity->classId);
   if (!created) return failed(created.error());
@@ -130,9 +132,10 @@ void WorkstationLoader::load(Source source, bool isReload) {
   const auto simulator = std::make_shared<ObjectRef>(*created);
   const auto shared = std::make_shared<const scene::SceneFile>(std::move(*scene));
   const auto prepared = std::make_shared<Prepared>();
-  const std::string sceneTitle = shared->title.empty() ? name : shared->title;
+  std::string sceneTitle = source.session ? source.session->title : std::string();
+  if (sceneTitle.empty()) sceneTitle = shared->title.empty() ? name : shared->title;
   job_ = session_.jobs().submit(
-      kJobOwner, (isText ? "Making " : "Opening ") + name,
+      kJobOwner, !action.empty() ? action : (isText ? "Making " : "Opening ") + name,
       [this, simulator, shared, prepared, placed, needsFloor, opened = source.session,
        identity = *identity](const ProgressFn &progress) -> Expected<void> {
         if (auto populated = session_.populate(simulator->get(), *shared, progress, prepared.get()); !populated)

@@ -23,6 +23,8 @@ class WorkstationLoader {
     SessionFile saved;
     std::vector<FoundFile> files;
     SimulationSource source;  ///< empty: no simulation, only an image
+    std::string action;       ///< undo or redo that restores it: "undo create liver"; empty: it was opened
+    std::string title;        ///< of the simulation; empty: that of its scene
   };
   struct Loaded {
     bool isReload = false;                         ///< the same files as before
@@ -53,6 +55,11 @@ class WorkstationLoader {
   void openSession(std::shared_ptr<const OpenedSession> session) {
     load({{session->file}, {}, {}, {}, session}, false);
   }
+  /// Builds a simulation of undo or redo with its state. Ends a running load.
+  /// @param done  receives the result, instead of Events::failed
+  void restore(std::shared_ptr<const OpenedSession> session, std::function<void(const Expected<void> &)> done) {
+    load({{}, {}, {}, std::move(done), session}, true);
+  }
   /// Opens a scene written in the window for the image that is open there. Ends a running load.
   /// @param done  receives the result, instead of Events::failed; also if another load has ended this one
   void openText(const std::string &scene, std::function<void(const Expected<void> &)> done) {
@@ -71,7 +78,7 @@ class WorkstationLoader {
     std::vector<std::filesystem::path> files;
     std::string meshUnit;
     std::string text;
-    std::function<void(const Expected<void> &)> done;  ///< of a text
+    std::function<void(const Expected<void> &)> done;  ///< of a text, or of undo
     std::shared_ptr<const OpenedSession> session;      ///< null: not from a session
   };
   void load(Source source, bool isReload);

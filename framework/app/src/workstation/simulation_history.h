@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "app.h"
+#include "c3de/core/handle.h"
+#include "c3de/registry/edit_list.h"
+#include "c3de/registry/panel_registry.h"
+#include "c3de/session/saved_session.h"
+#include "c3de/session/session.h"
+#include "workstation/messages.h"
+#include "workstation/session_controller.h"
+#include "workstation/workstation_images.h"
+#include "workstation/workstation_loader.h"
+
+namespace c3de::app {
+
+/// Undo steps for bodies created from an image. Undo builds the simulation again as it was before, with its state; redo
+/// as it was when it was undone. Main thread. Must outlive the session's jobs and simulation.
+class SimulationHistory {
+ public:
+  struct Parts {
+    Session &session;
+    registry::PanelRegistry &panels;
+    registry::EditList &edits;
+    WorkstationLoader &loader;
+    WorkstationImages &images;
+    SessionController &sessions;
+    std::function<void()> removeSimulation;
+    ReportError failed;
+  };
+  explicit SimulationHistory(Parts parts) : parts_(std::move(parts)) {}
+  ~SimulationHistory();
+  SimulationHistory(const SimulationHistory &) = delete;
+  SimulationHistory &operator=(const SimulationHistory &) = delete;
+
+  /// Captures the present simulation, then calls `act`.
+  void captureBefore(const std::function<void()> &act);
+  /// What began with the last captureBefore() has succeeded. No effect if its capture failed. @param label  "create liver"
+  void add(const std::string &label);
+
+ private:
+  /// A simulation at one time; without a source there is none.
+  struct Version {
+    CapturedState captured;
+    std::string title;
+  };
+  struct Step {
+    SimulationHistory *history = nullptr;
+    std::uint64_t number = 0;
+    std::string label;
+    std::shared_ptr<const Version> other;  ///< what undo, or redo, restores
+    Handle edit;
+    bool isPickedAgain = false;  ///< undo has picked the structure of the body
+  };
+  using SharedVersion = std::shared_ptr<const Version>;
+
+  template <bool isUndo>
+  static c3de_status C3DE_CALL call(void *self) noexcept;
+  static void C3DE_CALL release(void *self) noexcept;
+  void captureVersion(std::function<void(const Expected<SharedVersion> &)> done);
+  void exchange(Step &step, bool isUndo);
+  void restore(std::uint64_t number, bool isUndo, bool isPlaying, const SharedVersion &present);
+  void onRestored(std::uint64_t number, bool isUndo, bool isPlaying, const SharedVersion &present);
+  void keepWithinBudget();
+
+  Parts parts_;
+  std::map<std::uint64_t, std::unique_ptr<Step>> steps_;  ///< by number
+  std::uint64_t lastNumber_ = 0;
+  SharedVersion before_;
+};
+
+}  // namespace c3de::app
