@@ -119,7 +119,7 @@ fs::path recoveryIn(const fs::path &home) {
 /// Wall-clock seconds between the time that a session names and a later time.
 double ageOf(const Json &described, std::time_t later) {
   std::tm utc{};
-  std::istringstream(described["saved_at"].get<std::string>()) >> std::get_time(&utc, "%Y-%m-%dT%H:%M:%S");
+  std::istringstream(described["saved"].get<std::string>()) >> std::get_time(&utc, "%Y-%m-%dT%H:%M:%S");
   return std::difftime(later, timegm(&utc));
 }
 
@@ -149,7 +149,7 @@ void checkKill(std::uint64_t seed) {
         makeSureItPlays(window);
         walk.act();
       }
-    } catch (const std::runtime_error &) {  // the window is not there any more
+    } catch (const std::exception &) {  // the window is not there any more
     }
     killer.join();
   }
