@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sessions in the window: saved, opened, asked about, recovered after a crash.
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
@@ -177,4 +178,33 @@ TEST_CASE("a recorded pull is repeated with equal state hashes by any number of 
     INFO(replayed->errorOutput);
     CHECK(replayed->exitCode == 0);
   }
+}
+
+TEST_CASE("a recovery file that cannot be written is reported once, and the simulation continues",
+          "[session_unwritable]") {
+  C3DE_ORGAN_OR_SKIP();
+  // A file where the folder should be; C3DE_TEST_HOME may name a full disk instead.
+  fs::path home = freshFile("no_home");
+  std::ofstream(home) << "not a folder";
+  if (const char *given = std::getenv("C3DE_TEST_HOME")) home = given;
+  const ScopedEnvironment user("C3DE_HOME", home.string());
+  WorkstationDriver window("session_unwritable");
+  startOrgan(window);
+  play(window);
+  waitForMessage(window, "Autosave failed");
+  window.screenshot("reported");
+  const int steps = window.state()["transport"]["steps"];
+  // Two more attempts.
+  C3DE_WAIT(window, "it continues", s["transport"]["steps"].get<int>() > steps + 5000);
+  const std::string messages = window.state()["notifications"].dump();
+  const std::size_t first = messages.find("Autosave failed");
+  CHECK(first != std::string::npos);
+  CHECK(messages.find("Autosave failed", first + 1) == std::string::npos);
+  const fs::path file = freshFile("elsewhere.c3de");
+  window.moveTo(window.inView(0.9, 0.9));
+  window.key("ctrl+s");
+  window.enterFile(file);
+  waitForMessage(window, "Session saved");
+  CHECK(describe(file)["state_hash"].is_string());
+  window.kill();
 }

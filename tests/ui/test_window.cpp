@@ -47,15 +47,15 @@ TEST_CASE("the window opens with its menus and closes by Ctrl+Q", "[start]") {
   CHECK(window.state()["closing"] == true);
 }
 
-TEST_CASE("without arguments the window opens the head of many tissues, and no message", "[default_scene]") {
+TEST_CASE("with --play and no file the window plays the head of many tissues, and no message", "[default_scene]") {
   C3DE_WINDOW_OR_SKIP();
   if (!std::filesystem::exists("/usr/share/mricron/templates/ch2.nii.gz"))
     C3DE_SKIP("the scan of the default scene is not installed (Debian package mricron-data)");
   WorkstationDriver window("default_scene");
-  window.start(std::vector<std::string>{});
+  window.start({"--play"});
   const Json state = C3DE_WAIT(window, "a scene is open",
                                s["transport"]["exists"].get<bool>() && s["jobs"].empty() && s["panes"].size() == 4);
-  window.screenshotAtRest("head");
+  window.screenshot("head");
   CHECK(state["notifications"].empty());
   CHECK(window.value("image/name") == "ch2.nii.gz");
 }

@@ -53,7 +53,7 @@ int runCommandLine(int argc, char **argv, StudyRanks *ranks) {
   CommandLine line{argc, argv, kOpenWindow, ranks};
   CLI::App app(
       "Workstation for medical images that hosts simulation plugins.\n"
-      "Without a command: open the workstation on FILES, or on a default scene.",
+      "Without a command: open the workstation on FILES, or on its start page.",
       "c3de");
   app.set_help_flag("-h,--help", "Show this help");
   app.require_subcommand(0, 1);

@@ -69,3 +69,58 @@ TEST_CASE("No picture is kept for a framebuffer that smooths edges, or without p
   glDeleteFramebuffers(1, &framebuffer);
   glDeleteRenderbuffers(1, &colour);
 }
+
+TEST_CASE("A kept picture and a framebuffer that smooths edges are read, top row first") {
+  C3DE_GL_OR_SKIP(gl);
+  const auto paint = [] {
+    glDisable(GL_SCISSOR_TEST);
+    glClearColor(0, 0, 1, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(0, 32, 64, 32);  // the upper half
+    glClearColor(1, 0, 0, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+    glDisable(GL_SCISSOR_TEST);
+  };
+  const auto check = [](const std::optional<Image> &image) {
+    REQUIRE(image);
+    CHECK(image->width == 40);
+    REQUIRE(image->height == 50);
+    const auto pixel = [&](int row) {
+      const auto at = static_cast<std::size_t>(3 * 40 * row);
+      return std::vector<int>{image->rgb[at], image->rgb[at + 1], image->rgb[at + 2]};
+    };
+    CHECK(pixel(0) == std::vector<int>{255, 0, 0});
+    CHECK(pixel(21) == std::vector<int>{255, 0, 0});
+    CHECK(pixel(22) == std::vector<int>{0, 0, 255});
+    CHECK(pixel(49) == std::vector<int>{0, 0, 255});
+  };
+  const Viewport part{10, 4, 40, 50};
+  {
+    const Target target(64, 64);
+    CachedPicture picture;
+    CHECK_FALSE(picture.read(part));
+    REQUIRE(picture.prepare(64, 64) == CachedPicture::State::empty);
+    picture.paint(paint);
+    check(picture.read(part));
+    CHECK_FALSE(picture.read({30, 4, 40, 50}));
+  }
+  FramebufferCopy copy;
+  CHECK_FALSE(copy.read());
+  GLuint framebuffer = 0, colour = 0;
+  glGenFramebuffers(1, &framebuffer);
+  glGenRenderbuffers(1, &colour);
+  glBindRenderbuffer(GL_RENDERBUFFER, colour);
+  glRenderbufferStorageMultisample(GL_RENDERBUFFER, 4, GL_RGB8, 64, 64);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour);
+  REQUIRE(glCheckFramebufferStatus(GL_FRAMEBUFFER) == static_cast<GLenum>(GL_FRAMEBUFFER_COMPLETE));
+  paint();
+  copy.take(part);
+  check(copy.read());
+  copy.take({0, 0, 0, 0});
+  CHECK_FALSE(copy.read());
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glDeleteRenderbuffers(1, &colour);
+  glDeleteFramebuffers(1, &framebuffer);
+}

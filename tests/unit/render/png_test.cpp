@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
+#include <fstream>
 
+#include "c3de/render/png_file.h"
 #include "c3de/render/renderer.h"
 #include "support/catch.h"
 
@@ -58,4 +60,25 @@ TEST_CASE("An image whose bytes do not fit its size is not written") {
   Image image = testImage();
   image.rgb.pop_back();
   CHECK(!writePng(outputFile("short.png"), image).has_value());
+}
+
+TEST_CASE("A PNG is read again, and a damaged one is refused by name") {
+  const Image image = testImage();
+  const std::filesystem::path file = outputFile("read_again.png");
+  REQUIRE(writePng(file.string(), image).has_value());
+  const auto read = readPng(file);
+  REQUIRE(read);
+  CHECK(read->width == image.width);
+  CHECK(read->height == image.height);
+  CHECK(read->rgb == image.rgb);
+
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+  const auto truncated = readPng(file);
+  REQUIRE_FALSE(truncated);
+  CHECK(truncated.error().code == ErrorCode::input);
+  CHECK_THAT(truncated.error().message, Contains("read_again.png") && Contains("not a readable PNG"));
+  std::ofstream(file, std::ios::trunc) << "";
+  CHECK_FALSE(readPng(file));
+  CHECK_FALSE(readPng(file.parent_path() / "absent.png"));
+  CHECK_FALSE(readPng(file.parent_path()));
 }

@@ -40,7 +40,7 @@ Expected<void> chooseFiles(const CommandLine &line, WorkstationOptions &options)
     if (!std::filesystem::exists(file, code)) return notThere(file);
     options.files.emplace_back(file);
   }
-  if (options.files.empty()) {
+  if (options.files.empty() && options.play) {
     const auto scene = findDefaultScene();
     if (!scene) return tl::unexpected(scene.error());
     options.files = {scene->file};
@@ -76,7 +76,7 @@ Handler declareWorkstation(CLI::App &app, CommandLine &line) {
                  "first are label maps");
   app.add_flag("--version", line.version, "Print product, ABI and (with --json) services");
   app.add_flag("--json", line.json, "With --version: as JSON");
-  app.add_flag("--play", options->play, "Play as soon as the scene is there");
+  app.add_flag("--play", options->play, "Play as soon as the scene is there; without FILES the default scene");
   addSize(app, line, "Size of the window, at most that of the screen");
   addFile(app, "--automation-state", options->automationState, "FILE",
           "Mirror the program's state to this file as JSON");

@@ -45,6 +45,8 @@ class SessionController {
   void onMade(bool isNew);
   void onImageShown();
   void onClosed();
+  /// Of the present session; empty: not saved yet.
+  [[nodiscard]] const std::filesystem::path &file() const { return file_; }
   /// Whether the present simulation differs from its file.
   [[nodiscard]] bool isModified() const;
   /// Called about once a second: writes what is not saved yet to the recovery file.

@@ -31,6 +31,7 @@
 #include "workstation/body_creation_controller.h"
 #include "workstation/export_controller.h"
 #include "workstation/plugin_problems.h"
+#include "workstation/recent_files_controller.h"
 #include "workstation/recording_controller.h"
 #include "workstation/session_controller.h"
 #include "workstation/simulation_controller.h"
@@ -80,6 +81,7 @@ class Workstation {
   [[nodiscard]] ui::WindowActions actions();
   [[nodiscard]] std::string unsaved();
   void open(const ui::OpenRequest &request);
+  [[nodiscard]] RecentFilesController::Shown shownFiles() const;
   void saveScreenshot();
   void onImageShown();
   void closeImage();
@@ -113,6 +115,8 @@ class Workstation {
   std::optional<SimulationHistory> history_;
   std::unique_ptr<Session> session_;
   std::optional<TissueSurfaceController> tissueSurfaces_;  ///< uses the session's tree
+  std::optional<RecentFilesController> recent_;            ///< its thread uses the session's queue
+  std::vector<std::filesystem::path> loadedFiles_;  ///< of the present simulation, unless it is that of a session
   bool playsWhenLoaded_ = false;
 };
 
@@ -200,6 +204,7 @@ void Workstation::createControllers() {
   history_.emplace(SimulationHistory::Parts{session, panels_, edits_, *loader_, *images_, *sessions_,
                                             [this] { removeSimulation(); }, failed});
   tissueSurfaces_.emplace(session, *renderer_);
+  recent_.emplace(RecentFilesController::Parts{session, panels_, *window_, [this] { return shownFiles(); }});
   session.setPublishedHook([this](const scene::Simulation &simulation) {
     tissueTable_->tracker().onPublished(simulation, warp_->onPublished(simulation), warp_->wanted());
   });
@@ -208,7 +213,7 @@ void Workstation::createControllers() {
 void Workstation::connectWindow() {
   window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
                     &images_->workflow(), &images_->scanBody(), &tissueTable_->table(), &edits_, &commands_,
-                    [this] { return listed(session_->meshFormats().extensions()); }},
+                    &recent_->page(), [this] { return listed(session_->meshFormats().extensions()); }},
                    actions());
   tools_.setMarkedPoint([this] {
     const ui::ImageViews &views = images_->views();
@@ -225,6 +230,7 @@ ui::WindowActions Workstation::actions() {
   exports_->connect(actions);
   recording_->connect(actions);
   sessions_->connect(actions);
+  recent_->connect(actions);
   plugins_->connect(actions, session_->plugins(),
                     [this](const std::string &title, const Error &error) { onFailed(title, error); });
   actions.open = [this](const ui::OpenRequest &request) { open(request); };
@@ -259,10 +265,12 @@ void Workstation::run() {
     ui::SimulationView simulation = simulation_->view();
     simulation.recording = recording_->fileName();
     if (showsNewData) showLatestResults();
+    recent_->update();
     window_->drawFrame(*renderer_, simulation);
   }
   recording_->finish();
   sessions_->stop(wasInterrupted());
+  recent_->stop();
   window_->writeAutomationState();
   session_->mainQueue().setWaker({});
 }
@@ -270,6 +278,7 @@ void Workstation::run() {
 /// Images are opened in the views, everything else becomes a simulation. Of several images the first is shown and the
 /// others are overlaid on it as label maps.
 void Workstation::open(const ui::OpenRequest &request) {
+  recent_->onRequested(request);
   std::vector<std::filesystem::path> images, others;
   for (const std::filesystem::path &file : request.files) {
     std::error_code ignored;
@@ -292,6 +301,15 @@ void Workstation::open(const ui::OpenRequest &request) {
     images_->open(images.front(), {images.begin() + 1, images.end()}, {}, 0, WorkstationImages::Segmentation::labels,
                   !others.empty());
   if (!others.empty()) loader_->open(others, request.meshUnit);
+}
+
+RecentFilesController::Shown Workstation::shownFiles() const {
+  RecentFilesController::Shown shown;
+  const bool hasImage = images_->hasImage();
+  shown.others = loadedFiles_;
+  if (hasImage) shown.others.push_back(images_->file());
+  if (hasImage || session_->simulation() != nullptr) shown.session = sessions_->file();
+  return shown;
 }
 
 /// What quitting would lose.
@@ -325,12 +343,14 @@ void Workstation::onImageShown() {
 }
 
 void Workstation::closeImage() {
+  recent_->beforeClosing();
   images_->close();
   window_->camera().upAxis = render::UpAxis::y;
   window_->requestFit();
 }
 
 void Workstation::closeSimulation() {
+  recent_->beforeClosing();
   removeSimulation();
   sessions_->onClosed();
 }
@@ -340,6 +360,7 @@ void Workstation::removeSimulation() {
   tools_.cancelActive();
   recording_->end("The simulation was closed.");
   session_->closeSimulation();
+  loadedFiles_.clear();
   warp_->setSettings({});
   images_->onBodiesRemoved();
   images_->showMissing({}, true);
@@ -350,6 +371,7 @@ void Workstation::removeSimulation() {
 void Workstation::onBodiesJoined(bool isNew) {
   if (isNew) simulation_->applyTargetRate();
   sessions_->onMade(isNew);
+  if (isNew) loadedFiles_.clear();
   // Bodies that existed before restart.
   const std::shared_ptr<const std::vector<TissueVoxels>> stay = isNew ? nullptr : tissueTable_->tracker().bodies();
   beginTissues(stay ? *stay : std::vector<TissueVoxels>());
@@ -375,6 +397,7 @@ void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
   simulation_->applyTargetRate();
   recording_->end("Another simulation is open.");
   sessions_->onLoaded(loaded.session);
+  loadedFiles_ = loaded.session ? std::vector<std::filesystem::path>() : loader_->files();
   if (loaded.isImageOpen && !loaded.session) sessions_->onMade(false);
   if (std::exchange(playsWhenLoaded_, false)) session_->simulation()->transport(C3DE_TRANSPORT_PLAY);
 }

@@ -57,6 +57,7 @@ class WorkstationImages {
   void open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels = {},
             const std::string &series = {}, std::size_t time = 0, Segmentation segmentation = Segmentation::labels,
             bool isOfSimulation = false);
+  [[nodiscard]] bool hasImage() const { return views_.image() != nullptr; }
   /// File or folder of the open image, and of its label maps.
   [[nodiscard]] const std::filesystem::path &file() const { return path_; }
   [[nodiscard]] std::vector<std::filesystem::path> labelFiles() const { return labels_.files(); }

@@ -71,6 +71,8 @@ class WorkstationLoader {
     again.done = {};
     load(std::move(again), true);
   }
+  /// Files of the last simulation that was loaded; empty for a text.
+  [[nodiscard]] const std::vector<std::filesystem::path> &files() const { return source_.files; }
 
  private:
   /// Source of a simulation: files, or the text of a scene.

@@ -64,6 +64,22 @@ void FileDialog::choose(const std::string &typed) {
   if (request_.chosen) request_.chosen(choice->path, kUnits[unit_]);
 }
 
+/// The marked or typed folder, otherwise the one that is shown. A file stands for its folder.
+void FileDialog::chooseFolder() {
+  std::filesystem::path folder = browser_.folder();
+  if (typed_[0] != '\0') {
+    const auto choice = browser_.resolve(typed_);
+    if (!choice) {
+      error_ = choice.error().message;
+      return;
+    }
+    folder = choice->isFolder ? choice->path : choice->path.parent_path();
+  }
+  recentFolders_[request_.extensions] = folder;
+  isDone_ = true;
+  if (request_.chosen) request_.chosen(folder, kUnits[unit_]);
+}
+
 void FileDialog::drawFolders(FrameContext &frame) {
   if (ImGui::Button("Up")) (void)browser_.openParent();
   markItem(frame, kArea, "up");
@@ -158,10 +174,11 @@ bool FileDialog::drawName(FrameContext &frame) {
 }
 
 bool FileDialog::drawConfirm(FrameContext &frame) {
-  const bool hasText = typed_[0] != '\0';
+  const bool hasText = typed_[0] != '\0' || request_.choosesFolder;
+  const char *label = request_.isSaving ? "Save" : request_.choosesFolder ? "Open folder" : "Open";
   ImGui::BeginDisabled(!hasText);
   ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.20f, 0.42f, 0.48f, 1.0f));
-  const bool isPressed = ImGui::Button(request_.isSaving ? "Save" : "Open", ImVec2(frame.theme.px(96.0f), 0));
+  const bool isPressed = ImGui::Button(label, ImVec2(frame.theme.px(96.0f), 0));
   ImGui::PopStyleColor();
   markItem(frame, kArea, "open", hasText);
   ImGui::EndDisabled();
@@ -206,7 +223,10 @@ void FileDialog::draw(FrameContext &frame) {
   const auto isDown = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
   const bool isConfirmed =
       !isEntered && !ImGui::IsAnyItemActive() && (isDown(ImGuiKey_Enter) || isDown(ImGuiKey_KeyPadEnter));
-  if ((isEntered || isPressed || isConfirmed) && typed_[0] != '\0') choose(typed_);
+  if (isPressed && request_.choosesFolder)
+    chooseFolder();
+  else if ((isEntered || isPressed || isConfirmed) && typed_[0] != '\0')
+    choose(typed_);
   const bool isCancelled = drawCancel(frame);
   if (isDone_ || isCancelled || !keepsOpen) {
     ImGui::CloseCurrentPopup();

@@ -19,8 +19,9 @@ class FileDialog {
     std::string title;
     std::string extensions;  ///< "obj;stl"
     bool asksMeshUnit = false;
-    bool isSaving = false;  ///< the file may be new; an existing one is replaced after a second press
-    std::string proposed;   ///< initial name when saving, with its extension; a number is added if it exists
+    bool choosesFolder = false;  ///< the button chooses the marked folder, or the one that is shown
+    bool isSaving = false;       ///< the file may be new; an existing one is replaced after a second press
+    std::string proposed;        ///< initial name when saving, with its extension; a number is added if it exists
     std::function<void(const std::filesystem::path &file, const std::string &unit)> chosen;
   };
   /// Shows the folder that was last used for these extensions.
@@ -33,6 +34,7 @@ class FileDialog {
  private:
   void openFolder();
   void choose(const std::string &typed);
+  void chooseFolder();
   void drawList(FrameContext &frame);
   void drawFolders(FrameContext &frame);
   void drawError(FrameContext &frame);

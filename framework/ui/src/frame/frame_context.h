@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -44,6 +45,15 @@ struct Dock {
   double ends_s = 0.0;  ///< time from the last frame until the next message disappears automatically; 0: none does
 };
 
+/// The page shown while there is neither image nor simulation.
+struct StartPageState {
+  bool isShown = false;               ///< in the last frame
+  bool wasFocused = false;            ///< the window, in the last frame
+  bool isMenuOpen = false;            ///< File > Open recent, in the last frame
+  std::optional<std::size_t> marked;  ///< recent file that Enter opens; empty: the first that exists
+  bool isMarkMoved = false;           ///< by a key: it is scrolled into view
+};
+
 /// Exists as long as the window.
 struct WindowState {
   TooltipTimer tooltip;
@@ -60,6 +70,7 @@ struct WindowState {
   std::map<std::string, std::array<AutomationState::Rect, 2>> openers;  ///< of closed menus and lists, and their clip
                                                                         ///< rectangles
   Dock dock;
+  StartPageState startPage;
   AnchoredPanel sideRows;              ///< of the side panel
   std::vector<PixelRect> overlays;     ///< over the view, of the last frame: they receive the mouse
   std::optional<render::Camera> pose;  ///< of the camera after fitting

@@ -14,6 +14,7 @@ constexpr CommandInfo kCommands[] = {
      C3DE_MOD_CTRL | C3DE_MOD_SHIFT},
     {Command::openImage, "file.open_image", "Open image…", "Show a medical image: DICOM, NIfTI, NRRD, MetaImage", 0,
      'I', C3DE_MOD_CTRL},
+    {Command::openFolder, "file.open_folder", "Open DICOM folder…", "Show the series of a folder"},
     {Command::openLabels, "file.open_labels", "Open label map…", "Overlay labels on the image", needsImage, 'L',
      C3DE_MOD_CTRL},
     {Command::createScanBody, "file.create_scan_body", "Create body from scan…",

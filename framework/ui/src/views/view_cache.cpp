@@ -24,7 +24,12 @@ void ViewCache::draw(render::Renderer &renderer, const ImageViews *images, const
   const bool isNew = state != render::CachedPicture::State::kept || ports != ports_;
   if (isNew) forget();
   ports_ = ports;
-  if (state == render::CachedPicture::State::none) return drawWhatChanged(renderer, images, camera);
+  area_ = layout.viewportOf(layout.area);
+  isCached_ = state != render::CachedPicture::State::none;
+  if (!isCached_) {
+    drawWhatChanged(renderer, images, camera);
+    return copy_.take(area_);
+  }
   picture_.paint([&] {
     if (isNew) {
       glDisable(GL_SCISSOR_TEST);
@@ -33,8 +38,10 @@ void ViewCache::draw(render::Renderer &renderer, const ImageViews *images, const
     }
     drawWhatChanged(renderer, images, camera);
   });
-  picture_.show(layout.viewportOf(layout.area));
+  picture_.show(area_);
 }
+
+std::optional<render::Image> ViewCache::picture() const { return isCached_ ? picture_.read(area_) : copy_.read(); }
 
 void ViewCache::drawWhatChanged(render::Renderer &renderer, const ImageViews *images, const render::Camera &camera) {
   const render::ImageRenderer *drawer = renderer.images();

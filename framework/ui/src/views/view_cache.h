@@ -24,6 +24,8 @@ class ViewCache {
   /// Draws slices and 3D view into the bound framebuffer in their present state.
   /// @param images  null if there is no image
   void draw(render::Renderer &renderer, const ImageViews *images, const render::Camera &camera, const Layout &layout);
+  /// All views as they were last drawn, without texts. Empty: nothing has been drawn, or not enough graphics memory.
+  [[nodiscard]] std::optional<render::Image> picture() const;
 
  private:
   /// Everything that determines the picture of a slice.
@@ -42,6 +44,9 @@ class ViewCache {
   void forget();
 
   render::CachedPicture picture_;
+  bool isCached_ = false;                    ///< the views were last drawn into the cached picture
+  render::FramebufferCopy copy_;             ///< of the views, while they are not cached
+  render::Viewport area_;                    ///< of the views when they were last drawn
   std::array<render::Viewport, 4> ports_{};  ///< of the stored picture
   std::array<std::optional<Slice>, 3> slices_;
   std::optional<Space> space_;

@@ -4,9 +4,6 @@
 #include <algorithm>
 #include <array>
 
-#include "c3de/core/background_jobs.h"
-#include "c3de/registry/panel_registry.h"
-#include "c3de/scene/scene_graph.h"
 #include "frame/frame_context.h"
 
 namespace c3de::ui {
@@ -41,19 +38,6 @@ void drawViewDecorations(FrameContext &frame) {
         axis.tint, axis.name);
   }
 
-  const bool isAsked = frame.services.panels && frame.services.panels->hasViewPanel();
-  const bool isEmpty =
-      !isAsked && !frame.simulation.exists && (!frame.services.scene || frame.services.scene->rows().empty());
-  const bool isBusy = frame.services.jobs && !frame.services.jobs->running().empty();
-  if (isEmpty && !isBusy) {
-    const char *const lines[] = {"Open an image (Ctrl+I), a mesh (Ctrl+M) or a scene (Ctrl+O),", "or drop a file here"};
-    float y = view.y + 0.45f * view.h;
-    for (const char *line : lines) {
-      const ImVec2 size = ImGui::CalcTextSize(line);
-      list->AddText(ImVec2(view.x + 0.5f * (view.w - size.x), y), ImGui::GetColorU32(colour::kDim), line);
-      y += 1.4f * size.y;
-    }
-  }
   if (frame.simulation.exists && !frame.simulation.title.empty())
     list->AddText(frame.theme.bold, frame.theme.bold->FontSize,
                   ImVec2(view.x + frame.theme.px(14.0f), view.y + frame.theme.px(10.0f)),

@@ -4,6 +4,7 @@
 
 #include "frame/frame_context.h"
 #include "panels/imgui_panel.h"
+#include "window/picture_textures.h"
 
 namespace c3de::ui {
 
@@ -21,7 +22,12 @@ void drawSplitter(FrameContext &frame, const PixelRect &area);
 void drawStatusBar(FrameContext &frame, const PixelRect &area);
 /// Below the panels: messages and running jobs, until they disappear. Sets its height in state.dock.
 void drawDock(FrameContext &frame, const PixelRect &area);
-/// Panels that require input before there is anything to see, over the view. Fills state.overlays.
+/// Over the views while there is neither image nor simulation: buttons that open files, and the recent files. Adds to
+/// state.overlays.
+void drawStartPage(FrameContext &frame, PictureTextures &textures);
+/// File > Open recent.
+void drawRecentMenu(FrameContext &frame);
+/// Panels that require input before there is anything to see, over the view. Adds to state.overlays.
 void drawViewPanels(FrameContext &frame, ImGuiPanels &panels);
 void drawShortcuts(FrameContext &frame);
 void drawMessages(FrameContext &frame);

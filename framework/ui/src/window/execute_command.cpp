@@ -33,6 +33,16 @@ void openImageDialog(FrameContext &frame, bool areLabels) {
   frame.fileDialog.open(std::move(request));
 }
 
+void openFolderDialog(FrameContext &frame) {
+  FileDialog::Request request;
+  request.title = "Open DICOM folder";
+  request.choosesFolder = true;
+  request.chosen = [open = frame.actions.open](const std::filesystem::path &folder, const std::string &) {
+    if (open) open({{folder}, {}, false});
+  };
+  frame.fileDialog.open(std::move(request));
+}
+
 void openSessionDialog(FrameContext &frame) {
   FileDialog::Request request;
   request.title = "Open session";
@@ -142,6 +152,16 @@ void saveSession(FrameContext &frame, bool asksForFile, std::function<void()> sa
   frame.fileDialog.open(std::move(request));
 }
 
+void openSceneOrSession(FrameContext &frame) {
+  FileDialog::Request request;
+  request.title = "Open scene or session";
+  request.extensions = std::string("toml;") + kSessionExtensions;
+  request.chosen = [open = frame.actions.open](const std::filesystem::path &file, const std::string &) {
+    if (open) open({{file}, {}, false});
+  };
+  frame.fileDialog.open(std::move(request));
+}
+
 bool isEnabled(const FrameContext &frame, const CommandInfo &info) {
   const auto needs = [&](CommandFlag flag) { return (info.flags & flag) != 0; };
   const WindowServices &services = frame.services;
@@ -175,6 +195,7 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::saveSession: saveSession(frame, false); break;
     case Command::saveSessionAs: saveSession(frame, true); break;
     case Command::openImage: openImageDialog(frame, false); break;
+    case Command::openFolder: openFolderDialog(frame); break;
     case Command::openLabels: openImageDialog(frame, true); break;
     case Command::createScanBody: frame.services.scanBody->show(true); break;
     case Command::closeImage: call(frame.actions.closeImage); break;

@@ -17,6 +17,9 @@ inline const std::pair<std::string, std::string> kQuit{"quit", "quit"}, kSaveAnd
 /// Executes a command of a menu, button or key. No effect if it is not enabled.
 void executeCommand(FrameContext &frame, Command command);
 
+/// One dialog for both kinds of files.
+void openSceneOrSession(FrameContext &frame);
+
 /// Saves to the session's file, or to one that the user chooses.
 /// @param saved  called after it is complete on the disk; may be empty
 void saveSession(FrameContext &frame, bool asksForFile, std::function<void()> saved = {});

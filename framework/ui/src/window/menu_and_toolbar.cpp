@@ -53,6 +53,7 @@ void commandItems(FrameContext &frame, const std::string &menu) {
     if (!std::string_view(info.id).starts_with(menu + ".")) continue;
     if ((info.flags & beginsGroup) != 0) ImGui::Separator();
     commandItem(frame, info);
+    if (info.command == Command::openLabels) drawRecentMenu(frame);
   }
 }
 

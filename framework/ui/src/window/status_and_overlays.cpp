@@ -79,6 +79,8 @@ std::string hintOf(const FrameContext &frame) {
            "    Wheel: slices (Shift: ten)    Middle or Shift+left: pan    Right or Ctrl+wheel: zoom    Double click: "
            "only this view    R: reset";
   }
+  if (frame.state.startPage.isShown && isOver(Pane::space))
+    return "Click: open    Arrows, Enter: mark and open a recent file    Right click: menu    H: keys and mouse";
   if (!isOver(Pane::space)) return "H: keys and mouse";
   if (const registry::Tool *tool = toolOf(frame)) return hintOf(frame, *tool);
   return "Left drag: orbit    Middle or Shift+left: pan    Right, Ctrl+left or wheel: zoom    F: fit    R: reset";

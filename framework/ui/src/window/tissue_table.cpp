@@ -13,7 +13,7 @@
 namespace c3de::ui {
 namespace {
 
-constexpr const char *kArea = "tissues";
+constexpr const char *kTissueArea = "tissues";
 constexpr std::size_t kMaxRows = 14;
 
 struct Column {
@@ -48,7 +48,7 @@ void headings(FrameContext &frame) {
     // Drawn in front of its number; the whole cell is clickable.
     const ImVec2 at = ImGui::GetCursorPos();
     if (ImGui::Selectable((std::string("###") + id).c_str(), false)) order = order == its ? TissueOrder::labels : its;
-    markItem(frame, kArea, std::string("order.") + id);
+    markItem(frame, kTissueArea, std::string("order.") + id);
     itemTooltip(frame, tooltip);
     ImGui::SetCursorPos(at);
     ImGui::PushStyleColor(ImGuiCol_Text, order == its ? colour::kText : colour::kDim);
@@ -92,7 +92,7 @@ void drawRow(FrameContext &frame, const TissueRow &row) {
   }
   ImGui::SetCursorPosX(ImGui::GetCursorPosX() + 1.4f * side);
   ImGui::TextUnformatted(shortened(row.label, ImGui::GetContentRegionAvail().x).c_str());
-  markItem(frame, kArea, row.label);
+  markItem(frame, kTissueArea, row.label);
   itemTooltip(frame, row.label + (row.isRigid ? ": rigid" : row.tissue.empty() ? "" : ": " + row.tissue));
   for (const Column &column : kColumns) {
     ImGui::TableNextColumn();
@@ -107,13 +107,13 @@ void drawTissueTable(FrameContext &frame, const TissueTable &table) {
   frame.state.sideRows.row("tissues/filter");
   ImGui::SetNextItemWidth(-FLT_MIN);
   ImGui::InputTextWithHint("###tissue_filter", "Filter: kidney, lung left", filter.data(), filter.size());
-  markItem(frame, kArea, "filter");
+  markItem(frame, kTissueArea, "filter");
   const std::vector<std::size_t> listed = listedRows(table, filter.data(), frame.state.tissueOrder);
-  frame.automation.value(kArea, "first", listed.empty() ? std::string() : table.rows[listed.front()].label);
-  frame.automation.value(kArea, "count", fmt::format("{} of {} labels", listed.size(), table.rows.size()));
+  frame.automation.value(kTissueArea, "first", listed.empty() ? std::string() : table.rows[listed.front()].label);
+  frame.automation.value(kTissueArea, "count", fmt::format("{} of {} labels", listed.size(), table.rows.size()));
   for (const std::size_t at : listed)
     for (const Column &column : kColumns)
-      frame.automation.value(kArea, table.rows[at].label + "." + column.id, (table.rows[at].*column.text)());
+      frame.automation.value(kTissueArea, table.rows[at].label + "." + column.id, (table.rows[at].*column.text)());
   ImGui::PushFont(frame.theme.small);
   const auto rows = static_cast<float>(std::clamp<std::size_t>(listed.size(), 1, kMaxRows) + 1);
   const float height = rows * (ImGui::GetTextLineHeight() + 2.0f * ImGui::GetStyle().CellPadding.y) + 2.0f;
@@ -128,7 +128,7 @@ void drawTissueTable(FrameContext &frame, const TissueTable &table) {
   if (listed.empty()) ImGui::TextColored(colour::kDim, "No label matches.");
   frame.state.sideRows.row("tissues/export");
   if (ImGui::Button("Export…###export")) frame.request(Command::exportTissues);
-  markItem(frame, kArea, "export");
+  markItem(frame, kTissueArea, "export");
   itemTooltip(frame, commandInfo(Command::exportTissues).doc);
 }
 

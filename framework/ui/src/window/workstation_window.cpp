@@ -25,6 +25,7 @@
 #include "window/execute_command.h"
 #include "window/glfw_window.h"
 #include "window/imgui_session.h"
+#include "window/picture_textures.h"
 
 namespace c3de::ui {
 namespace {
@@ -60,6 +61,7 @@ struct WorkstationWindow::Impl {
   render::Camera camera;
   Modes modes{camera};
   std::optional<ViewCache> views;
+  PictureTextures textures;
 
   PixelRect area, view;  ///< as in FrameContext
   std::array<PixelRect, 4> panes{};
@@ -162,6 +164,7 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   drawViewDecorations(context);
   drawSliceDecorations(context, renderer);
   state.overlays.clear();
+  drawStartPage(context, textures);
   drawViewPanels(context, panels);
   fileDialog.draw(context);
   drawShortcuts(context);
@@ -229,6 +232,7 @@ WorkstationWindow::WorkstationWindow(std::unique_ptr<Impl> impl) : impl_(std::mo
 
 WorkstationWindow::~WorkstationWindow() {
   impl_->views.reset();
+  impl_->textures.clear();
   impl_->imgui.reset();
   impl_->window.reset();
 }
@@ -395,6 +399,10 @@ int WorkstationWindow::viewWidth() const {
 }
 int WorkstationWindow::viewHeight() const {
   return impl_->viewportOf(impl_->view.isEmpty() ? impl_->area : impl_->view).height;
+}
+
+std::optional<render::Image> WorkstationWindow::viewPicture() const {
+  return impl_->views ? impl_->views->picture() : std::nullopt;
 }
 
 void WorkstationWindow::requestFit() {

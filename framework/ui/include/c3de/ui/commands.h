@@ -13,6 +13,7 @@ enum class Command {
   openScene,
   openSession,
   openImage,
+  openFolder,
   openLabels,
   createScanBody,
   closeImage,

@@ -29,6 +29,7 @@ class SceneGraph;
 namespace c3de::ui {
 
 class ImageViews;
+struct StartPage;
 
 /// What the window shows; must outlive its last drawFrame(). Null members show nothing.
 struct WindowServices {
@@ -44,6 +45,7 @@ struct WindowServices {
   TissueTable *tissues = nullptr;                          ///< a section of the side panel while it has rows
   registry::EditList *edits = nullptr;                     ///< of plugins; undone while they are the last edits
   registry::CommandRegistry *commands = nullptr;           ///< of plugins; a menu if there are any
+  const StartPage *startPage = nullptr;                    ///< shown while there is nothing else
   std::function<std::string()> meshExtensions;             ///< for the dialog: "obj;stl"
 };
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,12 +13,10 @@
 #include "c3de/core/expected.h"
 #include "c3de/core/handle.h"
 #include "c3de/render/camera.h"
+#include "c3de/render/renderer.h"
 #include "c3de/ui/commands.h"
+#include "c3de/ui/recent_files.h"
 #include "c3de/ui/window_services.h"
-
-namespace c3de::render {
-class Renderer;
-}
 
 namespace c3de::ui {
 
@@ -81,9 +80,12 @@ struct WindowActions {
   std::function<void(const std::filesystem::path &, std::function<void()> saved)> saveSession;
   std::function<void(const std::filesystem::path &)> startRecording;
   std::function<void()> stopRecording;
-  std::function<std::filesystem::path()> sessionFile;  ///< empty: not saved yet
-  std::function<std::string()> title;                  ///< of the window
-  std::function<void()> beforeDraw;                    ///< panels have been handled, the 3D view is about to be drawn
+  std::function<std::filesystem::path()> sessionFile;    ///< empty: not saved yet
+  std::function<std::string()> title;                    ///< of the window
+  std::function<void(const RecentFile &)> removeRecent;  ///< from the list of recent files
+  std::function<void()> clearRecent;
+  std::function<void()> refreshRecent;  ///< the list is about to be shown
+  std::function<void()> beforeDraw;     ///< panels have been handled, the 3D view is about to be drawn
 };
 
 /// For Help > About.
@@ -150,6 +152,9 @@ class WorkstationWindow {
   /// Size of the 3D view in framebuffer pixels; size of all views while it is hidden.
   [[nodiscard]] int viewWidth() const;
   [[nodiscard]] int viewHeight() const;
+  /// All views as last drawn, in framebuffer pixels, without texts. Empty: nothing was drawn yet, or not enough
+  /// graphics memory.
+  [[nodiscard]] std::optional<render::Image> viewPicture() const;
   /// Fits everything visible into the view as soon as the scene has bounds.
   void requestFit();
   /// Same, then looks as this camera does: focus, yaw, pitch and distance.
