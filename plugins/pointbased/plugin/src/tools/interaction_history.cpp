@@ -15,6 +15,15 @@ Change makeIfPresent(WorldSimulator &simulator, const Change &change) {
   }
 }
 
+/// Of a state of all bodies, approximately: displacements, velocities and history of the phyxels, and for each obstacle
+/// the clearances of the contact points.
+std::size_t bytesOf(const Snapshot &snapshot) {
+  constexpr std::size_t kPhyxel = 500, kContact = 400;
+  std::size_t phyxels = 0;
+  for (const BodySnapshot &body : snapshot.bodies) phyxels += body.phyxels.size();
+  return phyxels * (kPhyxel + kContact * snapshot.obstacles.size());
+}
+
 }  // namespace
 
 /// A checkpoint of the simulator, until no undo step refers to it.
@@ -45,8 +54,12 @@ void InteractionHistory::begin(const sdk::Ref<WorldSimulator> &simulator) {
   pending_.reset();
   const std::shared_ptr<const Snapshot> snapshot = simulator->snapshot();
   if (!services_.history || !snapshot) return;
-  UndoState undo{
-      simulator, std::make_shared<StoredCheckpoint>(services_, simulator), snapshot->historyEpoch, snapshot->steps, {}};
+  UndoState undo{simulator,
+                 std::make_shared<StoredCheckpoint>(services_, simulator),
+                 snapshot->historyEpoch,
+                 snapshot->steps,
+                 bytesOf(*snapshot),
+                 {}};
   const auto posted =
       services_.simulation.post(simulator->node(), [checkpoint = undo.checkpoint] { checkpoint->store(); });
   if (posted) pending_ = std::move(undo);
@@ -63,9 +76,13 @@ void InteractionHistory::end(const std::string &title, Kind kind) {
   if (!step) return;
   undo.step = *step;
   undoStates_.push_back(std::move(undo));
-  if (undoStates_.size() <= kMaxSteps) return;
-  services_.history.remove(undoStates_.front().step);
-  undoStates_.pop_front();
+  std::size_t bytes = 0;
+  for (const UndoState &one : undoStates_) bytes += one.bytes;
+  while (undoStates_.size() > 1 && (bytes > kBudget || undoStates_.size() > kMaxSteps)) {
+    bytes -= undoStates_.front().bytes;
+    services_.history.remove(undoStates_.front().step);
+    undoStates_.pop_front();
+  }
 }
 
 sdk::Result<void> InteractionHistory::exchange(const UndoState &undo) const {

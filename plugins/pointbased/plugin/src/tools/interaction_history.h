@@ -27,12 +27,14 @@ class InteractionHistory {
   void clear();
 
  private:
-  static constexpr std::size_t kMaxSteps = 20;  // each stores a state of every body
+  static constexpr std::size_t kMaxSteps = 100;                  // as many as the window keeps
+  static constexpr std::size_t kBudget = std::size_t{64} << 20;  // bytes of the stored states
   class StoredCheckpoint;
   struct UndoState {
     sdk::Ref<WorldSimulator> simulator;
     std::shared_ptr<StoredCheckpoint> checkpoint;
     std::uint64_t historyEpoch = 0, steps = 0;
+    std::size_t bytes = 0;  // of the stored state, approximately
     c3de_handle step{};
   };
   [[nodiscard]] sdk::Result<void> exchange(const UndoState &undo) const;
