@@ -90,6 +90,37 @@ TEST_CASE("A recording may begin in the middle, and a replay may end early or sa
   CHECK(readJson(report)["steps"] == 60);
 }
 
+TEST_CASE("A replay exports a stretch of the recording for ParaView", "[recording]") {
+  const fs::path folder = freshFolder("recording_stretch"), file = folder / "a.c3dr", list = folder / "out.pvd";
+  (void)record(writeBoxScene(folder), file, {"--until", "0.1", "--set", "solver.dt=0.001"});
+  const std::vector<std::string> wanted{"--export", list.string(), "--export-every", "0.01", "-q"};
+  const auto stretch = [&](std::vector<std::string> more) {
+    more.insert(more.end(), wanted.begin(), wanted.end());
+    return replay(file, more);
+  };
+  CHECK(stretch({"--from", "0.045", "--until", "0.08"}).exitCode == 0);
+  std::vector<double> times;
+  const std::string text = readFile(list), key = "timestep=\"";
+  for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + 1))
+    if (const double time_s = std::stod(text.substr(at + key.size())); times.empty() || times.back() != time_s)
+      times.push_back(time_s);
+  REQUIRE(times.size() == 5);  // 0.045, 0.055, 0.065, 0.075, and the end
+  constexpr double step_s = 1.5e-3;
+  for (std::size_t i = 0; i < 4; ++i) {
+    CHECK(times[i] > 0.0449 + 0.01 * static_cast<double>(i));
+    CHECK(times[i] < 0.045 + 0.01 * static_cast<double>(i) + step_s);
+  }
+
+  fs::remove(list);
+  const auto late = stretch({"--from", "0.5"});
+  CHECK(late.exitCode == 2);
+  CHECK_THAT(late.errorOutput, Contains("--from 0.5 s: the replay ends before, at 0.1"));
+  CHECK_FALSE(fs::exists(list));
+  const auto refused = stretch({"--from", "0.5", "--until", "0.2"});
+  CHECK(refused.exitCode == 2);
+  CHECK_THAT(refused.errorOutput, Contains("--from 0.5: accepted: up to --until 0.2"));
+}
+
 TEST_CASE("A replay that differs ends with 5 and names the first step, the hash and the recorded one", "[recording]") {
   const fs::path folder = freshFolder("recording_differs"), file = folder / "a.c3dr", report = folder / "replay.json";
   (void)record(writeBoxScene(folder), file, {"--steps", "50", "--record-hash-every", "10"});

@@ -185,13 +185,16 @@ void RecordingSimulator::step() {
   if (steps + 1 == failAtStep) throw sdk::Error(failStatus, "step");
   ++totalSteps;
   const bool finished = finishesAtStep > 0 && steps >= finishesAtStep;
-  if (!standsStill && !finished) ++steps;
+  if (standsStill || finished) return;
+  ++steps;
+  path_ = 31 * path_ + steps + warm_++;
 }
 
 void RecordingSimulator::reset() {
   check("reset");
   ++resets;
   steps = 0;
+  warm_ = path_ = 0;
   changed.resize(lasting_);
 }
 
@@ -217,6 +220,7 @@ c3de_status RecordingSimulator::stateHash(std::uint64_t *out) const {
   if (hashesState) {
     std::string state = std::to_string(steps);
     for (const std::string &text : changed) state += "\n" + text;
+    if (hasWarmStart) state += "\n" + std::to_string(path_);
     for (const char c : state) *out = (*out ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
   }
   return answer("state_hash");
@@ -232,6 +236,8 @@ c3de_status RecordingSimulator::observe(c3de_object *self, void *observer,
 
 c3de_status RecordingSimulator::applyChange(c3de_object *self, const c3de_sim_change *change) {
   RecordingSimulator &it = *from(self);
+  if (fromAbi(change->id) == "state.store")
+    return it.saveState({nullptr, [](void *, const void *, std::uint64_t) noexcept { return C3DE_OK; }});
   if (fromAbi(change->id) != "test.add") return C3DE_E_FORMAT;
   if (const c3de_status code = it.answer("apply"); code < 0) return code;
   it.change(std::string(static_cast<const char *>(change->bytes), change->n), change->flags);
@@ -239,24 +245,36 @@ c3de_status RecordingSimulator::applyChange(c3de_object *self, const c3de_sim_ch
 }
 
 void RecordingSimulator::change(const std::string &text, std::uint32_t flags, const std::string &key) {
-  const std::string name = "add " + text;
-  c3de_sim_change change{};
-  change.size = sizeof change;
-  change.flags = flags;
-  change.id = c3de::toAbi("test.add");
-  change.key = c3de::toAbi(key);
-  change.text = c3de::toAbi(name);
-  change.steps = steps;
-  change.bytes = text.data();
-  change.n = text.size();
+  const std::uint64_t before = steps;
   changed.push_back(text);
   if ((flags & C3DE_SIM_CHANGE_TRANSIENT) == 0) lasting_ = changed.size();
   if ((flags & C3DE_SIM_CHANGE_RESETS) != 0) steps = 0;
+  notify("test.add", "add " + text, text, flags, key, before);
+}
+
+void RecordingSimulator::notify(const char *id, const std::string &text, const std::string &bytes, std::uint32_t flags,
+                                const std::string &key, std::uint64_t before) {
+  const std::string name = id;
+  c3de_sim_change change{};
+  change.size = sizeof change;
+  change.flags = flags;
+  change.id = c3de::toAbi(name);
+  change.key = c3de::toAbi(key);
+  change.text = c3de::toAbi(text);
+  change.steps = before;
+  change.bytes = bytes.data();
+  change.n = bytes.size();
   if (observed_ != nullptr) observed_(observer_, &change);
 }
 
-c3de_status RecordingSimulator::saveState(c3de_sink state) const {
+c3de_status RecordingSimulator::saveState(c3de_sink state) {
+  if (!changed.empty() && changed.back() == holding) return C3DE_E_STATE;
+  if (hasWarmStart) {
+    warm_ = 0;
+    notify("state.store", "store state", {}, C3DE_SIM_CHANGE_TRANSIENT, {}, steps);
+  }
   std::string text = std::to_string(steps);
+  if (hasWarmStart) text += "\npath " + std::to_string(path_);
   for (const std::string &one : changed) text += "\n" + one;
   return sdk::put(state, text);
 }
@@ -268,7 +286,13 @@ void RecordingSimulator::loadState(const void *bytes, std::uint64_t n) {
   std::getline(in, line);
   steps = std::stoull(line);
   changed.clear();
-  while (std::getline(in, line)) changed.push_back(line);
+  while (std::getline(in, line)) {
+    if (hasWarmStart && line.starts_with("path "))
+      path_ = std::stoull(line.substr(5));
+    else
+      changed.push_back(line);
+  }
+  warm_ = 0;
   lasting_ = changed.size();
 }
 

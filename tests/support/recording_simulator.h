@@ -73,6 +73,8 @@ class RecordingSimulator : public sdk::Object<RecordingSimulator> {
   bool hasChanges = false;                   ///< iface.changes is available
   bool hasStates = false;                    ///< the slots for states are not null
   bool hashesState = false;                  ///< the state hash follows from steps and changes; false: a constant
+  bool hasWarmStart = false;                 ///< steps depend on those since the state was last stored, as in a solver
+  std::string holding = "hold";              ///< no state is stored while this is the last text of `changed`
   bool hasDisplacement = true, hasInterrupt = true, hasPoints = true;  ///< those slots are not null
   /// Numbers from -1 to 1e9; gravity, min and max: vectors from -10 to 10; enabled, rigid: switches.
   std::vector<std::string> worldIds, bodyIds;
@@ -135,7 +137,7 @@ class RecordingSimulator : public sdk::Object<RecordingSimulator> {
   void interrupt(std::uint32_t raised);
   c3de_status activity(c3de_sink text) const { return sdk::put(text, "a heavy body: less of it would help"); }
   void points(c3de_handle body, c3de_sim_points *out);
-  c3de_status saveState(c3de_sink state) const;
+  c3de_status saveState(c3de_sink state);
   void loadState(const void *bytes, std::uint64_t n);
 
  private:
@@ -152,7 +154,10 @@ class RecordingSimulator : public sdk::Object<RecordingSimulator> {
   c3de_changes_v1 changesTable_{sizeof(c3de_changes_v1), 1, &observe, &applyChange};
   void *observer_ = nullptr;
   void(C3DE_CALL *observed_)(void *, const c3de_sim_change *) = nullptr;
-  std::size_t lasting_ = 0;  ///< the first texts of `changed` that a reset retains
+  void notify(const char *id, const std::string &text, const std::string &bytes, std::uint32_t flags,
+              const std::string &key, std::uint64_t before);
+  std::uint64_t warm_ = 0, path_ = 0;  ///< steps since the state was stored; what steps found, part of the state
+  std::size_t lasting_ = 0;            ///< the first texts of `changed` that a reset retains
 };
 
 }  // namespace c3de::test

@@ -3,8 +3,10 @@
 #include <memory>
 
 #include "c3de/core/log.h"
+#include "c3de/core/text.h"
 #include "commands/command_line.h"
 #include "commands/commands.h"
+#include "commands/exit_code.h"
 #include "commands/run_scene.h"
 
 namespace c3de::app {
@@ -20,6 +22,12 @@ Handler declareReplay(CLI::App &app, CommandLine &line) {
   app.add_flag("--check", options->checkHashes,
                "Compare the recorded state hashes; ends with 5 at the first that differs, and names its step");
   addSeconds(app, "--until", options->until_s, 0.0, "Simulated time to reach; default: the end of the recording");
+  CLI::Option *exportList = addFile(app, "--export", options->exportList, "FILE.pvd",
+                                    "Write the simulation for ParaView: points and skins over time");
+  addSeconds(app, "--export-every", options->exportEvery_s, 1e-9, "Simulated time between two frames of --export")
+      ->default_str(formatNumber(kDefaultExportEvery_s))
+      ->needs(exportList);
+  addSeconds(app, "--from", options->from_s, 0.0, "Simulated time at which --export begins")->needs(exportList);
   addSeconds(app, "--time-limit", options->timeLimit_s, 0.0,
              "Wall-clock time after which the replay stops between two steps, writes its outputs and ends with 124");
   addFile(app, "--report", options->report, "FILE.json", "Write the report as JSON");
@@ -27,8 +35,11 @@ Handler declareReplay(CLI::App &app, CommandLine &line) {
           "Write scene, state and the names and hashes of all files at the end; `c3de run FILE.c3de` resumes it");
   app.add_flag("-q,--quiet", options->quiet, "Print errors only");
   addSessionOptions(app, line);
-  return [options, &line] {
+  return [options, &line]() -> int {
     if (options->quiet) setLogThreshold(LogLevel::error);
+    if (options->from_s && options->until_s && *options->from_s > *options->until_s)
+      return reportError({ErrorCode::usage, "--from " + formatNumber(*options->from_s) + ": accepted: up to --until " +
+                                                formatNumber(*options->until_s)});
     options->session = line.sessionOptions();
     return runScene(*options);
   };

@@ -14,6 +14,7 @@ namespace c3de::app {
 void RecordingController::connect(ui::WindowActions &actions) {
   actions.startRecording = [this](const std::filesystem::path &file) { start(file); };
   actions.stopRecording = [this] { stop(); };
+  actions.showTimeline = [this] { showTimeline(); };
 }
 
 std::string RecordingController::fileName() const { return recorder_ ? pathText(file_.filename()) : std::string(); }
@@ -78,9 +79,23 @@ void RecordingController::stop() {
   complete([this, file = file_](const Expected<void> &finished) {
     if (finished)
       parts_.panels.notify(C3DE_LOG_INFO, "Recording saved",
-                           pathText(file) + "\nTo verify: c3de replay " + pathText(file) + " --check");
+                           pathText(file) + "\nTo verify: c3de replay " + pathText(file) + " --check",
+                           {{"Show timeline", [this, file] { parts_.showTimeline(file); }}});
     else
       parts_.failed("The recording ended", finished.error());
+  });
+}
+
+bool RecordingController::hasTimeline() const {
+  return recorder_ ||
+         (!file_.empty() && parts_.session.simulation() != nullptr && parts_.session.simulationNode() == node_);
+}
+
+void RecordingController::showTimeline() {
+  if (!hasTimeline()) return;
+  if (!recorder_) return parts_.showTimeline(file_);
+  complete([this, file = file_](const Expected<void> &finished) {
+    finished ? parts_.showTimeline(file) : parts_.failed("The recording ended", finished.error());
   });
 }
 

@@ -26,6 +26,7 @@ class RecordingController {
     registry::PanelRegistry &panels;
     registry::EditList &edits;
     ReportError failed;
+    std::function<void(const std::filesystem::path &)> showTimeline;  ///< of a recording that is complete
   };
   explicit RecordingController(Parts parts) : parts_(std::move(parts)) {}
 
@@ -33,6 +34,10 @@ class RecordingController {
   void connect(ui::WindowActions &actions);
   /// Name of the file that is being written; empty: none.
   [[nodiscard]] std::string fileName() const;
+  /// Whether the present simulation is recorded, or was.
+  [[nodiscard]] bool hasTimeline() const;
+  /// The recorded simulation is the present one again.
+  void onReturned() { node_ = parts_.session.simulationNode(); }
   /// Ends the recording because something happens that it cannot contain. @param why  a sentence
   void end(const std::string &why);
   /// Completes the file, and waits for it. Call before the session ends.
@@ -43,6 +48,7 @@ class RecordingController {
   void start(const std::filesystem::path &file);
   void begin(const std::filesystem::path &file, const Expected<std::shared_ptr<Recorder>> &recorder);
   void stop();
+  void showTimeline();
   /// Completes the file of the recorder between two steps, or at once if its simulation has ended.
   void complete(const Finished &finished);
 

@@ -114,7 +114,7 @@ void SimulationHistory::restore(std::uint64_t number, bool isUndo, bool isPlayin
   opened->saved.state = target.state;
   opened->saved.stateHash = target.hash;
   opened->saved.steps = target.steps;
-  parts_.loader.restore(opened, [this, number, isUndo, isPlaying, present](const Expected<void> &result) {
+  parts_.loader.openSession(opened, true, [this, number, isUndo, isPlaying, present](const Expected<void> &result) {
     const auto found = steps_.find(number);
     if (found == steps_.end()) return;
     if (result) return onRestored(number, isUndo, isPlaying, present);

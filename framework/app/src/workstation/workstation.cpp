@@ -33,6 +33,7 @@
 #include "workstation/plugin_problems.h"
 #include "workstation/recent_files_controller.h"
 #include "workstation/recording_controller.h"
+#include "workstation/replay_controller.h"
 #include "workstation/session_controller.h"
 #include "workstation/simulation_controller.h"
 #include "workstation/simulation_history.h"
@@ -111,6 +112,7 @@ class Workstation {
   std::optional<SimulationController> simulation_;
   std::optional<ExportController> exports_;
   std::optional<RecordingController> recording_;
+  std::optional<ReplayController> replay_;
   std::optional<SessionController> sessions_;
   std::optional<SimulationHistory> history_;
   std::unique_ptr<Session> session_;
@@ -184,6 +186,7 @@ void Workstation::createControllers() {
   events.closed = [this] { warp_->stop(); };
   events.failed = failed;
   events.createBodies = [this](std::vector<segmentation::BodyRequest> requests) {
+    if (replay_->isReplaying()) return onFailed("The bodies were not created", {ErrorCode::state, ui::kReplayLocks});
     recording_->end("Bodies are added.");
     history_->captureBefore([this, requests = std::move(requests)] { bodyCreation_->createBodies(requests); });
   };
@@ -199,7 +202,10 @@ void Workstation::createControllers() {
       BodyCreationController::Events{[this](bool isNew) { onBodiesJoined(isNew); },
                                      [this](const std::string &label) { history_->add(label); }, failed});
   exports_.emplace(ExportController::Parts{session, panels_, *images_, *warp_, *tissueTable_, failed});
-  recording_.emplace(RecordingController::Parts{session, panels_, edits_, failed});
+  recording_.emplace(RecordingController::Parts{session, panels_, edits_, failed,
+                                                [this](const auto &file) { replay_->openPast(file); }});
+  replay_.emplace(
+      ReplayController::Parts{session, panels_, tools_, *loader_, failed, [this] { sessions_->onMade(false); }});
   sessions_.emplace(SessionController::Parts{session, panels_, *loader_, *images_, *window_, failed});
   history_.emplace(SimulationHistory::Parts{session, panels_, edits_, *loader_, *images_, *sessions_,
                                             [this] { removeSimulation(); }, failed});
@@ -240,6 +246,7 @@ ui::WindowActions Workstation::actions() {
   actions.screenshot = [this] { saveScreenshot(); };
   actions.surfaceExtensions = [this] { return listed(session_->meshFormats().writableExtensions()); };
   actions.unsaved = [this] { return unsaved(); };
+  replay_->connect(actions);
   actions.beforeDraw = [this] {
     session_->plugins().syncScene();
     images_->followNode();
@@ -251,7 +258,8 @@ void Workstation::run() {
   watchForInterrupt();
   // Called at least once a second.
   window_->closeWhen([this] {
-    sessions_->autosaveIfDue();
+    // Storing a state would change what is replayed.
+    if (!replay_->isReplaying()) sessions_->autosaveIfDue();
     return wasInterrupted();
   });
   while (!window_->closeRequested()) {
@@ -264,6 +272,8 @@ void Workstation::run() {
     // after it.
     ui::SimulationView simulation = simulation_->view();
     simulation.recording = recording_->fileName();
+    simulation.hasTimeline = recording_->hasTimeline();
+    replay_->show(simulation);
     if (showsNewData) showLatestResults();
     recent_->update();
     window_->drawFrame(*renderer_, simulation);
@@ -284,16 +294,17 @@ void Workstation::open(const ui::OpenRequest &request) {
     std::error_code ignored;
     const FileKind kind = request.areLabels ? FileKind::image : kindOf(file, &session_->meshFormats());
     // A file of unknown kind does not prevent the others from being opened.
-    if ((kind == FileKind::unknown || kind == FileKind::recording) && std::filesystem::is_regular_file(file, ignored))
+    if (kind == FileKind::unknown && std::filesystem::is_regular_file(file, ignored))
       onFailed("Could not open " + pathText(file.filename()), unknownKind(file, &session_->meshFormats()));
     else
       (kind == FileKind::image ? images : others).push_back(file);
   }
-  if (const auto saved = std::find_if(others.begin(), others.end(), isSessionPath); saved != others.end()) {
+  const auto isAlone = [](const auto &file) { return isSessionPath(file) || isRecordingPath(file); };
+  if (const auto saved = std::find_if(others.begin(), others.end(), isAlone); saved != others.end()) {
     if (request.files.size() > 1)
       return onFailed("Could not open " + pathText(saved->filename()),
-                      {ErrorCode::usage, "a session is opened alone; accepted: one session"});
-    return sessions_->open(*saved);
+                      {ErrorCode::usage, "is opened alone; accepted: one session or one recording"});
+    return isSessionPath(*saved) ? sessions_->open(*saved) : replay_->open(*saved);
   }
   if (!images.empty() && request.areLabels)
     images_->openLabels(images.front());
@@ -316,9 +327,11 @@ RecentFilesController::Shown Workstation::shownFiles() const {
 std::string Workstation::unsaved() {
   std::string text;
   const auto add = [&](const std::string &line) { text += (text.empty() ? "" : "\n") + line; };
-  if (const scene::Simulation *simulation = session_->simulation(); simulation && sessions_->isModified())
+  if (const scene::Simulation *simulation = session_->simulation();
+      simulation && sessions_->isModified() && !replay_->isReplaying())
     add("The simulation, at t = " + formatNumber(std::round(1e3 * simulation->state().time_s) / 1e3) +
         " s, has changes that are not saved.");
+  if (replay_->hasKept()) add("The simulation from before the timeline was shown is not saved.");
   if (const segmentation::SegmentationWorkflow &workflow = images_->workflow();
       workflow.mask().mask() || !workflow.pickedLabels().empty())
     add("No body has been created of what is picked in the image.");
@@ -359,6 +372,7 @@ void Workstation::closeSimulation() {
 void Workstation::removeSimulation() {
   tools_.cancelActive();
   recording_->end("The simulation was closed.");
+  replay_->end();
   session_->closeSimulation();
   loadedFiles_.clear();
   warp_->setSettings({});
@@ -369,6 +383,7 @@ void Workstation::removeSimulation() {
 }
 
 void Workstation::onBodiesJoined(bool isNew) {
+  if (isNew) replay_->end();
   if (isNew) simulation_->applyTargetRate();
   sessions_->onMade(isNew);
   if (isNew) loadedFiles_.clear();
@@ -396,10 +411,17 @@ void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
     warp_->request();
   simulation_->applyTargetRate();
   recording_->end("Another simulation is open.");
-  sessions_->onLoaded(loaded.session);
+  const ReplayController::Present present = replay_->onLoaded(loaded.session);
+  sessions_->onLoaded(present == ReplayController::Present::other ? loaded.session : nullptr);
+  if (present == ReplayController::Present::keptOne) {
+    sessions_->onMade(false);
+    recording_->onReturned();
+  }
   loadedFiles_ = loaded.session ? std::vector<std::filesystem::path>() : loader_->files();
   if (loaded.isImageOpen && !loaded.session) sessions_->onMade(false);
-  if (std::exchange(playsWhenLoaded_, false)) session_->simulation()->transport(C3DE_TRANSPORT_PLAY);
+  if (!std::exchange(playsWhenLoaded_, false)) return;
+  present == ReplayController::Present::replay ? replay_->play(true)
+                                               : session_->simulation()->transport(C3DE_TRANSPORT_PLAY);
 }
 
 /// Displacement and tissues are those of the present simulation, which has begun or changed.

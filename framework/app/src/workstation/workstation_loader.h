@@ -52,13 +52,15 @@ class WorkstationLoader {
     load({files, meshUnit, {}, {}, {}}, false);
   }
   /// Builds the simulation of a session and restores its state. Ends a running load.
-  void openSession(std::shared_ptr<const OpenedSession> session) {
-    load({{session->file}, {}, {}, {}, session}, false);
+  /// @param isReload  the view stays
+  /// @param done      as for openText(); empty: Events::failed
+  void openSession(std::shared_ptr<const OpenedSession> session, bool isReload = false,
+                   std::function<void(const Expected<void> &)> done = {}) {
+    load({{session->file}, {}, {}, std::move(done), session}, isReload);
   }
-  /// Builds a simulation of undo or redo with its state. Ends a running load.
-  /// @param done  receives the result, instead of Events::failed
-  void restore(std::shared_ptr<const OpenedSession> session, std::function<void(const Expected<void> &)> done) {
-    load({{}, {}, {}, std::move(done), session}, true);
+  /// Ends a running load.
+  void cancel() {
+    if (!job_.isNull()) session_.jobs().cancel(job_);
   }
   /// Opens a scene written in the window for the image that is open there. Ends a running load.
   /// @param done  receives the result, instead of Events::failed; also if another load has ended this one
@@ -80,7 +82,7 @@ class WorkstationLoader {
     std::vector<std::filesystem::path> files;
     std::string meshUnit;
     std::string text;
-    std::function<void(const Expected<void> &)> done;  ///< of a text, or of undo
+    std::function<void(const Expected<void> &)> done;  ///< receives the result; may be empty
     std::shared_ptr<const OpenedSession> session;      ///< null: not from a session
   };
   void load(Source source, bool isReload);

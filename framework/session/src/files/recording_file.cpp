@@ -284,11 +284,14 @@ std::uint64_t stepsOf(const RecordedEvent &event) {
 
 bool Recording::isComplete() const { return !events.empty() && std::holds_alternative<RecordedEnd>(events.back()); }
 
+const RecordedHash *hashOf(const RecordedEvent &event) {
+  if (const auto *end = std::get_if<RecordedEnd>(&event)) return end;
+  return std::get_if<RecordedHash>(&event);
+}
+
 const RecordedHash *Recording::lastHash() const {
-  for (auto event = events.rbegin(); event != events.rend(); ++event) {
-    if (const auto *end = std::get_if<RecordedEnd>(&*event)) return end;
-    if (const auto *hash = std::get_if<RecordedHash>(&*event)) return hash;
-  }
+  for (auto event = events.rbegin(); event != events.rend(); ++event)
+    if (const RecordedHash *hash = hashOf(*event)) return hash;
   return nullptr;
 }
 

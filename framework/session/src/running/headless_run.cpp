@@ -85,6 +85,14 @@ Expected<void> HeadlessRun::addFrame() {
 
 void HeadlessRun::exportFrame(bool isEnd) {
   if (!export_ || exportedStep_ == facts_.steps) return;
+  const double from_s = options_.from_s.value_or(0.0);
+  if (options_.from_s && facts_.time_s < from_s - 1e-6 * facts_.dt_s) {
+    if (!isEnd || exportedStep_) return;
+    outputs_.addFailure(options_.exportList, {ErrorCode::usage, "--from " + formatNumber(from_s) +
+                                                                    " s: the replay ends before, at " + position()});
+    export_.reset();
+    return;
+  }
   // The sum of many steps may be slightly below the time of a frame. Load steps have no time: each is a frame.
   const bool isDue = isQuasistatic() || facts_.time_s >= nextFrame_s_ - 1e-6 * facts_.dt_s;
   if (!isDue && !isEnd) return;
@@ -98,7 +106,8 @@ void HeadlessRun::exportFrame(bool isEnd) {
   exportedStep_ = facts_.steps;
   if (isDue)
     nextFrame_s_ =
-        options_.exportEvery_s * (std::floor((facts_.time_s + 1e-6 * facts_.dt_s) / options_.exportEvery_s) + 1.0);
+        from_s + options_.exportEvery_s *
+                     (std::floor((facts_.time_s - from_s + 1e-6 * facts_.dt_s) / options_.exportEvery_s) + 1.0);
 }
 
 Expected<void> HeadlessRun::sampleProbes() {

@@ -87,6 +87,17 @@ double Replay::fraction() const {
   return planned_ > 0 ? std::min(1.0, static_cast<double>(made_) / static_cast<double>(planned_)) : 0.0;
 }
 
+void Replay::goTo(const Position &position) {
+  next_ = position.next;
+  made_ = position.made;
+  difference_.clear();
+}
+
+void Replay::passDifference() {
+  difference_.clear();
+  ++next_;
+}
+
 Expected<void> Replay::applyDueEvents(Session &session, c3de_object *simulator, const c3de_simulator_v1 *table,
                                       const ProgressFn &progress) {
   Applier applier(*this, session, simulator, table, progress);

@@ -24,7 +24,7 @@ namespace {
 
 constexpr double kMargin = 1.0;          // spacings around the bodies
 constexpr double kRim = 1000.0;          // spacings: the displacement stays constant across the margin
-constexpr std::size_t kMaxPoints = 144;  // along an axis
+constexpr std::size_t kMostPoints = 144;  // along an axis
 constexpr double kFineness = 0.5;        // relative to the grid for images: steps of a quarter of the spacing
 
 }  // namespace
@@ -63,7 +63,7 @@ Expected<TissueSnapshot> readTissues(const c3de_simulator_v1 *table, c3de_object
   const bool isFull = detail == TissueDetail::full;
   const PresentBodies present = presentBodies(table, simulator);
   imaging::FollowingGrid grid(
-      {.mostPoints = isFull ? kMaxPoints : kMaxPoints / 2, .coarsestStep = std::numeric_limits<double>::infinity()});
+      {.mostPoints = isFull ? kMostPoints : kMostPoints / 2, .coarsestStep = std::numeric_limits<double>::infinity()});
   grid.follow(present.box, (isFull ? kFineness : 2.0 * kFineness) * present.spacing_mm, kMargin * present.spacing_mm);
   auto u = std::make_shared<imaging::DisplacementGrid>();
   u->geometry = grid.geometry();

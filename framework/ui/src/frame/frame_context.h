@@ -71,10 +71,11 @@ struct WindowState {
                                                                         ///< rectangles
   Dock dock;
   StartPageState startPage;
-  AnchoredPanel sideRows;              ///< of the side panel
-  std::vector<PixelRect> overlays;     ///< over the view, of the last frame: they receive the mouse
-  std::optional<render::Camera> pose;  ///< of the camera after fitting
-  int framesToFit = 0;                 ///< frames in which everything visible is fitted into the view
+  std::optional<std::uint64_t> scrubbed;  ///< position that the slider of the timeline is dragged to
+  AnchoredPanel sideRows;                 ///< of the side panel
+  std::vector<PixelRect> overlays;        ///< over the view, of the last frame: they receive the mouse
+  std::optional<render::Camera> pose;     ///< of the camera after fitting
+  int framesToFit = 0;                    ///< frames in which everything visible is fitted into the view
 };
 
 struct FrameContext {

@@ -168,6 +168,13 @@ void drawIcon(ImDrawList *list, Icon icon, ImVec2 min, ImVec2 max, ImU32 tint) {
       list->AddLine(ImVec2(cx - d, cy + d), ImVec2(cx + d, cy - d), tint, width);
       break;
     }
+    case Icon::toStart:
+    case Icon::toEnd: {
+      const float d = icon == Icon::toStart ? -r : r;
+      list->AddTriangleFilled(ImVec2(cx - d, cy - r), ImVec2(cx - d, cy + r), ImVec2(cx + 0.5f * d, cy), tint);
+      list->AddRectFilled(ImVec2(cx + std::min(0.7f * d, d), cy - r), ImVec2(cx + std::max(0.7f * d, d), cy + r), tint);
+      break;
+    }
   }
 }
 

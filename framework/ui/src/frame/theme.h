@@ -34,7 +34,7 @@ struct Theme {
 [[nodiscard]] Theme applyTheme(float contentScale);
 
 /// Small icons for buttons, drawn so that no icon font is needed.
-enum class Icon { play, pause, step, reset, stop, close };
+enum class Icon { play, pause, step, reset, stop, close, toStart, toEnd };
 void drawIcon(ImDrawList *list, Icon icon, ImVec2 min, ImVec2 max, ImU32 tint);
 /// True when pressed. A square button; `size` is usually the frame height.
 bool iconButton(const char *id, Icon icon, float size, const ImVec4 &tint, bool enabled);

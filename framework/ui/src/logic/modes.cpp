@@ -127,7 +127,7 @@ Modes::Answer Modes::handleKey(const OsEvent &event, const Above &above) {
     return {Command::none, {}, false, true};
   }
   if (command != Command::none) return {command};
-  if (services_.commands)
+  if (services_.commands && !isLocked_)
     if (const Handle found = services_.commands->ofKey(event.key, event.modifiers); !found.isNull())
       return {Command::none, found};
   if (takeShortcut(event) || event.key >= 0x80) return {};
@@ -142,7 +142,7 @@ bool Modes::takeShortcut(const OsEvent &event) {
   if (event.modifiers != 0 || !services_.tools || !isFreeForTools(event.key)) return false;
   for (const registry::ToolRegistry::Entry &entry : services_.tools->tools())
     if (entry.tool->shortcut == event.key) {
-      services_.tools->activate(entry.handle);
+      if (!isLocked_) services_.tools->activate(entry.handle);
       return true;
     }
   return false;

@@ -64,6 +64,8 @@ class Modes {
   /// Called once per frame, before its events. Arguments of the last frame: the rectangles of the views, by Pane, and
   /// of the overlays above them.
   void beginFrame(const std::array<PixelRect, 4> &panes, const std::vector<PixelRect> &overlays);
+  /// While a recording is replayed: no tool is activated, nothing is undone, and no command of a plugin runs.
+  void lockChanges(bool isLocked) { isLocked_ = isLocked; }
   [[nodiscard]] Answer handleKey(const OsEvent &event, const Above &above);
   /// Press, release, move and wheel, in window pixels.
   void handleMouse(const OsEvent &event, const Above &above);
@@ -119,6 +121,7 @@ class Modes {
   std::optional<Pane> pressedPane_;  ///< where the buttons that are down were pressed
   DoubleClick doubleClick_;
   bool isEscapeTaken_ = false;
+  bool isLocked_ = false;
 };
 
 }  // namespace c3de::ui

@@ -49,8 +49,16 @@ void ImGuiPanels::draw(FrameContext &frame, const registry::Panel &panel) {
   used_.clear();
   isSameLine_ = false;
   ImGui::PushID(panel.id.c_str());
+  isLocked_ = frame.simulation.replay != nullptr;
+  if (isLocked_) {
+    ImGui::PushTextWrapPos(0.0f);
+    ImGui::TextColored(colour::kWarn, "%s", kReplayLocks);
+    ImGui::PopTextWrapPos();
+  }
+  ImGui::BeginDisabled(isLocked_);
   panel.onUi(panel.self, &table_);
   listEnd();
+  ImGui::EndDisabled();
   ImGui::PopID();
   frame_ = nullptr;
 }
@@ -304,7 +312,11 @@ void ImGuiPanels::parameterRows(Handle handle, const std::string &group, bool is
     used_.insert(decl.id);
     const ParameterValue value = set->values[i];
     takeSameLine(decl.id);
+    // How the simulation is shown is no part of it. Within a disabled block nothing can be enabled.
+    const bool isOfTheView = isLocked_ && decl.id.starts_with("view.");
+    if (isOfTheView) ImGui::EndDisabled();
     const auto changed = parameterField(*frame_, area_, state, decl, value, false);
+    if (isOfTheView) ImGui::BeginDisabled(isLocked_);
     if (!changed) continue;
     auto done = registry.edit(handle, *changed);
     state.error = done ? std::string() : done.error().message;

@@ -59,6 +59,7 @@ class ImGuiPanels {
   std::string area_;  ///< id of the panel
   std::set<std::string> used_;
   bool isSameLine_ = false, isInList_ = false;
+  bool isLocked_ = false;  ///< nothing may be changed
   std::map<std::string, FieldState> fields_;
 };
 

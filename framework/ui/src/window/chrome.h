@@ -39,6 +39,9 @@ void drawScanBody(FrameContext &frame);
 /// otherwise.
 [[nodiscard]] float regionBarHeight(const FrameContext &frame);
 void drawRegionBar(FrameContext &frame, const PixelRect &area);
+/// Below the views while a recording is replayed: its timeline. 0 otherwise.
+[[nodiscard]] float timelineBarHeight(const FrameContext &frame);
+void drawTimelineBar(FrameContext &frame, const PixelRect &area);
 /// Shows state.question until there is a state.answer.
 void drawQuestion(FrameContext &frame);
 

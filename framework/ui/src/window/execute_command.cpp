@@ -43,10 +43,10 @@ void openFolderDialog(FrameContext &frame) {
   frame.fileDialog.open(std::move(request));
 }
 
-void openSessionDialog(FrameContext &frame) {
+void openSessionDialog(FrameContext &frame, bool isRecording) {
   FileDialog::Request request;
-  request.title = "Open session";
-  request.extensions = kSessionExtensions;
+  request.title = isRecording ? "Open recording" : "Open session";
+  request.extensions = isRecording ? kRecordingExtensions : kSessionExtensions;
   request.chosen = [open = frame.actions.open](const std::filesystem::path &file, const std::string &) {
     if (open) open({{file}, {}, false});
   };
@@ -167,6 +167,8 @@ bool isEnabled(const FrameContext &frame, const CommandInfo &info) {
   const WindowServices &services = frame.services;
   const bool isRecording = !frame.simulation.recording.empty();
   if ((needs(needsRecording) && !isRecording) || (needs(needsNoRecording) && isRecording)) return false;
+  if (needs(needsTimeline) && !frame.simulation.hasTimeline) return false;
+  if (needs(needsNoReplay) && frame.simulation.replay) return false;
   return (!needs(needsContent) || hasContent(frame)) && (!needs(needsSimulation) || frame.simulation.exists) &&
          (!needs(needsImage) || frame.shownImages()) &&
          (!needs(needsLabels) || (services.scanBody && services.scanBody->isPossible())) &&
@@ -191,7 +193,8 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::none: break;
     case Command::openMesh: openDialog(frame, true); break;
     case Command::openScene: openDialog(frame, false); break;
-    case Command::openSession: openSessionDialog(frame); break;
+    case Command::openSession: openSessionDialog(frame, false); break;
+    case Command::openRecording: openSessionDialog(frame, true); break;
     case Command::saveSession: saveSession(frame, false); break;
     case Command::saveSessionAs: saveSession(frame, true); break;
     case Command::openImage: openImageDialog(frame, false); break;
@@ -210,6 +213,7 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::startRecording:
     case Command::saveState: openExportDialog(frame, command); break;
     case Command::stopRecording: call(frame.actions.stopRecording); break;
+    case Command::showTimeline: call(frame.actions.showTimeline); break;
     case Command::screenshot: call(frame.actions.screenshot); break;
     case Command::quit: quitOrAsk(frame); break;
     case Command::undo: frame.modes.undo(frame.above()); break;

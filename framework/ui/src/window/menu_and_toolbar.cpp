@@ -40,10 +40,13 @@ void commandItem(FrameContext &frame, const CommandInfo &info) {
   if (ImGui::MenuItem(label, key.empty() ? nullptr : key.c_str(), isChecked(frame, info.command), isEnabled))
     frame.request(info.command);
   markItem(frame, "menu", info.id, isEnabled);
-  const char *missing = (info.flags & needsTissues) != 0  ? " (no body of many tissues is there)"
-                        : (info.flags & needsLabels) != 0 ? " (no image with a label map over it is open)"
-                        : (info.flags & needsImage) != 0  ? " (no image is open)"
-                                                          : " (nothing is loaded)";
+  const char *missing = (info.flags & needsTimeline) != 0 && frame.simulation.exists
+                            ? " (the simulation was not recorded)"
+                        : (info.flags & needsTissues) != 0 ? " (no body of many tissues is there)"
+                        : (info.flags & needsLabels) != 0  ? " (no image with a label map over it is open)"
+                        : (info.flags & needsImage) != 0   ? " (no image is open)"
+                                                           : " (nothing is loaded)";
+  if ((info.flags & needsNoReplay) != 0 && frame.simulation.replay) return itemTooltip(frame, kReplayLocks);
   itemTooltip(frame, isEnabled ? info.doc : std::string(info.doc) + missing);
 }
 
@@ -63,9 +66,10 @@ void editItem(FrameContext &frame, Command command) {
   const std::string what = command == Command::undo ? frame.modes.undoLabel() : frame.modes.redoLabel();
   const std::string label = std::string(info.label) + (what.empty() ? "" : " " + what) + "###" + info.id;
   const std::string key = keyText(info.key, info.modifiers);
-  if (ImGui::MenuItem(label.c_str(), key.c_str(), false, !what.empty())) frame.request(command);
-  markItem(frame, "menu", info.id, !what.empty());
-  itemTooltip(frame, what.empty() ? std::string(info.doc) + " (not available)" : info.doc);
+  const bool isLocked = frame.simulation.replay != nullptr, isPossible = !what.empty() && !isLocked;
+  if (ImGui::MenuItem(label.c_str(), key.c_str(), false, isPossible)) frame.request(command);
+  markItem(frame, "menu", info.id, isPossible);
+  itemTooltip(frame, isLocked ? kReplayLocks : what.empty() ? std::string(info.doc) + " (not available)" : info.doc);
 }
 
 bool beginMenu(FrameContext &frame, const char *label, const char *id) {
@@ -103,10 +107,11 @@ void toolsMenu(FrameContext &frame) {
     const std::string key = isFreeForTools(entry.tool->shortcut) ? keyText(entry.tool->shortcut, 0) : std::string();
     const std::string label = entry.tool->label + "###" + entry.tool->id, id = "tools." + entry.tool->id;
     const std::string hint = entry.tool->hint;
+    const bool isFree = !frame.simulation.replay;
     const bool isPicked =
-        ImGui::MenuItem(label.c_str(), key.empty() ? nullptr : key.c_str(), tools->active() == entry.handle);
-    markItem(frame, "menu", id);
-    itemTooltip(frame, hint);
+        ImGui::MenuItem(label.c_str(), key.empty() ? nullptr : key.c_str(), tools->active() == entry.handle, isFree);
+    markItem(frame, "menu", id, isFree);
+    itemTooltip(frame, isFree ? hint : kReplayLocks);
     if (isPicked) {
       tools->activate(entry.handle);
       return;  // the list may have changed
@@ -119,7 +124,7 @@ void pluginsMenu(FrameContext &frame) {
     const registry::PluginCommand &command = *entry.command;
     const std::string key = keyText(command.key, command.modifiers);
     const std::string label = command.title + "###" + command.id, id = "plugins." + command.id;
-    const bool isEnabled = command.isEnabled;
+    const bool isEnabled = command.isEnabled && !frame.simulation.replay;
     const bool isPicked = ImGui::MenuItem(label.c_str(), key.empty() ? nullptr : key.c_str(), false, isEnabled);
     markItem(frame, "menu", id, isEnabled);
     itemTooltip(frame, command.doc.empty() ? "Of " + command.owner : command.doc + " (" + command.owner + ")");
@@ -172,15 +177,17 @@ void separator(const FrameContext &frame) {
 }
 
 bool toolButton(FrameContext &frame, const std::string &id, const std::string &label, bool isActive,
-                const std::string &tooltip) {
+                const std::string &tooltip, bool isEnabled = true) {
   const ImVec4 on(0.20f, 0.42f, 0.48f, 1.0f);
   if (isActive) {
     ImGui::PushStyleColor(ImGuiCol_Button, on);
     ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImVec4(0.24f, 0.49f, 0.55f, 1.0f));
   }
+  ImGui::BeginDisabled(!isEnabled);
   const bool isPressed = ImGui::Button((label + "###" + id).c_str(), ImVec2(0, ImGui::GetFrameHeight() * 1.15f));
+  ImGui::EndDisabled();
   if (isActive) ImGui::PopStyleColor(2);
-  markItem(frame, "toolbar", id);
+  markItem(frame, "toolbar", id, isEnabled);
   itemTooltip(frame, tooltip);
   ImGui::SameLine(0.0f, frame.theme.px(4.0f));
   return isPressed;
@@ -192,10 +199,11 @@ void toolButtons(FrameContext &frame) {
   if (toolButton(frame, "tool.orbit", "Orbit", isOrbit, "The left button turns the camera  (O)"))
     frame.request(Command::orbitTool);
   if (!tools) return;
+  const bool isFree = !frame.simulation.replay;
   for (const registry::ToolRegistry::Entry &entry : tools->tools()) {
     const std::string key = isFreeForTools(entry.tool->shortcut) ? "  (" + keyText(entry.tool->shortcut, 0) + ")" : "";
     if (toolButton(frame, "tool." + entry.tool->id, entry.tool->label, tools->active() == entry.handle,
-                   entry.tool->hint + key)) {
+                   isFree ? entry.tool->hint + key : kReplayLocks, isFree)) {
       tools->activate(entry.handle);
       return;  // the list may have changed
     }

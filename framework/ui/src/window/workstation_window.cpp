@@ -103,6 +103,7 @@ void WorkstationWindow::Impl::handleKey(FrameContext &context, const OsEvent &ev
 void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector<OsEvent> &events,
                                         const render::Renderer &renderer) {
   modes.beginFrame(panes, state.overlays);
+  modes.lockChanges(context.simulation.replay != nullptr);
   ViewController &space = modes.space();
   space.setViewSize(static_cast<int>(view.w), static_cast<int>(view.h));
   const ImageViews *images = shownImages();
@@ -146,7 +147,9 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   const float grip = std::round(theme.px(5.0f));
   const float top = menuHeight + toolbarHeight, middle = std::max(height - top - statusHeight, 1.0f);
   const float barHeight = std::min(regionBarHeight(context), middle - 1.0f);
-  area = {sideWidth + grip, top + barHeight, std::max(width - sideWidth - grip, 1.0f), middle - barHeight};
+  const float timelineHeight = std::min(timelineBarHeight(context), middle - barHeight - 1.0f);
+  area = {sideWidth + grip, top + barHeight, std::max(width - sideWidth - grip, 1.0f),
+          middle - barHeight - timelineHeight};
   layOutPanes();
   context.area = area;
   context.view = view;
@@ -160,6 +163,7 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   drawDock(context, {0, top + middle - dockHeight, sideWidth, dockHeight});
   drawSplitter(context, {sideWidth, top, grip, middle});
   drawRegionBar(context, {area.x, top, area.w, barHeight});
+  drawTimelineBar(context, {area.x, area.y + area.h, area.w, timelineHeight});
   drawStatusBar(context, {0, height - statusHeight, width, statusHeight});
   drawViewDecorations(context);
   drawSliceDecorations(context, renderer);

@@ -71,6 +71,8 @@ using RecordedEvent =
     std::variant<SimulationChange, RecordedReset, RecordedState, RecordedScene, RecordedHash, RecordedEnd>;
 
 [[nodiscard]] std::uint64_t stepsOf(const RecordedEvent &event);
+/// Null: not a state hash.
+[[nodiscard]] const RecordedHash *hashOf(const RecordedEvent &event);
 
 struct Recording {
   RecordingStart start;

@@ -41,6 +41,19 @@ class Replay {
   [[nodiscard]] std::uint64_t equalHashes() const { return equalHashes_; }
   [[nodiscard]] double fraction() const;
 
+  /// How far a replay is.
+  struct Position {
+    std::size_t next = 0;    ///< index of the event that is repeated next
+    std::uint64_t made = 0;  ///< steps since the recording began
+
+    friend bool operator==(const Position &, const Position &) = default;
+  };
+  [[nodiscard]] Position position() const { return {next_, made_}; }
+  /// Continues from there: the simulator has the state of that position.
+  void goTo(const Position &position);
+  /// Continues behind a state hash that differs. @pre  there is a difference
+  void passDifference();
+
  private:
   class Applier;
 

@@ -34,6 +34,7 @@ struct RunOptions {
   std::filesystem::path record;                      ///< empty: not requested
   std::uint64_t recordHashEvery = kDefaultHashEvery;
   bool isReplay = false;                        ///< `scene` is a recording, which is repeated
+  std::optional<double> from_s;                 ///< of a replay: simulated time at which the export begins
   bool checkHashes = false;                     ///< of a replay: it ends at the first state hash that differs
   std::filesystem::path samplePoints, sampled;  ///< points to track, and their positions at the end; or empty
   double exportEvery_s = kDefaultExportEvery_s;

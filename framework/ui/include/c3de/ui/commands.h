@@ -12,6 +12,7 @@ enum class Command {
   openMesh,
   openScene,
   openSession,
+  openRecording,
   openImage,
   openFolder,
   openLabels,
@@ -54,6 +55,7 @@ enum class Command {
   stop,
   startRecording,
   stopRecording,
+  showTimeline,
   saveState,
   loadState,
   orbitTool,
@@ -84,7 +86,9 @@ enum CommandFlag : std::uint32_t {
   beginsGroup = 16,     ///< a line separates it from the entry above
   needsContent = 32,    ///< a simulation or an image
   needsRecording = 64,  ///< the simulation is being recorded
-  needsNoRecording = 128
+  needsNoRecording = 128,
+  needsTimeline = 512,  ///< the simulation is being recorded, or was
+  needsNoReplay = 256   ///< it changes the simulation, or stores its state
 };
 
 /// A command as menus, keyboard, list of shortcuts and automation use it. executeCommand() executes it.

@@ -54,6 +54,36 @@ struct PluginEntry {
   std::string lastCrash{};  ///< "ended by SIGSEGV, …": of the last crash
 };
 
+/// The replay of a recording, as its bar shows it. A position is the number of steps since the recording began.
+struct ReplayView {
+  struct Mark {
+    std::uint64_t position = 0;
+    std::string text;  ///< what was changed
+  };
+  std::string file;
+  std::shared_ptr<const std::vector<Mark>> marks;
+  std::function<double(std::uint64_t position)> timeAt_s;  ///< simulated time since the recording began
+  std::uint64_t position = 0, target = 0, length = 0;
+  bool isPlaying = false, isSeeking = false;
+  double rate = 1.0;    ///< simulated seconds per second; 0: as fast as possible
+  bool hasNow = false;  ///< the simulation from before the replay was kept
+  std::string warning;  ///< for example "differs from the recording at step 300"
+};
+
+/// Requests of the bar of a replay.
+struct ReplayActions {
+  std::function<void(std::uint64_t position)> seek;
+  std::function<void(bool plays)> play;
+  std::function<void()> step, cancel;
+  std::function<void(double rate)> setRate;
+  std::function<void()> returnToNow;
+  std::function<void()> leave;  ///< the simulation becomes an ordinary one
+};
+
+/// Why values, tools and commands are disabled during a replay.
+inline constexpr const char *kReplayLocks =
+    "A recording is replayed, and nothing can be changed. Continue from here, in the bar below, ends the replay.";
+
 /// Requests of the window to the program. Called on the main thread, in drawFrame().
 struct WindowActions {
   std::function<void(const OpenRequest &)> open;
@@ -79,7 +109,8 @@ struct WindowActions {
   /// Writes the session; `saved` is called after it is complete on the disk, and not after a failure.
   std::function<void(const std::filesystem::path &, std::function<void()> saved)> saveSession;
   std::function<void(const std::filesystem::path &)> startRecording;
-  std::function<void()> stopRecording;
+  std::function<void()> stopRecording, showTimeline;
+  ReplayActions replay;
   std::function<std::filesystem::path()> sessionFile;    ///< empty: not saved yet
   std::function<std::string()> title;                    ///< of the window
   std::function<void(const RecentFile &)> removeRecent;  ///< from the list of recent files
@@ -107,8 +138,10 @@ struct SimulationView {
   bool exists = false;
   std::string title;
   c3de_sim_transport transport{};
-  std::string recording;  ///< file that it is recorded in; empty: none
-  std::string activity;   ///< what takes long in the step being computed, and what would help; may be empty
+  std::string recording;                     ///< file that it is recorded in; empty: none
+  bool hasTimeline = false;                  ///< it is being recorded, or was
+  std::shared_ptr<const ReplayView> replay;  ///< null: none
+  std::string activity;  ///< what takes long in the step being computed, and what would help; may be empty
 
   static constexpr double kLongStep_s = 0.15;
   /// Whether a step takes long, or each of a sequence does; displayed as long as this lasts.

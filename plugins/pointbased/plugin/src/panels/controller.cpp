@@ -3,9 +3,11 @@
 
 #include "panels/accuracy_panel.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <utility>
 
 #include "base/number_text.h"
@@ -14,6 +16,11 @@
 
 namespace pointbased {
 namespace {
+
+bool isEqual(const c3de_param_value &a, const c3de_param_value &b) {
+  return a.type == b.type && a.num == b.num && sdk::text(a.text) == sdk::text(b.text) &&
+         std::equal(std::begin(a.vec), std::end(a.vec), std::begin(b.vec));
+}
 
 constexpr double kFarBelow = 5.0;  // a ratio of stable steps for which rigid bodies are proposed
 
@@ -90,13 +97,28 @@ void Controller::setSimulator(WorldSimulator *simulator, SimulatorView *view) {
 // The panel's values are those of the body it shows: the first one, until it is removed.
 void Controller::followBody(const Snapshot *snapshot) {
   if (!snapshot) return;
-  if (body_ != 0 && snapshot->body(body_)) return;
+  if (const BodySnapshot *same = body_ != 0 ? snapshot->body(body_) : nullptr) return followValues(*same);
   body_ = 0;
   if (!snapshot->bodies.empty()) showBody(snapshot->bodies.front());
 }
 
+/// Values that something else than the panel has set, such as the replay of a recording. A value that the panel shows,
+/// and the simulation does not have yet, is an edit on its way.
+void Controller::followValues(const BodySnapshot &body) {
+  if (body.values == followed_) return;
+  const std::shared_ptr<const ParameterValues> before = std::exchange(followed_, body.values);
+  for (const c3de_param_decl &d : declared_) {
+    const std::string_view id = sdk::text(d.id);
+    const auto now = body.values->get(id), last = before->get(id), shown = bodyParameters_.get(id);
+    if (!now || !last || !shown || isEqual(*now, *last) || !isEqual(*shown, *last)) continue;
+    (void)nextValues_.set(*now);
+    (void)bodyParameters_.set(*now);
+  }
+}
+
 void Controller::showBody(const BodySnapshot &body) {
   body_ = body.id;
+  followed_ = body.values;
   nextValues_ = *body.values;
   for (const c3de_param_decl &d : declared_)
     if (const auto value = nextValues_.get(sdk::text(d.id))) (void)bodyParameters_.set(*value);

@@ -56,6 +56,7 @@ class Controller : public sdk::Panel {
   void transport(std::uint32_t action);
   void followBody(const Snapshot *snapshot);
   void showBody(const BodySnapshot &body);
+  void followValues(const BodySnapshot &body);
   void chooseBody(sdk::Ui &ui, const Snapshot &snapshot);
   void suggestRigid(sdk::Ui &ui, const Snapshot &snapshot);
   void makeRigid(std::uint64_t body);
@@ -69,10 +70,11 @@ class Controller : public sdk::Panel {
   SimulatorView *view_ = nullptr;
   sdk::ParameterSet bodyParameters_, worldParameters_;
   const MaterialLaws &laws_;
-  std::span<const c3de_param_decl> declared_;       // of bodyParameters_
-  ParameterValues nextValues_{bodyDeclarations()};  // values for the next load or rebuild
-  std::optional<c3de_handle> trials_;               // the job that computes the displacement trials
-  std::uint64_t body_ = 0;                          // the body to which the parameters belong
+  std::span<const c3de_param_decl> declared_;        // of bodyParameters_
+  ParameterValues nextValues_{bodyDeclarations()};   // values for the next load or rebuild
+  std::optional<c3de_handle> trials_;                // the job that computes the displacement trials
+  std::shared_ptr<const ParameterValues> followed_;  // those of the body when they were last compared
+  std::uint64_t body_ = 0;                           // the body to which the parameters belong
   std::string path_;
   std::uint32_t unit_ = 0;  // index into the unit names
   bool replace_ = true;
