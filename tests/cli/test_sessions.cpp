@@ -3,6 +3,7 @@
 #include <regex>
 
 #include "program.h"
+#include "support/environment.h"
 
 using nlohmann::json;
 namespace fs = std::filesystem;
@@ -126,6 +127,70 @@ TEST_CASE("A session finds files that have moved with it, and names those that a
   const auto twice = runC3de({"run", session.string(), "--from-state", "x"});
   CHECK(twice.exitCode == 2);
   CHECK_THAT(twice.errorOutput, Contains("a session has its own state"));
+}
+
+TEST_CASE("A session with its files runs where they are missing, and keeps them", "[session]") {
+  const fs::path folder = freshFolder("session_embedded");
+  const ScopedEnvironment home("C3DE_HOME", (folder / "home").string());
+  const fs::path scene = writeBoxScene(folder), first = folder / "a.c3de", elsewhere = folder / "elsewhere";
+  const std::string half = hashAfter(scene, "10", {"--save-session", first.string(), "--embed"});
+  fs::create_directories(elsewhere);
+  fs::rename(first, elsewhere / "b.c3de");
+  fs::remove(folder / "box.obj");
+  const json info = json::parse(runC3de({"info", (elsewhere / "b.c3de").string(), "--json"}).output);
+  REQUIRE(info["files"].size() == 1);
+  CHECK(info["files"][0]["state"] == "embedded");
+  CHECK_THAT(info["files"][0]["path"].get<std::string>(), Contains("/box.obj"));
+  CHECK(hashAfter(elsewhere / "b.c3de", "10") == half);
+  // Saved again without the option; the extracted files are not needed.
+  CHECK(hashAfter(elsewhere / "b.c3de", "10", {"--save-session", (elsewhere / "c.c3de").string()}) == half);
+  fs::remove_all(folder / "home");
+  fs::remove(elsewhere / "b.c3de");
+  CHECK(hashAfter(elsewhere / "c.c3de", "10") == half);
+  // Programs that have ended use nothing.
+  for (const auto &entry : fs::recursive_directory_iterator(folder / "home" / "cache" / "embedded"))
+    CHECK(entry.path().extension() != ".lock");
+
+  const auto alone = runC3de({"run", scene.string(), "--embed"});
+  CHECK(alone.exitCode == 2);
+  CHECK_THAT(alone.errorOutput, Contains("--save-session"));
+}
+
+TEST_CASE("Folders are searched for files of a session that have moved", "[session]") {
+  const fs::path folder = freshFolder("session_searched");
+  const fs::path scene = writeBoxScene(folder), session = folder / "case" / "a.c3de", disk = folder / "disk" / "deep";
+  fs::create_directories(session.parent_path());
+  fs::create_directories(disk);
+  const std::string half = hashAfter(scene, "10", {"--save-session", session.string()});
+  fs::rename(folder / "box.obj", disk / "other_name.obj");
+  CHECK_THAT(refusal(session), Contains("box.obj: is missing") && Contains("--search FOLDER"));
+  const std::vector<std::string> search{"--search", session.parent_path().string(), "--search",
+                                        disk.parent_path().string()};
+  std::vector<std::string> info{"info", session.string(), "--json"};
+  info.insert(info.end(), search.begin(), search.end());
+  const json described = json::parse(runC3de(info).output);
+  CHECK(described["files"][0]["state"] == "same");
+  CHECK(described["files"][0]["at"] == (disk / "other_name.obj").string());
+  std::vector<std::string> saving = search;
+  saving.insert(saving.end(), {"--save-session", (folder / "b.c3de").string()});
+  CHECK(hashAfter(session, "10", saving) == half);
+  // The place is stored.
+  CHECK(hashAfter(folder / "b.c3de", "10") == half);
+  const json found = json::parse(runC3de({"info", (folder / "b.c3de").string(), "--json"}).output);
+  CHECK(found["files"][0]["path"] == "disk/deep/other_name.obj");
+  CHECK_THAT(refusal(session, {"--search", (folder / "none").string()}), Contains("none: there is no such folder"));
+  CHECK(runC3de({"run", scene.string(), "--search", folder.string()}).exitCode == 2);
+}
+
+TEST_CASE("A session of the first format is opened by every later version", "[session]") {
+  const fs::path folder = freshFolder("session_kept"), file = folder / "a.c3de";
+  const ScopedEnvironment home("C3DE_HOME", (folder / "home").string());
+  fs::copy_file(fs::path(C3DE_KEPT_SESSIONS) / "box-1.c3de", file);
+  const json info = json::parse(runC3de({"info", file.string(), "--json"}).output);
+  CHECK(info["title"] == "Falling box");
+  CHECK(info["files"][0]["state"] == "embedded");
+  // The same as the scene.
+  CHECK(hashAfter(file, "10") == hashAfter(writeBoxScene(folder), "10"));
 }
 
 TEST_CASE("Saving a session that was opened changes nothing in it but its time", "[session]") {

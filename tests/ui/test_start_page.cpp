@@ -220,7 +220,7 @@ TEST_CASE("arrow keys scroll a long list of recent files, and a DICOM folder is 
   window.clickMenu("file.open_folder");
   C3DE_WAIT(window, "the dialog is open", s["widgets"].contains("dialog/path"));
   window.type(series.string());
-  window.click("dialog/open");
+  window.click("dialog/use_folder");
   C3DE_WAIT(window, "the series is open", s["panes"].size() == 4 && s["jobs"].empty());
   window.clickMenu("file.close_image");
   const Json listed = C3DE_WAIT(window, "it is listed", recent(s, 0, "state") == "with picture");

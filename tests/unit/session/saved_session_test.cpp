@@ -7,6 +7,7 @@
 #include "c3de/session/body_creation.h"
 #include "files/mask_bytes.h"
 #include "support/catch.h"
+#include "support/environment.h"
 #include "support/folders.h"
 #include "support/recording_simulator.h"
 
@@ -113,6 +114,94 @@ TEST_CASE("Scenes, voxels in memory and changes of a session are those of the si
   REQUIRE(second.session->adoptForRun(second.simulator.object(), "test", *source));
   REQUIRE(writeSession(second.saved(folder), folder / "b.c3de"));
   CHECK(bytesOf(folder / "a.c3de") == bytesOf(folder / "b.c3de"));
+}
+
+namespace {
+
+/// Liver as voxels, a tetrahedron as an embedded mesh, an added spleen, two changes, a state, a view, and what this
+/// version does not know.
+void writeSample(const fs::path &file) {
+  const fs::path folder = file.parent_path();
+  std::ofstream(folder / "tetrahedron.obj")
+      << "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+  scene::SceneFile first = *sceneOfCube("liver");
+  first.title = "Kept sample";
+  first.bodies.emplace_back();
+  first.bodies.back().name = "tumour";
+  first.bodies.back().mesh = folder / "tetrahedron.obj";
+  first.bodies.back().meshUnit = geometry::LengthUnit::millimetre;
+  Fixture f;
+  REQUIRE(f.session->adoptForRun(f.simulator.object(), "test", {std::make_shared<const scene::SceneFile>(first)}));
+  f.simulator.change("stiffer");
+  f.session->changes()->addScene(sceneOfCube("spleen"));
+  f.simulator.change("implant");
+  const auto captured = captureState(*f.session, f.simulator.object(), f.identity, f.session->changes()->source());
+  REQUIRE(captured);
+  FileReferences references;
+  auto saved = sessionOf(*captured, folder, references, {}, Embedding::all);
+  if (!saved) FAIL(saved.error().message);
+  saved->view.crossHair_mm = Vec3{1.0, 2.0, 3.0};
+  saved->view.camera = SessionView::CameraPose{{4.0, 5.0, 6.0}, 0.5, -0.25, 300.0};
+  saved->members["plugins/org.example.x"] = "private";
+  saved->members["later/x"] = "member of a later version";
+  saved->unknown["/later"] = R"({"a":[1,2.5,null]})";
+  saved->unknown["/view/zoom"] = "2";
+  saved
+      ->unknown["/files/" + std::string(saved->files.front().path).replace(5, 1, "~1").replace(71, 1, "~1") + "/kind"] =
+      R"("tumour")";
+  REQUIRE(writeSession(*saved, file));
+}
+
+}  // namespace
+
+// Written once, with the first version that had embedded files: the next case opens what it wrote then.
+TEST_CASE("Write the sample of this version", "[.sample]") { writeSample(testOutputFolder() / "session-1.c3de"); }
+
+TEST_CASE("A session of format 1 that was kept is opened, and saved again with all that is in it") {
+  const fs::path folder = testOutputFolder(), file = folder / "kept.c3de";
+  const ScopedEnvironment home("C3DE_HOME", (folder / "home").string());
+  fs::copy_file(fs::path(C3DE_KEPT_SESSIONS) / "session-1.c3de", file, fs::copy_options::overwrite_existing);
+  const auto read = readSession(file, EmbeddedContent::stays);
+  if (!read) FAIL(read.error().message);
+  CHECK(read->title == "Kept sample");
+  CHECK(read->simulatorClass == "test.simulator/1");
+  CHECK(read->scenes.size() == 2);
+  CHECK(read->view.crossHair_mm == Vec3{1.0, 2.0, 3.0});
+  CHECK(read->view.camera == SessionView::CameraPose{{4.0, 5.0, 6.0}, 0.5, -0.25, 300.0});
+  CHECK(read->unknown.size() == 3);
+  CHECK_FALSE(read->state.empty());
+
+  const auto files = filesOfSession(*read, file);
+  if (!files) FAIL(files.error().message);
+  REQUIRE(files->size() == 1);
+  CHECK(bytesOf(files->front().at).starts_with("v 0 0 0\n"));
+  const auto source = sourceOfSession(*read, file, *files, nullptr);
+  if (!source) FAIL(source.error().message);
+  CHECK(textsOf(*source) == std::vector<std::string>{"scene liver", "add stiffer", "scene spleen", "add implant"});
+  const auto &bodies = std::get<SharedScene>(source->front())->bodies;
+  REQUIRE(bodies.size() == 2);
+  REQUIRE(bodies[0].volume.mask);
+  CHECK(bodies[0].volume.mask->voxels == cube().voxels);
+  CHECK(bodies[1].mesh == files->front().at);
+
+  Fixture f;
+  if (const auto built = buildRemaining(*f.session, f.simulator.object(), *source, {}, nullptr); !built)
+    FAIL(built.error().message);
+  REQUIRE(restoreSession(*f.session, f.simulator.object(), f.identity, *read, file));
+  REQUIRE(f.session->adoptForRun(f.simulator.object(), "test", *source));
+  SessionFile again = f.saved(folder);
+  FileReferences references;
+  REQUIRE(keepRest(*read, *files, folder, references, Embedding::extracted, again));
+  CHECK(again.unknown == read->unknown);
+  CHECK(again.members == read->members);
+  CHECK(again.files == read->files);
+  CHECK(again.view == read->view);
+  CHECK(again.state == read->state);
+  REQUIRE(writeSession(again, folder / "again.c3de"));
+  const auto whole = readSession(folder / "again.c3de");
+  REQUIRE(whole);
+  CHECK(whole->members.at("later/x") == "member of a later version");
+  CHECK(whole->unknown == read->unknown);
 }
 
 TEST_CASE("A later change replaces an earlier one of its key, unless a scene or a reset lies between them") {

@@ -167,10 +167,10 @@ TEST_CASE("Sizes that cannot be true or exceed the limit are refused before anyt
   CHECK_THAT(refusal(write(file, changed)), Contains("member 'large' is damaged"));
 
   write(file, bytes);
-  const auto limited = readZip(file, {1'000'000, 100});
+  const auto limited = readZip(file, {1'000'000, 100, {}});
   REQUIRE_FALSE(limited.has_value());
   CHECK_THAT(limited.error().message, Contains("a.c3de: has more than 1000000 bytes when unpacked"));
-  const auto few = readZip(file, {10'000'000, 1});
+  const auto few = readZip(file, {10'000'000, 1, {}});
   REQUIRE_FALSE(few.has_value());
   CHECK_THAT(few.error().message, Contains("a.c3de: has more than 1 members"));
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/session/file_kind.h"
@@ -30,6 +31,7 @@ struct InfoArguments {
   bool patientNames = false;  ///< whether the names of patients are shown
   std::string reader;         ///< of meshes: the reader of a plugin; empty: by the extension
   bool isQuick = false;       ///< bodies of scenes are not built: checks that require this are omitted
+  std::vector<std::filesystem::path> search{};  ///< folders with files of sessions that have moved
 };
 
 /// @param formats  null: no plugin is needed
@@ -67,11 +69,14 @@ bool needsPlugins(const std::filesystem::path &file, const InfoArguments &argume
 }
 
 /// What a session contains, and which of its files are missing or have changed.
-Expected<Described> describeSession(const std::filesystem::path &file) {
-  const auto saved = readSession(file);
+Expected<Described> describeSession(const std::filesystem::path &file,
+                                    const std::vector<std::filesystem::path> &search) {
+  const auto saved = readSession(file, EmbeddedContent::stays);
   if (!saved) return tl::unexpected(saved.error());
-  const auto found = findFiles(*saved, std::filesystem::absolute(file).parent_path());
+  auto found = findFiles(*saved, std::filesystem::absolute(file).parent_path());
   if (!found) return tl::unexpected(found.error());
+  for (const std::filesystem::path &folder : search)
+    if (const auto searched = searchFolder(folder, *found); !searched) return tl::unexpected(searched.error());
   const std::string hash = saved->stateHash ? fmt::format("{:016x}", *saved->stateHash) : std::string();
   std::string text = fmt::format("session of \"{}\", saved {} by {}\n", saved->title, saved->savedAt, saved->program);
   text += saved->state.empty() ? "state: the initial one\n"
@@ -86,12 +91,16 @@ Expected<Described> describeSession(const std::filesystem::path &file) {
     json["changes"].push_back(Json{{"id", change.id}, {"text", change.text}});
   }
   for (const FoundFile &one : *found) {
-    const char *state = one.state == FoundFile::State::same      ? "same"
+    const char *state = one.file.isEmbedded                      ? "embedded"
+                        : one.state == FoundFile::State::same    ? "same"
                         : one.state == FoundFile::State::changed ? "changed"
                                                                  : "missing";
-    text += fmt::format("  {}: {}\n", one.file.path, state);
+    const std::string place = one.at.empty() ? std::string() : pathText(one.at.lexically_normal());
+    const bool isElsewhere = !search.empty() && !place.empty();
+    text += fmt::format("  {}: {}{}\n", displayText(one.file.path), state, isElsewhere ? ", at " + place : "");
     json["files"].push_back(
         Json{{"path", one.file.path}, {"bytes", one.file.bytes}, {"sha256", one.file.sha256}, {"state", state}});
+    if (!place.empty()) json["files"].back()["at"] = place;
   }
   return Described{text, json};
 }
@@ -108,7 +117,7 @@ Expected<Described> describe(const std::filesystem::path &file, const InfoArgume
   switch (arguments.reader.empty() ? kindOf(file, formats) : FileKind::mesh) {
     case FileKind::image: return describeImage(file, options, arguments.patientNames);
     case FileKind::scene: return describeScene(*session, file, arguments.isQuick);
-    case FileKind::session: return describeSession(file);
+    case FileKind::session: return describeSession(file, arguments.search);
     case FileKind::recording: return describeRecording(file);
     case FileKind::mesh: return describeMesh(file, line.unit, formats, arguments.reader);
     case FileKind::unknown: break;
@@ -165,6 +174,7 @@ Handler declareInfo(CLI::App &app, CommandLine &line) {
   app.add_option("--reader", arguments->reader, "Read meshes by this reader of a plugin, whatever their extension")
       ->type_name("ID");
   app.add_flag("--quick", arguments->isQuick, "Do not build the bodies of scenes; checks that need them are omitted");
+  addSearch(app, arguments->search);
   app.add_flag("--json", line.json, "One object for one file, a list for several");
   addUnit(app, line);
   addSessionOptions(app, line);

@@ -34,6 +34,15 @@ CLI::Option *addFile(CLI::App &app, const std::string &name, std::filesystem::pa
       ->check(CLI::Validator(isNamed, "", ""));
 }
 
+CLI::Option *addSearch(CLI::App &app, std::vector<std::filesystem::path> &folders) {
+  return app
+      .add_option_function<std::vector<std::string>>(
+          "--search", [&folders](const std::vector<std::string> &names) { folders.assign(names.begin(), names.end()); },
+          "Look in this folder and its subfolders for files of a session that have moved (repeatable)")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
+}
+
 CLI::Option *addSize(CLI::App &app, CommandLine &line, const std::string &help) {
   return addParsed(app, "--size", line.size, help, [](const std::string &text) { return parseSize(text); })
       ->type_name("WxH");

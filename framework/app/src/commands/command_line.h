@@ -73,6 +73,8 @@ CLI::Option *addCount(CLI::App &app, const std::string &name, Value &value, long
 /// @param type  "FILE.json"
 CLI::Option *addFile(CLI::App &app, const std::string &name, std::filesystem::path &file, const std::string &type,
                      const std::string &help);
+/// Folders with files of a session that have moved.
+CLI::Option *addSearch(CLI::App &app, std::vector<std::filesystem::path> &folders);
 CLI::Option *addSize(CLI::App &app, CommandLine &line, const std::string &help);
 CLI::Option *addUnit(CLI::App &app, CommandLine &line);
 void addSessionOptions(CLI::App &app, CommandLine &line);

@@ -33,6 +33,7 @@ Handler declareReplay(CLI::App &app, CommandLine &line) {
   addFile(app, "--report", options->report, "FILE.json", "Write the report as JSON");
   addFile(app, "--save-session", options->saveSession, "FILE.c3de",
           "Write scene, state and the names and hashes of all files at the end; `c3de run FILE.c3de` resumes it");
+  addSearch(app, options->search);
   app.add_flag("-q,--quiet", options->quiet, "Print errors only");
   addSessionOptions(app, line);
   return [options, &line]() -> int {

@@ -108,8 +108,12 @@ Handler declareRun(CLI::App &app, CommandLine &line) {
       "At the end, solve the state once more with half the spacing: its error goes to the report (verification) "
       "and is printed");
   addFile(app, "--save-state", options.saveState, "FILE", "Write the state of the end, for --from-state");
-  addFile(app, "--save-session", options.saveSession, "FILE.c3de",
-          "Write scene, state and the names and hashes of all files at the end; `c3de run FILE.c3de` resumes it");
+  CLI::Option *saveSession =
+      addFile(app, "--save-session", options.saveSession, "FILE.c3de",
+              "Write scene, state and the names and hashes of all files at the end; `c3de run FILE.c3de` resumes it");
+  app.add_flag("--embed", options.embed, "Store all images and meshes in the session, so that it opens elsewhere")
+      ->needs(saveSession);
+  addSearch(app, options.search);
   CLI::Option *record = addFile(app, "--record", options.record, "FILE.c3dr",
                                 "Write the state before the first step, every change, and hashes of the state, for "
                                 "`c3de replay`");

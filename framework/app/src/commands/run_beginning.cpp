@@ -13,17 +13,17 @@
 namespace c3de::app {
 namespace {
 
-/// Scenes and changes of the session that is continued.
-Expected<SimulationSource> readSource(const RunOptions &options, const SessionFile &saved,
-                                      const scene::MaterialLibrary &materials) {
+/// Files of the session that is continued.
+Expected<std::vector<FoundFile>> readFiles(const RunOptions &options, const SessionFile &saved) {
   ProgressLine line(options.quiet);
-  const auto files = filesOfSession(saved, options.scene, [&](double fraction, const std::string &what) {
-    line.update(fraction, what);
-    return !wasInterrupted();
-  });
+  auto files = filesOfSession(saved, options.scene,
+                              [&](double fraction, const std::string &what) {
+                                line.update(fraction, what);
+                                return !wasInterrupted();
+                              },
+                              {{}, options.search});
   line.finish();
-  if (!files) return tl::unexpected(files.error());
-  return sourceOfSession(saved, options.scene, *files, &materials);
+  return files;
 }
 
 /// @param first  first scene of the session that is continued; null: none
@@ -73,12 +73,17 @@ Expected<RunBeginning> readBeginning(const RunOptions &options, Session &session
   } else if (isSessionPath(options.scene)) {
     if (!options.fromState.empty())
       return fail(ErrorCode::usage, "--from-state is for scenes: a session has its own state");
-    auto read = readSession(options.scene);
+    auto read = readSession(options.scene, EmbeddedContent::stays);
     if (!read) return tl::unexpected(read.error());
     beginning.saved = std::move(*read);
+  } else if (!options.search.empty()) {
+    return fail(ErrorCode::usage, "--search is for sessions (.c3de)");
   }
   if (beginning.saved) {
-    auto source = readSource(options, *beginning.saved, session.materials());
+    auto files = readFiles(options, *beginning.saved);
+    if (!files) return tl::unexpected(files.error());
+    beginning.files = std::move(*files);
+    auto source = sourceOfSession(*beginning.saved, options.scene, beginning.files, &session.materials());
     if (!source) return tl::unexpected(source.error());
     beginning.source = std::move(*source);
   } else {

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "app.h"
 #include "c3de/session/replay.h"
@@ -15,6 +16,7 @@ namespace c3de::app {
 /// What a run begins with.
 struct RunBeginning {
   std::optional<SessionFile> saved;  ///< the session that is continued
+  std::vector<FoundFile> files{};    ///< of that session
   std::unique_ptr<Replay> replay;    ///< null: not a recording
   SimulationSource source;           ///< the first scene has the values of --set
 };

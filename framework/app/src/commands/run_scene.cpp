@@ -350,13 +350,27 @@ Expected<void> checkOverlay(const RunOptions &options, const c3de_simulator_v1 *
   return fail(ErrorCode::usage, "--overlay " + options.overlay->field + ": accepted: " + known);
 }
 
+/// @param beginning  the session that is continued, if there is one
 Expected<void> writeSession(const RunOptions &options, Session &session, c3de_object *simulator,
-                            const SimulatorIdentity &identity) {
+                            const SimulatorIdentity &identity, const RunBeginning &beginning) {
   const auto captured = captureState(session, simulator, identity, session.changes()->source());
   if (!captured) return tl::unexpected(captured.error());
+  ProgressLine line(options.quiet);
+  const ProgressFn report = [&line](double fraction, const std::string &what) {
+    line.update(fraction, what);
+    return !wasInterrupted();
+  };
+  const std::filesystem::path folder = std::filesystem::absolute(options.saveSession).parent_path();
+  const Embedding embedding = options.embed ? Embedding::all : Embedding::extracted;
   FileReferences references;
-  const auto saved = sessionOf(*captured, std::filesystem::absolute(options.saveSession).parent_path(), references);
-  return saved ? session::writeSession(*saved, options.saveSession) : Expected<void>(tl::unexpected(saved.error()));
+  auto saved = sessionOf(*captured, folder, references, report, embedding);
+  if (!saved) return tl::unexpected(saved.error());
+  if (beginning.saved && !beginning.replay)
+    if (auto kept = keepRest(*beginning.saved, beginning.files, folder, references, embedding, *saved); !kept)
+      return kept;
+  auto written = session::writeSession(*saved, options.saveSession, report);
+  line.finish();
+  return written;
 }
 
 /// Makes the run record or repeat, where requested.
@@ -394,14 +408,14 @@ Expected<void> restoreState(const RunOptions &options, Session &session, c3de_ob
 
 /// Saves the end state, alone or as a session.
 void saveEnd(const RunOptions &options, Session &session, c3de_object *simulator, const SimulatorIdentity &identity,
-             WrittenOutputs &outputs) {
+             const RunBeginning &beginning, WrittenOutputs &outputs) {
   if (!options.saveState.empty()) {
     const auto state = stateBytes(session, simulator, identity);
     outputs.note(options.saveState,
                  state ? writeWholeFile(options.saveState, *state) : Expected<void>(tl::unexpected(state.error())));
   }
   if (!options.saveSession.empty())
-    outputs.note(options.saveSession, writeSession(options, session, simulator, identity));
+    outputs.note(options.saveSession, writeSession(options, session, simulator, identity, beginning));
 }
 
 struct Simulated {
@@ -417,7 +431,7 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
       return tl::unexpected(writable.error());
   const auto beginning = readBeginning(options, session);
   if (!beginning) return tl::unexpected(beginning.error());
-  const auto &[saved, replay, source] = *beginning;
+  const auto &[saved, files, replay, source] = *beginning;
   const SharedScene scene = std::get<SharedScene>(source.front());
   const auto view = checkBeforeBuilding(options, *scene, session.meshFormats());
   if (!view) return tl::unexpected(view.error());
@@ -474,7 +488,7 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
   if (!options.report.empty()) facts.skinVolumes = skinVolumes(session, simulator.get());
   followTissues(options, simulator.get(), *table, facts, outputs);
   if (!options.report.empty()) outputs.note(options.report, writeReport(options, facts, run));
-  saveEnd(options, session, simulator.get(), *chosen, outputs);
+  saveEnd(options, session, simulator.get(), *chosen, *beginning, outputs);
   if (!options.exportSurface.empty()) writeSurfaceExport(options, session, simulator.get(), outputs);
   if (options.exportImage.isWanted())
     if (const auto good =

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <utility>
@@ -12,6 +13,8 @@
 #include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
 #include "c3de/core/text.h"
+#include "c3de/session/embedded_files.h"
+#include "c3de/ui/file_browser.h"
 #include "workstation/workstation_export.h"
 
 namespace c3de::app {
@@ -38,7 +41,9 @@ std::string timeText(std::string time) {
 }  // namespace
 
 SessionController::SessionController(Parts parts)
-    : parts_(std::move(parts)), recovery_(recoveryFolder(), [this](const Error &error) {
+    : parts_(std::move(parts)), missing_({parts_.session, parts_.failed,
+                                          [this](const MissingFilesController::Opened &opened) { build(opened); }}),
+      recovery_(recoveryFolder(), [this](const Error &error) {
         parts_.session.mainQueue().post([this, error] {
           log(LogLevel::warn, "autosave failed: " + error.message);
           parts_.panels.notify(C3DE_LOG_WARN, "Autosave failed", error.message + "\nSave the session to keep it.");
@@ -47,8 +52,10 @@ SessionController::SessionController(Parts parts)
 
 void SessionController::connect(ui::WindowActions &actions) {
   actions.saveSession = [this](const std::filesystem::path &file, std::function<void()> saved) {
-    save(file, std::move(saved));
+    save(file, embedding_, std::move(saved));
   };
+  actions.saveSessionWithFiles = [this](const std::filesystem::path &file) { save(file, Embedding::all, {}); };
+  actions.measureSession = [this](std::function<void(const std::string &)> measured) { measure(std::move(measured)); };
   actions.sessionFile = [this] { return file_; };
   actions.title = [this] { return title(); };
 }
@@ -106,46 +113,69 @@ void SessionController::capture(std::function<void(Captured)> done) {
   });
 }
 
-void SessionController::save(const std::filesystem::path &file, std::function<void()> saved) {
+void SessionController::measure(std::function<void(const std::string &)> measured) {
+  const std::shared_ptr<ChangeLog> changes = parts_.session.changes();
+  const ShownView shown = shownView();
+  std::vector<std::filesystem::path> files = shown.labels;
+  if (!shown.image.empty()) files.push_back(shown.image);
+  const auto sum = std::make_shared<FileStamp>();
+  (void)parts_.session.jobs().submit(
+      kJobOwner, "Counting the files of the session",
+      [sum, files,
+       source = changes ? changes->source() : SimulationSource()](const ProgressFn &progress) -> Expected<void> {
+        const auto counted = stampOfFiles(source, files, progress);
+        if (!counted) return tl::unexpected(counted.error());
+        *sum = *counted;
+        return {};
+      },
+      [this, sum, measured = std::move(measured)](const Expected<void> &result) {
+        if (!result) return parts_.failed("The session cannot contain its files", result.error());
+        measured(fmt::format("{} file{}, {} before compression", sum->files, sum->files == 1 ? "" : "s",
+                             ui::sizeText(sum->bytes)));
+      });
+}
+
+void SessionController::save(const std::filesystem::path &file, Embedding embedding, std::function<void()> saved) {
   if (isSaving_)
     return parts_.failed("The session could not be saved", {ErrorCode::state, "another save is in progress"});
   isSaving_ = true;
-  capture([this, file, saved = std::move(saved), baseline = present(), shown = shownView()](const Captured &captured) {
+  capture([this, file, embedding, saved = std::move(saved), baseline = present(),
+           shown = shownView()](const Captured &captured) {
     isSaving_ = false;
     if (!*captured) return parts_.failed("The session could not be saved", captured->error());
-    write(file, captured, baseline, shown, saved);
+    write(file, embedding, captured, baseline, shown, saved);
   });
 }
 
-void SessionController::write(const std::filesystem::path &file, const Captured &captured, const Baseline &baseline,
-                              const ShownView &shown, const std::function<void()> &saved) {
+void SessionController::write(const std::filesystem::path &file, Embedding embedding, const Captured &captured,
+                              const Baseline &baseline, const ShownView &shown, const std::function<void()> &saved) {
   Baseline written = baseline;
   written.steps = (*captured)->steps;
   isSaving_ = true;
   (void)parts_.session.jobs().submit(
       kJobOwner, "Saving " + pathText(file.filename()),
-      [captured, shown, file, references = references_,
+      [captured, shown, file, embedding, references = references_,
        foreign = foreign_](const ProgressFn &progress) -> Expected<void> {
-        auto session =
-            sessionWithView(**captured, shown, std::filesystem::absolute(file).parent_path(), *references, progress);
+        auto session = sessionWithView(**captured, shown, std::filesystem::absolute(file).parent_path(), *references,
+                                       progress, embedding);
         if (!session) return tl::unexpected(session.error());
-        session->members.insert(foreign.members.begin(), foreign.members.end());
-        session->unknown = foreign.unknown;
-        return writeSession(*session, file);
+        keepUnknown(foreign, *session);
+        return writeSession(*session, file, progress);
       },
-      [this, file, written, saved](const Expected<void> &result) {
+      [this, file, embedding, written, saved](const Expected<void> &result) {
         isSaving_ = false;
         if (!result) return parts_.failed("The session could not be saved", result.error());
-        onSaved(file, written);
+        onSaved(file, embedding, written);
         if (saved) saved();
       });
 }
 
-void SessionController::onSaved(const std::filesystem::path &file, const Baseline &written) {
+void SessionController::onSaved(const std::filesystem::path &file, Embedding embedding, const Baseline &written) {
   std::string text = pathText(file);
   // Otherwise another simulation has been opened meanwhile.
   if (written.simulation == 0 || written.simulation == serial_) {
     file_ = file;
+    embedding_ = embedding;
     baseline_ = written;
     if (!isModified()) recovery_.discard();
     const std::shared_ptr<ChangeLog> changes = parts_.session.changes();
@@ -163,13 +193,27 @@ void SessionController::open(const std::filesystem::path &file) {
   opened->file = file;
   (void)parts_.session.jobs().submit(
       kJobOwner, "Reading " + name,
-      [opened, materials = &parts_.session.materials()](const ProgressFn &progress) -> Expected<void> {
-        auto saved = readSession(opened->file);
+      [opened](const ProgressFn &progress) -> Expected<void> {
+        auto saved = readSession(opened->file, EmbeddedContent::stays);
         if (!saved) return tl::unexpected(saved.error());
         opened->saved = std::move(*saved);
-        auto files = filesOfSession(opened->saved, opened->file, progress);
+        auto files = locateFiles(opened->saved, opened->file, progress);
         if (!files) return tl::unexpected(files.error());
         opened->files = std::move(*files);
+        return {};
+      },
+      [this, opened, name](const Expected<void> &result) {
+        if (!result) return parts_.failed("Could not open " + name, result.error());
+        if (MissingFilesController::isNeeded(opened->files)) return missing_.show(opened);
+        build(opened);
+      });
+}
+
+void SessionController::build(const MissingFilesController::Opened &opened) {
+  const std::string name = pathText(opened->file.filename());
+  (void)parts_.session.jobs().submit(
+      kJobOwner, "Reading " + name,
+      [opened, materials = &parts_.session.materials()](const ProgressFn &) -> Expected<void> {
         if (opened->saved.scenes.empty()) return {};
         auto source = sourceOfSession(opened->saved, opened->file, opened->files, materials);
         if (!source) return tl::unexpected(source.error());
@@ -195,13 +239,15 @@ void SessionController::begin() {
   openedAt_ = std::filesystem::file_time_type::clock::now();
   references_ = std::make_shared<FileReferences>();
   file_.clear();
+  embedding_ = Embedding::extracted;
   foreign_ = {};
   baseline_.reset();
   autosaved_.reset();
   refusedSince_.reset();
 }
 
-void SessionController::onLoaded(const std::shared_ptr<const WorkstationLoader::OpenedSession> &session) {
+void SessionController::onLoaded(const std::shared_ptr<const WorkstationLoader::OpenedSession> &session,
+                                 const std::string &notRestored) {
   if (session && !session->action.empty()) return onReplaced();
   begin();
   const bool isRecovered = session && session->file.parent_path() == recoveryFolder();
@@ -211,10 +257,16 @@ void SessionController::onLoaded(const std::shared_ptr<const WorkstationLoader::
     recovered_ = session->file;
   else
     file_ = session->file;
-  foreign_.unknown = session->saved.unknown;
-  for (const auto &[name, bytes] : session->saved.members)
-    if (!name.starts_with("masks/")) foreign_.members.emplace(name, bytes);
+  keepUnknown(session->saved, foreign_);
+  const std::vector<ReferencedFile> &files = session->saved.files;
+  if (!files.empty() && std::all_of(files.begin(), files.end(), [](const auto &one) { return one.isEmbedded; }))
+    embedding_ = Embedding::all;
   if (baseline_) baseline_->steps = session->saved.steps;
+  if (!notRestored.empty()) {
+    baseline_.reset();
+    parts_.panels.notify(C3DE_LOG_WARN, "The state was not restored",
+                         "The simulation begins at its initial state, because files have changed.\n" + notRestored);
+  }
   showView(*session);
 }
 
@@ -310,10 +362,11 @@ void SessionController::notifyLost(const std::string &title, const LostSession &
 void SessionController::offerRecovery() {
   const auto lost = std::make_shared<std::vector<LostSession>>();
   std::error_code code;
-  if (!std::filesystem::exists(recoveryFolder(), code)) return;
+  if (!std::filesystem::exists(recoveryFolder(), code) && !std::filesystem::exists(extractionFolder(), code)) return;
   (void)parts_.session.jobs().submit(
       kJobOwner, "Looking for unsaved work",
       [lost](const ProgressFn &) -> Expected<void> {
+        removeUnusedExtractions();
         *lost = SessionRecovery::lost(recoveryFolder());
         return {};
       },

@@ -15,6 +15,7 @@
 #include "c3de/session/session.h"
 #include "c3de/ui/workstation_window.h"
 #include "workstation/messages.h"
+#include "workstation/missing_files_controller.h"
 #include "workstation/session_recovery.h"
 #include "workstation/workstation_images.h"
 #include "workstation/workstation_loader.h"
@@ -40,7 +41,9 @@ class SessionController {
   /// Reads a session in a background job and builds its simulation.
   void open(const std::filesystem::path &file);
   /// Another simulation is the present one. @param session  from which it was built; null: not from a session
-  void onLoaded(const std::shared_ptr<const WorkstationLoader::OpenedSession> &session);
+  /// @param notRestored  as WorkstationLoader::Loaded
+  void onLoaded(const std::shared_ptr<const WorkstationLoader::OpenedSession> &session,
+                const std::string &notRestored = {});
   /// Bodies were made that no file has. @param isNew  in a new simulation
   void onMade(bool isNew);
   void onImageShown();
@@ -53,6 +56,8 @@ class SessionController {
   void autosaveIfDue();
   /// Call before the session ends. @param isInterrupted  the next run offers what is not saved
   void stop(bool isInterrupted) { recovery_.stop(isInterrupted); }
+  /// The dialog for files that are missing or have changed.
+  [[nodiscard]] ui::MissingFiles &missingFiles() { return missing_.dialog(); }
   /// Offers what runs that ended without saving have left.
   void offerRecovery();
   /// Undo or redo has replaced the simulation, or removed it: what is saved, and where, is unchanged.
@@ -74,10 +79,14 @@ class SessionController {
   [[nodiscard]] Baseline present() const;
   [[nodiscard]] std::string title() const;
   [[nodiscard]] ShownView shownView() const;
-  void save(const std::filesystem::path &file, std::function<void()> saved);
-  void write(const std::filesystem::path &file, const Captured &captured, const Baseline &baseline,
+  void save(const std::filesystem::path &file, Embedding embedding, std::function<void()> saved);
+  void write(const std::filesystem::path &file, Embedding embedding, const Captured &captured, const Baseline &baseline,
              const ShownView &shown, const std::function<void()> &saved);
-  void onSaved(const std::filesystem::path &file, const Baseline &written);
+  void onSaved(const std::filesystem::path &file, Embedding embedding, const Baseline &written);
+  /// Counts the files that the session would contain, in a background job.
+  void measure(std::function<void(const std::string &)> measured);
+  /// Builds a session whose files are found.
+  void build(const MissingFilesController::Opened &opened);
   /// Another simulation replaces the present one: offers what was not saved of that.
   void begin();
   void notifyLost(const std::string &title, const LostSession &lost);
@@ -85,7 +94,9 @@ class SessionController {
   void showView(const WorkstationLoader::OpenedSession &opened);
 
   Parts parts_;
-  std::filesystem::path file_;  ///< empty: not saved yet
+  MissingFilesController missing_;
+  std::filesystem::path file_;                  ///< empty: not saved yet
+  Embedding embedding_ = Embedding::extracted;  ///< of the file
   std::optional<Baseline> baseline_;
   bool isSaving_ = false;
   std::shared_ptr<FileReferences> references_ = std::make_shared<FileReferences>();

@@ -28,12 +28,6 @@ std::string runName() {
   return fmt::format("{}-{:08x}", processId(), static_cast<std::uint32_t>(random()));
 }
 
-void addReference(const ReferencedFile &reference, SessionFile &saved) {
-  if (std::none_of(saved.files.begin(), saved.files.end(),
-                   [&](const ReferencedFile &one) { return one.path == reference.path; }))
-    saved.files.push_back(reference);
-}
-
 }  // namespace
 
 void removeRecovery(std::filesystem::path session) {
@@ -44,23 +38,23 @@ void removeRecovery(std::filesystem::path session) {
 
 Expected<SessionFile> sessionWithView(const CapturedState &captured, const ShownView &shown,
                                       const std::filesystem::path &folder, FileReferences &references,
-                                      const ProgressFn &progress) {
-  auto saved = sessionOf(captured, folder, references, progress);
+                                      const ProgressFn &progress, Embedding embedding) {
+  auto saved = sessionOf(captured, folder, references, progress, embedding);
   if (!saved) return saved;
   saved->view = shown.view;
-  std::vector<std::filesystem::path> files = shown.labels;
-  if (!shown.image.empty()) files.insert(files.begin(), shown.image);
-  for (const std::filesystem::path &file : files) {
-    const auto reference = references.of(file, folder, progress);
-    if (!reference) return tl::unexpected(reference.error());
-    addReference(*reference, *saved);
-    if (file == shown.image)
-      saved->view.image = reference->path;
-    else
-      saved->view.labels.push_back(reference->path);
+  const auto add = [&](const std::filesystem::path &file) {
+    return addFile(file, folder, references, progress, embedding, *saved);
+  };
+  if (!shown.image.empty()) {
+    auto path = add(shown.image);
+    if (!path) return tl::unexpected(path.error());
+    saved->view.image = std::move(*path);
   }
-  std::sort(saved->files.begin(), saved->files.end(),
-            [](const ReferencedFile &a, const ReferencedFile &b) { return a.path < b.path; });
+  for (const std::filesystem::path &file : shown.labels) {
+    auto path = add(file);
+    if (!path) return tl::unexpected(path.error());
+    saved->view.labels.push_back(std::move(*path));
+  }
   return saved;
 }
 
@@ -166,7 +160,8 @@ Expected<void> SessionRecovery::writeNow(const Request &request) {
     if (!lock) return tl::unexpected(lock.error());
     lock_.emplace(std::move(*lock));
   }
-  const auto saved = sessionWithView(**request.captured, request.shown, folder_, references_, {});
+  // A file of every few seconds has no images in it.
+  const auto saved = sessionWithView(**request.captured, request.shown, folder_, references_, {}, Embedding::none);
   if (!saved) return tl::unexpected(saved.error());
   return writeSession(*saved, file_);
 }

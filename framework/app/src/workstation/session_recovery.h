@@ -29,7 +29,7 @@ struct ShownView {
 /// A session file of captured state and view. Any thread, one at a time with these references.
 [[nodiscard]] Expected<SessionFile> sessionWithView(const CapturedState &captured, const ShownView &shown,
                                                     const std::filesystem::path &folder, FileReferences &references,
-                                                    const ProgressFn &progress);
+                                                    const ProgressFn &progress, Embedding embedding);
 
 /// A session that a run left behind when it ended without saving.
 struct LostSession {

@@ -217,10 +217,11 @@ void Workstation::createControllers() {
 }
 
 void Workstation::connectWindow() {
-  window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
-                    &images_->workflow(), &images_->scanBody(), &tissueTable_->table(), &edits_, &commands_,
-                    &recent_->page(), [this] { return listed(session_->meshFormats().extensions()); }},
-                   actions());
+  window_->connect(
+      {&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
+       &images_->workflow(), &images_->scanBody(), &tissueTable_->table(), &edits_, &commands_, &recent_->page(),
+       [this] { return listed(session_->meshFormats().extensions()); }, &sessions_->missingFiles()},
+      actions());
   tools_.setMarkedPoint([this] {
     const ui::ImageViews &views = images_->views();
     return views.image() ? views.crossHair() : window_->camera().focus;
@@ -412,7 +413,7 @@ void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
   simulation_->applyTargetRate();
   recording_->end("Another simulation is open.");
   const ReplayController::Present present = replay_->onLoaded(loaded.session);
-  sessions_->onLoaded(present == ReplayController::Present::other ? loaded.session : nullptr);
+  sessions_->onLoaded(present == ReplayController::Present::other ? loaded.session : nullptr, loaded.notRestored);
   if (present == ReplayController::Present::keptOne) {
     sessions_->onMade(false);
     recording_->onReturned();

@@ -54,6 +54,16 @@ SharedScene withWalls(scene::SceneFile scene, const Bounds_m &walls) {
   return std::make_shared<const scene::SceneFile>(std::move(scene));
 }
 
+/// Of the present simulation: what the view is fitted to.
+void setBounds(Session &session, const Bounds_m &bounds) {
+  scene::Node *node = session.sceneGraph().find(session.simulationNode());
+  if (node == nullptr) return;
+  node->hasBounds = true;
+  node->boundsMin = bounds.min;
+  node->boundsMax = bounds.max;
+  session.sceneGraph().touch();
+}
+
 }  // namespace
 
 Expected<scene::SceneFile> WorkstationLoader::read(const std::vector<std::filesystem::path> &files,
@@ -99,6 +109,15 @@ Expected<scene::SceneFile> WorkstationLoader::sceneOf(const Source &source) cons
   return read(source.files, source.meshUnit);
 }
 
+Expected<void> WorkstationLoader::restore(const OpenedSession &opened, c3de_object *simulator,
+                                          const SimulatorIdentity &identity, std::string &notRestored) const {
+  if (!opened.usesChangedFiles) return restoreSession(session_, simulator, identity, opened.saved, opened.file);
+  auto reason = restoreIfPossible(session_, simulator, identity, opened.saved, opened.file);
+  if (!reason) return tl::unexpected(reason.error());
+  notRestored = std::move(*reason);
+  return {};
+}
+
 void WorkstationLoader::load(Source source, bool isReload) {
   const bool isText = !source.text.empty();
   if (source.files.empty() && !isText && !source.session) return;
@@ -126,6 +145,7 @@ void WorkstationLoader::load(Source source, bool isReload) {
       !isText && !source.session && std::none_of(source.files.begin(), source.files.end(), scene::isScenePath);
   struct Placed {
     std::optional<Bounds_m> bodies, room;
+    std::string notRestored;
   };
   const auto placed = std::make_shared<Placed>();
   // The job and its completion share the simulator; the last of them releases it.
@@ -143,8 +163,7 @@ void WorkstationLoader::load(Source source, bool isReload) {
         if (opened) {
           if (auto built = buildRemaining(session_, simulator->get(), opened->source, progress, prepared.get()); !built)
             return built;
-          if (auto restored = restoreSession(session_, simulator->get(), identity, opened->saved, opened->file);
-              !restored)
+          if (auto restored = restore(*opened, simulator->get(), identity, placed->notRestored); !restored)
             return restored;
         }
         placed->bodies = boundsOfBodies(simulator->get());
@@ -170,15 +189,8 @@ void WorkstationLoader::load(Source source, bool isReload) {
         source_ = source;
         double size_mm = 0.0;
         if (placed->bodies) size_mm = scene::kMillimetresPerMetre * norm(placed->bodies->max - placed->bodies->min);
-        if (scene::Node *node = session_.sceneGraph().find(session_.simulationNode());
-            node != nullptr && placed->room) {
-          const Bounds_m framed = framedWith(*placed->bodies, *placed->room);
-          node->hasBounds = true;
-          node->boundsMin = framed.min;
-          node->boundsMax = framed.max;
-          session_.sceneGraph().touch();
-        }
-        events_.loaded({isReload, source.session, size_mm,
+        if (placed->room) setBounds(session_, framedWith(*placed->bodies, *placed->room));
+        events_.loaded({isReload, source.session, placed->notRestored, size_mm,
                         unitText(session_.meshFormats(), source.files, source.meshUnit), shared->image, isText,
                         prepared->coverage, prepared->tissues});
         if (source.done) source.done({});

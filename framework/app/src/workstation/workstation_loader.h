@@ -22,16 +22,19 @@ class WorkstationLoader {
     std::filesystem::path file;
     SessionFile saved;
     std::vector<FoundFile> files;
-    SimulationSource source;  ///< empty: no simulation, only an image
-    std::string action;       ///< undo or redo that restores it: "undo create liver"; empty: it was opened
-    std::string title;        ///< of the simulation; empty: that of its scene
+    SimulationSource source;        ///< empty: no simulation, only an image
+    std::string action;             ///< undo or redo that restores it: "undo create liver"; empty: it was opened
+    std::string title;              ///< of the simulation; empty: that of its scene
+    bool usesChangedFiles = false;  ///< a state that does not fit is not restored
   };
   struct Loaded {
     bool isReload = false;                         ///< the same files as before
     std::shared_ptr<const OpenedSession> session;  ///< null: not from a session
-    double size_mm = 0.0;                          ///< diagonal of all bodies; 0: unknown
-    std::string unit;  ///< unit in which meshes were read, and why, as display text; empty if only a scene was
-                       ///< opened
+    std::string
+        notRestored;       ///< why its state does not fit, and the simulation begins at the initial one; empty: it fits
+    double size_mm = 0.0;  ///< diagonal of all bodies; 0: unknown
+    std::string unit;      ///< unit in which meshes were read, and why, as display text; empty if only a scene was
+                           ///< opened
     std::optional<scene::SceneImage> image;  ///< the image shown by the scene next to its bodies
     bool isImageOpen = false;                ///< it is already open in the window
     std::vector<Coverage> coverage;          ///< of bodies from images
@@ -86,6 +89,9 @@ class WorkstationLoader {
     std::shared_ptr<const OpenedSession> session;      ///< null: not from a session
   };
   void load(Source source, bool isReload);
+  /// @param notRestored  receives Loaded::notRestored
+  [[nodiscard]] Expected<void> restore(const OpenedSession &opened, c3de_object *simulator,
+                                       const SimulatorIdentity &identity, std::string &notRestored) const;
   [[nodiscard]] Expected<scene::SceneFile> sceneOf(const Source &source) const;
   [[nodiscard]] Expected<scene::SceneFile> read(const std::vector<std::filesystem::path> &files,
                                                 const std::string &meshUnit) const;

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <fstream>
 #include <optional>
+#include <set>
 
 #include "c3de/core/input_file.h"
 #include "c3de/core/text.h"
+#include "c3de/imaging/companion_files.h"
 #include "c3de/imaging/label_names.h"
 #include "dicom/dicom_series.h"
 #include "formats/byte_stream.h"
@@ -246,6 +248,59 @@ bool isLikelyImage(const std::filesystem::path &path) {
     if (at->is_regular_file(ignored) && isDicom(at->path())) return true;
   }
   return false;
+}
+
+namespace {
+
+/// The files of the series to which a DICOM file belongs.
+Expected<std::vector<std::filesystem::path>> filesOfSeries(const std::filesystem::path &path,
+                                                           const ProgressFn &progress) {
+  const auto folder = scanDicom(path, progress);
+  if (!folder) return tl::unexpected(folder.error());
+  const auto isNamed = [&](const SliceRef &slice) {
+    std::error_code code;
+    return std::filesystem::equivalent(folder->files[slice.file].path, path, code);
+  };
+  std::set<std::filesystem::path> files;
+  for (const DicomStack &named : folder->stacks) {
+    if (std::none_of(named.slices.begin(), named.slices.end(), isNamed)) continue;
+    for (const DicomStack &stack : folder->stacks)
+      if (stack.info.id == named.info.id)
+        for (const SliceRef &slice : stack.slices) files.insert(folder->files[slice.file].path);
+  }
+  return std::vector<std::filesystem::path>(files.begin(), files.end());
+}
+
+}  // namespace
+
+Expected<std::vector<std::filesystem::path>> companionFiles(const std::filesystem::path &path,
+                                                            const ProgressFn &progress) {
+  std::error_code code;
+  std::vector<std::filesystem::path> files;
+  if (std::filesystem::is_directory(path, code)) return files;
+  const Format format = formatOf(path);
+  if (format == Format::none) return files;
+  if (format == Format::dicom) {
+    auto series = filesOfSeries(path, progress);
+    if (!series) return series;
+    files = std::move(*series);
+  } else {
+    const auto header = headerOf(path, format);
+    if (!header) return tl::unexpected(header.error());
+    for (const ImageHeader::Part &part : header->parts) files.push_back(part.path);
+    if (const std::string extension = imageExtension(path); extension == ".img" || extension == ".img.gz")
+      for (const char *ending : {".hdr", ".hdr.gz"}) {
+        const std::string name = path.filename().string();
+        const auto beside = path.parent_path() / (name.substr(0, name.size() - extension.size()) + ending);
+        if (std::filesystem::is_regular_file(beside, code)) files.push_back(beside);
+      }
+    if (const auto table = sidecarTable(path).second; !table.empty()) files.push_back(table);
+  }
+  std::erase_if(files,
+                [&](const std::filesystem::path &file) { return std::filesystem::equivalent(file, path, code); });
+  std::sort(files.begin(), files.end());
+  files.erase(std::unique(files.begin(), files.end()), files.end());
+  return files;
 }
 
 }  // namespace c3de::imaging

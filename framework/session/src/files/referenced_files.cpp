@@ -1,150 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <openssl/evp.h>
 
 #include <algorithm>
-#include <array>
-#include <fstream>
-#include <limits>
-#include <memory>
-#include <optional>
-#include <string_view>
 
-#include "c3de/core/input_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/session/session_file.h"
+#include "files/file_hash.h"
 
 namespace c3de::session {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kChunk = std::size_t{1} << 20;
-constexpr std::size_t kMostFiles = 100'000;  // of a folder
-
-std::string slashed(const fs::path &path) {
-  const std::u8string text = path.generic_u8string();
-  return {text.begin(), text.end()};
-}
-
-class Sha256 {
- public:
-  Sha256() : context_(EVP_MD_CTX_new()) {
-    isGood_ = context_ && EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) == 1;
-  }
-  void add(std::string_view bytes) {
-    isGood_ = isGood_ && EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()) == 1;
-  }
-  Expected<std::string> digits() {
-    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-    unsigned size = 0;
-    if (!isGood_ || EVP_DigestFinal_ex(context_.get(), digest.data(), &size) != 1)
-      return fail(ErrorCode::internal, "OpenSSL computes no SHA-256");
-    std::string out;
-    for (unsigned i = 0; i < size; ++i) out += fmt::format("{:02x}", digest[i]);
-    return out;
-  }
-
- private:
-  struct Free {
-    void operator()(EVP_MD_CTX *context) const { EVP_MD_CTX_free(context); }
-  };
-  std::unique_ptr<EVP_MD_CTX, Free> context_;
-  bool isGood_ = false;
-};
-
-/// Reports a part of work that is measured in bytes.
-class ByteProgress {
- public:
-  ByteProgress(const ProgressFn &report, std::uint64_t total) : report_(report), total_(total) {}
-  Expected<void> add(std::uint64_t bytes, const std::string &name) {
-    done_ += bytes;
-    const double fraction =
-        total_ == 0 ? -1.0 : std::min(1.0, static_cast<double>(done_) / static_cast<double>(total_));
-    if (report_ && !report_(fraction, "Checking " + name)) return fail(ErrorCode::cancelled, "cancelled");
-    return {};
-  }
-
- private:
-  const ProgressFn &report_;
-  std::uint64_t total_ = 0, done_ = 0;
-};
-
-Expected<std::string> hashOfFile(const fs::path &file, ByteProgress &progress) {
-  auto in = openInputFile(file);
-  if (!in) return tl::unexpected(in.error());
-  const std::string name = pathText(file.filename());
-  Sha256 hash;
-  std::string chunk(kChunk, '\0');
-  do {
-    in->read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
-    const auto count = static_cast<std::size_t>(in->gcount());
-    hash.add(std::string_view(chunk).substr(0, count));
-    if (const auto goOn = progress.add(count, name); !goOn) return tl::unexpected(goOn.error());
-  } while (*in);
-  if (in->bad()) return fail(ErrorCode::input, pathText(file) + ": cannot be read");
-  return hash.digits();
-}
-
-struct Content {
-  fs::path path;
-  std::vector<fs::path> files;  ///< of a folder: relative to it, in order; of a file: empty
-  bool isFolder = false;
-  std::uint64_t bytes = 0;
-};
-
-/// Files below a folder, links to files included.
-/// @param enoughBytes  of a folder that has more, the rest is not listed
-Expected<Content> contentOf(const fs::path &path,
-                            std::uint64_t enoughBytes = std::numeric_limits<std::uint64_t>::max()) {
-  Content content{path, {}, false, 0};
-  std::error_code code;
-  const auto unreadable = [&] {
-    return fail(ErrorCode::input, fmt::format("{}: cannot be read: {}", pathText(path), code.message()));
-  };
-  content.isFolder = fs::is_directory(path, code);
-  if (!content.isFolder) {
-    if (const auto good = checkInputFile(path); !good) return tl::unexpected(good.error());
-    content.bytes = fs::file_size(path, code);
-    if (code) return unreadable();
-    return content;
-  }
-  for (fs::recursive_directory_iterator at(path, code), end; !code && at != end; at.increment(code)) {
-    if (!at->is_regular_file(code)) continue;
-    content.files.push_back(at->path().lexically_relative(path));
-    content.bytes += at->file_size(code);
-    if (code || content.bytes > enoughBytes) break;
-    if (content.files.size() > kMostFiles)
-      return fail(ErrorCode::input, fmt::format("{}: has more than {} files", pathText(path), kMostFiles));
-  }
-  if (code) return unreadable();
-  std::sort(content.files.begin(), content.files.end(),
-            [](const fs::path &a, const fs::path &b) { return slashed(a) < slashed(b); });
-  return content;
-}
-
-Expected<std::string> hashOf(const Content &content, ByteProgress &progress) {
-  if (!content.isFolder) return hashOfFile(content.path, progress);
-  Sha256 hash;
-  for (const fs::path &file : content.files) {
-    const auto one = hashOfFile(content.path / file, progress);
-    if (!one) return one;
-    hash.add(fmt::format("{}  {}\n", *one, slashed(file)));
-  }
-  return hash.digits();
+/// Of a file, or of a folder with a slash at its end.
+fs::path nameOf(const ReferencedFile &file) {
+  const fs::path path = pathFromText(file.path);
+  return path.has_filename() ? path.filename() : path.parent_path().filename();
 }
 
 /// Where a file may be, in the order of preference.
 std::vector<fs::path> candidates(const ReferencedFile &file, const fs::path &sessionFolder) {
   const fs::path path = pathFromText(file.path);
   std::vector<fs::path> out{sessionFolder / path};
-  const fs::path name = path.has_filename() ? path.filename() : path.parent_path().filename();
+  const fs::path name = nameOf(file);
   if (sessionFolder / name != out.front() && !name.empty()) out.push_back(sessionFolder / name);
   return out;
 }
 
 Expected<FoundFile> find(const ReferencedFile &file, const fs::path &sessionFolder, ByteProgress &progress) {
-  FoundFile found{file, {}, FoundFile::State::missing};
+  FoundFile found{file, {}, FoundFile::State::missing, nullptr};
   for (const fs::path &candidate : candidates(file, sessionFolder)) {
     const auto content = contentOf(candidate, file.bytes);
     if (!content) continue;
@@ -155,13 +39,82 @@ Expected<FoundFile> find(const ReferencedFile &file, const fs::path &sessionFold
       if (!hash) continue;
       isSame = *hash == file.sha256;
     }
-    if (isSame) return FoundFile{file, candidate, FoundFile::State::same};
-    if (found.at.empty()) found = {file, candidate, FoundFile::State::changed};
+    if (isSame) return FoundFile{file, candidate, FoundFile::State::same, nullptr};
+    if (found.at.empty()) found = {file, candidate, FoundFile::State::changed, nullptr};
   }
   return found;
 }
 
+/// Looks for several files in one folder.
+class FolderSearch {
+ public:
+  FolderSearch(std::vector<FoundFile> &files, const ProgressFn &progress) : files_(files), progress_(progress) {}
+
+  Expected<void> in(const fs::path &folder) {
+    name_ = pathText(folder.filename().empty() ? folder.parent_path().filename() : folder.filename());
+    if (auto looked = lookAt(folder, false); !looked) return looked;
+    std::error_code code;
+    fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, code), end;
+    for (; !code && at != end && !isComplete(); at.increment(code)) {
+      std::error_code ignored;
+      const bool isFile = at->is_regular_file(ignored);
+      if (auto looked = isFile || at->is_directory(ignored) ? lookAt(at->path(), isFile) : report(); !looked)
+        return looked;
+    }
+    return report();
+  }
+
+ private:
+  [[nodiscard]] bool isComplete() const {
+    return std::all_of(files_.begin(), files_.end(),
+                       [](const FoundFile &one) { return one.state == FoundFile::State::same; });
+  }
+  Expected<void> report() {
+    ++seen_;
+    if (progress_ && !progress_(-1.0, fmt::format("Searching {}: {} files", name_, seen_)))
+      return fail(ErrorCode::cancelled, "cancelled");
+    return {};
+  }
+  /// Files of the right size are compared whatever their names; of folders, those of the right name.
+  Expected<void> lookAt(const fs::path &path, bool isFile) {
+    if (auto goesOn = report(); !goesOn) return goesOn;
+    std::error_code code;
+    const std::uint64_t size = isFile ? fs::file_size(path, code) : 0;
+    std::string hash;
+    for (FoundFile &one : files_) {
+      if (code || one.file.isEmbedded || one.state == FoundFile::State::same) continue;
+      const bool hasName = path.filename() == nameOf(one.file);
+      if (isFile ? size != one.file.bytes && !hasName : !hasName) continue;
+      const auto content = contentOf(path, one.file.bytes);
+      if (!content) continue;
+      bool isSame = content->bytes == one.file.bytes;
+      if (isSame && hash.empty()) {
+        auto computed =
+            sha256Of(path, [this](double, const std::string &what) { return !progress_ || progress_(-1.0, what); });
+        if (!computed && computed.error().code == ErrorCode::cancelled) return tl::unexpected(computed.error());
+        if (!computed) continue;
+        hash = std::move(*computed);
+      }
+      isSame = isSame && hash == one.file.sha256;
+      if (isSame || (hasName && one.at.empty()))
+        one = {one.file, path, isSame ? FoundFile::State::same : FoundFile::State::changed, nullptr};
+    }
+    return {};
+  }
+
+  std::vector<FoundFile> &files_;
+  const ProgressFn &progress_;
+  std::string name_;
+  std::uint64_t seen_ = 0;
+};
+
 }  // namespace
+
+Expected<void> searchFolder(const fs::path &folder, std::vector<FoundFile> &files, const ProgressFn &progress) {
+  std::error_code code;
+  if (!fs::is_directory(folder, code)) return fail(ErrorCode::input, pathText(folder) + ": there is no such folder");
+  return FolderSearch(files, progress).in(folder);
+}
 
 Expected<std::string> sha256Of(const fs::path &path, const ProgressFn &progress) {
   const auto content = contentOf(path);
@@ -197,7 +150,7 @@ Expected<std::vector<FoundFile>> findFiles(const SessionFile &session, const fs:
   std::vector<FoundFile> out;
   for (const ReferencedFile &file : session.files) {
     if (file.isEmbedded) {
-      out.push_back({file, {}, FoundFile::State::same});
+      out.push_back({file, {}, FoundFile::State::same, nullptr});
       continue;
     }
     auto found = find(file, sessionFolder, bytes);

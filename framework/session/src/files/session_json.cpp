@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "c3de/core/text.h"
+#include "files/embedded_names.h"
 
 namespace c3de::session {
 namespace {
@@ -20,13 +21,8 @@ using Json = nlohmann::json;
 using Pointer = Json::json_pointer;
 
 constexpr int kDeepest = 64;
-constexpr std::size_t kSha256Digits = 64;
 
 std::string hashText(std::uint64_t value) { return fmt::format("{:016x}", value); }
-
-bool isHexadecimal(std::string_view text, std::size_t digits) {
-  return text.size() == digits && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
-}
 
 const char *kindOf(const Json &value) {
   switch (value.type()) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <iosfwd>
 #include <map>
 #include <span>
@@ -27,8 +28,9 @@ struct ZipMember {
 [[nodiscard]] Expected<std::string> zipBytes(std::span<const ZipMember> members);
 
 struct ZipLimits {
-  std::uint64_t bytes = std::uint64_t{1} << 34;  ///< of all members, unpacked
+  std::uint64_t bytes = std::uint64_t{1} << 34;  ///< of all members that are read, unpacked
   std::uint64_t members = 100'000;
+  std::function<bool(const std::string &name)> skips;  ///< members that are not read; empty: none
 };
 
 /// All members by name, without folders. Sizes are compared with the limits, the free memory and the size of the file
@@ -39,5 +41,16 @@ struct ZipLimits {
 /// The same from an open file or memory. @param name  for messages
 [[nodiscard]] Expected<std::map<std::string, std::string>> readZip(std::istream &in, const std::string &name,
                                                                    const ZipLimits &limits = {});
+
+/// Name and size of every member that is no folder, without reading one. Errors: as readZip(), except those of content
+/// and memory.
+[[nodiscard]] Expected<std::map<std::string, std::uint64_t>> listZip(std::istream &in, const std::string &name);
+
+/// Receives the content of a member in pieces; an empty piece ends it.
+using TakePiece = std::function<Expected<void>(std::string_view)>;
+/// Reads members in pieces, in the order of the archive. Errors: as readZip(), and those of the functions.
+/// @param takerOf  is asked for every member; an empty function: the member is skipped
+[[nodiscard]] Expected<void> streamZip(std::istream &in, const std::string &name,
+                                       const std::function<Expected<TakePiece>(const std::string &member)> &takerOf);
 
 }  // namespace c3de::session

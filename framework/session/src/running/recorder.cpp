@@ -167,7 +167,8 @@ Expected<RecordingStart> recordingStart(Session &session, c3de_object *simulator
   const auto captured = captureState(session, simulator, identity, std::move(source));
   if (!captured) return tl::unexpected(captured.error());
   FileReferences references;
-  auto saved = sessionOf(*captured, std::filesystem::absolute(file).parent_path(), references, progress);
+  auto saved =
+      sessionOf(*captured, std::filesystem::absolute(file).parent_path(), references, progress, Embedding::none);
   if (!saved) return tl::unexpected(saved.error());
   start.session = std::move(*saved);
   return start;

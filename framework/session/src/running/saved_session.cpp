@@ -6,23 +6,37 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
 #include <string>
 #include <utility>
 
 #include "c3de/core/path_text.h"
+#include "c3de/core/plugin_call.h"
 #include "c3de/core/text.h"
+#include "c3de/session/embedded_files.h"
 #include "c3de/session/simulation_state.h"
 #include "c3de/session/simulator_access.h"
+#include "files/embedded_names.h"
+#include "files/file_hash.h"
 #include "files/mask_bytes.h"
 
 namespace c3de::session {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr const char *kMasks = "masks/";
 
 /// Two forms of one path compare equal.
 std::filesystem::path comparable(const std::filesystem::path &path) {
   return std::filesystem::absolute(path).lexically_normal();
+}
+
+/// In the order of their paths.
+void addOnce(ReferencedFile reference, SessionFile &saved) {
+  const auto at = std::lower_bound(saved.files.begin(), saved.files.end(), reference.path,
+                                   [](const ReferencedFile &one, const std::string &path) { return one.path < path; });
+  if (at == saved.files.end() || at->path != reference.path) saved.files.insert(at, std::move(reference));
 }
 
 std::string utcNow() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now())); }
@@ -121,32 +135,75 @@ Expected<CapturedState> captureState(Session &session, c3de_object *simulator, c
 
 namespace {
 
+/// Makes members of a file or folder, and of what belongs to it, and gives the reference the name of its member.
+Expected<void> embedFile(const fs::path &file, const fs::path &folder, FileReferences &references,
+                         const ProgressFn &progress, ReferencedFile &reference, SessionFile &saved) {
+  reference.path = slashed(comparable(file));
+  reference.path = embeddedName(reference);
+  reference.isEmbedded = true;
+  std::error_code code;
+  if (fs::is_directory(file, code)) {
+    const auto content = contentOf(file);
+    if (!content) return tl::unexpected(content.error());
+    for (const fs::path &one : content->files) saved.embedded[reference.path + "/" + slashed(one)] = file / one;
+    return {};
+  }
+  saved.embedded[reference.path] = file;
+  const auto others = filesBelongingTo(file, progress);
+  if (!others) return tl::unexpected(others.error());
+  const std::string group = reference.path.substr(0, kEmbedded.size() + kSha256Digits + 1);
+  for (const fs::path &other : *others) {
+    const fs::path relative = comparable(other).lexically_relative(comparable(file).parent_path());
+    if (relative.empty() || *relative.begin() == "..")
+      return fail(ErrorCode::input, fmt::format("{}: needs {}, which cannot be embedded; accepted: files beside it",
+                                                pathText(file), pathText(other)));
+    auto one = references.of(other, folder, progress);
+    if (!one) return tl::unexpected(one.error());
+    one->path = group + slashed(relative);
+    one->isEmbedded = true;
+    saved.embedded[one->path] = other;
+    addOnce(std::move(*one), saved);
+  }
+  return {};
+}
+
 /// Adds a scene as text, its masks as members and its files.
 Expected<void> addScene(const scene::SceneFile &scene, const std::filesystem::path &folder, FileReferences &references,
-                        const ProgressFn &progress, SessionFile &saved) {
+                        const ProgressFn &progress, Embedding embedding, SessionFile &saved) {
   const auto nameOfMask = [&saved](const scene::SceneBody &body) {
     const std::string name = fmt::format("{}{}.mask", kMasks, saved.members.size() + 1);
     saved.members.emplace(name, maskBytes(*body.volume.mask, body.volume.colour));
     return name;
   };
-  auto text = scene::sceneText(scene, folder, nameOfMask);
+  scene::SceneFile named = scene;
+  for (std::filesystem::path *file : filesOf(named)) {
+    const auto path = addFile(*file, folder, references, progress, embedding, saved);
+    if (!path) return tl::unexpected(path.error());
+    if (isEmbeddedPath(*path)) *file = folder / pathFromText(*path);
+  }
+  auto text = scene::sceneText(named, folder, nameOfMask);
   if (!text) return tl::unexpected(text.error());
   saved.scenes.push_back(std::move(*text));
-  scene::SceneFile named = scene;
-  for (const std::filesystem::path *file : filesOf(named)) {
-    auto reference = references.of(*file, folder, progress);
-    if (!reference) return tl::unexpected(reference.error());
-    if (std::none_of(saved.files.begin(), saved.files.end(),
-                     [&](const ReferencedFile &one) { return one.path == reference->path; }))
-      saved.files.push_back(std::move(*reference));
-  }
   return {};
 }
 
 }  // namespace
 
+Expected<std::string> addFile(const std::filesystem::path &file, const std::filesystem::path &folder,
+                              FileReferences &references, const ProgressFn &progress, Embedding embedding,
+                              SessionFile &saved) {
+  auto reference = references.of(file, folder, progress);
+  if (!reference) return tl::unexpected(reference.error());
+  if (embedding == Embedding::all || (embedding == Embedding::extracted && isExtracted(file)))
+    if (auto embedded = embedFile(file, folder, references, progress, *reference, saved); !embedded)
+      return tl::unexpected(embedded.error());
+  std::string path = reference->path;
+  addOnce(std::move(*reference), saved);
+  return path;
+}
+
 Expected<SessionFile> sessionOf(const CapturedState &captured, const std::filesystem::path &folder,
-                                FileReferences &references, const ProgressFn &progress) {
+                                FileReferences &references, const ProgressFn &progress, Embedding embedding) {
   SessionFile saved;
   saved.program = "C3DE " C3DE_VERSION;
   saved.savedAt = utcNow();
@@ -162,10 +219,9 @@ Expected<SessionFile> sessionOf(const CapturedState &captured, const std::filesy
       saved.title = scene.title;
       scene.simulatorClass = captured.identity.classId;
     }
-    if (auto added = addScene(scene, folder, references, progress, saved); !added) return tl::unexpected(added.error());
+    if (auto added = addScene(scene, folder, references, progress, embedding, saved); !added)
+      return tl::unexpected(added.error());
   }
-  std::sort(saved.files.begin(), saved.files.end(),
-            [](const ReferencedFile &a, const ReferencedFile &b) { return a.path < b.path; });
   saved.state = captured.state;
   saved.stateHash = captured.hash;
   saved.steps = captured.steps;
@@ -193,26 +249,88 @@ Expected<void> restoreMask(const SessionFile &saved, const std::filesystem::path
 
 }  // namespace
 
-Expected<std::vector<FoundFile>> filesOfSession(const SessionFile &saved, const std::filesystem::path &file,
-                                                const ProgressFn &progress,
-                                                const std::map<std::string, std::filesystem::path> &instead) {
+void keepUnknown(const SessionFile &opened, SessionFile &saved) {
+  for (const auto &[name, bytes] : opened.members)
+    if (!name.starts_with(kMasks)) saved.members.emplace(name, bytes);
+  saved.unknown.insert(opened.unknown.begin(), opened.unknown.end());
+}
+
+Expected<void> keepRest(const SessionFile &opened, const std::vector<FoundFile> &files,
+                        const std::filesystem::path &folder, FileReferences &references, Embedding embedding,
+                        SessionFile &saved) {
+  keepUnknown(opened, saved);
+  saved.view = opened.view;
+  std::vector<std::string *> paths;
+  if (!saved.view.image.empty()) paths.push_back(&saved.view.image);
+  for (std::string &labels : saved.view.labels) paths.push_back(&labels);
+  for (std::string *path : paths) {
+    const auto found = std::find_if(files.begin(), files.end(),
+                                    [path](const FoundFile &one) { return one.file.path == *path && !one.at.empty(); });
+    if (found == files.end()) continue;  // a member
+    auto added = addFile(found->at, folder, references, {}, embedding, saved);
+    if (!added) return tl::unexpected(added.error());
+    *path = std::move(*added);
+  }
+  return {};
+}
+
+Expected<FileStamp> stampOfFiles(const SimulationSource &source, const std::vector<std::filesystem::path> &shown,
+                                 const ProgressFn &progress) {
+  std::set<fs::path> files;
+  const auto add = [&](const fs::path &file) { files.insert(comparable(file)); };
+  for (const auto &entry : source) {
+    const auto *scene = std::get_if<SharedScene>(&entry);
+    if (scene == nullptr) continue;
+    scene::SceneFile named = **scene;
+    for (const fs::path *file : filesOf(named)) add(*file);
+  }
+  for (const fs::path &file : shown) add(file);
+  for (const fs::path &file : std::set<fs::path>(files)) {
+    const auto others = filesBelongingTo(file, progress);
+    if (!others) return tl::unexpected(others.error());
+    for (const fs::path &other : *others) add(other);
+  }
+  FileStamp sum;
+  for (const fs::path &file : files)
+    if (const auto stamp = stampOf(file)) {
+      sum.files += stamp->files;
+      sum.bytes += stamp->bytes;
+      sum.changed = std::max(sum.changed, stamp->changed);
+    }
+  return sum;
+}
+
+Expected<std::vector<FoundFile>> locateFiles(const SessionFile &saved, const std::filesystem::path &file,
+                                             const ProgressFn &progress, const FileSearch &search) {
   auto found = findFiles(saved, std::filesystem::absolute(file).parent_path(), progress);
   if (!found) return found;
-  std::string problems;
-  for (FoundFile &one : *found) {
-    if (const auto given = instead.find(one.file.path); given != instead.end()) {
+  for (FoundFile &one : *found)
+    if (const auto given = search.instead.find(one.file.path); given != search.instead.end()) {
       const auto hash = sha256Of(given->second, progress);
       if (!hash) return tl::unexpected(hash.error());
       one.at = given->second;
       one.state = *hash == one.file.sha256 ? FoundFile::State::same : FoundFile::State::changed;
     }
-    if (one.file.isEmbedded) problems += "\n  " + one.file.path + ": is embedded, which this version does not read";
+  for (const std::filesystem::path &folder : search.folders)
+    if (auto searched = searchFolder(folder, *found, progress); !searched) return tl::unexpected(searched.error());
+  if (auto extracted = extractEmbedded(file, *found, progress); !extracted) return tl::unexpected(extracted.error());
+  return found;
+}
+
+Expected<std::vector<FoundFile>> filesOfSession(const SessionFile &saved, const std::filesystem::path &file,
+                                                const ProgressFn &progress, const FileSearch &search) {
+  auto found = locateFiles(saved, file, progress, search);
+  if (!found) return found;
+  std::string problems;
+  for (const FoundFile &one : *found) {
     if (one.state == FoundFile::State::missing) problems += "\n  " + one.file.path + ": is missing";
     if (one.state == FoundFile::State::changed) problems += "\n  " + pathText(one.at) + ": has changed since";
   }
   if (!problems.empty())
     return fail(ErrorCode::input, pathText(file) + ": files were not found or have changed since " + saved.savedAt +
-                                      "; restore them, or copy them to the folder of the session" + problems);
+                                      "; restore them, copy them to the folder of the session, or name a folder that "
+                                      "has them with --search FOLDER" +
+                                      problems);
   return found;
 }
 
@@ -269,6 +387,21 @@ Expected<void> restoreSession(Session &session, c3de_object *simulator, const Si
     return fail(ErrorCode::internal, fmt::format("{}: the state hash is {:016x}, and {:016x} was saved", pathText(file),
                                                  *hash, *saved.stateHash));
   return {};
+}
+
+Expected<std::string> restoreIfPossible(Session &session, c3de_object *simulator, const SimulatorIdentity &identity,
+                                        const SessionFile &saved, const std::filesystem::path &file) {
+  const auto restored = restoreSession(session, simulator, identity, saved, file);
+  if (restored) return std::string();
+  const auto table = simulatorTable(simulator);
+  if (!table) return tl::unexpected(table.error());
+  const c3de_status code = callPluginFunction(session.plugins().ownerOf(simulator), "reset of the simulation",
+                                              CallKind::step, [&] { return (*table)->reset(simulator); });
+  if (code >= 0) return restored.error().message;
+  const std::string reason = session.plugins().takeError();
+  return fail(ErrorCode::plugin,
+              fmt::format("{}\nThe initial state could not be restored either: {}", restored.error().message,
+                          reason.empty() ? fmt::format("status {}", code) : reason));
 }
 
 }  // namespace c3de::session

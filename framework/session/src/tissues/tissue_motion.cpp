@@ -22,10 +22,10 @@
 namespace c3de::session {
 namespace {
 
-constexpr double kMargin = 1.0;          // spacings around the bodies
-constexpr double kRim = 1000.0;          // spacings: the displacement stays constant across the margin
+constexpr double kMargin = 1.0;           // spacings around the bodies
+constexpr double kRim = 1000.0;           // spacings: the displacement stays constant across the margin
 constexpr std::size_t kMostPoints = 144;  // along an axis
-constexpr double kFineness = 0.5;        // relative to the grid for images: steps of a quarter of the spacing
+constexpr double kFineness = 0.5;         // relative to the grid for images: steps of a quarter of the spacing
 
 }  // namespace
 

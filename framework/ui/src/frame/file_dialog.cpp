@@ -21,7 +21,8 @@ constexpr const char *kUnitLabels[] = {"as the file says, else mm", "millimetres
 
 void FileDialog::open(Request request) {
   request_ = std::move(request);
-  browser_.setExtensions(request_.extensions);
+  // No file has this extension.
+  browser_.setExtensions(request_.folders == Folders::only ? "/" : request_.extensions);
   error_.clear();
   toReplace_.clear();
   typed_[0] = '\0';
@@ -102,7 +103,8 @@ void FileDialog::drawList(FrameContext &frame) {
   std::string picked;
   bool isPickedFinal = false;
   const float bottom = ImGui::GetFrameHeightWithSpacing() * (request_.asksMeshUnit ? 3.0f : 2.0f) +
-                       (error_.empty() ? 0.0f : 2.0f * ImGui::GetTextLineHeightWithSpacing()) + frame.theme.px(10.0f);
+                       (error_.empty() ? 0.0f : 2.0f * ImGui::GetTextLineHeightWithSpacing()) +
+                       (request_.note.empty() ? 0.0f : ImGui::GetTextLineHeightWithSpacing()) + frame.theme.px(10.0f);
   ImGui::PushStyleColor(ImGuiCol_ChildBg, ImVec4(0.105f, 0.118f, 0.141f, 1.0f));
   ImGui::BeginChild("list", ImVec2(0, -bottom), true);
   for (const FileBrowser::Entry &entry : browser_.entries()) {
@@ -126,7 +128,9 @@ void FileDialog::drawList(FrameContext &frame) {
     ImGui::PopID();
   }
   if (browser_.entries().empty())
-    ImGui::TextDisabled(request_.isSaving ? "No files of this type yet" : "No files that can be opened");
+    ImGui::TextDisabled(request_.folders == Folders::only ? "No folders"
+                        : request_.isSaving               ? "No files of this type yet"
+                                                          : "No files that can be opened");
   ImGui::EndChild();
   ImGui::PopStyleColor();
   if (picked.empty()) return;
@@ -164,7 +168,10 @@ bool FileDialog::drawName(FrameContext &frame) {
   if (isNew_) ImGui::SetKeyboardFocusHere();
   isNew_ = false;
   const bool isEntered = ImGui::InputTextWithHint(
-      "##typed", request_.isSaving ? "Name of the file; a path may be typed" : "File or folder; a path may be typed",
+      "##typed",
+      request_.isSaving                   ? "Name of the file; a path may be typed"
+      : request_.folders == Folders::only ? "Folder; a path may be typed"
+                                          : "File or folder; a path may be typed",
       typed_, sizeof typed_,
       ImGuiInputTextFlags_EnterReturnsTrue | (request_.isSaving ? ImGuiInputTextFlags_AutoSelectAll : 0));
   framesToFocus_ = ImGui::IsItemActive() ? 0 : std::max(framesToFocus_ - 1, 0);
@@ -174,14 +181,19 @@ bool FileDialog::drawName(FrameContext &frame) {
 }
 
 bool FileDialog::drawConfirm(FrameContext &frame) {
-  const bool hasText = typed_[0] != '\0' || request_.choosesFolder;
-  const char *label = request_.isSaving ? "Save" : request_.choosesFolder ? "Open folder" : "Open";
+  const bool hasText = typed_[0] != '\0';
+  const char *label = request_.isSaving ? "Save" : "Open";
   ImGui::BeginDisabled(!hasText);
   ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.20f, 0.42f, 0.48f, 1.0f));
   const bool isPressed = ImGui::Button(label, ImVec2(frame.theme.px(96.0f), 0));
   ImGui::PopStyleColor();
   markItem(frame, kArea, "open", hasText);
   ImGui::EndDisabled();
+  if (request_.folders == Folders::none) return isPressed;
+  ImGui::SameLine();
+  if (ImGui::Button("Use this folder")) chooseFolder();
+  markItem(frame, kArea, "use_folder");
+  itemTooltip(frame, "The marked or typed folder, otherwise the one that is shown");
   return isPressed;
 }
 
@@ -190,11 +202,16 @@ bool FileDialog::drawCancel(FrameContext &frame) {
   const bool isCancelled = ImGui::Button("Cancel", ImVec2(frame.theme.px(96.0f), 0));
   markItem(frame, kArea, "cancel");
   std::string filter;
-  for (const std::string &extension : browser_.extensions()) filter += " ." + extension;
+  if (request_.folders != Folders::only)
+    for (const std::string &extension : browser_.extensions()) filter += " ." + extension;
   ImGui::SameLine();
   ImGui::AlignTextToFramePadding();
   ImGui::TextColored(colour::kDim, "%s",
-                     elided(filter.empty() ? " all files" : filter, ImGui::GetContentRegionAvail().x).c_str());
+                     elided(request_.folders == Folders::only ? std::string()
+                            : filter.empty()                  ? " all files"
+                                                              : filter,
+                            ImGui::GetContentRegionAvail().x)
+                         .c_str());
   const bool isEscaped = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape)) && !ImGui::IsAnyItemActive();
   return isCancelled || isEscaped;
 }
@@ -216,6 +233,8 @@ void FileDialog::draw(FrameContext &frame) {
   drawFolders(frame);
   drawList(frame);
   drawError(frame);
+  if (!request_.note.empty()) ImGui::TextColored(colour::kDim, "%s", request_.note.c_str());
+  frame.automation.value(kArea, "note", request_.note);
   if (request_.asksMeshUnit) drawUnit(frame);
   const bool isEntered = drawName(frame);
   const bool isPressed = drawConfirm(frame);
@@ -223,10 +242,7 @@ void FileDialog::draw(FrameContext &frame) {
   const auto isDown = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
   const bool isConfirmed =
       !isEntered && !ImGui::IsAnyItemActive() && (isDown(ImGuiKey_Enter) || isDown(ImGuiKey_KeyPadEnter));
-  if (isPressed && request_.choosesFolder)
-    chooseFolder();
-  else if ((isEntered || isPressed || isConfirmed) && typed_[0] != '\0')
-    choose(typed_);
+  if ((isEntered || isPressed || isConfirmed) && typed_[0] != '\0') choose(typed_);
   const bool isCancelled = drawCancel(frame);
   if (isDone_ || isCancelled || !keepsOpen) {
     ImGui::CloseCurrentPopup();

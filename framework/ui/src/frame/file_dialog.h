@@ -12,16 +12,22 @@ namespace c3de::ui {
 
 struct FrameContext;
 
-/// A dialog inside the window to choose one file, to open or to save. Only one at a time.
+/// A dialog inside the window to choose one file, to open or to save, or a folder. Only one at a time.
 class FileDialog {
  public:
+  enum class Folders {
+    none,
+    accepted,  ///< the marked folder, or the one that is shown, may be chosen, too
+    only       ///< no file is shown
+  };
   struct Request {
     std::string title;
     std::string extensions;  ///< "obj;stl"
     bool asksMeshUnit = false;
-    bool choosesFolder = false;  ///< the button chooses the marked folder, or the one that is shown
-    bool isSaving = false;       ///< the file may be new; an existing one is replaced after a second press
-    std::string proposed;        ///< initial name when saving, with its extension; a number is added if it exists
+    Folders folders = Folders::none;
+    std::string note;       ///< shown above the name
+    bool isSaving = false;  ///< the file may be new; an existing one is replaced after a second press
+    std::string proposed;   ///< initial name when saving, with its extension; a number is added if it exists
     std::function<void(const std::filesystem::path &file, const std::string &unit)> chosen;
   };
   /// Shows the folder that was last used for these extensions.

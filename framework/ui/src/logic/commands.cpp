@@ -29,6 +29,8 @@ constexpr CommandInfo kCommands[] = {
      C3DE_MOD_CTRL},
     {Command::saveSessionAs, "file.save_session_as", "Save session as…", "Write the session to another file",
      needsContent | needsNoReplay, 'S', C3DE_MOD_CTRL | C3DE_MOD_SHIFT},
+    {Command::saveSessionWithFiles, "file.save_session_with_files", "Save session with its files…",
+     "Write a session that contains its images and meshes and opens on another computer", needsContent | needsNoReplay},
     {Command::exportSurface, "file.export_surface", "Export surface…",
      "Write the bodies' skins as they lie now: OBJ, STL, PLY, VTP", beginsGroup | needsSimulation, 'E', C3DE_MOD_CTRL},
     {Command::exportFrame, "file.export_frame", "Export simulation frame…",

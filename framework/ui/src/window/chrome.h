@@ -33,6 +33,8 @@ void drawShortcuts(FrameContext &frame);
 void drawMessages(FrameContext &frame);
 void drawAbout(FrameContext &frame);
 void drawPluginManager(FrameContext &frame);
+/// Dialog for files of a session that are missing or have changed, while it is shown.
+void drawMissingFiles(FrameContext &frame);
 /// Dialog for the properties of a whole-scan body, while it is open.
 void drawScanBody(FrameContext &frame);
 /// Above the views while the region of the scan's body is being drawn: its size and the buttons that end the drawing. 0

@@ -36,7 +36,7 @@ void openImageDialog(FrameContext &frame, bool areLabels) {
 void openFolderDialog(FrameContext &frame) {
   FileDialog::Request request;
   request.title = "Open DICOM folder";
-  request.choosesFolder = true;
+  request.folders = FileDialog::Folders::only;
   request.chosen = [open = frame.actions.open](const std::filesystem::path &folder, const std::string &) {
     if (open) open({{folder}, {}, false});
   };
@@ -162,6 +162,25 @@ void openSceneOrSession(FrameContext &frame) {
   frame.fileDialog.open(std::move(request));
 }
 
+void saveSessionWithFiles(FrameContext &frame) {
+  const WindowActions &actions = frame.actions;
+  if (!actions.saveSessionWithFiles || !actions.measureSession) return;
+  FileDialog::Request request;
+  request.isSaving = true;
+  request.title = "Save session with its files";
+  request.extensions = kSessionExtensions;
+  const std::string name = actions.proposeName ? actions.proposeName(Command::saveSessionAs) : std::string();
+  if (!name.empty()) request.proposed = name + "." + kSessionExtensions;
+  request.chosen = [save = actions.saveSessionWithFiles](const std::filesystem::path &file, const std::string &) {
+    save(file);
+  };
+  // The dialog exists as long as the window.
+  actions.measureSession([&dialog = frame.fileDialog, request](const std::string &size) mutable {
+    request.note = size;
+    if (!dialog.isOpen()) dialog.open(std::move(request));
+  });
+}
+
 bool isEnabled(const FrameContext &frame, const CommandInfo &info) {
   const auto needs = [&](CommandFlag flag) { return (info.flags & flag) != 0; };
   const WindowServices &services = frame.services;
@@ -197,6 +216,7 @@ void executeCommand(FrameContext &frame, Command command) {
     case Command::openRecording: openSessionDialog(frame, true); break;
     case Command::saveSession: saveSession(frame, false); break;
     case Command::saveSessionAs: saveSession(frame, true); break;
+    case Command::saveSessionWithFiles: saveSessionWithFiles(frame); break;
     case Command::openImage: openImageDialog(frame, false); break;
     case Command::openFolder: openFolderDialog(frame); break;
     case Command::openLabels: openImageDialog(frame, true); break;

@@ -176,6 +176,7 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   drawAbout(context);
   drawPluginManager(context);
   drawScanBody(context);
+  drawMissingFiles(context);
   drawQuestion(context);
 }
 

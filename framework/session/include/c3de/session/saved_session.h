@@ -20,7 +20,7 @@ namespace c3de::session {
 /// The files that a scene names: meshes, images, label maps. Writable, so that a file that has moved can be replaced.
 [[nodiscard]] std::vector<std::filesystem::path *> filesOf(scene::SceneFile &scene);
 
-/// Size and last change of a file, or of all files in a folder.
+/// Number, size and last change of a file, or of all files in a folder.
 struct FileStamp {
   std::uintmax_t files = 0, bytes = 0;
   std::filesystem::file_time_type changed = std::filesystem::file_time_type::min();
@@ -69,22 +69,61 @@ struct CapturedState {
 [[nodiscard]] Expected<CapturedState> captureState(Session &session, c3de_object *simulator,
                                                    const SimulatorIdentity &identity, const ChangeLog &changes);
 
+/// Which files become members of a session.
+enum class Embedding {
+  none,
+  extracted,  ///< those that have been extracted from a session: they have no other place
+  all
+};
+
 /// A session of a captured simulation: its scenes as text, its changes, files by SHA-256, the state with its hash. Any
 /// thread.
 /// @param folder  of the session file, to which paths are relative
-/// Errors: a file cannot be read; what sceneText() cannot write.
+/// Errors: a file cannot be read; what sceneText() cannot write; those of filesBelongingTo() for embedded files.
 [[nodiscard]] Expected<SessionFile> sessionOf(const CapturedState &captured, const std::filesystem::path &folder,
-                                              FileReferences &references, const ProgressFn &progress = {});
+                                              FileReferences &references, const ProgressFn &progress = {},
+                                              Embedding embedding = Embedding::extracted);
 
-/// The files of a session at their place, beside the session, or as the user has found them. Any thread. Errors (input)
-/// name every file that is missing or has changed since.
-/// @param instead  files to use for paths of the session (ReferencedFile::path)
-[[nodiscard]] Expected<std::vector<FoundFile>> filesOfSession(
-    const SessionFile &saved, const std::filesystem::path &file, const ProgressFn &progress = {},
-    const std::map<std::string, std::filesystem::path> &instead = {});
+/// Adds a file, or a folder, that a session uses, and returns its path in the session. Errors: as sessionOf().
+[[nodiscard]] Expected<std::string> addFile(const std::filesystem::path &file, const std::filesystem::path &folder,
+                                            FileReferences &references, const ProgressFn &progress, Embedding embedding,
+                                            SessionFile &saved);
+
+/// Adds what this program does not change or know in a session that was opened: members, keys, view.
+/// @param files  of the opened session
+/// Errors: as addFile().
+[[nodiscard]] Expected<void> keepRest(const SessionFile &opened, const std::vector<FoundFile> &files,
+                                      const std::filesystem::path &folder, FileReferences &references,
+                                      Embedding embedding, SessionFile &saved);
+/// Only members and keys.
+void keepUnknown(const SessionFile &opened, SessionFile &saved);
+
+/// Number and size of the files that Embedding::all would store. Any thread. Errors: those of filesBelongingTo().
+/// @param shown  further files, such as an image in the window
+[[nodiscard]] Expected<FileStamp> stampOfFiles(const SimulationSource &source,
+                                               const std::vector<std::filesystem::path> &shown,
+                                               const ProgressFn &progress = {});
+
+/// Where files of a session may be, besides their path and the folder of the session.
+struct FileSearch {
+  std::map<std::string, std::filesystem::path> instead{};  ///< files to use, by ReferencedFile::path
+  std::vector<std::filesystem::path> folders{};            ///< searched with their subfolders, in this order
+};
+
+/// The files of a session, in its order: as findFiles(), otherwise by the search. Embedded ones are extracted. Any
+/// thread. Errors: those of searchFolder() and extractEmbedded().
+[[nodiscard]] Expected<std::vector<FoundFile>> locateFiles(const SessionFile &saved, const std::filesystem::path &file,
+                                                           const ProgressFn &progress = {},
+                                                           const FileSearch &search = {});
+
+/// The same. Errors (input) also name every file that is missing or has changed since.
+[[nodiscard]] Expected<std::vector<FoundFile>> filesOfSession(const SessionFile &saved,
+                                                              const std::filesystem::path &file,
+                                                              const ProgressFn &progress = {},
+                                                              const FileSearch &search = {});
 
 /// Scenes and changes of a session file, with files that have moved replaced. Any thread.
-/// @param files  those of filesOfSession()
+/// @param files  those of filesOfSession(); one that has changed is used as it is
 [[nodiscard]] Expected<SimulationSource> sourceOfSession(const SessionFile &saved, const std::filesystem::path &file,
                                                          const std::vector<FoundFile> &files,
                                                          const scene::MaterialLibrary *materials);
@@ -98,5 +137,11 @@ struct CapturedState {
 /// is not that of the saved state.
 [[nodiscard]] Expected<void> restoreSession(Session &session, c3de_object *simulator, const SimulatorIdentity &identity,
                                             const SessionFile &saved, const std::filesystem::path &file);
+
+/// The same for a source with files that have changed: a state that does not fit leaves the simulator in its initial
+/// state. Returns why it does not fit; empty: it is restored. Errors: the initial state cannot be restored either.
+[[nodiscard]] Expected<std::string> restoreIfPossible(Session &session, c3de_object *simulator,
+                                                      const SimulatorIdentity &identity, const SessionFile &saved,
+                                                      const std::filesystem::path &file);
 
 }  // namespace c3de::session

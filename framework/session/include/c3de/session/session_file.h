@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <iosfwd>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -75,6 +76,9 @@ struct SessionFile {
   /// All other members by name: label maps drawn here, thumbnails, private state of plugins (plugins/ID), embedded
   /// files (files/…), and those of other programs.
   std::map<std::string, std::string> members;
+  /// Members with content of embedded files that is not in `members`: the file on disk that has it, or an empty path
+  /// for one that has stayed in its archive (EmbeddedContent::stays).
+  std::map<std::string, std::filesystem::path> embedded;
   /// Keys of session.json that this version does not know: JSON pointer and compact JSON text. Those of an entry of
   /// `files` are addressed by its path (/files/PATH/KEY). They are saved again.
   std::map<std::string, std::string> unknown;
@@ -85,24 +89,34 @@ struct SessionFile {
 /// Whether the file name has the extension of a session (".c3de").
 [[nodiscard]] bool isSessionPath(const std::filesystem::path &path);
 
-/// Name of the member with the content of an embedded file: files/SHA256/NAME.
+/// Name of the member with the content of an embedded file: files/SHA256/NAME. A path of this form is the name itself.
 [[nodiscard]] std::string embeddedName(const ReferencedFile &file);
 
 /// Writes a session. Equal content gives equal bytes (with one version of zlib). The file appears complete, after it is
 /// on the disk; the former file stays on every error, also if the power fails. Needs memory for the packed session. Any
 /// thread. Errors: output, naming file and reason; usage, naming what a session cannot contain (a member that has the
 /// name of another or leads out of the session, text that is not UTF-8, a number that is not finite, an embedded file
-/// without its member).
-[[nodiscard]] Expected<void> writeSession(const SessionFile &session, const std::filesystem::path &path);
-/// The bytes of that file. Errors: usage, as writeSession().
+/// without its member); input, if the content of SessionFile::embedded is not that of its hash; cancelled, if
+/// `progress` returns false. Files of SessionFile::embedded are read and packed in pieces and need no memory.
+[[nodiscard]] Expected<void> writeSession(const SessionFile &session, const std::filesystem::path &path,
+                                          const ProgressFn &progress = {});
+/// The bytes of that file. Errors: usage, as writeSession(), and a session with SessionFile::embedded.
 [[nodiscard]] Expected<std::string> sessionBytes(const SessionFile &session);
 
-/// Reads a session completely, into memory. Any thread. Errors (input) name the file and what is wrong: no zip,
+/// What happens to the members of embedded files.
+enum class EmbeddedContent {
+  read,  ///< into SessionFile::members
+  stays  ///< in the archive; named by SessionFile::embedded, and not checked
+};
+
+/// Reads a session into memory. Any thread. Errors (input) name the file and what is wrong: no zip,
 /// truncated, a damaged or missing member, a newer format, a key of the wrong type, a name that leads out of the
 /// session, more than 16 GiB or than the free memory.
-[[nodiscard]] Expected<SessionFile> readSession(const std::filesystem::path &path);
+[[nodiscard]] Expected<SessionFile> readSession(const std::filesystem::path &path,
+                                                EmbeddedContent content = EmbeddedContent::read);
 /// The same from an open file or memory. @param name  for messages
-[[nodiscard]] Expected<SessionFile> readSession(std::istream &in, const std::string &name);
+[[nodiscard]] Expected<SessionFile> readSession(std::istream &in, const std::string &name,
+                                                EmbeddedContent content = EmbeddedContent::read);
 
 /// SHA-256 of the bytes of a file, or of the list of files in a folder and its subfolders: a line "SHA256  NAME\n" for
 /// each, ordered by name (relative to the folder, UTF-8, forward slashes). Files are not read into memory. Any thread.
@@ -126,6 +140,7 @@ struct FoundFile {
   ReferencedFile file;
   std::filesystem::path at;  ///< empty: missing, or embedded (and then the same)
   State state = State::missing;
+  std::shared_ptr<const void> use;  ///< while it exists, an extracted file is not removed
 };
 
 /// The files of a session, in its order: by their path (relative ones from `sessionFolder`), then by their name in
@@ -134,5 +149,11 @@ struct FoundFile {
 [[nodiscard]] Expected<std::vector<FoundFile>> findFiles(const SessionFile &session,
                                                          const std::filesystem::path &sessionFolder,
                                                          const ProgressFn &progress = {});
+
+/// Looks for files that are not the same in a folder and its subfolders. Files are recognised by SHA-256, whatever
+/// their names; folders by name and SHA-256. A file of the right name with another content is changed. Links to folders are
+/// not followed. Any thread. Errors: input, if there is no such folder; cancelled, if `progress` returns false.
+[[nodiscard]] Expected<void> searchFolder(const std::filesystem::path &folder, std::vector<FoundFile> &files,
+                                          const ProgressFn &progress = {});
 
 }  // namespace c3de::session

@@ -22,6 +22,7 @@ enum class Command {
   reload,
   saveSession,
   saveSessionAs,
+  saveSessionWithFiles,
   exportSurface,
   exportFrame,
   exportImage,

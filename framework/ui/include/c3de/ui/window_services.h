@@ -29,6 +29,7 @@ class SceneGraph;
 namespace c3de::ui {
 
 class ImageViews;
+struct MissingFiles;
 struct StartPage;
 
 /// What the window shows; must outlive its last drawFrame(). Null members show nothing.
@@ -47,6 +48,7 @@ struct WindowServices {
   registry::CommandRegistry *commands = nullptr;           ///< of plugins; a menu if there are any
   const StartPage *startPage = nullptr;                    ///< shown while there is nothing else
   std::function<std::string()> meshExtensions;             ///< for the dialog: "obj;stl"
+  MissingFiles *missingFiles = nullptr;                    ///< its dialog is drawn while it is shown
 };
 
 }  // namespace c3de::ui

@@ -108,6 +108,9 @@ struct WindowActions {
   std::function<std::string()> unsaved;  ///< what quitting now would lose, as display text; empty if nothing
   /// Writes the session; `saved` is called after it is complete on the disk, and not after a failure.
   std::function<void(const std::filesystem::path &, std::function<void()> saved)> saveSession;
+  std::function<void(const std::filesystem::path &)> saveSessionWithFiles;
+  /// Calls back with the number and size of these files, as display text.
+  std::function<void(std::function<void(const std::string &)> measured)> measureSession;
   std::function<void(const std::filesystem::path &)> startRecording;
   std::function<void()> stopRecording, showTimeline;
   ReplayActions replay;
