@@ -90,7 +90,7 @@ TEST_CASE("A scan of two hundred labels is chosen from, made alive and read as q
   const double open_ms = frame_ms();
   CAPTURE(closed_ms, open_ms);
   // 11.5 and 13 seen, most of it software OpenGL; writing the state for this test is included.
-  CHECK(open_ms < closed_ms + 10.0);
+  CHECK(open_ms < 3.0 * closed_ms);  // Within one run.
 
   // Pulled, and read: the largest displacement comes first, the filter works, the last row can be reached, the file has
   // all.

@@ -125,7 +125,7 @@ std::vector<std::uint64_t> straightHashes(const Recording &recording, bool hasWa
   Replay replay(recording, "a.c3dr", true);
   std::vector<std::uint64_t> hashes;
   for (;;) {
-    REQUIRE(replay.applyDueEvents(*s.session, s.simulator.object(), s.simulator.table()));
+    REQUIRE(replay.applyDueEvents(*s.session, s.simulator.object(), s.simulator.table(), nullptr));
     REQUIRE(replay.difference().empty());
     hashes.push_back(s.hash());
     if (replay.isAtEnd()) return hashes;

@@ -20,7 +20,7 @@ void BodyCreationController::onCreated(const BodyCreation::Result &result) {
   parts_.session.simulation()->transport(C3DE_TRANSPORT_PLAY);
   reportCreated(result);
   reportMissing(result);
-  events_.created("create " + namesOf(result.created));
+  events_.created("create " + namesOf(result.created), true);
 }
 
 void BodyCreationController::reportCreated(const BodyCreation::Result &result) {
@@ -57,7 +57,7 @@ void BodyCreationController::createScanBody(const std::string &scene) {
     // The dialog shows it.
     if (isShown) return log(LogLevel::error, title + ": " + made.error().message);
     if (!made) return events_.failed(title, made.error());
-    events_.created("create the body of the scan");
+    events_.created("create the body of the scan", false);
     parts_.tools.cancelActive();
     parts_.session.simulation()->transport(C3DE_TRANSPORT_PLAY);
     parts_.panels.notify(

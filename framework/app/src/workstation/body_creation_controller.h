@@ -23,8 +23,8 @@ class BodyCreationController {
   struct Events {
     /// Bodies have joined a simulation, which begins anew. @param isNew  it contains no other bodies
     std::function<void(bool isNew)> joined;
-    /// They can be undone. @param label  "create liver"
-    std::function<void(const std::string &label)> created;
+    /// Undo removes them. @param label  "create liver" @param isPicked  from what was picked in the image
+    std::function<void(const std::string &label, bool isPicked)> created;
     ReportError failed;
   };
   struct Parts {

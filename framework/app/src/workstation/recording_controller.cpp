@@ -27,6 +27,7 @@ void RecordingController::start(const std::filesystem::path &file) {
   if (!identity) return parts_.failed("The recording could not be started", identity.error());
   // A replay has no states from before its beginning.
   parts_.edits.removeOwnedBy(identity->plugin);
+  parts_.edits.removeOwnedBy({});
   isStarting_ = true;
   node_ = session.simulationNode();
   RecorderOptions options;

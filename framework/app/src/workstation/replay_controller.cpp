@@ -54,8 +54,14 @@ void ReplayController::openPast(const std::filesystem::path &file) {
   const auto identity = presentSimulator(session);
   if (!identity) return parts_.failed("The timeline could not be shown", identity.error());
   simulation->transport(C3DE_TRANSPORT_PAUSE);
+  if (const scene::Node *node = session.sceneGraph().find(session.simulationNode())) keptTitle_ = node->name;
   simulation->post([this, simulation, &session, identity = *identity, changes = session.changes(), file] {
-    auto captured = captureState(session, simulation->object(), identity, *changes);
+    Expected<CapturedState> captured;
+    try {
+      captured = captureState(session, simulation->object(), identity, *changes);
+    } catch (const std::exception &error) {
+      captured = fail(ErrorCode::internal, error.what());
+    }
     const auto kept = captured ? std::make_shared<const CapturedState>(std::move(*captured)) : nullptr;
     session.mainQueue().post([this, kept, file, error = captured ? Error{} : captured.error()] {
       kept ? open(file, kept) : parts_.failed("The timeline could not be shown", error);
@@ -67,6 +73,9 @@ void ReplayController::returnTo(const std::shared_ptr<const CapturedState> &kept
   cancel();
   const auto session = std::make_shared<WorkstationLoader::OpenedSession>();
   session->file = file_;
+  session->action = "return to the present";
+  session->title = keptTitle_;
+  session->saved.simulatorClass = kept->identity.classId;
   session->saved.state = kept->state;
   session->saved.stateHash = kept->hash;
   session->saved.steps = kept->steps;
@@ -259,8 +268,12 @@ void ReplayController::post(const Timeline::Jump &jump, Timeline::Limits limits)
   simulation->post([this, jump, limits = std::move(limits), timeline = opened_->timeline, serial = serial_,
                     target = Timeline::Target{parts_.session, *simulation, parts_.session.changes()}] {
     Expected<Timeline::Advanced> advanced = Timeline::Advanced{Timeline::Outcome::retry, 0.0};
-    if (jump.kind == Timeline::JumpKind::forward || timeline->restore(target, jump.from))
-      advanced = timeline->advance(target, limits);
+    try {
+      if (jump.kind == Timeline::JumpKind::forward || timeline->restore(target, jump.from))
+        advanced = timeline->advance(target, limits);
+    } catch (const std::exception &error) {
+      advanced = fail(ErrorCode::internal, error.what());
+    }
     target.session.mainQueue().post([this, serial, advanced] {
       if (serial == serial_) onAdvanced(advanced);
     });
@@ -279,7 +292,7 @@ void ReplayController::onAdvanced(const Expected<Timeline::Advanced> &advanced) 
     return parts_.failed("The replay ended", advanced.error());
   }
   if (advanced->outcome == Timeline::Outcome::retry) {
-    // Cancelled or not: the simulation is in no position of the recording.
+    // The state is that of no position, so the jump continues also after Cancel.
     if (!target_) target_ = std::max(before, position_);
   } else if (target_ && *target_ == position_) {
     target_.reset();
@@ -305,21 +318,13 @@ void ReplayController::measureRate(double simulated_s) {
 void ReplayController::leave() {
   if (!isReplaying() || isBusy_ || target_ || pending_) return;
   scene::Simulation *simulation = parts_.session.simulation();
-  const auto identity = presentSimulator(parts_.session);
   end();
   parts_.left();
   parts_.panels.notify(C3DE_LOG_INFO, "The replay ended", "The simulation continues from here. It is not saved.");
-  simulation->post([this, simulation, identity, session = &parts_.session] {
-    // Paused rather than stopped; no step is made between the two.
+  // Paused rather than stopped; no step is made between the two.
+  simulation->post([simulation] {
     simulation->transport(C3DE_TRANSPORT_PLAY);
     simulation->transport(C3DE_TRANSPORT_PAUSE);
-    if (!identity) return;
-    // A state that cannot be stored: something is held by a tool of the recording.
-    if (const auto state = stateBytes(*session, simulation->object(), *identity); !state)
-      session->mainQueue().post([this, why = state.error().message] {
-        parts_.panels.notify(C3DE_LOG_WARN, "Something is still held",
-                             why + "\nThe recording ends what holds it at a later step. Here, Reset does.");
-      });
   });
 }
 

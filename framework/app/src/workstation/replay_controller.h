@@ -92,6 +92,7 @@ class ReplayController {
   std::shared_ptr<const WorkstationLoader::OpenedSession> pending_;  ///< being built
   std::shared_ptr<const Keyframe> pendingFrom_;
   std::shared_ptr<const WorkstationLoader::OpenedSession> returning_;  ///< the kept simulation, being built
+  std::string keptTitle_;                                              ///< of the kept simulation
   std::filesystem::path file_;                                         ///< of the last replay
   Handle node_;                                                        ///< of its simulation
   std::uint64_t builds_ = 0, serial_ = 0;

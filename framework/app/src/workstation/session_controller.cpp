@@ -223,7 +223,8 @@ void SessionController::build(const MissingFilesController::Opened &opened) {
       [this, opened, name](const Expected<void> &result) {
         if (!result) return parts_.failed("Could not open " + name, result.error());
         if (opened->source.empty()) {
-          onLoaded(opened);
+          // A present simulation is not that of the session.
+          if (!parts_.session.simulation()) onLoaded(opened);
           return showView(*opened);
         }
         parts_.loader.openSession(opened);
@@ -342,7 +343,7 @@ void SessionController::autosaveIfDue() {
   });
 }
 
-/// A pull refuses it for a while; what lasts longer is reported.
+/// The simulator refuses it for a while, for example while bodies are added; what lasts longer is reported.
 void SessionController::onAutosaveRefused(const Error &error) {
   constexpr auto kReportedAfter = std::chrono::seconds(60);
   const Clock::time_point now = Clock::now();
@@ -366,8 +367,9 @@ void SessionController::offerRecovery() {
   (void)parts_.session.jobs().submit(
       kJobOwner, "Looking for unsaved work",
       [lost](const ProgressFn &) -> Expected<void> {
-        removeUnusedExtractions();
         *lost = SessionRecovery::lost(recoveryFolder());
+        // Recovery files refer to extracted files.
+        if (lost->empty()) removeUnusedExtractions();
         return {};
       },
       [this, lost](const Expected<void> &) {

@@ -20,7 +20,10 @@ std::string actionText(const std::string &label, bool isUndo) { return (isUndo ?
 
 }  // namespace
 
-SimulationHistory::~SimulationHistory() {
+SimulationHistory::~SimulationHistory() { clear(); }
+
+void SimulationHistory::clear() {
+  queue_.clear();
   while (!steps_.empty()) (void)parts_.edits.remove(steps_.begin()->second->edit);
 }
 
@@ -44,10 +47,10 @@ void SimulationHistory::captureBefore(const std::function<void()> &act) {
   });
 }
 
-void SimulationHistory::add(const std::string &label) {
+void SimulationHistory::add(const std::string &label, bool picksAgain) {
   if (!before_) return;
   const std::uint64_t number = ++lastNumber_;
-  auto step = std::make_unique<Step>(Step{this, number, label, std::exchange(before_, nullptr), {}});
+  auto step = std::make_unique<Step>(Step{this, number, label, std::exchange(before_, nullptr), {}, picksAgain});
   registry::Edit edit;
   edit.label = label;
   edit.self = step.get();
@@ -71,9 +74,9 @@ void SimulationHistory::keepWithinBudget() {
 
 template <bool isUndo>
 c3de_status C3DE_CALL SimulationHistory::call(void *self) noexcept {
-  auto *step = static_cast<Step *>(self);
+  const auto *step = static_cast<Step *>(self);
   try {
-    step->history->exchange(*step, isUndo);
+    step->history->enqueue(*step, isUndo);
     return C3DE_OK;
   } catch (const std::exception &error) {
     log(LogLevel::error, std::string("an undo step failed: ") + error.what());
@@ -86,67 +89,87 @@ void C3DE_CALL SimulationHistory::release(void *self) noexcept {
   step->history->steps_.erase(step->number);
 }
 
-void SimulationHistory::exchange(Step &step, bool isUndo) {
+void SimulationHistory::enqueue(const Step &step, bool isUndo) {
+  queue_.push_back({step.number, ++lastSerial_, isUndo});
+  if (queue_.size() == 1) begin();
+}
+
+void SimulationHistory::end() {
+  if (!queue_.empty()) queue_.pop_front();
+  if (!queue_.empty()) begin();
+}
+
+SimulationHistory::Step *SimulationHistory::stepOf(const Exchange &exchange) {
+  const auto found = steps_.find(exchange.step);
+  const bool isFirst = !queue_.empty() && queue_.front().serial == exchange.serial;
+  return isFirst && found != steps_.end() ? found->second.get() : nullptr;
+}
+
+void SimulationHistory::begin() {
   const scene::Simulation *simulation = parts_.session.simulation();
-  const bool isPlaying = simulation && simulation->state().mode == C3DE_SIM_PLAYING;
-  captureVersion([this, number = step.number, isUndo, isPlaying](const Expected<SharedVersion> &present) {
-    const auto found = steps_.find(number);
-    if (found == steps_.end()) return;
-    if (present) return restore(number, isUndo, isPlaying, *present);
+  Exchange exchange = queue_.front();
+  if (!stepOf(exchange)) return end();
+  exchange.isPlaying = simulation && simulation->state().mode == C3DE_SIM_PLAYING;
+  captureVersion([this, exchange](const Expected<SharedVersion> &present) mutable {
+    if (!stepOf(exchange)) return;
     // Redo would not find the present state again.
-    parts_.failed("Could not " + actionText(found->second->label, isUndo), present.error());
-    (void)parts_.edits.remove(found->second->edit);
+    if (!present) return onFailed(exchange, present.error());
+    exchange.present = *present;
+    restore(exchange);
   });
 }
 
-void SimulationHistory::restore(std::uint64_t number, bool isUndo, bool isPlaying, const SharedVersion &present) {
-  const Step &step = *steps_.at(number);
+void SimulationHistory::onFailed(const Exchange &exchange, const Error &error) {
+  const Step &step = *stepOf(exchange);
+  parts_.failed("Could not " + actionText(step.label, exchange.isUndo), error);
+  (void)parts_.edits.remove(step.edit);
+  end();
+}
+
+void SimulationHistory::restore(const Exchange &exchange) {
+  const Step &step = *stepOf(exchange);
   const CapturedState &target = step.other->captured;
   if (target.source.empty()) {
     parts_.removeSimulation();
-    return onRestored(number, isUndo, isPlaying, present);
+    return onRestored(exchange);
   }
   const auto opened = std::make_shared<WorkstationLoader::OpenedSession>();
-  opened->action = actionText(step.label, isUndo);
+  opened->action = actionText(step.label, exchange.isUndo);
   opened->title = step.other->title;
   opened->source = target.source;
   opened->saved.simulatorClass = target.identity.classId;
   opened->saved.state = target.state;
   opened->saved.stateHash = target.hash;
   opened->saved.steps = target.steps;
-  parts_.loader.openSession(opened, true, [this, number, isUndo, isPlaying, present](const Expected<void> &result) {
-    const auto found = steps_.find(number);
-    if (found == steps_.end()) return;
-    if (result) return onRestored(number, isUndo, isPlaying, present);
-    parts_.failed("Could not " + actionText(found->second->label, isUndo), result.error());
-    (void)parts_.edits.remove(found->second->edit);
+  parts_.loader.openSession(opened, true, [this, exchange](const Expected<void> &result) {
+    if (!stepOf(exchange)) return;
+    result ? onRestored(exchange) : onFailed(exchange, result.error());
   });
 }
 
-void SimulationHistory::onRestored(std::uint64_t number, bool isUndo, bool isPlaying, const SharedVersion &present) {
-  const auto found = steps_.find(number);
-  if (found == steps_.end()) return;
-  Step &step = *found->second;
+void SimulationHistory::onRestored(const Exchange &exchange) {
+  Step &step = *stepOf(exchange);
   const CapturedState &target = step.other->captured;
   segmentation::SegmentationWorkflow &workflow = parts_.images.workflow();
   // The structure is picked again, or not any more.
-  if (isUndo && workflow.hasJustCreated()) {
+  if (exchange.isUndo && step.picksAgain && workflow.hasJustCreated()) {
     workflow.undo();
     step.isPickedAgain = true;
-  } else if (!isUndo && std::exchange(step.isPickedAgain, false) && workflow.mask().canRedo()) {
+  } else if (!exchange.isUndo && std::exchange(step.isPickedAgain, false) && workflow.mask().canRedo()) {
     workflow.redo();
   }
   parts_.sessions.onReplaced();
   std::string text = "There is no simulation.";
   if (scene::Simulation *simulation = parts_.session.simulation()) {
     text = "The simulation is at t = " + formatNumber(std::round(1e3 * target.time_s) / 1e3) + " s.";
-    if (isPlaying) simulation->transport(C3DE_TRANSPORT_PLAY);
+    if (exchange.isPlaying) simulation->transport(C3DE_TRANSPORT_PLAY);
   }
-  std::string title = actionText(step.label, isUndo);
+  std::string title = actionText(step.label, exchange.isUndo);
   title[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(title[0])));
   parts_.panels.notify(C3DE_LOG_INFO, title, text, {}, registry::About::simulation);
-  step.other = present;
+  step.other = exchange.present;
   keepWithinBudget();
+  end();
 }
 
 }  // namespace c3de::app

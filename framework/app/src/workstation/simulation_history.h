@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -41,8 +42,12 @@ class SimulationHistory {
 
   /// Captures the present simulation, then calls `act`.
   void captureBefore(const std::function<void()> &act);
-  /// What began with the last captureBefore() has succeeded. No effect if its capture failed. @param label  "create liver"
-  void add(const std::string &label);
+  /// What began with the last captureBefore() has succeeded. No effect if its capture failed.
+  /// @param label       "create liver"
+  /// @param picksAgain  undo picks the structure of the body again
+  void add(const std::string &label, bool picksAgain);
+  /// Another simulation was opened, or the present one was closed: its steps do not apply any more.
+  void clear();
 
  private:
   /// A simulation at one time; without a source there is none.
@@ -56,6 +61,7 @@ class SimulationHistory {
     std::string label;
     std::shared_ptr<const Version> other;  ///< what undo, or redo, restores
     Handle edit;
+    bool picksAgain = false;
     bool isPickedAgain = false;  ///< undo has picked the structure of the body
   };
   using SharedVersion = std::shared_ptr<const Version>;
@@ -64,15 +70,28 @@ class SimulationHistory {
   static c3de_status C3DE_CALL call(void *self) noexcept;
   static void C3DE_CALL release(void *self) noexcept;
   void captureVersion(std::function<void(const Expected<SharedVersion> &)> done);
-  void exchange(Step &step, bool isUndo);
-  void restore(std::uint64_t number, bool isUndo, bool isPlaying, const SharedVersion &present);
-  void onRestored(std::uint64_t number, bool isUndo, bool isPlaying, const SharedVersion &present);
+  /// An undo or redo that was requested; the next one waits until it has ended.
+  struct Exchange {
+    std::uint64_t step = 0, serial = 0;
+    bool isUndo = false, isPlaying = false;
+    SharedVersion present = nullptr;  ///< before the exchange
+  };
+  void enqueue(const Step &step, bool isUndo);
+  void begin();
+  /// The step of an exchange that is still the first one; null: it does not apply any more.
+  [[nodiscard]] Step *stepOf(const Exchange &exchange);
+  void restore(const Exchange &exchange);
+  void onRestored(const Exchange &exchange);
+  void onFailed(const Exchange &exchange, const Error &error);
+  void end();
   void keepWithinBudget();
 
   Parts parts_;
   std::map<std::uint64_t, std::unique_ptr<Step>> steps_;  ///< by number
   std::uint64_t lastNumber_ = 0;
   SharedVersion before_;
+  std::deque<Exchange> queue_;  ///< the first one is in progress
+  std::uint64_t lastSerial_ = 0;
 };
 
 }  // namespace c3de::app

@@ -191,6 +191,7 @@ void Workstation::createControllers() {
     history_->captureBefore([this, requests = std::move(requests)] { bodyCreation_->createBodies(requests); });
   };
   events.createScanBody = [this](const std::string &scene) {
+    if (replay_->isReplaying()) return onFailed("The body was not created", {ErrorCode::state, ui::kReplayLocks});
     history_->captureBefore([this, scene] { bodyCreation_->createScanBody(scene); });
   };
   events.closeSimulation = [this] { closeSimulation(); };
@@ -199,8 +200,9 @@ void Workstation::createControllers() {
   warp_.emplace(session, *images_, tissueTable_->tracker(), failed);
   bodyCreation_.emplace(
       BodyCreationController::Parts{session, panels_, tools_, *loader_, *images_},
-      BodyCreationController::Events{[this](bool isNew) { onBodiesJoined(isNew); },
-                                     [this](const std::string &label) { history_->add(label); }, failed});
+      BodyCreationController::Events{
+          [this](bool isNew) { onBodiesJoined(isNew); },
+          [this](const std::string &label, bool isPicked) { history_->add(label, isPicked); }, failed});
   exports_.emplace(ExportController::Parts{session, panels_, *images_, *warp_, *tissueTable_, failed});
   recording_.emplace(RecordingController::Parts{session, panels_, edits_, failed,
                                                 [this](const auto &file) { replay_->openPast(file); }});
@@ -365,6 +367,7 @@ void Workstation::closeImage() {
 
 void Workstation::closeSimulation() {
   recent_->beforeClosing();
+  history_->clear();
   removeSimulation();
   sessions_->onClosed();
 }
@@ -413,11 +416,15 @@ void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
   simulation_->applyTargetRate();
   recording_->end("Another simulation is open.");
   const ReplayController::Present present = replay_->onLoaded(loaded.session);
-  sessions_->onLoaded(present == ReplayController::Present::other ? loaded.session : nullptr, loaded.notRestored);
-  if (present == ReplayController::Present::keptOne) {
-    sessions_->onMade(false);
-    recording_->onReturned();
-  }
+  const bool isUndo = loaded.session && !loaded.session->action.empty();
+  const bool isPast = present == ReplayController::Present::replay && replay_->hasKept();
+  if (present == ReplayController::Present::keptOne) recording_->onReturned();
+  // The past of the present simulation, and back from it: its file stays the same.
+  if (isPast || present == ReplayController::Present::keptOne)
+    sessions_->onReplaced();
+  else
+    sessions_->onLoaded(present == ReplayController::Present::other ? loaded.session : nullptr, loaded.notRestored);
+  if (!isUndo && !isPast && present != ReplayController::Present::keptOne && !loaded.isImageOpen) history_->clear();
   loadedFiles_ = loaded.session ? std::vector<std::filesystem::path>() : loader_->files();
   if (loaded.isImageOpen && !loaded.session) sessions_->onMade(false);
   if (!std::exchange(playsWhenLoaded_, false)) return;

@@ -130,7 +130,7 @@ void WorkstationLoader::load(Source source, bool isReload) {
     else
       events_.failed(title, error);
   };
-  if (!session_.simulation()) source_ = source;
+  if (!session_.simulation() && action.empty()) source_ = source;
   auto scene = sceneOf(source);
   if (!scene) return failed(scene.error());
   const auto identity =
@@ -186,7 +186,7 @@ void WorkstationLoader::load(Source source, bool isReload) {
         if (placed->room) built.front() = withWalls(*shared, *placed->room);
         if (auto adopted = session_.adopt(simulator->get(), sceneTitle, std::move(built)); !adopted)
           return failed(adopted.error());
-        source_ = source;
+        if (!source.session || source.session->action.empty()) source_ = source;
         double size_mm = 0.0;
         if (placed->bodies) size_mm = scene::kMillimetresPerMetre * norm(placed->bodies->max - placed->bodies->min);
         if (placed->room) setBounds(session_, framedWith(*placed->bodies, *placed->room));

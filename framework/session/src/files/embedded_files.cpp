@@ -163,19 +163,23 @@ class Extractor {
   }
   [[nodiscard]] fs::path placeIn(const Group &group) const { return folder_ / group.place.filename(); }
 
-  /// The file that a member becomes; empty: none.
-  [[nodiscard]] fs::path fileOf(const std::string &member) const {
+  struct Destination {
+    fs::path file;                       ///< empty: none
+    const ReferencedFile *of = nullptr;  ///< that the member belongs to
+  };
+  /// The file that a member becomes.
+  [[nodiscard]] Destination destinationOf(const std::string &member) const {
     for (const Group *group : groups_)
       for (const FoundFile *one : group->files) {
         const std::string name = embeddedName(one->file);
         if (member == name || member.starts_with(name + "/"))
-          return placeIn(*group) / pathFromText(member.substr(kEmbedded.size() + kSha256Digits + 1));
+          return {placeIn(*group) / pathFromText(member.substr(kEmbedded.size() + kSha256Digits + 1)), &one->file};
       }
     return {};
   }
 
   Expected<TakePiece> takerOf(const std::string &member) {
-    const fs::path file = fileOf(member);
+    const auto [file, of] = destinationOf(member);
     if (file.empty()) return TakePiece();
     std::error_code code;
     fs::create_directories(file.parent_path(), code);
@@ -183,13 +187,18 @@ class Extractor {
     if (!opened) return tl::unexpected(opened.error());
     auto out = std::make_shared<OutputFile>(std::move(*opened));
     auto hash = std::make_shared<Sha256>();
-    return TakePiece([this, member, out, hash](std::string_view piece) -> Expected<void> {
+    return TakePiece([this, member, out, hash, of = of](std::string_view piece) -> Expected<void> {
       if (piece.empty()) {
         auto digits = hash->digits();
         if (!digits) return tl::unexpected(digits.error());
         hashes_.insert_or_assign(member, std::move(*digits));
         return out->commit();
       }
+      // Otherwise a small archive could fill the disk before its hash is compared.
+      if ((written_[of] += piece.size()) > of->bytes)
+        return fail(ErrorCode::input, fmt::format("{}: member '{}' is damaged: it has more than the {} bytes that the "
+                                                  "session states",
+                                                  pathText(session_), displayMessage(member), of->bytes));
       hash->add(piece);
       out->write(piece);
       return progress_.add(piece.size(), displayMessage(member.substr(member.rfind('/') + 1)));
@@ -221,7 +230,8 @@ class Extractor {
   fs::path session_, folder_ = extractionFolder() / (kUnfinished + uniqueSuffix());
   std::vector<Group *> groups_;
   ByteProgress &progress_;
-  std::map<std::string, std::string> hashes_;  ///< by member
+  std::map<std::string, std::string> hashes_;                ///< by member
+  std::map<const ReferencedFile *, std::uint64_t> written_;  ///< bytes
 };
 
 /// Whether a program uses the folder. Locks that ended programs have left are removed.

@@ -219,7 +219,8 @@ Expected<c3de_status> HeadlessRun::timedStep(scene::Simulation &simulation, cons
 Expected<bool> HeadlessRun::repeatDue() {
   if (replay_ == nullptr) return true;
   const ProgressFn progress = [](double, const std::string &) { return !wasInterrupted(); };
-  if (const auto applied = replay_->applyDueEvents(session_, simulator_, table_, progress); !applied)
+  if (const auto applied = replay_->applyDueEvents(session_, simulator_, table_, session_.changes(), progress);
+      !applied)
     return tl::unexpected(applied.error());
   if (const auto read = readStatus(); !read) return tl::unexpected(read.error());
   if (replay_->difference().empty()) return true;

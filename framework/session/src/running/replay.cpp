@@ -21,9 +21,10 @@ namespace c3de::session {
 /// Applies one event.
 class Replay::Applier {
  public:
-  Applier(Replay &replay, Session &session, c3de_object *simulator, const c3de_simulator_v1 *table,
+  Applier(Replay &replay, Session &session, c3de_object *simulator, const c3de_simulator_v1 *table, ChangeLog *changes,
           const ProgressFn &progress)
-      : replay_(replay), session_(session), simulator_(simulator), table_(table), progress_(progress) {}
+      : replay_(replay), session_(session), simulator_(simulator), table_(table), changes_(changes),
+        progress_(progress) {}
 
   Expected<void> operator()(const SimulationChange &change) {
     return applyChange(simulator_, change, [this] { return session_.plugins().takeError(); });
@@ -45,7 +46,7 @@ class Replay::Applier {
     if (!source) return tl::unexpected(source.error());
     const SharedScene scene = std::get<SharedScene>(source->front());
     if (auto built = session_.addBodies(simulator_, *scene, progress_); !built) return built;
-    session_.changes()->addScene(scene);
+    if (changes_) changes_->addScene(scene);
     return {};
   }
   Expected<void> operator()(const RecordedHash &expected) {
@@ -67,6 +68,7 @@ class Replay::Applier {
   Session &session_;
   c3de_object *simulator_;
   const c3de_simulator_v1 *table_;
+  ChangeLog *changes_;
   const ProgressFn &progress_;
 };
 
@@ -99,8 +101,8 @@ void Replay::passDifference() {
 }
 
 Expected<void> Replay::applyDueEvents(Session &session, c3de_object *simulator, const c3de_simulator_v1 *table,
-                                      const ProgressFn &progress) {
-  Applier applier(*this, session, simulator, table, progress);
+                                      const std::shared_ptr<ChangeLog> &changes, const ProgressFn &progress) {
+  Applier applier(*this, session, simulator, table, changes.get(), progress);
   while (!isAtEnd()) {
     const auto status = simulatorStatus(table, simulator);
     if (!status) return tl::unexpected(status.error());

@@ -56,7 +56,7 @@ void Timeline::indexChanges() {
 }
 
 /// A checkpoint is not part of a state: whoever restores it must have repeated its change.
-bool Timeline::servesUpTo(const Keyframe &keyframe, std::uint64_t made) const {
+bool Timeline::isUsableUpTo(const Keyframe &keyframe, std::uint64_t made) const {
   return std::none_of(exchanges_.begin(), exchanges_.end(), [&](const auto &exchange) {
     return exchange.first >= keyframe.at.next && axis_.events()[exchange.first] <= made &&
            exchange.second <= keyframe.at.next;
@@ -67,7 +67,7 @@ Timeline::Jump Timeline::jumpTo(std::uint64_t made) const {
   made = std::min(made, axis_.length());
   const std::uint64_t present = position();
   std::shared_ptr<const Keyframe> best =
-      keyframes_.lastUpTo(made, [&](const Keyframe &one) { return servesUpTo(one, made); });
+      keyframes_.lastUpTo(made, [&](const Keyframe &one) { return isUsableUpTo(one, made); });
   if (origin_ && present <= made && (!best || best->at.made <= present + kStepsOfRestoring)) return {};
   if (!best) best = start_;
   const bool isSameScene = origin_ && persistent_[best->at.next] == persistent_[replay_.position().next];
@@ -120,12 +120,12 @@ void Timeline::storeIfDue(const Target &target, const Limits &limits) {
   const bool isRecorded = isStoredHere();
   if (!isRecorded) {
     if (!mayStore_ || position() < storedAt_ + options_.keyframeEvery) return;
-    if (!isHarmless_ && !(limits.mayTry && hasHashUpTo(limits.until))) return;
+    if (!areExtraVerified_ && !(limits.mayTry && hasHashUpTo(limits.until))) return;
   }
   const Keyframe *last = keyframes_.lastUpTo(position(), [](const Keyframe &) { return true; }).get();
   if (last != nullptr && last->at == replay_.position()) return;
   auto state = stateBytes(target.session, target.simulation.object(), recording().start.simulator);
-  // A state that cannot be stored, for example while something is held, is tried again at the next step.
+  // A state that cannot be stored, such as one with a renewed reference, is tried again at the next step.
   if (!state) return;
   storedAt_ = position();
   const std::size_t changes = persistent_[replay_.position().next];
@@ -153,15 +153,15 @@ void Timeline::onHashes(std::size_t firstEvent, bool areEqual) {
     if (!areEqual || position() == 0) continue;
     keyframes_.verify(origin_->at.made, position() - 1);
     // At rest, solvers that begin anew find the same.
-    if (hasStoredSinceHash_ && isMoving) isHarmless_ = true;
+    if (hasStoredSinceHash_ && isMoving) areExtraVerified_ = true;
     hasStoredSinceHash_ = false;
   }
 }
 
 /// The pass is wrong. Removes what may be the reason; false: there is nothing.
-bool Timeline::blameKeyframe() {
+bool Timeline::discardSuspectKeyframes() {
   if (hasStoredSinceHash_) {
-    mayStore_ = isHarmless_ = false;
+    mayStore_ = areExtraVerified_ = false;
     keyframes_.removeIf([](const Keyframe &one) { return one.isExtra && !one.isVerified; });
   } else if (origin_ != start_) {
     keyframes_.removeIf([&](const Keyframe &one) { return one.at.made >= origin_->at.made; });
@@ -178,7 +178,7 @@ bool Timeline::blameKeyframe() {
 bool Timeline::acceptDifference() {
   const std::uint64_t at = position();
   if (differsFrom_ && at >= *differsFrom_) return true;
-  if (blameKeyframe()) return false;
+  if (discardSuspectKeyframes()) return false;
   differsFrom_ = at;
   difference_ = fmt::format("differs from the recording at step {}", replay_.nextStep());
   return true;
@@ -187,9 +187,10 @@ bool Timeline::acceptDifference() {
 Expected<Timeline::Applied> Timeline::applyDue(const Target &target) {
   for (;;) {
     const std::size_t first = replay_.position().next;
-    const auto applied = replay_.applyDueEvents(target.session, target.simulation.object(), target.simulation.table());
+    const auto applied =
+        replay_.applyDueEvents(target.session, target.simulation.object(), target.simulation.table(), target.changes);
     if (!applied) {
-      if (blameKeyframe()) return Applied::retry;
+      if (discardSuspectKeyframes()) return Applied::retry;
       return tl::unexpected(applied.error());
     }
     onHashes(first, true);
@@ -248,7 +249,7 @@ Expected<Timeline::Advanced> Timeline::advance(const Target &target, const Limit
     const auto passed_s = step(target);
     if (!passed_s && passed_s.error().code == ErrorCode::cancelled) return ends(Outcome::paused);
     if (!passed_s) {
-      if (blameKeyframe()) return ends(Outcome::retry);
+      if (discardSuspectKeyframes()) return ends(Outcome::retry);
       return tl::unexpected(passed_s.error());
     }
     // Load steps take no time: one at once, where the pace is limited.

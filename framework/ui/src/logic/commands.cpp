@@ -19,7 +19,7 @@ constexpr CommandInfo kCommands[] = {
     {Command::openLabels, "file.open_labels", "Open label map…", "Overlay labels on the image", needsImage, 'L',
      C3DE_MOD_CTRL},
     {Command::createScanBody, "file.create_scan_body", "Create body from scan…",
-     "Create one body from all labels and the tissue between them", needsLabels},
+     "Create one body from all labels and the tissue between them", needsLabels | needsNoReplay},
     {Command::closeImage, "file.close_image", "Close image", "Close image and labels", needsImage},
     {Command::closeSimulation, "file.close_simulation", "Close simulation",
      "Remove the bodies and obstacles; image and labels stay as they are", needsSimulation},

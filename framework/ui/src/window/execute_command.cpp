@@ -116,7 +116,7 @@ void quitOrAsk(FrameContext &frame) {
     return;
   }
   std::vector<Question::Answer> answers{{kQuit.second, "Quit"}, {"stay", "Stay"}};
-  if (hasContent(frame) && frame.actions.saveSession) {
+  if (hasContent(frame) && frame.actions.saveSession && !frame.simulation.replay) {
     answers.front().label = "Quit, do not save";
     answers.insert(answers.begin(), {kSaveAndQuit.second, "Save"});
   }

@@ -29,7 +29,9 @@ class Replay {
 
   /// Applies what was recorded between the last step and the next one. On the thread that steps, between two steps.
   /// Errors name the recording, the step and what cannot be repeated.
+  /// @param changes  of the simulator; null: none
   [[nodiscard]] Expected<void> applyDueEvents(Session &session, c3de_object *simulator, const c3de_simulator_v1 *table,
+                                              const std::shared_ptr<ChangeLog> &changes,
                                               const ProgressFn &progress = {});
   void countStep() { ++made_; }
   /// Everything is repeated, or a state hash differs.

@@ -68,7 +68,7 @@ class Timeline {
   struct Target {
     Session &session;
     scene::Simulation &simulation;
-    std::shared_ptr<const ChangeLog> changes;  ///< of the simulation
+    std::shared_ptr<ChangeLog> changes;  ///< of the simulation
   };
   /// Takes up the state of the keyframe. After an error, jumpTo() no longer proposes this. [sim]
   [[nodiscard]] Expected<void> restore(const Target &target, std::shared_ptr<const Keyframe> keyframe);
@@ -97,13 +97,13 @@ class Timeline {
   enum class Applied { done, retry };
   [[nodiscard]] Expected<Applied> applyDue(const Target &target);
   void onHashes(std::size_t firstEvent, bool areEqual);
-  [[nodiscard]] bool blameKeyframe();
+  [[nodiscard]] bool discardSuspectKeyframes();
   [[nodiscard]] bool acceptDifference();
   void storeIfDue(const Target &target, const Limits &limits);
   [[nodiscard]] Expected<double> step(const Target &target);
   [[nodiscard]] bool isStoredHere() const;
   [[nodiscard]] bool hasHashUpTo(std::uint64_t made) const;
-  [[nodiscard]] bool servesUpTo(const Keyframe &keyframe, std::uint64_t made) const;
+  [[nodiscard]] bool isUsableUpTo(const Keyframe &keyframe, std::uint64_t made) const;
   void begin(std::shared_ptr<const Keyframe> keyframe, bool isRestored);
   void indexChanges();
 
@@ -124,8 +124,8 @@ class Timeline {
   std::optional<std::uint64_t> lastHash_;
   std::uint64_t storedAt_ = 0;
 
-  bool mayStore_ = true;     ///< extra keyframes are not known to change the result
-  bool isHarmless_ = false;  ///< an extra keyframe was verified
+  bool mayStore_ = true;           ///< extra keyframes are not known to change the result
+  bool areExtraVerified_ = false;  ///< an extra keyframe was verified
   bool mayRestoreStart_ = true;
   std::shared_ptr<const SimulationSource> source_;  ///< of the last keyframe
   std::size_t sourceChanges_ = 0;
