@@ -7,6 +7,7 @@
 #include <iterator>
 #include <sstream>
 
+#include "c3de/render/png_file.h"
 #include "support/catch.h"
 #include "ui/simulation_window.h"
 #include "ui/workstation_driver.h"
@@ -37,6 +38,15 @@ fs::path implicitOrgan() {
   text.insert(text.find(table) + table.size(), "integrator = \"implicit\"\n");
   const fs::path scene = outputFile("implicit.toml");
   std::ofstream(scene) << text;
+  return scene;
+}
+
+/// The floating organ with a probe.
+fs::path probedOrgan() {
+  std::ifstream in(floatingOrgan());
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const fs::path scene = outputFile("probed.toml");
+  std::ofstream(scene) << text << "[[probe]]\nname = \"middle\"\nbody = \"organ\"\nat = [0.0, 0.0, 0.0]\n";
   return scene;
 }
 
@@ -101,6 +111,36 @@ std::string hashOf(const fs::path &session) {
 bool isDisabled(const Json &s, const std::string &widget) {
   return std::count(s["disabled"].begin(), s["disabled"].end(), Json(widget)) > 0;
 }
+
+std::string bytesOf(const fs::path &file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::size_t filesIn(const fs::path &folder, const std::string &extension) {
+  std::error_code ignored;
+  std::size_t count = 0;
+  for (const auto &entry : fs::directory_iterator(folder, ignored)) count += entry.path().extension() == extension;
+  return count;
+}
+
+/// Writes into a field of the dialog that exports.
+void enterText(WorkstationDriver &window, const std::string &field, const std::string &text) {
+  window.click(field);
+  window.key("ctrl+a");
+  window.type(text);
+  C3DE_WAIT(window, field + " is " + text, textOf(s, field) == text);
+}
+
+/// Moves the timeline, and waits until it is there.
+void jumpTo(WorkstationDriver &window, double share) {
+  window.clickAt(onSlider(window, share));
+  const double length = window.number("timeline/length");
+  C3DE_WAIT(window, "the position is reached",
+            isAtRest(s) && std::abs(numberOf(s, "timeline/position") - share * length) < 0.01 * length + 1.0);
+}
+
+bool isExporting(const Json &s) { return !textOf(s, "timeline/exporting").empty(); }
 
 }  // namespace
 
@@ -237,4 +277,118 @@ TEST_CASE("the past of an implicit run is shown, and the present is returned to"
   const Json shown = C3DE_WAIT(again, "the timeline is shown", isAtRest(s) && textOf(s, "timeline/position") == "0");
   CHECK(shown["notifications"].empty());
   CHECK(shown["title"] == "past.c3dr - C3DE");
+}
+
+TEST_CASE("a stretch of a recording is exported as pictures and for ParaView", "[timeline_export]") {
+  C3DE_ORGAN_OR_SKIP();
+  const fs::path file = emptyPlace("export.c3dr"), folder = outputFile("exported"), straight = outputFile("straight");
+  fs::remove_all(folder);
+  fs::remove_all(straight);
+  fs::create_directories(folder);
+  fs::create_directories(straight);
+  WorkstationDriver window("timeline_export");
+  openOrgan(window, {probedOrgan().string()});
+  recordPull(window, file, true);
+  window.clickMenu("file.open_recording");
+  window.enterFile(file);
+  const Json opened = C3DE_WAIT(window, "the timeline is shown", isAtRest(s) && textOf(s, "timeline/position") == "0");
+  const int length = static_cast<int>(numberOf(opened, "timeline/length"));
+  CHECK(textOf(opened, "timeline/stretch") == "0 " + std::to_string(length));
+  CHECK(isDisabled(opened, "timeline/until"));
+
+  // The markers.
+  jumpTo(window, 0.05);
+  window.click("timeline/begin");
+  const int begin = static_cast<int>(window.number("timeline/position"));
+  const Json atBegin = window.state()["transport"];
+  const double step_s = atBegin["time_s"].get<double>() / atBegin["steps"].get<double>();
+  jumpTo(window, 0.6);
+  window.click("timeline/until");
+  const int end = static_cast<int>(window.number("timeline/position"));
+  C3DE_WAIT(window, "the markers are set",
+            textOf(s, "timeline/stretch") == std::to_string(begin) + " " + std::to_string(end));
+  jumpTo(window, 0.8);
+  const double before = window.number("timeline/position");
+
+  // What is wrong is stated.
+  window.click("timeline/export");
+  C3DE_WAIT(window, "the dialog is shown", s["widgets"].contains("stretch/export"));
+  window.click("stretch/probes");
+  enterText(window, "stretch/folder", (folder / "missing").string());
+  window.click("stretch/export");
+  C3DE_WAIT(window, "the folder is refused", textOf(s, "stretch/answer").find("missing") != std::string::npos);
+  enterText(window, "stretch/folder", folder.string());
+  enterText(window, "stretch/name", "pull");
+  window.click("stretch/pictures");
+  enterText(window, "stretch/width", "320");
+  enterText(window, "stretch/height", "240");
+  const bool canFilm = !isDisabled(window.state(), "stretch/film");
+  if (canFilm) window.click("stretch/film");
+  window.screenshot("dialog");
+
+  window.click("stretch/export");
+  C3DE_WAIT(window, "it is exporting",
+            isExporting(s) || s["notifications"].dump().find("Exported") != std::string::npos);
+  window.screenshot("exporting");
+  const Json done = C3DE_WAIT(window, "the timeline is where it was before",
+                              !isExporting(s) && isAtRest(s) && numberOf(s, "timeline/position") == before &&
+                                  s["notifications"].dump().find("Exported") != std::string::npos);
+  CHECK(textOf(done, "timeline/warning").empty());
+  window.screenshot("exported");
+
+  // One per 40 ms of simulated time, and at the begin.
+  const auto count = static_cast<std::size_t>(std::floor((end - begin) * step_s / 0.04 + 1e-6)) + 1;
+  CHECK(count > 5);
+  const fs::path pictures = folder / "pull_pictures", frames = folder / "pull_frames";
+  CHECK(filesIn(pictures, ".png") == count);
+  CHECK(filesIn(frames, ".vtp") == count);
+  CHECK(filesIn(frames, ".vtu") == count);
+  const auto first = render::readPng(pictures / "picture_000000.png");
+  const auto last = render::readPng(pictures / ("picture_" + std::to_string(1000000 + count - 1).substr(1) + ".png"));
+  REQUIRE(first);
+  REQUIRE(last);
+  CHECK((first->width == 320 && first->height == 240));
+  CHECK((first->rgb != last->rgb));  // without the bytes of both in the message
+  const std::string table = bytesOf(folder / "pull.csv");
+  CHECK(table.find("time [s],middle.x [m],") == 0);
+  CHECK(std::count(table.begin(), table.end(), '\n') == end - begin + 2);
+  if (canFilm) {
+    C3DE_WAIT(window, "the film is made", fs::exists(folder / "pull.mp4"));
+    CHECK(bytesOf(folder / "pull.mp4").find("ftyp") != std::string::npos);
+  }
+
+  // Each frame is that of the command line at the last step not after its time. There, each step is a frame.
+  const auto seconds = [&](double steps) { return std::to_string(steps * step_s); };
+  const auto replayed = runProcess(
+      {C3DE_PROGRAM, "replay", file.string(), "--export", (straight / "pull.pvd").string(), "--from",
+       seconds(begin - 0.5), "--export-every", std::to_string(0.01 * step_s), "--until", seconds(begin + 150)},
+      120.0);
+  REQUIRE(replayed);
+  INFO(replayed->errorOutput << replayed->output);
+  REQUIRE(replayed->exitCode == 0);
+  const auto sixDigits = [](int number) { return std::to_string(1000000 + number).substr(1); };
+  for (const int k : {0, 3, 7, 10}) {
+    const int step = static_cast<int>(std::floor(k * 0.04 / step_s + 1e-6));
+    const std::string skin = bytesOf(frames / ("skin_" + sixDigits(k) + ".vtp"));
+    CHECK_FALSE(skin.empty());
+    CHECK((skin == bytesOf(straight / "pull_frames" / ("skin_" + sixDigits(step) + ".vtp"))));
+  }
+
+  // Files are replaced after a question only; a cancelled export leaves what it has written.
+  window.click("timeline/export");
+  C3DE_WAIT(window, "the dialog is shown", s["widgets"].contains("stretch/export"));
+  window.click("stretch/frames");
+  window.click("stretch/probes");
+  if (canFilm) window.click("stretch/film");
+  enterText(window, "stretch/rate", "1000");
+  window.click("stretch/export");
+  C3DE_WAIT(window, "it asks", textOf(s, "stretch/answer").find("pull_pictures already exists") != std::string::npos);
+  window.screenshot("asks");
+  window.click("stretch/export");
+  C3DE_WAIT(window, "it is exporting", isExporting(s) && filesIn(pictures, ".png") > count);
+  window.click("timeline/cancel");
+  C3DE_WAIT(window, "it is cancelled, and the timeline is where it was before",
+            !isExporting(s) && isAtRest(s) && numberOf(s, "timeline/position") == before &&
+                s["notifications"].dump().find("Export cancelled") != std::string::npos);
+  CHECK(filesIn(pictures, ".png") < static_cast<std::size_t>((end - begin) * step_s * 1000.0));
 }

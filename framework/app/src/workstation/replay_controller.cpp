@@ -21,15 +21,23 @@ constexpr double kLongestDelay_s = 0.25, kMeasured_s = 0.5;
 }  // namespace
 
 void ReplayController::connect(ui::WindowActions &actions) {
-  actions.replay.seek = [this](std::uint64_t position) { seek(position); };
-  actions.replay.play = [this](bool plays) { play(plays); };
-  actions.replay.step = [this] { step(); };
+  // While a stretch is exported, nothing but its end moves the timeline.
+  actions.replay.seek = [this](std::uint64_t position) {
+    if (!export_) seek(position);
+  };
+  actions.replay.play = [this](bool plays) {
+    if (!export_) play(plays);
+  };
+  actions.replay.step = [this] {
+    if (!export_) step();
+  };
   actions.replay.cancel = [this] { cancel(); };
   actions.replay.setRate = [this](double rate) { rate_ = rate; };
   actions.replay.leave = [this] { leave(); };
   actions.replay.returnToNow = [this] {
-    if (hasKept()) returnTo(opened_->kept);
+    if (hasKept() && !export_) returnTo(opened_->kept);
   };
+  connectExport(actions.replay);
   actions.transport = [this, ordinary = actions.transport](std::uint32_t action) {
     isReplaying() ? transport(action) : ordinary(action);
   };
@@ -146,6 +154,7 @@ void ReplayController::onBuilt(const Expected<void> &result, std::uint64_t seria
   if (result || serial != builds_) return;
   const std::string name = isOpening_ ? pathText(isOpening_->file.filename()) : std::string();
   pending_.reset();
+  export_.reset();
   isOpening_.reset();
   target_.reset();
   isPlaying_ = false;
@@ -167,6 +176,7 @@ ReplayController::Present ReplayController::onLoaded(
     rate_ = 1.0;
     warning_ = opened_->timeline->recording().whyIncomplete();
     if (!warning_.empty()) warning_ = "The recording " + warning_;
+    stretch_ = {0, opened_->timeline->axis().length()};
   }
   isOpening_.reset();
   pending_.reset();
@@ -178,6 +188,7 @@ ReplayController::Present ReplayController::onLoaded(
   (void)parts_.tools.activate({});
   opened_->timeline->rebuilt(std::exchange(pendingFrom_, nullptr));
   position_ = opened_->timeline->position();
+  beginStretch();
   seek(target_.value_or(position_));
   return Present::replay;
 }
@@ -186,8 +197,11 @@ void ReplayController::end() {
   if (hasKept())
     parts_.panels.notify(C3DE_LOG_INFO, "The timeline was closed", "The simulation from before it is still there.",
                          {{"Return to now", [this, kept = opened_->kept] { returnTo(kept); }}});
+  if (export_)
+    parts_.panels.notify(C3DE_LOG_WARN, "The export ended", "The replay was closed. What was written is kept.");
   ++serial_;
   stop_->store(true);
+  export_.reset();
   opened_.reset();
   target_.reset();
   isBusy_ = isPlaying_ = false;
@@ -196,6 +210,7 @@ void ReplayController::end() {
 }
 
 void ReplayController::transport(std::uint32_t action) {
+  if (export_) return;
   switch (action) {
     case C3DE_TRANSPORT_PLAY: return play(true);
     case C3DE_TRANSPORT_PAUSE: return isPlaying_ ? play(false) : cancel();
@@ -230,6 +245,13 @@ void ReplayController::step() {
 }
 
 void ReplayController::cancel() {
+  if (export_) {
+    export_->isCancelled = true;
+    stop_->store(true);
+    if (pending_) parts_.loader.cancel();
+    if (!isBusy_ && !pending_) finishExport({});
+    return;
+  }
   target_.reset();
   isPlaying_ = false;
   if (isBusy_) stop_->store(true);
@@ -285,6 +307,8 @@ void ReplayController::onAdvanced(const Expected<Timeline::Advanced> &advanced) 
   isBusy_ = false;
   const std::uint64_t before = std::exchange(position_, timeline.position());
   if (!timeline.difference().empty()) warning_ = "The replay " + timeline.difference();
+  if (export_ && (!advanced || export_->isCancelled))
+    return finishExport(advanced ? Expected<void>() : tl::unexpected(advanced.error()));
   if (!advanced) {
     target_.reset();
     isPlaying_ = false;
@@ -297,6 +321,7 @@ void ReplayController::onAdvanced(const Expected<Timeline::Advanced> &advanced) 
   } else if (target_ && *target_ == position_) {
     target_.reset();
     tick_ = Clock::now();
+    if (export_) return continueExport();
   } else if (!target_) {
     owed_s_ -= advanced->simulated_s;
     measureRate(advanced->simulated_s);
@@ -316,7 +341,7 @@ void ReplayController::measureRate(double simulated_s) {
 }
 
 void ReplayController::leave() {
-  if (!isReplaying() || isBusy_ || target_ || pending_) return;
+  if (!isReplaying() || isBusy_ || target_ || pending_ || export_) return;
   scene::Simulation *simulation = parts_.session.simulation();
   end();
   parts_.left();
@@ -330,7 +355,7 @@ void ReplayController::leave() {
 
 void ReplayController::show(ui::SimulationView &view) {
   if (!isReplaying()) return;
-  if (isPlaying_ && !isBusy_ && !target_ && !pending_) continuePlaying();
+  if (isPlaying_ && !export_ && !isBusy_ && !target_ && !pending_) continuePlaying();
   auto replay = std::make_shared<ui::ReplayView>();
   replay->file = pathText(opened_->file.filename());
   replay->marks = opened_->marks;
@@ -343,7 +368,8 @@ void ReplayController::show(ui::SimulationView &view) {
   replay->rate = rate_;
   replay->hasNow = hasKept();
   replay->warning = warning_;
-  view.transport.mode = isPlaying_ || target_ ? C3DE_SIM_PLAYING : C3DE_SIM_PAUSED;
+  showExport(*replay);
+  view.transport.mode = isPlaying_ || target_ || export_ ? C3DE_SIM_PLAYING : C3DE_SIM_PAUSED;
   view.transport.target_rate = rate_;
   view.transport.real_time_factor = factor_;
   view.replay = std::move(replay);

@@ -18,8 +18,10 @@
 #include "c3de/session/saved_session.h"
 #include "c3de/session/session.h"
 #include "c3de/session/timeline.h"
+#include "c3de/ui/stretch.h"
 #include "c3de/ui/workstation_window.h"
 #include "workstation/messages.h"
+#include "workstation/stretch_writer.h"
 #include "workstation/workstation_loader.h"
 
 namespace c3de::app {
@@ -36,6 +38,9 @@ class ReplayController {
     WorkstationLoader &loader;
     ReportError failed;
     std::function<void()> left;  ///< the simulation has become an ordinary one
+    ui::WorkstationWindow &window;
+    render::Renderer &renderer;
+    std::function<bool()> isViewCurrent;  ///< images and tissues in the view are those of the last snapshot
   };
   explicit ReplayController(Parts parts) : parts_(std::move(parts)) {}
 
@@ -57,6 +62,8 @@ class ReplayController {
   void play(bool plays);
   /// Called once per frame: plays on, and shows how far the replay is.
   void show(ui::SimulationView &view);
+  /// Called when the views have received the last snapshot: draws the picture that an export is waiting for.
+  void drawPicture();
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -86,6 +93,27 @@ class ReplayController {
   void onAdvanced(const Expected<Timeline::Advanced> &advanced);
   void measureRate(double simulated_s);
 
+  // The export of a stretch: replay_export.cpp.
+  /// An export in progress.
+  struct Export {
+    std::shared_ptr<StretchWriter> writer;
+    std::uint64_t returnTo = 0;  ///< position from before it
+    render::Camera camera;
+    std::size_t pictures = 0;     ///< written, as it was last reported
+    bool isWriting = false;       ///< the begin was reached
+    bool isPictureReady = false;  ///< the snapshot to be drawn was published
+    bool isCancelled = false;
+  };
+  void connectExport(ui::ReplayActions &actions);
+  void beginStretch();
+  void startExport(const ui::StretchExport &wanted);
+  void continueExport();
+  void onExported(const Expected<StretchWriter::Reached> &reached);
+  /// Completes the files, and returns to the position from before the export.
+  void finishExport(const Expected<void> &result);
+  void writeFilmOf(const std::shared_ptr<StretchWriter> &writer);
+  void showExport(ui::ReplayView &replay) const;
+
   Parts parts_;
   std::shared_ptr<Opened> opened_;                                   ///< null: there is no replay
   std::shared_ptr<Opened> isOpening_;                                ///< its simulation is being built
@@ -107,6 +135,10 @@ class ReplayController {
   Clock::time_point tick_{};
   double measured_s_ = 0.0, factor_ = 0.0;  ///< simulated time since measuredAt_; real-time factor
   Clock::time_point measuredAt_{};
+  ui::Stretch stretch_;
+  bool hasProbes_ = false;
+  std::filesystem::path filmProgram_;  ///< empty: there is none
+  std::optional<Export> export_;
 };
 
 }  // namespace c3de::app

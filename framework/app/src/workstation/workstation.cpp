@@ -206,8 +206,9 @@ void Workstation::createControllers() {
   exports_.emplace(ExportController::Parts{session, panels_, *images_, *warp_, *tissueTable_, failed});
   recording_.emplace(RecordingController::Parts{session, panels_, edits_, failed,
                                                 [this](const auto &file) { replay_->openPast(file); }});
-  replay_.emplace(
-      ReplayController::Parts{session, panels_, tools_, *loader_, failed, [this] { sessions_->onMade(false); }});
+  replay_.emplace(ReplayController::Parts{
+      session, panels_, tools_, *loader_, failed, [this] { sessions_->onMade(false); }, *window_, *renderer_,
+      [this] { return !warp_->isBehind() && !tissueTable_->tracker().isBehind(); }});
   sessions_.emplace(SessionController::Parts{session, panels_, *loader_, *images_, *window_, failed});
   history_.emplace(SimulationHistory::Parts{session, panels_, edits_, *loader_, *images_, *sessions_,
                                             [this] { removeSimulation(); }, failed});
@@ -277,7 +278,10 @@ void Workstation::run() {
     simulation.recording = recording_->fileName();
     simulation.hasTimeline = recording_->hasTimeline();
     replay_->show(simulation);
-    if (showsNewData) showLatestResults();
+    if (showsNewData) {
+      showLatestResults();
+      replay_->drawPicture();
+    }
     recent_->update();
     window_->drawFrame(*renderer_, simulation);
   }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -54,6 +55,17 @@ struct StartPageState {
   bool isMarkMoved = false;           ///< by a key: it is scrolled into view
 };
 
+/// The dialog that exports a stretch of a recording.
+struct StretchDialog {
+  bool isShown = false;
+  std::string recording;  ///< for which folder and name are proposed
+  StretchExport wanted;
+  std::array<char, 1024> folder{};
+  std::array<char, 128> name{};
+  std::string problem;                           ///< of the last attempt
+  std::vector<std::filesystem::path> toReplace;  ///< the user has been asked about them
+};
+
 /// Exists as long as the window.
 struct WindowState {
   TooltipTimer tooltip;
@@ -71,6 +83,7 @@ struct WindowState {
                                                                         ///< rectangles
   Dock dock;
   StartPageState startPage;
+  StretchDialog stretch;
   std::optional<std::uint64_t> scrubbed;  ///< position that the slider of the timeline is dragged to
   AnchoredPanel sideRows;                 ///< of the side panel
   std::vector<PixelRect> overlays;        ///< over the view, of the last frame: they receive the mouse

@@ -44,6 +44,8 @@ void drawRegionBar(FrameContext &frame, const PixelRect &area);
 /// Below the views while a recording is replayed: its timeline. 0 otherwise.
 [[nodiscard]] float timelineBarHeight(const FrameContext &frame);
 void drawTimelineBar(FrameContext &frame, const PixelRect &area);
+/// Dialog that exports a stretch of the recording, while it is open.
+void drawStretchDialog(FrameContext &frame);
 /// Shows state.question until there is a state.answer.
 void drawQuestion(FrameContext &frame);
 

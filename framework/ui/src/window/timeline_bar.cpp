@@ -51,6 +51,20 @@ void sliderTooltip(FrameContext &frame, const Track &track, float mouseX, float 
   frame.automation.value("timeline", "hover", text);
 }
 
+/// The bounds of the stretch: brackets around its part of the track.
+void drawStretch(const FrameContext &frame, const Track &track, float top, float bottom) {
+  ImDrawList *list = ImGui::GetWindowDrawList();
+  const float thick = std::max(1.0f, std::round(frame.theme.px(2.0f))), foot = frame.theme.px(5.0f);
+  const ImU32 colour = ImGui::GetColorU32(colour::kText);
+  const auto bracket = [&](std::uint64_t position, float inwards) {
+    const float x = std::round(track.xOf(position)) - 0.5f * inwards * thick;
+    list->AddLine(ImVec2(x, top), ImVec2(x, bottom), colour, thick);
+    for (const float y : {top, bottom}) list->AddLine(ImVec2(x, y), ImVec2(x + inwards * foot, y), colour, thick);
+  };
+  bracket(track.replay.stretch.begin, 1.0f);
+  bracket(track.replay.stretch.end, -1.0f);
+}
+
 void drawTrack(const FrameContext &frame, const Track &track, ImVec2 min, ImVec2 max, std::uint64_t thumb) {
   ImDrawList *list = ImGui::GetWindowDrawList();
   const float middle = std::round(0.5f * (min.y + max.y)), half = frame.theme.px(2.5f);
@@ -59,6 +73,7 @@ void drawTrack(const FrameContext &frame, const Track &track, ImVec2 min, ImVec2
                       ImGui::GetColorU32(colour::kLine), half);
   list->AddRectFilled(ImVec2(track.x0, middle - half), ImVec2(at, middle + half), ImGui::GetColorU32(colour::kAccent),
                       half);
+  drawStretch(frame, track, min.y, max.y);
   for (const ReplayView::Mark &mark : *track.replay.marks) {
     const float x = std::round(track.xOf(mark.position));
     list->AddLine(ImVec2(x, min.y + frame.theme.px(1.0f)), ImVec2(x, max.y - frame.theme.px(1.0f)),
@@ -76,7 +91,7 @@ void slider(FrameContext &frame, const ReplayView &replay) {
   const Track track{replay, min.x + inset, min.x + width - inset};
   std::optional<std::uint64_t> &scrubbed = frame.state.scrubbed;
   const float mouseX = ImGui::GetIO().MousePos.x;
-  if (ImGui::IsItemActive()) {
+  if (ImGui::IsItemActive() && replay.exporting.empty()) {
     const std::uint64_t wanted = track.positionAt(mouseX);
     if (wanted != scrubbed && frame.actions.replay.seek) frame.actions.replay.seek(wanted);
     scrubbed = wanted;
@@ -117,27 +132,29 @@ void rateChoice(FrameContext &frame, const ReplayView &replay) {
 
 void transportButtons(FrameContext &frame, const ReplayView &replay) {
   const ReplayActions &actions = frame.actions.replay;
-  const bool isAtEnd = replay.position >= replay.length;
-  if (button(frame, "start", Icon::toStart, true, "To the start of the recording")) actions.seek(0);
-  if (button(frame, "play", replay.isPlaying ? Icon::pause : Icon::play, replay.isPlaying || !isAtEnd,
+  const bool isAtEnd = replay.position >= replay.length, isFree = replay.exporting.empty();
+  if (button(frame, "start", Icon::toStart, isFree, "To the start of the recording")) actions.seek(0);
+  if (button(frame, "play", replay.isPlaying ? Icon::pause : Icon::play, isFree && (replay.isPlaying || !isAtEnd),
              replay.isPlaying ? "Pause  (Space)"
              : isAtEnd        ? "The recording ends here"
                               : "Replay the recording  (Space)"))
     actions.play(!replay.isPlaying);
-  if (button(frame, "step", Icon::step, !isAtEnd && !replay.isSeeking, "One step forward  (Right)")) actions.step();
-  if (button(frame, "end", Icon::toEnd, !isAtEnd, "To the end of the recording")) actions.seek(replay.length);
+  if (button(frame, "step", Icon::step, isFree && !isAtEnd && !replay.isSeeking, "One step forward  (Right)"))
+    actions.step();
+  if (button(frame, "end", Icon::toEnd, isFree && !isAtEnd, "To the end of the recording")) actions.seek(replay.length);
   rateChoice(frame, replay);
 }
 
 /// How far a jump is, with a button that ends it; otherwise a warning.
 void progressOrWarning(FrameContext &frame, const ReplayView &replay, float right) {
   const auto room = [&] { return right - ImGui::GetCursorPosX() - frame.theme.px(10.0f); };
-  if (replay.isSeeking && !frame.state.scrubbed) {
+  if (const bool isExport = !replay.exporting.empty(); isExport || (replay.isSeeking && !frame.state.scrubbed)) {
     if (ImGui::Button("Cancel", ImVec2(frame.theme.px(76.0f), 0))) frame.actions.replay.cancel();
     markItem(frame, "timeline", "cancel");
-    itemTooltip(frame, "Stay at the step that has been reached");
+    itemTooltip(frame,
+                isExport ? "End the export; what has been written is kept" : "Stay at the step that has been reached");
     ImGui::SameLine();
-    const std::string text = fmt::format("Jumping to step {}", replay.target);
+    const std::string text = isExport ? "Exporting" : fmt::format("Jumping to step {}", replay.target);
     ImGui::TextColored(colour::kDim, "%s", elided(text, room()).c_str());
   } else if (!replay.warning.empty()) {
     const std::string text = elided(replay.warning, room());
@@ -149,11 +166,44 @@ void progressOrWarning(FrameContext &frame, const ReplayView &replay, float righ
   }
 }
 
+/// The second row: the bounds of the stretch, and its export.
+void stretchRow(FrameContext &frame, const ReplayView &replay) {
+  const ReplayActions &actions = frame.actions.replay;
+  const bool isFree = replay.exporting.empty();
+  const auto textButton = [&](const char *id, const char *label, float width, bool isEnabled, const char *doc) {
+    ImGui::BeginDisabled(!isEnabled);
+    const bool isPressed = ImGui::Button(label, ImVec2(frame.theme.px(width), 0));
+    ImGui::EndDisabled();
+    markItem(frame, "timeline", id, isEnabled);
+    itemTooltip(frame, doc);
+    ImGui::SameLine(0.0f, frame.theme.px(6.0f));
+    return isPressed && isEnabled;
+  };
+  if (textButton("begin", "Set begin", 90.0f, isFree && replay.position < replay.length,
+                 "The stretch to be exported begins here"))
+    actions.setBegin();
+  if (textButton("until", "Set end", 90.0f, isFree && replay.position > 0, "The stretch to be exported ends here"))
+    actions.setEnd();
+  const bool isReady = isFree && !replay.isSeeking && !replay.isPlaying && replay.length > 0;
+  if (textButton("export", "Export stretch…", 130.0f, isReady,
+                 "Write the stretch as a series for ParaView, a table, pictures or a film"))
+    frame.state.stretch.isShown = true;
+  ImGui::AlignTextToFramePadding();
+  const auto timeAt_s = [&](std::uint64_t position) { return replay.timeAt_s ? replay.timeAt_s(position) : 0.0; };
+  std::string text = fmt::format("Stretch: t = {:.3f} to {:.3f} s, step {} to {}", timeAt_s(replay.stretch.begin),
+                                 timeAt_s(replay.stretch.end), replay.stretch.begin, replay.stretch.end);
+  if (!isFree) text = replay.exporting;
+  ImGui::TextColored(colour::kDim, "%s", elided(text, ImGui::GetContentRegionAvail().x).c_str());
+  itemTooltip(frame, text);
+  frame.automation.value("timeline", "stretch", fmt::format("{} {}", replay.stretch.begin, replay.stretch.end));
+  frame.automation.value("timeline", "exporting", replay.exporting);
+}
+
 }  // namespace
 
 float timelineBarHeight(const FrameContext &frame) {
   if (!frame.simulation.replay) return 0.0f;
-  return std::round(frame.theme.px(22.0f + 16.0f) + ImGui::GetStyle().ItemSpacing.y + ImGui::GetFrameHeight());
+  return std::round(frame.theme.px(22.0f + 16.0f) + 2.0f * (ImGui::GetStyle().ItemSpacing.y + ImGui::GetFrameHeight()));
 }
 
 void drawTimelineBar(FrameContext &frame, const PixelRect &area) {
@@ -193,11 +243,13 @@ void drawTimelineBar(FrameContext &frame, const PixelRect &area) {
     itemTooltip(frame, "Back to the simulation as it was when its timeline was shown");
     ImGui::SameLine(0.0f, gap);
   }
-  ImGui::BeginDisabled(replay.isSeeking);
+  const bool isLocked = replay.isSeeking || !replay.exporting.empty();
+  ImGui::BeginDisabled(isLocked);
   const bool isLeft = ImGui::Button("Continue from here", ImVec2(leave, 0));
   ImGui::EndDisabled();
-  markItem(frame, "timeline", "continue", !replay.isSeeking);
+  markItem(frame, "timeline", "continue", !isLocked);
   itemTooltip(frame, "Ends the replay. The simulation continues from this moment, and can be changed.");
+  stretchRow(frame, replay);
   ImGui::End();
   if (isReturned)
     frame.actions.replay.returnToNow();

@@ -177,6 +177,7 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   drawPluginManager(context);
   drawScanBody(context);
   drawMissingFiles(context);
+  drawStretchDialog(context);
   drawQuestion(context);
 }
 

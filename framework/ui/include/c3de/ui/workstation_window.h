@@ -16,6 +16,7 @@
 #include "c3de/render/renderer.h"
 #include "c3de/ui/commands.h"
 #include "c3de/ui/recent_files.h"
+#include "c3de/ui/stretch.h"
 #include "c3de/ui/window_services.h"
 
 namespace c3de::ui {
@@ -68,6 +69,11 @@ struct ReplayView {
   double rate = 1.0;    ///< simulated seconds per second; 0: as fast as possible
   bool hasNow = false;  ///< the simulation from before the replay was kept
   std::string warning;  ///< for example "differs from the recording at step 300"
+  Stretch stretch;
+  bool hasProbes = false;
+  std::string whyNoFilm;         ///< why no film can be made; empty: it can
+  std::filesystem::path folder;  ///< of the recording
+  std::string exporting;         ///< what is being exported, and how far it is; empty: nothing
 };
 
 /// Requests of the bar of a replay.
@@ -77,7 +83,9 @@ struct ReplayActions {
   std::function<void()> step, cancel;
   std::function<void(double rate)> setRate;
   std::function<void()> returnToNow;
-  std::function<void()> leave;  ///< the simulation becomes an ordinary one
+  std::function<void()> leave;             ///< the simulation becomes an ordinary one
+  std::function<void()> setBegin, setEnd;  ///< of the stretch, at the present position
+  std::function<void(const StretchExport &)> exportStretch;
 };
 
 /// Why values, tools and commands are disabled during a replay.
