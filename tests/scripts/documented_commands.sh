@@ -40,6 +40,8 @@ make_tree() {
     sed "s|\.\./meshes|resources/meshes|" "$scenes/stiffening_organ.toml" >scene.toml
     sed -n '/^    trimesh/,/^    end/s/^    //p' plugins/mesh_reader/FORMAT.md >box.tri
     printf 'body,x [m],y [m],z [m]\norgan,0.12,0.16,0\n' >points.csv
+    printf '{"markups":[{"coordinateSystem":"RAS","controlPoints":[{"label":"apex","position":[-120,-160,0]}]}]}' >before.mrk.json
+    printf '# CoordinateSystem = LPS\n1,121,160,0,0,0,0,1,1,1,0,apex,,\n' >after.fcsv
     for name in scan labels organs vessels heart_4d; do nifti 4 1 >"$name.nii"; gzip -n "$name.nii"; done
     nifti 4 4 | gzip -n >heart_4d.nii.gz
     cp box.tri organ.toml

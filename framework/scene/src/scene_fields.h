@@ -219,6 +219,9 @@ extern const SceneTable<SceneFix> kFixTable;
 extern const SceneTable<SceneLoad> kLoadTable;
 extern const SceneTable<SceneObstacle> kObstacleTable;
 extern const SceneTable<SceneProbe> kProbeTable;
+extern const SceneTable<SceneLandmark> kLandmarkTable;
+extern const SceneTable<SceneDistance> kDistanceTable;
+extern const SceneTable<SceneAngle> kAngleTable;
 extern const SceneTable<SceneAttachment> kAttachmentTable;
 extern const SceneTable<SceneContactPair> kContactPairTable;
 extern const SceneTable<SceneProbeTool> kProbeToolTable;
@@ -240,7 +243,8 @@ inline constexpr std::array<const char *, 3> kSurroundingsKeys{"stiffness", "tan
 template <class Visit>
 bool anyTable(const Visit &visit) {
   return visit(kBodyTable) || visit(kFixTable) || visit(kLoadTable) || visit(kObstacleTable) || visit(kProbeTable) ||
-         visit(kAttachmentTable) || visit(kContactPairTable) || visit(kProbeToolTable) || visit(kGraspTable);
+         visit(kLandmarkTable) || visit(kDistanceTable) || visit(kAngleTable) || visit(kAttachmentTable) ||
+         visit(kContactPairTable) || visit(kProbeToolTable) || visit(kGraspTable);
 }
 
 template <class Table>

@@ -9,9 +9,10 @@
 namespace c3de::scene {
 namespace {
 
-const std::vector<std::string> kRootKeys{"format",    "title",    "image",   "world",      "solver",   "view",
-                                         "body",      "fix",      "load",    "attachment", "obstacle", "probe",
-                                         "simulator", "accuracy", "contact", "probe_tool", "grasp"};
+const std::vector<std::string> kRootKeys{"format",     "title", "image",     "world",    "solver",
+                                         "view",       "body",  "fix",       "load",     "attachment",
+                                         "obstacle",   "probe", "simulator", "accuracy", "contact",
+                                         "probe_tool", "grasp", "landmark",  "distance", "angle"};
 const std::vector<std::string> kAccuracyTargets{C3DE_PARAM_ID_ERROR_PERCENT, C3DE_PARAM_ID_ERROR_MM,
                                                 C3DE_PARAM_ID_BUDGET_MS};
 
@@ -79,8 +80,8 @@ bool SceneReader::readScene(const TomlValue &root) {
   }
   if (scene_.bodies.empty()) return refuse(1, "the scene has no [[body]]; at least one is needed");
   if (scene_.title.empty()) scene_.title = scene_.source.stem().string();
-  return checkBox() && checkAccuracyTarget() && checkBodyNames() && attachBodies() && checkAttachments() &&
-         checkPairs();
+  return checkBox() && checkAccuracyTarget() && checkBodyNames() && checkMeasurements() && attachBodies() &&
+         checkAttachments() && checkPairs();
 }
 
 bool SceneReader::readWorld(const std::string &prefix, const TomlValue &table) {

@@ -22,7 +22,8 @@ struct SceneTable;
 /// scene_tables.cpp lists the keys of all tables, scene_fields.h reads them. scene_reader.cpp reads scenes and checks
 /// names, scene_reader_values.cpp reads values, scene_reader_supports.cpp regions and what acts there,
 /// scene_reader_images.cpp images, scene_reader_tissues.cpp bodies of many tissues, scene_reader_attachments.cpp elastic
-/// layers, scene_reader_contact.cpp contact pairs, scene_reader_overrides.cpp one value of the command line.
+/// layers, scene_reader_contact.cpp contact pairs, scene_reader_measurements.cpp landmarks, scene_reader_overrides.cpp
+/// one value of the command line.
 class SceneReader {
  public:
   SceneReader(SceneFile &scene, const MaterialLibrary *materials, bool checksFiles = true)
@@ -110,6 +111,10 @@ class SceneReader {
   /// Assigns the only body to probes, grasps, fixes and loads without one; refuses unknown body names.
   bool checkBodyNames();
   bool checkBodyName(const std::string &what, int line, std::string &body);
+  /// Refuses unknown names of bodies and landmarks.
+  bool checkMeasurements();
+  template <std::size_t N>
+  bool checkLandmarkNames(const std::string &what, int line, const std::array<std::string, N> &names);
   bool checkPlacement(const TomlValue &table, const ScenePlacement &placement);
   bool checkSource(const TomlValue &table, SceneBody &body);
   bool checkTissues(const TomlValue &table, SceneBody &body);

@@ -264,7 +264,7 @@ bool SceneReader::overrideElement(const SceneTable<Table> &table, const std::str
                          " cannot be changed here");
   if constexpr (std::is_same_v<Table, SceneLoad>)
     if (!replaceLoad(*element, key)) return false;
-  return readField(table, key, value, *element) && checkBodyNames() &&
+  return readField(table, key, value, *element) && checkBodyNames() && checkMeasurements() &&
          (table.check == nullptr || (this->*table.check)(*element));
 }
 

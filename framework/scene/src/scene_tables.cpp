@@ -11,14 +11,19 @@ const char *const kAttachedNames =
 const char *const kPairNames = "two names, [\"liver\", \"kidney\"]; \"box\": the walls of the world";
 const char *const kAxis = "the direction [x, y, z] from the first jaw to the second, of any length but 0";
 
+const char *const kTwoLandmarks = "the names of two landmarks, [\"a\", \"b\"]";
+const char *const kThreeLandmarks = "the names of three landmarks, [\"a\", \"b\", \"c\"]; the vertex is the second";
+
 struct NamesReader {
   const char *accepted;
+  template <std::size_t N>
   bool operator()(SceneReader &reader, const std::string &key, const TomlValue &value,
-                  std::array<std::string, 2> &out) const {
-    const bool good = value.kind == TomlValue::Kind::array && value.items.size() == 2 &&
-                      value.items[0].kind == TomlValue::Kind::text && value.items[1].kind == TomlValue::Kind::text;
+                  std::array<std::string, N> &out) const {
+    const bool good = value.kind == TomlValue::Kind::array && value.items.size() == N &&
+                      std::all_of(value.items.begin(), value.items.end(),
+                                  [](const TomlValue &name) { return name.kind == TomlValue::Kind::text; });
     if (!good) return reader.refuse(value.line, key + " is " + value.kindName() + "; accepted: " + accepted);
-    out = {value.items[0].text, value.items[1].text};
+    for (std::size_t i = 0; i < N; ++i) out[i] = value.items[i].text;
     return true;
   }
 };
@@ -134,6 +139,24 @@ const SceneTable<SceneProbe> kProbeTable("probe", "probe", &SceneFile::probes, "
                                          {{"name", &SceneProbe::name, Override::accepted},
                                           {"body", &SceneProbe::body, Override::accepted},
                                           {"at", &SceneProbe::at_m, required("a material point [x, y, z] in m")}});
+
+const SceneTable<SceneLandmark> kLandmarkTable(
+    "landmark", "landmark", &SceneFile::landmarks, "landmarks", "",
+    {{"name", &SceneLandmark::name, &SceneReader::readName,
+      required("text that no other landmark has as its name", Override::refused)},
+     {"on", &SceneLandmark::body, Override::accepted},
+     {"at", &SceneLandmark::at_m, required("a point [x, y, z] in m, in the world at rest")},
+     {"target", &SceneLandmark::target_m}});
+
+const SceneTable<SceneDistance> kDistanceTable(
+    "distance", "distance", &SceneFile::distances, "distances", "distance",
+    {{"name", &SceneDistance::name, &SceneReader::readName, Override::refused},
+     {"between", &SceneDistance::between, NamesReader{kTwoLandmarks}, required(kTwoLandmarks, Override::accepted)}});
+
+const SceneTable<SceneAngle> kAngleTable("angle", "angle", &SceneFile::angles, "angles", "angle",
+                                         {{"name", &SceneAngle::name, &SceneReader::readName, Override::refused},
+                                          {"at", &SceneAngle::at, NamesReader{kThreeLandmarks},
+                                           required(kThreeLandmarks, Override::accepted)}});
 
 const SceneTable<SceneAttachment> kAttachmentTable(
     "attachment", "attachment", &SceneFile::attachments, "", "",

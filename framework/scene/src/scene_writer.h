@@ -50,6 +50,7 @@ class SceneWriter {
   Written write(const std::string &key, const std::array<double, 2> &range);
   Written write(const std::string &key, const std::array<double, 4> &quaternion);
   Written write(const std::string &key, const std::array<std::string, 2> &names);
+  Written write(const std::string &key, const std::array<std::string, 3> &names);
   Written write(const std::string &key, const std::vector<std::string> &names);
   Written write(const std::string &key, const std::filesystem::path &path);
   Written write(const std::string &key, const geometry::LengthUnit &unit);

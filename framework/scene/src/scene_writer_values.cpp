@@ -138,6 +138,10 @@ SceneWriter::Written SceneWriter::write(const std::string &key, const std::array
   return write(key, std::vector<std::string>(names.begin(), names.end()));
 }
 
+SceneWriter::Written SceneWriter::write(const std::string &key, const std::array<std::string, 3> &names) {
+  return write(key, std::vector<std::string>(names.begin(), names.end()));
+}
+
 SceneWriter::Written SceneWriter::write(const std::string &key, const std::filesystem::path &path) {
   if (path.empty()) return std::nullopt;
   std::error_code code;

@@ -196,6 +196,20 @@ struct Comparison {
     check("probe body", a.body, b.body);
     check("probe at", a.at_m, b.at_m);
   }
+  void check(const char *, const scene::SceneLandmark &a, const scene::SceneLandmark &b) {
+    check("landmark name", a.name, b.name);
+    check("landmark body", a.body, b.body);
+    check("landmark at", a.at_m, b.at_m);
+    check("landmark target", a.target_m, b.target_m);
+  }
+  void check(const char *, const scene::SceneDistance &a, const scene::SceneDistance &b) {
+    check("distance name", a.name, b.name);
+    check("distance between", a.between, b.between);
+  }
+  void check(const char *, const scene::SceneAngle &a, const scene::SceneAngle &b) {
+    check("angle name", a.name, b.name);
+    check("angle at", a.at, b.at);
+  }
   void check(const char *, const scene::SceneAttachment &a, const scene::SceneAttachment &b) {
     check("attachment name", a.name, b.name);
     check("attachment names", a.names, b.names);
@@ -244,6 +258,9 @@ std::string difference(const scene::SceneFile &a, const scene::SceneFile &b) {
   c.check("loads", a.loads, b.loads);
   c.check("obstacles", a.obstacles, b.obstacles);
   c.check("probes", a.probes, b.probes);
+  c.check("landmarks", a.landmarks, b.landmarks);
+  c.check("distances", a.distances, b.distances);
+  c.check("angles", a.angles, b.angles);
   c.check("attachments", a.attachments, b.attachments);
   c.check("contact pairs", a.contactPairs, b.contactPairs);
   c.check("probe tools", a.probeTools, b.probeTools);

@@ -195,6 +195,25 @@ displacement = [0, 0, 0]
 name = "tip"
 body = "mesh"
 at = [0.2, 0.02, 0.02]
+[[landmark]]
+name = "apex"
+on = "scan.liver"
+at = [0.1, 0.02, 0.3]
+target = [0.1, 0.02, 0.29]
+[[landmark]]
+name = "base"
+at = [-0.0, 1e-3, 0.3333333333333333]
+[[landmark]]
+name = "side"
+at = [1, 2, 3]
+[[distance]]
+between = ["apex", "base"]
+[[distance]]
+name = "width"
+between = ["base", "side"]
+[[angle]]
+name = "tilt"
+at = ["apex", "base", "side"]
 [[attachment]]
 bodies = ["organ", "surroundings"]
 stiffness = 10000

@@ -10,6 +10,7 @@
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/session/file_kind.h"
+#include "c3de/session/landmark_file.h"
 #include "c3de/session/session_file.h"
 #include "commands/command_line.h"
 #include "commands/commands.h"
@@ -60,11 +61,25 @@ Expected<Described> describeMesh(const std::filesystem::path &file, const std::s
   return out;
 }
 
+Expected<Described> describeLandmarks(const std::filesystem::path &file) {
+  const auto landmarks = readLandmarks(file);
+  if (!landmarks) return tl::unexpected(landmarks.error());
+  std::string text = fmt::format("{} landmark{}, LPS\n", landmarks->size(), landmarks->size() == 1 ? "" : "s");
+  Json json{{"kind", "landmarks"}, {"file", file.string()}, {"landmarks", Json::array()}};
+  for (const FileLandmark &one : *landmarks) {
+    text += fmt::format("  {}: {}, {}, {} mm\n", displayText(one.name), formatNumber(one.lps_mm[0]),
+                        formatNumber(one.lps_mm[1]), formatNumber(one.lps_mm[2]));
+    json["landmarks"].push_back(Json{{"name", one.name}, {"at_mm", one.lps_mm}});
+  }
+  return Described{text, json};
+}
+
 /// Scenes need plugins, and so do files that only a plugin may be able to read.
 bool needsPlugins(const std::filesystem::path &file, const InfoArguments &arguments) {
   std::error_code code;
   if (!std::filesystem::exists(file, code)) return false;
   const FileKind kind = kindOf(file);
+  if (isLandmarkPath(file) && arguments.reader.empty()) return false;
   return kind == FileKind::scene || kind == FileKind::unknown || !arguments.reader.empty();
 }
 
@@ -114,6 +129,7 @@ Expected<Described> describe(const std::filesystem::path &file, const InfoArgume
   options.series = arguments.series;
   options.time = arguments.time;
   const geometry::MeshFormats *formats = session ? &session->meshFormats() : nullptr;
+  if (isLandmarkPath(file) && arguments.reader.empty()) return describeLandmarks(file);
   switch (arguments.reader.empty() ? kindOf(file, formats) : FileKind::mesh) {
     case FileKind::image: return describeImage(file, options, arguments.patientNames);
     case FileKind::scene: return describeScene(*session, file, arguments.isQuick);
@@ -162,7 +178,8 @@ Handler declareInfo(CLI::App &app, CommandLine &line) {
   const auto arguments = std::make_shared<InfoArguments>();
   app.add_option(
          "FILE", line.files,
-         "Meshes, images (DICOM, NIfTI, NRRD, MetaImage), folders of DICOM files, scenes, sessions and recordings")
+         "Meshes, images (DICOM, NIfTI, NRRD, MetaImage), folders of DICOM files, scenes, sessions, recordings and "
+         "landmarks (.csv, .fcsv, .mrk.json)")
       ->required();
   app.add_option("--series", arguments->series,
                  "The series of a folder that holds several: its identifier, number or description, a part behind a #")

@@ -20,18 +20,33 @@ SessionOptions CommandLine::sessionOptions() const {
   return options;
 }
 
+namespace {
+
+std::string whyNoFileName(const std::string &text) {
+  if (text.empty()) return "the name is empty; accepted: a file name";
+  if (text.starts_with("--")) return "'" + text + "' is an option; accepted: a file name";
+  return {};
+}
+
+}  // namespace
+
 CLI::Option *addFile(CLI::App &app, const std::string &name, std::filesystem::path &file, const std::string &type,
                      const std::string &help) {
-  const auto isNamed = [](const std::string &text) -> std::string {
-    if (text.empty()) return "the name is empty; accepted: a file name";
-    if (text.starts_with("--")) return "'" + text + "' is an option; accepted: a file name";
-    return {};
-  };
   return app
       .add_option_function<std::string>(
           name, [&file](const std::string &text) { file = text; }, help)
       ->type_name(type)
-      ->check(CLI::Validator(isNamed, "", ""));
+      ->check(CLI::Validator(whyNoFileName, "", ""));
+}
+
+CLI::Option *addFiles(CLI::App &app, const std::string &name, std::vector<std::filesystem::path> &files,
+                      const std::string &type, const std::string &help) {
+  return app
+      .add_option_function<std::vector<std::string>>(
+          name, [&files](const std::vector<std::string> &texts) { files.assign(texts.begin(), texts.end()); }, help)
+      ->type_name(type)
+      ->allow_extra_args(false)
+      ->check(CLI::Validator(whyNoFileName, "", ""));
 }
 
 CLI::Option *addSearch(CLI::App &app, std::vector<std::filesystem::path> &folders) {

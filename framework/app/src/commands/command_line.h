@@ -75,6 +75,9 @@ CLI::Option *addFile(CLI::App &app, const std::string &name, std::filesystem::pa
                      const std::string &help);
 /// Folders with files of a session that have moved.
 CLI::Option *addSearch(CLI::App &app, std::vector<std::filesystem::path> &folders);
+/// Same for several files: the option is repeatable.
+CLI::Option *addFiles(CLI::App &app, const std::string &name, std::vector<std::filesystem::path> &files,
+                      const std::string &type, const std::string &help);
 CLI::Option *addSize(CLI::App &app, CommandLine &line, const std::string &help);
 CLI::Option *addUnit(CLI::App &app, CommandLine &line);
 void addSessionOptions(CLI::App &app, CommandLine &line);

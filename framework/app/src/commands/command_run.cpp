@@ -46,6 +46,23 @@ int run(const RunArguments &arguments, const CommandLine &line) {
   return runScene(options);
 }
 
+/// Material points and landmarks.
+void declarePoints(CLI::App &app, RunOptions &options) {
+  CLI::Option *samplePoints = addFile(app, "--sample-points", options.samplePoints, "FILE.csv",
+                                      "Material points to follow: a table with body, x [m], y [m], z [m]");
+  CLI::Option *sampled =
+      addFile(app, "--sampled", options.sampled, "FILE.csv", "Write where these points are at the end");
+  samplePoints->needs(sampled);
+  sampled->needs(samplePoints);
+  addFiles(app, "--landmarks", options.landmarks, "FILE",
+           "Landmarks in addition to those of the scene: a table with name,x_mm,y_mm,z_mm (LPS), or fiducials of 3D "
+           "Slicer, .fcsv or .mrk.json (repeatable)");
+  addFiles(app, "--target-landmarks", options.targetLandmarks, "FILE",
+           "Where the landmarks of the same names should be at the end: the report has their errors (repeatable)");
+  addFile(app, "--export-landmarks", options.exportLandmarks, "FILE",
+          "Write where the landmarks are at the end: .csv, .fcsv or .mrk.json");
+}
+
 Handler declareRun(CLI::App &app, CommandLine &line) {
   const auto arguments = std::make_shared<RunArguments>();
   RunOptions &options = arguments->options;
@@ -70,12 +87,7 @@ Handler declareRun(CLI::App &app, CommandLine &line) {
   addFile(app, "--tissues", options.tissues, "FILE.csv",
           "Write what each label of bodies of many tissues has done at the end as CSV: volume, displacement, smallest "
           "det F");
-  CLI::Option *samplePoints = addFile(app, "--sample-points", options.samplePoints, "FILE.csv",
-                                      "Material points to follow: a table with body, x [m], y [m], z [m]");
-  CLI::Option *sampled =
-      addFile(app, "--sampled", options.sampled, "FILE.csv", "Write where these points are at the end");
-  samplePoints->needs(sampled);
-  sampled->needs(samplePoints);
+  declarePoints(app, options);
   addFile(app, "--screenshot", options.screenshot, "FILE.png", "Draw the end state");
   addSize(app, line, "Size of the screenshot; default: 1280x720");
   app.add_option(

@@ -400,6 +400,38 @@ void describeContact(const scene::SceneFile &scene, c3de_object *simulator, std:
   }
 }
 
+void describeMeasurements(const scene::SceneFile &scene, std::ostringstream &text, Json &json) {
+  const auto mm = [](const Vec3 &at_m) { return 1e3 * at_m; };
+  const auto display = [&](const Vec3 &at_m) {
+    const Vec3 at = mm(at_m);
+    return formatNumber(at[0]) + ", " + formatNumber(at[1]) + ", " + formatNumber(at[2]) + " mm";
+  };
+  json["landmarks"] = Json::array();
+  for (const scene::SceneLandmark &landmark : scene.landmarks) {
+    text << "landmark \"" << landmark.name << "\"";
+    if (!landmark.body.empty()) text << " of body \"" << landmark.body << "\"";
+    text << " at " << display(landmark.at_m);
+    if (landmark.target_m) text << ", target " << display(*landmark.target_m);
+    text << "\n";
+    Json one{{"name", landmark.name}, {"at_mm", mm(landmark.at_m)}};
+    if (!landmark.body.empty()) one["body"] = landmark.body;
+    if (landmark.target_m) one["target_mm"] = mm(*landmark.target_m);
+    json["landmarks"].push_back(std::move(one));
+  }
+  json["distances"] = Json::array();
+  for (const scene::SceneDistance &distance : scene.distances) {
+    text << "distance \"" << distance.name << "\" between \"" << distance.between[0] << "\" and \""
+         << distance.between[1] << "\"\n";
+    json["distances"].push_back(Json{{"name", distance.name}, {"between", distance.between}});
+  }
+  json["angles"] = Json::array();
+  for (const scene::SceneAngle &angle : scene.angles) {
+    text << "angle \"" << angle.name << "\" of \"" << angle.at[0] << "\", \"" << angle.at[1] << "\" (vertex) and \""
+         << angle.at[2] << "\"\n";
+    json["angles"].push_back(Json{{"name", angle.name}, {"at", angle.at}});
+  }
+}
+
 void describeAttachments(const scene::SceneFile &scene, std::ostringstream &text, Json &json) {
   if (scene.attachments.empty()) return;
   json["attachments"] = Json::array();
@@ -503,7 +535,7 @@ Expected<Described> describeScene(Session &session, const std::filesystem::path 
     text << "probe \"" << probe.name << "\" of body \"" << probe.body << "\"\n";
     out.json["probes"].push_back(Json{{"name", probe.name}, {"body", probe.body}, {"at_m", probe.at_m}});
   }
-
+  describeMeasurements(*scene, text, out.json);
   describeAttachments(*scene, text, out.json);
   describeProbeTools(*scene, text, out.json);
   describeGrasps(*scene, text, out.json);

@@ -35,6 +35,7 @@
 #include "commands/exit_code.h"
 #include "commands/last_crash.h"
 #include "commands/run_beginning.h"
+#include "commands/run_landmarks.h"
 #include "commands/standard_output.h"
 #include "run_picture.h"
 
@@ -77,6 +78,7 @@ std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const sc
                                          options.saveSession,
                                          options.record,
                                          options.sampled,
+                                         options.exportLandmarks,
                                          options.energies,
                                          options.tissues,
                                          options.exportImage.image,
@@ -91,7 +93,8 @@ std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const sc
 
 std::vector<std::filesystem::path> inputsOf(const RunOptions &options, const scene::SceneFile &scene) {
   std::vector<std::filesystem::path> all{options.scene, options.fromState, options.samplePoints};
-  all.insert(all.end(), options.session.pluginFiles.begin(), options.session.pluginFiles.end());
+  for (const auto *files : {&options.session.pluginFiles, &options.landmarks, &options.targetLandmarks})
+    all.insert(all.end(), files->begin(), files->end());
   scene::SceneFile named = scene;
   for (const std::filesystem::path *file : filesOf(named)) all.push_back(*file);
   return all;
@@ -270,19 +273,14 @@ Expected<std::vector<Vec3>> followPoints(const RunOptions &options, const std::v
                      [&session] { return session.plugins().takeError(); });
 }
 
-/// If a body's present shape has become its reference, its former material points are no longer available.
-Expected<void> checkNotRenewed(const HeadlessRun &run) {
-  const auto report = run.simulatorReport();
-  if (!report) return tl::unexpected(report.error());
-  for (const std::string &text : eventsOf(*report, "renewed"))
-    return fail(ErrorCode::input, "--sample-points cannot be followed to the end: " + text);
-  return {};
-}
-
 void writeSampledPoints(const RunOptions &options, const std::vector<SamplePoint> &points, Session &session,
                         c3de_object *simulator, const HeadlessRun &run, WrittenOutputs &outputs) {
   if (points.empty()) return;
-  if (const auto good = checkNotRenewed(run); !good) return outputs.addFailure(options.sampled, good.error());
+  if (const auto lost = lostPoints(run); !lost)
+    return outputs.addFailure(options.sampled, lost.error());
+  else if (!lost->empty())
+    return outputs.addFailure(options.sampled,
+                              {ErrorCode::input, "--sample-points cannot be followed to the end: " + *lost});
   const auto positions = followPoints(options, points, session, simulator);
   outputs.note(options.sampled, positions ? writeSampled(options.sampled, points, *positions)
                                           : Expected<void>(tl::unexpected(positions.error())));
@@ -447,12 +445,11 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
   if (options.verify)
     if (const auto able = checkVerifies(*table, *chosen); !able) return tl::unexpected(able.error());
 
-  std::vector<SamplePoint> points;
-  if (!options.samplePoints.empty()) {
-    auto read = readSamplePoints(options.samplePoints);
-    if (!read) return tl::unexpected(read.error());
-    points = std::move(*read);
-  }
+  const auto points = options.samplePoints.empty() ? Expected<std::vector<SamplePoint>>(std::vector<SamplePoint>())
+                                                   : readSamplePoints(options.samplePoints);
+  if (!points) return tl::unexpected(points.error());
+  auto landmarks = readRunLandmarks(options, *scene);
+  if (!landmarks) return tl::unexpected(landmarks.error());
   const RunLimits limits = limitsOf(options, begin);
   Prepared prepared;
   BodySources sources;
@@ -464,8 +461,12 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
   if (const auto restored = restoreState(options, session, simulator.get(), *chosen, saved ? &*saved : nullptr);
       !restored)
     return tl::unexpected(restored.error());
-  if (const auto followed = followPoints(options, points, session, simulator.get()); !followed)
+  if (const auto followed = followPoints(options, *points, session, simulator.get()); !followed)
     return tl::unexpected(followed.error());
+  if (const auto found =
+          findBodies(simulator.get(), *scene, *landmarks, [&session] { return session.plugins().takeError(); });
+      !found)
+    return tl::unexpected(found.error());
   HeadlessRun run(session, simulator.get(), *table, options, limits, outputs, source);
   if (const auto good = prepareRecording(options, session, simulator.get(), *chosen, source, replay.get(), run); !good)
     return tl::unexpected(good.error());
@@ -484,7 +485,8 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
       if (const auto notices = noticesOf(*simulatorJson)) facts.notices = *notices;
     }
   if (replay) facts.notices.push_back(replayNotice(options, *replay, facts));
-  writeSampledPoints(options, points, session, simulator.get(), run, outputs);
+  writeSampledPoints(options, *points, session, simulator.get(), run, outputs);
+  facts.measurements = measureEnd(options, *landmarks, *scene, session, simulator.get(), run, outputs);
   if (!options.report.empty()) facts.skinVolumes = skinVolumes(session, simulator.get());
   followTissues(options, simulator.get(), *table, facts, outputs);
   if (!options.report.empty()) outputs.note(options.report, writeReport(options, facts, run));
@@ -536,6 +538,7 @@ int runScene(const RunOptions &options) {
 
   if (!options.quiet) {
     printSummary(*facts);
+    for (const std::string &line : measurementLines(facts->measurements)) printOut("  " + line + "\n");
     for (const std::string &line : facts->accuracy) std::printf("  %s\n", line.c_str());
     for (const std::string &notice : facts->prepared.notices) std::printf("  note: %s\n", notice.c_str());
     for (const std::string &notice : facts->notices) std::printf("  note: %s\n", notice.c_str());

@@ -93,6 +93,41 @@ void addTissues(const std::vector<TissueMotion> &bodies, Json &report) {
     }
 }
 
+/// Landmarks, and what is measured between them, in LPS mm and degrees.
+void addMeasurements(const Measurements &measurements, Json &report) {
+  report["landmarks"] = Json::array();
+  for (const MeasuredLandmark &one : measurements.landmarks) {
+    Json json{{"name", one.landmark.name},
+              {"body", one.landmark.body.empty() ? Json() : Json(one.landmark.body)},
+              {"reference_mm", one.landmark.reference_mm},
+              {"position_mm", one.position_mm},
+              {"displacement_mm", one.position_mm - one.landmark.reference_mm}};
+    if (one.landmark.target_mm) {
+      json["target_mm"] = *one.landmark.target_mm;
+      json["error_mm"] = Json{{"before", one.errorBefore_mm()}, {"after", one.errorAfter_mm()}};
+    }
+    report["landmarks"].push_back(std::move(json));
+  }
+  if (const auto errors = landmarkErrors(measurements)) {
+    const auto jsonOf = [](const ErrorSummary &of) {
+      return Json{{"mean", of.mean_mm}, {"sd", of.sd_mm ? Json(*of.sd_mm) : Json()}, {"max", of.max_mm}};
+    };
+    report["landmark_error_mm"] = Json{{"before", jsonOf((*errors)[0])}, {"after", jsonOf((*errors)[1])}};
+  }
+  report["distances"] = Json::array();
+  for (const MeasuredDistance &one : measurements.distances)
+    report["distances"].push_back(
+        Json{{"name", one.name}, {"between", one.between}, {"reference_mm", one.reference_mm}, {"now_mm", one.now_mm}});
+  report["angles"] = Json::array();
+  for (const MeasuredAngle &one : measurements.angles) {
+    const auto degrees = [](const std::optional<double> &angle) { return angle ? Json(*angle) : Json(); };
+    report["angles"].push_back(Json{{"name", one.name},
+                                    {"at", one.at},
+                                    {"reference_deg", degrees(one.reference_deg)},
+                                    {"now_deg", degrees(one.now_deg)}});
+  }
+}
+
 /// Adds the verification to each body; time and duration are omitted.
 void addVerification(const std::string &text, Json &report) {
   const Json verification = Json::parse(text, nullptr, false);
@@ -144,6 +179,7 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
   // The simulator's entries are copied unchanged; missing ones are empty rather than absent.
   for (const char *key : {"bodies", "probes"})
     report[key] = simulator->contains(key) ? simulator->at(key) : Json::array();
+  addMeasurements(facts.measurements, report);
   if (const auto start = parseSimulatorReport(facts.startReport.empty() ? "{}" : facts.startReport); start)
     report["start"] = startOf(*start);
   if (simulator->contains("accuracy")) report["accuracy"] = simulator->at("accuracy");

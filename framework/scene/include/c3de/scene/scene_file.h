@@ -245,6 +245,29 @@ struct SceneProbe {
   int line = 0;
 };
 
+/// A material point whose position is compared with a target, or from which distances and angles are measured.
+struct SceneLandmark {
+  std::string name;              ///< unique
+  std::string body;              ///< name of a body of this scene; empty: the one in which it lies
+  Vec3 at_m{};                   ///< in the world at rest
+  std::optional<Vec3> target_m;  ///< where it should be at the end
+  int line = 0;
+};
+
+/// The distance of two landmarks.
+struct SceneDistance {
+  std::string name;                    ///< unique
+  std::array<std::string, 2> between;  ///< different landmarks of this scene
+  int line = 0;
+};
+
+/// The angle of three landmarks.
+struct SceneAngle {
+  std::string name;               ///< unique
+  std::array<std::string, 3> at;  ///< different landmarks of this scene; the vertex is the second
+  int line = 0;
+};
+
 /// An elastic layer between the surface of a body and another body, an obstacle, or its position in the scan. A layer
 /// to the surroundings that covers the whole surface and does not tear is stored as parameters of its body instead.
 struct SceneAttachment {
@@ -324,6 +347,9 @@ struct SceneFile {
   std::vector<SceneLoad> loads;
   std::vector<SceneObstacle> obstacles;
   std::vector<SceneProbe> probes;
+  std::vector<SceneLandmark> landmarks;
+  std::vector<SceneDistance> distances;
+  std::vector<SceneAngle> angles;
   std::vector<SceneAttachment> attachments;
   std::vector<SceneContactPair> contactPairs;
   std::vector<SceneProbeTool> probeTools;

@@ -8,6 +8,7 @@
 
 #include "c3de/core/expected.h"
 #include "c3de/core/vec.h"
+#include "c3de/session/measurements.h"
 #include "c3de/session/preparation.h"
 #include "c3de/session/simulator_identity.h"
 #include "c3de/session/step_times.h"
@@ -35,7 +36,8 @@ struct RunFacts {
   std::string startReport;
   std::vector<SkinVolume> skinVolumes;  ///< of the bodies in their order; empty: unknown
   std::vector<TissueMotion> tissues;    ///< of the bodies of many tissues
-  bool isLoadStepped = false;           ///< a quasi-static solution: steps increase the load, there is no time
+  Measurements measurements;
+  bool isLoadStepped = false;  ///< a quasi-static solution: steps increase the load, there is no time
   SimulatorIdentity simulator;
   std::uint64_t stateHash = 0;
   std::optional<std::uint64_t> seed;

@@ -39,6 +39,8 @@ struct RunOptions {
   std::optional<double> from_s;                 ///< of a replay: simulated time at which the export begins
   bool checkHashes = false;                     ///< of a replay: it ends at the first state hash that differs
   std::filesystem::path samplePoints, sampled;  ///< points to track, and their positions at the end; or empty
+  std::vector<std::filesystem::path> landmarks, targetLandmarks;  ///< files in addition to those of the scene
+  std::filesystem::path exportLandmarks;                          ///< empty: not requested
   double exportEvery_s = kDefaultExportEvery_s;
   ImageExport exportImage;
   int width = 1280, height = 720;
