@@ -63,6 +63,36 @@ void declarePoints(CLI::App &app, RunOptions &options) {
           "Write where the landmarks are at the end: .csv, .fcsv or .mrk.json");
 }
 
+/// What is written at the end, and for ParaView over time.
+void addExports(CLI::App &app, CommandLine &line, RunArguments &arguments) {
+  RunOptions &options = arguments.options;
+  addFile(app, "--screenshot", options.screenshot, "FILE.png", "Draw the end state");
+  addSize(app, line, "Size of the screenshot; default: 1280x720");
+  app.add_option(
+         "--view", arguments.view,
+         "What the screenshot shows: 3d, axial, sagittal, coronal or four-up; default: four-up where the scene has an "
+         "image, else 3d")
+      ->type_name("VIEW");
+  app.add_option(
+         "--overlay", arguments.overlay,
+         "What slices of the screenshot show in colours: none, displacement, volume_change, or a field that the "
+         "simulator has at its points, for example contact_pressure; default: displacement")
+      ->type_name("NAME");
+  CLI::Option *exportList = addFile(app, "--export", options.exportList, "FILE.pvd",
+                                    "Write the simulation for ParaView: points and skins over time");
+  addSeconds(app, "--export-every", options.exportEvery_s, 1e-9, "Simulated time between two frames of --export")
+      ->default_str(formatNumber(kDefaultExportEvery_s))
+      ->needs(exportList);
+  addFile(app, "--export-image", options.exportImage.image, "FILE",
+          "Write the scene's image as the tissue lies at the end (nrrd, nii, nii.gz, mha)");
+  addFile(app, "--export-labels", options.exportImage.labels, "FILE",
+          "Write the deformed label map of the end: the nearest label at each voxel of the image");
+  addFile(app, "--export-displacement", options.exportImage.displacement, "FILE",
+          "Write the displacement of the tissue at the voxels of the image, mm");
+  addFile(app, "--export-surface", options.exportSurface, "FILE",
+          "Write the skin of the end state (obj, stl, ply, vtp); of several bodies FILE-NAME each");
+}
+
 Handler declareRun(CLI::App &app, CommandLine &line) {
   const auto arguments = std::make_shared<RunArguments>();
   RunOptions &options = arguments->options;
@@ -88,31 +118,7 @@ Handler declareRun(CLI::App &app, CommandLine &line) {
           "Write what each label of bodies of many tissues has done at the end as CSV: volume, displacement, smallest "
           "det F");
   declarePoints(app, options);
-  addFile(app, "--screenshot", options.screenshot, "FILE.png", "Draw the end state");
-  addSize(app, line, "Size of the screenshot; default: 1280x720");
-  app.add_option(
-         "--view", arguments->view,
-         "What the screenshot shows: 3d, axial, sagittal, coronal or four-up; default: four-up where the scene has an "
-         "image, else 3d")
-      ->type_name("VIEW");
-  app.add_option(
-         "--overlay", arguments->overlay,
-         "What slices of the screenshot show in colours: none, displacement, volume_change, or a field that the "
-         "simulator has at its points, for example contact_pressure; default: displacement")
-      ->type_name("NAME");
-  CLI::Option *exportList = addFile(app, "--export", options.exportList, "FILE.pvd",
-                                    "Write the simulation for ParaView: points and skins over time");
-  addSeconds(app, "--export-every", options.exportEvery_s, 1e-9, "Simulated time between two frames of --export")
-      ->default_str(formatNumber(kDefaultExportEvery_s))
-      ->needs(exportList);
-  addFile(app, "--export-image", options.exportImage.image, "FILE",
-          "Write the scene's image as the tissue lies at the end (nrrd, nii, nii.gz, mha)");
-  addFile(app, "--export-labels", options.exportImage.labels, "FILE",
-          "Write the deformed label map of the end: the nearest label at each voxel of the image");
-  addFile(app, "--export-displacement", options.exportImage.displacement, "FILE",
-          "Write the displacement of the tissue at the voxels of the image, mm");
-  addFile(app, "--export-surface", options.exportSurface, "FILE",
-          "Write the skin of the end state (obj, stl, ply, vtp); of several bodies FILE-NAME each");
+  addExports(app, line, *arguments);
   addFile(app, "--from-state", options.fromState, "FILE",
           "Begin at a state that was saved of this scene; --until and --steps count from the scene's beginning");
   app.add_flag(
