@@ -110,7 +110,7 @@ TEST_CASE("What is wrong with a landmark file is said with its place and what is
   }
 }
 
-TEST_CASE("Landmarks follow a body that is turned, to 1e-6 of the imposed motion; what lies in no body stays") {
+TEST_CASE("Landmarks follow a body that is turned, to 1e-6 of the imposed motion, and what lies in no body stays") {
   const auto folder = freshFolder("landmarks-moved");
   const std::string more = R"([[fix]]
 region = { everywhere = true }
