@@ -8,6 +8,7 @@
 
 #include "c3de/imaging/writing.h"
 #include "support/catch.h"
+#include "ui/simulation_window.h"
 #include "ui/workstation_driver.h"
 #include "ui/workstation_state.h"
 
@@ -135,6 +136,22 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and becomes 
                                s["jobs"].empty() && s["transport"]["steps"] == paused["transport"]["steps"]);
   CHECK(hasNode(again, "liver"));
   window.screenshot("redone");
+
+  // Requests right after each other wait for each other.
+  window.keys({"ctrl+z", "ctrl+y", "ctrl+z"});
+  C3DE_WAIT(window, "the body is removed", s["transport"]["exists"] == false && s["jobs"].empty());
+  window.key("ctrl+y");
+  C3DE_WAIT(window, "the body is there once more",
+            s["jobs"].empty() && s["transport"]["steps"] == paused["transport"]["steps"]);
+  // Another scene ends these steps.
+  window.key("ctrl+o");
+  window.enterFile(floatingOrgan());
+  C3DE_WAIT(window, "another scene is open", s["jobs"].empty() && hasNode(s, "organ"));
+  window.key("ctrl+z");
+  window.waitFrames(5);
+  const Json other = C3DE_WAIT(window, "nothing is being done", s["jobs"].empty());
+  CHECK(hasNode(other, "organ"));
+  CHECK_FALSE(hasNode(other, "liver"));
 }
 
 namespace {

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "support/catch.h"
+#include "ui/session_window.h"
 #include "ui/simulation_window.h"
 #include "ui/workstation_driver.h"
 #include "ui/workstation_state.h"
@@ -49,18 +50,6 @@ struct MovableOrgan {
   }
 };
 
-Json infoOf(const fs::path &session) {
-  const auto described = runProcess({C3DE_PROGRAM, "info", session.string(), "--json"}, 60.0);
-  REQUIRE(described);
-  INFO(described->errorOutput);
-  REQUIRE(described->exitCode == 0);
-  return Json::parse(described->output);
-}
-
-void waitForNotice(WorkstationDriver &window, const std::string &wanted) {
-  C3DE_WAIT(window, wanted, s["notifications"].dump().find(wanted) != std::string::npos);
-}
-
 bool cannotOpen(const Json &state) { return state["disabled"].dump().find("\"missing/open\"") != std::string::npos; }
 
 void waitForDialog(WorkstationDriver &window) {
@@ -88,7 +77,7 @@ TEST_CASE("a mesh that has moved is located, and the session opens with its stat
   window.click("missing/locate.0");
   window.openFile(wrong);
   C3DE_WAIT(window, "it is refused", textOf(s, "missing/refusal.0").find("SHA-256") != std::string::npos);
-  const std::string hash = infoOf(organ.session)["files"][0]["sha256"];
+  const std::string hash = describe(organ.session)["files"][0]["sha256"];
   CHECK_THAT(window.value("missing/refusal.0"), Contains(hash + " in the session"));
   CHECK(cannotOpen(window.state()));
   window.screenshotAtRest("refused");
@@ -101,8 +90,8 @@ TEST_CASE("a mesh that has moved is located, and the session opens with its stat
   C3DE_WAIT(window, "it is opened", s["jobs"].empty() && s["transport"]["steps"] == 30);
   // The new path is stored.
   window.key("ctrl+s");
-  waitForNotice(window, "Session saved");
-  CHECK(infoOf(organ.session)["files"][0]["path"] == "../elsewhere/renamed.obj");
+  waitForMessage(window, "Session saved");
+  CHECK(describe(organ.session)["files"][0]["path"] == "../elsewhere/renamed.obj");
   window.key("ctrl+q");
   CHECK(window.waitForExit() == 0);
 }
@@ -140,7 +129,7 @@ TEST_CASE("a folder is searched for files, a changed file may be used anyway", "
   CHECK_THAT(window.value("missing/why.0"), Contains("It has changed"));
   window.click("missing/use.0");
   window.click("missing/open");
-  waitForNotice(window, "The state was not restored");
+  waitForMessage(window, "The state was not restored");
   C3DE_WAIT(window, "it begins at the initial state", s["jobs"].empty() && s["transport"]["steps"] == 0);
   window.screenshotAtRest("initial");
   window.key("ctrl+q");
@@ -161,11 +150,11 @@ TEST_CASE("a session is saved with its files and opens without them", "[session_
     C3DE_WAIT(window, "the size is shown", textOf(s, "dialog/note").find("1 file, ") == 0);
     window.screenshot("size");  // a cursor blinks in it
     window.enterFile(whole);
-    waitForNotice(window, "Session saved");
+    waitForMessage(window, "Session saved");
     window.key("ctrl+q");
     CHECK(window.waitForExit() == 0);
   }
-  CHECK(infoOf(whole)["files"][0]["state"] == "embedded");
+  CHECK(describe(whole)["files"][0]["state"] == "embedded");
   fs::remove_all(organ.folder / "data");
   WorkstationDriver window("session_with_files_opened");
   window.start({whole.string()});
@@ -174,8 +163,8 @@ TEST_CASE("a session is saved with its files and opens without them", "[session_
   C3DE_WAIT(window, "it continues", s["transport"]["steps"].get<int>() > 40);
   window.key("space");
   window.key("ctrl+s");
-  waitForNotice(window, "Session saved");
-  CHECK(infoOf(whole)["files"][0]["state"] == "embedded");
+  waitForMessage(window, "Session saved");
+  CHECK(describe(whole)["files"][0]["state"] == "embedded");
   window.key("ctrl+q");
   CHECK(window.waitForExit() == 0);
 }

@@ -13,6 +13,7 @@
 
 #include "support/catch.h"
 #include "support/environment.h"
+#include "ui/session_window.h"
 #include "ui/simulation_window.h"
 #include "ui/workstation_driver.h"
 #include "ui/workstation_state.h"
@@ -74,8 +75,7 @@ void makeSureItPlays(WorkstationDriver &window) {
 /// Records a walk and replays the recording.
 void checkWalk(std::uint64_t seed, int actions) {
   CAPTURE(seed);
-  const fs::path file = outputFile("walk_" + std::to_string(seed) + ".c3dr");
-  fs::remove(file);
+  const fs::path file = freshFile("walk_" + std::to_string(seed) + ".c3dr");
   {
     WorkstationDriver window("session_walk_" + std::to_string(seed));
     startOrgan(window);
@@ -89,31 +89,10 @@ void checkWalk(std::uint64_t seed, int actions) {
     }
     pause(window);
     window.clickMenu("simulation.stop_recording");
-    C3DE_WAIT(window, "it is saved", s["notifications"].dump().find("Recording saved") != std::string::npos);
+    waitForMessage(window, "Recording saved");
     window.kill();
   }
-  for (const char *threads : {"1", "2", "7"}) {
-    CAPTURE(threads);
-    const auto replayed = runProcess({C3DE_PROGRAM, "replay", file.string(), "--check", "--threads", threads}, 300.0);
-    REQUIRE(replayed);
-    INFO(replayed->errorOutput);
-    CHECK(replayed->exitCode == 0);
-  }
-}
-
-Json describe(const fs::path &session) {
-  const auto described = runProcess({C3DE_PROGRAM, "info", session.string(), "--json"}, 60.0);
-  REQUIRE(described);
-  INFO(described->errorOutput);
-  REQUIRE(described->exitCode == 0);
-  return Json::parse(described->output);
-}
-
-fs::path recoveryIn(const fs::path &home) {
-  if (fs::exists(home))
-    for (const auto &entry : fs::recursive_directory_iterator(home))
-      if (entry.path().extension() == ".c3de") return entry.path();
-  return {};
+  checkReplays(file);
 }
 
 /// Wall-clock seconds between the time that a session names and a later time.
@@ -206,7 +185,7 @@ TEST_CASE("a pull that the end of the program interrupted is restored, and can b
   }
   WorkstationDriver window("session_held");
   window.start({});
-  C3DE_WAIT(window, "it is offered", s["notifications"].dump().find("Unsaved work of ") != std::string::npos);
+  waitForMessage(window, "Unsaved work of ");
   window.click("notification/choose.0.0");
   C3DE_WAIT(window, "it is restored", s["jobs"].empty() && !row(s, "Pinch force").empty());
   window.moveTo(window.inView(0.5, 0.5));

@@ -6,6 +6,7 @@
 
 #include "support/catch.h"
 #include "support/environment.h"
+#include "ui/session_window.h"
 #include "ui/simulation_window.h"
 #include "ui/workstation_driver.h"
 #include "ui/workstation_state.h"
@@ -17,12 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path freshFile(const std::string &name) {
-  const fs::path file = outputFile(name);
-  fs::remove(file);
-  return file;
-}
-
 std::string title(const Json &state) { return state["title"].get<std::string>(); }
 
 /// Plays for a while, then pauses.
@@ -31,19 +26,6 @@ Json simulate(WorkstationDriver &window, int steps) {
   play(window);
   C3DE_WAIT(window, "it advances", s["transport"]["steps"].get<int>() >= before + steps);
   return pause(window);
-}
-
-void waitForMessage(WorkstationDriver &window, const std::string &wanted) {
-  C3DE_WAIT(window, wanted, s["notifications"].dump().find(wanted) != std::string::npos);
-}
-
-/// The hash that `c3de info` reports for a session.
-Json describe(const fs::path &session) {
-  const auto described = runProcess({C3DE_PROGRAM, "info", session.string(), "--json"}, 60.0);
-  REQUIRE(described);
-  INFO(described->errorOutput);
-  REQUIRE(described->exitCode == 0);
-  return Json::parse(described->output);
 }
 
 }  // namespace
@@ -106,11 +88,7 @@ TEST_CASE("work that was not saved is offered after the program was killed", "[s
   const fs::path home = outputFile("recovered_home");
   fs::remove_all(home);
   const ScopedEnvironment user("C3DE_HOME", home.string());
-  const auto recoveryFile = [&] {
-    for (const auto &entry : fs::recursive_directory_iterator(home))
-      if (entry.path().extension() == ".c3de") return entry.path();
-    return fs::path();
-  };
+  const auto recoveryFile = [&] { return recoveryIn(home); };
   int steps = 0;
   {
     WorkstationDriver window("session_killed");
@@ -171,13 +149,7 @@ TEST_CASE("a recorded pull is repeated with equal state hashes by any number of 
     window.clickToEnd("quit/quit");
     CHECK(window.waitForExit() == 0);
   }
-  for (const char *threads : {"1", "2", "7"}) {
-    CAPTURE(threads);
-    const auto replayed = runProcess({C3DE_PROGRAM, "replay", file.string(), "--check", "--threads", threads}, 120.0);
-    REQUIRE(replayed);
-    INFO(replayed->errorOutput);
-    CHECK(replayed->exitCode == 0);
-  }
+  checkReplays(file);
 }
 
 TEST_CASE("a recovery file that cannot be written is reported once, and the simulation continues",

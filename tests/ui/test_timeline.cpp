@@ -9,6 +9,7 @@
 
 #include "c3de/render/png_file.h"
 #include "support/catch.h"
+#include "ui/session_window.h"
 #include "ui/simulation_window.h"
 #include "ui/workstation_driver.h"
 #include "ui/workstation_state.h"
@@ -19,16 +20,6 @@ using namespace c3de::test;
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path emptyPlace(const std::string &name) {
-  const fs::path file = outputFile(name);
-  fs::remove(file);
-  return file;
-}
-
-void waitForText(WorkstationDriver &window, const std::string &wanted) {
-  C3DE_WAIT(window, wanted, s["notifications"].dump().find(wanted) != std::string::npos);
-}
 
 /// The floating organ with implicit steps.
 fs::path implicitOrgan() {
@@ -67,7 +58,7 @@ void recordPull(WorkstationDriver &window, const fs::path &file, bool isStopped)
   if (!isStopped) return;
   pause(window);
   window.clickMenu("simulation.stop_recording");
-  waitForText(window, "Recording saved");
+  waitForMessage(window, "Recording saved");
 }
 
 bool isAtRest(const Json &s) { return textOf(s, "timeline/state") == "paused" && s["jobs"].empty(); }
@@ -146,8 +137,8 @@ bool isExporting(const Json &s) { return !textOf(s, "timeline/exporting").empty(
 
 TEST_CASE("a recording is scrubbed with the mouse, and continued from a moment of it", "[timeline]") {
   C3DE_ORGAN_OR_SKIP();
-  const fs::path file = emptyPlace("timeline.c3dr"), session = emptyPlace("timeline_from.c3de"),
-                 straight = emptyPlace("timeline_straight.c3de");
+  const fs::path file = freshFile("timeline.c3dr"), session = freshFile("timeline_from.c3de"),
+                 straight = freshFile("timeline_straight.c3de");
   WorkstationDriver window("timeline");
   startOrgan(window);
   recordPull(window, file, true);
@@ -204,12 +195,12 @@ TEST_CASE("a recording is scrubbed with the mouse, and continued from a moment o
   const double time_s = window.state()["transport"]["time_s"];
   const int steps = window.state()["transport"]["steps"];
   window.click("timeline/continue");
-  waitForText(window, "The replay ended");
+  waitForMessage(window, "The replay ended");
   const Json left = C3DE_WAIT(window, "it is an ordinary simulation", !s["values"].contains("timeline/position"));
   CHECK(left["title"] == "Floating organ* - C3DE");
   window.key("ctrl+s");
   window.enterFile(session);
-  waitForText(window, "Session saved");
+  waitForMessage(window, "Session saved");
   const auto replayed = runProcess({C3DE_PROGRAM, "replay", file.string(), "--check", "--until", std::to_string(time_s),
                                     "--save-session", straight.string()},
                                    120.0);
@@ -230,8 +221,8 @@ TEST_CASE("a recording is scrubbed with the mouse, and continued from a moment o
 
 TEST_CASE("the past of an implicit run is shown, and the present is returned to", "[timeline_past]") {
   C3DE_ORGAN_OR_SKIP();
-  const fs::path file = emptyPlace("past.c3dr"), session = emptyPlace("past_now.c3de"),
-                 straight = emptyPlace("past_straight.c3de");
+  const fs::path file = freshFile("past.c3dr"), session = freshFile("past_now.c3de"),
+                 straight = freshFile("past_straight.c3de");
   WorkstationDriver window("timeline_past");
   openOrgan(window, {implicitOrgan().string()});
   recordPull(window, file, false);
@@ -261,7 +252,7 @@ TEST_CASE("the past of an implicit run is shown, and the present is returned to"
   window.screenshot("now");
   window.key("ctrl+s");
   window.enterFile(session);
-  waitForText(window, "Session saved");
+  waitForMessage(window, "Session saved");
   const auto replayed =
       runProcess({C3DE_PROGRAM, "replay", file.string(), "--check", "--save-session", straight.string()}, 120.0);
   REQUIRE(replayed);
@@ -281,7 +272,7 @@ TEST_CASE("the past of an implicit run is shown, and the present is returned to"
 
 TEST_CASE("a stretch of a recording is exported as pictures and for ParaView", "[timeline_export]") {
   C3DE_ORGAN_OR_SKIP();
-  const fs::path file = emptyPlace("export.c3dr"), folder = outputFile("exported"), straight = outputFile("straight");
+  const fs::path file = freshFile("export.c3dr"), folder = outputFile("exported"), straight = outputFile("straight");
   fs::remove_all(folder);
   fs::remove_all(straight);
   fs::create_directories(folder);

@@ -21,9 +21,9 @@ struct SceneTable;
 ///
 /// scene_tables.cpp lists the keys of all tables, scene_fields.h reads them. scene_reader.cpp reads scenes and checks
 /// names, scene_reader_values.cpp reads values, scene_reader_supports.cpp regions and what acts there,
-/// scene_reader_images.cpp images, scene_reader_tissues.cpp bodies of many tissues, scene_reader_attachments.cpp elastic
-/// layers, scene_reader_contact.cpp contact pairs, scene_reader_measurements.cpp landmarks, scene_reader_overrides.cpp
-/// one value of the command line.
+/// scene_reader_images.cpp images, scene_reader_tissues.cpp bodies of many tissues, scene_reader_attachments.cpp
+/// elastic layers, scene_reader_contact.cpp contact pairs, scene_reader_measurements.cpp landmarks,
+/// scene_reader_overrides.cpp one value of the command line.
 class SceneReader {
  public:
   SceneReader(SceneFile &scene, const MaterialLibrary *materials, bool checksFiles = true)

@@ -180,6 +180,13 @@ TEST_CASE("A damaged embedded file is an error that names its member, and leaves
   CHECK_THAT(other.error().message, Contains("a.c3de: member '" + one.paths[0] + "' is damaged: its SHA-256 is "));
   CHECK(countBelow(extractionFolder()) == 0);
 
+  // More than the session states: extraction ends there.
+  replaceMember(one.file, one.paths[0], std::string(1'000'000, 'v'));
+  const auto larger = one.located();
+  REQUIRE_FALSE(larger);
+  CHECK_THAT(larger.error().message, Contains("it has more than the 8 bytes that the session states"));
+  CHECK(countBelow(extractionFolder()) == 0);
+
   REQUIRE(writeSession(one.session, one.file));
   std::string bytes = textIn(one.file);
   const std::size_t header = bytes.find(one.paths[0]);

@@ -22,8 +22,8 @@
 
 namespace c3de::app {
 
-/// Saves what the window shows as a session, opens sessions, and knows what is not saved yet. Main thread. Must outlive the
-/// session's jobs and simulation.
+/// Saves what the window shows as a session, opens sessions, and knows what is not saved yet. Main thread. Must outlive
+/// the session's jobs and simulation.
 class SessionController {
  public:
   struct Parts {

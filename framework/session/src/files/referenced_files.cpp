@@ -45,21 +45,21 @@ Expected<FoundFile> find(const ReferencedFile &file, const fs::path &sessionFold
   return found;
 }
 
-/// Looks for several files in one folder.
+/// Searches one folder for several files.
 class FolderSearch {
  public:
   FolderSearch(std::vector<FoundFile> &files, const ProgressFn &progress) : files_(files), progress_(progress) {}
 
   Expected<void> in(const fs::path &folder) {
     name_ = pathText(folder.filename().empty() ? folder.parent_path().filename() : folder.filename());
-    if (auto looked = lookAt(folder, false); !looked) return looked;
+    if (auto compared = compare(folder, false); !compared) return compared;
     std::error_code code;
     fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, code), end;
     for (; !code && at != end && !isComplete(); at.increment(code)) {
       std::error_code ignored;
       const bool isFile = at->is_regular_file(ignored);
-      if (auto looked = isFile || at->is_directory(ignored) ? lookAt(at->path(), isFile) : report(); !looked)
-        return looked;
+      if (auto compared = isFile || at->is_directory(ignored) ? compare(at->path(), isFile) : report(); !compared)
+        return compared;
     }
     return report();
   }
@@ -76,8 +76,8 @@ class FolderSearch {
     return {};
   }
   /// Files of the right size are compared whatever their names; of folders, those of the right name.
-  Expected<void> lookAt(const fs::path &path, bool isFile) {
-    if (auto goesOn = report(); !goesOn) return goesOn;
+  Expected<void> compare(const fs::path &path, bool isFile) {
+    if (auto reported = report(); !reported) return reported;
     std::error_code code;
     const std::uint64_t size = isFile ? fs::file_size(path, code) : 0;
     std::string hash;

@@ -65,7 +65,7 @@ void FileDialog::choose(const std::string &typed) {
   if (request_.chosen) request_.chosen(choice->path, kUnits[unit_]);
 }
 
-/// The marked or typed folder, otherwise the one that is shown. A file stands for its folder.
+/// The marked or typed folder, otherwise the one that is shown. For a file its folder is used.
 void FileDialog::chooseFolder() {
   std::filesystem::path folder = browser_.folder();
   if (typed_[0] != '\0') {

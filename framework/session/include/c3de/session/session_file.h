@@ -150,9 +150,9 @@ struct FoundFile {
                                                          const std::filesystem::path &sessionFolder,
                                                          const ProgressFn &progress = {});
 
-/// Looks for files that are not the same in a folder and its subfolders. Files are recognised by SHA-256, whatever
-/// their names; folders by name and SHA-256. A file of the right name with another content is changed. Links to folders are
-/// not followed. Any thread. Errors: input, if there is no such folder; cancelled, if `progress` returns false.
+/// Searches a folder and its subfolders for files that are missing or changed. Files are recognised by SHA-256,
+/// whatever their names; folders by name and SHA-256. A file of the right name with another content is changed. Links
+/// to folders are not followed. Any thread. Errors: input, if there is no such folder; cancelled, if `progress` returns false.
 [[nodiscard]] Expected<void> searchFolder(const std::filesystem::path &folder, std::vector<FoundFile> &files,
                                           const ProgressFn &progress = {});
 

@@ -102,8 +102,8 @@ void Controller::followBody(const Snapshot *snapshot) {
   if (!snapshot->bodies.empty()) showBody(snapshot->bodies.front());
 }
 
-/// Values that something else than the panel has set, such as the replay of a recording. A value that the panel shows,
-/// and the simulation does not have yet, is an edit on its way.
+/// Shows values that were set outside of the panel, for example by a replay. An edit that has not been applied yet is
+/// kept.
 void Controller::followValues(const BodySnapshot &body) {
   if (body.values == followed_) return;
   const std::shared_ptr<const ParameterValues> before = std::exchange(followed_, body.values);

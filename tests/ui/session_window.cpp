@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ui/session_window.h"
+
+#include "c3de/core/platform.h"
+#include "support/catch.h"
+
+namespace c3de::test {
+
+namespace fs = std::filesystem;
+
+fs::path freshFile(const std::string &name) {
+  const fs::path file = outputFile(name);
+  fs::remove(file);
+  return file;
+}
+
+void waitForMessage(WorkstationDriver &window, const std::string &wanted) {
+  C3DE_WAIT(window, wanted, s["notifications"].dump().find(wanted) != std::string::npos);
+}
+
+Json describe(const fs::path &session) {
+  const auto described = runProcess({C3DE_PROGRAM, "info", session.string(), "--json"}, 60.0);
+  REQUIRE(described);
+  INFO(described->errorOutput);
+  REQUIRE(described->exitCode == 0);
+  return Json::parse(described->output);
+}
+
+fs::path recoveryIn(const fs::path &home) {
+  if (fs::exists(home))
+    for (const auto &entry : fs::recursive_directory_iterator(home))
+      if (entry.path().extension() == ".c3de") return entry.path();
+  return {};
+}
+
+void checkReplays(const fs::path &recording) {
+  for (const char *threads : {"1", "2", "7"}) {
+    CAPTURE(threads);
+    const auto replayed =
+        runProcess({C3DE_PROGRAM, "replay", recording.string(), "--check", "--threads", threads}, 300.0);
+    REQUIRE(replayed);
+    INFO(replayed->errorOutput);
+    CHECK(replayed->exitCode == 0);
+  }
+}
+
+}  // namespace c3de::test
