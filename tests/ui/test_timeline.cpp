@@ -7,6 +7,8 @@
 #include <iterator>
 #include <sstream>
 
+#include <fmt/format.h>
+
 #include "c3de/render/png_file.h"
 #include "support/catch.h"
 #include "ui/session_window.h"
@@ -201,7 +203,7 @@ TEST_CASE("a recording is scrubbed with the mouse, and continued from a moment o
   window.key("ctrl+s");
   window.enterFile(session);
   waitForMessage(window, "Session saved");
-  const auto replayed = runProcess({C3DE_PROGRAM, "replay", file.string(), "--check", "--until", std::to_string(time_s),
+  const auto replayed = runProcess({C3DE_PROGRAM, "replay", file.string(), "--check", "--until", fmt::format("{}", time_s),
                                     "--save-session", straight.string()},
                                    120.0);
   REQUIRE(replayed);
