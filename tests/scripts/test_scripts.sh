@@ -94,7 +94,16 @@ stand_in ctest <<EOF
 echo "ctest \$*" >>"$state/log"
 [ -f "$state/failing_test" ] || exit 0
 mkdir -p Testing/Temporary test-output/validation
-echo "12:a beam bends" >Testing/Temporary/LastTestsFailed.log
+cp "$state/failing_test" Testing/Temporary/LastTestsFailed.log
+printf '%s\n' '1/2 Testing: a bar' 'all is well' 'Test Passed.' '2/2 Testing: a beam bends' 'it bends too far' 'Test Failed.' \
+  >Testing/Temporary/LastTest.log
+# A second run: the window of the first name passes, that of the second fails again.
+case "\$*" in
+  *--rerun-failed*)
+    sed -i '/test_ui: window/d;/a beam/d' Testing/Temporary/LastTestsFailed.log
+    [ -s Testing/Temporary/LastTestsFailed.log ] || exit 0
+    ;;
+esac
 echo "a figure" >test-output/validation/figures.txt
 echo "*** Failed"
 exit 8
@@ -401,10 +410,26 @@ EOF
     ;;
   check_names_what_failed)
     cp "$state/sources" "$state/installed"
-    touch "$state/failing_test"
+    echo "12:a beam bends" >"$state/failing_test"
     launch check
     ends_with_status 8
     [ "$(tail -n 1 "$place/out")" = "  a beam bends" ] || fail "the test that failed was expected at the end"
+    grep -qx "it bends too far" "$place/out" || fail "the output of the test that failed was expected"
+    ! grep -q "all is well" "$place/out" || fail "the output of a test that passed was not expected"
+    ! grep -q rerun-failed "$state/log" || fail "a test without a window was run twice"
+    ;;
+  check_repeats_windows)
+    cp "$state/sources" "$state/installed"
+    printf '%s\n' "3:test_ui: window" >"$state/failing_test"
+    launch check
+    ends_with_status 0
+    [ "$(tail -n 1 "$place/out")" = "  test_ui: window" ] || fail "the test that passed only alone was expected at the end"
+    grep -q "passed only when" "$place/out" || fail "a second run was expected to be reported"
+    printf '%s\n' "3:test_ui: window" "4:test_ui: menu" "12:a beam bends" >"$state/failing_test"
+    launch check
+    ends_with_status 8
+    [ "$(tail -n 2 "$place/out" | tr -d '\n')" = "  test_ui: menu  a beam bends" ] || fail "the tests that failed were expected"
+    grep -qx "  test_ui: window" "$place/out" || fail "the test that passed only alone was expected"
     ;;
   configure_fails)
     cp "$state/sources" "$state/installed"
