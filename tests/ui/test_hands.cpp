@@ -136,7 +136,7 @@ TEST_CASE("an implant is moved by its handles and by numbers, presses, and is pu
   window.key("ctrl+z");
   C3DE_WAIT(window, "it is where it was", row(s, "placed_y") == "58 mm" && number(s, "Contact force on plate") == 0.0);
   window.screenshot("undone");
-  CHECK(window.differingPixels("pressing", "undone") > 300);
+  CHECK(window.differsFrom("pressing", "undone", 300));
 
   // Removed where nothing obstructs it, it returns there, and the simulated history is unchanged.
   const auto hasPlate = [](const Json &s) {
@@ -269,7 +269,7 @@ TEST_CASE("jaws grasp an organ, close, pull and turn it, and Undo goes back step
   const double pull = number(pulled, "Pull force");
   CHECK(pull > 0.2);
   CHECK(std::abs(number(pulled, "organ = surroundings") - pull) < 0.02 * pull);
-  CHECK(window.differingPixels("closed", "pulled") > 300);
+  CHECK(window.differsFrom("closed", "pulled", 300));
 
   // Another drag on a jaw continues, and the wheel rotates both; outside the jaws nothing would have rotated.
   const Json view = window.state()["view"];
@@ -288,7 +288,7 @@ TEST_CASE("jaws grasp an organ, close, pull and turn it, and Undo goes back step
   rest(window, 2.0);
   window.screenshot("turned");
   CHECK(window.state()["camera"] == camera);
-  CHECK(window.differingPixels("pulled", "turned") > 300);
+  CHECK(window.differsFrom("pulled", "turned", 300));
   // Escape belongs to drags; the jaws remain.
   window.key("Escape");
   window.waitFrames(2);

@@ -62,7 +62,7 @@ TEST_CASE("an organ is cut by the slices and can be pulled in the 3D view beside
   window.waitFrames(10);
   window.screenshot("pulled");
   window.release();
-  CHECK(window.differingPixels("rest", "pulled") > 100);
+  CHECK(window.differsFrom("rest", "pulled", 100));
   CHECK(window.state()["notifications"].empty());
 }
 
@@ -102,7 +102,7 @@ TEST_CASE("implants, instruments and jaws are cut by the slices, as they move", 
   window.waitUntil("it has come into the coronal one", outlines("coronal", 2));
   window.moveTo(window.inPane("3D", 0.9, 0.9));
   window.screenshot("moved");
-  CHECK(window.differingPixels("behind", "moved", "coronal") > 50);
+  CHECK(window.differsFrom("behind", "moved", 50, "coronal"));
 
   // Jaws grasp at the first step.
   window.key("space");
@@ -122,7 +122,7 @@ TEST_CASE("implants, instruments and jaws are cut by the slices, as they move", 
   window.waitUntil("in both slices", outlines("coronal", 5));
   window.moveTo(window.inPane("3D", 0.9, 0.9));
   window.screenshot("all");
-  CHECK(window.differingPixels("moved", "all", "axial") > 20);
+  CHECK(window.differsFrom("moved", "all", 20, "axial"));
   CHECK(window.state()["notifications"].empty());
 }
 
@@ -143,7 +143,7 @@ TEST_CASE("an image moves with its body, stands where it stands and goes back wi
             s["transport"]["mode"] == "paused" &&
                 std::abs(shift_mm(s) - kSpeed_mm_s * s["transport"]["time_s"].get<double>()) < 0.011);
   window.screenshot("flown");
-  CHECK(window.differingPixels("rest", "flown") > 500);
+  CHECK(window.differsFrom("rest", "flown", 500));
 
   // The displayed image can be exported, by the menu.
   const auto save = [&](const std::string &entry, const fs::path &file) {
@@ -215,7 +215,7 @@ TEST_CASE("an image follows its body far from where it began", "[image_warp_far]
                     std::abs(shift_mm(s) - kSpeed_mm_s * s["transport"]["time_s"].get<double>()) < 0.011);
   CHECK_THAT(imageText(flown, "coronal.readout"), !Contains("   -1000"));
   window.screenshot("flown");
-  CHECK(window.differingPixels("rest", "flown") > 500);
+  CHECK(window.differsFrom("rest", "flown", 500));
   window.key("ctrl+r");
   C3DE_WAIT(window, "it is back", s["transport"]["time_s"] == 0.0 && shift_mm(s) == 0.0);
   CHECK(window.state()["notifications"].empty());

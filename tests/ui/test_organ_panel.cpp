@@ -79,13 +79,13 @@ TEST_CASE("the surface can be made transparent, with evaluation points or phyxel
   chooseItem(window, "view.surface", "transparent");
   window.screenshot("transparent");
   CHECK(window.value(kPanel + "view.points") == "evaluation_points");
-  CHECK(window.differingPixels("opaque", "transparent") > 10000);
+  CHECK(window.differsFrom("opaque", "transparent", 10000));
   chooseItem(window, "view.points", "phyxels");
   window.screenshot("phyxels");
-  CHECK(window.differingPixels("transparent", "phyxels") > 3000);
+  CHECK(window.differsFrom("transparent", "phyxels", 3000));
   chooseItem(window, "view.surface", "hidden");
   window.screenshot("points_only");
-  CHECK(window.differingPixels("phyxels", "points_only") > 10000);
+  CHECK(window.differsFrom("phyxels", "points_only", 10000));
   chooseItem(window, "view.surface", "opaque");
   window.screenshot("again");
   CHECK(window.differingPixels("opaque", "again") < 500);
@@ -114,14 +114,14 @@ TEST_CASE("an organ is coloured by its stress and its error with a legend, and p
   CHECK_THAT(row(stressed, "Colours"), Contains("von Mises") && Contains("0 … "));
   CHECK_THAT(row(stressed, "Shown"), Contains("largest"));
   window.screenshot("von_mises");
-  CHECK(window.differingPixels("plain", "von_mises") > 20000);
+  CHECK(window.differsFrom("plain", "von_mises", 20000));
 
   chooseItem(window, "view.colour", "error");
   C3DE_WAIT(
       window, "the legend says %",
       row(s, "Colours").find("error") != std::string::npos && row(s, "Shown").find("whole body") != std::string::npos);
   window.screenshot("error");
-  CHECK(window.differingPixels("von_mises", "error") > 5000);
+  CHECK(window.differsFrom("von_mises", "error", 5000));
 
   // A fixed range: the legend ends at the specified value.
   window.click(kPanel + "view.range.auto");

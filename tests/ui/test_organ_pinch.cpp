@@ -105,7 +105,7 @@ TEST_CASE("a pull is undone by one step, back to the state before it, and done a
   CHECK(mode(before) == "paused");
   CHECK(before["transport"]["time_s"] < paused["transport"]["time_s"]);
   window.screenshot("undone");
-  CHECK(window.differingPixels("pulled", "undone") > 300);
+  CHECK(window.differsFrom("pulled", "undone", 300));
   window.key("ctrl+y");
   C3DE_WAIT(window, "the pull is done again", steps(s) == steps(paused) && row(s, "State hash") == pulled);
 

@@ -132,7 +132,7 @@ TEST_CASE("a liver is found in a CT by threshold, becomes a body, and the scan f
   window.screenshot("pulled");
   for (const char *pane : {"axial", "coronal", "3D"}) {
     INFO(pane);
-    CHECK(window.differingPixels("created", "pulled", pane) > 300);
+    CHECK(window.differsFrom("created", "pulled", 300, pane));
   }
   CHECK(numberOf(pulled, kPanel + "Pinch force") > 0.0);
   // Behind the liver, which has moved forwards: the scan does not show it twice.

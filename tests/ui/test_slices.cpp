@@ -149,7 +149,7 @@ TEST_CASE("tissue is pulled where a slice shows it, within its plane, and one Un
   CHECK(imageText(pulled, "cross_hair") == crossHair);
   for (const char *pane : {"axial", "sagittal", "coronal", "3D"}) {
     INFO(pane);
-    CHECK(window.differingPixels("before", "pulled", pane) > 100);
+    CHECK(window.differsFrom("before", "pulled", 100, pane));
   }
   window.release();
   C3DE_WAIT(window, "it is let go", row(s, "Pinch force") == "–");
@@ -382,7 +382,7 @@ TEST_CASE("an instrument is put into a slice, drawn where it is cut, and pushed 
   CHECK(std::abs(number(pressed, "touch_y") - y) < 0.01);  // within the plane
   CHECK(imageText(pressed, "coronal.marks").find("0 in the plane") != 0);
   window.release();
-  CHECK(window.differingPixels("hovered", "pressed", "coronal") > 200);
+  CHECK(window.differsFrom("hovered", "pressed", 200, "coronal"));
   // A press on it grabs it again; the wheel scrolls to the next slice, and it moves along.
   const Point again = window.inSlice("coronal", -26, 4);
   window.moveTo(again);

@@ -368,6 +368,17 @@ void WorkstationDriver::screenshotAtRest(const std::string &name) {
   throw std::runtime_error("the picture '" + name + "' does not stand still");
 }
 
+bool WorkstationDriver::differsFrom(const std::string &first, const std::string &second, double least,
+                                    const std::string &pane) {
+  constexpr int kMaxTries = 20;
+  for (int tries = 0; tries < kMaxTries; ++tries) {
+    if (differingPixels(first, second, pane) > least) return true;
+    pause(300);
+    screenshot(second);
+  }
+  return false;
+}
+
 double WorkstationDriver::differingPixels(const std::string &first, const std::string &second,
                                           const std::string &pane) const {
   const auto file = [&](const std::string &name) { return (folder_ / (name_ + "-" + name + ".png")).string(); };
